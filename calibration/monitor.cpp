@@ -1,0 +1,59 @@
+#include "calibration/monitor.h"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/base/input_error.h"
+
+namespace foci {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A finite number of `calibration[key]` in [low, high].
+double numberIn(const Json& calibration, const char* key, double low, double high,
+                const std::string& file) {
+  const auto found = calibration.find(key);
+  if (found == calibration.end()) throw InputError(file, std::string("no \"") + key + "\"");
+  const double value = found->is_number() ? found->get<double>() : -1.0;
+  if (!(value >= low && value <= high)) {
+    throw InputError(file, std::string(key) + " = " + found->dump().substr(0, 40) + ": expected " +
+                               Json(low).dump() + " to " + Json(high).dump() + " cm");
+  }
+  return value;
+}
+
+}  // namespace
+
+Screen readPsychoPyMonitor(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(name, "cannot be read");
+  const auto document = nlohmann::ordered_json::parse(in, nullptr, false);
+  if (document.is_discarded()) throw InputError(name, "not JSON");
+
+  // A file holds either one calibration or several by name, the last of which is in force.
+  const auto* calibration = &document;
+  if (document.is_object() && !document.empty() && !document.contains("sizePix")) {
+    calibration = &*std::prev(document.end());
+  }
+  if (!calibration->is_object()) throw InputError(name, "not a PsychoPy monitor");
+  const Json fields = *calibration;
+
+  const auto size = fields.find("sizePix");
+  if (size == fields.end()) throw InputError(name, "no \"sizePix\": not a PsychoPy monitor");
+  glm::ivec2 size_px{0};
+  for (int i = 0; i < 2 && size->is_array() && size->size() == 2; ++i) {
+    if ((*size)[i].is_number()) size_px[i] = static_cast<int>(std::clamp((*size)[i].get<double>(), 0.0, 1e6));
+  }
+  if (size_px.x < 16 || size_px.y < 16 || size_px.x > 16384 || size_px.y > 16384) {
+    throw InputError(name, "sizePix = " + size->dump().substr(0, 40) + ": expected two of 16 to 16384 px");
+  }
+  const double width_m = numberIn(fields, "width", 1.0, 2000.0, name) / 100.0;
+  const double distance_m = numberIn(fields, "distance", 1.0, 10000.0, name) / 100.0;
+  return {.size_px = size_px,
+          .size_m = {width_m, width_m * size_px.y / size_px.x},
+          .distance_m = distance_m};
+}
+
+}  // namespace foci

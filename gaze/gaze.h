@@ -1,0 +1,39 @@
+// What the whole gaze room speaks of: screens, samples, traces, states.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace foci {
+
+/// A flat screen that the eye faces at its centre, or the one that a recording was made on.
+struct Screen {
+  glm::ivec2 size_px{0, 0};
+  glm::dvec2 size_m{0.0};   ///< width, height of the visible area
+  double distance_m = 0.0;  ///< eye to screen centre
+};
+
+enum class GazeState { fixation, saccade, pursuit, blink, lost };
+
+/// "fixation", "saccade", ...
+std::string_view nameOf(GazeState state);
+
+struct GazeSample {
+  double time_s = 0.0;                  ///< on the recording's clock
+  std::optional<glm::dvec2> point_px;   ///< on the trace's screen, origin top-left; absent in a blink or a loss
+  std::optional<double> pupil_mm;       ///< diameter, where the recording has one in millimetres
+  bool blink = false;                   ///< the tracker itself says so
+};
+
+struct GazeTrace {
+  std::string format;                 ///< as recognised, for reports: "EyeLink ASC, binocular", "TSV", ...
+  std::optional<Screen> screen;       ///< where the file says so
+  double rate_Hz = 0.0;               ///< nominal or median
+  std::vector<GazeSample> samples;    ///< time strictly increasing
+  bool simulated = false;
+};
+
+}  // namespace foci

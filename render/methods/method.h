@@ -1,0 +1,44 @@
+// The one interface of every depth-of-field method.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "render/image/frame.h"
+#include "render/optics/defocus.h"
+#include "render/optics/view.h"
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+
+struct RenderSettings {
+  Defocus defocus;                  ///< default: everything sharp
+  glm::vec3 background{0.0f};       ///< linear RGB behind everything
+  bool depth = false;               ///< fill Frame::depth_m
+};
+
+/// A method draws one scene, given when it is made; it may keep buffers between frames. Not thread-safe:
+/// one thread calls it, it uses as many as the enclosing tbb::task_arena or tbb::global_control allows.
+class Method {
+ public:
+  virtual ~Method() = default;
+
+  /// The same input gives the same bytes at any number of threads. `frame` is resized as needed.
+  virtual RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) = 0;
+};
+
+struct MethodInfo {
+  std::string_view name;
+  std::string_view summary;  ///< one line
+  std::string_view source;   ///< where it is from
+};
+
+const std::vector<MethodInfo>& methods();
+
+/// @param name  one of `methods()`
+/// @throws InputError on another name, with the nearest known one
+std::unique_ptr<Method> makeMethod(std::string_view name, const SurfelCloud& cloud);
+
+}  // namespace foci

@@ -1,0 +1,26 @@
+#include "render/scene/surfel_cloud.h"
+
+#include <cmath>
+
+namespace foci {
+
+void appendSurfel(SurfelCloud& cloud, const glm::vec3& position_m, const glm::vec3& normal,
+                  float sigma_m, float area_m2, const glm::vec3& color, float opacity) {
+  const glm::vec3 helper =
+      std::abs(normal.x) < 0.5f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+  const glm::vec3 u = glm::normalize(glm::cross(helper, normal));
+  const glm::vec3 v = glm::cross(normal, u);
+
+  // Opacities are stored from the first surfel that is not opaque.
+  if (opacity != 1.0f || !cloud.opacity.empty()) {
+    cloud.opacity.resize(cloud.size(), 1.0f);
+    cloud.opacity.push_back(opacity);
+  }
+  cloud.position_m.push_back(position_m);
+  cloud.axis_u_m.push_back(sigma_m * u);
+  cloud.axis_v_m.push_back(sigma_m * v);
+  cloud.color.push_back(color);
+  cloud.area_m2.push_back(area_m2);
+}
+
+}  // namespace foci

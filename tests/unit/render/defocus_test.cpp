@@ -1,0 +1,81 @@
+#include "render/optics/defocus.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace foci {
+namespace {
+
+constexpr double kPrinted = 5e-5;    // the test vectors of formulas.md are printed to 4 or 5 digits
+constexpr double kRounding = 1e-9;   // a handful of double operations
+
+double eyeRadius_px(double pupil_m, double point_m, double focus_m, double px_per_m, double screen_m) {
+  const auto focal_px = glm::vec2(static_cast<float>(px_per_m * screen_m));
+  const Defocus eye = defocusOfLens(pupil_m, focal_px, 1.0 / focus_m, DistanceAlong::sight);
+  return blurRadius_px(eye, static_cast<float>(1.0 / point_m)).x;
+}
+
+TEST(BlurRadius, MatchesTheTestVectors) {
+  const double px_per_m_96dpi = 96.0 / 0.0254;
+  EXPECT_NEAR(retinalRadius_m(0.004, 0.024, 1.0, 2.0), 48e-6, kRounding);
+  EXPECT_NEAR(glm::degrees(blurAngle_rad(0.004, 1.0, 2.0)) * 60.0, 13.751, 5e-4);
+  EXPECT_NEAR(eyeRadius_px(0.004, 1.0, 0.5, px_per_m_96dpi, 0.6), 4.5354, kPrinted);
+  EXPECT_NEAR(eyeRadius_px(0.004, 0.25, 1.0, px_per_m_96dpi, 0.6), 13.6063, kPrinted);
+  EXPECT_NEAR(eyeRadius_px(0.004, 0.5, 1.0, 4000.0, 0.6), 4.8, kPrinted);
+  EXPECT_NEAR(eyeRadius_px(0.004, 0.25, 1.0, 4000.0, 0.6), 14.4, kPrinted);
+  EXPECT_NEAR(eyeRadius_px(0.008, 0.25, 1.0, 4000.0, 0.6), 28.8, kPrinted);
+  EXPECT_NEAR(glm::degrees(blurAngle_rad(0.001, 0.0, 1.0)) * 60.0, 3.4377, kPrinted);
+}
+
+TEST(BlurRadius, IsZeroInFocus) {
+  for (float focus_D : {0.0f, 0.1f, 1.0f, 3.3f, 10.0f}) {
+    const Defocus eye = defocusOfLens(0.004, glm::vec2(2000.0f), focus_D, DistanceAlong::sight);
+    EXPECT_EQ(blurRadius_px(eye, focus_D).x, 0.0f);
+  }
+}
+
+TEST(BlurRadius, DioptricFormAgreesWithThinLensWhereThatIsDefined) {
+  // Focal length of the eye focused at P: 1/F = 1/P + 1/V_P.
+  const double retina_m = 0.024;
+  for (double focus_m : {0.25, 0.5, 1.0, 7.0}) {
+    const double focal_m = 1.0 / (1.0 / focus_m + 1.0 / retina_m);
+    for (double point_m : {0.1, 0.3, 1.0, 2.0, 100.0}) {
+      EXPECT_NEAR(circleOfConfusion_m(0.004, focal_m, point_m, focus_m),
+                  retinalRadius_m(0.004, retina_m, 1.0 / point_m, 1.0 / focus_m), 1e-12)
+          << "U " << point_m << " m, P " << focus_m << " m";
+    }
+  }
+}
+
+TEST(BlurRadius, IsFiniteWhereThinLensIsSingular) {
+  const Defocus eye = defocusOfLens(0.004, glm::vec2(2000.0f), 0.0, DistanceAlong::sight);
+  EXPECT_EQ(blurRadius_px(eye, 0.0f).x, 0.0f);                 // both at infinity
+  EXPECT_FLOAT_EQ(blurRadius_px(eye, 1.0f / 0.024f).x, 4.0f / 0.024f);  // U = F
+  EXPECT_TRUE(std::isinf(imageDistance_m(0.024, 0.024)));
+  EXPECT_DOUBLE_EQ(imageDistance_m(0.024, std::numeric_limits<double>::infinity()), 0.024);
+}
+
+TEST(BlurRadius, OnScreenIgnoresTheRetinaButOnTheRetinaGrowsWithIt) {
+  EXPECT_DOUBLE_EQ(retinalRadius_m(0.004, 0.048, 1.0, 2.0),
+                   2.0 * retinalRadius_m(0.004, 0.024, 1.0, 2.0));
+  // On screen: C d_s / V_P R for any V_P (Eq. 4).
+  for (double retina_m : {0.017, 0.024, 0.03}) {
+    const double screen_px = retinalRadius_m(0.004, retina_m, 1.0, 2.0) * 0.6 / retina_m * 4000.0;
+    EXPECT_NEAR(screen_px, eyeRadius_px(0.004, 1.0, 0.5, 4000.0, 0.6), 1e-5);
+  }
+}
+
+TEST(BlurRadius, OfCameraMatchesEquation3) {
+  // glFrustum(-0.1, 0.1, -0.1, 0.1, 0.2, ...), 512 x 512: C N / V_P H / (T - B).
+  const double aperture_m = 0.05, focal_m = 0.1, focus_m = 2.0, point_m = 3.0;
+  const double v_focus_m = imageDistance_m(focal_m, focus_m);
+  const double expected_px =
+      circleOfConfusion_m(aperture_m, focal_m, point_m, focus_m) * 0.2 / v_focus_m * 512.0 / 0.2;
+  const Defocus camera = defocusOfLens(aperture_m, glm::vec2(512.0f * 0.2f / 0.2f), 1.0 / focus_m,
+                                       DistanceAlong::axis);
+  EXPECT_NEAR(blurRadius_px(camera, static_cast<float>(1.0 / point_m)).x, expected_px, 1e-5);
+}
+
+}  // namespace
+}  // namespace foci
