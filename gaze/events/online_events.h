@@ -1,0 +1,74 @@
+// Fixations and saccades as they happen, by a velocity threshold.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "gaze/gaze.h"
+
+namespace foci {
+
+struct EventSettings {
+  double saccade_deg_s = 30.0;  ///< gaze above this speed is a saccade: Tobii's I-VT
+  double window_s = 0.02;       ///< of samples whose slope is the speed; half of it is the delay
+  double max_gap_s = 0.075;     ///< a loss up to this is filled with what was before it
+  double max_blink_s = 0.5;     ///< a longer loss is lost gaze, a shorter one a blink
+  double position_s = 0.1;  ///< a fixation is where the gaze was, on average, this far back at most
+  double merge_gap_s = 0.075;    ///< fixations are one if less than this and
+  double merge_deg = 0.5;        ///< less than this lies between them
+  double min_fixation_s = 0.06;  ///< a shorter fixation is no event of its own
+};
+
+/// What is known when a sample has arrived.
+struct GazeNow {
+  GazeState state = GazeState::lost;
+  double state_time_s =
+      0.0;  ///< the sample that `state` is of: earlier than the newest by the delay
+  /// Where the observer fixates; in saccades, blinks and losses where he last did. Absent until the
+  /// first fixation.
+  std::optional<glm::dvec2> fixation_px;
+};
+
+/// A causal detector, fed sample by sample. Rates from 25 to 2000 Hz.
+class OnlineEvents {
+ public:
+  /// @param screen   that the samples are on, with all of its quantities known
+  /// @param rate_Hz  nominal, > 0: sets how many samples the window holds, at least two
+  OnlineEvents(const Screen& screen, double rate_Hz, const EventSettings& settings = {});
+
+  /// @param sample  later than the one before
+  GazeNow push(const GazeSample& sample);
+
+  /// How many samples `GazeNow::state` lies behind the newest: 0 where the rate is low.
+  std::size_t delaySamples() const { return delay_; }
+  /// The same in seconds at the nominal rate; never above half the window.
+  double delay_s() const { return static_cast<double>(delay_) / rate_Hz_; }
+
+ private:
+  Screen screen_;
+  double rate_Hz_;
+  std::size_t delay_ = 0;
+};
+
+/// The online detector's state of every sample of a trace, its delay taken out.
+std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen,
+                                    const EventSettings& settings = {});
+
+/// A stretch of one state. Positions are absent in blinks and losses.
+struct GazeEvent {
+  GazeState kind = GazeState::lost;
+  double onset_s = 0.0;  ///< on the recording's clock
+  double duration_s = 0.0;
+  std::optional<glm::dvec2> position_px;  ///< of a fixation its mean, of a saccade its end
+  std::optional<glm::dvec2> start_px;     ///< of a saccade
+  double amplitude_deg = 0.0;             ///< of a saccade, start to end; else 0
+  double peak_velocity_deg_s = 0.0;       ///< of a saccade; else 0
+};
+
+/// Events in order of time: the labels of `labelSamples`, fixations merged and short ones dropped.
+std::vector<GazeEvent> detectEvents(const GazeTrace& trace, const Screen& screen,
+                                    const EventSettings& settings = {});
+
+}  // namespace foci
