@@ -14,13 +14,16 @@
 namespace foci {
 
 struct RenderSettings {
-  Defocus defocus;                  ///< default: everything sharp
-  glm::vec3 background{0.0f};       ///< linear RGB behind everything
-  bool depth = false;               ///< fill Frame::depth_m
+  Defocus defocus;             ///< default: everything sharp
+  glm::vec3 background{0.0f};  ///< linear RGB behind everything
+  float shading =
+      0.0f;  ///< 0 to 1: how much of the colour falls off with the cosine to the line of sight
+  bool depth = false;  ///< fill Frame::depth_m
 };
 
-/// A method draws one scene, given when it is made; it may keep buffers between frames. Not thread-safe:
-/// one thread calls it, it uses as many as the enclosing tbb::task_arena or tbb::global_control allows.
+/// A method draws one scene, given when it is made; it may keep buffers between frames. Not
+/// thread-safe: one thread calls it, it uses as many as the enclosing tbb::task_arena or
+/// tbb::global_control allows.
 class Method {
  public:
   virtual ~Method() = default;

@@ -1,0 +1,25 @@
+// Surfels to splats: EWA projection with the blur of each splat (Eq. 5 to 11).
+#pragma once
+
+#include "render/optics/defocus.h"
+#include "render/optics/view.h"
+#include "render/scene/surfel_cloud.h"
+#include "render/splat/splat.h"
+
+namespace foci {
+
+/// How the circle of confusion enters a splat of unblurred variance V = J V_r J' + I.
+enum class BlurKernel {
+  gaussian,  ///< variance V + 0.36067 C^2 I (Eq. 11), bell-shaped: the paper's
+  disc,      ///< variance V + C^2/4 I and the kurtosis of disc * Gaussian (kernel.h)
+};
+
+/// Projects every surfel and drops those that draw nothing: nearer than `view.near_m` along the
+/// axis, outside the image, with a projected area of zero, or not finite. The kernel's second
+/// moment on the image equals the variance stated at `BlurKernel`. SIMD with run-time dispatch,
+/// threads by TBB; chunk contents do not depend on either but for rounding.
+/// @param shading  0 to 1: how much of the colour falls off with the angle to the line of sight
+void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& defocus,
+                    BlurKernel kernel, float shading, SplatChunks& chunks);
+
+}  // namespace foci
