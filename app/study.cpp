@@ -3,18 +3,19 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <charconv>
 #include <cmath>
+#include <concepts>
+#include <cstdio>
 #include <fstream>
-#include <functional>
-#include <iterator>
 #include <limits>
 #include <set>
 #include <sstream>
 #include <toml.hpp>
 
 #include "app/base/input_error.h"
-#include "app/base/nearest_name.h"
+#include "app/base/nearest.h"
 #include "calibration/monitor.h"
 #include "render/methods/method.h"
 
@@ -219,7 +220,7 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.events.saccade_deg_s, "gaze.saccade_deg_s", "faster is a saccade, deg/s",
                {1, 1000}),
       FOCI_KEY(gaze.events.window_s, "gaze.window_s", "samples that the speed is taken over, s",
-               {0, 0.5}),
+               {0.002, 0.5}),
       FOCI_KEY(gaze.events.max_gap_s, "gaze.max_gap_s", "losses up to this are filled, s", {0, 1}),
       FOCI_KEY(gaze.events.max_blink_s, "gaze.max_blink_s", "longer losses are no blinks, s",
                {0, 10}),
@@ -309,10 +310,10 @@ std::set<std::string, std::less<>> apply(const std::vector<Key<T>>& keys, const 
       throw InputError(place(file, value),
                        full + " = " + shownValue(value) + ": expected a section, [" + full + "]");
     } else {
-      Words known;
-      for (const auto& key : keys) known.push_back(key.name);
+      std::vector<std::string> known;
+      for (const auto& key : keys) known.emplace_back(key.name);
       throw InputError(place(file, value), "unknown key " + shownName(full) + ": did you mean " +
-                                               std::string(nearestName(full, known)) + "?");
+                                               nearest(full, known) + "?");
     }
   }
   return given;
