@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "gaze/events/gaze_speed.h"
 #include "gaze/gaze.h"
 
 namespace foci {
@@ -28,7 +29,7 @@ struct GazeNow {
       0.0;  ///< the sample that `state` is of: earlier than the newest by the delay
   /// Where the observer fixates; in saccades, blinks and losses where he last did. Absent until the
   /// first fixation.
-  std::optional<glm::dvec2> fixation_px;
+  std::optional<glm::dvec2> fixation_px{};
 };
 
 /// A causal detector, fed sample by sample. Rates from 25 to 2000 Hz.
@@ -47,9 +48,20 @@ class OnlineEvents {
   double delay_s() const { return static_cast<double>(delay_) / rate_Hz_; }
 
  private:
+  GazeState stateIn(std::size_t labelled) const;
+  void fixate(const GazeSample& sample);
+
   Screen screen_;
   double rate_Hz_;
+  EventSettings settings_;
   std::size_t delay_ = 0;
+  double reach_s_ = 0.0;               // samples this far from the labelled one are in its window
+  std::vector<GazeSample> samples_{};  // the newest, as many as the window holds
+  std::vector<TimedSight> sights_{};   // of the same
+  std::optional<double> last_present_s_{};
+  GazeNow now_{};
+  std::deque<GazeSample>
+      fixation_{};  // labelled samples of the current fixation, `position_s` back
 };
 
 /// The online detector's state of every sample of a trace, its delay taken out.
@@ -61,10 +73,10 @@ struct GazeEvent {
   GazeState kind = GazeState::lost;
   double onset_s = 0.0;  ///< on the recording's clock
   double duration_s = 0.0;
-  std::optional<glm::dvec2> position_px;  ///< of a fixation its mean, of a saccade its end
-  std::optional<glm::dvec2> start_px;     ///< of a saccade
-  double amplitude_deg = 0.0;             ///< of a saccade, start to end; else 0
-  double peak_velocity_deg_s = 0.0;       ///< of a saccade; else 0
+  std::optional<glm::dvec2> position_px{};  ///< of a fixation its mean, of a saccade its end
+  std::optional<glm::dvec2> start_px{};     ///< of a saccade
+  double amplitude_deg = 0.0;               ///< of a saccade, start to end; else 0
+  double peak_velocity_deg_s = 0.0;         ///< of a saccade; else 0
 };
 
 /// Events in order of time: the labels of `labelSamples`, fixations merged and short ones dropped.

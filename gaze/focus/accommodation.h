@@ -28,10 +28,19 @@ class Accommodation {
   /// Focus at `time_s`, dioptres.
   double focusAt_D(double time_s);
 
-  std::optional<double> target_D() const;  ///< the latest; absent before the first
+  /// The latest target; absent before the first.
+  std::optional<double> target_D() const { return target_D_; }
 
  private:
+  void answerUntil(double time_s);
+  double focusFromAnchor_D(double time_s) const;
+
   AccommodationSettings settings_;
+  std::optional<double> target_D_{};
+  // Between targets the focus runs from the anchor towards the drive.
+  double anchor_s_ = 0.0, anchor_D_, drive_D_;
+  std::deque<std::pair<double, double>>
+      pending_{};  // seen but not yet answered: from when, dioptres
 };
 
 }  // namespace foci

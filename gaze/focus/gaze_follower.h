@@ -19,22 +19,22 @@ using SurfaceDistance = std::function<std::optional<double>(
     double time_s, const glm::dvec3& direction_eye, double half_angle_rad)>;
 
 struct FollowSettings {
-  EventSettings events;
-  AccommodationSettings accommodation;
+  EventSettings events{};
+  AccommodationSettings accommodation{};
   double cone_half_angle_deg = 0.5;  ///< as wide as a good tracker's error
 };
 
 /// The eye at the time of a frame.
 struct EyeNow {
   double time_s = 0.0;
-  std::optional<GazeSample> sample;   ///< the newest
-  GazeState state = GazeState::lost;  ///< lost, too, when no sample has come for long
+  std::optional<GazeSample> sample{};  ///< the newest
+  GazeState state = GazeState::lost;   ///< lost, too, when no sample has come for long
   std::optional<glm::dvec2>
       fixation_px;  ///< held in saccades, blinks, losses; absent before the first
   std::optional<double>
-      surface_distance_m;          ///< along the fixation's line of sight; absent on a miss
-  std::optional<double> target_D;  ///< held likewise, and on a miss; absent before the first
-  double focus_D = 0.0;            ///< the resting focus before the first target
+      surface_distance_m;            ///< along the fixation's line of sight; absent on a miss
+  std::optional<double> target_D{};  ///< held likewise, and on a miss; absent before the first
+  double focus_D = 0.0;              ///< the resting focus before the first target
 };
 
 /// Follows one recording, or one live source. For each frame: push every sample up to its time,
@@ -58,6 +58,14 @@ class GazeFollower {
   EyeNow at(double time_s);
 
  private:
+  /// The last question to the surface, in the current fixation.
+  struct Look {
+    double time_s = 0.0;
+    glm::dvec2 point_px{0.0};
+    std::optional<double> distance_m{};
+  };
+
+  bool isStable() const;
   void look(double time_s);
 
   Screen screen_;
@@ -65,7 +73,10 @@ class GazeFollower {
   FollowSettings settings_;
   OnlineEvents events_;
   Accommodation accommodation_;
-  GazeNow now_;
+  double longest_silence_s_;
+  std::optional<GazeSample> newest_{};
+  GazeNow now_{};
+  std::optional<Look> looked_{};
 };
 
 }  // namespace foci
