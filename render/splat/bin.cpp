@@ -10,7 +10,7 @@
 namespace foci {
 namespace {
 
-constexpr int kDigitBits = 11;
+constexpr int kDigitBits = 9;
 constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
 constexpr int kKeyBits = 2 * kDigitBits;
 constexpr std::size_t kSlices =
@@ -45,21 +45,6 @@ void sortPass(const std::vector<std::uint64_t>& from, std::vector<std::uint64_t>
   });
 }
 
-struct TileRange {
-  int x0, x1, y0, y1;  // inclusive
-};
-
-/// Tiles whose pixel centres the footprint's box may reach.
-TileRange tilesOf(const Splat& splat, const glm::ivec2& tiles) {
-  const auto index = [](float px, int most) {
-    return static_cast<int>(std::clamp(px * (1.0f / kTile_px), 0.0f, static_cast<float>(most)));
-  };
-  return {index(splat.x_px - splat.extent_x_px - 0.5f, tiles.x - 1),
-          index(splat.x_px + splat.extent_x_px - 0.5f, tiles.x - 1),
-          index(splat.y_px - splat.extent_y_px - 0.5f, tiles.y - 1),
-          index(splat.y_px + splat.extent_y_px - 0.5f, tiles.y - 1)};
-}
-
 }  // namespace
 
 void TileLists::sortByDistance(const SplatChunks& chunks) {
@@ -75,7 +60,7 @@ void TileLists::sortByDistance(const SplatChunks& chunks) {
     std::uint32_t least = UINT32_MAX, most = 0;
     for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
       const std::size_t splat = c * chunks.chunk_size + i;
-      const auto bits = std::bit_cast<std::uint32_t>(chunks.splats[splat].near_m);
+      const auto bits = std::bit_cast<std::uint32_t>(chunks.keys[splat].near_m);
       least = std::min(least, bits);
       most = std::max(most, bits);
       sorted_[first[c] + i] = std::uint64_t{bits} << 32 | splat;
@@ -110,10 +95,21 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px) {
     const auto [begin, end] = sliceOf(slice, sorted_.size());
     for (std::size_t i = begin; i < end; ++i) {
       const auto splat = static_cast<std::uint32_t>(sorted_[i]);
-      const TileRange range = tilesOf(chunks.splats[splat], tiles_);
-      for (int y = range.y0; y <= range.y1; ++y) {
-        for (int x = range.x0; x <= range.x1; ++x) {
-          visit(static_cast<std::size_t>(y) * tiles_.x + x, splat);
+      const SplatKey key = chunks.keys[splat];
+      const bool wide = key.x1 > key.x0, high = key.y1 > key.y0;
+      if (key.x1 - key.x0 < 2 && key.y1 - key.y0 < 2) {
+        // Most splats: four visits without a branch, of which some do not count.
+        const std::size_t corner = static_cast<std::size_t>(key.y0) * tiles_.x + key.x0;
+        const std::size_t below = corner + (high ? tiles_.x : 0);
+        visit(corner, splat, true);
+        visit(corner + wide, splat, wide);
+        visit(below, splat, high);
+        visit(below + wide, splat, wide && high);
+        continue;
+      }
+      for (unsigned y = key.y0; y <= key.y1; ++y) {
+        for (unsigned x = key.x0; x <= key.x1; ++x) {
+          visit(static_cast<std::size_t>(y) * tiles_.x + x, splat, true);
         }
       }
     }
@@ -121,7 +117,7 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px) {
   cursor_.assign(kSlices * tile_count, 0);
   tbb::parallel_for(std::size_t{0}, kSlices, [&](std::size_t s) {
     std::size_t* count = cursor_.data() + s * tile_count;
-    forEachTile(s, [&](std::size_t tile, std::uint32_t) { ++count[tile]; });
+    forEachTile(s, [&](std::size_t tile, std::uint32_t, bool counts) { count[tile] += counts; });
   });
   begin_.resize(tile_count + 1);
   std::size_t running = 0;
@@ -135,8 +131,12 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px) {
   entries_.resize(running);
   tbb::parallel_for(std::size_t{0}, kSlices, [&](std::size_t s) {
     std::size_t* cursor = cursor_.data() + s * tile_count;
-    forEachTile(s,
-                [&](std::size_t tile, std::uint32_t splat) { entries_[cursor[tile]++] = splat; });
+    std::uint32_t nowhere = 0;
+    forEachTile(s, [&](std::size_t tile, std::uint32_t splat, bool counts) {
+      std::uint32_t* entry = entries_.data() + cursor[tile];
+      *(counts ? entry : &nowhere) = splat;
+      cursor[tile] += counts;
+    });
   });
 }
 

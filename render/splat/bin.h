@@ -10,8 +10,6 @@
 
 namespace foci {
 
-inline constexpr int kTile_px = 16;
-
 /// Lists of splat indices by tile, each in order of `near_m` (ties and distances equal to about one
 /// part in 10^5: in order of surfel). The order does not depend on the number of threads.
 class TileLists {

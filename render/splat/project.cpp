@@ -182,7 +182,7 @@ HWY_INLINE void projectLanes(const ProjectJob& job, std::size_t i, Lanes& out) {
 
 /// Completes lane `k`, surfel `i`. False where it turns out to lie outside the image.
 HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size_t k, std::size_t i,
-                            Splat& splat) {
+                            Splat& splat, SplatKey& key) {
   const KernelShape& shape = kernelShape(lanes.exponent[k]);
 
   // Footprint x' R^-1 x < 1 with R = support2 V.
@@ -215,21 +215,33 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
   splat.blue = scale * job.color[3 * i + 2];
   splat.near_m = std::max(lanes.distance[k] - lanes.reach[k], 0.0f);
   splat.far_m = lanes.distance[k] + lanes.reach[k];
+
+  // Tiles whose pixel centres the footprint's box may reach.
+  const auto tile = [](float px, float size_px) {
+    return static_cast<std::uint16_t>(std::clamp(px, 0.0f, size_px - 1.0f) * (1.0f / kTile_px));
+  };
+  key = {.near_m = splat.near_m,
+         .x0 = tile(splat.x_px - splat.extent_x_px - 0.5f, job.width),
+         .x1 = tile(splat.x_px + splat.extent_x_px - 0.5f, job.width),
+         .y0 = tile(splat.y_px - splat.extent_y_px - 0.5f, job.height),
+         .y1 = tile(splat.y_px + splat.extent_y_px - 0.5f, job.height)};
   return true;
 }
 
 /// Projects [begin, end) to consecutive splats; returns their number.
-std::uint32_t projectRange(const ProjectJob& job, std::size_t begin, std::size_t end,
-                           Splat* splats) {
+std::uint32_t projectRange(const ProjectJob& job, std::size_t begin, std::size_t end, Splat* splats,
+                           SplatKey* keys) {
   const D d;
   const std::size_t n = hn::Lanes(d);
-  Splat* out = splats;
+  std::uint32_t count = 0;
   Lanes lanes;
   std::size_t i = begin;
   for (; i + n <= end; i += n) {
     projectLanes(job, i, lanes);
     for (std::size_t k = 0; k < n; ++k) {
-      if (lanes.visible[k] != 0.0f && finishSplat(job, lanes, k, i + k, *out)) ++out;
+      const bool drawn =
+          lanes.visible[k] != 0.0f && finishSplat(job, lanes, k, i + k, splats[count], keys[count]);
+      count += drawn;
     }
   }
 
@@ -248,10 +260,12 @@ std::uint32_t projectRange(const ProjectJob& job, std::size_t begin, std::size_t
     padded.area = area;
     projectLanes(padded, 0, lanes);
     for (std::size_t k = 0; k < rest; ++k) {
-      if (lanes.visible[k] != 0.0f && finishSplat(job, lanes, k, i + k, *out)) ++out;
+      const bool drawn =
+          lanes.visible[k] != 0.0f && finishSplat(job, lanes, k, i + k, splats[count], keys[count]);
+      count += drawn;
     }
   }
-  return static_cast<std::uint32_t>(out - splats);
+  return count;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -299,14 +313,16 @@ void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& d
   chunks.count.assign((n + chunks.chunk_size - 1) / chunks.chunk_size, 0);
   if (chunks.capacity < n) {
     chunks.splats.reset();
+    chunks.keys.reset();
     chunks.splats = std::make_unique_for_overwrite<Splat[]>(n);
+    chunks.keys = std::make_unique_for_overwrite<SplatKey[]>(n);
     chunks.capacity = n;
   }
   tbb::parallel_for(std::size_t{0}, chunks.count.size(), [&](std::size_t c) {
     const std::size_t begin = c * chunks.chunk_size;
     const std::size_t end = std::min(n, begin + chunks.chunk_size);
-    chunks.count[c] =
-        HWY_DYNAMIC_DISPATCH(projectRange)(job, begin, end, chunks.splats.get() + begin);
+    chunks.count[c] = HWY_DYNAMIC_DISPATCH(projectRange)(
+        job, begin, end, chunks.splats.get() + begin, chunks.keys.get() + begin);
   });
 }
 

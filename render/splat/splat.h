@@ -22,10 +22,20 @@ struct alignas(64) Splat {
 };
 static_assert(sizeof(Splat) == 64);
 
+inline constexpr int kTile_px = 32;
+
+/// What binning needs of a splat: the near end of its z-range and the tiles that its footprint's
+/// box may reach, inclusive.
+struct SplatKey {
+  float near_m;
+  std::uint16_t x0, x1, y0, y1;
+};
+
 /// Splats of a frame, in chunks of consecutive surfels so that threads never share one. Chunk c
 /// holds `count[c]` splats from index c * chunk_size on; what lies behind them is unset.
 struct SplatChunks {
   std::unique_ptr<Splat[]> splats;
+  std::unique_ptr<SplatKey[]> keys;
   std::size_t capacity = 0;
   std::size_t chunk_size = 0;
   std::vector<std::uint32_t> count;

@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 #undef HWY_TARGET_INCLUDE
@@ -44,10 +43,10 @@ using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 using M = hn::Mask<D>;
 
-// A tile is 4 x 4 blocks of 4 x 4 pixels; a block's 16 pixels are consecutive, row by row.
+// A tile is blocks of 4 x 4 pixels; a block's 16 pixels are consecutive, row by row.
 constexpr int kBlock = 4, kBlocks = kTile_px / kBlock, kBlockPixels = kBlock * kBlock;
 constexpr int kPixels = kTile_px * kTile_px;
-static_assert(kBlock == 4 && kTile_px == 16);
+static_assert(kBlock == 4);
 
 /// Per pixel: the open layer's sums, and what is already composited.
 struct Tile {
@@ -56,6 +55,19 @@ struct Tile {
   alignas(64) float through[kPixels];                     // light that still passes
   alignas(64) float out_red[kPixels], out_green[kPixels], out_blue[kPixels], out_distance[kPixels];
 };
+
+/// Where the pixel centres of a tile lie, from the first, in the order of `Tile`.
+struct Places {
+  alignas(64) float x[kPixels], y[kPixels];
+  constexpr Places() : x(), y() {
+    for (int i = 0; i < kPixels; ++i) {
+      const int block = i / kBlockPixels, pixel = i % kBlockPixels;
+      x[i] = static_cast<float>(block % kBlocks * kBlock + pixel % kBlock);
+      y[i] = static_cast<float>(block / kBlocks * kBlock + pixel / kBlock);
+    }
+  }
+};
+constexpr Places kPlaces;
 
 template <bool kTransparent, bool kDepth>
 struct Sweep {
@@ -102,64 +114,57 @@ struct Sweep {
     return *std::max_element(tile.through, tile.through + kPixels);
   }
 
-  /// Adds one splat to the pixels of its footprint; returns how many they are.
+  /// Adds one splat; returns the number of pixels in its footprint.
   HWY_INLINE std::size_t add(const Splat& splat, float tile_x_px, float tile_y_px) {
     const D d;
-    const std::size_t n = hn::Lanes(d);
-
-    // Blocks that the footprint's box reaches.
     const float left = splat.x_px - tile_x_px - 0.5f, top = splat.y_px - tile_y_px - 0.5f;
     const auto block = [](float pixel) {
-      return static_cast<int>(std::clamp(pixel, 0.0f, kTile_px - 1.0f)) / kBlock;
+      return static_cast<unsigned>(std::clamp(pixel, 0.0f, kTile_px - 1.0f)) / kBlock;
     };
-    const int bx0 = block(left - splat.extent_x_px), bx1 = block(left + splat.extent_x_px);
-    const int by0 = block(top - splat.extent_y_px), by1 = block(top + splat.extent_y_px);
-
-    // t = 1 - q over a block is a quadratic in the lane's place (lx, ly), whose own part is the
-    // same for every block.
+    const unsigned x0 = block(left - splat.extent_x_px), x1 = block(left + splat.extent_x_px);
+    const unsigned y0 = block(top - splat.extent_y_px), y1 = block(top + splat.extent_y_px);
+    const unsigned columns = x1 - x0 + 1, blocks = columns * (y1 - y0 + 1);
+    const V cx = hn::Set(d, left), cy = hn::Set(d, top);
     const V qa = hn::Set(d, splat.qa), qb = hn::Set(d, splat.qb), qc = hn::Set(d, splat.qc);
     const V k0 = hn::Set(d, splat.k0), k1 = hn::Set(d, splat.k1), k2 = hn::Set(d, splat.k2);
+    const V red = hn::Set(d, splat.red), green = hn::Set(d, splat.green);
+    const V blue = hn::Set(d, splat.blue), opacity = hn::Set(d, splat.opacity);
     const V near_m = hn::Set(d, splat.near_m), far_m = hn::Set(d, splat.far_m);
+    const V distance = hn::Mul(hn::Mul(hn::Set(d, 0.5f), hn::Add(near_m, far_m)), opacity);
+    const V one = hn::Set(d, 1.0f);
+
     std::size_t fragments = 0;
-    for (std::size_t part = 0; part < kBlockPixels; part += n) {
-      const V lane = hn::Iota(d, static_cast<float>(part));
-      const V ly = hn::Floor(hn::Mul(lane, hn::Set(d, 1.0f / kBlock)));
-      const V lx = hn::NegMulAdd(ly, hn::Set(d, static_cast<float>(kBlock)), lane);
-      const V own =
-          hn::MulAdd(hn::MulAdd(qa, lx, hn::Mul(qb, ly)), lx, hn::Mul(hn::Mul(qc, ly), ly));
-      for (int by = by0; by <= by1; ++by) {
-        const float oy = static_cast<float>(kBlock * by) - top;
-        for (int bx = bx0; bx <= bx1; ++bx) {
-          const float ox = static_cast<float>(kBlock * bx) - left;
-          const float base = 1.0f - (splat.qa * ox + splat.qb * oy) * ox - splat.qc * oy * oy;
-          const V gx = hn::Set(d, 2.0f * splat.qa * ox + splat.qb * oy);
-          const V gy = hn::Set(d, splat.qb * ox + 2.0f * splat.qc * oy);
-          const V t = hn::NegMulAdd(gx, lx, hn::NegMulAdd(gy, ly, hn::Sub(hn::Set(d, base), own)));
-          const M inside = hn::Gt(t, hn::Zero(d));
-          const std::size_t covered = hn::CountTrue(d, inside);
-          if (covered == 0) continue;
-          fragments += covered;
+    // One flat loop over the blocks that the box may touch: two nested short ones mispredict.
+    unsigned first = (y0 * kBlocks + x0) * kBlockPixels, column = 0;
+    for (unsigned b = 0; b < blocks; ++b) {
+      for (std::size_t part = 0; part < kBlockPixels; part += hn::Lanes(d)) {
+        const std::size_t i = first + part;
+        const V dx = hn::Sub(hn::Load(d, kPlaces.x + i), cx);
+        const V dy = hn::Sub(hn::Load(d, kPlaces.y + i), cy);
+        const V slope = hn::MulAdd(qa, dx, hn::Mul(qb, dy));
+        const V t = hn::NegMulAdd(slope, dx, hn::NegMulAdd(hn::Mul(qc, dy), dy, one));
+        const M inside = hn::Gt(t, hn::Zero(d));
+        fragments += hn::CountTrue(d, inside);
 
-          const std::size_t i = static_cast<std::size_t>((by * kBlocks + bx) * kBlockPixels) + part;
-          const M behind = hn::And(inside, hn::Gt(near_m, hn::Load(d, tile.far_m + i)));
-          if (!hn::AllFalse(d, behind)) closeLayers(i, behind);
+        const V open = hn::Load(d, tile.far_m + i);
+        const M behind = hn::And(inside, hn::Gt(near_m, open));
+        if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) closeLayers(i, behind);
 
-          const V w = hn::IfThenElseZero(inside, hn::MulAdd(hn::MulAdd(k2, t, k1), t, k0));
-          const auto accumulate = [&](float* sum, float value) {
-            hn::Store(hn::MulAdd(w, hn::Set(d, value), hn::Load(d, sum + i)), d, sum + i);
-          };
-          hn::Store(hn::Add(w, hn::Load(d, tile.weight + i)), d, tile.weight + i);
-          accumulate(tile.red, splat.red);
-          accumulate(tile.green, splat.green);
-          accumulate(tile.blue, splat.blue);
-          if constexpr (kTransparent) accumulate(tile.opacity, splat.opacity);
-          if constexpr (kDepth) {
-            accumulate(tile.distance, 0.5f * (splat.near_m + splat.far_m) * splat.opacity);
-          }
-          const V open = hn::Load(d, tile.far_m + i);
-          hn::Store(hn::IfThenElse(inside, hn::Max(open, far_m), open), d, tile.far_m + i);
-        }
+        const V w = hn::IfThenElseZero(inside, hn::MulAdd(hn::MulAdd(k2, t, k1), t, k0));
+        const auto accumulate = [&](float* sum, V value) {
+          hn::Store(hn::MulAdd(w, value, hn::Load(d, sum + i)), d, sum + i);
+        };
+        hn::Store(hn::Add(w, hn::Load(d, tile.weight + i)), d, tile.weight + i);
+        accumulate(tile.red, red);
+        accumulate(tile.green, green);
+        accumulate(tile.blue, blue);
+        if constexpr (kTransparent) accumulate(tile.opacity, opacity);
+        if constexpr (kDepth) accumulate(tile.distance, distance);
+        hn::Store(hn::IfThenElse(inside, hn::Max(open, far_m), open), d, tile.far_m + i);
       }
+      const bool row_ends = ++column == columns;
+      first += row_ends ? (kBlocks - columns + 1) * kBlockPixels : kBlockPixels;
+      column = row_ends ? 0 : column;
     }
     return fragments;
   }
@@ -170,19 +175,19 @@ struct Sweep {
     std::fill_n(tile.through, kPixels, 1.0f);
 
     std::size_t fragments = 0;
-    float open_far_m = std::numeric_limits<float>::infinity();
+    float open_far_m = job.count > 0 ? job.splats[job.entries[0]].far_m : 0.0f;
     for (std::size_t e = 0; e < job.count; ++e) {
       constexpr std::size_t kAhead = 8;
       if (e + kAhead < job.count) hwy::Prefetch(&job.splats[job.entries[e + kAhead]]);
       const Splat& splat = job.splats[job.entries[e]];
 
-      // A gap across the whole tile closes every layer; with no light left, the tile is done.
-      if (splat.near_m > open_far_m) {
+      // A gap in depth across the whole tile closes every layer; with no light left, the tile is
+      // done.
+      if (HWY_UNLIKELY(splat.near_m > open_far_m)) {
         closeAll();
         if (mostThrough() < kHidden) break;
-        open_far_m = splat.far_m;
       }
-      open_far_m = e == 0 ? splat.far_m : std::max(open_far_m, splat.far_m);
+      open_far_m = std::max(open_far_m, splat.far_m);
       fragments += add(splat, static_cast<float>(job.x_px), static_cast<float>(job.y_px));
     }
     closeAll();
