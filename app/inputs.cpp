@@ -80,7 +80,9 @@ EyePath::EyePath(const Study& study)
     : file_(study.file.string()), up_(study.eye.up), keyframes_(study.eye.path) {
   if (!keyframes_.empty()) return;
   if (study.eye.position_m) {
-    keyframes_.push_back({.position_m = *study.eye.position_m, .look_at_m = *study.eye.look_at_m});
+    keyframes_.push_back({.position_m = *study.eye.position_m,
+                          .look_at_m = *study.eye.look_at_m,
+                          .up = study.eye.up});
   } else {
     const EyePose pose = builtinPose(study.scene.builtin);
     keyframes_.push_back({.position_m = pose.position_m, .look_at_m = pose.target_m, .up = pose.up});

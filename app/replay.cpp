@@ -216,7 +216,8 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   const std::vector<GazeEvent> events = eventsOf(study, trace, schedule);
   writeText(folder.stage("events.tsv"), eventTable(events));
 
-  ReportFacts report{.threads = threads};
+  ReportFacts report;
+  report.threads = threads;
   countLosses(trace, schedule, report);
   const auto count = [&](GazeState kind) {
     return static_cast<std::size_t>(std::count_if(

@@ -67,7 +67,9 @@ FrameRecord Session::render(double time_s, Frame& frame) {
 }
 
 void Session::renderSharp(Frame& frame) {
-  method_->render(viewAt(last_s_), {.background = glm::vec3(study_.scene.background)}, frame);
+  RenderSettings settings;
+  settings.background = glm::vec3(study_.scene.background);
+  method_->render(viewAt(last_s_), settings, frame);
 }
 
 glm::dvec2 Session::pictureFromScreen_px(const glm::dvec2& point_px) const {

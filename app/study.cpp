@@ -143,6 +143,9 @@ std::string write(const std::optional<T>& value) {
   return value ? write(*value) : "null";
 }
 
+void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
+std::string write(const std::vector<EyeKeyframe>& path);
+
 /// A key of the table T: Study, or EyeKeyframe within `eye.path`.
 template <class T>
 struct Key {
@@ -178,9 +181,6 @@ const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
   };
   return keys;
 }
-
-void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
-std::string write(const std::vector<EyeKeyframe>& path);
 
 Words methodNames() {
   Words names;
