@@ -1,6 +1,6 @@
 #include "render/image/srgb.h"
 
-#include <tbb/parallel_for.h>
+#include "app/base/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> srgb8(const Frame& frame) {
   };
   std::vector<std::uint8_t> rgb(3 * frame.rgba.size());
   const auto width = static_cast<std::size_t>(frame.size_px.x);
-  tbb::parallel_for(std::size_t{0}, static_cast<std::size_t>(frame.size_px.y), [&](std::size_t y) {
+  parallelFor(static_cast<std::size_t>(frame.size_px.y), [&](std::size_t y) {
     for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
       for (int c = 0; c < 3; ++c) rgb[3 * i + c] = code(frame.rgba[i][c]);
     }

@@ -1,6 +1,6 @@
 #include "render/splat/bin.h"
 
-#include <tbb/parallel_for.h>
+#include "app/base/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -28,7 +28,7 @@ Slice sliceOf(std::size_t slice, std::size_t n) {
 void sortPass(const std::vector<std::uint64_t>& from, std::vector<std::uint64_t>& to, int shift) {
   std::vector<std::array<std::uint32_t, kDigits>> offsets(kSlices);
   const auto digitOf = [shift](std::uint64_t pair) { return (pair >> shift) & (kDigits - 1); };
-  tbb::parallel_for(std::size_t{0}, kSlices, [&](std::size_t s) {
+  parallelFor(kSlices, [&](std::size_t s) {
     offsets[s].fill(0);
     const auto [begin, end] = sliceOf(s, from.size());
     for (std::size_t i = begin; i < end; ++i) ++offsets[s][digitOf(from[i])];
@@ -39,7 +39,7 @@ void sortPass(const std::vector<std::uint64_t>& from, std::vector<std::uint64_t>
       running += std::exchange(offsets[s][digit], running);
     }
   }
-  tbb::parallel_for(std::size_t{0}, kSlices, [&](std::size_t s) {
+  parallelFor(kSlices, [&](std::size_t s) {
     const auto [begin, end] = sliceOf(s, from.size());
     for (std::size_t i = begin; i < end; ++i) to[offsets[s][digitOf(from[i])]++] = from[i];
   });
@@ -56,7 +56,7 @@ void TileLists::sortByDistance(const SplatChunks& chunks) {
   std::vector<std::array<std::uint32_t, 2>> range(chunks.count.size());
   scratch_.resize(n);
   sorted_.resize(n);
-  tbb::parallel_for(std::size_t{0}, chunks.count.size(), [&](std::size_t c) {
+  parallelFor(chunks.count.size(), [&](std::size_t c) {
     std::uint32_t least = UINT32_MAX, most = 0;
     for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
       const std::size_t splat = c * chunks.chunk_size + i;
@@ -74,7 +74,7 @@ void TileLists::sortByDistance(const SplatChunks& chunks) {
   }
   const int key_bits = n > 0 ? static_cast<int>(std::bit_width(most - least)) : 0;
   const int shift = std::max(0, key_bits - kKeyBits);
-  tbb::parallel_for(std::size_t{0}, kSlices, [&](std::size_t s) {
+  parallelFor(kSlices, [&](std::size_t s) {
     const auto [begin, end] = sliceOf(s, n);
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint64_t key = ((sorted_[i] >> 32) - least) >> shift;
@@ -115,7 +115,7 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px) {
     }
   };
   cursor_.assign(kSlices * tile_count, 0);
-  tbb::parallel_for(std::size_t{0}, kSlices, [&](std::size_t s) {
+  parallelFor(kSlices, [&](std::size_t s) {
     std::size_t* count = cursor_.data() + s * tile_count;
     forEachTile(s, [&](std::size_t tile, std::uint32_t, bool counts) { count[tile] += counts; });
   });
@@ -129,7 +129,7 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px) {
   }
   begin_[tile_count] = running;
   entries_.resize(running);
-  tbb::parallel_for(std::size_t{0}, kSlices, [&](std::size_t s) {
+  parallelFor(kSlices, [&](std::size_t s) {
     std::size_t* cursor = cursor_.data() + s * tile_count;
     std::uint32_t nowhere = 0;
     forEachTile(s, [&](std::size_t tile, std::uint32_t splat, bool counts) {

@@ -1,6 +1,6 @@
 #include "render/splat/project.h"
 
-#include <tbb/parallel_for.h>
+#include "app/base/parallel.h"
 
 #include <algorithm>
 #include <bit>
@@ -318,7 +318,7 @@ void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& d
     chunks.keys = std::make_unique_for_overwrite<SplatKey[]>(n);
     chunks.capacity = n;
   }
-  tbb::parallel_for(std::size_t{0}, chunks.count.size(), [&](std::size_t c) {
+  parallelFor(chunks.count.size(), [&](std::size_t c) {
     const std::size_t begin = c * chunks.chunk_size;
     const std::size_t end = std::min(n, begin + chunks.chunk_size);
     chunks.count[c] = HWY_DYNAMIC_DISPATCH(projectRange)(

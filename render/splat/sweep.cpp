@@ -1,7 +1,7 @@
 #include "render/splat/sweep.h"
 
 #include <hwy/cache_control.h>
-#include <tbb/parallel_for.h>
+#include "app/base/parallel.h"
 
 #include <algorithm>
 #include <numeric>
@@ -62,8 +62,10 @@ struct Places {
   constexpr Places() : x(), y() {
     for (int i = 0; i < kPixels; ++i) {
       const int block = i / kBlockPixels, pixel = i % kBlockPixels;
-      x[i] = static_cast<float>(block % kBlocks * kBlock + pixel % kBlock);
-      y[i] = static_cast<float>(block / kBlocks * kBlock + pixel / kBlock);
+      const int column = block % kBlocks * kBlock + pixel % kBlock;
+      const int row = block / kBlocks * kBlock + pixel / kBlock;
+      x[i] = static_cast<float>(column);
+      y[i] = static_cast<float>(row);
     }
   }
 };
@@ -239,7 +241,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists, const glm
   const glm::ivec2 tiles = lists.tiles();
   const auto tile_count = static_cast<std::size_t>(tiles.x) * tiles.y;
   std::vector<std::size_t> fragments(tile_count);
-  tbb::parallel_for(std::size_t{0}, tile_count, [&](std::size_t t) {
+  parallelFor(tile_count, [&](std::size_t t) {
     const auto list = lists.tile(static_cast<int>(t));
     const int x_px = static_cast<int>(t % tiles.x) * kTile_px;
     const int y_px = static_cast<int>(t / tiles.x) * kTile_px;
