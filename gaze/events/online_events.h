@@ -21,8 +21,10 @@ struct EventSettings {
   double max_blink_s = 0.5;  ///< a longer loss is lost gaze, a shorter one a blink
   double position_s =
       0.1;  ///< a fixation lies at the mean of this last part of it: follows pursuit
-  double merge_gap_s = 0.075;    ///< fixations are one if less than this and (Tobii)
-  double merge_deg = 0.5;        ///< less than this lies between them (Tobii)
+  double merge_gap_s = 0.075;  ///< fixations are one if less than this and (Tobii)
+  double merge_deg = 0.5;      ///< less than this lies between them (Tobii)
+  double oscillation_s =
+      0.02;  ///< saccades with less rest between them are one: the eye still rings
   double min_fixation_s = 0.06;  ///< a shorter fixation is no event of its own (Tobii)
 };
 
@@ -83,7 +85,8 @@ struct GazeEvent {
   double peak_velocity_deg_s = 0.0;         ///< of a saccade; else 0
 };
 
-/// Events in order of time: the labels of `labelSamples`, fixations merged and short ones dropped.
+/// Events in order of time: the labels of `labelSamples`, saccades joined with their oscillations,
+/// fixations merged and short ones dropped.
 std::vector<GazeEvent> detectEvents(const GazeTrace& trace, const Screen& screen,
                                     const EventSettings& settings = {});
 

@@ -188,6 +188,24 @@ TEST(DetectEvents, AreInOrderAndFixationsLieOnTheirTargets) {
   EXPECT_LE(end_s, gaze.trace.samples.back().time_s + 0.0021);
 }
 
+TEST(DetectEvents, ASaccadeAndItsOscillationAreOne) {
+  GazeTrace trace = stillTrace(500, 1.0);
+  for (std::size_t i = 250; i < trace.samples.size(); ++i) {
+    const double since_s = trace.samples[i].time_s - trace.samples[250].time_s;
+    const double landed_px = 300.0 * std::min(since_s / 0.04, 1.0);
+    const double ring_s = since_s - 0.055;  // once there and back, after a rest of 15 ms
+    const bool rings = ring_s > 0.0 && ring_s < 0.02;
+    *trace.samples[i].point_px +=
+        glm::dvec2(landed_px + (rings ? 30.0 * std::sin(ring_s * 157.08) : 0.0), 0.0);
+  }
+  const auto events = detectEvents(trace, kScreen);
+  ASSERT_EQ(events.size(), 3u);
+  EXPECT_EQ(events[1].kind, GazeState::saccade);
+  EXPECT_NEAR(events[1].duration_s, 0.075, 0.014);
+  EXPECT_LT(glm::distance(*events[1].start_px, glm::dvec2(900, 500)), 1e-9);
+  EXPECT_LT(glm::distance(*events[1].position_px, glm::dvec2(1200, 500)), 10.0);
+}
+
 TEST(DetectEvents, MergesFixationsAcrossAShortGapButNotAcrossABreak) {
   GazeTrace trace = stillTrace(500, 1.0);
   for (std::size_t i = 200; i < 215; ++i) {
