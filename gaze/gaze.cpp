@@ -8,6 +8,8 @@ std::string_view nameOf(GazeState state) {
       return "fixation";
     case GazeState::saccade:
       return "saccade";
+    case GazeState::oscillation:
+      return "pso";
     case GazeState::pursuit:
       return "pursuit";
     case GazeState::blink:

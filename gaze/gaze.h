@@ -16,9 +16,9 @@ struct Screen {
   double distance_m = 0.0;  ///< eye to screen centre
 };
 
-enum class GazeState { fixation, saccade, pursuit, blink, lost };
+enum class GazeState { fixation, saccade, oscillation, pursuit, blink, lost };
 
-/// "fixation", "saccade", ...
+/// "fixation", "saccade", "pso" (post-saccadic oscillation), "pursuit", "blink", "lost".
 std::string_view nameOf(GazeState state);
 
 struct GazeSample {

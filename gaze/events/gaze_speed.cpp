@@ -1,17 +1,23 @@
 #include "gaze/events/gaze_speed.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 namespace foci {
 
-std::optional<double> speedOfSight_deg_s(std::span<const TimedSight> samples) {
+std::optional<glm::dvec3> velocityOfSight_deg_s(std::span<const TimedSight> samples) {
   double count = 0.0, mean_s = 0.0;
   glm::dvec3 mean{0.0};
   for (const TimedSight& sample : samples) {
     if (!sample.direction) continue;
     count += 1.0;
-    mean_s += (sample.time_s - mean_s) / count;
-    mean += (*sample.direction - mean) / count;
+    mean_s += sample.time_s;
+    mean += *sample.direction;
   }
   if (count < 2.0) return std::nullopt;
+  mean_s /= count;
+  mean /= count;
   double squares_s2 = 0.0;
   glm::dvec3 products{0.0};
   for (const TimedSight& sample : samples) {
@@ -20,7 +26,57 @@ std::optional<double> speedOfSight_deg_s(std::span<const TimedSight> samples) {
     squares_s2 += offset_s * offset_s;
     products += offset_s * (*sample.direction - mean);
   }
-  return glm::degrees(glm::length(products) / squares_s2);
+  return glm::degrees(products / squares_s2);
+}
+
+std::vector<std::optional<SightVelocity>> velocitiesOfSight(std::span<const TimedSight> samples,
+                                                            double window_s,
+                                                            double longest_step_s) {
+  constexpr double kRounding_s = 1e-6;
+  const double reach_s = 0.5 * window_s + kRounding_s;
+  std::vector<std::optional<SightVelocity>> velocities(samples.size());
+  const auto joined = [&](std::size_t i) {  // with the sample before it
+    return samples[i].direction && samples[i - 1].direction &&
+           samples[i].time_s - samples[i - 1].time_s <= longest_step_s;
+  };
+  for (std::size_t begin = 0; begin < samples.size();) {
+    std::size_t end = begin + 1;
+    if (!samples[begin].direction) {
+      begin = end;
+      continue;
+    }
+    while (end < samples.size() && joined(end)) ++end;
+    std::size_t first = begin, last = begin;
+    for (std::size_t i = begin; i < end; ++i) {
+      while (samples[i].time_s - samples[first].time_s > reach_s) ++first;
+      while (last + 1 < end && samples[last + 1].time_s - samples[i].time_s <= reach_s) ++last;
+      const auto slope = velocityOfSight_deg_s(samples.subspan(first, last - first + 1));
+      if (!slope) continue;
+      // The variance of a slope over n even steps falls as n^3.
+      const double whole = static_cast<double>(2 * std::max(i - first, last - i) + 1);
+      const double share = static_cast<double>(last - first + 1) / whole;
+      velocities[i] = {
+          .deg_s = *slope, .speed_deg_s = glm::length(*slope), .noise_gain = std::pow(share, -1.5)};
+    }
+    begin = end;
+  }
+  return velocities;
+}
+
+double velocityNoise_deg_s(std::span<const std::optional<SightVelocity>> velocities,
+                           std::size_t step) {
+  constexpr std::size_t kFewest = 8;
+  std::vector<double> changes_deg_s;
+  for (std::size_t i = 0; i + step < velocities.size(); ++i) {
+    if (velocities[i] && velocities[i + step]) {
+      changes_deg_s.push_back(glm::length(velocities[i + step]->deg_s - velocities[i]->deg_s));
+    }
+  }
+  if (changes_deg_s.size() < kFewest) return 0.0;
+  const auto middle = changes_deg_s.begin() + static_cast<std::ptrdiff_t>(changes_deg_s.size() / 2);
+  std::nth_element(changes_deg_s.begin(), middle, changes_deg_s.end());
+  // The median of a Rayleigh distribution is sqrt(2 ln 2); a difference has twice the variance.
+  return *middle / (std::sqrt(2.0 * std::numbers::ln2) * std::numbers::sqrt2);
 }
 
 }  // namespace foci

@@ -1,4 +1,4 @@
-// Fixations and saccades as they happen, by a velocity threshold.
+// Fixations, saccades and the rest as they happen.
 #pragma once
 
 #include <cstddef>
@@ -6,27 +6,12 @@
 #include <optional>
 #include <vector>
 
-#include "gaze/events/gaze_speed.h"
+#include "gaze/events/event_settings.h"
+#include "gaze/events/pursuit.h"
+#include "gaze/events/saccades.h"
 #include "gaze/gaze.h"
 
 namespace foci {
-
-struct EventSettings {
-  /// Gaze that turns faster is in a saccade: Tobii's I-VT. Slower thresholds cut up pursuit.
-  double saccade_deg_s = 30.0;
-  /// Span of the samples whose slope is the speed; half of it is the delay. Of 4 to 30 ms, 12
-  /// agreed best with the human coders of 18 recordings at 500 Hz.
-  double window_s = 0.012;
-  double max_gap_s = 0.075;  ///< a loss up to this is filled with what was before it (Tobii)
-  double max_blink_s = 0.5;  ///< a longer loss is lost gaze, a shorter one a blink
-  double position_s =
-      0.1;  ///< a fixation lies at the mean of this last part of it: follows pursuit
-  double merge_gap_s = 0.075;  ///< fixations are one if less than this and (Tobii)
-  double merge_deg = 0.5;      ///< less than this lies between them (Tobii)
-  double oscillation_s =
-      0.02;  ///< saccades with less rest between them are one: the eye still rings
-  double min_fixation_s = 0.06;  ///< a shorter fixation is no event of its own (Tobii)
-};
 
 /// What is known when a sample has arrived.
 struct GazeNow {
@@ -38,11 +23,13 @@ struct GazeNow {
   std::optional<glm::dvec2> fixation_px{};
 };
 
-/// A causal detector, fed sample by sample. Rates from 25 to 2000 Hz.
+/// A causal detector, fed sample by sample. Rates from 25 to 2000 Hz. It labels each sample as the
+/// offline detector would if the recording began 0.4 s before and ended `delay_s` after
+/// it, with the noise of the last seconds. Time a sample and memory do not grow.
 class OnlineEvents {
  public:
   /// @param screen   that the samples are on, with all of its quantities known
-  /// @param rate_Hz  nominal, > 0: sets how many samples the window holds, at least two
+  /// @param rate_Hz  nominal, > 0
   OnlineEvents(const Screen& screen, double rate_Hz, const EventSettings& settings = {});
 
   /// @param sample  later than the one before
@@ -50,44 +37,42 @@ class OnlineEvents {
 
   /// How many samples `GazeNow::state` lies behind the newest: 0 where the rate is low.
   std::size_t delaySamples() const { return delay_; }
-  /// The same in seconds at the nominal rate; never above half the window.
+  /// The same in seconds at the nominal rate; never above `EventSettings::delay_s`.
   double delay_s() const { return static_cast<double>(delay_) / rate_Hz_; }
 
  private:
-  GazeState stateIn(std::size_t labelled) const;
+  void measure();
+  void labelNext();
+  GazeState settle(const GazeSample& sample, const TimedSight& sight, GazeState label);
   void fixate(const GazeSample& sample);
 
   Screen screen_;
   double rate_Hz_;
   EventSettings settings_;
   std::size_t delay_ = 0;
-  double reach_s_ = 0.0;               // samples this far from the labelled one are in its window
-  std::vector<GazeSample> samples_{};  // the newest, as many as the window holds
-  std::vector<TimedSight> sights_{};   // of the same
+  std::size_t hop_ = 1;  // samples that are labelled at once
+  std::vector<GazeSample> samples_{};
+  std::vector<TimedSight> sights_{};
+  std::vector<bool> blinks_{};
+  std::size_t settled_ = 0;         // of the samples, from the front
+  std::deque<GazeState> labels_{};  // of those that come next
+  SightNoise noise_{};
+  double measured_s_ = 0.0, begin_s_ = 0.0;
   std::optional<double> last_present_s_{};
   GazeNow now_{};
+  StableGaze stable_{};
   std::deque<GazeSample>
       fixation_{};  // labelled samples of the current fixation, `position_s` back
 };
 
+/// Whether gaze stays in place or follows something: the states in which the eye sees sharply.
+bool isStable(GazeState state);
+
+/// A sample as a direction on a screen.
+TimedSight sightOf(const GazeSample& sample, const Screen& screen);
+
 /// The online detector's state of every sample of a trace, its delay taken out.
-std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen,
-                                    const EventSettings& settings = {});
-
-/// A stretch of one state. Positions are absent in blinks and losses.
-struct GazeEvent {
-  GazeState kind = GazeState::lost;
-  double onset_s = 0.0;  ///< on the recording's clock
-  double duration_s = 0.0;
-  std::optional<glm::dvec2> position_px{};  ///< of a fixation its mean, of a saccade its end
-  std::optional<glm::dvec2> start_px{};     ///< of a saccade
-  double amplitude_deg = 0.0;               ///< of a saccade, start to end; else 0
-  double peak_velocity_deg_s = 0.0;         ///< of a saccade; else 0
-};
-
-/// Events in order of time: the labels of `labelSamples`, saccades joined with their oscillations,
-/// fixations merged and short ones dropped.
-std::vector<GazeEvent> detectEvents(const GazeTrace& trace, const Screen& screen,
-                                    const EventSettings& settings = {});
+std::vector<GazeState> labelSamplesOnline(const GazeTrace& trace, const Screen& screen,
+                                          const EventSettings& settings = {});
 
 }  // namespace foci

@@ -14,18 +14,15 @@ GazeFollower::GazeFollower(const Screen& screen, double rate_Hz, SurfaceDistance
       settings_(settings),
       events_(screen, rate_Hz, settings.events),
       accommodation_(settings.accommodation),
-      longest_silence_s_(settings.events.max_gap_s + 1.5 / rate_Hz) {}
+      longest_silence_s_(settings.events.merge_gap_s + 1.5 / rate_Hz) {}
 
-bool GazeFollower::isStable() const {
-  return (now_.state == GazeState::fixation || now_.state == GazeState::pursuit) &&
-         now_.fixation_px;
-}
+bool GazeFollower::isFixating() const { return isStable(now_.state) && now_.fixation_px; }
 
 void GazeFollower::push(const GazeSample& sample) {
-  const bool was_stable = isStable();
+  const bool was_stable = isFixating();
   now_ = events_.push(sample);
   newest_ = sample;
-  if (!isStable()) {
+  if (!isFixating()) {
     looked_.reset();
   } else if (!was_stable || !looked_ ||
              angleBetween_deg(screen_, looked_->point_px, *now_.fixation_px) >=
@@ -47,7 +44,7 @@ void GazeFollower::look(double time_s) {
 
 EyeNow GazeFollower::at(double time_s) {
   const bool silent = !newest_ || time_s - newest_->time_s > longest_silence_s_;
-  const bool stable = !silent && isStable();
+  const bool stable = !silent && isFixating();
   if (stable && looked_->time_s != time_s) look(time_s);
   return {.time_s = time_s,
           .sample = newest_,

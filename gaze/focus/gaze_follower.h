@@ -65,7 +65,7 @@ class GazeFollower {
     std::optional<double> distance_m{};
   };
 
-  bool isStable() const;
+  bool isFixating() const;
   void look(double time_s);
 
   Screen screen_;

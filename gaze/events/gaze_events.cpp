@@ -1,0 +1,184 @@
+// Events from labels, with the merge and duration rules of Tobii's filter (Olsen 2012).
+#include "gaze/events/gaze_events.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gaze/events/online_events.h"
+#include "gaze/focus/line_of_sight.h"
+
+namespace foci {
+
+std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen,
+                                    const EventSettings& settings) {
+  std::vector<TimedSight> sights;
+  std::vector<bool> blinks;
+  sights.reserve(trace.samples.size());
+  for (const GazeSample& sample : trace.samples) {
+    sights.push_back(sightOf(sample, screen));
+    blinks.push_back(sample.blink);
+  }
+  const SightNoise noise = noiseOf(sights, trace.rate_Hz, settings);
+  sights = withoutSpikes(sights, trace.rate_Hz, noise);
+  auto states = labelSaccades(sights, blinks, trace.rate_Hz, noise, settings);
+
+  for (std::size_t first = 0, end = 0; first < states.size(); first = end) {
+    const bool lost = !trace.samples[first].point_px && !blinks[first];
+    StableGaze stable;
+    for (end = first; end < states.size() && states[end] == states[first] &&
+                      (states[first] != GazeState::blink ||
+                       (!trace.samples[end].point_px && !blinks[end]) == lost);
+         ++end) {
+      if (sights[end].direction) stable.add(sights[end].time_s, *sights[end].direction);
+    }
+    GazeState state = states[first];
+    if (state == GazeState::fixation && stable.isPursuit(noise.sample_deg)) {
+      state = GazeState::pursuit;
+    }
+    if (state == GazeState::blink && lost &&
+        sights[end - 1].time_s - sights[first].time_s > settings.max_blink_s) {
+      state = GazeState::lost;
+    }
+    std::fill(states.begin() + static_cast<std::ptrdiff_t>(first),
+              states.begin() + static_cast<std::ptrdiff_t>(end), state);
+  }
+  return states;
+}
+
+namespace {
+
+/// A run of samples [first, last] with one label.
+struct Run {
+  GazeState state = GazeState::lost;
+  std::size_t first = 0, last = 0;
+};
+
+class EventBuilder {
+ public:
+  EventBuilder(const GazeTrace& trace, const Screen& screen, const EventSettings& settings)
+      : trace_(trace), screen_(screen), settings_(settings) {}
+
+  std::vector<GazeEvent> build(const std::vector<GazeState>& states) {
+    std::vector<GazeEvent> events;
+    for (const Run& run : mergedFixations(runsOf(states))) {
+      const double duration_s = durationOf(run);
+      if (isStable(run.state) && duration_s < settings_.min_fixation_s) continue;
+      events.push_back(eventOf(run, duration_s));
+    }
+    return events;
+  }
+
+ private:
+  bool follows(std::size_t next) const {
+    const double gap_s = trace_.samples[next].time_s - trace_.samples[next - 1].time_s;
+    return gap_s <= std::max(settings_.merge_gap_s, 1.5 / trace_.rate_Hz);
+  }
+
+  std::vector<Run> runsOf(const std::vector<GazeState>& states) const {
+    std::vector<Run> runs;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (runs.empty() || runs.back().state != states[i] || !follows(i)) {
+        runs.push_back({states[i], i, i});
+      }
+      runs.back().last = i;
+    }
+    return runs;
+  }
+
+  /// When the run gives way to the next sample or, before a break in the recording, one interval
+  /// on.
+  double endOf(const Run& run) const {
+    const std::size_t next = run.last + 1;
+    if (next < trace_.samples.size() && follows(next)) return trace_.samples[next].time_s;
+    return trace_.samples[run.last].time_s + 1.0 / trace_.rate_Hz;
+  }
+
+  double durationOf(const Run& run) const { return endOf(run) - trace_.samples[run.first].time_s; }
+
+  std::optional<glm::dvec2> meanOf_px(const Run& run) const {
+    glm::dvec2 mean{0.0};
+    double count = 0.0;
+    for (std::size_t i = run.first; i <= run.last; ++i) {
+      if (!trace_.samples[i].point_px) continue;
+      count += 1.0;
+      mean += (*trace_.samples[i].point_px - mean) / count;
+    }
+    return count > 0.0 ? std::optional(mean) : std::nullopt;
+  }
+
+  /// Joins fixations with little time and little distance between them; what lay between goes.
+  std::vector<Run> mergedFixations(const std::vector<Run>& runs) const {
+    std::vector<Run> merged;
+    std::optional<std::size_t> before;  // the latest fixation in `merged`
+    for (const Run& run : runs) {
+      if (isStable(run.state) && before) {
+        const Run& fixation = merged[*before];
+        const double gap_s = trace_.samples[run.first].time_s - endOf(fixation);
+        const auto a = meanOf_px(fixation), b = meanOf_px(run);
+        if (run.state == fixation.state && gap_s < settings_.merge_gap_s && a && b &&
+            angleBetween_deg(screen_, *a, *b) < settings_.merge_deg) {
+          merged.resize(*before + 1);
+          merged[*before].last = run.last;
+          continue;
+        }
+      }
+      if (isStable(run.state)) before = merged.size();
+      merged.push_back(run);
+    }
+    return merged;
+  }
+
+  GazeEvent eventOf(const Run& run, double duration_s) const {
+    GazeEvent event{
+        .kind = run.state, .onset_s = trace_.samples[run.first].time_s, .duration_s = duration_s};
+    if (isStable(run.state)) event.position_px = meanOf_px(run);
+    if (run.state != GazeState::saccade) return event;
+
+    // A saccade starts at the last sample of what was before it.
+    std::size_t first = run.first > 0 && follows(run.first) ? run.first - 1 : run.first;
+    while (first < run.last && !trace_.samples[first].point_px) ++first;
+    std::size_t last = run.last;
+    while (last > first && !trace_.samples[last].point_px) --last;
+    event.start_px = trace_.samples[first].point_px;
+    event.position_px = trace_.samples[last].point_px;
+    if (event.start_px && event.position_px) {
+      event.amplitude_deg = angleBetween_deg(screen_, *event.start_px, *event.position_px);
+    }
+    event.peak_velocity_deg_s = peakSpeed_deg_s(first, last);
+    return event;
+  }
+
+  /// Over windows of 8 ms, or of two samples: the detector's own would flatten the peak.
+  double peakSpeed_deg_s(std::size_t first, std::size_t last) const {
+    constexpr double kWindow_s = 0.008;
+    const auto span = static_cast<std::size_t>(std::lround(kWindow_s * trace_.rate_Hz));
+    const std::size_t length = std::min(std::max<std::size_t>(span + 1, 2), last - first + 1);
+    std::vector<TimedSight> sights;
+    double peak = 0.0;
+    for (std::size_t i = first; i <= last; ++i) {
+      sights.push_back(sightOf(trace_.samples[i], screen_));
+      if (sights.size() < length) continue;
+      const auto velocity = velocityOfSight_deg_s(std::span(sights).last(length));
+      if (velocity) peak = std::max(peak, glm::length(*velocity));
+    }
+    return peak;
+  }
+
+  const GazeTrace& trace_;
+  const Screen& screen_;
+  const EventSettings& settings_;
+};
+
+}  // namespace
+
+std::vector<GazeEvent> eventsOf(const std::vector<GazeState>& states, const GazeTrace& trace,
+                                const Screen& screen, const EventSettings& settings) {
+  return EventBuilder(trace, screen, settings).build(states);
+}
+
+std::vector<GazeEvent> detectEvents(const GazeTrace& trace, const Screen& screen,
+                                    const EventSettings& settings) {
+  return eventsOf(labelSamples(trace, screen, settings), trace, screen, settings);
+}
+
+}  // namespace foci
