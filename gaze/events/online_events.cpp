@@ -120,10 +120,10 @@ class EventBuilder {
       : trace_(trace), screen_(screen), settings_(settings) {}
 
   std::vector<GazeEvent> build() {
-    std::vector<Run> runs = mergedFixations(runsOf(labelSamples(trace_, screen_, settings_)));
+    const auto states = labelSamples(trace_, screen_, settings_);
     std::vector<GazeEvent> events;
-    for (const Run& run : runs) {
-      const double duration_s = endOf(run) - trace_.samples[run.first].time_s;
+    for (const Run& run : mergedFixations(joinedSaccades(runsOf(states)))) {
+      const double duration_s = durationOf(run);
       if (isStable(run.state) && duration_s < settings_.min_fixation_s) continue;
       events.push_back(eventOf(run, duration_s));
     }
@@ -155,6 +155,8 @@ class EventBuilder {
     return trace_.samples[run.last].time_s + 1.0 / trace_.rate_Hz;
   }
 
+  double durationOf(const Run& run) const { return endOf(run) - trace_.samples[run.first].time_s; }
+
   std::optional<glm::dvec2> meanOf_px(const Run& run) const {
     glm::dvec2 mean{0.0};
     double count = 0.0;
@@ -164,6 +166,22 @@ class EventBuilder {
       mean += (*trace_.samples[i].point_px - mean) / count;
     }
     return count > 0.0 ? std::optional(mean) : std::nullopt;
+  }
+
+  std::vector<Run> joinedSaccades(const std::vector<Run>& runs) const {
+    std::vector<Run> joined;
+    for (const Run& run : runs) {
+      const std::size_t n = joined.size();
+      if (run.state == GazeState::saccade && n >= 2 && joined[n - 2].state == GazeState::saccade &&
+          isStable(joined[n - 1].state) && durationOf(joined[n - 1]) < settings_.oscillation_s &&
+          follows(run.first) && follows(joined[n - 1].first)) {
+        joined.pop_back();
+        joined.back().last = run.last;
+      } else {
+        joined.push_back(run);
+      }
+    }
+    return joined;
   }
 
   /// Joins fixations with little time and little distance between them; what lay between goes.

@@ -19,13 +19,13 @@ enum class GazeUnits { px, deg, normalised };
 /// Which columns of a TSV or CSV to read. What is empty is recognised by the usual names ("time_s",
 /// "timestamp", "x_px", "gaze_x", "x_deg", ...). EyeLink files need none of this and ignore it.
 struct TraceColumns {
-  std::string time, x, y;
-  std::string pupil;  ///< diameter, mm
-  std::string blink;  ///< 0 or false: open; 1 or true: the tracker saw a blink
-  std::optional<GazeUnits>
-      units;  ///< absent: from the file's first line or the columns' names, else px
-  std::optional<double>
-      time_scale_s;  ///< seconds a unit of time, e.g. 0.001; absent: from the name, else 1
+  std::string time{}, x{}, y{};
+  std::string pupil{};  ///< diameter, mm
+  std::string blink{};  ///< 0 or false: open; 1 or true: the tracker saw a blink
+  /// Absent: from the file's first line or the columns' names, else px.
+  std::optional<GazeUnits> units{};
+  /// Seconds a unit of time, e.g. 0.001; absent: from the column's name, else 1.
+  std::optional<double> time_scale_s{};
 };
 
 /// Reads a recording, recognised from its content.

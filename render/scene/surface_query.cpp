@@ -1,10 +1,6 @@
 // A bounding hierarchy over surfels in Morton order, walked front to back along a cone.
 #include "render/scene/surface_query.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -14,6 +10,8 @@
 #include <limits>
 #include <utility>
 #include <vector>
+
+#include "app/base/parallel.h"
 
 namespace foci {
 namespace {
@@ -160,13 +158,13 @@ struct SurfaceQuery::Impl {
     const float scale =
         2097151.0f / std::max({size.x, size.y, size.z, 1e-30f});
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(cloud.size());
-    tbb::parallel_for(std::size_t{0}, cloud.size(), [&](std::size_t i) {
+    parallelFor(cloud.size(), [&](std::size_t i) {
       const glm::vec3 cell = glm::min((cloud.position_m[i] - box.low) * scale, 2097151.0f);
       const auto part = [](float x) { return spread(static_cast<std::uint64_t>(x)); };
       keys[i] = {part(cell.x) | part(cell.y) << 1 | part(cell.z) << 2,
                  static_cast<std::uint32_t>(i)};
     });
-    tbb::parallel_sort(keys.begin(), keys.end());
+    parallelSort(keys.begin(), keys.end());
     order.resize(keys.size());
     for (std::size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].second;
   }
@@ -175,7 +173,7 @@ struct SurfaceQuery::Impl {
     leaves =
         std::bit_ceil(std::max<std::size_t>((order.size() + kLeafSurfels - 1) / kLeafSurfels, 1));
     std::vector<Box> boxes(2 * leaves - 1);
-    tbb::parallel_for(std::size_t{0}, leaves, [&](std::size_t leaf) {
+    parallelFor(leaves, [&](std::size_t leaf) {
       Box& box = boxes[leaves - 1 + leaf];
       const std::size_t end = std::min((leaf + 1) * kLeafSurfels, order.size());
       for (std::size_t at = leaf * kLeafSurfels; at < end; ++at) {
@@ -189,7 +187,7 @@ struct SurfaceQuery::Impl {
       boxes[i].add(boxes[2 * i + 2].low, boxes[2 * i + 2].high);
     }
     nodes.resize(boxes.size());
-    tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t i) {
+    parallelFor(boxes.size(), [&](std::size_t i) {
       const Box& box = boxes[i];
       if (box.low.x <= box.high.x) {
         nodes[i] = {0.5f * (box.low + box.high), 0.5f * glm::length(box.high - box.low)};
