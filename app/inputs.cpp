@@ -43,7 +43,8 @@ std::vector<glm::dvec2> attractivePoints_px(const Study& study, const glm::mat4&
   if (points_px.size() < 2) {
     points_px.clear();
     for (const double y : {0.2, 0.4, 0.6, 0.8}) {
-      for (const double x : {0.2, 0.35, 0.5, 0.65, 0.8}) points_px.push_back(size_px * glm::dvec2(x, y));
+      for (const double x : {0.2, 0.35, 0.5, 0.65, 0.8})
+        points_px.push_back(size_px * glm::dvec2(x, y));
     }
   }
   return points_px;
@@ -85,7 +86,8 @@ EyePath::EyePath(const Study& study)
                           .up = study.eye.up});
   } else {
     const EyePose pose = builtinPose(study.scene.builtin);
-    keyframes_.push_back({.position_m = pose.position_m, .look_at_m = pose.target_m, .up = pose.up});
+    keyframes_.push_back(
+        {.position_m = pose.position_m, .look_at_m = pose.target_m, .up = pose.up});
   }
 }
 
@@ -95,8 +97,7 @@ glm::mat4 EyePath::eyeFromWorldAt(double time_s) const {
   const EyeKeyframe& to = after == keyframes_.end() ? keyframes_.back() : *after;
   const EyeKeyframe& from = after == keyframes_.begin() ? keyframes_.front() : *std::prev(after);
   const double share =
-      &from == &to ? 0.0
-                   : std::clamp((time_s - from.time_s) / (to.time_s - from.time_s), 0.0, 1.0);
+      &from == &to ? 0.0 : std::clamp((time_s - from.time_s) / (to.time_s - from.time_s), 0.0, 1.0);
   const glm::vec3 position_m(glm::mix(from.position_m, to.position_m, share));
   const glm::vec3 look_at_m(glm::mix(from.look_at_m, to.look_at_m, share));
   const glm::vec3 up(glm::mix(from.up.value_or(up_), to.up.value_or(up_), share));
