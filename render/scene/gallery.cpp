@@ -62,7 +62,10 @@ class Gallery {
     appendSurface(cloud_, surface, audience);
   }
 
-  SurfelCloud take() { return std::move(cloud_); }
+  SurfelCloud take() {
+    cloud_.oriented = true;
+    return std::move(cloud_);
+  }
 
  private:
   GalleryLight light_;

@@ -43,6 +43,7 @@ struct ProjectJob {
   float lens_x, lens_y;           // its centre, likewise
   bool along_axis;
   bool disc;
+  bool oriented;
   float shading;
 };
 
@@ -88,8 +89,8 @@ struct Lanes {
   alignas(64) float exponent[kMost];
   alignas(64) float area_px[kMost];
   alignas(64) float distance[kMost], reach[kMost];
-  alignas(64) float shade[kMost];
-  alignas(64) float visible[kMost];  // 1: keep
+  alignas(64) float shade[kMost], away[kMost];  // away > 0: the normal points away from the eye
+  alignas(64) float visible[kMost];             // 1: keep
 };
 
 /// Surfels [i, i + N) to lanes.
@@ -168,7 +169,8 @@ HWY_INLINE void projectLanes(const ProjectJob& job, std::size_t i, Lanes& out) {
   const V3 normal{hn::NegMulAdd(u.z, v.y, hn::Mul(u.y, v.z)),
                   hn::NegMulAdd(u.x, v.z, hn::Mul(u.z, v.x)),
                   hn::NegMulAdd(u.y, v.x, hn::Mul(u.x, v.y))};
-  const V cosine = hn::Div(hn::Abs(dot(normal, p)), hn::Mul(parallelogram, hn::Sqrt(dot(p, p))));
+  const V away = dot(normal, p);
+  const V cosine = hn::Div(hn::Abs(away), hn::Mul(parallelogram, hn::Sqrt(dot(p, p))));
   const V shade = hn::MulAdd(set(job.shading), hn::Sub(cosine, one), one);
 
   // Keep what draws something: in front, on the image, with an area. Comparisons fail on NaN.
@@ -192,6 +194,7 @@ HWY_INLINE void projectLanes(const ProjectJob& job, std::size_t i, Lanes& out) {
   hn::Store(distance, d, out.distance);
   hn::Store(reach, d, out.reach);
   hn::Store(shade, d, out.shade);
+  hn::Store(away, d, out.away);
   hn::Store(hn::IfThenElseZero(keep, one), d, out.visible);
 }
 
@@ -228,6 +231,7 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
   splat.red = scale * job.color[3 * i];
   splat.green = scale * job.color[3 * i + 1];
   splat.blue = scale * job.color[3 * i + 2];
+  if (job.oriented && lanes.away[k] > 0.0f) splat.opacity = -splat.opacity;
   splat.near_m = std::max(lanes.distance[k] - lanes.reach[k], 0.0f);
   splat.far_m = lanes.distance[k] + lanes.reach[k];
 
@@ -321,6 +325,7 @@ void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& d
   job.focus_D = defocus.focus_D;
   job.along_axis = defocus.along == DistanceAlong::axis;
   job.disc = projection.kernel == BlurKernel::disc;
+  job.oriented = cloud.oriented;
   job.shading = projection.shading;
 
   // Whole steps a chunk, about as many chunks as the largest machine has threads.
