@@ -20,8 +20,8 @@ namespace {
 constexpr std::size_t kNeighbours = 16;
 constexpr float kSameSheetCosine = 0.5f;    // of normals, signs apart
 constexpr float kSameSheetReach = 0.5f;     // off the tangent plane, of the furthest neighbour
-constexpr float kMostLocalSpacings = 3.0f;  // of the neighbours' median: strays beside a surface
-constexpr float kMostSpacings = 16.0f;      // of the cloud's median: strays far from everything
+constexpr float kMostLocalSpacings = 2.0f;  // of the neighbours' median: strays beside a surface
+constexpr float kMostSpacings = 5.0f;       // of the cloud's median: strays far from everything
 constexpr float kLeastSigma_m = 1e-9f;      // its fourth power is still a normal float
 constexpr float kLeastWeight = 0.05f;       // of spacing^2
 constexpr int kWeightIterations = 4;

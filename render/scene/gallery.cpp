@@ -19,8 +19,8 @@ constexpr float kWall_m = 1.55f;  // half the room's width
 constexpr float kEnd_m = -6.0f;
 constexpr float kCeiling_m = 3.6f;
 constexpr float kFocal_px = 1536.0f;  // of a 0.5 m wide screen of 1280 px, 0.6 m away
-constexpr float kStep_px = 1.6f;
-constexpr float kHalfView_rad = 0.47f;
+constexpr float kStep_px = 1.7f;
+const glm::vec2 kHalfView{0.417f, 0.234f};
 
 const glm::vec3 kEye{0.0f, 1.45f, 0.0f};
 const glm::vec3 kLookAt{0.0f, 1.31f, -2.0f};
@@ -40,10 +40,16 @@ class Gallery {
 
   void addOccluder(const glm::vec3& center, float radius) { light_.addOccluder(center, radius); }
 
-  void add(Shape shape, Paint paint, const Material& material, bool two_sided = false,
-           float opacity = 1.0f, std::function<bool(const SurfacePoint&)> keep = {}) {
-    const SampledFor audience{kEye, glm::normalize(kLookAt - kEye), kHalfView_rad,
-                              kStep_px / kFocal_px};
+  void add(Shape shape, Paint paint, const Material& material, float opacity = 1.0f,
+           std::function<bool(const SurfacePoint&)> keep = {}) {
+    const glm::vec3 forward = glm::normalize(kLookAt - kEye);
+    const glm::vec3 right = glm::normalize(glm::cross(forward, glm::vec3(0.0f, 1.0f, 0.0f)));
+    const SampledFor audience{.eye_m = kEye,
+                              .right = right,
+                              .up = glm::cross(right, forward),
+                              .forward = forward,
+                              .half_view = kHalfView,
+                              .step_rad = material.coarse * kStep_px / kFocal_px};
     const ParametricSurface surface{
         .at = std::move(shape),
         .paint = std::move(paint),
@@ -52,7 +58,7 @@ class Gallery {
                      const glm::vec3& colour) { return light_.shade(at, colour, material); },
         .keep = std::move(keep),
         .opacity = opacity,
-        .two_sided = two_sided};
+        .two_sided = material.two_sided};
     appendSurface(cloud_, surface, audience);
   }
 
@@ -79,7 +85,7 @@ glm::vec3 wood(glm::vec2 p, std::int32_t seed) {
 }
 
 void addRoom(Gallery& gallery) {
-  const Material matt{.gloss = 0.0f};
+  const Material matt{.coarse = 1.3f};
   // Floor: parquet in herring-bone blocks.
   gallery.add(rectangle({-kWall_m, 0.0f, -2.6f}, {2.0f * kWall_m, 0, 0}, {0, 0, kEnd_m + 2.6f}),
               [](const SurfacePoint& at) {
@@ -95,7 +101,7 @@ void addRoom(Gallery& gallery) {
                 return wood(inside + cell * 3.7f + plank, 41) * (0.55f + 0.55f * shade) *
                        (1.0f - 0.7f * std::min(gap, 1.0f));
               },
-              {.gloss = 0.12f, .hardness = 60.0f});
+              {.gloss = 0.12f, .hardness = 60.0f, .coarse = 6.0f});
   // Walls: damask over a panelled dado.
   const auto wall = [](float along, float y) {
     if (y < 0.95f) {
@@ -218,8 +224,9 @@ void addForeground(Gallery& gallery) {
       return glm::mix(blade, srgb(0xc4d98b), std::min(0.8f * rib + 0.45f * veins, 1.0f));
     };
   };
-  const Material waxy{.gloss = 0.10f, .hardness = 25.0f, .shadowed = false};
-  for (int stem = 0; stem < 4; ++stem) {
+  const Material waxy{
+      .gloss = 0.10f, .hardness = 25.0f, .shadowed = false, .two_sided = true, .coarse = 1.3f};
+  for (int stem = 0; stem < 3; ++stem) {
     const auto k = static_cast<float>(stem);
     const glm::vec3 foot(-0.128f + 0.019f * k, 1.30f, -0.27f - 0.028f * k);
     const float lean = 0.045f - 0.027f * k + 0.02f * hash01(stem, 1, 5), tall = 0.215f - 0.018f * k;
@@ -232,14 +239,14 @@ void addForeground(Gallery& gallery) {
           return glm::mix(srgb(0x4d7a2f), srgb(0x7b4b2e), 0.5f * lines(at.uv.y * 40.0f, 0.1f));
         },
         waxy);
-    for (int i = 0; i < 5; ++i) {
-      const float t = 0.16f + 0.2f * static_cast<float>(i);
+    for (int i = 0; i < 4; ++i) {
+      const float t = 0.2f + 0.24f * static_cast<float>(i);
       const float turn = 2.4f * static_cast<float>(i) + 1.3f * k;
       const float length = 0.036f + 0.018f * hash01(stem, i, 9);
       const glm::vec3 out(std::cos(turn), 0.45f, 0.55f * std::sin(turn));
       const glm::vec3 side = glm::normalize(glm::cross(out, glm::vec3(0.15f, 0.5f, 1.0f)));
       gallery.add(leaf(curve(t), length * out, 0.30f * length * side, 0.4f * length),
-                  green(stem * 7 + i), waxy, true);
+                  green(stem * 7 + i), waxy);
     }
   }
 
@@ -340,21 +347,22 @@ void addFigure(Gallery& gallery) {
   gallery.addOccluder(kBust + glm::vec3(0, -0.27f, 0), 0.13f);
   gallery.add(head(kBust, scale, {-glm::pi<float>(), glm::pi<float>()}, {-1.45f, 1.5707f}, true),
               stone, polished);
-  const Shape trunk = lathe({0, 0, 0}, {{0.11f, 0.0f},
-                                        {0.115f, 0.012f},
-                                        {0.07f, 0.03f},
-                                        {0.065f, 0.05f},
-                                        {0.13f, 0.075f},
-                                        {0.165f, 0.10f},
-                                        {0.155f, 0.135f},
-                                        {0.095f, 0.165f},
-                                        {0.070f, 0.19f},
-                                        {0.068f, 0.25f}});
+  const Shape trunk = lathe({0, 0, 0}, {{0.075f, 0.0f},
+                                        {0.078f, 0.012f},
+                                        {0.05f, 0.024f},
+                                        {0.042f, 0.045f},
+                                        {0.075f, 0.075f},
+                                        {0.118f, 0.115f},
+                                        {0.142f, 0.155f},
+                                        {0.138f, 0.18f},
+                                        {0.098f, 0.203f},
+                                        {0.066f, 0.225f},
+                                        {0.060f, 0.29f}});
   gallery.add(
       [trunk](glm::vec2 uv) {
         const glm::vec3 p = trunk(uv);
         const float wide =
-            1.0f + 0.35f * glm::smoothstep(0.05f, 0.10f, p.y) * glm::smoothstep(0.19f, 0.14f, p.y);
+            1.0f + 0.2f * glm::smoothstep(0.05f, 0.12f, p.y) * glm::smoothstep(0.21f, 0.17f, p.y);
         return glm::vec3(kBust.x, kTable_m, kBust.z) + glm::vec3(p.x * wide, p.y, p.z * 0.8f);
       },
       stone, polished);
@@ -372,7 +380,7 @@ void addFigure(Gallery& gallery) {
         const float brow = std::exp(-80.0f * std::pow(e - 0.33f - 0.12f * std::abs(a), 2.0f));
         return glm::mix(glm::mix(ground, gold, 0.8f * filigree), gold, brow);
       },
-      {.gloss = 0.25f, .hardness = 30.0f, .shadowed = false}, true, 0.5f,
+      {.gloss = 0.25f, .hardness = 30.0f, .shadowed = false, .two_sided = true}, 0.6f,
       [=](const SurfacePoint& at) {
         const float a = std::abs(glm::mix(azimuth.x, azimuth.y, at.uv.x)),
                     e = glm::mix(elevation.x, elevation.y, at.uv.y);
@@ -409,7 +417,7 @@ void addPedestals(Gallery& gallery) {
                        {0.25f, top.y},
                        {0.0f, top.y}},
                       16, 0.08f),
-                plaster, {.gloss = 0.02f});
+                plaster, {.gloss = 0.02f, .coarse = 2.0f});
   }
   gallery.addOccluder(kVase + glm::vec3(0, 0.24f, 0), 0.16f);
   gallery.addOccluder(kVase + glm::vec3(0, 0.45f, 0), 0.07f);

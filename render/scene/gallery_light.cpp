@@ -39,7 +39,8 @@ glm::vec3 GalleryLight::shade(const SurfacePoint& at, const glm::vec3& paint,
                               const Material& material) const {
   const glm::vec3 p = at.p_world;
   const glm::vec3 to_eye = glm::normalize(eye_m_ - p);
-  const glm::vec3 n = glm::dot(at.normal, to_eye) < 0.0f ? -at.normal : at.normal;
+  const bool turned = material.two_sided && glm::dot(at.normal, to_eye) < 0.0f;
+  const glm::vec3 n = turned ? -at.normal : at.normal;
 
   float open = 1.0f;  // of the sky: what occluders leave, cos / (distance / radius)^2 each
   if (material.shadowed) {

@@ -19,6 +19,8 @@ struct Material {
   float gloss = 0.0f;      ///< strength of the highlight, 0 to 1
   float hardness = 40.0f;  ///< Blinn-Phong exponent
   bool shadowed = true;
+  bool two_sided = false;  ///< lit from the side that the eye sees
+  float coarse = 1.0f;     ///< step between surfels over the gallery's usual one
 };
 
 class GalleryLight {

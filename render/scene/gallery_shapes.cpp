@@ -51,8 +51,8 @@ float headRadius(float azimuth, float elevation, bool hair) {
   if (hair) {
     const float scalp =
         glm::smoothstep(0.0f, 0.22f, elevation - 0.62f + 0.62f * glm::smoothstep(0.8f, 1.9f, side));
-    const float curl = fractalNoise({azimuth * 7.0f + 40.0f, elevation * 9.0f + 40.0f}, 3, 21);
-    radius += scalp * (0.006f + 0.022f * std::abs(curl - 0.5f) * 2.0f);
+    const float curl = fractalNoise({4.0f * d.x + 3.0f * d.z + 40.0f, 5.0f * d.y + 40.0f}, 2, 21);
+    radius += scalp * (0.008f + 0.006f * std::sin(34.0f * curl + 6.0f * d.y));
   }
   return radius;
 }

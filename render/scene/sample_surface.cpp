@@ -13,7 +13,7 @@ namespace {
 constexpr float kDifference = 1e-3f;  // of the unit square, for derivatives
 constexpr int kDensitySteps = 96;     // at which a row's density is looked at
 constexpr int kDensityRows = 24;
-constexpr float kMostForeshortening = 4;  // a surfel's axes stay within about this ratio
+constexpr float kMostForeshortening = 8;  // a surfel's axes stay within about this ratio
 constexpr float kCoarser = 4.0f;          // where the eye does not look
 constexpr int kTextureSamples = 3;        // a side of a surfel's cell
 
@@ -42,10 +42,12 @@ float density(const glm::vec3& axis, const glm::vec3& normal, const glm::vec3& p
   const float length = glm::length(axis);
   const float across = glm::length(axis - glm::dot(axis, sight) * sight);
   const float seen = std::max(across, length / kMostForeshortening) / distance_m;
-  const float angle = std::acos(std::clamp(glm::dot(sight, audience.forward), -1.0f, 1.0f));
-  const float beside = std::clamp((angle / audience.half_view_rad - 1.0f) * 4.0f, 0.0f, 1.0f);
-  const float behind =
-      two_sided ? 0.0f : std::clamp(4.0f * glm::dot(normal, sight) - 0.3f, 0.0f, 1.0f);
+  const float depth = std::max(glm::dot(sight, audience.forward), 1e-3f);
+  const glm::vec2 place =
+      glm::abs(glm::vec2(glm::dot(sight, audience.right), glm::dot(sight, audience.up))) / depth /
+      audience.half_view;
+  const float beside = glm::smoothstep(1.05f, 1.25f, std::max(place.x, place.y));
+  const float behind = two_sided ? 0.0f : glm::smoothstep(0.3f, 0.5f, glm::dot(normal, sight));
   return seen / audience.step_rad / glm::mix(1.0f, kCoarser, std::max(beside, behind));
 }
 

@@ -27,12 +27,13 @@ struct ParametricSurface {
   bool two_sided = false;  ///< else the side turned away is sampled coarsely
 };
 
-/// For whom a scene is sampled: one surfel every `step_rad` as seen from `eye_m`; coarser outside a
-/// cone of `half_view_rad` around `forward` and on sides turned away.
+/// For whom a scene is sampled: one surfel every `step_rad` as seen from `eye_m`; coarser outside
+/// the view, whose half width and height are tangents along `right` and `up`, and on sides turned
+/// away.
 struct SampledFor {
   glm::vec3 eye_m;
-  glm::vec3 forward;
-  float half_view_rad;
+  glm::vec3 right, up, forward;
+  glm::vec2 half_view;
   float step_rad;
 };
 
