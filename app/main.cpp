@@ -176,12 +176,15 @@ int runMethods(bool json) {
 }
 
 void addCommonOptions(CLI::App& command, Options& options) {
-  command.add_option("STUDY", options.study, "study file (TOML)")->required();
-  command.add_option("--scene", options.scene, "PLY point cloud instead of the study's scene");
-  command.add_option("--size", options.size, "pictures of WxH px, e.g. 1280x720");
-  command.add_option("--pupil", options.pupil, "diameter of the pupil, mm");
-  command.add_option("--method", options.method, "one of `foci methods`");
-  command.add_option("--threads", options.threads, "at most N threads; the result is the same");
+  const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
+    return command.add_option(name, value, help)->type_name(type);
+  };
+  add("STUDY", options.study, "FILE", "study file (TOML)")->required();
+  add("--scene", options.scene, "FILE", "PLY point cloud instead of the study's scene");
+  add("--size", options.size, "WxH", "of the pictures, px, e.g. 1280x720");
+  add("--pupil", options.pupil, "MM", "diameter of the pupil, millimetres");
+  add("--method", options.method, "NAME", "one of `foci methods`");
+  add("--threads", options.threads, "N", "at most; the result is the same for any");
   command.add_flag("--json", options.json, "print the summary as JSON");
 }
 
@@ -196,7 +199,8 @@ std::string oneLine(std::string text) {
 int run(int argc, char** argv) {
   CLI::App app(
       "foci shows a scene as a human eye would focus it, following where the observer looks.\n"
-      "Example: foci replay configs/demo.toml --out out/demo");
+      "Example: foci replay configs/demo.toml --out out/demo",
+      "foci");
   app.set_version_flag("--version", "foci " FOCI_VERSION);
   app.require_subcommand(1);
   Options options;
@@ -206,10 +210,11 @@ int run(int argc, char** argv) {
       "Replay a recorded gaze: video, tables and a report of what the eye saw.\n"
       "Example: foci replay configs/lion.toml --scene lion.ply --trace gaze.tsv --out out/lion");
   addCommonOptions(*replay, options);
-  replay->add_option("--trace", options.trace, "recording instead of the study's gaze");
-  replay->add_option("--out", options.out, "folder of the results")->capture_default_str();
-  replay->add_option("--seconds", options.seconds,
-                     "A:B seconds after the recording's first sample");
+  replay->add_option("--trace", options.trace, "recording instead of the study's gaze")
+      ->type_name("FILE");
+  replay->add_option("--out", options.out, "folder of the results; default: out")->type_name("DIR");
+  replay->add_option("--seconds", options.seconds, "from, to: after the recording's first sample")
+      ->type_name("A:B");
   replay->add_flag("--marker", options.marker, "mark where the observer looks");
   replay->add_flag("--split", options.split, "left half sharp, right half as the eye sees");
 
@@ -219,12 +224,15 @@ int run(int argc, char** argv) {
                          "Example: foci render configs/demo.toml --focus 0.5 --out near.png");
   addCommonOptions(*render, options);
   render->add_option("--out", options.out, "picture: .png (sRGB), .pfm or .exr (linear)")
+      ->type_name("FILE")
       ->required();
-  auto* focus = render->add_option("--focus", options.focus, "distance in focus, metres, or inf");
-  render
-      ->add_option("--gaze", options.gaze, "X,Y on the study's screen, px: focus on what is there")
+  auto* focus = render->add_option("--focus", options.focus, "distance in focus, metres, or inf")
+                    ->type_name("METRES");
+  render->add_option("--gaze", options.gaze, "px of the study's screen: focus on what is there")
+      ->type_name("X,Y")
       ->excludes(focus);
-  render->add_option("--depth", options.depth, "also the distance seen, metres, as PFM");
+  render->add_option("--depth", options.depth, "also the distance seen, metres, as PFM")
+      ->type_name("FILE");
 
   auto* methods =
       app.add_subcommand("methods", "List the depth-of-field methods, each with its source.");

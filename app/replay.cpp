@@ -66,9 +66,13 @@ class ContactSheet {
     held_frames_ = record.eye.state == GazeState::fixation ? held_frames_ + 1 : 0;
     const std::size_t stretch = frame * count_ / frames_;
     const bool is_new = stretch >= chosen_.size();
-    if (!is_new && held_frames_ <= best_) return;
+    // Not two of neighbouring stretches that show the same.
+    const bool apart = chosen_.size() < 2 || 2 * (frame - before_) * count_ >= frames_;
+    if (!is_new && (held_frames_ <= best_ || !apart)) return;
+    if (is_new) before_ = at_;
+    at_ = frame;
     if (is_new) chosen_.emplace_back();
-    best_ = held_frames_;
+    best_ = is_new ? 0 : held_frames_;
     chosen_.back() = {record, thumbnail(picture, std::min(kSheetWidth_px, picture.size_px.x))};
   }
 
@@ -99,6 +103,7 @@ class ContactSheet {
   };
   std::size_t frames_, count_;
   std::size_t held_frames_ = 0, best_ = 0;
+  std::size_t at_ = 0, before_ = 0;  // frames chosen last, and in the stretch before
   std::vector<Chosen> chosen_;
 };
 

@@ -14,8 +14,8 @@ namespace {
 struct BadInput {
   std::string name;
   std::string says;  ///< part of the message
-  /// What takes the place of the good files' bytes; empty: the good one.
-  std::string study = {}, study_adds = {}, scene = {}, trace = {}, monitor = {};
+  std::string study = smallStudy(), scene = squarePly(8, 1.0), trace = steadyTrace();
+  std::string monitor = {};
   std::vector<std::string> options = {};
 };
 
@@ -26,9 +26,9 @@ class BadInputs : public testing::TestWithParam<BadInput> {};
 TEST_P(BadInputs, AreRefusedInOneLineAndNothingIsLeft) {
   const BadInput& bad = GetParam();
   const TemporaryFolder folder;
-  folder.write("study.toml", (bad.study.empty() ? smallStudy() : bad.study) + bad.study_adds);
-  folder.write("scene.ply", bad.scene.empty() ? squarePly(8, 1.0) : bad.scene);
-  folder.write("trace.tsv", bad.trace.empty() ? steadyTrace() : bad.trace);
+  folder.write("study.toml", bad.study);
+  folder.write("scene.ply", bad.scene);
+  folder.write("trace.tsv", bad.trace);
   if (!bad.monitor.empty()) folder.write("monitor.json", bad.monitor);
 
   std::vector<std::string> arguments = {"replay", "study.toml", "--out", "made/out"};
@@ -42,6 +42,40 @@ TEST_P(BadInputs, AreRefusedInOneLineAndNothingIsLeft) {
   EXPECT_LE(outcome.err.size(), 600u);
   EXPECT_NE(outcome.err.find(bad.says), std::string::npos) << outcome.err;
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "made"));
+}
+
+BadInput inStudy(const char* name, const char* says, std::string study) {
+  BadInput bad{name, says};
+  bad.study = std::move(study);
+  return bad;
+}
+
+BadInput added(const char* name, const char* says, const std::string& lines) {
+  return inStudy(name, says, smallStudy() + lines);
+}
+
+BadInput withMonitor(const char* name, const char* says, std::string study, std::string monitor) {
+  BadInput bad = inStudy(name, says, std::move(study));
+  bad.monitor = std::move(monitor);
+  return bad;
+}
+
+BadInput inScene(const char* name, const char* says, std::string scene) {
+  BadInput bad{name, says};
+  bad.scene = std::move(scene);
+  return bad;
+}
+
+BadInput inTrace(const char* name, const char* says, std::string trace) {
+  BadInput bad{name, says};
+  bad.trace = std::move(trace);
+  return bad;
+}
+
+BadInput withOptions(const char* name, const char* says, std::vector<std::string> options) {
+  BadInput bad{name, says};
+  bad.options = std::move(options);
+  return bad;
 }
 
 /// The small study with one of its lines replaced.
@@ -62,175 +96,155 @@ const std::string kPlyXyz = "property float x\nproperty float y\nproperty float 
 INSTANTIATE_TEST_SUITE_P(
     Study, BadInputs,
     testing::Values(
-        BadInput{"UnknownKey", "did you mean observer.pupil_mm?",
-                 .study_adds = "[observer]\npupil_m = 4\n"},
-        BadInput{"UnknownSection", "did you mean", .study_adds = "[observers]\npupil_mm = 4\n"},
-        BadInput{"UnknownKeyNamesItsLine",
-                 "study.toml:18: ", .study_adds = "\n[observer]\nx = 4\n"},
-        BadInput{"UnknownTopKey", "did you mean seed?", .study = "sead = 3\n" + smallStudy()},
-        BadInput{"TextForANumber", "observer.pupil_mm = \"4\": expected 0.5 to 12",
-                 .study_adds = "[observer]\npupil_mm = \"4\"\n"},
-        BadInput{"NumberTooLarge", "observer.pupil_mm = 40: expected 0.5 to 12",
-                 .study_adds = "[observer]\npupil_mm = 40\n"},
-        BadInput{"NegativeNumber", "expected 0.5 to 12",
-                 .study_adds = "[observer]\npupil_mm = -4\n"},
-        BadInput{"NotANumber", "expected 0.5 to 12", .study_adds = "[observer]\npupil_mm = nan\n"},
-        BadInput{"InfiniteNumber", "expected 0.5 to 12",
-                 .study_adds = "[observer]\npupil_mm = inf\n"},
-        BadInput{"DateForANumber", "a date or time",
-                 .study_adds = "[observer]\npupil_mm = 1979-05-27\n"},
-        BadInput{"TableForANumber", "observer.pupil_mm = {...}",
-                 .study_adds = "[observer]\npupil_mm = { mm = 4 }\n"},
-        BadInput{"NumberForASection", "expected a section", .study = "eye = 3\n"},
-        BadInput{"HugeInteger", "expected an integer",
-                 .study = "seed = 9223372036854775807\n" + smallStudy()},
-        BadInput{"IntegerBeyond64Bits", "study.toml",
-                 .study = "seed = 99999999999999999999999\n" + smallStudy()},
-        BadInput{"FractionForAnInteger", "expected an integer",
-                 .study = "seed = 1.5\n" + smallStudy()},
-        BadInput{"TextForAFlag", "expected true or false", .study_adds = "marker = \"yes\"\n"},
-        BadInput{"ShortVector", "expected 3 numbers",
-                 .study = studyWith("look_at_m = [0, 0, -1]", "look_at_m = [0, 0]")},
-        BadInput{"LongVector", "expected 3 numbers",
-                 .study = studyWith("look_at_m = [0, 0, -1]", "look_at_m = [0, 0, -1, 4]")},
-        BadInput{"MixedVector", "expected 3 numbers",
-                 .study = studyWith("look_at_m = [0, 0, -1]", "look_at_m = [0, 0, \"a\"]")},
-        BadInput{"EmptyText", "expected a file's name",
-                 .study = studyWith("file = \"scene.ply\"", "file = \"\"")},
-        BadInput{"UnknownWord", "\"gallery\" \"plane\"",
-                 .study = studyWith("file = \"scene.ply\"", "builtin = \"galery\"")},
-        BadInput{"UnknownMethod", "expected one of", .study_adds = "[render]\nmethod = \"swep\"\n"},
-        BadInput{"DuplicateKey", "study.toml:3",
-                 .study = studyWith("[eye]", "file = \"b.ply\"\n[eye]")},
-        BadInput{"SyntaxError", "study.toml:2", .study = "seed = 1\n[scene\n"},
-        BadInput{"NoValue", "study.toml", .study = "seed =\n"},
-        BadInput{"DeepNesting", "nested too deeply", .study = "seed = " + repeated("[", 100000)},
-        BadInput{"LongDottedKey", "expected lines of at most",
-                 .study = repeated("a.", 100000) + "a = 1\n"},
-        BadInput{"Binary", "NUL byte", .study = std::string("seed = 1\n\0\1\2", 12)},
-        BadInput{"HugeFile", "not a study", .study = repeated("# a comment of many\n", 400000)},
-        BadInput{"SceneTwice", "expected only one of them",
-                 .study = studyWith("[eye]", "builtin = \"plane\"\n[eye]")},
-        BadInput{"NoPoseForAFile", "eye.position_m",
-                 .study = "[scene]\nfile = \"scene.ply\"\n[gaze]\nsource = \"trace.tsv\"\n"},
-        BadInput{"HalfAPose", "expected both or neither",
-                 .study = studyWith("look_at_m = [0, 0, -1]\n", "")},
-        BadInput{"LooksAtItself", "expected look_at_m away from position_m",
-                 .study = studyWith("look_at_m = [0, 0, -1]", "look_at_m = [0, 0, 0]")},
-        BadInput{"LooksAlongUp", "expected up not along the line of sight",
-                 .study = studyWith("look_at_m = [0, 0, -1]", "look_at_m = [0, 5, 0]")},
-        BadInput{"SecondsBackwards", "expected from before to",
-                 .study = studyWith("seconds = [0, 0.6]", "seconds = [0.6, 0.2]")},
-        BadInput{"SecondsAfterTheEnd", "expected within the recording",
-                 .study = studyWith("seconds = [0, 0.6]", "seconds = [10, 20]")},
-        BadInput{"OddPictures", "expected even numbers",
-                 .study = studyWith("size_px = [96, 72]", "size_px = [97, 72]")},
-        BadInput{"ScreenOfNoWidth", "screen.size_m",
-                 .study = studyWith("size_m = [0.4, 0.3]", "size_m = [0, 0.3]")},
-        BadInput{"PathBackwards", "expected later than the keyframe before",
-                 .study = studyWith("position_m = [0, 0, 0]\nlook_at_m = [0, 0, -1]",
-                                    "path = [{time_s=1, position_m=[0,0,0], look_at_m=[0,0,-1]},"
-                                    "{time_s=1, position_m=[0,0,0], look_at_m=[0,0,-1]}]")},
-        BadInput{"PathWithoutTime", "expected time_s in each keyframe",
-                 .study = studyWith("position_m = [0, 0, 0]\nlook_at_m = [0, 0, -1]",
-                                    "path = [{position_m=[0,0,0], look_at_m=[0,0,-1]}]")},
-        BadInput{"PathWithUnknownKey", "did you mean position_m?",
-                 .study = studyWith("position_m = [0, 0, 0]\nlook_at_m = [0, 0, -1]",
-                                    "path = [{time_s=1, positon_m=[0,0,0], look_at_m=[0,0,-1]}]")},
-        BadInput{"MissingMonitor", "monitor.json",
-                 .study = studyWith("size_px = [640, 480]\nsize_m = [0.4, 0.3]\ndistance_m = 0.5",
-                                    "monitor = \"monitor.json\"")},
-        BadInput{"MonitorNoJson", "monitor.json",
-                 .study = studyWith("size_px = [640, 480]\nsize_m = [0.4, 0.3]\ndistance_m = 0.5",
-                                    "monitor = \"monitor.json\""),
-                 .monitor = "{sizePix"},
-        BadInput{"MonitorAndSizes", "expected only one of them",
-                 .study = studyWith("size_px = [640, 480]",
-                                    "monitor = \"monitor.json\"\nsize_px = [640, 480]"),
-                 .monitor = "{\"sizePix\": [640, 480], \"width\": 40, \"distance\": 50}"}),
+        added("UnknownKey", "did you mean observer.pupil_mm?", "[observer]\npupil_m = 4\n"),
+        added("UnknownSection", "did you mean", "[observers]\npupil_mm = 4\n"),
+        added("UnknownKeyNamesItsLine", "study.toml:18: ", "\n[observer]\nx = 4\n"),
+        inStudy("UnknownTopKey", "did you mean seed?", "sead = 3\n" + smallStudy()),
+        added("TextForANumber", "observer.pupil_mm = \"4\": expected 0.5 to 12",
+              "[observer]\npupil_mm = \"4\"\n"),
+        added("NumberTooLarge", "observer.pupil_mm = 40: expected 0.5 to 12",
+              "[observer]\npupil_mm = 40\n"),
+        added("NegativeNumber", "expected 0.5 to 12", "[observer]\npupil_mm = -4\n"),
+        added("NotANumber", "expected 0.5 to 12", "[observer]\npupil_mm = nan\n"),
+        added("InfiniteNumber", "expected 0.5 to 12", "[observer]\npupil_mm = inf\n"),
+        added("DateForANumber", "a date or time", "[observer]\npupil_mm = 1979-05-27\n"),
+        added("TableForANumber", "observer.pupil_mm = {...}",
+              "[observer]\npupil_mm = { mm = 4 }\n"),
+        inStudy("NumberForASection", "expected a section", "eye = 3\n"),
+        inStudy("HugeInteger", "expected an integer",
+                "seed = 9223372036854775807\n" + smallStudy()),
+        inStudy("IntegerBeyond64Bits", "study.toml",
+                "seed = 99999999999999999999999\n" + smallStudy()),
+        inStudy("FractionForAnInteger", "expected an integer", "seed = 1.5\n" + smallStudy()),
+        added("TextForAFlag", "expected true or false", "marker = \"yes\"\n"),
+        inStudy("ShortVector", "expected 3 numbers",
+                studyWith("look_at_m = [0, 0, -1]", "look_at_m = [0, 0]")),
+        inStudy("LongVector", "expected 3 numbers",
+                studyWith("look_at_m = [0, 0, -1]", "look_at_m = [0, 0, -1, 4]")),
+        inStudy("MixedVector", "expected 3 numbers",
+                studyWith("look_at_m = [0, 0, -1]", "look_at_m = [0, 0, \"a\"]")),
+        inStudy("EmptyText", "expected a file's name",
+                studyWith("file = \"scene.ply\"", "file = \"\"")),
+        inStudy("UnknownWord", "\"gallery\" \"plane\"",
+                studyWith("file = \"scene.ply\"", "builtin = \"galery\"")),
+        added("UnknownMethod", "expected one of", "[render]\nmethod = \"swep\"\n"),
+        inStudy("DuplicateKey", "study.toml:3", studyWith("[eye]", "file = \"b.ply\"\n[eye]")),
+        inStudy("SyntaxError", "study.toml:2", "seed = 1\n[scene\n"),
+        inStudy("NoValue", "study.toml", "seed =\n"),
+        inStudy("DeepNesting", "nested too deeply", "seed = " + repeated("[", 100000)),
+        inStudy("LongDottedKey", "expected lines of at most", repeated("a.", 100000) + "a = 1\n"),
+        inStudy("Binary", "NUL byte", std::string("seed = 1\n\0\1\2", 12)),
+        inStudy("HugeFile", "not a study", repeated("# a comment of many\n", 400000)),
+        inStudy("SceneTwice", "expected only one of them",
+                studyWith("[eye]", "builtin = \"plane\"\n[eye]")),
+        inStudy("NoPoseForAFile", "eye.position_m",
+                "[scene]\nfile = \"scene.ply\"\n[gaze]\nsource = \"trace.tsv\"\n"),
+        inStudy("HalfAPose", "expected both or neither", studyWith("look_at_m = [0, 0, -1]\n", "")),
+        inStudy("LooksAtItself", "expected look_at_m away from position_m",
+                studyWith("look_at_m = [0, 0, -1]", "look_at_m = [0, 0, 0]")),
+        inStudy("LooksAlongUp", "expected up not along the line of sight",
+                studyWith("look_at_m = [0, 0, -1]", "look_at_m = [0, 5, 0]")),
+        inStudy("SecondsBackwards", "expected from before to",
+                studyWith("seconds = [0, 0.6]", "seconds = [0.6, 0.2]")),
+        inStudy("SecondsAfterTheEnd", "expected within the recording",
+                studyWith("seconds = [0, 0.6]", "seconds = [10, 20]")),
+        inStudy("OddPictures", "expected even numbers",
+                studyWith("size_px = [96, 72]", "size_px = [97, 72]")),
+        inStudy("ScreenOfNoWidth", "screen.size_m",
+                studyWith("size_m = [0.4, 0.3]", "size_m = [0, 0.3]")),
+        inStudy("PathBackwards", "expected later than the keyframe before",
+                studyWith("position_m = [0, 0, 0]\nlook_at_m = [0, 0, -1]",
+                          "path = [{time_s=1, position_m=[0,0,0], look_at_m=[0,0,-1]},"
+                          "{time_s=1, position_m=[0,0,0], look_at_m=[0,0,-1]}]")),
+        inStudy("PathWithoutTime", "expected time_s in each keyframe",
+                studyWith("position_m = [0, 0, 0]\nlook_at_m = [0, 0, -1]",
+                          "path = [{position_m=[0,0,0], look_at_m=[0,0,-1]}]")),
+        inStudy("PathWithUnknownKey", "did you mean position_m?",
+                studyWith("position_m = [0, 0, 0]\nlook_at_m = [0, 0, -1]",
+                          "path = [{time_s=1, positon_m=[0,0,0], look_at_m=[0,0,-1]}]")),
+        inStudy("MissingMonitor", "monitor.json",
+                studyWith("size_px = [640, 480]\nsize_m = [0.4, 0.3]\ndistance_m = 0.5",
+                          "monitor = \"monitor.json\"")),
+        withMonitor("MonitorNoJson", "monitor.json",
+                    studyWith("size_px = [640, 480]\nsize_m = [0.4, 0.3]\ndistance_m = 0.5",
+                              "monitor = \"monitor.json\""),
+                    "{sizePix"),
+        withMonitor("MonitorAndSizes", "expected only one of them",
+                    studyWith("size_px = [640, 480]",
+                              "monitor = \"monitor.json\"\nsize_px = [640, 480]"),
+                    "{\"sizePix\": [640, 480], \"width\": 40, \"distance\": 50}")),
     [](const auto& param) { return param.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
     Scene, BadInputs,
     testing::Values(
-        BadInput{"NoPly", "scene.ply", .scene = "solid cube\n"},
-        BadInput{"EmptyFile", "scene.ply", .scene = "\n"},
-        BadInput{"NoPoints", "scene.ply", .scene = kPlyStart + "element vertex 0\n" + kPlyXyz},
-        BadInput{"HugeCount", "scene.ply",
-                 .scene = kPlyStart + "element vertex 99999999999\n" + kPlyXyz + "0 0 -1\n"},
-        BadInput{"NegativeCount", "scene.ply",
-                 .scene = kPlyStart + "element vertex -5\n" + kPlyXyz + "0 0 -1\n"},
-        BadInput{"Truncated", "scene.ply",
-                 .scene = kPlyStart + "element vertex 3\n" + kPlyXyz + "0 0 -1\n0 0 -2\n"},
-        BadInput{
-            "TruncatedBinary", "scene.ply",
-            .scene = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" + kPlyXyz + "abc"},
-        BadInput{"NoHeaderEnd", "scene.ply",
-                 .scene = kPlyStart + "element vertex 1\nproperty float x\n"},
-        BadInput{"NoZ", "scene.ply",
-                 .scene = kPlyStart + "element vertex 1\nproperty float x\nproperty float y\n"
-                                      "end_header\n0 0\n"},
-        BadInput{
-            "UnknownType", "scene.ply",
-            .scene = kPlyStart + "element vertex 1\nproperty quad x\n" + kPlyXyz + "0 0 0 -1\n"},
-        BadInput{"UnknownFormat", "scene.ply",
-                 .scene = "ply\nformat ebcdic 1.0\nelement vertex 1\n" + kPlyXyz + "0 0 -1\n"},
-        BadInput{"WordsForNumbers", "scene.ply",
-                 .scene = kPlyStart + "element vertex 1\n" + kPlyXyz + "zero 0 -1\n"},
-        BadInput{"NoVertices", "scene.ply",
-                 .scene = kPlyStart +
-                          "element face 1\nproperty list uchar int i\nend_header\n3 0 1 2\n"},
-        BadInput{"OnlyNaN", "scene.ply",
-                 .scene = kPlyStart + "element vertex 1\n" + kPlyXyz + "nan nan nan\n"}),
+        inScene("NoPly", "scene.ply", "solid cube\n"), inScene("EmptyFile", "scene.ply", "\n"),
+        inScene("NoPoints", "scene.ply", kPlyStart + "element vertex 0\n" + kPlyXyz),
+        inScene("HugeCount", "scene.ply",
+                kPlyStart + "element vertex 99999999999\n" + kPlyXyz + "0 0 -1\n"),
+        inScene("NegativeCount", "scene.ply",
+                kPlyStart + "element vertex -5\n" + kPlyXyz + "0 0 -1\n"),
+        inScene("Truncated", "scene.ply",
+                kPlyStart + "element vertex 3\n" + kPlyXyz + "0 0 -1\n0 0 -2\n"),
+        inScene("TruncatedBinary", "scene.ply",
+                "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" + kPlyXyz + "abc"),
+        inScene("NoHeaderEnd", "scene.ply", kPlyStart + "element vertex 1\nproperty float x\n"),
+        inScene("NoZ", "scene.ply",
+                kPlyStart + "element vertex 1\nproperty float x\nproperty float y\n"
+                            "end_header\n0 0\n"),
+        inScene("UnknownType", "scene.ply",
+                kPlyStart + "element vertex 1\nproperty quad x\n" + kPlyXyz + "0 0 0 -1\n"),
+        inScene("UnknownFormat", "scene.ply",
+                "ply\nformat ebcdic 1.0\nelement vertex 1\n" + kPlyXyz + "0 0 -1\n"),
+        inScene("WordsForNumbers", "scene.ply",
+                kPlyStart + "element vertex 1\n" + kPlyXyz + "zero 0 -1\n"),
+        inScene("NoVertices", "scene.ply",
+                kPlyStart + "element face 1\nproperty list uchar int i\nend_header\n3 0 1 2\n"),
+        inScene("OnlyNaN", "scene.ply",
+                kPlyStart + "element vertex 1\n" + kPlyXyz + "nan nan nan\n")),
     [](const auto& param) { return param.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
     Trace, BadInputs,
     testing::Values(
-        BadInput{"Empty", "trace.tsv", .trace = "\n"},
-        BadInput{"OnlyAHeader", "trace.tsv", .trace = "time_s\tx_px\ty_px\n"},
-        BadInput{"OneSample", "trace.tsv", .trace = "time_s\tx_px\ty_px\n0\t1\t2\n"},
-        BadInput{"NoTimeColumn", "trace.tsv", .trace = "a\tx_px\ty_px\n0\t1\t2\n1\t1\t2\n"},
-        BadInput{"NamedColumnMissing", "gaze_left_x",
-                 .study = studyWith("source = \"trace.tsv\"",
-                                    "source = \"trace.tsv\"\nx = \"gaze_left_x\"")},
-        BadInput{"WordsForNumbers", "trace.tsv",
-                 .trace = "time_s\tx_px\ty_px\n0\tleft\t2\n0.01\t1\t2\n"},
-        BadInput{"TimeBackwards", "trace.tsv",
-                 .trace = "time_s\tx_px\ty_px\n0.02\t1\t2\n0.01\t1\t2\n0.03\t1\t2\n"},
-        BadInput{"ShortRow", "trace.tsv:3",
-                 .trace = "time_s\tx_px\ty_px\n0\t1\t2\n0.01\t1\n0.02\t1\t2\n"},
-        BadInput{"Binary", "trace.tsv", .trace = std::string("\x7f\x45\x4c\x46\0\0\0\0", 8)},
-        BadInput{"Utf16", "trace.tsv", .trace = std::string("\xff\xfet\0i\0m\0e\0\n\0", 12)},
-        BadInput{"EndlessLine", "trace.tsv", .trace = repeated("time_s\t", 100000)},
-        BadInput{"RateTooLow", "trace.tsv",
-                 .trace = "time_s\tx_px\ty_px\n0\t1\t2\n10\t1\t2\n20\t1\t2\n"},
-        BadInput{"AscWithoutSamples", "trace.tsv",
-                 .trace = "** CONVERTED FROM a.edf using edfapi 3.1\n** DATE: today\n"}),
+        inTrace("Empty", "trace.tsv", "\n"),
+        inTrace("OnlyAHeader", "trace.tsv", "time_s\tx_px\ty_px\n"),
+        inTrace("OneSample", "trace.tsv", "time_s\tx_px\ty_px\n0\t1\t2\n"),
+        inTrace("NoTimeColumn", "trace.tsv", "a\tx_px\ty_px\n0\t1\t2\n1\t1\t2\n"),
+        inStudy("NamedColumnMissing", "gaze_left_x",
+                studyWith("source = \"trace.tsv\"", "source = \"trace.tsv\"\nx = \"gaze_left_x\"")),
+        inTrace("WordsForNumbers", "trace.tsv", "time_s\tx_px\ty_px\n0\tleft\t2\n0.01\t1\t2\n"),
+        inTrace("TimeBackwards", "trace.tsv",
+                "time_s\tx_px\ty_px\n0.02\t1\t2\n0.01\t1\t2\n0.03\t1\t2\n"),
+        inTrace("ShortRow", "trace.tsv:3", "time_s\tx_px\ty_px\n0\t1\t2\n0.01\t1\n0.02\t1\t2\n"),
+        inTrace("Binary", "trace.tsv", std::string("\x7f\x45\x4c\x46\0\0\0\0", 8)),
+        inTrace("Utf16", "trace.tsv", std::string("\xff\xfet\0i\0m\0e\0\n\0", 12)),
+        inTrace("EndlessLine", "trace.tsv", repeated("time_s\t", 100000)),
+        inTrace("RateTooLow", "trace.tsv", "time_s\tx_px\ty_px\n0\t1\t2\n10\t1\t2\n20\t1\t2\n"),
+        inTrace("AscWithoutSamples", "trace.tsv",
+                "** CONVERTED FROM a.edf using edfapi 3.1\n** DATE: today\n")),
     [](const auto& param) { return param.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
     Options, BadInputs,
     testing::Values(
-        BadInput{"UnknownOption", "--sise", .options = {"--sise", "3x4"}},
-        BadInput{"SizeOfOneNumber", "--size 96: expected WIDTHxHEIGHT",
-                 .options = {"--size", "96"}},
-        BadInput{"SizeOfWords", "--size axb", .options = {"--size", "axb"}},
-        BadInput{"SizeTooLarge", "expected 2 numbers", .options = {"--size", "100000x2"}},
-        BadInput{"SizeOfNothing", "--size", .options = {"--size", ""}},
-        BadInput{"SecondsOfOneNumber", "--seconds 3: expected FROM:TO",
-                 .options = {"--seconds", "3"}},
-        BadInput{"SecondsNotANumber", "--seconds nan:1", .options = {"--seconds", "nan:1"}},
-        BadInput{"NoThreads", "--threads 0: expected an integer", .options = {"--threads", "0"}},
-        BadInput{"NegativeThreads", "--threads -2", .options = {"--threads", "-2"}},
-        BadInput{"ThreadsOfWords", "--threads many", .options = {"--threads", "many"}},
-        BadInput{"UnknownMethod", "--method swep", .options = {"--method", "swep"}},
-        BadInput{"PupilTooLarge", "--pupil 40: expected 0.5 to 12", .options = {"--pupil", "40"}},
-        BadInput{"MissingScene", "missing.ply", .options = {"--scene", "missing.ply"}},
-        BadInput{"SceneIsAFolder", "expected", .options = {"--scene", "."}},
-        BadInput{"MissingTrace", "missing.tsv", .options = {"--trace", "missing.tsv"}},
-        BadInput{"TraceIsAFolder", "foci: .", .options = {"--trace", "."}},
-        BadInput{"ExtraArgument", "more.toml", .options = {"more.toml"}}),
+        withOptions("UnknownOption", "--sise", {"--sise", "3x4"}),
+        withOptions("SizeOfOneNumber", "--size 96: expected WIDTHxHEIGHT", {"--size", "96"}),
+        withOptions("SizeOfWords", "--size axb", {"--size", "axb"}),
+        withOptions("SizeTooLarge", "expected 2 numbers", {"--size", "100000x2"}),
+        withOptions("SizeOfNothing", "--size", {"--size", ""}),
+        withOptions("SecondsOfOneNumber", "--seconds 3: expected FROM:TO", {"--seconds", "3"}),
+        withOptions("SecondsNotANumber", "--seconds nan:1", {"--seconds", "nan:1"}),
+        withOptions("NoThreads", "--threads 0: expected an integer", {"--threads", "0"}),
+        withOptions("NegativeThreads", "--threads -2", {"--threads", "-2"}),
+        withOptions("ThreadsOfWords", "--threads many", {"--threads", "many"}),
+        withOptions("UnknownMethod", "--method swep", {"--method", "swep"}),
+        withOptions("PupilTooLarge", "--pupil 40: expected 0.5 to 12", {"--pupil", "40"}),
+        withOptions("MissingScene", "missing.ply", {"--scene", "missing.ply"}),
+        withOptions("SceneIsAFolder", "not a file", {"--scene", "."}),
+        withOptions("MissingTrace", "missing.tsv", {"--trace", "missing.tsv"}),
+        withOptions("TraceIsAFolder", "foci: .", {"--trace", "."}),
+        withOptions("ExtraArgument", "more.toml", {"more.toml"})),
     [](const auto& param) { return param.param.name; });
 
 TEST(BadUsage, ExitsWithTwoInOneLine) {
