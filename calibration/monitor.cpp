@@ -44,10 +44,12 @@ Screen readPsychoPyMonitor(const std::filesystem::path& file) {
   if (size == fields.end()) throw InputError(name, "no \"sizePix\": not a PsychoPy monitor");
   glm::ivec2 size_px{0};
   for (int i = 0; i < 2 && size->is_array() && size->size() == 2; ++i) {
-    if ((*size)[i].is_number()) size_px[i] = static_cast<int>(std::clamp((*size)[i].get<double>(), 0.0, 1e6));
+    if ((*size)[i].is_number())
+      size_px[i] = static_cast<int>(std::clamp((*size)[i].get<double>(), 0.0, 1e6));
   }
   if (size_px.x < 16 || size_px.y < 16 || size_px.x > 16384 || size_px.y > 16384) {
-    throw InputError(name, "sizePix = " + size->dump().substr(0, 40) + ": expected two of 16 to 16384 px");
+    throw InputError(
+        name, "sizePix = " + size->dump().substr(0, 40) + ": expected two of 16 to 16384 px");
   }
   const double width_m = numberIn(fields, "width", 1.0, 2000.0, name) / 100.0;
   const double distance_m = numberIn(fields, "distance", 1.0, 10000.0, name) / 100.0;
