@@ -56,6 +56,8 @@ struct Reprojection {
 std::vector<double> variancesOf(ceres::Problem& problem, const double* camera) {
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::DENSE_SVD;
+  // What is not determined shall show as a large variance, not as an error.
+  options.min_reciprocal_condition_number = 1e-60;
   options.num_threads = 1;
   ceres::Covariance covariance(options);
   std::vector<double> block(kCameraParameters * kCameraParameters), variances;

@@ -101,7 +101,8 @@ void refuseHopeless(std::span<const Station> stations) {
   const glm::dvec2 targets = extents(stations, &Station::target);
   if (targets.x <= kCollinear * targets.y) refuse("the targets are collinear: no second direction");
   const glm::dvec2 gaze = extents(stations, &Station::gaze);
-  if (gaze.y <= 0.0) refuse("contradictory: gaze is the same at every target");
+  if (gaze.y <= 1e-9 * (1.0 + glm::length(stations[0].gaze)))
+    refuse("contradictory: gaze is the same at every target");
   if (gaze.x <= kCollinear * gaze.y) refuse("gaze moves along a line only: is one axis lost?");
   for (const Station& s : stations) {
     if (s.samples.size() > 1 && glm::length(s.gaze_sd) > kScattered * glm::length(gaze)) {
