@@ -1,8 +1,11 @@
-// `foci calibrate gaze`, from files; the window is calibrate_gaze_window's.
+// `foci calibrate gaze`, from files or in its window.
+#include <algorithm>
+#include <array>
 #include <cstdio>
 
 #include "app/base/input_error.h"
 #include "app/calibrate_options.h"
+#include "app/calibrate_windows.h"
 #include "calibration/calibration_file.h"
 #include "calibration/gaze_map_file.h"
 #include "calibration/gaze_report.h"
@@ -26,6 +29,33 @@ GazeFrame frameOf(const CalibrateGazeOptions& options) {
   return frame;
 }
 
+GazeReport fromFiles(const CalibrateGazeOptions& options, const GazeFrame& frame,
+                     std::optional<GazeModel> model) {
+  const auto pairs = readGazePairs(options.pairs, frame.units);
+  std::vector<GazePair> other;
+  if (!options.validate.empty()) other = readGazePairs(options.validate, frame.units);
+  GazeReport report;
+  try {
+    report.fit = fitGazeMap(pairs, frame, model);
+  } catch (const InputError& error) {
+    throw InputError(options.pairs.string(), error.what());
+  }
+  report.validated = !other.empty();
+  report.accuracy = measureAccuracy(report.validated ? other : pairs, frame, &report.fit.map);
+  return report;
+}
+
+void refuseWindowOptions(const CalibrateGazeOptions& options) {
+  if (options.source != "mouse") {
+    throw InputError("--source", options.source.substr(0, 40) + ": expected mouse");
+  }
+  constexpr std::array<int, 4> kCounts{5, 9, 13, 16};
+  if (std::find(kCounts.begin(), kCounts.end(), options.targets) == kCounts.end()) {
+    throw InputError("--targets", std::to_string(options.targets) + ": expected 5, 9, 13 or 16");
+  }
+  if (options.units != "deg") throw InputError("--units", "the window works in deg");
+}
+
 }  // namespace
 
 void calibrateGaze(const CalibrateGazeOptions& options) {
@@ -38,19 +68,19 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
     }
   }
   const GazeFrame frame = frameOf(options);
-  if (options.pairs.empty()) throw InputError("--pairs", "missing");
-
-  const auto pairs = readGazePairs(options.pairs, frame.units);
-  std::vector<GazePair> other;
-  if (!options.validate.empty()) other = readGazePairs(options.validate, frame.units);
   GazeReport report;
-  try {
-    report.fit = fitGazeMap(pairs, frame, model);
-  } catch (const InputError& error) {
-    throw InputError(options.pairs.string(), error.what());
+  if (options.pairs.empty()) {
+    if (!options.validate.empty()) throw InputError("--validate", "needs --pairs");
+    refuseWindowOptions(options);
+    const auto result = calibrateGazeInWindow(options, frame.screen);
+    if (!result) {
+      std::fprintf(stderr, "left without a calibration\n");
+      return;
+    }
+    report = *result;
+  } else {
+    report = fromFiles(options, frame, model);
   }
-  report.validated = !other.empty();
-  report.accuracy = measureAccuracy(report.validated ? other : pairs, frame, &report.fit.map);
 
   if (!options.out.empty()) {
     std::filesystem::path page = options.report;

@@ -39,7 +39,7 @@ TEST(TargetSession, AnObserverWhoLooksIsLedThrough) {
     if (target < kTargets.size()) session.update(time_s, kTargets[target] + 0.3);
   }
   EXPECT_TRUE(session.done());
-  EXPECT_LT(time_s, 3.0 * kTargets.size());
+  EXPECT_LT(time_s, 9.0);
   for (const GazePair& pair : session.pairs()) {
     if (pair.gaze) {
       EXPECT_LT(glm::length(*pair.gaze - pair.target), 0.5);
