@@ -25,7 +25,7 @@ constexpr float kMostLocalSpacings = 2.0f;  // of the neighbours' median: strays
 constexpr float kMostSpacings = 5.0f;       // of the cloud's median: strays far from everything
 constexpr float kLeastSigma_m = 1e-9f;      // its fourth power is still a normal float
 constexpr float kLeastWeight = 0.05f;       // of spacing^2
-constexpr int kWeightIterations = 4;
+constexpr int kWeightIterations = 8;
 
 template <typename Body>
 void forEach(std::size_t count, const Body& body) {
