@@ -16,6 +16,7 @@ void addCalibrateCommand(CLI::App& app) {
   {
     CalibrateScreenOptions& o = *screen_options;
     screen->add_flag("--headless", o.headless, "No window: everything comes from the options");
+    screen->add_flag("--window", o.window, "A window instead of the full screen");
     screen->add_option("--size-px", o.size_px, "Resolution, WxH");
     screen->add_option("--card-px", o.card_px, "Bank card as fitted on screen, W or WxH px");
     screen->add_option("--size-m", o.size_m, "Visible area, WxH m");
