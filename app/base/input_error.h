@@ -8,7 +8,8 @@
 namespace foci {
 
 /// Says in one line what was wrong: file, line or key, the value found and what was allowed, e.g.
-/// `study.toml:12: observer.pupil_mm = 40: expected 0.5 to 12`. Caught once, in `main`: exit code 2.
+/// `study.toml:12: observer.pupil_mm = 40: expected 0.5 to 12`. Caught once, in `main`: exit
+/// code 2.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -3,18 +3,22 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 namespace foci {
 
-/// Row-major, top row first. `rgba` holds linear RGB, already multiplied by coverage and already over
-/// the background, and the coverage (0 to 1) itself.
+/// Row-major, top row first. `rgba` holds linear RGB, already multiplied by coverage and already
+/// over the background, and the coverage (0 to 1) itself.
 struct Frame {
   glm::ivec2 size_px{0, 0};
   std::vector<glm::vec4> rgba;
-  std::vector<float> depth_m;  ///< distance of what is seen, coverage-weighted; 0 where nothing is; empty unless asked for
+  std::vector<float> depth_m;  ///< distance of what is seen, coverage-weighted; 0 where nothing is;
+                               ///< empty unless asked for
 
-  const glm::vec4& at(int x, int y) const { return rgba[static_cast<std::size_t>(y) * size_px.x + x]; }
+  const glm::vec4& at(int x, int y) const {
+    return rgba[static_cast<std::size_t>(y) * size_px.x + x];
+  }
 };
 
 /// What a frame cost.
@@ -22,6 +26,9 @@ struct RenderStats {
   std::uint64_t splats = 0;     ///< drawn, after culling
   std::uint64_t fragments = 0;  ///< kernel evaluations inside a footprint
   double ms = 0.0;              ///< wall time
+  /// Of a reference: the PSNR between two halves of its samples. The ceiling of any PSNR against
+  /// it.
+  std::optional<double> split_half_psnr_dB;
 };
 
 }  // namespace foci

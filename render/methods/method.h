@@ -14,13 +14,16 @@
 namespace foci {
 
 struct RenderSettings {
-  Defocus defocus;                  ///< default: everything sharp
-  glm::vec3 background{0.0f};       ///< linear RGB behind everything
-  bool depth = false;               ///< fill Frame::depth_m
+  Defocus defocus;             ///< default: everything sharp
+  glm::vec3 background{0.0f};  ///< linear RGB behind everything
+  float shading =
+      0.0f;  ///< 0 to 1: how much of the colour falls off with the cosine to the line of sight
+  bool depth = false;  ///< fill Frame::depth_m
 };
 
-/// A method draws one scene, given when it is made; it may keep buffers between frames. Not thread-safe:
-/// one thread calls it, it uses as many as the enclosing tbb::task_arena or tbb::global_control allows.
+/// A method draws one scene, given when it is made; it may keep buffers between frames. Not
+/// thread-safe: one thread calls it, it uses as many as the enclosing tbb::task_arena or
+/// tbb::global_control allows.
 class Method {
  public:
   virtual ~Method() = default;
@@ -33,12 +36,14 @@ struct MethodInfo {
   std::string_view name;
   std::string_view summary;  ///< one line
   std::string_view source;   ///< where it is from
+  int most = 0;              ///< the largest N of `name:N`; 0: it takes none
+  int standard = 0;          ///< N where none is given
 };
 
 const std::vector<MethodInfo>& methods();
 
-/// @param name  one of `methods()`
-/// @throws InputError on another name, with the nearest known one
-std::unique_ptr<Method> makeMethod(std::string_view name, const SurfelCloud& cloud);
+/// @param spec  the name of one of `methods()`, where it takes a number with `:N` behind it
+/// @throws InputError on another name, with the nearest known one, or a number out of range
+std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud);
 
 }  // namespace foci

@@ -13,7 +13,8 @@ enum class DistanceAlong {
 };
 
 /// All that a renderer needs to know of a lens:
-///   C_px = radius_px_per_D |1/U - focus_D|        (Eq. 1 to 4 in dioptres; the retina distance cancels)
+///   C_px = radius_px_per_D |1/U - focus_D|        (Eq. 1 to 4 in dioptres; the retina distance
+///   cancels)
 /// finite for U = F, U -> inf and focus at infinity (focus_D = 0).
 struct Defocus {
   glm::vec2 radius_px_per_D{0.0f};  ///< along x and y; 0: a pinhole
@@ -21,17 +22,18 @@ struct Defocus {
   DistanceAlong along = DistanceAlong::sight;
 };
 
-/// Variance of the Gaussian nearest (in L2) to a uniform disc of radius 1: a = 1 / (2 ln 4)  (Eq. 11).
+/// Variance of the Gaussian nearest (in L2) to a uniform disc of radius 1: a = 1 / (2 ln 4)  (Eq.
+/// 11).
 inline constexpr float kGaussianVariancePerRadius2 = 0.36067376f;
 
-/// Radius of the circle of confusion of a point `point_D` dioptres away (0: infinity). Pixels, >= 0;
-/// exactly 0 in focus.
+/// Radius of the circle of confusion of a point `point_D` dioptres away (0: infinity). Pixels, >=
+/// 0; exactly 0 in focus.
 inline glm::vec2 blurRadius_px(const Defocus& defocus, float point_D) {
   return defocus.radius_px_per_D * std::abs(point_D - defocus.focus_D);
 }
 
-/// Eye behind a screen that its frustum agrees with: radius_px_per_D = (A/2) d_s R = (A/2) focal_px.
-/// The camera of Eq. 3 comes to the same: (A/2) N H/(T - B) = (A/2) focal_px.
+/// Eye behind a screen that its frustum agrees with: radius_px_per_D = (A/2) d_s R = (A/2)
+/// focal_px. The camera of Eq. 3 comes to the same: (A/2) N H/(T - B) = (A/2) focal_px.
 /// @param aperture_m  diameter of pupil or lens, >= 0
 Defocus defocusOfLens(double aperture_m, const glm::vec2& focal_px, double focus_D,
                       DistanceAlong along);
@@ -42,7 +44,8 @@ double imageDistance_m(double focal_length_m, double object_m);
 
 /// Radius on the image plane, C = (A/2) |V_U - V_P| / V_U  (Eq. 2). The paper's own form: use
 /// `retinalRadius_m` or `Defocus`, which are finite where this is not.
-double circleOfConfusion_m(double aperture_m, double focal_length_m, double point_m, double focus_m);
+double circleOfConfusion_m(double aperture_m, double focal_length_m, double point_m,
+                           double focus_m);
 
 /// Radius on the retina, C = (A/2) V_P |1/U - 1/P|.
 /// @param retina_m  lens to retina, 0.024 for the eye

@@ -29,8 +29,7 @@ View viewOfCamera(const glm::mat4& eye_from_world, const glm::ivec2& size_px, do
 }
 
 glm::dvec3 directionThrough(const View& view, const glm::dvec2& point_px) {
-  const glm::dvec2 tangent =
-      (point_px - glm::dvec2(view.principal_px)) / glm::dvec2(view.focal_px);
+  const glm::dvec2 tangent = (point_px - glm::dvec2(view.principal_px)) / glm::dvec2(view.focal_px);
   return glm::normalize(glm::dvec3(tangent.x, -tangent.y, -1.0));
 }
 

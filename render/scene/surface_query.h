@@ -17,10 +17,10 @@ class SurfaceQuery {
   SurfaceQuery(SurfaceQuery&&) noexcept;
   SurfaceQuery& operator=(SurfaceQuery&&) noexcept;
 
-  /// Distance along the ray, metres, to the first surface that covers at least `coverage` of the cone.
-  /// Surfels in the cone are taken front to back and joined to surfaces by their depth ranges, as the
-  /// splatter joins them to layers; opacity counts. The distance is the surface's coverage-weighted
-  /// mean, taken in dioptres.
+  /// Distance along the ray, metres, to the first surface that covers at least `coverage` of the
+  /// cone. Surfels in the cone are taken front to back and joined to surfaces by their depth
+  /// ranges, as the splatter joins them to layers; opacity counts. The distance is the surface's
+  /// coverage-weighted mean, taken in dioptres.
   /// @param direction       unit length
   /// @param half_angle_rad  > 0, below pi/4
   /// @param coverage        0 < coverage <= 1

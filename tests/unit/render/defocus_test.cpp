@@ -7,10 +7,11 @@
 namespace foci {
 namespace {
 
-constexpr double kPrinted = 5e-5;    // the test vectors of formulas.md are printed to 4 or 5 digits
-constexpr double kRounding = 1e-9;   // a handful of double operations
+constexpr double kPrinted = 5e-5;   // the test vectors of formulas.md are printed to 4 or 5 digits
+constexpr double kRounding = 1e-9;  // a handful of double operations
 
-double eyeRadius_px(double pupil_m, double point_m, double focus_m, double px_per_m, double screen_m) {
+double eyeRadius_px(double pupil_m, double point_m, double focus_m, double px_per_m,
+                    double screen_m) {
   const auto focal_px = glm::vec2(static_cast<float>(px_per_m * screen_m));
   const Defocus eye = defocusOfLens(pupil_m, focal_px, 1.0 / focus_m, DistanceAlong::sight);
   return blurRadius_px(eye, static_cast<float>(1.0 / point_m)).x;
@@ -50,7 +51,7 @@ TEST(BlurRadius, DioptricFormAgreesWithThinLensWhereThatIsDefined) {
 
 TEST(BlurRadius, IsFiniteWhereThinLensIsSingular) {
   const Defocus eye = defocusOfLens(0.004, glm::vec2(2000.0f), 0.0, DistanceAlong::sight);
-  EXPECT_EQ(blurRadius_px(eye, 0.0f).x, 0.0f);                 // both at infinity
+  EXPECT_EQ(blurRadius_px(eye, 0.0f).x, 0.0f);                          // both at infinity
   EXPECT_FLOAT_EQ(blurRadius_px(eye, 1.0f / 0.024f).x, 4.0f / 0.024f);  // U = F
   EXPECT_TRUE(std::isinf(imageDistance_m(0.024, 0.024)));
   EXPECT_DOUBLE_EQ(imageDistance_m(0.024, std::numeric_limits<double>::infinity()), 0.024);

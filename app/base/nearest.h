@@ -1,0 +1,37 @@
+// "Did you mean": the known word nearest to a mistyped one.
+#pragma once
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace foci {
+
+/// Levenshtein's distance: insertions, deletions and replacements of one character.
+inline std::size_t editDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row[b.size()];
+}
+
+/// The first of the `known` words (at least one) with the least distance to the first 64 characters
+/// of `word`.
+inline std::string nearest(std::string_view word, const std::vector<std::string>& known) {
+  const std::string_view head = word.substr(0, 64);
+  return *std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+    return editDistance(head, a) < editDistance(head, b);
+  });
+}
+
+}  // namespace foci

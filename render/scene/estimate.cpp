@@ -1,0 +1,316 @@
+#include "render/scene/estimate.h"
+
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <glm/gtc/constants.hpp>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "app/base/parallel.h"
+#include "render/scene/neighbours.h"
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kNeighbours = 16;
+constexpr float kSameSheetCosine = 0.5f;    // of normals, signs apart
+constexpr float kSameSheetReach = 0.5f;     // off the tangent plane, of the furthest neighbour
+constexpr float kMostLocalSpacings = 2.0f;  // of the neighbours' median: strays beside a surface
+constexpr float kMostSpacings = 5.0f;       // of the cloud's median: strays far from everything
+constexpr float kLeastSigma_m = 1e-9f;      // its fourth power is still a normal float
+constexpr float kLeastWeight = 0.05f;       // of spacing^2
+constexpr int kWeightIterations = 4;
+constexpr double kMostOpposed = 0.05;       // share of neighbours, in an oriented cloud
+
+/// Unit eigenvector of the least eigenvalue, by cyclic Jacobi rotations (Golub and Van Loan, 8.5).
+/// Any one of them where several are least; the z axis for the zero matrix.
+glm::dvec3 leastAxis(glm::dmat3 a) {
+  glm::dmat3 v(1.0);
+  for (int sweep = 0; sweep < 12; ++sweep) {
+    const double off = std::abs(a[0][1]) + std::abs(a[0][2]) + std::abs(a[1][2]);
+    if (off <= 1e-14 * (a[0][0] + a[1][1] + a[2][2])) break;
+    for (const auto& [p, q] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+      if (a[p][q] == 0.0) continue;
+      const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+      const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::hypot(theta, 1.0));
+      const double c = 1.0 / std::hypot(t, 1.0), s = t * c;
+      const double app = a[p][p], aqq = a[q][q], apq = a[p][q];
+      a[p][p] = app - t * apq;
+      a[q][q] = aqq + t * apq;
+      a[p][q] = a[q][p] = 0.0;
+      const int r = 3 - p - q;
+      const double arp = a[r][p], arq = a[r][q];
+      a[r][p] = a[p][r] = c * arp - s * arq;
+      a[r][q] = a[q][r] = s * arp + c * arq;
+      for (int i = 0; i < 3; ++i) {
+        const double vp = v[p][i], vq = v[q][i];
+        v[p][i] = c * vp - s * vq;
+        v[q][i] = s * vp + c * vq;
+      }
+    }
+  }
+  int least = 2;
+  for (int i = 0; i < 2; ++i) {
+    if (a[i][i] < a[least][least]) least = i;
+  }
+  return glm::normalize(v[least]);
+}
+
+void estimateNormals(const std::vector<glm::vec3>& position_m, const Neighbours& near,
+                     const std::optional<glm::vec3>& viewpoint_m, std::vector<glm::vec3>& normal) {
+  glm::dvec3 centroid(0.0);
+  for (const glm::vec3& p : position_m) centroid += p;
+  centroid /= static_cast<double>(position_m.size());
+
+  normal.resize(position_m.size(), glm::vec3(0.0f));
+  parallelFor(position_m.size(), [&](std::size_t i) {
+    if (normal[i] != glm::vec3(0.0f)) return;
+    const glm::dvec3 p = position_m[i];
+    glm::dvec3 mean(0.0);
+    for (const std::uint32_t j : near.of(i)) mean += glm::dvec3(position_m[j]) - p;
+    mean /= static_cast<double>(near.k + 1);
+    glm::dmat3 covariance = glm::outerProduct(mean, mean);  // the point itself
+    for (const std::uint32_t j : near.of(i)) {
+      const glm::dvec3 d = glm::dvec3(position_m[j]) - p - mean;
+      covariance += glm::outerProduct(d, d);
+    }
+    const glm::dvec3 axis = leastAxis(covariance);
+    const glm::dvec3 outwards = viewpoint_m ? glm::dvec3(*viewpoint_m) - p : p - centroid;
+    normal[i] = glm::vec3(glm::dot(axis, outwards) < 0.0 ? -axis : axis);
+  });
+}
+
+/// Which neighbours lie on the point's own sheet of surface, a bit each.
+std::vector<std::uint16_t> sameSheet(const std::vector<glm::vec3>& position_m,
+                                     const std::vector<glm::vec3>& normal, const Neighbours& near) {
+  static_assert(kNeighbours <= 16);
+  std::vector<std::uint16_t> sheet(position_m.size(), 0);
+  if (near.k == 0) return sheet;
+  parallelFor(position_m.size(), [&](std::size_t i) {
+    unsigned bits = 0, bit = 1;
+    for (const std::uint32_t j : near.of(i)) {
+      const float off_plane = std::abs(glm::dot(position_m[j] - position_m[i], normal[i]));
+      if (off_plane <= kSameSheetReach * near.reach_m[i] &&
+          std::abs(glm::dot(normal[i], normal[j])) >= kSameSheetCosine) {
+        bits |= bit;
+      }
+      bit <<= 1;
+    }
+    sheet[i] = static_cast<std::uint16_t>(bits);
+  });
+  return sheet;
+}
+
+/// Whether neighbours on one sheet have their normals on the same side, but for a few.
+bool agree(const std::vector<glm::vec3>& normal, const Neighbours& near,
+           const std::vector<std::uint16_t>& sheet) {
+  std::vector<std::uint8_t> opposed(normal.size(), 0);
+  parallelFor(normal.size(), [&](std::size_t i) {
+    unsigned bit = 1;
+    for (const std::uint32_t j : near.of(i)) {
+      opposed[i] += (sheet[i] & bit) != 0 && glm::dot(normal[i], normal[j]) < 0.0f;
+      bit <<= 1;
+    }
+  });
+  std::size_t pairs = 0, of_them = 0;
+  for (std::size_t i = 0; i < normal.size(); ++i) {
+    pairs += static_cast<std::size_t>(std::popcount(sheet[i]));
+    of_them += opposed[i];
+  }
+  return pairs > 0 && static_cast<double>(of_them) < kMostOpposed * static_cast<double>(pairs);
+}
+
+float medianOf(std::vector<float> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// sqrt of the area of one sample, from the k-th neighbour's distance; strays are kept small.
+std::vector<float> spacings(const Neighbours& near, const std::vector<std::uint16_t>& sheet,
+                            float lone_spacing_m) {
+  std::vector<float> raw(sheet.size(), lone_spacing_m);
+  if (near.k == 0) return raw;
+  parallelFor(raw.size(), [&](std::size_t i) {
+    const int own = std::popcount(sheet[i]);
+    const auto samples = static_cast<float>(own >= 3 ? own : static_cast<int>(near.k));
+    raw[i] = near.reach_m[i] * std::sqrt(glm::pi<float>() / samples);
+  });
+  const float most_m = kMostSpacings * medianOf(raw);
+  std::vector<float> spacing(raw.size());
+  parallelFor(raw.size(), [&](std::size_t i) {
+    std::array<float, kNeighbours> around;
+    std::size_t count = 0;
+    for (const std::uint32_t j : near.of(i)) around[count++] = raw[j];
+    const auto middle = around.begin() + static_cast<std::ptrdiff_t>(count / 2);
+    std::nth_element(around.begin(), middle, around.begin() + static_cast<std::ptrdiff_t>(count));
+    spacing[i] = std::max(std::min({raw[i], most_m, kMostLocalSpacings * *middle}), kLeastSigma_m);
+  });
+  return spacing;
+}
+
+/// Weights whose kernels sum to one over the surface. Least squares over the surface itself, not
+/// only at its samples, where an irregular sampling's sum is above its mean:
+///   minimise |sum_j w_j G_j - 1|^2  =>  sum_j w_j G_{V_i + V_j}(x_i - x_j) = 1 for each i,
+/// by the multiplicative iteration of formulas.md, section 5, on these kernels (ISRA,
+/// Daube-Witherspoon and Muehllehner 1986). Neighbours beyond the k-th are made up for by the
+/// kernel's mass within it.
+std::vector<float> solveWeights(const std::vector<glm::vec3>& position_m,
+                                const std::vector<glm::vec3>& normal, const Neighbours& near,
+                                const std::vector<std::uint16_t>& sheet,
+                                const std::vector<float>& spacing_m,
+                                const std::vector<float>& sigma_m) {
+  const std::size_t count = position_m.size();
+  const bool all_seen = near.k + 1 == count;
+  const auto most = [&](std::size_t i) {  // no single kernel covers more than everything
+    return glm::two_pi<float>() * sigma_m[i] * sigma_m[i];
+  };
+  std::vector<float> weight(count), next(count);
+  parallelFor(count,
+          [&](std::size_t i) { weight[i] = std::min(spacing_m[i] * spacing_m[i], most(i)); });
+
+  for (int iteration = 0; near.k > 0 && iteration < kWeightIterations; ++iteration) {
+    parallelFor(count, [&](std::size_t i) {
+      const float own2 = sigma_m[i] * sigma_m[i];
+      float sum = weight[i] / (2.0f * own2);
+      float variance_sum = 2.0f * own2, seen = 1.0f;
+      unsigned bits = sheet[i];
+      for (const std::uint32_t j : near.of(i)) {
+        const bool same = (bits & 1u) != 0;
+        bits >>= 1;
+        if (!same) continue;
+        const glm::vec3 d = position_m[j] - position_m[i];
+        const float off_plane = glm::dot(d, normal[i]);
+        const float variance = own2 + sigma_m[j] * sigma_m[j];
+        const float distance2 = std::max(glm::dot(d, d) - off_plane * off_plane, 0.0f);
+        sum += weight[j] / variance * std::exp(-0.5f * distance2 / variance);
+        variance_sum += variance;
+        seen += 1.0f;
+      }
+      float mass = 1.0f;
+      if (!all_seen) {
+        const float reach2 = near.reach_m[i] * near.reach_m[i];
+        mass = std::max(1.0f - std::exp(-0.5f * reach2 * seen / variance_sum), 0.05f);
+      }
+      const float covered = sum / (glm::two_pi<float>() * mass);
+      next[i] = std::clamp(weight[i] / covered,
+                           kLeastWeight * std::min(spacing_m[i] * spacing_m[i], most(i)), most(i));
+    });
+    weight.swap(next);
+  }
+  return weight;
+}
+
+SurfelCloud assemble(PointCloud&& points, const std::vector<float>& sigma_m,
+                     std::vector<float>&& weight) {
+  SurfelCloud cloud;
+  const std::size_t count = points.size();
+  cloud.axis_u_m.resize(count);
+  cloud.axis_v_m.resize(count);
+  parallelFor(count, [&](std::size_t i) {
+    const glm::vec3 n = points.normal[i];
+    const glm::vec3 helper =
+        std::abs(n.x) < 0.5f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+    const glm::vec3 u = glm::normalize(glm::cross(helper, n));
+    cloud.axis_u_m[i] = sigma_m[i] * u;
+    cloud.axis_v_m[i] = sigma_m[i] * glm::cross(n, u);
+  });
+  cloud.position_m = std::move(points.position_m);
+  cloud.color = std::move(points.color);
+  cloud.area_m2 = std::move(weight);
+  const bool opaque = std::all_of(points.opacity.begin(), points.opacity.end(),
+                                  [](float opacity) { return opacity == 1.0f; });
+  if (!opaque) cloud.opacity = std::move(points.opacity);
+  points = {};
+  return cloud;
+}
+
+enum class Stacks { possible, resolved };
+
+SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stacks stacks);
+
+/// Points that coincide beyond what neighbours can tell apart: one stands for all while the rest is
+/// estimated, then they share its area.
+SurfelCloud surfelsOfStacks(PointCloud&& points, const EstimateSettings& settings) {
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {
+    const glm::vec3 &p = points.position_m[a], &q = points.position_m[b];
+    return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
+  };
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), less);
+
+  PointCloud single;
+  std::vector<std::uint32_t> stack_of(points.size()), height;
+  for (std::size_t at = 0; at < order.size(); ++at) {
+    const std::uint32_t i = order[at];
+    if (at == 0 || points.position_m[i] != points.position_m[order[at - 1]]) {
+      single.position_m.push_back(points.position_m[i]);
+      if (!points.normal.empty()) single.normal.push_back(points.normal[i]);
+      height.push_back(0);
+    }
+    stack_of[i] = static_cast<std::uint32_t>(height.size() - 1);
+    ++height.back();
+  }
+  single.color.resize(single.size());
+  const SurfelCloud shared = estimate(std::move(single), settings, Stacks::resolved);
+
+  points.normal.resize(points.size(), glm::vec3(0.0f));
+  std::vector<float> sigma(points.size()), weight(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::uint32_t stack = stack_of[i];
+    if (points.normal[i] == glm::vec3(0.0f)) {
+      points.normal[i] = glm::normalize(glm::cross(glm::normalize(shared.axis_u_m[stack]),
+                                                   glm::normalize(shared.axis_v_m[stack])));
+    }
+    const bool sized = !points.radius_m.empty() && points.radius_m[i] > 0.0f;
+    sigma[i] = sized ? std::max(kSigmaPerRadius * points.radius_m[i], kLeastSigma_m)
+                     : glm::length(shared.axis_u_m[stack]);
+    weight[i] = std::min(shared.area_m2[stack] / static_cast<float>(height[stack]),
+                         glm::two_pi<float>() * sigma[i] * sigma[i]);
+  }
+  return assemble(std::move(points), sigma, std::move(weight));
+}
+
+SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stacks stacks) {
+  Neighbours near = findNeighbours(points.position_m, kNeighbours);
+  if (stacks == Stacks::possible && std::any_of(near.reach_m.begin(), near.reach_m.end(),
+                                                [](float reach_m) { return reach_m == 0.0f; })) {
+    near = {};
+    return surfelsOfStacks(std::move(points), settings);
+  }
+
+  const bool given_normals = !points.normal.empty();
+  estimateNormals(points.position_m, near, settings.viewpoint_m, points.normal);
+  const std::vector<std::uint16_t> sheet = sameSheet(points.position_m, points.normal, near);
+  const bool oriented = given_normals && agree(points.normal, near, sheet);
+  const std::vector<float> spacing = spacings(near, sheet, settings.lone_spacing_m);
+
+  std::vector<float> sigma(points.size());
+  for (std::size_t i = 0; i < sigma.size(); ++i) {
+    const bool sized = !points.radius_m.empty() && points.radius_m[i] > 0.0f;
+    sigma[i] =
+        std::max(sized ? kSigmaPerRadius * points.radius_m[i] : kSigmaPerSpacing * spacing[i],
+                 kLeastSigma_m);
+  }
+  std::vector<float> weight =
+      solveWeights(points.position_m, points.normal, near, sheet, spacing, sigma);
+  near = {};
+  SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
+  cloud.oriented = oriented;
+  return cloud;
+}
+
+}  // namespace
+
+SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& settings) {
+  if (points.size() == 0) return {};
+  return estimate(std::move(points), settings, Stacks::possible);
+}
+
+}  // namespace foci

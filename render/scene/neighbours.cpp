@@ -1,0 +1,96 @@
+#include "render/scene/neighbours.h"
+
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <nanoflann.hpp>
+
+#include "app/base/parallel.h"
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kMostNeighbours = 32;
+
+struct Positions {
+  const std::vector<glm::vec3>& position_m;
+
+  std::size_t kdtree_get_point_count() const { return position_m.size(); }
+  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return position_m[i][static_cast<int>(axis)];
+  }
+  template <typename Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<
+    nanoflann::L2_Simple_Adaptor<float, Positions, float, std::uint32_t>, Positions, 3,
+    std::uint32_t>;
+
+/// The k nearest but one's own, as nanoflann wants to be told. Unlike its own result set it stops
+/// as soon as k points coincide with the query: a cloud in one spot would otherwise take quadratic
+/// time.
+class Nearest {
+ public:
+  Nearest(std::size_t k, std::uint32_t self) : k_(k), self_(self) {}
+
+  std::size_t size() const { return count_; }
+  bool full() const { return count_ == k_; }
+  float worstDist() const {
+    if (!full()) return std::numeric_limits<float>::max();
+    return furthest2_ > 0.0f ? furthest2_ : -1.0f;
+  }
+  bool addPoint(float distance2, std::uint32_t index) {
+    if (index == self_ || (full() && distance2 >= furthest2_)) return true;
+    std::size_t at = full() ? k_ - 1 : count_++;
+    for (; at > 0 && distance2_[at - 1] > distance2; --at) {
+      distance2_[at] = distance2_[at - 1];
+      index_[at] = index_[at - 1];
+    }
+    distance2_[at] = distance2;
+    index_[at] = index;
+    furthest2_ = distance2_[count_ - 1];
+    return true;
+  }
+  void copyTo(std::uint32_t* index, float& reach_m) const {
+    for (std::size_t i = 0; i < count_; ++i) index[i] = index_[i];
+    reach_m = std::sqrt(furthest2_);
+  }
+
+ private:
+  std::size_t k_, count_ = 0;
+  std::uint32_t self_;
+  float furthest2_ = 0.0f;
+  std::array<float, kMostNeighbours> distance2_{};
+  std::array<std::uint32_t, kMostNeighbours> index_{};
+};
+
+}  // namespace
+
+Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t wanted) {
+  assert(wanted <= kMostNeighbours);
+  assert(position_m.size() < std::numeric_limits<std::uint32_t>::max());
+  Neighbours found;
+  found.k = std::min(wanted, position_m.empty() ? 0 : position_m.size() - 1);
+  if (found.k == 0) return found;
+
+  const Positions positions{position_m};
+  Tree tree(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(12));
+  found.index.resize(position_m.size() * found.k);
+  found.reach_m.resize(position_m.size());
+  // In the tree's own order neighbouring queries share their memory.
+  parallelFor(position_m.size(), [&](std::size_t at) {
+    const std::uint32_t i = tree.vAcc[at];
+    Nearest nearest(found.k, i);
+    tree.findNeighbors(nearest, &position_m[i].x, nanoflann::SearchParams());
+    nearest.copyTo(&found.index[i * found.k], found.reach_m[i]);
+  });
+  return found;
+}
+
+}  // namespace foci

@@ -1,0 +1,79 @@
+// The header of a PLY file, and bytes from the file in blocks. Private to the reader in ply.cpp.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace foci::ply {
+
+enum class Format { ascii, little, big };
+enum class Scalar { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+struct Property {
+  std::string name;
+  Scalar type = Scalar::float32;
+  bool list = false;
+  Scalar count_type = Scalar::uint8;  ///< of a list
+};
+
+struct Element {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+};
+
+struct Header {
+  Format format = Format::ascii;
+  std::vector<Element> elements;
+  std::uint64_t lines = 0;  ///< of the header, for messages about what follows
+};
+
+std::size_t sizeOf(Scalar type);
+inline bool isFloat(Scalar type) { return type == Scalar::float32 || type == Scalar::float64; }
+
+/// A file read front to back through one block of memory.
+class Input {
+ public:
+  /// @throws InputError where there is no readable regular file
+  explicit Input(const std::filesystem::path& path);
+
+  const std::string& name() const { return name_; }
+  std::uint64_t offset() const { return offset_; }
+  std::uint64_t remaining() const { return offset_ < size_ ? size_ - offset_ : 0; }
+
+  /// The next `bytes` bytes, at most kBlock; valid until the next call.
+  /// @throws InputError at the end of the file
+  const unsigned char* take(std::size_t bytes);
+  void skip(std::uint64_t bytes);
+
+  /// The next line without its end; nothing is left of `\r\n` either. Valid until the next call.
+  /// @throws InputError for a line longer than kBlock, or at the end of the file
+  std::string_view line();
+
+  static constexpr std::size_t kBlock = 1 << 20;
+
+ private:
+  void fill();
+
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::string name_;
+  std::unique_ptr<std::FILE, Close> file_;
+  std::uint64_t size_ = 0;
+  std::uint64_t offset_ = 0;  // of the next byte to hand out
+  std::vector<unsigned char> block_;
+  std::size_t begin_ = 0, end_ = 0;  // what block_ holds
+};
+
+/// Reads up to `end_header` and checks every element's count against the bytes that are left.
+/// @throws InputError by file and line
+Header readHeader(Input& input);
+
+}  // namespace foci::ply

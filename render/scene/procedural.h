@@ -1,0 +1,41 @@
+// Built-in scenes, made of parametric surfaces sampled evenly. The same bytes on every run.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+
+/// Where an eye stands and looks; what `eyeFromWorld` takes.
+struct EyePose {
+  glm::vec3 position_m;
+  glm::vec3 target_m;
+  glm::vec3 up{0.0f, 1.0f, 0.0f};
+};
+
+/// The paper's textured plane (Table 1, Figure 6): a square of `samples` x `samples` surfels,
+/// `side_m` long, in the plane y = 0, its centre at the origin. @param samples  > 0
+SurfelCloud makePlane(int samples = 512, float side_m = 2.0f);
+
+/// A pose that sees the plane tilted away, as in the paper's Figure 6.
+EyePose planeEyePose();
+
+/// A gallery: things from 0.25 to 6 m from the eye, fine texture everywhere, thin structures in
+/// front, a half-transparent mask before a figure (the paper's Figure 1). y up, floor at y = 0,
+/// sampled for an eye near `galleryEyePose()`.
+SurfelCloud makeGallery();
+
+EyePose galleryEyePose();
+
+struct PointOfInterest {
+  std::string name;   ///< "lattice", "bust", ...
+  glm::vec3 p_world;  ///< on a surface that the gallery's eye sees
+};
+
+/// Places in the gallery that draw the gaze, from near to far.
+std::vector<PointOfInterest> galleryPointsOfInterest();
+
+}  // namespace foci

@@ -1,0 +1,266 @@
+// A bounding hierarchy over surfels in Morton order, walked front to back along a cone.
+#include "render/scene/surface_query.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <glm/gtc/constants.hpp>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "app/base/parallel.h"
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kLeafSurfels = 8;
+constexpr float kReach = 3.0f;         // of a surfel's kernel, standard deviations
+constexpr float kDepthReach = 2.0f;    // of its z-range, standard deviations along the ray
+constexpr float kNearest_m = 0.001f;   // what reaches nearer is not seen
+constexpr double kFullCoverage = 0.9;  // kernels of a closed surface sum to one within 0.1
+
+/// Spreads the low 21 bits to every third bit.
+std::uint64_t spread(std::uint64_t x) {
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x1f00000000ffff;
+  x = (x | x << 16) & 0x1f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
+struct Sphere {
+  glm::vec3 center{0.0f};
+  float radius = -1.0f;  // empty
+};
+
+struct Box {
+  glm::vec3 low{std::numeric_limits<float>::max()};
+  glm::vec3 high{std::numeric_limits<float>::lowest()};
+
+  void add(const glm::vec3& a, const glm::vec3& b) {
+    low = glm::min(low, a);
+    high = glm::max(high, b);
+  }
+};
+
+float largestSigma(const SurfelCloud& cloud, std::size_t i) {
+  const glm::vec3 &u = cloud.axis_u_m[i], &v = cloud.axis_v_m[i];
+  return std::sqrt(std::max(glm::dot(u, u), glm::dot(v, v)));
+}
+
+/// A node or a surfel that the walk has yet to visit, nearest first.
+struct Visit {
+  float near_m;
+  std::uint32_t id;
+  bool surfel;
+
+  bool operator>(const Visit& other) const {
+    return std::pair(near_m, id) > std::pair(other.near_m, other.id);
+  }
+};
+
+/// What one surfel puts into the cone.
+struct Share {
+  float depth_m, near_m, far_m;
+  double coverage;
+};
+
+/// The cone's frame: the ray is its z axis, offsets are tangents of angles.
+struct Cone {
+  glm::dvec3 origin_m;
+  glm::vec3 x, y, z;
+  float radius;  // tangent of the half angle
+  float cos_half, sin_half;
+
+  Cone(const glm::dvec3& origin, const glm::dvec3& direction, double half_angle_rad)
+      : origin_m(origin),
+        z(direction),
+        radius(static_cast<float>(std::tan(half_angle_rad))),
+        cos_half(static_cast<float>(std::cos(half_angle_rad))),
+        sin_half(static_cast<float>(std::sin(half_angle_rad))) {
+    const glm::vec3 helper = std::abs(z.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+    x = glm::normalize(glm::cross(helper, z));
+    y = glm::cross(z, x);
+  }
+
+  /// Nearest depth that the sphere can reach within the cone; nothing where it misses it.
+  std::optional<float> nearestIn(const Sphere& sphere) const {
+    if (sphere.radius < 0.0f) return std::nullopt;
+    const glm::vec3 d(glm::dvec3(sphere.center) - origin_m);
+    const float depth = glm::dot(d, z);
+    const float aside = std::sqrt(std::max(glm::dot(d, d) - depth * depth, 0.0f));
+    const bool apart =
+        aside * cos_half - depth * sin_half > sphere.radius * 1.0001f || depth < -sphere.radius;
+    if (apart) return std::nullopt;
+    return depth - sphere.radius;
+  }
+
+  /// The share of the cone's cross-section that the surfel's kernel covers: the kernel, convolved
+  /// with the cone's disc, at the cone's middle. Their convolution is the (1 - q)^n of formulas.md
+  /// section 3.
+  std::optional<Share> shareOf(const SurfelCloud& cloud, std::size_t i) const {
+    const glm::vec3 d(glm::dvec3(cloud.position_m[i]) - origin_m);
+    const glm::vec3 &u = cloud.axis_u_m[i], &v = cloud.axis_v_m[i];
+    const float depth = glm::dot(d, z);
+    const float sigma = largestSigma(cloud, i);
+    const float uz = glm::dot(u, z), vz = glm::dot(v, z);
+    // At least one sigma: the noise that lets a sampled surface hold together when seen head-on.
+    const float half_range = std::max(kDepthReach * std::sqrt(uz * uz + vz * vz), sigma);
+    if (!(depth - half_range >= kNearest_m)) return std::nullopt;
+
+    const float inverse = 1.0f / depth;
+    const glm::vec2 m(glm::dot(d, x) * inverse, glm::dot(d, y) * inverse);
+    const auto toTangents = [&](const glm::vec3& axis, float along) {
+      return (glm::vec2(glm::dot(axis, x), glm::dot(axis, y)) - m * along) * inverse;
+    };
+    const glm::vec2 a = toTangents(u, uz), b = toTangents(v, vz);
+    const float area =
+        std::abs(a.x * b.y - a.y * b.x) / (glm::length(u) * glm::length(v)) * cloud.area_m2[i];
+    const float window = 0.25f * radius * radius;
+    const float xx = a.x * a.x + b.x * b.x + window;
+    const float yy = a.y * a.y + b.y * b.y + window;
+    const float xy = a.x * a.y + b.x * b.y;
+    const float det = xx * yy - xy * xy;
+    const float mahalanobis = (yy * m.x * m.x - 2.0f * xy * m.x * m.y + xx * m.y * m.y) / det;
+    const float t = (0.5f * (xx + yy) - window) / (4.0f * window);
+    const float n = 24.0f * t * (1.0f + 2.0f * t);
+    const float gauss = 1.0f / (glm::two_pi<float>() * std::sqrt(det));
+    float kernel = 0.0f;
+    if (n > 20.0f) {
+      kernel = gauss * std::exp(-0.5f * mahalanobis);
+    } else if (const float q = mahalanobis / (2.0f * (n + 2.0f)); q < 1.0f) {
+      kernel = gauss * (n + 1.0f) / (n + 2.0f) * std::pow(1.0f - q, n);
+    }
+    const float opacity = cloud.opacity.empty() ? 1.0f : cloud.opacity[i];
+    return Share{depth, depth - half_range, depth + half_range,
+                 static_cast<double>(opacity * area * kernel)};
+  }
+};
+
+}  // namespace
+
+/// A complete binary tree: node k has the children 2k + 1 and 2k + 2, its last level are the
+/// leaves, kLeafSurfels consecutive entries of `order` each.
+struct SurfaceQuery::Impl {
+  explicit Impl(const SurfelCloud& surfels) : cloud(surfels) {
+    sortSurfels();
+    buildNodes();
+  }
+
+  void sortSurfels() {
+    Box box;
+    for (const glm::vec3& p : cloud.position_m) box.add(p, p);
+    const glm::vec3 size = box.high - box.low;
+    const float scale = 2097151.0f / std::max({size.x, size.y, size.z, 1e-30f});
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(cloud.size());
+    parallelFor(cloud.size(), [&](std::size_t i) {
+      const glm::vec3 cell = glm::min((cloud.position_m[i] - box.low) * scale, 2097151.0f);
+      const auto part = [](float x) { return spread(static_cast<std::uint64_t>(x)); };
+      keys[i] = {part(cell.x) | part(cell.y) << 1 | part(cell.z) << 2,
+                 static_cast<std::uint32_t>(i)};
+    });
+    parallelSort(keys.begin(), keys.end());
+    order.resize(keys.size());
+    for (std::size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].second;
+  }
+
+  void buildNodes() {
+    leaves =
+        std::bit_ceil(std::max<std::size_t>((order.size() + kLeafSurfels - 1) / kLeafSurfels, 1));
+    std::vector<Box> boxes(2 * leaves - 1);
+    parallelFor(leaves, [&](std::size_t leaf) {
+      Box& box = boxes[leaves - 1 + leaf];
+      const std::size_t end = std::min((leaf + 1) * kLeafSurfels, order.size());
+      for (std::size_t at = leaf * kLeafSurfels; at < end; ++at) {
+        const glm::vec3 p = cloud.position_m[order[at]];
+        const glm::vec3 reach(kReach * largestSigma(cloud, order[at]));
+        box.add(p - reach, p + reach);
+      }
+    });
+    for (std::size_t i = leaves - 1; i-- > 0;) {
+      boxes[i].add(boxes[2 * i + 1].low, boxes[2 * i + 1].high);
+      boxes[i].add(boxes[2 * i + 2].low, boxes[2 * i + 2].high);
+    }
+    nodes.resize(boxes.size());
+    parallelFor(boxes.size(), [&](std::size_t i) {
+      const Box& box = boxes[i];
+      if (box.low.x <= box.high.x) {
+        nodes[i] = {0.5f * (box.low + box.high), 0.5f * glm::length(box.high - box.low)};
+      }
+    });
+  }
+
+  const SurfelCloud& cloud;
+  std::vector<std::uint32_t> order;
+  std::size_t leaves = 1;
+  std::vector<Sphere> nodes;
+};
+
+SurfaceQuery::SurfaceQuery(const SurfelCloud& cloud) : impl_(std::make_unique<Impl>(cloud)) {}
+SurfaceQuery::~SurfaceQuery() = default;
+SurfaceQuery::SurfaceQuery(SurfaceQuery&&) noexcept = default;
+SurfaceQuery& SurfaceQuery::operator=(SurfaceQuery&&) noexcept = default;
+
+std::optional<double> SurfaceQuery::distance(const glm::dvec3& origin_m,
+                                             const glm::dvec3& direction, double half_angle_rad,
+                                             double coverage) const {
+  assert(half_angle_rad > 0.0 && half_angle_rad < glm::quarter_pi<double>());
+  assert(coverage > 0.0 && coverage <= 1.0);
+  const Cone cone(origin_m, direction, half_angle_rad);
+  const double needed = std::min(coverage, kFullCoverage);
+
+  thread_local std::vector<Visit> heap;
+  heap.clear();
+  const auto push = [&](const Visit& visit) {
+    heap.push_back(visit);
+    std::push_heap(heap.begin(), heap.end(), std::greater<>());
+  };
+  const auto pushNode = [&](std::size_t node) {
+    if (const auto near_m = cone.nearestIn(impl_->nodes[node])) {
+      push({*near_m, static_cast<std::uint32_t>(node), false});
+    }
+  };
+
+  // Surfels leave the heap by their near ends, so that a layer is a running union of depth ranges.
+  double covered = 0.0, vergence = 0.0;
+  float layer_far_m = std::numeric_limits<float>::lowest();
+  pushNode(0);
+  while (!heap.empty()) {
+    std::pop_heap(heap.begin(), heap.end(), std::greater<>());
+    const Visit visit = heap.back();
+    heap.pop_back();
+    if (visit.near_m > layer_far_m) {
+      if (covered >= needed) break;
+      covered = vergence = 0.0;
+      layer_far_m = std::numeric_limits<float>::max();
+    }
+    if (visit.surfel) {
+      const Share share = *cone.shareOf(impl_->cloud, visit.id);
+      const bool opens = layer_far_m == std::numeric_limits<float>::max();
+      layer_far_m = opens ? share.far_m : std::max(layer_far_m, share.far_m);
+      covered += share.coverage;
+      vergence += share.coverage / static_cast<double>(share.depth_m);
+      continue;
+    }
+    if (visit.id + 1 < impl_->leaves) {
+      pushNode(2 * std::size_t{visit.id} + 1);
+      pushNode(2 * std::size_t{visit.id} + 2);
+      continue;
+    }
+    const std::size_t begin = (visit.id + 1 - impl_->leaves) * kLeafSurfels;
+    const std::size_t end = std::min(begin + kLeafSurfels, impl_->order.size());
+    for (std::size_t at = begin; at < end; ++at) {
+      const std::uint32_t i = impl_->order[at];
+      const auto share = cone.shareOf(impl_->cloud, i);
+      if (share && share->coverage > 0.0) push({share->near_m, i, true});
+    }
+  }
+  if (covered < needed) return std::nullopt;
+  return covered / vergence;
+}
+
+}  // namespace foci

@@ -1,0 +1,34 @@
+// Surfels to splats: EWA projection with the blur of each splat (Eq. 5 to 11).
+#pragma once
+
+#include "render/optics/defocus.h"
+#include "render/optics/view.h"
+#include "render/scene/surfel_cloud.h"
+#include "render/splat/splat.h"
+
+namespace foci {
+
+/// How the circle of confusion enters a splat of unblurred variance V = J V_r J' + I.
+enum class BlurKernel {
+  gaussian,  ///< variance V + 0.36067 C^2 I (Eq. 11), bell-shaped: the paper's
+  disc,      ///< variance V + C^2/4 I and the kurtosis of disc * Gaussian (kernel.h)
+};
+
+/// What is drawn of the lens, and how. By default all of it at once.
+struct Projection {
+  BlurKernel kernel = BlurKernel::gaussian;
+  /// Centre of the part of the lens that is looked through, in lens radii. A point U away moves on the
+  /// image by radius_px_per_D lens (focus_D - 1/U): its place seen from there, with the focus kept.
+  glm::vec2 lens{0.0f};
+  float aperture = 1.0f;  ///< radius of that part over the lens's, 0 (a pinhole) to 1
+  float shading = 0.0f;   ///< 0 to 1: how much of the colour falls off with the cosine to the line of sight
+};
+
+/// Projects every surfel and drops those that draw nothing: nearer than `view.near_m` along the axis,
+/// outside the image, with a projected area of zero, or not finite. The kernel's second moment on the
+/// image equals the variance stated at `BlurKernel`. SIMD with run-time dispatch, threads by TBB; chunk
+/// contents do not depend on either but for rounding.
+void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& defocus,
+                    const Projection& projection, SplatChunks& chunks);
+
+}  // namespace foci

@@ -1,0 +1,311 @@
+#include "render/splat/sweep.h"
+
+#include <hwy/cache_control.h>
+#include "app/base/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "render/splat/sweep.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef FOCI_SWEEP_ONCE
+#define FOCI_SWEEP_ONCE
+namespace foci {
+
+/// Light that passes a tile below this is not worth another layer: half a step of an 8-bit
+/// picture's darkest, linear, code.
+inline constexpr float kHidden = 1.0f / 8192.0f;
+
+struct TileJob {
+  const Splat* splats;
+  const std::uint32_t* entries;
+  std::size_t count;
+  int x_px, y_px;           // the tile's corner
+  int width_px, height_px;  // what of it lies on the image
+  float background[3];
+  glm::vec4* rgba;  // the tile's corner in the frame
+  float* depth_m;   // likewise; null: not asked for
+  std::size_t stride;
+};
+
+}  // namespace foci
+#endif  // FOCI_SWEEP_ONCE
+
+HWY_BEFORE_NAMESPACE();
+namespace foci {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<float, 16>;
+using V = hn::Vec<D>;
+using M = hn::Mask<D>;
+
+// A tile is blocks of 4 x 4 pixels; a block's 16 pixels are consecutive, row by row.
+constexpr int kBlock = 4, kBlocks = kTile_px / kBlock, kBlockPixels = kBlock * kBlock;
+constexpr int kPixels = kTile_px * kTile_px;
+static_assert(kBlock == 4);
+
+/// Per pixel: the open layer's sums, and what is already composited.
+struct Tile {
+  alignas(64) float weight[kPixels], red[kPixels], green[kPixels], blue[kPixels], far_m[kPixels];
+  alignas(64) float opacity[kPixels], distance[kPixels];  // sums, used where asked for
+  alignas(64) float through[kPixels];                     // light that still passes
+  alignas(64) float from_behind[kPixels];                 // 1: the open layer is seen from behind
+  alignas(64) float out_red[kPixels], out_green[kPixels], out_blue[kPixels], out_distance[kPixels];
+};
+
+/// Where the pixel centres of a tile lie, from the first, in the order of `Tile`.
+struct Places {
+  alignas(64) float x[kPixels], y[kPixels];
+  constexpr Places() : x(), y() {
+    for (int i = 0; i < kPixels; ++i) {
+      const int block = i / kBlockPixels, pixel = i % kBlockPixels;
+      const int column = block % kBlocks * kBlock + pixel % kBlock;
+      const int row = block / kBlocks * kBlock + pixel / kBlock;
+      x[i] = static_cast<float>(column);
+      y[i] = static_cast<float>(row);
+    }
+  }
+};
+constexpr Places kPlaces;
+
+template <bool kTransparent, bool kDepth>
+struct Sweep {
+  Tile tile;
+  bool any_from_behind = false;  // in the open layers
+
+  /// Composites the open layers of the pixels `i + lane` in `which` and opens new ones.
+  HWY_INLINE void closeLayers(std::size_t i, M which) {
+    const D d;
+    const V one = hn::Set(d, 1.0f);
+    const V weight = hn::Load(d, tile.weight + i);
+    // alpha = min(1, W) A / W, with A = W for opaque splats; colours scale alike.
+    const V scale = hn::Div(one, hn::Max(weight, one));
+    const V alpha =
+        kTransparent ? hn::Mul(scale, hn::Load(d, tile.opacity + i)) : hn::Mul(scale, weight);
+    const V through = hn::Load(d, tile.through + i);
+    const V passed = hn::IfThenElseZero(which, hn::Mul(through, scale));
+    const auto compose = [&](float* out, float* sum) {
+      const V value = hn::Load(d, sum + i);
+      hn::Store(hn::MulAdd(passed, value, hn::Load(d, out + i)), d, out + i);
+      hn::Store(hn::IfThenZeroElse(which, value), d, sum + i);
+    };
+    compose(tile.out_red, tile.red);
+    compose(tile.out_green, tile.green);
+    compose(tile.out_blue, tile.blue);
+    if constexpr (kDepth) compose(tile.out_distance, tile.distance);
+    if constexpr (kTransparent) {
+      hn::Store(hn::IfThenZeroElse(which, hn::Load(d, tile.opacity + i)), d, tile.opacity + i);
+    }
+    hn::Store(hn::IfThenElse(which, hn::Mul(through, hn::Sub(one, alpha)), through), d,
+              tile.through + i);
+    hn::Store(hn::IfThenZeroElse(which, weight), d, tile.weight + i);
+    hn::Store(hn::IfThenElse(which, hn::Set(d, kClosed), hn::Load(d, tile.far_m + i)), d,
+              tile.far_m + i);
+  }
+
+  HWY_INLINE void closeAll() {
+    const D d;
+    for (std::size_t i = 0; i < kPixels; i += hn::Lanes(d))
+      closeLayers(i, hn::FirstN(d, hn::Lanes(d)));
+    if (any_from_behind) std::fill_n(tile.from_behind, kPixels, 0.0f);
+    any_from_behind = false;
+  }
+
+  /// The most light that passes any pixel.
+  HWY_INLINE float mostThrough() const {
+    return *std::max_element(tile.through, tile.through + kPixels);
+  }
+
+  /// The far side of a solid meets the near side at its outline: at one distance, so that their
+  /// z-ranges intersect, but no ray sees both. Of a layer that both would share only the near side
+  /// counts: it drops what it finds there of the far side, and is closed to it.
+  /// @return the pixels of `inside` that the splat is to be added to
+  HWY_INLINE M keepSidesApart(std::size_t i, M inside, V near_m, bool from_behind) {
+    const D d;
+    const M open = hn::Le(near_m, hn::Load(d, tile.far_m + i));
+    const M behind_there = hn::Gt(hn::Load(d, tile.from_behind + i), hn::Zero(d));
+    const M shared = hn::And(inside, open);
+    if (from_behind) {
+      const M added = hn::AndNot(hn::AndNot(behind_there, shared), inside);
+      hn::Store(hn::IfThenElse(added, hn::Set(d, 1.0f), hn::Load(d, tile.from_behind + i)), d,
+                tile.from_behind + i);
+      return added;
+    }
+    const M dropped = hn::And(shared, behind_there);
+    if (!hn::AllFalse(d, dropped)) {
+      const auto clear = [&](float* sum) {
+        hn::Store(hn::IfThenZeroElse(dropped, hn::Load(d, sum + i)), d, sum + i);
+      };
+      clear(tile.weight);
+      clear(tile.red);
+      clear(tile.green);
+      clear(tile.blue);
+      if constexpr (kTransparent) clear(tile.opacity);
+      if constexpr (kDepth) clear(tile.distance);
+      hn::Store(hn::IfThenElse(dropped, hn::Set(d, kClosed), hn::Load(d, tile.far_m + i)), d,
+                tile.far_m + i);
+    }
+    hn::Store(hn::IfThenZeroElse(inside, hn::Load(d, tile.from_behind + i)), d,
+              tile.from_behind + i);
+    return inside;
+  }
+
+  /// Adds one splat; returns the number of pixels in its footprint.
+  HWY_INLINE std::size_t add(const Splat& splat, float tile_x_px, float tile_y_px) {
+    const D d;
+    const float left = splat.x_px - tile_x_px - 0.5f, top = splat.y_px - tile_y_px - 0.5f;
+    const auto block = [](float pixel) {
+      return static_cast<unsigned>(std::clamp(pixel, 0.0f, kTile_px - 1.0f)) / kBlock;
+    };
+    const unsigned x0 = block(left - splat.extent_x_px), x1 = block(left + splat.extent_x_px);
+    const unsigned y0 = block(top - splat.extent_y_px), y1 = block(top + splat.extent_y_px);
+    const unsigned columns = x1 - x0 + 1, blocks = columns * (y1 - y0 + 1);
+    const V cx = hn::Set(d, left), cy = hn::Set(d, top);
+    const V qa = hn::Set(d, splat.qa), qb = hn::Set(d, splat.qb), qc = hn::Set(d, splat.qc);
+    const V k0 = hn::Set(d, splat.k0), k1 = hn::Set(d, splat.k1), k2 = hn::Set(d, splat.k2);
+    const V red = hn::Set(d, splat.red), green = hn::Set(d, splat.green);
+    const V blue = hn::Set(d, splat.blue), opacity = hn::Set(d, std::abs(splat.opacity));
+    const bool from_behind = splat.opacity < 0.0f;
+    any_from_behind |= from_behind;
+    const V near_m = hn::Set(d, splat.near_m), far_m = hn::Set(d, splat.far_m);
+    const V distance = hn::Mul(hn::Mul(hn::Set(d, 0.5f), hn::Add(near_m, far_m)), opacity);
+    const V one = hn::Set(d, 1.0f);
+
+    std::size_t fragments = 0;
+    // One flat loop over the blocks that the box may touch: two nested short ones mispredict.
+    unsigned first = (y0 * kBlocks + x0) * kBlockPixels, column = 0;
+    for (unsigned b = 0; b < blocks; ++b) {
+      for (std::size_t part = 0; part < kBlockPixels; part += hn::Lanes(d)) {
+        const std::size_t i = first + part;
+        const V dx = hn::Sub(hn::Load(d, kPlaces.x + i), cx);
+        const V dy = hn::Sub(hn::Load(d, kPlaces.y + i), cy);
+        const V slope = hn::MulAdd(qa, dx, hn::Mul(qb, dy));
+        const V t = hn::NegMulAdd(slope, dx, hn::NegMulAdd(hn::Mul(qc, dy), dy, one));
+        M inside = hn::Gt(t, hn::Zero(d));
+        fragments += hn::CountTrue(d, inside);
+        if (HWY_UNLIKELY(any_from_behind)) {
+          inside = keepSidesApart(first + part, inside, near_m, from_behind);
+        }
+
+        const V open = hn::Load(d, tile.far_m + i);
+        const M behind = hn::And(inside, hn::Gt(near_m, open));
+        if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) closeLayers(i, behind);
+
+        const V w = hn::IfThenElseZero(inside, hn::MulAdd(hn::MulAdd(k2, t, k1), t, k0));
+        const auto accumulate = [&](float* sum, V value) {
+          hn::Store(hn::MulAdd(w, value, hn::Load(d, sum + i)), d, sum + i);
+        };
+        hn::Store(hn::Add(w, hn::Load(d, tile.weight + i)), d, tile.weight + i);
+        accumulate(tile.red, red);
+        accumulate(tile.green, green);
+        accumulate(tile.blue, blue);
+        if constexpr (kTransparent) accumulate(tile.opacity, opacity);
+        if constexpr (kDepth) accumulate(tile.distance, distance);
+        hn::Store(hn::IfThenElse(inside, hn::Max(open, far_m), open), d, tile.far_m + i);
+      }
+      const bool row_ends = ++column == columns;
+      first += row_ends ? (kBlocks - columns + 1) * kBlockPixels : kBlockPixels;
+      column = row_ends ? 0 : column;
+    }
+    return fragments;
+  }
+
+  std::size_t run(const TileJob& job) {
+    std::fill_n(tile.weight, sizeof(Tile) / sizeof(float), 0.0f);
+    std::fill_n(tile.far_m, kPixels, kClosed);
+    std::fill_n(tile.through, kPixels, 1.0f);
+
+    std::size_t fragments = 0;
+    float open_far_m = job.count > 0 ? job.splats[job.entries[0]].far_m : 0.0f;
+    for (std::size_t e = 0; e < job.count; ++e) {
+      constexpr std::size_t kAhead = 8;
+      if (e + kAhead < job.count) hwy::Prefetch(&job.splats[job.entries[e + kAhead]]);
+      const Splat& splat = job.splats[job.entries[e]];
+
+      // A gap in depth across the whole tile closes every layer; with no light left, the tile is
+      // done.
+      if (HWY_UNLIKELY(splat.near_m > open_far_m)) {
+        closeAll();
+        if (mostThrough() < kHidden) break;
+      }
+      open_far_m = std::max(open_far_m, splat.far_m);
+      fragments += add(splat, static_cast<float>(job.x_px), static_cast<float>(job.y_px));
+    }
+    closeAll();
+
+    for (int y = 0; y < job.height_px; ++y) {
+      for (int x = 0; x < job.width_px; ++x) {
+        const int i = ((y / kBlock) * kBlocks + x / kBlock) * kBlockPixels + (y % kBlock) * kBlock +
+                      x % kBlock;
+        const float through = tile.through[i];
+        job.rgba[static_cast<std::size_t>(y) * job.stride + x] = {
+            tile.out_red[i] + through * job.background[0],
+            tile.out_green[i] + through * job.background[1],
+            tile.out_blue[i] + through * job.background[2], 1.0f - through};
+        if (kDepth) {
+          job.depth_m[static_cast<std::size_t>(y) * job.stride + x] =
+              through < 1.0f ? tile.out_distance[i] / (1.0f - through) : 0.0f;
+        }
+      }
+    }
+    return fragments;
+  }
+
+  static constexpr float kClosed = -1.0f;  // before any z-range
+};
+
+std::size_t sweepTile(const TileJob& job, bool transparent) {
+  const auto run = [&]<bool kTransparent, bool kDepth>() {
+    Sweep<kTransparent, kDepth> sweep;
+    return sweep.run(job);
+  };
+  if (job.depth_m)
+    return transparent ? run.template operator()<true, true>()
+                       : run.template operator()<false, true>();
+  return transparent ? run.template operator()<true, false>()
+                     : run.template operator()<false, false>();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace foci
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace foci {
+
+HWY_EXPORT(sweepTile);
+
+std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists, const glm::vec3& background,
+                    bool transparent, bool depth, Frame& frame) {
+  const glm::ivec2 tiles = lists.tiles();
+  const auto tile_count = static_cast<std::size_t>(tiles.x) * tiles.y;
+  std::vector<std::size_t> fragments(tile_count);
+  parallelFor(tile_count, [&](std::size_t t) {
+    const auto list = lists.tile(static_cast<int>(t));
+    const int x_px = static_cast<int>(t % tiles.x) * kTile_px;
+    const int y_px = static_cast<int>(t / tiles.x) * kTile_px;
+    const std::size_t corner = static_cast<std::size_t>(y_px) * frame.size_px.x + x_px;
+    fragments[t] =
+        HWY_DYNAMIC_DISPATCH(sweepTile)({.splats = chunks.splats.get(),
+                                         .entries = list.data(),
+                                         .count = list.size(),
+                                         .x_px = x_px,
+                                         .y_px = y_px,
+                                         .width_px = std::min(kTile_px, frame.size_px.x - x_px),
+                                         .height_px = std::min(kTile_px, frame.size_px.y - y_px),
+                                         .background = {background.r, background.g, background.b},
+                                         .rgba = frame.rgba.data() + corner,
+                                         .depth_m = depth ? frame.depth_m.data() + corner : nullptr,
+                                         .stride = static_cast<std::size_t>(frame.size_px.x)},
+                                        transparent);
+  });
+  return std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});
+}
+
+}  // namespace foci
+#endif  // HWY_ONCE

@@ -1,0 +1,350 @@
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "render/methods/method.h"
+
+namespace foci {
+namespace {
+
+constexpr double kMomentTolerance =
+    0.02;  // sampling of the kernel at pixel centres, mean of 16 places
+constexpr double kEnergyTolerance = 0.01;  // likewise
+constexpr float kSimdTolerance =
+    2e-5f;  // fused against separate rounding, sums of some hundred terms
+
+RenderSettings sharp() { return {}; }
+
+RenderSettings blurred(float radius_px_per_D, float focus_D) {
+  return {.defocus = {.radius_px_per_D = glm::vec2(radius_px_per_D), .focus_D = focus_D}};
+}
+
+View squareView(int size_px, float focal_px) {
+  return {.size_px = {size_px, size_px},
+          .focal_px = glm::vec2(focal_px),
+          .principal_px = glm::vec2(0.5f * static_cast<float>(size_px))};
+}
+
+Frame render(const SurfelCloud& cloud, const View& view, const RenderSettings& settings,
+             RenderStats* stats = nullptr) {
+  Frame frame;
+  const RenderStats cost = makeMethod("sweep", cloud)->render(view, settings, frame);
+  if (stats) *stats = cost;
+  return frame;
+}
+
+/// A square sheet facing the eye at `z_m`, `n` x `n` surfels over `size_m`.
+void addSheet(SurfelCloud& cloud, float z_m, float size_m, int n, const glm::vec3& color,
+              float opacity = 1.0f, float left_m = 0.0f) {
+  const float h_m = size_m / static_cast<float>(n);
+  for (int y = 0; y < n; ++y) {
+    for (int x = 0; x < n; ++x) {
+      appendSurfel(cloud,
+                   {left_m + (static_cast<float>(x) + 0.5f) * h_m - 0.5f * size_m,
+                    (static_cast<float>(y) + 0.5f) * h_m - 0.5f * size_m, z_m},
+                   {0.0f, 0.0f, 1.0f}, kSigmaPerSpacing * h_m, h_m * h_m, color, opacity);
+    }
+  }
+}
+
+/// Surfels of random place, orientation, size, colour and opacity in front of the eye.
+SurfelCloud randomCloud(int n, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto uniform = [&](float a, float b) {
+    return a + (b - a) * static_cast<float>(random() >> 8) / static_cast<float>(1 << 24);
+  };
+  SurfelCloud cloud;
+  for (int i = 0; i < n; ++i) {
+    const float z_m = uniform(0.5f, 4.0f);
+    const glm::vec3 normal =
+        glm::normalize(glm::vec3(uniform(-1, 1), uniform(-1, 1), uniform(0.1f, 1)));
+    const float sigma_m = uniform(0.002f, 0.02f);
+    appendSurfel(cloud, {uniform(-0.5f, 0.5f) * z_m, uniform(-0.5f, 0.5f) * z_m, -z_m}, normal,
+                 sigma_m, 4.0f * sigma_m * sigma_m, {uniform(0, 1), uniform(0, 1), uniform(0, 1)},
+                 uniform(0.2f, 1.0f));
+  }
+  return cloud;
+}
+
+struct Moments {
+  double mass = 0.0, variance_x = 0.0, variance_y = 0.0;
+};
+
+Moments momentsOf(const Frame& frame) {
+  Moments m;
+  double x = 0.0, y = 0.0;
+  const auto sum = [&](auto&& value) {
+    double total = 0.0;
+    for (int py = 0; py < frame.size_px.y; ++py) {
+      for (int px = 0; px < frame.size_px.x; ++px)
+        total += frame.at(px, py).r * value(px + 0.5, py + 0.5);
+    }
+    return total;
+  };
+  m.mass = sum([](double, double) { return 1.0; });
+  x = sum([](double px, double) { return px; }) / m.mass;
+  y = sum([](double, double py) { return py; }) / m.mass;
+  m.variance_x = sum([&](double px, double) { return (px - x) * (px - x); }) / m.mass;
+  m.variance_y = sum([&](double, double py) { return (py - y) * (py - y); }) / m.mass;
+  return m;
+}
+
+/// Mean over 4 x 4 places within a pixel of the moments of one small, dim surfel 1 m away.
+Moments pointOfLight(const RenderSettings& settings) {
+  constexpr float kFocal_px = 1000.0f, kSigma_m = 1e-4f, kArea_m2 = 4e-8f;
+  Moments mean;
+  for (int place = 0; place < 16; ++place) {
+    SurfelCloud cloud;
+    appendSurfel(cloud,
+                 {static_cast<float>(place % 4) / 4 / kFocal_px,
+                  static_cast<float>(place / 4) / 4 / kFocal_px, -1.0f},
+                 {0.0f, 0.0f, 1.0f}, kSigma_m, kArea_m2, glm::vec3(1.0f));
+    const Moments m = momentsOf(render(cloud, squareView(301, kFocal_px), settings));
+    mean.mass += m.mass / 16.0;
+    mean.variance_x += m.variance_x / 16.0;
+    mean.variance_y += m.variance_y / 16.0;
+  }
+  return mean;
+}
+
+TEST(Sweep, PointOfLightHasTheVarianceOfTheFormula) {
+  const double unblurred_px2 =
+      1.0 + 0.1 * 0.1;  // prefilter and the surfel's own (0.1 mm at 1000 px a m)
+  for (double radius_px : {0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0}) {
+    const Moments m = pointOfLight(blurred(static_cast<float>(radius_px), 0.0f));
+    const double expected_px2 = unblurred_px2 + kGaussianVariancePerRadius2 * radius_px * radius_px;
+    EXPECT_NEAR(m.variance_x / expected_px2, 1.0, kMomentTolerance)
+        << "radius " << radius_px << " px";
+    EXPECT_NEAR(m.variance_y / expected_px2, 1.0, kMomentTolerance)
+        << "radius " << radius_px << " px";
+    EXPECT_NEAR(m.mass, 0.04, 0.04 * kEnergyTolerance)
+        << "radius " << radius_px << " px";  // 4e-8 m^2
+  }
+}
+
+TEST(Sweep, OblongPixelsBlurEachAxisByItsOwnRadius) {
+  RenderSettings settings = blurred(10.0f, 0.0f);
+  settings.defocus.radius_px_per_D.y = 5.0f;
+  const Moments m = pointOfLight(settings);
+  EXPECT_NEAR(m.variance_x / (1.01 + kGaussianVariancePerRadius2 * 100.0), 1.0, kMomentTolerance);
+  EXPECT_NEAR(m.variance_y / (1.01 + kGaussianVariancePerRadius2 * 25.0), 1.0, kMomentTolerance);
+}
+
+TEST(Sweep, DistanceCountsAlongTheSightForTheEyeAndAlongTheAxisForACamera) {
+  // A point 45 degrees off axis, focus on its depth: sharp for the camera, blurred for the eye.
+  SurfelCloud cloud;
+  appendSurfel(cloud, {1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 1.0f}, 1e-3f, 4e-6f, glm::vec3(1.0f));
+  View view = squareView(101, 100.0f);
+  view.principal_px.x -= 100.0f;
+  RenderSettings settings = blurred(20.0f, 1.0f);
+  settings.defocus.along = DistanceAlong::axis;
+  EXPECT_LT(momentsOf(render(cloud, view, settings)).variance_x, 1.2);
+  settings.defocus.along = DistanceAlong::sight;
+  const double radius_px = 20.0 * (1.0 - 1.0 / std::sqrt(2.0));
+  EXPECT_NEAR(momentsOf(render(cloud, view, settings)).variance_y,
+              1.0 + kGaussianVariancePerRadius2 * radius_px * radius_px, 0.3);
+}
+
+TEST(Sweep, ConstantSheetStaysConstantAtAnyBlur) {
+  SurfelCloud cloud;
+  addSheet(cloud, -1.0f, 0.4f, 160, {0.2f, 0.5f, 0.8f});  // a surfel every 1.5 px
+  for (float radius_px : {0.0f, 2.0f, 12.0f}) {
+    const Frame frame = render(cloud, squareView(96, 600.0f), blurred(radius_px, 0.0f));
+    for (int y = 16; y < 80; ++y) {
+      for (int x = 16; x < 80; ++x) {
+        ASSERT_NEAR(frame.at(x, y).a, 1.0f, 0.02f) << x << "," << y << " radius " << radius_px;
+        ASSERT_NEAR(frame.at(x, y).g / frame.at(x, y).a, 0.5f, 1e-5f);
+      }
+    }
+  }
+}
+
+TEST(Sweep, EdgeOfABlurredHalfPlaneCoversHalf) {
+  SurfelCloud cloud;
+  addSheet(cloud, -1.0f, 0.4f, 200, glm::vec3(1.0f), 1.0f, -0.2f);  // its right edge on the axis
+  const Frame frame = render(cloud, squareView(120, 600.0f), blurred(10.0f, 0.0f));
+  EXPECT_NEAR(0.5f * (frame.at(59, 60).a + frame.at(60, 60).a), 0.5f, 0.01f);
+  // Symmetric: coverage right of the edge is what lacks left of it.
+  for (int d = 1; d < 25; ++d)
+    EXPECT_NEAR(frame.at(60 + d, 60).a, 1.0f - frame.at(59 - d, 60).a, 0.01f);
+}
+
+TEST(Sweep, NearSheetHidesTheFarOne) {
+  SurfelCloud cloud;
+  addSheet(cloud, -2.0f, 1.0f, 250, {0.0f, 1.0f, 0.0f});
+  addSheet(cloud, -1.0f, 0.4f, 160, {1.0f, 0.0f, 0.0f});
+  const Frame frame = render(cloud, squareView(64, 600.0f), sharp());
+  EXPECT_GT(frame.at(32, 32).r, 0.98f);
+  EXPECT_LT(frame.at(32, 32).g, 0.02f);
+}
+
+TEST(Sweep, TransparentSheetsCompositeFrontToBack) {
+  SurfelCloud cloud;
+  addSheet(cloud, -3.0f, 1.5f, 250, {0.0f, 0.0f, 1.0f});
+  addSheet(cloud, -1.0f, 0.4f, 160, {1.0f, 0.0f, 0.0f}, 0.5f);
+  addSheet(cloud, -2.0f, 1.0f, 250, {0.0f, 1.0f, 0.0f}, 0.25f);
+  for (float radius_px : {0.0f, 3.0f}) {
+    const Frame frame = render(cloud, squareView(64, 600.0f), blurred(radius_px, 0.0f));
+    EXPECT_NEAR(frame.at(32, 32).r, 0.5f, 0.02f);
+    EXPECT_NEAR(frame.at(32, 32).g, 0.5f * 0.25f, 0.02f);
+    EXPECT_NEAR(frame.at(32, 32).b, 0.5f * 0.75f, 0.02f);
+  }
+}
+
+TEST(Sweep, BackgroundShowsThroughWhatIsNotCovered) {
+  SurfelCloud cloud;
+  addSheet(cloud, -1.0f, 0.4f, 160, glm::vec3(1.0f), 0.3f);
+  RenderSettings settings = sharp();
+  settings.background = {0.0f, 0.0f, 2.0f};
+  const Frame frame = render(cloud, squareView(64, 600.0f), settings);
+  EXPECT_NEAR(frame.at(32, 32).r, 0.3f, 0.01f);
+  EXPECT_NEAR(frame.at(32, 32).b, 0.3f + 0.7f * 2.0f, 0.02f);
+}
+
+TEST(Sweep, DepthIsTheDistanceAlongTheSight) {
+  SurfelCloud cloud;
+  addSheet(cloud, -1.0f, 0.4f, 160, glm::vec3(1.0f));
+  RenderSettings settings = sharp();
+  settings.depth = true;
+  const Frame frame = render(cloud, squareView(65, 600.0f), settings);
+  EXPECT_NEAR(frame.depth_m[32 * 65 + 32], 1.0f, 1e-3f);
+  const float corner = std::sqrt(1.0f + 2.0f * (32.0f / 600.0f) * (32.0f / 600.0f));
+  EXPECT_NEAR(frame.depth_m[0], corner, 1e-3f);
+}
+
+TEST(Sweep, EmptySceneIsBackground) {
+  RenderSettings settings = sharp();
+  settings.background = {0.1f, 0.2f, 0.3f};
+  settings.depth = true;
+  RenderStats stats;
+  const Frame frame = render(SurfelCloud{}, squareView(33, 100.0f), settings, &stats);
+  EXPECT_EQ(stats.splats, 0u);
+  EXPECT_EQ(frame.at(32, 32), glm::vec4(0.1f, 0.2f, 0.3f, 0.0f));
+  EXPECT_EQ(frame.depth_m[5], 0.0f);
+}
+
+TEST(Sweep, DropsWhatCannotBeDrawn) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              inf = std::numeric_limits<float>::infinity();
+  SurfelCloud cloud;
+  const glm::vec3 up(0.0f, 0.0f, 1.0f), white(1.0f);
+  for (const glm::vec3& p : {glm::vec3(nan, 0, -1), glm::vec3(0, inf, -1), glm::vec3(0, 0, -inf),
+                             glm::vec3(0, 0, 1), glm::vec3(0, 0, 0), glm::vec3(0, 0, -0.005f)}) {
+    appendSurfel(cloud, p, up, 0.01f, 1e-4f, white);
+  }
+  appendSurfel(cloud, {0, 0, -1}, up, 0.0f, 1e-4f, white);                   // no extent
+  appendSurfel(cloud, {0, 0, -1}, up, 0.01f, 0.0f, white);                   // no area
+  appendSurfel(cloud, {0, 0, -1}, {1.0f, 0.0f, 0.0f}, 0.01f, 1e-4f, white);  // edge on
+  appendSurfel(cloud, {0, 0, -1}, up, nan, 1e-4f, white);
+  appendSurfel(cloud, {0, 0, -1}, up, 1e30f, 1e30f, white);
+  for (float radius_px : {0.0f, 1e6f, inf}) {
+    RenderStats stats;
+    const Frame frame = render(cloud, squareView(64, 100.0f), blurred(radius_px, 0.5f), &stats);
+    EXPECT_EQ(stats.splats, 0u) << "blur " << radius_px;
+    for (const glm::vec4& pixel : frame.rgba) EXPECT_EQ(pixel, glm::vec4(0.0f));
+  }
+}
+
+TEST(Sweep, BlurWiderThanTheScreenKeepsItsEnergy) {
+  // A bright point blurred to a radius of 1000 px over 64 px: nearly flat, at mass / footprint.
+  SurfelCloud cloud;
+  appendSurfel(cloud, {0, 0, -1}, {0, 0, 1}, 1e-3f, 1e-6f, glm::vec3(1.0f));
+  const Frame frame = render(cloud, squareView(64, 1000.0f), blurred(1000.0f, 0.0f));
+  const double peak = 3.0 / (std::numbers::pi * 8.0 * kGaussianVariancePerRadius2 * 1e6);
+  EXPECT_NEAR(frame.at(32, 32).r / peak, 1.0, 0.01);
+  EXPECT_NEAR(frame.at(0, 0).r / frame.at(32, 32).r, 1.0, 0.01);
+}
+
+TEST(Sweep, SameBytesAtAnyNumberOfThreads) {
+  const SurfelCloud cloud = randomCloud(20000, 3);
+  const auto bytes = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    RenderSettings settings = blurred(4.0f, 1.0f);
+    settings.depth = true;
+    return render(cloud, squareView(200, 200.0f), settings);
+  };
+  const Frame one = bytes(1);
+  for (std::size_t threads : {2, 4}) {
+    const Frame many = bytes(threads);
+    EXPECT_EQ(std::memcmp(one.rgba.data(), many.rgba.data(), one.rgba.size() * sizeof(one.rgba[0])),
+              0);
+    EXPECT_EQ(one.depth_m, many.depth_m);
+  }
+}
+
+TEST(Sweep, EverySimdTargetAgreesWithScalar) {
+  const SurfelCloud cloud = randomCloud(3000, 4);
+  const View view = squareView(150, 150.0f);
+  const auto on = [&](std::int64_t targets) {
+    hwy::SetSupportedTargetsForTest(targets);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    const Frame frame = render(cloud, view, blurred(3.0f, 1.0f));
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    return frame;
+  };
+  const Frame best = on(hwy::SupportedTargets());
+  int compared = 0;
+  for (std::int64_t target : {HWY_SCALAR, HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
+    if (!(hwy::SupportedTargets() & target)) continue;
+    const Frame frame = on(target);
+    ++compared;
+    int differ = 0;
+    for (std::size_t i = 0; i < best.rgba.size(); ++i) {
+      const glm::vec4 delta = glm::abs(best.rgba[i] - frame.rgba[i]);
+      differ += std::max({delta.r, delta.g, delta.b, delta.a}) > kSimdTolerance;
+    }
+    // Where a z-range just touches another, rounding decides whether a layer closes.
+    EXPECT_LE(differ, 20) << hwy::TargetName(target);
+  }
+  EXPECT_GE(compared, 2);
+}
+
+TEST(Sweep, OrderOfSurfelsDoesNotMatter) {
+  const SurfelCloud cloud = randomCloud(2000, 5);
+  SurfelCloud reversed = cloud;
+  const auto reverse = [](auto& values) { std::reverse(values.begin(), values.end()); };
+  reverse(reversed.position_m);
+  reverse(reversed.axis_u_m);
+  reverse(reversed.axis_v_m);
+  reverse(reversed.color);
+  reverse(reversed.opacity);
+  reverse(reversed.area_m2);
+  const Frame a = render(cloud, squareView(100, 100.0f), sharp());
+  const Frame b = render(reversed, squareView(100, 100.0f), sharp());
+  int differ = 0;
+  for (std::size_t i = 0; i < a.rgba.size(); ++i) {
+    const glm::vec4 delta = glm::abs(a.rgba[i] - b.rgba[i]);
+    differ += std::max({delta.r, delta.g, delta.b}) > kSimdTolerance;
+  }
+  EXPECT_LE(differ, 5);  // splats whose distances fall on one sorting key
+}
+
+TEST(Sweep, ShadingFallsOffWithTheCosine) {
+  SurfelCloud cloud;
+  appendSurfel(cloud, {0, 0, -1}, glm::normalize(glm::vec3(0.0f, 1.0f, 1.0f)), 0.01f, 1e-4f,
+               glm::vec3(1.0f));
+  RenderSettings settings = sharp();
+  const double plain = momentsOf(render(cloud, squareView(64, 300.0f), settings)).mass;
+  settings.shading = 1.0f;
+  const double shaded = momentsOf(render(cloud, squareView(64, 300.0f), settings)).mass;
+  EXPECT_NEAR(shaded / plain, std::sqrt(0.5), 1e-3);
+}
+
+TEST(Methods, UnknownNameIsRefusedWithTheNearest) {
+  try {
+    makeMethod("sweap", SurfelCloud{});
+    FAIL();
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("sweep"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace foci
