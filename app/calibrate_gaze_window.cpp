@@ -53,7 +53,7 @@ class GazeWindow {
     screen_ = {.size_px = glm::ivec2(window_.size_px()),
                .size_m = window_.size_px() * m_per_px,
                .distance_m = screen.distance_m};
-    frame_ = {.units = GazeUnits::deg, .screen = screen_};
+    frame_ = {.units = MapUnits::deg, .screen = screen_};
   }
 
   std::optional<GazeReport> run() {
