@@ -24,7 +24,7 @@ constexpr float kMostLocalSpacings = 2.0f;  // of the neighbours' median: strays
 constexpr float kMostSpacings = 5.0f;       // of the cloud's median: strays far from everything
 constexpr float kLeastSigma_m = 1e-9f;      // its fourth power is still a normal float
 constexpr float kLeastWeight = 0.05f;       // of spacing^2
-constexpr int kWeightIterations = 4;
+constexpr int kWeightIterations = 8;
 constexpr double kMostOpposed = 0.05;       // share of neighbours, in an oriented cloud
 
 /// Unit eigenvector of the least eigenvalue, by cyclic Jacobi rotations (Golub and Van Loan, 8.5).

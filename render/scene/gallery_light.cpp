@@ -54,6 +54,7 @@ glm::vec3 GalleryLight::shade(const SurfacePoint& at, const glm::vec3& paint,
   const float up = 0.5f + 0.5f * n.y;
   glm::vec3 light =
       open * glm::mix(glm::vec3(0.075f, 0.07f, 0.075f), glm::vec3(0.17f, 0.18f, 0.20f), up);
+  const float glossy = material.gloss * glm::smoothstep(0.0f, 0.25f, glm::dot(n, to_eye));
   glm::vec3 highlight(0.0f);
   for (const Lamp& lamp : kLamps) {
     const glm::vec3 d = lamp.position_m - p;
@@ -72,7 +73,7 @@ glm::vec3 GalleryLight::shade(const SurfacePoint& at, const glm::vec3& paint,
     }
     light += lamp.power * seen * facing;
     const float half = std::max(glm::dot(n, glm::normalize(to_lamp + to_eye)), 0.0f);
-    highlight += lamp.power * seen * material.gloss * std::pow(half, material.hardness);
+    highlight += lamp.power * seen * glossy * std::pow(half, material.hardness);
   }
   const glm::vec3 linear = paint * light + highlight;
   return glm::vec3(1.0f) - glm::exp(-1.35f * linear);  // film's shoulder: nothing clips

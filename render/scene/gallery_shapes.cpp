@@ -35,6 +35,7 @@ float headRadius(float azimuth, float elevation, bool hair) {
   float radius = 1.0f / std::sqrt(std::pow(d.x * jaw / 0.079f, 2.0f) +
                                   std::pow(d.y / 0.122f, 2.0f) + std::pow(d.z / 0.098f, 2.0f));
   const float side = std::abs(azimuth);
+  const float mouth = elevation + 0.45f * azimuth * azimuth;  // its corners hang
   const float bridge =
       glm::smoothstep(0.30f, -0.22f, elevation) * glm::smoothstep(-0.36f, -0.24f, elevation);
   radius += 0.026f * bump(azimuth, 0.085f + 0.05f * bridge) * bridge;              // nose
@@ -43,9 +44,9 @@ float headRadius(float azimuth, float elevation, bool hair) {
   radius -= 0.014f * bump(side - 0.36f, 0.15f) * bump(elevation - 0.13f, 0.09f);   // sockets
   radius += 0.007f * bump(side - 0.36f, 0.09f) * bump(elevation - 0.11f, 0.055f);  // lids
   radius += 0.006f * bump(side - 0.55f, 0.17f) * bump(elevation + 0.10f, 0.13f);   // cheeks
-  radius += 0.008f * bump(azimuth, 0.22f) * bump(elevation + 0.47f, 0.045f);       // lips
-  radius += 0.008f * bump(azimuth, 0.18f) * bump(elevation + 0.60f, 0.05f);
-  radius -= 0.006f * bump(azimuth, 0.26f) * bump(elevation + 0.535f, 0.022f);
+  radius += 0.008f * bump(azimuth, 0.16f) * bump(mouth + 0.47f, 0.045f);           // lips
+  radius += 0.008f * bump(azimuth, 0.14f) * bump(mouth + 0.60f, 0.05f);
+  radius -= 0.005f * bump(azimuth, 0.17f) * bump(mouth + 0.535f, 0.022f);
   radius += 0.012f * bump(azimuth, 0.26f) * bump(elevation + 0.84f, 0.13f);       // chin
   radius += 0.012f * bump(side - 1.62f, 0.10f) * bump(elevation - 0.02f, 0.20f);  // ears
   if (hair) {

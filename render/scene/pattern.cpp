@@ -1,5 +1,6 @@
 #include "render/scene/pattern.h"
 
+#include <array>
 #include <cmath>
 
 namespace foci {
@@ -60,12 +61,15 @@ glm::vec3 cells(glm::vec2 p, std::int32_t seed) {
 }
 
 glm::vec3 srgb(std::uint32_t rgb) {
-  glm::vec3 out;
-  for (int c = 0; c < 3; ++c) {
-    const float s = static_cast<float>(rgb >> (16 - 8 * c) & 0xffu) / 255.0f;
-    out[c] = s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
-  }
-  return out;
+  static const std::array<float, 256> kLinear = [] {
+    std::array<float, 256> table{};
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      const float s = static_cast<float>(i) / 255.0f;
+      table[i] = s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
+    }
+    return table;
+  }();
+  return {kLinear[rgb >> 16 & 0xffu], kLinear[rgb >> 8 & 0xffu], kLinear[rgb & 0xffu]};
 }
 
 }  // namespace foci

@@ -15,7 +15,7 @@ constexpr int kDensitySteps = 96;     // at which a row's density is looked at
 constexpr int kDensityRows = 24;
 constexpr float kMostForeshortening = 8;  // a surfel's axes stay within about this ratio
 constexpr float kCoarser = 4.0f;          // where the eye does not look
-constexpr int kTextureSamples = 3;        // a side of a surfel's cell
+constexpr int kTextureSamples = 2;        // a side of a surfel's cell
 
 struct Tangents {
   glm::vec3 u, v;
@@ -31,6 +31,16 @@ glm::vec3 normalOf(const Tangents& t) {
   const glm::vec3 n = glm::cross(t.u, t.v);
   const float length = glm::length(n);
   return length > 1e-12f ? n / length : glm::vec3(0.0f, 1.0f, 0.0f);
+}
+
+/// The step from row to row that, as the eye sees it, goes straight across the row: rows may slide
+/// along themselves, since each of them is even.
+glm::vec3 acrossRow(const Tangents& t, const glm::vec3& p, const glm::vec3& eye_m) {
+  const glm::vec3 sight = glm::normalize(p - eye_m);
+  const glm::vec3 u_seen = t.u - glm::dot(t.u, sight) * sight;
+  const float least = glm::dot(t.u, t.u) / (kMostForeshortening * kMostForeshortening);
+  const float length2 = std::max(glm::dot(u_seen, u_seen), least);
+  return length2 > 0.0f ? t.v - glm::dot(u_seen, t.v) / length2 * t.u : t.v;
 }
 
 /// Samples a unit of the parameter along `axis`.
@@ -71,8 +81,8 @@ std::vector<float> equalSteps(const std::vector<float>& densities) {
 }
 
 /// One surfel for the cell [low, high] of the unit square.
-void appendCell(SurfelCloud& cloud, const ParametricSurface& surface, glm::vec2 low,
-                glm::vec2 high) {
+void appendCell(SurfelCloud& cloud, const ParametricSurface& surface, const glm::vec3& eye_m,
+                glm::vec2 low, glm::vec2 high) {
   const glm::vec2 uv = 0.5f * (low + high), size = high - low;
   const Tangents t = tangentsAt(surface, uv);
   const SurfacePoint middle{uv, surface.at(uv), normalOf(t)};
@@ -89,7 +99,7 @@ void appendCell(SurfelCloud& cloud, const ParametricSurface& surface, glm::vec2 
   if (surface.light) color = surface.light(middle, color);
 
   // Principal axes of the cell's two edges a, b: rotate them until they are perpendicular.
-  const glm::vec3 a = t.u * size.x, b = t.v * size.y;
+  const glm::vec3 a = t.u * size.x, b = acrossRow(t, middle.p_world, eye_m) * size.y;
   const float angle = 0.5f * std::atan2(2.0f * glm::dot(a, b), glm::dot(a, a) - glm::dot(b, b));
   const glm::vec3 major = std::cos(angle) * a + std::sin(angle) * b;
   const glm::vec3 minor = std::cos(angle) * b - std::sin(angle) * a;
@@ -113,7 +123,9 @@ void appendSurface(SurfelCloud& cloud, const ParametricSurface& surface,
                    const SampledFor& audience) {
   const auto densityAlong = [&](glm::vec2 uv, bool rows) {
     const Tangents t = tangentsAt(surface, uv);
-    return density(rows ? t.v : t.u, normalOf(t), surface.at(uv), surface.two_sided, audience);
+    const glm::vec3 p = surface.at(uv);
+    return density(rows ? acrossRow(t, p, audience.eye_m) : t.u, normalOf(t), p, surface.two_sided,
+                   audience);
   };
   std::vector<float> row_density(kDensitySteps, 0.0f);
   for (int i = 0; i < kDensitySteps; ++i) {
@@ -136,7 +148,8 @@ void appendSurface(SurfelCloud& cloud, const ParametricSurface& surface,
     }
     const std::vector<float> cuts = equalSteps(densities);
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-      appendCell(parts[row], surface, {cuts[i], rows[row]}, {cuts[i + 1], rows[row + 1]});
+      appendCell(parts[row], surface, audience.eye_m, {cuts[i], rows[row]},
+                 {cuts[i + 1], rows[row + 1]});
     }
   });
   for (const SurfelCloud& part : parts) {
