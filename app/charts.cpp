@@ -55,7 +55,8 @@ std::optional<std::string> runGnuplot(const std::string& script) {
   std::string text;
   std::rewind(out.get());
   char block[65536];
-  for (std::size_t n; (n = std::fread(block, 1, sizeof block, out.get())) > 0;) text.append(block, n);
+  for (std::size_t n; (n = std::fread(block, 1, sizeof block, out.get())) > 0;)
+    text.append(block, n);
   if (status != 0 || text.find("<svg") == std::string::npos) {
     throw std::runtime_error("gnuplot failed to draw the report's charts");
   }
@@ -71,7 +72,8 @@ std::string dataBlock(const std::vector<ChartRow>& rows) {
   for (const ChartRow& row : rows) {
     text += field(row.time_s, 4) + ' ' + field(row.gaze_x_px, 1) + ' ' + field(row.gaze_y_px, 1) +
             ' ' + field(row.surface_D, 4) + ' ' + field(row.target_D, 4) + ' ' +
-            field(row.focus_D, 4) + ' ' + field(row.pupil_mm, 3) + ' ' + field(row.render_ms, 2) + '\n';
+            field(row.focus_D, 4) + ' ' + field(row.pupil_mm, 3) + ' ' + field(row.render_ms, 2) +
+            '\n';
   }
   return text + "END\n";
 }
@@ -109,11 +111,16 @@ void replaceAll(std::string& text, const std::string& from, const std::string& t
 
 const char* colorOf(GazeState state) {
   switch (state) {
-    case GazeState::fixation: return "#3a9d6e";
-    case GazeState::saccade: return "#d9822b";
-    case GazeState::pursuit: return "#8e6bbf";
-    case GazeState::blink: return "#7a8190";
-    case GazeState::lost: return "#c94a4a";
+    case GazeState::fixation:
+      return "#3a9d6e";
+    case GazeState::saccade:
+      return "#d9822b";
+    case GazeState::pursuit:
+      return "#8e6bbf";
+    case GazeState::blink:
+      return "#7a8190";
+    case GazeState::lost:
+      return "#c94a4a";
   }
   return "#c94a4a";
 }
@@ -135,12 +142,15 @@ std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows,
   script +=
       "set terminal svg size 960,900 dynamic font 'sans-serif,13' name 'foci'\n"
       "set multiplot\nset lmargin at screen 0.08\nset rmargin at screen 0.985\n"
-      "set datafile missing 'NaN'\n"
-      "set border 3 linecolor rgb '" + std::string(kInk) + "' linewidth 0.7\n"
-      "set tics nomirror textcolor rgb '" + kInk + "'\nset ylabel textcolor rgb '" + kInk +
-      "' offset 1,0\nset xlabel textcolor rgb '" + kInk + "'\nset key textcolor rgb '" + kInk +
-      "' horizontal outside top right samplen 2\nset format x ''\n"
-      "set xrange [" + decimal(from_s, 6) + ":" + decimal(to_s, 6) + "]\n";
+      "set border 3 linecolor rgb '" +
+      std::string(kInk) +
+      "' linewidth 0.7\n"
+      "set tics nomirror textcolor rgb '" +
+      kInk + "'\nset ylabel textcolor rgb '" + kInk + "' offset 1,0\nset xlabel textcolor rgb '" +
+      kInk + "'\nset key textcolor rgb '" + kInk +
+      "' horizontal at graph 1, graph 1.02 right bottom samplen 2\nset format x ''\n"
+      "set xrange [" +
+      decimal(from_s, 6) + ":" + decimal(to_s, 6) + "]\n";
   script += stateBand(rows);
   const auto line = [](int column, const char* title, const char* color, const char* width) {
     return "$frames using 1:" + std::to_string(column) + " with lines title '" + title +
@@ -154,8 +164,9 @@ std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows,
             line(6, "focus of the eye", "#c2417c", "1.6") + "\n";
   script += panel(0.285, 0.38, "pupil, mm", "set yrange [0:9]\nset ytics 4\n");
   script += "plot " + line(7, "", "#8e6bbf", "1.6") + "\n";
-  script += panel(0.06, 0.225, "render, ms",
-                  "set yrange [0:*]\nset ytics autofreq\nset format x '%g'\nset xlabel 'time, s'\n");
+  script +=
+      panel(0.06, 0.225, "render, ms",
+            "set yrange [0:*]\nset ytics autofreq\nset format x '%g'\nset xlabel 'time, s'\n");
   script += "plot " + line(8, "", "#7a8190", "1.2") + "\nunset multiplot\n";
 
   auto svg = runGnuplot(script);

@@ -1,6 +1,7 @@
 #include "app/inputs.h"
 
 #include <algorithm>
+#include <numeric>
 #include <random>
 
 #include "app/base/input_error.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr double kSimulatedRate_Hz = 500.0;
 constexpr double kSimulatedSpan_s = 20.0;
+constexpr double kMaxSimulatedSpan_s = 3600.0;
 constexpr double kMinDwell_s = 0.7, kMaxDwell_s = 2.1;
 
 EyePose builtinPose(const std::string& scene) {
@@ -43,7 +45,8 @@ std::vector<glm::dvec2> attractivePoints_px(const Study& study, const glm::mat4&
   if (points_px.size() < 2) {
     points_px.clear();
     for (const double y : {0.2, 0.4, 0.6, 0.8}) {
-      for (const double x : {0.2, 0.35, 0.5, 0.65, 0.8}) points_px.push_back(size_px * glm::dvec2(x, y));
+      for (const double x : {0.2, 0.35, 0.5, 0.65, 0.8})
+        points_px.push_back(size_px * glm::dvec2(x, y));
     }
   }
   return points_px;
@@ -51,22 +54,34 @@ std::vector<glm::dvec2> attractivePoints_px(const Study& study, const glm::mat4&
 
 GazeTrace simulate(const Study& study) {
   const double span_s = study.output.seconds ? study.output.seconds->y : kSimulatedSpan_s;
+  if (span_s > kMaxSimulatedSpan_s) {
+    throw InputError(study.file.string(),
+                     "output.seconds: a simulated observer looks for an hour at most, 0 to 3600");
+  }
   const EyePath path(study);
   // mt19937_64 is specified to the bit, the standard distributions are not.
   std::mt19937_64 random(static_cast<std::uint64_t>(study.seed));
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
 
+  // Rounds over all points, each in an order of its own, without staying at a seam.
   std::vector<GazeTarget> targets;
-  std::optional<glm::dvec2> last_px;
+  std::vector<std::size_t> round;
+  std::size_t points = 0, last = 0;
   for (double time_s = 0.0; time_s < span_s;) {
     const auto points_px = attractivePoints_px(study, path.eyeFromWorldAt(time_s));
-    glm::dvec2 point_px = points_px[below(points_px.size())];
-    while (point_px == last_px) point_px = points_px[below(points_px.size())];
-    last_px = point_px;
+    if (round.empty() || points_px.size() != points) {
+      points = points_px.size();
+      round.resize(points);
+      std::iota(round.begin(), round.end(), std::size_t{0});
+      for (std::size_t i = round.size(); i > 1; --i) std::swap(round[i - 1], round[below(i)]);
+      if (round.back() == last) std::swap(round.front(), round.back());
+    }
+    last = round.back();
+    round.pop_back();
     const double share = static_cast<double>(below(1000)) / 1000.0;
     const double dwell_s =
         std::min(kMinDwell_s + share * (kMaxDwell_s - kMinDwell_s), span_s - time_s);
-    targets.push_back({.point_px = point_px, .dwell_s = dwell_s});
+    targets.push_back({.point_px = points_px[last], .dwell_s = dwell_s});
     time_s += dwell_s;
   }
   return simulateGaze(targets, study.screenInForce(), kSimulatedRate_Hz,
@@ -85,7 +100,8 @@ EyePath::EyePath(const Study& study)
                           .up = study.eye.up});
   } else {
     const EyePose pose = builtinPose(study.scene.builtin);
-    keyframes_.push_back({.position_m = pose.position_m, .look_at_m = pose.target_m, .up = pose.up});
+    keyframes_.push_back(
+        {.position_m = pose.position_m, .look_at_m = pose.target_m, .up = pose.up});
   }
 }
 
@@ -95,8 +111,7 @@ glm::mat4 EyePath::eyeFromWorldAt(double time_s) const {
   const EyeKeyframe& to = after == keyframes_.end() ? keyframes_.back() : *after;
   const EyeKeyframe& from = after == keyframes_.begin() ? keyframes_.front() : *std::prev(after);
   const double share =
-      &from == &to ? 0.0
-                   : std::clamp((time_s - from.time_s) / (to.time_s - from.time_s), 0.0, 1.0);
+      &from == &to ? 0.0 : std::clamp((time_s - from.time_s) / (to.time_s - from.time_s), 0.0, 1.0);
   const glm::vec3 position_m(glm::mix(from.position_m, to.position_m, share));
   const glm::vec3 look_at_m(glm::mix(from.look_at_m, to.look_at_m, share));
   const glm::vec3 up(glm::mix(from.up.value_or(up_), to.up.value_or(up_), share));

@@ -10,7 +10,8 @@
 
 namespace foci {
 
-/// The study's eye over time. Between keyframes the pose is interpolated linearly, outside them held.
+/// The study's eye over time. Between keyframes the pose is interpolated linearly, outside them
+/// held.
 class EyePath {
  public:
   explicit EyePath(const Study& study);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "app/base/input_error.h"
+#include "app/calibrate.h"
 #include "app/interrupt.h"
 #include "app/manifest.h"
 #include "app/render_picture.h"
@@ -39,7 +40,8 @@ std::vector<double> pairOf(const std::string& option, const std::string& text, c
                            const char* expected) {
   const std::size_t at = text.find(between);
   const auto first = numberOf(std::string_view(text).substr(0, at));
-  const auto second = at == std::string::npos ? std::nullopt : numberOf(std::string_view(text).substr(at + 1));
+  const auto second =
+      at == std::string::npos ? std::nullopt : numberOf(std::string_view(text).substr(at + 1));
   if (!first || !second) throw InputError(option + " " + text, std::string("expected ") + expected);
   return {*first, *second};
 }
@@ -99,12 +101,12 @@ int runReplay(const Options& options, const std::string& command) {
   if (options.json) {
     std::puts(summaryJson(summary).c_str());
   } else {
-    std::printf("%zu frames, %.2f s; %.0f %% of the gaze samples valid; %zu fixations, %zu saccades\n"
-                "%.1f ms a frame (median; 95 %%: %.1f ms), %llu splats\nreport: %s\n",
-                summary.frames, summary.duration_s, 100.0 * summary.gaze_valid, summary.fixations,
-                summary.saccades, summary.render_ms_median, summary.render_ms_p95,
-                static_cast<unsigned long long>(summary.splats),
-                (summary.out / "report.html").c_str());
+    std::printf(
+        "%zu frames, %.2f s; %.0f %% of the gaze samples valid; %zu fixations, %zu saccades\n"
+        "%.1f ms a frame (median; 95 %%: %.1f ms), %llu splats\nreport: %s\n",
+        summary.frames, summary.duration_s, 100.0 * summary.gaze_valid, summary.fixations,
+        summary.saccades, summary.render_ms_median, summary.render_ms_p95,
+        static_cast<unsigned long long>(summary.splats), (summary.out / "report.html").c_str());
   }
   return kDone;
 }
@@ -126,10 +128,11 @@ int runRender(const Options& options) {
     const auto point = pairOf("--gaze", options.gaze, ',', "X,Y in px of the study's screen");
     const Screen screen = study.screenInForce();
     request.gaze_px = glm::dvec2(point[0], point[1]);
-    if (point[0] < 0 || point[1] < 0 || point[0] > screen.size_px.x || point[1] > screen.size_px.y) {
-      throw InputError("--gaze " + options.gaze,
-                       "expected a point on the study's screen, 0,0 to " +
-                           std::to_string(screen.size_px.x) + "," + std::to_string(screen.size_px.y));
+    if (point[0] < 0 || point[1] < 0 || point[0] > screen.size_px.x ||
+        point[1] > screen.size_px.y) {
+      throw InputError("--gaze " + options.gaze, "expected a point on the study's screen, 0,0 to " +
+                                                     std::to_string(screen.size_px.x) + "," +
+                                                     std::to_string(screen.size_px.y));
     }
   }
   const PictureSummary summary = renderPicture(study, request);
@@ -146,10 +149,10 @@ int runRender(const Options& options) {
     if (surface_m) json["surface_distance_m"] = *surface_m;
     std::puts(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   } else {
-    const std::string surface =
-        request.focus_D ? ""
-        : surface_m     ? ", on the surface " + decimal(*surface_m, 3) + " m away"
-                        : ", at rest: no surface under the gaze";
+    const std::string surface = request.focus_D ? ""
+                                : surface_m
+                                    ? ", on the surface " + decimal(*surface_m, 3) + " m away"
+                                    : ", at rest: no surface under the gaze";
     std::printf("%s: focus %.3f D%s; pupil %.2f mm; %.1f ms\n", options.out.c_str(),
                 summary.focus_D, surface.c_str(), study.observer.pupil_mm, summary.stats.ms);
   }
@@ -160,7 +163,8 @@ int runMethods(bool json) {
   if (json) {
     auto list = nlohmann::ordered_json::array();
     for (const MethodInfo& method : methods()) {
-      list.push_back({{"name", method.name}, {"summary", method.summary}, {"source", method.source}});
+      list.push_back(
+          {{"name", method.name}, {"summary", method.summary}, {"source", method.source}});
     }
     std::puts(list.dump().c_str());
   } else {
@@ -173,12 +177,15 @@ int runMethods(bool json) {
 }
 
 void addCommonOptions(CLI::App& command, Options& options) {
-  command.add_option("STUDY", options.study, "study file (TOML)")->required();
-  command.add_option("--scene", options.scene, "PLY point cloud instead of the study's scene");
-  command.add_option("--size", options.size, "pictures of WxH px, e.g. 1280x720");
-  command.add_option("--pupil", options.pupil, "diameter of the pupil, mm");
-  command.add_option("--method", options.method, "one of `foci methods`");
-  command.add_option("--threads", options.threads, "at most N threads; the result is the same");
+  const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
+    return command.add_option(name, value, help)->type_name(type);
+  };
+  add("STUDY", options.study, "FILE", "study file (TOML)")->required();
+  add("--scene", options.scene, "FILE", "PLY point cloud instead of the study's scene");
+  add("--size", options.size, "WxH", "of the pictures, px, e.g. 1280x720");
+  add("--pupil", options.pupil, "MM", "diameter of the pupil, millimetres");
+  add("--method", options.method, "NAME", "one of `foci methods`");
+  add("--threads", options.threads, "N", "at most; the result is the same for any");
   command.add_flag("--json", options.json, "print the summary as JSON");
 }
 
@@ -193,7 +200,8 @@ std::string oneLine(std::string text) {
 int run(int argc, char** argv) {
   CLI::App app(
       "foci shows a scene as a human eye would focus it, following where the observer looks.\n"
-      "Example: foci replay configs/demo.toml --out out/demo");
+      "Example: foci replay configs/demo.toml --out out/demo",
+      "foci");
   app.set_version_flag("--version", "foci " FOCI_VERSION);
   app.require_subcommand(1);
   Options options;
@@ -203,25 +211,35 @@ int run(int argc, char** argv) {
       "Replay a recorded gaze: video, tables and a report of what the eye saw.\n"
       "Example: foci replay configs/lion.toml --scene lion.ply --trace gaze.tsv --out out/lion");
   addCommonOptions(*replay, options);
-  replay->add_option("--trace", options.trace, "recording instead of the study's gaze");
-  replay->add_option("--out", options.out, "folder of the results")->capture_default_str();
-  replay->add_option("--seconds", options.seconds, "A:B seconds after the recording's first sample");
+  replay->add_option("--trace", options.trace, "recording instead of the study's gaze")
+      ->type_name("FILE");
+  replay->add_option("--out", options.out, "folder of the results; default: out")->type_name("DIR");
+  replay->add_option("--seconds", options.seconds, "from, to: after the recording's first sample")
+      ->type_name("A:B");
   replay->add_flag("--marker", options.marker, "mark where the observer looks");
   replay->add_flag("--split", options.split, "left half sharp, right half as the eye sees");
 
-  auto* render = app.add_subcommand(
-      "render",
-      "Draw one picture at a given focus or gaze.\n"
-      "Example: foci render configs/demo.toml --focus 0.5 --out near.png");
+  auto* render =
+      app.add_subcommand("render",
+                         "Draw one picture at a given focus or gaze.\n"
+                         "Example: foci render configs/demo.toml --focus 0.5 --out near.png");
   addCommonOptions(*render, options);
-  render->add_option("--out", options.out, "picture: .png (sRGB), .pfm or .exr (linear)")->required();
-  auto* focus = render->add_option("--focus", options.focus, "distance in focus, metres, or inf");
-  render->add_option("--gaze", options.gaze, "X,Y on the study's screen, px: focus on what is there")
+  render->add_option("--out", options.out, "picture: .png (sRGB), .pfm or .exr (linear)")
+      ->type_name("FILE")
+      ->required();
+  auto* focus = render->add_option("--focus", options.focus, "distance in focus, metres, or inf")
+                    ->type_name("METRES");
+  render->add_option("--gaze", options.gaze, "px of the study's screen: focus on what is there")
+      ->type_name("X,Y")
       ->excludes(focus);
-  render->add_option("--depth", options.depth, "also the distance seen, metres, as PFM");
+  render->add_option("--depth", options.depth, "also the distance seen, metres, as PFM")
+      ->type_name("FILE");
 
-  auto* methods = app.add_subcommand("methods", "List the depth-of-field methods, each with its source.");
+  auto* methods =
+      app.add_subcommand("methods", "List the depth-of-field methods, each with its source.");
   methods->add_flag("--json", options.json, "as JSON");
+
+  addCalibrateCommand(app);
 
   try {
     app.parse(argc, argv);
@@ -229,6 +247,7 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
+  if (app.got_subcommand("calibrate")) return kDone;
   for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {
     if (option->count() > 0 && option->get_type_size() > 0 && option->as<std::string>().empty()) {
       throw InputError(option->get_name(), "expected a value that is not empty");

@@ -1,5 +1,5 @@
-// Outputs are written aside and renamed together: a reader never meets a half-written file, and a run
-// that fails leaves nothing.
+// Outputs are written aside and renamed together: a reader never meets a half-written file, and a
+// run that fails leaves nothing.
 #pragma once
 
 #include <filesystem>

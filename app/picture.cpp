@@ -27,8 +27,8 @@ void drawMarker(Picture& picture, const glm::dvec2& point_px, bool held) {
     return;
   }
   cv::Mat image = matOf(picture);
-  const double radius_px = std::max(5.0, size_px.y / 36.0);
-  const int width_px = std::max(1, static_cast<int>(size_px.y / 360.0));
+  const double radius_px = std::max(10.0, size_px.y / 36.0);
+  const int width_px = std::max(2, static_cast<int>(size_px.y / 360.0));
   constexpr int kShift = 4;  // centres in sixteenths of a pixel; pixel centres lie at +0.5
   const auto fixed = [](double px) { return static_cast<int>(std::lround(px * (1 << kShift))); };
   const cv::Point centre(fixed(point_px.x - 0.5), fixed(point_px.y - 0.5));
@@ -38,8 +38,8 @@ void drawMarker(Picture& picture, const glm::dvec2& point_px, bool held) {
                                      std::pair{cv::Scalar(255, 214, 10), width_px}}) {
     for (int arc = 0; arc < arcs; ++arc) {
       const double from_deg = 360.0 * arc / arcs;
-      cv::ellipse(image, centre, axes, 0.0, from_deg, from_deg + (held ? 22.5 : 360.0), color, width,
-                  cv::LINE_AA, kShift);
+      cv::ellipse(image, centre, axes, 0.0, from_deg, from_deg + (held ? 22.5 : 360.0), color,
+                  width, cv::LINE_AA, kShift);
     }
   }
 }
@@ -52,9 +52,11 @@ void splitWithSharp(Picture& picture, const Picture& sharp) {
 }
 
 Picture thumbnail(const Picture& picture, int width_px) {
-  Picture small{.size_px = {width_px, std::max(1, picture.size_px.y * width_px / picture.size_px.x)},
-                .rgb = {}};
-  small.rgb.resize(3u * static_cast<std::size_t>(small.size_px.x) * static_cast<std::size_t>(small.size_px.y));
+  Picture small{
+      .size_px = {width_px, std::max(1, picture.size_px.y * width_px / picture.size_px.x)},
+      .rgb = {}};
+  small.rgb.resize(3u * static_cast<std::size_t>(small.size_px.x) *
+                   static_cast<std::size_t>(small.size_px.y));
   cv::Mat to = matOf(small);
   cv::resize(matOf(picture), to, to.size(), 0, 0, cv::INTER_AREA);
   return small;

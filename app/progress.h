@@ -1,4 +1,5 @@
-// How far a long job is, on standard error: a bar on a terminal, a plain line now and then elsewhere.
+// How far a long job is, on standard error: a bar on a terminal, a plain line now and then
+// elsewhere.
 #pragma once
 
 #include <chrono>

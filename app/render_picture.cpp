@@ -18,8 +18,8 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
   const SurfelCloud cloud = loadScene(study);
   const Screen screen = study.screenInForce();
   const glm::mat4 eye_from_world = EyePath(study).eyeFromWorldAt(0.0);
-  const View view = viewThroughScreen(eye_from_world, study.output.size_px, screen.size_m,
-                                      screen.distance_m);
+  const View view =
+      viewThroughScreen(eye_from_world, study.output.size_px, screen.size_m, screen.distance_m);
 
   PictureSummary summary;
   if (request.focus_D) {
@@ -28,9 +28,9 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
     const glm::dvec2 gaze_px = request.gaze_px.value_or(0.5 * glm::dvec2(screen.size_px));
     const glm::dmat4 world_from_eye = glm::inverse(glm::dmat4(eye_from_world));
     const glm::dvec3 direction = glm::dmat3(world_from_eye) * lineOfSight(screen, gaze_px);
-    summary.surface_distance_m = SurfaceQuery(cloud).distance(
-        glm::dvec3(world_from_eye[3]), glm::normalize(direction), glm::radians(study.focus.cone_deg),
-        study.focus.coverage);
+    summary.surface_distance_m =
+        SurfaceQuery(cloud).distance(glm::dvec3(world_from_eye[3]), glm::normalize(direction),
+                                     glm::radians(study.focus.cone_deg), study.focus.coverage);
     summary.focus_D = summary.surface_distance_m ? 1.0 / *summary.surface_distance_m
                                                  : study.focus.accommodation.resting_D;
   }

@@ -46,8 +46,9 @@ Schedule scheduleOf(const Study& study, const GazeTrace& trace) {
   }
   const double frames = (std::min(seconds.y, span_s) - seconds.x) * study.output.fps;
   if (frames > kMaxFrames) {
-    throw InputError(study.file.string(), "the recording has " + decimal(frames, 0) +
-                                              " frames: expected at most 10 million; choose output.seconds");
+    throw InputError(study.file.string(),
+                     "the recording has " + decimal(frames, 0) +
+                         " frames: expected at most 10 million; choose output.seconds");
   }
   return {.first_s = start_s + seconds.x,
           .fps = study.output.fps,
@@ -65,21 +66,26 @@ class ContactSheet {
     held_frames_ = record.eye.state == GazeState::fixation ? held_frames_ + 1 : 0;
     const std::size_t stretch = frame * count_ / frames_;
     const bool is_new = stretch >= chosen_.size();
-    if (!is_new && held_frames_ <= best_) return;
+    // Not two of neighbouring stretches that show the same.
+    const bool apart = chosen_.size() < 2 || 2 * (frame - before_) * count_ >= frames_;
+    if (!is_new && (held_frames_ <= best_ || !apart)) return;
+    if (is_new) before_ = at_;
+    at_ = frame;
     if (is_new) chosen_.emplace_back();
-    best_ = held_frames_;
+    best_ = is_new ? 0 : held_frames_;
     chosen_.back() = {record, thumbnail(picture, std::min(kSheetWidth_px, picture.size_px.x))};
   }
 
-  std::vector<SheetPicture> pictures(const Session& session, const glm::ivec2& size_px, bool marked) const {
+  std::vector<SheetPicture> pictures(const Session& session, const glm::ivec2& size_px) const {
     std::vector<SheetPicture> sheet;
     for (const auto& [record, small] : chosen_) {
       Picture picture = small;
       const auto& point_px = record.gaze_px ? record.gaze_px : record.fixation_px;
-      if (point_px && !marked) {
+      if (point_px) {
         const double scale = static_cast<double>(small.size_px.x) / size_px.x;
-        drawMarker(picture, scale * session.pictureFromScreen_px(*point_px),
-                   record.eye.state != GazeState::fixation && record.eye.state != GazeState::pursuit);
+        drawMarker(
+            picture, scale * session.pictureFromScreen_px(*point_px),
+            record.eye.state != GazeState::fixation && record.eye.state != GazeState::pursuit);
       }
       sheet.push_back({.time_s = record.time_s,
                        .state = record.eye.state,
@@ -97,6 +103,7 @@ class ContactSheet {
   };
   std::size_t frames_, count_;
   std::size_t held_frames_ = 0, best_ = 0;
+  std::size_t at_ = 0, before_ = 0;  // frames chosen last, and in the stretch before
   std::vector<Chosen> chosen_;
 };
 
@@ -188,23 +195,25 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   for (std::size_t i = 0; i < schedule.frames; ++i) {
     throwIfInterrupted();
     const double time_s = schedule.time_s(i);
-    for (; sample != trace.samples.end() && sample->time_s <= time_s; ++sample) session.push(*sample);
+    for (; sample != trace.samples.end() && sample->time_s <= time_s; ++sample)
+      session.push(*sample);
     const FrameRecord record = session.render(time_s, frame);
     Picture picture = pictureOf(frame);
     if (study.output.split) {
       session.renderSharp(frame);
       splitWithSharp(picture, pictureOf(frame));
     }
+    sheet.offer(i, record, picture);
     if (study.output.marker) {
       const auto& point_px = record.gaze_px ? record.gaze_px : record.fixation_px;
-      const bool held = record.eye.state != GazeState::fixation && record.eye.state != GazeState::pursuit;
+      const bool held =
+          record.eye.state != GazeState::fixation && record.eye.state != GazeState::pursuit;
       if (point_px) drawMarker(picture, session.pictureFromScreen_px(*point_px), held);
     }
     table.add(i, record);
     series.add(chartRow(record));
     render_ms.push_back(static_cast<float>(record.stats.ms));
     splats.push_back(static_cast<std::uint32_t>(record.stats.splats));
-    sheet.offer(i, record, picture);
     frames_hash.add(picture.rgb);
     video.push(std::move(picture));
     progress.advance(i + 1);
@@ -226,10 +235,9 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   ReplaySummary& summary = report.summary;
   summary = {.frames = schedule.frames,
              .duration_s = static_cast<double>(schedule.frames) / schedule.fps,
-             .gaze_valid = report.samples == 0
-                               ? 0.0
-                               : 1.0 - static_cast<double>(report.samples_lost) /
-                                           static_cast<double>(report.samples),
+             .gaze_valid = report.samples == 0 ? 0.0
+                                               : 1.0 - static_cast<double>(report.samples_lost) /
+                                                           static_cast<double>(report.samples),
              .fixations = count(GazeState::fixation),
              .saccades = count(GazeState::saccade),
              .render_ms_median = quantile(render_ms, 0.5),
@@ -238,10 +246,11 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
              .out = out};
   writeText(folder.stage("manifest.json"), manifestJson(study, trace, summary, facts));
   report.rows = series.rows();
-  report.sheet = sheet.pictures(session, study.output.size_px, study.output.marker);
+  report.sheet = sheet.pictures(session, study.output.size_px);
   if (!writeReport(folder.stage("report.html"), video_file, study, trace, report)) {
-    std::fputs("foci: the report has no charts: gnuplot is not installed (apt install gnuplot-nox)\n",
-               stderr);
+    std::fputs(
+        "foci: the report has no charts: gnuplot is not installed (apt install gnuplot-nox)\n",
+        stderr);
   }
   folder.commit();
   return summary;

@@ -12,8 +12,8 @@ namespace foci {
 
 struct ReplaySummary {
   std::size_t frames = 0;
-  double duration_s = 0.0;   ///< of the video
-  double gaze_valid = 0.0;   ///< share of the samples replayed that have a gaze point
+  double duration_s = 0.0;  ///< of the video
+  double gaze_valid = 0.0;  ///< share of the samples replayed that have a gaze point
   std::size_t fixations = 0;
   std::size_t saccades = 0;
   double render_ms_median = 0.0;

@@ -15,12 +15,23 @@ std::string escaped(const std::string& text) {
   std::string html;
   for (const char c : text) {
     switch (c) {
-      case '&': html += "&amp;"; break;
-      case '<': html += "&lt;"; break;
-      case '>': html += "&gt;"; break;
-      case '"': html += "&quot;"; break;
-      case '\'': html += "&#39;"; break;
-      default: html += c;
+      case '&':
+        html += "&amp;";
+        break;
+      case '<':
+        html += "&lt;";
+        break;
+      case '>':
+        html += "&gt;";
+        break;
+      case '"':
+        html += "&quot;";
+        break;
+      case '\'':
+        html += "&#39;";
+        break;
+      default:
+        html += c;
     }
   }
   return html;
@@ -79,7 +90,7 @@ p { margin: .5rem 0; max-width: 72ch; } .quiet { color: var(--quiet); }
 .numbers b { display: block; font-size: 1.25rem; font-weight: 600; font-variant-numeric: tabular-nums; }
 .numbers span { color: var(--quiet); font-size: .85rem; }
 video { width: 100%; border-radius: 6px; background: #000; display: block; }
-.sheet { display: grid; grid-template-columns: repeat(auto-fill, minmax(240px, 1fr)); gap: .9rem; }
+.sheet { display: grid; grid-template-columns: repeat(auto-fill, minmax(300px, 1fr)); gap: .9rem; }
 figure { margin: 0; } figure img { width: 100%; border-radius: 4px; display: block; }
 figcaption { font-size: .85rem; color: var(--quiet); font-variant-numeric: tabular-nums; margin-top: .25rem; }
 .state { display: inline-block; width: .7em; height: .7em; border-radius: 2px; margin-right: .35em; }
@@ -113,22 +124,27 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
                                ? "a simulated observer"
                                : std::filesystem::path(study.gaze.source).filename().string();
   std::string html = "<h1>" + escaped(scene) + ", seen by " + escaped(gaze) + "</h1>\n";
-  html += "<p class=\"quiet\">foci " FOCI_VERSION " &middot; study " + escaped(study.file.string()) +
-          " &middot; gaze " + escaped(trace.format) + ", " + decimal(trace.rate_Hz, 0) +
-          " Hz</p>\n";
+  html += "<p class=\"quiet\">foci " FOCI_VERSION " &middot; study " +
+          escaped(study.file.string()) + " &middot; gaze " + escaped(trace.format) + ", " +
+          decimal(trace.rate_Hz, 0) + " Hz</p>\n";
   if (trace.simulated) {
-    html += "<p class=\"notice\">The gaze is simulated: an oculomotor model looked, no person did.</p>\n";
+    html +=
+        "<p class=\"notice\">The gaze is simulated: an oculomotor model looked, no person "
+        "did.</p>\n";
   }
   const Screen screen = study.screenInForce();
   if (study.screen.is_default) {
-    html += "<p class=\"notice\">The study names no screen. Angles and blur hold for the default one: " +
-            std::to_string(screen.size_px.x) + " &times; " + std::to_string(screen.size_px.y) +
-            " px on " + decimal(screen.size_m.x, 3) + " &times; " + decimal(screen.size_m.y, 3) +
-            " m, seen from " + decimal(screen.distance_m, 2) + " m.</p>\n";
+    html +=
+        "<p class=\"notice\">The study names no screen. Angles and blur hold for the default "
+        "one: " +
+        std::to_string(screen.size_px.x) + " &times; " + std::to_string(screen.size_px.y) +
+        " px on " + decimal(screen.size_m.x, 3) + " &times; " + decimal(screen.size_m.y, 3) +
+        " m, seen from " + decimal(screen.distance_m, 2) + " m.</p>\n";
   }
   html += "<div class=\"numbers\">\n";
-  html += number(decimal(summary.duration_s, 2) + " s", std::to_string(summary.frames) + " frames, " +
-                     decimal(study.output.fps, 0) + " a second");
+  html +=
+      number(decimal(summary.duration_s, 2) + " s", std::to_string(summary.frames) + " frames, " +
+                                                        decimal(study.output.fps, 0) + " a second");
   html += number(std::to_string(summary.fixations), "fixations");
   html += number(std::to_string(summary.saccades), "saccades");
   html += number(percent(1.0 - summary.gaze_valid), "of the gaze samples lost");
@@ -146,8 +162,9 @@ std::string opticsText(const Study& study) {
   const double angle_rad = blurAngle_rad(pupil_m, 0.0, 1.0);
   const AccommodationSettings& accommodation = study.focus.accommodation;
   return "<p>One dioptre of defocus blurs a point to a disc " +
-         decimal(angle_rad * 180.0 / 3.14159265358979 * 60.0, 2) + " arcmin wide: " +
-         decimal(angle_rad * screen.distance_m * px_per_m, 2) + " px on the screen, " +
+         decimal(angle_rad * 180.0 / 3.14159265358979 * 60.0, 2) +
+         " arcmin wide: " + decimal(angle_rad * screen.distance_m * px_per_m, 2) +
+         " px on the screen, " +
          decimal(2e6 * retinalRadius_m(pupil_m, study.observer.retina_mm / 1000.0, 0.0, 1.0), 1) +
          " &micro;m on the retina. The eye focuses on the nearest surface that fills " +
          decimal(100.0 * study.focus.coverage, 0) + "&thinsp;% of a cone of " +
@@ -171,7 +188,8 @@ std::string lossText(const ReportFacts& facts) {
 
 std::string legend() {
   std::string html = "<p class=\"legend\">";
-  for (const GazeState state : {GazeState::saccade, GazeState::pursuit, GazeState::blink, GazeState::lost}) {
+  for (const GazeState state :
+       {GazeState::saccade, GazeState::pursuit, GazeState::blink, GazeState::lost}) {
     html += "<span>" + stateMark(state) + std::string(nameOf(state)) + "</span>";
   }
   return html + "<span>plain ground: fixation</span></p>\n";
@@ -228,11 +246,13 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
   std::ofstream out(file, std::ios::binary);
   out << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width\">\n<title>foci replay</title>\n"
-         "<style>" << kStyle << "</style></head><body><main>\n"
+         "<style>"
+      << kStyle << "</style></head><body><main>\n"
       << headline(study, trace, facts) << "<h2>What the eye saw</h2>\n";
   embedVideo(out, video);
   out << opticsText(study)
-      << "<h2>Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay the frame at which a "
+      << "<h2>Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay the frame at "
+         "which a "
          "fixation had lasted longest. The ring marks the gaze; broken, where the eye does not "
          "fixate.</p>\n";
   contactSheet(out, facts);
@@ -243,10 +263,10 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
     out << "<p class=\"notice\">No charts: gnuplot is not installed. On Debian: "
            "<code>apt install gnuplot-nox</code>.</p>\n";
   }
-  out << "<p class=\"quiet\">Gaze in px of the study's screen, from its top-left corner; time on the "
+  out << "<p class=\"quiet\">Gaze in px of the study's screen, from its top-left corner; time on "
+         "the "
          "recording's clock.</p>\n"
-      << lossText(facts) << configuration(study)
-      << "<p class=\"quiet\">" << facts.threads
+      << lossText(facts) << configuration(study) << "<p class=\"quiet\">" << facts.threads
       << (facts.threads == 1 ? " thread" : " threads")
       << ". Machine, hashes of every input and the frames' own are in manifest.json.</p>\n"
          "</main></body></html>\n";

@@ -33,7 +33,8 @@ struct ReportFacts {
 };
 
 /// @param video  embedded, read block by block
-/// @return whether the charts are in: false where gnuplot is not installed, which the page then says
+/// @return whether the charts are in: false where gnuplot is not installed, which the page then
+/// says
 /// @throws std::runtime_error
 bool writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
                  const Study& study, const GazeTrace& trace, const ReportFacts& facts);

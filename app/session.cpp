@@ -10,8 +10,8 @@ std::optional<glm::dvec2> onOtherScreen_px(const Screen& from, const Screen& to,
   return pointOnScreen_px(to, lineOfSight(from, point_px));
 }
 
-Session::Session(const Study& study, const SurfelCloud& cloud, const Screen& screen,
-                 double rate_Hz, double start_s)
+Session::Session(const Study& study, const SurfelCloud& cloud, const Screen& screen, double rate_Hz,
+                 double start_s)
     : study_(study),
       gaze_screen_(screen),
       screen_(study.screenInForce()),
@@ -37,8 +37,8 @@ std::optional<double> Session::surfaceDistance(double time_s, const glm::dvec3& 
   const glm::dmat4 world_from_eye =
       glm::inverse(glm::dmat4(path_.eyeFromWorldAt(time_s - start_s_)));
   return query_.distance(glm::dvec3(world_from_eye[3]),
-                         glm::normalize(glm::dmat3(world_from_eye) * direction_eye),
-                         half_angle_rad, study_.focus.coverage);
+                         glm::normalize(glm::dmat3(world_from_eye) * direction_eye), half_angle_rad,
+                         study_.focus.coverage);
 }
 
 FrameRecord Session::render(double time_s, Frame& frame) {
@@ -51,16 +51,14 @@ FrameRecord Session::render(double time_s, Frame& frame) {
   const auto on_screen = [&](const std::optional<glm::dvec2>& point_px) {
     return point_px ? onOtherScreen_px(gaze_screen_, screen_, *point_px) : std::nullopt;
   };
-  const bool seen =
-      record.eye.state != GazeState::blink && record.eye.state != GazeState::lost;
+  const bool seen = record.eye.state != GazeState::blink && record.eye.state != GazeState::lost;
   if (record.eye.sample && seen) record.gaze_px = on_screen(record.eye.sample->point_px);
   record.fixation_px = on_screen(record.eye.fixation_px);
 
   const View view = viewAt(time_s);
-  const RenderSettings settings{
-      .defocus = defocusOfLens(record.pupil_mm / 1000.0, view.focal_px, record.eye.focus_D,
-                               DistanceAlong::sight),
-      .background = glm::vec3(study_.scene.background)};
+  const RenderSettings settings{.defocus = defocusOfLens(record.pupil_mm / 1000.0, view.focal_px,
+                                                         record.eye.focus_D, DistanceAlong::sight),
+                                .background = glm::vec3(study_.scene.background)};
   record.stats = method_->render(view, settings, frame);
   last_s_ = time_s;
   return record;

@@ -1,5 +1,6 @@
-// The frame loop as a pure function of (scene, trace, study): the eye at each frame's time, and what
-// it sees. Replay drives it from a file; whatever else drives it brings its own samples and times.
+// The frame loop as a pure function of (scene, trace, study): the eye at each frame's time, and
+// what it sees. Replay drives it from a file; whatever else drives it brings its own samples and
+// times.
 #pragma once
 
 #include <memory>
@@ -16,8 +17,8 @@
 
 namespace foci {
 
-/// What is known of a frame besides its picture. Points are on the study's screen, px: where the line
-/// of sight of the recording, on its own screen, meets it.
+/// What is known of a frame besides its picture. Points are on the study's screen, px: where the
+/// line of sight of the recording, on its own screen, meets it.
 struct FrameRecord {
   double time_s = 0.0;  ///< on the recording's clock
   EyeNow eye;

@@ -92,7 +92,8 @@ void read(const toml::value& from, const Allowed& allowed, std::string& to) {
   for (const auto word : allowed.words) what += " \"" + std::string(word) + "\"";
   if (!from.is_string()) throw Expected{what};
   const std::string& text = from.as_string().str;
-  const bool known = std::find(allowed.words.begin(), allowed.words.end(), text) != allowed.words.end();
+  const bool known =
+      std::find(allowed.words.begin(), allowed.words.end(), text) != allowed.words.end();
   if (text.empty() || text.find('\0') != std::string::npos || !(allowed.words.empty() || known)) {
     throw Expected{text.empty() ? what + " that is not empty" : what};
   }
@@ -164,10 +165,12 @@ Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}
           [](const T& from) { return write(at(from)); }};
 }
 
-#define FOCI_KEY(member, ...) \
-  key<Study, [](auto& study) -> auto& { return study.member; }>(__VA_ARGS__)
-#define FOCI_KEYFRAME_KEY(member, ...) \
-  key<EyeKeyframe, [](auto& frame) -> auto& { return frame.member; }>(__VA_ARGS__)
+#define FOCI_KEY(member, ...)                                    \
+  key < Study, [](auto& study) -> auto& { return study.member; } \
+  > (__VA_ARGS__)
+#define FOCI_KEYFRAME_KEY(member, ...)                                 \
+  key < EyeKeyframe, [](auto& frame) -> auto& { return frame.member; } \
+  > (__VA_ARGS__)
 
 constexpr double kFar_m = 1e6;  // positions beyond it leave a float no millimetre
 
@@ -240,8 +243,8 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(output.size_px, "output.size_px", "width and height of the pictures, px",
                {16, 8192}),
       FOCI_KEY(output.fps, "output.fps", "frames a second", {1, 1000}),
-      FOCI_KEY(output.seconds, "output.seconds",
-               "from, to: after the recording's first sample, s", {0, 1e6}),
+      FOCI_KEY(output.seconds, "output.seconds", "from, to: after the recording's first sample, s",
+               {0, 1e6}),
       FOCI_KEY(output.marker, "output.marker", "a mark where the observer looks"),
       FOCI_KEY(output.split, "output.split", "left half sharp, right half as the eye sees"),
       FOCI_KEY(seed, "seed", "of the simulated observer", {0, 9007199254740992.0}),
@@ -256,11 +259,21 @@ const std::vector<Key<Study>>& studyKeys() {
 std::string shownValue(const toml::value& value) {
   std::string text;
   switch (value.type()) {
-    case toml::value_t::integer: text = std::to_string(value.as_integer()); break;
-    case toml::value_t::floating: text = numberText(value.as_floating()); break;
-    case toml::value_t::boolean: text = value.as_boolean() ? "true" : "false"; break;
-    case toml::value_t::string: text = jsonText(value.as_string().str); break;
-    case toml::value_t::table: text = "{...}"; break;
+    case toml::value_t::integer:
+      text = std::to_string(value.as_integer());
+      break;
+    case toml::value_t::floating:
+      text = numberText(value.as_floating());
+      break;
+    case toml::value_t::boolean:
+      text = value.as_boolean() ? "true" : "false";
+      break;
+    case toml::value_t::string:
+      text = jsonText(value.as_string().str);
+      break;
+    case toml::value_t::table:
+      text = "{...}";
+      break;
     case toml::value_t::array:
       for (const auto& element : value.as_array()) {
         text += (text.empty() ? "" : ", ") + shownValue(element);
@@ -268,7 +281,9 @@ std::string shownValue(const toml::value& value) {
       }
       text = "[" + text + "]";
       break;
-    default: text = "a date or time"; break;
+    default:
+      text = "a date or time";
+      break;
   }
   return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
@@ -287,7 +302,8 @@ std::string place(const std::string& file, const toml::value& value) {
 /// @return the names of the keys set
 template <class T>
 std::set<std::string, std::less<>> apply(const std::vector<Key<T>>& keys, const toml::table& table,
-                                         const std::string& prefix, const std::string& file, T& to) {
+                                         const std::string& prefix, const std::string& file,
+                                         T& to) {
   std::set<std::string, std::less<>> given;
   for (const auto& [name, value] : table) {
     const std::string full = prefix + name;
@@ -349,7 +365,8 @@ std::string write(const std::vector<EyeKeyframe>& path) {
   for (const EyeKeyframe& frame : path) {
     text += text.size() > 1 ? ", {" : "{";
     for (const auto& key : keyframeKeys()) {
-      text += (key.name == "time_s" ? "\"" : ", \"") + std::string(key.name) + "\": " + key.write(frame);
+      text += (key.name == "time_s" ? "\"" : ", \"") + std::string(key.name) +
+              "\": " + key.write(frame);
     }
     text += "}";
   }
@@ -374,10 +391,13 @@ void refuseDeepNesting(const std::string& text, const std::string& file) {
       line_start = i + 1;
       quote = 0;  // strings of several lines are no values of a study
     } else if (i - line_start > kMaxLine_bytes) {
-      throw InputError(where(), "expected lines of at most " + std::to_string(kMaxLine_bytes) + " bytes");
+      throw InputError(where(),
+                       "expected lines of at most " + std::to_string(kMaxLine_bytes) + " bytes");
     } else if (quote) {
-      if (c == '\\' && quote == '"') ++i;
-      else if (c == quote) quote = 0;
+      if (c == '\\' && quote == '"')
+        ++i;
+      else if (c == quote)
+        quote = 0;
     } else if (c == '"' || c == '\'') {
       quote = c;
     } else if (c == '#') {
@@ -402,7 +422,8 @@ std::string firstLine(const std::exception& error) {
 toml::value parseToml(const std::filesystem::path& path) {
   const std::string file = path.string();
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw InputError(file, "is a folder, expected a study (TOML)");
+  if (std::filesystem::is_directory(path, ignored))
+    throw InputError(file, "is a folder, expected a study (TOML)");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(file, "cannot be read");
   std::string text(kMaxFile_bytes + 1, '\0');
@@ -434,7 +455,8 @@ Study readStudy(const std::filesystem::path& file) {
 
   const auto refuseBoth = [&](const char* one, const char* other) {
     if (given.contains(one) && given.contains(other)) {
-      throw InputError(file.string(), std::string(one) + " and " + other + ": expected only one of them");
+      throw InputError(file.string(),
+                       std::string(one) + " and " + other + ": expected only one of them");
     }
   };
   refuseBoth("scene.file", "scene.builtin");
@@ -528,7 +550,8 @@ void checkStudy(const Study& study) {
     refuse("output.seconds = " + write(*study.output.seconds) + ": expected from before to");
   }
   if (study.output.size_px.x % 2 != 0 || study.output.size_px.y % 2 != 0) {
-    refuse("output.size_px = " + write(study.output.size_px) + ": expected even numbers, as H.264 wants");
+    refuse("output.size_px = " + write(study.output.size_px) +
+           ": expected even numbers, as H.264 wants");
   }
 }
 

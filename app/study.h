@@ -88,7 +88,8 @@ struct Study {
   Screen screenInForce() const;
 };
 
-/// @throws InputError naming file, line, key and value for whatever is not as the table of keys says
+/// @throws InputError naming file, line, key and value for whatever is not as the table of keys
+/// says
 Study readStudy(const std::filesystem::path& file);
 
 using OptionValue = std::variant<double, std::string, std::vector<double>>;
@@ -98,14 +99,14 @@ using OptionValue = std::variant<double, std::string, std::vector<double>>;
 void overrideKey(Study& study, std::string_view key, const OptionValue& value,
                  const std::string& option);
 
-/// What only the whole study can tell: that the scene has an eye pose, the path is ordered, and so on.
-/// Called after the last override.
+/// What only the whole study can tell: that the scene has an eye pose, the path is ordered, and so
+/// on. Called after the last override.
 void checkStudy(const Study& study);
 
 struct ResolvedKey {
-  std::string_view name;    ///< "observer.pupil_mm"
-  std::string_view meaning; ///< with its unit
-  std::string json;         ///< the value in force; "null" where absent
+  std::string_view name;     ///< "observer.pupil_mm"
+  std::string_view meaning;  ///< with its unit
+  std::string json;          ///< the value in force; "null" where absent
 };
 
 /// Every key with the value in force, in the table's order.

@@ -26,7 +26,8 @@ std::string decimal(double value, int digits) {
   const auto result =
       std::to_chars(text.begin(), text.end(), value, std::chars_format::fixed, digits);
   std::string number(text.begin(), result.ptr);
-  if (number[0] == '-' && number.find_first_of("123456789") == std::string::npos) number.erase(0, 1);
+  if (number[0] == '-' && number.find_first_of("123456789") == std::string::npos)
+    number.erase(0, 1);
   return number;
 }
 

@@ -78,8 +78,8 @@ VideoWriter::~VideoWriter() { worker_->stop(); }
 void VideoWriter::push(Picture&& picture) {
   {
     std::unique_lock lock(worker_->mutex);
-    worker_->changed.wait(
-        lock, [&] { return worker_->waiting.size() < kMaxWaiting || worker_->failed; });
+    worker_->changed.wait(lock,
+                          [&] { return worker_->waiting.size() < kMaxWaiting || worker_->failed; });
     if (worker_->failed) worker_->fail();
     worker_->waiting.push_back(std::move(picture));
   }

@@ -15,7 +15,8 @@ struct Picture {
   std::vector<std::uint8_t> rgb;
 };
 
-/// Frames come out in the order they went in. At most a few wait: `push` blocks until there is room.
+/// Frames come out in the order they went in. At most a few wait: `push` blocks until there is
+/// room.
 class VideoWriter {
  public:
   /// @param file  ends in .mp4; `size_px` even

@@ -20,11 +20,12 @@ namespace {
 constexpr std::size_t kNeighbours = 16;
 constexpr float kSameSheetCosine = 0.5f;    // of normals, signs apart
 constexpr float kSameSheetReach = 0.5f;     // off the tangent plane, of the furthest neighbour
-constexpr float kMostLocalSpacings = 3.0f;  // of the neighbours' median: strays beside a surface
-constexpr float kMostSpacings = 16.0f;      // of the cloud's median: strays far from everything
+constexpr float kMostLocalSpacings = 2.0f;  // of the neighbours' median: strays beside a surface
+constexpr float kMostSpacings = 5.0f;       // of the cloud's median: strays far from everything
 constexpr float kLeastSigma_m = 1e-9f;      // its fourth power is still a normal float
 constexpr float kLeastWeight = 0.05f;       // of spacing^2
-constexpr int kWeightIterations = 4;
+constexpr int kWeightIterations = 8;
+constexpr double kMostOpposed = 0.05;       // share of neighbours, in an oriented cloud
 
 /// Unit eigenvector of the least eigenvalue, by cyclic Jacobi rotations (Golub and Van Loan, 8.5).
 /// Any one of them where several are least; the z axis for the zero matrix.
@@ -103,6 +104,25 @@ std::vector<std::uint16_t> sameSheet(const std::vector<glm::vec3>& position_m,
     sheet[i] = static_cast<std::uint16_t>(bits);
   });
   return sheet;
+}
+
+/// Whether neighbours on one sheet have their normals on the same side, but for a few.
+bool agree(const std::vector<glm::vec3>& normal, const Neighbours& near,
+           const std::vector<std::uint16_t>& sheet) {
+  std::vector<std::uint8_t> opposed(normal.size(), 0);
+  parallelFor(normal.size(), [&](std::size_t i) {
+    unsigned bit = 1;
+    for (const std::uint32_t j : near.of(i)) {
+      opposed[i] += (sheet[i] & bit) != 0 && glm::dot(normal[i], normal[j]) < 0.0f;
+      bit <<= 1;
+    }
+  });
+  std::size_t pairs = 0, of_them = 0;
+  for (std::size_t i = 0; i < normal.size(); ++i) {
+    pairs += static_cast<std::size_t>(std::popcount(sheet[i]));
+    of_them += opposed[i];
+  }
+  return pairs > 0 && static_cast<double>(of_them) < kMostOpposed * static_cast<double>(pairs);
 }
 
 float medianOf(std::vector<float> values) {
@@ -265,8 +285,10 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
     return surfelsOfStacks(std::move(points), settings);
   }
 
+  const bool given_normals = !points.normal.empty();
   estimateNormals(points.position_m, near, settings.viewpoint_m, points.normal);
   const std::vector<std::uint16_t> sheet = sameSheet(points.position_m, points.normal, near);
+  const bool oriented = given_normals && agree(points.normal, near, sheet);
   const std::vector<float> spacing = spacings(near, sheet, settings.lone_spacing_m);
 
   std::vector<float> sigma(points.size());
@@ -279,7 +301,9 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
   std::vector<float> weight =
       solveWeights(points.position_m, points.normal, near, sheet, spacing, sigma);
   near = {};
-  return assemble(std::move(points), sigma, std::move(weight));
+  SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
+  cloud.oriented = oriented;
+  return cloud;
 }
 
 }  // namespace

@@ -155,8 +155,7 @@ struct SurfaceQuery::Impl {
     Box box;
     for (const glm::vec3& p : cloud.position_m) box.add(p, p);
     const glm::vec3 size = box.high - box.low;
-    const float scale =
-        2097151.0f / std::max({size.x, size.y, size.z, 1e-30f});
+    const float scale = 2097151.0f / std::max({size.x, size.y, size.z, 1e-30f});
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(cloud.size());
     parallelFor(cloud.size(), [&](std::size_t i) {
       const glm::vec3 cell = glm::min((cloud.position_m[i] - box.low) * scale, 2097151.0f);

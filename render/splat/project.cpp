@@ -23,6 +23,10 @@ inline constexpr float kWidestSupport2 = 8.0f;
 /// The unblurred splat's z-range: its plane within this many squared standard deviations.
 inline constexpr float kReach2 = 5.0f;
 
+/// Cosine from which a surfel counts as seen from behind: beyond what normals of a scan err by at
+/// its outline.
+inline constexpr float kFromBehind = 0.1f;
+
 /// Splats beyond any use are refused: a variance or an area of 10^5 by 10^5 pixels.
 inline constexpr float kLargest_px2 = 1e10f;
 
@@ -43,6 +47,7 @@ struct ProjectJob {
   float lens_x, lens_y;           // its centre, likewise
   bool along_axis;
   bool disc;
+  bool oriented;
   float shading;
 };
 
@@ -88,7 +93,8 @@ struct Lanes {
   alignas(64) float exponent[kMost];
   alignas(64) float area_px[kMost];
   alignas(64) float distance[kMost], reach[kMost];
-  alignas(64) float shade[kMost];
+  alignas(64) float shade[kMost],
+      away[kMost];                   // cosine of the normal to the sight; > 0: away from the eye
   alignas(64) float visible[kMost];  // 1: keep
 };
 
@@ -168,8 +174,8 @@ HWY_INLINE void projectLanes(const ProjectJob& job, std::size_t i, Lanes& out) {
   const V3 normal{hn::NegMulAdd(u.z, v.y, hn::Mul(u.y, v.z)),
                   hn::NegMulAdd(u.x, v.z, hn::Mul(u.z, v.x)),
                   hn::NegMulAdd(u.y, v.x, hn::Mul(u.x, v.y))};
-  const V cosine = hn::Div(hn::Abs(dot(normal, p)), hn::Mul(parallelogram, hn::Sqrt(dot(p, p))));
-  const V shade = hn::MulAdd(set(job.shading), hn::Sub(cosine, one), one);
+  const V away = hn::Div(dot(normal, p), hn::Mul(parallelogram, hn::Sqrt(dot(p, p))));
+  const V shade = hn::MulAdd(set(job.shading), hn::Sub(hn::Abs(away), one), one);
 
   // Keep what draws something: in front, on the image, with an area. Comparisons fail on NaN.
   const V radius_x = hn::Sqrt(hn::Mul(set(kWidestSupport2), vxx));
@@ -192,6 +198,7 @@ HWY_INLINE void projectLanes(const ProjectJob& job, std::size_t i, Lanes& out) {
   hn::Store(distance, d, out.distance);
   hn::Store(reach, d, out.reach);
   hn::Store(shade, d, out.shade);
+  hn::Store(away, d, out.away);
   hn::Store(hn::IfThenElseZero(keep, one), d, out.visible);
 }
 
@@ -228,6 +235,7 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
   splat.red = scale * job.color[3 * i];
   splat.green = scale * job.color[3 * i + 1];
   splat.blue = scale * job.color[3 * i + 2];
+  if (job.oriented && lanes.away[k] > kFromBehind) splat.opacity = -splat.opacity;
   splat.near_m = std::max(lanes.distance[k] - lanes.reach[k], 0.0f);
   splat.far_m = lanes.distance[k] + lanes.reach[k];
 
@@ -321,6 +329,7 @@ void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& d
   job.focus_D = defocus.focus_D;
   job.along_axis = defocus.along == DistanceAlong::axis;
   job.disc = projection.kernel == BlurKernel::disc;
+  job.oriented = cloud.oriented;
   job.shading = projection.shading;
 
   // Whole steps a chunk, about as many chunks as the largest machine has threads.
