@@ -115,6 +115,8 @@ const char* colorOf(GazeState state) {
       return "#3a9d6e";
     case GazeState::saccade:
       return "#d9822b";
+    case GazeState::oscillation:
+      return "#e3b778";
     case GazeState::pursuit:
       return "#8e6bbf";
     case GazeState::blink:

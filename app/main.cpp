@@ -13,6 +13,7 @@
 
 #include "app/base/input_error.h"
 #include "app/calibrate.h"
+#include "app/events_command.h"
 #include "app/interrupt.h"
 #include "app/manifest.h"
 #include "app/render_picture.h"
@@ -240,6 +241,7 @@ int run(int argc, char** argv) {
   methods->add_flag("--json", options.json, "as JSON");
 
   addCalibrateCommand(app);
+  addEventsCommand(app);
 
   try {
     app.parse(argc, argv);
@@ -247,7 +249,7 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
-  if (app.got_subcommand("calibrate")) return kDone;
+  if (app.got_subcommand("calibrate") || app.got_subcommand("events")) return kDone;
   for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {
     if (option->count() > 0 && option->get_type_size() > 0 && option->as<std::string>().empty()) {
       throw InputError(option->get_name(), "expected a value that is not empty");

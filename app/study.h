@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "gaze/events/online_events.h"
+#include "gaze/events/event_settings.h"
 #include "gaze/focus/accommodation.h"
 #include "gaze/gaze.h"
 #include "gaze/sources/trace_reader.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/session.h"
-#include "gaze/events/online_events.h"
+#include "gaze/events/gaze_events.h"
 
 namespace foci {
 

@@ -20,6 +20,9 @@ constexpr double kWidest_deg = 89.0;  // a flat screen ends before 90
 constexpr double kLatest_s = 1e11;    // a clock in seconds keeps 20 us up to here
 constexpr double kWidestPupil_mm = 15.0;
 
+// Degrees keep their meaning on any screen: on this one where none is known.
+const Screen kNominalScreen{.size_px = {1000, 1000}, .size_m = {1.0, 1.0}, .distance_m = 1.0};
+
 constexpr std::string_view kTimeNames[] = {"time",        "timestamp",           "t",
                                            "sample_time", "recording_timestamp", "gaze_timestamp"};
 constexpr std::string_view kXNames[] = {"x", "gaze_x", "x_gaze", "gazex", "gaze_point_x", "eye_x"};
@@ -210,13 +213,12 @@ class TableReader {
     units_ = columns.units     ? *columns.units
              : preamble_.units ? *preamble_.units
                                : x_units.value_or(GazeUnits::px);
-    const Screen& screen = preamble_.screen;
-    if (units_ != GazeUnits::px && !(screen.size_px.x > 0 && screen.size_px.y > 0)) {
+    Screen& screen = preamble_.screen;
+    const bool metric = screen.size_m.x > 0.0 && screen.size_m.y > 0.0 && screen.distance_m > 0.0;
+    if (units_ == GazeUnits::deg && !(metric && screen.size_px.x > 0 && screen.size_px.y > 0)) {
+      screen = kNominalScreen;
+    } else if (units_ == GazeUnits::normalised && !(screen.size_px.x > 0 && screen.size_px.y > 0)) {
       throw lines_.error("the screen is not known in pixels: give its size");
-    }
-    if (units_ == GazeUnits::deg &&
-        !(screen.size_m.x > 0.0 && screen.size_m.y > 0.0 && screen.distance_m > 0.0)) {
-      throw lines_.error("degrees need a screen: give its size and distance in metres");
     }
   }
 
