@@ -23,10 +23,10 @@ constexpr GazeState kStates[] = {GazeState::fixation, GazeState::saccade, GazeSt
                                  GazeState::pursuit,  GazeState::blink,   GazeState::lost};
 
 struct EventsOptions {
-  std::string trace{}, out{}, samples{}, physioevents{};
-  std::vector<std::string> labelled{};
+  std::vector<std::string> traces{};
+  std::string out{}, samples{}, physioevents{};
   ScreenOptions screen{};
-  bool online = false, json = false;
+  bool online = false, score = false, json = false;
 };
 
 std::vector<GazeState> labelsOf(const GazeTrace& trace, bool online) {
@@ -75,8 +75,8 @@ void writePhysioevents(const std::string& file, const std::vector<GazeEvent>& ev
 }
 
 void detect(const EventsOptions& options) {
-  const GazeTrace trace = readTrace(options.trace, {}, screenOf(options.screen));
-  requireWholeScreen(*trace.screen, options.trace);
+  const GazeTrace trace = readTrace(options.traces[0], {}, screenOf(options.screen));
+  requireWholeScreen(*trace.screen, options.traces[0]);
   const auto states = labelsOf(trace, options.online);
   const auto events = eventsOf(states, trace, *trace.screen);
   if (!options.out.empty()) writeWhole(options.out, eventTable(events));
@@ -150,12 +150,12 @@ std::string wordOf(std::size_t kind) {
 
 void score(const EventsOptions& options) {
   Scores scores;
-  for (const std::string& file : options.labelled) {
+  for (const std::string& file : options.traces) {
     const LabelledTrace labelled = readLabelledTrace(file, screenOf(options.screen));
     requireWholeScreen(*labelled.trace.screen, file);
     scores.add(labelled, labelsOf(labelled.trace, options.online));
   }
-  nlohmann::ordered_json json = {{"recordings", options.labelled.size()},
+  nlohmann::ordered_json json = {{"recordings", options.traces.size()},
                                  {"samples", scores.samples},
                                  {"online", options.online}};
   std::string text = "kappa    ";
@@ -190,7 +190,7 @@ void score(const EventsOptions& options) {
   if (options.json) {
     std::puts(json.dump().c_str());
   } else {
-    std::printf("%zu recordings, %.0f samples, %s\n%s", options.labelled.size(), scores.samples,
+    std::printf("%zu recordings, %.0f samples, %s\n%s", options.traces.size(), scores.samples,
                 options.online ? "online" : "offline", text.c_str());
   }
 }
@@ -204,16 +204,14 @@ void addEventsCommand(CLI::App& app) {
       "Fixations, saccades, oscillations, pursuit, blinks and losses of a recording.\n"
       "Example: foci events gaze.tsv --out events.tsv --samples samples.tsv");
   EventsOptions& o = *options;
-  auto* trace = events->add_option("TRACE", o.trace, "recording of gaze");
+  events->add_option("TRACE", o.traces, "recording of gaze; with --score one or more")->required();
   events->add_flag("--online", o.online, "as a live tracker would say it, with its delay");
   events->add_option("--out", o.out, "the events, one a row")->type_name("FILE.tsv");
   events->add_option("--samples", o.samples, "the label of every sample")->type_name("FILE.tsv");
   events->add_option("--physioevents", o.physioevents, "the events as BIDS has them")
       ->type_name("FILE_physioevents.tsv");
-  events
-      ->add_option("--score", o.labelled, "recordings with columns coder_NAME: agreement with them")
-      ->type_name("LABELLED...")
-      ->excludes(trace);
+  events->add_flag("--score", o.score,
+                   "agreement (Cohen's kappa) with the recordings' columns coder_NAME");
   addScreenOptions(*events, o.screen);
   events->add_flag("--json", o.json, "print the summary as JSON");
   events->callback([options, events] {
@@ -222,9 +220,8 @@ void addEventsCommand(CLI::App& app) {
         throw InputError(option->get_name(), "expected a value that is not empty");
       }
     }
-    if (!options->labelled.empty()) return score(*options);
-    if (options->trace.empty())
-      throw InputError("TRACE is required, or --score (foci events --help)");
+    if (options->score) return score(*options);
+    if (options->traces.size() > 1) throw InputError("TRACE: expected one, or --score");
     detect(*options);
   });
 }
