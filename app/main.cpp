@@ -20,6 +20,7 @@
 #include "app/replay.h"
 #include "app/study.h"
 #include "app/tables.h"
+#include "app/trace_command.h"
 #include "render/methods/method.h"
 
 namespace foci {
@@ -242,6 +243,7 @@ int run(int argc, char** argv) {
 
   addCalibrateCommand(app);
   addEventsCommand(app);
+  addTraceCommand(app);
 
   try {
     app.parse(argc, argv);
@@ -249,7 +251,10 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
-  if (app.got_subcommand("calibrate") || app.got_subcommand("events")) return kDone;
+  if (app.got_subcommand("calibrate") || app.got_subcommand("events") ||
+      app.got_subcommand("trace")) {
+    return kDone;
+  }
   for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {
     if (option->count() > 0 && option->get_type_size() > 0 && option->as<std::string>().empty()) {
       throw InputError(option->get_name(), "expected a value that is not empty");

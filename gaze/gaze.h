@@ -1,6 +1,7 @@
 // What the whole gaze room speaks of: screens, samples, traces, states.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -21,12 +22,22 @@ enum class GazeState { fixation, saccade, oscillation, pursuit, blink, lost };
 /// "fixation", "saccade", "pso" (post-saccadic oscillation), "pursuit", "blink", "lost".
 std::string_view nameOf(GazeState state);
 
+/// What a binocular recording knows of one eye.
+struct EyeSample {
+  std::optional<glm::dvec2> point_px{};   ///< on the trace's screen, as `GazeSample::point_px`
+  std::optional<glm::dvec3> origin_m{};   ///< its centre; x right, y up, looking along -z
+  std::optional<glm::dvec3> direction{};  ///< of its line of sight, unit, in the same frame
+  std::optional<double> pupil_mm{};       ///< diameter
+};
+
 struct GazeSample {
   double time_s = 0.0;  ///< on the recording's clock
   std::optional<glm::dvec2>
       point_px{};  ///< on the trace's screen, origin top-left; absent in a blink or a loss
-  std::optional<double> pupil_mm{};  ///< diameter, where the recording has one in millimetres
-  bool blink = false;                ///< the tracker itself says so
+  std::optional<double> pupil_mm{};    ///< diameter, where the recording has one in millimetres
+  bool blink = false;                  ///< the tracker itself says so
+  std::optional<double> confidence{};  ///< 0 to 1, where the recording has one
+  std::array<EyeSample, 2> eyes{};     ///< left, right; empty where the recording tells no eyes
 };
 
 struct GazeTrace {

@@ -7,10 +7,11 @@
 
 namespace foci {
 
-/// Reads what `readTrace` says of TSV and CSV; `GazeTrace::rate_Hz` is left to the caller.
-/// `GazeTrace::screen` is complete if file and fallback together are.
+/// Reads what `streamTrace` says of TSV and CSV.
+/// @param header  the names of the columns where the file itself has none; else empty
 /// @throws InputError
-GazeTrace readDelimitedTrace(LineReader& lines, const TraceColumns& columns,
-                             const Screen& fallback_screen);
+TraceHeader readDelimitedTrace(LineReader& lines, const TraceColumns& columns,
+                               const Screen& fallback_screen, const TakeSample& take,
+                               const std::string& header = {});
 
 }  // namespace foci

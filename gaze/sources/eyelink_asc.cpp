@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <string>
 #include <vector>
+
+#include "gaze/sources/cyclopean.h"
 
 namespace foci {
 namespace {
@@ -15,6 +18,7 @@ constexpr double kClock_ms = 1e-3;  // above the rounding of seconds, far below 
 // Lids move together, and the eye that the tracker still sees is half covered: a blink of one eye
 // is a blink. But one that lasts longer than any blink is an eye lost, and the other is good.
 constexpr double kLongestBlink_ms = 1000.0;
+constexpr double kSlack_ms = 100.0;  // an event's line comes a little after its samples
 
 struct Interval {
   double first_ms = 0.0, last_ms = 0.0;  // stamps of the first and last sample in it
@@ -24,17 +28,16 @@ struct Interval {
 struct Block {
   bool open = false;
   std::array<bool, 2> recorded{};
-  std::array<std::vector<Interval>, 2> blinks{};
+  std::array<std::deque<Interval>, 2> blinks{};
   std::array<std::optional<double>, 2> blink_from_ms{};
-  std::size_t first_sample = 0;
   double newest_ms = 0.0;
 };
 
 class AscReader {
  public:
-  explicit AscReader(LineReader& lines) : lines_(lines) {}
+  AscReader(LineReader& lines, const TakeSample& take) : lines_(lines), take_(take) {}
 
-  GazeTrace read() {
+  TraceHeader read() {
     std::string_view line;
     while (lines_.next(line)) {
       if (line.empty()) continue;
@@ -45,10 +48,10 @@ class AscReader {
       }
     }
     endBlock();
-    trace_.format = "EyeLink ASC, ";
-    trace_.format += binocular_ ? "binocular" : "monocular";
-    if (remote_) trace_.format += ", remote";
-    return std::move(trace_);
+    header_.format = "EyeLink ASC, ";
+    header_.format += binocular_ ? "binocular" : "monocular";
+    if (remote_) header_.format += ", remote";
+    return std::move(header_);
   }
 
  private:
@@ -76,7 +79,7 @@ class AscReader {
       readMessage();
     } else if (kind == "START") {
       endBlock();
-      block_ = {.open = true, .first_sample = trace_.samples.size()};
+      block_ = {.open = true};
       setEyes();
     } else if (kind == "SAMPLES" && block_.open) {
       setEyes();
@@ -119,13 +122,13 @@ class AscReader {
       // Last pixel minus first, plus one; some experiments write the size itself. Sizes are even.
       screen.size_px[axis] = static_cast<int>(pixels) & ~1;
     }
-    trace_.screen = screen;
+    header_.screen = screen;
   }
 
   /// Time, then x, y, pupil of each recorded eye; what follows (velocity, target, flags) is not
   /// read.
   void readSample(std::string_view line) {
-    splitWords(line, words_);
+    splitWords(line, words_, 7);
     const int eyes = (block_.recorded[0] ? 1 : 0) + (block_.recorded[1] ? 1 : 0);
     if (eyes == 0) throw lines_.error("a sample of no eye: expected LEFT or RIGHT after START");
     if (words_.size() < 1 + 3 * static_cast<std::size_t>(eyes)) {
@@ -135,60 +138,72 @@ class AscReader {
     const double stamp_ms = number(0);
     double time_ms = stamp_ms;
     if (stamp_ms == last_stamp_ms_ && time_ms_ == stamp_ms) time_ms = stamp_ms + 0.5;
-    if (!trace_.samples.empty() && time_ms <= time_ms_) {
+    if (any_ && time_ms <= time_ms_) {
       throw lines_.error("time " + shown(words_[0]) + " ms is not after the sample before");
     }
     last_stamp_ms_ = stamp_ms;
     time_ms_ = time_ms;
     block_.newest_ms = stamp_ms;
 
-    glm::dvec2 sum_px{0.0};
-    int present = 0;
-    for (int i = 0; i < eyes; ++i) {
-      const std::size_t at = 1 + 3 * static_cast<std::size_t>(i);
-      if (isAbsent(words_[at]) || isAbsent(words_[at + 1])) continue;
-      sum_px += glm::dvec2(number(at), number(at + 1));
-      ++present;
-    }
+    any_ = true;
     GazeSample sample{.time_s = time_ms / kSecond_ms};
-    if (present > 0) sample.point_px = sum_px / static_cast<double>(present) - origin_px_;
-    trace_.samples.push_back(sample);
+    std::size_t at = 1;
+    for (std::size_t side : {0, 1}) {
+      if (!block_.recorded[side]) continue;
+      if (!isAbsent(words_[at]) && !isAbsent(words_[at + 1])) {
+        sample.eyes[side].point_px = glm::dvec2(number(at), number(at + 1)) - origin_px_;
+      }
+      at += 3;
+    }
+    sample.point_px =
+        cyclopean_.combine(sample.time_s, sample.eyes[0].point_px, sample.eyes[1].point_px);
+    held_.push_back(sample);
+    while (stamp_ms - held_.front().time_s * kSecond_ms > kLongestBlink_ms + kSlack_ms) release();
   }
 
-  /// Marks the blinks, which are known only once they end.
+  /// Marks the oldest sample, of which by now everything is known, and passes it on.
+  void release() {
+    GazeSample& sample = held_.front();
+    const double stamp_ms = sample.time_s * kSecond_ms + kClock_ms;
+    bool all = true, any = false;
+    for (std::size_t side : {0, 1}) {
+      if (!block_.recorded[side]) continue;
+      auto& blinks = block_.blinks[side];
+      // A stamp stands for its whole millisecond, in which there may be two samples.
+      while (!blinks.empty() && stamp_ms >= blinks.front().last_ms + 1.0) blinks.pop_front();
+      const bool closed = !blinks.empty() && stamp_ms >= blinks.front().first_ms;
+      const bool open_end = block_.blink_from_ms[side] && stamp_ms >= *block_.blink_from_ms[side];
+      all &= closed || open_end;
+      any |= closed && blinks.front().last_ms - blinks.front().first_ms <= kLongestBlink_ms;
+    }
+    if (all || any) {
+      sample.blink = true;
+      sample.point_px.reset();
+    }
+    take_(sample);
+    held_.pop_front();
+  }
+
   void endBlock() {
     if (!block_.open) return;
-    for (int side : {0, 1}) {
+    for (std::size_t side : {0, 1}) {
       if (block_.blink_from_ms[side]) {
         block_.blinks[side].push_back({*block_.blink_from_ms[side], block_.newest_ms});
+        block_.blink_from_ms[side].reset();
       }
     }
-    std::array<std::size_t, 2> next{};
-    for (std::size_t i = block_.first_sample; i < trace_.samples.size(); ++i) {
-      const double stamp_ms = trace_.samples[i].time_s * kSecond_ms + kClock_ms;
-      bool all = true, any = false;
-      for (int side : {0, 1}) {
-        if (!block_.recorded[side]) continue;
-        const auto& blinks = block_.blinks[side];
-        // A stamp stands for its whole millisecond, in which there may be two samples.
-        while (next[side] < blinks.size() && stamp_ms >= blinks[next[side]].last_ms + 1.0) {
-          ++next[side];
-        }
-        const bool in = next[side] < blinks.size() && stamp_ms >= blinks[next[side]].first_ms;
-        all &= in;
-        any |= in && blinks[next[side]].last_ms - blinks[next[side]].first_ms <= kLongestBlink_ms;
-      }
-      if (!all && !any) continue;
-      trace_.samples[i].blink = true;
-      trace_.samples[i].point_px.reset();
-    }
+    while (!held_.empty()) release();
     block_.open = false;
   }
 
   LineReader& lines_;
-  std::vector<std::string_view> words_;
-  GazeTrace trace_;
-  Block block_;
+  const TakeSample& take_;
+  std::vector<std::string_view> words_{};
+  TraceHeader header_{};
+  Block block_{};
+  Cyclopean cyclopean_{};
+  std::deque<GazeSample> held_{};
+  bool any_ = false;
   glm::dvec2 origin_px_{0.0};
   bool gaze_coords_ = false, binocular_ = false, remote_ = false;
   double last_stamp_ms_ = -1.0, time_ms_ = -1.0;
@@ -200,6 +215,8 @@ bool startsEyeLinkAsc(std::string_view line) {
   return line.starts_with("** ") || line.starts_with("MSG\t") || line.starts_with("START\t");
 }
 
-GazeTrace readEyeLinkAsc(LineReader& lines) { return AscReader(lines).read(); }
+TraceHeader readEyeLinkAsc(LineReader& lines, const TakeSample& take) {
+  return AscReader(lines, take).read();
+}
 
 }  // namespace foci

@@ -1,9 +1,12 @@
 #include "gaze/sources/line_reader.h"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 namespace foci {
@@ -23,20 +26,39 @@ bool equalsIgnoringCase(std::string_view a, std::string_view lower) {
 
 }  // namespace
 
-LineReader::LineReader(const std::filesystem::path& file) : name_(file.string()), buffer_(kBuffer) {
+struct LineReader::Input {
+  gzFile file = nullptr;
+  bool done = false;  // at the end, or where a packed file is damaged
+};
+
+LineReader::LineReader(const std::filesystem::path& file)
+    : name_(file.string()), in_(std::make_unique<Input>()), buffer_(kBuffer) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) throw InputError(name_, "is a folder");
-  in_.open(file, std::ios::binary);
-  if (!in_) throw InputError(name_, "cannot be read");
+  in_->file = gzopen(name_.c_str(), "rb");
+  if (!in_->file) throw InputError(name_, "cannot be read");
+  gzbuffer(in_->file, static_cast<unsigned>(kBuffer / 2));
+}
+
+LineReader::~LineReader() {
+  if (in_->file) gzclose(in_->file);
 }
 
 bool LineReader::fill() {
+  if (in_->done) return false;
   std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
-  in_.read(buffer_.data() + end_, static_cast<std::streamsize>(buffer_.size() - end_));
-  const auto count = static_cast<std::size_t>(in_.gcount());
-  end_ += count;
+  const int count =
+      gzread(in_->file, buffer_.data() + end_, static_cast<unsigned>(buffer_.size() - end_));
+  int status = Z_OK;
+  gzerror(in_->file, &status);
+  if (count < 0 || status == Z_BUF_ERROR || status == Z_DATA_ERROR) {
+    in_->done = true;
+    throw InputError(name_, "damaged: cannot be unpacked to its end");
+  }
+  in_->done = count == 0;
+  end_ += static_cast<std::size_t>(count);
   return count > 0;
 }
 
@@ -92,7 +114,40 @@ bool isAbsent(std::string_view field) {
   return false;
 }
 
+namespace {
+
+/// Digits with at most one point between them, up to 15 in all: whole and power of ten are exact
+/// then, so that their quotient is the nearest double (Clinger 1990).
+std::optional<double> parsePlain(std::string_view field) {
+  static constexpr double kPowers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                       1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+  constexpr std::size_t kLongest = 17;
+  const bool negative = field.starts_with('-');
+  if (negative) field.remove_prefix(1);
+  if (field.empty() || field.size() > kLongest) return std::nullopt;
+  std::int64_t whole = 0;
+  int digits = 0, decimals = 0;
+  bool point = false;
+  for (const char c : field) {
+    if (c >= '0' && c <= '9') {
+      whole = 10 * whole + (c - '0');
+      ++digits;
+      decimals += point;
+    } else if (c == '.' && !point) {
+      point = true;
+    } else {
+      return std::nullopt;
+    }
+  }
+  if (digits == 0 || digits > 15) return std::nullopt;
+  const double value = static_cast<double>(whole) / kPowers[decimals];
+  return negative ? -value : value;
+}
+
+}  // namespace
+
 std::optional<double> parseNumber(std::string_view field) {
+  if (const auto plain = parsePlain(field)) return plain;
   if (field.starts_with('+') && !field.starts_with("+-")) field.remove_prefix(1);
   double value = 0.0;
   const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), value);
@@ -102,13 +157,19 @@ std::optional<double> parseNumber(std::string_view field) {
   return value;
 }
 
-void splitFields(std::string_view line, char delimiter, std::vector<std::string_view>& fields) {
+void splitFields(std::string_view line, char delimiter, std::vector<std::string_view>& fields,
+                 std::size_t most) {
   fields.clear();
+  const bool quotes = std::memchr(line.data(), '"', line.size()) != nullptr;
   std::size_t at = 0;
-  for (;;) {
+  while (fields.size() < most) {
     std::size_t end = at;
     bool quoted = false;
-    while (end < line.size() && (quoted || line[end] != delimiter)) quoted ^= line[end++] == '"';
+    if (quotes) {
+      while (end < line.size() && (quoted || line[end] != delimiter)) quoted ^= line[end++] == '"';
+    } else {
+      while (end < line.size() && line[end] != delimiter) ++end;
+    }
     std::string_view field = trimmed(line.substr(at, end - at));
     if (field.size() >= 2 && field.front() == '"' && field.back() == '"') {
       field = trimmed(field.substr(1, field.size() - 2));
@@ -119,10 +180,10 @@ void splitFields(std::string_view line, char delimiter, std::vector<std::string_
   }
 }
 
-void splitWords(std::string_view line, std::vector<std::string_view>& words) {
+void splitWords(std::string_view line, std::vector<std::string_view>& words, std::size_t most) {
   words.clear();
   std::size_t at = 0;
-  while (at < line.size()) {
+  while (at < line.size() && words.size() < most) {
     if (isBlank(line[at])) {
       ++at;
       continue;

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,11 +14,14 @@
 namespace foci {
 
 /// Reads lines that end in LF or CRLF; the last may lack its end. A UTF-8 byte order mark is
-/// skipped.
+/// skipped. A file in gzip's format is unpacked on the way.
 class LineReader {
  public:
   /// @throws InputError where the file cannot be read or is a folder
   explicit LineReader(const std::filesystem::path& file);
+  ~LineReader();
+  LineReader(const LineReader&) = delete;
+  LineReader& operator=(const LineReader&) = delete;
 
   /// @param line  valid until the next call
   /// @return false at the end
@@ -30,10 +33,11 @@ class LineReader {
   const std::string& fileName() const { return name_; }
 
  private:
+  struct Input;  // of zlib, which reads plain files, too
   bool fill();
 
   std::string name_;
-  std::ifstream in_;
+  std::unique_ptr<Input> in_;
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;
   std::size_t number_ = 0;
@@ -53,9 +57,12 @@ std::optional<double> parseNumber(std::string_view field);
 
 /// Parts of a line at single delimiters. A field may be in double quotes, which are taken off; a
 /// quote within is doubled and stays so. @param fields  reused; its views point into `line`
-void splitFields(std::string_view line, char delimiter, std::vector<std::string_view>& fields);
+/// @param most  no more are needed
+void splitFields(std::string_view line, char delimiter, std::vector<std::string_view>& fields,
+                 std::size_t most = static_cast<std::size_t>(-1));
 
-/// Parts of a line between runs of blanks.
-void splitWords(std::string_view line, std::vector<std::string_view>& words);
+/// Parts of a line between runs of blanks. @param most  no more are needed
+void splitWords(std::string_view line, std::vector<std::string_view>& words,
+                std::size_t most = static_cast<std::size_t>(-1));
 
 }  // namespace foci

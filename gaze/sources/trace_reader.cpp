@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "app/base/input_error.h"
+#include "gaze/sources/bids.h"
 #include "gaze/sources/delimited_trace.h"
 #include "gaze/sources/eyelink_asc.h"
 
@@ -43,12 +44,31 @@ std::string decimal(double value) {
 
 }  // namespace
 
+TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
+                        const Screen& fallback_screen, const TakeSample& take) {
+  TraceHeader header;
+  if (const auto sidecar = bidsSidecarOf(file)) {
+    header = readBids(file, *sidecar, fallback_screen, take);
+  } else {
+    const bool eyelink = isEyeLinkAsc(file);
+    LineReader lines(file);
+    header = eyelink ? readEyeLinkAsc(lines, take)
+                     : readDelimitedTrace(lines, columns, fallback_screen, take);
+  }
+  if (!header.screen) header.screen = fallback_screen;
+  if (header.screen->size_m == glm::dvec2(0.0)) header.screen->size_m = fallback_screen.size_m;
+  if (header.screen->distance_m == 0.0) header.screen->distance_m = fallback_screen.distance_m;
+  return header;
+}
+
 GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& columns,
                     const Screen& fallback_screen) {
-  const bool eyelink = isEyeLinkAsc(file);
-  LineReader lines(file);
-  GazeTrace trace =
-      eyelink ? readEyeLinkAsc(lines) : readDelimitedTrace(lines, columns, fallback_screen);
+  GazeTrace trace;
+  const TraceHeader header =
+      streamTrace(file, columns, fallback_screen,
+                  [&](const GazeSample& sample) { trace.samples.push_back(sample); });
+  trace.format = header.format;
+  trace.screen = header.screen;
   const std::string name = file.string();
   if (trace.samples.size() < 2) {
     throw InputError(name, std::to_string(trace.samples.size()) + " samples: expected at least 2");
@@ -68,10 +88,6 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
   if (!(span_s <= kLongest_s)) {
     throw InputError(name, "lasts " + decimal(span_s) + " s: expected at most a day");
   }
-
-  if (!trace.screen) trace.screen = fallback_screen;
-  if (trace.screen->size_m == glm::dvec2(0.0)) trace.screen->size_m = fallback_screen.size_m;
-  if (trace.screen->distance_m == 0.0) trace.screen->distance_m = fallback_screen.distance_m;
   return trace;
 }
 

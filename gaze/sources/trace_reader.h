@@ -1,7 +1,8 @@
-// Recorded gaze from files: EyeLink ASC, and TSV or CSV with named columns.
+// Recorded gaze from files of the usual trackers, recognised from their content.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -24,24 +25,45 @@ struct TraceColumns {
   std::string blink{};  ///< 0 or false: open; 1 or true: the tracker saw a blink
   /// Absent: from the file's first line or the columns' names, else px.
   std::optional<GazeUnits> units{};
-  /// Seconds a unit of time, e.g. 0.001; absent: from the column's name, else 1.
+  /// Seconds a unit of time, e.g. 0.001; absent: from the column's name, else the one of 1, 1e-3,
+  /// 1e-6 and 1e-9 that gives the rate of a tracker.
   std::optional<double> time_scale_s{};
 };
 
-/// Reads a recording, recognised from its content.
+/// What a recording says besides its samples.
+struct TraceHeader {
+  std::string format{};            ///< as `GazeTrace::format`
+  std::optional<Screen> screen{};  ///< what is known of it; from the fallback what the file lacks
+};
+
+using TakeSample = std::function<void(const GazeSample&)>;
+
+/// Reads a recording sample by sample, in constant memory.
 ///
-/// TSV and CSV: the delimiter is found (tab, comma, semicolon); fields may be quoted. A first line
-/// `# key=value ...` may carry screen_width_px screen_height_px screen_width_m screen_height_m
-/// viewing_distance_m sampling_Hz units. An empty field, ".", NaN, NA, N/A, null is an absent
-/// value. EyeLink ASC: any number of recording blocks; of two eyes the mean of those present; the
-/// second of two equal integer stamps (2000 Hz) is half a millisecond later; samples between SBLINK
-/// and EBLINK of every recorded eye are blinks. Its pupil has arbitrary units and so is absent.
+/// Recognised are EyeLink ASC; Tobii Pro Lab TSV and Pro SDK CSV; Pupil Core (gaze_positions.csv)
+/// and Neon (gaze.csv); GazeBase and GazeBaseVR; SMI BeGaze text; BIDS eye tracking
+/// (`*_physio.tsv.gz` beside its JSON); and any TSV or CSV with named columns, of one point or of
+/// two eyes. Delimiters are found (tab, comma, semicolon); fields may be quoted; files may be
+/// gzipped. A first line `# key=value ...` may carry screen_width_px screen_height_px
+/// screen_width_m screen_height_m viewing_distance_m sampling_Hz units. An empty field, ".", NaN,
+/// NA, N/A, null is an absent value.
 ///
-/// @param fallback_screen  used, quantity by quantity, for what the file does not say of its screen
+/// `GazeSample::point_px` is the recording's own point for both eyes, else `Cyclopean` of the two.
+/// Degrees where no screen is known are put on a nominal one. EyeLink: the second of two equal
+/// integer stamps (2000 Hz) is half a millisecond later; a blink of one eye is one of both unless
+/// it lasts over a second; the pupil has arbitrary units and so is absent. Pupil Core: the point is
+/// where the mean of the two lines of sight meets the screen; samples of a confidence below 0.6
+/// have none.
+/// @throws InputError on unreadable, binary or empty files, unknown columns, fields that are not
+///   numbers, time that does not increase, lines over 64 KiB
+TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
+                        const Screen& fallback_screen, const TakeSample& take);
+
+/// The whole of a recording.
 /// @return `screen` is always set, from file and fallback; time is the file's own clock in seconds;
 ///   at least two samples
-/// @throws InputError on unreadable, binary or empty files, unknown columns, fields that are not
-///   numbers, time that does not increase, a rate outside 5 to 20,000 Hz, lines over 64 KiB
+/// @throws InputError as `streamTrace`, and where no sample has a position, or the rate is outside
+///   5 to 20,000 Hz
 GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& columns,
                     const Screen& fallback_screen);
 

@@ -23,7 +23,7 @@ std::string refusal(const std::string& bytes) {
   return "not refused";
 }
 
-TEST(EyeLinkAsc, TakesTheMeanOfTheEyesThatArePresent) {
+TEST(EyeLinkAsc, TakesTheMeanOfTheEyesAndDoesNotJumpToOne) {
   const GazeTrace trace = read(kHead +
                                "START\t10 \tLEFT\tRIGHT\tSAMPLES\tEVENTS\n"
                                "10\t 10.0\t 20.0\t 800\t 20.0\t 30.0\t 900\t.....\n"
@@ -32,7 +32,9 @@ TEST(EyeLinkAsc, TakesTheMeanOfTheEyesThatArePresent) {
                                "12\t   .\t   .\t 0\t   .\t   .\t 0\t.C.C.\nEND\t12\n");
   ASSERT_EQ(trace.samples.size(), 3u);
   EXPECT_EQ(*trace.samples[0].point_px, glm::dvec2(15, 25));
-  EXPECT_EQ(*trace.samples[1].point_px, glm::dvec2(20, 30));
+  EXPECT_EQ(*trace.samples[1].point_px, glm::dvec2(15, 25));
+  EXPECT_EQ(*trace.samples[1].eyes[1].point_px, glm::dvec2(20, 30));
+  EXPECT_FALSE(trace.samples[1].eyes[0].point_px);
   EXPECT_FALSE(trace.samples[2].point_px);
   EXPECT_FALSE(trace.samples[2].blink);
   EXPECT_FALSE(trace.samples[0].pupil_mm);
@@ -79,13 +81,22 @@ TEST(EyeLinkAsc, MarksBlinksThatEndAndBlinksThatDoNot) {
 }
 
 TEST(EyeLinkAsc, ABlinkOfOneEyeCountsUnlessItIsTooLongForABlink) {
-  std::string text = kHead + "START\t0 \tLEFT\tRIGHT\n";
-  for (int i = 0; i < 3000; ++i) text += std::to_string(i) + "\t.\t.\t0\t5\t6\t7\t.....\n";
-  const GazeTrace brief = read(text + "EBLINK L 100\t200\t101\nEND\t3000\n");
+  const auto recording = [](int from, int to) {
+    std::string text = kHead + "START\t0 \tLEFT\tRIGHT\n";
+    for (int i = 0; i < 3000; ++i) {
+      if (i == from) text += "SBLINK L " + std::to_string(from) + "\n";
+      if (i == to + 1) {
+        text += "EBLINK L " + std::to_string(from) + "\t" + std::to_string(to) + "\t0\n";
+      }
+      text += std::to_string(i) + "\t.\t.\t0\t5\t6\t7\t.....\n";
+    }
+    return read(text + "END\t3000\n");
+  };
+  const GazeTrace brief = recording(100, 200);
   EXPECT_FALSE(brief.samples[99].blink);
   EXPECT_TRUE(brief.samples[100].blink && brief.samples[200].blink);
   EXPECT_FALSE(brief.samples[201].blink);
-  const GazeTrace one_eye = read(text + "EBLINK L 0\t2999\t3000\nEND\t3000\n");
+  const GazeTrace one_eye = recording(0, 2998);
   EXPECT_FALSE(one_eye.samples[150].blink);
   EXPECT_EQ(*one_eye.samples[150].point_px, glm::dvec2(5, 6));
 }

@@ -1,0 +1,232 @@
+// BIDS 1.10, physiological recordings of PhysioType "eyetrack".
+#include "gaze/sources/bids.h"
+
+#include <zlib.h>
+
+#include <charconv>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "gaze/sources/delimited_trace.h"
+
+namespace foci {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kPacked = "_physio.tsv.gz", kPlain = "_physio.tsv";
+
+std::optional<fs::path> sidecarNameOf(const fs::path& file) {
+  const std::string name = file.string();
+  for (const std::string_view ending : {kPacked, kPlain}) {
+    if (name.ends_with(ending)) {
+      return name.substr(0, name.size() - ending.size()) + "_physio.json";
+    }
+  }
+  return std::nullopt;
+}
+
+Json readJson(const fs::path& file) {
+  std::error_code error;
+  constexpr std::uintmax_t kLargest = 1 << 20;  // a sidecar is a page or two
+  if (fs::file_size(file, error) > kLargest || error) {
+    throw InputError(file.string(), "expected a JSON file of up to 1 MiB");
+  }
+  std::ifstream in(file);
+  Json json = Json::parse(in, nullptr, false);
+  if (!json.is_object()) throw InputError(file.string(), "expected a JSON object");
+  return json;
+}
+
+/// Both numbers of a list, or {0, 0}.
+glm::dvec2 pairIn(const Json& json, const char* key, double low, double high) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_array() || found->size() != 2) return glm::dvec2(0.0);
+  glm::dvec2 result{0.0};
+  for (int axis : {0, 1}) {
+    const Json& value = (*found)[static_cast<std::size_t>(axis)];
+    if (!value.is_number()) return glm::dvec2(0.0);
+    result[axis] = value.get<double>();
+    if (!(result[axis] >= low && result[axis] <= high)) return glm::dvec2(0.0);
+  }
+  return result;
+}
+
+Screen screenIn(const Json& json, Screen screen) {
+  const auto stimulus = json.find("StimulusPresentation");
+  if (stimulus == json.end() || !stimulus->is_object()) return screen;
+  const glm::dvec2 pixels = pairIn(*stimulus, "ScreenResolution", 16, 16384);
+  const glm::dvec2 metres = pairIn(*stimulus, "ScreenSize", 0.01, 20.0);
+  if (pixels.x > 0.0) screen.size_px = glm::ivec2(pixels);
+  if (metres.x > 0.0) screen.size_m = metres;
+  const auto distance = stimulus->find("ScreenDistance");
+  if (distance != stimulus->end() && distance->is_number()) {
+    const double distance_m = distance->get<double>();
+    if (distance_m >= 0.01 && distance_m <= 20.0) screen.distance_m = distance_m;
+  }
+  return screen;
+}
+
+/// A unit as the names of columns have it.
+std::string unitOf(const Json& json, const std::string& column) {
+  const auto entry = json.find(column);
+  if (entry == json.end() || !entry->is_object()) return {};
+  const auto units = entry->find("Units");
+  if (units == entry->end() || !units->is_string()) return {};
+  const std::string unit = units->get<std::string>();
+  if (unit.starts_with("pixel")) return "px";
+  if (unit.starts_with("degree")) return "deg";
+  if (unit.starts_with("second")) return "s";
+  if (unit.starts_with("millisecond")) return "ms";
+  if (unit.starts_with("microsecond")) return "us";
+  if (unit.starts_with("nanosecond")) return "ns";
+  if (unit.starts_with("millimet")) return "mm";
+  return unit.size() <= 16 ? unit : std::string();
+}
+
+void append(std::string& text, double value, int digits) {
+  char number[400];
+  const auto end =
+      std::to_chars(number, number + sizeof number, value, std::chars_format::fixed, digits).ptr;
+  text.append(number, end);
+}
+
+void append(std::string& text, const std::optional<double>& value, int digits) {
+  text += '\t';
+  if (value) {
+    append(text, *value, digits);
+  } else {
+    text += "n/a";
+  }
+}
+
+void append(std::string& text, const std::optional<glm::dvec2>& point) {
+  append(text, point ? std::optional(point->x) : std::nullopt, 3);
+  append(text, point ? std::optional(point->y) : std::nullopt, 3);
+}
+
+}  // namespace
+
+std::optional<fs::path> bidsSidecarOf(const fs::path& file) {
+  const auto sidecar = sidecarNameOf(file);
+  std::error_code error;
+  return sidecar && fs::is_regular_file(*sidecar, error) ? sidecar : std::nullopt;
+}
+
+TraceHeader readBids(const fs::path& file, const fs::path& sidecar, const Screen& fallback_screen,
+                     const TakeSample& take) {
+  const Json json = readJson(sidecar);
+  const auto columns = json.find("Columns");
+  if (columns == json.end() || !columns->is_array() || columns->empty()) {
+    throw InputError(sidecar.string(), "Columns: expected a list of names");
+  }
+  std::string header;
+  for (const Json& column : *columns) {
+    if (!column.is_string()) throw InputError(sidecar.string(), "Columns: expected names");
+    const std::string name = column.get<std::string>();
+    if (name.find_first_of("\t\n\r\"[(") != std::string::npos || name.size() > 256) {
+      throw InputError(sidecar.string(), "Columns: " + shown(name) + ": expected a plain name");
+    }
+    const std::string unit = unitOf(json, name);
+    header += (header.empty() ? "" : "\t") + name + (unit.empty() ? "" : " [" + unit + "]");
+  }
+  LineReader lines(file);
+  TraceHeader result = readDelimitedTrace(lines, {}, screenIn(json, fallback_screen), take, header);
+  result.format = "BIDS eye tracking" + result.format.substr(std::min<std::size_t>(
+                                            result.format.find(','), result.format.size()));
+  return result;
+}
+
+struct BidsWriter::Output {
+  gzFile file = nullptr;
+  std::string text{};
+  bool failed = false;
+
+  void flush() {
+    if (!text.empty()) {
+      failed |= gzwrite(file, text.data(), static_cast<unsigned>(text.size())) <= 0;
+    }
+    text.clear();
+  }
+};
+
+fs::path BidsWriter::sidecarFor(const fs::path& file) {
+  const auto sidecar = sidecarNameOf(file);
+  if (!sidecar || !file.string().ends_with(kPacked)) {
+    throw InputError(file.string(), "expected a name that ends in _physio.tsv.gz");
+  }
+  return *sidecar;
+}
+
+BidsWriter::BidsWriter(const fs::path& file, bool eyes)
+    : file_(file), eyes_(eyes), out_(std::make_unique<Output>()) {
+  sidecarFor(file);
+  out_->file = gzopen(file.string().c_str(), "wb");
+  if (!out_->file) throw std::runtime_error("cannot write " + file.string());
+}
+
+BidsWriter::~BidsWriter() {
+  if (out_->file) gzclose(out_->file);
+}
+
+void BidsWriter::add(const GazeSample& sample) {
+  constexpr std::size_t kBlock = 1 << 16;
+  std::string& text = out_->text;
+  append(text, sample.time_s, 6);
+  append(text, sample.point_px);
+  append(text, sample.pupil_mm, 4);
+  text += sample.blink ? "\t1" : "\t0";
+  for (const EyeSample& eye : sample.eyes) {
+    if (!eyes_) break;
+    append(text, eye.point_px);
+    append(text, eye.pupil_mm, 4);
+  }
+  text += '\n';
+  if (text.size() > kBlock) out_->flush();
+}
+
+void BidsWriter::finish(const TraceHeader& header, double rate_Hz) {
+  out_->flush();
+  const bool closed = gzclose(out_->file) == Z_OK;
+  out_->file = nullptr;
+  if (!closed || out_->failed) throw std::runtime_error("cannot write " + file_.string());
+
+  Json json = {{"PhysioType", "eyetrack"},
+               {"SamplingFrequency", rate_Hz},
+               {"StartTime", 0},
+               {"RecordedEye", "cyclopean"},
+               {"SampleCoordinateSystem", "gaze-on-screen"},
+               {"Columns", {"timestamp", "x_coordinate", "y_coordinate", "pupil_size", "blink"}},
+               {"timestamp", {{"Description", "The recording's own clock"}, {"Units", "s"}}},
+               {"Manufacturer", header.format}};
+  const auto describe = [&](const std::string& eye) {
+    json[eye + "x_coordinate"] = {{"Units", "pixel"}};
+    json[eye + "y_coordinate"] = {{"Units", "pixel"}};
+    json[eye + "pupil_size"] = {{"Description", "Diameter"}, {"Units", "mm"}};
+  };
+  describe("");
+  json["blink"] = {{"Description", "1 where the tracker reports a blink"}};
+  for (const std::string eye : {"left_", "right_"}) {
+    if (!eyes_) break;
+    for (const char* column : {"x_coordinate", "y_coordinate", "pupil_size"}) {
+      json["Columns"].push_back(eye + column);
+    }
+    describe(eye);
+  }
+  if (header.screen) {
+    const Screen& screen = *header.screen;
+    Json stimulus = {{"ScreenOrigin", {"top", "left"}}};
+    if (screen.size_px.x > 0) stimulus["ScreenResolution"] = {screen.size_px.x, screen.size_px.y};
+    if (screen.size_m.x > 0.0) stimulus["ScreenSize"] = {screen.size_m.x, screen.size_m.y};
+    if (screen.distance_m > 0.0) stimulus["ScreenDistance"] = screen.distance_m;
+    json["StimulusPresentation"] = stimulus;
+  }
+  std::ofstream out(sidecarFor(file_), std::ios::binary);
+  out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  out.close();
+  if (!out) throw std::runtime_error("cannot write the sidecar of " + file_.string());
+}
+
+}  // namespace foci

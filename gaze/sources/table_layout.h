@@ -1,0 +1,60 @@
+// Which column of a table of gaze means what, recognised from its names.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gaze/sources/line_reader.h"
+#include "gaze/sources/trace_reader.h"
+
+namespace foci {
+
+/// How a column says that an eye was seen.
+enum class ValidityCode {
+  one,       ///< 1 (Tobii's SDK)
+  zero,      ///< 0 (GazeBase)
+  below_two  ///< the word Valid, or 0 and 1 of Tobii Studio's 0 to 4
+};
+
+struct EyeColumns {
+  std::optional<std::size_t> x{}, y{};  ///< of the point
+  std::optional<std::size_t> point{};   ///< or both in one field, "(x, y)"
+  std::optional<std::size_t> validity{}, pupil_mm{};
+  std::array<std::optional<std::size_t>, 3> origin_mm{}, direction{};  ///< x, y, z (Pupil Core)
+};
+
+struct TableLayout {
+  std::string format;  ///< "TSV", "Tobii Pro SDK", ...
+  char delimiter = ',';
+  std::size_t time = 0;
+  double time_scale_s = 0.0;  ///< seconds a unit; 0: not said
+  std::optional<std::size_t> x{}, y{};
+  std::array<EyeColumns, 2> eyes{};  ///< left, right
+  std::optional<std::size_t> pupil_mm{}, blink{}, confidence{}, validity{};
+  ValidityCode validity_code = ValidityCode::below_two;
+  std::optional<std::size_t> width_px{}, height_px{};  ///< of the screen, on every row
+  std::optional<std::size_t>
+      kind{};  ///< rows that have another word than `sample_kind` are no samples
+  std::string sample_kind{};
+  std::optional<GazeUnits> units{};  ///< as the columns' names say
+  bool y_up = false;                 ///< the fractions' origin is the bottom-left corner (Pupil)
+  bool zero_is_absent = false;       ///< a point of 0, 0 is none (SMI)
+  bool named_blink = false;          ///< `blink` holds the blink's number, or nothing (Neon)
+  std::size_t columns = 0;           ///< that must be split
+};
+
+/// @param lines   stands at the header, for errors
+/// @param header  the line of names
+/// @param smi     whether the file began as BeGaze's do
+/// @throws InputError where time or positions are not found, naming the nearest column
+TableLayout recogniseTable(const LineReader& lines, std::string_view header,
+                           const TraceColumns& columns, bool smi);
+
+/// "px", "deg", "normalised" and what others write for them.
+std::optional<GazeUnits> unitsNamed(std::string_view name);
+
+}  // namespace foci

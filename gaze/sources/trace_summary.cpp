@@ -1,0 +1,66 @@
+#include "gaze/sources/trace_summary.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace foci {
+namespace {
+
+constexpr double kShortest_s = 1e-6;
+
+}  // namespace
+
+int TraceSummary::binOf(double interval_s) const {
+  const double octaves = std::log2(std::max(interval_s / kShortest_s, 1.0));
+  return std::min(static_cast<int>(octaves * kPerOctave), kPerOctave * kOctaves - 1);
+}
+
+int TraceSummary::medianBin() const {
+  std::size_t below = 0;
+  const std::size_t half = samples_ / 2;
+  for (std::size_t bin = 0; bin < intervals_.size(); ++bin) {
+    below += intervals_[bin];
+    if (below >= std::max<std::size_t>(half, 1)) return static_cast<int>(bin);
+  }
+  return 0;
+}
+
+void TraceSummary::add(const GazeSample& sample) {
+  constexpr std::size_t kAgain = 1024;
+  if (samples_ == 0) {
+    first_s_ = sample.time_s;
+  } else {
+    const double interval_s = sample.time_s - last_s_;
+    const auto bin = static_cast<std::size_t>(binOf(interval_s));
+    ++intervals_[bin];
+    sums_s_[bin] += interval_s;
+    if (samples_ == 16 || samples_ % kAgain == 0) {
+      usual_s_ = kShortest_s * std::exp2((medianBin() + 0.5) / kPerOctave);
+    }
+    if (usual_s_ > 0.0 && interval_s > std::max(3.0 * usual_s_, 0.1)) {
+      ++jumps_;
+      longest_jump_s_ = std::max(longest_jump_s_, interval_s);
+    }
+  }
+  last_s_ = sample.time_s;
+  ++samples_;
+  if (sample.point_px) {
+    least_px_ = present_ == 0 ? *sample.point_px : glm::min(least_px_, *sample.point_px);
+    most_px_ = present_ == 0 ? *sample.point_px : glm::max(most_px_, *sample.point_px);
+    ++present_;
+  }
+  blinks_ += sample.blink;
+  pupils_ += sample.pupil_mm.has_value();
+  for (std::size_t side : {0, 1}) {
+    eyes_[side] += sample.eyes[side].point_px || sample.eyes[side].direction;
+  }
+}
+
+double TraceSummary::rate_Hz() const {
+  if (samples_ < 2) return 0.0;
+  const auto bin = static_cast<std::size_t>(medianBin());
+  const double rate_Hz = static_cast<double>(intervals_[bin]) / sums_s_[bin];
+  return std::round(1000.0 * rate_Hz) / 1000.0;
+}
+
+}  // namespace foci

@@ -1,0 +1,47 @@
+// What a recording is like, gathered sample by sample.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "gaze/gaze.h"
+
+namespace foci {
+
+class TraceSummary {
+ public:
+  void add(const GazeSample& sample);
+
+  std::size_t samples() const { return samples_; }
+  double first_s() const { return first_s_; }
+  double span_s() const { return last_s_ - first_s_; }
+  /// By the median interval (the mean of those within a fiftieth of it); 0 with fewer than two
+  /// samples.
+  double rate_Hz() const;
+  std::size_t present() const { return present_; }  ///< samples with a point
+  std::size_t blinks() const { return blinks_; }    ///< samples that the tracker calls blinks
+  std::size_t pupils() const { return pupils_; }    ///< samples with a diameter
+  std::array<std::size_t, 2> eyes() const { return eyes_; }  ///< left, right: samples with it
+  /// Steps of time over three times the median interval so far, and over a tenth of a second.
+  std::size_t jumps() const { return jumps_; }
+  double longest_jump_s() const { return longest_jump_s_; }
+  glm::dvec2 least_px() const { return least_px_; }  ///< of the points, each axis
+  glm::dvec2 most_px() const { return most_px_; }
+
+ private:
+  static constexpr int kPerOctave = 35;  // bins of intervals: a fiftieth each
+  static constexpr int kOctaves = 24;    // from a microsecond up
+  int binOf(double interval_s) const;
+  int medianBin() const;
+
+  std::size_t samples_ = 0, present_ = 0, blinks_ = 0, pupils_ = 0, jumps_ = 0;
+  std::array<std::size_t, 2> eyes_{};
+  double first_s_ = 0.0, last_s_ = 0.0, longest_jump_s_ = 0.0;
+  glm::dvec2 least_px_{0.0}, most_px_{0.0};
+  std::array<std::size_t, kPerOctave * kOctaves> intervals_{};
+  std::array<double, kPerOctave * kOctaves> sums_s_{};  // of the intervals in each bin
+  double usual_s_ = 0.0;                                // median interval, now and then
+};
+
+}  // namespace foci
