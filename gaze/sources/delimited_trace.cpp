@@ -180,7 +180,9 @@ class TableReader {
     const bool valid = (!sample.confidence || *sample.confidence >= kConfident) &&
                        (!layout_.validity || isValid(*layout_.validity));
     if (valid) {
-      for (std::size_t side : {0, 1}) readEye(layout_.eyes[side], sample.eyes[side]);
+      if (layout_.has_eyes) {
+        for (std::size_t side : {0, 1}) readEye(layout_.eyes[side], sample.eyes[side]);
+      }
       if (hasDirections()) {
         sample.point_px = meanSight(sample.eyes);
       } else if (layout_.x) {

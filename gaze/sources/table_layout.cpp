@@ -91,6 +91,7 @@ class Recogniser {
     recogniseFormat();
     for (std::size_t i = 0; i < fields_.size(); ++i) {
       if (isUsed(i)) layout_.columns = i + 1;
+      for (const EyeColumns& eye : layout_.eyes) layout_.has_eyes |= isOf(eye, i);
     }
     return std::move(layout_);
   }
@@ -237,6 +238,13 @@ class Recogniser {
     }
   }
 
+  static bool isOf(const EyeColumns& eye, std::size_t column) {
+    const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
+    return is(eye.x) || is(eye.y) || is(eye.point) || is(eye.validity) || is(eye.pupil_mm) ||
+           std::any_of(eye.origin_mm.begin(), eye.origin_mm.end(), is) ||
+           std::any_of(eye.direction.begin(), eye.direction.end(), is);
+  }
+
   bool isUsed(std::size_t column) const {
     const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
     bool used = column == layout_.time;
@@ -245,10 +253,7 @@ class Recogniser {
           layout_.validity, layout_.width_px, layout_.height_px, layout_.kind}) {
       used |= is(at);
     }
-    for (const EyeColumns& eye : layout_.eyes) {
-      used |= is(eye.x) || is(eye.y) || is(eye.point) || is(eye.validity) || is(eye.pupil_mm);
-      for (std::size_t axis : {0, 1, 2}) used |= is(eye.origin_mm[axis]) || is(eye.direction[axis]);
-    }
+    for (const EyeColumns& eye : layout_.eyes) used |= isOf(eye, column);
     return used;
   }
 

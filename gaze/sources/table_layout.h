@@ -34,6 +34,7 @@ struct TableLayout {
   double time_scale_s = 0.0;  ///< seconds a unit; 0: not said
   std::optional<std::size_t> x{}, y{};
   std::array<EyeColumns, 2> eyes{};  ///< left, right
+  bool has_eyes = false;             ///< any column of either
   std::optional<std::size_t> pupil_mm{}, blink{}, confidence{}, validity{};
   ValidityCode validity_code = ValidityCode::below_two;
   std::optional<std::size_t> width_px{}, height_px{};  ///< of the screen, on every row

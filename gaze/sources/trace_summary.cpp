@@ -11,8 +11,10 @@ constexpr double kShortest_s = 1e-6;
 }  // namespace
 
 int TraceSummary::binOf(double interval_s) const {
-  const double octaves = std::log2(std::max(interval_s / kShortest_s, 1.0));
-  return std::min(static_cast<int>(octaves * kPerOctave), kPerOctave * kOctaves - 1);
+  int octave = 0;
+  const double part = 2.0 * std::frexp(std::max(interval_s / kShortest_s, 1.0), &octave) - 1.0;
+  return std::min((octave - 1) * kPerOctave + static_cast<int>(part * kPerOctave),
+                  kPerOctave * kOctaves - 1);
 }
 
 int TraceSummary::medianBin() const {
@@ -35,7 +37,8 @@ void TraceSummary::add(const GazeSample& sample) {
     ++intervals_[bin];
     sums_s_[bin] += interval_s;
     if (samples_ == 16 || samples_ % kAgain == 0) {
-      usual_s_ = kShortest_s * std::exp2((medianBin() + 0.5) / kPerOctave);
+      const auto usual = static_cast<std::size_t>(medianBin());
+      usual_s_ = sums_s_[usual] / static_cast<double>(std::max<std::size_t>(intervals_[usual], 1));
     }
     if (usual_s_ > 0.0 && interval_s > std::max(3.0 * usual_s_, 0.1)) {
       ++jumps_;
@@ -59,6 +62,7 @@ void TraceSummary::add(const GazeSample& sample) {
 double TraceSummary::rate_Hz() const {
   if (samples_ < 2) return 0.0;
   const auto bin = static_cast<std::size_t>(medianBin());
+  if (sums_s_[bin] <= 0.0) return 0.0;
   const double rate_Hz = static_cast<double>(intervals_[bin]) / sums_s_[bin];
   return std::round(1000.0 * rate_Hz) / 1000.0;
 }

@@ -30,7 +30,7 @@ class TraceSummary {
   glm::dvec2 most_px() const { return most_px_; }
 
  private:
-  static constexpr int kPerOctave = 35;  // bins of intervals: a fiftieth each
+  static constexpr int kPerOctave = 35;  // bins of intervals: even in each octave
   static constexpr int kOctaves = 24;    // from a microsecond up
   int binOf(double interval_s) const;
   int medianBin() const;
