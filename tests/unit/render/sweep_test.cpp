@@ -16,8 +16,9 @@ namespace {
 constexpr double kMomentTolerance =
     0.02;  // sampling of the kernel at pixel centres, mean of 16 places
 constexpr double kEnergyTolerance = 0.01;  // likewise
-constexpr double kOutlineTolerance =
-    0.01;  // of the whole; surfels within 6 degrees of grazing count as facing
+// Surfels within a cosine of 0.1 of grazing, 1 % of the disc, count as facing; as much again for
+// sampling.
+constexpr double kOutlineTolerance = 0.02;
 constexpr float kSimdTolerance =
     2e-5f;  // fused against separate rounding, sums of some hundred terms
 
