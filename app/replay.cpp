@@ -60,7 +60,8 @@ Schedule scheduleOf(const Study& study, const GazeTrace& trace) {
 /// stretch's first.
 class ContactSheet {
  public:
-  ContactSheet(std::size_t frames) : frames_(frames), count_(std::min(frames, kSheetPictures)) {}
+  explicit ContactSheet(std::size_t frames)
+      : frames_(frames), count_(std::min(frames, kSheetPictures)) {}
 
   void offer(std::size_t frame, const FrameRecord& record, const Picture& picture) {
     held_frames_ = record.eye.state == GazeState::fixation ? held_frames_ + 1 : 0;
@@ -124,8 +125,7 @@ ChartRow chartRow(const FrameRecord& record) {
 /// The value below which a share of all lies. `values` is reordered.
 template <class T>
 T quantile(std::vector<T>& values, double share) {
-  const auto at = values.begin() +
-                  static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
