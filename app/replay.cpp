@@ -188,6 +188,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   Sha256 frames_hash;
   std::vector<float> render_ms;
   std::vector<std::uint32_t> splats;
+  std::size_t frames_held = 0;
   Frame frame;
   Progress progress("rendering", "frames", schedule.frames);
 
@@ -210,6 +211,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
           record.eye.state != GazeState::fixation && record.eye.state != GazeState::pursuit;
       if (point_px) drawMarker(picture, session.pictureFromScreen_px(*point_px), held);
     }
+    frames_held += record.eye.state == GazeState::blink || record.eye.state == GazeState::lost;
     table.add(i, record);
     series.add(chartRow(record));
     render_ms.push_back(static_cast<float>(record.stats.ms));
@@ -227,6 +229,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
 
   ReportFacts report;
   report.threads = threads;
+  report.frames_held = frames_held;
   countLosses(trace, schedule, report);
   const auto count = [&](GazeState kind) {
     return static_cast<std::size_t>(std::count_if(
