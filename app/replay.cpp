@@ -60,7 +60,8 @@ Schedule scheduleOf(const Study& study, const GazeTrace& trace) {
 /// stretch's first.
 class ContactSheet {
  public:
-  ContactSheet(std::size_t frames) : frames_(frames), count_(std::min(frames, kSheetPictures)) {}
+  explicit ContactSheet(std::size_t frames)
+      : frames_(frames), count_(std::min(frames, kSheetPictures)) {}
 
   void offer(std::size_t frame, const FrameRecord& record, const Picture& picture) {
     held_frames_ = record.eye.state == GazeState::fixation ? held_frames_ + 1 : 0;
@@ -124,8 +125,7 @@ ChartRow chartRow(const FrameRecord& record) {
 /// The value below which a share of all lies. `values` is reordered.
 template <class T>
 T quantile(std::vector<T>& values, double share) {
-  const auto at = values.begin() +
-                  static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -188,6 +188,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   Sha256 frames_hash;
   std::vector<float> render_ms;
   std::vector<std::uint32_t> splats;
+  std::size_t frames_held = 0;
   Frame frame;
   Progress progress("rendering", "frames", schedule.frames);
 
@@ -210,6 +211,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
           record.eye.state != GazeState::fixation && record.eye.state != GazeState::pursuit;
       if (point_px) drawMarker(picture, session.pictureFromScreen_px(*point_px), held);
     }
+    frames_held += record.eye.state == GazeState::blink || record.eye.state == GazeState::lost;
     table.add(i, record);
     series.add(chartRow(record));
     render_ms.push_back(static_cast<float>(record.stats.ms));
@@ -227,6 +229,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
 
   ReportFacts report;
   report.threads = threads;
+  report.frames_held = frames_held;
   countLosses(trace, schedule, report);
   const auto count = [&](GazeState kind) {
     return static_cast<std::size_t>(std::count_if(
