@@ -172,6 +172,12 @@ void countLosses(const GazeTrace& trace, const Schedule& schedule, ReportFacts& 
 ReplaySummary replay(const Study& study, const std::filesystem::path& out,
                      const std::string& command, unsigned threads) {
   // Everything that can be refused is, before anything is written.
+  const glm::ivec2 size_px = study.pictureSize_px();
+  if (size_px.x % 2 != 0 || size_px.y % 2 != 0) {
+    throw InputError(study.file.string(), "pictures of " + std::to_string(size_px.x) + "x" +
+                                              std::to_string(size_px.y) +
+                                              " px: expected even numbers, as H.264 wants");
+  }
   const GazeTrace trace = loadGaze(study);
   const Schedule schedule = scheduleOf(study, trace);
   const SurfelCloud cloud = loadScene(study);
@@ -181,7 +187,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   Session session(study, cloud, *trace.screen, trace.rate_Hz, trace.samples.front().time_s);
   OutputFolder folder(out);
   const auto video_file = folder.stage("video.mp4");
-  VideoWriter video(video_file, study.output.size_px, study.output.fps);
+  VideoWriter video(video_file, size_px, study.output.fps);
   FrameTable table(folder.stage("frames.tsv"), study.render.method);
   ContactSheet sheet(schedule.frames);
   ChartSeries series;
@@ -249,7 +255,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
              .out = out};
   writeText(folder.stage("manifest.json"), manifestJson(study, trace, summary, facts));
   report.rows = series.rows();
-  report.sheet = sheet.pictures(session, study.output.size_px);
+  report.sheet = sheet.pictures(session, size_px);
   if (!writeReport(folder.stage("report.html"), video_file, study, trace, report)) {
     std::fputs(
         "foci: the report has no charts: gnuplot is not installed (apt install gnuplot-nox)\n",

@@ -117,8 +117,8 @@ const std::vector<Key<Study>>& studyKeys() {
                {0, 10}),
       FOCI_KEY(render.method, "render.method", "how depth of field is drawn: `foci methods`",
                {.words = methodNames()}),
-      FOCI_KEY(output.size_px, "output.size_px", "width and height of the pictures, px",
-               {16, 8192}),
+      FOCI_KEY(output.size_px, "output.size_px",
+               "width and height of the pictures, px; absent: the screen's", {16, 8192}),
       FOCI_KEY(output.fps, "output.fps", "frames a second", {1, 1000}),
       FOCI_KEY(output.seconds, "output.seconds", "from, to: after the recording's first sample, s",
                {0, 1e6}),
@@ -354,10 +354,6 @@ void checkStudy(const Study& study) {
   }
   if (study.output.seconds && !(study.output.seconds->y > study.output.seconds->x)) {
     refuse("output.seconds = " + write(*study.output.seconds) + ": expected from before to");
-  }
-  if (study.output.size_px.x % 2 != 0 || study.output.size_px.y % 2 != 0) {
-    refuse("output.size_px = " + write(study.output.size_px) +
-           ": expected even numbers, as H.264 wants");
   }
 }
 
