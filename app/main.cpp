@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "app/base/input_error.h"
-#include "app/interrupt.h"
 #include "app/manifest.h"
 #include "app/render_picture.h"
 #include "app/replay.h"
@@ -250,7 +249,6 @@ int run(int argc, char** argv) {
     }
   }
   if (*methods) return runMethods(options.json);
-  noteInterrupts();
   if (*render) return runRender(options);
   if (options.out.empty()) options.out = "out";
   std::string command = "foci";
