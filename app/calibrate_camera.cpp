@@ -103,7 +103,15 @@ void calibrateCamera(const CalibrateCameraOptions& options) {
     lookAtStream(stream, kDeviceFrames, board, seen);
   }
 
-  const CameraFit fit = fitCamera(seen.views, seen.size_px);
+  const std::string where = options.device           ? "camera " + std::to_string(*options.device)
+                            : options.images.empty() ? options.video.string()
+                                                     : options.images.front();
+  CameraFit fit;
+  try {
+    fit = fitCamera(seen.views, seen.size_px);
+  } catch (const InputError& error) {
+    throw InputError(where, error.what());
+  }
   if (!options.out.empty()) writeWhole(options.out, cameraToml(fit.camera));
   const CameraModel& camera = fit.camera;
   if (options.json) {
