@@ -20,6 +20,8 @@ constexpr double kUnexplained = 0.6;  // residual over the extent of the targets
 constexpr double kBounded = 3.0;      // a held-out error counts up to so many times the median
 /// Error variance that the next order must leave at most, by order.
 constexpr std::array<double, 4> kGain{1.0, 0.95, 0.8, 0.8};
+/// Power of the ratio of error variances by which two fits share the coefficients.
+constexpr double kTrust = 2.0;
 /// Prior precision of the powers above the affine, over the noise's.
 constexpr std::array<double, 3> kShrinkage{0.03, 0.3, 3.0};
 
@@ -261,12 +263,21 @@ GazeFit fitGazeMap(std::span<const GazePair> pairs, const GazeFrame& frame,
     refuse("contradictory: gaze does not follow the targets");
   }
 
-  // Keep the model and what it says of its own errors.
+  // Keep the model, drawn towards the affine map by as much as that predicts: their mean errs less
+  // than either while both predict about alike.
   map.model = best->system.model;
   const std::size_t terms = termsOf(map.model);
+  Eigen::MatrixXd coefficients = solution.coefficients;
+  for (const Candidate& c : candidates) {
+    if (c.system.model != GazeModel::affine || map.model <= GazeModel::affine) continue;
+    const double ratio = best->score / std::max(c.score, kNoiseFloor_deg * kNoiseFloor_deg);
+    const double share = 1.0 / (1.0 + std::pow(ratio, -kTrust));
+    coefficients *= 1.0 - share;
+    coefficients.topRows(3) += share * c.solution.coefficients;
+  }
   for (std::size_t t = 0; t < terms; ++t) {
     const auto row = static_cast<Eigen::Index>(t);
-    map.coefficients[t] = {solution.coefficients(row, 0), solution.coefficients(row, 1)};
+    map.coefficients[t] = {coefficients(row, 0), coefficients(row, 1)};
     for (std::size_t j = 0; j < terms; ++j) {
       map.covariance_deg2.push_back(solution.covariance(row, static_cast<Eigen::Index>(j)));
     }
