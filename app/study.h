@@ -76,7 +76,7 @@ struct Study {
   } render;
 
   struct Output {
-    glm::ivec2 size_px{1280, 720};
+    std::optional<glm::ivec2> size_px;  ///< of the pictures; absent: the screen's
     double fps = 30.0;
     std::optional<glm::dvec2> seconds;  ///< from, to, after the recording's first sample
     bool marker = false;
@@ -88,6 +88,7 @@ struct Study {
   bool gazeIsSimulated() const { return gaze.source == "simulated"; }
   /// The screen in force: the study's, its monitor's or the default.
   Screen screenInForce() const;
+  glm::ivec2 pictureSize_px() const { return output.size_px.value_or(screen.size_px); }
 };
 
 /// @throws InputError naming file, line, key and value for whatever is not as the table of keys
