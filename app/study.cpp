@@ -13,7 +13,9 @@
 #include "app/base/nearest.h"
 #include "app/toml_text.h"
 #include "app/toml_values.h"
-#include "calibration/monitor.h"
+#include "calibration/camera.h"
+#include "calibration/gaze_map_file.h"
+#include "calibration/screen_file.h"
 #include "render/methods/method.h"
 
 namespace foci {
@@ -80,7 +82,8 @@ const std::vector<Key<Study>>& studyKeys() {
                {-kFar_m, kFar_m}),
       FOCI_KEY(eye.up, "eye.up", "upwards", {-1, 1}),
       FOCI_KEY(eye.path, "eye.path", "keyframes of a moving eye, instead of position and look_at"),
-      FOCI_KEY(screen.monitor, "screen.monitor", "a PsychoPy monitor (JSON), instead of sizes"),
+      FOCI_KEY(screen.monitor, "screen.monitor",
+               "a calibrated screen (foci calibrate screen, PsychoPy), instead of sizes"),
       FOCI_KEY(screen.size_px, "screen.size_px", "width and height, px", {16, 16384}),
       FOCI_KEY(screen.size_m, "screen.size_m", "width and height of the visible area, m",
                {0.01, 20}),
@@ -88,6 +91,8 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(observer.pupil_mm, "observer.pupil_mm", "diameter of the pupil, mm", {0.5, 12}),
       FOCI_KEY(observer.retina_mm, "observer.retina_mm", "lens to retina, mm", {10, 40}),
       FOCI_KEY(gaze.source, "gaze.source", "\"simulated\", or a recording (TSV, CSV, ASC)"),
+      FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording"),
+      FOCI_KEY(gaze.camera, "gaze.camera", "camera of foci calibrate camera"),
       FOCI_KEY(gaze.columns.time, "gaze.time", "column of the time"),
       FOCI_KEY(gaze.columns.x, "gaze.x", "column of the horizontal position"),
       FOCI_KEY(gaze.columns.y, "gaze.y", "column of the vertical position"),
@@ -251,6 +256,16 @@ void resolve(std::filesystem::path& path, const std::filesystem::path& folder) {
   if (path.is_relative()) path = (folder / path).lexically_normal();
 }
 
+/// The calibrated screen's own numbers, where the study names one.
+void takeMonitor(Study& study) {
+  if (!study.screen.monitor) return;
+  const Screen screen = readScreen(*study.screen.monitor).screen;
+  study.screen.size_px = screen.size_px;
+  study.screen.size_m = screen.size_m;
+  study.screen.distance_m = screen.distance_m;
+  study.screen.is_default = false;
+}
+
 }  // namespace
 
 Study readStudy(const std::filesystem::path& file) {
@@ -275,6 +290,8 @@ Study readStudy(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.parent_path();
   if (study.scene.file) resolve(*study.scene.file, folder);
   if (study.screen.monitor) resolve(*study.screen.monitor, folder);
+  if (study.gaze.map) resolve(*study.gaze.map, folder);
+  if (study.gaze.camera) resolve(*study.gaze.camera, folder);
   if (!study.gazeIsSimulated()) {
     std::filesystem::path trace = study.gaze.source;
     resolve(trace, folder);
@@ -283,12 +300,7 @@ Study readStudy(const std::filesystem::path& file) {
   study.screen.is_default = std::none_of(given.begin(), given.end(), [](const std::string& name) {
     return name.starts_with("screen.");
   });
-  if (study.screen.monitor) {
-    const Screen screen = readPsychoPyMonitor(*study.screen.monitor);
-    study.screen.size_px = screen.size_px;
-    study.screen.size_m = screen.size_m;
-    study.screen.distance_m = screen.distance_m;
-  }
+  takeMonitor(study);
   return study;
 }
 
@@ -320,11 +332,17 @@ void overrideKey(Study& study, std::string_view key, const OptionValue& value,
   } catch (const Expected& expected) {
     throw InputError(option, "expected " + expected.what);
   }
+  if (key == "screen.monitor") takeMonitor(study);
 }
 
 void checkStudy(const Study& study) {
   const std::string file = study.file.string();
   const auto refuse = [&](const std::string& what) { throw InputError(file, what); };
+  if (study.gaze.map && study.gazeIsSimulated()) {
+    refuse("gaze.map: expected a recording to map, not simulated gaze");
+  }
+  if (study.gaze.map) readGazeMap(*study.gaze.map);
+  if (study.gaze.camera) readCamera(*study.gaze.camera);
   const auto checkPose = [&](const glm::dvec3& position_m, const glm::dvec3& look_at_m,
                              const glm::dvec3& up, const std::string& name) {
     const glm::dvec3 sight = look_at_m - position_m;

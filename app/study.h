@@ -44,7 +44,7 @@ struct Study {
   } eye;
 
   struct ScreenChoice {
-    std::optional<std::filesystem::path> monitor;  ///< PsychoPy JSON
+    std::optional<std::filesystem::path> monitor;  ///< our TOML or PsychoPy JSON
     glm::ivec2 size_px{1920, 1080};
     glm::dvec2 size_m{0.5313, 0.2989};
     double distance_m = 0.6;
@@ -60,6 +60,8 @@ struct Study {
     std::string source = "simulated";  ///< or a file, as the study or the option names it
     TraceColumns columns;              ///< all but the units, which are text here
     std::string units = "auto";
+    std::optional<std::filesystem::path> map;     ///< of foci calibrate gaze; applied to recordings
+    std::optional<std::filesystem::path> camera;  ///< of foci calibrate camera
     EventSettings events;
   } gaze;
 
