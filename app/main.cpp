@@ -13,7 +13,6 @@
 
 #include "app/base/input_error.h"
 #include "app/calibrate.h"
-#include "app/interrupt.h"
 #include "app/manifest.h"
 #include "app/render_picture.h"
 #include "app/replay.h"
@@ -261,7 +260,6 @@ int run(int argc, char** argv) {
     }
   }
   if (*methods) return runMethods(options.json);
-  noteInterrupts();
   if (*render) return runRender(options);
   if (options.out.empty()) options.out = "out";
   std::string command = "foci";

@@ -185,6 +185,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   for (const auto& file : inputFiles(study)) facts.inputs.push_back({file, sha256OfFile(file)});
 
   Session session(study, cloud, *trace.screen, trace.rate_Hz, trace.samples.front().time_s);
+  noteInterrupts();
   OutputFolder folder(out);
   const auto video_file = folder.stage("video.mp4");
   VideoWriter video(video_file, size_px, study.output.fps);

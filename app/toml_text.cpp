@@ -52,8 +52,9 @@ void refuseDeepNesting(const std::string& text, const std::string& file) {
 std::string readTomlText(const std::filesystem::path& path) {
   const std::string file = path.string();
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    throw InputError(file, "is a folder, expected a study (TOML)");
+  // A folder is no text, and a pipe that nobody writes to would never end.
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+    throw InputError(file, "not a file, expected a study (TOML)");
   }
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(file, "cannot be read");
