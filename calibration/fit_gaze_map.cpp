@@ -13,7 +13,7 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kFewestTargets = 3;
+constexpr std::size_t kFewestTargets = 3, kMostTargets = 10'000;
 constexpr double kCollinear = 0.02;   // smaller over larger extent of the targets or of the gaze
 constexpr double kScattered = 0.35;   // deviation at one target over the extent of the gaze
 constexpr double kUnexplained = 0.6;  // residual over the extent of the targets
@@ -82,6 +82,7 @@ std::vector<Station> stationsOf(std::span<const GazePair> pairs, const GazeFrame
     totals.push_back(station.weight);
     stations.push_back(std::move(station));
   }
+  if (stations.size() > kMostTargets) refuse("more than 10000 different targets");
   if (stations.empty()) refuse("no sample with gaze at any target");
   // Samples of one target share the observer's error there: more of them hardly make it surer.
   const double usual = quantile(totals, 0.5);
