@@ -38,6 +38,7 @@ struct GazeSample {
   bool blink = false;                  ///< the tracker itself says so
   std::optional<double> confidence{};  ///< 0 to 1, where the recording has one
   std::array<EyeSample, 2> eyes{};     ///< left, right; empty where the recording tells no eyes
+  std::optional<double> uncertainty_deg{};  ///< 68 % of the errors are smaller; from a calibration
 };
 
 struct GazeTrace {

@@ -9,11 +9,17 @@
 namespace foci {
 
 struct AccommodationSettings {
-  bool on = true;                ///< off: focus is the target itself
-  double latency_s = 0.3;        ///< from a new target to the first response
-  double time_constant_s = 0.2;  ///< of the approach: 63 % of the way; > 0
-  double resting_D = 1.0;        ///< focus before there is any target (tonic accommodation)
+  bool on = true;                     ///< off: focus is the target itself
+  double latency_s = 0.3;             ///< from a new target to the first response
+  double time_constant_s = 0.2;       ///< of the approach to a nearer target: 63 % of the way; > 0
+  double far_time_constant_s = 0.2;   ///< of the approach to a farther one; > 0
+  std::optional<double> age_years{};  ///< limits how near the eye can focus; absent: no limit
+  double resting_D = 1.0;             ///< focus before there is any target (tonic accommodation)
 };
+
+/// How much an eye of this age can accommodate, in the mean (Hofstetter 1950): 18.5 - 0.30 age
+/// dioptres, never below 0.
+double accommodationAmplitude_D(double age_years);
 
 /// tau dA/dt = target(t - latency) - A, solved exactly between changes of the target, so that the
 /// result does not depend on how often it is asked. The first target is taken at once: what the
@@ -22,7 +28,8 @@ class Accommodation {
  public:
   explicit Accommodation(const AccommodationSettings& settings = {});
 
-  /// From `time_s` on the eye wants `target_D`. Times of both functions never decrease.
+  /// From `time_s` on the eye wants `target_D`; it gets as near as its age lets it. Times of both
+  /// functions never decrease.
   void setTarget(double time_s, double target_D);
 
   /// Focus at `time_s`, dioptres.
@@ -36,6 +43,7 @@ class Accommodation {
   double focusFromAnchor_D(double time_s) const;
 
   AccommodationSettings settings_;
+  double nearest_D_;
   std::optional<double> target_D_{};
   // Between targets the focus runs from the anchor towards the drive.
   double anchor_s_ = 0.0, anchor_D_, drive_D_;

@@ -1,7 +1,9 @@
 #include "gaze/focus/gaze_follower.h"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
+#include <vector>
 
 #include "gaze/focus/line_of_sight.h"
 
@@ -33,13 +35,27 @@ void GazeFollower::push(const GazeSample& sample) {
 
 void GazeFollower::look(double time_s) {
   const glm::dvec2 point_px = *now_.fixation_px;
-  looked_ = {.time_s = time_s,
-             .point_px = point_px,
-             .distance_m = surface_(time_s, lineOfSight(screen_, point_px),
-                                    glm::radians(settings_.cone_half_angle_deg))};
-  if (!looked_->distance_m) return;
-  assert(*looked_->distance_m > 0.0);
-  accommodation_.setTarget(time_s, 1.0 / *looked_->distance_m);
+  looked_ = {
+      .time_s = time_s,
+      .point_px = point_px,
+      .distance_m = surface_(time_s, lineOfSight(screen_, point_px),
+                             glm::radians(std::max(settings_.cone_half_angle_deg,
+                                                   newest_->uncertainty_deg.value_or(0.0))))};
+  std::vector<DioptreEstimate> estimates;
+  if (looked_->distance_m) {
+    assert(*looked_->distance_m > 0.0);
+    estimates.push_back({1.0 / *looked_->distance_m, settings_.surface_error_D});
+  }
+  vergence_.reset();
+  const auto rays = settings_.vergence && newest_
+                        ? raysOf(*newest_, screen_, settings_.between_eyes_m)
+                        : std::nullopt;
+  if (rays) vergence_ = vergenceOf(rays->first, rays->second, settings_.eye_error_deg);
+  if (vergence_) estimates.push_back(*vergence_);
+  if (estimates.empty()) return;
+  accommodation_.setTarget(time_s, estimates.size() == 1 && looked_->distance_m
+                                       ? estimates[0].value_D
+                                       : std::max(combined(estimates).value_D, 0.0));
 }
 
 EyeNow GazeFollower::at(double time_s) {
@@ -51,6 +67,7 @@ EyeNow GazeFollower::at(double time_s) {
           .state = silent ? GazeState::lost : now_.state,
           .fixation_px = now_.fixation_px,
           .surface_distance_m = stable ? looked_->distance_m : std::nullopt,
+          .vergence = stable ? vergence_ : std::nullopt,
           .target_D = accommodation_.target_D(),
           .focus_D = accommodation_.focusAt_D(time_s)};
 }

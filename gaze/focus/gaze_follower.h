@@ -6,6 +6,7 @@
 
 #include "gaze/events/online_events.h"
 #include "gaze/focus/accommodation.h"
+#include "gaze/focus/vergence.h"
 #include "gaze/gaze.h"
 
 namespace foci {
@@ -21,7 +22,14 @@ using SurfaceDistance = std::function<std::optional<double>(
 struct FollowSettings {
   EventSettings events{};
   AccommodationSettings accommodation{};
-  double cone_half_angle_deg = 0.5;  ///< as wide as a good tracker's error
+  double cone_half_angle_deg =
+      0.5;  ///< as wide as a good tracker's error; wider where a sample says so
+  /// Where both eyes are recorded, the target is the mean of the surface's distance and of that at
+  /// which the lines of sight meet, weighted by their variances; on a miss it is the latter alone.
+  bool vergence = false;
+  double eye_error_deg = 0.5;     ///< standard deviation of one eye's direction, > 0
+  double surface_error_D = 0.1;   ///< of the surface's distance, e.g. at its edges, > 0
+  double between_eyes_m = 0.063;  ///< where the recording does not say it
 };
 
 /// The eye at the time of a frame.
@@ -32,7 +40,9 @@ struct EyeNow {
   std::optional<glm::dvec2>
       fixation_px;  ///< held in saccades, blinks, losses; absent before the first
   std::optional<double>
-      surface_distance_m;            ///< along the fixation's line of sight; absent on a miss
+      surface_distance_m;  ///< along the fixation's line of sight; absent on a miss
+  std::optional<DioptreEstimate>
+      vergence{};                    ///< of the newest fixated sample; off, or one eye: absent
   std::optional<double> target_D{};  ///< held likewise, and on a miss; absent before the first
   double focus_D = 0.0;              ///< the resting focus before the first target
 };
@@ -77,6 +87,7 @@ class GazeFollower {
   std::optional<GazeSample> newest_{};
   GazeNow now_{};
   std::optional<Look> looked_{};
+  std::optional<DioptreEstimate> vergence_{};
 };
 
 }  // namespace foci

@@ -1,6 +1,5 @@
 #include "render/scene/estimate.h"
 
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -25,7 +24,7 @@ constexpr float kMostSpacings = 5.0f;       // of the cloud's median: strays far
 constexpr float kLeastSigma_m = 1e-9f;      // its fourth power is still a normal float
 constexpr float kLeastWeight = 0.05f;       // of spacing^2
 constexpr int kWeightIterations = 8;
-constexpr double kMostOpposed = 0.05;       // share of neighbours, in an oriented cloud
+constexpr double kMostOpposed = 0.05;  // share of neighbours, in an oriented cloud
 
 /// Unit eigenvector of the least eigenvalue, by cyclic Jacobi rotations (Golub and Van Loan, 8.5).
 /// Any one of them where several are least; the z axis for the zero matrix.
@@ -172,7 +171,7 @@ std::vector<float> solveWeights(const std::vector<glm::vec3>& position_m,
   };
   std::vector<float> weight(count), next(count);
   parallelFor(count,
-          [&](std::size_t i) { weight[i] = std::min(spacing_m[i] * spacing_m[i], most(i)); });
+              [&](std::size_t i) { weight[i] = std::min(spacing_m[i] * spacing_m[i], most(i)); });
 
   for (int iteration = 0; near.k > 0 && iteration < kWeightIterations; ++iteration) {
     parallelFor(count, [&](std::size_t i) {

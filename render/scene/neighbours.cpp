@@ -1,6 +1,5 @@
 #include "render/scene/neighbours.h"
 
-
 #include <algorithm>
 #include <array>
 #include <cassert>

@@ -1,0 +1,129 @@
+#include "gaze/sources/pupil_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <zmq.hpp>
+
+#include "app/base/input_error.h"
+#include "gaze/sources/line_reader.h"
+#include "gaze/sources/pupil_message.h"
+
+namespace foci {
+namespace {
+
+constexpr double kPatience_s = 2.0;
+constexpr int kMostMessages = 4096;  // waiting; older ones go
+
+zmq::socket_t quietSocket(zmq::context_t& context, zmq::socket_type type) {
+  zmq::socket_t socket(context, type);
+  socket.set(zmq::sockopt::linger, 0);
+  socket.set(zmq::sockopt::rcvhwm, kMostMessages);
+  socket.set(zmq::sockopt::maxmsgsize, std::int64_t{1} << 20);
+  return socket;
+}
+
+}  // namespace
+
+struct PupilSource::Sockets {
+  zmq::context_t context{1};
+  std::optional<zmq::socket_t> request{}, data{};
+  bool heard = false;  // from `data`
+};
+
+PupilSource::PupilSource(const std::string& host, int port, const Screen& screen)
+    : host_(host), port_(port), screen_(screen), sockets_(std::make_unique<Sockets>()) {
+  const bool plain = !host.empty() && host.size() <= 253 &&
+                     std::all_of(host.begin(), host.end(), [](unsigned char c) {
+                       return std::isalnum(c) || c == '.' || c == '-' || c == '_';
+                     });
+  if (!plain) throw InputError("pupil:" + shown(host), "expected a host's name or address");
+  if (port < 1 || port > 65535) {
+    throw InputError("pupil:" + host + ":" + std::to_string(port), "expected a port, 1 to 65535");
+  }
+}
+
+PupilSource::~PupilSource() = default;
+
+void PupilSource::poll(double now_s, std::vector<GazeSample>& samples) {
+  try {
+    if (!sockets_->request && !sockets_->data) {
+      ask(now_s);
+    } else if (sockets_->request) {
+      subscribe(now_s);
+    }
+    if (sockets_->data) receive(now_s, samples);
+  } catch (const zmq::error_t&) {
+    sockets_->request.reset();
+    sockets_->data.reset();
+  }
+  if (now_s - since_s_ > kPatience_s) {
+    sockets_->request.reset();
+    sockets_->data.reset();
+    sockets_->heard = false;
+    offset_s_.reset();
+  }
+}
+
+void PupilSource::ask(double now_s) {
+  since_s_ = now_s;
+  sockets_->request = quietSocket(sockets_->context, zmq::socket_type::req);
+  sockets_->request->connect("tcp://" + host_ + ":" + std::to_string(port_));
+  sockets_->request->send(zmq::str_buffer("SUB_PORT"), zmq::send_flags::dontwait);
+}
+
+void PupilSource::subscribe(double now_s) {
+  zmq::message_t reply;
+  if (!sockets_->request->recv(reply, zmq::recv_flags::dontwait)) return;
+  const auto port = parseNumber(trimmed(reply.to_string_view()));
+  sockets_->request.reset();
+  since_s_ = now_s;
+  if (!port || *port < 1 || *port > 65535 || *port != std::floor(*port)) return;
+  sockets_->data = quietSocket(sockets_->context, zmq::socket_type::sub);
+  sockets_->data->set(zmq::sockopt::subscribe, "gaze.");
+  sockets_->data->connect("tcp://" + host_ + ":" + std::to_string(static_cast<int>(*port)));
+}
+
+void PupilSource::receive(double now_s, std::vector<GazeSample>& samples) {
+  for (int i = 0; i < kMostMessages; ++i) {
+    zmq::message_t topic, payload, rest;
+    if (!sockets_->data->recv(topic, zmq::recv_flags::dontwait)) return;
+    bool more = topic.more();
+    if (more) {
+      (void)sockets_->data->recv(payload);
+      more = payload.more();
+    }
+    while (more) {
+      (void)sockets_->data->recv(rest);
+      more = rest.more();
+    }
+    auto sample = parsePupilMessage(topic.to_string_view(), payload.to_string_view(), screen_);
+    if (!sample) continue;
+    since_s_ = now_s;
+    sockets_->heard = true;
+    const double offset_s = now_s - sample->time_s;
+    offset_s_ = offset_s_ ? std::min(*offset_s_, offset_s) : offset_s;
+    sample->time_s = std::min(sample->time_s + *offset_s_, now_s);
+    if (last_s_ && sample->time_s <= *last_s_) continue;
+    if (last_s_) {
+      constexpr double kMemory = 0.05;
+      const double interval_s = sample->time_s - *last_s_;
+      interval_s_ = interval_s_ ? std::lerp(*interval_s_, std::min(interval_s, 2.0 * *interval_s_),
+                                            kMemory)
+                                : interval_s;
+    }
+    last_s_ = sample->time_s;
+    samples.push_back(*sample);
+  }
+}
+
+double PupilSource::rate_Hz() const {
+  constexpr double kUsual_Hz = 200.0;
+  return interval_s_ ? std::clamp(1.0 / *interval_s_, 25.0, 2000.0) : kUsual_Hz;
+}
+
+std::string PupilSource::status() const {
+  return "Pupil at " + host_ + ":" + std::to_string(port_) +
+         (sockets_->heard ? "" : sockets_->data ? ", no gaze yet" : ", no answer yet");
+}
+
+}  // namespace foci

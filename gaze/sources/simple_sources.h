@@ -1,0 +1,43 @@
+// The live sources that need no tracker: the mouse, and a recording played in real time.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "gaze/sources/live_source.h"
+
+namespace foci {
+
+/// The pointer stands for the gaze: one sample a poll.
+class MouseSource : public LiveSource {
+ public:
+  /// @param point_px  on the screen; absent where the pointer is elsewhere: gaze is lost
+  void moveTo(const std::optional<glm::dvec2>& point_px) { point_px_ = point_px; }
+
+  void poll(double now_s, std::vector<GazeSample>& samples) override;
+  double rate_Hz() const override { return 60.0; }
+  std::string status() const override { return "mouse"; }
+
+ private:
+  std::optional<glm::dvec2> point_px_{};
+  std::optional<double> last_s_{};
+};
+
+/// A recording as if its observer sat here: its first sample comes with the first poll.
+class TraceSource : public LiveSource {
+ public:
+  /// @param trace  with samples and a rate
+  explicit TraceSource(GazeTrace trace);
+
+  void poll(double now_s, std::vector<GazeSample>& samples) override;
+  double rate_Hz() const override { return trace_.rate_Hz; }
+  std::string status() const override;
+  bool ended() const { return next_ == trace_.samples.size(); }
+
+ private:
+  GazeTrace trace_;
+  std::size_t next_ = 0;
+  std::optional<double> offset_s_{};  // from its clock to the caller's
+};
+
+}  // namespace foci
