@@ -107,9 +107,9 @@ void PupilSource::receive(double now_s, std::vector<GazeSample>& samples) {
     if (last_s_) {
       constexpr double kMemory = 0.05;
       const double interval_s = sample->time_s - *last_s_;
-      interval_s_ = interval_s_ ? std::lerp(*interval_s_, std::min(interval_s, 2.0 * *interval_s_),
-                                            kMemory)
-                                : interval_s;
+      interval_s_ = interval_s_
+                        ? std::lerp(*interval_s_, std::min(interval_s, 2.0 * *interval_s_), kMemory)
+                        : interval_s;
     }
     last_s_ = sample->time_s;
     samples.push_back(*sample);
@@ -123,7 +123,9 @@ double PupilSource::rate_Hz() const {
 
 std::string PupilSource::status() const {
   return "Pupil at " + host_ + ":" + std::to_string(port_) +
-         (sockets_->heard ? "" : sockets_->data ? ", no gaze yet" : ", no answer yet");
+         (sockets_->heard  ? ""
+          : sockets_->data ? ", no gaze yet"
+                           : ", no answer yet");
 }
 
 }  // namespace foci
