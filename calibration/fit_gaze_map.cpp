@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kFewestTargets = 3, kMostTargets = 10'000;
 constexpr double kCollinear = 0.02;   // smaller over larger extent of the targets or of the gaze
 constexpr double kScattered = 0.35;   // deviation at one target over the extent of the gaze
-constexpr double kUnexplained = 0.6;  // residual over the extent of the targets
+constexpr double kUnexplained = 0.4;  // median held-out error over the extent of the targets
 constexpr double kBounded = 3.0;      // a held-out error counts up to so many times the median
 /// Error variance that the next order must leave at most, by order.
 constexpr std::array<double, 4> kGain{1.0, 0.95, 0.8, 0.8};
@@ -257,10 +257,10 @@ GazeFit fitGazeMap(std::span<const GazePair> pairs, const GazeFrame& frame,
   std::vector<double> misses;
   for (Eigen::Index i = 0; i < n; ++i) {
     const Station& s = stations[static_cast<std::size_t>(i)];
-    misses.push_back(solution.residual.row(i).norm() / glm::length(span * s.deg_per_unit));
+    misses.push_back(heldOut_deg(solution, i) / glm::length(span * s.deg_per_unit));
     if (solution.weight[i] <= 0.0) fit.refused.push_back(s.target);
   }
-  if (quantile(misses, 0.5) > kUnexplained * 0.5 || 2 * fit.refused.size() > stations.size()) {
+  if (quantile(misses, 0.5) > kUnexplained || 2 * fit.refused.size() > stations.size()) {
     refuse("contradictory: gaze does not follow the targets");
   }
 
