@@ -25,7 +25,8 @@ Session::Session(const Study& study, const SurfelCloud& cloud, const Screen& scr
                 },
                 {.events = study.gaze.events,
                  .accommodation = study.focus.accommodation,
-                 .cone_half_angle_deg = study.focus.cone_deg}) {}
+                 .cone_half_angle_deg = study.focus.cone_deg,
+                 .vergence = study.focus.vergence}) {}
 
 View Session::viewAt(double time_s) const {
   return viewThroughScreen(path_.eyeFromWorldAt(time_s - start_s_), study_.pictureSize_px(),

@@ -69,6 +69,7 @@ struct Study {
     double cone_deg = 0.5;  ///< half-angle
     double coverage = 0.5;
     AccommodationSettings accommodation;
+    bool vergence = false;
   } focus;
 
   struct Render {

@@ -14,7 +14,7 @@ Accommodation::Accommodation(const AccommodationSettings& settings)
       anchor_D_(std::min(settings.resting_D, nearest_D_)),
       drive_D_(anchor_D_) {
   assert(settings.latency_s >= 0.0 && settings.time_constant_s > 0.0 &&
-         settings.far_time_constant_s > 0.0);
+         settings.far_time_constant_s.value_or(1.0) > 0.0);
 }
 
 void Accommodation::setTarget(double time_s, double target_D) {
@@ -48,7 +48,8 @@ void Accommodation::answerUntil(double time_s) {
 double Accommodation::focusFromAnchor_D(double time_s) const {
   if (anchor_D_ == drive_D_) return drive_D_;
   const double time_constant_s =
-      drive_D_ > anchor_D_ ? settings_.time_constant_s : settings_.far_time_constant_s;
+      drive_D_ > anchor_D_ ? settings_.time_constant_s
+                           : settings_.far_time_constant_s.value_or(settings_.time_constant_s);
   return drive_D_ + (anchor_D_ - drive_D_) * std::exp(-(time_s - anchor_s_) / time_constant_s);
 }
 

@@ -9,10 +9,10 @@
 namespace foci {
 
 struct AccommodationSettings {
-  bool on = true;                     ///< off: focus is the target itself
-  double latency_s = 0.3;             ///< from a new target to the first response
-  double time_constant_s = 0.2;       ///< of the approach to a nearer target: 63 % of the way; > 0
-  double far_time_constant_s = 0.2;   ///< of the approach to a farther one; > 0
+  bool on = true;                ///< off: focus is the target itself
+  double latency_s = 0.3;        ///< from a new target to the first response
+  double time_constant_s = 0.2;  ///< of the approach to a nearer target: 63 % of the way; > 0
+  std::optional<double> far_time_constant_s{};  ///< to a farther one; absent: the same
   std::optional<double> age_years{};  ///< limits how near the eye can focus; absent: no limit
   double resting_D = 1.0;             ///< focus before there is any target (tonic accommodation)
 };
