@@ -1,6 +1,277 @@
-#include <cstdio>
+// The command line (CLI11): options to a study, errors to one line and an exit code.
+#include <tbb/global_control.h>
 
-int main() {
-  std::puts("foci");
-  return 0;
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/base/input_error.h"
+#include "app/interrupt.h"
+#include "app/manifest.h"
+#include "app/render_picture.h"
+#include "app/replay.h"
+#include "app/study.h"
+#include "app/tables.h"
+#include "render/methods/method.h"
+
+namespace foci {
+namespace {
+
+constexpr int kDone = 0, kFailed = 1, kBadInput = 2;
+constexpr unsigned kMaxThreads = 1024;
+
+/// A finite number that fills the whole text.
+std::optional<double> numberOf(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
+  return value;
+}
+
+/// "1280x720", "2:8.5", "960,540".
+std::vector<double> pairOf(const std::string& option, const std::string& text, char between,
+                           const char* expected) {
+  const std::size_t at = text.find(between);
+  const auto first = numberOf(std::string_view(text).substr(0, at));
+  const auto second =
+      at == std::string::npos ? std::nullopt : numberOf(std::string_view(text).substr(at + 1));
+  if (!first || !second) throw InputError(option + " " + text, std::string("expected ") + expected);
+  return {*first, *second};
+}
+
+/// What replay and render have in common. Empty texts: not given.
+struct Options {
+  std::string study, scene, trace, out, size, seconds, method, pupil, focus, gaze, depth, threads;
+  bool json = false, marker = false, split = false;
+};
+
+unsigned threadsOf(const Options& options) {
+  if (options.threads.empty()) {
+    return static_cast<unsigned>(
+        tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  }
+  const auto threads = numberOf(options.threads);
+  if (!threads || *threads < 1 || *threads > kMaxThreads || *threads != std::floor(*threads)) {
+    throw InputError("--threads " + options.threads,
+                     "expected an integer, 1 to " + std::to_string(kMaxThreads));
+  }
+  return static_cast<unsigned>(*threads);
+}
+
+/// The study, overridden by the options, checked.
+Study studyOf(const Options& options) {
+  Study study = readStudy(options.study);
+  if (!options.scene.empty()) overrideKey(study, "scene.file", options.scene, "--scene");
+  if (!options.trace.empty()) overrideKey(study, "gaze.source", options.trace, "--trace");
+  if (!options.method.empty()) {
+    overrideKey(study, "render.method", options.method, "--method " + options.method);
+  }
+  if (!options.size.empty()) {
+    overrideKey(study, "output.size_px",
+                pairOf("--size", options.size, 'x', "WIDTHxHEIGHT, e.g. 1280x720"),
+                "--size " + options.size);
+  }
+  if (!options.seconds.empty()) {
+    overrideKey(study, "output.seconds",
+                pairOf("--seconds", options.seconds, ':', "FROM:TO in seconds, e.g. 2:8.5"),
+                "--seconds " + options.seconds);
+  }
+  if (!options.pupil.empty()) {
+    const auto pupil_mm = numberOf(options.pupil);
+    if (!pupil_mm) throw InputError("--pupil " + options.pupil, "expected millimetres, e.g. 4");
+    overrideKey(study, "observer.pupil_mm", *pupil_mm, "--pupil " + options.pupil);
+  }
+  if (options.marker) study.output.marker = true;
+  if (options.split) study.output.split = true;
+  checkStudy(study);
+  return study;
+}
+
+int runReplay(const Options& options, const std::string& command) {
+  const unsigned threads = threadsOf(options);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const ReplaySummary summary = replay(studyOf(options), options.out, command, threads);
+  if (options.json) {
+    std::puts(summaryJson(summary).c_str());
+  } else {
+    std::printf(
+        "%zu frames, %.2f s; %.0f %% of the gaze samples valid; %zu fixations, %zu saccades\n"
+        "%.1f ms a frame (median; 95 %%: %.1f ms), %llu splats\nreport: %s\n",
+        summary.frames, summary.duration_s, 100.0 * summary.gaze_valid, summary.fixations,
+        summary.saccades, summary.render_ms_median, summary.render_ms_p95,
+        static_cast<unsigned long long>(summary.splats), (summary.out / "report.html").c_str());
+  }
+  return kDone;
+}
+
+int runRender(const Options& options) {
+  const unsigned threads = threadsOf(options);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const Study study = studyOf(options);
+  PictureRequest request{.out = options.out, .depth = {}, .focus_D = {}, .gaze_px = {}};
+  if (!options.depth.empty()) request.depth = options.depth;
+  if (!options.focus.empty()) {
+    const auto focus_m = options.focus == "inf" ? std::optional(HUGE_VAL) : numberOf(options.focus);
+    if (!focus_m || !(*focus_m >= 0.01)) {
+      throw InputError("--focus " + options.focus, "expected metres, 0.01 or more, or inf");
+    }
+    request.focus_D = 1.0 / *focus_m;
+  }
+  if (!options.gaze.empty()) {
+    const auto point = pairOf("--gaze", options.gaze, ',', "X,Y in px of the study's screen");
+    const Screen screen = study.screenInForce();
+    request.gaze_px = glm::dvec2(point[0], point[1]);
+    if (point[0] < 0 || point[1] < 0 || point[0] > screen.size_px.x ||
+        point[1] > screen.size_px.y) {
+      throw InputError("--gaze " + options.gaze, "expected a point on the study's screen, 0,0 to " +
+                                                     std::to_string(screen.size_px.x) + "," +
+                                                     std::to_string(screen.size_px.y));
+    }
+  }
+  const PictureSummary summary = renderPicture(study, request);
+  const auto& surface_m = summary.surface_distance_m;
+  if (options.json) {
+    nlohmann::ordered_json json = {{"out", options.out},
+                                   {"focus_D", summary.focus_D},
+                                   {"surface_distance_m", nullptr},
+                                   {"pupil_mm", study.observer.pupil_mm},
+                                   {"method", study.render.method},
+                                   {"splats", summary.stats.splats},
+                                   {"fragments", summary.stats.fragments},
+                                   {"render_ms", summary.stats.ms}};
+    if (surface_m) json["surface_distance_m"] = *surface_m;
+    std::puts(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  } else {
+    const std::string surface = request.focus_D ? ""
+                                : surface_m
+                                    ? ", on the surface " + decimal(*surface_m, 3) + " m away"
+                                    : ", at rest: no surface under the gaze";
+    std::printf("%s: focus %.3f D%s; pupil %.2f mm; %.1f ms\n", options.out.c_str(),
+                summary.focus_D, surface.c_str(), study.observer.pupil_mm, summary.stats.ms);
+  }
+  return kDone;
+}
+
+int runMethods(bool json) {
+  if (json) {
+    auto list = nlohmann::ordered_json::array();
+    for (const MethodInfo& method : methods()) {
+      list.push_back(
+          {{"name", method.name}, {"summary", method.summary}, {"source", method.source}});
+    }
+    std::puts(list.dump().c_str());
+  } else {
+    for (const MethodInfo& method : methods()) {
+      std::printf("%-12s %s (%s)\n", std::string(method.name).c_str(),
+                  std::string(method.summary).c_str(), std::string(method.source).c_str());
+    }
+  }
+  return kDone;
+}
+
+void addCommonOptions(CLI::App& command, Options& options) {
+  const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
+    return command.add_option(name, value, help)->type_name(type);
+  };
+  add("STUDY", options.study, "FILE", "study file (TOML)")->required();
+  add("--scene", options.scene, "FILE", "PLY point cloud instead of the study's scene");
+  add("--size", options.size, "WxH", "of the pictures, px, e.g. 1280x720");
+  add("--pupil", options.pupil, "MM", "diameter of the pupil, millimetres");
+  add("--method", options.method, "NAME", "one of `foci methods`");
+  add("--threads", options.threads, "N", "at most; the result is the same for any");
+  command.add_flag("--json", options.json, "print the summary as JSON");
+}
+
+/// One line for whatever CLI11 has against the arguments.
+std::string oneLine(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  }
+  return text;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app(
+      "foci shows a scene as a human eye would focus it, following where the observer looks.\n"
+      "Example: foci replay configs/demo.toml --out out/demo",
+      "foci");
+  app.set_version_flag("--version", "foci " FOCI_VERSION);
+  app.require_subcommand(1);
+  Options options;
+
+  auto* replay = app.add_subcommand(
+      "replay",
+      "Replay a recorded gaze: video, tables and a report of what the eye saw.\n"
+      "Example: foci replay configs/lion.toml --scene lion.ply --trace gaze.tsv --out out/lion");
+  addCommonOptions(*replay, options);
+  replay->add_option("--trace", options.trace, "recording instead of the study's gaze")
+      ->type_name("FILE");
+  replay->add_option("--out", options.out, "folder of the results; default: out")->type_name("DIR");
+  replay->add_option("--seconds", options.seconds, "from, to: after the recording's first sample")
+      ->type_name("A:B");
+  replay->add_flag("--marker", options.marker, "mark where the observer looks");
+  replay->add_flag("--split", options.split, "left half sharp, right half as the eye sees");
+
+  auto* render =
+      app.add_subcommand("render",
+                         "Draw one picture at a given focus or gaze.\n"
+                         "Example: foci render configs/demo.toml --focus 0.5 --out near.png");
+  addCommonOptions(*render, options);
+  render->add_option("--out", options.out, "picture: .png (sRGB), .pfm or .exr (linear)")
+      ->type_name("FILE")
+      ->required();
+  auto* focus = render->add_option("--focus", options.focus, "distance in focus, metres, or inf")
+                    ->type_name("METRES");
+  render->add_option("--gaze", options.gaze, "px of the study's screen: focus on what is there")
+      ->type_name("X,Y")
+      ->excludes(focus);
+  render->add_option("--depth", options.depth, "also the distance seen, metres, as PFM")
+      ->type_name("FILE");
+
+  auto* methods =
+      app.add_subcommand("methods", "List the depth-of-field methods, each with its source.");
+  methods->add_flag("--json", options.json, "as JSON");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    throw InputError(oneLine(error.what()) + " (foci --help)");
+  }
+  for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {
+    if (option->count() > 0 && option->get_type_size() > 0 && option->as<std::string>().empty()) {
+      throw InputError(option->get_name(), "expected a value that is not empty");
+    }
+  }
+  if (*methods) return runMethods(options.json);
+  noteInterrupts();
+  if (*render) return runRender(options);
+  if (options.out.empty()) options.out = "out";
+  std::string command = "foci";
+  for (int i = 1; i < argc; ++i) command += std::string(" ") + argv[i];
+  return runReplay(options, command);
+}
+
+}  // namespace
+}  // namespace foci
+
+int main(int argc, char** argv) {
+  // Errors are ours to report, in one line; OpenCV and its encoders keep quiet unless asked.
+  setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+  try {
+    return foci::run(argc, argv);
+  } catch (const foci::InputError& error) {
+    std::fprintf(stderr, "foci: %s\n", error.what());
+    return foci::kBadInput;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "foci: %s\n", error.what());
+    return foci::kFailed;
+  }
 }

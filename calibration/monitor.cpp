@@ -9,6 +9,8 @@ namespace foci {
 namespace {
 
 using Json = nlohmann::json;
+constexpr std::uintmax_t kLargest_bytes = 16 << 20;
+constexpr int kDeepest = 32;
 
 /// A finite number of `calibration[key]` in [low, high].
 double numberIn(const Json& calibration, const char* key, double low, double high,
@@ -29,8 +31,17 @@ Screen readPsychoPyMonitor(const std::filesystem::path& file) {
   const std::string name = file.string();
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError(name, "cannot be read");
-  const auto document = nlohmann::ordered_json::parse(in, nullptr, false);
-  if (document.is_discarded()) throw InputError(name, "not JSON");
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(file, error);
+  if (error || bytes > kLargest_bytes) throw InputError(name, "not a PsychoPy monitor");
+  bool too_deep = false;
+  const auto shallow = [&](int depth, nlohmann::ordered_json::parse_event_t,
+                           nlohmann::ordered_json&) {
+    too_deep = too_deep || depth > kDeepest;
+    return !too_deep;
+  };
+  const auto document = nlohmann::ordered_json::parse(in, shallow, false);
+  if (document.is_discarded() || too_deep) throw InputError(name, "not JSON");
 
   // A file holds either one calibration or several by name, the last of which is in force.
   const auto* calibration = &document;
@@ -40,8 +51,10 @@ Screen readPsychoPyMonitor(const std::filesystem::path& file) {
   if (!calibration->is_object()) throw InputError(name, "not a PsychoPy monitor");
   const Json fields = *calibration;
 
-  const auto size = fields.find("sizePix");
+  auto size = fields.find("sizePix");
   if (size == fields.end()) throw InputError(name, "no \"sizePix\": not a PsychoPy monitor");
+  // json_tricks wraps numpy arrays.
+  if (size->is_object() && size->contains("__ndarray__")) size = size->find("__ndarray__");
   glm::ivec2 size_px{0};
   for (int i = 0; i < 2 && size->is_array() && size->size() == 2; ++i) {
     if ((*size)[i].is_number())
@@ -56,6 +69,16 @@ Screen readPsychoPyMonitor(const std::filesystem::path& file) {
   return {.size_px = size_px,
           .size_m = {width_m, width_m * size_px.y / size_px.x},
           .distance_m = distance_m};
+}
+
+std::string psychoPyMonitor(const Screen& screen, std::optional<double> gamma,
+                            const std::string& name) {
+  nlohmann::ordered_json calibration = {{"sizePix", {screen.size_px.x, screen.size_px.y}},
+                                        {"width", 100.0 * screen.size_m.x},
+                                        {"distance", 100.0 * screen.distance_m},
+                                        {"notes", "foci"}};
+  if (gamma) calibration["gamma"] = *gamma;
+  return nlohmann::ordered_json{{name, calibration}}.dump(2) + "\n";
 }
 
 }  // namespace foci

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "gaze/gaze.h"
 
@@ -12,5 +13,10 @@ namespace foci {
 /// taken. The height follows from square pixels.
 /// @throws InputError where a field is missing, of the wrong type or out of range
 Screen readPsychoPyMonitor(const std::filesystem::path& file);
+
+/// The screen as such a file, with one calibration called `name`.
+/// @param gamma  absent: PsychoPy's own default
+std::string psychoPyMonitor(const Screen& screen, std::optional<double> gamma,
+                            const std::string& name);
 
 }  // namespace foci

@@ -24,16 +24,16 @@ std::string_view nameOf(GazeState state);
 struct GazeSample {
   double time_s = 0.0;  ///< on the recording's clock
   std::optional<glm::dvec2>
-      point_px;  ///< on the trace's screen, origin top-left; absent in a blink or a loss
-  std::optional<double> pupil_mm;  ///< diameter, where the recording has one in millimetres
-  bool blink = false;              ///< the tracker itself says so
+      point_px{};  ///< on the trace's screen, origin top-left; absent in a blink or a loss
+  std::optional<double> pupil_mm{};  ///< diameter, where the recording has one in millimetres
+  bool blink = false;                ///< the tracker itself says so
 };
 
 struct GazeTrace {
   std::string format;  ///< as recognised, for reports: "EyeLink ASC, binocular", "TSV", ...
-  std::optional<Screen> screen;     ///< where the file says so
-  double rate_Hz = 0.0;             ///< nominal or median
-  std::vector<GazeSample> samples;  ///< time strictly increasing
+  std::optional<Screen> screen{};     ///< where the file says so
+  double rate_Hz = 0.0;               ///< nominal or median
+  std::vector<GazeSample> samples{};  ///< time strictly increasing
   bool simulated = false;
 };
 

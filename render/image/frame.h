@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 namespace foci {
@@ -25,6 +26,9 @@ struct RenderStats {
   std::uint64_t splats = 0;     ///< drawn, after culling
   std::uint64_t fragments = 0;  ///< kernel evaluations inside a footprint
   double ms = 0.0;              ///< wall time
+  /// Of a reference: the PSNR between two halves of its samples. The ceiling of any PSNR against
+  /// it.
+  std::optional<double> split_half_psnr_dB;
 };
 
 }  // namespace foci

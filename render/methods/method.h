@@ -36,12 +36,14 @@ struct MethodInfo {
   std::string_view name;
   std::string_view summary;  ///< one line
   std::string_view source;   ///< where it is from
+  int most = 0;              ///< the largest N of `name:N`; 0: it takes none
+  int standard = 0;          ///< N where none is given
 };
 
 const std::vector<MethodInfo>& methods();
 
-/// @param name  one of `methods()`
-/// @throws InputError on another name, with the nearest known one
-std::unique_ptr<Method> makeMethod(std::string_view name, const SurfelCloud& cloud);
+/// @param spec  the name of one of `methods()`, where it takes a number with `:N` behind it
+/// @throws InputError on another name, with the nearest known one, or a number out of range
+std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud);
 
 }  // namespace foci

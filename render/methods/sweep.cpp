@@ -23,7 +23,7 @@ class SweepMethod final : public Method {
     frame.rgba.resize(pixels);
     frame.depth_m.resize(settings.depth ? pixels : 0);
 
-    projectSurfels(cloud_, view, settings.defocus, BlurKernel::gaussian, settings.shading, chunks_);
+    projectSurfels(cloud_, view, settings.defocus, {.shading = settings.shading}, chunks_);
     lists_.build(chunks_, view.size_px);
     RenderStats stats;
     stats.splats = chunks_.total();

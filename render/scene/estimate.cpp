@@ -1,8 +1,5 @@
 #include "render/scene/estimate.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,6 +10,8 @@
 #include <tuple>
 #include <utility>
 
+#include "app/base/parallel.h"
+#include "render/scene/morton.h"
 #include "render/scene/neighbours.h"
 
 namespace foci {
@@ -26,13 +25,7 @@ constexpr float kMostSpacings = 5.0f;       // of the cloud's median: strays far
 constexpr float kLeastSigma_m = 1e-9f;      // its fourth power is still a normal float
 constexpr float kLeastWeight = 0.05f;       // of spacing^2
 constexpr int kWeightIterations = 8;
-
-template <typename Body>
-void forEach(std::size_t count, const Body& body) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 2048), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
-  });
-}
+constexpr double kMostOpposed = 0.05;  // share of neighbours, in an oriented cloud
 
 /// Unit eigenvector of the least eigenvalue, by cyclic Jacobi rotations (Golub and Van Loan, 8.5).
 /// Any one of them where several are least; the z axis for the zero matrix.
@@ -75,7 +68,7 @@ void estimateNormals(const std::vector<glm::vec3>& position_m, const Neighbours&
   centroid /= static_cast<double>(position_m.size());
 
   normal.resize(position_m.size(), glm::vec3(0.0f));
-  forEach(position_m.size(), [&](std::size_t i) {
+  parallelFor(position_m.size(), [&](std::size_t i) {
     if (normal[i] != glm::vec3(0.0f)) return;
     const glm::dvec3 p = position_m[i];
     glm::dvec3 mean(0.0);
@@ -98,7 +91,7 @@ std::vector<std::uint16_t> sameSheet(const std::vector<glm::vec3>& position_m,
   static_assert(kNeighbours <= 16);
   std::vector<std::uint16_t> sheet(position_m.size(), 0);
   if (near.k == 0) return sheet;
-  forEach(position_m.size(), [&](std::size_t i) {
+  parallelFor(position_m.size(), [&](std::size_t i) {
     unsigned bits = 0, bit = 1;
     for (const std::uint32_t j : near.of(i)) {
       const float off_plane = std::abs(glm::dot(position_m[j] - position_m[i], normal[i]));
@@ -113,6 +106,25 @@ std::vector<std::uint16_t> sameSheet(const std::vector<glm::vec3>& position_m,
   return sheet;
 }
 
+/// Whether neighbours on one sheet have their normals on the same side, but for a few.
+bool agree(const std::vector<glm::vec3>& normal, const Neighbours& near,
+           const std::vector<std::uint16_t>& sheet) {
+  std::vector<std::uint8_t> opposed(normal.size(), 0);
+  parallelFor(normal.size(), [&](std::size_t i) {
+    unsigned bit = 1;
+    for (const std::uint32_t j : near.of(i)) {
+      opposed[i] += (sheet[i] & bit) != 0 && glm::dot(normal[i], normal[j]) < 0.0f;
+      bit <<= 1;
+    }
+  });
+  std::size_t pairs = 0, of_them = 0;
+  for (std::size_t i = 0; i < normal.size(); ++i) {
+    pairs += static_cast<std::size_t>(std::popcount(sheet[i]));
+    of_them += opposed[i];
+  }
+  return pairs > 0 && static_cast<double>(of_them) < kMostOpposed * static_cast<double>(pairs);
+}
+
 float medianOf(std::vector<float> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -124,14 +136,14 @@ std::vector<float> spacings(const Neighbours& near, const std::vector<std::uint1
                             float lone_spacing_m) {
   std::vector<float> raw(sheet.size(), lone_spacing_m);
   if (near.k == 0) return raw;
-  forEach(raw.size(), [&](std::size_t i) {
+  parallelFor(raw.size(), [&](std::size_t i) {
     const int own = std::popcount(sheet[i]);
     const auto samples = static_cast<float>(own >= 3 ? own : static_cast<int>(near.k));
     raw[i] = near.reach_m[i] * std::sqrt(glm::pi<float>() / samples);
   });
   const float most_m = kMostSpacings * medianOf(raw);
   std::vector<float> spacing(raw.size());
-  forEach(raw.size(), [&](std::size_t i) {
+  parallelFor(raw.size(), [&](std::size_t i) {
     std::array<float, kNeighbours> around;
     std::size_t count = 0;
     for (const std::uint32_t j : near.of(i)) around[count++] = raw[j];
@@ -159,11 +171,11 @@ std::vector<float> solveWeights(const std::vector<glm::vec3>& position_m,
     return glm::two_pi<float>() * sigma_m[i] * sigma_m[i];
   };
   std::vector<float> weight(count), next(count);
-  forEach(count,
-          [&](std::size_t i) { weight[i] = std::min(spacing_m[i] * spacing_m[i], most(i)); });
+  parallelFor(count,
+              [&](std::size_t i) { weight[i] = std::min(spacing_m[i] * spacing_m[i], most(i)); });
 
   for (int iteration = 0; near.k > 0 && iteration < kWeightIterations; ++iteration) {
-    forEach(count, [&](std::size_t i) {
+    parallelFor(count, [&](std::size_t i) {
       const float own2 = sigma_m[i] * sigma_m[i];
       float sum = weight[i] / (2.0f * own2);
       float variance_sum = 2.0f * own2, seen = 1.0f;
@@ -200,7 +212,7 @@ SurfelCloud assemble(PointCloud&& points, const std::vector<float>& sigma_m,
   const std::size_t count = points.size();
   cloud.axis_u_m.resize(count);
   cloud.axis_v_m.resize(count);
-  forEach(count, [&](std::size_t i) {
+  parallelFor(count, [&](std::size_t i) {
     const glm::vec3 n = points.normal[i];
     const glm::vec3 helper =
         std::abs(n.x) < 0.5f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
@@ -273,8 +285,10 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
     return surfelsOfStacks(std::move(points), settings);
   }
 
+  const bool given_normals = !points.normal.empty();
   estimateNormals(points.position_m, near, settings.viewpoint_m, points.normal);
   const std::vector<std::uint16_t> sheet = sameSheet(points.position_m, points.normal, near);
+  const bool oriented = given_normals && agree(points.normal, near, sheet);
   const std::vector<float> spacing = spacings(near, sheet, settings.lone_spacing_m);
 
   std::vector<float> sigma(points.size());
@@ -287,13 +301,21 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
   std::vector<float> weight =
       solveWeights(points.position_m, points.normal, near, sheet, spacing, sigma);
   near = {};
-  return assemble(std::move(points), sigma, std::move(weight));
+  SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
+  cloud.oriented = oriented;
+  return cloud;
 }
 
 }  // namespace
 
 SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& settings) {
   if (points.size() == 0) return {};
+  const std::vector<std::uint32_t> order = mortonOrder(points.position_m);
+  reorder(points.position_m, order);
+  reorder(points.normal, order);
+  reorder(points.color, order);
+  reorder(points.radius_m, order);
+  reorder(points.opacity, order);
   return estimate(std::move(points), settings, Stacks::possible);
 }
 

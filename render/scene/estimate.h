@@ -20,7 +20,8 @@ struct EstimateSettings {
 /// a square grid has spacing / sqrt(2).
 inline constexpr float kSigmaPerRadius = kSigmaPerSpacing * 1.41421356f;
 
-/// Surfels of points sampled on surfaces, in the points' order.
+/// Surfels of points sampled on surfaces, in Morton order (neighbours in space are near in memory),
+/// not the points' own.
 ///   normal: the given one, else the least axis of the nearest neighbours (PCA, Hoppe et al. 1992);
 ///   spacing: sqrt(pi r_k^2 / k), r_k the distance of the k-th neighbour; at most a few times the
 ///            median, so that strays stay small;

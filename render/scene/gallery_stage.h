@@ -27,7 +27,10 @@ class GalleryStage {
   void add(Shape shape, Paint paint, const Material& material, float opacity = 1.0f,
            std::function<bool(const SurfacePoint&)> keep = {});
 
-  SurfelCloud take() { return std::move(cloud_); }
+  SurfelCloud take() {
+    cloud_.oriented = true;
+    return std::move(cloud_);
+  }
 
  private:
   SampledFor audience_;

@@ -1,7 +1,5 @@
 #include "render/scene/neighbours.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <nanoflann.hpp>
+
+#include "app/base/parallel.h"
 
 namespace foci {
 namespace {
@@ -84,15 +84,12 @@ Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t 
   found.index.resize(position_m.size() * found.k);
   found.reach_m.resize(position_m.size());
   // In the tree's own order neighbouring queries share their memory.
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, position_m.size(), 1024),
-                    [&](const auto& range) {
-                      for (std::size_t at = range.begin(); at < range.end(); ++at) {
-                        const std::uint32_t i = tree.vAcc[at];
-                        Nearest nearest(found.k, i);
-                        tree.findNeighbors(nearest, &position_m[i].x, nanoflann::SearchParams());
-                        nearest.copyTo(&found.index[i * found.k], found.reach_m[i]);
-                      }
-                    });
+  parallelFor(position_m.size(), [&](std::size_t at) {
+    const std::uint32_t i = tree.vAcc[at];
+    Nearest nearest(found.k, i);
+    tree.findNeighbors(nearest, &position_m[i].x, nanoflann::SearchParams());
+    nearest.copyTo(&found.index[i * found.k], found.reach_m[i]);
+  });
   return found;
 }
 

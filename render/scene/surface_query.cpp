@@ -1,10 +1,6 @@
 // A bounding hierarchy over surfels in Morton order, walked front to back along a cone.
 #include "render/scene/surface_query.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -15,6 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "app/base/parallel.h"
+#include "render/scene/morton.h"
+
 namespace foci {
 namespace {
 
@@ -23,16 +22,6 @@ constexpr float kReach = 3.0f;         // of a surfel's kernel, standard deviati
 constexpr float kDepthReach = 2.0f;    // of its z-range, standard deviations along the ray
 constexpr float kNearest_m = 0.001f;   // what reaches nearer is not seen
 constexpr double kFullCoverage = 0.9;  // kernels of a closed surface sum to one within 0.1
-
-/// Spreads the low 21 bits to every third bit.
-std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
-}
 
 struct Sphere {
   glm::vec3 center{0.0f};
@@ -148,33 +137,16 @@ struct Cone {
 /// A complete binary tree: node k has the children 2k + 1 and 2k + 2, its last level are the
 /// leaves, kLeafSurfels consecutive entries of `order` each.
 struct SurfaceQuery::Impl {
-  explicit Impl(const SurfelCloud& surfels) : cloud(surfels) {
-    sortSurfels();
+  explicit Impl(const SurfelCloud& surfels)
+      : cloud(surfels), order(mortonOrder(surfels.position_m)) {
     buildNodes();
-  }
-
-  void sortSurfels() {
-    Box box;
-    for (const glm::vec3& p : cloud.position_m) box.add(p, p);
-    const glm::vec3 size = box.high - box.low;
-    const float scale = 2097151.0f / std::max({size.x, size.y, size.z, 1e-30f});
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(cloud.size());
-    tbb::parallel_for(std::size_t{0}, cloud.size(), [&](std::size_t i) {
-      const glm::vec3 cell = glm::min((cloud.position_m[i] - box.low) * scale, 2097151.0f);
-      const auto part = [](float x) { return spread(static_cast<std::uint64_t>(x)); };
-      keys[i] = {part(cell.x) | part(cell.y) << 1 | part(cell.z) << 2,
-                 static_cast<std::uint32_t>(i)};
-    });
-    tbb::parallel_sort(keys.begin(), keys.end());
-    order.resize(keys.size());
-    for (std::size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].second;
   }
 
   void buildNodes() {
     leaves =
         std::bit_ceil(std::max<std::size_t>((order.size() + kLeafSurfels - 1) / kLeafSurfels, 1));
     std::vector<Box> boxes(2 * leaves - 1);
-    tbb::parallel_for(std::size_t{0}, leaves, [&](std::size_t leaf) {
+    parallelFor(leaves, [&](std::size_t leaf) {
       Box& box = boxes[leaves - 1 + leaf];
       const std::size_t end = std::min((leaf + 1) * kLeafSurfels, order.size());
       for (std::size_t at = leaf * kLeafSurfels; at < end; ++at) {
@@ -188,7 +160,7 @@ struct SurfaceQuery::Impl {
       boxes[i].add(boxes[2 * i + 2].low, boxes[2 * i + 2].high);
     }
     nodes.resize(boxes.size());
-    tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t i) {
+    parallelFor(boxes.size(), [&](std::size_t i) {
       const Box& box = boxes[i];
       if (box.low.x <= box.high.x) {
         nodes[i] = {0.5f * (box.low + box.high), 0.5f * glm::length(box.high - box.low)};

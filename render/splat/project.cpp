@@ -23,6 +23,10 @@ inline constexpr float kWidestSupport2 = 8.0f;
 /// The unblurred splat's z-range: its plane within this many squared standard deviations.
 inline constexpr float kReach2 = 5.0f;
 
+/// Cosine from which a surfel counts as seen from behind: beyond what normals of a scan err by at
+/// its outline.
+inline constexpr float kFromBehind = 0.1f;
+
 /// Splats beyond any use are refused: a variance or an area of 10^5 by 10^5 pixels.
 inline constexpr float kLargest_px2 = 1e10f;
 
@@ -39,9 +43,11 @@ struct ProjectJob {
   float translation[3];
   float focal_x, focal_y, principal_x, principal_y;
   float width, height, near_m;
-  float blur_x, blur_y, focus_D;  // radius in pixels a dioptre
+  float blur_x, blur_y, focus_D;  // radius in pixels a dioptre, of the part of the lens
+  float lens_x, lens_y;           // its centre, likewise
   bool along_axis;
   bool disc;
+  bool oriented;
   float shading;
 };
 
@@ -87,7 +93,8 @@ struct Lanes {
   alignas(64) float exponent[kMost];
   alignas(64) float area_px[kMost];
   alignas(64) float distance[kMost], reach[kMost];
-  alignas(64) float shade[kMost];
+  alignas(64) float shade[kMost],
+      away[kMost];                   // cosine of the normal to the sight; > 0: away from the eye
   alignas(64) float visible[kMost];  // 1: keep
 };
 
@@ -109,11 +116,29 @@ HWY_INLINE void projectLanes(const ProjectJob& job, std::size_t i, Lanes& out) {
   const auto before_near = hn::Lt(depth, set(job.near_m));
   const V inv_depth = hn::Div(one, hn::Max(depth, set(job.near_m)));
   const V tx = hn::Mul(p.x, inv_depth), ty = hn::Mul(p.y, inv_depth);
-  const V x_px = hn::MulAdd(set(job.focal_x), tx, set(job.principal_x));
-  const V y_px = hn::NegMulAdd(set(job.focal_y), ty, set(job.principal_y));
+  V x_px = hn::MulAdd(set(job.focal_x), tx, set(job.principal_x));
+  V y_px = hn::NegMulAdd(set(job.focal_y), ty, set(job.principal_y));
   const V sx = hn::Mul(set(job.focal_x), inv_depth), sy = hn::Mul(set(-job.focal_y), inv_depth);
-  const V ux = hn::Mul(sx, hn::MulAdd(u.z, tx, u.x)), uy = hn::Mul(sy, hn::MulAdd(u.z, ty, u.y));
-  const V vx = hn::Mul(sx, hn::MulAdd(v.z, tx, v.x)), vy = hn::Mul(sy, hn::MulAdd(v.z, ty, v.y));
+  V ux = hn::Mul(sx, hn::MulAdd(u.z, tx, u.x)), uy = hn::Mul(sy, hn::MulAdd(u.z, ty, u.y));
+  V vx = hn::Mul(sx, hn::MulAdd(v.z, tx, v.x)), vy = hn::Mul(sy, hn::MulAdd(v.z, ty, v.y));
+
+  // Distance along the sight or the axis, and how the axes change it.
+  const V distance = job.along_axis ? depth : hn::Sqrt(dot(p, p));
+  const V inv_distance = hn::Div(one, distance);
+  const V u_along = job.along_axis ? hn::Neg(u.z) : hn::Mul(dot(u, p), inv_distance);
+  const V v_along = job.along_axis ? hn::Neg(v.z) : hn::Mul(dot(v, p), inv_distance);
+
+  // Seen from the part's centre: the image moves with the vergence, and so does the Jacobian.
+  const V out_of_focus_D = hn::Sub(set(job.focus_D), inv_distance);
+  x_px = hn::MulAdd(set(job.lens_x), out_of_focus_D, x_px);
+  y_px = hn::MulAdd(set(job.lens_y), out_of_focus_D, y_px);
+  const V vergence_slope = hn::Mul(inv_distance, inv_distance);
+  const V u_vergence = hn::Mul(u_along, vergence_slope),
+          v_vergence = hn::Mul(v_along, vergence_slope);
+  ux = hn::MulAdd(set(job.lens_x), u_vergence, ux);
+  uy = hn::MulAdd(set(job.lens_y), u_vergence, uy);
+  vx = hn::MulAdd(set(job.lens_x), v_vergence, vx);
+  vy = hn::MulAdd(set(job.lens_y), v_vergence, vy);
 
   // Unblurred variance J V_r J' + I.
   V vxx = hn::MulAdd(ux, ux, hn::MulAdd(vx, vx, one));
@@ -126,17 +151,13 @@ HWY_INLINE void projectLanes(const ProjectJob& job, std::size_t i, Lanes& out) {
   const V det_j = hn::Abs(hn::NegMulAdd(uy, vx, hn::Mul(ux, vy)));
   const V area_px = hn::Mul(hn::LoadU(d, job.area + i), hn::Div(det_j, parallelogram));
 
-  // Distance and how far the unblurred splat reaches along it. A surfel counts as at least as thick
-  // as it is wide: samples of one scanned surface scatter about it.
-  const V distance = job.along_axis ? depth : hn::Sqrt(dot(p, p));
-  const V inv_distance = hn::Div(one, distance);
-  const V u_along = job.along_axis ? u.z : hn::Mul(dot(u, p), inv_distance);
-  const V v_along = job.along_axis ? v.z : hn::Mul(dot(v, p), inv_distance);
+  // How far the unblurred splat reaches along the distance. A surfel counts as at least as thick as
+  // it is wide: samples of one scanned surface scatter about it.
   const V slope = hn::MulAdd(u_along, u_along, hn::Mul(v_along, v_along));
   const V reach = hn::Sqrt(hn::MulAdd(set(kReach2), slope, hn::Max(uu, vv)));
 
   // Circle of confusion (Eq. 4 in dioptres).
-  const V defocus_D = hn::Abs(hn::Sub(inv_distance, set(job.focus_D)));
+  const V defocus_D = hn::Abs(out_of_focus_D);
   const V cx = hn::Mul(set(job.blur_x), defocus_D), cy = hn::Mul(set(job.blur_y), defocus_D);
   V exponent = set(kMaxExponent);
   V per_radius2 = set(kGaussianVariancePerRadius2);
@@ -153,8 +174,8 @@ HWY_INLINE void projectLanes(const ProjectJob& job, std::size_t i, Lanes& out) {
   const V3 normal{hn::NegMulAdd(u.z, v.y, hn::Mul(u.y, v.z)),
                   hn::NegMulAdd(u.x, v.z, hn::Mul(u.z, v.x)),
                   hn::NegMulAdd(u.y, v.x, hn::Mul(u.x, v.y))};
-  const V cosine = hn::Div(hn::Abs(dot(normal, p)), hn::Mul(parallelogram, hn::Sqrt(dot(p, p))));
-  const V shade = hn::MulAdd(set(job.shading), hn::Sub(cosine, one), one);
+  const V away = hn::Div(dot(normal, p), hn::Mul(parallelogram, hn::Sqrt(dot(p, p))));
+  const V shade = hn::MulAdd(set(job.shading), hn::Sub(hn::Abs(away), one), one);
 
   // Keep what draws something: in front, on the image, with an area. Comparisons fail on NaN.
   const V radius_x = hn::Sqrt(hn::Mul(set(kWidestSupport2), vxx));
@@ -177,6 +198,7 @@ HWY_INLINE void projectLanes(const ProjectJob& job, std::size_t i, Lanes& out) {
   hn::Store(distance, d, out.distance);
   hn::Store(reach, d, out.reach);
   hn::Store(shade, d, out.shade);
+  hn::Store(away, d, out.away);
   hn::Store(hn::IfThenElseZero(keep, one), d, out.visible);
 }
 
@@ -213,6 +235,7 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
   splat.red = scale * job.color[3 * i];
   splat.green = scale * job.color[3 * i + 1];
   splat.blue = scale * job.color[3 * i + 2];
+  if (job.oriented && lanes.away[k] > kFromBehind) splat.opacity = -splat.opacity;
   splat.near_m = std::max(lanes.distance[k] - lanes.reach[k], 0.0f);
   splat.far_m = lanes.distance[k] + lanes.reach[k];
 
@@ -278,7 +301,7 @@ namespace foci {
 HWY_EXPORT(projectRange);
 
 void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& defocus,
-                    BlurKernel kernel, float shading, SplatChunks& chunks) {
+                    const Projection& projection, SplatChunks& chunks) {
   ProjectJob job{};
   job.position = cloud.empty() ? nullptr : &cloud.position_m[0].x;
   job.axis_u = cloud.empty() ? nullptr : &cloud.axis_u_m[0].x;
@@ -299,12 +322,15 @@ void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& d
   job.width = static_cast<float>(view.size_px.x);
   job.height = static_cast<float>(view.size_px.y);
   job.near_m = view.near_m;
-  job.blur_x = defocus.radius_px_per_D.x;
-  job.blur_y = defocus.radius_px_per_D.y;
+  job.blur_x = defocus.radius_px_per_D.x * projection.aperture;
+  job.blur_y = defocus.radius_px_per_D.y * projection.aperture;
+  job.lens_x = defocus.radius_px_per_D.x * projection.lens.x;
+  job.lens_y = defocus.radius_px_per_D.y * projection.lens.y;
   job.focus_D = defocus.focus_D;
   job.along_axis = defocus.along == DistanceAlong::axis;
-  job.disc = kernel == BlurKernel::disc;
-  job.shading = shading;
+  job.disc = projection.kernel == BlurKernel::disc;
+  job.oriented = cloud.oriented;
+  job.shading = projection.shading;
 
   // Whole steps a chunk, about as many chunks as the largest machine has threads.
   constexpr std::size_t kMostChunks = 64, kStep = 4096;

@@ -4,6 +4,7 @@
 #include "app/base/parallel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #undef HWY_TARGET_INCLUDE
@@ -53,6 +54,7 @@ struct Tile {
   alignas(64) float weight[kPixels], red[kPixels], green[kPixels], blue[kPixels], far_m[kPixels];
   alignas(64) float opacity[kPixels], distance[kPixels];  // sums, used where asked for
   alignas(64) float through[kPixels];                     // light that still passes
+  alignas(64) float from_behind[kPixels];                 // 1: the open layer is seen from behind
   alignas(64) float out_red[kPixels], out_green[kPixels], out_blue[kPixels], out_distance[kPixels];
 };
 
@@ -74,6 +76,7 @@ constexpr Places kPlaces;
 template <bool kTransparent, bool kDepth>
 struct Sweep {
   Tile tile;
+  bool any_from_behind = false;  // in the open layers
 
   /// Composites the open layers of the pixels `i + lane` in `which` and opens new ones.
   HWY_INLINE void closeLayers(std::size_t i, M which) {
@@ -109,11 +112,47 @@ struct Sweep {
     const D d;
     for (std::size_t i = 0; i < kPixels; i += hn::Lanes(d))
       closeLayers(i, hn::FirstN(d, hn::Lanes(d)));
+    if (any_from_behind) std::fill_n(tile.from_behind, kPixels, 0.0f);
+    any_from_behind = false;
   }
 
   /// The most light that passes any pixel.
   HWY_INLINE float mostThrough() const {
     return *std::max_element(tile.through, tile.through + kPixels);
+  }
+
+  /// The far side of a solid meets the near side at its outline: at one distance, so that their
+  /// z-ranges intersect, but no ray sees both. Of a layer that both would share only the near side
+  /// counts: it drops what it finds there of the far side, and is closed to it.
+  /// @return the pixels of `inside` that the splat is to be added to
+  HWY_INLINE M keepSidesApart(std::size_t i, M inside, V near_m, bool from_behind) {
+    const D d;
+    const M open = hn::Le(near_m, hn::Load(d, tile.far_m + i));
+    const M behind_there = hn::Gt(hn::Load(d, tile.from_behind + i), hn::Zero(d));
+    const M shared = hn::And(inside, open);
+    if (from_behind) {
+      const M added = hn::AndNot(hn::AndNot(behind_there, shared), inside);
+      hn::Store(hn::IfThenElse(added, hn::Set(d, 1.0f), hn::Load(d, tile.from_behind + i)), d,
+                tile.from_behind + i);
+      return added;
+    }
+    const M dropped = hn::And(shared, behind_there);
+    if (!hn::AllFalse(d, dropped)) {
+      const auto clear = [&](float* sum) {
+        hn::Store(hn::IfThenZeroElse(dropped, hn::Load(d, sum + i)), d, sum + i);
+      };
+      clear(tile.weight);
+      clear(tile.red);
+      clear(tile.green);
+      clear(tile.blue);
+      if constexpr (kTransparent) clear(tile.opacity);
+      if constexpr (kDepth) clear(tile.distance);
+      hn::Store(hn::IfThenElse(dropped, hn::Set(d, kClosed), hn::Load(d, tile.far_m + i)), d,
+                tile.far_m + i);
+    }
+    hn::Store(hn::IfThenZeroElse(inside, hn::Load(d, tile.from_behind + i)), d,
+              tile.from_behind + i);
+    return inside;
   }
 
   /// Adds one splat; returns the number of pixels in its footprint.
@@ -130,7 +169,9 @@ struct Sweep {
     const V qa = hn::Set(d, splat.qa), qb = hn::Set(d, splat.qb), qc = hn::Set(d, splat.qc);
     const V k0 = hn::Set(d, splat.k0), k1 = hn::Set(d, splat.k1), k2 = hn::Set(d, splat.k2);
     const V red = hn::Set(d, splat.red), green = hn::Set(d, splat.green);
-    const V blue = hn::Set(d, splat.blue), opacity = hn::Set(d, splat.opacity);
+    const V blue = hn::Set(d, splat.blue), opacity = hn::Set(d, std::abs(splat.opacity));
+    const bool from_behind = splat.opacity < 0.0f;
+    any_from_behind |= from_behind;
     const V near_m = hn::Set(d, splat.near_m), far_m = hn::Set(d, splat.far_m);
     const V distance = hn::Mul(hn::Mul(hn::Set(d, 0.5f), hn::Add(near_m, far_m)), opacity);
     const V one = hn::Set(d, 1.0f);
@@ -145,8 +186,11 @@ struct Sweep {
         const V dy = hn::Sub(hn::Load(d, kPlaces.y + i), cy);
         const V slope = hn::MulAdd(qa, dx, hn::Mul(qb, dy));
         const V t = hn::NegMulAdd(slope, dx, hn::NegMulAdd(hn::Mul(qc, dy), dy, one));
-        const M inside = hn::Gt(t, hn::Zero(d));
+        M inside = hn::Gt(t, hn::Zero(d));
         fragments += hn::CountTrue(d, inside);
+        if (HWY_UNLIKELY(any_from_behind)) {
+          inside = keepSidesApart(first + part, inside, near_m, from_behind);
+        }
 
         const V open = hn::Load(d, tile.far_m + i);
         const M behind = hn::And(inside, hn::Gt(near_m, open));

@@ -1,0 +1,97 @@
+// `foci calibrate gaze`, from files or in its window.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "app/base/input_error.h"
+#include "app/calibrate_options.h"
+#include "app/calibrate_windows.h"
+#include "calibration/calibration_file.h"
+#include "calibration/gaze_map_file.h"
+#include "calibration/gaze_report.h"
+#include "calibration/screen_file.h"
+
+namespace foci {
+namespace {
+
+GazeFrame frameOf(const CalibrateGazeOptions& options) {
+  const auto units = gazeUnitsNamed(options.units);
+  if (!units) {
+    throw InputError("--units", options.units + ": expected deg, norm or direction");
+  }
+  GazeFrame frame{.units = *units, .screen = defaultScreen()};
+  if (!options.screen.empty()) {
+    frame.screen = readScreen(options.screen).screen;
+  } else if (frame.units == GazeUnits::norm) {
+    std::fprintf(stderr, "no --screen: degrees are those of %.2f x %.2f m at %.2f m\n",
+                 frame.screen.size_m.x, frame.screen.size_m.y, frame.screen.distance_m);
+  }
+  return frame;
+}
+
+GazeReport fromFiles(const CalibrateGazeOptions& options, const GazeFrame& frame,
+                     std::optional<GazeModel> model) {
+  const auto pairs = readGazePairs(options.pairs, frame.units);
+  std::vector<GazePair> other;
+  if (!options.validate.empty()) other = readGazePairs(options.validate, frame.units);
+  GazeReport report;
+  try {
+    report.fit = fitGazeMap(pairs, frame, model);
+  } catch (const InputError& error) {
+    throw InputError(options.pairs.string(), error.what());
+  }
+  report.validated = !other.empty();
+  report.accuracy = measureAccuracy(report.validated ? other : pairs, frame, &report.fit.map);
+  return report;
+}
+
+void refuseWindowOptions(const CalibrateGazeOptions& options) {
+  if (options.source != "mouse") {
+    throw InputError("--source", options.source.substr(0, 40) + ": expected mouse");
+  }
+  constexpr std::array<int, 4> kCounts{5, 9, 13, 16};
+  if (std::find(kCounts.begin(), kCounts.end(), options.targets) == kCounts.end()) {
+    throw InputError("--targets", std::to_string(options.targets) + ": expected 5, 9, 13 or 16");
+  }
+  if (options.units != "deg") throw InputError("--units", "the window works in deg");
+}
+
+}  // namespace
+
+void calibrateGaze(const CalibrateGazeOptions& options) {
+  std::optional<GazeModel> model;
+  if (options.model != "auto") {
+    model = gazeModelNamed(options.model);
+    if (!model) {
+      throw InputError("--model",
+                       options.model + ": expected auto, offset, affine, second or third");
+    }
+  }
+  const GazeFrame frame = frameOf(options);
+  GazeReport report;
+  if (options.pairs.empty()) {
+    if (!options.validate.empty()) throw InputError("--validate", "needs --pairs");
+    refuseWindowOptions(options);
+    const auto result = calibrateGazeInWindow(options, frame.screen);
+    if (!result) {
+      std::fprintf(stderr, "left without a calibration\n");
+      return;
+    }
+    report = *result;
+  } else {
+    report = fromFiles(options, frame, model);
+  }
+
+  if (!options.out.empty()) {
+    std::filesystem::path page = options.report;
+    if (page.empty()) page = std::filesystem::path(options.out).replace_extension(".html");
+    writeWhole(page, gazeReportHtml(report));
+    writeWhole(options.out, gazeMapToml(report.fit.map));
+  } else if (!options.report.empty()) {
+    writeWhole(options.report, gazeReportHtml(report));
+  }
+  const std::string summary = options.json ? gazeReportJson(report) : gazeReportText(report);
+  std::fputs(summary.c_str(), stdout);
+}
+
+}  // namespace foci

@@ -1,0 +1,44 @@
+// What the three calibrations are asked for on the command line, and their entries.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace foci {
+
+struct CalibrateScreenOptions {
+  bool headless = false, json = false;
+  std::string size_px, card_px, size_m;  ///< "WxH"; a card's height may be left out
+  std::string blind_spot_px;             ///< offsets, outwards > 0, inwards < 0, by commas
+  std::string gamma = "sRGB";
+  std::optional<double> distance_m, face_px, face_reference_px, face_reference_m;
+  std::filesystem::path monitor, edid, out, psychopy;
+};
+
+struct CalibrateGazeOptions {
+  bool json = false;
+  std::filesystem::path pairs, validate, out, report, screen;
+  std::string units = "deg", model = "auto";
+  std::string source = "mouse";
+  int targets = 9;
+  unsigned seed = 1;
+  bool window = false;  ///< not full screen
+  bool manual = false;  ///< every target waits for the space key
+};
+
+struct CalibrateCameraOptions {
+  bool json = false;
+  std::vector<std::string> images;
+  std::filesystem::path video, out;
+  std::optional<int> device;
+  std::string board = "9x6", charuco;
+  double square_mm = 25.0, marker_mm = 18.0;
+};
+
+void calibrateScreen(const CalibrateScreenOptions& options);
+void calibrateGaze(const CalibrateGazeOptions& options);
+void calibrateCamera(const CalibrateCameraOptions& options);
+
+}  // namespace foci

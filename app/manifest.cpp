@@ -1,0 +1,77 @@
+#include "app/manifest.h"
+
+#include <nlohmann/json.hpp>
+
+#include "app/machine.h"
+
+namespace foci {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// File names need not be UTF-8: what is not is replaced.
+std::string dump(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+Json toJson(const ReplaySummary& summary) {
+  return {{"frames", summary.frames},
+          {"duration_s", summary.duration_s},
+          {"gaze_valid", summary.gaze_valid},
+          {"fixations", summary.fixations},
+          {"saccades", summary.saccades},
+          {"render_ms_median", summary.render_ms_median},
+          {"render_ms_p95", summary.render_ms_p95},
+          {"splats", summary.splats},
+          {"out", summary.out.string()}};
+}
+
+}  // namespace
+
+std::string summaryJson(const ReplaySummary& summary) { return dump(toJson(summary), -1); }
+
+std::string manifestJson(const Study& study, const GazeTrace& trace, const ReplaySummary& summary,
+                         const ManifestFacts& facts) {
+  Json configuration = Json::object();
+  for (const ResolvedKey& key : resolvedKeys(study)) {
+    const auto dot = key.name.find('.');
+    const Json value = Json::parse(key.json, nullptr, false);
+    const std::string name(key.name);
+    if (dot == std::string_view::npos) {
+      configuration[name] = value;
+    } else {
+      configuration[name.substr(0, dot)][name.substr(dot + 1)] = value;
+    }
+  }
+  Json inputs = Json::array();
+  for (const InputFile& input : facts.inputs) {
+    inputs.push_back({{"path", input.path.string()}, {"sha256", input.sha256}});
+  }
+  const Machine machine = describeMachine();
+  const Json manifest = {
+      {"program", "foci"},
+      {"version", FOCI_VERSION},
+      {"command", facts.command},
+      {"study", study.file.string()},
+      {"inputs", inputs},
+      {"configuration", configuration},
+      {"screen_is_default", study.screen.is_default},
+      {"gaze",
+       {{"format", trace.format},
+        {"simulated", trace.simulated},
+        {"rate_Hz", trace.rate_Hz},
+        {"samples", trace.samples.size()}}},
+      {"seed", study.seed},
+      {"threads", facts.threads},
+      {"machine",
+       {{"cpu", machine.cpu},
+        {"cores", machine.cores},
+        {"simd", machine.simd},
+        {"system", machine.system}}},
+      {"frames_sha256", facts.frames_sha256},
+      {"summary", toJson(summary)},
+  };
+  return dump(manifest, 2) + "\n";
+}
+
+}  // namespace foci

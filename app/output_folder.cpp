@@ -1,0 +1,57 @@
+#include "app/output_folder.h"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <stdexcept>
+
+namespace foci {
+namespace fs = std::filesystem;
+
+OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
+  std::error_code error;
+  const fs::path whole = fs::absolute(folder_, error);
+  fs::path part;
+  for (const fs::path& name : whole) {
+    part /= name;
+    if (fs::is_directory(part, error)) continue;
+    if (!fs::create_directory(part, error)) {
+      for (auto made = made_.rbegin(); made != made_.rend(); ++made) {
+        std::error_code ignored;
+        fs::remove(*made, ignored);
+      }
+      throw std::runtime_error("cannot make the folder " + part.string() + ": " +
+                               (error ? error.message() : "the name is taken"));
+    }
+    made_.push_back(part);
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored;
+  if (committed_) return;
+  for (const Staged& file : staged_) fs::remove(file.aside, ignored);
+  for (auto made = made_.rbegin(); made != made_.rend(); ++made) fs::remove(*made, ignored);
+}
+
+fs::path OutputFolder::stage(const std::string& name) {
+  const fs::path final = folder_ / name;
+  const fs::path aside = folder_ / ("." + final.stem().string() + "." + std::to_string(getpid()) +
+                                    ".part" + final.extension().string());
+  staged_.push_back({aside, final});
+  return aside;
+}
+
+void OutputFolder::commit() {
+  for (const Staged& file : staged_) fs::rename(file.aside, file.final);
+  committed_ = true;
+}
+
+void writeText(const fs::path& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  out.close();
+  if (!out) throw std::runtime_error("cannot write " + path.string());
+}
+
+}  // namespace foci

@@ -1,0 +1,30 @@
+// Frames as they are shown: 8-bit sRGB, with a mark where the observer looks.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "app/video_writer.h"
+#include "render/image/frame.h"
+
+namespace foci {
+
+Picture pictureOf(const Frame& frame);
+
+/// A ring around a point, legible on any ground. Points off the picture are left out.
+/// @param held  the observer does not fixate now (saccade, blink, loss): the ring is broken
+void drawMarker(Picture& picture, const glm::dvec2& point_px, bool held);
+
+/// Puts the left half of `sharp` in the place of `picture`'s, a thin line between. Same sizes.
+void splitWithSharp(Picture& picture, const Picture& sharp);
+
+/// A smaller copy, `width_px` wide, of the same shape.
+Picture thumbnail(const Picture& picture, int width_px);
+
+/// As a JPEG file's bytes.
+std::vector<std::uint8_t> jpegOf(const Picture& picture);
+
+}  // namespace foci

@@ -1,0 +1,32 @@
+// `foci render`: one picture at a given focus or gaze.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "app/study.h"
+#include "render/image/frame.h"
+
+namespace foci {
+
+struct PictureRequest {
+  std::filesystem::path out;                   ///< .png, .pfm or .exr
+  std::optional<std::filesystem::path> depth;  ///< .pfm
+  /// Focus in dioptres (0: infinity); absent: what `gaze_px` shows is in focus.
+  std::optional<double> focus_D;
+  /// On the study's screen, px; absent: its centre.
+  std::optional<glm::dvec2> gaze_px;
+};
+
+struct PictureSummary {
+  double focus_D = 0.0;
+  std::optional<double> surface_distance_m;  ///< under the gaze; absent on a miss: focus rests
+  RenderStats stats;
+};
+
+/// The eye is where it is at the recording's beginning.
+/// @throws InputError, std::runtime_error
+PictureSummary renderPicture(const Study& study, const PictureRequest& request);
+
+}  // namespace foci

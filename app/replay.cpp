@@ -1,0 +1,259 @@
+#include "app/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <stdexcept>
+
+#include "app/base/input_error.h"
+#include "app/inputs.h"
+#include "app/interrupt.h"
+#include "app/manifest.h"
+#include "app/output_folder.h"
+#include "app/picture.h"
+#include "app/progress.h"
+#include "app/report.h"
+#include "app/session.h"
+#include "app/sha256.h"
+#include "app/tables.h"
+#include "app/video_writer.h"
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kSheetPictures = 12;
+constexpr int kSheetWidth_px = 480;
+constexpr double kMaxFrames = 1e7;
+
+/// The frames of a replay, on the recording's clock.
+struct Schedule {
+  double first_s = 0.0;
+  double fps = 0.0;
+  std::size_t frames = 0;
+
+  double time_s(std::size_t frame) const { return first_s + static_cast<double>(frame) / fps; }
+};
+
+Schedule scheduleOf(const Study& study, const GazeTrace& trace) {
+  const double start_s = trace.samples.front().time_s;
+  const double span_s = trace.samples.back().time_s - start_s;
+  const glm::dvec2 seconds = study.output.seconds.value_or(glm::dvec2(0.0, span_s));
+  if (seconds.x >= span_s) {
+    throw InputError(study.file.string(), "output.seconds begins at " + decimal(seconds.x, 3) +
+                                              ": expected within the recording, 0 to " +
+                                              decimal(span_s, 3));
+  }
+  const double frames = (std::min(seconds.y, span_s) - seconds.x) * study.output.fps;
+  if (frames > kMaxFrames) {
+    throw InputError(study.file.string(),
+                     "the recording has " + decimal(frames, 0) +
+                         " frames: expected at most 10 million; choose output.seconds");
+  }
+  return {.first_s = start_s + seconds.x,
+          .fps = study.output.fps,
+          .frames = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(frames)))};
+}
+
+/// The contact sheet, chosen while frames go by: of each of equal stretches of the replay the frame
+/// at which a fixation has lasted longest, so that the focus has settled; where there is none, the
+/// stretch's first.
+class ContactSheet {
+ public:
+  ContactSheet(std::size_t frames) : frames_(frames), count_(std::min(frames, kSheetPictures)) {}
+
+  void offer(std::size_t frame, const FrameRecord& record, const Picture& picture) {
+    held_frames_ = record.eye.state == GazeState::fixation ? held_frames_ + 1 : 0;
+    const std::size_t stretch = frame * count_ / frames_;
+    const bool is_new = stretch >= chosen_.size();
+    // Not two of neighbouring stretches that show the same.
+    const bool apart = chosen_.size() < 2 || 2 * (frame - before_) * count_ >= frames_;
+    if (!is_new && (held_frames_ <= best_ || !apart)) return;
+    if (is_new) before_ = at_;
+    at_ = frame;
+    if (is_new) chosen_.emplace_back();
+    best_ = is_new ? 0 : held_frames_;
+    chosen_.back() = {record, thumbnail(picture, std::min(kSheetWidth_px, picture.size_px.x))};
+  }
+
+  std::vector<SheetPicture> pictures(const Session& session, const glm::ivec2& size_px) const {
+    std::vector<SheetPicture> sheet;
+    for (const auto& [record, small] : chosen_) {
+      Picture picture = small;
+      const auto& point_px = record.gaze_px ? record.gaze_px : record.fixation_px;
+      if (point_px) {
+        const double scale = static_cast<double>(small.size_px.x) / size_px.x;
+        drawMarker(
+            picture, scale * session.pictureFromScreen_px(*point_px),
+            record.eye.state != GazeState::fixation && record.eye.state != GazeState::pursuit);
+      }
+      sheet.push_back({.time_s = record.time_s,
+                       .state = record.eye.state,
+                       .focus_D = record.eye.focus_D,
+                       .surface_distance_m = record.eye.surface_distance_m,
+                       .jpeg = jpegOf(picture)});
+    }
+    return sheet;
+  }
+
+ private:
+  struct Chosen {
+    FrameRecord record;
+    Picture small;
+  };
+  std::size_t frames_, count_;
+  std::size_t held_frames_ = 0, best_ = 0;
+  std::size_t at_ = 0, before_ = 0;  // frames chosen last, and in the stretch before
+  std::vector<Chosen> chosen_;
+};
+
+ChartRow chartRow(const FrameRecord& record) {
+  constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
+  const auto& surface_m = record.eye.surface_distance_m;
+  return {.time_s = record.time_s,
+          .gaze_x_px = record.gaze_px ? record.gaze_px->x : kAbsent,
+          .gaze_y_px = record.gaze_px ? record.gaze_px->y : kAbsent,
+          .surface_D = surface_m ? 1.0 / *surface_m : kAbsent,
+          .target_D = record.eye.target_D.value_or(kAbsent),
+          .focus_D = record.eye.focus_D,
+          .pupil_mm = record.pupil_mm,
+          .render_ms = record.stats.ms,
+          .state = record.eye.state};
+}
+
+/// The value below which a share of all lies. `values` is reordered.
+template <class T>
+T quantile(std::vector<T>& values, double share) {
+  const auto at = values.begin() +
+                  static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// Events that begin or end within the replay, on the study's screen.
+std::vector<GazeEvent> eventsOf(const Study& study, const GazeTrace& trace,
+                                const Schedule& schedule) {
+  const Screen screen = study.screenInForce();
+  const auto on_screen = [&](std::optional<glm::dvec2>& point_px) {
+    if (point_px) point_px = onOtherScreen_px(*trace.screen, screen, *point_px);
+  };
+  std::vector<GazeEvent> events = detectEvents(trace, *trace.screen, study.gaze.events);
+  const double end_s = schedule.time_s(schedule.frames);
+  std::erase_if(events, [&](const GazeEvent& event) {
+    return event.onset_s >= end_s || event.onset_s + event.duration_s <= schedule.first_s;
+  });
+  for (GazeEvent& event : events) {
+    on_screen(event.position_px);
+    on_screen(event.start_px);
+  }
+  return events;
+}
+
+/// Counts the samples of the replayed time, and those without a gaze point.
+void countLosses(const GazeTrace& trace, const Schedule& schedule, ReportFacts& facts) {
+  const double end_s = schedule.time_s(schedule.frames);
+  std::optional<double> lost_since_s;
+  for (const GazeSample& sample : trace.samples) {
+    if (sample.time_s < schedule.first_s || sample.time_s > end_s) continue;
+    ++facts.samples;
+    facts.samples_blink += sample.blink;
+    if (sample.point_px) {
+      lost_since_s.reset();
+      continue;
+    }
+    ++facts.samples_lost;
+    if (!lost_since_s) lost_since_s = sample.time_s;
+    facts.longest_loss_s = std::max(facts.longest_loss_s, sample.time_s - *lost_since_s);
+  }
+}
+
+}  // namespace
+
+ReplaySummary replay(const Study& study, const std::filesystem::path& out,
+                     const std::string& command, unsigned threads) {
+  // Everything that can be refused is, before anything is written.
+  const GazeTrace trace = loadGaze(study);
+  const Schedule schedule = scheduleOf(study, trace);
+  const SurfelCloud cloud = loadScene(study);
+  ManifestFacts facts{.command = command, .threads = threads, .inputs = {}, .frames_sha256 = {}};
+  for (const auto& file : inputFiles(study)) facts.inputs.push_back({file, sha256OfFile(file)});
+
+  Session session(study, cloud, *trace.screen, trace.rate_Hz, trace.samples.front().time_s);
+  OutputFolder folder(out);
+  const auto video_file = folder.stage("video.mp4");
+  VideoWriter video(video_file, study.output.size_px, study.output.fps);
+  FrameTable table(folder.stage("frames.tsv"), study.render.method);
+  ContactSheet sheet(schedule.frames);
+  ChartSeries series;
+  Sha256 frames_hash;
+  std::vector<float> render_ms;
+  std::vector<std::uint32_t> splats;
+  Frame frame;
+  Progress progress("rendering", "frames", schedule.frames);
+
+  auto sample = trace.samples.begin();
+  for (std::size_t i = 0; i < schedule.frames; ++i) {
+    throwIfInterrupted();
+    const double time_s = schedule.time_s(i);
+    for (; sample != trace.samples.end() && sample->time_s <= time_s; ++sample)
+      session.push(*sample);
+    const FrameRecord record = session.render(time_s, frame);
+    Picture picture = pictureOf(frame);
+    if (study.output.split) {
+      session.renderSharp(frame);
+      splitWithSharp(picture, pictureOf(frame));
+    }
+    sheet.offer(i, record, picture);
+    if (study.output.marker) {
+      const auto& point_px = record.gaze_px ? record.gaze_px : record.fixation_px;
+      const bool held =
+          record.eye.state != GazeState::fixation && record.eye.state != GazeState::pursuit;
+      if (point_px) drawMarker(picture, session.pictureFromScreen_px(*point_px), held);
+    }
+    table.add(i, record);
+    series.add(chartRow(record));
+    render_ms.push_back(static_cast<float>(record.stats.ms));
+    splats.push_back(static_cast<std::uint32_t>(record.stats.splats));
+    frames_hash.add(picture.rgb);
+    video.push(std::move(picture));
+    progress.advance(i + 1);
+  }
+  video.finish();
+  table.finish();
+  facts.frames_sha256 = frames_hash.hex();
+
+  const std::vector<GazeEvent> events = eventsOf(study, trace, schedule);
+  writeText(folder.stage("events.tsv"), eventTable(events));
+
+  ReportFacts report;
+  report.threads = threads;
+  countLosses(trace, schedule, report);
+  const auto count = [&](GazeState kind) {
+    return static_cast<std::size_t>(std::count_if(
+        events.begin(), events.end(), [&](const GazeEvent& event) { return event.kind == kind; }));
+  };
+  ReplaySummary& summary = report.summary;
+  summary = {.frames = schedule.frames,
+             .duration_s = static_cast<double>(schedule.frames) / schedule.fps,
+             .gaze_valid = report.samples == 0 ? 0.0
+                                               : 1.0 - static_cast<double>(report.samples_lost) /
+                                                           static_cast<double>(report.samples),
+             .fixations = count(GazeState::fixation),
+             .saccades = count(GazeState::saccade),
+             .render_ms_median = quantile(render_ms, 0.5),
+             .render_ms_p95 = quantile(render_ms, 0.95),
+             .splats = quantile(splats, 0.5),
+             .out = out};
+  writeText(folder.stage("manifest.json"), manifestJson(study, trace, summary, facts));
+  report.rows = series.rows();
+  report.sheet = sheet.pictures(session, study.output.size_px);
+  if (!writeReport(folder.stage("report.html"), video_file, study, trace, report)) {
+    std::fputs(
+        "foci: the report has no charts: gnuplot is not installed (apt install gnuplot-nox)\n",
+        stderr);
+  }
+  folder.commit();
+  return summary;
+}
+
+}  // namespace foci

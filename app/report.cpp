@@ -1,0 +1,278 @@
+#include "app/report.h"
+
+#include <array>
+#include <fstream>
+#include <stdexcept>
+
+#include "app/tables.h"
+#include "render/optics/defocus.h"
+
+namespace foci {
+namespace {
+
+/// Text from outside as HTML text or attribute.
+std::string escaped(const std::string& text) {
+  std::string html;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        html += "&amp;";
+        break;
+      case '<':
+        html += "&lt;";
+        break;
+      case '>':
+        html += "&gt;";
+        break;
+      case '"':
+        html += "&quot;";
+        break;
+      case '\'':
+        html += "&#39;";
+        break;
+      default:
+        html += c;
+    }
+  }
+  return html;
+}
+
+/// Base64 (RFC 4648) of a stream of bytes, in constant memory.
+class Base64 {
+ public:
+  explicit Base64(std::ostream& out) : out_(out) {}
+
+  void add(const std::uint8_t* bytes, std::size_t count) {
+    std::string text;
+    text.reserve(count / 3 * 4 + 8);
+    for (std::size_t i = 0; i < count; ++i) {
+      bits_ = bits_ << 8 | bytes[i];
+      if (++held_ == 3) put(text, 4);
+    }
+    out_ << text;
+  }
+
+  void finish() {
+    if (held_ == 0) return;
+    const int digits = held_ + 1;
+    bits_ <<= 8 * (3 - held_);
+    std::string text;
+    put(text, digits);
+    out_ << text.append(static_cast<std::size_t>(4 - digits), '=');
+  }
+
+ private:
+  void put(std::string& text, int digits) {
+    static constexpr char kDigits[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (int i = 0; i < digits; ++i) text += kDigits[bits_ >> (18 - 6 * i) & 63];
+    bits_ = 0;
+    held_ = 0;
+  }
+
+  std::ostream& out_;
+  std::uint32_t bits_ = 0;
+  int held_ = 0;
+};
+
+constexpr const char* kStyle = R"(
+:root { color-scheme: light dark; --ground: #fbfbfa; --card: #ffffff; --ink: #1d2127; --quiet: #626a75; --line: #e3e4e6; }
+@media (prefers-color-scheme: dark) {
+  :root { --ground: #14161a; --card: #1b1e23; --ink: #e4e6ea; --quiet: #9aa2ad; --line: #2d3138; } }
+body { margin: 0; background: var(--ground); color: var(--ink); font: 15px/1.5 system-ui, sans-serif; }
+main { max-width: 1080px; margin: 0 auto; padding: 2rem 1.25rem 4rem; }
+h1 { font-size: 1.5rem; margin: 0 0 .25rem; } h2 { font-size: 1.1rem; margin: 2.5rem 0 .75rem; }
+p { margin: .5rem 0; max-width: 72ch; } .quiet { color: var(--quiet); }
+.notice { border-left: 3px solid #d9822b; padding: .1rem .8rem; margin: .8rem 0; }
+.numbers { display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: 1px;
+  background: var(--line); border: 1px solid var(--line); border-radius: 6px; overflow: hidden; margin: 1.25rem 0; }
+.numbers div { background: var(--card); padding: .7rem .9rem; }
+.numbers b { display: block; font-size: 1.25rem; font-weight: 600; font-variant-numeric: tabular-nums; }
+.numbers span { color: var(--quiet); font-size: .85rem; }
+video { width: 100%; border-radius: 6px; background: #000; display: block; }
+.sheet { display: grid; grid-template-columns: repeat(auto-fill, minmax(300px, 1fr)); gap: .9rem; }
+figure { margin: 0; } figure img { width: 100%; border-radius: 4px; display: block; }
+figcaption { font-size: .85rem; color: var(--quiet); font-variant-numeric: tabular-nums; margin-top: .25rem; }
+.state { display: inline-block; width: .7em; height: .7em; border-radius: 2px; margin-right: .35em; }
+.legend span { margin-right: 1.2em; font-size: .85rem; color: var(--quiet); }
+svg { width: 100%; height: auto; color: var(--ink); }
+table { border-collapse: collapse; width: 100%; font-size: .88rem; }
+td { border-top: 1px solid var(--line); padding: .25rem .75rem .25rem 0; vertical-align: top; }
+td:first-child { white-space: nowrap; } td.value { font-variant-numeric: tabular-nums; overflow-wrap: anywhere; }
+summary { cursor: pointer; font-weight: 600; margin-top: 2rem; }
+)";
+
+std::string stateMark(GazeState state) {
+  return std::string("<span class=\"state\" style=\"background:") + colorOf(state) + "\"></span>";
+}
+
+std::string number(const std::string& value, const std::string& what) {
+  return "<div><b>" + value + "</b><span>" + what + "</span></div>\n";
+}
+
+std::string percent(double share) { return decimal(100.0 * share, 1) + "&thinsp;%"; }
+
+std::string distanceText(double focus_D) {
+  return focus_D < 0.01 ? "infinity" : decimal(1.0 / focus_D, 2) + " m";
+}
+
+std::string headline(const Study& study, const GazeTrace& trace, const ReportFacts& facts) {
+  const ReplaySummary& summary = facts.summary;
+  const std::string scene = study.scene.file ? study.scene.file->filename().string()
+                                             : "the built-in " + study.scene.builtin;
+  const std::string gaze = trace.simulated
+                               ? "a simulated observer"
+                               : std::filesystem::path(study.gaze.source).filename().string();
+  std::string html = "<h1>" + escaped(scene) + ", seen by " + escaped(gaze) + "</h1>\n";
+  html += "<p class=\"quiet\">foci " FOCI_VERSION " &middot; study " +
+          escaped(study.file.string()) + " &middot; gaze " + escaped(trace.format) + ", " +
+          decimal(trace.rate_Hz, 0) + " Hz</p>\n";
+  if (trace.simulated) {
+    html +=
+        "<p class=\"notice\">The gaze is simulated: an oculomotor model looked, no person "
+        "did.</p>\n";
+  }
+  const Screen screen = study.screenInForce();
+  if (study.screen.is_default) {
+    html +=
+        "<p class=\"notice\">The study names no screen. Angles and blur hold for the default "
+        "one: " +
+        std::to_string(screen.size_px.x) + " &times; " + std::to_string(screen.size_px.y) +
+        " px on " + decimal(screen.size_m.x, 3) + " &times; " + decimal(screen.size_m.y, 3) +
+        " m, seen from " + decimal(screen.distance_m, 2) + " m.</p>\n";
+  }
+  html += "<div class=\"numbers\">\n";
+  html +=
+      number(decimal(summary.duration_s, 2) + " s", std::to_string(summary.frames) + " frames, " +
+                                                        decimal(study.output.fps, 0) + " a second");
+  html += number(std::to_string(summary.fixations), "fixations");
+  html += number(std::to_string(summary.saccades), "saccades");
+  html += number(percent(1.0 - summary.gaze_valid), "of the gaze samples lost");
+  html += number(decimal(study.observer.pupil_mm, 1) + " mm", "pupil, fixed");
+  html += number(decimal(summary.render_ms_median, 1) + " ms",
+                 "a frame (median; 95&thinsp;%: " + decimal(summary.render_ms_p95, 1) + " ms)");
+  return html + "</div>\n";
+}
+
+/// What a dioptre of defocus does, and how the focus was found.
+std::string opticsText(const Study& study) {
+  const Screen screen = study.screenInForce();
+  const double pupil_m = study.observer.pupil_mm / 1000.0;
+  const double px_per_m = screen.size_px.x / screen.size_m.x;
+  const double angle_rad = blurAngle_rad(pupil_m, 0.0, 1.0);
+  const AccommodationSettings& accommodation = study.focus.accommodation;
+  return "<p>One dioptre of defocus blurs a point to a disc " +
+         decimal(angle_rad * 180.0 / 3.14159265358979 * 60.0, 2) +
+         " arcmin wide: " + decimal(angle_rad * screen.distance_m * px_per_m, 2) +
+         " px on the screen, " +
+         decimal(2e6 * retinalRadius_m(pupil_m, study.observer.retina_mm / 1000.0, 0.0, 1.0), 1) +
+         " &micro;m on the retina. The eye focuses on the nearest surface that fills " +
+         decimal(100.0 * study.focus.coverage, 0) + "&thinsp;% of a cone of " +
+         decimal(study.focus.cone_deg, 2) + "&deg; around the line of sight; " +
+         (accommodation.on ? "its focus follows after " + decimal(accommodation.latency_s, 2) +
+                                 " s, with a time constant of " +
+                                 decimal(accommodation.time_constant_s, 2) + " s."
+                           : std::string("its focus is there at once.")) +
+         " Drawn by the method <i>" + escaped(study.render.method) + "</i>.</p>\n";
+}
+
+std::string lossText(const ReportFacts& facts) {
+  if (facts.samples == 0) return "<p>No gaze sample falls into the time replayed.</p>\n";
+  return "<p>Of " + std::to_string(facts.samples) + " gaze samples " +
+         std::to_string(facts.samples_lost) + " have no position, " +
+         std::to_string(facts.samples_blink) +
+         " are marked as blinks by the tracker; the longest loss lasts " +
+         decimal(facts.longest_loss_s, 3) +
+         " s. In saccades, blinks and losses the focus is held.</p>\n";
+}
+
+std::string legend() {
+  std::string html = "<p class=\"legend\">";
+  for (const GazeState state :
+       {GazeState::saccade, GazeState::pursuit, GazeState::blink, GazeState::lost}) {
+    html += "<span>" + stateMark(state) + std::string(nameOf(state)) + "</span>";
+  }
+  return html + "<span>plain ground: fixation</span></p>\n";
+}
+
+std::string configuration(const Study& study) {
+  std::string html = "<details><summary>The study as resolved</summary><table>\n";
+  for (const ResolvedKey& key : resolvedKeys(study)) {
+    html += "<tr><td><code>" + std::string(key.name) + "</code></td><td class=\"value\">" +
+            escaped(key.json == "null" ? "n/a" : key.json) + "</td><td class=\"quiet\">" +
+            escaped(std::string(key.meaning)) + "</td></tr>\n";
+  }
+  return html + "</table></details>\n";
+}
+
+void embedVideo(std::ostream& out, const std::filesystem::path& video) {
+  std::ifstream in(video, std::ios::binary);
+  if (!in) throw std::runtime_error("cannot read " + video.string());
+  out << "<video controls loop muted playsinline preload=\"metadata\" src=\"data:video/mp4;base64,";
+  Base64 base64(out);
+  std::vector<char> block(1 << 18);
+  while (in.read(block.data(), static_cast<std::streamsize>(block.size())), in.gcount() > 0) {
+    base64.add(reinterpret_cast<const std::uint8_t*>(block.data()),
+               static_cast<std::size_t>(in.gcount()));
+  }
+  base64.finish();
+  out << "\"></video>\n";
+}
+
+void contactSheet(std::ostream& out, const ReportFacts& facts) {
+  out << "<div class=\"sheet\">\n";
+  for (const SheetPicture& picture : facts.sheet) {
+    out << "<figure><img alt=\"frame at " << decimal(picture.time_s, 2)
+        << " s\" src=\"data:image/jpeg;base64,";
+    Base64 base64(out);
+    base64.add(picture.jpeg.data(), picture.jpeg.size());
+    base64.finish();
+    out << "\"><figcaption>" << stateMark(picture.state) << nameOf(picture.state) << " &middot; "
+        << decimal(picture.time_s, 2) << " s<br>focus " << decimal(picture.focus_D, 2) << " D, "
+        << distanceText(picture.focus_D);
+    if (picture.surface_distance_m) {
+      out << " &middot; surface " << decimal(*picture.surface_distance_m, 2) << " m";
+    }
+    out << "</figcaption></figure>\n";
+  }
+  out << "</div>\n";
+}
+
+}  // namespace
+
+bool writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
+                 const Study& study, const GazeTrace& trace, const ReportFacts& facts) {
+  const auto charts = chartsSvg(facts.rows, study.screen.size_px);
+  std::ofstream out(file, std::ios::binary);
+  out << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width\">\n<title>foci replay</title>\n"
+         "<style>"
+      << kStyle << "</style></head><body><main>\n"
+      << headline(study, trace, facts) << "<h2>What the eye saw</h2>\n";
+  embedVideo(out, video);
+  out << opticsText(study)
+      << "<h2>Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay the frame at "
+         "which a "
+         "fixation had lasted longest. The ring marks the gaze; broken, where the eye does not "
+         "fixate.</p>\n";
+  contactSheet(out, facts);
+  out << "<h2>Over time</h2>\n";
+  if (charts) {
+    out << legend() << *charts;
+  } else {
+    out << "<p class=\"notice\">No charts: gnuplot is not installed. On Debian: "
+           "<code>apt install gnuplot-nox</code>.</p>\n";
+  }
+  out << "<p class=\"quiet\">Gaze in px of the study's screen, from its top-left corner; time on "
+         "the "
+         "recording's clock.</p>\n"
+      << lossText(facts) << configuration(study) << "<p class=\"quiet\">" << facts.threads
+      << (facts.threads == 1 ? " thread" : " threads")
+      << ". Machine, hashes of every input and the frames' own are in manifest.json.</p>\n"
+         "</main></body></html>\n";
+  out.close();
+  if (!out) throw std::runtime_error("cannot write " + file.string());
+  return charts.has_value();
+}
+
+}  // namespace foci

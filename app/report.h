@@ -1,0 +1,42 @@
+// report.html: everything of a replay on one page that opens from disk.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/charts.h"
+#include "app/replay.h"
+#include "app/study.h"
+#include "gaze/gaze.h"
+
+namespace foci {
+
+/// A picture of the contact sheet.
+struct SheetPicture {
+  double time_s = 0.0;
+  GazeState state = GazeState::lost;
+  double focus_D = 0.0;
+  std::optional<double> surface_distance_m;
+  std::vector<std::uint8_t> jpeg;
+};
+
+struct ReportFacts {
+  ReplaySummary summary;
+  std::vector<ChartRow> rows;  ///< not empty
+  std::vector<SheetPicture> sheet;
+  std::size_t samples = 0, samples_lost = 0, samples_blink = 0;  ///< of those replayed
+  double longest_loss_s = 0.0;
+  unsigned threads = 0;
+};
+
+/// @param video  embedded, read block by block
+/// @return whether the charts are in: false where gnuplot is not installed, which the page then
+/// says
+/// @throws std::runtime_error
+bool writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
+                 const Study& study, const GazeTrace& trace, const ReportFacts& facts);
+
+}  // namespace foci

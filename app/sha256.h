@@ -1,0 +1,27 @@
+// SHA-256 of inputs and frames, for the manifest (OpenSSL's libcrypto).
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace foci {
+
+class Sha256 {
+ public:
+  Sha256();
+  ~Sha256();
+  void add(std::span<const unsigned char> bytes);
+  /// 64 hexadecimal digits of all that was added. To be asked once.
+  std::string hex();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// @throws InputError where the file cannot be read
+std::string sha256OfFile(const std::filesystem::path& path);
+
+}  // namespace foci

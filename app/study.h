@@ -1,0 +1,115 @@
+// A study: what is shown to whom, on which screen, under which gaze. Read from TOML; the table of
+// keys in study.cpp is the only place that knows their names, types, ranges and meaning.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "gaze/events/online_events.h"
+#include "gaze/focus/accommodation.h"
+#include "gaze/gaze.h"
+#include "gaze/sources/trace_reader.h"
+
+namespace foci {
+
+/// Where the eye is at a moment of the recording.
+struct EyeKeyframe {
+  double time_s = 0.0;
+  glm::dvec3 position_m{0.0};
+  glm::dvec3 look_at_m{0.0};
+  std::optional<glm::dvec3> up;  ///< absent: the study's eye.up
+};
+
+struct Study {
+  std::filesystem::path file;
+
+  struct Scene {
+    std::optional<std::filesystem::path> file;
+    std::string builtin = "gallery";  ///< shown where there is no file
+    double scale_m = 1.0;             ///< metres a unit of the file
+    glm::dvec3 background{0.0};       ///< linear RGB
+  } scene;
+
+  struct Eye {
+    std::optional<glm::dvec3> position_m;  ///< absent: the built-in scene's own pose
+    std::optional<glm::dvec3> look_at_m;
+    glm::dvec3 up{0.0, 1.0, 0.0};
+    std::vector<EyeKeyframe> path;  ///< by time, interpolated linearly; empty: the eye stands still
+  } eye;
+
+  struct ScreenChoice {
+    std::optional<std::filesystem::path> monitor;  ///< PsychoPy JSON
+    glm::ivec2 size_px{1920, 1080};
+    glm::dvec2 size_m{0.5313, 0.2989};
+    double distance_m = 0.6;
+    bool is_default = true;  ///< the study says nothing about its screen
+  } screen;
+
+  struct Observer {
+    double pupil_mm = 4.0;
+    double retina_mm = 24.0;
+  } observer;
+
+  struct Gaze {
+    std::string source = "simulated";  ///< or a file, as the study or the option names it
+    TraceColumns columns;              ///< all but the units, which are text here
+    std::string units = "auto";
+    EventSettings events;
+  } gaze;
+
+  struct Focus {
+    double cone_deg = 0.5;  ///< half-angle
+    double coverage = 0.5;
+    AccommodationSettings accommodation;
+  } focus;
+
+  struct Render {
+    std::string method = "sweep";
+  } render;
+
+  struct Output {
+    glm::ivec2 size_px{1280, 720};
+    double fps = 30.0;
+    std::optional<glm::dvec2> seconds;  ///< from, to, after the recording's first sample
+    bool marker = false;
+    bool split = false;
+  } output;
+
+  std::int64_t seed = 1;
+
+  bool gazeIsSimulated() const { return gaze.source == "simulated"; }
+  /// The screen in force: the study's, its monitor's or the default.
+  Screen screenInForce() const;
+};
+
+/// @throws InputError naming file, line, key and value for whatever is not as the table of keys
+/// says
+Study readStudy(const std::filesystem::path& file);
+
+using OptionValue = std::variant<double, std::string, std::vector<double>>;
+
+/// Sets a key as a command-line option does, under the same checks as in the file.
+/// @param option  for messages, e.g. "--pupil 40"
+void overrideKey(Study& study, std::string_view key, const OptionValue& value,
+                 const std::string& option);
+
+/// What only the whole study can tell: that the scene has an eye pose, the path is ordered, and so
+/// on. Called after the last override.
+void checkStudy(const Study& study);
+
+struct ResolvedKey {
+  std::string_view name;     ///< "observer.pupil_mm"
+  std::string_view meaning;  ///< with its unit
+  std::string json;          ///< the value in force; "null" where absent
+};
+
+/// Every key with the value in force, in the table's order.
+std::vector<ResolvedKey> resolvedKeys(const Study& study);
+
+}  // namespace foci

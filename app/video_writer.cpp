@@ -1,0 +1,94 @@
+#include "app/video_writer.h"
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <stdexcept>
+#include <thread>
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kMaxWaiting = 4;
+
+}  // namespace
+
+struct VideoWriter::Worker {
+  std::string file;
+  cv::VideoWriter writer;
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<Picture> waiting;
+  bool finished = false;
+  bool failed = false;
+  std::thread thread;
+
+  void run() {
+    cv::Mat bgr;
+    for (;;) {
+      Picture picture;
+      {
+        std::unique_lock lock(mutex);
+        changed.wait(lock, [&] { return !waiting.empty() || finished; });
+        if (waiting.empty()) return;
+        picture = std::move(waiting.front());
+        waiting.pop_front();
+      }
+      changed.notify_all();
+      try {
+        cv::cvtColor(cv::Mat(picture.size_px.y, picture.size_px.x, CV_8UC3, picture.rgb.data()),
+                     bgr, cv::COLOR_RGB2BGR);
+        writer.write(bgr);
+      } catch (const std::exception&) {
+        const std::lock_guard lock(mutex);
+        failed = true;
+      }
+    }
+  }
+
+  void stop() {
+    if (!thread.joinable()) return;
+    {
+      const std::lock_guard lock(mutex);
+      finished = true;
+    }
+    changed.notify_all();
+    thread.join();
+    writer.release();
+  }
+
+  [[noreturn]] void fail() const { throw std::runtime_error("cannot encode video to " + file); }
+};
+
+VideoWriter::VideoWriter(const std::filesystem::path& file, const glm::ivec2& size_px, double fps)
+    : worker_(std::make_unique<Worker>()) {
+  worker_->file = file.string();
+  const int h264 = cv::VideoWriter::fourcc('a', 'v', 'c', '1');
+  if (!worker_->writer.open(file.string(), cv::CAP_FFMPEG, h264, fps, {size_px.x, size_px.y})) {
+    throw std::runtime_error("cannot write H.264 video to " + file.string() +
+                             ": OpenCV's ffmpeg has no encoder for it, or the folder is read-only");
+  }
+  worker_->thread = std::thread([worker = worker_.get()] { worker->run(); });
+}
+
+VideoWriter::~VideoWriter() { worker_->stop(); }
+
+void VideoWriter::push(Picture&& picture) {
+  {
+    std::unique_lock lock(worker_->mutex);
+    worker_->changed.wait(lock,
+                          [&] { return worker_->waiting.size() < kMaxWaiting || worker_->failed; });
+    if (worker_->failed) worker_->fail();
+    worker_->waiting.push_back(std::move(picture));
+  }
+  worker_->changed.notify_all();
+}
+
+void VideoWriter::finish() {
+  worker_->stop();
+  if (worker_->failed) worker_->fail();
+}
+
+}  // namespace foci

@@ -1,0 +1,129 @@
+#include "app/window.h"
+
+#include <GL/gl.h>
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+
+namespace foci {
+namespace {
+
+constexpr float kFont_px = 20.0f;
+constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+
+}  // namespace
+
+Window::Window(const std::string& title, std::optional<glm::ivec2> size_px) {
+  if (!glfwInit()) throw std::runtime_error("no display for a window");
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  if (size_px || !monitor) {
+    const glm::ivec2 size = size_px.value_or(glm::ivec2(1280, 720));
+    window_ = glfwCreateWindow(size.x, size.y, title.c_str(), nullptr, nullptr);
+  } else {
+    const GLFWvidmode* mode = glfwGetVideoMode(monitor);
+    window_ = glfwCreateWindow(mode->width, mode->height, title.c_str(), monitor, nullptr);
+  }
+  if (!window_) {
+    glfwTerminate();
+    throw std::runtime_error("no OpenGL 3.3 for a window");
+  }
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(1);
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+  if (!std::filesystem::exists(kFont) || !io.Fonts->AddFontFromFileTTF(kFont, kFont_px)) {
+    io.Fonts->AddFontDefault();
+    io.FontGlobalScale = 1.5f;
+  }
+  ImGui::StyleColorsLight();
+  ImGui_ImplGlfw_InitForOpenGL(window_, true);
+  ImGui_ImplOpenGL3_Init("#version 330");
+}
+
+Window::~Window() {
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+bool Window::begin(const glm::vec3& background) {
+  glfwPollEvents();
+  if (glfwWindowShouldClose(window_)) return false;
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  glViewport(0, 0, width, height);
+  glClearColor(background.r, background.g, background.b, 1.0f);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  return true;
+}
+
+void Window::end() {
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  glfwSwapBuffers(window_);
+}
+
+glm::dvec2 Window::size_px() const {
+  int width = 0, height = 0;
+  glfwGetWindowSize(window_, &width, &height);
+  return {width, height};
+}
+
+glm::dvec2 Window::cursor_px() const {
+  glm::dvec2 at;
+  glfwGetCursorPos(window_, &at.x, &at.y);
+  return at;
+}
+
+bool Window::hovered() const { return glfwGetWindowAttrib(window_, GLFW_HOVERED) != 0; }
+
+double Window::time_s() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+std::optional<glm::dvec2> Window::monitorSize_m() const {
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  int width_mm = 0, height_mm = 0;
+  if (monitor) glfwGetMonitorPhysicalSize(monitor, &width_mm, &height_mm);
+  if (width_mm <= 0 || height_mm <= 0) return std::nullopt;
+  return glm::dvec2(width_mm, height_mm) / 1000.0;
+}
+
+glm::ivec2 Window::monitorSize_px() const {
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  if (!monitor) return glm::ivec2(size_px());
+  const GLFWvidmode* mode = glfwGetVideoMode(monitor);
+  return {mode->width, mode->height};
+}
+
+Texture::~Texture() {
+  if (id_ != 0) glDeleteTextures(1, &id_);
+}
+
+void Texture::set(const glm::ivec2& size_px, const unsigned char* rgb) {
+  if (id_ == 0) glGenTextures(1, &id_);
+  glBindTexture(GL_TEXTURE_2D, id_);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB, size_px.x, size_px.y, 0, GL_RGB, GL_UNSIGNED_BYTE, rgb);
+}
+
+void* Texture::id() const { return reinterpret_cast<void*>(static_cast<std::uintptr_t>(id_)); }
+
+}  // namespace foci

@@ -1,0 +1,198 @@
+#include "calibration/calibration_file.h"
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <toml.hpp>
+
+#include "app/base/input_error.h"
+
+namespace foci {
+namespace {
+
+constexpr std::uintmax_t kLargest_bytes = 1 << 20;
+constexpr int kDeepest = 8;  // toml11 recurses into brackets and dotted keys
+
+void refuseDepth(const std::string& text, const std::string& file) {
+  std::size_t line = 1;
+  int brackets = 0, dots = 0;
+  for (char c : text) {
+    if (c == '\n') {
+      ++line;
+      dots = 0;
+    }
+    if (c == '[' || c == '{') ++brackets;
+    if (c == ']' || c == '}') --brackets;
+    if (c == '.') ++dots;
+    if (brackets > kDeepest || dots > 500) {
+      throw InputError(file + ":" + std::to_string(line), "nested too deeply");
+    }
+  }
+}
+
+std::string firstLine(std::string text) {
+  if (text.starts_with("[error] ")) text = text.substr(8);
+  if (text.starts_with("toml::")) text = text.substr(std::min(text.size(), text.find(": ") + 2));
+  return text.substr(0, text.find('\n'));
+}
+
+std::optional<double> numberOf(const toml::value& value) {
+  if (value.is_floating()) return value.as_floating();
+  if (value.is_integer()) return static_cast<double>(value.as_integer());
+  return std::nullopt;
+}
+
+}  // namespace
+
+CalibrationFile::CalibrationFile(const std::filesystem::path& path) : file_(path.string()) {
+  std::ifstream in(path, std::ios::binary);
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(path, error);
+  if (!in || error) throw InputError(file_, "cannot be read");
+  if (bytes > kLargest_bytes) throw InputError(file_, "larger than 1 MiB: not a calibration");
+  std::stringstream text;
+  text << in.rdbuf();
+  refuseDepth(text.str(), file_);
+
+  toml::value document;
+  try {
+    document = toml::parse(text, file_);
+  } catch (const toml::exception& e) {
+    throw InputError(file_ + ":" + std::to_string(e.location().line()), firstLine(e.what()));
+  } catch (const std::exception& e) {
+    throw InputError(file_, "not TOML: " + firstLine(e.what()));
+  }
+  const auto add = [&](const std::string& key, const toml::value& value) {
+    if (const auto number = numberOf(value)) {
+      values_[key] = *number;
+    } else if (value.is_string()) {
+      values_[key] = value.as_string().str;
+    } else if (value.is_array()) {
+      std::vector<double> numbers;
+      for (const toml::value& element : value.as_array()) {
+        const auto one = numberOf(element);
+        if (!one) throw InputError(file_, key + ": expected numbers");
+        numbers.push_back(*one);
+      }
+      values_[key] = std::move(numbers);
+    } else {
+      throw InputError(file_, key + ": expected a number, a word or numbers");
+    }
+  };
+  for (const auto& [key, value] : document.as_table()) {
+    if (!value.is_table()) {
+      add(key, value);
+      continue;
+    }
+    for (const auto& [inner, inner_value] : value.as_table()) add(key + "." + inner, inner_value);
+  }
+}
+
+const CalibrationFile::Value& CalibrationFile::at(const std::string& key) {
+  asked_[key] = true;
+  const auto found = values_.find(key);
+  if (found == values_.end()) throw InputError(file_, "no " + key);
+  return found->second;
+}
+
+double CalibrationFile::number(const std::string& key, double low, double high) {
+  const auto* value = std::get_if<double>(&at(key));
+  const std::string range = "a number from " + exactText(low) + " to " + exactText(high);
+  if (!value || !(*value >= low && *value <= high)) refuse(key, range);
+  return *value;
+}
+
+std::vector<double> CalibrationFile::numbers(const std::string& key, std::size_t count, double low,
+                                             double high) {
+  const auto* values = std::get_if<std::vector<double>>(&at(key));
+  const std::string range =
+      std::to_string(count) + " numbers from " + exactText(low) + " to " + exactText(high);
+  if (!values || values->size() != count) refuse(key, range);
+  for (double value : *values) {
+    if (!(value >= low && value <= high)) refuse(key, range);
+  }
+  return *values;
+}
+
+glm::dvec2 CalibrationFile::pair(const std::string& key, double low, double high) {
+  const std::vector<double> two = numbers(key, 2, low, high);
+  return {two[0], two[1]};
+}
+
+glm::ivec2 CalibrationFile::size_px(const std::string& key) {
+  return glm::ivec2(pair(key, 16, 16384));
+}
+
+std::string CalibrationFile::word(const std::string& key) {
+  const auto* value = std::get_if<std::string>(&at(key));
+  if (!value) refuse(key, "a word in quotes");
+  return *value;
+}
+
+void CalibrationFile::refuseRest() const {
+  for (const auto& [key, value] : values_) {
+    if (!asked_.contains(key)) throw InputError(file_, "unknown key " + key.substr(0, 60));
+  }
+}
+
+void CalibrationFile::refuse(const std::string& key, const std::string& allowed) const {
+  std::string shown;
+  if (const auto found = values_.find(key); found != values_.end()) {
+    if (const auto* number = std::get_if<double>(&found->second)) shown = exactText(*number);
+    if (const auto* word = std::get_if<std::string>(&found->second)) {
+      shown = quotedText(word->substr(0, 40));
+    }
+    if (const auto* list = std::get_if<std::vector<double>>(&found->second)) {
+      shown = std::to_string(list->size()) + " numbers";
+    }
+  }
+  throw InputError(file_, key + " = " + shown + ": expected " + allowed);
+}
+
+std::string exactText(double value) {
+  if (!std::isfinite(value)) return value > 0 ? "inf" : value < 0 ? "-inf" : "nan";
+  char text[40];
+  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
+  return {text, end};
+}
+
+std::string exactText(const glm::dvec2& pair) {
+  return "[" + exactText(pair.x) + ", " + exactText(pair.y) + "]";
+}
+
+std::string quotedText(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (static_cast<unsigned char>(c) < 0x20) {
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\u%04x", c);
+      quoted += escape;
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
+}
+
+void writeWhole(const std::filesystem::path& path, const std::string& text) {
+  std::filesystem::path aside = path;
+  aside.replace_filename("." + path.filename().string() + ".part");
+  bool written = false;
+  {
+    std::ofstream out(aside, std::ios::binary | std::ios::trunc);
+    out << text;
+    out.close();
+    written = static_cast<bool>(out);
+  }
+  std::error_code error;
+  if (written) std::filesystem::rename(aside, path, error);
+  if (!written || error) {
+    std::error_code ignored;
+    std::filesystem::remove(aside, ignored);
+    throw std::runtime_error(path.string() + ": cannot be written");
+  }
+}
+
+}  // namespace foci

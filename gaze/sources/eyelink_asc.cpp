@@ -1,0 +1,205 @@
+#include "gaze/sources/eyelink_asc.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace foci {
+namespace {
+
+constexpr double kSecond_ms = 1000.0;
+constexpr double kClock_ms = 1e-3;  // above the rounding of seconds, far below a sample
+
+// Lids move together, and the eye that the tracker still sees is half covered: a blink of one eye
+// is a blink. But one that lasts longer than any blink is an eye lost, and the other is good.
+constexpr double kLongestBlink_ms = 1000.0;
+
+struct Interval {
+  double first_ms = 0.0, last_ms = 0.0;  // stamps of the first and last sample in it
+};
+
+/// One START to END. Eyes: 0 left, 1 right.
+struct Block {
+  bool open = false;
+  std::array<bool, 2> recorded{};
+  std::array<std::vector<Interval>, 2> blinks{};
+  std::array<std::optional<double>, 2> blink_from_ms{};
+  std::size_t first_sample = 0;
+  double newest_ms = 0.0;
+};
+
+class AscReader {
+ public:
+  explicit AscReader(LineReader& lines) : lines_(lines) {}
+
+  GazeTrace read() {
+    std::string_view line;
+    while (lines_.next(line)) {
+      if (line.empty()) continue;
+      if (line[0] >= '0' && line[0] <= '9') {
+        if (block_.open) readSample(line);
+      } else if (line[0] >= 'A' && line[0] <= 'Z') {
+        readEvent(line);
+      }
+    }
+    endBlock();
+    trace_.format = "EyeLink ASC, ";
+    trace_.format += binocular_ ? "binocular" : "monocular";
+    if (remote_) trace_.format += ", remote";
+    return std::move(trace_);
+  }
+
+ private:
+  double number(std::size_t word) const {
+    const auto value = word < words_.size() ? parseNumber(words_[word]) : std::nullopt;
+    if (!value) {
+      throw lines_.error(std::string(words_[0]) + ": " +
+                         (word < words_.size() ? shown(words_[word]) : "nothing") +
+                         ": expected a number");
+    }
+    return *value;
+  }
+
+  int eye() const {
+    const std::string_view letter = words_.size() > 1 ? words_[1] : "";
+    if (letter == "L") return 0;
+    if (letter == "R") return 1;
+    throw lines_.error(std::string(words_[0]) + ": eye " + shown(letter) + ": expected L or R");
+  }
+
+  void readEvent(std::string_view line) {
+    splitWords(line, words_);
+    const std::string_view kind = words_[0];
+    if (kind == "MSG") {
+      readMessage();
+    } else if (kind == "START") {
+      endBlock();
+      block_ = {.open = true, .first_sample = trace_.samples.size()};
+      setEyes();
+    } else if (kind == "SAMPLES" && block_.open) {
+      setEyes();
+      remote_ |= std::find(words_.begin(), words_.end(), "HTARGET") != words_.end();
+      if (words_.size() > 1 && (words_[1] == "HREF" || words_[1] == "PUPIL")) {
+        throw lines_.error("samples in " + shown(words_[1]) + " coordinates: expected GAZE");
+      }
+    } else if (kind == "SBLINK" && block_.open) {
+      const int side = eye();
+      block_.blink_from_ms[side] = number(2);
+    } else if (kind == "EBLINK" && block_.open) {
+      const int side = eye();
+      block_.blinks[side].push_back({number(2), number(3)});
+      block_.blink_from_ms[side].reset();
+    } else if (kind == "END") {
+      endBlock();
+    }
+  }
+
+  void setEyes() {
+    for (int side : {0, 1}) {
+      const char* name = side == 0 ? "LEFT" : "RIGHT";
+      block_.recorded[side] |= std::find(words_.begin(), words_.end(), name) != words_.end();
+    }
+    binocular_ |= block_.recorded[0] && block_.recorded[1];
+  }
+
+  void readMessage() {
+    const std::string_view key = words_.size() > 2 ? words_[2] : "";
+    if (key != "GAZE_COORDS" && (key != "DISPLAY_COORDS" || gaze_coords_)) return;
+    gaze_coords_ = key == "GAZE_COORDS";
+    origin_px_ = {number(3), number(4)};
+    Screen screen;
+    for (int axis : {0, 1}) {
+      const double pixels = number(5 + axis) - origin_px_[axis] + 1.0;
+      if (!(pixels >= 16.0 && pixels <= 16385.0)) {
+        throw lines_.error(std::string(key) + ": " + shown(words_[5 + axis]) +
+                           ": expected a screen of 16 to 16384 px");
+      }
+      // Last pixel minus first, plus one; some experiments write the size itself. Sizes are even.
+      screen.size_px[axis] = static_cast<int>(pixels) & ~1;
+    }
+    trace_.screen = screen;
+  }
+
+  /// Time, then x, y, pupil of each recorded eye; what follows (velocity, target, flags) is not
+  /// read.
+  void readSample(std::string_view line) {
+    splitWords(line, words_);
+    const int eyes = (block_.recorded[0] ? 1 : 0) + (block_.recorded[1] ? 1 : 0);
+    if (eyes == 0) throw lines_.error("a sample of no eye: expected LEFT or RIGHT after START");
+    if (words_.size() < 1 + 3 * static_cast<std::size_t>(eyes)) {
+      throw lines_.error(std::to_string(words_.size()) + " values in a sample: expected " +
+                         std::to_string(1 + 3 * eyes) + " at least");
+    }
+    const double stamp_ms = number(0);
+    double time_ms = stamp_ms;
+    if (stamp_ms == last_stamp_ms_ && time_ms_ == stamp_ms) time_ms = stamp_ms + 0.5;
+    if (!trace_.samples.empty() && time_ms <= time_ms_) {
+      throw lines_.error("time " + shown(words_[0]) + " ms is not after the sample before");
+    }
+    last_stamp_ms_ = stamp_ms;
+    time_ms_ = time_ms;
+    block_.newest_ms = stamp_ms;
+
+    glm::dvec2 sum_px{0.0};
+    int present = 0;
+    for (int i = 0; i < eyes; ++i) {
+      const std::size_t at = 1 + 3 * static_cast<std::size_t>(i);
+      if (isAbsent(words_[at]) || isAbsent(words_[at + 1])) continue;
+      sum_px += glm::dvec2(number(at), number(at + 1));
+      ++present;
+    }
+    GazeSample sample{.time_s = time_ms / kSecond_ms};
+    if (present > 0) sample.point_px = sum_px / static_cast<double>(present) - origin_px_;
+    trace_.samples.push_back(sample);
+  }
+
+  /// Marks the blinks, which are known only once they end.
+  void endBlock() {
+    if (!block_.open) return;
+    for (int side : {0, 1}) {
+      if (block_.blink_from_ms[side]) {
+        block_.blinks[side].push_back({*block_.blink_from_ms[side], block_.newest_ms});
+      }
+    }
+    std::array<std::size_t, 2> next{};
+    for (std::size_t i = block_.first_sample; i < trace_.samples.size(); ++i) {
+      const double stamp_ms = trace_.samples[i].time_s * kSecond_ms + kClock_ms;
+      bool all = true, any = false;
+      for (int side : {0, 1}) {
+        if (!block_.recorded[side]) continue;
+        const auto& blinks = block_.blinks[side];
+        // A stamp stands for its whole millisecond, in which there may be two samples.
+        while (next[side] < blinks.size() && stamp_ms >= blinks[next[side]].last_ms + 1.0) {
+          ++next[side];
+        }
+        const bool in = next[side] < blinks.size() && stamp_ms >= blinks[next[side]].first_ms;
+        all &= in;
+        any |= in && blinks[next[side]].last_ms - blinks[next[side]].first_ms <= kLongestBlink_ms;
+      }
+      if (!all && !any) continue;
+      trace_.samples[i].blink = true;
+      trace_.samples[i].point_px.reset();
+    }
+    block_.open = false;
+  }
+
+  LineReader& lines_;
+  std::vector<std::string_view> words_;
+  GazeTrace trace_;
+  Block block_;
+  glm::dvec2 origin_px_{0.0};
+  bool gaze_coords_ = false, binocular_ = false, remote_ = false;
+  double last_stamp_ms_ = -1.0, time_ms_ = -1.0;
+};
+
+}  // namespace
+
+bool startsEyeLinkAsc(std::string_view line) {
+  return line.starts_with("** ") || line.starts_with("MSG\t") || line.starts_with("START\t");
+}
+
+GazeTrace readEyeLinkAsc(LineReader& lines) { return AscReader(lines).read(); }
+
+}  // namespace foci

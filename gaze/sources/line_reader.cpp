@@ -1,0 +1,136 @@
+#include "gaze/sources/line_reader.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kLongestLine = 64 * 1024;    // bytes; no tracker's line is near it
+constexpr std::size_t kBuffer = 4 * kLongestLine;  // bytes; large enough that refills cost nothing
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
+bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+bool equalsIgnoringCase(std::string_view a, std::string_view lower) {
+  return std::equal(a.begin(), a.end(), lower.begin(), lower.end(), [](char x, char y) {
+    return std::tolower(static_cast<unsigned char>(x)) == y;
+  });
+}
+
+}  // namespace
+
+LineReader::LineReader(const std::filesystem::path& file) : name_(file.string()), buffer_(kBuffer) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) throw InputError(name_, "is a folder");
+  in_.open(file, std::ios::binary);
+  if (!in_) throw InputError(name_, "cannot be read");
+}
+
+bool LineReader::fill() {
+  std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+  end_ -= begin_;
+  begin_ = 0;
+  in_.read(buffer_.data() + end_, static_cast<std::streamsize>(buffer_.size() - end_));
+  const auto count = static_cast<std::size_t>(in_.gcount());
+  end_ += count;
+  return count > 0;
+}
+
+bool LineReader::next(std::string_view& line) {
+  std::size_t searched = 0;
+  const char* newline = nullptr;
+  for (;;) {
+    const char* from = buffer_.data() + begin_ + searched;
+    const std::size_t left = end_ - begin_ - searched;
+    newline = left > 0 ? static_cast<const char*>(std::memchr(from, '\n', left)) : nullptr;
+    if (newline) break;
+    searched = end_ - begin_;
+    if (searched > kLongestLine || !fill()) break;
+  }
+  if (!newline && searched == 0) return false;
+  ++number_;
+  const std::size_t length =
+      newline ? static_cast<std::size_t>(newline - buffer_.data()) - begin_ : end_ - begin_;
+  if (length > kLongestLine) throw error("a line over 64 KiB: expected lines of text");
+  line = {buffer_.data() + begin_, length};
+  begin_ += length + (newline ? 1 : 0);
+  if (std::memchr(line.data(), '\0', line.size())) throw error("binary: expected UTF-8 text");
+  if (number_ == 1 && line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return true;
+}
+
+InputError LineReader::error(const std::string& what) const {
+  return InputError(name_ + ":" + std::to_string(number_), what);
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && isBlank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && isBlank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string shown(std::string_view text) {
+  constexpr std::size_t kMost = 40;
+  std::string result;
+  for (char c : text.substr(0, kMost)) {
+    result += c >= 0x20 && c < 0x7f ? c : '?';
+  }
+  if (text.size() > kMost) result += "...";
+  return '"' + result + '"';
+}
+
+bool isAbsent(std::string_view field) {
+  if (field.size() > 4) return false;
+  for (std::string_view word : {"", ".", "nan", "na", "n/a", "null", "none"}) {
+    if (equalsIgnoringCase(field, word)) return true;
+  }
+  return false;
+}
+
+std::optional<double> parseNumber(std::string_view field) {
+  if (field.starts_with('+') && !field.starts_with("+-")) field.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), value);
+  if (status != std::errc() || end != field.data() + field.size() || !std::isfinite(value)) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+void splitFields(std::string_view line, char delimiter, std::vector<std::string_view>& fields) {
+  fields.clear();
+  std::size_t at = 0;
+  for (;;) {
+    std::size_t end = at;
+    bool quoted = false;
+    while (end < line.size() && (quoted || line[end] != delimiter)) quoted ^= line[end++] == '"';
+    std::string_view field = trimmed(line.substr(at, end - at));
+    if (field.size() >= 2 && field.front() == '"' && field.back() == '"') {
+      field = trimmed(field.substr(1, field.size() - 2));
+    }
+    fields.push_back(field);
+    if (end >= line.size()) return;
+    at = end + 1;
+  }
+}
+
+void splitWords(std::string_view line, std::vector<std::string_view>& words) {
+  words.clear();
+  std::size_t at = 0;
+  while (at < line.size()) {
+    if (isBlank(line[at])) {
+      ++at;
+      continue;
+    }
+    const std::size_t from = at;
+    while (at < line.size() && !isBlank(line[at])) ++at;
+    words.push_back(line.substr(from, at - from));
+  }
+}
+
+}  // namespace foci

@@ -1,0 +1,78 @@
+#include "gaze/sources/trace_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "app/base/input_error.h"
+#include "gaze/sources/delimited_trace.h"
+#include "gaze/sources/eyelink_asc.h"
+
+namespace foci {
+namespace {
+
+constexpr double kSlowest_Hz = 5.0;       // below any tracker: the unit of time must be wrong
+constexpr double kFastest_Hz = 20'000.0;  // above any
+constexpr double kLongest_s = 86'400.0;   // a day; more is a broken clock
+
+/// By the median interval, to a thousandth.
+double medianRate_Hz(const std::vector<GazeSample>& samples) {
+  std::vector<double> interval_s(samples.size() - 1);
+  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+    interval_s[i] = samples[i + 1].time_s - samples[i].time_s;
+  }
+  const auto middle = interval_s.begin() + static_cast<std::ptrdiff_t>(interval_s.size() / 2);
+  std::nth_element(interval_s.begin(), middle, interval_s.end());
+  return std::round(1000.0 / *middle) / 1000.0;
+}
+
+bool isEyeLinkAsc(const std::filesystem::path& file) {
+  LineReader lines(file);
+  std::string_view line;
+  while (lines.next(line)) {
+    if (!trimmed(line).empty()) return startsEyeLinkAsc(line);
+  }
+  return false;
+}
+
+std::string decimal(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+}  // namespace
+
+GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& columns,
+                    const Screen& fallback_screen) {
+  const bool eyelink = isEyeLinkAsc(file);
+  LineReader lines(file);
+  GazeTrace trace =
+      eyelink ? readEyeLinkAsc(lines) : readDelimitedTrace(lines, columns, fallback_screen);
+  const std::string name = file.string();
+  if (trace.samples.size() < 2) {
+    throw InputError(name, std::to_string(trace.samples.size()) + " samples: expected at least 2");
+  }
+  if (std::none_of(trace.samples.begin(), trace.samples.end(),
+                   [](const GazeSample& sample) { return sample.point_px.has_value(); })) {
+    throw InputError(name, "no sample has a position: expected gaze");
+  }
+
+  trace.rate_Hz = medianRate_Hz(trace.samples);
+  if (!(trace.rate_Hz >= kSlowest_Hz && trace.rate_Hz <= kFastest_Hz)) {
+    throw InputError(name,
+                     decimal(trace.rate_Hz) +
+                         " samples a second: expected 5 to 20000; is the unit of time right?");
+  }
+  const double span_s = trace.samples.back().time_s - trace.samples.front().time_s;
+  if (!(span_s <= kLongest_s)) {
+    throw InputError(name, "lasts " + decimal(span_s) + " s: expected at most a day");
+  }
+
+  if (!trace.screen) trace.screen = fallback_screen;
+  if (trace.screen->size_m == glm::dvec2(0.0)) trace.screen->size_m = fallback_screen.size_m;
+  if (trace.screen->distance_m == 0.0) trace.screen->distance_m = fallback_screen.distance_m;
+  return trace;
+}
+
+}  // namespace foci

@@ -1,0 +1,134 @@
+#include "tests/e2e/binary.h"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+namespace foci::e2e {
+namespace fs = std::filesystem;
+namespace {
+
+std::string slurp(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+Outcome run(const std::vector<std::string>& arguments, const fs::path& folder,
+            const std::vector<std::string>& environment, const std::optional<fs::path>& kill_when) {
+  const TemporaryFolder streams;
+  const fs::path out = streams.path() / "out", err = streams.path() / "err";
+  std::vector<char*> argv = {const_cast<char*>(FOCI_BINARY)};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+
+  const pid_t child = fork();
+  if (child == 0) {
+    if (chdir(folder.c_str()) != 0 || !freopen(out.c_str(), "w", stdout) ||
+        !freopen(err.c_str(), "w", stderr)) {
+      _exit(126);
+    }
+    for (const std::string& variable : environment) putenv(const_cast<char*>(variable.c_str()));
+    execv(FOCI_BINARY, argv.data());
+    _exit(127);
+  }
+  int status = 0;
+  if (kill_when) {
+    while (waitpid(child, &status, WNOHANG) == 0) {
+      if (fs::exists(*kill_when)) {
+        kill(child, SIGTERM);
+        waitpid(child, &status, 0);
+        break;
+      }
+      usleep(1000);
+    }
+  } else {
+    waitpid(child, &status, 0);
+  }
+  return {.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+          .out = slurp(out),
+          .err = slurp(err)};
+}
+
+}  // namespace
+
+Outcome runFoci(const std::vector<std::string>& arguments, const fs::path& folder,
+                const std::vector<std::string>& environment) {
+  return run(arguments, folder, environment, std::nullopt);
+}
+
+Outcome terminateFoci(const std::vector<std::string>& arguments, const fs::path& folder,
+                      const fs::path& appears) {
+  return run(arguments, folder, {}, appears);
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (fs::temp_directory_path() / "foci_e2e_XXXXXX").string();
+  path_ = mkdtemp(name.data());
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+fs::path TemporaryFolder::write(const std::string& name, const std::string& bytes) const {
+  std::ofstream(path_ / name, std::ios::binary) << bytes;
+  return path_ / name;
+}
+
+std::string TemporaryFolder::read(const std::string& name) const { return slurp(path_ / name); }
+
+std::optional<fs::path> dataFolder() {
+  const char* named = std::getenv("FOCI_DATA");
+  const fs::path folder = named ? fs::path(named) : fs::path(FOCI_SOURCE_DIR) / "../shared/data";
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) return std::nullopt;
+  return folder;
+}
+
+std::string squarePly(int n, double distance_m) {
+  std::ostringstream ply;
+  ply << "ply\nformat ascii 1.0\nelement vertex " << n * n
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
+         "property uchar green\nproperty uchar blue\nend_header\n";
+  for (int i = 0; i < n * n; ++i) {
+    const double x = (i % n + 0.5) / n - 0.5, y = (i / n + 0.5) / n - 0.5;
+    ply << 2.0 * x << ' ' << 2.0 * y << ' ' << -distance_m << ' ' << (i * 37) % 256 << " 128 "
+        << (i % n * 255) / n << '\n';
+  }
+  return ply.str();
+}
+
+std::string smallStudy() {
+  return "[scene]\nfile = \"scene.ply\"\n"
+         "[eye]\nposition_m = [0, 0, 0]\nlook_at_m = [0, 0, -1]\n"
+         "[screen]\nsize_px = [640, 480]\nsize_m = [0.4, 0.3]\ndistance_m = 0.5\n"
+         "[gaze]\nsource = \"trace.tsv\"\n"
+         "[output]\nsize_px = [96, 72]\nfps = 10\nseconds = [0, 0.6]\n";
+}
+
+std::string steadyTrace() {
+  std::ostringstream trace;
+  trace << "time_s\tx_px\ty_px\n";
+  for (int i = 0; i < 100; ++i) trace << 0.01 * i << "\t320\t" << 240 + i % 2 << '\n';
+  return trace.str();
+}
+
+std::vector<std::vector<std::string>> tableOf(const std::string& text) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields(line);
+    auto& row = rows.emplace_back();
+    for (std::string field; std::getline(fields, field, '\t');) row.push_back(field);
+  }
+  return rows;
+}
+
+}  // namespace foci::e2e

@@ -1,0 +1,54 @@
+// Runs the real binary and looks at what it leaves.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace foci::e2e {
+
+struct Outcome {
+  int exit_code = -1;  ///< 128 + signal where one ended it
+  std::string out, err;
+};
+
+/// Runs `foci` with these arguments in `folder` and waits.
+/// @param environment  variables to set, "NAME=value"
+Outcome runFoci(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                const std::vector<std::string>& environment = {});
+
+/// The same, sent SIGTERM as soon as `appears` exists.
+Outcome terminateFoci(const std::vector<std::string>& arguments,
+                      const std::filesystem::path& folder, const std::filesystem::path& appears);
+
+/// A folder of its own for a test, removed with it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path write(const std::string& name, const std::string& bytes) const;
+  std::string read(const std::string& name) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The real data, or nothing where they are not here.
+std::optional<std::filesystem::path> dataFolder();
+
+/// A PLY (ASCII) of a square of n x n points across the line of sight, `distance_m` before an eye
+/// at the origin that looks along -z.
+std::string squarePly(int n, double distance_m);
+
+/// A study of such a scene: a few small frames.
+std::string smallStudy();
+
+/// A recording (TSV) of a second at 100 Hz, at the middle of a 640x480 screen.
+std::string steadyTrace();
+
+/// Columns of a table, by row; the header is row 0.
+std::vector<std::vector<std::string>> tableOf(const std::string& text);
+
+}  // namespace foci::e2e

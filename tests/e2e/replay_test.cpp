@@ -1,0 +1,289 @@
+// The main job, run as a user runs it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/e2e/binary.h"
+
+namespace foci::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr std::size_t kRenderMs = 13;  // frames.tsv's last column, the only one that is a timing
+
+std::set<std::string> filesIn(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename());
+  return names;
+}
+
+/// A scene, a recording and a study of both.
+class Replay : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder.write("study.toml", smallStudy());
+    folder.write("scene.ply", squarePly(24, 1.0));
+    folder.write("trace.tsv", steadyTrace());
+  }
+
+  Outcome replay(const std::string& out, std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {"replay", "study.toml", "--out", out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runFoci(arguments, folder.path());
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(Replay, WritesItsFilesAndNothingElse) {
+  const Outcome outcome = replay("deep/out");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(filesIn(folder.path() / "deep/out"),
+            (std::set<std::string>{"events.tsv", "frames.tsv", "manifest.json", "report.html",
+                                   "video.mp4"}));
+  EXPECT_EQ(folder.read("deep/out/video.mp4").substr(4, 4), "ftyp");
+  EXPECT_NE(folder.read("deep/out/video.mp4").find("avc1"), std::string::npos);
+}
+
+TEST_F(Replay, TabulatesEveryFrame) {
+  ASSERT_EQ(replay("out").exit_code, 0);
+  const auto rows = tableOf(folder.read("out/frames.tsv"));
+  ASSERT_EQ(rows.size(), 7u);  // 0.6 s at 10 a second
+  EXPECT_EQ(rows[0],
+            (std::vector<std::string>{"frame", "time_s", "gaze_time_s", "gaze_x_px", "gaze_y_px",
+                                      "gaze_state", "surface_distance_m", "target_D", "focus_D",
+                                      "pupil_mm", "method", "splats", "fragments", "render_ms"}));
+  EXPECT_EQ(rows[3][0], "2");
+  EXPECT_EQ(rows[3][1], "0.200000");
+  EXPECT_EQ(rows[3][2], "0.200000");
+  EXPECT_EQ(rows[3][3], "320.00");
+  EXPECT_EQ(rows[6][5], "fixation");
+  constexpr double kPrinted = 6e-5;               // four digits
+  EXPECT_NEAR(std::stod(rows[6][6]), 1.0, 1e-3);  // the square is flat, the cone is narrow
+  EXPECT_NEAR(std::stod(rows[6][7]), 1.0 / std::stod(rows[6][6]), kPrinted);
+  EXPECT_NEAR(std::stod(rows[6][8]), std::stod(rows[6][7]), 1e-3);
+}
+
+TEST_F(Replay, HoldsFocusWhileGazeIsLost) {
+  std::string trace = "time_s\tx_px\ty_px\n";
+  for (int i = 0; i < 100; ++i) {
+    trace += std::to_string(0.01 * i) + (i > 30 ? "\tn/a\tn/a\n" : "\t320\t240\n");
+  }
+  folder.write("trace.tsv", trace);
+  ASSERT_EQ(replay("out", {"--seconds", "0:0.9"}).exit_code, 0);
+  const auto rows = tableOf(folder.read("out/frames.tsv"));
+  const auto& last = rows.back();
+  EXPECT_EQ(last[3], "n/a");
+  EXPECT_EQ(last[4], "n/a");
+  EXPECT_TRUE(last[5] == "lost" || last[5] == "blink") << last[5];
+  EXPECT_NEAR(std::stod(last[8]), 1.0, 1e-3);
+}
+
+TEST_F(Replay, IsTheSameAtAnyNumberOfThreads) {
+  std::vector<std::vector<std::vector<std::string>>> tables;
+  std::set<std::string> frames, videos, events;
+  for (const std::string threads : {"1", "2", "4"}) {
+    const Outcome outcome = replay("out" + threads, {"--threads", threads, "--split", "--marker"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    auto table = tableOf(folder.read("out" + threads + "/frames.tsv"));
+    for (auto& row : table) row.resize(kRenderMs);
+    tables.push_back(table);
+    frames.insert(Json::parse(folder.read("out" + threads + "/manifest.json"))["frames_sha256"]);
+    videos.insert(folder.read("out" + threads + "/video.mp4"));
+    events.insert(folder.read("out" + threads + "/events.tsv"));
+  }
+  EXPECT_EQ(tables[0], tables[1]);
+  EXPECT_EQ(tables[0], tables[2]);
+  EXPECT_EQ(frames.size(), 1u);
+  EXPECT_EQ(videos.size(), 1u);
+  EXPECT_EQ(events.size(), 1u);
+}
+
+TEST_F(Replay, PrintsItsSummaryAsJson) {
+  const Outcome outcome = replay("out", {"--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json summary = Json::parse(outcome.out);
+  EXPECT_EQ(summary["frames"], 6);
+  EXPECT_DOUBLE_EQ(summary["duration_s"], 0.6);
+  EXPECT_DOUBLE_EQ(summary["gaze_valid"], 1.0);
+  EXPECT_EQ(summary["fixations"], 1);
+  EXPECT_EQ(summary["saccades"], 0);
+  EXPECT_GT(summary["render_ms_median"], 0.0);
+  EXPECT_GE(summary["render_ms_p95"], summary["render_ms_median"]);
+  EXPECT_GT(summary["splats"], 0);
+  EXPECT_EQ(summary["out"], "out");
+}
+
+TEST_F(Replay, NamesItsInputsInTheManifest) {
+  ASSERT_EQ(replay("out").exit_code, 0);
+  const Json manifest = Json::parse(folder.read("out/manifest.json"));
+  ASSERT_EQ(manifest["inputs"].size(), 3u);
+  for (const Json& input : manifest["inputs"]) {
+    EXPECT_EQ(input["sha256"].get<std::string>().size(), 64u);
+  }
+  EXPECT_EQ(manifest["configuration"]["output"]["size_px"], Json::parse("[96, 72]"));
+  EXPECT_EQ(manifest["configuration"]["observer"]["pupil_mm"], 4.0);  // a default, resolved
+  EXPECT_EQ(manifest["configuration"]["eye"]["path"], Json::array());
+  EXPECT_EQ(manifest["seed"], 1);
+}
+
+TEST_F(Replay, MapsGazeFromTheRecordingsScreenByAngle) {
+  // Half the distance, the same metres: a point a quarter of the way out subtends twice the
+  // tangent.
+  std::string trace =
+      "# screen_width_px=640 screen_height_px=480 screen_width_m=0.4 screen_height_m=0.3 "
+      "viewing_distance_m=0.25\ntime_s\tx_px\ty_px\n";
+  for (int i = 0; i < 100; ++i) trace += std::to_string(0.01 * i) + "\t400\t240\n";
+  folder.write("trace.tsv", trace);
+  ASSERT_EQ(replay("out").exit_code, 0);
+  EXPECT_EQ(tableOf(folder.read("out/frames.tsv"))[3][3], "480.00");
+}
+
+TEST_F(Replay, ReportStandsAloneAndSaysWhatIsSimulated) {
+  std::string study = smallStudy();
+  study.replace(study.find("trace.tsv"), 9, "simulated");
+  study.replace(study.find("[screen]"), study.find("[gaze]") - study.find("[screen]"), "");
+  folder.write("study.toml", study);
+  ASSERT_EQ(replay("out").exit_code, 0);
+  const std::string report = folder.read("out/report.html");
+  EXPECT_NE(report.find("data:video/mp4;base64,"), std::string::npos);
+  EXPECT_NE(report.find("data:image/jpeg;base64,"), std::string::npos);
+  EXPECT_EQ(report.find("src=\"http"), std::string::npos);
+  EXPECT_NE(report.find("gaze is simulated"), std::string::npos);
+  EXPECT_NE(report.find("names no screen"), std::string::npos);
+}
+
+TEST_F(Replay, EscapesOutsideTextInTheReport) {
+  const std::string name = "<img src=x onerror=alert(1)>&\".tsv";
+  folder.write(name, steadyTrace());
+  ASSERT_EQ(replay("out", {"--trace", name}).exit_code, 0);
+  EXPECT_EQ(folder.read("out/report.html").find("<img src=x"), std::string::npos);
+}
+
+TEST_F(Replay, OverwritesOnlyItsOwnFiles) {
+  fs::create_directory(folder.path() / "out");
+  folder.write("out/notes.txt", "mine");
+  folder.write("out/frames.tsv", "old");
+  ASSERT_EQ(replay("out").exit_code, 0);
+  EXPECT_EQ(folder.read("out/notes.txt"), "mine");
+  EXPECT_EQ(tableOf(folder.read("out/frames.tsv")).size(), 7u);
+  EXPECT_EQ(filesIn(folder.path() / "out").size(), 6u);
+}
+
+TEST_F(Replay, LeavesNothingWhenItCannotWrite) {
+  folder.write("out", "a file stands where the folder should");
+  const Outcome outcome = replay("out");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_EQ(folder.read("out"), "a file stands where the folder should");
+}
+
+TEST_F(Replay, LeavesNothingWhenTerminated) {
+  const Outcome outcome = terminateFoci(
+      {"replay", "study.toml", "--out", "out", "--size", "1280x960", "--seconds", "0:0.9"},
+      folder.path(), folder.path() / "out");
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_FALSE(fs::exists(folder.path() / "out"));
+}
+
+TEST_F(Replay, FollowsAMovingEye) {
+  std::string study = smallStudy();
+  const std::string still = "position_m = [0, 0, 0]\nlook_at_m = [0, 0, -1]\n";
+  study.replace(study.find(still), still.size(),
+                "path = [{ time_s = 0, position_m = [0, 0, 0], look_at_m = [0, 0, -1] },\n"
+                "{ time_s = 0.5, position_m = [0, 0, 1], look_at_m = [0, 0, -1] }]\n");
+  folder.write("study.toml", study);
+  ASSERT_EQ(replay("out").exit_code, 0);
+  const auto rows = tableOf(folder.read("out/frames.tsv"));
+  EXPECT_NEAR(std::stod(rows[1][6]), 1.0, 1e-3);
+  EXPECT_NEAR(std::stod(rows[6][6]), 2.0, 2e-3);
+}
+
+TEST_F(Replay, RunsWhatAMachineWithoutGnuplotOffers) {
+  // An empty PATH hides gnuplot: the run succeeds, report and standard error say what is missing.
+  const Outcome outcome =
+      runFoci({"replay", "study.toml", "--out", "out"}, folder.path(), {"PATH="});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("gnuplot-nox"), std::string::npos);
+  EXPECT_NE(folder.read("out/report.html").find("gnuplot-nox"), std::string::npos);
+}
+
+TEST_F(Replay, DrawsPicturesInEveryFormat) {
+  for (const std::string name : {"a.png", "a.pfm", "a.exr"}) {
+    const Outcome outcome =
+        runFoci({"render", "study.toml", "--out", name, "--gaze", "320,240", "--depth", "d.pfm"},
+                folder.path());
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_GT(fs::file_size(folder.path() / name), 200u);
+  }
+  EXPECT_TRUE(folder.read("a.pfm").starts_with("PF\n96 72\n"));
+  EXPECT_TRUE(folder.read("d.pfm").starts_with("Pf\n96 72\n"));
+}
+
+TEST_F(Replay, PictureFocusesOnWhatTheGazeShows) {
+  const Outcome outcome = runFoci(
+      {"render", "study.toml", "--out", "a.png", "--gaze", "320,240", "--json"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json summary = Json::parse(outcome.out);
+  EXPECT_NEAR(summary["surface_distance_m"], 1.0, 1e-3);
+  EXPECT_NEAR(summary["focus_D"], 1.0, 1e-3);
+  const Json infinity = Json::parse(
+      runFoci({"render", "study.toml", "--out", "a.png", "--focus", "inf", "--json"}, folder.path())
+          .out);
+  EXPECT_EQ(infinity["focus_D"], 0.0);
+}
+
+TEST(RealRecordings, AreReplayed) {
+  const auto data = dataFolder();
+  if (!data) GTEST_SKIP() << "no shared/data (set FOCI_DATA)";
+  std::vector<fs::path> traces;
+  for (const fs::path& folder : {*data / "gaze/labelled/andersson2017", *data / "gaze/vendors"}) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      const std::string name = entry.path().filename();
+      if (name.starts_with("img_") || name.starts_with("video_") || name.ends_with(".asc")) {
+        traces.push_back(fs::absolute(entry.path()));
+      }
+    }
+  }
+  ASSERT_GE(traces.size(), 16u);
+  const TemporaryFolder folder;
+  folder.write("study.toml", smallStudy());
+  folder.write("scene.ply", squarePly(24, 1.0));
+  for (const fs::path& trace : traces) {
+    const std::string out = trace.stem();
+    const Outcome outcome =
+        runFoci({"replay", "study.toml", "--trace", trace, "--out", out, "--json"}, folder.path());
+    ASSERT_EQ(outcome.exit_code, 0) << trace << ": " << outcome.err;
+    EXPECT_GE(Json::parse(outcome.out)["frames"], 4) << trace;  // the shortest lasts 0.4 s
+    std::size_t seen = 0;
+    for (const auto& row : tableOf(folder.read(out + "/frames.tsv"))) seen += row[3] != "n/a";
+    EXPECT_GT(seen, 1u) << trace;  // besides the header
+  }
+}
+
+TEST(RealScan, IsReplayedUnderARealRecording) {
+  const auto data = dataFolder();
+  if (!data) GTEST_SKIP() << "no shared/data (set FOCI_DATA)";
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      runFoci({"replay", (fs::path(FOCI_SOURCE_DIR) / "configs/lion.toml").string(), "--scene",
+               fs::absolute(*data / "scans/lion.ply").string(), "--trace",
+               fs::absolute(*data / "gaze/labelled/andersson2017/img_UH21_img_Rome.tsv").string(),
+               "--size", "192x108", "--seconds", "0:0.2", "--out", "out"},
+              folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto last = tableOf(folder.read("out/frames.tsv")).back();
+  EXPECT_GT(std::stod(last[6]), 3.0);  // the lion sits 4 to 6 m away
+  EXPECT_LT(std::stod(last[6]), 7.0);
+}
+
+}  // namespace
+}  // namespace foci::e2e

@@ -1,0 +1,198 @@
+#include "gaze/sources/eyelink_asc.h"
+
+#include <gtest/gtest.h>
+
+#include "gaze/sources/trace_reader.h"
+#include "tests/unit/gaze/scratch.h"
+
+namespace foci {
+namespace {
+
+constexpr double kClock_s = 1e-9;  // rounding of milliseconds to seconds
+
+const std::string kHead = "** CONVERTED FROM a.edf\n\nMSG\t5 DISPLAY_COORDS 0 0 99 49\n";
+
+GazeTrace read(const std::string& bytes) { return readTrace(ScratchFile(bytes).path(), {}, {}); }
+
+std::string refusal(const std::string& bytes) {
+  try {
+    read(bytes);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+TEST(EyeLinkAsc, TakesTheMeanOfTheEyesThatArePresent) {
+  const GazeTrace trace = read(kHead +
+                               "START\t10 \tLEFT\tRIGHT\tSAMPLES\tEVENTS\n"
+                               "10\t 10.0\t 20.0\t 800\t 20.0\t 30.0\t 900\t.....\n"
+                               "MSG\t11 99\n"
+                               "11\t   .\t   .\t 0\t 20.0\t 30.0\t 900\t.C...\n"
+                               "12\t   .\t   .\t 0\t   .\t   .\t 0\t.C.C.\nEND\t12\n");
+  ASSERT_EQ(trace.samples.size(), 3u);
+  EXPECT_EQ(*trace.samples[0].point_px, glm::dvec2(15, 25));
+  EXPECT_EQ(*trace.samples[1].point_px, glm::dvec2(20, 30));
+  EXPECT_FALSE(trace.samples[2].point_px);
+  EXPECT_FALSE(trace.samples[2].blink);
+  EXPECT_FALSE(trace.samples[0].pupil_mm);
+  EXPECT_EQ(trace.format, "EyeLink ASC, binocular");
+  EXPECT_EQ(trace.screen->size_px, glm::ivec2(100, 50));
+}
+
+TEST(EyeLinkAsc, TheSecondOfTwoEqualStampsIsHalfAMillisecondLater) {
+  const GazeTrace trace = read(kHead +
+                               "START\t10 \tRIGHT\n10\t1\t1\t1\t...\n10\t2\t2\t1\t...\n"
+                               "11\t3\t3\t1\t...\n11\t4\t4\t1\t...\nEND\t11\n");
+  ASSERT_EQ(trace.samples.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(trace.samples[i].time_s, 0.010 + 0.0005 * static_cast<double>(i), kClock_s);
+  }
+  EXPECT_EQ(trace.rate_Hz, 2000.0);
+}
+
+TEST(EyeLinkAsc, ReadsBlocksWithDifferentEyesAndSkipsWhatLiesBetween) {
+  const GazeTrace trace = read(kHead +
+                               "START\t10 \tRIGHT\n10\t1\t2\t1\t...\n11\t1\t2\t1\t...\nEND\t11\n"
+                               "12\t99\t99\t99\t...\n   7.1\t8.2\nINPUT\t15\t0\n"
+                               "START\t20 \tLEFT\tRIGHT\n20\t3\t4\t1\t5\t6\t1\t.....\n"
+                               "21\t3\t4\t1\t5\t6\t1\t.....\nEND\t21\n");
+  ASSERT_EQ(trace.samples.size(), 4u);
+  EXPECT_EQ(*trace.samples[1].point_px, glm::dvec2(1, 2));
+  EXPECT_EQ(*trace.samples[2].point_px, glm::dvec2(4, 5));
+}
+
+TEST(EyeLinkAsc, MarksBlinksThatEndAndBlinksThatDoNot) {
+  std::string text = kHead + "START\t10 \tLEFT\n";
+  for (int i = 10; i < 30; ++i) {
+    if (i == 12) text += "SBLINK L 12\n";
+    if (i == 16) text += "EBLINK L 12\t15\t4\n";
+    if (i == 27) text += "SBLINK L 27\n";
+    text += std::to_string(i) + "\t50\t20\t700\t...\n";
+  }
+  const GazeTrace trace = read(text);
+  for (int i = 10; i < 30; ++i) {
+    const GazeSample& sample = trace.samples[static_cast<std::size_t>(i - 10)];
+    EXPECT_EQ(sample.blink, (i >= 12 && i <= 15) || i >= 27) << i;
+    EXPECT_EQ(sample.point_px.has_value(), !sample.blink) << i;
+  }
+}
+
+TEST(EyeLinkAsc, ABlinkOfOneEyeCountsUnlessItIsTooLongForABlink) {
+  std::string text = kHead + "START\t0 \tLEFT\tRIGHT\n";
+  for (int i = 0; i < 3000; ++i) text += std::to_string(i) + "\t.\t.\t0\t5\t6\t7\t.....\n";
+  const GazeTrace brief = read(text + "EBLINK L 100\t200\t101\nEND\t3000\n");
+  EXPECT_FALSE(brief.samples[99].blink);
+  EXPECT_TRUE(brief.samples[100].blink && brief.samples[200].blink);
+  EXPECT_FALSE(brief.samples[201].blink);
+  const GazeTrace one_eye = read(text + "EBLINK L 0\t2999\t3000\nEND\t3000\n");
+  EXPECT_FALSE(one_eye.samples[150].blink);
+  EXPECT_EQ(*one_eye.samples[150].point_px, glm::dvec2(5, 6));
+}
+
+TEST(EyeLinkAsc, GazeCoordinatesWinAndMayWriteTheSizeInsteadOfTheLastPixel) {
+  const std::string samples = "START\t10 \tLEFT\n10\t15\t25\t1\t...\n11\t15\t25\t1\t...\n";
+  EXPECT_EQ(
+      read("MSG\t1 GAZE_COORDS 0.00 0.00 1920.00 1080.00\n" + kHead + samples).screen->size_px,
+      glm::ivec2(1920, 1080));
+  const GazeTrace shifted = read(kHead + "MSG\t6 GAZE_COORDS 10 20 109 119\n" + samples);
+  EXPECT_EQ(shifted.screen->size_px, glm::ivec2(100, 100));
+  EXPECT_EQ(*shifted.samples[0].point_px, glm::dvec2(5, 5));
+}
+
+TEST(EyeLinkAsc, TakesMetresAndDistanceFromTheFallback) {
+  const ScratchFile file(kHead + "START\t1 \tLEFT\n1\t1\t2\t3\t.\n2\t1\t2\t3\t.\n");
+  const Screen fallback{.size_px = {640, 480}, .size_m = {0.5, 0.3}, .distance_m = 0.6};
+  const Screen screen = *readTrace(file.path(), {}, fallback).screen;
+  EXPECT_EQ(screen.size_px, glm::ivec2(100, 50));
+  EXPECT_EQ(screen.size_m, fallback.size_m);
+  EXPECT_EQ(screen.distance_m, fallback.distance_m);
+}
+
+TEST(EyeLinkAsc, RefusesDamageByLine) {
+  const std::string start = kHead + "START\t10 \tLEFT\n";
+  const std::pair<std::string, const char*> cases[] = {
+      {kHead, "0 samples"},
+      {start + "10\t1\t2\n", ":5: 3 values in a sample: expected 4"},
+      {start + "10\tx\t2\t3\t.\n", "\"x\": expected a number"},
+      {start + "10\t1\t2\t3\t.\n9\t1\t2\t3\t.\n", "\"9\" ms is not after"},
+      {start + "10\t1\t2\t3\t.\n10\t1\t2\t3\t.\n10\t1\t2\t3\t.\n", ":7: time \"10\" ms"},
+      {start + "SBLINK X 10\n", "expected L or R"},
+      {start + "EBLINK L 10\n", "nothing: expected a number"},
+      {start + "SAMPLES\tHREF\tLEFT\n", "expected GAZE"},
+      {kHead + "START\t10\n10\t1\t2\t3\t.\n", "expected LEFT or RIGHT"},
+      {kHead + "MSG\t6 GAZE_COORDS 0 0 1e9 5\n", "expected a screen of 16 to 16384"},
+      {kHead + "MSG\t6 GAZE_COORDS 0 0\n", "expected a number"},
+      {start + "1e99\t1\t2\t3\t.\n2e99\t1\t2\t3\t.\n", "samples a second"},
+  };
+  for (const auto& [text, part] : cases) {
+    const std::string message = refusal(text);
+    EXPECT_NE(message.find(part), std::string::npos) << message << "\n  wanted: " << part;
+  }
+}
+
+struct RealFile {
+  const char* name;
+  const char* format;
+  std::size_t samples;
+  double rate_Hz, first_s, last_s;
+  glm::ivec2 screen_px;
+};
+
+TEST(EyeLinkAsc, ReadsEveryRealFile) {
+  const RealFile files[] = {
+      {"eyelink_bino1000.asc",
+       "EyeLink ASC, binocular",
+       3467,
+       1000,
+       7427.362,
+       7436.443,
+       {1024, 768}},
+      {"eyelink_binoRemote250.asc",
+       "EyeLink ASC, binocular, remote",
+       5125,
+       250,
+       12605.302,
+       12630.450,
+       {1024, 768}},
+      {"eyelink_mono2000.asc",
+       "EyeLink ASC, monocular",
+       8976,
+       2000,
+       8258.957,
+       8269.2825,
+       {1024, 768}},
+      {"eyelink_mono500.asc", "EyeLink ASC, monocular", 1834, 500, 7196.720, 7205.384, {1024, 768}},
+      {"pymovements_eyelink_binocular_example.asc",
+       "EyeLink ASC, binocular",
+       368,
+       1000,
+       1408.660,
+       1409.027,
+       {1920, 1080}},
+  };
+  for (const RealFile& file : files) {
+    const auto path = gazeData() / "vendors" / file.name;
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
+    const GazeTrace trace = readTrace(path, {}, {});
+    EXPECT_EQ(trace.format, file.format) << file.name;
+    EXPECT_EQ(trace.samples.size(), file.samples) << file.name;
+    EXPECT_EQ(trace.rate_Hz, file.rate_Hz) << file.name;
+    EXPECT_NEAR(trace.samples.front().time_s, file.first_s, kClock_s) << file.name;
+    EXPECT_NEAR(trace.samples.back().time_s, file.last_s, kClock_s) << file.name;
+    EXPECT_EQ(trace.screen->size_px, file.screen_px) << file.name;
+  }
+}
+
+TEST(EyeLinkAsc, MarksTheBlinkOfARealFile) {
+  const auto path = gazeData() / "vendors" / "pymovements_eyelink_binocular_example.asc";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
+  for (const GazeSample& sample : readTrace(path, {}, {}).samples) {
+    // Left from ...787 to ...883, right within it.
+    const bool inside = sample.time_s > 1408.7865 && sample.time_s < 1408.8835;
+    EXPECT_EQ(sample.blink, inside) << sample.time_s;
+  }
+}
+
+}  // namespace
+}  // namespace foci

@@ -1,0 +1,97 @@
+"""A display without a screen, and an observer with a hand on mouse and keys (Xvfb and its XTest extension)."""
+
+import ctypes
+import glob
+import os
+import struct
+import subprocess
+import tempfile
+import time
+import zlib
+
+
+class Observer:
+    def __init__(self, width=1280, height=720):
+        self.size = (width, height)
+        self.folder = tempfile.TemporaryDirectory()
+        read, write = os.pipe()
+        self.server = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{width}x{height}x24",
+             "-fbdir", self.folder.name, "-nolisten", "tcp"],
+            pass_fds=[write], stderr=subprocess.DEVNULL)
+        os.close(write)
+        self.name = ":" + os.read(read, 20).decode().strip()
+        os.close(read)
+        self.x11 = ctypes.CDLL("libX11.so.6")
+        self.xtest = ctypes.CDLL("libXtst.so.6")
+        self.x11.XOpenDisplay.restype = ctypes.c_void_p
+        self.x11.XStringToKeysym.restype = ctypes.c_ulong
+        self.display = ctypes.c_void_p(self.x11.XOpenDisplay(self.name.encode()))
+        self.programs = []
+
+    def start(self, *command):
+        environment = dict(os.environ, DISPLAY=self.name, LIBGL_ALWAYS_SOFTWARE="1")
+        program = subprocess.Popen([str(word) for word in command], env=environment, text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.programs.append(program)
+        return program
+
+    def look(self, x, y):
+        """Moves the mouse."""
+        self.xtest.XTestFakeMotionEvent(self.display, 0, round(x), round(y), ctypes.c_ulong(0))
+        self.x11.XFlush(self.display)
+
+    def click(self, x, y):
+        self.look(x, y)
+        time.sleep(0.1)
+        for down in (1, 0):
+            self.xtest.XTestFakeButtonEvent(self.display, 1, down, ctypes.c_ulong(0))
+            self.x11.XFlush(self.display)
+            time.sleep(0.1)
+
+    def press(self, key, times=1):
+        """`key` as X names it: space, Escape, Return, Right, r."""
+        code = self.x11.XKeysymToKeycode(
+            self.display, ctypes.c_ulong(self.x11.XStringToKeysym(key.encode())))
+        for _ in range(times):
+            for down in (1, 0):
+                self.xtest.XTestFakeKeyEvent(self.display, code, down, ctypes.c_ulong(0))
+                self.x11.XFlush(self.display)
+                time.sleep(0.06)
+
+    def pixels(self):
+        """Width, height and rows of RGB bytes of what the display shows (Xvfb keeps an XWD file)."""
+        with open(glob.glob(self.folder.name + "/Xvfb_screen0")[0], "rb") as file:
+            data = file.read()
+        head = struct.unpack(">25I", data[:100])
+        start, width, height, line = head[0] + 12 * head[19], head[4], head[5], head[12]
+        rows = []
+        for y in range(height):
+            row = data[start + y * line:start + y * line + 4 * width]
+            rgb = bytearray(3 * width)
+            rgb[0::3], rgb[1::3], rgb[2::3] = row[2::4], row[1::4], row[0::4]
+            rows.append(bytes(rgb))
+        return width, height, rows
+
+    def screenshot(self, path):
+        width, height, rows = self.pixels()
+
+        def chunk(kind, body):
+            return (struct.pack(">I", len(body)) + kind + body +
+                    struct.pack(">I", zlib.crc32(kind + body)))
+
+        with open(path, "wb") as file:
+            file.write(b"\x89PNG\r\n\x1a\n" +
+                       chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
+                       chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows))) +
+                       chunk(b"IEND", b""))
+
+    def close(self):
+        for program in self.programs:
+            if program.poll() is None:
+                program.kill()
+                program.wait()
+        self.x11.XCloseDisplay(self.display)
+        self.server.terminate()
+        self.server.wait()
+        self.folder.cleanup()
