@@ -3,9 +3,21 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "app/base/input_error.h"
 #include "app/calibrate_options.h"
 
 namespace foci {
+namespace {
+
+void refuseEmpty(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() > 0 && option->get_type_size() > 0 && option->as<std::string>().empty()) {
+      throw InputError(option->get_name(), "expected a value that is not empty");
+    }
+  }
+}
+
+}  // namespace
 
 void addCalibrateCommand(CLI::App& app) {
   CLI::App* calibrate =
@@ -16,6 +28,7 @@ void addCalibrateCommand(CLI::App& app) {
   {
     CalibrateScreenOptions& o = *screen_options;
     screen->add_flag("--headless", o.headless, "No window: everything comes from the options");
+    screen->add_flag("--window", o.window, "A window instead of the full screen");
     screen->add_option("--size-px", o.size_px, "Resolution, WxH");
     screen->add_option("--card-px", o.card_px, "Bank card as fitted on screen, W or WxH px");
     screen->add_option("--size-m", o.size_m, "Visible area, WxH m");
@@ -33,7 +46,10 @@ void addCalibrateCommand(CLI::App& app) {
     screen->add_option("--psychopy", o.psychopy, "Screen as a PsychoPy monitor (JSON)");
     screen->add_flag("--json", o.json, "Summary on standard output as JSON");
   }
-  screen->callback([screen_options] { calibrateScreen(*screen_options); });
+  screen->callback([=] {
+    refuseEmpty(*screen);
+    calibrateScreen(*screen_options);
+  });
 
   const auto gaze_options = std::make_shared<CalibrateGazeOptions>();
   CLI::App* gaze = calibrate->add_subcommand("gaze", "From the tracker's gaze to the screen");
@@ -53,7 +69,10 @@ void addCalibrateCommand(CLI::App& app) {
     gaze->add_flag("--manual", o.manual, "Each target waits for the space key");
     gaze->add_flag("--json", o.json, "Summary on standard output as JSON");
   }
-  gaze->callback([gaze_options] { calibrateGaze(*gaze_options); });
+  gaze->callback([=] {
+    refuseEmpty(*gaze);
+    calibrateGaze(*gaze_options);
+  });
 
   const auto camera_options = std::make_shared<CalibrateCameraOptions>();
   CLI::App* camera = calibrate->add_subcommand("camera", "Focal length and distortion of a camera");
@@ -69,7 +88,10 @@ void addCalibrateCommand(CLI::App& app) {
     camera->add_option("--out", o.out, "Camera as TOML");
     camera->add_flag("--json", o.json, "Summary on standard output as JSON");
   }
-  camera->callback([camera_options] { calibrateCamera(*camera_options); });
+  camera->callback([=] {
+    refuseEmpty(*camera);
+    calibrateCamera(*camera_options);
+  });
 }
 
 }  // namespace foci

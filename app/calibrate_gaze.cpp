@@ -15,14 +15,14 @@ namespace foci {
 namespace {
 
 GazeFrame frameOf(const CalibrateGazeOptions& options) {
-  const auto units = gazeUnitsNamed(options.units);
+  const auto units = mapUnitsNamed(options.units);
   if (!units) {
     throw InputError("--units", options.units + ": expected deg, norm or direction");
   }
   GazeFrame frame{.units = *units, .screen = defaultScreen()};
   if (!options.screen.empty()) {
     frame.screen = readScreen(options.screen).screen;
-  } else if (frame.units == GazeUnits::norm) {
+  } else if (frame.units == MapUnits::norm) {
     std::fprintf(stderr, "no --screen: degrees are those of %.2f x %.2f m at %.2f m\n",
                  frame.screen.size_m.x, frame.screen.size_m.y, frame.screen.distance_m);
   }

@@ -53,7 +53,7 @@ class GazeWindow {
     screen_ = {.size_px = glm::ivec2(window_.size_px()),
                .size_m = window_.size_px() * m_per_px,
                .distance_m = screen.distance_m};
-    frame_ = {.units = GazeUnits::deg, .screen = screen_};
+    frame_ = {.units = MapUnits::deg, .screen = screen_};
   }
 
   std::optional<GazeReport> run() {
@@ -103,6 +103,7 @@ void GazeWindow::begin(Stage stage, int count) {
 /// True while targets are left.
 bool GazeWindow::follow() {
   if (ImGui::IsKeyPressed(GLFW_KEY_SPACE, false)) session_->confirm();
+  ImGui::SetMouseCursor(ImGuiMouseCursor_None);
   const TargetSession::Step step = session_->update(window_.time_s(), gaze());
   if (session_->done()) return false;
   const glm::dvec2 px = toPixels(frame_, screen_, targets_deg_[step.target]);

@@ -10,6 +10,7 @@ namespace foci {
 
 struct CalibrateScreenOptions {
   bool headless = false, json = false;
+  bool window = false;                   ///< not full screen
   std::string size_px, card_px, size_m;  ///< "WxH"; a card's height may be left out
   std::string blind_spot_px;             ///< offsets, outwards > 0, inwards < 0, by commas
   std::string gamma = "sRGB";

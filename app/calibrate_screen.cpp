@@ -1,4 +1,4 @@
-// `foci calibrate screen --headless`: the measures come from options.
+// `foci calibrate screen`: the measures come from the window or, with --headless, from options.
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -7,6 +7,7 @@
 
 #include "app/base/input_error.h"
 #include "app/calibrate_options.h"
+#include "app/calibrate_windows.h"
 #include "calibration/calibration_file.h"
 #include "calibration/monitor.h"
 #include "calibration/screen_file.h"
@@ -128,8 +129,17 @@ void calibrateScreen(const CalibrateScreenOptions& options) {
     calibration.gamma = gamma[0];
   }
   const auto edid_m = edidOf(options.edid);
-  measureSize(options, edid_m, calibration);
-  measureDistance(options, calibration);
+  if (options.headless) {
+    measureSize(options, edid_m, calibration);
+    measureDistance(options, calibration);
+  } else {
+    const auto found = calibrateScreenInWindow(calibration, edid_m, options.window);
+    if (!found) {
+      std::fprintf(stderr, "left without a calibration\n");
+      return;
+    }
+    calibration = *found;
+  }
 
   const Screen& screen = calibration.screen;
   std::optional<double> edid_off;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "app/base/input_error.h"
+#include "app/calibrate.h"
 #include "app/interrupt.h"
 #include "app/manifest.h"
 #include "app/render_picture.h"
@@ -238,12 +239,15 @@ int run(int argc, char** argv) {
       app.add_subcommand("methods", "List the depth-of-field methods, each with its source.");
   methods->add_flag("--json", options.json, "as JSON");
 
+  addCalibrateCommand(app);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
+  if (app.got_subcommand("calibrate")) return kDone;
   for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {
     if (option->count() > 0 && option->get_type_size() > 0 && option->as<std::string>().empty()) {
       throw InputError(option->get_name(), "expected a value that is not empty");

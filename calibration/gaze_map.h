@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/gaze_units.h"
+#include "calibration/map_units.h"
 
 namespace foci {
 

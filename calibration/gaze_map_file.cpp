@@ -38,7 +38,7 @@ std::string gazeMapToml(const GazeMap& map) {
   text += "target_sd_deg = " + exactText(map.target_sd_deg) + "\n";
   text += "sample_sd_deg = " + exactText(map.sample_sd_deg) + "\n";
   text += "sigma_radius = " + exactText(map.sigma_radius) + "\n";
-  if (map.frame.units == GazeUnits::norm) {
+  if (map.frame.units == MapUnits::norm) {
     const Screen& screen = map.frame.screen;
     text += "\n[screen]\nsize_px = [" + std::to_string(screen.size_px.x) + ", " +
             std::to_string(screen.size_px.y) + "]\nsize_m = " + exactText(screen.size_m) +
@@ -50,7 +50,7 @@ std::string gazeMapToml(const GazeMap& map) {
 GazeMap readGazeMap(const std::filesystem::path& file) {
   CalibrationFile in(file);
   GazeMap map;
-  const auto units = gazeUnitsNamed(in.word("map.units"));
+  const auto units = mapUnitsNamed(in.word("map.units"));
   if (!units) in.refuse("map.units", "deg, norm or direction");
   const auto model = gazeModelNamed(in.word("map.model"));
   if (!model) in.refuse("map.model", "offset, affine, second or third");
@@ -70,7 +70,7 @@ GazeMap readGazeMap(const std::filesystem::path& file) {
   map.target_sd_deg = in.number("uncertainty.target_sd_deg", 0.0, 180.0);
   map.sample_sd_deg = in.number("uncertainty.sample_sd_deg", 0.0, 180.0);
   map.sigma_radius = in.number("uncertainty.sigma_radius", 0.0, 100.0);
-  if (map.frame.units == GazeUnits::norm) {
+  if (map.frame.units == MapUnits::norm) {
     map.frame.screen = {.size_px = in.size_px("screen.size_px"),
                         .size_m = in.pair("screen.size_m", 0.01, 20.0),
                         .distance_m = in.number("screen.distance_m", 0.01, 100.0)};

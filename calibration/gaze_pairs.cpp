@@ -54,13 +54,13 @@ struct Range {
   double low, high;
 };
 
-Range targetRange(GazeUnits units) {
+Range targetRange(MapUnits units) {
   switch (units) {
-    case GazeUnits::deg:
+    case MapUnits::deg:
       return {-80.0, 80.0};
-    case GazeUnits::norm:
+    case MapUnits::norm:
       return {-1.0, 2.0};
-    case GazeUnits::direction:
+    case MapUnits::direction:
       return {-6.0, 6.0};
   }
   return {0.0, 0.0};
@@ -68,7 +68,7 @@ Range targetRange(GazeUnits units) {
 
 }  // namespace
 
-std::vector<GazePair> readGazePairs(const std::filesystem::path& file, GazeUnits units) {
+std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits units) {
   const std::string name = file.string();
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file)) throw InputError(name, "cannot be read");

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "calibration/gaze_units.h"
+#include "calibration/map_units.h"
 
 namespace foci {
 
@@ -20,6 +20,6 @@ struct GazePair {
 /// must lie within +-80 deg, -1 to 2 screens, or +-6 on the plane; gaze may have any finite numbers
 /// up to 1e6.
 /// @throws InputError by file and line
-std::vector<GazePair> readGazePairs(const std::filesystem::path& file, GazeUnits units);
+std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits units);
 
 }  // namespace foci

@@ -49,12 +49,18 @@ constexpr int kBlock = 4, kBlocks = kTile_px / kBlock, kBlockPixels = kBlock * k
 constexpr int kPixels = kTile_px * kTile_px;
 static_assert(kBlock == 4);
 
-/// Per pixel: the open layer's sums, and what is already composited.
+/// Per pixel, sums over the splats of an open layer. `opacity` and `distance` are used where asked
+/// for.
+struct Sums {
+  alignas(64) float weight[kPixels], red[kPixels], green[kPixels], blue[kPixels];
+  alignas(64) float opacity[kPixels], distance[kPixels];
+};
+
+/// Per pixel: the open layer and what is already composited.
 struct Tile {
-  alignas(64) float weight[kPixels], red[kPixels], green[kPixels], blue[kPixels], far_m[kPixels];
-  alignas(64) float opacity[kPixels], distance[kPixels];  // sums, used where asked for
-  alignas(64) float through[kPixels];                     // light that still passes
-  alignas(64) float from_behind[kPixels];                 // 1: the open layer is seen from behind
+  Sums facing, from_behind;            // the layer's surfaces by the side that is seen
+  alignas(64) float far_m[kPixels];    // where its z-range ends
+  alignas(64) float through[kPixels];  // light that still passes
   alignas(64) float out_red[kPixels], out_green[kPixels], out_blue[kPixels], out_distance[kPixels];
 };
 
@@ -82,28 +88,44 @@ struct Sweep {
   HWY_INLINE void closeLayers(std::size_t i, M which) {
     const D d;
     const V one = hn::Set(d, 1.0f);
-    const V weight = hn::Load(d, tile.weight + i);
-    // alpha = min(1, W) A / W, with A = W for opaque splats; colours scale alike.
-    const V scale = hn::Div(one, hn::Max(weight, one));
-    const V alpha =
-        kTransparent ? hn::Mul(scale, hn::Load(d, tile.opacity + i)) : hn::Mul(scale, weight);
     const V through = hn::Load(d, tile.through + i);
-    const V passed = hn::IfThenElseZero(which, hn::Mul(through, scale));
-    const auto compose = [&](float* out, float* sum) {
-      const V value = hn::Load(d, sum + i);
-      hn::Store(hn::MulAdd(passed, value, hn::Load(d, out + i)), d, out + i);
-      hn::Store(hn::IfThenZeroElse(which, value), d, sum + i);
+    V alpha = hn::Zero(d);
+
+    // A side covers min(1, W) of the pixel; `share` of that counts. Colours and opacities, which
+    // are sums over W, scale alike.
+    const auto composeSide = [&](Sums& sums, V weight, V share) {
+      const V scale = hn::Div(share, hn::Max(weight, one));
+      const V passed = hn::IfThenElseZero(which, hn::Mul(through, scale));
+      const auto compose = [&](float* out, float* sum) {
+        const V value = hn::Load(d, sum + i);
+        hn::Store(hn::MulAdd(passed, value, hn::Load(d, out + i)), d, out + i);
+        hn::Store(hn::IfThenZeroElse(which, value), d, sum + i);
+      };
+      compose(tile.out_red, sums.red);
+      compose(tile.out_green, sums.green);
+      compose(tile.out_blue, sums.blue);
+      if constexpr (kDepth) compose(tile.out_distance, sums.distance);
+      V opaque = weight;
+      if constexpr (kTransparent) {
+        opaque = hn::Load(d, sums.opacity + i);
+        hn::Store(hn::IfThenZeroElse(which, opaque), d, sums.opacity + i);
+      }
+      alpha = hn::MulAdd(scale, opaque, alpha);
+      hn::Store(hn::IfThenZeroElse(which, weight), d, sums.weight + i);
     };
-    compose(tile.out_red, tile.red);
-    compose(tile.out_green, tile.green);
-    compose(tile.out_blue, tile.blue);
-    if constexpr (kDepth) compose(tile.out_distance, tile.distance);
-    if constexpr (kTransparent) {
-      hn::Store(hn::IfThenZeroElse(which, hn::Load(d, tile.opacity + i)), d, tile.opacity + i);
+
+    const V facing = hn::Load(d, tile.facing.weight + i);
+    composeSide(tile.facing, facing, one);
+    if (any_from_behind) {
+      // The far side of a solid meets the near side at its outline, at one distance and within one
+      // layer, but no ray sees both: it counts where it covers more than the near side does.
+      const V behind = hn::Load(d, tile.from_behind.weight + i);
+      const V covered = hn::Min(behind, one);
+      const V left = hn::Max(hn::Sub(covered, hn::Min(facing, one)), hn::Zero(d));
+      composeSide(tile.from_behind, behind, hn::Div(left, hn::Max(covered, hn::Set(d, 1e-20f))));
     }
     hn::Store(hn::IfThenElse(which, hn::Mul(through, hn::Sub(one, alpha)), through), d,
               tile.through + i);
-    hn::Store(hn::IfThenZeroElse(which, weight), d, tile.weight + i);
     hn::Store(hn::IfThenElse(which, hn::Set(d, kClosed), hn::Load(d, tile.far_m + i)), d,
               tile.far_m + i);
   }
@@ -112,47 +134,12 @@ struct Sweep {
     const D d;
     for (std::size_t i = 0; i < kPixels; i += hn::Lanes(d))
       closeLayers(i, hn::FirstN(d, hn::Lanes(d)));
-    if (any_from_behind) std::fill_n(tile.from_behind, kPixels, 0.0f);
     any_from_behind = false;
   }
 
   /// The most light that passes any pixel.
   HWY_INLINE float mostThrough() const {
     return *std::max_element(tile.through, tile.through + kPixels);
-  }
-
-  /// The far side of a solid meets the near side at its outline: at one distance, so that their
-  /// z-ranges intersect, but no ray sees both. Of a layer that both would share only the near side
-  /// counts: it drops what it finds there of the far side, and is closed to it.
-  /// @return the pixels of `inside` that the splat is to be added to
-  HWY_INLINE M keepSidesApart(std::size_t i, M inside, V near_m, bool from_behind) {
-    const D d;
-    const M open = hn::Le(near_m, hn::Load(d, tile.far_m + i));
-    const M behind_there = hn::Gt(hn::Load(d, tile.from_behind + i), hn::Zero(d));
-    const M shared = hn::And(inside, open);
-    if (from_behind) {
-      const M added = hn::AndNot(hn::AndNot(behind_there, shared), inside);
-      hn::Store(hn::IfThenElse(added, hn::Set(d, 1.0f), hn::Load(d, tile.from_behind + i)), d,
-                tile.from_behind + i);
-      return added;
-    }
-    const M dropped = hn::And(shared, behind_there);
-    if (!hn::AllFalse(d, dropped)) {
-      const auto clear = [&](float* sum) {
-        hn::Store(hn::IfThenZeroElse(dropped, hn::Load(d, sum + i)), d, sum + i);
-      };
-      clear(tile.weight);
-      clear(tile.red);
-      clear(tile.green);
-      clear(tile.blue);
-      if constexpr (kTransparent) clear(tile.opacity);
-      if constexpr (kDepth) clear(tile.distance);
-      hn::Store(hn::IfThenElse(dropped, hn::Set(d, kClosed), hn::Load(d, tile.far_m + i)), d,
-                tile.far_m + i);
-    }
-    hn::Store(hn::IfThenZeroElse(inside, hn::Load(d, tile.from_behind + i)), d,
-              tile.from_behind + i);
-    return inside;
   }
 
   /// Adds one splat; returns the number of pixels in its footprint.
@@ -172,6 +159,7 @@ struct Sweep {
     const V blue = hn::Set(d, splat.blue), opacity = hn::Set(d, std::abs(splat.opacity));
     const bool from_behind = splat.opacity < 0.0f;
     any_from_behind |= from_behind;
+    Sums& sums = from_behind ? tile.from_behind : tile.facing;
     const V near_m = hn::Set(d, splat.near_m), far_m = hn::Set(d, splat.far_m);
     const V distance = hn::Mul(hn::Mul(hn::Set(d, 0.5f), hn::Add(near_m, far_m)), opacity);
     const V one = hn::Set(d, 1.0f);
@@ -186,11 +174,8 @@ struct Sweep {
         const V dy = hn::Sub(hn::Load(d, kPlaces.y + i), cy);
         const V slope = hn::MulAdd(qa, dx, hn::Mul(qb, dy));
         const V t = hn::NegMulAdd(slope, dx, hn::NegMulAdd(hn::Mul(qc, dy), dy, one));
-        M inside = hn::Gt(t, hn::Zero(d));
+        const M inside = hn::Gt(t, hn::Zero(d));
         fragments += hn::CountTrue(d, inside);
-        if (HWY_UNLIKELY(any_from_behind)) {
-          inside = keepSidesApart(first + part, inside, near_m, from_behind);
-        }
 
         const V open = hn::Load(d, tile.far_m + i);
         const M behind = hn::And(inside, hn::Gt(near_m, open));
@@ -200,12 +185,12 @@ struct Sweep {
         const auto accumulate = [&](float* sum, V value) {
           hn::Store(hn::MulAdd(w, value, hn::Load(d, sum + i)), d, sum + i);
         };
-        hn::Store(hn::Add(w, hn::Load(d, tile.weight + i)), d, tile.weight + i);
-        accumulate(tile.red, red);
-        accumulate(tile.green, green);
-        accumulate(tile.blue, blue);
-        if constexpr (kTransparent) accumulate(tile.opacity, opacity);
-        if constexpr (kDepth) accumulate(tile.distance, distance);
+        hn::Store(hn::Add(w, hn::Load(d, sums.weight + i)), d, sums.weight + i);
+        accumulate(sums.red, red);
+        accumulate(sums.green, green);
+        accumulate(sums.blue, blue);
+        if constexpr (kTransparent) accumulate(sums.opacity, opacity);
+        if constexpr (kDepth) accumulate(sums.distance, distance);
         hn::Store(hn::IfThenElse(inside, hn::Max(open, far_m), open), d, tile.far_m + i);
       }
       const bool row_ends = ++column == columns;
@@ -216,7 +201,7 @@ struct Sweep {
   }
 
   std::size_t run(const TileJob& job) {
-    std::fill_n(tile.weight, sizeof(Tile) / sizeof(float), 0.0f);
+    std::fill_n(tile.facing.weight, sizeof(Tile) / sizeof(float), 0.0f);
     std::fill_n(tile.far_m, kPixels, kClosed);
     std::fill_n(tile.through, kPixels, 1.0f);
 

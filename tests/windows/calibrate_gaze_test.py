@@ -45,7 +45,10 @@ def main():
         os.set_blocking(program.stderr.fileno(), False)
         at, shots, text, begin = None, 0, "", time.time()
         while time.time() - begin < 90:
-            text += program.stderr.read() or ""
+            try:
+                text += os.read(program.stderr.fileno(), 65536).decode()
+            except BlockingIOError:
+                pass
             if "result" in text:
                 break
             targets = re.findall(r"at (-?\d+),(-?\d+) px\n", text)

@@ -20,13 +20,16 @@ class Observer:
              "-fbdir", self.folder.name, "-nolisten", "tcp"],
             pass_fds=[write], stderr=subprocess.DEVNULL)
         os.close(write)
-        self.name = ":" + os.read(read, 20).decode().strip()
-        os.close(read)
+        with os.fdopen(read) as pipe:
+            self.name = ":" + pipe.readline().strip()
         self.x11 = ctypes.CDLL("libX11.so.6")
         self.xtest = ctypes.CDLL("libXtst.so.6")
         self.x11.XOpenDisplay.restype = ctypes.c_void_p
         self.x11.XStringToKeysym.restype = ctypes.c_ulong
+        self.x11.XKeysymToKeycode.restype = ctypes.c_ubyte
         self.display = ctypes.c_void_p(self.x11.XOpenDisplay(self.name.encode()))
+        if not self.display:
+            raise RuntimeError("Xvfb does not answer at " + self.name)
         self.programs = []
 
     def start(self, *command):

@@ -8,7 +8,7 @@ namespace foci {
 namespace {
 
 constexpr double kRounding = 1e-9;
-const GazeFrame kPlane{.units = GazeUnits::direction, .screen = {}};
+const GazeFrame kPlane{.units = MapUnits::direction, .screen = {}};
 
 /// The point of the plane z = 1 at `deg` to the right.
 glm::dvec2 right(double deg) { return {std::tan(glm::radians(deg)), 0.0}; }
@@ -44,9 +44,9 @@ TEST(Accuracy, NothingMeasuredIsPoor) {
   EXPECT_EQ(gradeOf(found), Grade::poor);
 }
 
-TEST(GazeUnits, AgreeOnOneScreen) {
+TEST(MapUnits, AgreeOnOneScreen) {
   const Screen screen = defaultScreen();
-  for (const GazeUnits units : {GazeUnits::deg, GazeUnits::norm, GazeUnits::direction}) {
+  for (const MapUnits units : {MapUnits::deg, MapUnits::norm, MapUnits::direction}) {
     const GazeFrame frame{.units = units, .screen = screen};
     for (const glm::dvec2 px : {glm::dvec2(0, 0), glm::dvec2(960, 540), glm::dvec2(1700, 33)}) {
       const glm::dvec2 back = toPixels(frame, screen, fromPixels(frame, screen, px));

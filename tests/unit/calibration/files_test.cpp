@@ -47,10 +47,10 @@ TEST_F(CalibrationFiles, MapComesBackToTheLastDigit) {
   SimulatedUser user;
   user.square[1] = {2.0, -1.0};
   user.noise_deg = 0.3;
-  for (const GazeUnits units : {GazeUnits::deg, GazeUnits::norm}) {
+  for (const MapUnits units : {MapUnits::deg, MapUnits::norm}) {
     auto pairs = recordUser(user, targetGrid(3, 12.0), 20, random);
     for (GazePair& p : pairs) {
-      if (units == GazeUnits::norm) p.target = p.target / 40.0 + 0.5;
+      if (units == MapUnits::norm) p.target = p.target / 40.0 + 0.5;
     }
     const GazeMap map = fitGazeMap(pairs, {.units = units, .screen = defaultScreen()}).map;
     const GazeMap back = readGazeMap(write(gazeMapToml(map)));
@@ -132,7 +132,7 @@ TEST_F(CalibrationFiles, PairsInAnyOrderOfColumnsAndAnySeparator) {
     std::string text =
         "y_target weight x time_s x_target y spare\n1 0.5 -2 0.1 3 4 a\n1 1 n/a 0.2 3 4 b\n";
     std::replace(text.begin(), text.end(), ' ', separator);
-    const auto pairs = readGazePairs(write(text), GazeUnits::deg);
+    const auto pairs = readGazePairs(write(text), MapUnits::deg);
     ASSERT_EQ(pairs.size(), 2u);
     EXPECT_EQ(*pairs[0].gaze, glm::dvec2(-2, 4));
     EXPECT_EQ(pairs[0].target, glm::dvec2(3, 1));
@@ -144,7 +144,7 @@ TEST_F(CalibrationFiles, PairsInAnyOrderOfColumnsAndAnySeparator) {
 
 TEST_F(CalibrationFiles, BadPairsAreRefusedByLine) {
   const auto refused = [&](const std::string& text) {
-    return refusal([](const auto& path) { readGazePairs(path, GazeUnits::deg); }, text);
+    return refusal([](const auto& path) { readGazePairs(path, MapUnits::deg); }, text);
   };
   const std::string header = "x\ty\tx_target\ty_target\n";
   EXPECT_NE(refused(""), "");

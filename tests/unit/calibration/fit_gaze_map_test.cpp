@@ -12,7 +12,7 @@ namespace {
 constexpr double kSolver_deg = 1e-3;   // noise floor and shrinkage of the fit on exact data
 constexpr double kStatistical = 0.05;  // of a share, over the users of a test
 
-const GazeFrame kDegrees{.units = GazeUnits::deg, .screen = {}};
+const GazeFrame kDegrees{.units = MapUnits::deg, .screen = {}};
 
 /// Mean angle, without noise, between where the user looks and where the map says.
 double mapError_deg(const SimulatedUser& user, const GazeMap& map, double half_deg = 10.0) {

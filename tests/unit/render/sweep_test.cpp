@@ -16,6 +16,7 @@ namespace {
 constexpr double kMomentTolerance =
     0.02;  // sampling of the kernel at pixel centres, mean of 16 places
 constexpr double kEnergyTolerance = 0.01;  // likewise
+constexpr float kOutlineTolerance = 0.1f;   // surfels within 6 degrees of grazing count as facing
 constexpr float kSimdTolerance =
     2e-5f;  // fused against separate rounding, sums of some hundred terms
 
@@ -205,6 +206,36 @@ TEST(Sweep, BackgroundShowsThroughWhatIsNotCovered) {
   const Frame frame = render(cloud, squareView(64, 600.0f), settings);
   EXPECT_NEAR(frame.at(32, 32).r, 0.3f, 0.01f);
   EXPECT_NEAR(frame.at(32, 32).b, 0.3f + 0.7f * 2.0f, 0.02f);
+}
+
+TEST(Sweep, FarSideOfASolidStaysHiddenAtItsOutline) {
+  // A sphere, red where it faces the eye and green behind: blurred or not, no green, and the
+  // outline covers what the near side alone covers.
+  SurfelCloud near_side, whole;
+  constexpr int kSurfels = 20000;
+  constexpr float kRadius_m = 0.2f,
+                  kArea_m2 = 4.0f * 3.14159265f * kRadius_m * kRadius_m / kSurfels;
+  const glm::vec3 center(0.0f, 0.0f, -1.0f);
+  for (int i = 0; i < kSurfels; ++i) {
+    const float y = 1.0f - 2.0f * (static_cast<float>(i) + 0.5f) / kSurfels;
+    const float angle = 2.39996323f * static_cast<float>(i), r = std::sqrt(1.0f - y * y);
+    const glm::vec3 normal(r * std::cos(angle), y, r * std::sin(angle));
+    const glm::vec3 p = center + kRadius_m * normal;
+    const bool facing = glm::dot(normal, p) < 0.0f;
+    const glm::vec3 color = facing ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+    const float sigma_m = kSigmaPerSpacing * std::sqrt(kArea_m2);
+    appendSurfel(whole, p, normal, sigma_m, kArea_m2, color);
+    if (facing) appendSurfel(near_side, p, normal, sigma_m, kArea_m2, color);
+  }
+  whole.oriented = near_side.oriented = true;
+  for (float radius_px : {0.0f, 6.0f}) {
+    const Frame both = render(whole, squareView(128, 250.0f), blurred(radius_px, 0.0f));
+    const Frame one = render(near_side, squareView(128, 250.0f), blurred(radius_px, 0.0f));
+    for (std::size_t i = 0; i < both.rgba.size(); ++i) {
+      ASSERT_LT(both.rgba[i].g, kOutlineTolerance) << "pixel " << i << " blur " << radius_px;
+      ASSERT_NEAR(both.rgba[i].a, one.rgba[i].a, kOutlineTolerance) << "pixel " << i << " blur " << radius_px;
+    }
+  }
 }
 
 TEST(Sweep, DepthIsTheDistanceAlongTheSight) {

@@ -8,19 +8,19 @@
 
 namespace foci {
 
-enum class GazeUnits {
+enum class MapUnits {
   deg,        ///< eccentricity from the screen's centre, atan(offset / distance) along each axis
   norm,       ///< 0 to 1 over the screen, origin top-left, y down
   direction,  ///< where the line of sight cuts the plane z = 1
 };
 
 /// "deg", "norm", "direction".
-std::string_view nameOf(GazeUnits units);
-std::optional<GazeUnits> gazeUnitsNamed(std::string_view name);
+std::string_view nameOf(MapUnits units);
+std::optional<MapUnits> mapUnitsNamed(std::string_view name);
 
 /// Units, and the screen without which normalised coordinates have no angle.
 struct GazeFrame {
-  GazeUnits units = GazeUnits::deg;
+  MapUnits units = MapUnits::deg;
   Screen screen;
 };
 

@@ -1,4 +1,4 @@
-#include "calibration/gaze_units.h"
+#include "calibration/map_units.h"
 
 #include <algorithm>
 #include <array>
@@ -12,12 +12,12 @@ constexpr double kWidest_deg = 89.0;
 
 }  // namespace
 
-std::string_view nameOf(GazeUnits units) { return kNames[static_cast<std::size_t>(units)]; }
+std::string_view nameOf(MapUnits units) { return kNames[static_cast<std::size_t>(units)]; }
 
-std::optional<GazeUnits> gazeUnitsNamed(std::string_view name) {
+std::optional<MapUnits> mapUnitsNamed(std::string_view name) {
   const auto found = std::find(kNames.begin(), kNames.end(), name);
   if (found == kNames.end()) return std::nullopt;
-  return static_cast<GazeUnits>(found - kNames.begin());
+  return static_cast<MapUnits>(found - kNames.begin());
 }
 
 Screen defaultScreen() {
@@ -26,11 +26,11 @@ Screen defaultScreen() {
 
 glm::dvec2 onPlane(const GazeFrame& frame, const glm::dvec2& point) {
   switch (frame.units) {
-    case GazeUnits::deg:
+    case MapUnits::deg:
       return glm::tan(glm::radians(glm::clamp(point, -kWidest_deg, kWidest_deg)));
-    case GazeUnits::norm:
+    case MapUnits::norm:
       return (point - 0.5) * frame.screen.size_m * glm::dvec2(1.0, -1.0) / frame.screen.distance_m;
-    case GazeUnits::direction:
+    case MapUnits::direction:
       return point;
   }
   return point;
@@ -38,11 +38,11 @@ glm::dvec2 onPlane(const GazeFrame& frame, const glm::dvec2& point) {
 
 glm::dvec2 fromPlane(const GazeFrame& frame, const glm::dvec2& point) {
   switch (frame.units) {
-    case GazeUnits::deg:
+    case MapUnits::deg:
       return glm::degrees(glm::atan(point));
-    case GazeUnits::norm:
+    case MapUnits::norm:
       return 0.5 + point * glm::dvec2(1.0, -1.0) * frame.screen.distance_m / frame.screen.size_m;
-    case GazeUnits::direction:
+    case MapUnits::direction:
       return point;
   }
   return point;
@@ -64,14 +64,14 @@ glm::dvec2 degPerUnit(const GazeFrame& frame, const glm::dvec2& point) {
 
 glm::dvec2 fromPixels(const GazeFrame& frame, const Screen& screen, const glm::dvec2& point_px) {
   const glm::dvec2 norm = point_px / glm::dvec2(screen.size_px);
-  const GazeFrame of_screen{.units = GazeUnits::norm, .screen = screen};
-  return frame.units == GazeUnits::norm ? norm : fromPlane(frame, onPlane(of_screen, norm));
+  const GazeFrame of_screen{.units = MapUnits::norm, .screen = screen};
+  return frame.units == MapUnits::norm ? norm : fromPlane(frame, onPlane(of_screen, norm));
 }
 
 glm::dvec2 toPixels(const GazeFrame& frame, const Screen& screen, const glm::dvec2& point) {
-  const GazeFrame of_screen{.units = GazeUnits::norm, .screen = screen};
+  const GazeFrame of_screen{.units = MapUnits::norm, .screen = screen};
   const glm::dvec2 norm =
-      frame.units == GazeUnits::norm ? point : fromPlane(of_screen, onPlane(frame, point));
+      frame.units == MapUnits::norm ? point : fromPlane(of_screen, onPlane(frame, point));
   return norm * glm::dvec2(screen.size_px);
 }
 

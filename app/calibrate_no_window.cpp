@@ -1,0 +1,22 @@
+// What stands in for the windows where foci was built without them (FOCI_WINDOW=OFF).
+#include <stdexcept>
+
+#include "app/calibrate_windows.h"
+
+namespace foci {
+namespace {
+
+constexpr const char* kNoWindow = "built without windows: use --pairs or --headless";
+
+}  // namespace
+
+std::optional<GazeReport> calibrateGazeInWindow(const CalibrateGazeOptions&, const Screen&) {
+  throw std::runtime_error(kNoWindow);
+}
+
+std::optional<ScreenCalibration> calibrateScreenInWindow(const ScreenCalibration&,
+                                                         std::optional<glm::dvec2>, bool) {
+  throw std::runtime_error(kNoWindow);
+}
+
+}  // namespace foci

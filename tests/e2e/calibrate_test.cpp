@@ -1,0 +1,180 @@
+// `foci calibrate` without windows: what comes out, and what is refused.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/e2e/binary.h"
+
+namespace foci::e2e {
+namespace {
+
+using Json = nlohmann::json;
+
+/// 9 targets, `samples` each, from a tracker that scales, turns and moves; the last sample of each
+/// is lost.
+std::string pairsFile(int samples, double noise_deg) {
+  std::string text = "x\ty\tx_target\ty_target\ttime_s\n";
+  double phase = 0.0;
+  for (int target = 0; target < 9; ++target) {
+    const double x = 8.0 * (target % 3 - 1), y = 5.0 * (target / 3 - 1);
+    for (int i = 0; i < samples; ++i) {
+      phase += 2.4;  // no two samples alike, and no random numbers
+      char line[160];
+      std::snprintf(line, sizeof line, "%.6f\t%.6f\t%g\t%g\t%.3f\n",
+                    1.1 * x - 0.05 * y + 2.0 + noise_deg * std::sin(phase),
+                    0.04 * x + 0.9 * y - 1.0 + noise_deg * std::cos(1.7 * phase), x, y,
+                    0.01 * (target * samples + i));
+      text += line;
+    }
+    text += "n/a\tn/a\t" + std::to_string(x) + "\t" + std::to_string(y) + "\t0\n";
+  }
+  return text;
+}
+
+Outcome refusedWithoutATrace(const std::vector<std::string>& arguments,
+                             const TemporaryFolder& folder) {
+  const Outcome outcome = runFoci(arguments, folder.path());
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "made.toml"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "made.html"));
+  return outcome;
+}
+
+TEST(CalibrateGaze, PrintsTheSummaryAndKeepsMapAndReport) {
+  const TemporaryFolder folder;
+  folder.write("fit.tsv", pairsFile(50, 0.2));
+  folder.write("other.tsv", pairsFile(20, 0.1));
+  const Outcome outcome = runFoci({"calibrate", "gaze", "--pairs", "fit.tsv", "--validate",
+                                   "other.tsv", "--out", "map.toml", "--json"},
+                                  folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json summary = Json::parse(outcome.out);
+  EXPECT_EQ(summary["model"], "affine");
+  EXPECT_EQ(summary["samples"], 9 * 21);
+  EXPECT_NEAR(summary["lost"].get<double>(), 1.0 / 21.0, 1e-12);
+  EXPECT_EQ(summary["grade"], "good");
+  EXPECT_LT(summary["accuracy_deg"], 0.15);
+  EXPECT_GE(summary["accuracy_max_deg"], summary["accuracy_deg"]);
+  for (const char* key : {"precision_rms_s2s_deg", "precision_sd_deg"}) {
+    EXPECT_GT(summary[key], 0.0) << key;
+    EXPECT_LT(summary[key], 0.3) << key;
+  }
+  EXPECT_NE(folder.read("map.toml").find("model = \"affine\""), std::string::npos);
+  EXPECT_NE(folder.read("map.html").find("<svg"), std::string::npos);
+}
+
+TEST(CalibrateGaze, WorksInEveryUnit) {
+  const TemporaryFolder folder;
+  folder.write("fit.tsv", pairsFile(10, 0.01));
+  std::string plane = "x y x_target y_target\n";
+  for (int i = 0; i < 9; ++i) {
+    const double x = 0.15 * (i % 3 - 1), y = 0.1 * (i / 3 - 1);
+    plane += std::to_string(1.2 * x + 0.03) + " " + std::to_string(0.8 * y) + " " +
+             std::to_string(x) + " " + std::to_string(y) + "\n";
+  }
+  folder.write("plane.txt", plane);
+  for (const std::string units : {"direction", "norm"}) {
+    const Outcome outcome = runFoci(
+        {"calibrate", "gaze", "--pairs", "plane.txt", "--units", units, "--json"}, folder.path());
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Json summary = Json::parse(outcome.out);
+    EXPECT_LT(summary["accuracy_deg"], 0.05) << units;
+    EXPECT_TRUE(summary["precision_rms_s2s_deg"].is_null());  // one sample a target
+  }
+}
+
+TEST(CalibrateGaze, RefusesInOneLine) {
+  const TemporaryFolder folder;
+  folder.write("good.tsv", pairsFile(5, 0.1));
+  folder.write("line.tsv", "x y x_target y_target\n0 0 0 0\n1 1 1 1\n2 2 2 2\n3 3 3 3\n");
+  folder.write("two.tsv", "x y x_target y_target\n0 0 0 0\n1 1 1 1\n0 0 0 0\n1 1 1 1\n");
+  folder.write("broken.tsv", "x y x_target y_target\n0 0 0 zero\n");
+  const auto says = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments{"calibrate", "gaze", "--out", "made.toml"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return refusedWithoutATrace(arguments, folder).err;
+  };
+  EXPECT_NE(says({"--pairs", "line.tsv"}).find("collinear"), std::string::npos);
+  EXPECT_NE(says({"--pairs", "two.tsv"}).find("too few targets"), std::string::npos);
+  EXPECT_NE(says({"--pairs", "broken.tsv"}).find("broken.tsv:2"), std::string::npos);
+  EXPECT_NE(says({"--pairs", "absent.tsv"}).find("cannot be read"), std::string::npos);
+  EXPECT_NE(says({"--pairs", "good.tsv", "--validate", "broken.tsv"}).find("broken.tsv:2"),
+            std::string::npos);
+  EXPECT_NE(says({"--pairs", "good.tsv", "--units", "px"}).find("--units"), std::string::npos);
+  EXPECT_NE(says({"--pairs", "good.tsv", "--screen", "good.tsv"}).find("good.tsv"),
+            std::string::npos);
+  EXPECT_NE(says({"--pairs", ""}).find("--pairs"), std::string::npos);
+}
+
+TEST(CalibrateScreen, HeadlessFromCardAndBlindSpot) {
+  const TemporaryFolder folder;
+  const double px_per_m = 4000.0, distance_m = 0.62;
+  const double spot_px = px_per_m * distance_m * std::tan(13.5 * M_PI / 180.0);
+  std::string runs;
+  for (double off : {1.01, -0.99, 1.02, -0.98, 1.6, -1.0}) {
+    runs += (runs.empty() ? "" : ",") + std::to_string(off * spot_px);
+  }
+  const Outcome outcome = runFoci(
+      {"calibrate", "screen", "--headless", "--size-px", "1920x1080", "--card-px", "342.4x215.92",
+       "--blind-spot-px=" + runs, "--out", "screen.toml", "--psychopy", "screen.json", "--json"},
+      folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json summary = Json::parse(outcome.out);
+  EXPECT_NEAR(summary["size_m"][0].get<double>(), 0.48, 1e-9);
+  EXPECT_NEAR(summary["size_m"][1].get<double>(), 0.27, 1e-9);
+  EXPECT_NEAR(summary["distance_m"].get<double>(), distance_m, 0.01 * distance_m);
+  for (const std::string file : {"screen.toml", "screen.json"}) {
+    const Outcome again =
+        runFoci({"calibrate", "screen", "--headless", "--monitor", file, "--json"}, folder.path());
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_NEAR(Json::parse(again.out)["distance_m"].get<double>(), summary["distance_m"], 1e-12);
+  }
+}
+
+TEST(CalibrateScreen, RefusesInOneLine) {
+  const TemporaryFolder folder;
+  const auto says = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments{"calibrate", "screen", "--headless", "--out", "made.toml"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return refusedWithoutATrace(arguments, folder).err;
+  };
+  EXPECT_NE(says({}).find("--size-px"), std::string::npos);
+  EXPECT_NE(says({"--size-px", "1920"}).find("--size-px"), std::string::npos);
+  EXPECT_NE(says({"--size-px", "1920x1080"}).find("--card-px"), std::string::npos);
+  EXPECT_NE(says({"--size-px", "1920x1080", "--card-px", "300"}).find("--distance-m"),
+            std::string::npos);
+  EXPECT_NE(says({"--size-px", "1920x1080", "--card-px", "300x300", "--distance-m", "0.6"})
+                .find("bank card"),
+            std::string::npos);
+  EXPECT_NE(says({"--size-px", "1920x1080", "--card-px", "300", "--distance-m", "60"})
+                .find("--distance-m"),
+            std::string::npos);
+  EXPECT_NE(says({"--size-px", "1920x1080", "--card-px", "300", "--blind-spot-px", "500,510"})
+                .find("blind spot"),
+            std::string::npos);
+  EXPECT_NE(
+      says({"--size-px", "1920x1080", "--card-px", "300", "--distance-m", "1", "--gamma", "9"})
+          .find("--gamma"),
+      std::string::npos);
+}
+
+TEST(CalibrateCamera, RefusesInOneLine) {
+  const TemporaryFolder folder;
+  folder.write("text.png", "not a picture");
+  const auto says = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments{"calibrate", "camera", "--out", "made.toml"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return refusedWithoutATrace(arguments, folder).err;
+  };
+  EXPECT_NE(says({}).find("--images"), std::string::npos);
+  EXPECT_NE(says({"--images", "text.png"}).find("text.png"), std::string::npos);
+  EXPECT_NE(says({"--video", "text.png"}).find("text.png"), std::string::npos);
+  EXPECT_NE(says({"--images", "text.png", "--board", "2x2"}).find("--board"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace foci::e2e
