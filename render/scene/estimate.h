@@ -1,6 +1,7 @@
 // From points to surfels: the normals, sizes and areas that the points do not bring along.
 #pragma once
 
+#include <functional>
 #include <glm/glm.hpp>
 #include <optional>
 
@@ -14,6 +15,10 @@ struct EstimateSettings {
   /// drawn two-sided, so this only matters to shading.
   std::optional<glm::vec3> viewpoint_m;
   float lone_spacing_m = 0.01f;  ///< spacing where there is no neighbour to measure one by
+  /// Sizes are solved for as well as weights, so that the kernels of an irregular sampling sum to
+  /// one much more closely: about fifteen times the work, surfels a third larger.
+  bool thorough = false;
+  std::function<void(std::size_t done, std::size_t total)> progress = {};  ///< where thorough
 };
 
 /// Sigma of a surfel over the radius that a file gives: a disc that just reaches across the gaps of
@@ -26,9 +31,7 @@ inline constexpr float kSigmaPerRadius = kSigmaPerSpacing * 1.41421356f;
 ///   spacing: sqrt(pi r_k^2 / k), r_k the distance of the k-th neighbour; at most a few times the
 ///            median, so that strays stay small;
 ///   sigma:  kSigmaPerRadius radius where given, else kSigmaPerSpacing spacing;
-///   area:   starts at spacing^2; then w_i <- w_i / sum_j w_j G_j(x_i), so that the kernels sum to
-///   one
-///           (formulas.md, section 5).
+///   area:   starts at spacing^2, then solved so that the kernels sum to one (weights.h).
 /// Deterministic at any number of threads. Points that coincide share their area. Any input, one
 /// point included, gives finite axes and areas > 0.
 SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& settings = {});

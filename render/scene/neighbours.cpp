@@ -1,6 +1,5 @@
 #include "render/scene/neighbours.h"
 
-
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -12,8 +11,6 @@
 
 namespace foci {
 namespace {
-
-constexpr std::size_t kMostNeighbours = 32;
 
 struct Positions {
   const std::vector<glm::vec3>& position_m;
