@@ -23,4 +23,11 @@ struct Neighbours {
 /// 2^32 points, all finite (asserted).
 Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t wanted);
 
+/// For each center the points within its radius, at most `most` of them, in an order that is the
+/// same at any number of threads. All finite.
+std::vector<std::vector<std::uint32_t>> findWithin(const std::vector<glm::vec3>& position_m,
+                                                   const std::vector<glm::vec3>& centers_m,
+                                                   const std::vector<float>& radius_m,
+                                                   std::size_t most);
+
 }  // namespace foci
