@@ -81,6 +81,7 @@ void addCalibrateCommand(CLI::App& app) {
     camera->add_option("--images", o.images, "Pictures of the board");
     camera->add_option("--video", o.video, "Video of the board");
     camera->add_option("--device", o.device, "Camera to watch the board with");
+    camera->add_flag("--window", o.window, "Show the video as it is searched");
     camera->add_option("--board", o.board, "Chessboard's inner corners, WxH");
     camera->add_option("--charuco", o.charuco, "ChArUco board's squares, WxH, instead");
     camera->add_option("--square-mm", o.square_mm, "Side of a square");

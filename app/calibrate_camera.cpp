@@ -6,6 +6,7 @@
 
 #include "app/base/input_error.h"
 #include "app/calibrate_options.h"
+#include "app/calibrate_windows.h"
 #include "calibration/calibration_file.h"
 #include "calibration/camera.h"
 
@@ -15,7 +16,6 @@ namespace {
 constexpr int kMostFrames = 100'000;
 constexpr std::size_t kMostViews = 60;  // of a video; more cost time and tell no more
 constexpr double kMovedShare = 0.03;    // of the picture's width, to count as another view
-constexpr int kDeviceFrames = 1800;     // a minute at 30 Hz
 
 glm::ivec2 gridOf(const std::string& option, const std::string& text) {
   int w = 0, h = 0, used = 0;
@@ -89,21 +89,43 @@ void calibrateCamera(const CalibrateCameraOptions& options) {
     seen.size_px = size_px;
     look(picture, board, false, seen);
   }
-  if (!options.video.empty()) {
-    cv::VideoCapture stream(options.video.string());
-    if (!stream.isOpened())
-      throw InputError(options.video.string(), "not a video that can be read");
-    lookAtStream(stream, kMostFrames, board, seen);
-  }
-  if (options.device) {
-    cv::VideoCapture stream(*options.device);
-    if (!stream.isOpened()) {
+  if (!options.video.empty() || options.device) {
+    cv::VideoCapture stream;
+    if (options.device) {
+      stream.open(*options.device);
+    } else {
+      stream.open(options.video.string());
+    }
+    if (!stream.isOpened() && options.device) {
       throw std::runtime_error("camera " + std::to_string(*options.device) + " does not open");
     }
-    lookAtStream(stream, kDeviceFrames, board, seen);
+    if (!stream.isOpened())
+      throw InputError(options.video.string(), "not a video that can be read");
+    if (options.device || options.window) {
+      const auto next = [&](cv::Mat& picture) {
+        ++seen.pictures;
+        return stream.read(picture) && !picture.empty();
+      };
+      auto views = watchBoardInWindow(next, board, seen.size_px);
+      if (!views) {
+        std::fprintf(stderr, "left without a calibration\n");
+        return;
+      }
+      seen.views = std::move(*views);
+    } else {
+      lookAtStream(stream, kMostFrames, board, seen);
+    }
   }
 
-  const CameraFit fit = fitCamera(seen.views, seen.size_px);
+  const std::string where = options.device           ? "camera " + std::to_string(*options.device)
+                            : options.images.empty() ? options.video.string()
+                                                     : options.images.front();
+  CameraFit fit;
+  try {
+    fit = fitCamera(seen.views, seen.size_px);
+  } catch (const InputError& error) {
+    throw InputError(where, error.what());
+  }
   if (!options.out.empty()) writeWhole(options.out, cameraToml(fit.camera));
   const CameraModel& camera = fit.camera;
   if (options.json) {

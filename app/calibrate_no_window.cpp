@@ -19,4 +19,9 @@ std::optional<ScreenCalibration> calibrateScreenInWindow(const ScreenCalibration
   throw std::runtime_error(kNoWindow);
 }
 
+std::optional<std::vector<BoardView>> watchBoardInWindow(const NextPicture&, const Board&,
+                                                         glm::ivec2&) {
+  throw std::runtime_error(kNoWindow);
+}
+
 }  // namespace foci

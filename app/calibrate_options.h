@@ -31,6 +31,7 @@ struct CalibrateGazeOptions {
 
 struct CalibrateCameraOptions {
   bool json = false;
+  bool window = false;  ///< show the video; a device is shown always
   std::vector<std::string> images;
   std::filesystem::path video, out;
   std::optional<int> device;

@@ -1,6 +1,8 @@
 // The windows of `foci calibrate`.
 #pragma once
 
+#include <functional>
+
 #include "app/calibrate_options.h"
 #include "calibration/camera.h"
 #include "calibration/gaze_report.h"
@@ -18,5 +20,13 @@ std::optional<GazeReport> calibrateGazeInWindow(const CalibrateGazeOptions& opti
 std::optional<ScreenCalibration> calibrateScreenInWindow(const ScreenCalibration& start,
                                                          std::optional<glm::dvec2> edid_m,
                                                          bool window);
+
+/// Fills a picture, 8 bits, grey or BGR; false at the end.
+using NextPicture = std::function<bool(cv::Mat&)>;
+
+/// The board's views as the observer shows it to a camera. Absent where the observer left.
+/// @param size_px  of the pictures; set from them
+std::optional<std::vector<BoardView>> watchBoardInWindow(const NextPicture& next,
+                                                         const Board& board, glm::ivec2& size_px);
 
 }  // namespace foci

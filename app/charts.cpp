@@ -13,8 +13,6 @@
 
 #include "app/tables.h"
 
-extern char** environ;
-
 namespace foci {
 namespace {
 

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "app/base/input_error.h"
+#include "calibration/gaze_map_file.h"
 #include "gaze/sources/simulator.h"
 #include "gaze/sources/trace_reader.h"
 #include "render/optics/view.h"
@@ -139,13 +140,21 @@ GazeTrace loadGaze(const Study& study) {
   if (study.gaze.units == "px") columns.units = GazeUnits::px;
   if (study.gaze.units == "deg") columns.units = GazeUnits::deg;
   if (study.gaze.units == "normalised") columns.units = GazeUnits::normalised;
-  return readTrace(study.gaze.source, columns, study.screenInForce());
+  GazeTrace trace = readTrace(study.gaze.source, columns, study.screenInForce());
+  if (study.gaze.map) {
+    const GazeMap map = readGazeMap(*study.gaze.map);
+    const Screen screen = *trace.screen;
+    trace = mapTrace(map, screen, std::move(trace));
+  }
+  return trace;
 }
 
 std::vector<std::filesystem::path> inputFiles(const Study& study) {
   std::vector<std::filesystem::path> files = {study.file};
   if (study.scene.file) files.push_back(*study.scene.file);
-  if (study.screen.monitor) files.push_back(*study.screen.monitor);
+  for (const auto& file : {study.screen.monitor, study.gaze.map, study.gaze.camera}) {
+    if (file) files.push_back(*file);
+  }
   if (!study.gazeIsSimulated()) files.push_back(study.gaze.source);
   return files;
 }

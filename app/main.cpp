@@ -13,7 +13,6 @@
 
 #include "app/base/input_error.h"
 #include "app/calibrate.h"
-#include "app/interrupt.h"
 #include "app/manifest.h"
 #include "app/render_picture.h"
 #include "app/replay.h"
@@ -48,7 +47,8 @@ std::vector<double> pairOf(const std::string& option, const std::string& text, c
 
 /// What replay and render have in common. Empty texts: not given.
 struct Options {
-  std::string study, scene, trace, out, size, seconds, method, pupil, focus, gaze, depth, threads;
+  std::string study, scene, trace, screen, gaze_map, camera, out, size, seconds, method, pupil,
+      focus, gaze, depth, threads;
   bool json = false, marker = false, split = false;
 };
 
@@ -70,6 +70,9 @@ Study studyOf(const Options& options) {
   Study study = readStudy(options.study);
   if (!options.scene.empty()) overrideKey(study, "scene.file", options.scene, "--scene");
   if (!options.trace.empty()) overrideKey(study, "gaze.source", options.trace, "--trace");
+  if (!options.screen.empty()) overrideKey(study, "screen.monitor", options.screen, "--screen");
+  if (!options.gaze_map.empty()) overrideKey(study, "gaze.map", options.gaze_map, "--gaze-map");
+  if (!options.camera.empty()) overrideKey(study, "gaze.camera", options.camera, "--camera");
   if (!options.method.empty()) {
     overrideKey(study, "render.method", options.method, "--method " + options.method);
   }
@@ -182,6 +185,9 @@ void addCommonOptions(CLI::App& command, Options& options) {
   };
   add("STUDY", options.study, "FILE", "study file (TOML)")->required();
   add("--scene", options.scene, "FILE", "PLY point cloud instead of the study's scene");
+  add("--screen", options.screen, "FILE", "calibrated screen: foci's TOML or a PsychoPy monitor");
+  add("--gaze-map", options.gaze_map, "FILE", "map of foci calibrate gaze, for the recording");
+  add("--camera", options.camera, "FILE", "camera of foci calibrate camera");
   add("--size", options.size, "WxH", "of the pictures, px, e.g. 1280x720");
   add("--pupil", options.pupil, "MM", "diameter of the pupil, millimetres");
   add("--method", options.method, "NAME", "one of `foci methods`");
@@ -254,7 +260,6 @@ int run(int argc, char** argv) {
     }
   }
   if (*methods) return runMethods(options.json);
-  noteInterrupts();
   if (*render) return runRender(options);
   if (options.out.empty()) options.out = "out";
   std::string command = "foci";

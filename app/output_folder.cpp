@@ -36,8 +36,8 @@ OutputFolder::~OutputFolder() {
 
 fs::path OutputFolder::stage(const std::string& name) {
   const fs::path final = folder_ / name;
-  const fs::path aside = folder_ / ("." + final.stem().string() + "." + std::to_string(getpid()) +
-                                    ".part" + final.extension().string());
+  fs::path aside = folder_ / ("." + final.stem().string() + "." + std::to_string(getpid()) +
+                              ".part" + final.extension().string());
   staged_.push_back({aside, final});
   return aside;
 }

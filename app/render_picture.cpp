@@ -19,7 +19,7 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
   const Screen screen = study.screenInForce();
   const glm::mat4 eye_from_world = EyePath(study).eyeFromWorldAt(0.0);
   const View view =
-      viewThroughScreen(eye_from_world, study.output.size_px, screen.size_m, screen.distance_m);
+      viewThroughScreen(eye_from_world, study.pictureSize_px(), screen.size_m, screen.distance_m);
 
   PictureSummary summary;
   if (request.focus_D) {

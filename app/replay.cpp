@@ -60,7 +60,8 @@ Schedule scheduleOf(const Study& study, const GazeTrace& trace) {
 /// stretch's first.
 class ContactSheet {
  public:
-  ContactSheet(std::size_t frames) : frames_(frames), count_(std::min(frames, kSheetPictures)) {}
+  explicit ContactSheet(std::size_t frames)
+      : frames_(frames), count_(std::min(frames, kSheetPictures)) {}
 
   void offer(std::size_t frame, const FrameRecord& record, const Picture& picture) {
     held_frames_ = record.eye.state == GazeState::fixation ? held_frames_ + 1 : 0;
@@ -124,8 +125,7 @@ ChartRow chartRow(const FrameRecord& record) {
 /// The value below which a share of all lies. `values` is reordered.
 template <class T>
 T quantile(std::vector<T>& values, double share) {
-  const auto at = values.begin() +
-                  static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -172,6 +172,12 @@ void countLosses(const GazeTrace& trace, const Schedule& schedule, ReportFacts& 
 ReplaySummary replay(const Study& study, const std::filesystem::path& out,
                      const std::string& command, unsigned threads) {
   // Everything that can be refused is, before anything is written.
+  const glm::ivec2 size_px = study.pictureSize_px();
+  if (size_px.x % 2 != 0 || size_px.y % 2 != 0) {
+    throw InputError(study.file.string(), "pictures of " + std::to_string(size_px.x) + "x" +
+                                              std::to_string(size_px.y) +
+                                              " px: expected even numbers, as H.264 wants");
+  }
   const GazeTrace trace = loadGaze(study);
   const Schedule schedule = scheduleOf(study, trace);
   const SurfelCloud cloud = loadScene(study);
@@ -179,15 +185,17 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   for (const auto& file : inputFiles(study)) facts.inputs.push_back({file, sha256OfFile(file)});
 
   Session session(study, cloud, *trace.screen, trace.rate_Hz, trace.samples.front().time_s);
+  noteInterrupts();
   OutputFolder folder(out);
   const auto video_file = folder.stage("video.mp4");
-  VideoWriter video(video_file, study.output.size_px, study.output.fps);
+  VideoWriter video(video_file, size_px, study.output.fps);
   FrameTable table(folder.stage("frames.tsv"), study.render.method);
   ContactSheet sheet(schedule.frames);
   ChartSeries series;
   Sha256 frames_hash;
   std::vector<float> render_ms;
   std::vector<std::uint32_t> splats;
+  std::size_t frames_held = 0;
   Frame frame;
   Progress progress("rendering", "frames", schedule.frames);
 
@@ -210,6 +218,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
           record.eye.state != GazeState::fixation && record.eye.state != GazeState::pursuit;
       if (point_px) drawMarker(picture, session.pictureFromScreen_px(*point_px), held);
     }
+    frames_held += record.eye.state == GazeState::blink || record.eye.state == GazeState::lost;
     table.add(i, record);
     series.add(chartRow(record));
     render_ms.push_back(static_cast<float>(record.stats.ms));
@@ -227,6 +236,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
 
   ReportFacts report;
   report.threads = threads;
+  report.frames_held = frames_held;
   countLosses(trace, schedule, report);
   const auto count = [&](GazeState kind) {
     return static_cast<std::size_t>(std::count_if(
@@ -246,7 +256,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
              .out = out};
   writeText(folder.stage("manifest.json"), manifestJson(study, trace, summary, facts));
   report.rows = series.rows();
-  report.sheet = sheet.pictures(session, study.output.size_px);
+  report.sheet = sheet.pictures(session, size_px);
   if (!writeReport(folder.stage("report.html"), video_file, study, trace, report)) {
     std::fputs(
         "foci: the report has no charts: gnuplot is not installed (apt install gnuplot-nox)\n",

@@ -182,8 +182,11 @@ std::string lossText(const ReportFacts& facts) {
          std::to_string(facts.samples_lost) + " have no position, " +
          std::to_string(facts.samples_blink) +
          " are marked as blinks by the tracker; the longest loss lasts " +
-         decimal(facts.longest_loss_s, 3) +
-         " s. In saccades, blinks and losses the focus is held.</p>\n";
+         decimal(facts.longest_loss_s, 3) + " s. " + std::to_string(facts.frames_held) + " of " +
+         std::to_string(facts.summary.frames) +
+         " frames fall into a blink, a loss or a pause of the recording; there, as in saccades, "
+         "the "
+         "focus is held.</p>\n";
 }
 
 std::string legend() {

@@ -29,6 +29,7 @@ struct ReportFacts {
   std::vector<SheetPicture> sheet;
   std::size_t samples = 0, samples_lost = 0, samples_blink = 0;  ///< of those replayed
   double longest_loss_s = 0.0;
+  std::size_t frames_held = 0;  ///< in a blink or a loss, pauses of the recording included
   unsigned threads = 0;
 };
 

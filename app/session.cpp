@@ -28,7 +28,7 @@ Session::Session(const Study& study, const SurfelCloud& cloud, const Screen& scr
                  .cone_half_angle_deg = study.focus.cone_deg}) {}
 
 View Session::viewAt(double time_s) const {
-  return viewThroughScreen(path_.eyeFromWorldAt(time_s - start_s_), study_.output.size_px,
+  return viewThroughScreen(path_.eyeFromWorldAt(time_s - start_s_), study_.pictureSize_px(),
                            screen_.size_m, screen_.distance_m);
 }
 
@@ -71,7 +71,7 @@ void Session::renderSharp(Frame& frame) {
 }
 
 glm::dvec2 Session::pictureFromScreen_px(const glm::dvec2& point_px) const {
-  return point_px * glm::dvec2(study_.output.size_px) / glm::dvec2(screen_.size_px);
+  return point_px * glm::dvec2(study_.pictureSize_px()) / glm::dvec2(screen_.size_px);
 }
 
 }  // namespace foci

@@ -2,150 +2,29 @@
 #include "app/study.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
-#include <charconv>
 #include <cmath>
-#include <concepts>
-#include <cstdio>
-#include <fstream>
-#include <limits>
+#include <iterator>
 #include <set>
 #include <sstream>
 #include <toml.hpp>
 
 #include "app/base/input_error.h"
 #include "app/base/nearest.h"
-#include "calibration/monitor.h"
+#include "app/toml_text.h"
+#include "app/toml_values.h"
+#include "calibration/camera.h"
+#include "calibration/gaze_map_file.h"
+#include "calibration/screen_file.h"
 #include "render/methods/method.h"
 
 namespace foci {
+
+// The type of `eye.path`, beside those of toml_values.h.
+static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
+static std::string write(const std::vector<EyeKeyframe>& path);
+
 namespace {
-
-using Words = std::vector<std::string_view>;
-
-/// What a key allows: numbers from `low` to `high`, each of them; texts among `words` (none: any).
-struct Allowed {
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  Words words = {};
-};
-
-/// A value that the key does not allow; `what` says what it does.
-struct Expected {
-  std::string what;
-};
-
-std::string numberText(double value) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.begin(), text.end(), value).ptr;
-  return {text.begin(), end};
-}
-
-std::string jsonText(const std::string& text) {
-  std::string json = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') json += '\\';
-    if (static_cast<unsigned char>(c) < 0x20) {
-      std::array<char, 8> escape;
-      std::snprintf(escape.data(), escape.size(), "\\u%04x", c);
-      json += escape.data();
-    } else {
-      json += c;
-    }
-  }
-  return json + '"';
-}
-
-std::string rangeText(const Allowed& allowed) {
-  return numberText(allowed.low) + " to " + numberText(allowed.high);
-}
-
-// One `read` (TOML to value, or Expected) and one `write` (value to JSON) for each type of key.
-
-void read(const toml::value& from, const Allowed& allowed, double& to) {
-  const double value = from.is_floating()  ? from.as_floating()
-                       : from.is_integer() ? static_cast<double>(from.as_integer())
-                                           : std::numeric_limits<double>::quiet_NaN();
-  if (!(value >= allowed.low && value <= allowed.high)) throw Expected{rangeText(allowed)};
-  to = value;
-}
-
-template <std::signed_integral Integer>
-void read(const toml::value& from, const Allowed& allowed, Integer& to) {
-  const auto fits = [&](std::int64_t value) {
-    return static_cast<double>(value) >= allowed.low && static_cast<double>(value) <= allowed.high;
-  };
-  if (!from.is_integer() || !fits(from.as_integer())) {
-    throw Expected{"an integer, " + rangeText(allowed)};
-  }
-  to = static_cast<Integer>(from.as_integer());
-}
-
-void read(const toml::value& from, const Allowed&, bool& to) {
-  if (!from.is_boolean()) throw Expected{"true or false"};
-  to = from.as_boolean();
-}
-
-void read(const toml::value& from, const Allowed& allowed, std::string& to) {
-  std::string what = allowed.words.empty() ? "a text" : "one of";
-  for (const auto word : allowed.words) what += " \"" + std::string(word) + "\"";
-  if (!from.is_string()) throw Expected{what};
-  const std::string& text = from.as_string().str;
-  const bool known =
-      std::find(allowed.words.begin(), allowed.words.end(), text) != allowed.words.end();
-  if (text.empty() || text.find('\0') != std::string::npos || !(allowed.words.empty() || known)) {
-    throw Expected{text.empty() ? what + " that is not empty" : what};
-  }
-  to = text;
-}
-
-void read(const toml::value& from, const Allowed&, std::filesystem::path& to) {
-  std::string text;
-  try {
-    read(from, {}, text);
-  } catch (const Expected&) {
-    throw Expected{"a file's name"};
-  }
-  to = text;
-}
-
-template <int N, class Number>
-void read(const toml::value& from, const Allowed& allowed, glm::vec<N, Number>& to) {
-  const std::string what = std::to_string(N) + " numbers, each ";
-  if (!from.is_array() || from.as_array().size() != N) throw Expected{what + rangeText(allowed)};
-  try {
-    for (int i = 0; i < N; ++i) read(from.as_array()[static_cast<std::size_t>(i)], allowed, to[i]);
-  } catch (const Expected& expected) {
-    throw Expected{what + expected.what};
-  }
-}
-
-template <class T>
-void read(const toml::value& from, const Allowed& allowed, std::optional<T>& to) {
-  T value{};
-  read(from, allowed, value);
-  to = value;
-}
-
-std::string write(double value) { return numberText(value); }
-std::string write(std::signed_integral auto value) { return std::to_string(value); }
-std::string write(bool value) { return value ? "true" : "false"; }
-std::string write(const std::string& value) { return jsonText(value); }
-std::string write(const std::filesystem::path& value) { return jsonText(value.string()); }
-template <int N, class Number>
-std::string write(const glm::vec<N, Number>& value) {
-  std::string text = "[";
-  for (int i = 0; i < N; ++i) text += (i ? ", " : "") + write(value[i]);
-  return text + "]";
-}
-template <class T>
-std::string write(const std::optional<T>& value) {
-  return value ? write(*value) : "null";
-}
-
-void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
-std::string write(const std::vector<EyeKeyframe>& path);
 
 /// A key of the table T: Study, or EyeKeyframe within `eye.path`.
 template <class T>
@@ -203,7 +82,8 @@ const std::vector<Key<Study>>& studyKeys() {
                {-kFar_m, kFar_m}),
       FOCI_KEY(eye.up, "eye.up", "upwards", {-1, 1}),
       FOCI_KEY(eye.path, "eye.path", "keyframes of a moving eye, instead of position and look_at"),
-      FOCI_KEY(screen.monitor, "screen.monitor", "a PsychoPy monitor (JSON), instead of sizes"),
+      FOCI_KEY(screen.monitor, "screen.monitor",
+               "a calibrated screen (foci calibrate screen, PsychoPy), instead of sizes"),
       FOCI_KEY(screen.size_px, "screen.size_px", "width and height, px", {16, 16384}),
       FOCI_KEY(screen.size_m, "screen.size_m", "width and height of the visible area, m",
                {0.01, 20}),
@@ -211,6 +91,8 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(observer.pupil_mm, "observer.pupil_mm", "diameter of the pupil, mm", {0.5, 12}),
       FOCI_KEY(observer.retina_mm, "observer.retina_mm", "lens to retina, mm", {10, 40}),
       FOCI_KEY(gaze.source, "gaze.source", "\"simulated\", or a recording (TSV, CSV, ASC)"),
+      FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording"),
+      FOCI_KEY(gaze.camera, "gaze.camera", "camera of foci calibrate camera"),
       FOCI_KEY(gaze.columns.time, "gaze.time", "column of the time"),
       FOCI_KEY(gaze.columns.x, "gaze.x", "column of the horizontal position"),
       FOCI_KEY(gaze.columns.y, "gaze.y", "column of the vertical position"),
@@ -240,8 +122,8 @@ const std::vector<Key<Study>>& studyKeys() {
                {0, 10}),
       FOCI_KEY(render.method, "render.method", "how depth of field is drawn: `foci methods`",
                {.words = methodNames()}),
-      FOCI_KEY(output.size_px, "output.size_px", "width and height of the pictures, px",
-               {16, 8192}),
+      FOCI_KEY(output.size_px, "output.size_px",
+               "width and height of the pictures, px; absent: the screen's", {16, 8192}),
       FOCI_KEY(output.fps, "output.fps", "frames a second", {1, 1000}),
       FOCI_KEY(output.seconds, "output.seconds", "from, to: after the recording's first sample, s",
                {0, 1e6}),
@@ -255,39 +137,6 @@ const std::vector<Key<Study>>& studyKeys() {
 #undef FOCI_KEY
 #undef FOCI_KEYFRAME_KEY
 
-/// A value as a message shows it: one short line.
-std::string shownValue(const toml::value& value) {
-  std::string text;
-  switch (value.type()) {
-    case toml::value_t::integer:
-      text = std::to_string(value.as_integer());
-      break;
-    case toml::value_t::floating:
-      text = numberText(value.as_floating());
-      break;
-    case toml::value_t::boolean:
-      text = value.as_boolean() ? "true" : "false";
-      break;
-    case toml::value_t::string:
-      text = jsonText(value.as_string().str);
-      break;
-    case toml::value_t::table:
-      text = "{...}";
-      break;
-    case toml::value_t::array:
-      for (const auto& element : value.as_array()) {
-        text += (text.empty() ? "" : ", ") + shownValue(element);
-        if (text.size() > 60) break;
-      }
-      text = "[" + text + "]";
-      break;
-    default:
-      text = "a date or time";
-      break;
-  }
-  return text.size() > 60 ? text.substr(0, 57) + "..." : text;
-}
-
 /// A text from outside, printable and short.
 std::string shownName(std::string_view name) {
   const std::string quoted = jsonText(std::string(name.substr(0, 60)));
@@ -296,6 +145,11 @@ std::string shownName(std::string_view name) {
 
 std::string place(const std::string& file, const toml::value& value) {
   return file + ":" + std::to_string(value.location().line());
+}
+
+InputError notAsExpected(const std::string& file, const std::string& key, const toml::value& value,
+                         const std::string& expected) {
+  return {place(file, value), key + " = " + shownValue(value) + ": expected " + expected};
 }
 
 /// Applies a TOML table of keys with the given prefix to `to`.
@@ -316,18 +170,17 @@ std::set<std::string, std::less<>> apply(const std::vector<Key<T>>& keys, const 
       try {
         found->read(value, found->allowed, to);
       } catch (const Expected& expected) {
-        throw InputError(place(file, value),
-                         full + " = " + shownValue(value) + ": expected " + expected.what);
+        throw notAsExpected(file, full, value, expected.what);
       }
       given.insert(full);
     } else if (is_section && value.is_table() && prefix.empty()) {
       given.merge(apply(keys, value.as_table(), full + ".", file, to));
     } else if (is_section) {
-      throw InputError(place(file, value),
-                       full + " = " + shownValue(value) + ": expected a section, [" + full + "]");
+      throw notAsExpected(file, full, value, "a section of keys");
     } else {
       std::vector<std::string> known;
-      for (const auto& key : keys) known.emplace_back(key.name);
+      std::transform(keys.begin(), keys.end(), std::back_inserter(known),
+                     [](const auto& key) { return std::string(key.name); });
       throw InputError(place(file, value), "unknown key " + shownName(full) + ": did you mean " +
                                                nearest(full, known) + "?");
     }
@@ -335,7 +188,9 @@ std::set<std::string, std::less<>> apply(const std::vector<Key<T>>& keys, const 
   return given;
 }
 
-void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to) {
+}  // namespace
+
+static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to) {
   const std::string what = "a list of at most 10000 { time_s, position_m, look_at_m }";
   if (!from.is_array() || from.as_array().empty() || from.as_array().size() > 10000) {
     throw Expected{what};
@@ -360,7 +215,7 @@ void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to)
   }
 }
 
-std::string write(const std::vector<EyeKeyframe>& path) {
+static std::string write(const std::vector<EyeKeyframe>& path) {
   std::string text = "[";
   for (const EyeKeyframe& frame : path) {
     text += text.size() > 1 ? ", {" : "{";
@@ -373,42 +228,7 @@ std::string write(const std::vector<EyeKeyframe>& path) {
   return text + "]";
 }
 
-constexpr std::size_t kMaxFile_bytes = 4 << 20;
-constexpr std::size_t kMaxLine_bytes = 2000;
-constexpr int kMaxDepth = 16;
-
-/// toml11 recurses into nested values and keys: what would exhaust its stack is refused before.
-void refuseDeepNesting(const std::string& text, const std::string& file) {
-  int depth = 0, line = 1;
-  std::size_t line_start = 0;
-  char quote = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    const auto where = [&] { return file + ":" + std::to_string(line); };
-    if (c == '\0') throw InputError(where(), "holds a NUL byte: not TOML");
-    if (c == '\n') {
-      ++line;
-      line_start = i + 1;
-      quote = 0;  // strings of several lines are no values of a study
-    } else if (i - line_start > kMaxLine_bytes) {
-      throw InputError(where(),
-                       "expected lines of at most " + std::to_string(kMaxLine_bytes) + " bytes");
-    } else if (quote) {
-      if (c == '\\' && quote == '"')
-        ++i;
-      else if (c == quote)
-        quote = 0;
-    } else if (c == '"' || c == '\'') {
-      quote = c;
-    } else if (c == '#') {
-      while (i + 1 < text.size() && text[i + 1] != '\n') ++i;
-    } else if (c == '[' || c == '{') {
-      if (++depth > kMaxDepth) throw InputError(where(), "nested too deeply");
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-}
+namespace {
 
 /// The first line of toml11's report, without its function's name.
 std::string firstLine(const std::exception& error) {
@@ -421,16 +241,7 @@ std::string firstLine(const std::exception& error) {
 
 toml::value parseToml(const std::filesystem::path& path) {
   const std::string file = path.string();
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
-    throw InputError(file, "is a folder, expected a study (TOML)");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(file, "cannot be read");
-  std::string text(kMaxFile_bytes + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > kMaxFile_bytes) throw InputError(file, "over 4 MiB: not a study");
-  refuseDeepNesting(text, file);
+  const std::string text = readTomlText(path);
   try {
     std::istringstream stream(text);
     return toml::parse(stream, file);
@@ -443,6 +254,16 @@ toml::value parseToml(const std::filesystem::path& path) {
 
 void resolve(std::filesystem::path& path, const std::filesystem::path& folder) {
   if (path.is_relative()) path = (folder / path).lexically_normal();
+}
+
+/// The calibrated screen's own numbers, where the study names one.
+void takeMonitor(Study& study) {
+  if (!study.screen.monitor) return;
+  const Screen screen = readScreen(*study.screen.monitor).screen;
+  study.screen.size_px = screen.size_px;
+  study.screen.size_m = screen.size_m;
+  study.screen.distance_m = screen.distance_m;
+  study.screen.is_default = false;
 }
 
 }  // namespace
@@ -469,6 +290,8 @@ Study readStudy(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.parent_path();
   if (study.scene.file) resolve(*study.scene.file, folder);
   if (study.screen.monitor) resolve(*study.screen.monitor, folder);
+  if (study.gaze.map) resolve(*study.gaze.map, folder);
+  if (study.gaze.camera) resolve(*study.gaze.camera, folder);
   if (!study.gazeIsSimulated()) {
     std::filesystem::path trace = study.gaze.source;
     resolve(trace, folder);
@@ -477,12 +300,7 @@ Study readStudy(const std::filesystem::path& file) {
   study.screen.is_default = std::none_of(given.begin(), given.end(), [](const std::string& name) {
     return name.starts_with("screen.");
   });
-  if (study.screen.monitor) {
-    const Screen screen = readPsychoPyMonitor(*study.screen.monitor);
-    study.screen.size_px = screen.size_px;
-    study.screen.size_m = screen.size_m;
-    study.screen.distance_m = screen.distance_m;
-  }
+  takeMonitor(study);
   return study;
 }
 
@@ -514,11 +332,17 @@ void overrideKey(Study& study, std::string_view key, const OptionValue& value,
   } catch (const Expected& expected) {
     throw InputError(option, "expected " + expected.what);
   }
+  if (key == "screen.monitor") takeMonitor(study);
 }
 
 void checkStudy(const Study& study) {
   const std::string file = study.file.string();
   const auto refuse = [&](const std::string& what) { throw InputError(file, what); };
+  if (study.gaze.map && study.gazeIsSimulated()) {
+    refuse("gaze.map: expected a recording to map, not simulated gaze");
+  }
+  if (study.gaze.map) readGazeMap(*study.gaze.map);
+  if (study.gaze.camera) readCamera(*study.gaze.camera);
   const auto checkPose = [&](const glm::dvec3& position_m, const glm::dvec3& look_at_m,
                              const glm::dvec3& up, const std::string& name) {
     const glm::dvec3 sight = look_at_m - position_m;
@@ -548,10 +372,6 @@ void checkStudy(const Study& study) {
   }
   if (study.output.seconds && !(study.output.seconds->y > study.output.seconds->x)) {
     refuse("output.seconds = " + write(*study.output.seconds) + ": expected from before to");
-  }
-  if (study.output.size_px.x % 2 != 0 || study.output.size_px.y % 2 != 0) {
-    refuse("output.size_px = " + write(study.output.size_px) +
-           ": expected even numbers, as H.264 wants");
   }
 }
 

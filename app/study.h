@@ -44,7 +44,7 @@ struct Study {
   } eye;
 
   struct ScreenChoice {
-    std::optional<std::filesystem::path> monitor;  ///< PsychoPy JSON
+    std::optional<std::filesystem::path> monitor;  ///< our TOML or PsychoPy JSON
     glm::ivec2 size_px{1920, 1080};
     glm::dvec2 size_m{0.5313, 0.2989};
     double distance_m = 0.6;
@@ -60,6 +60,8 @@ struct Study {
     std::string source = "simulated";  ///< or a file, as the study or the option names it
     TraceColumns columns;              ///< all but the units, which are text here
     std::string units = "auto";
+    std::optional<std::filesystem::path> map;     ///< of foci calibrate gaze; applied to recordings
+    std::optional<std::filesystem::path> camera;  ///< of foci calibrate camera
     EventSettings events;
   } gaze;
 
@@ -74,7 +76,7 @@ struct Study {
   } render;
 
   struct Output {
-    glm::ivec2 size_px{1280, 720};
+    std::optional<glm::ivec2> size_px;  ///< of the pictures; absent: the screen's
     double fps = 30.0;
     std::optional<glm::dvec2> seconds;  ///< from, to, after the recording's first sample
     bool marker = false;
@@ -86,6 +88,7 @@ struct Study {
   bool gazeIsSimulated() const { return gaze.source == "simulated"; }
   /// The screen in force: the study's, its monitor's or the default.
   Screen screenInForce() const;
+  glm::ivec2 pictureSize_px() const { return output.size_px.value_or(screen.size_px); }
 };
 
 /// @throws InputError naming file, line, key and value for whatever is not as the table of keys

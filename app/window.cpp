@@ -124,6 +124,9 @@ void Texture::set(const glm::ivec2& size_px, const unsigned char* rgb) {
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB, size_px.x, size_px.y, 0, GL_RGB, GL_UNSIGNED_BYTE, rgb);
 }
 
-void* Texture::id() const { return reinterpret_cast<void*>(static_cast<std::uintptr_t>(id_)); }
+void* Texture::id() const {
+  // Dear ImGui names textures so.  NOLINTNEXTLINE(performance-no-int-to-ptr)
+  return reinterpret_cast<void*>(static_cast<std::uintptr_t>(id_));
+}
 
 }  // namespace foci

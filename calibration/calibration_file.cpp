@@ -85,7 +85,8 @@ CalibrationFile::CalibrationFile(const std::filesystem::path& path) : file_(path
       add(key, value);
       continue;
     }
-    for (const auto& [inner, inner_value] : value.as_table()) add(key + "." + inner, inner_value);
+    const std::string table = key + ".";
+    for (const auto& [inner, inner_value] : value.as_table()) add(table + inner, inner_value);
   }
 }
 

@@ -161,10 +161,8 @@ CameraFit fitCamera(std::span<const BoardView> views, const glm::ivec2& size_px)
   for (std::size_t v = 0; v < views.size(); ++v) {
     cv::Vec3d rotation, translation;
     cv::solvePnP(board[v], image[v], start, cv::noArray(), rotation, translation);
-    for (int i = 0; i < 3; ++i) {
-      poses[v][static_cast<std::size_t>(i)] = rotation[i];
-      poses[v][static_cast<std::size_t>(3 + i)] = translation[i];
-    }
+    poses[v] = {rotation[0],    rotation[1],    rotation[2],
+                translation[0], translation[1], translation[2]};
     if (translation[2] <= 0.0) throw InputError(kWhere, "a view behind the camera");
   }
 
@@ -242,7 +240,8 @@ CameraFit fitCamera(std::span<const BoardView> views, const glm::ivec2& size_px)
     for (const glm::dvec2& px : view.image_px) {
       const glm::ivec2 cell =
           glm::clamp(glm::ivec2(px / glm::dvec2(size_px) * glm::dvec2(8, 6)), {0, 0}, {7, 5});
-      ++fit.coverage[static_cast<std::size_t>(cell.y * 8 + cell.x)];
+      const int at = cell.y * 8 + cell.x;
+      ++fit.coverage[static_cast<std::size_t>(at)];
     }
   }
   for (int count : fit.coverage) fit.covered += (count > 0 ? 1.0 : 0.0) / 48.0;

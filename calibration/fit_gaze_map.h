@@ -18,7 +18,8 @@ struct GazeFit {
 
 /// Robust fit (Ceres, Tukey's loss on whole targets, whose samples were first reduced to a robust
 /// location). The order is chosen by leave-one-target-out error; a higher one must lower it
-/// noticeably. Terms above the affine are shrunk towards 0 as far as cross-validation asks for it.
+/// noticeably. Terms above the affine are shrunk towards 0, and the map towards the affine fit, as
+/// far as cross-validation asks for it.
 /// @param model  forces an order
 /// @throws InputError where gaze is missing at too many targets, targets are too few, collinear or
 ///   contradict each other

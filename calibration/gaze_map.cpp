@@ -96,7 +96,9 @@ GazeTrace mapTrace(const GazeMap& map, const Screen& screen, GazeTrace trace) {
   for (GazeSample& sample : trace.samples) {
     if (!sample.point_px) continue;
     const glm::dvec2 gaze = fromPixels(map.frame, screen, *sample.point_px);
-    sample.point_px = toPixels(map.frame, screen, estimateGaze(map, gaze).point);
+    const GazeEstimate estimate = estimateGaze(map, gaze);
+    sample.point_px = toPixels(map.frame, screen, estimate.point);
+    sample.uncertainty_deg = estimate.uncertainty_deg;
   }
   return trace;
 }

@@ -57,7 +57,8 @@ GazeEstimate estimateGaze(const GazeMap& map, const glm::dvec2& gaze);
 GazeMap correctDrift(const GazeMap& map, std::span<const glm::dvec2> gaze,
                      const glm::dvec2& target);
 
-/// The map applied to a recording: points in pixels of `screen`, and back.
+/// The map applied to a recording, whose points are pixels of `screen`. A map of normalised gaze
+/// holds its own screen for angles only.
 GazeTrace mapTrace(const GazeMap& map, const Screen& screen, GazeTrace trace);
 
 }  // namespace foci

@@ -16,8 +16,7 @@ constexpr int kIterations = 8;
 
 double quantile(std::vector<double>& values, double q) {
   assert(!values.empty());
-  const auto at =
-      static_cast<std::size_t>(std::lround(q * static_cast<double>(values.size() - 1)));
+  const auto at = static_cast<std::size_t>(std::lround(q * static_cast<double>(values.size() - 1)));
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
   return values[at];
 }

@@ -27,6 +27,7 @@ struct GazeSample {
       point_px{};  ///< on the trace's screen, origin top-left; absent in a blink or a loss
   std::optional<double> pupil_mm{};  ///< diameter, where the recording has one in millimetres
   bool blink = false;                ///< the tracker itself says so
+  std::optional<double> uncertainty_deg{};  ///< 68 % of the errors are smaller; from a calibration
 };
 
 struct GazeTrace {

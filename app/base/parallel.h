@@ -15,12 +15,12 @@
 
 namespace foci {
 
-/// Calls `body(i)` for i in [0, n), on as many threads as the enclosing tbb::global_control allows, and
-/// returns when all are done. Bodies run in any order and must not touch what another one writes: then the
-/// result does not depend on the threads.
+/// Calls `body(i)` for i in [0, n), on as many threads as the enclosing tbb::global_control allows,
+/// and returns when all are done. Bodies run in any order and must not touch what another one
+/// writes: then the result does not depend on the threads.
 ///
-/// The thread sanitizer cannot see into the scheduling library, which is not instrumented: there, plain
-/// threads do the same.
+/// The thread sanitizer cannot see into the scheduling library, which is not instrumented: there,
+/// plain threads do the same.
 template <typename Body>
 void parallelFor(std::size_t n, const Body& body) {
 #if defined(__SANITIZE_THREAD__)

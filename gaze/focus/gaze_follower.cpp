@@ -1,5 +1,6 @@
 #include "gaze/focus/gaze_follower.h"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -36,10 +37,12 @@ void GazeFollower::push(const GazeSample& sample) {
 
 void GazeFollower::look(double time_s) {
   const glm::dvec2 point_px = *now_.fixation_px;
-  looked_ = {.time_s = time_s,
-             .point_px = point_px,
-             .distance_m = surface_(time_s, lineOfSight(screen_, point_px),
-                                    glm::radians(settings_.cone_half_angle_deg))};
+  looked_ = {
+      .time_s = time_s,
+      .point_px = point_px,
+      .distance_m = surface_(time_s, lineOfSight(screen_, point_px),
+                             glm::radians(std::max(settings_.cone_half_angle_deg,
+                                                   newest_->uncertainty_deg.value_or(0.0))))};
   if (!looked_->distance_m) return;
   assert(*looked_->distance_m > 0.0);
   accommodation_.setTarget(time_s, 1.0 / *looked_->distance_m);

@@ -21,7 +21,8 @@ using SurfaceDistance = std::function<std::optional<double>(
 struct FollowSettings {
   EventSettings events{};
   AccommodationSettings accommodation{};
-  double cone_half_angle_deg = 0.5;  ///< as wide as a good tracker's error
+  double cone_half_angle_deg =
+      0.5;  ///< as wide as a good tracker's error; wider where a sample says so
 };
 
 /// The eye at the time of a frame.

@@ -23,8 +23,9 @@ struct SurfelCloud {
   std::vector<float> opacity;    ///< 0 to 1; empty: all 1
   std::vector<float> area_m2;    ///< > 0
 
-  /// The normals point out of the solid whose surface this is, or at least agree with their neighbours'.
-  /// Then a surface that turns away from the eye is told from the one that turns towards it.
+  /// The normals point out of the solid whose surface this is, or at least agree with their
+  /// neighbours'. Then a surface that turns away from the eye is told from the one that turns
+  /// towards it.
   bool oriented = false;
 
   std::size_t size() const { return position_m.size(); }

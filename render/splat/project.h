@@ -17,17 +17,19 @@ enum class BlurKernel {
 /// What is drawn of the lens, and how. By default all of it at once.
 struct Projection {
   BlurKernel kernel = BlurKernel::gaussian;
-  /// Centre of the part of the lens that is looked through, in lens radii. A point U away moves on the
-  /// image by radius_px_per_D lens (focus_D - 1/U): its place seen from there, with the focus kept.
+  /// Centre of the part of the lens that is looked through, in lens radii. A point U away moves on
+  /// the image by radius_px_per_D lens (focus_D - 1/U): its place seen from there, with the focus
+  /// kept.
   glm::vec2 lens{0.0f};
   float aperture = 1.0f;  ///< radius of that part over the lens's, 0 (a pinhole) to 1
-  float shading = 0.0f;   ///< 0 to 1: how much of the colour falls off with the cosine to the line of sight
+  float shading =
+      0.0f;  ///< 0 to 1: how much of the colour falls off with the cosine to the line of sight
 };
 
-/// Projects every surfel and drops those that draw nothing: nearer than `view.near_m` along the axis,
-/// outside the image, with a projected area of zero, or not finite. The kernel's second moment on the
-/// image equals the variance stated at `BlurKernel`. SIMD with run-time dispatch, threads by TBB; chunk
-/// contents do not depend on either but for rounding.
+/// Projects every surfel and drops those that draw nothing: nearer than `view.near_m` along the
+/// axis, outside the image, with a projected area of zero, or not finite. The kernel's second
+/// moment on the image equals the variance stated at `BlurKernel`. SIMD with run-time dispatch,
+/// threads by TBB; chunk contents do not depend on either but for rounding.
 void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& defocus,
                     const Projection& projection, SplatChunks& chunks);
 

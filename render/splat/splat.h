@@ -15,8 +15,8 @@ struct alignas(64) Splat {
   float x_px, y_px;
   float qa, qb, qc;
   float k0, k1, k2;
-  float red, green, blue;  ///< linear, times opacity
-  float opacity;                     ///< negative: of an oriented surface that is seen from behind
+  float red, green, blue;          ///< linear, times opacity
+  float opacity;                   ///< negative: of an oriented surface that is seen from behind
   float near_m, far_m;             ///< distances that the unblurred splat spans
   float extent_x_px, extent_y_px;  ///< half size of the footprint's bounding box
 };

@@ -132,6 +132,8 @@ INSTANTIATE_TEST_SUITE_P(
         inStudy("SyntaxError", "study.toml:2", "seed = 1\n[scene\n"),
         inStudy("NoValue", "study.toml", "seed =\n"),
         inStudy("DeepNesting", "nested too deeply", "seed = " + repeated("[", 100000)),
+        inStudy("DeepNestingBehindAText", "strings of several lines",
+                "seed = [\"\"\"\n\"\"\", " + repeated("[", 1900)),
         inStudy("LongDottedKey", "expected lines of at most", repeated("a.", 100000) + "a = 1\n"),
         inStudy("Binary", "NUL byte", std::string("seed = 1\n\0\1\2", 12)),
         inStudy("HugeFile", "not a study", repeated("# a comment of many\n", 400000)),

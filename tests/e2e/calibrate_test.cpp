@@ -110,6 +110,50 @@ TEST(CalibrateGaze, RefusesInOneLine) {
   EXPECT_NE(says({"--pairs", ""}).find("--pairs"), std::string::npos);
 }
 
+TEST(CalibrationInUse, ReplayTakesScreenAndMapAndNamesThem) {
+  const TemporaryFolder folder;
+  folder.write("study.toml", smallStudy());
+  folder.write("scene.ply", squarePly(8, 1.0));
+  folder.write("trace.tsv", steadyTrace());
+  // The tracker says 2 deg too far left.
+  std::string pairs = "x y x_target y_target\n";
+  for (int i = 0; i < 9; ++i) {
+    const int x = 8 * (i % 3 - 1), y = 5 * (i / 3 - 1);
+    pairs += std::to_string(x - 2) + " " + std::to_string(y) + " " + std::to_string(x) + " " +
+             std::to_string(y) + "\n";
+  }
+  folder.write("pairs.txt", pairs);
+  ASSERT_EQ(
+      runFoci({"calibrate", "gaze", "--pairs", "pairs.txt", "--out", "map.toml"}, folder.path())
+          .exit_code,
+      0);
+  ASSERT_EQ(runFoci({"calibrate", "screen", "--headless", "--size-px", "640x480", "--size-m",
+                     "0.32x0.24", "--distance-m", "0.7", "--out", "screen.toml"},
+                    folder.path())
+                .exit_code,
+            0);
+  const Outcome outcome = runFoci({"replay", "study.toml", "--screen", "screen.toml", "--gaze-map",
+                                   "map.toml", "--out", "out", "--json"},
+                                  folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json manifest = Json::parse(folder.read("out/manifest.json"));
+  EXPECT_FALSE(manifest["screen_is_default"].get<bool>());
+  const std::string inputs = manifest["inputs"].dump();
+  EXPECT_NE(inputs.find("screen.toml"), std::string::npos) << inputs;
+  EXPECT_NE(inputs.find("map.toml"), std::string::npos) << inputs;
+  const auto table = tableOf(folder.read("out/frames.tsv"));
+  const auto column = static_cast<std::size_t>(
+      std::find(table[0].begin(), table[0].end(), "gaze_x_px") - table[0].begin());
+  // 2000 px/m at 0.7 m; the recording holds the middle.
+  EXPECT_NEAR(std::stod(table[2][column]), 320.0 + 2000.0 * 0.7 * std::tan(2.0 * M_PI / 180.0),
+              1.5);
+
+  const Outcome simulated = runFoci(
+      {"render", "study.toml", "--gaze-map", "absent.toml", "--out", "made.png"}, folder.path());
+  EXPECT_EQ(simulated.exit_code, 2);
+  EXPECT_NE(simulated.err.find("absent.toml"), std::string::npos) << simulated.err;
+}
+
 TEST(CalibrateScreen, HeadlessFromCardAndBlindSpot) {
   const TemporaryFolder folder;
   const double px_per_m = 4000.0, distance_m = 0.62;

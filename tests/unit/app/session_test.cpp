@@ -66,7 +66,7 @@ Study wallStudy() {
   Study study;
   study.eye.position_m = glm::dvec3(0.0);
   study.eye.look_at_m = glm::dvec3(0.0, 0.0, -1.0);
-  study.output.size_px = {64, 36};
+  study.output.size_px = glm::ivec2(64, 36);
   return study;
 }
 

@@ -1,0 +1,177 @@
+// From TOML to the values of a study and on to JSON, one pair of functions for each type. Heavy to
+// compile (toml11): for study.cpp alone.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <concepts>
+#include <cstdio>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <toml.hpp>
+#include <vector>
+
+namespace foci {
+
+using Words = std::vector<std::string_view>;
+
+/// What a key allows: numbers from `low` to `high`, each of them; texts among `words` (none: any).
+struct Allowed {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  Words words = {};
+};
+
+/// A value that the key does not allow; `what` says what it does.
+struct Expected {
+  std::string what;
+};
+
+inline std::string numberText(double value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.begin(), text.end(), value).ptr;
+  return {text.begin(), end};
+}
+
+inline std::string jsonText(const std::string& text) {
+  std::string json = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') json += '\\';
+    if (static_cast<unsigned char>(c) < 0x20) {
+      std::array<char, 8> escape;
+      std::snprintf(escape.data(), escape.size(), "\\u%04x", c);
+      json += escape.data();
+    } else {
+      json += c;
+    }
+  }
+  return json + '"';
+}
+
+inline std::string rangeText(const Allowed& allowed) {
+  return numberText(allowed.low) + " to " + numberText(allowed.high);
+}
+
+// One `read` (TOML to value, or Expected) and one `write` (value to JSON) for each type of key.
+
+inline void read(const toml::value& from, const Allowed& allowed, double& to) {
+  const double value = from.is_floating()  ? from.as_floating()
+                       : from.is_integer() ? static_cast<double>(from.as_integer())
+                                           : std::numeric_limits<double>::quiet_NaN();
+  if (!(value >= allowed.low && value <= allowed.high)) throw Expected{rangeText(allowed)};
+  to = value;
+}
+
+template <std::signed_integral Integer>
+void read(const toml::value& from, const Allowed& allowed, Integer& to) {
+  const auto fits = [&](std::int64_t value) {
+    return static_cast<double>(value) >= allowed.low && static_cast<double>(value) <= allowed.high;
+  };
+  if (!from.is_integer() || !fits(from.as_integer())) {
+    throw Expected{"an integer, " + rangeText(allowed)};
+  }
+  to = static_cast<Integer>(from.as_integer());
+}
+
+inline void read(const toml::value& from, const Allowed&, bool& to) {
+  if (!from.is_boolean()) throw Expected{"true or false"};
+  to = from.as_boolean();
+}
+
+inline void read(const toml::value& from, const Allowed& allowed, std::string& to) {
+  std::string what = allowed.words.empty() ? "a text" : "one of";
+  for (const auto word : allowed.words) what += " \"" + std::string(word) + "\"";
+  if (!from.is_string()) throw Expected{what};
+  const std::string& text = from.as_string().str;
+  const bool known =
+      std::find(allowed.words.begin(), allowed.words.end(), text) != allowed.words.end();
+  if (text.empty() || text.find('\0') != std::string::npos || !(allowed.words.empty() || known)) {
+    throw Expected{text.empty() ? what + " that is not empty" : what};
+  }
+  to = text;
+}
+
+inline void read(const toml::value& from, const Allowed&, std::filesystem::path& to) {
+  std::string text;
+  try {
+    read(from, {}, text);
+  } catch (const Expected&) {
+    throw Expected{"a file's name"};
+  }
+  to = text;
+}
+
+template <int N, class Number>
+void read(const toml::value& from, const Allowed& allowed, glm::vec<N, Number>& to) {
+  const std::string what = std::to_string(N) + " numbers, each ";
+  if (!from.is_array() || from.as_array().size() != N) throw Expected{what + rangeText(allowed)};
+  try {
+    for (int i = 0; i < N; ++i) read(from.as_array()[static_cast<std::size_t>(i)], allowed, to[i]);
+  } catch (const Expected& expected) {
+    throw Expected{what + expected.what};
+  }
+}
+
+template <class T>
+void read(const toml::value& from, const Allowed& allowed, std::optional<T>& to) {
+  T value{};
+  read(from, allowed, value);
+  to = value;
+}
+
+inline std::string write(double value) { return numberText(value); }
+std::string write(std::signed_integral auto value) { return std::to_string(value); }
+inline std::string write(bool value) { return value ? "true" : "false"; }
+inline std::string write(const std::string& value) { return jsonText(value); }
+inline std::string write(const std::filesystem::path& value) { return jsonText(value.string()); }
+template <int N, class Number>
+std::string write(const glm::vec<N, Number>& value) {
+  std::string text = "[";
+  for (int i = 0; i < N; ++i) text += (i ? ", " : "") + write(value[i]);
+  return text + "]";
+}
+template <class T>
+std::string write(const std::optional<T>& value) {
+  return value ? write(*value) : "null";
+}
+
+/// A value as a message shows it: one short line.
+inline std::string shownValue(const toml::value& value) {
+  std::string text;
+  switch (value.type()) {
+    case toml::value_t::integer:
+      text = std::to_string(value.as_integer());
+      break;
+    case toml::value_t::floating:
+      text = numberText(value.as_floating());
+      break;
+    case toml::value_t::boolean:
+      text = value.as_boolean() ? "true" : "false";
+      break;
+    case toml::value_t::string:
+      text = jsonText(value.as_string().str);
+      break;
+    case toml::value_t::table:
+      text = "{...}";
+      break;
+    case toml::value_t::array:
+      for (const auto& element : value.as_array()) {
+        text += (text.empty() ? "" : ", ") + shownValue(element);
+        if (text.size() > 60) break;
+      }
+      text = "[" + text + "]";
+      break;
+    default:
+      text = "a date or time";
+      break;
+  }
+  return text.size() > 60 ? text.substr(0, 57) + "..." : text;
+}
+
+}  // namespace foci
