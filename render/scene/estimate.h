@@ -13,7 +13,7 @@ namespace foci {
 struct EstimateSettings {
   /// Estimated normals are turned towards it; by default away from the cloud's centroid. Splats are
   /// drawn two-sided, so this only matters to shading.
-  std::optional<glm::vec3> viewpoint_m;
+  std::optional<glm::vec3> viewpoint_m = {};
   float lone_spacing_m = 0.01f;  ///< spacing where there is no neighbour to measure one by
   /// Sizes are solved for as well as weights, so that the kernels of an irregular sampling sum to
   /// one much more closely: about fifteen times the work, surfels a third larger.
