@@ -11,10 +11,10 @@
 namespace foci {
 namespace {
 
-constexpr float kReach = 6.0f;              // standard deviations of the surfel beside
+constexpr float kReach = 4.0f;              // standard deviations of a prefiltered kernel
 constexpr std::size_t kMostSurfels = 2048;  // within reach
 constexpr float kSameSheetCosine = 0.5f;    // of normals, signs apart
-constexpr float kSameSheetReach = 0.5f;     // off the tangent plane, of the reach
+constexpr float kSameSheetOffPlane = 3.0f;  // standard deviations of the surfel beside
 constexpr float kSmoothReach = 3.0f;        // standard deviations: where smoothness is asked for
 constexpr float kSmoothCosine = 0.9f;
 constexpr float kSmoothOffPlane = 0.5f;  // standard deviations
@@ -63,16 +63,17 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes,
   const std::vector<Probe> at = spread(cloud, probes);
   std::vector<glm::vec3> centers_m;
   std::vector<float> radius_m;
+  const float widened = std::hypot(1.0f, pixel_spacings / kSigmaPerSpacing);
   for (const Probe& probe : at) {
     centers_m.push_back(probe.p_world);
-    radius_m.push_back(kReach * sigmaOf(cloud, probe.beside));
+    radius_m.push_back(kReach * widened * sigmaOf(cloud, probe.beside));
   }
   const auto around = findWithin(cloud.position_m, centers_m, radius_m, kMostSurfels);
 
   std::vector<KernelSum> sums(at.size(), {0.0f, false});
   parallelFor(at.size(), [&](std::size_t k) {
     const glm::vec3 normal = normalOf(cloud, at[k].beside);
-    const float sigma = radius_m[k] / kReach;
+    const float sigma = sigmaOf(cloud, at[k].beside);
     std::vector<std::uint32_t> sheet;
     double area = 0.0;
     bool smooth = true;
@@ -87,7 +88,7 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes,
         centroid += d;
         ++close;
       }
-      if (cosine < kSameSheetCosine || off_plane > kSameSheetReach * radius_m[k]) continue;
+      if (cosine < kSameSheetCosine || off_plane > kSameSheetOffPlane * sigma) continue;
       sheet.push_back(j);
       area += cloud.area_m2[j];
     }

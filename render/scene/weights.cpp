@@ -14,6 +14,7 @@ constexpr int kWeightsARound = 3;      // iterations of the weights between step
 constexpr float kStep = 4.0f;          // of log v, against the gradient
 constexpr float kLargestStep = 0.1f;   // of log v
 constexpr float kMostGrowth = 2.56f;   // of v: 1.6 of sigma
+constexpr float kLeastSheet = 0.5f;    // of the neighbours; strays and shreds are all border
 constexpr float kBorderOffset = 0.3f;  // of the reach; a half-disc's centroid lies at 0.42
 
 /// Sums over the surfel's own sheet, the surfel included.
@@ -102,7 +103,8 @@ class Solver {
       centroid += problem_.position_m[j] - problem_.position_m[i];
       seen += 1.0f;
     });
-    return glm::length(centroid) > kBorderOffset * seen * problem_.near.reach_m[i];
+    return seen < kLeastSheet * static_cast<float>(problem_.near.k) ||
+           glm::length(centroid) > kBorderOffset * seen * problem_.near.reach_m[i];
   }
 
   const KernelProblem& problem_;

@@ -50,7 +50,7 @@ class FociFileTest : public testing::Test {
 
 SurfelCloud few(bool with_opacity) {
   SurfelCloud cloud;
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 3; ++i) {
     const auto x = static_cast<float>(i);
     appendSurfel(cloud, {x, 0.1f * x, -1.0f}, {0.6f, 0.0f, 0.8f}, 0.01f + 0.001f * x, 0.002f,
                  {0.1f * x, 0.5f, 2.0f}, with_opacity ? 0.1f * x : 1.0f);
@@ -126,7 +126,7 @@ TEST_F(FociFileTest, RefusesSurfelsThatAreNotSoundThoughTheChecksumIs) {
     spoil(cloud);
     return refusal(written(cloud));
   };
-  EXPECT_EQ(refused([&](SurfelCloud& c) { c.position_m[3].y = nan; }), ": surfel 3 is not sound");
+  EXPECT_EQ(refused([&](SurfelCloud& c) { c.position_m[2].y = nan; }), ": surfel 2 is not sound");
   EXPECT_NE(refused([&](SurfelCloud& c) { c.axis_u_m[0] = glm::vec3(0.0f); }), "");
   EXPECT_NE(refused([&](SurfelCloud& c) { c.axis_u_m[0] = c.axis_v_m[0]; }), "");
   EXPECT_NE(refused([&](SurfelCloud& c) { c.area_m2[2] = 0.0f; }), "");
