@@ -57,6 +57,7 @@ void addCalibrateCommand(CLI::App& app) {
     CalibrateGazeOptions& o = *gaze_options;
     gaze->add_option("--pairs", o.pairs, "Samples to fit: TSV with x y x_target y_target");
     gaze->add_option("--validate", o.validate, "Samples to measure on, of other targets");
+    gaze->add_option("--drift", o.drift, "Map to move: --pairs has samples of one target");
     gaze->add_option("--units", o.units, "deg, norm or direction (the plane z = 1)");
     gaze->add_option("--model", o.model, "auto, offset, affine, second or third");
     gaze->add_option("--screen", o.screen, "Calibrated screen");

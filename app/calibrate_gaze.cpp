@@ -45,6 +45,29 @@ GazeReport fromFiles(const CalibrateGazeOptions& options, const GazeFrame& frame
   return report;
 }
 
+/// Moves a map by what gaze says at a single target.
+void correctDriftOf(const CalibrateGazeOptions& options) {
+  if (options.pairs.empty()) throw InputError("--drift", "needs --pairs, samples of one target");
+  const GazeMap map = readGazeMap(options.drift);
+  std::vector<glm::dvec2> gaze;
+  std::optional<glm::dvec2> target;
+  for (const GazePair& pair : readGazePairs(options.pairs, map.frame.units)) {
+    if (target && *target != pair.target) {
+      throw InputError(options.pairs.string(), "more than one target: a drift has one");
+    }
+    target = pair.target;
+    if (pair.gaze) gaze.push_back(*pair.gaze);
+  }
+  const GazeMap corrected = correctDrift(map, gaze, *target);
+  if (!options.out.empty()) writeWhole(options.out, gazeMapToml(corrected));
+  const glm::dvec2 moved = corrected.coefficients[0] - map.coefficients[0];
+  const double drift_deg =
+      angle_deg(onPlane(map.frame, *target - moved), onPlane(map.frame, *target));
+  std::printf(options.json ? "{\"drift_deg\": %.17g, \"samples\": %zu}\n"
+                           : "moved by %.2f deg, from %zu samples\n",
+              drift_deg, gaze.size());
+}
+
 void refuseWindowOptions(const CalibrateGazeOptions& options) {
   if (options.source != "mouse") {
     throw InputError("--source", options.source.substr(0, 40) + ": expected mouse");
@@ -66,6 +89,10 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
       throw InputError("--model",
                        options.model + ": expected auto, offset, affine, second or third");
     }
+  }
+  if (!options.drift.empty()) {
+    correctDriftOf(options);
+    return;
   }
   const GazeFrame frame = frameOf(options);
   GazeReport report;

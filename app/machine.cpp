@@ -1,11 +1,11 @@
 #include "app/machine.h"
 
-#include <hwy/highway.h>
-#include <hwy/targets.h>
 #include <sys/utsname.h>
 
 #include <fstream>
 #include <thread>
+
+#include "render/splat/sweep.h"
 
 namespace foci {
 
@@ -21,9 +21,7 @@ Machine describeMachine() {
       break;
     }
   }
-  // Better targets have lower bits.
-  const std::int64_t targets = hwy::SupportedTargets();
-  machine.simd = hwy::TargetName(targets & -targets);
+  machine.simd = simdTarget();
   utsname system{};
   if (uname(&system) == 0) {
     machine.system = std::string(system.sysname) + " " + system.release + " " + system.machine;

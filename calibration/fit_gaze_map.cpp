@@ -13,10 +13,10 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kFewestTargets = 3;
+constexpr std::size_t kFewestTargets = 3, kMostTargets = 10'000;
 constexpr double kCollinear = 0.02;   // smaller over larger extent of the targets or of the gaze
 constexpr double kScattered = 0.35;   // deviation at one target over the extent of the gaze
-constexpr double kUnexplained = 0.6;  // residual over the extent of the targets
+constexpr double kUnexplained = 0.4;  // median held-out error over the extent of the targets
 constexpr double kBounded = 3.0;      // a held-out error counts up to so many times the median
 /// Error variance that the next order must leave at most, by order.
 constexpr std::array<double, 4> kGain{1.0, 0.95, 0.8, 0.8};
@@ -82,6 +82,7 @@ std::vector<Station> stationsOf(std::span<const GazePair> pairs, const GazeFrame
     totals.push_back(station.weight);
     stations.push_back(std::move(station));
   }
+  if (stations.size() > kMostTargets) refuse("more than 10000 different targets");
   if (stations.empty()) refuse("no sample with gaze at any target");
   // Samples of one target share the observer's error there: more of them hardly make it surer.
   const double usual = quantile(totals, 0.5);
@@ -256,10 +257,10 @@ GazeFit fitGazeMap(std::span<const GazePair> pairs, const GazeFrame& frame,
   std::vector<double> misses;
   for (Eigen::Index i = 0; i < n; ++i) {
     const Station& s = stations[static_cast<std::size_t>(i)];
-    misses.push_back(solution.residual.row(i).norm() / glm::length(span * s.deg_per_unit));
+    misses.push_back(heldOut_deg(solution, i) / glm::length(span * s.deg_per_unit));
     if (solution.weight[i] <= 0.0) fit.refused.push_back(s.target);
   }
-  if (quantile(misses, 0.5) > kUnexplained * 0.5 || 2 * fit.refused.size() > stations.size()) {
+  if (quantile(misses, 0.5) > kUnexplained || 2 * fit.refused.size() > stations.size()) {
     refuse("contradictory: gaze does not follow the targets");
   }
 

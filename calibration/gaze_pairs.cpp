@@ -14,7 +14,7 @@ constexpr std::array<std::string_view, 6> kColumns{"x",        "y",      "x_targ
                                                    "y_target", "time_s", "weight"};
 constexpr std::size_t kNeeded = 4;
 constexpr std::size_t kMostColumns = 256;
-constexpr std::size_t kMostRows = 20'000'000;
+constexpr std::size_t kMostRows = 2'000'000;
 constexpr std::size_t kLongestLine = 65536;
 constexpr double kLargestGaze = 1e6;
 
@@ -116,7 +116,7 @@ std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits 
     if (fields.size() != width) {
       throw refuse(std::to_string(fields.size()) + " fields: expected " + std::to_string(width));
     }
-    if (pairs.size() == kMostRows) throw refuse("more than 20 million rows");
+    if (pairs.size() == kMostRows) throw refuse("more than 2 million rows: not a calibration");
     const auto valueOf = [&](std::size_t c, double least, double most) -> std::optional<double> {
       if (!column[c] || isMissing(fields[*column[c]])) return std::nullopt;
       const std::string_view field = fields[*column[c]];

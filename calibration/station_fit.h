@@ -8,8 +8,9 @@
 
 namespace foci {
 
-inline constexpr double kNoiseFloor_deg =
-    0.005;  ///< no tracker is better; keeps exact data solvable
+/// Per axis: nobody looks at a target more exactly, and exact data must not make every misfit an
+/// outlier.
+inline constexpr double kNoiseFloor_deg = 0.06;
 
 /// One model's linear system: design * coefficients = goal, in degrees along each axis.
 struct StationSystem {

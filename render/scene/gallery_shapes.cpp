@@ -84,7 +84,7 @@ Shape lathe(const glm::vec3& foot, std::vector<glm::vec2> profile, int flutes, f
   };
 }
 
-Shape tube(Curve curve, std::function<float(float)> radius, const glm::vec3& aside) {
+Shape tube(const Curve& curve, const std::function<float(float)>& radius, const glm::vec3& aside) {
   return [=](glm::vec2 uv) {
     const float step = 2e-3f;
     const glm::vec3 along = glm::normalize(curve(uv.y + step) - curve(uv.y - step));

@@ -22,7 +22,7 @@ Shape lathe(const glm::vec3& foot, std::vector<glm::vec2> profile, int flutes = 
             float flute_depth = 0.0f);
 
 /// A tube around a curve over 0 to 1, u around it, v along. `aside` is never along the curve.
-Shape tube(Curve curve, std::function<float(float)> radius, const glm::vec3& aside);
+Shape tube(const Curve& curve, const std::function<float(float)>& radius, const glm::vec3& aside);
 
 /// A leaf of a plant: from `base` along `rise`, bent by `droop`, `width` at its widest.
 Shape leaf(const glm::vec3& base, const glm::vec3& rise, const glm::vec3& side, float droop);

@@ -292,5 +292,11 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists, const glm
   return std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});
 }
 
+const char* simdTarget() {
+  // Better targets have lower bits.
+  const std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
+  return hwy::TargetName(targets & -targets);
+}
+
 }  // namespace foci
 #endif  // HWY_ONCE

@@ -19,4 +19,7 @@ namespace foci {
 std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists, const glm::vec3& background,
                     bool transparent, bool depth, Frame& frame);
 
+/// The SIMD target that rendering runs on here, as Highway names it.
+const char* simdTarget();
+
 }  // namespace foci

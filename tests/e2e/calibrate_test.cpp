@@ -87,6 +87,27 @@ TEST(CalibrateGaze, WorksInEveryUnit) {
   }
 }
 
+TEST(CalibrateGaze, DriftMovesTheMap) {
+  const TemporaryFolder folder;
+  folder.write("fit.tsv", pairsFile(20, 0.1));
+  ASSERT_EQ(runFoci({"calibrate", "gaze", "--pairs", "fit.tsv", "--out", "map.toml"}, folder.path())
+                .exit_code,
+            0);
+  // At the middle the tracker of `pairsFile` says 2, -1; now it says 1.1 to the right of it.
+  std::string one = "x y x_target y_target\n";
+  for (int i = 0; i < 10; ++i) one += "3.1 -1 0 0\n";
+  folder.write("one.txt", one);
+  const Outcome outcome = runFoci({"calibrate", "gaze", "--drift", "map.toml", "--pairs", "one.txt",
+                                   "--out", "moved.toml", "--json"},
+                                  folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NEAR(Json::parse(outcome.out)["drift_deg"].get<double>(), 1.0, 0.1);
+  const Outcome two = refusedWithoutATrace(
+      {"calibrate", "gaze", "--drift", "map.toml", "--pairs", "fit.tsv", "--out", "made.toml"},
+      folder);
+  EXPECT_NE(two.err.find("more than one target"), std::string::npos);
+}
+
 TEST(CalibrateGaze, RefusesInOneLine) {
   const TemporaryFolder folder;
   folder.write("good.tsv", pairsFile(5, 0.1));

@@ -1,4 +1,5 @@
-// The promise of a calibrated screen: blur drawn on it subtends the angle that the eye's own blur would.
+// The promise of a calibrated screen: blur drawn on it subtends the angle that the eye's own blur
+// would.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,8 +47,8 @@ TEST(BlurOnScreen, SubtendsTheAngleOfTheEyesOwn) {
     for (const double distance_m : {0.3, 0.6, 3.0}) {
       const double px_per_m = dpi / 0.0254;
       const Screen screen = measuredScreen(px_per_m, distance_m);
-      const View view = viewThroughScreen(glm::mat4(1.0f), screen.size_px, screen.size_m,
-                                          screen.distance_m);
+      const View view =
+          viewThroughScreen(glm::mat4(1.0f), screen.size_px, screen.size_m, screen.distance_m);
       // So much defocus that the blur is 15 px: far from both the pixel and the frame's edge.
       const double defocus_D = 15.0 / (0.5 * kPupil_m * distance_m * px_per_m);
       RenderSettings settings;
