@@ -109,6 +109,10 @@ void run(const Options& options) {
                                                .out = options.out,
                                                .scale_m = options.scale_m,
                                                .points = static_cast<std::size_t>(options.points)});
+  if (summary.dropped > 0) {
+    std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n",
+                 options.input.c_str(), summary.dropped);
+  }
   if (options.json) {
     std::puts(json(summary).c_str());
     return;
@@ -138,6 +142,10 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
     throw InputError(request.input.string(), "is prepared already");
   }
   const auto start = std::chrono::steady_clock::now();
+  std::filesystem::path folder = request.out.parent_path();
+  if (folder.empty()) folder = ".";
+  OutputFolder output(folder);  // before the work, should it be impossible
+  const std::filesystem::path scene_file = output.stage(request.out.filename().string());
   PointCloud points =
       openPoints(request.input, request.scale_m, MeshSampling{.points = request.points});
   PrepareSummary summary{.out = request.out, .report = request.out, .dropped = points.dropped};
@@ -163,10 +171,7 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
         static_cast<double>(std::max<std::size_t>(sums.size(), 1));
   }
 
-  std::filesystem::path folder = request.out.parent_path();
-  if (folder.empty()) folder = ".";
-  OutputFolder output(folder);
-  writeSceneFile(output.stage(summary.out.filename().string()), cloud);
+  writeSceneFile(scene_file, cloud);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   writeText(output.stage(summary.report.filename().string()), prepareReport(request, summary));
   output.commit();
