@@ -40,6 +40,7 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
       .defocus = defocusOfLens(study.observer.pupil_mm / 1000.0, view.focal_px, summary.focus_D,
                                DistanceAlong::sight),
       .background = glm::vec3(study.scene.background),
+      .shading = static_cast<float>(study.render.shading),
       .depth = request.depth.has_value()};
   summary.stats = makeMethod(study.render.method, cloud)->render(view, settings, frame);
   writeImage(request.out, frame);

@@ -58,7 +58,8 @@ FrameRecord Session::render(double time_s, Frame& frame) {
   const View view = viewAt(time_s);
   const RenderSettings settings{.defocus = defocusOfLens(record.pupil_mm / 1000.0, view.focal_px,
                                                          record.eye.focus_D, DistanceAlong::sight),
-                                .background = glm::vec3(study_.scene.background)};
+                                .background = glm::vec3(study_.scene.background),
+                                .shading = static_cast<float>(study_.render.shading)};
   record.stats = method_->render(view, settings, frame);
   last_s_ = time_s;
   return record;
@@ -67,6 +68,7 @@ FrameRecord Session::render(double time_s, Frame& frame) {
 void Session::renderSharp(Frame& frame) {
   RenderSettings settings;
   settings.background = glm::vec3(study_.scene.background);
+  settings.shading = static_cast<float>(study_.render.shading);
   method_->render(viewAt(last_s_), settings, frame);
 }
 

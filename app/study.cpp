@@ -64,12 +64,6 @@ const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
   return keys;
 }
 
-Words methodNames() {
-  Words names;
-  for (const MethodInfo& method : methods()) names.push_back(method.name);
-  return names;
-}
-
 const std::vector<Key<Study>>& studyKeys() {
   static const std::vector<Key<Study>> keys = {
       FOCI_KEY(scene.file, "scene.file", "points (PLY), a mesh (OBJ, glTF, STL, PLY) or a prepared scene (.foci)"),
@@ -121,7 +115,9 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(focus.accommodation.resting_D, "focus.resting_D", "before there is a target, D",
                {0, 10}),
       FOCI_KEY(render.method, "render.method", "how depth of field is drawn: `foci methods`",
-               {.words = methodNames()}),
+               {.expected = expectedMethod}),
+      FOCI_KEY(render.shading, "render.shading",
+               "how much of the colour falls off with the angle of surface to sight", {0, 1}),
       FOCI_KEY(output.size_px, "output.size_px",
                "width and height of the pictures, px; absent: the screen's", {16, 8192}),
       FOCI_KEY(output.fps, "output.fps", "frames a second", {1, 1000}),

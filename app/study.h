@@ -73,6 +73,7 @@ struct Study {
 
   struct Render {
     std::string method = "sweep";
+    double shading = 0.0;
   } render;
 
   struct Output {

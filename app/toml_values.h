@@ -21,11 +21,13 @@ namespace foci {
 
 using Words = std::vector<std::string_view>;
 
-/// What a key allows: numbers from `low` to `high`, each of them; texts among `words` (none: any).
+/// What a key allows: numbers from `low` to `high`, each of them; texts among `words` (none: any)
+/// of which `expected`, if there, says nothing against.
 struct Allowed {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
   Words words = {};
+  std::optional<std::string> (*expected)(std::string_view) = nullptr;
 };
 
 /// A value that the key does not allow; `what` says what it does.
@@ -93,6 +95,9 @@ inline void read(const toml::value& from, const Allowed& allowed, std::string& t
       std::find(allowed.words.begin(), allowed.words.end(), text) != allowed.words.end();
   if (text.empty() || text.find('\0') != std::string::npos || !(allowed.words.empty() || known)) {
     throw Expected{text.empty() ? what + " that is not empty" : what};
+  }
+  if (allowed.expected) {
+    if (const auto instead = allowed.expected(text)) throw Expected{*instead};
   }
   to = text;
 }

@@ -1,8 +1,8 @@
 #include "render/methods/method.h"
 
+#include <cassert>
 #include <charconv>
 
-#include "app/base/input_error.h"
 #include "app/base/nearest.h"
 
 namespace foci {
@@ -31,6 +31,34 @@ constexpr Entry kEntries[] = {
      makeAccumulate},
 };
 
+/// A spec as understood, or what was expected.
+struct Choice {
+  const Entry* entry = nullptr;
+  int number = 0;
+  std::string expected;
+};
+
+Choice parse(std::string_view spec) {
+  const std::size_t colon = spec.find(':');
+  const std::string name(spec.substr(0, colon));
+  std::vector<std::string> known;
+  for (const Entry& entry : kEntries) {
+    const MethodInfo& info = entry.info;
+    known.emplace_back(info.name);
+    if (info.name != name) continue;
+    if (colon == std::string_view::npos) return {&entry, info.standard, {}};
+    if (info.most == 0) return {nullptr, 0, name + ", which takes no number"};
+    int number = 0;
+    const char* end = spec.data() + spec.size();
+    const auto [rest, error] = std::from_chars(spec.data() + colon + 1, end, number);
+    if (error == std::errc() && rest == end && number >= 1 && number <= info.most) {
+      return {&entry, number, {}};
+    }
+    return {nullptr, 0, name + ":1 to " + name + ":" + std::to_string(info.most)};
+  }
+  return {nullptr, 0, "a known method; the nearest is " + nearest(name, known)};
+}
+
 }  // namespace
 
 const std::vector<MethodInfo>& methods() {
@@ -42,27 +70,15 @@ const std::vector<MethodInfo>& methods() {
   return infos;
 }
 
+std::optional<std::string> expectedMethod(std::string_view spec) {
+  const Choice choice = parse(spec);
+  return choice.entry ? std::nullopt : std::optional(choice.expected);
+}
+
 std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud) {
-  const std::size_t colon = spec.find(':');
-  const std::string_view name = spec.substr(0, colon);
-  const std::string where = "method " + std::string(spec.substr(0, 64));
-  std::vector<std::string> known;
-  for (const Entry& entry : kEntries) {
-    const MethodInfo& info = entry.info;
-    known.emplace_back(info.name);
-    if (info.name != name) continue;
-    if (colon == std::string_view::npos) return entry.make(cloud, info.standard);
-    if (info.most == 0) throw InputError(where, std::string(name) + " takes no number");
-    int number = 0;
-    const char* end = spec.data() + spec.size();
-    const auto [rest, error] = std::from_chars(spec.data() + colon + 1, end, number);
-    if (error != std::errc() || rest != end || number < 1 || number > info.most) {
-      throw InputError(where,
-                       "expected " + std::string(name) + ":1 to :" + std::to_string(info.most));
-    }
-    return entry.make(cloud, number);
-  }
-  throw InputError(where, "unknown; the nearest known is " + nearest(name, known));
+  const Choice choice = parse(spec);
+  assert(choice.entry);
+  return choice.entry->make(cloud, choice.number);
 }
 
 }  // namespace foci

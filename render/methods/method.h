@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,8 +43,11 @@ struct MethodInfo {
 
 const std::vector<MethodInfo>& methods();
 
-/// @param spec  the name of one of `methods()`, where it takes a number with `:N` behind it
-/// @throws InputError on another name, with the nearest known one, or a number out of range
+/// What was expected instead of `spec`, which is to be the name of one of `methods()`, where it
+/// takes a number with `:N` behind it; nothing where `spec` is right.
+std::optional<std::string> expectedMethod(std::string_view spec);
+
+/// `spec` must be right (asserted). `cloud` must outlive the method.
 std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud);
 
 }  // namespace foci

@@ -375,12 +375,14 @@ TEST(Sweep, ShadingFallsOffWithTheCosine) {
   EXPECT_NEAR(shaded / plain, std::sqrt(0.5), 1e-3);
 }
 
-TEST(Methods, UnknownNameIsRefusedWithTheNearest) {
-  try {
-    makeMethod("sweap", SurfelCloud{});
-    FAIL();
-  } catch (const std::exception& error) {
-    EXPECT_NE(std::string(error.what()).find("sweep"), std::string::npos);
+TEST(Methods, WrongNamesAndNumbersAreToldWhatWasExpected) {
+  EXPECT_EQ(expectedMethod("sweep"), std::nullopt);
+  EXPECT_EQ(expectedMethod("accumulate:16"), std::nullopt);
+  EXPECT_EQ(expectedMethod("sweap"), "a known method; the nearest is sweep");
+  EXPECT_EQ(expectedMethod("sweep:3"), "sweep, which takes no number");
+  for (const char* spec :
+       {"accumulate:", "accumulate:0", "accumulate:-1", "accumulate:1e9", "accumulate:7x"}) {
+    EXPECT_EQ(expectedMethod(spec), "accumulate:1 to accumulate:100000") << spec;
   }
 }
 
