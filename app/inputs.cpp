@@ -1,6 +1,7 @@
 #include "app/inputs.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <numeric>
 #include <random>
 
@@ -9,8 +10,7 @@
 #include "gaze/sources/simulator.h"
 #include "gaze/sources/trace_reader.h"
 #include "render/optics/view.h"
-#include "render/scene/estimate.h"
-#include "render/scene/ply.h"
+#include "render/scene/open_scene.h"
 #include "render/scene/procedural.h"
 
 namespace foci {
@@ -126,12 +126,14 @@ glm::mat4 EyePath::eyeFromWorldAt(double time_s) const {
 
 SurfelCloud loadScene(const Study& study) {
   if (!study.scene.file) return study.scene.builtin == "plane" ? makePlane() : makeGallery();
-  PointCloud points = readPly(*study.scene.file);
-  const float scale_m = static_cast<float>(study.scene.scale_m);
-  for (glm::vec3& position_m : points.position_m) position_m *= scale_m;
-  for (float& radius_m : points.radius_m) radius_m *= scale_m;
   const glm::mat4 world_from_eye = glm::inverse(EyePath(study).eyeFromWorldAt(0.0));
-  return surfelsFromPoints(std::move(points), {.viewpoint_m = glm::vec3(world_from_eye[3])});
+  OpenedScene scene =
+      openScene(*study.scene.file, study.scene.scale_m, glm::vec3(world_from_eye[3]));
+  if (scene.dropped > 0) {
+    std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n",
+                 study.scene.file->c_str(), scene.dropped);
+  }
+  return std::move(scene.cloud);
 }
 
 GazeTrace loadGaze(const Study& study) {

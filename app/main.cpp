@@ -15,6 +15,7 @@
 #include "app/calibrate.h"
 #include "app/events_command.h"
 #include "app/manifest.h"
+#include "app/prepare_command.h"
 #include "app/render_picture.h"
 #include "app/replay.h"
 #include "app/study.h"
@@ -186,7 +187,7 @@ void addCommonOptions(CLI::App& command, Options& options) {
     return command.add_option(name, value, help)->type_name(type);
   };
   add("STUDY", options.study, "FILE", "study file (TOML)")->required();
-  add("--scene", options.scene, "FILE", "PLY point cloud instead of the study's scene");
+  add("--scene", options.scene, "FILE", "points (PLY), mesh or prepared scene instead of the study's");
   add("--screen", options.screen, "FILE", "calibrated screen: foci's TOML or a PsychoPy monitor");
   add("--gaze-map", options.gaze_map, "FILE", "map of foci calibrate gaze, for the recording");
   add("--camera", options.camera, "FILE", "camera of foci calibrate camera");
@@ -249,6 +250,7 @@ int run(int argc, char** argv) {
 
   addCalibrateCommand(app);
   addEventsCommand(app);
+  addPrepareCommand(app);
   addTraceCommand(app);
 
   try {
@@ -257,9 +259,8 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
-  if (app.got_subcommand("calibrate") || app.got_subcommand("events") ||
-      app.got_subcommand("trace")) {
-    return kDone;
+  for (const char* command : {"calibrate", "events", "prepare", "trace"}) {
+    if (app.got_subcommand(command)) return kDone;
   }
   for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {
     if (option->count() > 0 && option->get_type_size() > 0 && option->as<std::string>().empty()) {

@@ -11,19 +11,21 @@
 #include <utility>
 
 #include "app/base/parallel.h"
+#include "render/scene/morton.h"
 #include "render/scene/neighbours.h"
+#include "render/scene/weights.h"
 
 namespace foci {
 namespace {
 
 constexpr std::size_t kNeighbours = 16;
-constexpr float kSameSheetCosine = 0.5f;    // of normals, signs apart
-constexpr float kSameSheetReach = 0.5f;     // off the tangent plane, of the furthest neighbour
-constexpr float kMostLocalSpacings = 2.0f;  // of the neighbours' median: strays beside a surface
-constexpr float kMostSpacings = 5.0f;       // of the cloud's median: strays far from everything
-constexpr float kLeastSigma_m = 1e-9f;      // its fourth power is still a normal float
-constexpr float kLeastWeight = 0.05f;       // of spacing^2
-constexpr int kWeightIterations = 8;
+constexpr std::size_t kSolveNeighbours = 64;  // four spacings: all that a grown kernel meets
+constexpr float kSameSheetCosine = 0.5f;      // of normals, signs apart
+constexpr float kSameSheetReach = 0.5f;       // off the tangent plane, of the furthest neighbour
+constexpr float kMostLocalSpacings = 2.0f;    // of the neighbours' median: strays beside a surface
+constexpr float kMostSpacings = 5.0f;         // of the cloud's median: strays far from everything
+constexpr float kLeastSigma_m = 1e-9f;        // its fourth power is still a normal float
+constexpr int kQuickIterations = 8, kThoroughIterations = 40, kThoroughRounds = 30;
 constexpr double kMostOpposed = 0.05;  // share of neighbours, in an oriented cloud
 
 /// Unit eigenvector of the least eigenvalue, by cyclic Jacobi rotations (Golub and Van Loan, 8.5).
@@ -85,13 +87,13 @@ void estimateNormals(const std::vector<glm::vec3>& position_m, const Neighbours&
 }
 
 /// Which neighbours lie on the point's own sheet of surface, a bit each.
-std::vector<std::uint16_t> sameSheet(const std::vector<glm::vec3>& position_m,
+std::vector<std::uint64_t> sameSheet(const std::vector<glm::vec3>& position_m,
                                      const std::vector<glm::vec3>& normal, const Neighbours& near) {
-  static_assert(kNeighbours <= 16);
-  std::vector<std::uint16_t> sheet(position_m.size(), 0);
+  static_assert(kMostNeighbours <= 64);  // bits
+  std::vector<std::uint64_t> sheet(position_m.size(), 0);
   if (near.k == 0) return sheet;
   parallelFor(position_m.size(), [&](std::size_t i) {
-    unsigned bits = 0, bit = 1;
+    std::uint64_t bits = 0, bit = 1;
     for (const std::uint32_t j : near.of(i)) {
       const float off_plane = std::abs(glm::dot(position_m[j] - position_m[i], normal[i]));
       if (off_plane <= kSameSheetReach * near.reach_m[i] &&
@@ -100,17 +102,17 @@ std::vector<std::uint16_t> sameSheet(const std::vector<glm::vec3>& position_m,
       }
       bit <<= 1;
     }
-    sheet[i] = static_cast<std::uint16_t>(bits);
+    sheet[i] = bits;
   });
   return sheet;
 }
 
 /// Whether neighbours on one sheet have their normals on the same side, but for a few.
 bool agree(const std::vector<glm::vec3>& normal, const Neighbours& near,
-           const std::vector<std::uint16_t>& sheet) {
+           const std::vector<std::uint64_t>& sheet) {
   std::vector<std::uint8_t> opposed(normal.size(), 0);
   parallelFor(normal.size(), [&](std::size_t i) {
-    unsigned bit = 1;
+    std::uint64_t bit = 1;
     for (const std::uint32_t j : near.of(i)) {
       opposed[i] += (sheet[i] & bit) != 0 && glm::dot(normal[i], normal[j]) < 0.0f;
       bit <<= 1;
@@ -131,7 +133,7 @@ float medianOf(std::vector<float> values) {
 }
 
 /// sqrt of the area of one sample, from the k-th neighbour's distance; strays are kept small.
-std::vector<float> spacings(const Neighbours& near, const std::vector<std::uint16_t>& sheet,
+std::vector<float> spacings(const Neighbours& near, const std::vector<std::uint64_t>& sheet,
                             float lone_spacing_m) {
   std::vector<float> raw(sheet.size(), lone_spacing_m);
   if (near.k == 0) return raw;
@@ -143,7 +145,7 @@ std::vector<float> spacings(const Neighbours& near, const std::vector<std::uint1
   const float most_m = kMostSpacings * medianOf(raw);
   std::vector<float> spacing(raw.size());
   parallelFor(raw.size(), [&](std::size_t i) {
-    std::array<float, kNeighbours> around;
+    std::array<float, kNeighbours> around{};
     std::size_t count = 0;
     for (const std::uint32_t j : near.of(i)) around[count++] = raw[j];
     const auto middle = around.begin() + static_cast<std::ptrdiff_t>(count / 2);
@@ -151,58 +153,6 @@ std::vector<float> spacings(const Neighbours& near, const std::vector<std::uint1
     spacing[i] = std::max(std::min({raw[i], most_m, kMostLocalSpacings * *middle}), kLeastSigma_m);
   });
   return spacing;
-}
-
-/// Weights whose kernels sum to one over the surface. Least squares over the surface itself, not
-/// only at its samples, where an irregular sampling's sum is above its mean:
-///   minimise |sum_j w_j G_j - 1|^2  =>  sum_j w_j G_{V_i + V_j}(x_i - x_j) = 1 for each i,
-/// by the multiplicative iteration of formulas.md, section 5, on these kernels (ISRA,
-/// Daube-Witherspoon and Muehllehner 1986). Neighbours beyond the k-th are made up for by the
-/// kernel's mass within it.
-std::vector<float> solveWeights(const std::vector<glm::vec3>& position_m,
-                                const std::vector<glm::vec3>& normal, const Neighbours& near,
-                                const std::vector<std::uint16_t>& sheet,
-                                const std::vector<float>& spacing_m,
-                                const std::vector<float>& sigma_m) {
-  const std::size_t count = position_m.size();
-  const bool all_seen = near.k + 1 == count;
-  const auto most = [&](std::size_t i) {  // no single kernel covers more than everything
-    return glm::two_pi<float>() * sigma_m[i] * sigma_m[i];
-  };
-  std::vector<float> weight(count), next(count);
-  parallelFor(count,
-              [&](std::size_t i) { weight[i] = std::min(spacing_m[i] * spacing_m[i], most(i)); });
-
-  for (int iteration = 0; near.k > 0 && iteration < kWeightIterations; ++iteration) {
-    parallelFor(count, [&](std::size_t i) {
-      const float own2 = sigma_m[i] * sigma_m[i];
-      float sum = weight[i] / (2.0f * own2);
-      float variance_sum = 2.0f * own2, seen = 1.0f;
-      unsigned bits = sheet[i];
-      for (const std::uint32_t j : near.of(i)) {
-        const bool same = (bits & 1u) != 0;
-        bits >>= 1;
-        if (!same) continue;
-        const glm::vec3 d = position_m[j] - position_m[i];
-        const float off_plane = glm::dot(d, normal[i]);
-        const float variance = own2 + sigma_m[j] * sigma_m[j];
-        const float distance2 = std::max(glm::dot(d, d) - off_plane * off_plane, 0.0f);
-        sum += weight[j] / variance * std::exp(-0.5f * distance2 / variance);
-        variance_sum += variance;
-        seen += 1.0f;
-      }
-      float mass = 1.0f;
-      if (!all_seen) {
-        const float reach2 = near.reach_m[i] * near.reach_m[i];
-        mass = std::max(1.0f - std::exp(-0.5f * reach2 * seen / variance_sum), 0.05f);
-      }
-      const float covered = sum / (glm::two_pi<float>() * mass);
-      next[i] = std::clamp(weight[i] / covered,
-                           kLeastWeight * std::min(spacing_m[i] * spacing_m[i], most(i)), most(i));
-    });
-    weight.swap(next);
-  }
-  return weight;
 }
 
 SurfelCloud assemble(PointCloud&& points, const std::vector<float>& sigma_m,
@@ -286,7 +236,7 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
 
   const bool given_normals = !points.normal.empty();
   estimateNormals(points.position_m, near, settings.viewpoint_m, points.normal);
-  const std::vector<std::uint16_t> sheet = sameSheet(points.position_m, points.normal, near);
+  std::vector<std::uint64_t> sheet = sameSheet(points.position_m, points.normal, near);
   const bool oriented = given_normals && agree(points.normal, near, sheet);
   const std::vector<float> spacing = spacings(near, sheet, settings.lone_spacing_m);
 
@@ -297,8 +247,16 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
         std::max(sized ? kSigmaPerRadius * points.radius_m[i] : kSigmaPerSpacing * spacing[i],
                  kLeastSigma_m);
   }
-  std::vector<float> weight =
-      solveWeights(points.position_m, points.normal, near, sheet, spacing, sigma);
+  if (settings.thorough) {
+    near = {};
+    near = findNeighbours(points.position_m, kSolveNeighbours);
+    sheet = sameSheet(points.position_m, points.normal, near);
+  }
+  std::vector<float> weight = solveKernels(
+      {points.position_m, points.normal, near, sheet, spacing},
+      settings.thorough ? KernelEffort{kThoroughIterations, kThoroughRounds, settings.progress}
+                        : KernelEffort{kQuickIterations},
+      sigma);
   near = {};
   SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
   cloud.oriented = oriented;
@@ -309,6 +267,12 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
 
 SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& settings) {
   if (points.size() == 0) return {};
+  const std::vector<std::uint32_t> order = mortonOrder(points.position_m);
+  reorder(points.position_m, order);
+  reorder(points.normal, order);
+  reorder(points.color, order);
+  reorder(points.radius_m, order);
+  reorder(points.opacity, order);
   return estimate(std::move(points), settings, Stacks::possible);
 }
 

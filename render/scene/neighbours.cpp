@@ -12,8 +12,6 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kMostNeighbours = 32;
-
 struct Positions {
   const std::vector<glm::vec3>& position_m;
 
@@ -69,6 +67,26 @@ class Nearest {
   std::array<std::uint32_t, kMostNeighbours> index_{};
 };
 
+/// All within a radius, up to a number.
+class Within {
+ public:
+  Within(float radius_m, std::size_t most, std::vector<std::uint32_t>& found)
+      : radius2_(radius_m * radius_m), most_(most), found_(found) {}
+
+  std::size_t size() const { return found_.size(); }
+  bool full() const { return true; }
+  float worstDist() const { return radius2_; }
+  bool addPoint(float distance2, std::uint32_t index) {
+    if (distance2 < radius2_ && found_.size() < most_) found_.push_back(index);
+    return found_.size() < most_;
+  }
+
+ private:
+  float radius2_;
+  std::size_t most_;
+  std::vector<std::uint32_t>& found_;
+};
+
 }  // namespace
 
 Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t wanted) {
@@ -88,6 +106,21 @@ Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t 
     Nearest nearest(found.k, i);
     tree.findNeighbors(nearest, &position_m[i].x, nanoflann::SearchParams());
     nearest.copyTo(&found.index[i * found.k], found.reach_m[i]);
+  });
+  return found;
+}
+
+std::vector<std::vector<std::uint32_t>> findWithin(const std::vector<glm::vec3>& position_m,
+                                                   const std::vector<glm::vec3>& centers_m,
+                                                   const std::vector<float>& radius_m,
+                                                   std::size_t most) {
+  std::vector<std::vector<std::uint32_t>> found(centers_m.size());
+  if (position_m.empty()) return found;
+  const Positions positions{position_m};
+  const Tree tree(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(12));
+  parallelFor(centers_m.size(), [&](std::size_t i) {
+    Within within(radius_m[i], most, found[i]);
+    tree.findNeighbors(within, &centers_m[i].x, nanoflann::SearchParams());
   });
   return found;
 }

@@ -8,6 +8,8 @@
 
 namespace foci {
 
+inline constexpr std::size_t kMostNeighbours = 64;
+
 /// For point i the entries i * k to i * k + k - 1, not sorted; the point itself is not among them.
 struct Neighbours {
   std::size_t k = 0;  ///< min(wanted, points - 1)
@@ -17,7 +19,15 @@ struct Neighbours {
   std::span<const std::uint32_t> of(std::size_t i) const { return {index.data() + i * k, k}; }
 };
 
-/// Exact; the same at any number of threads. Fewer than 2^32 points, all finite (asserted).
+/// At most kMostNeighbours wanted (asserted). Exact; the same at any number of threads. Fewer than
+/// 2^32 points, all finite (asserted).
 Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t wanted);
+
+/// For each center the points within its radius, at most `most` of them, in an order that is the
+/// same at any number of threads. All finite.
+std::vector<std::vector<std::uint32_t>> findWithin(const std::vector<glm::vec3>& position_m,
+                                                   const std::vector<glm::vec3>& centers_m,
+                                                   const std::vector<float>& radius_m,
+                                                   std::size_t most);
 
 }  // namespace foci

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "app/base/parallel.h"
+#include "render/scene/morton.h"
 
 namespace foci {
 namespace {
@@ -21,16 +22,6 @@ constexpr float kReach = 3.0f;         // of a surfel's kernel, standard deviati
 constexpr float kDepthReach = 2.0f;    // of its z-range, standard deviations along the ray
 constexpr float kNearest_m = 0.001f;   // what reaches nearer is not seen
 constexpr double kFullCoverage = 0.9;  // kernels of a closed surface sum to one within 0.1
-
-/// Spreads the low 21 bits to every third bit.
-std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
-}
 
 struct Sphere {
   glm::vec3 center{0.0f};
@@ -146,26 +137,9 @@ struct Cone {
 /// A complete binary tree: node k has the children 2k + 1 and 2k + 2, its last level are the
 /// leaves, kLeafSurfels consecutive entries of `order` each.
 struct SurfaceQuery::Impl {
-  explicit Impl(const SurfelCloud& surfels) : cloud(surfels) {
-    sortSurfels();
+  explicit Impl(const SurfelCloud& surfels)
+      : cloud(surfels), order(mortonOrder(surfels.position_m)) {
     buildNodes();
-  }
-
-  void sortSurfels() {
-    Box box;
-    for (const glm::vec3& p : cloud.position_m) box.add(p, p);
-    const glm::vec3 size = box.high - box.low;
-    const float scale = 2097151.0f / std::max({size.x, size.y, size.z, 1e-30f});
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(cloud.size());
-    parallelFor(cloud.size(), [&](std::size_t i) {
-      const glm::vec3 cell = glm::min((cloud.position_m[i] - box.low) * scale, 2097151.0f);
-      const auto part = [](float x) { return spread(static_cast<std::uint64_t>(x)); };
-      keys[i] = {part(cell.x) | part(cell.y) << 1 | part(cell.z) << 2,
-                 static_cast<std::uint32_t>(i)};
-    });
-    parallelSort(keys.begin(), keys.end());
-    order.resize(keys.size());
-    for (std::size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].second;
   }
 
   void buildNodes() {

@@ -70,6 +70,13 @@ double kernelSum(const SurfelCloud& cloud, const glm::vec3& p) {
   return sum;
 }
 
+/// The surfel at a place: surfels come in an order of their own.
+std::size_t at(const SurfelCloud& cloud, const glm::vec3& p) {
+  const auto found = std::find(cloud.position_m.begin(), cloud.position_m.end(), p);
+  EXPECT_NE(found, cloud.position_m.end());
+  return static_cast<std::size_t>(found - cloud.position_m.begin());
+}
+
 void expectSound(const SurfelCloud& cloud, std::size_t size) {
   ASSERT_EQ(cloud.size(), size);
   ASSERT_EQ(cloud.axis_u_m.size(), size);
@@ -84,11 +91,10 @@ void expectSound(const SurfelCloud& cloud, std::size_t size) {
 }
 
 TEST(SurfelsFromPoints, FindTheNormalsOfASphere) {
-  const std::vector<glm::vec3> positions = sphere(20000, 0.5f);
-  const SurfelCloud cloud = surfelsFromPoints(coloured(positions));
-  expectSound(cloud, positions.size());
+  const SurfelCloud cloud = surfelsFromPoints(coloured(sphere(20000, 0.5f)));
+  expectSound(cloud, 20000);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    EXPECT_GT(glm::dot(normalOf(cloud, i), positions[i]), std::cos(kNormalAngle_rad)) << i;
+    EXPECT_GT(glm::dot(normalOf(cloud, i), cloud.position_m[i]), std::cos(kNormalAngle_rad)) << i;
   }
 }
 
@@ -135,9 +141,10 @@ TEST(SurfelsFromPoints, TakeRadiusAndNormalWhereGiven) {
   points.radius_m[211] = 0.0f;
   const SurfelCloud cloud = surfelsFromPoints(std::move(points));
   expectSound(cloud, 400);
-  EXPECT_NEAR(std::abs(normalOf(cloud, 210).y), 1.0f, 1e-5f);
-  EXPECT_FLOAT_EQ(glm::length(cloud.axis_u_m[212]), kSigmaPerSpacing);
-  EXPECT_NEAR(glm::length(cloud.axis_u_m[211]), kSigmaPerSpacing, 0.02f);
+  const auto sigma = [&](const glm::vec3& p) { return glm::length(cloud.axis_u_m[at(cloud, p)]); };
+  EXPECT_NEAR(std::abs(normalOf(cloud, at(cloud, {10.0f, 0.0f, 10.0f})).y), 1.0f, 1e-5f);
+  EXPECT_FLOAT_EQ(sigma({12.0f, 0.0f, 10.0f}), kSigmaPerSpacing);
+  EXPECT_NEAR(sigma({11.0f, 0.0f, 10.0f}), kSigmaPerSpacing, 0.02f);
 }
 
 TEST(SurfelsFromPoints, KeepStraysSmall) {
@@ -146,8 +153,9 @@ TEST(SurfelsFromPoints, KeepStraysSmall) {
   positions.emplace_back(10.0f, 8.0f, 10.0f);
   const SurfelCloud cloud = surfelsFromPoints(coloured(positions));
   expectSound(cloud, positions.size());
-  EXPECT_LT(glm::length(cloud.axis_u_m[400]), 3.0f);
-  EXPECT_LT(glm::length(cloud.axis_u_m[401]), 3.0f);
+  for (const glm::vec3& stray : {positions[400], positions[401]}) {
+    EXPECT_LT(glm::length(cloud.axis_u_m[at(cloud, stray)]), 3.0f);
+  }
 }
 
 TEST(SurfelsFromPoints, AreSoundForDegenerateClouds) {
@@ -177,8 +185,21 @@ TEST(SurfelsFromPoints, ShareTheAreaOfCoincidentPoints) {
   const SurfelCloud single = surfelsFromPoints(coloured(once));
   const SurfelCloud stacked = surfelsFromPoints(coloured(often));
   expectSound(stacked, often.size());
-  EXPECT_FLOAT_EQ(stacked.area_m2[210], single.area_m2[210] / 40.0f);
-  EXPECT_EQ(stacked.axis_u_m[210], single.axis_u_m[210]);
+  const std::size_t one = at(single, once[210]), many = at(stacked, once[210]);
+  EXPECT_FLOAT_EQ(stacked.area_m2[many], single.area_m2[one] / 40.0f);
+  EXPECT_EQ(stacked.axis_u_m[many], single.axis_u_m[one]);
+}
+
+TEST(SurfelsFromPoints, KeepEachPointsOwnColourAndLieNearInMemoryWhereNearInSpace) {
+  PointCloud points = coloured(sphere(20000, 0.5f));
+  for (std::size_t i = 0; i < points.size(); ++i) points.color[i] = glm::abs(points.position_m[i]);
+  const SurfelCloud cloud = surfelsFromPoints(std::move(points));
+  double step = 0.0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    ASSERT_EQ(cloud.color[i], glm::abs(cloud.position_m[i])) << i;
+    if (i > 0) step += glm::distance(cloud.position_m[i], cloud.position_m[i - 1]);
+  }
+  EXPECT_LT(step / 20000.0, 0.05);  // two spacings; in the spiral's order it would be 0.9
 }
 
 TEST(SurfelsFromPoints, AreTheSameAtAnyNumberOfThreads) {

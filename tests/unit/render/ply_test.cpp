@@ -219,11 +219,13 @@ TEST_F(PlyTest, RefusesWhatIsNoFile) {
   EXPECT_THROW(readPly("/dev/zero"), InputError);
 }
 
-TEST_F(PlyTest, RefusesEveryTruncation) {
+TEST_F(PlyTest, RefusesTruncationAnywhere) {
   const std::string whole = shuffledBinary(false);
   const std::size_t needed = whole.rfind(std::string("\x03\0\0", 3));  // faces are not needed
   ASSERT_NE(needed, std::string::npos);
-  for (std::size_t size = 0; size < needed; ++size) {
+  const std::size_t body = whole.find("end_header");
+  // The body's records repeat themselves, at a length that the step does not divide.
+  for (std::size_t size = 0; size < needed; size += size < body ? 1 : 37) {
     EXPECT_NE(refusal(whole.substr(0, size)), "") << size << " bytes of " << needed;
   }
 }

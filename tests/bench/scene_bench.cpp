@@ -1,0 +1,93 @@
+// Scenes: loading, estimation, distance queries. Fixed scenes and seeds.
+#include <benchmark/benchmark.h>
+#include <sys/resource.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <glm/gtc/constants.hpp>
+#include <random>
+
+#include "render/scene/estimate.h"
+#include "render/scene/ply.h"
+#include "render/scene/procedural.h"
+#include "render/scene/surface_query.h"
+
+namespace foci {
+namespace {
+
+std::filesystem::path lionFile() {
+  const char* folder = std::getenv("FOCI_DATA");
+  return std::filesystem::path(folder != nullptr ? folder : FOCI_SOURCE_DIR "/../shared/data") /
+         "scans/lion.ply";
+}
+
+/// Of the process, so far.
+double peakMemory_MiB() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+/// Points of a unit sphere in random order, as a file may bring them.
+PointCloud randomSphere(std::size_t count) {
+  std::mt19937 random(1);
+  const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
+  PointCloud points;
+  points.position_m.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float y = 2.0f * uniform() - 1.0f, a = glm::two_pi<float>() * uniform();
+    const float r = std::sqrt(1.0f - y * y);
+    points.position_m.emplace_back(r * std::cos(a), y, r * std::sin(a));
+  }
+  points.color.assign(count, glm::vec3(0.5f));
+  return points;
+}
+
+void BM_LoadLion(benchmark::State& state) {
+  const std::filesystem::path file = lionFile();
+  if (!std::filesystem::exists(file)) {
+    state.SkipWithError("no scans/lion.ply (FOCI_DATA)");
+    return;
+  }
+  for (auto _ : state) {
+    const SurfelCloud lion = surfelsFromPoints(readPly(file));
+    const SurfaceQuery query(lion);
+    benchmark::DoNotOptimize(&query);
+  }
+}
+BENCHMARK(BM_LoadLion)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+/// Argument: points.
+void BM_SurfelsOfRandomSphere(benchmark::State& state) {
+  for (auto _ : state) {
+    state.PauseTiming();
+    PointCloud points = randomSphere(static_cast<std::size_t>(state.range(0)));
+    state.ResumeTiming();
+    const SurfelCloud cloud = surfelsFromPoints(std::move(points));
+    benchmark::DoNotOptimize(cloud.area_m2.data());
+  }
+  state.counters["peak_MiB"] = peakMemory_MiB();
+}
+BENCHMARK(BM_SurfelsOfRandomSphere)
+    ->Arg(1'000'000)
+    ->Arg(10'000'000)
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+void BM_DistanceInGallery(benchmark::State& state) {
+  const SurfelCloud gallery = makeGallery();
+  const SurfaceQuery query(gallery);
+  const glm::dvec3 eye(galleryEyePose().position_m);
+  const auto places = galleryPointsOfInterest();
+  std::size_t at = 0;
+  for (auto _ : state) {
+    const glm::dvec3 sight = glm::dvec3(places[at++ % places.size()].p_world) - eye;
+    benchmark::DoNotOptimize(query.distance(eye, glm::normalize(sight), glm::radians(0.5), 0.5));
+  }
+}
+BENCHMARK(BM_DistanceInGallery)->Unit(benchmark::kMicrosecond)->UseRealTime();
+
+}  // namespace
+}  // namespace foci
