@@ -187,7 +187,8 @@ void addCommonOptions(CLI::App& command, Options& options) {
     return command.add_option(name, value, help)->type_name(type);
   };
   add("STUDY", options.study, "FILE", "study file (TOML)")->required();
-  add("--scene", options.scene, "FILE", "points (PLY), mesh or prepared scene instead of the study's");
+  add("--scene", options.scene, "FILE",
+      "points (PLY), mesh or prepared scene instead of the study's");
   add("--screen", options.screen, "FILE", "calibrated screen: foci's TOML or a PsychoPy monitor");
   add("--gaze-map", options.gaze_map, "FILE", "map of foci calibrate gaze, for the recording");
   add("--camera", options.camera, "FILE", "camera of foci calibrate camera");
