@@ -62,7 +62,8 @@ struct Study {
     std::string units = "auto";
     std::optional<std::filesystem::path> map;     ///< of foci calibrate gaze; applied to recordings
     std::optional<std::filesystem::path> camera;  ///< of foci calibrate camera
-    EventSettings events;
+    /// Losses up to 75 ms are filled, so that focus follows through them.
+    EventSettings events{.max_gap_s = 0.075};
   } gaze;
 
   struct Focus {
