@@ -66,7 +66,8 @@ const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
 
 const std::vector<Key<Study>>& studyKeys() {
   static const std::vector<Key<Study>> keys = {
-      FOCI_KEY(scene.file, "scene.file", "points (PLY), a mesh (OBJ, glTF, STL, PLY) or a prepared scene (.foci)"),
+      FOCI_KEY(scene.file, "scene.file",
+               "points (PLY), a mesh (OBJ, glTF, STL, PLY) or a prepared scene (.foci)"),
       FOCI_KEY(scene.builtin, "scene.builtin", "built-in scene, where there is no file",
                {.words = {"gallery", "plane"}}),
       FOCI_KEY(scene.scale_m, "scene.scale_m", "metres a unit of the file", {1e-6, 1e6}),
