@@ -112,9 +112,8 @@ const char* colorOf(GazeState state) {
     case GazeState::fixation:
       return "#3a9d6e";
     case GazeState::saccade:
-      return "#d9822b";
     case GazeState::oscillation:
-      return "#e3b778";
+      return "#d9822b";
     case GazeState::pursuit:
       return "#8e6bbf";
     case GazeState::blink:

@@ -191,7 +191,7 @@ std::string lossText(const ReportFacts& facts) {
 
 std::string legend() {
   std::string html = "<p class=\"legend\">";
-  for (const GazeState state : {GazeState::saccade, GazeState::oscillation, GazeState::pursuit,
+  for (const GazeState state : {GazeState::saccade, GazeState::pursuit,
                                 GazeState::blink, GazeState::lost}) {
     html += "<span>" + stateMark(state) + std::string(nameOf(state)) + "</span>";
   }

@@ -49,6 +49,8 @@ FrameRecord Session::render(double time_s, Frame& frame) {
                      .fixation_px = {},
                      .pupil_mm = study_.observer.pupil_mm,
                      .stats = {}};
+  // To the picture an eye that still rings has not landed.
+  if (record.eye.state == GazeState::oscillation) record.eye.state = GazeState::saccade;
   const auto on_screen = [&](const std::optional<glm::dvec2>& point_px) {
     return point_px ? onOtherScreen_px(gaze_screen_, screen_, *point_px) : std::nullopt;
   };
