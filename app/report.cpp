@@ -191,8 +191,8 @@ std::string lossText(const ReportFacts& facts) {
 
 std::string legend() {
   std::string html = "<p class=\"legend\">";
-  for (const GazeState state : {GazeState::saccade, GazeState::pursuit,
-                                GazeState::blink, GazeState::lost}) {
+  for (const GazeState state :
+       {GazeState::saccade, GazeState::pursuit, GazeState::blink, GazeState::lost}) {
     html += "<span>" + stateMark(state) + std::string(nameOf(state)) + "</span>";
   }
   return html + "<span>plain ground: fixation</span></p>\n";
