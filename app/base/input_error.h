@@ -2,8 +2,10 @@
 // `app/base` is the only folder that every room may include.
 #pragma once
 
+#include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 namespace foci {
 
@@ -18,5 +20,14 @@ class InputError : public std::runtime_error {
   InputError(const std::string& where, const std::string& what)
       : std::runtime_error(where + ": " + what) {}
 };
+
+/// Refuses what is there but no regular file: a folder, a device, a pipe that would be waited on
+/// for ever.
+inline void requireRegularFile(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+    throw InputError(path.string(), "not a file");
+  }
+}
 
 }  // namespace foci

@@ -46,6 +46,7 @@ std::string decimal(double value) {
 
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
                         const Screen& fallback_screen, const TakeSample& take) {
+  requireRegularFile(file);
   TraceHeader header;
   if (const auto sidecar = bidsSidecarOf(file)) {
     header = readBids(file, *sidecar, fallback_screen, take);

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "app/base/input_error.h"
 #include "render/scene/estimate.h"
 #include "render/scene/foci_file.h"
 
@@ -9,6 +10,7 @@ namespace foci {
 
 PointCloud openPoints(const std::filesystem::path& path, double scale_m,
                       const MeshSampling& sampling) {
+  requireRegularFile(path);
   PointCloud points = isMeshFile(path) ? sampleMesh(path, sampling) : readPly(path);
   const auto scale = static_cast<float>(scale_m);
   for (glm::vec3& position_m : points.position_m) position_m *= scale;
@@ -18,6 +20,7 @@ PointCloud openPoints(const std::filesystem::path& path, double scale_m,
 
 OpenedScene openScene(const std::filesystem::path& path, double scale_m,
                       const std::optional<glm::vec3>& viewpoint_m) {
+  requireRegularFile(path);
   if (isSceneFile(path)) {
     SurfelCloud cloud = readSceneFile(path);
     const auto scale = static_cast<float>(scale_m);

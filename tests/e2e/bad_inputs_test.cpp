@@ -127,7 +127,9 @@ INSTANTIATE_TEST_SUITE_P(
                 studyWith("file = \"scene.ply\"", "file = \"\"")),
         inStudy("UnknownWord", "\"gallery\" \"plane\"",
                 studyWith("file = \"scene.ply\"", "builtin = \"galery\"")),
-        added("UnknownMethod", "expected one of", "[render]\nmethod = \"swep\"\n"),
+        added("UnknownMethod",
+              "render.method = \"swep\": expected a known method; the nearest is sweep",
+              "[render]\nmethod = \"swep\"\n"),
         inStudy("DuplicateKey", "study.toml:3", studyWith("[eye]", "file = \"b.ply\"\n[eye]")),
         inStudy("SyntaxError", "study.toml:2", "seed = 1\n[scene\n"),
         inStudy("NoValue", "study.toml", "seed =\n"),
@@ -249,6 +251,8 @@ INSTANTIATE_TEST_SUITE_P(
         withOptions("SceneIsAFolder", "not a file", {"--scene", "."}),
         withOptions("MissingTrace", "missing.tsv", {"--trace", "missing.tsv"}),
         withOptions("TraceIsAFolder", "foci: .", {"--trace", "."}),
+        withOptions("TraceIsADevice", "not a file", {"--trace", "/dev/null"}),
+        withOptions("SceneIsADevice", "not a file", {"--scene", "/dev/zero"}),
         withOptions("ExtraArgument", "more.toml", {"more.toml"})),
     [](const auto& param) { return param.param.name; });
 
