@@ -10,7 +10,7 @@ fi
 step() { printf '\n== %s\n' "$*"; }
 
 step "style"
-git ls-files '*.h' '*.cpp' | xargs clang-format --dry-run --Werror
+find app calibration gaze render tests -name '*.h' -o -name '*.cpp' | xargs clang-format --dry-run --Werror
 
 step "release: build and test"
 cmake --preset release -DFOCI_TESTS=ON >/dev/null
@@ -18,7 +18,7 @@ cmake --build --preset release
 ctest --test-dir build/release --output-on-failure -j 2
 
 step "lint"
-git ls-files 'render/*.cpp' 'gaze/*.cpp' 'calibration/*.cpp' 'app/*.cpp' |
+find app calibration gaze render -name '*.cpp' | sort |
   xargs -P 2 -n 4 clang-tidy -p build/release --quiet --extra-arg=-Wno-unknown-warning-option
 
 export ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1:allocator_may_return_null=1
