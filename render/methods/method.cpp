@@ -54,7 +54,9 @@ Choice parse(std::string_view spec) {
     if (error == std::errc() && rest == end && number >= 1 && number <= info.most) {
       return {&entry, number, {}};
     }
-    return {nullptr, 0, name + ":1 to " + name + ":" + std::to_string(info.most)};
+    std::string range = name + ":1 to " + name;
+    range += ":" + std::to_string(info.most);
+    return {nullptr, 0, range};
   }
   return {nullptr, 0, "a known method; the nearest is " + nearest(name, known)};
 }
