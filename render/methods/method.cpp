@@ -1,7 +1,9 @@
 #include "render/methods/method.h"
 
+#include <algorithm>
 #include <cassert>
 #include <charconv>
+#include <iterator>
 
 #include "app/base/nearest.h"
 
@@ -41,24 +43,22 @@ struct Choice {
 Choice parse(std::string_view spec) {
   const std::size_t colon = spec.find(':');
   const std::string name(spec.substr(0, colon));
-  std::vector<std::string> known;
-  for (const Entry& entry : kEntries) {
-    const MethodInfo& info = entry.info;
-    known.emplace_back(info.name);
-    if (info.name != name) continue;
-    if (colon == std::string_view::npos) return {&entry, info.standard, {}};
-    if (info.most == 0) return {nullptr, 0, name + ", which takes no number"};
-    int number = 0;
-    const char* end = spec.data() + spec.size();
-    const auto [rest, error] = std::from_chars(spec.data() + colon + 1, end, number);
-    if (error == std::errc() && rest == end && number >= 1 && number <= info.most) {
-      return {&entry, number, {}};
-    }
-    std::string range = name + ":1 to " + name;
-    range += ":" + std::to_string(info.most);
-    return {nullptr, 0, range};
+  const auto entry = std::find_if(std::begin(kEntries), std::end(kEntries),
+                                  [&](const Entry& one) { return one.info.name == name; });
+  if (entry == std::end(kEntries)) {
+    std::vector<std::string> known;
+    for (const Entry& one : kEntries) known.emplace_back(one.info.name);
+    return {nullptr, 0, "a known method; the nearest is " + nearest(name, known)};
   }
-  return {nullptr, 0, "a known method; the nearest is " + nearest(name, known)};
+  if (colon == std::string_view::npos) return {entry, entry->info.standard, {}};
+  if (entry->info.most == 0) return {nullptr, 0, name + ", which takes no number"};
+  int number = 0;
+  const char* end = spec.data() + spec.size();
+  const auto [rest, error] = std::from_chars(spec.data() + colon + 1, end, number);
+  if (error == std::errc() && rest == end && number >= 1 && number <= entry->info.most) {
+    return {entry, number, {}};
+  }
+  return {nullptr, 0, name + ":1 to " + name + ":" + std::to_string(entry->info.most)};
 }
 
 }  // namespace
