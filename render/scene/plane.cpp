@@ -1,10 +1,9 @@
 // The paper's textured plane (Table 1, Figure 6): the texture is our own, coarse and fine detail
 // side by side so that any blur shows.
-#include <tbb/parallel_for.h>
-
 #include <cassert>
 #include <cmath>
 
+#include "app/base/parallel.h"
 #include "render/scene/pattern.h"
 #include "render/scene/procedural.h"
 
@@ -51,7 +50,7 @@ SurfelCloud makePlane(int samples, float side_m) {
   cloud.axis_u_m.assign(side * side, glm::vec3(0.0f, 0.0f, sigma_m));
   cloud.axis_v_m.assign(side * side, glm::vec3(sigma_m, 0.0f, 0.0f));
   cloud.area_m2.assign(side * side, step_m * step_m);
-  tbb::parallel_for(std::size_t{0}, side * side, [&](std::size_t i) {
+  parallelFor(side * side, [&](std::size_t i) {
     const glm::vec2 p =
         (glm::vec2(static_cast<float>(i % side), static_cast<float>(i / side)) + 0.5f) /
         static_cast<float>(samples);

@@ -1,12 +1,11 @@
 #include "render/scene/sample_surface.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
+#include "app/base/parallel.h"
 namespace foci {
 namespace {
 
@@ -139,7 +138,7 @@ void appendSurface(SurfelCloud& cloud, const ParametricSurface& surface,
   const std::vector<float> rows = equalSteps(row_density);
 
   std::vector<SurfelCloud> parts(rows.size() - 1);
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t row) {
+  parallelFor(parts.size(), [&](std::size_t row) {
     const float v = 0.5f * (rows[row] + rows[row + 1]);
     std::vector<float> densities(kDensitySteps);
     for (int i = 0; i < kDensitySteps; ++i) {
