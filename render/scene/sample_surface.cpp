@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/base/parallel.h"
+
 namespace foci {
 namespace {
 
