@@ -1,10 +1,10 @@
 #include "render/image/srgb.h"
 
-#include "app/base/parallel.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "app/base/parallel.h"
 
 namespace foci {
 namespace {

@@ -103,7 +103,7 @@ std::size_t sizeOf(Scalar type) {
 Input::Input(const std::filesystem::path& path) : name_(path.string()) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(name_, "no such file");
-  if (!std::filesystem::is_regular_file(path, error)) throw InputError(name_, "not a file");
+  requireRegularFile(path);
   size_ = std::filesystem::file_size(path, error);
   file_.reset(std::fopen(name_.c_str(), "rb"));
   if (!file_ || error) throw InputError(name_, "cannot be read");
