@@ -38,8 +38,11 @@ class AccumulateMethod final : public Method {
                      chunks_);
       lists_.build(chunks_, view.size_px);
       stats.splats += chunks_.total();
-      stats.fragments += sweep(chunks_, lists_, settings.background, !cloud_.opacity.empty(),
-                               settings.depth, view_);
+      stats.fragments += sweep(chunks_, lists_,
+                               {.background = settings.background,
+                                .transparent = !cloud_.opacity.empty(),
+                                .depth = settings.depth},
+                               view_);
       Frame& half = i % 2 == 0 ? frame : odd_;
       parallelFor(static_cast<std::size_t>(view.size_px.y), [&](std::size_t y) {
         for (std::size_t p = y * width; p < (y + 1) * width; ++p) {

@@ -10,6 +10,7 @@
 namespace foci {
 
 std::unique_ptr<Method> makeSweep(const SurfelCloud& cloud);
+std::unique_ptr<Method> makeSweepLod(const SurfelCloud& cloud, int parts);
 std::unique_ptr<Method> makeAccumulate(const SurfelCloud& cloud, int views);
 
 namespace {
@@ -25,6 +26,13 @@ constexpr Entry kEntries[] = {
           "each splat blurred before the image is formed; streamed over tiles, without lists",
       .source = "Krivanek, Zara and Bouatouch 2003, and our own"},
      [](const SurfelCloud& cloud, int) { return makeSweep(cloud); }},
+    {{.name = "sweep-lod",
+      .summary = "sweep from coarser levels and fewer samples where blurred; N parts of the lens "
+                 "where surfaces overlap",
+      .source = "our own",
+      .most = 256,
+      .standard = 7},
+     makeSweepLod},
     {{.name = "accumulate",
       .summary = "N pinhole views over the lens, averaged: the reference",
       .source = "Haeberli and Akeley 1990",

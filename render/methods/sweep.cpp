@@ -27,8 +27,11 @@ class SweepMethod final : public Method {
     lists_.build(chunks_, view.size_px);
     RenderStats stats;
     stats.splats = chunks_.total();
-    stats.fragments =
-        sweep(chunks_, lists_, settings.background, !cloud_.opacity.empty(), settings.depth, frame);
+    stats.fragments = sweep(chunks_, lists_,
+                            {.background = settings.background,
+                             .transparent = !cloud_.opacity.empty(),
+                             .depth = settings.depth},
+                            frame);
     stats.ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;

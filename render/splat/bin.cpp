@@ -6,10 +6,15 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace foci {
 namespace {
+
+/// The least standard deviation of a tile's kernels over the distance of its samples, where that is
+/// more than a pixel.
+constexpr float kSigmasAStep = 0.6f;
 
 constexpr int kDigitBits = 9;
 constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
@@ -86,39 +91,87 @@ void TileLists::sortByDistance(const SplatChunks& chunks) {
   sortPass(scratch_, sorted_, 32 + kDigitBits);
 }
 
-void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px) {
-  sortByDistance(chunks);
-  tiles_ = (size_px + kTile_px - 1) / kTile_px;
-  const std::size_t tile_count = static_cast<std::size_t>(tiles_.x) * tiles_.y;
-
-  // Count, sum up and fill by slices of the sorted list, so that every tile's list keeps its order.
-  const auto forEachTile = [&](std::size_t slice, auto&& visit) {
-    const auto [begin, end] = sliceOf(slice, sorted_.size());
+std::vector<TileLists::Sharpness> TileLists::sharpnessOfCells(const SplatChunks& chunks) const {
+  constexpr int kMargin_px = 4;  // a sharp edge just beyond a cell shows in its interpolation
+  const std::size_t cell_count = static_cast<std::size_t>(cells_.x) * cells_.y;
+  std::vector<Sharpness> all(kSlices * cell_count);
+  parallelFor(kSlices, [&](std::size_t s) {
+    Sharpness* cells = all.data() + s * cell_count;
+    const auto [begin, end] = sliceOf(s, sorted_.size());
     for (std::size_t i = begin; i < end; ++i) {
-      const auto splat = static_cast<std::uint32_t>(sorted_[i]);
-      const SplatKey key = chunks.keys[splat];
-      const bool wide = key.x1 > key.x0, high = key.y1 > key.y0;
-      if (key.x1 - key.x0 < 2 && key.y1 - key.y0 < 2) {
-        // Most splats: four visits without a branch, of which some do not count.
-        const std::size_t corner = static_cast<std::size_t>(key.y0) * tiles_.x + key.x0;
-        const std::size_t below = corner + (high ? tiles_.x : 0);
-        visit(corner, splat, true);
-        visit(corner + wide, splat, wide);
-        visit(below, splat, high);
-        visit(below + wide, splat, wide && high);
-        continue;
-      }
-      for (unsigned y = key.y0; y <= key.y1; ++y) {
-        for (unsigned x = key.x0; x <= key.x1; ++x) {
-          visit(static_cast<std::size_t>(y) * tiles_.x + x, splat, true);
+      const SplatKey& key = chunks.keys[static_cast<std::uint32_t>(sorted_[i])];
+      const int x1 = std::min(key.x1 + kMargin_px, size_px_.x - 1) / kTile;
+      const int y1 = std::min(key.y1 + kMargin_px, size_px_.y - 1) / kTile;
+      for (int y = std::max(key.y0 - kMargin_px, 0) / kTile; y <= y1; ++y) {
+        for (int x = std::max(key.x0 - kMargin_px, 0) / kTile; x <= x1; ++x) {
+          cells[static_cast<std::size_t>(y) * cells_.x + x].add({key.sigma_px, key.blur_px});
         }
       }
     }
+  });
+  for (std::size_t s = 1; s < kSlices; ++s) {
+    for (std::size_t c = 0; c < cell_count; ++c) all[c].add(all[s * cell_count + c]);
+  }
+  all.resize(cell_count);
+  return all;
+}
+
+void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
+  cells_ = (size_px_ + kTile - 1) / kTile;
+  tile_of_cell_.assign(static_cast<std::size_t>(cells_.x) * cells_.y, 0);
+  tiles_.clear();
+  const std::vector<Sharpness> cells = sharpnessOfCells(chunks);
+
+  // From the coarsest step down, so that each square of cells is one tile where it may be.
+  const auto sharpnessOf = [&](int x0, int y0, int step) {
+    Sharpness sum;
+    for (int y = y0; y < std::min(y0 + step, cells_.y); ++y) {
+      for (int x = x0; x < std::min(x0 + step, cells_.x); ++x) {
+        sum.add(cells[static_cast<std::size_t>(y) * cells_.x + x]);
+      }
+    }
+    return sum;
   };
+  const auto divide = [&](auto&& self, int x0, int y0, int step) -> void {
+    if (x0 >= cells_.x || y0 >= cells_.y) return;
+    const Sharpness sharpness = sharpnessOf(x0, y0, step);
+    if (step > 1 && !(sharpness.sigma_px >= kSigmasAStep * static_cast<float>(step))) {
+      const int half = step / 2;
+      self(self, x0, y0, half);
+      self(self, x0 + half, y0, half);
+      self(self, x0, y0 + half, half);
+      self(self, x0 + half, y0 + half, half);
+      return;
+    }
+    for (int y = y0; y < std::min(y0 + step, cells_.y); ++y) {
+      for (int x = x0; x < std::min(x0 + step, cells_.x); ++x) {
+        tile_of_cell_[static_cast<std::size_t>(y) * cells_.x + x] =
+            static_cast<std::uint32_t>(tiles_.size());
+      }
+    }
+    tiles_.push_back({x0 * kTile, y0 * kTile, step, sharpness.blur_px});
+  };
+  const int most = coarse ? kMostStep_px : 1;
+  for (int y = 0; y < cells_.y; y += most) {
+    for (int x = 0; x < cells_.x; x += most) divide(divide, x, y, most);
+  }
+  any_coarse_ =
+      std::any_of(tiles_.begin(), tiles_.end(), [](const Tile& tile) { return tile.step_px > 1; });
+}
+
+/// Counts, sums up and fills by slices of the sorted list, so that every tile's list keeps its
+/// order. `forEachTile(splat, visit)` calls visit(tile, counts).
+template <typename ForEachTile>
+void TileLists::fill(const ForEachTile& forEachTile) {
+  const std::size_t tile_count = tiles_.size();
   cursor_.assign(kSlices * tile_count, 0);
   parallelFor(kSlices, [&](std::size_t s) {
     std::size_t* count = cursor_.data() + s * tile_count;
-    forEachTile(s, [&](std::size_t tile, std::uint32_t, bool counts) { count[tile] += counts; });
+    const auto [begin, end] = sliceOf(s, sorted_.size());
+    for (std::size_t i = begin; i < end; ++i) {
+      forEachTile(static_cast<std::uint32_t>(sorted_[i]),
+                  [&](std::size_t tile, bool counts) { count[tile] += counts; });
+    }
   });
   begin_.resize(tile_count + 1);
   std::size_t running = 0;
@@ -132,12 +185,69 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px) {
   entries_.resize(running);
   parallelFor(kSlices, [&](std::size_t s) {
     std::size_t* cursor = cursor_.data() + s * tile_count;
+    const auto [begin, end] = sliceOf(s, sorted_.size());
     std::uint32_t nowhere = 0;
-    forEachTile(s, [&](std::size_t tile, std::uint32_t splat, bool counts) {
-      std::uint32_t* entry = entries_.data() + cursor[tile];
-      *(counts ? entry : &nowhere) = splat;
-      cursor[tile] += counts;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto splat = static_cast<std::uint32_t>(sorted_[i]);
+      forEachTile(splat, [&](std::size_t tile, bool counts) {
+        std::uint32_t* entry = entries_.data() + cursor[tile];
+        *(counts ? entry : &nowhere) = splat;
+        cursor[tile] += counts;
+      });
+    }
+  });
+}
+
+void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool coarse) {
+  size_px_ = size_px;
+  sortByDistance(chunks);
+  chooseTiles(chunks, coarse);
+  if (!any_coarse_) {
+    fill([&](std::uint32_t splat, auto&& visit) {
+      const SplatKey& key = chunks.keys[splat];
+      const unsigned x0 = key.x0 / kTile, x1 = key.x1 / kTile;
+      const unsigned y0 = key.y0 / kTile, y1 = key.y1 / kTile;
+      const auto tileAt = [&](unsigned x, unsigned y) {
+        return tile_of_cell_[static_cast<std::size_t>(y) * cells_.x + x];
+      };
+      const bool wide = x1 > x0, high = y1 > y0;
+      if (x1 - x0 < 2 && y1 - y0 < 2) {
+        // Most splats: four visits without a branch, of which some do not count.
+        visit(tileAt(x0, y0), true);
+        visit(tileAt(x1, y0), wide);
+        visit(tileAt(x0, y1), high);
+        visit(tileAt(x1, y1), wide && high);
+        return;
+      }
+      for (unsigned y = y0; y <= y1; ++y) {
+        for (unsigned x = x0; x <= x1; ++x) visit(tileAt(x, y), true);
+      }
     });
+    return;
+  }
+
+  // Tiles of several sizes with aprons: each is visited at the first of its cells.
+  constexpr int kMostApron_px = kApron * kMostStep_px;
+  fill([&](std::uint32_t splat, auto&& visit) {
+    const SplatKey& key = chunks.keys[splat];
+    const int x0 = std::max(key.x0 - kMostApron_px, 0) / kTile;
+    const int y0 = std::max(key.y0 - kMostApron_px, 0) / kTile;
+    const int x1 = std::min(key.x1 + kMostApron_px, size_px_.x - 1) / kTile;
+    const int y1 = std::min(key.y1 + kMostApron_px, size_px_.y - 1) / kTile;
+    for (int y = y0; y <= y1; ++y) {
+      for (int x = x0; x <= x1;) {
+        const std::uint32_t index = tile_of_cell_[static_cast<std::size_t>(y) * cells_.x + x];
+        const Tile& tile = tiles_[index];
+        if (y == std::max(tile.y_px / kTile, y0)) {
+          const int apron_px = tile.step_px > 1 ? kApron * tile.step_px : 0;
+          const int side_px = kTile * tile.step_px;
+          visit(index, key.x1 >= tile.x_px - apron_px && key.x0 < tile.x_px + side_px + apron_px &&
+                           key.y1 >= tile.y_px - apron_px &&
+                           key.y0 < tile.y_px + side_px + apron_px);
+        }
+        x = tile.x_px / kTile + tile.step_px;
+      }
+    }
   });
 }
 

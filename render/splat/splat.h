@@ -22,13 +22,27 @@ struct alignas(64) Splat {
 };
 static_assert(sizeof(Splat) == 64);
 
-inline constexpr int kTile_px = 32;
+/// Samples along a side of a tile.
+inline constexpr int kTile = 32;
 
-/// What binning needs of a splat: the near end of its z-range and the tiles that its footprint's
-/// box may reach, inclusive.
+/// A tile whose splats are all blurred has its samples this far apart at most, pixels.
+inline constexpr int kMostStep_px = 8;
+
+/// What binning needs of a splat: the near end of its z-range, the pixels of the image that its
+/// footprint's box may reach, inclusive, a lower bound of its kernel's standard deviation and the
+/// radius of its blur.
 struct SplatKey {
   float near_m;
+  float sigma_px, blur_px;
   std::uint16_t x0, x1, y0, y1;
+};
+
+/// Which part of the lens sees a splat at an offset d from its centre, pixels: on the mean the one
+/// at per_px d lens radii, with a standard deviation of 1 / (sqrt(12) inv_width). With blur of
+/// radius C and unblurred variance s these are a linear regression: C / (C^2 + 4 s), signed, and
+/// s / (C^2 + 4 s); in focus the whole lens sees the same.
+struct SplatLens {
+  float per_px, inv_width;
 };
 
 /// Splats of a frame, in chunks of consecutive surfels so that threads never share one. Chunk c
@@ -36,6 +50,11 @@ struct SplatKey {
 struct SplatChunks {
   std::unique_ptr<Splat[]> splats;
   std::unique_ptr<SplatKey[]> keys;
+  std::unique_ptr<SplatLens[]> lens;
+  std::unique_ptr<Splat[]>
+      parts;  ///< the same splats blurred by a part of the lens, where asked for
+  std::unique_ptr<SplatLens[]> part_lens;   ///< likewise
+  std::unique_ptr<float[]> out_of_focus_D;  ///< likewise: how parts see them move
   std::size_t capacity = 0;
   std::size_t chunk_size = 0;
   std::vector<std::uint32_t> count;

@@ -7,17 +7,36 @@
 
 namespace foci {
 
-/// Draws binned splats over `background` (linear RGB). Per pixel one layer is open at a time.
-/// Splats come front to back by the near end of their z-range: one that begins before the open
-/// layer ends joins it, weights and colours add and the ranges unite (the A-buffer's merge by
-/// intersection, section 6.4, as a running union); one that begins behind it closes it. A closed
-/// layer covers alpha = min(1, W) times its mean opacity and lets 1 - alpha of what follows
-/// through. SIMD with run-time dispatch, tiles by TBB.
-/// @param transparent  some splat's opacity is below 1
-/// @param depth        fill `frame.depth_m`
-/// @return the number of fragments: pixel centres inside a footprint
-std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists, const glm::vec3& background,
-                    bool transparent, bool depth, Frame& frame);
+/// The lens in parts, to tell what it sees around a surface: each part's view has the blur of that
+/// part only, and all are averaged. Drawn so are the tiles in which layers cover each other in
+/// part.
+struct LensParts {
+  /// The frame's splats again, in the same places, blurred by a part about the lens's centre.
+  const Splat* splats;
+  const SplatLens* lens;
+  /// By splat, focus_D - 1/U: seen from a part at c lens radii it moves by radius_px_per_D c times
+  /// that.
+  const float* out_of_focus_D;
+  glm::vec2 radius_px_per_D;
+  std::vector<glm::vec2> centres;
+};
+
+struct SweepSettings {
+  glm::vec3 background;              ///< linear RGB
+  bool transparent = false;          ///< some splat's opacity is below 1
+  bool depth = false;                ///< fill Frame::depth_m
+  const LensParts* parts = nullptr;  ///< null: the lens as a whole
+};
+
+/// Draws binned splats. Per sample one layer is open at a time. Splats come front to back by the
+/// near end of their z-range: one that begins before the open layer ends joins it, weights and
+/// colours add and the ranges unite (the A-buffer's merge by intersection, section 6.4, as a
+/// running union); one that begins behind it closes it. A closed layer covers alpha = min(1, W)
+/// times its mean opacity and lets 1 - alpha of what follows through. SIMD with run-time dispatch,
+/// tiles by TBB.
+/// @return the number of fragments: samples inside a footprint
+std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
+                    const SweepSettings& settings, Frame& frame);
 
 /// The SIMD target that rendering runs on here, as Highway names it.
 const char* simdTarget();

@@ -1,0 +1,124 @@
+#include "render/lod/cut.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/base/parallel.h"
+
+namespace foci {
+namespace {
+
+constexpr float kFade = 0.3f;         // of the variance allowed: over it a node fades out
+constexpr int kSerialLevels = 8;      // below, one task a subtree; fixed, as are all results
+constexpr float kWidestReach = 3.0f;  // standard deviations of a kernel's support, at most
+
+struct Pending {
+  std::size_t node;
+  float weight;
+};
+
+class Selector {
+ public:
+  Selector(const MomentTree& tree, const View& view, const Defocus& defocus,
+           const CutSettings& settings)
+      : tree_(tree), view_(view), defocus_(defocus), settings_(settings) {
+    focal2_ = view.focal_px.x * view.focal_px.y;
+    blur2_ = defocus.radius_px_per_D.x * defocus.radius_px_per_D.y;
+  }
+
+  /// Selects below a node that is drawn with `weight`. Nodes of `last_level` are left pending.
+  void select(std::size_t node, float weight, std::size_t last_node, Cut& cut,
+              std::vector<Pending>* pending) const {
+    if (node >= last_node) {
+      pending->push_back({node, weight});
+      return;
+    }
+    const float size = sizeOf(tree_.nodes()[node]);
+    if (size == kOutside) return;
+    const float children = std::min((size - 1.0f) * (1.0f / kFade), 1.0f);
+    if (children < 1.0f) {
+      const float own = children > 0.0f ? 1.0f - children : 1.0f;
+      cut.nodes.push_back({static_cast<std::uint32_t>(node), weight * own});
+    }
+    if (children <= 0.0f) return;
+    weight *= children;
+    if (!tree_.isCluster(node)) {
+      select(2 * node, weight, last_node, cut, pending);
+      select(2 * node + 1, weight, last_node, cut, pending);
+      return;
+    }
+    const int level = tree_.levels() - 1;
+    const auto [begin, end] = tree_.range(level, node - (std::size_t{1} << level));
+    for (std::size_t i = begin; i < end; ++i) {
+      cut.surfels.push_back({static_cast<std::uint32_t>(i), weight});
+    }
+  }
+
+  static constexpr float kOutside = -1.0f;
+
+ private:
+  /// The node's variance over what is allowed; kOutside where it cannot touch the image.
+  float sizeOf(const LodNode& node) const {
+    constexpr float kRefine = 1e30f;
+    const glm::vec3 p = glm::vec3(view_.eye_from_world * glm::vec4(node.position_m, 1.0f));
+    const float radius = node.radius_m;
+    const float depth = -p.z;
+    if (depth + radius < view_.near_m) return kOutside;
+    const float nearest = depth - radius;
+    if (nearest < view_.near_m) return kRefine;
+
+    // Everything of the node lies within this box on the image, its blur included. Distances along
+    // the sight are not below those along the axis.
+    const float distance =
+        defocus_.along == DistanceAlong::axis ? depth : std::sqrt(glm::dot(p, p));
+    const float inv = 1.0f / distance, inv_nearest = 1.0f / nearest;
+    const float range_D = radius * inv / std::max(distance - radius, view_.near_m);
+    const float defocus_D = std::abs(inv - defocus_.focus_D);
+    const glm::vec2 offset = view_.focal_px * glm::vec2(p.x, -p.y) / depth;
+    const glm::vec2 at = view_.principal_px + offset;
+    const glm::vec2 reach =
+        kWidestReach * (0.5f * radius * inv_nearest * (view_.focal_px + glm::abs(offset)) +
+                        0.6f * (defocus_D + range_D) * defocus_.radius_px_per_D + 1.0f);
+    const glm::vec2 size(view_.size_px);
+    if (at.x + reach.x < 0.0f || at.x - reach.x > size.x || at.y + reach.y < 0.0f ||
+        at.y - reach.y > size.y) {
+      return kOutside;
+    }
+
+    const float added_m2 =
+        0.5f * node.trace_m2() * (1.0f - static_cast<float>(node.own) * (1.0f / 65535.0f));
+    const float least_D = std::max(defocus_D - range_D, 0.0f);
+    const float allowed_px2 =
+        settings_.per_blur2 * blur2_ * least_D * least_D + settings_.per_pixel2;
+    return added_m2 * focal2_ / (depth * depth) / allowed_px2;
+  }
+
+  const MomentTree& tree_;
+  const View& view_;
+  const Defocus& defocus_;
+  const CutSettings& settings_;
+  float focal2_, blur2_;
+};
+
+}  // namespace
+
+void selectCut(const MomentTree& tree, const View& view, const Defocus& defocus,
+               const CutSettings& settings, Cut& cut) {
+  cut.nodes.clear();
+  cut.surfels.clear();
+  if (tree.levels() == 0) return;
+  const Selector selector(tree, view, defocus, settings);
+  std::vector<Pending> pending;
+  selector.select(1, 1.0f, std::size_t{1} << std::min(kSerialLevels, tree.levels() - 1), cut,
+                  &pending);
+  std::vector<Cut> parts(pending.size());
+  parallelFor(pending.size(), [&](std::size_t i) {
+    selector.select(pending[i].node, pending[i].weight, tree.nodes().size(), parts[i], nullptr);
+  });
+  for (const Cut& part : parts) {
+    cut.nodes.insert(cut.nodes.end(), part.nodes.begin(), part.nodes.end());
+    cut.surfels.insert(cut.surfels.end(), part.surfels.begin(), part.surfels.end());
+  }
+}
+
+}  // namespace foci

@@ -1,0 +1,246 @@
+#include "render/lod/moment_tree.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "app/base/parallel.h"
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kLeastCluster = 3;
+constexpr int kSerialLevels = 6;       // below, one task a subtree; fixed, as are all results
+constexpr float kNormalExtent = 0.0f;  // of the positions' extent, for a unit of the normals'
+
+/// What is sorted into the tree.
+struct Item {
+  glm::vec3 position_m;
+  std::uint32_t surfel;
+  glm::vec3 normal;
+};
+
+struct Range {
+  std::size_t begin, end;
+};
+
+Range rangeOf(std::size_t n, int level, std::size_t j) {
+  return {static_cast<std::size_t>(std::uint64_t{n} * j >> level),
+          static_cast<std::size_t>(std::uint64_t{n} * (j + 1) >> level)};
+}
+
+/// Parts the range at `middle` along its longest extent.
+void part(Item* items, Range range, std::size_t middle, bool oriented) {
+  glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
+  glm::vec3 normal_low(1.0f), normal_high(-1.0f);
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    low = glm::min(low, items[i].position_m);
+    high = glm::max(high, items[i].position_m);
+    normal_low = glm::min(normal_low, items[i].normal);
+    normal_high = glm::max(normal_high, items[i].normal);
+  }
+  const glm::vec3 extent = high - low;
+  const auto longest = [](const glm::vec3& v) {
+    return v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2;
+  };
+  const int axis = longest(extent);
+  const glm::vec3 turn = kNormalExtent * extent[axis] * (normal_high - normal_low);
+  const int normal_axis = longest(turn);
+  const auto split = [&](auto&& key) {
+    std::nth_element(items + range.begin, items + middle, items + range.end,
+                     [&](const Item& a, const Item& b) { return key(a) < key(b); });
+  };
+  if (oriented && turn[normal_axis] > extent[axis]) {
+    split([normal_axis](const Item& item) { return item.normal[normal_axis]; });
+  } else {
+    split([axis](const Item& item) { return item.position_m[axis]; });
+  }
+}
+
+/// Sums over the surfels of a node.
+struct Sums {
+  double area = 0.0, weight = 0.0, opaque_area = 0.0;
+  glm::dvec3 mean{0.0};
+  double variance[6] = {};
+  double own_trace = 0.0;
+  glm::dvec3 color{0.0};
+  glm::dvec3 normal{0.0};
+  double radius = 0.0;  // about the mean
+};
+
+Sums sumsOf(const SurfelCloud& cloud, std::size_t i) {
+  Sums sums;
+  const glm::dvec3 u(cloud.axis_u_m[i]), v(cloud.axis_v_m[i]);
+  const double opacity = cloud.opacity.empty() ? 1.0 : double{cloud.opacity[i]};
+  sums.area = cloud.area_m2[i];
+  sums.opaque_area = sums.area * opacity;
+  sums.weight = std::max(sums.opaque_area, 1e-6 * sums.area);  // also where nothing is opaque
+  sums.mean = glm::dvec3(cloud.position_m[i]);
+  const double variance[6] = {u.x * u.x + v.x * v.x, u.x * u.y + v.x * v.y, u.x * u.z + v.x * v.z,
+                              u.y * u.y + v.y * v.y, u.y * u.z + v.y * v.z, u.z * u.z + v.z * v.z};
+  std::copy_n(variance, 6, sums.variance);
+  sums.own_trace = variance[0] + variance[3] + variance[5];
+  sums.color = glm::dvec3(cloud.color[i]);
+  const glm::dvec3 normal = glm::cross(u, v);
+  sums.normal = normal * (sums.area / std::max(glm::length(normal), 1e-300));
+  sums.radius = 3.0 * std::sqrt(std::max(glm::dot(u, u), glm::dot(v, v)));
+  return sums;
+}
+
+Sums merged(const Sums& a, const Sums& b) {
+  Sums sums;
+  sums.area = a.area + b.area;
+  sums.opaque_area = a.opaque_area + b.opaque_area;
+  sums.weight = a.weight + b.weight;
+  const double fa = a.weight / sums.weight, fb = b.weight / sums.weight;
+  sums.mean = fa * a.mean + fb * b.mean;
+  const glm::dvec3 d = b.mean - a.mean;
+  const double between[6] = {d.x * d.x, d.x * d.y, d.x * d.z, d.y * d.y, d.y * d.z, d.z * d.z};
+  for (int k = 0; k < 6; ++k) {
+    sums.variance[k] = fa * a.variance[k] + fb * b.variance[k] + fa * fb * between[k];
+  }
+  sums.own_trace = fa * a.own_trace + fb * b.own_trace;
+  sums.color = fa * a.color + fb * b.color;
+  sums.normal = a.normal + b.normal;
+  sums.radius = std::max(glm::length(sums.mean - a.mean) + a.radius,
+                         glm::length(sums.mean - b.mean) + b.radius);
+  return sums;
+}
+
+LodNode nodeOf(const Sums& sums) {
+  LodNode node{};
+  node.position_m = glm::vec3(sums.mean);
+  const double* v = sums.variance;
+  for (int k = 0; k < 6; ++k) node.variance_m2[k] = static_cast<float>(v[k]);
+  const double minors = std::max(0.0, v[0] * v[3] - v[1] * v[1]) +
+                        std::max(0.0, v[0] * v[5] - v[2] * v[2]) +
+                        std::max(0.0, v[3] * v[5] - v[4] * v[4]);
+  node.density = static_cast<float>(sums.area / std::sqrt(std::max(minors, 1e-300)));
+  node.color = glm::vec3(sums.color);
+  node.radius_m = static_cast<float>(sums.radius) * (1.0f + 1e-6f);
+  packNormal(glm::vec3(sums.normal / std::max(glm::length(sums.normal), 1e-300)), node.normal);
+  const auto fraction = [](double f) {
+    return static_cast<std::uint16_t>(std::lround(65535.0 * std::clamp(f, 0.0, 1.0)));
+  };
+  node.opacity = fraction(sums.opaque_area / sums.area);
+  node.own = fraction(sums.own_trace / std::max(v[0] + v[3] + v[5], 1e-300));
+  return node;
+}
+
+class Builder {
+ public:
+  Builder(std::vector<Item>& items, int levels, bool oriented)
+      : items_(items), levels_(levels), oriented_(oriented) {}
+
+  /// Sorts the items below a node.
+  void sortBelow(int level, std::size_t j, int last_level) {
+    if (level >= last_level) return;
+    const Range range = rangeOf(items_.size(), level, j);
+    part(items_.data(), range, rangeOf(items_.size(), level + 1, 2 * j).end, oriented_);
+    sortBelow(level + 1, 2 * j, last_level);
+    sortBelow(level + 1, 2 * j + 1, last_level);
+  }
+
+  void sort() {
+    const int serial = std::min(kSerialLevels, levels_ - 1);
+    for (int level = 0; level < serial; ++level) {
+      parallelFor(std::size_t{1} << level, [&](std::size_t j) { sortBelow(level, j, level + 1); });
+    }
+    parallelFor(std::size_t{1} << serial,
+                [&](std::size_t j) { sortBelow(serial, j, levels_ - 1); });
+  }
+
+  /// Makes the nodes of a subtree.
+  Sums sum(const SurfelCloud& surfels, std::vector<LodNode>& nodes, int level,
+           std::size_t j) const {
+    Sums sums;
+    if (level + 1 == levels_) {
+      const Range range = rangeOf(surfels.size(), level, j);
+      sums = sumsOf(surfels, range.begin);
+      for (std::size_t i = range.begin + 1; i < range.end; ++i) {
+        sums = merged(sums, sumsOf(surfels, i));
+      }
+    } else {
+      sums =
+          merged(sum(surfels, nodes, level + 1, 2 * j), sum(surfels, nodes, level + 1, 2 * j + 1));
+    }
+    nodes[(std::size_t{1} << level) + j] = nodeOf(sums);
+    return sums;
+  }
+
+ private:
+  std::vector<Item>& items_;
+  int levels_;
+  bool oriented_;
+};
+
+template <typename T>
+void gather(const std::vector<T>& from, const std::vector<Item>& items, std::vector<T>& to) {
+  if (from.empty()) return;
+  to.resize(items.size());
+  constexpr std::size_t kBlock = 1 << 16;
+  parallelFor((items.size() + kBlock - 1) / kBlock, [&](std::size_t b) {
+    const std::size_t end = std::min(items.size(), (b + 1) * kBlock);
+    for (std::size_t i = b * kBlock; i < end; ++i) to[i] = from[items[i].surfel];
+  });
+}
+
+}  // namespace
+
+void packNormal(const glm::vec3& normal, std::int16_t packed[2]) {
+  const float sum = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
+  glm::vec2 p = sum > 0.0f ? glm::vec2(normal) / sum : glm::vec2(0.0f);
+  if (normal.z < 0.0f) {
+    p = glm::vec2(std::copysign(1.0f - std::abs(p.y), p.x),
+                  std::copysign(1.0f - std::abs(p.x), p.y));
+  }
+  packed[0] = static_cast<std::int16_t>(std::lround(32767.0f * p.x));
+  packed[1] = static_cast<std::int16_t>(std::lround(32767.0f * p.y));
+}
+
+glm::vec3 unpackNormal(const std::int16_t packed[2]) {
+  const float x = static_cast<float>(packed[0]) / 32767.0f;
+  const float y = static_cast<float>(packed[1]) / 32767.0f;
+  const float z = 1.0f - std::abs(x) - std::abs(y);
+  const float fold = std::max(-z, 0.0f);
+  return glm::normalize(glm::vec3(x - std::copysign(fold, x), y - std::copysign(fold, y), z));
+}
+
+MomentTree::MomentTree(const SurfelCloud& cloud) {
+  const std::size_t n = cloud.size();
+  assert(n < std::size_t{1} << 31);
+  surfels_.oriented = cloud.oriented;
+  if (n == 0) return;
+  levels_ = static_cast<int>(std::bit_width(std::max<std::size_t>(n / kLeastCluster, 1)));
+
+  std::vector<Item> items(n);
+  parallelFor(n, [&](std::size_t i) {
+    items[i] = {cloud.position_m[i], static_cast<std::uint32_t>(i),
+                glm::normalize(glm::cross(glm::normalize(cloud.axis_u_m[i]),
+                                          glm::normalize(cloud.axis_v_m[i])))};
+  });
+  Builder builder(items, levels_, cloud.oriented);
+  builder.sort();
+  gather(cloud.position_m, items, surfels_.position_m);
+  gather(cloud.axis_u_m, items, surfels_.axis_u_m);
+  gather(cloud.axis_v_m, items, surfels_.axis_v_m);
+  gather(cloud.color, items, surfels_.color);
+  gather(cloud.opacity, items, surfels_.opacity);
+  gather(cloud.area_m2, items, surfels_.area_m2);
+
+  nodes_.resize(std::size_t{1} << levels_);
+  const int serial = std::min(kSerialLevels, levels_ - 1);
+  std::vector<Sums> sums(std::size_t{1} << serial);
+  parallelFor(sums.size(),
+              [&](std::size_t j) { sums[j] = builder.sum(surfels_, nodes_, serial, j); });
+  for (int level = serial - 1; level >= 0; --level) {
+    for (std::size_t j = 0; j < std::size_t{1} << level; ++j) {
+      sums[j] = merged(sums[2 * j], sums[2 * j + 1]);
+      nodes_[(std::size_t{1} << level) + j] = nodeOf(sums[j]);
+    }
+  }
+}
+
+}  // namespace foci

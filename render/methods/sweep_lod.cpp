@@ -1,0 +1,76 @@
+// Our renderer, modelling no more than shows: what is blurred is drawn from coarser levels of
+// detail and at fewer samples, and the lens is taken apart only where surfaces cover each other in
+// part. Known failure: surfaces that the lens sees between and around in many places at once
+// (foliage) want more parts than are drawn; where two of them lie closer together than a node is
+// wide, they join.
+#include <chrono>
+#include <cmath>
+
+#include "render/lod/cut.h"
+#include "render/methods/lens_samples.h"
+#include "render/methods/method.h"
+#include "render/splat/bin.h"
+#include "render/splat/project.h"
+#include "render/splat/sweep.h"
+
+namespace foci {
+namespace {
+
+/// A node is at most a third of the blur's radius wide, and a pixel in focus: a square of that side
+/// has these variances, side^2 / 12.
+constexpr CutSettings kCut{.per_blur2 = 0.01f, .per_pixel2 = 0.1f};
+
+class SweepLodMethod final : public Method {
+ public:
+  SweepLodMethod(const SurfelCloud& cloud, int parts) : tree_(cloud), centres_(lensParts(parts)) {}
+
+  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
+    const auto start = std::chrono::steady_clock::now();
+    const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
+    frame.size_px = view.size_px;
+    frame.rgba.resize(pixels);
+    frame.depth_m.resize(settings.depth ? pixels : 0);
+
+    const glm::vec2 radius_px_per_D = settings.defocus.radius_px_per_D;
+    const bool in_parts = centres_.size() > 1 && radius_px_per_D.x * radius_px_per_D.y > 0.0f;
+    selectCut(tree_, view, settings.defocus, kCut, cut_);
+    projectCut(
+        tree_, cut_, view, settings.defocus,
+        {.part_aperture = in_parts ? 1.0f / std::sqrt(static_cast<float>(centres_.size())) : 0.0f,
+         .margin_px = kApron * kMostStep_px,
+         .shading = settings.shading},
+        chunks_);
+    lists_.build(chunks_, view.size_px, true);
+    const LensParts parts{.splats = chunks_.parts.get(),
+                          .lens = chunks_.part_lens.get(),
+                          .out_of_focus_D = chunks_.out_of_focus_D.get(),
+                          .radius_px_per_D = radius_px_per_D,
+                          .centres = centres_};
+    RenderStats stats;
+    stats.splats = chunks_.total();
+    stats.fragments = sweep(chunks_, lists_,
+                            {.background = settings.background,
+                             .transparent = !tree_.surfels().opacity.empty(),
+                             .depth = settings.depth,
+                             .parts = in_parts ? &parts : nullptr},
+                            frame);
+    stats.ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return stats;
+  }
+
+ private:
+  MomentTree tree_;
+  std::vector<glm::vec2> centres_;
+  Cut cut_;
+  SplatChunks chunks_;
+  TileLists lists_;
+};
+
+}  // namespace
+
+std::unique_ptr<Method> makeSweepLod(const SurfelCloud& cloud, int parts) {
+  return std::make_unique<SweepLodMethod>(cloud, parts);
+}
+
+}  // namespace foci
