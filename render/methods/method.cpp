@@ -11,6 +11,8 @@ namespace foci {
 
 std::unique_ptr<Method> makeSweep(const SurfelCloud& cloud);
 std::unique_ptr<Method> makeSweepLod(const SurfelCloud& cloud, int parts);
+std::unique_ptr<Method> makePaper(const SurfelCloud& cloud);
+std::unique_ptr<Method> makePaperLod(const SurfelCloud& cloud);
 std::unique_ptr<Method> makeAccumulate(const SurfelCloud& cloud, int views);
 
 namespace {
@@ -33,6 +35,14 @@ constexpr Entry kEntries[] = {
       .most = 256,
       .standard = 7},
      makeSweepLod},
+    {{.name = "paper",
+      .summary = "the published baseline: each splat blurred, an A-buffer of fragments",
+      .source = "Krivanek, Zara and Bouatouch 2003"},
+     [](const SurfelCloud& cloud, int) { return makePaper(cloud); }},
+    {{.name = "paper-lod",
+      .summary = "the same with level of detail chosen by the blur",
+      .source = "Krivanek, Zara and Bouatouch 2003; hierarchy: Rusinkiewicz and Levoy 2000"},
+     [](const SurfelCloud& cloud, int) { return makePaperLod(cloud); }},
     {{.name = "accumulate",
       .summary = "N pinhole views over the lens, averaged: the reference",
       .source = "Haeberli and Akeley 1990",

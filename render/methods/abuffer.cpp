@@ -1,0 +1,374 @@
+#include "render/methods/abuffer.h"
+
+#include <hwy/cache_control.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "app/base/parallel.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "render/methods/abuffer.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef FOCI_ABUFFER_ONCE
+#define FOCI_ABUFFER_ONCE
+namespace foci {
+
+struct ABufferTile {
+  const PaperSplat* splats;
+  const std::uint32_t* entries;
+  std::size_t count;
+  int x_px, y_px;           // the tile's corner
+  int width_px, height_px;  // what of it lies on the image
+  float background[3];
+  glm::vec4* rgba;  // the tile's corner in the frame
+  float* depth_m;   // likewise; null: not asked for
+  std::size_t stride;
+};
+
+// A tile is blocks of 4 x 4 pixels; a block's 16 pixels are consecutive, row by row.
+inline constexpr int kBlock = 4, kBlocks = kPaperTile_px / kBlock, kBlockPixels = kBlock * kBlock;
+inline constexpr std::uint32_t kNoFragments = UINT32_MAX;
+
+/// One fragment of each pixel of a block. `opacity` and `distance` are used where asked for. A
+/// pixel that has none here has none in the nodes behind either, and the range [inf, -inf].
+struct alignas(64) FragmentNode {
+  float near_m[kBlockPixels], far_m[kBlockPixels];
+  float weight[kBlockPixels], red[kBlockPixels], green[kBlockPixels], blue[kBlockPixels];
+  float opacity[kBlockPixels], distance[kBlockPixels];
+
+  void clear(int pixel) {
+    near_m[pixel] = std::numeric_limits<float>::infinity();
+    far_m[pixel] = -std::numeric_limits<float>::infinity();
+    for (float* sum : {weight, red, green, blue, opacity, distance}) sum[pixel] = 0.0f;
+  }
+  void clear() {
+    for (int pixel = 0; pixel < kBlockPixels; ++pixel) clear(pixel);
+  }
+  bool empty(int pixel) const { return near_m[pixel] > far_m[pixel]; }
+
+  /// Merges the other's fragment into this one's.
+  void merge(int pixel, const FragmentNode& other) {
+    near_m[pixel] = std::min(near_m[pixel], other.near_m[pixel]);
+    far_m[pixel] = std::max(far_m[pixel], other.far_m[pixel]);
+    weight[pixel] += other.weight[pixel];
+    red[pixel] += other.red[pixel];
+    green[pixel] += other.green[pixel];
+    blue[pixel] += other.blue[pixel];
+    opacity[pixel] += other.opacity[pixel];
+    distance[pixel] += other.distance[pixel];
+  }
+};
+
+/// The lists of a tile: node b is the first of block b.
+struct FragmentLists {
+  std::vector<FragmentNode> nodes;
+  std::vector<std::uint32_t> next;  // kNoFragments: the last
+
+  void reset() {
+    nodes.resize(kBlocks * kBlocks);
+    next.assign(kBlocks * kBlocks, kNoFragments);
+    for (FragmentNode& node : nodes) node.clear();
+  }
+
+  std::uint32_t append(std::uint32_t last) {
+    const auto added = static_cast<std::uint32_t>(nodes.size());
+    nodes.emplace_back().clear();
+    next.push_back(kNoFragments);
+    next[last] = added;
+    return added;
+  }
+
+  /// Merges all fragments of a pixel that meet [near_m, far_m], and closes the gaps in its list.
+  void join(std::uint32_t first, int pixel, float near_m, float far_m) {
+    FragmentNode* into = nullptr;
+    std::uint32_t write = first;
+    for (std::uint32_t read = first; read != kNoFragments; read = next[read]) {
+      FragmentNode& node = nodes[read];
+      if (node.empty(pixel)) break;
+      const bool meets = node.near_m[pixel] <= far_m && node.far_m[pixel] >= near_m;
+      if (meets && into) {
+        into->merge(pixel, node);
+        node.clear(pixel);
+        continue;
+      }
+      FragmentNode& kept = nodes[write];
+      if (read != write) {
+        kept.merge(pixel, node);
+        node.clear(pixel);
+      }
+      if (meets) into = &kept;
+      write = next[write];
+    }
+  }
+};
+
+}  // namespace foci
+#endif  // FOCI_ABUFFER_ONCE
+
+HWY_BEFORE_NAMESPACE();
+namespace foci {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+namespace {
+
+using D = hn::CappedTag<float, 16>;
+using V = hn::Vec<D>;
+using M = hn::Mask<D>;
+
+/// exp(t) for 0 <= t <= 2.5, within 1.5e-5 of itself (minimax).
+static_assert(kPaperCutoff == 2.5f);
+HWY_INLINE V expUpToCutoff(V t) {
+  const D d;
+  V sum = hn::Set(d, 0.00461622058f);
+  for (const float k :
+       {-0.00377086746f, 0.0616816147f, 0.150727987f, 0.50572965f, 0.999270344f, 1.00001416f}) {
+    sum = hn::MulAdd(sum, t, hn::Set(d, k));
+  }
+  return sum;
+}
+
+template <bool kTransparent, bool kDepth>
+struct ABuffer {
+  explicit ABuffer(FragmentLists& of_thread) : lists(of_thread) {}
+
+  FragmentLists& lists;
+  // Where pixel centres lie, from the tile's first, block by block; off the image NaN, which is
+  // inside of nothing.
+  alignas(64) float x[kPaperTile_px * kPaperTile_px], y[kPaperTile_px * kPaperTile_px];
+
+  /// Inserts fragments of weight `w` at the pixels `part + lane` in `inside` of a block.
+  HWY_INLINE void insert(std::uint32_t block, std::size_t part, M inside, V w,
+                         const PaperSplat& splat) {
+    const D d;
+    const V near_m = hn::Set(d, splat.near_m), far_m = hn::Set(d, splat.far_m);
+    M todo = inside;
+    M bridges = hn::FirstN(d, 0);  // pixels where it meets more than one fragment
+    for (std::uint32_t at = block;;) {
+      FragmentNode& node = lists.nodes[at];
+      const V from = hn::Load(d, node.near_m + part), to = hn::Load(d, node.far_m + part);
+      const M meets = hn::And(inside, hn::And(hn::Le(from, far_m), hn::Ge(to, near_m)));
+      const M take = hn::And(todo, hn::Or(meets, hn::Gt(from, to)));
+      bridges = hn::Or(bridges, hn::AndNot(take, meets));
+      todo = hn::AndNot(take, todo);
+      if (HWY_LIKELY(!hn::AllFalse(d, take))) {
+        const V weight = hn::IfThenElseZero(take, w);
+        const auto accumulate = [&](float* sum, float value) {
+          hn::Store(hn::MulAdd(weight, hn::Set(d, value), hn::Load(d, sum + part)), d, sum + part);
+        };
+        hn::Store(hn::IfThenElse(take, hn::Min(from, near_m), from), d, node.near_m + part);
+        hn::Store(hn::IfThenElse(take, hn::Max(to, far_m), to), d, node.far_m + part);
+        hn::Store(hn::Add(weight, hn::Load(d, node.weight + part)), d, node.weight + part);
+        accumulate(node.red, splat.red);
+        accumulate(node.green, splat.green);
+        accumulate(node.blue, splat.blue);
+        if constexpr (kTransparent) accumulate(node.opacity, splat.opacity);
+        if constexpr (kDepth) accumulate(node.distance, splat.opacity * splat.distance_m);
+      }
+      const std::uint32_t next = lists.next[at];
+      if (HWY_LIKELY(next == kNoFragments)) {
+        if (HWY_LIKELY(hn::AllFalse(d, todo))) break;
+        at = lists.append(at);
+      } else {
+        at = next;
+      }
+    }
+    if (HWY_UNLIKELY(!hn::AllFalse(d, bridges))) {
+      alignas(64) float which[kBlockPixels];
+      hn::Store(hn::IfThenElseZero(bridges, hn::Set(d, 1.0f)), d, which);
+      for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+        if (which[lane] != 0.0f) {
+          lists.join(block, static_cast<int>(part + lane), splat.near_m, splat.far_m);
+        }
+      }
+    }
+  }
+
+  /// Adds one splat; returns its number of fragments.
+  HWY_INLINE std::size_t add(const PaperSplat& splat, float tile_x_px, float tile_y_px) {
+    const D d;
+    const float left = splat.x_px - tile_x_px - 0.5f, top = splat.y_px - tile_y_px - 0.5f;
+    const auto block = [](float pixel) {
+      return static_cast<unsigned>(std::clamp(pixel, 0.0f, kPaperTile_px - 1.0f)) / kBlock;
+    };
+    const unsigned x0 = block(left - splat.extent_x_px), x1 = block(left + splat.extent_x_px);
+    const unsigned y0 = block(top - splat.extent_y_px), y1 = block(top + splat.extent_y_px);
+    const unsigned columns = x1 - x0 + 1, blocks = columns * (y1 - y0 + 1);
+    const V cx = hn::Set(d, left), cy = hn::Set(d, top);
+    const V qa = hn::Set(d, splat.qa), qb = hn::Set(d, splat.qb), qc = hn::Set(d, splat.qc);
+    const V height = hn::Set(d, splat.height), cutoff = hn::Set(d, kPaperCutoff);
+
+    std::size_t fragments = 0;
+    // One flat loop over the blocks that the box may touch: two nested short ones mispredict.
+    unsigned at = y0 * kBlocks + x0, column = 0;
+    for (unsigned b = 0; b < blocks; ++b) {
+      for (std::size_t part = 0; part < kBlockPixels; part += hn::Lanes(d)) {
+        const std::size_t i = at * kBlockPixels + part;
+        const V dx = hn::Sub(hn::Load(d, x + i), cx), dy = hn::Sub(hn::Load(d, y + i), cy);
+        const V slope = hn::MulAdd(qa, dx, hn::Mul(qb, dy));
+        const V t = hn::NegMulAdd(slope, dx, hn::NegMulAdd(hn::Mul(qc, dy), dy, cutoff));
+        const M inside = hn::Gt(t, hn::Zero(d));
+        const std::size_t count = hn::CountTrue(d, inside);
+        if (count == 0) continue;
+        fragments += count;
+        insert(at, part, inside, hn::Mul(height, expUpToCutoff(t)), splat);
+      }
+      const bool row_ends = ++column == columns;
+      at += row_ends ? kBlocks - columns + 1 : 1;
+      column = row_ends ? 0 : column;
+    }
+    return fragments;
+  }
+
+  /// What a block shows: its fragments, front to back.
+  struct Shown {
+    alignas(64) float red[kBlockPixels], green[kBlockPixels], blue[kBlockPixels];
+    alignas(64) float through[kBlockPixels], distance[kBlockPixels];
+  };
+
+  HWY_INLINE void composite(std::uint32_t block, Shown& shown) const {
+    const D d;
+    const V one = hn::Set(d, 1.0f), inf = hn::Inf(d);
+    for (std::size_t part = 0; part < kBlockPixels; part += hn::Lanes(d)) {
+      V red = hn::Zero(d), green = red, blue = red, distance = red, through = one;
+      V last = hn::Neg(inf);
+      while (true) {
+        // The next fragment of each pixel: the nearest beyond the last.
+        V nearest = inf, r = hn::Zero(d), g = r, b = r, w = r, o = r, z = r;
+        for (std::uint32_t at = block; at != kNoFragments; at = lists.next[at]) {
+          const FragmentNode& node = lists.nodes[at];
+          const V from = hn::Load(d, node.near_m + part);
+          const M nearer = hn::And(hn::Gt(from, last), hn::Lt(from, nearest));
+          const auto choose = [&](V& chosen, const float* sum) {
+            chosen = hn::IfThenElse(nearer, hn::Load(d, sum + part), chosen);
+          };
+          choose(nearest, node.near_m);
+          choose(w, node.weight);
+          choose(r, node.red);
+          choose(g, node.green);
+          choose(b, node.blue);
+          if constexpr (kTransparent) choose(o, node.opacity);
+          if constexpr (kDepth) choose(z, node.distance);
+        }
+        if (hn::AllTrue(d, hn::Eq(nearest, inf))) break;
+        // Colours and opacities are sums over W: they scale alike.
+        const V scale = hn::Div(one, hn::Max(w, one));
+        const V passed = hn::Mul(through, scale);
+        red = hn::MulAdd(passed, r, red);
+        green = hn::MulAdd(passed, g, green);
+        blue = hn::MulAdd(passed, b, blue);
+        if constexpr (kDepth) distance = hn::MulAdd(passed, z, distance);
+        through = hn::NegMulAdd(passed, kTransparent ? o : w, through);
+        last = nearest;
+        if (lists.next[block] == kNoFragments) break;
+      }
+      hn::Store(red, d, shown.red + part);
+      hn::Store(green, d, shown.green + part);
+      hn::Store(blue, d, shown.blue + part);
+      hn::Store(through, d, shown.through + part);
+      hn::Store(distance, d, shown.distance + part);
+    }
+  }
+
+  void show(const ABufferTile& job) const {
+    Shown shown;
+    for (std::uint32_t block = 0; block < kBlocks * kBlocks; ++block) {
+      const int left = static_cast<int>(block % kBlocks) * kBlock;
+      const int top = static_cast<int>(block / kBlocks) * kBlock;
+      if (left >= job.width_px || top >= job.height_px) continue;
+      composite(block, shown);
+      for (int i = 0; i < kBlockPixels; ++i) {
+        const int px = left + i % kBlock, py = top + i / kBlock;
+        if (px >= job.width_px || py >= job.height_px) continue;
+        const float through = shown.through[i];
+        const std::size_t to = static_cast<std::size_t>(py) * job.stride + px;
+        job.rgba[to] = {shown.red[i] + through * job.background[0],
+                        shown.green[i] + through * job.background[1],
+                        shown.blue[i] + through * job.background[2], 1.0f - through};
+        if (kDepth) {
+          job.depth_m[to] = through < 1.0f ? shown.distance[i] / (1.0f - through) : 0.0f;
+        }
+      }
+    }
+  }
+
+  std::size_t run(const ABufferTile& job) {
+    lists.reset();
+    for (int i = 0; i < kPaperTile_px * kPaperTile_px; ++i) {
+      const int block = i / kBlockPixels, pixel = i % kBlockPixels;
+      const int column = block % kBlocks * kBlock + pixel % kBlock;
+      const int row = block / kBlocks * kBlock + pixel / kBlock;
+      const bool on_image = column < job.width_px && row < job.height_px;
+      x[i] = on_image ? static_cast<float>(column) : std::numeric_limits<float>::quiet_NaN();
+      y[i] = static_cast<float>(row);
+    }
+    std::size_t fragments = 0;
+    for (std::size_t e = 0; e < job.count; ++e) {
+      constexpr std::size_t kAhead = 8;
+      if (e + kAhead < job.count) hwy::Prefetch(&job.splats[job.entries[e + kAhead]]);
+      fragments += add(job.splats[job.entries[e]], static_cast<float>(job.x_px),
+                       static_cast<float>(job.y_px));
+    }
+    show(job);
+    return fragments;
+  }
+};
+
+}  // namespace
+
+std::size_t drawABufferTile(const ABufferTile& job, bool transparent, FragmentLists& lists) {
+  const auto run = [&]<bool kTransparent, bool kDepth>() {
+    ABuffer<kTransparent, kDepth> buffer(lists);
+    return buffer.run(job);
+  };
+  if (job.depth_m)
+    return transparent ? run.template operator()<true, true>()
+                       : run.template operator()<false, true>();
+  return transparent ? run.template operator()<true, false>()
+                     : run.template operator()<false, false>();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace foci
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace foci {
+
+HWY_EXPORT(drawABufferTile);
+
+std::uint64_t drawABuffer(const PaperSplats& splats, const PaperTileLists& lists,
+                          const glm::vec3& background, bool transparent, bool depth, Frame& frame) {
+  const glm::ivec2 tiles = lists.tiles();
+  const auto tile_count = static_cast<std::size_t>(tiles.x) * tiles.y;
+  std::vector<std::size_t> fragments(tile_count);
+  parallelFor(tile_count, [&](std::size_t t) {
+    static thread_local FragmentLists lists_of_thread;  // its memory serves one tile after another
+    const auto list = lists.tile(t);
+    const int x_px = static_cast<int>(t % tiles.x) * kPaperTile_px;
+    const int y_px = static_cast<int>(t / tiles.x) * kPaperTile_px;
+    const std::size_t corner = static_cast<std::size_t>(y_px) * frame.size_px.x + x_px;
+    fragments[t] = HWY_DYNAMIC_DISPATCH(drawABufferTile)(
+        {.splats = splats.splats.get(),
+         .entries = list.data(),
+         .count = list.size(),
+         .x_px = x_px,
+         .y_px = y_px,
+         .width_px = std::min(kPaperTile_px, frame.size_px.x - x_px),
+         .height_px = std::min(kPaperTile_px, frame.size_px.y - y_px),
+         .background = {background.r, background.g, background.b},
+         .rgba = frame.rgba.data() + corner,
+         .depth_m = depth ? frame.depth_m.data() + corner : nullptr,
+         .stride = static_cast<std::size_t>(frame.size_px.x)},
+        transparent, lists_of_thread);
+  });
+  return std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});
+}
+
+}  // namespace foci
+#endif  // HWY_ONCE

@@ -1,0 +1,61 @@
+// The baseline, as published: Krivanek, Zara and Bouatouch, Fast Depth of Field Rendering with
+// Surface Splatting (2003), without level of detail. Every splat is blurred by its own circle of
+// confusion (Eq. 11), a truncated Gaussian, and goes to an A-buffer with z-ranges (section 6.4).
+// Known failure, theirs: the z-range is that of the blurred splat, so surfaces that are near to
+// each other, or that cross, merge where they should hide one another. And the cost grows with the
+// square of the blur.
+#include "render/methods/paper.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "app/base/parallel.h"
+#include "render/methods/paper_project.h"
+
+namespace foci {
+namespace {
+
+class PaperMethod final : public Method {
+ public:
+  explicit PaperMethod(const SurfelCloud& cloud) : cloud_(cloud) {}
+
+  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
+    const auto start = std::chrono::steady_clock::now();
+    constexpr std::size_t kMostChunks = 64, kStep = 4096;
+    const std::size_t n = cloud_.size();
+    const std::size_t chunk = std::max(kStep, (n / kMostChunks + kStep) / kStep * kStep);
+    splats_.reserve(n);
+    splats_.chunks.assign((n + chunk - 1) / chunk, {});
+    parallelFor(splats_.chunks.size(), [&](std::size_t c) {
+      const std::size_t begin = c * chunk;
+      splats_.chunks[c].begin = begin;
+      splats_.chunks[c].count =
+          projectPaper({.count = std::min(n - begin, chunk),
+                        .position_m = cloud_.position_m.data() + begin,
+                        .axis_u_m = cloud_.axis_u_m.data() + begin,
+                        .axis_v_m = cloud_.axis_v_m.data() + begin,
+                        .color = cloud_.color.data() + begin,
+                        .opacity = cloud_.opacity.empty() ? nullptr : cloud_.opacity.data() + begin,
+                        .area_m2 = cloud_.area_m2.data() + begin},
+                       view, settings.defocus, settings.shading, splats_.splats.get() + begin,
+                       splats_.tiles.get() + begin);
+    });
+    RenderStats stats = drawPaper(splats_, lists_, view, settings, !cloud_.opacity.empty(), frame);
+    stats.ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return stats;
+  }
+
+ private:
+  const SurfelCloud& cloud_;
+  PaperSplats splats_;
+  PaperTileLists lists_;
+};
+
+}  // namespace
+
+std::unique_ptr<Method> makePaper(const SurfelCloud& cloud) {
+  return std::make_unique<PaperMethod>(cloud);
+}
+
+}  // namespace foci
