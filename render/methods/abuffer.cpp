@@ -142,49 +142,67 @@ struct ABuffer {
   // inside of nothing.
   alignas(64) float x[kPaperTile_px * kPaperTile_px], y[kPaperTile_px * kPaperTile_px];
 
+  /// Merges into a node what of `todo` meets its fragments, and puts there what finds none. Returns
+  /// both.
+  HWY_INLINE M offer(FragmentNode& node, std::size_t part, M todo, V w, const PaperSplat& splat) {
+    const D d;
+    const V near_m = hn::Set(d, splat.near_m), far_m = hn::Set(d, splat.far_m);
+    const V from = hn::Load(d, node.near_m + part), to = hn::Load(d, node.far_m + part);
+    const M meets = hn::And(hn::Le(from, far_m), hn::Ge(to, near_m));
+    const M take = hn::And(todo, hn::Or(meets, hn::Gt(from, to)));
+    const V weight = hn::IfThenElseZero(take, w);
+    const auto accumulate = [&](float* sum, float value) {
+      hn::Store(hn::MulAdd(weight, hn::Set(d, value), hn::Load(d, sum + part)), d, sum + part);
+    };
+    hn::Store(hn::IfThenElse(take, hn::Min(from, near_m), from), d, node.near_m + part);
+    hn::Store(hn::IfThenElse(take, hn::Max(to, far_m), to), d, node.far_m + part);
+    hn::Store(hn::Add(weight, hn::Load(d, node.weight + part)), d, node.weight + part);
+    accumulate(node.red, splat.red);
+    accumulate(node.green, splat.green);
+    accumulate(node.blue, splat.blue);
+    if constexpr (kTransparent) accumulate(node.opacity, splat.opacity);
+    if constexpr (kDepth) accumulate(node.distance, splat.opacity * splat.distance_m);
+    return take;
+  }
+
   /// Inserts fragments of weight `w` at the pixels `part + lane` in `inside` of a block.
   HWY_INLINE void insert(std::uint32_t block, std::size_t part, M inside, V w,
                          const PaperSplat& splat) {
+    const M taken = offer(lists.nodes[block], part, inside, w, splat);
+    const M todo = hn::AndNot(taken, inside);
+    if (HWY_LIKELY(lists.next[block] == kNoFragments && hn::AllFalse(D(), todo))) return;
+    insertBehind(block, part, inside, todo, w, splat);
+  }
+
+  /// The same after the first node: `todo` is what it did not take.
+  HWY_NOINLINE void insertBehind(std::uint32_t block, std::size_t part, M inside, M todo, V w,
+                                 const PaperSplat& splat) {
     const D d;
-    const V near_m = hn::Set(d, splat.near_m), far_m = hn::Set(d, splat.far_m);
-    M todo = inside;
     M bridges = hn::FirstN(d, 0);  // pixels where it meets more than one fragment
-    for (std::uint32_t at = block;;) {
+    std::uint32_t at = block;
+    while (true) {
+      if (lists.next[at] != kNoFragments) {
+        at = lists.next[at];
+      } else if (hn::AllFalse(d, todo)) {
+        break;
+      } else {
+        at = lists.append(at);
+      }
       FragmentNode& node = lists.nodes[at];
       const V from = hn::Load(d, node.near_m + part), to = hn::Load(d, node.far_m + part);
-      const M meets = hn::And(inside, hn::And(hn::Le(from, far_m), hn::Ge(to, near_m)));
-      const M take = hn::And(todo, hn::Or(meets, hn::Gt(from, to)));
-      bridges = hn::Or(bridges, hn::AndNot(take, meets));
-      todo = hn::AndNot(take, todo);
-      if (HWY_LIKELY(!hn::AllFalse(d, take))) {
-        const V weight = hn::IfThenElseZero(take, w);
-        const auto accumulate = [&](float* sum, float value) {
-          hn::Store(hn::MulAdd(weight, hn::Set(d, value), hn::Load(d, sum + part)), d, sum + part);
-        };
-        hn::Store(hn::IfThenElse(take, hn::Min(from, near_m), from), d, node.near_m + part);
-        hn::Store(hn::IfThenElse(take, hn::Max(to, far_m), to), d, node.far_m + part);
-        hn::Store(hn::Add(weight, hn::Load(d, node.weight + part)), d, node.weight + part);
-        accumulate(node.red, splat.red);
-        accumulate(node.green, splat.green);
-        accumulate(node.blue, splat.blue);
-        if constexpr (kTransparent) accumulate(node.opacity, splat.opacity);
-        if constexpr (kDepth) accumulate(node.distance, splat.opacity * splat.distance_m);
-      }
-      const std::uint32_t next = lists.next[at];
-      if (HWY_LIKELY(next == kNoFragments)) {
-        if (HWY_LIKELY(hn::AllFalse(d, todo))) break;
-        at = lists.append(at);
-      } else {
-        at = next;
-      }
+      const M meets = hn::And(inside, hn::And(hn::Le(from, hn::Set(d, splat.far_m)),
+                                              hn::Ge(to, hn::Set(d, splat.near_m))));
+      if (hn::AllFalse(d, hn::Or(meets, hn::And(todo, hn::Gt(from, to))))) continue;
+      const M taken = offer(node, part, todo, w, splat);
+      bridges = hn::Or(bridges, hn::AndNot(taken, meets));
+      todo = hn::AndNot(taken, todo);
     }
-    if (HWY_UNLIKELY(!hn::AllFalse(d, bridges))) {
-      alignas(64) float which[kBlockPixels];
-      hn::Store(hn::IfThenElseZero(bridges, hn::Set(d, 1.0f)), d, which);
-      for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
-        if (which[lane] != 0.0f) {
-          lists.join(block, static_cast<int>(part + lane), splat.near_m, splat.far_m);
-        }
+    if (HWY_LIKELY(hn::AllFalse(d, bridges))) return;
+    alignas(64) float which[kBlockPixels];
+    hn::Store(hn::IfThenElseZero(bridges, hn::Set(d, 1.0f)), d, which);
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+      if (which[lane] != 0.0f) {
+        lists.join(block, static_cast<int>(part + lane), splat.near_m, splat.far_m);
       }
     }
   }

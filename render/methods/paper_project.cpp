@@ -18,6 +18,10 @@ namespace foci {
 /// Splats beyond any use are refused: a variance or an area of 10^5 by 10^5 pixels.
 inline constexpr float kLargestPaperSplat_px2 = 1e10f;
 
+/// Half of a z-range over the depth, at least: coordinates are rounded, and the splats of a plane
+/// that faces the eye would not meet.
+inline constexpr float kThinnestRange = 1e-5f;
+
 /// What the lanes need, flat. The frame's row r of the rotation is (r[3 row], r[3 row + 1], r[3 row
 /// + 2]).
 struct PaperProjectJob {
@@ -151,17 +155,17 @@ HWY_INLINE void projectLanes(const PaperProjectJob& job, std::size_t i, Lanes& o
   V kxx = hn::Mul(hn::Mul(set(kGaussianVariancePerRadius2), cx), cx);
   V kyy = hn::Mul(hn::Mul(set(kGaussianVariancePerRadius2), cy), cy);
   V kxy = hn::Zero(d);
-  V thick2 = hn::Max(dot(u, u), dot(v, v));
+  V filter2 = hn::Zero(d);
   if (job.spread_u) {
     const V3 lu = rotate(d, job.rotation, load3(d, job.spread_u + 3 * i));
     const V3 lv = rotate(d, job.rotation, load3(d, job.spread_v + 3 * i));
     const V lux = jacobian.x(lu), luy = jacobian.y(lu), lvx = jacobian.x(lv), lvy = jacobian.y(lv);
+    filter2 = hn::MulAdd(lu.z, lu.z, hn::Mul(lv.z, lv.z));
     const V circle = kxx;
     kxx = hn::MulAdd(lux, lux, hn::Mul(lvx, lvx));
     kxy = hn::MulAdd(lux, luy, hn::Mul(lvx, lvy));
     kyy = hn::MulAdd(luy, luy, hn::Mul(lvy, lvy));
     circumellipseLanes(job.blur_y_per_x, kxx, kxy, kyy, circle);
-    thick2 = hn::Add(thick2, hn::Max(dot(lu, lu), dot(lv, lv)));
   }
   kxx = hn::Add(kxx, one);
   kyy = hn::Add(kyy, one);
@@ -180,20 +184,21 @@ HWY_INLINE void projectLanes(const PaperProjectJob& job, std::size_t i, Lanes& o
   const V parallelogram = hn::Sqrt(dot(cross, cross));
   const V area_px = hn::Mul(hn::LoadU(d, job.area + i), hn::Div(hn::Abs(det_j), parallelogram));
 
-  // z-range: on the surfel's plane 1/z is linear on the screen, with slope (n_x / f_x, -n_y / f_y)
-  // / (n . p); over the ellipse x' W^-1 x < 2c it changes by at most sqrt(2c slope' W slope).
+  // z-range: depth changes across the plane by sin, the sine of its tilt, times the way. Blur and
+  // prefilter, brought back from the screen to the surfel, widen the basis alike in all directions.
   const V along_normal = dot(cross, p);
-  const V hx = hn::Div(hn::Mul(cross.x, set(1.0f / job.focal_x)), along_normal);
-  const V hy = hn::Div(hn::Mul(cross.y, set(-1.0f / job.focal_y)), along_normal);
-  const V hwh =
-      hn::MulAdd(hn::Mul(wxx, hx), hx,
-                 hn::MulAdd(hn::Mul(hn::Add(wxy, wxy), hx), hy, hn::Mul(hn::Mul(wyy, hy), hy)));
-  const V inv_depth2 = hn::Mul(inv_depth, inv_depth);
-  const V reach = hn::Sqrt(
-      hn::MulAdd(set(2.0f * kPaperCutoff), hwh, hn::Mul(hn::Mul(inv_depth2, inv_depth2), thick2)));
-  const V near_m = hn::Div(one, hn::Add(inv_depth, reach));
-  const V beyond = hn::Sub(inv_depth, reach);
-  const V far_m = hn::IfThenElse(hn::Gt(beyond, hn::Zero(d)), hn::Div(one, beyond), hn::Inf(d));
+  const V sin2 = hn::Div(hn::MulAdd(cross.x, cross.x, hn::Mul(cross.y, cross.y)),
+                         hn::Mul(parallelogram, parallelogram));
+  const V unit_x = hn::Mul(depth, set(1.0f / job.focal_x));
+  const V unit_y = hn::Mul(depth, set(1.0f / job.focal_y));
+  const V pixel2 = hn::Mul(hn::Max(hn::Mul(unit_x, unit_x), hn::Mul(unit_y, unit_y)), sin2);
+  const V blur_m = hn::Max(hn::Mul(unit_x, cx), hn::Mul(unit_y, cy));
+  const V blur2 = hn::Mul(hn::Mul(set(kGaussianVariancePerRadius2), hn::Mul(blur_m, blur_m)), sin2);
+  const V along2 =
+      hn::Add(hn::MulAdd(u.z, u.z, hn::Mul(v.z, v.z)), hn::Add(pixel2, hn::Max(filter2, blur2)));
+  const V least = hn::Mul(set(kThinnestRange), depth);
+  const V reach = hn::Sqrt(hn::MulAdd(set(2.0f * kPaperCutoff), along2, hn::Mul(least, least)));
+  const V near_m = hn::Sub(depth, reach), far_m = hn::Add(depth, reach);
 
   // Lambert's cosine against the line of sight.
   const V cosine = hn::Div(hn::Abs(along_normal), hn::Mul(parallelogram, hn::Sqrt(dot(p, p))));

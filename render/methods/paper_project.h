@@ -29,8 +29,16 @@ struct PaperSurfels {
 /// the image, with a projected area of zero, or not finite.
 ///   W = J V_r J' + I + circumellipse(J V_l J', V_C),  V_C = C^2 / (2 ln 4) I      (Eq. 11, 12)
 /// Where pixels are oblong the circle of confusion is an ellipse, and circumellipse is taken where
-/// it is a circle. The z-range is that of the surfel's plane, along the axis, over the whole
-/// truncated kernel, and at least a standard deviation of the basis to both sides.
+/// it is a circle.
+///
+/// The z-range is the depth along the axis that the surfel's plane spans under the blurred basis
+/// function in camera space (section 6.4): with s^2 = (z / f)^2 variance of prefilter and V_C
+/// brought back to the surfel, sin the sine of the plane's tilt, and u_z, v_z how the axes change
+/// the depth,
+///   z +- sqrt(2c (u_z^2 + v_z^2 + s^2 sin^2)).
+/// The paper does not say how it extrapolates. Of the two readings this is the one that errs less:
+/// the plane's depth under the footprint on the screen grows without bound where a surfel is seen
+/// edge on.
 /// @param splats, tiles  room for `surfels.count`
 /// @return how many came out, in the order of the surfels
 std::uint32_t projectPaper(const PaperSurfels& surfels, const View& view, const Defocus& defocus,
