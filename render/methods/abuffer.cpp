@@ -246,14 +246,14 @@ struct ABuffer {
   /// What a block shows: its fragments, front to back.
   struct Shown {
     alignas(64) float red[kBlockPixels], green[kBlockPixels], blue[kBlockPixels];
-    alignas(64) float through[kBlockPixels], distance[kBlockPixels];
+    alignas(64) float covered[kBlockPixels], distance[kBlockPixels];
   };
 
   HWY_INLINE void composite(std::uint32_t block, Shown& shown) const {
     const D d;
     const V one = hn::Set(d, 1.0f), inf = hn::Inf(d);
     for (std::size_t part = 0; part < kBlockPixels; part += hn::Lanes(d)) {
-      V red = hn::Zero(d), green = red, blue = red, distance = red, through = one;
+      V red = hn::Zero(d), green = red, blue = red, distance = red, covered = red;
       V last = hn::Neg(inf);
       while (true) {
         // The next fragment of each pixel: the nearest beyond the last.
@@ -276,19 +276,19 @@ struct ABuffer {
         if (hn::AllTrue(d, hn::Eq(nearest, inf))) break;
         // Colours and opacities are sums over W: they scale alike.
         const V scale = hn::Div(one, hn::Max(w, one));
-        const V passed = hn::Mul(through, scale);
+        const V passed = hn::Mul(hn::Sub(one, covered), scale);
         red = hn::MulAdd(passed, r, red);
         green = hn::MulAdd(passed, g, green);
         blue = hn::MulAdd(passed, b, blue);
         if constexpr (kDepth) distance = hn::MulAdd(passed, z, distance);
-        through = hn::NegMulAdd(passed, kTransparent ? o : w, through);
+        covered = hn::MulAdd(passed, kTransparent ? o : w, covered);
         last = nearest;
         if (lists.next[block] == kNoFragments) break;
       }
       hn::Store(red, d, shown.red + part);
       hn::Store(green, d, shown.green + part);
       hn::Store(blue, d, shown.blue + part);
-      hn::Store(through, d, shown.through + part);
+      hn::Store(covered, d, shown.covered + part);
       hn::Store(distance, d, shown.distance + part);
     }
   }
@@ -303,13 +303,13 @@ struct ABuffer {
       for (int i = 0; i < kBlockPixels; ++i) {
         const int px = left + i % kBlock, py = top + i / kBlock;
         if (px >= job.width_px || py >= job.height_px) continue;
-        const float through = shown.through[i];
+        const float covered = shown.covered[i], through = 1.0f - covered;
         const std::size_t to = static_cast<std::size_t>(py) * job.stride + px;
         job.rgba[to] = {shown.red[i] + through * job.background[0],
                         shown.green[i] + through * job.background[1],
-                        shown.blue[i] + through * job.background[2], 1.0f - through};
+                        shown.blue[i] + through * job.background[2], covered};
         if (kDepth) {
-          job.depth_m[to] = through < 1.0f ? shown.distance[i] / (1.0f - through) : 0.0f;
+          job.depth_m[to] = covered > 0.0f ? shown.distance[i] / covered : 0.0f;
         }
       }
     }
