@@ -358,7 +358,7 @@ TEST_P(PaperMethods, EverySimdTargetAgreesWithScalar) {
   const auto on = [&](std::int64_t targets) {
     hwy::SetSupportedTargetsForTest(targets);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    const Frame frame = render(cloud, squareViewOf(150, 150.0f), blurredBy(3.0f, 1.0f));
+    Frame frame = render(cloud, squareViewOf(150, 150.0f), blurredBy(3.0f, 1.0f));
     hwy::SetSupportedTargetsForTest(0);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     return frame;
