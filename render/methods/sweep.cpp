@@ -29,6 +29,7 @@ class SweepMethod final : public Method {
     stats.splats = chunks_.total();
     stats.fragments = sweep(chunks_, lists_,
                             {.background = settings.background,
+                             .radius_px_per_D = settings.defocus.radius_px_per_D,
                              .transparent = !cloud_.opacity.empty(),
                              .depth = settings.depth},
                             frame);

@@ -16,9 +16,10 @@
 namespace foci {
 namespace {
 
-/// A node is at most a third of the blur's radius wide, and a pixel in focus: a square of that side
-/// has these variances, side^2 / 12.
-constexpr CutSettings kCut{.per_blur2 = 0.01f, .per_pixel2 = 0.1f};
+/// What merging adds to the variance stays within 3 % of the blur's and the pixel's own: a node is
+/// at most about a quarter of the blur's radius wide (a square's spread is side^2 / 12), 0.6 px in
+/// focus.
+constexpr CutSettings kCut{.per_blur2 = 0.006f, .per_pixel2 = 0.03f};
 
 class SweepLodMethod final : public Method {
  public:
@@ -44,12 +45,12 @@ class SweepLodMethod final : public Method {
     const LensParts parts{.splats = chunks_.parts.get(),
                           .lens = chunks_.part_lens.get(),
                           .out_of_focus_D = chunks_.out_of_focus_D.get(),
-                          .radius_px_per_D = radius_px_per_D,
                           .centres = centres_};
     RenderStats stats;
     stats.splats = chunks_.total();
     stats.fragments = sweep(chunks_, lists_,
                             {.background = settings.background,
+                             .radius_px_per_D = radius_px_per_D,
                              .transparent = !tree_.surfels().opacity.empty(),
                              .depth = settings.depth,
                              .parts = in_parts ? &parts : nullptr},

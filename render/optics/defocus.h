@@ -22,6 +22,9 @@ struct Defocus {
   DistanceAlong along = DistanceAlong::sight;
 };
 
+/// Variance of a uniform disc of radius 1 along an axis: that of what a point of light becomes.
+inline constexpr float kDiscVariancePerRadius2 = 0.25f;
+
 /// Variance of the Gaussian nearest (in L2) to a uniform disc of radius 1: a = 1 / (2 ln 4)  (Eq.
 /// 11).
 inline constexpr float kGaussianVariancePerRadius2 = 0.36067376f;

@@ -78,7 +78,6 @@ struct ProjectJob {
   float lens_x, lens_y;           // its centre, likewise
   float part_aperture;            // of the smaller parts that it is drawn by too
   bool along_axis;
-  bool disc;
   bool oriented;
   float shading;
 };
@@ -257,7 +256,7 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   // Circle of confusion (Eq. 4 in dioptres) on the variance J V_r J' + I.
   const V defocus_D = hn::Abs(out_of_focus_D);
   const V cx = hn::Mul(set(job.blur_x), defocus_D), cy = hn::Mul(set(job.blur_y), defocus_D);
-  const V per_radius2 = set(job.disc ? 0.25f : kGaussianVariancePerRadius2);
+  const V per_radius2 = set(kDiscVariancePerRadius2);
   const V blur_x2 = hn::Mul(hn::Mul(per_radius2, cx), cx);
   const V blur_y2 = hn::Mul(hn::Mul(per_radius2, cy), cy);
   const V wide = hn::Mul(hn::Add(f.vxx, one), hn::Add(f.vyy, one));
@@ -310,10 +309,9 @@ struct Paint {
 };
 
 /// The kernel of lane `k` with variance `widen` V + `blur` V_C (kernel.h). False where it has none.
-HWY_INLINE bool setKernel(const ProjectJob& job, const Lanes& lanes, std::size_t k, float widen,
-                          float blur, float weight, Splat& splat) {
-  const KernelShape& shape = kernelShape(
-      job.disc ? kernelExponent(lanes.narrow[k] / std::max(blur, 1e-12f)) : kMaxExponent);
+HWY_INLINE bool setKernel(const Lanes& lanes, std::size_t k, float widen, float blur, float weight,
+                          Splat& splat) {
+  const KernelShape& shape = kernelShape(kernelExponent(lanes.narrow[k] / std::max(blur, 1e-12f)));
 
   // Footprint x' R^-1 x < 1 with R = support2 W.
   const float rxx =
@@ -341,7 +339,7 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
                             const Paint& paint, Splat& splat, SplatKey& key) {
   splat.x_px = lanes.x[k];
   splat.y_px = lanes.y[k];
-  if (!setKernel(job, lanes, k, 1.0f, 1.0f, paint.weight, splat)) return false;
+  if (!setKernel(lanes, k, 1.0f, 1.0f, paint.weight, splat)) return false;
   if (!(splat.x_px + splat.extent_x_px > -job.margin &&
         splat.x_px - splat.extent_x_px < job.width + job.margin &&
         splat.y_px + splat.extent_y_px > -job.margin &&
@@ -395,7 +393,7 @@ HWY_INLINE void finishPart(const ProjectJob& job, const Lanes& lanes, std::size_
   const float widen = wanting > 0.0f ? 1.0f + wanting / std::max(own, 1e-12f) : 1.0f;
   part = whole;
   lens = lensOf(lanes, k, widen, job.part_aperture);
-  setKernel(job, lanes, k, widen, share, weight, part);
+  setKernel(lanes, k, widen, share, weight, part);
   const float spread = 1.0f - share - wanting / std::max(blur, 1e-12f);
   out_of_focus_D = lanes.out_of_focus_D[k] * std::sqrt(std::max(spread, 0.0f));
 }
@@ -545,7 +543,6 @@ ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
   job.focus_D = defocus.focus_D;
   job.along_axis = defocus.along == DistanceAlong::axis;
   job.part_aperture = projection.part_aperture;
-  job.disc = projection.kernel == BlurKernel::disc;
   job.oriented = oriented;
   job.shading = projection.shading;
   return job;

@@ -9,15 +9,8 @@
 
 namespace foci {
 
-/// How the circle of confusion enters a splat of unblurred variance V = J V_r J' + I.
-enum class BlurKernel {
-  gaussian,  ///< variance V + 0.36067 C^2 I (Eq. 11), bell-shaped: the paper's
-  disc,      ///< variance V + C^2/4 I and the kurtosis of disc * Gaussian (kernel.h)
-};
-
 /// What is drawn of the lens, and how. By default all of it at once.
 struct Projection {
-  BlurKernel kernel = BlurKernel::disc;
   /// Centre of the part of the lens that is looked through, in lens radii. A point U away moves on
   /// the image by radius_px_per_D lens (focus_D - 1/U): its place seen from there, with the focus
   /// kept.
@@ -32,9 +25,10 @@ struct Projection {
 };
 
 /// Projects every surfel and drops those that draw nothing: nearer than `view.near_m` along the
-/// axis, outside the image, with a projected area of zero, or not finite. The kernel's second
-/// moment on the image equals the variance stated at `BlurKernel`. SIMD with run-time dispatch,
-/// threads by TBB; chunk contents do not depend on either but for rounding.
+/// axis, outside the image, with a projected area of zero, or not finite. The kernel's variance
+/// on the image is W = J V_r J' + I + C^2/4 I, its kurtosis that of a disc of radius C convolved
+/// with the unblurred splat (kernel.h). SIMD with run-time dispatch, threads by TBB; chunk contents
+/// do not depend on either but for rounding.
 void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& defocus,
                     const Projection& projection, SplatChunks& chunks);
 

@@ -32,8 +32,9 @@ inline constexpr float kTooMuch = 1.3f;
 /// How fast a layer whose weights have reached one shuts: at 1 + 1 / kCloses nothing more joins it.
 inline constexpr float kCloses = 2.0f;
 
-/// What the mean of a layer's lens points may be off by where it covers all of the lens, radii.
-inline constexpr float kMeanNoise = 0.03f;
+/// What the mean of a layer's lens points may be off by, of itself and in radii: a little more than
+/// the kernels that it is found by.
+inline constexpr float kMeanScale = 0.92f, kMeanNoise = 0.03f;
 
 /// Less blur than this makes no difference to what hides what, pixels.
 inline constexpr float kBlurred_px = 0.5f;
@@ -45,10 +46,12 @@ struct TileJob {
   const Splat* splats;
   const std::uint32_t* entries;
   std::size_t count;
-  float x, y;      // of the first sample, pixels
-  float per_step;  // 1 / the distance of samples, pixels
+  float x, y;            // of the first sample, pixels
+  float lens_x, lens_y;  // what a mean radius counts along the axes, where pixels are oblong
+  float per_step;        // 1 / the distance of samples, pixels
   float background[3];
-  const SplatLens* lens;   // null: nothing is blurred
+  const SplatLens* lens;  // null: nothing is blurred
+  glm::vec2 radius_px_per_D;
   const LensParts* parts;  // null: never by parts
   glm::vec4* rgba;         // kSide x kSide samples of the tile
   float* depth_m;          // likewise; null: not asked for
@@ -202,7 +205,9 @@ struct Sweep {
   static HWY_INLINE V shareAt(V mean) {
     const D d;
     const V one = hn::Set(d, 1.0f),
-            m = hn::Min(hn::Max(hn::Sub(mean, hn::Set(d, kMeanNoise)), hn::Zero(d)), one);
+            m = hn::Min(hn::Max(hn::MulSub(mean, hn::Set(d, kMeanScale), hn::Set(d, kMeanNoise)),
+                                hn::Zero(d)),
+                        one);
     return hn::Mul(hn::Sub(one, m), hn::NegMulAdd(hn::Set(d, 0.7f), hn::Mul(m, m), one));
   }
 
@@ -308,7 +313,8 @@ struct Sweep {
     const V near_m = hn::Set(d, splat.near_m), far_m = hn::Set(d, splat.far_m);
     const V distance = hn::Mul(hn::Mul(hn::Set(d, 0.5f), hn::Add(near_m, far_m)), opacity);
     const V one = hn::Set(d, 1.0f);
-    const V per_sample = hn::Set(d, lens.per_px / job.per_step);
+    const V per_x = hn::Set(d, lens.per_px * job.lens_x / job.per_step);
+    const V per_y = hn::Set(d, lens.per_px * job.lens_y / job.per_step);
     const V inv_width = hn::Set(d, lens.inv_width);
 
     std::size_t fragments = 0;
@@ -337,13 +343,13 @@ struct Sweep {
         }
         V seen = w;
         if constexpr (kLens) {
-          const V wl = hn::Mul(w, per_sample);
-          hn::Store(hn::MulAdd(wl, dx, hn::Load(d, sums.lens_x + i)), d, sums.lens_x + i);
-          hn::Store(hn::MulAdd(wl, dy, hn::Load(d, sums.lens_y + i)), d, sums.lens_y + i);
+          const V lx = hn::Mul(dx, per_x), ly = hn::Mul(dy, per_y);
+          hn::Store(hn::MulAdd(w, lx, hn::Load(d, sums.lens_x + i)), d, sums.lens_x + i);
+          hn::Store(hn::MulAdd(w, ly, hn::Load(d, sums.lens_y + i)), d, sums.lens_y + i);
           if constexpr (kSides) {
-            const V side = hn::MulAdd(hn::Load(d, tile.side_x + i), dx,
-                                      hn::Mul(hn::Load(d, tile.side_y + i), dy));
-            const V off = hn::NegMulAdd(per_sample, side, hn::Load(d, tile.side_at + i));
+            const V off = hn::NegMulAdd(
+                hn::Load(d, tile.side_x + i), lx,
+                hn::NegMulAdd(hn::Load(d, tile.side_y + i), ly, hn::Load(d, tile.side_at + i)));
             const V within =
                 hn::Min(hn::Max(hn::MulAdd(off, inv_width, hn::Set(d, 0.5f)), hn::Zero(d)), one);
             seen = hn::Mul(w, hn::MulAdd(hn::Load(d, tile.contrast + i), within,
@@ -432,7 +438,7 @@ struct Sweep {
       return fragments;
     }
     for (const glm::vec2& centre : parts->centres) {
-      const glm::vec2 px_per_D = parts->radius_px_per_D * centre;
+      const glm::vec2 px_per_D = job.radius_px_per_D * centre;
       fragments += compose(job, parts->splats, parts->lens, [&](std::uint32_t splat) {
         return px_per_D * parts->out_of_focus_D[splat];
       });
@@ -491,15 +497,20 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
     const bool coarse = tile.step_px > 1;
     const auto step_px = static_cast<float>(tile.step_px);
     const float first_px = step_px * (0.5f - (coarse ? kApron : 0));
+    const glm::vec2 radius = settings.radius_px_per_D;
+    const float oblong = radius.x > 0.0f && radius.y > 0.0f ? std::sqrt(radius.y / radius.x) : 1.0f;
     const TileJob job{
         .splats = chunks.splats.get(),
         .entries = list.data(),
         .count = list.size(),
         .x = static_cast<float>(tile.x_px) + first_px,
         .y = static_cast<float>(tile.y_px) + first_px,
+        .lens_x = oblong,
+        .lens_y = 1.0f / oblong,
         .per_step = 1.0f / step_px,
         .background = {settings.background.r, settings.background.g, settings.background.b},
         .lens = tile.blur_px > kBlurred_px ? chunks.lens.get() : nullptr,
+        .radius_px_per_D = radius,
         .parts = tile.blur_px > kPartsFrom_px ? settings.parts : nullptr,
         .rgba = rgba,
         .depth_m = settings.depth ? depth_m : nullptr};

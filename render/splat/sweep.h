@@ -17,12 +17,12 @@ struct LensParts {
   /// By splat, focus_D - 1/U: seen from a part at c lens radii it moves by radius_px_per_D c times
   /// that.
   const float* out_of_focus_D;
-  glm::vec2 radius_px_per_D;
   std::vector<glm::vec2> centres;
 };
 
 struct SweepSettings {
   glm::vec3 background;              ///< linear RGB
+  glm::vec2 radius_px_per_D{0.0f};   ///< of the blur, as the splats were projected with
   bool transparent = false;          ///< some splat's opacity is below 1
   bool depth = false;                ///< fill Frame::depth_m
   const LensParts* parts = nullptr;  ///< null: the lens as a whole

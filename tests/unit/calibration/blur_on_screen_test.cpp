@@ -39,7 +39,7 @@ double radiusIn_px(const Frame& frame, double unblurred_px2) {
     }
   }
   const double variance = square / mass - (x / mass) * (x / mass);
-  return std::sqrt((variance - unblurred_px2) / kGaussianVariancePerRadius2);
+  return std::sqrt((variance - unblurred_px2) / kDiscVariancePerRadius2);
 }
 
 TEST(BlurOnScreen, SubtendsTheAngleOfTheEyesOwn) {

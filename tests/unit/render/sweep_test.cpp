@@ -121,7 +121,7 @@ TEST(Sweep, PointOfLightHasTheVarianceOfTheFormula) {
       1.0 + 0.1 * 0.1;  // prefilter and the surfel's own (0.1 mm at 1000 px a m)
   for (double radius_px : {0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0}) {
     const Moments m = pointOfLight(blurred(static_cast<float>(radius_px), 0.0f));
-    const double expected_px2 = unblurred_px2 + kGaussianVariancePerRadius2 * radius_px * radius_px;
+    const double expected_px2 = unblurred_px2 + kDiscVariancePerRadius2 * radius_px * radius_px;
     EXPECT_NEAR(m.variance_x / expected_px2, 1.0, kMomentTolerance)
         << "radius " << radius_px << " px";
     EXPECT_NEAR(m.variance_y / expected_px2, 1.0, kMomentTolerance)
@@ -135,8 +135,8 @@ TEST(Sweep, OblongPixelsBlurEachAxisByItsOwnRadius) {
   RenderSettings settings = blurred(10.0f, 0.0f);
   settings.defocus.radius_px_per_D.y = 5.0f;
   const Moments m = pointOfLight(settings);
-  EXPECT_NEAR(m.variance_x / (1.01 + kGaussianVariancePerRadius2 * 100.0), 1.0, kMomentTolerance);
-  EXPECT_NEAR(m.variance_y / (1.01 + kGaussianVariancePerRadius2 * 25.0), 1.0, kMomentTolerance);
+  EXPECT_NEAR(m.variance_x / (1.01 + kDiscVariancePerRadius2 * 100.0), 1.0, kMomentTolerance);
+  EXPECT_NEAR(m.variance_y / (1.01 + kDiscVariancePerRadius2 * 25.0), 1.0, kMomentTolerance);
 }
 
 TEST(Sweep, DistanceCountsAlongTheSightForTheEyeAndAlongTheAxisForACamera) {
@@ -151,7 +151,7 @@ TEST(Sweep, DistanceCountsAlongTheSightForTheEyeAndAlongTheAxisForACamera) {
   settings.defocus.along = DistanceAlong::sight;
   const double radius_px = 20.0 * (1.0 - 1.0 / std::sqrt(2.0));
   EXPECT_NEAR(momentsOf(render(cloud, view, settings)).variance_y,
-              1.0 + kGaussianVariancePerRadius2 * radius_px * radius_px, 0.3);
+              1.0 + kDiscVariancePerRadius2 * radius_px * radius_px, 0.3);
 }
 
 TEST(Sweep, ConstantSheetStaysConstantAtAnyBlur) {
@@ -294,7 +294,7 @@ TEST(Sweep, BlurWiderThanTheScreenKeepsItsEnergy) {
   SurfelCloud cloud;
   appendSurfel(cloud, {0, 0, -1}, {0, 0, 1}, 1e-3f, 1e-6f, glm::vec3(1.0f));
   const Frame frame = render(cloud, squareView(64, 1000.0f), blurred(1000.0f, 0.0f));
-  const double peak = 3.0 / (std::numbers::pi * 8.0 * kGaussianVariancePerRadius2 * 1e6);
+  const double peak = 1.0 / (std::numbers::pi * 1e6);  // a disc's
   EXPECT_NEAR(frame.at(32, 32).r / peak, 1.0, 0.01);
   EXPECT_NEAR(frame.at(0, 0).r / frame.at(32, 32).r, 1.0, 0.01);
 }
