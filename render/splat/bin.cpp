@@ -14,7 +14,7 @@ namespace {
 
 /// The least standard deviation of a tile's kernels over the distance of its samples, where that is
 /// more than a pixel.
-constexpr float kSigmasAStep = 1.5f;
+constexpr float kSigmasAStep = 0.6f;
 
 constexpr int kDigitBits = 9;
 constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;

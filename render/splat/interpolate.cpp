@@ -68,8 +68,7 @@ void interpolateTile(const Tile& tile, const glm::vec4* rgba, const float* depth
       const auto& [first, t] = places[x];
       glm::vec4 value =
           t[0] * row[first] + t[1] * row[first + 1] + t[2] * row[first + 2] + t[3] * row[first + 3];
-      value = glm::max(value, 0.0f);
-      value.a = std::min(value.a, 1.0f);
+      value.a = std::clamp(value.a, 0.0f, 1.0f);
       to[x] = value;
     }
     if (!depth_m) continue;

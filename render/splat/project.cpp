@@ -34,6 +34,9 @@ inline constexpr float kLargest_px2 = 1e10f;
 /// much lies in the nodes' places already. See `Projection`.
 inline constexpr float kMergedTwice = 1.0f;
 
+/// Light of a single splat at its centre from which, and at twice that most, it counts as sharper.
+inline constexpr float kHighlight = 0.06f, kFiner = 0.6f;
+
 /// Of the variance that merging added, what a kernel needs for neighbours to overlap: a square's
 /// spread is side^2 / 12, its kernel wants (kSigmaPerSpacing side)^2.
 inline constexpr float kOverlap = 12.0f * kSigmaPerSpacing * kSigmaPerSpacing;
@@ -259,9 +262,12 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   const V per_radius2 = set(kDiscVariancePerRadius2);
   const V blur_x2 = hn::Mul(hn::Mul(per_radius2, cx), cx);
   const V blur_y2 = hn::Mul(hn::Mul(per_radius2, cy), cy);
-  const V wide = hn::Mul(hn::Add(f.vxx, one), hn::Add(f.vyy, one));
-  const V narrow =
-      hn::Div(hn::Sqrt(hn::NegMulAdd(f.vxy, f.vxy, wide)), hn::Max(hn::Mul(cx, cy), set(1e-12f)));
+  // Edges so soft that the kernels of neighbouring nodes still sum to one.
+  const V soft = hn::MulAdd(hn::Set(d, kOverlap - 1.0f), hn::Sub(one, f.own), one);
+  const V soft2 = hn::Mul(soft, soft);
+  const V wide = hn::Mul(hn::MulAdd(soft, f.vxx, one), hn::MulAdd(soft, f.vyy, one));
+  const V narrow = hn::Div(hn::Sqrt(hn::NegMulAdd(hn::Mul(soft2, f.vxy), f.vxy, wide)),
+                           hn::Max(hn::Mul(cx, cy), set(1e-12f)));
   const V vxx = hn::MulAdd(f.own, f.vxx, one);
   const V vyy = hn::MulAdd(f.own, f.vyy, one);
   const V vxy = hn::Mul(f.own, f.vxy);
@@ -359,8 +365,13 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
   const auto pixel = [](float px, float size_px) {
     return static_cast<std::uint16_t>(std::clamp(px, 0.0f, size_px - 1.0f));
   };
+  // A highlight's own shape shows, others' only in sum: it wants finer samples.
+  const float peak =
+      (splat.k0 + splat.k1 + splat.k2) * std::max({splat.red, splat.green, splat.blue});
+  const float highlight = std::clamp((peak - kHighlight) / kHighlight, 0.0f, 1.0f);
   key = {.near_m = splat.near_m,
-         .sigma_px = std::sqrt(1.0f + std::min(lanes.blur_x2[k], lanes.blur_y2[k])),
+         .sigma_px = std::sqrt(1.0f + std::min(lanes.blur_x2[k], lanes.blur_y2[k])) *
+                     (1.0f - kFiner * highlight),
          .blur_px = lanes.radius[k],
          .x0 = pixel(splat.x_px - splat.extent_x_px - 0.5f, job.width),
          .x1 = pixel(splat.x_px + splat.extent_x_px - 0.5f, job.width),

@@ -29,8 +29,8 @@ inline constexpr int kTile = 32;
 inline constexpr int kMostStep_px = 8;
 
 /// What binning needs of a splat: the near end of its z-range, the pixels of the image that its
-/// footprint's box may reach, inclusive, a lower bound of its kernel's standard deviation and the
-/// radius of its blur.
+/// footprint's box may reach, inclusive, a lower bound of its kernel's standard deviation (of a
+/// highlight less, which wants finer samples) and the radius of its blur.
 struct SplatKey {
   float near_m;
   float sigma_px, blur_px;

@@ -40,7 +40,7 @@ inline constexpr float kMeanScale = 0.92f, kMeanNoise = 0.03f;
 inline constexpr float kBlurred_px = 0.5f;
 
 /// Less blur than this needs no parts of the lens, pixels.
-inline constexpr float kPartsFrom_px = 1.5f;
+inline constexpr float kPartsFrom_px = 3.0f;
 
 struct TileJob {
   const Splat* splats;
