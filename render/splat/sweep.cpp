@@ -34,7 +34,7 @@ inline constexpr float kCloses = 2.0f;
 
 /// What the mean of a layer's lens points may be off by, of itself and in radii: a little more than
 /// the kernels that it is found by.
-inline constexpr float kMeanScale = 0.92f, kMeanNoise = 0.03f;
+inline constexpr float kMeanScale = 0.92f, kMeanNoise = 0.04f;
 
 /// Less blur than this makes no difference to what hides what, pixels.
 inline constexpr float kBlurred_px = 0.5f;
