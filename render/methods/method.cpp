@@ -14,6 +14,16 @@ std::unique_ptr<Method> makeSweepLod(const SurfelCloud& cloud, int parts);
 std::unique_ptr<Method> makePaper(const SurfelCloud& cloud);
 std::unique_ptr<Method> makePaperLod(const SurfelCloud& cloud);
 std::unique_ptr<Method> makeAccumulate(const SurfelCloud& cloud, int views);
+std::unique_ptr<Method> makePinhole(const SurfelCloud& cloud);
+std::unique_ptr<Method> makePotmesil(const SurfelCloud& cloud);
+std::unique_ptr<Method> makeRokita(const SurfelCloud& cloud);
+std::unique_ptr<Method> makeMatthews(const SurfelCloud& cloud);
+std::unique_ptr<Method> makeShinya(const SurfelCloud& cloud, int rays);
+std::unique_ptr<Method> makeLayered(const SurfelCloud& cloud, int layers);
+std::unique_ptr<Method> makeFearing(const SurfelCloud& cloud, int percent);
+std::unique_ptr<Method> makeMulder(const SurfelCloud& cloud);
+std::unique_ptr<Method> makeRasanen(const SurfelCloud& cloud, int samples);
+std::unique_ptr<Method> makeInflate(const SurfelCloud& cloud);
 
 namespace {
 
@@ -49,6 +59,52 @@ constexpr Entry kEntries[] = {
       .most = 100000,
       .standard = 200},
      makeAccumulate},
+    {{.name = "pinhole", .summary = "no depth of field", .source = "the traditional camera"},
+     [](const SurfelCloud& cloud, int) { return makePinhole(cloud); }},
+    {{.name = "potmesil",
+      .summary = "each pixel of the pinhole image spread evenly over its circle of confusion",
+      .source = "Potmesil and Chakravarty 1981; Chen 1988"},
+     [](const SurfelCloud& cloud, int) { return makePotmesil(cloud); }},
+    {{.name = "rokita",
+      .summary = "3 x 3 convolutions of the pinhole image, repeated as the blur asks for",
+      .source = "Rokita 1993"},
+     [](const SurfelCloud& cloud, int) { return makeRokita(cloud); }},
+    {{.name = "layered",
+      .summary = "N depth layers drawn for themselves, blurred and laid over each other",
+      .source = "Scofield 1992",
+      .most = 256,
+      .standard = 8},
+     makeLayered},
+    {{.name = "matthews",
+      .summary = "spread pixels, kept off sharper things before them and normalised",
+      .source = "after Matthews 1998"},
+     [](const SurfelCloud& cloud, int) { return makeMatthews(cloud); }},
+    {{.name = "shinya",
+      .summary = "N rays a pixel of the pinhole image, hiding each other in ray buffers",
+      .source = "Shinya 1994",
+      .most = 4096,
+      .standard = 64},
+     makeShinya},
+    {{.name = "fearing",
+      .summary = "potmesil where something changed, at most N per cent of the frame",
+      .source = "Fearing 1996",
+      .most = 100,
+      .standard = 100},
+     makeFearing},
+    {{.name = "mulder",
+      .summary = "potmesil around the gaze, a pyramid of blurred images elsewhere",
+      .source = "Mulder and van Liere 2000"},
+     [](const SurfelCloud& cloud, int) { return makeMulder(cloud); }},
+    {{.name = "rasanen",
+      .summary = "N random samples of each splat's blurred kernel",
+      .source = "Rasanen 2002",
+      .most = 65536,
+      .standard = 16},
+     makeRasanen},
+    {{.name = "inflate",
+      .summary = "splats' covariance grown by the blur, opacity scaled down, sorted over",
+      .source = "Kerbl et al. 2023; Spark, PlayCanvas"},
+     [](const SurfelCloud& cloud, int) { return makeInflate(cloud); }},
 };
 
 /// A spec as understood, or what was expected.

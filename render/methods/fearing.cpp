@@ -1,0 +1,115 @@
+// Coherence from frame to frame: what did not change is not computed again, and of what did, the
+// most noticeable first, until the time is up (Fearing, Importance Ordering for Real-Time Depth of
+// Field, ICSC 1995; Technical Report TR-96-06, University of British Columbia, 1996). Importance is
+// the change of colour and of blur since a place was last computed; how a place is computed is
+// `potmesil`. There places are pixels and the limit is a time; here, so that the same input gives
+// the same picture, they are tiles, and at most N per cent of them are computed a frame. Known
+// failure: those of `potmesil`; and with N below 100, what is not yet computed shows an earlier
+// focus.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "app/base/parallel.h"
+#include "render/methods/method.h"
+#include "render/methods/post_filter.h"
+#include "render/methods/view_splats.h"
+
+namespace foci {
+namespace {
+
+class FearingMethod final : public Method {
+ public:
+  FearingMethod(const SurfelCloud& cloud, int percent) : camera_(cloud), percent_(percent) {}
+
+  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
+    const auto start = std::chrono::steady_clock::now();
+    RenderStats stats = camera_.render(view, settings, frame);
+    discs_.set(frame.size_px, frame.rgba, vergences_D(frame), settings.defocus);
+    if (shown_.size_px != frame.size_px) {
+      // Before the first frame everything counts as shown, sharp.
+      shown_.size_px = frame.size_px;
+      shown_.rgba = seen_rgba_ = frame.rgba;
+      seen_radius_px_.assign(frame.rgba.size(), 0.0f);
+      importance_.assign(static_cast<std::size_t>(discs_.tileCount()), 0.0);
+    }
+    addImportance(frame);
+
+    std::vector<int> order(importance_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return importance_[a] > importance_[b]; });
+    order.resize((order.size() * percent_ + 99) / 100);
+    while (!order.empty() && importance_[order.back()] == 0.0) order.pop_back();
+    parallelFor(order.size(), [&](std::size_t i) {
+      discs_.spreadOnto(order[i], shown_.rgba);
+      importance_[order[i]] = 0.0;
+    });
+
+    frame.rgba = shown_.rgba;
+    if (!settings.depth) frame.depth_m.clear();
+    stats.ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return stats;
+  }
+
+ private:
+  /// Adds what changed since the last frame to the importance of the tiles that it falls on.
+  void addImportance(const Frame& frame) {
+    struct Change {
+      double sum = 0.0;
+      float reach_px = 0.0f;  // of the light that changed, before or now
+    };
+    const glm::ivec2 tiles = discs_.tiles();
+    std::vector<Change> changes(importance_.size());
+    parallelFor(changes.size(), [&](std::size_t t) {
+      const glm::ivec2 begin = tileAt(static_cast<int>(t)) * DiscImage::kTile_px;
+      const glm::ivec2 end = glm::min(begin + DiscImage::kTile_px, frame.size_px);
+      for (int y = begin.y; y < end.y; ++y) {
+        for (int x = begin.x; x < end.x; ++x) {
+          const std::size_t p = static_cast<std::size_t>(y) * frame.size_px.x + x;
+          const glm::vec2 radii_px = discs_.radius_px(discs_.defocus_D(x, y));
+          const float radius_px = std::max(radii_px.x, radii_px.y);
+          const glm::vec4 colour = glm::abs(frame.rgba[p] - seen_rgba_[p]);
+          const float change =
+              colour.r + colour.g + colour.b + colour.a + std::abs(radius_px - seen_radius_px_[p]);
+          if (change > 0.0f) {
+            changes[t].sum += change;
+            changes[t].reach_px = std::max({changes[t].reach_px, radius_px, seen_radius_px_[p]});
+          }
+          seen_rgba_[p] = frame.rgba[p];
+          seen_radius_px_[p] = radius_px;
+        }
+      }
+    });
+    for (int t = 0; t < static_cast<int>(changes.size()); ++t) {
+      if (changes[t].sum == 0.0) continue;
+      const int ring = static_cast<int>(
+          std::ceil((changes[t].reach_px + 0.5f) / static_cast<float>(DiscImage::kTile_px)));
+      const glm::ivec2 first = glm::max(tileAt(t) - ring, glm::ivec2(0));
+      const glm::ivec2 last = glm::min(tileAt(t) + ring, tiles - 1);
+      for (int y = first.y; y <= last.y; ++y) {
+        for (int x = first.x; x <= last.x; ++x) importance_[y * tiles.x + x] += changes[t].sum;
+      }
+    }
+  }
+
+  glm::ivec2 tileAt(int tile) const { return {tile % discs_.tiles().x, tile / discs_.tiles().x}; }
+
+  PinholeCamera camera_;
+  std::size_t percent_;
+  DiscImage discs_;
+  Frame shown_;                       // what is on the screen
+  std::vector<double> importance_;    // by tile, since it was last computed
+  std::vector<glm::vec4> seen_rgba_;  // of the last pinhole image
+  std::vector<float> seen_radius_px_;
+};
+
+}  // namespace
+
+std::unique_ptr<Method> makeFearing(const SurfelCloud& cloud, int percent) {
+  return std::make_unique<FearingMethod>(cloud, percent);
+}
+
+}  // namespace foci

@@ -1,0 +1,113 @@
+// Two and a half dimensions: the scene is sorted into layers by depth, each is drawn for itself
+// without blur, blurred as a whole and laid over those behind it (Scofield, 2 1/2-D Depth-of-Field
+// Simulation for Computer Animation, Graphics Gems III, 1992). So what a blurred thing hides is
+// there and shows through. There a layer is a group of objects; here, where there are only surfels,
+// it is one of N equal steps of vergence around the focus. Known failure: within a layer all is
+// blurred alike, so blur grows in steps, and a surface that runs through several layers comes apart
+// where it passes from one to the next.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "app/base/parallel.h"
+#include "render/methods/method.h"
+#include "render/methods/post_filter.h"
+#include "render/methods/view_splats.h"
+
+namespace foci {
+namespace {
+
+/// Layers are not thinner than this change of blur.
+constexpr float kLeastStep_px = 0.5f;
+constexpr float kLeastStep_D = 1e-4f;
+
+float vergence_D(const Splat& splat) { return 2.0f / (splat.near_m + splat.far_m); }
+
+class LayeredMethod final : public Method {
+ public:
+  LayeredMethod(const SurfelCloud& cloud, int layers)
+      : cloud_(cloud), camera_(cloud), layers_(layers) {}
+
+  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
+    const auto start = std::chrono::steady_clock::now();
+    RenderStats stats;
+    if (settings.depth) {
+      stats = camera_.render(view, settings, frame);
+    } else {
+      frame.depth_m.clear();
+    }
+    const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
+    frame.size_px = view.size_px;
+    frame.rgba.assign(pixels, glm::vec4(settings.background, 0.0f));
+
+    scene_.project(cloud_, view, settings, {.aperture = 0.0f});
+    stats.splats = scene_.count();
+    float least_D = std::numeric_limits<float>::max(), most_D = 0.0f;
+    scene_.forEach([&](const Splat& splat) {
+      least_D = std::min(least_D, vergence_D(splat));
+      most_D = std::max(most_D, vergence_D(splat));
+    });
+    const float focus_D = settings.defocus.focus_D;
+    const float widest =
+        std::max(settings.defocus.radius_px_per_D.x, settings.defocus.radius_px_per_D.y);
+    const float step_D = std::max(
+        {(most_D - least_D) / static_cast<float>(layers_), kLeastStep_px / widest, kLeastStep_D});
+    // The layer in focus is number 0 and reaches half a step to both sides.
+    const auto layerOf = [&](const Splat& splat) {
+      const float steps = (vergence_D(splat) - focus_D) / step_D;
+      return static_cast<int>(std::floor(std::clamp(steps, -1e4f, 1e4f) + 0.5f));
+    };
+    int farthest = std::numeric_limits<int>::max(), nearest = std::numeric_limits<int>::min();
+    scene_.forEach([&](const Splat& splat) {
+      farthest = std::min(farthest, layerOf(splat));
+      nearest = std::max(nearest, layerOf(splat));
+    });
+
+    for (int number = farthest; number <= nearest; ++number) {  // of an empty scene: none
+      layer_.select(scene_, [&](const Splat& splat) { return layerOf(splat) == number; });
+      if (layer_.count() == 0) continue;
+      stats.fragments += layer_.draw(glm::vec3(0.0f), false, picture_);
+      if (number != 0) blur(settings.defocus);
+      for (std::size_t p = 0; p < pixels; ++p) {
+        const glm::vec4& front = picture_.rgba[p];
+        frame.rgba[p] = front + (1.0f - front.a) * frame.rgba[p];
+      }
+    }
+    stats.ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return stats;
+  }
+
+ private:
+  /// Blurs the picture of the layer as its mean vergence asks for.
+  void blur(const Defocus& defocus) {
+    double sum_D = 0.0;
+    layer_.forEach([&](const Splat& splat) { sum_D += vergence_D(splat); });
+    const auto mean_D = static_cast<float>(sum_D / static_cast<double>(layer_.count()));
+    // What is empty has nothing to spread: as if in focus.
+    std::vector<float> point_D(picture_.rgba.size());
+    std::transform(
+        picture_.rgba.begin(), picture_.rgba.end(), point_D.begin(),
+        [&](const glm::vec4& pixel) { return pixel.a > 0.0f ? mean_D : defocus.focus_D; });
+    discs_.set(picture_.size_px, picture_.rgba, point_D, defocus);
+    parallelFor(static_cast<std::size_t>(discs_.tileCount()), [&](std::size_t tile) {
+      discs_.spreadOnto(static_cast<int>(tile), picture_.rgba);
+    });
+  }
+
+  const SurfelCloud& cloud_;
+  PinholeCamera camera_;
+  int layers_;
+  ViewSplats scene_, layer_;
+  Frame picture_;
+  DiscImage discs_;
+};
+
+}  // namespace
+
+std::unique_ptr<Method> makeLayered(const SurfelCloud& cloud, int layers) {
+  return std::make_unique<LayeredMethod>(cloud, layers);
+}
+
+}  // namespace foci

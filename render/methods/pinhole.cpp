@@ -1,0 +1,31 @@
+// No depth of field: one view through the middle of the lens. The traditional camera of computer
+// graphics, which Potmesil and Chakravarty (A Lens and Aperture Camera Model for Synthetic Image
+// Generation, 1981) set out to extend; what the post-filters of this folder start from. Known
+// failure: everything is sharp, wherever the focus is.
+#include "render/methods/method.h"
+#include "render/methods/view_splats.h"
+
+namespace foci {
+namespace {
+
+class PinholeMethod final : public Method {
+ public:
+  explicit PinholeMethod(const SurfelCloud& cloud) : camera_(cloud) {}
+
+  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
+    const RenderStats stats = camera_.render(view, settings, frame);
+    if (!settings.depth) frame.depth_m.clear();
+    return stats;
+  }
+
+ private:
+  PinholeCamera camera_;
+};
+
+}  // namespace
+
+std::unique_ptr<Method> makePinhole(const SurfelCloud& cloud) {
+  return std::make_unique<PinholeMethod>(cloud);
+}
+
+}  // namespace foci

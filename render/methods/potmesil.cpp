@@ -1,0 +1,46 @@
+// The first depth of field in computer graphics: a focus processor takes the finished pinhole image
+// with depth and spreads each pixel over its circle of confusion (Potmesil and Chakravarty, A Lens
+// and Aperture Camera Model for Synthetic Image Generation, SIGGRAPH 1981; Synthetic Image
+// Generation with a Lens and Aperture Camera Model, ACM Transactions on Graphics 1(2), 1982). The
+// light falls evenly on the circle, as Chen proposed (Light Effect on Synthetic Image Generation
+// Based on Light Particle Theory, 1988); the original weighs it by Lommel's functions. Known
+// failure: pixels do not know of each other. Blurred light leaks over sharp things before it, and
+// where two things of different blur meet, the one side receives too little and is too dark.
+#include <chrono>
+
+#include "app/base/parallel.h"
+#include "render/methods/method.h"
+#include "render/methods/post_filter.h"
+#include "render/methods/view_splats.h"
+
+namespace foci {
+namespace {
+
+class PotmesilMethod final : public Method {
+ public:
+  explicit PotmesilMethod(const SurfelCloud& cloud) : camera_(cloud) {}
+
+  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
+    const auto start = std::chrono::steady_clock::now();
+    RenderStats stats = camera_.render(view, settings, frame);
+    discs_.set(frame.size_px, frame.rgba, vergences_D(frame), settings.defocus);
+    parallelFor(static_cast<std::size_t>(discs_.tileCount()),
+                [&](std::size_t tile) { discs_.spreadOnto(static_cast<int>(tile), frame.rgba); });
+    if (!settings.depth) frame.depth_m.clear();
+    stats.ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return stats;
+  }
+
+ private:
+  PinholeCamera camera_;
+  DiscImage discs_;
+};
+
+}  // namespace
+
+std::unique_ptr<Method> makePotmesil(const SurfelCloud& cloud) {
+  return std::make_unique<PotmesilMethod>(cloud);
+}
+
+}  // namespace foci

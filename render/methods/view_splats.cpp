@@ -1,0 +1,58 @@
+#include "render/methods/view_splats.h"
+
+#include "app/base/parallel.h"
+#include "render/splat/sweep.h"
+
+namespace foci {
+
+void ViewSplats::project(const SurfelCloud& cloud, const View& view, const RenderSettings& settings,
+                         Projection projection) {
+  projection.shading = settings.shading;
+  size_px_ = view.size_px;
+  transparent_ = !cloud.opacity.empty();
+  projectSurfels(cloud, view, settings.defocus, projection, chunks_);
+  lists_.build(chunks_, size_px_);
+}
+
+void ViewSplats::select(const ViewSplats& all, const std::function<bool(const Splat&)>& belongs) {
+  const SplatChunks& from = all.chunks_;
+  size_px_ = all.size_px_;
+  transparent_ = all.transparent_;
+  chunks_.chunk_size = from.chunk_size;
+  chunks_.count.assign(from.count.size(), 0);
+  if (chunks_.capacity < from.capacity) {
+    chunks_.splats = std::make_unique_for_overwrite<Splat[]>(from.capacity);
+    chunks_.keys = std::make_unique_for_overwrite<SplatKey[]>(from.capacity);
+    chunks_.capacity = from.capacity;
+  }
+  parallelFor(from.count.size(), [&](std::size_t c) {
+    const std::size_t first = c * from.chunk_size;
+    std::uint32_t taken = 0;
+    for (std::uint32_t i = 0; i < from.count[c]; ++i) {
+      if (!belongs(from.splats[first + i])) continue;
+      chunks_.splats[first + taken] = from.splats[first + i];
+      chunks_.keys[first + taken] = from.keys[first + i];
+      ++taken;
+    }
+    chunks_.count[c] = taken;
+  });
+  lists_.build(chunks_, size_px_);
+}
+
+std::uint64_t ViewSplats::draw(const glm::vec3& background, bool depth, Frame& frame) const {
+  const std::size_t pixels = static_cast<std::size_t>(size_px_.x) * size_px_.y;
+  frame.size_px = size_px_;
+  frame.rgba.resize(pixels);
+  frame.depth_m.resize(depth ? pixels : 0);
+  return sweep(chunks_, lists_,
+               {.background = background, .transparent = transparent_, .depth = depth}, frame);
+}
+
+RenderStats PinholeCamera::render(const View& view, const RenderSettings& settings, Frame& frame) {
+  RenderSettings unblurred = settings;
+  unblurred.defocus.radius_px_per_D = glm::vec2(0.0f);
+  unblurred.depth = true;
+  return sweep_->render(view, unblurred, frame);
+}
+
+}  // namespace foci
