@@ -15,13 +15,13 @@
 #include "app/calibrate.h"
 #include "app/events_command.h"
 #include "app/manifest.h"
+#include "app/methods_command.h"
 #include "app/prepare_command.h"
 #include "app/render_picture.h"
 #include "app/replay.h"
 #include "app/study.h"
 #include "app/tables.h"
 #include "app/trace_command.h"
-#include "render/methods/method.h"
 
 namespace foci {
 namespace {
@@ -165,23 +165,6 @@ int runRender(const Options& options) {
   return kDone;
 }
 
-int runMethods(bool json) {
-  if (json) {
-    auto list = nlohmann::ordered_json::array();
-    for (const MethodInfo& method : methods()) {
-      list.push_back(
-          {{"name", method.name}, {"summary", method.summary}, {"source", method.source}});
-    }
-    std::puts(list.dump().c_str());
-  } else {
-    for (const MethodInfo& method : methods()) {
-      std::printf("%-12s %s (%s)\n", std::string(method.name).c_str(),
-                  std::string(method.summary).c_str(), std::string(method.source).c_str());
-    }
-  }
-  return kDone;
-}
-
 void addCommonOptions(CLI::App& command, Options& options) {
   const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
     return command.add_option(name, value, help)->type_name(type);
@@ -245,12 +228,9 @@ int run(int argc, char** argv) {
   render->add_option("--depth", options.depth, "also the distance seen, metres, as PFM")
       ->type_name("FILE");
 
-  auto* methods =
-      app.add_subcommand("methods", "List the depth-of-field methods, each with its source.");
-  methods->add_flag("--json", options.json, "as JSON");
-
   addCalibrateCommand(app);
   addEventsCommand(app);
+  addMethodsCommand(app);
   addPrepareCommand(app);
   addTraceCommand(app);
 
@@ -260,7 +240,7 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
-  for (const char* command : {"calibrate", "events", "prepare", "trace"}) {
+  for (const char* command : {"calibrate", "events", "methods", "prepare", "trace"}) {
     if (app.got_subcommand(command)) return kDone;
   }
   for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {
@@ -268,7 +248,6 @@ int run(int argc, char** argv) {
       throw InputError(option->get_name(), "expected a value that is not empty");
     }
   }
-  if (*methods) return runMethods(options.json);
   if (*render) return runRender(options);
   if (options.out.empty()) options.out = "out";
   std::string command = "foci";

@@ -2,8 +2,8 @@
 // with depth and spreads each pixel over its circle of confusion (Potmesil and Chakravarty, A Lens
 // and Aperture Camera Model for Synthetic Image Generation, SIGGRAPH 1981; Synthetic Image
 // Generation with a Lens and Aperture Camera Model, ACM Transactions on Graphics 1(2), 1982). The
-// light falls evenly on the circle, as Chen proposed (Light Effect on Synthetic Image Generation
-// Based on Light Particle Theory, 1988); the original weighs it by Lommel's functions. Known
+// light falls evenly on the circle, as Chen proposed (Lens Effect on Synthetic Image Generation
+// Based on Light Particle Theory, 1987/88); the original weighs it by Lommel's functions. Known
 // failure: pixels do not know of each other. Blurred light leaks over sharp things before it, and
 // where two things of different blur meet, the one side receives too little and is too dark.
 #include <chrono>

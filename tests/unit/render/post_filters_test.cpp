@@ -41,6 +41,20 @@ struct DotScene {
   }
 };
 
+/// 15 degrees off the gaze: the edge scene seen from the side of the eye.
+View besideTheGaze() {
+  View view = EdgeScene().view;
+  view.principal_px.x -= 0.27f * view.focal_px.x;
+  return view;
+}
+
+/// The edge scene, shifted so that it stays in the image.
+SurfelCloud edgeBesideTheGaze() {
+  SurfelCloud cloud = EdgeScene().cloud;
+  for (glm::vec3& position : cloud.position_m) position.x -= 0.27f * position.z;
+  return cloud;
+}
+
 TEST(Pinhole, IsTheSweepThroughAPinhole) {
   const EdgeScene scene;
   RenderSettings settings = EdgeScene::nearInFocus();
@@ -78,6 +92,12 @@ TEST(Potmesil, FailureLeaksOverSharpEdgesAndUndervaluesBesideThem) {
   // Beside it everything there is has a brightness of 1.
   const glm::vec3 beside = EdgeScene::at(frame, 4);
   EXPECT_LT(beside.r + beside.g, 0.9f);
+}
+
+TEST(Potmesil, SpreadsAlikeEverywhere) {
+  const Frame frame =
+      render("potmesil", edgeBesideTheGaze(), besideTheGaze(), EdgeScene::farInFocus());
+  EXPECT_GT(EdgeScene::at(frame, 4).r, 0.1f);
 }
 
 TEST(Rokita, PassesAddUpToTheVarianceOfTheDisc) {
@@ -211,20 +231,6 @@ TEST(Fearing, FailureWhatIsNotYetComputedShowsAnEarlierFocus) {
   EXPECT_GT(done, changed / 8);
   EXPECT_GT(old, changed / 4);
   EXPECT_EQ(done + old, changed);
-}
-
-/// 15 degrees off the gaze: the edge scene seen from the side of the eye.
-View besideTheGaze() {
-  View view = EdgeScene().view;
-  view.principal_px.x -= 0.27f * view.focal_px.x;
-  return view;
-}
-
-/// The edge scene, shifted so that it stays in the image.
-SurfelCloud edgeBesideTheGaze() {
-  SurfelCloud cloud = EdgeScene().cloud;
-  for (glm::vec3& position : cloud.position_m) position.x -= 0.27f * position.z;
-  return cloud;
 }
 
 TEST(Mulder, IsPotmesilAroundTheGaze) {
