@@ -26,7 +26,7 @@ class FearingMethod final : public Method {
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
     const auto start = std::chrono::steady_clock::now();
     RenderStats stats = camera_.render(view, settings, frame);
-    discs_.set(frame.size_px, frame.rgba, vergences_D(frame), settings.defocus);
+    discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
     if (shown_.size_px != frame.size_px) {
       // Before the first frame everything counts as shown, sharp.
       shown_.size_px = frame.size_px;

@@ -63,7 +63,7 @@ class MulderMethod final : public Method {
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
     const auto start = std::chrono::steady_clock::now();
     RenderStats stats = camera_.render(view, settings, frame);
-    const std::vector<float> point_D = vergences_D(frame);
+    const std::vector<float> point_D = vergences_D(frame, settings.defocus);
     discs_.set(frame.size_px, frame.rgba, point_D, settings.defocus);
     buildPyramid(frame, point_D, settings.defocus);
 

@@ -1,5 +1,6 @@
 #include "render/methods/post_filter.h"
 
+#include <limits>
 #include <numbers>
 
 #include "app/base/parallel.h"
@@ -10,6 +11,11 @@ namespace {
 /// Sums of weights are tabulated up to a radius from which they are the disc's area within 0.1 %.
 constexpr float kTabulated_px = 24.0f;
 constexpr int kSteps = 32;  // a pixel
+
+/// How far from an outline distances are means of both sides: the footprint of the smallest splat.
+constexpr int kOutline_px = 3;
+/// Blur that may differ within that without there being an outline.
+constexpr float kOneSurface_px = 1.0f;
 
 /// Weights of a disc with these radii, half a pixel wider than the circle of confusion.
 float sumOfWeights(const glm::vec2& outer_px) {
@@ -27,10 +33,47 @@ float sumOfWeights(const glm::vec2& outer_px) {
 
 }  // namespace
 
-std::vector<float> vergences_D(const Frame& image) {
+std::vector<float> vergences_D(const Frame& image, const Defocus& defocus) {
+  const glm::ivec2 size = image.size_px;
+  const auto vergence = [](float depth_m) { return depth_m > 0.0f ? 1.0f / depth_m : 0.0f; };
+  const float px_per_D = std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y);
+
+  // The ends of the distances around each pixel, along rows and then along columns. Nothing is at
+  // no distance.
+  struct Ends {
+    float nearest = std::numeric_limits<float>::max(), farthest = 0.0f;
+    void add(const Ends& other) {
+      nearest = std::min(nearest, other.nearest);
+      farthest = std::max(farthest, other.farthest);
+    }
+  };
+  std::vector<Ends> along_rows(image.depth_m.size());
+  parallelFor(static_cast<std::size_t>(size.y), [&](std::size_t row) {
+    const float* depth_m = image.depth_m.data() + row * size.x;
+    for (int x = 0; x < size.x; ++x) {
+      Ends& ends = along_rows[row * size.x + x];
+      for (int i = std::max(0, x - kOutline_px); i <= std::min(size.x - 1, x + kOutline_px); ++i) {
+        if (depth_m[i] > 0.0f) ends.add({depth_m[i], depth_m[i]});
+      }
+    }
+  });
   std::vector<float> point_D(image.depth_m.size());
-  std::transform(image.depth_m.begin(), image.depth_m.end(), point_D.begin(),
-                 [](float depth_m) { return depth_m > 0.0f ? 1.0f / depth_m : 0.0f; });
+  parallelFor(static_cast<std::size_t>(size.y), [&](std::size_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < size.x; ++x) {
+      const std::size_t p = row * size.x + x;
+      const float depth_m = image.depth_m[p];
+      point_D[p] = vergence(depth_m);
+      if (depth_m <= 0.0f) continue;
+      Ends ends;
+      for (int i = std::max(0, y - kOutline_px); i <= std::min(size.y - 1, y + kOutline_px); ++i) {
+        ends.add(along_rows[static_cast<std::size_t>(i) * size.x + x]);
+      }
+      if ((1.0f / ends.nearest - 1.0f / ends.farthest) * px_per_D <= kOneSurface_px) continue;
+      const bool nearer = depth_m - ends.nearest < ends.farthest - depth_m;
+      point_D[p] = 1.0f / (nearer ? ends.nearest : ends.farthest);
+    }
+  });
   return point_D;
 }
 

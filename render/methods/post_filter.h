@@ -12,7 +12,13 @@
 namespace foci {
 
 /// Vergence of what each pixel of an image with depth shows, 1 / distance; 0 where nothing is.
-std::vector<float> vergences_D(const Frame& image);
+///
+/// The sources have a depth buffer, which holds one surface a pixel. Our renderer's outlines are
+/// soft, and their distance is the mean of what lies on both sides, where nothing is. So where
+/// distances around a pixel differ by more than a pixel of blur, it takes the nearer or the farther
+/// end of what is around it, whichever its own distance is closer to: the surface that covers more
+/// of it.
+std::vector<float> vergences_D(const Frame& image, const Defocus& defocus);
 
 /// Pixel that stands in for the one at `i`, which may lie outside [0, n): images continue beyond
 /// their borders as their own mirror image.

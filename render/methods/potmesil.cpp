@@ -23,7 +23,7 @@ class PotmesilMethod final : public Method {
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
     const auto start = std::chrono::steady_clock::now();
     RenderStats stats = camera_.render(view, settings, frame);
-    discs_.set(frame.size_px, frame.rgba, vergences_D(frame), settings.defocus);
+    discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
     parallelFor(static_cast<std::size_t>(discs_.tileCount()),
                 [&](std::size_t tile) { discs_.spreadOnto(static_cast<int>(tile), frame.rgba); });
     if (!settings.depth) frame.depth_m.clear();

@@ -48,7 +48,7 @@ class RokitaMethod final : public Method {
   /// Variance that each pixel is to have, and the largest in each run; returns the largest of all.
   float plan(const Frame& frame, const Defocus& defocus) {
     const glm::ivec2 size = frame.size_px;
-    const std::vector<float> point_D = vergences_D(frame);
+    const std::vector<float> point_D = vergences_D(frame, defocus);
     variance_px2_.resize(point_D.size());
     runs_ = (size.x + kRun_px - 1) / kRun_px;
     run_most_px2_.assign(static_cast<std::size_t>(runs_) * size.y, 0.0f);

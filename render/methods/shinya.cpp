@@ -35,7 +35,7 @@ class ShinyaMethod final : public Method {
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
     const auto start = std::chrono::steady_clock::now();
     RenderStats stats = camera_.render(view, settings, frame);
-    discs_.set(frame.size_px, frame.rgba, vergences_D(frame), settings.defocus);
+    discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
     parallelFor(kGroups, [&](std::size_t group) {
       groups_[group].sums.assign(frame.rgba.size(), glm::vec4(0.0f));
       groups_[group].filled.assign(frame.rgba.size(), 0);

@@ -82,8 +82,7 @@ TEST_P(EveryMethod, EmptySceneIsBackground) {
 TEST_P(EveryMethod, StaysFiniteUnderAnyLens) {
   const SurfelCloud cloud = randomCloud(300);
   for (float radius_px_per_D : {1e6f, std::numeric_limits<float>::infinity()}) {
-    const Frame frame =
-        render(GetParam(), cloud, squareView(20, 20.0f), lens(radius_px_per_D, 0.5f));
+    const Frame frame = render(GetParam(), cloud, squareView(5, 5.0f), lens(radius_px_per_D, 0.5f));
     for (const glm::vec4& pixel : frame.rgba) {
       for (int channel = 0; channel < 4; ++channel) ASSERT_TRUE(std::isfinite(pixel[channel]));
     }

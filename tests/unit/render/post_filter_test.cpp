@@ -80,5 +80,26 @@ TEST(DiscImage, WidestDiscIsCapped) {
   }
 }
 
+TEST(Vergences, OutlinesBelongToTheSurfaceThatCoversMore) {
+  // From 1 m to 2 m over three pixels, as soft outlines are; nothing at the right end.
+  Frame image{.size_px = {12, 1}, .rgba = std::vector<glm::vec4>(12), .depth_m = {}};
+  image.depth_m = {1.0f, 1.0f, 1.0f, 1.2f, 1.45f, 1.55f, 1.8f, 2.0f, 2.0f, 2.0f, 0.0f, 0.0f};
+  const Defocus wide{.radius_px_per_D = glm::vec2(10.0f), .focus_D = 1.0f};
+  const std::vector<float> expected = {1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.5f,
+                                       0.5f, 0.5f, 0.5f, 0.5f, 0.0f, 0.0f};
+  EXPECT_EQ(vergences_D(image, wide), expected);
+  // Where it makes no difference, distances stay what they are.
+  const Defocus narrow{.radius_px_per_D = glm::vec2(1.0f), .focus_D = 1.0f};
+  EXPECT_FLOAT_EQ(vergences_D(image, narrow)[4], 1.0f / 1.45f);
+}
+
+TEST(Vergences, SlantedSurfacesKeepTheirDistances) {
+  Frame image{.size_px = {40, 1}, .rgba = std::vector<glm::vec4>(40), .depth_m = {}};
+  for (int x = 0; x < 40; ++x) image.depth_m.push_back(1.0f + 0.01f * static_cast<float>(x));
+  const Defocus defocus{.radius_px_per_D = glm::vec2(10.0f), .focus_D = 1.0f};
+  const std::vector<float> point_D = vergences_D(image, defocus);
+  for (int x = 0; x < 40; ++x) EXPECT_FLOAT_EQ(point_D[x], 1.0f / image.depth_m[x]);
+}
+
 }  // namespace
 }  // namespace foci
