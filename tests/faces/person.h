@@ -1,0 +1,33 @@
+// Who is drawn: what differs from face to face.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+
+namespace foci::faces {
+
+/// Colours are linear RGB. Lengths are those of adults (Hall et al. 1985; Dodgson 2004).
+struct Person {
+  glm::vec3 skin{0.50f, 0.30f, 0.21f};
+  glm::vec3 iris{0.09f, 0.05f, 0.03f};
+  glm::vec3 hair{0.05f, 0.035f, 0.025f};
+  double between_eyes_mm = 63.0;
+  double nose_mm = 22.0;  ///< before the line of the face
+  double face_width_mm = 150.0;
+  double pupil_mm = 4.0;           ///< diameter
+  glm::dvec2 kappa_deg{5.0, 1.5};  ///< line of sight nasally and upwards of the eye's axis
+  bool glasses = false;
+  bool beard = false;
+  std::uint32_t seed = 1;  ///< of skin, brows and irises
+};
+
+/// Six skins, five irises, and the rest drawn from `index`: the same for the same index.
+Person somebody(std::uint32_t index);
+
+/// White noise from integers, 0 to 1: alike on every machine.
+float noiseAt(std::uint32_t x, std::uint32_t y, std::uint32_t seed);
+
+/// Smooth noise of unit scale, 0 to 1.
+float smoothNoise(float x, float y, std::uint32_t seed);
+
+}  // namespace foci::faces
