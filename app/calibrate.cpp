@@ -63,7 +63,9 @@ void addCalibrateCommand(CLI::App& app) {
     gaze->add_option("--screen", o.screen, "Calibrated screen");
     gaze->add_option("--out", o.out, "Map as TOML; the report goes beside it");
     gaze->add_option("--report", o.report, "Report as HTML, another name");
-    gaze->add_option("--source", o.source, "In the window: mouse");
+    gaze->add_option("--source", o.source,
+                     "mouse or webcam[:N] in the window; webcam:VIDEO with --pairs");
+    gaze->add_option("--camera", o.camera, "Calibrated camera, for a webcam");
     gaze->add_option("--targets", o.targets, "In the window: 5, 9, 13 or 16");
     gaze->add_option("--seed", o.seed, "Order of the targets");
     gaze->add_flag("--window", o.window, "A window instead of the full screen");

@@ -10,6 +10,7 @@
 #include "calibration/gaze_map_file.h"
 #include "calibration/gaze_report.h"
 #include "calibration/screen_file.h"
+#include "calibration/webcam_calibration.h"
 
 namespace foci {
 namespace {
@@ -68,9 +69,31 @@ void correctDriftOf(const CalibrateGazeOptions& options) {
               drift_deg, gaze.size());
 }
 
+/// From a video of the observer's face and the times at which targets were shown.
+GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& place,
+                     const Screen& screen, WebcamCalibration& calibration) {
+  std::optional<Pinhole> camera;
+  if (!options.camera.empty()) {
+    const CameraModel model = readCamera(options.camera);
+    camera = Pinhole{.focal_px = model.focal_px, .principal_px = model.principal_px};
+  }
+  const auto targets = readShownTargets(options.pairs);
+  std::vector<ShownTarget> others;
+  if (!options.validate.empty()) others = readShownTargets(options.validate);
+  WebcamTracker tracker(camera);
+  const std::vector<WebcamFrame> frames = readWebcam(place, tracker);
+  const auto reference = tracker.reference();
+  if (!reference) throw InputError(nameOf(place), "no face in any frame");
+  calibration.reference = *reference;
+  calibration.screen_m = screen.size_m;
+  return calibrateWebcam(pairFrames(frames, targets), pairFrames(frames, others), screen,
+                         calibration.map);
+}
+
 void refuseWindowOptions(const CalibrateGazeOptions& options) {
   if (options.source != "mouse") {
-    throw InputError("--source", options.source.substr(0, 40) + ": expected mouse");
+    throw InputError("--source", options.source.substr(0, 40) +
+                                     ": expected mouse, or webcam:VIDEO with --pairs");
   }
   constexpr std::array<int, 4> kCounts{5, 9, 13, 16};
   if (std::find(kCounts.begin(), kCounts.end(), options.targets) == kCounts.end()) {
@@ -96,7 +119,12 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
   }
   const GazeFrame frame = frameOf(options);
   GazeReport report;
-  if (options.pairs.empty()) {
+  const auto webcam = webcamPlaceOf(options.source);
+  WebcamCalibration calibration;
+  if (webcam && !options.pairs.empty()) {
+    if (options.units != "deg") throw InputError("--units", "a webcam's targets are in deg");
+    report = fromVideo(options, *webcam, frame.screen, calibration);
+  } else if (options.pairs.empty()) {
     if (!options.validate.empty()) throw InputError("--validate", "needs --pairs");
     refuseWindowOptions(options);
     const auto result = calibrateGazeInWindow(options, frame.screen);
@@ -113,7 +141,8 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
     std::filesystem::path page = options.report;
     if (page.empty()) page = std::filesystem::path(options.out).replace_extension(".html");
     writeWhole(page, gazeReportHtml(report));
-    writeWhole(options.out, gazeMapToml(report.fit.map));
+    writeWhole(options.out,
+               webcam ? webcamCalibrationToml(calibration) : gazeMapToml(report.fit.map));
   } else if (!options.report.empty()) {
     writeWhole(options.report, gazeReportHtml(report));
   }

@@ -20,7 +20,7 @@ struct CalibrateScreenOptions {
 
 struct CalibrateGazeOptions {
   bool json = false;
-  std::filesystem::path pairs, validate, drift, out, report, screen;
+  std::filesystem::path pairs, validate, drift, out, report, screen, camera;
   std::string units = "deg", model = "auto";
   std::string source = "mouse";
   int targets = 9;

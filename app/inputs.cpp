@@ -7,6 +7,7 @@
 
 #include "app/base/input_error.h"
 #include "calibration/gaze_map_file.h"
+#include "calibration/webcam_calibration.h"
 #include "gaze/sources/simulator.h"
 #include "gaze/sources/trace_reader.h"
 #include "render/optics/view.h"
@@ -90,6 +91,25 @@ GazeTrace simulate(const Study& study) {
       .trace;
 }
 
+/// A webcam's video as a recording on the study's screen.
+GazeTrace traceOfWebcam(const Study& study, const WebcamPlace& place) {
+  const WebcamCalibration calibration = readWebcamCalibration(*study.gaze.map);
+  const Screen screen = study.screenInForce();
+  WebcamTracker tracker(std::nullopt, calibration.reference);
+  const WebcamMapping map = mappingOf(calibration.map, screen);
+  GazeTrace trace{.format = nameOf(place), .screen = screen};
+  for (const WebcamFrame& frame : readWebcam(place, tracker)) {
+    trace.samples.push_back(sampleOf(frame, map));
+  }
+  if (trace.samples.size() < 2) throw InputError(nameOf(place), "expected at least 2 frames");
+  trace.rate_Hz = 1.0 / (trace.samples[1].time_s - trace.samples[0].time_s);
+  const bool seen = std::any_of(trace.samples.begin(), trace.samples.end(),
+                                [](const GazeSample& s) { return s.point_px.has_value(); });
+  if (!seen)
+    throw InputError(nameOf(place), "no eyes in any frame: expected a face before the camera");
+  return trace;
+}
+
 }  // namespace
 
 EyePath::EyePath(const Study& study)
@@ -138,6 +158,7 @@ SurfelCloud loadScene(const Study& study) {
 
 GazeTrace loadGaze(const Study& study) {
   if (study.gazeIsSimulated()) return simulate(study);
+  if (const auto place = webcamPlaceOf(study.gaze.source)) return traceOfWebcam(study, *place);
   TraceColumns columns = study.gaze.columns;
   if (study.gaze.units == "px") columns.units = GazeUnits::px;
   if (study.gaze.units == "deg") columns.units = GazeUnits::deg;
@@ -157,7 +178,11 @@ std::vector<std::filesystem::path> inputFiles(const Study& study) {
   for (const auto& file : {study.screen.monitor, study.gaze.map, study.gaze.camera}) {
     if (file) files.push_back(*file);
   }
-  if (!study.gazeIsSimulated()) files.push_back(study.gaze.source);
+  if (const auto place = webcamPlaceOf(study.gaze.source)) {
+    if (std::filesystem::is_regular_file(place->file)) files.push_back(place->file);
+  } else if (!study.gazeIsSimulated()) {
+    files.push_back(study.gaze.source);
+  }
   return files;
 }
 

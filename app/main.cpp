@@ -173,7 +173,8 @@ void addCommonOptions(CLI::App& command, Options& options) {
   add("--scene", options.scene, "FILE",
       "points (PLY), mesh or prepared scene instead of the study's");
   add("--screen", options.screen, "FILE", "calibrated screen: foci's TOML or a PsychoPy monitor");
-  add("--gaze-map", options.gaze_map, "FILE", "map of foci calibrate gaze, for the recording");
+  add("--gaze-map", options.gaze_map, "FILE",
+      "map of foci calibrate gaze, for the recording or webcam");
   add("--camera", options.camera, "FILE", "camera of foci calibrate camera");
   add("--size", options.size, "WxH", "of the pictures, px, e.g. 1280x720");
   add("--pupil", options.pupil, "MM", "diameter of the pupil, millimetres");
@@ -204,7 +205,9 @@ int run(int argc, char** argv) {
       "Replay a recorded gaze: video, tables and a report of what the eye saw.\n"
       "Example: foci replay configs/lion.toml --scene lion.ply --trace gaze.tsv --out out/lion");
   addCommonOptions(*replay, options);
-  replay->add_option("--trace", options.trace, "recording instead of the study's gaze")
+  replay
+      ->add_option("--trace", options.trace,
+                   "recording, or webcam:VIDEO, instead of the study's gaze")
       ->type_name("FILE");
   replay->add_option("--out", options.out, "folder of the results; default: out")->type_name("DIR");
   replay->add_option("--seconds", options.seconds, "from, to: after the recording's first sample")

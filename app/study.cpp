@@ -16,6 +16,7 @@
 #include "calibration/camera.h"
 #include "calibration/gaze_map_file.h"
 #include "calibration/screen_file.h"
+#include "calibration/webcam_calibration.h"
 #include "render/methods/method.h"
 
 namespace foci {
@@ -85,8 +86,9 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(screen.distance_m, "screen.distance_m", "eye to screen, m", {0.01, 100}),
       FOCI_KEY(observer.pupil_mm, "observer.pupil_mm", "diameter of the pupil, mm", {0.5, 12}),
       FOCI_KEY(observer.retina_mm, "observer.retina_mm", "lens to retina, mm", {10, 40}),
-      FOCI_KEY(gaze.source, "gaze.source", "\"simulated\", or a recording (TSV, CSV, ASC)"),
-      FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording"),
+      FOCI_KEY(gaze.source, "gaze.source",
+               "\"simulated\", a recording (TSV, CSV, ASC), or webcam:VIDEO"),
+      FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording or a webcam"),
       FOCI_KEY(gaze.camera, "gaze.camera", "camera of foci calibrate camera"),
       FOCI_KEY(gaze.columns.time, "gaze.time", "column of the time"),
       FOCI_KEY(gaze.columns.x, "gaze.x", "column of the horizontal position"),
@@ -297,7 +299,12 @@ Study readStudy(const std::filesystem::path& file) {
   if (study.screen.monitor) resolve(*study.screen.monitor, folder);
   if (study.gaze.map) resolve(*study.gaze.map, folder);
   if (study.gaze.camera) resolve(*study.gaze.camera, folder);
-  if (!study.gazeIsSimulated()) {
+  if (auto place = webcamPlaceOf(study.gaze.source)) {
+    if (!place->device) {
+      resolve(place->file, folder);
+      study.gaze.source = "webcam:" + place->file.string();
+    }
+  } else if (!study.gazeIsSimulated()) {
     std::filesystem::path trace = study.gaze.source;
     resolve(trace, folder);
     study.gaze.source = trace.string();
@@ -346,7 +353,15 @@ void checkStudy(const Study& study) {
   if (study.gaze.map && study.gazeIsSimulated()) {
     refuse("gaze.map: expected a recording to map, not simulated gaze");
   }
-  if (study.gaze.map) readGazeMap(*study.gaze.map);
+  if (webcamPlaceOf(study.gaze.source)) {
+    if (!study.gaze.map) {
+      refuse(
+          "gaze.source: a webcam needs gaze.map (--gaze-map): foci calibrate gaze --source webcam");
+    }
+    readWebcamCalibration(*study.gaze.map);
+  } else if (study.gaze.map) {
+    readGazeMap(*study.gaze.map);
+  }
   if (study.gaze.camera) readCamera(*study.gaze.camera);
   const auto checkPose = [&](const glm::dvec3& position_m, const glm::dvec3& look_at_m,
                              const glm::dvec3& up, const std::string& name) {

@@ -19,6 +19,10 @@ std::string shown(const std::optional<double>& value, const char* format = "%.2f
   return text;
 }
 
+std::string modelOf(const GazeReport& report) {
+  return report.model.empty() ? std::string(nameOf(report.fit.map.model)) : report.model;
+}
+
 double lostShare(const GazeMeasures& m) {
   return m.samples > 0 ? static_cast<double>(m.lost) / static_cast<double>(m.samples) : 0.0;
 }
@@ -94,7 +98,7 @@ std::string slippedText(const GazeReport& report) {
 
 std::string gazeReportJson(const GazeReport& report) {
   const GazeAccuracy& accuracy = report.accuracy;
-  std::string json = "{\"model\": " + quotedText(std::string(nameOf(report.fit.map.model))) + ", ";
+  std::string json = "{\"model\": " + quotedText(modelOf(report)) + ", ";
   json += measuresJson(accuracy.overall, accuracy.worst_deg);
   if (!accuracy.worst_deg) json += ", \"accuracy_max_deg\": null";
   json += ", \"grade\": " + quotedText(std::string(nameOf(gradeOf(accuracy))));
@@ -125,8 +129,8 @@ std::string gazeReportText(const GazeReport& report) {
   text += line;
   std::snprintf(line, sizeof line,
                 "model %s, precision %s deg RMS-S2S, %s deg SD, %.1f %% of %zu samples lost\n",
-                std::string(nameOf(report.fit.map.model)).c_str(), shown(all.rms_s2s_deg).c_str(),
-                shown(all.sd_deg).c_str(), 100.0 * lostShare(all), all.samples);
+                modelOf(report).c_str(), shown(all.rms_s2s_deg).c_str(), shown(all.sd_deg).c_str(),
+                100.0 * lostShare(all), all.samples);
   text += line;
   if (!report.fit.refused.empty()) text += "not looked at: " + slippedText(report) + "\n";
   text += "          target  accuracy  RMS-S2S     SD   lost\n";
@@ -157,9 +161,11 @@ std::string gazeReportHtml(const GazeReport& report) {
           ". Mean accuracy " + shown(all.accuracy_deg) + "°, worst target " +
           shown(report.accuracy.worst_deg) + "°; precision " + shown(all.rms_s2s_deg) +
           "° RMS-S2S, " + shown(all.sd_deg) + "° SD; " + shown(100.0 * lostShare(all), "%.1f") +
-          " % of " + std::to_string(all.samples) +
-          " samples lost. Model: " + std::string(nameOf(report.fit.map.model)) +
-          "; it states an uncertainty of " + shown(all.uncertainty_deg) + "° (68 %).</p>\n";
+          " % of " + std::to_string(all.samples) + " samples lost. Model: " + modelOf(report) +
+          (all.uncertainty_deg
+               ? "; it states an uncertainty of " + shown(all.uncertainty_deg) + "° (68 %)"
+               : "") +
+          ".</p>\n";
   if (!report.fit.refused.empty()) {
     html += "<p>Not looked at, and left out of the fit: " + slippedText(report) + ".</p>\n";
   }

@@ -9,6 +9,7 @@ namespace foci {
 struct GazeReport {
   GazeFit fit;
   GazeAccuracy accuracy;
+  std::string model{};     ///< of a map that is none of fit.map.model; empty: that one
   bool validated = false;  ///< measured on other samples than the fit's
 };
 

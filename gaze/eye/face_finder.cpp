@@ -117,6 +117,7 @@ struct FaceFinder::Cascades {
 
 FaceFinder::FaceFinder() : cascades_(std::make_unique<Cascades>()) {}
 FaceFinder::~FaceFinder() = default;
+FaceFinder::FaceFinder(FaceFinder&& other) noexcept = default;
 
 std::optional<FoundFace> FaceFinder::find(const cv::Mat& grey) {
   // Of all pairs of irises the one that suits a face.

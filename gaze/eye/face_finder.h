@@ -24,6 +24,7 @@ class FaceFinder {
   /// @throws InputError where the cascades are not installed
   FaceFinder();
   ~FaceFinder();
+  FaceFinder(FaceFinder&& other) noexcept;
 
   /// The largest face, at least an eighth of the picture wide, with its eyes open.
   /// @param grey  8 bits, one channel
