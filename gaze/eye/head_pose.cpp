@@ -85,8 +85,8 @@ std::optional<glm::dvec3> onFace_mm(const Pinhole& camera, const HeadPose& pose,
 
 std::optional<HeadPoseFit> fitHeadPose(const Pinhole& camera, std::span<const glm::dvec3> points_mm,
                                        std::span<const glm::dvec2> image_px,
-                                       const HeadPose& start) {
-  assert(points_mm.size() == image_px.size());
+                                       std::span<const double> weights, const HeadPose& start) {
+  assert(points_mm.size() == image_px.size() && points_mm.size() == weights.size());
   constexpr std::size_t kFewest = 6;
   if (points_mm.size() < kFewest) return std::nullopt;
   HeadPoseFit fit{.pose = start};
@@ -96,7 +96,8 @@ std::optional<HeadPoseFit> fitHeadPose(const Pinhole& camera, std::span<const gl
     for (std::size_t i = 0; i < off.size(); ++i) {
       const glm::dvec3 p = fit.pose.camera_from_head * points_mm[i] + fit.pose.position_mm;
       if (!(p.z > 1.0)) return std::nullopt;
-      off[i] = glm::distance(project(camera, fit.pose, points_mm[i]), image_px[i]);
+      off[i] = std::sqrt(weights[i]) *
+               glm::distance(project(camera, fit.pose, points_mm[i]), image_px[i]);
     }
     const double spread = std::max(1.4826 * median(off), kLeastSpread_px);
     const double limit = kTukey * spread;
@@ -115,7 +116,7 @@ std::optional<HeadPoseFit> fitHeadPose(const Pinhole& camera, std::span<const gl
     cv::Vec6d rhs = cv::Vec6d::all(0.0);
     for (std::size_t i = 0; i < off.size(); ++i) {
       if (off[i] >= limit) continue;
-      const double w = std::pow(1.0 - std::pow(off[i] / limit, 2), 2);
+      const double w = weights[i] * std::pow(1.0 - std::pow(off[i] / limit, 2), 2);
       const glm::dvec3 turned = fit.pose.camera_from_head * points_mm[i];
       const glm::dvec3 p = turned + fit.pose.position_mm;
       const glm::dvec2 miss = image_px[i] - project(camera, fit.pose, points_mm[i]);

@@ -48,10 +48,12 @@ struct HeadPoseFit {
   double rms_px = 0.0;   ///< of these
 };
 
-/// min sum rho(|project(R X + t) - x|) by Gauss and Newton with Tukey's weights.
-/// @param start  near the pose
+/// min sum rho(sqrt(w) |project(R X + t) - x|) by Gauss and Newton with Tukey's weights.
+/// @param weights  w of each point, 0 to 1
+/// @param start    near the pose
 /// @return nothing with fewer than 6 points, or where they do not agree
 std::optional<HeadPoseFit> fitHeadPose(const Pinhole& camera, std::span<const glm::dvec3> points_mm,
-                                       std::span<const glm::dvec2> image_px, const HeadPose& start);
+                                       std::span<const glm::dvec2> image_px,
+                                       std::span<const double> weights, const HeadPose& start);
 
 }  // namespace foci

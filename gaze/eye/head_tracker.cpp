@@ -8,11 +8,11 @@
 namespace foci {
 namespace {
 
-constexpr int kMostPoints = 90;
+constexpr int kMostPoints = 110;
 constexpr std::size_t kMostViews = 24;
 constexpr double kCutOut_mm = 210.0;     // side
 constexpr double kCutOutDown_mm = 15.0;  // its centre, below the eyes
-const cv::Size kPatch{15, 15};
+const cv::Size kPatch{21, 21};
 constexpr int kLevels = 2;
 // A view serves heads within these of its own pose; beyond, a new one is kept.
 constexpr double kTurn_rad = 0.12, kScale = 0.10;
@@ -33,10 +33,11 @@ bool isRigid(const glm::dvec3& p) {
 
 /// What remains once the local mean is gone: light may change.
 cv::Mat withoutLight(const cv::Mat& grey) {
-  cv::Mat mean, flat;
+  cv::Mat smooth, mean, flat;
+  cv::GaussianBlur(grey, smooth, {5, 5}, 1.0, 1.0, cv::BORDER_REPLICATE);  // noise has no place
   const int side = std::max(9, grey.cols / 12 * 2 + 1);
-  cv::blur(grey, mean, {side, side}, {-1, -1}, cv::BORDER_REPLICATE);
-  cv::addWeighted(grey, 1.0, mean, -1.0, 128.0, flat);
+  cv::blur(smooth, mean, {side, side}, {-1, -1}, cv::BORDER_REPLICATE);
+  cv::addWeighted(smooth, 2.0, mean, -2.0, 128.0, flat);
   return flat;
 }
 
@@ -117,14 +118,23 @@ void HeadTracker::keep(HeadView view) {
     }
   }
   std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(flat, corners, kMostPoints, 0.01, std::max(3.0, flat.cols / 32.0), mask,
+  cv::goodFeaturesToTrack(flat, corners, kMostPoints, 0.003, std::max(3.0, flat.cols / 24.0), mask,
                           5);
+  // A patch is found again as exactly as it has structure along its weaker direction.
+  cv::Mat1f structure;
+  cv::cornerMinEigenVal(flat, structure, kPatch.width);
   for (const cv::Point2f& corner : corners) {
     const glm::dvec2 px = kept.view.corner_px + glm::dvec2(corner.x + 0.5, corner.y + 0.5);
     if (const auto p = onFace_mm(camera_, kept.view.pose, px)) {
       kept.points_px.push_back(corner);
+      kept.weights.push_back(static_cast<double>(structure(cvRound(corner.y), cvRound(corner.x))));
       kept.points_mm.push_back(*p);
     }
+  }
+  if (!kept.weights.empty()) {
+    const double most = *std::max_element(kept.weights.begin(), kept.weights.end());
+    constexpr double kExactEnough = 0.15;  // of the best; then the face's shape is the limit
+    for (double& w : kept.weights) w = std::min(1.0, w / (kExactEnough * std::max(most, 1e-12)));
   }
   cv::buildOpticalFlowPyramid(flat, kept.pyramid, kPatch, kLevels, true);
   // The first stays; of the others the oldest goes.
@@ -170,12 +180,14 @@ std::optional<HeadPoseFit> HeadTracker::follow(const cv::Mat& grey,
                            kLevels, stop, cv::OPTFLOW_USE_INITIAL_FLOW, 1e-3);
   std::vector<glm::dvec3> points_mm;
   std::vector<glm::dvec2> image_px;
+  std::vector<double> weights;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (!found[i]) continue;
     points_mm.push_back(kept.points_mm[i]);
+    weights.push_back(kept.weights[i]);
     image_px.push_back(origin + glm::dvec2(seen[i].x + 0.5, seen[i].y + 0.5));
   }
-  auto better = fitHeadPose(camera_, points_mm, image_px, from);
+  auto better = fitHeadPose(camera_, points_mm, image_px, weights, from);
   if (!better) return std::nullopt;
   fit = *better;
   fit.inliers *= static_cast<double>(points_mm.size()) / static_cast<double>(seen.size());

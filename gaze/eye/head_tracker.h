@@ -49,6 +49,7 @@ class HeadTracker {
     HeadView view;
     std::vector<cv::Point2f> points_px;  // in the cut-out
     std::vector<glm::dvec3> points_mm;
+    std::vector<double> weights;  // 1 / variance, 0 to 1
     std::vector<cv::Mat> pyramid;
   };
   void keep(HeadView view);

@@ -28,6 +28,7 @@ std::vector<glm::dvec3> pointsOfAFace() {
 TEST(FitHeadPose, IsExactWithoutNoiseAndBearsOutliers) {
   const std::vector<glm::dvec3> points = pointsOfAFace();
   const HeadPose truth = turned(0.2, -0.1, 0.15, {30.0, 60.0, 550.0});
+  const std::vector<double> even(points.size(), 1.0);
   std::vector<glm::dvec2> image;
   for (const glm::dvec3& p : points) image.push_back(project(kCamera, truth, p));
   const HeadPose start = turned(0.05, 0.0, 0.0, {20.0, 50.0, 600.0});
@@ -35,7 +36,7 @@ TEST(FitHeadPose, IsExactWithoutNoiseAndBearsOutliers) {
     if (outliers) {
       for (std::size_t i = 0; i < image.size(); i += 5) image[i] += glm::dvec2(12.0, -7.0);
     }
-    const auto fit = fitHeadPose(kCamera, points, image, start);
+    const auto fit = fitHeadPose(kCamera, points, image, even, start);
     ASSERT_TRUE(fit);
     constexpr double kSolver = 1e-6;
     EXPECT_LT(glm::distance(fit->pose.position_mm, truth.position_mm), 1e3 * kSolver);
@@ -50,10 +51,12 @@ TEST(FitHeadPose, IsExactWithoutNoiseAndBearsOutliers) {
 
 TEST(FitHeadPose, RefusesTooFewPoints) {
   const std::vector<glm::dvec3> points = pointsOfAFace();
+  const std::vector<double> even(points.size(), 1.0);
   std::vector<glm::dvec2> image;
   for (const glm::dvec3& p : points) image.push_back(project(kCamera, {}, p));
-  EXPECT_FALSE(fitHeadPose(kCamera, std::span(points).first(5), std::span(image).first(5), {}));
-  EXPECT_TRUE(fitHeadPose(kCamera, points, image, {}));
+  EXPECT_FALSE(fitHeadPose(kCamera, std::span(points).first(5), std::span(image).first(5),
+                           std::span(even).first(5), {}));
+  EXPECT_TRUE(fitHeadPose(kCamera, points, image, even, {}));
 }
 
 TEST(OnFace, UndoesTheProjection) {
