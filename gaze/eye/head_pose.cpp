@@ -47,15 +47,18 @@ glm::dvec2 project(const Pinhole& camera, const HeadPose& pose, const glm::dvec3
 }
 
 std::optional<double> faceDepth_mm(double x, double y) {
-  constexpr double kHalfWidth_mm = 80.0, kHalfHeight_mm = 120.0, kDeep_mm = 92.0;
-  constexpr double kBrow_mm = -17.0;  // z between the brows
-  constexpr double kNose_mm = 20.0, kNoseTip_mm = 43.0, kNoseHalfWidth_mm = 17.0;
-  const double inside = 1.0 - std::pow(x / kHalfWidth_mm, 2) - std::pow(y / kHalfHeight_mm, 2);
+  // Below the eyes the profile runs straight down, the nose apart; above, the forehead leans back.
+  constexpr double kHalfWidth_mm = 80.0, kForehead_mm = 120.0, kProfile_mm = 190.0, kDeep_mm = 92.0;
+  constexpr double kBrow_mm = -21.0;  // z between the brows
+  constexpr double kNose_mm = 20.0, kNoseTip_mm = 43.0, kNoseEnd_mm = 56.0,
+                   kNoseHalfWidth_mm = 17.0;
+  const double half_height = y < 0.0 ? kForehead_mm : kProfile_mm;
+  const double inside = 1.0 - std::pow(x / kHalfWidth_mm, 2) - std::pow(y / half_height, 2);
   if (inside < 0.05) return std::nullopt;
   double z = kBrow_mm + kDeep_mm * (1.0 - std::sqrt(inside));
   const double along = y < 0.0           ? 0.0
                        : y < kNoseTip_mm ? y / kNoseTip_mm
-                                         : 1.0 - (y - kNoseTip_mm) / 10.0;
+                                         : (kNoseEnd_mm - y) / (kNoseEnd_mm - kNoseTip_mm);
   const double across = 1.0 - std::abs(x) / kNoseHalfWidth_mm;
   if (along > 0.0 && across > 0.0) z -= kNose_mm * along * across;
   return z;

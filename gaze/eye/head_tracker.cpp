@@ -25,7 +25,7 @@ bool isRigid(const glm::dvec3& p) {
   const auto within = [&](double x, double y, double half_x, double half_y) {
     return std::pow((std::abs(p.x) - x) / half_x, 2) + std::pow((p.y - y) / half_y, 2) < 1.0;
   };
-  const bool face = within(0.0, 5.0, 68.0, 68.0);
+  const bool face = within(0.0, 0.0, 54.0, 70.0);  // not its outline, which slides
   const bool eye = within(0.5 * kBetweenEyes_mm, 0.0, 20.0, 12.0);
   const bool mouth = within(0.0, 75.0, 32.0, 18.0);
   return face && !eye && !mouth;

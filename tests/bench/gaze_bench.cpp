@@ -1,12 +1,17 @@
 // What a sample costs: labels offline and online. Fixed seed; the walk of an observer with a little
-// noise, two minutes long. Argument: samples a second.
+// noise, two minutes long. Argument: samples a second. What a webcam's frame costs, 640x480 on one
+// core: a drawn face that is followed, and one that is searched for.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
+#include "gaze/eye/webcam_tracker.h"
 #include "gaze/sources/simulator.h"
+#include "tests/faces/observer.h"
 
 namespace foci {
 namespace {
@@ -40,6 +45,41 @@ void BM_LabelOnline(benchmark::State& state) {
   countSamples(state, trace);
 }
 BENCHMARK(BM_LabelOnline)->Arg(60)->Arg(500)->Arg(2000)->Unit(benchmark::kMillisecond);
+
+/// Frames that can be run to and fro without a jump.
+std::vector<cv::Mat> film() {
+  const faces::Face face(faces::somebody(0));
+  const faces::Observer observer({}, {{0.0, 0.2, {0.1, 0.0}}, {0.2, 1.0, {-0.1, 0.05}}});
+  std::vector<cv::Mat> frames(12);
+  faces::Photography how;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    how.seed = static_cast<std::uint32_t>(i);
+    cv::cvtColor(face.photograph(observer.at(static_cast<double>(i) / 15.0), how), frames[i],
+                 cv::COLOR_BGR2GRAY);
+  }
+  for (std::size_t i = frames.size(); i-- > 0;) frames.push_back(frames[i]);
+  return frames;
+}
+
+void BM_WebcamFrame(benchmark::State& state) {
+  cv::setNumThreads(1);
+  const std::vector<cv::Mat> frames = film();
+  WebcamTracker tracker;
+  for (const cv::Mat& frame : frames) tracker.push(frame);
+  std::size_t next = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(tracker.push(frames[next++ % frames.size()]));
+  cv::setNumThreads(-1);
+}
+BENCHMARK(BM_WebcamFrame)->Unit(benchmark::kMillisecond);
+
+void BM_FindFace(benchmark::State& state) {
+  cv::setNumThreads(1);
+  const cv::Mat frame = film().front();
+  FaceFinder finder;
+  for (auto _ : state) benchmark::DoNotOptimize(finder.find(frame));
+  cv::setNumThreads(-1);
+}
+BENCHMARK(BM_FindFace)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace foci
