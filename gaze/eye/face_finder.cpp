@@ -86,6 +86,7 @@ struct FaceFinder::Cascades {
     constexpr std::size_t kMost = 4;
     if (found.size() > kMost) found.resize(kMost);
     std::vector<cv::Rect2d> boxes;
+    boxes.reserve(found.size());
     for (const cv::Rect& box : found) {
       boxes.emplace_back(box.x * scale, box.y * scale, box.width * scale, box.height * scale);
     }

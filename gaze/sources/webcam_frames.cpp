@@ -35,7 +35,7 @@ class QuietLibrary {
 
 }  // namespace
 
-struct WebcamFrames::Stream {
+struct WebcamFrames::Capture {
   std::vector<cv::VideoCapture> captures{1};  // as waitAny wants it
   cv::Mat picture;
   cv::Size size;
@@ -65,9 +65,9 @@ std::string nameOf(const WebcamPlace& place) {
 }
 
 WebcamFrames::WebcamFrames(const WebcamPlace& place)
-    : place_(place), stream_(std::make_unique<Stream>()) {
+    : place_(place), capture_(std::make_unique<Capture>()) {
   const QuietLibrary quiet;
-  cv::VideoCapture& capture = stream_->captures.front();
+  cv::VideoCapture& capture = capture_->captures.front();
   if (place.device) {
     const std::string node = "/dev/video" + std::to_string(*place.device);
     if (!std::filesystem::exists(node) || !capture.open(*place.device, cv::CAP_V4L2)) {
@@ -88,26 +88,26 @@ WebcamFrames::~WebcamFrames() = default;
 
 bool WebcamFrames::next(cv::Mat& grey) {
   const QuietLibrary quiet;
-  cv::VideoCapture& capture = stream_->captures.front();
+  cv::VideoCapture& capture = capture_->captures.front();
   if (isCamera()) {
     std::vector<int> ready;
     constexpr int kAtOnce_ns = 1;
-    if (!cv::VideoCapture::waitAny(stream_->captures, ready, kAtOnce_ns) || ready.empty()) {
+    if (!cv::VideoCapture::waitAny(capture_->captures, ready, kAtOnce_ns) || ready.empty()) {
       return false;
     }
   }
-  if (!capture.read(stream_->picture) || stream_->picture.empty()) return false;
-  const cv::Mat& picture = stream_->picture;
+  if (!capture.read(capture_->picture) || capture_->picture.empty()) return false;
+  const cv::Mat& picture = capture_->picture;
   const int shorter = std::min(picture.cols, picture.rows);
   const int longer = std::max(picture.cols, picture.rows);
   const std::string size = std::to_string(picture.cols) + "x" + std::to_string(picture.rows);
   if (shorter < kLeastSide_px || longer > kMostSide_px) {
     throw InputError(nameOf(place_), "frames of " + size + " px: expected 120 to 8192");
   }
-  if (stream_->size != cv::Size() && stream_->size != picture.size()) {
+  if (capture_->size != cv::Size() && capture_->size != picture.size()) {
     throw InputError(nameOf(place_), "a frame of " + size + " px: another size than those before");
   }
-  stream_->size = picture.size();
+  capture_->size = picture.size();
   if (picture.channels() == 1) {
     picture.copyTo(grey);
   } else {

@@ -44,9 +44,9 @@ class WebcamFrames {
   bool isCamera() const { return place_.device.has_value(); }
 
  private:
-  struct Stream;
+  struct Capture;
   WebcamPlace place_;
-  std::unique_ptr<Stream> stream_;
+  std::unique_ptr<Capture> capture_;
   double rate_Hz_ = 30.0;
 };
 
