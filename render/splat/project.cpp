@@ -81,6 +81,7 @@ struct ProjectJob {
   float lens_x, lens_y;           // its centre, likewise
   float part_aperture;            // of the smaller parts that it is drawn by too
   bool along_axis;
+  bool gaussian;
   bool oriented;
   float shading;
 };
@@ -259,15 +260,16 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   // Circle of confusion (Eq. 4 in dioptres) on the variance J V_r J' + I.
   const V defocus_D = hn::Abs(out_of_focus_D);
   const V cx = hn::Mul(set(job.blur_x), defocus_D), cy = hn::Mul(set(job.blur_y), defocus_D);
-  const V per_radius2 = set(kDiscVariancePerRadius2);
+  const V per_radius2 = set(job.gaussian ? kGaussianVariancePerRadius2 : kDiscVariancePerRadius2);
   const V blur_x2 = hn::Mul(hn::Mul(per_radius2, cx), cx);
   const V blur_y2 = hn::Mul(hn::Mul(per_radius2, cy), cy);
   // Edges so soft that the kernels of neighbouring nodes still sum to one.
   const V soft = hn::MulAdd(hn::Set(d, kOverlap - 1.0f), hn::Sub(one, f.own), one);
   const V soft2 = hn::Mul(soft, soft);
   const V wide = hn::Mul(hn::MulAdd(soft, f.vxx, one), hn::MulAdd(soft, f.vyy, one));
-  const V narrow = hn::Div(hn::Sqrt(hn::NegMulAdd(hn::Mul(soft2, f.vxy), f.vxy, wide)),
-                           hn::Max(hn::Mul(cx, cy), set(1e-12f)));
+  V narrow = hn::Div(hn::Sqrt(hn::NegMulAdd(hn::Mul(soft2, f.vxy), f.vxy, wide)),
+                     hn::Max(hn::Mul(cx, cy), set(1e-12f)));
+  if (job.gaussian) narrow = hn::Max(narrow, one);  // the bell
   const V vxx = hn::MulAdd(f.own, f.vxx, one);
   const V vyy = hn::MulAdd(f.own, f.vyy, one);
   const V vxy = hn::Mul(f.own, f.vxy);
@@ -553,6 +555,7 @@ ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
   job.lens_y = defocus.radius_px_per_D.y * projection.lens.y;
   job.focus_D = defocus.focus_D;
   job.along_axis = defocus.along == DistanceAlong::axis;
+  job.gaussian = projection.kernel == BlurKernel::gaussian;
   job.part_aperture = projection.part_aperture;
   job.oriented = oriented;
   job.shading = projection.shading;

@@ -9,8 +9,15 @@
 
 namespace foci {
 
+/// How the circle of confusion enters a splat of unblurred variance V = J V_r J' + I.
+enum class BlurKernel {
+  disc,      ///< variance V + C^2/4 I and the kurtosis of disc * Gaussian (kernel.h)
+  gaussian,  ///< variance V + 0.36067 C^2 I (Eq. 11), bell-shaped
+};
+
 /// What is drawn of the lens, and how. By default all of it at once.
 struct Projection {
+  BlurKernel kernel = BlurKernel::disc;
   /// Centre of the part of the lens that is looked through, in lens radii. A point U away moves on
   /// the image by radius_px_per_D lens (focus_D - 1/U): its place seen from there, with the focus
   /// kept.
