@@ -1,0 +1,248 @@
+// The open and the closed layers of a tile's samples: what splats sum up to, what it covers, and
+// which side of the lens the light that passes it falls on. Included once a SIMD target.
+#if defined(FOCI_LAYERS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FOCI_LAYERS_INL_H
+#undef FOCI_LAYERS_INL_H
+#else
+#define FOCI_LAYERS_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstddef>
+
+#include "render/splat/bin.h"
+#include "render/splat/splat.h"
+
+#ifndef FOCI_LAYERS_ONCE
+#define FOCI_LAYERS_ONCE
+namespace foci {
+
+/// Coverage that tells a layer from nothing, or from a whole one, when looking for layers that
+/// cover each other in part.
+inline constexpr float kPartial = 0.02f;
+
+/// Sums of weights that a single surface does not reach: two were taken for one.
+inline constexpr float kTooMuch = 1.3f;
+
+/// What the mean of a layer's lens points may be off by, of itself and in radii: a little more than
+/// the kernels that it is found by.
+inline constexpr float kMeanScale = 0.92f, kMeanNoise = 0.04f;
+
+}  // namespace foci
+#endif  // FOCI_LAYERS_ONCE
+
+HWY_BEFORE_NAMESPACE();
+namespace foci {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<float, 16>;
+using V = hn::Vec<D>;
+using M = hn::Mask<D>;
+
+// A tile is blocks of 4 x 4 samples; a block's 16 are consecutive, row by row.
+constexpr int kBlock = 4, kBlockSamples = kBlock * kBlock;
+static_assert(kTile % kBlock == 0 && 2 * kApron % kBlock == 0);
+
+/// Per sample, sums over the splats of an open layer. `visible`, the opacity that is seen, and
+/// `distance` are used where asked for.
+template <int kSamples>
+struct Sums {
+  alignas(64) float weight[kSamples], red[kSamples], green[kSamples], blue[kSamples];
+  alignas(64) float visible[kSamples], distance[kSamples];
+  alignas(64) float lens_x[kSamples], lens_y[kSamples];  // weights times lens points
+};
+
+/// Per sample: the open layer and what is already composited.
+template <int kSamples>
+struct TileState {
+  Sums<kSamples> facing, from_behind;   // the layer's surfaces by the side that is seen
+  alignas(64) float far_m[kSamples];    // where its z-range ends
+  alignas(64) float through[kSamples];  // light that still passes
+  alignas(64) float out_red[kSamples], out_green[kSamples], out_blue[kSamples],
+      out_distance[kSamples];
+  alignas(64) float partial[kSamples];  // the most that a layer covers a part of the light
+  alignas(64) float side_x[kSamples], side_y[kSamples], side_at[kSamples];  // see `LensSide`
+  alignas(64) float outside[kSamples], contrast[kSamples];
+};
+
+/// The layers of a tile of kSide x kSide samples.
+template <int kSide, bool kTransparent, bool kDepth, bool kLens>
+struct Layers {
+  static constexpr int kSamples = kSide * kSide, kBlocks = kSide / kBlock;
+  static constexpr float kClosed = -1.0f;  // before any z-range
+  using Sums = HWY_NAMESPACE::Sums<kSamples>;
+
+  TileState<kSamples> tile;
+  bool any_from_behind = false;  // in the open layers
+  bool any_side = false;         // some light that passes has a side of the lens
+  bool overlap = false;          // somewhere layers cover each other in part
+
+  /// Composites the open layers of the samples `i + lane` in `which` and opens new ones.
+  HWY_NOINLINE void closeLayers(std::size_t i, M which) {
+    const D d;
+    const V one = hn::Set(d, 1.0f);
+    const V through = hn::Load(d, tile.through + i);
+    V alpha = hn::Zero(d);
+
+    // What a side covers, and its mean point on the lens.
+    const auto cover = [&](const Sums& sums) {
+      Covering c;
+      c.weight = hn::Load(d, sums.weight + i);
+      c.share = hn::Min(c.weight, one);
+      if constexpr (kLens) {
+        const V inv = hn::Div(one, hn::Max(c.weight, hn::Set(d, 1e-20f)));
+        c.x = hn::Mul(hn::Load(d, sums.lens_x + i), inv);
+        c.y = hn::Mul(hn::Load(d, sums.lens_y + i), inv);
+        c.share = hn::Min(c.share, shareAt(hn::Sqrt(hn::MulAdd(c.x, c.x, hn::Mul(c.y, c.y)))));
+      }
+      return c;
+    };
+    // `share` of the sample is this side's. Colours and opacities, sums over the weights, scale
+    // alike.
+    const auto composeSide = [&](Sums& sums, const Covering& c, V share) {
+      const V scale = hn::Div(share, hn::Max(c.weight, hn::Set(d, 1e-20f)));
+      const V passed = hn::IfThenElseZero(which, hn::Mul(through, scale));
+      const auto take = [&](float* sum) {
+        const V value = hn::Load(d, sum + i);
+        hn::Store(hn::IfThenZeroElse(which, value), d, sum + i);
+        return value;
+      };
+      const auto compose = [&](float* out, float* sum) {
+        hn::Store(hn::MulAdd(passed, take(sum), hn::Load(d, out + i)), d, out + i);
+      };
+      compose(tile.out_red, sums.red);
+      compose(tile.out_green, sums.green);
+      compose(tile.out_blue, sums.blue);
+      if constexpr (kDepth) compose(tile.out_distance, sums.distance);
+      V opaque = take(sums.weight);
+      if constexpr (kTransparent || kLens) opaque = take(sums.visible);
+      if constexpr (kLens) {
+        take(sums.lens_x);
+        take(sums.lens_y);
+      }
+      alpha = hn::MulAdd(scale, opaque, alpha);
+    };
+
+    Covering all = cover(tile.facing);
+    if constexpr (kLens) lookForOverlap(i, which, all.weight, through);
+    composeSide(tile.facing, all, all.share);
+    if (any_from_behind) {
+      // The far side of a solid meets the near side at its outline, at one distance and within one
+      // layer, but no ray sees both: it counts where it covers more than the near side does.
+      const Covering behind = cover(tile.from_behind);
+      const V left = hn::Max(hn::Sub(behind.share, all.share), hn::Zero(d));
+      composeSide(tile.from_behind, behind, left);
+      if constexpr (kLens) {
+        const V total = hn::Add(all.share, left);
+        const V f = hn::Div(left, hn::Max(total, hn::Set(d, 1e-20f)));
+        all.x = hn::MulAdd(f, hn::Sub(behind.x, all.x), all.x);
+        all.y = hn::MulAdd(f, hn::Sub(behind.y, all.y), all.y);
+        all.share = total;
+      }
+    }
+    alpha = hn::Min(alpha, one);
+    if constexpr (kLens) findSide(i, which, all, alpha);
+    hn::Store(hn::IfThenElse(which, hn::Mul(through, hn::Sub(one, alpha)), through), d,
+              tile.through + i);
+    hn::Store(hn::IfThenElse(which, hn::Set(d, kClosed), hn::Load(d, tile.far_m + i)), d,
+              tile.far_m + i);
+  }
+
+  /// What of the lens a layer covers.
+  struct Covering {
+    V weight;  // sum of the kernels
+    V share;   // of the lens, at most 1
+    V x, y;    // mean point on the lens, lens radii
+  };
+
+  /// The share of a disc that a chord cuts off whose centroid lies `mean` radii from the centre:
+  /// within 0.02. A layer that covers one side of the lens cannot cover more than that, though its
+  /// kernels may sum up to more where it hides parts of itself.
+  static HWY_INLINE V shareAt(V mean) {
+    const D d;
+    const V one = hn::Set(d, 1.0f),
+            m = hn::Min(hn::Max(hn::MulSub(mean, hn::Set(d, kMeanScale), hn::Set(d, kMeanNoise)),
+                                hn::Zero(d)),
+                        one);
+    return hn::Mul(hn::Sub(one, m), hn::NegMulAdd(hn::Set(d, 0.7f), hn::Mul(m, m), one));
+  }
+
+  /// The side of the lens that a closing layer covers. A layer that covers the share A of the lens
+  /// about an edge leaves the light of a half of it, { l : n l < at }; n points
+  /// to the mean l of what it covers, and how far off that mean lies, of what it would if the edge
+  /// were straight, tells how much of the layer is such a half and how much covers evenly.
+  /// A splat further behind counts by where on the lens it is seen. One side is kept a sample, the
+  /// one of the most contrast.
+  HWY_INLINE void findSide(std::size_t i, M which, const Covering& layer, V alpha) {
+    const D d;
+    const V one = hn::Set(d, 1.0f), tiny = hn::Set(d, 1e-6f), zero = hn::Zero(d);
+    const V covering = layer.share, mx = layer.x, my = layer.y;
+
+    // The chord that cuts off the share A of a disc lies at about this distance from its centre.
+    const V x = hn::MulSub(hn::Set(d, 2.0f), covering, one);
+    const V x2 = hn::Mul(x, x), x4 = hn::Mul(x2, x2), x12 = hn::Mul(hn::Mul(x4, x4), x4);
+    const V at =
+        hn::Neg(hn::Mul(x, hn::MulAdd(hn::Set(d, 0.065f), x12,
+                                      hn::MulAdd(hn::Set(d, 0.15f), x4, hn::Set(d, 0.785f)))));
+    // First moment of that part over the disc's area: 2 / (3 pi) (1 - at^2)^(3/2).
+    const V c = hn::Max(hn::NegMulAdd(at, at, one), zero);
+    const V straight = hn::Mul(hn::Set(d, 0.2122066f), hn::Mul(c, hn::Sqrt(c)));
+    const V length = hn::Sqrt(hn::MulAdd(mx, mx, hn::Mul(my, my)));
+    const V share = hn::Min(hn::Div(hn::Mul(length, covering), hn::Max(straight, tiny)), one);
+
+    const V passes = hn::Max(hn::Sub(one, alpha), hn::Set(d, 1e-3f));
+    const V opaque = hn::Min(hn::Div(alpha, hn::Max(covering, tiny)), one);
+    const V contrast = hn::Div(hn::Mul(opaque, share), passes);
+    const V evenly = hn::Mul(hn::Sub(one, share), covering);
+    const V outside = hn::Div(hn::NegMulAdd(opaque, hn::Add(share, evenly), one), passes);
+    M better = hn::And(which, hn::Gt(contrast, hn::Load(d, tile.contrast + i)));
+    better = hn::And(better, hn::And(hn::Gt(covering, hn::Set(d, kPartial)),
+                                     hn::Lt(alpha, hn::Set(d, 1.0f - kPartial))));
+    if (hn::AllFalse(d, better)) return;
+    any_side = true;
+    const V inv_length = hn::Div(one, hn::Max(length, tiny));
+    const auto keep = [&](float* to, V value) {
+      hn::Store(hn::IfThenElse(better, value, hn::Load(d, to + i)), d, to + i);
+    };
+    keep(tile.side_x, hn::Mul(mx, inv_length));
+    keep(tile.side_y, hn::Mul(my, inv_length));
+    keep(tile.side_at, at);
+    keep(tile.outside, outside);
+    keep(tile.contrast, contrast);
+  }
+
+  /// Notes where the light that one layer covers in part falls on another, and where one layer
+  /// holds more than a surface. What a lens sees there hangs on where it covers.
+  HWY_INLINE void lookForOverlap(std::size_t i, M which, V weight, V through) {
+    const D d;
+    const V one = hn::Set(d, 1.0f), partial = hn::Load(d, tile.partial + i);
+    const V covered = hn::Min(weight, one);
+    const V least = hn::Set(d, kPartial);
+    M found = hn::Gt(hn::Mul(covered, partial), least);
+    found = hn::Or(found, hn::And(hn::Gt(weight, hn::Set(d, kTooMuch)), hn::Gt(through, least)));
+    overlap |= !hn::AllFalse(d, hn::And(which, found));
+    const V here = hn::Mul(through, hn::Min(covered, hn::Sub(one, covered)));
+    hn::Store(hn::IfThenElse(which, hn::Max(partial, here), partial), d, tile.partial + i);
+  }
+
+  HWY_INLINE void closeAll() {
+    const D d;
+    for (std::size_t i = 0; i < kSamples; i += hn::Lanes(d))
+      closeLayers(i, hn::FirstN(d, hn::Lanes(d)));
+    any_from_behind = false;
+  }
+
+  /// The most light that passes anywhere.
+  HWY_INLINE float mostThrough() const {
+    return *std::max_element(tile.through, tile.through + kSamples);
+  }
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace foci
+HWY_AFTER_NAMESPACE();
+
+#endif  // FOCI_LAYERS_INL_H

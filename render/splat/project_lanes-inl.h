@@ -1,0 +1,297 @@
+// Surfels and nodes of a level of detail to the image, a SIMD step at a time: where they lie, their
+// variance, their blur. Included once a SIMD target.
+#if defined(FOCI_PROJECT_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FOCI_PROJECT_LANES_INL_H
+#undef FOCI_PROJECT_LANES_INL_H
+#else
+#define FOCI_PROJECT_LANES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <cstddef>
+
+#include "render/optics/defocus.h"
+#include "render/scene/surfel_cloud.h"
+
+#ifndef FOCI_PROJECT_LANES_ONCE
+#define FOCI_PROJECT_LANES_ONCE
+namespace foci {
+
+/// A kernel's footprint reaches at most this many squared standard deviations (n = 2).
+inline constexpr float kWidestSupport2 = 8.0f;
+
+/// The unblurred splat's z-range: its plane within this many squared standard deviations.
+inline constexpr float kReach2 = 5.0f;
+
+/// Splats beyond any use are refused: a variance or an area of 10^5 by 10^5 pixels.
+inline constexpr float kLargest_px2 = 1e10f;
+
+/// Of the variance that merging added, what a kernel needs for neighbours to overlap: a square's
+/// spread is side^2 / 12, its kernel wants (kSigmaPerSpacing side)^2.
+inline constexpr float kOverlap = 12.0f * kSigmaPerSpacing * kSigmaPerSpacing;
+
+/// Surfels one after the other.
+struct SurfelArrays {
+  const float* position;
+  const float* axis_u;
+  const float* axis_v;
+  const float* area;
+  const float* color;
+  const float* opacity;  // may be null
+};
+
+/// Up to 16 nodes of a level of detail, side by side.
+struct NodeArrays {
+  static constexpr std::size_t kMost = 16;
+  alignas(64) float position[3][kMost];
+  alignas(64) float variance[6][kMost];
+  alignas(64) float normal[3][kMost];
+  alignas(64) float density[kMost], own[kMost];
+};
+
+/// What all lanes share. The rotation's row r is (r[3 row], r[3 row + 1], r[3 row + 2]).
+struct ProjectJob {
+  float rotation[9];
+  float eye[3];  // in the world
+  float focal_x, focal_y, principal_x, principal_y;
+  float width, height, near_m;
+  float margin;                   // about the image, pixels: splats that only touch it are kept too
+  float blur_x, blur_y, focus_D;  // radius in pixels a dioptre, of the part of the lens
+  float lens_x, lens_y;           // its centre, likewise
+  float part_aperture;            // of the smaller parts that it is drawn by too
+  bool along_axis;
+  bool gaussian;
+  bool oriented;
+  float shading;
+};
+
+}  // namespace foci
+#endif  // FOCI_PROJECT_LANES_ONCE
+
+HWY_BEFORE_NAMESPACE();
+namespace foci {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<float, 16>;
+using V = hn::Vec<D>;
+
+struct V3 {
+  V x, y, z;
+};
+
+HWY_INLINE V3 load3(D d, const float* from) {
+  V3 out;
+  hn::LoadInterleaved3(d, from, out.x, out.y, out.z);
+  return out;
+}
+
+HWY_INLINE V dot(const V3& a, const V3& b) {
+  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+}
+
+/// Lanes of one step, as the scalar end reads them.
+struct Lanes {
+  static constexpr std::size_t kMost = 16;
+  alignas(64) float x[kMost], y[kMost];
+  alignas(64) float vxx[kMost], vxy[kMost], vyy[kMost];  // variance without the blur, px^2
+  alignas(64) float blur_x2[kMost], blur_y2[kMost];      // variance of the blur
+  alignas(64) float radius[kMost];                       // of the blur
+  alignas(64) float narrow[kMost];  // unblurred variance over the squared blur radius (kernel.h)
+  alignas(64) float added[kMost];   // of the unblurred variance, what merging added; one axis
+  alignas(64) float out_of_focus_D[kMost];
+  alignas(64) float area_px[kMost];
+  alignas(64) float distance[kMost], reach[kMost];
+  alignas(64) float shade[kMost],
+      away[kMost];                   // cosine of the normal to the sight; > 0: away from the eye
+  alignas(64) float visible[kMost];  // 1: keep
+};
+
+/// How the image and the distance change with a point's place in the world.
+struct Gradients {
+  V3 x, y;      // pixels a metre
+  V3 distance;  // metres a metre
+};
+
+/// What projection needs of a step's surfels or nodes, in pixels and metres.
+struct Footprint {
+  V vxx, vxy, vyy;  // variance on the image, unblurred and without the prefilter
+  V area;           // on the image
+  V along2;         // variance along the distance
+  V thick2;         // variance along the distance that it counts as having at least
+  V own;            // share of the variance that is drawn
+  V3 normal;        // unit length
+};
+
+HWY_INLINE V3 positionOf(const SurfelArrays& surfels, std::size_t i) {
+  return load3(D(), surfels.position + 3 * i);
+}
+
+HWY_INLINE Footprint footprintOf(const SurfelArrays& surfels, std::size_t i, const Gradients& to) {
+  const D d;
+  const V3 u = load3(d, surfels.axis_u + 3 * i), v = load3(d, surfels.axis_v + 3 * i);
+  const V ux = dot(to.x, u), uy = dot(to.y, u), vx = dot(to.x, v), vy = dot(to.y, v);
+  const V u_along = dot(to.distance, u), v_along = dot(to.distance, v);
+  const V uu = dot(u, u), vv = dot(v, v);
+  const V inv_parallelogram = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(hn::Mul(uu, vv)));
+  const V3 normal{hn::NegMulAdd(u.z, v.y, hn::Mul(u.y, v.z)),
+                  hn::NegMulAdd(u.x, v.z, hn::Mul(u.z, v.x)),
+                  hn::NegMulAdd(u.y, v.x, hn::Mul(u.x, v.y))};
+  Footprint f;
+  f.vxx = hn::MulAdd(ux, ux, hn::Mul(vx, vx));
+  f.vyy = hn::MulAdd(uy, uy, hn::Mul(vy, vy));
+  f.vxy = hn::MulAdd(ux, uy, hn::Mul(vx, vy));
+  // Area |det J| over the parallelogram of the axes.
+  const V det_j = hn::Abs(hn::NegMulAdd(uy, vx, hn::Mul(ux, vy)));
+  f.area = hn::Mul(hn::LoadU(d, surfels.area + i), hn::Mul(det_j, inv_parallelogram));
+  f.along2 = hn::MulAdd(u_along, u_along, hn::Mul(v_along, v_along));
+  // A surfel counts as at least as thick as it is wide: samples of one scanned surface scatter
+  // about it.
+  f.thick2 = hn::Max(uu, vv);
+  f.own = hn::Set(d, 1.0f);
+  f.normal = {hn::Mul(normal.x, inv_parallelogram), hn::Mul(normal.y, inv_parallelogram),
+              hn::Mul(normal.z, inv_parallelogram)};
+  return f;
+}
+
+HWY_INLINE V3 positionOf(const NodeArrays& nodes, std::size_t) {
+  const D d;
+  return {hn::Load(d, nodes.position[0]), hn::Load(d, nodes.position[1]),
+          hn::Load(d, nodes.position[2])};
+}
+
+HWY_INLINE Footprint footprintOf(const NodeArrays& nodes, std::size_t, const Gradients& to) {
+  const D d;
+  const V xx = hn::Load(d, nodes.variance[0]), xy = hn::Load(d, nodes.variance[1]);
+  const V xz = hn::Load(d, nodes.variance[2]), yy = hn::Load(d, nodes.variance[3]);
+  const V yz = hn::Load(d, nodes.variance[4]), zz = hn::Load(d, nodes.variance[5]);
+  const auto times = [&](const V3& a) {
+    return V3{hn::MulAdd(xx, a.x, hn::MulAdd(xy, a.y, hn::Mul(xz, a.z))),
+              hn::MulAdd(xy, a.x, hn::MulAdd(yy, a.y, hn::Mul(yz, a.z))),
+              hn::MulAdd(xz, a.x, hn::MulAdd(yz, a.y, hn::Mul(zz, a.z)))};
+  };
+  const V3 x = times(to.x);
+  Footprint f;
+  f.vxx = dot(to.x, x);
+  f.vxy = dot(to.y, x);
+  f.vyy = dot(to.y, times(to.y));
+  const V det = hn::NegMulAdd(f.vxy, f.vxy, hn::Mul(f.vxx, f.vyy));
+  f.area = hn::Mul(hn::Load(d, nodes.density), hn::Sqrt(hn::Max(det, hn::Zero(d))));
+  f.along2 = dot(to.distance, times(to.distance));
+  const V own = hn::Load(d, nodes.own);
+  f.thick2 = hn::Mul(hn::Mul(hn::Set(d, 0.5f), own), hn::Add(xx, hn::Add(yy, zz)));
+  f.own = own;
+  f.normal = {hn::Load(d, nodes.normal[0]), hn::Load(d, nodes.normal[1]),
+              hn::Load(d, nodes.normal[2])};
+  return f;
+}
+
+/// Surfels [i, i + N), or N nodes, to lanes.
+template <class Source>
+HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::size_t i,
+                             Lanes& out) {
+  const D d;
+  const V one = hn::Set(d, 1.0f);
+  const auto set = [&](float value) { return hn::Set(d, value); };
+  const auto row = [&](int r) {
+    return V3{set(job.rotation[3 * r]), set(job.rotation[3 * r + 1]), set(job.rotation[3 * r + 2])};
+  };
+  const V3 right = row(0), up = row(1), back = row(2);
+
+  // From the eye, in the world's directions; then the eye's own.
+  V3 p = positionOf(source, i);
+  p = {hn::Sub(p.x, set(job.eye[0])), hn::Sub(p.y, set(job.eye[1])), hn::Sub(p.z, set(job.eye[2]))};
+
+  // Perspective and its Jacobian at the centre: x = c_x + f_x X / d, y = c_y - f_y Y / d, d = -Z.
+  const V depth = hn::Neg(dot(back, p));
+  const auto before_near = hn::Lt(depth, set(job.near_m));
+  const V inv_depth = hn::Div(one, hn::Max(depth, set(job.near_m)));
+  const V tx = hn::Mul(dot(right, p), inv_depth), ty = hn::Mul(dot(up, p), inv_depth);
+  V x_px = hn::MulAdd(set(job.focal_x), tx, set(job.principal_x));
+  V y_px = hn::NegMulAdd(set(job.focal_y), ty, set(job.principal_y));
+  const V sx = hn::Mul(set(job.focal_x), inv_depth), sy = hn::Mul(set(-job.focal_y), inv_depth);
+
+  // Distance along the sight or the axis.
+  const V sight2 = dot(p, p);
+  const V inv_sight = hn::Div(one, hn::Sqrt(sight2));
+  const V distance = job.along_axis ? depth : hn::Mul(sight2, inv_sight);
+  const V inv_distance = job.along_axis ? hn::Div(one, distance) : inv_sight;
+
+  // Seen from the part's centre: the image moves with the vergence, and so does the Jacobian.
+  const V out_of_focus_D = hn::Sub(set(job.focus_D), inv_distance);
+  x_px = hn::MulAdd(set(job.lens_x), out_of_focus_D, x_px);
+  y_px = hn::MulAdd(set(job.lens_y), out_of_focus_D, y_px);
+  const V slope = hn::Mul(inv_distance, inv_distance);
+  const V slope_x = hn::Mul(set(job.lens_x), slope), slope_y = hn::Mul(set(job.lens_y), slope);
+  Gradients to;
+  const auto gradients = [&](V p_axis, V right_axis, V up_axis, V back_axis, V& x, V& y, V& along) {
+    along = job.along_axis ? hn::Neg(back_axis) : hn::Mul(p_axis, inv_sight);
+    x = hn::MulAdd(slope_x, along, hn::Mul(sx, hn::MulAdd(back_axis, tx, right_axis)));
+    y = hn::MulAdd(slope_y, along, hn::Mul(sy, hn::MulAdd(back_axis, ty, up_axis)));
+  };
+  gradients(p.x, right.x, up.x, back.x, to.x.x, to.y.x, to.distance.x);
+  gradients(p.y, right.y, up.y, back.y, to.x.y, to.y.y, to.distance.y);
+  gradients(p.z, right.z, up.z, back.z, to.x.z, to.y.z, to.distance.z);
+
+  const Footprint f = footprintOf(source, i, to);
+  const V reach = hn::Sqrt(hn::MulAdd(set(kReach2), f.along2, f.thick2));
+
+  // Circle of confusion (Eq. 4 in dioptres) on the variance J V_r J' + I.
+  const V defocus_D = hn::Abs(out_of_focus_D);
+  const V cx = hn::Mul(set(job.blur_x), defocus_D), cy = hn::Mul(set(job.blur_y), defocus_D);
+  const V per_radius2 = set(job.gaussian ? kGaussianVariancePerRadius2 : kDiscVariancePerRadius2);
+  const V blur_x2 = hn::Mul(hn::Mul(per_radius2, cx), cx);
+  const V blur_y2 = hn::Mul(hn::Mul(per_radius2, cy), cy);
+  // Edges so soft that the kernels of neighbouring nodes still sum to one.
+  const V soft = hn::MulAdd(hn::Set(d, kOverlap - 1.0f), hn::Sub(one, f.own), one);
+  const V soft2 = hn::Mul(soft, soft);
+  const V wide = hn::Mul(hn::MulAdd(soft, f.vxx, one), hn::MulAdd(soft, f.vyy, one));
+  V narrow = hn::Div(hn::Sqrt(hn::NegMulAdd(hn::Mul(soft2, f.vxy), f.vxy, wide)),
+                     hn::Max(hn::Mul(cx, cy), set(1e-12f)));
+  if (job.gaussian) narrow = hn::Max(narrow, one);  // the bell
+  const V vxx = hn::MulAdd(f.own, f.vxx, one);
+  const V vyy = hn::MulAdd(f.own, f.vyy, one);
+  const V vxy = hn::Mul(f.own, f.vxy);
+
+  // Lambert's cosine against the line of sight.
+  const V away = hn::Mul(dot(f.normal, p), inv_sight);
+  const V shade = hn::MulAdd(set(job.shading), hn::Sub(hn::Abs(away), one), one);
+
+  // Keep what draws something: in front, on the image, with an area. Comparisons fail on NaN.
+  const V all_x2 = hn::Add(vxx, blur_x2), all_y2 = hn::Add(vyy, blur_y2);
+  const V radius_x = hn::Sqrt(hn::Mul(set(kWidestSupport2), all_x2));
+  const V radius_y = hn::Sqrt(hn::Mul(set(kWidestSupport2), all_y2));
+  auto keep = hn::And(hn::Gt(hn::Add(x_px, radius_x), set(-job.margin)),
+                      hn::Lt(hn::Sub(x_px, radius_x), set(job.width + job.margin)));
+  keep = hn::And(keep, hn::And(hn::Gt(hn::Add(y_px, radius_y), set(-job.margin)),
+                               hn::Lt(hn::Sub(y_px, radius_y), set(job.height + job.margin))));
+  keep = hn::And(keep, hn::And(hn::Gt(f.area, set(0.0f)), hn::Lt(f.area, set(kLargest_px2))));
+  keep =
+      hn::And(keep, hn::And(hn::Lt(all_x2, set(kLargest_px2)), hn::Lt(all_y2, set(kLargest_px2))));
+  keep = hn::AndNot(before_near, keep);
+
+  hn::Store(x_px, d, out.x);
+  hn::Store(y_px, d, out.y);
+  hn::Store(vxx, d, out.vxx);
+  hn::Store(vxy, d, out.vxy);
+  hn::Store(vyy, d, out.vyy);
+  hn::Store(blur_x2, d, out.blur_x2);
+  hn::Store(blur_y2, d, out.blur_y2);
+  hn::Store(hn::Sqrt(hn::Mul(cx, cy)), d, out.radius);
+  hn::Store(narrow, d, out.narrow);
+  hn::Store(hn::Mul(hn::Mul(set(0.5f), hn::Sub(one, f.own)), hn::Add(f.vxx, f.vyy)), d, out.added);
+  hn::Store(out_of_focus_D, d, out.out_of_focus_D);
+  hn::Store(f.area, d, out.area_px);
+  hn::Store(distance, d, out.distance);
+  hn::Store(reach, d, out.reach);
+  hn::Store(shade, d, out.shade);
+  hn::Store(away, d, out.away);
+  hn::Store(hn::IfThenElseZero(keep, one), d, out.visible);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace foci
+HWY_AFTER_NAMESPACE();
+
+#endif  // FOCI_PROJECT_LANES_INL_H
