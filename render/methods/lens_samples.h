@@ -17,6 +17,19 @@ inline glm::vec2 lensSample(int i, int n) {
           static_cast<float>(radius * std::sin(angle_rad))};
 }
 
+/// The same for one pixel of many, so that neighbours err independently: radii systematic in area
+/// from a random `shift`, the whole turned by a random `turn`, both 0 to 1. A mean over
+/// them is then unbiased whatever n, one over the even or the odd ones alone too.
+inline glm::vec2 lensSampleOfPixel(int i, int n, float shift, float turn) {
+  const int half = (n + 1 - i % 2) / 2;  // as many have the parity of i
+  const double offset = shift + 0.5 * (i % 2);
+  const double radius = std::sqrt((i / 2 + offset - std::floor(offset)) / half);
+  const double golden_angle_rad = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  const double angle_rad = 2.0 * std::numbers::pi * turn + i * golden_angle_rad;
+  return {static_cast<float>(radius * std::cos(angle_rad)),
+          static_cast<float>(radius * std::sin(angle_rad))};
+}
+
 /// Point `i` of `n` on the unit circle.
 inline glm::vec2 ring(int i, int n) {
   const double angle_rad = 2.0 * std::numbers::pi * i / n;

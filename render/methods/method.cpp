@@ -24,6 +24,9 @@ std::unique_ptr<Method> makeFearing(const SurfelCloud& cloud, int percent);
 std::unique_ptr<Method> makeMulder(const SurfelCloud& cloud);
 std::unique_ptr<Method> makeRasanen(const SurfelCloud& cloud, int samples);
 std::unique_ptr<Method> makeInflate(const SurfelCloud& cloud);
+#ifdef FOCI_RAYTRACE
+std::unique_ptr<Method> makeRaytrace(const SurfelCloud& cloud, int rays);
+#endif
 
 namespace {
 
@@ -105,6 +108,14 @@ constexpr Entry kEntries[] = {
       .summary = "splats' covariance grown by the blur, opacity scaled down, sorted over",
       .source = "Kerbl et al. 2023; Spark, PlayCanvas"},
      [](const SurfelCloud& cloud, int) { return makeInflate(cloud); }},
+#ifdef FOCI_RAYTRACE
+    {{.name = "raytrace",
+      .summary = "N rays a pixel through the lens, against discs: the other reference",
+      .source = "Cook, Porter and Carpenter 1984",
+      .most = 100000,
+      .standard = 64},
+     makeRaytrace},
+#endif
 };
 
 /// A spec as understood, or what was expected.

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "render/splat/kernel.h"
+#include "render/splat/limits.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/splat/project.cpp"
@@ -18,10 +19,6 @@
 #ifndef FOCI_PROJECT_ONCE
 #define FOCI_PROJECT_ONCE
 namespace foci {
-
-/// Cosine from which a surfel counts as seen from behind: beyond what normals of a scan err by at
-/// its outline.
-inline constexpr float kFromBehind = 0.1f;
 
 /// Light of a single splat at its centre from which, and at twice that most, it counts as sharper.
 inline constexpr float kHighlight = 0.06f, kFiner = 0.6f;

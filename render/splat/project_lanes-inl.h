@@ -13,19 +13,11 @@
 
 #include "render/optics/defocus.h"
 #include "render/scene/surfel_cloud.h"
+#include "render/splat/limits.h"
 
 #ifndef FOCI_PROJECT_LANES_ONCE
 #define FOCI_PROJECT_LANES_ONCE
 namespace foci {
-
-/// A kernel's footprint reaches at most this many squared standard deviations (n = 2).
-inline constexpr float kWidestSupport2 = 8.0f;
-
-/// The unblurred splat's z-range: its plane within this many squared standard deviations.
-inline constexpr float kReach2 = 5.0f;
-
-/// Splats beyond any use are refused: a variance or an area of 10^5 by 10^5 pixels.
-inline constexpr float kLargest_px2 = 1e10f;
 
 /// Of the variance that merging added, what a kernel needs for neighbours to overlap: a square's
 /// spread is side^2 / 12, its kernel wants (kSigmaPerSpacing side)^2.

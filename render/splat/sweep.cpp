@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "render/splat/interpolate.h"
+#include "render/splat/limits.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/splat/sweep.cpp"
@@ -19,10 +20,6 @@
 #ifndef FOCI_SWEEP_ONCE
 #define FOCI_SWEEP_ONCE
 namespace foci {
-
-/// Light that passes a tile below this is not worth another layer: half a step of an 8-bit
-/// picture's darkest, linear, code.
-inline constexpr float kHidden = 1.0f / 8192.0f;
 
 /// How fast a layer whose weights have reached one shuts: at 1 + 1 / kCloses nothing more joins it.
 inline constexpr float kCloses = 2.0f;

@@ -1,0 +1,23 @@
+// Where a splat, a layer and the light end: bounds on which all that draw surfels agree.
+#pragma once
+
+namespace foci {
+
+/// A kernel's footprint reaches at most this many squared standard deviations (n = 2).
+inline constexpr float kWidestSupport2 = 8.0f;
+
+/// The unblurred splat's z-range: its plane within this many squared standard deviations.
+inline constexpr float kReach2 = 5.0f;
+
+/// Cosine from which a surfel counts as seen from behind: beyond what normals of a scan err by at
+/// its outline.
+inline constexpr float kFromBehind = 0.1f;
+
+/// Splats beyond any use are refused: a variance or an area of 10^5 by 10^5 pixels.
+inline constexpr float kLargest_px2 = 1e10f;
+
+/// Light that passes below this is not worth another layer: half a step of an 8-bit picture's
+/// darkest, linear, code.
+inline constexpr float kHidden = 1.0f / 8192.0f;
+
+}  // namespace foci
