@@ -1,6 +1,7 @@
 // Built-in scenes, made of parametric surfaces sampled evenly. The same bytes on every run.
 #pragma once
 
+#include <cstddef>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
@@ -29,6 +30,16 @@ EyePose planeEyePose();
 SurfelCloud makeGallery();
 
 EyePose galleryEyePose();
+
+/// As many as the paper's lion has.
+inline constexpr std::size_t kStatueSurfels = 81458;
+
+/// A stone lion, about a metre tall, with its plinth on y = 0 and its face towards +z, where the
+/// paper has a scanned one: sampled evenly, normals outwards, weights solved.
+SurfelCloud makeStatue();
+
+/// A pose that sees the statue from its left front.
+EyePose statueEyePose();
 
 struct PointOfInterest {
   std::string name;   ///< "lattice", "bust", ...

@@ -8,6 +8,8 @@
 #include <numeric>
 
 #include "render/optics/view.h"
+#include "render/scene/implicit_surface.h"
+#include "render/scene/kernel_sums.h"
 #include "render/scene/sample_surface.h"
 #include "render/scene/surface_query.h"
 
@@ -76,6 +78,63 @@ TEST_F(GalleryTest, ReachesFromAQuarterMetreToSix) {
   }
   EXPECT_NEAR(nearest_m, 0.27, 0.04);
   EXPECT_NEAR(furthest_m, 6.2, 0.4);
+}
+
+TEST(MakeStatue, IsAClosedSolidOfThePapersNumberOfSurfels) {
+  const SurfelCloud statue = makeStatue();
+  ASSERT_EQ(statue.size(), kStatueSurfels);
+  EXPECT_TRUE(statue.oriented);
+  double area_m2 = 0.0, volume_m3 = 0.0;
+  glm::dvec3 sum_m2(0.0);
+  for (std::size_t i = 0; i < statue.size(); ++i) {
+    const glm::dvec3 normal =
+        glm::normalize(glm::cross(glm::dvec3(statue.axis_u_m[i]), glm::dvec3(statue.axis_v_m[i])));
+    const double one_m2 = statue.area_m2[i];
+    area_m2 += one_m2;
+    sum_m2 += one_m2 * normal;
+    volume_m3 += one_m2 * glm::dot(normal, glm::dvec3(statue.position_m[i])) / 3.0;
+    for (int c = 0; c < 3; ++c)
+      ASSERT_TRUE(statue.color[i][c] >= 0.0f && statue.color[i][c] <= 1.0f);
+  }
+  // The surface integral of the outward normal of a closed surface is zero, that of p.n / 3 its
+  // volume. Irregular samples stand for slightly wrong areas.
+  EXPECT_LT(glm::length(sum_m2), 0.01 * area_m2);
+  EXPECT_NEAR(volume_m3, 0.2, 0.05);
+
+  // Evenly sampled, so that weights can make the kernels sum to one.
+  const auto sums = kernelSums(statue, 20000, 1.0f);
+  EXPECT_GT(shareWithin(sums, 0.1f, true), 0.95);
+  EXPECT_GT(shareWithin(sums, 0.1f, false), 0.9);
+}
+
+TEST(SampleSolid, SpreadsTheNumberAskedForEvenlyOverASphere) {
+  constexpr float kRadius_m = 0.5f;
+  const glm::vec3 center(0.1f, -0.2f, 0.3f);
+  const Solid ball = [&](const glm::vec3& p) { return glm::length(p - center) - kRadius_m; };
+  const auto sample = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return sampleSolid(ball, {center - 0.6f, center + 0.6f, 0.05f}, 4000);
+  };
+  const SolidSamples samples = sample(1);
+  ASSERT_EQ(samples.position_m.size(), 4000u);
+  EXPECT_EQ(samples.position_m, sample(4).position_m);
+  glm::vec3 mean(0.0f);
+  for (std::size_t i = 0; i < samples.position_m.size(); ++i) {
+    const glm::vec3 out = (samples.position_m[i] - center) / kRadius_m;
+    ASSERT_NEAR(glm::length(out), 1.0f, 1e-5f);
+    ASSERT_GT(glm::dot(out, samples.normal[i]), 1.0f - 1e-4f);
+    mean += out / 4000.0f;
+    for (std::size_t j = 0; j < i; ++j) {  // area / points is a spacing of 28 mm
+      ASSERT_GT(glm::length(samples.position_m[i] - samples.position_m[j]), 0.018f);
+    }
+  }
+  EXPECT_LT(glm::length(mean), 0.02f);
+}
+
+TEST(SampleSolid, RefusesBoundsWithoutASurface) {
+  const Solid nothing = [](const glm::vec3&) { return 1.0f; };
+  EXPECT_THROW(sampleSolid(nothing, {glm::vec3(0.0f), glm::vec3(1.0f), 0.1f}, 10),
+               std::invalid_argument);
 }
 
 TEST(AppendSurface, IsTheSameAtAnyNumberOfThreads) {
