@@ -13,7 +13,7 @@ namespace foci {
 namespace {
 
 constexpr int kStraddle_px = 3;
-constexpr float kStep = 0.03f;       // of the vergence
+constexpr float kStep = 0.05f;       // of the vergence
 constexpr double kSsimPeak = 255.0;  // for which OpenCV's constants are
 
 double squaredDifference(const glm::vec4& a, const glm::vec4& b) {
@@ -79,18 +79,20 @@ std::vector<std::uint8_t> silhouetteBand(const Frame& pinhole, const Defocus& de
   assert(pinhole.depth_m.size() == pinhole.rgba.size());
   const glm::ivec2 size_px = pinhole.size_px;
   std::vector<std::uint8_t> band(pinhole.rgba.size(), 0);
-  const auto vergence_D = [&](int x, int y) {
-    const std::size_t i = static_cast<std::size_t>(y) * size_px.x + x;
-    return pinhole.rgba[i].a >= 0.5f ? 1.0f / pinhole.depth_m[i] : 0.0f;
-  };
+  cv::Mat vergence_D(size_px.y, size_px.x, CV_32FC1);
+  for (std::size_t i = 0; i < band.size(); ++i) {
+    vergence_D.ptr<float>()[i] = pinhole.rgba[i].a >= 0.5f ? 1.0f / pinhole.depth_m[i] : 0.0f;
+  }
+  cv::medianBlur(vergence_D, vergence_D, 3);
   for (int y = 0; y < size_px.y; ++y) {
     for (int x = 0; x < size_px.x; ++x) {
       glm::vec2 reach_px(-1.0f);
       for (const glm::ivec2 step : {glm::ivec2(kStraddle_px, 0), glm::ivec2(0, kStraddle_px)}) {
         const glm::ivec2 low = glm::ivec2(x, y) - step, high = glm::ivec2(x, y) + step;
         if (low.x < 0 || low.y < 0 || high.x >= size_px.x || high.y >= size_px.y) continue;
-        const std::array<float, 3> d = {vergence_D(low.x, low.y), vergence_D(x, y),
-                                        vergence_D(high.x, high.y)};
+        const std::array<float, 3> d = {vergence_D.at<float>(low.y, low.x),
+                                        vergence_D.at<float>(y, x),
+                                        vergence_D.at<float>(high.y, high.x)};
         const float most_D = std::max({d[0], d[1], d[2]});
         if (!(std::abs(d[0] - 2.0f * d[1] + d[2]) > kStep * most_D)) continue;
         for (const float one_D : d) {

@@ -24,9 +24,10 @@ double coverageError(const Frame& a, const Frame& b);
 /// Where a picture with depth of field is hard: the pixels within the blur's reach of a depth
 /// discontinuity.
 ///   Discontinuity, at a pixel x along a row or a column: with d the vergence 1/U of what a pinhole
-///   view shows there (0 where it covers less than half of the pixel) and s = 3 px, which straddle
-///   an edge that the prefilter has smoothed,
-///     |d(x - s) - 2 d(x) + d(x + s)| > 0.03 max d(x - s, x, x + s).
+///   view shows there (0 where it covers less than half of the pixel; the median of 3 x 3 pixels,
+///   against gaps between samples) and s = 3 px, which straddle an edge that the prefilter has
+///   smoothed,
+///     |d(x - s) - 2 d(x) + d(x + s)| > 0.05 max d(x - s, x, x + s).
 ///   Exactly 0 on a plane at any slope, whose 1/depth is affine on the image.
 ///   Reach: the largest circle of confusion of what the three pixels show, and s.
 /// @param pinhole  a frame drawn without blur, with `depth_m` (asserted), which is measured along
