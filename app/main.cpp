@@ -19,6 +19,7 @@
 #include "app/prepare_command.h"
 #include "app/render_picture.h"
 #include "app/replay.h"
+#include "app/reproduce_command.h"
 #include "app/study.h"
 #include "app/tables.h"
 #include "app/trace_command.h"
@@ -235,6 +236,7 @@ int run(int argc, char** argv) {
   addEventsCommand(app);
   addMethodsCommand(app);
   addPrepareCommand(app);
+  addReproduceCommand(app);
   addTraceCommand(app);
 
   try {
@@ -243,7 +245,7 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
-  for (const char* command : {"calibrate", "events", "methods", "prepare", "trace"}) {
+  for (const char* command : {"calibrate", "events", "methods", "prepare", "reproduce", "trace"}) {
     if (app.got_subcommand(command)) return kDone;
   }
   for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {

@@ -62,12 +62,55 @@ Picture thumbnail(const Picture& picture, int width_px) {
   return small;
 }
 
-std::vector<std::uint8_t> jpegOf(const Picture& picture) {
+Picture differenceOf(const Frame& a, const Frame& b, float gain) {
+  Frame difference{.size_px = a.size_px, .rgba = a.rgba, .depth_m = {}};
+  for (std::size_t i = 0; i < a.rgba.size(); ++i) {
+    difference.rgba[i] = gain * glm::abs(a.rgba[i] - b.rgba[i]);
+  }
+  return pictureOf(difference);
+}
+
+Picture gridOf(const std::vector<std::vector<Picture>>& rows,
+               const std::vector<std::string>& titles) {
+  constexpr int kGap_px = 8, kTitle_px = 28;
+  const glm::ivec2 one_px = rows.front().front().size_px;
+  const glm::ivec2 counts(static_cast<int>(titles.size()), static_cast<int>(rows.size()));
+  Picture grid{.size_px = counts * (one_px + kGap_px) - kGap_px + glm::ivec2(0, kTitle_px),
+               .rgb = {}};
+  grid.rgb.assign(
+      3u * static_cast<std::size_t>(grid.size_px.x) * static_cast<std::size_t>(grid.size_px.y),
+      255);
+  cv::Mat image = matOf(grid);
+  for (int x = 0; x < counts.x; ++x) {
+    const int left = x * (one_px.x + kGap_px);
+    cv::putText(image, titles[static_cast<std::size_t>(x)], {left + 2, kTitle_px - 9},
+                cv::FONT_HERSHEY_SIMPLEX, 0.6, cv::Scalar(40, 40, 40), 1, cv::LINE_AA);
+    for (int y = 0; y < counts.y; ++y) {
+      const int top = kTitle_px + y * (one_px.y + kGap_px);
+      matOf(rows[static_cast<std::size_t>(y)][static_cast<std::size_t>(x)])
+          .copyTo(image(cv::Rect(left, top, one_px.x, one_px.y)));
+    }
+  }
+  return grid;
+}
+
+namespace {
+
+std::vector<std::uint8_t> encoded(const Picture& picture, const char* extension,
+                                  const std::vector<int>& parameters) {
   cv::Mat bgr;
   cv::cvtColor(matOf(picture), bgr, cv::COLOR_RGB2BGR);
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  cv::imencode(extension, bgr, bytes, parameters);
   return bytes;
 }
+
+}  // namespace
+
+std::vector<std::uint8_t> jpegOf(const Picture& picture) {
+  return encoded(picture, ".jpg", {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+}
+
+std::vector<std::uint8_t> pngOf(const Picture& picture) { return encoded(picture, ".png", {}); }
 
 }  // namespace foci

@@ -24,7 +24,17 @@ void splitWithSharp(Picture& picture, const Picture& sharp);
 /// A smaller copy, `width_px` wide, of the same shape.
 Picture thumbnail(const Picture& picture, int width_px);
 
+/// How far two frames are apart, |a - b| times `gain`, linear. Same sizes.
+Picture differenceOf(const Frame& a, const Frame& b, float gain);
+
+/// Pictures of one size in rows of equal length, a gap between them, the columns titled.
+Picture gridOf(const std::vector<std::vector<Picture>>& rows,
+               const std::vector<std::string>& titles);
+
 /// As a JPEG file's bytes.
 std::vector<std::uint8_t> jpegOf(const Picture& picture);
+
+/// As a PNG file's bytes.
+std::vector<std::uint8_t> pngOf(const Picture& picture);
 
 }  // namespace foci

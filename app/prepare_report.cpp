@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "app/html.h"
+
 namespace foci {
 namespace {
 
@@ -20,20 +22,6 @@ svg { width: 100%; height: auto; } svg text { fill: var(--quiet); font: 12px sys
 )";
 
 constexpr double kChartWidth = 800.0, kChartHeight = 180.0, kAxisHeight = 22.0;
-
-std::string escaped(const std::string& text) {
-  std::string html;
-  for (const char c : text) {
-    if (c == '&') {
-      html += "&amp;";
-    } else if (c == '<') {
-      html += "&lt;";
-    } else {
-      html += c;
-    }
-  }
-  return html;
-}
 
 template <typename... Values>
 std::string format(const char* pattern, Values... values) {

@@ -137,6 +137,12 @@ std::vector<SeenSurfel> look(const SurfelCloud& cloud, const View& view,
   return all;
 }
 
+#if defined(__SANITIZE_THREAD__)
+constexpr const char* kDevice = "threads=1";  // the sanitizer cannot follow Embree's own
+#else
+constexpr const char* kDevice = nullptr;
+#endif
+
 /// The discs in (x px, y px, v scaled), and the lines through them.
 class DiscScene {
  public:
@@ -145,7 +151,7 @@ class DiscScene {
     // A dioptre as long as the most that a line moves aside over it.
     const float steepest = std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y);
     px_per_D_ = steepest > 0.0f && std::isfinite(steepest) ? steepest : 1.0f;
-    device_ = rtcNewDevice(nullptr);
+    device_ = rtcNewDevice(kDevice);
     if (!device_) throw std::runtime_error("Embree: cannot be started");
     RTCGeometry discs = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT);
     auto* vertices = static_cast<glm::vec4*>(rtcSetNewGeometryBuffer(

@@ -70,14 +70,14 @@ double rmsOf(double psnr_dB) { return std::pow(10.0, -psnr_dB / 20.0); }
 
 /// The references differ by no more than their noise; a lens a tenth wider would.
 void expectAgreement(const SurfelCloud& cloud, const View& view, const RenderSettings& settings) {
-  const Rendered a = render("accumulate:256", cloud, view, settings);
-  const Rendered r = render("raytrace:64", cloud, view, settings);
+  const Rendered a = render("accumulate:128", cloud, view, settings);
+  const Rendered r = render("raytrace:32", cloud, view, settings);
   const double noise = kNoisePerSplitHalf * std::hypot(rmsOf(*a.stats.split_half_psnr_dB),
                                                        rmsOf(*r.stats.split_half_psnr_dB));
   EXPECT_LT(rmsOf(psnr_dB(a.frame, r.frame)), noise);
   RenderSettings wrong = settings;
   wrong.defocus.radius_px_per_D *= 1.1f;
-  EXPECT_GT(rmsOf(psnr_dB(a.frame, render("raytrace:64", cloud, view, wrong).frame)), noise);
+  EXPECT_GT(rmsOf(psnr_dB(a.frame, render("raytrace:32", cloud, view, wrong).frame)), noise);
 }
 
 /// A foreground that is out of focus over a background that is in focus, and the other way round.
