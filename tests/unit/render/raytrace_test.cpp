@@ -70,14 +70,14 @@ double rmsOf(double psnr_dB) { return std::pow(10.0, -psnr_dB / 20.0); }
 
 /// The references differ by no more than their noise; a lens a tenth wider would.
 void expectAgreement(const SurfelCloud& cloud, const View& view, const RenderSettings& settings) {
-  const Rendered a = render("accumulate:128", cloud, view, settings);
-  const Rendered r = render("raytrace:32", cloud, view, settings);
+  const Rendered a = render("accumulate:256", cloud, view, settings);
+  const Rendered r = render("raytrace:64", cloud, view, settings);
   const double noise = kNoisePerSplitHalf * std::hypot(rmsOf(*a.stats.split_half_psnr_dB),
                                                        rmsOf(*r.stats.split_half_psnr_dB));
   EXPECT_LT(rmsOf(psnr_dB(a.frame, r.frame)), noise);
   RenderSettings wrong = settings;
   wrong.defocus.radius_px_per_D *= 1.1f;
-  EXPECT_GT(rmsOf(psnr_dB(a.frame, render("raytrace:32", cloud, view, wrong).frame)), noise);
+  EXPECT_GT(rmsOf(psnr_dB(a.frame, render("raytrace:64", cloud, view, wrong).frame)), noise);
 }
 
 /// A foreground that is out of focus over a background that is in focus, and the other way round.
@@ -88,7 +88,7 @@ TEST(Raytrace, AgreesWithAccumulateOnAForegroundOverABackground) {
   addSquare(cloud, {0.1f, 0.0f, -1.0f}, {0.1f, 0.0f, 0.0f}, {0.0f, 0.1f, 0.0f}, 40,
             {0.9f, 0.3f, 0.1f});
   for (const float focus_D : {0.5f, 1.0f}) {
-    expectAgreement(cloud, squareView(48, 150.0f), lens(8.0f, focus_D));
+    expectAgreement(cloud, squareView(36, 150.0f), lens(8.0f, focus_D));
   }
 }
 
@@ -98,7 +98,7 @@ TEST(Raytrace, AgreesWithAccumulateOnATiltedPlaneForEyeAndCamera) {
   addSquare(cloud, {0.0f, -0.15f, -2.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f}, 128,
             {0.9f, 0.8f, 0.6f});
   for (const DistanceAlong along : {DistanceAlong::sight, DistanceAlong::axis}) {
-    expectAgreement(cloud, squareView(48, 60.0f), lens(6.0f, 0.6f, along));
+    expectAgreement(cloud, squareView(36, 60.0f), lens(6.0f, 0.6f, along));
   }
 }
 
@@ -110,7 +110,7 @@ TEST(Raytrace, AgreesWithAccumulateThroughTransparentSheets) {
             {0.9f, 0.8f, 0.2f}, 0.4f);
   addSquare(cloud, {0.0f, 0.0f, -1.0f}, {0.1f, 0.0f, 0.0f}, {0.0f, 0.1f, 0.0f}, 40,
             {0.9f, 0.3f, 0.1f}, 0.5f);
-  expectAgreement(cloud, squareView(48, 150.0f), lens(8.0f, 0.5f));
+  expectAgreement(cloud, squareView(36, 150.0f), lens(8.0f, 0.5f));
 }
 
 /// Through a pinhole there is no noise: the discs and the lines through them against the sweep, at
