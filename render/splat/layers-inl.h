@@ -89,9 +89,8 @@ struct Layers {
 
     // What a side covers, and its mean point on the lens.
     const auto cover = [&](const Sums& sums) {
-      Covering c;
-      c.weight = hn::Load(d, sums.weight + i);
-      c.share = hn::Min(c.weight, one);
+      const V weight = hn::Load(d, sums.weight + i);
+      Covering c{weight, hn::Min(weight, one), hn::Zero(d), hn::Zero(d)};
       if constexpr (kLens) {
         const V inv = hn::Div(one, hn::Max(c.weight, hn::Set(d, 1e-20f)));
         c.x = hn::Mul(hn::Load(d, sums.lens_x + i), inv);
