@@ -77,7 +77,7 @@ glm::vec3 albedo(const Person& p, double x, double y) {
   // Brows, of strokes; hair, of strands.
   const double along = (ax - eye + 2.0) / 23.0;
   const double brow_y = -20.0 - 3.5 * (1.0 - along * along) + 1.5 * along;
-  const double thick = 4.4 * (1.0 - 0.5 * std::max(0.0, along));
+  const double thick = std::max(0.1, 4.4 * (1.0 - 0.5 * std::max(0.0, along)));
   const double brow =
       step(1.1, 0.6, std::abs(along)) * step(thick, 0.4 * thick, std::abs(y - brow_y));
   const float stroke =
