@@ -12,51 +12,26 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kLeastCluster = 3;
-constexpr int kSerialLevels = 6;       // below, one task a subtree; fixed, as are all results
-constexpr float kNormalExtent = 0.0f;  // of the positions' extent, for a unit of the normals'
+constexpr int kSerialLevels = 6;  // below, one task a subtree; fixed, as are all results
 
 /// What is sorted into the tree.
 struct Item {
   glm::vec3 position_m;
   std::uint32_t surfel;
-  glm::vec3 normal;
 };
 
-struct Range {
-  std::size_t begin, end;
-};
-
-Range rangeOf(std::size_t n, int level, std::size_t j) {
-  return {static_cast<std::size_t>(std::uint64_t{n} * j >> level),
-          static_cast<std::size_t>(std::uint64_t{n} * (j + 1) >> level)};
-}
-
-/// Parts the range at `middle` along its longest extent.
-void part(Item* items, Range range, std::size_t middle, bool oriented) {
+/// Parts the range [begin, end) at `middle` along its longest extent.
+void part(Item* items, std::size_t begin, std::size_t middle, std::size_t end) {
   glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
-  glm::vec3 normal_low(1.0f), normal_high(-1.0f);
-  for (std::size_t i = range.begin; i < range.end; ++i) {
+  for (std::size_t i = begin; i < end; ++i) {
     low = glm::min(low, items[i].position_m);
     high = glm::max(high, items[i].position_m);
-    normal_low = glm::min(normal_low, items[i].normal);
-    normal_high = glm::max(normal_high, items[i].normal);
   }
   const glm::vec3 extent = high - low;
-  const auto longest = [](const glm::vec3& v) {
-    return v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2;
-  };
-  const int axis = longest(extent);
-  const glm::vec3 turn = kNormalExtent * extent[axis] * (normal_high - normal_low);
-  const int normal_axis = longest(turn);
-  const auto split = [&](auto&& key) {
-    std::nth_element(items + range.begin, items + middle, items + range.end,
-                     [&](const Item& a, const Item& b) { return key(a) < key(b); });
-  };
-  if (oriented && turn[normal_axis] > extent[axis]) {
-    split([normal_axis](const Item& item) { return item.normal[normal_axis]; });
-  } else {
-    split([axis](const Item& item) { return item.position_m[axis]; });
-  }
+  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+  std::nth_element(
+      items + begin, items + middle, items + end,
+      [axis](const Item& a, const Item& b) { return a.position_m[axis] < b.position_m[axis]; });
 }
 
 /// Sums over the surfels of a node.
@@ -131,14 +106,14 @@ LodNode nodeOf(const Sums& sums) {
 
 class Builder {
  public:
-  Builder(std::vector<Item>& items, int levels, bool oriented)
-      : items_(items), levels_(levels), oriented_(oriented) {}
+  Builder(std::vector<Item>& items, int levels) : items_(items), levels_(levels) {}
 
   /// Sorts the items below a node.
   void sortBelow(int level, std::size_t j, int last_level) {
     if (level >= last_level) return;
-    const Range range = rangeOf(items_.size(), level, j);
-    part(items_.data(), range, rangeOf(items_.size(), level + 1, 2 * j).end, oriented_);
+    const auto [begin, end] = MomentTree::rangeOf(items_.size(), level, j);
+    const std::size_t middle = MomentTree::rangeOf(items_.size(), level + 1, 2 * j).second;
+    part(items_.data(), begin, middle, end);
     sortBelow(level + 1, 2 * j, last_level);
     sortBelow(level + 1, 2 * j + 1, last_level);
   }
@@ -157,9 +132,9 @@ class Builder {
            std::size_t j) const {
     Sums sums;
     if (level + 1 == levels_) {
-      const Range range = rangeOf(surfels.size(), level, j);
-      sums = sumsOf(surfels, range.begin);
-      for (std::size_t i = range.begin + 1; i < range.end; ++i) {
+      const auto [begin, end] = MomentTree::rangeOf(surfels.size(), level, j);
+      sums = sumsOf(surfels, begin);
+      for (std::size_t i = begin + 1; i < end; ++i) {
         sums = merged(sums, sumsOf(surfels, i));
       }
     } else {
@@ -173,7 +148,6 @@ class Builder {
  private:
   std::vector<Item>& items_;
   int levels_;
-  bool oriented_;
 };
 
 template <typename T>
@@ -217,11 +191,9 @@ MomentTree::MomentTree(const SurfelCloud& cloud) {
 
   std::vector<Item> items(n);
   parallelFor(n, [&](std::size_t i) {
-    items[i] = {cloud.position_m[i], static_cast<std::uint32_t>(i),
-                glm::normalize(glm::cross(glm::normalize(cloud.axis_u_m[i]),
-                                          glm::normalize(cloud.axis_v_m[i])))};
+    items[i] = {cloud.position_m[i], static_cast<std::uint32_t>(i)};
   });
-  Builder builder(items, levels_, cloud.oriented);
+  Builder builder(items, levels_);
   builder.sort();
   gather(cloud.position_m, items, surfels_.position_m);
   gather(cloud.axis_u_m, items, surfels_.axis_u_m);

@@ -36,9 +36,9 @@ void packNormal(const glm::vec3& normal, std::int16_t packed[2]);
 glm::vec3 unpackNormal(const std::int16_t packed[2]);
 
 /// A perfect binary tree over clusters of 3 to 6 surfels (fewer in a scene of fewer). Node i has
-/// the children 2 i and 2 i + 1; the root is 1. Halves are split at the median of the longest
-/// extent, of the positions or, where normals are oriented, of the normals: sheets back to back
-/// part first. Less than 100 bytes a surfel, the surfels included.
+/// the children 2 i and 2 i + 1; the root is 1. Halves are
+/// split at the median of the longest extent of the positions. Less than 100 bytes a surfel, the
+/// surfels included.
 class MomentTree {
  public:
   /// Deterministic at any number of threads. @param cloud  sound, fewer than 2^31 surfels
@@ -52,7 +52,11 @@ class MomentTree {
 
   /// The surfels [first, second) of the `j`-th node, from 0, of a level, 0 that of the root.
   std::pair<std::size_t, std::size_t> range(int level, std::size_t j) const {
-    const auto n = static_cast<std::uint64_t>(surfels_.size());
+    return rangeOf(surfels_.size(), level, j);
+  }
+
+  /// The same of a tree of `n` surfels.
+  static std::pair<std::size_t, std::size_t> rangeOf(std::uint64_t n, int level, std::size_t j) {
     return {n * j >> level, n * (j + 1) >> level};
   }
 

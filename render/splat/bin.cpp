@@ -120,7 +120,11 @@ void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
   cells_ = (size_px_ + kTile - 1) / kTile;
   tile_of_cell_.assign(static_cast<std::size_t>(cells_.x) * cells_.y, 0);
   tiles_.clear();
-  const std::vector<Sharpness> cells = sharpnessOfCells(chunks);
+  // Where nothing is blurred and all tiles are fine, nobody asks.
+  const bool matters = coarse || chunks.lens;
+  const std::vector<Sharpness> cells =
+      matters ? sharpnessOfCells(chunks)
+              : std::vector<Sharpness>(tile_of_cell_.size(), Sharpness{.sigma_px = 1.0f});
 
   // From the coarsest step down, so that each square of cells is one tile where it may be.
   const auto sharpnessOf = [&](int x0, int y0, int step) {
