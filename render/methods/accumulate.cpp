@@ -2,16 +2,13 @@
 // and Akeley, The Accumulation Buffer, 1990). Known failure: about pi C^2 views are needed for a
 // blur radius of C pixels; with fewer the views show as ghosts. The frame's own split-half error
 // says how far it can be trusted.
-#include <chrono>
 #include <cmath>
 
 #include "app/base/parallel.h"
 #include "render/image/metrics.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/method.h"
-#include "render/splat/bin.h"
-#include "render/splat/project.h"
-#include "render/splat/sweep.h"
+#include "render/methods/view_splats.h"
 
 namespace foci {
 namespace {
@@ -20,8 +17,7 @@ class AccumulateMethod final : public Method {
  public:
   AccumulateMethod(const SurfelCloud& cloud, int views) : cloud_(cloud), views_(views) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
     const auto width = static_cast<std::size_t>(view.size_px.x);
     for (Frame* one : {&frame, &odd_, &view_}) {
@@ -33,16 +29,9 @@ class AccumulateMethod final : public Method {
     // Even views into the frame, odd ones apart: two halves, against each other.
     RenderStats stats;
     for (int i = 0; i < views_; ++i) {
-      projectSurfels(cloud_, view, settings.defocus,
-                     {.lens = lensSample(i, views_), .aperture = 0.0f, .shading = settings.shading},
-                     chunks_);
-      lists_.build(chunks_, view.size_px);
-      stats.splats += chunks_.total();
-      stats.fragments += sweep(chunks_, lists_,
-                               {.background = settings.background,
-                                .transparent = !cloud_.opacity.empty(),
-                                .depth = settings.depth},
-                               view_);
+      scene_.project(cloud_, view, settings, {.lens = lensSample(i, views_), .aperture = 0.0f});
+      stats.splats += scene_.count();
+      stats.fragments += scene_.draw(settings.background, settings.depth, view_);
       Frame& half = i % 2 == 0 ? frame : odd_;
       parallelFor(static_cast<std::size_t>(view.size_px.y), [&](std::size_t y) {
         for (std::size_t p = y * width; p < (y + 1) * width; ++p) {
@@ -68,16 +57,13 @@ class AccumulateMethod final : public Method {
     // The halves differ by twice the noise of their mean.
     if (views_ > 1) stats.split_half_psnr_dB = psnr_dB(frame, odd_);
     std::swap(frame.rgba, view_.rgba);
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 
  private:
   const SurfelCloud& cloud_;
   int views_;
-  SplatChunks chunks_;
-  TileLists lists_;
+  ViewSplats scene_;
   Frame odd_, view_;
 };
 

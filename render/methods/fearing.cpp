@@ -7,7 +7,6 @@
 // failure: those of `potmesil`; and with N below 100, what is not yet computed shows an earlier
 // focus.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 
@@ -23,8 +22,7 @@ class FearingMethod final : public Method {
  public:
   FearingMethod(const SurfelCloud& cloud, int percent) : camera_(cloud), percent_(percent) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
     discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
     if (shown_.size_px != frame.size_px) {
@@ -49,8 +47,6 @@ class FearingMethod final : public Method {
 
     frame.rgba = shown_.rgba;
     if (!settings.depth) frame.depth_m.clear();
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

@@ -6,7 +6,6 @@
 // Known failure: splats do not add up to surfaces. An opaque sheet that is blurred lets through
 // what lies behind it.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -121,12 +120,7 @@ class InflateMethod final : public Method {
     }
   }
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
-    const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
-    frame.size_px = view.size_px;
-    frame.rgba.resize(pixels);
-    frame.depth_m.resize(settings.depth ? pixels : 0);
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     scene_.project(gaussians_, view, settings, {.kernel = BlurKernel::gaussian});
     std::vector<std::uint64_t> fragments(scene_.tileCount());
     parallelFor(fragments.size(),
@@ -134,8 +128,6 @@ class InflateMethod final : public Method {
     RenderStats stats;
     stats.splats = scene_.count();
     stats.fragments = std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

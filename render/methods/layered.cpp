@@ -6,7 +6,6 @@
 // blurred alike, so blur grows in steps, and a surface that runs through several layers comes apart
 // where it passes from one to the next.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -29,8 +28,7 @@ class LayeredMethod final : public Method {
   LayeredMethod(const SurfelCloud& cloud, int layers)
       : cloud_(cloud), camera_(cloud), layers_(layers) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats;
     if (settings.depth) {
       stats = camera_.render(view, settings, frame);
@@ -74,8 +72,6 @@ class LayeredMethod final : public Method {
         frame.rgba[p] = front + (1.0f - front.a) * frame.rgba[p];
       }
     }
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

@@ -6,7 +6,6 @@
 // the weights that arrive; what is nearer covers it by its own weights. The rules are ours, written
 // from that description. Known failure: a finished image has one surface a pixel. What a blurred
 // thing hides is missing, so the inner half of its blurred outline stays opaque.
-#include <chrono>
 
 #include "app/base/parallel.h"
 #include "render/methods/method.h"
@@ -20,15 +19,12 @@ class MatthewsMethod final : public Method {
  public:
   explicit MatthewsMethod(const SurfelCloud& cloud) : camera_(cloud) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
     discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
     parallelFor(static_cast<std::size_t>(discs_.tileCount()),
                 [&](std::size_t tile) { filterTile(static_cast<int>(tile), frame); });
     if (!settings.depth) frame.depth_m.clear();
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <charconv>
+#include <chrono>
 #include <iterator>
 
 #include "app/base/nearest.h"
@@ -147,6 +148,18 @@ Choice parse(std::string_view spec) {
 }
 
 }  // namespace
+
+RenderStats Method::render(const View& view, const RenderSettings& settings, Frame& frame) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
+  frame.size_px = view.size_px;
+  frame.rgba.resize(pixels);
+  frame.depth_m.resize(settings.depth ? pixels : 0);
+  RenderStats stats = draw(view, settings, frame);
+  stats.ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return stats;
+}
 
 const std::vector<MethodInfo>& methods() {
   static const auto infos = [] {

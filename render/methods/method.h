@@ -30,7 +30,12 @@ class Method {
   virtual ~Method() = default;
 
   /// The same input gives the same bytes at any number of threads. `frame` is resized as needed.
-  virtual RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) = 0;
+  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame);
+
+ private:
+  /// Draws into `frame`, which has the view's size, and depth where it is asked for; fills all of
+  /// the stats but their time.
+  virtual RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) = 0;
 };
 
 struct MethodInfo {

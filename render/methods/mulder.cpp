@@ -5,7 +5,6 @@
 // graphics hardware). The gaze is taken to rest on the image's principal point. Known failure:
 // those of `potmesil` inside; outside, blurred things keep their outline, sharp ones leak into what
 // is blurred around them, and the pyramid's squares show; between the two, a seam.
-#include <chrono>
 #include <cmath>
 
 #include "app/base/parallel.h"
@@ -60,8 +59,7 @@ class MulderMethod final : public Method {
  public:
   explicit MulderMethod(const SurfelCloud& cloud) : camera_(cloud) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
     const std::vector<float> point_D = vergences_D(frame, settings.defocus);
     discs_.set(frame.size_px, frame.rgba, point_D, settings.defocus);
@@ -85,8 +83,6 @@ class MulderMethod final : public Method {
       }
     });
     if (!settings.depth) frame.depth_m.clear();
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

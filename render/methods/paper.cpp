@@ -7,10 +7,10 @@
 #include "render/methods/paper.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "app/base/parallel.h"
 #include "render/methods/paper_project.h"
+#include "render/splat/splat.h"
 
 namespace foci {
 namespace {
@@ -19,11 +19,9 @@ class PaperMethod final : public Method {
  public:
   explicit PaperMethod(const SurfelCloud& cloud) : cloud_(cloud) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
-    constexpr std::size_t kMostChunks = 64, kStep = 4096;
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     const std::size_t n = cloud_.size();
-    const std::size_t chunk = std::max(kStep, (n / kMostChunks + kStep) / kStep * kStep);
+    const std::size_t chunk = chunkSize(n);
     splats_.reserve(n);
     splats_.chunks.assign((n + chunk - 1) / chunk, {});
     parallelFor(splats_.chunks.size(), [&](std::size_t c) {
@@ -41,8 +39,6 @@ class PaperMethod final : public Method {
                        splats_.tiles.get() + begin);
     });
     RenderStats stats = drawPaper(splats_, lists_, view, settings, !cloud_.opacity.empty(), frame);
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

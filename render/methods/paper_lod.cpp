@@ -6,7 +6,6 @@
 // `paper` merges wrongly, this does too.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 
 #include "app/base/parallel.h"
@@ -167,8 +166,7 @@ class PaperLodMethod final : public Method {
  public:
   explicit PaperLodMethod(const SurfelCloud& cloud) : cloud_(cloud), hierarchy_(cloud) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     splats_.reserve(hierarchy_.order().size());
     splats_.chunks.clear();
     // Subtrees in parallel; where the traversal stops above their roots, the first child of each
@@ -193,8 +191,6 @@ class PaperLodMethod final : public Method {
       splats_.chunks[c].count = traversal.run(level, c);
     });
     RenderStats stats = drawPaper(splats_, lists_, view, settings, !cloud_.opacity.empty(), frame);
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

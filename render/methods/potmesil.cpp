@@ -6,7 +6,6 @@
 // Based on Light Particle Theory, 1987/88); the original weighs it by Lommel's functions. Known
 // failure: pixels do not know of each other. Blurred light leaks over sharp things before it, and
 // where two things of different blur meet, the one side receives too little and is too dark.
-#include <chrono>
 
 #include "app/base/parallel.h"
 #include "render/methods/method.h"
@@ -20,15 +19,12 @@ class PotmesilMethod final : public Method {
  public:
   explicit PotmesilMethod(const SurfelCloud& cloud) : camera_(cloud) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
     discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
     parallelFor(static_cast<std::size_t>(discs_.tileCount()),
                 [&](std::size_t tile) { discs_.spreadOnto(static_cast<int>(tile), frame.rgba); });
     if (!settings.depth) frame.depth_m.clear();
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

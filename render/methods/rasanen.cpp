@@ -7,7 +7,6 @@
 // root of N only; and as chance leaves holes in what should be closed, what lies behind shows.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -16,14 +15,12 @@
 #include "app/base/parallel.h"
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"
+#include "render/splat/limits.h"
 
 namespace foci {
 namespace {
 
 constexpr int kTile_px = ViewSplats::kTile_px;
-
-/// Light that passes a tile below this is not followed: half a step of an 8-bit picture.
-constexpr float kHidden = 1.0f / 8192.0f;
 
 /// 64 well-mixed bits of a counter (the finaliser of splitmix64; Steele, Lea and Flood 2014).
 std::uint64_t randomBits(std::uint64_t counter) {
@@ -106,13 +103,8 @@ class RasanenMethod final : public Method {
  public:
   RasanenMethod(const SurfelCloud& cloud, int samples) : cloud_(cloud), samples_(samples) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
-    const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
-    frame.size_px = view.size_px;
-    frame.rgba.resize(pixels);
-    frame.depth_m.resize(settings.depth ? pixels : 0);
-    scene_.project(cloud_, view, settings, {.kernel = BlurKernel::disc});
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+    scene_.project(cloud_, view, settings, {});
     std::vector<std::uint64_t> fragments(scene_.tileCount());
     parallelFor(fragments.size(), [&](std::size_t tile) {
       fragments[tile] = drawTile(tile, settings.background, frame);
@@ -120,8 +112,6 @@ class RasanenMethod final : public Method {
     RenderStats stats;
     stats.splats = scene_.count();
     stats.fragments = std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

@@ -14,7 +14,6 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -296,8 +295,7 @@ class RaytraceMethod final : public Method {
  public:
   RaytraceMethod(const SurfelCloud& cloud, int rays) : cloud_(cloud), rays_(rays) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     const auto width = static_cast<std::size_t>(view.size_px.x);
     const auto height = static_cast<std::size_t>(view.size_px.y);
     for (Frame* one : {&frame, &even_, &odd_}) {
@@ -342,8 +340,6 @@ class RaytraceMethod final : public Method {
     } else if (rays_ > 1) {
       stats.split_half_psnr_dB = std::numeric_limits<double>::infinity();
     }
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

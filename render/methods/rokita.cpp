@@ -7,7 +7,6 @@
 // neighbours as its own blur says, not theirs. A blurred thing keeps its sharp outline, a sharp one
 // leaks into what is blurred around it, and the time grows with C^2.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "app/base/parallel.h"
@@ -28,8 +27,7 @@ class RokitaMethod final : public Method {
  public:
   explicit RokitaMethod(const SurfelCloud& cloud) : camera_(cloud) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
     const float most_px2 = plan(frame, settings.defocus);
     other_ = frame.rgba;
@@ -39,8 +37,6 @@ class RokitaMethod final : public Method {
       std::swap(frame.rgba, other_);
     }
     if (!settings.depth) frame.depth_m.clear();
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

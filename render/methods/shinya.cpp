@@ -7,7 +7,6 @@
 // inner half of a blurred outline stays opaque. Time and memory grow with N, and with N below the
 // pixels of a circle of confusion it shows as ghosts.
 #include <array>
-#include <chrono>
 #include <cstdint>
 
 #include "app/base/parallel.h"
@@ -32,8 +31,7 @@ class ShinyaMethod final : public Method {
  public:
   ShinyaMethod(const SurfelCloud& cloud, int rays) : camera_(cloud), rays_(rays) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
     discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
     parallelFor(kGroups, [&](std::size_t group) {
@@ -56,8 +54,6 @@ class ShinyaMethod final : public Method {
       }
     });
     if (!settings.depth) frame.depth_m.clear();
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

@@ -1,13 +1,9 @@
 // Our renderer: EWA surface splatting with the blur of each splat (Krivanek, Zara and Bouatouch
 // 2003), streamed over tiles without lists of fragments. Known failure: one layer a pixel is open
-// at a time, so surfaces nearer to each other than a surfel is wide join, and what a blurred
-// foreground hides from parts of the lens only is taken as hidden alike from all of it.
-#include <chrono>
-
+// at a time, so surfaces nearer to each other than a surfel is wide join; and of what blurred
+// layers in front hide, one straight edge on the lens is remembered, where there may be several.
 #include "render/methods/method.h"
-#include "render/splat/bin.h"
-#include "render/splat/project.h"
-#include "render/splat/sweep.h"
+#include "render/methods/view_splats.h"
 
 namespace foci {
 namespace {
@@ -16,32 +12,17 @@ class SweepMethod final : public Method {
  public:
   explicit SweepMethod(const SurfelCloud& cloud) : cloud_(cloud) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
-    const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
-    frame.size_px = view.size_px;
-    frame.rgba.resize(pixels);
-    frame.depth_m.resize(settings.depth ? pixels : 0);
-
-    projectSurfels(cloud_, view, settings.defocus, {.shading = settings.shading}, chunks_);
-    lists_.build(chunks_, view.size_px);
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+    scene_.project(cloud_, view, settings, {});
     RenderStats stats;
-    stats.splats = chunks_.total();
-    stats.fragments = sweep(chunks_, lists_,
-                            {.background = settings.background,
-                             .radius_px_per_D = settings.defocus.radius_px_per_D,
-                             .transparent = !cloud_.opacity.empty(),
-                             .depth = settings.depth},
-                            frame);
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    stats.splats = scene_.count();
+    stats.fragments = scene_.draw(settings.background, settings.depth, frame);
     return stats;
   }
 
  private:
   const SurfelCloud& cloud_;
-  SplatChunks chunks_;
-  TileLists lists_;
+  ViewSplats scene_;
 };
 
 }  // namespace

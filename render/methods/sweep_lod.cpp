@@ -3,7 +3,6 @@
 // part. Known failure: surfaces that the lens sees between and around in many places at once
 // (foliage) want more parts than are drawn; where two of them lie closer together than a node is
 // wide, they join.
-#include <chrono>
 #include <cmath>
 
 #include "render/lod/cut.h"
@@ -25,13 +24,7 @@ class SweepLodMethod final : public Method {
  public:
   SweepLodMethod(const SurfelCloud& cloud, int parts) : tree_(cloud), centres_(lensParts(parts)) {}
 
-  RenderStats render(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const auto start = std::chrono::steady_clock::now();
-    const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
-    frame.size_px = view.size_px;
-    frame.rgba.resize(pixels);
-    frame.depth_m.resize(settings.depth ? pixels : 0);
-
+  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     const glm::vec2 radius_px_per_D = settings.defocus.radius_px_per_D;
     const bool in_parts = centres_.size() > 1 && radius_px_per_D.x * radius_px_per_D.y > 0.0f;
     selectCut(tree_, view, settings.defocus, kCut, cut_);
@@ -55,8 +48,6 @@ class SweepLodMethod final : public Method {
                              .depth = settings.depth,
                              .parts = in_parts ? &parts : nullptr},
                             frame);
-    stats.ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return stats;
   }
 

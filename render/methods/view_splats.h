@@ -1,5 +1,5 @@
-// The scene as splats for one view: the one door through which the methods of this folder that are
-// not the sweep itself reach projection, binning and the sweep.
+// The scene as splats for one view: the one door through which methods that draw all surfels reach
+// projection, binning and the sweep.
 #pragma once
 
 #include <cstdint>
@@ -54,6 +54,7 @@ class ViewSplats {
   SplatChunks chunks_;
   TileLists lists_;
   glm::ivec2 size_px_{0};
+  glm::vec2 radius_px_per_D_{0.0f};
   bool transparent_ = false;
 };
 

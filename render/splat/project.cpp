@@ -326,13 +326,6 @@ SplatsOut outOf(SplatChunks& chunks, std::size_t first, bool parts) {
           parts ? chunks.out_of_focus_D.get() + first : nullptr};
 }
 
-// Whole steps a chunk, about as many chunks as the largest machine has threads.
-constexpr std::size_t kMostChunks = 64, kStep = 4096;
-
-std::size_t chunkSize(std::size_t n) {
-  return std::max(kStep, (n / kMostChunks + kStep) / kStep * kStep);
-}
-
 }  // namespace
 
 void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& defocus,

@@ -1,6 +1,7 @@
 // A surfel as it falls on the image: what projection hands to the sweep.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -44,6 +45,13 @@ struct SplatKey {
 struct SplatLens {
   float per_px, inv_width;
 };
+
+/// Surfels a chunk, of `n`: whole SIMD steps, and about as many chunks as the largest machine has
+/// threads. Fixed, so that no result hangs on the threads.
+inline std::size_t chunkSize(std::size_t n) {
+  constexpr std::size_t kMostChunks = 64, kStep = 4096;
+  return std::max(kStep, (n / kMostChunks + kStep) / kStep * kStep);
+}
 
 /// Splats of a frame, in chunks of consecutive surfels so that threads never share one. Chunk c
 /// holds `count[c]` splats from index c * chunk_size on; what lies behind them is unset.

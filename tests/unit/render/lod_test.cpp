@@ -12,7 +12,7 @@
 #include "render/lod/cut.h"
 #include "render/methods/lens_samples.h"
 #include "render/scene/procedural.h"
-#include "surfel_scenes.h"
+#include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
 namespace {
@@ -155,27 +155,6 @@ TEST(Cut, LeavesOutWhatCannotTouchTheImage) {
   EXPECT_TRUE(cut.nodes.empty() && cut.surfels.empty());
 }
 
-/// Sum, mean and variance (of an axis, the mean of both) of a frame's red.
-struct Moments {
-  double mass = 0.0, variance = 0.0;
-};
-
-Moments momentsOf(const Frame& frame) {
-  double mass = 0.0, x = 0.0, y = 0.0, square = 0.0;
-  for (int py = 0; py < frame.size_px.y; ++py) {
-    for (int px = 0; px < frame.size_px.x; ++px) {
-      const double light = frame.at(px, py).r;
-      mass += light;
-      x += light * px;
-      y += light * py;
-      square += light * (px * px + py * py);
-    }
-  }
-  x /= mass;
-  y /= mass;
-  return {mass, 0.5 * (square / mass - x * x - y * y)};
-}
-
 TEST(SweepLod, TotalVarianceIsTheFormulasAtEveryLevel) {
   // A white sheet 16 px wide of 96 x 96 surfels, blurred more and more: levels from the surfels
   // themselves to a few nodes. Its own variance is side^2 / 12.
@@ -185,7 +164,7 @@ TEST(SweepLod, TotalVarianceIsTheFormulasAtEveryLevel) {
   const double sigma_px = kSigmaPerSpacing * 16.0 / 96.0;
   std::uint64_t before = 96 * 96 + 1;
   for (const float radius_px : {0.0f, 1.0f, 2.0f, 4.0f, 8.0f, 16.0f, 32.0f, 64.0f}) {
-    Moments mean;
+    double mass = 0.0, variance = 0.0;
     std::uint64_t splats = 0;
     for (int place = 0; place < 16; ++place) {  // samples lie up to 8 px apart
       SurfelCloud moved = cloud;
@@ -193,16 +172,16 @@ TEST(SweepLod, TotalVarianceIsTheFormulasAtEveryLevel) {
         p_m += glm::vec3(place % 4, place / 4, 0) * 0.00225f;
       }
       RenderStats stats;
-      const Moments m =
-          momentsOf(renderedBy("sweep-lod", moved, view, blurredBy(radius_px, 0.0f), &stats));
-      mean.mass += m.mass / 16.0;
-      mean.variance += m.variance / 16.0;
+      const FrameMoments m =
+          frameMoments(renderedBy("sweep-lod", moved, view, blurredBy(radius_px, 0.0f), &stats));
+      mass += m.mass / 16.0;
+      variance += 0.5 * (m.variance_x + m.variance_y) / 16.0;
       splats = std::max(splats, stats.splats);
     }
     const double formula =
         16.0 * 16.0 / 12.0 + sigma_px * sigma_px + 1.0 + 0.25 * radius_px * radius_px;
-    EXPECT_NEAR(mean.variance / formula, 1.0, kTotalVariance) << radius_px << " px";
-    EXPECT_NEAR(mean.mass / 256.0, 1.0, 0.01) << radius_px << " px";
+    EXPECT_NEAR(variance / formula, 1.0, kTotalVariance) << radius_px << " px";
+    EXPECT_NEAR(mass / 256.0, 1.0, 0.01) << radius_px << " px";
     EXPECT_LE(splats, before) << radius_px << " px";
     before = splats;
   }
