@@ -264,6 +264,10 @@ ChartResult measureChart(const ChartPlan& plan, const fs::path& folder,
   return result;
 }
 
+double worthOf_dB(const ChartPoint& point) {
+  return std::min(point.psnr_dB, point.reference_psnr_dB);
+}
+
 void markFrontiers(std::vector<ChartPoint>& points) {
   std::map<std::tuple<std::string, double, unsigned>, std::vector<ChartPoint*>> panels;
   for (ChartPoint& one : points) panels[{one.scene, one.blur_px, one.threads}].push_back(&one);
@@ -271,7 +275,7 @@ void markFrontiers(std::vector<ChartPoint>& points) {
     std::vector<double> ms, dB;
     for (const ChartPoint* one : members) {
       ms.push_back(one->ms_median);
-      dB.push_back(one->psnr_dB);
+      dB.push_back(worthOf_dB(*one));
     }
     const std::vector<bool> on = paretoFrontier(ms, dB);
     for (std::size_t i = 0; i < members.size(); ++i) members[i]->on_frontier = on[i];

@@ -24,7 +24,7 @@ struct ChartPoint {
   std::optional<double> silhouette_psnr_dB = {};
   double coverage_error = 0.0;
   double reference_psnr_dB = 0.0;  ///< the reference's own, one half of its views against the other
-  bool on_frontier = false;        ///< of time and PSNR at this scene, blur and number of threads
+  bool on_frontier = false;        ///< see `markFrontiers`
 };
 
 struct ChartResult {
@@ -49,7 +49,11 @@ std::size_t stepsOf(const ChartPlan& plan);
 ChartResult measureChart(const ChartPlan& plan, const std::filesystem::path& folder,
                          const std::function<void(std::size_t)>& on_steps);
 
-/// Fills in `on_frontier`.
+/// PSNR as far as it means something: no more than the reference's own.
+double worthOf_dB(const ChartPoint& point);
+
+/// Fills in `on_frontier`: of time and `worthOf_dB`, among those of a scene, blur and number of
+/// threads.
 void markFrontiers(std::vector<ChartPoint>& points);
 
 /// chart.csv.

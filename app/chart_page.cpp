@@ -187,8 +187,8 @@ void writePanels(std::ostream& out, const ChartPlan& plan, const std::vector<Cha
   }
   out << "<div class=\"panel\"><p>Up is closer to the reference, left is faster. Full points are "
          "on the frontier, the black line: nothing is both faster and closer. A line joins the "
-         "settings of one method. No point above the dashed line means anything: the reference "
-         "itself is no better known than that.</p><p class=\"legend\">";
+         "settings of one method. Above the dashed line points count as equally close: the "
+         "reference itself is not known any better.</p><p class=\"legend\">";
   for (const ChartFamily& family : chartFamilies()) {
     out << "<span style=\"white-space:nowrap\"><span class=\"state\" "
            "style=\"margin-right:.35em;background:"

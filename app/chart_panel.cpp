@@ -16,9 +16,22 @@ constexpr double kHead_px = 30.0;
 
 std::string dB(double value) { return std::isfinite(value) ? decimal(value, 1) + " dB" : "exact"; }
 
-std::optional<double> accuracy(const ChartPoint& point, ChartMeasure measure) {
-  if (measure == ChartMeasure::silhouette) return point.silhouette_psnr_dB;
-  return point.psnr_dB;
+/// What is drawn of a point: where it is, and what that is worth to the frontier.
+struct Shown {
+  const ChartPoint* point;
+  double height_dB, worth_dB;
+};
+
+std::vector<Shown> shownOf(const std::vector<ChartPoint>& points, ChartMeasure measure) {
+  std::vector<Shown> shown;
+  for (const ChartPoint& point : points) {
+    if (measure == ChartMeasure::psnr) {
+      shown.push_back({&point, point.psnr_dB, worthOf_dB(point)});
+    } else if (const auto& silhouette = point.silhouette_psnr_dB) {
+      shown.push_back({&point, *silhouette, *silhouette});
+    }
+  }
+  return shown;
 }
 
 std::string titleOf(const ChartPoint& point) {
@@ -30,19 +43,13 @@ std::string titleOf(const ChartPoint& point) {
 }
 
 /// From below the cheapest up and along to the dearest, and on to the right.
-PlotSeries staircase(const std::vector<double>& ms, const std::vector<double>& worth_dB,
-                     const Plot& plot) {
-  const std::vector<bool> on = paretoFrontier(ms, worth_dB);
-  std::vector<glm::dvec2> corners;
-  for (std::size_t i = 0; i < ms.size(); ++i) {
-    if (on[i]) corners.emplace_back(ms[i], worth_dB[i]);
-  }
+PlotSeries staircase(std::vector<glm::dvec2> corners, const Plot& plot) {
   std::sort(corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
   PlotSeries line{.name = "frontier", .color = kInk, .discs = false, .width_px = 1.2};
   double y = plot.y.from;
   for (const glm::dvec2& corner : corners) {
     line.points.push_back({.x = corner.x, .y = y});
-    line.points.push_back({.x = corner.x, .y = y = corner.y});
+    line.points.push_back({.x = corner.x, .y = y = std::max(y, corner.y)});
   }
   line.points.push_back({.x = plot.x.to, .y = y});
   return line;
@@ -80,41 +87,43 @@ std::vector<ChartPoint> pointsOf(const std::vector<ChartPoint>& points, const st
 
 Plot panelOf(const std::vector<ChartPoint>& points, ChartMeasure measure,
              const std::string& title) {
-  std::vector<double> ms, worth_dB;
-  for (const ChartPoint& point : points) {
-    if (const auto worth = accuracy(point, measure)) {
-      ms.push_back(point.ms_median);
-      worth_dB.push_back(*worth);
-    }
+  const std::vector<Shown> shown = shownOf(points, measure);
+  std::vector<double> ms, heights_dB, worth_dB;
+  for (const Shown& one : shown) {
+    ms.push_back(one.point->ms_median);
+    heights_dB.push_back(one.height_dB);
+    worth_dB.push_back(one.worth_dB);
   }
   Plot plot{.title = title, .size_px = kPanel_px};
   plot.x = timeAxis("time of a frame, logarithmic", ms);
-  std::vector<double> heights = worth_dB;
-  const double ceiling_dB = points.front().reference_psnr_dB;
-  heights.push_back(ceiling_dB);
+  if (measure == ChartMeasure::psnr) {
+    const double ceiling_dB = points.front().reference_psnr_dB;
+    heights_dB.push_back(ceiling_dB);
+    plot.levels.push_back({ceiling_dB, "the reference against itself: " + dB(ceiling_dB)});
+  }
   plot.y = linearAxis(
       measure == ChartMeasure::psnr ? "PSNR against the reference, dB" : "PSNR at silhouettes, dB",
-      heights);
-  if (ms.empty()) return plot;
-  plot.levels.push_back({ceiling_dB, "the reference against itself: " + dB(ceiling_dB)});
+      heights_dB);
 
   const std::vector<bool> on = paretoFrontier(ms, worth_dB);
-  plot.series.push_back(staircase(ms, worth_dB, plot));
+  std::vector<glm::dvec2> corners;
   std::map<std::string, int> settings;
-  for (const ChartPoint& point : points) ++settings[point.method.name];
-  std::size_t at = 0;
-  for (const ChartPoint& point : points) {
-    const auto worth = accuracy(point, measure);
-    if (!worth) continue;
-    if (plot.series.size() < 2 || plot.series.back().name != point.method.name) {
-      plot.series.push_back(
-          {.name = point.method.name, .color = familyOf(point.method.name).color, .width_px = 1.0});
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    if (on[i]) corners.emplace_back(ms[i], heights_dB[i]);
+    ++settings[shown[i].point->method.name];
+  }
+  plot.series.push_back(staircase(corners, plot));
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const ChartPoint& point = *shown[i].point;
+    const std::string& name = point.method.name;
+    if (plot.series.back().name != name) {
+      plot.series.push_back({.name = name, .color = familyOf(name).color, .width_px = 1.0});
     }
     plot.series.back().points.push_back(
-        {.x = point.ms_median,
-         .y = *worth,
-         .label = settings[point.method.name] > 1 ? point.method.spec() : point.method.name,
-         .hollow = !on[at++],
+        {.x = ms[i],
+         .y = heights_dB[i],
+         .label = settings[name] > 1 ? point.method.spec() : name,
+         .hollow = !on[i],
          .title = titleOf(point),
          .link = pictureFile(point.scene, point.blur_px, point.method),
          .data = referenceFile(point.scene, point.blur_px)});
@@ -157,7 +166,8 @@ Drawing overviewOf(const ChartPlan& plan, const std::vector<ChartPoint>& points,
   for (const std::string& line :
        {std::string("Up is closer to the reference, left is faster."),
         std::string("Full points are on the frontier (black line): nothing is both faster"),
-        std::string("and closer. No point above the dashed line means anything."),
+        std::string("and closer. Above the dashed line, points count as equally close: the"),
+        std::string("reference itself is not known any better."),
         std::to_string(plan.size_px) + " x " + std::to_string(plan.size_px) +
             " px; medians of runs taken in turn; linear light.",
         "Measured by foci " FOCI_VERSION " on " + machine.cpu + ",",

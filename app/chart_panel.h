@@ -25,8 +25,8 @@ struct ChartFamily {
 const ChartFamily& familyOf(const std::string& method);
 const std::vector<ChartFamily>& chartFamilies();
 
-/// @param points  of one panel: one scene, blur and number of threads; not empty. The frontier is
-///                drawn of what is shown: of silhouettes, of theirs.
+/// @param points  of one panel: one scene, blur and number of threads; some with that measure. The
+///                frontier is drawn of what is shown: of silhouettes, of theirs.
 Plot panelOf(const std::vector<ChartPoint>& points, ChartMeasure measure, const std::string& title);
 
 /// Those of one scene, blur and number of threads.

@@ -8,8 +8,8 @@ namespace foci {
 namespace {
 
 constexpr double kAdvancePerSize = 0.56;  // of a letter, on the mean
-// As pngcairo draws: of a font size, and of a point of size 1.
-constexpr double kPointPerPx = 0.75, kPointRadius_px = 4.0;
+// As pngcairo draws: of a font size, of a point of size 1, and words by their middle.
+constexpr double kPointPerPx = 0.75, kPointRadius_px = 4.0, kMiddlePerSize = 0.33;
 
 std::string attribute(const char* name, const std::string& value) {
   return std::string(" ") + name + "=\"" + value + "\"";
@@ -138,8 +138,8 @@ std::optional<std::string> pngOf(const Drawing& drawing) {
   }
   for (const DrawnText& text : drawing.texts) {
     script += "set label " + quoted(text.words) + " at " + px(text.at_px.x) + "," +
-              px(text.at_px.y) + " " + gnuplotAnchor(text.anchor) + " font 'sans" +
-              (text.bold ? " Bold" : "") + "," + px(kPointPerPx * text.size_px) +
+              px(text.at_px.y - kMiddlePerSize * text.size_px) + " " + gnuplotAnchor(text.anchor) +
+              " font 'sans" + (text.bold ? " Bold" : "") + "," + px(kPointPerPx * text.size_px) +
               "' textcolor rgb '" + paperColor(text.color) + "' front\n";
   }
   return runGnuplot(blocks + script + plots + "\n");

@@ -173,18 +173,34 @@ Drawing layOut(const Plot& plot) {
                                .data = point.data});
       taken.push_back({at - kDisc_px, at + kDisc_px});
     }
-    if (series.line && line.points_px.size() > 1) drawing.lines.push_back(std::move(line));
+    if (!series.line || line.points_px.size() < 2) continue;
+    for (std::size_t i = 1; !series.discs && i < line.points_px.size(); ++i) {
+      const glm::dvec2 &a = line.points_px[i - 1], &b = line.points_px[i];
+      taken.push_back({glm::min(a, b) - 1.0, glm::max(a, b) + 1.0});
+    }
+    drawing.lines.push_back(std::move(line));
   }
   for (const PlotLevel& level : plot.levels) {
-    const double y = area.y(level.y);
+    const double y = area.y(level.y), width = textWidth_px(level.text, kLabel_px);
     drawing.lines.push_back({{{area.low.x, y}, {area.high.x, y}}, kQuiet, 1.2, true});
-    const double width = textWidth_px(level.text, kLabel_px);
-    drawing.texts.push_back({{area.high.x, y - 4.0}, level.text, Anchor::end, kQuiet, kLabel_px});
-    taken.push_back({{area.high.x - width, y - 15.0}, {area.high.x, y}});
+    const auto wordsFrom = [&](double x) { return Box{{x, y - 15.0}, {x + width, y + 1.0}}; };
+    // At the right end, or at the left one where that is taken.
+    const bool is_free = std::none_of(taken.begin(), taken.end(), [&](const Box& one) {
+      return one.meets(wordsFrom(area.high.x - width));
+    });
+    const double x = is_free ? area.high.x - width : area.low.x + 4.0;
+    drawing.texts.push_back({{is_free ? area.high.x : x, y - 4.0},
+                             level.text,
+                             is_free ? Anchor::end : Anchor::start,
+                             kQuiet,
+                             kLabel_px});
+    taken.push_back(wordsFrom(x));
+    taken.push_back({{area.low.x, y - 1.0}, {area.high.x, y + 1.0}});
   }
-  for (const PlotSeries& series : plot.series) {
-    for (const PlotPoint& point : series.points) {
-      if (!point.label.empty()) {
+  for (const bool hollow : {false, true}) {  // full ones first
+    for (const PlotSeries& series : plot.series) {
+      for (const PlotPoint& point : series.points) {
+        if (point.hollow != hollow || point.label.empty()) continue;
         placeLabel(area.at(point), point, series.color, area, taken, drawing);
       }
     }
