@@ -239,8 +239,6 @@ std::size_t stepsOf(const ChartPlan& plan) {
 ChartResult measureChart(const ChartPlan& plan, const fs::path& folder,
                          const std::function<void(std::size_t)>& on_steps) {
   const ChartCells cells(folder / "cells", programKey());
-  fs::create_directories(folder / "cells");
-  fs::create_directories(folder / "pictures");
   ChartResult result;
   for (const ChartScene& scene : plan.scenes) {
     std::optional<SceneInView> seen;
@@ -255,6 +253,8 @@ ChartResult measureChart(const ChartPlan& plan, const fs::path& folder,
         on_steps(1 + plan.methods.size() * (1 + plan.threads.size()));
       } else {
         if (!seen) seen = scene.make();
+        fs::create_directories(folder / "cells");
+        fs::create_directories(folder / "pictures");
         group.measure(*seen);
       }
       group.addTo(result);
