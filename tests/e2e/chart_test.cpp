@@ -177,7 +177,8 @@ TEST(Chart, RefusesInOneLineAndLeavesNothing) {
   const std::vector<Refusal> refusals = {
       {"missing.ply", {"--scan", "missing.ply"}},
       {"none.ply", {"--scan", "none.ply"}},
-      {"points in view", {"--scan", "few.ply", "--eye", "0,0,0", "--look-at", "0,0,-1"}},
+      {"points in view",
+       {"--scan", "few.ply", "--eye", "0,0,0", "--look-at", "0,0,-1", "--up", "0,1,0"}},
       {"the nearest is plane", {"--scene", "plain"}},
       {"the nearest is sweep", {"--method", "sweeps"}},
       {"accumulate:1 to", {"--method", "accumulate:0"}},
