@@ -62,8 +62,18 @@ class SweepLodMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeSweepLod(const SurfelCloud& cloud, int parts) {
-  return std::make_unique<SweepLodMethod>(cloud, parts);
+MethodEntry sweepLodMethod() {
+  return {
+      .info = {.name = "sweep-lod",
+               .summary =
+                   "sweep from coarser levels and fewer samples where blurred; N parts of the lens "
+                   "where surfaces overlap",
+               .source = "our own",
+               .most = 256,
+               .standard = 7},
+      .make = [](const SurfelCloud& cloud, int parts) -> std::unique_ptr<Method> {
+        return std::make_unique<SweepLodMethod>(cloud, parts);
+      }};
 }
 
 }  // namespace foci
