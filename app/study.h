@@ -1,5 +1,5 @@
 // A study: what is shown to whom, on which screen, under which gaze. Read from TOML; the table of
-// keys in study.cpp is the only place that knows their names, types, ranges and meaning.
+// keys in study_keys.cpp is the only place that knows their names, types, ranges and meaning.
 #pragma once
 
 #include <cstdint>

@@ -46,6 +46,8 @@ struct TableLayout {
   bool zero_is_absent = false;       ///< a point of 0, 0 is none (SMI)
   bool named_blink = false;          ///< `blink` holds the blink's number, or nothing (Neon)
   std::size_t columns = 0;           ///< that must be split
+
+  bool hasDirections() const { return eyes[0].direction[0] || eyes[1].direction[0]; }
 };
 
 /// @param lines   stands at the header, for errors
