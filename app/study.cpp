@@ -10,6 +10,7 @@
 #include "app/study_keys.h"
 #include "app/toml_text.h"
 #include "app/toml_values.h"
+#include "calibration/binocular_map.h"
 #include "calibration/camera.h"
 #include "calibration/gaze_map_file.h"
 #include "calibration/screen_file.h"
@@ -47,10 +48,12 @@ void resolve(std::filesystem::path& path, const std::filesystem::path& folder) {
 /// The calibrated screen's own numbers, where the study names one.
 void takeMonitor(Study& study) {
   if (!study.screen.monitor) return;
-  const Screen screen = readScreen(*study.screen.monitor).screen;
+  const ScreenCalibration calibration = readScreen(*study.screen.monitor);
+  const Screen& screen = calibration.screen;
   study.screen.size_px = screen.size_px;
   study.screen.size_m = screen.size_m;
   study.screen.distance_m = screen.distance_m;
+  study.screen.gamma = calibration.gamma;
   study.screen.is_default = false;
 }
 
@@ -72,6 +75,7 @@ Study readStudy(const std::filesystem::path& file) {
   refuseBoth("screen.monitor", "screen.size_px");
   refuseBoth("screen.monitor", "screen.size_m");
   refuseBoth("screen.monitor", "screen.distance_m");
+  refuseBoth("screen.monitor", "screen.gamma");
   refuseBoth("eye.path", "eye.position_m");
   refuseBoth("eye.path", "eye.look_at_m");
 
@@ -91,7 +95,9 @@ Study readStudy(const std::filesystem::path& file) {
     study.gaze.source = trace.string();
   }
   study.screen.is_default = std::none_of(given.begin(), given.end(), [](const std::string& name) {
-    return name.starts_with("screen.");
+    // Light says nothing of angles.
+    return name.starts_with("screen.") && name != "screen.gamma" &&
+           name != "screen.luminance_cd_m2";
   });
   takeMonitor(study);
   return study;
@@ -137,8 +143,20 @@ void checkStudy(const Study& study) {
           "gaze.source: a webcam needs gaze.map (--gaze-map): foci calibrate gaze --source webcam");
     }
     readWebcamCalibration(*study.gaze.map);
+  } else if (study.gaze.map && isBinocularFile(*study.gaze.map)) {
+    readBinocular(*study.gaze.map);
   } else if (study.gaze.map) {
     readGazeMap(*study.gaze.map);
+  }
+  const TraceColumns& columns = study.gaze.columns;
+  if (columns.rate_Hz && !columns.time.empty()) {
+    refuse("gaze.rate_Hz and gaze.time: expected only one of them");
+  }
+  for (std::size_t side : {0, 1}) {
+    if (columns.eyes[side].x.empty() != columns.eyes[side].y.empty()) {
+      const std::string eye = side == 0 ? "gaze.left_" : "gaze.right_";
+      refuse(eye + "x and " + eye + "y: expected both or neither");
+    }
   }
   if (study.gaze.camera) readCamera(*study.gaze.camera);
   const auto checkPose = [&](const glm::dvec3& position_m, const glm::dvec3& look_at_m,

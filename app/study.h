@@ -48,11 +48,14 @@ struct Study {
     glm::ivec2 size_px{1920, 1080};
     glm::dvec2 size_m{0.5313, 0.2989};
     double distance_m = 0.6;
-    bool is_default = true;  ///< the study says nothing about its screen
+    std::optional<double> gamma;     ///< light = code^gamma; absent: sRGB as displayed
+    double luminance_cd_m2 = 120.0;  ///< of white
+    bool is_default = true;          ///< the study says nothing about its screen
   } screen;
 
   struct Observer {
-    double pupil_mm = 4.0;
+    std::string pupil = "fixed";  ///< or "recording", "luminance"
+    double pupil_mm = 4.0;        ///< where fixed, and until a recording says one
     double retina_mm = 24.0;
   } observer;
 

@@ -33,15 +33,7 @@ class TableReader {
   TraceHeader read() {
     std::string_view line;
     while (lines_.next(line)) {
-      if (trimmed(line).empty()) continue;
-      if (broken_) throw lines_.error("follows a line that is too short");
-      row_->split(line);
-      // A recording that was cut off ends within a line.
-      if ((broken_ = !row_->isComplete() && taken_ > 1 && !layout_.kind)) continue;
-      ++taken_;
-      if (layout_.kind && row_->field(*layout_.kind) != layout_.sample_kind) continue;
-      readResolution();
-      hold(readSample());
+      if (!trimmed(line).empty()) readLine(line);
     }
     settleClock();
     TraceHeader header{.format = layout_.format, .screen = preamble_.screen};
@@ -50,6 +42,17 @@ class TableReader {
   }
 
  private:
+  void readLine(std::string_view line) {
+    if (broken_) throw lines_.error("follows a line that is too short");
+    row_->split(line);
+    // A recording that was cut off ends within a line.
+    if ((broken_ = !row_->isComplete() && taken_ > 1 && !layout_.kind)) return;
+    ++taken_;
+    if (layout_.kind && row_->field(*layout_.kind) != layout_.sample_kind) return;
+    readResolution();
+    hold(readSample());
+  }
+
   void readHeader(const TraceColumns& columns, const std::string& given) {
     std::string_view line = given;
     bool found = !given.empty();
@@ -58,7 +61,7 @@ class TableReader {
       found = !trimmed(line).empty() && !line.starts_with('#');
     }
     if (!found) throw InputError(lines_.fileName(), "empty: expected a header line and samples");
-    layout_ = recogniseTable(lines_, line, columns, preamble_.smi);
+    layout_ = recogniseTable(lines_, line, columns, preamble_);
     const GazeUnits units = columns.units     ? *columns.units
                             : preamble_.units ? *preamble_.units
                                               : layout_.units.value_or(GazeUnits::px);
@@ -70,6 +73,7 @@ class TableReader {
     }
     clock_known_ = layout_.time_scale_s > 0.0;
     row_.emplace(lines_, layout_, screen, units);
+    if (layout_.headless) readLine(line);
   }
 
   void readResolution() {
@@ -85,16 +89,22 @@ class TableReader {
     resolution_known_ = true;
   }
 
-  GazeSample readSample() {
-    const auto time = row_->number(layout_.time);
+  double readTime() {
+    if (!layout_.time) return static_cast<double>(counted_++) / layout_.rate_Hz;
+    const auto time = row_->number(*layout_.time);
     if (!time || std::abs(*time) * std::max(layout_.time_scale_s, 1e-9) > kLatest_s) {
-      row_->fail(layout_.time, "expected a time");
+      row_->fail(*layout_.time, "expected a time");
     }
+    return *time;
+  }
+
+  GazeSample readSample() {
     GazeSample sample = row_->sample();
-    sample.time_s = *time;  // in the file's unit, until the clock is settled
+    sample.time_s = readTime();  // in the file's unit, until the clock is settled
     if (!layout_.x && !layout_.hasDirections()) {
-      sample.point_px = cyclopean_.combine(*time * (clock_known_ ? layout_.time_scale_s : 0.0),
-                                           sample.eyes[0].point_px, sample.eyes[1].point_px);
+      sample.point_px =
+          cyclopean_.combine(sample.time_s * (clock_known_ ? layout_.time_scale_s : 0.0),
+                             sample.eyes[0].point_px, sample.eyes[1].point_px);
     }
     if (sample.blink) sample.point_px.reset();
     for (std::size_t side : {0, 1}) {
@@ -106,7 +116,7 @@ class TableReader {
   /// Checks the order, and passes samples on once the unit of time is known.
   void hold(GazeSample&& sample) {
     if (last_time_ && sample.time_s <= *last_time_) {
-      throw lines_.error("time " + shown(row_->field(layout_.time)) +
+      throw lines_.error("time " + shown(row_->field(*layout_.time)) +
                          " is not after the sample before");
     }
     last_time_ = sample.time_s;
@@ -155,7 +165,7 @@ class TableReader {
   bool clock_known_ = false, resolution_known_ = false;
   std::optional<double> last_time_{};
   std::vector<GazeSample> held_{};
-  std::size_t taken_ = 0;
+  std::size_t taken_ = 0, counted_ = 0;
   bool broken_ = false;  // the line before had too few fields
   std::array<bool, 2> eyes_seen_{};
 };

@@ -13,8 +13,12 @@ namespace foci {
 struct TablePreamble {
   Screen screen{};
   std::optional<GazeUnits> units{};
+  std::optional<double> rate_Hz{};
   bool smi = false;  ///< the file begins as BeGaze's do
 };
+
+/// "px", "deg", "normalised" and what others write for them.
+std::optional<GazeUnits> unitsNamed(std::string_view name);
 
 /// Takes a line that begins with '#': `# key=value ...`, or BeGaze's
 /// `## Calibration Area:<tab>1680<tab>1050` and the like. Keys that are not ours are other people's

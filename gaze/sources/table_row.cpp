@@ -28,7 +28,7 @@ std::optional<double> meanPupil(const std::array<EyeSample, 2>& eyes) {
 }  // namespace
 
 void TableRow::split(std::string_view line) {
-  splitFields(line, layout_.delimiter, fields_, layout_.columns);
+  splitRow(line, layout_.delimiter, fields_, layout_.columns);
 }
 
 bool TableRow::isTrusted(GazeSample& sample) const {
@@ -61,7 +61,7 @@ GazeSample TableRow::sample() const {
   return sample;
 }
 
-/// Pupil's camera: x right, y down, z forward, millimetres.
+/// In the frame of `EyeSample`.
 std::optional<glm::dvec3> TableRow::triple(
     const std::array<std::optional<std::size_t>, 3>& columns) const {
   if (!columns[0] || !columns[1] || !columns[2]) return std::nullopt;
@@ -71,7 +71,27 @@ std::optional<glm::dvec3> TableRow::triple(
     if (isAbsent(field(column))) return std::nullopt;
     const auto value = number(column);
     if (!value) fail(column, "expected a number");
-    result[axis] = axis == 0 ? *value : -*value;
+    result[axis] = axis == 0 || !layout_.camera_axes ? *value : -*value;
+  }
+  return result;
+}
+
+/// "(x, y, z)".
+std::optional<glm::dvec3> TableRow::tripleIn(std::size_t column) const {
+  std::string_view text = field(column);
+  if (isAbsent(text)) return std::nullopt;
+  if (!text.starts_with('(') || !text.ends_with(')')) fail(column, "expected (x, y, z)");
+  text = text.substr(1, text.size() - 2);
+  glm::dvec3 result;
+  for (int axis : {0, 1, 2}) {
+    const std::size_t comma = text.find(',');
+    if ((comma == text.npos) != (axis == 2)) fail(column, "expected (x, y, z)");
+    const std::string_view part = trimmed(text.substr(0, comma));
+    if (isAbsent(part)) return std::nullopt;
+    const auto value = parseNumber(part);
+    if (!value) fail(column, "expected (x, y, z)");
+    result[axis] = *value;
+    if (axis < 2) text.remove_prefix(comma + 1);
   }
   return result;
 }
@@ -86,7 +106,18 @@ void TableRow::readEye(const EyeColumns& columns, EyeSample& eye) const {
   if (columns.pupil_mm) eye.pupil_mm = readPupil(*columns.pupil_mm);
   if (const auto direction = triple(columns.direction)) {
     const double length = glm::length(*direction);
-    if (length > 0.5 && length < 2.0) eye.direction = *direction / length;
+    // Pupil's are of unit length, and of none where the eye was lost.
+    const double low = layout_.camera_axes ? 0.5 : 1e-6, high = layout_.camera_axes ? 2.0 : 1e6;
+    if (length > low && length < high) eye.direction = *direction / length;
+  }
+  if (columns.origin_point_mm && columns.sight_point_mm &&
+      (!columns.origin_validity || isValid(*columns.origin_validity))) {
+    const auto from_mm = tripleIn(*columns.origin_point_mm);
+    const auto to_mm = tripleIn(*columns.sight_point_mm);
+    if (from_mm && to_mm && glm::distance(*from_mm, *to_mm) > 1.0) {
+      eye.origin_m = 1e-3 * *from_mm;
+      eye.direction = glm::normalize(*to_mm - *from_mm);
+    }
   }
   if (const auto origin_mm = triple(columns.origin_mm)) eye.origin_m = 1e-3 * *origin_mm;
 }
@@ -116,15 +147,20 @@ bool TableRow::isValid(std::size_t column) const {
 }
 
 std::optional<double> TableRow::readPupil(std::size_t column) const {
-  if (isAbsent(field(column))) return std::nullopt;
-  const auto pupil_mm = number(column);
-  if (!pupil_mm || *pupil_mm > kWidestPupil_mm) fail(column, "expected a diameter up to 15 mm");
-  return *pupil_mm > 0.0 ? pupil_mm : std::nullopt;
+  const auto pupil = number(column);
+  if (!pupil && isAbsent(field(column))) return std::nullopt;
+  if (pupil && pupil == layout_.numbers.missing) return std::nullopt;
+  if (!pupil || *pupil * layout_.numbers.pupil_scale_mm > kWidestPupil_mm) {
+    fail(column, "expected a diameter up to 15 mm");
+  }
+  if (!(*pupil > 0.0)) return std::nullopt;
+  return *pupil * layout_.numbers.pupil_scale_mm;
 }
 
 std::optional<glm::dvec2> TableRow::readPoint(std::size_t x, std::size_t y) const {
-  if (isAbsent(field(x)) || isAbsent(field(y))) return std::nullopt;
-  return pointOf(coordinate(x, field(x)), coordinate(y, field(y)));
+  const auto at_x = coordinate(x, field(x), 0);
+  const auto at_y = at_x ? coordinate(y, field(y), 1) : std::nullopt;
+  return at_y ? pointOf(*at_x, *at_y) : std::nullopt;
 }
 
 /// "(x, y)".
@@ -137,19 +173,25 @@ std::optional<glm::dvec2> TableRow::readTuple(std::size_t column) const {
   }
   const auto x = trimmed(text.substr(1, comma - 1));
   const auto y = trimmed(text.substr(comma + 1, text.size() - comma - 2));
-  if (isAbsent(x) || isAbsent(y)) return std::nullopt;
-  return pointOf(coordinate(column, x), coordinate(column, y));
+  const auto at_x = coordinate(column, x, 0);
+  const auto at_y = at_x ? coordinate(column, y, 1) : std::nullopt;
+  return at_y ? pointOf(*at_x, *at_y) : std::nullopt;
 }
 
-double TableRow::coordinate(std::size_t column, std::string_view text) const {
+std::optional<double> TableRow::coordinate(std::size_t column, std::string_view text,
+                                           int axis) const {
   const double limit = units_ == GazeUnits::px ? kFarthest_px
                        : units_ == GazeUnits::deg
                            ? kWidest_deg
                            : kFarthest_px / glm::max(screen_.size_px.x, screen_.size_px.y);
-  const auto value = parse(text);
-  if (!value) fail(column, "expected a number");
-  if (std::abs(*value) > limit) fail(column, "too far from any screen");
-  return *value;
+  const auto number = parse(text);
+  if (!number && isAbsent(text)) return std::nullopt;
+  if (!number) fail(column, "expected a number");
+  const TableNumbers& numbers = layout_.numbers;
+  if (number == numbers.missing) return std::nullopt;
+  const double value = numbers.scale[axis] * *number + numbers.offset[axis];
+  if (std::abs(value) > limit) fail(column, "too far from any screen");
+  return value;
 }
 
 std::optional<glm::dvec2> TableRow::pointOf(double x, double y) const {
@@ -176,9 +218,8 @@ std::string_view TableRow::field(std::size_t column) const {
 
 /// Some vendors write the decimal comma of the user's country.
 std::optional<double> TableRow::parse(std::string_view text) const {
-  if (layout_.delimiter == ',' || text.find(',') == std::string_view::npos) {
-    return parseNumber(text);
-  }
+  const auto number = parseNumber(text);
+  if (number || layout_.delimiter == ',' || text.find(',') == std::string_view::npos) return number;
   std::string pointed(text.substr(0, 64));
   std::replace(pointed.begin(), pointed.end(), ',', '.');
   return parseNumber(pointed);

@@ -39,12 +39,13 @@ class TableRow {
   bool isTrusted(GazeSample& sample) const;
   void readEye(const EyeColumns& columns, EyeSample& eye) const;
   std::optional<glm::dvec3> triple(const std::array<std::optional<std::size_t>, 3>& columns) const;
+  std::optional<glm::dvec3> tripleIn(std::size_t column) const;
   std::optional<glm::dvec2> meanSight(const std::array<EyeSample, 2>& eyes) const;
   bool isValid(std::size_t column) const;
   std::optional<double> readPupil(std::size_t column) const;
   std::optional<glm::dvec2> readPoint(std::size_t x, std::size_t y) const;
   std::optional<glm::dvec2> readTuple(std::size_t column) const;
-  double coordinate(std::size_t column, std::string_view text) const;
+  std::optional<double> coordinate(std::size_t column, std::string_view text, int axis) const;
   std::optional<glm::dvec2> pointOf(double x, double y) const;
   bool readFlag(std::size_t column) const;
   std::optional<double> parse(std::string_view text) const;
