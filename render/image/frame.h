@@ -29,6 +29,9 @@ struct RenderStats {
   /// Of a reference: the PSNR between two halves of its samples. The ceiling of any PSNR against
   /// it.
   std::optional<double> split_half_psnr_dB;
+  /// Of `auto`: the error that it expects at most in 95 % of the pixels, in just noticeable
+  /// differences.
+  std::optional<double> tolerance_error;
 };
 
 }  // namespace foci

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/base/parallel.h"
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr float kFade = 0.3f;         // of the variance allowed: over it a node fades out
 constexpr int kSerialLevels = 8;      // below, one task a subtree; fixed, as are all results
+constexpr int kMiddleLevel = 10;      // about a thousand nodes
 constexpr float kWidestReach = 3.0f;  // standard deviations of a kernel's support, at most
 
 struct Pending {
@@ -78,7 +80,8 @@ class Selector {
     const glm::vec2 at = view_.principal_px + offset;
     const glm::vec2 reach =
         kWidestReach * (0.5f * radius * inv_nearest * (view_.focal_px + glm::abs(offset)) +
-                        0.6f * (defocus_D + range_D) * defocus_.radius_px_per_D + 1.0f);
+                        0.6f * (defocus_D + range_D) * defocus_.radius_px_per_D +
+                        settings_.acuity.finest_px(glm::length(at - settings_.acuity.gaze_px)));
     const glm::vec2 size(view_.size_px);
     if (at.x + reach.x < 0.0f || at.x - reach.x > size.x || at.y + reach.y < 0.0f ||
         at.y - reach.y > size.y) {
@@ -88,8 +91,10 @@ class Selector {
     const float added_m2 =
         0.5f * node.trace_m2() * (1.0f - static_cast<float>(node.own) * (1.0f / 65535.0f));
     const float least_D = std::max(defocus_D - range_D, 0.0f);
-    const float allowed_px2 =
-        settings_.per_blur2 * blur2_ * least_D * least_D + settings_.per_pixel2;
+    const glm::vec2 from_gaze_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
+    const float finest_px = settings_.acuity.finest_px(glm::length(from_gaze_px));
+    const float allowed_px2 = settings_.per_blur2 * blur2_ * least_D * least_D +
+                              settings_.per_pixel2 * finest_px * finest_px;
     return added_m2 * focal2_ / (depth * depth) / allowed_px2;
   }
 
@@ -101,6 +106,25 @@ class Selector {
 };
 
 }  // namespace
+
+std::optional<std::pair<float, float>> distancesInView(const MomentTree& tree, const View& view,
+                                                       const Defocus& defocus) {
+  if (tree.levels() == 0) return std::nullopt;
+  const std::size_t first = std::size_t{1} << std::min(kMiddleLevel, tree.levels() - 1);
+  float nearest_m = std::numeric_limits<float>::infinity(), farthest_m = 0.0f;
+  for (std::size_t node = first; node < 2 * first; ++node) {
+    const glm::vec3 p(view.eye_from_world * glm::vec4(tree.nodes()[node].position_m, 1.0f));
+    if (!(-p.z >= view.near_m)) continue;
+    const glm::vec2 at = project(view, p);
+    const glm::vec2 size(view.size_px);
+    if (at.x < 0.0f || at.y < 0.0f || at.x > size.x || at.y > size.y) continue;
+    const float distance_m = defocus.along == DistanceAlong::axis ? -p.z : glm::length(p);
+    nearest_m = std::min(nearest_m, distance_m);
+    farthest_m = std::max(farthest_m, distance_m);
+  }
+  if (farthest_m == 0.0f) return std::nullopt;
+  return std::pair(nearest_m, farthest_m);
+}
 
 void selectCut(const MomentTree& tree, const View& view, const Defocus& defocus,
                const CutSettings& settings, Cut& cut) {

@@ -2,20 +2,24 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "render/lod/moment_tree.h"
+#include "render/optics/acuity.h"
 #include "render/optics/defocus.h"
 #include "render/optics/view.h"
 
 namespace foci {
 
 /// A node is coarse enough to be drawn while the variance that merging added to it, on the image
-/// and the mean of both axes, is at most per_blur2 C^2 + per_pixel2, C its radius of the circle of
-/// confusion in pixels.
+/// and the mean of both axes, is at most per_blur2 C^2 + per_pixel2 h^2, C its radius of the circle
+/// of confusion in pixels and h the prefilter's standard deviation, 1 px at full acuity.
 struct CutSettings {
   float per_blur2;
   float per_pixel2;
+  Acuity acuity = {};
 };
 
 struct CutEntry {
@@ -29,6 +33,11 @@ struct CutEntry {
 struct Cut {
   std::vector<CutEntry> nodes, surfels;
 };
+
+/// Distances, along what `defocus` says, between which the tree lies in view: of nodes of a middle
+/// level, so within about their size. Nothing where it is out of view.
+std::optional<std::pair<float, float>> distancesInView(const MomentTree& tree, const View& view,
+                                                       const Defocus& defocus);
 
 /// Leaves out what cannot touch the image. The same at any number of threads.
 void selectCut(const MomentTree& tree, const View& view, const Defocus& defocus,

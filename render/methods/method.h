@@ -8,11 +8,22 @@
 #include <vector>
 
 #include "render/image/frame.h"
+#include "render/optics/acuity.h"
 #include "render/optics/defocus.h"
 #include "render/optics/view.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
+
+/// What method `auto` may spend. Others take no notice.
+struct Quality {
+  /// Error that 95 % of the pixels may have, in just noticeable differences (visible_difference.h).
+  float tolerance = 1.0f;
+  /// Time to hold, ms: beyond it the error grows as far as it must. Pictures then depend on the
+  /// machine. Absent: as long as the tolerance takes.
+  std::optional<float> frame_ms = {};
+  Acuity acuity = {};  ///< full everywhere by default
+};
 
 struct RenderSettings {
   Defocus defocus;             ///< default: everything sharp
@@ -20,6 +31,7 @@ struct RenderSettings {
   float shading =
       0.0f;  ///< 0 to 1: how much of the colour falls off with the cosine to the line of sight
   bool depth = false;  ///< fill Frame::depth_m
+  Quality quality = {};
 };
 
 /// A method draws one scene, given when it is made; it may keep buffers between frames. Not

@@ -50,11 +50,13 @@ HWY_INLINE bool setKernel(const Lanes& lanes, std::size_t k, float widen, float 
                           Splat& splat) {
   const KernelShape& shape = kernelShape(kernelExponent(lanes.narrow[k] / std::max(blur, 1e-12f)));
 
+  const float prefilter = lanes.prefilter[k];
+
   // Footprint x' R^-1 x < 1 with R = support2 W.
   const float rxx =
-      shape.support2 * (1.0f + widen * (lanes.vxx[k] - 1.0f) + blur * lanes.blur_x2[k]);
+      shape.support2 * (prefilter + widen * (lanes.vxx[k] - prefilter) + blur * lanes.blur_x2[k]);
   const float ryy =
-      shape.support2 * (1.0f + widen * (lanes.vyy[k] - 1.0f) + blur * lanes.blur_y2[k]);
+      shape.support2 * (prefilter + widen * (lanes.vyy[k] - prefilter) + blur * lanes.blur_y2[k]);
   const float rxy = shape.support2 * widen * lanes.vxy[k];
   splat.extent_x_px = std::sqrt(rxx);
   splat.extent_y_px = std::sqrt(ryy);
@@ -101,7 +103,7 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
       (splat.k0 + splat.k1 + splat.k2) * std::max({splat.red, splat.green, splat.blue});
   const float highlight = std::clamp((peak - kHighlight) / kHighlight, 0.0f, 1.0f);
   key = {.near_m = splat.near_m,
-         .sigma_px = std::sqrt(1.0f + std::min(lanes.blur_x2[k], lanes.blur_y2[k])) *
+         .sigma_px = std::sqrt(lanes.prefilter[k] + std::min(lanes.blur_x2[k], lanes.blur_y2[k])) *
                      (1.0f - kFiner * highlight),
          .blur_px = lanes.radius[k],
          .x0 = pixel(splat.x_px - splat.extent_x_px - 0.5f, job.width),
@@ -131,7 +133,7 @@ HWY_INLINE void finishPart(const ProjectJob& job, const Lanes& lanes, std::size_
   const float blur = std::min(lanes.blur_x2[k], lanes.blur_y2[k]);
   const float overlap = kOverlap * lanes.added[k];  // variance, what neighbours need to be one
   const float wanting = std::max(overlap - share * blur, 0.0f);
-  const float own = 0.5f * (lanes.vxx[k] + lanes.vyy[k]) - 1.0f;
+  const float own = 0.5f * (lanes.vxx[k] + lanes.vyy[k]) - lanes.prefilter[k];
   const float widen = wanting > 0.0f ? 1.0f + wanting / std::max(own, 1e-12f) : 1.0f;
   part = whole;
   lens = lensOf(lanes, k, widen, job.part_aperture);
@@ -283,6 +285,10 @@ ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
   job.lens_x = defocus.radius_px_per_D.x * projection.lens.x;
   job.lens_y = defocus.radius_px_per_D.y * projection.lens.y;
   job.focus_D = defocus.focus_D;
+  job.gaze_x = projection.acuity.gaze_px.x;
+  job.gaze_y = projection.acuity.gaze_px.y;
+  job.acuity_base = projection.acuity.base_px;
+  job.acuity_per = projection.acuity.per_px;
   job.along_axis = defocus.along == DistanceAlong::axis;
   job.gaussian = projection.kernel == BlurKernel::gaussian;
   job.part_aperture = projection.part_aperture;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/lod/cut.h"
+#include "render/optics/acuity.h"
 #include "render/optics/defocus.h"
 #include "render/optics/view.h"
 #include "render/scene/surfel_cloud.h"
@@ -26,6 +27,7 @@ struct Projection {
   /// Radius over the lens's of the parts that splats are given for besides, see `LensParts`; 0:
   /// none.
   float part_aperture = 0.0f;
+  Acuity acuity = {};      ///< how wide the prefilter is
   int margin_px = 0;  ///< splats are kept that touch the image or this much about it
   float shading =
       0.0f;  ///< 0 to 1: how much of the colour falls off with the cosine to the line of sight
@@ -33,9 +35,9 @@ struct Projection {
 
 /// Projects every surfel and drops those that draw nothing: nearer than `view.near_m` along the
 /// axis, outside the image, with a projected area of zero, or not finite. The kernel's variance
-/// on the image is W = J V_r J' + I + C^2/4 I, its kurtosis that of a disc of radius C convolved
-/// with the unblurred splat (kernel.h). SIMD with run-time dispatch, threads by TBB; chunk contents
-/// do not depend on either but for rounding.
+/// on the image is W = J V_r J' + V_h + C^2/4 I, V_h the prefilter of `acuity`, I by default, its
+/// kurtosis that of a disc of radius C convolved with the unblurred splat (kernel.h). SIMD with
+/// run-time dispatch, threads by TBB; chunk contents do not depend on either but for rounding.
 void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& defocus,
                     const Projection& projection, SplatChunks& chunks);
 

@@ -52,6 +52,7 @@ struct ProjectJob {
   float blur_x, blur_y, focus_D;  // radius in pixels a dioptre, of the part of the lens
   float lens_x, lens_y;           // its centre, likewise
   float part_aperture;            // of the smaller parts that it is drawn by too
+  float gaze_x, gaze_y, acuity_base, acuity_per;  // see `Acuity`
   bool along_axis;
   bool gaussian;
   bool oriented;
@@ -88,6 +89,7 @@ struct Lanes {
   static constexpr std::size_t kMost = 16;
   alignas(64) float x[kMost], y[kMost];
   alignas(64) float vxx[kMost], vxy[kMost], vyy[kMost];  // variance without the blur, px^2
+  alignas(64) float prefilter[kMost];                    // variance, of those its part
   alignas(64) float blur_x2[kMost], blur_y2[kMost];      // variance of the blur
   alignas(64) float radius[kMost];                       // of the blur
   alignas(64) float narrow[kMost];  // unblurred variance over the squared blur radius (kernel.h)
@@ -229,7 +231,13 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   const Footprint f = footprintOf(source, i, to);
   const V reach = hn::Sqrt(hn::MulAdd(set(kReach2), f.along2, f.thick2));
 
-  // Circle of confusion (Eq. 4 in dioptres) on the variance J V_r J' + I.
+  // The prefilter, as wide as the observer's acuity there asks for.
+  const V gaze_dx = hn::Sub(x_px, set(job.gaze_x)), gaze_dy = hn::Sub(y_px, set(job.gaze_y));
+  const V from_gaze = hn::Sqrt(hn::MulAdd(gaze_dx, gaze_dx, hn::Mul(gaze_dy, gaze_dy)));
+  const V finest = hn::Max(hn::MulAdd(set(job.acuity_per), from_gaze, set(job.acuity_base)), one);
+  const V prefilter = hn::Mul(finest, finest);
+
+  // Circle of confusion (Eq. 4 in dioptres) on the variance J V_r J' + prefilter.
   const V defocus_D = hn::Abs(out_of_focus_D);
   const V cx = hn::Mul(set(job.blur_x), defocus_D), cy = hn::Mul(set(job.blur_y), defocus_D);
   const V per_radius2 = set(job.gaussian ? kGaussianVariancePerRadius2 : kDiscVariancePerRadius2);
@@ -238,12 +246,12 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   // Edges so soft that the kernels of neighbouring nodes still sum to one.
   const V soft = hn::MulAdd(hn::Set(d, kOverlap - 1.0f), hn::Sub(one, f.own), one);
   const V soft2 = hn::Mul(soft, soft);
-  const V wide = hn::Mul(hn::MulAdd(soft, f.vxx, one), hn::MulAdd(soft, f.vyy, one));
+  const V wide = hn::Mul(hn::MulAdd(soft, f.vxx, prefilter), hn::MulAdd(soft, f.vyy, prefilter));
   V narrow = hn::Div(hn::Sqrt(hn::NegMulAdd(hn::Mul(soft2, f.vxy), f.vxy, wide)),
                      hn::Max(hn::Mul(cx, cy), set(1e-12f)));
   if (job.gaussian) narrow = hn::Max(narrow, one);  // the bell
-  const V vxx = hn::MulAdd(f.own, f.vxx, one);
-  const V vyy = hn::MulAdd(f.own, f.vyy, one);
+  const V vxx = hn::MulAdd(f.own, f.vxx, prefilter);
+  const V vyy = hn::MulAdd(f.own, f.vyy, prefilter);
   const V vxy = hn::Mul(f.own, f.vxy);
 
   // Lambert's cosine against the line of sight.
@@ -268,6 +276,7 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   hn::Store(vxx, d, out.vxx);
   hn::Store(vxy, d, out.vxy);
   hn::Store(vyy, d, out.vyy);
+  hn::Store(prefilter, d, out.prefilter);
   hn::Store(blur_x2, d, out.blur_x2);
   hn::Store(blur_y2, d, out.blur_y2);
   hn::Store(hn::Sqrt(hn::Mul(cx, cy)), d, out.radius);

@@ -1,0 +1,22 @@
+// How far two frames are apart to the eye, in just noticeable differences.
+#pragma once
+
+#include <vector>
+
+#include "render/image/frame.h"
+
+namespace foci {
+
+/// CIE 1976 L*a*b* difference by pixel, in units of 2.3, the just noticeable one (Mahy, Van
+/// Eycken and Oosterlinck 1994), after the eye's own blur: a Gaussian of 0.5 arcmin standard
+/// deviation, which leaves a tenth of a grating's contrast at 40 cycles a degree. White is the
+/// display's; light beyond it is held to it, as a display does.
+/// @param px_per_deg  of the display as seen, in its middle; positive (asserted)
+/// @return row-major, as many as pixels. Both frames are of one size (asserted).
+std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg);
+
+/// The value below which a share of all lies, 0 to 1. `values` is reordered, and not empty
+/// (asserted).
+float quantile(std::vector<float>& values, double share);
+
+}  // namespace foci

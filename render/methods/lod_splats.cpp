@@ -1,0 +1,42 @@
+#include "render/methods/lod_splats.h"
+
+#include <cmath>
+
+#include "render/methods/lens_samples.h"
+#include "render/splat/project.h"
+#include "render/splat/sweep.h"
+
+namespace foci {
+
+RenderStats LodSplats::draw(const View& view, const RenderSettings& settings,
+                            const LodSettings& lod, Frame& frame) {
+  const glm::vec2 radius_px_per_D = settings.defocus.radius_px_per_D;
+  const Acuity& acuity = lod.cut.acuity;
+  const bool blurred = radius_px_per_D.x * radius_px_per_D.y > 0.0f;
+  const bool coarse = blurred || acuity.base_px > 1.0f || acuity.per_px > 0.0f;
+  const bool in_parts = lod.parts > 1 && blurred;
+  selectCut(tree_, view, settings.defocus, lod.cut, cut_);
+  projectCut(tree_, cut_, view, settings.defocus,
+             {.part_aperture = in_parts ? 1.0f / std::sqrt(static_cast<float>(lod.parts)) : 0.0f,
+              .acuity = acuity,
+              .margin_px = kApron * kMostStep_px,
+              .shading = settings.shading},
+             chunks_);
+  lists_.build(chunks_, view.size_px, coarse);
+  const LensParts parts{.splats = chunks_.parts.get(),
+                        .lens = chunks_.part_lens.get(),
+                        .out_of_focus_D = chunks_.out_of_focus_D.get(),
+                        .centres = lensParts(lod.parts)};
+  RenderStats stats;
+  stats.splats = chunks_.total();
+  stats.fragments = sweep(chunks_, lists_,
+                          {.background = settings.background,
+                           .radius_px_per_D = radius_px_per_D,
+                           .transparent = !tree_.surfels().opacity.empty(),
+                           .depth = settings.depth,
+                           .parts = in_parts ? &parts : nullptr},
+                          frame);
+  return stats;
+}
+
+}  // namespace foci

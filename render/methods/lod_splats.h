@@ -1,0 +1,40 @@
+// The scene as a tree, drawn no finer than blur and acuity show it: the one door through which
+// methods reach level of detail.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "render/lod/cut.h"
+#include "render/lod/moment_tree.h"
+#include "render/methods/method.h"
+#include "render/splat/bin.h"
+#include "render/splat/splat.h"
+
+namespace foci {
+
+struct LodSettings {
+  CutSettings cut;
+  int parts = 1;  ///< of the lens, where surfaces overlap; 1: the lens as a whole
+};
+
+/// Keeps its buffers between frames.
+class LodSplats {
+ public:
+  explicit LodSplats(const SurfelCloud& cloud) : tree_(cloud) {}
+
+  const MomentTree& tree() const { return tree_; }
+
+  /// @param frame  of the view's size, with depth where it is asked for
+  /// @return all of the stats but their time
+  RenderStats draw(const View& view, const RenderSettings& settings, const LodSettings& lod,
+                   Frame& frame);
+
+ private:
+  MomentTree tree_;
+  Cut cut_;
+  SplatChunks chunks_;
+  TileLists lists_;
+};
+
+}  // namespace foci
