@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   const glm::dvec2 screen_m(std::atof(argv[4]), std::atof(argv[5]));
   const double distance_m = std::atof(argv[6]), lead_s = std::atof(argv[7]),
                each_s = std::atof(argv[8]);
-  constexpr double kRate_Hz = 15.0;
+  constexpr double kRate_Hz = 10.0;  // few pictures to draw
 
   std::vector<faces::ShownTarget> shown{{.from_s = 0.0, .to_s = lead_s}};
   std::printf("onset_s\tduration_s\tx_target\ty_target\n");
@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   cv::VideoWriter video(argv[1], cv::VideoWriter::fourcc('a', 'v', 'c', '1'), kRate_Hz,
                         {how.size_px.x, how.size_px.y});
   if (!video.isOpened()) return 1;
-  const int frames = static_cast<int>((shown.back().to_s + 1.0) * kRate_Hz);
+  const int frames = static_cast<int>((shown.back().to_s + 0.5) * kRate_Hz);
   for (int frame = 0; frame < frames; ++frame) {
     how.seed = static_cast<std::uint32_t>(frame);
     video.write(face.photograph(observer.at(frame / kRate_Hz), how));
