@@ -13,6 +13,7 @@
 
 #include "app/base/input_error.h"
 #include "app/calibrate.h"
+#include "app/chart_command.h"
 #include "app/events_command.h"
 #include "app/manifest.h"
 #include "app/methods_command.h"
@@ -239,6 +240,7 @@ int run(int argc, char** argv) {
       ->type_name("FILE");
 
   addCalibrateCommand(app);
+  addChartCommand(app);
   addEventsCommand(app);
   addMethodsCommand(app);
   addPrepareCommand(app);
@@ -251,7 +253,8 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
-  for (const char* command : {"calibrate", "events", "methods", "prepare", "reproduce", "trace"}) {
+  for (const char* command :
+       {"calibrate", "chart", "events", "methods", "prepare", "reproduce", "trace"}) {
     if (app.got_subcommand(command)) return kDone;
   }
   for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {
