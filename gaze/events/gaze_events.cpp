@@ -34,9 +34,15 @@ std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen
     const bool same = i > 0 && states[i] == states[i - 1] &&
                       (states[i] != GazeState::blink || lost == stretches.back().lost);
     if (!same) stretches.push_back({.first = i, .end = i, .lost = lost});
-    Stretch& stretch = stretches.back();
-    stretch.end = i + 1;
-    if (sights[i].direction) stretch.gaze.add(sights[i].time_s, *sights[i].direction);
+    stretches.back().end = i + 1;
+  }
+  // A slow tracker's samples next to a saccade may lie on its way.
+  constexpr double kSlow_Hz = 100.0;
+  const std::size_t border = trace.rate_Hz < kSlow_Hz ? 1 : 0;
+  for (Stretch& stretch : stretches) {
+    for (std::size_t i = stretch.first + border; i + border < stretch.end; ++i) {
+      if (sights[i].direction) stretch.gaze.add(sights[i].time_s, *sights[i].direction);
+    }
   }
   std::vector<const StableGaze*> stable;
   for (const Stretch& stretch : stretches) {

@@ -29,8 +29,13 @@ double StableGaze::evidence(double noise_deg) const {
   const double noise_deg2 = 2.0 * noise_deg * noise_deg;  // of two axes
   const double way_deg = glm::degrees(glm::distance(first_, newest_));
   const double spread_deg2 = std::pow(glm::degrees(1.0), 2) * squares_ / count_;
-  const double way = std::sqrt(std::max(way_deg * way_deg - 2.0 * noise_deg2, 0.0));
-  const double spread = std::sqrt(std::max(spread_deg2 - noise_deg2, 0.0));
+  // Nineteen in twenty ways of pure noise are no longer than the square root of thrice their mean
+  // square (chi-square, two axes); a spread's square scatters by 1 / sqrt(n), and the noise is
+  // known to a seventh.
+  constexpr double kMostOfNoise = 3.0, kKnown = 1.3;
+  const double way = std::sqrt(std::max(way_deg * way_deg - kMostOfNoise * 2.0 * noise_deg2, 0.0));
+  const double spread =
+      std::sqrt(std::max(spread_deg2 - (kKnown + 2.0 / std::sqrt(count_)) * noise_deg2, 0.0));
   return 0.37 - 0.39 * std::log(duration_s) + 1.59 * std::log(way + 0.1) +
          1.20 * std::log(spread + 0.05);
 }

@@ -16,8 +16,8 @@ class StableGaze {
   ///   0.37 - 0.39 ln T + 1.59 ln(D + 0.1) + 1.20 ln(S + 0.05) > 0,
   /// fitted to two coders of 18 recordings (gaze.md); left out one observer at a time the
   /// coefficients hardly change. After a second that is about 0.9 degrees of steady drift.
-  /// @param noise_deg  standard deviation along each axis of a sample's error, >= 0: taken off D
-  ///   and S
+  /// @param noise_deg  standard deviation along each axis of a sample's error, >= 0: as much of D
+  ///   and S as noise alone may make is taken off
   bool isPursuit(double noise_deg) const { return evidence(noise_deg) > 0.0; }
 
   /// The same where what gaze did before and after is known: who follows something goes on across a
