@@ -2,8 +2,8 @@
 //
 //     foci_film OUT.mp4 TARGETS SEED WIDTH_M HEIGHT_M DISTANCE_M LEAD_S EACH_S
 //
-// For LEAD_S the observer looks at the centre, then for EACH_S at each target of the calibration and
-// of the validation. Prints which was looked at when: onset_s duration_s x_target y_target, m.
+// For LEAD_S the observer looks at the centre, then for EACH_S at each target of the calibration
+// and of the validation. Prints which was looked at when: onset_s duration_s x_target y_target, m.
 #include <cstdio>
 #include <cstdlib>
 #include <opencv2/videoio.hpp>
@@ -11,9 +11,9 @@
 #include "calibration/target_session.h"
 #include "tests/faces/observer.h"
 
-int main(int argc, char** argv) {
-  using namespace foci;
-  if (argc != 9) return 2;
+namespace foci {
+
+static int film(char** argv) {
   const auto seed = static_cast<std::uint64_t>(std::atoll(argv[3]));
   const glm::dvec2 screen_m(std::atof(argv[4]), std::atof(argv[5]));
   const double distance_m = std::atof(argv[6]), lead_s = std::atof(argv[7]),
@@ -45,3 +45,7 @@ int main(int argc, char** argv) {
   }
   return 0;
 }
+
+}  // namespace foci
+
+int main(int argc, char** argv) { return argc == 9 ? foci::film(argv) : 2; }
