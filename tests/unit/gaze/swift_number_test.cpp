@@ -23,7 +23,7 @@ TEST(SwiftNumber, IsTheNearestDoubleOfWhatItTakes) {
     std::string text;
     while (text.size() < length) text += static_cast<char>('0' + random() % 10);
     if (random() % 4 != 0) text[random() % length] = '.';
-    if (random() % 3 == 0) text = "-" + text;
+    if (random() % 3 == 0) text.insert(0, "-");
     const auto number = parse(text);
     if (!number) continue;
     ++taken;
