@@ -14,6 +14,8 @@
 #include "app/base/input_error.h"
 #include "app/calibrate.h"
 #include "app/events_command.h"
+#include "app/inputs.h"
+#include "app/live_command.h"
 #include "app/manifest.h"
 #include "app/methods_command.h"
 #include "app/prepare_command.h"
@@ -52,7 +54,7 @@ std::vector<double> pairOf(const std::string& option, const std::string& text, c
 /// What replay and render have in common. Empty texts: not given.
 struct Options {
   std::string study, scene, trace, screen, gaze_map, camera, out, size, seconds, method, pupil,
-      focus, gaze, depth, threads;
+      focus, gaze, depth, threads, view;
   bool json = false, marker = false, split = false;
 };
 
@@ -95,6 +97,7 @@ Study studyOf(const Options& options) {
     if (!pupil_mm) throw InputError("--pupil " + options.pupil, "expected millimetres, e.g. 4");
     overrideKey(study, "observer.pupil_mm", *pupil_mm, "--pupil " + options.pupil);
   }
+  if (!options.view.empty()) overrideKey(study, "output.view", options.view, "--view");
   if (options.marker) study.output.marker = true;
   if (options.split) study.output.split = true;
   checkStudy(study);
@@ -115,6 +118,26 @@ int runReplay(const Options& options, const std::string& command) {
         summary.saccades, summary.render_ms_median, summary.render_ms_p95,
         static_cast<unsigned long long>(summary.splats), (summary.out / "report.html").c_str());
   }
+  return kDone;
+}
+
+int runLiveCommand(const Options& options, const LiveOptions& given, const std::string& command) {
+  LiveOptions live = given;
+  live.command = command;
+  // The window, the tracker and the system want one, too.
+  const unsigned threads = threadsOf(options);
+  live.threads = options.threads.empty() ? std::max(threads, 2u) - 1 : threads;
+  if (!options.out.empty()) live.record = options.out;
+  Study study = studyOf(options);
+  if (study.eye.path.empty() && !study.eye.position_m) {
+    // Where the eye is as the study has it, to be moved from there.
+    const EyePose pose = builtinPose(study);
+    study.eye.position_m = pose.position_m;
+    study.eye.look_at_m = pose.target_m;
+    study.eye.up = pose.up;
+  }
+  const LiveSummary summary = runLive(study, live);
+  std::puts((options.json ? liveSummaryJson(summary) : liveSummaryText(summary)).c_str());
   return kDone;
 }
 
@@ -180,6 +203,7 @@ void addCommonOptions(CLI::App& command, Options& options) {
   add("--size", options.size, "WxH", "of the pictures, px, e.g. 1280x720");
   add("--pupil", options.pupil, "MM", "diameter of the pupil, millimetres");
   add("--method", options.method, "NAME", "one of `foci methods`");
+  add("--view", options.view, "NAME", "mono, side-by-side, top-bottom or anaglyph");
   add("--threads", options.threads, "N", "at most; the result is the same for any");
   command.add_flag("--json", options.json, "print the summary as JSON");
 }
@@ -232,6 +256,25 @@ int run(int argc, char** argv) {
   render->add_option("--depth", options.depth, "also the distance seen, metres, as PFM")
       ->type_name("FILE");
 
+  LiveOptions live_options;
+  auto* live = app.add_subcommand("live",
+                                  "Look at the scene and it follows your eye. ? lists the keys.\n"
+                                  "Example: foci live configs/demo.toml --window");
+  addCommonOptions(*live, options);
+  live->add_option("--source", live_options.source,
+                   "of gaze: mouse, trace:FILE, pupil:HOST:PORT or webcam[:N|FILE]")
+      ->type_name("NAME");
+  live->add_flag("--window", live_options.window, "a window instead of the full screen");
+  live->add_option("--monitor", live_options.monitor, "0 is the primary one: `foci doctor`")
+      ->type_name("N");
+  live->add_option("--record", options.out, "record from the start, to this folder")
+      ->type_name("DIR");
+  live->add_option("--socket", live_options.socket,
+                   "listen for an experiment's commands: a port of this machine's own address")
+      ->type_name("[ADDRESS:]PORT");
+  live->add_flag("--marker", options.marker, "mark where the observer looks");
+  live->add_flag("--split", options.split, "left half sharp, right half as the eye sees");
+
   addCalibrateCommand(app);
   addEventsCommand(app);
   addMethodsCommand(app);
@@ -254,9 +297,10 @@ int run(int argc, char** argv) {
     }
   }
   if (*render) return runRender(options);
-  if (options.out.empty()) options.out = "out";
   std::string command = "foci";
   for (int i = 1; i < argc; ++i) command += std::string(" ") + argv[i];
+  if (*live) return runLiveCommand(options, live_options, command);
+  if (options.out.empty()) options.out = "out";
   return runReplay(options, command);
 }
 

@@ -35,14 +35,21 @@ struct Key {
   Allowed allowed;
   void (*read)(const toml::value&, const Allowed&, T&);
   std::string (*write)(const T&);
+  void (*reset)(T&);
 };
 
 /// @param at  the member that the key sets
 template <class T, auto at>
 Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}) {
-  return {name, meaning, std::move(allowed),
+  return {name,
+          meaning,
+          std::move(allowed),
           [](const toml::value& from, const Allowed& a, T& to) { read(from, a, at(to)); },
-          [](const T& from) { return write(at(from)); }};
+          [](const T& from) { return write(at(from)); },
+          [](T& to) {
+            T fresh;
+            at(to) = at(fresh);
+          }};
 }
 
 #define FOCI_KEY(member, ...)                                    \
@@ -86,6 +93,8 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(screen.distance_m, "screen.distance_m", "eye to screen, m", {0.01, 100}),
       FOCI_KEY(observer.pupil_mm, "observer.pupil_mm", "diameter of the pupil, mm", {0.5, 12}),
       FOCI_KEY(observer.retina_mm, "observer.retina_mm", "lens to retina, mm", {10, 40}),
+      FOCI_KEY(observer.between_eyes_mm, "observer.between_eyes_mm",
+               "from one pupil to the other, mm", {40, 80}),
       FOCI_KEY(gaze.source, "gaze.source",
                "\"simulated\", a recording (TSV, CSV, ASC), or webcam:VIDEO"),
       FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording or a webcam"),
@@ -99,6 +108,8 @@ const std::vector<Key<Study>>& studyKeys() {
                {1e-12, 3600}),
       FOCI_KEY(gaze.units, "gaze.units", "of the position",
                {.words = {"auto", "px", "deg", "normalised"}}),
+      FOCI_KEY(gaze.rate_Hz, "gaze.rate_Hz",
+               "nominal samples a second; absent: the recording's median", {5, 20000}),
       FOCI_KEY(gaze.events.saccade_deg_s, "gaze.saccade_deg_s", "faster is a saccade, deg/s",
                {1, 1000}),
       FOCI_KEY(gaze.events.window_s, "gaze.window_s", "samples that the speed is taken over, s",
@@ -125,6 +136,8 @@ const std::vector<Key<Study>>& studyKeys() {
                "true: the distance at which both lines of sight meet counts, too"),
       FOCI_KEY(focus.accommodation.resting_D, "focus.resting_D", "before there is a target, D",
                {0, 10}),
+      FOCI_KEY(focus.fixed_D, "focus.fixed_D",
+               "focus stays there, whatever is looked at, D; absent: it follows", {0, 20}),
       FOCI_KEY(render.method, "render.method", "how depth of field is drawn: `foci methods`",
                {.expected = expectedMethod}),
       FOCI_KEY(render.shading, "render.shading",
@@ -136,6 +149,12 @@ const std::vector<Key<Study>>& studyKeys() {
                {0, 1e6}),
       FOCI_KEY(output.marker, "output.marker", "a mark where the observer looks"),
       FOCI_KEY(output.split, "output.split", "left half sharp, right half as the eye sees"),
+      FOCI_KEY(output.view, "output.view",
+               "one eye in the middle, or both: left beside right, left above right, left red",
+               {.words = {"mono", "side-by-side", "top-bottom", "anaglyph"}}),
+      FOCI_KEY(record.frames, "record.frames",
+               "frames.tsv of a live run: its times and methods, instead of output.fps"),
+      FOCI_KEY(record.changes, "record.changes", "changes.tsv of a live run"),
       FOCI_KEY(seed, "seed", "of the simulated observer", {0, 9007199254740992.0}),
   };
   return keys;
@@ -299,6 +318,8 @@ Study readStudy(const std::filesystem::path& file) {
   if (study.screen.monitor) resolve(*study.screen.monitor, folder);
   if (study.gaze.map) resolve(*study.gaze.map, folder);
   if (study.gaze.camera) resolve(*study.gaze.camera, folder);
+  if (study.record.frames) resolve(*study.record.frames, folder);
+  if (study.record.changes) resolve(*study.record.changes, folder);
   if (auto place = webcamPlaceOf(study.gaze.source)) {
     if (!place->device) {
       resolve(place->file, folder);
@@ -347,6 +368,26 @@ void overrideKey(Study& study, std::string_view key, const OptionValue& value,
   if (key == "screen.monitor") takeMonitor(study);
 }
 
+void setKey(Study& study, std::string_view key, const std::string& text, const std::string& where) {
+  const auto& keys = studyKeys();
+  const auto found = std::find_if(keys.begin(), keys.end(), [&](auto& k) { return k.name == key; });
+  if (found == keys.end()) throw InputError(where, "unknown key " + shownName(key));
+  if (text == "null") {
+    found->reset(study);
+    return;
+  }
+  try {
+    std::istringstream stream("value = " + text);
+    const toml::value document = toml::parse(stream, where);
+    found->read(document.as_table().at("value"), found->allowed, study);
+  } catch (const Expected& expected) {
+    throw InputError(where,
+                     std::string(key) + " = " + shownName(text) + ": expected " + expected.what);
+  } catch (const std::exception&) {
+    throw InputError(where, std::string(key) + " = " + shownName(text) + ": expected a TOML value");
+  }
+}
+
 void checkStudy(const Study& study) {
   const std::string file = study.file.string();
   const auto refuse = [&](const std::string& what) { throw InputError(file, what); };
@@ -390,6 +431,12 @@ void checkStudy(const Study& study) {
              ": expected later than the keyframe before");
     }
   }
+  const glm::ivec2 size_px = study.pictureSize_px();
+  if ((study.output.view == "side-by-side" && size_px.x % 2 != 0) ||
+      (study.output.view == "top-bottom" && size_px.y % 2 != 0)) {
+    refuse("output.view = \"" + study.output.view +
+           "\": expected pictures of an even number of px, to be halved");
+  }
   if (study.output.seconds && !(study.output.seconds->y > study.output.seconds->x)) {
     refuse("output.seconds = " + write(*study.output.seconds) + ": expected from before to");
   }
@@ -398,7 +445,12 @@ void checkStudy(const Study& study) {
 std::vector<ResolvedKey> resolvedKeys(const Study& study) {
   std::vector<ResolvedKey> resolved;
   for (const auto& key : studyKeys()) {
-    resolved.push_back({key.name, key.meaning, key.write(study)});
+    std::string allowed;
+    for (const auto word : key.allowed.words) {
+      allowed += (allowed.empty() ? "\"" : ", \"") + std::string(word) + "\"";
+    }
+    if (std::isfinite(key.allowed.high)) allowed = rangeText(key.allowed);
+    resolved.push_back({key.name, key.meaning, key.write(study), allowed});
   }
   return resolved;
 }

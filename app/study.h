@@ -54,12 +54,14 @@ struct Study {
   struct Observer {
     double pupil_mm = 4.0;
     double retina_mm = 24.0;
+    double between_eyes_mm = 63.0;
   } observer;
 
   struct Gaze {
     std::string source = "simulated";  ///< or a file, as the study or the option names it
     TraceColumns columns;              ///< all but the units, which are text here
     std::string units = "auto";
+    std::optional<double> rate_Hz;                ///< nominal; absent: the recording's median
     std::optional<std::filesystem::path> map;     ///< of foci calibrate gaze; applied to recordings
     std::optional<std::filesystem::path> camera;  ///< of foci calibrate camera
     /// Losses up to 75 ms are filled, so that focus follows through them.
@@ -71,6 +73,7 @@ struct Study {
     double coverage = 0.5;
     AccommodationSettings accommodation;
     bool vergence = false;
+    std::optional<double> fixed_D;  ///< focus stays there, whatever is looked at
   } focus;
 
   struct Render {
@@ -84,7 +87,14 @@ struct Study {
     std::optional<glm::dvec2> seconds;  ///< from, to, after the recording's first sample
     bool marker = false;
     bool split = false;
+    std::string view = "mono";  ///< how the eyes' views are put together: app/stereo.h
   } output;
+
+  /// What a live run leaves so that it can be replayed (app/live_record.h).
+  struct Record {
+    std::optional<std::filesystem::path> frames;   ///< times and methods, instead of output.fps
+    std::optional<std::filesystem::path> changes;  ///< of keys while it ran
+  } record;
 
   std::int64_t seed = 1;
 
@@ -100,6 +110,12 @@ Study readStudy(const std::filesystem::path& file);
 
 using OptionValue = std::variant<double, std::string, std::vector<double>>;
 
+/// Sets a key to a TOML value, e.g. `"mono"` or `[0, 1.6, 2]`; "null": to what it is where a study
+/// does not name it.
+/// @param where  for messages
+/// @throws InputError
+void setKey(Study& study, std::string_view key, const std::string& toml, const std::string& where);
+
 /// Sets a key as a command-line option does, under the same checks as in the file.
 /// @param option  for messages, e.g. "--pupil 40"
 void overrideKey(Study& study, std::string_view key, const OptionValue& value,
@@ -113,6 +129,7 @@ struct ResolvedKey {
   std::string_view name;     ///< "observer.pupil_mm"
   std::string_view meaning;  ///< with its unit
   std::string json;          ///< the value in force; "null" where absent
+  std::string allowed;       ///< range or words; empty where anything of the type is
 };
 
 /// Every key with the value in force, in the table's order.
