@@ -32,13 +32,6 @@ class Durations {
     return 0.0;
   }
 
-  /// How many are longer.
-  std::uint64_t above(double ms) const {
-    std::uint64_t n = 0;
-    for (std::size_t i = static_cast<std::size_t>(ms / kBin_ms); i < kBins; ++i) n += counts_[i];
-    return n;
-  }
-
  private:
   static constexpr double kBin_ms = 0.1;
   static constexpr std::size_t kBins = 20000;

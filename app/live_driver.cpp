@@ -70,7 +70,8 @@ std::string answerTo(const std::string& command, LiveRenderer& renderer, const L
       return std::isalnum(c) || c == '-' || c == '_';
     });
     if (!plain) return "error record NAME: expected letters, digits, - and _";
-    return answerOf(renderer.startRecord(rest.empty() ? unusedName("") : std::filesystem::path(rest)));
+    return answerOf(
+        renderer.startRecord(rest.empty() ? unusedName("") : std::filesystem::path(rest)));
   }
   if (verb == "set") {
     const std::size_t key_end = rest.find(' ');

@@ -1,6 +1,7 @@
 // What stands in for the window where foci was built without it (FOCI_WINDOW=OFF).
 #include <stdexcept>
 
+#include "app/display.h"
 #include "app/live_options.h"
 
 namespace foci {
@@ -8,5 +9,7 @@ namespace foci {
 LiveSummary runLive(const Study&, const LiveOptions&) {
   throw std::runtime_error("built without windows: foci live needs one");
 }
+
+DisplayFacts describeDisplay() { return {.problem = "built without windows (FOCI_WINDOW=OFF)"}; }
 
 }  // namespace foci

@@ -40,11 +40,12 @@ constexpr HelpLine kHelp[] = {
 /// Text on a dark ground, its middle at `x`; returns the y below it.
 float signAt(float x, float y, ImU32 colour, const std::string& text) {
   ImDrawList* draw = ImGui::GetForegroundDrawList();
-  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const float width = 0.9f * ImGui::GetIO().DisplaySize.x;
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, width);
   const ImVec2 corner(x - 0.5f * size.x, y);
   draw->AddRectFilled({corner.x - 10.0f, corner.y - 5.0f},
                       {corner.x + size.x + 10.0f, corner.y + size.y + 5.0f}, kVeil, 6.0f);
-  draw->AddText(corner, colour, text.c_str());
+  draw->AddText(nullptr, 0.0f, corner, colour, text.c_str(), nullptr, width);
   return y + size.y + 14.0f;
 }
 

@@ -156,7 +156,7 @@ void LiveRecord::run() {
 }
 
 void LiveRecord::write(const LiveFrame& frame) {
-  constexpr std::size_t kFlush = 30;  // frames: about a second is lost where all goes down
+  constexpr double kFlush_s = 1.0;  // what is lost where all goes down
   const FrameTiming& timing = frame.timing;
   if (frame_count_ == 0) first_s_ = frame.record.time_s;
   last_s_ = frame.record.time_s;
@@ -167,7 +167,9 @@ void LiveRecord::write(const LiveFrame& frame) {
   hash_.add(frame.picture.rgb);
   render_.add(frame.record.stats.ms);
   splats_ = frame.record.stats.splats;
-  if (++frame_count_ % kFlush == 0) {
+  ++frame_count_;
+  if (last_s_ >= flushed_s_ + kFlush_s) {
+    flushed_s_ = last_s_;
     gaze_.flush();
     frames_.flush();
     for (std::ofstream* out : {&changes_, &timing_, &marks_}) out->flush();

@@ -99,7 +99,7 @@ class LiveRecord {
   Sha256 hash_;
   Durations render_;
   std::size_t frame_count_ = 0, splats_ = 0;
-  double first_s_ = 0.0, last_s_ = 0.0;
+  double first_s_ = 0.0, last_s_ = 0.0, flushed_s_ = 0.0;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

@@ -13,8 +13,10 @@
 
 #include "app/base/input_error.h"
 #include "app/calibrate.h"
+#include "app/doctor_command.h"
 #include "app/events_command.h"
 #include "app/inputs.h"
+#include "app/keys_command.h"
 #include "app/live_command.h"
 #include "app/manifest.h"
 #include "app/methods_command.h"
@@ -276,7 +278,9 @@ int run(int argc, char** argv) {
   live->add_flag("--split", options.split, "left half sharp, right half as the eye sees");
 
   addCalibrateCommand(app);
+  addDoctorCommand(app);
   addEventsCommand(app);
+  addKeysCommand(app);
   addMethodsCommand(app);
   addPrepareCommand(app);
   addReproduceCommand(app);
@@ -288,7 +292,8 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
-  for (const char* command : {"calibrate", "events", "methods", "prepare", "reproduce", "trace"}) {
+  for (const char* command :
+       {"calibrate", "doctor", "events", "keys", "methods", "prepare", "reproduce", "trace"}) {
     if (app.got_subcommand(command)) return kDone;
   }
   for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {

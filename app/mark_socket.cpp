@@ -34,11 +34,11 @@ sockaddr_in addressOf(const std::string& text) {
 
 /// Control characters would break the tables that a mark goes to.
 std::string cleaned(std::string_view bytes) {
-  std::string text(trimmed(bytes));
+  std::string text(bytes);
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
   }
-  return text;
+  return std::string(trimmed(text));
 }
 
 }  // namespace
