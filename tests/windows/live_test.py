@@ -14,7 +14,7 @@ import time
 from observer import Observer
 
 SIZE = (320, 180)
-NEAR, FAR = (0.08, 0.75), (0.45, 0.22)  # of the picture: the leaf before the eye, the picture on the wall
+NEAR, FAR = (0.078, 0.648), (0.45, 0.22)  # of the picture: a leaf before the eye, the picture on the wall
 
 
 class Experiment:
