@@ -19,10 +19,10 @@ Study studyOfRecord(Study study, double rate_Hz) {
   const EventSettings events = study.gaze.events;
   study.gaze = {};
   study.gaze.source = "gaze.tsv";
-  study.gaze.rate_Hz = rate_Hz;
   study.gaze.events = events;
   study.record.frames = "frames.tsv";
   study.record.changes = "changes.tsv";
+  study.record.rate_Hz = rate_Hz;
   study.output.seconds.reset();
   return study;
 }

@@ -44,7 +44,7 @@ struct LiveFrame {
   FrameRecord record;
   Picture picture;
   FrameTiming timing;
-  std::shared_ptr<LiveRecord> into;  ///< the record it belongs to, if any
+  std::weak_ptr<LiveRecord> into;  ///< the record it belongs to, if any
 };
 
 /// All functions are called from any thread and do not wait for the disk.

@@ -252,7 +252,7 @@ std::shared_ptr<LiveFrame> LiveRenderer::drawFrame() {
   timing.state_s = frame->record.eye.state_time_s;
   last_method_ = methodOfFrame(session_->study(), frame->record);
   session_->draw(last_method_, frame->record, frame_);
-  frame->picture = pictureOf(frame_);
+  frame->picture = pictureOf(frame_, session_->study().screen.gamma);
   session_->mark(frame->record, frame->picture);
   last_frame_s_ = time_s;
   frame->into = state_.record;

@@ -4,6 +4,8 @@
 
 #include "app/base/input_error.h"
 #include "app/inputs.h"
+#include "calibration/binocular_map.h"
+#include "calibration/camera.h"
 #include "calibration/gaze_map_file.h"
 #include "calibration/webcam_calibration.h"
 #include "gaze/sources/line_reader.h"
@@ -36,6 +38,9 @@ std::unique_ptr<LiveSource> openWebcam(const WebcamPlace& place, const Study& st
   WebcamMapping map;
   if (study.gaze.map) {
     const WebcamCalibration calibration = readWebcamCalibration(*study.gaze.map);
+    std::optional<Lens> camera;
+    if (study.gaze.camera) camera = lensOf(readCamera(*study.gaze.camera));
+    requireSame(calibration, study.screenInForce(), camera);
     reference = calibration.reference;
     map = mappingOf(calibration.map, study.screenInForce());
   }
@@ -81,6 +86,10 @@ NamedSource openLiveSource(const std::string& name, const Study& study) {
     named.source = std::make_unique<TraceSource>(std::move(trace));
   } else if (name.starts_with("pupil:")) {
     named.source = openPupil(name, named.screen);
+    if (study.gaze.map && isBinocularFile(*study.gaze.map)) {
+      throw InputError(study.gaze.map->string(),
+                       "expected a map of foci calibrate gaze: live, both eyes are not corrected");
+    }
     if (study.gaze.map) {
       named.source = std::make_unique<MappedSource>(std::move(named.source),
                                                     readGazeMap(*study.gaze.map), named.screen);

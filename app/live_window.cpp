@@ -333,7 +333,7 @@ void LiveWindow::shown() {
     summary_.sample_to_swap.add(sample_ms);
   }
   graph_.add(sample_ms, render_ms, 1e3 * (last_swap_s_ - timing.render_end_s));
-  if (frame_->into) frame_->into->add(frame_);
+  if (const auto record = frame_->into.lock()) record->add(frame_);
 }
 
 }  // namespace

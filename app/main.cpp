@@ -96,8 +96,13 @@ Study studyOf(const Options& options) {
   }
   if (!options.pupil.empty()) {
     const auto pupil_mm = numberOf(options.pupil);
-    if (!pupil_mm) throw InputError("--pupil " + options.pupil, "expected millimetres, e.g. 4");
-    overrideKey(study, "observer.pupil_mm", *pupil_mm, "--pupil " + options.pupil);
+    const bool named = options.pupil == "recording" || options.pupil == "luminance";
+    if (!pupil_mm && !named) {
+      throw InputError("--pupil " + options.pupil,
+                       "expected millimetres, e.g. 4, or recording or luminance");
+    }
+    study.observer.pupil = named ? options.pupil : "fixed";
+    if (pupil_mm) overrideKey(study, "observer.pupil_mm", *pupil_mm, "--pupil " + options.pupil);
   }
   if (!options.view.empty()) overrideKey(study, "output.view", options.view, "--view");
   if (options.marker) study.output.marker = true;
@@ -173,7 +178,7 @@ int runRender(const Options& options) {
     nlohmann::ordered_json json = {{"out", options.out},
                                    {"focus_D", summary.focus_D},
                                    {"surface_distance_m", nullptr},
-                                   {"pupil_mm", study.observer.pupil_mm},
+                                   {"pupil_mm", summary.pupil_mm},
                                    {"method", study.render.method},
                                    {"splats", summary.stats.splats},
                                    {"fragments", summary.stats.fragments},
@@ -186,7 +191,7 @@ int runRender(const Options& options) {
                                     ? ", on the surface " + decimal(*surface_m, 3) + " m away"
                                     : ", at rest: no surface under the gaze";
     std::printf("%s: focus %.3f D%s; pupil %.2f mm; %.1f ms\n", options.out.c_str(),
-                summary.focus_D, surface.c_str(), study.observer.pupil_mm, summary.stats.ms);
+                summary.focus_D, surface.c_str(), summary.pupil_mm, summary.stats.ms);
   }
   return kDone;
 }
@@ -203,7 +208,8 @@ void addCommonOptions(CLI::App& command, Options& options) {
       "map of foci calibrate gaze, for the recording or webcam");
   add("--camera", options.camera, "FILE", "camera of foci calibrate camera");
   add("--size", options.size, "WxH", "of the pictures, px, e.g. 1280x720");
-  add("--pupil", options.pupil, "MM", "diameter of the pupil, millimetres");
+  add("--pupil", options.pupil, "MM",
+      "diameter of the pupil, millimetres; or recording or luminance, where it comes from");
   add("--method", options.method, "NAME", "one of `foci methods`");
   add("--view", options.view, "NAME", "mono, side-by-side, top-bottom or anaglyph");
   add("--threads", options.threads, "N", "at most; the result is the same for any");

@@ -2,6 +2,7 @@
 
 #include "app/base/input_error.h"
 #include "app/inputs.h"
+#include "app/observer_pupil.h"
 #include "app/stereo.h"
 #include "gaze/focus/line_of_sight.h"
 #include "render/image/image_file.h"
@@ -42,15 +43,21 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
   const StereoView stereo = stereoViewNamed(study.output.view);
   const auto method = makeMethod(study.render.method, cloud);
   Frame frame{.size_px = view.size_px, .rgba = {}, .depth_m = {}}, eye_frame;
+  RenderSettings settings{.defocus = {},
+                          .background = glm::vec3(study.scene.background),
+                          .shading = static_cast<float>(study.render.shading)};
+  ObserverPupil pupil(study);
+  if (pupil.needsPicture()) {
+    method->render(view, settings, frame);
+    pupil.show(0.0, frame);
+  }
+  summary.pupil_mm = pupil.at_mm(0.0);
+  settings.depth = request.depth.has_value();
   frame.rgba.resize(static_cast<std::size_t>(view.size_px.x) * view.size_px.y);
   for (const EyeView& eye :
        eyeViews(stereo, view, study.observer.between_eyes_mm / 1000.0, screen.distance_m)) {
-    const RenderSettings settings{
-        .defocus = defocusOfLens(study.observer.pupil_mm / 1000.0, eye.view.focal_px,
-                                 summary.focus_D, DistanceAlong::sight),
-        .background = glm::vec3(study.scene.background),
-        .shading = static_cast<float>(study.render.shading),
-        .depth = request.depth.has_value()};
+    settings.defocus = defocusOfLens(summary.pupil_mm / 1000.0, eye.view.focal_px, summary.focus_D,
+                                     DistanceAlong::sight);
     const bool mono = stereo == StereoView::mono;
     const RenderStats stats = method->render(eye.view, settings, mono ? frame : eye_frame);
     summary.stats.splats += stats.splats;
@@ -58,7 +65,7 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
     summary.stats.ms += stats.ms;
     if (!mono) putEye(stereo, eye, eye_frame, frame);
   }
-  writeImage(request.out, frame);
+  writeImage(request.out, frame, study.screen.gamma);
   if (request.depth) writeDepthPfm(*request.depth, frame);
   return summary;
 }

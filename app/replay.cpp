@@ -190,6 +190,14 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
                                               " px: expected even numbers, as H.264 wants");
   }
   const GazeTrace trace = loadGaze(study);
+  const bool has_pupil =
+      std::any_of(trace.samples.begin(), trace.samples.end(),
+                  [](const GazeSample& sample) { return sample.pupil_mm.has_value(); });
+  if (study.observer.pupil == "recording" && !has_pupil && !study.record.frames) {
+    throw InputError(study.file.string(),
+                     "observer.pupil = \"recording\": the gaze has no pupil in millimetres; "
+                     "expected \"fixed\" or \"luminance\"");
+  }
   const Schedule schedule = scheduleOf(study, trace);
   std::vector<Change> changes;
   if (study.record.changes) changes = readChanges(*study.record.changes);
@@ -207,6 +215,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   ChartSeries series;
   Sha256 frames_hash;
   std::vector<float> render_ms;
+  std::vector<float> pupil_mm;
   std::vector<std::uint32_t> splats;
   std::size_t frames_held = 0;
   Frame frame;
@@ -224,22 +233,34 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
     return session.look(time_s);
   };
   // What the eye did before the first frame that is drawn counts, too.
-  for (std::size_t i = 0; i < schedule.first; ++i) lookAt(schedule.recorded[i].time_s);
+  for (std::size_t i = 0; i < schedule.first; ++i) {
+    FrameRecord record = lookAt(schedule.recorded[i].time_s);
+    if (study.observer.pupil == "luminance") {
+      session.draw(schedule.recorded[i].method, record, frame);
+    }
+  }
   for (std::size_t i = 0; i < schedule.frames; ++i) {
     throwIfInterrupted();
     FrameRecord record = lookAt(schedule.time_s(i));
     session.draw(schedule.recorded.empty() ? session.study().render.method
                                            : schedule.recorded[schedule.first + i].method,
                  record, frame);
-    Picture picture = pictureOf(frame);
+    Picture picture = pictureOf(frame, study.screen.gamma);
     sheet.offer(i, session, record, picture);
     session.mark(record, picture);
     frames_held += record.eye.state == GazeState::blink || record.eye.state == GazeState::lost;
     table.add(i, record);
     series.add(chartRow(record));
+    pupil_mm.push_back(static_cast<float>(record.pupil_mm));
     render_ms.push_back(static_cast<float>(record.stats.ms));
     splats.push_back(static_cast<std::uint32_t>(record.stats.splats));
     frames_hash.add(picture.rgb);
+    if (study.output.pictures) {
+      const auto png = pngOf(picture);
+      std::string number = std::to_string(i);
+      number.insert(0, 6 - std::min<std::size_t>(6, number.size()), '0');
+      writeText(folder.stage("frame-" + number + ".png"), {png.begin(), png.end()});
+    }
     video.push(std::move(picture));
     progress.advance(i + 1);
   }
@@ -266,6 +287,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
              .render_ms_median = quantile(render_ms, 0.5),
              .render_ms_p95 = quantile(render_ms, 0.95),
              .splats = quantile(splats, 0.5),
+             .pupil_mm = quantile(pupil_mm, 0.5),
              .out = out};
   writeText(folder.stage("manifest.json"), manifestJson(study, trace, summary, facts));
   report.rows = series.rows();

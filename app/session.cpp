@@ -49,7 +49,8 @@ Session::Session(const Study& study, const SurfelCloud& cloud, const Screen& scr
       start_s_(start_s),
       path_(study),
       query_(cloud),
-      follower_(newFollower()) {
+      follower_(newFollower()),
+      pupil_(study) {
   methodNamed(study.render.method);
 }
 
@@ -69,6 +70,7 @@ GazeFollower Session::newFollower() {
 void Session::restart(double start_s) {
   start_s_ = start_s;
   follower_ = newFollower();
+  pupil_ = ObserverPupil(study_);
   methods_.clear();  // some remember the frame before
 }
 
@@ -87,6 +89,7 @@ void Session::change(const std::string& key, const std::string& toml) {
   checkStudy(changed);
   path_ = EyePath(changed);
   study_ = std::move(changed);
+  pupil_.fix(study_.observer.pupil_mm);
 }
 
 std::vector<EyeView> Session::viewsAt(double time_s) const {
@@ -111,7 +114,7 @@ FrameRecord Session::look(double time_s) {
                      .eye = follower_.at(time_s),
                      .gaze_px = {},
                      .fixation_px = {},
-                     .pupil_mm = study_.observer.pupil_mm,
+                     .pupil_mm = 0.0,
                      .method = {},
                      .stats = {}};
   // To the picture an eye that still rings has not landed.
@@ -123,6 +126,19 @@ FrameRecord Session::look(double time_s) {
   const bool seen = record.eye.state != GazeState::blink && record.eye.state != GazeState::lost;
   if (record.eye.sample && seen) record.gaze_px = on_screen(record.eye.sample->point_px);
   record.fixation_px = on_screen(record.eye.fixation_px);
+  if (pupil_.needsPicture()) {
+    const View middle =
+        viewThroughScreen(path_.eyeFromWorldAt(time_s - start_s_), study_.pictureSize_px(),
+                          screen_.size_m, screen_.distance_m);
+    methodNamed(study_.render.method)
+        .render(middle,
+                {.defocus = {},
+                 .background = glm::vec3(study_.scene.background),
+                 .shading = static_cast<float>(study_.render.shading)},
+                sharp_);
+    pupil_.show(time_s, sharp_);
+  }
+  record.pupil_mm = pupil_.at_mm(time_s);
   return record;
 }
 
@@ -149,6 +165,7 @@ void Session::draw(const std::string& method, FrameRecord& record, Frame& frame)
     }
     if (!mono) putEye(stereo, eye, seen, frame);
   }
+  pupil_.show(record.time_s, frame);
 }
 
 std::vector<glm::dvec2> Session::gazePoints_px(const FrameRecord& record) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/inputs.h"
+#include "app/observer_pupil.h"
 #include "app/picture.h"
 #include "app/stereo.h"
 #include "app/study.h"
@@ -55,7 +56,10 @@ class Session {
   /// @throws InputError where the key cannot change while a session runs, or not to this
   void change(const std::string& key, const std::string& toml);
 
-  void push(const GazeSample& sample) { follower_.push(sample); }
+  void push(const GazeSample& sample) {
+    follower_.push(sample);
+    pupil_.push(sample);
+  }
 
   /// The eye at `time_s`: all of the record but what drawing tells. Every sample up to it has been
   /// pushed, none after it.
@@ -90,6 +94,7 @@ class Session {
   SurfaceQuery query_;
   std::map<std::string, std::unique_ptr<Method>> methods_;
   GazeFollower follower_;
+  ObserverPupil pupil_;
   Frame eye_frame_, sharp_;  // of one eye; kept for their memory
 };
 

@@ -1,5 +1,5 @@
 // A study: what is shown to whom, on which screen, under which gaze. Read from TOML; the table of
-// keys in study.cpp is the only place that knows their names, types, ranges and meaning.
+// keys in study_keys.cpp is the only place that knows their names, types, ranges and meaning.
 #pragma once
 
 #include <cstdint>
@@ -48,11 +48,14 @@ struct Study {
     glm::ivec2 size_px{1920, 1080};
     glm::dvec2 size_m{0.5313, 0.2989};
     double distance_m = 0.6;
-    bool is_default = true;  ///< the study says nothing about its screen
+    std::optional<double> gamma;     ///< light = code^gamma; absent: sRGB as displayed
+    double luminance_cd_m2 = 120.0;  ///< of white
+    bool is_default = true;          ///< the study says nothing about its screen
   } screen;
 
   struct Observer {
-    double pupil_mm = 4.0;
+    std::string pupil = "fixed";  ///< or "recording", "luminance"
+    double pupil_mm = 4.0;        ///< where fixed, and until a recording says one
     double retina_mm = 24.0;
     double between_eyes_mm = 63.0;
   } observer;
@@ -61,7 +64,6 @@ struct Study {
     std::string source = "simulated";  ///< or a file, as the study or the option names it
     TraceColumns columns;              ///< all but the units, which are text here
     std::string units = "auto";
-    std::optional<double> rate_Hz;                ///< nominal; absent: the recording's median
     std::optional<std::filesystem::path> map;     ///< of foci calibrate gaze; applied to recordings
     std::optional<std::filesystem::path> camera;  ///< of foci calibrate camera
     /// Losses up to 75 ms are filled, so that focus follows through them.
@@ -87,6 +89,7 @@ struct Study {
     std::optional<glm::dvec2> seconds;  ///< from, to, after the recording's first sample
     bool marker = false;
     bool split = false;
+    bool pictures = false;      ///< every frame as a PNG, too
     std::string view = "mono";  ///< how the eyes' views are put together: app/stereo.h
   } output;
 
@@ -94,6 +97,7 @@ struct Study {
   struct Record {
     std::optional<std::filesystem::path> frames;   ///< times and methods, instead of output.fps
     std::optional<std::filesystem::path> changes;  ///< of keys while it ran
+    std::optional<double> rate_Hz;                 ///< of the source; absent: the gaze's median
   } record;
 
   std::int64_t seed = 1;

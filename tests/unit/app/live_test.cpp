@@ -99,7 +99,7 @@ class Live : public testing::Test {
       if (auto frame = renderer.take()) {
         frame->timing.swap_s = clock.now_s();
         last = frame->record;
-        if (frame->into) frame->into->add(frame);
+        if (const auto record = frame->into.lock()) record->add(frame);
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
@@ -150,6 +150,18 @@ TEST_F(Live, RecordReplaysToTheSamePicturesAndEvents) {
     return kept;
   };
   EXPECT_EQ(untimed(textOf(folder / "frames.tsv")), untimed(textOf(out / "frames.tsv")));
+}
+
+TEST_F(Live, RecordIsWholeWhereTheProgramLeavesWhileItRuns) {
+  const LiveClock clock;
+  {
+    GazeFeed feed(jumping(100.0), clock);
+    LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+    renderer.startRecord(scratch.path() / "record");
+    watch(renderer, clock, 0.5);
+  }
+  const auto manifest = nlohmann::json::parse(textOf(scratch.path() / "record/manifest.json"));
+  EXPECT_GT(manifest["summary"]["frames"], 0);
 }
 
 TEST_F(Live, HoldsTheFocusWhenTheSourceFallsSilent) {
