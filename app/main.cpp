@@ -13,6 +13,7 @@
 
 #include "app/base/input_error.h"
 #include "app/calibrate.h"
+#include "app/chart_command.h"
 #include "app/doctor_command.h"
 #include "app/events_command.h"
 #include "app/inputs.h"
@@ -284,6 +285,7 @@ int run(int argc, char** argv) {
   live->add_flag("--split", options.split, "left half sharp, right half as the eye sees");
 
   addCalibrateCommand(app);
+  addChartCommand(app);
   addDoctorCommand(app);
   addEventsCommand(app);
   addKeysCommand(app);
@@ -298,8 +300,8 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
-  for (const char* command :
-       {"calibrate", "doctor", "events", "keys", "methods", "prepare", "reproduce", "trace"}) {
+  for (const char* command : {"calibrate", "chart", "doctor", "events", "keys", "methods",
+                              "prepare", "reproduce", "trace"}) {
     if (app.got_subcommand(command)) return kDone;
   }
   for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {

@@ -23,6 +23,9 @@ void drawMarker(Picture& picture, const glm::dvec2& point_px, bool held);
 /// A smaller copy, `width_px` wide, of the same shape.
 Picture thumbnail(const Picture& picture, int width_px);
 
+/// How much differences are amplified to be seen.
+inline constexpr float kDifferenceGain = 8.0f;
+
 /// How far two frames are apart, |a - b| times `gain`, linear. Same sizes.
 Picture differenceOf(const Frame& a, const Frame& b, float gain);
 
