@@ -23,10 +23,6 @@ constexpr double kSimulatedSpan_s = 20.0;
 constexpr double kMaxSimulatedSpan_s = 3600.0;
 constexpr double kMinDwell_s = 0.7, kMaxDwell_s = 2.1;
 
-EyePose builtinPose(const std::string& scene) {
-  return scene == "plane" ? planeEyePose() : galleryEyePose();
-}
-
 /// Where the simulated observer may look at the moment of `eye_from_world`: points on the screen.
 std::vector<glm::dvec2> attractivePoints_px(const Study& study, const glm::mat4& eye_from_world) {
   const Screen screen = study.screenInForce();
@@ -116,6 +112,10 @@ GazeTrace traceOfWebcam(const Study& study, const WebcamPlace& place) {
 
 }  // namespace
 
+EyePose builtinPose(const Study& study) {
+  return study.scene.builtin == "plane" ? planeEyePose() : galleryEyePose();
+}
+
 EyePath::EyePath(const Study& study)
     : file_(study.file.string()), up_(study.eye.up), keyframes_(study.eye.path) {
   if (!keyframes_.empty()) return;
@@ -124,7 +124,7 @@ EyePath::EyePath(const Study& study)
                           .look_at_m = *study.eye.look_at_m,
                           .up = study.eye.up});
   } else {
-    const EyePose pose = builtinPose(study.scene.builtin);
+    const EyePose pose = builtinPose(study);
     keyframes_.push_back(
         {.position_m = pose.position_m, .look_at_m = pose.target_m, .up = pose.up});
   }
@@ -168,7 +168,9 @@ TraceColumns columnsOf(const Study& study) {
   return columns;
 }
 
-GazeTrace loadGaze(const Study& study) {
+namespace {
+
+GazeTrace loadNamedGaze(const Study& study) {
   if (study.gazeIsSimulated()) return simulate(study);
   if (const auto place = webcamPlaceOf(study.gaze.source)) return traceOfWebcam(study, *place);
   GazeTrace trace = readTrace(study.gaze.source, columnsOf(study), study.screenInForce());
@@ -182,10 +184,19 @@ GazeTrace loadGaze(const Study& study) {
   return trace;
 }
 
+}  // namespace
+
+GazeTrace loadGaze(const Study& study) {
+  GazeTrace trace = loadNamedGaze(study);
+  trace.rate_Hz = study.record.rate_Hz.value_or(trace.rate_Hz);
+  return trace;
+}
+
 std::vector<std::filesystem::path> inputFiles(const Study& study) {
   std::vector<std::filesystem::path> files = {study.file};
   if (study.scene.file) files.push_back(*study.scene.file);
-  for (const auto& file : {study.screen.monitor, study.gaze.map, study.gaze.camera}) {
+  for (const auto& file : {study.screen.monitor, study.gaze.map, study.gaze.camera,
+                           study.record.frames, study.record.changes}) {
     if (file) files.push_back(*file);
   }
   if (const auto place = webcamPlaceOf(study.gaze.source)) {

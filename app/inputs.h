@@ -6,6 +6,7 @@
 
 #include "app/study.h"
 #include "gaze/gaze.h"
+#include "render/scene/procedural.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -25,6 +26,9 @@ class EyePath {
   glm::dvec3 up_;
   std::vector<EyeKeyframe> keyframes_;
 };
+
+/// The built-in scene's own pose.
+EyePose builtinPose(const Study& study);
 
 /// @throws InputError
 SurfelCloud loadScene(const Study& study);

@@ -20,6 +20,8 @@ void noteInterrupts() {
   std::signal(SIGTERM, onSignal);
 }
 
+bool isInterrupted() { return interrupted != 0; }
+
 void throwIfInterrupted() {
   if (interrupted) throw std::runtime_error("interrupted; nothing was written");
 }

@@ -14,7 +14,11 @@
 #include "app/base/input_error.h"
 #include "app/calibrate.h"
 #include "app/chart_command.h"
+#include "app/doctor_command.h"
 #include "app/events_command.h"
+#include "app/inputs.h"
+#include "app/keys_command.h"
+#include "app/live_command.h"
 #include "app/manifest.h"
 #include "app/methods_command.h"
 #include "app/prepare_command.h"
@@ -53,7 +57,7 @@ std::vector<double> pairOf(const std::string& option, const std::string& text, c
 /// What replay and render have in common. Empty texts: not given.
 struct Options {
   std::string study, scene, trace, screen, gaze_map, camera, out, size, seconds, method, pupil,
-      focus, gaze, depth, threads;
+      focus, gaze, depth, threads, view;
   bool json = false, marker = false, split = false;
 };
 
@@ -101,6 +105,7 @@ Study studyOf(const Options& options) {
     study.observer.pupil = named ? options.pupil : "fixed";
     if (pupil_mm) overrideKey(study, "observer.pupil_mm", *pupil_mm, "--pupil " + options.pupil);
   }
+  if (!options.view.empty()) overrideKey(study, "output.view", options.view, "--view");
   if (options.marker) study.output.marker = true;
   if (options.split) study.output.split = true;
   checkStudy(study);
@@ -121,6 +126,26 @@ int runReplay(const Options& options, const std::string& command) {
         summary.saccades, summary.render_ms_median, summary.render_ms_p95,
         static_cast<unsigned long long>(summary.splats), (summary.out / "report.html").c_str());
   }
+  return kDone;
+}
+
+int runLiveCommand(const Options& options, const LiveOptions& given, const std::string& command) {
+  LiveOptions live = given;
+  live.command = command;
+  // The window, the tracker and the system want one, too.
+  const unsigned threads = threadsOf(options);
+  live.threads = options.threads.empty() ? std::max(threads, 2u) - 1 : threads;
+  if (!options.out.empty()) live.record = options.out;
+  Study study = studyOf(options);
+  if (study.eye.path.empty() && !study.eye.position_m) {
+    // Where the eye is as the study has it, to be moved from there.
+    const EyePose pose = builtinPose(study);
+    study.eye.position_m = pose.position_m;
+    study.eye.look_at_m = pose.target_m;
+    study.eye.up = pose.up;
+  }
+  const LiveSummary summary = runLive(study, live);
+  std::puts((options.json ? liveSummaryJson(summary) : liveSummaryText(summary)).c_str());
   return kDone;
 }
 
@@ -187,6 +212,7 @@ void addCommonOptions(CLI::App& command, Options& options) {
   add("--pupil", options.pupil, "MM",
       "diameter of the pupil, millimetres; or recording or luminance, where it comes from");
   add("--method", options.method, "NAME", "one of `foci methods`");
+  add("--view", options.view, "NAME", "mono, side-by-side, top-bottom or anaglyph");
   add("--threads", options.threads, "N", "at most; the result is the same for any");
   command.add_flag("--json", options.json, "print the summary as JSON");
 }
@@ -239,9 +265,30 @@ int run(int argc, char** argv) {
   render->add_option("--depth", options.depth, "also the distance seen, metres, as PFM")
       ->type_name("FILE");
 
+  LiveOptions live_options;
+  auto* live = app.add_subcommand("live",
+                                  "Look at the scene and it follows your eye. ? lists the keys.\n"
+                                  "Example: foci live configs/demo.toml --window");
+  addCommonOptions(*live, options);
+  live->add_option("--source", live_options.source,
+                   "of gaze: mouse, trace:FILE, pupil:HOST:PORT or webcam[:N|FILE]")
+      ->type_name("NAME");
+  live->add_flag("--window", live_options.window, "a window instead of the full screen");
+  live->add_option("--monitor", live_options.monitor, "0 is the primary one: `foci doctor`")
+      ->type_name("N");
+  live->add_option("--record", options.out, "record from the start, to this folder")
+      ->type_name("DIR");
+  live->add_option("--socket", live_options.socket,
+                   "listen for an experiment's commands: a port of this machine's own address")
+      ->type_name("[ADDRESS:]PORT");
+  live->add_flag("--marker", options.marker, "mark where the observer looks");
+  live->add_flag("--split", options.split, "left half sharp, right half as the eye sees");
+
   addCalibrateCommand(app);
   addChartCommand(app);
+  addDoctorCommand(app);
   addEventsCommand(app);
+  addKeysCommand(app);
   addMethodsCommand(app);
   addPrepareCommand(app);
   addReproduceCommand(app);
@@ -253,8 +300,8 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
-  for (const char* command :
-       {"calibrate", "chart", "events", "methods", "prepare", "reproduce", "trace"}) {
+  for (const char* command : {"calibrate", "chart", "doctor", "events", "keys", "methods",
+                              "prepare", "reproduce", "trace"}) {
     if (app.got_subcommand(command)) return kDone;
   }
   for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {
@@ -263,9 +310,10 @@ int run(int argc, char** argv) {
     }
   }
   if (*render) return runRender(options);
-  if (options.out.empty()) options.out = "out";
   std::string command = "foci";
   for (int i = 1; i < argc; ++i) command += std::string(" ") + argv[i];
+  if (*live) return runLiveCommand(options, live_options, command);
+  if (options.out.empty()) options.out = "out";
   return runReplay(options, command);
 }
 

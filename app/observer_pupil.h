@@ -14,6 +14,9 @@ class ObserverPupil {
  public:
   explicit ObserverPupil(const Study& study);
 
+  /// The study's own diameter from now on.
+  void fix(double pupil_mm) { fixed_mm_ = pupil_mm; }
+
   /// A diameter that the recording tells is held until the next, through blinks and losses.
   void push(const GazeSample& sample);
 

@@ -46,13 +46,6 @@ void drawMarker(Picture& picture, const glm::dvec2& point_px, bool held) {
   }
 }
 
-void splitWithSharp(Picture& picture, const Picture& sharp) {
-  const cv::Rect left(0, 0, picture.size_px.x / 2, picture.size_px.y);
-  cv::Mat image = matOf(picture);
-  matOf(sharp)(left).copyTo(image(left));
-  cv::line(image, {left.width, 0}, {left.width, left.height - 1}, cv::Scalar(255, 255, 255), 1);
-}
-
 Picture thumbnail(const Picture& picture, int width_px) {
   Picture small{
       .size_px = {width_px, std::max(1, picture.size_px.y * width_px / picture.size_px.x)},

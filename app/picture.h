@@ -20,9 +20,6 @@ Picture pictureOf(const Frame& frame, std::optional<double> gamma = std::nullopt
 /// @param held  the observer does not fixate now (saccade, blink, loss): the ring is broken
 void drawMarker(Picture& picture, const glm::dvec2& point_px, bool held);
 
-/// Puts the left half of `sharp` in the place of `picture`'s, a thin line between. Same sizes.
-void splitWithSharp(Picture& picture, const Picture& sharp);
-
 /// A smaller copy, `width_px` wide, of the same shape.
 Picture thumbnail(const Picture& picture, int width_px);
 

@@ -3,6 +3,7 @@
 #include "app/base/input_error.h"
 #include "app/inputs.h"
 #include "app/observer_pupil.h"
+#include "app/stereo.h"
 #include "gaze/focus/line_of_sight.h"
 #include "render/image/image_file.h"
 #include "render/methods/method.h"
@@ -15,6 +16,9 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
   checkImageExtension(request.out);
   if (request.depth && request.depth->extension() != ".pfm") {
     throw InputError("--depth " + request.depth->string(), "expected a name that ends in .pfm");
+  }
+  if (request.depth && study.output.view != "mono") {
+    throw InputError("--depth", "expected output.view = \"mono\": one eye has one distance");
   }
   const SurfelCloud cloud = loadScene(study);
   const Screen screen = study.screenInForce();
@@ -36,8 +40,9 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
                                                  : study.focus.accommodation.resting_D;
   }
 
-  Frame frame;
+  const StereoView stereo = stereoViewNamed(study.output.view);
   const auto method = makeMethod(study.render.method, cloud);
+  Frame frame{.size_px = view.size_px, .rgba = {}, .depth_m = {}}, eye_frame;
   RenderSettings settings{.defocus = {},
                           .background = glm::vec3(study.scene.background),
                           .shading = static_cast<float>(study.render.shading)};
@@ -47,10 +52,19 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
     pupil.show(0.0, frame);
   }
   summary.pupil_mm = pupil.at_mm(0.0);
-  settings.defocus = defocusOfLens(summary.pupil_mm / 1000.0, view.focal_px, summary.focus_D,
-                                   DistanceAlong::sight);
   settings.depth = request.depth.has_value();
-  summary.stats = method->render(view, settings, frame);
+  frame.rgba.resize(static_cast<std::size_t>(view.size_px.x) * view.size_px.y);
+  for (const EyeView& eye :
+       eyeViews(stereo, view, study.observer.between_eyes_mm / 1000.0, screen.distance_m)) {
+    settings.defocus = defocusOfLens(summary.pupil_mm / 1000.0, eye.view.focal_px, summary.focus_D,
+                                     DistanceAlong::sight);
+    const bool mono = stereo == StereoView::mono;
+    const RenderStats stats = method->render(eye.view, settings, mono ? frame : eye_frame);
+    summary.stats.splats += stats.splats;
+    summary.stats.fragments += stats.fragments;
+    summary.stats.ms += stats.ms;
+    if (!mono) putEye(stereo, eye, eye_frame, frame);
+  }
   writeImage(request.out, frame, study.screen.gamma);
   if (request.depth) writeDepthPfm(*request.depth, frame);
   return summary;

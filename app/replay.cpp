@@ -13,7 +13,9 @@
 #include "app/output_folder.h"
 #include "app/picture.h"
 #include "app/progress.h"
+#include "app/record_files.h"
 #include "app/report.h"
+#include "app/run_events.h"
 #include "app/session.h"
 #include "app/sha256.h"
 #include "app/tables.h"
@@ -31,12 +33,40 @@ struct Schedule {
   double first_s = 0.0;
   double fps = 0.0;
   std::size_t frames = 0;
+  std::vector<RecordedFrame> recorded{};  ///< of a live run: those to be looked at
+  std::size_t first = 0;                  ///< of the recorded frames that is drawn
 
-  double time_s(std::size_t frame) const { return first_s + static_cast<double>(frame) / fps; }
+  double time_s(std::size_t frame) const {
+    return recorded.empty() ? first_s + static_cast<double>(frame) / fps
+                            : recorded[first + frame].time_s;
+  }
+  double end_s() const {
+    return recorded.empty() ? time_s(frames) : time_s(frames - 1) + 1.0 / fps;
+  }
 };
+
+/// The frames of a live run within `output.seconds`.
+Schedule recordedSchedule(const Study& study, double start_s) {
+  Schedule schedule{.fps = study.output.fps, .recorded = readFrames(*study.record.frames)};
+  const glm::dvec2 seconds = study.output.seconds.value_or(glm::dvec2(-1e12, 1e12));
+  const auto within = [&](const RecordedFrame& frame) {
+    return frame.time_s >= start_s + seconds.x && frame.time_s <= start_s + seconds.y;
+  };
+  auto& all = schedule.recorded;
+  const auto begin = std::find_if(all.begin(), all.end(), within);
+  if (begin == all.end()) {
+    throw InputError(study.file.string(), "output.seconds: no frame of the record lies within");
+  }
+  all.erase(std::find_if_not(begin, all.end(), within), all.end());
+  schedule.first = static_cast<std::size_t>(begin - all.begin());
+  schedule.frames = all.size() - schedule.first;
+  schedule.first_s = schedule.time_s(0);
+  return schedule;
+}
 
 Schedule scheduleOf(const Study& study, const GazeTrace& trace) {
   const double start_s = trace.samples.front().time_s;
+  if (study.record.frames) return recordedSchedule(study, start_s);
   const double span_s = trace.samples.back().time_s - start_s;
   const glm::dvec2 seconds = study.output.seconds.value_or(glm::dvec2(0.0, span_s));
   if (seconds.x >= span_s) {
@@ -63,7 +93,8 @@ class ContactSheet {
   explicit ContactSheet(std::size_t frames)
       : frames_(frames), count_(std::min(frames, kSheetPictures)) {}
 
-  void offer(std::size_t frame, const FrameRecord& record, const Picture& picture) {
+  void offer(std::size_t frame, const Session& session, const FrameRecord& record,
+             const Picture& picture) {
     held_frames_ = record.eye.state == GazeState::fixation ? held_frames_ + 1 : 0;
     const std::size_t stretch = frame * count_ / frames_;
     const bool is_new = stretch >= chosen_.size();
@@ -74,19 +105,17 @@ class ContactSheet {
     at_ = frame;
     if (is_new) chosen_.emplace_back();
     best_ = is_new ? 0 : held_frames_;
-    chosen_.back() = {record, thumbnail(picture, std::min(kSheetWidth_px, picture.size_px.x))};
+    chosen_.back() = {record, thumbnail(picture, std::min(kSheetWidth_px, picture.size_px.x)),
+                      session.gazePoints_px(record)};
   }
 
-  std::vector<SheetPicture> pictures(const Session& session, const glm::ivec2& size_px) const {
+  std::vector<SheetPicture> pictures(const glm::ivec2& picture_px) const {
     std::vector<SheetPicture> sheet;
-    for (const auto& [record, small] : chosen_) {
+    for (const auto& [record, small, points_px] : chosen_) {
       Picture picture = small;
-      const auto& point_px = record.gaze_px ? record.gaze_px : record.fixation_px;
-      if (point_px) {
-        const double scale = static_cast<double>(small.size_px.x) / size_px.x;
-        drawMarker(
-            picture, scale * session.pictureFromScreen_px(*point_px),
-            record.eye.state != GazeState::fixation && record.eye.state != GazeState::pursuit);
+      const double scale = static_cast<double>(small.size_px.x) / picture_px.x;
+      for (const glm::dvec2& point_px : points_px) {
+        drawMarker(picture, scale * point_px, isHeld(record));
       }
       sheet.push_back({.time_s = record.time_s,
                        .state = record.eye.state,
@@ -101,6 +130,7 @@ class ContactSheet {
   struct Chosen {
     FrameRecord record;
     Picture small;
+    std::vector<glm::dvec2> points_px;  // of gaze, in the whole picture
   };
   std::size_t frames_, count_;
   std::size_t held_frames_ = 0, best_ = 0;
@@ -130,28 +160,9 @@ T quantile(std::vector<T>& values, double share) {
   return *at;
 }
 
-/// Events that begin or end within the replay, on the study's screen.
-std::vector<GazeEvent> eventsOf(const Study& study, const GazeTrace& trace,
-                                const Schedule& schedule) {
-  const Screen screen = study.screenInForce();
-  const auto on_screen = [&](std::optional<glm::dvec2>& point_px) {
-    if (point_px) point_px = onOtherScreen_px(*trace.screen, screen, *point_px);
-  };
-  std::vector<GazeEvent> events = detectEvents(trace, *trace.screen, study.gaze.events);
-  const double end_s = schedule.time_s(schedule.frames);
-  std::erase_if(events, [&](const GazeEvent& event) {
-    return event.onset_s >= end_s || event.onset_s + event.duration_s <= schedule.first_s;
-  });
-  for (GazeEvent& event : events) {
-    on_screen(event.position_px);
-    on_screen(event.start_px);
-  }
-  return events;
-}
-
 /// Counts the samples of the replayed time, and those without a gaze point.
 void countLosses(const GazeTrace& trace, const Schedule& schedule, ReportFacts& facts) {
-  const double end_s = schedule.time_s(schedule.frames);
+  const double end_s = schedule.end_s();
   std::optional<double> lost_since_s;
   for (const GazeSample& sample : trace.samples) {
     if (sample.time_s < schedule.first_s || sample.time_s > end_s) continue;
@@ -182,12 +193,14 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   const bool has_pupil =
       std::any_of(trace.samples.begin(), trace.samples.end(),
                   [](const GazeSample& sample) { return sample.pupil_mm.has_value(); });
-  if (study.observer.pupil == "recording" && !has_pupil) {
+  if (study.observer.pupil == "recording" && !has_pupil && !study.record.frames) {
     throw InputError(study.file.string(),
                      "observer.pupil = \"recording\": the gaze has no pupil in millimetres; "
                      "expected \"fixed\" or \"luminance\"");
   }
   const Schedule schedule = scheduleOf(study, trace);
+  std::vector<Change> changes;
+  if (study.record.changes) changes = readChanges(*study.record.changes);
   const SurfelCloud cloud = loadScene(study);
   ManifestFacts facts{.command = command, .threads = threads, .inputs = {}, .frames_sha256 = {}};
   for (const auto& file : inputFiles(study)) facts.inputs.push_back({file, sha256OfFile(file)});
@@ -197,7 +210,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   OutputFolder folder(out);
   const auto video_file = folder.stage("video.mp4");
   VideoWriter video(video_file, size_px, study.output.fps);
-  FrameTable table(folder.stage("frames.tsv"), study.render.method);
+  FrameTable table(folder.stage("frames.tsv"));
   ContactSheet sheet(schedule.frames);
   ChartSeries series;
   Sha256 frames_hash;
@@ -209,24 +222,32 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   Progress progress("rendering", "frames", schedule.frames);
 
   auto sample = trace.samples.begin();
+  auto change = changes.begin();
+  const auto lookAt = [&](double time_s) {
+    for (; change != changes.end() && change->time_s <= time_s; ++change) {
+      session.change(change->key, change->toml);
+    }
+    for (; sample != trace.samples.end() && sample->time_s <= time_s; ++sample) {
+      session.push(*sample);
+    }
+    return session.look(time_s);
+  };
+  // What the eye did before the first frame that is drawn counts, too.
+  for (std::size_t i = 0; i < schedule.first; ++i) {
+    FrameRecord record = lookAt(schedule.recorded[i].time_s);
+    if (study.observer.pupil == "luminance") {
+      session.draw(schedule.recorded[i].method, record, frame);
+    }
+  }
   for (std::size_t i = 0; i < schedule.frames; ++i) {
     throwIfInterrupted();
-    const double time_s = schedule.time_s(i);
-    for (; sample != trace.samples.end() && sample->time_s <= time_s; ++sample)
-      session.push(*sample);
-    const FrameRecord record = session.render(time_s, frame);
+    FrameRecord record = lookAt(schedule.time_s(i));
+    session.draw(schedule.recorded.empty() ? session.study().render.method
+                                           : schedule.recorded[schedule.first + i].method,
+                 record, frame);
     Picture picture = pictureOf(frame, study.screen.gamma);
-    if (study.output.split) {
-      session.renderSharp(frame);
-      splitWithSharp(picture, pictureOf(frame, study.screen.gamma));
-    }
-    sheet.offer(i, record, picture);
-    if (study.output.marker) {
-      const auto& point_px = record.gaze_px ? record.gaze_px : record.fixation_px;
-      const bool held =
-          record.eye.state != GazeState::fixation && record.eye.state != GazeState::pursuit;
-      if (point_px) drawMarker(picture, session.pictureFromScreen_px(*point_px), held);
-    }
+    sheet.offer(i, session, record, picture);
+    session.mark(record, picture);
     frames_held += record.eye.state == GazeState::blink || record.eye.state == GazeState::lost;
     table.add(i, record);
     series.add(chartRow(record));
@@ -234,6 +255,12 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
     render_ms.push_back(static_cast<float>(record.stats.ms));
     splats.push_back(static_cast<std::uint32_t>(record.stats.splats));
     frames_hash.add(picture.rgb);
+    if (study.output.pictures) {
+      const auto png = pngOf(picture);
+      std::string number = std::to_string(i);
+      number.insert(0, 6 - std::min<std::size_t>(6, number.size()), '0');
+      writeText(folder.stage("frame-" + number + ".png"), {png.begin(), png.end()});
+    }
     video.push(std::move(picture));
     progress.advance(i + 1);
   }
@@ -241,25 +268,22 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   table.finish();
   facts.frames_sha256 = frames_hash.hex();
 
-  const std::vector<GazeEvent> events = eventsOf(study, trace, schedule);
+  const std::vector<GazeEvent> events =
+      eventsOfRun(study, trace, schedule.first_s, schedule.end_s());
   writeText(folder.stage("events.tsv"), eventTable(events));
 
   ReportFacts report;
   report.threads = threads;
   report.frames_held = frames_held;
   countLosses(trace, schedule, report);
-  const auto count = [&](GazeState kind) {
-    return static_cast<std::size_t>(std::count_if(
-        events.begin(), events.end(), [&](const GazeEvent& event) { return event.kind == kind; }));
-  };
   ReplaySummary& summary = report.summary;
   summary = {.frames = schedule.frames,
              .duration_s = static_cast<double>(schedule.frames) / schedule.fps,
              .gaze_valid = report.samples == 0 ? 0.0
                                                : 1.0 - static_cast<double>(report.samples_lost) /
                                                            static_cast<double>(report.samples),
-             .fixations = count(GazeState::fixation),
-             .saccades = count(GazeState::saccade),
+             .fixations = countOf(events, GazeState::fixation),
+             .saccades = countOf(events, GazeState::saccade),
              .render_ms_median = quantile(render_ms, 0.5),
              .render_ms_p95 = quantile(render_ms, 0.95),
              .splats = quantile(splats, 0.5),
@@ -267,7 +291,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
              .out = out};
   writeText(folder.stage("manifest.json"), manifestJson(study, trace, summary, facts));
   report.rows = series.rows();
-  report.sheet = sheet.pictures(session, size_px);
+  report.sheet = sheet.pictures(size_px);
   if (!writeReport(folder.stage("report.html"), video_file, study, trace, report)) {
     std::fputs(
         "foci: the report has no charts: gnuplot is not installed (apt install gnuplot-nox)\n",

@@ -1,9 +1,38 @@
 #include "app/session.h"
 
+#include <algorithm>
+#include <iterator>
+
+#include "app/base/input_error.h"
 #include "gaze/focus/line_of_sight.h"
 #include "render/optics/view.h"
 
 namespace foci {
+namespace {
+
+constexpr std::string_view kLiveKeys[] = {
+    "eye.position_m", "eye.look_at_m", "observer.pupil_mm", "observer.between_eyes_mm",
+    "focus.fixed_D",  "render.method", "render.shading",    "scene.background",
+    "output.marker",  "output.split",  "output.view",
+};
+
+/// The left half without blur, a thin line between.
+void splitWithSharp(Frame& frame, const Frame& sharp) {
+  const auto width = static_cast<std::size_t>(frame.size_px.x);
+  for (std::size_t y = 0; y < static_cast<std::size_t>(frame.size_px.y); ++y) {
+    const auto row = static_cast<std::ptrdiff_t>(y * width);
+    std::copy_n(sharp.rgba.begin() + row, width / 2, frame.rgba.begin() + row);
+    frame.rgba[y * width + width / 2] = glm::vec4(1.0f);
+  }
+}
+
+}  // namespace
+
+bool changesLive(std::string_view key) {
+  return std::find(std::begin(kLiveKeys), std::end(kLiveKeys), key) != std::end(kLiveKeys);
+}
+
+bool isHeld(const FrameRecord& record) { return !isStable(record.eye.state); }
 
 std::optional<glm::dvec2> onOtherScreen_px(const Screen& from, const Screen& to,
                                            const glm::dvec2& point_px) {
@@ -13,25 +42,62 @@ std::optional<glm::dvec2> onOtherScreen_px(const Screen& from, const Screen& to,
 Session::Session(const Study& study, const SurfelCloud& cloud, const Screen& screen, double rate_Hz,
                  double start_s)
     : study_(study),
+      cloud_(cloud),
       gaze_screen_(screen),
       screen_(study.screenInForce()),
+      rate_Hz_(rate_Hz),
       start_s_(start_s),
       path_(study),
       query_(cloud),
-      method_(makeMethod(study.render.method, cloud)),
-      follower_(screen, rate_Hz,
-                [this](double time_s, const glm::dvec3& direction_eye, double half_angle_rad) {
-                  return surfaceDistance(time_s, direction_eye, half_angle_rad);
-                },
-                {.events = study.gaze.events,
-                 .accommodation = study.focus.accommodation,
-                 .cone_half_angle_deg = study.focus.cone_deg,
-                 .vergence = study.focus.vergence}),
-      pupil_(study) {}
+      follower_(newFollower()),
+      pupil_(study) {
+  methodNamed(study.render.method);
+}
 
-View Session::viewAt(double time_s) const {
-  return viewThroughScreen(path_.eyeFromWorldAt(time_s - start_s_), study_.pictureSize_px(),
-                           screen_.size_m, screen_.distance_m);
+GazeFollower Session::newFollower() {
+  return {gaze_screen_,
+          rate_Hz_,
+          [this](double time_s, const glm::dvec3& direction_eye, double half_angle_rad) {
+            return surfaceDistance(time_s, direction_eye, half_angle_rad);
+          },
+          {.events = study_.gaze.events,
+           .accommodation = study_.focus.accommodation,
+           .cone_half_angle_deg = study_.focus.cone_deg,
+           .vergence = study_.focus.vergence,
+           .between_eyes_m = study_.observer.between_eyes_mm / 1000.0}};
+}
+
+void Session::restart(double start_s) {
+  start_s_ = start_s;
+  follower_ = newFollower();
+  pupil_ = ObserverPupil(study_);
+  methods_.clear();  // some remember the frame before
+}
+
+Method& Session::methodNamed(const std::string& spec) {
+  std::unique_ptr<Method>& method = methods_[spec];
+  if (!method) method = makeMethod(spec, cloud_);
+  return *method;
+}
+
+void Session::change(const std::string& key, const std::string& toml) {
+  if (!changesLive(key)) {
+    throw InputError(key.substr(0, 60), "does not change while foci runs");
+  }
+  Study changed = study_;
+  setKey(changed, key, toml, "change");
+  checkStudy(changed);
+  path_ = EyePath(changed);
+  study_ = std::move(changed);
+  pupil_.fix(study_.observer.pupil_mm);
+}
+
+std::vector<EyeView> Session::viewsAt(double time_s) const {
+  const View middle =
+      viewThroughScreen(path_.eyeFromWorldAt(time_s - start_s_), study_.pictureSize_px(),
+                        screen_.size_m, screen_.distance_m);
+  return eyeViews(stereoViewNamed(study_.output.view), middle,
+                  study_.observer.between_eyes_mm / 1000.0, screen_.distance_m);
 }
 
 std::optional<double> Session::surfaceDistance(double time_s, const glm::dvec3& direction_eye,
@@ -43,47 +109,86 @@ std::optional<double> Session::surfaceDistance(double time_s, const glm::dvec3& 
                          study_.focus.coverage);
 }
 
-FrameRecord Session::render(double time_s, Frame& frame) {
+FrameRecord Session::look(double time_s) {
   FrameRecord record{.time_s = time_s,
                      .eye = follower_.at(time_s),
                      .gaze_px = {},
                      .fixation_px = {},
                      .pupil_mm = 0.0,
+                     .method = {},
                      .stats = {}};
   // To the picture an eye that still rings has not landed.
   if (record.eye.state == GazeState::oscillation) record.eye.state = GazeState::saccade;
+  if (study_.focus.fixed_D) record.eye.target_D = record.eye.focus_D = *study_.focus.fixed_D;
   const auto on_screen = [&](const std::optional<glm::dvec2>& point_px) {
     return point_px ? onOtherScreen_px(gaze_screen_, screen_, *point_px) : std::nullopt;
   };
   const bool seen = record.eye.state != GazeState::blink && record.eye.state != GazeState::lost;
   if (record.eye.sample && seen) record.gaze_px = on_screen(record.eye.sample->point_px);
   record.fixation_px = on_screen(record.eye.fixation_px);
-
-  last_s_ = time_s;
   if (pupil_.needsPicture()) {
-    renderSharp(frame);
-    pupil_.show(time_s, frame);
+    const View middle =
+        viewThroughScreen(path_.eyeFromWorldAt(time_s - start_s_), study_.pictureSize_px(),
+                          screen_.size_m, screen_.distance_m);
+    methodNamed(study_.render.method)
+        .render(middle,
+                {.defocus = {},
+                 .background = glm::vec3(study_.scene.background),
+                 .shading = static_cast<float>(study_.render.shading)},
+                sharp_);
+    pupil_.show(time_s, sharp_);
   }
   record.pupil_mm = pupil_.at_mm(time_s);
-  const View view = viewAt(time_s);
-  const RenderSettings settings{.defocus = defocusOfLens(record.pupil_mm / 1000.0, view.focal_px,
-                                                         record.eye.focus_D, DistanceAlong::sight),
-                                .background = glm::vec3(study_.scene.background),
-                                .shading = static_cast<float>(study_.render.shading)};
-  record.stats = method_->render(view, settings, frame);
-  pupil_.show(time_s, frame);
   return record;
 }
 
-void Session::renderSharp(Frame& frame) {
-  RenderSettings settings;
-  settings.background = glm::vec3(study_.scene.background);
-  settings.shading = static_cast<float>(study_.render.shading);
-  method_->render(viewAt(last_s_), settings, frame);
+void Session::draw(const std::string& method, FrameRecord& record, Frame& frame) {
+  record.method = method;
+  const StereoView stereo = stereoViewNamed(study_.output.view);
+  const bool mono = stereo == StereoView::mono;
+  frame.size_px = study_.pictureSize_px();
+  frame.rgba.resize(static_cast<std::size_t>(frame.size_px.x) * frame.size_px.y);
+  for (const EyeView& eye : viewsAt(record.time_s)) {
+    RenderSettings settings{.defocus = defocusOfLens(record.pupil_mm / 1000.0, eye.view.focal_px,
+                                                     record.eye.focus_D, DistanceAlong::sight),
+                            .background = glm::vec3(study_.scene.background),
+                            .shading = static_cast<float>(study_.render.shading)};
+    Frame& seen = mono ? frame : eye_frame_;
+    const RenderStats stats = methodNamed(method).render(eye.view, settings, seen);
+    record.stats.splats += stats.splats;
+    record.stats.fragments += stats.fragments;
+    record.stats.ms += stats.ms;
+    if (study_.output.split) {
+      settings.defocus = {};
+      methodNamed(method).render(eye.view, settings, sharp_);
+      splitWithSharp(seen, sharp_);
+    }
+    if (!mono) putEye(stereo, eye, seen, frame);
+  }
+  pupil_.show(record.time_s, frame);
 }
 
-glm::dvec2 Session::pictureFromScreen_px(const glm::dvec2& point_px) const {
-  return point_px * glm::dvec2(study_.pictureSize_px()) / glm::dvec2(screen_.size_px);
+std::vector<glm::dvec2> Session::gazePoints_px(const FrameRecord& record) const {
+  const auto& point_px = record.gaze_px ? record.gaze_px : record.fixation_px;
+  if (!point_px) return {};
+  if (study_.output.view == "mono") {
+    return {*point_px * glm::dvec2(study_.pictureSize_px()) / glm::dvec2(screen_.size_px)};
+  }
+  // On the surface that is fixated, so that the two fuse there; else on the screen.
+  const glm::dvec3 sight = lineOfSight(screen_, *point_px);
+  const double distance_m = record.eye.surface_distance_m.value_or(screen_.distance_m / -sight.z);
+  std::vector<glm::dvec2> points_px;
+  for (const EyeView& eye : viewsAt(record.time_s)) {
+    points_px.push_back(projectForEye(eye, distance_m * sight));
+  }
+  return points_px;
+}
+
+void Session::mark(const FrameRecord& record, Picture& picture) const {
+  if (!study_.output.marker) return;
+  for (const glm::dvec2& point_px : gazePoints_px(record)) {
+    drawMarker(picture, point_px, isHeld(record));
+  }
 }
 
 }  // namespace foci

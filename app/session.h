@@ -1,13 +1,17 @@
-// The frame loop as a pure function of (scene, trace, study): the eye at each frame's time, and
-// what it sees. Replay drives it from a file; whatever else drives it brings its own samples and
-// times.
+// The frame loop as a pure function of (scene, samples, study, changes of keys): the eye at each
+// frame's time, and what it sees. Replay drives it from files, `foci live` from what happens.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "app/inputs.h"
 #include "app/observer_pupil.h"
+#include "app/picture.h"
+#include "app/stereo.h"
 #include "app/study.h"
 #include "gaze/focus/gaze_follower.h"
 #include "gaze/gaze.h"
@@ -26,7 +30,15 @@ struct FrameRecord {
   std::optional<glm::dvec2> gaze_px;      ///< absent in a blink or a loss
   std::optional<glm::dvec2> fixation_px;  ///< held in saccades, blinks and losses
   double pupil_mm = 0.0;
-  RenderStats stats;
+  std::string method;  ///< that drew it
+  RenderStats stats;   ///< of all of its views together
+};
+
+/// A key that takes another value from a frame on.
+struct Change {
+  double time_s = 0.0;  ///< of the first frame that it holds for
+  std::string key;
+  std::string toml;  ///< as `setKey` takes it
 };
 
 class Session {
@@ -37,35 +49,60 @@ class Session {
   Session(const Study& study, const SurfelCloud& cloud, const Screen& screen, double rate_Hz,
           double start_s);
 
+  /// As if it had just been made, at `start_s`, with the study as it is now.
+  void restart(double start_s);
+
+  /// From the next frame on. The session is as it was where this throws.
+  /// @throws InputError where the key cannot change while a session runs, or not to this
+  void change(const std::string& key, const std::string& toml);
+
   void push(const GazeSample& sample) {
     follower_.push(sample);
     pupil_.push(sample);
   }
 
-  /// Draws what the eye sees at `time_s`. Every sample up to it has been pushed, none after it.
-  FrameRecord render(double time_s, Frame& frame);
+  /// The eye at `time_s`: all of the record but what drawing tells. Every sample up to it has been
+  /// pushed, none after it.
+  FrameRecord look(double time_s);
 
-  /// The view of the last frame without blur.
-  void renderSharp(Frame& frame);
+  /// Draws what the eye of the last `look` sees, and fills method and stats of its record.
+  void draw(const std::string& method, FrameRecord& record, Frame& frame);
 
-  /// A point of the study's screen on the pictures, px.
-  glm::dvec2 pictureFromScreen_px(const glm::dvec2& point_px) const;
+  /// Where the observer of the record looks, in the picture: one point for each view in it.
+  std::vector<glm::dvec2> gazePoints_px(const FrameRecord& record) const;
+
+  /// Rings there, as the study's output.marker wants them.
+  void mark(const FrameRecord& record, Picture& picture) const;
+
+  /// With the changes so far.
+  const Study& study() const { return study_; }
+
+  const EyePath& path() const { return path_; }
 
  private:
-  View viewAt(double time_s) const;
+  std::vector<EyeView> viewsAt(double time_s) const;
   std::optional<double> surfaceDistance(double time_s, const glm::dvec3& direction_eye,
                                         double half_angle_rad) const;
+  Method& methodNamed(const std::string& spec);
+  GazeFollower newFollower();
 
-  const Study& study_;
+  Study study_;
+  const SurfelCloud& cloud_;
   Screen gaze_screen_, screen_;
-  double start_s_;
+  double rate_Hz_, start_s_;
   EyePath path_;
   SurfaceQuery query_;
-  std::unique_ptr<Method> method_;
+  std::map<std::string, std::unique_ptr<Method>> methods_;
   GazeFollower follower_;
   ObserverPupil pupil_;
-  double last_s_ = 0.0;
+  Frame eye_frame_, sharp_;  // of one eye; kept for their memory
 };
+
+/// Keys that `Session::change` takes.
+bool changesLive(std::string_view key);
+
+/// Whether the marker is broken: the observer does not fixate now.
+bool isHeld(const FrameRecord& record);
 
 /// Where a point of one screen, seen from its eye, lies on another seen from its own.
 std::optional<glm::dvec2> onOtherScreen_px(const Screen& from, const Screen& to,

@@ -84,6 +84,8 @@ Study readStudy(const std::filesystem::path& file) {
   if (study.screen.monitor) resolve(*study.screen.monitor, folder);
   if (study.gaze.map) resolve(*study.gaze.map, folder);
   if (study.gaze.camera) resolve(*study.gaze.camera, folder);
+  if (study.record.frames) resolve(*study.record.frames, folder);
+  if (study.record.changes) resolve(*study.record.changes, folder);
   if (auto place = webcamPlaceOf(study.gaze.source)) {
     if (!place->device) {
       resolve(place->file, folder);
@@ -185,6 +187,12 @@ void checkStudy(const Study& study) {
       refuse("eye.path[" + std::to_string(i) + "].time_s = " + numberText(frame.time_s) +
              ": expected later than the keyframe before");
     }
+  }
+  const glm::ivec2 size_px = study.pictureSize_px();
+  if ((study.output.view == "side-by-side" && size_px.x % 2 != 0) ||
+      (study.output.view == "top-bottom" && size_px.y % 2 != 0)) {
+    refuse("output.view = \"" + study.output.view +
+           "\": expected pictures of an even number of px, to be halved");
   }
   if (study.output.seconds && !(study.output.seconds->y > study.output.seconds->x)) {
     refuse("output.seconds = " + write(*study.output.seconds) + ": expected from before to");

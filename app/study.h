@@ -57,6 +57,7 @@ struct Study {
     std::string pupil = "fixed";  ///< or "recording", "luminance"
     double pupil_mm = 4.0;        ///< where fixed, and until a recording says one
     double retina_mm = 24.0;
+    double between_eyes_mm = 63.0;
   } observer;
 
   struct Gaze {
@@ -74,6 +75,7 @@ struct Study {
     double coverage = 0.5;
     AccommodationSettings accommodation;
     bool vergence = false;
+    std::optional<double> fixed_D;  ///< focus stays there, whatever is looked at
   } focus;
 
   struct Render {
@@ -87,7 +89,16 @@ struct Study {
     std::optional<glm::dvec2> seconds;  ///< from, to, after the recording's first sample
     bool marker = false;
     bool split = false;
+    bool pictures = false;      ///< every frame as a PNG, too
+    std::string view = "mono";  ///< how the eyes' views are put together: app/stereo.h
   } output;
+
+  /// What a live run leaves so that it can be replayed (app/live_record.h).
+  struct Record {
+    std::optional<std::filesystem::path> frames;   ///< times and methods, instead of output.fps
+    std::optional<std::filesystem::path> changes;  ///< of keys while it ran
+    std::optional<double> rate_Hz;                 ///< of the source; absent: the gaze's median
+  } record;
 
   std::int64_t seed = 1;
 
@@ -103,6 +114,12 @@ Study readStudy(const std::filesystem::path& file);
 
 using OptionValue = std::variant<double, std::string, std::vector<double>>;
 
+/// Sets a key to a TOML value, e.g. `"mono"` or `[0, 1.6, 2]`; "null": to what it is where a study
+/// does not name it.
+/// @param where  for messages
+/// @throws InputError
+void setKey(Study& study, std::string_view key, const std::string& toml, const std::string& where);
+
 /// Sets a key as a command-line option does, under the same checks as in the file.
 /// @param option  for messages, e.g. "--pupil 40"
 void overrideKey(Study& study, std::string_view key, const OptionValue& value,
@@ -116,6 +133,7 @@ struct ResolvedKey {
   std::string_view name;     ///< "observer.pupil_mm"
   std::string_view meaning;  ///< with its unit
   std::string json;          ///< the value in force; "null" where absent
+  std::string allowed;       ///< range or words; empty where anything of the type is
 };
 
 /// Every key with the value in force, in the table's order.

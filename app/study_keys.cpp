@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <iterator>
+#include <sstream>
 
 #include "app/base/input_error.h"
 #include "app/base/nearest.h"
@@ -26,14 +28,21 @@ struct Key {
   Allowed allowed;
   void (*read)(const toml::value&, const Allowed&, T&);
   std::string (*write)(const T&);
+  void (*reset)(T&);
 };
 
 /// @param at  the member that the key sets
 template <class T, auto at>
 Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}) {
-  return {name, meaning, std::move(allowed),
+  return {name,
+          meaning,
+          std::move(allowed),
           [](const toml::value& from, const Allowed& a, T& to) { read(from, a, at(to)); },
-          [](const T& from) { return write(at(from)); }};
+          [](const T& from) { return write(at(from)); },
+          [](T& to) {
+            T fresh;
+            at(to) = at(fresh);
+          }};
 }
 
 #define FOCI_KEY(member, ...)                                    \
@@ -85,6 +94,8 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(observer.pupil_mm, "observer.pupil_mm",
                "diameter of the fixed pupil, and until a recording tells one, mm", {0.5, 12}),
       FOCI_KEY(observer.retina_mm, "observer.retina_mm", "lens to retina, mm", {10, 40}),
+      FOCI_KEY(observer.between_eyes_mm, "observer.between_eyes_mm",
+               "from one pupil to the other, mm", {40, 80}),
       FOCI_KEY(gaze.source, "gaze.source",
                "\"simulated\", a recording (TSV, CSV, ASC), or webcam:VIDEO"),
       FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording or a webcam"),
@@ -144,6 +155,8 @@ const std::vector<Key<Study>>& studyKeys() {
                "true: the distance at which both lines of sight meet counts, too"),
       FOCI_KEY(focus.accommodation.resting_D, "focus.resting_D", "before there is a target, D",
                {0, 10}),
+      FOCI_KEY(focus.fixed_D, "focus.fixed_D",
+               "focus stays there, whatever is looked at, D; absent: it follows", {0, 20}),
       FOCI_KEY(render.method, "render.method", "how depth of field is drawn: `foci methods`",
                {.expected = expectedMethod}),
       FOCI_KEY(render.shading, "render.shading",
@@ -155,6 +168,15 @@ const std::vector<Key<Study>>& studyKeys() {
                {0, 1e6}),
       FOCI_KEY(output.marker, "output.marker", "a mark where the observer looks"),
       FOCI_KEY(output.split, "output.split", "left half sharp, right half as the eye sees"),
+      FOCI_KEY(output.pictures, "output.pictures", "every frame as a PNG, too"),
+      FOCI_KEY(output.view, "output.view",
+               "one eye in the middle, or both: left beside right, left above right, left red",
+               {.words = {"mono", "side-by-side", "top-bottom", "anaglyph"}}),
+      FOCI_KEY(record.frames, "record.frames",
+               "frames.tsv of a live run: its times and methods, instead of output.fps"),
+      FOCI_KEY(record.changes, "record.changes", "changes.tsv of a live run"),
+      FOCI_KEY(record.rate_Hz, "record.rate_Hz",
+               "samples a second that its source states; absent: the gaze's median", {5, 20000}),
       FOCI_KEY(seed, "seed", "of the simulated observer", {0, 9007199254740992.0}),
   };
   return keys;
@@ -263,10 +285,37 @@ void setKey(Study& study, std::string_view key, const toml::value& value) {
   found->read(value, found->allowed, study);
 }
 
+void setKey(Study& study, std::string_view key, const std::string& text, const std::string& where) {
+  const auto& keys = studyKeys();
+  const auto found = std::find_if(keys.begin(), keys.end(), [&](auto& k) { return k.name == key; });
+  if (found == keys.end()) throw InputError(where, "unknown key " + shownName(key));
+  if (text == "null") {
+    found->reset(study);
+    return;
+  }
+  const auto refusal = [&](const std::string& expected) {
+    return InputError(where, std::string(key) + " = " + shownName(text) + ": expected " + expected);
+  };
+  try {
+    std::istringstream stream("value = " + text);
+    const toml::value document = toml::parse(stream, where);
+    found->read(document.as_table().at("value"), found->allowed, study);
+  } catch (const Expected& expected) {
+    throw refusal(expected.what);
+  } catch (const std::exception&) {
+    throw refusal("a TOML value");
+  }
+}
+
 std::vector<ResolvedKey> resolvedKeys(const Study& study) {
   std::vector<ResolvedKey> resolved;
   for (const auto& key : studyKeys()) {
-    resolved.push_back({key.name, key.meaning, key.write(study)});
+    std::string allowed;
+    for (const auto word : key.allowed.words) {
+      allowed += (allowed.empty() ? "\"" : ", \"") + std::string(word) + "\"";
+    }
+    if (std::isfinite(key.allowed.high)) allowed = rangeText(key.allowed);
+    resolved.push_back({key.name, key.meaning, key.write(study), allowed});
   }
   return resolved;
 }

@@ -44,8 +44,8 @@ std::string thousands(double value) {
 
 std::string milliseconds(double ms) { return decimal(ms, ms < 10.0 ? 2 : ms < 100.0 ? 1 : 0); }
 
-FrameTable::FrameTable(const std::filesystem::path& file, std::string method)
-    : file_(file.string()), method_(std::move(method)), out_(file, std::ios::binary) {
+FrameTable::FrameTable(const std::filesystem::path& file)
+    : file_(file.string()), out_(file, std::ios::binary) {
   out_ << "frame\ttime_s\tgaze_time_s\tgaze_x_px\tgaze_y_px\tgaze_state\tsurface_distance_m\t"
           "target_D\tfocus_D\tpupil_mm\tmethod\tsplats\tfragments\trender_ms\n";
 }
@@ -57,8 +57,9 @@ void FrameTable::add(std::size_t frame, const FrameRecord& record) {
        << pointOrAbsent(record.gaze_px) << '\t' << nameOf(eye.state) << '\t'
        << orAbsent(eye.surface_distance_m, kLengthDigits) << '\t'
        << orAbsent(eye.target_D, kDioptreDigits) << '\t' << decimal(eye.focus_D, kDioptreDigits)
-       << '\t' << decimal(record.pupil_mm, 3) << '\t' << method_ << '\t' << record.stats.splats
-       << '\t' << record.stats.fragments << '\t' << decimal(record.stats.ms, 3) << '\n';
+       << '\t' << decimal(record.pupil_mm, 3) << '\t' << record.method << '\t'
+       << record.stats.splats << '\t' << record.stats.fragments << '\t'
+       << decimal(record.stats.ms, 3) << '\n';
   if (!out_) throw std::runtime_error("cannot write " + file_);
 }
 

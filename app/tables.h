@@ -15,14 +15,15 @@ namespace foci {
 /// frames.tsv, row by row; `n/a` where a value is absent.
 class FrameTable {
  public:
-  FrameTable(const std::filesystem::path& file, std::string method);
+  explicit FrameTable(const std::filesystem::path& file);
 
   /// @throws std::runtime_error where the file cannot be written
   void add(std::size_t frame, const FrameRecord& record);
+  void flush() { out_.flush(); }
   void finish();
 
  private:
-  std::string file_, method_;
+  std::string file_;
   std::ofstream out_;
 };
 

@@ -6,9 +6,13 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
+
+#include "app/base/input_error.h"
 
 namespace foci {
 namespace {
@@ -18,18 +22,30 @@ constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
 }  // namespace
 
-Window::Window(const std::string& title, std::optional<glm::ivec2> size_px) {
+Window::Window(const std::string& title, std::optional<glm::ivec2> size_px, int monitor) {
   if (!glfwInit()) throw std::runtime_error("no display for a window");
+  int monitors = 0;
+  GLFWmonitor** all = glfwGetMonitors(&monitors);
+  if (monitor < 0 || monitor >= std::max(monitors, 1)) {
+    glfwTerminate();
+    throw InputError("--monitor " + std::to_string(monitor),
+                     "expected 0 to " + std::to_string(std::max(monitors, 1) - 1));
+  }
+  monitor_ = monitors > 0 ? all[monitor] : nullptr;
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
-  if (size_px || !monitor) {
+  if (size_px || !monitor_) {
     const glm::ivec2 size = size_px.value_or(glm::ivec2(1280, 720));
     window_ = glfwCreateWindow(size.x, size.y, title.c_str(), nullptr, nullptr);
+    if (window_ && monitor > 0) {
+      int x = 0, y = 0;
+      glfwGetMonitorPos(monitor_, &x, &y);
+      glfwSetWindowPos(window_, x + 40, y + 40);
+    }
   } else {
-    const GLFWvidmode* mode = glfwGetVideoMode(monitor);
-    window_ = glfwCreateWindow(mode->width, mode->height, title.c_str(), monitor, nullptr);
+    const GLFWvidmode* mode = glfwGetVideoMode(monitor_);
+    window_ = glfwCreateWindow(mode->width, mode->height, title.c_str(), monitor_, nullptr);
   }
   if (!window_) {
     glfwTerminate();
@@ -46,7 +62,8 @@ Window::Window(const std::string& title, std::optional<glm::ivec2> size_px) {
     io.FontGlobalScale = 1.5f;
   }
   ImGui::StyleColorsLight();
-  ImGui_ImplGlfw_InitForOpenGL(window_, true);
+  listen();
+  ImGui_ImplGlfw_InitForOpenGL(window_, true);  // which calls our listeners, too
   ImGui_ImplOpenGL3_Init("#version 330");
 }
 
@@ -56,6 +73,37 @@ Window::~Window() {
   ImGui::DestroyContext();
   glfwDestroyWindow(window_);
   glfwTerminate();
+}
+
+void Window::listen() {
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+    if (action == GLFW_RELEASE) return;
+    static_cast<Window*>(glfwGetWindowUserPointer(window))->keys_.push_back(key);
+  });
+  glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned typed) {
+    static_cast<Window*>(glfwGetWindowUserPointer(window))->typed_.push_back(typed);
+  });
+}
+
+std::vector<int> Window::takeKeys() { return std::exchange(keys_, {}); }
+
+std::vector<unsigned> Window::takeTyped() { return std::exchange(typed_, {}); }
+
+bool Window::rightButton() const {
+  return glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS;
+}
+
+bool Window::wait(double seconds) {
+  glfwWaitEventsTimeout(std::max(seconds, 1e-4));
+  return !glfwWindowShouldClose(window_);
+}
+
+void Window::wake() { glfwPostEmptyEvent(); }
+
+double Window::refresh_Hz() const {
+  const GLFWvidmode* mode = monitor_ ? glfwGetVideoMode(monitor_) : nullptr;
+  return mode && mode->refreshRate > 0 ? mode->refreshRate : 60.0;
 }
 
 bool Window::begin(const glm::vec3& background) {
@@ -97,17 +145,15 @@ double Window::time_s() const {
 }
 
 std::optional<glm::dvec2> Window::monitorSize_m() const {
-  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
   int width_mm = 0, height_mm = 0;
-  if (monitor) glfwGetMonitorPhysicalSize(monitor, &width_mm, &height_mm);
+  if (monitor_) glfwGetMonitorPhysicalSize(monitor_, &width_mm, &height_mm);
   if (width_mm <= 0 || height_mm <= 0) return std::nullopt;
   return glm::dvec2(width_mm, height_mm) / 1000.0;
 }
 
 glm::ivec2 Window::monitorSize_px() const {
-  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
-  if (!monitor) return glm::ivec2(size_px());
-  const GLFWvidmode* mode = glfwGetVideoMode(monitor);
+  if (!monitor_) return glm::ivec2(size_px());
+  const GLFWvidmode* mode = glfwGetVideoMode(monitor_);
   return {mode->width, mode->height};
 }
 
@@ -118,9 +164,14 @@ Texture::~Texture() {
 void Texture::set(const glm::ivec2& size_px, const unsigned char* rgb) {
   if (id_ == 0) glGenTextures(1, &id_);
   glBindTexture(GL_TEXTURE_2D, id_);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  if (size_px == size_px_) {
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size_px.x, size_px.y, GL_RGB, GL_UNSIGNED_BYTE, rgb);
+    return;
+  }
+  size_px_ = size_px;
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB, size_px.x, size_px.y, 0, GL_RGB, GL_UNSIGNED_BYTE, rgb);
 }
 

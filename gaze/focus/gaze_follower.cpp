@@ -65,6 +65,7 @@ EyeNow GazeFollower::at(double time_s) {
   return {.time_s = time_s,
           .sample = newest_,
           .state = silent ? GazeState::lost : now_.state,
+          .state_time_s = now_.state_time_s,
           .fixation_px = now_.fixation_px,
           .surface_distance_m = stable ? looked_->distance_m : std::nullopt,
           .vergence = stable ? vergence_ : std::nullopt,

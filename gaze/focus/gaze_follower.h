@@ -37,6 +37,7 @@ struct EyeNow {
   double time_s = 0.0;
   std::optional<GazeSample> sample{};  ///< the newest
   GazeState state = GazeState::lost;   ///< lost, too, when no sample has come for long
+  double state_time_s = 0.0;           ///< the sample that it is of
   std::optional<glm::dvec2>
       fixation_px;  ///< held in saccades, blinks, losses; absent before the first
   std::optional<double>

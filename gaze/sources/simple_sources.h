@@ -11,14 +11,18 @@ namespace foci {
 /// The pointer stands for the gaze: one sample a poll.
 class MouseSource : public LiveSource {
  public:
+  /// @param rate_Hz  how often it will be asked
+  explicit MouseSource(double rate_Hz = 60.0) : rate_Hz_(rate_Hz) {}
+
   /// @param point_px  on the screen; absent where the pointer is elsewhere: gaze is lost
   void moveTo(const std::optional<glm::dvec2>& point_px) { point_px_ = point_px; }
 
   void poll(double now_s, std::vector<GazeSample>& samples) override;
-  double rate_Hz() const override { return 60.0; }
+  double rate_Hz() const override { return rate_Hz_; }
   std::string status() const override { return "mouse"; }
 
  private:
+  double rate_Hz_;
   std::optional<glm::dvec2> point_px_{};
   std::optional<double> last_s_{};
 };

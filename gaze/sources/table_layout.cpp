@@ -257,6 +257,8 @@ class Recogniser {
         given_.blink.empty() && layout_.blink && names_[*layout_.blink].key == "blinkid";
     layout_.confidence =
         !given_.confidence.empty() ? std::optional(named(given_.confidence)) : find({"confidence"});
+    const auto uncertainty = find({"uncertainty"});
+    if (uncertainty && names_[*uncertainty].unit == "deg") layout_.uncertainty_deg = uncertainty;
     layout_.numbers = {.missing = given_.missing,
                        .scale = given_.scale,
                        .offset = given_.offset,
@@ -313,9 +315,9 @@ class Recogniser {
   bool isUsed(std::size_t column) const {
     const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
     bool used = is(layout_.time);
-    for (const auto& at :
-         {layout_.x, layout_.y, layout_.pupil_mm, layout_.blink, layout_.confidence,
-          layout_.validity, layout_.width_px, layout_.height_px, layout_.kind}) {
+    for (const auto& at : {layout_.x, layout_.y, layout_.pupil_mm, layout_.blink,
+                           layout_.confidence, layout_.validity, layout_.width_px,
+                           layout_.height_px, layout_.kind, layout_.uncertainty_deg}) {
       used |= is(at);
     }
     for (const EyeColumns& eye : layout_.eyes) used |= isOf(eye, column);

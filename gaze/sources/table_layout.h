@@ -46,7 +46,7 @@ struct TableLayout {
   std::optional<std::size_t> x{}, y{};
   std::array<EyeColumns, 2> eyes{};  ///< left, right
   bool has_eyes = false;             ///< any column of either
-  std::optional<std::size_t> pupil_mm{}, blink{}, confidence{}, validity{};
+  std::optional<std::size_t> pupil_mm{}, blink{}, confidence{}, validity{}, uncertainty_deg{};
   ValidityCode validity_code = ValidityCode::below_two;
   std::optional<std::size_t> width_px{}, height_px{};  ///< of the screen, on every row
   std::optional<std::size_t>

@@ -111,6 +111,13 @@ void TableRow::read(GazeSample& sample) const {
     }
   }
   sample.pupil_mm = layout_.pupil_mm ? readPupil(*layout_.pupil_mm) : meanPupil(sample.eyes);
+  if (layout_.uncertainty_deg && !isAbsent(field(*layout_.uncertainty_deg))) {
+    const auto uncertainty_deg = number(*layout_.uncertainty_deg);
+    if (!uncertainty_deg || *uncertainty_deg < 0.0 || *uncertainty_deg > 45.0) {
+      fail(*layout_.uncertainty_deg, "expected 0 to 45 degrees");
+    }
+    sample.uncertainty_deg = uncertainty_deg;
+  }
   if (layout_.blink) {
     sample.blink =
         layout_.named_blink ? !isAbsent(field(*layout_.blink)) : readFlag(*layout_.blink);

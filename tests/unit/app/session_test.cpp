@@ -80,8 +80,9 @@ TEST(Session, FocusesOnTheSurfaceUnderGaze) {
   for (int i = 0; i <= 20; ++i) {
     session.push(
         {.time_s = 0.01 * i, .point_px = 0.5 * glm::dvec2(screen.size_px), .pupil_mm = {}});
-    record = session.render(0.01 * i, frame);
+    record = session.look(0.01 * i);
   }
+  session.draw("sweep", record, frame);
   constexpr double kCone = 1e-3;  // the wall is flat, the cone half a degree
   EXPECT_EQ(record.eye.state, GazeState::fixation);
   ASSERT_TRUE(record.eye.surface_distance_m.has_value());
@@ -90,17 +91,28 @@ TEST(Session, FocusesOnTheSurfaceUnderGaze) {
   EXPECT_EQ(frame.size_px, study.output.size_px);
 }
 
-TEST(Session, SharpPictureIgnoresThePupil) {
+TEST(Session, SharpHalfIgnoresThePupil) {
   Study study = wallStudy();
+  study.output.split = true;
   const SurfelCloud cloud = wall();
   Frame small, large;
   for (const auto& [pupil_mm, frame] : {std::pair{2.0, &small}, std::pair{8.0, &large}}) {
     study.observer.pupil_mm = pupil_mm;
     Session session(study, cloud, study.screenInForce(), 100.0, 0.0);
-    session.render(0.0, *frame);
-    session.renderSharp(*frame);
+    FrameRecord record = session.look(0.0);
+    session.draw("sweep", record, *frame);
   }
-  EXPECT_EQ(small.rgba, large.rgba);
+  const auto halves = [](const Frame& frame) {
+    std::vector<glm::vec4> left, right;
+    for (int y = 0; y < frame.size_px.y; ++y) {
+      for (int x = 0; x < frame.size_px.x; ++x) {
+        (x < frame.size_px.x / 2 ? left : right).push_back(frame.at(x, y));
+      }
+    }
+    return std::pair(left, right);
+  };
+  EXPECT_EQ(halves(small).first, halves(large).first);
+  EXPECT_NE(halves(small).second, halves(large).second);
 }
 
 }  // namespace

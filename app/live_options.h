@@ -1,0 +1,38 @@
+// What `foci live` is asked for, and what it tells when it ends.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/durations.h"
+#include "app/study.h"
+
+namespace foci {
+
+struct LiveOptions {
+  std::string source = "mouse";
+  bool window = false;  ///< not full screen
+  int monitor = 0;
+  std::optional<std::filesystem::path> record;  ///< from the start, to this folder
+  std::string socket;                           ///< where it listens; empty: nowhere
+  unsigned threads = 1;                         ///< that draw
+  std::string command;                          ///< as typed
+};
+
+struct LiveSummary {
+  std::uint64_t frames = 0;    ///< shown
+  std::uint64_t repeated = 0;  ///< refreshes of the screen that showed an older frame
+  std::uint64_t dropped = 0;   ///< drawn, never shown
+  double first_frame_s = 0.0;  ///< from the start of the program to the first swap
+  Durations sample_to_swap, render;
+  std::vector<std::filesystem::path> records;
+};
+
+/// Shows the study until the observer leaves.
+/// @throws InputError, std::runtime_error
+LiveSummary runLive(const Study& study, const LiveOptions& options);
+
+}  // namespace foci

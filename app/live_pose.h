@@ -1,0 +1,38 @@
+// Where the observer has moved the eye to, by mouse and keys.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+
+namespace foci {
+
+class LivePose {
+ public:
+  /// @param up  as the study's
+  LivePose(const glm::dvec3& position_m, const glm::dvec3& look_at_m, const glm::dvec3& up);
+
+  /// @param step_m  to the right, up, and level forwards; what is looked at moves along
+  void move(const glm::dvec3& step_m);
+
+  /// Around the eye. @param angles_rad  to the right, down; it stays short of straight up or down
+  void turn(const glm::dvec2& angles_rad);
+
+  /// Back to the beginning.
+  void reset();
+
+  const glm::dvec3& position_m() const { return position_m_; }
+  const glm::dvec3& look_at_m() const { return look_at_m_; }
+
+ private:
+  glm::dvec3 sight() const { return glm::normalize(look_at_m_ - position_m_); }
+  glm::dvec3 rightwards() const { return glm::normalize(glm::cross(sight(), up_)); }
+
+  glm::dvec3 position_m_, look_at_m_, up_;
+  glm::dvec3 first_position_m_, first_look_at_m_;
+};
+
+/// As `setKey` takes them.
+std::string tomlNumber(double value);
+std::string tomlPoint(const glm::dvec3& point);
+
+}  // namespace foci

@@ -1,0 +1,113 @@
+// What a live run leaves. A record is a folder with
+//   study.toml    the study in force, whose gaze is the record's own: `foci replay` takes it
+//   gaze.tsv      every sample, in order of arrival, on the run's clock
+//   frames.tsv    as of a replay (app/tables.h): a row a frame that was drawn
+//   changes.tsv   keys that changed, each with the time of the first frame that it holds for
+//   timing.tsv    when each frame was sampled, drawn and shown
+//   marks.tsv     what was marked, by key or through the socket
+// and, once it has been closed,
+//   events.tsv    as of a replay
+//   manifest.json with the hash of all pictures, which a replay's equals
+// The files grow in place: what a run that is killed has recorded is there.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "app/durations.h"
+#include "app/record_files.h"
+#include "app/session.h"
+#include "app/sha256.h"
+#include "app/tables.h"
+
+namespace foci {
+
+class LiveRecord;
+
+/// When things happened, on the run's clock.
+struct FrameTiming {
+  std::optional<double> sample_s;  ///< the newest sample that the frame knows
+  double state_s = 0.0;            ///< the sample that its state is of
+  double render_start_s = 0.0, render_end_s = 0.0;
+  std::optional<double> swap_s;  ///< absent: never shown
+  int repeats = 0;               ///< refreshes of the screen before it that showed an older frame
+};
+
+struct LiveFrame {
+  FrameRecord record;
+  Picture picture;
+  FrameTiming timing;
+  std::weak_ptr<LiveRecord> into;  ///< the record it belongs to, if any
+};
+
+/// All functions are called from any thread and do not wait for the disk.
+class LiveRecord {
+ public:
+  /// @param folder   made; must not hold a record yet
+  /// @param study    in force as it begins
+  /// @param screen   that the samples are on
+  /// @param command  as typed, for the manifest
+  /// @throws InputError, std::runtime_error
+  LiveRecord(std::filesystem::path folder, const Study& study, const Screen& screen, double rate_Hz,
+             std::string command, unsigned threads);
+  /// Closes it first.
+  ~LiveRecord();
+  LiveRecord(const LiveRecord&) = delete;
+  LiveRecord& operator=(const LiveRecord&) = delete;
+
+  void add(const GazeSample& sample);
+  void add(const Change& change);
+  void addMark(double time_s, const std::string& text);
+  /// In order of drawing.
+  void add(std::shared_ptr<const LiveFrame> frame);
+
+  /// Nothing more comes: the rest is written.
+  void close();
+
+  /// Frames that wait to be written.
+  std::size_t backlog() const;
+
+  /// What went wrong, once something has: the record ends there.
+  std::optional<std::string> failure() const;
+  /// Everything is written, or has failed.
+  bool finished() const;
+  const std::filesystem::path& folder() const { return folder_; }
+
+ private:
+  void post(std::function<void()> task);
+  void run();
+  void write(const LiveFrame& frame);
+  void finish();
+  void writeStudy(double fps) const;
+
+  std::filesystem::path folder_;
+  Study study_;
+  std::string command_;
+  unsigned threads_;
+
+  // Touched by the thread alone.
+  GazeTable gaze_;
+  FrameTable frames_;
+  std::ofstream changes_, timing_, marks_;
+  Sha256 hash_;
+  Durations render_;
+  std::size_t frame_count_ = 0, splats_ = 0;
+  double first_s_ = 0.0, last_s_ = 0.0, flushed_s_ = 0.0;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::function<void()>> tasks_;
+  std::size_t frames_waiting_ = 0;
+  bool closed_ = false, finished_ = false;
+  std::optional<std::string> failure_;
+  std::thread thread_;
+};
+
+}  // namespace foci

@@ -1,0 +1,24 @@
+// The gaze that `foci live --source` names.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "app/study.h"
+#include "gaze/sources/live_source.h"
+#include "gaze/sources/simple_sources.h"
+
+namespace foci {
+
+struct NamedSource {
+  std::unique_ptr<LiveSource> source;
+  MouseSource* mouse = nullptr;  ///< where it is the mouse: somebody must tell it where it is
+  Screen screen;                 ///< that its samples are on
+};
+
+/// @param name  mouse; trace:FILE (or trace:simulated); pupil:HOST:PORT; webcam[:N|FILE]. A map of
+///   foci calibrate gaze in the study is applied to all but the mouse.
+/// @throws InputError where there is no such source
+NamedSource openLiveSource(const std::string& name, const Study& study);
+
+}  // namespace foci

@@ -1,0 +1,34 @@
+"""How an experiment drives foci live; Python's standard library is enough.
+
+    foci live study.toml --socket 5005
+    python3 experiment.py 5005
+"""
+
+import socket
+import sys
+import time
+
+
+class Foci:
+    def __init__(self, port, host="127.0.0.1"):
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.settimeout(15)
+        self.socket.connect((host, port))
+
+    def ask(self, command):
+        """Sends a command, returns what foci answers after "ok"; an error is raised."""
+        self.socket.send(command.encode())
+        answer = self.socket.recv(4096).decode().strip()
+        if not answer.startswith("ok"):
+            raise RuntimeError(answer)
+        return answer[3:]
+
+
+if __name__ == "__main__":
+    foci = Foci(int(sys.argv[1]))
+    foci.ask("record trial-1")
+    for pupil_mm in (2, 4, 8):
+        foci.ask(f"set observer.pupil_mm {pupil_mm}")
+        print("began at", foci.ask(f"mark pupil {pupil_mm}"), "s")
+        time.sleep(2)
+    foci.ask("stop")

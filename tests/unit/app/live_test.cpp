@@ -1,0 +1,338 @@
+// `foci live` without its window: what it draws, what it leaves, and that a replay finds the same.
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "app/base/input_error.h"
+#include "app/durations.h"
+#include "app/live_driver.h"
+#include "app/live_pose.h"
+#include "app/live_renderer.h"
+#include "app/mark_socket.h"
+#include "app/replay.h"
+#include "app/study_text.h"
+
+namespace foci {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string textOf(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (fs::temp_directory_path() / "foci_live_XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~ScratchFolder() { fs::remove_all(path_); }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// A gaze that jumps between two places on the screen every 150 ms, at 100 Hz; then, after
+/// `until_s`, says nothing.
+class Jumping final : public LiveSource {
+ public:
+  Jumping(const Screen& screen, double until_s) : screen_(screen), until_s_(until_s) {}
+  void poll(double now_s, std::vector<GazeSample>& samples) override {
+    for (; next_s_ <= std::min(now_s, until_s_); next_s_ += 0.01) {
+      const bool right = std::fmod(next_s_, 0.3) > 0.15;
+      samples.push_back({.time_s = next_s_,
+                         .point_px = glm::dvec2(screen_.size_px) *
+                                     glm::dvec2(right ? 0.7 : 0.3, 0.4 + 0.1 / 3.0)});
+    }
+  }
+  double rate_Hz() const override { return 100.0; }
+  std::string status() const override { return "jumping"; }
+
+ private:
+  Screen screen_;
+  double until_s_, next_s_ = 0.0;
+};
+
+class Live : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 1200\nproperty float x\nproperty float y\n"
+        "property float z\nend_header\n";
+    for (int i = 0; i < 1200; ++i) {  // a wall whose right part is nearer
+      const double x = 0.05 * (i % 40 - 19.5), y = 0.05 * (i / 40 - 14.5);
+      ply += std::to_string(x) + " " + std::to_string(y) + (x > 0 ? " -1\n" : " -2\n");
+    }
+    std::ofstream(scratch.path() / "scene.ply", std::ios::binary) << ply;
+    study.file = scratch.path() / "live.toml";
+    std::ofstream(study.file) << "";
+    study.scene.file = scratch.path() / "scene.ply";
+    study.eye.position_m = glm::dvec3(0.0);
+    study.eye.look_at_m = glm::dvec3(0.0, 0.0, -1.0);
+    study.output.size_px = glm::ivec2(64, 36);
+    study.output.marker = true;
+  }
+
+  NamedSource jumping(double until_s) const {
+    const Screen screen = study.screenInForce();
+    return {.source = std::make_unique<Jumping>(screen, until_s), .screen = screen};
+  }
+
+  /// Takes frames as a window would, for some time.
+  static FrameRecord watch(LiveRenderer& renderer, const LiveClock& clock, double seconds) {
+    FrameRecord last;
+    for (const double end_s = clock.now_s() + seconds; clock.now_s() < end_s;) {
+      if (auto frame = renderer.take()) {
+        frame->timing.swap_s = clock.now_s();
+        last = frame->record;
+        if (const auto record = frame->into.lock()) record->add(frame);
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return last;
+  }
+
+  ScratchFolder scratch;
+  Study study;
+};
+
+TEST_F(Live, RecordReplaysToTheSamePicturesAndEvents) {
+  const fs::path folder = scratch.path() / "record";
+  const LiveClock clock;
+  {
+    GazeFeed feed(jumping(100.0), clock);
+    LiveRenderer renderer(study, feed, clock, "foci live", 1, [] {});
+    watch(renderer, clock, 0.2);  // what was before the record does not count
+    auto begun = renderer.startRecord(folder);
+    watch(renderer, clock, 0.3);
+    EXPECT_EQ(begun.get(), "");
+    renderer.change("observer.pupil_mm", "7");
+    watch(renderer, clock, 0.2);
+    renderer.change("output.view", "\"side-by-side\"");
+    renderer.change("eye.position_m", "[0.1, 0, 0.1]");
+    watch(renderer, clock, 0.3);
+    renderer.mark("half");
+    renderer.change("focus.fixed_D", "1.5");
+    renderer.change("render.method", "\"pinhole\"");
+    watch(renderer, clock, 0.2);
+    renderer.change("focus.fixed_D", "null");
+    watch(renderer, clock, 0.3);
+    renderer.stopRecord();
+    watch(renderer, clock, 0.05);
+  }
+  EXPECT_NE(textOf(folder / "marks.tsv").find("\thalf\n"), std::string::npos);
+
+  const fs::path out = scratch.path() / "replay";
+  replay(readStudy(folder / "study.toml"), out, "", 1);
+  const auto live = nlohmann::json::parse(textOf(folder / "manifest.json"));
+  const auto again = nlohmann::json::parse(textOf(out / "manifest.json"));
+  EXPECT_GT(live["summary"]["frames"], 10);
+  EXPECT_EQ(live["frames_sha256"], again["frames_sha256"]);
+  EXPECT_EQ(textOf(folder / "events.tsv"), textOf(out / "events.tsv"));
+  const auto untimed = [](const std::string& table) {
+    std::istringstream lines(table);
+    std::string kept;
+    for (std::string line; std::getline(lines, line);) kept += line.substr(0, line.rfind('\t'));
+    return kept;
+  };
+  EXPECT_EQ(untimed(textOf(folder / "frames.tsv")), untimed(textOf(out / "frames.tsv")));
+}
+
+TEST_F(Live, RecordIsWholeWhereTheProgramLeavesWhileItRuns) {
+  const LiveClock clock;
+  {
+    GazeFeed feed(jumping(100.0), clock);
+    LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+    renderer.startRecord(scratch.path() / "record");
+    watch(renderer, clock, 0.5);
+  }
+  const auto manifest = nlohmann::json::parse(textOf(scratch.path() / "record/manifest.json"));
+  EXPECT_GT(manifest["summary"]["frames"], 0);
+}
+
+TEST_F(Live, HoldsTheFocusWhenTheSourceFallsSilent) {
+  const LiveClock clock;
+  GazeFeed feed(jumping(1.0), clock);
+  LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+  const FrameRecord last = watch(renderer, clock, 2.5);
+  EXPECT_EQ(last.eye.state, GazeState::lost);
+  EXPECT_TRUE(last.fixation_px.has_value());
+  ASSERT_TRUE(last.eye.target_D.has_value());
+  EXPECT_GT(*last.eye.target_D, 0.4);
+  EXPECT_GT(last.time_s, 1.5);  // it goes on drawing
+}
+
+TEST_F(Live, RefusesWhatCannotChangeAndGoesOn) {
+  const LiveClock clock;
+  GazeFeed feed(jumping(100.0), clock);
+  LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+  EXPECT_NE(answerTo("set output.size_px [8, 8]", renderer, clock).find("does not change"),
+            std::string::npos);
+  EXPECT_NE(answerTo("set observer.pupil_mm 99", renderer, clock).find("0.5 to 12"),
+            std::string::npos);
+  EXPECT_EQ(answerTo("set observer.pupil_mm 6", renderer, clock), "ok");
+  EXPECT_TRUE(answerTo("stop", renderer, clock).starts_with("error"));
+  EXPECT_TRUE(answerTo("record ../elsewhere", renderer, clock).starts_with("error"));
+  EXPECT_TRUE(answerTo("dance", renderer, clock).starts_with("error"));
+  EXPECT_TRUE(answerTo("mark a b", renderer, clock).starts_with("ok "));
+  EXPECT_EQ(watch(renderer, clock, 0.5).pupil_mm, 6.0);
+}
+
+TEST_F(Live, SaysWhenTheSceneCannotBeOpened) {
+  study.scene.file = scratch.path() / "none.ply";
+  const LiveClock clock;
+  GazeFeed feed(jumping(1.0), clock);
+  LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+  EXPECT_THROW(watch(renderer, clock, 5.0), InputError);
+}
+
+TEST_F(Live, GazeComesBackToTheLastBit) {
+  const Screen screen{.size_px = {1919, 1079}, .size_m = {0.53131, 0.29897}, .distance_m = 0.6123};
+  const fs::path file = scratch.path() / "gaze.tsv";
+  std::vector<GazeSample> samples;
+  for (int i = 0; i < 50; ++i) {
+    GazeSample sample{.time_s = wholeMicroseconds(17.0 + 0.004001 * i)};
+    if (i % 7 != 3) sample.point_px = glm::dvec2(100.0 / 3.0 * i, -1.0 / (1.0 + i));
+    sample.blink = i % 7 == 3;
+    if (i % 2) sample.pupil_mm = 3.0 + 0.1 / 3.0 * i;
+    if (i % 3) sample.uncertainty_deg = 0.7 / (i + 1.0);
+    if (i % 5) sample.eyes[1].point_px = glm::dvec2(std::sqrt(2.0) * i, 0.1 * i);
+    samples.push_back(sample);
+  }
+  {
+    GazeTable table(file, screen);
+    for (const GazeSample& sample : samples) table.add(sample);
+    table.flush();
+  }
+  const GazeTrace trace = readTrace(file, {}, {});
+  EXPECT_EQ(trace.screen->size_m, screen.size_m);
+  EXPECT_EQ(trace.screen->distance_m, screen.distance_m);
+  ASSERT_EQ(trace.samples.size(), samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_EQ(trace.samples[i].time_s, samples[i].time_s);
+    EXPECT_EQ(trace.samples[i].point_px, samples[i].point_px);
+    EXPECT_EQ(trace.samples[i].blink, samples[i].blink);
+    EXPECT_EQ(trace.samples[i].pupil_mm, samples[i].pupil_mm);
+    EXPECT_EQ(trace.samples[i].uncertainty_deg, samples[i].uncertainty_deg);
+    EXPECT_EQ(trace.samples[i].eyes[1].point_px, samples[i].eyes[1].point_px);
+  }
+}
+
+TEST_F(Live, RefusesTablesThatAreNone) {
+  const auto write = [&](const std::string& text) {
+    const fs::path file = scratch.path() / "table.tsv";
+    std::ofstream(file, std::ios::binary) << text;
+    return file;
+  };
+  EXPECT_THROW(readFrames(write("")), InputError);
+  EXPECT_THROW(readFrames(write("time_s\tmethod\n")), InputError);
+  EXPECT_THROW(readFrames(write("time_s\n1\n")), InputError);
+  EXPECT_THROW(readFrames(write("time_s\tmethod\n1\tswep\n")), InputError);
+  EXPECT_THROW(readFrames(write("time_s\tmethod\n1\tsweep\n1\tsweep\n")), InputError);
+  EXPECT_EQ(readFrames(write("time_s\tmethod\n1\tsweep\n2\tpinhole\n")).size(), 2u);
+  EXPECT_THROW(readFrames(write("time_s\tmethod\n1\n2\tpinhole\n")), InputError);
+  EXPECT_EQ(readFrames(write("time_s\tmethod\n1\tsweep\n2")).size(), 1u);  // cut off
+  EXPECT_THROW(readChanges(write("time_s\tkey\tvalue\n1\tseed\t3\n")), InputError);
+  EXPECT_THROW(readChanges(write("time_s\tkey\tvalue\n1\tobserver.pupil_mm\n")), InputError);
+  EXPECT_EQ(readChanges(write("time_s\tkey\tvalue\n")).size(), 0u);
+}
+
+TEST_F(Live, StudyAsTomlIsTheSameStudy) {
+  study.eye.position_m.reset();
+  study.eye.look_at_m.reset();
+  study.eye.path = {
+      {.time_s = 0.5, .position_m = {0, 1, 2}, .look_at_m = {0, 0, 0}, .up = {}},
+      {.time_s = 1.5, .position_m = {0, 1, 3}, .look_at_m = {0, 0, 0}, .up = glm::dvec3(0, 1, 0)}};
+  study.observer.between_eyes_mm = 100.0 / 1.7;
+  study.output.seconds = glm::dvec2(0.1, 1e5);
+  study.scene.file = "/somewhere/with \"quotes\".ply";
+  const fs::path file = scratch.path() / "written.toml";
+  std::ofstream(file, std::ios::binary) << studyToml(study);
+  const auto before = resolvedKeys(study), after = resolvedKeys(readStudy(file));
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_EQ(before[i].json, after[i].json) << before[i].name;
+  }
+}
+
+TEST(StudyKeys, PageIsCurrent) {
+  EXPECT_EQ(textOf(fs::path(FOCI_SOURCE_DIR) / "docs/study.md"), studyKeysMarkdown())
+      << "foci keys --markdown > docs/study.md";
+}
+
+TEST(MethodOfFrame, IsTheCheapestInASaccade) {
+  Study study;
+  study.render.method = "sweep-lod";
+  FrameRecord record;
+  record.eye.state = GazeState::saccade;
+  EXPECT_EQ(methodOfFrame(study, record), "pinhole");
+  for (const GazeState state : {GazeState::fixation, GazeState::pursuit, GazeState::lost}) {
+    record.eye.state = state;
+    EXPECT_EQ(methodOfFrame(study, record), "sweep-lod");
+  }
+}
+
+TEST(MarkSocket, AnswersADatagramWithOne) {
+  MarkSocket socket_under_test("0", [](const std::string& command) { return "<" + command + ">"; });
+  const int ours = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  to.sin_port = htons(static_cast<std::uint16_t>(socket_under_test.port()));
+  const std::string sent = "mark a\tb\n";
+  sendto(ours, sent.data(), sent.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  char bytes[64];
+  const ssize_t count = recv(ours, bytes, sizeof bytes, 0);
+  close(ours);
+  ASSERT_GT(count, 0);
+  EXPECT_EQ(std::string(bytes, static_cast<std::size_t>(count)), "<mark a b>\n");
+}
+
+TEST(MarkSocket, RefusesWhatIsNoAddress) {
+  for (const char* address : {"", "x", "70000", "1.2.3:5", "localhost:5", ":", "1.5"}) {
+    EXPECT_THROW(MarkSocket(address, [](const std::string& c) { return c; }), InputError)
+        << address;
+  }
+}
+
+TEST(Durations, QuantilesAreThoseOfTheBins) {
+  Durations durations;
+  EXPECT_EQ(durations.quantile_ms(0.5), 0.0);
+  for (int i = 1; i <= 100; ++i) durations.add(i);
+  constexpr double kBin_ms = 0.1;
+  EXPECT_NEAR(durations.quantile_ms(0.5), 51.0, kBin_ms);
+  EXPECT_NEAR(durations.quantile_ms(0.95), 96.0, kBin_ms);
+}
+
+TEST(LivePose, MovesLevelAndTurnsAroundTheEye) {
+  LivePose pose({0, 1, 0}, {0, 0.5, -2}, {0, 1, 0});
+  constexpr double kRounding = 1e-12;
+  pose.move({0.0, 0.0, 0.5});
+  EXPECT_NEAR(glm::distance(pose.position_m(), glm::dvec3(0, 1, -0.5)), 0.0, kRounding);
+  EXPECT_NEAR(glm::distance(pose.look_at_m(), glm::dvec3(0, 0.5, -2.5)), 0.0, kRounding);
+  const double away_m = glm::distance(pose.position_m(), pose.look_at_m());
+  pose.turn({0.1, 0.0});
+  EXPECT_GT(pose.look_at_m().x, 0.0);
+  EXPECT_NEAR(glm::distance(pose.position_m(), pose.look_at_m()), away_m, kRounding);
+  for (int i = 0; i < 100; ++i) pose.turn({0.0, 0.3});  // never over the head
+  EXPECT_LT(std::abs(glm::normalize(pose.look_at_m() - pose.position_m()).y), 0.99);
+  pose.reset();
+  EXPECT_EQ(pose.look_at_m(), glm::dvec3(0, 0.5, -2));
+}
+
+}  // namespace
+}  // namespace foci
