@@ -66,8 +66,11 @@ struct Advice {
 };
 
 constexpr Advice kAdvice[] = {
-    {"You follow a gaze, or want a good picture soon", "sweep-lod",
-     "its time hardly grows with the blur, and outlines are right where surfaces overlap"},
+    {"You follow a gaze, or want a good picture soon", "auto",
+     "the default: as coarse, and so as fast, as the tolerance allows, and it says what it errs "
+     "by"},
+    {"The picture matters more than its time", "sweep-lod",
+     "levels of detail that show nowhere, and outlines that are right where surfaces overlap"},
     {"The blur is small, or one code path without levels of detail is wanted", "sweep",
      "the same kernel without a hierarchy; as close wherever surfaces do not overlap"},
     {"Foliage, hair: things at many depths, seen around and between", "sweep-lod:19",

@@ -53,7 +53,7 @@ std::vector<ChartMethod> everyMethod(bool is_quick) {
   std::vector<ChartMethod> all;
   for (const MethodInfo& info : methods()) {
     const std::string name(info.name);
-    if (info.most == 0) {
+    if (info.standard == 0) {
       all.push_back({name, {}});
       continue;
     }
@@ -76,7 +76,7 @@ ChartMethod methodOf(const std::string& spec) {
   if (colon != std::string::npos) return {spec.substr(0, colon), std::stoi(spec.substr(colon + 1))};
   const auto info = std::find_if(methods().begin(), methods().end(),
                                  [&](const MethodInfo& one) { return one.name == spec; });
-  return {spec, info->most > 0 ? std::optional(info->standard) : std::nullopt};
+  return {spec, info->standard > 0 ? std::optional(info->standard) : std::nullopt};
 }
 
 std::string poseText(const EyePose& pose) {

@@ -3,6 +3,7 @@
 #include "app/base/input_error.h"
 #include "app/inputs.h"
 #include "app/observer_pupil.h"
+#include "app/session.h"
 #include "app/stereo.h"
 #include "gaze/focus/line_of_sight.h"
 #include "render/image/image_file.h"
@@ -45,7 +46,8 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
   Frame frame{.size_px = view.size_px, .rgba = {}, .depth_m = {}}, eye_frame;
   RenderSettings settings{.defocus = {},
                           .background = glm::vec3(study.scene.background),
-                          .shading = static_cast<float>(study.render.shading)};
+                          .shading = static_cast<float>(study.render.shading),
+                          .quality = requestedQuality(study)};
   ObserverPupil pupil(study);
   if (pupil.needsPicture()) {
     method->render(view, settings, frame);
@@ -60,9 +62,7 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
                                      DistanceAlong::sight);
     const bool mono = stereo == StereoView::mono;
     const RenderStats stats = method->render(eye.view, settings, mono ? frame : eye_frame);
-    summary.stats.splats += stats.splats;
-    summary.stats.fragments += stats.fragments;
-    summary.stats.ms += stats.ms;
+    addView(stats, summary.stats);
     if (!mono) putEye(stereo, eye, eye_frame, frame);
   }
   writeImage(request.out, frame, study.screen.gamma);

@@ -1,6 +1,7 @@
 #include "app/session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "app/base/input_error.h"
@@ -11,9 +12,10 @@ namespace foci {
 namespace {
 
 constexpr std::string_view kLiveKeys[] = {
-    "eye.position_m", "eye.look_at_m", "observer.pupil_mm", "observer.between_eyes_mm",
-    "focus.fixed_D",  "render.method", "render.shading",    "scene.background",
-    "output.marker",  "output.split",  "output.view",
+    "eye.position_m",   "eye.look_at_m",    "observer.pupil_mm", "observer.between_eyes_mm",
+    "focus.fixed_D",    "render.method",    "render.shading",    "scene.background",
+    "output.marker",    "output.split",     "output.view",       "quality.tolerance",
+    "quality.frame_ms", "quality.foveated",
 };
 
 /// The left half without blur, a thin line between.
@@ -27,6 +29,21 @@ void splitWithSharp(Frame& frame, const Frame& sharp) {
 }
 
 }  // namespace
+
+Quality requestedQuality(const Study& study) {
+  Quality quality{.tolerance = static_cast<float>(study.quality.tolerance)};
+  if (study.quality.frame_ms) quality.frame_ms = static_cast<float>(*study.quality.frame_ms);
+  return quality;
+}
+
+void addView(const RenderStats& view, RenderStats& all) {
+  all.splats += view.splats;
+  all.fragments += view.fragments;
+  all.ms += view.ms;
+  if (view.tolerance_error) {
+    all.tolerance_error = std::max(all.tolerance_error.value_or(0.0), *view.tolerance_error);
+  }
+}
 
 bool changesLive(std::string_view key) {
   return std::find(std::begin(kLiveKeys), std::end(kLiveKeys), key) != std::end(kLiveKeys);
@@ -142,6 +159,24 @@ FrameRecord Session::look(double time_s) {
   return record;
 }
 
+Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const {
+  Quality quality = requestedQuality(study_);
+  if (!study_.quality.foveated) return quality;
+  const GazeState state = record.eye.state;
+  if (state == GazeState::saccade || state == GazeState::blink) {
+    quality.acuity = acuityInSaccade();
+  } else if (const auto& point_px = record.gaze_px ? record.gaze_px : record.fixation_px) {
+    // On the screen, which all views share: where the eye's own view has it.
+    const glm::dvec3 sight = lineOfSight(screen_, *point_px);
+    const glm::dvec3 p_eye =
+        screen_.distance_m / -sight.z * sight - glm::dvec3(eye.offset_m, 0.0, 0.0);
+    quality.acuity =
+        acuityAround(project(eye.view, glm::vec3(p_eye)),
+                     glm::radians(std::sqrt(eye.view.focal_px.x * eye.view.focal_px.y)));
+  }
+  return quality;
+}
+
 void Session::draw(const std::string& method, FrameRecord& record, Frame& frame) {
   record.method = method;
   const StereoView stereo = stereoViewNamed(study_.output.view);
@@ -152,12 +187,12 @@ void Session::draw(const std::string& method, FrameRecord& record, Frame& frame)
     RenderSettings settings{.defocus = defocusOfLens(record.pupil_mm / 1000.0, eye.view.focal_px,
                                                      record.eye.focus_D, DistanceAlong::sight),
                             .background = glm::vec3(study_.scene.background),
-                            .shading = static_cast<float>(study_.render.shading)};
+                            .shading = static_cast<float>(study_.render.shading),
+                            .quality = qualityOf(record, eye)};
     Frame& seen = mono ? frame : eye_frame_;
     const RenderStats stats = methodNamed(method).render(eye.view, settings, seen);
-    record.stats.splats += stats.splats;
-    record.stats.fragments += stats.fragments;
-    record.stats.ms += stats.ms;
+    addView(stats, record.stats);
+    if (!stats.drawn_as.empty()) record.method = stats.drawn_as;
     if (study_.output.split) {
       settings.defocus = {};
       methodNamed(method).render(eye.view, settings, sharp_);

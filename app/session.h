@@ -83,6 +83,7 @@ class Session {
   std::vector<EyeView> viewsAt(double time_s) const;
   std::optional<double> surfaceDistance(double time_s, const glm::dvec3& direction_eye,
                                         double half_angle_rad) const;
+  Quality qualityOf(const FrameRecord& record, const EyeView& eye) const;
   Method& methodNamed(const std::string& spec);
   GazeFollower newFollower();
 
@@ -97,6 +98,12 @@ class Session {
   ObserverPupil pupil_;
   Frame eye_frame_, sharp_;  // of one eye; kept for their memory
 };
+
+/// What the study lets method `auto` spend, at full acuity.
+Quality requestedQuality(const Study& study);
+
+/// Adds what one of its views cost to what all of a picture's do; the larger error is that of all.
+void addView(const RenderStats& view, RenderStats& all);
 
 /// Keys that `Session::change` takes.
 bool changesLive(std::string_view key);

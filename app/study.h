@@ -79,9 +79,16 @@ struct Study {
   } focus;
 
   struct Render {
-    std::string method = "sweep";
+    std::string method = "auto";
     double shading = 0.0;
   } render;
+
+  /// What method `auto` may spend.
+  struct QualityKeys {
+    double tolerance = 1.0;          ///< just noticeable differences
+    std::optional<double> frame_ms;  ///< time to hold
+    bool foveated = false;
+  } quality;
 
   struct Output {
     std::optional<glm::ivec2> size_px;  ///< of the pictures; absent: the screen's

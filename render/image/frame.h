@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace foci {
@@ -32,6 +33,8 @@ struct RenderStats {
   /// Of `auto`: the error that it expects at most in 95 % of the pixels, in just noticeable
   /// differences.
   std::optional<double> tolerance_error;
+  /// Of `auto` under a budget of time: the method that draws the same on any machine.
+  std::string drawn_as;
 };
 
 }  // namespace foci

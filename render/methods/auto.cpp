@@ -1,5 +1,6 @@
 // The default: `sweep-lod` that spends only what shows. Of four ways to draw a frame it takes the
-// cheapest whose error, as found beforehand over scenes and blurs, stays within the tolerance.
+// cheapest whose error, as found beforehand over scenes and blurs, stays within the tolerance;
+// `auto:N` is always the N-th.
 // Known failure: the error is one of whole pictures by the largest blur in view, so a small part
 // that is harder than the rest (foliage) may err by more.
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <string>
 
 #include "render/methods/lod_splats.h"
 #include "render/methods/method.h"
@@ -40,11 +42,14 @@ constexpr int kFramesBelow = 10;
 
 class AutoMethod final : public Method {
  public:
-  explicit AutoMethod(const SurfelCloud& cloud) : scene_(cloud) {}
+  /// @param number  of the way, from 1; 0: chosen by frame
+  AutoMethod(const SurfelCloud& cloud, int number) : scene_(cloud), number_(number) {}
 
   RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     const float blur_px = largestBlur_px(view, settings.defocus);
-    const Way& way = choose(blur_px, settings.quality);
+    const std::size_t chosen =
+        number_ > 0 ? static_cast<std::size_t>(number_ - 1) : choose(blur_px, settings.quality);
+    const Way& way = kWays[chosen];
     LodSettings lod = way.lod;
     lod.cut.acuity = settings.quality.acuity;
     const auto start = std::chrono::steady_clock::now();
@@ -52,6 +57,7 @@ class AutoMethod final : public Method {
     last_ms_ =
         std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count();
     stats.tolerance_error = way.error(blur_px);
+    if (settings.quality.frame_ms) stats.drawn_as = "auto:" + std::to_string(chosen + 1);
     return stats;
   }
 
@@ -65,7 +71,7 @@ class AutoMethod final : public Method {
   }
 
   /// The way to draw a frame of this blur.
-  const Way& choose(float blur_px, const Quality& quality) {
+  std::size_t choose(float blur_px, const Quality& quality) {
     const auto cheapest = [&](float tolerance) {
       std::size_t way = 0;
       while (way + 1 < kWays.size() && kWays[way].error(blur_px) > tolerance) ++way;
@@ -85,10 +91,11 @@ class AutoMethod final : public Method {
     } else {
       cheaper_ = 0;
     }
-    return kWays[*way_ - std::min(*way_, cheaper_)];
+    return *way_ - std::min(*way_, cheaper_);
   }
 
   LodSplats scene_;
+  int number_;
   std::optional<std::size_t> way_;  // for the tolerance's sake
   std::size_t cheaper_ = 0;         // ways less, for the time's sake
   int below_ = 0;                   // frames well within the time
@@ -102,9 +109,10 @@ MethodEntry autoMethod() {
       .info = {.name = "auto",
                .summary = "sweep-lod that spends only what shows: as coarse as the tolerance, or "
                           "the time, allows",
-               .source = "our own"},
-      .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
-        return std::make_unique<AutoMethod>(cloud);
+               .source = "our own",
+               .most = static_cast<int>(kWays.size())},
+      .make = [](const SurfelCloud& cloud, int number) -> std::unique_ptr<Method> {
+        return std::make_unique<AutoMethod>(cloud, number);
       }};
 }
 

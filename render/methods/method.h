@@ -55,13 +55,13 @@ struct MethodInfo {
   std::string_view summary;  ///< one line
   std::string_view source;   ///< where it is from
   int most = 0;              ///< the largest N of `name:N`; 0: it takes none
-  int standard = 0;          ///< N where none is given
+  int standard = 0;          ///< N where none is given; 0 of one that takes it: its own choice
 };
 
 /// What each method's own file says of it, in a function that every_method.inc names.
 struct MethodEntry {
   MethodInfo info;
-  /// @param number  N, 1 to `info.most`; of no meaning where `most` is 0
+  /// @param number  N, 1 to `info.most`, or `info.standard`; of no meaning where `most` is 0
   std::unique_ptr<Method> (*make)(const SurfelCloud& cloud, int number);
 };
 
