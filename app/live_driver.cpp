@@ -52,7 +52,8 @@ std::filesystem::path unusedName(const std::string& extension) {
                          std::strftime(text.data(), text.size(), "foci-%Y%m%d-%H%M%S", &local));
   std::filesystem::path path = stem + extension;
   for (int i = 2; std::filesystem::exists(path); ++i) {
-    path = stem + "-" + std::to_string(i) + extension;
+    path = stem;
+    path += "-" + std::to_string(i) + extension;
   }
   return path;
 }

@@ -45,8 +45,8 @@ std::string orAbsent(const std::optional<double>& time_s) {
 
 }  // namespace
 
-LiveRecord::LiveRecord(fs::path folder, const Study& study, const Screen& screen, double rate_Hz,
-                       std::string command, unsigned threads)
+LiveRecord::LiveRecord(const fs::path& folder, const Study& study, const Screen& screen,
+                       double rate_Hz, std::string command, unsigned threads)
     : folder_(madeEmpty(folder)),
       study_(studyOfRecord(study, rate_Hz)),
       command_(std::move(command)),

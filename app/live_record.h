@@ -55,8 +55,8 @@ class LiveRecord {
   /// @param screen   that the samples are on
   /// @param command  as typed, for the manifest
   /// @throws InputError, std::runtime_error
-  LiveRecord(std::filesystem::path folder, const Study& study, const Screen& screen, double rate_Hz,
-             std::string command, unsigned threads);
+  LiveRecord(const std::filesystem::path& folder, const Study& study, const Screen& screen,
+             double rate_Hz, std::string command, unsigned threads);
   /// Closes it first.
   ~LiveRecord();
   LiveRecord(const LiveRecord&) = delete;

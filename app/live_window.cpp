@@ -65,7 +65,6 @@ class LiveWindow {
   void toggleRecord();
   void screenshot();
 
-  const LiveOptions& options_;
   LiveClock clock_;
   Screen screen_;
   std::optional<LivePose> pose_;  // absent: the study moves the eye
@@ -90,7 +89,7 @@ class LiveWindow {
 };
 
 LiveWindow::LiveWindow(const Study& study, const LiveOptions& options)
-    : options_(options), screen_(study.screenInForce()) {
+    : screen_(study.screenInForce()) {
   if (study.eye.path.empty()) {
     pose_.emplace(*study.eye.position_m, *study.eye.look_at_m, study.eye.up);
   }

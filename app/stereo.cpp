@@ -46,10 +46,9 @@ void putEye(StereoView stereo, const EyeView& eye, const Frame& frame, Frame& wh
     const auto to =
         whole.rgba.begin() + static_cast<std::ptrdiff_t>((y + eye.corner_px.y) * whole_width +
                                                          static_cast<std::size_t>(eye.corner_px.x));
-    if (stereo != StereoView::anaglyph) {
+    // Of an anaglyph's left eye all; the right eye's takes the place of what is not red.
+    if (stereo != StereoView::anaglyph || eye.offset_m < 0.0) {
       std::copy_n(from, width, to);
-    } else if (eye.offset_m < 0.0) {
-      std::copy_n(from, width, to);  // all of it; the right eye's takes the place of the rest
     } else {
       std::transform(from, from + static_cast<std::ptrdiff_t>(width), to, to,
                      [](const glm::vec4& right, const glm::vec4& left) {

@@ -98,6 +98,7 @@ bool TableRow::isTrusted(GazeSample& sample) const {
 void TableRow::read(GazeSample& sample) const {
   sample.point_px.reset();
   sample.confidence.reset();
+  sample.uncertainty_deg.reset();
   sample.blink = false;
   if (layout_.has_eyes) sample.eyes = {};
   if (isTrusted(sample)) {
