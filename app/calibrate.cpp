@@ -21,7 +21,8 @@ void refuseEmpty(const CLI::App& command) {
 
 void addCalibrateCommand(CLI::App& app) {
   CLI::App* calibrate =
-      app.add_subcommand("calibrate", "The screen, the gaze, the camera")->require_subcommand(1);
+      app.add_subcommand("calibrate", "The screen, the gaze, both eyes in space, the camera")
+          ->require_subcommand(1);
 
   const auto screen_options = std::make_shared<CalibrateScreenOptions>();
   CLI::App* screen = calibrate->add_subcommand("screen", "Size, distance and gamma of the screen");
@@ -75,6 +76,23 @@ void addCalibrateCommand(CLI::App& app) {
   gaze->callback([=] {
     refuseEmpty(*gaze);
     calibrateGaze(*gaze_options);
+  });
+
+  const auto binocular_options = std::make_shared<CalibrateBinocularOptions>();
+  CLI::App* binocular = calibrate->add_subcommand(
+      "binocular", "From eyes in space to the screen: the display's pose, each eye's kappa");
+  {
+    CalibrateBinocularOptions& o = *binocular_options;
+    binocular
+        ->add_option("--pairs", o.pairs, "Eyes and targets to fit, a table (docs/calibration.md)")
+        ->required();
+    binocular->add_option("--validate", o.validate, "Others, to measure on");
+    binocular->add_option("--out", o.out, "Map as TOML");
+    binocular->add_flag("--json", o.json, "Summary on standard output as JSON");
+  }
+  binocular->callback([=] {
+    refuseEmpty(*binocular);
+    calibrateBinocular(*binocular_options);
   });
 
   const auto camera_options = std::make_shared<CalibrateCameraOptions>();

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <utility>
 
 #include "app/base/input_error.h"
 #include "app/calibrate_options.h"
@@ -69,18 +70,18 @@ void correctDriftOf(const CalibrateGazeOptions& options) {
               drift_deg, gaze.size());
 }
 
+std::optional<Lens> cameraOf(const CalibrateGazeOptions& options) {
+  if (options.camera.empty()) return std::nullopt;
+  return lensOf(readCamera(options.camera));
+}
+
 /// From a video of the observer's face and the times at which targets were shown.
 GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& place,
                      const Screen& screen, WebcamCalibration& calibration) {
-  std::optional<Pinhole> camera;
-  if (!options.camera.empty()) {
-    const CameraModel model = readCamera(options.camera);
-    camera = Pinhole{.focal_px = model.focal_px, .principal_px = model.principal_px};
-  }
   const auto targets = readShownTargets(options.pairs);
   std::vector<ShownTarget> others;
   if (!options.validate.empty()) others = readShownTargets(options.validate);
-  WebcamTracker tracker(camera);
+  WebcamTracker tracker(cameraOf(options));
   const std::vector<WebcamFrame> frames = readWebcam(place, tracker);
   const auto reference = tracker.reference();
   if (!reference) throw InputError(nameOf(place), "no face in any frame");
@@ -91,9 +92,9 @@ GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& pla
 }
 
 void refuseWindowOptions(const CalibrateGazeOptions& options) {
-  if (options.source != "mouse") {
-    throw InputError("--source", options.source.substr(0, 40) +
-                                     ": expected mouse, or webcam:VIDEO with --pairs");
+  if (options.source != "mouse" && !webcamPlaceOf(options.source)) {
+    throw InputError("--source",
+                     options.source.substr(0, 40) + ": expected mouse or webcam[:N|FILE|PATTERN]");
   }
   constexpr std::array<int, 4> kCounts{5, 9, 13, 16};
   if (std::find(kCounts.begin(), kCounts.end(), options.targets) == kCounts.end()) {
@@ -127,12 +128,13 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
   } else if (options.pairs.empty()) {
     if (!options.validate.empty()) throw InputError("--validate", "needs --pairs");
     refuseWindowOptions(options);
-    const auto result = calibrateGazeInWindow(options, frame.screen);
+    auto result = calibrateGazeInWindow(options, frame.screen, webcam, cameraOf(options));
     if (!result) {
       std::fprintf(stderr, "left without a calibration\n");
       return;
     }
-    report = *result;
+    report = result->report;
+    if (result->webcam) calibration = std::move(*result->webcam);
   } else {
     report = fromFiles(options, frame, model);
   }

@@ -10,7 +10,9 @@ constexpr const char* kNoWindow = "built without windows: use --pairs or --headl
 
 }  // namespace
 
-std::optional<GazeReport> calibrateGazeInWindow(const CalibrateGazeOptions&, const Screen&) {
+std::optional<GazeWindowResult> calibrateGazeInWindow(const CalibrateGazeOptions&, const Screen&,
+                                                      const std::optional<WebcamPlace>&,
+                                                      const std::optional<Lens>&) {
   throw std::runtime_error(kNoWindow);
 }
 

@@ -1,4 +1,4 @@
-// What the three calibrations are asked for on the command line, and their entries.
+// What the calibrations are asked for on the command line, and their entries.
 #pragma once
 
 #include <filesystem>
@@ -29,6 +29,11 @@ struct CalibrateGazeOptions {
   bool manual = false;  ///< every target waits for the space key
 };
 
+struct CalibrateBinocularOptions {
+  bool json = false;
+  std::filesystem::path pairs, validate, out;
+};
+
 struct CalibrateCameraOptions {
   bool json = false;
   bool window = false;  ///< show the video; a device is shown always
@@ -41,6 +46,7 @@ struct CalibrateCameraOptions {
 
 void calibrateScreen(const CalibrateScreenOptions& options);
 void calibrateGaze(const CalibrateGazeOptions& options);
+void calibrateBinocular(const CalibrateBinocularOptions& options);
 void calibrateCamera(const CalibrateCameraOptions& options);
 
 }  // namespace foci

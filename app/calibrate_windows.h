@@ -7,13 +7,23 @@
 #include "calibration/camera.h"
 #include "calibration/gaze_report.h"
 #include "calibration/screen_file.h"
+#include "calibration/webcam_calibration.h"
 
 namespace foci {
 
+struct GazeWindowResult {
+  GazeReport report;
+  std::optional<WebcamCalibration> webcam{};  ///< where that was the source
+};
+
 /// Targets, validation, result. Absent where the observer left.
 /// @param screen  the monitor's size is taken from it, its pixels from the window
-std::optional<GazeReport> calibrateGazeInWindow(const CalibrateGazeOptions& options,
-                                                const Screen& screen);
+/// @param webcam  absent: the mouse is the tracker
+/// @param camera  of the webcam; absent: a usual one
+std::optional<GazeWindowResult> calibrateGazeInWindow(const CalibrateGazeOptions& options,
+                                                      const Screen& screen,
+                                                      const std::optional<WebcamPlace>& webcam,
+                                                      const std::optional<Lens>& camera);
 
 /// Card, distance, gamma. Absent where the observer left.
 /// @param start  what is known already

@@ -1,16 +1,9 @@
 #include "app/charts.h"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <cmath>
-#include <cstdio>
 #include <limits>
-#include <memory>
-#include <stdexcept>
 
+#include "app/gnuplot.h"
 #include "app/tables.h"
 
 namespace foci {
@@ -18,48 +11,6 @@ namespace {
 
 constexpr std::size_t kMaxRows = 4000;
 constexpr const char* kInk = "#010203";  // stands for the page's text colour until the SVG is done
-
-using File = std::unique_ptr<std::FILE, decltype(&std::fclose)>;
-
-File temporaryFile() {
-  File file(std::tmpfile(), &std::fclose);
-  if (!file) throw std::runtime_error("cannot make a temporary file");
-  return file;
-}
-
-/// Runs gnuplot on a script. @return its standard output; nothing where there is no gnuplot
-std::optional<std::string> runGnuplot(const std::string& script) {
-  const File in = temporaryFile(), out = temporaryFile();
-  if (std::fwrite(script.data(), 1, script.size(), in.get()) != script.size() ||
-      std::fflush(in.get()) != 0) {
-    throw std::runtime_error("cannot write a temporary file");
-  }
-  std::rewind(in.get());
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, fileno(in.get()), STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(out.get()), STDOUT_FILENO);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  std::string name = "gnuplot", option = "-d";  // no settings of the user's own
-  char* arguments[] = {name.data(), option.data(), nullptr};
-  pid_t child = 0;
-  const int spawned = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (spawned != 0) return std::nullopt;
-  int status = 0;
-  waitpid(child, &status, 0);
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 127) return std::nullopt;
-
-  std::string text;
-  std::rewind(out.get());
-  char block[65536];
-  for (std::size_t n; (n = std::fread(block, 1, sizeof block, out.get())) > 0;)
-    text.append(block, n);
-  if (status != 0 || text.find("<svg") == std::string::npos) {
-    throw std::runtime_error("gnuplot failed to draw the report's charts");
-  }
-  return text;
-}
 
 std::string field(double value, int digits) {
   return std::isfinite(value) ? decimal(value, digits) : "NaN";

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "app/base/input_error.h"
+#include "calibration/binocular_map.h"
 #include "calibration/gaze_map_file.h"
 #include "calibration/webcam_calibration.h"
 #include "gaze/sources/simulator.h"
@@ -95,6 +96,9 @@ GazeTrace simulate(const Study& study) {
 GazeTrace traceOfWebcam(const Study& study, const WebcamPlace& place) {
   const WebcamCalibration calibration = readWebcamCalibration(*study.gaze.map);
   const Screen screen = study.screenInForce();
+  std::optional<Lens> camera;
+  if (study.gaze.camera) camera = lensOf(readCamera(*study.gaze.camera));
+  requireSame(calibration, screen, camera);
   WebcamTracker tracker(std::nullopt, calibration.reference);
   const WebcamMapping map = mappingOf(calibration.map, screen);
   GazeTrace trace{.format = nameOf(place), .screen = screen};
@@ -156,15 +160,21 @@ SurfelCloud loadScene(const Study& study) {
   return std::move(scene.cloud);
 }
 
-GazeTrace loadGaze(const Study& study) {
-  if (study.gazeIsSimulated()) return simulate(study);
-  if (const auto place = webcamPlaceOf(study.gaze.source)) return traceOfWebcam(study, *place);
+TraceColumns columnsOf(const Study& study) {
   TraceColumns columns = study.gaze.columns;
   if (study.gaze.units == "px") columns.units = GazeUnits::px;
   if (study.gaze.units == "deg") columns.units = GazeUnits::deg;
   if (study.gaze.units == "normalised") columns.units = GazeUnits::normalised;
-  GazeTrace trace = readTrace(study.gaze.source, columns, study.screenInForce());
-  if (study.gaze.map) {
+  return columns;
+}
+
+GazeTrace loadGaze(const Study& study) {
+  if (study.gazeIsSimulated()) return simulate(study);
+  if (const auto place = webcamPlaceOf(study.gaze.source)) return traceOfWebcam(study, *place);
+  GazeTrace trace = readTrace(study.gaze.source, columnsOf(study), study.screenInForce());
+  if (study.gaze.map && isBinocularFile(*study.gaze.map)) {
+    trace = mapTrace(readBinocular(*study.gaze.map), study.screenInForce(), std::move(trace));
+  } else if (study.gaze.map) {
     const GazeMap map = readGazeMap(*study.gaze.map);
     const Screen screen = *trace.screen;
     trace = mapTrace(map, screen, std::move(trace));

@@ -34,6 +34,9 @@ SurfelCloud loadScene(const Study& study);
 /// @throws InputError
 GazeTrace loadGaze(const Study& study);
 
+/// The columns of a recording as the study names them.
+TraceColumns columnsOf(const Study& study);
+
 /// Every file that the result depends on.
 std::vector<std::filesystem::path> inputFiles(const Study& study);
 

@@ -13,6 +13,7 @@
 
 #include "app/base/input_error.h"
 #include "app/calibrate.h"
+#include "app/chart_command.h"
 #include "app/events_command.h"
 #include "app/manifest.h"
 #include "app/methods_command.h"
@@ -92,8 +93,13 @@ Study studyOf(const Options& options) {
   }
   if (!options.pupil.empty()) {
     const auto pupil_mm = numberOf(options.pupil);
-    if (!pupil_mm) throw InputError("--pupil " + options.pupil, "expected millimetres, e.g. 4");
-    overrideKey(study, "observer.pupil_mm", *pupil_mm, "--pupil " + options.pupil);
+    const bool named = options.pupil == "recording" || options.pupil == "luminance";
+    if (!pupil_mm && !named) {
+      throw InputError("--pupil " + options.pupil,
+                       "expected millimetres, e.g. 4, or recording or luminance");
+    }
+    study.observer.pupil = named ? options.pupil : "fixed";
+    if (pupil_mm) overrideKey(study, "observer.pupil_mm", *pupil_mm, "--pupil " + options.pupil);
   }
   if (options.marker) study.output.marker = true;
   if (options.split) study.output.split = true;
@@ -148,7 +154,7 @@ int runRender(const Options& options) {
     nlohmann::ordered_json json = {{"out", options.out},
                                    {"focus_D", summary.focus_D},
                                    {"surface_distance_m", nullptr},
-                                   {"pupil_mm", study.observer.pupil_mm},
+                                   {"pupil_mm", summary.pupil_mm},
                                    {"method", study.render.method},
                                    {"splats", summary.stats.splats},
                                    {"fragments", summary.stats.fragments},
@@ -161,7 +167,7 @@ int runRender(const Options& options) {
                                     ? ", on the surface " + decimal(*surface_m, 3) + " m away"
                                     : ", at rest: no surface under the gaze";
     std::printf("%s: focus %.3f D%s; pupil %.2f mm; %.1f ms\n", options.out.c_str(),
-                summary.focus_D, surface.c_str(), study.observer.pupil_mm, summary.stats.ms);
+                summary.focus_D, surface.c_str(), summary.pupil_mm, summary.stats.ms);
   }
   return kDone;
 }
@@ -178,7 +184,8 @@ void addCommonOptions(CLI::App& command, Options& options) {
       "map of foci calibrate gaze, for the recording or webcam");
   add("--camera", options.camera, "FILE", "camera of foci calibrate camera");
   add("--size", options.size, "WxH", "of the pictures, px, e.g. 1280x720");
-  add("--pupil", options.pupil, "MM", "diameter of the pupil, millimetres");
+  add("--pupil", options.pupil, "MM",
+      "diameter of the pupil, millimetres; or recording or luminance, where it comes from");
   add("--method", options.method, "NAME", "one of `foci methods`");
   add("--threads", options.threads, "N", "at most; the result is the same for any");
   command.add_flag("--json", options.json, "print the summary as JSON");
@@ -233,6 +240,7 @@ int run(int argc, char** argv) {
       ->type_name("FILE");
 
   addCalibrateCommand(app);
+  addChartCommand(app);
   addEventsCommand(app);
   addMethodsCommand(app);
   addPrepareCommand(app);
@@ -245,7 +253,8 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
-  for (const char* command : {"calibrate", "events", "methods", "prepare", "reproduce", "trace"}) {
+  for (const char* command :
+       {"calibrate", "chart", "events", "methods", "prepare", "reproduce", "trace"}) {
     if (app.got_subcommand(command)) return kDone;
   }
   for (const CLI::Option* option : app.get_subcommands().front()->get_options()) {

@@ -23,6 +23,7 @@ Json toJson(const ReplaySummary& summary) {
           {"render_ms_median", summary.render_ms_median},
           {"render_ms_p95", summary.render_ms_p95},
           {"splats", summary.splats},
+          {"pupil_mm", summary.pupil_mm},
           {"out", summary.out.string()}};
 }
 

@@ -71,6 +71,12 @@ void OutputFolder::commit() {
   committed_ = true;
 }
 
+void replaceFile(const fs::path& path, const std::string& bytes) {
+  const fs::path aside = path.parent_path() / ("." + path.filename().string() + ".part");
+  writeText(aside, bytes);
+  fs::rename(aside, path);
+}
+
 void writeText(const fs::path& path, const std::string& text) {
   std::ofstream out(path, std::ios::binary);
   out.write(text.data(), static_cast<std::streamsize>(text.size()));

@@ -18,7 +18,9 @@ cv::Mat matOf(const Picture& picture) {
 
 }  // namespace
 
-Picture pictureOf(const Frame& frame) { return {.size_px = frame.size_px, .rgb = srgb8(frame)}; }
+Picture pictureOf(const Frame& frame, std::optional<double> gamma) {
+  return {.size_px = frame.size_px, .rgb = codesOf(frame, gamma)};
+}
 
 void drawMarker(Picture& picture, const glm::dvec2& point_px, bool held) {
   const glm::dvec2 size_px(picture.size_px);

@@ -1,9 +1,10 @@
-// Frames as they are shown: 8-bit sRGB, with a mark where the observer looks.
+// Frames as they are shown: 8 bits, with a mark where the observer looks.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,8 @@
 
 namespace foci {
 
-Picture pictureOf(const Frame& frame);
+/// @param gamma  of the display; absent: sRGB
+Picture pictureOf(const Frame& frame, std::optional<double> gamma = std::nullopt);
 
 /// A ring around a point, legible on any ground. Points off the picture are left out.
 /// @param held  the observer does not fixate now (saccade, blink, loss): the ring is broken
@@ -23,6 +25,9 @@ void splitWithSharp(Picture& picture, const Picture& sharp);
 
 /// A smaller copy, `width_px` wide, of the same shape.
 Picture thumbnail(const Picture& picture, int width_px);
+
+/// How much differences are amplified to be seen.
+inline constexpr float kDifferenceGain = 8.0f;
 
 /// How far two frames are apart, |a - b| times `gain`, linear. Same sizes.
 Picture differenceOf(const Frame& a, const Frame& b, float gain);

@@ -2,6 +2,7 @@
 
 #include "app/base/input_error.h"
 #include "app/inputs.h"
+#include "app/observer_pupil.h"
 #include "gaze/focus/line_of_sight.h"
 #include "render/image/image_file.h"
 #include "render/methods/method.h"
@@ -36,14 +37,21 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
   }
 
   Frame frame;
-  const RenderSettings settings{
-      .defocus = defocusOfLens(study.observer.pupil_mm / 1000.0, view.focal_px, summary.focus_D,
-                               DistanceAlong::sight),
-      .background = glm::vec3(study.scene.background),
-      .shading = static_cast<float>(study.render.shading),
-      .depth = request.depth.has_value()};
-  summary.stats = makeMethod(study.render.method, cloud)->render(view, settings, frame);
-  writeImage(request.out, frame);
+  const auto method = makeMethod(study.render.method, cloud);
+  RenderSettings settings{.defocus = {},
+                          .background = glm::vec3(study.scene.background),
+                          .shading = static_cast<float>(study.render.shading)};
+  ObserverPupil pupil(study);
+  if (pupil.needsPicture()) {
+    method->render(view, settings, frame);
+    pupil.show(0.0, frame);
+  }
+  summary.pupil_mm = pupil.at_mm(0.0);
+  settings.defocus = defocusOfLens(summary.pupil_mm / 1000.0, view.focal_px, summary.focus_D,
+                                   DistanceAlong::sight);
+  settings.depth = request.depth.has_value();
+  summary.stats = method->render(view, settings, frame);
+  writeImage(request.out, frame, study.screen.gamma);
   if (request.depth) writeDepthPfm(*request.depth, frame);
   return summary;
 }

@@ -22,10 +22,12 @@ struct PictureRequest {
 struct PictureSummary {
   double focus_D = 0.0;
   std::optional<double> surface_distance_m;  ///< under the gaze; absent on a miss: focus rests
+  double pupil_mm = 0.0;
   RenderStats stats;
 };
 
-/// The eye is where it is at the recording's beginning.
+/// The eye is where it is at the recording's beginning. No recording is read: where its pupil is
+/// wanted, the study's fixed one is taken; that of the picture's light is the adapted one.
 /// @throws InputError, std::runtime_error
 PictureSummary renderPicture(const Study& study, const PictureRequest& request);
 

@@ -179,6 +179,14 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
                                               " px: expected even numbers, as H.264 wants");
   }
   const GazeTrace trace = loadGaze(study);
+  const bool has_pupil =
+      std::any_of(trace.samples.begin(), trace.samples.end(),
+                  [](const GazeSample& sample) { return sample.pupil_mm.has_value(); });
+  if (study.observer.pupil == "recording" && !has_pupil) {
+    throw InputError(study.file.string(),
+                     "observer.pupil = \"recording\": the gaze has no pupil in millimetres; "
+                     "expected \"fixed\" or \"luminance\"");
+  }
   const Schedule schedule = scheduleOf(study, trace);
   const SurfelCloud cloud = loadScene(study);
   ManifestFacts facts{.command = command, .threads = threads, .inputs = {}, .frames_sha256 = {}};
@@ -194,6 +202,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   ChartSeries series;
   Sha256 frames_hash;
   std::vector<float> render_ms;
+  std::vector<float> pupil_mm;
   std::vector<std::uint32_t> splats;
   std::size_t frames_held = 0;
   Frame frame;
@@ -206,10 +215,10 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
     for (; sample != trace.samples.end() && sample->time_s <= time_s; ++sample)
       session.push(*sample);
     const FrameRecord record = session.render(time_s, frame);
-    Picture picture = pictureOf(frame);
+    Picture picture = pictureOf(frame, study.screen.gamma);
     if (study.output.split) {
       session.renderSharp(frame);
-      splitWithSharp(picture, pictureOf(frame));
+      splitWithSharp(picture, pictureOf(frame, study.screen.gamma));
     }
     sheet.offer(i, record, picture);
     if (study.output.marker) {
@@ -221,6 +230,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
     frames_held += record.eye.state == GazeState::blink || record.eye.state == GazeState::lost;
     table.add(i, record);
     series.add(chartRow(record));
+    pupil_mm.push_back(static_cast<float>(record.pupil_mm));
     render_ms.push_back(static_cast<float>(record.stats.ms));
     splats.push_back(static_cast<std::uint32_t>(record.stats.splats));
     frames_hash.add(picture.rgb);
@@ -253,6 +263,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
              .render_ms_median = quantile(render_ms, 0.5),
              .render_ms_p95 = quantile(render_ms, 0.95),
              .splats = quantile(splats, 0.5),
+             .pupil_mm = quantile(pupil_mm, 0.5),
              .out = out};
   writeText(folder.stage("manifest.json"), manifestJson(study, trace, summary, facts));
   report.rows = series.rows();

@@ -19,6 +19,7 @@ struct ReplaySummary {
   double render_ms_median = 0.0;
   double render_ms_p95 = 0.0;
   std::uint64_t splats = 0;  ///< drawn a frame, median
+  double pupil_mm = 0.0;     ///< median
   std::filesystem::path out;
 };
 

@@ -6,6 +6,7 @@
 
 #include "app/html.h"
 #include "app/tables.h"
+#include "gaze/focus/pupil.h"
 #include "render/optics/defocus.h"
 
 namespace foci {
@@ -53,16 +54,32 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
   html += numberCell(std::to_string(summary.fixations), "fixations");
   html += numberCell(std::to_string(summary.saccades), "saccades");
   html += numberCell(percent(1.0 - summary.gaze_valid), "of the gaze samples lost");
-  html += numberCell(decimal(study.observer.pupil_mm, 1) + " mm", "pupil, fixed");
+  const std::string& pupil = study.observer.pupil;
+  html += numberCell(decimal(summary.pupil_mm, 1) + " mm",
+                     pupil == "fixed"       ? "pupil, fixed"
+                     : pupil == "recording" ? "pupil (median), as recorded"
+                                            : "pupil (median), by the light of the pictures");
   html += numberCell(decimal(summary.render_ms_median, 1) + " ms",
                      "a frame (median; 95&thinsp;%: " + decimal(summary.render_ms_p95, 1) + " ms)");
   return html + "</div>\n";
 }
 
+/// Nothing where the pupil is fixed.
+std::string pupilText(const Study& study) {
+  if (study.observer.pupil == "recording") {
+    return " The pupil is the one recorded, held through blinks and losses.";
+  }
+  if (study.observer.pupil != "luminance") return "";
+  return " The pupil follows the light of the pictures on a screen whose white has " +
+         decimal(study.screen.luminance_cd_m2, 0) + " cd/m&sup2; and which fills " +
+         decimal(fieldArea_deg2(study.screenInForce()), 0) +
+         " square degrees, in a dark room (Watson and Yellott 2012).";
+}
+
 /// What a dioptre of defocus does, and how the focus was found.
-std::string opticsText(const Study& study) {
+std::string opticsText(const Study& study, const ReplaySummary& summary) {
   const Screen screen = study.screenInForce();
-  const double pupil_m = study.observer.pupil_mm / 1000.0;
+  const double pupil_m = summary.pupil_mm / 1000.0;
   const double px_per_m = screen.size_px.x / screen.size_m.x;
   const double angle_rad = blurAngle_rad(pupil_m, 0.0, 1.0);
   const AccommodationSettings& accommodation = study.focus.accommodation;
@@ -78,7 +95,8 @@ std::string opticsText(const Study& study) {
                                  " s, with a time constant of " +
                                  decimal(accommodation.time_constant_s, 2) + " s."
                            : std::string("its focus is there at once.")) +
-         " Drawn by the method <i>" + escaped(study.render.method) + "</i>.</p>\n";
+         pupilText(study) + " Drawn by the method <i>" + escaped(study.render.method) +
+         "</i>.</p>\n";
 }
 
 std::string lossText(const ReportFacts& facts) {
@@ -158,7 +176,7 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
       << kPageStyle << "</style></head><body><main>\n"
       << headline(study, trace, facts) << "<h2>What the eye saw</h2>\n";
   embedVideo(out, video);
-  out << opticsText(study)
+  out << opticsText(study, facts.summary)
       << "<h2>Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay the frame at "
          "which a "
          "fixation had lasted longest. The ring marks the gaze; broken, where the eye does not "

@@ -1,130 +1,78 @@
 #include "app/reproduce_chart.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
+#include <optional>
+#include <utility>
 
-#include "app/html.h"
+#include "app/plot.h"
 #include "app/tables.h"
 
 namespace foci {
 namespace {
 
-constexpr double kWidth = 960.0, kHeight = 300.0;
-constexpr double kLeft = 76.0, kRight = 250.0, kTop = 14.0, kBottom = 34.0;
-constexpr double kLineGap = 15.0;  // between labels
+constexpr double kPlaces = kApertures - 1, kMargin = 0.1;  // of the axis of apertures
 
-struct Line {
-  std::string label, color;
-  bool dashed = false;
-  std::array<double, kApertures> ms{};  // 0: not measured
-};
+/// Nothing where the method was not measured.
+using Times = std::array<std::optional<double>, kApertures>;
 
-std::vector<Line> linesOf(const ReproduceScene& scene, const std::vector<ReproduceRow>& rows,
-                          unsigned threads) {
+PlotSeries lineOf(std::string name, std::string color, const Times& ms) {
+  PlotSeries line{.name = std::move(name), .color = std::move(color), .width_px = 1.8};
+  for (std::size_t aperture = 0; aperture < kApertures; ++aperture) {
+    if (ms[aperture]) {
+      line.points.push_back({.x = static_cast<double>(aperture), .y = *ms[aperture]});
+    }
+  }
+  return line;
+}
+
+std::vector<PlotSeries> linesOf(const ReproduceScene& scene, const std::vector<ReproduceRow>& rows,
+                                unsigned threads) {
   const std::array<std::pair<const char*, const char*>, 5> methods = {
       {{"paper", "#8a8f98"},
        {"paper-lod", "#d9822b"},
        {"sweep", "#3b82c4"},
        {"sweep-lod", "#3a9d6e"},
        {"accumulate:200", "#8e6bbf"}}};
-  std::vector<Line> lines;
+  std::vector<PlotSeries> lines;
   for (const auto& [method, color] : methods) {
-    Line line{.label = method, .color = color};
+    Times ms;
     for (const ReproduceRow& row : rows) {
-      if (row.method == method && row.threads == threads) line.ms[row.aperture] = row.ms_median;
+      if (row.method == method && row.threads == threads) ms[row.aperture] = row.ms_median;
     }
-    if (*std::max_element(line.ms.begin(), line.ms.end()) > 0.0) lines.push_back(line);
+    lines.push_back(lineOf(method, color, ms));
   }
   for (const bool lod : {false, true}) {
-    Line line{.label = lod ? "2003, with level of detail" : "2003, without",
-              .color = lod ? "#d9822b" : "#8a8f98",
-              .dashed = true};
+    Times ms;
     for (const PaperRow& row : scene.paper) {
-      if (row.lod == lod || row.aperture == 0) line.ms[row.aperture] = 1000.0 * row.seconds;
+      if (row.lod == lod || row.aperture == 0) ms[row.aperture] = 1000.0 * row.seconds;
     }
-    lines.push_back(line);
+    lines.push_back(lineOf(lod ? "2003, with level of detail" : "2003, without",
+                           lod ? "#d9822b" : "#8a8f98", ms));
+    lines.back().dashed = true;
   }
+  std::erase_if(lines, [](const PlotSeries& line) { return line.points.empty(); });
   return lines;
-}
-
-/// A power of ten, ms.
-std::string timeText(double ms) {
-  if (ms >= 1000.0) return decimal(ms / 1000.0, 0) + " s";
-  return (ms >= 1.0 ? decimal(ms, 0) : decimal(ms, 2)) + " ms";
-}
-
-std::string text(double x, double y, const std::string& words, const char* anchor,
-                 const std::string& color = "var(--quiet)") {
-  return "<text x=\"" + decimal(x, 1) + "\" y=\"" + decimal(y, 1) + "\" text-anchor=\"" + anchor +
-         "\" fill=\"" + color + "\" font-size=\"12\">" + escaped(words) + "</text>\n";
 }
 
 }  // namespace
 
 std::string chartOf(const ReproduceScene& scene, const std::vector<ReproduceRow>& rows,
                     unsigned threads) {
-  const std::vector<Line> lines = linesOf(scene, rows, threads);
-  double least = 1e300, most = 0.0;
-  for (const Line& line : lines) {
-    for (const double ms : line.ms) {
-      if (ms <= 0.0) continue;
-      least = std::min(least, ms);
-      most = std::max(most, ms);
-    }
+  Plot plot{.x = {.from = -kMargin, .to = kPlaces + kMargin},
+            .series = linesOf(scene, rows, threads),
+            .end_labels = true,
+            .size_px = {960.0, 300.0}};
+  std::vector<double> times_ms;
+  for (const PlotSeries& line : plot.series) {
+    for (const PlotPoint& point : line.points) times_ms.push_back(point.y);
   }
-  const double low = std::floor(std::log10(least)), high = std::ceil(std::log10(most) + 1e-9);
-  const auto placeX = [&](std::size_t aperture) {
-    return kLeft + 20.0 +
-           (kWidth - kLeft - kRight - 40.0) * static_cast<double>(aperture) /
-               static_cast<double>(kApertures - 1);
-  };
-  const auto placeY = [&](double ms) {
-    return kTop + (kHeight - kTop - kBottom) * (high - std::log10(ms)) / (high - low);
-  };
-
-  std::string svg = "<svg viewBox=\"0 0 " + decimal(kWidth, 0) + " " + decimal(kHeight, 0) +
-                    "\" role=\"img\" font-family=\"sans-serif\">\n";
-  for (double power = low; power <= high; power += 1.0) {
-    const double y = placeY(std::pow(10.0, power));
-    svg += "<line x1=\"" + decimal(kLeft, 0) + "\" x2=\"" + decimal(kWidth - kRight, 0) +
-           "\" y1=\"" + decimal(y, 1) + "\" y2=\"" + decimal(y, 1) +
-           "\" stroke=\"var(--line)\"/>\n" +
-           text(kLeft - 8.0, y + 4.0, timeText(std::pow(10.0, power)), "end");
-  }
+  plot.y = timeAxis("", times_ms);
   for (std::size_t aperture = 0; aperture < kApertures; ++aperture) {
-    svg += text(
-        placeX(aperture), kHeight - 10.0,
-        aperture == 0 ? "no blur" : "aperture " + decimal(scene.apertures_m[aperture], 3) + " m",
-        "middle");
+    plot.x.ticks.push_back(
+        {static_cast<double>(aperture),
+         aperture == 0 ? "no blur" : "aperture " + decimal(scene.apertures_m[aperture], 3) + " m"});
   }
-
-  // Labels at the right end, pushed apart downwards.
-  std::vector<std::pair<double, const Line*>> labels;
-  for (const Line& line : lines) {
-    std::string points;
-    double last_ms = 0.0;
-    for (std::size_t aperture = 0; aperture < kApertures; ++aperture) {
-      if (line.ms[aperture] <= 0.0) continue;
-      last_ms = line.ms[aperture];
-      const std::string x = decimal(placeX(aperture), 1), y = decimal(placeY(last_ms), 1);
-      points.append(x).append(",").append(y).append(" ");
-      svg.append("<circle cx=\"").append(x).append("\" cy=\"").append(y);
-      svg.append("\" r=\"3\" fill=\"").append(line.color).append("\"/>\n");
-    }
-    svg += "<polyline points=\"" + points + "\" fill=\"none\" stroke-width=\"1.8\" stroke=\"" +
-           line.color + "\"" + (line.dashed ? " stroke-dasharray=\"5 4\"" : "") + "/>\n";
-    labels.emplace_back(placeY(last_ms), &line);
-  }
-  std::sort(labels.begin(), labels.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
-  double free_y = 0.0;
-  for (const auto& [y, line] : labels) {
-    const double at = std::max(y, free_y);
-    free_y = at + kLineGap;
-    svg += text(kWidth - kRight + 12.0, at + 4.0, line->label, "start", line->color);
-  }
-  return svg + "</svg>\n";
+  return svgOf(layOut(plot));
 }
 
 }  // namespace foci

@@ -1,7 +1,5 @@
 #include "app/reproduce_command.h"
 
-#include <tbb/global_control.h>
-
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
@@ -15,7 +13,9 @@
 #include "app/progress.h"
 #include "app/reproduce_figures.h"
 #include "app/reproduce_page.h"
+#include "app/scan_options.h"
 #include "app/tables.h"
+#include "app/timed_runs.h"
 
 namespace foci {
 namespace {
@@ -23,14 +23,7 @@ namespace {
 constexpr ReproduceEffort kQuick{
     .runs = 3, .accumulate_runs = 1, .least_views = 64, .most_views = 64, .figure1_views = 32};
 constexpr std::size_t kSearchFrames = 10;  // that finding the apertures takes, about
-constexpr int kMostThreads = 1024;
 constexpr std::size_t kManySurfels = 10'000'000;
-
-std::vector<unsigned> threadCounts() {
-  const auto all = static_cast<unsigned>(
-      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-  return all > 1 ? std::vector<unsigned>{1, all} : std::vector<unsigned>{1};
-}
 
 void writeBytes(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes) {
   writeText(file, std::string(bytes.begin(), bytes.end()));
@@ -152,41 +145,16 @@ std::string json(const ReproduceSummary& summary) {
 }
 
 struct Options {
-  std::string out, scan;
-  std::vector<double> eye{-4.4, -1.1, 1.3}, look_at{-2.9, 3.9, -1.2}, up{0.0, 0.0, 1.0};
-  std::optional<int> threads;
+  std::string out;
+  ScanOptions scan;
   bool quick = false, json = false;
 };
 
-glm::vec3 vectorOf(const std::vector<double>& xyz) {
-  return {static_cast<float>(xyz[0]), static_cast<float>(xyz[1]), static_cast<float>(xyz[2])};
-}
-
-ReproduceRequest requestOf(const Options& options) {
-  ReproduceRequest request{.out = options.out, .quick = options.quick};
-  if (options.out.empty()) throw InputError("--out", "expected a value that is not empty");
-  if (options.threads && (*options.threads < 1 || *options.threads > kMostThreads)) {
-    throw InputError("--threads " + std::to_string(*options.threads),
-                     "expected an integer, 1 to " + std::to_string(kMostThreads));
-  }
-  if (!options.scan.empty()) {
-    const EyePose pose{vectorOf(options.eye), vectorOf(options.look_at), vectorOf(options.up)};
-    const glm::vec3 side = glm::cross(pose.target_m - pose.position_m, pose.up);
-    if (!(glm::length(side) > 0.0f && std::isfinite(glm::length(side)))) {
-      throw InputError("--eye, --look-at, --up", "the line of sight is none, or along up");
-    }
-    request.scan = ScanView{options.scan, pose};
-  }
-  return request;
-}
-
 void run(const Options& options) {
-  const ReproduceRequest request = requestOf(options);
-  std::optional<tbb::global_control> limit;
-  if (options.threads) {
-    limit.emplace(tbb::global_control::max_allowed_parallelism,
-                  static_cast<std::size_t>(*options.threads));
-  }
+  if (options.out.empty()) throw InputError("--out", "expected a value that is not empty");
+  const auto limit = threadLimit(options.scan);
+  const ReproduceRequest request{
+      .out = options.out, .scan = scanViewOf(options.scan), .quick = options.quick};
   const ReproduceSummary summary = reproduce(request);
   if (options.json) {
     std::puts(json(summary).c_str());
@@ -213,18 +181,9 @@ void addReproduceCommand(CLI::App& app) {
   reproduce->add_option("--out", options->out, "folder of the results")
       ->type_name("DIR")
       ->required();
-  reproduce->add_option("--scan", options->scan, "points, mesh or scene instead of the statue")
-      ->type_name("FILE");
-  const auto pose = [&](const char* name, std::vector<double>& xyz, const char* help) {
-    reproduce->add_option(name, xyz, help)->type_name("X,Y,Z")->delimiter(',')->expected(3);
-  };
-  pose("--eye", options->eye, "from where the scan is seen, metres; default: as configs/lion.toml");
-  pose("--look-at", options->look_at, "what of it is in the middle and in focus, metres");
-  pose("--up", options->up, "which way is up");
   reproduce->add_flag("--quick", options->quick,
                       "fewer repetitions, a coarse reference, no 10 million surfels: in a minute");
-  reproduce->add_option("--threads", options->threads, "at most; measured at 1 and at this")
-      ->type_name("N");
+  addScanOptions(*reproduce, options->scan);
   reproduce->add_flag("--json", options->json, "print the ratios as JSON");
   reproduce->callback([options] { run(*options); });
 }

@@ -13,20 +13,8 @@
 namespace foci {
 namespace {
 
-// A step nearer than where the gallery's eye stands, past its foreground.
-const glm::vec3 kEye{-0.02f, 1.35f, -0.38f};
-const glm::vec3 kLookAt{0.177f, 1.462f, -1.55f};
-constexpr double kFov_rad = 0.44;
-constexpr glm::ivec2 kSize_px{512, 512};
+constexpr int kSize_px = 512;
 constexpr double kLens_m = 0.03;  // what is out of focus blurs to about a tenth of a face
-
-/// Depth along the axis of a place that the gallery names.
-double depthOf_m(const View& view, const std::string& name) {
-  const auto places = galleryPointsOfInterest();
-  const auto place = std::find_if(places.begin(), places.end(),
-                                  [&](const PointOfInterest& one) { return one.name == name; });
-  return -(view.eye_from_world * glm::vec4(place->p_world, 1.0f)).z;
-}
 
 std::string dB(double value) { return std::isfinite(value) ? decimal(value, 1) + " dB" : "exact"; }
 
@@ -34,10 +22,10 @@ std::string dB(double value) { return std::isfinite(value) ? decimal(value, 1) +
 
 std::vector<FigurePanel> drawFigure1(const SurfelCloud& gallery, int views,
                                      const std::function<void(std::size_t)>& on_frames) {
-  const View view = viewOfCamera(eyeFromWorld(kEye, kLookAt, {0, 1, 0}), kSize_px, kFov_rad);
+  const View view = maskView(kSize_px);
   const auto ours = makeMethod(kOurs, gallery);
   const auto reference = makeMethod("accumulate:" + std::to_string(views), gallery);
-  const double mask_m = depthOf_m(view, "mask"), bust_m = depthOf_m(view, "bust");
+  const double mask_m = galleryDepth_m(view, "mask"), bust_m = galleryDepth_m(view, "bust");
   // In between in dioptres, where both are blurred alike.
   const std::array<double, 3> focus_D = {1.0 / mask_m, 0.5 / mask_m + 0.5 / bust_m, 1.0 / bust_m};
   const std::array<const char*, 3> what = {"the mask in focus", "in between", "the bust in focus"};

@@ -24,9 +24,6 @@ struct FigurePanel {
 std::vector<FigurePanel> drawFigure1(const SurfelCloud& gallery, int views,
                                      const std::function<void(std::size_t)>& on_frames);
 
-/// How much the differences in Figure 6 are amplified.
-inline constexpr float kDifferenceGain = 8.0f;
-
 /// Figure 6: a row an aperture; ours, the reference, their difference.
 std::vector<std::vector<FigurePanel>> figure6(const ReproduceScene& scene,
                                               const SceneResult& result);

@@ -31,10 +31,6 @@ int runsOf(const std::string& method, const ReproduceEffort& effort) {
   return accumulates(method) ? effort.accumulate_runs : effort.runs;
 }
 
-std::string numberOrInfinite(double value, int digits) {
-  return std::isfinite(value) ? decimal(value, digits) : "inf";
-}
-
 /// A field of a CSV file (RFC 4180).
 std::string field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -163,8 +159,8 @@ std::string csvOf(const std::vector<ReproduceRow>& rows) {
            ',' + row.method + ',' + (row.lod ? "yes" : "no") + ',' + decimal(row.kfragments, 3) +
            ',' + std::to_string(row.points) + ',' + decimal(row.ms_median, 4) + ',' +
            decimal(row.ms_min, 4) + ',' + std::to_string(row.threads) + ',' +
-           numberOrInfinite(row.psnr_dB, 3) + ',' + decimal(row.ssim, 6) + ',' +
-           (silhouette ? numberOrInfinite(*silhouette, 3) : "n/a") + '\n';
+           decimalOrInf(row.psnr_dB, 3) + ',' + decimal(row.ssim, 6) + ',' +
+           (silhouette ? decimalOrInf(*silhouette, 3) : "n/a") + '\n';
   }
   return csv;
 }

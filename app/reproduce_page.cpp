@@ -31,15 +31,6 @@ std::string finite(double value, int digits) {
   return std::isfinite(value) ? decimal(value, digits) : "&infin;";
 }
 
-/// 12345.6 as 12,346.
-std::string thousands(double value) {
-  std::string digits = decimal(value, 0);
-  for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, ",");
-  return digits;
-}
-
-std::string milliseconds(double ms) { return decimal(ms, ms < 10.0 ? 2 : ms < 100.0 ? 1 : 0); }
-
 /// What the paper has beside a row of ours, if anything.
 const PaperRow* theirsOf(const ReproduceScene& scene, const ReproduceRow& row) {
   if (row.method != "paper" && row.method != "paper-lod") return nullptr;

@@ -4,16 +4,9 @@
 
 #include <array>
 #include <cstddef>
-#include <filesystem>
 #include <functional>
-#include <glm/glm.hpp>
-#include <optional>
-#include <string>
 
-#include "render/methods/method.h"
-#include "render/optics/view.h"
-#include "render/scene/procedural.h"
-#include "render/scene/surfel_cloud.h"
+#include "app/scene_in_view.h"
 
 namespace foci {
 
@@ -27,20 +20,17 @@ struct PaperRow {
   double kfragments, points, seconds;
 };
 
-struct ReproduceScene {
-  std::string name;
-  SurfelCloud cloud;
-  View view;
-  RenderSettings settings;                       ///< all but the aperture
+struct ReproduceScene : SceneInView {
   std::array<double, kApertures> apertures_m{};  ///< diameters; the first is 0
   std::array<PaperRow, 5> paper;
   double paper_reference_s;  ///< what its 200 views took
 
-  Defocus defocus(std::size_t aperture) const;
-  RenderSettings settingsAt(std::size_t aperture) const;
-
-  /// The largest circle of confusion of a surfel whose centre is on the picture, px.
-  double largestBlur_px(std::size_t aperture) const;
+  RenderSettings settingsAt(std::size_t aperture) const {
+    return settingsThrough(apertures_m[aperture]);
+  }
+  double largestBlur_px(std::size_t aperture) const {
+    return largestBlurThrough_px(apertures_m[aperture]);
+  }
 };
 
 /// The paper's plane, with its apertures, so tilted and so far that method `paper` draws about as
@@ -49,11 +39,6 @@ ReproduceScene planeScene(int samples = 512);
 
 /// The lion as a procedural statue, without apertures yet.
 ReproduceScene statueScene();
-
-struct ScanView {
-  std::filesystem::path file;
-  EyePose pose;
-};
 
 /// The lion as a scan: of what is in the middle of the view the focus is, apertures are missing
 /// yet.

@@ -26,7 +26,8 @@ Session::Session(const Study& study, const SurfelCloud& cloud, const Screen& scr
                 {.events = study.gaze.events,
                  .accommodation = study.focus.accommodation,
                  .cone_half_angle_deg = study.focus.cone_deg,
-                 .vergence = study.focus.vergence}) {}
+                 .vergence = study.focus.vergence}),
+      pupil_(study) {}
 
 View Session::viewAt(double time_s) const {
   return viewThroughScreen(path_.eyeFromWorldAt(time_s - start_s_), study_.pictureSize_px(),
@@ -47,7 +48,7 @@ FrameRecord Session::render(double time_s, Frame& frame) {
                      .eye = follower_.at(time_s),
                      .gaze_px = {},
                      .fixation_px = {},
-                     .pupil_mm = study_.observer.pupil_mm,
+                     .pupil_mm = 0.0,
                      .stats = {}};
   // To the picture an eye that still rings has not landed.
   if (record.eye.state == GazeState::oscillation) record.eye.state = GazeState::saccade;
@@ -58,13 +59,19 @@ FrameRecord Session::render(double time_s, Frame& frame) {
   if (record.eye.sample && seen) record.gaze_px = on_screen(record.eye.sample->point_px);
   record.fixation_px = on_screen(record.eye.fixation_px);
 
+  last_s_ = time_s;
+  if (pupil_.needsPicture()) {
+    renderSharp(frame);
+    pupil_.show(time_s, frame);
+  }
+  record.pupil_mm = pupil_.at_mm(time_s);
   const View view = viewAt(time_s);
   const RenderSettings settings{.defocus = defocusOfLens(record.pupil_mm / 1000.0, view.focal_px,
                                                          record.eye.focus_D, DistanceAlong::sight),
                                 .background = glm::vec3(study_.scene.background),
                                 .shading = static_cast<float>(study_.render.shading)};
   record.stats = method_->render(view, settings, frame);
-  last_s_ = time_s;
+  pupil_.show(time_s, frame);
   return record;
 }
 

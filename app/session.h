@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "app/inputs.h"
+#include "app/observer_pupil.h"
 #include "app/study.h"
 #include "gaze/focus/gaze_follower.h"
 #include "gaze/gaze.h"
@@ -36,7 +37,10 @@ class Session {
   Session(const Study& study, const SurfelCloud& cloud, const Screen& screen, double rate_Hz,
           double start_s);
 
-  void push(const GazeSample& sample) { follower_.push(sample); }
+  void push(const GazeSample& sample) {
+    follower_.push(sample);
+    pupil_.push(sample);
+  }
 
   /// Draws what the eye sees at `time_s`. Every sample up to it has been pushed, none after it.
   FrameRecord render(double time_s, Frame& frame);
@@ -59,6 +63,7 @@ class Session {
   SurfaceQuery query_;
   std::unique_ptr<Method> method_;
   GazeFollower follower_;
+  ObserverPupil pupil_;
   double last_s_ = 0.0;
 };
 

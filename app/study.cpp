@@ -1,240 +1,22 @@
-// The table of keys, and the TOML that it is applied to (toml11).
+// A study's file (TOML, read by toml11), and what only the whole of it can tell.
 #include "app/study.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
-#include <iterator>
-#include <set>
 #include <sstream>
 #include <toml.hpp>
 
 #include "app/base/input_error.h"
-#include "app/base/nearest.h"
+#include "app/study_keys.h"
 #include "app/toml_text.h"
 #include "app/toml_values.h"
+#include "calibration/binocular_map.h"
 #include "calibration/camera.h"
 #include "calibration/gaze_map_file.h"
 #include "calibration/screen_file.h"
 #include "calibration/webcam_calibration.h"
-#include "render/methods/method.h"
 
 namespace foci {
-
-// The type of `eye.path`, beside those of toml_values.h.
-static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
-static std::string write(const std::vector<EyeKeyframe>& path);
-
-namespace {
-
-/// A key of the table T: Study, or EyeKeyframe within `eye.path`.
-template <class T>
-struct Key {
-  std::string_view name;
-  std::string_view meaning;
-  Allowed allowed;
-  void (*read)(const toml::value&, const Allowed&, T&);
-  std::string (*write)(const T&);
-};
-
-/// @param at  the member that the key sets
-template <class T, auto at>
-Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}) {
-  return {name, meaning, std::move(allowed),
-          [](const toml::value& from, const Allowed& a, T& to) { read(from, a, at(to)); },
-          [](const T& from) { return write(at(from)); }};
-}
-
-#define FOCI_KEY(member, ...)                                    \
-  key < Study, [](auto& study) -> auto& { return study.member; } \
-  > (__VA_ARGS__)
-#define FOCI_KEYFRAME_KEY(member, ...)                                 \
-  key < EyeKeyframe, [](auto& frame) -> auto& { return frame.member; } \
-  > (__VA_ARGS__)
-
-constexpr double kFar_m = 1e6;  // positions beyond it leave a float no millimetre
-
-const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
-  static const std::vector<Key<EyeKeyframe>> keys = {
-      FOCI_KEYFRAME_KEY(time_s, "time_s", "after the recording's first sample, s", {0, 1e6}),
-      FOCI_KEYFRAME_KEY(position_m, "position_m", "where the eye is, m", {-kFar_m, kFar_m}),
-      FOCI_KEYFRAME_KEY(look_at_m, "look_at_m", "what the screen's centre shows, m",
-                        {-kFar_m, kFar_m}),
-      FOCI_KEYFRAME_KEY(up, "up", "upwards; absent: eye.up", {-1, 1}),
-  };
-  return keys;
-}
-
-const std::vector<Key<Study>>& studyKeys() {
-  static const std::vector<Key<Study>> keys = {
-      FOCI_KEY(scene.file, "scene.file",
-               "points (PLY), a mesh (OBJ, glTF, STL, PLY) or a prepared scene (.foci)"),
-      FOCI_KEY(scene.builtin, "scene.builtin", "built-in scene, where there is no file",
-               {.words = {"gallery", "plane"}}),
-      FOCI_KEY(scene.scale_m, "scene.scale_m", "metres a unit of the file", {1e-6, 1e6}),
-      FOCI_KEY(scene.background, "scene.background", "linear RGB behind everything", {0, 1}),
-      FOCI_KEY(eye.position_m, "eye.position_m", "where the eye is, m", {-kFar_m, kFar_m}),
-      FOCI_KEY(eye.look_at_m, "eye.look_at_m", "what the screen's centre shows, m",
-               {-kFar_m, kFar_m}),
-      FOCI_KEY(eye.up, "eye.up", "upwards", {-1, 1}),
-      FOCI_KEY(eye.path, "eye.path", "keyframes of a moving eye, instead of position and look_at"),
-      FOCI_KEY(screen.monitor, "screen.monitor",
-               "a calibrated screen (foci calibrate screen, PsychoPy), instead of sizes"),
-      FOCI_KEY(screen.size_px, "screen.size_px", "width and height, px", {16, 16384}),
-      FOCI_KEY(screen.size_m, "screen.size_m", "width and height of the visible area, m",
-               {0.01, 20}),
-      FOCI_KEY(screen.distance_m, "screen.distance_m", "eye to screen, m", {0.01, 100}),
-      FOCI_KEY(observer.pupil_mm, "observer.pupil_mm", "diameter of the pupil, mm", {0.5, 12}),
-      FOCI_KEY(observer.retina_mm, "observer.retina_mm", "lens to retina, mm", {10, 40}),
-      FOCI_KEY(gaze.source, "gaze.source",
-               "\"simulated\", a recording (TSV, CSV, ASC), or webcam:VIDEO"),
-      FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording or a webcam"),
-      FOCI_KEY(gaze.camera, "gaze.camera", "camera of foci calibrate camera"),
-      FOCI_KEY(gaze.columns.time, "gaze.time", "column of the time"),
-      FOCI_KEY(gaze.columns.x, "gaze.x", "column of the horizontal position"),
-      FOCI_KEY(gaze.columns.y, "gaze.y", "column of the vertical position"),
-      FOCI_KEY(gaze.columns.pupil, "gaze.pupil", "column of the pupil's diameter, mm"),
-      FOCI_KEY(gaze.columns.blink, "gaze.blink", "column that marks blinks"),
-      FOCI_KEY(gaze.columns.time_scale_s, "gaze.time_scale_s", "seconds a unit of time",
-               {1e-12, 3600}),
-      FOCI_KEY(gaze.units, "gaze.units", "of the position",
-               {.words = {"auto", "px", "deg", "normalised"}}),
-      FOCI_KEY(gaze.events.saccade_deg_s, "gaze.saccade_deg_s", "faster is a saccade, deg/s",
-               {1, 1000}),
-      FOCI_KEY(gaze.events.window_s, "gaze.window_s", "samples that the speed is taken over, s",
-               {0.002, 0.5}),
-      FOCI_KEY(gaze.events.delay_s, "gaze.delay_s", "how late a sample's state may be known, s",
-               {0, 0.2}),
-      FOCI_KEY(gaze.events.max_gap_s, "gaze.max_gap_s", "losses up to this are filled, s", {0, 1}),
-      FOCI_KEY(gaze.events.max_blink_s, "gaze.max_blink_s", "longer losses are no blinks, s",
-               {0, 10}),
-      FOCI_KEY(focus.cone_deg, "focus.cone_deg",
-               "half-angle of the cone in which the surface is sought, deg", {0.01, 20}),
-      FOCI_KEY(focus.coverage, "focus.coverage", "share of the cone that a surface must fill",
-               {0.01, 1}),
-      FOCI_KEY(focus.accommodation.on, "focus.accommodation", "false: focus jumps to its target"),
-      FOCI_KEY(focus.accommodation.latency_s, "focus.latency_s", "before focus begins to move, s",
-               {0, 5}),
-      FOCI_KEY(focus.accommodation.time_constant_s, "focus.time_constant_s",
-               "of the exponential approach, s", {0.001, 10}),
-      FOCI_KEY(focus.accommodation.far_time_constant_s, "focus.far_time_constant_s",
-               "of the approach to a farther target, s; absent: the same", {0.001, 10}),
-      FOCI_KEY(focus.accommodation.age_years, "focus.age_years",
-               "limits how near the eye focuses; absent: no limit", {1, 120}),
-      FOCI_KEY(focus.vergence, "focus.vergence",
-               "true: the distance at which both lines of sight meet counts, too"),
-      FOCI_KEY(focus.accommodation.resting_D, "focus.resting_D", "before there is a target, D",
-               {0, 10}),
-      FOCI_KEY(render.method, "render.method", "how depth of field is drawn: `foci methods`",
-               {.expected = expectedMethod}),
-      FOCI_KEY(render.shading, "render.shading",
-               "how much of the colour falls off with the angle of surface to sight", {0, 1}),
-      FOCI_KEY(output.size_px, "output.size_px",
-               "width and height of the pictures, px; absent: the screen's", {16, 8192}),
-      FOCI_KEY(output.fps, "output.fps", "frames a second", {1, 1000}),
-      FOCI_KEY(output.seconds, "output.seconds", "from, to: after the recording's first sample, s",
-               {0, 1e6}),
-      FOCI_KEY(output.marker, "output.marker", "a mark where the observer looks"),
-      FOCI_KEY(output.split, "output.split", "left half sharp, right half as the eye sees"),
-      FOCI_KEY(seed, "seed", "of the simulated observer", {0, 9007199254740992.0}),
-  };
-  return keys;
-}
-
-#undef FOCI_KEY
-#undef FOCI_KEYFRAME_KEY
-
-/// A text from outside, printable and short.
-std::string shownName(std::string_view name) {
-  const std::string quoted = jsonText(std::string(name.substr(0, 60)));
-  return quoted.substr(1, quoted.size() - 2);
-}
-
-std::string place(const std::string& file, const toml::value& value) {
-  return file + ":" + std::to_string(value.location().line());
-}
-
-InputError notAsExpected(const std::string& file, const std::string& key, const toml::value& value,
-                         const std::string& expected) {
-  return {place(file, value), key + " = " + shownValue(value) + ": expected " + expected};
-}
-
-/// Applies a TOML table of keys with the given prefix to `to`.
-/// @return the names of the keys set
-template <class T>
-std::set<std::string, std::less<>> apply(const std::vector<Key<T>>& keys, const toml::table& table,
-                                         const std::string& prefix, const std::string& file,
-                                         T& to) {
-  std::set<std::string, std::less<>> given;
-  for (const auto& [name, value] : table) {
-    const std::string full = prefix + name;
-    const auto found =
-        std::find_if(keys.begin(), keys.end(), [&](const auto& key) { return key.name == full; });
-    const bool is_section = std::any_of(keys.begin(), keys.end(), [&](const auto& key) {
-      return key.name.starts_with(full + ".");
-    });
-    if (found != keys.end()) {
-      try {
-        found->read(value, found->allowed, to);
-      } catch (const Expected& expected) {
-        throw notAsExpected(file, full, value, expected.what);
-      }
-      given.insert(full);
-    } else if (is_section && value.is_table() && prefix.empty()) {
-      given.merge(apply(keys, value.as_table(), full + ".", file, to));
-    } else if (is_section) {
-      throw notAsExpected(file, full, value, "a section of keys");
-    } else {
-      std::vector<std::string> known;
-      std::transform(keys.begin(), keys.end(), std::back_inserter(known),
-                     [](const auto& key) { return std::string(key.name); });
-      throw InputError(place(file, value), "unknown key " + shownName(full) + ": did you mean " +
-                                               nearest(full, known) + "?");
-    }
-  }
-  return given;
-}
-
-}  // namespace
-
-static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to) {
-  const std::string what = "a list of at most 10000 { time_s, position_m, look_at_m }";
-  if (!from.is_array() || from.as_array().empty() || from.as_array().size() > 10000) {
-    throw Expected{what};
-  }
-  for (const toml::value& element : from.as_array()) {
-    if (!element.is_table()) throw Expected{what};
-    EyeKeyframe frame;
-    // The file's name is put before it by the caller, who knows it; the line is the element's own.
-    std::set<std::string, std::less<>> given;
-    try {
-      given = apply(keyframeKeys(), element.as_table(), "", "", frame);
-    } catch (const InputError& error) {
-      const std::string_view text = error.what();
-      throw Expected{"a list of keyframes, but line " + std::string(text.substr(1))};
-    }
-    for (const char* needed : {"time_s", "position_m", "look_at_m"}) {
-      if (!given.contains(needed)) {
-        throw Expected{std::string(needed) + " in each keyframe"};
-      }
-    }
-    to.push_back(frame);
-  }
-}
-
-static std::string write(const std::vector<EyeKeyframe>& path) {
-  std::string text = "[";
-  for (const EyeKeyframe& frame : path) {
-    text += text.size() > 1 ? ", {" : "{";
-    for (const auto& key : keyframeKeys()) {
-      text += (key.name == "time_s" ? "\"" : ", \"") + std::string(key.name) +
-              "\": " + key.write(frame);
-    }
-    text += "}";
-  }
-  return text + "]";
-}
-
 namespace {
 
 /// The first line of toml11's report, without its function's name.
@@ -266,10 +48,12 @@ void resolve(std::filesystem::path& path, const std::filesystem::path& folder) {
 /// The calibrated screen's own numbers, where the study names one.
 void takeMonitor(Study& study) {
   if (!study.screen.monitor) return;
-  const Screen screen = readScreen(*study.screen.monitor).screen;
+  const ScreenCalibration calibration = readScreen(*study.screen.monitor);
+  const Screen& screen = calibration.screen;
   study.screen.size_px = screen.size_px;
   study.screen.size_m = screen.size_m;
   study.screen.distance_m = screen.distance_m;
+  study.screen.gamma = calibration.gamma;
   study.screen.is_default = false;
 }
 
@@ -279,7 +63,7 @@ Study readStudy(const std::filesystem::path& file) {
   const toml::value document = parseToml(file);
   Study study;
   study.file = file;
-  const auto given = apply(studyKeys(), document.as_table(), "", file.string(), study);
+  const auto given = setKeys(study, document.as_table(), file.string());
 
   const auto refuseBoth = [&](const char* one, const char* other) {
     if (given.contains(one) && given.contains(other)) {
@@ -291,6 +75,7 @@ Study readStudy(const std::filesystem::path& file) {
   refuseBoth("screen.monitor", "screen.size_px");
   refuseBoth("screen.monitor", "screen.size_m");
   refuseBoth("screen.monitor", "screen.distance_m");
+  refuseBoth("screen.monitor", "screen.gamma");
   refuseBoth("eye.path", "eye.position_m");
   refuseBoth("eye.path", "eye.look_at_m");
 
@@ -310,7 +95,9 @@ Study readStudy(const std::filesystem::path& file) {
     study.gaze.source = trace.string();
   }
   study.screen.is_default = std::none_of(given.begin(), given.end(), [](const std::string& name) {
-    return name.starts_with("screen.");
+    // Light says nothing of angles.
+    return name.starts_with("screen.") && name != "screen.gamma" &&
+           name != "screen.luminance_cd_m2";
   });
   takeMonitor(study);
   return study;
@@ -318,9 +105,6 @@ Study readStudy(const std::filesystem::path& file) {
 
 void overrideKey(Study& study, std::string_view key, const OptionValue& value,
                  const std::string& option) {
-  const auto& keys = studyKeys();
-  const auto found = std::find_if(keys.begin(), keys.end(), [&](auto& k) { return k.name == key; });
-  assert(found != keys.end());
   const toml::value toml = std::visit(
       [](const auto& v) -> toml::value {
         // Whole numbers may be meant for an integer key; a real key takes them as well.
@@ -340,7 +124,7 @@ void overrideKey(Study& study, std::string_view key, const OptionValue& value,
       },
       value);
   try {
-    found->read(toml, found->allowed, study);
+    setKey(study, key, toml);
   } catch (const Expected& expected) {
     throw InputError(option, "expected " + expected.what);
   }
@@ -359,8 +143,20 @@ void checkStudy(const Study& study) {
           "gaze.source: a webcam needs gaze.map (--gaze-map): foci calibrate gaze --source webcam");
     }
     readWebcamCalibration(*study.gaze.map);
+  } else if (study.gaze.map && isBinocularFile(*study.gaze.map)) {
+    readBinocular(*study.gaze.map);
   } else if (study.gaze.map) {
     readGazeMap(*study.gaze.map);
+  }
+  const TraceColumns& columns = study.gaze.columns;
+  if (columns.rate_Hz && !columns.time.empty()) {
+    refuse("gaze.rate_Hz and gaze.time: expected only one of them");
+  }
+  for (std::size_t side : {0, 1}) {
+    if (columns.eyes[side].x.empty() != columns.eyes[side].y.empty()) {
+      const std::string eye = side == 0 ? "gaze.left_" : "gaze.right_";
+      refuse(eye + "x and " + eye + "y: expected both or neither");
+    }
   }
   if (study.gaze.camera) readCamera(*study.gaze.camera);
   const auto checkPose = [&](const glm::dvec3& position_m, const glm::dvec3& look_at_m,
@@ -393,14 +189,6 @@ void checkStudy(const Study& study) {
   if (study.output.seconds && !(study.output.seconds->y > study.output.seconds->x)) {
     refuse("output.seconds = " + write(*study.output.seconds) + ": expected from before to");
   }
-}
-
-std::vector<ResolvedKey> resolvedKeys(const Study& study) {
-  std::vector<ResolvedKey> resolved;
-  for (const auto& key : studyKeys()) {
-    resolved.push_back({key.name, key.meaning, key.write(study)});
-  }
-  return resolved;
 }
 
 Screen Study::screenInForce() const {

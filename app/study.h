@@ -1,5 +1,5 @@
 // A study: what is shown to whom, on which screen, under which gaze. Read from TOML; the table of
-// keys in study.cpp is the only place that knows their names, types, ranges and meaning.
+// keys in study_keys.cpp is the only place that knows their names, types, ranges and meaning.
 #pragma once
 
 #include <cstdint>
@@ -48,11 +48,14 @@ struct Study {
     glm::ivec2 size_px{1920, 1080};
     glm::dvec2 size_m{0.5313, 0.2989};
     double distance_m = 0.6;
-    bool is_default = true;  ///< the study says nothing about its screen
+    std::optional<double> gamma;     ///< light = code^gamma; absent: sRGB as displayed
+    double luminance_cd_m2 = 120.0;  ///< of white
+    bool is_default = true;          ///< the study says nothing about its screen
   } screen;
 
   struct Observer {
-    double pupil_mm = 4.0;
+    std::string pupil = "fixed";  ///< or "recording", "luminance"
+    double pupil_mm = 4.0;        ///< where fixed, and until a recording says one
     double retina_mm = 24.0;
   } observer;
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 
@@ -30,6 +31,18 @@ std::string decimal(double value, int digits) {
     number.erase(0, 1);
   return number;
 }
+
+std::string decimalOrInf(double value, int digits) {
+  return std::isfinite(value) ? decimal(value, digits) : "inf";
+}
+
+std::string thousands(double value) {
+  std::string digits = decimal(value, 0);
+  for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, ",");
+  return digits;
+}
+
+std::string milliseconds(double ms) { return decimal(ms, ms < 10.0 ? 2 : ms < 100.0 ? 1 : 0); }
 
 FrameTable::FrameTable(const std::filesystem::path& file, std::string method)
     : file_(file.string()), method_(std::move(method)), out_(file, std::ios::binary) {

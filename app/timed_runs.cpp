@@ -1,5 +1,7 @@
 #include "app/timed_runs.h"
 
+#include <tbb/global_control.h>
+
 #include <algorithm>
 #include <cassert>
 
@@ -20,6 +22,12 @@ double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
   return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+}
+
+std::vector<unsigned> threadCounts() {
+  const auto all = static_cast<unsigned>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  return all > 1 ? std::vector<unsigned>{1, all} : std::vector<unsigned>{1};
 }
 
 }  // namespace foci

@@ -19,4 +19,7 @@ void runInTurn(std::vector<TimedRun>& runs);
 /// The middle one, or the mean of the two in the middle. Not empty.
 double median(std::vector<double> values);
 
+/// Numbers of threads to time at: one, and all that are allowed now.
+std::vector<unsigned> threadCounts();
+
 }  // namespace foci

@@ -1,5 +1,5 @@
 // From TOML to the values of a study and on to JSON, one pair of functions for each type. Heavy to
-// compile (toml11): for study.cpp alone.
+// compile (toml11): for study*.cpp alone.
 #pragma once
 
 #include <algorithm>

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/base/input_error.h"
+#include "app/inputs.h"
 #include "app/output_folder.h"
 #include "app/screen_options.h"
 #include "gaze/sources/bids.h"
@@ -16,7 +17,7 @@ namespace foci {
 namespace {
 
 struct TraceOptions {
-  std::string file{}, out{}, units{};
+  std::string file{}, out{}, units{}, study{};
   TraceColumns columns{};
   ScreenOptions screen{};
   double time_scale_s = 0.0;
@@ -25,6 +26,12 @@ struct TraceOptions {
 
 TraceColumns columnsOf(const TraceOptions& options) {
   TraceColumns columns = options.columns;
+  if (!options.study.empty()) {
+    columns = columnsOf(readStudy(options.study));
+    if (!options.columns.time.empty()) columns.time = options.columns.time;
+    if (!options.columns.x.empty()) columns.x = options.columns.x;
+    if (!options.columns.y.empty()) columns.y = options.columns.y;
+  }
   if (options.time_scale_s != 0.0) {
     if (!(options.time_scale_s >= 1e-12 && options.time_scale_s <= 1.0)) {
       throw InputError("--time-scale-s", "expected seconds a unit, 1e-12 to 1");
@@ -34,7 +41,8 @@ TraceColumns columnsOf(const TraceOptions& options) {
   if (options.units == "px") columns.units = GazeUnits::px;
   if (options.units == "deg") columns.units = GazeUnits::deg;
   if (options.units == "normalised") columns.units = GazeUnits::normalised;
-  if (!options.units.empty() && !columns.units) {
+  if (!options.units.empty() && options.units != "px" && options.units != "deg" &&
+      options.units != "normalised") {
     throw InputError("--units " + options.units, "expected px, deg or normalised");
   }
   return columns;
@@ -133,6 +141,7 @@ void addOptions(CLI::App& command, TraceOptions& o) {
   command.add_option("--y", o.columns.y, "column of the vertical position")->type_name("NAME");
   command.add_option("--units", o.units, "of the positions")->type_name("px|deg|normalised");
   command.add_option("--time-scale-s", o.time_scale_s, "seconds a unit of time")->type_name("S");
+  command.add_option("--study", o.study, "its [gaze] says what the columns are")->type_name("FILE");
   addScreenOptions(command, o.screen);
   command.add_flag("--json", o.json, "print the facts as JSON");
 }

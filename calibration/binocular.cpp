@@ -3,6 +3,8 @@
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
+#include <Eigen/Dense>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -97,6 +99,59 @@ std::optional<double> vergence_D(const BinocularMap& map, const BinocularSample&
   if (gap <= 0.0) return std::nullopt;
   const glm::dvec3 slope = left / glm::dot(left, middle) - right / glm::dot(right, middle);
   return glm::dot(slope, across) / gap;
+}
+
+BinocularMap roughBinocularMap(std::span<const BinocularSample> samples) {
+  // (I - d d') (x r1 + y r2 + t - c) = 0 in the two columns of the rotation and the translation.
+  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+  Eigen::Matrix<double, 9, 1> right = Eigen::Matrix<double, 9, 1>::Zero();
+  for (const BinocularSample& sample : samples) {
+    for (const auto& eye : sample.eyes) {
+      if (!eye || !(glm::length(eye->direction) > 0.0)) continue;
+      const glm::dvec3 d = glm::normalize(eye->direction);
+      const Eigen::Vector3d along(d.x, d.y, d.z);
+      const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - along * along.transpose();
+      Eigen::Matrix<double, 3, 9> row;
+      row << sample.target_m.x * across, sample.target_m.y * across, across;
+      const Eigen::Vector3d centre(eye->centre_m.x, eye->centre_m.y, eye->centre_m.z);
+      normal += row.transpose() * row;
+      right += row.transpose() * (across * centre);
+    }
+  }
+  const Eigen::Matrix<double, 9, 1> found = normal.ldlt().solve(right);
+  const auto column = [&](Eigen::Index i) {
+    return glm::dvec3(found[3 * i], found[3 * i + 1], found[3 * i + 2]);
+  };
+  const glm::dvec3 x = column(0), y = column(1);
+  // Of unit length and square to each other but for noise; a plane seen edge-on is neither.
+  const double sine = glm::length(glm::cross(x, y)) / (glm::length(x) * glm::length(y));
+  if (!found.allFinite() || !(sine > 0.5)) {
+    throw InputError("binocular calibration",
+                     "the lines of sight do not meet the targets: expected targets over the width "
+                     "and height of the display, and eyes that look at them");
+  }
+  BinocularMap map;
+  map.rotation[0] = glm::normalize(x);
+  map.rotation[1] = glm::normalize(y - glm::dot(y, map.rotation[0]) * map.rotation[0]);
+  map.rotation[2] = glm::cross(map.rotation[0], map.rotation[1]);
+  map.translation_m = column(2);
+  return map;
+}
+
+std::vector<double> errorsOf_deg(const BinocularMap& map,
+                                 std::span<const BinocularSample> samples) {
+  std::vector<double> errors;
+  for (const BinocularSample& sample : samples) {
+    const glm::dvec3 target = map.rotation * glm::dvec3(sample.target_m, 0.0) + map.translation_m;
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      if (!sample.eyes[eye]) continue;
+      const glm::dvec3 to = target - sample.eyes[eye]->centre_m;
+      const glm::dvec3 sight = correctedDirection(map, eye, sample.eyes[eye]->direction);
+      errors.push_back(
+          glm::degrees(std::atan2(glm::length(glm::cross(to, sight)), glm::dot(to, sight))));
+    }
+  }
+  return errors;
 }
 
 BinocularFit fitBinocular(std::span<const BinocularSample> samples, const BinocularMap& nominal) {

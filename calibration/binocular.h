@@ -44,6 +44,14 @@ std::optional<glm::dvec2> pointOnDisplay(const BinocularMap& map, std::size_t ey
 /// middle between the eyes, negative where they diverge. Dioptres; absent with one eye.
 std::optional<double> vergence_D(const BinocularMap& map, const BinocularSample& sample);
 
+/// A first guess from the samples alone: the display whose targets lie nearest to the lines of
+/// sight (linear least squares of the distances across them, kappa left out).
+/// @throws InputError where the samples do not tell it
+BinocularMap roughBinocularMap(std::span<const BinocularSample> samples);
+
+/// Angle between each corrected line of sight and the sample's target, eye by eye.
+std::vector<double> errorsOf_deg(const BinocularMap& map, std::span<const BinocularSample> samples);
+
 struct BinocularFit {
   BinocularMap map;
   double accuracy_deg = 0.0;            ///< mean angle between line of sight and target

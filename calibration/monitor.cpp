@@ -27,7 +27,7 @@ double numberIn(const Json& calibration, const char* key, double low, double hig
 
 }  // namespace
 
-Screen readPsychoPyMonitor(const std::filesystem::path& file) {
+PsychoPyMonitor readPsychoPyMonitor(const std::filesystem::path& file) {
   const std::string name = file.string();
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError(name, "cannot be read");
@@ -66,9 +66,18 @@ Screen readPsychoPyMonitor(const std::filesystem::path& file) {
   }
   const double width_m = numberIn(fields, "width", 1.0, 2000.0, name) / 100.0;
   const double distance_m = numberIn(fields, "distance", 1.0, 10000.0, name) / 100.0;
-  return {.size_px = size_px,
-          .size_m = {width_m, width_m * size_px.y / size_px.x},
-          .distance_m = distance_m};
+  PsychoPyMonitor monitor{.screen = {.size_px = size_px,
+                                     .size_m = {width_m, width_m * size_px.y / size_px.x},
+                                     .distance_m = distance_m}};
+  const auto gamma = fields.find("gamma");
+  if (gamma != fields.end() && gamma->is_number()) {
+    const double value = gamma->get<double>();
+    if (!(value > 0.0 && value <= 4.0)) {
+      throw InputError(name, "gamma = " + gamma->dump().substr(0, 40) + ": expected 1 to 4");
+    }
+    if (value > 1.0) monitor.gamma = value;
+  }
+  return monitor;
 }
 
 std::string psychoPyMonitor(const Screen& screen, std::optional<double> gamma,

@@ -25,7 +25,9 @@ ScreenCalibration readScreen(const std::filesystem::path& file) {
     std::ifstream peek(file, std::ios::binary);
     char first = 0;
     if (peek >> first && first == '{') {
-      return {.screen = readPsychoPyMonitor(file),
+      const PsychoPyMonitor monitor = readPsychoPyMonitor(file);
+      return {.screen = monitor.screen,
+              .gamma = monitor.gamma,
               .size_from = "PsychoPy monitor",
               .distance_from = "PsychoPy monitor"};
     }

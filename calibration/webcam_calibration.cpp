@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 
 #include "app/base/input_error.h"
 #include "calibration/map_units.h"
@@ -130,6 +131,30 @@ GazeReport calibrateWebcam(std::span<const WebcamPair> pairs, std::span<const We
   report.accuracy = measureAccuracy(mapped(other.empty() ? pairs : other, map, screen),
                                     report.fit.map.frame, nullptr);
   return report;
+}
+
+Lens lensOf(const CameraModel& camera) {
+  return {{.focal_px = camera.focal_px, .principal_px = camera.principal_px},
+          camera.distortion,
+          camera.size_px};
+}
+
+void requireSame(const WebcamCalibration& calibration, const Screen& screen,
+                 const std::optional<Lens>& camera) {
+  constexpr double kMost = 0.01;
+  const glm::dvec2 ratio = screen.size_m / calibration.screen_m;
+  if (glm::any(glm::greaterThan(glm::abs(ratio - 1.0), glm::dvec2(kMost)))) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "calibrated on a screen of %.3f x %.3f m: expected that one, not %.3f x %.3f m",
+                  calibration.screen_m.x, calibration.screen_m.y, screen.size_m.x, screen.size_m.y);
+    throw InputError("gaze.map", text);
+  }
+  if (camera && !(*camera == calibration.reference.camera)) {
+    throw InputError(
+        "gaze.camera",
+        "another camera than gaze.map was calibrated with: expected that one, or none");
+  }
 }
 
 WebcamMapping mappingOf(const WebcamMap& map, const Screen& screen) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "calibration/camera.h"
 #include "calibration/gaze_report.h"
 #include "calibration/webcam_map.h"
 #include "gaze/sources/webcam_source.h"
@@ -42,6 +43,16 @@ std::vector<WebcamPair> pairFrames(std::span<const WebcamFrame> frames,
 /// @throws InputError where a face was seen at fewer than 5 targets
 GazeReport calibrateWebcam(std::span<const WebcamPair> pairs, std::span<const WebcamPair> other,
                            const Screen& screen, WebcamMap& map);
+
+/// A calibrated camera as webcams are seen through.
+Lens lensOf(const CameraModel& camera);
+
+/// The map is of one screen, the reference of one camera.
+/// @param camera  absent: not said
+/// @throws InputError where the screen's width or height differs by over 1 %, or the camera is
+///   another
+void requireSame(const WebcamCalibration& calibration, const Screen& screen,
+                 const std::optional<Lens>& camera);
 
 /// Where an observer seen so looks on `screen`.
 WebcamMapping mappingOf(const WebcamMap& map, const Screen& screen);

@@ -94,6 +94,9 @@ std::string webcamCalibrationToml(const WebcamCalibration& calibration) {
          "[reference]\nfocal_px = " +
          exactText(reference.camera.focal_px) +
          "\nprincipal_px = " + exactText(reference.camera.principal_px) +
+         "\ndistortion = " + list(reference.camera.distortion) + "\nsize_px = [" +
+         std::to_string(reference.camera.size_px.x) + ", " +
+         std::to_string(reference.camera.size_px.y) + "]" +
          "\ncorner_px = " + exactText(reference.view.corner_px) + "\nrotation = " + list(rotation) +
          "\nposition_mm = " + list(position) + "\neyes_mm = " + list(eyes) + "\npicture = \"" +
          encoded(png) + "\"\n";
@@ -112,6 +115,9 @@ WebcamCalibration readWebcamCalibration(const std::filesystem::path& file) {
   WebcamReference& reference = calibration.reference;
   reference.camera.focal_px = in.pair("reference.focal_px", 10.0, 1e6);
   reference.camera.principal_px = in.pair("reference.principal_px", -1e6, 1e6);
+  const auto distortion = in.numbers("reference.distortion", 5, -100.0, 100.0);
+  std::copy(distortion.begin(), distortion.end(), reference.camera.distortion.begin());
+  reference.camera.size_px = in.size_px("reference.size_px");
   reference.view.corner_px = in.pair("reference.corner_px", -1e6, 1e6);
   const auto rotation = in.numbers("reference.rotation", 9, -1.0, 1.0);
   const auto position = in.numbers("reference.position_mm", 3, -1e5, 1e5);

@@ -23,7 +23,7 @@ double quality(const Iris& iris, double usual_contrast) {
 
 }  // namespace
 
-WebcamTracker::WebcamTracker(const std::optional<Pinhole>& camera,
+WebcamTracker::WebcamTracker(const std::optional<Lens>& camera,
                              const std::optional<WebcamReference>& reference)
     : camera_(camera), given_(reference) {
   radius_mm_ = {kLimbus_mm, kLimbus_mm};
@@ -89,10 +89,15 @@ std::optional<Iris> WebcamTracker::findIris(const cv::Mat& grey, std::size_t eye
   return best;
 }
 
-WebcamRecord WebcamTracker::push(const cv::Mat& grey) {
+WebcamRecord WebcamTracker::push(const cv::Mat& picture) {
   WebcamRecord record;
-  if (!camera_) camera_ = usualPinhole({grey.cols, grey.rows});
+  if (!camera_) {
+    const glm::ivec2 size_px(picture.cols, picture.rows);
+    camera_ = Lens{usualPinhole(size_px), {}, size_px};
+  }
+  if (!straight_) straight_.emplace(*camera_);
   if (!head_) head_.emplace(*camera_);
+  const cv::Mat& grey = straight_->of(picture);
 
   // Follow the head, or look for it.
   double rigid = 0.0;

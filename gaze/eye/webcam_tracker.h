@@ -7,6 +7,7 @@
 #include "gaze/eye/face_finder.h"
 #include "gaze/eye/head_tracker.h"
 #include "gaze/eye/iris.h"
+#include "gaze/eye/straight_frames.h"
 #include "gaze/eye/webcam_view.h"
 
 namespace foci {
@@ -14,7 +15,7 @@ namespace foci {
 /// What must be known of an observer for the features to mean the same at another time: a view of
 /// the head, and where in it the eyes are.
 struct WebcamReference {
-  Pinhole camera;
+  Lens camera;
   HeadView view;
   std::array<glm::dvec3, 2> eyes_mm{};  ///< irises of eyes at rest, head frame; left, right
 };
@@ -30,14 +31,15 @@ struct WebcamRecord {
 
 class WebcamTracker {
  public:
-  /// @param camera     absent: a usual webcam
+  /// @param camera     absent: that of the reference, else a usual webcam
   /// @param reference  of a calibration, whose features these should be; else the first face is it
   /// @throws InputError where the cascades are not installed
-  explicit WebcamTracker(const std::optional<Pinhole>& camera = std::nullopt,
+  explicit WebcamTracker(const std::optional<Lens>& camera = std::nullopt,
                          const std::optional<WebcamReference>& reference = std::nullopt);
 
-  /// @param grey  8 bits, one channel; frames of one size, in the order of time
-  WebcamRecord push(const cv::Mat& grey);
+  /// @param picture  8 bits, one channel; frames of one size, in the order of time
+  /// @throws InputError on frames of another size than the camera was calibrated for
+  WebcamRecord push(const cv::Mat& picture);
 
   /// Absent before the first face.
   std::optional<WebcamReference> reference() const;
@@ -46,7 +48,8 @@ class WebcamTracker {
   bool findHead(const cv::Mat& grey);
   std::optional<Iris> findIris(const cv::Mat& grey, std::size_t eye) const;
 
-  std::optional<Pinhole> camera_;
+  std::optional<Lens> camera_;
+  std::optional<StraightFrames> straight_{};
   std::optional<WebcamReference> given_;
   FaceFinder finder_;
   std::optional<HeadTracker> head_;

@@ -15,4 +15,26 @@ double pupilDiameter_mm(const PupilScene& scene) {
          (scene.age_years - kReferenceAge_years) * (0.021323 - 0.0095623 * stanley_davies_mm);
 }
 
+double fieldArea_deg2(const Screen& screen) {
+  const glm::dvec2 half = 0.5 * screen.size_m;
+  const double d = screen.distance_m;
+  assert(half.x > 0.0 && half.y > 0.0 && d > 0.0);
+  const double steradians = 4.0 * std::atan(half.x * half.y / (d * std::hypot(half.x, half.y, d)));
+  return steradians * glm::degrees(1.0) * glm::degrees(1.0);
+}
+
+double PupilReflex::follow(double time_s, double target_mm) {
+  constexpr double kNarrow_s = 0.4, kWiden_s = 1.2;  // time constants
+  if (!diameter_mm_) {
+    diameter_mm_ = target_mm;
+  } else {
+    assert(time_s >= time_s_);
+    const double constant_s = target_mm < *diameter_mm_ ? kNarrow_s : kWiden_s;
+    diameter_mm_ =
+        target_mm + (*diameter_mm_ - target_mm) * std::exp(-(time_s - time_s_) / constant_s);
+  }
+  time_s_ = time_s;
+  return *diameter_mm_;
+}
+
 }  // namespace foci

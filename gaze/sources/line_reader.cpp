@@ -121,25 +121,28 @@ namespace {
 std::optional<double> parsePlain(std::string_view field) {
   static constexpr double kPowers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                        1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
-  constexpr std::size_t kLongest = 17;
-  const bool negative = field.starts_with('-');
-  if (negative) field.remove_prefix(1);
-  if (field.empty() || field.size() > kLongest) return std::nullopt;
+  constexpr std::ptrdiff_t kMostDigits = 15;
+  const char *at = field.data(), *const end = at + field.size();
+  const bool negative = at != end && *at == '-';
+  at += negative;
+  if (end - at > kMostDigits + 1) return std::nullopt;
   std::int64_t whole = 0;
-  int digits = 0, decimals = 0;
-  bool point = false;
-  for (const char c : field) {
-    if (c >= '0' && c <= '9') {
-      whole = 10 * whole + (c - '0');
-      ++digits;
-      decimals += point;
-    } else if (c == '.' && !point) {
-      point = true;
-    } else {
-      return std::nullopt;
+  const auto digits = [&] {
+    const char* const from = at;
+    for (; at != end; ++at) {
+      const auto digit = static_cast<unsigned char>(*at - '0');
+      if (digit > 9) break;
+      whole = 10 * whole + digit;
     }
+    return at - from;
+  };
+  const std::ptrdiff_t before = digits();
+  std::ptrdiff_t decimals = 0;
+  if (at != end && *at == '.') {
+    ++at;
+    decimals = digits();
   }
-  if (digits == 0 || digits > 15) return std::nullopt;
+  if (at != end || before + decimals == 0 || before + decimals > kMostDigits) return std::nullopt;
   const double value = static_cast<double>(whole) / kPowers[decimals];
   return negative ? -value : value;
 }
@@ -191,6 +194,15 @@ void splitWords(std::string_view line, std::vector<std::string_view>& words, std
     const std::size_t from = at;
     while (at < line.size() && !isBlank(line[at])) ++at;
     words.push_back(line.substr(from, at - from));
+  }
+}
+
+void splitRow(std::string_view line, char delimiter, std::vector<std::string_view>& fields,
+              std::size_t most) {
+  if (delimiter == ' ') {
+    splitWords(line, fields, most);
+  } else {
+    splitFields(line, delimiter, fields, most);
   }
 }
 

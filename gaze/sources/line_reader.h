@@ -65,4 +65,8 @@ void splitFields(std::string_view line, char delimiter, std::vector<std::string_
 void splitWords(std::string_view line, std::vector<std::string_view>& words,
                 std::size_t most = static_cast<std::size_t>(-1));
 
+/// Either, as the delimiter is a blank or not.
+void splitRow(std::string_view line, char delimiter, std::vector<std::string_view>& fields,
+              std::size_t most = static_cast<std::size_t>(-1));
+
 }  // namespace foci

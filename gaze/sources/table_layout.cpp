@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <span>
 
 #include "app/base/nearest.h"
@@ -72,12 +73,12 @@ double secondsPer(const std::string& unit) {
 class Recogniser {
  public:
   Recogniser(const LineReader& lines, std::string_view header, const TraceColumns& columns,
-             bool smi)
-      : lines_(lines), given_(columns), smi_(smi) {
+             const TablePreamble& before)
+      : lines_(lines), given_(columns), before_(before) {
     const auto has = [&](char c) { return header.find(c) != std::string_view::npos; };
-    layout_.delimiter = has('\t') ? '\t' : has(';') ? ';' : ',';
-    layout_.format = layout_.delimiter == '\t' ? "TSV" : "CSV";
-    splitFields(header, layout_.delimiter, fields_);
+    layout_.delimiter = has('\t') ? '\t' : has(';') ? ';' : has(',') ? ',' : ' ';
+    layout_.format = layout_.delimiter == '\t' ? "TSV" : layout_.delimiter == ' ' ? "text" : "CSV";
+    splitRow(header, layout_.delimiter, fields_);
     constexpr std::size_t kMostColumns = 4096;
     if (fields_.size() > kMostColumns) throw lines.error("over 4096 columns");
     for (const std::string_view field : fields_) names_.push_back(nameOfColumn(field));
@@ -86,6 +87,7 @@ class Recogniser {
   TableLayout recognise() {
     findTime();
     findEyes();
+    takeGivenEyes();
     findPoint();
     findRest();
     recogniseFormat();
@@ -123,13 +125,25 @@ class Recogniser {
     return shown(nearest(wanted, known));
   }
 
-  std::size_t named(const std::string& name) const {
+  /// A column by its name, or by its number, "#1" the first.
+  std::size_t named(const std::string& name) {
     const auto found = std::find(fields_.begin(), fields_.end(), name);
     if (found != fields_.end()) return static_cast<std::size_t>(found - fields_.begin());
+    if (name.starts_with('#')) {
+      const auto number = parseNumber(std::string_view(name).substr(1));
+      if (number && *number >= 1.0 && *number <= static_cast<double>(fields_.size()) &&
+          *number == std::floor(*number)) {
+        const auto column = static_cast<std::size_t>(*number) - 1;
+        layout_.headless |= parseNumber(fields_[column]).has_value();
+        return column;
+      }
+      throw lines_.error("no column " + shown(name) + ": expected #1 to #" +
+                         std::to_string(fields_.size()));
+    }
     throw lines_.error("no column " + shown(name) + ": the nearest is " + nearestTo(name));
   }
 
-  std::size_t require(const std::string& name, Keys usual) const {
+  std::size_t require(const std::string& name, Keys usual) {
     if (!name.empty()) return named(name);
     if (const auto found = find(usual)) return *found;
     throw lines_.error("no column " + shown(usual[0]) + ": the nearest is " + nearestTo(usual[0]));
@@ -153,8 +167,25 @@ class Recogniser {
                                "lmappeddiameter", "leftpupilsize", "leftpupil"});
     right.pupil_mm = findPupil({"rightpupildiameter", "pupildiameterright", "pupilright",
                                 "rmappeddiameter", "rightpupilsize", "rightpupil"});
-    // Pupil counts the right eye as 0.
+    // Tobii's user coordinates: x right, y up, z towards the user.
+    for (std::size_t side : {0, 1}) {
+      EyeColumns& eye = layout_.eyes[side];
+      const std::string name = side == 0 ? "left" : "right";
+      eye.origin_point_mm = find({name + "gazeorigininusercoordinatesystem"});
+      eye.sight_point_mm = find({name + "gazepointinusercoordinatesystem"});
+      eye.origin_validity = find({name + "gazeoriginvalidity"});
+    }
     const std::string axes = "xyz";
+    for (std::size_t axis : {0, 1, 2}) {
+      const std::string letter = axes.substr(axis, 1);
+      left.origin_mm[axis] = find({"leftorigin" + letter});
+      right.origin_mm[axis] = find({"rightorigin" + letter});
+      left.direction[axis] = find({"leftdirection" + letter});
+      right.direction[axis] = find({"rightdirection" + letter});
+    }
+    if (left.direction[0] || right.direction[0]) return;
+    // Pupil counts the right eye as 0.
+    layout_.camera_axes = true;
     for (std::size_t axis : {0, 1, 2}) {
       left.origin_mm[axis] = find({"eyecenter13d" + axes.substr(axis, 1)});
       right.origin_mm[axis] = find({"eyecenter03d" + axes.substr(axis, 1)});
@@ -167,7 +198,9 @@ class Recogniser {
 
   void findPoint() {
     const bool eyes = hasPoint(layout_.eyes[0]) || hasPoint(layout_.eyes[1]);
-    if (given_.x.empty() && given_.y.empty() && eyes && !(find(Keys(kXs)) && find(Keys(kYs)))) {
+    const bool told = !given_.eyes[0].x.empty() || !given_.eyes[1].x.empty();
+    if (given_.x.empty() && given_.y.empty() && eyes &&
+        (told || !(find(Keys(kXs)) && find(Keys(kYs))))) {
       takeUnits(layout_.eyes[0].x ? layout_.eyes[0].x : layout_.eyes[1].x);
       return;
     }
@@ -185,8 +218,32 @@ class Recogniser {
   }
 
   void findTime() {
-    layout_.time = require(given_.time, kTimes);
-    layout_.time_scale_s = given_.time_scale_s.value_or(secondsPer(names_[layout_.time].unit));
+    const std::optional<double> rate_Hz = given_.rate_Hz ? given_.rate_Hz : before_.rate_Hz;
+    const bool counted = given_.time.empty() && rate_Hz && (given_.rate_Hz || !find(Keys(kTimes)));
+    if (counted) {
+      layout_.rate_Hz = *rate_Hz;
+      layout_.time_scale_s = 1.0;
+    } else {
+      layout_.time = require(given_.time, kTimes);
+      layout_.time_scale_s = given_.time_scale_s.value_or(secondsPer(names_[*layout_.time].unit));
+    }
+  }
+
+  void takeGivenEyes() {
+    for (std::size_t side : {0, 1}) {
+      const TraceColumns::Eye& given = given_.eyes[side];
+      EyeColumns& eye = layout_.eyes[side];
+      const char* name = side == 0 ? "left" : "right";
+      if (given.x.empty() != given.y.empty()) {
+        throw lines_.error(std::string(name) + "_x and " + name + "_y: expected both or neither");
+      }
+      if (!given.x.empty()) {
+        eye = EyeColumns{.x = named(given.x), .y = named(given.y)};
+      } else if (given_.namesEye(1 - side) && given.pupil.empty()) {
+        eye = {};  // the study speaks of the other eye alone
+      }
+      if (!given.pupil.empty()) eye.pupil_mm = named(given.pupil);
+    }
   }
 
   void findRest() {
@@ -196,7 +253,12 @@ class Recogniser {
                                           : find({"blink", "isblink", "blinkid"});
     layout_.named_blink =
         given_.blink.empty() && layout_.blink && names_[*layout_.blink].key == "blinkid";
-    layout_.confidence = find({"confidence"});
+    layout_.confidence =
+        !given_.confidence.empty() ? std::optional(named(given_.confidence)) : find({"confidence"});
+    layout_.numbers = {.missing = given_.missing,
+                       .scale = given_.scale,
+                       .offset = given_.offset,
+                       .pupil_scale_mm = given_.pupil_scale_mm};
   }
 
   void recogniseFormat() {
@@ -219,7 +281,7 @@ class Recogniser {
       layout_.time_scale_s = 1.0;
     } else if (find({"sectionid"}) && find({"gazex"}) && find({"recordingid"})) {
       set("Neon export");
-    } else if (smi_) {
+    } else if (before_.smi) {
       set("SMI BeGaze");
       layout_.units = GazeUnits::px;
       layout_.zero_is_absent = true;
@@ -241,13 +303,14 @@ class Recogniser {
   static bool isOf(const EyeColumns& eye, std::size_t column) {
     const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
     return is(eye.x) || is(eye.y) || is(eye.point) || is(eye.validity) || is(eye.pupil_mm) ||
+           is(eye.origin_point_mm) || is(eye.sight_point_mm) || is(eye.origin_validity) ||
            std::any_of(eye.origin_mm.begin(), eye.origin_mm.end(), is) ||
            std::any_of(eye.direction.begin(), eye.direction.end(), is);
   }
 
   bool isUsed(std::size_t column) const {
     const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
-    bool used = column == layout_.time;
+    bool used = is(layout_.time);
     for (const auto& at :
          {layout_.x, layout_.y, layout_.pupil_mm, layout_.blink, layout_.confidence,
           layout_.validity, layout_.width_px, layout_.height_px, layout_.kind}) {
@@ -259,7 +322,7 @@ class Recogniser {
 
   const LineReader& lines_;
   const TraceColumns& given_;
-  bool smi_;
+  const TablePreamble& before_;
   std::vector<std::string_view> fields_{};
   std::vector<Name> names_{};
   TableLayout layout_{};
@@ -267,16 +330,9 @@ class Recogniser {
 
 }  // namespace
 
-std::optional<GazeUnits> unitsNamed(std::string_view name) {
-  if (name == "px" || name == "pixels") return GazeUnits::px;
-  if (name == "deg" || name == "dva" || name == "degrees") return GazeUnits::deg;
-  if (name == "normalised" || name == "normalized" || name == "norm") return GazeUnits::normalised;
-  return std::nullopt;
-}
-
 TableLayout recogniseTable(const LineReader& lines, std::string_view header,
-                           const TraceColumns& columns, bool smi) {
-  return Recogniser(lines, header, columns, smi).recognise();
+                           const TraceColumns& columns, const TablePreamble& before) {
+  return Recogniser(lines, header, columns, before).recognise();
 }
 
 }  // namespace foci

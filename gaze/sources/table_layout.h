@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gaze/sources/line_reader.h"
+#include "gaze/sources/table_preamble.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
@@ -24,14 +25,24 @@ struct EyeColumns {
   std::optional<std::size_t> x{}, y{};  ///< of the point
   std::optional<std::size_t> point{};   ///< or both in one field, "(x, y)"
   std::optional<std::size_t> validity{}, pupil_mm{};
-  std::array<std::optional<std::size_t>, 3> origin_mm{}, direction{};  ///< x, y, z (Pupil Core)
+  std::array<std::optional<std::size_t>, 3> origin_mm{}, direction{};  ///< x, y, z
+  std::optional<std::size_t> origin_point_mm{}, sight_point_mm{};  ///< "(x, y, z)" (Tobii's SDK)
+  std::optional<std::size_t> origin_validity{};
+};
+
+/// Of the columns that a study names: how to read their numbers.
+struct TableNumbers {
+  std::optional<double> missing{};
+  glm::dvec2 scale{1.0}, offset{0.0};
+  double pupil_scale_mm = 1.0;
 };
 
 struct TableLayout {
   std::string format;  ///< "TSV", "Tobii Pro SDK", ...
   char delimiter = ',';
-  std::size_t time = 0;
-  double time_scale_s = 0.0;  ///< seconds a unit; 0: not said
+  std::optional<std::size_t> time{};  ///< absent: the rows are counted
+  double rate_Hz = 0.0;               ///< of these
+  double time_scale_s = 0.0;          ///< seconds a unit; 0: not said
   std::optional<std::size_t> x{}, y{};
   std::array<EyeColumns, 2> eyes{};  ///< left, right
   bool has_eyes = false;             ///< any column of either
@@ -43,19 +54,21 @@ struct TableLayout {
   std::string sample_kind{};
   std::optional<GazeUnits> units{};  ///< as the columns' names say
   bool y_up = false;                 ///< the fractions' origin is the bottom-left corner (Pupil)
+  bool camera_axes = false;          ///< of origin and direction: y down, z forward (Pupil)
   bool zero_is_absent = false;       ///< a point of 0, 0 is none (SMI)
   bool named_blink = false;          ///< `blink` holds the blink's number, or nothing (Neon)
-  std::size_t columns = 0;           ///< that must be split
+  TableNumbers numbers{};
+  bool headless = false;    ///< the line of names is a row already
+  std::size_t columns = 0;  ///< that must be split
+
+  bool hasDirections() const { return eyes[0].direction[0] || eyes[1].direction[0]; }
 };
 
 /// @param lines   stands at the header, for errors
 /// @param header  the line of names
-/// @param smi     whether the file began as BeGaze's do
+/// @param before  what the lines before it say
 /// @throws InputError where time or positions are not found, naming the nearest column
 TableLayout recogniseTable(const LineReader& lines, std::string_view header,
-                           const TraceColumns& columns, bool smi);
-
-/// "px", "deg", "normalised" and what others write for them.
-std::optional<GazeUnits> unitsNamed(std::string_view name);
+                           const TraceColumns& columns, const TablePreamble& before);
 
 }  // namespace foci

@@ -1,6 +1,7 @@
 // Recorded gaze from files of the usual trackers, recognised from their content.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -17,17 +18,36 @@ namespace foci {
 ///   corner
 enum class GazeUnits { px, deg, normalised };
 
-/// Which columns of a TSV or CSV to read. What is empty is recognised by the usual names ("time_s",
+/// Which columns of a table to read, by name, or by number ("#1" is the first), which a table
+/// without a header line needs. What is empty is recognised by the usual names ("time_s",
 /// "timestamp", "x_px", "gaze_x", "x_deg", ...). EyeLink files need none of this and ignore it.
 struct TraceColumns {
+  /// Of one eye: both of the point, or neither.
+  struct Eye {
+    std::string x{}, y{}, pupil{};
+  };
+
   std::string time{}, x{}, y{};
-  std::string pupil{};  ///< diameter, mm
-  std::string blink{};  ///< 0 or false: open; 1 or true: the tracker saw a blink
+  std::string pupil{};        ///< diameter
+  std::string blink{};        ///< 0 or false: open; 1 or true: the tracker saw a blink
+  std::string confidence{};   ///< 0 to 1; below 0.6 there is no gaze
+  std::array<Eye, 2> eyes{};  ///< left, right; without `x` and `y` the gaze is `Cyclopean` of them
   /// Absent: from the file's first line or the columns' names, else px.
   std::optional<GazeUnits> units{};
   /// Seconds a unit of time, e.g. 0.001; absent: from the column's name, else the one of 1, 1e-3,
   /// 1e-6 and 1e-9 that gives the rate of a tracker.
   std::optional<double> time_scale_s{};
+  /// Samples a second of a table that has no column of time; absent: what its first line says.
+  std::optional<double> rate_Hz{};
+  /// The number that stands for no position or no pupil, as -1 or 0.
+  std::optional<double> missing{};
+  /// Position in `units` = scale * column + offset.
+  glm::dvec2 scale{1.0}, offset{0.0};
+  double pupil_scale_mm = 1.0;  ///< millimetres a unit of the pupils' columns
+
+  bool namesEye(std::size_t side) const {
+    return !eyes[side].x.empty() || !eyes[side].y.empty() || !eyes[side].pupil.empty();
+  }
 };
 
 /// What a recording says besides its samples.
@@ -43,8 +63,8 @@ using TakeSample = std::function<void(const GazeSample&)>;
 /// Recognised are EyeLink ASC; Tobii Pro Lab TSV and Pro SDK CSV; Pupil Core (gaze_positions.csv)
 /// and Neon (gaze.csv); GazeBase and GazeBaseVR; SMI BeGaze text; BIDS eye tracking
 /// (`*_physio.tsv.gz` beside its JSON); and any TSV or CSV with named columns, of one point or of
-/// two eyes. Delimiters are found (tab, comma, semicolon); fields may be quoted; files may be
-/// gzipped. A first line `# key=value ...` may carry screen_width_px screen_height_px
+/// two eyes. Delimiters are found (tab, comma, semicolon, blanks); fields may be quoted; files may
+/// be gzipped. A first line `# key=value ...` may carry screen_width_px screen_height_px
 /// screen_width_m screen_height_m viewing_distance_m sampling_Hz units. An empty field, ".", NaN,
 /// NA, N/A, null is an absent value.
 ///

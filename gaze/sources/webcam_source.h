@@ -41,6 +41,9 @@ class WebcamSource : public LiveSource {
   /// What the newest frames said, oldest first, since the last call: for calibrations.
   std::vector<WebcamFrame> takeFrames();
 
+  /// The head that the frames are measured against; absent before the first face.
+  std::optional<WebcamReference> reference() const { return tracker_.reference(); }
+
   /// No frame is left in the file.
   bool ended() const { return ended_; }
 

@@ -46,10 +46,11 @@ void checkImageExtension(const std::filesystem::path& file) {
   }
 }
 
-void writeImage(const std::filesystem::path& file, const Frame& frame) {
+void writeImage(const std::filesystem::path& file, const Frame& frame,
+                std::optional<double> gamma) {
   checkImageExtension(file);
   if (file.extension() == ".png") {
-    std::vector<std::uint8_t> rgb = srgb8(frame);
+    std::vector<std::uint8_t> rgb = codesOf(frame, gamma);
     cv::Mat image(frame.size_px.y, frame.size_px.x, CV_8UC3, rgb.data());
     cv::cvtColor(image, image, cv::COLOR_RGB2BGR);
     writeAside(file, image);

@@ -22,6 +22,16 @@ std::array<std::uint8_t, kSteps + 1> tabulate() {
   return table;
 }
 
+/// By the root of the linear value: a power is steep at the dark end.
+std::vector<std::uint8_t> tabulatePower(double gamma) {
+  std::vector<std::uint8_t> table(kSteps + 1);
+  for (int i = 0; i <= kSteps; ++i) {
+    const double code = 255.0 * std::pow(static_cast<double>(i) / kSteps, 2.0 / gamma);
+    table[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(code));
+  }
+  return table;
+}
+
 }  // namespace
 
 float srgbFromLinear(float linear) {
@@ -36,11 +46,13 @@ float linearFromSrgb(float srgb) {
   return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f);
 }
 
-std::vector<std::uint8_t> srgb8(const Frame& frame) {
-  static const auto table = tabulate();
-  const auto code = [](float linear) {
+std::vector<std::uint8_t> codesOf(const Frame& frame, std::optional<double> gamma) {
+  static const auto srgb = tabulate();
+  const auto power = gamma ? tabulatePower(*gamma) : std::vector<std::uint8_t>{};
+  const auto code = [&](float linear) {
     const float clamped = linear > 0.0f ? std::min(linear, 1.0f) : 0.0f;
-    return table[static_cast<int>(clamped * kSteps + 0.5f)];
+    return gamma ? power[static_cast<std::size_t>(std::sqrt(clamped) * kSteps + 0.5f)]
+                 : srgb[static_cast<std::size_t>(clamped * kSteps + 0.5f)];
   };
   std::vector<std::uint8_t> rgb(3 * frame.rgba.size());
   const auto width = static_cast<std::size_t>(frame.size_px.x);
@@ -50,6 +62,22 @@ std::vector<std::uint8_t> srgb8(const Frame& frame) {
     }
   });
   return rgb;
+}
+
+double meanLuminance(const Frame& frame) {
+  if (frame.rgba.empty()) return 0.0;
+  // Row by row, and the rows in order: the same sum at any number of threads.
+  const auto width = static_cast<std::size_t>(frame.size_px.x);
+  std::vector<double> rows(static_cast<std::size_t>(frame.size_px.y));
+  parallelFor(rows.size(), [&](std::size_t y) {
+    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+      const glm::vec3 rgb = glm::clamp(glm::vec3(frame.rgba[i]), 0.0f, 1.0f);
+      rows[y] += static_cast<double>(glm::dot(rgb, glm::vec3(0.2126f, 0.7152f, 0.0722f)));
+    }
+  });
+  double sum = 0.0;
+  for (const double row : rows) sum += row;
+  return sum / static_cast<double>(frame.rgba.size());
 }
 
 }  // namespace foci

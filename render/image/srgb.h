@@ -1,7 +1,8 @@
-// Linear light to the 8-bit code values of a display: IEC 61966-2-1.
+// Linear light to the 8-bit code values of a display: IEC 61966-2-1, or a power.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "render/image/frame.h"
@@ -13,6 +14,11 @@ float srgbFromLinear(float linear);
 float linearFromSrgb(float srgb);
 
 /// RGB bytes, row-major, 3 a pixel, each the nearest code value. Threads by TBB.
-std::vector<std::uint8_t> srgb8(const Frame& frame);
+/// @param gamma  of a display that emits (code / 255)^gamma, 1 to 4; absent: sRGB
+std::vector<std::uint8_t> codesOf(const Frame& frame, std::optional<double> gamma = std::nullopt);
+
+/// Mean of Y = 0.2126 R + 0.7152 G + 0.0722 B over the frame, each channel held to [0, 1]: the
+/// share of the light of a white frame. 0 for an empty one.
+double meanLuminance(const Frame& frame);
 
 }  // namespace foci

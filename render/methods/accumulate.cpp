@@ -69,8 +69,15 @@ class AccumulateMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeAccumulate(const SurfelCloud& cloud, int views) {
-  return std::make_unique<AccumulateMethod>(cloud, views);
+MethodEntry accumulateMethod() {
+  return {.info = {.name = "accumulate",
+                   .summary = "N pinhole views over the lens, averaged: the reference",
+                   .source = "Haeberli and Akeley 1990",
+                   .most = 100000,
+                   .standard = 200},
+          .make = [](const SurfelCloud& cloud, int views) -> std::unique_ptr<Method> {
+            return std::make_unique<AccumulateMethod>(cloud, views);
+          }};
 }
 
 }  // namespace foci

@@ -104,8 +104,15 @@ class FearingMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeFearing(const SurfelCloud& cloud, int percent) {
-  return std::make_unique<FearingMethod>(cloud, percent);
+MethodEntry fearingMethod() {
+  return {.info = {.name = "fearing",
+                   .summary = "potmesil where something changed, at most N per cent of the frame",
+                   .source = "Fearing 1996",
+                   .most = 100,
+                   .standard = 100},
+          .make = [](const SurfelCloud& cloud, int percent) -> std::unique_ptr<Method> {
+            return std::make_unique<FearingMethod>(cloud, percent);
+          }};
 }
 
 }  // namespace foci

@@ -192,8 +192,14 @@ class InflateMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeInflate(const SurfelCloud& cloud) {
-  return std::make_unique<InflateMethod>(cloud);
+MethodEntry inflateMethod() {
+  return {
+      .info = {.name = "inflate",
+               .summary = "splats' covariance grown by the blur, opacity scaled down, sorted over",
+               .source = "Kerbl et al. 2023; Spark, PlayCanvas"},
+      .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
+        return std::make_unique<InflateMethod>(cloud);
+      }};
 }
 
 }  // namespace foci

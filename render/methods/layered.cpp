@@ -102,8 +102,16 @@ class LayeredMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeLayered(const SurfelCloud& cloud, int layers) {
-  return std::make_unique<LayeredMethod>(cloud, layers);
+MethodEntry layeredMethod() {
+  return {
+      .info = {.name = "layered",
+               .summary = "N depth layers drawn for themselves, blurred and laid over each other",
+               .source = "Scofield 1992",
+               .most = 256,
+               .standard = 8},
+      .make = [](const SurfelCloud& cloud, int layers) -> std::unique_ptr<Method> {
+        return std::make_unique<LayeredMethod>(cloud, layers);
+      }};
 }
 
 }  // namespace foci

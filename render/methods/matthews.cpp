@@ -87,8 +87,13 @@ class MatthewsMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeMatthews(const SurfelCloud& cloud) {
-  return std::make_unique<MatthewsMethod>(cloud);
+MethodEntry matthewsMethod() {
+  return {.info = {.name = "matthews",
+                   .summary = "spread pixels, kept off sharper things before them and normalised",
+                   .source = "after Matthews 1998"},
+          .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
+            return std::make_unique<MatthewsMethod>(cloud);
+          }};
 }
 
 }  // namespace foci

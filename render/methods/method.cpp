@@ -4,124 +4,29 @@
 #include <cassert>
 #include <charconv>
 #include <chrono>
-#include <iterator>
 
 #include "app/base/nearest.h"
 
 namespace foci {
 
-std::unique_ptr<Method> makeSweep(const SurfelCloud& cloud);
-std::unique_ptr<Method> makeSweepLod(const SurfelCloud& cloud, int parts);
-std::unique_ptr<Method> makePaper(const SurfelCloud& cloud);
-std::unique_ptr<Method> makePaperLod(const SurfelCloud& cloud);
-std::unique_ptr<Method> makeAccumulate(const SurfelCloud& cloud, int views);
-std::unique_ptr<Method> makePinhole(const SurfelCloud& cloud);
-std::unique_ptr<Method> makePotmesil(const SurfelCloud& cloud);
-std::unique_ptr<Method> makeRokita(const SurfelCloud& cloud);
-std::unique_ptr<Method> makeMatthews(const SurfelCloud& cloud);
-std::unique_ptr<Method> makeShinya(const SurfelCloud& cloud, int rays);
-std::unique_ptr<Method> makeLayered(const SurfelCloud& cloud, int layers);
-std::unique_ptr<Method> makeFearing(const SurfelCloud& cloud, int percent);
-std::unique_ptr<Method> makeMulder(const SurfelCloud& cloud);
-std::unique_ptr<Method> makeRasanen(const SurfelCloud& cloud, int samples);
-std::unique_ptr<Method> makeInflate(const SurfelCloud& cloud);
-#ifdef FOCI_RAYTRACE
-std::unique_ptr<Method> makeRaytrace(const SurfelCloud& cloud, int rays);
-#endif
+#define FOCI_METHOD(entry) MethodEntry entry();
+#include "render/methods/every_method.inc"
+#undef FOCI_METHOD
 
 namespace {
 
-struct Entry {
-  MethodInfo info;
-  std::unique_ptr<Method> (*make)(const SurfelCloud&, int number);
-};
-
-constexpr Entry kEntries[] = {
-    {{.name = "sweep",
-      .summary =
-          "each splat blurred before the image is formed; streamed over tiles, without lists",
-      .source = "Krivanek, Zara and Bouatouch 2003, and our own"},
-     [](const SurfelCloud& cloud, int) { return makeSweep(cloud); }},
-    {{.name = "sweep-lod",
-      .summary = "sweep from coarser levels and fewer samples where blurred; N parts of the lens "
-                 "where surfaces overlap",
-      .source = "our own",
-      .most = 256,
-      .standard = 7},
-     makeSweepLod},
-    {{.name = "paper",
-      .summary = "the published baseline: each splat blurred, an A-buffer of fragments",
-      .source = "Krivanek, Zara and Bouatouch 2003"},
-     [](const SurfelCloud& cloud, int) { return makePaper(cloud); }},
-    {{.name = "paper-lod",
-      .summary = "the same with level of detail chosen by the blur",
-      .source = "Krivanek, Zara and Bouatouch 2003; hierarchy: Rusinkiewicz and Levoy 2000"},
-     [](const SurfelCloud& cloud, int) { return makePaperLod(cloud); }},
-    {{.name = "accumulate",
-      .summary = "N pinhole views over the lens, averaged: the reference",
-      .source = "Haeberli and Akeley 1990",
-      .most = 100000,
-      .standard = 200},
-     makeAccumulate},
-    {{.name = "pinhole", .summary = "no depth of field", .source = "the traditional camera"},
-     [](const SurfelCloud& cloud, int) { return makePinhole(cloud); }},
-    {{.name = "potmesil",
-      .summary = "each pixel of the pinhole image spread evenly over its circle of confusion",
-      .source = "Potmesil and Chakravarty 1981; Chen 1988"},
-     [](const SurfelCloud& cloud, int) { return makePotmesil(cloud); }},
-    {{.name = "rokita",
-      .summary = "3 x 3 convolutions of the pinhole image, repeated as the blur asks for",
-      .source = "Rokita 1993"},
-     [](const SurfelCloud& cloud, int) { return makeRokita(cloud); }},
-    {{.name = "layered",
-      .summary = "N depth layers drawn for themselves, blurred and laid over each other",
-      .source = "Scofield 1992",
-      .most = 256,
-      .standard = 8},
-     makeLayered},
-    {{.name = "matthews",
-      .summary = "spread pixels, kept off sharper things before them and normalised",
-      .source = "after Matthews 1998"},
-     [](const SurfelCloud& cloud, int) { return makeMatthews(cloud); }},
-    {{.name = "shinya",
-      .summary = "N rays a pixel of the pinhole image, hiding each other in ray buffers",
-      .source = "Shinya 1994",
-      .most = 4096,
-      .standard = 64},
-     makeShinya},
-    {{.name = "fearing",
-      .summary = "potmesil where something changed, at most N per cent of the frame",
-      .source = "Fearing 1996",
-      .most = 100,
-      .standard = 100},
-     makeFearing},
-    {{.name = "mulder",
-      .summary = "potmesil around the gaze, a pyramid of blurred images elsewhere",
-      .source = "Mulder and van Liere 2000"},
-     [](const SurfelCloud& cloud, int) { return makeMulder(cloud); }},
-    {{.name = "rasanen",
-      .summary = "N random samples of each splat's blurred kernel",
-      .source = "Rasanen 2002",
-      .most = 65536,
-      .standard = 16},
-     makeRasanen},
-    {{.name = "inflate",
-      .summary = "splats' covariance grown by the blur, opacity scaled down, sorted over",
-      .source = "Kerbl et al. 2023; Spark, PlayCanvas"},
-     [](const SurfelCloud& cloud, int) { return makeInflate(cloud); }},
-#ifdef FOCI_RAYTRACE
-    {{.name = "raytrace",
-      .summary = "N rays a pixel through the lens, against discs: the other reference",
-      .source = "Cook, Porter and Carpenter 1984",
-      .most = 100000,
-      .standard = 64},
-     makeRaytrace},
-#endif
-};
+const std::vector<MethodEntry>& entries() {
+  static const std::vector<MethodEntry> all = {
+#define FOCI_METHOD(entry) entry(),
+#include "render/methods/every_method.inc"
+#undef FOCI_METHOD
+  };
+  return all;
+}
 
 /// A spec as understood, or what was expected.
 struct Choice {
-  const Entry* entry = nullptr;
+  const MethodEntry* entry = nullptr;
   int number = 0;
   std::string expected;
 };
@@ -129,13 +34,14 @@ struct Choice {
 Choice parse(std::string_view spec) {
   const std::size_t colon = spec.find(':');
   const std::string name(spec.substr(0, colon));
-  const auto entry = std::find_if(std::begin(kEntries), std::end(kEntries),
-                                  [&](const Entry& one) { return one.info.name == name; });
-  if (entry == std::end(kEntries)) {
+  const auto found = std::find_if(entries().begin(), entries().end(),
+                                  [&](const MethodEntry& one) { return one.info.name == name; });
+  if (found == entries().end()) {
     std::vector<std::string> known;
-    for (const Entry& one : kEntries) known.emplace_back(one.info.name);
+    for (const MethodEntry& one : entries()) known.emplace_back(one.info.name);
     return {nullptr, 0, "a known method; the nearest is " + nearest(name, known)};
   }
+  const MethodEntry* entry = &*found;
   if (colon == std::string_view::npos) return {entry, entry->info.standard, {}};
   if (entry->info.most == 0) return {nullptr, 0, name + ", which takes no number"};
   int number = 0;
@@ -164,7 +70,7 @@ RenderStats Method::render(const View& view, const RenderSettings& settings, Fra
 const std::vector<MethodInfo>& methods() {
   static const auto infos = [] {
     std::vector<MethodInfo> all;
-    for (const Entry& entry : kEntries) all.push_back(entry.info);
+    for (const MethodEntry& entry : entries()) all.push_back(entry.info);
     return all;
   }();
   return infos;

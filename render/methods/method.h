@@ -46,6 +46,13 @@ struct MethodInfo {
   int standard = 0;          ///< N where none is given
 };
 
+/// What each method's own file says of it, in a function that every_method.inc names.
+struct MethodEntry {
+  MethodInfo info;
+  /// @param number  N, 1 to `info.most`; of no meaning where `most` is 0
+  std::unique_ptr<Method> (*make)(const SurfelCloud& cloud, int number);
+};
+
 const std::vector<MethodInfo>& methods();
 
 /// What was expected instead of `spec`, which is to be the name of one of `methods()`, where it

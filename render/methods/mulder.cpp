@@ -132,8 +132,13 @@ class MulderMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeMulder(const SurfelCloud& cloud) {
-  return std::make_unique<MulderMethod>(cloud);
+MethodEntry mulderMethod() {
+  return {.info = {.name = "mulder",
+                   .summary = "potmesil around the gaze, a pyramid of blurred images elsewhere",
+                   .source = "Mulder and van Liere 2000"},
+          .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
+            return std::make_unique<MulderMethod>(cloud);
+          }};
 }
 
 }  // namespace foci

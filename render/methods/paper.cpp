@@ -50,8 +50,14 @@ class PaperMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makePaper(const SurfelCloud& cloud) {
-  return std::make_unique<PaperMethod>(cloud);
+MethodEntry paperMethod() {
+  return {
+      .info = {.name = "paper",
+               .summary = "the published baseline: each splat blurred, an A-buffer of fragments",
+               .source = "Krivanek, Zara and Bouatouch 2003"},
+      .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
+        return std::make_unique<PaperMethod>(cloud);
+      }};
 }
 
 }  // namespace foci

@@ -205,8 +205,14 @@ class PaperLodMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makePaperLod(const SurfelCloud& cloud) {
-  return std::make_unique<PaperLodMethod>(cloud);
+MethodEntry paperLodMethod() {
+  return {.info = {.name = "paper-lod",
+                   .summary = "the same with level of detail chosen by the blur",
+                   .source =
+                       "Krivanek, Zara and Bouatouch 2003; hierarchy: Rusinkiewicz and Levoy 2000"},
+          .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
+            return std::make_unique<PaperLodMethod>(cloud);
+          }};
 }
 
 }  // namespace foci

@@ -24,8 +24,13 @@ class PinholeMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makePinhole(const SurfelCloud& cloud) {
-  return std::make_unique<PinholeMethod>(cloud);
+MethodEntry pinholeMethod() {
+  return {.info = {.name = "pinhole",
+                   .summary = "no depth of field",
+                   .source = "the traditional camera"},
+          .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
+            return std::make_unique<PinholeMethod>(cloud);
+          }};
 }
 
 }  // namespace foci

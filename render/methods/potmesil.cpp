@@ -35,8 +35,14 @@ class PotmesilMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makePotmesil(const SurfelCloud& cloud) {
-  return std::make_unique<PotmesilMethod>(cloud);
+MethodEntry potmesilMethod() {
+  return {.info = {.name = "potmesil",
+                   .summary =
+                       "each pixel of the pinhole image spread evenly over its circle of confusion",
+                   .source = "Potmesil and Chakravarty 1981; Chen 1988"},
+          .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
+            return std::make_unique<PotmesilMethod>(cloud);
+          }};
 }
 
 }  // namespace foci

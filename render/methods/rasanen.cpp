@@ -182,8 +182,15 @@ class RasanenMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeRasanen(const SurfelCloud& cloud, int samples) {
-  return std::make_unique<RasanenMethod>(cloud, samples);
+MethodEntry rasanenMethod() {
+  return {.info = {.name = "rasanen",
+                   .summary = "N random samples of each splat's blurred kernel",
+                   .source = "Rasanen 2002",
+                   .most = 65536,
+                   .standard = 16},
+          .make = [](const SurfelCloud& cloud, int samples) -> std::unique_ptr<Method> {
+            return std::make_unique<RasanenMethod>(cloud, samples);
+          }};
 }
 
 }  // namespace foci

@@ -351,8 +351,15 @@ class RaytraceMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeRaytrace(const SurfelCloud& cloud, int rays) {
-  return std::make_unique<RaytraceMethod>(cloud, rays);
+MethodEntry raytraceMethod() {
+  return {.info = {.name = "raytrace",
+                   .summary = "N rays a pixel through the lens, against discs: the other reference",
+                   .source = "Cook, Porter and Carpenter 1984",
+                   .most = 100000,
+                   .standard = 64},
+          .make = [](const SurfelCloud& cloud, int rays) -> std::unique_ptr<Method> {
+            return std::make_unique<RaytraceMethod>(cloud, rays);
+          }};
 }
 
 }  // namespace foci

@@ -99,8 +99,14 @@ class RokitaMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeRokita(const SurfelCloud& cloud) {
-  return std::make_unique<RokitaMethod>(cloud);
+MethodEntry rokitaMethod() {
+  return {
+      .info = {.name = "rokita",
+               .summary = "3 x 3 convolutions of the pinhole image, repeated as the blur asks for",
+               .source = "Rokita 1993"},
+      .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
+        return std::make_unique<RokitaMethod>(cloud);
+      }};
 }
 
 }  // namespace foci

@@ -101,8 +101,16 @@ class ShinyaMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeShinya(const SurfelCloud& cloud, int rays) {
-  return std::make_unique<ShinyaMethod>(cloud, rays);
+MethodEntry shinyaMethod() {
+  return {
+      .info = {.name = "shinya",
+               .summary = "N rays a pixel of the pinhole image, hiding each other in ray buffers",
+               .source = "Shinya 1994",
+               .most = 4096,
+               .standard = 64},
+      .make = [](const SurfelCloud& cloud, int rays) -> std::unique_ptr<Method> {
+        return std::make_unique<ShinyaMethod>(cloud, rays);
+      }};
 }
 
 }  // namespace foci

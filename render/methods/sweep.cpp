@@ -27,8 +27,16 @@ class SweepMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeSweep(const SurfelCloud& cloud) {
-  return std::make_unique<SweepMethod>(cloud);
+MethodEntry sweepMethod() {
+  return {
+      .info =
+          {.name = "sweep",
+           .summary =
+               "each splat blurred before the image is formed; streamed over tiles, without lists",
+           .source = "Krivanek, Zara and Bouatouch 2003, and our own"},
+      .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
+        return std::make_unique<SweepMethod>(cloud);
+      }};
 }
 
 }  // namespace foci

@@ -26,7 +26,8 @@ class SweepLodMethod final : public Method {
 
   RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     const glm::vec2 radius_px_per_D = settings.defocus.radius_px_per_D;
-    const bool in_parts = centres_.size() > 1 && radius_px_per_D.x * radius_px_per_D.y > 0.0f;
+    const bool blurred = radius_px_per_D.x * radius_px_per_D.y > 0.0f;
+    const bool in_parts = centres_.size() > 1 && blurred;
     selectCut(tree_, view, settings.defocus, kCut, cut_);
     projectCut(
         tree_, cut_, view, settings.defocus,
@@ -34,7 +35,7 @@ class SweepLodMethod final : public Method {
          .margin_px = kApron * kMostStep_px,
          .shading = settings.shading},
         chunks_);
-    lists_.build(chunks_, view.size_px, true);
+    lists_.build(chunks_, view.size_px, blurred);
     const LensParts parts{.splats = chunks_.parts.get(),
                           .lens = chunks_.part_lens.get(),
                           .out_of_focus_D = chunks_.out_of_focus_D.get(),
@@ -61,8 +62,18 @@ class SweepLodMethod final : public Method {
 
 }  // namespace
 
-std::unique_ptr<Method> makeSweepLod(const SurfelCloud& cloud, int parts) {
-  return std::make_unique<SweepLodMethod>(cloud, parts);
+MethodEntry sweepLodMethod() {
+  return {
+      .info = {.name = "sweep-lod",
+               .summary =
+                   "sweep from coarser levels and fewer samples where blurred; N parts of the lens "
+                   "where surfaces overlap",
+               .source = "our own",
+               .most = 256,
+               .standard = 7},
+      .make = [](const SurfelCloud& cloud, int parts) -> std::unique_ptr<Method> {
+        return std::make_unique<SweepLodMethod>(cloud, parts);
+      }};
 }
 
 }  // namespace foci

@@ -41,6 +41,12 @@ SurfelCloud makeStatue();
 /// A pose that sees the statue from its left front.
 EyePose statueEyePose();
 
+/// Wires and slats 0.5 to 4 mm wide, half a metre from the eye, before a textured wall 1.5 m away.
+SurfelCloud makeFence();
+
+/// The eye at the origin, looking at the wall's middle along -z.
+EyePose fenceEyePose();
+
 struct PointOfInterest {
   std::string name;   ///< "lattice", "bust", ...
   glm::vec3 p_world;  ///< on a surface that the gallery's eye sees

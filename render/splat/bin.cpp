@@ -16,6 +16,12 @@ namespace {
 /// more than a pixel.
 constexpr float kSigmasAStep = 0.6f;
 
+int stepFor(float sigma_px) {
+  int step_px = kMostStep_px;
+  while (step_px > 1 && !(sigma_px >= kSigmasAStep * static_cast<float>(step_px))) step_px /= 2;
+  return step_px;
+}
+
 constexpr int kDigitBits = 9;
 constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
 constexpr int kKeyBits = 2 * kDigitBits;
@@ -91,20 +97,34 @@ void TileLists::sortByDistance(const SplatChunks& chunks) {
   sortPass(scratch_, sorted_, 32 + kDigitBits);
 }
 
-std::vector<TileLists::Sharpness> TileLists::sharpnessOfCells(const SplatChunks& chunks) const {
-  constexpr int kMargin_px = 4;  // a sharp edge just beyond a cell shows in its interpolation
+std::vector<TileLists::Blur> TileLists::blurOfCells(const SplatChunks& chunks) const {
+  // A pixel is interpolated from samples up to one and a half steps away: a splat that wants finer
+  // ones is in the way up to there.
+  constexpr auto reachOf = [](int step_px) { return 3 * step_px / 2; };
+  constexpr int kMostReach_px = reachOf(kMostStep_px);
   const std::size_t cell_count = static_cast<std::size_t>(cells_.x) * cells_.y;
-  std::vector<Sharpness> all(kSlices * cell_count);
+  std::vector<Blur> all(kSlices * cell_count);
   parallelFor(kSlices, [&](std::size_t s) {
-    Sharpness* cells = all.data() + s * cell_count;
+    Blur* cells = all.data() + s * cell_count;
     const auto [begin, end] = sliceOf(s, sorted_.size());
     for (std::size_t i = begin; i < end; ++i) {
       const SplatKey& key = chunks.keys[static_cast<std::uint32_t>(sorted_[i])];
-      const int x1 = std::min(key.x1 + kMargin_px, size_px_.x - 1) / kTile;
-      const int y1 = std::min(key.y1 + kMargin_px, size_px_.y - 1) / kTile;
-      for (int y = std::max(key.y0 - kMargin_px, 0) / kTile; y <= y1; ++y) {
-        for (int x = std::max(key.x0 - kMargin_px, 0) / kTile; x <= x1; ++x) {
-          cells[static_cast<std::size_t>(y) * cells_.x + x].add({key.sigma_px, key.blur_px});
+      const int own_px = stepFor(key.sigma_px);
+      const auto stepAt = [&](int apart_px) {
+        int step_px = own_px;
+        while (step_px < kMostStep_px && apart_px > reachOf(2 * step_px)) step_px *= 2;
+        return step_px;
+      };
+      const int x0 = std::max(key.x0 - kMostReach_px, 0) / kTile;
+      const int y0 = std::max(key.y0 - kMostReach_px, 0) / kTile;
+      const int x1 = std::min(key.x1 + kMostReach_px, size_px_.x - 1) / kTile;
+      const int y1 = std::min(key.y1 + kMostReach_px, size_px_.y - 1) / kTile;
+      for (int y = y0; y <= y1; ++y) {
+        const int below_px = std::max(y * kTile - key.y1, key.y0 - (y + 1) * kTile + 1);
+        for (int x = x0; x <= x1; ++x) {
+          const int beside_px = std::max(x * kTile - key.x1, key.x0 - (x + 1) * kTile + 1);
+          cells[static_cast<std::size_t>(y) * cells_.x + x].add(
+              {stepAt(std::max(below_px, beside_px)), key.blur_px});
         }
       }
     }
@@ -122,42 +142,40 @@ void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
   tiles_.clear();
   // Where nothing is blurred and all tiles are fine, nobody asks.
   const bool matters = coarse || chunks.lens;
-  const std::vector<Sharpness> cells =
-      matters ? sharpnessOfCells(chunks)
-              : std::vector<Sharpness>(tile_of_cell_.size(), Sharpness{.sigma_px = 1.0f});
+  const std::vector<Blur> cells =
+      matters ? blurOfCells(chunks) : std::vector<Blur>(tile_of_cell_.size());
 
-  // From the coarsest step down, so that each square of cells is one tile where it may be.
-  const auto sharpnessOf = [&](int x0, int y0, int step) {
-    Sharpness sum;
-    for (int y = y0; y < std::min(y0 + step, cells_.y); ++y) {
-      for (int x = x0; x < std::min(x0 + step, cells_.x); ++x) {
+  // From the largest square down: one tile, where that needs no more than its samples.
+  const auto blurOf = [&](int x0, int y0, int side) {
+    Blur sum{.step_px = coarse ? kMostStep_px : 1};
+    for (int y = y0; y < std::min(y0 + side, cells_.y); ++y) {
+      for (int x = x0; x < std::min(x0 + side, cells_.x); ++x) {
         sum.add(cells[static_cast<std::size_t>(y) * cells_.x + x]);
       }
     }
     return sum;
   };
-  const auto divide = [&](auto&& self, int x0, int y0, int step) -> void {
+  const auto divide = [&](auto&& self, int x0, int y0, int side) -> void {
     if (x0 >= cells_.x || y0 >= cells_.y) return;
-    const Sharpness sharpness = sharpnessOf(x0, y0, step);
-    if (step > 1 && !(sharpness.sigma_px >= kSigmasAStep * static_cast<float>(step))) {
-      const int half = step / 2;
+    const Blur blur = blurOf(x0, y0, side);
+    if (blur.step_px < side) {
+      const int half = side / 2;
       self(self, x0, y0, half);
       self(self, x0 + half, y0, half);
       self(self, x0, y0 + half, half);
       self(self, x0 + half, y0 + half, half);
       return;
     }
-    for (int y = y0; y < std::min(y0 + step, cells_.y); ++y) {
-      for (int x = x0; x < std::min(x0 + step, cells_.x); ++x) {
+    for (int y = y0; y < std::min(y0 + side, cells_.y); ++y) {
+      for (int x = x0; x < std::min(x0 + side, cells_.x); ++x) {
         tile_of_cell_[static_cast<std::size_t>(y) * cells_.x + x] =
             static_cast<std::uint32_t>(tiles_.size());
       }
     }
-    tiles_.push_back({x0 * kTile, y0 * kTile, step, sharpness.blur_px});
+    tiles_.push_back({x0 * kTile, y0 * kTile, side * kTile, blur.step_px, blur.radius_px});
   };
-  const int most = coarse ? kMostStep_px : 1;
-  for (int y = 0; y < cells_.y; y += most) {
-    for (int x = 0; x < cells_.x; x += most) divide(divide, x, y, most);
+  for (int y = 0; y < cells_.y; y += kMostStep_px) {
+    for (int x = 0; x < cells_.x; x += kMostStep_px) divide(divide, x, y, kMostStep_px);
   }
   any_coarse_ =
       std::any_of(tiles_.begin(), tiles_.end(), [](const Tile& tile) { return tile.step_px > 1; });
@@ -243,13 +261,12 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
         const std::uint32_t index = tile_of_cell_[static_cast<std::size_t>(y) * cells_.x + x];
         const Tile& tile = tiles_[index];
         if (y == std::max(tile.y_px / kTile, y0)) {
-          const int apron_px = tile.step_px > 1 ? kApron * tile.step_px : 0;
-          const int side_px = kTile * tile.step_px;
-          visit(index, key.x1 >= tile.x_px - apron_px && key.x0 < tile.x_px + side_px + apron_px &&
-                           key.y1 >= tile.y_px - apron_px &&
-                           key.y0 < tile.y_px + side_px + apron_px);
+          const int apron_px = tile.apron() * tile.step_px;
+          visit(index,
+                key.x1 >= tile.x_px - apron_px && key.x0 < tile.x_px + tile.side_px + apron_px &&
+                    key.y1 >= tile.y_px - apron_px && key.y0 < tile.y_px + tile.side_px + apron_px);
         }
-        x = tile.x_px / kTile + tile.step_px;
+        x = (tile.x_px + tile.side_px) / kTile;
       }
     }
   });

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -12,23 +11,26 @@
 
 namespace foci {
 
-/// A square of the image and how densely it is sampled: kTile samples along a side, `step_px`
-/// apart, and where they are more than a pixel apart an apron of kApron more on each side, to
-/// interpolate from.
+inline constexpr int kApron = 2;
+
+/// A square of the image and how densely it is sampled: at most kTile samples along a side,
+/// `step_px` apart, and where they are more than a pixel apart an apron of kApron more on each
+/// side, to interpolate from.
 struct Tile {
   int x_px = 0, y_px = 0;  ///< its corner
-  int step_px = 1;         ///< a power of two, at most kMostStep_px
-  float blur_px = 0.0f;    ///< the largest radius of blur in it
-};
+  int side_px = kTile;
+  int step_px = 1;       ///< a power of two, at most kMostStep_px
+  float blur_px = 0.0f;  ///< the largest radius of blur in it
 
-inline constexpr int kApron = 2;
+  int apron() const { return step_px > 1 ? kApron : 0; }
+  int samplesWithApron() const { return side_px / step_px + 2 * apron(); }
+};
 
 /// Lists of splat indices by tile, each in order of `near_m` (ties and distances equal to about one
 /// part in 10^5: in order of surfel). The order does not depend on the number of threads.
 class TileLists {
  public:
-  /// @param coarse  where nothing is sharper than a standard deviation of n pixels, samples are n
-  ///                pixels apart
+  /// @param coarse  where nothing is sharper than about n pixels, samples are n pixels apart
   void build(const SplatChunks& chunks, const glm::ivec2& size_px, bool coarse = false);
 
   const std::vector<Tile>& tiles() const { return tiles_; }
@@ -40,19 +42,19 @@ class TileLists {
   void sortByDistance(const SplatChunks& chunks);
   void chooseTiles(const SplatChunks& chunks, bool coarse);
 
-  struct Sharpness {
-    float sigma_px = std::numeric_limits<float>::infinity();  // the least
-    float blur_px = 0.0f;                                     // the most
-    void add(const Sharpness& other) {
-      sigma_px = std::min(sigma_px, other.sigma_px);
-      blur_px = std::max(blur_px, other.blur_px);
+  struct Blur {
+    int step_px = kMostStep_px;  // as far apart may samples be
+    float radius_px = 0.0f;      // the most
+    void add(const Blur& other) {
+      step_px = std::min(step_px, other.step_px);
+      radius_px = std::max(radius_px, other.radius_px);
     }
   };
-  std::vector<Sharpness> sharpnessOfCells(const SplatChunks& chunks) const;
+  std::vector<Blur> blurOfCells(const SplatChunks& chunks) const;
   template <typename ForEachTile>
   void fill(const ForEachTile& forEachTile);
 
-  glm::ivec2 size_px_{0}, cells_{0};  // a cell is a tile's square at a step of one pixel
+  glm::ivec2 size_px_{0}, cells_{0};  // a cell is the least tile
   std::vector<Tile> tiles_;
   std::vector<std::uint32_t> tile_of_cell_;
   bool any_coarse_ = false;

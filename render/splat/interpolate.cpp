@@ -6,7 +6,7 @@
 namespace foci {
 namespace {
 
-constexpr int kWide = kTile + 2 * kApron;
+constexpr int kWidest = kTile + 2 * kApron;
 using Taps = std::array<float, 4>;
 
 Taps catmullRom(float t) {
@@ -20,10 +20,11 @@ struct Place {
   Taps taps;
 };
 
-std::array<Place, kTile * kMostStep_px> placesOf(int step_px) {
+std::array<Place, kTile * kMostStep_px> placesOf(const Tile& tile) {
   std::array<Place, kTile * kMostStep_px> places{};
-  for (int i = 0; i < kTile * step_px; ++i) {
-    const float at = (static_cast<float>(i) + 0.5f) / static_cast<float>(step_px) - 0.5f + kApron;
+  for (int i = 0; i < tile.side_px; ++i) {
+    const float at =
+        (static_cast<float>(i) + 0.5f) / static_cast<float>(tile.step_px) - 0.5f + kApron;
     const int below = static_cast<int>(at);
     places[i] = {below - 1, catmullRom(at - static_cast<float>(below))};
   }
@@ -33,35 +34,35 @@ std::array<Place, kTile * kMostStep_px> placesOf(int step_px) {
 }  // namespace
 
 void interpolateTile(const Tile& tile, const glm::vec4* rgba, const float* depth_m, Frame& frame) {
-  const int step_px = tile.step_px;
-  const int width = std::min(kTile * step_px, frame.size_px.x - tile.x_px);
-  const int height = std::min(kTile * step_px, frame.size_px.y - tile.y_px);
+  const int width = std::min(tile.side_px, frame.size_px.x - tile.x_px);
+  const int height = std::min(tile.side_px, frame.size_px.y - tile.y_px);
+  const int samples = tile.samplesWithApron();
   const auto rowOf = [&](int y) {
     return static_cast<std::size_t>(tile.y_px + y) * frame.size_px.x + tile.x_px;
   };
   const auto depthOf = [](float weighted_m, float coverage) {
     return coverage > 0.0f ? std::max(weighted_m / coverage, 0.0f) : 0.0f;
   };
-  if (step_px == 1) {
+  if (tile.step_px == 1) {
     for (int y = 0; y < height; ++y) {
-      std::copy_n(rgba + y * kTile, width, frame.rgba.data() + rowOf(y));
+      std::copy_n(rgba + y * samples, width, frame.rgba.data() + rowOf(y));
       if (!depth_m) continue;
       for (int x = 0; x < width; ++x) {
-        frame.depth_m[rowOf(y) + x] = depthOf(depth_m[y * kTile + x], rgba[y * kTile + x].a);
+        frame.depth_m[rowOf(y) + x] = depthOf(depth_m[y * samples + x], rgba[y * samples + x].a);
       }
     }
     return;
   }
 
-  const auto places = placesOf(step_px);
-  std::array<glm::vec4, kWide> row;
-  std::array<float, kWide> depth_row;
+  const auto places = placesOf(tile);
+  std::array<glm::vec4, kWidest> row;
+  std::array<float, kWidest> depth_row;
   for (int y = 0; y < height; ++y) {
     const auto& [first_y, ty] = places[y];
-    const glm::vec4* from = rgba + first_y * kWide;
-    for (int x = 0; x < kWide; ++x) {
-      row[x] = ty[0] * from[x] + ty[1] * from[kWide + x] + ty[2] * from[2 * kWide + x] +
-               ty[3] * from[3 * kWide + x];
+    const glm::vec4* from = rgba + first_y * samples;
+    for (int x = 0; x < samples; ++x) {
+      row[x] = ty[0] * from[x] + ty[1] * from[samples + x] + ty[2] * from[2 * samples + x] +
+               ty[3] * from[3 * samples + x];
     }
     glm::vec4* to = frame.rgba.data() + rowOf(y);
     for (int x = 0; x < width; ++x) {
@@ -72,10 +73,10 @@ void interpolateTile(const Tile& tile, const glm::vec4* rgba, const float* depth
       to[x] = value;
     }
     if (!depth_m) continue;
-    const float* depth_from = depth_m + first_y * kWide;
-    for (int x = 0; x < kWide; ++x) {
-      depth_row[x] = ty[0] * depth_from[x] + ty[1] * depth_from[kWide + x] +
-                     ty[2] * depth_from[2 * kWide + x] + ty[3] * depth_from[3 * kWide + x];
+    const float* depth_from = depth_m + first_y * samples;
+    for (int x = 0; x < samples; ++x) {
+      depth_row[x] = ty[0] * depth_from[x] + ty[1] * depth_from[samples + x] +
+                     ty[2] * depth_from[2 * samples + x] + ty[3] * depth_from[3 * samples + x];
     }
     for (int x = 0; x < width; ++x) {
       const auto& [first, t] = places[x];

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 
 #include "render/splat/bin.h"
 #include "render/splat/splat.h"
@@ -44,47 +45,69 @@ using M = hn::Mask<D>;
 
 // A tile is blocks of 4 x 4 samples; a block's 16 are consecutive, row by row.
 constexpr int kBlock = 4, kBlockSamples = kBlock * kBlock;
-static_assert(kTile % kBlock == 0 && 2 * kApron % kBlock == 0);
+static_assert(kTile % (kBlock * kMostStep_px) == 0 && 2 * kApron % kBlock == 0);
+using BlockValues = float[kBlockSamples];
 
 /// Per sample, sums over the splats of an open layer. `visible`, the opacity that is seen, and
 /// `distance` are used where asked for.
-template <int kSamples>
-struct Sums {
-  alignas(64) float weight[kSamples], red[kSamples], green[kSamples], blue[kSamples];
-  alignas(64) float visible[kSamples], distance[kSamples];
-  alignas(64) float lens_x[kSamples], lens_y[kSamples];  // weights times lens points
+struct alignas(64) Sums {
+  BlockValues weight, red, green, blue, visible, distance;
+  BlockValues lens_x, lens_y;  // weights times lens points
 };
 
-/// Per sample: the open layer and what is already composited.
-template <int kSamples>
-struct TileState {
-  Sums<kSamples> facing, from_behind;   // the layer's surfaces by the side that is seen
-  alignas(64) float far_m[kSamples];    // where its z-range ends
-  alignas(64) float through[kSamples];  // light that still passes
-  alignas(64) float out_red[kSamples], out_green[kSamples], out_blue[kSamples],
-      out_distance[kSamples];
-  alignas(64) float partial[kSamples];  // the most that a layer covers a part of the light
-  alignas(64) float side_x[kSamples], side_y[kSamples], side_at[kSamples];  // see `LensSide`
-  alignas(64) float outside[kSamples], contrast[kSamples];
+/// Per sample, what is composited, and what light still passes.
+struct alignas(64) Light {
+  BlockValues through;
+  BlockValues red, green, blue, distance;
+  BlockValues partial;                  // the most that a layer covers a part of the light
+  BlockValues side_x, side_y, side_at;  // see `findSide`
+  BlockValues outside, contrast;
 };
 
-/// The layers of a tile of kSide x kSide samples.
-template <int kSide, bool kTransparent, bool kDepth, bool kLens>
+/// All of a block lies together: arrays by tile, a power of two apart, would share the same few
+/// cache lines.
+struct alignas(64) Block {
+  Sums facing, from_behind;  // of the open layer, by the side that is seen
+  BlockValues far_m;         // where its z-range ends
+  Light light;
+};
+
+/// The layers of a tile.
+template <bool kTransparent, bool kDepth, bool kLens>
 struct Layers {
-  static constexpr int kSamples = kSide * kSide, kBlocks = kSide / kBlock;
   static constexpr float kClosed = -1.0f;  // before any z-range
-  using Sums = HWY_NAMESPACE::Sums<kSamples>;
+  static constexpr int kMostBlocks = (kTile + 2 * kApron) / kBlock;
 
-  TileState<kSamples> tile;
+  Block tile[kMostBlocks * kMostBlocks];
+  const unsigned columns;        // of blocks, and their rows
   bool any_from_behind = false;  // in the open layers
   bool any_side = false;         // some light that passes has a side of the lens
   bool overlap = false;          // somewhere layers cover each other in part
 
-  /// Composites the open layers of the samples `i + lane` in `which` and opens new ones.
-  HWY_NOINLINE void closeLayers(std::size_t i, M which) {
+  explicit Layers(int samples_a_side) : columns(static_cast<unsigned>(samples_a_side) / kBlock) {
+    for (Block& block : blocks()) {
+      block.facing = block.from_behind = Sums{};
+      std::fill_n(block.far_m, kBlockSamples, kClosed);
+    }
+  }
+
+  std::span<Block> blocks() { return {tile, columns * columns}; }
+
+  /// Nothing composited yet: all light passes.
+  void clear() {
+    for (Block& block : blocks()) {
+      block.light = Light{};
+      std::fill_n(block.light.through, kBlockSamples, 1.0f);
+      std::fill_n(block.light.outside, kBlockSamples, 1.0f);
+    }
+    any_side = false;
+  }
+
+  /// Composites the open layers of the lanes in `which` from `i` on and opens new ones.
+  HWY_NOINLINE void closeLayers(Block& block, std::size_t i, M which) {
     const D d;
     const V one = hn::Set(d, 1.0f);
-    const V through = hn::Load(d, tile.through + i);
+    const V through = hn::Load(d, block.light.through + i);
     V alpha = hn::Zero(d);
 
     // What a side covers, and its mean point on the lens.
@@ -112,10 +135,10 @@ struct Layers {
       const auto compose = [&](float* out, float* sum) {
         hn::Store(hn::MulAdd(passed, take(sum), hn::Load(d, out + i)), d, out + i);
       };
-      compose(tile.out_red, sums.red);
-      compose(tile.out_green, sums.green);
-      compose(tile.out_blue, sums.blue);
-      if constexpr (kDepth) compose(tile.out_distance, sums.distance);
+      compose(block.light.red, sums.red);
+      compose(block.light.green, sums.green);
+      compose(block.light.blue, sums.blue);
+      if constexpr (kDepth) compose(block.light.distance, sums.distance);
       V opaque = take(sums.weight);
       if constexpr (kTransparent || kLens) opaque = take(sums.visible);
       if constexpr (kLens) {
@@ -125,15 +148,15 @@ struct Layers {
       alpha = hn::MulAdd(scale, opaque, alpha);
     };
 
-    Covering all = cover(tile.facing);
-    if constexpr (kLens) lookForOverlap(i, which, all.weight, through);
-    composeSide(tile.facing, all, all.share);
+    Covering all = cover(block.facing);
+    if constexpr (kLens) lookForOverlap(block, i, which, all.weight, through);
+    composeSide(block.facing, all, all.share);
     if (any_from_behind) {
       // The far side of a solid meets the near side at its outline, at one distance and within one
       // layer, but no ray sees both: it counts where it covers more than the near side does.
-      const Covering behind = cover(tile.from_behind);
+      const Covering behind = cover(block.from_behind);
       const V left = hn::Max(hn::Sub(behind.share, all.share), hn::Zero(d));
-      composeSide(tile.from_behind, behind, left);
+      composeSide(block.from_behind, behind, left);
       if constexpr (kLens) {
         const V total = hn::Add(all.share, left);
         const V f = hn::Div(left, hn::Max(total, hn::Set(d, 1e-20f)));
@@ -143,11 +166,11 @@ struct Layers {
       }
     }
     alpha = hn::Min(alpha, one);
-    if constexpr (kLens) findSide(i, which, all, alpha);
+    if constexpr (kLens) findSide(block, i, which, all, alpha);
     hn::Store(hn::IfThenElse(which, hn::Mul(through, hn::Sub(one, alpha)), through), d,
-              tile.through + i);
-    hn::Store(hn::IfThenElse(which, hn::Set(d, kClosed), hn::Load(d, tile.far_m + i)), d,
-              tile.far_m + i);
+              block.light.through + i);
+    hn::Store(hn::IfThenElse(which, hn::Set(d, kClosed), hn::Load(d, block.far_m + i)), d,
+              block.far_m + i);
   }
 
   /// What of the lens a layer covers.
@@ -175,7 +198,7 @@ struct Layers {
   /// were straight, tells how much of the layer is such a half and how much covers evenly.
   /// A splat further behind counts by where on the lens it is seen. One side is kept a sample, the
   /// one of the most contrast.
-  HWY_INLINE void findSide(std::size_t i, M which, const Covering& layer, V alpha) {
+  HWY_INLINE void findSide(Block& block, std::size_t i, M which, const Covering& layer, V alpha) {
     const D d;
     const V one = hn::Set(d, 1.0f), tiny = hn::Set(d, 1e-6f), zero = hn::Zero(d);
     const V covering = layer.share, mx = layer.x, my = layer.y;
@@ -197,7 +220,7 @@ struct Layers {
     const V contrast = hn::Div(hn::Mul(opaque, share), passes);
     const V evenly = hn::Mul(hn::Sub(one, share), covering);
     const V outside = hn::Div(hn::NegMulAdd(opaque, hn::Add(share, evenly), one), passes);
-    M better = hn::And(which, hn::Gt(contrast, hn::Load(d, tile.contrast + i)));
+    M better = hn::And(which, hn::Gt(contrast, hn::Load(d, block.light.contrast + i)));
     better = hn::And(better, hn::And(hn::Gt(covering, hn::Set(d, kPartial)),
                                      hn::Lt(alpha, hn::Set(d, 1.0f - kPartial))));
     if (hn::AllFalse(d, better)) return;
@@ -206,37 +229,45 @@ struct Layers {
     const auto keep = [&](float* to, V value) {
       hn::Store(hn::IfThenElse(better, value, hn::Load(d, to + i)), d, to + i);
     };
-    keep(tile.side_x, hn::Mul(mx, inv_length));
-    keep(tile.side_y, hn::Mul(my, inv_length));
-    keep(tile.side_at, at);
-    keep(tile.outside, outside);
-    keep(tile.contrast, contrast);
+    keep(block.light.side_x, hn::Mul(mx, inv_length));
+    keep(block.light.side_y, hn::Mul(my, inv_length));
+    keep(block.light.side_at, at);
+    keep(block.light.outside, outside);
+    keep(block.light.contrast, contrast);
   }
 
   /// Notes where the light that one layer covers in part falls on another, and where one layer
   /// holds more than a surface. What a lens sees there hangs on where it covers.
-  HWY_INLINE void lookForOverlap(std::size_t i, M which, V weight, V through) {
+  HWY_INLINE void lookForOverlap(Block& block, std::size_t i, M which, V weight, V through) {
     const D d;
-    const V one = hn::Set(d, 1.0f), partial = hn::Load(d, tile.partial + i);
+    const V one = hn::Set(d, 1.0f), partial = hn::Load(d, block.light.partial + i);
     const V covered = hn::Min(weight, one);
     const V least = hn::Set(d, kPartial);
     M found = hn::Gt(hn::Mul(covered, partial), least);
     found = hn::Or(found, hn::And(hn::Gt(weight, hn::Set(d, kTooMuch)), hn::Gt(through, least)));
     overlap |= !hn::AllFalse(d, hn::And(which, found));
     const V here = hn::Mul(through, hn::Min(covered, hn::Sub(one, covered)));
-    hn::Store(hn::IfThenElse(which, hn::Max(partial, here), partial), d, tile.partial + i);
+    hn::Store(hn::IfThenElse(which, hn::Max(partial, here), partial), d, block.light.partial + i);
   }
 
   HWY_INLINE void closeAll() {
     const D d;
-    for (std::size_t i = 0; i < kSamples; i += hn::Lanes(d))
-      closeLayers(i, hn::FirstN(d, hn::Lanes(d)));
+    for (Block& block : blocks()) {
+      for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(d)) {
+        closeLayers(block, i, hn::FirstN(d, hn::Lanes(d)));
+      }
+    }
     any_from_behind = false;
   }
 
   /// The most light that passes anywhere.
-  HWY_INLINE float mostThrough() const {
-    return *std::max_element(tile.through, tile.through + kSamples);
+  HWY_INLINE float mostThrough() {
+    float most = 0.0f;
+    for (const Block& block : blocks()) {
+      most = std::max(most,
+                      *std::max_element(block.light.through, block.light.through + kBlockSamples));
+    }
+    return most;
   }
 };
 

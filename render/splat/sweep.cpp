@@ -34,6 +34,7 @@ struct TileJob {
   const Splat* splats;
   const std::uint32_t* entries;
   std::size_t count;
+  int samples;           // along a side, with the apron
   float x, y;            // of the first sample, pixels
   float lens_x, lens_y;  // what a mean radius counts along the axes, where pixels are oblong
   float per_step;        // 1 / the distance of samples, pixels
@@ -41,7 +42,7 @@ struct TileJob {
   const SplatLens* lens;  // null: nothing is blurred
   glm::vec2 radius_px_per_D;
   const LensParts* parts;  // null: never by parts
-  glm::vec4* rgba;         // kSide x kSide samples of the tile
+  glm::vec4* rgba;         // samples x samples, all 0
   float* depth_m;          // likewise; null: not asked for
 };
 
@@ -51,27 +52,25 @@ struct TileJob {
 HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
-/// Where the samples of a tile lie, from the first, in the order of `TileState`.
-template <int kSide>
+/// Where a block's samples lie, from its first.
 struct Places {
-  alignas(64) float x[kSide * kSide], y[kSide * kSide];
+  alignas(64) BlockValues x, y;
   constexpr Places() : x(), y() {
-    for (int i = 0; i < kSide * kSide; ++i) {
-      const int block = i / kBlockSamples, sample = i % kBlockSamples;
-      x[i] = static_cast<float>(block % (kSide / kBlock) * kBlock + sample % kBlock);
-      y[i] = static_cast<float>(block / (kSide / kBlock) * kBlock + sample / kBlock);
+    for (int i = 0; i < kBlockSamples; ++i) {
+      x[i] = static_cast<float>(i % kBlock);
+      y[i] = static_cast<float>(i / kBlock);
     }
   }
 };
-template <int kSide>
-constexpr Places<kSide> kPlaces;
+constexpr Places kPlaces;
 
 /// Draws the splats of a tile.
-template <int kSide, bool kTransparent, bool kDepth, bool kLens>
-struct Sweep : Layers<kSide, kTransparent, kDepth, kLens> {
-  using Base = Layers<kSide, kTransparent, kDepth, kLens>;
-  using Base::any_from_behind, Base::any_side, Base::closeAll, Base::closeLayers, Base::kBlocks;
-  using Base::kClosed, Base::kSamples, Base::mostThrough, Base::overlap, Base::tile;
+template <bool kTransparent, bool kDepth, bool kLens>
+struct Sweep : Layers<kTransparent, kDepth, kLens> {
+  using Base = Layers<kTransparent, kDepth, kLens>;
+  using Base::any_from_behind, Base::any_side, Base::blocks, Base::clear, Base::closeAll;
+  using Base::Base, Base::tile;
+  using Base::closeLayers, Base::columns, Base::kClosed, Base::mostThrough, Base::overlap;
 
   /// Adds one splat, moved by `shift`; returns the number of samples in its footprint.
   template <bool kSides>
@@ -82,18 +81,18 @@ struct Sweep : Layers<kSide, kTransparent, kDepth, kLens> {
     const float top = (splat.y_px + shift.y - job.y) * job.per_step;
     const float extent_x = splat.extent_x_px * job.per_step;
     const float extent_y = splat.extent_y_px * job.per_step;
-    if (left + extent_x < 0.0f || left - extent_x > kSide - 1.0f || top + extent_y < 0.0f ||
-        top - extent_y > kSide - 1.0f) {
+    const auto last = static_cast<float>(columns * kBlock - 1);
+    if (left + extent_x < 0.0f || left - extent_x > last || top + extent_y < 0.0f ||
+        top - extent_y > last) {
       return 0;
     }
     const float step2 = 1.0f / (job.per_step * job.per_step);
-    const auto block = [](float sample) {
-      return static_cast<unsigned>(std::clamp(sample, 0.0f, kSide - 1.0f)) / kBlock;
+    const auto blockOf = [&](float sample) {
+      return static_cast<unsigned>(std::clamp(sample, 0.0f, last)) / kBlock;
     };
-    const unsigned x0 = block(left - extent_x), x1 = block(left + extent_x);
-    const unsigned y0 = block(top - extent_y), y1 = block(top + extent_y);
-    const unsigned columns = x1 - x0 + 1, blocks = columns * (y1 - y0 + 1);
-    const V cx = hn::Set(d, left), cy = hn::Set(d, top);
+    const unsigned x0 = blockOf(left - extent_x), x1 = blockOf(left + extent_x);
+    const unsigned y0 = blockOf(top - extent_y), y1 = blockOf(top + extent_y);
+    const unsigned wide = x1 - x0 + 1, count = wide * (y1 - y0 + 1);
     const V qa = hn::Set(d, splat.qa * step2), qb = hn::Set(d, splat.qb * step2);
     const V qc = hn::Set(d, splat.qc * step2);
     const V k0 = hn::Set(d, splat.k0), k1 = hn::Set(d, splat.k1), k2 = hn::Set(d, splat.k2);
@@ -101,7 +100,6 @@ struct Sweep : Layers<kSide, kTransparent, kDepth, kLens> {
     const V blue = hn::Set(d, splat.blue), opacity = hn::Set(d, std::abs(splat.opacity));
     const bool from_behind = splat.opacity < 0.0f;
     any_from_behind |= from_behind;
-    typename Base::Sums& sums = from_behind ? tile.from_behind : tile.facing;
     const V near_m = hn::Set(d, splat.near_m), far_m = hn::Set(d, splat.far_m);
     const V distance = hn::Mul(hn::Mul(hn::Set(d, 0.5f), hn::Add(near_m, far_m)), opacity);
     const V one = hn::Set(d, 1.0f);
@@ -111,20 +109,26 @@ struct Sweep : Layers<kSide, kTransparent, kDepth, kLens> {
 
     std::size_t fragments = 0;
     // One flat loop over the blocks that the box may touch: two nested short ones mispredict.
-    unsigned first = (y0 * kBlocks + x0) * kBlockSamples, column = 0;
-    for (unsigned b = 0; b < blocks; ++b) {
-      for (std::size_t part = 0; part < kBlockSamples; part += hn::Lanes(d)) {
-        const std::size_t i = first + part;
-        const V dx = hn::Sub(hn::Load(d, kPlaces<kSide>.x + i), cx);
-        const V dy = hn::Sub(hn::Load(d, kPlaces<kSide>.y + i), cy);
+    unsigned index = y0 * columns + x0, column = 0;
+    float from_x = static_cast<float>(x0 * kBlock) - left;
+    float from_y = static_cast<float>(y0 * kBlock) - top;
+    const float back = static_cast<float>((wide - 1) * kBlock);
+    for (unsigned b = 0; b < count; ++b) {
+      Block& block = tile[index];
+      Sums& sums = from_behind ? block.from_behind : block.facing;
+      Light& light = block.light;
+      const V at_x = hn::Set(d, from_x), at_y = hn::Set(d, from_y);
+      for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(d)) {
+        const V dx = hn::Add(hn::Load(d, kPlaces.x + i), at_x);
+        const V dy = hn::Add(hn::Load(d, kPlaces.y + i), at_y);
         const V slope = hn::MulAdd(qa, dx, hn::Mul(qb, dy));
         const V t = hn::NegMulAdd(slope, dx, hn::NegMulAdd(hn::Mul(qc, dy), dy, one));
         const M inside = hn::Gt(t, hn::Zero(d));
         fragments += hn::CountTrue(d, inside);
 
-        const V open = hn::Load(d, tile.far_m + i);
+        const V open = hn::Load(d, block.far_m + i);
         const M behind = hn::And(inside, hn::Gt(near_m, open));
-        if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) closeLayers(i, behind);
+        if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) closeLayers(block, i, behind);
 
         V w = hn::IfThenElseZero(inside, hn::MulAdd(hn::MulAdd(k2, t, k1), t, k0));
         const V before = hn::Load(d, sums.weight + i);
@@ -140,12 +144,12 @@ struct Sweep : Layers<kSide, kTransparent, kDepth, kLens> {
           hn::Store(hn::MulAdd(w, ly, hn::Load(d, sums.lens_y + i)), d, sums.lens_y + i);
           if constexpr (kSides) {
             const V off = hn::NegMulAdd(
-                hn::Load(d, tile.side_x + i), lx,
-                hn::NegMulAdd(hn::Load(d, tile.side_y + i), ly, hn::Load(d, tile.side_at + i)));
+                hn::Load(d, light.side_x + i), lx,
+                hn::NegMulAdd(hn::Load(d, light.side_y + i), ly, hn::Load(d, light.side_at + i)));
             const V within =
                 hn::Min(hn::Max(hn::MulAdd(off, inv_width, hn::Set(d, 0.5f)), hn::Zero(d)), one);
-            seen = hn::Mul(w, hn::MulAdd(hn::Load(d, tile.contrast + i), within,
-                                         hn::Load(d, tile.outside + i)));
+            seen = hn::Mul(w, hn::MulAdd(hn::Load(d, light.contrast + i), within,
+                                         hn::Load(d, light.outside + i)));
           }
         }
         const auto accumulate = [&](float* sum, V value) {
@@ -157,10 +161,12 @@ struct Sweep : Layers<kSide, kTransparent, kDepth, kLens> {
         accumulate(sums.blue, blue);
         if constexpr (kTransparent || kLens) accumulate(sums.visible, opacity);
         if constexpr (kDepth) accumulate(sums.distance, distance);
-        hn::Store(hn::IfThenElse(inside, hn::Max(open, far_m), open), d, tile.far_m + i);
+        hn::Store(hn::IfThenElse(inside, hn::Max(open, far_m), open), d, block.far_m + i);
       }
-      const bool row_ends = ++column == columns;
-      first += row_ends ? (kBlocks - columns + 1) * kBlockSamples : kBlockSamples;
+      const bool row_ends = ++column == wide;
+      index += row_ends ? columns - wide + 1 : 1;
+      from_x += row_ends ? -back : static_cast<float>(kBlock);
+      from_y += row_ends ? static_cast<float>(kBlock) : 0.0f;
       column = row_ends ? 0 : column;
     }
     return fragments;
@@ -170,13 +176,7 @@ struct Sweep : Layers<kSide, kTransparent, kDepth, kLens> {
   template <class ShiftOf>
   HWY_INLINE std::size_t compose(const TileJob& job, const Splat* splats, const SplatLens* lenses,
                                  const ShiftOf& shiftOf) {
-    std::fill_n(tile.through, kSamples, 1.0f);
-    if (any_side) {
-      std::fill_n(tile.side_x, 5 * kSamples, 0.0f);
-      any_side = false;
-    }
-    if constexpr (kLens) std::fill_n(tile.outside, kSamples, 1.0f);
-    std::fill_n(tile.out_red, 5 * kSamples, 0.0f);
+    clear();
     std::size_t fragments = 0;
     float open_far_m = job.count > 0 ? splats[job.entries[0]].far_m : 0.0f;
     for (std::size_t e = 0; e < job.count; ++e) {
@@ -201,27 +201,23 @@ struct Sweep : Layers<kSide, kTransparent, kDepth, kLens> {
   }
 
   /// Adds a share of what is composited to the result.
-  void emit(const TileJob& job, float share) const {
-    for (int y = 0; y < kSide; ++y) {
-      for (int x = 0; x < kSide; ++x) {
-        const int i = ((y / kBlock) * kBlocks + x / kBlock) * kBlockSamples +
-                      (y % kBlock) * kBlock + x % kBlock;
-        const float through = tile.through[i];
-        job.rgba[y * kSide + x] +=
-            share * glm::vec4(tile.out_red[i] + through * job.background[0],
-                              tile.out_green[i] + through * job.background[1],
-                              tile.out_blue[i] + through * job.background[2], 1.0f - through);
-        if (kDepth) job.depth_m[y * kSide + x] += share * tile.out_distance[i];
+  void emit(const TileJob& job, float share) {
+    const unsigned side = columns * kBlock;
+    for (unsigned y = 0; y < side; ++y) {
+      for (unsigned x = 0; x < side; ++x) {
+        const Light& light = tile[y / kBlock * columns + x / kBlock].light;
+        const unsigned i = y % kBlock * kBlock + x % kBlock;
+        const float through = light.through[i];
+        job.rgba[y * side + x] +=
+            share * glm::vec4(light.red[i] + through * job.background[0],
+                              light.green[i] + through * job.background[1],
+                              light.blue[i] + through * job.background[2], 1.0f - through);
+        if (kDepth) job.depth_m[y * side + x] += share * light.distance[i];
       }
     }
   }
 
   std::size_t run(const TileJob& job) {
-    std::fill_n(tile.facing.weight, sizeof(tile) / sizeof(float), 0.0f);
-    std::fill_n(tile.far_m, kSamples, kClosed);
-    std::fill_n(job.rgba, kSamples, glm::vec4(0.0f));
-    if (kDepth) std::fill_n(job.depth_m, kSamples, 0.0f);
-
     const LensParts* parts = job.parts;
     std::size_t fragments = 0;
     fragments += compose(job, job.splats, job.lens, [](std::uint32_t) { return glm::vec2(0.0f); });
@@ -240,29 +236,16 @@ struct Sweep : Layers<kSide, kTransparent, kDepth, kLens> {
   }
 };
 
-template <int kSide>
 std::size_t sweepTile(const TileJob& job, bool transparent) {
   const auto run = [&]<bool kTransparent, bool kDepth>() {
-    if (job.lens) {
-      Sweep<kSide, kTransparent, kDepth, true> sweep;
-      return sweep.run(job);
-    }
-    Sweep<kSide, kTransparent, kDepth, false> sweep;
-    return sweep.run(job);
+    if (job.lens) return Sweep<kTransparent, kDepth, true>(job.samples).run(job);
+    return Sweep<kTransparent, kDepth, false>(job.samples).run(job);
   };
   if (job.depth_m)
     return transparent ? run.template operator()<true, true>()
                        : run.template operator()<false, true>();
   return transparent ? run.template operator()<true, false>()
                      : run.template operator()<false, false>();
-}
-
-std::size_t sweepFine(const TileJob& job, bool transparent) {
-  return sweepTile<kTile>(job, transparent);
-}
-
-std::size_t sweepCoarse(const TileJob& job, bool transparent) {
-  return sweepTile<kTile + 2 * kApron>(job, transparent);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -272,8 +255,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace foci {
 
-HWY_EXPORT(sweepFine);
-HWY_EXPORT(sweepCoarse);
+HWY_EXPORT(sweepTile);
 
 std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
                     const SweepSettings& settings, Frame& frame) {
@@ -281,18 +263,18 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
   parallelFor(lists.tiles().size(), [&](std::size_t t) {
     const Tile& tile = lists.tiles()[t];
     const auto list = lists.splats(t);
-    constexpr int kWide = kTile + 2 * kApron;
-    alignas(64) glm::vec4 rgba[kWide * kWide];
-    float depth_m[kWide * kWide];
-    const bool coarse = tile.step_px > 1;
+    constexpr int kMost = kTile + 2 * kApron;
+    alignas(64) glm::vec4 rgba[kMost * kMost]{};
+    float depth_m[kMost * kMost]{};
     const auto step_px = static_cast<float>(tile.step_px);
-    const float first_px = step_px * (0.5f - (coarse ? kApron : 0));
+    const float first_px = step_px * (0.5f - static_cast<float>(tile.apron()));
     const glm::vec2 radius = settings.radius_px_per_D;
     const float oblong = radius.x > 0.0f && radius.y > 0.0f ? std::sqrt(radius.y / radius.x) : 1.0f;
     const TileJob job{
         .splats = chunks.splats.get(),
         .entries = list.data(),
         .count = list.size(),
+        .samples = tile.samplesWithApron(),
         .x = static_cast<float>(tile.x_px) + first_px,
         .y = static_cast<float>(tile.y_px) + first_px,
         .lens_x = oblong,
@@ -304,11 +286,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .parts = tile.blur_px > kPartsFrom_px ? settings.parts : nullptr,
         .rgba = rgba,
         .depth_m = settings.depth ? depth_m : nullptr};
-    if (coarse) {
-      fragments[t] = HWY_DYNAMIC_DISPATCH(sweepCoarse)(job, settings.transparent);
-    } else {
-      fragments[t] = HWY_DYNAMIC_DISPATCH(sweepFine)(job, settings.transparent);
-    }
+    fragments[t] = HWY_DYNAMIC_DISPATCH(sweepTile)(job, settings.transparent);
     interpolateTile(tile, rgba, job.depth_m, frame);
   });
   return std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});

@@ -107,6 +107,57 @@ TEST_F(Replay, IsTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(events.size(), 1u);
 }
 
+/// frames.tsv's pupils.
+std::vector<double> pupilsOf(const std::string& table) {
+  std::vector<double> pupils;
+  for (const auto& row : tableOf(table)) {
+    if (row[0] != "frame") pupils.push_back(std::stod(row[9]));
+  }
+  return pupils;
+}
+
+TEST_F(Replay, ThePupilIsTheRecordings) {
+  std::string trace = "time_s\tx_px\ty_px\tpupil_mm\n";
+  for (int i = 0; i < 100; ++i) {
+    const char* pupil = i < 20 ? "n/a" : i < 40 ? "3.25" : i < 50 ? "n/a" : "5.5";
+    trace += std::to_string(0.01 * i) + "\t320\t240\t" + pupil + "\n";
+  }
+  folder.write("trace.tsv", trace);
+  folder.write("study.toml", smallStudy() + "[observer]\npupil = \"recording\"\npupil_mm = 4.5\n");
+  ASSERT_EQ(replay("out").exit_code, 0);
+  EXPECT_EQ(pupilsOf(folder.read("out/frames.tsv")),
+            (std::vector<double>{4.5, 4.5, 3.25, 3.25, 3.25, 5.5}));
+  EXPECT_NE(folder.read("out/report.html").find("as recorded"), std::string::npos);
+  // A width by hand overrides it.
+  ASSERT_EQ(replay("fixed", {"--pupil", "6"}).exit_code, 0);
+  EXPECT_EQ(pupilsOf(folder.read("fixed/frames.tsv")), std::vector<double>(6, 6.0));
+}
+
+TEST_F(Replay, ThePupilFollowsTheLight) {
+  std::vector<std::vector<double>> pupils;
+  for (const std::string light : {"5", "120", "1000"}) {
+    folder.write("study.toml", smallStudy() + "[observer]\npupil = \"luminance\"\n");
+    std::string study = smallStudy() + "[observer]\npupil = \"luminance\"\n";
+    study.insert(study.find("[gaze]"), "luminance_cd_m2 = " + light + "\n");
+    folder.write("study.toml", study);
+    std::set<std::string> frames;
+    for (const std::string threads : {"1", "3"}) {
+      ASSERT_EQ(replay("out", {"--threads", threads}).exit_code, 0);
+      frames.insert(Json::parse(folder.read("out/manifest.json"))["frames_sha256"]);
+    }
+    EXPECT_EQ(frames.size(), 1u);
+    pupils.push_back(pupilsOf(folder.read("out/frames.tsv")));
+    // The scene stands still: so does the pupil, but for what blur does to the picture's edge.
+    EXPECT_NEAR(pupils.back().front(), pupils.back().back(), 0.1);
+  }
+  EXPECT_GT(pupils[0][0], pupils[1][0] + 0.5);
+  EXPECT_GT(pupils[1][0], pupils[2][0] + 0.5);
+  for (const auto& run : pupils) {
+    EXPECT_GT(run[0], 2.0);
+    EXPECT_LT(run[0], 8.0);
+  }
+}
+
 TEST_F(Replay, PrintsItsSummaryAsJson) {
   const Outcome outcome = replay("out", {"--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -89,7 +89,10 @@ TEST_F(CalibrationFiles, ScreensComeBackFromTomlAndPsychoPy) {
       .distance_from = "blind spot"};
   const ScreenCalibration back = readScreen(write(screenToml(screen)));
   EXPECT_EQ(screenToml(back), screenToml(screen));
-  const Screen monitor = readScreen(write(psychoPyMonitor(screen.screen, 2.2, "office"))).screen;
+  const ScreenCalibration psychopy =
+      readScreen(write(psychoPyMonitor(screen.screen, 2.2, "office")));
+  EXPECT_EQ(psychopy.gamma, 2.2);
+  const Screen& monitor = psychopy.screen;
   EXPECT_EQ(monitor.size_px, screen.screen.size_px);
   EXPECT_NEAR(monitor.size_m.x, 0.597, 1e-12);
   EXPECT_NEAR(monitor.size_m.y, 0.3358125, 1e-12);
@@ -100,7 +103,8 @@ TEST_F(CalibrationFiles, PsychoPyTakesTheLastCalibrationAndNumpyArrays) {
   const Screen screen = readPsychoPyMonitor(write(R"({
     "2023_05_01": {"sizePix": [800, 600], "width": 30, "distance": 50},
     "2024_01_02": {"sizePix": {"__ndarray__": [1920, 1080], "dtype": "int64"},
-                   "width": 53.0, "distance": 60.0, "gamma": null, "notes": ""}})"));
+                   "width": 53.0, "distance": 60.0, "gamma": null, "notes": ""}})"))
+                            .screen;
   EXPECT_EQ(screen.size_px, glm::ivec2(1920, 1080));
   EXPECT_NEAR(screen.size_m.x, 0.53, 1e-12);
   EXPECT_NEAR(screen.distance_m, 0.6, 1e-12);
@@ -112,6 +116,7 @@ TEST_F(CalibrationFiles, HostileMonitorsAreRefused) {
         std::string(R"({"sizePix": "x", "width": 30, "distance": 50})"),
         std::string(R"({"sizePix": [1920, 1080], "width": null, "distance": 50})"),
         std::string(R"({"sizePix": [1920, 1080], "width": 53})"),
+        std::string(R"({"sizePix": [1920, 1080], "width": 53, "distance": 60, "gamma": 9})"),
         "{\"sizePix\": " + std::string(100000, '[')}) {
     EXPECT_NE(refusal(readPsychoPyMonitor, text), "") << text.substr(0, 60);
   }

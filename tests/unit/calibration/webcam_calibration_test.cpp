@@ -19,7 +19,9 @@ WebcamCalibration example() {
   calibration.map.parameters[3] = 1.0 / 3.0;
   calibration.screen_m = kScreen.size_m;
   WebcamReference& reference = calibration.reference;
-  reference.camera = {.focal_px = {560.5, 561.0}, .principal_px = {320.25, 240.0}};
+  reference.camera = {{.focal_px = {560.5, 561.0}, .principal_px = {320.25, 240.0}},
+                      {-0.1, 0.01, 0.001, -0.002, 1.0 / 3.0},
+                      {640, 480}};
   reference.view.corner_px = {100.0, -3.0};
   const double c = std::cos(0.1), s = std::sin(0.1);
   reference.view.pose = {.camera_from_head = glm::dmat3(c, s, 0, -s, c, 0, 0, 0, 1),
@@ -38,13 +40,25 @@ TEST(WebcamCalibrationFile, ComesBackToTheLastDigit) {
   EXPECT_EQ(read.map.information, written.map.information);
   EXPECT_EQ(read.map.sd_deg, written.map.sd_deg);
   EXPECT_EQ(read.screen_m, written.screen_m);
-  EXPECT_EQ(read.reference.camera.focal_px, written.reference.camera.focal_px);
+  EXPECT_TRUE(read.reference.camera == written.reference.camera);
   EXPECT_EQ(read.reference.view.corner_px, written.reference.view.corner_px);
   EXPECT_EQ(read.reference.view.pose.camera_from_head,
             written.reference.view.pose.camera_from_head);
   EXPECT_EQ(read.reference.eyes_mm, written.reference.eyes_mm);
   ASSERT_EQ(read.reference.view.grey.size(), written.reference.view.grey.size());
   EXPECT_EQ(cv::norm(read.reference.view.grey, written.reference.view.grey), 0.0);
+}
+
+TEST(WebcamCalibrationFile, HoldsForItsScreenAndCameraAlone) {
+  const WebcamCalibration calibration = example();
+  EXPECT_NO_THROW(requireSame(calibration, kScreen, std::nullopt));
+  EXPECT_NO_THROW(requireSame(calibration, kScreen, calibration.reference.camera));
+  Screen other = kScreen;
+  other.size_m.x *= 1.1;
+  EXPECT_THROW(requireSame(calibration, other, std::nullopt), InputError);
+  Lens camera = calibration.reference.camera;
+  camera.distortion[0] += 0.01;
+  EXPECT_THROW(requireSame(calibration, kScreen, camera), InputError);
 }
 
 TEST(WebcamCalibrationFile, RefusesWhatIsNone) {

@@ -138,5 +138,28 @@ TEST(PupilDiameter, IsTheUnifiedFormulas) {
   EXPECT_GT(pupilDiameter_mm({.luminance_cd_m2 = 0.0, .area_deg2 = 1.0}), 7.5);
 }
 
+TEST(FieldArea, IsTheSolidAngle) {
+  // A square as wide as it is near to the middle of a cube of that width: a sixth of the sphere.
+  constexpr double kSphere_deg2 = 41252.96125;
+  EXPECT_NEAR(fieldArea_deg2({.size_px = {1, 1}, .size_m = {2.0, 2.0}, .distance_m = 1.0}),
+              kSphere_deg2 / 6.0, 1e-4);
+  // A small one: width times height.
+  EXPECT_NEAR(fieldArea_deg2({.size_px = {1, 1}, .size_m = {0.02, 0.01}, .distance_m = 1.0}),
+              0.02 * 0.01 * 57.29578 * 57.29578, 1e-4);
+}
+
+TEST(PupilReflex, StartsThereAndNarrowsQuickerThanItWidens) {
+  PupilReflex reflex;
+  EXPECT_EQ(reflex.follow(1.0, 6.0), 6.0);
+  const double narrowed = reflex.follow(1.4, 3.0);
+  EXPECT_NEAR(narrowed, 3.0 + 3.0 * std::exp(-1.0), 1e-12);
+  // In steps or at once: the same.
+  PupilReflex steps;
+  steps.follow(1.0, 6.0);
+  for (int i = 1; i <= 8; ++i) steps.follow(1.0 + 0.05 * i, 3.0);
+  EXPECT_NEAR(steps.follow(1.4, 3.0), narrowed, 1e-12);
+  EXPECT_LT(reflex.follow(1.8, 6.0), 6.0 - (narrowed - 3.0));
+}
+
 }  // namespace
 }  // namespace foci

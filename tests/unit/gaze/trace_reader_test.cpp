@@ -74,6 +74,53 @@ TEST(ReadTable, ColumnsAreNamedOrRecognised) {
   EXPECT_EQ(trace.rate_Hz, 250.0);
 }
 
+TEST(ReadTable, AnyTableWithTwoEyesIsMapped) {
+  // Blanks between the fields, -1 for a loss, the origin in the middle, y up, pupils in a
+  // hundredth.
+  TraceColumns columns{.time = "clock", .confidence = "sure"};
+  columns.eyes = {{{.x = "XL", .y = "YL", .pupil = "PL"}, {.x = "XR", .y = "YR", .pupil = "PR"}}};
+  columns.time_scale_s = 0.001;
+  columns.missing = -1.0;
+  columns.scale = {1.0, -1.0};
+  columns.offset = {500.0, 250.0};
+  columns.pupil_scale_mm = 0.01;
+  const GazeTrace trace = read(
+      "clock  XL YL XR YR PL PR sure x y\n0 -10 20 10 20 300 500 1 7 7\n"
+      "10 -1 -1 10 20 -1 500 1 7 7\n20 -10 20 10 20 300 500 0.2 7 7\n",
+      columns);
+  ASSERT_EQ(trace.samples.size(), 3u);
+  EXPECT_EQ(*trace.samples[0].eyes[0].point_px, glm::dvec2(490, 230));
+  EXPECT_EQ(*trace.samples[0].eyes[1].point_px, glm::dvec2(510, 230));
+  EXPECT_EQ(*trace.samples[0].point_px, glm::dvec2(500, 230));
+  EXPECT_DOUBLE_EQ(*trace.samples[0].pupil_mm, 4.0);
+  EXPECT_FALSE(trace.samples[1].eyes[0].point_px);
+  EXPECT_EQ(*trace.samples[1].point_px, glm::dvec2(500, 230));  // the left eye is 20 px aside
+  EXPECT_DOUBLE_EQ(*trace.samples[1].pupil_mm, 5.0);
+  EXPECT_FALSE(trace.samples[2].point_px);
+  EXPECT_EQ(trace.format, "text, binocular");
+}
+
+TEST(ReadTable, NeitherNamesNorClockAreNeeded) {
+  TraceColumns columns{.x = "#2", .y = "#3"};
+  columns.rate_Hz = 50.0;
+  for (const std::string_view text :
+       {"7,10,20\n7,11,20\n7,12,20\n", "a,b,c\n7,10,20\n7,11,20\n7,12,20\n"}) {
+    const GazeTrace trace = read(text, columns);
+    ASSERT_EQ(trace.samples.size(), 3u);
+    EXPECT_EQ(*trace.samples[0].point_px, glm::dvec2(10, 20));
+    EXPECT_DOUBLE_EQ(trace.samples[2].time_s, 0.04);
+  }
+  // The file's own rate does, too, where it has no clock; a clock comes first.
+  EXPECT_EQ(read("# sampling_Hz=200\nx,y\n1,2\n3,4\n").rate_Hz, 200.0);
+  EXPECT_EQ(read("# sampling_Hz=200\ntime_s,x,y\n0,1,2\n0.01,3,4\n").rate_Hz, 100.0);
+  expectRefusal("7,10,20\n", "no column \"#4\": expected #1 to #3",
+                {.time = "#1", .x = "#2", .y = "#4"});
+  expectRefusal("# sampling_Hz=0\nx,y\n1,2\n", "sampling_Hz = \"0\": expected 5 to 20000");
+  TraceColumns half;
+  half.eyes[0].x = "a";
+  expectRefusal("t,a,b\n0,1,2\n", "left_x and left_y: expected both or neither", half);
+}
+
 TEST(ReadTable, TimeTakesItsUnitFromItsName) {
   EXPECT_DOUBLE_EQ(read("timestamp_us,x,y\n2000000,1,1\n2010000,1,1\n").samples[0].time_s, 2.0);
   EXPECT_DOUBLE_EQ(read("Time_ms,X,Y\n2000,1,1\n2010,1,1\n").samples[0].time_s, 2.0);

@@ -63,7 +63,7 @@ double shareFound(const Watched& w) {
 }
 
 TEST(WebcamTracker, FollowsHeadIrisesAndBlinks) {
-  WebcamTracker tracker(kCamera);
+  WebcamTracker tracker(Lens{kCamera});
   const faces::Sitting sitting{.sway_m = 0.02, .sway_rad = 0.08, .blink_every_s = 1.2};
   const Watched w = watch(tracker, faces::somebody(1), sitting, 0.0, 1.9, 2.0);
   EXPECT_GE(shareFound(w), 0.97);
@@ -101,7 +101,7 @@ TEST(WebcamTracker, FollowsHeadIrisesAndBlinks) {
 }
 
 TEST(WebcamTracker, FollowsIrisesBehindGlassesAndNoise) {
-  WebcamTracker tracker(kCamera);
+  WebcamTracker tracker(Lens{kCamera});
   faces::Person person = faces::somebody(2);
   person.glasses = true;
   const Watched w = watch(tracker, person, {.blink_every_s = 0.0}, 0.0, 1.2, 5.0);
@@ -111,7 +111,7 @@ TEST(WebcamTracker, FollowsIrisesBehindGlassesAndNoise) {
 TEST(WebcamTracker, TakesUpTheSameHeadAgain) {
   // Away for a while; and at another time, from the reference kept.
   const faces::Sitting sitting{.blink_every_s = 0.0};
-  WebcamTracker tracker(kCamera);
+  WebcamTracker tracker(Lens{kCamera});
   const Watched before = watch(tracker, faces::somebody(1), sitting, 0.2, 0.5, 2.0);
   const cv::Mat nobody(480, 640, CV_8UC1, cv::Scalar(90));
   for (int i = 0; i < 4; ++i) {

@@ -23,6 +23,21 @@ TEST(MakePlane, HasThePapersSurfelsAndItsArea) {
   EXPECT_NEAR(area, 4.0, 1e-4);  // float sums
 }
 
+TEST(MakeFence, HidesSomeOfAWallThatFillsTheViewBehindIt) {
+  const SurfelCloud fence = makeFence();
+  double near_m2 = 0.0, far_m2 = 0.0;
+  for (std::size_t i = 0; i < fence.size(); ++i) {
+    const bool is_near = fence.position_m[i].z == -0.5f;
+    EXPECT_TRUE(is_near || std::abs(fence.position_m[i].z + 1.5f) < 1e-6f);
+    const glm::vec3 normal = glm::cross(fence.axis_u_m[i], fence.axis_v_m[i]);
+    EXPECT_NEAR(normal.z, glm::length(normal), 1e-3f * glm::length(normal));  // towards the eye
+    (is_near ? near_m2 : far_m2) += fence.area_m2[i];
+  }
+  EXPECT_NEAR(far_m2, 1.44, 1e-4);  // float sums
+  // 12 wires of 0.5, 1, 2 and 4 mm, 0.4 m long and a little more where they lean, and a slat.
+  EXPECT_NEAR(near_m2, 0.4 * (3 * 0.0075 + 0.003), 1e-4);
+}
+
 class GalleryTest : public testing::Test {
  protected:
   static void SetUpTestSuite() { gallery_ = new SurfelCloud(makeGallery()); }

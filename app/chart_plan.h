@@ -1,0 +1,58 @@
+// What `foci chart` measures: which scenes, how much blur, which methods with which settings, how
+// long.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/scene_in_view.h"
+
+namespace foci {
+
+struct ChartScene {
+  std::string id;     ///< in names of files and in chart.csv
+  std::string title;  ///< for people
+  std::string input;  ///< SHA-256 of a scan and its pose; empty for what is built in
+  std::function<SceneInView()> make;
+};
+
+/// A method with its number, if it takes one.
+struct ChartMethod {
+  std::string name;
+  std::optional<int> setting;
+
+  std::string spec() const { return name + (setting ? ":" + std::to_string(*setting) : ""); }
+  std::string fileName() const { return name + (setting ? "-" + std::to_string(*setting) : ""); }
+};
+
+struct ChartPlan {
+  bool quick = false;
+  int size_px = 0;  ///< pictures are square
+  std::vector<ChartScene> scenes = {};
+  std::vector<double> blurs_px =
+      {};  ///< rising: of the largest circle of confusion in view, radius
+  std::vector<ChartMethod> methods = {};
+  std::vector<unsigned> threads = {};   ///< rising, the last being all
+  int least_views = 0, most_views = 0;  ///< of the references
+  double timing_ms = 0.0;  ///< for the runs of one method at one number of threads, about
+  int most_runs = 0;
+
+  /// Views of the reference: one a pixel of the largest disc, pi C^2 (formulas.md, 7), in bounds.
+  int views(double blur_px) const;
+};
+
+struct ChartChoice {
+  bool quick = false;
+  std::optional<ScanView> scan = {};  ///< in place of the statue
+  std::optional<int> size_px = {};
+  std::vector<std::string> scenes = {};   ///< only these, by id; empty: all
+  std::vector<std::string> methods = {};  ///< only these, `name` or `name:N`; empty: all
+};
+
+/// Every method there is, each with settings that span what it can do.
+/// @throws InputError for an unknown scene or method, or a scan that cannot be read
+ChartPlan planChart(const ChartChoice& choice);
+
+}  // namespace foci

@@ -1,0 +1,233 @@
+#include "gaze/sources/table_row.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "gaze/focus/line_of_sight.h"
+
+namespace foci {
+namespace {
+
+constexpr double kFarthest_px = 1e5;  // no gaze is as far from any screen
+constexpr double kWidest_deg = 89.0;  // a flat screen ends before 90
+constexpr double kWidestPupil_mm = 15.0;
+constexpr double kConfident = 0.6;  // as Pupil's own software takes it
+
+bool isWord(std::string_view text, std::string_view lower) {
+  return std::equal(text.begin(), text.end(), lower.begin(), lower.end(), [](char a, char b) {
+    return std::tolower(static_cast<unsigned char>(a)) == b;
+  });
+}
+
+std::optional<double> meanPupil(const std::array<EyeSample, 2>& eyes) {
+  if (eyes[0].pupil_mm && eyes[1].pupil_mm) return 0.5 * (*eyes[0].pupil_mm + *eyes[1].pupil_mm);
+  return eyes[0].pupil_mm ? eyes[0].pupil_mm : eyes[1].pupil_mm;
+}
+
+}  // namespace
+
+void TableRow::split(std::string_view line) {
+  splitRow(line, layout_.delimiter, fields_, layout_.columns);
+}
+
+bool TableRow::isTrusted(GazeSample& sample) const {
+  if (layout_.confidence && !isAbsent(field(*layout_.confidence))) {
+    const auto confidence = number(*layout_.confidence);
+    if (!confidence) fail(*layout_.confidence, "expected a number");
+    sample.confidence = std::clamp(*confidence, 0.0, 1.0);
+    if (*sample.confidence < kConfident) return false;
+  }
+  return !layout_.validity || isValid(*layout_.validity);
+}
+
+GazeSample TableRow::sample() const {
+  GazeSample sample;
+  if (isTrusted(sample)) {
+    if (layout_.has_eyes) {
+      for (std::size_t side : {0, 1}) readEye(layout_.eyes[side], sample.eyes[side]);
+    }
+    if (layout_.hasDirections()) {
+      sample.point_px = meanSight(sample.eyes);
+    } else if (layout_.x) {
+      sample.point_px = readPoint(*layout_.x, *layout_.y);
+    }
+  }
+  sample.pupil_mm = layout_.pupil_mm ? readPupil(*layout_.pupil_mm) : meanPupil(sample.eyes);
+  if (layout_.blink) {
+    sample.blink =
+        layout_.named_blink ? !isAbsent(field(*layout_.blink)) : readFlag(*layout_.blink);
+  }
+  return sample;
+}
+
+/// In the frame of `EyeSample`.
+std::optional<glm::dvec3> TableRow::triple(
+    const std::array<std::optional<std::size_t>, 3>& columns) const {
+  if (!columns[0] || !columns[1] || !columns[2]) return std::nullopt;
+  glm::dvec3 result;
+  for (int axis : {0, 1, 2}) {
+    const std::size_t column = *columns[static_cast<std::size_t>(axis)];
+    if (isAbsent(field(column))) return std::nullopt;
+    const auto value = number(column);
+    if (!value) fail(column, "expected a number");
+    result[axis] = axis == 0 || !layout_.camera_axes ? *value : -*value;
+  }
+  return result;
+}
+
+/// "(x, y, z)".
+std::optional<glm::dvec3> TableRow::tripleIn(std::size_t column) const {
+  std::string_view text = field(column);
+  if (isAbsent(text)) return std::nullopt;
+  if (!text.starts_with('(') || !text.ends_with(')')) fail(column, "expected (x, y, z)");
+  text = text.substr(1, text.size() - 2);
+  glm::dvec3 result;
+  for (int axis : {0, 1, 2}) {
+    const std::size_t comma = text.find(',');
+    if ((comma == text.npos) != (axis == 2)) fail(column, "expected (x, y, z)");
+    const std::string_view part = trimmed(text.substr(0, comma));
+    if (isAbsent(part)) return std::nullopt;
+    const auto value = parseNumber(part);
+    if (!value) fail(column, "expected (x, y, z)");
+    result[axis] = *value;
+    if (axis < 2) text.remove_prefix(comma + 1);
+  }
+  return result;
+}
+
+void TableRow::readEye(const EyeColumns& columns, EyeSample& eye) const {
+  if (columns.validity && !isValid(*columns.validity)) return;
+  if (columns.point) {
+    eye.point_px = readTuple(*columns.point);
+  } else if (columns.x && columns.y) {
+    eye.point_px = readPoint(*columns.x, *columns.y);
+  }
+  if (columns.pupil_mm) eye.pupil_mm = readPupil(*columns.pupil_mm);
+  if (const auto direction = triple(columns.direction)) {
+    const double length = glm::length(*direction);
+    // Pupil's are of unit length, and of none where the eye was lost.
+    const double low = layout_.camera_axes ? 0.5 : 1e-6, high = layout_.camera_axes ? 2.0 : 1e6;
+    if (length > low && length < high) eye.direction = *direction / length;
+  }
+  if (columns.origin_point_mm && columns.sight_point_mm &&
+      (!columns.origin_validity || isValid(*columns.origin_validity))) {
+    const auto from_mm = tripleIn(*columns.origin_point_mm);
+    const auto to_mm = tripleIn(*columns.sight_point_mm);
+    if (from_mm && to_mm && glm::distance(*from_mm, *to_mm) > 1.0) {
+      eye.origin_m = 1e-3 * *from_mm;
+      eye.direction = glm::normalize(*to_mm - *from_mm);
+    }
+  }
+  if (const auto origin_mm = triple(columns.origin_mm)) eye.origin_m = 1e-3 * *origin_mm;
+}
+
+std::optional<glm::dvec2> TableRow::meanSight(const std::array<EyeSample, 2>& eyes) const {
+  glm::dvec3 sum{0.0};
+  for (const EyeSample& eye : eyes) sum += eye.direction.value_or(glm::dvec3(0.0));
+  if (!(glm::length(sum) > 0.5)) return std::nullopt;
+  const auto point = pointOnScreen_px(screen_, glm::normalize(sum));
+  return point && glm::length(*point) <= kFarthest_px ? point : std::nullopt;
+}
+
+bool TableRow::isValid(std::size_t column) const {
+  const std::string_view text = field(column);
+  if (isWord(text, "valid") || isWord(text, "true")) return true;
+  const auto value = number(column);
+  if (!value) return false;
+  switch (layout_.validity_code) {
+    case ValidityCode::one:
+      return *value == 1.0;
+    case ValidityCode::zero:
+      return *value == 0.0;
+    case ValidityCode::below_two:
+      return *value >= 0.0 && *value < 2.0;
+  }
+  return false;
+}
+
+std::optional<double> TableRow::readPupil(std::size_t column) const {
+  const auto pupil = number(column);
+  if (!pupil && isAbsent(field(column))) return std::nullopt;
+  if (pupil && pupil == layout_.numbers.missing) return std::nullopt;
+  if (!pupil || *pupil * layout_.numbers.pupil_scale_mm > kWidestPupil_mm) {
+    fail(column, "expected a diameter up to 15 mm");
+  }
+  if (!(*pupil > 0.0)) return std::nullopt;
+  return *pupil * layout_.numbers.pupil_scale_mm;
+}
+
+std::optional<glm::dvec2> TableRow::readPoint(std::size_t x, std::size_t y) const {
+  const auto at_x = coordinate(x, field(x), 0);
+  const auto at_y = at_x ? coordinate(y, field(y), 1) : std::nullopt;
+  return at_y ? pointOf(*at_x, *at_y) : std::nullopt;
+}
+
+/// "(x, y)".
+std::optional<glm::dvec2> TableRow::readTuple(std::size_t column) const {
+  std::string_view text = field(column);
+  if (isAbsent(text)) return std::nullopt;
+  const std::size_t comma = text.find(',');
+  if (!text.starts_with('(') || !text.ends_with(')') || comma == std::string_view::npos) {
+    fail(column, "expected (x, y)");
+  }
+  const auto x = trimmed(text.substr(1, comma - 1));
+  const auto y = trimmed(text.substr(comma + 1, text.size() - comma - 2));
+  const auto at_x = coordinate(column, x, 0);
+  const auto at_y = at_x ? coordinate(column, y, 1) : std::nullopt;
+  return at_y ? pointOf(*at_x, *at_y) : std::nullopt;
+}
+
+std::optional<double> TableRow::coordinate(std::size_t column, std::string_view text,
+                                           int axis) const {
+  const double limit = units_ == GazeUnits::px ? kFarthest_px
+                       : units_ == GazeUnits::deg
+                           ? kWidest_deg
+                           : kFarthest_px / glm::max(screen_.size_px.x, screen_.size_px.y);
+  const auto number = parse(text);
+  if (!number && isAbsent(text)) return std::nullopt;
+  if (!number) fail(column, "expected a number");
+  const TableNumbers& numbers = layout_.numbers;
+  if (number == numbers.missing) return std::nullopt;
+  const double value = numbers.scale[axis] * *number + numbers.offset[axis];
+  if (std::abs(value) > limit) fail(column, "too far from any screen");
+  return value;
+}
+
+std::optional<glm::dvec2> TableRow::pointOf(double x, double y) const {
+  if (layout_.zero_is_absent && x == 0.0 && y == 0.0) return std::nullopt;
+  if (units_ == GazeUnits::deg) return pointAtEccentricity_px(screen_, {x, y});
+  if (units_ == GazeUnits::px) return glm::dvec2(x, y);
+  return glm::dvec2(x, layout_.y_up ? 1.0 - y : y) * glm::dvec2(screen_.size_px);
+}
+
+bool TableRow::readFlag(std::size_t column) const {
+  const std::string_view text = field(column);
+  if (isAbsent(text) || isWord(text, "false")) return false;
+  if (isWord(text, "true")) return true;
+  const auto value = number(column);
+  if (!value) fail(column, "expected 0 or 1");
+  return *value != 0.0;
+}
+
+std::string_view TableRow::field(std::size_t column) const {
+  if (column < fields_.size()) return fields_[column];
+  throw lines_.error(std::to_string(fields_.size()) + " fields: expected " +
+                     std::to_string(column + 1) + " at least");
+}
+
+/// Some vendors write the decimal comma of the user's country.
+std::optional<double> TableRow::parse(std::string_view text) const {
+  const auto number = parseNumber(text);
+  if (number || layout_.delimiter == ',' || text.find(',') == std::string_view::npos) return number;
+  std::string pointed(text.substr(0, 64));
+  std::replace(pointed.begin(), pointed.end(), ',', '.');
+  return parseNumber(pointed);
+}
+
+void TableRow::fail(std::size_t column, const char* expected) const {
+  throw lines_.error("column " + std::to_string(column + 1) + " = " + shown(field(column)) + ": " +
+                     expected);
+}
+
+}  // namespace foci

@@ -1,0 +1,200 @@
+// `foci chart`: its files, its frontiers, and that no run loses what an earlier one measured.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "tests/e2e/binary.h"
+
+namespace foci::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+// Of the plan for --quick.
+constexpr std::size_t kBlurs = 2, kThreads = 2;
+
+/// Two squares at different depths, the nearer one smaller: 60 x 60 points.
+std::string stepPly() {
+  std::ostringstream ply;
+  ply << "ply\nformat ascii 1.0\nelement vertex 3600\nproperty float x\nproperty float y\n"
+         "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+         "end_header\n";
+  for (int i = 0; i < 3600; ++i) {
+    const int x = i % 60, y = i / 60;
+    const double depth_m = x < 30 ? 2.0 : 1.5;
+    ply << (x + 0.5) / 60 - 0.5 << ' ' << (y + 0.5) / 60 - 0.5 << ' ' << -depth_m << ' '
+        << (x * 37) % 256 << " 90 " << (y * 53) % 256 << '\n';
+  }
+  return ply.str();
+}
+
+std::vector<std::string> arguments(std::vector<std::string> more = {}) {
+  std::vector<std::string> all = {"chart", "--out",     "out",       "--quick", "--size",
+                                  "32",    "--scene",   "scan",      "--scan",  "step.ply",
+                                  "--eye", "0,0,0",     "--look-at", "0,0,-1",  "--up",
+                                  "0,1,0", "--threads", "2",         "--json"};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+std::vector<std::vector<std::string>> csvOf(const std::string& text) {
+  std::string tabs = text;
+  std::replace(tabs.begin(), tabs.end(), ',', '\t');
+  return tableOf(tabs);
+}
+
+/// Every row that a row of the same panel beats is off the frontier, every other one is on it.
+void expectFrontiers(const std::vector<std::vector<std::string>>& csv) {
+  struct Row {
+    double ms, dB;
+    bool on;
+  };
+  std::map<std::string, std::vector<Row>> panels;
+  for (std::size_t i = 1; i < csv.size(); ++i) {
+    const auto& row = csv[i];
+    panels[row[0] + " " + row[1] + " " + row[4]].push_back(
+        {std::stod(row[5]), std::min(std::stod(row[7]), std::stod(row[11])), row[12] == "yes"});
+  }
+  EXPECT_EQ(panels.size(), kBlurs * kThreads);
+  for (const auto& [panel, rows] : panels) {
+    for (const Row& one : rows) {
+      const bool beaten = std::any_of(rows.begin(), rows.end(), [&](const Row& other) {
+        return other.ms <= one.ms && other.dB >= one.dB && (other.ms < one.ms || other.dB > one.dB);
+      });
+      EXPECT_EQ(one.on, !beaten) << panel << ": " << one.ms << " ms, " << one.dB << " dB";
+    }
+  }
+}
+
+TEST(Chart, MeasuresEveryMethodOnceAndWritesTableAndPage) {
+  const TemporaryFolder folder;
+  folder.write("step.ply", stepPly());
+  const Outcome outcome = runFoci(arguments(), folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("charting: "), std::string::npos);
+  const Json summary = Json::parse(outcome.out);
+
+  const auto csv = csvOf(folder.read("out/chart.csv"));
+  EXPECT_EQ(csv[0], (std::vector<std::string>{"scene", "blur_px", "method", "setting", "threads",
+                                              "ms_median", "ms_min", "psnr_dB", "ssim",
+                                              "silhouette_psnr_dB", "coverage_error",
+                                              "reference_psnr_dB", "on_frontier"}));
+  EXPECT_EQ(csv.size() - 1, summary.at("points").size());
+  std::set<std::string> charted, listed;
+  for (std::size_t i = 1; i < csv.size(); ++i) {
+    ASSERT_EQ(csv[i].size(), csv[0].size());
+    charted.insert(csv[i][2]);
+    EXPECT_LE(std::stod(csv[i][6]), std::stod(csv[i][5]));  // least, median
+    const std::string setting = csv[i][3] == "n/a" ? "" : "-" + csv[i][3];
+    const std::string picture = "out/pictures/scan_" + csv[i][1] + "px_" + csv[i][2] + setting;
+    for (const char* end : {".png", "_difference.png"}) {
+      EXPECT_TRUE(folder.read(picture + end).starts_with("\x89PNG")) << picture << end;
+    }
+  }
+  for (const Json& method : Json::parse(runFoci({"methods", "--json"}, folder.path()).out)) {
+    listed.insert(method.at("name"));
+  }
+  EXPECT_EQ(charted, listed);
+  expectFrontiers(csv);
+
+  const std::string page = folder.read("out/chart.html");
+  EXPECT_NE(page.find("</html>"), std::string::npos);
+  EXPECT_EQ(page.find("=\"http"), std::string::npos);  // nothing but its own folder
+  std::size_t links = 0;
+  for (std::size_t at = 0; (at = page.find("href=\"pictures/", at)) != std::string::npos; ++links) {
+    at += 6;
+    const std::string link = page.substr(at, page.find('"', at) - at);
+    EXPECT_TRUE(fs::exists(folder.path() / "out" / link)) << link;
+  }
+  EXPECT_GE(links, csv.size() - 1);
+
+  // Again: all is there.
+  const Json again = Json::parse(runFoci(arguments(), folder.path()).out);
+  EXPECT_EQ(again.at("computed"), 0);
+  EXPECT_EQ(again.at("kept"), summary.at("computed"));
+  EXPECT_EQ(again.at("points"), summary.at("points"));
+}
+
+TEST(Chart, KilledItGoesOnWhereItStopped) {
+  const TemporaryFolder folder;
+  folder.write("step.ply", stepPly());
+  const auto few = arguments({"--method", "pinhole", "--method", "sweep", "--method", "sweep-lod:1",
+                              "--method", "accumulate:9"});
+  const fs::path cells = folder.path() / "out/cells";
+  const Outcome killed = terminateFoci(few, folder.path(), cells / "scan_4px_accumulate-9.json");
+  ASSERT_EQ(killed.exit_code, 128 + 15);
+  EXPECT_FALSE(fs::exists(folder.path() / "out/chart.csv"));
+  // What makes the accuracy of a cell is measured once: a changed figure would come from anew.
+  std::string marked = folder.read("out/cells/scan_4px_pinhole.json");
+  const Json before = Json::parse(marked);
+  Json changed = before;
+  changed["ssim"] = 0.123;
+  folder.write("out/cells/scan_4px_pinhole.json", changed.dump());
+
+  const Outcome rest = runFoci(few, folder.path());
+  ASSERT_EQ(rest.exit_code, 0) << rest.err;
+  const auto csv = csvOf(folder.read("out/chart.csv"));
+  EXPECT_EQ(csv.size() - 1, kBlurs * kThreads * 4);
+  expectFrontiers(csv);
+  for (std::size_t i = 1; i < csv.size(); ++i) {
+    if (csv[i][1] == "4" && csv[i][2] == "pinhole") {
+      EXPECT_EQ(csv[i][8], "0.123000");
+    }
+  }
+  const Json after = Json::parse(folder.read("out/cells/scan_4px_pinhole.json"));
+  EXPECT_EQ(after.at("first_ms"), before.at("first_ms"));
+  for (const auto& [threads, ms] : before.at("ms").items()) {  // timed runs are kept, more follow
+    for (std::size_t run = 0; run < ms.size(); ++run) EXPECT_EQ(after["ms"][threads][run], ms[run]);
+  }
+
+  // A cell of another program or with other settings is measured anew, it alone.
+  changed = after;
+  changed["key"] = "another " + after.at("key").get<std::string>();
+  folder.write("out/cells/scan_4px_pinhole.json", changed.dump());
+  folder.write("out/cells/scan_16px_sweep.json", "{");
+  const Json again = Json::parse(runFoci(few, folder.path()).out);
+  EXPECT_EQ(again.at("computed"), 2);
+  EXPECT_EQ(again.at("kept"), kBlurs * 4 - 2);
+  EXPECT_EQ(Json::parse(folder.read("out/cells/scan_4px_pinhole.json")).at("ssim"),
+            before.at("ssim"));
+}
+
+struct Refusal {
+  std::string says;
+  std::vector<std::string> options;
+};
+
+TEST(Chart, RefusesInOneLineAndLeavesNothing) {
+  const TemporaryFolder folder;
+  folder.write("none.ply", "ply\n");
+  folder.write("few.ply", squarePly(8, 2.0));
+  const std::vector<Refusal> refusals = {
+      {"missing.ply", {"--scan", "missing.ply"}},
+      {"none.ply", {"--scan", "none.ply"}},
+      {"points in view",
+       {"--scan", "few.ply", "--eye", "0,0,0", "--look-at", "0,0,-1", "--up", "0,1,0"}},
+      {"the nearest is plane", {"--scene", "plain"}},
+      {"the nearest is sweep", {"--method", "sweeps"}},
+      {"accumulate:1 to", {"--method", "accumulate:0"}},
+      {"16 to 4096", {"--size", "5"}},
+      {"1 to 1024", {"--threads", "0"}},
+  };
+  for (const Refusal& refusal : refusals) {
+    std::vector<std::string> all = {"chart", "--out", "made/out", "--quick"};
+    all.insert(all.end(), refusal.options.begin(), refusal.options.end());
+    const Outcome outcome = runFoci(all, folder.path());
+    EXPECT_EQ(outcome.exit_code, 2) << refusal.says << ": " << outcome.err;
+    EXPECT_NE(outcome.err.find(refusal.says), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_FALSE(fs::exists(folder.path() / "made")) << refusal.says;
+  }
+}
+
+}  // namespace
+}  // namespace foci::e2e
