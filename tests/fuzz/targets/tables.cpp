@@ -1,4 +1,5 @@
 // Tables of what people labelled and of where targets were.
+#include "calibration/binocular_pairs.h"
 #include "calibration/gaze_pairs.h"
 #include "calibration/webcam_calibration.h"
 #include "gaze/events/labelled.h"
@@ -11,5 +12,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     foci::fuzz::readWithinLimits(size, [&] { foci::readGazePairs(file, units); });
   }
   foci::fuzz::readWithinLimits(size, [&] { foci::readShownTargets(file); });
+  foci::fuzz::readWithinLimits(size, [&] { foci::readBinocularPairs(file); });
   return 0;
 }
