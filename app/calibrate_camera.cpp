@@ -80,7 +80,8 @@ void calibrateCamera(const CalibrateCameraOptions& options) {
       (options.images.empty() ? 0 : 1) + (options.video.empty() ? 0 : 1) + (options.device ? 1 : 0);
   if (sources != 1) throw InputError("calibrate camera", "one of --images, --video, --device");
   for (const std::string& file : options.images) {
-    const cv::Mat picture = cv::imread(file, cv::IMREAD_GRAYSCALE);
+    const bool there = std::filesystem::is_regular_file(file);  // else OpenCV says so, too
+    const cv::Mat picture = there ? cv::imread(file, cv::IMREAD_GRAYSCALE) : cv::Mat();
     if (picture.empty()) throw InputError(file, "not a picture that can be read");
     const glm::ivec2 size_px{picture.cols, picture.rows};
     if (seen.size_px.x != 0 && size_px != seen.size_px) {

@@ -103,7 +103,7 @@ void addChartCommand(CLI::App& app) {
                   "smaller pictures, fewer settings and runs: in under two minutes");
   chart
       ->add_option("--size", options->choice.size_px,
-                   "of the square pictures; default 512, quick 256")
+                   "width of the pictures; default 512, quick 256")
       ->type_name("PX");
   chart->add_option("--scene", options->choice.scenes, "only this one; can be given again")
       ->type_name("NAME");

@@ -28,6 +28,7 @@ legend { float: left; margin-right: .6rem; color: var(--quiet); } label { margin
 dialog { width: min(1500px, 96vw); border: 1px solid var(--line); border-radius: 6px;
   background: var(--ground); color: var(--ink); }
 dialog::backdrop { background: #000a; }
+dialog p { max-width: none; } td code { white-space: nowrap; }
 .three { display: grid; grid-template-columns: repeat(3, 1fr); gap: .7rem; }
 .yes { font-weight: 600; }
 )";
@@ -69,7 +70,7 @@ constexpr Advice kAdvice[] = {
      "its time hardly grows with the blur, and outlines are right where surfaces overlap"},
     {"The blur is small, or one code path without levels of detail is wanted", "sweep",
      "the same kernel without a hierarchy; as close wherever surfaces do not overlap"},
-    {"Fences, foliage, hair: much is seen around and between", "sweep-lod:19",
+    {"Foliage, hair: things at many depths, seen around and between", "sweep-lod:19",
      "more parts of the lens, in proportion more time"},
     {"A reference to measure against", "accumulate:N",
      "N of at least pi C&sup2; for a blur of C px; it says how far to trust it. "
@@ -139,8 +140,9 @@ std::string dial(const char* name, const char* title,
                  const std::string& chosen) {
   std::string html = std::string("<fieldset><legend>") + title + "</legend>";
   for (const auto& [value, text] : choices) {
-    html += std::string("<label><input type=\"radio\" name=\"") + name + "\" value=\"" + value +
-            "\"" + (value == chosen ? " checked" : "") + "> " + text + "</label>";
+    html.append("<label><input type=\"radio\" name=\"").append(name);
+    html.append("\" value=\"").append(value).append(value == chosen ? "\" checked> " : "\"> ");
+    html.append(text).append("</label>");
   }
   return html + "</fieldset>\n";
 }
@@ -235,7 +237,7 @@ void writeChartPage(const std::filesystem::path& file, const ChartPlan& plan,
          "<body><main>\n<h1>Depth of field: speed against accuracy</h1>\n<p "
          "class=\"quiet\">foci " FOCI_VERSION " &middot; "
       << escaped(machine.cpu) << ", " << machine.simd << ", " << threadsText(plan.threads.back())
-      << " &middot; " << plan.size_px << " &times; " << plan.size_px << " px"
+      << " &middot; pictures " << plan.size_px << " px wide"
       << (plan.quick ? " &middot; a quick look: few runs" : "") << "</p>\n<h2>Use this when</h2>\n"
       << adviceTable() << "<h2>What gets there first</h2>\n"
       << "<p>The fastest method that comes within so many decibels of the reference, on "

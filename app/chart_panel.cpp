@@ -168,8 +168,8 @@ Drawing overviewOf(const ChartPlan& plan, const std::vector<ChartPoint>& points,
         std::string("Full points are on the frontier (black line): nothing is both faster"),
         std::string("and closer. Above the dashed line, points count as equally close: the"),
         std::string("reference itself is not known any better."),
-        std::to_string(plan.size_px) + " x " + std::to_string(plan.size_px) +
-            " px; medians of runs taken in turn; linear light.",
+        "Pictures " + std::to_string(plan.size_px) +
+            " px wide; medians of runs taken in turn; linear light.",
         "Measured by foci " FOCI_VERSION " on " + machine.cpu + ",",
         machine.simd + ", " + std::to_string(threads) +
             (threads == 1 ? " thread." : " threads.")}) {

@@ -29,7 +29,7 @@ struct ChartMethod {
 
 struct ChartPlan {
   bool quick = false;
-  int size_px = 0;  ///< pictures are square
+  int size_px = 0;  ///< width of the pictures
   std::vector<ChartScene> scenes = {};
   std::vector<double> blurs_px =
       {};  ///< rising: of the largest circle of confusion in view, radius

@@ -183,18 +183,24 @@ Drawing layOut(const Plot& plot) {
   for (const PlotLevel& level : plot.levels) {
     const double y = area.y(level.y), width = textWidth_px(level.text, kLabel_px);
     drawing.lines.push_back({{{area.low.x, y}, {area.high.x, y}}, kQuiet, 1.2, true});
-    const auto wordsFrom = [&](double x) { return Box{{x, y - 15.0}, {x + width, y + 1.0}}; };
-    // At the right end, or at the left one where that is taken.
-    const bool is_free = std::none_of(taken.begin(), taken.end(), [&](const Box& one) {
-      return one.meets(wordsFrom(area.high.x - width));
-    });
-    const double x = is_free ? area.high.x - width : area.low.x + 4.0;
-    drawing.texts.push_back({{is_free ? area.high.x : x, y - 4.0},
+    // Above or below the line, at its right end or its left one: where nothing is in the way.
+    const double right = area.high.x - width, left = area.low.x + 4.0;
+    Box words{};
+    for (const glm::dvec2& start : {glm::dvec2(right, y - 4.0), glm::dvec2(right, y + 12.0),
+                                    glm::dvec2(left, y - 4.0), glm::dvec2(left, y + 12.0)}) {
+      words = {start - glm::dvec2(0.0, kLabel_px), start + glm::dvec2(width, 2.0)};
+      if (std::none_of(taken.begin(), taken.end(),
+                       [&](const Box& one) { return one.meets(words); })) {
+        break;
+      }
+    }
+    const bool at_right = words.low.x == right;
+    drawing.texts.push_back({{at_right ? area.high.x : left, words.high.y - 2.0},
                              level.text,
-                             is_free ? Anchor::end : Anchor::start,
+                             at_right ? Anchor::end : Anchor::start,
                              kQuiet,
                              kLabel_px});
-    taken.push_back(wordsFrom(x));
+    taken.push_back(words);
     taken.push_back({{area.low.x, y - 1.0}, {area.high.x, y + 1.0}});
   }
   for (const bool hollow : {false, true}) {  // full ones first

@@ -34,9 +34,12 @@ constexpr double kGalleryFov_rad = 0.46;  // as high as the gallery is sampled f
 constexpr double kFenceFov_rad = 0.5;
 constexpr double kMaskFov_rad = 0.44;
 
+View viewFrom(const EyePose& pose, const glm::ivec2& size_px, double fov_rad) {
+  return viewOfCamera(eyeFromWorld(pose.position_m, pose.target_m, pose.up), size_px, fov_rad);
+}
+
 View viewFrom(const EyePose& pose, int size_px, double fov_rad) {
-  return viewOfCamera(eyeFromWorld(pose.position_m, pose.target_m, pose.up), glm::ivec2(size_px),
-                      fov_rad);
+  return viewFrom(pose, glm::ivec2(size_px), fov_rad);
 }
 
 RenderSettings settingsFor(double focus_m, const glm::vec3& background) {
@@ -129,8 +132,8 @@ SceneInView scanInView(const ScanView& scan, int size_px) {
   return scene;
 }
 
-SceneInView galleryInView(int size_px) {
-  const View view = viewFrom(galleryEyePose(), size_px, kGalleryFov_rad);
+SceneInView galleryInView(int width_px) {
+  const View view = viewFrom(galleryEyePose(), {width_px, width_px * 9 / 16}, kGalleryFov_rad);
   return {.name = "gallery",
           .cloud = makeGallery(),
           .view = view,

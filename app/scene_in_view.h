@@ -46,8 +46,8 @@ SceneInView statueInView(int size_px);
 /// @throws InputError for what cannot be read, or where fewer than a thousand points are in view
 SceneInView scanInView(const ScanView& scan, int size_px);
 
-/// The gallery from its eye, focus on the knot; things from 0.25 to 6 m.
-SceneInView galleryInView(int size_px);
+/// The gallery from its eye, focus on the knot; things from 0.25 to 6 m. @param width_px  16 : 9
+SceneInView galleryInView(int width_px);
 
 /// The paper's Figure 1: the gallery's half-transparent mask before its bust, which is in focus.
 SceneInView maskInView(int size_px);

@@ -22,25 +22,54 @@ std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen
   sights = withoutSpikes(sights, trace.rate_Hz, noise);
   auto states = labelSaccades(sights, blinks, trace.rate_Hz, noise, settings);
 
-  for (std::size_t first = 0, end = 0; first < states.size(); first = end) {
-    const bool lost = !trace.samples[first].point_px && !blinks[first];
-    StableGaze stable;
-    for (end = first; end < states.size() && states[end] == states[first] &&
-                      (states[first] != GazeState::blink ||
-                       (!trace.samples[end].point_px && !blinks[end]) == lost);
-         ++end) {
-      if (sights[end].direction) stable.add(sights[end].time_s, *sights[end].direction);
+  // Stretches of one label, and what gaze did in those in which it was stable.
+  struct Stretch {
+    std::size_t first = 0, end = 0;
+    bool lost = false;
+    StableGaze gaze{};
+  };
+  std::vector<Stretch> stretches;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const bool lost = !trace.samples[i].point_px && !blinks[i];
+    const bool same = i > 0 && states[i] == states[i - 1] &&
+                      (states[i] != GazeState::blink || lost == stretches.back().lost);
+    if (!same) stretches.push_back({.first = i, .end = i, .lost = lost});
+    stretches.back().end = i + 1;
+  }
+  // A slow tracker's samples next to a saccade may lie on its way.
+  constexpr double kSlow_Hz = 100.0;
+  const std::size_t border = trace.rate_Hz < kSlow_Hz ? 1 : 0;
+  for (Stretch& stretch : stretches) {
+    for (std::size_t i = stretch.first + border; i + border < stretch.end; ++i) {
+      if (sights[i].direction) stretch.gaze.add(sights[i].time_s, *sights[i].direction);
     }
-    GazeState state = states[first];
-    if (state == GazeState::fixation && stable.isPursuit(noise.sample_deg)) {
-      state = GazeState::pursuit;
+  }
+  std::vector<const StableGaze*> stable;
+  for (const Stretch& stretch : stretches) {
+    constexpr double kFewest = 3.0;  // samples that tell a velocity
+    const bool tells =
+        states[stretch.first] == GazeState::fixation && stretch.gaze.count() >= kFewest;
+    if (tells) stable.push_back(&stretch.gaze);
+  }
+
+  std::size_t place = 0;  // of the stretch among the stable ones
+  for (const Stretch& stretch : stretches) {
+    GazeState state = states[stretch.first];
+    if (place < stable.size() && stable[place] == &stretch.gaze) {
+      constexpr double kNear_s = 0.2;
+      const StableGaze* before = place > 0 ? stable[place - 1] : nullptr;
+      const StableGaze* after = place + 1 < stable.size() ? stable[place + 1] : nullptr;
+      if (before && stretch.gaze.first_s() - before->newest_s() > kNear_s) before = nullptr;
+      if (after && after->first_s() - stretch.gaze.newest_s() > kNear_s) after = nullptr;
+      if (stretch.gaze.isPursuit(noise.sample_deg, before, after)) state = GazeState::pursuit;
+      ++place;
     }
-    if (state == GazeState::blink && lost &&
-        sights[end - 1].time_s - sights[first].time_s > settings.max_blink_s) {
+    if (state == GazeState::blink && stretch.lost &&
+        sights[stretch.end - 1].time_s - sights[stretch.first].time_s > settings.max_blink_s) {
       state = GazeState::lost;
     }
-    std::fill(states.begin() + static_cast<std::ptrdiff_t>(first),
-              states.begin() + static_cast<std::ptrdiff_t>(end), state);
+    std::fill(states.begin() + static_cast<std::ptrdiff_t>(stretch.first),
+              states.begin() + static_cast<std::ptrdiff_t>(stretch.end), state);
   }
   return states;
 }

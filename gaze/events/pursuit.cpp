@@ -13,23 +13,56 @@ void StableGaze::add(double time_s, const glm::dvec3& direction) {
   newest_s_ = time_s;
   newest_ = direction;
   count_ += 1.0;
+  const double since_s = time_s - first_s_ - mean_s_;
+  mean_s_ += since_s / count_;
+  squares_s2_ += since_s * (time_s - first_s_ - mean_s_);
   const glm::dvec3 before = direction - mean_;
   mean_ += before / count_;
+  products_ += since_s * (direction - mean_);
   squares_ += glm::dot(before, direction - mean_);
 }
 
-bool StableGaze::isPursuit(double noise_deg) const {
+double StableGaze::evidence(double noise_deg) const {
   constexpr double kShortest_s = 0.03;  // nothing can be said of less
   const double duration_s = newest_s_ - first_s_;
-  if (duration_s < kShortest_s) return false;
+  if (duration_s < kShortest_s) return -1.0;
   const double noise_deg2 = 2.0 * noise_deg * noise_deg;  // of two axes
   const double way_deg = glm::degrees(glm::distance(first_, newest_));
   const double spread_deg2 = std::pow(glm::degrees(1.0), 2) * squares_ / count_;
-  const double way = std::sqrt(std::max(way_deg * way_deg - 2.0 * noise_deg2, 0.0));
-  const double spread = std::sqrt(std::max(spread_deg2 - noise_deg2, 0.0));
+  // Nineteen in twenty ways of pure noise are no longer than the square root of thrice their mean
+  // square (chi-square, two axes); a spread's square scatters by 1 / sqrt(n), and the noise is
+  // known to a seventh.
+  constexpr double kMostOfNoise = 3.0, kKnown = 1.3;
+  const double way = std::sqrt(std::max(way_deg * way_deg - kMostOfNoise * 2.0 * noise_deg2, 0.0));
+  const double spread =
+      std::sqrt(std::max(spread_deg2 - (kKnown + 2.0 / std::sqrt(count_)) * noise_deg2, 0.0));
   return 0.37 - 0.39 * std::log(duration_s) + 1.59 * std::log(way + 0.1) +
-             1.20 * std::log(spread + 0.05) >
-         0.0;
+         1.20 * std::log(spread + 0.05);
+}
+
+glm::dvec3 StableGaze::velocity_deg_s() const {
+  return squares_s2_ > 0.0 ? glm::degrees(1.0) / squares_s2_ * products_ : glm::dvec3(0.0);
+}
+
+double StableGaze::variance_deg2_s2(double noise_deg) const {
+  return squares_s2_ > 0.0 ? noise_deg * noise_deg / squares_s2_ : 0.0;
+}
+
+double StableGaze::agreement(const StableGaze& other, double noise_deg) const {
+  constexpr double kStill_deg_s = 3.0;
+  const glm::dvec3 u = velocity_deg_s(), v = other.velocity_deg_s();
+  return glm::dot(u, v) / (glm::length(u) * glm::length(v) + kStill_deg_s * kStill_deg_s +
+                           variance_deg2_s2(noise_deg) + other.variance_deg2_s2(noise_deg));
+}
+
+bool StableGaze::isPursuit(double noise_deg, const StableGaze* before,
+                           const StableGaze* after) const {
+  constexpr double kWeight = 1.5;
+  double sum = evidence(noise_deg);
+  for (const StableGaze* neighbour : {before, after}) {
+    if (neighbour) sum += kWeight * agreement(*neighbour, noise_deg);
+  }
+  return sum > 0.0;
 }
 
 }  // namespace foci

@@ -50,7 +50,8 @@ class TableReader {
     ++taken_;
     if (layout_.kind && row_->field(*layout_.kind) != layout_.sample_kind) return;
     readResolution();
-    hold(readSample());
+    readSample(sample_);
+    hold();
   }
 
   void readHeader(const TraceColumns& columns, const std::string& given) {
@@ -98,8 +99,8 @@ class TableReader {
     return *time;
   }
 
-  GazeSample readSample() {
-    GazeSample sample = row_->sample();
+  void readSample(GazeSample& sample) {
+    row_->read(sample);
     sample.time_s = readTime();  // in the file's unit, until the clock is settled
     if (!layout_.x && !layout_.hasDirections()) {
       sample.point_px =
@@ -110,11 +111,11 @@ class TableReader {
     for (std::size_t side : {0, 1}) {
       eyes_seen_[side] |= sample.eyes[side].point_px || sample.eyes[side].direction;
     }
-    return sample;
   }
 
   /// Checks the order, and passes samples on once the unit of time is known.
-  void hold(GazeSample&& sample) {
+  void hold() {
+    GazeSample& sample = sample_;
     if (last_time_ && sample.time_s <= *last_time_) {
       throw lines_.error("time " + shown(row_->field(*layout_.time)) +
                          " is not after the sample before");
@@ -161,6 +162,7 @@ class TableReader {
   TablePreamble preamble_;
   TableLayout layout_{};
   std::optional<TableRow> row_{};
+  GazeSample sample_{};  // of the row read last
   Cyclopean cyclopean_{};
   bool clock_known_ = false, resolution_known_ = false;
   std::optional<double> last_time_{};

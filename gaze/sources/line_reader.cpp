@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "gaze/sources/swift_number.h"
+
 namespace foci {
 namespace {
 
@@ -32,7 +34,7 @@ struct LineReader::Input {
 };
 
 LineReader::LineReader(const std::filesystem::path& file)
-    : name_(file.string()), in_(std::make_unique<Input>()), buffer_(kBuffer) {
+    : name_(file.string()), in_(std::make_unique<Input>()), buffer_(kBuffer + kNumberPadding) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) throw InputError(name_, "is a folder");
   in_->file = gzopen(name_.c_str(), "rb");
@@ -49,8 +51,7 @@ bool LineReader::fill() {
   std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
-  const int count =
-      gzread(in_->file, buffer_.data() + end_, static_cast<unsigned>(buffer_.size() - end_));
+  const int count = gzread(in_->file, buffer_.data() + end_, static_cast<unsigned>(kBuffer - end_));
   int status = Z_OK;
   gzerror(in_->file, &status);
   if (count < 0 || status == Z_BUF_ERROR || status == Z_DATA_ERROR) {
@@ -114,43 +115,7 @@ bool isAbsent(std::string_view field) {
   return false;
 }
 
-namespace {
-
-/// Digits with at most one point between them, up to 15 in all: whole and power of ten are exact
-/// then, so that their quotient is the nearest double (Clinger 1990).
-std::optional<double> parsePlain(std::string_view field) {
-  static constexpr double kPowers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                       1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
-  constexpr std::ptrdiff_t kMostDigits = 15;
-  const char *at = field.data(), *const end = at + field.size();
-  const bool negative = at != end && *at == '-';
-  at += negative;
-  if (end - at > kMostDigits + 1) return std::nullopt;
-  std::int64_t whole = 0;
-  const auto digits = [&] {
-    const char* const from = at;
-    for (; at != end; ++at) {
-      const auto digit = static_cast<unsigned char>(*at - '0');
-      if (digit > 9) break;
-      whole = 10 * whole + digit;
-    }
-    return at - from;
-  };
-  const std::ptrdiff_t before = digits();
-  std::ptrdiff_t decimals = 0;
-  if (at != end && *at == '.') {
-    ++at;
-    decimals = digits();
-  }
-  if (at != end || before + decimals == 0 || before + decimals > kMostDigits) return std::nullopt;
-  const double value = static_cast<double>(whole) / kPowers[decimals];
-  return negative ? -value : value;
-}
-
-}  // namespace
-
 std::optional<double> parseNumber(std::string_view field) {
-  if (const auto plain = parsePlain(field)) return plain;
   if (field.starts_with('+') && !field.starts_with("+-")) field.remove_prefix(1);
   double value = 0.0;
   const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), value);

@@ -23,7 +23,7 @@ class LineReader {
   LineReader(const LineReader&) = delete;
   LineReader& operator=(const LineReader&) = delete;
 
-  /// @param line  valid until the next call
+  /// @param line  valid until the next call; `kNumberPadding` more bytes may be read
   /// @return false at the end
   /// @throws InputError on a NUL byte (binary, or UTF-16) and on a line over 64 KiB
   bool next(std::string_view& line);

@@ -204,6 +204,8 @@ class Recogniser {
       takeUnits(layout_.eyes[0].x ? layout_.eyes[0].x : layout_.eyes[1].x);
       return;
     }
+    // Lines of sight give the point, too.
+    if (given_.x.empty() && given_.y.empty() && layout_.hasDirections() && !find(Keys(kXs))) return;
     layout_.x = require(given_.x, kXs);
     layout_.y = require(given_.y, kYs);
     takeUnits(layout_.x);

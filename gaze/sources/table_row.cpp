@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gaze/focus/line_of_sight.h"
+#include "gaze/sources/swift_number.h"
 
 namespace foci {
 namespace {
@@ -31,6 +32,59 @@ void TableRow::split(std::string_view line) {
   splitRow(line, layout_.delimiter, fields_, layout_.columns);
 }
 
+/// Some vendors write the decimal comma of the user's country.
+std::optional<double> TableRow::parse(std::string_view text) const {
+  if (const auto number = swiftNumber(text)) return number;
+  if (layout_.delimiter == ',' || text.find(',') == std::string_view::npos) {
+    return parseNumber(text);
+  }
+  std::string pointed(text.substr(0, 64));
+  std::replace(pointed.begin(), pointed.end(), ',', '.');
+  return parseNumber(pointed);
+}
+
+std::optional<double> TableRow::number(std::size_t column) const { return parse(field(column)); }
+
+std::optional<double> TableRow::coordinate(std::size_t column, std::string_view text,
+                                           int axis) const {
+  const double limit = units_ == GazeUnits::px ? kFarthest_px
+                       : units_ == GazeUnits::deg
+                           ? kWidest_deg
+                           : kFarthest_px / glm::max(screen_.size_px.x, screen_.size_px.y);
+  const auto number = parse(text);
+  if (!number && isAbsent(text)) return std::nullopt;
+  if (!number) fail(column, "expected a number");
+  const TableNumbers& numbers = layout_.numbers;
+  if (number == numbers.missing) return std::nullopt;
+  const double value = numbers.scale[axis] * *number + numbers.offset[axis];
+  if (std::abs(value) > limit) fail(column, "too far from any screen");
+  return value;
+}
+
+std::optional<glm::dvec2> TableRow::pointOf(double x, double y) const {
+  if (layout_.zero_is_absent && x == 0.0 && y == 0.0) return std::nullopt;
+  if (units_ == GazeUnits::deg) return pointAtEccentricity_px(screen_, {x, y});
+  if (units_ == GazeUnits::px) return glm::dvec2(x, y);
+  return glm::dvec2(x, layout_.y_up ? 1.0 - y : y) * glm::dvec2(screen_.size_px);
+}
+
+std::optional<double> TableRow::readPupil(std::size_t column) const {
+  const auto pupil = number(column);
+  if (!pupil && isAbsent(field(column))) return std::nullopt;
+  if (pupil && pupil == layout_.numbers.missing) return std::nullopt;
+  if (!pupil || *pupil * layout_.numbers.pupil_scale_mm > kWidestPupil_mm) {
+    fail(column, "expected a diameter up to 15 mm");
+  }
+  if (!(*pupil > 0.0)) return std::nullopt;
+  return *pupil * layout_.numbers.pupil_scale_mm;
+}
+
+std::optional<glm::dvec2> TableRow::readPoint(std::size_t x, std::size_t y) const {
+  const auto at_x = coordinate(x, field(x), 0);
+  const auto at_y = at_x ? coordinate(y, field(y), 1) : std::nullopt;
+  return at_y ? pointOf(*at_x, *at_y) : std::nullopt;
+}
+
 bool TableRow::isTrusted(GazeSample& sample) const {
   if (layout_.confidence && !isAbsent(field(*layout_.confidence))) {
     const auto confidence = number(*layout_.confidence);
@@ -41,8 +95,11 @@ bool TableRow::isTrusted(GazeSample& sample) const {
   return !layout_.validity || isValid(*layout_.validity);
 }
 
-GazeSample TableRow::sample() const {
-  GazeSample sample;
+void TableRow::read(GazeSample& sample) const {
+  sample.point_px.reset();
+  sample.confidence.reset();
+  sample.blink = false;
+  if (layout_.has_eyes) sample.eyes = {};
   if (isTrusted(sample)) {
     if (layout_.has_eyes) {
       for (std::size_t side : {0, 1}) readEye(layout_.eyes[side], sample.eyes[side]);
@@ -58,7 +115,6 @@ GazeSample TableRow::sample() const {
     sample.blink =
         layout_.named_blink ? !isAbsent(field(*layout_.blink)) : readFlag(*layout_.blink);
   }
-  return sample;
 }
 
 /// In the frame of `EyeSample`.
@@ -146,23 +202,6 @@ bool TableRow::isValid(std::size_t column) const {
   return false;
 }
 
-std::optional<double> TableRow::readPupil(std::size_t column) const {
-  const auto pupil = number(column);
-  if (!pupil && isAbsent(field(column))) return std::nullopt;
-  if (pupil && pupil == layout_.numbers.missing) return std::nullopt;
-  if (!pupil || *pupil * layout_.numbers.pupil_scale_mm > kWidestPupil_mm) {
-    fail(column, "expected a diameter up to 15 mm");
-  }
-  if (!(*pupil > 0.0)) return std::nullopt;
-  return *pupil * layout_.numbers.pupil_scale_mm;
-}
-
-std::optional<glm::dvec2> TableRow::readPoint(std::size_t x, std::size_t y) const {
-  const auto at_x = coordinate(x, field(x), 0);
-  const auto at_y = at_x ? coordinate(y, field(y), 1) : std::nullopt;
-  return at_y ? pointOf(*at_x, *at_y) : std::nullopt;
-}
-
 /// "(x, y)".
 std::optional<glm::dvec2> TableRow::readTuple(std::size_t column) const {
   std::string_view text = field(column);
@@ -178,29 +217,6 @@ std::optional<glm::dvec2> TableRow::readTuple(std::size_t column) const {
   return at_y ? pointOf(*at_x, *at_y) : std::nullopt;
 }
 
-std::optional<double> TableRow::coordinate(std::size_t column, std::string_view text,
-                                           int axis) const {
-  const double limit = units_ == GazeUnits::px ? kFarthest_px
-                       : units_ == GazeUnits::deg
-                           ? kWidest_deg
-                           : kFarthest_px / glm::max(screen_.size_px.x, screen_.size_px.y);
-  const auto number = parse(text);
-  if (!number && isAbsent(text)) return std::nullopt;
-  if (!number) fail(column, "expected a number");
-  const TableNumbers& numbers = layout_.numbers;
-  if (number == numbers.missing) return std::nullopt;
-  const double value = numbers.scale[axis] * *number + numbers.offset[axis];
-  if (std::abs(value) > limit) fail(column, "too far from any screen");
-  return value;
-}
-
-std::optional<glm::dvec2> TableRow::pointOf(double x, double y) const {
-  if (layout_.zero_is_absent && x == 0.0 && y == 0.0) return std::nullopt;
-  if (units_ == GazeUnits::deg) return pointAtEccentricity_px(screen_, {x, y});
-  if (units_ == GazeUnits::px) return glm::dvec2(x, y);
-  return glm::dvec2(x, layout_.y_up ? 1.0 - y : y) * glm::dvec2(screen_.size_px);
-}
-
 bool TableRow::readFlag(std::size_t column) const {
   const std::string_view text = field(column);
   if (isAbsent(text) || isWord(text, "false")) return false;
@@ -210,19 +226,9 @@ bool TableRow::readFlag(std::size_t column) const {
   return *value != 0.0;
 }
 
-std::string_view TableRow::field(std::size_t column) const {
-  if (column < fields_.size()) return fields_[column];
+void TableRow::failShort(std::size_t column) const {
   throw lines_.error(std::to_string(fields_.size()) + " fields: expected " +
                      std::to_string(column + 1) + " at least");
-}
-
-/// Some vendors write the decimal comma of the user's country.
-std::optional<double> TableRow::parse(std::string_view text) const {
-  const auto number = parseNumber(text);
-  if (number || layout_.delimiter == ',' || text.find(',') == std::string_view::npos) return number;
-  std::string pointed(text.substr(0, 64));
-  std::replace(pointed.begin(), pointed.end(), ',', '.');
-  return parseNumber(pointed);
 }
 
 void TableRow::fail(std::size_t column, const char* expected) const {

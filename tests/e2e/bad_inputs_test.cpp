@@ -98,6 +98,10 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         added("UnknownKey", "did you mean observer.pupil_mm?", "[observer]\npupil_m = 4\n"),
         added("UnknownSection", "did you mean", "[observers]\npupil_mm = 4\n"),
+        added("PupilOfNothing", "the gaze has no pupil in millimetres",
+              "[observer]\npupil = \"recording\"\n"),
+        added("PupilOfNoKind", "expected one of \"fixed\" \"recording\" \"luminance\"",
+              "[observer]\npupil = \"wide\"\n"),
         added("UnknownKeyNamesItsLine", "study.toml:18: ", "\n[observer]\nx = 4\n"),
         inStudy("UnknownTopKey", "did you mean seed?", "sead = 3\n" + smallStudy()),
         added("TextForANumber", "observer.pupil_mm = \"4\": expected 0.5 to 12",

@@ -175,6 +175,80 @@ TEST(CalibrationInUse, ReplayTakesScreenAndMapAndNamesThem) {
   EXPECT_NE(simulated.err.find("absent.toml"), std::string::npos) << simulated.err;
 }
 
+/// Columns of both eyes at (x, y, z) mm +- 31 that look at a point of the display, seen by a
+/// tracker 150 mm below the display's centre.
+std::string eyesAt(double x, double y, double z, double target_x, double target_y) {
+  std::string text;
+  for (const double side : {-31.0, 31.0}) {
+    char columns[200];
+    std::snprintf(columns, sizeof columns, "%.6f\t%.6f\t%.6f\t%.6f\t%.6f\t%.6f\t", x + side,
+                  y + 150.0, z, target_x - x - side, target_y - y, -z);
+    text += columns;
+  }
+  return text;
+}
+
+TEST(CalibrateBinocular, FindsTheDisplayAndLeadsReplayToTheTarget) {
+  const TemporaryFolder folder;
+  std::string header;
+  for (const std::string eye : {"left_", "right_"}) {
+    for (const std::string column : {"origin_x_mm", "origin_y_mm", "origin_z_mm", "direction_x",
+                                     "direction_y", "direction_z"}) {
+      header += eye + column + "\t";
+    }
+  }
+  std::string pairs = header + "x_target_mm\ty_target_mm\n";
+  for (int i = 0; i < 90; ++i) {
+    const double x = 150.0 * (i % 3 - 1), y = 80.0 * (i / 3 % 3 - 1);
+    pairs += eyesAt(20.0 * (i % 7) - 60.0, 15.0 * (i % 5) - 30.0, 500.0 + 10.0 * (i % 11), x, y) +
+             std::to_string(x) + "\t" + std::to_string(y) + "\n";
+  }
+  folder.write("pairs.tsv", pairs);
+  const Outcome outcome =
+      runFoci({"calibrate", "binocular", "--pairs", "pairs.tsv", "--out", "both.toml", "--json"},
+              folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json summary = Json::parse(outcome.out);
+  EXPECT_LT(summary["accuracy_deg"].get<double>(), 0.01);
+  EXPECT_NEAR(summary["position_mm"][1].get<double>(), 150.0, 0.1);
+
+  // 80 mm to the right and 60 mm up on a display of 400 x 300 mm.
+  std::string trace = "time_s\t" + header + "note\n";
+  for (int i = 0; i < 100; ++i) {
+    trace += std::to_string(0.01 * i) + "\t" + eyesAt(0.1 * i, 0.0, 500.0, 80.0, 60.0) + "-\n";
+  }
+  folder.write("trace.tsv", trace);
+  folder.write("scene.ply", squarePly(8, 1.0));
+  folder.write("study.toml", smallStudy());
+  const Outcome replayed =
+      runFoci({"replay", "study.toml", "--gaze-map", "both.toml", "--out", "out"}, folder.path());
+  ASSERT_EQ(replayed.exit_code, 0) << replayed.err;
+  const auto row = tableOf(folder.read("out/frames.tsv")).back();
+  EXPECT_NEAR(std::stod(row[3]), 320.0 + 80.0 * 1.6, 0.1);
+  EXPECT_NEAR(std::stod(row[4]), 240.0 - 60.0 * 1.6, 0.1);
+}
+
+TEST(CalibrateBinocular, RefusesInOneLine) {
+  const TemporaryFolder folder;
+  std::string still =
+      "left_origin_x_mm\tleft_origin_y_mm\tleft_origin_z_mm\tleft_direction_x\t"
+      "left_direction_y\tleft_direction_z\tx_target_mm\ty_target_mm\n";
+  folder.write("few.tsv", still + "0\t0\t600\t0\t0\t-1\t0\t0\n");
+  for (int i = 0; i < 90; ++i) {
+    const double x = 150.0 * (i % 3 - 1), y = 80.0 * (i / 3 % 3 - 1);
+    char row[160];
+    std::snprintf(row, sizeof row, "0\t0\t600\t%g\t%g\t-600\t%g\t%g\n", x, y, x, y);
+    still += row;
+  }
+  folder.write("still.tsv", still);
+  folder.write("other.tsv", "x\ty\n1\t2\n");
+  for (const char* file : {"few.tsv", "still.tsv", "other.tsv", "absent.tsv"}) {
+    const Outcome outcome = refusedWithoutATrace(
+        {"calibrate", "binocular", "--pairs", file, "--out", "made.toml"}, folder);
+    EXPECT_NE(outcome.err.find(file), std::string::npos) << outcome.err;
+  }
+}
+
 TEST(CalibrateScreen, HeadlessFromCardAndBlindSpot) {
   const TemporaryFolder folder;
   const double px_per_m = 4000.0, distance_m = 0.62;

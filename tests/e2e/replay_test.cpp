@@ -136,7 +136,6 @@ TEST_F(Replay, ThePupilIsTheRecordings) {
 TEST_F(Replay, ThePupilFollowsTheLight) {
   std::vector<std::vector<double>> pupils;
   for (const std::string light : {"5", "120", "1000"}) {
-    folder.write("study.toml", smallStudy() + "[observer]\npupil = \"luminance\"\n");
     std::string study = smallStudy() + "[observer]\npupil = \"luminance\"\n";
     study.insert(study.find("[gaze]"), "luminance_cd_m2 = " + light + "\n");
     folder.write("study.toml", study);

@@ -15,7 +15,7 @@ import time
 from observer import Observer
 
 WIDTH_M, HEIGHT_M, DISTANCE_M = 0.52, 0.2925, 0.55
-LEAD_S, EACH_S = 4.0, 2.4
+LEAD_S, EACH_S = 2.0, 2.2
 TARGETS, SEED = 9, 3
 LIMIT_DEG = 1.5  # the goal
 
@@ -58,12 +58,12 @@ def main():
         wait_for(program, "first frame", 20)
         begin = time.time()
         until = lambda film_s: time.sleep(max(begin + film_s - time.time(), 0.0))
-        until(2.0)
+        until(1.0)
         observer.screenshot(out + "/welcome.png")
         until(LEAD_S)
         observer.press("space")
         for target in range(TARGETS + 4):
-            until(LEAD_S + EACH_S * target + 1.15)
+            until(LEAD_S + EACH_S * target + 1.1)
             observer.press("space")
             if target == 4:
                 time.sleep(0.2)

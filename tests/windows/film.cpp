@@ -2,8 +2,8 @@
 //
 //     foci_film OUT.mp4 TARGETS SEED WIDTH_M HEIGHT_M DISTANCE_M LEAD_S EACH_S
 //
-// For LEAD_S the observer looks at the centre, then for EACH_S at each target of the calibration and
-// of the validation. Prints which was looked at when: onset_s duration_s x_target y_target, m.
+// For LEAD_S the observer looks at the centre, then for EACH_S at each target of the calibration
+// and of the validation. Prints which was looked at when: onset_s duration_s x_target y_target, m.
 #include <cstdio>
 #include <cstdlib>
 #include <opencv2/videoio.hpp>
@@ -11,14 +11,14 @@
 #include "calibration/target_session.h"
 #include "tests/faces/observer.h"
 
-int main(int argc, char** argv) {
-  using namespace foci;
-  if (argc != 9) return 2;
+namespace foci {
+
+static int film(char** argv) {
   const auto seed = static_cast<std::uint64_t>(std::atoll(argv[3]));
   const glm::dvec2 screen_m(std::atof(argv[4]), std::atof(argv[5]));
   const double distance_m = std::atof(argv[6]), lead_s = std::atof(argv[7]),
                each_s = std::atof(argv[8]);
-  constexpr double kRate_Hz = 15.0;
+  constexpr double kRate_Hz = 10.0;  // few pictures to draw
 
   std::vector<faces::ShownTarget> shown{{.from_s = 0.0, .to_s = lead_s}};
   std::printf("onset_s\tduration_s\tx_target\ty_target\n");
@@ -38,10 +38,14 @@ int main(int argc, char** argv) {
   cv::VideoWriter video(argv[1], cv::VideoWriter::fourcc('a', 'v', 'c', '1'), kRate_Hz,
                         {how.size_px.x, how.size_px.y});
   if (!video.isOpened()) return 1;
-  const int frames = static_cast<int>((shown.back().to_s + 1.0) * kRate_Hz);
+  const int frames = static_cast<int>((shown.back().to_s + 0.5) * kRate_Hz);
   for (int frame = 0; frame < frames; ++frame) {
     how.seed = static_cast<std::uint32_t>(frame);
     video.write(face.photograph(observer.at(frame / kRate_Hz), how));
   }
   return 0;
 }
+
+}  // namespace foci
+
+int main(int argc, char** argv) { return argc == 9 ? foci::film(argv) : 2; }

@@ -161,6 +161,22 @@ TEST(Raytrace, NoiseFallsAsRaysAreAdded) {
       render("raytrace:1", cloud, squareView(8, 50.0f), settings).stats.split_half_psnr_dB);
 }
 
+TEST(Raytrace, FailureFewRaysAreNoise) {
+  // Wholly blurred, neighbouring pixels hardly differ; drawn with few rays they do, from chance.
+  SurfelCloud cloud;
+  addSquare(cloud, {0.0f, 0.0f, -1.0f}, {0.6f, 0.0f, 0.0f}, {0.0f, 0.6f, 0.0f}, 100,
+            glm::vec3(1.0f));
+  const auto roughness = [&](const char* spec) {
+    const Frame frame = render(spec, cloud, squareView(32, 50.0f), lens(8.0f, 2.0f)).frame;
+    double sum = 0.0;
+    for (int y = 0; y < 32; ++y) {
+      for (int x = 1; x < 32; ++x) sum += std::abs(frame.at(x, y).g - frame.at(x - 1, y).g);
+    }
+    return sum;
+  };
+  EXPECT_GT(roughness("raytrace:4"), 4.0 * roughness("accumulate:256"));
+}
+
 TEST(Raytrace, SameBytesAtAnyNumberOfThreads) {
   SurfelCloud cloud;
   addSquare(cloud, {0.0f, 0.0f, -1.0f}, {0.3f, 0.0f, 0.2f}, {0.0f, 0.3f, 0.1f}, 60, glm::vec3(1.0f),
