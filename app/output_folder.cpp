@@ -2,11 +2,33 @@
 
 #include <unistd.h>
 
+#include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <fstream>
 #include <stdexcept>
 
 namespace foci {
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Removes what a run that was killed has left aside of `name`: told by its process, which is gone.
+void removeLeftovers(const fs::path& folder, const std::string& before, const std::string& after) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(before) || !name.ends_with(after)) continue;
+    pid_t process = 0;
+    const char* end = name.data() + name.size() - after.size();
+    const auto [rest, status] = std::from_chars(name.data() + before.size(), end, process);
+    if (status != std::errc() || rest != end || process <= 0) continue;
+    std::error_code ignored;
+    if (kill(process, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), ignored);
+  }
+}
+
+}  // namespace
 
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   std::error_code error;
@@ -36,8 +58,10 @@ OutputFolder::~OutputFolder() {
 
 fs::path OutputFolder::stage(const std::string& name) {
   const fs::path final = folder_ / name;
-  fs::path aside = folder_ / ("." + final.stem().string() + "." + std::to_string(getpid()) +
-                              ".part" + final.extension().string());
+  const std::string before = "." + final.stem().string() + ".";
+  const std::string after = ".part" + final.extension().string();
+  removeLeftovers(folder_, before, after);
+  fs::path aside = folder_ / (before + std::to_string(getpid()) + after);
   staged_.push_back({aside, final});
   return aside;
 }

@@ -19,7 +19,8 @@ class OutputFolder {
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Where to write `name` for now; same extension, same file system.
+  /// Where to write `name` for now; same extension, same file system. What a killed run has left
+  /// there of the same name is removed.
   std::filesystem::path stage(const std::string& name);
 
   /// Gives every staged file its name, in the order of staging.

@@ -1,11 +1,14 @@
 #include "app/video_writer.h"
 
+#include <array>
 #include <condition_variable>
 #include <deque>
+#include <fstream>
 #include <mutex>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 
 namespace foci {
@@ -59,8 +62,35 @@ struct VideoWriter::Worker {
     writer.release();
   }
 
-  [[noreturn]] void fail() const { throw std::runtime_error("cannot encode video to " + file); }
+  [[noreturn]] void fail() const {
+    throw std::runtime_error("cannot encode video to " + file + ": is the disk full?");
+  }
 };
+
+bool isWholeMp4(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  std::uintmax_t at = 0;
+  bool indexed = false;
+  while (!error && at < size) {
+    std::array<unsigned char, 16> head{};
+    in.seekg(static_cast<std::streamoff>(at));
+    in.read(reinterpret_cast<char*>(head.data()), head.size());
+    if (in.gcount() < 8) return false;
+    in.clear();
+    const auto number = [&](std::size_t from, std::size_t bytes) {
+      std::uintmax_t value = 0;
+      for (std::size_t i = from; i < from + bytes; ++i) value = value << 8 | head[i];
+      return value;
+    };
+    const std::uintmax_t box = number(0, 4) == 1 ? number(8, 8) : number(0, 4);
+    if (box < 8 || box > size - at) return false;
+    indexed |= std::string_view(reinterpret_cast<const char*>(head.data()) + 4, 4) == "moov";
+    at += box;
+  }
+  return indexed;
+}
 
 VideoWriter::VideoWriter(const std::filesystem::path& file, const glm::ivec2& size_px, double fps)
     : worker_(std::make_unique<Worker>()) {
@@ -88,7 +118,7 @@ void VideoWriter::push(Picture&& picture) {
 
 void VideoWriter::finish() {
   worker_->stop();
-  if (worker_->failed) worker_->fail();
+  if (worker_->failed || !isWholeMp4(worker_->file)) worker_->fail();
 }
 
 }  // namespace foci

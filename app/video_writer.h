@@ -27,12 +27,17 @@ class VideoWriter {
   /// @throws std::runtime_error where encoding has failed meanwhile
   void push(Picture&& picture);
 
-  /// Waits for the last frame and closes the file. @throws std::runtime_error
+  /// Waits for the last frame and closes the file.
+  /// @throws std::runtime_error where encoding has failed, or the file is not whole
   void finish();
 
  private:
   struct Worker;
   std::unique_ptr<Worker> worker_;
 };
+
+/// Whether a file is boxes of ISO/IEC 14496-12 from its first byte to its last, their index among
+/// them. One that a full disk has cut short is not, though the encoder says nothing.
+bool isWholeMp4(const std::filesystem::path& file);
 
 }  // namespace foci

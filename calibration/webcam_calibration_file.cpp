@@ -9,6 +9,7 @@
 namespace foci {
 namespace {
 
+constexpr std::uint32_t kMostPicture_px = 4096;
 constexpr double kLargest = 1e12;
 constexpr std::string_view kDigits =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -43,6 +44,19 @@ std::optional<std::vector<unsigned char>> decoded(std::string_view text) {
     }
   }
   return bytes;
+}
+
+/// Whether a PNG's header says that it is no larger than `most_px`: told before it is unpacked,
+/// since a few bytes may say that they are gigabytes.
+bool isSmallPng(const std::vector<unsigned char>& bytes, std::uint32_t most_px) {
+  constexpr std::array<unsigned char, 8> kMagic = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  if (bytes.size() < 24 || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin())) return false;
+  const auto number = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = at; i < at + 4; ++i) value = value << 8 | bytes[i];
+    return value;
+  };
+  return number(16) <= most_px && number(20) <= most_px;
 }
 
 template <class Numbers>
@@ -127,9 +141,11 @@ WebcamCalibration readWebcamCalibration(const std::filesystem::path& file) {
     in.refuse("reference.position_mm", "a head before the camera");
   }
   const auto png = decoded(in.word("reference.picture"));
-  if (png && !png->empty()) reference.view.grey = cv::imdecode(*png, cv::IMREAD_GRAYSCALE);
+  if (png && isSmallPng(*png, kMostPicture_px)) {
+    reference.view.grey = cv::imdecode(*png, cv::IMREAD_GRAYSCALE);
+  }
   const cv::Mat& grey = reference.view.grey;
-  if (grey.empty() || grey.cols < 32 || grey.rows < 32 || grey.cols > 4096 || grey.rows > 4096) {
+  if (grey.empty() || grey.cols < 32 || grey.rows < 32) {
     in.refuse("reference.picture", "a PNG in base64, 32 to 4096 px");
   }
   in.refuseRest();

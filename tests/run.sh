@@ -32,4 +32,7 @@ for sanitizer in asan tsan; do
   ctest --test-dir "build/$sanitizer" --output-on-failure -j 2 -E '^Window'
 done
 
+step "hostile input: each reader's corpus, then half a minute of fuzzing"
+tests/fuzz/run.sh 30
+
 step "all passed"

@@ -9,10 +9,13 @@
 namespace foci {
 namespace {
 
-constexpr double kContext_s = 0.4;        // before a sample: the longest saccade, lid, window
-constexpr double kHistory_s = 3.0;        // in which fixations prevail: for the noise
-constexpr double kMeasureAgain_s = 0.25;  // the noise changes slowly
-constexpr double kLabelings_Hz = 250.0;   // more often gains nothing
+constexpr double kContext_s = 0.4;          // before a sample: the longest saccade, lid, window
+constexpr double kHistory_s = 3.0;          // in which fixations prevail: for the noise
+constexpr double kMeasureAgain_s = 0.25;    // the noise changes slowly
+constexpr double kFixationError_deg = 0.1;  // in noise, fixations are averaged until they have it
+constexpr double kLongestMean_s = 1.0;      // at most: gaze drifts
+constexpr double kMoved = 3.0;              // standard deviations: gaze lies elsewhere than before
+constexpr double kLabelings_Hz = 250.0;     // more often gains nothing
 
 }  // namespace
 
@@ -108,13 +111,31 @@ GazeState OnlineEvents::settle(const GazeSample& sample, const TimedSight& sight
 }
 
 void OnlineEvents::fixate(const GazeSample& sample) {
-  while (!fixation_.empty() && sample.time_s - fixation_.front().time_s > settings_.position_s) {
+  const double ratio = noise_.sample_deg / kFixationError_deg;
+  const double enough = std::max(ratio * ratio, 1.0);
+  fixation_.push_back(sample);
+  const auto age_s = [&] { return sample.time_s - fixation_.front().time_s; };
+  while (age_s() > settings_.position_s &&
+         (static_cast<double>(fixation_.size()) > enough || age_s() > kLongestMean_s)) {
     fixation_.pop_front();
   }
-  fixation_.push_back(sample);
-  glm::dvec2 sum_px{0.0};
-  for (const GazeSample& each : fixation_) sum_px += *each.point_px;
-  now_.fixation_px = sum_px / static_cast<double>(fixation_.size());
+
+  glm::dvec2 recent_px{0.0}, before_px{0.0};
+  double recent = 0.0, before = 0.0;
+  for (const GazeSample& each : fixation_) {
+    const bool is_recent = sample.time_s - each.time_s <= settings_.position_s;
+    (is_recent ? recent_px : before_px) += *each.point_px;
+    (is_recent ? recent : before) += 1.0;
+  }
+  // A saccade that noise has hidden: what lies before it is of another fixation.
+  if (before > 0.0 && angleBetween_deg(screen_, recent_px / recent, before_px / before) >
+                          kMoved * noise_.sample_deg * std::sqrt(1.0 / recent + 1.0 / before)) {
+    fixation_.erase(fixation_.begin(), fixation_.begin() + static_cast<std::ptrdiff_t>(before));
+    before_px = glm::dvec2(0.0);
+    before = 0.0;
+  }
+  now_.fixation_px = (recent_px + before_px) / (recent + before);
+  now_.fixation_error_deg = noise_.sample_deg / std::sqrt(recent + before);
 }
 
 std::vector<GazeState> labelSamplesOnline(const GazeTrace& trace, const Screen& screen,

@@ -21,6 +21,7 @@ struct GazeNow {
   /// Where the observer fixates; in saccades, blinks and losses where he last did. Absent until the
   /// first fixation.
   std::optional<glm::dvec2> fixation_px{};
+  double fixation_error_deg = 0.0;  ///< standard deviation of that, by the noise of the samples
 };
 
 /// A causal detector, fed sample by sample. Rates from 25 to 2000 Hz. It labels each sample as the
@@ -61,8 +62,7 @@ class OnlineEvents {
   std::optional<double> last_present_s_{};
   GazeNow now_{};
   StableGaze stable_{};
-  std::deque<GazeSample>
-      fixation_{};  // labelled samples of the current fixation, `position_s` back
+  std::deque<GazeSample> fixation_{};  // of which `fixation_px` is the mean
 };
 
 /// Whether gaze stays in place or follows something: the states in which the eye sees sharply.

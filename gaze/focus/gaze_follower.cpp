@@ -2,12 +2,21 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
 #include "gaze/focus/line_of_sight.h"
 
 namespace foci {
+namespace {
+
+constexpr double kReach = 1.0;       // standard deviations around a fixation
+constexpr double kLeastReach = 0.1;  // of the cone's half-angle: less is no noise
+constexpr int kAround = 8;           // directions that are asked
+
+}  // namespace
 
 GazeFollower::GazeFollower(const Screen& screen, double rate_Hz, SurfaceDistance surface,
                            const FollowSettings& settings)
@@ -33,18 +42,43 @@ void GazeFollower::push(const GazeSample& sample) {
   }
 }
 
+std::optional<double> GazeFollower::surfaceAround(double time_s, const glm::dvec3& sight,
+                                                  double half_angle_rad) const {
+  const auto offHeld_D = [&](const std::optional<double>& distance_m) {
+    return distance_m ? std::abs(1.0 / *distance_m - *held_D_) : INFINITY;
+  };
+  const auto ahead_m = surface_(time_s, sight, half_angle_rad);
+  const double reach_deg = kReach * now_.fixation_error_deg;
+  if (!held_D_ || offHeld_D(ahead_m) <= settings_.surface_error_D ||
+      reach_deg < kLeastReach * glm::degrees(half_angle_rad)) {
+    return ahead_m;
+  }
+  const glm::dvec3 aside = glm::normalize(glm::cross(sight, glm::dvec3(0.0, 1.0, 0.0)));
+  const glm::dvec3 above = glm::cross(aside, sight);
+  std::optional<double> nearest_m;
+  for (int k = 0; k < kAround; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / kAround;
+    const glm::dvec3 off = std::cos(angle) * aside + std::sin(angle) * above;
+    const auto around_m = surface_(
+        time_s, glm::normalize(sight + std::tan(glm::radians(reach_deg)) * off), half_angle_rad);
+    if (offHeld_D(around_m) < offHeld_D(nearest_m)) nearest_m = around_m;
+  }
+  return offHeld_D(nearest_m) <= settings_.surface_error_D ? nearest_m : ahead_m;
+}
+
 void GazeFollower::look(double time_s) {
   const glm::dvec2 point_px = *now_.fixation_px;
   looked_ = {
       .time_s = time_s,
       .point_px = point_px,
-      .distance_m = surface_(time_s, lineOfSight(screen_, point_px),
-                             glm::radians(std::max(settings_.cone_half_angle_deg,
-                                                   newest_->uncertainty_deg.value_or(0.0))))};
+      .distance_m = surfaceAround(time_s, lineOfSight(screen_, point_px),
+                                  glm::radians(std::max(settings_.cone_half_angle_deg,
+                                                        newest_->uncertainty_deg.value_or(0.0))))};
   std::vector<DioptreEstimate> estimates;
   if (looked_->distance_m) {
     assert(*looked_->distance_m > 0.0);
-    estimates.push_back({1.0 / *looked_->distance_m, settings_.surface_error_D});
+    held_D_ = 1.0 / *looked_->distance_m;
+    estimates.push_back({*held_D_, settings_.surface_error_D});
   }
   vergence_.reset();
   const auto rays = settings_.vergence && newest_

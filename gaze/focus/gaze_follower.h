@@ -55,6 +55,10 @@ struct EyeNow {
 /// sample at which the fixation begins or has moved by half the cone's half-angle, so that the
 /// latency of accommodation runs from there and not from the next frame. In saccades, blinks and
 /// losses it is not asked: the target holds.
+///
+/// In noise the surface holds, too: where the cone's answer is another one by more than
+/// `surface_error_D`, but the one before is still met within a standard deviation of the
+/// fixation's error around it, that one stays.
 class GazeFollower {
  public:
   /// @param screen   that the samples are on, with all of its quantities known
@@ -78,6 +82,8 @@ class GazeFollower {
 
   bool isFixating() const;
   void look(double time_s);
+  std::optional<double> surfaceAround(double time_s, const glm::dvec3& sight,
+                                      double half_angle_rad) const;
 
   Screen screen_;
   SurfaceDistance surface_;
@@ -88,6 +94,7 @@ class GazeFollower {
   std::optional<GazeSample> newest_{};
   GazeNow now_{};
   std::optional<Look> looked_{};
+  std::optional<double> held_D_{};  // the surface of the last look that met one
   std::optional<DioptreEstimate> vergence_{};
 };
 

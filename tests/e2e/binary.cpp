@@ -1,6 +1,7 @@
 #include "tests/e2e/binary.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,8 +20,29 @@ std::string slurp(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-Outcome run(const std::vector<std::string>& arguments, const fs::path& folder,
-            const std::vector<std::string>& environment, const std::optional<fs::path>& kill_when) {
+/// What the child does between fork and exec. False where it cannot.
+bool enter(const Fault& fault, const fs::path& folder, const fs::path& out, const fs::path& err) {
+  if (chdir(folder.c_str()) != 0 || !freopen(out.c_str(), "w", stdout) ||
+      !freopen(err.c_str(), "w", stderr)) {
+    return false;
+  }
+  if (fault.most_file_bytes) {
+    signal(SIGXFSZ, SIG_IGN);  // so that writing fails, instead of the process
+    const rlimit limit{*fault.most_file_bytes, *fault.most_file_bytes};
+    if (setrlimit(RLIMIT_FSIZE, &limit) != 0) return false;
+  }
+  constexpr uid_t kNobody = 65534;
+  if (fault.as_nobody && getuid() == 0 && setuid(kNobody) != 0) return false;
+  for (const std::string& variable : fault.environment) {
+    putenv(const_cast<char*>(variable.c_str()));
+  }
+  return true;
+}
+
+}  // namespace
+
+Outcome runFociUnder(const Fault& fault, const std::vector<std::string>& arguments,
+                     const fs::path& folder) {
   const TemporaryFolder streams;
   const fs::path out = streams.path() / "out", err = streams.path() / "err";
   std::vector<char*> argv = {const_cast<char*>(FOCI_BINARY)};
@@ -29,25 +51,23 @@ Outcome run(const std::vector<std::string>& arguments, const fs::path& folder,
 
   const pid_t child = fork();
   if (child == 0) {
-    if (chdir(folder.c_str()) != 0 || !freopen(out.c_str(), "w", stdout) ||
-        !freopen(err.c_str(), "w", stderr)) {
-      _exit(126);
-    }
-    for (const std::string& variable : environment) putenv(const_cast<char*>(variable.c_str()));
+    if (!enter(fault, folder, out, err)) _exit(126);
     execv(FOCI_BINARY, argv.data());
     _exit(127);
   }
   int status = 0;
-  if (kill_when) {
-    while (waitpid(child, &status, WNOHANG) == 0) {
-      if (fs::exists(*kill_when)) {
-        kill(child, SIGTERM);
-        waitpid(child, &status, 0);
-        break;
-      }
-      usleep(1000);
-    }
-  } else {
+  if (fault.killed_after_ms) {
+    usleep(static_cast<useconds_t>(1000 * *fault.killed_after_ms));
+    kill(child, SIGKILL);
+  }
+  bool seen = !fault.appears;
+  while (!seen && waitpid(child, &status, WNOHANG) == 0) {
+    seen = fs::exists(*fault.appears);
+    if (!seen) usleep(1000);
+  }
+  if (seen) {
+    if (fault.appears && fault.vanish.empty()) kill(child, SIGTERM);
+    for (const fs::path& file : fault.vanish) fs::remove(file);
     waitpid(child, &status, 0);
   }
   return {.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
@@ -55,16 +75,14 @@ Outcome run(const std::vector<std::string>& arguments, const fs::path& folder,
           .err = slurp(err)};
 }
 
-}  // namespace
-
 Outcome runFoci(const std::vector<std::string>& arguments, const fs::path& folder,
                 const std::vector<std::string>& environment) {
-  return run(arguments, folder, environment, std::nullopt);
+  return runFociUnder({.environment = environment}, arguments, folder);
 }
 
 Outcome terminateFoci(const std::vector<std::string>& arguments, const fs::path& folder,
                       const fs::path& appears) {
-  return run(arguments, folder, {}, appears);
+  return runFociUnder({.appears = appears}, arguments, folder);
 }
 
 TemporaryFolder::TemporaryFolder() {

@@ -22,6 +22,19 @@ Outcome runFoci(const std::vector<std::string>& arguments, const std::filesystem
 Outcome terminateFoci(const std::vector<std::string>& arguments,
                       const std::filesystem::path& folder, const std::filesystem::path& appears);
 
+/// What befalls a run.
+struct Fault {
+  std::optional<int> killed_after_ms{};          ///< by SIGKILL
+  std::optional<std::size_t> most_file_bytes{};  ///< writing beyond fails, as on a full disk
+  bool as_nobody = false;  ///< without rights of its own, where the test runs as root
+  std::optional<std::filesystem::path> appears{};  ///< when it does,
+  std::vector<std::filesystem::path> vanish{};     ///< these are removed
+  std::vector<std::string> environment{};          ///< variables to set, "NAME=value"
+};
+
+Outcome runFociUnder(const Fault& fault, const std::vector<std::string>& arguments,
+                     const std::filesystem::path& folder);
+
 /// A folder of its own for a test, removed with it.
 class TemporaryFolder {
  public:

@@ -1,0 +1,152 @@
+// What befalls a run from outside: a full disk, a folder without rights, a kill at any moment,
+// input that vanishes, an encoder that is missing. It ends with one clear line or as if nothing had
+// been, and no final name ever bears half of a file.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/e2e/binary.h"
+
+namespace foci::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr int kKills = 6;  // of a binary that is ten times as slow
+#else
+constexpr int kKills = 30;
+#endif
+
+class Faults : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder.write("study.toml", smallStudy());
+    folder.write("scene.ply", squarePly(24, 1.0));
+    folder.write("trace.tsv", steadyTrace());
+  }
+
+  /// The files of a folder, hidden ones left out, by name.
+  std::map<std::string, std::string> filesIn(const std::string& name) const {
+    std::map<std::string, std::string> files;
+    std::error_code absent;
+    for (const auto& entry : fs::directory_iterator(folder.path() / name, absent)) {
+      const std::string file = entry.path().filename();
+      if (!file.starts_with('.')) files[file] = folder.read(name + "/" + file);
+    }
+    return files;
+  }
+
+  static std::vector<std::string> replayTo(const std::string& out) {
+    return {"replay", "study.toml", "--threads", "1", "--out", out};
+  }
+  static std::vector<std::string> prepareTo(const std::string& out) {
+    return {"prepare", "scene.ply", "--threads", "1", "--out", out + "/scene.foci"};
+  }
+
+  /// Exit code 1, one line, nothing written.
+  void expectRefused(const Outcome& outcome, const std::string& out) const {
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+    EXPECT_NE(outcome.err.find("cannot"), std::string::npos) << outcome.err;
+    EXPECT_TRUE(filesIn(out).empty());
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(Faults, AFullDiskIsSaidAndLeavesNothing) {
+  ASSERT_EQ(runFoci(replayTo("whole"), folder.path()).exit_code, 0);
+  ASSERT_EQ(runFoci(prepareTo("whole"), folder.path()).exit_code, 0);
+  const auto whole = filesIn("whole");
+  // Below each file's size in turn, so that each is the one that fails first.
+  for (const auto& [name, bytes] : whole) {
+    const bool prepared = name.starts_with("scene");
+    if (bytes.size() < 2) continue;
+    const Outcome outcome =
+        runFociUnder({.most_file_bytes = bytes.size() - 1},
+                     prepared ? prepareTo("out") : replayTo("out"), folder.path());
+    SCOPED_TRACE(name + " of " + std::to_string(bytes.size()));
+    expectRefused(outcome, "out");
+    EXPECT_FALSE(fs::exists(folder.path() / "out"));
+  }
+}
+
+TEST_F(Faults, AFolderWithoutRightsIsSaid) {
+  fs::permissions(folder.path(), fs::perms(0755));
+  fs::create_directory(folder.path() / "shut");
+  fs::permissions(folder.path() / "shut", fs::perms(0555));
+  const Fault nobody{.as_nobody = true};
+  for (const std::string out : {"shut", "shut/deeper"}) {
+    expectRefused(runFociUnder(nobody, replayTo(out), folder.path()), out);
+    expectRefused(runFociUnder(nobody, prepareTo(out), folder.path()), out);
+  }
+}
+
+TEST_F(Faults, AMissingEncoderIsSaid) {
+  const Outcome outcome = runFociUnder({.environment = {"OPENCV_VIDEOIO_PRIORITY_FFMPEG=0"}},
+                                       replayTo("out"), folder.path());
+  expectRefused(outcome, "out");
+  EXPECT_NE(outcome.err.find("H.264"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Faults, InputThatVanishesMeanwhileIsNotMissed) {
+  ASSERT_EQ(runFoci(replayTo("whole"), folder.path()).exit_code, 0);
+  // The folder is made once all is read.
+  const Fault fault{.appears = folder.path() / "out",
+                    .vanish = {folder.path() / "scene.ply", folder.path() / "trace.tsv",
+                               folder.path() / "study.toml"}};
+  const Outcome outcome = runFociUnder(fault, replayTo("out"), folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto hashOf = [&](const std::string& out) {
+    return nlohmann::json::parse(folder.read(out + "/manifest.json")).at("frames_sha256").dump();
+  };
+  EXPECT_EQ(hashOf("out"), hashOf("whole"));
+}
+
+// A file under its final name is whole, whenever the run was killed; the next run finishes and
+// clears away what the others left aside.
+TEST_F(Faults, AKillAtAnyMomentLeavesNothingHalfWritten) {
+  std::mt19937 random(1);
+  for (const bool prepare : {false, true}) {
+    const auto arguments = prepare ? prepareTo("out") : replayTo("out");
+    const auto start = std::chrono::steady_clock::now();
+    ASSERT_EQ(runFoci(arguments, folder.path()).exit_code, 0);
+    const auto took_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
+                             std::chrono::steady_clock::now() - start)
+                             .count();
+    const auto whole = filesIn("out");
+    int killed = 0;
+    for (int i = 0; i < kKills; ++i) {
+      fs::remove_all(folder.path() / "out");
+      const int after_ms = static_cast<int>(random() % static_cast<unsigned>(took_ms + 2));
+      const Outcome outcome = runFociUnder({.killed_after_ms = after_ms}, arguments, folder.path());
+      killed += outcome.exit_code != 0;
+      for (const auto& [name, bytes] : filesIn("out")) {
+        // Reports and tables hold timings: of them the end is compared.
+        const auto& expected = whole.at(name);
+        SCOPED_TRACE(name + " after " + std::to_string(after_ms) + " ms");
+        if (name == "video.mp4" || name == "scene.foci" || name == "events.tsv") {
+          EXPECT_EQ(bytes, expected);
+        } else {
+          ASSERT_GE(bytes.size(), 8u);
+          EXPECT_EQ(bytes.back(), expected.back());
+        }
+      }
+    }
+    EXPECT_GT(killed, kKills / 3);
+    ASSERT_EQ(runFoci(arguments, folder.path()).exit_code, 0);
+    for (const auto& entry : fs::directory_iterator(folder.path() / "out")) {
+      EXPECT_FALSE(entry.path().filename().string().starts_with('.')) << entry.path();
+    }
+    fs::remove_all(folder.path() / "out");
+  }
+}
+
+}  // namespace
+}  // namespace foci::e2e

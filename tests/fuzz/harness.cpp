@@ -1,0 +1,97 @@
+#include "tests/fuzz/harness.h"
+
+#include <sanitizer/allocator_interface.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+
+#include "app/base/input_error.h"
+
+namespace foci::fuzz {
+namespace {
+
+constexpr double kMost_s = 1.0;
+constexpr std::size_t kMostPerByte = 4, kMostBesides = std::size_t{256} << 20;
+
+std::atomic<std::int64_t> held{0}, most_held{0};
+
+void onMalloc(const volatile void*, std::size_t size) {
+  const std::int64_t now = held += static_cast<std::int64_t>(size);
+  std::int64_t most = most_held;
+  while (now > most && !most_held.compare_exchange_weak(most, now)) {
+  }
+}
+
+void onFree(const volatile void* at) {
+  if (at != nullptr) {
+    held -= static_cast<std::int64_t>(__sanitizer_get_allocated_size(const_cast<void*>(at)));
+  }
+}
+
+class Folder {
+ public:
+  Folder() {
+    const bool in_memory = access("/dev/shm", W_OK) == 0;
+    std::string name = std::string(in_memory ? "/dev/shm" : "/tmp") + "/foci_fuzz_XXXXXX";
+    path_ = mkdtemp(name.data());
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+double processorTime_s() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void give_up(const char* what, double value) {
+  std::fprintf(stderr, "foci fuzz: %s: %g\n", what, value);
+  std::abort();
+}
+
+}  // namespace
+
+std::filesystem::path asFile(const std::string& name, const std::uint8_t* bytes, std::size_t size) {
+  static const Folder folder;
+  const std::filesystem::path path = folder.path() / name;
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr || std::fwrite(bytes, 1, size, file) != size || std::fclose(file) != 0) {
+    give_up("no room for the input, bytes", static_cast<double>(size));
+  }
+  return path;
+}
+
+void readWithinLimits(std::size_t size, const std::function<void()>& read) {
+  // One thread: the same input takes the same path.
+  static const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  static const int installed = __sanitizer_install_malloc_and_free_hooks(onMalloc, onFree);
+  if (installed == 0) give_up("no room for hooks", 0.0);
+  const std::int64_t before = held;
+  most_held = before;
+  const double start_s = processorTime_s();
+  try {
+    read();
+  } catch (const InputError&) {
+  }
+  const double took_s = processorTime_s() - start_s;
+  if (took_s > kMost_s) give_up("a hang, seconds", took_s);
+  const auto took = static_cast<std::size_t>(most_held - before);
+  if (took > kMostPerByte * size + kMostBesides) {
+    give_up("too much memory, bytes", static_cast<double>(took));
+  }
+}
+
+}  // namespace foci::fuzz

@@ -1,0 +1,35 @@
+#!/bin/sh
+# Fuzzes the readers: tests/fuzz/run.sh [SECONDS [TARGET...]]
+# Builds them, runs each one's corpus (tests/fuzz/corpus) and then fuzzes it for SECONDS (30), two at a time.
+# What is new goes to out/fuzz, not to the corpus; what fails lies there as TARGET-crash-*.
+set -eu
+cd "$(dirname "$0")/../.."
+seconds=${1:-30}
+[ $# -gt 0 ] && shift
+cmake --preset fuzz >/dev/null
+cmake --build --preset fuzz --target foci_fuzzers
+[ $# -gt 0 ] || set -- $(ls tests/fuzz/corpus)
+mkdir -p out/fuzz
+export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1
+export UBSAN_OPTIONS=print_stacktrace=1
+
+one=$(mktemp)
+trap 'rm -f "$one"' EXIT
+cat >"$one" <<'EOF'
+target=$1 seconds=$2
+found=out/fuzz/$target
+mkdir -p "$found"
+# Reads are limited by the harness, in processor time; the timeout here only ends what never would.
+limits="-timeout=20 -rss_limit_mb=2048 -max_len=65536 -artifact_prefix=out/fuzz/$target-"
+if build/fuzz/fuzz_$target $limits -runs=0 tests/fuzz/corpus/$target >"$found.log" 2>&1 &&
+  { [ "$seconds" -eq 0 ] ||
+    build/fuzz/fuzz_$target $limits -max_total_time="$seconds" -print_final_stats=1 "$found" \
+      tests/fuzz/corpus/$target >"$found.log" 2>&1; }; then
+  echo "$target: $(grep -c . "$found.log") lines, $(sed -n 's/^stat::number_of_executed_units: *//p' "$found.log") runs, nothing found"
+else
+  echo "$target: FAILED"
+  grep -v '^#' "$found.log" | tail -n 40
+  exit 1
+fi
+EOF
+printf '%s\n' "$@" | xargs -P 2 -I TARGET sh "$one" TARGET "$seconds"

@@ -1,0 +1,16 @@
+// Recorded gaze in BIDS: the JSON up to the first NUL, the table behind it.
+#include <cstring>
+
+#include "calibration/map_units.h"
+#include "gaze/sources/trace_reader.h"
+#include "tests/fuzz/harness.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  const void* nul = size > 0 ? std::memchr(bytes, 0, size) : nullptr;
+  if (nul == nullptr) return 0;
+  const auto json = static_cast<std::size_t>(static_cast<const std::uint8_t*>(nul) - bytes);
+  foci::fuzz::asFile("input_physio.json", bytes, json);
+  const auto file = foci::fuzz::asFile("input_physio.tsv.gz", bytes + json + 1, size - json - 1);
+  foci::fuzz::readWithinLimits(size, [&] { foci::readTrace(file, {}, foci::defaultScreen()); });
+  return 0;
+}

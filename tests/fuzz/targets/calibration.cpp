@@ -1,0 +1,15 @@
+// What calibrations leave: gaze maps, cameras, webcam maps.
+#include "calibration/binocular_map.h"
+#include "calibration/camera.h"
+#include "calibration/gaze_map_file.h"
+#include "calibration/webcam_calibration.h"
+#include "tests/fuzz/harness.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  const auto file = foci::fuzz::asFile("map.toml", bytes, size);
+  foci::fuzz::readWithinLimits(size, [&] { foci::readGazeMap(file); });
+  foci::fuzz::readWithinLimits(size, [&] { foci::readCamera(file); });
+  foci::fuzz::readWithinLimits(size, [&] { foci::readWebcamCalibration(file); });
+  foci::fuzz::readWithinLimits(size, [&] { foci::readBinocular(file); });
+  return 0;
+}

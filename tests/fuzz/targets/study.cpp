@@ -1,0 +1,27 @@
+// Studies (TOML).
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "app/study.h"
+#include "tests/fuzz/harness.h"
+
+namespace foci {
+
+// Which methods there are is not read from a study: here it takes one name, and renderers are not
+// built.
+std::optional<std::string> expectedMethod(std::string_view spec) {
+  return spec == "sweep" ? std::nullopt : std::optional<std::string>("a known method");
+}
+
+}  // namespace foci
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  const auto file = foci::fuzz::asFile("study.toml", bytes, size);
+  foci::fuzz::readWithinLimits(size, [&] {
+    const foci::Study study = foci::readStudy(file);
+    foci::checkStudy(study);
+    foci::resolvedKeys(study);
+  });
+  return 0;
+}

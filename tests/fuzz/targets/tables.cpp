@@ -1,0 +1,17 @@
+// Tables of what people labelled and of where targets were.
+#include "calibration/binocular_pairs.h"
+#include "calibration/gaze_pairs.h"
+#include "calibration/webcam_calibration.h"
+#include "gaze/events/labelled.h"
+#include "tests/fuzz/harness.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  const auto file = foci::fuzz::asFile("input.tsv", bytes, size);
+  foci::fuzz::readWithinLimits(size, [&] { foci::readLabelledTrace(file, foci::defaultScreen()); });
+  for (const auto units : {foci::MapUnits::deg, foci::MapUnits::norm, foci::MapUnits::direction}) {
+    foci::fuzz::readWithinLimits(size, [&] { foci::readGazePairs(file, units); });
+  }
+  foci::fuzz::readWithinLimits(size, [&] { foci::readShownTargets(file); });
+  foci::fuzz::readWithinLimits(size, [&] { foci::readBinocularPairs(file); });
+  return 0;
+}

@@ -1,0 +1,10 @@
+// Recorded gaze as text, of every tracker.
+#include "calibration/map_units.h"
+#include "gaze/sources/trace_reader.h"
+#include "tests/fuzz/harness.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  const auto file = foci::fuzz::asFile("input.tsv", bytes, size);
+  foci::fuzz::readWithinLimits(size, [&] { foci::readTrace(file, {}, foci::defaultScreen()); });
+  return 0;
+}
