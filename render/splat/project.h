@@ -27,8 +27,8 @@ struct Projection {
   /// Radius over the lens's of the parts that splats are given for besides, see `LensParts`; 0:
   /// none.
   float part_aperture = 0.0f;
-  Acuity acuity = {};      ///< how wide the prefilter is
-  int margin_px = 0;  ///< splats are kept that touch the image or this much about it
+  Acuity acuity = {};  ///< how wide the prefilter is
+  int margin_px = 0;   ///< splats are kept that touch the image or this much about it
   float shading =
       0.0f;  ///< 0 to 1: how much of the colour falls off with the cosine to the line of sight
 };
