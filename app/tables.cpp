@@ -47,7 +47,7 @@ std::string milliseconds(double ms) { return decimal(ms, ms < 10.0 ? 2 : ms < 10
 FrameTable::FrameTable(const std::filesystem::path& file)
     : file_(file.string()), out_(file, std::ios::binary) {
   out_ << "frame\ttime_s\tgaze_time_s\tgaze_x_px\tgaze_y_px\tgaze_state\tsurface_distance_m\t"
-          "target_D\tfocus_D\tpupil_mm\tmethod\tsplats\tfragments\trender_ms\ttolerance_error\n";
+          "target_D\tfocus_D\tpupil_mm\tmethod\tsplats\tfragments\ttolerance_error\trender_ms\n";
 }
 
 void FrameTable::add(std::size_t frame, const FrameRecord& record) {
@@ -59,7 +59,7 @@ void FrameTable::add(std::size_t frame, const FrameRecord& record) {
        << orAbsent(eye.target_D, kDioptreDigits) << '\t' << decimal(eye.focus_D, kDioptreDigits)
        << '\t' << decimal(record.pupil_mm, 3) << '\t' << record.method << '\t'
        << record.stats.splats << '\t' << record.stats.fragments << '\t'
-       << decimal(record.stats.ms, 3) << '\t' << orAbsent(record.stats.tolerance_error, 2) << '\n';
+       << orAbsent(record.stats.tolerance_error, 2) << '\t' << decimal(record.stats.ms, 3) << '\n';
   if (!out_) throw std::runtime_error("cannot write " + file_);
 }
 

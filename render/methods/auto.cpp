@@ -16,14 +16,24 @@
 namespace foci {
 namespace {
 
-/// A way to draw. Its error, of 95 % of the pixels, in just noticeable differences at 40 pixels a
-/// degree: at_none + per_px C, C the largest radius of blur in view. Each bounds what was measured
-/// against the accumulated reference on plane, statue, fence, gallery and a scan, 1 to 40 px.
+/// Largest radii of blur in view, px, at which the errors of the ways were measured.
+constexpr std::array<float, 5> kBlurs_px{1.0f, 4.0f, 8.0f, 16.0f, 40.0f};
+
+/// A way to draw. Its error is that of 95 % of the pixels, in just noticeable differences at 40
+/// pixels a degree: the largest that was measured against the accumulated reference on the scenes
+/// of `foci chart` (256 x 256 pixels) and on a scan. Between the blurs it is interpolated.
 struct Way {
   LodSettings lod;
-  float at_none, per_px;
+  std::array<float, kBlurs_px.size()> error_at;
 
-  float error(float blur_px) const { return at_none + per_px * blur_px; }
+  float error(float blur_px) const {
+    const auto above = std::upper_bound(kBlurs_px.begin(), kBlurs_px.end(), blur_px);
+    if (above == kBlurs_px.begin()) return error_at.front();
+    if (above == kBlurs_px.end()) return error_at.back();
+    const auto i = static_cast<std::size_t>(above - kBlurs_px.begin());
+    const float t = (blur_px - kBlurs_px[i - 1]) / (kBlurs_px[i] - kBlurs_px[i - 1]);
+    return error_at[i - 1] + t * (error_at[i] - error_at[i - 1]);
+  }
 };
 
 CutSettings looser(float times) {
@@ -31,9 +41,13 @@ CutSettings looser(float times) {
 }
 
 /// From the cheapest on.
-const std::array<Way, 4> kWays{
-    Way{{looser(10.0f), 1}, 0.64f, 0.052f}, Way{{looser(3.0f), 1}, 0.57f, 0.044f},
-    Way{{looser(3.0f), 7}, 0.24f, 0.033f}, Way{{looser(1.0f), 7}, 0.30f, 0.021f}};
+const std::array<Way, 4> kWays{Way{{looser(10.0f), 1}, {3.1f, 3.1f, 3.2f, 4.6f, 4.6f}},
+                               Way{{looser(3.0f), 1}, {0.6f, 1.5f, 1.5f, 2.6f, 4.3f}},
+                               Way{{looser(1.0f), 1}, {0.4f, 1.5f, 1.5f, 1.7f, 4.3f}},
+                               Way{{looser(1.0f), 7}, {0.3f, 1.5f, 1.5f, 1.5f, 2.5f}}};
+
+/// Where no way stays within the tolerance, it is this much above what the best one can.
+constexpr float kAsGood = 1.15f;  // times kMargin, some way still is
 
 /// To come back to a cheaper way its error must be this much below the tolerance, or its time below
 /// the budget, for so many frames: what is drawn does not flicker between two ways.
@@ -72,13 +86,15 @@ class AutoMethod final : public Method {
 
   /// The way to draw a frame of this blur.
   std::size_t choose(float blur_px, const Quality& quality) {
-    const auto cheapest = [&](float tolerance) {
+    const float as_good = kAsGood * kWays.back().error(blur_px);
+    const float allowed = std::max(quality.tolerance, as_good);
+    const auto cheapest = [&](float error) {
       std::size_t way = 0;
-      while (way + 1 < kWays.size() && kWays[way].error(blur_px) > tolerance) ++way;
+      while (kWays[way].error(blur_px) > error) ++way;
       return way;
     };
-    const std::size_t least = cheapest(quality.tolerance);
-    const std::size_t safe = cheapest(kMargin * quality.tolerance);
+    const std::size_t least = cheapest(allowed);
+    const std::size_t safe = cheapest(kMargin * allowed);
     way_ = way_ ? std::clamp(*way_, least, safe) : least;
 
     if (quality.frame_ms) {

@@ -19,7 +19,7 @@ std::vector<std::string> everySpec() {
   std::vector<std::string> specs;
   for (const MethodInfo& method : methods()) {
     specs.emplace_back(method.name);
-    if (method.most > 0) specs.back() += ":" + std::to_string(std::min(method.standard, 8));
+    if (method.standard > 0) specs.back() += ":" + std::to_string(std::min(method.standard, 8));
   }
   return specs;
 }

@@ -1,0 +1,152 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "render/image/metrics.h"
+#include "render/image/visible_difference.h"
+#include "render/methods/method.h"
+#include "render/scene/procedural.h"
+#include "tests/unit/render/surfel_scenes.h"
+
+namespace foci {
+namespace {
+
+constexpr double kPixelsADegree = 40.0;
+
+Frame greyFrame(float grey) {
+  return {.size_px = {16, 16}, .rgba = std::vector<glm::vec4>(256, glm::vec4(grey)), .depth_m = {}};
+}
+
+float lightness(float luminance) { return 116.0f * std::cbrt(luminance) - 16.0f; }
+
+TEST(VisibleDifference, OfGreysIsThatOfTheirLightness) {
+  const auto apart = visibleDifference(greyFrame(0.2f), greyFrame(0.25f), kPixelsADegree);
+  const float expected = (lightness(0.25f) - lightness(0.2f)) / 2.3f;
+  for (const float each : apart) EXPECT_NEAR(each, expected, 1e-3f);
+}
+
+TEST(VisibleDifference, LightBeyondWhiteIsWhite) {
+  const auto apart = visibleDifference(greyFrame(1.0f), greyFrame(5.0f), kPixelsADegree);
+  for (const float each : apart) EXPECT_EQ(each, 0.0f);
+}
+
+TEST(VisibleDifference, FinerThanTheEyeSeesCountsLess) {
+  Frame stripes = greyFrame(0.0f);
+  for (std::size_t i = 0; i < stripes.rgba.size(); ++i) {
+    stripes.rgba[i] = glm::vec4(i % 2 == 0 ? 0.1f : 0.3f);
+  }
+  auto coarse = visibleDifference(stripes, greyFrame(0.2f), 20.0);
+  auto fine = visibleDifference(stripes, greyFrame(0.2f), 120.0);
+  EXPECT_LT(quantile(fine, 0.5), 0.3f * quantile(coarse, 0.5));
+}
+
+TEST(Acuity, FollowsTheFormula) {
+  const Acuity acuity = acuityAround({0.0f, 0.0f}, 40.0f);
+  EXPECT_EQ(acuity.finest_px(0.0f), 1.0f);  // 1/48 deg is finer than a pixel
+  EXPECT_NEAR(acuity.finest_px(400.0f), 0.5f * (1.0f / 48.0f + 0.0275f * 10.0f) * 40.0f, 1e-4f);
+}
+
+class Auto : public ::testing::Test {
+ protected:
+  SurfelCloud cloud = makePlane(160, 1.0f);
+  View view = [] {
+    View tilted = squareViewOf(128, 190.0f);
+    tilted.eye_from_world =
+        eyeFromWorld({0.0f, 0.9f, 0.9f}, {0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f});
+    return tilted;
+  }();
+
+  RenderSettings settings(float radius_px_per_D, float tolerance = 1.0f) const {
+    RenderSettings all = blurredBy(radius_px_per_D, 1.0f / 1.27f);
+    all.quality.tolerance = tolerance;
+    return all;
+  }
+};
+
+TEST_F(Auto, NoMorePixelsThanSaidAreFurtherOff) {
+  for (const float radius_px_per_D : {2.0f, 20.0f, 60.0f}) {
+    const Frame reference = renderedBy("accumulate:128", cloud, view, settings(radius_px_per_D));
+    for (const char* way : {"auto:1", "auto:2", "auto:3", "auto:4"}) {
+      RenderStats stats;
+      const Frame frame = renderedBy(way, cloud, view, settings(radius_px_per_D), &stats);
+      auto apart = visibleDifference(frame, reference, kPixelsADegree);
+      ASSERT_TRUE(stats.tolerance_error.has_value());
+      EXPECT_LE(quantile(apart, 0.95), *stats.tolerance_error) << way << " " << radius_px_per_D;
+    }
+  }
+}
+
+TEST_F(Auto, ALargerToleranceCostsLess) {
+  std::uint64_t before = UINT64_MAX;
+  double error = 0.0;
+  for (const float tolerance : {0.1f, 100.0f}) {
+    RenderStats stats;
+    renderedBy("auto", cloud, view, settings(40.0f, tolerance), &stats);
+    EXPECT_LT(stats.splats, before) << tolerance;
+    EXPECT_GT(*stats.tolerance_error, error) << tolerance;
+    before = stats.splats;
+    error = *stats.tolerance_error;
+  }
+}
+
+TEST_F(Auto, DoesNotFlickerBetweenWays) {
+  const auto method = makeMethod("auto", cloud);
+  Frame frame;
+  std::set<std::string> ways;
+  // Blur that trembles by two per cent, at every level: some are where ways part.
+  for (int level = 0; level < 40; ++level) {
+    int changes = 0;
+    std::string before;
+    for (int i = 0; i < 8; ++i) {
+      RenderSettings now =
+          settings(4.0f * std::pow(1.07f, static_cast<float>(level)) * (i % 2 == 0 ? 1.02f : 1.0f));
+      now.quality.frame_ms = 1e6f;  // never reached: only to be told the way
+      const RenderStats stats = method->render(view, now, frame);
+      changes += i > 0 && stats.drawn_as != before;
+      before = stats.drawn_as;
+      ways.insert(before);
+    }
+    EXPECT_LE(changes, 1) << level;
+  }
+  EXPECT_GE(ways.size(), 2u);
+}
+
+TEST_F(Auto, HoldsATimeByCheaperWays) {
+  const auto method = makeMethod("auto", cloud);
+  RenderSettings hurried = settings(40.0f, 0.1f);
+  hurried.quality.frame_ms = 1e-6f;
+  Frame frame;
+  EXPECT_NE(method->render(view, hurried, frame).drawn_as, "auto:1");  // nothing is known yet
+  RenderStats stats;
+  for (int i = 0; i < 5; ++i) stats = method->render(view, hurried, frame);
+  EXPECT_EQ(stats.drawn_as, "auto:1");
+  // What drew it draws the same again.
+  const Frame again = renderedBy("auto:1", cloud, view, settings(40.0f));
+  EXPECT_EQ(frame.rgba, again.rgba);
+}
+
+TEST_F(Auto, FoveatedIsTheSameWhereOneLooksAndCheaperElsewhere) {
+  RenderSettings foveated = settings(4.0f);
+  foveated.quality.acuity = {.gaze_px = {64.0f, 64.0f}, .base_px = 0.5f, .per_px = 0.1f};
+  RenderStats full, fovea;
+  const Frame everywhere = renderedBy("auto:4", cloud, view, settings(4.0f), &full);
+  const Frame around = renderedBy("auto:4", cloud, view, foveated, &fovea);
+  EXPECT_LT(fovea.splats, full.splats);
+  for (int y = 60; y < 68; ++y) {
+    for (int x = 60; x < 68; ++x) {
+      EXPECT_LT(glm::length(everywhere.at(x, y) - around.at(x, y)), 0.02f) << x << " " << y;
+    }
+  }
+  // Coarser, not darker: kernels of coarse nodes sum to one within 4 %.
+  const auto mean = [](const Frame& frame) {
+    glm::vec4 sum(0.0f);
+    for (const glm::vec4& each : frame.rgba) sum += each;
+    return sum / static_cast<float>(frame.rgba.size());
+  };
+  EXPECT_LT(glm::length(mean(everywhere) - mean(around)), 0.02f);
+}
+
+}  // namespace
+}  // namespace foci
