@@ -43,7 +43,7 @@ CutSettings looser(float times) {
 /// From the cheapest on.
 const std::array<Way, 4> kWays{Way{{looser(10.0f), 1}, {3.1f, 3.1f, 3.2f, 4.6f, 4.6f}},
                                Way{{looser(3.0f), 1}, {0.6f, 1.5f, 1.5f, 2.6f, 4.3f}},
-                               Way{{looser(1.0f), 1}, {0.4f, 1.5f, 1.5f, 1.7f, 4.3f}},
+                               Way{{looser(1.0f), 1}, {0.4f, 1.5f, 1.5f, 1.5f, 2.8f}},
                                Way{{looser(1.0f), 7}, {0.3f, 1.5f, 1.5f, 1.5f, 2.5f}}};
 
 /// Where no way stays within the tolerance, it is this much above what the best one can.
