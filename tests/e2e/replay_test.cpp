@@ -57,10 +57,10 @@ TEST_F(Replay, TabulatesEveryFrame) {
   ASSERT_EQ(replay("out").exit_code, 0);
   const auto rows = tableOf(folder.read("out/frames.tsv"));
   ASSERT_EQ(rows.size(), 7u);  // 0.6 s at 10 a second
-  EXPECT_EQ(rows[0],
-            (std::vector<std::string>{"frame", "time_s", "gaze_time_s", "gaze_x_px", "gaze_y_px",
-                                      "gaze_state", "surface_distance_m", "target_D", "focus_D",
-                                      "pupil_mm", "method", "splats", "fragments", "tolerance_error", "render_ms"}));
+  EXPECT_EQ(rows[0], (std::vector<std::string>{
+                         "frame", "time_s", "gaze_time_s", "gaze_x_px", "gaze_y_px", "gaze_state",
+                         "surface_distance_m", "target_D", "focus_D", "pupil_mm", "method",
+                         "splats", "fragments", "tolerance_error", "render_ms"}));
   EXPECT_EQ(rows[3][0], "2");
   EXPECT_EQ(rows[3][1], "0.200000");
   EXPECT_EQ(rows[3][2], "0.200000");
