@@ -213,6 +213,8 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   FrameTable table(folder.stage("frames.tsv"));
   ContactSheet sheet(schedule.frames);
   ChartSeries series;
+  ReportFacts report;
+  report.threads = threads;
   Sha256 frames_hash;
   std::vector<float> render_ms;
   std::vector<float> pupil_mm;
@@ -248,6 +250,8 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
     Picture picture = pictureOf(frame, study.screen.gamma);
     sheet.offer(i, session, record, picture);
     session.mark(record, picture);
+    if (record.stats.tolerance_error > session.study().quality.tolerance) ++report.frames_over;
+    report.worst_error = std::max(report.worst_error, record.stats.tolerance_error.value_or(0.0));
     frames_held += record.eye.state == GazeState::blink || record.eye.state == GazeState::lost;
     table.add(i, record);
     series.add(chartRow(record));
@@ -272,8 +276,6 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
       eventsOfRun(study, trace, schedule.first_s, schedule.end_s());
   writeText(folder.stage("events.tsv"), eventTable(events));
 
-  ReportFacts report;
-  report.threads = threads;
   report.frames_held = frames_held;
   countLosses(trace, schedule, report);
   ReplaySummary& summary = report.summary;
@@ -289,6 +291,9 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
              .splats = quantile(splats, 0.5),
              .pupil_mm = quantile(pupil_mm, 0.5),
              .out = out};
+  if (const std::string warning = toleranceText(study, report); !warning.empty()) {
+    std::fprintf(stderr, "foci: %s\n", warning.c_str());
+  }
   writeText(folder.stage("manifest.json"), manifestJson(study, trace, summary, facts));
   report.rows = series.rows();
   report.sheet = sheet.pictures(size_px);

@@ -76,8 +76,23 @@ std::string pupilText(const Study& study) {
          " square degrees, in a dark room (Watson and Yellott 2012).";
 }
 
+}  // namespace
+
+std::string toleranceText(const Study& study, const ReportFacts& facts) {
+  if (facts.frames_over == 0) return "";
+  return "In " + std::to_string(facts.frames_over) + " of " + std::to_string(facts.summary.frames) +
+         " frames 5 % of the pixels may err by more than " + "the tolerance of " +
+         decimal(study.quality.tolerance, 1) + " just noticeable differences, by up to " +
+         decimal(facts.worst_error, 1) +
+         (study.quality.frame_ms ? ": quality.frame_ms leaves no time for more."
+                                 : ": auto draws so much blur no more closely (docs/methods.md).");
+}
+
+namespace {
+
 /// What a dioptre of defocus does, and how the focus was found.
-std::string opticsText(const Study& study, const ReplaySummary& summary) {
+std::string opticsText(const Study& study, const ReportFacts& facts) {
+  const ReplaySummary& summary = facts.summary;
   const Screen screen = study.screenInForce();
   const double pupil_m = summary.pupil_mm / 1000.0;
   const double px_per_m = screen.size_px.x / screen.size_m.x;
@@ -95,8 +110,8 @@ std::string opticsText(const Study& study, const ReplaySummary& summary) {
                                  " s, with a time constant of " +
                                  decimal(accommodation.time_constant_s, 2) + " s."
                            : std::string("its focus is there at once.")) +
-         pupilText(study) + " Drawn by the method <i>" + escaped(study.render.method) +
-         "</i>.</p>\n";
+         pupilText(study) + " Drawn by the method <i>" + escaped(study.render.method) + "</i>. " +
+         escaped(toleranceText(study, facts)) + "</p>\n";
 }
 
 std::string lossText(const ReportFacts& facts) {
@@ -176,7 +191,7 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
       << kPageStyle << "</style></head><body><main>\n"
       << headline(study, trace, facts) << "<h2>What the eye saw</h2>\n";
   embedVideo(out, video);
-  out << opticsText(study, facts.summary)
+  out << opticsText(study, facts)
       << "<h2>Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay the frame at "
          "which a "
          "fixation had lasted longest. The ring marks the gaze; broken, where the eye does not "

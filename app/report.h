@@ -30,8 +30,13 @@ struct ReportFacts {
   std::size_t samples = 0, samples_lost = 0, samples_blink = 0;  ///< of those replayed
   double longest_loss_s = 0.0;
   std::size_t frames_held = 0;  ///< in a blink or a loss, pauses of the recording included
+  std::size_t frames_over = 0;  ///< in which method auto expects to err by more than the tolerance
+  double worst_error = 0.0;     ///< that it expects, just noticeable differences
   unsigned threads = 0;
 };
+
+/// What `frames_over` means to a reader, in one sentence; "" where there are none.
+std::string toleranceText(const Study& study, const ReportFacts& facts);
 
 /// @param video  embedded, read block by block
 /// @return whether the charts are in: false where gnuplot is not installed, which the page then

@@ -72,6 +72,21 @@ TEST_F(Replay, TabulatesEveryFrame) {
   EXPECT_NEAR(std::stod(rows[6][8]), std::stod(rows[6][7]), 1e-3);
 }
 
+TEST_F(Replay, SaysWhereItErrsByMoreThanTheTolerance) {
+  folder.write("strict.toml", smallStudy() + "\n[quality]\ntolerance = 0.1\n");
+  folder.write("loose.toml", smallStudy() + "\n[quality]\ntolerance = 100\n");
+  const Outcome strict = runFoci({"replay", "strict.toml", "--out", "strict"}, folder.path());
+  ASSERT_EQ(strict.exit_code, 0) << strict.err;
+  EXPECT_NE(strict.err.find("In 6 of 6 frames"), std::string::npos) << strict.err;
+  EXPECT_NE(folder.read("strict/report.html").find("In 6 of 6 frames"), std::string::npos);
+  const auto rows = tableOf(folder.read("strict/frames.tsv"));
+  EXPECT_GT(std::stod(rows[1][13]), 0.1);
+
+  const Outcome loose = runFoci({"replay", "loose.toml", "--out", "loose"}, folder.path());
+  ASSERT_EQ(loose.exit_code, 0) << loose.err;
+  EXPECT_EQ(loose.err.find("just noticeable"), std::string::npos) << loose.err;
+}
+
 TEST_F(Replay, HoldsFocusWhileGazeIsLost) {
   std::string trace = "time_s\tx_px\ty_px\n";
   for (int i = 0; i < 100; ++i) {
