@@ -49,6 +49,12 @@ void GazeFeed::pointTo(const std::optional<glm::dvec2>& point_px) {
   pointer_px_ = point_px;
 }
 
+std::string GazeFeed::lookedAt(const glm::dvec2& point_px) {
+  if (!source_.lookedAt) return "";
+  return source_.lookedAt(point_px) ? "the webcam's map has learnt from the click"
+                                    : "the webcam sees no eyes: the click is not used";
+}
+
 void GazeFeed::take(std::vector<GazeSample>& samples) {
   const std::lock_guard lock(mutex_);
   samples.insert(samples.end(), waiting_.begin(), waiting_.end());

@@ -20,6 +20,10 @@ class GazeFeed {
   /// Where the mouse points on the study's screen; absent: elsewhere. Ignored by other sources.
   void pointTo(const std::optional<glm::dvec2>& point_px);
 
+  /// The observer looks there now, on the study's screen: a calibrated webcam's map learns from it.
+  /// @return what to tell the observer; "" where the source does not learn
+  std::string lookedAt(const glm::dvec2& point_px);
+
   /// Appends what has come since the last call, oldest first.
   void take(std::vector<GazeSample>& samples);
 

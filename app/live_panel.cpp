@@ -31,6 +31,7 @@ constexpr HelpLine kHelp[] = {
     {"N", "next method"},
     {"arrows", "move the eye; with page up and down up and down"},
     {"right button", "turn the eye"},
+    {"left button", "with a calibrated webcam: looked at, its map learns"},
     {"Home", "the eye where it was"},
     {"R", "record: begin, end"},
     {"space", "a mark in the record"},

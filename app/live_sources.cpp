@@ -8,6 +8,7 @@
 #include "calibration/camera.h"
 #include "calibration/gaze_map_file.h"
 #include "calibration/webcam_calibration.h"
+#include "calibration/webcam_recalibration.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/webcam_source.h"
 #ifdef FOCI_PUPIL
@@ -33,7 +34,7 @@ std::unique_ptr<LiveSource> openPupil(const std::string& name, const Screen& scr
 #endif
 }
 
-std::unique_ptr<LiveSource> openWebcam(const WebcamPlace& place, const Study& study) {
+void openWebcam(const WebcamPlace& place, const Study& study, NamedSource& named) {
   std::optional<WebcamReference> reference;
   WebcamMapping map;
   if (study.gaze.map) {
@@ -42,9 +43,11 @@ std::unique_ptr<LiveSource> openWebcam(const WebcamPlace& place, const Study& st
     if (study.gaze.camera) camera = lensOf(readCamera(*study.gaze.camera));
     requireSame(calibration, study.screenInForce(), camera);
     reference = calibration.reference;
-    map = mappingOf(calibration.map, study.screenInForce());
+    const auto now = std::make_shared<WebcamRecalibration>(calibration.map, study.screenInForce());
+    map = [now](const WebcamView& view) { return now->gazeOf(view); };
+    named.lookedAt = [now](const glm::dvec2& point_px) { return now->click(point_px); };
   }
-  return std::make_unique<WebcamSource>(place, WebcamTracker(std::nullopt, reference), map);
+  named.source = std::make_unique<WebcamSource>(place, WebcamTracker(std::nullopt, reference), map);
 }
 
 /// A tracker whose gaze is put right by a calibration's map.
@@ -95,7 +98,7 @@ NamedSource openLiveSource(const std::string& name, const Study& study) {
                                                     readGazeMap(*study.gaze.map), named.screen);
     }
   } else if (const auto place = webcamPlaceOf(name)) {
-    named.source = openWebcam(*place, study);
+    openWebcam(*place, study, named);
   } else {
     throw InputError("--source " + shown(name),
                      "expected mouse, trace:FILE, pupil:HOST:PORT or webcam[:N|FILE]");

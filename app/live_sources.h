@@ -1,6 +1,8 @@
 // The gaze that `foci live --source` names.
 #pragma once
 
+#include <functional>
+#include <glm/glm.hpp>
 #include <memory>
 #include <string>
 
@@ -14,6 +16,8 @@ struct NamedSource {
   std::unique_ptr<LiveSource> source;
   MouseSource* mouse = nullptr;  ///< where it is the mouse: somebody must tell it where it is
   Screen screen;                 ///< that its samples are on
+  /// Of a calibrated webcam: the observer looks at this point now. False: no eyes were seen.
+  std::function<bool(const glm::dvec2& point_px)> lookedAt = {};
 };
 
 /// @param name  mouse; trace:FILE (or trace:simulated); pupil:HOST:PORT; webcam[:N|FILE]. A map of

@@ -84,6 +84,7 @@ class LiveWindow {
   bool panel_ = false, help_ = false;
   std::atomic<bool> leaving_ = false;
   glm::dvec2 cursor_px_{0.0};
+  bool clicked_ = false;  // the left button was down
   std::future<void> saving_;
   std::optional<MarkSocket> socket_;  // last: its thread calls the others
 };
@@ -141,15 +142,23 @@ LiveSummary LiveWindow::run() {
   return summary_;
 }
 
-/// Tells a source that is the mouse where it is.
+/// Tells a source that is the mouse where it is, and one that learns from clicks of clicks.
 void LiveWindow::point() {
   const glm::dvec2 at_px = window_->cursor_px();
   if (window_->rightButton() && !ImGui::GetIO().WantCaptureMouse) turnEye();
   cursor_px_ = at_px;
+  const glm::dvec2 on_screen_px = at_px / window_->size_px() * glm::dvec2(screen_.size_px);
+  const bool clicks = window_->leftButton() && !ImGui::GetIO().WantCaptureMouse;
+  if (clicks && !clicked_ && window_->hovered()) {
+    if (const std::string told = feed_->lookedAt(on_screen_px); !told.empty()) {
+      renderer_->tell(told);
+    }
+  }
+  clicked_ = clicks;
   if (!window_->hovered()) {
     feed_->pointTo(std::nullopt);
   } else if (!ImGui::GetIO().WantCaptureMouse && !window_->rightButton()) {
-    feed_->pointTo(at_px / window_->size_px() * glm::dvec2(screen_.size_px));
+    feed_->pointTo(on_screen_px);
   }
 }
 

@@ -90,6 +90,10 @@ std::vector<int> Window::takeKeys() { return std::exchange(keys_, {}); }
 
 std::vector<unsigned> Window::takeTyped() { return std::exchange(typed_, {}); }
 
+bool Window::leftButton() const {
+  return glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
+}
+
 bool Window::rightButton() const {
   return glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS;
 }

@@ -36,6 +36,7 @@ class Window {
   /// Keys (GLFW's numbers) that went down or repeated since the last call, and what was typed.
   std::vector<int> takeKeys();
   std::vector<unsigned> takeTyped();
+  bool leftButton() const;   ///< of the mouse is down
   bool rightButton() const;  ///< of the mouse is down
 
   glm::dvec2 size_px() const;

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "app/base/input_error.h"
+#include "calibration/webcam_recalibration.h"
 
 namespace foci {
 namespace {
@@ -84,6 +85,35 @@ TEST(FitWebcamMap, ClicksBringADriftedMapBack) {
   const WebcamMap clicked = fitWebcamMap(watch(o, 15, random), map, kFade);
   EXPECT_GT(drifted, 2.5);
   EXPECT_LT(error_deg(clicked, watch(o, 300, random)), 1.0);
+}
+
+TEST(WebcamRecalibration, LearnsFromEachClickOnceEyesAreSeen) {
+  std::mt19937_64 random(7);
+  Observer o;
+  o.noise = 0.003;
+  o.head_m = 0.03;
+  const Screen screen{.size_px = {1920, 1080}, .size_m = {0.53, 0.30}, .distance_m = 0.6};
+  const auto px = [&](const WebcamSample& s) {
+    return 0.5 * glm::dvec2(screen.size_px) +
+           glm::dvec2(s.target_m.x, -s.target_m.y) * glm::dvec2(screen.size_px) / screen.size_m;
+  };
+  WebcamRecalibration learning(fitWebcamMap(watch(o, 300, random), nominalWebcamMap()), screen);
+  EXPECT_FALSE(learning.click({960.0, 540.0}));  // nobody has been seen
+
+  o.camera_m += glm::dvec2(0.03, -0.02);  // someone touched the screen
+  const auto error_px = [&] {
+    double sum = 0.0;
+    for (const WebcamSample& s : watch(o, 100, random)) {
+      sum += glm::length(learning.gazeOf(s.view).point_px - px(s)) / 100.0;
+    }
+    return sum;
+  };
+  const double drifted_px = error_px();
+  for (const WebcamSample& s : watch(o, 15, random)) {
+    learning.gazeOf(s.view);
+    EXPECT_TRUE(learning.click(px(s)));
+  }
+  EXPECT_LT(error_px(), 0.4 * drifted_px);
 }
 
 TEST(FitWebcamMap, OutliersAreBorne) {
