@@ -156,8 +156,8 @@ void checkStudy(const Study& study) {
   }
   for (std::size_t side : {0, 1}) {
     if (columns.eyes[side].x.empty() != columns.eyes[side].y.empty()) {
-      const std::string eye = side == 0 ? "gaze.left_" : "gaze.right_";
-      refuse(eye + "x and " + eye + "y: expected both or neither");
+      refuse(side == 0 ? "gaze.left_x and gaze.left_y: expected both or neither"
+                       : "gaze.right_x and gaze.right_y: expected both or neither");
     }
   }
   if (study.gaze.camera) readCamera(*study.gaze.camera);
