@@ -13,7 +13,7 @@ class PinholeMethod final : public Method {
   explicit PinholeMethod(const SurfelCloud& cloud) : camera_(cloud) {}
 
   RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
-    const RenderStats stats = camera_.render(view, settings, frame);
+    RenderStats stats = camera_.render(view, settings, frame);
     if (!settings.depth) frame.depth_m.clear();
     return stats;
   }
