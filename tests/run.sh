@@ -27,7 +27,7 @@ export TSAN_OPTIONS=suppressions=$PWD/tests/tsan.supp:halt_on_error=1
 for sanitizer in asan tsan; do
   step "$sanitizer: build and test"
   cmake --preset "$sanitizer" -DFOCI_TESTS=ON >/dev/null
-  cmake --build --preset "$sanitizer" --target foci foci_tests foci_e2e
+  cmake --build --preset "$sanitizer" --target foci foci_tests foci_e2e foci_stability_tests
   # Not the windows: what they spend their time in is the OpenGL library.
   ctest --test-dir "build/$sanitizer" --output-on-failure -j 2 -E '^Window'
 done
