@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/base/input_error.h"
+#include "app/base/quantile.h"
 #include "app/calibrate_options.h"
 #include "calibration/binocular_map.h"
 #include "calibration/binocular_pairs.h"

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "app/base/input_error.h"
+#include "app/base/quantile.h"
 #include "app/inputs.h"
 #include "app/interrupt.h"
 #include "app/manifest.h"
@@ -150,14 +151,6 @@ ChartRow chartRow(const FrameRecord& record) {
           .pupil_mm = record.pupil_mm,
           .render_ms = record.stats.ms,
           .state = record.eye.state};
-}
-
-/// The value below which a share of all lies. `values` is reordered.
-template <class T>
-T quantile(std::vector<T>& values, double share) {
-  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 /// Counts the samples of the replayed time, and those without a gaze point.

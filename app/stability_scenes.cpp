@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "app/base/quantile.h"
 #include "app/stability_setups.h"
 #include "render/image/metrics.h"
 
@@ -45,10 +46,7 @@ double popping(std::string_view method, float radius_px_per_D, const StabilityEf
         const glm::vec3 beyond = glm::max(change - own, glm::vec3(0.0f));
         extra.push_back(std::max({beyond.x, beyond.y, beyond.z}));
       }
-      const auto at =
-          extra.begin() + static_cast<std::ptrdiff_t>(0.999 * static_cast<double>(extra.size()));
-      std::nth_element(extra.begin(), at, extra.end());
-      most = std::max(most, *at);
+      most = std::max(most, quantile(extra, 0.999));
     }
     std::swap(now, before);
     std::swap(exact_now, exact_before);
@@ -69,13 +67,15 @@ std::vector<double> stabilityScores(const StabilityScene& scene, float value,
                                     const StabilityEffort& effort) {
   constexpr double kMost_dB = 99.0;
   std::vector<double> scores;
+  if (scene.measure) {
+    for (const std::string& method : methods) {
+      scores.push_back(scene.measure(method, value, effort));
+    }
+    return scores;
+  }
   const StabilitySetup setup = scene.setup(value);
   std::optional<Frame> reference;
   for (const std::string& method : methods) {
-    if (scene.measure) {
-      scores.push_back(scene.measure(method, value, effort));
-      continue;
-    }
     const Frame frame = stabilityFrame(setup, method);
     if (setup.score) {
       scores.push_back(setup.score(frame));

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "app/base/input_error.h"
+#include "app/base/quantile.h"
 #include "calibration/location.h"
 
 namespace foci {

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "app/base/input_error.h"
+#include "app/base/quantile.h"
 #include "calibration/location.h"
 #include "calibration/station_fit.h"
 

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "app/base/quantile.h"
+
 namespace foci {
 namespace {
 
@@ -13,13 +15,6 @@ constexpr double kTukey = 4.685;  // for 95 % efficiency
 constexpr int kIterations = 8;
 
 }  // namespace
-
-double quantile(std::vector<double>& values, double q) {
-  assert(!values.empty());
-  const auto at = static_cast<std::size_t>(std::lround(q * static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
-  return values[at];
-}
 
 RobustLocation robustLocation(std::span<const glm::dvec2> samples,
                               std::span<const double> weights) {

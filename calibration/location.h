@@ -8,9 +8,6 @@
 
 namespace foci {
 
-/// Value below which the share `q` of the weight lies. `values` is reordered; must not be empty.
-double quantile(std::vector<double>& values, double q);
-
 struct RobustLocation {
   glm::dvec2 centre{0.0};
   glm::dvec2 sd{0.0};  ///< per axis, of the samples that agree; 0 for a single one

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "app/base/input_error.h"
+#include "app/base/quantile.h"
 #include "calibration/location.h"
 
 namespace foci {

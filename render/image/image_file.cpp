@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "app/base/input_error.h"
+#include "render/image/frame_mat.h"
 #include "render/image/srgb.h"
 
 namespace foci {
@@ -30,10 +31,8 @@ void writeAside(const std::filesystem::path& file, const cv::Mat& image) {
 }
 
 cv::Mat bgrOf(const Frame& frame) {
-  cv::Mat bgr(frame.size_px.y, frame.size_px.x, CV_32FC3);
-  const cv::Mat rgba(frame.size_px.y, frame.size_px.x, CV_32FC4,
-                     const_cast<glm::vec4*>(frame.rgba.data()));
-  cv::cvtColor(rgba, bgr, cv::COLOR_RGBA2BGR);
+  cv::Mat bgr;
+  cv::cvtColor(rgbaMat(frame), bgr, cv::COLOR_RGBA2BGR);
   return bgr;
 }
 

@@ -9,6 +9,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/quality/qualityssim.hpp>
 
+#include "render/image/frame_mat.h"
+
 namespace foci {
 namespace {
 
@@ -26,10 +28,8 @@ double psnrOfSum_dB(double sum, std::size_t pixels) {
 }
 
 cv::Mat rgbForSsim(const Frame& frame) {
-  const cv::Mat rgba(frame.size_px.y, frame.size_px.x, CV_32FC4,
-                     const_cast<glm::vec4*>(frame.rgba.data()));
   cv::Mat rgb;
-  cv::cvtColor(rgba, rgb, cv::COLOR_RGBA2RGB);
+  cv::cvtColor(rgbaMat(frame), rgb, cv::COLOR_RGBA2RGB);
   return rgb * kSsimPeak;
 }
 

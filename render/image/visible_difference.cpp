@@ -1,10 +1,10 @@
 #include "render/image/visible_difference.h"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "render/image/frame_mat.h"
 
 namespace foci {
 namespace {
@@ -13,10 +13,8 @@ constexpr double kEye_deg = 0.5 / 60.0;  // standard deviation of its blur
 constexpr float kJustNoticeable = 2.3f;
 
 cv::Mat labOf(const Frame& frame, double px_per_deg) {
-  const cv::Mat rgba(frame.size_px.y, frame.size_px.x, CV_32FC4,
-                     const_cast<glm::vec4*>(frame.rgba.data()));
   cv::Mat rgb, lab;
-  cv::cvtColor(rgba, rgb, cv::COLOR_RGBA2RGB);
+  cv::cvtColor(rgbaMat(frame), rgb, cv::COLOR_RGBA2RGB);
   cv::min(rgb, 1.0, rgb);
   cv::max(rgb, 0.0, rgb);
   cv::GaussianBlur(rgb, rgb, {}, kEye_deg * px_per_deg, 0.0, cv::BORDER_REPLICATE);
@@ -38,13 +36,6 @@ std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_p
     }
   }
   return difference;
-}
-
-float quantile(std::vector<float>& values, double share) {
-  assert(!values.empty());
-  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 }  // namespace foci

@@ -15,8 +15,4 @@ namespace foci {
 /// @return row-major, as many as pixels. Both frames are of one size (asserted).
 std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg);
 
-/// The value below which a share of all lies, 0 to 1. `values` is reordered, and not empty
-/// (asserted).
-float quantile(std::vector<float>& values, double share);
-
 }  // namespace foci

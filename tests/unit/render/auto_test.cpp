@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 
+#include "app/base/quantile.h"
 #include "render/image/metrics.h"
 #include "render/image/visible_difference.h"
 #include "render/methods/method.h"
