@@ -75,9 +75,7 @@ MethodEntry accumulateMethod() {
                    .source = "Haeberli and Akeley 1990",
                    .most = 100000,
                    .standard = 200},
-          .make = [](const SurfelCloud& cloud, int views) -> std::unique_ptr<Method> {
-            return std::make_unique<AccumulateMethod>(cloud, views);
-          }};
+          .make = makeAs<AccumulateMethod>};
 }
 
 }  // namespace foci

@@ -127,9 +127,7 @@ MethodEntry autoMethod() {
                           "the time, allows",
                .source = "our own",
                .most = static_cast<int>(kWays.size())},
-      .make = [](const SurfelCloud& cloud, int number) -> std::unique_ptr<Method> {
-        return std::make_unique<AutoMethod>(cloud, number);
-      }};
+      .make = makeAs<AutoMethod>};
 }
 
 }  // namespace foci

@@ -110,9 +110,7 @@ MethodEntry fearingMethod() {
                    .source = "Fearing 1996",
                    .most = 100,
                    .standard = 100},
-          .make = [](const SurfelCloud& cloud, int percent) -> std::unique_ptr<Method> {
-            return std::make_unique<FearingMethod>(cloud, percent);
-          }};
+          .make = makeAs<FearingMethod>};
 }
 
 }  // namespace foci

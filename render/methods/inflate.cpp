@@ -197,9 +197,7 @@ MethodEntry inflateMethod() {
       .info = {.name = "inflate",
                .summary = "splats' covariance grown by the blur, opacity scaled down, sorted over",
                .source = "Kerbl et al. 2023; Spark, PlayCanvas"},
-      .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
-        return std::make_unique<InflateMethod>(cloud);
-      }};
+      .make = makeAs<InflateMethod>};
 }
 
 }  // namespace foci

@@ -109,9 +109,7 @@ MethodEntry layeredMethod() {
                .source = "Scofield 1992",
                .most = 256,
                .standard = 8},
-      .make = [](const SurfelCloud& cloud, int layers) -> std::unique_ptr<Method> {
-        return std::make_unique<LayeredMethod>(cloud, layers);
-      }};
+      .make = makeAs<LayeredMethod>};
 }
 
 }  // namespace foci

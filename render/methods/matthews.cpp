@@ -91,9 +91,7 @@ MethodEntry matthewsMethod() {
   return {.info = {.name = "matthews",
                    .summary = "spread pixels, kept off sharper things before them and normalised",
                    .source = "after Matthews 1998"},
-          .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
-            return std::make_unique<MatthewsMethod>(cloud);
-          }};
+          .make = makeAs<MatthewsMethod>};
 }
 
 }  // namespace foci

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "render/image/frame.h"
@@ -64,6 +65,16 @@ struct MethodEntry {
   /// @param number  N, 1 to `info.most`, or `info.standard`; of no meaning where `most` is 0
   std::unique_ptr<Method> (*make)(const SurfelCloud& cloud, int number);
 };
+
+/// How `M` is made: of the scene, and of N where its constructor takes one.
+template <class M>
+std::unique_ptr<Method> makeAs(const SurfelCloud& cloud, int number) {
+  if constexpr (std::is_constructible_v<M, const SurfelCloud&, int>) {
+    return std::make_unique<M>(cloud, number);
+  } else {
+    return std::make_unique<M>(cloud);
+  }
+}
 
 const std::vector<MethodInfo>& methods();
 

@@ -136,9 +136,7 @@ MethodEntry mulderMethod() {
   return {.info = {.name = "mulder",
                    .summary = "potmesil around the gaze, a pyramid of blurred images elsewhere",
                    .source = "Mulder and van Liere 2000"},
-          .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
-            return std::make_unique<MulderMethod>(cloud);
-          }};
+          .make = makeAs<MulderMethod>};
 }
 
 }  // namespace foci

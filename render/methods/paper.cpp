@@ -38,8 +38,7 @@ class PaperMethod final : public Method {
                        view, settings.defocus, settings.shading, splats_.splats.get() + begin,
                        splats_.tiles.get() + begin);
     });
-    RenderStats stats = drawPaper(splats_, lists_, view, settings, !cloud_.opacity.empty(), frame);
-    return stats;
+    return drawPaper(splats_, lists_, view, settings, !cloud_.opacity.empty(), frame);
   }
 
  private:
@@ -55,9 +54,7 @@ MethodEntry paperMethod() {
       .info = {.name = "paper",
                .summary = "the published baseline: each splat blurred, an A-buffer of fragments",
                .source = "Krivanek, Zara and Bouatouch 2003"},
-      .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
-        return std::make_unique<PaperMethod>(cloud);
-      }};
+      .make = makeAs<PaperMethod>};
 }
 
 }  // namespace foci

@@ -190,8 +190,7 @@ class PaperLodMethod final : public Method {
       }
       splats_.chunks[c].count = traversal.run(level, c);
     });
-    RenderStats stats = drawPaper(splats_, lists_, view, settings, !cloud_.opacity.empty(), frame);
-    return stats;
+    return drawPaper(splats_, lists_, view, settings, !cloud_.opacity.empty(), frame);
   }
 
  private:
@@ -210,9 +209,7 @@ MethodEntry paperLodMethod() {
                    .summary = "the same with level of detail chosen by the blur",
                    .source =
                        "Krivanek, Zara and Bouatouch 2003; hierarchy: Rusinkiewicz and Levoy 2000"},
-          .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
-            return std::make_unique<PaperLodMethod>(cloud);
-          }};
+          .make = makeAs<PaperLodMethod>};
 }
 
 }  // namespace foci

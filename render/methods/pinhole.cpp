@@ -28,9 +28,7 @@ MethodEntry pinholeMethod() {
   return {.info = {.name = "pinhole",
                    .summary = "no depth of field",
                    .source = "the traditional camera"},
-          .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
-            return std::make_unique<PinholeMethod>(cloud);
-          }};
+          .make = makeAs<PinholeMethod>};
 }
 
 }  // namespace foci

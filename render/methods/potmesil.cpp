@@ -40,9 +40,7 @@ MethodEntry potmesilMethod() {
                    .summary =
                        "each pixel of the pinhole image spread evenly over its circle of confusion",
                    .source = "Potmesil and Chakravarty 1981; Chen 1988"},
-          .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
-            return std::make_unique<PotmesilMethod>(cloud);
-          }};
+          .make = makeAs<PotmesilMethod>};
 }
 
 }  // namespace foci

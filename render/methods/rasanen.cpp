@@ -188,9 +188,7 @@ MethodEntry rasanenMethod() {
                    .source = "Rasanen 2002",
                    .most = 65536,
                    .standard = 16},
-          .make = [](const SurfelCloud& cloud, int samples) -> std::unique_ptr<Method> {
-            return std::make_unique<RasanenMethod>(cloud, samples);
-          }};
+          .make = makeAs<RasanenMethod>};
 }
 
 }  // namespace foci

@@ -357,9 +357,7 @@ MethodEntry raytraceMethod() {
                    .source = "Cook, Porter and Carpenter 1984",
                    .most = 100000,
                    .standard = 64},
-          .make = [](const SurfelCloud& cloud, int rays) -> std::unique_ptr<Method> {
-            return std::make_unique<RaytraceMethod>(cloud, rays);
-          }};
+          .make = makeAs<RaytraceMethod>};
 }
 
 }  // namespace foci

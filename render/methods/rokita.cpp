@@ -104,9 +104,7 @@ MethodEntry rokitaMethod() {
       .info = {.name = "rokita",
                .summary = "3 x 3 convolutions of the pinhole image, repeated as the blur asks for",
                .source = "Rokita 1993"},
-      .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
-        return std::make_unique<RokitaMethod>(cloud);
-      }};
+      .make = makeAs<RokitaMethod>};
 }
 
 }  // namespace foci

@@ -108,9 +108,7 @@ MethodEntry shinyaMethod() {
                .source = "Shinya 1994",
                .most = 4096,
                .standard = 64},
-      .make = [](const SurfelCloud& cloud, int rays) -> std::unique_ptr<Method> {
-        return std::make_unique<ShinyaMethod>(cloud, rays);
-      }};
+      .make = makeAs<ShinyaMethod>};
 }
 
 }  // namespace foci

@@ -34,9 +34,7 @@ MethodEntry sweepMethod() {
            .summary =
                "each splat blurred before the image is formed; streamed over tiles, without lists",
            .source = "Krivanek, Zara and Bouatouch 2003, and our own"},
-      .make = [](const SurfelCloud& cloud, int) -> std::unique_ptr<Method> {
-        return std::make_unique<SweepMethod>(cloud);
-      }};
+      .make = makeAs<SweepMethod>};
 }
 
 }  // namespace foci

@@ -38,9 +38,7 @@ MethodEntry sweepLodMethod() {
                .source = "our own",
                .most = 256,
                .standard = 7},
-      .make = [](const SurfelCloud& cloud, int parts) -> std::unique_ptr<Method> {
-        return std::make_unique<SweepLodMethod>(cloud, parts);
-      }};
+      .make = makeAs<SweepLodMethod>};
 }
 
 }  // namespace foci
