@@ -15,11 +15,6 @@ namespace foci::e2e {
 namespace fs = std::filesystem;
 namespace {
 
-std::string slurp(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// What the child does between fork and exec. False where it cannot.
 bool enter(const Fault& fault, const fs::path& folder, const fs::path& out, const fs::path& err) {
   if (chdir(folder.c_str()) != 0 || !freopen(out.c_str(), "w", stdout) ||
@@ -71,8 +66,8 @@ Outcome runFociUnder(const Fault& fault, const std::vector<std::string>& argumen
     waitpid(child, &status, 0);
   }
   return {.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-          .out = slurp(out),
-          .err = slurp(err)};
+          .out = textOf(out),
+          .err = textOf(err)};
 }
 
 Outcome runFoci(const std::vector<std::string>& arguments, const fs::path& folder,
@@ -84,23 +79,6 @@ Outcome terminateFoci(const std::vector<std::string>& arguments, const fs::path&
                       const fs::path& appears) {
   return runFociUnder({.appears = appears}, arguments, folder);
 }
-
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (fs::temp_directory_path() / "foci_e2e_XXXXXX").string();
-  path_ = mkdtemp(name.data());
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-fs::path TemporaryFolder::write(const std::string& name, const std::string& bytes) const {
-  std::ofstream(path_ / name, std::ios::binary) << bytes;
-  return path_ / name;
-}
-
-std::string TemporaryFolder::read(const std::string& name) const { return slurp(path_ / name); }
 
 std::optional<fs::path> dataFolder() {
   const char* named = std::getenv("FOCI_DATA");
@@ -119,6 +97,19 @@ std::string squarePly(int n, double distance_m) {
     const double x = (i % n + 0.5) / n - 0.5, y = (i / n + 0.5) / n - 0.5;
     ply << 2.0 * x << ' ' << 2.0 * y << ' ' << -distance_m << ' ' << (i * 37) % 256 << " 128 "
         << (i % n * 255) / n << '\n';
+  }
+  return ply.str();
+}
+
+std::string reliefPly(const std::function<double(int x, int y)>& depth_m) {
+  std::ostringstream ply;
+  ply << "ply\nformat ascii 1.0\nelement vertex 3600\nproperty float x\nproperty float y\n"
+         "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+         "end_header\n";
+  for (int i = 0; i < 3600; ++i) {
+    const int x = i % 60, y = i / 60;
+    ply << (x + 0.5) / 60 - 0.5 << ' ' << (y + 0.5) / 60 - 0.5 << ' ' << -depth_m(x, y) << ' '
+        << (x * 37) % 256 << " 90 " << (y * 53) % 256 << '\n';
   }
   return ply.str();
 }

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "tests/temporary_folder.h"
 
 namespace foci::e2e {
 
@@ -35,25 +38,16 @@ struct Fault {
 Outcome runFociUnder(const Fault& fault, const std::vector<std::string>& arguments,
                      const std::filesystem::path& folder);
 
-/// A folder of its own for a test, removed with it.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path write(const std::string& name, const std::string& bytes) const;
-  std::string read(const std::string& name) const;
-
- private:
-  std::filesystem::path path_;
-};
-
 /// The real data, or nothing where they are not here.
 std::optional<std::filesystem::path> dataFolder();
 
 /// A PLY (ASCII) of a square of n x n points across the line of sight, `distance_m` before an eye
 /// at the origin that looks along -z.
 std::string squarePly(int n, double distance_m);
+
+/// The same of 60 x 60 coloured points, a metre wide, each at a depth of its own, by column and
+/// row.
+std::string reliefPly(const std::function<double(int x, int y)>& depth_m);
 
 /// A study of such a scene: a few small frames.
 std::string smallStudy();

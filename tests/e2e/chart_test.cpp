@@ -6,7 +6,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
 #include "tests/e2e/binary.h"
 
@@ -19,19 +18,9 @@ using Json = nlohmann::json;
 // Of the plan for --quick.
 constexpr std::size_t kBlurs = 2, kThreads = 2;
 
-/// Two squares at different depths, the nearer one smaller: 60 x 60 points.
+/// Two squares at different depths, the nearer one smaller.
 std::string stepPly() {
-  std::ostringstream ply;
-  ply << "ply\nformat ascii 1.0\nelement vertex 3600\nproperty float x\nproperty float y\n"
-         "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
-         "end_header\n";
-  for (int i = 0; i < 3600; ++i) {
-    const int x = i % 60, y = i / 60;
-    const double depth_m = x < 30 ? 2.0 : 1.5;
-    ply << (x + 0.5) / 60 - 0.5 << ' ' << (y + 0.5) / 60 - 0.5 << ' ' << -depth_m << ' '
-        << (x * 37) % 256 << " 90 " << (y * 53) % 256 << '\n';
-  }
-  return ply.str();
+  return reliefPly([](int x, int) { return x < 30 ? 2.0 : 1.5; });
 }
 
 std::vector<std::string> arguments(std::vector<std::string> more = {}) {

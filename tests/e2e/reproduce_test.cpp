@@ -10,19 +10,9 @@
 namespace foci::e2e {
 namespace {
 
-/// A bumpy square of 60 x 60 points before the eye at the origin.
+/// A bumpy square before the eye at the origin.
 std::string bumpyPly() {
-  std::ostringstream ply;
-  ply << "ply\nformat ascii 1.0\nelement vertex 3600\nproperty float x\nproperty float y\n"
-         "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
-         "end_header\n";
-  for (int i = 0; i < 3600; ++i) {
-    const int x = i % 60, y = i / 60;
-    ply << (x + 0.5) / 60 - 0.5 << ' ' << (y + 0.5) / 60 - 0.5 << ' '
-        << -2.0 - 0.01 * ((x / 6 + y / 6) % 3) - 0.01 * x << ' ' << (x * 37) % 256 << " 90 "
-        << (y * 53) % 256 << '\n';
-  }
-  return ply.str();
+  return reliefPly([](int x, int y) { return 2.0 + 0.01 * ((x / 6 + y / 6) % 3) + 0.01 * x; });
 }
 
 std::vector<std::string> seenAlong(const std::string& up, std::vector<std::string> more) {

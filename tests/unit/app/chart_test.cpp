@@ -15,6 +15,7 @@
 #include "app/chart_plan.h"
 #include "app/output_folder.h"
 #include "app/plot.h"
+#include "tests/temporary_folder.h"
 
 namespace foci {
 namespace {
@@ -133,12 +134,8 @@ TEST(PlanChart, ReferencesHaveAViewAPixelOfTheLargestDiscWithinBounds) {
 
 class ChartCellsTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "foci_cells_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
 };
 
 TEST_F(ChartCellsTest, BringBackWhatWasStoredUnderTheSameKeyOnly) {

@@ -19,32 +19,12 @@
 #include "app/mark_socket.h"
 #include "app/replay.h"
 #include "app/study_text.h"
+#include "tests/temporary_folder.h"
 
 namespace foci {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string textOf(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (fs::temp_directory_path() / "foci_live_XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~ScratchFolder() { fs::remove_all(path_); }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// A gaze that jumps between two places on the screen every 150 ms, at 100 Hz; then, after
 /// `until_s`, says nothing.
@@ -106,7 +86,7 @@ class Live : public testing::Test {
     return last;
   }
 
-  ScratchFolder scratch;
+  TemporaryFolder scratch;
   Study study;
 };
 

@@ -12,6 +12,7 @@
 #include "app/output_folder.h"
 #include "app/sha256.h"
 #include "app/tables.h"
+#include "tests/temporary_folder.h"
 
 namespace foci {
 namespace {
@@ -20,12 +21,8 @@ namespace fs = std::filesystem;
 
 class OutputFolderTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "foci_out_XXXXXX").string();
-    root_ = mkdtemp(name.data());
-  }
-  void TearDown() override { fs::remove_all(root_); }
-  fs::path root_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path& root_ = temporary_.path();
 };
 
 TEST_F(OutputFolderTest, ShowsFilesOnlyOnceCommitted) {

@@ -10,18 +10,13 @@
 
 #include "app/base/input_error.h"
 #include "render/scene/foci_file.h"
+#include "tests/temporary_folder.h"
 
 namespace foci {
 namespace {
 
 class PrepareCommand : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "foci_prepare_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::filesystem::path file(const std::string& name, const std::string& content) {
     std::ofstream(folder_ / name, std::ios::binary) << content;
     return folder_ / name;
@@ -46,7 +41,8 @@ class PrepareCommand : public testing::Test {
         std::distance(std::filesystem::directory_iterator(folder_), {}));
   }
 
-  std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
 };
 
 TEST_F(PrepareCommand, MakesASceneAndAReportOfAMesh) {

@@ -8,18 +8,13 @@
 #include <set>
 
 #include "app/base/input_error.h"
+#include "tests/temporary_folder.h"
 
 namespace foci {
 namespace {
 
 class StudyFile : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "foci_study_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   Study study(const std::string& toml) {
     std::ofstream(folder_ / "study.toml", std::ios::binary) << toml;
     return readStudy(folder_ / "study.toml");
@@ -36,7 +31,8 @@ class StudyFile : public testing::Test {
     return "accepted";
   }
 
-  std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
 };
 
 TEST_F(StudyFile, OfNothingIsTheDefault) {
