@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "app/tables.h"
@@ -90,6 +91,47 @@ void slide(const char* label, double now, float low, float high, const char* key
   }
 }
 
+std::string metresText(double focus_D) {
+  if (focus_D < -0.005) return "behind the eye";
+  return focus_D < 0.005 ? "infinity" : decimal(1.0 / focus_D, 2) + " m";
+}
+
+/// The observer's own eye: prescription, and colours.
+void eyeControls(const Study::Observer& observer, const LiveControls& controls) {
+  if (!ImGui::CollapsingHeader("The observer's eye")) return;
+  check("glasses worn", observer.corrected, "observer.corrected", controls);
+  ImGui::SameLine();
+  check("colours apart", observer.chromatic, "observer.chromatic", controls);
+  const auto quarters = [](float value) { return std::round(4.0f * value) / 4.0f; };
+  const auto power = [&](const char* label, double now, float most, const char* key) {
+    auto value = static_cast<float>(now);
+    if (ImGui::SliderFloat(label, &value, -most, most, "%+.2f")) {
+      controls.change(key, tomlNumber(std::clamp(quarters(value), -most, most)));
+    }
+  };
+  power("sphere, D", observer.sphere_D, 8.0f, "observer.sphere_D");
+  power("cylinder, D", observer.cylinder_D, 6.0f, "observer.cylinder_D");
+  auto axis_deg = static_cast<int>(std::lround(observer.axis_deg));
+  if (ImGui::SliderInt("axis, deg", &axis_deg, 0, 180)) {
+    controls.change("observer.axis_deg", std::to_string(std::clamp(axis_deg, 0, 180)));
+  }
+}
+
+/// What method auto may spend.
+void qualityControls(const Study::QualityKeys& quality, const LiveControls& controls) {
+  if (!ImGui::CollapsingHeader("Quality (method auto)")) return;
+  slide("tolerance, jnd", quality.tolerance, 0.1f, 10.0f, "quality.tolerance", controls);
+  bool held = quality.frame_ms.has_value();
+  if (ImGui::Checkbox("hold a time", &held)) {
+    controls.change("quality.frame_ms", held ? "20" : "null");
+  }
+  ImGui::SameLine();
+  check("as sharp as the eye", quality.foveated, "quality.foveated", controls);
+  if (quality.frame_ms) {
+    slide("a frame, ms", *quality.frame_ms, 1.0f, 100.0f, "quality.frame_ms", controls);
+  }
+}
+
 }  // namespace
 
 void FrameGraph::draw() const {
@@ -132,6 +174,8 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, bool& 
     check("mark the gaze", study.output.marker, "output.marker", controls);
     ImGui::SameLine();
     check("left half sharp", study.output.split, "output.split", controls);
+    eyeControls(study.observer, controls);
+    qualityControls(study.quality, controls);
     ImGui::PopItemWidth();
     if (ImGui::Button(content.state.record ? "End the record" : "Record")) {
       controls.toggle_record();
@@ -144,9 +188,8 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, bool& 
     ImGui::TextWrapped("%s", content.source.c_str());
     if (content.frame) {
       const EyeNow& eye = content.frame->record.eye;
-      ImGui::Text("%s; focus %.2f D (%s m); %s", std::string(nameOf(eye.state)).c_str(),
-                  eye.focus_D, eye.focus_D > 0.0 ? decimal(1.0 / eye.focus_D, 2).c_str() : "inf",
-                  content.frame->record.method.c_str());
+      ImGui::Text("%s; focus %.2f D (%s); %s", std::string(nameOf(eye.state)).c_str(), eye.focus_D,
+                  metresText(eye.focus_D).c_str(), content.frame->record.method.c_str());
     }
     ImGui::Text("%.1f ms gaze to screen (95 %%: %.1f); %llu refreshes repeated",
                 content.summary.sample_to_swap.quantile_ms(0.5),

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "app/inputs.h"
+#include "app/observer_eye.h"
 #include "gaze/focus/line_of_sight.h"
 
 namespace foci {
@@ -76,6 +77,7 @@ std::future<std::string> LiveRenderer::post(std::function<void()> action) {
 std::future<std::string> LiveRenderer::change(const std::string& key, const std::string& toml) {
   return post([this, key, toml] {
     session_->change(key, toml);
+    if (const std::string remark = ellipseText(session_->study()); !remark.empty()) tell(remark);
     // The first frame that it holds for is the next, whose time is not before now.
     if (state_.record) {
       state_.record->add(Change{std::max(clock_.now_s(), last_frame_s_ + kTick_s), key, toml});

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/machine.h"
+#include "app/observer_eye.h"
 
 namespace foci {
 namespace {
@@ -57,6 +58,7 @@ std::string manifestJson(const Study& study, const GazeTrace& trace, const Repla
       {"inputs", inputs},
       {"configuration", configuration},
       {"screen_is_default", study.screen.is_default},
+      {"ellipses_as_circles", !ellipseText(study).empty()},
       {"gaze",
        {{"format", trace.format},
         {"simulated", trace.simulated},

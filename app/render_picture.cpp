@@ -1,7 +1,10 @@
 #include "app/render_picture.h"
 
+#include <cstdio>
+
 #include "app/base/input_error.h"
 #include "app/inputs.h"
+#include "app/observer_eye.h"
 #include "app/observer_pupil.h"
 #include "app/session.h"
 #include "app/stereo.h"
@@ -40,7 +43,11 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
     summary.focus_D = summary.surface_distance_m ? 1.0 / *summary.surface_distance_m
                                                  : study.focus.accommodation.resting_D;
   }
+  summary.focus_D = reachableFocus_D(accommodationOf(study), summary.focus_D);
 
+  if (const std::string remark = ellipseText(study); !remark.empty()) {
+    std::fprintf(stderr, "foci: %s\n", remark.c_str());
+  }
   const StereoView stereo = stereoViewNamed(study.output.view);
   const auto method = makeMethod(study.render.method, cloud);
   Frame frame{.size_px = view.size_px, .rgba = {}, .depth_m = {}}, eye_frame;
@@ -58,8 +65,7 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
   frame.rgba.resize(static_cast<std::size_t>(view.size_px.x) * view.size_px.y);
   for (const EyeView& eye :
        eyeViews(stereo, view, study.observer.between_eyes_mm / 1000.0, screen.distance_m)) {
-    settings.defocus = defocusOfLens(summary.pupil_mm / 1000.0, eye.view.focal_px, summary.focus_D,
-                                     DistanceAlong::sight);
+    settings.defocus = defocusOfEye(study, summary.pupil_mm, eye.view.focal_px, summary.focus_D);
     const bool mono = stereo == StereoView::mono;
     const RenderStats stats = method->render(eye.view, settings, mono ? frame : eye_frame);
     addView(stats, summary.stats);

@@ -13,7 +13,8 @@ namespace foci {
 struct PictureRequest {
   std::filesystem::path out;                   ///< .png, .pfm or .exr
   std::optional<std::filesystem::path> depth;  ///< .pfm
-  /// Focus in dioptres (0: infinity); absent: what `gaze_px` shows is in focus.
+  /// Focus in dioptres (0: infinity); absent: what `gaze_px` shows. The eye focuses as near to it
+  /// as its age and its refraction let it.
   std::optional<double> focus_D;
   /// On the study's screen, px; absent: its centre.
   std::optional<glm::dvec2> gaze_px;

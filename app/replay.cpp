@@ -11,6 +11,7 @@
 #include "app/inputs.h"
 #include "app/interrupt.h"
 #include "app/manifest.h"
+#include "app/observer_eye.h"
 #include "app/output_folder.h"
 #include "app/picture.h"
 #include "app/progress.h"
@@ -200,6 +201,9 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
 
   Session session(study, cloud, *trace.screen, trace.rate_Hz, trace.samples.front().time_s);
   noteInterrupts();
+  if (const std::string remark = ellipseText(study); !remark.empty()) {
+    std::fprintf(stderr, "foci: %s\n", remark.c_str());
+  }
   OutputFolder folder(out);
   const auto video_file = folder.stage("video.mp4");
   VideoWriter video(video_file, size_px, study.output.fps);

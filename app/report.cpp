@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "app/html.h"
+#include "app/observer_eye.h"
 #include "app/tables.h"
 #include "gaze/focus/pupil.h"
 #include "render/optics/defocus.h"
@@ -19,6 +20,7 @@ std::string stateMark(GazeState state) {
 std::string percent(double share) { return decimal(100.0 * share, 1) + "&thinsp;%"; }
 
 std::string distanceText(double focus_D) {
+  if (focus_D < -0.01) return "behind the eye";
   return focus_D < 0.01 ? "infinity" : decimal(1.0 / focus_D, 2) + " m";
 }
 
@@ -76,6 +78,23 @@ std::string pupilText(const Study& study) {
          " square degrees, in a dark room (Watson and Yellott 2012).";
 }
 
+std::string eyeText(const Study& study) {
+  const Study::Observer& observer = study.observer;
+  std::string text;
+  if (observer.sphere_D != 0.0 || observer.cylinder_D != 0.0) {
+    text += " The observer's prescription is " + decimal(observer.sphere_D, 2) + " D";
+    if (observer.cylinder_D != 0.0) {
+      text += ", cylinder " + decimal(observer.cylinder_D, 2) + " D, axis " +
+              decimal(observer.axis_deg, 0) + "&deg;";
+    }
+    text += observer.corrected ? ", and worn."
+                               : ", and not worn: the focus is the mean over all meridians. " +
+                                     escaped(ellipseText(study));
+  }
+  if (observer.chromatic) text += " Red, green and blue are focused each by itself.";
+  return text;
+}
+
 }  // namespace
 
 std::string toleranceText(const Study& study, const ReportFacts& facts) {
@@ -110,8 +129,8 @@ std::string opticsText(const Study& study, const ReportFacts& facts) {
                                  " s, with a time constant of " +
                                  decimal(accommodation.time_constant_s, 2) + " s."
                            : std::string("its focus is there at once.")) +
-         pupilText(study) + " Drawn by the method <i>" + escaped(study.render.method) + "</i>. " +
-         escaped(toleranceText(study, facts)) + "</p>\n";
+         pupilText(study) + eyeText(study) + " Drawn by the method <i>" +
+         escaped(study.render.method) + "</i>. " + escaped(toleranceText(study, facts)) + "</p>\n";
 }
 
 std::string lossText(const ReportFacts& facts) {

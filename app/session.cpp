@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "app/base/input_error.h"
+#include "app/observer_eye.h"
 #include "gaze/focus/line_of_sight.h"
 #include "render/optics/view.h"
 
@@ -12,10 +13,11 @@ namespace foci {
 namespace {
 
 constexpr std::string_view kLiveKeys[] = {
-    "eye.position_m",   "eye.look_at_m",    "observer.pupil_mm", "observer.between_eyes_mm",
-    "focus.fixed_D",    "render.method",    "render.shading",    "scene.background",
-    "output.marker",    "output.split",     "output.view",       "quality.tolerance",
-    "quality.frame_ms", "quality.foveated",
+    "eye.position_m",    "eye.look_at_m",      "observer.pupil_mm",  "observer.between_eyes_mm",
+    "focus.fixed_D",     "render.method",      "render.shading",     "scene.background",
+    "output.marker",     "output.split",       "output.view",        "quality.tolerance",
+    "quality.frame_ms",  "quality.foveated",   "observer.sphere_D",  "observer.cylinder_D",
+    "observer.axis_deg", "observer.corrected", "observer.chromatic",
 };
 
 /// The left half without blur, a thin line between.
@@ -78,7 +80,7 @@ GazeFollower Session::newFollower() {
             return surfaceDistance(time_s, direction_eye, half_angle_rad);
           },
           {.events = study_.gaze.events,
-           .accommodation = study_.focus.accommodation,
+           .accommodation = accommodationOf(study_),
            .cone_half_angle_deg = study_.focus.cone_deg,
            .vergence = study_.focus.vergence,
            .between_eyes_m = study_.observer.between_eyes_mm / 1000.0}};
@@ -107,6 +109,7 @@ void Session::change(const std::string& key, const std::string& toml) {
   path_ = EyePath(changed);
   study_ = std::move(changed);
   pupil_.fix(study_.observer.pupil_mm);
+  follower_.setFarPoint(refractionInForce(study_).far_point_D);
 }
 
 std::vector<EyeView> Session::viewsAt(double time_s) const {
@@ -136,7 +139,10 @@ FrameRecord Session::look(double time_s) {
                      .stats = {}};
   // To the picture an eye that still rings has not landed.
   if (record.eye.state == GazeState::oscillation) record.eye.state = GazeState::saccade;
-  if (study_.focus.fixed_D) record.eye.target_D = record.eye.focus_D = *study_.focus.fixed_D;
+  if (study_.focus.fixed_D) {
+    record.eye.target_D = study_.focus.fixed_D;
+    record.eye.focus_D = reachableFocus_D(accommodationOf(study_), *study_.focus.fixed_D);
+  }
   const auto on_screen = [&](const std::optional<glm::dvec2>& point_px) {
     return point_px ? onOtherScreen_px(gaze_screen_, screen_, *point_px) : std::nullopt;
   };
@@ -184,11 +190,12 @@ void Session::draw(const std::string& method, FrameRecord& record, Frame& frame)
   frame.size_px = study_.pictureSize_px();
   frame.rgba.resize(static_cast<std::size_t>(frame.size_px.x) * frame.size_px.y);
   for (const EyeView& eye : viewsAt(record.time_s)) {
-    RenderSettings settings{.defocus = defocusOfLens(record.pupil_mm / 1000.0, eye.view.focal_px,
-                                                     record.eye.focus_D, DistanceAlong::sight),
-                            .background = glm::vec3(study_.scene.background),
-                            .shading = static_cast<float>(study_.render.shading),
-                            .quality = qualityOf(record, eye)};
+    RenderSettings settings{
+        .defocus = defocusOfEye(study_, record.pupil_mm, eye.view.focal_px, record.eye.focus_D),
+        .background = glm::vec3(study_.scene.background),
+        .shading = static_cast<float>(study_.render.shading),
+        .quality = qualityOf(record, eye)};
+    if (method == "pinhole") settings.defocus.chromatic_D = glm::vec3(0.0f);  // all alike
     Frame& seen = mono ? frame : eye_frame_;
     const RenderStats stats = methodNamed(method).render(eye.view, settings, seen);
     addView(stats, record.stats);

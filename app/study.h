@@ -58,6 +58,9 @@ struct Study {
     double pupil_mm = 4.0;        ///< where fixed, and until a recording says one
     double retina_mm = 24.0;
     double between_eyes_mm = 63.0;
+    double sphere_D = 0.0, cylinder_D = 0.0, axis_deg = 0.0;  ///< the prescription of both eyes
+    bool corrected = true;                                    ///< it is worn
+    bool chromatic = false;                                   ///< see render/optics/refraction.h
   } observer;
 
   struct Gaze {

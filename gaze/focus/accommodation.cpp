@@ -8,10 +8,15 @@ namespace foci {
 
 double accommodationAmplitude_D(double age_years) { return std::max(18.5 - 0.30 * age_years, 0.0); }
 
+double reachableFocus_D(const AccommodationSettings& settings, double target_D) {
+  const double amplitude_D =
+      settings.age_years ? accommodationAmplitude_D(*settings.age_years) : INFINITY;
+  return std::clamp(target_D, settings.far_point_D, settings.far_point_D + amplitude_D);
+}
+
 Accommodation::Accommodation(const AccommodationSettings& settings)
     : settings_(settings),
-      nearest_D_(settings.age_years ? accommodationAmplitude_D(*settings.age_years) : INFINITY),
-      anchor_D_(std::min(settings.resting_D, nearest_D_)),
+      anchor_D_(reachableFocus_D(settings, settings.resting_D)),
       drive_D_(anchor_D_) {
   assert(settings.latency_s >= 0.0 && settings.time_constant_s > 0.0 &&
          settings.far_time_constant_s.value_or(1.0) > 0.0);
@@ -20,18 +25,33 @@ Accommodation::Accommodation(const AccommodationSettings& settings)
 void Accommodation::setTarget(double time_s, double target_D) {
   assert(std::isfinite(time_s) && target_D >= 0.0);
   answerUntil(time_s);
+  now_s_ = time_s;
   if (!target_D_ || !settings_.on) {
     pending_.clear();
     anchor_s_ = time_s;
-    anchor_D_ = drive_D_ = std::min(target_D, nearest_D_);
+    anchor_D_ = drive_D_ = reachableFocus_D(settings_, target_D);
   } else if (target_D != *target_D_) {
-    pending_.emplace_back(time_s + settings_.latency_s, std::min(target_D, nearest_D_));
+    pending_.emplace_back(time_s + settings_.latency_s, target_D);
   }
   target_D_ = target_D;
 }
 
+void Accommodation::setFarPoint(double far_point_D) {
+  if (far_point_D == settings_.far_point_D) return;
+  const double jump_D = far_point_D - settings_.far_point_D;
+  anchor_D_ = drive_D_ = focusFromAnchor_D(now_s_) + jump_D;
+  anchor_s_ = now_s_;
+  settings_.far_point_D = far_point_D;
+  if (!target_D_ || !settings_.on) {
+    anchor_D_ = drive_D_ = reachableFocus_D(settings_, target_D_.value_or(settings_.resting_D));
+  } else {
+    pending_.emplace_back(now_s_ + settings_.latency_s, *target_D_);
+  }
+}
+
 double Accommodation::focusAt_D(double time_s) {
   answerUntil(time_s);
+  now_s_ = time_s;
   return focusFromAnchor_D(time_s);
 }
 
@@ -40,7 +60,7 @@ void Accommodation::answerUntil(double time_s) {
     const auto [from_s, target_D] = pending_.front();
     anchor_D_ = focusFromAnchor_D(from_s);
     anchor_s_ = from_s;
-    drive_D_ = target_D;
+    drive_D_ = reachableFocus_D(settings_, target_D);
     pending_.pop_front();
   }
 }

@@ -15,11 +15,18 @@ struct AccommodationSettings {
   std::optional<double> far_time_constant_s{};  ///< to a farther one; absent: the same
   std::optional<double> age_years{};  ///< limits how near the eye can focus; absent: no limit
   double resting_D = 1.0;             ///< focus before there is any target (tonic accommodation)
+  /// What the eye at rest is focused on: 0, infinity, with normal sight or with glasses; nearer, >
+  /// 0, short-sighted; < 0 long-sighted, so that infinity takes accommodation already.
+  double far_point_D = 0.0;
 };
 
 /// How much an eye of this age can accommodate, in the mean (Hofstetter 1950): 18.5 - 0.30 age
 /// dioptres, never below 0.
 double accommodationAmplitude_D(double age_years);
+
+/// The focus nearest to `target_D` that the eye can reach: from its far point to what its age's
+/// amplitude adds to that.
+double reachableFocus_D(const AccommodationSettings& settings, double target_D);
 
 /// tau dA/dt = target(t - latency) - A, solved exactly between changes of the target, so that the
 /// result does not depend on how often it is asked. The first target is taken at once: what the
@@ -32,6 +39,10 @@ class Accommodation {
   /// functions never decrease.
   void setTarget(double time_s, double target_D);
 
+  /// Glasses are put on or off: focus jumps with the far point, since the lens in the eye is as it
+  /// was at the last time that was told, and then answers the target as to a new one.
+  void setFarPoint(double far_point_D);
+
   /// Focus at `time_s`, dioptres.
   double focusAt_D(double time_s);
 
@@ -43,12 +54,12 @@ class Accommodation {
   double focusFromAnchor_D(double time_s) const;
 
   AccommodationSettings settings_;
-  double nearest_D_;
+  double now_s_ = 0.0;  // the last time that was told
   std::optional<double> target_D_{};
   // Between targets the focus runs from the anchor towards the drive.
   double anchor_s_ = 0.0, anchor_D_, drive_D_;
   std::deque<std::pair<double, double>>
-      pending_{};  // seen but not yet answered: from when, dioptres
+      pending_{};  // targets seen but not yet answered: from when, dioptres
 };
 
 }  // namespace foci

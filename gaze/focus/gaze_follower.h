@@ -69,6 +69,9 @@ class GazeFollower {
   /// @param sample  later than the one before, and not before the last frame's time
   void push(const GazeSample& sample);
 
+  /// See `Accommodation`.
+  void setFarPoint(double far_point_D) { accommodation_.setFarPoint(far_point_D); }
+
   /// @param time_s  not before the newest sample nor the last frame
   EyeNow at(double time_s);
 

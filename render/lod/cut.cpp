@@ -75,12 +75,11 @@ class Selector {
         defocus_.along == DistanceAlong::axis ? depth : std::sqrt(glm::dot(p, p));
     const float inv = 1.0f / distance, inv_nearest = 1.0f / nearest;
     const float range_D = radius * inv / std::max(distance - radius, view_.near_m);
-    const float defocus_D = std::abs(inv - defocus_.focus_D);
     const glm::vec2 offset = view_.focal_px * glm::vec2(p.x, -p.y) / depth;
     const glm::vec2 at = view_.principal_px + offset;
     const glm::vec2 reach =
         kWidestReach * (0.5f * radius * inv_nearest * (view_.focal_px + glm::abs(offset)) +
-                        0.6f * (defocus_D + range_D) * defocus_.radius_px_per_D +
+                        0.6f * (mostDefocus_D(defocus_, inv) + range_D) * defocus_.radius_px_per_D +
                         settings_.acuity.finest_px(glm::length(at - settings_.acuity.gaze_px)));
     const glm::vec2 size(view_.size_px);
     if (at.x + reach.x < 0.0f || at.x - reach.x > size.x || at.y + reach.y < 0.0f ||
@@ -90,7 +89,7 @@ class Selector {
 
     const float added_m2 =
         0.5f * node.trace_m2() * (1.0f - static_cast<float>(node.own) * (1.0f / 65535.0f));
-    const float least_D = std::max(defocus_D - range_D, 0.0f);
+    const float least_D = std::max(leastDefocus_D(defocus_, inv) - range_D, 0.0f);
     const glm::vec2 from_gaze_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
     const float finest_px = settings_.acuity.finest_px(glm::length(from_gaze_px));
     const float allowed_px2 = settings_.per_blur2 * blur2_ * least_D * least_D +

@@ -61,15 +61,19 @@ class AutoMethod final : public Method {
 
   RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     const float blur_px = largestBlur_px(view, settings.defocus);
-    const std::size_t chosen =
-        number_ > 0 ? static_cast<std::size_t>(number_ - 1) : choose(blur_px, settings.quality);
+    const std::size_t chosen = number_ > 0                  ? static_cast<std::size_t>(number_ - 1)
+                               : settings.quality.as_before ? drawn_
+                                                            : choose(blur_px, settings.quality);
+    drawn_ = chosen;
     const Way& way = kWays[chosen];
     LodSettings lod = way.lod;
     lod.cut.acuity = settings.quality.acuity;
     const auto start = std::chrono::steady_clock::now();
     RenderStats stats = scene_.draw(view, settings, lod, frame);
-    last_ms_ =
-        std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count();
+    if (!settings.quality.as_before) {
+      last_ms_ = std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start)
+                     .count();
+    }
     stats.tolerance_error = way.error(blur_px);
     if (settings.quality.frame_ms) stats.drawn_as = "auto:" + std::to_string(chosen + 1);
     return stats;
@@ -79,9 +83,9 @@ class AutoMethod final : public Method {
   float largestBlur_px(const View& view, const Defocus& defocus) const {
     const auto distances = distancesInView(scene_.tree(), view, defocus);
     if (!distances) return 0.0f;
-    const glm::vec2 near = blurRadius_px(defocus, 1.0f / distances->first);
-    const glm::vec2 far = blurRadius_px(defocus, 1.0f / distances->second);
-    return std::max({near.x, near.y, far.x, far.y});
+    const float most_D = std::max(mostDefocus_D(defocus, 1.0f / distances->first),
+                                  mostDefocus_D(defocus, 1.0f / distances->second));
+    return most_D * std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y);
   }
 
   /// The way to draw a frame of this blur.
@@ -112,6 +116,7 @@ class AutoMethod final : public Method {
 
   LodSplats scene_;
   int number_;
+  std::size_t drawn_ = 0;           // the way of the draw before
   std::optional<std::size_t> way_;  // for the tolerance's sake
   std::size_t cheaper_ = 0;         // ways less, for the time's sake
   int below_ = 0;                   // frames well within the time

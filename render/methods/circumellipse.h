@@ -24,4 +24,18 @@ inline Variance circumellipse(const Variance& b, float circle) {
   return {middle + scale * half, scale * b.xy, middle - scale * half};
 }
 
+/// A variance that holds both `b` and `c`: where space is mapped so that `c` is a circle, the one
+/// above. A line, `c` of rank 1, is taken to be a thousandth of a unit wide.
+inline Variance circumellipse(const Variance& b, const Variance& c) {
+  constexpr float kThinnest2 = 1e-6f;
+  // c = L L', L lower triangular; L^-1 b L'^-1 and back.
+  const float lxx = std::sqrt(c.xx + kThinnest2), lyx = c.xy / lxx;
+  const float lyy = std::sqrt(std::max(c.yy - lyx * lyx, 0.0f) + kThinnest2);
+  const float x = b.xx / lxx, y = (b.xy - lyx * x) / lyy;
+  const float yy = (b.yy - 2.0f * lyx * b.xy / lxx + lyx * lyx * x / lxx) / (lyy * lyy);
+  const Variance w = circumellipse({x / lxx, y / lxx, yy}, 1.0f);
+  return {lxx * lxx * w.xx, lxx * (lyx * w.xx + lyy * w.xy),
+          lyx * lyx * w.xx + 2.0f * lyx * lyy * w.xy + lyy * lyy * w.yy};
+}
+
 }  // namespace foci

@@ -109,7 +109,8 @@ MethodEntry fearingMethod() {
                    .summary = "potmesil where something changed, at most N per cent of the frame",
                    .source = "Fearing 1996",
                    .most = 100,
-                   .standard = 100},
+                   .standard = 100,
+                   .ellipses = false},
           .make = makeAs<FearingMethod>};
 }
 

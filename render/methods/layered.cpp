@@ -66,7 +66,7 @@ class LayeredMethod final : public Method {
       layer_.select(scene_, [&](const Splat& splat) { return layerOf(splat) == number; });
       if (layer_.count() == 0) continue;
       stats.fragments += layer_.draw(glm::vec3(0.0f), false, picture_);
-      if (number != 0) blur(settings.defocus);
+      if (number != 0 || isAstigmatic(settings.defocus)) blur(settings.defocus);
       for (std::size_t p = 0; p < pixels; ++p) {
         const glm::vec4& front = picture_.rgba[p];
         frame.rgba[p] = front + (1.0f - front.a) * frame.rgba[p];
@@ -108,7 +108,8 @@ MethodEntry layeredMethod() {
                .summary = "N depth layers drawn for themselves, blurred and laid over each other",
                .source = "Scofield 1992",
                .most = 256,
-               .standard = 8},
+               .standard = 8,
+               .ellipses = false},
       .make = makeAs<LayeredMethod>};
 }
 

@@ -25,13 +25,15 @@ RenderStats LodSplats::draw(const View& view, const RenderSettings& settings,
   lists_.build(chunks_, view.size_px, coarse);
   const LensParts parts{.splats = chunks_.parts.get(),
                         .lens = chunks_.part_lens.get(),
+                        .lens_across = chunks_.part_lens_across.get(),
                         .out_of_focus_D = chunks_.out_of_focus_D.get(),
+                        .out_across_D = chunks_.out_across_D.get(),
                         .centres = lensParts(lod.parts)};
   RenderStats stats;
   stats.splats = chunks_.total();
   stats.fragments = sweep(chunks_, lists_,
                           {.background = settings.background,
-                           .radius_px_per_D = radius_px_per_D,
+                           .defocus = settings.defocus,
                            .transparent = !tree_.surfels().opacity.empty(),
                            .depth = settings.depth,
                            .parts = in_parts ? &parts : nullptr},

@@ -90,7 +90,8 @@ class MatthewsMethod final : public Method {
 MethodEntry matthewsMethod() {
   return {.info = {.name = "matthews",
                    .summary = "spread pixels, kept off sharper things before them and normalised",
-                   .source = "after Matthews 1998"},
+                   .source = "after Matthews 1998",
+                   .ellipses = false},
           .make = makeAs<MatthewsMethod>};
 }
 

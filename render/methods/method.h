@@ -24,6 +24,8 @@ struct Quality {
   /// machine. Absent: as long as the tolerance takes.
   std::optional<float> frame_ms = {};
   Acuity acuity = {};  ///< full everywhere by default
+  /// Drawn as closely as the draw before: another primary of the same picture.
+  bool as_before = false;
 };
 
 struct RenderSettings {
@@ -43,9 +45,13 @@ class Method {
   virtual ~Method() = default;
 
   /// The same input gives the same bytes at any number of threads. `frame` is resized as needed.
+  /// Through a lens with chromatic aberration each primary is drawn with its own focus: three
+  /// draws.
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame);
 
  private:
+  RenderStats drawPrimaries(const View& view, const RenderSettings& settings, Frame& frame);
+
   /// Draws into `frame`, which has the view's size, and depth where it is asked for; fills all of
   /// the stats but their time.
   virtual RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) = 0;
@@ -57,6 +63,8 @@ struct MethodInfo {
   std::string_view source;   ///< where it is from
   int most = 0;              ///< the largest N of `name:N`; 0: it takes none
   int standard = 0;          ///< N where none is given; 0 of one that takes it: its own choice
+  bool ellipses = true;      ///< false: an astigmatic lens is drawn as the round one of its blur
+                             ///< strength (`roundDefocus_D`)
 };
 
 /// What each method's own file says of it, in a function that every_method.inc names.
@@ -77,6 +85,9 @@ std::unique_ptr<Method> makeAs(const SurfelCloud& cloud, int number) {
 }
 
 const std::vector<MethodInfo>& methods();
+
+/// `MethodInfo::ellipses` of the method that `spec` names. It must be right (asserted).
+bool drawsEllipses(std::string_view spec);
 
 /// What was expected instead of `spec`, which is to be the name of one of `methods()`, where it
 /// takes a number with `:N` behind it; nothing where `spec` is right.

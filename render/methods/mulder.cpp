@@ -135,7 +135,8 @@ class MulderMethod final : public Method {
 MethodEntry mulderMethod() {
   return {.info = {.name = "mulder",
                    .summary = "potmesil around the gaze, a pyramid of blurred images elsewhere",
-                   .source = "Mulder and van Liere 2000"},
+                   .source = "Mulder and van Liere 2000",
+                   .ellipses = false},
           .make = makeAs<MulderMethod>};
 }
 

@@ -55,7 +55,8 @@ class Traversal {
     if (!(depth - node.radius_m > view_.near_m)) return false;
     const glm::vec2 diameter_px = 2.0f * node.radius_m / depth * view_.focal_px;
     if (diameter_px.x < 1.0f && diameter_px.y < 1.0f) return true;
-    const glm::vec2 blur_px = blurRadius_px(settings_.defocus, 1.0f / distance(center));
+    const glm::vec2 blur_px = settings_.defocus.radius_px_per_D *
+                              leastDefocus_D(settings_.defocus, 1.0f / distance(center));
     return diameter_px.x < blur_px.x && diameter_px.y < blur_px.y;
   }
 
@@ -65,8 +66,9 @@ class Traversal {
     if (-center.z + r < view_.near_m) return Reach::outside;
     if (!(nearest > view_.near_m)) return Reach::border;
     const float least = std::max(distance(center) - r, nearest), most = distance(center) + r;
-    const glm::vec2 blur_px = glm::max(blurRadius_px(settings_.defocus, 1.0f / least),
-                                       blurRadius_px(settings_.defocus, 1.0f / most));
+    const glm::vec2 blur_px =
+        settings_.defocus.radius_px_per_D * std::max(mostDefocus_D(settings_.defocus, 1.0f / least),
+                                                     mostDefocus_D(settings_.defocus, 1.0f / most));
     bool inside = true;
     for (int axis = 0; axis < 2; ++axis) {
       const float at = axis == 0 ? center.x : -center.y;

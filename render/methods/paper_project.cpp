@@ -39,6 +39,8 @@ struct PaperProjectJob {
   float width, height, near_m;
   float blur_x, blur_y, focus_D;  // radius in pixels a dioptre
   float blur_y_per_x;
+  float j0, j45;  // see `Defocus`
+  bool astigmatic;
   bool along_axis;
   float shading;
   float rim_per_area;  // height of a truncated Gaussian of area and determinant 1 at its rim
@@ -119,6 +121,28 @@ HWY_INLINE void circumellipseLanes(float y_per_x, V& bxx, V& bxy, V& byy, V circ
   byy = hn::Load(d, yy);
 }
 
+/// circumellipse(B, V_C), lane by lane, into B.
+HWY_INLINE void circumellipseLanes(V& bxx, V& bxy, V& byy, V cxx, V cxy, V cyy) {
+  const D d;
+  alignas(64) float b[3][kMostLanes], c[3][kMostLanes];
+  hn::Store(bxx, d, b[0]);
+  hn::Store(bxy, d, b[1]);
+  hn::Store(byy, d, b[2]);
+  hn::Store(cxx, d, c[0]);
+  hn::Store(cxy, d, c[1]);
+  hn::Store(cyy, d, c[2]);
+  for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
+    const Variance w =
+        circumellipse({b[0][k], b[1][k], b[2][k]}, Variance{c[0][k], c[1][k], c[2][k]});
+    b[0][k] = w.xx;
+    b[1][k] = w.xy;
+    b[2][k] = w.yy;
+  }
+  bxx = hn::Load(d, b[0]);
+  bxy = hn::Load(d, b[1]);
+  byy = hn::Load(d, b[2]);
+}
+
 /// Surfels [i, i + N) to lanes.
 HWY_INLINE void projectLanes(const PaperProjectJob& job, std::size_t i, Lanes& out) {
   const D d;
@@ -150,22 +174,37 @@ HWY_INLINE void projectLanes(const PaperProjectJob& job, std::size_t i, Lanes& o
 
   // V_C (Eq. 4 in dioptres), or what covers it and the low-pass filter; with the prefilter, K.
   const V distance = job.along_axis ? depth : hn::Sqrt(dot(p, p));
-  const V defocus_D = hn::Abs(hn::Sub(set(job.focus_D), hn::Div(one, distance)));
-  const V cx = hn::Mul(set(job.blur_x), defocus_D), cy = hn::Mul(set(job.blur_y), defocus_D);
+  const V out_of_focus_D = hn::Sub(set(job.focus_D), hn::Div(one, distance));
+  const V defocus_D = hn::Abs(out_of_focus_D);
+  V cx = hn::Mul(set(job.blur_x), defocus_D), cy = hn::Mul(set(job.blur_y), defocus_D);
   V kxx = hn::Mul(hn::Mul(set(kGaussianVariancePerRadius2), cx), cx);
   V kyy = hn::Mul(hn::Mul(set(kGaussianVariancePerRadius2), cy), cy);
   V kxy = hn::Zero(d);
+  if (job.astigmatic) {  // of an ellipse of confusion, cx and cy are half the box about it
+    const V j45 = set(job.j45), fx = hn::Add(out_of_focus_D, set(job.j0));
+    const V fy = hn::Sub(out_of_focus_D, set(job.j0));
+    cx = hn::Mul(set(job.blur_x), hn::Sqrt(hn::MulAdd(fx, fx, hn::Mul(j45, j45))));
+    cy = hn::Mul(set(job.blur_y), hn::Sqrt(hn::MulAdd(fy, fy, hn::Mul(j45, j45))));
+    kxx = hn::Mul(hn::Mul(set(kGaussianVariancePerRadius2), cx), cx);
+    kyy = hn::Mul(hn::Mul(set(kGaussianVariancePerRadius2), cy), cy);
+    kxy = hn::Mul(set(2.0f * kGaussianVariancePerRadius2 * job.blur_x * job.blur_y * job.j45),
+                  out_of_focus_D);
+  }
   V filter2 = hn::Zero(d);
   if (job.spread_u) {
     const V3 lu = rotate(d, job.rotation, load3(d, job.spread_u + 3 * i));
     const V3 lv = rotate(d, job.rotation, load3(d, job.spread_v + 3 * i));
     const V lux = jacobian.x(lu), luy = jacobian.y(lu), lvx = jacobian.x(lv), lvy = jacobian.y(lv);
     filter2 = hn::MulAdd(lu.z, lu.z, hn::Mul(lv.z, lv.z));
-    const V circle = kxx;
+    const V circle = kxx, blur_xy = kxy, blur_yy = kyy;
     kxx = hn::MulAdd(lux, lux, hn::Mul(lvx, lvx));
     kxy = hn::MulAdd(lux, luy, hn::Mul(lvx, lvy));
     kyy = hn::MulAdd(luy, luy, hn::Mul(lvy, lvy));
-    circumellipseLanes(job.blur_y_per_x, kxx, kxy, kyy, circle);
+    if (job.astigmatic) {
+      circumellipseLanes(kxx, kxy, kyy, circle, blur_xy, blur_yy);
+    } else {
+      circumellipseLanes(job.blur_y_per_x, kxx, kxy, kyy, circle);
+    }
   }
   kxx = hn::Add(kxx, one);
   kyy = hn::Add(kyy, one);
@@ -346,6 +385,9 @@ std::uint32_t projectPaper(const PaperSurfels& surfels, const View& view, const 
   job.blur_y = defocus.radius_px_per_D.y;
   job.blur_y_per_x = job.blur_x > 0.0f && job.blur_y > 0.0f ? job.blur_y / job.blur_x : 1.0f;
   job.focus_D = defocus.focus_D;
+  job.j0 = defocus.astigmatism_D.x;
+  job.j45 = defocus.astigmatism_D.y;
+  job.astigmatic = isAstigmatic(defocus);
   job.along_axis = defocus.along == DistanceAlong::axis;
   job.shading = shading;
   const float rim = std::exp(-kPaperCutoff);

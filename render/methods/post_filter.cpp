@@ -92,7 +92,7 @@ void DiscImage::set(const glm::ivec2& size_px, const std::vector<glm::vec4>& rgb
   const float most_D = widest > 0.0f ? kMostRadius_px / widest : 0.0f;
 
   float reach_D = 0.0f;
-  for (float point : point_D) reach_D = std::max(reach_D, std::abs(point - defocus.focus_D));
+  for (float point : point_D) reach_D = std::max(reach_D, std::abs(roundDefocus_D(defocus, point)));
   const float reach_px = std::min(reach_D, most_D) * widest + 0.5f;
   border_px_ = (static_cast<int>(reach_px) + kTile_px - 1) / kTile_px * kTile_px;
 
@@ -110,7 +110,7 @@ void DiscImage::set(const glm::ivec2& size_px, const std::vector<glm::vec4>& rgb
       for (std::size_t column = 0; column < stride_; ++column) {
         const int x = mirrored(static_cast<int>(column) - border_px_, size_px.x);
         const std::size_t from = static_cast<std::size_t>(y) * size_px.x + x;
-        const float blur_D = std::clamp(point_D[from] - defocus.focus_D, -most_D, most_D);
+        const float blur_D = std::clamp(roundDefocus_D(defocus, point_D[from]), -most_D, most_D);
         rgba_[row * stride_ + column] = rgba[from];
         defocus_D_[row * stride_ + column] = blur_D;
         float& tile = most[column / kTile_px];

@@ -28,9 +28,11 @@ int mirrored(int i, int n);
 inline constexpr float kMostRadius_px = 256.0f;
 
 /// Radius of the circle of confusion, along x and y, up to `kMostRadius_px`; finite for any lens.
+/// Post-filters have one radius a pixel: an astigmatic lens is taken for the round one of its blur
+/// strength (`roundDefocus_D`).
 inline glm::vec2 cappedRadius_px(const Defocus& defocus, float point_D) {
   const glm::vec2 finite = glm::min(defocus.radius_px_per_D, glm::vec2(1e6f));
-  return glm::min(finite * std::abs(point_D - defocus.focus_D), glm::vec2(kMostRadius_px));
+  return glm::min(finite * std::abs(roundDefocus_D(defocus, point_D)), glm::vec2(kMostRadius_px));
 }
 
 /// An image as a set of discs: each pixel spreads its light evenly over its circle of confusion.

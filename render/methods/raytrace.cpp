@@ -7,7 +7,8 @@
 // Rays are traced through the image, not the world: a point at x px on the pinhole image and v
 // dioptres away is seen through the lens point l at x + r l (P - v) (r: radius_px_per_D, P: focus).
 // So what a pixel sees through l is a straight line in (x, y, v), for a camera and for the eye,
-// whose distances count along the sight; all of a pixel's lines meet at v = P. There a splat's
+// whose distances count along the sight; all of a pixel's lines meet at v = P. (Through an
+// astigmatic lens, each is moved aside by r J l, J the astigmatism, whatever v.) There a splat's
 // footprint, prefilter included, is a flat ellipse at its own v. An oriented disc across v holds
 // it, also where the surfel is seen at a grazing angle, which no disc in the surfel's own plane
 // could. What a ray hits is weighed as the projection weighs it (project.cpp).
@@ -190,9 +191,12 @@ class DiscScene {
                    .pixel = pixel,
                    .focus_D = defocus_.focus_D,
                    .hits = &hits};
+    const glm::vec2 j = defocus_.astigmatism_D;
+    line.pixel -= defocus_.radius_px_per_D *
+                  glm::vec2(j.x * lens.x + j.y * lens.y, j.y * lens.x - j.x * lens.y);
     rtcInitIntersectContext(&line.context);
     const glm::vec2 slope = line.lens_px_per_D / px_per_D_;
-    const glm::vec2 from = pixel - line.lens_px_per_D * defocus_.focus_D + slope * nearest_;
+    const glm::vec2 from = line.pixel - line.lens_px_per_D * defocus_.focus_D + slope * nearest_;
     RTCRay ray{};
     ray.org_x = from.x;
     ray.org_y = from.y;

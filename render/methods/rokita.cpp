@@ -103,7 +103,8 @@ MethodEntry rokitaMethod() {
   return {
       .info = {.name = "rokita",
                .summary = "3 x 3 convolutions of the pinhole image, repeated as the blur asks for",
-               .source = "Rokita 1993"},
+               .source = "Rokita 1993",
+               .ellipses = false},
       .make = makeAs<RokitaMethod>};
 }
 

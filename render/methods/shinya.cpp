@@ -107,7 +107,8 @@ MethodEntry shinyaMethod() {
                .summary = "N rays a pixel of the pinhole image, hiding each other in ray buffers",
                .source = "Shinya 1994",
                .most = 4096,
-               .standard = 64},
+               .standard = 64,
+               .ellipses = false},
       .make = makeAs<ShinyaMethod>};
 }
 

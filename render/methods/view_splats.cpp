@@ -9,7 +9,7 @@ void ViewSplats::project(const SurfelCloud& cloud, const View& view, const Rende
                          Projection projection) {
   projection.shading = settings.shading;
   size_px_ = view.size_px;
-  radius_px_per_D_ = settings.defocus.radius_px_per_D;
+  defocus_ = settings.defocus;
   transparent_ = !cloud.opacity.empty();
   projectSurfels(cloud, view, settings.defocus, projection, chunks_);
   lists_.build(chunks_, size_px_);
@@ -18,7 +18,7 @@ void ViewSplats::project(const SurfelCloud& cloud, const View& view, const Rende
 void ViewSplats::select(const ViewSplats& all, const std::function<bool(const Splat&)>& belongs) {
   const SplatChunks& from = all.chunks_;
   size_px_ = all.size_px_;
-  radius_px_per_D_ = all.radius_px_per_D_;
+  defocus_ = all.defocus_;
   transparent_ = all.transparent_;
   chunks_.chunk_size = from.chunk_size;
   chunks_.count.assign(from.count.size(), 0);
@@ -46,12 +46,10 @@ std::uint64_t ViewSplats::draw(const glm::vec3& background, bool depth, Frame& f
   frame.size_px = size_px_;
   frame.rgba.resize(pixels);
   frame.depth_m.resize(depth ? pixels : 0);
-  return sweep(chunks_, lists_,
-               {.background = background,
-                .radius_px_per_D = radius_px_per_D_,
-                .transparent = transparent_,
-                .depth = depth},
-               frame);
+  return sweep(
+      chunks_, lists_,
+      {.background = background, .defocus = defocus_, .transparent = transparent_, .depth = depth},
+      frame);
 }
 
 RenderStats PinholeCamera::render(const View& view, const RenderSettings& settings, Frame& frame) {

@@ -54,7 +54,7 @@ class ViewSplats {
   SplatChunks chunks_;
   TileLists lists_;
   glm::ivec2 size_px_{0};
-  glm::vec2 radius_px_per_D_{0.0f};
+  Defocus defocus_;
   bool transparent_ = false;
 };
 

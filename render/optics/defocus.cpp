@@ -1,16 +1,23 @@
 #include "render/optics/defocus.h"
 
 #include <cassert>
+#include <cmath>
 #include <limits>
 
 namespace foci {
 
 Defocus defocusOfLens(double aperture_m, const glm::vec2& focal_px, double focus_D,
                       DistanceAlong along) {
-  assert(aperture_m >= 0.0 && focus_D >= 0.0);
+  assert(aperture_m >= 0.0);
   return {.radius_px_per_D = static_cast<float>(aperture_m / 2.0) * focal_px,
           .focus_D = static_cast<float>(focus_D),
           .along = along};
+}
+
+glm::vec2 nearestMeridian(const Defocus& defocus) {
+  // F's eigenvector: half the angle of (J0, J45).
+  const float angle_rad = 0.5f * std::atan2(defocus.astigmatism_D.y, defocus.astigmatism_D.x);
+  return {std::cos(angle_rad), std::sin(angle_rad)};
 }
 
 double imageDistance_m(double focal_length_m, double object_m) {

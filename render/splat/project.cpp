@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <type_traits>
 
 #include "render/splat/kernel.h"
 #include "render/splat/limits.h"
@@ -23,14 +24,17 @@ namespace foci {
 /// Light of a single splat at its centre from which, and at twice that most, it counts as sharper.
 inline constexpr float kHighlight = 0.06f, kFiner = 0.6f;
 
-/// Where splats go; the last three may be null.
+/// Where splats go; all but the first two may be null.
 struct SplatsOut {
   Splat* splats;
   SplatKey* keys;
   SplatLens* lens;
+  SplatLens* lens_across;
   Splat* parts;
   SplatLens* part_lens;
+  SplatLens* part_lens_across;
   float* out_of_focus_D;
+  float* out_across_D;
 };
 
 }  // namespace foci
@@ -57,7 +61,8 @@ HWY_INLINE bool setKernel(const Lanes& lanes, std::size_t k, float widen, float 
       shape.support2 * (prefilter + widen * (lanes.vxx[k] - prefilter) + blur * lanes.blur_x2[k]);
   const float ryy =
       shape.support2 * (prefilter + widen * (lanes.vyy[k] - prefilter) + blur * lanes.blur_y2[k]);
-  const float rxy = shape.support2 * widen * lanes.vxy[k];
+  const float rxy =
+      shape.support2 * widen * lanes.vxy[k] + shape.support2 * blur * lanes.blur_xy[k];
   splat.extent_x_px = std::sqrt(rxx);
   splat.extent_y_px = std::sqrt(ryy);
   const float det = rxx * ryy - rxy * rxy;
@@ -103,8 +108,8 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
       (splat.k0 + splat.k1 + splat.k2) * std::max({splat.red, splat.green, splat.blue});
   const float highlight = std::clamp((peak - kHighlight) / kHighlight, 0.0f, 1.0f);
   key = {.near_m = splat.near_m,
-         .sigma_px = std::sqrt(lanes.prefilter[k] + std::min(lanes.blur_x2[k], lanes.blur_y2[k])) *
-                     (1.0f - kFiner * highlight),
+         .sigma_px =
+             std::sqrt(lanes.prefilter[k] + lanes.blur_least2[k]) * (1.0f - kFiner * highlight),
          .blur_px = lanes.radius[k],
          .x0 = pixel(splat.x_px - splat.extent_x_px - 0.5f, job.width),
          .x1 = pixel(splat.x_px + splat.extent_x_px - 0.5f, job.width),
@@ -113,33 +118,35 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
   return true;
 }
 
-/// Which part of the lens sees what of lane `k`, the variance widened and the radius scaled.
-HWY_INLINE SplatLens lensOf(const Lanes& lanes, std::size_t k, float widen, float scale) {
-  const float radius = std::max(scale * lanes.radius[k], 1e-6f);
-  const float variance =  // over the squared radius
-      widen * lanes.narrow[k] / (scale * scale);
-  const float per_px = 1.0f / (radius * (1.0f + 4.0f * variance));
-  const float inv_width = std::sqrt((1.0f / 12.0f) * (1.0f + 4.0f * variance) / variance);
-  return {std::copysign(per_px, lanes.out_of_focus_D[k]), inv_width};
-}
-
 /// The same splat, blurred by a part of the lens only. Parts are few where nodes are coarse: then
 /// it is widened so that neighbours still overlap, and what the blur has of that already is not
 /// spread over the lens.
 HWY_INLINE void finishPart(const ProjectJob& job, const Lanes& lanes, std::size_t k, float weight,
-                           const Splat& whole, Splat& part, SplatLens& lens,
-                           float& out_of_focus_D) {
+                           const SplatsOut& out, std::uint32_t at) {
   const float share = job.part_aperture * job.part_aperture;
-  const float blur = std::min(lanes.blur_x2[k], lanes.blur_y2[k]);
+  const float blur = lanes.blur_least2[k];
   const float overlap = kOverlap * lanes.added[k];  // variance, what neighbours need to be one
   const float wanting = std::max(overlap - share * blur, 0.0f);
   const float own = 0.5f * (lanes.vxx[k] + lanes.vyy[k]) - lanes.prefilter[k];
   const float widen = wanting > 0.0f ? 1.0f + wanting / std::max(own, 1e-12f) : 1.0f;
-  part = whole;
-  lens = lensOf(lanes, k, widen, job.part_aperture);
-  setKernel(lanes, k, widen, share, weight, part);
-  const float spread = 1.0f - share - wanting / std::max(blur, 1e-12f);
-  out_of_focus_D = lanes.out_of_focus_D[k] * std::sqrt(std::max(spread, 0.0f));
+  out.parts[at] = out.splats[at];
+  setKernel(lanes, k, widen, share, weight, out.parts[at]);
+  const auto spread = [&](float off_D, float variance) {
+    const float rest = 1.0f - share - wanting / std::max(variance, 1e-12f);
+    return off_D * std::sqrt(std::max(rest, 0.0f));
+  };
+  const float off_D = lanes.out_of_focus_D[k];
+  if (!out.lens_across) {
+    out.part_lens[at] = lensOf(lanes, k, widen, job.part_aperture);
+    out.out_of_focus_D[at] = spread(off_D, blur);
+    return;
+  }
+  const float across_D = lanes.out_across_D[k];
+  const float variance = kDiscVariancePerRadius2 * job.blur_x * job.blur_y;  // of a dioptre
+  out.part_lens[at] = lensAlong(job, lanes, k, off_D, widen, job.part_aperture);
+  out.part_lens_across[at] = lensAlong(job, lanes, k, across_D, widen, job.part_aperture);
+  out.out_of_focus_D[at] = spread(off_D, variance * off_D * off_D);
+  out.out_across_D[at] = spread(across_D, variance * across_D * across_D);
 }
 
 /// The lanes that draw something, to consecutive splats.
@@ -150,11 +157,13 @@ HWY_INLINE void finishLanes(const ProjectJob& job, const Lanes& lanes, std::size
     if (lanes.visible[k] == 0.0f) continue;
     const Paint paint = paintOf(k);
     if (!finishSplat(job, lanes, k, paint, out.splats[count], out.keys[count])) continue;
-    if (out.lens) out.lens[count] = lensOf(lanes, k, 1.0f, 1.0f);
-    if (out.parts) {
-      finishPart(job, lanes, k, paint.weight, out.splats[count], out.parts[count],
-                 out.part_lens[count], out.out_of_focus_D[count]);
+    if (out.lens_across) {
+      out.lens[count] = lensAlong(job, lanes, k, lanes.out_of_focus_D[k], 1.0f, 1.0f);
+      out.lens_across[count] = lensAlong(job, lanes, k, lanes.out_across_D[k], 1.0f, 1.0f);
+    } else if (out.lens) {
+      out.lens[count] = lensOf(lanes, k, 1.0f, 1.0f);
     }
+    if (out.parts) finishPart(job, lanes, k, paint.weight, out, count);
     ++count;
   }
 }
@@ -261,6 +270,8 @@ HWY_EXPORT(projectNodes);
 
 namespace {
 
+bool blurs(const ProjectJob& job) { return job.blur_x > 0.0f && job.blur_y > 0.0f; }
+
 ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
                  const Projection& projection) {
   ProjectJob job{};
@@ -274,8 +285,11 @@ ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
   }
   job.focal_x = view.focal_px.x;
   job.focal_y = view.focal_px.y;
-  job.principal_x = view.principal_px.x;
-  job.principal_y = view.principal_px.y;
+  // What astigmatism moves a point aside by, seen from a part of the lens, is the same everywhere.
+  const glm::vec2 part = projection.lens, j = defocus.astigmatism_D;
+  const glm::vec2 aside_D(j.x * part.x + j.y * part.y, j.y * part.x - j.x * part.y);
+  job.principal_x = view.principal_px.x + defocus.radius_px_per_D.x * aside_D.x;
+  job.principal_y = view.principal_px.y + defocus.radius_px_per_D.y * aside_D.y;
   job.width = static_cast<float>(view.size_px.x);
   job.height = static_cast<float>(view.size_px.y);
   job.near_m = view.near_m;
@@ -285,6 +299,9 @@ ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
   job.lens_x = defocus.radius_px_per_D.x * projection.lens.x;
   job.lens_y = defocus.radius_px_per_D.y * projection.lens.y;
   job.focus_D = defocus.focus_D;
+  job.j0 = defocus.astigmatism_D.x;
+  job.j45 = defocus.astigmatism_D.y;
+  job.astigmatism = blurs(job) ? glm::length(defocus.astigmatism_D) : 0.0f;
   job.gaze_x = projection.acuity.gaze_px.x;
   job.gaze_y = projection.acuity.gaze_px.y;
   job.acuity_base = projection.acuity.base_px;
@@ -304,32 +321,36 @@ SurfelArrays arraysOf(const SurfelCloud& cloud) {
           &cloud.color[0].x,      cloud.opacity.empty() ? nullptr : cloud.opacity.data()};
 }
 
-void makeRoom(SplatChunks& chunks, std::size_t splats, bool lens, bool parts) {
+void makeRoom(SplatChunks& chunks, std::size_t splats, const ProjectJob& job) {
+  const bool lens = blurs(job), across = job.astigmatism > 0.0f, parts = job.part_aperture > 0.0f;
   if (chunks.capacity < splats) {
     chunks = {};
     chunks.splats = std::make_unique_for_overwrite<Splat[]>(splats);
     chunks.keys = std::make_unique_for_overwrite<SplatKey[]>(splats);
     chunks.capacity = splats;
   }
-  if (!lens) {
-    chunks.lens.reset();
-  } else if (!chunks.lens) {
-    chunks.lens = std::make_unique_for_overwrite<SplatLens[]>(chunks.capacity);
-  }
-  if (parts && !chunks.parts) {
-    chunks.parts = std::make_unique_for_overwrite<Splat[]>(chunks.capacity);
-    chunks.part_lens = std::make_unique_for_overwrite<SplatLens[]>(chunks.capacity);
-    chunks.out_of_focus_D = std::make_unique_for_overwrite<float[]>(chunks.capacity);
-  }
+  const auto room = [&](auto& array, bool wanted) {
+    using Element = std::remove_reference_t<decltype(array[0])>;
+    if (!wanted) {
+      array.reset();
+    } else if (!array) {
+      array = std::make_unique_for_overwrite<Element[]>(chunks.capacity);
+    }
+  };
+  room(chunks.lens, lens);
+  room(chunks.lens_across, across);
+  room(chunks.parts, parts);
+  room(chunks.part_lens, parts);
+  room(chunks.out_of_focus_D, parts);
+  room(chunks.part_lens_across, parts && across);
+  room(chunks.out_across_D, parts && across);
 }
 
-SplatsOut outOf(SplatChunks& chunks, std::size_t first, bool parts) {
-  return {chunks.splats.get() + first,
-          chunks.keys.get() + first,
-          chunks.lens ? chunks.lens.get() + first : nullptr,
-          parts ? chunks.parts.get() + first : nullptr,
-          parts ? chunks.part_lens.get() + first : nullptr,
-          parts ? chunks.out_of_focus_D.get() + first : nullptr};
+SplatsOut outOf(SplatChunks& chunks, std::size_t first) {
+  const auto from = [&](const auto& array) { return array ? array.get() + first : nullptr; };
+  return {from(chunks.splats),           from(chunks.keys),           from(chunks.lens),
+          from(chunks.lens_across),      from(chunks.parts),          from(chunks.part_lens),
+          from(chunks.part_lens_across), from(chunks.out_of_focus_D), from(chunks.out_across_D)};
 }
 
 }  // namespace
@@ -339,15 +360,14 @@ void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& d
   const ProjectJob job = jobOf(cloud.oriented, view, defocus, projection);
   const SurfelArrays surfels = arraysOf(cloud);
   const std::size_t n = cloud.size();
-  const bool parts = projection.part_aperture > 0.0f;
-  makeRoom(chunks, n, job.blur_x > 0.0f && job.blur_y > 0.0f, parts);
+  makeRoom(chunks, n, job);
   chunks.chunk_size = chunkSize(n);
   chunks.count.assign((n + chunks.chunk_size - 1) / chunks.chunk_size, 0);
   parallelFor(chunks.count.size(), [&](std::size_t c) {
     const std::size_t begin = c * chunks.chunk_size;
     const std::size_t end = std::min(n, begin + chunks.chunk_size);
     chunks.count[c] =
-        HWY_DYNAMIC_DISPATCH(projectRange)(job, surfels, begin, end, outOf(chunks, begin, parts));
+        HWY_DYNAMIC_DISPATCH(projectRange)(job, surfels, begin, end, outOf(chunks, begin));
   });
 }
 
@@ -358,8 +378,7 @@ void projectCut(const MomentTree& tree, const Cut& cut, const View& view, const 
   const std::size_t size = chunkSize(cut.nodes.size() + cut.surfels.size());
   const std::size_t node_chunks = (cut.nodes.size() + size - 1) / size;
   const std::size_t chunk_count = node_chunks + (cut.surfels.size() + size - 1) / size;
-  const bool parts = projection.part_aperture > 0.0f;
-  makeRoom(chunks, chunk_count * size, job.blur_x > 0.0f && job.blur_y > 0.0f, parts);
+  makeRoom(chunks, chunk_count * size, job);
   chunks.chunk_size = size;
   chunks.count.assign(chunk_count, 0);
   parallelFor(chunks.count.size(), [&](std::size_t c) {
@@ -367,7 +386,7 @@ void projectCut(const MomentTree& tree, const Cut& cut, const View& view, const 
     const std::vector<CutEntry>& entries = node ? cut.nodes : cut.surfels;
     const std::size_t begin = (node ? c : c - node_chunks) * size;
     const std::size_t count = std::min(size, entries.size() - begin);
-    const SplatsOut out = outOf(chunks, c * size, parts);
+    const SplatsOut out = outOf(chunks, c * size);
     chunks.count[c] =
         node ? HWY_DYNAMIC_DISPATCH(projectNodes)(job, tree.nodes().data(), entries.data() + begin,
                                                   count, out)

@@ -9,6 +9,8 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "render/optics/defocus.h"
@@ -50,6 +52,7 @@ struct ProjectJob {
   float width, height, near_m;
   float margin;                   // about the image, pixels: splats that only touch it are kept too
   float blur_x, blur_y, focus_D;  // radius in pixels a dioptre, of the part of the lens
+  float j0, j45, astigmatism;     // see `Defocus`; the last is their length
   float lens_x, lens_y;           // its centre, likewise
   float part_aperture;            // of the smaller parts that it is drawn by too
   float gaze_x, gaze_y, acuity_base, acuity_per;  // see `Acuity`
@@ -91,10 +94,14 @@ struct Lanes {
   alignas(64) float vxx[kMost], vxy[kMost], vyy[kMost];  // variance without the blur, px^2
   alignas(64) float prefilter[kMost];                    // variance, of those its part
   alignas(64) float blur_x2[kMost], blur_y2[kMost];      // variance of the blur
-  alignas(64) float radius[kMost];                       // of the blur
+  alignas(64) float blur_xy[kMost] = {};                 // 0 but for an astigmatic lens
+  alignas(64) float blur_least2[kMost];                  // along the meridian where it is least
+  alignas(64) float radius[kMost];                       // of the blur, its largest
   alignas(64) float narrow[kMost];  // unblurred variance over the squared blur radius (kernel.h)
-  alignas(64) float added[kMost];   // of the unblurred variance, what merging added; one axis
-  alignas(64) float out_of_focus_D[kMost];
+  alignas(64) float unblurred[kMost] = {};  // that variance; of an astigmatic lens only
+  alignas(64) float added[kMost];  // of the unblurred variance, what merging added; one axis
+  alignas(64) float out_of_focus_D[kMost];     // along the nearest meridian, and across it:
+  alignas(64) float out_across_D[kMost] = {};  // of an astigmatic lens only
   alignas(64) float area_px[kMost];
   alignas(64) float distance[kMost], reach[kMost];
   alignas(64) float shade[kMost],
@@ -181,6 +188,51 @@ HWY_INLINE Footprint footprintOf(const NodeArrays& nodes, std::size_t, const Gra
   return f;
 }
 
+/// An ellipse of confusion on unblurred splats: what projectLanes needs of it.
+struct Ellipse {
+  V blur_x2, blur_y2, narrow;
+};
+
+/// Blur of variance k B B', B = diag(r) (F - I/U), on splats of variance `sharp`, prefilter
+/// included. The kernel is that with the mean fourth moment of disc and Gaussian (of q, over W),
+/// which the round kernel's rule keeps, too: with f1 and f2 the blur's shares of W along its
+/// principal axes, (1 - q)^n of a disc whose share f is the root of (3 f1^2 + 3 f2^2 + 2 f1 f2)/8.
+HWY_INLINE Ellipse blurEllipse(const ProjectJob& job, V out_of_focus_D, V sharp_xx, V sharp_xy,
+                               V sharp_yy, Lanes& out) {
+  const D d;
+  const auto set = [&](float value) { return hn::Set(d, value); };
+  const float k = job.gaussian ? kGaussianVariancePerRadius2 : kDiscVariancePerRadius2;
+  const V j45 = set(job.j45), astigmatism = set(job.astigmatism);
+  const V fx = hn::Add(out_of_focus_D, set(job.j0)), fy = hn::Sub(out_of_focus_D, set(job.j0));
+  const V bxx = hn::Mul(set(k * job.blur_x * job.blur_x), hn::MulAdd(fx, fx, hn::Mul(j45, j45)));
+  const V byy = hn::Mul(set(k * job.blur_y * job.blur_y), hn::MulAdd(fy, fy, hn::Mul(j45, j45)));
+  const V bxy = hn::Mul(set(2.0f * k * job.blur_x * job.blur_y * job.j45), out_of_focus_D);
+
+  const V mean_D = hn::Abs(out_of_focus_D), least_D = hn::Sub(mean_D, astigmatism);
+  const float narrowest = std::min(job.blur_x, job.blur_y);
+  const float radius = std::sqrt(job.blur_x * job.blur_y);
+  hn::Store(bxy, d, out.blur_xy);
+  hn::Store(hn::Mul(set(k * narrowest * narrowest), hn::Mul(least_D, least_D)), d, out.blur_least2);
+  hn::Store(hn::Mul(set(radius), hn::Add(mean_D, astigmatism)), d, out.radius);
+  hn::Store(hn::Add(out_of_focus_D, astigmatism), d, out.out_of_focus_D);
+  hn::Store(hn::Sub(out_of_focus_D, astigmatism), d, out.out_across_D);
+  const V sharp_det = hn::NegMulAdd(sharp_xy, sharp_xy, hn::Mul(sharp_xx, sharp_yy));
+  hn::Store(hn::Sqrt(hn::Max(sharp_det, hn::Zero(d))), d, out.unblurred);
+
+  // f1 + f2 = tr(W^-1 B), f1 f2 = |B| / |W|, B here the blur's variance.
+  const V wxx = hn::Add(sharp_xx, bxx), wxy = hn::Add(sharp_xy, bxy);
+  const V wyy = hn::Add(sharp_yy, byy);
+  const V inv_det = hn::Div(set(1.0f), hn::NegMulAdd(wxy, wxy, hn::Mul(wxx, wyy)));
+  const V sum = hn::Mul(
+      inv_det, hn::NegMulAdd(hn::Add(wxy, wxy), bxy, hn::MulAdd(wyy, bxx, hn::Mul(wxx, byy))));
+  const V product = hn::Mul(inv_det, hn::NegMulAdd(bxy, bxy, hn::Mul(bxx, byy)));
+  const V share2 = hn::MulAdd(hn::Mul(set(0.375f), sum), sum, hn::Mul(set(-0.5f), product));
+  const V share = hn::Sqrt(hn::Max(share2, set(1e-12f)));
+  // Of a disc, share = k / (k + narrow).
+  const V narrow = hn::Mul(set(k), hn::Sub(hn::Div(set(1.0f), share), set(1.0f)));
+  return {bxx, byy, hn::Max(narrow, hn::Zero(d))};
+}
+
 /// Surfels [i, i + N), or N nodes, to lanes.
 template <class Source>
 HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::size_t i,
@@ -241,14 +293,27 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   const V defocus_D = hn::Abs(out_of_focus_D);
   const V cx = hn::Mul(set(job.blur_x), defocus_D), cy = hn::Mul(set(job.blur_y), defocus_D);
   const V per_radius2 = set(job.gaussian ? kGaussianVariancePerRadius2 : kDiscVariancePerRadius2);
-  const V blur_x2 = hn::Mul(hn::Mul(per_radius2, cx), cx);
-  const V blur_y2 = hn::Mul(hn::Mul(per_radius2, cy), cy);
+  V blur_x2 = hn::Mul(hn::Mul(per_radius2, cx), cx);
+  V blur_y2 = hn::Mul(hn::Mul(per_radius2, cy), cy);
   // Edges so soft that the kernels of neighbouring nodes still sum to one.
   const V soft = hn::MulAdd(hn::Set(d, kOverlap - 1.0f), hn::Sub(one, f.own), one);
   const V soft2 = hn::Mul(soft, soft);
-  const V wide = hn::Mul(hn::MulAdd(soft, f.vxx, prefilter), hn::MulAdd(soft, f.vyy, prefilter));
-  V narrow = hn::Div(hn::Sqrt(hn::NegMulAdd(hn::Mul(soft2, f.vxy), f.vxy, wide)),
+  V narrow;
+  if (job.astigmatism == 0.0f) {
+    const V wide = hn::Mul(hn::MulAdd(soft, f.vxx, prefilter), hn::MulAdd(soft, f.vyy, prefilter));
+    narrow = hn::Div(hn::Sqrt(hn::NegMulAdd(hn::Mul(soft2, f.vxy), f.vxy, wide)),
                      hn::Max(hn::Mul(cx, cy), set(1e-12f)));
+    hn::Store(hn::Min(blur_x2, blur_y2), d, out.blur_least2);
+    hn::Store(hn::Sqrt(hn::Mul(cx, cy)), d, out.radius);
+    hn::Store(out_of_focus_D, d, out.out_of_focus_D);
+  } else {
+    const Ellipse ellipse =
+        blurEllipse(job, out_of_focus_D, hn::MulAdd(soft, f.vxx, prefilter), hn::Mul(soft, f.vxy),
+                    hn::MulAdd(soft, f.vyy, prefilter), out);
+    blur_x2 = ellipse.blur_x2;
+    blur_y2 = ellipse.blur_y2;
+    narrow = ellipse.narrow;
+  }
   if (job.gaussian) narrow = hn::Max(narrow, one);  // the bell
   const V vxx = hn::MulAdd(f.own, f.vxx, prefilter);
   const V vyy = hn::MulAdd(f.own, f.vyy, prefilter);
@@ -279,16 +344,34 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   hn::Store(prefilter, d, out.prefilter);
   hn::Store(blur_x2, d, out.blur_x2);
   hn::Store(blur_y2, d, out.blur_y2);
-  hn::Store(hn::Sqrt(hn::Mul(cx, cy)), d, out.radius);
   hn::Store(narrow, d, out.narrow);
   hn::Store(hn::Mul(hn::Mul(set(0.5f), hn::Sub(one, f.own)), hn::Add(f.vxx, f.vyy)), d, out.added);
-  hn::Store(out_of_focus_D, d, out.out_of_focus_D);
   hn::Store(f.area, d, out.area_px);
   hn::Store(distance, d, out.distance);
   hn::Store(reach, d, out.reach);
   hn::Store(shade, d, out.shade);
   hn::Store(away, d, out.away);
   hn::Store(hn::IfThenElseZero(keep, one), d, out.visible);
+}
+
+/// Which part of the lens sees what of lane `k`, the variance widened and the radius scaled.
+HWY_INLINE SplatLens lensOf(const Lanes& lanes, std::size_t k, float widen, float scale) {
+  const float radius = std::max(scale * lanes.radius[k], 1e-6f);
+  const float variance =  // over the squared radius
+      widen * lanes.narrow[k] / (scale * scale);
+  const float per_px = 1.0f / (radius * (1.0f + 4.0f * variance));
+  const float inv_width = std::sqrt((1.0f / 12.0f) * (1.0f + 4.0f * variance) / variance);
+  return {std::copysign(per_px, lanes.out_of_focus_D[k]), inv_width};
+}
+
+/// Which part of an astigmatic lens sees what of lane `k`, by place along one of its meridians that
+/// is out of focus by `off_D`.
+HWY_INLINE SplatLens lensAlong(const ProjectJob& job, const Lanes& lanes, std::size_t k,
+                               float off_D, float widen, float scale) {
+  const float radius = scale * std::sqrt(job.blur_x * job.blur_y) * off_D;
+  const float variance4 = 4.0f * widen * lanes.unblurred[k];
+  const float sum = radius * radius + variance4;
+  return {radius / sum, std::sqrt(sum / (3.0f * variance4))};
 }
 
 }  // namespace HWY_NAMESPACE

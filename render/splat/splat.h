@@ -41,7 +41,8 @@ struct SplatKey {
 /// Which part of the lens sees a splat at an offset d from its centre, pixels: on the mean the one
 /// at per_px d lens radii, with a standard deviation of 1 / (sqrt(12) inv_width). With blur of
 /// radius C and unblurred variance s these are a linear regression: C / (C^2 + 4 s), signed, and
-/// s / (C^2 + 4 s); in focus the whole lens sees the same.
+/// s / (C^2 + 4 s); in focus the whole lens sees the same. An astigmatic lens has one of these
+/// along its nearest meridian (defocus.h) and another across it.
 struct SplatLens {
   float per_px, inv_width;
 };
@@ -58,11 +59,14 @@ inline std::size_t chunkSize(std::size_t n) {
 struct SplatChunks {
   std::unique_ptr<Splat[]> splats;
   std::unique_ptr<SplatKey[]> keys;
-  std::unique_ptr<SplatLens[]> lens;
+  std::unique_ptr<SplatLens[]> lens;         ///< null: nothing is blurred
+  std::unique_ptr<SplatLens[]> lens_across;  ///< null: the lens is round
   std::unique_ptr<Splat[]>
       parts;  ///< the same splats blurred by a part of the lens, where asked for
-  std::unique_ptr<SplatLens[]> part_lens;   ///< likewise
-  std::unique_ptr<float[]> out_of_focus_D;  ///< likewise: how parts see them move
+  std::unique_ptr<SplatLens[]> part_lens;         ///< likewise
+  std::unique_ptr<float[]> out_of_focus_D;        ///< likewise: how parts see them move
+  std::unique_ptr<SplatLens[]> part_lens_across;  ///< likewise, of an astigmatic lens
+  std::unique_ptr<float[]> out_across_D;
   std::size_t capacity = 0;
   std::size_t chunk_size = 0;
   std::vector<std::uint32_t> count;

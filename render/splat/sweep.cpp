@@ -37,9 +37,11 @@ struct TileJob {
   int samples;           // along a side, with the apron
   float x, y;            // of the first sample, pixels
   float lens_x, lens_y;  // what a mean radius counts along the axes, where pixels are oblong
+  glm::vec2 meridian;    // of an astigmatic lens the nearest
   float per_step;        // 1 / the distance of samples, pixels
   float background[3];
-  const SplatLens* lens;  // null: nothing is blurred
+  const SplatLens* lens;         // null: nothing is blurred
+  const SplatLens* lens_across;  // null: the lens is round
   glm::vec2 radius_px_per_D;
   const LensParts* parts;  // null: never by parts
   glm::vec4* rgba;         // samples x samples, all 0
@@ -64,18 +66,24 @@ struct Places {
 };
 constexpr Places kPlaces;
 
+/// Lens points are in lens radii along the image's axes; where the lens is astigmatic, along its
+/// nearest meridian and across it.
+enum class Blur { none, round, astigmatic };
+
 /// Draws the splats of a tile.
-template <bool kTransparent, bool kDepth, bool kLens>
-struct Sweep : Layers<kTransparent, kDepth, kLens> {
+template <bool kTransparent, bool kDepth, Blur kBlur>
+struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
+  static constexpr bool kLens = kBlur != Blur::none, kAstigmatic = kBlur == Blur::astigmatic;
   using Base = Layers<kTransparent, kDepth, kLens>;
   using Base::any_from_behind, Base::any_side, Base::blocks, Base::clear, Base::closeAll;
   using Base::Base, Base::tile;
   using Base::closeLayers, Base::columns, Base::kClosed, Base::mostThrough, Base::overlap;
 
   /// Adds one splat, moved by `shift`; returns the number of samples in its footprint.
+  /// @param across  of an astigmatic lens
   template <bool kSides>
-  HWY_INLINE std::size_t add(const Splat& splat, const SplatLens& lens, const TileJob& job,
-                             const glm::vec2& shift) {
+  HWY_INLINE std::size_t add(const Splat& splat, const SplatLens& lens, const SplatLens& across,
+                             const TileJob& job, const glm::vec2& shift) {
     const D d;
     const float left = (splat.x_px + shift.x - job.x) * job.per_step;
     const float top = (splat.y_px + shift.y - job.y) * job.per_step;
@@ -106,6 +114,16 @@ struct Sweep : Layers<kTransparent, kDepth, kLens> {
     const V per_x = hn::Set(d, lens.per_px * job.lens_x / job.per_step);
     const V per_y = hn::Set(d, lens.per_px * job.lens_y / job.per_step);
     const V inv_width = hn::Set(d, lens.inv_width);
+    [[maybe_unused]] V along_x, along_y, across_x, across_y, width2, across_width2;
+    if constexpr (kAstigmatic) {
+      const float x = job.meridian.x * job.lens_x, y = job.meridian.y * job.lens_y;
+      along_x = hn::Set(d, lens.per_px * x / job.per_step);
+      along_y = hn::Set(d, lens.per_px * y / job.per_step);
+      across_x = hn::Set(d, -across.per_px * job.meridian.y * job.lens_x / job.per_step);
+      across_y = hn::Set(d, across.per_px * job.meridian.x * job.lens_y / job.per_step);
+      width2 = hn::Set(d, 1.0f / (lens.inv_width * lens.inv_width));
+      across_width2 = hn::Set(d, 1.0f / (across.inv_width * across.inv_width));
+    }
 
     std::size_t fragments = 0;
     // One flat loop over the blocks that the box may touch: two nested short ones mispredict.
@@ -139,15 +157,30 @@ struct Sweep : Layers<kTransparent, kDepth, kLens> {
         }
         V seen = w;
         if constexpr (kLens) {
-          const V lx = hn::Mul(dx, per_x), ly = hn::Mul(dy, per_y);
+          V lx, ly;
+          if constexpr (kAstigmatic) {
+            lx = hn::MulAdd(dx, along_x, hn::Mul(dy, along_y));
+            ly = hn::MulAdd(dx, across_x, hn::Mul(dy, across_y));
+          } else {
+            lx = hn::Mul(dx, per_x);
+            ly = hn::Mul(dy, per_y);
+          }
           hn::Store(hn::MulAdd(w, lx, hn::Load(d, sums.lens_x + i)), d, sums.lens_x + i);
           hn::Store(hn::MulAdd(w, ly, hn::Load(d, sums.lens_y + i)), d, sums.lens_y + i);
           if constexpr (kSides) {
             const V off = hn::NegMulAdd(
                 hn::Load(d, light.side_x + i), lx,
                 hn::NegMulAdd(hn::Load(d, light.side_y + i), ly, hn::Load(d, light.side_at + i)));
+            V sharpness = inv_width;
+            if constexpr (kAstigmatic) {
+              // The variance along the side's normal, whose parts' squares sum to 1.
+              const V n = hn::Load(d, light.side_x + i);
+              const V squared =
+                  hn::MulAdd(hn::Mul(n, n), hn::Sub(width2, across_width2), across_width2);
+              sharpness = hn::Div(one, hn::Sqrt(squared));
+            }
             const V within =
-                hn::Min(hn::Max(hn::MulAdd(off, inv_width, hn::Set(d, 0.5f)), hn::Zero(d)), one);
+                hn::Min(hn::Max(hn::MulAdd(off, sharpness, hn::Set(d, 0.5f)), hn::Zero(d)), one);
             seen = hn::Mul(w, hn::MulAdd(hn::Load(d, light.contrast + i), within,
                                          hn::Load(d, light.outside + i)));
           }
@@ -175,7 +208,7 @@ struct Sweep : Layers<kTransparent, kDepth, kLens> {
   /// Composites all splats as seen through a part of the lens, from its centre or shifted.
   template <class ShiftOf>
   HWY_INLINE std::size_t compose(const TileJob& job, const Splat* splats, const SplatLens* lenses,
-                                 const ShiftOf& shiftOf) {
+                                 const SplatLens* lenses_across, const ShiftOf& shiftOf) {
     clear();
     std::size_t fragments = 0;
     float open_far_m = job.count > 0 ? splats[job.entries[0]].far_m : 0.0f;
@@ -192,9 +225,10 @@ struct Sweep : Layers<kTransparent, kDepth, kLens> {
       }
       open_far_m = std::max(open_far_m, splat.far_m);
       const SplatLens lens = kLens ? lenses[job.entries[e]] : SplatLens{};
+      const SplatLens across = kAstigmatic ? lenses_across[job.entries[e]] : SplatLens{};
       const glm::vec2 shift = shiftOf(job.entries[e]);
-      fragments += kLens && any_side ? add<true>(splat, lens, job, shift)
-                                     : add<false>(splat, lens, job, shift);
+      fragments += kLens && any_side ? add<true>(splat, lens, across, job, shift)
+                                     : add<false>(splat, lens, across, job, shift);
     }
     closeAll();
     return fragments;
@@ -220,16 +254,24 @@ struct Sweep : Layers<kTransparent, kDepth, kLens> {
   std::size_t run(const TileJob& job) {
     const LensParts* parts = job.parts;
     std::size_t fragments = 0;
-    fragments += compose(job, job.splats, job.lens, [](std::uint32_t) { return glm::vec2(0.0f); });
+    fragments += compose(job, job.splats, job.lens, job.lens_across,
+                         [](std::uint32_t) { return glm::vec2(0.0f); });
     if (!parts || !overlap) {
       emit(job, 1.0f);
       return fragments;
     }
     for (const glm::vec2& centre : parts->centres) {
-      const glm::vec2 px_per_D = job.radius_px_per_D * centre;
-      fragments += compose(job, parts->splats, parts->lens, [&](std::uint32_t splat) {
-        return px_per_D * parts->out_of_focus_D[splat];
-      });
+      const glm::vec2 across(-job.meridian.y, job.meridian.x);
+      const glm::vec2 px_per_D =
+          job.radius_px_per_D *
+          (kAstigmatic ? glm::dot(centre, job.meridian) * job.meridian : centre);
+      const glm::vec2 across_px_per_D =
+          job.radius_px_per_D * (kAstigmatic ? glm::dot(centre, across) * across : glm::vec2(0.0f));
+      fragments +=
+          compose(job, parts->splats, parts->lens, parts->lens_across, [&](std::uint32_t splat) {
+            const glm::vec2 shift = px_per_D * parts->out_of_focus_D[splat];
+            return kAstigmatic ? shift + across_px_per_D * parts->out_across_D[splat] : shift;
+          });
       emit(job, 1.0f / static_cast<float>(parts->centres.size()));
     }
     return fragments;
@@ -238,8 +280,10 @@ struct Sweep : Layers<kTransparent, kDepth, kLens> {
 
 std::size_t sweepTile(const TileJob& job, bool transparent) {
   const auto run = [&]<bool kTransparent, bool kDepth>() {
-    if (job.lens) return Sweep<kTransparent, kDepth, true>(job.samples).run(job);
-    return Sweep<kTransparent, kDepth, false>(job.samples).run(job);
+    if (job.lens && job.lens_across)
+      return Sweep<kTransparent, kDepth, Blur::astigmatic>(job.samples).run(job);
+    if (job.lens) return Sweep<kTransparent, kDepth, Blur::round>(job.samples).run(job);
+    return Sweep<kTransparent, kDepth, Blur::none>(job.samples).run(job);
   };
   if (job.depth_m)
     return transparent ? run.template operator()<true, true>()
@@ -260,6 +304,7 @@ HWY_EXPORT(sweepTile);
 std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
                     const SweepSettings& settings, Frame& frame) {
   std::vector<std::size_t> fragments(lists.tiles().size());
+  const glm::vec2 meridian = nearestMeridian(settings.defocus);
   parallelFor(lists.tiles().size(), [&](std::size_t t) {
     const Tile& tile = lists.tiles()[t];
     const auto list = lists.splats(t);
@@ -268,7 +313,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
     float depth_m[kMost * kMost]{};
     const auto step_px = static_cast<float>(tile.step_px);
     const float first_px = step_px * (0.5f - static_cast<float>(tile.apron()));
-    const glm::vec2 radius = settings.radius_px_per_D;
+    const glm::vec2 radius = settings.defocus.radius_px_per_D;
     const float oblong = radius.x > 0.0f && radius.y > 0.0f ? std::sqrt(radius.y / radius.x) : 1.0f;
     const TileJob job{
         .splats = chunks.splats.get(),
@@ -279,9 +324,11 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .y = static_cast<float>(tile.y_px) + first_px,
         .lens_x = oblong,
         .lens_y = 1.0f / oblong,
+        .meridian = meridian,
         .per_step = 1.0f / step_px,
         .background = {settings.background.r, settings.background.g, settings.background.b},
         .lens = tile.blur_px > kBlurred_px ? chunks.lens.get() : nullptr,
+        .lens_across = chunks.lens_across.get(),
         .radius_px_per_D = radius,
         .parts = tile.blur_px > kPartsFrom_px ? settings.parts : nullptr,
         .rgba = rgba,

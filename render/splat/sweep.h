@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/image/frame.h"
+#include "render/optics/defocus.h"
 #include "render/splat/bin.h"
 #include "render/splat/splat.h"
 
@@ -14,15 +15,17 @@ struct LensParts {
   /// The frame's splats again, in the same places, blurred by a part about the lens's centre.
   const Splat* splats;
   const SplatLens* lens;
+  const SplatLens* lens_across;  ///< null: the lens is round
   /// By splat, focus_D - 1/U: seen from a part at c lens radii it moves by radius_px_per_D c times
-  /// that.
+  /// that. Of an astigmatic lens along its nearest meridian and across it.
   const float* out_of_focus_D;
+  const float* out_across_D;
   std::vector<glm::vec2> centres;
 };
 
 struct SweepSettings {
   glm::vec3 background;              ///< linear RGB
-  glm::vec2 radius_px_per_D{0.0f};   ///< of the blur, as the splats were projected with
+  Defocus defocus;                   ///< as the splats were projected with
   bool transparent = false;          ///< some splat's opacity is below 1
   bool depth = false;                ///< fill Frame::depth_m
   const LensParts* parts = nullptr;  ///< null: the lens as a whole
