@@ -25,6 +25,11 @@ namespace foci {
 /// spread is side^2 / 12, its kernel wants (kSigmaPerSpacing side)^2.
 inline constexpr float kOverlap = 12.0f * kSigmaPerSpacing * kSigmaPerSpacing;
 
+/// How much the longer axis of an ellipse of confusion counts for the kernel's shape. With less,
+/// the light of a line is cut off beyond the lens's rim (4 % of its variance at 0); with more,
+/// kernels a pixel wide are discs there and sum to one by 2.5 % only (0.3 % here).
+inline constexpr float kLongAxis = 0.6f;
+
 /// Surfels one after the other.
 struct SurfelArrays {
   const float* position;
@@ -194,9 +199,11 @@ struct Ellipse {
 };
 
 /// Blur of variance k B B', B = diag(r) (F - I/U), on splats of variance `sharp`, prefilter
-/// included. The kernel is that with the mean fourth moment of disc and Gaussian (of q, over W),
-/// which the round kernel's rule keeps, too: with f1 and f2 the blur's shares of W along its
-/// principal axes, (1 - q)^n of a disc whose share f is the root of (3 f1^2 + 3 f2^2 + 2 f1 f2)/8.
+/// included. With f1 >= f2 the blur's shares of W along its principal axes, the kernel with the
+/// mean fourth moment of disc and Gaussian (of q, over W) is that of a disc whose share f has
+///   f^2 = (3 f1^2 + 3 f2^2 + 2 f1 f2) / 8,
+/// f itself where f1 = f2 = f. A line's is a bell, longer than the line; so kLongAxis of f^2 is
+/// f1^2.
 HWY_INLINE Ellipse blurEllipse(const ProjectJob& job, V out_of_focus_D, V sharp_xx, V sharp_xy,
                                V sharp_yy, Lanes& out) {
   const D d;
@@ -226,7 +233,11 @@ HWY_INLINE Ellipse blurEllipse(const ProjectJob& job, V out_of_focus_D, V sharp_
   const V sum = hn::Mul(
       inv_det, hn::NegMulAdd(hn::Add(wxy, wxy), bxy, hn::MulAdd(wyy, bxx, hn::Mul(wxx, byy))));
   const V product = hn::Mul(inv_det, hn::NegMulAdd(bxy, bxy, hn::Mul(bxx, byy)));
-  const V share2 = hn::MulAdd(hn::Mul(set(0.375f), sum), sum, hn::Mul(set(-0.5f), product));
+  const V moment2 = hn::MulAdd(hn::Mul(set(0.375f), sum), sum, hn::Mul(set(-0.5f), product));
+  const V apart2 = hn::MulAdd(sum, sum, hn::Mul(set(-4.0f), product));
+  const V longer = hn::Mul(set(0.5f), hn::Add(sum, hn::Sqrt(hn::Max(apart2, hn::Zero(d)))));
+  const V share2 =
+      hn::MulAdd(hn::Mul(set(kLongAxis), longer), longer, hn::Mul(set(1.0f - kLongAxis), moment2));
   const V share = hn::Sqrt(hn::Max(share2, set(1e-12f)));
   // Of a disc, share = k / (k + narrow).
   const V narrow = hn::Mul(set(k), hn::Sub(hn::Div(set(1.0f), share), set(1.0f)));

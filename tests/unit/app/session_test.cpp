@@ -115,5 +115,65 @@ TEST(Session, SharpHalfIgnoresThePupil) {
   EXPECT_NE(halves(small).second, halves(large).second);
 }
 
+/// What an observer of the wall, 0.5 D away, sees after a while.
+std::pair<FrameRecord, Frame> seenBy(const Study& study, const SurfelCloud& cloud) {
+  const Screen screen = study.screenInForce();
+  Session session(study, cloud, screen, 100.0, 0.0);
+  FrameRecord record;
+  for (int i = 0; i <= 20; ++i) {
+    session.push(
+        {.time_s = 0.01 * i, .point_px = 0.5 * glm::dvec2(screen.size_px), .pupil_mm = {}});
+    record = session.look(0.01 * i);
+  }
+  Frame frame;
+  session.draw("sweep-lod", record, frame);
+  return {record, frame};
+}
+
+TEST(ObserverEye, WithGlassesIsAnEmmetropeByteForByte) {
+  const SurfelCloud cloud = wall();
+  Study study = wallStudy();
+  study.focus.fixed_D = 3.0;  // some blur
+  const Frame emmetrope = seenBy(study, cloud).second;
+  study.observer.sphere_D = -4.0;
+  study.observer.cylinder_D = -2.0;
+  study.observer.axis_deg = 70.0;
+  EXPECT_EQ(seenBy(study, cloud).second.rgba, emmetrope.rgba);
+  study.observer.corrected = false;
+  EXPECT_NE(seenBy(study, cloud).second.rgba, emmetrope.rgba);
+}
+
+TEST(ObserverEye, ShortSightedSeesNothingSharpBeyondItsFarPoint) {
+  const SurfelCloud cloud = wall();
+  Study study = wallStudy();
+  study.observer.sphere_D = -2.0;
+  study.observer.corrected = false;
+  const FrameRecord record = seenBy(study, cloud).first;
+  EXPECT_NEAR(*record.eye.target_D, 0.5, 1e-3);  // the cone of half a degree
+  EXPECT_EQ(record.eye.focus_D, 2.0);
+  // It is blurred as for an emmetrope who looks at half a metre.
+  Study near_study = wallStudy();
+  near_study.focus.fixed_D = 2.0;
+  EXPECT_EQ(seenBy(study, cloud).second.rgba, seenBy(near_study, cloud).second.rgba);
+}
+
+TEST(ObserverEye, GlassesComeOffWhileItRuns) {
+  const Study study = wallStudy();
+  const SurfelCloud cloud = wall();
+  const Screen screen = study.screenInForce();
+  Session session(study, cloud, screen, 100.0, 0.0);
+  for (int i = 0; i <= 20; ++i) {
+    session.push(
+        {.time_s = 0.01 * i, .point_px = 0.5 * glm::dvec2(screen.size_px), .pupil_mm = {}});
+    session.look(0.01 * i);
+  }
+  session.change("observer.sphere_D", "-2");
+  const double worn_D = session.look(0.3).eye.focus_D;
+  session.change("observer.corrected", "false");
+  EXPECT_EQ(session.look(0.4).eye.focus_D, worn_D + 2.0);
+  EXPECT_NEAR(session.look(9.0).eye.focus_D, 2.0, 1e-6);  // relaxed
+  EXPECT_THROW(session.change("observer.axis_deg", "181"), InputError);
+}
+
 }  // namespace
 }  // namespace foci

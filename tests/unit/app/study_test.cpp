@@ -70,6 +70,10 @@ TEST_F(StudyFile, ResolvesPathsFromItsOwnFolder) {
 TEST_F(StudyFile, RefusesByLineKeyAndValue) {
   EXPECT_EQ(refusal("[observer]\n\npupil_mm = 40\n"),
             "3: observer.pupil_mm = 40: expected 0.5 to 12");
+  EXPECT_EQ(refusal("[observer]\naxis_deg = 200\n"),
+            "2: observer.axis_deg = 200: expected 0 to 180");
+  EXPECT_EQ(refusal("[observer]\ncorrected = \"no\"\n"),
+            "2: observer.corrected = \"no\": expected true or false");
   EXPECT_EQ(refusal("[output]\nfps = [1, 2]\n"), "2: output.fps = [1, 2]: expected 1 to 1000");
   EXPECT_EQ(refusal("[output]\nsize = [1, 2]\n"),
             "2: unknown key output.size: did you mean output.size_px?");

@@ -60,5 +60,36 @@ TEST(Accommodation, SwitchedOffIsTheTargetItself) {
   }
 }
 
+TEST(ReachableFocus, RunsFromTheFarPointOverTheAmplitude) {
+  AccommodationSettings eye{.far_point_D = 2.0};  // -2 D without glasses
+  EXPECT_EQ(reachableFocus_D(eye, 0.0), 2.0);
+  EXPECT_EQ(reachableFocus_D(eye, 5.0), 5.0);
+  eye.age_years = 50.0;  // 3.5 D
+  EXPECT_EQ(reachableFocus_D(eye, 9.0), 5.5);
+  eye.far_point_D = -4.0;  // long-sighted: not even infinity
+  EXPECT_EQ(reachableFocus_D(eye, 0.0), -0.5);
+}
+
+TEST(Accommodation, OfAShortSightedEyeRestsAtItsFarPoint) {
+  Accommodation eye({.resting_D = 1.0, .far_point_D = 2.0});
+  EXPECT_EQ(eye.focusAt_D(0.0), 2.0);
+  for (int i = 1; i < 5; ++i) {
+    eye.setTarget(i, 0.4 * i);  // to 1.6 D: nothing beyond half a metre
+    EXPECT_EQ(eye.focusAt_D(i), 2.0);
+  }
+}
+
+TEST(Accommodation, JumpsWhenGlassesComeOffAndThenAnswers) {
+  Accommodation eye(kEye);
+  eye.setTarget(0.0, 3.0);
+  EXPECT_EQ(eye.focusAt_D(1.0), 3.0);
+  eye.setFarPoint(2.0);  // off: the lens in the eye is still 3 D strong
+  EXPECT_EQ(eye.focusAt_D(1.1), 5.0);
+  EXPECT_NEAR(eye.focusAt_D(1.5), 3.0 + 2.0 * std::exp(-1.0), kRounding);
+  EXPECT_NEAR(eye.focusAt_D(9.0), 3.0, 1e-9);
+  eye.setFarPoint(2.0);
+  EXPECT_NEAR(eye.focusAt_D(9.1), 3.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace foci

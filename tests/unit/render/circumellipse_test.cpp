@@ -48,5 +48,28 @@ TEST(Circumellipse, HoldsUpForEllipsesABillionTimesLongerThanWide) {
   EXPECT_GE(w.yy, 0.0f);
 }
 
+TEST(Circumellipse, OfTwoEllipsesHoldsBothAndNoMoreThanItMust) {
+  for (double angle_rad = 0.0; angle_rad < 3.2; angle_rad += 0.3) {
+    const Variance b = rotated(4.0, 0.5, angle_rad), c = rotated(3.0, 1.0, 0.7);
+    const Variance w = circumellipse(b, c);
+    for (double along_rad = 0.0; along_rad < 3.2; along_rad += 0.1) {
+      const auto variance = [&](const Variance& v) {
+        const double x = std::cos(along_rad), y = std::sin(along_rad);
+        return v.xx * x * x + 2.0 * v.xy * x * y + v.yy * y * y;
+      };
+      EXPECT_GE(variance(w), std::fmax(variance(b), variance(c)) - 1e-4);
+      EXPECT_LE(variance(w), variance(b) + variance(c) + 1e-4);
+    }
+  }
+  // Of circles it is the one above.
+  expectNear(circumellipse(rotated(3.0, 1.0, 0.4), Variance{2.0f, 0.0f, 2.0f}),
+             circumellipse(rotated(3.0, 1.0, 0.4), 2.0f), 3.0f);
+}
+
+TEST(Circumellipse, OfNothingAndALineIsTheLine) {
+  expectNear(circumellipse({0.0f, 0.0f, 0.0f}, rotated(9.0, 0.0, 0.5)), rotated(9.0, 0.0, 0.5),
+             9.0f);
+}
+
 }  // namespace
 }  // namespace foci
