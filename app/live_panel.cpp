@@ -156,7 +156,7 @@ void FrameGraph::draw() const {
 void drawPanel(const PanelContent& content, const LiveControls& controls, bool& open) {
   const Study& study = content.state.study;
   ImGui::SetNextWindowPos({16.0f, 16.0f}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({430.0f, 0.0f}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({430.0f, 0.0f});  // as high as what is open in it
   ImGui::SetNextWindowBgAlpha(0.9f);
   if (ImGui::Begin("foci live", &open, ImGuiWindowFlags_NoSavedSettings)) {
     ImGui::PushItemWidth(220.0f);
