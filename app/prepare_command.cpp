@@ -163,7 +163,7 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
   summary.spacing_m = medianSpacing_m(cloud);
   for (const float area_m2 : cloud.area_m2) summary.area_m2 += area_m2;
   for (const float pixel : kPixels) {
-    const std::vector<KernelSum> sums = kernelSums(cloud, kProbes, pixel);
+    const std::vector<KernelSum> sums = kernelSums(cloud, kProbes, {pixel});
     summary.normalisation.push_back(normalisationOf(sums, pixel));
     summary.smooth_share =
         static_cast<double>(std::count_if(sums.begin(), sums.end(),

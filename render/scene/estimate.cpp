@@ -252,11 +252,14 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
     near = findNeighbours(points.position_m, kSolveNeighbours);
     sheet = sameSheet(points.position_m, points.normal, near);
   }
-  std::vector<float> weight = solveKernels(
-      {points.position_m, points.normal, near, sheet, spacing},
-      settings.thorough ? KernelEffort{kThoroughIterations, kThoroughRounds, settings.progress}
-                        : KernelEffort{kQuickIterations},
-      sigma);
+  std::vector<float> weight =
+      solveKernels({points.position_m, points.normal, near, sheet, spacing},
+                   settings.thorough ? KernelEffort{.weight_iterations = 0,
+                                                    .sigma_rounds = kThoroughRounds,
+                                                    .drawn_iterations = kThoroughIterations,
+                                                    .progress = settings.progress}
+                                     : KernelEffort{.weight_iterations = kQuickIterations},
+                   sigma);
   near = {};
   SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
   cloud.oriented = oriented;

@@ -76,7 +76,7 @@ TEST(SurfelsFromPoints, StayWithinTheirBoundsWhereThorough) {
 
 TEST(KernelSums, AreOneOnARegularPlane) {
   for (const float pixel : {0.0f, 0.5f, 1.0f}) {
-    const auto sums = kernelSums(makePlane(100, 3.0f), 4000, pixel);
+    const auto sums = kernelSums(makePlane(100, 3.0f), 4000, {pixel});
     EXPECT_EQ(sums.size(), 4000u);
     EXPECT_GT(std::count_if(sums.begin(), sums.end(), [](const auto& s) { return s.smooth; }),
               3500);
@@ -88,7 +88,7 @@ TEST(KernelSums, AreOneOnARegularPlane) {
 TEST(KernelSums, FollowTheWeights) {
   SurfelCloud plane = makePlane(100, 3.0f);
   for (float& area_m2 : plane.area_m2) area_m2 *= 1.5f;
-  const auto sums = kernelSums(plane, 1000, 0.0f);
+  const auto sums = kernelSums(plane, 1000, {0.0f});
   EXPECT_EQ(shareWithin(sums, 0.1f, true), 0.0);
   EXPECT_GT(shareWithin(sums, 0.51f, true), 0.97);
 }
@@ -97,7 +97,7 @@ TEST(KernelSums, AgreeWithAllKernelsSummed) {
   SurfelCloud alone;
   appendSurfel(alone, {0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, 0.62f, 1.0f, glm::vec3(1.0f));
   const float highest = 1.0f / (glm::two_pi<float>() * 0.62f * 0.62f);
-  const auto sums = kernelSums(alone, 100, 0.0f);
+  const auto sums = kernelSums(alone, 100, {0.0f});
   for (const KernelSum& sum : sums) {  // up to half a spacing aside along both axes
     EXPECT_LE(sum.sum, highest * 1.0001f);
     EXPECT_GE(sum.sum, highest * std::exp(-0.5f * 0.5f / (0.62f * 0.62f)) * 0.9999f);
@@ -111,7 +111,7 @@ TEST(KernelSums, DoNotMixSheets) {
     appendSurfel(plane, below.position_m[i] - glm::vec3(0.0f, 0.15f, 0.0f), {0.0f, 1.0f, 0.0f},
                  kSigmaPerSpacing * 0.05f, below.area_m2[i], glm::vec3(1.0f));
   }
-  const auto sums = kernelSums(plane, 1000, 0.5f);
+  const auto sums = kernelSums(plane, 1000, {0.5f});
   EXPECT_GT(shareWithin(sums, 0.02f, false), 0.8);  // but for the border
 }
 
@@ -120,7 +120,7 @@ TEST(KernelSums, GiveUpWhereAllSurfelsCoincide) {
   for (int i = 0; i < 5000; ++i) {
     appendSurfel(point, glm::vec3(1.0f), {0.0f, 1.0f, 0.0f}, 0.1f, 0.01f, glm::vec3(1.0f));
   }
-  EXPECT_TRUE(kernelSums(point, 100, 1.0f).empty());
+  EXPECT_TRUE(kernelSums(point, 100, {1.0f}).empty());
   EXPECT_EQ(shareWithin({}, 0.1f, true), 1.0);
 }
 
