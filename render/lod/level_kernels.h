@@ -9,7 +9,9 @@
 
 #include <vector>
 
+#include "render/lod/cut.h"
 #include "render/lod/moment_tree.h"
+#include "render/scene/kernel_sums.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -18,6 +20,11 @@ struct LevelKernels {
   SurfelCloud surfels;          ///< as drawn: the axes are the share of the variance that is own
   std::vector<float> added_m2;  ///< variance along an axis that merging added
 };
+
+/// The finest pixel and the least blur that square nodes are drawn at, in units of their side,
+/// whose variance is side^2 / 12: 1 / sqrt(12 per_pixel2) and 1 / sqrt(12 per_blur2) of
+/// kFaithfulCut.
+inline constexpr SeenAs kCoarsestSharp{1.6667f}, kCoarsestBlurred{0.0f, 3.7268f};
 
 /// @param level  0 (the root) to tree.levels() - 1
 LevelKernels levelKernels(const MomentTree& tree, int level);

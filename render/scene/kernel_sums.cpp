@@ -21,8 +21,8 @@ constexpr float kSameSheetOffPlane = 3.0f;  // widths of the surfel beside
 constexpr float kSmoothReach = 3.0f;        // standard deviations as drawn: all of a kernel
 constexpr float kSmoothCosine = 0.9f;
 constexpr float kSmoothOffPlane = 0.4f;  // standard deviations as drawn
-constexpr float kOuter = 0.5f;      // of the smooth reach: beyond it all directions are asked for
-constexpr float kBorderGap = 1.3f;  // rad: a border at 0.8 of the smooth reach
+constexpr float kBorderReach = 2.4f;     // standard deviations as drawn: a border nearer is one
+constexpr float kBorderGap = 1.6f;       // rad, without a surfel from there to kReach
 
 float sigmaOf(const SurfelCloud& cloud, std::size_t i) {
   return std::sqrt(glm::length(cloud.axis_u_m[i]) * glm::length(cloud.axis_v_m[i]));
@@ -69,6 +69,36 @@ std::vector<Probe> spread(const SurfelCloud& cloud, std::size_t count) {
   return probes;
 }
 
+/// A kernel on its surface, as it is drawn where surfels have a spacing.
+class Drawn {
+ public:
+  Drawn(const SeenAs& seen, float spacing2)
+      : prefilter_(seen.pixel_spacings * seen.pixel_spacings * spacing2),
+        radius2_(seen.blur_spacings * seen.blur_spacings * spacing2),
+        least_radius2_(1e-12f * spacing2) {}
+
+  float at(const SurfelCloud& cloud, std::span<const float> added_m2, std::size_t j,
+           const glm::vec3& p_world) const {
+    const glm::vec3 d = cloud.position_m[j] - p_world;
+    const float u2 = glm::dot(cloud.axis_u_m[j], cloud.axis_u_m[j]);
+    const float v2 = glm::dot(cloud.axis_v_m[j], cloud.axis_v_m[j]);
+    const float soft = prefilter_ + (added_m2.empty() ? 0.0f : kOverlap * added_m2[j]);
+    const float unblurred = std::sqrt((u2 + soft) * (v2 + soft));
+    const KernelShape& shape =
+        kernelShape(kernelExponent(unblurred / std::max(radius2_, least_radius2_)));
+    const float widening = prefilter_ + kDiscVariancePerRadius2 * radius2_;
+    const float u = glm::dot(d, cloud.axis_u_m[j]), v = glm::dot(d, cloud.axis_v_m[j]);
+    const float q = (u * u / u2 / (u2 + widening) + v * v / v2 / (v2 + widening)) / shape.support2;
+    if (q >= 1.0f) return 0.0f;
+    const float t = 1.0f - q;
+    return cloud.area_m2[j] / (shape.support2 * std::sqrt((u2 + widening) * (v2 + widening))) *
+           (shape.k0 + t * (shape.k1 + t * shape.k2));
+  }
+
+ private:
+  float prefilter_, radius2_, least_radius2_;
+};
+
 }  // namespace
 
 std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, const SeenAs& seen,
@@ -108,9 +138,9 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, 
       const float cosine = std::abs(glm::dot(normalOf(cloud, j), normal));
       if (glm::dot(d, d) < kSmoothReach * kSmoothReach * drawn * drawn) {
         smooth = smooth && cosine >= kSmoothCosine && off_plane <= kSmoothOffPlane * drawn;
-        if (glm::dot(d, d) > kOuter * kOuter * kSmoothReach * kSmoothReach * drawn * drawn) {
-          angles.push_back(std::atan2(glm::dot(d, along_v), glm::dot(d, along_u)));
-        }
+      }
+      if (glm::dot(d, d) > kBorderReach * kBorderReach * drawn * drawn) {
+        angles.push_back(std::atan2(glm::dot(d, along_v), glm::dot(d, along_u)));
       }
       if (cosine < kSameSheetCosine || off_plane > kSameSheetOffPlane * width) continue;
       sheet.push_back(j);
@@ -120,31 +150,21 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, 
       sums[k].sum = -1.0f;
       return;
     }
-    const auto spacing2 = static_cast<float>(area / static_cast<double>(sheet.size()));
-    const float prefilter = seen.pixel_spacings * seen.pixel_spacings * spacing2;
-    const float radius2 = seen.blur_spacings * seen.blur_spacings * spacing2;
-    const float widening = prefilter + kDiscVariancePerRadius2 * radius2;
+    const Drawn drawing(seen, static_cast<float>(area / static_cast<double>(sheet.size())));
     float sum = 0.0f;
-    for (const std::uint32_t j : sheet) {
-      const glm::vec3 d = cloud.position_m[j] - at[k].p_world;
-      const float u2 = glm::dot(cloud.axis_u_m[j], cloud.axis_u_m[j]);
-      const float v2 = glm::dot(cloud.axis_v_m[j], cloud.axis_v_m[j]);
-      const float soft = added_m2.empty() ? 0.0f : kOverlap * added_m2[j];
-      const float unblurred = std::sqrt((u2 + soft + prefilter) * (v2 + soft + prefilter));
-      const KernelShape& shape =
-          kernelShape(kernelExponent(unblurred / std::max(radius2, 1e-12f * spacing2)));
-      const float u = glm::dot(d, cloud.axis_u_m[j]), v = glm::dot(d, cloud.axis_v_m[j]);
-      const float q =
-          (u * u / u2 / (u2 + widening) + v * v / v2 / (v2 + widening)) / shape.support2;
-      if (q >= 1.0f) continue;
-      const float t = 1.0f - q;
-      sum += cloud.area_m2[j] / (shape.support2 * std::sqrt((u2 + widening) * (v2 + widening))) *
-             (shape.k0 + t * (shape.k1 + t * shape.k2));
-    }
+    for (const std::uint32_t j : sheet) sum += drawing.at(cloud, added_m2, j, at[k].p_world);
     sums[k] = {sum, smooth && largestGap(angles) < kBorderGap};
   });
   std::erase_if(sums, [](const KernelSum& sum) { return sum.sum < 0.0f; });
   return sums;
+}
+
+float kernelSumAt(const SurfelCloud& cloud, const glm::vec3& p_world, float spacing_m,
+                  const SeenAs& seen, std::span<const float> added_m2) {
+  const Drawn drawing(seen, spacing_m * spacing_m);
+  float sum = 0.0f;
+  for (std::size_t j = 0; j < cloud.size(); ++j) sum += drawing.at(cloud, added_m2, j, p_world);
+  return sum;
 }
 
 double shareWithin(const std::vector<KernelSum>& sums, float tolerance, bool smooth_only) {

@@ -31,6 +31,11 @@ struct SeenAs {
 std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, const SeenAs& seen,
                                   std::span<const float> added_m2 = {});
 
+/// The sum at one place of a surface that is flat: all kernels, wherever they are.
+/// @param spacing_m  of the surfels there
+float kernelSumAt(const SurfelCloud& cloud, const glm::vec3& p_world, float spacing_m,
+                  const SeenAs& seen, std::span<const float> added_m2 = {});
+
 /// Share of the sums within 1 +- `tolerance`; 1 where there are none.
 double shareWithin(const std::vector<KernelSum>& sums, float tolerance, bool smooth_only);
 

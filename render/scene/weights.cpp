@@ -37,7 +37,8 @@ class Solver {
   }
 
   void iterateWeightsAsDrawn() {
-    iterate([&](std::size_t i) { return drawnAt(i); });
+    // A pixel that looks past a border is covered in part only, and should be.
+    iterate([&](std::size_t i) { return atBorder(i) ? 1.0f : drawnAt(i); });
   }
 
   /// @param given_m  sigma as it was at first

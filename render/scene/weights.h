@@ -21,9 +21,9 @@ struct KernelProblem {
 };
 
 struct KernelEffort {
-  int weight_iterations;     ///< >= 0
-  int sigma_rounds = 0;      ///< of adapting the sizes too, before those iterations
-  int drawn_iterations = 0;  ///< of the weights after them, for the kernels as they are drawn
+  int weight_iterations = 0;  ///< >= 0
+  int sigma_rounds = 0;       ///< of adapting the sizes too, before those iterations
+  int drawn_iterations = 0;   ///< of the weights after them, for the kernels as they are drawn
   std::function<void(std::size_t done, std::size_t total)> progress = {};
 };
 
