@@ -31,9 +31,9 @@ float rippleOf(double sigma) {
   return static_cast<float>(ripple) + 1e-3f;  // and of all the others
 }
 
-/// A part of the scan of more than ten thousand points.
+/// A part of the scan of more than five thousand points.
 const glm::vec3 kScansPart_m(-2.375f, 4.875f, -0.625f);
-constexpr float kScansRadius_m = 0.6f;
+constexpr float kScansRadius_m = 0.45f;
 
 /// side x side points of a grid in y = 0, one a square metre, each anywhere in its square.
 PointCloud jitteredPlane(int side) {
@@ -151,7 +151,7 @@ TEST(LevelKernels, SumToOneOnAScansSmoothPartsAtEveryLevel) {
     some.color.push_back(points.color[i]);
   }
   const SurfelCloud cloud = surfelsFromPoints(std::move(some), {.solve = KernelSolve::thorough});
-  ASSERT_GT(cloud.size(), 10'000u);
+  ASSERT_GT(cloud.size(), 5'000u);
   for (const float pixel : {1.0f, 0.5f}) {
     EXPECT_GT(shareWithin(kernelSums(cloud, 10'000, {pixel}), 0.1f, true), 0.95) << pixel;
   }
