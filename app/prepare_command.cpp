@@ -26,7 +26,7 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kProbes = 50'000, kLevelProbes = 20'000;
+constexpr std::size_t kMostProbes = 20'000, kProbesASurfel = 10;
 constexpr int kLeastNodes = 1000;
 constexpr float kPixels[] = {1.0f, 0.5f};
 constexpr int kMostThreads = 1024;
@@ -65,10 +65,14 @@ Normalisation normalisationOf(const std::vector<KernelSum>& sums, const SeenAs& 
           .smooth_histogram = histogramOf(sums, true)};
 }
 
+std::size_t probesOf(const SurfelCloud& cloud) {
+  return std::min(kMostProbes, kProbesASurfel * cloud.size());
+}
+
 std::vector<Normalisation> normalisationOf(const SurfelCloud& cloud) {
   std::vector<Normalisation> all;
   for (const float pixel : kPixels) {
-    all.push_back(normalisationOf(kernelSums(cloud, kProbes, {pixel}), {pixel}));
+    all.push_back(normalisationOf(kernelSums(cloud, probesOf(cloud), {pixel}), {pixel}));
   }
   return all;
 }
@@ -80,8 +84,8 @@ std::vector<LevelNormalisation> normalisationOfLevels(const SurfelCloud& cloud) 
   for (int level = tree.levels() - 1; level >= 0 && 1 << level >= kLeastNodes; --level) {
     const LevelKernels kernels = levelKernels(tree, level);
     const auto as = [&](const SeenAs& seen) {
-      return normalisationOf(kernelSums(kernels.surfels, kLevelProbes, seen, kernels.added_m2),
-                             seen);
+      return normalisationOf(
+          kernelSums(kernels.surfels, probesOf(kernels.surfels), seen, kernels.added_m2), seen);
     };
     levels.push_back({.nodes = kernels.surfels.size(),
                       .sharp = as(kCoarsestSharp),

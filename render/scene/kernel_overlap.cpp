@@ -12,14 +12,21 @@ constexpr int kRings = 64, kAngles = 64;
 
 /// By the midpoint rule over the smaller one's disc, rings of equal area; radii `radius` and 1.
 double overlap(double radius, double distance) {
+  static const auto cosines = [] {
+    std::array<double, kAngles> all{};
+    for (int k = 0; k < kAngles; ++k) all[k] = std::cos(std::numbers::pi * (k + 0.5) / kAngles);
+    return all;
+  }();
   double sum = 0.0;
   for (int ring = 0; ring < kRings; ++ring) {
     const double q = (ring + 0.5) / kRings, r = radius * std::sqrt(q);
-    for (int k = 0; k < kAngles; ++k) {
-      const double cosine = std::cos(std::numbers::pi * (k + 0.5) / kAngles);
-      const double left = 1.0 - (r * r + distance * distance - 2.0 * r * distance * cosine);
-      if (left > 0.0) sum += (1.0 - q) * (1.0 - q) * left * left;
+    const double middle = 1.0 - r * r - distance * distance;
+    double of_ring = 0.0;
+    for (const double cosine : cosines) {
+      const double left = std::max(middle + 2.0 * r * distance * cosine, 0.0);
+      of_ring += left * left;
     }
+    sum += (1.0 - q) * (1.0 - q) * of_ring;
   }
   return 9.0 / std::numbers::pi * sum / (kRings * kAngles);
 }
