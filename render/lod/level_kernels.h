@@ -2,9 +2,10 @@
 //
 // A node's weight is the sum of its surfels' areas, and that suffices: the surfels' kernels are
 // solved to sum to one (weights.h), a node has the same integral, mean and variance as those of its
-// surfels together, and it is drawn where blur or prefilter have 33 times the variance that merging
-// added. What is left of order three is a fifth of a per cent; weights solved for each level could
-// not better it, nor the ripple of discs sampled by nodes, which nodes of equal weights have too.
+// surfels together, and it is drawn where the variance of blur or prefilter is at least 33 times
+// what merging added. On a jittered plane the sums' standard deviation is then below 0.2 % in focus
+// at every level, less than the surfels' own. Where a disc is sampled by some forty nodes it is
+// 0.9 %, but so it is on a regular grid, where all weights are equal: no weights could better that.
 #pragma once
 
 #include <vector>

@@ -70,7 +70,7 @@ double shareOff(int side, float margin, double tolerance, const SumAt& sum) {
     return margin + (static_cast<float>(side) - 2.0f * margin) * static_cast<float>(random() >> 8) *
                         0x1p-24f;
   };
-  constexpr int kPlaces = 1000;
+  constexpr int kPlaces = 2000;
   int off = 0;
   for (int k = 0; k < kPlaces; ++k) {
     const float x = inside(), z = inside();
@@ -80,7 +80,7 @@ double shareOff(int side, float margin, double tolerance, const SumAt& sum) {
 }
 
 TEST(SurfelsFromPoints, SumToOneWithinTwoPercentWhereThorough) {
-  const int side = 60;
+  const int side = 90;
   std::size_t passes = 0;
   const SurfelCloud cloud = surfelsFromPoints(
       jitteredPlane(side),
