@@ -10,7 +10,7 @@ namespace foci {
 namespace {
 
 constexpr float kFade = 0.3f;         // of the variance allowed: over it a node fades out
-constexpr int kSerialLevels = 8;      // below, one task a subtree; fixed, as are all results
+constexpr int kSerialCutLevels = 8;      // below, one task a subtree; fixed, as are all results
 constexpr int kMiddleLevel = 10;      // about a thousand nodes
 constexpr float kWidestReach = 3.0f;  // standard deviations of a kernel's support, at most
 
@@ -133,7 +133,7 @@ void selectCut(const MomentTree& tree, const View& view, const Defocus& defocus,
   if (tree.levels() == 0) return;
   const Selector selector(tree, view, defocus, settings);
   std::vector<Pending> pending;
-  selector.select(1, 1.0f, std::size_t{1} << std::min(kSerialLevels, tree.levels() - 1), cut,
+  selector.select(1, 1.0f, std::size_t{1} << std::min(kSerialCutLevels, tree.levels() - 1), cut,
                   &pending);
   std::vector<Cut> parts(pending.size());
   parallelFor(pending.size(), [&](std::size_t i) {
