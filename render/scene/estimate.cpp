@@ -25,7 +25,7 @@ constexpr float kSameSheetReach = 0.5f;       // off the tangent plane, of the f
 constexpr float kMostLocalSpacings = 2.0f;    // of the neighbours' median: strays beside a surface
 constexpr float kMostSpacings = 5.0f;         // of the cloud's median: strays far from everything
 constexpr float kLeastSigma_m = 1e-9f;        // its fourth power is still a normal float
-constexpr int kQuickIterations = 8, kThoroughIterations = 30, kThoroughRounds = 30;
+constexpr int kQuickIterations = 8, kThoroughIterations = 40, kThoroughRounds = 30;
 constexpr double kMostOpposed = 0.05;  // share of neighbours, in an oriented cloud
 
 /// Unit eigenvector of the least eigenvalue, by cyclic Jacobi rotations (Golub and Van Loan, 8.5).

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kLeastWeight = 0.05f;  // of spacing^2
 constexpr int kWeightsARound = 3;      // iterations of the weights between steps of the sizes
-constexpr float kPixel2 = 0.6f;        // side of a pixel, squared, of spacing^2
+constexpr float kPixel2 = 0.4f;        // side of a pixel, squared, of spacing^2
 constexpr float kStep = 4.0f;          // of log v, against the gradient
 constexpr float kLargestStep = 0.1f;   // of log v
 constexpr float kMostGrowth = 2.56f;   // of v: 1.6 of sigma

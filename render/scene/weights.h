@@ -37,7 +37,7 @@ struct KernelEffort {
 ///                 steps of log v_i against it, within a factor of 1.6 of the given sigma. Sizes at
 ///                 the border of a surface stay, or they would fill the space beyond it.
 /// G are Gaussians, whose overlaps are Gaussians; the `drawn_iterations` take the kernels as drawn,
-/// of compact support, and prefiltered by a pixel of 0.77 of the spacing (kernel_overlap.h).
+/// of compact support, and prefiltered by a pixel of 0.63 of the spacing (kernel_overlap.h).
 /// Neighbours beyond the k-th are made up for by the kernel's mass outside.
 /// @param sigma_m  > 0; changed where `sigma_rounds` > 0
 /// @return weights, m^2, > 0 and at most 2 pi sigma^2: no single kernel covers more than everything
