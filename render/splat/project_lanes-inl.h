@@ -21,10 +21,6 @@
 #define FOCI_PROJECT_LANES_ONCE
 namespace foci {
 
-/// Of the variance that merging added, what a kernel needs for neighbours to overlap: a square's
-/// spread is side^2 / 12, its kernel wants (kSigmaPerSpacing side)^2.
-inline constexpr float kOverlap = 12.0f * kSigmaPerSpacing * kSigmaPerSpacing;
-
 /// How much the longer axis of an ellipse of confusion counts for the kernel's shape. With less,
 /// the light of a line is cut off beyond the lens's rim (4 % of its variance at 0); with more,
 /// kernels a pixel wide are discs there and sum to one by 2.5 % only (0.3 % here).
