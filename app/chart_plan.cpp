@@ -156,7 +156,7 @@ ChartPlan planChart(const ChartChoice& choice) {
 StabilityPlan planStability(const ChartChoice& choice) {
   StabilityPlan plan{.quick = choice.quick,
                      .effort = choice.quick ? StabilityEffort{.samples = 64, .steps = 3}
-                                            : StabilityEffort{.samples = 256, .steps = 10},
+                                            : StabilityEffort{.samples = 160, .steps = 8},
                      .scenes = stabilityScenes()};
   if (choice.scan) plan.scenes.push_back(thinnedScan(*choice.scan));
   std::vector<std::string> known;

@@ -40,6 +40,27 @@ StabilitySetup crossing(float angle_deg, float deep_m) {
                  lens(18.0f, 0.5f));
 }
 
+/// What a surfel a pixel wide becomes that is blurred by `radius_px`, `light_px` over all pixels.
+std::function<Frame(const View&, const RenderSettings&, int)> discOf(double light_px,
+                                                                     const glm::vec2& at_px,
+                                                                     double radius_px) {
+  return [=](const View& seen, const RenderSettings&, int) {
+    const double sigma_px = std::sqrt(1.0 + kSigmaPerSpacing * kSigmaPerSpacing);
+    Frame frame{.size_px = seen.size_px, .rgba = {}, .depth_m = {}};
+    for (int y = 0; y < seen.size_px.y; ++y) {
+      for (int x = 0; x < seen.size_px.x; ++x) {
+        const double off_px = glm::distance(glm::vec2(x, y) + 0.5f, at_px);
+        const double share = radius_px > 0.0
+                                 ? discThroughGaussian(off_px, radius_px, sigma_px)
+                                 : std::exp(-0.5 * off_px * off_px / (sigma_px * sigma_px)) /
+                                       (glm::two_pi<double>() * sigma_px * sigma_px);
+        frame.rgba.emplace_back(static_cast<float>(light_px * share), 0.0f, 0.0f, 0.0f);
+      }
+    }
+    return frame;
+  };
+}
+
 /// One surfel of a wall, brighter than the others.
 struct Highlight {
   StabilitySetup setup;
@@ -62,20 +83,7 @@ Highlight highlightOnWall(float times) {
                 .without = wall},
       .light_px = double{kWall} * times * wall.area_m2[which] * kFocal_px * kFocal_px,
       .at_px = project(view(), wall.position_m[which])};
-  const double sigma_px = std::sqrt(1.0 + kSigmaPerSpacing * kSigmaPerSpacing);
-  highlight.setup.truth = [=, light_px = highlight.light_px, at_px = highlight.at_px](
-                              const View& seen, const RenderSettings&, int) {
-    Frame frame{.size_px = seen.size_px, .rgba = {}, .depth_m = {}};
-    for (int y = 0; y < seen.size_px.y; ++y) {
-      for (int x = 0; x < seen.size_px.x; ++x) {
-        const double off_px = glm::distance(glm::vec2(x, y) + 0.5f, at_px);
-        const auto light =
-            static_cast<float>(light_px * discThroughGaussian(off_px, kRadius_px, sigma_px));
-        frame.rgba.emplace_back(light, 0.0f, 0.0f, 0.0f);
-      }
-    }
-    return frame;
-  };
+  highlight.setup.truth = discOf(highlight.light_px, highlight.at_px, kRadius_px);
   return highlight;
 }
 
@@ -209,12 +217,13 @@ StabilitySetup focusRange(float focus_D) {
 }
 
 StabilitySetup pointLight(float focus_D) {
-  constexpr float kFar_m = 1e6f, kRadiance = 100.0f;
+  // A pixel of it.
+  constexpr float kFar_m = 1e6f, kRadiance = 100.0f, kPupil_px_per_D = 2.0f;
   StabilitySetup setup = sceneOf({{.centre_m = {0, 0, -kFar_m},
                                    .size_m = glm::vec2(kFar_m / kFocal_px),
-                                   .color = plain(glm::vec3(kRadiance))}},
-                                 lens(2.0f, focus_D));
-  // One pixel of it.
+                                   .color = plain({kRadiance, 0.0f, 0.0f})}},
+                                 lens(kPupil_px_per_D, focus_D));
+  setup.truth = discOf(kRadiance, view().principal_px, kPupil_px_per_D * focus_D);
   return scored(std::move(setup), [](const Frame& frame) {
     return std::abs(sumOfRed(frame, 0, kSize_px) / kRadiance - 1.0);
   });
