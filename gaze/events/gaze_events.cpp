@@ -31,8 +31,11 @@ std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen
   std::vector<Stretch> stretches;
   for (std::size_t i = 0; i < states.size(); ++i) {
     const bool lost = !trace.samples[i].point_px && !blinks[i];
-    const bool same = i > 0 && states[i] == states[i - 1] &&
-                      (states[i] != GazeState::blink || lost == stretches.back().lost);
+    const bool goes_on = i > 0 && states[i] == states[i - 1];
+    const bool same =
+        goes_on && (states[i] == GazeState::blink
+                        ? lost == stretches.back().lost
+                        : sights[i].time_s - sights[i - 1].time_s <= longestStep_s(trace.rate_Hz));
     if (!same) stretches.push_back({.first = i, .end = i, .lost = lost});
     stretches.back().end = i + 1;
   }

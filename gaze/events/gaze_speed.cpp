@@ -48,8 +48,11 @@ std::vector<std::optional<SightVelocity>> velocitiesOfSight(std::span<const Time
     while (end < samples.size() && joined(end)) ++end;
     std::size_t first = begin, last = begin;
     for (std::size_t i = begin; i < end; ++i) {
-      while (samples[i].time_s - samples[first].time_s > reach_s) ++first;
-      while (last + 1 < end && samples[last + 1].time_s - samples[i].time_s <= reach_s) ++last;
+      while (first + 1 < i && samples[i].time_s - samples[first].time_s > reach_s) ++first;
+      while (last + 1 < end &&
+             (last <= i || samples[last + 1].time_s - samples[i].time_s <= reach_s)) {
+        ++last;
+      }
       const auto slope = velocityOfSight_deg_s(samples.subspan(first, last - first + 1));
       if (!slope) continue;
       // The variance of a slope over n even steps falls as n^3.

@@ -28,8 +28,8 @@ struct SightVelocity {
 };
 
 /// The slope at every sample that has a direction, over the samples up to half a window away on
-/// both sides. Nothing is bridged: a window ends at a sample without a direction, and at a step in
-/// time of more than `longest_step_s`.
+/// both sides, and its neighbours even where they come late. Nothing is bridged: a window ends at a
+/// sample without a direction, and at a step in time of more than `longest_step_s`.
 std::vector<std::optional<SightVelocity>> velocitiesOfSight(std::span<const TimedSight> samples,
                                                             double window_s, double longest_step_s);
 

@@ -105,6 +105,7 @@ GazeState OnlineEvents::settle(const GazeSample& sample, const TimedSight& sight
     return label;
   }
   if (!sample.point_px) return now_.state;
+  if (sample.time_s - stable_.newest_s() > longestStep_s(rate_Hz_)) stable_.clear();
   fixate(sample);
   stable_.add(sample.time_s, *sight.direction);
   return stable_.isPursuit(noise_.sample_deg) ? GazeState::pursuit : GazeState::fixation;

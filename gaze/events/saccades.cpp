@@ -39,8 +39,6 @@ double angle_deg(const glm::dvec3& a, const glm::dvec3& b) {
   return glm::degrees(glm::distance(a, b));
 }
 
-double longestStep_s(double rate_Hz) { return 2.5 / rate_Hz; }
-
 /// Samples in a window of this length.
 double samplesIn(double window_s, double rate_Hz) {
   return 2.0 * std::floor(0.5 * window_s * rate_Hz + 1e-3) + 1.0;
@@ -275,6 +273,8 @@ class SaccadeFinder {
 };
 
 }  // namespace
+
+double longestStep_s(double rate_Hz) { return 2.5 / rate_Hz; }
 
 double scaleWindow_s(std::size_t scale, double rate_Hz, const EventSettings& settings) {
   return std::max(settings.window_s, 2.0 / rate_Hz) * std::exp2(static_cast<double>(scale));

@@ -18,6 +18,10 @@ struct SightNoise {
   std::vector<double> velocity_deg_s{};
 };
 
+/// Over a longer step in time nobody knows what gaze did: no velocity, and what is stable before it
+/// and after it is told apart.
+double longestStep_s(double rate_Hz);
+
 /// Windows double from one scale to the next; the first holds three samples at least.
 double scaleWindow_s(std::size_t scale, double rate_Hz, const EventSettings& settings);
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
 #include <sstream>
 
 #include "gaze/events/agreement.h"
@@ -61,6 +63,37 @@ TEST(OnlineEvents, StatesADelayOfNoMoreThanAsked) {
         EXPECT_EQ(now.state_time_s, trace.samples[i - events.delaySamples()].time_s);
       }
     }
+  }
+}
+
+// A mouse: no noise, samples that come when a window asks for them, steps within an interval.
+TEST(OnlineEvents, AStepBetweenIrregularSamplesIsASaccadeAndThenAFixation) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> late(0.0, 0.6);
+  for (double rate_Hz : {60.0, 125.0, 250.0, 1000.0}) {
+    for (double still_s : {0.05, 0.3, 1.0}) {
+      GazeTrace trace = stillTrace(rate_Hz, still_s + 1.0);
+      for (GazeSample& sample : trace.samples) {
+        if (sample.time_s >= still_s) sample.point_px = glm::dvec2(300, 800);
+        sample.time_s += late(random) / rate_Hz;
+      }
+      const auto states = labelSamplesOnline(trace, kScreen);
+      EXPECT_EQ(std::count(states.begin(), states.end(), GazeState::pursuit), 0) << rate_Hz;
+      EXPECT_GE(std::count(states.begin(), states.end(), GazeState::saccade), 1) << rate_Hz;
+      EXPECT_EQ(states.back(), GazeState::fixation) << rate_Hz;
+    }
+  }
+}
+
+// Nobody saw how gaze came from one place to the other, in both of which it rested.
+TEST(OnlineEvents, AStepInABreakIsNoPursuit) {
+  GazeTrace trace = stillTrace(60, 2.0);
+  for (std::size_t i = trace.samples.size() / 2; i < trace.samples.size(); ++i) {
+    trace.samples[i].point_px = glm::dvec2(300, 800);
+    trace.samples[i].time_s += 0.06;
+  }
+  for (const auto& states : {labelSamplesOnline(trace, kScreen), labelSamples(trace, kScreen)}) {
+    EXPECT_EQ(std::count(states.begin(), states.end(), GazeState::pursuit), 0);
   }
 }
 
