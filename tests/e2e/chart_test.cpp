@@ -174,13 +174,14 @@ TEST(Chart, ScoresStabilityOverItsDialsAndGoesOnWhereItStopped) {
   EXPECT_EQ(csv[0][0], "scene");
   for (std::size_t i = 1; i <= 3 * 3; ++i) {
     EXPECT_GT(std::stod(csv[i][4]), 0.0);
-    EXPECT_EQ(csv[i][6], "yes") << csv[i][2] << " " << csv[i][3];  // all of them cover
+    EXPECT_EQ(csv[i].back(), "yes") << csv[i][2] << " " << csv[i][3];  // all of them cover
   }
   const std::string page = folder.read("out/stability.html");
   EXPECT_NE(page.find("</html>"), std::string::npos);
   std::size_t links = 0;
   for (std::size_t at = 0; (at = page.find("\"pictures/", at)) != std::string::npos; ++links) {
-    const std::string link = page.substr(at + 1, page.find('"', ++at) - at);
+    ++at;
+    const std::string link = page.substr(at, page.find('"', at) - at);
     EXPECT_TRUE(fs::exists(folder.path() / "out" / link)) << link;
   }
   EXPECT_GE(links, 2u * 3 * 3);  // each point's picture and its reference
