@@ -14,7 +14,7 @@
 namespace foci {
 namespace {
 
-constexpr StabilityEffort kShort{.samples = 48, .steps = 3};
+constexpr StabilityEffort kShort{.samples = 48, .steps = 4};
 
 const StabilityScene& sceneNamed(std::string_view name) {
   const auto& scenes = stabilityScenes();
