@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "app/json_number.h"
 #include "app/machine.h"
 #include "app/output_folder.h"
 #include "app/sha256.h"
@@ -21,12 +22,6 @@ std::optional<std::string> contentOf(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in) return std::nullopt;
   return std::string{std::istreambuf_iterator<char>(in), {}};
-}
-
-// JSON has no infinity.
-Json numberOf(double value) { return std::isfinite(value) ? Json(value) : Json("inf"); }
-double numberIn(const Json& json) {
-  return json.is_string() ? std::numeric_limits<double>::infinity() : json.get<double>();
 }
 
 /// What a file holds under this key, as `parse` reads it.
@@ -57,12 +52,12 @@ ChartCells::ChartCells(fs::path folder, std::string key)
 
 std::optional<ChartCell> ChartCells::load(const std::string& name, const std::string& key) const {
   return parsed(folder_ / (name + ".json"), key_ + key, [](const Json& json) {
-    ChartCell cell{.psnr_dB = numberIn(json.at("psnr_dB")),
+    ChartCell cell{.psnr_dB = numberInJson(json.at("psnr_dB")),
                    .ssim = json.at("ssim"),
                    .coverage_error = json.at("coverage_error"),
                    .first_ms = json.at("first_ms")};
     const Json& silhouette = json.at("silhouette_psnr_dB");
-    if (!silhouette.is_null()) cell.silhouette_psnr_dB = numberIn(silhouette);
+    if (!silhouette.is_null()) cell.silhouette_psnr_dB = numberInJson(silhouette);
     for (const auto& [threads, ms] : json.at("ms").items()) {
       cell.ms[static_cast<unsigned>(std::atoi(threads.c_str()))] = ms.get<std::vector<double>>();
     }
@@ -73,13 +68,13 @@ std::optional<ChartCell> ChartCells::load(const std::string& name, const std::st
 void ChartCells::store(const std::string& name, const std::string& key,
                        const ChartCell& cell) const {
   Json json = {{"key", key_ + key},
-               {"psnr_dB", numberOf(cell.psnr_dB)},
+               {"psnr_dB", jsonNumber(cell.psnr_dB)},
                {"ssim", cell.ssim},
                {"silhouette_psnr_dB", nullptr},
                {"coverage_error", cell.coverage_error},
                {"first_ms", cell.first_ms},
                {"ms", Json::object()}};
-  if (cell.silhouette_psnr_dB) json["silhouette_psnr_dB"] = numberOf(*cell.silhouette_psnr_dB);
+  if (cell.silhouette_psnr_dB) json["silhouette_psnr_dB"] = jsonNumber(*cell.silhouette_psnr_dB);
   for (const auto& [threads, ms] : cell.ms) json["ms"][std::to_string(threads)] = ms;
   replaceFile(folder_ / (name + ".json"), json.dump(1) + "\n");
 }
@@ -99,7 +94,7 @@ std::optional<ChartReference> ChartCells::loadReferenceFigures(const std::string
   return parsed(folder_ / (name + ".json"), key_ + key, [](const Json& json) {
     return ChartReference{
         .views = json.at("views"),
-        .split_half_psnr_dB = numberIn(json.at("split_half_psnr_dB")),
+        .split_half_psnr_dB = numberInJson(json.at("split_half_psnr_dB")),
         .frame = {
             .size_px = {json.at("width_px"), json.at("height_px")}, .rgba = {}, .depth_m = {}}};
   });
@@ -125,7 +120,7 @@ void ChartCells::storeReference(const std::string& name, const std::string& key,
   replaceFile(folder_ / (name + ".rgba"), bytes);
   const Json json = {{"key", key_ + key},
                      {"views", reference.views},
-                     {"split_half_psnr_dB", numberOf(reference.split_half_psnr_dB)},
+                     {"split_half_psnr_dB", jsonNumber(reference.split_half_psnr_dB)},
                      {"width_px", frame.size_px.x},
                      {"height_px", frame.size_px.y}};
   replaceFile(folder_ / (name + ".json"), json.dump(1) + "\n");

@@ -11,6 +11,7 @@
 #include "app/chart_measure.h"
 #include "app/chart_page.h"
 #include "app/chart_panel.h"
+#include "app/json_number.h"
 #include "app/machine.h"
 #include "app/output_folder.h"
 #include "app/progress.h"
@@ -33,9 +34,6 @@ struct Options {
   bool stability = false, json = false;
 };
 
-/// JSON has no infinity.
-Json numberOf(double value) { return std::isfinite(value) ? Json(value) : Json("inf"); }
-
 std::string json(const std::filesystem::path& out, double seconds, const ChartResult& result) {
   Json points = Json::array();
   for (const ChartPoint& one : result.points) {
@@ -44,7 +42,7 @@ std::string json(const std::filesystem::path& out, double seconds, const ChartRe
                       {"method", one.method.spec()},
                       {"threads", one.threads},
                       {"ms_median", one.ms_median},
-                      {"psnr_dB", numberOf(one.psnr_dB)},
+                      {"psnr_dB", jsonNumber(one.psnr_dB)},
                       {"on_frontier", one.on_frontier}});
   }
   const Json all = {{"out", out.string()},
@@ -61,7 +59,7 @@ std::string json(const std::filesystem::path& out, double seconds, const Stabili
     points.push_back({{"scene", one.scene},
                       {"value", one.value},
                       {"method", one.by},
-                      {"score", numberOf(one.score)}});
+                      {"score", jsonNumber(one.score)}});
   }
   const Json all = {{"out", out.string()},
                     {"seconds", seconds},

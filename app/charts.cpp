@@ -10,7 +10,8 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kMaxRows = 4000;
-constexpr const char* kInk = "#010203";  // stands for the page's text colour until the SVG is done
+constexpr const char* kTextColor =
+    "#010203";  // stands for the page's text colour until the SVG is done
 
 std::string field(double value, int digits) {
   return std::isfinite(value) ? decimal(value, digits) : "NaN";
@@ -93,11 +94,12 @@ std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows,
       "set terminal svg size 960,900 dynamic font 'sans-serif,13' name 'foci'\n"
       "set multiplot\nset lmargin at screen 0.08\nset rmargin at screen 0.985\n"
       "set border 3 linecolor rgb '" +
-      std::string(kInk) +
+      std::string(kTextColor) +
       "' linewidth 0.7\n"
       "set tics nomirror textcolor rgb '" +
-      kInk + "'\nset ylabel textcolor rgb '" + kInk + "' offset 1,0\nset xlabel textcolor rgb '" +
-      kInk + "'\nset key textcolor rgb '" + kInk +
+      kTextColor + "'\nset ylabel textcolor rgb '" + kTextColor +
+      "' offset 1,0\nset xlabel textcolor rgb '" + kTextColor + "'\nset key textcolor rgb '" +
+      kTextColor +
       "' horizontal at graph 1, graph 1.02 right bottom samplen 2\nset format x ''\n"
       "set xrange [" +
       decimal(from_s, 6) + ":" + decimal(to_s, 6) + "]\n";

@@ -9,6 +9,7 @@
 
 #include "app/base/input_error.h"
 #include "app/interrupt.h"
+#include "app/json_number.h"
 #include "app/output_folder.h"
 #include "app/progress.h"
 #include "app/reproduce_figures.h"
@@ -106,15 +107,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON has no infinity.
-Json numberOf(double value) { return std::isfinite(value) ? Json(value) : Json("inf"); }
-
 std::string json(const ReproduceSummary& summary) {
   Json ratios = Json::array();
   for (const ReproduceRatio& one : summary.ratios) {
     ratios.push_back({{"figure", one.key},
                       {"scene", one.scene},
-                      {"value", numberOf(one.value)},
+                      {"value", jsonNumber(one.value)},
                       {one.at_most ? "at_most" : "at_least", one.wanted},
                       {"reached", one.reached()}});
   }
@@ -126,7 +124,7 @@ std::string json(const ReproduceSummary& summary) {
                 {"threads", row.threads},
                 {"kfragments", row.kfragments},
                 {"ms_median", row.ms_median},
-                {"psnr_dB", numberOf(row.psnr_dB)}};
+                {"psnr_dB", jsonNumber(row.psnr_dB)}};
     rows.push_back(std::move(one));
   }
   Json all = {{"out", summary.out.string()},

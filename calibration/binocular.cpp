@@ -16,7 +16,7 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kFewestSamples = 20, kFewestTargets = 3;
+constexpr std::size_t kFewestSamples = 20, kFewestBinocularTargets = 3;
 constexpr double kCauchy = 2.0;  // in deviations of the residual
 constexpr double kKnown_m = 0.02, kKnown_deg = 1.0;
 constexpr int kRounds = 3;  // fits, each with the scale that the one before left
@@ -168,11 +168,11 @@ BinocularFit fitBinocular(std::span<const BinocularSample> samples, const Binocu
       ++seen[eye];
     }
     if (std::find(targets.begin(), targets.end(), sample.target_m) == targets.end() &&
-        targets.size() < kFewestTargets) {
+        targets.size() < kFewestBinocularTargets) {
       targets.push_back(sample.target_m);
     }
   }
-  if (seen[0] + seen[1] < kFewestSamples || targets.size() < kFewestTargets) {
+  if (seen[0] + seen[1] < kFewestSamples || targets.size() < kFewestBinocularTargets) {
     throw InputError(kWhere, "too few: expected 20 samples or more at 3 targets or more");
   }
 

@@ -11,7 +11,7 @@
 namespace foci {
 namespace {
 
-constexpr double kFarthest_mm = 1e5;
+constexpr double kFarthestEye_mm = 1e5;
 constexpr double kRounding = 1e-6;
 
 std::string list(const std::vector<double>& values) {
@@ -59,7 +59,7 @@ bool isBinocularFile(const std::filesystem::path& file) {
 BinocularCalibration readBinocular(const std::filesystem::path& file) {
   CalibrationFile in(file);
   BinocularCalibration calibration;
-  const auto position_mm = in.numbers("binocular.position_mm", 3, -kFarthest_mm, kFarthest_mm);
+  const auto position_mm = in.numbers("binocular.position_mm", 3, -kFarthestEye_mm, kFarthestEye_mm);
   const auto rotation = in.numbers("binocular.rotation", 9, -1.0 - kRounding, 1.0 + kRounding);
   glm::dmat3& r = calibration.map.rotation;
   for (int i = 0; i < 3; ++i) {

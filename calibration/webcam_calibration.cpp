@@ -14,7 +14,7 @@ namespace foci {
 namespace {
 
 constexpr double kLook_s = 0.5;
-constexpr std::size_t kFewestTargets = 5;
+constexpr std::size_t kFewestWebcamTargets = 5;
 constexpr std::size_t kMostTargets = 10000;
 // Radius that holds 68.27 % of errors that are normal along each axis, in deviations.
 constexpr double kSigmaRadius = 1.5152;
@@ -116,7 +116,7 @@ GazeReport calibrateWebcam(std::span<const WebcamPair> pairs, std::span<const We
       targets.push_back(pair.target_deg);
     }
   }
-  if (targets.size() < kFewestTargets) {
+  if (targets.size() < kFewestWebcamTargets) {
     throw InputError("webcam", "eyes were seen at " + std::to_string(targets.size()) +
                                    " targets: expected at least 5");
   }

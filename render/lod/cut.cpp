@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kFade = 0.3f;         // of the variance allowed: over it a node fades out
 constexpr float kThick = 4.0f;        // what a node's thickness counts, over its width
-constexpr int kSerialLevels = 8;      // below, one task a subtree; fixed, as are all results
+constexpr int kSerialCutLevels = 8;   // below, one task a subtree; fixed, as are all results
 constexpr int kMiddleLevel = 10;      // about a thousand nodes
 constexpr float kWidestReach = 3.0f;  // standard deviations of a kernel's support, at most
 
@@ -144,7 +144,7 @@ void selectCut(const MomentTree& tree, const View& view, const Defocus& defocus,
   if (tree.levels() == 0) return;
   const Selector selector(tree, view, defocus, settings);
   std::vector<Pending> pending;
-  selector.select(1, 1.0f, std::size_t{1} << std::min(kSerialLevels, tree.levels() - 1), cut,
+  selector.select(1, 1.0f, std::size_t{1} << std::min(kSerialCutLevels, tree.levels() - 1), cut,
                   &pending);
   std::vector<Cut> parts(pending.size());
   parallelFor(pending.size(), [&](std::size_t i) {

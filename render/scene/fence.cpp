@@ -8,7 +8,7 @@
 namespace foci {
 namespace {
 
-constexpr float kFence_m = 0.5f, kWall_m = 1.5f;  // from the eye
+constexpr float kFence_m = 0.5f, kBehind_m = 1.5f;  // from the eye
 constexpr float kWallSide_m = 1.2f;
 constexpr int kWallSamples = 400;  // a side
 constexpr float kStep_m = 5e-4f;   // between surfels of the fence
@@ -42,7 +42,7 @@ SurfelCloud makeFence() {
   SurfelCloud cloud = makePlane(kWallSamples, kWallSide_m);
   const auto upright = [](const glm::vec3& p) { return glm::vec3(p.x, -p.z, p.y); };
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    cloud.position_m[i] = upright(cloud.position_m[i]) - glm::vec3(0.0f, 0.0f, kWall_m);
+    cloud.position_m[i] = upright(cloud.position_m[i]) - glm::vec3(0.0f, 0.0f, kBehind_m);
     cloud.axis_u_m[i] = upright(cloud.axis_u_m[i]);
     cloud.axis_v_m[i] = upright(cloud.axis_v_m[i]);
   }
@@ -58,6 +58,6 @@ SurfelCloud makeFence() {
   return cloud;
 }
 
-EyePose fenceEyePose() { return {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -kWall_m}}; }
+EyePose fenceEyePose() { return {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -kBehind_m}}; }
 
 }  // namespace foci

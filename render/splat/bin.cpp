@@ -179,6 +179,18 @@ void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
   }
   any_coarse_ =
       std::any_of(tiles_.begin(), tiles_.end(), [](const Tile& tile) { return tile.step_px > 1; });
+  static_assert(kApron * kMostStep_px <= kTile);
+  fine_.assign(tile_of_cell_.size(), true);
+  for (const Tile& tile : tiles_) {
+    if (tile.step_px == 1) continue;
+    const glm::ivec2 first = glm::max(glm::ivec2(tile.x_px, tile.y_px) / kTile - 1, 0);
+    const glm::ivec2 end =
+        glm::min((glm::ivec2(tile.x_px, tile.y_px) + tile.side_px) / kTile + 1, cells_);
+    for (int y = first.y; y < end.y; ++y) {
+      for (int x = first.x; x < end.x; ++x)
+        fine_[static_cast<std::size_t>(y) * cells_.x + x] = false;
+    }
+  }
 }
 
 /// Counts, sums up and fills by slices of the sorted list, so that every tile's list keeps its
@@ -224,41 +236,38 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
   size_px_ = size_px;
   sortByDistance(chunks);
   chooseTiles(chunks, coarse);
-  if (!any_coarse_) {
-    fill([&](std::uint32_t splat, auto&& visit) {
-      const SplatKey& key = chunks.keys[splat];
-      const unsigned x0 = key.x0 / kTile, x1 = key.x1 / kTile;
-      const unsigned y0 = key.y0 / kTile, y1 = key.y1 / kTile;
-      const auto tileAt = [&](unsigned x, unsigned y) {
-        return tile_of_cell_[static_cast<std::size_t>(y) * cells_.x + x];
-      };
-      const bool wide = x1 > x0, high = y1 > y0;
-      if (x1 - x0 < 2 && y1 - y0 < 2) {
-        // Most splats: four visits without a branch, of which some do not count.
-        visit(tileAt(x0, y0), true);
-        visit(tileAt(x1, y0), wide);
-        visit(tileAt(x0, y1), high);
-        visit(tileAt(x1, y1), wide && high);
-        return;
-      }
-      for (unsigned y = y0; y <= y1; ++y) {
-        for (unsigned x = x0; x <= x1; ++x) visit(tileAt(x, y), true);
-      }
-    });
-    return;
-  }
+  const auto tileAt = [&](int x, int y) {
+    return tile_of_cell_[static_cast<std::size_t>(y) * cells_.x + x];
+  };
+  // A splat of up to two cells by two, far from coarse tiles: four visits without a branch, of
+  // which some do not count.
+  const auto visitFine = [&](const SplatKey& key, auto&& visit) {
+    const int x0 = key.x0 / kTile, x1 = key.x1 / kTile;
+    const int y0 = key.y0 / kTile, y1 = key.y1 / kTile;
+    if (x1 - x0 > 1 || y1 - y0 > 1) return false;
+    if (any_coarse_ && !(isFine(x0, y0) && isFine(x1, y0) && isFine(x0, y1) && isFine(x1, y1))) {
+      return false;
+    }
+    const bool wide = x1 > x0, high = y1 > y0;
+    visit(tileAt(x0, y0), true);
+    visit(tileAt(x1, y0), wide);
+    visit(tileAt(x0, y1), high);
+    visit(tileAt(x1, y1), wide && high);
+    return true;
+  };
 
   // Tiles of several sizes with aprons: each is visited at the first of its cells.
-  constexpr int kMostApron_px = kApron * kMostStep_px;
+  const int most_apron_px = any_coarse_ ? kApron * kMostStep_px : 0;
   fill([&](std::uint32_t splat, auto&& visit) {
     const SplatKey& key = chunks.keys[splat];
-    const int x0 = std::max(key.x0 - kMostApron_px, 0) / kTile;
-    const int y0 = std::max(key.y0 - kMostApron_px, 0) / kTile;
-    const int x1 = std::min(key.x1 + kMostApron_px, size_px_.x - 1) / kTile;
-    const int y1 = std::min(key.y1 + kMostApron_px, size_px_.y - 1) / kTile;
+    if (visitFine(key, visit)) return;
+    const int x0 = std::max(key.x0 - most_apron_px, 0) / kTile;
+    const int y0 = std::max(key.y0 - most_apron_px, 0) / kTile;
+    const int x1 = std::min(key.x1 + most_apron_px, size_px_.x - 1) / kTile;
+    const int y1 = std::min(key.y1 + most_apron_px, size_px_.y - 1) / kTile;
     for (int y = y0; y <= y1; ++y) {
       for (int x = x0; x <= x1;) {
-        const std::uint32_t index = tile_of_cell_[static_cast<std::size_t>(y) * cells_.x + x];
+        const std::uint32_t index = tileAt(x, y);
         const Tile& tile = tiles_[index];
         if (y == std::max(tile.y_px / kTile, y0)) {
           const int apron_px = tile.apron() * tile.step_px;

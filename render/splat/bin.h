@@ -50,6 +50,7 @@ class TileLists {
       radius_px = std::max(radius_px, other.radius_px);
     }
   };
+  bool isFine(int x, int y) const { return fine_[static_cast<std::size_t>(y) * cells_.x + x] != 0; }
   std::vector<Blur> blurOfCells(const SplatChunks& chunks) const;
   template <typename ForEachTile>
   void fill(const ForEachTile& forEachTile);
@@ -57,6 +58,7 @@ class TileLists {
   glm::ivec2 size_px_{0}, cells_{0};  // a cell is the least tile
   std::vector<Tile> tiles_;
   std::vector<std::uint32_t> tile_of_cell_;
+  std::vector<std::uint8_t> fine_;  // by cell: neither it nor a neighbour has coarser samples
   bool any_coarse_ = false;
   std::vector<std::uint64_t> sorted_, scratch_;  // key << 32 | splat
   std::vector<std::size_t> begin_;
