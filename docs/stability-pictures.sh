@@ -32,7 +32,7 @@ montage_of normals 10 60
 montage_of wire 0.2
 montage_of sharp-before-blurred 16
 montage_of blurred-before-sharp 16
-montage_of close-up 0.05 0.012
+montage_of close-up 0.05 0.02
 montage_of near-plane 32
 montage_of focus 10
 montage_of point-light 10
