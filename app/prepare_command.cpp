@@ -16,6 +16,8 @@
 #include "app/output_folder.h"
 #include "app/prepare_report.h"
 #include "app/progress.h"
+#include "render/lod/level_kernels.h"
+#include "render/lod/moment_tree.h"
 #include "render/scene/estimate.h"
 #include "render/scene/foci_file.h"
 #include "render/scene/kernel_sums.h"
@@ -24,27 +26,72 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kProbes = 50'000;
+constexpr std::size_t kMostProbes = 20'000, kProbesASurfel = 10;
+constexpr int kLeastNodes = 1000;
 constexpr float kPixels[] = {1.0f, 0.5f};
 constexpr int kMostThreads = 1024;
 
-Normalisation normalisationOf(const std::vector<KernelSum>& sums, float pixel_spacings) {
-  Normalisation n{.pixel_spacings = pixel_spacings,
-                  .within_2 = shareWithin(sums, 0.02f, false),
-                  .within_5 = shareWithin(sums, 0.05f, false),
-                  .within_10 = shareWithin(sums, 0.1f, false),
-                  .smooth_within_2 = shareWithin(sums, 0.02f, true),
-                  .smooth_within_5 = shareWithin(sums, 0.05f, true),
-                  .smooth_within_10 = shareWithin(sums, 0.1f, true),
-                  .mean = 0.0,
-                  .histogram = std::vector<std::size_t>(kHistogramBins, 0)};
+std::vector<std::size_t> histogramOf(const std::vector<KernelSum>& sums, bool smooth_only) {
+  std::vector<std::size_t> histogram(kHistogramBins, 0);
   for (const KernelSum& sum : sums) {
-    n.mean += sum.sum / static_cast<double>(sums.size());
+    if (smooth_only && !sum.smooth) continue;
     const float bin = std::floor((sum.sum - 0.5f) * static_cast<float>(kHistogramBins));
-    ++n.histogram[static_cast<std::size_t>(
+    ++histogram[static_cast<std::size_t>(
         std::clamp(bin, 0.0f, static_cast<float>(kHistogramBins - 1)))];
   }
-  return n;
+  return histogram;
+}
+
+Normalisation normalisationOf(const std::vector<KernelSum>& sums, const SeenAs& seen) {
+  double sum = 0.0, smooth_sum = 0.0, smooth = 0.0;
+  for (const KernelSum& at : sums) {
+    sum += at.sum;
+    smooth += at.smooth ? 1.0 : 0.0;
+    smooth_sum += at.smooth ? at.sum : 0.0;
+  }
+  const auto all = static_cast<double>(std::max<std::size_t>(sums.size(), 1));
+  return {.pixel_spacings = seen.pixel_spacings,
+          .blur_spacings = seen.blur_spacings,
+          .smooth_share = smooth / all,
+          .within_2 = shareWithin(sums, 0.02f, false),
+          .within_5 = shareWithin(sums, 0.05f, false),
+          .within_10 = shareWithin(sums, 0.1f, false),
+          .smooth_within_2 = shareWithin(sums, 0.02f, true),
+          .smooth_within_5 = shareWithin(sums, 0.05f, true),
+          .smooth_within_10 = shareWithin(sums, 0.1f, true),
+          .mean = sum / all,
+          .smooth_mean = smooth_sum / std::max(smooth, 1.0),
+          .histogram = histogramOf(sums, false),
+          .smooth_histogram = histogramOf(sums, true)};
+}
+
+std::size_t probesOf(const SurfelCloud& cloud) {
+  return std::min(kMostProbes, kProbesASurfel * cloud.size());
+}
+
+std::vector<Normalisation> normalisationOf(const SurfelCloud& cloud) {
+  std::vector<Normalisation> all;
+  for (const float pixel : kPixels) {
+    all.push_back(normalisationOf(kernelSums(cloud, probesOf(cloud), {pixel}), {pixel}));
+  }
+  return all;
+}
+
+/// Of the levels that have at least kLeastNodes nodes: coarser ones are border everywhere.
+std::vector<LevelNormalisation> normalisationOfLevels(const SurfelCloud& cloud) {
+  std::vector<LevelNormalisation> levels;
+  const MomentTree tree(cloud);
+  for (int level = tree.levels() - 1; level >= 0 && 1 << level >= kLeastNodes; --level) {
+    const LevelKernels kernels = levelKernels(tree, level);
+    const auto as = [&](const SeenAs& seen) {
+      return normalisationOf(
+          kernelSums(kernels.surfels, probesOf(kernels.surfels), seen, kernels.added_m2), seen);
+    };
+    levels.push_back({.nodes = kernels.surfels.size(),
+                      .sharp = as(kCoarsestSharp),
+                      .blurred = as(kCoarsestBlurred)});
+  }
+  return levels;
 }
 
 double medianSpacing_m(const SurfelCloud& cloud) {
@@ -54,17 +101,35 @@ double medianSpacing_m(const SurfelCloud& cloud) {
   return std::sqrt(static_cast<double>(*middle));
 }
 
+nlohmann::ordered_json json(const Normalisation& n) {
+  const auto ofSmooth = [&](double value) {
+    return n.smooth_share > 0.0 ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+  };
+  return {{"pixel_spacings", n.pixel_spacings},
+          {"blur_spacings", n.blur_spacings},
+          {"mean", n.mean},
+          {"within_0.02", n.within_2},
+          {"within_0.05", n.within_5},
+          {"within_0.1", n.within_10},
+          {"smooth_share", n.smooth_share},
+          {"smooth_mean", ofSmooth(n.smooth_mean)},
+          {"smooth_within_0.02", ofSmooth(n.smooth_within_2)},
+          {"smooth_within_0.05", ofSmooth(n.smooth_within_5)},
+          {"smooth_within_0.1", ofSmooth(n.smooth_within_10)},
+          {"histogram", n.histogram},
+          {"smooth_histogram", n.smooth_histogram}};
+}
+
 std::string json(const PrepareSummary& summary) {
-  auto normalisation = nlohmann::ordered_json::array();
-  for (const Normalisation& n : summary.normalisation) {
-    normalisation.push_back({{"pixel_spacings", n.pixel_spacings},
-                             {"mean", n.mean},
-                             {"within_0.02", n.within_2},
-                             {"within_0.05", n.within_5},
-                             {"within_0.1", n.within_10},
-                             {"smooth_within_0.02", n.smooth_within_2},
-                             {"smooth_within_0.05", n.smooth_within_5},
-                             {"smooth_within_0.1", n.smooth_within_10}});
+  const auto list = [](const std::vector<Normalisation>& from) {
+    auto all = nlohmann::ordered_json::array();
+    for (const Normalisation& n : from) all.push_back(json(n));
+    return all;
+  };
+  auto levels = nlohmann::ordered_json::array();
+  for (const LevelNormalisation& level : summary.levels) {
+    levels.push_back(
+        {{"nodes", level.nodes}, {"sharp", json(level.sharp)}, {"blurred", json(level.blurred)}});
   }
   const nlohmann::ordered_json all = {{"out", summary.out.string()},
                                       {"report", summary.report.string()},
@@ -73,9 +138,10 @@ std::string json(const PrepareSummary& summary) {
                                       {"oriented", summary.oriented},
                                       {"area_m2", summary.area_m2},
                                       {"spacing_mm", 1000.0 * summary.spacing_m},
-                                      {"smooth_share", summary.smooth_share},
                                       {"seconds", summary.seconds},
-                                      {"normalisation", normalisation}};
+                                      {"normalisation", list(summary.normalisation)},
+                                      {"normalisation_before", list(summary.before)},
+                                      {"normalisation_of_levels", levels}};
   return all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
@@ -151,25 +217,23 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
   PrepareSummary summary{.out = request.out, .report = request.out, .dropped = points.dropped};
   summary.report.replace_extension(".html");
 
+  summary.before =
+      normalisationOf(surfelsFromPoints(PointCloud(points), {.solve = KernelSolve::none}));
   std::optional<Progress> progress;
   const SurfelCloud cloud = surfelsFromPoints(
-      std::move(points), {.thorough = true, .progress = [&](std::size_t done, std::size_t total) {
-                            if (!progress)
-                              progress.emplace("solving weights and sizes", "passes", total);
-                            progress->advance(done);
-                          }});
+      std::move(points),
+      {.solve = KernelSolve::thorough, .progress = [&](std::size_t done, std::size_t total) {
+         if (!progress) {
+           progress.emplace("solving weights and sizes", "passes", total);
+         }
+         progress->advance(done);
+       }});
   summary.surfels = cloud.size();
   summary.oriented = cloud.oriented;
   summary.spacing_m = medianSpacing_m(cloud);
   for (const float area_m2 : cloud.area_m2) summary.area_m2 += area_m2;
-  for (const float pixel : kPixels) {
-    const std::vector<KernelSum> sums = kernelSums(cloud, kProbes, pixel);
-    summary.normalisation.push_back(normalisationOf(sums, pixel));
-    summary.smooth_share =
-        static_cast<double>(std::count_if(sums.begin(), sums.end(),
-                                          [](const KernelSum& sum) { return sum.smooth; })) /
-        static_cast<double>(std::max<std::size_t>(sums.size(), 1));
-  }
+  summary.normalisation = normalisationOf(cloud);
+  summary.levels = normalisationOfLevels(cloud);
 
   writeSceneFile(scene_file, cloud);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

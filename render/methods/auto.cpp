@@ -38,7 +38,8 @@ struct Way {
 };
 
 CutSettings looser(float times) {
-  return {.per_blur2 = times * 0.006f, .per_pixel2 = times * 0.03f};
+  return {.per_blur2 = times * kFaithfulCut.per_blur2,
+          .per_pixel2 = times * kFaithfulCut.per_pixel2};
 }
 
 /// From the cheapest on.

@@ -9,17 +9,12 @@
 namespace foci {
 namespace {
 
-/// What merging adds to the variance stays within 3 % of the blur's and the pixel's own: a node is
-/// at most about a quarter of the blur's radius wide (a square's spread is side^2 / 12), 0.6 px in
-/// focus.
-constexpr CutSettings kCut{.per_blur2 = 0.006f, .per_pixel2 = 0.03f};
-
 class SweepLodMethod final : public Method {
  public:
   SweepLodMethod(const SurfelCloud& cloud, int parts) : scene_(cloud), parts_(parts) {}
 
   RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
-    return scene_.draw(view, settings, {.cut = kCut, .parts = parts_}, frame);
+    return scene_.draw(view, settings, {.cut = kFaithfulCut, .parts = parts_}, frame);
   }
 
  private:

@@ -180,6 +180,20 @@ SurfelCloud assemble(PointCloud&& points, const std::vector<float>& sigma_m,
   return cloud;
 }
 
+KernelEffort effortOf(const EstimateSettings& settings) {
+  switch (settings.solve) {
+    case KernelSolve::none:
+      return {};
+    case KernelSolve::quick:
+      return {.weight_iterations = kQuickIterations};
+    case KernelSolve::thorough:
+      break;
+  }
+  return {.sigma_rounds = kThoroughRounds,
+          .drawn_iterations = kThoroughIterations,
+          .progress = settings.progress};
+}
+
 enum class Stacks { possible, resolved };
 
 /// Whether so many points coincide somewhere that neighbours do not tell how far apart samples are.
@@ -260,16 +274,13 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
         std::max(sized ? kSigmaPerRadius * points.radius_m[i] : kSigmaPerSpacing * spacing[i],
                  kLeastSigma_m);
   }
-  if (settings.thorough) {
+  if (settings.solve == KernelSolve::thorough) {
     near = {};
     near = findNeighbours(points.position_m, kSolveNeighbours);
     sheet = sameSheet(points.position_m, points.normal, near);
   }
-  std::vector<float> weight = solveKernels(
-      {points.position_m, points.normal, near, sheet, spacing},
-      settings.thorough ? KernelEffort{kThoroughIterations, kThoroughRounds, settings.progress}
-                        : KernelEffort{kQuickIterations},
-      sigma);
+  std::vector<float> weight = solveKernels({points.position_m, points.normal, near, sheet, spacing},
+                                           effortOf(settings), sigma);
   near = {};
   SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
   cloud.oriented = oriented;

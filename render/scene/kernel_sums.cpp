@@ -6,19 +6,23 @@
 #include <random>
 
 #include "app/base/parallel.h"
+#include "render/optics/defocus.h"
 #include "render/scene/neighbours.h"
+#include "render/splat/kernel.h"
+#include "render/splat/limits.h"
 
 namespace foci {
 namespace {
 
-constexpr float kReach = 4.0f;              // standard deviations of a prefiltered kernel
+constexpr float kReach = 4.0f;              // standard deviations of a kernel as drawn
 constexpr std::size_t kMostSurfels = 2048;  // within reach
 constexpr float kSameSheetCosine = 0.5f;    // of normals, signs apart
-constexpr float kSameSheetOffPlane = 3.0f;  // standard deviations of the surfel beside
-constexpr float kSmoothReach = 3.0f;        // standard deviations: where smoothness is asked for
+constexpr float kSameSheetOffPlane = 3.0f;  // widths of the surfel beside
+constexpr float kSmoothReach = 3.0f;        // standard deviations as drawn: all of a kernel
 constexpr float kSmoothCosine = 0.9f;
-constexpr float kSmoothOffPlane = 0.5f;  // standard deviations
-constexpr float kBorderOffset = 0.25f;   // of the smooth reach; a half-disc's centroid lies at 0.42
+constexpr float kSmoothOffPlane = 0.4f;  // standard deviations as drawn
+constexpr float kBorderReach = 2.4f;     // standard deviations as drawn: a border nearer is one
+constexpr float kBorderGap = 1.6f;       // rad, without a surfel from there to kReach
 
 float sigmaOf(const SurfelCloud& cloud, std::size_t i) {
   return std::sqrt(glm::length(cloud.axis_u_m[i]) * glm::length(cloud.axis_v_m[i]));
@@ -33,6 +37,15 @@ struct Probe {
   std::uint32_t beside;
   glm::vec3 p_world;
 };
+
+/// The widest angle without any of them, rad.
+float largestGap(std::vector<float>& angles) {
+  if (angles.empty()) return glm::two_pi<float>();
+  std::sort(angles.begin(), angles.end());
+  float gap = glm::two_pi<float>() - (angles.back() - angles.front());
+  for (std::size_t i = 1; i < angles.size(); ++i) gap = std::max(gap, angles[i] - angles[i - 1]);
+  return gap;
+}
 
 /// At equal steps of the area summed up over the surfels, each up to half a spacing beside one.
 std::vector<Probe> spread(const SurfelCloud& cloud, std::size_t count) {
@@ -56,39 +69,80 @@ std::vector<Probe> spread(const SurfelCloud& cloud, std::size_t count) {
   return probes;
 }
 
+/// A kernel on its surface, as it is drawn where surfels have a spacing.
+class Drawn {
+ public:
+  Drawn(const SeenAs& seen, float spacing2)
+      : prefilter_(seen.pixel_spacings * seen.pixel_spacings * spacing2),
+        radius2_(seen.blur_spacings * seen.blur_spacings * spacing2),
+        least_radius2_(1e-12f * spacing2) {}
+
+  float at(const SurfelCloud& cloud, std::span<const float> added_m2, std::size_t j,
+           const glm::vec3& p_world) const {
+    const glm::vec3 d = cloud.position_m[j] - p_world;
+    const float u2 = glm::dot(cloud.axis_u_m[j], cloud.axis_u_m[j]);
+    const float v2 = glm::dot(cloud.axis_v_m[j], cloud.axis_v_m[j]);
+    const float soft = prefilter_ + (added_m2.empty() ? 0.0f : kOverlap * added_m2[j]);
+    const float unblurred = std::sqrt((u2 + soft) * (v2 + soft));
+    const KernelShape& shape =
+        kernelShape(kernelExponent(unblurred / std::max(radius2_, least_radius2_)));
+    const float widening = prefilter_ + kDiscVariancePerRadius2 * radius2_;
+    const float u = glm::dot(d, cloud.axis_u_m[j]), v = glm::dot(d, cloud.axis_v_m[j]);
+    const float q = (u * u / u2 / (u2 + widening) + v * v / v2 / (v2 + widening)) / shape.support2;
+    if (q >= 1.0f) return 0.0f;
+    const float t = 1.0f - q;
+    return cloud.area_m2[j] / (shape.support2 * std::sqrt((u2 + widening) * (v2 + widening))) *
+           (shape.k0 + t * (shape.k1 + t * shape.k2));
+  }
+
+ private:
+  float prefilter_, radius2_, least_radius2_;
+};
+
 }  // namespace
 
-std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes,
-                                  float pixel_spacings) {
+std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, const SeenAs& seen,
+                                  std::span<const float> added_m2) {
   const std::vector<Probe> at = spread(cloud, probes);
+  const float widening2 = seen.pixel_spacings * seen.pixel_spacings +
+                          kDiscVariancePerRadius2 * seen.blur_spacings * seen.blur_spacings;
+  // A length as the surfel is wide, and its kernel's own standard deviation on the image.
+  const auto widthOf = [&](std::size_t i) {
+    return std::max(sigmaOf(cloud, i), kSigmaPerSpacing * std::sqrt(cloud.area_m2[i]));
+  };
+  const auto drawnOf = [&](std::size_t i) {
+    const float width = widthOf(i);
+    return std::sqrt(width * width + widening2 * cloud.area_m2[i]);
+  };
   std::vector<glm::vec3> centers_m;
   std::vector<float> radius_m;
-  const float widened = std::hypot(1.0f, pixel_spacings / kSigmaPerSpacing);
   for (const Probe& probe : at) {
     centers_m.push_back(probe.p_world);
-    radius_m.push_back(kReach * widened * sigmaOf(cloud, probe.beside));
+    radius_m.push_back(kReach * drawnOf(probe.beside));
   }
   const auto around = findWithin(cloud.position_m, centers_m, radius_m, kMostSurfels);
 
   std::vector<KernelSum> sums(at.size(), {0.0f, false});
   parallelFor(at.size(), [&](std::size_t k) {
     const glm::vec3 normal = normalOf(cloud, at[k].beside);
-    const float sigma = sigmaOf(cloud, at[k].beside);
+    const glm::vec3 along_u = glm::normalize(cloud.axis_u_m[at[k].beside]);
+    const glm::vec3 along_v = glm::normalize(cloud.axis_v_m[at[k].beside]);
+    const float width = widthOf(at[k].beside), drawn = drawnOf(at[k].beside);
     std::vector<std::uint32_t> sheet;
     double area = 0.0;
     bool smooth = true;
-    glm::vec3 centroid(0.0f);
-    float close = 0.0f;
+    std::vector<float> angles;
     for (const std::uint32_t j : around[k]) {
       const glm::vec3 d = cloud.position_m[j] - at[k].p_world;
       const float off_plane = std::abs(glm::dot(d, normal));
       const float cosine = std::abs(glm::dot(normalOf(cloud, j), normal));
-      if (glm::dot(d, d) < kSmoothReach * kSmoothReach * sigma * sigma) {
-        smooth = smooth && cosine >= kSmoothCosine && off_plane <= kSmoothOffPlane * sigma;
-        centroid += d;
-        ++close;
+      if (glm::dot(d, d) < kSmoothReach * kSmoothReach * drawn * drawn) {
+        smooth = smooth && cosine >= kSmoothCosine && off_plane <= kSmoothOffPlane * drawn;
       }
-      if (cosine < kSameSheetCosine || off_plane > kSameSheetOffPlane * sigma) continue;
+      if (glm::dot(d, d) > kBorderReach * kBorderReach * drawn * drawn) {
+        angles.push_back(std::atan2(glm::dot(d, along_v), glm::dot(d, along_u)));
+      }
+      if (cosine < kSameSheetCosine || off_plane > kSameSheetOffPlane * width) continue;
       sheet.push_back(j);
       area += cloud.area_m2[j];
     }
@@ -96,23 +150,21 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes,
       sums[k].sum = -1.0f;
       return;
     }
-    const auto spacing = static_cast<float>(std::sqrt(area / static_cast<double>(sheet.size())));
-    const float prefilter = pixel_spacings * pixel_spacings * spacing * spacing;
+    const Drawn drawing(seen, static_cast<float>(area / static_cast<double>(sheet.size())));
     float sum = 0.0f;
-    for (const std::uint32_t j : sheet) {
-      const glm::vec3 d = cloud.position_m[j] - at[k].p_world;
-      const float u2 = glm::dot(cloud.axis_u_m[j], cloud.axis_u_m[j]);
-      const float v2 = glm::dot(cloud.axis_v_m[j], cloud.axis_v_m[j]);
-      const float u = glm::dot(d, cloud.axis_u_m[j]), v = glm::dot(d, cloud.axis_v_m[j]);
-      const float q = u * u / u2 / (u2 + prefilter) + v * v / v2 / (v2 + prefilter);
-      sum +=
-          cloud.area_m2[j] / std::sqrt((u2 + prefilter) * (v2 + prefilter)) * std::exp(-0.5f * q);
-    }
-    const bool border = glm::length(centroid) > kBorderOffset * close * kSmoothReach * sigma;
-    sums[k] = {sum / glm::two_pi<float>(), smooth && !border};
+    for (const std::uint32_t j : sheet) sum += drawing.at(cloud, added_m2, j, at[k].p_world);
+    sums[k] = {sum, smooth && largestGap(angles) < kBorderGap};
   });
   std::erase_if(sums, [](const KernelSum& sum) { return sum.sum < 0.0f; });
   return sums;
+}
+
+float kernelSumAt(const SurfelCloud& cloud, const glm::vec3& p_world, float spacing_m,
+                  const SeenAs& seen, std::span<const float> added_m2) {
+  const Drawn drawing(seen, spacing_m * spacing_m);
+  float sum = 0.0f;
+  for (std::size_t j = 0; j < cloud.size(); ++j) sum += drawing.at(cloud, added_m2, j, p_world);
+  return sum;
 }
 
 double shareWithin(const std::vector<KernelSum>& sums, float tolerance, bool smooth_only) {

@@ -5,12 +5,14 @@
 #include <glm/gtc/constants.hpp>
 
 #include "app/base/parallel.h"
+#include "render/scene/kernel_overlap.h"
 
 namespace foci {
 namespace {
 
 constexpr float kLeastWeight = 0.05f;  // of spacing^2
 constexpr int kWeightsARound = 3;      // iterations of the weights between steps of the sizes
+constexpr float kPixel2 = 0.4f;        // side of a pixel, squared, of spacing^2
 constexpr float kStep = 4.0f;          // of log v, against the gradient
 constexpr float kLargestStep = 0.1f;   // of log v
 constexpr float kMostGrowth = 2.56f;   // of v: 1.6 of sigma
@@ -31,10 +33,12 @@ class Solver {
   }
 
   void iterateWeights() {
-    parallelFor(count(), [&](std::size_t i) {
-      next_[i] = std::clamp(weight_[i] / sumsAt(i).covered, kLeastWeight * first(i), most(i));
-    });
-    weight_.swap(next_);
+    iterate([&](std::size_t i) { return sumsAt(i).covered; });
+  }
+
+  void iterateWeightsAsDrawn() {
+    // A pixel that looks past a border is covered in part only, and should be.
+    iterate([&](std::size_t i) { return atBorder(i) ? 1.0f : drawnAt(i); });
   }
 
   /// @param given_m  sigma as it was at first
@@ -57,6 +61,14 @@ class Solver {
   float most(std::size_t i) const { return glm::two_pi<float>() * sigma_m_[i] * sigma_m_[i]; }
   float first(std::size_t i) const {
     return std::min(problem_.spacing_m[i] * problem_.spacing_m[i], most(i));
+  }
+
+  template <typename Covered>
+  void iterate(const Covered& covered) {
+    parallelFor(count(), [&](std::size_t i) {
+      next_[i] = std::clamp(weight_[i] / covered(i), kLeastWeight * first(i), most(i));
+    });
+    weight_.swap(next_);
   }
 
   template <typename Body>
@@ -96,6 +108,29 @@ class Solver {
     return sums;
   }
 
+  /// As `sumsAt`, of kernels as they are drawn, prefiltered by a pixel.
+  float drawnAt(std::size_t i) const {
+    const KernelOverlap& overlap = KernelOverlap::table();
+    const float prefilter = kPixel2 * problem_.spacing_m[i] * problem_.spacing_m[i];
+    const float own = sigma_m_[i] * sigma_m_[i] + prefilter;
+    float sum = weight_[i] / (2.0f * own) * overlap.of(0.0f, 1.0f);
+    float variance_sum = 2.0f * own, seen = 1.0f;
+    forSheet(i, [&](std::uint32_t j) {
+      const glm::vec3 d = problem_.position_m[j] - problem_.position_m[i];
+      const float off_plane = glm::dot(d, problem_.normal[i]);
+      const float other = sigma_m_[j] * sigma_m_[j] + prefilter, variance = own + other;
+      const float q = std::max(glm::dot(d, d) - off_plane * off_plane, 0.0f) / (16.0f * variance);
+      const float ratio = std::sqrt(std::min(own, other) / std::max(own, other));
+      sum += weight_[j] / variance * overlap.of(q, ratio);
+      variance_sum += variance;
+      seen += 1.0f;
+    });
+    if (problem_.near.k + 1 == count()) return sum;
+    const float reach2 = problem_.near.reach_m[i] * problem_.near.reach_m[i];
+    const float outside = overlap.beyond(reach2 * seen / (16.0f * variance_sum));
+    return sum / std::max(1.0f - outside, 0.05f);
+  }
+
   bool atBorder(std::size_t i) const {
     glm::vec3 centroid(0.0f);
     float seen = 1.0f;
@@ -118,7 +153,8 @@ std::vector<float> solveKernels(const KernelProblem& problem, const KernelEffort
                                 std::vector<float>& sigma_m) {
   Solver solver(problem, sigma_m);
   if (problem.near.k == 0) return solver.take();
-  const int total = effort.sigma_rounds * (kWeightsARound + 1) + effort.weight_iterations;
+  const int total = effort.sigma_rounds * (kWeightsARound + 1) + effort.weight_iterations +
+                    effort.drawn_iterations;
   int done = 0;
   const auto tick = [&](int passes) {
     done += passes;
@@ -134,6 +170,10 @@ std::vector<float> solveKernels(const KernelProblem& problem, const KernelEffort
   }
   for (int i = 0; i < effort.weight_iterations; ++i) {
     solver.iterateWeights();
+    tick(1);
+  }
+  for (int i = 0; i < effort.drawn_iterations; ++i) {
+    solver.iterateWeightsAsDrawn();
     tick(1);
   }
   return solver.take();

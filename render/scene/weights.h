@@ -21,8 +21,9 @@ struct KernelProblem {
 };
 
 struct KernelEffort {
-  int weight_iterations;  ///< >= 0
-  int sigma_rounds = 0;   ///< of adapting the sizes too, before those iterations
+  int weight_iterations = 0;  ///< >= 0
+  int sigma_rounds = 0;       ///< of adapting the sizes too, before those iterations
+  int drawn_iterations = 0;   ///< of the weights after them, for the kernels as they are drawn
   std::function<void(std::size_t done, std::size_t total)> progress = {};
 };
 
@@ -35,6 +36,8 @@ struct KernelEffort {
 ///   small
 ///                 steps of log v_i against it, within a factor of 1.6 of the given sigma. Sizes at
 ///                 the border of a surface stay, or they would fill the space beyond it.
+/// G are Gaussians, whose overlaps are Gaussians; the `drawn_iterations` take the kernels as drawn,
+/// of compact support, and prefiltered by a pixel of 0.63 of the spacing (kernel_overlap.h).
 /// Neighbours beyond the k-th are made up for by the kernel's mass outside.
 /// @param sigma_m  > 0; changed where `sigma_rounds` > 0
 /// @return weights, m^2, > 0 and at most 2 pi sigma^2: no single kernel covers more than everything

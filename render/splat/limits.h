@@ -1,7 +1,13 @@
 // Where a splat, a layer and the light end: bounds on which all that draw surfels agree.
 #pragma once
 
+#include "render/scene/surfel_cloud.h"
+
 namespace foci {
+
+/// Of the variance that merging added, what a kernel needs for neighbours to overlap: a square's
+/// spread is side^2 / 12, its kernel wants (kSigmaPerSpacing side)^2.
+inline constexpr float kOverlap = 12.0f * kSigmaPerSpacing * kSigmaPerSpacing;
 
 /// A kernel's footprint reaches at most this many squared standard deviations (n = 2).
 inline constexpr float kWidestSupport2 = 8.0f;

@@ -19,10 +19,6 @@
 #define FOCI_PROJECT_LANES_ONCE
 namespace foci {
 
-/// Of the variance that merging added, what a kernel needs for neighbours to overlap: a square's
-/// spread is side^2 / 12, its kernel wants (kSigmaPerSpacing side)^2.
-inline constexpr float kOverlap = 12.0f * kSigmaPerSpacing * kSigmaPerSpacing;
-
 /// Surfels one after the other.
 struct SurfelArrays {
   const float* position;

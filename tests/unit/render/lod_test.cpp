@@ -11,6 +11,7 @@
 #include "render/image/metrics.h"
 #include "render/lod/cut.h"
 #include "render/methods/lens_samples.h"
+#include "render/scene/estimate.h"
 #include "render/scene/procedural.h"
 #include "tests/unit/render/surfel_scenes.h"
 
@@ -260,6 +261,36 @@ TEST(SweepLod, ConstantSheetStaysConstantAcrossCoarseTiles) {
       off += std::abs(pixel.a - 1.0f);
     }
     EXPECT_LE(off / static_cast<double>(frame.rgba.size()), 0.01) << radius_px;
+  }
+}
+
+TEST(SweepLod, CoversAJitteredPlaneEvenlyAtEveryLevel) {
+  // A surfel a pixel on average, each anywhere in its square; coverage of a half, so that what is
+  // too much shows as well as what is too little.
+  constexpr int kSide = 146;
+  std::mt19937 random(1);
+  const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
+  PointCloud points;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const float x = static_cast<float>(i % kSide) + uniform() - 0.5f * kSide;
+    points.position_m.emplace_back(
+        1e-3f * glm::vec3(x, static_cast<float>(i / kSide) + uniform() - 0.5f * kSide, -1000.0f));
+  }
+  points.color.assign(points.size(), glm::vec3(1.0f));
+  SurfelCloud cloud = surfelsFromPoints(std::move(points), {.solve = KernelSolve::thorough});
+  for (float& area_m2 : cloud.area_m2) area_m2 *= 0.5f;
+  const auto shareOff = [&](float radius_px, float tolerance) {
+    const Frame frame =
+        renderedBy("sweep-lod", cloud, squareViewOf(80, 1000.0f), blurredBy(radius_px, 0.0f));
+    const auto off = std::count_if(frame.rgba.begin(), frame.rgba.end(), [&](const glm::vec4& p) {
+      return std::abs(2.0f * p.a - 1.0f) > tolerance;
+    });
+    return static_cast<double>(off) / static_cast<double>(frame.rgba.size());
+  };
+  EXPECT_LE(shareOff(0.0f, 0.02f), 0.01);
+  for (const float radius_px : {3.0f, 6.0f, 10.0f, 14.0f}) {
+    EXPECT_LE(shareOff(radius_px, 0.02f), 0.05) << radius_px;  // discs sampled by nodes ripple
+    EXPECT_LE(shareOff(radius_px, 0.04f), 0.01) << radius_px;
   }
 }
 

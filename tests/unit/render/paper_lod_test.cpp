@@ -115,5 +115,33 @@ TEST(PaperLod, BlurInTheLevelIsNotAddedAgain) {
       1.0, 0.01);
 }
 
+TEST(PaperLod, ShapeIsNotLowPassedWhichIsTheKnownFailure) {
+  // A roof of two slopes of 30 degrees, 10 px wide, its ridge across the line of sight. Its node
+  // lies in the mean of both, which the eye sees edge-on: blurred, the roof is gone.
+  SurfelCloud cloud;
+  const float rise = 0.5f, run = std::sqrt(0.75f);
+  for (const float side : {-1.0f, 1.0f}) {
+    addSheetOf(cloud, {.center_m = {0, -0.005f * rise, -1.0f + side * 0.005f * run},
+                       .right = {0, rise, -side * run},
+                       .up = {1, 0, 0},
+                       .side_m = 0.01f,
+                       .samples = 16});
+  }
+  for (float& area : cloud.area_m2) area *= 1e-2f;  // dim: coverage stays below one
+  const double mass = 1e-2 * 2.0 * 10.0 * 10.0 * rise;
+  const auto light = [&](const char* method, float radius_px, RenderStats* stats = nullptr) {
+    const View view = squareViewOf(128, 1000.0f);
+    return frameMoments(renderedBy(method, cloud, view, blurredBy(radius_px, 0.0f), stats)).mass;
+  };
+  constexpr double kSlopes = 0.03;  // each surfel's own distance and cosine
+  EXPECT_NEAR(light("paper-lod", 0.0f) / mass, 1.0, kSlopes);
+  EXPECT_NEAR(light("paper", 30.0f) / mass, 1.0, kSlopes);
+  RenderStats stats;
+  EXPECT_LT(light("paper-lod", 30.0f, &stats), 0.1 * mass);
+  EXPECT_LE(stats.splats, 1u);
+  // A node that has all moments is as thick as the roof.
+  EXPECT_NEAR(light("sweep-lod", 30.0f) / mass, 1.0, kSlopes);
+}
+
 }  // namespace
 }  // namespace foci

@@ -117,7 +117,7 @@ TEST(MakeStatue, IsAClosedSolidOfThePapersNumberOfSurfels) {
   EXPECT_NEAR(volume_m3, 0.2, 0.05);
 
   // Evenly sampled, so that weights can make the kernels sum to one.
-  const auto sums = kernelSums(statue, 20000, 1.0f);
+  const auto sums = kernelSums(statue, 20000, {1.0f});
   EXPECT_GT(shareWithin(sums, 0.1f, true), 0.95);
   EXPECT_GT(shareWithin(sums, 0.1f, false), 0.9);
 }

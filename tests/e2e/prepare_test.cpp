@@ -1,0 +1,156 @@
+// `foci prepare`: points or a mesh in, a scene with its report out, which the other commands draw.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "tests/e2e/binary.h"
+
+namespace foci::e2e {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A square metre, 2 m before the eye, a little wavy.
+std::string wavyPly() {
+  return reliefPly([](int x, int y) { return 2.0 + 0.002 * ((x * 7 + y * 3) % 5); });
+}
+
+constexpr const char* kQuadObj =
+    "v -0.5 -0.5 -2\nv 0.5 -0.5 -2\nv 0.5 0.5 -2\nv -0.5 0.5 -2\nf 1 2 3 4\n";
+
+Json prepared(const TemporaryFolder& folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "prepare");
+  arguments.push_back("--json");
+  const Outcome outcome = runFoci(arguments, folder.path());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return Json::parse(outcome.out);
+}
+
+std::size_t countOf(const std::string& what, const std::string& text) {
+  std::size_t count = 0;
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+  return count;
+}
+
+/// A study of `scene`, drawn as linear floats.
+Outcome draw(const TemporaryFolder& folder, const std::string& scene, const std::string& out) {
+  std::string study = smallStudy();
+  study.replace(study.find("scene.ply"), 9, scene);
+  folder.write("study.toml", study);
+  folder.write("trace.tsv", steadyTrace());
+  return runFoci({"render", "study.toml", "--out", out, "--focus", "2"}, folder.path());
+}
+
+/// Of the red, green and blue of all pixels of a PFM of 96 x 72.
+double meanOf(const std::string& pfm) {
+  constexpr std::size_t kValues = std::size_t{96} * 72 * 3;
+  std::vector<float> values(kValues);
+  EXPECT_GT(pfm.size(), kValues * sizeof(float));
+  const std::string bytes = pfm.substr(pfm.size() - kValues * sizeof(float));
+  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<char*>(values.data()));
+  return std::accumulate(values.begin(), values.end(), 0.0) / kValues;
+}
+
+TEST(Prepare, PointsBecomeASceneWithAReportOfItsSumsAtEveryLevel) {
+  const TemporaryFolder folder;
+  folder.write("points.ply", wavyPly());
+  const Json summary = prepared(folder, {"points.ply", "--out", "made/scene.foci"});
+  EXPECT_EQ(summary.at("surfels"), 3600);
+  EXPECT_NEAR(summary.at("area_m2").get<double>(), 1.0, 0.1);
+
+  // Histograms: before and after by size of the pixels, and of each level.
+  std::vector<Json> sums;
+  for (const char* when : {"normalisation_before", "normalisation"}) {
+    ASSERT_EQ(summary.at(when).size(), 2u) << when;
+    for (const Json& n : summary.at(when)) sums.push_back(n);
+  }
+  ASSERT_FALSE(summary.at("normalisation_of_levels").empty());
+  for (const Json& level : summary.at("normalisation_of_levels")) {
+    EXPECT_GE(level.at("nodes"), 1000);
+    sums.push_back(level.at("sharp"));
+    sums.push_back(level.at("blurred"));
+  }
+  for (const Json& n : sums) {
+    const auto all = n.at("histogram").get<std::vector<std::size_t>>();
+    const auto smooth = n.at("smooth_histogram").get<std::vector<std::size_t>>();
+    const auto total = std::accumulate(all.begin(), all.end(), 0.0);
+    const auto of_smooth = std::accumulate(smooth.begin(), smooth.end(), 0.0);
+    EXPECT_GT(total, 9'000.0);
+    EXPECT_NEAR(of_smooth / total, n.at("smooth_share").get<double>(), 1e-6);
+    ASSERT_GT(of_smooth, 200.0);
+    EXPECT_GT(n.at("smooth_within_0.1"), 0.95);
+  }
+
+  const std::string report = folder.read("made/scene.html");
+  EXPECT_EQ(countOf("<svg", report), sums.size());
+  EXPECT_EQ(countOf("Level of ", report), summary.at("normalisation_of_levels").size());
+  EXPECT_NE(report.find("3600 surfels"), std::string::npos);
+  EXPECT_TRUE(report.ends_with("</html>\n"));
+
+  // The scene looks as its points do.
+  folder.write("made/points.ply", wavyPly());
+  ASSERT_EQ(draw(folder, "made/points.ply", "points.pfm").exit_code, 0);
+  const Outcome drawn = draw(folder, "made/scene.foci", "scene.pfm");
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  const double light = meanOf(folder.read("points.pfm"));
+  EXPECT_GT(light, 0.01);
+  EXPECT_NEAR(meanOf(folder.read("scene.pfm")) / light, 1.0, 0.05);
+}
+
+TEST(Prepare, AMeshIsSampledAndDrawn) {
+  const TemporaryFolder folder;
+  folder.write("quad.obj", kQuadObj);
+  const Json summary =
+      prepared(folder, {"quad.obj", "--out", "quad.foci", "--points", "4000", "--scale", "1"});
+  EXPECT_NEAR(summary.at("surfels").get<double>() / 4000.0, 1.0, 0.2);
+  EXPECT_NEAR(summary.at("area_m2").get<double>(), 1.0, 0.1);
+  EXPECT_GT(summary.at("normalisation")[0].at("smooth_within_0.02"), 0.95);
+  ASSERT_EQ(draw(folder, "quad.foci", "quad.pfm").exit_code, 0);
+  EXPECT_GT(meanOf(folder.read("quad.pfm")), 0.01);
+}
+
+TEST(Prepare, IsTheSameAtAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  folder.write("points.ply", wavyPly());
+  Json one = prepared(folder, {"points.ply", "--out", "one/scene.foci", "--threads", "1"});
+  Json three = prepared(folder, {"points.ply", "--out", "three/scene.foci", "--threads", "3"});
+  EXPECT_EQ(folder.read("one/scene.foci"), folder.read("three/scene.foci"));
+  for (Json* summary : {&one, &three}) {
+    for (const char* own : {"seconds", "out", "report"}) summary->erase(own);
+  }
+  EXPECT_EQ(one, three);
+}
+
+TEST(Prepare, ATruncatedOrAlteredSceneIsRefused) {
+  const TemporaryFolder folder;
+  folder.write("points.ply", squarePly(24, 1.0));
+  prepared(folder, {"points.ply", "--out", "scene.foci"});
+  const std::string whole = folder.read("scene.foci");
+  const auto expectRefused = [&](const std::string& bytes, const std::string& says) {
+    folder.write("bad.foci", bytes);
+    const Outcome outcome = draw(folder, "bad.foci", "bad.pfm");
+    SCOPED_TRACE(says);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find("bad.foci"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find(says), std::string::npos) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "bad.pfm"));
+  };
+  expectRefused(whole.substr(0, 40), "cut short");
+  expectRefused(whole.substr(0, whole.size() / 2), "cut short");
+  expectRefused(whole.substr(0, whole.size() - 1), "cut short");
+  expectRefused(whole + '\0', "too long");
+  for (const std::size_t at : {std::size_t{20}, std::size_t{64}, whole.size() / 2}) {
+    std::string altered = whole;
+    altered[at] = static_cast<char>(altered[at] ^ 1);
+    expectRefused(altered, "altered");
+  }
+}
+
+}  // namespace
+}  // namespace foci::e2e
