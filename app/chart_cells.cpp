@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/json_number.h"
+#include "app/machine.h"
 #include "app/output_folder.h"
+#include "app/sha256.h"
 
 namespace foci {
 namespace {
@@ -39,6 +41,12 @@ auto parsed(const fs::path& file, const std::string& key, const Parse& parse)
 
 }  // namespace
 
+std::string programKey() {
+  const Machine machine = describeMachine();
+  return "program " + sha256OfFile("/proc/self/exe") + "; " + machine.cpu + ", " +
+         std::to_string(machine.cores) + " cores, " + machine.simd + "; ";
+}
+
 ChartCells::ChartCells(fs::path folder, std::string key)
     : folder_(std::move(folder)), key_(std::move(key)) {}
 
@@ -68,6 +76,16 @@ void ChartCells::store(const std::string& name, const std::string& key,
                {"ms", Json::object()}};
   if (cell.silhouette_psnr_dB) json["silhouette_psnr_dB"] = jsonNumber(*cell.silhouette_psnr_dB);
   for (const auto& [threads, ms] : cell.ms) json["ms"][std::to_string(threads)] = ms;
+  replaceFile(folder_ / (name + ".json"), json.dump(1) + "\n");
+}
+
+std::optional<double> ChartCells::loadScore(const std::string& name, const std::string& key) const {
+  return parsed(folder_ / (name + ".json"), key_ + key,
+                [](const Json& json) { return json.at("score").get<double>(); });
+}
+
+void ChartCells::storeScore(const std::string& name, const std::string& key, double score) const {
+  const Json json = {{"key", key_ + key}, {"score", score}};
   replaceFile(folder_ / (name + ".json"), json.dump(1) + "\n");
 }
 

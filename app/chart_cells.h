@@ -28,6 +28,9 @@ struct ChartReference {
   Frame frame = {};  ///< without depth
 };
 
+/// What every figure hangs on, besides what is in the plan: the program and the machine.
+std::string programKey();
+
 /// A folder of cells, a file each. Every file holds a key: all that its figures hang on. A file
 /// with another key counts as absent and is overwritten; so does one that cannot be read. Files are
 /// written aside and renamed: whenever the program ends, what was stored is whole.
@@ -41,6 +44,10 @@ class ChartCells {
   std::optional<ChartCell> load(const std::string& name, const std::string& key) const;
   /// @throws std::runtime_error where the file cannot be written
   void store(const std::string& name, const std::string& key, const ChartCell& cell) const;
+
+  /// Of a cell that is one figure, finite.
+  std::optional<double> loadScore(const std::string& name, const std::string& key) const;
+  void storeScore(const std::string& name, const std::string& key, double score) const;
 
   /// With its frame, to the bit.
   std::optional<ChartReference> loadReference(const std::string& name,

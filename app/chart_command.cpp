@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,8 @@
 #include "app/output_folder.h"
 #include "app/progress.h"
 #include "app/scan_options.h"
+#include "app/stability_chart.h"
+#include "app/stability_page.h"
 #include "app/tables.h"
 
 namespace foci {
@@ -28,7 +31,7 @@ struct Options {
   std::string out;
   ScanOptions scan;
   ChartChoice choice;
-  bool json = false;
+  bool stability = false, json = false;
 };
 
 std::string json(const std::filesystem::path& out, double seconds, const ChartResult& result) {
@@ -50,26 +53,31 @@ std::string json(const std::filesystem::path& out, double seconds, const ChartRe
   return all.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-void run(Options options) {
-  const auto start = std::chrono::steady_clock::now();
-  if (options.out.empty()) throw InputError("--out", "expected a value that is not empty");
-  const auto& size_px = options.choice.size_px;
-  if (size_px && (*size_px < kLeastSize_px || *size_px > kMostSize_px)) {
-    throw InputError("--size " + std::to_string(*size_px),
-                     "expected pixels, " + std::to_string(kLeastSize_px) + " to " +
-                         std::to_string(kMostSize_px));
+std::string json(const std::filesystem::path& out, double seconds, const StabilityResult& result) {
+  Json points = Json::array();
+  for (const StabilityPoint& one : result.points) {
+    points.push_back({{"scene", one.scene},
+                      {"value", one.value},
+                      {"method", one.by},
+                      {"score", jsonNumber(one.score)}});
   }
-  const auto limit = threadLimit(options.scan);
-  options.choice.scan = scanViewOf(options.scan);
-  const ChartPlan plan = planChart(options.choice);
-  const std::filesystem::path out = options.out;
+  const Json all = {{"out", out.string()},
+                    {"seconds", seconds},
+                    {"computed", result.computed},
+                    {"kept", result.kept},
+                    {"points", points}};
+  return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// How far a run is.
+std::function<void(std::size_t)> progressOf(std::size_t steps) {
+  return [progress = std::make_shared<Progress>("charting", "steps", steps),
+          done = std::size_t{0}](std::size_t more) mutable { progress->advance(done += more); };
+}
+
+ChartResult chart(const ChartPlan& plan, const std::filesystem::path& out) {
   OutputFolder output(out);
-
-  Progress progress("charting", "steps", stepsOf(plan));
-  std::size_t done = 0;
-  const ChartResult result =
-      measureChart(plan, out, [&](std::size_t steps) { progress.advance(done += steps); });
-
+  ChartResult result = measureChart(plan, out, progressOf(stepsOf(plan)));
   writeText(output.stage("chart.csv"), csvOf(result.points));
   writeChartPage(output.stage("chart.html"), plan, result.points);
   const double blur_px = plan.blurs_px[plan.blurs_px.size() / 2];
@@ -77,13 +85,53 @@ void run(Options options) {
     writeText(output.stage("chart.png"), *png);
   }
   output.commit();
+  return result;
+}
+
+StabilityResult chart(const StabilityPlan& plan, const std::filesystem::path& out) {
+  OutputFolder output(out);
+  StabilityResult result = measureStability(plan, out, progressOf(stepsOf(plan)));
+  writeText(output.stage("stability.csv"), csvOf(plan, result.points));
+  writeStabilityPage(output.stage("stability.html"), plan, result.points);
+  if (const auto png = pngOf(stabilityOverview(plan, result.points))) {
+    writeText(output.stage("stability.png"), *png);
+  }
+  output.commit();
+  return result;
+}
+
+template <class Plan>
+void run(const Options& options, const Plan& plan, const char* page) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::filesystem::path out = options.out;
+  const auto result = chart(plan, out);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (options.json) {
     std::puts(json(out, seconds, result).c_str());
   } else {
     std::printf("%zu cells measured, %zu kept; %.0f s; page: %s\n", result.computed, result.kept,
-                seconds, (out / "chart.html").c_str());
+                seconds, (out / page).c_str());
+  }
+}
+
+void run(Options options) {
+  if (options.out.empty()) throw InputError("--out", "expected a value that is not empty");
+  const auto& size_px = options.choice.size_px;
+  if (size_px && (*size_px < kLeastSize_px || *size_px > kMostSize_px)) {
+    throw InputError("--size " + std::to_string(*size_px),
+                     "expected pixels, " + std::to_string(kLeastSize_px) + " to " +
+                         std::to_string(kMostSize_px));
+  }
+  if (size_px && options.stability) {
+    throw InputError("--size", "the scenes of --stability have a size of their own");
+  }
+  const auto limit = threadLimit(options.scan);
+  options.choice.scan = scanViewOf(options.scan);
+  if (options.stability) {
+    run(options, planStability(options.choice), "stability.html");
+  } else {
+    run(options, planChart(options.choice), "chart.html");
   }
 }
 
@@ -95,10 +143,14 @@ void addChartCommand(CLI::App& app) {
                                        "Chart every method's speed against its accuracy, in under "
                                        "half an hour. Interrupted, it goes\n"
                                        "on where it stopped when run again.\n"
-                                       "Example: foci chart --out out/chart");
+                                       "Example: foci chart --out out/chart\n"
+                                       "         foci chart --stability --out out/stability");
   chart->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
   chart->add_flag("--quick", options->choice.quick,
                   "smaller pictures, fewer settings and runs: in under two minutes");
+  chart->add_flag("--stability", options->stability,
+                  "score instead where methods give way: scenes made to break them, each with a "
+                  "dial from harmless to extreme");
   chart
       ->add_option("--size", options->choice.size_px,
                    "width of the pictures; default 512, quick 256")

@@ -1,4 +1,5 @@
-// foci chart: every method's time against its distance from the reference.
+// foci chart: every method's time against its distance from the reference; with --stability where
+// each gives way.
 #pragma once
 
 namespace CLI {

@@ -10,10 +10,8 @@
 
 #include "app/chart_cells.h"
 #include "app/chart_frontier.h"
-#include "app/machine.h"
 #include "app/output_folder.h"
 #include "app/picture.h"
-#include "app/sha256.h"
 #include "app/tables.h"
 #include "app/timed_runs.h"
 #include "render/image/metrics.h"
@@ -27,13 +25,6 @@ constexpr double kAperturesApart = 1e-3;
 
 std::string groupName(const std::string& scene, double blur_px) {
   return scene + "_" + decimal(blur_px, 0) + "px_";
-}
-
-/// What every figure hangs on, besides what is in the plan.
-std::string programKey() {
-  const Machine machine = describeMachine();
-  return "program " + sha256OfFile("/proc/self/exe") + "; " + machine.cpu + ", " +
-         std::to_string(machine.cores) + " cores, " + machine.simd + "; ";
 }
 
 /// One scene at one blur: all of its cells.

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "app/chart_html.h"
 #include "app/chart_panel.h"
 #include "app/html.h"
 #include "app/machine.h"
@@ -13,25 +14,6 @@
 
 namespace foci {
 namespace {
-
-constexpr const char* kMoreStyle = R"(
-main { max-width: 1240px; }
-th { text-align: left; font-weight: 600; padding: .25rem .75rem .25rem 0; vertical-align: bottom; }
-.scroll { overflow-x: auto; } td.wraps { white-space: normal; }
-.figures td { white-space: nowrap; font-variant-numeric: tabular-nums; }
-.panels { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 520px), 1fr)); gap: 1rem; }
-.panel { background: var(--card); border: 1px solid var(--line); border-radius: 6px; padding: .5rem; }
-svg a:hover circle, svg a:focus circle { stroke-width: 4; }
-fieldset { border: 0; padding: 0; margin: .4rem 1.6rem .4rem 0; display: inline-block; }
-legend { float: left; margin-right: .6rem; color: var(--quiet); } label { margin-right: .7rem; }
-.dials { position: sticky; top: 0; background: var(--ground); padding: .3rem 0; z-index: 1; }
-dialog { width: min(1500px, 96vw); border: 1px solid var(--line); border-radius: 6px;
-  background: var(--ground); color: var(--ink); }
-dialog::backdrop { background: #000a; }
-dialog p { max-width: none; } td code { white-space: nowrap; }
-.three { display: grid; grid-template-columns: repeat(3, 1fr); gap: .7rem; }
-.yes { font-weight: 600; }
-)";
 
 constexpr const char* kScript = R"(
 const dials = document.querySelectorAll('.dials input');
@@ -43,19 +25,6 @@ function show() {
       panel.dataset.measure !== at.measure;
 }
 for (const dial of dials) dial.addEventListener('change', show);
-const box = document.querySelector('dialog');
-document.addEventListener('click', event => {
-  const link = event.target.closest('svg a');
-  if (!link || !box.showModal) return;
-  event.preventDefault();
-  const picture = link.getAttribute('href');
-  box.querySelector('p').textContent = link.querySelector('title').textContent;
-  const [a, b, c] = box.querySelectorAll('img');
-  a.src = picture; b.src = link.dataset.at; c.src = picture.replace(/\.png$/, '_difference.png');
-  for (const image of [a, b, c]) image.parentElement.href = image.src;
-  box.showModal();
-});
-box.addEventListener('click', event => { if (event.target === box) box.close(); });
 show();
 )";
 
@@ -87,11 +56,6 @@ constexpr Advice kAdvice[] = {
 };
 
 constexpr double kGood_dB[] = {30.0, 35.0, 40.0};
-
-std::string cell(const std::string& text, const char* kind = "") {
-  return std::string("<td") + (*kind ? std::string(" class=\"") + kind + "\"" : "") + ">" + text +
-         "</td>";
-}
 
 std::string threadsText(unsigned threads) {
   return std::to_string(threads) + (threads == 1 ? " thread" : " threads");
@@ -194,11 +158,7 @@ void writePanels(std::ostream& out, const ChartPlan& plan, const std::vector<Cha
          "on the frontier, the black line: nothing is both faster and closer. A line joins the "
          "settings of one method. Above the dashed line points count as equally close: the "
          "reference itself is not known any better.</p><p class=\"legend\">";
-  for (const ChartFamily& family : chartFamilies()) {
-    out << "<span style=\"white-space:nowrap\"><span class=\"state\" "
-           "style=\"margin-right:.35em;background:"
-        << family.color << "\"></span>" << escaped(family.name) << "</span> ";
-  }
+  writeFamilies(out);
   out << "</p><p class=\"quiet\">Click a point for its picture, the reference and their "
          "difference, "
       << decimal(kDifferenceGain, 0) << " times.</p></div>\n</div>\n";
@@ -235,7 +195,7 @@ void writeChartPage(const std::filesystem::path& file, const ChartPlan& plan,
   out << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width\">\n<title>foci chart</title>\n"
          "<style>"
-      << kPageStyle << kMoreStyle
+      << kPageStyle << kChartStyle
       << "</style><noscript><style>.panel[hidden] { display: block; }</style></noscript></head>"
          "<body><main>\n<h1>Depth of field: speed against accuracy</h1>\n<p "
          "class=\"quiet\">foci " FOCI_VERSION " &middot; "
@@ -268,14 +228,9 @@ void writeChartPage(const std::filesystem::path& file, const ChartPlan& plan,
          "<code>cells/</code> what a later run need not measure again, and may be removed.</li>\n"
          "</ul>\n";
   writeTable(out, points);
-  out << "<dialog><form method=\"dialog\" style=\"float:right\"><button>close</button></form>\n"
-         "<p></p>\n<div class=\"three\">";
-  for (const char* what : {"drawn", "reference", "difference"}) {
-    out << "<figure><a target=\"_blank\"><img alt=\"" << what << "\"></a><figcaption>" << what
-        << (std::string(what) == "difference" ? ", " + decimal(kDifferenceGain, 0) + " times" : "")
-        << "</figcaption></figure>";
-  }
-  out << "</div></dialog>\n<script>" << kScript << "</script>\n</main></body></html>\n";
+  out << "<script>" << kScript << "</script>\n";
+  writePictureDialog(out);
+  out << "</main></body></html>\n";
   out.close();
   if (!out) throw std::runtime_error("cannot write " + file.string());
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include "app/base/input_error.h"
@@ -35,21 +36,22 @@ ChartPlan quick() {
           .most_runs = 3};
 }
 
-/// Settings besides the standard one, where a method's number is a dial worth seeing turned.
+/// Settings besides the standard one, where a method's number is a dial worth seeing turned, or
+/// where the standard one takes long.
 struct Dial {
   std::string_view method;
-  std::vector<int> full, quick;
+  std::vector<int> full, quick, stability;
 };
 
 const std::vector<Dial>& dials() {
   static const std::vector<Dial> all = {
-      {"accumulate", {16, 64, 200}, {16}}, {"raytrace", {1, 4}, {1}},
-      {"sweep-lod", {1, 7, 19}, {1, 7}},   {"layered", {4, 8, 32}, {8}},
-      {"rasanen", {4, 16, 64}, {16}},      {"shinya", {16, 64}, {16}}};
+      {"accumulate", {16, 64, 200}, {16}, {64}}, {"raytrace", {1, 4}, {1}, {16}},
+      {"sweep-lod", {1, 7, 19}, {1, 7}, {7}},    {"layered", {4, 8, 32}, {8}, {8}},
+      {"rasanen", {4, 16, 64}, {16}, {16}},      {"shinya", {16, 64}, {16}, {16}}};
   return all;
 }
 
-std::vector<ChartMethod> everyMethod(bool is_quick) {
+std::vector<ChartMethod> everyMethod(std::vector<int> Dial::*settings) {
   std::vector<ChartMethod> all;
   for (const MethodInfo& info : methods()) {
     const std::string name(info.name);
@@ -63,7 +65,7 @@ std::vector<ChartMethod> everyMethod(bool is_quick) {
       all.push_back({name, info.standard});
       continue;
     }
-    for (const int setting : is_quick ? dial->quick : dial->full) all.push_back({name, setting});
+    for (const int setting : (*dial).*settings) all.push_back({name, setting});
   }
   return all;
 }
@@ -79,6 +81,25 @@ ChartMethod methodOf(const std::string& spec) {
   return {spec, info->standard > 0 ? std::optional(info->standard) : std::nullopt};
 }
 
+std::vector<ChartMethod> methodsOf(const ChartChoice& choice, std::vector<int> Dial::*settings) {
+  if (choice.methods.empty()) return everyMethod(settings);
+  std::vector<ChartMethod> some;
+  for (const std::string& spec : choice.methods) some.push_back(methodOf(spec));
+  return some;
+}
+
+/// Which scenes are wanted. @param known  their names
+std::set<std::string> chosenOf(const ChartChoice& choice, const std::vector<std::string>& known) {
+  if (choice.scenes.empty()) return {known.begin(), known.end()};
+  for (const std::string& id : choice.scenes) {
+    if (std::find(known.begin(), known.end(), id) == known.end()) {
+      throw InputError("--scene " + id,
+                       "expected a known scene; the nearest is " + nearest(id, known));
+    }
+  }
+  return {choice.scenes.begin(), choice.scenes.end()};
+}
+
 std::string poseText(const EyePose& pose) {
   std::string text;
   for (const glm::vec3& v : {pose.position_m, pose.target_m, pose.up}) {
@@ -90,8 +111,7 @@ std::string poseText(const EyePose& pose) {
 std::vector<ChartScene> everyScene(int size_px, const std::optional<ScanView>& scan) {
   std::vector<ChartScene> all;
   if (scan) {  // first, should there be something wrong with it
-    all.push_back({"scan", scan->file.filename().string(),
-                   sha256OfFile(scan->file) + " " + poseText(scan->pose),
+    all.push_back({"scan", scan->file.filename().string(), inputOf(*scan),
                    [=, view = *scan] { return scanInView(view, size_px); }});
   }
   all.push_back(
@@ -110,6 +130,10 @@ std::vector<ChartScene> everyScene(int size_px, const std::optional<ScanView>& s
 
 }  // namespace
 
+std::string inputOf(const ScanView& scan) {
+  return sha256OfFile(scan.file) + " " + poseText(scan.pose);
+}
+
 int ChartPlan::views(double blur_px) const {
   const double views = std::ceil(std::numbers::pi * blur_px * blur_px);
   return static_cast<int>(std::clamp(views, double{1.0 * least_views}, double{1.0 * most_views}));
@@ -120,23 +144,31 @@ ChartPlan planChart(const ChartChoice& choice) {
   plan.size_px = choice.size_px.value_or(plan.size_px);
   plan.threads = threadCounts();
   plan.scenes = everyScene(plan.size_px, choice.scan);
-  if (!choice.scenes.empty()) {
-    std::vector<std::string> known;
-    for (const ChartScene& one : plan.scenes) known.push_back(one.id);
-    for (const std::string& id : choice.scenes) {
-      if (std::find(known.begin(), known.end(), id) == known.end()) {
-        throw InputError("--scene " + id,
-                         "expected a known scene; the nearest is " + nearest(id, known));
-      }
-    }
-    std::erase_if(plan.scenes, [&](const ChartScene& one) {
-      return std::find(choice.scenes.begin(), choice.scenes.end(), one.id) == choice.scenes.end();
-    });
-  }
-  if (choice.methods.empty()) {
-    plan.methods = everyMethod(choice.quick);
-  } else {
-    for (const std::string& spec : choice.methods) plan.methods.push_back(methodOf(spec));
+  std::vector<std::string> known;
+  for (const ChartScene& one : plan.scenes) known.push_back(one.id);
+  std::erase_if(plan.scenes, [wanted = chosenOf(choice, known)](const ChartScene& one) {
+    return !wanted.contains(one.id);
+  });
+  plan.methods = methodsOf(choice, choice.quick ? &Dial::quick : &Dial::full);
+  return plan;
+}
+
+StabilityPlan planStability(const ChartChoice& choice) {
+  StabilityPlan plan{.quick = choice.quick,
+                     .effort = choice.quick ? StabilityEffort{.samples = 64, .steps = 3}
+                                            : StabilityEffort{.samples = 160, .steps = 8},
+                     .scenes = stabilityScenes()};
+  if (choice.scan) plan.scenes.push_back(thinnedScan(*choice.scan));
+  std::vector<std::string> known;
+  for (const StabilityScene& one : plan.scenes) known.push_back(one.name);
+  std::erase_if(plan.scenes, [wanted = chosenOf(choice, known)](const StabilityScene& one) {
+    return !wanted.contains(one.name);
+  });
+  plan.methods = methodsOf(choice, &Dial::stability);
+  if (!plan.quick) return plan;
+  for (StabilityScene& scene : plan.scenes) {
+    const std::vector<float>& all = scene.values;
+    scene.values = {all.front(), all[all.size() / 2], all.back()};
   }
   return plan;
 }

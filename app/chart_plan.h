@@ -1,5 +1,5 @@
 // What `foci chart` measures: which scenes, how much blur, which methods with which settings, how
-// long.
+// long; with --stability, which dials.
 #pragma once
 
 #include <functional>
@@ -8,15 +8,19 @@
 #include <vector>
 
 #include "app/scene_in_view.h"
+#include "app/stability_scenes.h"
 
 namespace foci {
 
 struct ChartScene {
   std::string id;     ///< in names of files and in chart.csv
   std::string title;  ///< for people
-  std::string input;  ///< SHA-256 of a scan and its pose; empty for what is built in
+  std::string input;  ///< as of `inputOf`; empty for what is built in
   std::function<SceneInView()> make;
 };
+
+/// SHA-256 of a scan and its pose: what figures of it hang on.
+std::string inputOf(const ScanView& scan);
 
 /// A method with its number, if it takes one.
 struct ChartMethod {
@@ -54,5 +58,17 @@ struct ChartChoice {
 /// Every method there is, each with settings that span what it can do.
 /// @throws InputError for an unknown scene or method, or a scan that cannot be read
 ChartPlan planChart(const ChartChoice& choice);
+
+/// What `foci chart --stability` measures.
+struct StabilityPlan {
+  bool quick = false;
+  StabilityEffort effort = {};
+  std::vector<StabilityScene> scenes = {};  ///< with the values that are measured
+  std::vector<ChartMethod> methods = {};
+};
+
+/// Every method, with one setting each. @param choice  its size does not matter
+/// @throws InputError as `planChart`
+StabilityPlan planStability(const ChartChoice& choice);
 
 }  // namespace foci

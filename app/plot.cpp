@@ -126,23 +126,39 @@ PlotAxis linearAxis(std::string title, const std::vector<double>& values) {
   return axis;
 }
 
-PlotAxis timeAxis(std::string title, const std::vector<double>& ms) {
-  assert(!ms.empty());
-  const auto [least, most] = std::minmax_element(ms.begin(), ms.end());
+namespace {
+
+/// Powers of ten that hold all of the values, > 0 (asserted).
+template <class TextOf>
+PlotAxis powersOfTen(std::string title, const std::vector<double>& values, const TextOf& textOf) {
+  assert(!values.empty());
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
   assert(*least > 0.0);
-  const double low = std::floor(std::log10(*least)), high = std::ceil(std::log10(*most) + 1e-9);
+  const double low = std::floor(std::log10(*least) + 1e-9);
+  const double high = std::max(std::ceil(std::log10(*most) - 1e-9), low + 1.0);
   PlotAxis axis{.title = std::move(title),
                 .from = std::pow(10.0, low),
-                .to = std::pow(10.0, std::max(high, low + 1.0)),
+                .to = std::pow(10.0, high),
                 .logarithmic = true};
-  for (double power = low; power <= std::max(high, low + 1.0); power += 1.0) {
+  for (double power = low; power <= high; power += 1.0) {
     const double at = std::pow(10.0, power);
-    const std::string text = at >= 1000.0
-                                 ? decimal(at / 1000.0, 0) + " s"
-                                 : decimal(at, std::max(0, static_cast<int>(-power))) + " ms";
-    axis.ticks.push_back({at, text});
+    axis.ticks.push_back({at, textOf(at, std::max(0, static_cast<int>(-power)))});
   }
   return axis;
+}
+
+}  // namespace
+
+PlotAxis timeAxis(std::string title, const std::vector<double>& ms) {
+  return powersOfTen(std::move(title), ms, [](double at, int digits) {
+    return at >= 1000.0 ? decimal(at / 1000.0, 0) + " s" : decimal(at, digits) + " ms";
+  });
+}
+
+PlotAxis logarithmicAxis(std::string title, std::vector<double> values, double least) {
+  for (double& value : values) value = std::max(value, least);
+  return powersOfTen(std::move(title), values,
+                     [](double at, int digits) { return decimal(at, digits); });
 }
 
 Drawing layOut(const Plot& plot) {
@@ -213,7 +229,7 @@ Drawing layOut(const Plot& plot) {
   }
 
   if (plot.end_labels) {
-    // At the right end, pushed apart downwards.
+    // At the right end, pushed apart.
     std::vector<std::pair<double, const PlotSeries*>> names;
     for (const PlotSeries& series : plot.series) {
       if (!series.points.empty()) names.emplace_back(area.at(series.points.back()).y, &series);
@@ -221,11 +237,19 @@ Drawing layOut(const Plot& plot) {
     std::sort(names.begin(), names.end(),
               [](const auto& a, const auto& b) { return a.first < b.first; });
     double free_y = 0.0;
+    for (auto& [y, series] : names) {
+      y = std::max(y, free_y);
+      free_y = y + kNameGap_px;
+    }
+    // Back up from the picture's lower edge.
+    free_y = plot.size_px.y - 8.0;
+    for (auto name = names.rbegin(); name != names.rend(); ++name) {
+      name->first = std::min(name->first, free_y);
+      free_y = name->first - kNameGap_px;
+    }
     for (const auto& [y, series] : names) {
-      const double at = std::max(y, free_y);
-      free_y = at + kNameGap_px;
       drawing.texts.push_back(
-          {{area.high.x + 14.0, at + 4.0}, series->name, Anchor::start, series->color, kText_px});
+          {{area.high.x + 14.0, y + 4.0}, series->name, Anchor::start, series->color, kText_px});
     }
   }
   return drawing;

@@ -26,6 +26,9 @@ PlotAxis linearAxis(std::string title, const std::vector<double>& values);
 /// Times in milliseconds: powers of ten that hold all of the values. All > 0 (asserted).
 PlotAxis timeAxis(std::string title, const std::vector<double>& ms);
 
+/// Powers of ten that hold all of the values, those below `least` > 0 counted as it.
+PlotAxis logarithmicAxis(std::string title, std::vector<double> values, double least);
+
 struct PlotPoint {
   double x = 0.0, y = 0.0;  ///< beyond the axes: drawn at their ends
   std::string label = {};   ///< beside it, where there is room

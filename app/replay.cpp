@@ -247,7 +247,9 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
     Picture picture = pictureOf(frame, study.screen.gamma);
     sheet.offer(i, session, record, picture);
     session.mark(record, picture);
-    if (record.stats.tolerance_error > session.study().quality.tolerance) ++report.frames_over;
+    if (record.stats.tolerance_error > session.study().quality.tolerance) {
+      if (report.frames_over++ == 0) report.first_over_s = record.time_s;
+    }
     report.worst_error = std::max(report.worst_error, record.stats.tolerance_error.value_or(0.0));
     frames_held += record.eye.state == GazeState::blink || record.eye.state == GazeState::lost;
     table.add(i, record);

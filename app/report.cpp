@@ -100,7 +100,8 @@ std::string eyeText(const Study& study) {
 std::string toleranceText(const Study& study, const ReportFacts& facts) {
   if (facts.frames_over == 0) return "";
   return "In " + std::to_string(facts.frames_over) + " of " + std::to_string(facts.summary.frames) +
-         " frames 5 % of the pixels may err by more than " + "the tolerance of " +
+         " frames, the first at " + decimal(facts.first_over_s, 2) +
+         " s, 5 % of the pixels may err by more than the tolerance of " +
          decimal(study.quality.tolerance, 1) + " just noticeable differences, by up to " +
          decimal(facts.worst_error, 1) +
          (study.quality.frame_ms ? ": quality.frame_ms leaves no time for more."

@@ -31,6 +31,7 @@ struct ReportFacts {
   double longest_loss_s = 0.0;
   std::size_t frames_held = 0;  ///< in a blink or a loss, pauses of the recording included
   std::size_t frames_over = 0;  ///< in which method auto expects to err by more than the tolerance
+  double first_over_s = 0.0;    ///< the first of them
   double worst_error = 0.0;     ///< that it expects, just noticeable differences
   unsigned threads = 0;
 };

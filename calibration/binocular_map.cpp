@@ -59,7 +59,8 @@ bool isBinocularFile(const std::filesystem::path& file) {
 BinocularCalibration readBinocular(const std::filesystem::path& file) {
   CalibrationFile in(file);
   BinocularCalibration calibration;
-  const auto position_mm = in.numbers("binocular.position_mm", 3, -kFarthestEye_mm, kFarthestEye_mm);
+  const auto position_mm =
+      in.numbers("binocular.position_mm", 3, -kFarthestEye_mm, kFarthestEye_mm);
   const auto rotation = in.numbers("binocular.rotation", 9, -1.0 - kRounding, 1.0 + kRounding);
   glm::dmat3& r = calibration.map.rotation;
   for (int i = 0; i < 3; ++i) {

@@ -10,7 +10,8 @@ namespace foci {
 namespace {
 
 constexpr float kFade = 0.3f;         // of the variance allowed: over it a node fades out
-constexpr int kSerialCutLevels = 8;      // below, one task a subtree; fixed, as are all results
+constexpr float kThick = 4.0f;        // what a node's thickness counts, over its width
+constexpr int kSerialCutLevels = 8;   // below, one task a subtree; fixed, as are all results
 constexpr int kMiddleLevel = 10;      // about a thousand nodes
 constexpr float kWidestReach = 3.0f;  // standard deviations of a kernel's support, at most
 
@@ -59,6 +60,15 @@ class Selector {
   static constexpr float kOutside = -1.0f;
 
  private:
+  /// Variance along the mean normal: none of a flat node; of one that holds two surfaces a quarter
+  /// of their distance squared, or what their angle makes.
+  static float thickness_m2(const LodNode& node) {
+    const glm::vec3 n = unpackNormal(node.normal);
+    const float* v = node.variance_m2;
+    return n.x * n.x * v[0] + n.y * n.y * v[3] + n.z * n.z * v[5] +
+           2.0f * (n.x * n.y * v[1] + n.x * n.z * v[2] + n.y * n.z * v[4]);
+  }
+
   /// The node's variance over what is allowed; kOutside where it cannot touch the image.
   float sizeOf(const LodNode& node) const {
     constexpr float kRefine = 1e30f;
@@ -88,7 +98,8 @@ class Selector {
     }
 
     const float added_m2 =
-        0.5f * node.trace_m2() * (1.0f - static_cast<float>(node.own) * (1.0f / 65535.0f));
+        0.5f * node.trace_m2() * (1.0f - static_cast<float>(node.own) * (1.0f / 65535.0f)) +
+        kThick * thickness_m2(node);
     const float least_D = std::max(leastDefocus_D(defocus_, inv) - range_D, 0.0f);
     const glm::vec2 from_gaze_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
     const float finest_px = settings_.acuity.finest_px(glm::length(from_gaze_px));

@@ -21,7 +21,8 @@ constexpr std::array<float, 5> kBlurs_px{1.0f, 4.0f, 8.0f, 16.0f, 40.0f};
 
 /// A way to draw. Its error is that of 95 % of the pixels, in just noticeable differences at 40
 /// pixels a degree: the largest that was measured against the accumulated reference on the scenes
-/// of `foci chart` (256 x 256 pixels) and on a scan. Between the blurs it is interpolated.
+/// of `foci chart` (256 x 256 pixels) and on a scan. Between the blurs it is interpolated; beyond
+/// the last, where nothing was measured, it counts as growing with the blur.
 struct Way {
   LodSettings lod;
   std::array<float, kBlurs_px.size()> error_at;
@@ -29,7 +30,7 @@ struct Way {
   float error(float blur_px) const {
     const auto above = std::upper_bound(kBlurs_px.begin(), kBlurs_px.end(), blur_px);
     if (above == kBlurs_px.begin()) return error_at.front();
-    if (above == kBlurs_px.end()) return error_at.back();
+    if (above == kBlurs_px.end()) return error_at.back() * blur_px / kBlurs_px.back();
     const auto i = static_cast<std::size_t>(above - kBlurs_px.begin());
     const float t = (blur_px - kBlurs_px[i - 1]) / (kBlurs_px[i] - kBlurs_px[i - 1]);
     return error_at[i - 1] + t * (error_at[i] - error_at[i - 1]);

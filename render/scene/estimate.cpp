@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t kNeighbours = 16;
 constexpr std::size_t kSolveNeighbours = 64;  // four spacings: all that a grown kernel meets
+constexpr std::uint8_t kStacked = 4;          // neighbours that coincide with a point
 constexpr float kSameSheetCosine = 0.5f;      // of normals, signs apart
 constexpr float kSameSheetReach = 0.5f;       // off the tangent plane, of the furthest neighbour
 constexpr float kMostLocalSpacings = 2.0f;    // of the neighbours' median: strays beside a surface
@@ -195,6 +196,16 @@ KernelEffort effortOf(const EstimateSettings& settings) {
 
 enum class Stacks { possible, resolved };
 
+/// Whether so many points coincide somewhere that neighbours do not tell how far apart samples are.
+bool anyStack(const std::vector<glm::vec3>& position_m, const Neighbours& near) {
+  std::vector<std::uint8_t> coinciding(position_m.size(), 0);
+  parallelFor(position_m.size(), [&](std::size_t i) {
+    for (const std::uint32_t j : near.of(i)) coinciding[i] += position_m[j] == position_m[i];
+  });
+  return std::any_of(coinciding.begin(), coinciding.end(),
+                     [](std::uint8_t count) { return count >= kStacked; });
+}
+
 SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stacks stacks);
 
 /// Points that coincide beyond what neighbours can tell apart: one stands for all while the rest is
@@ -215,6 +226,7 @@ SurfelCloud surfelsOfStacks(PointCloud&& points, const EstimateSettings& setting
     if (at == 0 || points.position_m[i] != points.position_m[order[at - 1]]) {
       single.position_m.push_back(points.position_m[i]);
       if (!points.normal.empty()) single.normal.push_back(points.normal[i]);
+      if (!points.radius_m.empty()) single.radius_m.push_back(points.radius_m[i]);
       height.push_back(0);
     }
     stack_of[i] = static_cast<std::uint32_t>(height.size() - 1);
@@ -237,13 +249,14 @@ SurfelCloud surfelsOfStacks(PointCloud&& points, const EstimateSettings& setting
     weight[i] = std::min(shared.area_m2[stack] / static_cast<float>(height[stack]),
                          glm::two_pi<float>() * sigma[i] * sigma[i]);
   }
-  return assemble(std::move(points), sigma, std::move(weight));
+  SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
+  cloud.oriented = shared.oriented;
+  return cloud;
 }
 
 SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stacks stacks) {
   Neighbours near = findNeighbours(points.position_m, kNeighbours);
-  if (stacks == Stacks::possible && std::any_of(near.reach_m.begin(), near.reach_m.end(),
-                                                [](float reach_m) { return reach_m == 0.0f; })) {
+  if (stacks == Stacks::possible && anyStack(points.position_m, near)) {
     near = {};
     return surfelsOfStacks(std::move(points), settings);
   }

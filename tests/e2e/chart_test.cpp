@@ -154,6 +154,43 @@ TEST(Chart, KilledItGoesOnWhereItStopped) {
             before.at("ssim"));
 }
 
+TEST(Chart, ScoresStabilityOverItsDialsAndGoesOnWhereItStopped) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> few = {"chart",    "--stability", "--quick",  "--out",
+                                        "out",      "--json",      "--scene",  "density",
+                                        "--scene",  "gaze-loss",   "--method", "sweep",
+                                        "--method", "pinhole",     "--method", "sweep-lod"};
+  const fs::path cells = folder.path() / "out/cells";
+  const Outcome killed = terminateFoci(few, folder.path(), cells / "density_1_pinhole.json");
+  ASSERT_EQ(killed.exit_code, 128 + 15);
+  EXPECT_FALSE(fs::exists(folder.path() / "out/stability.csv"));
+
+  const Outcome outcome = runFoci(few, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json summary = Json::parse(outcome.out);
+  EXPECT_GE(summary.at("kept"), 2);
+  const auto csv = csvOf(folder.read("out/stability.csv"));
+  ASSERT_EQ(csv.size() - 1, 3u * (3 + 6));  // values, methods and observers
+  EXPECT_EQ(csv[0][0], "scene");
+  for (std::size_t i = 1; i <= 3 * 3; ++i) {
+    EXPECT_GT(std::stod(csv[i][4]), 0.0);
+    EXPECT_EQ(csv[i].back(), "yes") << csv[i][2] << " " << csv[i][3];  // all of them cover
+  }
+  const std::string page = folder.read("out/stability.html");
+  EXPECT_NE(page.find("</html>"), std::string::npos);
+  std::size_t links = 0;
+  for (std::size_t at = 0; (at = page.find("\"pictures/", at)) != std::string::npos; ++links) {
+    ++at;
+    const std::string link = page.substr(at, page.find('"', at) - at);
+    EXPECT_TRUE(fs::exists(folder.path() / "out" / link)) << link;
+  }
+  EXPECT_GE(links, 2u * 3 * 3);  // each point's picture and its reference
+
+  const Json again = Json::parse(runFoci(few, folder.path()).out);
+  EXPECT_EQ(again.at("computed"), 0);
+  EXPECT_EQ(again.at("points"), summary.at("points"));
+}
+
 struct Refusal {
   std::string says;
   std::vector<std::string> options;
@@ -173,6 +210,8 @@ TEST(Chart, RefusesInOneLineAndLeavesNothing) {
       {"accumulate:1 to", {"--method", "accumulate:0"}},
       {"16 to 4096", {"--size", "5"}},
       {"1 to 1024", {"--threads", "0"}},
+      {"the nearest is crossing", {"--stability", "--scene", "crosing"}},
+      {"a size of their own", {"--stability", "--size", "64"}},
   };
   for (const Refusal& refusal : refusals) {
     std::vector<std::string> all = {"chart", "--out", "made/out", "--quick"};

@@ -8,11 +8,13 @@
 #include <vector>
 
 #include "app/stability_scenes.h"
+#include "app/stability_setups.h"
+#include "render/image/metrics.h"
 
 namespace foci {
 namespace {
 
-constexpr StabilityEffort kShort{.views = 100};
+constexpr StabilityEffort kShort{.samples = 48, .steps = 4};
 
 const StabilityScene& sceneNamed(std::string_view name) {
   const auto& scenes = stabilityScenes();
@@ -22,7 +24,12 @@ const StabilityScene& sceneNamed(std::string_view name) {
 
 /// Of `paper-lod` and of `sweep-lod`.
 std::vector<double> scores(std::string_view name, float value) {
-  return stabilityScores(sceneNamed(name), value, {"paper-lod", "sweep-lod"}, kShort);
+  StabilityTrial trial(sceneNamed(name), value, kShort);
+  return {trial.score("paper-lod"), trial.score("sweep-lod")};
+}
+
+double observed(std::string_view name, std::size_t observer, float value) {
+  return sceneNamed(name).observe(observer, value);
 }
 
 TEST(EdgeShare, IsTheShareOfTheDisc) {
@@ -34,40 +41,103 @@ TEST(EdgeShare, IsTheShareOfTheDisc) {
   EXPECT_NEAR(edgeShare(1.0, 0.0, 1.0), 0.8413, 1e-4);  // a standard deviation of the pixel
 }
 
+TEST(DiscThroughGaussian, HoldsItsVolumeAndIsTheDiscWhereThatIsWide) {
+  constexpr double kPi = 3.14159265358979;
+  double volume = 0.0;
+  for (double r = 0.05; r < 20.0; r += 0.1) {
+    volume += 2.0 * kPi * r * 0.1 * discThroughGaussian(r, 10.0, 1.2);
+  }
+  EXPECT_NEAR(volume, 1.0, 1e-3);
+  EXPECT_NEAR(discThroughGaussian(0.0, 10.0, 1.2), 1.0 / (kPi * 100.0), 1e-6);
+  EXPECT_NEAR(discThroughGaussian(10.0, 10.0, 1.2) * kPi * 100.0, 0.5, 0.05);  // half in its edge
+}
+
+// Rays through the lens against the closed form, which knows nothing of rays.
+TEST(ExactFrame, FollowsTheClosedFormAtAnOutline) {
+  for (const float radius_px : {1.0f, 8.0f}) {
+    for (const char* name : {"sharp-before-blurred", "blurred-before-sharp"}) {
+      StabilityTrial trial(sceneNamed(name), radius_px, {.samples = 100});
+      EXPECT_LT(trial.setup().score(trial.reference()), 0.004) << name << " " << radius_px;
+    }
+  }
+}
+
+// A sheet that nothing hides, sharp: what the splatter draws is what the rays see.
+TEST(ExactFrame, IsWhatSplatsDrawOfASheetInFocus) {
+  StabilityTrial trial(sceneNamed("slanted"), 0.0f, {.samples = 200});
+  EXPECT_GT(trial.score("sweep"), 50.0);
+}
+
+// Two sheets that cross: on each side of the line the nearer one alone is seen, with no blur.
+TEST(ExactFrame, TellsCrossingSheetsApart) {
+  using namespace stability;
+  const float a = 0.5f;
+  const std::vector<Sheet> sheets = {
+      {.centre_m = {0, 0, -1}, .size_m = glm::vec2(1.2f), .color = plain({1, 0, 0})},
+      {.centre_m = {0, 0, -1},
+       .size_m = glm::vec2(1.2f),
+       .across = {std::cos(a), 0, std::sin(a)},
+       .color = plain({0, 1, 0})}};
+  const Frame frame = exactFrame(sheets, view(), lens(0.0f, 1.0f), 4);
+  EXPECT_NEAR(frame.at(20, 64).r, 1.0f, 1e-5f);  // left, the slanted one is behind
+  EXPECT_NEAR(frame.at(108, 64).g, 1.0f, 1e-5f);
+  EXPECT_NEAR(frame.at(63, 64).r, 0.69f, 0.02f);  // half a pixel left of where they meet
+}
+
 TEST(Stability, CloseParallelSurfacesStayApart) {
   const auto error = scores("parallel", 0.005f);
   EXPECT_LT(error[1], 0.02);
   EXPECT_LT(error[1], 0.25 * error[0]);
 }
 
+// Wanted are 42 dB against the truth, which is not reached: docs/stability.md. What is held here is
+// that levels of detail and parts of the lens cost little, against the same splats drawn 100 times.
 TEST(Stability, CrossingPlanesKeepTheirPicture) {
-  const auto psnr = scores("intersecting", 45.0f);
-  EXPECT_GT(psnr[1], 40.0);  // 42 is wanted and not reached: docs/stability.md
-  EXPECT_GT(psnr[1], psnr[0] + 10.0);
+  StabilityTrial trial(sceneNamed("crossing"), 45.0f, kShort);
+  const double exact_dB = trial.score("sweep-lod");
+  const Frame drawn = trial.drawn();
+  EXPECT_GT(exact_dB, trial.score("paper-lod") + 10.0);
+  trial.score("accumulate:100");
+  EXPECT_GT(psnr_dB(drawn, trial.drawn()), 40.0);
 }
 
-TEST(Stability, IrregularSamplesCover) { EXPECT_LT(scores("density", 100.0f)[1], 0.03); }
+TEST(Stability, IrregularSamplesCover) {
+  EXPECT_LT(scores("density", 100.0f)[1], 0.03);
+  EXPECT_LT(scores("normals", 10.0f)[1], 0.02);
+  // Copies of a point, also where they are all the neighbours that are looked at, change nothing.
+  EXPECT_NEAR(scores("duplicates", 16.0f)[1], scores("duplicates", 1.0f)[1], 0.002);
+}
 
 TEST(Stability, SilhouettesFollowTheClosedForm) {
-  EXPECT_LT(scores("silhouette, sharp before blurred", 8.0f)[1], 0.02);
-  EXPECT_LT(scores("silhouette, blurred before sharp", 8.0f)[1], 0.02);
+  EXPECT_LT(scores("sharp-before-blurred", 8.0f)[1], 0.02);
+  EXPECT_LT(scores("blurred-before-sharp", 8.0f)[1], 0.02);
   EXPECT_LT(scores("close-up", 0.02f)[1], 0.02);
 }
 
-TEST(Stability, AMovingFocusDoesNotPop) { EXPECT_LT(scores("focus sweep", 20.0f)[1], 0.005); }
+TEST(Stability, AMovingFocusDoesNotPop) { EXPECT_LT(scores("focus-sweep", 20.0f)[1], 0.005); }
 
 TEST(Stability, LightIsNeitherLostNorGained) {
   EXPECT_LT(scores("highlight", 10000.0f)[1], 0.01);
+  EXPECT_LT(scores("point-light", 1.0f)[1], 0.01);
   EXPECT_LT(scores("wire", 0.2f)[1], 0.01);
   EXPECT_LT(scores("transparent", 16.0f)[1], 0.01);
+}
+
+// Against a mean over 0.1 s, which follows noise across the edge.
+TEST(Stability, FocusHoldsInNoise) {
+  const double held = observed("gaze-noise", 0, 1.0f), mean = observed("gaze-noise", 1, 1.0f);
+  EXPECT_LT(held, mean / 3.0);
+  EXPECT_LT(observed("gaze-noise-jumps", 0, 1.0f), observed("gaze-noise-jumps", 1, 1.0f) / 3.0);
 }
 
 // Whatever the dial says, every pixel of every method is a number.
 TEST(Stability, ExtremesGiveNumbers) {
   for (const StabilityScene& scene : stabilityScenes()) {
+    if (scene.observe) continue;
     const StabilitySetup setup = scene.setup(scene.values.back());
-    for (const char* method : {"paper-lod", "sweep", "sweep-lod"}) {
-      const Frame frame = stabilityFrame(setup, method);
+    for (const char* method : {"paper-lod", "sweep-lod"}) {
+      Frame frame;
+      makeMethod(method, setup.cloud)->render(setup.view, setup.settings, frame);
       EXPECT_TRUE(
           std::all_of(frame.rgba.begin(), frame.rgba.end(),
                       [](const glm::vec4& c) { return std::isfinite(c.r + c.g + c.b + c.a); }))
