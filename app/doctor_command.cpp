@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "app/display.h"
-#include "app/live_sources.h"
+#include "app/live/sources.h"
 #include "app/machine.h"
 
 namespace foci {

@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "app/live_clock.h"
-#include "app/live_sources.h"
+#include "app/live/clock.h"
+#include "app/live/sources.h"
 
 namespace foci {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "app/charts.h"
 #include "app/replay.h"
+#include "app/report_charts.h"
 #include "app/study.h"
 #include "gaze/gaze.h"
 

@@ -103,7 +103,7 @@ struct Study {
     std::string view = "mono";  ///< how the eyes' views are put together: app/stereo.h
   } output;
 
-  /// What a live run leaves so that it can be replayed (app/live_record.h).
+  /// What a live run leaves so that it can be replayed (app/live/record.h).
   struct Record {
     std::optional<std::filesystem::path> frames;   ///< times and methods, instead of output.fps
     std::optional<std::filesystem::path> changes;  ///< of keys while it ran

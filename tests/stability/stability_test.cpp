@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "app/stability_scenes.h"
-#include "app/stability_setups.h"
+#include "app/stability/scenes.h"
+#include "app/stability/setups.h"
 #include "render/image/metrics.h"
 
 namespace foci {

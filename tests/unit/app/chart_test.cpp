@@ -8,11 +8,11 @@
 #include <set>
 
 #include "app/base/input_error.h"
-#include "app/chart_cells.h"
-#include "app/chart_frontier.h"
-#include "app/chart_measure.h"
-#include "app/chart_panel.h"
-#include "app/chart_plan.h"
+#include "app/chart/cells.h"
+#include "app/chart/frontier.h"
+#include "app/chart/measure.h"
+#include "app/chart/panel.h"
+#include "app/chart/plan.h"
 #include "app/output_folder.h"
 #include "app/plot.h"
 #include "tests/temporary_folder.h"

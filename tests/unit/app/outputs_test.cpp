@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "app/charts.h"
 #include "app/output_folder.h"
+#include "app/report_charts.h"
 #include "app/sha256.h"
 #include "app/tables.h"
 #include "tests/temporary_folder.h"

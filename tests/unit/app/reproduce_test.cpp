@@ -8,10 +8,10 @@
 #include "app/base/input_error.h"
 #include "app/html.h"
 #include "app/picture.h"
-#include "app/reproduce_chart.h"
-#include "app/reproduce_measure.h"
-#include "app/reproduce_ratios.h"
-#include "app/reproduce_scenes.h"
+#include "app/reproduce/chart.h"
+#include "app/reproduce/measure.h"
+#include "app/reproduce/ratios.h"
+#include "app/reproduce/scenes.h"
 #include "app/timed_runs.h"
 
 namespace foci {

@@ -1,0 +1,155 @@
+// `foci calibrate gaze`, from files or in its window.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <utility>
+
+#include "app/base/input_error.h"
+#include "app/calibrate/options.h"
+#include "app/calibrate/windows.h"
+#include "calibration/calibration_file.h"
+#include "calibration/gaze_map_file.h"
+#include "calibration/gaze_report.h"
+#include "calibration/screen_file.h"
+#include "calibration/webcam_calibration.h"
+
+namespace foci {
+namespace {
+
+GazeFrame frameOf(const CalibrateGazeOptions& options) {
+  const auto units = mapUnitsNamed(options.units);
+  if (!units) {
+    throw InputError("--units", options.units + ": expected deg, norm or direction");
+  }
+  GazeFrame frame{.units = *units, .screen = defaultScreen()};
+  if (!options.screen.empty()) {
+    frame.screen = readScreen(options.screen).screen;
+  } else if (frame.units == MapUnits::norm) {
+    std::fprintf(stderr, "no --screen: degrees are those of %.2f x %.2f m at %.2f m\n",
+                 frame.screen.size_m.x, frame.screen.size_m.y, frame.screen.distance_m);
+  }
+  return frame;
+}
+
+GazeReport fromFiles(const CalibrateGazeOptions& options, const GazeFrame& frame,
+                     std::optional<GazeModel> model) {
+  const auto pairs = readGazePairs(options.pairs, frame.units);
+  std::vector<GazePair> other;
+  if (!options.validate.empty()) other = readGazePairs(options.validate, frame.units);
+  GazeReport report;
+  try {
+    report.fit = fitGazeMap(pairs, frame, model);
+  } catch (const InputError& error) {
+    throw InputError(options.pairs.string(), error.what());
+  }
+  report.validated = !other.empty();
+  report.accuracy = measureAccuracy(report.validated ? other : pairs, frame, &report.fit.map);
+  return report;
+}
+
+/// Moves a map by what gaze says at a single target.
+void correctDriftOf(const CalibrateGazeOptions& options) {
+  if (options.pairs.empty()) throw InputError("--drift", "needs --pairs, samples of one target");
+  const GazeMap map = readGazeMap(options.drift);
+  std::vector<glm::dvec2> gaze;
+  std::optional<glm::dvec2> target;
+  for (const GazePair& pair : readGazePairs(options.pairs, map.frame.units)) {
+    if (target && *target != pair.target) {
+      throw InputError(options.pairs.string(), "more than one target: a drift has one");
+    }
+    target = pair.target;
+    if (pair.gaze) gaze.push_back(*pair.gaze);
+  }
+  const GazeMap corrected = correctDrift(map, gaze, *target);
+  if (!options.out.empty()) writeWhole(options.out, gazeMapToml(corrected));
+  const glm::dvec2 moved = corrected.coefficients[0] - map.coefficients[0];
+  const double drift_deg =
+      angle_deg(onPlane(map.frame, *target - moved), onPlane(map.frame, *target));
+  std::printf(options.json ? "{\"drift_deg\": %.17g, \"samples\": %zu}\n"
+                           : "moved by %.2f deg, from %zu samples\n",
+              drift_deg, gaze.size());
+}
+
+std::optional<Lens> cameraOf(const CalibrateGazeOptions& options) {
+  if (options.camera.empty()) return std::nullopt;
+  return lensOf(readCamera(options.camera));
+}
+
+/// From a video of the observer's face and the times at which targets were shown.
+GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& place,
+                     const Screen& screen, WebcamCalibration& calibration) {
+  const auto targets = readShownTargets(options.pairs);
+  std::vector<ShownTarget> others;
+  if (!options.validate.empty()) others = readShownTargets(options.validate);
+  WebcamTracker tracker(cameraOf(options));
+  const std::vector<WebcamFrame> frames = readWebcam(place, tracker);
+  const auto reference = tracker.reference();
+  if (!reference) throw InputError(nameOf(place), "no face in any frame");
+  calibration.reference = *reference;
+  calibration.screen_m = screen.size_m;
+  return calibrateWebcam(pairFrames(frames, targets), pairFrames(frames, others), screen,
+                         calibration.map);
+}
+
+void refuseWindowOptions(const CalibrateGazeOptions& options) {
+  if (options.source != "mouse" && !webcamPlaceOf(options.source)) {
+    throw InputError("--source",
+                     options.source.substr(0, 40) + ": expected mouse or webcam[:N|FILE|PATTERN]");
+  }
+  constexpr std::array<int, 4> kCounts{5, 9, 13, 16};
+  if (std::find(kCounts.begin(), kCounts.end(), options.targets) == kCounts.end()) {
+    throw InputError("--targets", std::to_string(options.targets) + ": expected 5, 9, 13 or 16");
+  }
+  if (options.units != "deg") throw InputError("--units", "the window works in deg");
+}
+
+}  // namespace
+
+void calibrateGaze(const CalibrateGazeOptions& options) {
+  std::optional<GazeModel> model;
+  if (options.model != "auto") {
+    model = gazeModelNamed(options.model);
+    if (!model) {
+      throw InputError("--model",
+                       options.model + ": expected auto, offset, affine, second or third");
+    }
+  }
+  if (!options.drift.empty()) {
+    correctDriftOf(options);
+    return;
+  }
+  const GazeFrame frame = frameOf(options);
+  GazeReport report;
+  const auto webcam = webcamPlaceOf(options.source);
+  WebcamCalibration calibration;
+  if (webcam && !options.pairs.empty()) {
+    if (options.units != "deg") throw InputError("--units", "a webcam's targets are in deg");
+    report = fromVideo(options, *webcam, frame.screen, calibration);
+  } else if (options.pairs.empty()) {
+    if (!options.validate.empty()) throw InputError("--validate", "needs --pairs");
+    refuseWindowOptions(options);
+    auto result = calibrateGazeInWindow(options, frame.screen, webcam, cameraOf(options));
+    if (!result) {
+      std::fprintf(stderr, "left without a calibration\n");
+      return;
+    }
+    report = result->report;
+    if (result->webcam) calibration = std::move(*result->webcam);
+  } else {
+    report = fromFiles(options, frame, model);
+  }
+
+  if (!options.out.empty()) {
+    std::filesystem::path page = options.report;
+    if (page.empty()) page = std::filesystem::path(options.out).replace_extension(".html");
+    writeWhole(page, gazeReportHtml(report));
+    writeWhole(options.out,
+               webcam ? webcamCalibrationToml(calibration) : gazeMapToml(report.fit.map));
+  } else if (!options.report.empty()) {
+    writeWhole(options.report, gazeReportHtml(report));
+  }
+  const std::string summary = options.json ? gazeReportJson(report) : gazeReportText(report);
+  std::fputs(summary.c_str(), stdout);
+}
+
+}  // namespace foci

@@ -1,0 +1,42 @@
+// The windows of `foci calibrate`.
+#pragma once
+
+#include <functional>
+
+#include "app/calibrate/options.h"
+#include "calibration/camera.h"
+#include "calibration/gaze_report.h"
+#include "calibration/screen_file.h"
+#include "calibration/webcam_calibration.h"
+
+namespace foci {
+
+struct GazeWindowResult {
+  GazeReport report;
+  std::optional<WebcamCalibration> webcam{};  ///< where that was the source
+};
+
+/// Targets, validation, result. Absent where the observer left.
+/// @param screen  the monitor's size is taken from it, its pixels from the window
+/// @param webcam  absent: the mouse is the tracker
+/// @param camera  of the webcam; absent: a usual one
+std::optional<GazeWindowResult> calibrateGazeInWindow(const CalibrateGazeOptions& options,
+                                                      const Screen& screen,
+                                                      const std::optional<WebcamPlace>& webcam,
+                                                      const std::optional<Lens>& camera);
+
+/// Card, distance, gamma. Absent where the observer left.
+/// @param start  what is known already
+std::optional<ScreenCalibration> calibrateScreenInWindow(const ScreenCalibration& start,
+                                                         std::optional<glm::dvec2> edid_m,
+                                                         bool window);
+
+/// Fills a picture, 8 bits, grey or BGR; false at the end.
+using NextPicture = std::function<bool(cv::Mat&)>;
+
+/// The board's views as the observer shows it to a camera. Absent where the observer left.
+/// @param size_px  of the pictures; set from them
+std::optional<std::vector<BoardView>> watchBoardInWindow(const NextPicture& next,
+                                                         const Board& board, glm::ivec2& size_px);
+
+}  // namespace foci

@@ -1,0 +1,169 @@
+#include "app/chart/command.h"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/base/input_error.h"
+#include "app/chart/measure.h"
+#include "app/chart/page.h"
+#include "app/chart/panel.h"
+#include "app/json_number.h"
+#include "app/machine.h"
+#include "app/output_folder.h"
+#include "app/progress.h"
+#include "app/scan_options.h"
+#include "app/stability/chart.h"
+#include "app/stability/page.h"
+#include "app/tables.h"
+
+namespace foci {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kLeastSize_px = 16, kMostSize_px = 4096;
+
+struct Options {
+  std::string out;
+  ScanOptions scan;
+  ChartChoice choice;
+  bool stability = false, json = false;
+};
+
+std::string json(const std::filesystem::path& out, double seconds, const ChartResult& result) {
+  Json points = Json::array();
+  for (const ChartPoint& one : result.points) {
+    points.push_back({{"scene", one.scene},
+                      {"blur_px", one.blur_px},
+                      {"method", one.method.spec()},
+                      {"threads", one.threads},
+                      {"ms_median", one.ms_median},
+                      {"psnr_dB", jsonNumber(one.psnr_dB)},
+                      {"on_frontier", one.on_frontier}});
+  }
+  const Json all = {{"out", out.string()},
+                    {"seconds", seconds},
+                    {"computed", result.computed},
+                    {"kept", result.kept},
+                    {"points", points}};
+  return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string json(const std::filesystem::path& out, double seconds, const StabilityResult& result) {
+  Json points = Json::array();
+  for (const StabilityPoint& one : result.points) {
+    points.push_back({{"scene", one.scene},
+                      {"value", one.value},
+                      {"method", one.by},
+                      {"score", jsonNumber(one.score)}});
+  }
+  const Json all = {{"out", out.string()},
+                    {"seconds", seconds},
+                    {"computed", result.computed},
+                    {"kept", result.kept},
+                    {"points", points}};
+  return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// How far a run is.
+std::function<void(std::size_t)> progressOf(std::size_t steps) {
+  return [progress = std::make_shared<Progress>("charting", "steps", steps),
+          done = std::size_t{0}](std::size_t more) mutable { progress->advance(done += more); };
+}
+
+ChartResult chart(const ChartPlan& plan, const std::filesystem::path& out) {
+  OutputFolder output(out);
+  ChartResult result = measureChart(plan, out, progressOf(stepsOf(plan)));
+  writeText(output.stage("chart.csv"), csvOf(result.points));
+  writeChartPage(output.stage("chart.html"), plan, result.points);
+  const double blur_px = plan.blurs_px[plan.blurs_px.size() / 2];
+  if (const auto png = pngOf(overviewOf(plan, result.points, blur_px, describeMachine()))) {
+    writeText(output.stage("chart.png"), *png);
+  }
+  output.commit();
+  return result;
+}
+
+StabilityResult chart(const StabilityPlan& plan, const std::filesystem::path& out) {
+  OutputFolder output(out);
+  StabilityResult result = measureStability(plan, out, progressOf(stepsOf(plan)));
+  writeText(output.stage("stability.csv"), csvOf(plan, result.points));
+  writeStabilityPage(output.stage("stability.html"), plan, result.points);
+  if (const auto png = pngOf(stabilityOverview(plan, result.points))) {
+    writeText(output.stage("stability.png"), *png);
+  }
+  output.commit();
+  return result;
+}
+
+template <class Plan>
+void run(const Options& options, const Plan& plan, const char* page) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::filesystem::path out = options.out;
+  const auto result = chart(plan, out);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (options.json) {
+    std::puts(json(out, seconds, result).c_str());
+  } else {
+    std::printf("%zu cells measured, %zu kept; %.0f s; page: %s\n", result.computed, result.kept,
+                seconds, (out / page).c_str());
+  }
+}
+
+void run(Options options) {
+  if (options.out.empty()) throw InputError("--out", "expected a value that is not empty");
+  const auto& size_px = options.choice.size_px;
+  if (size_px && (*size_px < kLeastSize_px || *size_px > kMostSize_px)) {
+    throw InputError("--size " + std::to_string(*size_px),
+                     "expected pixels, " + std::to_string(kLeastSize_px) + " to " +
+                         std::to_string(kMostSize_px));
+  }
+  if (size_px && options.stability) {
+    throw InputError("--size", "the scenes of --stability have a size of their own");
+  }
+  const auto limit = threadLimit(options.scan);
+  options.choice.scan = scanViewOf(options.scan);
+  if (options.stability) {
+    run(options, planStability(options.choice), "stability.html");
+  } else {
+    run(options, planChart(options.choice), "chart.html");
+  }
+}
+
+}  // namespace
+
+void addChartCommand(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* chart = app.add_subcommand("chart",
+                                       "Chart every method's speed against its accuracy, in under "
+                                       "half an hour. Interrupted, it goes\n"
+                                       "on where it stopped when run again.\n"
+                                       "Example: foci chart --out out/chart\n"
+                                       "         foci chart --stability --out out/stability");
+  chart->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
+  chart->add_flag("--quick", options->choice.quick,
+                  "smaller pictures, fewer settings and runs: in under two minutes");
+  chart->add_flag("--stability", options->stability,
+                  "score instead where methods give way: scenes made to break them, each with a "
+                  "dial from harmless to extreme");
+  chart
+      ->add_option("--size", options->choice.size_px,
+                   "width of the pictures; default 512, quick 256")
+      ->type_name("PX");
+  chart->add_option("--scene", options->choice.scenes, "only this one; can be given again")
+      ->type_name("NAME");
+  chart
+      ->add_option("--method", options->choice.methods,
+                   "only this one of `foci methods`, NAME or NAME:N; can be given again")
+      ->type_name("NAME");
+  addScanOptions(*chart, options->scan);
+  chart->add_flag("--json", options->json, "print the figures as JSON");
+  chart->callback([options] { run(*options); });
+}
+
+}  // namespace foci

@@ -1,0 +1,15 @@
+// What stands in for the window where foci was built without it (FOCI_WINDOW=OFF).
+#include <stdexcept>
+
+#include "app/display.h"
+#include "app/live/options.h"
+
+namespace foci {
+
+LiveSummary runLive(const Study&, const LiveOptions&) {
+  throw std::runtime_error("built without windows: foci live needs one");
+}
+
+DisplayFacts describeDisplay() { return {.problem = "built without windows (FOCI_WINDOW=OFF)"}; }
+
+}  // namespace foci

@@ -1,0 +1,242 @@
+#include "app/live/panel.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "app/tables.h"
+#include "render/methods/method.h"
+
+namespace foci {
+namespace {
+
+constexpr ImU32 kWarning = IM_COL32(255, 214, 10, 255), kQuiet = IM_COL32(235, 235, 235, 255),
+                kVeil = IM_COL32(0, 0, 0, 150), kRecording = IM_COL32(230, 60, 50, 255);
+
+struct HelpLine {
+  const char *key, *what;
+};
+
+constexpr HelpLine kHelp[] = {
+    {"Escape", "leave"},
+    {"?", "these keys"},
+    {"F1", "the panel"},
+    {"1 ... 8", "pupil, mm"},
+    {"F", "focus: follow the eye, or hold where it is"},
+    {"+  -", "held focus a quarter of a dioptre nearer, farther"},
+    {"M", "mark where gaze is"},
+    {"S", "left half sharp"},
+    {"V", "view: mono, side by side, top and bottom, anaglyph"},
+    {"N", "next method"},
+    {"arrows", "move the eye; with page up and down up and down"},
+    {"right button", "turn the eye"},
+    {"left button", "with a calibrated webcam: looked at, its map learns"},
+    {"Home", "the eye where it was"},
+    {"R", "record: begin, end"},
+    {"space", "a mark in the record"},
+    {"P", "picture to a file"},
+};
+
+/// Text on a dark ground, its middle at `x`; returns the y below it.
+float signAt(float x, float y, ImU32 colour, const std::string& text) {
+  ImDrawList* draw = ImGui::GetForegroundDrawList();
+  const float width = 0.9f * ImGui::GetIO().DisplaySize.x;
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, width);
+  const ImVec2 corner(x - 0.5f * size.x, y);
+  draw->AddRectFilled({corner.x - 10.0f, corner.y - 5.0f},
+                      {corner.x + size.x + 10.0f, corner.y + size.y + 5.0f}, kVeil, 6.0f);
+  draw->AddText(nullptr, 0.0f, corner, colour, text.c_str(), nullptr, width);
+  return y + size.y + 14.0f;
+}
+
+void focusControls(const PanelContent& content, const LiveControls& controls) {
+  const Study& study = content.state.study;
+  const double now_D = content.frame ? content.frame->record.eye.focus_D : 1.0;
+  int held = study.focus.fixed_D ? 1 : 0;
+  if (ImGui::RadioButton("follow", &held, 0)) controls.change("focus.fixed_D", "null");
+  ImGui::SameLine();
+  if (ImGui::RadioButton("hold", &held, 1)) controls.change("focus.fixed_D", tomlNumber(now_D));
+  ImGui::SameLine();
+  ImGui::Text("focus");
+  if (study.focus.fixed_D) {
+    auto fixed_D = static_cast<float>(*study.focus.fixed_D);
+    if (ImGui::SliderFloat("focus, D", &fixed_D, 0.0f, 6.0f, "%.2f")) {
+      controls.change("focus.fixed_D", tomlNumber(std::clamp(fixed_D, 0.0f, 20.0f)));
+    }
+  }
+}
+
+template <class Names>
+void combo(const char* label, const std::string& now, const Names& names, const char* key,
+           const LiveControls& controls) {
+  if (!ImGui::BeginCombo(label, now.c_str())) return;
+  for (const auto& each : names) {
+    const std::string name(each);
+    if (ImGui::Selectable(name.c_str(), name == now)) controls.change(key, '"' + name + '"');
+  }
+  ImGui::EndCombo();
+}
+
+void check(const char* label, bool now, const char* key, const LiveControls& controls) {
+  if (ImGui::Checkbox(label, &now)) controls.change(key, now ? "true" : "false");
+}
+
+void slide(const char* label, double now, float low, float high, const char* key,
+           const LiveControls& controls) {
+  auto value = static_cast<float>(now);
+  if (ImGui::SliderFloat(label, &value, low, high, "%.1f")) {
+    controls.change(key, tomlNumber(std::clamp(value, low, high)));
+  }
+}
+
+std::string metresText(double focus_D) {
+  if (focus_D < -0.005) return "behind the eye";
+  return focus_D < 0.005 ? "infinity" : decimal(1.0 / focus_D, 2) + " m";
+}
+
+/// The observer's own eye: prescription, and colours.
+void eyeControls(const Study::Observer& observer, const LiveControls& controls) {
+  if (!ImGui::CollapsingHeader("The observer's eye")) return;
+  check("glasses worn", observer.corrected, "observer.corrected", controls);
+  ImGui::SameLine();
+  check("colours apart", observer.chromatic, "observer.chromatic", controls);
+  const auto quarters = [](float value) { return std::round(4.0f * value) / 4.0f; };
+  const auto power = [&](const char* label, double now, float most, const char* key) {
+    auto value = static_cast<float>(now);
+    if (ImGui::SliderFloat(label, &value, -most, most, "%+.2f")) {
+      controls.change(key, tomlNumber(std::clamp(quarters(value), -most, most)));
+    }
+  };
+  power("sphere, D", observer.sphere_D, 8.0f, "observer.sphere_D");
+  power("cylinder, D", observer.cylinder_D, 6.0f, "observer.cylinder_D");
+  auto axis_deg = static_cast<int>(std::lround(observer.axis_deg));
+  if (ImGui::SliderInt("axis, deg", &axis_deg, 0, 180)) {
+    controls.change("observer.axis_deg", std::to_string(std::clamp(axis_deg, 0, 180)));
+  }
+}
+
+/// What method auto may spend.
+void qualityControls(const Study::QualityKeys& quality, const LiveControls& controls) {
+  if (!ImGui::CollapsingHeader("Quality (method auto)")) return;
+  slide("tolerance, jnd", quality.tolerance, 0.1f, 10.0f, "quality.tolerance", controls);
+  bool held = quality.frame_ms.has_value();
+  if (ImGui::Checkbox("hold a time", &held)) {
+    controls.change("quality.frame_ms", held ? "20" : "null");
+  }
+  ImGui::SameLine();
+  check("as sharp as the eye", quality.foveated, "quality.foveated", controls);
+  if (quality.frame_ms) {
+    slide("a frame, ms", *quality.frame_ms, 1.0f, 100.0f, "quality.frame_ms", controls);
+  }
+}
+
+}  // namespace
+
+void FrameGraph::draw() const {
+  const ImVec2 size(ImGui::GetContentRegionAvail().x, 60.0f);
+  const auto plot = [&](const char* name, const std::array<float, kFrames>& values) {
+    const float most = std::max(40.0f, *std::max_element(values.begin(), values.end()));
+    char text[80];
+    std::snprintf(text, sizeof text, "%s, ms; up to %.0f", name, static_cast<double>(most));
+    ImGui::PlotLines("##graph", values.data(), kFrames, next_, text, 0.0f, most, size);
+  };
+  ImGui::PushID(0);
+  plot("gaze to screen", sample_to_swap_);
+  ImGui::PopID();
+  ImGui::PushID(1);
+  plot("drawing", render_);
+  ImGui::PopID();
+  ImGui::PushID(2);
+  plot("waiting for the screen", wait_);
+  ImGui::PopID();
+}
+
+void drawPanel(const PanelContent& content, const LiveControls& controls, bool& open) {
+  const Study& study = content.state.study;
+  ImGui::SetNextWindowPos({16.0f, 16.0f}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({430.0f, 0.0f});  // as high as what is open in it
+  ImGui::SetNextWindowBgAlpha(0.9f);
+  if (ImGui::Begin("foci live", &open, ImGuiWindowFlags_NoSavedSettings)) {
+    ImGui::PushItemWidth(220.0f);
+    std::vector<std::string_view> names;
+    for (const MethodInfo& method : methods()) names.push_back(method.name);
+    slide("pupil, mm", study.observer.pupil_mm, 1.0f, 8.0f, "observer.pupil_mm", controls);
+    focusControls(content, controls);
+    combo("method", study.render.method, names, "render.method", controls);
+    combo("view", study.output.view, std::array{"mono", "side-by-side", "top-bottom", "anaglyph"},
+          "output.view", controls);
+    if (study.output.view != "mono") {
+      slide("between the eyes, mm", study.observer.between_eyes_mm, 50.0f, 75.0f,
+            "observer.between_eyes_mm", controls);
+    }
+    check("mark the gaze", study.output.marker, "output.marker", controls);
+    ImGui::SameLine();
+    check("left half sharp", study.output.split, "output.split", controls);
+    eyeControls(study.observer, controls);
+    qualityControls(study.quality, controls);
+    ImGui::PopItemWidth();
+    if (ImGui::Button(content.state.record ? "End the record" : "Record")) {
+      controls.toggle_record();
+    }
+    ImGui::SameLine();
+    if (ImGui::Button("Picture")) controls.screenshot();
+    ImGui::SameLine();
+    if (ImGui::Button("Mark")) controls.mark();
+    ImGui::Separator();
+    ImGui::TextWrapped("%s", content.source.c_str());
+    if (content.frame) {
+      const EyeNow& eye = content.frame->record.eye;
+      ImGui::Text("%s; focus %.2f D (%s); %s", std::string(nameOf(eye.state)).c_str(), eye.focus_D,
+                  metresText(eye.focus_D).c_str(), content.frame->record.method.c_str());
+    }
+    ImGui::Text("%.1f ms gaze to screen (95 %%: %.1f); %llu refreshes repeated",
+                content.summary.sample_to_swap.quantile_ms(0.5),
+                content.summary.sample_to_swap.quantile_ms(0.95),
+                static_cast<unsigned long long>(content.summary.repeated));
+    content.graph.draw();
+  }
+  ImGui::End();
+}
+
+void drawHelp(bool& open) {
+  const ImVec2 area = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({0.5f * area.x, 0.5f * area.y}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowBgAlpha(0.92f);
+  if (ImGui::Begin("Keys", &open,
+                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {
+    if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+      for (const HelpLine& line : kHelp) {
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(line.key);
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(line.what);
+      }
+      ImGui::EndTable();
+    }
+  }
+  ImGui::End();
+}
+
+void drawSigns(const PanelContent& content, const std::string& notice, bool first) {
+  const ImVec2 area = ImGui::GetIO().DisplaySize;
+  float y = 14.0f;
+  const float x = 0.5f * area.x;
+  if (!content.frame) {
+    signAt(x, 0.5f * area.y, kQuiet, "opening the scene");
+    return;
+  }
+  if (content.frame->record.eye.state == GazeState::lost) {
+    y = signAt(x, y, kWarning, "No gaze: focus stays where it was (" + content.source + ")");
+  }
+  if (content.state.record) {
+    const auto failure = content.state.record->failure();
+    if (failure) y = signAt(x, y, kWarning, "The record has ended: " + *failure);
+    ImGui::GetForegroundDrawList()->AddCircleFilled({area.x - 24.0f, 24.0f}, 9.0f, kRecording);
+  }
+  if (!notice.empty()) signAt(x, y, kQuiet, notice);
+  if (first) signAt(x, area.y - 40.0f, kQuiet, "F1: panel    ?: keys    Escape: leave");
+}
+
+}  // namespace foci

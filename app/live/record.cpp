@@ -1,0 +1,217 @@
+#include "app/live/record.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/base/input_error.h"
+#include "app/inputs.h"
+#include "app/manifest.h"
+#include "app/output_folder.h"
+#include "app/run_events.h"
+#include "app/study_text.h"
+
+namespace foci {
+namespace fs = std::filesystem;
+namespace {
+
+/// The study of a record: its gaze has been through map and camera.
+Study studyOfRecord(Study study, double rate_Hz) {
+  const EventSettings events = study.gaze.events;
+  study.gaze = {};
+  study.gaze.source = "gaze.tsv";
+  study.gaze.events = events;
+  study.record.frames = "frames.tsv";
+  study.record.changes = "changes.tsv";
+  study.record.rate_Hz = rate_Hz;
+  study.output.seconds.reset();
+  return study;
+}
+
+fs::path madeEmpty(const fs::path& folder) {
+  if (fs::exists(folder / "gaze.tsv") || fs::exists(folder / "frames.tsv")) {
+    throw InputError(folder.string(), "holds a record already: expected another folder");
+  }
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) {
+    throw std::runtime_error("cannot make the folder " + folder.string());
+  }
+  return folder;
+}
+
+std::string orAbsent(const std::optional<double>& time_s) {
+  return time_s ? decimal(*time_s, 6) : "n/a";
+}
+
+}  // namespace
+
+LiveRecord::LiveRecord(const fs::path& folder, const Study& study, const Screen& screen,
+                       double rate_Hz, std::string command, unsigned threads)
+    : folder_(madeEmpty(folder)),
+      study_(studyOfRecord(study, rate_Hz)),
+      command_(std::move(command)),
+      threads_(threads),
+      gaze_(folder_ / "gaze.tsv", screen),
+      frames_(folder_ / "frames.tsv"),
+      changes_(folder_ / "changes.tsv", std::ios::binary),
+      timing_(folder_ / "timing.tsv", std::ios::binary),
+      marks_(folder_ / "marks.tsv", std::ios::binary) {
+  changes_ << changesHeader();
+  timing_ << "frame\tsample_s\tstate_s\trender_start_s\trender_end_s\tswap_s\trepeats\n";
+  marks_ << "time_s\tmark\n";
+  writeStudy(study_.output.fps);
+  thread_ = std::thread([this] { run(); });
+}
+
+LiveRecord::~LiveRecord() {
+  close();
+  thread_.join();
+}
+
+void LiveRecord::writeStudy(double fps) const {
+  Study study = study_;
+  study.output.fps = std::clamp(fps, 1.0, 1000.0);
+  writeText(folder_ / "study.toml",
+            "# A record of foci live. As a video with its report:\n"
+            "#     foci replay study.toml --out replay\n" +
+                studyToml(study));
+}
+
+void LiveRecord::post(std::function<void()> task) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_ || failure_) return;
+    tasks_.push_back(std::move(task));
+  }
+  changed_.notify_all();
+}
+
+void LiveRecord::add(const GazeSample& sample) {
+  post([this, sample] { gaze_.add(sample); });
+}
+
+void LiveRecord::add(const Change& change) {
+  post([this, change] { changes_ << changeRow(change); });
+}
+
+void LiveRecord::addMark(double time_s, const std::string& text) {
+  post([this, time_s, text] { marks_ << decimal(time_s, 6) << '\t' << text << '\n'; });
+}
+
+void LiveRecord::add(std::shared_ptr<const LiveFrame> frame) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_ || failure_) return;
+    ++frames_waiting_;
+    tasks_.push_back([this, frame = std::move(frame)] { write(*frame); });
+  }
+  changed_.notify_all();
+}
+
+void LiveRecord::close() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  changed_.notify_all();
+}
+
+std::size_t LiveRecord::backlog() const {
+  const std::lock_guard lock(mutex_);
+  return frames_waiting_;
+}
+
+std::optional<std::string> LiveRecord::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
+}
+
+bool LiveRecord::finished() const {
+  const std::lock_guard lock(mutex_);
+  return finished_;
+}
+
+void LiveRecord::run() {
+  try {
+    for (;;) {
+      std::function<void()> task;
+      {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return !tasks_.empty() || closed_; });
+        if (tasks_.empty()) break;
+        task = std::move(tasks_.front());
+        tasks_.pop_front();
+      }
+      task();
+    }
+    finish();
+  } catch (const std::exception& error) {
+    const std::lock_guard lock(mutex_);
+    failure_ = error.what();
+    tasks_.clear();
+    frames_waiting_ = 0;
+  }
+  const std::lock_guard lock(mutex_);
+  finished_ = true;
+}
+
+void LiveRecord::write(const LiveFrame& frame) {
+  constexpr double kFlush_s = 1.0;  // what is lost where all goes down
+  const FrameTiming& timing = frame.timing;
+  if (frame_count_ == 0) first_s_ = frame.record.time_s;
+  last_s_ = frame.record.time_s;
+  frames_.add(frame_count_, frame.record);
+  timing_ << frame_count_ << '\t' << orAbsent(timing.sample_s) << '\t' << decimal(timing.state_s, 6)
+          << '\t' << decimal(timing.render_start_s, 6) << '\t' << decimal(timing.render_end_s, 6)
+          << '\t' << orAbsent(timing.swap_s) << '\t' << timing.repeats << '\n';
+  hash_.add(frame.picture.rgb);
+  render_.add(frame.record.stats.ms);
+  splats_ = frame.record.stats.splats;
+  ++frame_count_;
+  if (last_s_ >= flushed_s_ + kFlush_s) {
+    flushed_s_ = last_s_;
+    gaze_.flush();
+    frames_.flush();
+    for (std::ofstream* out : {&changes_, &timing_, &marks_}) out->flush();
+  }
+  if (!changes_ || !timing_ || !marks_) {
+    throw std::runtime_error("cannot write to " + folder_.string());
+  }
+  const std::lock_guard lock(mutex_);
+  --frames_waiting_;
+}
+
+void LiveRecord::finish() {
+  gaze_.flush();
+  frames_.finish();
+  for (std::ofstream* out : {&changes_, &timing_, &marks_}) out->close();
+  const double span_s = last_s_ - first_s_;
+  const double fps = frame_count_ > 1 && span_s > 0.0
+                         ? std::round(1e3 * static_cast<double>(frame_count_ - 1) / span_s) / 1e3
+                         : study_.output.fps;
+  writeStudy(fps);
+  // From here on as a replay would: from the files.
+  const Study study = readStudy(folder_ / "study.toml");
+  const GazeTrace trace = loadGaze(study);
+  const auto events =
+      eventsOfRun(study, trace, first_s_, last_s_ + 1.0 / std::max(study.output.fps, 1.0));
+  writeText(folder_ / "events.tsv", eventTable(events));
+  ManifestFacts facts{.command = command_, .threads = threads_, .inputs = {}, .frames_sha256 = {}};
+  for (const auto& file : inputFiles(study)) facts.inputs.push_back({file, sha256OfFile(file)});
+  facts.frames_sha256 = hash_.hex();
+  const auto lost =
+      static_cast<double>(std::count_if(trace.samples.begin(), trace.samples.end(),
+                                        [](const GazeSample& sample) { return !sample.point_px; }));
+  const ReplaySummary summary{.frames = frame_count_,
+                              .duration_s = static_cast<double>(frame_count_) / study.output.fps,
+                              .gaze_valid = 1.0 - lost / static_cast<double>(trace.samples.size()),
+                              .fixations = countOf(events, GazeState::fixation),
+                              .saccades = countOf(events, GazeState::saccade),
+                              .render_ms_median = render_.quantile_ms(0.5),
+                              .render_ms_p95 = render_.quantile_ms(0.95),
+                              .splats = splats_,
+                              .out = folder_};
+  writeText(folder_ / "manifest.json", manifestJson(study, trace, summary, facts));
+}
+
+}  // namespace foci

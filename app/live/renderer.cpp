@@ -1,0 +1,266 @@
+#include "app/live/renderer.h"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "app/inputs.h"
+#include "app/observer_eye.h"
+#include "gaze/focus/line_of_sight.h"
+
+namespace foci {
+namespace {
+
+constexpr double kMargin_s = 0.0015;     // a frame is ready this much before it is wanted
+constexpr double kTick_s = 1e-6;         // of the clock
+constexpr std::size_t kMostBacklog = 8;  // frames that wait for the disk
+
+}  // namespace
+
+std::string methodOfFrame(const Study& study, const FrameRecord& record) {
+  return record.eye.state == GazeState::saccade ? "pinhole" : study.render.method;
+}
+
+LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock,
+                           std::string command, unsigned threads, std::function<void()> ready)
+    : study_(study),
+      feed_(feed),
+      clock_(clock),
+      command_(std::move(command)),
+      threads_(threads),
+      ready_(std::move(ready)),
+      state_{.study = study, .notice = {}, .last = {}, .record = nullptr},
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+LiveRenderer::~LiveRenderer() = default;
+
+std::shared_ptr<LiveFrame> LiveRenderer::take() {
+  std::shared_ptr<LiveFrame> frame;
+  {
+    const std::lock_guard lock(mutex_);
+    if (failure_) std::rethrow_exception(failure_);
+    frame = std::exchange(laid_ready_, nullptr);
+  }
+  if (frame) changed_.notify_all();
+  return frame;
+}
+
+void LiveRenderer::expectSwap(double time_s) {
+  const std::lock_guard lock(mutex_);
+  next_swap_s_ = time_s;
+}
+
+std::future<std::string> LiveRenderer::post(std::function<void()> action) {
+  const auto answer = std::make_shared<std::promise<std::string>>();
+  {
+    const std::lock_guard lock(mutex_);
+    commands_.push_back([this, answer, action = std::move(action)] {
+      std::string wrong;
+      try {
+        action();
+      } catch (const std::exception& error) {
+        wrong = error.what();
+      }
+      {
+        const std::lock_guard inner(mutex_);
+        if (!wrong.empty()) state_.notice = wrong;
+      }
+      publish();
+      answer->set_value(wrong);
+    });
+  }
+  changed_.notify_all();
+  return answer->get_future();
+}
+
+std::future<std::string> LiveRenderer::change(const std::string& key, const std::string& toml) {
+  return post([this, key, toml] {
+    session_->change(key, toml);
+    if (const std::string remark = ellipseText(session_->study()); !remark.empty()) tell(remark);
+    // The first frame that it holds for is the next, whose time is not before now.
+    if (state_.record) {
+      state_.record->add(Change{std::max(clock_.now_s(), last_frame_s_ + kTick_s), key, toml});
+    }
+  });
+}
+
+std::future<std::string> LiveRenderer::startRecord(const std::filesystem::path& folder) {
+  return post([this, folder] {
+    if (state_.record) throw std::runtime_error("a record is running");
+    auto record = std::make_shared<LiveRecord>(folder, session_->study(), feed_.screen(),
+                                               feed_.rate_Hz(), command_, threads_);
+    // From here on nothing counts that happened before: so will a replay find it.
+    news_.clear();
+    feed_.take(news_);
+    session_start_s_ = wholeMicroseconds(std::max(clock_.now_s(), last_frame_s_ + kTick_s));
+    session_->restart(session_start_s_);
+    const GazeSample first{.time_s = session_start_s_};
+    session_->push(first);
+    record->add(first);
+    last_sample_s_ = session_start_s_;
+    const std::lock_guard lock(mutex_);
+    state_.record = std::move(record);
+    state_.notice = "recording to " + folder.string();
+    records_.push_back(folder);
+  });
+}
+
+std::future<std::string> LiveRenderer::stopRecord() {
+  return post([this] {
+    if (!state_.record) throw std::runtime_error("no record is running");
+    closeRecord();
+  });
+}
+
+void LiveRenderer::closeRecord() {
+  const std::lock_guard lock(mutex_);
+  if (!state_.record) return;
+  state_.notice = "record in " + state_.record->folder().string();
+  closing_.push_back(std::exchange(state_.record, nullptr));
+}
+
+double LiveRenderer::mark(const std::string& text) {
+  const double time_s = clock_.now_s();
+  const std::lock_guard lock(mutex_);
+  state_.notice = "mark: " + text + (state_.record ? "" : " (no record is running)");
+  if (state_.record) state_.record->addMark(time_s, text);
+  return time_s;
+}
+
+LiveState LiveRenderer::state() const {
+  const std::lock_guard lock(mutex_);
+  return state_;
+}
+
+void LiveRenderer::tell(const std::string& notice) {
+  const std::lock_guard lock(mutex_);
+  state_.notice = notice;
+}
+
+std::vector<std::filesystem::path> LiveRenderer::records() const {
+  const std::lock_guard lock(mutex_);
+  return records_;
+}
+
+void LiveRenderer::publish() {
+  const std::lock_guard lock(mutex_);
+  state_.study = session_->study();
+}
+
+void LiveRenderer::run(const std::stop_token& stop) {
+  try {
+    cloud_ = loadScene(study_);
+    session_start_s_ = clock_.now_s();
+    session_ = std::make_unique<Session>(study_, *cloud_, feed_.screen(), feed_.rate_Hz(),
+                                         session_start_s_);
+    drawFrames(stop);
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+  }
+  closeRecord();
+  ready_();
+}
+
+void LiveRenderer::drawFrames(const std::stop_token& stop) {
+  tbb::task_arena arena(static_cast<int>(threads_));
+  while (waitForRoom(stop)) {
+    std::shared_ptr<LiveFrame> frame;
+    arena.execute([&] { frame = drawFrame(); });
+    {
+      const std::lock_guard lock(mutex_);
+      state_.last = frame->record;
+      laid_ready_ = std::move(frame);
+    }
+    ready_();
+  }
+}
+
+/// Until the last picture has been taken and it is time for the next, minding commands meanwhile.
+bool LiveRenderer::waitForRoom(const std::stop_token& stop) {
+  const double cost_s = cost_s_.contains(last_method_) ? cost_s_.at(last_method_) : 0.0;
+  while (!stop.stop_requested()) {
+    std::deque<Command> commands;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, stop, [&] { return !laid_ready_ || !commands_.empty(); });
+      if (!laid_ready_ && commands_.empty()) {
+        const auto start = clock_.at(next_swap_s_ - cost_s - kMargin_s);
+        changed_.wait_until(lock, stop, start, [&] { return !commands_.empty(); });
+      }
+      const bool busy = state_.record && state_.record->backlog() > kMostBacklog;
+      if (busy && commands_.empty()) {  // the disk is slower than the drawing
+        changed_.wait_for(lock, stop, std::chrono::milliseconds(5), [] { return false; });
+        continue;
+      }
+      std::swap(commands, commands_);
+      if (commands.empty()) return !stop.stop_requested();
+    }
+    for (const Command& command : commands) command();
+    // A record that has failed, or is closed and written, goes.
+    std::erase_if(closing_, [](const auto& record) { return record->finished(); });
+  }
+  return false;
+}
+
+/// A sample as a record keeps it.
+GazeSample LiveRenderer::asRecorded(GazeSample sample) const {
+  constexpr double kFarthest_px = 1e5, kWidestPupil_mm = 15.0, kLeastSure_deg = 45.0;
+  const auto plausible = [&](std::optional<glm::dvec2>& point_px) {
+    if (point_px && !(glm::length(*point_px) <= kFarthest_px)) point_px.reset();
+  };
+  if (sample.blink) sample.point_px.reset();
+  plausible(sample.point_px);
+  if (sample.pupil_mm && !(*sample.pupil_mm > 0.0 && *sample.pupil_mm <= kWidestPupil_mm)) {
+    sample.pupil_mm.reset();
+  }
+  if (sample.uncertainty_deg) {
+    sample.uncertainty_deg = std::clamp(*sample.uncertainty_deg, 0.0, kLeastSure_deg);
+  }
+  for (EyeSample& eye : sample.eyes) {
+    if (!eye.point_px && eye.direction) {
+      eye.point_px = pointOnScreen_px(feed_.screen(), *eye.direction);
+    }
+    plausible(eye.point_px);
+    eye = {.point_px = eye.point_px};
+  }
+  // One that comes after a frame for which it would have counted is put behind it.
+  const double after_s = std::max(last_sample_s_.value_or(0.0), last_frame_s_);
+  sample.time_s = wholeMicroseconds(std::max(sample.time_s, after_s + kTick_s));
+  return sample;
+}
+
+void LiveRenderer::takeGaze() {
+  news_.clear();
+  feed_.take(news_);
+  for (const GazeSample& each : news_) {
+    const GazeSample sample = asRecorded(each);
+    session_->push(sample);
+    if (state_.record) state_.record->add(sample);
+    last_sample_s_ = sample.time_s;
+  }
+}
+
+std::shared_ptr<LiveFrame> LiveRenderer::drawFrame() {
+  auto frame = std::make_shared<LiveFrame>();
+  FrameTiming& timing = frame->timing;
+  takeGaze();
+  timing.render_start_s = clock_.now_s();
+  const double time_s = std::max({timing.render_start_s, last_sample_s_.value_or(0.0),
+                                  wholeMicroseconds(last_frame_s_ + kTick_s)});
+  frame->record = session_->look(time_s);
+  if (frame->record.eye.sample) timing.sample_s = frame->record.eye.sample->time_s;
+  timing.state_s = frame->record.eye.state_time_s;
+  last_method_ = methodOfFrame(session_->study(), frame->record);
+  session_->draw(last_method_, frame->record, frame_);
+  frame->picture = pictureOf(frame_, session_->study().screen.gamma);
+  session_->mark(frame->record, frame->picture);
+  last_frame_s_ = time_s;
+  frame->into = state_.record;
+  timing.render_end_s = clock_.now_s();
+  cost_s_[last_method_] = timing.render_end_s - timing.render_start_s;
+  return frame;
+}
+
+}  // namespace foci

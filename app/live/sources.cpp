@@ -1,0 +1,109 @@
+#include "app/live/sources.h"
+
+#include <utility>
+
+#include "app/base/input_error.h"
+#include "app/inputs.h"
+#include "calibration/binocular_map.h"
+#include "calibration/camera.h"
+#include "calibration/gaze_map_file.h"
+#include "calibration/webcam_calibration.h"
+#include "calibration/webcam_recalibration.h"
+#include "gaze/sources/line_reader.h"
+#include "gaze/sources/webcam_source.h"
+#ifdef FOCI_PUPIL
+#include "gaze/sources/pupil_source.h"
+#endif
+
+namespace foci {
+namespace {
+
+constexpr double kMouse_Hz = 250.0;
+
+std::unique_ptr<LiveSource> openPupil(const std::string& name, const Screen& screen) {
+  const std::size_t colon = name.rfind(':');
+  const auto port = parseNumber(name.substr(colon + 1));
+  if (colon <= 5 || !port || *port != static_cast<int>(*port)) {
+    throw InputError("--source " + shown(name), "expected pupil:HOST:PORT");
+  }
+#ifdef FOCI_PUPIL
+  return std::make_unique<PupilSource>(name.substr(6, colon - 6), static_cast<int>(*port), screen);
+#else
+  (void)screen;
+  throw InputError("--source " + shown(name), "built without Pupil (FOCI_PUPIL=OFF)");
+#endif
+}
+
+void openWebcam(const WebcamPlace& place, const Study& study, NamedSource& named) {
+  std::optional<WebcamReference> reference;
+  WebcamMapping map;
+  if (study.gaze.map) {
+    const WebcamCalibration calibration = readWebcamCalibration(*study.gaze.map);
+    std::optional<Lens> camera;
+    if (study.gaze.camera) camera = lensOf(readCamera(*study.gaze.camera));
+    requireSame(calibration, study.screenInForce(), camera);
+    reference = calibration.reference;
+    const auto now = std::make_shared<WebcamRecalibration>(calibration.map, study.screenInForce());
+    map = [now](const WebcamView& view) { return now->gazeOf(view); };
+    named.lookedAt = [now](const glm::dvec2& point_px) { return now->click(point_px); };
+  }
+  named.source = std::make_unique<WebcamSource>(place, WebcamTracker(std::nullopt, reference), map);
+}
+
+/// A tracker whose gaze is put right by a calibration's map.
+class MappedSource final : public LiveSource {
+ public:
+  MappedSource(std::unique_ptr<LiveSource> source, GazeMap map, const Screen& screen)
+      : source_(std::move(source)), map_(std::move(map)), screen_(screen) {}
+
+  void poll(double now_s, std::vector<GazeSample>& samples) override {
+    GazeTrace news{.format = {}};
+    source_->poll(now_s, news.samples);
+    if (news.samples.empty()) return;
+    news = mapTrace(map_, screen_, std::move(news));
+    samples.insert(samples.end(), news.samples.begin(), news.samples.end());
+  }
+  double rate_Hz() const override { return source_->rate_Hz(); }
+  std::string status() const override { return source_->status(); }
+
+ private:
+  std::unique_ptr<LiveSource> source_;
+  GazeMap map_;
+  Screen screen_;
+};
+
+}  // namespace
+
+NamedSource openLiveSource(const std::string& name, const Study& study) {
+  NamedSource named{.source = nullptr, .screen = study.screenInForce()};
+  if (name == "mouse") {
+    auto mouse = std::make_unique<MouseSource>(kMouse_Hz);
+    named.mouse = mouse.get();
+    named.source = std::move(mouse);
+  } else if (name.starts_with("trace:")) {
+    Study other = study;
+    other.gaze.source = name.substr(6);
+    if (other.gaze.source.empty()) throw InputError("--source trace:", "expected a file's name");
+    GazeTrace trace = loadGaze(other);
+    named.screen = *trace.screen;
+    named.source = std::make_unique<TraceSource>(std::move(trace));
+  } else if (name.starts_with("pupil:")) {
+    named.source = openPupil(name, named.screen);
+    if (study.gaze.map && isBinocularFile(*study.gaze.map)) {
+      throw InputError(study.gaze.map->string(),
+                       "expected a map of foci calibrate gaze: live, both eyes are not corrected");
+    }
+    if (study.gaze.map) {
+      named.source = std::make_unique<MappedSource>(std::move(named.source),
+                                                    readGazeMap(*study.gaze.map), named.screen);
+    }
+  } else if (const auto place = webcamPlaceOf(name)) {
+    openWebcam(*place, study, named);
+  } else {
+    throw InputError("--source " + shown(name),
+                     "expected mouse, trace:FILE, pupil:HOST:PORT or webcam[:N|FILE]");
+  }
+  return named;
+}
+
+}  // namespace foci

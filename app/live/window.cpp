@@ -1,0 +1,354 @@
+// The window of `foci live`: shows each picture as soon as it is there, and turns keys into changes
+// of the study. Nothing here takes longer than a swap of buffers.
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <future>
+#include <memory>
+
+#include "app/interrupt.h"
+#include "app/live/driver.h"
+#include "app/live/mark_socket.h"
+#include "app/live/options.h"
+#include "app/live/panel.h"
+#include "app/live/pose.h"
+#include "app/live/renderer.h"
+#include "app/output_folder.h"
+#include "app/window.h"
+#include "render/methods/method.h"
+
+namespace foci {
+namespace {
+
+constexpr double kFirst_s = 8.0, kNotice_s = 4.0;       // how long hints stand
+constexpr double kPanel_s = 1.0 / 30.0, kIdle_s = 0.5;  // redrawn without a new picture
+constexpr double kStep_m = 0.05, kTurn_rad_per_px = 0.002, kFocusStep_D = 0.25;
+constexpr std::array kViews{"mono", "side-by-side", "top-bottom", "anaglyph"};
+
+std::string quoted(std::string_view name) { return '"' + std::string(name) + '"'; }
+
+/// The name after `now`, around.
+template <class Names>
+std::string nextOf(const Names& names, const std::string& now) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == now) return quoted(names[(i + 1) % names.size()]);
+  }
+  return quoted(names[0]);
+}
+
+class LiveWindow {
+ public:
+  LiveWindow(const Study& study, const LiveOptions& options);
+  ~LiveWindow() { open_ = false; }
+  LiveWindow(const LiveWindow&) = delete;
+  LiveWindow& operator=(const LiveWindow&) = delete;
+
+  LiveSummary run();
+
+ private:
+  void point();
+  bool keys();
+  void key(int key);
+  void moveEye(int key);
+  void turnEye();
+  void sendPose();
+  void draw();
+  void shown();
+  void change(const std::string& name, const std::string& toml) { renderer_->change(name, toml); }
+  void toggle(const char* name, bool now) { change(name, now ? "false" : "true"); }
+  void toggleRecord();
+  void screenshot();
+
+  LiveClock clock_;
+  Screen screen_;
+  std::optional<LivePose> pose_;  // absent: the study moves the eye
+  LiveControls controls_;
+  LiveSummary summary_;
+  FrameGraph graph_;
+  std::atomic<bool> open_ = false;
+  std::optional<Window> window_;
+  std::optional<Texture> texture_;
+  std::optional<GazeFeed> feed_;
+  std::optional<LiveRenderer> renderer_;
+  std::shared_ptr<LiveFrame> frame_;  // shown last
+  bool is_new_ = false;               // not shown yet
+  double period_s_ = 1.0 / 60.0, last_swap_s_ = 0.0, picture_swap_s_ = 0.0;
+  std::string notice_;
+  double notice_since_s_ = -kNotice_s;
+  bool panel_ = false, help_ = false;
+  std::atomic<bool> leaving_ = false;
+  glm::dvec2 cursor_px_{0.0};
+  bool clicked_ = false;  // the left button was down
+  std::future<void> saving_;
+  std::optional<MarkSocket> socket_;  // last: its thread calls the others
+};
+
+LiveWindow::LiveWindow(const Study& study, const LiveOptions& options)
+    : screen_(study.screenInForce()) {
+  if (study.eye.path.empty()) {
+    pose_.emplace(*study.eye.position_m, *study.eye.look_at_m, study.eye.up);
+  }
+  controls_ = {.change = [this](const auto& name, const auto& toml) { change(name, toml); },
+               .toggle_record = [this] { toggleRecord(); },
+               .screenshot = [this] { screenshot(); },
+               .mark = [this] { renderer_->mark("panel"); }};
+  feed_.emplace(openLiveSource(options.source, study), clock_);
+  // The scene opens while the window does.
+  renderer_.emplace(study, *feed_, clock_, options.command, options.threads, [this] {
+    if (open_) Window::wake();
+  });
+  window_.emplace("foci live",
+                  options.window ? std::optional(study.pictureSize_px()) : std::nullopt,
+                  options.monitor);
+  open_ = true;
+  texture_.emplace();
+  period_s_ = 1.0 / window_->refresh_Hz();
+  if (options.record) renderer_->startRecord(*options.record);
+  if (!options.socket.empty()) {
+    socket_.emplace(options.socket, [this](const std::string& command) {
+      if (command == "leave") leaving_ = true;
+      if (leaving_) return std::string("ok");
+      return answerTo(command, *renderer_, clock_);
+    });
+    std::fprintf(stderr, "listening at port %d\n", socket_->port());
+  }
+}
+
+LiveSummary LiveWindow::run() {
+  noteInterrupts();
+  draw();
+  while (!leaving_ && !isInterrupted()) {
+    const double wait_s = panel_ || help_ ? kPanel_s : kIdle_s;
+    renderer_->expectSwap(last_swap_s_ + period_s_);
+    if (!window_->wait(std::min(last_swap_s_ + wait_s - clock_.now_s(), 0.1))) break;
+    point();
+    const bool pressed = keys();
+    if (auto next = renderer_->take()) {
+      frame_ = std::move(next);
+      is_new_ = true;
+    }
+    if (is_new_ || pressed || clock_.now_s() >= last_swap_s_ + wait_s) draw();
+  }
+  socket_.reset();
+  if (renderer_->take()) ++summary_.dropped;
+  summary_.records = renderer_->records();
+  if (saving_.valid()) saving_.wait();
+  return summary_;
+}
+
+/// Tells a source that is the mouse where it is, and one that learns from clicks of clicks.
+void LiveWindow::point() {
+  const glm::dvec2 at_px = window_->cursor_px();
+  if (window_->rightButton() && !ImGui::GetIO().WantCaptureMouse) turnEye();
+  cursor_px_ = at_px;
+  const glm::dvec2 on_screen_px = at_px / window_->size_px() * glm::dvec2(screen_.size_px);
+  const bool clicks = window_->leftButton() && !ImGui::GetIO().WantCaptureMouse;
+  if (clicks && !clicked_ && window_->hovered()) {
+    if (const std::string told = feed_->lookedAt(on_screen_px); !told.empty()) {
+      renderer_->tell(told);
+    }
+  }
+  clicked_ = clicks;
+  if (!window_->hovered()) {
+    feed_->pointTo(std::nullopt);
+  } else if (!ImGui::GetIO().WantCaptureMouse && !window_->rightButton()) {
+    feed_->pointTo(on_screen_px);
+  }
+}
+
+void LiveWindow::turnEye() {
+  const glm::dvec2 by_px = window_->cursor_px() - cursor_px_;
+  if (!pose_ || by_px == glm::dvec2(0.0)) return;
+  pose_->turn(-kTurn_rad_per_px * by_px);  // the scene is dragged along
+  sendPose();
+}
+
+void LiveWindow::sendPose() {
+  change("eye.position_m", tomlPoint(pose_->position_m()));
+  change("eye.look_at_m", tomlPoint(pose_->look_at_m()));
+}
+
+void LiveWindow::moveEye(int key) {
+  if (!pose_) return;
+  switch (key) {
+    case GLFW_KEY_LEFT:
+      pose_->move({-kStep_m, 0.0, 0.0});
+      break;
+    case GLFW_KEY_RIGHT:
+      pose_->move({kStep_m, 0.0, 0.0});
+      break;
+    case GLFW_KEY_UP:
+      pose_->move({0.0, 0.0, kStep_m});
+      break;
+    case GLFW_KEY_DOWN:
+      pose_->move({0.0, 0.0, -kStep_m});
+      break;
+    case GLFW_KEY_PAGE_UP:
+      pose_->move({0.0, kStep_m, 0.0});
+      break;
+    case GLFW_KEY_PAGE_DOWN:
+      pose_->move({0.0, -kStep_m, 0.0});
+      break;
+    case GLFW_KEY_HOME:
+      pose_->reset();
+      break;
+    default:
+      return;
+  }
+  sendPose();
+}
+
+/// True where any was pressed.
+bool LiveWindow::keys() {
+  const std::vector<int> pressed = window_->takeKeys();
+  const std::vector<unsigned> typed = window_->takeTyped();
+  if (ImGui::GetIO().WantTextInput) return !pressed.empty();
+  for (const int each : pressed) key(each);
+  for (const unsigned c : typed) {
+    if (c == '?' || c == '/') help_ = !help_;
+  }
+  return !pressed.empty() || !typed.empty();
+}
+
+void LiveWindow::key(int key) {
+  const LiveState state = renderer_->state();
+  const Study& study = state.study;
+  const double focus_D = study.focus.fixed_D.value_or(state.last.eye.focus_D);
+  std::vector<std::string_view> names;
+  for (const MethodInfo& method : methods()) names.push_back(method.name);
+  if (key >= GLFW_KEY_1 && key <= GLFW_KEY_8) {
+    change("observer.pupil_mm", std::to_string(key - GLFW_KEY_0));
+    return;
+  }
+  switch (key) {
+    case GLFW_KEY_ESCAPE:
+      leaving_ = true;
+      break;
+    case GLFW_KEY_F1:
+      panel_ = !panel_;
+      break;
+    case GLFW_KEY_F:
+      change("focus.fixed_D", study.focus.fixed_D ? "null" : tomlNumber(focus_D));
+      break;
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+      change("focus.fixed_D", tomlNumber(std::min(focus_D + kFocusStep_D, 20.0)));
+      break;
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+      change("focus.fixed_D", tomlNumber(std::max(focus_D - kFocusStep_D, 0.0)));
+      break;
+    case GLFW_KEY_M:
+      toggle("output.marker", study.output.marker);
+      break;
+    case GLFW_KEY_S:
+      toggle("output.split", study.output.split);
+      break;
+    case GLFW_KEY_V:
+      change("output.view", nextOf(kViews, study.output.view));
+      break;
+    case GLFW_KEY_N:
+      change("render.method", nextOf(names, study.render.method));
+      break;
+    case GLFW_KEY_R:
+      toggleRecord();
+      break;
+    case GLFW_KEY_SPACE:
+      renderer_->mark("space");
+      break;
+    case GLFW_KEY_P:
+      screenshot();
+      break;
+    default:
+      moveEye(key);
+  }
+}
+
+void LiveWindow::toggleRecord() {
+  if (renderer_->state().record) {
+    renderer_->stopRecord();
+  } else {
+    renderer_->startRecord(unusedName(""));
+  }
+}
+
+void LiveWindow::screenshot() {
+  if (!frame_) return;
+  if (saving_.valid() && saving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+    return;  // one at a time
+  }
+  const std::filesystem::path file = unusedName(".png");
+  renderer_->tell("picture in " + file.string());
+  saving_ = std::async(std::launch::async, [this, frame = frame_, file] {
+    const auto bytes = pngOf(frame->picture);
+    try {
+      writeText(file, {bytes.begin(), bytes.end()});
+    } catch (const std::exception& error) {
+      renderer_->tell(error.what());
+    }
+  });
+}
+
+void LiveWindow::draw() {
+  if (is_new_) texture_->set(frame_->picture.size_px, frame_->picture.rgb.data());
+  if (!window_->begin(glm::vec3(0.0f))) leaving_ = true;
+  const ImVec2 area = ImGui::GetIO().DisplaySize;
+  if (frame_) ImGui::GetBackgroundDrawList()->AddImage(texture_->id(), {0.0f, 0.0f}, area);
+  const LiveState state = renderer_->state();
+  const double now_s = clock_.now_s();
+  if (state.notice != notice_) {
+    notice_ = state.notice;
+    notice_since_s_ = now_s;
+  }
+  const PanelContent content{.state = state,
+                             .frame = frame_.get(),
+                             .source = feed_->status(),
+                             .graph = graph_,
+                             .summary = summary_};
+  if (panel_) drawPanel(content, controls_, panel_);
+  if (help_) drawHelp(help_);
+  drawSigns(content, now_s - notice_since_s_ < kNotice_s ? notice_ : "", now_s < kFirst_s);
+  window_->end();
+  last_swap_s_ = clock_.now_s();
+  if (is_new_) shown();
+}
+
+/// Accounts for the picture that has just been swapped in.
+void LiveWindow::shown() {
+  is_new_ = false;
+  FrameTiming& timing = frame_->timing;
+  timing.swap_s = last_swap_s_;
+  if (summary_.frames == 0) {
+    summary_.first_frame_s = last_swap_s_;
+  } else {
+    const auto refreshes = std::lround((last_swap_s_ - picture_swap_s_) / period_s_);
+    timing.repeats = static_cast<int>(std::max(refreshes - 1, 0L));
+  }
+  picture_swap_s_ = last_swap_s_;
+  ++summary_.frames;
+  summary_.repeated += static_cast<std::uint64_t>(timing.repeats);
+  const double render_ms = 1e3 * (timing.render_end_s - timing.render_start_s);
+  const double sample_ms = 1e3 * (last_swap_s_ - timing.sample_s.value_or(last_swap_s_));
+  summary_.render.add(render_ms);
+  // A source that is silent has no sample to be late with.
+  if (timing.sample_s && frame_->record.eye.state != GazeState::lost) {
+    summary_.sample_to_swap.add(sample_ms);
+  }
+  graph_.add(sample_ms, render_ms, 1e3 * (last_swap_s_ - timing.render_end_s));
+  if (const auto record = frame_->into.lock()) record->add(frame_);
+}
+
+}  // namespace
+
+LiveSummary runLive(const Study& study, const LiveOptions& options) {
+  LiveWindow window(study, options);
+  return window.run();
+}
+
+}  // namespace foci
