@@ -15,7 +15,7 @@
 namespace foci {
 namespace {
 
-constexpr const char* kScript = R"(
+constexpr const char* kPageScript = R"(
 const dials = document.querySelectorAll('.dials input');
 function show() {
   const at = {};
@@ -228,7 +228,7 @@ void writeChartPage(const std::filesystem::path& file, const ChartPlan& plan,
          "<code>cells/</code> what a later run need not measure again, and may be removed.</li>\n"
          "</ul>\n";
   writeTable(out, points);
-  out << "<script>" << kScript << "</script>\n";
+  out << "<script>" << kPageScript << "</script>\n";
   writePictureDialog(out);
   out << "</main></body></html>\n";
   out.close();

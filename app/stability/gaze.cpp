@@ -150,8 +150,10 @@ double gazeNoise(std::size_t observer, float noise_deg, GazeScore score) {
 }
 
 double gazeLoss(std::size_t observer, float lost_percent, GazeScore score) {
+  constexpr std::size_t kLooks = 10;
   std::vector<GazeTarget> targets;
-  for (int k = 0; k < 10; ++k) targets.push_back(target(k % 2 == 0 ? -2.0 : 2.0, 1.5));
+  targets.reserve(kLooks);
+  for (std::size_t k = 0; k < kLooks; ++k) targets.push_back(target(k % 2 == 0 ? -2.0 : 2.0, 1.5));
   return scoreOf(observer, {targets}, 0.3, 0.01 * double{lost_percent}, score);
 }
 

@@ -29,7 +29,7 @@ StabilitySetup wallOf(PointCloud&& points) {
           .truth =
               [](const View& seen, const RenderSettings&, int) {
                 Frame frame{.size_px = seen.size_px, .rgba = {}, .depth_m = {}};
-                frame.rgba.assign(static_cast<std::size_t>(seen.size_px.x * seen.size_px.y),
+                frame.rgba.assign(static_cast<std::size_t>(seen.size_px.x) * seen.size_px.y,
                                   glm::vec4(1.0f));
                 return frame;
               },

@@ -192,9 +192,9 @@ Frame exactFrame(const std::vector<Sheet>& sheets, const View& view, const Rende
       glm::vec4 sum(0.0f);
       for (int k = 0; k < 2 * kReach; ++k) {
         sum += weights[static_cast<std::size_t>(k)] *
-               fine[static_cast<std::size_t>(y * points.x + first(x) + k)];
+               fine[static_cast<std::size_t>(y) * points.x + first(x) + k];
       }
-      rows[static_cast<std::size_t>(y * view.size_px.x + x)] = sum / total;
+      rows[static_cast<std::size_t>(y) * view.size_px.x + x] = sum / total;
     }
   }
   Frame frame{.size_px = view.size_px, .rgba = {}, .depth_m = {}};
@@ -203,7 +203,7 @@ Frame exactFrame(const std::vector<Sheet>& sheets, const View& view, const Rende
       glm::vec4 sum(0.0f);
       for (int k = 0; k < 2 * kReach; ++k) {
         sum += weights[static_cast<std::size_t>(k)] *
-               rows[static_cast<std::size_t>((first(y) + k) * view.size_px.x + x)];
+               rows[static_cast<std::size_t>(first(y) + k) * view.size_px.x + x];
       }
       frame.rgba.push_back(sum / total);
     }

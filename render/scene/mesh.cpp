@@ -41,7 +41,7 @@ std::string extensionOf(const std::filesystem::path& path) {
   return extension;
 }
 
-struct Material {
+struct MeshMaterial {
   std::shared_ptr<const Texture> texture;
   glm::vec3 factor{1.0f};  ///< of the texture; the colour where there is none
   float opacity = 1.0f;
@@ -95,8 +95,8 @@ class Loader {
     return all;
   }
 
-  std::vector<Material> materials() {
-    std::vector<Material> all;
+  std::vector<MeshMaterial> materials() {
+    std::vector<MeshMaterial> all;
     for (unsigned i = 0; i < scene_->mNumMaterials; ++i) {
       all.push_back(materialOf(*scene_->mMaterials[i]));
     }
@@ -149,8 +149,8 @@ class Loader {
     }
   }
 
-  Material materialOf(const aiMaterial& from) {
-    Material material;
+  MeshMaterial materialOf(const aiMaterial& from) {
+    MeshMaterial material;
     aiColor4D color(0.6f, 0.6f, 0.6f, 1.0f);
     if (!gltf_ || from.Get(AI_MATKEY_BASE_COLOR, color) != aiReturn_SUCCESS) {
       from.Get(AI_MATKEY_COLOR_DIFFUSE, color);
@@ -214,7 +214,7 @@ class Loader {
 };
 
 /// Colour and alpha of a point; `spacing_m` is the side of what it stands for.
-glm::vec4 appearance(const Triangles& all, const Material& material, const MeshPoint& point,
+glm::vec4 appearance(const Triangles& all, const MeshMaterial& material, const MeshPoint& point,
                      const glm::vec3& normal, float area_m2, float spacing_m) {
   const std::size_t first = 3 * std::size_t{point.triangle};
   const auto blend = [&](const auto& values) {
@@ -252,7 +252,7 @@ bool isMeshFile(const std::filesystem::path& path) {
 PointCloud sampleMesh(const std::filesystem::path& path, const MeshSampling& sampling) {
   Loader loader(path);
   const Triangles all = loader.triangles();
-  const std::vector<Material> materials = loader.materials();
+  const std::vector<MeshMaterial> materials = loader.materials();
   const double spacing_m =
       std::sqrt(areaOf_m2(all.corners_m) / static_cast<double>(sampling.points));
   const std::vector<MeshPoint> points = poissonDisk(all.corners_m, spacing_m);
@@ -263,7 +263,7 @@ PointCloud sampleMesh(const std::filesystem::path& path, const MeshSampling& sam
   cloud.color.resize(points.size());
   cloud.opacity.resize(points.size());
   std::vector<std::uint8_t> keep(points.size());
-  const Material plain;
+  const MeshMaterial plain;
   parallelFor(points.size(), [&](std::size_t i) {
     const MeshPoint& point = points[i];
     const glm::dvec3 a = all.corners_m[3 * std::size_t{point.triangle}];
@@ -272,7 +272,7 @@ PointCloud sampleMesh(const std::filesystem::path& path, const MeshSampling& sam
     const glm::dvec3 cross = glm::cross(ab, ac);
     const double length = glm::length(cross);
     const std::uint32_t m = all.material[point.triangle];
-    const Material& material = m < materials.size() ? materials[m] : plain;
+    const MeshMaterial& material = m < materials.size() ? materials[m] : plain;
     cloud.position_m[i] =
         glm::vec3(a + double{point.weights.x} * ab + double{point.weights.y} * ac);
     cloud.normal[i] = glm::vec3(cross / length);
