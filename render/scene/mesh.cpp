@@ -11,6 +11,7 @@
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
@@ -255,6 +256,15 @@ PointCloud sampleMesh(const std::filesystem::path& path, const MeshSampling& sam
   const std::vector<MeshMaterial> materials = loader.materials();
   const double spacing_m =
       std::sqrt(areaOf_m2(all.corners_m) / static_cast<double>(sampling.points));
+  float farthest_m = 0.0f;
+  for (const glm::vec3& corner : all.corners_m) {
+    farthest_m = std::max({farthest_m, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
+  }
+  if (spacing_m < double{farthest_m} * std::numeric_limits<float>::epsilon()) {
+    throw InputError(path.string(), "has so little area for its extent that " +
+                                        std::to_string(sampling.points) +
+                                        " points would fall on each other");
+  }
   const std::vector<MeshPoint> points = poissonDisk(all.corners_m, spacing_m);
 
   PointCloud cloud;

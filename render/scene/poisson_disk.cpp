@@ -11,6 +11,7 @@ namespace foci {
 namespace {
 
 constexpr double kDartsAPoint = 12.0;
+constexpr double kMost = 3.0;         // times the points wanted; slivers would take all darts
 constexpr float kFacingAway = -0.5f;  // cosine of normals
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
@@ -94,6 +95,7 @@ std::vector<MeshPoint> poissonDisk(const std::vector<glm::vec3>& corners_m, doub
   Grid grid(static_cast<std::size_t>(wanted), kPoissonDistance * spacing_m);
   std::vector<MeshPoint> points;
   for (double dart = 0.0; dart < kDartsAPoint * wanted; ++dart) {
+    if (static_cast<double>(points.size()) >= kMost * wanted) break;
     const auto hit = std::upper_bound(sums.begin(), sums.end(), uniform() * sums.back());
     const auto triangle = static_cast<std::size_t>(std::min(hit, sums.end() - 1) - sums.begin());
     glm::dvec2 weights(uniform(), uniform());

@@ -22,7 +22,8 @@ inline constexpr float kPoissonDistance = 0.8f;
 /// a thin sheet that face away from each other do not keep apart.
 /// @param corners_m  three a triangle, finite; counter-clockwise as seen from outside
 /// @param spacing_m  > 0; area / spacing^2 is at most 10^8 (asserted)
-/// @return about area / spacing^2 points; none where no triangle has an area
+/// @return about area / spacing^2 points; none where no triangle has an area, up to three times as
+///   many where triangles are narrower than the spacing
 std::vector<MeshPoint> poissonDisk(const std::vector<glm::vec3>& corners_m, double spacing_m);
 
 /// Sum of the triangles' areas.

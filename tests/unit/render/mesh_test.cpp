@@ -79,6 +79,13 @@ TEST(PoissonDisk, HasNothingToFillWithoutAnArea) {
   EXPECT_TRUE(poissonDisk(std::vector<glm::vec3>(6, glm::vec3(1.0f)), 0.1).empty());
 }
 
+TEST(PoissonDisk, ASliverTakesNoMoreThanThriceThePointsWanted) {
+  const std::vector<glm::vec3> sliver{{0.0f, 0.0f, 0.0f}, {1e4f, 0.0f, 0.0f}, {0.0f, 2e-4f, 0.0f}};
+  const std::size_t count = poissonDisk(sliver, std::sqrt(1.0 / 1000.0)).size();
+  EXPECT_GE(count, 1000u);
+  EXPECT_LE(count, 3000u);
+}
+
 class MeshTest : public testing::Test {
  protected:
   MeshTest() {
@@ -224,6 +231,7 @@ TEST_F(MeshTest, RefusesWhatIsNoMesh) {
   EXPECT_NE(refusal(file("text.glb", "glTF\1\0\0\0")), "");
   EXPECT_NE(refusal(file("points.obj", "v 0 0 0\nv 1 0 0\n")), "");
   EXPECT_NE(refusal(file("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")), "");
+  EXPECT_NE(refusal(file("sliver.obj", "v 0 0 0\nv 1e-38 0.1 0\nv 0 0.2 0\nf 1 2 3\n")), "");
   EXPECT_NE(refusal(file("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")), "");
   EXPECT_NE(refusal(file("far.obj", "v 1 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n")), "");
   EXPECT_NE(refusal(file("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 900\n")), "");
