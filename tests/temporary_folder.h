@@ -18,8 +18,9 @@ inline std::string textOf(const std::filesystem::path& file) {
 /// A folder of its own for a test, removed with it.
 class TemporaryFolder {
  public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "foci_test_XXXXXX").string();
+  explicit TemporaryFolder(
+      const std::filesystem::path& parent = std::filesystem::temp_directory_path()) {
+    std::string name = (parent / "foci_test_XXXXXX").string();
     path_ = mkdtemp(name.data());
   }
   ~TemporaryFolder() {

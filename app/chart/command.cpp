@@ -34,33 +34,27 @@ struct Options {
   bool stability = false, json = false;
 };
 
-std::string json(const std::filesystem::path& out, double seconds, const ChartResult& result) {
-  Json points = Json::array();
-  for (const ChartPoint& one : result.points) {
-    points.push_back({{"scene", one.scene},
-                      {"blur_px", one.blur_px},
-                      {"method", one.method.spec()},
-                      {"threads", one.threads},
-                      {"ms_median", one.ms_median},
-                      {"psnr_dB", jsonNumber(one.psnr_dB)},
-                      {"on_frontier", one.on_frontier}});
-  }
-  const Json all = {{"out", out.string()},
-                    {"seconds", seconds},
-                    {"computed", result.computed},
-                    {"kept", result.kept},
-                    {"points", points}};
-  return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+Json json(const ChartPoint& point) {
+  return {{"scene", point.scene},
+          {"blur_px", point.blur_px},
+          {"method", point.method.spec()},
+          {"threads", point.threads},
+          {"ms_median", point.ms_median},
+          {"psnr_dB", jsonNumber(point.psnr_dB)},
+          {"on_frontier", point.on_frontier}};
 }
 
-std::string json(const std::filesystem::path& out, double seconds, const StabilityResult& result) {
+Json json(const StabilityPoint& point) {
+  return {{"scene", point.scene},
+          {"value", point.value},
+          {"method", point.by},
+          {"score", jsonNumber(point.score)}};
+}
+
+template <class Result>
+std::string json(const std::filesystem::path& out, double seconds, const Result& result) {
   Json points = Json::array();
-  for (const StabilityPoint& one : result.points) {
-    points.push_back({{"scene", one.scene},
-                      {"value", one.value},
-                      {"method", one.by},
-                      {"score", jsonNumber(one.score)}});
-  }
+  for (const auto& point : result.points) points.push_back(json(point));
   const Json all = {{"out", out.string()},
                     {"seconds", seconds},
                     {"computed", result.computed},

@@ -64,9 +64,7 @@ class Selector {
   /// of their distance squared, or what their angle makes.
   static float thickness_m2(const LodNode& node) {
     const glm::vec3 n = unpackNormal(node.normal);
-    const float* v = node.variance_m2;
-    return n.x * n.x * v[0] + n.y * n.y * v[3] + n.z * n.z * v[5] +
-           2.0f * (n.x * n.y * v[1] + n.x * n.z * v[2] + n.y * n.z * v[4]);
+    return node.covariance_m2(n, n);
   }
 
   /// The node's variance over what is allowed; kOutside where it cannot touch the image.

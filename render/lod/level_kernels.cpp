@@ -9,12 +9,6 @@ namespace {
 
 constexpr float kThinnest = 1e-3f;  // of a kernel's axes: the lesser over the greater
 
-float quadratic(const float v[6], const glm::vec3& a, const glm::vec3& b) {
-  return a.x * (v[0] * b.x + v[1] * b.y + v[2] * b.z) +
-         a.y * (v[1] * b.x + v[3] * b.y + v[4] * b.z) +
-         a.z * (v[2] * b.x + v[4] * b.y + v[5] * b.z);
-}
-
 }  // namespace
 
 LevelKernels levelKernels(const MomentTree& tree, int level) {
@@ -24,13 +18,11 @@ LevelKernels levelKernels(const MomentTree& tree, int level) {
   for (std::size_t i = first; i < 2 * first; ++i) {
     const LodNode& node = tree.nodes()[i];
     const glm::vec3 normal = unpackNormal(node.normal);
-    const glm::vec3 helper =
-        std::abs(normal.x) < 0.5f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
-    const glm::vec3 x = glm::normalize(glm::cross(helper, normal)), y = glm::cross(normal, x);
+    const glm::vec3 x = tangentTo(normal), y = glm::cross(normal, x);
 
     // The variance in the plane across the normal, and its axes.
-    const float xx = quadratic(node.variance_m2, x, x), yy = quadratic(node.variance_m2, y, y);
-    const float xy = quadratic(node.variance_m2, x, y);
+    const float xx = node.covariance_m2(x, x), yy = node.covariance_m2(y, y);
+    const float xy = node.covariance_m2(x, y);
     const float angle = 0.5f * std::atan2(2.0f * xy, xx - yy);
     const float middle = 0.5f * (xx + yy), apart = std::hypot(0.5f * (xx - yy), xy);
     const float own = static_cast<float>(node.own) * (1.0f / 65535.0f);

@@ -28,6 +28,13 @@ struct alignas(64) LodNode {
                       ///< rest is what merging added
 
   float trace_m2() const { return variance_m2[0] + variance_m2[3] + variance_m2[5]; }
+  /// a' V b; the variance along `a` where `b` is `a`.
+  float covariance_m2(const glm::vec3& a, const glm::vec3& b) const {
+    const float* v = variance_m2;
+    return a.x * b.x * v[0] + a.y * b.y * v[3] + a.z * b.z * v[5] +
+           ((a.x * b.y + a.y * b.x) * v[1] + (a.x * b.z + a.z * b.x) * v[2] +
+            (a.y * b.z + a.z * b.y) * v[4]);
+  }
 };
 static_assert(sizeof(LodNode) == 64);
 

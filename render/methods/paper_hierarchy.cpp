@@ -119,10 +119,7 @@ Axes axesOf(const Symmetric& m, const glm::vec3& x, const glm::vec3& y, float th
 
 PaperNode nodeOf(const Moments& m) {
   const glm::vec3 normal = glm::normalize(m.normal);
-  const glm::vec3 helper =
-      std::abs(normal.x) < 0.5f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
-  const glm::vec3 x = glm::normalize(glm::cross(helper, normal));
-  const glm::vec3 y = glm::cross(normal, x);
+  const glm::vec3 x = tangentTo(normal), y = glm::cross(normal, x);
   Symmetric basis = m.basis, spread = m.spread;
   for (int i = 0; i < 6; ++i) {
     basis[i] /= m.area_m2;

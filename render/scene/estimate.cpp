@@ -164,9 +164,7 @@ SurfelCloud assemble(PointCloud&& points, const std::vector<float>& sigma_m,
   cloud.axis_v_m.resize(count);
   parallelFor(count, [&](std::size_t i) {
     const glm::vec3 n = points.normal[i];
-    const glm::vec3 helper =
-        std::abs(n.x) < 0.5f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
-    const glm::vec3 u = glm::normalize(glm::cross(helper, n));
+    const glm::vec3 u = tangentTo(n);
     cloud.axis_u_m[i] = sigma_m[i] * u;
     cloud.axis_v_m[i] = sigma_m[i] * glm::cross(n, u);
   });

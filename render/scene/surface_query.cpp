@@ -73,8 +73,7 @@ struct Cone {
         radius(static_cast<float>(std::tan(half_angle_rad))),
         cos_half(static_cast<float>(std::cos(half_angle_rad))),
         sin_half(static_cast<float>(std::sin(half_angle_rad))) {
-    const glm::vec3 helper = std::abs(z.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-    x = glm::normalize(glm::cross(helper, z));
+    x = tangentTo(z);
     y = glm::cross(z, x);
   }
 

@@ -1,15 +1,10 @@
 #include "render/scene/surfel_cloud.h"
 
-#include <cmath>
-
 namespace foci {
 
 void appendSurfel(SurfelCloud& cloud, const glm::vec3& position_m, const glm::vec3& normal,
                   float sigma_m, float area_m2, const glm::vec3& color, float opacity) {
-  const glm::vec3 helper =
-      std::abs(normal.x) < 0.5f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
-  const glm::vec3 u = glm::normalize(glm::cross(helper, normal));
-  const glm::vec3 v = glm::cross(normal, u);
+  const glm::vec3 u = tangentTo(normal), v = glm::cross(normal, u);
 
   // Opacities are stored from the first surfel that is not opaque.
   if (opacity != 1.0f || !cloud.opacity.empty()) {

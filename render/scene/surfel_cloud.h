@@ -1,6 +1,7 @@
 // The scene: oriented Gaussian surfels (EWA surface splatting, Zwicker et al. 2001).
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <vector>
@@ -36,6 +37,13 @@ struct SurfelCloud {
 /// sample). On the paper's plane, sampled one surfel a pixel, it gives sqrt|V| = 1.38 px^2
 /// (formulas.md, 7).
 inline constexpr float kSigmaPerSpacing = 0.62f;
+
+/// A unit vector across `normal`, which is one, too; the third is cross(normal, it).
+inline glm::vec3 tangentTo(const glm::vec3& normal) {
+  const glm::vec3 helper =
+      std::abs(normal.x) < 0.5f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+  return glm::normalize(glm::cross(helper, normal));
+}
 
 /// An oriented circular surfel. `normal` of unit length; `sigma_m` one standard deviation.
 /// Any colour, opacity: appended as they are.

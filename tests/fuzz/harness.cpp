@@ -10,6 +10,7 @@
 #include <ctime>
 
 #include "app/base/input_error.h"
+#include "tests/temporary_folder.h"
 
 namespace foci::fuzz {
 namespace {
@@ -32,25 +33,6 @@ void onFree(const volatile void* at) {
   }
 }
 
-class Folder {
- public:
-  Folder() {
-    const bool in_memory = access("/dev/shm", W_OK) == 0;
-    std::string name = std::string(in_memory ? "/dev/shm" : "/tmp") + "/foci_fuzz_XXXXXX";
-    path_ = mkdtemp(name.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 double processorTime_s() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
@@ -65,7 +47,7 @@ void give_up(const char* what, double value) {
 }  // namespace
 
 std::filesystem::path asFile(const std::string& name, const std::uint8_t* bytes, std::size_t size) {
-  static const Folder folder;
+  static const TemporaryFolder folder(access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
   const std::filesystem::path path = folder.path() / name;
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr || std::fwrite(bytes, 1, size, file) != size || std::fclose(file) != 0) {

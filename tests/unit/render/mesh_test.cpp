@@ -1,12 +1,10 @@
 #include "render/scene/mesh.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
@@ -15,6 +13,7 @@
 #include "render/scene/foci_file.h"
 #include "render/scene/open_scene.h"
 #include "render/scene/poisson_disk.h"
+#include "tests/temporary_folder.h"
 
 namespace foci {
 namespace {
@@ -88,17 +87,8 @@ TEST(PoissonDisk, ASliverTakesNoMoreThanThriceThePointsWanted) {
 
 class MeshTest : public testing::Test {
  protected:
-  MeshTest() {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("foci_mesh_test_" + std::to_string(getpid()) + "_" +
-               testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
-  }
-  ~MeshTest() override { std::filesystem::remove_all(folder_); }
-
   std::filesystem::path file(const std::string& name, const std::string& content) {
-    std::ofstream(folder_ / name, std::ios::binary) << content;
-    return folder_ / name;
+    return temporary_.write(name, content);
   }
 
   /// A quad of 2 x 1 whose texture is red on its left half, blue on its right, brighter at the top.
@@ -128,7 +118,8 @@ class MeshTest : public testing::Test {
     return "";
   }
 
-  std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
 };
 
 TEST_F(MeshTest, TakesColoursFromATexture) {
