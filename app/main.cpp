@@ -34,6 +34,7 @@ namespace {
 
 constexpr int kDone = 0, kFailed = 1, kBadInput = 2;
 constexpr unsigned kMaxThreads = 1024;
+constexpr double kLiveFrame_ms = 10.0;  // the rest of 1/60 s is the window's
 
 /// A finite number that fills the whole text.
 std::optional<double> numberOf(std::string_view text) {
@@ -132,11 +133,13 @@ int runReplay(const Options& options, const std::string& command) {
 int runLiveCommand(const Options& options, const LiveOptions& given, const std::string& command) {
   LiveOptions live = given;
   live.command = command;
-  // The window, the tracker and the system want one, too.
+  // The window, the tracker and the system want one, too; of two, for a part of the time.
   const unsigned threads = threadsOf(options);
-  live.threads = options.threads.empty() ? std::max(threads, 2u) - 1 : threads;
+  live.threads = options.threads.empty() && threads > 2 ? threads - 1 : threads;
   if (!options.out.empty()) live.record = options.out;
   Study study = studyOf(options);
+  // Unless told otherwise, what follows an eye holds 60 frames a second.
+  if (!study.quality.frame_ms) study.quality.frame_ms = kLiveFrame_ms;
   if (study.eye.path.empty() && !study.eye.position_m) {
     // Where the eye is as the study has it, to be moved from there.
     const EyePose pose = builtinPose(study);

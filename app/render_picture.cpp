@@ -55,6 +55,7 @@ PictureSummary renderPicture(const Study& study, const PictureRequest& request) 
                           .background = glm::vec3(study.scene.background),
                           .shading = static_cast<float>(study.render.shading),
                           .quality = requestedQuality(study)};
+  settings.quality.frame_ms.reset();  // a still picture has time
   ObserverPupil pupil(study);
   if (pupil.needsPicture()) {
     method->render(view, settings, frame);

@@ -217,7 +217,6 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   std::vector<float> pupil_mm;
   std::vector<std::uint32_t> splats;
   std::size_t frames_held = 0;
-  Frame frame;
   Progress progress("rendering", "frames", schedule.frames);
 
   auto sample = trace.samples.begin();
@@ -235,15 +234,16 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   for (std::size_t i = 0; i < schedule.first; ++i) {
     FrameRecord record = lookAt(schedule.recorded[i].time_s);
     if (study.observer.pupil == "luminance") {
-      session.draw(schedule.recorded[i].method, record, frame);
+      session.draw(schedule.recorded[i].method, record);
     }
   }
   for (std::size_t i = 0; i < schedule.frames; ++i) {
     throwIfInterrupted();
     FrameRecord record = lookAt(schedule.time_s(i));
-    session.draw(schedule.recorded.empty() ? session.study().render.method
-                                           : schedule.recorded[schedule.first + i].method,
-                 record, frame);
+    const Frame& frame =
+        session.draw(schedule.recorded.empty() ? session.study().render.method
+                                               : schedule.recorded[schedule.first + i].method,
+                     record);
     Picture picture = pictureOf(frame, study.screen.gamma);
     sheet.offer(i, session, record, picture);
     session.mark(record, picture);

@@ -20,31 +20,19 @@ constexpr std::string_view kLiveKeys[] = {
     "observer.axis_deg", "observer.corrected", "observer.chromatic",
 };
 
-/// The left half without blur, a thin line between.
-void splitWithSharp(Frame& frame, const Frame& sharp) {
-  const auto width = static_cast<std::size_t>(frame.size_px.x);
-  for (std::size_t y = 0; y < static_cast<std::size_t>(frame.size_px.y); ++y) {
-    const auto row = static_cast<std::ptrdiff_t>(y * width);
-    std::copy_n(sharp.rgba.begin() + row, width / 2, frame.rgba.begin() + row);
-    frame.rgba[y * width + width / 2] = glm::vec4(1.0f);
-  }
-}
+/// What is drawn is rounded to these under a budget of time: 0.05 px of blur at 30 px a degree.
+constexpr double kFocusStep_D = 1.0 / 64.0, kPupilStep_mm = 1.0 / 16.0, kGazeStep_px = 8.0;
 
 }  // namespace
+
+bool holdsTime(const Study& study) {
+  return study.render.method == "auto" && study.quality.frame_ms;
+}
 
 Quality requestedQuality(const Study& study) {
   Quality quality{.tolerance = static_cast<float>(study.quality.tolerance)};
   if (study.quality.frame_ms) quality.frame_ms = static_cast<float>(*study.quality.frame_ms);
   return quality;
-}
-
-void addView(const RenderStats& view, RenderStats& all) {
-  all.splats += view.splats;
-  all.fragments += view.fragments;
-  all.ms += view.ms;
-  if (view.tolerance_error) {
-    all.tolerance_error = std::max(all.tolerance_error.value_or(0.0), *view.tolerance_error);
-  }
 }
 
 bool changesLive(std::string_view key) {
@@ -68,9 +56,10 @@ Session::Session(const Study& study, const SurfelCloud& cloud, const Screen& scr
       start_s_(start_s),
       path_(study),
       query_(cloud),
+      painter_(cloud),
       follower_(newFollower()),
       pupil_(study) {
-  methodNamed(study.render.method);
+  painter_.methodNamed(study.render.method);
 }
 
 GazeFollower Session::newFollower() {
@@ -90,13 +79,8 @@ void Session::restart(double start_s) {
   start_s_ = start_s;
   follower_ = newFollower();
   pupil_ = ObserverPupil(study_);
-  methods_.clear();  // some remember the frame before
-}
-
-Method& Session::methodNamed(const std::string& spec) {
-  std::unique_ptr<Method>& method = methods_[spec];
-  if (!method) method = makeMethod(spec, cloud_);
-  return *method;
+  painter_ = painter_.twin();  // methods may remember the frame before
+  at_leisure_ = false;
 }
 
 void Session::change(const std::string& key, const std::string& toml) {
@@ -153,7 +137,7 @@ FrameRecord Session::look(double time_s) {
     const View middle =
         viewThroughScreen(path_.eyeFromWorldAt(time_s - start_s_), study_.pictureSize_px(),
                           screen_.size_m, screen_.distance_m);
-    methodNamed(study_.render.method)
+    painter_.methodNamed(study_.render.method)
         .render(middle,
                 {.defocus = {},
                  .background = glm::vec3(study_.scene.background),
@@ -171,7 +155,11 @@ Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const 
   const GazeState state = record.eye.state;
   if (state == GazeState::saccade || state == GazeState::blink) {
     quality.acuity = acuityInSaccade();
-  } else if (const auto& point_px = record.gaze_px ? record.gaze_px : record.fixation_px) {
+  } else if (auto point_px = record.gaze_px ? record.gaze_px : record.fixation_px) {
+    if (holdsTime(study_)) {
+      if (state == GazeState::fixation) point_px = record.fixation_px;
+      *point_px = kGazeStep_px * glm::round(*point_px / kGazeStep_px);
+    }
     // On the screen, which all views share: where the eye's own view has it.
     const glm::dvec3 sight = lineOfSight(screen_, *point_px);
     const glm::dvec3 p_eye =
@@ -183,31 +171,45 @@ Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const 
   return quality;
 }
 
-void Session::draw(const std::string& method, FrameRecord& record, Frame& frame) {
-  record.method = method;
-  const StereoView stereo = stereoViewNamed(study_.output.view);
-  const bool mono = stereo == StereoView::mono;
-  frame.size_px = study_.pictureSize_px();
-  frame.rgba.resize(static_cast<std::size_t>(frame.size_px.x) * frame.size_px.y);
-  for (const EyeView& eye : viewsAt(record.time_s)) {
-    RenderSettings settings{
-        .defocus = defocusOfEye(study_, record.pupil_mm, eye.view.focal_px, record.eye.focus_D),
-        .background = glm::vec3(study_.scene.background),
-        .shading = static_cast<float>(study_.render.shading),
-        .quality = qualityOf(record, eye)};
-    if (method == "pinhole") settings.defocus.chromatic_D = glm::vec3(0.0f);  // all alike
-    Frame& seen = mono ? frame : eye_frame_;
-    const RenderStats stats = methodNamed(method).render(eye.view, settings, seen);
-    addView(stats, record.stats);
-    if (!stats.drawn_as.empty()) record.method = stats.drawn_as;
-    if (study_.output.split) {
-      settings.defocus = {};
-      methodNamed(method).render(eye.view, settings, sharp_);
-      splitWithSharp(seen, sharp_);
-    }
-    if (!mono) putEye(stereo, eye, seen, frame);
+PaintJob Session::jobOf(const std::string& method, const FrameRecord& record) const {
+  PaintJob job{.method = method,
+               .stereo = stereoViewNamed(study_.output.view),
+               .size_px = study_.pictureSize_px(),
+               .split = study_.output.split,
+               .eyes = {}};
+  double pupil_mm = record.pupil_mm, focus_D = record.eye.focus_D;
+  if (holdsTime(study_)) {
+    pupil_mm = kPupilStep_mm * std::round(pupil_mm / kPupilStep_mm);
+    focus_D = kFocusStep_D * std::round(focus_D / kFocusStep_D);
   }
-  pupil_.show(record.time_s, frame);
+  for (const EyeView& eye : viewsAt(record.time_s)) {
+    RenderSettings settings{.defocus = defocusOfEye(study_, pupil_mm, eye.view.focal_px, focus_D),
+                            .background = glm::vec3(study_.scene.background),
+                            .shading = static_cast<float>(study_.render.shading),
+                            .quality = qualityOf(record, eye)};
+    if (method == "pinhole") settings.defocus.chromatic_D = glm::vec3(0.0f);  // all alike
+    job.eyes.push_back({eye, settings});
+  }
+  return job;
+}
+
+const Frame& Session::draw(const PaintJob& job, FrameRecord& record) {
+  if (hasAtLeisure(job)) {
+    painted_.stats.ms = 0.0;
+  } else {
+    painter_.paint(job, painted_);
+    at_leisure_ = holdsTime(study_) && !job.holdsTime();
+  }
+  record.method = painted_.method;
+  record.stats = painted_.stats;
+  pupil_.show(record.time_s, painted_.frame);
+  return painted_.frame;
+}
+
+void Session::adopt(const PaintJob& job, Painted&& painted) {
+  painted_ = std::move(painted);
+  painted_.job = job;
+  at_leisure_ = true;
 }
 
 std::vector<glm::dvec2> Session::gazePoints_px(const FrameRecord& record) const {

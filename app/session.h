@@ -2,14 +2,13 @@
 // frame's time, and what it sees. Replay drives it from files, `foci live` from what happens.
 #pragma once
 
-#include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/inputs.h"
 #include "app/observer_pupil.h"
+#include "app/painter.h"
 #include "app/picture.h"
 #include "app/stereo.h"
 #include "app/study.h"
@@ -65,8 +64,26 @@ class Session {
   /// pushed, none after it.
   FrameRecord look(double time_s);
 
-  /// Draws what the eye of the last `look` sees, and fills method and stats of its record.
-  void draw(const std::string& method, FrameRecord& record, Frame& frame);
+  /// What the eye of the last `look` sees, to be drawn by `method`. Under a budget of time focus,
+  /// pupil and gaze are rounded to less than shows, so that an eye at rest has a picture at rest.
+  PaintJob jobOf(const std::string& method, const FrameRecord& record) const;
+
+  /// Draws it, and fills method and stats of its record. Under a budget of time what was drawn at
+  /// leisure is not drawn again while nothing changes.
+  /// @return until the next draw
+  const Frame& draw(const PaintJob& job, FrameRecord& record);
+  const Frame& draw(const std::string& method, FrameRecord& record) {
+    return draw(jobOf(method, record), record);
+  }
+
+  /// Whether the job has been drawn at leisure, and stands ready.
+  bool hasAtLeisure(const PaintJob& job) const { return at_leisure_ && painted_.job == job; }
+
+  /// Takes a picture that was drawn elsewhere, at leisure, for the next draw of `job`.
+  void adopt(const PaintJob& job, Painted&& painted);
+
+  /// One that draws the session's scene elsewhere.
+  Painter otherPainter() const { return painter_.twin(); }
 
   /// Where the observer of the record looks, in the picture: one point for each view in it.
   std::vector<glm::dvec2> gazePoints_px(const FrameRecord& record) const;
@@ -84,7 +101,6 @@ class Session {
   std::optional<double> surfaceDistance(double time_s, const glm::dvec3& direction_eye,
                                         double half_angle_rad) const;
   Quality qualityOf(const FrameRecord& record, const EyeView& eye) const;
-  Method& methodNamed(const std::string& spec);
   GazeFollower newFollower();
 
   Study study_;
@@ -93,17 +109,19 @@ class Session {
   double rate_Hz_, start_s_;
   EyePath path_;
   SurfaceQuery query_;
-  std::map<std::string, std::unique_ptr<Method>> methods_;
+  Painter painter_;
   GazeFollower follower_;
   ObserverPupil pupil_;
-  Frame eye_frame_, sharp_;  // of one eye; kept for their memory
+  Painted painted_;          // last
+  bool at_leisure_ = false;  // it was
+  Frame sharp_;
 };
+
+/// Whether frames of the study are held to a time: `auto` is its method, and there is one to hold.
+bool holdsTime(const Study& study);
 
 /// What the study lets method `auto` spend, at full acuity.
 Quality requestedQuality(const Study& study);
-
-/// Adds what one of its views cost to what all of a picture's do; the larger error is that of all.
-void addView(const RenderStats& view, RenderStats& all);
 
 /// Keys that `Session::change` takes.
 bool changesLive(std::string_view key);

@@ -24,6 +24,7 @@ struct EyeView {
   double offset_m = 0.0;  ///< from between the eyes, to the right
   View view;
   glm::ivec2 corner_px{0, 0};  ///< of its picture in the whole
+  bool operator==(const EyeView&) const = default;
 };
 
 /// The views of one eye between both, or of left and right. All see the same screen, so what lies

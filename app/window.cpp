@@ -1,6 +1,10 @@
 #include "app/window.h"
 
+// Functions beyond OpenGL 1.1; the library has them all.
+#define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
+#include <GL/glext.h>
+//
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -113,9 +117,8 @@ double Window::refresh_Hz() const {
 bool Window::begin(const glm::vec3& background) {
   glfwPollEvents();
   if (glfwWindowShouldClose(window_)) return false;
-  int width = 0, height = 0;
-  glfwGetFramebufferSize(window_, &width, &height);
-  glViewport(0, 0, width, height);
+  const glm::ivec2 size_px = frameBufferSize_px();
+  glViewport(0, 0, size_px.x, size_px.y);
   glClearColor(background.r, background.g, background.b, 1.0f);
   glClear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_NewFrame();
@@ -134,6 +137,12 @@ glm::dvec2 Window::size_px() const {
   int width = 0, height = 0;
   glfwGetWindowSize(window_, &width, &height);
   return {width, height};
+}
+
+glm::ivec2 Window::frameBufferSize_px() const {
+  glm::ivec2 size_px;
+  glfwGetFramebufferSize(window_, &size_px.x, &size_px.y);
+  return size_px;
 }
 
 glm::dvec2 Window::cursor_px() const {
@@ -162,6 +171,7 @@ glm::ivec2 Window::monitorSize_px() const {
 }
 
 Texture::~Texture() {
+  if (frame_buffer_ != 0) glDeleteFramebuffers(1, &frame_buffer_);
   if (id_ != 0) glDeleteTextures(1, &id_);
 }
 
@@ -177,6 +187,18 @@ void Texture::set(const glm::ivec2& size_px, const unsigned char* rgb) {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB, size_px.x, size_px.y, 0, GL_RGB, GL_UNSIGNED_BYTE, rgb);
+  if (frame_buffer_ == 0) glGenFramebuffers(1, &frame_buffer_);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, frame_buffer_);
+  glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, id_, 0);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+}
+
+void Texture::fill(const glm::ivec2& size_px) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, frame_buffer_);
+  // Rows of the picture go from the top, those of the frame buffer from the bottom.
+  glBlitFramebuffer(0, 0, size_px_.x, size_px_.y, 0, size_px.y, size_px.x, 0, GL_COLOR_BUFFER_BIT,
+                    size_px == size_px_ ? GL_NEAREST : GL_LINEAR);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }
 
 void* Texture::id() const {

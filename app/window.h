@@ -40,6 +40,7 @@ class Window {
   bool rightButton() const;  ///< of the mouse is down
 
   glm::dvec2 size_px() const;
+  glm::ivec2 frameBufferSize_px() const;
   glm::dvec2 cursor_px() const;
   bool hovered() const;  ///< the mouse is inside
   /// Of the window's monitor, as it states itself; 60 where it does not.
@@ -72,8 +73,12 @@ class Texture {
   void set(const glm::ivec2& size_px, const unsigned char* rgb);
   void* id() const;
 
+  /// Fills the window with it: quicker than through Dear ImGui, which blends.
+  /// @param size_px  of the window's frame buffer
+  void fill(const glm::ivec2& size_px) const;
+
  private:
-  unsigned id_ = 0;
+  unsigned id_ = 0, frame_buffer_ = 0;
   glm::ivec2 size_px_{0, 0};
 };
 

@@ -11,13 +11,18 @@
 #else
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
+#include <tbb/task.h>
 #endif
 
 namespace foci {
 
+/// Thrown out of work whose enclosing tbb::task_group_context was cancelled.
+struct Cancelled {};
+
 /// Calls `body(i)` for i in [0, n), on as many threads as the enclosing tbb::global_control allows,
 /// and returns when all are done. Bodies run in any order and must not touch what another one
 /// writes: then the result does not depend on the threads.
+/// @throws Cancelled where not all bodies were called
 ///
 /// The thread sanitizer cannot see into the scheduling library, which is not instrumented: there,
 /// plain threads do the same.
@@ -33,6 +38,7 @@ void parallelFor(std::size_t n, const Body& body) {
   work();
 #else
   tbb::parallel_for(std::size_t{0}, n, body);
+  if (tbb::is_current_task_group_canceling()) throw Cancelled();
 #endif
 }
 

@@ -10,16 +10,20 @@ namespace foci {
 
 class LiveClock {
  public:
+  /// @param rate  of its seconds to those that pass; 1: a clock; more: for tests of long runs
+  explicit LiveClock(double rate = 1.0) : rate_(rate) {}
+
   double now_s() const {
     return wholeMicroseconds(
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());
+        rate_ * std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());
   }
   std::chrono::steady_clock::time_point at(double time_s) const {
     return start_ + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                        std::chrono::duration<double>(time_s));
+                        std::chrono::duration<double>(time_s / rate_));
   }
 
  private:
+  double rate_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

@@ -19,7 +19,8 @@ constexpr std::size_t kMostBacklog = 8;  // frames that wait for the disk
 }  // namespace
 
 std::string methodOfFrame(const Study& study, const FrameRecord& record) {
-  return record.eye.state == GazeState::saccade ? "pinhole" : study.render.method;
+  return record.eye.state == GazeState::saccade && !holdsTime(study) ? "pinhole"
+                                                                     : study.render.method;
 }
 
 LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock,
@@ -35,20 +36,16 @@ LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& 
 
 LiveRenderer::~LiveRenderer() = default;
 
-std::shared_ptr<LiveFrame> LiveRenderer::take() {
+std::shared_ptr<LiveFrame> LiveRenderer::take(double next_s) {
   std::shared_ptr<LiveFrame> frame;
   {
     const std::lock_guard lock(mutex_);
     if (failure_) std::rethrow_exception(failure_);
     frame = std::exchange(laid_ready_, nullptr);
+    if (frame) next_swap_s_ = next_s;
   }
   if (frame) changed_.notify_all();
   return frame;
-}
-
-void LiveRenderer::expectSwap(double time_s) {
-  const std::lock_guard lock(mutex_);
-  next_swap_s_ = time_s;
 }
 
 std::future<std::string> LiveRenderer::post(std::function<void()> action) {
@@ -242,6 +239,28 @@ void LiveRenderer::takeGaze() {
   }
 }
 
+/// Where a time is held, and the eye has been at rest for a frame, the picture is drawn at leisure,
+/// too, and shown when it is there. It is the one of that eye, however late: what has changed since
+/// asks for another.
+void LiveRenderer::refine(const PaintJob& job) {
+  if (!job.holdsTime()) {
+    refiner_.reset();
+    return;
+  }
+  if (session_->hasAtLeisure(job)) return;
+  if (!refiner_)
+    refiner_ = std::make_unique<Refiner>(session_->otherPainter(), std::max(threads_, 2u) - 1);
+  if (job != last_job_) {
+    refiner_->rest();
+    return;
+  }
+  refiner_->want(job);
+  if (auto painted = refiner_->take()) {
+    session_->adopt(job, std::move(*painted));
+    plain_at_leisure_ = false;
+  }
+}
+
 std::shared_ptr<LiveFrame> LiveRenderer::drawFrame() {
   auto frame = std::make_shared<LiveFrame>();
   FrameTiming& timing = frame->timing;
@@ -253,8 +272,14 @@ std::shared_ptr<LiveFrame> LiveRenderer::drawFrame() {
   if (frame->record.eye.sample) timing.sample_s = frame->record.eye.sample->time_s;
   timing.state_s = frame->record.eye.state_time_s;
   last_method_ = methodOfFrame(session_->study(), frame->record);
-  session_->draw(last_method_, frame->record, frame_);
-  frame->picture = pictureOf(frame_, session_->study().screen.gamma);
+  const PaintJob job = session_->jobOf(last_method_, frame->record);
+  refine(job);
+  const bool is_plain = plain_at_leisure_ && session_->hasAtLeisure(job);
+  const Frame& drawn = session_->draw(job, frame->record);
+  if (!is_plain) plain_ = pictureOf(drawn, session_->study().screen.gamma);
+  plain_at_leisure_ = session_->hasAtLeisure(job);
+  last_job_ = job;
+  frame->picture = plain_;
   session_->mark(frame->record, frame->picture);
   last_frame_s_ = time_s;
   frame->into = state_.record;

@@ -18,12 +18,14 @@
 #include "app/gaze_feed.h"
 #include "app/live/clock.h"
 #include "app/live/record.h"
+#include "app/live/refiner.h"
 #include "app/session.h"
 
 namespace foci {
 
 /// The one place where a live frame's method is chosen: the study's, but in a saccade, when the
-/// eye sees next to nothing, the one that is soonest ready for its landing.
+/// eye sees next to nothing, the one that is soonest ready for its landing. `auto` that holds a
+/// time is always ready soon.
 std::string methodOfFrame(const Study& study, const FrameRecord& record);
 
 /// What the window shows besides the picture.
@@ -46,11 +48,9 @@ class LiveRenderer {
   LiveRenderer& operator=(const LiveRenderer&) = delete;
 
   /// The picture that lies ready, if one does: room for the next.
+  /// @param next_s  when the window will want that
   /// @throws what made the worker end
-  std::shared_ptr<LiveFrame> take();
-
-  /// When the window expects to show the next picture.
-  void expectSwap(double time_s);
+  std::shared_ptr<LiveFrame> take(double next_s);
 
   // Each is done before the next frame; what it answers is "" where it is done, else what is wrong.
   std::future<std::string> change(const std::string& key, const std::string& toml);
@@ -77,6 +77,7 @@ class LiveRenderer {
   void takeGaze();
   GazeSample asRecorded(GazeSample sample) const;
   std::shared_ptr<LiveFrame> drawFrame();
+  void refine(const PaintJob& job);
   void publish();
   void closeRecord();
 
@@ -90,7 +91,10 @@ class LiveRenderer {
   // Touched by the worker alone.
   std::optional<SurfelCloud> cloud_;
   std::unique_ptr<Session> session_;
-  Frame frame_;
+  std::unique_ptr<Refiner> refiner_;  // where a time is held
+  PaintJob last_job_;
+  Picture plain_;                  // the last picture, without a mark
+  bool plain_at_leisure_ = false;  // it is that of the last job, drawn at leisure
   std::vector<GazeSample> news_;
   std::optional<double> last_sample_s_;
   double last_frame_s_ = 0.0, session_start_s_ = 0.0;

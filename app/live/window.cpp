@@ -125,18 +125,17 @@ LiveSummary LiveWindow::run() {
   draw();
   while (!leaving_ && !isInterrupted()) {
     const double wait_s = panel_ || help_ ? kPanel_s : kIdle_s;
-    renderer_->expectSwap(last_swap_s_ + period_s_);
     if (!window_->wait(std::min(last_swap_s_ + wait_s - clock_.now_s(), 0.1))) break;
     point();
     const bool pressed = keys();
-    if (auto next = renderer_->take()) {
+    if (auto next = renderer_->take(clock_.now_s() + period_s_)) {
       frame_ = std::move(next);
       is_new_ = true;
     }
     if (is_new_ || pressed || clock_.now_s() >= last_swap_s_ + wait_s) draw();
   }
   socket_.reset();
-  if (renderer_->take()) ++summary_.dropped;
+  if (renderer_->take(clock_.now_s())) ++summary_.dropped;
   summary_.records = renderer_->records();
   if (saving_.valid()) saving_.wait();
   return summary_;
@@ -298,8 +297,7 @@ void LiveWindow::screenshot() {
 void LiveWindow::draw() {
   if (is_new_) texture_->set(frame_->picture.size_px, frame_->picture.rgb.data());
   if (!window_->begin(glm::vec3(0.0f))) leaving_ = true;
-  const ImVec2 area = ImGui::GetIO().DisplaySize;
-  if (frame_) ImGui::GetBackgroundDrawList()->AddImage(texture_->id(), {0.0f, 0.0f}, area);
+  if (frame_) texture_->fill(window_->frameBufferSize_px());
   const LiveState state = renderer_->state();
   const double now_s = clock_.now_s();
   if (state.notice != notice_) {

@@ -49,16 +49,27 @@ float linearFromSrgb(float srgb) {
 std::vector<std::uint8_t> codesOf(const Frame& frame, std::optional<double> gamma) {
   static const auto srgb = tabulate();
   const auto power = gamma ? tabulatePower(*gamma) : std::vector<std::uint8_t>{};
-  const auto code = [&](float linear) {
+  const auto powerCode = [&](float linear) {
     const float clamped = linear > 0.0f ? std::min(linear, 1.0f) : 0.0f;
-    return gamma ? power[static_cast<std::size_t>(std::sqrt(clamped) * kSteps + 0.5f)]
-                 : srgb[static_cast<std::size_t>(clamped * kSteps + 0.5f)];
+    return power[static_cast<std::size_t>(std::sqrt(clamped) * kSteps + 0.5f)];
   };
   std::vector<std::uint8_t> rgb(3 * frame.rgba.size());
   const auto width = static_cast<std::size_t>(frame.size_px.x);
   parallelFor(static_cast<std::size_t>(frame.size_px.y), [&](std::size_t y) {
-    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
-      for (int c = 0; c < 3; ++c) rgb[3 * i + c] = code(frame.rgba[i][c]);
+    std::uint8_t* to = rgb.data() + 3 * y * width;
+    for (std::size_t i = y * width; i < (y + 1) * width; ++i, to += 3) {
+      if (gamma) {
+        for (int c = 0; c < 3; ++c) to[c] = powerCode(frame.rgba[i][c]);
+        continue;
+      }
+      // All four at once.
+      const glm::vec4& linear = frame.rgba[i];
+      int at[4];
+      for (int c = 0; c < 4; ++c) {
+        const float clamped = linear[c] > 0.0f ? std::min(linear[c], 1.0f) : 0.0f;
+        at[c] = static_cast<int>(clamped * kSteps + 0.5f);
+      }
+      for (int c = 0; c < 3; ++c) to[c] = srgb[static_cast<std::size_t>(at[c])];
     }
   });
   return rgb;

@@ -7,11 +7,15 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include "render/methods/blur_pyramid.h"
 #include "render/methods/lod_splats.h"
 #include "render/methods/method.h"
+#include "render/methods/time_budget.h"
 
 namespace foci {
 namespace {
@@ -42,6 +46,12 @@ CutSettings looser(float times) {
           .per_pixel2 = times * kFaithfulCut.per_pixel2};
 }
 
+CutSettings softer(float times, float pixel_px) {
+  CutSettings cut = looser(times);
+  cut.acuity.base_px = pixel_px;
+  return cut;
+}
+
 /// From the cheapest on.
 const std::array<Way, 4> kWays{Way{{looser(10.0f), 1}, {3.1f, 3.1f, 3.2f, 4.6f, 4.6f}},
                                Way{{looser(3.0f), 1}, {0.6f, 1.5f, 1.5f, 2.6f, 4.3f}},
@@ -51,37 +61,137 @@ const std::array<Way, 4> kWays{Way{{looser(10.0f), 1}, {3.1f, 3.1f, 3.2f, 4.6f, 
 /// Where no way stays within the tolerance, it is this much above what the best one can.
 constexpr float kAsGood = 1.15f;  // times kMargin, some way still is
 
-/// To come back to a cheaper way its error must be this much below the tolerance, or its time below
-/// the budget, for so many frames: what is drawn does not flicker between two ways.
-constexpr float kMargin = 0.9f, kTimeMargin = 0.6f;
-constexpr int kFramesBelow = 10;
+/// To come back to a cheaper way its error must be this much below the tolerance: what is drawn
+/// does not flicker between two ways.
+constexpr float kMargin = 0.9f;
+
+/// What time leaves where it does not suffice for the ways above, from the best on: of an eye that
+/// stands still the sharp picture, blurred afterwards; everything through a Gaussian of so many
+/// pixels. Numbered behind the ways.
+constexpr std::size_t kStanding = kWays.size(), kSoft = kStanding + 1, kSofter = kSoft + 1;
+constexpr std::size_t kNumbers = kSofter + 1;
+const Way kSoftWay{{softer(30.0f, 6.0f), 1}, {14.7f, 13.2f, 12.8f, 12.7f, 12.7f}};
+const Way kSofterWay{{softer(30.0f, 12.0f), 1}, {16.2f, 15.0f, 13.6f, 13.1f, 13.0f}};
+const Way kStandingWay{{looser(1.0f), 1}, {0.6f, 4.2f, 5.9f, 7.2f, 7.2f}};
+
+/// Relative times of all of them, of the gallery at 1280 x 720, to begin with; and behind them that
+/// of the sharp picture.
+constexpr std::size_t kSharp = kNumbers;
+constexpr std::array<float, kNumbers + 1> kLikely{16.0f, 16.0f, 16.0f, 25.0f,
+                                                  1.1f,  3.0f,  1.0f,  17.0f};
+
+/// An eye that has stood still for so many frames is likely to stay: worth a sharp picture.
+constexpr int kFramesStill = 6;
+
+/// Where neither fits the budget, the better of two is drawn unless it takes so much longer.
+constexpr float kAsQuick = 2.0f;
+
+const Way& wayNumbered(std::size_t i) {
+  if (i == kStanding) return kStandingWay;
+  if (i == kSoft) return kSoftWay;
+  return i == kSofter ? kSofterWay : kWays[i];
+}
+
+/// What a sharp picture hangs on.
+struct Sight {
+  View view;
+  glm::vec3 background{0.0f};
+  float shading = 0.0f;
+  bool operator==(const Sight&) const = default;
+};
+
+/// The sharp picture of what an eye sees that stands still.
+struct StandingView {
+  Sight sight;
+  BlurPyramid pyramid;
+  RenderStats stats;
+  int unused = 0;  // draws since it was used
+};
 
 class AutoMethod final : public Method {
  public:
   /// @param number  of the way, from 1; 0: chosen by frame
   AutoMethod(const SurfelCloud& cloud, int number) : scene_(cloud), number_(number) {}
 
+  std::unique_ptr<Method> twin() const override {
+    return std::make_unique<AutoMethod>(scene_.sharedTree(), number_);
+  }
+  AutoMethod(std::shared_ptr<const MomentTree> tree, int number)
+      : scene_(std::move(tree)), number_(number) {}
+
   RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+    const Quality& quality = settings.quality;
     const float blur_px = largestBlur_px(view, settings.defocus);
-    const std::size_t chosen = number_ > 0                  ? static_cast<std::size_t>(number_ - 1)
-                               : settings.quality.as_before ? drawn_
-                                                            : choose(blur_px, settings.quality);
-    drawn_ = chosen;
-    const Way& way = kWays[chosen];
-    LodSettings lod = way.lod;
-    lod.cut.acuity = settings.quality.acuity;
-    const auto start = std::chrono::steady_clock::now();
-    RenderStats stats = scene_.draw(view, settings, lod, frame);
-    if (!settings.quality.as_before) {
-      last_ms_ = std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start)
-                     .count();
+    const Sight sight{view, settings.background, settings.shading};
+    const bool moved = sight != sight_;
+    if (!quality.as_before) {
+      frames_still_ = moved ? 0 : frames_still_ + 1;
+      sight_ = sight;
     }
-    stats.tolerance_error = way.error(blur_px);
-    if (settings.quality.frame_ms) stats.drawn_as = "auto:" + std::to_string(chosen + 1);
+    const int number = number_ > 0 ? number_ : quality.way;
+    const std::size_t chosen = number > 0          ? static_cast<std::size_t>(number - 1)
+                               : quality.as_before ? drawn_
+                                                   : choose(sight, quality, blur_px);
+    drawn_ = chosen;
+    const auto start = std::chrono::steady_clock::now();
+    bool was_sharp = true;
+    RenderStats stats = chosen == kStanding
+                            ? drawStanding(sight, settings, frame, was_sharp)
+                            : drawSplats(wayNumbered(chosen), view, settings, frame);
+    if (!quality.as_before && number == 0) {
+      const std::chrono::duration<float, std::milli> took =
+          std::chrono::steady_clock::now() - start;
+      time_.took(was_sharp ? chosen : kSharp, took.count(), moved);
+    }
+    stats.tolerance_error = wayNumbered(chosen).error(blur_px);
+    if (quality.frame_ms) stats.drawn_as = "auto:" + std::to_string(chosen + 1);
     return stats;
   }
 
  private:
+  RenderStats drawSplats(const Way& way, const View& view, const RenderSettings& settings,
+                         Frame& frame) {
+    LodSettings lod = way.lod;
+    if (way.lod.cut.acuity == Acuity{}) {
+      lod.cut.acuity = settings.quality.acuity;
+    } else {  // the softer of both
+      lod.cut.acuity.gaze_px = settings.quality.acuity.gaze_px;
+      lod.cut.acuity.per_px = settings.quality.acuity.per_px;
+    }
+    return scene_.draw(view, settings, lod, frame);
+  }
+
+  /// @param was_sharp  set: whether the sharp picture was there
+  RenderStats drawStanding(const Sight& sight, const RenderSettings& settings, Frame& frame,
+                           bool& was_sharp) {
+    StandingView* standing = standingOf(sight);
+    was_sharp = standing != nullptr;
+    if (!standing) {
+      standing = &*std::max_element(
+          standing_.begin(), standing_.end(),
+          [](const StandingView& a, const StandingView& b) { return a.unused < b.unused; });
+      standing->sight = {};  // until all of it is there
+      RenderSettings sharp = settings;
+      sharp.defocus.radius_px_per_D = glm::vec2(0.0f);
+      sharp.depth = true;
+      sharp_.size_px = sight.view.size_px;
+      sharp_.rgba.resize(frame.rgba.size());
+      sharp_.depth_m.resize(frame.rgba.size());
+      standing->stats = scene_.draw(sight.view, sharp, {.cut = kFaithfulCut}, sharp_);
+      standing->pyramid.set(sharp_, sight.view.focal_px);
+      standing->sight = sight;
+    }
+    for (StandingView& each : standing_) ++each.unused;
+    standing->unused = 0;
+    standing->pyramid.blur(settings.defocus, frame);
+    return standing->stats;
+  }
+
+  StandingView* standingOf(const Sight& sight) {
+    const auto found = std::ranges::find(standing_, sight, &StandingView::sight);
+    return found == standing_.end() ? nullptr : &*found;
+  }
+
   float largestBlur_px(const View& view, const Defocus& defocus) const {
     const auto distances = distancesInView(scene_.tree(), view, defocus);
     if (!distances) return 0.0f;
@@ -91,7 +201,7 @@ class AutoMethod final : public Method {
   }
 
   /// The way to draw a frame of this blur.
-  std::size_t choose(float blur_px, const Quality& quality) {
+  std::size_t choose(const Sight& sight, const Quality& quality, float blur_px) {
     const float as_good = kAsGood * kWays.back().error(blur_px);
     const float allowed = std::max(quality.tolerance, as_good);
     const auto cheapest = [&](float error) {
@@ -102,27 +212,30 @@ class AutoMethod final : public Method {
     const std::size_t least = cheapest(allowed);
     const std::size_t safe = cheapest(kMargin * allowed);
     way_ = way_ ? std::clamp(*way_, least, safe) : least;
+    if (!quality.frame_ms || std::isinf(*quality.frame_ms)) return *way_;
 
-    if (quality.frame_ms) {
-      below_ = last_ms_ < kTimeMargin * *quality.frame_ms ? below_ + 1 : 0;
-      if (last_ms_ > *quality.frame_ms && cheaper_ + 1 < kWays.size()) ++cheaper_;
-      if (below_ >= kFramesBelow && cheaper_ > 0) {
-        --cheaper_;
-        below_ = 0;
-      }
-    } else {
-      cheaper_ = 0;
+    const float budget_ms = *quality.frame_ms;
+    for (std::size_t way = *way_ + 1; way-- > 0;) {
+      if (time_.fits(way, budget_ms)) return way;
     }
-    return *way_ - std::min(*way_, cheaper_);
+    // Once it is there, the sharp picture blurred is as quick as the softest, or nearly.
+    const bool stands = standingOf(sight) || frames_still_ >= kFramesStill;
+    if (stands && (time_.fits(kStanding, budget_ms) ||
+                   time_.expected_ms(kStanding) <= kAsQuick * time_.expected_ms(kSofter))) {
+      return kStanding;
+    }
+    return time_.fits(kSoft, budget_ms) ? kSoft : kSofter;
   }
 
   LodSplats scene_;
   int number_;
   std::size_t drawn_ = 0;           // the way of the draw before
   std::optional<std::size_t> way_;  // for the tolerance's sake
-  std::size_t cheaper_ = 0;         // ways less, for the time's sake
-  int below_ = 0;                   // frames well within the time
-  float last_ms_ = 0.0f;
+  TimeBudget time_{kLikely};
+  Sight sight_;  // of the draw before
+  int frames_still_ = 0;
+  std::array<StandingView, 2> standing_;  // of both eyes
+  Frame sharp_;
 };
 
 }  // namespace
@@ -133,7 +246,7 @@ MethodEntry autoMethod() {
                .summary = "sweep-lod that spends only what shows: as coarse as the tolerance, or "
                           "the time, allows",
                .source = "our own",
-               .most = static_cast<int>(kWays.size())},
+               .most = static_cast<int>(kNumbers)},
       .make = makeAs<AutoMethod>};
 }
 

@@ -15,8 +15,8 @@ RenderStats LodSplats::draw(const View& view, const RenderSettings& settings,
   const bool blurred = radius_px_per_D.x * radius_px_per_D.y > 0.0f;
   const bool coarse = blurred || acuity.base_px > 1.0f || acuity.per_px > 0.0f;
   const bool in_parts = lod.parts > 1 && blurred;
-  selectCut(tree_, view, settings.defocus, lod.cut, cut_);
-  projectCut(tree_, cut_, view, settings.defocus,
+  selectCut(*tree_, view, settings.defocus, lod.cut, cut_);
+  projectCut(*tree_, cut_, view, settings.defocus,
              {.part_aperture = in_parts ? 1.0f / std::sqrt(static_cast<float>(lod.parts)) : 0.0f,
               .acuity = acuity,
               .margin_px = kApron * kMostStep_px,
@@ -34,7 +34,7 @@ RenderStats LodSplats::draw(const View& view, const RenderSettings& settings,
   stats.fragments = sweep(chunks_, lists_,
                           {.background = settings.background,
                            .defocus = settings.defocus,
-                           .transparent = !tree_.surfels().opacity.empty(),
+                           .transparent = !tree_->surfels().opacity.empty(),
                            .depth = settings.depth,
                            .parts = in_parts ? &parts : nullptr},
                           frame);

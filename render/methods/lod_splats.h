@@ -3,6 +3,8 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "render/lod/cut.h"
@@ -21,9 +23,11 @@ struct LodSettings {
 /// Keeps its buffers between frames.
 class LodSplats {
  public:
-  explicit LodSplats(const SurfelCloud& cloud) : tree_(cloud) {}
+  explicit LodSplats(const SurfelCloud& cloud) : tree_(std::make_shared<MomentTree>(cloud)) {}
+  explicit LodSplats(std::shared_ptr<const MomentTree> tree) : tree_(std::move(tree)) {}
 
-  const MomentTree& tree() const { return tree_; }
+  const MomentTree& tree() const { return *tree_; }
+  const std::shared_ptr<const MomentTree>& sharedTree() const { return tree_; }
 
   /// @param frame  of the view's size, with depth where it is asked for
   /// @return all of the stats but their time
@@ -31,7 +35,7 @@ class LodSplats {
                    Frame& frame);
 
  private:
-  MomentTree tree_;
+  std::shared_ptr<const MomentTree> tree_;
   Cut cut_;
   SplatChunks chunks_;
   TileLists lists_;

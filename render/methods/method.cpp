@@ -81,7 +81,7 @@ RenderStats Method::drawPrimaries(const View& view, const RenderSettings& settin
   // tells coverage and depth.
   for (const int channel : {kBlue, kRed, kGreen}) {
     primary.defocus.focus_D = settings.defocus.focus_D + settings.defocus.chromatic_D[channel];
-    primary.quality.as_before = channel != kBlue;
+    primary.quality.as_before = settings.quality.as_before || channel != kBlue;
     const RenderStats stats = draw(view, primary, frame);
     all.splats += stats.splats;
     all.fragments += stats.fragments;

@@ -21,11 +21,15 @@ struct Quality {
   /// Error that 95 % of the pixels may have, in just noticeable differences (visible_difference.h).
   float tolerance = 1.0f;
   /// Time to hold, ms: beyond it the error grows as far as it must. Pictures then depend on the
-  /// machine. Absent: as long as the tolerance takes.
+  /// machine, and `RenderStats::drawn_as` says how each was drawn. Absent or infinite: as long as
+  /// the tolerance takes.
   std::optional<float> frame_ms = {};
   Acuity acuity = {};  ///< full everywhere by default
-  /// Drawn as closely as the draw before: another primary of the same picture.
+  /// Drawn as closely as the draw before: another primary or another view of the same picture.
   bool as_before = false;
+  /// N: as `auto:N` would. 0: as the rest says.
+  int way = 0;
+  bool operator==(const Quality&) const = default;
 };
 
 struct RenderSettings {
@@ -35,6 +39,7 @@ struct RenderSettings {
       0.0f;  ///< 0 to 1: how much of the colour falls off with the cosine to the line of sight
   bool depth = false;  ///< fill Frame::depth_m
   Quality quality = {};
+  bool operator==(const RenderSettings&) const = default;
 };
 
 /// A method draws one scene, given when it is made; it may keep buffers between frames. Not
@@ -48,6 +53,10 @@ class Method {
   /// Through a lens with chromatic aberration each primary is drawn with its own focus: three
   /// draws.
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame);
+
+  /// Another one that draws the same scene alike, at the same time if need be: the two share what
+  /// is large and does not change. Nothing where the method has nothing to share.
+  virtual std::unique_ptr<Method> twin() const { return nullptr; }
 
  private:
   RenderStats drawPrimaries(const View& view, const RenderSettings& settings, Frame& frame);

@@ -13,6 +13,7 @@ struct Acuity {
   glm::vec2 gaze_px{0.0f};  ///< on the picture
   float base_px = 1.0f;
   float per_px = 0.0f;
+  bool operator==(const Acuity&) const = default;
 
   /// Standard deviation of that Gaussian `from_gaze_px` off.
   float finest_px(float from_gaze_px) const {

@@ -30,6 +30,7 @@ struct Defocus {
   /// How much nearer than that the red, green and blue primaries are in focus. `Method::render`
   /// draws each by itself where these are not all 0.
   glm::vec3 chromatic_D{0.0f};
+  bool operator==(const Defocus&) const = default;
 };
 
 /// Variance of a uniform disc of radius 1 along an axis: that of what a point of light becomes.

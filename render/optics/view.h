@@ -14,6 +14,7 @@ struct View {
       0.0f};  ///< pixels for a tangent of 1, along x and y (screens may have oblong pixels)
   glm::vec2 principal_px{0.0f};  ///< where the -z axis meets the image
   float near_m = 0.01f;          ///< nothing nearer along the axis is drawn
+  bool operator==(const View&) const = default;
 };
 
 /// Rigid transform of an eye at `position_m` that looks at `target_m`, `up` roughly upwards.

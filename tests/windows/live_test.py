@@ -1,6 +1,6 @@
 """An observer with a mouse, then one whose tracker dies, before `foci live`; and the replay of what was recorded.
 
-    live_test.py FOCI OUT_FOLDER
+    live_test.py FOCI OUT_FOLDER FOCI_FILM [FOCI_PUPIL]
 """
 
 import json
@@ -149,6 +149,40 @@ def lose_the_tracker(observer, foci, out):
     leave(program, experiment)
 
 
+def signs(observer):
+    """Pixels of the colour of warnings at the upper edge."""
+    return sum(row[3 * x] > 200 and row[3 * x + 1] > 160 and row[3 * x + 2] < 90
+               for row in observer.pixels()[2][:60] for x in range(SIZE[0]))
+
+
+def lose_a_pupil_core(observer, foci, out, pupil):
+    """Gaze of a Pupil Core that is killed on the way, and comes back."""
+    def serve(port, place):
+        server = observer.start(pupil, port, *place)
+        return server, int(server.stdout.readline())
+
+    server, port = serve(0, NEAR)
+    program, experiment = start(observer, foci, out + "/study.toml", "--source", f"pupil:127.0.0.1:{port}")
+    looks_near = lambda s: s["gaze_state"] == "fixation" and s["focus_D"] > 2
+    settled = lambda s: s["surface_distance_m"] and abs(s["focus_D"] - 1 / s["surface_distance_m"]) < 0.02
+    before = experiment.until(lambda s: looks_near(s) and settled(s), "focused by the tracker")
+    without = signs(observer)
+    server.kill()
+    server.wait()
+    lost = experiment.until(lambda s: s["gaze_state"] == "lost", "lost")
+    later = experiment.until(lambda s: s["frame_s"] > lost["frame_s"] + 1.0, "drawn on")
+    print(before, later)
+    assert later["gaze_state"] == "lost" and abs(later["focus_D"] - before["focus_D"]) < 0.05
+    begin = time.time()
+    while signs(observer) < without + 50 and time.time() - begin < 60:
+        time.sleep(0.1)
+    observer.screenshot(out + "/live-pupil-lost.png")
+    assert signs(observer) >= without + 50, "no sign says that gaze is lost"
+    serve(port, FAR)
+    print(experiment.until(lambda s: s["gaze_state"] == "fixation" and s["focus_D"] < 1, "reconnected"))
+    leave(program, experiment)
+
+
 def kill_the_program(observer, foci, out):
     record = out + "/killed"
     program, experiment = start(observer, foci, out + "/study.toml", "--record", record)
@@ -172,6 +206,8 @@ def main():
     try:
         look_near_and_far(observer, foci, out)
         lose_the_tracker(observer, foci, out)
+        if len(sys.argv) > 4:
+            lose_a_pupil_core(observer, foci, out, sys.argv[4])
         kill_the_program(observer, foci, out)
     finally:
         observer.close()

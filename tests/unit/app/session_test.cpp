@@ -75,14 +75,13 @@ TEST(Session, FocusesOnTheSurfaceUnderGaze) {
   const SurfelCloud cloud = wall();
   const Screen screen = study.screenInForce();
   Session session(study, cloud, screen, 100.0, 0.0);
-  Frame frame;
   FrameRecord record;
   for (int i = 0; i <= 20; ++i) {
     session.push(
         {.time_s = 0.01 * i, .point_px = 0.5 * glm::dvec2(screen.size_px), .pupil_mm = {}});
     record = session.look(0.01 * i);
   }
-  session.draw("sweep", record, frame);
+  const Frame& frame = session.draw("sweep", record);
   constexpr double kCone = 1e-3;  // the wall is flat, the cone half a degree
   EXPECT_EQ(record.eye.state, GazeState::fixation);
   ASSERT_TRUE(record.eye.surface_distance_m.has_value());
@@ -100,7 +99,7 @@ TEST(Session, SharpHalfIgnoresThePupil) {
     study.observer.pupil_mm = pupil_mm;
     Session session(study, cloud, study.screenInForce(), 100.0, 0.0);
     FrameRecord record = session.look(0.0);
-    session.draw("sweep", record, *frame);
+    *frame = session.draw("sweep", record);
   }
   const auto halves = [](const Frame& frame) {
     std::vector<glm::vec4> left, right;
@@ -125,8 +124,7 @@ std::pair<FrameRecord, Frame> seenBy(const Study& study, const SurfelCloud& clou
         {.time_s = 0.01 * i, .point_px = 0.5 * glm::dvec2(screen.size_px), .pupil_mm = {}});
     record = session.look(0.01 * i);
   }
-  Frame frame;
-  session.draw("sweep-lod", record, frame);
+  const Frame& frame = session.draw("sweep-lod", record);
   return {record, frame};
 }
 

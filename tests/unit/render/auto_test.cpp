@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <set>
 #include <string>
 
@@ -69,7 +70,7 @@ class Auto : public ::testing::Test {
 TEST_F(Auto, NoMorePixelsThanSaidAreFurtherOff) {
   for (const float radius_px_per_D : {2.0f, 20.0f, 60.0f}) {
     const Frame reference = renderedBy("accumulate:128", cloud, view, settings(radius_px_per_D));
-    for (const char* way : {"auto:1", "auto:2", "auto:3", "auto:4"}) {
+    for (const char* way : {"auto:1", "auto:2", "auto:3", "auto:4", "auto:5", "auto:6", "auto:7"}) {
       RenderStats stats;
       const Frame frame = renderedBy(way, cloud, view, settings(radius_px_per_D), &stats);
       auto apart = visibleDifference(frame, reference, kPixelsADegree);
@@ -114,18 +115,51 @@ TEST_F(Auto, DoesNotFlickerBetweenWays) {
   EXPECT_GE(ways.size(), 2u);
 }
 
-TEST_F(Auto, HoldsATimeByCheaperWays) {
+TEST_F(Auto, IsSoftWhereTimeLacksUntilTheEyeStands) {
   const auto method = makeMethod("auto", cloud);
   RenderSettings hurried = settings(40.0f, 0.1f);
   hurried.quality.frame_ms = 1e-6f;
   Frame frame;
-  EXPECT_NE(method->render(view, hurried, frame).drawn_as, "auto:1");  // nothing is known yet
-  RenderStats stats;
-  for (int i = 0; i < 5; ++i) stats = method->render(view, hurried, frame);
-  EXPECT_EQ(stats.drawn_as, "auto:1");
-  // What drew it draws the same again.
-  const Frame again = renderedBy("auto:1", cloud, view, settings(40.0f));
+  RenderStats stats = method->render(view, hurried, frame);
+  EXPECT_EQ(stats.drawn_as, "auto:7");
+  EXPECT_GT(*stats.tolerance_error, hurried.quality.tolerance);
+  for (int i = 0; i < 10; ++i) stats = method->render(view, hurried, frame);
+  EXPECT_EQ(stats.drawn_as, "auto:5");
+  // What drew it draws the same again, also where the sharp picture is not there yet.
+  const Frame again = renderedBy("auto:5", cloud, view, settings(40.0f));
   EXPECT_EQ(frame.rgba, again.rgba);
+  // An eye that moves has no sharp picture.
+  View moving = view;
+  for (int i = 0; i < 10; ++i) {
+    moving.principal_px.x += 1.0f;
+    EXPECT_NE(method->render(moving, hurried, frame).drawn_as, "auto:5");
+  }
+}
+
+TEST_F(Auto, IsAsGoodAsTheToleranceWhereTimeSuffices) {
+  const auto method = makeMethod("auto", cloud);
+  RenderSettings unhurried = settings(40.0f, 0.1f);
+  unhurried.quality.frame_ms = std::numeric_limits<float>::infinity();
+  Frame frame;
+  const RenderStats stats = method->render(view, unhurried, frame);
+  const std::string way = stats.drawn_as;
+  RenderStats plain;
+  EXPECT_EQ(frame.rgba, renderedBy("auto", cloud, view, settings(40.0f, 0.1f), &plain).rgba);
+  EXPECT_EQ(stats.tolerance_error, plain.tolerance_error);
+  unhurried.quality.frame_ms = 1e6f;
+  const auto other = makeMethod("auto", cloud);
+  other->render(view, unhurried, frame);  // nothing is known yet
+  EXPECT_EQ(other->render(view, unhurried, frame).drawn_as, way);
+}
+
+TEST_F(Auto, ATwinDrawsTheSame) {
+  const auto method = makeMethod("auto", cloud);
+  const auto twin = method->twin();
+  ASSERT_TRUE(twin);
+  Frame ours, its;
+  method->render(view, settings(10.0f), ours);
+  twin->render(view, settings(10.0f), its);
+  EXPECT_EQ(ours.rgba, its.rgba);
 }
 
 TEST_F(Auto, FoveatedIsTheSameWhereOneLooksAndCheaperElsewhere) {

@@ -1,0 +1,96 @@
+#include "app/painter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace foci {
+namespace {
+
+constexpr std::string_view kAutoNumbered = "auto:";
+
+/// The left half without blur, a thin line between.
+void splitWithSharp(Frame& frame, const Frame& sharp) {
+  const auto width = static_cast<std::size_t>(frame.size_px.x);
+  for (std::size_t y = 0; y < static_cast<std::size_t>(frame.size_px.y); ++y) {
+    const auto row = static_cast<std::ptrdiff_t>(y * width);
+    std::copy_n(sharp.rgba.begin() + row, width / 2, frame.rgba.begin() + row);
+    frame.rgba[y * width + width / 2] = glm::vec4(1.0f);
+  }
+}
+
+}  // namespace
+
+bool PaintJob::holdsTime() const {
+  return method == "auto" && !eyes.empty() && eyes.front().settings.quality.frame_ms &&
+         std::isfinite(*eyes.front().settings.quality.frame_ms);
+}
+
+PaintJob PaintJob::atLeisure() const {
+  PaintJob job = *this;
+  for (Eye& each : job.eyes) {
+    each.settings.quality.frame_ms = std::numeric_limits<float>::infinity();
+  }
+  return job;
+}
+
+void addView(const RenderStats& view, RenderStats& all) {
+  all.splats += view.splats;
+  all.fragments += view.fragments;
+  all.ms += view.ms;
+  if (view.tolerance_error) {
+    all.tolerance_error = std::max(all.tolerance_error.value_or(0.0), *view.tolerance_error);
+  }
+}
+
+Method& Painter::methodNamed(const std::string& spec) {
+  const std::string name = spec.starts_with(kAutoNumbered) ? "auto" : spec;
+  std::unique_ptr<Method>& method = methods_[name];
+  if (!method) method = makeMethod(name, *cloud_);
+  return *method;
+}
+
+Painter Painter::twin() const {
+  Painter other(*cloud_);
+  for (const auto& [name, method] : methods_) {
+    if (auto its = method->twin()) other.methods_[name] = std::move(its);
+  }
+  return other;
+}
+
+void Painter::paint(const PaintJob& job, Painted& painted) {
+  const bool mono = job.stereo == StereoView::mono;
+  const int way = job.method.starts_with(kAutoNumbered)
+                      ? std::stoi(job.method.substr(kAutoNumbered.size()))
+                      : 0;
+  Method& method = methodNamed(job.method);
+  Frame& frame = painted.frame;
+  frame.size_px = job.size_px;
+  frame.rgba.resize(static_cast<std::size_t>(job.size_px.x) * job.size_px.y);
+  painted.method = job.method;
+  painted.stats = {};
+  const auto draws = static_cast<float>(job.eyes.size() * (job.split ? 2 : 1));
+  bool first = true;
+  for (const auto& [eye, asked] : job.eyes) {
+    RenderSettings settings = asked;
+    settings.quality.way = way;
+    // All of a picture is drawn alike, or its method would not tell.
+    settings.quality.as_before = !std::exchange(first, false);
+    if (settings.quality.frame_ms) *settings.quality.frame_ms /= draws;
+    Frame& seen = mono ? frame : eye_frame_;
+    const RenderStats stats = method.render(eye.view, settings, seen);
+    addView(stats, painted.stats);
+    if (!stats.drawn_as.empty()) painted.method = stats.drawn_as;
+    if (job.split) {
+      settings.defocus = {};
+      settings.quality.as_before = true;
+      method.render(eye.view, settings, sharp_);
+      splitWithSharp(seen, sharp_);
+    }
+    if (!mono) putEye(job.stereo, eye, seen, frame);
+  }
+  painted.job = job;
+}
+
+}  // namespace foci

@@ -1,0 +1,68 @@
+// Pictures from all that they hang on: the views and lenses of a frame, and how it is to be drawn.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/stereo.h"
+#include "render/image/frame.h"
+#include "render/methods/method.h"
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+
+/// What is to be painted. Equal jobs have equal pictures, but where method `auto` must hold a time.
+struct PaintJob {
+  struct Eye {
+    EyeView eye;
+    RenderSettings settings;
+    bool operator==(const Eye&) const = default;
+  };
+  std::string method;
+  StereoView stereo = StereoView::mono;
+  glm::ivec2 size_px{0};
+  bool split = false;  ///< the left half of each view without blur
+  std::vector<Eye> eyes;
+  bool operator==(const PaintJob&) const = default;
+
+  /// Whether what is drawn hangs on what it takes.
+  bool holdsTime() const;
+  /// The same without haste.
+  PaintJob atLeisure() const;
+};
+
+struct Painted {
+  PaintJob job;
+  Frame frame;
+  std::string method;  ///< that draws the same again on any machine
+  RenderStats stats;   ///< of all views together
+};
+
+/// Keeps a method of each name, and their buffers. One thread at a time.
+class Painter {
+ public:
+  /// @param cloud  outlives it
+  explicit Painter(const SurfelCloud& cloud) : cloud_(&cloud) {}
+
+  /// Paints into `painted.frame`, and fills the rest.
+  void paint(const PaintJob& job, Painted& painted);
+
+  /// The method of that name, which is right (asserted); `auto:N` is `auto`.
+  Method& methodNamed(const std::string& spec);
+
+  /// Another one, as if just made, that may paint at the same time.
+  Painter twin() const;
+
+ private:
+  const SurfelCloud* cloud_;
+  std::map<std::string, std::unique_ptr<Method>> methods_;
+  Frame eye_frame_, sharp_;  // of one eye; kept for their memory
+};
+
+/// Adds what one of its views cost to what all of a picture's do; the larger error is that of all.
+void addView(const RenderStats& view, RenderStats& all);
+
+}  // namespace foci

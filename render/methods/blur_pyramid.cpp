@@ -1,0 +1,219 @@
+#include "render/methods/blur_pyramid.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "app/base/parallel.h"
+#include "render/methods/post_filter.h"
+
+namespace foci {
+namespace {
+
+constexpr int kSide_px = 32;  // of a tile
+
+/// Pupil that outlines are found for: what they are does not hang on the lens in front of them.
+constexpr float kUsualPupil_m = 0.004f;
+
+/// Variance along an axis of copy j > 0 as it is read, px^2. Of an even one, at 2^-k of the size,
+/// that of the (1 4 6 4 1) / 16 before each halving, (4^k - 1) / 3, and of the interpolation
+/// between samples, 4^k / 6: together 2^j / 2 - 1/3. (1 2 1) / 4 on top, 4^k / 2, makes it that of
+/// the next odd one. The first, of the size of the picture, is the mean of three pixels.
+constexpr float varianceOf_px2(int j) { return 0.5f * static_cast<float>(1 << j) - 1.0f / 3.0f; }
+
+using Kernel = std::array<float, 3>;  // of a symmetric filter: its middle, and on to one side
+constexpr Kernel kThree{1.0f / 3.0f, 1.0f / 3.0f, 0.0f}, kSmooth{0.5f, 0.25f, 0.0f},
+    kHalve{0.375f, 0.25f, 0.0625f};
+
+/// Every `step`-th sample of an image through a kernel, along x and y.
+void filter(const std::vector<glm::vec4>& from, const glm::ivec2& size, const Kernel& kernel,
+            int step, std::vector<glm::vec4>& to, const glm::ivec2& to_size) {
+  std::vector<glm::vec4> rows(static_cast<std::size_t>(to_size.x) * size.y);
+  parallelFor(static_cast<std::size_t>(size.y), [&](std::size_t y) {
+    const glm::vec4* in = from.data() + y * size.x;
+    const auto at = [&](int x) { return in[std::clamp(x, 0, size.x - 1)]; };
+    for (int i = 0; i < to_size.x; ++i) {
+      const int x = step * i;
+      rows[y * to_size.x + i] = kernel[0] * at(x) + kernel[1] * (at(x - 1) + at(x + 1)) +
+                                kernel[2] * (at(x - 2) + at(x + 2));
+    }
+  });
+  to.resize(static_cast<std::size_t>(to_size.x) * to_size.y);
+  parallelFor(static_cast<std::size_t>(to_size.y), [&](std::size_t row) {
+    const auto at = [&](int dy) {
+      const int y = std::clamp(step * static_cast<int>(row) + dy, 0, size.y - 1);
+      return rows.data() + static_cast<std::size_t>(y) * to_size.x;
+    };
+    const glm::vec4 *a = at(-2), *b = at(-1), *c = at(0), *d = at(1), *e = at(2);
+    glm::vec4* out = to.data() + row * to_size.x;
+    for (int x = 0; x < to_size.x; ++x) {
+      out[x] = kernel[0] * c[x] + kernel[1] * (b[x] + d[x]) + kernel[2] * (a[x] + e[x]);
+    }
+  });
+}
+
+/// Gives pixels that show nothing the mean of what is beside them, so that an outline before
+/// nothing is blurred on both sides alike: from coarser and coarser means over squares.
+void continueOver(std::vector<float>& point_D, const Frame& sharp) {
+  struct Means {
+    glm::ivec2 size;
+    std::vector<glm::vec2> sum_count;
+  };
+  std::vector<Means> levels(1);
+  levels[0].size = sharp.size_px;
+  levels[0].sum_count.resize(point_D.size());
+  bool whole = true;
+  for (std::size_t p = 0; p < point_D.size(); ++p) {
+    const bool shows = sharp.depth_m[p] > 0.0f;
+    levels[0].sum_count[p] = shows ? glm::vec2(point_D[p], 1.0f) : glm::vec2(0.0f);
+    whole = whole && shows;
+  }
+  if (whole) return;
+  while (levels.back().size != glm::ivec2(1)) {
+    Means half{.size = (levels.back().size + 1) / 2, .sum_count = {}};
+    half.sum_count.resize(static_cast<std::size_t>(half.size.x) * half.size.y);
+    const Means& all = levels.back();
+    for (std::size_t p = 0; p < all.sum_count.size(); ++p) {
+      half.sum_count[p / all.size.x / 2 * half.size.x + p % all.size.x / 2] += all.sum_count[p];
+    }
+    levels.push_back(std::move(half));
+  }
+  for (std::size_t p = 0; p < point_D.size(); ++p) {
+    glm::ivec2 at(static_cast<int>(p % sharp.size_px.x), static_cast<int>(p / sharp.size_px.x));
+    for (const Means& level : levels) {
+      const glm::vec2& mean = level.sum_count[static_cast<std::size_t>(at.y) * level.size.x + at.x];
+      if (mean.y > 0.0f) {
+        point_D[p] = mean.x / mean.y;
+        break;
+      }
+      at /= 2;
+    }
+  }
+}
+
+}  // namespace
+
+void BlurPyramid::set(const Frame& sharp, const glm::vec2& focal_px) {
+  sharp_ = sharp;
+  point_D_ = vergences_D(sharp, {.radius_px_per_D = 0.5f * kUsualPupil_m * focal_px});
+  continueOver(point_D_, sharp);
+  Copy& first = copies_[1];
+  first.size = sharp.size_px;
+  filter(sharp_.rgba, sharp.size_px, kThree, 1, first.rgba, first.size);
+  for (std::size_t j = 2; j <= kCopies; j += 2) {
+    const glm::ivec2 size = j == 2 ? sharp.size_px : copies_[j - 2].size;
+    Copy& half = copies_[j];
+    half.size = size / 2 + 1;
+    filter(j == 2 ? sharp_.rgba : copies_[j - 2].rgba, size, kHalve, 2, half.rgba, half.size);
+    if (j == kCopies) break;
+    copies_[j + 1].size = half.size;
+    filter(half.rgba, half.size, kSmooth, 1, copies_[j + 1].rgba, half.size);
+  }
+}
+
+/// A tile of a blurred picture.
+class BlurPyramid::Tile {
+ public:
+  Tile(const BlurPyramid& pyramid, const Defocus& defocus, const glm::ivec2& corner)
+      : pyramid_(pyramid),
+        defocus_(defocus),
+        corner_(corner),
+        size_(glm::min(pyramid.sharp_.size_px - corner, kSide_px)) {}
+
+  void drawInto(Frame& frame) {
+    for (int y = 0; y < size_.y; ++y) {
+      findLevels(y);
+      const auto [least, most] = std::minmax_element(level_, level_ + size_.x);
+      const int first = static_cast<int>(*least);
+      const int last = std::min(static_cast<int>(std::ceil(*most)), kCopies);
+      glm::vec4* out = frame.rgba.data() + indexOf(y);
+      for (int j = first; j <= last; ++j) {
+        const glm::vec4* row = rowOf(j, y);
+        // The first gives all, each other takes over by its share.
+        for (int x = 0; x < size_.x; ++x) {
+          const float share = std::clamp(level_[x] - static_cast<float>(j - 1), 0.0f, 1.0f);
+          out[x] = j == first ? row[x] : out[x] + share * (row[x] - out[x]);
+        }
+      }
+    }
+  }
+
+ private:
+  std::size_t indexOf(int y) const {
+    return static_cast<std::size_t>(corner_.y + y) * pyramid_.sharp_.size_px.x + corner_.x;
+  }
+
+  /// j + t where the variance is a share t of the way from copy j's to copy j + 1's.
+  static float levelOf(float variance_px2) {
+    const float first_px2 = varianceOf_px2(1);
+    // From the first copy on 2 (variance + 1/3) is 2^j, in between 2^j (1 + t).
+    const float power = 2.0f * variance_px2 + 2.0f / 3.0f;
+    const int j = (std::bit_cast<int>(power) >> 23) - 127;
+    const float rest = power * std::bit_cast<float>((127 - j) << 23);
+    const float beyond = static_cast<float>(j) + (rest - 1.0f);
+    const float level = variance_px2 <= first_px2 ? variance_px2 * (1.0f / first_px2) : beyond;
+    return std::min(level, static_cast<float>(kCopies));
+  }
+
+  /// The levels of a row of the tile.
+  void findLevels(int y) {
+    const float* point_D = pyramid_.point_D_.data() + indexOf(y);
+    const glm::vec2 finite = glm::min(defocus_.radius_px_per_D, glm::vec2(1e6f));
+    const float radius_px_per_D = std::sqrt(finite.x * finite.y);
+    const auto find = [&](auto&& defocus_D) {
+      for (int x = 0; x < size_.x; ++x) {
+        const float radius_px = std::min(radius_px_per_D * defocus_D(point_D[x]), kMostRadius_px);
+        level_[x] = levelOf(kDiscVariancePerRadius2 * radius_px * radius_px);
+      }
+    };
+    if (isAstigmatic(defocus_)) {
+      find([&](float each_D) { return std::abs(roundDefocus_D(defocus_, each_D)); });
+    } else {
+      find([focus_D = defocus_.focus_D](float each_D) { return std::abs(each_D - focus_D); });
+    }
+  }
+
+  /// Row y of the tile in copy j, 0 the picture itself, between whose samples it is interpolated.
+  const glm::vec4* rowOf(int j, int y) {
+    if (j == 0) return pyramid_.sharp_.rgba.data() + indexOf(y);
+    const Copy& copy = pyramid_.copies_[static_cast<std::size_t>(j)];
+    const int k = j / 2;
+    if (k == 0) return copy.rgba.data() + indexOf(y);
+    const int step = 1 << k, mask = step - 1;
+    const float inverse = 1.0f / static_cast<float>(step);
+    const int at_y = corner_.y + y, coarse_y = at_y >> k;
+    const float ty = static_cast<float>(at_y & mask) * inverse;
+    const glm::vec4* above = copy.rgba.data() + static_cast<std::size_t>(coarse_y) * copy.size.x;
+    const glm::vec4* below = coarse_y + 1 < copy.size.y ? above + copy.size.x : above;
+    const int begin = corner_.x >> k, end = ((corner_.x + size_.x - 1) >> k) + 2;
+    for (int x = begin; x < end; ++x) {
+      const int from = std::min(x, copy.size.x - 1);
+      coarse_[x - begin] = above[from] + ty * (below[from] - above[from]);
+    }
+    for (int x = 0; x < size_.x; ++x) {
+      const int i = ((corner_.x + x) >> k) - begin;
+      const float tx = static_cast<float>((corner_.x + x) & mask) * inverse;
+      fine_[x] = coarse_[i] + tx * (coarse_[i + 1] - coarse_[i]);
+    }
+    return fine_;
+  }
+
+  const BlurPyramid& pyramid_;
+  const Defocus& defocus_;
+  glm::ivec2 corner_, size_;
+  float level_[kSide_px];  // of a row
+  glm::vec4 coarse_[kSide_px / 2 + 3], fine_[kSide_px];
+};
+
+void BlurPyramid::blur(const Defocus& defocus, Frame& frame) const {
+  const glm::ivec2 tiles = (sharp_.size_px + kSide_px - 1) / kSide_px;
+  parallelFor(static_cast<std::size_t>(tiles.x) * tiles.y, [&](std::size_t i) {
+    const int tile = static_cast<int>(i);
+    Tile(*this, defocus, kSide_px * glm::ivec2(tile % tiles.x, tile / tiles.x)).drawInto(frame);
+  });
+  if (!frame.depth_m.empty()) frame.depth_m = sharp_.depth_m;
+}
+
+}  // namespace foci
