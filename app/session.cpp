@@ -1,6 +1,7 @@
 #include "app/session.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <iterator>
 
@@ -193,8 +194,9 @@ PaintJob Session::jobOf(const std::string& method, const FrameRecord& record) co
   return job;
 }
 
-const Frame& Session::draw(const PaintJob& job, FrameRecord& record) {
-  if (hasAtLeisure(job)) {
+const Frame& Session::draw(const PaintJob& job, FrameRecord& record, bool again) {
+  assert(!again || painted_.job == job);
+  if (again || hasAtLeisure(job)) {
     painted_.stats.ms = 0.0;
   } else {
     painter_.paint(job, painted_);

@@ -70,8 +70,9 @@ class Session {
 
   /// Draws it, and fills method and stats of its record. Under a budget of time what was drawn at
   /// leisure is not drawn again while nothing changes.
+  /// @param again  the picture of the last draw, which was of the same job
   /// @return until the next draw
-  const Frame& draw(const PaintJob& job, FrameRecord& record);
+  const Frame& draw(const PaintJob& job, FrameRecord& record, bool again = false);
   const Frame& draw(const std::string& method, FrameRecord& record) {
     return draw(jobOf(method, record), record);
   }

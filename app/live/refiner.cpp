@@ -1,5 +1,6 @@
 #include "app/live/refiner.h"
 
+#include <sched.h>
 #include <sys/resource.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -56,6 +57,8 @@ std::optional<Painted> Refiner::take() {
 void Refiner::run(const std::stop_token& stop) {
   // What follows the eye goes first; where the system does not allow it, they share.
   constexpr int kNice = 10;
+  const sched_param usual{};
+  (void)sched_setscheduler(0, SCHED_BATCH, &usual);
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
   tbb::task_arena arena(static_cast<int>(threads_));
   while (!stop.stop_requested()) {

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kMargin_s = 0.0015;     // a frame is ready this much before it is wanted
 constexpr double kTick_s = 1e-6;         // of the clock
+constexpr double kRest_s = 0.06;         // an eye at rest: focus on its way pauses for less
 constexpr std::size_t kMostBacklog = 8;  // frames that wait for the disk
 
 }  // namespace
@@ -239,26 +240,29 @@ void LiveRenderer::takeGaze() {
   }
 }
 
-/// Where a time is held, and the eye has been at rest for a frame, the picture is drawn at leisure,
-/// too, and shown when it is there. It is the one of that eye, however late: what has changed since
-/// asks for another.
-void LiveRenderer::refine(const PaintJob& job) {
+/// Where a time is held, and the eye has been at rest for a while, the picture is drawn at leisure,
+/// too, and shown when it is there; until then the last one stands.
+/// @return whether the last picture is that of the job, too
+bool LiveRenderer::refine(const PaintJob& job, double time_s) {
   if (!job.holdsTime()) {
     refiner_.reset();
-    return;
+    return false;
   }
-  if (session_->hasAtLeisure(job)) return;
-  if (!refiner_)
+  if (!refiner_) {
     refiner_ = std::make_unique<Refiner>(session_->otherPainter(), std::max(threads_, 2u) - 1);
+  }
   if (job != last_job_) {
     refiner_->rest();
-    return;
+    rests_since_s_ = time_s;
+    return false;
   }
+  if (session_->hasAtLeisure(job)) return true;
+  if (time_s < rests_since_s_ + kRest_s) return false;
   refiner_->want(job);
-  if (auto painted = refiner_->take()) {
-    session_->adopt(job, std::move(*painted));
-    plain_at_leisure_ = false;
-  }
+  auto painted = refiner_->take();
+  if (!painted) return true;
+  session_->adopt(job, std::move(*painted));
+  return false;
 }
 
 std::shared_ptr<LiveFrame> LiveRenderer::drawFrame() {
@@ -273,11 +277,9 @@ std::shared_ptr<LiveFrame> LiveRenderer::drawFrame() {
   timing.state_s = frame->record.eye.state_time_s;
   last_method_ = methodOfFrame(session_->study(), frame->record);
   const PaintJob job = session_->jobOf(last_method_, frame->record);
-  refine(job);
-  const bool is_plain = plain_at_leisure_ && session_->hasAtLeisure(job);
-  const Frame& drawn = session_->draw(job, frame->record);
-  if (!is_plain) plain_ = pictureOf(drawn, session_->study().screen.gamma);
-  plain_at_leisure_ = session_->hasAtLeisure(job);
+  const bool again = refine(job, time_s);
+  const Frame& drawn = session_->draw(job, frame->record, again);
+  if (!again) plain_ = pictureOf(drawn, session_->study().screen.gamma);
   last_job_ = job;
   frame->picture = plain_;
   session_->mark(frame->record, frame->picture);

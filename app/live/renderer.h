@@ -77,7 +77,7 @@ class LiveRenderer {
   void takeGaze();
   GazeSample asRecorded(GazeSample sample) const;
   std::shared_ptr<LiveFrame> drawFrame();
-  void refine(const PaintJob& job);
+  bool refine(const PaintJob& job, double time_s);
   void publish();
   void closeRecord();
 
@@ -93,8 +93,8 @@ class LiveRenderer {
   std::unique_ptr<Session> session_;
   std::unique_ptr<Refiner> refiner_;  // where a time is held
   PaintJob last_job_;
-  Picture plain_;                  // the last picture, without a mark
-  bool plain_at_leisure_ = false;  // it is that of the last job, drawn at leisure
+  double rests_since_s_ = 0.0;
+  Picture plain_;  // of the last frame, without a mark
   std::vector<GazeSample> news_;
   std::optional<double> last_sample_s_;
   double last_frame_s_ = 0.0, session_start_s_ = 0.0;
