@@ -83,6 +83,7 @@ struct Layers {
   Block tile[kMostBlocks * kMostBlocks];
   const unsigned columns;        // of blocks, and their rows
   bool any_from_behind = false;  // in the open layers
+  unsigned lit = 0;              // blocks that some light passes
   bool overlap = false;          // somewhere layers cover each other in part
 
   explicit Layers(int samples_a_side) : columns(static_cast<unsigned>(samples_a_side) / kBlock) {
@@ -102,6 +103,7 @@ struct Layers {
       std::fill_n(block.light.outside, kBlockSamples, 1.0f);
       block.any_side = block.dark = false;
     }
+    lit = columns * columns;
   }
 
   /// Composites the open layers of the lanes in `which` from `i` on and opens new ones.
@@ -114,7 +116,11 @@ struct Layers {
     // What a side covers, and its mean point on the lens.
     const auto cover = [&](const Sums& sums) {
       const V weight = hn::Load(d, sums.weight + i);
-      Covering c{weight, hn::Min(weight, one), hn::Zero(d), hn::Zero(d)};
+      // `coverageOf`
+      constexpr Ripple kRipple = kLens ? kBlurredRipple : kSharpRipple;
+      const V steep = hn::MulAdd(weight, hn::Set(d, kRipple.slope()),
+                                 hn::Set(d, kRipple.part - kRipple.slope() * kRipple.part));
+      Covering c{weight, hn::Min(hn::Max(weight, steep), one), hn::Zero(d), hn::Zero(d)};
       if constexpr (kLens) {
         const V inv = hn::Div(one, hn::Max(c.weight, hn::Set(d, 1e-20f)));
         c.x = hn::Mul(hn::Load(d, sums.lens_x + i), inv);
@@ -257,23 +263,21 @@ struct Layers {
       for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(d)) {
         closeLayers(block, i, hn::FirstN(d, hn::Lanes(d)));
       }
+      if (!block.dark) goesDark(block);
     }
     any_from_behind = false;
   }
 
-  /// Whether hardly any light passes a block; it stays so.
-  HWY_INLINE bool isDark(Block& block) {
+  /// Whether hardly any light passes a block that did not yet count as dark; it stays so.
+  HWY_INLINE bool goesDark(Block& block) {
     const D d;
     V most = hn::Zero(d);
     for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(d)) {
       most = hn::Max(most, hn::Load(d, block.light.through + i));
     }
     block.dark = hn::AllTrue(d, hn::Lt(most, hn::Set(d, kHidden)));
+    lit -= block.dark;
     return block.dark;
-  }
-
-  HWY_INLINE bool allDark() {
-    return std::all_of(blocks().begin(), blocks().end(), [this](Block& b) { return isDark(b); });
   }
 };
 

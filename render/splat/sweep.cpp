@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 #include <utility>
 
@@ -22,9 +23,6 @@
 #ifndef FOCI_SWEEP_ONCE
 #define FOCI_SWEEP_ONCE
 namespace foci {
-
-/// How fast a layer whose weights have reached one shuts: at 1 + 1 / kCloses nothing more joins it.
-inline constexpr float kCloses = 2.0f;
 
 /// Less blur than this makes no difference to what hides what, pixels.
 inline constexpr float kBlurred_px = 0.5f;
@@ -72,14 +70,15 @@ constexpr Places kPlaces;
 /// nearest meridian and across it.
 enum class Blur { none, round, astigmatic };
 
-/// Splats as they come, front to back, and which of them may touch a block.
-template <int kBlocks>
+/// Splats as they come, front to back: where their centres are, seen from where they are seen
+/// from, and their footprints' boxes.
 struct Batch {
   static constexpr unsigned kMost = 64;
   unsigned count = 0;
-  std::uint32_t splat[kMost];
-  float x_px[kMost], y_px[kMost];        // of their centres, seen from where they are seen from
-  std::uint64_t touching[kBlocks] = {};  // by block, the n-th bit for the n-th of them
+  std::uint32_t splat[kMost] = {};
+  alignas(64) float x_px[kMost] = {}, y_px[kMost] = {};
+  alignas(64) float left_px[kMost] = {}, right_px[kMost] = {};
+  alignas(64) float top_px[kMost] = {}, bottom_px[kMost] = {};
 };
 
 /// Draws the splats of a tile.
@@ -88,10 +87,10 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
   static constexpr bool kLens = kBlur != Blur::none, kAstigmatic = kBlur == Blur::astigmatic;
   using Base = Layers<kTransparent, kDepth, kLens>;
   using Base::any_from_behind, Base::blocks, Base::clear, Base::closeAll, Base::tile;
-  using Base::closeLayers, Base::columns, Base::kClosed, Base::isDark, Base::overlap;
+  using Base::closeLayers, Base::columns, Base::goesDark, Base::lit, Base::overlap;
 
   const TileJob& job;
-  Batch<Base::kMostBlocks * Base::kMostBlocks> batch;
+  Batch batch;
   std::size_t fragments = 0;
 
   explicit Sweep(const TileJob& tile_job) : Base(tile_job.samples), job(tile_job) {}
@@ -105,45 +104,55 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
 
   /// Puts a splat, moved by `shift`, into the batch.
   HWY_INLINE void put(const Splat& splat, std::uint32_t index, const glm::vec2& shift) {
-    const float x_px = splat.x_px + shift.x, y_px = splat.y_px + shift.y;
-    const float left = (x_px - job.x) * job.per_step, top = (y_px - job.y) * job.per_step;
-    const float extent_x = splat.extent_x_px * job.per_step;
-    const float extent_y = splat.extent_y_px * job.per_step;
-    const auto last = static_cast<float>(columns * kBlock - 1);
-    if (left + extent_x < 0.0f || left - extent_x > last || top + extent_y < 0.0f ||
-        top - extent_y > last) {
-      return;
-    }
-    const auto blockOf = [&](float sample) {
-      return static_cast<unsigned>(std::clamp(sample, 0.0f, last)) / kBlock;
-    };
-    const unsigned x0 = blockOf(left - extent_x), x1 = blockOf(left + extent_x);
-    const unsigned y0 = blockOf(top - extent_y), y1 = blockOf(top + extent_y);
     any_from_behind |= splat.opacity < 0.0f;
-    const std::uint64_t bit = std::uint64_t{1} << batch.count;
-    batch.splat[batch.count] = index;
-    batch.x_px[batch.count] = x_px;
-    batch.y_px[batch.count] = y_px;
-    ++batch.count;
-    // One flat loop over the blocks that the box may touch: two nested short ones mispredict.
-    const unsigned wide = x1 - x0 + 1, count = wide * (y1 - y0 + 1);
-    for (unsigned b = 0, at = y0 * columns + x0, column = 0; b < count; ++b) {
-      batch.touching[at] |= bit;
-      const bool row_ends = ++column == wide;
-      at += row_ends ? columns - wide + 1 : 1;
-      column = row_ends ? 0 : column;
+    const unsigned n = batch.count++;
+    const float x_px = splat.x_px + shift.x, y_px = splat.y_px + shift.y;
+    batch.splat[n] = index;
+    batch.x_px[n] = x_px;
+    batch.y_px[n] = y_px;
+    batch.left_px[n] = x_px - splat.extent_x_px;
+    batch.right_px[n] = x_px + splat.extent_x_px;
+    batch.top_px[n] = y_px - splat.extent_y_px;
+    batch.bottom_px[n] = y_px + splat.extent_y_px;
+  }
+
+  /// Of the batch those, a bit each, whose span [low, high] meets that of block `b` along an axis.
+  HWY_INLINE std::uint64_t meeting(const float* low, const float* high, float first_px,
+                                   unsigned b) const {
+    const D d;
+    const float step_px = 1.0f / job.per_step;
+    const float from_px = first_px + step_px * static_cast<float>(b * kBlock);
+    const V from = hn::Set(d, from_px), to = hn::Set(d, from_px + step_px * (kBlock - 1));
+    std::uint64_t all = 0;
+    for (std::size_t n = 0; n < Batch::kMost; n += hn::Lanes(d)) {
+      const M meets =
+          hn::And(hn::Ge(hn::Load(d, high + n), from), hn::Le(hn::Load(d, low + n), to));
+      std::uint8_t bytes[8] = {};
+      hn::StoreMaskBits(d, meets, bytes);
+      std::uint64_t bits = 0;
+      std::memcpy(&bits, bytes, sizeof bits);
+      all |= bits << n;
     }
+    return batch.count < Batch::kMost ? all & ((std::uint64_t{1} << batch.count) - 1) : all;
   }
 
   /// Adds the splats of the batch, block by block, and empties it.
   HWY_INLINE void flush(const Source& source) {
     if (batch.count == 0) return;
-    for (unsigned b = 0; b < columns * columns; ++b) {
-      const std::uint64_t touching = std::exchange(batch.touching[b], 0);
-      if (touching == 0 || tile[b].dark) continue;
-      for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(D())) {
-        add(source, tile[b], i, static_cast<float>(b % columns * kBlock),
-            static_cast<float>(b / columns * kBlock), touching);
+    std::uint64_t in_column[Base::kMostBlocks];
+    for (unsigned x = 0; x < columns; ++x) {
+      in_column[x] = meeting(batch.left_px, batch.right_px, job.x, x);
+    }
+    for (unsigned y = 0; y < columns; ++y) {
+      const std::uint64_t in_row = meeting(batch.top_px, batch.bottom_px, job.y, y);
+      for (unsigned x = 0; x < columns; ++x) {
+        Block& block = tile[y * columns + x];
+        const std::uint64_t touching = in_row & in_column[x];
+        if (touching == 0 || block.dark) continue;
+        for (std::size_t i = 0; i < kBlockSamples && !block.dark; i += hn::Lanes(D())) {
+          add(source, block, i, static_cast<float>(x * kBlock), static_cast<float>(y * kBlock),
+              touching);
+        }
       }
     }
     batch.count = 0;
@@ -206,7 +215,7 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
       if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) {
         store();
         closeLayers(block, i, behind);
-        if (isDark(block)) return;
+        if (goesDark(block)) return;
         load();
       }
 
@@ -222,10 +231,10 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
           inside, hn::MulAdd(hn::MulAdd(hn::Set(d, splat.k2), t, hn::Set(d, splat.k1)), t,
                              hn::Set(d, splat.k0)));
       V seen;
+      // `roomIn`
+      const V room = hn::MulAdd(weight, hn::Set(d, -kCloses), hn::Set(d, 1.0f + kCloses));
+      w = hn::Mul(w, hn::Min(hn::Max(room, zero), one));
       if constexpr (kLens) {
-        // A surface's kernels sum to one: what comes once they have lies behind it.
-        const V room = hn::MulAdd(weight, hn::Set(d, -kCloses), hn::Set(d, 1.0f + kCloses));
-        w = hn::Mul(w, hn::Min(hn::Max(room, zero), one));
         const SplatLens& lens = source.lens[batch.splat[n]];
         const SplatLens& across =
             kAstigmatic ? source.lens_across[batch.splat[n]] : source.lens[batch.splat[n]];
@@ -293,7 +302,7 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
     clear();
     float open_far_m = job.count > 0 ? source.splats[job.entries[0]].far_m : 0.0f;
     for (std::size_t e = 0; e < job.count; ++e) {
-      constexpr std::size_t kAhead = 8;
+      constexpr std::size_t kAhead = 16;
       if (e + kAhead < job.count) hwy::Prefetch(&source.splats[job.entries[e + kAhead]]);
       const Splat& splat = source.splats[job.entries[e]];
 
@@ -302,11 +311,13 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
       if (HWY_UNLIKELY(splat.near_m > open_far_m)) {
         flush(source);
         closeAll();
-        if (this->allDark()) break;
+        if (lit == 0) break;
       }
       open_far_m = std::max(open_far_m, splat.far_m);
       put(splat, job.entries[e], shiftOf(job.entries[e]));
-      if (batch.count == batch.kMost) flush(source);
+      if (batch.count < Batch::kMost) continue;
+      flush(source);
+      if (lit == 0) break;
     }
     flush(source);
     closeAll();
