@@ -243,6 +243,7 @@ struct Sums {
   glm::vec3 color{0.0f};
 
   void add(const SeenSurfel& surfel, float w) {
+    w *= roomIn(weight);
     weight += w;
     opacity += w * surfel.opacity;
     distance += w * surfel.opacity * 0.5f * (surfel.near_m + surfel.far_m);
@@ -257,10 +258,10 @@ struct Seen {
   float through = 1.0f;
 
   void close(const Sums& facing, const Sums& behind) {
-    const float covered = std::min(behind.weight, 1.0f);
-    const float left = std::max(covered - std::min(facing.weight, 1.0f), 0.0f);
-    const float facing_scale = 1.0f / std::max(facing.weight, 1.0f);
-    const float behind_scale = left / std::max(covered, 1e-20f) / std::max(behind.weight, 1.0f);
+    const float covered = coverageOf(facing.weight, kSharpRipple);
+    const float left = std::max(coverageOf(behind.weight, kSharpRipple) - covered, 0.0f);
+    const float facing_scale = covered / std::max(facing.weight, 1e-20f);
+    const float behind_scale = left / std::max(behind.weight, 1e-20f);
     color += through * (facing_scale * facing.color + behind_scale * behind.color);
     distance += through * (facing_scale * facing.distance + behind_scale * behind.distance);
     through *= 1.0f - (facing_scale * facing.opacity + behind_scale * behind.opacity);

@@ -70,6 +70,8 @@ struct alignas(64) Block {
   Sums facing, from_behind;  // of the open layer, by the side that is seen
   BlockValues far_m;         // where its z-range ends
   Light light;
+  bool any_side;  // some light that passes has a side of the lens
+  bool dark;      // none passes any more
 };
 
 /// The layers of a tile.
@@ -81,7 +83,7 @@ struct Layers {
   Block tile[kMostBlocks * kMostBlocks];
   const unsigned columns;        // of blocks, and their rows
   bool any_from_behind = false;  // in the open layers
-  bool any_side = false;         // some light that passes has a side of the lens
+  unsigned lit = 0;              // blocks that some light passes
   bool overlap = false;          // somewhere layers cover each other in part
 
   explicit Layers(int samples_a_side) : columns(static_cast<unsigned>(samples_a_side) / kBlock) {
@@ -99,8 +101,9 @@ struct Layers {
       block.light = Light{};
       std::fill_n(block.light.through, kBlockSamples, 1.0f);
       std::fill_n(block.light.outside, kBlockSamples, 1.0f);
+      block.any_side = block.dark = false;
     }
-    any_side = false;
+    lit = columns * columns;
   }
 
   /// Composites the open layers of the lanes in `which` from `i` on and opens new ones.
@@ -113,7 +116,11 @@ struct Layers {
     // What a side covers, and its mean point on the lens.
     const auto cover = [&](const Sums& sums) {
       const V weight = hn::Load(d, sums.weight + i);
-      Covering c{weight, hn::Min(weight, one), hn::Zero(d), hn::Zero(d)};
+      // `coverageOf`
+      constexpr Ripple kRipple = kLens ? kBlurredRipple : kSharpRipple;
+      const V steep = hn::MulAdd(weight, hn::Set(d, kRipple.slope()),
+                                 hn::Set(d, kRipple.part - kRipple.slope() * kRipple.part));
+      Covering c{weight, hn::Min(hn::Max(weight, steep), one), hn::Zero(d), hn::Zero(d)};
       if constexpr (kLens) {
         const V inv = hn::Div(one, hn::Max(c.weight, hn::Set(d, 1e-20f)));
         c.x = hn::Mul(hn::Load(d, sums.lens_x + i), inv);
@@ -224,7 +231,7 @@ struct Layers {
     better = hn::And(better, hn::And(hn::Gt(covering, hn::Set(d, kPartial)),
                                      hn::Lt(alpha, hn::Set(d, 1.0f - kPartial))));
     if (hn::AllFalse(d, better)) return;
-    any_side = true;
+    block.any_side = true;
     const V inv_length = hn::Div(one, hn::Max(length, tiny));
     const auto keep = [&](float* to, V value) {
       hn::Store(hn::IfThenElse(better, value, hn::Load(d, to + i)), d, to + i);
@@ -256,18 +263,21 @@ struct Layers {
       for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(d)) {
         closeLayers(block, i, hn::FirstN(d, hn::Lanes(d)));
       }
+      if (!block.dark) goesDark(block);
     }
     any_from_behind = false;
   }
 
-  /// The most light that passes anywhere.
-  HWY_INLINE float mostThrough() {
-    float most = 0.0f;
-    for (const Block& block : blocks()) {
-      most = std::max(most,
-                      *std::max_element(block.light.through, block.light.through + kBlockSamples));
+  /// Whether hardly any light passes a block that did not yet count as dark; it stays so.
+  HWY_INLINE bool goesDark(Block& block) {
+    const D d;
+    V most = hn::Zero(d);
+    for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(d)) {
+      most = hn::Max(most, hn::Load(d, block.light.through + i));
     }
-    return most;
+    block.dark = hn::AllTrue(d, hn::Lt(most, hn::Set(d, kHidden)));
+    lit -= block.dark;
+    return block.dark;
   }
 };
 

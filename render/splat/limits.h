@@ -1,6 +1,8 @@
 // Where a splat, a layer and the light end: bounds on which all that draw surfels agree.
 #pragma once
 
+#include <algorithm>
+
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -21,6 +23,30 @@ inline constexpr float kFromBehind = 0.1f;
 
 /// Splats beyond any use are refused: a variance or an area of 10^5 by 10^5 pixels.
 inline constexpr float kLargest_px2 = 1e10f;
+
+/// A surface's kernels sum to one: what comes once they have lies behind it. How fast a layer
+/// whose weights have reached one shuts: at 1 + 1 / kCloses nothing more joins it.
+inline constexpr float kCloses = 2.0f;
+
+/// The share of its weight with which a splat joins a layer whose weights sum to `weight`.
+inline float roomIn(float weight) {
+  return std::clamp(1.0f + kCloses - kCloses * weight, 0.0f, 1.0f);
+}
+
+/// They sum to one but for their ripple. What they cover from `whole` on counts as all, so that
+/// nothing is seen, nor drawn, behind a closed surface; up to `part` it counts as it is; in between
+/// it rises evenly from the one to the other. Blur evens the ripple out, and a blurred edge is
+/// wide.
+struct Ripple {
+  float part, whole;
+  constexpr float slope() const { return (1.0f - part) / (whole - part); }
+};
+inline constexpr Ripple kSharpRipple{0.9f, 0.98f}, kBlurredRipple{0.98f, 0.995f};
+
+/// What a layer covers whose weights sum to `weight`.
+inline float coverageOf(float weight, const Ripple& ripple) {
+  return std::min(1.0f, std::max(weight, ripple.slope() * (weight - ripple.part) + ripple.part));
+}
 
 /// Light that passes below this is not worth another layer: half a step of an 8-bit picture's
 /// darkest, linear, code.

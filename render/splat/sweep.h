@@ -34,9 +34,11 @@ struct SweepSettings {
 /// Draws binned splats. Per sample one layer is open at a time. Splats come front to back by the
 /// near end of their z-range: one that begins before the open layer ends joins it, weights and
 /// colours add and the ranges unite (the A-buffer's merge by intersection, section 6.4, as a
-/// running union); one that begins behind it closes it. A closed layer covers alpha = min(1, W)
-/// times its mean opacity and lets 1 - alpha of what follows through. SIMD with run-time dispatch,
-/// tiles by TBB.
+/// running union), but for what comes once the weights have reached one (`roomIn`); one that begins
+/// behind it closes it. A closed layer covers alpha = `coverageOf`(W) times its mean opacity and
+/// lets 1 - alpha of what follows through; where hardly any light passes, nothing more is drawn.
+/// Splats are taken in batches, and blocks of 4 x 4 samples keep their open layers in registers
+/// while they add those of a batch that they meet. SIMD with run-time dispatch, tiles by TBB.
 /// @return the number of fragments: samples inside a footprint
 std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
                     const SweepSettings& settings, Frame& frame);
