@@ -72,7 +72,7 @@ constexpr std::size_t kStanding = kWays.size(), kSoft = kStanding + 1, kSofter =
 constexpr std::size_t kNumbers = kSofter + 1;
 const Way kSoftWay{{softer(30.0f, 6.0f), 1}, {14.7f, 13.2f, 12.8f, 12.7f, 12.7f}};
 const Way kSofterWay{{softer(30.0f, 12.0f), 1}, {16.2f, 15.0f, 13.6f, 13.1f, 13.0f}};
-const Way kStandingWay{{looser(1.0f), 1}, {0.6f, 4.2f, 5.9f, 7.2f, 7.2f}};
+const Way kStandingWay{{looser(1.0f), 1}, {0.5f, 4.0f, 5.7f, 5.8f, 6.2f}};
 
 /// Relative times of all of them, of the gallery at 1280 x 720, to begin with; and behind them that
 /// of the sharp picture.
