@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 #include <utility>
 
@@ -18,6 +17,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // After it:
+#include "render/splat/batch-inl.h"
 #include "render/splat/layers-inl.h"
 
 #ifndef FOCI_SWEEP_ONCE
@@ -70,17 +70,6 @@ constexpr Places kPlaces;
 /// nearest meridian and across it.
 enum class Blur { none, round, astigmatic };
 
-/// Splats as they come, front to back: where their centres are, seen from where they are seen
-/// from, and their footprints' boxes.
-struct Batch {
-  static constexpr unsigned kMost = 64;
-  unsigned count = 0;
-  std::uint32_t splat[kMost] = {};
-  alignas(64) float x_px[kMost] = {}, y_px[kMost] = {};
-  alignas(64) float left_px[kMost] = {}, right_px[kMost] = {};
-  alignas(64) float top_px[kMost] = {}, bottom_px[kMost] = {};
-};
-
 /// Draws the splats of a tile.
 template <bool kTransparent, bool kDepth, Blur kBlur>
 struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
@@ -102,49 +91,19 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
     const SplatLens* lens_across;
   };
 
-  /// Puts a splat, moved by `shift`, into the batch.
-  HWY_INLINE void put(const Splat& splat, std::uint32_t index, const glm::vec2& shift) {
-    any_from_behind |= splat.opacity < 0.0f;
-    const unsigned n = batch.count++;
-    const float x_px = splat.x_px + shift.x, y_px = splat.y_px + shift.y;
-    batch.splat[n] = index;
-    batch.x_px[n] = x_px;
-    batch.y_px[n] = y_px;
-    batch.left_px[n] = x_px - splat.extent_x_px;
-    batch.right_px[n] = x_px + splat.extent_x_px;
-    batch.top_px[n] = y_px - splat.extent_y_px;
-    batch.bottom_px[n] = y_px + splat.extent_y_px;
-  }
-
-  /// Of the batch those, a bit each, whose span [low, high] meets that of block `b` along an axis.
-  HWY_INLINE std::uint64_t meeting(const float* low, const float* high, float first_px,
-                                   unsigned b) const {
-    const D d;
-    const float step_px = 1.0f / job.per_step;
-    const float from_px = first_px + step_px * static_cast<float>(b * kBlock);
-    const V from = hn::Set(d, from_px), to = hn::Set(d, from_px + step_px * (kBlock - 1));
-    std::uint64_t all = 0;
-    for (std::size_t n = 0; n < Batch::kMost; n += hn::Lanes(d)) {
-      const M meets =
-          hn::And(hn::Ge(hn::Load(d, high + n), from), hn::Le(hn::Load(d, low + n), to));
-      std::uint8_t bytes[8] = {};
-      hn::StoreMaskBits(d, meets, bytes);
-      std::uint64_t bits = 0;
-      std::memcpy(&bits, bytes, sizeof bits);
-      all |= bits << n;
-    }
-    return batch.count < Batch::kMost ? all & ((std::uint64_t{1} << batch.count) - 1) : all;
-  }
-
   /// Adds the splats of the batch, block by block, and empties it.
   HWY_INLINE void flush(const Source& source) {
     if (batch.count == 0) return;
+    const float inner_px = (kBlock - 1) / job.per_step, block_px = kBlock / job.per_step;
     std::uint64_t in_column[Base::kMostBlocks];
     for (unsigned x = 0; x < columns; ++x) {
-      in_column[x] = meeting(batch.left_px, batch.right_px, job.x, x);
+      const float from_px = job.x + block_px * static_cast<float>(x);
+      in_column[x] = batch.meeting(batch.left_px, batch.right_px, from_px, from_px + inner_px);
     }
     for (unsigned y = 0; y < columns; ++y) {
-      const std::uint64_t in_row = meeting(batch.top_px, batch.bottom_px, job.y, y);
+      const float from_px = job.y + block_px * static_cast<float>(y);
+      const std::uint64_t in_row =
+          batch.meeting(batch.top_px, batch.bottom_px, from_px, from_px + inner_px);
       for (unsigned x = 0; x < columns; ++x) {
         Block& block = tile[y * columns + x];
         const std::uint64_t touching = in_row & in_column[x];
@@ -314,7 +273,8 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
         if (lit == 0) break;
       }
       open_far_m = std::max(open_far_m, splat.far_m);
-      put(splat, job.entries[e], shiftOf(job.entries[e]));
+      any_from_behind |= splat.opacity < 0.0f;
+      batch.put(splat, job.entries[e], shiftOf(job.entries[e]));
       if (batch.count < Batch::kMost) continue;
       flush(source);
       if (lit == 0) break;

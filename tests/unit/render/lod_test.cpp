@@ -153,6 +153,21 @@ TEST(Cut, IsCoarserWhereBlurIsLarger) {
   EXPECT_LT(before, 2000u);
 }
 
+TEST(Cut, TakesSurfelsAsTheyLieWhereNoNodeIsCoarseEnough) {
+  const MomentTree tree(ball(20000, 0.4f, {0, 0, -2}));
+  const View view = squareViewOf(400, 600.0f);
+  const auto cutOf = [&](float per_pixel2) {
+    Cut cut;
+    selectCut(tree, view, {}, {.per_blur2 = 0.01f, .per_pixel2 = per_pixel2}, cut);
+    return cut;
+  };
+  const Cut fine = cutOf(1e-6f);
+  EXPECT_TRUE(fine.nodes.empty());
+  EXPECT_EQ(fine.surfels.size(), 0u);
+  EXPECT_EQ(fine.size(), tree.surfels().size());
+  EXPECT_TRUE(cutOf(100.0f).ranges.empty());
+}
+
 TEST(Cut, LeavesOutWhatCannotTouchTheImage) {
   const MomentTree tree(ball(5000, 0.1f, {0, 0, 2}));  // behind the eye
   Cut cut;

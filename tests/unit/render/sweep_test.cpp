@@ -192,6 +192,22 @@ TEST(Sweep, NearSheetHidesTheFarOne) {
   EXPECT_LT(frame.at(32, 32).g, 0.02f);
 }
 
+TEST(Sweep, DrawsNothingBehindAClosedSheet) {
+  SurfelCloud cloud;
+  addSheet(cloud, -1.0f, 0.4f, 160, {1.0f, 0.0f, 0.0f});
+  const View view = squareView(64, 600.0f);
+  RenderStats alone, hiding;
+  const Frame near_only = render(cloud, view, sharp(), &alone);
+  addSheet(cloud, -2.0f, 1.0f, 250, {0.0f, 1.0f, 0.0f});
+  const Frame both = render(cloud, view, sharp(), &hiding);
+  EXPECT_GT(hiding.splats, 3 * alone.splats / 2);
+  EXPECT_EQ(hiding.fragments, alone.fragments);
+  for (std::size_t p = 0; p < both.rgba.size(); ++p) {
+    ASSERT_NEAR(both.rgba[p].r, 1.0f, 1e-5f);  // of a sheet that covers 0.98 and more
+    ASSERT_EQ(both.rgba[p].g, 0.0f);
+  }
+}
+
 TEST(Sweep, TransparentSheetsCompositeFrontToBack) {
   SurfelCloud cloud;
   addSheet(cloud, -3.0f, 1.5f, 250, {0.0f, 0.0f, 1.0f});
