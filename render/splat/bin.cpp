@@ -72,7 +72,7 @@ void TileLists::sortByDistance(const SplatChunks& chunks) {
     std::uint32_t least = UINT32_MAX, most = 0;
     for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
       const std::size_t splat = c * chunks.chunk_size + i;
-      const auto bits = std::bit_cast<std::uint32_t>(chunks.keys[splat].near_m);
+      const auto bits = std::bit_cast<std::uint32_t>(chunks.keys[splat].distance_m);
       least = std::min(least, bits);
       most = std::max(most, bits);
       sorted_[first[c] + i] = std::uint64_t{bits} << 32 | splat;

@@ -22,6 +22,14 @@ inline constexpr float kFromBehind = 0.1f;
 /// Splats beyond any use are refused: a variance or an area of 10^5 by 10^5 pixels.
 inline constexpr float kLargest_px2 = 1e10f;
 
+/// A surface's weights sum to one, a little noise aside: what comes once they have reached this
+/// lies behind it.
+inline constexpr float kWhole = 1.01f;
+
+/// In transparent scenes, where that is seen: it is noise of the samples up to `kNoise`, another
+/// surface from `kAnother` on, and in between in part either.
+inline constexpr float kNoise = 0.15f, kAnother = 0.4f;
+
 /// Light that passes below this is not worth another layer: half a step of an 8-bit picture's
 /// darkest, linear, code.
 inline constexpr float kHidden = 1.0f / 8192.0f;

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <vector>
 
 #include "render/splat/interpolate.h"
 #include "render/splat/limits.h"
@@ -21,9 +23,6 @@
 #define FOCI_SWEEP_ONCE
 namespace foci {
 
-/// How fast a layer whose weights have reached one shuts: at 1 + 1 / kCloses nothing more joins it.
-inline constexpr float kCloses = 2.0f;
-
 /// Less blur than this makes no difference to what hides what, pixels.
 inline constexpr float kBlurred_px = 0.5f;
 
@@ -34,11 +33,12 @@ struct TileJob {
   const Splat* splats;
   const std::uint32_t* entries;
   std::size_t count;
-  int samples;           // along a side, with the apron
-  float x, y;            // of the first sample, pixels
-  float lens_x, lens_y;  // what a mean radius counts along the axes, where pixels are oblong
-  glm::vec2 meridian;    // of an astigmatic lens the nearest
-  float per_step;        // 1 / the distance of samples, pixels
+  const float* nearest_m;  // by entry: where its z-range or that of a later one begins first
+  int samples;             // along a side, with the apron
+  float x, y;              // of the first sample, pixels
+  float lens_x, lens_y;    // what a mean radius counts along the axes, where pixels are oblong
+  glm::vec2 meridian;      // of an astigmatic lens the nearest
+  float per_step;          // 1 / the distance of samples, pixels
   float background[3];
   const SplatLens* lens;         // null: nothing is blurred
   const SplatLens* lens_across;  // null: the lens is round
@@ -75,15 +75,17 @@ template <bool kTransparent, bool kDepth, Blur kBlur>
 struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
   static constexpr bool kLens = kBlur != Blur::none, kAstigmatic = kBlur == Blur::astigmatic;
   using Base = Layers<kTransparent, kDepth, kLens>;
-  using Base::any_from_behind, Base::any_side, Base::blocks, Base::clear, Base::closeAll;
+  using Base::addBeyond, Base::any_from_behind, Base::any_side, Base::blocks, Base::clear,
+      Base::closeAll;
   using Base::Base, Base::tile;
   using Base::closeLayers, Base::columns, Base::kClosed, Base::mostThrough, Base::overlap;
 
   /// Adds one splat, moved by `shift`; returns the number of samples in its footprint.
   /// @param across  of an astigmatic lens
+  /// @param part    the centre of the part of the lens, in its radii
   template <bool kSides>
   HWY_INLINE std::size_t add(const Splat& splat, const SplatLens& lens, const SplatLens& across,
-                             const TileJob& job, const glm::vec2& shift) {
+                             const TileJob& job, const glm::vec2& shift, const glm::vec2& part) {
     const D d;
     const float left = (splat.x_px + shift.x - job.x) * job.per_step;
     const float top = (splat.y_px + shift.y - job.y) * job.per_step;
@@ -125,6 +127,16 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
       across_width2 = hn::Set(d, 1.0f / (across.inv_width * across.inv_width));
     }
 
+    bool tilted = false;
+    [[maybe_unused]] V tilt_x, tilt_y, tilt_at;
+    if constexpr (kLens) {
+      const glm::vec2 tilt(lens.tilt_x, lens.tilt_y), m = job.meridian;
+      tilted = tilt != glm::vec2(0.0f);
+      tilt_at = hn::Set(d, 1.0f + glm::dot(tilt, part));
+      tilt_x = hn::Set(d, kAstigmatic ? glm::dot(tilt, m) : tilt.x);
+      tilt_y = hn::Set(d, kAstigmatic ? tilt.y * m.x - tilt.x * m.y : tilt.y);
+    }
+
     std::size_t fragments = 0;
     // One flat loop over the blocks that the box may touch: two nested short ones mispredict.
     unsigned index = y0 * columns + x0, column = 0;
@@ -146,18 +158,11 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
 
         const V open = hn::Load(d, block.far_m + i);
         const M behind = hn::And(inside, hn::Gt(near_m, open));
-        if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) closeLayers(block, i, behind);
+        if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) closeLayers(index, i, behind);
 
-        V w = hn::IfThenElseZero(inside, hn::MulAdd(hn::MulAdd(k2, t, k1), t, k0));
-        const V before = hn::Load(d, sums.weight + i);
+        V all = hn::IfThenElseZero(inside, hn::MulAdd(hn::MulAdd(k2, t, k1), t, k0));
+        [[maybe_unused]] V lx, ly;
         if constexpr (kLens) {
-          // A surface's kernels sum to one: what comes once they have lies behind it.
-          const V room = hn::MulAdd(before, hn::Set(d, -kCloses), hn::Set(d, 1.0f + kCloses));
-          w = hn::Mul(w, hn::Min(hn::Max(room, hn::Zero(d)), one));
-        }
-        V seen = w;
-        if constexpr (kLens) {
-          V lx, ly;
           if constexpr (kAstigmatic) {
             lx = hn::MulAdd(dx, along_x, hn::Mul(dy, along_y));
             ly = hn::MulAdd(dx, across_x, hn::Mul(dy, across_y));
@@ -165,6 +170,17 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
             lx = hn::Mul(dx, per_x);
             ly = hn::Mul(dy, per_y);
           }
+          if (tilted) {
+            const V times = hn::MulAdd(tilt_x, lx, hn::MulAdd(tilt_y, ly, tilt_at));
+            all = hn::Mul(all, hn::Abs(times));
+          }
+        }
+        // What comes once the surface is whole lies behind it.
+        const V before = hn::Load(d, sums.weight + i);
+        const V w = hn::Min(all, hn::Max(hn::Sub(hn::Set(d, kWhole), before), hn::Zero(d)));
+        hn::Store(hn::Add(all, before), d, sums.weight + i);
+        V passes = one;  // of the light, by where on the lens it falls
+        if constexpr (kLens) {
           hn::Store(hn::MulAdd(w, lx, hn::Load(d, sums.lens_x + i)), d, sums.lens_x + i);
           hn::Store(hn::MulAdd(w, ly, hn::Load(d, sums.lens_y + i)), d, sums.lens_y + i);
           if constexpr (kSides) {
@@ -181,20 +197,26 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
             }
             const V within =
                 hn::Min(hn::Max(hn::MulAdd(off, sharpness, hn::Set(d, 0.5f)), hn::Zero(d)), one);
-            seen = hn::Mul(w, hn::MulAdd(hn::Load(d, light.contrast + i), within,
-                                         hn::Load(d, light.outside + i)));
+            passes =
+                hn::MulAdd(hn::Load(d, light.contrast + i), within, hn::Load(d, light.outside + i));
           }
         }
+        const V seen = hn::Mul(w, passes);
         const auto accumulate = [&](float* sum, V value) {
           hn::Store(hn::MulAdd(seen, value, hn::Load(d, sum + i)), d, sum + i);
         };
-        hn::Store(hn::Add(w, before), d, sums.weight + i);
         accumulate(sums.red, red);
         accumulate(sums.green, green);
         accumulate(sums.blue, blue);
         if constexpr (kTransparent || kLens) accumulate(sums.visible, opacity);
         if constexpr (kDepth) accumulate(sums.distance, distance);
         hn::Store(hn::IfThenElse(inside, hn::Max(open, far_m), open), d, block.far_m + i);
+        if constexpr (kTransparent) {
+          const V later = hn::Sub(all, w);
+          if (!from_behind && !hn::AllTrue(d, hn::Le(later, hn::Zero(d)))) {
+            addBeyond(index, i, hn::Mul(later, passes), splat);
+          }
+        }
       }
       const bool row_ends = ++column == wide;
       index += row_ends ? columns - wide + 1 : 1;
@@ -208,7 +230,8 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
   /// Composites all splats as seen through a part of the lens, from its centre or shifted.
   template <class ShiftOf>
   HWY_INLINE std::size_t compose(const TileJob& job, const Splat* splats, const SplatLens* lenses,
-                                 const SplatLens* lenses_across, const ShiftOf& shiftOf) {
+                                 const SplatLens* lenses_across, const ShiftOf& shiftOf,
+                                 const glm::vec2& part) {
     clear();
     std::size_t fragments = 0;
     float open_far_m = job.count > 0 ? splats[job.entries[0]].far_m : 0.0f;
@@ -219,7 +242,7 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
 
       // A gap in depth across the whole tile closes every layer; with no light left, the tile is
       // done.
-      if (HWY_UNLIKELY(splat.near_m > open_far_m)) {
+      if (HWY_UNLIKELY(job.nearest_m[e] > open_far_m)) {
         closeAll();
         if (mostThrough() < kHidden) break;
       }
@@ -227,8 +250,8 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
       const SplatLens lens = kLens ? lenses[job.entries[e]] : SplatLens{};
       const SplatLens across = kAstigmatic ? lenses_across[job.entries[e]] : SplatLens{};
       const glm::vec2 shift = shiftOf(job.entries[e]);
-      fragments += kLens && any_side ? add<true>(splat, lens, across, job, shift)
-                                     : add<false>(splat, lens, across, job, shift);
+      fragments += kLens && any_side ? add<true>(splat, lens, across, job, shift, part)
+                                     : add<false>(splat, lens, across, job, shift, part);
     }
     closeAll();
     return fragments;
@@ -254,8 +277,9 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
   std::size_t run(const TileJob& job) {
     const LensParts* parts = job.parts;
     std::size_t fragments = 0;
-    fragments += compose(job, job.splats, job.lens, job.lens_across,
-                         [](std::uint32_t) { return glm::vec2(0.0f); });
+    fragments += compose(
+        job, job.splats, job.lens, job.lens_across, [](std::uint32_t) { return glm::vec2(0.0f); },
+        glm::vec2(0.0f));
     if (!parts || !overlap) {
       emit(job, 1.0f);
       return fragments;
@@ -267,11 +291,13 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
           (kAstigmatic ? glm::dot(centre, job.meridian) * job.meridian : centre);
       const glm::vec2 across_px_per_D =
           job.radius_px_per_D * (kAstigmatic ? glm::dot(centre, across) * across : glm::vec2(0.0f));
-      fragments +=
-          compose(job, parts->splats, parts->lens, parts->lens_across, [&](std::uint32_t splat) {
+      fragments += compose(
+          job, parts->splats, parts->lens, parts->lens_across,
+          [&](std::uint32_t splat) {
             const glm::vec2 shift = px_per_D * parts->out_of_focus_D[splat];
             return kAstigmatic ? shift + across_px_per_D * parts->out_across_D[splat] : shift;
-          });
+          },
+          std::sqrt(static_cast<float>(parts->centres.size())) * centre);
       emit(job, 1.0f / static_cast<float>(parts->centres.size()));
     }
     return fragments;
@@ -308,6 +334,11 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
   parallelFor(lists.tiles().size(), [&](std::size_t t) {
     const Tile& tile = lists.tiles()[t];
     const auto list = lists.splats(t);
+    std::vector<float> nearest_m(list.size());
+    float least_m = std::numeric_limits<float>::infinity();
+    for (std::size_t e = list.size(); e-- > 0;) {
+      nearest_m[e] = least_m = std::min(least_m, chunks.splats[list[e]].near_m);
+    }
     constexpr int kMost = kTile + 2 * kApron;
     alignas(64) glm::vec4 rgba[kMost * kMost]{};
     float depth_m[kMost * kMost]{};
@@ -319,6 +350,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .splats = chunks.splats.get(),
         .entries = list.data(),
         .count = list.size(),
+        .nearest_m = nearest_m.data(),
         .samples = tile.samplesWithApron(),
         .x = static_cast<float>(tile.x_px) + first_px,
         .y = static_cast<float>(tile.y_px) + first_px,
