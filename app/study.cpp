@@ -1,14 +1,12 @@
-// A study's file (TOML, read by toml11), and what only the whole of it can tell.
+// A study's file, and what only the whole of it can tell.
 #include "app/study.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <toml.hpp>
 
 #include "app/base/input_error.h"
+#include "app/base/toml_file.h"
 #include "app/study_keys.h"
-#include "app/toml_text.h"
 #include "app/toml_values.h"
 #include "calibration/binocular_map.h"
 #include "calibration/camera.h"
@@ -18,28 +16,6 @@
 
 namespace foci {
 namespace {
-
-/// The first line of toml11's report, without its function's name.
-std::string firstLine(const std::exception& error) {
-  std::string text = error.what();
-  text = text.substr(0, text.find('\n'));
-  if (text.starts_with("[error] ")) text = text.substr(8);
-  if (text.starts_with("toml::")) text = text.substr(std::min(text.size(), text.find(": ") + 2));
-  return shownName(text).empty() ? "not TOML" : text.substr(0, 200);
-}
-
-toml::value parseToml(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  const std::string text = readTomlText(path);
-  try {
-    std::istringstream stream(text);
-    return toml::parse(stream, file);
-  } catch (const toml::exception& error) {
-    throw InputError(file + ":" + std::to_string(error.location().line()), firstLine(error));
-  } catch (const std::exception& error) {
-    throw InputError(file, firstLine(error));
-  }
-}
 
 void resolve(std::filesystem::path& path, const std::filesystem::path& folder) {
   if (path.is_relative()) path = (folder / path).lexically_normal();
@@ -60,7 +36,7 @@ void takeMonitor(Study& study) {
 }  // namespace
 
 Study readStudy(const std::filesystem::path& file) {
-  const toml::value document = parseToml(file);
+  const toml::value document = readToml(file);
   Study study;
   study.file = file;
   const auto given = setKeys(study, document.as_table(), file.string());

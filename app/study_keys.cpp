@@ -5,10 +5,10 @@
 #include <cassert>
 #include <cmath>
 #include <iterator>
-#include <sstream>
 
 #include "app/base/input_error.h"
 #include "app/base/nearest.h"
+#include "app/base/toml_file.h"
 #include "app/toml_values.h"
 #include "render/methods/method.h"
 
@@ -319,8 +319,7 @@ void setKey(Study& study, std::string_view key, const std::string& text, const s
     return InputError(where, std::string(key) + " = " + shownName(text) + ": expected " + expected);
   };
   try {
-    std::istringstream stream("value = " + text);
-    const toml::value document = toml::parse(stream, where);
+    const toml::value document = parseToml("value = " + text, where);
     found->read(document.as_table().at("value"), found->allowed, study);
   } catch (const Expected& expected) {
     throw refusal(expected.what);

@@ -2,40 +2,12 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <sstream>
-#include <toml.hpp>
 
 #include "app/base/input_error.h"
+#include "app/base/toml_file.h"
 
 namespace foci {
 namespace {
-
-constexpr std::uintmax_t kLargest_bytes = 1 << 20;
-constexpr int kDeepest = 8;  // toml11 recurses into brackets and dotted keys
-
-void refuseDepth(const std::string& text, const std::string& file) {
-  std::size_t line = 1;
-  int brackets = 0, dots = 0;
-  for (char c : text) {
-    if (c == '\n') {
-      ++line;
-      dots = 0;
-    }
-    if (c == '[' || c == '{') ++brackets;
-    if (c == ']' || c == '}') --brackets;
-    if (c == '.') ++dots;
-    if (brackets > kDeepest || dots > 500) {
-      throw InputError(file + ":" + std::to_string(line), "nested too deeply");
-    }
-  }
-}
-
-std::string firstLine(std::string text) {
-  if (text.starts_with("[error] ")) text = text.substr(8);
-  if (text.starts_with("toml::")) text = text.substr(std::min(text.size(), text.find(": ") + 2));
-  return text.substr(0, text.find('\n'));
-}
 
 std::optional<double> numberOf(const toml::value& value) {
   if (value.is_floating()) return value.as_floating();
@@ -46,23 +18,7 @@ std::optional<double> numberOf(const toml::value& value) {
 }  // namespace
 
 CalibrationFile::CalibrationFile(const std::filesystem::path& path) : file_(path.string()) {
-  std::ifstream in(path, std::ios::binary);
-  std::error_code error;
-  const auto bytes = std::filesystem::file_size(path, error);
-  if (!in || error) throw InputError(file_, "cannot be read");
-  if (bytes > kLargest_bytes) throw InputError(file_, "larger than 1 MiB: not a calibration");
-  std::stringstream text;
-  text << in.rdbuf();
-  refuseDepth(text.str(), file_);
-
-  toml::value document;
-  try {
-    document = toml::parse(text, file_);
-  } catch (const toml::exception& e) {
-    throw InputError(file_ + ":" + std::to_string(e.location().line()), firstLine(e.what()));
-  } catch (const std::exception& e) {
-    throw InputError(file_, "not TOML: " + firstLine(e.what()));
-  }
+  const toml::value document = readToml(path);
   const auto add = [&](const std::string& key, const toml::value& value) {
     if (const auto number = numberOf(value)) {
       values_[key] = *number;

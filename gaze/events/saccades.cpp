@@ -24,9 +24,12 @@ constexpr double kEcho_s = 0.02;         // a motion so soon after a saccade and
 constexpr double kEchoRatio = 0.6;       // is its oscillation, too
 constexpr std::size_t kScales = 5;
 constexpr double kLongestWindow_s = 0.25;
-constexpr double kWide_s = 0.022;     // a window longer than most saccades
-constexpr double kHiddenNoise = 5.0;  // noise hides a saccade that a wider window may show
-constexpr double kWhite = 1.4;        // the noise must fall with the window as white noise does
+constexpr double kWide_s = 0.022;            // a longer window is longer than most saccades
+constexpr double kBlurredPeak_deg_s = 90.0;  // a threshold that leaves out most small saccades,
+constexpr double kClearPeak_deg_s = 95.0;    // and one that a window twice as long must get down to
+constexpr double kHiddenNoise = 5.0;         // noise hides a saccade that a wider window may show
+constexpr double kWhite = 1.4;          // the noise must fall with the window as white noise does
+constexpr double kWhiteAndSteps = 2.0;  // so where each window may hold a saccade
 constexpr double kWidePeak_deg_s = 20.0;
 constexpr double kWideNoise = 4.5;
 constexpr double kApart = 0.2;  // of a window, between a wide saccade and another
@@ -60,9 +63,10 @@ class SaccadeFinder {
 
   std::vector<GazeState> find(const std::vector<bool>& blinks) {
     const bool narrow = window_s(0) <= kWide_s;
-    if (narrow) findNarrow();
-    bool hidden = narrow && kHiddenNoise * noise_.velocity_deg_s[0] > settings_.saccade_deg_s;
-    for (std::size_t scale = narrow ? 1 : 0; scale < kScales; ++scale) {
+    const std::size_t finest = narrow && noiseBlursNarrow() ? 1 : 0;
+    if (narrow) findNarrow(finest);
+    bool hidden = narrow && kHiddenNoise * noise_.velocity_deg_s[finest] > settings_.saccade_deg_s;
+    for (std::size_t scale = narrow ? finest + 1 : 0; scale < kScales; ++scale) {
       if (scale > 0 && (!hidden || window_s(scale) > kLongestWindow_s || !isWhite(scale))) break;
       const double floor_deg_s = scale == 0 ? settings_.saccade_deg_s : kWidePeak_deg_s;
       findWide(scale, floor_deg_s);
@@ -80,7 +84,16 @@ class SaccadeFinder {
     const double n = samplesIn(window_s(scale), rate_Hz_);
     const double before = samplesIn(window_s(scale - 1), rate_Hz_);
     const double falls = std::sqrt(before * (before * before - 1.0) / (n * (n * n - 1.0)));
-    return noise_.velocity_deg_s[scale] <= kWhite * falls * noise_.velocity_deg_s[scale - 1];
+    const double white = window_s(0) > kWide_s ? kWhiteAndSteps : kWhite;
+    return noise_.velocity_deg_s[scale] <= white * falls * noise_.velocity_deg_s[scale - 1];
+  }
+
+  /// Of the two windows that are shorter than most saccades, the shorter shows edges best, but only
+  /// where the noise lets it see them.
+  bool noiseBlursNarrow() const {
+    return window_s(1) <= kWide_s + 1e-6 &&
+           kPeakNoise * noise_.velocity_deg_s[0] > kBlurredPeak_deg_s &&
+           kPeakNoise * noise_.velocity_deg_s[1] <= kClearPeak_deg_s;
   }
 
   void mark(std::size_t first, std::size_t last, GazeState state) {
@@ -88,13 +101,14 @@ class SaccadeFinder {
               states_.begin() + static_cast<std::ptrdiff_t>(last + 1), state);
   }
 
-  void findNarrow() {
-    const double sigma_deg_s = noise_.velocity_deg_s[0];
+  void findNarrow(std::size_t scale) {
+    const double sigma_deg_s = noise_.velocity_deg_s[scale];
     const double peak_deg_s = std::max(settings_.saccade_deg_s, kPeakNoise * sigma_deg_s);
     const double edge_deg_s = std::min(std::max(kEdge_deg_s, kEdgeNoise * sigma_deg_s), peak_deg_s);
     const double rest_deg_s = std::max(kRest_deg_s, kRestNoise * sigma_deg_s);
     const auto shortest = static_cast<std::size_t>(kShortest_s * rate_Hz_);
-    const Velocities velocities = velocitiesOfSight(sights_, window_s(0), longestStep_s(rate_Hz_));
+    const Velocities velocities =
+        velocitiesOfSight(sights_, window_s(scale), longestStep_s(rate_Hz_));
     const auto speed_deg_s = [&](std::size_t i) {
       return velocities[i] ? velocities[i]->speed_deg_s : 0.0;
     };

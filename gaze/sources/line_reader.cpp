@@ -108,8 +108,9 @@ std::string shown(std::string_view text) {
 }
 
 bool isAbsent(std::string_view field) {
-  if (field.size() > 4) return false;
-  for (std::string_view word : {"", ".", "nan", "na", "n/a", "null", "none"}) {
+  if (field.empty() || field == ".") return true;
+  if (field.size() > 4 || std::tolower(static_cast<unsigned char>(field[0])) != 'n') return false;
+  for (std::string_view word : {"nan", "na", "n/a", "null", "none"}) {
     if (equalsIgnoringCase(field, word)) return true;
   }
   return false;

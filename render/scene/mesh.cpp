@@ -69,6 +69,20 @@ glm::vec3 linearOf(const glm::vec3& srgb) {
   return {linearFromSrgb(srgb.x), linearFromSrgb(srgb.y), linearFromSrgb(srgb.z)};
 }
 
+/// A face without corners marks its mesh as one with polygons, of which Assimp's triangulation
+/// asserts that there are.
+void dropEmptyFaces(aiMesh& mesh) {
+  aiFace* const end = mesh.mFaces + mesh.mNumFaces;
+  aiFace* const kept =
+      std::remove_if(mesh.mFaces, end, [](const aiFace& face) { return face.mNumIndices == 0; });
+  if (kept == end) return;
+  mesh.mNumFaces = static_cast<unsigned>(kept - mesh.mFaces);
+  const bool polygons =
+      std::any_of(mesh.mFaces, kept, [](const aiFace& face) { return face.mNumIndices > 3; });
+  if (!polygons) mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
+  if (mesh.mNumFaces == 0) mesh.mPrimitiveTypes = aiPrimitiveType_POINT;  // which are not asked for
+}
+
 class Loader {
  public:
   explicit Loader(const std::filesystem::path& path) : path_(path) {
@@ -78,9 +92,12 @@ class Loader {
     importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                  aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     try {
-      scene_ = importer_.ReadFile(path.string(), aiProcess_ValidateDataStructure |
-                                                     aiProcess_Triangulate | aiProcess_SortByPType |
-                                                     aiProcess_PreTransformVertices);
+      if (importer_.ReadFile(path.string(), aiProcess_ValidateDataStructure) != nullptr) {
+        const aiScene& read = *importer_.GetScene();
+        for (unsigned m = 0; m < read.mNumMeshes; ++m) dropEmptyFaces(*read.mMeshes[m]);
+        scene_ = importer_.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType |
+                                               aiProcess_PreTransformVertices);
+      }
     } catch (const std::exception& error) {
       refuse(error.what());
     }

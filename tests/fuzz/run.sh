@@ -1,6 +1,7 @@
 #!/bin/sh
 # Fuzzes the readers: tests/fuzz/run.sh [SECONDS [TARGET...]]
 # Builds them, runs each one's corpus (tests/fuzz/corpus) and then fuzzes it for SECONDS (30), two at a time.
+# The same commit takes the same path: the seed is 1 unless SEED, in the environment, is another (0: any).
 # What is new goes to out/fuzz, not to the corpus; what fails lies there as TARGET-crash-*.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -10,7 +11,7 @@ cmake --preset fuzz >/dev/null
 cmake --build --preset fuzz --target foci_fuzzers
 [ $# -gt 0 ] || set -- $(ls tests/fuzz/corpus)
 mkdir -p out/fuzz
-export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1
+export SEED="${SEED:-1}" ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1
 export UBSAN_OPTIONS=print_stacktrace=1
 
 one=$(mktemp)
@@ -23,7 +24,7 @@ mkdir -p "$found"
 limits="-timeout=20 -rss_limit_mb=2048 -max_len=65536 -artifact_prefix=out/fuzz/$target-"
 if build/fuzz/fuzz_$target $limits -runs=0 tests/fuzz/corpus/$target >"$found.log" 2>&1 &&
   { [ "$seconds" -eq 0 ] ||
-    build/fuzz/fuzz_$target $limits -max_total_time="$seconds" -print_final_stats=1 "$found" \
+    build/fuzz/fuzz_$target $limits -seed="$SEED" -max_total_time="$seconds" -print_final_stats=1 "$found" \
       tests/fuzz/corpus/$target >"$found.log" 2>&1; }; then
   echo "$target: $(grep -c . "$found.log") lines, $(sed -n 's/^stat::number_of_executed_units: *//p' "$found.log") runs, nothing found"
 else

@@ -215,6 +215,16 @@ TEST_F(MeshTest, LeavesOutWhatTheTextureCutsOut) {
   for (const glm::vec3& p : points.position_m) EXPECT_TRUE(p.x > 0.4f || p.x < 0.1f);
 }
 
+TEST_F(MeshTest, SkipsFacesWithoutCorners) {
+  const std::string vertices =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n";
+  const PointCloud points = sampleMesh(file("one.ply", vertices + "0\n3 0 1 2\n"), {.points = 500});
+  EXPECT_NEAR(static_cast<double>(points.size()), 500.0, 500.0 * kCount);
+  EXPECT_NE(refusal(file("none.ply", vertices + "0\n0\n")), "");
+}
+
 TEST_F(MeshTest, RefusesWhatIsNoMesh) {
   EXPECT_NE(refusal(folder_ / "missing.obj"), "");
   EXPECT_NE(refusal(file("empty.obj", "")), "");
