@@ -26,8 +26,9 @@ namespace foci {
 /// Less blur than this makes no difference to what hides what, pixels.
 inline constexpr float kBlurred_px = 0.5f;
 
-/// Less blur than this needs no parts of the lens, pixels.
-inline constexpr float kPartsFrom_px = 3.0f;
+/// Less blur than this needs no parts of the lens, more than this is drawn by them alone, pixels:
+/// in between both are mixed, so that a moving focus does not pop.
+inline constexpr float kPartsFrom_px = 2.0f, kPartsFully_px = 4.0f;
 
 struct TileJob {
   const Splat* splats;
@@ -44,6 +45,7 @@ struct TileJob {
   const SplatLens* lens_across;  // null: the lens is round
   glm::vec2 radius_px_per_D;
   const LensParts* parts;  // null: never by parts
+  float parts_share;       // of the picture, where it is drawn by them
   glm::vec4* rgba;         // samples x samples, all 0
   float* depth_m;          // likewise; null: not asked for
 };
@@ -284,6 +286,7 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
       emit(job, 1.0f);
       return fragments;
     }
+    emit(job, 1.0f - job.parts_share);
     for (const glm::vec2& centre : parts->centres) {
       const glm::vec2 across(-job.meridian.y, job.meridian.x);
       const glm::vec2 px_per_D =
@@ -298,7 +301,7 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
             return kAstigmatic ? shift + across_px_per_D * parts->out_across_D[splat] : shift;
           },
           std::sqrt(static_cast<float>(parts->centres.size())) * centre);
-      emit(job, 1.0f / static_cast<float>(parts->centres.size()));
+      emit(job, job.parts_share / static_cast<float>(parts->centres.size()));
     }
     return fragments;
   }
@@ -363,6 +366,8 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .lens_across = chunks.lens_across.get(),
         .radius_px_per_D = radius,
         .parts = tile.blur_px > kPartsFrom_px ? settings.parts : nullptr,
+        .parts_share =
+            std::min((tile.blur_px - kPartsFrom_px) / (kPartsFully_px - kPartsFrom_px), 1.0f),
         .rgba = rgba,
         .depth_m = settings.depth ? depth_m : nullptr};
     fragments[t] = HWY_DYNAMIC_DISPATCH(sweepTile)(job, settings.transparent);
