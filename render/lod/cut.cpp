@@ -1,6 +1,7 @@
 #include "render/lod/cut.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -15,6 +16,8 @@ constexpr int kSerialCutLevels = 8;   // below, one task a subtree; fixed, as ar
 constexpr int kMiddleLevel = 10;      // about a thousand nodes
 constexpr float kWidestReach = 3.0f;  // standard deviations of a kernel's support, at most
 
+constexpr int kRangeSurfels = 512;  // of a subtree, at most, that is taken as a whole
+
 struct Pending {
   std::size_t node;
   float weight;
@@ -27,6 +30,7 @@ class Selector {
       : tree_(tree), view_(view), defocus_(defocus), settings_(settings) {
     focal2_ = view.focal_px.x * view.focal_px.y;
     blur2_ = defocus.radius_px_per_D.x * defocus.radius_px_per_D.y;
+    first_range_node_ = std::bit_ceil(tree.surfels().size() / kRangeSurfels + 1);
   }
 
   /// Selects below a node that is drawn with `weight`. Nodes of `last_level` are left pending.
@@ -36,8 +40,13 @@ class Selector {
       pending->push_back({node, weight});
       return;
     }
-    const float size = sizeOf(tree_.nodes()[node]);
+    const Size size_of = sizeOf(node);
+    const float size = size_of.now;
     if (size == kOutside) return;
+    if (weight == 1.0f && size_of.least_below >= 1.0f + kFade) {
+      takeAll(node, cut);
+      return;
+    }
     const float children = std::min((size - 1.0f) * (1.0f / kFade), 1.0f);
     if (children < 1.0f) {
       const float own = children > 0.0f ? 1.0f - children : 1.0f;
@@ -60,6 +69,24 @@ class Selector {
   static constexpr float kOutside = -1.0f;
 
  private:
+  struct Size {
+    float now;          // the node's variance over what is allowed; kOutside where it cannot touch
+                        // the image
+    float least_below;  // no node below has less; 0: not known
+  };
+
+  /// All surfels below a node.
+  void takeAll(std::size_t node, Cut& cut) const {
+    const int level = static_cast<int>(std::bit_width(node)) - 1;
+    const auto [begin, end] = tree_.range(level, node - (std::size_t{1} << level));
+    auto* last = cut.ranges.empty() ? nullptr : &cut.ranges.back();
+    if (last && last->end == begin && end - last->begin <= Cut::kLongestRange) {
+      last->end = static_cast<std::uint32_t>(end);
+      return;
+    }
+    cut.ranges.push_back({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)});
+  }
+
   /// Variance along the mean normal: none of a flat node; of one that holds two surfaces a quarter
   /// of their distance squared, or what their angle makes.
   static float thickness_m2(const LodNode& node) {
@@ -67,15 +94,15 @@ class Selector {
     return node.covariance_m2(n, n);
   }
 
-  /// The node's variance over what is allowed; kOutside where it cannot touch the image.
-  float sizeOf(const LodNode& node) const {
+  Size sizeOf(std::size_t index) const {
     constexpr float kRefine = 1e30f;
+    const LodNode& node = tree_.nodes()[index];
     const glm::vec3 p = glm::vec3(view_.eye_from_world * glm::vec4(node.position_m, 1.0f));
     const float radius = node.radius_m;
     const float depth = -p.z;
-    if (depth + radius < view_.near_m) return kOutside;
+    if (depth + radius < view_.near_m) return {kOutside, 0.0f};
     const float nearest = depth - radius;
-    if (nearest < view_.near_m) return kRefine;
+    if (nearest < view_.near_m) return {kRefine, 0.0f};
 
     // Everything of the node lies within this box on the image, its blur included. Distances along
     // the sight are not below those along the axis.
@@ -92,18 +119,25 @@ class Selector {
     const glm::vec2 size(view_.size_px);
     if (at.x + reach.x < 0.0f || at.x - reach.x > size.x || at.y + reach.y < 0.0f ||
         at.y - reach.y > size.y) {
-      return kOutside;
+      return {kOutside, 0.0f};
     }
 
-    const float added_m2 =
-        0.5f * node.trace_m2() * (1.0f - static_cast<float>(node.own) * (1.0f / 65535.0f)) +
-        kThick * thickness_m2(node);
+    const float added_m2 = node.added_m2() + kThick * thickness_m2(node);
     const float least_D = std::max(leastDefocus_D(defocus_, inv) - range_D, 0.0f);
     const glm::vec2 from_gaze_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
     const float finest_px = settings_.acuity.finest_px(glm::length(from_gaze_px));
     const float allowed_px2 = settings_.per_blur2 * blur2_ * least_D * least_D +
                               settings_.per_pixel2 * finest_px * finest_px;
-    return added_m2 * focal2_ / (depth * depth) / allowed_px2;
+    const float now = added_m2 * focal2_ / (depth * depth) / allowed_px2;
+    if (index < first_range_node_) return {now, 0.0f};
+
+    // Everything below lies within the radius; finest_px grows with the distance from the gaze.
+    const float most_D = mostDefocus_D(defocus_, inv) + range_D, farthest = depth + radius;
+    const float coarsest_px =
+        settings_.acuity.finest_px(glm::length(glm::abs(at - settings_.acuity.gaze_px) + reach));
+    const float most_px2 = settings_.per_blur2 * blur2_ * most_D * most_D +
+                           settings_.per_pixel2 * coarsest_px * coarsest_px;
+    return {now, tree_.leastAdded_m2()[index] * focal2_ / (farthest * farthest) / most_px2};
   }
 
   const MomentTree& tree_;
@@ -111,6 +145,7 @@ class Selector {
   const Defocus& defocus_;
   const CutSettings& settings_;
   float focal2_, blur2_;
+  std::size_t first_range_node_;
 };
 
 }  // namespace
@@ -138,6 +173,7 @@ void selectCut(const MomentTree& tree, const View& view, const Defocus& defocus,
                const CutSettings& settings, Cut& cut) {
   cut.nodes.clear();
   cut.surfels.clear();
+  cut.ranges.clear();
   if (tree.levels() == 0) return;
   const Selector selector(tree, view, defocus, settings);
   std::vector<Pending> pending;
@@ -150,6 +186,7 @@ void selectCut(const MomentTree& tree, const View& view, const Defocus& defocus,
   for (const Cut& part : parts) {
     cut.nodes.insert(cut.nodes.end(), part.nodes.begin(), part.nodes.end());
     cut.surfels.insert(cut.surfels.end(), part.surfels.begin(), part.surfels.end());
+    cut.ranges.insert(cut.ranges.end(), part.ranges.begin(), part.ranges.end());
   }
 }
 

@@ -34,11 +34,25 @@ struct CutEntry {
   float weight;  ///< in (0, 1]
 };
 
-/// What is drawn instead of all surfels: nodes and surfels of the tree. On the way from the root to
+/// Surfels [begin, end) of the tree, each at its full weight.
+struct CutRange {
+  std::uint32_t begin, end;
+};
+
+/// What is drawn instead of all surfels: nodes and surfels of the tree, and where none of its nodes
+/// can be coarse enough, ranges of surfels. On the way from the root to
 /// each surfel in sight the weights sum to one. A node fades into its children over a range of its
 /// size, so that all weights are continuous in view, focus and aperture.
 struct Cut {
   std::vector<CutEntry> nodes, surfels;
+  std::vector<CutRange> ranges;  ///< at most kLongestRange surfels each
+  static constexpr std::uint32_t kLongestRange = 4096;
+
+  std::size_t size() const {
+    std::size_t sum = nodes.size() + surfels.size();
+    for (const CutRange& range : ranges) sum += range.end - range.begin;
+    return sum;
+  }
 };
 
 /// Distances, along what `defocus` says, between which the tree lies in view: of nodes of a middle

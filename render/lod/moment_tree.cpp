@@ -213,6 +213,13 @@ MomentTree::MomentTree(const SurfelCloud& cloud) {
       nodes_[(std::size_t{1} << level) + j] = nodeOf(sums[j]);
     }
   }
+
+  least_added_m2_.resize(nodes_.size());
+  for (std::size_t node = nodes_.size() - 1; node > 0; --node) {
+    least_added_m2_[node] =
+        isCluster(node) ? nodes_[node].added_m2()
+                        : std::min(least_added_m2_[2 * node], least_added_m2_[2 * node + 1]);
+  }
 }
 
 }  // namespace foci

@@ -28,6 +28,10 @@ struct alignas(64) LodNode {
                       ///< rest is what merging added
 
   float trace_m2() const { return variance_m2[0] + variance_m2[3] + variance_m2[5]; }
+  /// What merging added to the variance, mean of two axes.
+  float added_m2() const {
+    return 0.5f * trace_m2() * (1.0f - static_cast<float>(own) * (1.0f / 65535.0f));
+  }
   /// a' V b; the variance along `a` where `b` is `a`.
   float covariance_m2(const glm::vec3& a, const glm::vec3& b) const {
     const float* v = variance_m2;
@@ -55,6 +59,9 @@ class MomentTree {
   const std::vector<LodNode>& nodes() const { return nodes_; }  ///< nodes()[0] is unused
   int levels() const { return levels_; }  ///< of nodes, >= 1; 0: an empty scene
 
+  /// By node, the least `added_m2` of the clusters below it, itself if it is one.
+  const std::vector<float>& leastAdded_m2() const { return least_added_m2_; }
+
   bool isCluster(std::size_t node) const { return node >> (levels_ - 1) != 0; }
 
   /// The surfels [first, second) of the `j`-th node, from 0, of a level, 0 that of the root.
@@ -70,6 +77,7 @@ class MomentTree {
  private:
   SurfelCloud surfels_;
   std::vector<LodNode> nodes_;
+  std::vector<float> least_added_m2_;
   int levels_ = 0;
 };
 

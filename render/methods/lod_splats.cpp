@@ -19,7 +19,7 @@ RenderStats LodSplats::draw(const View& view, const RenderSettings& settings,
   projectCut(tree_, cut_, view, settings.defocus,
              {.part_aperture = in_parts ? 1.0f / std::sqrt(static_cast<float>(lod.parts)) : 0.0f,
               .acuity = acuity,
-              .margin_px = kApron * kMostStep_px,
+              .margin_px = coarse ? kApron * kMostStep_px : 0,  // for the tiles' aprons
               .shading = settings.shading},
              chunks_);
   lists_.build(chunks_, view.size_px, coarse);

@@ -279,13 +279,13 @@ struct Seen {
 
   void close(Layer layer, bool transparent) {
     if (!transparent) layer.later = {};
-    const float covered = std::min(layer.facing.weight, 1.0f);
-    const float left = std::max(std::min(layer.behind.weight, 1.0f) - covered, 0.0f);
+    const float covered = coverageOf(layer.facing.weight, kSharpRipple);
+    const float left = std::max(coverageOf(layer.behind.weight, kSharpRipple) - covered, 0.0f);
     const float less = (kAnother - layer.later.weight) / (kAnother - kNoise);
     const float same = std::clamp(less, 0.0f, 1.0f);  // of noise and another surface, the first
     layer.facing.add(layer.later, same);
     layer.later.add(layer.later, -same);
-    const float facing_scale = 1.0f / std::max(layer.facing.weight, 1.0f);
+    const float facing_scale = covered / std::max(layer.facing.weight, 1e-20f);
     const float behind_scale = left / std::max(layer.behind.weight, 1e-20f);
     compose(layer.facing, facing_scale, layer.behind, behind_scale);
     compose(layer.later, 1.0f / std::max(layer.later.weight, 1.0f), {}, 0.0f);

@@ -22,80 +22,44 @@ int stepFor(float sigma_px) {
   return step_px;
 }
 
+constexpr int kKeyBits = 18;
+
+/// Digits of up to 9 bits: what counts them stays in the nearest cache.
 constexpr int kDigitBits = 9;
 constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
-constexpr int kKeyBits = 2 * kDigitBits;
-constexpr std::size_t kSlices =
-    32;  // of the sorted list; fixed, so that no result hangs on the threads
 
-struct Slice {
-  std::size_t begin, end;
-};
-
-Slice sliceOf(std::size_t slice, std::size_t n) {
-  return {slice * n / kSlices, (slice + 1) * n / kSlices};
-}
+/// Fewer are sorted by comparing.
+constexpr std::size_t kFew = 64;
 
 /// One stable counting pass of `from` into `to` by the digit at `shift`.
-void sortPass(const std::vector<std::uint64_t>& from, std::vector<std::uint64_t>& to, int shift) {
-  std::vector<std::array<std::uint32_t, kDigits>> offsets(kSlices);
+template <typename To>
+void sortPass(std::span<const std::uint64_t> from, int shift, const To& to) {
+  std::array<std::uint32_t, kDigits> offsets{};
   const auto digitOf = [shift](std::uint64_t pair) { return (pair >> shift) & (kDigits - 1); };
-  parallelFor(kSlices, [&](std::size_t s) {
-    offsets[s].fill(0);
-    const auto [begin, end] = sliceOf(s, from.size());
-    for (std::size_t i = begin; i < end; ++i) ++offsets[s][digitOf(from[i])];
-  });
+  for (const std::uint64_t pair : from) ++offsets[digitOf(pair)];
   std::uint32_t running = 0;
-  for (std::size_t digit = 0; digit < kDigits; ++digit) {
-    for (std::size_t s = 0; s < kSlices; ++s) {
-      running += std::exchange(offsets[s][digit], running);
-    }
+  for (std::uint32_t& offset : offsets) running += std::exchange(offset, running);
+  for (const std::uint64_t pair : from) to(offsets[digitOf(pair)]++, pair);
+}
+
+/// Splats of a tile by key, then by splat, as which they come. @param scratch  for whoever asks
+/// next
+void sortByKey(std::span<std::uint64_t> pairs, std::uint32_t* splats,
+               std::vector<std::uint64_t>& scratch) {
+  if (pairs.size() < kFew) {
+    std::sort(pairs.begin(), pairs.end());
+    std::transform(pairs.begin(), pairs.end(), splats,
+                   [](std::uint64_t pair) { return static_cast<std::uint32_t>(pair); });
+    return;
   }
-  parallelFor(kSlices, [&](std::size_t s) {
-    const auto [begin, end] = sliceOf(s, from.size());
-    for (std::size_t i = begin; i < end; ++i) to[offsets[s][digitOf(from[i])]++] = from[i];
+  scratch.resize(pairs.size());
+  sortPass(pairs, 32, [&](std::uint32_t at, std::uint64_t pair) { scratch[at] = pair; });
+  sortPass(scratch, 32 + kDigitBits, [&](std::uint32_t at, std::uint64_t pair) {
+    splats[at] = static_cast<std::uint32_t>(pair);
   });
 }
 
 }  // namespace
-
-void TileLists::sortByDistance(const SplatChunks& chunks) {
-  // Keys are the bits of the distance, which order like the distance, less the least and cut to 22
-  // bits.
-  const std::size_t n = chunks.total();
-  std::vector<std::size_t> first(chunks.count.size() + 1, 0);
-  for (std::size_t c = 0; c < chunks.count.size(); ++c) first[c + 1] = first[c] + chunks.count[c];
-  std::vector<std::array<std::uint32_t, 2>> range(chunks.count.size());
-  scratch_.resize(n);
-  sorted_.resize(n);
-  parallelFor(chunks.count.size(), [&](std::size_t c) {
-    std::uint32_t least = UINT32_MAX, most = 0;
-    for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
-      const std::size_t splat = c * chunks.chunk_size + i;
-      const auto bits = std::bit_cast<std::uint32_t>(chunks.keys[splat].distance_m);
-      least = std::min(least, bits);
-      most = std::max(most, bits);
-      sorted_[first[c] + i] = std::uint64_t{bits} << 32 | splat;
-    }
-    range[c] = {least, most};
-  });
-  std::uint32_t least = UINT32_MAX, most = 0;
-  for (const auto& [low, high] : range) {
-    least = std::min(least, low);
-    most = std::max(most, high);
-  }
-  const int key_bits = n > 0 ? static_cast<int>(std::bit_width(most - least)) : 0;
-  const int shift = std::max(0, key_bits - kKeyBits);
-  parallelFor(kSlices, [&](std::size_t s) {
-    const auto [begin, end] = sliceOf(s, n);
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::uint64_t key = ((sorted_[i] >> 32) - least) >> shift;
-      sorted_[i] = key << 32 | (sorted_[i] & UINT32_MAX);
-    }
-  });
-  sortPass(sorted_, scratch_, 32);
-  sortPass(scratch_, sorted_, 32 + kDigitBits);
-}
 
 std::vector<TileLists::Blur> TileLists::blurOfCells(const SplatChunks& chunks) const {
   // A pixel is interpolated from samples up to one and a half steps away: a splat that wants finer
@@ -103,12 +67,12 @@ std::vector<TileLists::Blur> TileLists::blurOfCells(const SplatChunks& chunks) c
   constexpr auto reachOf = [](int step_px) { return 3 * step_px / 2; };
   constexpr int kMostReach_px = reachOf(kMostStep_px);
   const std::size_t cell_count = static_cast<std::size_t>(cells_.x) * cells_.y;
-  std::vector<Blur> all(kSlices * cell_count);
-  parallelFor(kSlices, [&](std::size_t s) {
-    Blur* cells = all.data() + s * cell_count;
-    const auto [begin, end] = sliceOf(s, sorted_.size());
-    for (std::size_t i = begin; i < end; ++i) {
-      const SplatKey& key = chunks.keys[static_cast<std::uint32_t>(sorted_[i])];
+  const std::size_t chunk_count = chunks.count.size();
+  std::vector<Blur> all(std::max<std::size_t>(chunk_count, 1) * cell_count);
+  parallelFor(chunk_count, [&](std::size_t c) {
+    Blur* cells = all.data() + c * cell_count;
+    for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
+      const SplatKey& key = chunks.keys[c * chunks.chunk_size + i];
       const int own_px = stepFor(key.sigma_px);
       const auto stepAt = [&](int apart_px) {
         int step_px = own_px;
@@ -129,8 +93,8 @@ std::vector<TileLists::Blur> TileLists::blurOfCells(const SplatChunks& chunks) c
       }
     }
   });
-  for (std::size_t s = 1; s < kSlices; ++s) {
-    for (std::size_t c = 0; c < cell_count; ++c) all[c].add(all[s * cell_count + c]);
+  for (std::size_t c = 1; c < chunk_count; ++c) {
+    for (std::size_t i = 0; i < cell_count; ++i) all[i].add(all[c * cell_count + i]);
   }
   all.resize(cell_count);
   return all;
@@ -193,48 +157,67 @@ void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
   }
 }
 
-/// Counts, sums up and fills by slices of the sorted list, so that every tile's list keeps its
-/// order. `forEachTile(splat, visit)` calls visit(tile, counts).
+/// Counts, sums up and fills by chunks, in order of surfel, then sorts by tile.
+/// `forEachTile(key, visit)` calls visit(tile, counts).
 template <typename ForEachTile>
-void TileLists::fill(const ForEachTile& forEachTile) {
-  const std::size_t tile_count = tiles_.size();
-  cursor_.assign(kSlices * tile_count, 0);
-  parallelFor(kSlices, [&](std::size_t s) {
-    std::size_t* count = cursor_.data() + s * tile_count;
-    const auto [begin, end] = sliceOf(s, sorted_.size());
-    for (std::size_t i = begin; i < end; ++i) {
-      forEachTile(static_cast<std::uint32_t>(sorted_[i]),
-                  [&](std::size_t tile, bool counts) { count[tile] += counts; });
+void TileLists::fill(const SplatChunks& chunks, const ForEachTile& forEachTile) {
+  const std::size_t tile_count = tiles_.size(), chunk_count = chunks.count.size();
+  cursor_.assign(chunk_count * tile_count, 0);
+  std::vector<std::array<std::uint32_t, 2>> range(chunk_count);
+  parallelFor(chunk_count, [&](std::size_t c) {
+    std::size_t* count = cursor_.data() + c * tile_count;
+    std::uint32_t least = UINT32_MAX, most = 0;
+    for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
+      const SplatKey& key = chunks.keys[c * chunks.chunk_size + i];
+      const auto bits = std::bit_cast<std::uint32_t>(key.distance_m);
+      least = std::min(least, bits);
+      most = std::max(most, bits);
+      forEachTile(key, [&](std::size_t tile, bool counts) { count[tile] += counts; });
     }
+    range[c] = {least, most};
   });
+  // Keys are the bits of the distance, which order like the distance, less the least and cut short.
+  std::uint32_t least = UINT32_MAX, most = 0;
+  for (const auto& [low, high] : range) {
+    least = std::min(least, low);
+    most = std::max(most, high);
+  }
+  const int key_bits = most >= least ? static_cast<int>(std::bit_width(most - least)) : 0;
+  const int shift = std::max(0, key_bits - kKeyBits);
+
   begin_.resize(tile_count + 1);
   std::size_t running = 0;
   for (std::size_t tile = 0; tile < tile_count; ++tile) {
     begin_[tile] = running;
-    for (std::size_t s = 0; s < kSlices; ++s) {
-      running += std::exchange(cursor_[s * tile_count + tile], running);
+    for (std::size_t c = 0; c < chunk_count; ++c) {
+      running += std::exchange(cursor_[c * tile_count + tile], running);
     }
   }
   begin_[tile_count] = running;
-  entries_.resize(running);
-  parallelFor(kSlices, [&](std::size_t s) {
-    std::size_t* cursor = cursor_.data() + s * tile_count;
-    const auto [begin, end] = sliceOf(s, sorted_.size());
-    std::uint32_t nowhere = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto splat = static_cast<std::uint32_t>(sorted_[i]);
-      forEachTile(splat, [&](std::size_t tile, bool counts) {
-        std::uint32_t* entry = entries_.data() + cursor[tile];
-        *(counts ? entry : &nowhere) = splat;
+  pairs_.resize(running);
+  parallelFor(chunk_count, [&](std::size_t c) {
+    std::size_t* cursor = cursor_.data() + c * tile_count;
+    std::uint64_t nowhere = 0;
+    for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
+      const std::size_t splat = c * chunks.chunk_size + i;
+      const SplatKey& key = chunks.keys[splat];
+      const std::uint64_t bits = (std::bit_cast<std::uint32_t>(key.distance_m) - least) >> shift;
+      forEachTile(key, [&](std::size_t tile, bool counts) {
+        *(counts ? pairs_.data() + cursor[tile] : &nowhere) = bits << 32 | splat;
         cursor[tile] += counts;
       });
     }
+  });
+  entries_.resize(running);
+  parallelFor(tile_count, [&](std::size_t tile) {
+    thread_local std::vector<std::uint64_t> scratch;
+    sortByKey({pairs_.data() + begin_[tile], pairs_.data() + begin_[tile + 1]},
+              entries_.data() + begin_[tile], scratch);
   });
 }
 
 void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool coarse) {
   size_px_ = size_px;
-  sortByDistance(chunks);
   chooseTiles(chunks, coarse);
   const auto tileAt = [&](int x, int y) {
     return tile_of_cell_[static_cast<std::size_t>(y) * cells_.x + x];
@@ -258,8 +241,7 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
 
   // Tiles of several sizes with aprons: each is visited at the first of its cells.
   const int most_apron_px = any_coarse_ ? kApron * kMostStep_px : 0;
-  fill([&](std::uint32_t splat, auto&& visit) {
-    const SplatKey& key = chunks.keys[splat];
+  fill(chunks, [&](const SplatKey& key, auto&& visit) {
     if (visitFine(key, visit)) return;
     const int x0 = std::max(key.x0 - most_apron_px, 0) / kTile;
     const int y0 = std::max(key.y0 - most_apron_px, 0) / kTile;

@@ -39,7 +39,6 @@ class TileLists {
   }
 
  private:
-  void sortByDistance(const SplatChunks& chunks);
   void chooseTiles(const SplatChunks& chunks, bool coarse);
 
   struct Blur {
@@ -53,14 +52,14 @@ class TileLists {
   bool isFine(int x, int y) const { return fine_[static_cast<std::size_t>(y) * cells_.x + x] != 0; }
   std::vector<Blur> blurOfCells(const SplatChunks& chunks) const;
   template <typename ForEachTile>
-  void fill(const ForEachTile& forEachTile);
+  void fill(const SplatChunks& chunks, const ForEachTile& forEachTile);
 
   glm::ivec2 size_px_{0}, cells_{0};  // a cell is the least tile
   std::vector<Tile> tiles_;
   std::vector<std::uint32_t> tile_of_cell_;
   std::vector<std::uint8_t> fine_;  // by cell: neither it nor a neighbour has coarser samples
   bool any_coarse_ = false;
-  std::vector<std::uint64_t> sorted_, scratch_;  // key << 32 | splat
+  std::vector<std::uint64_t> pairs_;  // by tile, key << 32 | splat
   std::vector<std::size_t> begin_;
   std::vector<std::size_t> cursor_;
   std::vector<std::uint32_t> entries_;

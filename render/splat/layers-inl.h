@@ -76,6 +76,8 @@ struct alignas(64) Block {
   Sums facing, from_behind;  // of the open layer, by the side that is seen
   BlockValues far_m;         // where its z-range ends
   Light light;
+  bool any_side;  // some light that passes has a side of the lens
+  bool dark;      // none passes any more
 };
 
 /// The layers of a tile.
@@ -89,8 +91,8 @@ struct Layers {
   const unsigned columns;                                      // of blocks, and their rows
   bool any_from_behind = false;                                // in the open layers
   bool any_beyond = false;                                     // likewise
-  bool any_side = false;  // some light that passes has a side of the lens
-  bool overlap = false;   // somewhere layers cover each other in part
+  unsigned lit = 0;                                            // blocks that some light passes
+  bool overlap = false;  // somewhere layers cover each other in part
 
   explicit Layers(int samples_a_side) : columns(static_cast<unsigned>(samples_a_side) / kBlock) {
     for (Block& block : blocks()) {
@@ -107,12 +109,12 @@ struct Layers {
       block.light = Light{};
       std::fill_n(block.light.through, kBlockSamples, 1.0f);
       std::fill_n(block.light.outside, kBlockSamples, 1.0f);
+      block.any_side = block.dark = false;
     }
-    any_side = false;
+    lit = columns * columns;
   }
 
-  /// Adds what comes once the surface of a layer is whole. Where that adds up to another
-  /// whole surface, both are composited.
+  /// Adds what comes once the surface of a layer is whole.
   /// @param weight  of it, times the light that passes to it
   HWY_NOINLINE void addBeyond(std::size_t index, std::size_t i, V weight, const Splat& splat) {
     const D d;
@@ -128,8 +130,6 @@ struct Layers {
     add(more.blue, splat.blue);
     add(more.visible, opacity);
     if constexpr (kDepth) add(more.distance, 0.5f * (splat.near_m + splat.far_m) * opacity);
-    const M full = hn::Ge(hn::Load(d, tile[index].facing.weight + i), hn::Set(d, kWhole + 1.0f));
-    if (HWY_UNLIKELY(!hn::AllFalse(d, full))) closeLayers(index, i, full);
   }
 
   /// What came beyond a whole surface is, where it is little, noise of the same surface and joins
@@ -175,7 +175,11 @@ struct Layers {
     // What a side covers, and its mean point on the lens.
     const auto cover = [&](const Sums& sums) {
       const V weight = hn::Load(d, sums.weight + i);
-      Covering c{weight, hn::Min(weight, one), hn::Zero(d), hn::Zero(d)};
+      // `coverageOf`
+      constexpr Ripple kRipple = kLens ? kBlurredRipple : kSharpRipple;
+      const V steep = hn::MulAdd(weight, hn::Set(d, kRipple.slope()),
+                                 hn::Set(d, kRipple.part - kRipple.slope() * kRipple.part));
+      Covering c{weight, hn::Min(hn::Max(weight, steep), one), hn::Zero(d), hn::Zero(d)};
       if constexpr (kLens) {
         const V summed = hn::Min(weight, hn::Set(d, kWhole));
         const V inv = hn::Div(one, hn::Max(summed, hn::Set(d, 1e-20f)));
@@ -296,7 +300,7 @@ struct Layers {
     better = hn::And(better, hn::And(hn::Gt(covering, hn::Set(d, kPartial)),
                                      hn::Lt(alpha, hn::Set(d, 1.0f - kPartial))));
     if (hn::AllFalse(d, better)) return;
-    any_side = true;
+    block.any_side = true;
     const V inv_length = hn::Div(one, hn::Max(length, tiny));
     const auto keep = [&](float* to, V value) {
       hn::Store(hn::IfThenElse(better, value, hn::Load(d, to + i)), d, to + i);
@@ -328,18 +332,21 @@ struct Layers {
       for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(d)) {
         closeLayers(index, i, hn::FirstN(d, hn::Lanes(d)));
       }
+      if (!tile[index].dark) goesDark(tile[index]);
     }
     any_from_behind = any_beyond = false;
   }
 
-  /// The most light that passes anywhere.
-  HWY_INLINE float mostThrough() {
-    float most = 0.0f;
-    for (const Block& block : blocks()) {
-      most = std::max(most,
-                      *std::max_element(block.light.through, block.light.through + kBlockSamples));
+  /// Whether hardly any light passes a block that did not yet count as dark; it stays so.
+  HWY_INLINE bool goesDark(Block& block) {
+    const D d;
+    V most = hn::Zero(d);
+    for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(d)) {
+      most = hn::Max(most, hn::Load(d, block.light.through + i));
     }
-    return most;
+    block.dark = hn::AllTrue(d, hn::Lt(most, hn::Set(d, kHidden)));
+    lit -= block.dark;
+    return block.dark;
   }
 };
 

@@ -1,6 +1,8 @@
 // Where a splat, a layer and the light end: bounds on which all that draw surfels agree.
 #pragma once
 
+#include <algorithm>
+
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -22,13 +24,28 @@ inline constexpr float kFromBehind = 0.1f;
 /// Splats beyond any use are refused: a variance or an area of 10^5 by 10^5 pixels.
 inline constexpr float kLargest_px2 = 1e10f;
 
-/// A surface's weights sum to one, a little noise aside: what comes once they have reached this
+/// A surface's kernels sum to one, a little noise aside: what comes once they have reached this
 /// lies behind it.
 inline constexpr float kWhole = 1.01f;
 
 /// In transparent scenes, where that is seen: it is noise of the samples up to `kNoise`, another
 /// surface from `kAnother` on, and in between in part either.
 inline constexpr float kNoise = 0.15f, kAnother = 0.4f;
+
+/// They sum to one but for their ripple. What they cover from `whole` on counts as all, so that
+/// nothing is seen, nor drawn, behind a closed surface; up to `part` it counts as it is; in between
+/// it rises evenly from the one to the other. Blur evens the ripple out, and a blurred edge is
+/// wide.
+struct Ripple {
+  float part, whole;
+  constexpr float slope() const { return (1.0f - part) / (whole - part); }
+};
+inline constexpr Ripple kSharpRipple{0.9f, 0.98f}, kBlurredRipple{0.98f, 0.995f};
+
+/// What a layer covers whose weights sum to `weight`.
+inline float coverageOf(float weight, const Ripple& ripple) {
+  return std::min(1.0f, std::max(weight, ripple.slope() * (weight - ripple.part) + ripple.part));
+}
 
 /// Light that passes below this is not worth another layer: half a step of an 8-bit picture's
 /// darkest, linear, code.

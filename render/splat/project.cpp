@@ -375,13 +375,35 @@ void projectCut(const MomentTree& tree, const Cut& cut, const View& view, const 
                 const Projection& projection, SplatChunks& chunks) {
   const ProjectJob job = jobOf(tree.surfels().oriented, view, defocus, projection);
   const SurfelArrays surfels = arraysOf(tree.surfels());
-  const std::size_t size = chunkSize(cut.nodes.size() + cut.surfels.size());
+  const std::size_t size = chunkSize(cut.size());
   const std::size_t node_chunks = (cut.nodes.size() + size - 1) / size;
-  const std::size_t chunk_count = node_chunks + (cut.surfels.size() + size - 1) / size;
+  const std::size_t range_chunks = node_chunks + (cut.surfels.size() + size - 1) / size;
+  // Ranges, as many a chunk as it holds.
+  static_assert(Cut::kLongestRange <= kLeastChunk);
+  std::vector<std::size_t> first_range{0};
+  for (std::size_t r = 0, held = 0; r < cut.ranges.size(); ++r) {
+    const std::size_t surfel_count = cut.ranges[r].end - cut.ranges[r].begin;
+    if (held + surfel_count > size) {
+      first_range.push_back(r);
+      held = 0;
+    }
+    held += surfel_count;
+  }
+  if (!cut.ranges.empty()) first_range.push_back(cut.ranges.size());
+  const std::size_t chunk_count = range_chunks + first_range.size() - 1;
   makeRoom(chunks, chunk_count * size, job);
   chunks.chunk_size = size;
   chunks.count.assign(chunk_count, 0);
   parallelFor(chunks.count.size(), [&](std::size_t c) {
+    if (c >= range_chunks) {
+      for (std::size_t r = first_range[c - range_chunks]; r < first_range[c - range_chunks + 1];
+           ++r) {
+        chunks.count[c] +=
+            HWY_DYNAMIC_DISPATCH(projectRange)(job, surfels, cut.ranges[r].begin, cut.ranges[r].end,
+                                               outOf(chunks, c * size + chunks.count[c]));
+      }
+      return;
+    }
     const bool node = c < node_chunks;
     const std::vector<CutEntry>& entries = node ? cut.nodes : cut.surfels;
     const std::size_t begin = (node ? c : c - node_chunks) * size;

@@ -54,9 +54,10 @@ struct SplatLens {
 
 /// Surfels a chunk, of `n`: whole SIMD steps, and about as many chunks as the largest machine has
 /// threads. Fixed, so that no result hangs on the threads.
+inline constexpr std::size_t kLeastChunk = 4096;
 inline std::size_t chunkSize(std::size_t n) {
-  constexpr std::size_t kMostChunks = 64, kStep = 4096;
-  return std::max(kStep, (n / kMostChunks + kStep) / kStep * kStep);
+  constexpr std::size_t kMostChunks = 64;
+  return (n / kMostChunks + kLeastChunk) / kLeastChunk * kLeastChunk;
 }
 
 /// Splats of a frame, in chunks of consecutive surfels so that threads never share one. Chunk c

@@ -4,9 +4,12 @@
 #include "app/base/parallel.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "render/splat/interpolate.h"
@@ -72,195 +75,283 @@ constexpr Places kPlaces;
 /// nearest meridian and across it.
 enum class Blur { none, round, astigmatic };
 
+/// Splats as they come, front to back: where their centres are, seen from where they are seen
+/// from, and their footprints' boxes.
+struct Batch {
+  static constexpr unsigned kMost = 64;
+  unsigned count = 0;
+  std::uint32_t splat[kMost] = {};
+  alignas(64) float x_px[kMost] = {}, y_px[kMost] = {};
+  alignas(64) float left_px[kMost] = {}, right_px[kMost] = {};
+  alignas(64) float top_px[kMost] = {}, bottom_px[kMost] = {};
+};
+
 /// Draws the splats of a tile.
 template <bool kTransparent, bool kDepth, Blur kBlur>
 struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
   static constexpr bool kLens = kBlur != Blur::none, kAstigmatic = kBlur == Blur::astigmatic;
   using Base = Layers<kTransparent, kDepth, kLens>;
-  using Base::addBeyond, Base::any_from_behind, Base::any_side, Base::blocks, Base::clear,
-      Base::closeAll;
-  using Base::Base, Base::tile;
-  using Base::closeLayers, Base::columns, Base::kClosed, Base::mostThrough, Base::overlap;
+  using Base::addBeyond, Base::any_from_behind, Base::blocks, Base::clear, Base::closeAll,
+      Base::tile;
+  using Base::closeLayers, Base::columns, Base::goesDark, Base::lit, Base::overlap;
 
-  /// Adds one splat, moved by `shift`; returns the number of samples in its footprint.
-  /// @param across  of an astigmatic lens
-  /// @param part    the centre of the part of the lens, in its radii
-  template <bool kSides>
-  HWY_INLINE std::size_t add(const Splat& splat, const SplatLens& lens, const SplatLens& across,
-                             const TileJob& job, const glm::vec2& shift, const glm::vec2& part) {
+  const TileJob& job;
+  Batch batch;
+  std::size_t fragments = 0;
+
+  explicit Sweep(const TileJob& tile_job) : Base(tile_job.samples), job(tile_job) {}
+
+  /// The splats that a view is composited of.
+  struct Source {
+    const Splat* splats;
+    const SplatLens* lens;
+    const SplatLens* lens_across;
+    glm::vec2 part;  // centre of the part of the lens, in its radii
+  };
+
+  /// Puts a splat, moved by `shift`, into the batch.
+  HWY_INLINE void put(const Splat& splat, std::uint32_t index, const glm::vec2& shift) {
+    any_from_behind |= splat.opacity < 0.0f;
+    const unsigned n = batch.count++;
+    const float x_px = splat.x_px + shift.x, y_px = splat.y_px + shift.y;
+    batch.splat[n] = index;
+    batch.x_px[n] = x_px;
+    batch.y_px[n] = y_px;
+    batch.left_px[n] = x_px - splat.extent_x_px;
+    batch.right_px[n] = x_px + splat.extent_x_px;
+    batch.top_px[n] = y_px - splat.extent_y_px;
+    batch.bottom_px[n] = y_px + splat.extent_y_px;
+  }
+
+  /// Of the batch those, a bit each, whose span [low, high] meets that of block `b` along an axis.
+  HWY_INLINE std::uint64_t meeting(const float* low, const float* high, float first_px,
+                                   unsigned b) const {
     const D d;
-    const float left = (splat.x_px + shift.x - job.x) * job.per_step;
-    const float top = (splat.y_px + shift.y - job.y) * job.per_step;
-    const float extent_x = splat.extent_x_px * job.per_step;
-    const float extent_y = splat.extent_y_px * job.per_step;
-    const auto last = static_cast<float>(columns * kBlock - 1);
-    if (left + extent_x < 0.0f || left - extent_x > last || top + extent_y < 0.0f ||
-        top - extent_y > last) {
-      return 0;
+    const float step_px = 1.0f / job.per_step;
+    const float from_px = first_px + step_px * static_cast<float>(b * kBlock);
+    const V from = hn::Set(d, from_px), to = hn::Set(d, from_px + step_px * (kBlock - 1));
+    std::uint64_t all = 0;
+    for (std::size_t n = 0; n < Batch::kMost; n += hn::Lanes(d)) {
+      const M meets =
+          hn::And(hn::Ge(hn::Load(d, high + n), from), hn::Le(hn::Load(d, low + n), to));
+      std::uint8_t bytes[8] = {};
+      hn::StoreMaskBits(d, meets, bytes);
+      std::uint64_t bits = 0;
+      std::memcpy(&bits, bytes, sizeof bits);
+      all |= bits << n;
     }
-    const float step2 = 1.0f / (job.per_step * job.per_step);
-    const auto blockOf = [&](float sample) {
-      return static_cast<unsigned>(std::clamp(sample, 0.0f, last)) / kBlock;
-    };
-    const unsigned x0 = blockOf(left - extent_x), x1 = blockOf(left + extent_x);
-    const unsigned y0 = blockOf(top - extent_y), y1 = blockOf(top + extent_y);
-    const unsigned wide = x1 - x0 + 1, count = wide * (y1 - y0 + 1);
-    const V qa = hn::Set(d, splat.qa * step2), qb = hn::Set(d, splat.qb * step2);
-    const V qc = hn::Set(d, splat.qc * step2);
-    const V k0 = hn::Set(d, splat.k0), k1 = hn::Set(d, splat.k1), k2 = hn::Set(d, splat.k2);
-    const V red = hn::Set(d, splat.red), green = hn::Set(d, splat.green);
-    const V blue = hn::Set(d, splat.blue), opacity = hn::Set(d, std::abs(splat.opacity));
-    const bool from_behind = splat.opacity < 0.0f;
-    any_from_behind |= from_behind;
-    const V near_m = hn::Set(d, splat.near_m), far_m = hn::Set(d, splat.far_m);
-    const V distance = hn::Mul(hn::Mul(hn::Set(d, 0.5f), hn::Add(near_m, far_m)), opacity);
-    const V one = hn::Set(d, 1.0f);
-    const V per_x = hn::Set(d, lens.per_px * job.lens_x / job.per_step);
-    const V per_y = hn::Set(d, lens.per_px * job.lens_y / job.per_step);
-    const V inv_width = hn::Set(d, lens.inv_width);
-    [[maybe_unused]] V along_x, along_y, across_x, across_y, width2, across_width2;
-    if constexpr (kAstigmatic) {
-      const float x = job.meridian.x * job.lens_x, y = job.meridian.y * job.lens_y;
-      along_x = hn::Set(d, lens.per_px * x / job.per_step);
-      along_y = hn::Set(d, lens.per_px * y / job.per_step);
-      across_x = hn::Set(d, -across.per_px * job.meridian.y * job.lens_x / job.per_step);
-      across_y = hn::Set(d, across.per_px * job.meridian.x * job.lens_y / job.per_step);
-      width2 = hn::Set(d, 1.0f / (lens.inv_width * lens.inv_width));
-      across_width2 = hn::Set(d, 1.0f / (across.inv_width * across.inv_width));
+    return batch.count < Batch::kMost ? all & ((std::uint64_t{1} << batch.count) - 1) : all;
+  }
+
+  /// Adds the splats of the batch, block by block, and empties it.
+  HWY_INLINE void flush(const Source& source) {
+    if (batch.count == 0) return;
+    std::uint64_t in_column[Base::kMostBlocks];
+    for (unsigned x = 0; x < columns; ++x) {
+      in_column[x] = meeting(batch.left_px, batch.right_px, job.x, x);
     }
-
-    bool tilted = false;
-    [[maybe_unused]] V tilt_x, tilt_y, tilt_at;
-    if constexpr (kLens) {
-      const glm::vec2 tilt(lens.tilt_x, lens.tilt_y), m = job.meridian;
-      tilted = tilt != glm::vec2(0.0f);
-      tilt_at = hn::Set(d, 1.0f + glm::dot(tilt, part));
-      tilt_x = hn::Set(d, kAstigmatic ? glm::dot(tilt, m) : tilt.x);
-      tilt_y = hn::Set(d, kAstigmatic ? tilt.y * m.x - tilt.x * m.y : tilt.y);
-    }
-
-    std::size_t fragments = 0;
-    // One flat loop over the blocks that the box may touch: two nested short ones mispredict.
-    unsigned index = y0 * columns + x0, column = 0;
-    float from_x = static_cast<float>(x0 * kBlock) - left;
-    float from_y = static_cast<float>(y0 * kBlock) - top;
-    const float back = static_cast<float>((wide - 1) * kBlock);
-    for (unsigned b = 0; b < count; ++b) {
-      Block& block = tile[index];
-      Sums& sums = from_behind ? block.from_behind : block.facing;
-      Light& light = block.light;
-      const V at_x = hn::Set(d, from_x), at_y = hn::Set(d, from_y);
-      for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(d)) {
-        const V dx = hn::Add(hn::Load(d, kPlaces.x + i), at_x);
-        const V dy = hn::Add(hn::Load(d, kPlaces.y + i), at_y);
-        const V slope = hn::MulAdd(qa, dx, hn::Mul(qb, dy));
-        const V t = hn::NegMulAdd(slope, dx, hn::NegMulAdd(hn::Mul(qc, dy), dy, one));
-        const M inside = hn::Gt(t, hn::Zero(d));
-        fragments += hn::CountTrue(d, inside);
-
-        const V open = hn::Load(d, block.far_m + i);
-        const M behind = hn::And(inside, hn::Gt(near_m, open));
-        if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) closeLayers(index, i, behind);
-
-        V all = hn::IfThenElseZero(inside, hn::MulAdd(hn::MulAdd(k2, t, k1), t, k0));
-        [[maybe_unused]] V lx, ly;
-        if constexpr (kLens) {
-          if constexpr (kAstigmatic) {
-            lx = hn::MulAdd(dx, along_x, hn::Mul(dy, along_y));
-            ly = hn::MulAdd(dx, across_x, hn::Mul(dy, across_y));
-          } else {
-            lx = hn::Mul(dx, per_x);
-            ly = hn::Mul(dy, per_y);
-          }
-          if (tilted) {
-            const V times = hn::MulAdd(tilt_x, lx, hn::MulAdd(tilt_y, ly, tilt_at));
-            all = hn::Mul(all, hn::Abs(times));
-          }
-        }
-        // What comes once the surface is whole lies behind it.
-        const V before = hn::Load(d, sums.weight + i);
-        const V w = hn::Min(all, hn::Max(hn::Sub(hn::Set(d, kWhole), before), hn::Zero(d)));
-        hn::Store(hn::Add(all, before), d, sums.weight + i);
-        V passes = one;  // of the light, by where on the lens it falls
-        if constexpr (kLens) {
-          hn::Store(hn::MulAdd(w, lx, hn::Load(d, sums.lens_x + i)), d, sums.lens_x + i);
-          hn::Store(hn::MulAdd(w, ly, hn::Load(d, sums.lens_y + i)), d, sums.lens_y + i);
-          if constexpr (kSides) {
-            const V off = hn::NegMulAdd(
-                hn::Load(d, light.side_x + i), lx,
-                hn::NegMulAdd(hn::Load(d, light.side_y + i), ly, hn::Load(d, light.side_at + i)));
-            V sharpness = inv_width;
-            if constexpr (kAstigmatic) {
-              // The variance along the side's normal, whose parts' squares sum to 1.
-              const V n = hn::Load(d, light.side_x + i);
-              const V squared =
-                  hn::MulAdd(hn::Mul(n, n), hn::Sub(width2, across_width2), across_width2);
-              sharpness = hn::Div(one, hn::Sqrt(squared));
-            }
-            const V within =
-                hn::Min(hn::Max(hn::MulAdd(off, sharpness, hn::Set(d, 0.5f)), hn::Zero(d)), one);
-            passes =
-                hn::MulAdd(hn::Load(d, light.contrast + i), within, hn::Load(d, light.outside + i));
-          }
-        }
-        const V seen = hn::Mul(w, passes);
-        const auto accumulate = [&](float* sum, V value) {
-          hn::Store(hn::MulAdd(seen, value, hn::Load(d, sum + i)), d, sum + i);
-        };
-        accumulate(sums.red, red);
-        accumulate(sums.green, green);
-        accumulate(sums.blue, blue);
-        if constexpr (kTransparent || kLens) accumulate(sums.visible, opacity);
-        if constexpr (kDepth) accumulate(sums.distance, distance);
-        hn::Store(hn::IfThenElse(inside, hn::Max(open, far_m), open), d, block.far_m + i);
-        if constexpr (kTransparent) {
-          const V later = hn::Sub(all, w);
-          if (!from_behind && !hn::AllTrue(d, hn::Le(later, hn::Zero(d)))) {
-            addBeyond(index, i, hn::Mul(later, passes), splat);
-          }
+    for (unsigned y = 0; y < columns; ++y) {
+      const std::uint64_t in_row = meeting(batch.top_px, batch.bottom_px, job.y, y);
+      for (unsigned x = 0; x < columns; ++x) {
+        const std::size_t index = y * columns + x;
+        const Block& block = tile[index];
+        const std::uint64_t touching = in_row & in_column[x];
+        if (touching == 0 || block.dark) continue;
+        for (std::size_t i = 0; i < kBlockSamples && !block.dark; i += hn::Lanes(D())) {
+          add(source, index, i, static_cast<float>(x * kBlock), static_cast<float>(y * kBlock),
+              touching);
         }
       }
-      const bool row_ends = ++column == wide;
-      index += row_ends ? columns - wide + 1 : 1;
-      from_x += row_ends ? -back : static_cast<float>(kBlock);
-      from_y += row_ends ? static_cast<float>(kBlock) : 0.0f;
-      column = row_ends ? 0 : column;
     }
-    return fragments;
+    batch.count = 0;
+  }
+
+  /// Adds splats of the batch to a block's samples from `i` on, as many as there are lanes.
+  HWY_NOINLINE void add(const Source& source, std::size_t index, std::size_t i, float at_x,
+                        float at_y, std::uint64_t touching) {
+    const D d;
+    Block& block = tile[index];
+    const V one = hn::Set(d, 1.0f), zero = hn::Zero(d), step = hn::Set(d, 1.0f / job.per_step);
+    const V x =
+        hn::MulAdd(hn::Add(hn::Load(d, kPlaces.x + i), hn::Set(d, at_x)), step, hn::Set(d, job.x));
+    const V y =
+        hn::MulAdd(hn::Add(hn::Load(d, kPlaces.y + i), hn::Set(d, at_y)), step, hn::Set(d, job.y));
+    const Light& light = block.light;
+
+    // The open layer, in registers: of one side at a time.
+    Sums* sums = &block.facing;
+    V open, weight, red, green, blue, visible = zero, distance = zero, lens_x = zero, lens_y = zero;
+    const auto load = [&] {
+      open = hn::Load(d, block.far_m + i);
+      weight = hn::Load(d, sums->weight + i);
+      red = hn::Load(d, sums->red + i);
+      green = hn::Load(d, sums->green + i);
+      blue = hn::Load(d, sums->blue + i);
+      if constexpr (kTransparent || kLens) visible = hn::Load(d, sums->visible + i);
+      if constexpr (kDepth) distance = hn::Load(d, sums->distance + i);
+      if constexpr (kLens) {
+        lens_x = hn::Load(d, sums->lens_x + i);
+        lens_y = hn::Load(d, sums->lens_y + i);
+      }
+    };
+    const auto store = [&] {
+      hn::Store(open, d, block.far_m + i);
+      hn::Store(weight, d, sums->weight + i);
+      hn::Store(red, d, sums->red + i);
+      hn::Store(green, d, sums->green + i);
+      hn::Store(blue, d, sums->blue + i);
+      if constexpr (kTransparent || kLens) hn::Store(visible, d, sums->visible + i);
+      if constexpr (kDepth) hn::Store(distance, d, sums->distance + i);
+      if constexpr (kLens) {
+        hn::Store(lens_x, d, sums->lens_x + i);
+        hn::Store(lens_y, d, sums->lens_y + i);
+      }
+    };
+    load();
+
+    for (; touching != 0; touching &= touching - 1) {
+      const auto n = static_cast<unsigned>(std::countr_zero(touching));
+      const Splat& splat = source.splats[batch.splat[n]];
+      Sums* side = splat.opacity < 0.0f ? &block.from_behind : &block.facing;
+      if (HWY_UNLIKELY(side != sums)) {
+        store();
+        sums = side;
+        load();
+      }
+      const V dx = hn::Sub(x, hn::Set(d, batch.x_px[n])),
+              dy = hn::Sub(y, hn::Set(d, batch.y_px[n]));
+      const V slope = hn::MulAdd(hn::Set(d, splat.qa), dx, hn::Mul(hn::Set(d, splat.qb), dy));
+      const V t =
+          hn::NegMulAdd(slope, dx, hn::NegMulAdd(hn::Mul(hn::Set(d, splat.qc), dy), dy, one));
+      const M inside = hn::Gt(t, zero);
+      fragments += hn::CountTrue(d, inside);
+      const V near_m = hn::Set(d, splat.near_m);
+      const M behind = hn::And(inside, hn::And(hn::Gt(near_m, open), hn::Ge(open, zero)));
+      if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) {
+        store();
+        closeLayers(index, i, behind);
+        if (goesDark(block)) return;
+        load();
+      }
+      open = hn::IfThenElse(inside, hn::Max(open, hn::Set(d, splat.far_m)), open);
+      V all = hn::IfThenElseZero(
+          inside, hn::MulAdd(hn::MulAdd(hn::Set(d, splat.k2), t, hn::Set(d, splat.k1)), t,
+                             hn::Set(d, splat.k0)));
+      V passes = one;  // of the light, by where on the lens it falls
+      V w;
+      const auto fill = [&] {
+        w = hn::Min(all, hn::Max(hn::Sub(hn::Set(d, kWhole), weight), zero));
+      };
+      if constexpr (kLens) {
+        const SplatLens& lens = source.lens[batch.splat[n]];
+        const SplatLens& across =
+            kAstigmatic ? source.lens_across[batch.splat[n]] : source.lens[batch.splat[n]];
+        const auto perPixel = [&](float x_of, float y_of) {
+          return hn::MulAdd(dx, hn::Set(d, x_of), hn::Mul(dy, hn::Set(d, y_of)));
+        };
+        V lx, ly;
+        if constexpr (kAstigmatic) {
+          const glm::vec2 m = job.meridian * glm::vec2(job.lens_x, job.lens_y);
+          const glm::vec2 a(-job.meridian.y * job.lens_x, job.meridian.x * job.lens_y);
+          lx = perPixel(lens.per_px * m.x, lens.per_px * m.y);
+          ly = perPixel(across.per_px * a.x, across.per_px * a.y);
+        } else {
+          lx = hn::Mul(dx, hn::Set(d, lens.per_px * job.lens_x));
+          ly = hn::Mul(dy, hn::Set(d, lens.per_px * job.lens_y));
+        }
+        if (lens.tilt_x != 0.0f || lens.tilt_y != 0.0f) {
+          const glm::vec2 tilt(lens.tilt_x, lens.tilt_y), m = job.meridian;
+          const V tilt_x = hn::Set(d, kAstigmatic ? glm::dot(tilt, m) : tilt.x);
+          const V tilt_y = hn::Set(d, kAstigmatic ? tilt.y * m.x - tilt.x * m.y : tilt.y);
+          const V at = hn::Set(d, 1.0f + glm::dot(tilt, source.part));
+          all = hn::Mul(all, hn::Abs(hn::MulAdd(tilt_x, lx, hn::MulAdd(tilt_y, ly, at))));
+        }
+        fill();
+        lens_x = hn::MulAdd(w, lx, lens_x);
+        lens_y = hn::MulAdd(w, ly, lens_y);
+        if (block.any_side) passes = shareSeen(light, i, lx, ly, lens, across);
+      } else {
+        fill();
+      }
+      const V seen = hn::Mul(w, passes);
+      if constexpr (kTransparent || kLens) {
+        visible = hn::MulAdd(seen, hn::Set(d, std::abs(splat.opacity)), visible);
+      }
+      weight = hn::Add(weight, all);
+      red = hn::MulAdd(seen, hn::Set(d, splat.red), red);
+      green = hn::MulAdd(seen, hn::Set(d, splat.green), green);
+      blue = hn::MulAdd(seen, hn::Set(d, splat.blue), blue);
+      if constexpr (kDepth) {
+        const float opaque_m = 0.5f * (splat.near_m + splat.far_m) * std::abs(splat.opacity);
+        distance = hn::MulAdd(seen, hn::Set(d, opaque_m), distance);
+      }
+      if constexpr (kTransparent) {
+        const V later = hn::Sub(all, w);
+        if (side != &block.facing || hn::AllTrue(d, hn::Le(later, zero))) continue;
+        addBeyond(index, i, hn::Mul(later, passes), splat);
+        const M full = hn::Ge(weight, hn::Set(d, kWhole + 1.0f));
+        if (HWY_LIKELY(hn::AllFalse(d, full))) continue;
+        store();
+        closeLayers(index, i, full);
+        if (goesDark(block)) return;
+        load();
+      }
+    }
+    store();
+  }
+
+  /// Of what is seen from a lens point, with how far it spreads, the share that the layers before
+  /// let through, over what they do on the mean.
+  static HWY_INLINE V shareSeen(const Light& light, std::size_t i, V lx, V ly,
+                                const SplatLens& lens, const SplatLens& across) {
+    const D d;
+    const V one = hn::Set(d, 1.0f);
+    const V off = hn::NegMulAdd(
+        hn::Load(d, light.side_x + i), lx,
+        hn::NegMulAdd(hn::Load(d, light.side_y + i), ly, hn::Load(d, light.side_at + i)));
+    V sharpness = hn::Set(d, lens.inv_width);
+    if constexpr (kAstigmatic) {
+      // The variance along the side's normal, whose parts' squares sum to 1.
+      const V width2 = hn::Set(d, 1.0f / (lens.inv_width * lens.inv_width));
+      const V across_width2 = hn::Set(d, 1.0f / (across.inv_width * across.inv_width));
+      const V n = hn::Load(d, light.side_x + i);
+      const V squared = hn::MulAdd(hn::Mul(n, n), hn::Sub(width2, across_width2), across_width2);
+      sharpness = hn::Div(one, hn::Sqrt(squared));
+    }
+    const V within =
+        hn::Min(hn::Max(hn::MulAdd(off, sharpness, hn::Set(d, 0.5f)), hn::Zero(d)), one);
+    return hn::MulAdd(hn::Load(d, light.contrast + i), within, hn::Load(d, light.outside + i));
   }
 
   /// Composites all splats as seen through a part of the lens, from its centre or shifted.
   template <class ShiftOf>
-  HWY_INLINE std::size_t compose(const TileJob& job, const Splat* splats, const SplatLens* lenses,
-                                 const SplatLens* lenses_across, const ShiftOf& shiftOf,
-                                 const glm::vec2& part) {
+  HWY_INLINE void compose(const Source& source, const ShiftOf& shiftOf) {
     clear();
-    std::size_t fragments = 0;
-    float open_far_m = job.count > 0 ? splats[job.entries[0]].far_m : 0.0f;
+    float open_far_m = job.count > 0 ? source.splats[job.entries[0]].far_m : 0.0f;
     for (std::size_t e = 0; e < job.count; ++e) {
-      constexpr std::size_t kAhead = 8;
-      if (e + kAhead < job.count) hwy::Prefetch(&splats[job.entries[e + kAhead]]);
-      const Splat& splat = splats[job.entries[e]];
+      constexpr std::size_t kAhead = 16;
+      if (e + kAhead < job.count) hwy::Prefetch(&source.splats[job.entries[e + kAhead]]);
+      const Splat& splat = source.splats[job.entries[e]];
 
       // A gap in depth across the whole tile closes every layer; with no light left, the tile is
       // done.
       if (HWY_UNLIKELY(job.nearest_m[e] > open_far_m)) {
+        flush(source);
         closeAll();
-        if (mostThrough() < kHidden) break;
+        if (lit == 0) break;
       }
       open_far_m = std::max(open_far_m, splat.far_m);
-      const SplatLens lens = kLens ? lenses[job.entries[e]] : SplatLens{};
-      const SplatLens across = kAstigmatic ? lenses_across[job.entries[e]] : SplatLens{};
-      const glm::vec2 shift = shiftOf(job.entries[e]);
-      fragments += kLens && any_side ? add<true>(splat, lens, across, job, shift, part)
-                                     : add<false>(splat, lens, across, job, shift, part);
+      put(splat, job.entries[e], shiftOf(job.entries[e]));
+      if (batch.count < Batch::kMost) continue;
+      flush(source);
+      if (lit == 0) break;
     }
+    flush(source);
     closeAll();
-    return fragments;
   }
 
   /// Adds a share of what is composited to the result.
-  void emit(const TileJob& job, float share) {
+  void emit(float share) {
     const unsigned side = columns * kBlock;
     for (unsigned y = 0; y < side; ++y) {
       for (unsigned x = 0; x < side; ++x) {
@@ -276,17 +367,16 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
     }
   }
 
-  std::size_t run(const TileJob& job) {
+  std::size_t run() {
     const LensParts* parts = job.parts;
-    std::size_t fragments = 0;
-    fragments += compose(
-        job, job.splats, job.lens, job.lens_across, [](std::uint32_t) { return glm::vec2(0.0f); },
-        glm::vec2(0.0f));
+    compose({job.splats, job.lens, job.lens_across, glm::vec2(0.0f)},
+            [](std::uint32_t) { return glm::vec2(0.0f); });
     if (!parts || !overlap) {
-      emit(job, 1.0f);
+      emit(1.0f);
       return fragments;
     }
-    emit(job, 1.0f - job.parts_share);
+    emit(1.0f - job.parts_share);
+    const auto count = static_cast<float>(parts->centres.size());
     for (const glm::vec2& centre : parts->centres) {
       const glm::vec2 across(-job.meridian.y, job.meridian.x);
       const glm::vec2 px_per_D =
@@ -294,14 +384,12 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
           (kAstigmatic ? glm::dot(centre, job.meridian) * job.meridian : centre);
       const glm::vec2 across_px_per_D =
           job.radius_px_per_D * (kAstigmatic ? glm::dot(centre, across) * across : glm::vec2(0.0f));
-      fragments += compose(
-          job, parts->splats, parts->lens, parts->lens_across,
-          [&](std::uint32_t splat) {
-            const glm::vec2 shift = px_per_D * parts->out_of_focus_D[splat];
-            return kAstigmatic ? shift + across_px_per_D * parts->out_across_D[splat] : shift;
-          },
-          std::sqrt(static_cast<float>(parts->centres.size())) * centre);
-      emit(job, job.parts_share / static_cast<float>(parts->centres.size()));
+      compose({parts->splats, parts->lens, parts->lens_across, std::sqrt(count) * centre},
+              [&](std::uint32_t splat) {
+                const glm::vec2 shift = px_per_D * parts->out_of_focus_D[splat];
+                return kAstigmatic ? shift + across_px_per_D * parts->out_across_D[splat] : shift;
+              });
+      emit(job.parts_share / count);
     }
     return fragments;
   }
@@ -310,9 +398,9 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
 std::size_t sweepTile(const TileJob& job, bool transparent) {
   const auto run = [&]<bool kTransparent, bool kDepth>() {
     if (job.lens && job.lens_across)
-      return Sweep<kTransparent, kDepth, Blur::astigmatic>(job.samples).run(job);
-    if (job.lens) return Sweep<kTransparent, kDepth, Blur::round>(job.samples).run(job);
-    return Sweep<kTransparent, kDepth, Blur::none>(job.samples).run(job);
+      return Sweep<kTransparent, kDepth, Blur::astigmatic>(job).run();
+    if (job.lens) return Sweep<kTransparent, kDepth, Blur::round>(job).run();
+    return Sweep<kTransparent, kDepth, Blur::none>(job).run();
   };
   if (job.depth_m)
     return transparent ? run.template operator()<true, true>()

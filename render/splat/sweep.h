@@ -36,8 +36,10 @@ struct SweepSettings {
 /// A-buffer's merge by intersection, section 6.4, as a running union); one that begins behind it
 /// closes it. The kernels of one surface sum to one: weights and colours add until they have, and
 /// what joins later lies behind, however near: it is hidden, or, where the scene is transparent,
-/// makes a layer of its own. A closed layer covers alpha = W times its mean opacity, W its weights
-/// up to one, and lets 1 - alpha of what follows through. SIMD with run-time dispatch, tiles by
+/// makes a layer of its own. A closed layer covers alpha = `coverageOf`(W) times its mean opacity
+/// and lets 1 - alpha of what follows through; where hardly any light passes, nothing more is
+/// drawn. Splats are taken in batches, and blocks of 4 x 4 samples keep their open layers in
+/// registers while they add those of a batch that they meet. SIMD with run-time dispatch, tiles by
 /// TBB.
 /// @return the number of fragments: samples inside a footprint
 std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,

@@ -126,6 +126,10 @@ TEST(Cut, WeightsSumToOneAboveEverySurfel) {
               {.per_blur2 = 0.01f, .per_pixel2 = 0.1f}, cut);
     std::vector<float> sum(tree.surfels().size(), 0.0f);
     for (const CutEntry& entry : cut.surfels) sum[entry.index] += entry.weight;
+    for (const CutRange& range : cut.ranges) {
+      ASSERT_LE(range.end - range.begin, Cut::kLongestRange);
+      for (std::uint32_t i = range.begin; i < range.end; ++i) sum[i] += 1.0f;
+    }
     for (const CutEntry& entry : cut.nodes) {
       const int level = static_cast<int>(std::bit_width(entry.index)) - 1;
       const auto [begin, end] = tree.range(level, entry.index - (std::size_t{1} << level));
@@ -143,8 +147,8 @@ TEST(Cut, IsCoarserWhereBlurIsLarger) {
     Cut cut;
     selectCut(tree, view, {.radius_px_per_D = glm::vec2(radius_px_per_D), .focus_D = 2.0f},
               {.per_blur2 = 0.01f, .per_pixel2 = 0.01f}, cut);
-    EXPECT_LT(cut.nodes.size() + cut.surfels.size(), before) << radius_px_per_D;
-    before = cut.nodes.size() + cut.surfels.size();
+    EXPECT_LT(cut.size(), before) << radius_px_per_D;
+    before = cut.size();
   }
   EXPECT_LT(before, 2000u);
 }
@@ -153,7 +157,7 @@ TEST(Cut, LeavesOutWhatCannotTouchTheImage) {
   const MomentTree tree(ball(5000, 0.1f, {0, 0, 2}));  // behind the eye
   Cut cut;
   selectCut(tree, squareViewOf(64, 100.0f), {}, {.per_blur2 = 0.01f, .per_pixel2 = 0.1f}, cut);
-  EXPECT_TRUE(cut.nodes.empty() && cut.surfels.empty());
+  EXPECT_EQ(cut.size(), 0u);
 }
 
 TEST(SweepLod, TotalVarianceIsTheFormulasAtEveryLevel) {
