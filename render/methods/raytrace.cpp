@@ -40,7 +40,7 @@ struct SeenSurfel {
   glm::vec3 color;      // shaded, times opacity
   float opacity;
   bool from_behind;
-  float near_m, far_m;
+  float distance_m, near_m, far_m;
 };
 
 /// The kernel's weight at an offset from the splat's centre as seen through a lens point.
@@ -87,7 +87,7 @@ void gather(const RTCFilterFunctionNArguments* arguments) {
   if (weight > 0.0f) ray.hits->push_back({index, weight});
 }
 
-/// Seen from the eye, in order of the near ends of their z-ranges (ties: of the surfels); one that
+/// Seen from the eye, in order of their distances (ties: of the surfels); one that
 /// draws nothing is not there.
 std::vector<SeenSurfel> look(const SurfelCloud& cloud, const View& view,
                              const RenderSettings& settings) {
@@ -121,6 +121,7 @@ std::vector<SeenSurfel> look(const SurfelCloud& cloud, const View& view,
               .color = shade * opacity * cloud.color[i],
               .opacity = opacity,
               .from_behind = cloud.oriented && away > kFromBehind,
+              .distance_m = distance_m,
               .near_m = std::max(distance_m - reach_m, 0.0f),
               .far_m = distance_m + reach_m};
     // Sums with what is not finite are not finite.
@@ -132,8 +133,9 @@ std::vector<SeenSurfel> look(const SurfelCloud& cloud, const View& view,
     if (kept[i]) all[count++] = all[i];
   }
   all.resize(count);
-  std::stable_sort(all.begin(), all.end(),
-                   [](const SeenSurfel& a, const SeenSurfel& b) { return a.near_m < b.near_m; });
+  std::stable_sort(all.begin(), all.end(), [](const SeenSurfel& a, const SeenSurfel& b) {
+    return a.distance_m < b.distance_m;
+  });
   return all;
 }
 
@@ -237,17 +239,35 @@ class DiscScene {
   RTCScene scene_ = nullptr;
 };
 
-/// Sums over the splats of an open layer, by the side that is seen.
+/// Sums over splats.
 struct Sums {
   float weight = 0.0f, opacity = 0.0f, distance = 0.0f;
   glm::vec3 color{0.0f};
 
   void add(const SeenSurfel& surfel, float w) {
-    w *= roomIn(weight);
     weight += w;
     opacity += w * surfel.opacity;
     distance += w * surfel.opacity * 0.5f * (surfel.near_m + surfel.far_m);
     color += w * surfel.color;
+  }
+
+  void add(const Sums& other, float f) {
+    weight += f * other.weight;
+    opacity += f * other.opacity;
+    distance += f * other.distance;
+    color += f * other.color;
+  }
+};
+
+/// An open layer: what came until the side that is seen was whole, and later.
+struct Layer {
+  Sums facing, behind, later;
+
+  void add(const SeenSurfel& surfel, float w) {
+    Sums& side = surfel.from_behind ? behind : facing;
+    const float joins = std::min(w, std::max(kWhole - side.weight, 0.0f));
+    side.add(surfel, joins);
+    if (!surfel.from_behind && w > joins) later.add(surfel, w - joins);
   }
 };
 
@@ -257,33 +277,46 @@ struct Seen {
   float distance = 0.0f;  // times coverage
   float through = 1.0f;
 
-  void close(const Sums& facing, const Sums& behind) {
-    const float covered = coverageOf(facing.weight, kSharpRipple);
-    const float left = std::max(coverageOf(behind.weight, kSharpRipple) - covered, 0.0f);
-    const float facing_scale = covered / std::max(facing.weight, 1e-20f);
-    const float behind_scale = left / std::max(behind.weight, 1e-20f);
-    color += through * (facing_scale * facing.color + behind_scale * behind.color);
-    distance += through * (facing_scale * facing.distance + behind_scale * behind.distance);
-    through *= 1.0f - (facing_scale * facing.opacity + behind_scale * behind.opacity);
+  void close(Layer layer, bool transparent) {
+    if (!transparent) layer.later = {};
+    const float covered = coverageOf(layer.facing.weight, kSharpRipple);
+    const float left = std::max(coverageOf(layer.behind.weight, kSharpRipple) - covered, 0.0f);
+    const float less = (kAnother - layer.later.weight) / (kAnother - kNoise);
+    const float same = std::clamp(less, 0.0f, 1.0f);  // of noise and another surface, the first
+    layer.facing.add(layer.later, same);
+    layer.later.add(layer.later, -same);
+    const float facing_scale = covered / std::max(layer.facing.weight, 1e-20f);
+    const float behind_scale = left / std::max(layer.behind.weight, 1e-20f);
+    compose(layer.facing, facing_scale, layer.behind, behind_scale);
+    compose(layer.later, 1.0f / std::max(layer.later.weight, 1.0f), {}, 0.0f);
+  }
+
+ private:
+  void compose(const Sums& a, float a_scale, const Sums& b, float b_scale) {
+    color += through * (a_scale * a.color + b_scale * b.color);
+    distance += through * (a_scale * a.distance + b_scale * b.distance);
+    through *= 1.0f - std::min(a_scale * a.opacity + b_scale * b.opacity, 1.0f);
   }
 };
 
 /// Layers as the sweep makes them (sweep.h), of one ray.
-Seen compose(const std::vector<SeenSurfel>& surfels, const std::vector<Hit>& hits) {
+Seen compose(const std::vector<SeenSurfel>& surfels, bool transparent,
+             const std::vector<Hit>& hits) {
   Seen seen;
-  Sums facing, behind;
+  Layer open;
   float open_far_m = -1.0f;
   for (const Hit& hit : hits) {
     const SeenSurfel& surfel = surfels[hit.surfel];
-    if (surfel.near_m > open_far_m) {
-      seen.close(facing, behind);
-      facing = behind = {};
+    if (surfel.near_m > open_far_m || open.later.weight >= 1.0f) {
+      seen.close(open, transparent);
+      open = {};
+      open_far_m = -1.0f;
       if (seen.through < kHidden) return seen;
     }
     open_far_m = std::max(open_far_m, surfel.far_m);
-    (surfel.from_behind ? behind : facing).add(surfel, hit.weight);
+    open.add(surfel, hit.weight);
   }
-  seen.close(facing, behind);
+  seen.close(open, transparent);
   return seen;
 }
 
@@ -325,7 +358,7 @@ class RaytraceMethod final : public Method {
           scene.trace({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f},
                       lensSampleOfPixel(i, rays, random.x, random.y), hits);
           fragments[y] += hits.size();
-          const Seen seen = compose(surfels, hits);
+          const Seen seen = compose(surfels, !cloud_.opacity.empty(), hits);
           halves[i % 2] +=
               glm::vec4(seen.color + seen.through * settings.background, 1.0f - seen.through);
           distance += seen.distance;

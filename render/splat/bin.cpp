@@ -169,7 +169,7 @@ void TileLists::fill(const SplatChunks& chunks, const ForEachTile& forEachTile) 
     std::uint32_t least = UINT32_MAX, most = 0;
     for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
       const SplatKey& key = chunks.keys[c * chunks.chunk_size + i];
-      const auto bits = std::bit_cast<std::uint32_t>(key.near_m);
+      const auto bits = std::bit_cast<std::uint32_t>(key.distance_m);
       least = std::min(least, bits);
       most = std::max(most, bits);
       forEachTile(key, [&](std::size_t tile, bool counts) { count[tile] += counts; });
@@ -201,7 +201,7 @@ void TileLists::fill(const SplatChunks& chunks, const ForEachTile& forEachTile) 
     for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
       const std::size_t splat = c * chunks.chunk_size + i;
       const SplatKey& key = chunks.keys[splat];
-      const std::uint64_t bits = (std::bit_cast<std::uint32_t>(key.near_m) - least) >> shift;
+      const std::uint64_t bits = (std::bit_cast<std::uint32_t>(key.distance_m) - least) >> shift;
       forEachTile(key, [&](std::size_t tile, bool counts) {
         *(counts ? pairs_.data() + cursor[tile] : &nowhere) = bits << 32 | splat;
         cursor[tile] += counts;

@@ -26,7 +26,7 @@ struct Tile {
   int samplesWithApron() const { return side_px / step_px + 2 * apron(); }
 };
 
-/// Lists of splat indices by tile, each in order of `near_m` (ties and distances equal to about one
+/// Lists of splat indices by tile, each in order of distance (ties and distances equal to about one
 /// part in 10^5: in order of surfel). The order does not depend on the number of threads.
 class TileLists {
  public:

@@ -14,6 +14,7 @@
 #include <span>
 
 #include "render/splat/bin.h"
+#include "render/splat/limits.h"
 #include "render/splat/splat.h"
 
 #ifndef FOCI_LAYERS_ONCE
@@ -48,10 +49,15 @@ constexpr int kBlock = 4, kBlockSamples = kBlock * kBlock;
 static_assert(kTile % (kBlock * kMostStep_px) == 0 && 2 * kApron % kBlock == 0);
 using BlockValues = float[kBlockSamples];
 
-/// Per sample, sums over the splats of an open layer. `visible`, the opacity that is seen, and
-/// `distance` are used where asked for.
-struct alignas(64) Sums {
-  BlockValues weight, red, green, blue, visible, distance;
+/// Per sample, colours summed over splats by their weights. `visible`, the opacity that is seen,
+/// and `distance` are used where asked for.
+struct alignas(64) Paint {
+  BlockValues red, green, blue, visible, distance;
+};
+
+/// An open layer: of the splats that came before it was whole.
+struct alignas(64) Sums : Paint {
+  BlockValues weight;          // of all, what came later too
   BlockValues lens_x, lens_y;  // weights times lens points
 };
 
@@ -81,10 +87,12 @@ struct Layers {
   static constexpr int kMostBlocks = (kTile + 2 * kApron) / kBlock;
 
   Block tile[kMostBlocks * kMostBlocks];
-  const unsigned columns;        // of blocks, and their rows
-  bool any_from_behind = false;  // in the open layers
-  unsigned lit = 0;              // blocks that some light passes
-  bool overlap = false;          // somewhere layers cover each other in part
+  Paint beyond[kTransparent ? kMostBlocks * kMostBlocks : 1];  // what came later, see `addBeyond`
+  const unsigned columns;                                      // of blocks, and their rows
+  bool any_from_behind = false;                                // in the open layers
+  bool any_beyond = false;                                     // likewise
+  unsigned lit = 0;                                            // blocks that some light passes
+  bool overlap = false;  // somewhere layers cover each other in part
 
   explicit Layers(int samples_a_side) : columns(static_cast<unsigned>(samples_a_side) / kBlock) {
     for (Block& block : blocks()) {
@@ -106,13 +114,64 @@ struct Layers {
     lit = columns * columns;
   }
 
-  /// Composites the open layers of the lanes in `which` from `i` on and opens new ones.
-  HWY_NOINLINE void closeLayers(Block& block, std::size_t i, M which) {
+  /// Adds what comes once the surface of a layer is whole.
+  /// @param weight  of it, times the light that passes to it
+  HWY_NOINLINE void addBeyond(std::size_t index, std::size_t i, V weight, const Splat& splat) {
     const D d;
+    if (!any_beyond) std::fill_n(beyond, columns * columns, Paint{});
+    any_beyond = true;
+    Paint& more = beyond[index];
+    const auto add = [&](float* sum, float value) {
+      hn::Store(hn::MulAdd(weight, hn::Set(d, value), hn::Load(d, sum + i)), d, sum + i);
+    };
+    const float opacity = std::abs(splat.opacity);
+    add(more.red, splat.red);
+    add(more.green, splat.green);
+    add(more.blue, splat.blue);
+    add(more.visible, opacity);
+    if constexpr (kDepth) add(more.distance, 0.5f * (splat.near_m + splat.far_m) * opacity);
+  }
+
+  /// What came beyond a whole surface is, where it is little, noise of the same surface and joins
+  /// it; the rest stays, to be composited behind it.
+  /// @param summed  weights of `side`'s sums, enlarged by what joins; returns those of the rest
+  HWY_INLINE V joinBeyond(std::size_t index, std::size_t i, M which, V& summed) {
+    const D d;
+    Sums& side = tile[index].facing;
+    Paint& more = beyond[index];
+    const V weight =
+        hn::Max(hn::Sub(hn::Load(d, side.weight + i), hn::Set(d, kWhole)), hn::Zero(d));
+    constexpr float kPer = 1.0f / (kAnother - kNoise);
+    const V f = hn::MulAdd(weight, hn::Set(d, -kPer), hn::Set(d, kPer * kAnother));
+    const V same = hn::Min(hn::Max(f, hn::Zero(d)), hn::Set(d, 1.0f));
+    const auto join = [&](float* to, float* from) {
+      const V value = hn::Load(d, from + i), sum = hn::Load(d, to + i);
+      hn::Store(hn::IfThenElse(which, hn::MulAdd(same, value, sum), sum), d, to + i);
+      hn::Store(hn::IfThenElse(which, hn::NegMulAdd(same, value, value), value), d, from + i);
+    };
+    join(side.red, more.red);
+    join(side.green, more.green);
+    join(side.blue, more.blue);
+    join(side.visible, more.visible);
+    if constexpr (kDepth) join(side.distance, more.distance);
+    const V joins = hn::Mul(same, weight);
+    summed = hn::Add(summed, joins);
+    return hn::Sub(weight, joins);
+  }
+
+  /// Composites the open layers of the lanes in `which` from `i` on and opens new ones.
+  HWY_NOINLINE void closeLayers(std::size_t index, std::size_t i, M which) {
+    const D d;
+    Block& block = tile[index];
     const V one = hn::Set(d, 1.0f);
-    const V through = hn::Load(d, block.light.through + i);
+    V through = hn::Load(d, block.light.through + i);
     V alpha = hn::Zero(d);
 
+    const auto take = [&](float* sum) {
+      const V value = hn::Load(d, sum + i);
+      hn::Store(hn::IfThenZeroElse(which, value), d, sum + i);
+      return value;
+    };
     // What a side covers, and its mean point on the lens.
     const auto cover = [&](const Sums& sums) {
       const V weight = hn::Load(d, sums.weight + i);
@@ -122,23 +181,18 @@ struct Layers {
                                  hn::Set(d, kRipple.part - kRipple.slope() * kRipple.part));
       Covering c{weight, hn::Min(hn::Max(weight, steep), one), hn::Zero(d), hn::Zero(d)};
       if constexpr (kLens) {
-        const V inv = hn::Div(one, hn::Max(c.weight, hn::Set(d, 1e-20f)));
+        const V summed = hn::Min(weight, hn::Set(d, kWhole));
+        const V inv = hn::Div(one, hn::Max(summed, hn::Set(d, 1e-20f)));
         c.x = hn::Mul(hn::Load(d, sums.lens_x + i), inv);
         c.y = hn::Mul(hn::Load(d, sums.lens_y + i), inv);
         c.share = hn::Min(c.share, shareAt(hn::Sqrt(hn::MulAdd(c.x, c.x, hn::Mul(c.y, c.y)))));
       }
       return c;
     };
-    // `share` of the sample is this side's. Colours and opacities, sums over the weights, scale
-    // alike.
-    const auto composeSide = [&](Sums& sums, const Covering& c, V share) {
-      const V scale = hn::Div(share, hn::Max(c.weight, hn::Set(d, 1e-20f)));
+    // `share` of the sample is this side's, `summed` the weights that its sums are of.
+    const auto paint = [&](Paint& sums, V summed, V share) {
+      const V scale = hn::Div(share, hn::Max(summed, hn::Set(d, 1e-20f)));
       const V passed = hn::IfThenElseZero(which, hn::Mul(through, scale));
-      const auto take = [&](float* sum) {
-        const V value = hn::Load(d, sum + i);
-        hn::Store(hn::IfThenZeroElse(which, value), d, sum + i);
-        return value;
-      };
       const auto compose = [&](float* out, float* sum) {
         hn::Store(hn::MulAdd(passed, take(sum), hn::Load(d, out + i)), d, out + i);
       };
@@ -146,24 +200,30 @@ struct Layers {
       compose(block.light.green, sums.green);
       compose(block.light.blue, sums.blue);
       if constexpr (kDepth) compose(block.light.distance, sums.distance);
-      V opaque = take(sums.weight);
-      if constexpr (kTransparent || kLens) opaque = take(sums.visible);
+      alpha = hn::MulAdd(scale, kTransparent || kLens ? take(sums.visible) : summed, alpha);
+    };
+    const auto composeSide = [&](Sums& sums, V summed, V share) {
+      paint(sums, summed, share);
+      take(sums.weight);
       if constexpr (kLens) {
         take(sums.lens_x);
         take(sums.lens_y);
       }
-      alpha = hn::MulAdd(scale, opaque, alpha);
     };
 
     Covering all = cover(block.facing);
     if constexpr (kLens) lookForOverlap(block, i, which, all.weight, through);
-    composeSide(block.facing, all, all.share);
+    V summed = hn::Min(all.weight, hn::Set(d, kWhole)), rest = hn::Zero(d);
+    if constexpr (kTransparent) {
+      if (any_beyond) rest = joinBeyond(index, i, which, summed);
+    }
+    composeSide(block.facing, summed, all.share);
     if (any_from_behind) {
       // The far side of a solid meets the near side at its outline, at one distance and within one
       // layer, but no ray sees both: it counts where it covers more than the near side does.
       const Covering behind = cover(block.from_behind);
       const V left = hn::Max(hn::Sub(behind.share, all.share), hn::Zero(d));
-      composeSide(block.from_behind, behind, left);
+      composeSide(block.from_behind, hn::Min(behind.weight, hn::Set(d, kWhole)), left);
       if constexpr (kLens) {
         const V total = hn::Add(all.share, left);
         const V f = hn::Div(left, hn::Max(total, hn::Set(d, 1e-20f)));
@@ -172,10 +232,19 @@ struct Layers {
         all.share = total;
       }
     }
-    alpha = hn::Min(alpha, one);
-    if constexpr (kLens) findSide(block, i, which, all, alpha);
-    hn::Store(hn::IfThenElse(which, hn::Mul(through, hn::Sub(one, alpha)), through), d,
-              block.light.through + i);
+    const auto pass = [&] {
+      through = hn::IfThenElse(which, hn::Mul(through, hn::Sub(one, hn::Min(alpha, one))), through);
+    };
+    if constexpr (kLens) findSide(block, i, which, all, hn::Min(alpha, one));
+    pass();
+    if constexpr (kTransparent) {
+      if (any_beyond) {
+        alpha = hn::Zero(d);
+        paint(beyond[index], rest, hn::Min(rest, one));
+        pass();
+      }
+    }
+    hn::Store(through, d, block.light.through + i);
     hn::Store(hn::IfThenElse(which, hn::Set(d, kClosed), hn::Load(d, block.far_m + i)), d,
               block.far_m + i);
   }
@@ -259,13 +328,13 @@ struct Layers {
 
   HWY_INLINE void closeAll() {
     const D d;
-    for (Block& block : blocks()) {
+    for (std::size_t index = 0; index < blocks().size(); ++index) {
       for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(d)) {
-        closeLayers(block, i, hn::FirstN(d, hn::Lanes(d)));
+        closeLayers(index, i, hn::FirstN(d, hn::Lanes(d)));
       }
-      if (!block.dark) goesDark(block);
+      if (!tile[index].dark) goesDark(tile[index]);
     }
-    any_from_behind = false;
+    any_from_behind = any_beyond = false;
   }
 
   /// Whether hardly any light passes a block that did not yet count as dark; it stays so.

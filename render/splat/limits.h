@@ -24,14 +24,13 @@ inline constexpr float kFromBehind = 0.1f;
 /// Splats beyond any use are refused: a variance or an area of 10^5 by 10^5 pixels.
 inline constexpr float kLargest_px2 = 1e10f;
 
-/// A surface's kernels sum to one: what comes once they have lies behind it. How fast a layer
-/// whose weights have reached one shuts: at 1 + 1 / kCloses nothing more joins it.
-inline constexpr float kCloses = 2.0f;
+/// A surface's kernels sum to one, a little noise aside: what comes once they have reached this
+/// lies behind it.
+inline constexpr float kWhole = 1.01f;
 
-/// The share of its weight with which a splat joins a layer whose weights sum to `weight`.
-inline float roomIn(float weight) {
-  return std::clamp(1.0f + kCloses - kCloses * weight, 0.0f, 1.0f);
-}
+/// In transparent scenes, where that is seen: it is noise of the samples up to `kNoise`, another
+/// surface from `kAnother` on, and in between in part either.
+inline constexpr float kNoise = 0.15f, kAnother = 0.4f;
 
 /// They sum to one but for their ripple. What they cover from `whole` on counts as all, so that
 /// nothing is seen, nor drawn, behind a closed surface; up to `part` it counts as it is; in between

@@ -107,7 +107,7 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
   const float peak =
       (splat.k0 + splat.k1 + splat.k2) * std::max({splat.red, splat.green, splat.blue});
   const float highlight = std::clamp((peak - kHighlight) / kHighlight, 0.0f, 1.0f);
-  key = {.near_m = splat.near_m,
+  key = {.distance_m = lanes.distance[k],
          .sigma_px =
              std::sqrt(lanes.prefilter[k] + lanes.blur_least2[k]) * (1.0f - kFiner * highlight),
          .blur_px = lanes.radius[k],

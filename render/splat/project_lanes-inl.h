@@ -26,6 +26,9 @@ namespace foci {
 /// kernels a pixel wide are discs there and sum to one by 2.5 % only (0.3 % here).
 inline constexpr float kLongAxis = 0.6f;
 
+/// A tilt (`SplatLens`) is reduced by this: an eye seldom has more.
+inline constexpr float kLeastTilt = 0.01f;
+
 /// Surfels one after the other.
 struct SurfelArrays {
   const float* position;
@@ -101,12 +104,13 @@ struct Lanes {
   alignas(64) float narrow[kMost];  // unblurred variance over the squared blur radius (kernel.h)
   alignas(64) float unblurred[kMost] = {};  // that variance; of an astigmatic lens only
   alignas(64) float added[kMost];  // of the unblurred variance, what merging added; one axis
-  alignas(64) float out_of_focus_D[kMost];     // along the nearest meridian, and across it:
-  alignas(64) float out_across_D[kMost] = {};  // of an astigmatic lens only
+  alignas(64) float out_of_focus_D[kMost];         // along the nearest meridian, and across it:
+  alignas(64) float out_across_D[kMost] = {};      // of an astigmatic lens only
+  alignas(64) float tilt_x[kMost], tilt_y[kMost];  // see `SplatLens`
   alignas(64) float area_px[kMost];
   alignas(64) float distance[kMost], reach[kMost];
-  alignas(64) float shade[kMost],
-      away[kMost];                   // cosine of the normal to the sight; > 0: away from the eye
+  alignas(64) float shade[kMost];
+  alignas(64) float away[kMost];     // cosine of the normal to the sight; > 0: away from the eye
   alignas(64) float visible[kMost];  // 1: keep
 };
 
@@ -327,7 +331,14 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   const V vxy = hn::Mul(f.own, f.vxy);
 
   // Lambert's cosine against the line of sight.
-  const V away = hn::Mul(dot(f.normal, p), inv_sight);
+  const V towards = dot(f.normal, p);
+  const V away = hn::Mul(towards, inv_sight);
+  const V inv = hn::Div(one, hn::CopySign(hn::Max(hn::Abs(towards), set(1e-20f)), towards));
+  const V tilt_x = hn::Mul(hn::Mul(set(-job.blur_x / job.focal_x), dot(right, f.normal)), inv);
+  const V tilt_y = hn::Mul(hn::Mul(set(job.blur_y / job.focal_y), dot(up, f.normal)), inv);
+  const V tilt = hn::Sqrt(hn::MulAdd(tilt_x, tilt_x, hn::Mul(tilt_y, tilt_y)));
+  const V more = hn::Max(hn::Sub(tilt, set(kLeastTilt)), hn::Zero(d));
+  const V counts = hn::Div(more, hn::Max(tilt, set(kLeastTilt)));
   const V shade = hn::MulAdd(set(job.shading), hn::Sub(hn::Abs(away), one), one);
 
   // Keep what draws something: in front, on the image, with an area. Comparisons fail on NaN.
@@ -353,6 +364,8 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   hn::Store(blur_y2, d, out.blur_y2);
   hn::Store(narrow, d, out.narrow);
   hn::Store(hn::Mul(hn::Mul(set(0.5f), hn::Sub(one, f.own)), hn::Add(f.vxx, f.vyy)), d, out.added);
+  hn::Store(hn::Mul(counts, tilt_x), d, out.tilt_x);
+  hn::Store(hn::Mul(counts, tilt_y), d, out.tilt_y);
   hn::Store(f.area, d, out.area_px);
   hn::Store(distance, d, out.distance);
   hn::Store(reach, d, out.reach);
@@ -368,7 +381,8 @@ HWY_INLINE SplatLens lensOf(const Lanes& lanes, std::size_t k, float widen, floa
       widen * lanes.narrow[k] / (scale * scale);
   const float per_px = 1.0f / (radius * (1.0f + 4.0f * variance));
   const float inv_width = std::sqrt((1.0f / 12.0f) * (1.0f + 4.0f * variance) / variance);
-  return {std::copysign(per_px, lanes.out_of_focus_D[k]), inv_width};
+  return {std::copysign(per_px, lanes.out_of_focus_D[k]), inv_width, scale * lanes.tilt_x[k],
+          scale * lanes.tilt_y[k]};
 }
 
 /// Which part of an astigmatic lens sees what of lane `k`, by place along one of its meridians that
@@ -378,7 +392,8 @@ HWY_INLINE SplatLens lensAlong(const ProjectJob& job, const Lanes& lanes, std::s
   const float radius = scale * std::sqrt(job.blur_x * job.blur_y) * off_D;
   const float variance4 = 4.0f * widen * lanes.unblurred[k];
   const float sum = radius * radius + variance4;
-  return {radius / sum, std::sqrt(sum / (3.0f * variance4))};
+  return {radius / sum, std::sqrt(sum / (3.0f * variance4)), scale * lanes.tilt_x[k],
+          scale * lanes.tilt_y[k]};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -29,11 +29,11 @@ inline constexpr int kTile = 32;
 /// A tile whose splats are all blurred has its samples this far apart at most, pixels.
 inline constexpr int kMostStep_px = 8;
 
-/// What binning needs of a splat: the near end of its z-range, the pixels of the image that its
+/// What binning needs of a splat: the distance of its centre, the pixels of the image that its
 /// footprint's box may reach, inclusive, a lower bound of its kernel's standard deviation (of a
 /// highlight less, which wants finer samples) and the radius of its blur.
 struct SplatKey {
-  float near_m;
+  float distance_m;
   float sigma_px, blur_px;
   std::uint16_t x0, x1, y0, y1;
 };
@@ -43,8 +43,13 @@ struct SplatKey {
 /// radius C and unblurred variance s these are a linear regression: C / (C^2 + 4 s), signed, and
 /// s / (C^2 + 4 s); in focus the whole lens sees the same. An astigmatic lens has one of these
 /// along its nearest meridian (defocus.h) and another across it.
+///
+/// A slanted splat is seen larger from one side of the lens: from the point l by 1 + tilt l,
+///   tilt = -R n / (n p),
+/// n its normal, p its place seen from the lens's centre and R the lens's radius, in metres.
 struct SplatLens {
   float per_px, inv_width;
+  float tilt_x, tilt_y;  ///< 0 where it is little
 };
 
 /// Surfels a chunk, of `n`: whole SIMD steps, and about as many chunks as the largest machine has

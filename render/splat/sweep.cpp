@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
+#include <vector>
 
 #include "render/splat/interpolate.h"
 #include "render/splat/limits.h"
@@ -27,23 +29,26 @@ namespace foci {
 /// Less blur than this makes no difference to what hides what, pixels.
 inline constexpr float kBlurred_px = 0.5f;
 
-/// Less blur than this needs no parts of the lens, pixels.
-inline constexpr float kPartsFrom_px = 3.0f;
+/// Less blur than this needs no parts of the lens, more than this is drawn by them alone, pixels:
+/// in between both are mixed, so that a moving focus does not pop.
+inline constexpr float kPartsFrom_px = 2.0f, kPartsFully_px = 4.0f;
 
 struct TileJob {
   const Splat* splats;
   const std::uint32_t* entries;
   std::size_t count;
-  int samples;           // along a side, with the apron
-  float x, y;            // of the first sample, pixels
-  float lens_x, lens_y;  // what a mean radius counts along the axes, where pixels are oblong
-  glm::vec2 meridian;    // of an astigmatic lens the nearest
-  float per_step;        // 1 / the distance of samples, pixels
+  const float* nearest_m;  // by entry: where its z-range or that of a later one begins first
+  int samples;             // along a side, with the apron
+  float x, y;              // of the first sample, pixels
+  float lens_x, lens_y;    // what a mean radius counts along the axes, where pixels are oblong
+  glm::vec2 meridian;      // of an astigmatic lens the nearest
+  float per_step;          // 1 / the distance of samples, pixels
   float background[3];
   const SplatLens* lens;         // null: nothing is blurred
   const SplatLens* lens_across;  // null: the lens is round
   glm::vec2 radius_px_per_D;
   const LensParts* parts;  // null: never by parts
+  float parts_share;       // of the picture, where it is drawn by them
   glm::vec4* rgba;         // samples x samples, all 0
   float* depth_m;          // likewise; null: not asked for
 };
@@ -75,7 +80,8 @@ template <bool kTransparent, bool kDepth, Blur kBlur>
 struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
   static constexpr bool kLens = kBlur != Blur::none, kAstigmatic = kBlur == Blur::astigmatic;
   using Base = Layers<kTransparent, kDepth, kLens>;
-  using Base::any_from_behind, Base::blocks, Base::clear, Base::closeAll, Base::tile;
+  using Base::addBeyond, Base::any_from_behind, Base::blocks, Base::clear, Base::closeAll,
+      Base::tile;
   using Base::closeLayers, Base::columns, Base::goesDark, Base::lit, Base::overlap;
 
   const TileJob& job;
@@ -89,6 +95,7 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
     const Splat* splats;
     const SplatLens* lens;
     const SplatLens* lens_across;
+    glm::vec2 part;  // centre of the part of the lens, in its radii
   };
 
   /// Adds the splats of the batch, block by block, and empties it.
@@ -105,11 +112,12 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
       const std::uint64_t in_row =
           batch.meeting(batch.top_px, batch.bottom_px, from_px, from_px + inner_px);
       for (unsigned x = 0; x < columns; ++x) {
-        Block& block = tile[y * columns + x];
+        const std::size_t index = y * columns + x;
+        const Block& block = tile[index];
         const std::uint64_t touching = in_row & in_column[x];
         if (touching == 0 || block.dark) continue;
         for (std::size_t i = 0; i < kBlockSamples && !block.dark; i += hn::Lanes(D())) {
-          add(source, block, i, static_cast<float>(x * kBlock), static_cast<float>(y * kBlock),
+          add(source, index, i, static_cast<float>(x * kBlock), static_cast<float>(y * kBlock),
               touching);
         }
       }
@@ -118,9 +126,10 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
   }
 
   /// Adds splats of the batch to a block's samples from `i` on, as many as there are lanes.
-  HWY_NOINLINE void add(const Source& source, Block& block, std::size_t i, float at_x, float at_y,
-                        std::uint64_t touching) {
+  HWY_NOINLINE void add(const Source& source, std::size_t index, std::size_t i, float at_x,
+                        float at_y, std::uint64_t touching) {
     const D d;
+    Block& block = tile[index];
     const V one = hn::Set(d, 1.0f), zero = hn::Zero(d), step = hn::Set(d, 1.0f / job.per_step);
     const V x =
         hn::MulAdd(hn::Add(hn::Load(d, kPlaces.x + i), hn::Set(d, at_x)), step, hn::Set(d, job.x));
@@ -168,16 +177,6 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
         sums = side;
         load();
       }
-      // What begins behind a layer closes it, wherever: so does all that follows.
-      const V near_m = hn::Set(d, splat.near_m);
-      const M behind = hn::And(hn::Gt(near_m, open), hn::Ge(open, zero));
-      if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) {
-        store();
-        closeLayers(block, i, behind);
-        if (goesDark(block)) return;
-        load();
-      }
-
       const V dx = hn::Sub(x, hn::Set(d, batch.x_px[n])),
               dy = hn::Sub(y, hn::Set(d, batch.y_px[n]));
       const V slope = hn::MulAdd(hn::Set(d, splat.qa), dx, hn::Mul(hn::Set(d, splat.qb), dy));
@@ -185,14 +184,23 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
           hn::NegMulAdd(slope, dx, hn::NegMulAdd(hn::Mul(hn::Set(d, splat.qc), dy), dy, one));
       const M inside = hn::Gt(t, zero);
       fragments += hn::CountTrue(d, inside);
+      const V near_m = hn::Set(d, splat.near_m);
+      const M behind = hn::And(inside, hn::And(hn::Gt(near_m, open), hn::Ge(open, zero)));
+      if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) {
+        store();
+        closeLayers(index, i, behind);
+        if (goesDark(block)) return;
+        load();
+      }
       open = hn::IfThenElse(inside, hn::Max(open, hn::Set(d, splat.far_m)), open);
-      V w = hn::IfThenElseZero(
+      V all = hn::IfThenElseZero(
           inside, hn::MulAdd(hn::MulAdd(hn::Set(d, splat.k2), t, hn::Set(d, splat.k1)), t,
                              hn::Set(d, splat.k0)));
-      V seen;
-      // `roomIn`
-      const V room = hn::MulAdd(weight, hn::Set(d, -kCloses), hn::Set(d, 1.0f + kCloses));
-      w = hn::Mul(w, hn::Min(hn::Max(room, zero), one));
+      V passes = one;  // of the light, by where on the lens it falls
+      V w;
+      const auto fill = [&] {
+        w = hn::Min(all, hn::Max(hn::Sub(hn::Set(d, kWhole), weight), zero));
+      };
       if constexpr (kLens) {
         const SplatLens& lens = source.lens[batch.splat[n]];
         const SplatLens& across =
@@ -210,23 +218,42 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
           lx = hn::Mul(dx, hn::Set(d, lens.per_px * job.lens_x));
           ly = hn::Mul(dy, hn::Set(d, lens.per_px * job.lens_y));
         }
+        if (lens.tilt_x != 0.0f || lens.tilt_y != 0.0f) {
+          const glm::vec2 tilt(lens.tilt_x, lens.tilt_y), m = job.meridian;
+          const V tilt_x = hn::Set(d, kAstigmatic ? glm::dot(tilt, m) : tilt.x);
+          const V tilt_y = hn::Set(d, kAstigmatic ? tilt.y * m.x - tilt.x * m.y : tilt.y);
+          const V at = hn::Set(d, 1.0f + glm::dot(tilt, source.part));
+          all = hn::Mul(all, hn::Abs(hn::MulAdd(tilt_x, lx, hn::MulAdd(tilt_y, ly, at))));
+        }
+        fill();
         lens_x = hn::MulAdd(w, lx, lens_x);
         lens_y = hn::MulAdd(w, ly, lens_y);
-        seen = block.any_side ? hn::Mul(w, shareSeen(light, i, lx, ly, lens, across)) : w;
-        visible = hn::MulAdd(seen, hn::Set(d, std::abs(splat.opacity)), visible);
+        if (block.any_side) passes = shareSeen(light, i, lx, ly, lens, across);
       } else {
-        seen = w;
-        if constexpr (kTransparent) {
-          visible = hn::MulAdd(seen, hn::Set(d, std::abs(splat.opacity)), visible);
-        }
+        fill();
       }
-      weight = hn::Add(weight, w);
+      const V seen = hn::Mul(w, passes);
+      if constexpr (kTransparent || kLens) {
+        visible = hn::MulAdd(seen, hn::Set(d, std::abs(splat.opacity)), visible);
+      }
+      weight = hn::Add(weight, all);
       red = hn::MulAdd(seen, hn::Set(d, splat.red), red);
       green = hn::MulAdd(seen, hn::Set(d, splat.green), green);
       blue = hn::MulAdd(seen, hn::Set(d, splat.blue), blue);
       if constexpr (kDepth) {
         const float opaque_m = 0.5f * (splat.near_m + splat.far_m) * std::abs(splat.opacity);
         distance = hn::MulAdd(seen, hn::Set(d, opaque_m), distance);
+      }
+      if constexpr (kTransparent) {
+        const V later = hn::Sub(all, w);
+        if (side != &block.facing || hn::AllTrue(d, hn::Le(later, zero))) continue;
+        addBeyond(index, i, hn::Mul(later, passes), splat);
+        const M full = hn::Ge(weight, hn::Set(d, kWhole + 1.0f));
+        if (HWY_LIKELY(hn::AllFalse(d, full))) continue;
+        store();
+        closeLayers(index, i, full);
+        if (goesDark(block)) return;
+        load();
       }
     }
     store();
@@ -267,7 +294,7 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
 
       // A gap in depth across the whole tile closes every layer; with no light left, the tile is
       // done.
-      if (HWY_UNLIKELY(splat.near_m > open_far_m)) {
+      if (HWY_UNLIKELY(job.nearest_m[e] > open_far_m)) {
         flush(source);
         closeAll();
         if (lit == 0) break;
@@ -302,11 +329,14 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
 
   std::size_t run() {
     const LensParts* parts = job.parts;
-    compose({job.splats, job.lens, job.lens_across}, [](std::uint32_t) { return glm::vec2(0.0f); });
+    compose({job.splats, job.lens, job.lens_across, glm::vec2(0.0f)},
+            [](std::uint32_t) { return glm::vec2(0.0f); });
     if (!parts || !overlap) {
       emit(1.0f);
       return fragments;
     }
+    emit(1.0f - job.parts_share);
+    const auto count = static_cast<float>(parts->centres.size());
     for (const glm::vec2& centre : parts->centres) {
       const glm::vec2 across(-job.meridian.y, job.meridian.x);
       const glm::vec2 px_per_D =
@@ -314,11 +344,12 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
           (kAstigmatic ? glm::dot(centre, job.meridian) * job.meridian : centre);
       const glm::vec2 across_px_per_D =
           job.radius_px_per_D * (kAstigmatic ? glm::dot(centre, across) * across : glm::vec2(0.0f));
-      compose({parts->splats, parts->lens, parts->lens_across}, [&](std::uint32_t splat) {
-        const glm::vec2 shift = px_per_D * parts->out_of_focus_D[splat];
-        return kAstigmatic ? shift + across_px_per_D * parts->out_across_D[splat] : shift;
-      });
-      emit(1.0f / static_cast<float>(parts->centres.size()));
+      compose({parts->splats, parts->lens, parts->lens_across, std::sqrt(count) * centre},
+              [&](std::uint32_t splat) {
+                const glm::vec2 shift = px_per_D * parts->out_of_focus_D[splat];
+                return kAstigmatic ? shift + across_px_per_D * parts->out_across_D[splat] : shift;
+              });
+      emit(job.parts_share / count);
     }
     return fragments;
   }
@@ -354,6 +385,11 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
   parallelFor(lists.tiles().size(), [&](std::size_t t) {
     const Tile& tile = lists.tiles()[t];
     const auto list = lists.splats(t);
+    std::vector<float> nearest_m(list.size());
+    float least_m = std::numeric_limits<float>::infinity();
+    for (std::size_t e = list.size(); e-- > 0;) {
+      nearest_m[e] = least_m = std::min(least_m, chunks.splats[list[e]].near_m);
+    }
     constexpr int kMost = kTile + 2 * kApron;
     alignas(64) glm::vec4 rgba[kMost * kMost]{};
     float depth_m[kMost * kMost]{};
@@ -365,6 +401,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .splats = chunks.splats.get(),
         .entries = list.data(),
         .count = list.size(),
+        .nearest_m = nearest_m.data(),
         .samples = tile.samplesWithApron(),
         .x = static_cast<float>(tile.x_px) + first_px,
         .y = static_cast<float>(tile.y_px) + first_px,
@@ -377,6 +414,8 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .lens_across = chunks.lens_across.get(),
         .radius_px_per_D = radius,
         .parts = tile.blur_px > kPartsFrom_px ? settings.parts : nullptr,
+        .parts_share =
+            std::min((tile.blur_px - kPartsFrom_px) / (kPartsFully_px - kPartsFrom_px), 1.0f),
         .rgba = rgba,
         .depth_m = settings.depth ? depth_m : nullptr};
     fragments[t] = HWY_DYNAMIC_DISPATCH(sweepTile)(job, settings.transparent);

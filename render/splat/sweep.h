@@ -31,14 +31,16 @@ struct SweepSettings {
   const LensParts* parts = nullptr;  ///< null: the lens as a whole
 };
 
-/// Draws binned splats. Per sample one layer is open at a time. Splats come front to back by the
-/// near end of their z-range: one that begins before the open layer ends joins it, weights and
-/// colours add and the ranges unite (the A-buffer's merge by intersection, section 6.4, as a
-/// running union), but for what comes once the weights have reached one (`roomIn`); one that begins
-/// behind it closes it. A closed layer covers alpha = `coverageOf`(W) times its mean opacity and
-/// lets 1 - alpha of what follows through; where hardly any light passes, nothing more is drawn.
-/// Splats are taken in batches, and blocks of 4 x 4 samples keep their open layers in registers
-/// while they add those of a batch that they meet. SIMD with run-time dispatch, tiles by TBB.
+/// Draws binned splats. Per sample one layer is open at a time. Splats come front to back by their
+/// centres: one whose z-range begins before the open layer ends joins it, and the ranges unite (the
+/// A-buffer's merge by intersection, section 6.4, as a running union); one that begins behind it
+/// closes it. The kernels of one surface sum to one: weights and colours add until they have, and
+/// what joins later lies behind, however near: it is hidden, or, where the scene is transparent,
+/// makes a layer of its own. A closed layer covers alpha = `coverageOf`(W) times its mean opacity
+/// and lets 1 - alpha of what follows through; where hardly any light passes, nothing more is
+/// drawn. Splats are taken in batches, and blocks of 4 x 4 samples keep their open layers in
+/// registers while they add those of a batch that they meet. SIMD with run-time dispatch, tiles by
+/// TBB.
 /// @return the number of fragments: samples inside a footprint
 std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
                     const SweepSettings& settings, Frame& frame);

@@ -9,7 +9,6 @@
 
 #include "app/stability/scenes.h"
 #include "app/stability/setups.h"
-#include "render/image/metrics.h"
 
 namespace foci {
 namespace {
@@ -88,17 +87,28 @@ TEST(Stability, CloseParallelSurfacesStayApart) {
   const auto error = scores("parallel", 0.005f);
   EXPECT_LT(error[1], 0.02);
   EXPECT_LT(error[1], 0.25 * error[0]);
+  EXPECT_LT(scores("parallel", 0.002f)[1], 0.02);  // a sample apart
 }
 
-// Wanted are 42 dB against the truth, which is not reached: docs/stability.md. What is held here is
-// that levels of detail and parts of the lens cost little, against the same splats drawn 100 times.
+// However flat they cross: each ray sees the nearer one, though the two are one layer where they
+// meet.
 TEST(Stability, CrossingPlanesKeepTheirPicture) {
-  StabilityTrial trial(sceneNamed("crossing"), 45.0f, kShort);
-  const double exact_dB = trial.score("sweep-lod");
-  const Frame drawn = trial.drawn();
-  EXPECT_GT(exact_dB, trial.score("paper-lod") + 10.0);
-  trial.score("accumulate:100");
-  EXPECT_GT(psnr_dB(drawn, trial.drawn()), 40.0);
+  for (const float angle_deg : {5.0f, 45.0f, 85.0f}) {
+    const auto psnr = scores("crossing", angle_deg);
+    EXPECT_GT(psnr[1], 42.0) << angle_deg;
+    EXPECT_GT(psnr[1], psnr[0] + 10.0) << angle_deg;
+  }
+}
+
+// Of layers that cross, what one lets through falls on the next.
+TEST(Stability, CrossingLayersLetLightThrough) {
+  for (const float layers : {2.0f, 6.0f}) EXPECT_GT(scores("crossing-layers", layers)[1], 42.0);
+}
+
+// A plane that one side of the lens sees more of than the other.
+TEST(Stability, SlantedPlanesKeepTheirPicture) {
+  EXPECT_GT(scores("slanted", 60.0f)[1], 48.0);
+  EXPECT_GT(scores("slanted", 75.0f)[1], 38.0);
 }
 
 TEST(Stability, IrregularSamplesCover) {
@@ -114,7 +124,12 @@ TEST(Stability, SilhouettesFollowTheClosedForm) {
   EXPECT_LT(scores("close-up", 0.02f)[1], 0.02);
 }
 
-TEST(Stability, AMovingFocusDoesNotPop) { EXPECT_LT(scores("focus-sweep", 20.0f)[1], 0.005); }
+TEST(Stability, AMovingFocusDoesNotPop) {
+  EXPECT_LT(scores("focus-sweep", 20.0f)[1], 0.005);
+  // Past where parts of the lens come in, which is where most of it was.
+  StabilityTrial longer(sceneNamed("focus-sweep"), 10.0f, {.samples = 48, .steps = 8});
+  EXPECT_LT(longer.score("sweep-lod"), 0.008);
+}
 
 TEST(Stability, LightIsNeitherLostNorGained) {
   EXPECT_LT(scores("highlight", 10000.0f)[1], 0.01);
