@@ -50,7 +50,6 @@ std::optional<glm::dvec2> onOtherScreen_px(const Screen& from, const Screen& to,
 Session::Session(const Study& study, const SurfelCloud& cloud, const Screen& screen, double rate_Hz,
                  double start_s)
     : study_(study),
-      cloud_(cloud),
       gaze_screen_(screen),
       screen_(study.screenInForce()),
       rate_Hz_(rate_Hz),

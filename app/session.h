@@ -105,7 +105,6 @@ class Session {
   GazeFollower newFollower();
 
   Study study_;
-  const SurfelCloud& cloud_;
   Screen gaze_screen_, screen_;
   double rate_Hz_, start_s_;
   EyePath path_;
