@@ -173,7 +173,8 @@ namespace {
 GazeTrace loadNamedGaze(const Study& study) {
   if (study.gazeIsSimulated()) return simulate(study);
   if (const auto place = webcamPlaceOf(study.gaze.source)) return traceOfWebcam(study, *place);
-  GazeTrace trace = readTrace(study.gaze.source, columnsOf(study), study.screenInForce());
+  GazeTrace trace =
+      readTrace(study.gaze.source, columnsOf(study), study.screenInForce(), study.record.rate_Hz);
   if (study.gaze.map && isBinocularFile(*study.gaze.map)) {
     trace = mapTrace(readBinocular(*study.gaze.map), study.screenInForce(), std::move(trace));
   } else if (study.gaze.map) {

@@ -80,11 +80,13 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
                         const Screen& fallback_screen, const TakeSample& take);
 
 /// The whole of a recording.
+/// @param rate_Hz  absent: from the median of the times, which says nothing where they are of
+/// arrival
 /// @return `screen` is always set, from file and fallback; time is the file's own clock in seconds;
 ///   at least two samples
 /// @throws InputError as `streamTrace`, and where no sample has a position, or the rate is outside
 ///   5 to 20,000 Hz
 GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& columns,
-                    const Screen& fallback_screen);
+                    const Screen& fallback_screen, std::optional<double> rate_Hz = {});
 
 }  // namespace foci

@@ -38,6 +38,16 @@ void expectRefusal(std::string_view bytes, std::string_view part, const TraceCol
   EXPECT_NE(message.find(part), std::string::npos) << message << "\n  wanted: " << part;
 }
 
+// A busy machine gives samples the times at which it got to them.
+TEST(ReadTable, TimesOfArrivalNeedARate) {
+  const ScratchFile file("time_s,x,y\n0,1,1\n0.000001,1,1\n0.000002,1,1\n0.03,1,1\n0.030001,1,1\n");
+  EXPECT_THROW(readTrace(file.path(), {}, kScreen), InputError);
+  const GazeTrace trace = readTrace(file.path(), {}, kScreen, 100.0);
+  EXPECT_EQ(trace.rate_Hz, 100.0);
+  EXPECT_EQ(trace.samples[3].time_s, 0.03);
+  EXPECT_THROW(readTrace(file.path(), {}, kScreen, 1e6), InputError);
+}
+
 TEST(ReadTable, TakesEveryDelimiterAndLineEnd) {
   for (const std::string_view text :
        {"time_s\tx_px\ty_px\n0\t1.5\t2\n0.01\t3\t4\n", "time_s,x_px,y_px\n0,1.5,2\n0.01,3,4",
