@@ -114,7 +114,7 @@ class Session {
   ObserverPupil pupil_;
   Painted painted_;          // last
   bool at_leisure_ = false;  // it was
-  Frame sharp_;
+  Frame sharp_;              // what an eye sees whose pupil follows the light
 };
 
 /// Whether frames of the study are held to a time: `auto` is its method, and there is one to hold.

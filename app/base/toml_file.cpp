@@ -107,8 +107,7 @@ toml::value parseToml(const std::string& text, const std::string& where) {
 
 toml::value readToml(const std::filesystem::path& path) {
   const std::string file = path.string();
-  requireRegularFile(
-      path);  // a folder is no text, and a pipe that nobody writes to would never end
+  requireRegularFile(path);
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(file, "cannot be read");
   std::string text(kMaxFile_bytes + 1, '\0');

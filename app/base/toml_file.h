@@ -9,8 +9,7 @@ namespace foci {
 
 /// @param where what messages call the text: a file, an option
 /// @throws InputError naming the line, for what is not TOML, and for what would break the parser:
-/// bytes that are
-///   not UTF-8, NUL, values or keys nested over 16 deep, strings of several lines
+///   bytes that are not UTF-8, NUL, values or keys nested over 16 deep, strings of several lines
 toml::value parseToml(const std::string& text, const std::string& where);
 
 /// @throws InputError as above, for what cannot be read, is no regular file, or is over 4 MiB

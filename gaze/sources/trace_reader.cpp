@@ -79,7 +79,7 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
     throw InputError(name, "no sample has a position: expected gaze");
   }
 
-  trace.rate_Hz = rate_Hz.value_or(medianRate_Hz(trace.samples));
+  trace.rate_Hz = rate_Hz ? *rate_Hz : medianRate_Hz(trace.samples);
   if (!(trace.rate_Hz >= kSlowest_Hz && trace.rate_Hz <= kFastest_Hz)) {
     throw InputError(name,
                      decimal(trace.rate_Hz) +

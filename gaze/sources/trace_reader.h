@@ -80,8 +80,8 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
                         const Screen& fallback_screen, const TakeSample& take);
 
 /// The whole of a recording.
-/// @param rate_Hz  absent: from the median of the times, which says nothing where they are of
-/// arrival
+/// @param rate_Hz  absent: from the median of the times, which says nothing where they are those
+///   of arrival
 /// @return `screen` is always set, from file and fallback; time is the file's own clock in seconds;
 ///   at least two samples
 /// @throws InputError as `streamTrace`, and where no sample has a position, or the rate is outside
