@@ -283,8 +283,9 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
   }
 
   /// Composites all splats as seen through a part of the lens, from its centre or shifted.
+  /// @param until_overlap  no further than to where layers are found to cover each other in part
   template <class ShiftOf>
-  HWY_INLINE void compose(const Source& source, const ShiftOf& shiftOf) {
+  HWY_INLINE void compose(const Source& source, const ShiftOf& shiftOf, bool until_overlap) {
     clear();
     float open_far_m = job.count > 0 ? source.splats[job.entries[0]].far_m : 0.0f;
     for (std::size_t e = 0; e < job.count; ++e) {
@@ -297,14 +298,14 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
       if (HWY_UNLIKELY(job.nearest_m[e] > open_far_m)) {
         flush(source);
         closeAll();
-        if (lit == 0) break;
+        if (lit == 0 || (until_overlap && overlap)) break;
       }
       open_far_m = std::max(open_far_m, splat.far_m);
       any_from_behind |= splat.opacity < 0.0f;
       batch.put(splat, job.entries[e], shiftOf(job.entries[e]));
       if (batch.count < Batch::kMost) continue;
       flush(source);
-      if (lit == 0) break;
+      if (lit == 0 || (until_overlap && overlap)) break;
     }
     flush(source);
     closeAll();
@@ -330,12 +331,12 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
   std::size_t run() {
     const LensParts* parts = job.parts;
     compose({job.splats, job.lens, job.lens_across, glm::vec2(0.0f)},
-            [](std::uint32_t) { return glm::vec2(0.0f); });
+            [](std::uint32_t) { return glm::vec2(0.0f); }, parts && job.parts_share == 1.0f);
     if (!parts || !overlap) {
       emit(1.0f);
       return fragments;
     }
-    emit(1.0f - job.parts_share);
+    if (job.parts_share < 1.0f) emit(1.0f - job.parts_share);
     const auto count = static_cast<float>(parts->centres.size());
     for (const glm::vec2& centre : parts->centres) {
       const glm::vec2 across(-job.meridian.y, job.meridian.x);
@@ -348,7 +349,7 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
               [&](std::uint32_t splat) {
                 const glm::vec2 shift = px_per_D * parts->out_of_focus_D[splat];
                 return kAstigmatic ? shift + across_px_per_D * parts->out_across_D[splat] : shift;
-              });
+              }, false);
       emit(job.parts_share / count);
     }
     return fragments;
