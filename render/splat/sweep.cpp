@@ -71,15 +71,19 @@ struct Places {
 };
 constexpr Places kPlaces;
 
-/// Lens points are in lens radii along the image's axes; where the lens is astigmatic, along its
-/// nearest meridian and across it.
-enum class Blur { none, round, astigmatic };
+/// Through the lens as a whole what covers which part of it is noted: its points are in lens radii
+/// along the image's axes; where the lens is astigmatic, along its nearest meridian and across it.
+/// Parts of a lens are too small to be worth it.
+enum class Blur { none, part, round, astigmatic };
+constexpr bool asAWhole(Blur blur) { return blur == Blur::round || blur == Blur::astigmatic; }
 
 /// Draws the splats of a tile.
 template <bool kTransparent, bool kDepth, Blur kBlur>
-struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
-  static constexpr bool kLens = kBlur != Blur::none, kAstigmatic = kBlur == Blur::astigmatic;
+struct Sweep : Layers<kTransparent, kDepth, asAWhole(kBlur)> {
+  static constexpr bool kAstigmatic = kBlur == Blur::astigmatic;
+  static constexpr bool kLens = asAWhole(kBlur);
   using Base = Layers<kTransparent, kDepth, kLens>;
+  using Parts = Sweep<kTransparent, kDepth, Blur::part>;
   using Base::addBeyond, Base::any_from_behind, Base::blocks, Base::clear, Base::closeAll,
       Base::tile;
   using Base::closeLayers, Base::columns, Base::goesDark, Base::lit, Base::overlap;
@@ -90,16 +94,8 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
 
   explicit Sweep(const TileJob& tile_job) : Base(tile_job.samples), job(tile_job) {}
 
-  /// The splats that a view is composited of.
-  struct Source {
-    const Splat* splats;
-    const SplatLens* lens;
-    const SplatLens* lens_across;
-    glm::vec2 part;  // centre of the part of the lens, in its radii
-  };
-
   /// Adds the splats of the batch, block by block, and empties it.
-  HWY_INLINE void flush(const Source& source) {
+  HWY_INLINE void flush(const Splat* splats) {
     if (batch.count == 0) return;
     const float inner_px = (kBlock - 1) / job.per_step, block_px = kBlock / job.per_step;
     std::uint64_t in_column[Base::kMostBlocks];
@@ -117,7 +113,7 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
         const std::uint64_t touching = in_row & in_column[x];
         if (touching == 0 || block.dark) continue;
         for (std::size_t i = 0; i < kBlockSamples && !block.dark; i += hn::Lanes(D())) {
-          add(source, index, i, static_cast<float>(x * kBlock), static_cast<float>(y * kBlock),
+          add(splats, index, i, static_cast<float>(x * kBlock), static_cast<float>(y * kBlock),
               touching);
         }
       }
@@ -126,7 +122,7 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
   }
 
   /// Adds splats of the batch to a block's samples from `i` on, as many as there are lanes.
-  HWY_NOINLINE void add(const Source& source, std::size_t index, std::size_t i, float at_x,
+  HWY_NOINLINE void add(const Splat* splats, std::size_t index, std::size_t i, float at_x,
                         float at_y, std::uint64_t touching) {
     const D d;
     Block& block = tile[index];
@@ -170,7 +166,7 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
 
     for (; touching != 0; touching &= touching - 1) {
       const auto n = static_cast<unsigned>(std::countr_zero(touching));
-      const Splat& splat = source.splats[batch.splat[n]];
+      const Splat& splat = splats[batch.splat[n]];
       Sums* side = splat.opacity < 0.0f ? &block.from_behind : &block.facing;
       if (HWY_UNLIKELY(side != sums)) {
         store();
@@ -196,15 +192,16 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
       V all = hn::IfThenElseZero(
           inside, hn::MulAdd(hn::MulAdd(hn::Set(d, splat.k2), t, hn::Set(d, splat.k1)), t,
                              hn::Set(d, splat.k0)));
+      if constexpr (kBlur == Blur::part) all = hn::Mul(all, hn::Set(d, batch.size[n]));
       V passes = one;  // of the light, by where on the lens it falls
       V w;
       const auto fill = [&] {
         w = hn::Min(all, hn::Max(hn::Sub(hn::Set(d, kWhole), weight), zero));
       };
       if constexpr (kLens) {
-        const SplatLens& lens = source.lens[batch.splat[n]];
+        const SplatLens& lens = job.lens[batch.splat[n]];
         const SplatLens& across =
-            kAstigmatic ? source.lens_across[batch.splat[n]] : source.lens[batch.splat[n]];
+            kAstigmatic ? job.lens_across[batch.splat[n]] : job.lens[batch.splat[n]];
         const auto perPixel = [&](float x_of, float y_of) {
           return hn::MulAdd(dx, hn::Set(d, x_of), hn::Mul(dy, hn::Set(d, y_of)));
         };
@@ -222,8 +219,7 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
           const glm::vec2 tilt(lens.tilt_x, lens.tilt_y), m = job.meridian;
           const V tilt_x = hn::Set(d, kAstigmatic ? glm::dot(tilt, m) : tilt.x);
           const V tilt_y = hn::Set(d, kAstigmatic ? tilt.y * m.x - tilt.x * m.y : tilt.y);
-          const V at = hn::Set(d, 1.0f + glm::dot(tilt, source.part));
-          all = hn::Mul(all, hn::Abs(hn::MulAdd(tilt_x, lx, hn::MulAdd(tilt_y, ly, at))));
+          all = hn::Mul(all, hn::Abs(hn::MulAdd(tilt_x, lx, hn::MulAdd(tilt_y, ly, one))));
         }
         fill();
         lens_x = hn::MulAdd(w, lx, lens_x);
@@ -282,32 +278,33 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
     return hn::MulAdd(hn::Load(d, light.contrast + i), within, hn::Load(d, light.outside + i));
   }
 
-  /// Composites all splats as seen through a part of the lens, from its centre or shifted.
+  /// Composites all splats as `seenOf` says that they are seen.
   /// @param until_overlap  no further than to where layers are found to cover each other in part
-  template <class ShiftOf>
-  HWY_INLINE void compose(const Source& source, const ShiftOf& shiftOf, bool until_overlap) {
+  template <class SeenOf>
+  HWY_INLINE void compose(const Splat* splats, const SeenOf& seenOf, bool until_overlap) {
     clear();
-    float open_far_m = job.count > 0 ? source.splats[job.entries[0]].far_m : 0.0f;
+    float open_far_m = job.count > 0 ? splats[job.entries[0]].far_m : 0.0f;
+    const auto done = [&] { return lit == 0 || (until_overlap && overlap); };
     for (std::size_t e = 0; e < job.count; ++e) {
       constexpr std::size_t kAhead = 16;
-      if (e + kAhead < job.count) hwy::Prefetch(&source.splats[job.entries[e + kAhead]]);
-      const Splat& splat = source.splats[job.entries[e]];
+      if (e + kAhead < job.count) hwy::Prefetch(&splats[job.entries[e + kAhead]]);
+      const Splat& splat = splats[job.entries[e]];
 
       // A gap in depth across the whole tile closes every layer; with no light left, the tile is
       // done.
       if (HWY_UNLIKELY(job.nearest_m[e] > open_far_m)) {
-        flush(source);
+        flush(splats);
         closeAll();
-        if (lit == 0 || (until_overlap && overlap)) break;
+        if (done()) break;
       }
       open_far_m = std::max(open_far_m, splat.far_m);
       any_from_behind |= splat.opacity < 0.0f;
-      batch.put(splat, job.entries[e], shiftOf(job.entries[e]));
+      batch.put(splat, job.entries[e], seenOf(job.entries[e]));
       if (batch.count < Batch::kMost) continue;
-      flush(source);
-      if (lit == 0 || (until_overlap && overlap)) break;
+      flush(splats);
+      if (done()) break;
     }
-    flush(source);
+    flush(splats);
     closeAll();
   }
 
@@ -328,29 +325,38 @@ struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
     }
   }
 
+  /// The lens as a whole; where layers cover each other in part, by its parts.
   std::size_t run() {
-    const LensParts* parts = job.parts;
-    compose({job.splats, job.lens, job.lens_across, glm::vec2(0.0f)},
-            [](std::uint32_t) { return glm::vec2(0.0f); }, parts && job.parts_share == 1.0f);
-    if (!parts || !overlap) {
+    const bool by_parts = kLens && job.parts && job.parts_share == 1.0f;
+    compose(
+        job.splats, [](std::uint32_t) { return Seen{}; }, by_parts);
+    if (!kLens || !job.parts || !overlap) {
       emit(1.0f);
       return fragments;
     }
-    if (job.parts_share < 1.0f) emit(1.0f - job.parts_share);
-    const auto count = static_cast<float>(parts->centres.size());
-    for (const glm::vec2& centre : parts->centres) {
-      const glm::vec2 across(-job.meridian.y, job.meridian.x);
+    if (!by_parts) emit(1.0f - job.parts_share);
+    return fragments + Parts(job).runParts();
+  }
+
+  std::size_t runParts() {
+    const LensParts& parts = *job.parts;
+    for (const glm::vec2& centre : parts.centres) {
+      const bool round = !parts.out_across_D;
+      const glm::vec2 along = job.meridian, across(-along.y, along.x);
       const glm::vec2 px_per_D =
-          job.radius_px_per_D *
-          (kAstigmatic ? glm::dot(centre, job.meridian) * job.meridian : centre);
-      const glm::vec2 across_px_per_D =
-          job.radius_px_per_D * (kAstigmatic ? glm::dot(centre, across) * across : glm::vec2(0.0f));
-      compose({parts->splats, parts->lens, parts->lens_across, std::sqrt(count) * centre},
-              [&](std::uint32_t splat) {
-                const glm::vec2 shift = px_per_D * parts->out_of_focus_D[splat];
-                return kAstigmatic ? shift + across_px_per_D * parts->out_across_D[splat] : shift;
-              }, false);
-      emit(job.parts_share / count);
+          job.radius_px_per_D * (round ? centre : glm::dot(centre, along) * along);
+      const glm::vec2 across_px_per_D = job.radius_px_per_D * glm::dot(centre, across) * across;
+      compose(
+          parts.splats,
+          [&](std::uint32_t splat) {
+            const SplatLens& lens = job.lens[splat];
+            glm::vec2 shift_px = px_per_D * parts.out_of_focus_D[splat];
+            if (!round) shift_px += across_px_per_D * parts.out_across_D[splat];
+            const float size = std::abs(1.0f + lens.tilt_x * centre.x + lens.tilt_y * centre.y);
+            return Seen{shift_px, size};
+          },
+          false);
+      emit(job.parts_share / static_cast<float>(parts.centres.size()));
     }
     return fragments;
   }
