@@ -11,7 +11,7 @@ namespace foci {
 namespace {
 
 constexpr float kFade = 0.3f;         // of the variance allowed: over it a node fades out
-constexpr float kThick = 3.0f;       // what a node's thickness counts, over its width
+constexpr float kThick = 30.0f;       // what a node's thickness counts, over its width
 constexpr int kSerialCutLevels = 8;   // below, one task a subtree; fixed, as are all results
 constexpr int kMiddleLevel = 10;      // about a thousand nodes
 constexpr float kWidestReach = 3.0f;  // standard deviations of a kernel's support, at most
