@@ -17,19 +17,6 @@
 #include "render/splat/layers-inl.h"
 #include "render/splat/splat.h"
 
-#ifndef FOCI_BATCH_ONCE
-#define FOCI_BATCH_ONCE
-namespace foci {
-
-/// How a point of the lens sees a splat, against its centre.
-struct Seen {
-  glm::vec2 shift_px{0.0f};
-  float size = 1.0f;  ///< its weights count that many times
-};
-
-}  // namespace foci
-#endif  // FOCI_BATCH_ONCE
-
 HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
@@ -39,19 +26,18 @@ namespace HWY_NAMESPACE {
 struct Batch {
   static constexpr unsigned kMost = 64;
   unsigned count = 0;
-  std::uint32_t splat[kMost] = {};
+  alignas(64) std::uint32_t splat[kMost] = {};
   alignas(64) float x_px[kMost] = {}, y_px[kMost] = {};
-  alignas(64) float size[kMost] = {};
+  alignas(64) float size[kMost] = {};  // their weights count that many times, from parts of a lens
   alignas(64) float left_px[kMost] = {}, right_px[kMost] = {};
   alignas(64) float top_px[kMost] = {}, bottom_px[kMost] = {};
 
-  /// Adds a splat. There must be room.
-  HWY_INLINE void put(const Splat& added, std::uint32_t index, const Seen& seen) {
+  /// Adds a splat as it lies. There must be room.
+  HWY_INLINE void put(const Splat& added, std::uint32_t index) {
     const unsigned n = count++;
     splat[n] = index;
-    x_px[n] = added.x_px + seen.shift_px.x;
-    y_px[n] = added.y_px + seen.shift_px.y;
-    size[n] = seen.size;
+    x_px[n] = added.x_px;
+    y_px[n] = added.y_px;
     left_px[n] = x_px[n] - added.extent_x_px;
     right_px[n] = x_px[n] + added.extent_x_px;
     top_px[n] = y_px[n] - added.extent_y_px;

@@ -21,6 +21,7 @@
 // After it:
 #include "render/splat/batch-inl.h"
 #include "render/splat/layers-inl.h"
+#include "render/splat/part_splats-inl.h"
 
 #ifndef FOCI_SWEEP_ONCE
 #define FOCI_SWEEP_ONCE
@@ -33,16 +34,19 @@ inline constexpr float kBlurred_px = 0.5f;
 /// in between both are mixed, so that a moving focus does not pop.
 inline constexpr float kPartsFrom_px = 2.0f, kPartsFully_px = 4.0f;
 
+/// Splats are fetched from memory this many before they are used.
+inline constexpr std::size_t kAhead = 16;
+
 struct TileJob {
   const Splat* splats;
   const std::uint32_t* entries;
   std::size_t count;
-  const float* nearest_m;  // by entry: where its z-range or that of a later one begins first
-  int samples;             // along a side, with the apron
-  float x, y;              // of the first sample, pixels
-  float lens_x, lens_y;    // what a mean radius counts along the axes, where pixels are oblong
-  glm::vec2 meridian;      // of an astigmatic lens the nearest
-  float per_step;          // 1 / the distance of samples, pixels
+  const std::uint8_t* gap;  // by entry: before it a gap in depth, across the whole tile
+  int samples;              // along a side, with the apron
+  float x, y;               // of the first sample, pixels
+  float lens_x, lens_y;     // what a mean radius counts along the axes, where pixels are oblong
+  glm::vec2 meridian;       // of an astigmatic lens the nearest
+  float per_step;           // 1 / the distance of samples, pixels
   float background[3];
   const SplatLens* lens;         // null: nothing is blurred
   const SplatLens* lens_across;  // null: the lens is round
@@ -278,34 +282,48 @@ struct Sweep : Layers<kTransparent, kDepth, asAWhole(kBlur)> {
     return hn::MulAdd(hn::Load(d, light.contrast + i), within, hn::Load(d, light.outside + i));
   }
 
-  /// Composites all splats as `seenOf` says that they are seen.
+  /// Composites all splats.
   /// @param until_overlap  no further than to where layers are found to cover each other in part
-  template <class SeenOf>
-  HWY_INLINE void compose(const Splat* splats, const SeenOf& seenOf, bool until_overlap) {
+  HWY_INLINE void compose(bool until_overlap) {
     clear();
-    float open_far_m = job.count > 0 ? splats[job.entries[0]].far_m : 0.0f;
     const auto done = [&] { return lit == 0 || (until_overlap && overlap); };
     for (std::size_t e = 0; e < job.count; ++e) {
-      constexpr std::size_t kAhead = 16;
-      if (e + kAhead < job.count) hwy::Prefetch(&splats[job.entries[e + kAhead]]);
-      const Splat& splat = splats[job.entries[e]];
+      if (e + kAhead < job.count) hwy::Prefetch(&job.splats[job.entries[e + kAhead]]);
+      const Splat& splat = job.splats[job.entries[e]];
 
       // A gap in depth across the whole tile closes every layer; with no light left, the tile is
       // done.
-      if (HWY_UNLIKELY(job.nearest_m[e] > open_far_m)) {
-        flush(splats);
+      if (HWY_UNLIKELY(job.gap[e])) {
+        flush(job.splats);
         closeAll();
         if (done()) break;
       }
-      open_far_m = std::max(open_far_m, splat.far_m);
       any_from_behind |= splat.opacity < 0.0f;
-      batch.put(splat, job.entries[e], seenOf(job.entries[e]));
+      batch.put(splat, job.entries[e]);
       if (batch.count < Batch::kMost) continue;
-      flush(splats);
+      flush(job.splats);
       if (done()) break;
     }
-    flush(splats);
+    flush(job.splats);
     closeAll();
+  }
+
+  /// Composites them as a part of the lens sees them.
+  HWY_INLINE void compose(const PartSplats& splats, const PartView& view) {
+    clear();
+    const float side_px = static_cast<float>(job.samples - 1) / job.per_step;
+    const glm::vec2 first_px(job.x, job.y), last_px = first_px + side_px;
+    std::size_t at = 0;
+    for (const std::size_t end : splats.ends) {
+      any_from_behind = true;
+      while (at < end && lit > 0) {
+        at = splats.put(at, end, view, first_px, last_px, batch);
+        if (at < end) flush(splats.splats.data());
+      }
+      flush(splats.splats.data());
+      closeAll();
+      if (lit == 0) break;
+    }
   }
 
   /// Adds a share of what is composited to the result.
@@ -328,8 +346,7 @@ struct Sweep : Layers<kTransparent, kDepth, asAWhole(kBlur)> {
   /// The lens as a whole; where layers cover each other in part, by its parts.
   std::size_t run() {
     const bool by_parts = kLens && job.parts && job.parts_share == 1.0f;
-    compose(
-        job.splats, [](std::uint32_t) { return Seen{}; }, by_parts);
+    compose(by_parts);
     if (!kLens || !job.parts || !overlap) {
       emit(1.0f);
       return fragments;
@@ -340,22 +357,28 @@ struct Sweep : Layers<kTransparent, kDepth, asAWhole(kBlur)> {
 
   std::size_t runParts() {
     const LensParts& parts = *job.parts;
+    const bool round = !parts.out_across_D;
+    static thread_local PartSplats splats;
+    splats.reset(job.count);
+    for (std::size_t e = 0; e < job.count; ++e) {
+      const std::uint32_t splat = job.entries[e];
+      if (e + kAhead < job.count) {
+        const std::uint32_t later = job.entries[e + kAhead];
+        hwy::Prefetch(&parts.splats[later]);
+        hwy::Prefetch(&parts.out_of_focus_D[later]);
+        hwy::Prefetch(&job.lens[later]);
+      }
+      if (job.gap[e]) splats.ends.push_back(e);
+      splats.set(e, parts.splats[splat], parts.out_of_focus_D[splat],
+                 round ? 0.0f : parts.out_across_D[splat], job.lens[splat]);
+    }
+    splats.ends.push_back(job.count);
     for (const glm::vec2& centre : parts.centres) {
-      const bool round = !parts.out_across_D;
       const glm::vec2 along = job.meridian, across(-along.y, along.x);
-      const glm::vec2 px_per_D =
-          job.radius_px_per_D * (round ? centre : glm::dot(centre, along) * along);
-      const glm::vec2 across_px_per_D = job.radius_px_per_D * glm::dot(centre, across) * across;
-      compose(
-          parts.splats,
-          [&](std::uint32_t splat) {
-            const SplatLens& lens = job.lens[splat];
-            glm::vec2 shift_px = px_per_D * parts.out_of_focus_D[splat];
-            if (!round) shift_px += across_px_per_D * parts.out_across_D[splat];
-            const float size = std::abs(1.0f + lens.tilt_x * centre.x + lens.tilt_y * centre.y);
-            return Seen{shift_px, size};
-          },
-          false);
+      compose(splats,
+              {.centre = centre,
+               .px_per_D = job.radius_px_per_D * (round ? centre : glm::dot(centre, along) * along),
+               .across_px_per_D = job.radius_px_per_D * glm::dot(centre, across) * across});
       emit(job.parts_share / static_cast<float>(parts.centres.size()));
     }
     return fragments;
@@ -385,6 +408,28 @@ namespace foci {
 
 HWY_EXPORT(sweepTile);
 
+namespace {
+
+/// By splat, whether it and all behind it begin where all before it have ended.
+std::vector<std::uint8_t> gapsOf(const Splat* splats, std::span<const std::uint32_t> list) {
+  std::vector<float> nearest_m(list.size());  // of it and of those behind it
+  float least_m = std::numeric_limits<float>::infinity();
+  for (std::size_t e = list.size(); e-- > 0;) {
+    if (e >= kAhead) hwy::Prefetch(&splats[list[e - kAhead]]);
+    nearest_m[e] = least_m = std::min(least_m, splats[list[e]].near_m);
+  }
+  std::vector<std::uint8_t> gap(list.size());
+  float farthest_m = std::numeric_limits<float>::infinity();
+  for (std::size_t e = 0; e < list.size(); ++e) {
+    gap[e] = nearest_m[e] > farthest_m;
+    const float far_m = splats[list[e]].far_m;
+    farthest_m = e == 0 ? far_m : std::max(farthest_m, far_m);
+  }
+  return gap;
+}
+
+}  // namespace
+
 std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
                     const SweepSettings& settings, Frame& frame) {
   std::vector<std::size_t> fragments(lists.tiles().size());
@@ -392,11 +437,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
   parallelFor(lists.tiles().size(), [&](std::size_t t) {
     const Tile& tile = lists.tiles()[t];
     const auto list = lists.splats(t);
-    std::vector<float> nearest_m(list.size());
-    float least_m = std::numeric_limits<float>::infinity();
-    for (std::size_t e = list.size(); e-- > 0;) {
-      nearest_m[e] = least_m = std::min(least_m, chunks.splats[list[e]].near_m);
-    }
+    const std::vector<std::uint8_t> gap = gapsOf(chunks.splats.get(), list);
     constexpr int kMost = kTile + 2 * kApron;
     alignas(64) glm::vec4 rgba[kMost * kMost]{};
     float depth_m[kMost * kMost]{};
@@ -408,7 +449,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .splats = chunks.splats.get(),
         .entries = list.data(),
         .count = list.size(),
-        .nearest_m = nearest_m.data(),
+        .gap = gap.data(),
         .samples = tile.samplesWithApron(),
         .x = static_cast<float>(tile.x_px) + first_px,
         .y = static_cast<float>(tile.y_px) + first_px,
