@@ -14,7 +14,7 @@ namespace {
 
 /// The least standard deviation of a tile's kernels over the distance of its samples, where that is
 /// more than a pixel.
-constexpr float kSigmasAStep = 0.6f;
+constexpr float kSigmasAStep = 0.7f;
 
 int stepFor(float sigma_px) {
   int step_px = kMostStep_px;

@@ -58,13 +58,14 @@ RenderSettings lensOf(const Prescription& prescription, float focus_D) {
   return settings;
 }
 
-/// A point of light 1 m away; of methods that draw splats, the mean over places within a pixel.
+/// A point of light 1 m away; of methods that draw splats, the mean over places within a pixel and
+/// within the 4 px that samples are apart where blur is as large as here.
 Spread pointThrough(const std::string& method, const RenderSettings& settings) {
   const bool sampled = method.starts_with("accumulate") || method.starts_with("raytrace");
-  const int places = sampled ? 1 : 16;
+  const int places = sampled ? 1 : 64;
   Spread mean;
   for (int place = 0; place < places; ++place) {
-    const SurfelCloud cloud = pointOfLight(0.25f * glm::vec2(place % 4, place / 4));
+    const SurfelCloud cloud = pointOfLight(0.5f * glm::vec2(place % 8, place / 8));
     const Spread s = spreadOf(render(method, cloud, squareView(97, kPointFocal_px), settings));
     mean.xx += s.xx / places;
     mean.xy += s.xy / places;
