@@ -138,11 +138,15 @@ TEST(Stability, LightIsNeitherLostNorGained) {
   EXPECT_LT(scores("transparent", 16.0f)[1], 0.01);
 }
 
-// Against a mean over 0.1 s, which follows noise across the edge.
+// Against a mean over 0.1 s, which follows noise across the edge; at 250 Hz, where that is closer,
+// too.
 TEST(Stability, FocusHoldsInNoise) {
-  const double held = observed("gaze-noise", 0, 1.0f), mean = observed("gaze-noise", 1, 1.0f);
-  EXPECT_LT(held, mean / 3.0);
-  EXPECT_LT(observed("gaze-noise-jumps", 0, 1.0f), observed("gaze-noise-jumps", 1, 1.0f) / 3.0);
+  for (const std::size_t held : {0, 3}) {
+    for (const char* score : {"gaze-noise", "gaze-noise-jumps"}) {
+      EXPECT_LT(observed(score, held, 1.0f), observed(score, held + 1, 1.0f) / 3.0)
+          << score << " " << held;
+    }
+  }
 }
 
 // Whatever the dial says, every pixel of every method is a number.
