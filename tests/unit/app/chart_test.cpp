@@ -89,12 +89,16 @@ TEST(ChartCsv, HasTheColumnsThatProgramsRelyOn) {
   one.method.setting = 16;
   one.silhouette_psnr_dB = 41.25;
   one.coverage_error = 0.0125;
+  one.visible_error = 1.25;
+  one.expected_error = 1.5;
   one.on_frontier = true;
-  EXPECT_EQ(csvOf({one, point("sweep", 2.0, 30.0)}),
-            "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,"
-            "silhouette_psnr_dB,coverage_error,reference_psnr_dB,on_frontier\n"
-            "s,4,accumulate,16,1,12.5000,12.5000,inf,0.500000,41.250,0.012500,50.000,yes\n"
-            "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,0.000000,50.000,no\n");
+  EXPECT_EQ(
+      csvOf({one, point("sweep", 2.0, 30.0)}),
+      "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,"
+      "silhouette_psnr_dB,coverage_error,visible_error,expected_error,reference_psnr_dB,on_"
+      "frontier\n"
+      "s,4,accumulate,16,1,12.5000,12.5000,inf,0.500000,41.250,0.012500,1.250,1.500,50.000,yes\n"
+      "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,0.000000,0.000,n/a,50.000,no\n");
 }
 
 TEST(PlanChart, HasEveryMethodWithSettingsThatItTakes) {
@@ -144,6 +148,8 @@ TEST_F(ChartCellsTest, BringBackWhatWasStoredUnderTheSameKeyOnly) {
                        .ssim = 1.0 / 3.0,
                        .silhouette_psnr_dB = 40.1,
                        .coverage_error = 1e-9,
+                       .visible_error = 1.0 / 7.0,
+                       .expected_error = 0.7,
                        .first_ms = 7.25,
                        .ms = {{1, {2.0, 3.0}}, {16, {0.1}}}};
   cells.store("a", "plane", cell);
@@ -153,6 +159,8 @@ TEST_F(ChartCellsTest, BringBackWhatWasStoredUnderTheSameKeyOnly) {
   EXPECT_EQ(back->ssim, cell.ssim);
   EXPECT_EQ(back->silhouette_psnr_dB, cell.silhouette_psnr_dB);
   EXPECT_EQ(back->coverage_error, cell.coverage_error);
+  EXPECT_EQ(back->visible_error, cell.visible_error);
+  EXPECT_EQ(back->expected_error, cell.expected_error);
   EXPECT_EQ(back->first_ms, cell.first_ms);
   EXPECT_EQ(back->ms, cell.ms);
   EXPECT_FALSE(cells.load("b", "plane"));
