@@ -104,8 +104,9 @@ const Way& wayNumbered(std::size_t i) {
   return i == kSofter ? kSofterWay : kWays[i];
 }
 
-/// The best way as the table has it, and how far off it a cheaper way is.
-float together(float best, float apart) { return std::hypot(best, apart); }
+/// What the best way leaves of what the lens as a whole is apart from it by, at most: 0.5 to 0.65
+/// on the chart's scenes, crossing and parallel planes, and stripes before stripes.
+constexpr float kLeft = 0.7f;
 
 /// What a sharp picture hangs on.
 struct Sight {
@@ -224,21 +225,20 @@ class AutoMethod final : public Method {
   std::size_t choose(const Sight& sight, const RenderSettings& settings, float blur_px) {
     const Quality& quality = settings.quality;
     const bool unhurried = !quality.frame_ms || std::isinf(*quality.frame_ms);
-    const float as_good = kAsGood * kWays.back().error(blur_px);
-    const float allowed = std::max(quality.tolerance, as_good);
+    if (unhurried) {
+      check(sight, settings, blur_px);
+    } else {
+      checked_.reset();
+    }
+    const float allowed = allowedError(quality, blur_px);
     const auto cheapest = [&](float error) {
       std::size_t way = 0;
       while (expectedError(way, blur_px) > error) ++way;
       return way;
     };
-    if (unhurried) {
-      check(sight, settings, blur_px, kMargin * allowed);
-    } else {
-      checked_.reset();
-    }
     const std::size_t least = cheapest(allowed);
     const std::size_t safe = cheapest(kMargin * allowed);
-    way_ = way_ ? std::clamp(*way_, least, safe) : least;
+    way_ = way_ ? std::clamp(*way_, least, safe) : safe;
     if (unhurried) return *way_;
 
     const float budget_ms = *quality.frame_ms;
@@ -254,18 +254,28 @@ class AutoMethod final : public Method {
     return time_.fits(kSoft, budget_ms) ? kSoft : kSofter;
   }
 
-  /// Of one of the ways, or of what time leaves. What was checked is known better than the table.
+  /// Of one of the ways, or of what time leaves: by the blur, and where squares of the frame were
+  /// looked at, by what they show.
   float expectedError(std::size_t way, float blur_px) const {
-    if (!checked_ || way >= kWays.size() || !checked_->apart[way]) {
-      return wayNumbered(way).error(blur_px);
-    }
-    return together(kWays.back().error(blur_px), *checked_->apart[way]);
+    const float tabled = wayNumbered(way).error(blur_px);
+    if (!checked_ || way >= kWays.size()) return tabled;
+    const float best =
+        std::max(kWays.back().error(blur_px), kLeft * checked_->apart[kWhole].value());
+    if (way + 1 == kWays.size()) return best;
+    if (way < kWhole) return std::max(tabled, expectedError(kWhole, blur_px));
+    return checked_->apart[way] ? std::hypot(best, *checked_->apart[way]) : tabled;
+  }
+
+  float allowedError(const Quality& quality, float blur_px) const {
+    return std::max(quality.tolerance, kAsGood * expectedError(kWays.size() - 1, blur_px));
   }
 
   /// Where the table asks for parts of the lens, a few squares tell whether the frame does, and how
   /// many nodes: surfaces that overlap in much of the view.
-  void check(const Sight& sight, const RenderSettings& settings, float blur_px, float allowed) {
-    if (kWays[kWhole].error(blur_px) <= allowed) {
+  void check(const Sight& sight, const RenderSettings& settings, float blur_px) {
+    const float tabled =
+        std::max(settings.quality.tolerance, kAsGood * kWays.back().error(blur_px));
+    if (kWays[kWhole].error(blur_px) <= kMargin * tabled) {
       checked_.reset();
       return;
     }
@@ -277,11 +287,12 @@ class AutoMethod final : public Method {
         return;
       }
     }
-    checked_ = {.sight = sight, .defocus = settings.defocus, .blur_px = blur_px, .apart = {}};
     SpotCheck squares(squares_, sight.view, settings, lodOf(kWays.back(), settings.quality));
+    checked_ = {.sight = sight, .defocus = settings.defocus, .blur_px = blur_px, .apart = {}};
     for (std::size_t way = kWhole; way + 1 < kWays.size(); ++way) {
       checked_->apart[way] = squares.error(lodOf(kWays[way], settings.quality));
-      if (expectedError(way, blur_px) <= allowed) break;
+      const float allowed = allowedError(settings.quality, blur_px);
+      if (expectedError(way, blur_px) <= kMargin * allowed) break;
     }
   }
 
