@@ -8,6 +8,7 @@
 #include <set>
 
 #include "app/base/input_error.h"
+#include "app/base/quantile.h"
 #include "app/chart/cells.h"
 #include "app/chart/frontier.h"
 #include "app/chart/measure.h"
@@ -15,6 +16,8 @@
 #include "app/chart/plan.h"
 #include "app/output_folder.h"
 #include "app/plot.h"
+#include "render/image/visible_difference.h"
+#include "render/methods/method.h"
 #include "tests/temporary_folder.h"
 
 namespace foci {
@@ -99,6 +102,29 @@ TEST(ChartCsv, HasTheColumnsThatProgramsRelyOn) {
       "frontier\n"
       "s,4,accumulate,16,1,12.5000,12.5000,inf,0.500000,41.250,0.012500,1.250,1.500,50.000,yes\n"
       "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,0.000000,0.000,n/a,50.000,no\n");
+}
+
+// What `auto` says of its error holds on every scene of the chart, and no more is spent than that
+// takes: where it draws the lens as a whole although parts are better, that is within the
+// tolerance.
+TEST(AutoOnTheChart, NoMorePixelsThanSaidAreFurtherOff) {
+  const ChartPlan plan = planChart({.quick = true, .size_px = 96});
+  for (const ChartScene& scene : plan.scenes) {
+    if (scene.id == "gallery") continue;  // the mask's scene from elsewhere, and slow
+    const SceneInView seen = scene.make();
+    const auto method = makeMethod("auto", seen.cloud);
+    for (const double blur_px : {4.0, 12.0}) {
+      const RenderSettings settings =
+          seen.settingsThrough(blur_px / seen.largestBlurThrough_px(1.0));
+      Frame frame, reference;
+      const RenderStats stats = method->render(seen.view, settings, frame);
+      makeMethod("accumulate:64", seen.cloud)->render(seen.view, settings, reference);
+      auto apart = visibleDifference(frame, reference, 40.0);
+      ASSERT_TRUE(stats.tolerance_error.has_value());
+      EXPECT_LE(quantile(apart, 0.95), *stats.tolerance_error) << scene.id << " " << blur_px;
+      EXPECT_LE(*stats.tolerance_error, settings.quality.tolerance) << scene.id << " " << blur_px;
+    }
+  }
 }
 
 TEST(PlanChart, HasEveryMethodWithSettingsThatItTakes) {
