@@ -284,7 +284,7 @@ void markFrontiers(std::vector<ChartPoint>& points) {
 std::string csvOf(const std::vector<ChartPoint>& points) {
   std::string csv =
       "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,silhouette_psnr_dB,"
-      "coverage_error,visible_error,expected_error,reference_psnr_dB,on_frontier\n";
+      "coverage_error,reference_psnr_dB,on_frontier,visible_error,expected_error\n";
   for (const ChartPoint& one : points) {
     const auto& silhouette = one.silhouette_psnr_dB;
     csv += one.scene + ',' + decimal(one.blur_px, 0) + ',' + one.method.name + ',' +
@@ -292,9 +292,9 @@ std::string csvOf(const std::vector<ChartPoint>& points) {
            std::to_string(one.threads) + ',' + decimal(one.ms_median, 4) + ',' +
            decimal(one.ms_min, 4) + ',' + decimalOrInf(one.psnr_dB, 3) + ',' +
            decimal(one.ssim, 6) + ',' + (silhouette ? decimalOrInf(*silhouette, 3) : "n/a") + ',' +
-           decimal(one.coverage_error, 6) + ',' + decimal(one.visible_error, 3) + ',' +
-           (one.expected_error ? decimal(*one.expected_error, 3) : "n/a") + ',' +
-           decimalOrInf(one.reference_psnr_dB, 3) + ',' + (one.on_frontier ? "yes" : "no") + '\n';
+           decimal(one.coverage_error, 6) + ',' + decimalOrInf(one.reference_psnr_dB, 3) + ',' +
+           (one.on_frontier ? "yes" : "no") + ',' + decimal(one.visible_error, 3) + ',' +
+           (one.expected_error ? decimal(*one.expected_error, 3) : "n/a") + '\n';
   }
   return csv;
 }

@@ -98,10 +98,10 @@ TEST(ChartCsv, HasTheColumnsThatProgramsRelyOn) {
   EXPECT_EQ(
       csvOf({one, point("sweep", 2.0, 30.0)}),
       "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,"
-      "silhouette_psnr_dB,coverage_error,visible_error,expected_error,reference_psnr_dB,on_"
-      "frontier\n"
-      "s,4,accumulate,16,1,12.5000,12.5000,inf,0.500000,41.250,0.012500,1.250,1.500,50.000,yes\n"
-      "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,0.000000,0.000,n/a,50.000,no\n");
+      "silhouette_psnr_dB,coverage_error,reference_psnr_dB,on_frontier,visible_error,"
+      "expected_error\n"
+      "s,4,accumulate,16,1,12.5000,12.5000,inf,0.500000,41.250,0.012500,50.000,yes,1.250,1.500\n"
+      "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,0.000000,50.000,no,0.000,n/a\n");
 }
 
 // What `auto` says of its error holds on every scene of the chart, and no more is spent than that
