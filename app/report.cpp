@@ -105,7 +105,7 @@ std::string toleranceText(const Study& study, const ReportFacts& facts) {
          decimal(study.quality.tolerance, 1) + " just noticeable differences, by up to " +
          decimal(facts.worst_error, 1) +
          (study.quality.frame_ms ? ": quality.frame_ms leaves no time for more."
-                                 : ": auto draws so much blur no more closely (docs/methods.md).");
+                                 : ": auto draws them no more closely (docs/methods.md).");
 }
 
 namespace {

@@ -55,9 +55,12 @@ std::optional<ChartCell> ChartCells::load(const std::string& name, const std::st
     ChartCell cell{.psnr_dB = numberInJson(json.at("psnr_dB")),
                    .ssim = json.at("ssim"),
                    .coverage_error = json.at("coverage_error"),
+                   .visible_error = json.at("visible_error"),
                    .first_ms = json.at("first_ms")};
     const Json& silhouette = json.at("silhouette_psnr_dB");
     if (!silhouette.is_null()) cell.silhouette_psnr_dB = numberInJson(silhouette);
+    const Json& expected = json.at("expected_error");
+    if (!expected.is_null()) cell.expected_error = expected;
     for (const auto& [threads, ms] : json.at("ms").items()) {
       cell.ms[static_cast<unsigned>(std::atoi(threads.c_str()))] = ms.get<std::vector<double>>();
     }
@@ -72,9 +75,12 @@ void ChartCells::store(const std::string& name, const std::string& key,
                {"ssim", cell.ssim},
                {"silhouette_psnr_dB", nullptr},
                {"coverage_error", cell.coverage_error},
+               {"visible_error", cell.visible_error},
+               {"expected_error", nullptr},
                {"first_ms", cell.first_ms},
                {"ms", Json::object()}};
   if (cell.silhouette_psnr_dB) json["silhouette_psnr_dB"] = jsonNumber(*cell.silhouette_psnr_dB);
+  if (cell.expected_error) json["expected_error"] = *cell.expected_error;
   for (const auto& [threads, ms] : cell.ms) json["ms"][std::to_string(threads)] = ms;
   replaceFile(folder_ / (name + ".json"), json.dump(1) + "\n");
 }

@@ -17,6 +17,9 @@ struct ChartCell {
   double ssim = 0.0;
   std::optional<double> silhouette_psnr_dB = {};  ///< nothing where no silhouette is in view
   double coverage_error = 0.0;
+  double visible_error = 0.0;  ///< that 95 % of the pixels stay within, just noticeable differences
+  std::optional<double> expected_error =
+      {};                 ///< what the method said of that; nothing: it does not
   double first_ms = 0.0;  ///< of the frame that the errors are of, at all threads
   std::map<unsigned, std::vector<double>> ms = {};  ///< of the timed frames, by threads
 };

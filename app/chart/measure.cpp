@@ -8,6 +8,7 @@
 #include <memory>
 #include <tuple>
 
+#include "app/base/quantile.h"
 #include "app/chart/cells.h"
 #include "app/chart/frontier.h"
 #include "app/output_folder.h"
@@ -15,6 +16,7 @@
 #include "app/tables.h"
 #include "app/timed_runs.h"
 #include "render/image/metrics.h"
+#include "render/image/visible_difference.h"
 
 namespace foci {
 namespace {
@@ -22,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kAperturesApart = 1e-3;
+constexpr double kPixelsADegree = 40.0;  // 96 dpi, 0.6 m
 
 std::string groupName(const std::string& scene, double blur_px) {
   return scene + "_" + decimal(blur_px, 0) + "px_";
@@ -75,6 +78,8 @@ class Group {
                                  .ssim = cell.ssim,
                                  .silhouette_psnr_dB = cell.silhouette_psnr_dB,
                                  .coverage_error = cell.coverage_error,
+                                 .visible_error = cell.visible_error,
+                                 .expected_error = cell.expected_error,
                                  .reference_psnr_dB = reference_->split_half_psnr_dB});
       }
     }
@@ -143,13 +148,16 @@ class Group {
       if (!found_.contains(method.spec())) {
         Frame frame;
         const auto& drawn = reference->frame;
-        const double ms = methodOf(method, seen).render(seen.view, settings, frame).ms;
+        const RenderStats stats = methodOf(method, seen).render(seen.view, settings, frame);
+        auto visible = visibleDifference(frame, drawn, kPixelsADegree);
         ChartCell cell{.psnr_dB = psnr_dB(frame, drawn),
                        .ssim = ssim(frame, drawn),
                        .silhouette_psnr_dB = silhouettePsnr_dB(frame, drawn, band),
                        .coverage_error = coverageError(frame, drawn),
-                       .first_ms = ms};
-        if (ms > plan_.timing_ms) cell.ms[plan_.threads.back()] = {ms};
+                       .visible_error = quantile(visible, 0.95),
+                       .expected_error = stats.tolerance_error,
+                       .first_ms = stats.ms};
+        if (stats.ms > plan_.timing_ms) cell.ms[plan_.threads.back()] = {stats.ms};
         writePicture(pictureFile(scene_.id, blur_px_, method), pictureOf(frame));
         writePicture(differenceFile(scene_.id, blur_px_, method),
                      differenceOf(frame, drawn, kDifferenceGain));
@@ -276,7 +284,7 @@ void markFrontiers(std::vector<ChartPoint>& points) {
 std::string csvOf(const std::vector<ChartPoint>& points) {
   std::string csv =
       "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,silhouette_psnr_dB,"
-      "coverage_error,reference_psnr_dB,on_frontier\n";
+      "coverage_error,reference_psnr_dB,on_frontier,visible_error,expected_error\n";
   for (const ChartPoint& one : points) {
     const auto& silhouette = one.silhouette_psnr_dB;
     csv += one.scene + ',' + decimal(one.blur_px, 0) + ',' + one.method.name + ',' +
@@ -285,7 +293,8 @@ std::string csvOf(const std::vector<ChartPoint>& points) {
            decimal(one.ms_min, 4) + ',' + decimalOrInf(one.psnr_dB, 3) + ',' +
            decimal(one.ssim, 6) + ',' + (silhouette ? decimalOrInf(*silhouette, 3) : "n/a") + ',' +
            decimal(one.coverage_error, 6) + ',' + decimalOrInf(one.reference_psnr_dB, 3) + ',' +
-           (one.on_frontier ? "yes" : "no") + '\n';
+           (one.on_frontier ? "yes" : "no") + ',' + decimal(one.visible_error, 3) + ',' +
+           (one.expected_error ? decimal(*one.expected_error, 3) : "n/a") + '\n';
   }
   return csv;
 }

@@ -23,6 +23,8 @@ struct ChartPoint {
   double ssim = 0.0;
   std::optional<double> silhouette_psnr_dB = {};
   double coverage_error = 0.0;
+  double visible_error = 0.0;                 ///< see `ChartCell`
+  std::optional<double> expected_error = {};  ///< likewise
   double reference_psnr_dB = 0.0;  ///< the reference's own, one half of its views against the other
   bool on_frontier = false;        ///< see `markFrontiers`
 };

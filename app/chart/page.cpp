@@ -168,7 +168,8 @@ void writeTable(std::ostream& out, const std::vector<ChartPoint>& points) {
   out << "<details><summary>Every figure</summary>\n<div class=\"scroll\"><table class=\"figures\">"
          "<tr><th>scene</th><th>blur up to, px</th><th>method</th><th>threads</th>"
          "<th>ms, median (least)</th><th>PSNR, dB</th><th>SSIM</th><th>at silhouettes, dB</th>"
-         "<th>coverage off by</th><th>the reference's own, dB</th><th>on the frontier</th></tr>\n";
+         "<th>coverage off by</th><th>95 % of the pixels within, just noticeable</th><th>the "
+         "reference's own, dB</th><th>on the frontier</th></tr>\n";
   for (const ChartPoint& one : points) {
     const std::string picture = pictureFile(one.scene, one.blur_px, one.method);
     out << "<tr>" << cell(escaped(one.scene)) << cell(decimal(one.blur_px, 0))
@@ -179,6 +180,8 @@ void writeTable(std::ostream& out, const std::vector<ChartPoint>& points) {
         << cell(orInfinite(one.psnr_dB, 2)) << cell(decimal(one.ssim, 4))
         << cell(one.silhouette_psnr_dB ? orInfinite(*one.silhouette_psnr_dB, 2) : "n/a")
         << cell(decimal(100.0 * one.coverage_error, 3) + "&thinsp;%")
+        << cell(decimal(one.visible_error, 2) +
+                (one.expected_error ? " (expected " + decimal(*one.expected_error, 2) + ")" : ""))
         << cell(orInfinite(one.reference_psnr_dB, 2)) << cell(one.on_frontier ? "yes" : "", "yes")
         << "</tr>\n";
   }

@@ -14,7 +14,7 @@ constexpr double kHistory_s = 3.0;          // in which fixations prevail: for t
 constexpr double kMeasureAgain_s = 0.25;    // the noise changes slowly
 constexpr double kFixationError_deg = 0.1;  // in noise, fixations are averaged until they have it
 constexpr double kLongestMean_s = 1.0;      // at most: gaze drifts
-constexpr double kMoved = 3.0;              // standard deviations: gaze lies elsewhere than before
+constexpr double kMoved = 4.0;              // standard deviations: gaze lies elsewhere than before
 constexpr double kLabelings_Hz = 250.0;     // more often gains nothing
 
 }  // namespace
@@ -100,7 +100,8 @@ GazeState OnlineEvents::settle(const GazeSample& sample, const TimedSight& sight
     label = GazeState::lost;
   }
   if (label != GazeState::fixation) {
-    fixation_.clear();
+    if (label == GazeState::blink || label == GazeState::lost) fixation_.clear();
+    landed_s_.reset();
     stable_.clear();
     return label;
   }
@@ -115,6 +116,7 @@ void OnlineEvents::fixate(const GazeSample& sample) {
   const double ratio = noise_.sample_deg / kFixationError_deg;
   const double enough = std::max(ratio * ratio, 1.0);
   fixation_.push_back(sample);
+  if (!landed_s_) landed_s_ = sample.time_s;
   const auto age_s = [&] { return sample.time_s - fixation_.front().time_s; };
   while (age_s() > settings_.position_s &&
          (static_cast<double>(fixation_.size()) > enough || age_s() > kLongestMean_s)) {
@@ -124,11 +126,13 @@ void OnlineEvents::fixate(const GazeSample& sample) {
   glm::dvec2 recent_px{0.0}, before_px{0.0};
   double recent = 0.0, before = 0.0;
   for (const GazeSample& each : fixation_) {
-    const bool is_recent = sample.time_s - each.time_s <= settings_.position_s;
+    const bool is_recent =
+        sample.time_s - each.time_s <= settings_.position_s && each.time_s >= *landed_s_;
     (is_recent ? recent_px : before_px) += *each.point_px;
     (is_recent ? recent : before) += 1.0;
   }
-  // A saccade that noise has hidden: what lies before it is of another fixation.
+  // What lies before a saccade, or one that noise has hidden, is of another fixation; what noise
+  // alone made a saccade leaves gaze where it was.
   if (before > 0.0 && angleBetween_deg(screen_, recent_px / recent, before_px / before) >
                           kMoved * noise_.sample_deg * std::sqrt(1.0 / recent + 1.0 / before)) {
     fixation_.erase(fixation_.begin(), fixation_.begin() + static_cast<std::ptrdiff_t>(before));

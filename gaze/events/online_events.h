@@ -63,6 +63,7 @@ class OnlineEvents {
   GazeNow now_{};
   StableGaze stable_{};
   std::deque<GazeSample> fixation_{};  // of which `fixation_px` is the mean
+  std::optional<double> landed_s_{};   // its first sample since the last saccade
 };
 
 /// Whether gaze stays in place or follows something: the states in which the eye sees sharply.

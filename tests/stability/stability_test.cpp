@@ -97,6 +97,9 @@ TEST(Stability, CrossingPlanesKeepTheirPicture) {
     const auto psnr = scores("crossing", angle_deg);
     EXPECT_GT(psnr[1], 42.0) << angle_deg;
     EXPECT_GT(psnr[1], psnr[0] + 10.0) << angle_deg;
+    // Which draws the lens as a whole until a look at the frame shows that it needs parts.
+    StabilityTrial trial(sceneNamed("crossing"), angle_deg, kShort);
+    EXPECT_GT(trial.score("auto"), 42.0) << angle_deg;
   }
 }
 
@@ -138,11 +141,15 @@ TEST(Stability, LightIsNeitherLostNorGained) {
   EXPECT_LT(scores("transparent", 16.0f)[1], 0.01);
 }
 
-// Against a mean over 0.1 s, which follows noise across the edge.
+// Against a mean over 0.1 s, which follows noise across the edge; at 250 Hz, where that is closer,
+// too.
 TEST(Stability, FocusHoldsInNoise) {
-  const double held = observed("gaze-noise", 0, 1.0f), mean = observed("gaze-noise", 1, 1.0f);
-  EXPECT_LT(held, mean / 3.0);
-  EXPECT_LT(observed("gaze-noise-jumps", 0, 1.0f), observed("gaze-noise-jumps", 1, 1.0f) / 3.0);
+  for (const std::size_t held : {0, 3}) {
+    for (const char* score : {"gaze-noise", "gaze-noise-jumps"}) {
+      EXPECT_LT(observed(score, held, 1.0f), observed(score, held + 1, 1.0f) / 3.0)
+          << score << " " << held;
+    }
+  }
 }
 
 // Whatever the dial says, every pixel of every method is a number.

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "app/base/input_error.h"
+#include "app/base/quantile.h"
 #include "app/chart/cells.h"
 #include "app/chart/frontier.h"
 #include "app/chart/measure.h"
@@ -15,6 +16,8 @@
 #include "app/chart/plan.h"
 #include "app/output_folder.h"
 #include "app/plot.h"
+#include "render/image/visible_difference.h"
+#include "render/methods/method.h"
 #include "tests/temporary_folder.h"
 
 namespace foci {
@@ -89,12 +92,39 @@ TEST(ChartCsv, HasTheColumnsThatProgramsRelyOn) {
   one.method.setting = 16;
   one.silhouette_psnr_dB = 41.25;
   one.coverage_error = 0.0125;
+  one.visible_error = 1.25;
+  one.expected_error = 1.5;
   one.on_frontier = true;
-  EXPECT_EQ(csvOf({one, point("sweep", 2.0, 30.0)}),
-            "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,"
-            "silhouette_psnr_dB,coverage_error,reference_psnr_dB,on_frontier\n"
-            "s,4,accumulate,16,1,12.5000,12.5000,inf,0.500000,41.250,0.012500,50.000,yes\n"
-            "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,0.000000,50.000,no\n");
+  EXPECT_EQ(
+      csvOf({one, point("sweep", 2.0, 30.0)}),
+      "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,"
+      "silhouette_psnr_dB,coverage_error,reference_psnr_dB,on_frontier,visible_error,"
+      "expected_error\n"
+      "s,4,accumulate,16,1,12.5000,12.5000,inf,0.500000,41.250,0.012500,50.000,yes,1.250,1.500\n"
+      "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,0.000000,50.000,no,0.000,n/a\n");
+}
+
+// What `auto` says of its error holds on every scene of the chart, and no more is spent than that
+// takes: where it draws the lens as a whole although parts are better, that is within the
+// tolerance.
+TEST(AutoOnTheChart, NoMorePixelsThanSaidAreFurtherOff) {
+  const ChartPlan plan = planChart({.quick = true, .size_px = 96});
+  for (const ChartScene& scene : plan.scenes) {
+    if (scene.id == "gallery") continue;  // the mask's scene from elsewhere, and slow
+    const SceneInView seen = scene.make();
+    const auto method = makeMethod("auto", seen.cloud);
+    for (const double blur_px : {4.0, 12.0}) {
+      const RenderSettings settings =
+          seen.settingsThrough(blur_px / seen.largestBlurThrough_px(1.0));
+      Frame frame, reference;
+      const RenderStats stats = method->render(seen.view, settings, frame);
+      makeMethod("accumulate:64", seen.cloud)->render(seen.view, settings, reference);
+      auto apart = visibleDifference(frame, reference, 40.0);
+      ASSERT_TRUE(stats.tolerance_error.has_value());
+      EXPECT_LE(quantile(apart, 0.95), *stats.tolerance_error) << scene.id << " " << blur_px;
+      EXPECT_LE(*stats.tolerance_error, settings.quality.tolerance) << scene.id << " " << blur_px;
+    }
+  }
 }
 
 TEST(PlanChart, HasEveryMethodWithSettingsThatItTakes) {
@@ -144,6 +174,8 @@ TEST_F(ChartCellsTest, BringBackWhatWasStoredUnderTheSameKeyOnly) {
                        .ssim = 1.0 / 3.0,
                        .silhouette_psnr_dB = 40.1,
                        .coverage_error = 1e-9,
+                       .visible_error = 1.0 / 7.0,
+                       .expected_error = 0.7,
                        .first_ms = 7.25,
                        .ms = {{1, {2.0, 3.0}}, {16, {0.1}}}};
   cells.store("a", "plane", cell);
@@ -153,6 +185,8 @@ TEST_F(ChartCellsTest, BringBackWhatWasStoredUnderTheSameKeyOnly) {
   EXPECT_EQ(back->ssim, cell.ssim);
   EXPECT_EQ(back->silhouette_psnr_dB, cell.silhouette_psnr_dB);
   EXPECT_EQ(back->coverage_error, cell.coverage_error);
+  EXPECT_EQ(back->visible_error, cell.visible_error);
+  EXPECT_EQ(back->expected_error, cell.expected_error);
   EXPECT_EQ(back->first_ms, cell.first_ms);
   EXPECT_EQ(back->ms, cell.ms);
   EXPECT_FALSE(cells.load("b", "plane"));

@@ -93,6 +93,40 @@ TEST_F(Auto, ALargerToleranceCostsLess) {
   }
 }
 
+// Where nothing overlaps, parts of the lens would change nothing; where surfaces do in much of the
+// view, the lens as a whole would be off by more than is allowed.
+TEST_F(Auto, TakesTheLensApartWhereTheFrameAsksForIt) {
+  const Frame plane = renderedBy("auto", cloud, view, settings(60.0f));
+  EXPECT_EQ(plane.rgba, renderedBy("auto:2", cloud, view, settings(60.0f)).rgba);
+
+  SurfelCloud crossing;  // stripes before stripes, both blurred
+  for (int k = -4; k <= 4; ++k) {
+    const auto x_m = 0.06f * static_cast<float>(k);
+    for (int row = -3; row <= 3; ++row) {
+      const auto y_m = 0.08f * static_cast<float>(row);
+      addSheetOf(crossing, {.center_m = {x_m, y_m, -0.8f},
+                            .side_m = 0.03f,
+                            .samples = 12,
+                            .color = {1.0f, 0.1f, 0.1f}});
+      addSheetOf(crossing, {.center_m = {x_m + 0.01f, y_m, -0.9f},
+                            .side_m = 0.04f,
+                            .samples = 14,
+                            .color = {0.1f, 1.0f, 0.1f}});
+    }
+  }
+  const View ahead = squareViewOf(128, 300.0f);
+  const RenderSettings blurred = blurredBy(10.0f, 0.0f);
+  RenderStats stats, whole;
+  const Frame apart = renderedBy("auto", crossing, ahead, blurred, &stats);
+  const Frame reference = renderedBy("accumulate:256", crossing, ahead, blurred);
+  auto error = visibleDifference(apart, reference, kPixelsADegree);
+  auto by_whole = visibleDifference(renderedBy("auto:2", crossing, ahead, blurred, &whole),
+                                    reference, kPixelsADegree);
+  EXPECT_GT(quantile(by_whole, 0.95), 1.0f);
+  EXPECT_LT(quantile(error, 0.95), 0.8f * quantile(by_whole, 0.95));
+  EXPECT_GT(*stats.tolerance_error, 1.0f);  // so small and so near that parts do not suffice
+}
+
 TEST_F(Auto, DoesNotFlickerBetweenWays) {
   const auto method = makeMethod("auto", cloud);
   Frame frame;

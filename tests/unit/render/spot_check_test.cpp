@@ -1,0 +1,59 @@
+#include "render/methods/spot_check.h"
+
+#include <gtest/gtest.h>
+
+#include "app/base/quantile.h"
+#include "render/image/visible_difference.h"
+#include "render/scene/procedural.h"
+#include "tests/unit/render/surfel_scenes.h"
+
+namespace foci {
+namespace {
+
+constexpr LodSettings kBest{.cut = kFaithfulCut, .parts = 7};
+constexpr LodSettings kCoarse{.cut = {.per_blur2 = 0.06f, .per_pixel2 = 0.3f}};
+
+class SpotCheckTest : public ::testing::Test {
+ protected:
+  SurfelCloud cloud = makePlane(160, 1.0f);
+  LodSplats scene{cloud};
+  RenderSettings settings = blurredBy(40.0f, 1.0f / 1.27f);
+
+  static View tilted(int size_px) {
+    View view = squareViewOf(size_px, 1.5f * static_cast<float>(size_px));
+    view.eye_from_world = eyeFromWorld({0.0f, 0.9f, 0.9f}, {0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f});
+    return view;
+  }
+
+  Frame whole(const View& view, const LodSettings& way) {
+    Frame frame;
+    frame.size_px = view.size_px;
+    frame.rgba.resize(static_cast<std::size_t>(view.size_px.x) * view.size_px.y);
+    scene.draw(view, settings, way, frame);
+    return frame;
+  }
+};
+
+TEST_F(SpotCheckTest, OfAllSquaresIsTheDifferenceOfTheFrames) {
+  const View view = tilted(128);
+  auto apart = visibleDifference(whole(view, kCoarse), whole(view, kBest), 40.0);
+  SpotCheck squares(scene, view, settings, kBest);
+  const float expected = quantile(apart, 0.95);
+  EXPECT_GT(expected, 0.2f);
+  EXPECT_NEAR(squares.error(kCoarse), expected, 0.03f * expected);  // but for the squares' borders
+  EXPECT_EQ(squares.error(kBest), 0.0f);
+}
+
+// Sixteen squares stand for a larger picture, and a picture smaller than a square is one.
+TEST_F(SpotCheckTest, OfSomeSquaresIsAboutThat) {
+  for (const int size_px : {20, 384}) {
+    const View view = tilted(size_px);
+    auto apart = visibleDifference(whole(view, kCoarse), whole(view, kBest), 40.0);
+    SpotCheck squares(scene, view, settings, kBest);
+    const float expected = quantile(apart, 0.95);
+    EXPECT_NEAR(squares.error(kCoarse), expected, 0.2f * expected) << size_px;
+  }
+}
+
+}  // namespace
+}  // namespace foci
