@@ -185,15 +185,15 @@ TEST_F(Live, WhatIsDrawnAtLeisureIsStoppedAtOnce) {
   PaintJob other = job;
   for (int i = 0; i < 20; ++i) {  // each stops the one before
     other.eyes[0].settings.defocus.focus_D = 0.1f * static_cast<float>(i);
-    refiner.want(other);
+    refiner.want({other});
     std::this_thread::sleep_for(std::chrono::milliseconds(i));
   }
-  refiner.rest();
-  refiner.want(job);
+  refiner.want({});
+  refiner.want({other, job});
   std::optional<Painted> painted;
   for (int i = 0; i < 2000 && !painted; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    painted = refiner.take();
+    painted = refiner.take(job);
   }
   ASSERT_TRUE(painted.has_value());
   Painted alone;
