@@ -251,7 +251,8 @@ bool LiveRenderer::refine(const PaintJob& job, const FrameRecord& record) {
     return false;
   }
   if (!refiner_) {
-    refiner_ = std::make_unique<Refiner>(session_->otherPainter(), threads_);
+    // Of two cores it has one: a frame that waits for the other one's share of it comes late.
+    refiner_ = std::make_unique<Refiner>(session_->otherPainter(), std::max(threads_, 2u) - 1);
   }
   const bool same = job == last_job_;
   if (!job.sameViews(last_job_)) {

@@ -201,17 +201,89 @@ TEST_F(Live, WhatIsDrawnAtLeisureIsStoppedAtOnce) {
   EXPECT_EQ(painted->frame.rgba, alone.frame.rgba);
 }
 
+std::size_t rowsOf(const fs::path& table) {
+  const std::string text = textOf(table);
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST_F(Live, WhatIsPaintedAheadIsWhatTheEyeComesToRestAt) {
+  study.observer.pupil_mm = 8.0;
+  study.render.method = "auto";
+  study.quality.frame_ms = 5.0;
+  study.quality.foveated = true;
+  const SurfelCloud cloud = loadScene(study);
+  const Screen screen = study.screenInForce();
+  Session session(study, cloud, screen, 250.0, 0.0);
+  std::optional<PaintJob> ahead, last;
+  int changes = 0;
+  double sample_s = 0.0;
+  for (int frame = 0; frame < 240; ++frame) {  // the far wall for a second, then the near one
+    const double time_s = frame / 60.0;
+    for (; sample_s <= time_s; sample_s += 0.004) {
+      const double noise_px = 2.0 * std::sin(1e3 * sample_s);
+      const double x = sample_s < 1.0 ? 0.3 : 0.7;
+      session.push({.time_s = sample_s,
+                    .point_px = glm::dvec2(x, 0.45) * glm::dvec2(screen.size_px) + noise_px});
+    }
+    const FrameRecord record = session.look(time_s);
+    const PaintJob job = session.jobOf("auto", record);
+    // As soon as the surface is known: focus holds for its latency, then moves.
+    if (time_s > 1.2 && !ahead) ahead = session.jobAtRest("auto", record);
+    if (time_s > 1.2 && time_s < 1.25) {
+      EXPECT_NE(job, *ahead);
+    }
+    if (time_s > 3.0) changes += job != last;
+    last = job;
+  }
+  EXPECT_EQ(*last, *ahead);
+  EXPECT_EQ(changes, 0);
+}
+
+TEST(Landings, LastFromTheSampleThatLandedToTheFirstFullFrame) {
+  Landings landings;
+  const auto show = [&](GazeState state, double state_s, bool full, double swap_s) {
+    FrameRecord record;
+    record.eye.state = state;
+    record.eye.state_time_s = state_s;
+    return landings.add(record, full, swap_s);
+  };
+  constexpr double kRounding_ms = 1e-9;
+  EXPECT_FALSE(show(GazeState::fixation, 0.0, true, 0.1));  // no saccade was before
+  EXPECT_FALSE(show(GazeState::saccade, 0.2, true, 0.22));
+  EXPECT_FALSE(show(GazeState::fixation, 0.25, false, 0.27));
+  EXPECT_NEAR(show(GazeState::fixation, 0.26, true, 0.29).value_or(0.0), 40.0, kRounding_ms);
+  EXPECT_FALSE(show(GazeState::fixation, 0.28, true, 0.31));  // the first alone counts
+  show(GazeState::saccade, 0.4, false, 0.42);
+  show(GazeState::fixation, 0.5, false, 0.52);
+  show(GazeState::blink, 0.6, false, 0.62);
+  EXPECT_FALSE(show(GazeState::fixation, 0.7, true, 0.72));  // it was never full before it left
+  EXPECT_EQ(landings.count(), 2u);
+  EXPECT_EQ(landings.toFull().count(), 1u);
+  EXPECT_DOUBLE_EQ(landings.fullShare(), 5.0 / 9.0);
+}
+
+TEST_F(Live, ARecordWithoutGazeSaysSo) {
+  const fs::path folder = scratch.path() / "record";
+  const LiveClock clock;
+  {
+    GazeFeed feed(jumping(-1.0), clock);
+    LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+    EXPECT_EQ(renderer.startRecord(folder).get(), "");
+    watch(renderer, clock, 0.2);
+  }
+  const auto manifest = nlohmann::json::parse(textOf(folder / "manifest.json"));
+  EXPECT_EQ(manifest["gaze"]["format"], "no gaze");
+  EXPECT_EQ(manifest["summary"]["gaze_valid"], 0.0);
+  EXPECT_GT(manifest["summary"]["frames"], 0);
+  EXPECT_EQ(rowsOf(folder / "events.tsv"), 1u);
+}
+
 /// Bytes of the program in memory.
 double residentBytes() {
   std::ifstream file("/proc/self/statm");
   double all = 0.0, resident = 0.0;
   file >> all >> resident;
   return resident * 4096.0;
-}
-
-std::size_t rowsOf(const fs::path& table) {
-  const std::string text = textOf(table);
-  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
 /// Hours in seconds: FOCI_SOAK_HOURS of its own clock, 120 times as fast as it passes.
@@ -253,6 +325,8 @@ TEST_F(Live, LongRunsLoseNoRowAndNoMemory) {
   EXPECT_EQ(rowsOf(folder / "timing.tsv"), taken + 1);
   const auto manifest = nlohmann::json::parse(textOf(folder / "manifest.json"));
   EXPECT_EQ(manifest["summary"]["frames"], taken);
+  constexpr std::size_t kHead = 2;  // lines of gaze.tsv before the samples
+  EXPECT_EQ(manifest["gaze"]["samples"], rowsOf(folder / "gaze.tsv") - kHead);
 }
 
 TEST_F(Live, RecordIsWholeWhereTheProgramLeavesWhileItRuns) {
