@@ -11,7 +11,6 @@ namespace foci {
 namespace {
 
 constexpr float kFade = 0.3f;         // of the variance allowed: over it a node fades out
-constexpr float kThick = 30.0f;       // what a node's thickness counts, over its width
 constexpr int kSerialCutLevels = 8;   // below, one task a subtree; fixed, as are all results
 constexpr int kMiddleLevel = 10;      // about a thousand nodes
 constexpr float kWidestReach = 3.0f;  // standard deviations of a kernel's support, at most
@@ -87,13 +86,6 @@ class Selector {
     cut.ranges.push_back({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)});
   }
 
-  /// Variance along the mean normal: none of a flat node; of one that holds two surfaces a quarter
-  /// of their distance squared, or what their angle makes.
-  static float thickness_m2(const LodNode& node) {
-    const glm::vec3 n = unpackNormal(node.normal);
-    return node.covariance_m2(n, n);
-  }
-
   Size sizeOf(std::size_t index) const {
     constexpr float kRefine = 1e30f;
     const LodNode& node = tree_.nodes()[index];
@@ -122,13 +114,13 @@ class Selector {
       return {kOutside, 0.0f};
     }
 
-    const float added_m2 = node.added_m2() + kThick * thickness_m2(node);
+    const auto [now_m2, least_m2] = tree_.coarseness()[index];
     const float least_D = std::max(leastDefocus_D(defocus_, inv) - range_D, 0.0f);
     const glm::vec2 from_gaze_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
     const float finest_px = settings_.acuity.finest_px(glm::length(from_gaze_px));
     const float allowed_px2 = settings_.per_blur2 * blur2_ * least_D * least_D +
                               settings_.per_pixel2 * finest_px * finest_px;
-    const float now = added_m2 * focal2_ / (depth * depth) / allowed_px2;
+    const float now = now_m2 * focal2_ / (depth * depth) / allowed_px2;
     if (index < first_range_node_) return {now, 0.0f};
 
     // Everything below lies within the radius; finest_px grows with the distance from the gaze.
@@ -137,7 +129,7 @@ class Selector {
         settings_.acuity.finest_px(glm::length(glm::abs(at - settings_.acuity.gaze_px) + reach));
     const float most_px2 = settings_.per_blur2 * blur2_ * most_D * most_D +
                            settings_.per_pixel2 * coarsest_px * coarsest_px;
-    return {now, tree_.leastAdded_m2()[index] * focal2_ / (farthest * farthest) / most_px2};
+    return {now, least_m2 * focal2_ / (farthest * farthest) / most_px2};
   }
 
   const MomentTree& tree_;

@@ -27,7 +27,7 @@ struct CutSettings {
 /// What merging adds to the variance stays within 3 % of the blur's and the pixel's own: a node is
 /// at most about a quarter of the blur's radius wide (a square's spread is side^2 / 12), 0.6 px in
 /// focus.
-inline constexpr CutSettings kFaithfulCut{.per_blur2 = 0.006f, .per_pixel2 = 0.03f};
+inline constexpr CutSettings kFaithfulCut{.per_blur2 = 0.0055f, .per_pixel2 = 0.03f};
 
 struct CutEntry {
   std::uint32_t index;

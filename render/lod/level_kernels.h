@@ -25,7 +25,7 @@ struct LevelKernels {
 /// The finest pixel and the least blur that square nodes are drawn at, in units of their side,
 /// whose variance is side^2 / 12: 1 / sqrt(12 per_pixel2) and 1 / sqrt(12 per_blur2) of
 /// kFaithfulCut.
-inline constexpr SeenAs kCoarsestSharp{1.6667f}, kCoarsestBlurred{0.0f, 3.7268f};
+inline constexpr SeenAs kCoarsestSharp{1.6667f}, kCoarsestBlurred{0.0f, 3.8925f};
 
 /// @param level  0 (the root) to tree.levels() - 1
 LevelKernels levelKernels(const MomentTree& tree, int level);

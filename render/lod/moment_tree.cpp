@@ -214,11 +214,16 @@ MomentTree::MomentTree(const SurfelCloud& cloud) {
     }
   }
 
-  least_added_m2_.resize(nodes_.size());
-  for (std::size_t node = nodes_.size() - 1; node > 0; --node) {
-    least_added_m2_[node] =
-        isCluster(node) ? nodes_[node].added_m2()
-                        : std::min(least_added_m2_[2 * node], least_added_m2_[2 * node + 1]);
+  coarseness_.resize(nodes_.size());
+  parallelFor(nodes_.size(), [&](std::size_t i) {
+    const LodNode& node = nodes_[i];
+    const glm::vec3 normal = unpackNormal(node.normal);
+    const float coarse_m2 = node.added_m2() + kThick * node.covariance_m2(normal, normal);
+    coarseness_[i] = {coarse_m2, coarse_m2};
+  });
+  for (std::size_t node = nodes_.size() / 2; node-- > 1;) {
+    coarseness_[node].least_m2 =
+        std::min(coarseness_[2 * node].least_m2, coarseness_[2 * node + 1].least_m2);
   }
 }
 

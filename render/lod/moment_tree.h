@@ -59,8 +59,15 @@ class MomentTree {
   const std::vector<LodNode>& nodes() const { return nodes_; }  ///< nodes()[0] is unused
   int levels() const { return levels_; }  ///< of nodes, >= 1; 0: an empty scene
 
-  /// By node, the least `added_m2` of the clusters below it, itself if it is one.
-  const std::vector<float>& leastAdded_m2() const { return least_added_m2_; }
+  /// By node, how coarse it is: what merging added to its variance, that along its mean normal
+  /// counted kThick times. None of a flat node, that is, of one that holds two surfaces, which the
+  /// lens tells apart, a quarter of their distance squared, or what their angle makes.
+  struct Coarseness {
+    float now_m2;
+    float least_m2;  ///< of the clusters below it, itself if it is one
+  };
+  const std::vector<Coarseness>& coarseness() const { return coarseness_; }
+  static constexpr float kThick = 30.0f;
 
   bool isCluster(std::size_t node) const { return node >> (levels_ - 1) != 0; }
 
@@ -77,7 +84,7 @@ class MomentTree {
  private:
   SurfelCloud surfels_;
   std::vector<LodNode> nodes_;
-  std::vector<float> least_added_m2_;
+  std::vector<Coarseness> coarseness_;
   int levels_ = 0;
 };
 

@@ -24,8 +24,6 @@ RenderStats LodSplats::draw(const View& view, const RenderSettings& settings,
              chunks_);
   lists_.build(chunks_, view.size_px, coarse);
   const LensParts parts{.splats = chunks_.parts.get(),
-                        .lens = chunks_.part_lens.get(),
-                        .lens_across = chunks_.part_lens_across.get(),
                         .out_of_focus_D = chunks_.out_of_focus_D.get(),
                         .out_across_D = chunks_.out_across_D.get(),
                         .centres = lensParts(lod.parts)};

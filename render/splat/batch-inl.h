@@ -21,22 +21,23 @@ HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
 
-/// Splats as they come, front to back: where their centres are, seen from where they are seen
-/// from, and their footprints' boxes.
+/// Splats as they come, front to back: where their centres are and how large they look, seen from
+/// where they are seen from, and their footprints' boxes.
 struct Batch {
   static constexpr unsigned kMost = 64;
   unsigned count = 0;
-  std::uint32_t splat[kMost] = {};
+  alignas(64) std::uint32_t splat[kMost] = {};
   alignas(64) float x_px[kMost] = {}, y_px[kMost] = {};
+  alignas(64) float size[kMost] = {};  // their weights count that many times, from parts of a lens
   alignas(64) float left_px[kMost] = {}, right_px[kMost] = {};
   alignas(64) float top_px[kMost] = {}, bottom_px[kMost] = {};
 
-  /// Adds a splat, moved by `shift`. There must be room.
-  HWY_INLINE void put(const Splat& added, std::uint32_t index, const glm::vec2& shift) {
+  /// Adds a splat as it lies. There must be room.
+  HWY_INLINE void put(const Splat& added, std::uint32_t index) {
     const unsigned n = count++;
     splat[n] = index;
-    x_px[n] = added.x_px + shift.x;
-    y_px[n] = added.y_px + shift.y;
+    x_px[n] = added.x_px;
+    y_px[n] = added.y_px;
     left_px[n] = x_px[n] - added.extent_x_px;
     right_px[n] = x_px[n] + added.extent_x_px;
     top_px[n] = y_px[n] - added.extent_y_px;

@@ -158,21 +158,31 @@ void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
 }
 
 /// Counts, sums up and fills by chunks, in order of surfel, then sorts by tile.
-/// `forEachTile(key, visit)` calls visit(tile, counts).
+/// `forEachTile(key, begin, visit)` calls begin(n), n the most tiles there may be, then
+/// visit(tile, counts).
 template <typename ForEachTile>
 void TileLists::fill(const SplatChunks& chunks, const ForEachTile& forEachTile) {
   const std::size_t tile_count = tiles_.size(), chunk_count = chunks.count.size();
   cursor_.assign(chunk_count * tile_count, 0);
+  touched_.resize(std::max(touched_.size(), chunk_count));
   std::vector<std::array<std::uint32_t, 2>> range(chunk_count);
   parallelFor(chunk_count, [&](std::size_t c) {
     std::size_t* count = cursor_.data() + c * tile_count;
+    Touched& touched = touched_[c];
+    touched.clear();
     std::uint32_t least = UINT32_MAX, most = 0;
     for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
       const SplatKey& key = chunks.keys[c * chunks.chunk_size + i];
       const auto bits = std::bit_cast<std::uint32_t>(key.distance_m);
       least = std::min(least, bits);
       most = std::max(most, bits);
-      forEachTile(key, [&](std::size_t tile, bool counts) { count[tile] += counts; });
+      forEachTile(
+          key, [&](std::size_t most_tiles) { touched.begin(most_tiles); },
+          [&](std::uint32_t tile, bool counts) {
+            count[tile] += counts;
+            touched.add(tile, counts);
+          });
+      touched.end();
     }
     range[c] = {least, most};
   });
@@ -197,15 +207,13 @@ void TileLists::fill(const SplatChunks& chunks, const ForEachTile& forEachTile) 
   pairs_.resize(running);
   parallelFor(chunk_count, [&](std::size_t c) {
     std::size_t* cursor = cursor_.data() + c * tile_count;
-    std::uint64_t nowhere = 0;
+    const std::uint32_t* tiles = touched_[c].data();
     for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
       const std::size_t splat = c * chunks.chunk_size + i;
-      const SplatKey& key = chunks.keys[splat];
-      const std::uint64_t bits = (std::bit_cast<std::uint32_t>(key.distance_m) - least) >> shift;
-      forEachTile(key, [&](std::size_t tile, bool counts) {
-        *(counts ? pairs_.data() + cursor[tile] : &nowhere) = bits << 32 | splat;
-        cursor[tile] += counts;
-      });
+      const float distance_m = chunks.keys[splat].distance_m;
+      const std::uint64_t bits = (std::bit_cast<std::uint32_t>(distance_m) - least) >> shift;
+      const std::uint32_t* const end = tiles + 1 + *tiles;
+      for (++tiles; tiles < end; ++tiles) pairs_[cursor[*tiles]++] = bits << 32 | splat;
     }
   });
   entries_.resize(running);
@@ -224,7 +232,7 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
   };
   // A splat of up to two cells by two, far from coarse tiles: four visits without a branch, of
   // which some do not count.
-  const auto visitFine = [&](const SplatKey& key, auto&& visit) {
+  const auto visitFine = [&](const SplatKey& key, auto&& begin, auto&& visit) {
     const int x0 = key.x0 / kTile, x1 = key.x1 / kTile;
     const int y0 = key.y0 / kTile, y1 = key.y1 / kTile;
     if (x1 - x0 > 1 || y1 - y0 > 1) return false;
@@ -232,6 +240,7 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
       return false;
     }
     const bool wide = x1 > x0, high = y1 > y0;
+    begin(4);
     visit(tileAt(x0, y0), true);
     visit(tileAt(x1, y0), wide);
     visit(tileAt(x0, y1), high);
@@ -241,12 +250,13 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
 
   // Tiles of several sizes with aprons: each is visited at the first of its cells.
   const int most_apron_px = any_coarse_ ? kApron * kMostStep_px : 0;
-  fill(chunks, [&](const SplatKey& key, auto&& visit) {
-    if (visitFine(key, visit)) return;
+  fill(chunks, [&](const SplatKey& key, auto&& begin, auto&& visit) {
+    if (visitFine(key, begin, visit)) return;
     const int x0 = std::max(key.x0 - most_apron_px, 0) / kTile;
     const int y0 = std::max(key.y0 - most_apron_px, 0) / kTile;
     const int x1 = std::min(key.x1 + most_apron_px, size_px_.x - 1) / kTile;
     const int y1 = std::min(key.y1 + most_apron_px, size_px_.y - 1) / kTile;
+    begin(static_cast<std::size_t>(x1 - x0 + 1) * (y1 - y0 + 1));
     for (int y = y0; y <= y1; ++y) {
       for (int x = x0; x <= x1;) {
         const std::uint32_t index = tileAt(x, y);

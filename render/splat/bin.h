@@ -54,11 +54,34 @@ class TileLists {
   template <typename ForEachTile>
   void fill(const SplatChunks& chunks, const ForEachTile& forEachTile);
 
+  /// Tiles that each splat of a chunk touches, in order: their number, then they.
+  class Touched {
+   public:
+    void clear() { size_ = 0; }
+    /// Room for a splat with as many tiles.
+    void begin(std::size_t most) {
+      if (data_.size() < size_ + 1 + most) data_.resize(2 * (size_ + 1 + most));
+      first_ = size_ + 1;
+      size_ = first_;
+    }
+    void add(std::uint32_t tile, bool counts) {
+      data_[size_] = tile;
+      size_ += counts;
+    }
+    void end() { data_[first_ - 1] = static_cast<std::uint32_t>(size_ - first_); }
+    const std::uint32_t* data() const { return data_.data(); }
+
+   private:
+    std::vector<std::uint32_t> data_;
+    std::size_t size_ = 0, first_ = 0;
+  };
+
   glm::ivec2 size_px_{0}, cells_{0};  // a cell is the least tile
   std::vector<Tile> tiles_;
   std::vector<std::uint32_t> tile_of_cell_;
   std::vector<std::uint8_t> fine_;  // by cell: neither it nor a neighbour has coarser samples
   bool any_coarse_ = false;
+  std::vector<Touched> touched_;      // by chunk
   std::vector<std::uint64_t> pairs_;  // by tile, key << 32 | splat
   std::vector<std::size_t> begin_;
   std::vector<std::size_t> cursor_;

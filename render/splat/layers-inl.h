@@ -329,10 +329,14 @@ struct Layers {
   HWY_INLINE void closeAll() {
     const D d;
     for (std::size_t index = 0; index < blocks().size(); ++index) {
+      bool any_open = false;
       for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(d)) {
-        closeLayers(index, i, hn::FirstN(d, hn::Lanes(d)));
+        const M open = hn::Ge(hn::Load(d, tile[index].far_m + i), hn::Zero(d));
+        if (hn::AllFalse(d, open)) continue;
+        closeLayers(index, i, open);
+        any_open = true;
       }
-      if (!tile[index].dark) goesDark(tile[index]);
+      if (any_open && !tile[index].dark) goesDark(tile[index]);
     }
     any_from_behind = any_beyond = false;
   }

@@ -31,8 +31,6 @@ struct SplatsOut {
   SplatLens* lens;
   SplatLens* lens_across;
   Splat* parts;
-  SplatLens* part_lens;
-  SplatLens* part_lens_across;
   float* out_of_focus_D;
   float* out_across_D;
 };
@@ -137,14 +135,11 @@ HWY_INLINE void finishPart(const ProjectJob& job, const Lanes& lanes, std::size_
   };
   const float off_D = lanes.out_of_focus_D[k];
   if (!out.lens_across) {
-    out.part_lens[at] = lensOf(lanes, k, widen, job.part_aperture);
     out.out_of_focus_D[at] = spread(off_D, blur);
     return;
   }
   const float across_D = lanes.out_across_D[k];
   const float variance = kDiscVariancePerRadius2 * job.blur_x * job.blur_y;  // of a dioptre
-  out.part_lens[at] = lensAlong(job, lanes, k, off_D, widen, job.part_aperture);
-  out.part_lens_across[at] = lensAlong(job, lanes, k, across_D, widen, job.part_aperture);
   out.out_of_focus_D[at] = spread(off_D, variance * off_D * off_D);
   out.out_across_D[at] = spread(across_D, variance * across_D * across_D);
 }
@@ -158,10 +153,10 @@ HWY_INLINE void finishLanes(const ProjectJob& job, const Lanes& lanes, std::size
     const Paint paint = paintOf(k);
     if (!finishSplat(job, lanes, k, paint, out.splats[count], out.keys[count])) continue;
     if (out.lens_across) {
-      out.lens[count] = lensAlong(job, lanes, k, lanes.out_of_focus_D[k], 1.0f, 1.0f);
-      out.lens_across[count] = lensAlong(job, lanes, k, lanes.out_across_D[k], 1.0f, 1.0f);
+      out.lens[count] = lensAlong(job, lanes, k, lanes.out_of_focus_D[k]);
+      out.lens_across[count] = lensAlong(job, lanes, k, lanes.out_across_D[k]);
     } else if (out.lens) {
-      out.lens[count] = lensOf(lanes, k, 1.0f, 1.0f);
+      out.lens[count] = lensOf(lanes, k);
     }
     if (out.parts) finishPart(job, lanes, k, paint.weight, out, count);
     ++count;
@@ -340,17 +335,15 @@ void makeRoom(SplatChunks& chunks, std::size_t splats, const ProjectJob& job) {
   room(chunks.lens, lens);
   room(chunks.lens_across, across);
   room(chunks.parts, parts);
-  room(chunks.part_lens, parts);
   room(chunks.out_of_focus_D, parts);
-  room(chunks.part_lens_across, parts && across);
   room(chunks.out_across_D, parts && across);
 }
 
 SplatsOut outOf(SplatChunks& chunks, std::size_t first) {
   const auto from = [&](const auto& array) { return array ? array.get() + first : nullptr; };
-  return {from(chunks.splats),           from(chunks.keys),           from(chunks.lens),
-          from(chunks.lens_across),      from(chunks.parts),          from(chunks.part_lens),
-          from(chunks.part_lens_across), from(chunks.out_of_focus_D), from(chunks.out_across_D)};
+  return {from(chunks.splats),      from(chunks.keys),  from(chunks.lens),
+          from(chunks.lens_across), from(chunks.parts), from(chunks.out_of_focus_D),
+          from(chunks.out_across_D)};
 }
 
 }  // namespace

@@ -374,26 +374,24 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   hn::Store(hn::IfThenElseZero(keep, one), d, out.visible);
 }
 
-/// Which part of the lens sees what of lane `k`, the variance widened and the radius scaled.
-HWY_INLINE SplatLens lensOf(const Lanes& lanes, std::size_t k, float widen, float scale) {
-  const float radius = std::max(scale * lanes.radius[k], 1e-6f);
-  const float variance =  // over the squared radius
-      widen * lanes.narrow[k] / (scale * scale);
+/// Which part of the lens sees what of lane `k`.
+HWY_INLINE SplatLens lensOf(const Lanes& lanes, std::size_t k) {
+  const float radius = std::max(lanes.radius[k], 1e-6f);
+  const float variance = lanes.narrow[k];  // over the squared radius
   const float per_px = 1.0f / (radius * (1.0f + 4.0f * variance));
   const float inv_width = std::sqrt((1.0f / 12.0f) * (1.0f + 4.0f * variance) / variance);
-  return {std::copysign(per_px, lanes.out_of_focus_D[k]), inv_width, scale * lanes.tilt_x[k],
-          scale * lanes.tilt_y[k]};
+  return {std::copysign(per_px, lanes.out_of_focus_D[k]), inv_width, lanes.tilt_x[k],
+          lanes.tilt_y[k]};
 }
 
 /// Which part of an astigmatic lens sees what of lane `k`, by place along one of its meridians that
 /// is out of focus by `off_D`.
 HWY_INLINE SplatLens lensAlong(const ProjectJob& job, const Lanes& lanes, std::size_t k,
-                               float off_D, float widen, float scale) {
-  const float radius = scale * std::sqrt(job.blur_x * job.blur_y) * off_D;
-  const float variance4 = 4.0f * widen * lanes.unblurred[k];
+                               float off_D) {
+  const float radius = std::sqrt(job.blur_x * job.blur_y) * off_D;
+  const float variance4 = 4.0f * lanes.unblurred[k];
   const float sum = radius * radius + variance4;
-  return {radius / sum, std::sqrt(sum / (3.0f * variance4)), scale * lanes.tilt_x[k],
-          scale * lanes.tilt_y[k]};
+  return {radius / sum, std::sqrt(sum / (3.0f * variance4)), lanes.tilt_x[k], lanes.tilt_y[k]};
 }
 
 }  // namespace HWY_NAMESPACE

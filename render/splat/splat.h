@@ -69,10 +69,8 @@ struct SplatChunks {
   std::unique_ptr<SplatLens[]> lens_across;  ///< null: the lens is round
   std::unique_ptr<Splat[]>
       parts;  ///< the same splats blurred by a part of the lens, where asked for
-  std::unique_ptr<SplatLens[]> part_lens;         ///< likewise
-  std::unique_ptr<float[]> out_of_focus_D;        ///< likewise: how parts see them move
-  std::unique_ptr<SplatLens[]> part_lens_across;  ///< likewise, of an astigmatic lens
-  std::unique_ptr<float[]> out_across_D;
+  std::unique_ptr<float[]> out_of_focus_D;  ///< likewise: how parts see them move
+  std::unique_ptr<float[]> out_across_D;    ///< likewise, of an astigmatic lens
   std::size_t capacity = 0;
   std::size_t chunk_size = 0;
   std::vector<std::uint32_t> count;

@@ -1,14 +1,14 @@
 #include "render/splat/sweep.h"
 
 #include <hwy/cache_control.h>
+
 #include "app/base/parallel.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <utility>
+#include <span>
 #include <vector>
 
 #include "render/splat/interpolate.h"
@@ -19,341 +19,11 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // After it:
-#include "render/splat/batch-inl.h"
-#include "render/splat/layers-inl.h"
-
-#ifndef FOCI_SWEEP_ONCE
-#define FOCI_SWEEP_ONCE
-namespace foci {
-
-/// Less blur than this makes no difference to what hides what, pixels.
-inline constexpr float kBlurred_px = 0.5f;
-
-/// Less blur than this needs no parts of the lens, more than this is drawn by them alone, pixels:
-/// in between both are mixed, so that a moving focus does not pop.
-inline constexpr float kPartsFrom_px = 2.0f, kPartsFully_px = 4.0f;
-
-struct TileJob {
-  const Splat* splats;
-  const std::uint32_t* entries;
-  std::size_t count;
-  const float* nearest_m;  // by entry: where its z-range or that of a later one begins first
-  int samples;             // along a side, with the apron
-  float x, y;              // of the first sample, pixels
-  float lens_x, lens_y;    // what a mean radius counts along the axes, where pixels are oblong
-  glm::vec2 meridian;      // of an astigmatic lens the nearest
-  float per_step;          // 1 / the distance of samples, pixels
-  float background[3];
-  const SplatLens* lens;         // null: nothing is blurred
-  const SplatLens* lens_across;  // null: the lens is round
-  glm::vec2 radius_px_per_D;
-  const LensParts* parts;  // null: never by parts
-  float parts_share;       // of the picture, where it is drawn by them
-  glm::vec4* rgba;         // samples x samples, all 0
-  float* depth_m;          // likewise; null: not asked for
-};
-
-}  // namespace foci
-#endif  // FOCI_SWEEP_ONCE
+#include "render/splat/sweep_tile-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
-/// Where a block's samples lie, from its first.
-struct Places {
-  alignas(64) BlockValues x, y;
-  constexpr Places() : x(), y() {
-    for (int i = 0; i < kBlockSamples; ++i) {
-      x[i] = static_cast<float>(i % kBlock);
-      y[i] = static_cast<float>(i / kBlock);
-    }
-  }
-};
-constexpr Places kPlaces;
-
-/// Lens points are in lens radii along the image's axes; where the lens is astigmatic, along its
-/// nearest meridian and across it.
-enum class Blur { none, round, astigmatic };
-
-/// Draws the splats of a tile.
-template <bool kTransparent, bool kDepth, Blur kBlur>
-struct Sweep : Layers<kTransparent, kDepth, kBlur != Blur::none> {
-  static constexpr bool kLens = kBlur != Blur::none, kAstigmatic = kBlur == Blur::astigmatic;
-  using Base = Layers<kTransparent, kDepth, kLens>;
-  using Base::addBeyond, Base::any_from_behind, Base::blocks, Base::clear, Base::closeAll,
-      Base::tile;
-  using Base::closeLayers, Base::columns, Base::goesDark, Base::lit, Base::overlap;
-
-  const TileJob& job;
-  Batch batch;
-  std::size_t fragments = 0;
-
-  explicit Sweep(const TileJob& tile_job) : Base(tile_job.samples), job(tile_job) {}
-
-  /// The splats that a view is composited of.
-  struct Source {
-    const Splat* splats;
-    const SplatLens* lens;
-    const SplatLens* lens_across;
-    glm::vec2 part;  // centre of the part of the lens, in its radii
-  };
-
-  /// Adds the splats of the batch, block by block, and empties it.
-  HWY_INLINE void flush(const Source& source) {
-    if (batch.count == 0) return;
-    const float inner_px = (kBlock - 1) / job.per_step, block_px = kBlock / job.per_step;
-    std::uint64_t in_column[Base::kMostBlocks];
-    for (unsigned x = 0; x < columns; ++x) {
-      const float from_px = job.x + block_px * static_cast<float>(x);
-      in_column[x] = batch.meeting(batch.left_px, batch.right_px, from_px, from_px + inner_px);
-    }
-    for (unsigned y = 0; y < columns; ++y) {
-      const float from_px = job.y + block_px * static_cast<float>(y);
-      const std::uint64_t in_row =
-          batch.meeting(batch.top_px, batch.bottom_px, from_px, from_px + inner_px);
-      for (unsigned x = 0; x < columns; ++x) {
-        const std::size_t index = y * columns + x;
-        const Block& block = tile[index];
-        const std::uint64_t touching = in_row & in_column[x];
-        if (touching == 0 || block.dark) continue;
-        for (std::size_t i = 0; i < kBlockSamples && !block.dark; i += hn::Lanes(D())) {
-          add(source, index, i, static_cast<float>(x * kBlock), static_cast<float>(y * kBlock),
-              touching);
-        }
-      }
-    }
-    batch.count = 0;
-  }
-
-  /// Adds splats of the batch to a block's samples from `i` on, as many as there are lanes.
-  HWY_NOINLINE void add(const Source& source, std::size_t index, std::size_t i, float at_x,
-                        float at_y, std::uint64_t touching) {
-    const D d;
-    Block& block = tile[index];
-    const V one = hn::Set(d, 1.0f), zero = hn::Zero(d), step = hn::Set(d, 1.0f / job.per_step);
-    const V x =
-        hn::MulAdd(hn::Add(hn::Load(d, kPlaces.x + i), hn::Set(d, at_x)), step, hn::Set(d, job.x));
-    const V y =
-        hn::MulAdd(hn::Add(hn::Load(d, kPlaces.y + i), hn::Set(d, at_y)), step, hn::Set(d, job.y));
-    const Light& light = block.light;
-
-    // The open layer, in registers: of one side at a time.
-    Sums* sums = &block.facing;
-    V open, weight, red, green, blue, visible = zero, distance = zero, lens_x = zero, lens_y = zero;
-    const auto load = [&] {
-      open = hn::Load(d, block.far_m + i);
-      weight = hn::Load(d, sums->weight + i);
-      red = hn::Load(d, sums->red + i);
-      green = hn::Load(d, sums->green + i);
-      blue = hn::Load(d, sums->blue + i);
-      if constexpr (kTransparent || kLens) visible = hn::Load(d, sums->visible + i);
-      if constexpr (kDepth) distance = hn::Load(d, sums->distance + i);
-      if constexpr (kLens) {
-        lens_x = hn::Load(d, sums->lens_x + i);
-        lens_y = hn::Load(d, sums->lens_y + i);
-      }
-    };
-    const auto store = [&] {
-      hn::Store(open, d, block.far_m + i);
-      hn::Store(weight, d, sums->weight + i);
-      hn::Store(red, d, sums->red + i);
-      hn::Store(green, d, sums->green + i);
-      hn::Store(blue, d, sums->blue + i);
-      if constexpr (kTransparent || kLens) hn::Store(visible, d, sums->visible + i);
-      if constexpr (kDepth) hn::Store(distance, d, sums->distance + i);
-      if constexpr (kLens) {
-        hn::Store(lens_x, d, sums->lens_x + i);
-        hn::Store(lens_y, d, sums->lens_y + i);
-      }
-    };
-    load();
-
-    for (; touching != 0; touching &= touching - 1) {
-      const auto n = static_cast<unsigned>(std::countr_zero(touching));
-      const Splat& splat = source.splats[batch.splat[n]];
-      Sums* side = splat.opacity < 0.0f ? &block.from_behind : &block.facing;
-      if (HWY_UNLIKELY(side != sums)) {
-        store();
-        sums = side;
-        load();
-      }
-      const V dx = hn::Sub(x, hn::Set(d, batch.x_px[n])),
-              dy = hn::Sub(y, hn::Set(d, batch.y_px[n]));
-      const V slope = hn::MulAdd(hn::Set(d, splat.qa), dx, hn::Mul(hn::Set(d, splat.qb), dy));
-      const V t =
-          hn::NegMulAdd(slope, dx, hn::NegMulAdd(hn::Mul(hn::Set(d, splat.qc), dy), dy, one));
-      const M inside = hn::Gt(t, zero);
-      fragments += hn::CountTrue(d, inside);
-      const V near_m = hn::Set(d, splat.near_m);
-      const M behind = hn::And(inside, hn::And(hn::Gt(near_m, open), hn::Ge(open, zero)));
-      if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) {
-        store();
-        closeLayers(index, i, behind);
-        if (goesDark(block)) return;
-        load();
-      }
-      open = hn::IfThenElse(inside, hn::Max(open, hn::Set(d, splat.far_m)), open);
-      V all = hn::IfThenElseZero(
-          inside, hn::MulAdd(hn::MulAdd(hn::Set(d, splat.k2), t, hn::Set(d, splat.k1)), t,
-                             hn::Set(d, splat.k0)));
-      V passes = one;  // of the light, by where on the lens it falls
-      V w;
-      const auto fill = [&] {
-        w = hn::Min(all, hn::Max(hn::Sub(hn::Set(d, kWhole), weight), zero));
-      };
-      if constexpr (kLens) {
-        const SplatLens& lens = source.lens[batch.splat[n]];
-        const SplatLens& across =
-            kAstigmatic ? source.lens_across[batch.splat[n]] : source.lens[batch.splat[n]];
-        const auto perPixel = [&](float x_of, float y_of) {
-          return hn::MulAdd(dx, hn::Set(d, x_of), hn::Mul(dy, hn::Set(d, y_of)));
-        };
-        V lx, ly;
-        if constexpr (kAstigmatic) {
-          const glm::vec2 m = job.meridian * glm::vec2(job.lens_x, job.lens_y);
-          const glm::vec2 a(-job.meridian.y * job.lens_x, job.meridian.x * job.lens_y);
-          lx = perPixel(lens.per_px * m.x, lens.per_px * m.y);
-          ly = perPixel(across.per_px * a.x, across.per_px * a.y);
-        } else {
-          lx = hn::Mul(dx, hn::Set(d, lens.per_px * job.lens_x));
-          ly = hn::Mul(dy, hn::Set(d, lens.per_px * job.lens_y));
-        }
-        if (lens.tilt_x != 0.0f || lens.tilt_y != 0.0f) {
-          const glm::vec2 tilt(lens.tilt_x, lens.tilt_y), m = job.meridian;
-          const V tilt_x = hn::Set(d, kAstigmatic ? glm::dot(tilt, m) : tilt.x);
-          const V tilt_y = hn::Set(d, kAstigmatic ? tilt.y * m.x - tilt.x * m.y : tilt.y);
-          const V at = hn::Set(d, 1.0f + glm::dot(tilt, source.part));
-          all = hn::Mul(all, hn::Abs(hn::MulAdd(tilt_x, lx, hn::MulAdd(tilt_y, ly, at))));
-        }
-        fill();
-        lens_x = hn::MulAdd(w, lx, lens_x);
-        lens_y = hn::MulAdd(w, ly, lens_y);
-        if (block.any_side) passes = shareSeen(light, i, lx, ly, lens, across);
-      } else {
-        fill();
-      }
-      const V seen = hn::Mul(w, passes);
-      if constexpr (kTransparent || kLens) {
-        visible = hn::MulAdd(seen, hn::Set(d, std::abs(splat.opacity)), visible);
-      }
-      weight = hn::Add(weight, all);
-      red = hn::MulAdd(seen, hn::Set(d, splat.red), red);
-      green = hn::MulAdd(seen, hn::Set(d, splat.green), green);
-      blue = hn::MulAdd(seen, hn::Set(d, splat.blue), blue);
-      if constexpr (kDepth) {
-        const float opaque_m = 0.5f * (splat.near_m + splat.far_m) * std::abs(splat.opacity);
-        distance = hn::MulAdd(seen, hn::Set(d, opaque_m), distance);
-      }
-      if constexpr (kTransparent) {
-        const V later = hn::Sub(all, w);
-        if (side != &block.facing || hn::AllTrue(d, hn::Le(later, zero))) continue;
-        addBeyond(index, i, hn::Mul(later, passes), splat);
-        const M full = hn::Ge(weight, hn::Set(d, kWhole + 1.0f));
-        if (HWY_LIKELY(hn::AllFalse(d, full))) continue;
-        store();
-        closeLayers(index, i, full);
-        if (goesDark(block)) return;
-        load();
-      }
-    }
-    store();
-  }
-
-  /// Of what is seen from a lens point, with how far it spreads, the share that the layers before
-  /// let through, over what they do on the mean.
-  static HWY_INLINE V shareSeen(const Light& light, std::size_t i, V lx, V ly,
-                                const SplatLens& lens, const SplatLens& across) {
-    const D d;
-    const V one = hn::Set(d, 1.0f);
-    const V off = hn::NegMulAdd(
-        hn::Load(d, light.side_x + i), lx,
-        hn::NegMulAdd(hn::Load(d, light.side_y + i), ly, hn::Load(d, light.side_at + i)));
-    V sharpness = hn::Set(d, lens.inv_width);
-    if constexpr (kAstigmatic) {
-      // The variance along the side's normal, whose parts' squares sum to 1.
-      const V width2 = hn::Set(d, 1.0f / (lens.inv_width * lens.inv_width));
-      const V across_width2 = hn::Set(d, 1.0f / (across.inv_width * across.inv_width));
-      const V n = hn::Load(d, light.side_x + i);
-      const V squared = hn::MulAdd(hn::Mul(n, n), hn::Sub(width2, across_width2), across_width2);
-      sharpness = hn::Div(one, hn::Sqrt(squared));
-    }
-    const V within =
-        hn::Min(hn::Max(hn::MulAdd(off, sharpness, hn::Set(d, 0.5f)), hn::Zero(d)), one);
-    return hn::MulAdd(hn::Load(d, light.contrast + i), within, hn::Load(d, light.outside + i));
-  }
-
-  /// Composites all splats as seen through a part of the lens, from its centre or shifted.
-  template <class ShiftOf>
-  HWY_INLINE void compose(const Source& source, const ShiftOf& shiftOf) {
-    clear();
-    float open_far_m = job.count > 0 ? source.splats[job.entries[0]].far_m : 0.0f;
-    for (std::size_t e = 0; e < job.count; ++e) {
-      constexpr std::size_t kAhead = 16;
-      if (e + kAhead < job.count) hwy::Prefetch(&source.splats[job.entries[e + kAhead]]);
-      const Splat& splat = source.splats[job.entries[e]];
-
-      // A gap in depth across the whole tile closes every layer; with no light left, the tile is
-      // done.
-      if (HWY_UNLIKELY(job.nearest_m[e] > open_far_m)) {
-        flush(source);
-        closeAll();
-        if (lit == 0) break;
-      }
-      open_far_m = std::max(open_far_m, splat.far_m);
-      any_from_behind |= splat.opacity < 0.0f;
-      batch.put(splat, job.entries[e], shiftOf(job.entries[e]));
-      if (batch.count < Batch::kMost) continue;
-      flush(source);
-      if (lit == 0) break;
-    }
-    flush(source);
-    closeAll();
-  }
-
-  /// Adds a share of what is composited to the result.
-  void emit(float share) {
-    const unsigned side = columns * kBlock;
-    for (unsigned y = 0; y < side; ++y) {
-      for (unsigned x = 0; x < side; ++x) {
-        const Light& light = tile[y / kBlock * columns + x / kBlock].light;
-        const unsigned i = y % kBlock * kBlock + x % kBlock;
-        const float through = light.through[i];
-        job.rgba[y * side + x] +=
-            share * glm::vec4(light.red[i] + through * job.background[0],
-                              light.green[i] + through * job.background[1],
-                              light.blue[i] + through * job.background[2], 1.0f - through);
-        if (kDepth) job.depth_m[y * side + x] += share * light.distance[i];
-      }
-    }
-  }
-
-  std::size_t run() {
-    const LensParts* parts = job.parts;
-    compose({job.splats, job.lens, job.lens_across, glm::vec2(0.0f)},
-            [](std::uint32_t) { return glm::vec2(0.0f); });
-    if (!parts || !overlap) {
-      emit(1.0f);
-      return fragments;
-    }
-    emit(1.0f - job.parts_share);
-    const auto count = static_cast<float>(parts->centres.size());
-    for (const glm::vec2& centre : parts->centres) {
-      const glm::vec2 across(-job.meridian.y, job.meridian.x);
-      const glm::vec2 px_per_D =
-          job.radius_px_per_D *
-          (kAstigmatic ? glm::dot(centre, job.meridian) * job.meridian : centre);
-      const glm::vec2 across_px_per_D =
-          job.radius_px_per_D * (kAstigmatic ? glm::dot(centre, across) * across : glm::vec2(0.0f));
-      compose({parts->splats, parts->lens, parts->lens_across, std::sqrt(count) * centre},
-              [&](std::uint32_t splat) {
-                const glm::vec2 shift = px_per_D * parts->out_of_focus_D[splat];
-                return kAstigmatic ? shift + across_px_per_D * parts->out_across_D[splat] : shift;
-              });
-      emit(job.parts_share / count);
-    }
-    return fragments;
-  }
-};
 
 std::size_t sweepTile(const TileJob& job, bool transparent) {
   const auto run = [&]<bool kTransparent, bool kDepth>() {
@@ -378,6 +48,35 @@ namespace foci {
 
 HWY_EXPORT(sweepTile);
 
+namespace {
+
+/// Less blur than this makes no difference to what hides what, pixels.
+constexpr float kBlurred_px = 0.5f;
+
+/// Less blur than this needs no parts of the lens, more than this is drawn by them alone, pixels:
+/// in between both are mixed, so that a moving focus does not pop.
+constexpr float kPartsFrom_px = 2.0f, kPartsFully_px = 4.0f;
+
+/// By splat, whether it and all behind it begin where all before it have ended.
+std::vector<std::uint8_t> gapsOf(const Splat* splats, std::span<const std::uint32_t> list) {
+  std::vector<float> nearest_m(list.size());  // of it and of those behind it
+  float least_m = std::numeric_limits<float>::infinity();
+  for (std::size_t e = list.size(); e-- > 0;) {
+    if (e >= kAhead) hwy::Prefetch(&splats[list[e - kAhead]]);
+    nearest_m[e] = least_m = std::min(least_m, splats[list[e]].near_m);
+  }
+  std::vector<std::uint8_t> gap(list.size());
+  float farthest_m = std::numeric_limits<float>::infinity();
+  for (std::size_t e = 0; e < list.size(); ++e) {
+    gap[e] = nearest_m[e] > farthest_m;
+    const float far_m = splats[list[e]].far_m;
+    farthest_m = e == 0 ? far_m : std::max(farthest_m, far_m);
+  }
+  return gap;
+}
+
+}  // namespace
+
 std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
                     const SweepSettings& settings, Frame& frame) {
   std::vector<std::size_t> fragments(lists.tiles().size());
@@ -385,11 +84,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
   parallelFor(lists.tiles().size(), [&](std::size_t t) {
     const Tile& tile = lists.tiles()[t];
     const auto list = lists.splats(t);
-    std::vector<float> nearest_m(list.size());
-    float least_m = std::numeric_limits<float>::infinity();
-    for (std::size_t e = list.size(); e-- > 0;) {
-      nearest_m[e] = least_m = std::min(least_m, chunks.splats[list[e]].near_m);
-    }
+    const std::vector<std::uint8_t> gap = gapsOf(chunks.splats.get(), list);
     constexpr int kMost = kTile + 2 * kApron;
     alignas(64) glm::vec4 rgba[kMost * kMost]{};
     float depth_m[kMost * kMost]{};
@@ -401,7 +96,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .splats = chunks.splats.get(),
         .entries = list.data(),
         .count = list.size(),
-        .nearest_m = nearest_m.data(),
+        .gap = gap.data(),
         .samples = tile.samplesWithApron(),
         .x = static_cast<float>(tile.x_px) + first_px,
         .y = static_cast<float>(tile.y_px) + first_px,

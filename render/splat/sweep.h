@@ -14,12 +14,10 @@ namespace foci {
 struct LensParts {
   /// The frame's splats again, in the same places, blurred by a part about the lens's centre.
   const Splat* splats;
-  const SplatLens* lens;
-  const SplatLens* lens_across;  ///< null: the lens is round
   /// By splat, focus_D - 1/U: seen from a part at c lens radii it moves by radius_px_per_D c times
   /// that. Of an astigmatic lens along its nearest meridian and across it.
   const float* out_of_focus_D;
-  const float* out_across_D;
+  const float* out_across_D;  ///< null: the lens is round
   std::vector<glm::vec2> centres;
 };
 
