@@ -32,17 +32,29 @@ class Selector {
     first_range_node_ = std::bit_ceil(tree.surfels().size() / kRangeSurfels + 1);
   }
 
+  /// Sizes of all that lies below a node, over its coarseness: between these.
+  struct Bounds {
+    float least = 0.0f, most = std::numeric_limits<float>::infinity();
+    bool in_sight = false;  ///< their centres are on the image
+  };
+
   /// Selects below a node that is drawn with `weight`. Nodes of `last_level` are left pending.
-  void select(std::size_t node, float weight, std::size_t last_node, Cut& cut,
+  /// @param above  of a node above it
+  void select(std::size_t node, float weight, Bounds above, std::size_t last_node, Cut& cut,
               std::vector<Pending>* pending) const {
     if (node >= last_node) {
       pending->push_back({node, weight});
       return;
     }
-    const Size size_of = sizeOf(node);
-    const float size = size_of.now;
-    if (size == kOutside) return;
-    if (weight == 1.0f && size_of.least_below >= 1.0f + kFade) {
+    const MomentTree::Coarseness coarse = tree_.coarseness()[node];
+    float size = coarse.now_m2 * above.least;
+    const bool known = size >= 1.0f + kFade || coarse.now_m2 * above.most <= 1.0f;
+    if (!above.in_sight || !known) {
+      size = sizeOf(node, above);
+      if (size == kOutside) return;
+    }
+    if (weight == 1.0f && node >= first_range_node_ &&
+        coarse.least_m2 * above.least >= 1.0f + kFade) {
       takeAll(node, cut);
       return;
     }
@@ -54,8 +66,8 @@ class Selector {
     if (children <= 0.0f) return;
     weight *= children;
     if (!tree_.isCluster(node)) {
-      select(2 * node, weight, last_node, cut, pending);
-      select(2 * node + 1, weight, last_node, cut, pending);
+      select(2 * node, weight, above, last_node, cut, pending);
+      select(2 * node + 1, weight, above, last_node, cut, pending);
       return;
     }
     const int level = tree_.levels() - 1;
@@ -68,12 +80,6 @@ class Selector {
   static constexpr float kOutside = -1.0f;
 
  private:
-  struct Size {
-    float now;          // the node's variance over what is allowed; kOutside where it cannot touch
-                        // the image
-    float least_below;  // no node below has less; 0: not known
-  };
-
   /// All surfels below a node.
   void takeAll(std::size_t node, Cut& cut) const {
     const int level = static_cast<int>(std::bit_width(node)) - 1;
@@ -86,15 +92,18 @@ class Selector {
     cut.ranges.push_back({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)});
   }
 
-  Size sizeOf(std::size_t index) const {
+  /// The node's variance over what is allowed; kOutside where it cannot touch the image.
+  /// @param below  out
+  float sizeOf(std::size_t index, Bounds& below) const {
     constexpr float kRefine = 1e30f;
+    below = {};
     const LodNode& node = tree_.nodes()[index];
     const glm::vec3 p = glm::vec3(view_.eye_from_world * glm::vec4(node.position_m, 1.0f));
     const float radius = node.radius_m;
     const float depth = -p.z;
-    if (depth + radius < view_.near_m) return {kOutside, 0.0f};
+    if (depth + radius < view_.near_m) return kOutside;
     const float nearest = depth - radius;
-    if (nearest < view_.near_m) return {kRefine, 0.0f};
+    if (nearest < view_.near_m) return kRefine;
 
     // Everything of the node lies within this box on the image, its blur included. Distances along
     // the sight are not below those along the axis.
@@ -104,32 +113,49 @@ class Selector {
     const float range_D = radius * inv / std::max(distance - radius, view_.near_m);
     const glm::vec2 offset = view_.focal_px * glm::vec2(p.x, -p.y) / depth;
     const glm::vec2 at = view_.principal_px + offset;
+    const glm::vec2 spread = radius * inv_nearest * (view_.focal_px + glm::abs(offset));
     const glm::vec2 reach =
-        kWidestReach * (0.5f * radius * inv_nearest * (view_.focal_px + glm::abs(offset)) +
+        kWidestReach * (0.5f * spread +
                         0.6f * (mostDefocus_D(defocus_, inv) + range_D) * defocus_.radius_px_per_D +
                         settings_.acuity.finest_px(glm::length(at - settings_.acuity.gaze_px)));
     const glm::vec2 size(view_.size_px);
-    if (at.x + reach.x < 0.0f || at.x - reach.x > size.x || at.y + reach.y < 0.0f ||
+    if (at.x + reach.x < 0.0f || at.y + reach.y < 0.0f || at.x - reach.x > size.x ||
         at.y - reach.y > size.y) {
-      return {kOutside, 0.0f};
+      return kOutside;
     }
+    const float now =
+        tree_.coarseness()[index].now_m2 * perCoarseness(depth, least_px2(inv, range_D, at, reach));
 
-    const auto [now_m2, least_m2] = tree_.coarseness()[index];
+    // What lies below has its centre within the radius, and no more than twice that radius.
+    const float around = 3.0f * radius;
+    if (depth - around < view_.near_m) return now;
+    const float around_D = around * inv / std::max(distance - around, view_.near_m);
+    below = {.least = perCoarseness(depth + around, most_px2(inv, around_D, at, 3.0f * reach)),
+             .most = perCoarseness(depth - around, least_px2(inv, around_D, at, 3.0f * reach)),
+             .in_sight = at.x > spread.x && at.y > spread.y && at.x + spread.x < size.x &&
+                         at.y + spread.y < size.y};
+    return now;
+  }
+
+  float perCoarseness(float depth, float allowed_px2) const {
+    return focal2_ / (depth * depth * allowed_px2);
+  }
+
+  /// The least and the most variance allowed within a range of dioptres and pixels;
+  /// finest_px grows with the distance from the gaze.
+  float least_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
     const float least_D = std::max(leastDefocus_D(defocus_, inv) - range_D, 0.0f);
-    const glm::vec2 from_gaze_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
-    const float finest_px = settings_.acuity.finest_px(glm::length(from_gaze_px));
-    const float allowed_px2 = settings_.per_blur2 * blur2_ * least_D * least_D +
-                              settings_.per_pixel2 * finest_px * finest_px;
-    const float now = now_m2 * focal2_ / (depth * depth) / allowed_px2;
-    if (index < first_range_node_) return {now, 0.0f};
-
-    // Everything below lies within the radius; finest_px grows with the distance from the gaze.
-    const float most_D = mostDefocus_D(defocus_, inv) + range_D, farthest = depth + radius;
-    const float coarsest_px =
-        settings_.acuity.finest_px(glm::length(glm::abs(at - settings_.acuity.gaze_px) + reach));
-    const float most_px2 = settings_.per_blur2 * blur2_ * most_D * most_D +
-                           settings_.per_pixel2 * coarsest_px * coarsest_px;
-    return {now, least_m2 * focal2_ / (farthest * farthest) / most_px2};
+    const glm::vec2 from_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
+    return allowed_px2(least_D, settings_.acuity.finest_px(glm::length(from_px)));
+  }
+  float most_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
+    const float most_D = mostDefocus_D(defocus_, inv) + range_D;
+    const glm::vec2 from_px = glm::abs(at - settings_.acuity.gaze_px) + reach;
+    return allowed_px2(most_D, settings_.acuity.finest_px(glm::length(from_px)));
+  }
+  float allowed_px2(float defocus_D, float finest_px) const {
+    return settings_.per_blur2 * blur2_ * defocus_D * defocus_D +
+           settings_.per_pixel2 * finest_px * finest_px;
   }
 
   const MomentTree& tree_;
@@ -169,11 +195,11 @@ void selectCut(const MomentTree& tree, const View& view, const Defocus& defocus,
   if (tree.levels() == 0) return;
   const Selector selector(tree, view, defocus, settings);
   std::vector<Pending> pending;
-  selector.select(1, 1.0f, std::size_t{1} << std::min(kSerialCutLevels, tree.levels() - 1), cut,
+  selector.select(1, 1.0f, {}, std::size_t{1} << std::min(kSerialCutLevels, tree.levels() - 1), cut,
                   &pending);
   std::vector<Cut> parts(pending.size());
   parallelFor(pending.size(), [&](std::size_t i) {
-    selector.select(pending[i].node, pending[i].weight, tree.nodes().size(), parts[i], nullptr);
+    selector.select(pending[i].node, pending[i].weight, {}, tree.nodes().size(), parts[i], nullptr);
   });
   for (const Cut& part : parts) {
     cut.nodes.insert(cut.nodes.end(), part.nodes.begin(), part.nodes.end());

@@ -1,5 +1,7 @@
 #include "render/splat/project.h"
 
+#include <hwy/cache_control.h>
+
 #include "app/base/parallel.h"
 
 #include <algorithm>
@@ -231,12 +233,10 @@ std::uint32_t projectNodes(const ProjectJob& job, const LodNode* nodes, const Cu
   for (std::size_t e = 0; e < entry_count; e += n) {
     const std::size_t some = std::min(n, entry_count - e);
     for (std::size_t k = 0; k < some; ++k) {
+      if (e + n + k < entry_count) hwy::Prefetch(&nodes[entries[e + n + k].index]);
       const LodNode& node = nodes[entries[e + k].index];
-      const glm::vec3 normal = unpackNormal(node.normal);
-      for (int axis = 0; axis < 3; ++axis) {
-        arrays.position[axis][k] = node.position_m[axis];
-        arrays.normal[axis][k] = normal[axis];
-      }
+      for (int axis = 0; axis < 3; ++axis) arrays.position[axis][k] = node.position_m[axis];
+      for (int axis = 0; axis < 2; ++axis) arrays.normal[axis][k] = node.normal[axis];
       for (int m = 0; m < 6; ++m) arrays.variance[m][k] = node.variance_m2[m];
       arrays.density[k] = node.density;
       arrays.own[k] = static_cast<float>(node.own) * (1.0f / 65535.0f);

@@ -44,7 +44,7 @@ struct NodeArrays {
   static constexpr std::size_t kMost = 16;
   alignas(64) float position[3][kMost];
   alignas(64) float variance[6][kMost];
-  alignas(64) float normal[3][kMost];
+  alignas(64) float normal[2][kMost];  // as `packNormal` packs it
   alignas(64) float density[kMost], own[kMost];
 };
 
@@ -167,6 +167,19 @@ HWY_INLINE V3 positionOf(const NodeArrays& nodes, std::size_t) {
           hn::Load(d, nodes.position[2])};
 }
 
+/// As `unpackNormal`.
+HWY_INLINE V3 unpackNormals(const NodeArrays& nodes) {
+  const D d;
+  const V scale = hn::Set(d, 1.0f / 32767.0f);
+  const V x = hn::Mul(scale, hn::Load(d, nodes.normal[0]));
+  const V y = hn::Mul(scale, hn::Load(d, nodes.normal[1]));
+  const V z = hn::Sub(hn::Sub(hn::Set(d, 1.0f), hn::Abs(x)), hn::Abs(y));
+  const V fold = hn::Max(hn::Neg(z), hn::Zero(d));
+  const V3 n{hn::Sub(x, hn::CopySign(fold, x)), hn::Sub(y, hn::CopySign(fold, y)), z};
+  const V inv = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(dot(n, n)));
+  return {hn::Mul(n.x, inv), hn::Mul(n.y, inv), hn::Mul(n.z, inv)};
+}
+
 HWY_INLINE Footprint footprintOf(const NodeArrays& nodes, std::size_t, const Gradients& to) {
   const D d;
   const V xx = hn::Load(d, nodes.variance[0]), xy = hn::Load(d, nodes.variance[1]);
@@ -188,8 +201,7 @@ HWY_INLINE Footprint footprintOf(const NodeArrays& nodes, std::size_t, const Gra
   const V own = hn::Load(d, nodes.own);
   f.thick2 = hn::Mul(hn::Mul(hn::Set(d, 0.5f), own), hn::Add(xx, hn::Add(yy, zz)));
   f.own = own;
-  f.normal = {hn::Load(d, nodes.normal[0]), hn::Load(d, nodes.normal[1]),
-              hn::Load(d, nodes.normal[2])};
+  f.normal = unpackNormals(nodes);
   return f;
 }
 
