@@ -114,35 +114,6 @@ void BlurPyramid::set(Frame sharp, const glm::vec2& focal_px) {
   }
 }
 
-namespace {
-
-using Colour = float __attribute__((vector_size(16)));
-
-Colour colour(const glm::vec4& from) {
-  Colour result;
-  std::memcpy(&result, &from, sizeof result);
-  return result;
-}
-
-void put(const Colour& from, glm::vec4& to) { std::memcpy(&to, &from, sizeof to); }
-
-/// A row of a copy between whose samples, every 2^k pixels, it is interpolated.
-struct Row {
-  const glm::vec4* samples = nullptr;
-  int k = 0;
-  int first = 0;  ///< where pixel 0 lies from the first sample
-  int next = 0;   ///< to the sample beyond; 0 where there is one for each pixel
-  float inverse = 1.0f;
-
-  Colour at(int x) const {
-    const int i = (first + x) >> k, rest = first + x - (i << k);
-    const Colour before = colour(samples[i]);
-    return before + static_cast<float>(rest) * inverse * (colour(samples[i + next]) - before);
-  }
-};
-
-}  // namespace
-
 /// A tile of a blurred picture.
 class BlurPyramid::Tile {
  public:
@@ -172,6 +143,31 @@ class BlurPyramid::Tile {
   }
 
  private:
+  using Colour = float __attribute__((vector_size(16)));
+
+  static Colour colour(const glm::vec4& from) {
+    Colour result;
+    std::memcpy(&result, &from, sizeof result);
+    return result;
+  }
+
+  static void put(const Colour& from, glm::vec4& to) { std::memcpy(&to, &from, sizeof to); }
+
+  /// A row of a copy between whose samples, every 2^k pixels, it is interpolated.
+  struct Row {
+    const glm::vec4* samples = nullptr;
+    int k = 0;
+    int first = 0;  ///< where pixel 0 lies from the first sample
+    int next = 0;   ///< to the sample beyond; 0 where there is one for each pixel
+    float inverse = 1.0f;
+
+    Colour at(int x) const {
+      const int i = (first + x) >> k, rest = first + x - (i << k);
+      const Colour before = colour(samples[i]);
+      return before + static_cast<float>(rest) * inverse * (colour(samples[i + next]) - before);
+    }
+  };
+
   std::size_t indexOf(int y) const {
     return static_cast<std::size_t>(corner_.y + y) * pyramid_.sharp_.size_px.x + corner_.x;
   }
