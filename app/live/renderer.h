@@ -94,8 +94,8 @@ class LiveRenderer {
   std::unique_ptr<Refiner> refiner_;  // where a time is held
   PaintJob last_job_;
   FrameRecord last_;
-  int alike_ = 0;              // draws of the last job that were drawn alike
-  std::uint64_t refined_ = 0;  // as the refiner counts, at the last of them
+  int alike_ = 0;                         // draws of the last job that were drawn alike
+  std::uint64_t refined_ = 0;             // as the refiner counts, at the last of them
   std::shared_ptr<const Picture> plain_;  // of the last frame, without a mark
   std::vector<GazeSample> news_;
   std::optional<double> last_sample_s_;
