@@ -28,11 +28,27 @@ Json toJson(const ReplaySummary& summary) {
           {"out", summary.out.string()}};
 }
 
+Json toJson(const Landings& landings) {
+  const Durations& to_full = landings.toFull();
+  return {{"landings", landings.count()},
+          {"landings_full", to_full.count()},
+          {"landing_to_full_ms_median", to_full.quantile_ms(0.5)},
+          {"landing_to_full_ms_p95", to_full.quantile_ms(0.95)},
+          {"frames_full", landings.fullShare()}};
+}
+
 }  // namespace
 
 std::string summaryJson(const ReplaySummary& summary) { return dump(toJson(summary), -1); }
 
-std::string manifestJson(const Study& study, const GazeTrace& trace, const ReplaySummary& summary,
+GazeFacts factsOf(const GazeTrace& trace) {
+  return {.format = trace.format,
+          .simulated = trace.simulated,
+          .rate_Hz = trace.rate_Hz,
+          .samples = trace.samples.size()};
+}
+
+std::string manifestJson(const Study& study, const ReplaySummary& summary,
                          const ManifestFacts& facts) {
   Json configuration = Json::object();
   for (const ResolvedKey& key : resolvedKeys(study)) {
@@ -50,7 +66,7 @@ std::string manifestJson(const Study& study, const GazeTrace& trace, const Repla
     inputs.push_back({{"path", input.path.string()}, {"sha256", input.sha256}});
   }
   const Machine machine = describeMachine();
-  const Json manifest = {
+  Json manifest = {
       {"program", "foci"},
       {"version", FOCI_VERSION},
       {"command", facts.command},
@@ -60,10 +76,10 @@ std::string manifestJson(const Study& study, const GazeTrace& trace, const Repla
       {"screen_is_default", study.screen.is_default},
       {"ellipses_as_circles", !ellipseText(study).empty()},
       {"gaze",
-       {{"format", trace.format},
-        {"simulated", trace.simulated},
-        {"rate_Hz", trace.rate_Hz},
-        {"samples", trace.samples.size()}}},
+       {{"format", facts.gaze.format},
+        {"simulated", facts.gaze.simulated},
+        {"rate_Hz", facts.gaze.rate_Hz},
+        {"samples", facts.gaze.samples}}},
       {"seed", study.seed},
       {"threads", facts.threads},
       {"machine",
@@ -74,6 +90,7 @@ std::string manifestJson(const Study& study, const GazeTrace& trace, const Repla
       {"frames_sha256", facts.frames_sha256},
       {"summary", toJson(summary)},
   };
+  if (facts.landings) manifest["live"] = toJson(*facts.landings);
   return dump(manifest, 2) + "\n";
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/live/landing.h"
 #include "app/replay.h"
 #include "app/study.h"
 #include "gaze/gaze.h"
@@ -16,15 +17,27 @@ struct InputFile {
   std::string sha256;
 };
 
+/// Of the gaze that was used.
+struct GazeFacts {
+  std::string format;
+  bool simulated = false;
+  double rate_Hz = 0.0;
+  std::size_t samples = 0;
+};
+
 struct ManifestFacts {
   std::string command;
   unsigned threads = 0;
+  GazeFacts gaze;
+  const Landings* landings = nullptr;  ///< of a live run
   std::vector<InputFile> inputs;
   std::string frames_sha256;  ///< of the 8-bit sRGB bytes of all frames, in order, before encoding
 };
 
-std::string manifestJson(const Study& study, const GazeTrace& trace, const ReplaySummary& summary,
+std::string manifestJson(const Study& study, const ReplaySummary& summary,
                          const ManifestFacts& facts);
+
+GazeFacts factsOf(const GazeTrace& trace);
 
 /// `--json`: the summary as one line.
 std::string summaryJson(const ReplaySummary& summary);

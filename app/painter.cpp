@@ -27,6 +27,10 @@ bool PaintJob::holdsTime() const {
          std::isfinite(*eyes.front().settings.quality.frame_ms);
 }
 
+bool PaintJob::sameViews(const PaintJob& other) const {
+  return std::ranges::equal(eyes, other.eyes, {}, &Eye::eye, &Eye::eye);
+}
+
 PaintJob PaintJob::atLeisure() const {
   PaintJob job = *this;
   for (Eye& each : job.eyes) {
@@ -39,6 +43,7 @@ void addView(const RenderStats& view, RenderStats& all) {
   all.splats += view.splats;
   all.fragments += view.fragments;
   all.ms += view.ms;
+  all.in_full = all.in_full && view.in_full;
   if (view.tolerance_error) {
     all.tolerance_error = std::max(all.tolerance_error.value_or(0.0), *view.tolerance_error);
   }
@@ -57,6 +62,11 @@ Painter Painter::twin() const {
     if (auto its = method->twin()) other.methods_[name] = std::move(its);
   }
   return other;
+}
+
+void Painter::prepare(const PaintJob& job) {
+  Method& method = methodNamed(job.method);
+  for (const auto& [eye, settings] : job.eyes) method.prepare(eye.view, settings);
 }
 
 void Painter::paint(const PaintJob& job, Painted& painted) {

@@ -30,6 +30,8 @@ struct PaintJob {
 
   /// Whether what is drawn hangs on what it takes.
   bool holdsTime() const;
+  /// Whether it is seen from the same place.
+  bool sameViews(const PaintJob& other) const;
   /// The same without haste.
   PaintJob atLeisure() const;
 };
@@ -49,6 +51,9 @@ class Painter {
 
   /// Paints into `painted.frame`, and fills the rest.
   void paint(const PaintJob& job, Painted& painted);
+
+  /// Does at leisure what lets jobs of the same views hold a time, also those of twins.
+  void prepare(const PaintJob& job);
 
   /// The method of that name, which is right (asserted); `auto:N` is `auto`.
   Method& methodNamed(const std::string& spec);

@@ -196,7 +196,11 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   std::vector<Change> changes;
   if (study.record.changes) changes = readChanges(*study.record.changes);
   const SurfelCloud cloud = loadScene(study);
-  ManifestFacts facts{.command = command, .threads = threads, .inputs = {}, .frames_sha256 = {}};
+  ManifestFacts facts{.command = command,
+                      .threads = threads,
+                      .gaze = factsOf(trace),
+                      .inputs = {},
+                      .frames_sha256 = {}};
   for (const auto& file : inputFiles(study)) facts.inputs.push_back({file, sha256OfFile(file)});
 
   Session session(study, cloud, *trace.screen, trace.rate_Hz, trace.samples.front().time_s);
@@ -293,7 +297,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   if (const std::string warning = toleranceText(study, report); !warning.empty()) {
     std::fprintf(stderr, "foci: %s\n", warning.c_str());
   }
-  writeText(folder.stage("manifest.json"), manifestJson(study, trace, summary, facts));
+  writeText(folder.stage("manifest.json"), manifestJson(study, summary, facts));
   report.rows = series.rows();
   report.sheet = sheet.pictures(size_px);
   if (!writeReport(folder.stage("report.html"), video_file, study, trace, report)) {

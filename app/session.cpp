@@ -21,8 +21,13 @@ constexpr std::string_view kLiveKeys[] = {
     "observer.axis_deg", "observer.corrected", "observer.chromatic",
 };
 
-/// What is drawn is rounded to these under a budget of time: 0.05 px of blur at 30 px a degree.
-constexpr double kFocusStep_D = 1.0 / 64.0, kPupilStep_mm = 1.0 / 16.0, kGazeStep_px = 8.0;
+/// What is drawn holds under a budget of time while it changes by less: 0.1 px of blur at 30 px a
+/// degree and 4 mm; a third of a degree.
+constexpr double kFocusHold_D = 1.0 / 32.0, kPupilHold_mm = 1.0 / 16.0, kGazeHold_px = 12.0;
+
+double held(double value, double before, double most) {
+  return std::abs(value - before) <= most ? before : value;
+}
 
 }  // namespace
 
@@ -81,6 +86,7 @@ void Session::restart(double start_s) {
   pupil_ = ObserverPupil(study_);
   painter_ = painter_.twin();  // methods may remember the frame before
   at_leisure_ = false;
+  held_.reset();
 }
 
 void Session::change(const std::string& key, const std::string& toml) {
@@ -146,7 +152,30 @@ FrameRecord Session::look(double time_s) {
     pupil_.show(time_s, sharp_);
   }
   record.pupil_mm = pupil_.at_mm(time_s);
+  if (holdsTime(study_)) hold(record);
   return record;
+}
+
+void Session::hold(const FrameRecord& record) {
+  const double focus_D = record.eye.focus_D;
+  const double rest_D = record.eye.target_D
+                            ? reachableFocus_D(accommodationOf(study_), *record.eye.target_D)
+                            : focus_D;
+  const bool steady = record.eye.state == GazeState::fixation;
+  const auto& gaze_px = record.gaze_px && !steady ? record.gaze_px : record.fixation_px;
+  if (!held_) {
+    held_ = {.focus_D = focus_D, .rest_D = rest_D, .pupil_mm = record.pupil_mm, .gaze_px = gaze_px};
+    return;
+  }
+  held_->rest_D = held(rest_D, held_->rest_D, kFocusHold_D);
+  // Nearly at rest is at rest.
+  held_->focus_D = std::abs(focus_D - held_->rest_D) <= kFocusHold_D
+                       ? held_->rest_D
+                       : held(focus_D, held_->focus_D, kFocusHold_D);
+  held_->pupil_mm = held(record.pupil_mm, held_->pupil_mm, kPupilHold_mm);
+  const bool near =
+      gaze_px && held_->gaze_px && glm::distance(*gaze_px, *held_->gaze_px) <= kGazeHold_px;
+  if (!near) held_->gaze_px = gaze_px;
 }
 
 Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const {
@@ -156,10 +185,7 @@ Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const 
   if (state == GazeState::saccade || state == GazeState::blink) {
     quality.acuity = acuityInSaccade();
   } else if (auto point_px = record.gaze_px ? record.gaze_px : record.fixation_px) {
-    if (holdsTime(study_)) {
-      if (state == GazeState::fixation) point_px = record.fixation_px;
-      *point_px = kGazeStep_px * glm::round(*point_px / kGazeStep_px);
-    }
+    if (holdsTime(study_)) point_px = held_->gaze_px.value_or(*point_px);
     // On the screen, which all views share: where the eye's own view has it.
     const glm::dvec3 sight = lineOfSight(screen_, *point_px);
     const glm::dvec3 p_eye =
@@ -172,16 +198,22 @@ Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const 
 }
 
 PaintJob Session::jobOf(const std::string& method, const FrameRecord& record) const {
+  return holdsTime(study_) ? jobWith(method, record, held_->focus_D, held_->pupil_mm)
+                           : jobWith(method, record, record.eye.focus_D, record.pupil_mm);
+}
+
+PaintJob Session::jobAtRest(const std::string& method, const FrameRecord& record) const {
+  assert(held_);
+  return jobWith(method, record, held_->rest_D, held_->pupil_mm);
+}
+
+PaintJob Session::jobWith(const std::string& method, const FrameRecord& record, double focus_D,
+                          double pupil_mm) const {
   PaintJob job{.method = method,
                .stereo = stereoViewNamed(study_.output.view),
                .size_px = study_.pictureSize_px(),
                .split = study_.output.split,
                .eyes = {}};
-  double pupil_mm = record.pupil_mm, focus_D = record.eye.focus_D;
-  if (holdsTime(study_)) {
-    pupil_mm = kPupilStep_mm * std::round(pupil_mm / kPupilStep_mm);
-    focus_D = kFocusStep_D * std::round(focus_D / kFocusStep_D);
-  }
   for (const EyeView& eye : viewsAt(record.time_s)) {
     RenderSettings settings{.defocus = defocusOfEye(study_, pupil_mm, eye.view.focal_px, focus_D),
                             .background = glm::vec3(study_.scene.background),
@@ -191,6 +223,12 @@ PaintJob Session::jobOf(const std::string& method, const FrameRecord& record) co
     job.eyes.push_back({eye, settings});
   }
   return job;
+}
+
+const Frame& Session::draw(const std::string& method, FrameRecord& record) {
+  const PaintJob job = jobOf(method, record);
+  if (job.holdsTime() && job.sameViews(painted_.job)) painter_.prepare(job);
+  return draw(job, record);
 }
 
 const Frame& Session::draw(const PaintJob& job, FrameRecord& record, bool again) {

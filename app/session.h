@@ -65,17 +65,20 @@ class Session {
   FrameRecord look(double time_s);
 
   /// What the eye of the last `look` sees, to be drawn by `method`. Under a budget of time focus,
-  /// pupil and gaze are rounded to less than shows, so that an eye at rest has a picture at rest.
+  /// pupil and gaze hold while they change by less than shows, so that an eye at rest has a picture
+  /// at rest.
   PaintJob jobOf(const std::string& method, const FrameRecord& record) const;
+
+  /// What it will see, should nothing else change, once its focus has come to rest.
+  PaintJob jobAtRest(const std::string& method, const FrameRecord& record) const;
 
   /// Draws it, and fills method and stats of its record. Under a budget of time what was drawn at
   /// leisure is not drawn again while nothing changes.
   /// @param again  the picture of the last draw, which was of the same job
   /// @return until the next draw
   const Frame& draw(const PaintJob& job, FrameRecord& record, bool again = false);
-  const Frame& draw(const std::string& method, FrameRecord& record) {
-    return draw(jobOf(method, record), record);
-  }
+  /// As `draw`, with the time to prepare what a budget of time needs of an eye that stands.
+  const Frame& draw(const std::string& method, FrameRecord& record);
 
   /// Whether the job has been drawn at leisure, and stands ready.
   bool hasAtLeisure(const PaintJob& job) const { return at_leisure_ && painted_.job == job; }
@@ -98,6 +101,16 @@ class Session {
   const EyePath& path() const { return path_; }
 
  private:
+  /// What is drawn under a budget of time.
+  struct Held {
+    double focus_D = 0.0, rest_D = 0.0;  ///< where focus is, and where it is on its way to
+    double pupil_mm = 0.0;
+    std::optional<glm::dvec2> gaze_px;
+  };
+
+  void hold(const FrameRecord& record);
+  PaintJob jobWith(const std::string& method, const FrameRecord& record, double focus_D,
+                   double pupil_mm) const;
   std::vector<EyeView> viewsAt(double time_s) const;
   std::optional<double> surfaceDistance(double time_s, const glm::dvec3& direction_eye,
                                         double half_angle_rad) const;
@@ -112,6 +125,7 @@ class Session {
   Painter painter_;
   GazeFollower follower_;
   ObserverPupil pupil_;
+  std::optional<Held> held_;
   Painted painted_;          // last
   bool at_leisure_ = false;  // it was
   Frame sharp_;              // what an eye sees whose pupil follows the light

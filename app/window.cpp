@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -178,15 +179,21 @@ Texture::~Texture() {
 void Texture::set(const glm::ivec2& size_px, const unsigned char* rgb) {
   if (id_ == 0) glGenTextures(1, &id_);
   glBindTexture(GL_TEXTURE_2D, id_);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  // As windows have their pixels, and no size in the format's name, so that the library may keep
+  // them so: then neither upload nor `fill` converts any. Drawn by the processor, that is a tenth.
+  const cv::Mat from(size_px.y, size_px.x, CV_8UC3, const_cast<unsigned char*>(rgb));
+  bgra_.resize(4 * static_cast<std::size_t>(size_px.x) * size_px.y);
+  cv::Mat to(size_px.y, size_px.x, CV_8UC4, bgra_.data());
+  cv::cvtColor(from, to, cv::COLOR_RGB2BGRA);
+  constexpr GLenum kOrder = GL_BGRA, kType = GL_UNSIGNED_BYTE;
   if (size_px == size_px_) {
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size_px.x, size_px.y, GL_RGB, GL_UNSIGNED_BYTE, rgb);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size_px.x, size_px.y, kOrder, kType, bgra_.data());
     return;
   }
   size_px_ = size_px;
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB, size_px.x, size_px.y, 0, GL_RGB, GL_UNSIGNED_BYTE, rgb);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, size_px.x, size_px.y, 0, kOrder, kType, bgra_.data());
   if (frame_buffer_ == 0) glGenFramebuffers(1, &frame_buffer_);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, frame_buffer_);
   glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, id_, 0);

@@ -80,6 +80,7 @@ class Texture {
  private:
   unsigned id_ = 0, frame_buffer_ = 0;
   glm::ivec2 size_px_{0, 0};
+  std::vector<unsigned char> bgra_;  // kept for its memory
 };
 
 }  // namespace foci

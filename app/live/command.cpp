@@ -16,6 +16,11 @@ std::string liveSummaryJson(const LiveSummary& summary) {
       {"sample_to_swap_ms_p95", summary.sample_to_swap.quantile_ms(0.95)},
       {"render_ms_median", summary.render.quantile_ms(0.5)},
       {"render_ms_p95", summary.render.quantile_ms(0.95)},
+      {"landings", summary.landings.count()},
+      {"landings_full", summary.landings.toFull().count()},
+      {"landing_to_full_ms_median", summary.landings.toFull().quantile_ms(0.5)},
+      {"landing_to_full_ms_p95", summary.landings.toFull().quantile_ms(0.95)},
+      {"frames_full", summary.landings.fullShare()},
       {"records", nlohmann::ordered_json::array()}};
   for (const auto& folder : summary.records) json["records"].push_back(folder.string());
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -30,6 +35,14 @@ std::string liveSummaryText(const LiveSummary& summary) {
                      " ms (median; 95 %: " + decimal(summary.sample_to_swap.quantile_ms(0.95), 1) +
                      " ms), drawing " + decimal(summary.render.quantile_ms(0.5), 1) +
                      " ms (95 %: " + decimal(summary.render.quantile_ms(0.95), 1) + " ms)";
+  if (const Landings& landings = summary.landings; landings.count() > 0) {
+    text +=
+        "\nfull quality after " + std::to_string(landings.toFull().count()) + " of " +
+        std::to_string(landings.count()) + " saccades, " +
+        decimal(landings.toFull().quantile_ms(0.5), 0) +
+        " ms after the landing (median; 95 %: " + decimal(landings.toFull().quantile_ms(0.95), 0) +
+        " ms); of all frames in " + decimal(100.0 * landings.fullShare(), 0) + " %";
+  }
   for (const auto& folder : summary.records) {
     text += "\nrecord: foci replay " + (folder / "study.toml").string() + " --out " +
             (folder / "replay").string();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/durations.h"
+#include "app/live/landing.h"
 #include "app/study.h"
 
 namespace foci {
@@ -28,6 +29,7 @@ struct LiveSummary {
   std::uint64_t dropped = 0;   ///< drawn, never shown
   double first_frame_s = 0.0;  ///< from the start of the program to the first swap
   Durations sample_to_swap, render;
+  Landings landings;
   std::vector<std::filesystem::path> records;
 };
 

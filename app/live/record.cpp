@@ -57,7 +57,8 @@ LiveRecord::LiveRecord(const fs::path& folder, const Study& study, const Screen&
       timing_(folder_ / "timing.tsv", std::ios::binary),
       marks_(folder_ / "marks.tsv", std::ios::binary) {
   changes_ << changesHeader();
-  timing_ << "frame\tsample_s\tstate_s\trender_start_s\trender_end_s\tswap_s\trepeats\n";
+  timing_ << "frame\tsample_s\tstate_s\trender_start_s\trender_end_s\tswap_s\trepeats\tfull\t"
+             "landing_to_full_ms\n";
   marks_ << "time_s\tmark\n";
   writeStudy(study_.output.fps);
   thread_ = std::thread([this] { run(); });
@@ -87,7 +88,11 @@ void LiveRecord::post(std::function<void()> task) {
 }
 
 void LiveRecord::add(const GazeSample& sample) {
-  post([this, sample] { gaze_.add(sample); });
+  post([this, sample] {
+    gaze_.add(sample);
+    ++gaze_samples_;
+    gaze_points_ += sample.point_px.has_value();
+  });
 }
 
 void LiveRecord::add(const Change& change) {
@@ -163,8 +168,12 @@ void LiveRecord::write(const LiveFrame& frame) {
   frames_.add(frame_count_, frame.record);
   timing_ << frame_count_ << '\t' << orAbsent(timing.sample_s) << '\t' << decimal(timing.state_s, 6)
           << '\t' << decimal(timing.render_start_s, 6) << '\t' << decimal(timing.render_end_s, 6)
-          << '\t' << orAbsent(timing.swap_s) << '\t' << timing.repeats << '\n';
-  hash_.add(frame.picture.rgb);
+          << '\t' << orAbsent(timing.swap_s) << '\t' << timing.repeats << '\t' << timing.full
+          << '\t';
+  const auto landed_ms =
+      timing.swap_s ? landings_.add(frame.record, timing.full, *timing.swap_s) : std::nullopt;
+  timing_ << (landed_ms ? decimal(*landed_ms, 1) : "n/a") << '\n';
+  hash_.add(frame.picture->rgb);
   render_.add(frame.record.stats.ms);
   splats_ = frame.record.stats.splats;
   ++frame_count_;
@@ -192,26 +201,35 @@ void LiveRecord::finish() {
   writeStudy(fps);
   // From here on as a replay would: from the files.
   const Study study = readStudy(folder_ / "study.toml");
-  const GazeTrace trace = loadGaze(study);
-  const auto events =
-      eventsOfRun(study, trace, first_s_, last_s_ + 1.0 / std::max(study.output.fps, 1.0));
+  std::vector<GazeEvent> events;
+  ManifestFacts facts{.command = command_,
+                      .threads = threads_,
+                      .gaze = {.format = "no gaze",
+                               .rate_Hz = study.record.rate_Hz.value_or(0.0),
+                               .samples = gaze_samples_},
+                      .landings = &landings_,
+                      .inputs = {},
+                      .frames_sha256 = {}};
+  if (gaze_points_ > 0) {
+    const GazeTrace trace = loadGaze(study);
+    facts.gaze = factsOf(trace);
+    events = eventsOfRun(study, trace, first_s_, last_s_ + 1.0 / std::max(study.output.fps, 1.0));
+  }
   writeText(folder_ / "events.tsv", eventTable(events));
-  ManifestFacts facts{.command = command_, .threads = threads_, .inputs = {}, .frames_sha256 = {}};
   for (const auto& file : inputFiles(study)) facts.inputs.push_back({file, sha256OfFile(file)});
   facts.frames_sha256 = hash_.hex();
-  const auto lost =
-      static_cast<double>(std::count_if(trace.samples.begin(), trace.samples.end(),
-                                        [](const GazeSample& sample) { return !sample.point_px; }));
+  const double gaze_valid = static_cast<double>(gaze_points_) /
+                            static_cast<double>(std::max<std::size_t>(gaze_samples_, 1));
   const ReplaySummary summary{.frames = frame_count_,
                               .duration_s = static_cast<double>(frame_count_) / study.output.fps,
-                              .gaze_valid = 1.0 - lost / static_cast<double>(trace.samples.size()),
+                              .gaze_valid = gaze_valid,
                               .fixations = countOf(events, GazeState::fixation),
                               .saccades = countOf(events, GazeState::saccade),
                               .render_ms_median = render_.quantile_ms(0.5),
                               .render_ms_p95 = render_.quantile_ms(0.95),
                               .splats = splats_,
                               .out = folder_};
-  writeText(folder_ / "manifest.json", manifestJson(study, trace, summary, facts));
+  writeText(folder_ / "manifest.json", manifestJson(study, summary, facts));
 }
 
 }  // namespace foci

@@ -7,7 +7,8 @@
 //   marks.tsv     what was marked, by key or through the socket
 // and, once it has been closed,
 //   events.tsv    as of a replay
-//   manifest.json with the hash of all pictures, which a replay's equals
+//   manifest.json with the hash of all pictures, which a replay's equals, and what only a live run
+//                 has: how soon after saccades the picture was full
 // The files grow in place: what a run that is killed has recorded is there.
 #pragma once
 
@@ -22,6 +23,7 @@
 #include <thread>
 
 #include "app/durations.h"
+#include "app/live/landing.h"
 #include "app/record_files.h"
 #include "app/session.h"
 #include "app/sha256.h"
@@ -38,11 +40,12 @@ struct FrameTiming {
   double render_start_s = 0.0, render_end_s = 0.0;
   std::optional<double> swap_s;  ///< absent: never shown
   int repeats = 0;               ///< refreshes of the screen before it that showed an older frame
+  bool full = false;  ///< drawn as well as the study wants it; false: time did not suffice
 };
 
 struct LiveFrame {
   FrameRecord record;
-  Picture picture;
+  std::shared_ptr<const Picture> picture;
   FrameTiming timing;
   std::weak_ptr<LiveRecord> into;  ///< the record it belongs to, if any
 };
@@ -98,6 +101,8 @@ class LiveRecord {
   std::ofstream changes_, timing_, marks_;
   Sha256 hash_;
   Durations render_;
+  Landings landings_;
+  std::size_t gaze_samples_ = 0, gaze_points_ = 0;  // with a place
   std::size_t frame_count_ = 0, splats_ = 0;
   double first_s_ = 0.0, last_s_ = 0.0, flushed_s_ = 0.0;
 

@@ -7,6 +7,7 @@
 #include <tbb/task_group.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "app/base/parallel.h"
@@ -26,32 +27,70 @@ Refiner::Refiner(Painter painter, unsigned threads)
 
 Refiner::~Refiner() {
   thread_.request_stop();
-  rest();
+  want({});
 }
 
-void Refiner::want(const PaintJob& job) {
+void Refiner::want(std::vector<PaintJob> jobs) {
   {
     const std::lock_guard lock(mutex_);
-    if (wanted_ == job || (!wanted_ && current_ == job)) return;
-    wanted_ = job;
-    current_.reset();
-    done_.reset();
-    if (work_->busy) work_->context.cancel_group_execution();
+    if (jobs == wanted_) return;
+    wanted_ = std::move(jobs);
+    std::erase_if(painted_, [&](const Painted& each) { return !isWanted({each.job}); });
+    if (work_->busy && !isWanted(step_)) work_->context.cancel_group_execution();
   }
   changed_.notify_all();
 }
 
-void Refiner::rest() {
-  const std::lock_guard lock(mutex_);
-  wanted_.reset();
-  current_.reset();
-  done_.reset();
-  if (work_->busy) work_->context.cancel_group_execution();
+bool Refiner::isWanted(const Step& step) const {
+  return std::ranges::any_of(wanted_, [&](const PaintJob& job) {
+    return step.prepares ? job.sameViews(step.job) : job == step.job;
+  });
 }
 
-std::optional<Painted> Refiner::take() {
+std::optional<Painted> Refiner::take(const PaintJob& job) {
   const std::lock_guard lock(mutex_);
-  return std::exchange(done_, std::nullopt);
+  const auto found = std::ranges::find(painted_, job, &Painted::job);
+  if (found == painted_.end()) return std::nullopt;
+  std::optional<Painted> painted = std::move(*found);
+  painted_.erase(found);
+  std::erase(wanted_, job);
+  return painted;
+}
+
+std::uint64_t Refiner::done() const {
+  const std::lock_guard lock(mutex_);
+  return done_;
+}
+
+std::optional<Refiner::Step> Refiner::next() const {
+  if (!wanted_.empty() && !(prepared_ && prepared_->sameViews(wanted_.front()))) {
+    return Step{.job = wanted_.front(), .prepares = true};
+  }
+  for (const PaintJob& job : wanted_) {
+    if (std::ranges::find(painted_, job, &Painted::job) == painted_.end()) return Step{.job = job};
+  }
+  return std::nullopt;
+}
+
+/// False where it was stopped.
+bool Refiner::carryOut(const Step& step, Painted& painted) {
+  bool whole = false;
+  tbb::parallel_for(
+      0, 1,
+      [&](int) {
+        try {
+          if (step.prepares) {
+            painter_.prepare(step.job);
+          } else {
+            painter_.paint(step.job.atLeisure(), painted);
+            painted.job = step.job;
+          }
+          whole = true;
+        } catch (const Cancelled&) {
+        }
+      },
+      work_->context);
+  return whole;
 }
 
 void Refiner::run(const std::stop_token& stop) {
@@ -60,34 +99,28 @@ void Refiner::run(const std::stop_token& stop) {
   const sched_param usual{};
   (void)sched_setscheduler(0, SCHED_BATCH, &usual);
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
-  tbb::task_arena arena(static_cast<int>(threads_));
+  tbb::task_arena arena(static_cast<int>(threads_), 1, tbb::task_arena::priority::low);
   while (!stop.stop_requested()) {
-    PaintJob job;
+    Step step;
     {
       std::unique_lock lock(mutex_);
-      if (!changed_.wait(lock, stop, [&] { return wanted_.has_value(); })) return;
-      job = *std::exchange(wanted_, std::nullopt);
-      current_ = job;
+      if (!changed_.wait(lock, stop, [&] { return next().has_value(); })) return;
+      step = step_ = *next();
       work_->context.reset();
       work_->busy = true;
     }
     Painted painted;
     bool whole = false;
-    arena.execute([&] {
-      tbb::parallel_for(
-          0, 1,
-          [&](int) {
-            try {
-              painter_.paint(job.atLeisure(), painted);
-              whole = true;
-            } catch (const Cancelled&) {
-            }
-          },
-          work_->context);
-    });
+    arena.execute([&] { whole = carryOut(step, painted); });
     const std::lock_guard lock(mutex_);
     work_->busy = false;
-    if (whole && current_ == job) done_ = std::move(painted);
+    if (!whole) continue;
+    ++done_;
+    if (step.prepares) {
+      prepared_ = step.job;
+    } else if (isWanted(step)) {
+      painted_.push_back(std::move(painted));
+    }
   }
 }
 

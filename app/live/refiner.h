@@ -1,12 +1,14 @@
-// Paints at leisure, beside the frame loop, what an eye at rest sees; and stops at once when it is
-// no longer wanted.
+// Paints at leisure, beside the frame loop, what an eye at rest sees or is about to see; and stops
+// at once when it is no longer wanted.
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "app/painter.h"
 
@@ -20,24 +22,38 @@ class Refiner {
   Refiner(const Refiner&) = delete;
   Refiner& operator=(const Refiner&) = delete;
 
-  /// The picture to be painted is this one, and no other. Does not wait.
-  void want(const PaintJob& job);
-  /// None is to be painted.
-  void rest();
+  /// These pictures are to be painted, the first of them first, and no others. What their views
+  /// need to hold a time is prepared before. Does not wait.
+  void want(std::vector<PaintJob> jobs);
 
-  /// The picture wanted, once it is there.
-  std::optional<Painted> take();
+  /// The picture of a job that is wanted, once it is there.
+  std::optional<Painted> take(const PaintJob& job);
+
+  /// How much has been prepared and painted so far.
+  std::uint64_t done() const;
 
  private:
   struct Work;
+  /// What is being done, or was last.
+  struct Step {
+    PaintJob job;
+    bool prepares = false;
+  };
+
+  std::optional<Step> next() const;
+  bool isWanted(const Step& step) const;
+  bool carryOut(const Step& step, Painted& painted);
   void run(const std::stop_token& stop);
 
   Painter painter_;
   unsigned threads_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::optional<PaintJob> wanted_, current_;  // to be begun; being painted or painted
-  std::optional<Painted> done_;
+  std::vector<PaintJob> wanted_;
+  std::vector<Painted> painted_;  // of those
+  std::optional<PaintJob> prepared_;
+  Step step_;
+  std::uint64_t done_ = 0;
   std::unique_ptr<Work> work_;
   std::jthread thread_;  // last: it uses the others
 };

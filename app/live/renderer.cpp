@@ -3,6 +3,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "app/inputs.h"
@@ -14,7 +15,8 @@ namespace {
 
 constexpr double kMargin_s = 0.0015;     // a frame is ready this much before it is wanted
 constexpr double kTick_s = 1e-6;         // of the clock
-constexpr double kRest_s = 0.06;         // an eye at rest: focus on its way pauses for less
+constexpr double kStill_D_s = 0.05;      // an eye whose focus moves no faster is at rest
+constexpr int kAlike = 2;                // draws after which another brings nothing new
 constexpr std::size_t kMostBacklog = 8;  // frames that wait for the disk
 
 }  // namespace
@@ -240,29 +242,38 @@ void LiveRenderer::takeGaze() {
   }
 }
 
-/// Where a time is held, and the eye has been at rest for a while, the picture is drawn at leisure,
-/// too, and shown when it is there; until then the last one stands.
-/// @return whether the last picture is that of the job, too
-bool LiveRenderer::refine(const PaintJob& job, double time_s) {
+/// Where a time is held, pictures are drawn at leisure, too: the one of an eye at rest, and the one
+/// that it will see once its focus has come to rest, so that it is there by then.
+/// @return whether the last picture is that of the job, too, as good as can be had now
+bool LiveRenderer::refine(const PaintJob& job, const FrameRecord& record) {
   if (!job.holdsTime()) {
     refiner_.reset();
     return false;
   }
   if (!refiner_) {
+    // Of two cores it has one: a frame that waits for the other one's share of it comes late.
     refiner_ = std::make_unique<Refiner>(session_->otherPainter(), std::max(threads_, 2u) - 1);
   }
-  if (job != last_job_) {
-    refiner_->rest();
-    rests_since_s_ = time_s;
+  const bool same = job == last_job_;
+  if (!job.sameViews(last_job_)) {
+    refiner_->want({});
+  } else if (record.eye.state != GazeState::saccade) {  // what is painted will do after it, too
+    const double moved_D = std::abs(record.eye.focus_D - last_.eye.focus_D);
+    const bool rests = moved_D <= kStill_D_s * (record.time_s - last_.time_s);
+    const PaintJob at_rest = session_->jobAtRest(last_method_, record);
+    std::vector<PaintJob> wanted;
+    if ((rests || job == at_rest) && !session_->hasAtLeisure(job)) wanted.push_back(job);
+    if (job != at_rest) wanted.push_back(at_rest);
+    refiner_->want(std::move(wanted));
+  }
+  if (session_->hasAtLeisure(job)) return same;
+  if (auto painted = refiner_->take(job)) {
+    session_->adopt(job, std::move(*painted));
     return false;
   }
-  if (session_->hasAtLeisure(job)) return true;
-  if (time_s < rests_since_s_ + kRest_s) return false;
-  refiner_->want(job);
-  auto painted = refiner_->take();
-  if (!painted) return true;
-  session_->adopt(job, std::move(*painted));
-  return false;
+  const std::uint64_t refined = refiner_->done();
+  const bool news = refined != std::exchange(refined_, refined);
+  return same && !news && alike_ >= kAlike;
 }
 
 std::shared_ptr<LiveFrame> LiveRenderer::drawFrame() {
@@ -277,12 +288,20 @@ std::shared_ptr<LiveFrame> LiveRenderer::drawFrame() {
   timing.state_s = frame->record.eye.state_time_s;
   last_method_ = methodOfFrame(session_->study(), frame->record);
   const PaintJob job = session_->jobOf(last_method_, frame->record);
-  const bool again = refine(job, time_s);
+  const bool again = refine(job, frame->record);
   const Frame& drawn = session_->draw(job, frame->record, again);
-  if (!again) plain_ = pictureOf(drawn, session_->study().screen.gamma);
+  alike_ = job == last_job_ && frame->record.method == last_.method ? alike_ + 1 : 0;
+  const Study& study = session_->study();
+  if (!again) plain_ = std::make_shared<Picture>(pictureOf(drawn, study.screen.gamma));
   last_job_ = job;
+  last_ = frame->record;
   frame->picture = plain_;
-  session_->mark(frame->record, frame->picture);
+  if (study.output.marker) {
+    auto marked = std::make_shared<Picture>(*plain_);
+    session_->mark(frame->record, *marked);
+    frame->picture = std::move(marked);
+  }
+  timing.full = frame->record.stats.in_full && last_method_ == study.render.method;
   last_frame_s_ = time_s;
   frame->into = state_.record;
   timing.render_end_s = clock_.now_s();

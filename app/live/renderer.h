@@ -77,7 +77,7 @@ class LiveRenderer {
   void takeGaze();
   GazeSample asRecorded(GazeSample sample) const;
   std::shared_ptr<LiveFrame> drawFrame();
-  bool refine(const PaintJob& job, double time_s);
+  bool refine(const PaintJob& job, const FrameRecord& record);
   void publish();
   void closeRecord();
 
@@ -93,8 +93,10 @@ class LiveRenderer {
   std::unique_ptr<Session> session_;
   std::unique_ptr<Refiner> refiner_;  // where a time is held
   PaintJob last_job_;
-  double rests_since_s_ = 0.0;
-  Picture plain_;  // of the last frame, without a mark
+  FrameRecord last_;
+  int alike_ = 0;                         // draws of the last job that were drawn alike
+  std::uint64_t refined_ = 0;             // as the refiner counts, at the last of them
+  std::shared_ptr<const Picture> plain_;  // of the last frame, without a mark
   std::vector<GazeSample> news_;
   std::optional<double> last_sample_s_;
   double last_frame_s_ = 0.0, session_start_s_ = 0.0;

@@ -285,7 +285,7 @@ void LiveWindow::screenshot() {
   const std::filesystem::path file = unusedName(".png");
   renderer_->tell("picture in " + file.string());
   saving_ = std::async(std::launch::async, [this, frame = frame_, file] {
-    const auto bytes = pngOf(frame->picture);
+    const auto bytes = pngOf(*frame->picture);
     try {
       writeText(file, {bytes.begin(), bytes.end()});
     } catch (const std::exception& error) {
@@ -295,7 +295,7 @@ void LiveWindow::screenshot() {
 }
 
 void LiveWindow::draw() {
-  if (is_new_) texture_->set(frame_->picture.size_px, frame_->picture.rgb.data());
+  if (is_new_) texture_->set(frame_->picture->size_px, frame_->picture->rgb.data());
   if (!window_->begin(glm::vec3(0.0f))) leaving_ = true;
   if (frame_) texture_->fill(window_->frameBufferSize_px());
   const LiveState state = renderer_->state();
@@ -338,6 +338,7 @@ void LiveWindow::shown() {
   if (timing.sample_s && frame_->record.eye.state != GazeState::lost) {
     summary_.sample_to_swap.add(sample_ms);
   }
+  summary_.landings.add(frame_->record, timing.full, last_swap_s_);
   graph_.add(sample_ms, render_ms, 1e3 * (last_swap_s_ - timing.render_end_s));
   if (const auto record = frame_->into.lock()) record->add(frame_);
 }

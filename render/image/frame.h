@@ -33,6 +33,8 @@ struct RenderStats {
   /// Of `auto`: the error that it expects at most in 95 % of the pixels, in just noticeable
   /// differences.
   std::optional<double> tolerance_error;
+  /// False of `auto` whose budget of time did not allow what its tolerance wants.
+  bool in_full = true;
   /// Of `auto` under a budget of time: the method that draws the same on any machine.
   std::string drawn_as;
 };

@@ -9,9 +9,11 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "render/methods/blur_pyramid.h"
 #include "render/methods/lod_splats.h"
@@ -87,14 +89,8 @@ const Way kStandingWay{{looser(1.0f), 1}, {0.5f, 4.0f, 5.7f, 5.8f, 6.2f}};
 constexpr int kCheckAgain = 30;
 constexpr float kOtherBlur = 1.5f;
 
-/// Relative times of all of them, of the gallery at 1280 x 720, to begin with; and behind them that
-/// of the sharp picture.
-constexpr std::size_t kSharp = kNumbers;
-constexpr std::array<float, kNumbers + 1> kLikely{16.0f, 16.0f, 22.0f, 25.0f,
-                                                  1.1f,  3.0f,  1.0f,  17.0f};
-
-/// An eye that has stood still for so many frames is likely to stay: worth a sharp picture.
-constexpr int kFramesStill = 6;
+/// Relative times of all of them, of the gallery at 1280 x 720, to begin with.
+constexpr std::array<float, kNumbers> kLikely{16.0f, 16.0f, 22.0f, 25.0f, 1.1f, 3.0f, 1.0f};
 
 /// Where neither fits the budget, the better of two is drawn unless it takes so much longer.
 constexpr float kAsQuick = 2.0f;
@@ -115,54 +111,87 @@ struct Sight {
   View view;
   glm::vec3 background{0.0f};
   float shading = 0.0f;
+  DistanceAlong along = DistanceAlong::sight;
   bool operator==(const Sight&) const = default;
 };
+
+Sight sightOf(const View& view, const RenderSettings& settings) {
+  return {view, settings.background, settings.shading, settings.defocus.along};
+}
 
 /// The sharp picture of what an eye sees that stands still.
 struct StandingView {
   Sight sight;
   BlurPyramid pyramid;
   RenderStats stats;
-  int unused = 0;  // draws since it was used
+};
+
+/// Those of both eyes, that a method and its twins share: one draws them while another uses them.
+class StandingViews {
+ public:
+  std::shared_ptr<const StandingView> of(const Sight& sight) const {
+    const std::lock_guard lock(mutex_);
+    const auto found =
+        std::ranges::find_if(views_, [&](const auto& each) { return each->sight == sight; });
+    return found == views_.end() ? nullptr : *found;
+  }
+
+  void add(std::shared_ptr<const StandingView> view) {
+    constexpr std::size_t kMost = 2;
+    const std::lock_guard lock(mutex_);
+    if (views_.size() == kMost) views_.erase(views_.begin());  // the oldest
+    views_.push_back(std::move(view));
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::shared_ptr<const StandingView>> views_;
 };
 
 class AutoMethod final : public Method {
  public:
   /// @param number  of the way, from 1; 0: chosen by frame
-  AutoMethod(const SurfelCloud& cloud, int number) : scene_(cloud), number_(number) {}
+  AutoMethod(const SurfelCloud& cloud, int number)
+      : scene_(cloud), standing_(std::make_shared<StandingViews>()), number_(number) {}
 
   std::unique_ptr<Method> twin() const override {
-    return std::make_unique<AutoMethod>(scene_.sharedTree(), number_);
+    return std::make_unique<AutoMethod>(*this, nullptr);
   }
-  AutoMethod(std::shared_ptr<const MomentTree> tree, int number)
-      : scene_(std::move(tree)), number_(number) {}
+  AutoMethod(const AutoMethod& other, std::nullptr_t)
+      : scene_(other.scene_.sharedTree()), standing_(other.standing_), number_(other.number_) {}
+
+  void prepare(const View& view, const RenderSettings& settings) override {
+    standingOf(sightOf(view, settings));
+  }
 
   RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
     const Quality& quality = settings.quality;
     const float blur_px = largestBlur_px(view, settings.defocus);
-    const Sight sight{view, settings.background, settings.shading};
+    const Sight sight = sightOf(view, settings);
     const bool moved = sight != sight_;
-    if (!quality.as_before) {
-      frames_still_ = moved ? 0 : frames_still_ + 1;
-      sight_ = sight;
-    }
+    if (!quality.as_before) sight_ = sight;
     const int number = number_ > 0 ? number_ : quality.way;
     const std::size_t chosen = number > 0          ? static_cast<std::size_t>(number - 1)
                                : quality.as_before ? drawn_
                                                    : choose(sight, settings, blur_px);
     drawn_ = chosen;
     const auto start = std::chrono::steady_clock::now();
-    bool was_sharp = true;
-    RenderStats stats = chosen == kStanding
-                            ? drawStanding(sight, settings, frame, was_sharp)
-                            : drawSplats(wayNumbered(chosen), view, settings, frame);
+    RenderStats stats;
+    if (chosen == kStanding) {
+      const auto standing = standingOf(sight);
+      standing->pyramid.blur(settings.defocus, frame);
+      stats = standing->stats;
+    } else {
+      stats = drawSplats(wayNumbered(chosen), view, settings, frame);
+    }
     if (!quality.as_before && number == 0) {
       const std::chrono::duration<float, std::milli> took =
           std::chrono::steady_clock::now() - start;
-      time_.took(was_sharp ? chosen : kSharp, took.count(), moved);
+      time_.took(chosen, took.count(), moved);
     }
     stats.tolerance_error = number == 0 ? expectedError(chosen, blur_px)  //
                                         : wayNumbered(chosen).error(blur_px);
+    stats.in_full = number > 0 || chosen == *way_;
     if (quality.frame_ms) stats.drawn_as = "auto:" + std::to_string(chosen + 1);
     return stats;
   }
@@ -184,35 +213,23 @@ class AutoMethod final : public Method {
     return scene_.draw(view, settings, lodOf(way, settings.quality), frame);
   }
 
-  /// @param was_sharp  set: whether the sharp picture was there
-  RenderStats drawStanding(const Sight& sight, const RenderSettings& settings, Frame& frame,
-                           bool& was_sharp) {
-    StandingView* standing = standingOf(sight);
-    was_sharp = standing != nullptr;
-    if (!standing) {
-      standing = &*std::max_element(
-          standing_.begin(), standing_.end(),
-          [](const StandingView& a, const StandingView& b) { return a.unused < b.unused; });
-      standing->sight = {};  // until all of it is there
-      RenderSettings sharp = settings;
-      sharp.defocus.radius_px_per_D = glm::vec2(0.0f);
-      sharp.depth = true;
-      sharp_.size_px = sight.view.size_px;
-      sharp_.rgba.resize(frame.rgba.size());
-      sharp_.depth_m.resize(frame.rgba.size());
-      standing->stats = scene_.draw(sight.view, sharp, {.cut = kFaithfulCut}, sharp_);
-      standing->pyramid.set(sharp_, sight.view.focal_px);
-      standing->sight = sight;
-    }
-    for (StandingView& each : standing_) ++each.unused;
-    standing->unused = 0;
-    standing->pyramid.blur(settings.defocus, frame);
-    return standing->stats;
-  }
-
-  StandingView* standingOf(const Sight& sight) {
-    const auto found = std::ranges::find(standing_, sight, &StandingView::sight);
-    return found == standing_.end() ? nullptr : &*found;
+  /// Drawn where it is not there yet.
+  std::shared_ptr<const StandingView> standingOf(const Sight& sight) {
+    if (auto there = standing_->of(sight)) return there;
+    auto standing = std::make_shared<StandingView>();
+    Frame sharp{.size_px = sight.view.size_px, .rgba = {}, .depth_m = {}};
+    sharp.rgba.resize(static_cast<std::size_t>(sharp.size_px.x) * sharp.size_px.y);
+    sharp.depth_m.resize(sharp.rgba.size());
+    standing->stats = scene_.draw(sight.view,
+                                  {.defocus = {.along = sight.along},
+                                   .background = sight.background,
+                                   .shading = sight.shading,
+                                   .depth = true},
+                                  {.cut = kFaithfulCut}, sharp);
+    standing->pyramid.set(std::move(sharp), sight.view.focal_px);
+    standing->sight = sight;
+    standing_->add(standing);
+    return standing;
   }
 
   float largestBlur_px(const View& view, const Defocus& defocus) const {
@@ -247,10 +264,10 @@ class AutoMethod final : public Method {
     for (std::size_t way = *way_ + 1; way-- > 0;) {
       if (time_.fits(way, budget_ms)) return way;
     }
-    // Once it is there, the sharp picture blurred is as quick as the softest, or nearly.
-    const bool stands = standingOf(sight) || frames_still_ >= kFramesStill;
-    if (stands && (time_.fits(kStanding, budget_ms) ||
-                   time_.expected_ms(kStanding) <= kAsQuick * time_.expected_ms(kSofter))) {
+    // Where it is there, the sharp picture blurred is as quick as the softest, or nearly.
+    if (standing_->of(sight) &&
+        (time_.fits(kStanding, budget_ms) ||
+         time_.expected_ms(kStanding) <= kAsQuick * time_.expected_ms(kSofter))) {
       return kStanding;
     }
     return time_.fits(kSoft, budget_ms) ? kSoft : kSofter;
@@ -309,15 +326,13 @@ class AutoMethod final : public Method {
 
   LodSplats scene_;
   LodSplats squares_{scene_.sharedTree()};  // buffers of their size
+  std::shared_ptr<StandingViews> standing_;
   int number_;
   std::size_t drawn_ = 0;           // the way of the draw before
   std::optional<std::size_t> way_;  // for the tolerance's sake
   std::optional<Checked> checked_;
   TimeBudget time_{kLikely};
   Sight sight_;  // of the draw before
-  int frames_still_ = 0;
-  std::array<StandingView, 2> standing_;  // of both eyes
-  Frame sharp_;
 };
 
 }  // namespace

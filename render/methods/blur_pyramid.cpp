@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "app/base/parallel.h"
@@ -95,15 +96,15 @@ void continueOver(std::vector<float>& point_D, const Frame& sharp) {
 
 }  // namespace
 
-void BlurPyramid::set(const Frame& sharp, const glm::vec2& focal_px) {
-  sharp_ = sharp;
-  point_D_ = vergences_D(sharp, {.radius_px_per_D = 0.5f * kUsualPupil_m * focal_px});
-  continueOver(point_D_, sharp);
+void BlurPyramid::set(Frame sharp, const glm::vec2& focal_px) {
+  sharp_ = std::move(sharp);
+  point_D_ = vergences_D(sharp_, {.radius_px_per_D = 0.5f * kUsualPupil_m * focal_px});
+  continueOver(point_D_, sharp_);
   Copy& first = copies_[1];
-  first.size = sharp.size_px;
-  filter(sharp_.rgba, sharp.size_px, kThree, 1, first.rgba, first.size);
+  first.size = sharp_.size_px;
+  filter(sharp_.rgba, sharp_.size_px, kThree, 1, first.rgba, first.size);
   for (std::size_t j = 2; j <= kCopies; j += 2) {
-    const glm::ivec2 size = j == 2 ? sharp.size_px : copies_[j - 2].size;
+    const glm::ivec2 size = j == 2 ? sharp_.size_px : copies_[j - 2].size;
     Copy& half = copies_[j];
     half.size = size / 2 + 1;
     filter(j == 2 ? sharp_.rgba : copies_[j - 2].rgba, size, kHalve, 2, half.rgba, half.size);
@@ -125,22 +126,48 @@ class BlurPyramid::Tile {
   void drawInto(Frame& frame) {
     for (int y = 0; y < size_.y; ++y) {
       findLevels(y);
-      const auto [least, most] = std::minmax_element(level_, level_ + size_.x);
-      const int first = static_cast<int>(*least);
-      const int last = std::min(static_cast<int>(std::ceil(*most)), kCopies);
+      int first = kCopies, last = 0;
+      for (int x = 0; x < size_.x; ++x) {
+        finer_[x] = std::min(static_cast<int>(level_[x]), kCopies - 1);
+        first = std::min(first, finer_[x]);
+        last = std::max(last, finer_[x]);
+      }
+      for (int j = first; j <= last + 1; ++j) findRow(j, y);
       glm::vec4* out = frame.rgba.data() + indexOf(y);
-      for (int j = first; j <= last; ++j) {
-        const glm::vec4* row = rowOf(j, y);
-        // The first gives all, each other takes over by its share.
-        for (int x = 0; x < size_.x; ++x) {
-          const float share = std::clamp(level_[x] - static_cast<float>(j - 1), 0.0f, 1.0f);
-          out[x] = j == first ? row[x] : out[x] + share * (row[x] - out[x]);
-        }
+      for (int x = 0; x < size_.x; ++x) {
+        const int j = finer_[x];
+        const Colour finer = rows_[j].at(x), coarser = rows_[j + 1].at(x);
+        put(finer + (level_[x] - static_cast<float>(j)) * (coarser - finer), out[x]);
       }
     }
   }
 
  private:
+  using Colour = float __attribute__((vector_size(16)));
+
+  static Colour colour(const glm::vec4& from) {
+    Colour result;
+    std::memcpy(&result, &from, sizeof result);
+    return result;
+  }
+
+  static void put(const Colour& from, glm::vec4& to) { std::memcpy(&to, &from, sizeof to); }
+
+  /// A row of a copy between whose samples, every 2^k pixels, it is interpolated.
+  struct Row {
+    const glm::vec4* samples = nullptr;
+    int k = 0;
+    int first = 0;  ///< where pixel 0 lies from the first sample
+    int next = 0;   ///< to the sample beyond; 0 where there is one for each pixel
+    float inverse = 1.0f;
+
+    Colour at(int x) const {
+      const int i = (first + x) >> k, rest = first + x - (i << k);
+      const Colour before = colour(samples[i]);
+      return before + static_cast<float>(rest) * inverse * (colour(samples[i + next]) - before);
+    }
+  };
+
   std::size_t indexOf(int y) const {
     return static_cast<std::size_t>(corner_.y + y) * pyramid_.sharp_.size_px.x + corner_.x;
   }
@@ -175,36 +202,42 @@ class BlurPyramid::Tile {
     }
   }
 
-  /// Row y of the tile in copy j, 0 the picture itself, between whose samples it is interpolated.
-  const glm::vec4* rowOf(int j, int y) {
-    if (j == 0) return pyramid_.sharp_.rgba.data() + indexOf(y);
-    const Copy& copy = pyramid_.copies_[static_cast<std::size_t>(j)];
-    const int k = j / 2;
-    if (k == 0) return copy.rgba.data() + indexOf(y);
-    const int step = 1 << k, mask = step - 1;
-    const float inverse = 1.0f / static_cast<float>(step);
+  /// Row y of the tile in copy j, 0 the picture itself.
+  void findRow(int j, int y) {
+    Row& row = rows_[j];
+    const int k = j / 2, step = 1 << k;
+    const std::size_t copy_j = static_cast<std::size_t>(j);
+    if (k == 0) {
+      const auto& rgba = j == 0 ? pyramid_.sharp_.rgba : pyramid_.copies_[copy_j].rgba;
+      row = {.samples = rgba.data() + indexOf(y)};
+      return;
+    }
+    const Copy& copy = pyramid_.copies_[copy_j];
     const int at_y = corner_.y + y, coarse_y = at_y >> k;
-    const float ty = static_cast<float>(at_y & mask) * inverse;
+    const float ty = static_cast<float>(at_y & (step - 1)) / static_cast<float>(step);
     const glm::vec4* above = copy.rgba.data() + static_cast<std::size_t>(coarse_y) * copy.size.x;
     const glm::vec4* below = coarse_y + 1 < copy.size.y ? above + copy.size.x : above;
     const int begin = corner_.x >> k, end = ((corner_.x + size_.x - 1) >> k) + 2;
+    glm::vec4* between = between_[j];
     for (int x = begin; x < end; ++x) {
       const int from = std::min(x, copy.size.x - 1);
-      coarse_[x - begin] = above[from] + ty * (below[from] - above[from]);
+      const Colour upper = colour(above[from]);
+      put(upper + ty * (colour(below[from]) - upper), between[x - begin]);
     }
-    for (int x = 0; x < size_.x; ++x) {
-      const int i = ((corner_.x + x) >> k) - begin;
-      const float tx = static_cast<float>((corner_.x + x) & mask) * inverse;
-      fine_[x] = coarse_[i] + tx * (coarse_[i + 1] - coarse_[i]);
-    }
-    return fine_;
+    row = {.samples = between,
+           .k = k,
+           .first = corner_.x - (begin << k),
+           .next = 1,
+           .inverse = 1.0f / static_cast<float>(step)};
   }
 
   const BlurPyramid& pyramid_;
   const Defocus& defocus_;
   glm::ivec2 corner_, size_;
   float level_[kSide_px];  // of a row
-  glm::vec4 coarse_[kSide_px / 2 + 3], fine_[kSide_px];
+  int finer_[kSide_px];    // of the two copies that a pixel is the mean of
+  Row rows_[kCopies + 1];  // that it is read from
+  glm::vec4 between_[kCopies + 1][kSide_px / 2 + 3];
 };
 
 void BlurPyramid::blur(const Defocus& defocus, Frame& frame) const {

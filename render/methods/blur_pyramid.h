@@ -18,7 +18,7 @@ class BlurPyramid {
  public:
   /// @param sharp  with depth
   /// @param focal_px  of its view, along x and y
-  void set(const Frame& sharp, const glm::vec2& focal_px);
+  void set(Frame sharp, const glm::vec2& focal_px);
 
   /// The picture through a lens. The same bytes at any number of threads.
   /// @param frame  of the picture's size; with depth where it has room for it

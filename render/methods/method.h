@@ -58,6 +58,10 @@ class Method {
   /// is large and does not change. Nothing where the method has nothing to share.
   virtual std::unique_ptr<Method> twin() const { return nullptr; }
 
+  /// Does at leisure what lets later draws of this view hold a time (`Quality::frame_ms`), those of
+  /// its twins too.
+  virtual void prepare(const View& /*view*/, const RenderSettings& /*settings*/) {}
+
  private:
   RenderStats drawPrimaries(const View& view, const RenderSettings& settings, Frame& frame);
 

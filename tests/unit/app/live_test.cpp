@@ -15,7 +15,6 @@
 #include <sstream>
 
 #include "app/base/input_error.h"
-#include "app/durations.h"
 #include "app/inputs.h"
 #include "app/live/driver.h"
 #include "app/live/mark_socket.h"
@@ -185,20 +184,74 @@ TEST_F(Live, WhatIsDrawnAtLeisureIsStoppedAtOnce) {
   PaintJob other = job;
   for (int i = 0; i < 20; ++i) {  // each stops the one before
     other.eyes[0].settings.defocus.focus_D = 0.1f * static_cast<float>(i);
-    refiner.want(other);
+    refiner.want({other});
     std::this_thread::sleep_for(std::chrono::milliseconds(i));
   }
-  refiner.rest();
-  refiner.want(job);
+  refiner.want({});
+  refiner.want({other, job});
   std::optional<Painted> painted;
   for (int i = 0; i < 2000 && !painted; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    painted = refiner.take();
+    painted = refiner.take(job);
   }
   ASSERT_TRUE(painted.has_value());
   Painted alone;
   Painter(cloud).paint(job.atLeisure(), alone);
   EXPECT_EQ(painted->frame.rgba, alone.frame.rgba);
+}
+
+std::size_t rowsOf(const fs::path& table) {
+  const std::string text = textOf(table);
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST_F(Live, WhatIsPaintedAheadIsWhatTheEyeComesToRestAt) {
+  study.observer.pupil_mm = 8.0;
+  study.render.method = "auto";
+  study.quality.frame_ms = 5.0;
+  study.quality.foveated = true;
+  const SurfelCloud cloud = loadScene(study);
+  const Screen screen = study.screenInForce();
+  Session session(study, cloud, screen, 250.0, 0.0);
+  std::optional<PaintJob> ahead, last;
+  int changes = 0;
+  double sample_s = 0.0;
+  for (int frame = 0; frame < 240; ++frame) {  // the far wall for a second, then the near one
+    const double time_s = frame / 60.0;
+    for (; sample_s <= time_s; sample_s += 0.004) {
+      const double noise_px = 2.0 * std::sin(1e3 * sample_s);
+      const double x = sample_s < 1.0 ? 0.3 : 0.7;
+      session.push({.time_s = sample_s,
+                    .point_px = glm::dvec2(x, 0.45) * glm::dvec2(screen.size_px) + noise_px});
+    }
+    const FrameRecord record = session.look(time_s);
+    const PaintJob job = session.jobOf("auto", record);
+    // As soon as the surface is known: focus holds for its latency, then moves.
+    if (time_s > 1.2 && !ahead) ahead = session.jobAtRest("auto", record);
+    if (time_s > 1.2 && time_s < 1.25) {
+      EXPECT_NE(job, *ahead);
+    }
+    if (time_s > 3.0) changes += job != last;
+    last = job;
+  }
+  EXPECT_EQ(*last, *ahead);
+  EXPECT_EQ(changes, 0);
+}
+
+TEST_F(Live, ARecordWithoutGazeSaysSo) {
+  const fs::path folder = scratch.path() / "record";
+  const LiveClock clock;
+  {
+    GazeFeed feed(jumping(-1.0), clock);
+    LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+    EXPECT_EQ(renderer.startRecord(folder).get(), "");
+    watch(renderer, clock, 0.2);
+  }
+  const auto manifest = nlohmann::json::parse(textOf(folder / "manifest.json"));
+  EXPECT_EQ(manifest["gaze"]["format"], "no gaze");
+  EXPECT_EQ(manifest["summary"]["gaze_valid"], 0.0);
+  EXPECT_GT(manifest["summary"]["frames"], 0);
+  EXPECT_EQ(rowsOf(folder / "events.tsv"), 1u);
 }
 
 /// Bytes of the program in memory.
@@ -207,11 +260,6 @@ double residentBytes() {
   double all = 0.0, resident = 0.0;
   file >> all >> resident;
   return resident * 4096.0;
-}
-
-std::size_t rowsOf(const fs::path& table) {
-  const std::string text = textOf(table);
-  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
 /// Hours in seconds: FOCI_SOAK_HOURS of its own clock, 120 times as fast as it passes.
@@ -253,6 +301,8 @@ TEST_F(Live, LongRunsLoseNoRowAndNoMemory) {
   EXPECT_EQ(rowsOf(folder / "timing.tsv"), taken + 1);
   const auto manifest = nlohmann::json::parse(textOf(folder / "manifest.json"));
   EXPECT_EQ(manifest["summary"]["frames"], taken);
+  constexpr std::size_t kHead = 2;  // lines of gaze.tsv before the samples
+  EXPECT_EQ(manifest["gaze"]["samples"], rowsOf(folder / "gaze.tsv") - kHead);
 }
 
 TEST_F(Live, RecordIsWholeWhereTheProgramLeavesWhileItRuns) {
@@ -414,15 +464,6 @@ TEST(MarkSocket, RefusesWhatIsNoAddress) {
     EXPECT_THROW(MarkSocket(address, [](const std::string& c) { return c; }), InputError)
         << address;
   }
-}
-
-TEST(Durations, QuantilesAreThoseOfTheBins) {
-  Durations durations;
-  EXPECT_EQ(durations.quantile_ms(0.5), 0.0);
-  for (int i = 1; i <= 100; ++i) durations.add(i);
-  constexpr double kBin_ms = 0.1;
-  EXPECT_NEAR(durations.quantile_ms(0.5), 51.0, kBin_ms);
-  EXPECT_NEAR(durations.quantile_ms(0.95), 96.0, kBin_ms);
 }
 
 TEST(LivePose, MovesLevelAndTurnsAroundTheEye) {
