@@ -24,6 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kAperturesApart = 1e-3;
+/// A first draw, which finds its buffers cold, is its time only where it takes so many times as
+/// long as all runs are to.
+constexpr double kSlow = 10.0;
+
 constexpr double kPixelsADegree = 40.0;  // 96 dpi, 0.6 m
 
 std::string groupName(const std::string& scene, double blur_px) {
@@ -157,7 +161,7 @@ class Group {
                        .visible_error = quantile(visible, 0.95),
                        .expected_error = stats.tolerance_error,
                        .first_ms = stats.ms};
-        if (stats.ms > plan_.timing_ms) cell.ms[plan_.threads.back()] = {stats.ms};
+        if (stats.ms > kSlow * plan_.timing_ms) cell.ms[plan_.threads.back()] = {stats.ms};
         writePicture(pictureFile(scene_.id, blur_px_, method), pictureOf(frame));
         writePicture(differenceFile(scene_.id, blur_px_, method),
                      differenceOf(frame, drawn, kDifferenceGain));
