@@ -28,7 +28,9 @@ Json toJson(const ReplaySummary& summary) {
           {"out", summary.out.string()}};
 }
 
-Json toJson(const Landings& landings) {
+}  // namespace
+
+nlohmann::ordered_json landingsJson(const Landings& landings) {
   const Durations& to_full = landings.toFull();
   return {{"landings", landings.count()},
           {"landings_full", to_full.count()},
@@ -36,8 +38,6 @@ Json toJson(const Landings& landings) {
           {"landing_to_full_ms_p95", to_full.quantile_ms(0.95)},
           {"frames_full", landings.fullShare()}};
 }
-
-}  // namespace
 
 std::string summaryJson(const ReplaySummary& summary) { return dump(toJson(summary), -1); }
 
@@ -90,7 +90,7 @@ std::string manifestJson(const Study& study, const ReplaySummary& summary,
       {"frames_sha256", facts.frames_sha256},
       {"summary", toJson(summary)},
   };
-  if (facts.landings) manifest["live"] = toJson(*facts.landings);
+  if (facts.landings) manifest["live"] = landingsJson(*facts.landings);
   return dump(manifest, 2) + "\n";
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,9 @@ std::string manifestJson(const Study& study, const ReplaySummary& summary,
                          const ManifestFacts& facts);
 
 GazeFacts factsOf(const GazeTrace& trace);
+
+/// How soon after saccades the picture of a live run was full.
+nlohmann::ordered_json landingsJson(const Landings& landings);
 
 /// `--json`: the summary as one line.
 std::string summaryJson(const ReplaySummary& summary);

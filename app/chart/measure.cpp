@@ -24,11 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kAperturesApart = 1e-3;
+
 /// A first draw, which finds its buffers cold, is its time only where it takes so many times as
 /// long as all runs are to.
 constexpr double kSlow = 10.0;
-
-constexpr double kPixelsADegree = 40.0;  // 96 dpi, 0.6 m
 
 std::string groupName(const std::string& scene, double blur_px) {
   return scene + "_" + decimal(blur_px, 0) + "px_";
@@ -153,7 +152,7 @@ class Group {
         Frame frame;
         const auto& drawn = reference->frame;
         const RenderStats stats = methodOf(method, seen).render(seen.view, settings, frame);
-        auto visible = visibleDifference(frame, drawn, kPixelsADegree);
+        auto visible = visibleDifference(frame, drawn, kUsualPx_per_deg);
         ChartCell cell{.psnr_dB = psnr_dB(frame, drawn),
                        .ssim = ssim(frame, drawn),
                        .silhouette_psnr_dB = silhouettePsnr_dB(frame, drawn, band),

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/manifest.h"
 #include "app/tables.h"
 
 namespace foci {
@@ -15,13 +16,9 @@ std::string liveSummaryJson(const LiveSummary& summary) {
       {"sample_to_swap_ms_median", summary.sample_to_swap.quantile_ms(0.5)},
       {"sample_to_swap_ms_p95", summary.sample_to_swap.quantile_ms(0.95)},
       {"render_ms_median", summary.render.quantile_ms(0.5)},
-      {"render_ms_p95", summary.render.quantile_ms(0.95)},
-      {"landings", summary.landings.count()},
-      {"landings_full", summary.landings.toFull().count()},
-      {"landing_to_full_ms_median", summary.landings.toFull().quantile_ms(0.5)},
-      {"landing_to_full_ms_p95", summary.landings.toFull().quantile_ms(0.95)},
-      {"frames_full", summary.landings.fullShare()},
-      {"records", nlohmann::ordered_json::array()}};
+      {"render_ms_p95", summary.render.quantile_ms(0.95)}};
+  json.update(landingsJson(summary.landings));
+  json["records"] = nlohmann::ordered_json::array();
   for (const auto& folder : summary.records) json["records"].push_back(folder.string());
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -17,6 +17,14 @@ struct Frame {
   std::vector<float> depth_m;  ///< distance of what is seen, coverage-weighted; 0 where nothing is;
                                ///< empty unless asked for
 
+  /// @param depth  with room for it; otherwise it has none
+  void resize(const glm::ivec2& to_px, bool depth = false) {
+    const std::size_t pixels = static_cast<std::size_t>(to_px.x) * to_px.y;
+    size_px = to_px;
+    rgba.resize(pixels);
+    depth_m.resize(depth ? pixels : 0);
+  }
+
   const glm::vec4& at(int x, int y) const {
     return rgba[static_cast<std::size_t>(y) * size_px.x + x];
   }

@@ -217,9 +217,8 @@ class AutoMethod final : public Method {
   std::shared_ptr<const StandingView> standingOf(const Sight& sight) {
     if (auto there = standing_->of(sight)) return there;
     auto standing = std::make_shared<StandingView>();
-    Frame sharp{.size_px = sight.view.size_px, .rgba = {}, .depth_m = {}};
-    sharp.rgba.resize(static_cast<std::size_t>(sharp.size_px.x) * sharp.size_px.y);
-    sharp.depth_m.resize(sharp.rgba.size());
+    Frame sharp;
+    sharp.resize(sight.view.size_px, true);
     standing->stats = scene_.draw(sight.view,
                                   {.defocus = {.along = sight.along},
                                    .background = sight.background,

@@ -57,10 +57,7 @@ Choice parse(std::string_view spec) {
 
 RenderStats Method::render(const View& view, const RenderSettings& settings, Frame& frame) {
   const auto start = std::chrono::steady_clock::now();
-  const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
-  frame.size_px = view.size_px;
-  frame.rgba.resize(pixels);
-  frame.depth_m.resize(settings.depth ? pixels : 0);
+  frame.resize(view.size_px, settings.depth);
   const Defocus& lens = settings.defocus;
   const bool colored =
       lens.chromatic_D != glm::vec3(0.0f) && lens.radius_px_per_D != glm::vec2(0.0f);

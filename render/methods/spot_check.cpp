@@ -10,7 +10,6 @@ namespace foci {
 namespace {
 
 constexpr int kSquare_px = kTile, kMostSquares = 16;
-constexpr double kPixelsADegree = 40.0;  // as of the table of `auto`
 
 /// Corners of tiles that lie in the image whole: all, or those of an even sequence (Roberts's R2).
 std::vector<glm::ivec2> cornersIn(const glm::ivec2& size_px) {
@@ -46,8 +45,7 @@ Frame SpotCheck::draw(const glm::ivec2& corner_px, const LodSettings& way) {
   LodSettings lod = way;
   lod.cut.acuity.gaze_px -= glm::vec2(corner_px);
   Frame frame;
-  frame.size_px = square.size_px;
-  frame.rgba.resize(static_cast<std::size_t>(square.size_px.x) * square.size_px.y);
+  frame.resize(square.size_px);
   scene_.draw(square, settings_, lod, frame);
   return frame;
 }
@@ -55,7 +53,7 @@ Frame SpotCheck::draw(const glm::ivec2& corner_px, const LodSettings& way) {
 float SpotCheck::error(const LodSettings& way) {
   std::vector<float> all;
   for (std::size_t i = 0; i < corners_px_.size(); ++i) {
-    const auto apart = visibleDifference(draw(corners_px_[i], way), best_[i], kPixelsADegree);
+    const auto apart = visibleDifference(draw(corners_px_[i], way), best_[i], kUsualPx_per_deg);
     all.insert(all.end(), apart.begin(), apart.end());
   }
   return quantile(all, 0.95);

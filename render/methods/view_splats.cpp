@@ -42,10 +42,7 @@ void ViewSplats::select(const ViewSplats& all, const std::function<bool(const Sp
 }
 
 std::uint64_t ViewSplats::draw(const glm::vec3& background, bool depth, Frame& frame) const {
-  const std::size_t pixels = static_cast<std::size_t>(size_px_.x) * size_px_.y;
-  frame.size_px = size_px_;
-  frame.rgba.resize(pixels);
-  frame.depth_m.resize(depth ? pixels : 0);
+  frame.resize(size_px_, depth);
   return sweep(
       chunks_, lists_,
       {.background = background, .defocus = defocus_, .transparent = transparent_, .depth = depth},

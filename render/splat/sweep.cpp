@@ -66,11 +66,10 @@ std::vector<std::uint8_t> gapsOf(const Splat* splats, std::span<const std::uint3
     nearest_m[e] = least_m = std::min(least_m, splats[list[e]].near_m);
   }
   std::vector<std::uint8_t> gap(list.size());
-  float farthest_m = std::numeric_limits<float>::infinity();
-  for (std::size_t e = 0; e < list.size(); ++e) {
+  float farthest_m = 0.0f;  // of those before it
+  for (std::size_t e = 1; e < list.size(); ++e) {
+    farthest_m = std::max(farthest_m, splats[list[e - 1]].far_m);
     gap[e] = nearest_m[e] > farthest_m;
-    const float far_m = splats[list[e]].far_m;
-    farthest_m = e == 0 ? far_m : std::max(farthest_m, far_m);
   }
   return gap;
 }

@@ -119,7 +119,7 @@ TEST(AutoOnTheChart, NoMorePixelsThanSaidAreFurtherOff) {
       Frame frame, reference;
       const RenderStats stats = method->render(seen.view, settings, frame);
       makeMethod("accumulate:64", seen.cloud)->render(seen.view, settings, reference);
-      auto apart = visibleDifference(frame, reference, 40.0);
+      auto apart = visibleDifference(frame, reference, kUsualPx_per_deg);
       ASSERT_TRUE(stats.tolerance_error.has_value());
       EXPECT_LE(quantile(apart, 0.95), *stats.tolerance_error) << scene.id << " " << blur_px;
       EXPECT_LE(*stats.tolerance_error, settings.quality.tolerance) << scene.id << " " << blur_px;

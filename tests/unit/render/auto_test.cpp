@@ -15,8 +15,6 @@
 namespace foci {
 namespace {
 
-constexpr double kPixelsADegree = 40.0;
-
 Frame greyFrame(float grey) {
   return {.size_px = {16, 16}, .rgba = std::vector<glm::vec4>(256, glm::vec4(grey)), .depth_m = {}};
 }
@@ -24,13 +22,13 @@ Frame greyFrame(float grey) {
 float lightness(float luminance) { return 116.0f * std::cbrt(luminance) - 16.0f; }
 
 TEST(VisibleDifference, OfGreysIsThatOfTheirLightness) {
-  const auto apart = visibleDifference(greyFrame(0.2f), greyFrame(0.25f), kPixelsADegree);
+  const auto apart = visibleDifference(greyFrame(0.2f), greyFrame(0.25f), kUsualPx_per_deg);
   const float expected = (lightness(0.25f) - lightness(0.2f)) / 2.3f;
   for (const float each : apart) EXPECT_NEAR(each, expected, 1e-3f);
 }
 
 TEST(VisibleDifference, LightBeyondWhiteIsWhite) {
-  const auto apart = visibleDifference(greyFrame(1.0f), greyFrame(5.0f), kPixelsADegree);
+  const auto apart = visibleDifference(greyFrame(1.0f), greyFrame(5.0f), kUsualPx_per_deg);
   for (const float each : apart) EXPECT_EQ(each, 0.0f);
 }
 
@@ -73,7 +71,7 @@ TEST_F(Auto, NoMorePixelsThanSaidAreFurtherOff) {
     for (const char* way : {"auto:1", "auto:2", "auto:3", "auto:4", "auto:5", "auto:6", "auto:7"}) {
       RenderStats stats;
       const Frame frame = renderedBy(way, cloud, view, settings(radius_px_per_D), &stats);
-      auto apart = visibleDifference(frame, reference, kPixelsADegree);
+      auto apart = visibleDifference(frame, reference, kUsualPx_per_deg);
       ASSERT_TRUE(stats.tolerance_error.has_value());
       EXPECT_LE(quantile(apart, 0.95), *stats.tolerance_error) << way << " " << radius_px_per_D;
     }
@@ -119,9 +117,9 @@ TEST_F(Auto, TakesTheLensApartWhereTheFrameAsksForIt) {
   RenderStats stats, whole;
   const Frame apart = renderedBy("auto", crossing, ahead, blurred, &stats);
   const Frame reference = renderedBy("accumulate:256", crossing, ahead, blurred);
-  auto error = visibleDifference(apart, reference, kPixelsADegree);
+  auto error = visibleDifference(apart, reference, kUsualPx_per_deg);
   auto by_whole = visibleDifference(renderedBy("auto:2", crossing, ahead, blurred, &whole),
-                                    reference, kPixelsADegree);
+                                    reference, kUsualPx_per_deg);
   EXPECT_GT(quantile(by_whole, 0.95), 1.0f);
   EXPECT_LT(quantile(error, 0.95), 0.8f * quantile(by_whole, 0.95));
   EXPECT_GT(*stats.tolerance_error, 1.0f);  // so small and so near that parts do not suffice

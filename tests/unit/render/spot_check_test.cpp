@@ -27,8 +27,7 @@ class SpotCheckTest : public ::testing::Test {
 
   Frame whole(const View& view, const LodSettings& way) {
     Frame frame;
-    frame.size_px = view.size_px;
-    frame.rgba.resize(static_cast<std::size_t>(view.size_px.x) * view.size_px.y);
+    frame.resize(view.size_px);
     scene.draw(view, settings, way, frame);
     return frame;
   }
@@ -36,7 +35,7 @@ class SpotCheckTest : public ::testing::Test {
 
 TEST_F(SpotCheckTest, OfAllSquaresIsTheDifferenceOfTheFrames) {
   const View view = tilted(128);
-  auto apart = visibleDifference(whole(view, kCoarse), whole(view, kBest), 40.0);
+  auto apart = visibleDifference(whole(view, kCoarse), whole(view, kBest), kUsualPx_per_deg);
   SpotCheck squares(scene, view, settings, kBest);
   const float expected = quantile(apart, 0.95);
   EXPECT_GT(expected, 0.2f);
@@ -48,7 +47,7 @@ TEST_F(SpotCheckTest, OfAllSquaresIsTheDifferenceOfTheFrames) {
 TEST_F(SpotCheckTest, OfSomeSquaresIsAboutThat) {
   for (const int size_px : {20, 384}) {
     const View view = tilted(size_px);
-    auto apart = visibleDifference(whole(view, kCoarse), whole(view, kBest), 40.0);
+    auto apart = visibleDifference(whole(view, kCoarse), whole(view, kBest), kUsualPx_per_deg);
     SpotCheck squares(scene, view, settings, kBest);
     const float expected = quantile(apart, 0.95);
     EXPECT_NEAR(squares.error(kCoarse), expected, 0.2f * expected) << size_px;
