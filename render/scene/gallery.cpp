@@ -15,7 +15,6 @@ constexpr float kTable_m = 1.22f;
 
 // The built-in study's screen: 1280 pixels, 0.5 m wide, 0.6 m away.
 constexpr float kFocal_px = 1536.0f;
-constexpr float kStep_px = 1.8f;
 const glm::vec2 kHalfView{0.417f, 0.234f};
 
 const glm::vec3 kEye{0.0f, 1.45f, 0.0f};
@@ -309,7 +308,7 @@ void addPedestals(GalleryStage& stage) {
 
 }  // namespace
 
-SurfelCloud makeGallery() {
+SurfelCloud makeGallery(float step_px) {
   const glm::vec3 forward = glm::normalize(kLookAt - kEye);
   const glm::vec3 right = glm::normalize(glm::cross(forward, glm::vec3(0.0f, 1.0f, 0.0f)));
   GalleryStage stage({.eye_m = kEye,
@@ -317,7 +316,7 @@ SurfelCloud makeGallery() {
                       .up = glm::cross(right, forward),
                       .forward = forward,
                       .half_view = kHalfView,
-                      .step_rad = kStep_px / kFocal_px});
+                      .step_rad = step_px / kFocal_px});
   addForeground(stage);
   addTableExhibits(stage);
   addFigure(stage);

@@ -27,7 +27,9 @@ EyePose planeEyePose();
 /// A gallery: things from 0.25 to 6 m from the eye, fine texture everywhere, thin structures in
 /// front, a half-transparent mask before a figure (the paper's Figure 1). y up, floor at y = 0,
 /// sampled for an eye near `galleryEyePose()`.
-SurfelCloud makeGallery();
+/// @param step_px  distance of surfels for that eye, of pixels of 0.39 mm 0.6 m away, > 0: half a
+///                 million at 1.8, two million at 0.9
+SurfelCloud makeGallery(float step_px = 1.8f);
 
 EyePose galleryEyePose();
 

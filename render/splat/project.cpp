@@ -126,7 +126,7 @@ HWY_INLINE void finishPart(const ProjectJob& job, const Lanes& lanes, std::size_
   const float share = job.part_aperture * job.part_aperture;
   const float blur = lanes.blur_least2[k];
   const float overlap = kOverlap * lanes.added[k];  // variance, what neighbours need to be one
-  const float wanting = std::max(overlap - share * blur, 0.0f);
+  const float wanting = std::max(overlap - share * blur - lanes.prefilter[k], 0.0f);
   const float own = 0.5f * (lanes.vxx[k] + lanes.vyy[k]) - lanes.prefilter[k];
   const float widen = wanting > 0.0f ? 1.0f + wanting / std::max(own, 1e-12f) : 1.0f;
   out.parts[at] = out.splats[at];

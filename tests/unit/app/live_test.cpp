@@ -1,7 +1,5 @@
 // `foci live` without its window: what it draws, what it leaves, and that a replay finds the same.
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,12 +15,9 @@
 #include "app/base/input_error.h"
 #include "app/inputs.h"
 #include "app/live/driver.h"
-#include "app/live/mark_socket.h"
-#include "app/live/pose.h"
 #include "app/live/refiner.h"
 #include "app/live/renderer.h"
 #include "app/replay.h"
-#include "app/study_text.h"
 #include "tests/temporary_folder.h"
 
 namespace foci {
@@ -353,80 +348,6 @@ TEST_F(Live, SaysWhenTheSceneCannotBeOpened) {
   EXPECT_THROW(watch(renderer, clock, 5.0), InputError);
 }
 
-TEST_F(Live, GazeComesBackToTheLastBit) {
-  const Screen screen{.size_px = {1919, 1079}, .size_m = {0.53131, 0.29897}, .distance_m = 0.6123};
-  const fs::path file = scratch.path() / "gaze.tsv";
-  std::vector<GazeSample> samples;
-  for (int i = 0; i < 50; ++i) {
-    GazeSample sample{.time_s = wholeMicroseconds(17.0 + 0.004001 * i)};
-    if (i % 7 != 3) sample.point_px = glm::dvec2(100.0 / 3.0 * i, -1.0 / (1.0 + i));
-    sample.blink = i % 7 == 3;
-    if (i % 2) sample.pupil_mm = 3.0 + 0.1 / 3.0 * i;
-    if (i % 3) sample.uncertainty_deg = 0.7 / (i + 1.0);
-    if (i % 5) sample.eyes[1].point_px = glm::dvec2(std::sqrt(2.0) * i, 0.1 * i);
-    samples.push_back(sample);
-  }
-  {
-    GazeTable table(file, screen);
-    for (const GazeSample& sample : samples) table.add(sample);
-    table.flush();
-  }
-  const GazeTrace trace = readTrace(file, {}, {});
-  EXPECT_EQ(trace.screen->size_m, screen.size_m);
-  EXPECT_EQ(trace.screen->distance_m, screen.distance_m);
-  ASSERT_EQ(trace.samples.size(), samples.size());
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    EXPECT_EQ(trace.samples[i].time_s, samples[i].time_s);
-    EXPECT_EQ(trace.samples[i].point_px, samples[i].point_px);
-    EXPECT_EQ(trace.samples[i].blink, samples[i].blink);
-    EXPECT_EQ(trace.samples[i].pupil_mm, samples[i].pupil_mm);
-    EXPECT_EQ(trace.samples[i].uncertainty_deg, samples[i].uncertainty_deg);
-    EXPECT_EQ(trace.samples[i].eyes[1].point_px, samples[i].eyes[1].point_px);
-  }
-}
-
-TEST_F(Live, RefusesTablesThatAreNone) {
-  const auto write = [&](const std::string& text) {
-    const fs::path file = scratch.path() / "table.tsv";
-    std::ofstream(file, std::ios::binary) << text;
-    return file;
-  };
-  EXPECT_THROW(readFrames(write("")), InputError);
-  EXPECT_THROW(readFrames(write("time_s\tmethod\n")), InputError);
-  EXPECT_THROW(readFrames(write("time_s\n1\n")), InputError);
-  EXPECT_THROW(readFrames(write("time_s\tmethod\n1\tswep\n")), InputError);
-  EXPECT_THROW(readFrames(write("time_s\tmethod\n1\tsweep\n1\tsweep\n")), InputError);
-  EXPECT_EQ(readFrames(write("time_s\tmethod\n1\tsweep\n2\tpinhole\n")).size(), 2u);
-  EXPECT_THROW(readFrames(write("time_s\tmethod\n1\n2\tpinhole\n")), InputError);
-  EXPECT_EQ(readFrames(write("time_s\tmethod\n1\tsweep\n2")).size(), 1u);  // cut off
-  EXPECT_THROW(readChanges(write("time_s\tkey\tvalue\n1\tseed\t3\n")), InputError);
-  EXPECT_THROW(readChanges(write("time_s\tkey\tvalue\n1\tobserver.pupil_mm\n")), InputError);
-  EXPECT_EQ(readChanges(write("time_s\tkey\tvalue\n")).size(), 0u);
-}
-
-TEST_F(Live, StudyAsTomlIsTheSameStudy) {
-  study.eye.position_m.reset();
-  study.eye.look_at_m.reset();
-  study.eye.path = {
-      {.time_s = 0.5, .position_m = {0, 1, 2}, .look_at_m = {0, 0, 0}, .up = {}},
-      {.time_s = 1.5, .position_m = {0, 1, 3}, .look_at_m = {0, 0, 0}, .up = glm::dvec3(0, 1, 0)}};
-  study.observer.between_eyes_mm = 100.0 / 1.7;
-  study.output.seconds = glm::dvec2(0.1, 1e5);
-  study.scene.file = "/somewhere/with \"quotes\".ply";
-  const fs::path file = scratch.path() / "written.toml";
-  std::ofstream(file, std::ios::binary) << studyToml(study);
-  const auto before = resolvedKeys(study), after = resolvedKeys(readStudy(file));
-  ASSERT_EQ(before.size(), after.size());
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    EXPECT_EQ(before[i].json, after[i].json) << before[i].name;
-  }
-}
-
-TEST(StudyKeys, PageIsCurrent) {
-  EXPECT_EQ(textOf(fs::path(FOCI_SOURCE_DIR) / "docs/study.md"), studyKeysMarkdown())
-      << "foci keys --markdown > docs/study.md";
-}
-
 TEST(MethodOfFrame, IsTheCheapestInASaccade) {
   Study study;
   study.render.method = "sweep-lod";
@@ -441,45 +362,6 @@ TEST(MethodOfFrame, IsTheCheapestInASaccade) {
     record.eye.state = state;
     EXPECT_EQ(methodOfFrame(study, record), "sweep-lod");
   }
-}
-
-TEST(MarkSocket, AnswersADatagramWithOne) {
-  MarkSocket socket_under_test("0", [](const std::string& command) { return "<" + command + ">"; });
-  const int ours = socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in to{};
-  to.sin_family = AF_INET;
-  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  to.sin_port = htons(static_cast<std::uint16_t>(socket_under_test.port()));
-  const std::string sent = "mark a\tb\n";
-  sendto(ours, sent.data(), sent.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
-  char bytes[64];
-  const ssize_t count = recv(ours, bytes, sizeof bytes, 0);
-  close(ours);
-  ASSERT_GT(count, 0);
-  EXPECT_EQ(std::string(bytes, static_cast<std::size_t>(count)), "<mark a b>\n");
-}
-
-TEST(MarkSocket, RefusesWhatIsNoAddress) {
-  for (const char* address : {"", "x", "70000", "1.2.3:5", "localhost:5", ":", "1.5"}) {
-    EXPECT_THROW(MarkSocket(address, [](const std::string& c) { return c; }), InputError)
-        << address;
-  }
-}
-
-TEST(LivePose, MovesLevelAndTurnsAroundTheEye) {
-  LivePose pose({0, 1, 0}, {0, 0.5, -2}, {0, 1, 0});
-  constexpr double kRounding = 1e-12;
-  pose.move({0.0, 0.0, 0.5});
-  EXPECT_NEAR(glm::distance(pose.position_m(), glm::dvec3(0, 1, -0.5)), 0.0, kRounding);
-  EXPECT_NEAR(glm::distance(pose.look_at_m(), glm::dvec3(0, 0.5, -2.5)), 0.0, kRounding);
-  const double away_m = glm::distance(pose.position_m(), pose.look_at_m());
-  pose.turn({0.1, 0.0});
-  EXPECT_GT(pose.look_at_m().x, 0.0);
-  EXPECT_NEAR(glm::distance(pose.position_m(), pose.look_at_m()), away_m, kRounding);
-  for (int i = 0; i < 100; ++i) pose.turn({0.0, 0.3});  // never over the head
-  EXPECT_LT(std::abs(glm::normalize(pose.look_at_m() - pose.position_m()).y), 0.99);
-  pose.reset();
-  EXPECT_EQ(pose.look_at_m(), glm::dvec3(0, 0.5, -2));
 }
 
 }  // namespace

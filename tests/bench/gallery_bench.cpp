@@ -1,0 +1,63 @@
+// What a study of gaze costs: the gallery of two million surfels on a screen of 1920 x 1080 pixels
+// at 96 dpi, seen by an eye of 4 mm pupil at 0.6 m whose gaze is replayed, by method auto. Times of
+// frames, of all of the replay:
+//     foci_bench --benchmark_filter=GalleryReplay
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+#include "app/base/quantile.h"
+#include "app/inputs.h"
+#include "app/session.h"
+#include "app/study.h"
+#include "render/scene/procedural.h"
+
+namespace foci {
+namespace {
+
+constexpr double kSeconds = 2.0, kFps = 30.0;
+
+/// Argument: whether nothing is drawn finer than the eye sees beside its gaze.
+void BM_GalleryReplay(benchmark::State& state) {
+  Study study;
+  study.seed = 7;
+  study.screen.size_px = {1920, 1080};
+  study.screen.size_m = glm::dvec2(study.screen.size_px) * 0.0254 / 96.0;
+  study.screen.distance_m = 0.6;
+  study.output.seconds = {0.0, kSeconds};
+  study.quality.foveated = state.range(0) != 0;
+  static const SurfelCloud cloud = makeGallery(0.9f);
+  const GazeTrace trace = loadGaze(study);
+
+  std::vector<double> all_ms, splats;
+  for (auto _ : state) {
+    const double start_s = trace.samples.front().time_s;
+    Session session(study, cloud, *trace.screen, trace.rate_Hz, start_s);
+    auto sample = trace.samples.begin();
+    for (int i = 0; i < static_cast<int>(kSeconds * kFps); ++i) {
+      const double time_s = start_s + i / kFps;
+      for (; sample != trace.samples.end() && sample->time_s <= time_s; ++sample) {
+        session.push(*sample);
+      }
+      FrameRecord record = session.look(time_s);
+      session.draw(study.render.method, record);
+      all_ms.push_back(record.stats.ms);
+      splats.push_back(static_cast<double>(record.stats.splats));
+    }
+  }
+  state.counters["surfels"] = static_cast<double>(cloud.size());
+  state.counters["splats"] = quantile(splats, 0.5);
+  state.counters["median_ms"] = quantile(all_ms, 0.5);
+  state.counters["p95_ms"] = quantile(all_ms, 0.95);
+  state.counters["most_ms"] = quantile(all_ms, 1.0);
+}
+BENCHMARK(BM_GalleryReplay)
+    ->ArgName("foveated")
+    ->Arg(1)
+    ->Arg(0)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime()
+    ->Iterations(1);
+
+}  // namespace
+}  // namespace foci
