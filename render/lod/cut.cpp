@@ -32,18 +32,9 @@ class Selector {
     first_range_node_ = std::bit_ceil(tree.surfels().size() / kRangeSurfels + 1);
   }
 
-  /// A node's size is per_added times what merging added to it and per_thick times its thickness.
-  struct PerCoarseness {
-    float per_added, per_thick;
-    float of(const MomentTree::Coarseness& node) const {
-      return node.added_m2 * per_added + node.thick_m2 * per_thick;
-    }
-  };
-
-  /// Of all that lies below a node: between these.
+  /// Sizes of all that lies below a node, over its coarseness: between these.
   struct Bounds {
-    static constexpr float kNoMost = std::numeric_limits<float>::infinity();
-    PerCoarseness least{0.0f, 0.0f}, most{kNoMost, kNoMost};
+    float least = 0.0f, most = std::numeric_limits<float>::infinity();
     bool in_sight = false;  ///< their centres are on the image
   };
 
@@ -56,14 +47,14 @@ class Selector {
       return;
     }
     const MomentTree::Coarseness coarse = tree_.coarseness()[node];
-    float size = above.least.of(coarse);
-    const bool known = size >= 1.0f + kFade || above.most.of(coarse) <= 1.0f;
+    float size = coarse.now_m2 * above.least;
+    const bool known = size >= 1.0f + kFade || coarse.now_m2 * above.most <= 1.0f;
     if (!above.in_sight || !known) {
       size = sizeOf(node, above);
       if (size == kOutside) return;
     }
     if (weight == 1.0f && node >= first_range_node_ &&
-        coarse.least_m2 * above.least.per_thick >= 1.0f + kFade) {
+        coarse.least_m2 * above.least >= 1.0f + kFade) {
       takeAll(node, cut);
       return;
     }
@@ -133,7 +124,7 @@ class Selector {
       return kOutside;
     }
     const float now =
-        perCoarseness(depth, least_px2(inv, range_D, at, reach)).of(tree_.coarseness()[index]);
+        tree_.coarseness()[index].now_m2 * perCoarseness(depth, least_px2(inv, range_D, at, reach));
 
     // What lies below has its centre within the radius, and no more than twice that radius.
     const float around = 3.0f * radius;
@@ -146,33 +137,25 @@ class Selector {
     return now;
   }
 
-  /// Variance that is allowed, and of thickness.
-  struct Allowed {
-    float added_px2, thick_px2;
-  };
-
-  PerCoarseness perCoarseness(float depth, const Allowed& allowed) const {
-    const float px2_per_m2 = focal2_ / (depth * depth);
-    return {px2_per_m2 / allowed.added_px2, px2_per_m2 / allowed.thick_px2};
+  float perCoarseness(float depth, float allowed_px2) const {
+    return focal2_ / (depth * depth * allowed_px2);
   }
 
   /// The least and the most variance allowed within a range of dioptres and pixels;
   /// finest_px grows with the distance from the gaze.
-  Allowed least_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
+  float least_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
     const float least_D = std::max(leastDefocus_D(defocus_, inv) - range_D, 0.0f);
     const glm::vec2 from_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
-    return allowed(least_D, settings_.acuity.finest_px(glm::length(from_px)));
+    return allowed_px2(least_D, settings_.acuity.finest_px(glm::length(from_px)));
   }
-  Allowed most_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
+  float most_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
     const float most_D = mostDefocus_D(defocus_, inv) + range_D;
     const glm::vec2 from_px = glm::abs(at - settings_.acuity.gaze_px) + reach;
-    return allowed(most_D, settings_.acuity.finest_px(glm::length(from_px)));
+    return allowed_px2(most_D, settings_.acuity.finest_px(glm::length(from_px)));
   }
-  Allowed allowed(float defocus_D, float finest_px) const {
-    const float shown_px2 =
-        settings_.per_blur2 * blur2_ * defocus_D * defocus_D + settings_.per_pixel2;
-    const float unseen_px2 = settings_.per_acuity2 * (finest_px * finest_px - 1.0f);
-    return {shown_px2 + unseen_px2, shown_px2 + MomentTree::kThick * unseen_px2};
+  float allowed_px2(float defocus_D, float finest_px) const {
+    return settings_.per_blur2 * blur2_ * defocus_D * defocus_D + settings_.per_pixel2 +
+           settings_.per_acuity2 * (finest_px * finest_px - 1.0f);
   }
 
   const MomentTree& tree_;

@@ -17,13 +17,12 @@ namespace foci {
 /// and the mean of both axes, is at most
 ///   per_blur2 C^2 + per_pixel2 + per_acuity2 (h^2 - 1),
 /// C its radius of the circle of confusion in pixels and h the prefilter's standard deviation, 1 px
-/// at full acuity. Variance along the node's mean normal counts several times, but for what the eye
-/// does not resolve: a node that holds two surfaces, which the lens tells apart, comes apart into
-/// nodes of one.
+/// at full acuity. Variance along the node's mean normal counts several times: a node that holds
+/// two surfaces, which the lens tells apart, comes apart into nodes of one.
 struct CutSettings {
   float per_blur2;
   float per_pixel2;
-  float per_acuity2 = 0.3f;  ///< Gaussians twice h apart sum to one within a per cent
+  float per_acuity2 = 0.2f;  ///< nodes up to 1.5 h wide, whose Gaussians sum to one within 0.1 %
   Acuity acuity = {};
 };
 

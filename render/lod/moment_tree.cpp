@@ -218,9 +218,8 @@ MomentTree::MomentTree(const SurfelCloud& cloud) {
   parallelFor(nodes_.size(), [&](std::size_t i) {
     const LodNode& node = nodes_[i];
     const glm::vec3 normal = unpackNormal(node.normal);
-    const float added_m2 = node.added_m2();
-    const float thick_m2 = kThick * node.covariance_m2(normal, normal);
-    coarseness_[i] = {added_m2, thick_m2, added_m2 + thick_m2};
+    const float coarse_m2 = node.added_m2() + kThick * node.covariance_m2(normal, normal);
+    coarseness_[i] = {coarse_m2, coarse_m2};
   });
   for (std::size_t node = nodes_.size() / 2; node-- > 1;) {
     coarseness_[node].least_m2 =

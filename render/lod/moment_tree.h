@@ -59,12 +59,12 @@ class MomentTree {
   const std::vector<LodNode>& nodes() const { return nodes_; }  ///< nodes()[0] is unused
   int levels() const { return levels_; }  ///< of nodes, >= 1; 0: an empty scene
 
-  /// By node, how coarse it is: what merging added to its variance, and kThick times what of it lies
-  /// along its mean normal. None of a flat node does; of one that holds two surfaces, which the
+  /// By node, how coarse it is: what merging added to its variance, that along its mean normal
+  /// counted kThick times. None of a flat node, that is, of one that holds two surfaces, which the
   /// lens tells apart, a quarter of their distance squared, or what their angle makes.
   struct Coarseness {
-    float added_m2, thick_m2;
-    float least_m2;  ///< of both together, of the clusters below it, itself if it is one
+    float now_m2;
+    float least_m2;  ///< of the clusters below it, itself if it is one
   };
   const std::vector<Coarseness>& coarseness() const { return coarseness_; }
   static constexpr float kThick = 30.0f;

@@ -42,12 +42,6 @@ TEST(VisibleDifference, FinerThanTheEyeSeesCountsLess) {
   EXPECT_LT(quantile(fine, 0.5), 0.3f * quantile(coarse, 0.5));
 }
 
-TEST(Acuity, FollowsTheFormula) {
-  const Acuity acuity = acuityAround({0.0f, 0.0f}, 40.0f);
-  EXPECT_EQ(acuity.finest_px(0.0f), 1.0f);  // 1/48 deg is finer than a pixel
-  EXPECT_NEAR(acuity.finest_px(400.0f), 0.5f * (1.0f / 48.0f + 0.0275f * 10.0f) * 40.0f, 1e-4f);
-}
-
 class Auto : public ::testing::Test {
  protected:
   SurfelCloud cloud = makePlane(160, 1.0f);
