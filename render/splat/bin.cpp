@@ -84,11 +84,13 @@ std::vector<TileLists::Blur> TileLists::blurOfCells(const SplatChunks& chunks) c
       const int x1 = std::min(key.x1 + kMostReach_px, size_px_.x - 1) / kTile;
       const int y1 = std::min(key.y1 + kMostReach_px, size_px_.y - 1) / kTile;
       for (int y = y0; y <= y1; ++y) {
-        const int below_px = std::max(y * kTile - key.y1, key.y0 - (y + 1) * kTile + 1);
         for (int x = x0; x <= x1; ++x) {
+          Blur& cell = cells[static_cast<std::size_t>(y) * cells_.x + x];
+          cell.radius_px = std::max(cell.radius_px, key.blur_px);
+          if (cell.step_px <= own_px) continue;
+          const int below_px = std::max(y * kTile - key.y1, key.y0 - (y + 1) * kTile + 1);
           const int beside_px = std::max(x * kTile - key.x1, key.x0 - (x + 1) * kTile + 1);
-          cells[static_cast<std::size_t>(y) * cells_.x + x].add(
-              {stepAt(std::max(below_px, beside_px)), key.blur_px});
+          cell.step_px = std::min(cell.step_px, stepAt(std::max(below_px, beside_px)));
         }
       }
     }
@@ -141,8 +143,10 @@ void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
   for (int y = 0; y < cells_.y; y += kMostStep_px) {
     for (int x = 0; x < cells_.x; x += kMostStep_px) divide(divide, x, y, kMostStep_px);
   }
-  any_coarse_ =
-      std::any_of(tiles_.begin(), tiles_.end(), [](const Tile& tile) { return tile.step_px > 1; });
+  most_apron_px_ = 0;
+  for (const Tile& tile : tiles_) {
+    most_apron_px_ = std::max(most_apron_px_, tile.apron() * tile.step_px);
+  }
   static_assert(kApron * kMostStep_px <= kTile);
   fine_.assign(tile_of_cell_.size(), true);
   for (const Tile& tile : tiles_) {
@@ -236,7 +240,8 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
     const int x0 = key.x0 / kTile, x1 = key.x1 / kTile;
     const int y0 = key.y0 / kTile, y1 = key.y1 / kTile;
     if (x1 - x0 > 1 || y1 - y0 > 1) return false;
-    if (any_coarse_ && !(isFine(x0, y0) && isFine(x1, y0) && isFine(x0, y1) && isFine(x1, y1))) {
+    if (most_apron_px_ > 0 &&
+        !(isFine(x0, y0) && isFine(x1, y0) && isFine(x0, y1) && isFine(x1, y1))) {
       return false;
     }
     const bool wide = x1 > x0, high = y1 > y0;
@@ -249,13 +254,12 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
   };
 
   // Tiles of several sizes with aprons: each is visited at the first of its cells.
-  const int most_apron_px = any_coarse_ ? kApron * kMostStep_px : 0;
   fill(chunks, [&](const SplatKey& key, auto&& begin, auto&& visit) {
     if (visitFine(key, begin, visit)) return;
-    const int x0 = std::max(key.x0 - most_apron_px, 0) / kTile;
-    const int y0 = std::max(key.y0 - most_apron_px, 0) / kTile;
-    const int x1 = std::min(key.x1 + most_apron_px, size_px_.x - 1) / kTile;
-    const int y1 = std::min(key.y1 + most_apron_px, size_px_.y - 1) / kTile;
+    const int x0 = std::max(key.x0 - most_apron_px_, 0) / kTile;
+    const int y0 = std::max(key.y0 - most_apron_px_, 0) / kTile;
+    const int x1 = std::min(key.x1 + most_apron_px_, size_px_.x - 1) / kTile;
+    const int y1 = std::min(key.y1 + most_apron_px_, size_px_.y - 1) / kTile;
     begin(static_cast<std::size_t>(x1 - x0 + 1) * (y1 - y0 + 1));
     for (int y = y0; y <= y1; ++y) {
       for (int x = x0; x <= x1;) {

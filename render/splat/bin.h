@@ -80,7 +80,7 @@ class TileLists {
   std::vector<Tile> tiles_;
   std::vector<std::uint32_t> tile_of_cell_;
   std::vector<std::uint8_t> fine_;  // by cell: neither it nor a neighbour has coarser samples
-  bool any_coarse_ = false;
+  int most_apron_px_ = 0;             // of all tiles
   std::vector<Touched> touched_;      // by chunk
   std::vector<std::uint64_t> pairs_;  // by tile, key << 32 | splat
   std::vector<std::size_t> begin_;
