@@ -79,7 +79,7 @@ class TileLists {
   glm::ivec2 size_px_{0}, cells_{0};  // a cell is the least tile
   std::vector<Tile> tiles_;
   std::vector<std::uint32_t> tile_of_cell_;
-  std::vector<std::uint8_t> fine_;  // by cell: neither it nor a neighbour has coarser samples
+  std::vector<std::uint8_t> fine_;    // by cell: neither it nor a neighbour has coarser samples
   int most_apron_px_ = 0;             // of all tiles
   std::vector<Touched> touched_;      // by chunk
   std::vector<std::uint64_t> pairs_;  // by tile, key << 32 | splat

@@ -52,7 +52,7 @@ TEST(RecordFiles, GazeComesBackToTheLastBit) {
 TEST(RecordFiles, RefusesTablesThatAreNone) {
   const TemporaryFolder scratch;
   const auto write = [&](const std::string& text) {
-    const fs::path file = scratch.path() / "table.tsv";
+    fs::path file = scratch.path() / "table.tsv";
     std::ofstream(file, std::ios::binary) << text;
     return file;
   };
