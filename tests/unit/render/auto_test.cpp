@@ -79,6 +79,16 @@ TEST_F(Auto, NoMorePixelsThanSaidAreFurtherOff) {
   }
 }
 
+TEST_F(Auto, DrawsNoBlurWhereNoneShows) {
+  const Frame sharp = renderedBy("auto:1", cloud, view, settings(0.0f));
+  RenderStats stats;
+  const Frame hardly_blurred = renderedBy("auto", cloud, view, settings(3.0f), &stats);
+  EXPECT_EQ(hardly_blurred.rgba, sharp.rgba);
+  EXPECT_LE(*stats.tolerance_error, 1.0);
+  EXPECT_NE(renderedBy("auto", cloud, view, settings(20.0f)).rgba, sharp.rgba);
+  EXPECT_NE(renderedBy("auto", cloud, view, settings(3.0f, 0.3f)).rgba, sharp.rgba);
+}
+
 TEST_F(Auto, ALargerToleranceCostsLess) {
   std::uint64_t before = UINT64_MAX;
   double error = 0.0;
