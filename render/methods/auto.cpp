@@ -1,13 +1,14 @@
-// The default: `sweep-lod` that spends only what shows. Of four ways to draw a frame it takes the
-// cheapest whose error stays within the tolerance: as found beforehand over scenes and blurs, or
-// where that asks for parts of the lens, as found on a few squares of the frame itself; `auto:N` is
-// always the N-th.
-// Known failure: what the best way gets wrong is known by the largest blur in view alone, so a
-// scene or a small part that is harder than those it was measured on (foliage) may err by more.
+// The default: `sweep-lod` that spends only what shows. Of five ways to draw a frame
+// (auto_ways.cpp) it takes the cheapest whose error stays within the tolerance: as found beforehand
+// over scenes and blurs, or where that asks for parts of the lens, as found on a few squares of the
+// frame itself; `auto:N` is always the N-th. Known failure: what small squares do not meet is not
+// known, nor what is harder at a blur of a few pixels, where none are drawn, than the scenes that
+// the ways were measured on.
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "render/methods/auto_ways.h"
 #include "render/methods/blur_pyramid.h"
 #include "render/methods/lod_splats.h"
 #include "render/methods/method.h"
@@ -24,50 +26,6 @@
 namespace foci {
 namespace {
 
-/// Largest radii of blur in view, px, at which the errors of the ways were measured.
-constexpr std::array<float, 5> kBlurs_px{1.0f, 4.0f, 12.0f, 16.0f, 40.0f};
-
-/// A way to draw. Its error is that of 95 % of the pixels, in just noticeable differences at 40
-/// pixels a degree: the largest that was measured against the accumulated reference on the scenes
-/// of the chart, `visible_error` of
-///     foci chart --size 256 --method auto:1 --method auto:2 ... --method auto:7 --out DIR
-/// with `--quick` for 16 px; at 4 px with reserve, as pictures of 96 px err by half as much again.
-/// Between the blurs it is interpolated; beyond the last, where nothing was measured, it counts as
-/// growing with the blur.
-struct Way {
-  LodSettings lod;
-  std::array<float, kBlurs_px.size()> error_at;
-
-  float error(float blur_px) const {
-    const auto above = std::upper_bound(kBlurs_px.begin(), kBlurs_px.end(), blur_px);
-    if (above == kBlurs_px.begin()) return error_at.front();
-    if (above == kBlurs_px.end()) return error_at.back() * blur_px / kBlurs_px.back();
-    const auto i = static_cast<std::size_t>(above - kBlurs_px.begin());
-    const float t = (blur_px - kBlurs_px[i - 1]) / (kBlurs_px[i] - kBlurs_px[i - 1]);
-    return error_at[i - 1] + t * (error_at[i] - error_at[i - 1]);
-  }
-};
-
-CutSettings looser(float times) {
-  return {.per_blur2 = times * kFaithfulCut.per_blur2,
-          .per_pixel2 = times * kFaithfulCut.per_pixel2};
-}
-
-CutSettings softer(float times, float pixel_px) {
-  CutSettings cut = looser(times);
-  cut.acuity.base_px = pixel_px;
-  return cut;
-}
-
-/// From the cheapest on.
-const std::array<Way, 4> kWays{Way{{looser(10.0f), 1}, {1.8f, 1.8f, 1.8f, 2.2f, 3.2f}},
-                               Way{{looser(3.0f), 1}, {0.3f, 0.7f, 1.8f, 2.1f, 2.6f}},
-                               Way{{looser(3.0f), 7}, {0.3f, 0.7f, 0.7f, 0.8f, 1.2f}},
-                               Way{{looser(1.0f), 7}, {0.3f, 0.6f, 0.6f, 0.7f, 1.1f}}};
-
-/// The best of those that draw the lens as a whole.
-constexpr std::size_t kWhole = 1;
-
 /// Where no way stays within the tolerance, it is this much above what the best one can.
 constexpr float kAsGood = 1.15f;  // times kMargin, some way still is
 
@@ -75,36 +33,13 @@ constexpr float kAsGood = 1.15f;  // times kMargin, some way still is
 /// does not flicker between two ways.
 constexpr float kMargin = 0.9f;
 
-/// What time leaves where it does not suffice for the ways above, from the best on: of an eye that
-/// stands still the sharp picture, blurred afterwards; everything through a Gaussian of so many
-/// pixels. Numbered behind the ways.
-constexpr std::size_t kStanding = kWays.size(), kSoft = kStanding + 1, kSofter = kSoft + 1;
-constexpr std::size_t kNumbers = kSofter + 1;
-const Way kSoftWay{{softer(30.0f, 6.0f), 1}, {14.7f, 13.2f, 12.8f, 12.7f, 12.7f}};
-const Way kSofterWay{{softer(30.0f, 12.0f), 1}, {16.2f, 15.0f, 13.6f, 13.1f, 13.0f}};
-const Way kStandingWay{{looser(1.0f), 1}, {0.5f, 4.0f, 5.7f, 5.8f, 6.2f}};
-
 /// Squares are drawn anew after so many frames, or where the blur has become this much more or
 /// less.
-constexpr int kCheckAgain = 30;
+constexpr int kCheckAgain = 60;
 constexpr float kOtherBlur = 1.5f;
-
-/// Relative times of all of them, of the gallery at 1280 x 720, to begin with.
-constexpr std::array<float, kNumbers> kLikely{16.0f, 16.0f, 22.0f, 25.0f, 1.1f, 3.0f, 1.0f};
 
 /// Where neither fits the budget, the better of two is drawn unless it takes so much longer.
 constexpr float kAsQuick = 2.0f;
-
-const Way& wayNumbered(std::size_t i) {
-  if (i == kStanding) return kStandingWay;
-  if (i == kSoft) return kSoftWay;
-  return i == kSofter ? kSofterWay : kWays[i];
-}
-
-/// What the best way leaves of what the lens as a whole is apart from it by: half on the chart's
-/// scenes and planes that cross, 0.6 on planes that nearly touch; where much is seen around and
-/// between, as much again.
-constexpr float kLeft = 0.7f;
 
 /// What a sharp picture hangs on.
 struct Sight {
@@ -210,7 +145,10 @@ class AutoMethod final : public Method {
 
   RenderStats drawSplats(const Way& way, const View& view, const RenderSettings& settings,
                          Frame& frame) {
-    return scene_.draw(view, settings, lodOf(way, settings.quality), frame);
+    if (!way.sharp) return scene_.draw(view, settings, lodOf(way, settings.quality), frame);
+    RenderSettings unblurred = settings;
+    unblurred.defocus.radius_px_per_D = glm::vec2(0.0f);
+    return scene_.draw(view, unblurred, lodOf(way, settings.quality), frame);
   }
 
   /// Drawn where it is not there yet.
@@ -255,12 +193,13 @@ class AutoMethod final : public Method {
       return way;
     };
     const std::size_t least = cheapest(allowed);
-    const std::size_t safe = cheapest(kMargin * allowed);
-    way_ = way_ ? std::clamp(*way_, least, safe) : safe;
+    way_ = way_ ? std::clamp(*way_, least, cheapest(kMargin * allowed)) : least;
     if (unhurried) return *way_;
 
+    // Without blur where none would show, but not for want of time.
     const float budget_ms = *quality.frame_ms;
-    for (std::size_t way = *way_ + 1; way-- > 0;) {
+    const std::size_t last = std::min(*way_, kCoarse);
+    for (std::size_t way = *way_ + 1; way-- > last;) {
       if (time_.fits(way, budget_ms)) return way;
     }
     // Where it is there, the sharp picture blurred is as quick as the softest, or nearly.
@@ -276,24 +215,27 @@ class AutoMethod final : public Method {
   /// looked at, by what they show.
   float expectedError(std::size_t way, float blur_px) const {
     const float tabled = wayNumbered(way).error(blur_px);
-    if (!checked_ || way >= kWays.size()) return tabled;
-    const float best =
-        std::max(kWays.back().error(blur_px), kLeft * checked_->apart[kWhole].value());
-    if (way + 1 == kWays.size()) return best;
+    if (!checked_ || way >= kWays) return tabled;
     if (way < kWhole) return std::max(tabled, expectedError(kWhole, blur_px));
-    return checked_->apart[way] ? std::hypot(best, *checked_->apart[way]) : tabled;
+    const std::optional<float>& apart = checked_->apart[way];
+    return apart ? std::hypot(finestWay().error(blur_px), *apart) : tabled;
   }
 
   float allowedError(const Quality& quality, float blur_px) const {
-    return std::max(quality.tolerance, kAsGood * expectedError(kWays.size() - 1, blur_px));
+    float least = std::numeric_limits<float>::infinity();
+    for (std::size_t way = 0; way < kWays; ++way) {
+      least = std::min(least, expectedError(way, blur_px));
+    }
+    return std::max(quality.tolerance, kAsGood * least);
   }
 
   /// Where the table asks for parts of the lens, a few squares tell whether the frame does, and how
   /// many nodes: surfaces that overlap in much of the view.
   void check(const Sight& sight, const RenderSettings& settings, float blur_px) {
-    const float tabled =
-        std::max(settings.quality.tolerance, kAsGood * kWays.back().error(blur_px));
-    if (kWays[kWhole].error(blur_px) <= kMargin * tabled) {
+    const Quality& quality = settings.quality;
+    const float best = wayNumbered(kWays - 1).error(blur_px);
+    if (wayNumbered(kWhole).error(blur_px) <=
+        kMargin * std::max(quality.tolerance, kAsGood * best)) {
       checked_.reset();
       return;
     }
@@ -305,12 +247,14 @@ class AutoMethod final : public Method {
         return;
       }
     }
-    SpotCheck squares(squares_, sight.view, settings, lodOf(kWays.back(), settings.quality));
+    SpotCheck squares(squares_, sight.view, settings, lodOf(finestWay(), quality));
     checked_ = {.sight = sight, .defocus = settings.defocus, .blur_px = blur_px, .apart = {}};
-    for (std::size_t way = kWhole; way + 1 < kWays.size(); ++way) {
-      checked_->apart[way] = squares.error(lodOf(kWays[way], settings.quality));
-      const float allowed = allowedError(settings.quality, blur_px);
-      if (expectedError(way, blur_px) <= kMargin * allowed) break;
+    for (std::size_t way = kWhole; way < kWays; ++way) {
+      const float allowed = allowedError(quality, blur_px);
+      const float finest = std::min(finestWay().error(blur_px), allowed);
+      const float limit = std::sqrt(allowed * allowed - finest * finest);
+      checked_->apart[way] = squares.error(lodOf(wayNumbered(way), quality), limit);
+      if (expectedError(way, blur_px) <= allowedError(quality, blur_px)) break;
     }
   }
 
@@ -319,8 +263,8 @@ class AutoMethod final : public Method {
     Sight sight;
     Defocus defocus;
     float blur_px = 0.0f;
-    int draws = 0;                                         // since then
-    std::array<std::optional<float>, kWays.size()> apart;  // of the ways that were tried
+    int draws = 0;                                  // since then
+    std::array<std::optional<float>, kWays> apart;  // from the finest, of the ways that were tried
   };
 
   LodSplats scene_;

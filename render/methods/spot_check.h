@@ -1,37 +1,43 @@
-// How far apart two ways to draw a frame are, found out on a few small squares of it: what the
-// scene in view makes of a way, which no table of blurs can know.
+// What a way to draw a frame gets wrong, found out on small squares of it: what the scene in view
+// makes of a way, which no table of blurs can know.
 #pragma once
 
+#include <cstddef>
 #include <glm/glm.hpp>
-#include <memory>
 #include <vector>
 
-#include "render/lod/moment_tree.h"
 #include "render/methods/lod_splats.h"
 #include "render/methods/method.h"
 
 namespace foci {
 
-/// Squares of one frame, drawn in the best way when they are made.
+/// Squares of one frame: 48 tiles, spread evenly over the view, or the view as one where it has not
+/// twice as many. They bring what 95 % of the pixels are apart by to 20 %, 16 to half or twice.
 class SpotCheck {
  public:
-  /// Draws some 16 tiles, spread evenly over the view: all of it where it has no more.
   /// @param scene  keeps its buffers between frames
+  /// @param finest  what ways are held against
   SpotCheck(LodSplats& scene, const View& view, const RenderSettings& settings,
-            const LodSettings& best);
+            const LodSettings& finest);
 
-  /// What 95 % of the squares' pixels are apart by from the best way, in just noticeable
+  /// What 95 % of the squares' pixels are apart by from the finest way, in just noticeable
   /// differences at 40 pixels a degree (visible_difference.h).
-  float error(const LodSettings& way);
+  /// @param limit  what that is to be compared with: 16 squares suffice where it is clearly more,
+  ///               or clearly less; then it is what it may be at most
+  float error(const LodSettings& way, float limit);
 
  private:
-  Frame draw(const glm::ivec2& corner_px, const LodSettings& way);
+  struct Square {
+    glm::ivec2 corner_px, size_px;
+    Frame finest = {};  ///< drawn when it is asked for
+  };
+  Frame draw(const Square& square, const LodSettings& way);
 
   LodSplats& scene_;
   View view_;
   RenderSettings settings_;
-  std::vector<glm::ivec2> corners_px_;
-  std::vector<Frame> best_;
+  LodSettings finest_;
+  std::vector<Square> squares_;
 };
 
 }  // namespace foci

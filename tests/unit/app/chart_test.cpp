@@ -113,12 +113,13 @@ TEST(AutoOnTheChart, NoMorePixelsThanSaidAreFurtherOff) {
     if (scene.id == "gallery") continue;  // the mask's scene from elsewhere, and slow
     const SceneInView seen = scene.make();
     const auto method = makeMethod("auto", seen.cloud);
-    for (const double blur_px : {4.0, 12.0}) {
+    for (const double blur_px : {1.0, 2.0, 4.0, 12.0}) {
       const RenderSettings settings =
           seen.settingsThrough(blur_px / seen.largestBlurThrough_px(1.0));
       Frame frame, reference;
       const RenderStats stats = method->render(seen.view, settings, frame);
-      makeMethod("accumulate:64", seen.cloud)->render(seen.view, settings, reference);
+      const char* all_views = blur_px > 2.0 ? "accumulate:64" : "accumulate:16";
+      makeMethod(all_views, seen.cloud)->render(seen.view, settings, reference);
       auto apart = visibleDifference(frame, reference, kUsualPx_per_deg);
       ASSERT_TRUE(stats.tolerance_error.has_value());
       EXPECT_LE(quantile(apart, 0.95), *stats.tolerance_error) << scene.id << " " << blur_px;

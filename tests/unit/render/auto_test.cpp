@@ -62,14 +62,25 @@ class Auto : public ::testing::Test {
 TEST_F(Auto, NoMorePixelsThanSaidAreFurtherOff) {
   for (const float radius_px_per_D : {2.0f, 20.0f, 60.0f}) {
     const Frame reference = renderedBy("accumulate:128", cloud, view, settings(radius_px_per_D));
-    for (const char* way : {"auto:1", "auto:2", "auto:3", "auto:4", "auto:5", "auto:6", "auto:7"}) {
+    for (int number = 1; number <= 8; ++number) {
+      const std::string way = "auto:" + std::to_string(number);
       RenderStats stats;
-      const Frame frame = renderedBy(way, cloud, view, settings(radius_px_per_D), &stats);
+      const Frame frame = renderedBy(way.c_str(), cloud, view, settings(radius_px_per_D), &stats);
       auto apart = visibleDifference(frame, reference, kUsualPx_per_deg);
       ASSERT_TRUE(stats.tolerance_error.has_value());
       EXPECT_LE(quantile(apart, 0.95), *stats.tolerance_error) << way << " " << radius_px_per_D;
     }
   }
+}
+
+TEST_F(Auto, DrawsNoBlurWhereNoneShows) {
+  const Frame sharp = renderedBy("auto:1", cloud, view, settings(0.0f));
+  RenderStats stats;
+  const Frame hardly_blurred = renderedBy("auto", cloud, view, settings(3.0f), &stats);
+  EXPECT_EQ(hardly_blurred.rgba, sharp.rgba);
+  EXPECT_LE(*stats.tolerance_error, 1.0);
+  EXPECT_NE(renderedBy("auto", cloud, view, settings(20.0f)).rgba, sharp.rgba);
+  EXPECT_NE(renderedBy("auto", cloud, view, settings(3.0f, 0.3f)).rgba, sharp.rgba);
 }
 
 TEST_F(Auto, ALargerToleranceCostsLess) {
@@ -89,7 +100,7 @@ TEST_F(Auto, ALargerToleranceCostsLess) {
 // view, the lens as a whole would be off by more than is allowed.
 TEST_F(Auto, TakesTheLensApartWhereTheFrameAsksForIt) {
   const Frame plane = renderedBy("auto", cloud, view, settings(60.0f));
-  EXPECT_EQ(plane.rgba, renderedBy("auto:2", cloud, view, settings(60.0f)).rgba);
+  EXPECT_EQ(plane.rgba, renderedBy("auto:3", cloud, view, settings(60.0f)).rgba);
 
   SurfelCloud crossing;  // stripes before stripes, both blurred
   for (int k = -4; k <= 4; ++k) {
@@ -112,7 +123,7 @@ TEST_F(Auto, TakesTheLensApartWhereTheFrameAsksForIt) {
   const Frame apart = renderedBy("auto", crossing, ahead, blurred, &stats);
   const Frame reference = renderedBy("accumulate:256", crossing, ahead, blurred);
   auto error = visibleDifference(apart, reference, kUsualPx_per_deg);
-  auto by_whole = visibleDifference(renderedBy("auto:2", crossing, ahead, blurred, &whole),
+  auto by_whole = visibleDifference(renderedBy("auto:3", crossing, ahead, blurred, &whole),
                                     reference, kUsualPx_per_deg);
   EXPECT_GT(quantile(by_whole, 0.95), 1.0f);
   EXPECT_LT(quantile(error, 0.95), 0.8f * quantile(by_whole, 0.95));
@@ -148,20 +159,20 @@ TEST_F(Auto, IsSoftWhereTimeLacksUntilTheViewIsPrepared) {
   Frame frame;
   RenderStats stats;
   for (int i = 0; i < 10; ++i) stats = method->render(view, hurried, frame);
-  EXPECT_EQ(stats.drawn_as, "auto:7");
+  EXPECT_EQ(stats.drawn_as, "auto:8");
   EXPECT_FALSE(stats.in_full);
   EXPECT_GT(*stats.tolerance_error, hurried.quality.tolerance);
   method->twin()->prepare(view, hurried);
   stats = method->render(view, hurried, frame);
-  EXPECT_EQ(stats.drawn_as, "auto:5");
+  EXPECT_EQ(stats.drawn_as, "auto:6");
   EXPECT_FALSE(stats.in_full);
   // What drew it draws the same again, also where nothing was prepared.
-  const Frame again = renderedBy("auto:5", cloud, view, settings(40.0f));
+  const Frame again = renderedBy("auto:6", cloud, view, settings(40.0f));
   EXPECT_EQ(frame.rgba, again.rgba);
   // Another view is not.
   View moved = view;
   moved.principal_px.x += 1.0f;
-  EXPECT_NE(method->render(moved, hurried, frame).drawn_as, "auto:5");
+  EXPECT_NE(method->render(moved, hurried, frame).drawn_as, "auto:6");
 }
 
 TEST_F(Auto, IsAsGoodAsTheToleranceWhereTimeSuffices) {
@@ -195,8 +206,8 @@ TEST_F(Auto, FoveatedIsTheSameWhereOneLooksAndCheaperElsewhere) {
   RenderSettings foveated = settings(4.0f);
   foveated.quality.acuity = {.gaze_px = {64.0f, 64.0f}, .base_px = 0.5f, .per_px = 0.1f};
   RenderStats full, fovea;
-  const Frame everywhere = renderedBy("auto:4", cloud, view, settings(4.0f), &full);
-  const Frame around = renderedBy("auto:4", cloud, view, foveated, &fovea);
+  const Frame everywhere = renderedBy("auto:5", cloud, view, settings(4.0f), &full);
+  const Frame around = renderedBy("auto:5", cloud, view, foveated, &fovea);
   EXPECT_LT(fovea.splats, full.splats);
   for (int y = 60; y < 68; ++y) {
     for (int x = 60; x < 68; ++x) {

@@ -33,25 +33,32 @@ class SpotCheckTest : public ::testing::Test {
   }
 };
 
-TEST_F(SpotCheckTest, OfAllSquaresIsTheDifferenceOfTheFrames) {
-  const View view = tilted(128);
-  auto apart = visibleDifference(whole(view, kCoarse), whole(view, kBest), kUsualPx_per_deg);
-  SpotCheck squares(scene, view, settings, kBest);
-  const float expected = quantile(apart, 0.95);
-  EXPECT_GT(expected, 0.2f);
-  EXPECT_NEAR(squares.error(kCoarse), expected, 0.03f * expected);  // but for the squares' borders
-  EXPECT_EQ(squares.error(kBest), 0.0f);
-}
+constexpr float kLimit = 1.0f;
 
-// Sixteen squares stand for a larger picture, and a picture smaller than a square is one.
-TEST_F(SpotCheckTest, OfSomeSquaresIsAboutThat) {
-  for (const int size_px : {20, 384}) {
+TEST_F(SpotCheckTest, OfASmallViewIsTheDifferenceOfTheFrames) {
+  for (const int size_px : {20, 128}) {
     const View view = tilted(size_px);
     auto apart = visibleDifference(whole(view, kCoarse), whole(view, kBest), kUsualPx_per_deg);
     SpotCheck squares(scene, view, settings, kBest);
-    const float expected = quantile(apart, 0.95);
-    EXPECT_NEAR(squares.error(kCoarse), expected, 0.2f * expected) << size_px;
+    EXPECT_EQ(squares.error(kCoarse, kLimit), quantile(apart, 0.95)) << size_px;
+    EXPECT_EQ(squares.error(kBest, kLimit), 0.0f);
   }
+}
+
+// A few squares stand for a larger picture; fewer, where that is far from what matters.
+TEST_F(SpotCheckTest, OfSomeSquaresIsAboutThat) {
+  const View view = tilted(416);
+  auto apart = visibleDifference(whole(view, kCoarse), whole(view, kBest), kUsualPx_per_deg);
+  const float expected = quantile(apart, 0.95);
+  EXPECT_GT(expected, 0.2f);
+  for (const float limit : {0.1f * expected, expected}) {
+    SpotCheck squares(scene, view, settings, kBest);
+    EXPECT_NEAR(squares.error(kCoarse, limit), expected, 0.2f * expected) << limit;
+  }
+  SpotCheck squares(scene, view, settings, kBest);
+  const float at_most = squares.error(kCoarse, 10.0f * expected);
+  EXPECT_GE(at_most, expected);
+  EXPECT_LE(at_most, 2.4f * expected);
 }
 
 }  // namespace
