@@ -27,7 +27,7 @@ constexpr double kAperturesApart = 1e-3;
 
 /// A first draw, which finds its buffers cold, is its time only where it takes so many times as
 /// long as all runs are to.
-constexpr double kSlow = 10.0;
+constexpr double kSlow = 15.0;
 
 std::string groupName(const std::string& scene, double blur_px) {
   return scene + "_" + decimal(blur_px, 0) + "px_";

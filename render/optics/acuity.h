@@ -29,6 +29,6 @@ inline Acuity acuityAround(const glm::vec2& gaze_px, float px_per_deg) {
 }
 
 /// What is worth drawing while the eye jumps, and sees next to nothing.
-inline Acuity acuityInSaccade() { return {glm::vec2(0.0f), 3.0f, 0.0f}; }
+inline Acuity acuityInSaccade() { return {glm::vec2(0.0f), 6.0f, 0.0f}; }
 
 }  // namespace foci
