@@ -13,6 +13,7 @@ CutSettings looser(float times) {
 
 CutSettings softer(float times, float pixel_px) {
   CutSettings cut = looser(times);
+  cut.per_acuity2 = cut.per_pixel2;
   cut.acuity.base_px = pixel_px;
   return cut;
 }
