@@ -44,8 +44,8 @@ std::size_t stepsOf(const ChartPlan& plan);
 
 /// Each method's first frame is held against the reference; then all take turns, so that whatever
 /// else the machine does meets all alike. Every timed frame has an aperture a thousandth off the
-/// one before: no method can keep its last frame. What takes longer than ten times
-/// `plan.timing_ms` is timed by that first frame.
+/// one before: no method can keep its last frame. What takes fifteen times as
+/// long as `plan.timing_ms` is timed by that first frame.
 /// @param folder   of the chart: cells go to `cells`, pictures to `pictures`
 /// @param on_steps called after so many steps
 ChartResult measureChart(const ChartPlan& plan, const std::filesystem::path& folder,

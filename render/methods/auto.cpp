@@ -145,10 +145,9 @@ class AutoMethod final : public Method {
 
   RenderStats drawSplats(const Way& way, const View& view, const RenderSettings& settings,
                          Frame& frame) {
-    if (!way.sharp) return scene_.draw(view, settings, lodOf(way, settings.quality), frame);
-    RenderSettings unblurred = settings;
-    unblurred.defocus.radius_px_per_D = glm::vec2(0.0f);
-    return scene_.draw(view, unblurred, lodOf(way, settings.quality), frame);
+    RenderSettings drawn = settings;
+    if (way.sharp) drawn.defocus.radius_px_per_D = glm::vec2(0.0f);
+    return scene_.draw(view, drawn, lodOf(way, settings.quality), frame);
   }
 
   /// Drawn where it is not there yet.

@@ -74,7 +74,10 @@ std::vector<TileLists::Blur> TileLists::blurOfCells(const SplatChunks& chunks) c
     for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
       const SplatKey& key = chunks.keys[c * chunks.chunk_size + i];
       const int own_px = stepFor(key.sigma_px);
-      const auto stepAt = [&](int apart_px) {
+      const auto stepIn = [&](int x, int y) {
+        const int below_px = std::max(y * kTile - key.y1, key.y0 - (y + 1) * kTile + 1);
+        const int beside_px = std::max(x * kTile - key.x1, key.x0 - (x + 1) * kTile + 1);
+        const int apart_px = std::max(below_px, beside_px);
         int step_px = own_px;
         while (step_px < kMostStep_px && apart_px > reachOf(2 * step_px)) step_px *= 2;
         return step_px;
@@ -86,11 +89,8 @@ std::vector<TileLists::Blur> TileLists::blurOfCells(const SplatChunks& chunks) c
       for (int y = y0; y <= y1; ++y) {
         for (int x = x0; x <= x1; ++x) {
           Blur& cell = cells[static_cast<std::size_t>(y) * cells_.x + x];
-          cell.radius_px = std::max(cell.radius_px, key.blur_px);
-          if (cell.step_px <= own_px) continue;
-          const int below_px = std::max(y * kTile - key.y1, key.y0 - (y + 1) * kTile + 1);
-          const int beside_px = std::max(x * kTile - key.x1, key.x0 - (x + 1) * kTile + 1);
-          cell.step_px = std::min(cell.step_px, stepAt(std::max(below_px, beside_px)));
+          // A cell that is as fine already need not know more.
+          cell.add({cell.step_px > own_px ? stepIn(x, y) : own_px, key.blur_px});
         }
       }
     }

@@ -119,8 +119,8 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
 }
 
 /// The same splat, blurred by a part of the lens only. Parts are few where nodes are coarse: then
-/// it is widened so that neighbours still overlap, and what the blur has of that already is not
-/// spread over the lens.
+/// it is widened, where prefilter and blur do not suffice, so that neighbours still overlap, and
+/// what the blur has of that already is not spread over the lens.
 HWY_INLINE void finishPart(const ProjectJob& job, const Lanes& lanes, std::size_t k, float weight,
                            const SplatsOut& out, std::uint32_t at) {
   const float share = job.part_aperture * job.part_aperture;

@@ -1,6 +1,5 @@
 // `foci live` without its window: what it draws, what it leaves, and that a replay finds the same.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "app/base/quantile.h"
-#include "render/image/metrics.h"
 #include "render/image/visible_difference.h"
 #include "render/methods/method.h"
 #include "render/scene/procedural.h"
