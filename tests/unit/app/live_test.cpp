@@ -105,6 +105,8 @@ TEST_F(Live, RecordReplaysToTheSamePicturesAndEvents) {
     renderer.change("output.view", "\"side-by-side\"");
     renderer.change("eye.position_m", "[0.1, 0, 0.1]");
     watch(renderer, clock, 0.3);
+    renderer.change("quality.foveated", "true");
+    watch(renderer, clock, 0.3);
     renderer.mark("half");
     renderer.change("focus.fixed_D", "1.5");
     renderer.change("render.method", "\"pinhole\"");
@@ -121,6 +123,7 @@ TEST_F(Live, RecordReplaysToTheSamePicturesAndEvents) {
   const auto live = nlohmann::json::parse(textOf(folder / "manifest.json"));
   const auto again = nlohmann::json::parse(textOf(out / "manifest.json"));
   EXPECT_GT(live["summary"]["frames"], 10);
+  EXPECT_EQ(live["summary"]["frames_drawn"], again["summary"]["frames_drawn"]);
   EXPECT_EQ(live["frames_sha256"], again["frames_sha256"]);
   EXPECT_EQ(textOf(folder / "events.tsv"), textOf(out / "events.tsv"));
   const auto untimed = [](const std::string& table) {
@@ -354,14 +357,17 @@ TEST_F(Live, SaysWhenTheSceneCannotBeOpened) {
   EXPECT_THROW(watch(renderer, clock, 5.0), InputError);
 }
 
-TEST(MethodOfFrame, IsTheCheapestInASaccade) {
+TEST(MethodOfFrame, IsTheCheapestInASaccadeButOfAuto) {
   Study study;
   study.render.method = "sweep-lod";
   FrameRecord record;
   record.eye.state = GazeState::saccade;
   EXPECT_EQ(methodOfFrame(study, record), "pinhole");
-  study.render.method = "auto";
-  study.quality.frame_ms = 10.0;  // it is the quickest itself
+  study.render.method = "auto:4";
+  EXPECT_EQ(methodOfFrame(study, record), "pinhole");
+  study.render.method = "auto";  // its picture stays
+  EXPECT_EQ(methodOfFrame(study, record), "auto");
+  study.quality.frame_ms = 10.0;
   EXPECT_EQ(methodOfFrame(study, record), "auto");
   study.render.method = "sweep-lod";
   for (const GazeState state : {GazeState::fixation, GazeState::pursuit, GazeState::lost}) {
