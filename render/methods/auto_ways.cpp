@@ -8,7 +8,8 @@ namespace {
 
 CutSettings looser(float times) {
   return {.per_blur2 = times * kFaithfulCut.per_blur2,
-          .per_pixel2 = times * kFaithfulCut.per_pixel2};
+          .per_pixel2 = times * kFaithfulCut.per_pixel2,
+          .per_acuity2 = times * kFaithfulCut.per_acuity2};
 }
 
 CutSettings softer(float times, float pixel_px) {

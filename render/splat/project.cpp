@@ -103,10 +103,13 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
   const auto pixel = [](float px, float size_px) {
     return static_cast<std::uint16_t>(std::clamp(px, 0.0f, size_px - 1.0f));
   };
-  // A highlight's own shape shows, others' only in sum: it wants finer samples.
+  // A highlight's own shape shows, others' only in sum: it wants finer samples, but for the share
+  // of it that acuity's Gaussian has, which is smooth.
   const float peak =
       (splat.k0 + splat.k1 + splat.k2) * std::max({splat.red, splat.green, splat.blue});
-  const float highlight = std::clamp((peak - kHighlight) / kHighlight, 0.0f, 1.0f);
+  const float blur2 = lanes.blur_least2[k], acuity2 = lanes.prefilter[k] - 1.0f;
+  const float of_blur = acuity2 > 0.0f ? blur2 / (blur2 + acuity2) : 1.0f;
+  const float highlight = of_blur * std::clamp((peak - kHighlight) / kHighlight, 0.0f, 1.0f);
   key = {.distance_m = lanes.distance[k],
          .sigma_px =
              std::sqrt(lanes.prefilter[k] + lanes.blur_least2[k]) * (1.0f - kFiner * highlight),
