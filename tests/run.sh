@@ -29,9 +29,10 @@ export TSAN_OPTIONS=suppressions=$PWD/tests/tsan.supp:halt_on_error=1
 step "asan: build and test"
 cmake --preset asan -DFOCI_TESTS=ON >/dev/null
 cmake --build --preset asan --target foci foci_tests foci_e2e foci_stability_tests
-# Not the windows, whose time goes into the OpenGL library; nor the two longest runs from end to end, whose parts
+# Not the windows, whose time goes into the OpenGL library; nor the three longest runs from end to end, whose parts
 # have tests of their own.
-ctest --test-dir build/asan --output-on-failure -j 2 -E '^Window|^Reproduce.WritesTheTable|^Webcam.CalibratedOnAFilmed'
+ctest --test-dir build/asan --output-on-failure -j 2 \
+  -E '^Window|^Reproduce.WritesTheTable|^Webcam.CalibratedOnAFilmed|^AutoOnTheChart'
 
 step "tsan: build and test"
 cmake --preset tsan -DFOCI_TESTS=ON >/dev/null
