@@ -105,6 +105,8 @@ TEST_F(Live, RecordReplaysToTheSamePicturesAndEvents) {
     renderer.change("output.view", "\"side-by-side\"");
     renderer.change("eye.position_m", "[0.1, 0, 0.1]");
     watch(renderer, clock, 0.3);
+    renderer.change("quality.foveated", "true");
+    watch(renderer, clock, 0.3);
     renderer.mark("half");
     renderer.change("focus.fixed_D", "1.5");
     renderer.change("render.method", "\"pinhole\"");
@@ -354,14 +356,17 @@ TEST_F(Live, SaysWhenTheSceneCannotBeOpened) {
   EXPECT_THROW(watch(renderer, clock, 5.0), InputError);
 }
 
-TEST(MethodOfFrame, IsTheCheapestInASaccade) {
+TEST(MethodOfFrame, IsTheCheapestInASaccadeButOfAuto) {
   Study study;
   study.render.method = "sweep-lod";
   FrameRecord record;
   record.eye.state = GazeState::saccade;
   EXPECT_EQ(methodOfFrame(study, record), "pinhole");
-  study.render.method = "auto";
-  study.quality.frame_ms = 10.0;  // it is the quickest itself
+  study.render.method = "auto:4";
+  EXPECT_EQ(methodOfFrame(study, record), "pinhole");
+  study.render.method = "auto";  // its picture stays
+  EXPECT_EQ(methodOfFrame(study, record), "auto");
+  study.quality.frame_ms = 10.0;
   EXPECT_EQ(methodOfFrame(study, record), "auto");
   study.render.method = "sweep-lod";
   for (const GazeState state : {GazeState::fixation, GazeState::pursuit, GazeState::lost}) {
