@@ -202,9 +202,8 @@ void Session::hold(const FrameRecord& record) {
 Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const {
   Quality quality = requestedQuality(study_);
   if (!study_.quality.foveated) return quality;
-  auto point_px = record.gaze_px ? record.gaze_px : record.fixation_px;
-  if (held_) point_px = held_->gaze_px;
-  if (point_px) {
+  const auto& now_px = record.gaze_px ? record.gaze_px : record.fixation_px;
+  if (const auto& point_px = held_ ? held_->gaze_px : now_px) {
     // On the screen, which all views share: where the eye's own view has it.
     const glm::dvec3 sight = lineOfSight(screen_, *point_px);
     const glm::dvec3 p_eye =

@@ -220,7 +220,7 @@ TEST(Hold, AHeadThatMovesInASaccadeSeesThroughTheGazeBefore) {
   Watch watch(study, cloud, jumping);
   std::optional<PaintJob> last;
   int saccades = 0;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 110; ++i) {
     FrameRecord record = watch.look((i + 1) / 90.0);
     const PaintJob job = watch.session.jobOf("auto", record);
     watch.session.draw(job, record);
