@@ -23,6 +23,9 @@ Json toJson(const ReplaySummary& summary) {
           {"saccades", summary.saccades},
           {"render_ms_median", summary.render_ms_median},
           {"render_ms_p95", summary.render_ms_p95},
+          {"frames_drawn", summary.frames_drawn},
+          {"drawn_ms_median", summary.drawn_ms_median},
+          {"drawn_ms_p95", summary.drawn_ms_p95},
           {"splats", summary.splats},
           {"pupil_mm", summary.pupil_mm},
           {"out", summary.out.string()}};

@@ -217,7 +217,8 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
   ReportFacts report;
   report.threads = threads;
   Sha256 frames_hash;
-  std::vector<float> render_ms;
+  Picture plain;  // without a mark
+  std::vector<float> render_ms, drawn_ms;
   std::vector<float> pupil_mm;
   std::vector<std::uint32_t> splats;
   std::size_t frames_held = 0;
@@ -248,7 +249,8 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
         session.draw(schedule.recorded.empty() ? session.study().render.method
                                                : schedule.recorded[schedule.first + i].method,
                      record);
-    Picture picture = pictureOf(frame, study.screen.gamma);
+    if (record.drawn || plain.rgb.empty()) plain = pictureOf(frame, study.screen.gamma);
+    Picture picture = plain;
     sheet.offer(i, session, record, picture);
     session.mark(record, picture);
     if (record.stats.tolerance_error > session.study().quality.tolerance) {
@@ -260,6 +262,7 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
     series.add(chartRow(record));
     pupil_mm.push_back(static_cast<float>(record.pupil_mm));
     render_ms.push_back(static_cast<float>(record.stats.ms));
+    if (record.drawn) drawn_ms.push_back(render_ms.back());
     splats.push_back(static_cast<std::uint32_t>(record.stats.splats));
     frames_hash.add(picture.rgb);
     if (study.output.pictures) {
@@ -291,6 +294,9 @@ ReplaySummary replay(const Study& study, const std::filesystem::path& out,
              .saccades = countOf(events, GazeState::saccade),
              .render_ms_median = quantile(render_ms, 0.5),
              .render_ms_p95 = quantile(render_ms, 0.95),
+             .frames_drawn = drawn_ms.size(),
+             .drawn_ms_median = drawn_ms.empty() ? 0.0 : quantile(drawn_ms, 0.5),
+             .drawn_ms_p95 = drawn_ms.empty() ? 0.0 : quantile(drawn_ms, 0.95),
              .splats = quantile(splats, 0.5),
              .pupil_mm = quantile(pupil_mm, 0.5),
              .out = out};

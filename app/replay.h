@@ -16,9 +16,12 @@ struct ReplaySummary {
   double gaze_valid = 0.0;  ///< share of the samples replayed that have a gaze point
   std::size_t fixations = 0;
   std::size_t saccades = 0;
-  double render_ms_median = 0.0;
+  double render_ms_median = 0.0;  ///< of all frames; one that is not drawn takes none
   double render_ms_p95 = 0.0;
-  std::uint64_t splats = 0;  ///< drawn a frame, median
+  std::size_t frames_drawn = 0;  ///< the others would have shown nothing new
+  double drawn_ms_median = 0.0;  ///< of those drawn; 0 where there are none
+  double drawn_ms_p95 = 0.0;
+  std::uint64_t splats = 0;  ///< in a frame, median
   double pupil_mm = 0.0;     ///< median
   std::filesystem::path out;
 };

@@ -61,8 +61,12 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
                      pupil == "fixed"       ? "pupil, fixed"
                      : pupil == "recording" ? "pupil (median), as recorded"
                                             : "pupil (median), by the light of the pictures");
-  html += numberCell(decimal(summary.render_ms_median, 1) + " ms",
-                     "a frame (median; 95&thinsp;%: " + decimal(summary.render_ms_p95, 1) + " ms)");
+  html += numberCell(std::to_string(summary.frames_drawn) + " of " + std::to_string(summary.frames),
+                     "frames drawn; the others show nothing new");
+  html += numberCell(decimal(summary.drawn_ms_median, 1) + " ms",
+                     "a frame drawn (median; 95&thinsp;%: " + decimal(summary.drawn_ms_p95, 1) +
+                         " ms); of all " + decimal(summary.render_ms_median, 1) +
+                         " ms (95&thinsp;%: " + decimal(summary.render_ms_p95, 1) + " ms)");
   return html + "</div>\n";
 }
 

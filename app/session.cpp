@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "app/base/input_error.h"
 #include "app/observer_eye.h"
@@ -21,9 +22,11 @@ constexpr std::string_view kLiveKeys[] = {
     "observer.axis_deg", "observer.corrected", "observer.chromatic",
 };
 
-/// What is drawn holds under a budget of time while it changes by less: 0.1 px of blur at 30 px a
-/// degree and 4 mm; a third of a degree.
-constexpr double kFocusHold_D = 1.0 / 32.0, kPupilHold_mm = 1.0 / 16.0, kGazeHold_px = 12.0;
+/// What `auto` draws holds while it changes by less. Of focus that is what changes radii of blur by
+/// so many px for each just noticeable difference of the tolerance, and never more than 1/32 D; of
+/// the gaze, a third of a degree.
+constexpr double kBlurHold_px = 0.1, kFocusHold_D = 1.0 / 32.0;
+constexpr double kPupilHold_mm = 1.0 / 16.0, kGazeHold_px = 12.0;
 
 double held(double value, double before, double most) {
   return std::abs(value - before) <= most ? before : value;
@@ -85,7 +88,7 @@ void Session::restart(double start_s) {
   follower_ = newFollower();
   pupil_ = ObserverPupil(study_);
   painter_ = painter_.twin();  // methods may remember the frame before
-  at_leisure_ = false;
+  painted_.job = {};
   held_.reset();
 }
 
@@ -100,6 +103,8 @@ void Session::change(const std::string& key, const std::string& toml) {
   study_ = std::move(changed);
   pupil_.fix(study_.observer.pupil_mm);
   follower_.setFarPoint(refractionInForce(study_).far_point_D);
+  // However small the change, it is to be seen; where the eye stands always is.
+  if (!key.starts_with("eye.")) held_.reset();
 }
 
 std::vector<EyeView> Session::viewsAt(double time_s) const {
@@ -152,11 +157,27 @@ FrameRecord Session::look(double time_s) {
     pupil_.show(time_s, sharp_);
   }
   record.pupil_mm = pupil_.at_mm(time_s);
-  if (holdsTime(study_)) hold(record);
+  if (study_.render.method == "auto") hold(record);
   return record;
 }
 
+/// Whether the observer misses what changes now: the eye jumps or is shut. Others who look at the
+/// screen do not.
+bool Session::isUnseen(const FrameRecord& record) const {
+  const GazeState state = record.eye.state;
+  return study_.quality.foveated && (state == GazeState::saccade || state == GazeState::blink);
+}
+
+double Session::focusHold_D(const FrameRecord& record) const {
+  const glm::vec2 focal_px = viewsAt(record.time_s).front().view.focal_px;
+  const glm::vec2 px_per_D =
+      defocusOfEye(study_, held_->pupil_mm, focal_px, record.eye.focus_D).radius_px_per_D;
+  return std::min(kFocusHold_D,
+                  kBlurHold_px * study_.quality.tolerance / std::max(px_per_D.x, px_per_D.y));
+}
+
 void Session::hold(const FrameRecord& record) {
+  if (held_ && isUnseen(record)) return;
   const double focus_D = record.eye.focus_D;
   const double rest_D = record.eye.target_D
                             ? reachableFocus_D(accommodationOf(study_), *record.eye.target_D)
@@ -165,14 +186,14 @@ void Session::hold(const FrameRecord& record) {
   const auto& gaze_px = record.gaze_px && !steady ? record.gaze_px : record.fixation_px;
   if (!held_) {
     held_ = {.focus_D = focus_D, .rest_D = rest_D, .pupil_mm = record.pupil_mm, .gaze_px = gaze_px};
-    return;
   }
-  held_->rest_D = held(rest_D, held_->rest_D, kFocusHold_D);
-  // Nearly at rest is at rest.
-  held_->focus_D = std::abs(focus_D - held_->rest_D) <= kFocusHold_D
-                       ? held_->rest_D
-                       : held(focus_D, held_->focus_D, kFocusHold_D);
   held_->pupil_mm = held(record.pupil_mm, held_->pupil_mm, kPupilHold_mm);
+  const double most_D = focusHold_D(record);
+  held_->rest_D = held(rest_D, held_->rest_D, most_D);
+  // Nearly at rest is at rest.
+  held_->focus_D = std::abs(focus_D - held_->rest_D) <= most_D
+                       ? held_->rest_D
+                       : held(focus_D, held_->focus_D, most_D);
   const bool near =
       gaze_px && held_->gaze_px && glm::distance(*gaze_px, *held_->gaze_px) <= kGazeHold_px;
   if (!near) held_->gaze_px = gaze_px;
@@ -181,11 +202,8 @@ void Session::hold(const FrameRecord& record) {
 Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const {
   Quality quality = requestedQuality(study_);
   if (!study_.quality.foveated) return quality;
-  const GazeState state = record.eye.state;
-  if (state == GazeState::saccade || state == GazeState::blink) {
-    quality.acuity = acuityInSaccade();
-  } else if (auto point_px = record.gaze_px ? record.gaze_px : record.fixation_px) {
-    if (holdsTime(study_)) point_px = held_->gaze_px.value_or(*point_px);
+  const auto& now_px = record.gaze_px ? record.gaze_px : record.fixation_px;
+  if (const auto& point_px = held_ ? held_->gaze_px : now_px) {
     // On the screen, which all views share: where the eye's own view has it.
     const glm::dvec3 sight = lineOfSight(screen_, *point_px);
     const glm::dvec3 p_eye =
@@ -198,8 +216,8 @@ Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const 
 }
 
 PaintJob Session::jobOf(const std::string& method, const FrameRecord& record) const {
-  return holdsTime(study_) ? jobWith(method, record, held_->focus_D, held_->pupil_mm)
-                           : jobWith(method, record, record.eye.focus_D, record.pupil_mm);
+  return held_ ? jobWith(method, record, held_->focus_D, held_->pupil_mm)
+               : jobWith(method, record, record.eye.focus_D, record.pupil_mm);
 }
 
 PaintJob Session::jobAtRest(const std::string& method, const FrameRecord& record) const {
@@ -217,8 +235,8 @@ PaintJob Session::jobWith(const std::string& method, const FrameRecord& record, 
   for (const EyeView& eye : viewsAt(record.time_s)) {
     RenderSettings settings{.defocus = defocusOfEye(study_, pupil_mm, eye.view.focal_px, focus_D),
                             .background = glm::vec3(study_.scene.background),
-                            .shading = static_cast<float>(study_.render.shading),
-                            .quality = qualityOf(record, eye)};
+                            .shading = static_cast<float>(study_.render.shading)};
+    if (method.starts_with("auto")) settings.quality = qualityOf(record, eye);
     if (method == "pinhole") settings.defocus.chromatic_D = glm::vec3(0.0f);  // all alike
     job.eyes.push_back({eye, settings});
   }
@@ -232,15 +250,16 @@ const Frame& Session::draw(const std::string& method, FrameRecord& record) {
 }
 
 const Frame& Session::draw(const PaintJob& job, FrameRecord& record, bool again) {
-  assert(!again || painted_.job == job);
-  if (again || hasAtLeisure(job)) {
+  const bool done = again || at_leisure_ || isUnseen(record) || !job.holdsTime();
+  if (done && !job.goesOn() && painted_.job == job) {
     painted_.stats.ms = 0.0;
   } else {
     painter_.paint(job, painted_);
-    at_leisure_ = holdsTime(study_) && !job.holdsTime();
+    at_leisure_ = shown_ = false;
   }
   record.method = painted_.method;
   record.stats = painted_.stats;
+  record.drawn = !std::exchange(shown_, true);
   pupil_.show(record.time_s, painted_.frame);
   return painted_.frame;
 }
@@ -249,6 +268,7 @@ void Session::adopt(const PaintJob& job, Painted&& painted) {
   painted_ = std::move(painted);
   painted_.job = job;
   at_leisure_ = true;
+  shown_ = false;
 }
 
 std::vector<glm::dvec2> Session::gazePoints_px(const FrameRecord& record) const {

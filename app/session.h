@@ -30,7 +30,8 @@ struct FrameRecord {
   std::optional<glm::dvec2> fixation_px;  ///< held in saccades, blinks and losses
   double pupil_mm = 0.0;
   std::string method;  ///< that drew it
-  RenderStats stats;   ///< of all of its views together
+  RenderStats stats;   ///< of all of its views together; 0 ms where it is not drawn in its turn
+  bool drawn = true;   ///< false: it would show nothing new, the picture of the frame before stays
 };
 
 /// A key that takes another value from a frame on.
@@ -64,17 +65,19 @@ class Session {
   /// pushed, none after it.
   FrameRecord look(double time_s);
 
-  /// What the eye of the last `look` sees, to be drawn by `method`. Under a budget of time focus,
-  /// pupil and gaze hold while they change by less than shows, so that an eye at rest has a picture
-  /// at rest.
+  /// What the eye of the last `look`, after the last change, sees, to be drawn by `method`. Where
+  /// the study's method is `auto`, focus, pupil and gaze hold while they change by less than shows,
+  /// so that an eye at rest has a picture at rest; with quality.foveated they hold through saccades
+  /// and blinks, too. By other methods it is drawn as the record has it.
   PaintJob jobOf(const std::string& method, const FrameRecord& record) const;
 
   /// What it will see, should nothing else change, once its focus has come to rest.
   PaintJob jobAtRest(const std::string& method, const FrameRecord& record) const;
 
-  /// Draws it, and fills method and stats of its record. Under a budget of time what was drawn at
-  /// leisure is not drawn again while nothing changes.
-  /// @param again  the picture of the last draw, which was of the same job
+  /// Draws it, and fills method, stats and `drawn` of its record. The same job as the last is not
+  /// drawn again, but where another draw may bring more: by a method that goes on with the picture
+  /// before (`PaintJob::goesOn`), and under a budget of time, until it has been drawn at leisure.
+  /// @param again  another draw of the same job would bring nothing, as far as the caller knows
   /// @return until the next draw
   const Frame& draw(const PaintJob& job, FrameRecord& record, bool again = false);
   /// As `draw`, with the time to prepare what a budget of time needs of an eye that stands.
@@ -101,7 +104,7 @@ class Session {
   const EyePath& path() const { return path_; }
 
  private:
-  /// What is drawn under a budget of time.
+  /// What method `auto` draws.
   struct Held {
     double focus_D = 0.0, rest_D = 0.0;  ///< where focus is, and where it is on its way to
     double pupil_mm = 0.0;
@@ -109,6 +112,8 @@ class Session {
   };
 
   void hold(const FrameRecord& record);
+  double focusHold_D(const FrameRecord& record) const;
+  bool isUnseen(const FrameRecord& record) const;
   PaintJob jobWith(const std::string& method, const FrameRecord& record, double focus_D,
                    double pupil_mm) const;
   std::vector<EyeView> viewsAt(double time_s) const;
@@ -127,7 +132,8 @@ class Session {
   ObserverPupil pupil_;
   std::optional<Held> held_;
   Painted painted_;          // last
-  bool at_leisure_ = false;  // it was
+  bool at_leisure_ = false;  // it was, elsewhere
+  bool shown_ = false;       // it was given out
   Frame sharp_;              // what an eye sees whose pupil follows the light
 };
 

@@ -182,7 +182,8 @@ const std::vector<Key<Study>>& studyKeys() {
                "on the machine; absent: as long as it takes",
                {1, 1000}),
       FOCI_KEY(quality.foveated, "quality.foveated",
-               "method auto draws no finer than the eye sees beside its gaze and in saccades"),
+               "method auto draws no finer than the eye sees beside its gaze, and nothing new in "
+               "saccades and blinks"),
       FOCI_KEY(output.size_px, "output.size_px",
                "width and height of the pictures, px; absent: the screen's", {16, 8192}),
       FOCI_KEY(output.fps, "output.fps", "frames a second", {1, 1000}),

@@ -175,6 +175,7 @@ void LiveRecord::write(const LiveFrame& frame) {
   timing_ << (landed_ms ? decimal(*landed_ms, 1) : "n/a") << '\n';
   hash_.add(frame.picture->rgb);
   render_.add(frame.record.stats.ms);
+  if (frame.record.drawn) drawn_.add(frame.record.stats.ms);
   splats_ = frame.record.stats.splats;
   ++frame_count_;
   if (last_s_ >= flushed_s_ + kFlush_s) {
@@ -227,6 +228,9 @@ void LiveRecord::finish() {
                               .saccades = countOf(events, GazeState::saccade),
                               .render_ms_median = render_.quantile_ms(0.5),
                               .render_ms_p95 = render_.quantile_ms(0.95),
+                              .frames_drawn = drawn_.count(),
+                              .drawn_ms_median = drawn_.quantile_ms(0.5),
+                              .drawn_ms_p95 = drawn_.quantile_ms(0.95),
                               .splats = splats_,
                               .out = folder_};
   writeText(folder_ / "manifest.json", manifestJson(study, summary, facts));

@@ -100,7 +100,7 @@ class LiveRecord {
   FrameTable frames_;
   std::ofstream changes_, timing_, marks_;
   Sha256 hash_;
-  Durations render_;
+  Durations render_, drawn_;  // of all frames; of those that were drawn
   Landings landings_;
   std::size_t gaze_samples_ = 0, gaze_points_ = 0;  // with a place
   std::size_t frame_count_ = 0, splats_ = 0;

@@ -22,8 +22,8 @@ constexpr std::size_t kMostBacklog = 8;  // frames that wait for the disk
 }  // namespace
 
 std::string methodOfFrame(const Study& study, const FrameRecord& record) {
-  return record.eye.state == GazeState::saccade && !holdsTime(study) ? "pinhole"
-                                                                     : study.render.method;
+  const bool jumps = record.eye.state == GazeState::saccade;
+  return jumps && study.render.method != "auto" ? "pinhole" : study.render.method;
 }
 
 LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock,
@@ -292,7 +292,7 @@ std::shared_ptr<LiveFrame> LiveRenderer::drawFrame() {
   const Frame& drawn = session_->draw(job, frame->record, again);
   alike_ = job == last_job_ && frame->record.method == last_.method ? alike_ + 1 : 0;
   const Study& study = session_->study();
-  if (!again) plain_ = std::make_shared<Picture>(pictureOf(drawn, study.screen.gamma));
+  if (frame->record.drawn) plain_ = std::make_shared<Picture>(pictureOf(drawn, study.screen.gamma));
   last_job_ = job;
   last_ = frame->record;
   frame->picture = plain_;

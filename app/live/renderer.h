@@ -24,8 +24,8 @@
 namespace foci {
 
 /// The one place where a live frame's method is chosen: the study's, but in a saccade, when the
-/// eye sees next to nothing, the one that is soonest ready for its landing. `auto` that holds a
-/// time is always ready soon.
+/// eye sees next to nothing, the one that is soonest ready for its landing. `auto` goes on: its
+/// picture stays while nothing changes, which takes no time at all.
 std::string methodOfFrame(const Study& study, const FrameRecord& record);
 
 /// What the window shows besides the picture.

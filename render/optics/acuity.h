@@ -28,7 +28,4 @@ inline Acuity acuityAround(const glm::vec2& gaze_px, float px_per_deg) {
   return {gaze_px, 0.5f / 48.0f * px_per_deg, 0.5f * 0.0275f};
 }
 
-/// What is worth drawing while the eye jumps, and sees next to nothing.
-inline Acuity acuityInSaccade() { return {glm::vec2(0.0f), 6.0f, 0.0f}; }
-
 }  // namespace foci

@@ -72,6 +72,19 @@ TEST_F(Replay, TabulatesEveryFrame) {
   EXPECT_NEAR(std::stod(rows[6][8]), std::stod(rows[6][7]), 1e-3);
 }
 
+TEST_F(Replay, DrawsOnlyWhatIsNew) {
+  ASSERT_EQ(replay("out").exit_code, 0);
+  const auto rows = tableOf(folder.read("out/frames.tsv"));
+  const Json summary = Json::parse(folder.read("out/manifest.json"))["summary"];
+  const auto drawn = std::count_if(rows.begin() + 1, rows.end(),
+                                   [](const auto& row) { return row.back() != "0.000"; });
+  EXPECT_EQ(summary["frames_drawn"], drawn);
+  EXPECT_NE(rows[1].back(), "0.000");
+  EXPECT_EQ(rows[2].back(), "0.000");  // the gaze is steady
+  const std::string report = folder.read("out/report.html");
+  EXPECT_NE(report.find(std::to_string(drawn) + " of 6"), std::string::npos);
+}
+
 TEST_F(Replay, SaysWhereItErrsByMoreThanTheTolerance) {
   folder.write("strict.toml", smallStudy() + "\n[quality]\ntolerance = 0.1\n");
   folder.write("loose.toml", smallStudy() + "\n[quality]\ntolerance = 100\n");
@@ -181,7 +194,11 @@ TEST_F(Replay, PrintsItsSummaryAsJson) {
   EXPECT_DOUBLE_EQ(summary["gaze_valid"], 1.0);
   EXPECT_EQ(summary["fixations"], 1);
   EXPECT_EQ(summary["saccades"], 0);
-  EXPECT_GT(summary["render_ms_median"], 0.0);
+  EXPECT_GE(summary["frames_drawn"], 1);
+  EXPECT_LE(summary["frames_drawn"], summary["frames"]);
+  EXPECT_GT(summary["drawn_ms_median"], 0.0);
+  EXPECT_GE(summary["drawn_ms_p95"], summary["drawn_ms_median"]);
+  EXPECT_LE(summary["render_ms_median"], summary["drawn_ms_median"]);
   EXPECT_GE(summary["render_ms_p95"], summary["render_ms_median"]);
   EXPECT_GT(summary["splats"], 0);
   EXPECT_EQ(summary["out"], "out");
