@@ -6,9 +6,13 @@
 namespace foci {
 namespace {
 
+/// Beyond this nodes beside the gaze no longer close surfaces.
+constexpr float kLoosestAcuity = 2.0f;
+
 CutSettings looser(float times) {
   return {.per_blur2 = times * kFaithfulCut.per_blur2,
-          .per_pixel2 = times * kFaithfulCut.per_pixel2};
+          .per_pixel2 = times * kFaithfulCut.per_pixel2,
+          .per_acuity2 = std::min(times, kLoosestAcuity) * kFaithfulCut.per_acuity2};
 }
 
 CutSettings softer(float times, float pixel_px) {

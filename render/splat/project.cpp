@@ -26,6 +26,9 @@ namespace foci {
 /// Light of a single splat at its centre from which, and at twice that most, it counts as sharper.
 inline constexpr float kHighlight = 0.06f, kFiner = 0.6f;
 
+/// What acuity softens stands so much coarser samples: what they get wrong is finer than is seen.
+inline constexpr float kCoarser = 1.4f;
+
 /// Where splats go; all but the first two may be null.
 struct SplatsOut {
   Splat* splats;
@@ -103,13 +106,16 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size
   const auto pixel = [](float px, float size_px) {
     return static_cast<std::uint16_t>(std::clamp(px, 0.0f, size_px - 1.0f));
   };
-  // A highlight's own shape shows, others' only in sum: it wants finer samples.
+  // A highlight's own shape shows, others' only in sum: it wants finer samples. Both as far as the
+  // lens makes the shape, not acuity, whose Gaussian is smooth.
   const float peak =
       (splat.k0 + splat.k1 + splat.k2) * std::max({splat.red, splat.green, splat.blue});
   const float highlight = std::clamp((peak - kHighlight) / kHighlight, 0.0f, 1.0f);
+  const float all2 = lanes.prefilter[k] + lanes.blur_least2[k];
+  const float by_acuity = (lanes.prefilter[k] - 1.0f) / all2;
+  const float sharper = 1.0f - kFiner * highlight;
   key = {.distance_m = lanes.distance[k],
-         .sigma_px =
-             std::sqrt(lanes.prefilter[k] + lanes.blur_least2[k]) * (1.0f - kFiner * highlight),
+         .sigma_px = std::sqrt(all2) * (sharper + by_acuity * (kCoarser - sharper)),
          .blur_px = lanes.radius[k],
          .x0 = pixel(splat.x_px - splat.extent_x_px - 0.5f, job.width),
          .x1 = pixel(splat.x_px + splat.extent_x_px - 0.5f, job.width),

@@ -2,7 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "app/base/quantile.h"
+#include "render/image/frame_mat.h"
 #include "render/image/metrics.h"
+#include "render/image/visible_difference.h"
+#include "render/methods/auto_ways.h"
 #include "render/methods/lod_splats.h"
 #include "render/scene/procedural.h"
 #include "tests/unit/render/surfel_scenes.h"
@@ -39,6 +46,39 @@ TEST(Acuity, CoarseNodesLookLikeFineOnesThroughIt) {
     const auto few = drawn(kFaithfulCut.per_acuity2, coarse), many = drawn(0.01f, fine);
     EXPECT_LT(2 * few, many);
     EXPECT_GT(psnr_dB(coarse, fine), 48.0) << radius_px_per_D;
+  }
+}
+
+Frame through(double sigma_px, const Frame& frame) {
+  Frame blurred = frame;
+  cv::Mat to = rgbaMat(blurred);
+  cv::GaussianBlur(rgbaMat(frame), to, {}, sigma_px, 0.0, cv::BORDER_REPLICATE);
+  return blurred;
+}
+
+// To an eye that sees no finer the picture of coarse nodes, at few samples, is the full picture.
+TEST(Acuity, WhatIsLeftOutIsNotSeen) {
+  const SurfelCloud cloud = makeStatue();
+  const View view = viewOfCamera(
+      eyeFromWorld(statueEyePose().position_m, statueEyePose().target_m, statueEyePose().up),
+      {256, 256}, 0.6);
+  const RenderSettings settings = blurredBy(4.0f, 0.5f);
+  LodSettings lod = wayNumbered(kWhole).lod;
+  LodSplats scene(cloud);
+  Frame full, drawn;
+  full.resize(view.size_px);
+  drawn.resize(view.size_px);
+  const auto all = scene.draw(view, settings, lod, full);
+  for (const float sigma_px : {1.5f, 3.0f, 6.0f}) {
+    lod.cut.acuity.base_px = sigma_px;
+    const auto few = scene.draw(view, settings, lod, drawn);
+    EXPECT_LT(few.splats, all.splats);
+    EXPECT_LT(few.fragments, all.fragments);
+    // Of the Gaussian the prefilter is one pixel of either picture.
+    const double wider_px = std::sqrt(sigma_px * sigma_px - 1.0f);
+    const Frame seen_in_full = through(sigma_px, through(wider_px, full));
+    auto apart = visibleDifference(seen_in_full, through(sigma_px, drawn), kUsualPx_per_deg);
+    EXPECT_LT(quantile(apart, 0.95), 1.0) << sigma_px;
   }
 }
 
