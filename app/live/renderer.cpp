@@ -305,8 +305,10 @@ std::shared_ptr<LiveFrame> LiveRenderer::drawFrame() {
   last_frame_s_ = time_s;
   frame->into = state_.record;
   timing.render_end_s = clock_.now_s();
-  // What the next one that is painted may take: the eye may move on after any that is not.
-  if (last_.stats.ms > 0.0) cost_s_[last_method_] = timing.render_end_s - timing.render_start_s;
+  // In a saccade the picture may stay, which costs nothing; the one of its landing is painted.
+  if (last_.drawn || last_.eye.state != GazeState::saccade) {
+    cost_s_[last_method_] = timing.render_end_s - timing.render_start_s;
+  }
   return frame;
 }
 
