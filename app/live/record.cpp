@@ -43,6 +43,17 @@ std::string orAbsent(const std::optional<double>& time_s) {
   return time_s ? decimal(*time_s, 6) : "n/a";
 }
 
+/// Of values by how often they came; 0 of none.
+int medianOf(const std::map<int, std::size_t>& counts) {
+  std::size_t all = 0, so_far = 0;
+  for (const auto& [value, count] : counts) all += count;
+  for (const auto& [value, count] : counts) {
+    so_far += count;
+    if (2 * so_far > all) return value;
+  }
+  return 0;
+}
+
 }  // namespace
 
 LiveRecord::LiveRecord(const fs::path& folder, const Study& study, const Screen& screen,
@@ -177,6 +188,7 @@ void LiveRecord::write(const LiveFrame& frame) {
   render_.add(frame.record.stats.ms);
   if (frame.record.drawn) drawn_.add(frame.record.stats.ms);
   splats_ = frame.record.stats.splats;
+  ++pupils_[static_cast<int>(std::lround(100.0 * frame.record.pupil_mm))];
   ++frame_count_;
   if (last_s_ >= flushed_s_ + kFlush_s) {
     flushed_s_ = last_s_;
@@ -232,6 +244,7 @@ void LiveRecord::finish() {
                               .drawn_ms_median = drawn_.quantile_ms(0.5),
                               .drawn_ms_p95 = drawn_.quantile_ms(0.95),
                               .splats = splats_,
+                              .pupil_mm = 0.01 * medianOf(pupils_),
                               .out = folder_};
   writeText(folder_ / "manifest.json", manifestJson(study, summary, facts));
 }

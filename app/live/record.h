@@ -16,6 +16,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -101,6 +102,7 @@ class LiveRecord {
   std::ofstream changes_, timing_, marks_;
   Sha256 hash_;
   Durations render_, drawn_;  // of all frames; of those that were drawn
+  std::map<int, std::size_t> pupils_;  // frames by hundredths of a millimetre
   Landings landings_;
   std::size_t gaze_samples_ = 0, gaze_points_ = 0;  // with a place
   std::size_t frame_count_ = 0, splats_ = 0;

@@ -124,6 +124,7 @@ TEST_F(Live, RecordReplaysToTheSamePicturesAndEvents) {
   const auto again = nlohmann::json::parse(textOf(out / "manifest.json"));
   EXPECT_GT(live["summary"]["frames"], 10);
   EXPECT_EQ(live["summary"]["frames_drawn"], again["summary"]["frames_drawn"]);
+  EXPECT_NEAR(live["summary"]["pupil_mm"], again["summary"]["pupil_mm"], 0.01);
   EXPECT_EQ(live["frames_sha256"], again["frames_sha256"]);
   EXPECT_EQ(textOf(folder / "events.tsv"), textOf(out / "events.tsv"));
   const auto untimed = [](const std::string& table) {
