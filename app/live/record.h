@@ -101,7 +101,7 @@ class LiveRecord {
   FrameTable frames_;
   std::ofstream changes_, timing_, marks_;
   Sha256 hash_;
-  Durations render_, drawn_;  // of all frames; of those that were drawn
+  Durations render_, drawn_;           // of all frames; of those that were drawn
   std::map<int, std::size_t> pupils_;  // frames by hundredths of a millimetre
   Landings landings_;
   std::size_t gaze_samples_ = 0, gaze_points_ = 0;  // with a place
