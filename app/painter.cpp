@@ -27,8 +27,6 @@ bool PaintJob::holdsTime() const {
          std::isfinite(*eyes.front().settings.quality.frame_ms);
 }
 
-bool PaintJob::goesOn() const { return method.starts_with("fearing"); }
-
 bool PaintJob::sameViews(const PaintJob& other) const {
   return std::ranges::equal(eyes, other.eyes, {}, &Eye::eye, &Eye::eye);
 }

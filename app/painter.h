@@ -15,7 +15,7 @@
 namespace foci {
 
 /// What is to be painted. Equal jobs one after the other have equal pictures, but where method
-/// `auto` must hold a time, and where one goes on with the picture before.
+/// `auto` must hold a time, and where one goes on with the picture before (`goesOn`).
 struct PaintJob {
   struct Eye {
     EyeView eye;
@@ -31,9 +31,6 @@ struct PaintJob {
 
   /// Whether what is drawn hangs on what it takes.
   bool holdsTime() const;
-  /// Whether what is drawn hangs on the picture before: by a method that mends a part of it a
-  /// frame.
-  bool goesOn() const;
   /// Whether it is seen from the same place.
   bool sameViews(const PaintJob& other) const;
   /// The same without haste.

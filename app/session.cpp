@@ -251,7 +251,7 @@ const Frame& Session::draw(const std::string& method, FrameRecord& record) {
 
 const Frame& Session::draw(const PaintJob& job, FrameRecord& record, bool again) {
   const bool done = again || at_leisure_ || isUnseen(record) || !job.holdsTime();
-  if (done && !job.goesOn() && painted_.job == job) {
+  if (done && painted_.job == job && !goesOn(job.method)) {
     painted_.stats.ms = 0.0;
   } else {
     painter_.paint(job, painted_);

@@ -76,7 +76,7 @@ class Session {
 
   /// Draws it, and fills method, stats and `drawn` of its record. The same job as the last is not
   /// drawn again, but where another draw may bring more: by a method that goes on with the picture
-  /// before (`PaintJob::goesOn`), and under a budget of time, until it has been drawn at leisure.
+  /// before (`goesOn`), and under a budget of time, until it has been drawn at leisure.
   /// @param again  another draw of the same job would bring nothing, as far as the caller knows
   /// @return until the next draw
   const Frame& draw(const PaintJob& job, FrameRecord& record, bool again = false);

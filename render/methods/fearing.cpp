@@ -110,7 +110,8 @@ MethodEntry fearingMethod() {
                    .source = "Fearing 1996",
                    .most = 100,
                    .standard = 100,
-                   .ellipses = false},
+                   .ellipses = false,
+                   .goes_on = true},
           .make = makeAs<FearingMethod>};
 }
 

@@ -53,6 +53,12 @@ Choice parse(std::string_view spec) {
   return {nullptr, 0, name + ":1 to " + name + ":" + std::to_string(entry->info.most)};
 }
 
+const MethodInfo& infoOf(std::string_view spec) {
+  const Choice choice = parse(spec);
+  assert(choice.entry);
+  return choice.entry->info;
+}
+
 }  // namespace
 
 RenderStats Method::render(const View& view, const RenderSettings& settings, Frame& frame) {
@@ -111,11 +117,9 @@ const std::vector<MethodInfo>& methods() {
   return infos;
 }
 
-bool drawsEllipses(std::string_view spec) {
-  const Choice choice = parse(spec);
-  assert(choice.entry);
-  return choice.entry->info.ellipses;
-}
+bool drawsEllipses(std::string_view spec) { return infoOf(spec).ellipses; }
+
+bool goesOn(std::string_view spec) { return infoOf(spec).goes_on; }
 
 std::optional<std::string> expectedMethod(std::string_view spec) {
   const Choice choice = parse(spec);

@@ -78,6 +78,7 @@ struct MethodInfo {
   int standard = 0;          ///< N where none is given; 0 of one that takes it: its own choice
   bool ellipses = true;      ///< false: an astigmatic lens is drawn as the round one of its blur
                              ///< strength (`roundDefocus_D`)
+  bool goes_on = false;      ///< mends the picture of the draw before, a part of it at a time
 };
 
 /// What each method's own file says of it, in a function that every_method.inc names.
@@ -101,6 +102,9 @@ const std::vector<MethodInfo>& methods();
 
 /// `MethodInfo::ellipses` of the method that `spec` names. It must be right (asserted).
 bool drawsEllipses(std::string_view spec);
+
+/// `MethodInfo::goes_on` of the method that `spec` names. It must be right (asserted).
+bool goesOn(std::string_view spec);
 
 /// What was expected instead of `spec`, which is to be the name of one of `methods()`, where it
 /// takes a number with `:N` behind it; nothing where `spec` is right.

@@ -50,8 +50,8 @@ HWY_EXPORT(sweepTile);
 
 namespace {
 
-/// Less blur than this makes no difference to what hides what, pixels.
-constexpr float kBlurred_px = 0.5f;
+/// Less blur than this makes no difference to what hides what, distances of samples.
+constexpr float kBlurredSteps = 0.5f;
 
 /// Less blur than this needs no parts of the lens, more than this is drawn by them alone, pixels:
 /// in between both are mixed, so that a moving focus does not pop.
@@ -104,7 +104,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .meridian = meridian,
         .per_step = 1.0f / step_px,
         .background = {settings.background.r, settings.background.g, settings.background.b},
-        .lens = tile.blur_px > kBlurred_px * step_px ? chunks.lens.get() : nullptr,
+        .lens = tile.blur_px > kBlurredSteps * step_px ? chunks.lens.get() : nullptr,
         .lens_across = chunks.lens_across.get(),
         .radius_px_per_D = radius,
         .parts = tile.blur_px > kPartsFrom_px ? settings.parts : nullptr,

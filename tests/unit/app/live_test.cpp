@@ -271,7 +271,7 @@ constexpr bool kSanitized = true;
 constexpr bool kSanitized = false;
 #endif
 
-/// Hours in seconds: FOCI_SOAK_HOURS of its own clock, 120 times as fast as it passes.
+/// Hours in seconds: FOCI_SOAK_HOURS of its own clock, which is faster than time.
 TEST_F(Live, LongRunsLoseNoRowAndNoMemory) {
   const char* asked = std::getenv("FOCI_SOAK_HOURS");
   const double faster = kSanitized ? 12.0 : 120.0;

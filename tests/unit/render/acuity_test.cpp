@@ -23,13 +23,16 @@ TEST(Acuity, FollowsTheFormula) {
   EXPECT_NEAR(acuity.finest_px(400.0f), 0.5f * (1.0f / 48.0f + 0.0275f * 10.0f) * 40.0f, 1e-4f);
 }
 
+View viewOfStatue() {
+  const auto pose = statueEyePose();
+  return viewOfCamera(eyeFromWorld(pose.position_m, pose.target_m, pose.up), {256, 256}, 0.6);
+}
+
 // What the eye does not resolve is left out: the picture is that of many more nodes, seen through
 // the same Gaussian.
 TEST(Acuity, CoarseNodesLookLikeFineOnesThroughIt) {
   const SurfelCloud cloud = makeStatue();
-  const View view = viewOfCamera(
-      eyeFromWorld(statueEyePose().position_m, statueEyePose().target_m, statueEyePose().up),
-      {256, 256}, 0.6);
+  const View view = viewOfStatue();
   LodSplats scene(cloud);
   for (const float radius_px_per_D : {0.0f, 8.0f}) {
     const RenderSettings settings = blurredBy(radius_px_per_D, 0.5f);
@@ -59,9 +62,7 @@ Frame through(double sigma_px, const Frame& frame) {
 // To an eye that sees no finer the picture of coarse nodes, at few samples, is the full picture.
 TEST(Acuity, WhatIsLeftOutIsNotSeen) {
   const SurfelCloud cloud = makeStatue();
-  const View view = viewOfCamera(
-      eyeFromWorld(statueEyePose().position_m, statueEyePose().target_m, statueEyePose().up),
-      {256, 256}, 0.6);
+  const View view = viewOfStatue();
   const RenderSettings settings = blurredBy(4.0f, 0.5f);
   LodSettings lod = wayNumbered(kWhole).lod;
   LodSplats scene(cloud);
