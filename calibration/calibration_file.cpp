@@ -3,8 +3,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "app/base/input_error.h"
-#include "app/base/toml_file.h"
+#include "base/input_error.h"
+#include "calibration/toml_file.h"
 
 namespace foci {
 namespace {

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "app/base/quantile.h"
+#include "base/quantile.h"
 
 namespace foci {
 namespace {

@@ -1,6 +1,6 @@
 #!/bin/sh
-# README's first picture, from this folder: what foci live shows while an observer looks around the gallery.
-# A live run and its replay show the same pictures (docs/live.md); the replay draws them at an even pace.
+# README's first image, from this folder: what foci live shows while an observer looks around the gallery.
+# A live run and its replay show the same images (docs/live.md); the replay draws them at an even pace.
 # Wants ImageMagick: sh docs/live-animation.sh
 set -eu
 cd "$(dirname "$0")/.."
@@ -21,9 +21,9 @@ method = "sweep-lod"
 size_px = [480, 270]
 fps = 10
 marker = true
-pictures = true
+images = true
 STUDY
-# Leaf, picture on the wall, ring, leaf: x y in px of the screen, and until when.
+# Leaf, image on the wall, ring, leaf: x y in px of the screen, and until when.
 awk 'BEGIN {
   print "time_s\tx_px\ty_px"
   split("150 700 1.8 864 240 3.6 330 380 5.2 1090 180 6.8 150 700 7.5", p)

@@ -1,8 +1,8 @@
 #!/bin/sh
-# The pictures of docs/stability.md, from the folder of a full `foci chart --stability`:
-#   docs/stability-pictures.sh out/stability      (ImageMagick with WebP)
+# The images of docs/stability.md, from the folder of a full `foci chart --stability`:
+#   docs/stability-images.sh out/stability      (ImageMagick with WebP)
 set -eu
-from=$1/pictures
+from=$1/images
 to=$(dirname "$0")/stability
 mkdir -p "$to"
 row() {  # SCENE VALUE

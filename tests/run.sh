@@ -15,7 +15,7 @@ unitTests() {
 }
 
 step "style"
-find app calibration gaze render tests -name '*.h' -o -name '*.cpp' | xargs clang-format --dry-run --Werror
+find app base calibration gaze render tests -name '*.h' -o -name '*.cpp' | xargs clang-format --dry-run --Werror
 
 step "release: build and test"
 cmake --preset release -DFOCI_TESTS=ON >/dev/null

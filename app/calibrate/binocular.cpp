@@ -3,11 +3,11 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "app/base/input_error.h"
-#include "app/base/quantile.h"
 #include "app/calibrate/options.h"
-#include "calibration/binocular_map.h"
-#include "calibration/binocular_pairs.h"
+#include "base/input_error.h"
+#include "base/quantile.h"
+#include "calibration/binocular/binocular_map.h"
+#include "calibration/binocular/binocular_pairs.h"
 #include "calibration/calibration_file.h"
 #include "calibration/location.h"
 

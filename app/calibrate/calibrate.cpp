@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "app/base/input_error.h"
 #include "app/calibrate/options.h"
+#include "base/input_error.h"
 
 namespace foci {
 namespace {
@@ -39,7 +39,7 @@ void addCalibrateCommand(CLI::App& app) {
     screen->add_option(
         "--blind-spot-px", o.blind_spot_px,
         "Offsets where the dot vanished, by commas: outwards above 0, inwards below");
-    screen->add_option("--face-px", o.face_px, "Width of the face in the webcam's picture");
+    screen->add_option("--face-px", o.face_px, "Width of the face in the webcam's image");
     screen->add_option("--face-reference-px", o.face_reference_px, "The same at a known distance");
     screen->add_option("--face-reference-m", o.face_reference_m, "That distance");
     screen->add_option("--gamma", o.gamma, "sRGB, or a number from 1 to 4");
@@ -99,7 +99,7 @@ void addCalibrateCommand(CLI::App& app) {
   CLI::App* camera = calibrate->add_subcommand("camera", "Focal length and distortion of a camera");
   {
     CalibrateCameraOptions& o = *camera_options;
-    camera->add_option("--images", o.images, "Pictures of the board");
+    camera->add_option("--images", o.images, "Images of the board");
     camera->add_option("--video", o.video, "Video of the board");
     camera->add_option("--device", o.device, "Camera to watch the board with");
     camera->add_flag("--window", o.window, "Show the video as it is searched");

@@ -1,21 +1,21 @@
-// `foci calibrate camera`: the board from pictures, a video or a device.
+// `foci calibrate camera`: the board from images, a video or a device.
 #include <algorithm>
 #include <cstdio>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "app/base/input_error.h"
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
+#include "base/input_error.h"
 #include "calibration/calibration_file.h"
-#include "calibration/camera.h"
+#include "calibration/camera/camera.h"
 
 namespace foci {
 namespace {
 
-constexpr int kMostFrames = 100'000;
-constexpr std::size_t kMostViews = 60;  // of a video; more cost time and tell no more
-constexpr double kMovedShare = 0.03;    // of the picture's width, to count as another view
+constexpr int kMaxFrames = 100'000;
+constexpr std::size_t kMaxViews = 60;  // of a video; more cost time and tell no more
+constexpr double kMovedShare = 0.03;   // of the image's width, to count as another view
 
 glm::ivec2 gridOf(const std::string& option, const std::string& text) {
   int w = 0, h = 0, used = 0;
@@ -45,12 +45,12 @@ Board boardOf(const CalibrateCameraOptions& options) {
 struct Seen {
   std::vector<BoardView> views;
   glm::ivec2 size_px{0, 0};
-  int pictures = 0;
+  int images = 0;
 };
 
-void look(const cv::Mat& picture, const Board& board, bool only_moved, Seen& seen) {
-  ++seen.pictures;
-  auto view = findBoard(picture, board);
+void look(const cv::Mat& image, const Board& board, bool only_moved, Seen& seen) {
+  ++seen.images;
+  auto view = findBoard(image, board);
   if (!view) return;
   if (only_moved && !seen.views.empty()) {
     double moved = 0.0;
@@ -58,16 +58,16 @@ void look(const cv::Mat& picture, const Board& board, bool only_moved, Seen& see
     for (std::size_t i = 0; i < std::min(last.size(), view->image_px.size()); ++i) {
       moved = std::max(moved, glm::length(last[i] - view->image_px[i]));
     }
-    if (moved < kMovedShare * picture.cols) return;
+    if (moved < kMovedShare * image.cols) return;
   }
   seen.views.push_back(std::move(*view));
 }
 
 void lookAtStream(cv::VideoCapture& stream, int frames, const Board& board, Seen& seen) {
-  cv::Mat picture;
-  for (int i = 0; i < frames && seen.views.size() < kMostViews && stream.read(picture); ++i) {
-    seen.size_px = {picture.cols, picture.rows};
-    look(picture, board, true, seen);
+  cv::Mat image;
+  for (int i = 0; i < frames && seen.views.size() < kMaxViews && stream.read(image); ++i) {
+    seen.size_px = {image.cols, image.rows};
+    look(image, board, true, seen);
   }
 }
 
@@ -81,14 +81,14 @@ void calibrateCamera(const CalibrateCameraOptions& options) {
   if (sources != 1) throw InputError("calibrate camera", "one of --images, --video, --device");
   for (const std::string& file : options.images) {
     const bool there = std::filesystem::is_regular_file(file);  // else OpenCV says so, too
-    const cv::Mat picture = there ? cv::imread(file, cv::IMREAD_GRAYSCALE) : cv::Mat();
-    if (picture.empty()) throw InputError(file, "not a picture that can be read");
-    const glm::ivec2 size_px{picture.cols, picture.rows};
+    const cv::Mat image = there ? cv::imread(file, cv::IMREAD_GRAYSCALE) : cv::Mat();
+    if (image.empty()) throw InputError(file, "not an image that can be read");
+    const glm::ivec2 size_px{image.cols, image.rows};
     if (seen.size_px.x != 0 && size_px != seen.size_px) {
-      throw InputError(file, "another size than the pictures before: one camera, one setting");
+      throw InputError(file, "another size than the images before: one camera, one setting");
     }
     seen.size_px = size_px;
-    look(picture, board, false, seen);
+    look(image, board, false, seen);
   }
   if (!options.video.empty() || options.device) {
     cv::VideoCapture stream;
@@ -103,9 +103,9 @@ void calibrateCamera(const CalibrateCameraOptions& options) {
     if (!stream.isOpened())
       throw InputError(options.video.string(), "not a video that can be read");
     if (options.device || options.window) {
-      const auto next = [&](cv::Mat& picture) {
-        ++seen.pictures;
-        return stream.read(picture) && !picture.empty();
+      const auto next = [&](cv::Mat& image) {
+        ++seen.images;
+        return stream.read(image) && !image.empty();
       };
       auto views = watchBoardInWindow(next, board, seen.size_px);
       if (!views) {
@@ -114,7 +114,7 @@ void calibrateCamera(const CalibrateCameraOptions& options) {
       }
       seen.views = std::move(*views);
     } else {
-      lookAtStream(stream, kMostFrames, board, seen);
+      lookAtStream(stream, kMaxFrames, board, seen);
     }
   }
 
@@ -130,8 +130,8 @@ void calibrateCamera(const CalibrateCameraOptions& options) {
   if (!options.out.empty()) writeWhole(options.out, cameraToml(fit.camera));
   const CameraModel& camera = fit.camera;
   if (options.json) {
-    std::printf("{\"views\": %zu, \"pictures\": %d, \"size_px\": [%d, %d], \"focal_px\": %s, ",
-                seen.views.size(), seen.pictures, camera.size_px.x, camera.size_px.y,
+    std::printf("{\"views\": %zu, \"images\": %d, \"size_px\": [%d, %d], \"focal_px\": %s, ",
+                seen.views.size(), seen.images, camera.size_px.x, camera.size_px.y,
                 exactText(camera.focal_px).c_str());
     std::printf("\"principal_px\": %s, \"focal_sd_px\": %s, \"rms_px\": %s, \"covered\": %s, ",
                 exactText(camera.principal_px).c_str(), exactText(camera.focal_sd_px).c_str(),
@@ -143,12 +143,12 @@ void calibrateCamera(const CalibrateCameraOptions& options) {
     std::printf("]}\n");
     return;
   }
-  std::printf("%zu views of the board in %d pictures of %d x %d px\n", seen.views.size(),
-              seen.pictures, camera.size_px.x, camera.size_px.y);
+  std::printf("%zu views of the board in %d images of %d x %d px\n", seen.views.size(), seen.images,
+              camera.size_px.x, camera.size_px.y);
   std::printf("focal length %.1f +- %.1f, %.1f +- %.1f px, centre %.1f, %.1f px\n",
               camera.focal_px.x, camera.focal_sd_px.x, camera.focal_px.y, camera.focal_sd_px.y,
               camera.principal_px.x, camera.principal_px.y);
-  std::printf("reprojection %.3f px RMS; corners seen, over the picture:\n", camera.rms_px);
+  std::printf("reprojection %.3f px RMS; corners seen, over the image:\n", camera.rms_px);
   for (std::size_t row = 0; row < 6; ++row) {
     for (std::size_t column = 0; column < 8; ++column) {
       std::printf(" %5d", fit.coverage[row * 8 + column]);

@@ -1,5 +1,5 @@
-// The window of `foci calibrate camera`: the camera's picture as in a mirror, the corners found,
-// and where in the picture the board has not been yet.
+// The window of `foci calibrate camera`: the camera's image as in a mirror, the corners found,
+// and where in the image the board has not been yet.
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
@@ -8,14 +8,14 @@
 #include <opencv2/imgproc.hpp>
 
 #include "app/calibrate/windows.h"
-#include "app/window.h"
+#include "app/window/window.h"
 
 namespace foci {
 namespace {
 
 constexpr glm::ivec2 kWindow_px{1280, 720};
 constexpr glm::vec3 kBackground{0.2f};
-constexpr double kMovedShare = 0.03;  // of the picture's width, to count as another view
+constexpr double kMovedShare = 0.03;  // of the image's width, to count as another view
 constexpr double kEnough = 0.7;       // of the cells; then the space key's hint turns green
 constexpr ImU32 kWhite = IM_COL32(240, 240, 240, 255), kGreen = IM_COL32(60, 220, 90, 255);
 constexpr ImU32 kSeen = IM_COL32(60, 220, 90, 60), kUnseen = IM_COL32(230, 60, 40, 60);
@@ -23,20 +23,20 @@ constexpr int kColumns = 8, kRows = 6;
 
 }  // namespace
 
-std::optional<std::vector<BoardView>> watchBoardInWindow(const NextPicture& next,
-                                                         const Board& board, glm::ivec2& size_px) {
+std::optional<std::vector<BoardView>> watchBoardInWindow(const NextImage& next, const Board& board,
+                                                         glm::ivec2& size_px) {
   Window window("foci: calibrate camera", kWindow_px);
   Texture texture;
   std::vector<BoardView> views;
   std::array<bool, kColumns * kRows> covered{};
-  cv::Mat picture, mirrored;
+  cv::Mat image, mirrored;
   bool running = true;
   BoardView last;
   while (window.begin(kBackground)) {
     if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE)) return std::nullopt;
-    if (running && (running = next(picture))) {
-      size_px = {picture.cols, picture.rows};
-      const auto view = findBoard(picture, board);
+    if (running && (running = next(image))) {
+      size_px = {image.cols, image.rows};
+      const auto view = findBoard(image, board);
       last = view.value_or(BoardView{});
       double moved_px = views.empty() ? 1e9 : 0.0;
       for (std::size_t i = 0; view && !views.empty() && i < view->image_px.size(); ++i) {
@@ -53,9 +53,9 @@ std::optional<std::vector<BoardView>> watchBoardInWindow(const NextPicture& next
           covered[static_cast<std::size_t>(at)] = true;
         }
       }
-      cv::flip(picture, mirrored, 1);
+      cv::flip(image, mirrored, 1);
       cv::cvtColor(mirrored, mirrored,
-                   picture.channels() == 1 ? cv::COLOR_GRAY2RGB : cv::COLOR_BGR2RGB);
+                   image.channels() == 1 ? cv::COLOR_GRAY2RGB : cv::COLOR_BGR2RGB);
       texture.set(size_px, mirrored.data);
     }
     if (size_px.x == 0) return views;
@@ -63,7 +63,7 @@ std::optional<std::vector<BoardView>> watchBoardInWindow(const NextPicture& next
     const double scale = std::min(area.x / size_px.x, (area.y - 90.0) / size_px.y);
     const glm::dvec2 shown = scale * glm::dvec2(size_px);
     const glm::dvec2 corner(0.5 * (area.x - shown.x), 90.0);
-    // Like a mirror: the picture's left is the observer's.
+    // Like a mirror: the image's left is the observer's.
     const auto place = [&](const glm::dvec2& px) {
       const glm::dvec2 p = corner + glm::dvec2(shown.x - scale * px.x, scale * px.y);
       return ImVec2(static_cast<float>(p.x), static_cast<float>(p.y));
@@ -85,13 +85,13 @@ std::optional<std::vector<BoardView>> watchBoardInWindow(const NextPicture& next
     const double share = count / (kColumns * kRows);
     char text[160];
     std::snprintf(text, sizeof text,
-                  "%zu views, %.0f %% of the picture covered. Tilt the board, go to the "
+                  "%zu views, %.0f %% of the image covered. Tilt the board, go to the "
                   "corners, near and far.",
                   views.size(), 100.0 * share);
     draw->AddText({20.0f, 14.0f}, kWhite, text);
     draw->AddText({20.0f, 48.0f}, share >= kEnough && views.size() >= 8 ? kGreen : kWhite,
                   running ? "Space: enough.   Escape: leave."
-                          : "The pictures have ended.   Space: calibrate.   Escape: leave.");
+                          : "The images have ended.   Space: calibrate.   Escape: leave.");
     const bool enough = ImGui::IsKeyPressed(GLFW_KEY_SPACE, false);
     window.end();
     if (enough) return views;

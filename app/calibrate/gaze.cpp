@@ -4,14 +4,14 @@
 #include <cstdio>
 #include <utility>
 
-#include "app/base/input_error.h"
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
+#include "base/input_error.h"
 #include "calibration/calibration_file.h"
-#include "calibration/gaze_map_file.h"
-#include "calibration/gaze_report.h"
-#include "calibration/screen_file.h"
-#include "calibration/webcam_calibration.h"
+#include "calibration/gaze_map/gaze_map_file.h"
+#include "calibration/gaze_map/gaze_report.h"
+#include "calibration/screen/screen_file.h"
+#include "calibration/webcam/webcam_calibration.h"
 
 namespace foci {
 namespace {

@@ -7,10 +7,10 @@
 #include <memory>
 #include <utility>
 
-#include "app/base/input_error.h"
 #include "app/calibrate/windows.h"
-#include "app/window.h"
-#include "calibration/target_session.h"
+#include "app/window/window.h"
+#include "base/input_error.h"
+#include "calibration/gaze_map/target_session.h"
 
 namespace foci {
 namespace {

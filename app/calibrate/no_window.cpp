@@ -21,7 +21,7 @@ std::optional<ScreenCalibration> calibrateScreenInWindow(const ScreenCalibration
   throw std::runtime_error(kNoWindow);
 }
 
-std::optional<std::vector<BoardView>> watchBoardInWindow(const NextPicture&, const Board&,
+std::optional<std::vector<BoardView>> watchBoardInWindow(const NextImage&, const Board&,
                                                          glm::ivec2&) {
   throw std::runtime_error(kNoWindow);
 }

@@ -5,13 +5,13 @@
 #include <fstream>
 #include <iterator>
 
-#include "app/base/input_error.h"
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
+#include "base/input_error.h"
 #include "calibration/calibration_file.h"
-#include "calibration/monitor.h"
-#include "calibration/screen_file.h"
-#include "calibration/screen_size.h"
+#include "calibration/screen/monitor.h"
+#include "calibration/screen/screen_file.h"
+#include "calibration/screen/screen_size.h"
 
 namespace foci {
 namespace {

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "app/base/input_error.h"
 #include "app/calibrate/windows.h"
-#include "app/window.h"
-#include "calibration/screen_size.h"
+#include "app/window/window.h"
+#include "base/input_error.h"
+#include "calibration/screen/screen_size.h"
 
 namespace foci {
 namespace {

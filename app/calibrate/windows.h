@@ -4,10 +4,10 @@
 #include <functional>
 
 #include "app/calibrate/options.h"
-#include "calibration/camera.h"
-#include "calibration/gaze_report.h"
-#include "calibration/screen_file.h"
-#include "calibration/webcam_calibration.h"
+#include "calibration/camera/camera.h"
+#include "calibration/gaze_map/gaze_report.h"
+#include "calibration/screen/screen_file.h"
+#include "calibration/webcam/webcam_calibration.h"
 
 namespace foci {
 
@@ -31,12 +31,12 @@ std::optional<ScreenCalibration> calibrateScreenInWindow(const ScreenCalibration
                                                          std::optional<glm::dvec2> edid_m,
                                                          bool window);
 
-/// Fills a picture, 8 bits, grey or BGR; false at the end.
-using NextPicture = std::function<bool(cv::Mat&)>;
+/// Fills an image, 8 bits, grey or BGR; false at the end.
+using NextImage = std::function<bool(cv::Mat&)>;
 
 /// The board's views as the observer shows it to a camera. Absent where the observer left.
-/// @param size_px  of the pictures; set from them
-std::optional<std::vector<BoardView>> watchBoardInWindow(const NextPicture& next,
-                                                         const Board& board, glm::ivec2& size_px);
+/// @param size_px  of the images; set from them
+std::optional<std::vector<BoardView>> watchBoardInWindow(const NextImage& next, const Board& board,
+                                                         glm::ivec2& size_px);
 
 }  // namespace foci

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "app/record_files.h"
+#include "app/record/record_files.h"
 
 namespace foci {
 

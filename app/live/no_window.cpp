@@ -1,8 +1,8 @@
 // What stands in for the window where foci was built without it (FOCI_WINDOW=OFF).
 #include <stdexcept>
 
-#include "app/display.h"
 #include "app/live/options.h"
+#include "app/window/display.h"
 
 namespace foci {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "app/durations.h"
-#include "app/live/landing.h"
-#include "app/study.h"
+#include "app/record/durations.h"
+#include "app/record/landing.h"
+#include "app/study/study.h"
 
 namespace foci {
 
@@ -19,14 +19,14 @@ struct LiveOptions {
   int monitor = 0;
   std::optional<std::filesystem::path> record;  ///< from the start, to this folder
   std::string socket;                           ///< where it listens; empty: nowhere
-  unsigned threads = 1;                         ///< that draw
+  unsigned threads = 1;                         ///< that render
   std::string command;                          ///< as typed
 };
 
 struct LiveSummary {
   std::uint64_t frames = 0;    ///< shown
   std::uint64_t repeated = 0;  ///< refreshes of the screen that showed an older frame
-  std::uint64_t dropped = 0;   ///< drawn, never shown
+  std::uint64_t dropped = 0;   ///< rendered, never shown
   double first_frame_s = 0.0;  ///< from the start of the program to the first swap
   Durations sample_to_swap, render;
   Landings landings;

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "app/tables.h"
+#include "app/record/tables.h"
+#include "base/text.h"
 #include "render/methods/method.h"
 
 namespace foci {
@@ -36,7 +37,7 @@ constexpr HelpLine kHelp[] = {
     {"Home", "the eye where it was"},
     {"R", "record: begin, end"},
     {"space", "a mark in the record"},
-    {"P", "picture to a file"},
+    {"P", "image to a file"},
 };
 
 /// Text on a dark ground, its middle at `x`; returns the y below it.
@@ -168,8 +169,8 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, bool& 
     combo("view", study.output.view, std::array{"mono", "side-by-side", "top-bottom", "anaglyph"},
           "output.view", controls);
     if (study.output.view != "mono") {
-      slide("between the eyes, mm", study.observer.between_eyes_mm, 50.0f, 75.0f,
-            "observer.between_eyes_mm", controls);
+      slide("between the eyes, mm", study.observer.ipd_mm, 50.0f, 75.0f, "observer.ipd_mm",
+            controls);
     }
     check("mark the gaze", study.output.marker, "output.marker", controls);
     ImGui::SameLine();
@@ -181,7 +182,7 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, bool& 
       controls.toggle_record();
     }
     ImGui::SameLine();
-    if (ImGui::Button("Picture")) controls.screenshot();
+    if (ImGui::Button("Image")) controls.screenshot();
     ImGui::SameLine();
     if (ImGui::Button("Mark")) controls.mark();
     ImGui::Separator();

@@ -2,7 +2,8 @@
 
 #include <cmath>
 
-#include "app/tables.h"
+#include "app/record/tables.h"
+#include "base/text.h"
 
 namespace foci {
 

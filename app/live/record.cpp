@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/base/input_error.h"
-#include "app/inputs.h"
-#include "app/manifest.h"
-#include "app/output_folder.h"
-#include "app/run_events.h"
-#include "app/study_text.h"
+#include "app/platform/output_folder.h"
+#include "app/record/manifest.h"
+#include "app/record/run_events.h"
+#include "app/study/inputs.h"
+#include "app/study/study_text.h"
+#include "base/file.h"
+#include "base/input_error.h"
+#include "base/text.h"
 
 namespace foci {
 namespace fs = std::filesystem;
@@ -184,9 +186,9 @@ void LiveRecord::write(const LiveFrame& frame) {
   const auto landed_ms =
       timing.swap_s ? landings_.add(frame.record, timing.full, *timing.swap_s) : std::nullopt;
   timing_ << (landed_ms ? decimal(*landed_ms, 1) : "n/a") << '\n';
-  hash_.add(frame.picture->rgb);
+  hash_.add(frame.image->rgb);
   render_.add(frame.record.stats.ms);
-  if (frame.record.drawn) drawn_.add(frame.record.stats.ms);
+  if (frame.record.rendered) rendered_.add(frame.record.stats.ms);
   splats_ = frame.record.stats.splats;
   ++pupils_[static_cast<int>(std::lround(100.0 * frame.record.pupil_mm))];
   ++frame_count_;
@@ -233,19 +235,19 @@ void LiveRecord::finish() {
   facts.frames_sha256 = hash_.hex();
   const double gaze_valid = static_cast<double>(gaze_points_) /
                             static_cast<double>(std::max<std::size_t>(gaze_samples_, 1));
-  const ReplaySummary summary{.frames = frame_count_,
-                              .duration_s = static_cast<double>(frame_count_) / study.output.fps,
-                              .gaze_valid = gaze_valid,
-                              .fixations = countOf(events, GazeState::fixation),
-                              .saccades = countOf(events, GazeState::saccade),
-                              .render_ms_median = render_.quantile_ms(0.5),
-                              .render_ms_p95 = render_.quantile_ms(0.95),
-                              .frames_drawn = drawn_.count(),
-                              .drawn_ms_median = drawn_.quantile_ms(0.5),
-                              .drawn_ms_p95 = drawn_.quantile_ms(0.95),
-                              .splats = splats_,
-                              .pupil_mm = 0.01 * medianOf(pupils_),
-                              .out = folder_};
+  const RunSummary summary{.frames = frame_count_,
+                           .duration_s = static_cast<double>(frame_count_) / study.output.fps,
+                           .gaze_valid = gaze_valid,
+                           .fixations = countOf(events, GazeState::fixation),
+                           .saccades = countOf(events, GazeState::saccade),
+                           .render_ms_median = render_.quantile_ms(0.5),
+                           .render_ms_p95 = render_.quantile_ms(0.95),
+                           .frames_rendered = rendered_.count(),
+                           .rendered_ms_median = rendered_.quantile_ms(0.5),
+                           .rendered_ms_p95 = rendered_.quantile_ms(0.95),
+                           .splats = splats_,
+                           .pupil_mm = 0.01 * medianOf(pupils_),
+                           .out = folder_};
   writeText(folder_ / "manifest.json", manifestJson(study, summary, facts));
 }
 

@@ -1,14 +1,14 @@
 // What a live run leaves. A record is a folder with
 //   study.toml    the study in force, whose gaze is the record's own: `foci replay` takes it
 //   gaze.tsv      every sample, in order of arrival, on the run's clock
-//   frames.tsv    as of a replay (app/tables.h): a row a frame that was drawn
+//   frames.tsv    as of a replay (app/record/tables.h): a row a frame that was rendered
 //   changes.tsv   keys that changed, each with the time of the first frame that it holds for
-//   timing.tsv    when each frame was sampled, drawn and shown
+//   timing.tsv    when each frame was sampled, rendered and shown
 //   marks.tsv     what was marked, by key or through the socket
 // and, once it has been closed,
 //   events.tsv    as of a replay
-//   manifest.json with the hash of all pictures, which a replay's equals, and what only a live run
-//                 has: how soon after saccades the picture was full
+//   manifest.json with the hash of all images, which a replay's equals, and what only a live run
+//                 has: how soon after saccades the image was full
 // The files grow in place: what a run that is killed has recorded is there.
 #pragma once
 
@@ -23,12 +23,12 @@
 #include <string>
 #include <thread>
 
-#include "app/durations.h"
-#include "app/live/landing.h"
-#include "app/record_files.h"
-#include "app/session.h"
-#include "app/sha256.h"
-#include "app/tables.h"
+#include "app/platform/sha256.h"
+#include "app/record/durations.h"
+#include "app/record/landing.h"
+#include "app/record/record_files.h"
+#include "app/record/tables.h"
+#include "app/session/session.h"
 
 namespace foci {
 
@@ -41,12 +41,12 @@ struct FrameTiming {
   double render_start_s = 0.0, render_end_s = 0.0;
   std::optional<double> swap_s;  ///< absent: never shown
   int repeats = 0;               ///< refreshes of the screen before it that showed an older frame
-  bool full = false;  ///< drawn as well as the study wants it; false: time did not suffice
+  bool full = false;  ///< rendered as well as the study wants it; false: time did not suffice
 };
 
 struct LiveFrame {
   FrameRecord record;
-  std::shared_ptr<const Picture> picture;
+  std::shared_ptr<const Image> image;
   FrameTiming timing;
   std::weak_ptr<LiveRecord> into;  ///< the record it belongs to, if any
 };
@@ -69,7 +69,7 @@ class LiveRecord {
   void add(const GazeSample& sample);
   void add(const Change& change);
   void addMark(double time_s, const std::string& text);
-  /// In order of drawing.
+  /// In order of rendering.
   void add(std::shared_ptr<const LiveFrame> frame);
 
   /// Nothing more comes: the rest is written.
@@ -101,7 +101,7 @@ class LiveRecord {
   FrameTable frames_;
   std::ofstream changes_, timing_, marks_;
   Sha256 hash_;
-  Durations render_, drawn_;           // of all frames; of those that were drawn
+  Durations render_, rendered_;        // of all frames; of those that were rendered
   std::map<int, std::size_t> pupils_;  // frames by hundredths of a millimetre
   Landings landings_;
   std::size_t gaze_samples_ = 0, gaze_points_ = 0;  // with a place

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 namespace foci {
 
@@ -19,8 +19,8 @@ struct Refiner::Work {
   bool busy = false;
 };
 
-Refiner::Refiner(Painter painter, unsigned threads)
-    : painter_(std::move(painter)),
+Refiner::Refiner(FrameRenderer renderer, unsigned threads)
+    : renderer_(std::move(renderer)),
       threads_(threads),
       work_(std::make_unique<Work>()),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
@@ -30,31 +30,31 @@ Refiner::~Refiner() {
   want({});
 }
 
-void Refiner::want(std::vector<PaintJob> jobs) {
+void Refiner::want(std::vector<RenderRequest> jobs) {
   {
     const std::lock_guard lock(mutex_);
     if (jobs == wanted_) return;
     wanted_ = std::move(jobs);
-    std::erase_if(painted_, [&](const Painted& each) { return !isWanted({each.job}); });
+    std::erase_if(rendered_, [&](const RenderedFrame& each) { return !isWanted({each.job}); });
     if (work_->busy && !isWanted(step_)) work_->context.cancel_group_execution();
   }
   changed_.notify_all();
 }
 
 bool Refiner::isWanted(const Step& step) const {
-  return std::ranges::any_of(wanted_, [&](const PaintJob& job) {
+  return std::ranges::any_of(wanted_, [&](const RenderRequest& job) {
     return step.prepares ? job.sameViews(step.job) : job == step.job;
   });
 }
 
-std::optional<Painted> Refiner::take(const PaintJob& job) {
+std::optional<RenderedFrame> Refiner::take(const RenderRequest& job) {
   const std::lock_guard lock(mutex_);
-  const auto found = std::ranges::find(painted_, job, &Painted::job);
-  if (found == painted_.end()) return std::nullopt;
-  std::optional<Painted> painted = std::move(*found);
-  painted_.erase(found);
+  const auto found = std::ranges::find(rendered_, job, &RenderedFrame::job);
+  if (found == rendered_.end()) return std::nullopt;
+  std::optional<RenderedFrame> rendered = std::move(*found);
+  rendered_.erase(found);
   std::erase(wanted_, job);
-  return painted;
+  return rendered;
 }
 
 std::uint64_t Refiner::done() const {
@@ -66,24 +66,25 @@ std::optional<Refiner::Step> Refiner::next() const {
   if (!wanted_.empty() && !(prepared_ && prepared_->sameViews(wanted_.front()))) {
     return Step{.job = wanted_.front(), .prepares = true};
   }
-  for (const PaintJob& job : wanted_) {
-    if (std::ranges::find(painted_, job, &Painted::job) == painted_.end()) return Step{.job = job};
+  for (const RenderRequest& job : wanted_) {
+    if (std::ranges::find(rendered_, job, &RenderedFrame::job) == rendered_.end())
+      return Step{.job = job};
   }
   return std::nullopt;
 }
 
 /// False where it was stopped.
-bool Refiner::carryOut(const Step& step, Painted& painted) {
+bool Refiner::carryOut(const Step& step, RenderedFrame& rendered) {
   bool whole = false;
   tbb::parallel_for(
       0, 1,
       [&](int) {
         try {
           if (step.prepares) {
-            painter_.prepare(step.job);
+            renderer_.prepare(step.job);
           } else {
-            painter_.paint(step.job.atLeisure(), painted);
-            painted.job = step.job;
+            renderer_.render(step.job.atLeisure(), rendered);
+            rendered.job = step.job;
           }
           whole = true;
         } catch (const Cancelled&) {
@@ -109,9 +110,9 @@ void Refiner::run(const std::stop_token& stop) {
       work_->context.reset();
       work_->busy = true;
     }
-    Painted painted;
+    RenderedFrame rendered;
     bool whole = false;
-    arena.execute([&] { whole = carryOut(step, painted); });
+    arena.execute([&] { whole = carryOut(step, rendered); });
     const std::lock_guard lock(mutex_);
     work_->busy = false;
     if (!whole) continue;
@@ -119,7 +120,7 @@ void Refiner::run(const std::stop_token& stop) {
     if (step.prepares) {
       prepared_ = step.job;
     } else if (isWanted(step)) {
-      painted_.push_back(std::move(painted));
+      rendered_.push_back(std::move(rendered));
     }
   }
 }

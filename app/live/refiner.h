@@ -10,48 +10,48 @@
 #include <thread>
 #include <vector>
 
-#include "app/painter.h"
+#include "app/session/frame_renderer.h"
 
 namespace foci {
 
 class Refiner {
  public:
-  /// @param threads  that paint
-  Refiner(Painter painter, unsigned threads);
+  /// @param threads  that render
+  Refiner(FrameRenderer renderer, unsigned threads);
   ~Refiner();
   Refiner(const Refiner&) = delete;
   Refiner& operator=(const Refiner&) = delete;
 
-  /// These pictures are to be painted, the first of them first, and no others. What their views
+  /// These images are to be rendered, the first of them first, and no others. What their views
   /// need to hold a time is prepared before. Does not wait.
-  void want(std::vector<PaintJob> jobs);
+  void want(std::vector<RenderRequest> jobs);
 
-  /// The picture of a job that is wanted, once it is there.
-  std::optional<Painted> take(const PaintJob& job);
+  /// The image of a job that is wanted, once it is there.
+  std::optional<RenderedFrame> take(const RenderRequest& job);
 
-  /// How much has been prepared and painted so far.
+  /// How much has been prepared and rendered so far.
   std::uint64_t done() const;
 
  private:
   struct Work;
   /// What is being done, or was last.
   struct Step {
-    PaintJob job;
+    RenderRequest job;
     bool prepares = false;
   };
 
   std::optional<Step> next() const;
   bool isWanted(const Step& step) const;
-  bool carryOut(const Step& step, Painted& painted);
+  bool carryOut(const Step& step, RenderedFrame& rendered);
   void run(const std::stop_token& stop);
 
-  Painter painter_;
+  FrameRenderer renderer_;
   unsigned threads_;
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::vector<PaintJob> wanted_;
-  std::vector<Painted> painted_;  // of those
-  std::optional<PaintJob> prepared_;
+  std::vector<RenderRequest> wanted_;
+  std::vector<RenderedFrame> rendered_;  // of those
+  std::optional<RenderRequest> prepared_;
   Step step_;
   std::uint64_t done_ = 0;
   std::unique_ptr<Work> work_;

@@ -6,18 +6,19 @@
 #include <cmath>
 #include <utility>
 
-#include "app/inputs.h"
-#include "app/observer_eye.h"
-#include "gaze/focus/line_of_sight.h"
+#include "app/session/observer_eye.h"
+#include "app/study/inputs.h"
+#include "base/text.h"
+#include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
 namespace {
 
-constexpr double kMargin_s = 0.0015;     // a frame is ready this much before it is wanted
-constexpr double kTick_s = 1e-6;         // of the clock
-constexpr double kStill_D_s = 0.05;      // an eye whose focus moves no faster is at rest
-constexpr int kAlike = 2;                // draws after which another brings nothing new
-constexpr std::size_t kMostBacklog = 8;  // frames that wait for the disk
+constexpr double kMargin_s = 0.0015;    // a frame is ready this much before it is wanted
+constexpr double kTick_s = 1e-6;        // of the clock
+constexpr double kStill_D_s = 0.05;     // an eye whose focus moves no faster is at rest
+constexpr int kAlike = 2;               // renders after which another brings nothing new
+constexpr std::size_t kMaxBacklog = 8;  // frames that wait for the disk
 
 }  // namespace
 
@@ -154,7 +155,7 @@ void LiveRenderer::run(const std::stop_token& stop) {
     session_start_s_ = clock_.now_s();
     session_ = std::make_unique<Session>(study_, *cloud_, feed_.screen(), feed_.rate_Hz(),
                                          session_start_s_);
-    drawFrames(stop);
+    renderFrames(stop);
   } catch (...) {
     const std::lock_guard lock(mutex_);
     failure_ = std::current_exception();
@@ -163,11 +164,11 @@ void LiveRenderer::run(const std::stop_token& stop) {
   ready_();
 }
 
-void LiveRenderer::drawFrames(const std::stop_token& stop) {
+void LiveRenderer::renderFrames(const std::stop_token& stop) {
   tbb::task_arena arena(static_cast<int>(threads_));
   while (waitForRoom(stop)) {
     std::shared_ptr<LiveFrame> frame;
-    arena.execute([&] { frame = drawFrame(); });
+    arena.execute([&] { frame = renderFrame(); });
     {
       const std::lock_guard lock(mutex_);
       state_.last = frame->record;
@@ -177,7 +178,7 @@ void LiveRenderer::drawFrames(const std::stop_token& stop) {
   }
 }
 
-/// Until the last picture has been taken and it is time for the next, minding commands meanwhile.
+/// Until the last image has been taken and it is time for the next, minding commands meanwhile.
 bool LiveRenderer::waitForRoom(const std::stop_token& stop) {
   const double cost_s = cost_s_.contains(last_method_) ? cost_s_.at(last_method_) : 0.0;
   while (!stop.stop_requested()) {
@@ -189,8 +190,8 @@ bool LiveRenderer::waitForRoom(const std::stop_token& stop) {
         const auto start = clock_.at(next_swap_s_ - cost_s - kMargin_s);
         changed_.wait_until(lock, stop, start, [&] { return !commands_.empty(); });
       }
-      const bool busy = state_.record && state_.record->backlog() > kMostBacklog;
-      if (busy && commands_.empty()) {  // the disk is slower than the drawing
+      const bool busy = state_.record && state_.record->backlog() > kMaxBacklog;
+      if (busy && commands_.empty()) {  // the disk is slower than the rendering
         changed_.wait_for(lock, stop, std::chrono::milliseconds(5), [] { return false; });
         continue;
       }
@@ -206,7 +207,7 @@ bool LiveRenderer::waitForRoom(const std::stop_token& stop) {
 
 /// A sample as a record keeps it.
 GazeSample LiveRenderer::asRecorded(GazeSample sample) const {
-  constexpr double kFarthest_px = 1e5, kWidestPupil_mm = 15.0, kLeastSure_deg = 45.0;
+  constexpr double kFarthest_px = 1e5, kWidestPupil_mm = 15.0, kMinSure_deg = 45.0;
   const auto plausible = [&](std::optional<glm::dvec2>& point_px) {
     if (point_px && !(glm::length(*point_px) <= kFarthest_px)) point_px.reset();
   };
@@ -216,7 +217,7 @@ GazeSample LiveRenderer::asRecorded(GazeSample sample) const {
     sample.pupil_mm.reset();
   }
   if (sample.uncertainty_deg) {
-    sample.uncertainty_deg = std::clamp(*sample.uncertainty_deg, 0.0, kLeastSure_deg);
+    sample.uncertainty_deg = std::clamp(*sample.uncertainty_deg, 0.0, kMinSure_deg);
   }
   for (EyeSample& eye : sample.eyes) {
     if (!eye.point_px && eye.direction) {
@@ -242,33 +243,33 @@ void LiveRenderer::takeGaze() {
   }
 }
 
-/// Where a time is held, pictures are drawn at leisure, too: the one of an eye at rest, and the one
-/// that it will see once its focus has come to rest, so that it is there by then.
-/// @return whether the last picture is that of the job, too, as good as can be had now
-bool LiveRenderer::refine(const PaintJob& job, const FrameRecord& record) {
+/// Where a time is held, images are rendered at leisure, too: the one of an eye at rest, and the
+/// one that it will see once its focus has come to rest, so that it is there by then.
+/// @return whether the last image is that of the job, too, as good as can be had now
+bool LiveRenderer::refine(const RenderRequest& job, const FrameRecord& record) {
   if (!job.holdsTime()) {
     refiner_.reset();
     return false;
   }
   if (!refiner_) {
     // Of two cores it has one: a frame that waits for the other one's share of it comes late.
-    refiner_ = std::make_unique<Refiner>(session_->otherPainter(), std::max(threads_, 2u) - 1);
+    refiner_ = std::make_unique<Refiner>(session_->cloneRenderer(), std::max(threads_, 2u) - 1);
   }
   const bool same = job == last_job_;
   if (!job.sameViews(last_job_)) {
     refiner_->want({});
-  } else if (record.eye.state != GazeState::saccade) {  // what is painted will do after it, too
+  } else if (record.eye.state != GazeState::saccade) {  // what is rendered will do after it, too
     const double moved_D = std::abs(record.eye.focus_D - last_.eye.focus_D);
     const bool rests = moved_D <= kStill_D_s * (record.time_s - last_.time_s);
-    const PaintJob at_rest = session_->jobAtRest(last_method_, record);
-    std::vector<PaintJob> wanted;
+    const RenderRequest at_rest = session_->jobAtRest(last_method_, record);
+    std::vector<RenderRequest> wanted;
     if ((rests || job == at_rest) && !session_->hasAtLeisure(job)) wanted.push_back(job);
     if (job != at_rest) wanted.push_back(at_rest);
     refiner_->want(std::move(wanted));
   }
   if (session_->hasAtLeisure(job)) return same;
-  if (auto painted = refiner_->take(job)) {
-    session_->adopt(job, std::move(*painted));
+  if (auto rendered = refiner_->take(job)) {
+    session_->adopt(job, std::move(*rendered));
     return false;
   }
   const std::uint64_t refined = refiner_->done();
@@ -276,7 +277,7 @@ bool LiveRenderer::refine(const PaintJob& job, const FrameRecord& record) {
   return same && !news && alike_ >= kAlike;
 }
 
-std::shared_ptr<LiveFrame> LiveRenderer::drawFrame() {
+std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
   auto frame = std::make_shared<LiveFrame>();
   FrameTiming& timing = frame->timing;
   takeGaze();
@@ -287,26 +288,27 @@ std::shared_ptr<LiveFrame> LiveRenderer::drawFrame() {
   if (frame->record.eye.sample) timing.sample_s = frame->record.eye.sample->time_s;
   timing.state_s = frame->record.eye.state_time_s;
   last_method_ = methodOfFrame(session_->study(), frame->record);
-  const PaintJob job = session_->jobOf(last_method_, frame->record);
+  const RenderRequest job = session_->jobOf(last_method_, frame->record);
   const bool again = refine(job, frame->record);
-  const Frame& drawn = session_->draw(job, frame->record, again);
+  const Frame& rendered = session_->render(job, frame->record, again);
   alike_ = job == last_job_ && frame->record.method == last_.method ? alike_ + 1 : 0;
   const Study& study = session_->study();
-  if (frame->record.drawn) plain_ = std::make_shared<Picture>(pictureOf(drawn, study.screen.gamma));
+  if (frame->record.rendered)
+    plain_ = std::make_shared<Image>(imageOf(rendered, study.screen.gamma));
   last_job_ = job;
   last_ = frame->record;
-  frame->picture = plain_;
+  frame->image = plain_;
   if (study.output.marker) {
-    auto marked = std::make_shared<Picture>(*plain_);
+    auto marked = std::make_shared<Image>(*plain_);
     session_->mark(frame->record, *marked);
-    frame->picture = std::move(marked);
+    frame->image = std::move(marked);
   }
   timing.full = frame->record.stats.in_full && last_method_ == study.render.method;
   last_frame_s_ = time_s;
   frame->into = state_.record;
   timing.render_end_s = clock_.now_s();
-  // In a saccade the picture may stay, which costs nothing; the one of its landing is painted.
-  if (last_.drawn || last_.eye.state != GazeState::saccade) {
+  // In a saccade the image may stay, which costs nothing; the one of its landing is rendered.
+  if (last_.rendered || last_.eye.state != GazeState::saccade) {
     cost_s_[last_method_] = timing.render_end_s - timing.render_start_s;
   }
   return frame;

@@ -1,4 +1,4 @@
-// The worker of `foci live`: takes the gaze as late as it can, draws, and lays the picture ready.
+// The worker of `foci live`: takes the gaze as late as it can, renders, and lays the image ready.
 // The window takes it when it wants one, and never waits.
 #pragma once
 
@@ -15,31 +15,31 @@
 #include <thread>
 #include <vector>
 
-#include "app/gaze_feed.h"
 #include "app/live/clock.h"
+#include "app/live/gaze_feed.h"
 #include "app/live/record.h"
 #include "app/live/refiner.h"
-#include "app/session.h"
+#include "app/session/session.h"
 
 namespace foci {
 
 /// The one place where a live frame's method is chosen: the study's, but in a saccade, when the
 /// eye sees next to nothing, the one that is soonest ready for its landing. `auto` goes on: its
-/// picture stays while nothing changes, which takes no time at all.
+/// image stays while nothing changes, which takes no time at all.
 std::string methodOfFrame(const Study& study, const FrameRecord& record);
 
-/// What the window shows besides the picture.
+/// What the window shows besides the image.
 struct LiveState {
   Study study;                         ///< with the changes so far
   std::string notice;                  ///< the last thing to be told; "" at first
-  FrameRecord last;                    ///< drawn
+  FrameRecord last;                    ///< rendered
   std::shared_ptr<LiveRecord> record;  ///< running; or none
 };
 
 class LiveRenderer {
  public:
-  /// @param ready    called from the worker when a picture has been laid ready, or it has failed
-  /// @param threads  that draw
+  /// @param ready    called from the worker when an image has been laid ready, or it has failed
+  /// @param threads  that render
   /// `clock` and `feed` outlive it.
   LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock, std::string command,
                unsigned threads, std::function<void()> ready);
@@ -47,7 +47,7 @@ class LiveRenderer {
   LiveRenderer(const LiveRenderer&) = delete;
   LiveRenderer& operator=(const LiveRenderer&) = delete;
 
-  /// The picture that lies ready, if one does: room for the next.
+  /// The image that lies ready, if one does: room for the next.
   /// @param next_s  when the window will want that
   /// @throws what made the worker end
   std::shared_ptr<LiveFrame> take(double next_s);
@@ -72,12 +72,12 @@ class LiveRenderer {
 
   std::future<std::string> post(std::function<void()> action);
   void run(const std::stop_token& stop);
-  void drawFrames(const std::stop_token& stop);
+  void renderFrames(const std::stop_token& stop);
   bool waitForRoom(const std::stop_token& stop);
   void takeGaze();
   GazeSample asRecorded(GazeSample sample) const;
-  std::shared_ptr<LiveFrame> drawFrame();
-  bool refine(const PaintJob& job, const FrameRecord& record);
+  std::shared_ptr<LiveFrame> renderFrame();
+  bool refine(const RenderRequest& job, const FrameRecord& record);
   void publish();
   void closeRecord();
 
@@ -92,11 +92,11 @@ class LiveRenderer {
   std::optional<SurfelCloud> cloud_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<Refiner> refiner_;  // where a time is held
-  PaintJob last_job_;
+  RenderRequest last_job_;
   FrameRecord last_;
-  int alike_ = 0;                         // draws of the last job that were drawn alike
-  std::uint64_t refined_ = 0;             // as the refiner counts, at the last of them
-  std::shared_ptr<const Picture> plain_;  // of the last frame, without a mark
+  int alike_ = 0;                       // renders of the last job that were rendered alike
+  std::uint64_t refined_ = 0;           // as the refiner counts, at the last of them
+  std::shared_ptr<const Image> plain_;  // of the last frame, without a mark
   std::vector<GazeSample> news_;
   std::optional<double> last_sample_s_;
   double last_frame_s_ = 0.0, session_start_s_ = 0.0;

@@ -2,15 +2,15 @@
 
 #include <utility>
 
-#include "app/base/input_error.h"
-#include "app/inputs.h"
-#include "calibration/binocular_map.h"
-#include "calibration/camera.h"
-#include "calibration/gaze_map_file.h"
-#include "calibration/webcam_calibration.h"
-#include "calibration/webcam_recalibration.h"
+#include "app/study/inputs.h"
+#include "base/input_error.h"
+#include "calibration/binocular/binocular_map.h"
+#include "calibration/camera/camera.h"
+#include "calibration/gaze_map/gaze_map_file.h"
+#include "calibration/webcam/webcam_calibration.h"
+#include "calibration/webcam/webcam_recalibration.h"
 #include "gaze/sources/line_reader.h"
-#include "gaze/sources/webcam_source.h"
+#include "gaze/webcam/webcam_source.h"
 #ifdef FOCI_PUPIL
 #include "gaze/sources/pupil_source.h"
 #endif

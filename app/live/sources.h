@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "app/study.h"
+#include "app/study/study.h"
 #include "gaze/sources/live_source.h"
 #include "gaze/sources/simple_sources.h"
 

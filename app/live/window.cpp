@@ -1,4 +1,4 @@
-// The window of `foci live`: shows each picture as soon as it is there, and turns keys into changes
+// The window of `foci live`: shows each image as soon as it is there, and turns keys into changes
 // of the study. Nothing here takes longer than a swap of buffers.
 #include <GLFW/glfw3.h>
 #include <imgui.h>
@@ -12,22 +12,23 @@
 #include <future>
 #include <memory>
 
-#include "app/interrupt.h"
-#include "app/live/driver.h"
-#include "app/live/mark_socket.h"
 #include "app/live/options.h"
 #include "app/live/panel.h"
 #include "app/live/pose.h"
+#include "app/live/remote_control.h"
+#include "app/live/remote_socket.h"
 #include "app/live/renderer.h"
-#include "app/output_folder.h"
-#include "app/window.h"
+#include "app/platform/interrupt.h"
+#include "app/platform/output_folder.h"
+#include "app/window/window.h"
+#include "base/file.h"
 #include "render/methods/method.h"
 
 namespace foci {
 namespace {
 
 constexpr double kFirst_s = 8.0, kNotice_s = 4.0;       // how long hints stand
-constexpr double kPanel_s = 1.0 / 30.0, kIdle_s = 0.5;  // redrawn without a new picture
+constexpr double kPanel_s = 1.0 / 30.0, kIdle_s = 0.5;  // redrawn without a new image
 constexpr double kStep_m = 0.05, kTurn_rad_per_px = 0.002, kFocusStep_D = 0.25;
 constexpr std::array kViews{"mono", "side-by-side", "top-bottom", "anaglyph"};
 
@@ -78,7 +79,7 @@ class LiveWindow {
   std::optional<LiveRenderer> renderer_;
   std::shared_ptr<LiveFrame> frame_;  // shown last
   bool is_new_ = false;               // not shown yet
-  double period_s_ = 1.0 / 60.0, last_swap_s_ = 0.0, picture_swap_s_ = 0.0;
+  double period_s_ = 1.0 / 60.0, last_swap_s_ = 0.0, image_swap_s_ = 0.0;
   std::string notice_;
   double notice_since_s_ = -kNotice_s;
   bool panel_ = false, help_ = false;
@@ -86,7 +87,7 @@ class LiveWindow {
   glm::dvec2 cursor_px_{0.0};
   bool clicked_ = false;  // the left button was down
   std::future<void> saving_;
-  std::optional<MarkSocket> socket_;  // last: its thread calls the others
+  std::optional<RemoteSocket> socket_;  // last: its thread calls the others
 };
 
 LiveWindow::LiveWindow(const Study& study, const LiveOptions& options)
@@ -103,8 +104,7 @@ LiveWindow::LiveWindow(const Study& study, const LiveOptions& options)
   renderer_.emplace(study, *feed_, clock_, options.command, options.threads, [this] {
     if (open_) Window::wake();
   });
-  window_.emplace("foci live",
-                  options.window ? std::optional(study.pictureSize_px()) : std::nullopt,
+  window_.emplace("foci live", options.window ? std::optional(study.imageSize_px()) : std::nullopt,
                   options.monitor);
   open_ = true;
   texture_.emplace();
@@ -283,9 +283,9 @@ void LiveWindow::screenshot() {
     return;  // one at a time
   }
   const std::filesystem::path file = unusedName(".png");
-  renderer_->tell("picture in " + file.string());
+  renderer_->tell("image in " + file.string());
   saving_ = std::async(std::launch::async, [this, frame = frame_, file] {
-    const auto bytes = pngOf(*frame->picture);
+    const auto bytes = pngOf(*frame->image);
     try {
       writeText(file, {bytes.begin(), bytes.end()});
     } catch (const std::exception& error) {
@@ -295,7 +295,7 @@ void LiveWindow::screenshot() {
 }
 
 void LiveWindow::draw() {
-  if (is_new_) texture_->set(frame_->picture->size_px, frame_->picture->rgb.data());
+  if (is_new_) texture_->set(frame_->image->size_px, frame_->image->rgb.data());
   if (!window_->begin(glm::vec3(0.0f))) leaving_ = true;
   if (frame_) texture_->fill(window_->frameBufferSize_px());
   const LiveState state = renderer_->state();
@@ -317,7 +317,7 @@ void LiveWindow::draw() {
   if (is_new_) shown();
 }
 
-/// Accounts for the picture that has just been swapped in.
+/// Accounts for the image that has just been swapped in.
 void LiveWindow::shown() {
   is_new_ = false;
   FrameTiming& timing = frame_->timing;
@@ -325,10 +325,10 @@ void LiveWindow::shown() {
   if (summary_.frames == 0) {
     summary_.first_frame_s = last_swap_s_;
   } else {
-    const auto refreshes = std::lround((last_swap_s_ - picture_swap_s_) / period_s_);
+    const auto refreshes = std::lround((last_swap_s_ - image_swap_s_) / period_s_);
     timing.repeats = static_cast<int>(std::max(refreshes - 1, 0L));
   }
-  picture_swap_s_ = last_swap_s_;
+  image_swap_s_ = last_swap_s_;
   ++summary_.frames;
   summary_.repeated += static_cast<std::uint64_t>(timing.repeats);
   const double render_ms = 1e3 * (timing.render_end_s - timing.render_start_s);

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "gaze/events/online_events.h"
-#include "gaze/focus/line_of_sight.h"
+#include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gaze/events/event_settings.h"
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 

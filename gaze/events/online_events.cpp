@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "gaze/focus/line_of_sight.h"
+#include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
 namespace {

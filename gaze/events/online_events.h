@@ -9,7 +9,7 @@
 #include "gaze/events/event_settings.h"
 #include "gaze/events/pursuit.h"
 #include "gaze/events/saccades.h"
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 

@@ -32,8 +32,8 @@ double StableGaze::evidence(double noise_deg) const {
   // Nineteen in twenty ways of pure noise are no longer than the square root of thrice their mean
   // square (chi-square, two axes); a spread's square scatters by 1 / sqrt(n), and the noise is
   // known to a seventh.
-  constexpr double kMostOfNoise = 3.0, kKnown = 1.3;
-  const double way = std::sqrt(std::max(way_deg * way_deg - kMostOfNoise * 2.0 * noise_deg2, 0.0));
+  constexpr double kMaxOfNoise = 3.0, kKnown = 1.3;
+  const double way = std::sqrt(std::max(way_deg * way_deg - kMaxOfNoise * 2.0 * noise_deg2, 0.0));
   const double spread =
       std::sqrt(std::max(spread_deg2 - (kKnown + 2.0 / std::sqrt(count_)) * noise_deg2, 0.0));
   return 0.37 - 0.39 * std::log(duration_s) + 1.59 * std::log(way + 0.1) +

@@ -320,7 +320,7 @@ std::vector<TimedSight> withoutSpikes(std::span<const TimedSight> sights, double
   constexpr double kReturns = 4.0;  // times as far out as its neighbours lie apart
   std::vector<TimedSight> result(sights.begin(), sights.end());
   if (rate_Hz < kSlowest_Hz) return result;
-  const double least_deg = std::max(kLeast_deg, kNoise * noise.sample_deg);
+  const double min_deg = std::max(kLeast_deg, kNoise * noise.sample_deg);
   for (std::size_t i = 1; i < result.size(); ++i) {
     for (std::size_t length : {1, 2, 3}) {
       const std::size_t next = i + length;
@@ -334,7 +334,7 @@ std::vector<TimedSight> withoutSpikes(std::span<const TimedSight> sights, double
         else
           out_deg = std::min(out_deg, angle_deg(*result[j].direction, 0.5 * (from + to)));
       }
-      if (out_deg <= least_deg || out_deg <= kReturns * angle_deg(from, to)) continue;
+      if (out_deg <= min_deg || out_deg <= kReturns * angle_deg(from, to)) continue;
       for (std::size_t j = i; j < next; ++j) {
         const double part = static_cast<double>(j + 1 - i) / static_cast<double>(length + 1);
         result[j].direction = glm::normalize(glm::mix(from, to, part));

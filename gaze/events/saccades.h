@@ -7,7 +7,7 @@
 
 #include "gaze/events/event_settings.h"
 #include "gaze/events/gaze_speed.h"
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 

@@ -12,10 +12,10 @@ namespace foci {
 namespace {
 
 constexpr int kRays = 96;
-constexpr double kLeastRadius = 0.012, kMostRadius = 0.2;  // of the image's width
-constexpr int kLeastContrast = 12;                         // grey levels from pupil to iris
-constexpr int kGlint = 200;                                // grey level, at least
-constexpr double kOff = 0.06;                              // of the radius: on the outline
+constexpr double kMinRadius = 0.012, kMaxRadius = 0.2;  // of the image's width
+constexpr int kMinContrast = 12;                        // grey levels from pupil to iris
+constexpr int kGlint = 200;                             // grey level, at least
+constexpr double kOff = 0.06;                           // of the radius: on the outline
 
 struct Seed {
   cv::Point2d centre{};
@@ -43,7 +43,7 @@ int percentile(const cv::Mat& grey, double share) {
 Seed findSeed(const cv::Mat& grey) {
   Seed best;
   const int darkest = percentile(grey, 0.002);
-  const double least = kLeastRadius * grey.cols, most = kMostRadius * grey.cols;
+  const double least = kMinRadius * grey.cols, most = kMaxRadius * grey.cols;
   cv::Mat mask, labels, stats, centres;
   const cv::Mat kernel = cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7});
   constexpr double kRound = 0.85;
@@ -110,7 +110,7 @@ std::vector<cv::Point2f> outline(const cv::Mat& grey, const cv::Point2d& centre,
         at = i;
       }
     }
-    if (steepest < kLeastContrast || at <= kReach || at + kReach + 1 >= profile.size()) continue;
+    if (steepest < kMinContrast || at <= kReach || at + kReach + 1 >= profile.size()) continue;
     const double before = rise(at - 1), after = rise(at + 1);
     const double bend = before - 2.0 * steepest + after;
     const double shift = bend < 0.0 ? std::clamp(0.5 * (before - after) / bend, -1.0, 1.0) : 0.0;
@@ -182,7 +182,7 @@ std::optional<CloseUpPupil> findCloseUpPupil(const cv::Mat& grey) {
     agreeing = kept.size();
     if (!(box.size.width > 0.0f) || !(box.size.height > 0.0f)) return std::nullopt;
     const double mean = 0.25 * (box.size.width + box.size.height);
-    if (mean < kLeastRadius * grey.cols || mean > kMostRadius * grey.cols) return std::nullopt;
+    if (mean < kMinRadius * grey.cols || mean > kMaxRadius * grey.cols) return std::nullopt;
     if (round == 1) {
       centre = box.center;
       radius = mean;

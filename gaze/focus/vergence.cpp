@@ -10,13 +10,13 @@ namespace foci {
 std::optional<DioptreEstimate> vergenceOf(const EyeRay& left, const EyeRay& right,
                                           double error_deg) {
   assert(error_deg > 0.0);
-  constexpr double kLeastBase_m = 0.01;
+  constexpr double kMinBase_m = 0.01;
   if (!(glm::dot(left.direction, right.direction) > 0.5)) return std::nullopt;
   const glm::dvec3 mean = glm::normalize(left.direction + right.direction);
   const glm::dvec3 base = right.origin_m - left.origin_m;
   const glm::dvec3 across = base - glm::dot(base, mean) * mean;
   const double length_m = glm::length(across);
-  if (!(length_m >= kLeastBase_m)) return std::nullopt;
+  if (!(length_m >= kMinBase_m)) return std::nullopt;
   const glm::dvec3 disparity = left.direction / glm::dot(left.direction, mean) -
                                right.direction / glm::dot(right.direction, mean);
   return DioptreEstimate{.value_D = glm::dot(disparity, across) / (length_m * length_m),

@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 

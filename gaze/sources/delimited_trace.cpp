@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "gaze/sources/cyclopean.h"
+#include "gaze/geometry/cyclopean.h"
 #include "gaze/sources/table_layout.h"
 #include "gaze/sources/table_preamble.h"
 #include "gaze/sources/table_row.h"

@@ -1,7 +1,7 @@
 // Recordings as tables of text: TSV and CSV with a header line.
 #pragma once
 
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/trace_reader.h"
 

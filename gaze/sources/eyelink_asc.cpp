@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gaze/sources/cyclopean.h"
+#include "gaze/geometry/cyclopean.h"
 
 namespace foci {
 namespace {

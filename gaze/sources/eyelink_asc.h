@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/trace_reader.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/base/input_error.h"
+#include "base/input_error.h"
 
 namespace foci {
 

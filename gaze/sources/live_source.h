@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 

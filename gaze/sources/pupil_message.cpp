@@ -5,7 +5,7 @@
 #include <cmath>
 #include <msgpack.hpp>
 
-#include "gaze/focus/line_of_sight.h"
+#include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <zmq.hpp>
 
-#include "app/base/input_error.h"
+#include "base/input_error.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/pupil_message.h"
 
@@ -12,12 +12,12 @@ namespace foci {
 namespace {
 
 constexpr double kPatience_s = 2.0;
-constexpr int kMostMessages = 4096;  // waiting; older ones go
+constexpr int kMaxMessages = 4096;  // waiting; older ones go
 
 zmq::socket_t quietSocket(zmq::context_t& context, zmq::socket_type type) {
   zmq::socket_t socket(context, type);
   socket.set(zmq::sockopt::linger, 0);
-  socket.set(zmq::sockopt::rcvhwm, kMostMessages);
+  socket.set(zmq::sockopt::rcvhwm, kMaxMessages);
   socket.set(zmq::sockopt::maxmsgsize, std::int64_t{1} << 20);
   return socket;
 }
@@ -84,7 +84,7 @@ void PupilSource::subscribe(double now_s) {
 }
 
 void PupilSource::receive(double now_s, std::vector<GazeSample>& samples) {
-  for (int i = 0; i < kMostMessages; ++i) {
+  for (int i = 0; i < kMaxMessages; ++i) {
     zmq::message_t topic, payload, rest;
     if (!sockets_->data->recv(topic, zmq::recv_flags::dontwait)) return;
     bool more = topic.more();

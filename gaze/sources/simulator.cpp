@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "gaze/focus/line_of_sight.h"
+#include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 // Duration of a saccade: 2.2 ms a degree and 21 ms. Peak velocity follows: 15/8 of the mean.
 constexpr double kDurationPerDegree_s = 0.0022;
 constexpr double kShortestDuration_s = 0.021;
-constexpr double kLeastLatency_s = 0.08;       // what is faster was no answer to the target
+constexpr double kMinLatency_s = 0.08;         // what is faster was no answer to the target
 constexpr double kIntersaccadic_s = 0.05;      // no saccade starts as soon after another
 constexpr double kCorrectionLatency_s = 0.15;  // of the second saccade to the same target
 constexpr double kCorrected_deg = 1.0;         // errors below stay uncorrected
@@ -72,7 +72,7 @@ class Observer {
         eye_deg_ = point_deg;
       } else {
         const double latency_s = settings.latency_s + settings.latency_sd_s * chance_.normal();
-        plans_.push_back({appears_s + std::max(latency_s, kLeastLatency_s), point_deg, false});
+        plans_.push_back({appears_s + std::max(latency_s, kMinLatency_s), point_deg, false});
       }
       appears_s += target.dwell_s;
     }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <span>
 
-#include "app/base/nearest.h"
+#include "base/nearest.h"
 
 namespace foci {
 namespace {
@@ -79,8 +79,8 @@ class Recogniser {
     layout_.delimiter = has('\t') ? '\t' : has(';') ? ';' : has(',') ? ',' : ' ';
     layout_.format = layout_.delimiter == '\t' ? "TSV" : layout_.delimiter == ' ' ? "text" : "CSV";
     splitRow(header, layout_.delimiter, fields_);
-    constexpr std::size_t kMostColumns = 4096;
-    if (fields_.size() > kMostColumns) throw lines.error("over 4096 columns");
+    constexpr std::size_t kMaxColumns = 4096;
+    if (fields_.size() > kMaxColumns) throw lines.error("over 4096 columns");
     for (const std::string_view field : fields_) names_.push_back(nameOfColumn(field));
   }
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/trace_reader.h"
 

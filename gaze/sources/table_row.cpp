@@ -4,7 +4,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "gaze/focus/line_of_sight.h"
+#include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/swift_number.h"
 
 namespace foci {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/table_layout.h"
 

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "app/base/input_error.h"
+#include "base/input_error.h"
+#include "base/text.h"
 #include "gaze/sources/bids.h"
 #include "gaze/sources/delimited_trace.h"
 #include "gaze/sources/eyelink_asc.h"

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 

@@ -48,8 +48,8 @@ void TraceSummary::add(const GazeSample& sample) {
   last_s_ = sample.time_s;
   ++samples_;
   if (sample.point_px) {
-    least_px_ = present_ == 0 ? *sample.point_px : glm::min(least_px_, *sample.point_px);
-    most_px_ = present_ == 0 ? *sample.point_px : glm::max(most_px_, *sample.point_px);
+    min_px_ = present_ == 0 ? *sample.point_px : glm::min(min_px_, *sample.point_px);
+    max_px_ = present_ == 0 ? *sample.point_px : glm::max(max_px_, *sample.point_px);
     ++present_;
   }
   blinks_ += sample.blink;

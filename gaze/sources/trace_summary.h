@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 
@@ -26,8 +26,8 @@ class TraceSummary {
   /// Steps of time over three times the median interval so far, and over a tenth of a second.
   std::size_t jumps() const { return jumps_; }
   double longest_jump_s() const { return longest_jump_s_; }
-  glm::dvec2 least_px() const { return least_px_; }  ///< of the points, each axis
-  glm::dvec2 most_px() const { return most_px_; }
+  glm::dvec2 min_px() const { return min_px_; }  ///< of the points, each axis
+  glm::dvec2 max_px() const { return max_px_; }
 
  private:
   static constexpr int kPerOctave = 35;  // bins of intervals: even in each octave
@@ -38,7 +38,7 @@ class TraceSummary {
   std::size_t samples_ = 0, present_ = 0, blinks_ = 0, pupils_ = 0, jumps_ = 0;
   std::array<std::size_t, 2> eyes_{};
   double first_s_ = 0.0, last_s_ = 0.0, longest_jump_s_ = 0.0;
-  glm::dvec2 least_px_{0.0}, most_px_{0.0};
+  glm::dvec2 min_px_{0.0}, max_px_{0.0};
   std::array<std::size_t, kPerOctave * kOctaves> intervals_{};
   std::array<double, kPerOctave * kOctaves> sums_s_{};  // of the intervals in each bin
   double usual_s_ = 0.0;                                // median interval, now and then

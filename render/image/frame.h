@@ -32,7 +32,7 @@ struct Frame {
 
 /// What a frame cost.
 struct RenderStats {
-  std::uint64_t splats = 0;     ///< drawn, after culling
+  std::uint64_t splats = 0;     ///< rendered, after culling
   std::uint64_t fragments = 0;  ///< kernel evaluations inside a footprint
   double ms = 0.0;              ///< wall time
   /// Of a reference: the PSNR between two halves of its samples. The ceiling of any PSNR against
@@ -43,8 +43,8 @@ struct RenderStats {
   std::optional<double> tolerance_error;
   /// False of `auto` whose budget of time did not allow what its tolerance wants.
   bool in_full = true;
-  /// Of `auto` under a budget of time: the method that draws the same on any machine.
-  std::string drawn_as;
+  /// Of `auto` under a budget of time: the method that renders the same on any machine.
+  std::string rendered_as;
 };
 
 }  // namespace foci

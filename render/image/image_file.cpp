@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include "app/base/input_error.h"
+#include "base/input_error.h"
 #include "render/image/frame_mat.h"
 #include "render/image/srgb.h"
 

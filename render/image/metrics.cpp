@@ -100,8 +100,8 @@ std::vector<std::uint8_t> silhouetteBand(const Frame& pinhole, const Defocus& de
         }
       }
       if (reach_px.x < 0.0f) continue;
-      const glm::vec2 most_px(static_cast<float>(size_px.x + size_px.y));  // and not infinity
-      stampDisc(band, size_px, {x, y}, glm::min(reach_px + float{kStraddle_px}, most_px));
+      const glm::vec2 max_px(static_cast<float>(size_px.x + size_px.y));  // and not infinity
+      stampDisc(band, size_px, {x, y}, glm::min(reach_px + float{kStraddle_px}, max_px));
     }
   }
   return band;

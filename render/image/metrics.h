@@ -21,7 +21,7 @@ double ssim(const Frame& a, const Frame& b);
 /// Mean absolute difference of the coverage (alpha), 0 to 1.
 double coverageError(const Frame& a, const Frame& b);
 
-/// Where a picture with depth of field is hard: the pixels within the blur's reach of a depth
+/// Where an image with depth of field is hard: the pixels within the blur's reach of a depth
 /// discontinuity.
 ///   Discontinuity, at a pixel x along a row or a column: with d the vergence 1/U of what a pinhole
 ///   view shows there (0 where it covers less than half of the pixel; the median of 3 x 3 pixels,
@@ -30,7 +30,8 @@ double coverageError(const Frame& a, const Frame& b);
 ///     |d(x - s) - 2 d(x) + d(x + s)| > 0.05 max d(x - s, x, x + s).
 ///   Exactly 0 on a plane at any slope, whose 1/depth is affine on the image.
 ///   Reach: the largest circle of confusion of what the three pixels show, and s.
-/// @param pinhole  a frame drawn without blur, with `depth_m` (asserted), which is measured along
+/// @param pinhole  a frame rendered without blur, with `depth_m` (asserted), which is measured
+/// along
 ///                 what `defocus` says
 /// @return row-major, 1 in the band, else 0
 std::vector<std::uint8_t> silhouetteBand(const Frame& pinhole, const Defocus& defocus);

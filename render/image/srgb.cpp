@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 namespace foci {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 namespace foci {
 namespace {
@@ -38,7 +38,7 @@ class Selector {
     bool in_sight = false;  ///< their centres are on the image
   };
 
-  /// Selects below a node that is drawn with `weight`. Nodes of `last_level` are left pending.
+  /// Selects below a node that is rendered with `weight`. Nodes of `last_level` are left pending.
   /// @param above  of a node above it
   void select(std::size_t node, float weight, Bounds above, std::size_t last_node, Cut& cut,
               std::vector<Pending>* pending) const {
@@ -54,7 +54,7 @@ class Selector {
       if (size == kOutside) return;
     }
     if (weight == 1.0f && node >= first_range_node_ &&
-        coarse.least_m2 * above.least >= 1.0f + kFade) {
+        coarse.min_m2 * above.least >= 1.0f + kFade) {
       takeAll(node, cut);
       return;
     }
@@ -124,14 +124,14 @@ class Selector {
       return kOutside;
     }
     const float now =
-        tree_.coarseness()[index].now_m2 * perCoarseness(depth, least_px2(inv, range_D, at, reach));
+        tree_.coarseness()[index].now_m2 * perCoarseness(depth, min_px2(inv, range_D, at, reach));
 
     // What lies below has its centre within the radius, and no more than twice that radius.
     const float around = 3.0f * radius;
     if (depth - around < view_.near_m) return now;
     const float around_D = around * inv / std::max(distance - around, view_.near_m);
-    below = {.least = perCoarseness(depth + around, most_px2(inv, around_D, at, 3.0f * reach)),
-             .most = perCoarseness(depth - around, least_px2(inv, around_D, at, 3.0f * reach)),
+    below = {.least = perCoarseness(depth + around, max_px2(inv, around_D, at, 3.0f * reach)),
+             .most = perCoarseness(depth - around, min_px2(inv, around_D, at, 3.0f * reach)),
              .in_sight = at.x > spread.x && at.y > spread.y && at.x + spread.x < size.x &&
                          at.y + spread.y < size.y};
     return now;
@@ -143,12 +143,12 @@ class Selector {
 
   /// The least and the most variance allowed within a range of dioptres and pixels;
   /// finest_px grows with the distance from the gaze.
-  float least_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
+  float min_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
     const float least_D = std::max(leastDefocus_D(defocus_, inv) - range_D, 0.0f);
     const glm::vec2 from_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
     return allowed_px2(least_D, settings_.acuity.finest_px(glm::length(from_px)));
   }
-  float most_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
+  float max_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
     const float most_D = mostDefocus_D(defocus_, inv) + range_D;
     const glm::vec2 from_px = glm::abs(at - settings_.acuity.gaze_px) + reach;
     return allowed_px2(most_D, settings_.acuity.finest_px(glm::length(from_px)));

@@ -1,4 +1,4 @@
-// Which nodes of the tree to draw: as coarse as the blur lets them be.
+// Which nodes of the tree to render: as coarse as the blur lets them be.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace foci {
 
-/// A node is coarse enough to be drawn while the variance that merging added to it, on the image
+/// A node is coarse enough to be rendered while the variance that merging added to it, on the image
 /// and the mean of both axes, is at most
 ///   per_blur2 C^2 + per_pixel2 + per_acuity2 (h^2 - 1),
 /// C its radius of the circle of confusion in pixels and h the prefilter's standard deviation, 1 px
@@ -41,10 +41,10 @@ struct CutRange {
   std::uint32_t begin, end;
 };
 
-/// What is drawn instead of all surfels: nodes and surfels of the tree, and where none of its nodes
-/// can be coarse enough, ranges of surfels. On the way from the root to
-/// each surfel in sight the weights sum to one. A node fades into its children over a range of its
-/// size, so that all weights are continuous in view, focus and aperture.
+/// What is rendered instead of all surfels: nodes and surfels of the tree, and where none of its
+/// nodes can be coarse enough, ranges of surfels. On the way from the root to each surfel in sight
+/// the weights sum to one. A node fades into its children over a range of its size, so that all
+/// weights are continuous in view, focus and aperture.
 struct Cut {
   std::vector<CutEntry> nodes, surfels;
   std::vector<CutRange> ranges;  ///< at most kLongestRange surfels each

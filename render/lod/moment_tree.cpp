@@ -6,12 +6,12 @@
 #include <cmath>
 #include <limits>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 namespace foci {
 namespace {
 
-constexpr std::size_t kLeastCluster = 3;
+constexpr std::size_t kMinCluster = 3;
 constexpr int kSerialLevels = 6;  // below, one task a subtree; fixed, as are all results
 
 /// What is sorted into the tree.
@@ -187,7 +187,7 @@ MomentTree::MomentTree(const SurfelCloud& cloud) {
   assert(n < std::size_t{1} << 31);
   surfels_.oriented = cloud.oriented;
   if (n == 0) return;
-  levels_ = static_cast<int>(std::bit_width(std::max<std::size_t>(n / kLeastCluster, 1)));
+  levels_ = static_cast<int>(std::bit_width(std::max<std::size_t>(n / kMinCluster, 1)));
 
   std::vector<Item> items(n);
   parallelFor(n, [&](std::size_t i) {
@@ -222,8 +222,8 @@ MomentTree::MomentTree(const SurfelCloud& cloud) {
     coarseness_[i] = {coarse_m2, coarse_m2};
   });
   for (std::size_t node = nodes_.size() / 2; node-- > 1;) {
-    coarseness_[node].least_m2 =
-        std::min(coarseness_[2 * node].least_m2, coarseness_[2 * node + 1].least_m2);
+    coarseness_[node].min_m2 =
+        std::min(coarseness_[2 * node].min_m2, coarseness_[2 * node + 1].min_m2);
   }
 }
 

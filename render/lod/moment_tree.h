@@ -64,7 +64,7 @@ class MomentTree {
   /// lens tells apart, a quarter of their distance squared, or what their angle makes.
   struct Coarseness {
     float now_m2;
-    float least_m2;  ///< of the clusters below it, itself if it is one
+    float min_m2;  ///< of the clusters below it, itself if it is one
   };
   const std::vector<Coarseness>& coarseness() const { return coarseness_; }
   static constexpr float kThick = 30.0f;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/methods/abuffer.cpp"
@@ -339,7 +339,7 @@ struct ABuffer {
 
 }  // namespace
 
-std::size_t drawABufferTile(const ABufferTile& job, bool transparent, FragmentLists& lists) {
+std::size_t renderABufferTile(const ABufferTile& job, bool transparent, FragmentLists& lists) {
   const auto run = [&]<bool kTransparent, bool kDepth>() {
     ABuffer<kTransparent, kDepth> buffer(lists);
     return buffer.run(job);
@@ -358,10 +358,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace foci {
 
-HWY_EXPORT(drawABufferTile);
+HWY_EXPORT(renderABufferTile);
 
-std::uint64_t drawABuffer(const PaperSplats& splats, const PaperTileLists& lists,
-                          const glm::vec3& background, bool transparent, bool depth, Frame& frame) {
+std::uint64_t renderABuffer(const PaperSplats& splats, const PaperTileLists& lists,
+                            const glm::vec3& background, bool transparent, bool depth,
+                            Frame& frame) {
   const glm::ivec2 tiles = lists.tiles();
   const auto tile_count = static_cast<std::size_t>(tiles.x) * tiles.y;
   std::vector<std::size_t> fragments(tile_count);
@@ -371,7 +372,7 @@ std::uint64_t drawABuffer(const PaperSplats& splats, const PaperTileLists& lists
     const int x_px = static_cast<int>(t % tiles.x) * kPaperTile_px;
     const int y_px = static_cast<int>(t / tiles.x) * kPaperTile_px;
     const std::size_t corner = static_cast<std::size_t>(y_px) * frame.size_px.x + x_px;
-    fragments[t] = HWY_DYNAMIC_DISPATCH(drawABufferTile)(
+    fragments[t] = HWY_DYNAMIC_DISPATCH(renderABufferTile)(
         {.splats = splats.splats.get(),
          .entries = list.data(),
          .count = list.size(),

@@ -22,7 +22,8 @@ namespace foci {
 /// @param transparent  some splat's opacity is below 1
 /// @param depth        fill `frame.depth_m`
 /// @return the number of fragments: pixel centres of the image inside a cut ellipse
-std::uint64_t drawABuffer(const PaperSplats& splats, const PaperTileLists& lists,
-                          const glm::vec3& background, bool transparent, bool depth, Frame& frame);
+std::uint64_t renderABuffer(const PaperSplats& splats, const PaperTileLists& lists,
+                            const glm::vec3& background, bool transparent, bool depth,
+                            Frame& frame);
 
 }  // namespace foci

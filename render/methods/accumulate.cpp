@@ -4,7 +4,7 @@
 // says how far it can be trusted.
 #include <cmath>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/image/metrics.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/method.h"
@@ -17,7 +17,7 @@ class AccumulateMethod final : public Method {
  public:
   AccumulateMethod(const SurfelCloud& cloud, int views) : cloud_(cloud), views_(views) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
     const auto width = static_cast<std::size_t>(view.size_px.x);
     for (Frame* one : {&frame, &odd_, &view_}) {
@@ -31,7 +31,7 @@ class AccumulateMethod final : public Method {
     for (int i = 0; i < views_; ++i) {
       scene_.project(cloud_, view, settings, {.lens = lensSample(i, views_), .aperture = 0.0f});
       stats.splats += scene_.count();
-      stats.fragments += scene_.draw(settings.background, settings.depth, view_);
+      stats.fragments += scene_.render(settings.background, settings.depth, view_);
       Frame& half = i % 2 == 0 ? frame : odd_;
       parallelFor(static_cast<std::size_t>(view.size_px.y), [&](std::size_t y) {
         for (std::size_t p = y * width; p < (y + 1) * width; ++p) {

@@ -1,9 +1,9 @@
-// The default: `sweep-lod` that spends only what shows. Of five ways to draw a frame
+// The default: `sweep-lod` that spends only what shows. Of five ways to render a frame
 // (auto_ways.cpp) it takes the cheapest whose error stays within the tolerance: as found beforehand
 // over scenes and blurs, or where that asks for parts of the lens, as found on a few squares of the
 // frame itself; `auto:N` is always the N-th. Known failure: what small squares do not meet is not
-// known, nor what is harder at a blur of a few pixels, where none are drawn, than the scenes that
-// the ways were measured on.
+// known, nor what is harder at a blur of a few pixels, where none are rendered, than the scenes
+// that the ways were measured on.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -29,19 +29,19 @@ namespace {
 /// Where no way stays within the tolerance, it is this much above what the best one can.
 constexpr float kAsGood = 1.15f;  // times kMargin, some way still is
 
-/// To come back to a cheaper way its error must be this much below the tolerance: what is drawn
+/// To come back to a cheaper way its error must be this much below the tolerance: what is rendered
 /// does not flicker between two ways.
 constexpr float kMargin = 0.9f;
 
-/// Squares are drawn anew after so many frames, or where the blur has become this much more or
+/// Squares are rendered anew after so many frames, or where the blur has become this much more or
 /// less.
 constexpr int kCheckAgain = 60;
 constexpr float kOtherBlur = 1.5f;
 
-/// Where neither fits the budget, the better of two is drawn unless it takes so much longer.
+/// Where neither fits the budget, the better of two is rendered unless it takes so much longer.
 constexpr float kAsQuick = 2.0f;
 
-/// What a sharp picture hangs on.
+/// What a sharp image hangs on.
 struct Sight {
   View view;
   glm::vec3 background{0.0f};
@@ -54,14 +54,14 @@ Sight sightOf(const View& view, const RenderSettings& settings) {
   return {view, settings.background, settings.shading, settings.defocus.along};
 }
 
-/// The sharp picture of what an eye sees that stands still.
+/// The sharp image of what an eye sees that stands still.
 struct StandingView {
   Sight sight;
   BlurPyramid pyramid;
   RenderStats stats;
 };
 
-/// Those of both eyes, that a method and its twins share: one draws them while another uses them.
+/// Those of both eyes, that a method and its twins share: one renders them while another uses them.
 class StandingViews {
  public:
   std::shared_ptr<const StandingView> of(const Sight& sight) const {
@@ -89,7 +89,7 @@ class AutoMethod final : public Method {
   AutoMethod(const SurfelCloud& cloud, int number)
       : scene_(cloud), standing_(std::make_shared<StandingViews>()), number_(number) {}
 
-  std::unique_ptr<Method> twin() const override {
+  std::unique_ptr<Method> cloneSharingScene() const override {
     return std::make_unique<AutoMethod>(*this, nullptr);
   }
   AutoMethod(const AutoMethod& other, std::nullptr_t)
@@ -99,7 +99,7 @@ class AutoMethod final : public Method {
     standingOf(sightOf(view, settings));
   }
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     const Quality& quality = settings.quality;
     const float blur_px = largestBlur_px(view, settings.defocus);
     const Sight sight = sightOf(view, settings);
@@ -107,9 +107,9 @@ class AutoMethod final : public Method {
     if (!quality.as_before) sight_ = sight;
     const int number = number_ > 0 ? number_ : quality.way;
     const std::size_t chosen = number > 0          ? static_cast<std::size_t>(number - 1)
-                               : quality.as_before ? drawn_
+                               : quality.as_before ? rendered_
                                                    : choose(sight, settings, blur_px);
-    drawn_ = chosen;
+    rendered_ = chosen;
     const auto start = std::chrono::steady_clock::now();
     RenderStats stats;
     if (chosen == kStanding) {
@@ -117,7 +117,7 @@ class AutoMethod final : public Method {
       standing->pyramid.blur(settings.defocus, frame);
       stats = standing->stats;
     } else {
-      stats = drawSplats(wayNumbered(chosen), view, settings, frame);
+      stats = renderSplats(wayNumbered(chosen), view, settings, frame);
     }
     if (!quality.as_before && number == 0) {
       const std::chrono::duration<float, std::milli> took =
@@ -127,7 +127,7 @@ class AutoMethod final : public Method {
     stats.tolerance_error = number == 0 ? expectedError(chosen, blur_px)  //
                                         : wayNumbered(chosen).error(blur_px);
     stats.in_full = number > 0 || chosen == *way_;
-    if (quality.frame_ms) stats.drawn_as = "auto:" + std::to_string(chosen + 1);
+    if (quality.frame_ms) stats.rendered_as = "auto:" + std::to_string(chosen + 1);
     return stats;
   }
 
@@ -143,11 +143,11 @@ class AutoMethod final : public Method {
     return lod;
   }
 
-  RenderStats drawSplats(const Way& way, const View& view, const RenderSettings& settings,
-                         Frame& frame) {
-    RenderSettings drawn = settings;
-    if (way.sharp) drawn.defocus.radius_px_per_D = glm::vec2(0.0f);
-    return scene_.draw(view, drawn, lodOf(way, settings.quality), frame);
+  RenderStats renderSplats(const Way& way, const View& view, const RenderSettings& settings,
+                           Frame& frame) {
+    RenderSettings rendered = settings;
+    if (way.sharp) rendered.defocus.radius_px_per_D = glm::vec2(0.0f);
+    return scene_.render(view, rendered, lodOf(way, settings.quality), frame);
   }
 
   /// Drawn where it is not there yet.
@@ -156,12 +156,12 @@ class AutoMethod final : public Method {
     auto standing = std::make_shared<StandingView>();
     Frame sharp;
     sharp.resize(sight.view.size_px, true);
-    standing->stats = scene_.draw(sight.view,
-                                  {.defocus = {.along = sight.along},
-                                   .background = sight.background,
-                                   .shading = sight.shading,
-                                   .depth = true},
-                                  {.cut = kFaithfulCut}, sharp);
+    standing->stats = scene_.render(sight.view,
+                                    {.defocus = {.along = sight.along},
+                                     .background = sight.background,
+                                     .shading = sight.shading,
+                                     .depth = true},
+                                    {.cut = kFaithfulCut}, sharp);
     standing->pyramid.set(std::move(sharp), sight.view.focal_px);
     standing->sight = sight;
     standing_->add(standing);
@@ -176,7 +176,7 @@ class AutoMethod final : public Method {
     return most_D * std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y);
   }
 
-  /// The way to draw a frame of this blur.
+  /// The way to render a frame of this blur.
   std::size_t choose(const Sight& sight, const RenderSettings& settings, float blur_px) {
     const Quality& quality = settings.quality;
     const bool unhurried = !quality.frame_ms || std::isinf(*quality.frame_ms);
@@ -201,7 +201,7 @@ class AutoMethod final : public Method {
     for (std::size_t way = *way_ + 1; way-- > last;) {
       if (time_.fits(way, budget_ms)) return way;
     }
-    // Where it is there, the sharp picture blurred is as quick as the softest, or nearly.
+    // Where it is there, the sharp image blurred is as quick as the softest, or nearly.
     if (standing_->of(sight) &&
         (time_.fits(kStanding, budget_ms) ||
          time_.expected_ms(kStanding) <= kAsQuick * time_.expected_ms(kSofter))) {
@@ -242,7 +242,7 @@ class AutoMethod final : public Method {
       const bool same = checked_->sight == sight && checked_->defocus == settings.defocus;
       const float times = blur_px / checked_->blur_px;
       if (same ||
-          (++checked_->draws < kCheckAgain && times < kOtherBlur && times > 1.0f / kOtherBlur)) {
+          (++checked_->renders < kCheckAgain && times < kOtherBlur && times > 1.0f / kOtherBlur)) {
         return;
       }
     }
@@ -262,7 +262,7 @@ class AutoMethod final : public Method {
     Sight sight;
     Defocus defocus;
     float blur_px = 0.0f;
-    int draws = 0;                                  // since then
+    int renders = 0;                                // since then
     std::array<std::optional<float>, kWays> apart;  // from the finest, of the ways that were tried
   };
 
@@ -270,11 +270,11 @@ class AutoMethod final : public Method {
   LodSplats squares_{scene_.sharedTree()};  // buffers of their size
   std::shared_ptr<StandingViews> standing_;
   int number_;
-  std::size_t drawn_ = 0;           // the way of the draw before
+  std::size_t rendered_ = 0;        // the way of the render before
   std::optional<std::size_t> way_;  // for the tolerance's sake
   std::optional<Checked> checked_;
   TimeBudget time_{kLikely};
-  Sight sight_;  // of the draw before
+  Sight sight_;  // of the render before
 };
 
 }  // namespace

@@ -26,8 +26,8 @@ CutSettings softer(float times, float pixel_px) {
 /// `visible_error` of
 ///     foci chart --method auto:1 --method auto:2 ... --method auto:8 --out DIR
 /// with 512 px and with `--size 256`, with `--quick` for 16 px, and of a scan of a lion; up to 4 px
-/// with reserve, as pictures of 96 px err by half as much again, parts of the lens of a fence by
-/// more. Beyond 40 px, and where the blur is wider than a fifth of the picture, they may err by
+/// with reserve, as images of 96 px err by half as much again, parts of the lens of a fence by
+/// more. Beyond 40 px, and where the blur is wider than a fifth of the image, they may err by
 /// more.
 const std::array<Way, kNumbers> kAll{
     Way{{looser(2.0f), 1}, {0.4f, 0.8f, 6.0f, 12.0f, 13.0f, 16.0f}, true},
@@ -40,7 +40,7 @@ const std::array<Way, kNumbers> kAll{
     Way{{softer(30.0f, 12.0f), 1}, {16.2f, 16.2f, 15.0f, 13.6f, 13.1f, 13.0f}}};
 
 /// Its errors are such that with what ways are apart from it by, each squared, they bound those of
-/// the ways on the same scenes: from 4 px on, where squares are drawn.
+/// the ways on the same scenes: from 4 px on, where squares are rendered.
 const Way kFinest{{looser(0.25f), 19}, {0.2f, 0.3f, 0.45f, 0.45f, 0.75f, 0.8f}};
 
 }  // namespace

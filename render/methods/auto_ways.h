@@ -1,4 +1,4 @@
-// The ways in which method `auto` draws, and what each gets wrong.
+// The ways in which method `auto` renders, and what each gets wrong.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace foci {
 
-/// A way to draw.
+/// A way to render.
 struct Way {
   /// Largest radii of blur in view, px, at which the errors of the ways were measured.
   static constexpr std::array<float, 6> kBlurs_px{0.0f, 1.0f, 4.0f, 12.0f, 16.0f, 40.0f};
@@ -28,11 +28,11 @@ struct Way {
 inline constexpr std::size_t kWays = 5;
 inline constexpr std::size_t kSharp = 0, kCoarse = 1;
 
-/// The best of those that draw the lens as a whole.
+/// The best of those that render the lens as a whole.
 inline constexpr std::size_t kWhole = 2;
 
 /// What time leaves where it does not suffice for the ways above, from the best on: of an eye that
-/// stands still the sharp picture, blurred afterwards; everything through a Gaussian of so many
+/// stands still the sharp image, blurred afterwards; everything through a Gaussian of so many
 /// pixels. Numbered behind the ways.
 inline constexpr std::size_t kStanding = kWays, kSoft = kStanding + 1, kSofter = kSoft + 1;
 inline constexpr std::size_t kNumbers = kSofter + 1;

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <utility>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/methods/post_filter.h"
 
 namespace foci {
@@ -21,7 +21,7 @@ constexpr float kUsualPupil_m = 0.004f;
 /// Variance along an axis of copy j > 0 as it is read, px^2. Of an even one, at 2^-k of the size,
 /// that of the (1 4 6 4 1) / 16 before each halving, (4^k - 1) / 3, and of the interpolation
 /// between samples, 4^k / 6: together 2^j / 2 - 1/3. (1 2 1) / 4 on top, 4^k / 2, makes it that of
-/// the next odd one. The first, of the size of the picture, is the mean of three pixels.
+/// the next odd one. The first, of the size of the image, is the mean of three pixels.
 constexpr float varianceOf_px2(int j) { return 0.5f * static_cast<float>(1 << j) - 1.0f / 3.0f; }
 
 using Kernel = std::array<float, 3>;  // of a symmetric filter: its middle, and on to one side
@@ -114,7 +114,7 @@ void BlurPyramid::set(Frame sharp, const glm::vec2& focal_px) {
   }
 }
 
-/// A tile of a blurred picture.
+/// A tile of a blurred image.
 class BlurPyramid::Tile {
  public:
   Tile(const BlurPyramid& pyramid, const Defocus& defocus, const glm::ivec2& corner)
@@ -123,7 +123,7 @@ class BlurPyramid::Tile {
         corner_(corner),
         size_(glm::min(pyramid.sharp_.size_px - corner, kSide_px)) {}
 
-  void drawInto(Frame& frame) {
+  void renderInto(Frame& frame) {
     for (int y = 0; y < size_.y; ++y) {
       findLevels(y);
       int first = kCopies, last = 0;
@@ -191,7 +191,7 @@ class BlurPyramid::Tile {
     const float radius_px_per_D = std::sqrt(finite.x * finite.y);
     const auto find = [&](auto&& defocus_D) {
       for (int x = 0; x < size_.x; ++x) {
-        const float radius_px = std::min(radius_px_per_D * defocus_D(point_D[x]), kMostRadius_px);
+        const float radius_px = std::min(radius_px_per_D * defocus_D(point_D[x]), kMaxRadius_px);
         level_[x] = levelOf(kDiscVariancePerRadius2 * radius_px * radius_px);
       }
     };
@@ -202,7 +202,7 @@ class BlurPyramid::Tile {
     }
   }
 
-  /// Row y of the tile in copy j, 0 the picture itself.
+  /// Row y of the tile in copy j, 0 the image itself.
   void findRow(int j, int y) {
     Row& row = rows_[j];
     const int k = j / 2, step = 1 << k;
@@ -244,7 +244,7 @@ void BlurPyramid::blur(const Defocus& defocus, Frame& frame) const {
   const glm::ivec2 tiles = (sharp_.size_px + kSide_px - 1) / kSide_px;
   parallelFor(static_cast<std::size_t>(tiles.x) * tiles.y, [&](std::size_t i) {
     const int tile = static_cast<int>(i);
-    Tile(*this, defocus, kSide_px * glm::ivec2(tile % tiles.x, tile / tiles.x)).drawInto(frame);
+    Tile(*this, defocus, kSide_px * glm::ivec2(tile % tiles.x, tile / tiles.x)).renderInto(frame);
   });
   if (!frame.depth_m.empty()) frame.depth_m = sharp_.depth_m;
 }

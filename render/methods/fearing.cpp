@@ -3,14 +3,14 @@
 // Field, ICSC 1995; Technical Report TR-96-06, University of British Columbia, 1996). Importance is
 // the change of colour and of blur since a place was last computed; how a place is computed is
 // `potmesil`. There places are pixels and the limit is a time; here, so that the same input gives
-// the same picture, they are tiles, and at most N per cent of them are computed a frame. Known
+// the same image, they are tiles, and at most N per cent of them are computed a frame. Known
 // failure: those of `potmesil`; and with N below 100, what is not yet computed shows an earlier
 // focus.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/methods/method.h"
 #include "render/methods/post_filter.h"
 #include "render/methods/view_splats.h"
@@ -22,7 +22,7 @@ class FearingMethod final : public Method {
  public:
   FearingMethod(const SurfelCloud& cloud, int percent) : camera_(cloud), percent_(percent) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
     discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
     if (shown_.size_px != frame.size_px) {

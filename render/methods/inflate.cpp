@@ -10,10 +10,10 @@
 #include <numbers>
 #include <numeric>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
+#include "render/kernel/kernel.h"
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"
-#include "render/splat/kernel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/methods/inflate.cpp"
@@ -29,7 +29,7 @@ namespace foci {
 /// As the reference rasteriser of 3D Gaussian splatting has it: the largest alpha of a splat on a
 /// pixel, and the light at which a pixel counts as closed. (Its least alpha, 1/255, is left out:
 /// under it, the many small splats of a scan would vanish once they are blurred.)
-inline constexpr float kMostAlpha = 0.99f, kClosed = 1e-4f;
+inline constexpr float kMaxAlpha = 0.99f, kClosed = 1e-4f;
 
 /// A Gaussian as it is composited: alpha = peak exp(-q/2).
 struct InflatedSplat {
@@ -79,7 +79,7 @@ std::size_t compositeSplat(const InflatedSplat& splat, InflatedTile& tile) {
       const auto slope = hn::MulAdd(set(splat.qa), dx, hn::Mul(set(splat.qb), dy));
       const auto q = hn::MulAdd(slope, dx, hn::Mul(hn::Mul(set(splat.qc), dy), dy));
       auto alpha = hn::Mul(set(splat.peak), hn::Exp(d, hn::Mul(set(-0.5f), q)));
-      alpha = hn::Min(alpha, set(kMostAlpha));
+      alpha = hn::Min(alpha, set(kMaxAlpha));
       const int at = y * kTile_px + x;
       const auto through = hn::Load(d, tile.through + at);
       const auto counts = hn::And(hn::Lt(q, reach), hn::Gt(through, set(kClosed)));
@@ -120,11 +120,11 @@ class InflateMethod final : public Method {
     }
   }
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     scene_.project(gaussians_, view, settings, {.kernel = BlurKernel::gaussian});
     std::vector<std::uint64_t> fragments(scene_.tileCount());
     parallelFor(fragments.size(),
-                [&](std::size_t tile) { fragments[tile] = drawTile(tile, settings, frame); });
+                [&](std::size_t tile) { fragments[tile] = renderTile(tile, settings, frame); });
     RenderStats stats;
     stats.splats = scene_.count();
     stats.fragments = std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});
@@ -157,7 +157,7 @@ class InflateMethod final : public Method {
             .distance = 0.5f * (splat.near_m + splat.far_m)};
   }
 
-  std::uint64_t drawTile(std::size_t number, const RenderSettings& settings, Frame& frame) const {
+  std::uint64_t renderTile(std::size_t number, const RenderSettings& settings, Frame& frame) const {
     const glm::ivec2 begin = scene_.cornerOf(number);
     const glm::ivec2 size = glm::min(glm::ivec2(InflatedTile::kTile_px), frame.size_px - begin);
     InflatedTile tile{};

@@ -1,4 +1,4 @@
-// Two and a half dimensions: the scene is sorted into layers by depth, each is drawn for itself
+// Two and a half dimensions: the scene is sorted into layers by depth, each is rendered for itself
 // without blur, blurred as a whole and laid over those behind it (Scofield, 2 1/2-D Depth-of-Field
 // Simulation for Computer Animation, Graphics Gems III, 1992). So what a blurred thing hides is
 // there and shows through. There a layer is a group of objects; here, where there are only surfels,
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/methods/method.h"
 #include "render/methods/post_filter.h"
 #include "render/methods/view_splats.h"
@@ -18,8 +18,8 @@ namespace foci {
 namespace {
 
 /// Layers are not thinner than this change of blur.
-constexpr float kLeastStep_px = 0.5f;
-constexpr float kLeastStep_D = 1e-4f;
+constexpr float kMinStep_px = 0.5f;
+constexpr float kMinStep_D = 1e-4f;
 
 float vergence_D(const Splat& splat) { return 2.0f / (splat.near_m + splat.far_m); }
 
@@ -28,7 +28,7 @@ class LayeredMethod final : public Method {
   LayeredMethod(const SurfelCloud& cloud, int layers)
       : cloud_(cloud), camera_(cloud), layers_(layers) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats;
     if (settings.depth) {
       stats = camera_.render(view, settings, frame);
@@ -50,7 +50,7 @@ class LayeredMethod final : public Method {
     const float widest =
         std::max(settings.defocus.radius_px_per_D.x, settings.defocus.radius_px_per_D.y);
     const float step_D = std::max(
-        {(most_D - least_D) / static_cast<float>(layers_), kLeastStep_px / widest, kLeastStep_D});
+        {(most_D - least_D) / static_cast<float>(layers_), kMinStep_px / widest, kMinStep_D});
     // The layer in focus is number 0 and reaches half a step to both sides.
     const auto layerOf = [&](const Splat& splat) {
       const float steps = (vergence_D(splat) - focus_D) / step_D;
@@ -65,10 +65,10 @@ class LayeredMethod final : public Method {
     for (int number = farthest; number <= nearest; ++number) {  // of an empty scene: none
       layer_.select(scene_, [&](const Splat& splat) { return layerOf(splat) == number; });
       if (layer_.count() == 0) continue;
-      stats.fragments += layer_.draw(glm::vec3(0.0f), false, picture_);
+      stats.fragments += layer_.render(glm::vec3(0.0f), false, image_);
       if (number != 0 || isAstigmatic(settings.defocus)) blur(settings.defocus);
       for (std::size_t p = 0; p < pixels; ++p) {
-        const glm::vec4& front = picture_.rgba[p];
+        const glm::vec4& front = image_.rgba[p];
         frame.rgba[p] = front + (1.0f - front.a) * frame.rgba[p];
       }
     }
@@ -76,41 +76,40 @@ class LayeredMethod final : public Method {
   }
 
  private:
-  /// Blurs the picture of the layer as its mean vergence asks for.
+  /// Blurs the image of the layer as its mean vergence asks for.
   void blur(const Defocus& defocus) {
     double sum_D = 0.0;
     layer_.forEach([&](const Splat& splat) { sum_D += vergence_D(splat); });
     const auto mean_D = static_cast<float>(sum_D / static_cast<double>(layer_.count()));
     // What is empty has nothing to spread: as if in focus.
-    std::vector<float> point_D(picture_.rgba.size());
+    std::vector<float> point_D(image_.rgba.size());
     std::transform(
-        picture_.rgba.begin(), picture_.rgba.end(), point_D.begin(),
+        image_.rgba.begin(), image_.rgba.end(), point_D.begin(),
         [&](const glm::vec4& pixel) { return pixel.a > 0.0f ? mean_D : defocus.focus_D; });
-    discs_.set(picture_.size_px, picture_.rgba, point_D, defocus);
-    parallelFor(static_cast<std::size_t>(discs_.tileCount()), [&](std::size_t tile) {
-      discs_.spreadOnto(static_cast<int>(tile), picture_.rgba);
-    });
+    discs_.set(image_.size_px, image_.rgba, point_D, defocus);
+    parallelFor(static_cast<std::size_t>(discs_.tileCount()),
+                [&](std::size_t tile) { discs_.spreadOnto(static_cast<int>(tile), image_.rgba); });
   }
 
   const SurfelCloud& cloud_;
   PinholeCamera camera_;
   int layers_;
   ViewSplats scene_, layer_;
-  Frame picture_;
+  Frame image_;
   DiscImage discs_;
 };
 
 }  // namespace
 
 MethodEntry layeredMethod() {
-  return {
-      .info = {.name = "layered",
-               .summary = "N depth layers drawn for themselves, blurred and laid over each other",
-               .source = "Scofield 1992",
-               .most = 256,
-               .standard = 8,
-               .ellipses = false},
-      .make = makeAs<LayeredMethod>};
+  return {.info = {.name = "layered",
+                   .summary =
+                       "N depth layers rendered for themselves, blurred and laid over each other",
+                   .source = "Scofield 1992",
+                   .most = 256,
+                   .standard = 8,
+                   .ellipses = false},
+          .make = makeAs<LayeredMethod>};
 }
 
 }  // namespace foci

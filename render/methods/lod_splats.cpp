@@ -8,8 +8,8 @@
 
 namespace foci {
 
-RenderStats LodSplats::draw(const View& view, const RenderSettings& settings,
-                            const LodSettings& lod, Frame& frame) {
+RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
+                              const LodSettings& lod, Frame& frame) {
   const glm::vec2 radius_px_per_D = settings.defocus.radius_px_per_D;
   const Acuity& acuity = lod.cut.acuity;
   const bool blurred = radius_px_per_D.x * radius_px_per_D.y > 0.0f;
@@ -19,7 +19,7 @@ RenderStats LodSplats::draw(const View& view, const RenderSettings& settings,
   projectCut(*tree_, cut_, view, settings.defocus,
              {.part_aperture = in_parts ? 1.0f / std::sqrt(static_cast<float>(lod.parts)) : 0.0f,
               .acuity = acuity,
-              .margin_px = coarse ? kApron * kMostStep_px : 0,  // for the tiles' aprons
+              .margin_px = coarse ? kApron * kMaxStep_px : 0,  // for the tiles' aprons
               .shading = settings.shading},
              chunks_);
   lists_.build(chunks_, view.size_px, coarse);

@@ -1,4 +1,4 @@
-// The scene as a tree, drawn no finer than blur and acuity show it: the one door through which
+// The scene as a tree, rendered no finer than blur and acuity show it: the one door through which
 // methods reach level of detail.
 #pragma once
 
@@ -31,8 +31,8 @@ class LodSplats {
 
   /// @param frame  of the view's size, with depth where it is asked for
   /// @return all of the stats but their time
-  RenderStats draw(const View& view, const RenderSettings& settings, const LodSettings& lod,
-                   Frame& frame);
+  RenderStats render(const View& view, const RenderSettings& settings, const LodSettings& lod,
+                     Frame& frame);
 
  private:
   std::shared_ptr<const MomentTree> tree_;

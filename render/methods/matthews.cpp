@@ -7,7 +7,7 @@
 // from that description. Known failure: a finished image has one surface a pixel. What a blurred
 // thing hides is missing, so the inner half of its blurred outline stays opaque.
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/methods/method.h"
 #include "render/methods/post_filter.h"
 #include "render/methods/view_splats.h"
@@ -19,7 +19,7 @@ class MatthewsMethod final : public Method {
  public:
   explicit MatthewsMethod(const SurfelCloud& cloud) : camera_(cloud) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
     discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
     parallelFor(static_cast<std::size_t>(discs_.tileCount()),

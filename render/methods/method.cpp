@@ -5,7 +5,7 @@
 #include <charconv>
 #include <chrono>
 
-#include "app/base/nearest.h"
+#include "base/nearest.h"
 
 namespace foci {
 
@@ -67,25 +67,27 @@ RenderStats Method::render(const View& view, const RenderSettings& settings, Fra
   const Defocus& lens = settings.defocus;
   const bool colored =
       lens.chromatic_D != glm::vec3(0.0f) && lens.radius_px_per_D != glm::vec2(0.0f);
-  RenderStats stats = colored ? drawPrimaries(view, settings, frame) : draw(view, settings, frame);
+  RenderStats stats =
+      colored ? renderPrimaries(view, settings, frame) : renderFrame(view, settings, frame);
   stats.ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return stats;
 }
 
-RenderStats Method::drawPrimaries(const View& view, const RenderSettings& settings, Frame& frame) {
+RenderStats Method::renderPrimaries(const View& view, const RenderSettings& settings,
+                                    Frame& frame) {
   constexpr int kRed = 0, kGreen = 1, kBlue = 2;
   RenderSettings primary = settings;
   primary.defocus.chromatic_D = glm::vec3(0.0f);
   if (primary.quality.frame_ms) *primary.quality.frame_ms /= 3.0f;
   std::vector<glm::vec2> red_blue(frame.rgba.size());
   RenderStats all;
-  // Blue, the most out of focus, decides how closely all are drawn; green, the most of the light,
-  // tells coverage and depth.
+  // Blue, the most out of focus, decides how closely all are rendered; green, the most of the
+  // light, tells coverage and depth.
   for (const int channel : {kBlue, kRed, kGreen}) {
     primary.defocus.focus_D = settings.defocus.focus_D + settings.defocus.chromatic_D[channel];
     primary.quality.as_before = settings.quality.as_before || channel != kBlue;
-    const RenderStats stats = draw(view, primary, frame);
+    const RenderStats stats = renderFrame(view, primary, frame);
     all.splats += stats.splats;
     all.fragments += stats.fragments;
     const auto worse = [](auto& of_all, const auto& of_one, auto pick) {
@@ -95,7 +97,7 @@ RenderStats Method::drawPrimaries(const View& view, const RenderSettings& settin
           [](double a, double b) { return std::max(a, b); });
     worse(all.split_half_psnr_dB, stats.split_half_psnr_dB,
           [](double a, double b) { return std::min(a, b); });
-    all.drawn_as = stats.drawn_as;
+    all.rendered_as = stats.rendered_as;
     if (channel == kGreen) break;
     for (std::size_t p = 0; p < red_blue.size(); ++p) {
       red_blue[p][channel == kRed ? 0 : 1] = frame.rgba[p][channel];
@@ -117,7 +119,7 @@ const std::vector<MethodInfo>& methods() {
   return infos;
 }
 
-bool drawsEllipses(std::string_view spec) { return infoOf(spec).ellipses; }
+bool rendersEllipses(std::string_view spec) { return infoOf(spec).ellipses; }
 
 bool goesOn(std::string_view spec) { return infoOf(spec).goes_on; }
 

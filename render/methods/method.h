@@ -20,12 +20,12 @@ namespace foci {
 struct Quality {
   /// Error that 95 % of the pixels may have, in just noticeable differences (visible_difference.h).
   float tolerance = 1.0f;
-  /// Time to hold, ms: beyond it the error grows as far as it must. Pictures then depend on the
-  /// machine, and `RenderStats::drawn_as` says how each was drawn. Absent or infinite: as long as
-  /// the tolerance takes.
+  /// Time to hold, ms: beyond it the error grows as far as it must. Images then depend on the
+  /// machine, and `RenderStats::rendered_as` says how each was rendered. Absent or infinite: as
+  /// long as the tolerance takes.
   std::optional<float> frame_ms = {};
   Acuity acuity = {};  ///< full everywhere by default
-  /// Drawn as closely as the draw before: another primary or another view of the same picture.
+  /// Drawn as closely as the render before: another primary or another view of the same image.
   bool as_before = false;
   /// N: as `auto:N` would. 0: as the rest says.
   int way = 0;
@@ -42,7 +42,7 @@ struct RenderSettings {
   bool operator==(const RenderSettings&) const = default;
 };
 
-/// A method draws one scene, given when it is made; it may keep buffers between frames. Not
+/// A method renders one scene, given when it is made; it may keep buffers between frames. Not
 /// thread-safe: one thread calls it, it uses as many as the enclosing tbb::task_arena or
 /// tbb::global_control allows.
 class Method {
@@ -50,24 +50,24 @@ class Method {
   virtual ~Method() = default;
 
   /// The same input gives the same bytes at any number of threads. `frame` is resized as needed.
-  /// Through a lens with chromatic aberration each primary is drawn with its own focus: three
-  /// draws.
+  /// Through a lens with chromatic aberration each primary is rendered with its own focus: three
+  /// renders.
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame);
 
-  /// Another one that draws the same scene alike, at the same time if need be: the two share what
+  /// A clone that renders the same scene alike, at the same time if need be: the two share what
   /// is large and does not change. Nothing where the method has nothing to share.
-  virtual std::unique_ptr<Method> twin() const { return nullptr; }
+  virtual std::unique_ptr<Method> cloneSharingScene() const { return nullptr; }
 
-  /// Does at leisure what lets later draws of this view hold a time (`Quality::frame_ms`), those of
-  /// its twins too.
+  /// Does at leisure what lets later renders of this view hold a time (`Quality::frame_ms`), those
+  /// of its twins too.
   virtual void prepare(const View& /*view*/, const RenderSettings& /*settings*/) {}
 
  private:
-  RenderStats drawPrimaries(const View& view, const RenderSettings& settings, Frame& frame);
+  RenderStats renderPrimaries(const View& view, const RenderSettings& settings, Frame& frame);
 
-  /// Draws into `frame`, which has the view's size, and depth where it is asked for; fills all of
+  /// Renders into `frame`, which has the view's size, and depth where it is asked for; fills all of
   /// the stats but their time.
-  virtual RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) = 0;
+  virtual RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) = 0;
 };
 
 struct MethodInfo {
@@ -76,9 +76,9 @@ struct MethodInfo {
   std::string_view source;   ///< where it is from
   int most = 0;              ///< the largest N of `name:N`; 0: it takes none
   int standard = 0;          ///< N where none is given; 0 of one that takes it: its own choice
-  bool ellipses = true;      ///< false: an astigmatic lens is drawn as the round one of its blur
+  bool ellipses = true;      ///< false: an astigmatic lens is rendered as the round one of its blur
                              ///< strength (`roundDefocus_D`)
-  bool goes_on = false;      ///< mends the picture of the draw before, a part of it at a time
+  bool goes_on = false;      ///< mends the image of the render before, a part of it at a time
 };
 
 /// What each method's own file says of it, in a function that every_method.inc names.
@@ -101,7 +101,7 @@ std::unique_ptr<Method> makeAs(const SurfelCloud& cloud, int number) {
 const std::vector<MethodInfo>& methods();
 
 /// `MethodInfo::ellipses` of the method that `spec` names. It must be right (asserted).
-bool drawsEllipses(std::string_view spec);
+bool rendersEllipses(std::string_view spec);
 
 /// `MethodInfo::goes_on` of the method that `spec` names. It must be right (asserted).
 bool goesOn(std::string_view spec);

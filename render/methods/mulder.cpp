@@ -7,7 +7,7 @@
 // is blurred around them, and the pyramid's squares show; between the two, a seam.
 #include <cmath>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/methods/method.h"
 #include "render/methods/post_filter.h"
 #include "render/methods/view_splats.h"
@@ -15,7 +15,7 @@
 namespace foci {
 namespace {
 
-/// Half-angle around the gaze that is drawn accurately: about the parafovea.
+/// Half-angle around the gaze that is rendered accurately: about the parafovea.
 const float kAccurate_tangent = std::tan(glm::radians(5.0f));
 
 struct Level {
@@ -59,7 +59,7 @@ class MulderMethod final : public Method {
  public:
   explicit MulderMethod(const SurfelCloud& cloud) : camera_(cloud) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
     const std::vector<float> point_D = vergences_D(frame, settings.defocus);
     discs_.set(frame.size_px, frame.rgba, point_D, settings.defocus);

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/methods/paper_project.h"
 #include "render/splat/splat.h"
 
@@ -19,7 +19,7 @@ class PaperMethod final : public Method {
  public:
   explicit PaperMethod(const SurfelCloud& cloud) : cloud_(cloud) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     const std::size_t n = cloud_.size();
     const std::size_t chunk = chunkSize(n);
     splats_.reserve(n);
@@ -38,7 +38,7 @@ class PaperMethod final : public Method {
                        view, settings.defocus, settings.shading, splats_.splats.get() + begin,
                        splats_.tiles.get() + begin);
     });
-    return drawPaper(splats_, lists_, view, settings, !cloud_.opacity.empty(), frame);
+    return renderPaper(splats_, lists_, view, settings, !cloud_.opacity.empty(), frame);
   }
 
  private:

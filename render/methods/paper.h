@@ -8,14 +8,14 @@
 
 namespace foci {
 
-/// Bins and draws; `lists` are kept between frames for their memory.
-inline RenderStats drawPaper(const PaperSplats& splats, PaperTileLists& lists, const View& view,
-                             const RenderSettings& settings, bool transparent, Frame& frame) {
+/// Bins and renders; `lists` are kept between frames for their memory.
+inline RenderStats renderPaper(const PaperSplats& splats, PaperTileLists& lists, const View& view,
+                               const RenderSettings& settings, bool transparent, Frame& frame) {
   lists.build(splats, view.size_px);
   RenderStats stats;
   stats.splats = splats.total();
   stats.fragments =
-      drawABuffer(splats, lists, settings.background, transparent, settings.depth, frame);
+      renderABuffer(splats, lists, settings.background, transparent, settings.depth, frame);
   return stats;
 }
 

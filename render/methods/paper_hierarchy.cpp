@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 namespace foci {
 namespace {
@@ -143,7 +143,7 @@ bool finite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-bool draws(const SurfelCloud& cloud, std::size_t i) {
+bool renders(const SurfelCloud& cloud, std::size_t i) {
   const glm::vec3 u = cloud.axis_u_m[i], v = cloud.axis_v_m[i];
   return finite(cloud.position_m[i]) && finite(u) && finite(v) && u != glm::vec3(0.0f) &&
          v != glm::vec3(0.0f) && std::isfinite(cloud.area_m2[i]) && cloud.area_m2[i] > 0.0f;
@@ -155,7 +155,7 @@ PaperHierarchy::PaperHierarchy(const SurfelCloud& cloud) {
   std::vector<Item> items;
   items.reserve(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!draws(cloud, i)) continue;
+    if (!renders(cloud, i)) continue;
     items.push_back({cloud.position_m[i],
                      std::sqrt(cloud.area_m2[i] * std::numbers::inv_pi_v<float>),
                      static_cast<std::uint32_t>(i)});

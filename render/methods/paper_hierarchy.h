@@ -41,11 +41,11 @@ struct SurfelRange {
 class PaperHierarchy {
  public:
   /// Halves by the median along the longest side, twice a level: O(n log n), in parallel, the same
-  /// at any number of threads. Surfels that never draw anything (not finite, without area or
+  /// at any number of threads. Surfels that never render anything (not finite, without area or
   /// extent) are left out.
   explicit PaperHierarchy(const SurfelCloud& cloud);
 
-  int levels() const { return static_cast<int>(first_.size()) - 1; }  ///< 0: nothing to draw
+  int levels() const { return static_cast<int>(first_.size()) - 1; }  ///< 0: nothing to render
   std::span<const PaperNode> level(int l) const {
     return {nodes_.data() + first_[l], nodes_.data() + first_[l + 1]};
   }

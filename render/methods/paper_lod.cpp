@@ -1,6 +1,6 @@
 // The baseline with level of detail: Krivanek, Zara and Bouatouch (2003), sections 5.3 and 6.2.
 // Where the circle of confusion of a node of the hierarchy is larger than the node, the node is
-// drawn in place of its surfels: the blur that its low-passed texture already has is not added
+// rendered in place of its surfels: the blur that its low-passed texture already has is not added
 // again. Known failure, theirs: the texture is low-passed, the shape is not, so outlines and relief
 // change with the level; levels are chosen one by one, so they pop as the focus moves; and what
 // `paper` merges wrongly, this does too.
@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/methods/paper.h"
 #include "render/methods/paper_hierarchy.h"
 #include "render/methods/paper_project.h"
@@ -44,12 +44,12 @@ class Traversal {
     visit(level, node, Reach::border);
     flush(nodes_, true);
     flush(surfels_, false);
-    return drawn_;
+    return rendered_;
   }
 
-  /// Whether the node is drawn in place of its children: its projected diameter is below the radius
-  /// of its circle of confusion, or below a pixel. (The paper says "size"; with the diameter the
-  /// number of points comes out as in its table.)
+  /// Whether the node is rendered in place of its children: its projected diameter is below the
+  /// radius of its circle of confusion, or below a pixel. (The paper says "size"; with the diameter
+  /// the number of points comes out as in its table.)
   bool stops(const PaperNode& node, const glm::vec3& center) const {
     const float depth = -center.z;
     if (!(depth - node.radius_m > view_.near_m)) return false;
@@ -140,17 +140,17 @@ class Traversal {
   }
 
   void flush(Batch& batch, bool low_passed) {
-    drawn_ += projectPaper({.count = batch.count,
-                            .position_m = batch.position_m.data(),
-                            .axis_u_m = batch.axis_u_m.data(),
-                            .axis_v_m = batch.axis_v_m.data(),
-                            .spread_u_m = low_passed ? batch.spread_u_m.data() : nullptr,
-                            .spread_v_m = low_passed ? batch.spread_v_m.data() : nullptr,
-                            .color = batch.color.data(),
-                            .opacity = batch.opacity.data(),
-                            .area_m2 = batch.area_m2.data()},
-                           view_, settings_.defocus, settings_.shading, splats_ + drawn_,
-                           tiles_ + drawn_);
+    rendered_ += projectPaper({.count = batch.count,
+                               .position_m = batch.position_m.data(),
+                               .axis_u_m = batch.axis_u_m.data(),
+                               .axis_v_m = batch.axis_v_m.data(),
+                               .spread_u_m = low_passed ? batch.spread_u_m.data() : nullptr,
+                               .spread_v_m = low_passed ? batch.spread_v_m.data() : nullptr,
+                               .color = batch.color.data(),
+                               .opacity = batch.opacity.data(),
+                               .area_m2 = batch.area_m2.data()},
+                              view_, settings_.defocus, settings_.shading, splats_ + rendered_,
+                              tiles_ + rendered_);
     batch.count = 0;
   }
 
@@ -160,7 +160,7 @@ class Traversal {
   const RenderSettings& settings_;
   PaperSplat* splats_;
   PaperSplatTiles* tiles_;
-  std::uint32_t drawn_ = 0;
+  std::uint32_t rendered_ = 0;
   Batch nodes_, surfels_;
 };
 
@@ -168,7 +168,7 @@ class PaperLodMethod final : public Method {
  public:
   explicit PaperLodMethod(const SurfelCloud& cloud) : cloud_(cloud), hierarchy_(cloud) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     splats_.reserve(hierarchy_.order().size());
     splats_.chunks.clear();
     // Subtrees in parallel; where the traversal stops above their roots, the first child of each
@@ -192,7 +192,7 @@ class PaperLodMethod final : public Method {
       }
       splats_.chunks[c].count = traversal.run(level, c);
     });
-    return drawPaper(splats_, lists_, view, settings, !cloud_.opacity.empty(), frame);
+    return renderPaper(splats_, lists_, view, settings, !cloud_.opacity.empty(), frame);
   }
 
  private:

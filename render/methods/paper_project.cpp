@@ -88,23 +88,23 @@ struct Jacobian {
   HWY_INLINE V y(const V3& a) const { return hn::Mul(sy, hn::MulAdd(a.z, ty, a.y)); }
 };
 
-constexpr std::size_t kMostLanes = 16;
+constexpr std::size_t kMaxLanes = 16;
 
 /// Lanes of one step, as the scalar end reads them.
 struct Lanes {
-  alignas(64) float x[kMostLanes], y[kMostLanes];
-  alignas(64) float wxx[kMostLanes], wxy[kMostLanes], wyy[kMostLanes], det[kMostLanes];  // of W
-  alignas(64) float area_px[kMostLanes];
-  alignas(64) float distance[kMostLanes], near_m[kMostLanes], far_m[kMostLanes];
-  alignas(64) float shade[kMostLanes];
-  alignas(64) float visible[kMostLanes];  // 1: keep
+  alignas(64) float x[kMaxLanes], y[kMaxLanes];
+  alignas(64) float wxx[kMaxLanes], wxy[kMaxLanes], wyy[kMaxLanes], det[kMaxLanes];  // of W
+  alignas(64) float area_px[kMaxLanes];
+  alignas(64) float distance[kMaxLanes], near_m[kMaxLanes], far_m[kMaxLanes];
+  alignas(64) float shade[kMaxLanes];
+  alignas(64) float visible[kMaxLanes];  // 1: keep
 };
 
 /// circumellipse(B, V_C) with V_C = a diag(C_x^2, C_y^2): where y is scaled by C_x / C_y, V_C is a
 /// circle.
 HWY_INLINE void circumellipseLanes(float y_per_x, V& bxx, V& bxy, V& byy, V circle) {
   const D d;
-  alignas(64) float xx[kMostLanes], xy[kMostLanes], yy[kMostLanes], c[kMostLanes];
+  alignas(64) float xx[kMaxLanes], xy[kMaxLanes], yy[kMaxLanes], c[kMaxLanes];
   hn::Store(bxx, d, xx);
   hn::Store(bxy, d, xy);
   hn::Store(byy, d, yy);
@@ -124,7 +124,7 @@ HWY_INLINE void circumellipseLanes(float y_per_x, V& bxx, V& bxy, V& byy, V circ
 /// circumellipse(B, V_C), lane by lane, into B.
 HWY_INLINE void circumellipseLanes(V& bxx, V& bxy, V& byy, V cxx, V cxy, V cyy) {
   const D d;
-  alignas(64) float b[3][kMostLanes], c[3][kMostLanes];
+  alignas(64) float b[3][kMaxLanes], c[3][kMaxLanes];
   hn::Store(bxx, d, b[0]);
   hn::Store(bxy, d, b[1]);
   hn::Store(byy, d, b[2]);
@@ -243,7 +243,7 @@ HWY_INLINE void projectLanes(const PaperProjectJob& job, std::size_t i, Lanes& o
   const V cosine = hn::Div(hn::Abs(along_normal), hn::Mul(parallelogram, hn::Sqrt(dot(p, p))));
   const V shade = hn::MulAdd(set(job.shading), hn::Sub(cosine, one), one);
 
-  // Keep what draws something: in front, on the image, with an area. Comparisons fail on NaN.
+  // Keep what renders something: in front, on the image, with an area. Comparisons fail on NaN.
   const V radius_x = hn::Sqrt(hn::Mul(set(2.0f * kPaperCutoff), wxx));
   const V radius_y = hn::Sqrt(hn::Mul(set(2.0f * kPaperCutoff), wyy));
   auto keep = hn::And(hn::Gt(hn::Add(x_px, radius_x), set(0.0f)),
@@ -309,13 +309,13 @@ std::uint32_t projectPaperSurfels(const PaperProjectJob& job, std::size_t count,
                                   PaperSplatTiles* tiles) {
   const D d;
   const std::size_t n = hn::Lanes(d);
-  std::uint32_t drawn = 0;
+  std::uint32_t rendered = 0;
   Lanes lanes;
   const auto finish = [&](std::size_t first, std::size_t of_step) {
     for (std::size_t k = 0; k < of_step; ++k) {
       if (lanes.visible[k] == 0.0f) continue;
-      finishSplat(job, lanes, k, first + k, splats[drawn], tiles[drawn]);
-      ++drawn;
+      finishSplat(job, lanes, k, first + k, splats[rendered], tiles[rendered]);
+      ++rendered;
     }
   };
   std::size_t i = 0;
@@ -327,8 +327,8 @@ std::uint32_t projectPaperSurfels(const PaperProjectJob& job, std::size_t count,
   // The last few, from copies padded to a whole step.
   if (i < count) {
     const std::size_t rest = count - i;
-    constexpr std::size_t kThree = 3 * kMostLanes;
-    alignas(64) float vectors[5][kThree] = {}, area[kMostLanes] = {};
+    constexpr std::size_t kThree = 3 * kMaxLanes;
+    alignas(64) float vectors[5][kThree] = {}, area[kMaxLanes] = {};
     PaperProjectJob padded = job;
     const auto pad = [&](const float*& from, float* to, std::size_t each) {
       if (!from) return;
@@ -344,7 +344,7 @@ std::uint32_t projectPaperSurfels(const PaperProjectJob& job, std::size_t count,
     projectLanes(padded, 0, lanes);
     finish(i, rest);
   }
-  return drawn;
+  return rendered;
 }
 
 }  // namespace HWY_NAMESPACE

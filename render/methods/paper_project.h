@@ -25,8 +25,8 @@ struct PaperSurfels {
   const float* area_m2 = nullptr;
 };
 
-/// Projects and drops what draws nothing: centres nearer than `view.near_m` along the axis, outside
-/// the image, with a projected area of zero, or not finite.
+/// Projects and drops what renders nothing: centres nearer than `view.near_m` along the axis,
+/// outside the image, with a projected area of zero, or not finite.
 ///   W = J V_r J' + I + circumellipse(J V_l J', V_C),  V_C = C^2 / (2 ln 4) I      (Eq. 11, 12)
 /// Where pixels are oblong the circle of confusion is an ellipse, and circumellipse is taken where
 /// it is a circle.

@@ -1,4 +1,4 @@
-// A surfel as the paper's methods draw it: a true truncated Gaussian. Private to `paper` and
+// A surfel as the paper's methods render it: a true truncated Gaussian. Private to `paper` and
 // `paper-lod`.
 #pragma once
 

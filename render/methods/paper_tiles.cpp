@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 namespace foci {
 namespace {

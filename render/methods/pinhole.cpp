@@ -12,7 +12,7 @@ class PinholeMethod final : public Method {
  public:
   explicit PinholeMethod(const SurfelCloud& cloud) : camera_(cloud) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
     if (!settings.depth) frame.depth_m.clear();
     return stats;

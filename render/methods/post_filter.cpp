@@ -3,7 +3,7 @@
 #include <limits>
 #include <numbers>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 namespace foci {
 namespace {
@@ -89,7 +89,7 @@ void DiscImage::set(const glm::ivec2& size_px, const std::vector<glm::vec4>& rgb
   // Finite, so that nothing in focus becomes 0 times infinity.
   radius_px_per_D_ = glm::min(defocus.radius_px_per_D, glm::vec2(1e6f));
   const float widest = std::max(radius_px_per_D_.x, radius_px_per_D_.y);
-  const float most_D = widest > 0.0f ? kMostRadius_px / widest : 0.0f;
+  const float most_D = widest > 0.0f ? kMaxRadius_px / widest : 0.0f;
 
   float reach_D = 0.0f;
   for (float point : point_D) reach_D = std::max(reach_D, std::abs(roundDefocus_D(defocus, point)));

@@ -24,15 +24,15 @@ std::vector<float> vergences_D(const Frame& image, const Defocus& defocus);
 /// their borders as their own mirror image.
 int mirrored(int i, int n);
 
-/// Post-filters draw no circle of confusion wider than this.
-inline constexpr float kMostRadius_px = 256.0f;
+/// Post-filters render no circle of confusion wider than this.
+inline constexpr float kMaxRadius_px = 256.0f;
 
-/// Radius of the circle of confusion, along x and y, up to `kMostRadius_px`; finite for any lens.
+/// Radius of the circle of confusion, along x and y, up to `kMaxRadius_px`; finite for any lens.
 /// Post-filters have one radius a pixel: an astigmatic lens is taken for the round one of its blur
 /// strength (`roundDefocus_D`).
 inline glm::vec2 cappedRadius_px(const Defocus& defocus, float point_D) {
   const glm::vec2 finite = glm::min(defocus.radius_px_per_D, glm::vec2(1e6f));
-  return glm::min(finite * std::abs(roundDefocus_D(defocus, point_D)), glm::vec2(kMostRadius_px));
+  return glm::min(finite * std::abs(roundDefocus_D(defocus, point_D)), glm::vec2(kMaxRadius_px));
 }
 
 /// An image as a set of discs: each pixel spreads its light evenly over its circle of confusion.

@@ -7,7 +7,7 @@
 // failure: pixels do not know of each other. Blurred light leaks over sharp things before it, and
 // where two things of different blur meet, the one side receives too little and is too dark.
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/methods/method.h"
 #include "render/methods/post_filter.h"
 #include "render/methods/view_splats.h"
@@ -19,7 +19,7 @@ class PotmesilMethod final : public Method {
  public:
   explicit PotmesilMethod(const SurfelCloud& cloud) : camera_(cloud) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
     discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
     parallelFor(static_cast<std::size_t>(discs_.tileCount()),

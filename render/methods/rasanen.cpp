@@ -12,10 +12,10 @@
 #include <numbers>
 #include <numeric>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
+#include "render/kernel/limits.h"
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"
-#include "render/splat/limits.h"
 
 namespace foci {
 namespace {
@@ -103,11 +103,11 @@ class RasanenMethod final : public Method {
  public:
   RasanenMethod(const SurfelCloud& cloud, int samples) : cloud_(cloud), samples_(samples) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     scene_.project(cloud_, view, settings, {});
     std::vector<std::uint64_t> fragments(scene_.tileCount());
     parallelFor(fragments.size(), [&](std::size_t tile) {
-      fragments[tile] = drawTile(tile, settings.background, frame);
+      fragments[tile] = renderTile(tile, settings.background, frame);
     });
     RenderStats stats;
     stats.splats = scene_.count();
@@ -116,7 +116,7 @@ class RasanenMethod final : public Method {
   }
 
  private:
-  std::uint64_t drawTile(std::size_t tile, const glm::vec3& background, Frame& frame) const {
+  std::uint64_t renderTile(std::size_t tile, const glm::vec3& background, Frame& frame) const {
     const glm::ivec2 begin = scene_.cornerOf(tile);
     const glm::ivec2 size = glm::min(glm::ivec2(kTile_px), frame.size_px - begin);
     std::array<Pixel, static_cast<std::size_t>(kTile_px) * kTile_px> pixels;

@@ -19,12 +19,12 @@
 #include <limits>
 #include <stdexcept>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/image/metrics.h"
+#include "render/kernel/kernel.h"
+#include "render/kernel/limits.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/method.h"
-#include "render/splat/kernel.h"
-#include "render/splat/limits.h"
 
 namespace foci {
 namespace {
@@ -88,7 +88,7 @@ void gather(const RTCFilterFunctionNArguments* arguments) {
 }
 
 /// Seen from the eye, in order of their distances (ties: of the surfels); one that
-/// draws nothing is not there.
+/// renders nothing is not there.
 std::vector<SeenSurfel> look(const SurfelCloud& cloud, const View& view,
                              const RenderSettings& settings) {
   const glm::mat3 rotation(view.eye_from_world);
@@ -120,7 +120,7 @@ std::vector<SeenSurfel> look(const SurfelCloud& cloud, const View& view,
               .area_per_axes = cloud.area_m2[i] / parallelogram,
               .color = shade * opacity * cloud.color[i],
               .opacity = opacity,
-              .from_behind = cloud.oriented && away > kFromBehind,
+              .from_behind = cloud.oriented && away > kBackFacing,
               .distance_m = distance_m,
               .near_m = std::max(distance_m - reach_m, 0.0f),
               .far_m = distance_m + reach_m};
@@ -333,7 +333,7 @@ class RaytraceMethod final : public Method {
  public:
   RaytraceMethod(const SurfelCloud& cloud, int rays) : cloud_(cloud), rays_(rays) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     const auto width = static_cast<std::size_t>(view.size_px.x);
     const auto height = static_cast<std::size_t>(view.size_px.y);
     for (Frame* one : {&frame, &even_, &odd_}) {

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/methods/method.h"
 #include "render/methods/post_filter.h"
 #include "render/methods/view_splats.h"
@@ -27,11 +27,11 @@ class RokitaMethod final : public Method {
  public:
   explicit RokitaMethod(const SurfelCloud& cloud) : camera_(cloud) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
-    const float most_px2 = plan(frame, settings.defocus);
+    const float max_px2 = plan(frame, settings.defocus);
     other_ = frame.rgba;
-    for (int pass = 0; static_cast<float>(pass) * kPass_px2 < most_px2; ++pass) {
+    for (int pass = 0; static_cast<float>(pass) * kPass_px2 < max_px2; ++pass) {
       parallelFor(static_cast<std::size_t>(frame.size_px.y),
                   [&](std::size_t y) { filterRow(frame, static_cast<int>(y), pass); });
       std::swap(frame.rgba, other_);
@@ -69,8 +69,8 @@ class RokitaMethod final : public Method {
     const float done_px2 = static_cast<float>(pass) * kPass_px2;
     for (int run = 0; run < runs_; ++run) {
       // A run is copied once after its last pass, so that both images hold it.
-      const float most_px2 = run_most_px2_[static_cast<std::size_t>(y) * runs_ + run];
-      if (most_px2 <= done_px2 - kPass_px2) continue;
+      const float max_px2 = run_most_px2_[static_cast<std::size_t>(y) * runs_ + run];
+      if (max_px2 <= done_px2 - kPass_px2) continue;
       const int end = std::min(size.x, (run + 1) * kRun_px);
       for (int x = run * kRun_px; x < end; ++x) {
         const glm::vec2 left = variance[x] - done_px2;

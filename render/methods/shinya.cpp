@@ -1,5 +1,5 @@
 // A buffer of rays behind each pixel: every pixel of the finished pinhole image sends its light
-// along N rays through points of the lens; each ray meets one pixel of the picture, where a depth
+// along N rays through points of the lens; each ray meets one pixel of the image, where a depth
 // buffer of its own, a cell for each point of the lens, keeps the nearest; a pixel is the mean of
 // its cells (Shinya, Post-filtering for Depth of Field Simulation with Ray Distribution Buffer,
 // Graphics Interface 1994). So rays hide each other one by one. Known failure: what the pinhole did
@@ -9,7 +9,7 @@
 #include <array>
 #include <cstdint>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/method.h"
 #include "render/methods/post_filter.h"
@@ -23,7 +23,7 @@ constexpr int kGroups = 8;
 
 /// A shift rounded to whole pixels; cheaper than std::lround where shifts are bounded.
 glm::ivec2 nearestPixel(const glm::vec2& shift_px) {
-  constexpr int kAbove = 2 * static_cast<int>(kMostRadius_px);
+  constexpr int kAbove = 2 * static_cast<int>(kMaxRadius_px);
   return glm::ivec2(shift_px + (static_cast<float>(kAbove) + 0.5f)) - kAbove;
 }
 
@@ -31,7 +31,7 @@ class ShinyaMethod final : public Method {
  public:
   ShinyaMethod(const SurfelCloud& cloud, int rays) : camera_(cloud), rays_(rays) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
     discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
     parallelFor(kGroups, [&](std::size_t group) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/base/quantile.h"
+#include "base/quantile.h"
 #include "render/image/visible_difference.h"
 
 namespace foci {
@@ -41,7 +41,7 @@ SpotCheck::SpotCheck(LodSplats& scene, const View& view, const RenderSettings& s
   }
 }
 
-Frame SpotCheck::draw(const Square& square, const LodSettings& way) {
+Frame SpotCheck::render(const Square& square, const LodSettings& way) {
   View view = view_;
   view.size_px = square.size_px;
   view.principal_px -= glm::vec2(square.corner_px);
@@ -49,7 +49,7 @@ Frame SpotCheck::draw(const Square& square, const LodSettings& way) {
   lod.cut.acuity.gaze_px -= glm::vec2(square.corner_px);
   Frame frame;
   frame.resize(view.size_px);
-  scene_.draw(view, settings_, lod, frame);
+  scene_.render(view, settings_, lod, frame);
   return frame;
 }
 
@@ -57,8 +57,8 @@ float SpotCheck::error(const LodSettings& way, float limit) {
   std::vector<float> all;
   for (std::size_t i = 0; i < squares_.size(); ++i) {
     Square& square = squares_[i];
-    if (square.finest.rgba.empty()) square.finest = draw(square, finest_);
-    const auto apart = visibleDifference(draw(square, way), square.finest, kUsualPx_per_deg);
+    if (square.finest.rgba.empty()) square.finest = render(square, finest_);
+    const auto apart = visibleDifference(render(square, way), square.finest, kUsualPx_per_deg);
     all.insert(all.end(), apart.begin(), apart.end());
     if (i + 1 != kFirstSquares) continue;
     const float error = quantile(all, 0.95);

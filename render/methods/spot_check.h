@@ -1,4 +1,4 @@
-// What a way to draw a frame gets wrong, found out on small squares of it: what the scene in view
+// What a way to render a frame gets wrong, found out on small squares of it: what the scene in view
 // makes of a way, which no table of blurs can know.
 #pragma once
 
@@ -29,9 +29,9 @@ class SpotCheck {
  private:
   struct Square {
     glm::ivec2 corner_px, size_px;
-    Frame finest = {};  ///< drawn when it is asked for
+    Frame finest = {};  ///< rendered when it is asked for
   };
-  Frame draw(const Square& square, const LodSettings& way);
+  Frame render(const Square& square, const LodSettings& way);
 
   LodSplats& scene_;
   View view_;

@@ -12,11 +12,11 @@ class SweepMethod final : public Method {
  public:
   explicit SweepMethod(const SurfelCloud& cloud) : cloud_(cloud) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     scene_.project(cloud_, view, settings, {});
     RenderStats stats;
     stats.splats = scene_.count();
-    stats.fragments = scene_.draw(settings.background, settings.depth, frame);
+    stats.fragments = scene_.render(settings.background, settings.depth, frame);
     return stats;
   }
 

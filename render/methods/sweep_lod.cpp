@@ -1,7 +1,7 @@
-// Our renderer, modelling no more than shows: what is blurred is drawn from coarser levels of
+// Our renderer, modelling no more than shows: what is blurred is rendered from coarser levels of
 // detail and at fewer samples, and the lens is taken apart only where surfaces cover each other in
 // part. Known failure: surfaces that the lens sees between and around in many places at once
-// (foliage) want more parts than are drawn; where two of them lie closer together than a node is
+// (foliage) want more parts than are rendered; where two of them lie closer together than a node is
 // wide, they join.
 #include "render/methods/lod_splats.h"
 #include "render/methods/method.h"
@@ -13,8 +13,8 @@ class SweepLodMethod final : public Method {
  public:
   SweepLodMethod(const SurfelCloud& cloud, int parts) : scene_(cloud), parts_(parts) {}
 
-  RenderStats draw(const View& view, const RenderSettings& settings, Frame& frame) override {
-    return scene_.draw(view, settings, {.cut = kFaithfulCut, .parts = parts_}, frame);
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
+    return scene_.render(view, settings, {.cut = kFaithfulCut, .parts = parts_}, frame);
   }
 
  private:

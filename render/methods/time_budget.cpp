@@ -8,7 +8,7 @@ namespace foci {
 namespace {
 
 constexpr float kNews = 0.2f;        // share of the last time in what is expected
-constexpr float kMostGrowth = 2.0f;  // beyond it a time is the machine's own doing: it counts less
+constexpr float kMaxGrowth = 2.0f;   // beyond it a time is the machine's own doing: it counts less
 constexpr float kFitsWell = 0.8f;    // of the budget
 constexpr float kFade = 0.9998f;     // a frame: half as long in a minute at 60 frames a second
 constexpr float kFadeMoved = 0.98f;  // half as long in half a second
@@ -40,7 +40,7 @@ void TimeBudget::took(std::size_t way, float ms, bool moved) {
   for (Way& other : ways_) other.ms *= moved ? kFadeMoved : kFade;
   float& known_ms = ways_[way].ms;
   known_ms = known_ms > 0.0f
-                 ? (1.0f - kNews) * known_ms + kNews * std::min(ms, kMostGrowth * known_ms)
+                 ? (1.0f - kNews) * known_ms + kNews * std::min(ms, kMaxGrowth * known_ms)
                  : ms;
   last_ = way;
 }

@@ -1,4 +1,4 @@
-// What each way to draw takes, learnt from what it took: to hold a budget, one must know
+// What each way to render takes, learnt from what it took: to hold a budget, one must know
 // beforehand.
 #pragma once
 
@@ -13,21 +13,21 @@ class TimeBudget {
   /// @param likely  what the ways take, in any unit: a first guess of one from the others
   explicit TimeBudget(std::span<const float> likely);
 
-  /// What a way is expected to take; infinite where nothing has been drawn yet.
+  /// What a way is expected to take; infinite where nothing has been rendered yet.
   float expected_ms(std::size_t way) const;
 
-  /// Whether it fits. One that took the place of the way drawn last must fit well, so that what is
-  /// drawn does not flicker.
+  /// Whether it fits. One that took the place of the way rendered last must fit well, so that what
+  /// is rendered does not flicker.
   bool fits(std::size_t way, float budget_ms) const;
 
-  /// It was drawn. What is known of the others fades towards trying them again, sooner where the
+  /// It was rendered. What is known of the others fades towards trying them again, sooner where the
   /// view has `moved`: other things are in sight.
   void took(std::size_t way, float ms, bool moved);
 
  private:
   struct Way {
     float likely = 1.0f;
-    float ms = 0.0f;  // 0: never drawn
+    float ms = 0.0f;  // 0: never rendered
   };
   std::vector<Way> ways_;
   std::size_t last_ = 0;

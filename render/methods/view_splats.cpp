@@ -1,6 +1,6 @@
 #include "render/methods/view_splats.h"
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/splat/sweep.h"
 
 namespace foci {
@@ -41,7 +41,7 @@ void ViewSplats::select(const ViewSplats& all, const std::function<bool(const Sp
   lists_.build(chunks_, size_px_);
 }
 
-std::uint64_t ViewSplats::draw(const glm::vec3& background, bool depth, Frame& frame) const {
+std::uint64_t ViewSplats::render(const glm::vec3& background, bool depth, Frame& frame) const {
   frame.resize(size_px_, depth);
   return sweep(
       chunks_, lists_,

@@ -1,5 +1,5 @@
-// The scene as splats for one view: the one door through which methods that draw all surfels reach
-// projection, binning and the sweep.
+// The scene as splats for one view: the one door through which methods that render all surfels
+// reach projection, binning and the sweep.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ class ViewSplats {
 
   /// Sweeps the splats over `background` into `frame`, resized as needed.
   /// @return fragments
-  std::uint64_t draw(const glm::vec3& background, bool depth, Frame& frame) const;
+  std::uint64_t render(const glm::vec3& background, bool depth, Frame& frame) const;
 
   std::uint64_t count() const { return chunks_.total(); }
   const Splat* splats() const { return chunks_.splats.get(); }

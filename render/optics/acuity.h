@@ -6,11 +6,11 @@
 
 namespace foci {
 
-/// Detail is drawn no finer than the observer can see it: at r pixels from the gaze through a
+/// Detail is rendered no finer than the observer can see it: at r pixels from the gaze through a
 /// Gaussian of base_px + per_px r standard deviation, and never less than the one pixel that every
-/// picture wants (the prefilter of EWA splatting).
+/// image wants (the prefilter of EWA splatting).
 struct Acuity {
-  glm::vec2 gaze_px{0.0f};  ///< on the picture
+  glm::vec2 gaze_px{0.0f};  ///< on the image
   float base_px = 1.0f;
   float per_px = 0.0f;
   bool operator==(const Acuity&) const = default;

@@ -28,7 +28,7 @@ struct Defocus {
   DistanceAlong along = DistanceAlong::sight;
   glm::vec2 astigmatism_D{0.0f};  ///< (J0, J45); 0: a round lens
   /// How much nearer than that the red, green and blue primaries are in focus. `Method::render`
-  /// draws each by itself where these are not all 0.
+  /// renders each by itself where these are not all 0.
   glm::vec3 chromatic_D{0.0f};
   bool operator==(const Defocus&) const = default;
 };

@@ -13,7 +13,7 @@ struct View {
   glm::vec2 focal_px{
       0.0f};  ///< pixels for a tangent of 1, along x and y (screens may have oblong pixels)
   glm::vec2 principal_px{0.0f};  ///< where the -z axis meets the image
-  float near_m = 0.01f;          ///< nothing nearer along the axis is drawn
+  float near_m = 0.01f;          ///< nothing nearer along the axis is rendered
   bool operator==(const View&) const = default;
 };
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 namespace foci {
 namespace {

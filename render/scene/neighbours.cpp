@@ -7,7 +7,7 @@
 #include <limits>
 #include <nanoflann.hpp>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 namespace foci {
 namespace {
@@ -63,8 +63,8 @@ class Nearest {
   std::size_t k_, count_ = 0;
   std::uint32_t self_;
   float furthest2_ = 0.0f;
-  std::array<float, kMostNeighbours> distance2_{};
-  std::array<std::uint32_t, kMostNeighbours> index_{};
+  std::array<float, kMaxNeighbours> distance2_{};
+  std::array<std::uint32_t, kMaxNeighbours> index_{};
 };
 
 /// All within a radius, up to a number.
@@ -90,7 +90,7 @@ class Within {
 }  // namespace
 
 Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t wanted) {
-  assert(wanted <= kMostNeighbours);
+  assert(wanted <= kMaxNeighbours);
   assert(position_m.size() < std::numeric_limits<std::uint32_t>::max());
   Neighbours found;
   found.k = std::min(wanted, position_m.empty() ? 0 : position_m.size() - 1);

@@ -8,7 +8,7 @@
 
 namespace foci {
 
-inline constexpr std::size_t kMostNeighbours = 64;
+inline constexpr std::size_t kMaxNeighbours = 64;
 
 /// For point i the entries i * k to i * k + k - 1, not sorted; the point itself is not among them.
 struct Neighbours {
@@ -19,7 +19,7 @@ struct Neighbours {
   std::span<const std::uint32_t> of(std::size_t i) const { return {index.data() + i * k, k}; }
 };
 
-/// At most kMostNeighbours wanted (asserted). Exact; the same at any number of threads. Fewer than
+/// At most kMaxNeighbours wanted (asserted). Exact; the same at any number of threads. Fewer than
 /// 2^32 points, all finite (asserted).
 Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t wanted);
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "render/scene/morton.h"
 
 namespace foci {

@@ -1,6 +1,6 @@
 #include "render/splat/bin.h"
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@ namespace {
 constexpr float kSigmasAStep = 0.7f;
 
 int stepFor(float sigma_px) {
-  int step_px = kMostStep_px;
+  int step_px = kMaxStep_px;
   while (step_px > 1 && !(sigma_px >= kSigmasAStep * static_cast<float>(step_px))) step_px /= 2;
   return step_px;
 }
@@ -65,7 +65,7 @@ std::vector<TileLists::Blur> TileLists::blurOfCells(const SplatChunks& chunks) c
   // A pixel is interpolated from samples up to one and a half steps away: a splat that wants finer
   // ones is in the way up to there.
   constexpr auto reachOf = [](int step_px) { return 3 * step_px / 2; };
-  constexpr int kMostReach_px = reachOf(kMostStep_px);
+  constexpr int kMaxReach_px = reachOf(kMaxStep_px);
   const std::size_t cell_count = static_cast<std::size_t>(cells_.x) * cells_.y;
   const std::size_t chunk_count = chunks.count.size();
   std::vector<Blur> all(std::max<std::size_t>(chunk_count, 1) * cell_count);
@@ -79,13 +79,13 @@ std::vector<TileLists::Blur> TileLists::blurOfCells(const SplatChunks& chunks) c
         const int beside_px = std::max(x * kTile - key.x1, key.x0 - (x + 1) * kTile + 1);
         const int apart_px = std::max(below_px, beside_px);
         int step_px = own_px;
-        while (step_px < kMostStep_px && apart_px > reachOf(2 * step_px)) step_px *= 2;
+        while (step_px < kMaxStep_px && apart_px > reachOf(2 * step_px)) step_px *= 2;
         return step_px;
       };
-      const int x0 = std::max(key.x0 - kMostReach_px, 0) / kTile;
-      const int y0 = std::max(key.y0 - kMostReach_px, 0) / kTile;
-      const int x1 = std::min(key.x1 + kMostReach_px, size_px_.x - 1) / kTile;
-      const int y1 = std::min(key.y1 + kMostReach_px, size_px_.y - 1) / kTile;
+      const int x0 = std::max(key.x0 - kMaxReach_px, 0) / kTile;
+      const int y0 = std::max(key.y0 - kMaxReach_px, 0) / kTile;
+      const int x1 = std::min(key.x1 + kMaxReach_px, size_px_.x - 1) / kTile;
+      const int y1 = std::min(key.y1 + kMaxReach_px, size_px_.y - 1) / kTile;
       for (int y = y0; y <= y1; ++y) {
         for (int x = x0; x <= x1; ++x) {
           Blur& cell = cells[static_cast<std::size_t>(y) * cells_.x + x];
@@ -113,7 +113,7 @@ void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
 
   // From the largest square down: one tile, where that needs no more than its samples.
   const auto blurOf = [&](int x0, int y0, int side) {
-    Blur sum{.step_px = coarse ? kMostStep_px : 1};
+    Blur sum{.step_px = coarse ? kMaxStep_px : 1};
     for (int y = y0; y < std::min(y0 + side, cells_.y); ++y) {
       for (int x = x0; x < std::min(x0 + side, cells_.x); ++x) {
         sum.add(cells[static_cast<std::size_t>(y) * cells_.x + x]);
@@ -140,14 +140,14 @@ void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
     }
     tiles_.push_back({x0 * kTile, y0 * kTile, side * kTile, blur.step_px, blur.radius_px});
   };
-  for (int y = 0; y < cells_.y; y += kMostStep_px) {
-    for (int x = 0; x < cells_.x; x += kMostStep_px) divide(divide, x, y, kMostStep_px);
+  for (int y = 0; y < cells_.y; y += kMaxStep_px) {
+    for (int x = 0; x < cells_.x; x += kMaxStep_px) divide(divide, x, y, kMaxStep_px);
   }
-  most_apron_px_ = 0;
+  max_apron_px_ = 0;
   for (const Tile& tile : tiles_) {
-    most_apron_px_ = std::max(most_apron_px_, tile.apron() * tile.step_px);
+    max_apron_px_ = std::max(max_apron_px_, tile.apron() * tile.step_px);
   }
-  static_assert(kApron * kMostStep_px <= kTile);
+  static_assert(kApron * kMaxStep_px <= kTile);
   fine_.assign(tile_of_cell_.size(), true);
   for (const Tile& tile : tiles_) {
     if (tile.step_px == 1) continue;
@@ -181,7 +181,7 @@ void TileLists::fill(const SplatChunks& chunks, const ForEachTile& forEachTile) 
       least = std::min(least, bits);
       most = std::max(most, bits);
       forEachTile(
-          key, [&](std::size_t most_tiles) { touched.begin(most_tiles); },
+          key, [&](std::size_t max_tiles) { touched.begin(max_tiles); },
           [&](std::uint32_t tile, bool counts) {
             count[tile] += counts;
             touched.add(tile, counts);
@@ -240,7 +240,7 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
     const int x0 = key.x0 / kTile, x1 = key.x1 / kTile;
     const int y0 = key.y0 / kTile, y1 = key.y1 / kTile;
     if (x1 - x0 > 1 || y1 - y0 > 1) return false;
-    if (most_apron_px_ > 0 &&
+    if (max_apron_px_ > 0 &&
         !(isFine(x0, y0) && isFine(x1, y0) && isFine(x0, y1) && isFine(x1, y1))) {
       return false;
     }
@@ -256,10 +256,10 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
   // Tiles of several sizes with aprons: each is visited at the first of its cells.
   fill(chunks, [&](const SplatKey& key, auto&& begin, auto&& visit) {
     if (visitFine(key, begin, visit)) return;
-    const int x0 = std::max(key.x0 - most_apron_px_, 0) / kTile;
-    const int y0 = std::max(key.y0 - most_apron_px_, 0) / kTile;
-    const int x1 = std::min(key.x1 + most_apron_px_, size_px_.x - 1) / kTile;
-    const int y1 = std::min(key.y1 + most_apron_px_, size_px_.y - 1) / kTile;
+    const int x0 = std::max(key.x0 - max_apron_px_, 0) / kTile;
+    const int y0 = std::max(key.y0 - max_apron_px_, 0) / kTile;
+    const int x1 = std::min(key.x1 + max_apron_px_, size_px_.x - 1) / kTile;
+    const int y1 = std::min(key.y1 + max_apron_px_, size_px_.y - 1) / kTile;
     begin(static_cast<std::size_t>(x1 - x0 + 1) * (y1 - y0 + 1));
     for (int y = y0; y <= y1; ++y) {
       for (int x = x0; x <= x1;) {

@@ -19,7 +19,7 @@ inline constexpr int kApron = 2;
 struct Tile {
   int x_px = 0, y_px = 0;  ///< its corner
   int side_px = kTile;
-  int step_px = 1;       ///< a power of two, at most kMostStep_px
+  int step_px = 1;       ///< a power of two, at most kMaxStep_px
   float blur_px = 0.0f;  ///< the largest radius of blur in it
 
   int apron() const { return step_px > 1 ? kApron : 0; }
@@ -42,8 +42,8 @@ class TileLists {
   void chooseTiles(const SplatChunks& chunks, bool coarse);
 
   struct Blur {
-    int step_px = kMostStep_px;  // as far apart may samples be
-    float radius_px = 0.0f;      // the most
+    int step_px = kMaxStep_px;  // as far apart may samples be
+    float radius_px = 0.0f;     // the most
     void add(const Blur& other) {
       step_px = std::min(step_px, other.step_px);
       radius_px = std::max(radius_px, other.radius_px);
@@ -80,7 +80,7 @@ class TileLists {
   std::vector<Tile> tiles_;
   std::vector<std::uint32_t> tile_of_cell_;
   std::vector<std::uint8_t> fine_;    // by cell: neither it nor a neighbour has coarser samples
-  int most_apron_px_ = 0;             // of all tiles
+  int max_apron_px_ = 0;              // of all tiles
   std::vector<Touched> touched_;      // by chunk
   std::vector<std::uint64_t> pairs_;  // by tile, key << 32 | splat
   std::vector<std::size_t> begin_;

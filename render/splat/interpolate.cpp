@@ -20,8 +20,8 @@ struct Place {
   Taps taps;
 };
 
-std::array<Place, kTile * kMostStep_px> placesOf(const Tile& tile) {
-  std::array<Place, kTile * kMostStep_px> places{};
+std::array<Place, kTile * kMaxStep_px> placesOf(const Tile& tile) {
+  std::array<Place, kTile * kMaxStep_px> places{};
   for (int i = 0; i < tile.side_px; ++i) {
     const float at =
         (static_cast<float>(i) + 0.5f) / static_cast<float>(tile.step_px) - 0.5f + kApron;

@@ -13,8 +13,8 @@
 #include <cstddef>
 #include <span>
 
+#include "render/kernel/limits.h"
 #include "render/splat/bin.h"
-#include "render/splat/limits.h"
 #include "render/splat/splat.h"
 
 #ifndef FOCI_LAYERS_ONCE
@@ -46,7 +46,7 @@ using M = hn::Mask<D>;
 
 // A tile is blocks of 4 x 4 samples; a block's 16 are consecutive, row by row.
 constexpr int kBlock = 4, kBlockSamples = kBlock * kBlock;
-static_assert(kTile % (kBlock * kMostStep_px) == 0 && 2 * kApron % kBlock == 0);
+static_assert(kTile % (kBlock * kMaxStep_px) == 0 && 2 * kApron % kBlock == 0);
 using BlockValues = float[kBlockSamples];
 
 /// Per sample, colours summed over splats by their weights. `visible`, the opacity that is seen,
@@ -84,14 +84,14 @@ struct alignas(64) Block {
 template <bool kTransparent, bool kDepth, bool kLens>
 struct Layers {
   static constexpr float kClosed = -1.0f;  // before any z-range
-  static constexpr int kMostBlocks = (kTile + 2 * kApron) / kBlock;
+  static constexpr int kMaxBlocks = (kTile + 2 * kApron) / kBlock;
 
-  Block tile[kMostBlocks * kMostBlocks];
-  Paint beyond[kTransparent ? kMostBlocks * kMostBlocks : 1];  // what came later, see `addBeyond`
-  const unsigned columns;                                      // of blocks, and their rows
-  bool any_from_behind = false;                                // in the open layers
-  bool any_beyond = false;                                     // likewise
-  unsigned lit = 0;                                            // blocks that some light passes
+  Block tile[kMaxBlocks * kMaxBlocks];
+  Paint beyond[kTransparent ? kMaxBlocks * kMaxBlocks : 1];  // what came later, see `addBeyond`
+  const unsigned columns;                                    // of blocks, and their rows
+  bool any_from_behind = false;                              // in the open layers
+  bool any_beyond = false;                                   // likewise
+  unsigned lit = 0;                                          // blocks that some light passes
   bool overlap = false;  // somewhere layers cover each other in part
 
   explicit Layers(int samples_a_side) : columns(static_cast<unsigned>(samples_a_side) / kBlock) {
@@ -190,7 +190,7 @@ struct Layers {
       return c;
     };
     // `share` of the sample is this side's, `summed` the weights that its sums are of.
-    const auto paint = [&](Paint& sums, V summed, V share) {
+    const auto render = [&](Paint& sums, V summed, V share) {
       const V scale = hn::Div(share, hn::Max(summed, hn::Set(d, 1e-20f)));
       const V passed = hn::IfThenElseZero(which, hn::Mul(through, scale));
       const auto compose = [&](float* out, float* sum) {
@@ -203,7 +203,7 @@ struct Layers {
       alpha = hn::MulAdd(scale, kTransparent || kLens ? take(sums.visible) : summed, alpha);
     };
     const auto composeSide = [&](Sums& sums, V summed, V share) {
-      paint(sums, summed, share);
+      render(sums, summed, share);
       take(sums.weight);
       if constexpr (kLens) {
         take(sums.lens_x);
@@ -240,7 +240,7 @@ struct Layers {
     if constexpr (kTransparent) {
       if (any_beyond) {
         alpha = hn::Zero(d);
-        paint(beyond[index], rest, hn::Min(rest, one));
+        render(beyond[index], rest, hn::Min(rest, one));
         pass();
       }
     }

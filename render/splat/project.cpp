@@ -2,15 +2,15 @@
 
 #include <hwy/cache_control.h>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <type_traits>
 
-#include "render/splat/kernel.h"
-#include "render/splat/limits.h"
+#include "render/kernel/kernel.h"
+#include "render/kernel/limits.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/splat/project.cpp"
@@ -83,22 +83,22 @@ HWY_INLINE bool setKernel(const Lanes& lanes, std::size_t k, float widen, float 
 
 /// Completes lane `k`. False where it turns out to lie outside the image.
 HWY_INLINE bool finishSplat(const ProjectJob& job, const Lanes& lanes, std::size_t k,
-                            const Paint& paint, Splat& splat, SplatKey& key) {
+                            const Paint& render, Splat& splat, SplatKey& key) {
   splat.x_px = lanes.x[k];
   splat.y_px = lanes.y[k];
-  if (!setKernel(lanes, k, 1.0f, 1.0f, paint.weight, splat)) return false;
+  if (!setKernel(lanes, k, 1.0f, 1.0f, render.weight, splat)) return false;
   if (!(splat.x_px + splat.extent_x_px > -job.margin &&
         splat.x_px - splat.extent_x_px < job.width + job.margin &&
         splat.y_px + splat.extent_y_px > -job.margin &&
         splat.y_px - splat.extent_y_px < job.height + job.margin)) {
     return false;
   }
-  splat.opacity = paint.opacity;
-  const float scale = lanes.shade[k] * paint.opacity;
-  splat.red = scale * paint.color[0];
-  splat.green = scale * paint.color[1];
-  splat.blue = scale * paint.color[2];
-  if (job.oriented && lanes.away[k] > kFromBehind) splat.opacity = -splat.opacity;
+  splat.opacity = render.opacity;
+  const float scale = lanes.shade[k] * render.opacity;
+  splat.red = scale * render.color[0];
+  splat.green = scale * render.color[1];
+  splat.blue = scale * render.color[2];
+  if (job.oriented && lanes.away[k] > kBackFacing) splat.opacity = -splat.opacity;
   splat.near_m = std::max(lanes.distance[k] - lanes.reach[k], 0.0f);
   splat.far_m = lanes.distance[k] + lanes.reach[k];
 
@@ -152,21 +152,21 @@ HWY_INLINE void finishPart(const ProjectJob& job, const Lanes& lanes, std::size_
   out.out_across_D[at] = spread(across_D, variance * across_D * across_D);
 }
 
-/// The lanes that draw something, to consecutive splats.
+/// The lanes that render something, to consecutive splats.
 template <class PaintOf>
 HWY_INLINE void finishLanes(const ProjectJob& job, const Lanes& lanes, std::size_t lane_count,
                             const PaintOf& paintOf, const SplatsOut& out, std::uint32_t& count) {
   for (std::size_t k = 0; k < lane_count; ++k) {
     if (lanes.visible[k] == 0.0f) continue;
-    const Paint paint = paintOf(k);
-    if (!finishSplat(job, lanes, k, paint, out.splats[count], out.keys[count])) continue;
+    const Paint render = paintOf(k);
+    if (!finishSplat(job, lanes, k, render, out.splats[count], out.keys[count])) continue;
     if (out.lens_across) {
       out.lens[count] = lensAlong(job, lanes, k, lanes.out_of_focus_D[k]);
       out.lens_across[count] = lensAlong(job, lanes, k, lanes.out_across_D[k]);
     } else if (out.lens) {
       out.lens[count] = lensOf(lanes, k);
     }
-    if (out.parts) finishPart(job, lanes, k, paint.weight, out, count);
+    if (out.parts) finishPart(job, lanes, k, render.weight, out, count);
     ++count;
   }
 }
@@ -378,7 +378,7 @@ void projectCut(const MomentTree& tree, const Cut& cut, const View& view, const 
   const std::size_t node_chunks = (cut.nodes.size() + size - 1) / size;
   const std::size_t range_chunks = node_chunks + (cut.surfels.size() + size - 1) / size;
   // Ranges, as many a chunk as it holds.
-  static_assert(Cut::kLongestRange <= kLeastChunk);
+  static_assert(Cut::kLongestRange <= kMinChunk);
   std::vector<std::size_t> first_range{0};
   for (std::size_t r = 0, held = 0; r < cut.ranges.size(); ++r) {
     const std::size_t surfel_count = cut.ranges[r].end - cut.ranges[r].begin;

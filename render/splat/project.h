@@ -16,7 +16,7 @@ enum class BlurKernel {
   gaussian,  ///< variance V + 0.36067 C^2 I (Eq. 11), bell-shaped
 };
 
-/// What is drawn of the lens, and how. By default all of it at once.
+/// What is rendered of the lens, and how. By default all of it at once.
 struct Projection {
   BlurKernel kernel = BlurKernel::disc;
   /// Centre of the part of the lens that is looked through, in lens radii. A point U away moves on
@@ -33,7 +33,7 @@ struct Projection {
       0.0f;  ///< 0 to 1: how much of the colour falls off with the cosine to the line of sight
 };
 
-/// Projects every surfel and drops those that draw nothing: nearer than `view.near_m` along the
+/// Projects every surfel and drops those that render nothing: nearer than `view.near_m` along the
 /// axis, outside the image, with a projected area of zero, or not finite. The kernel's variance
 /// on the image is W = J V_r J' + V_h + C^2/4 I, V_h the prefilter of `acuity`, I by default, its
 /// kurtosis that of a disc of radius C convolved with the unblurred splat (kernel.h). SIMD with
@@ -41,7 +41,7 @@ struct Projection {
 void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& defocus,
                     const Projection& projection, SplatChunks& chunks);
 
-/// Projects a cut of the tree likewise. Of a node, what merging added to its variance V is drawn
+/// Projects a cut of the tree likewise. Of a node, what merging added to its variance V is rendered
 /// once in its kernel or, where a texture is finer than the node, lies in its place: W = own V + I
 /// + V_C, own the surfels' share of V.
 void projectCut(const MomentTree& tree, const Cut& cut, const View& view, const Defocus& defocus,

@@ -13,9 +13,9 @@
 #include <cmath>
 #include <cstddef>
 
+#include "render/kernel/limits.h"
 #include "render/optics/defocus.h"
 #include "render/scene/surfel_cloud.h"
-#include "render/splat/limits.h"
 
 #ifndef FOCI_PROJECT_LANES_ONCE
 #define FOCI_PROJECT_LANES_ONCE
@@ -27,7 +27,7 @@ namespace foci {
 inline constexpr float kLongAxis = 0.6f;
 
 /// A tilt (`SplatLens`) is reduced by this: an eye seldom has more.
-inline constexpr float kLeastTilt = 0.01f;
+inline constexpr float kMinTilt = 0.01f;
 
 /// Surfels one after the other.
 struct SurfelArrays {
@@ -58,7 +58,7 @@ struct ProjectJob {
   float blur_x, blur_y, focus_D;  // radius in pixels a dioptre, of the part of the lens
   float j0, j45, astigmatism;     // see `Defocus`; the last is their length
   float lens_x, lens_y;           // its centre, likewise
-  float part_aperture;            // of the smaller parts that it is drawn by too
+  float part_aperture;            // of the smaller parts that it is rendered by too
   float gaze_x, gaze_y, acuity_base, acuity_per;  // see `Acuity`
   bool along_axis;
   bool gaussian;
@@ -126,7 +126,7 @@ struct Footprint {
   V area;           // on the image
   V along2;         // variance along the distance
   V thick2;         // variance along the distance that it counts as having at least
-  V own;            // share of the variance that is drawn
+  V own;            // share of the variance that is rendered
   V3 normal;        // unit length
 };
 
@@ -349,11 +349,11 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   const V tilt_x = hn::Mul(hn::Mul(set(-job.blur_x / job.focal_x), dot(right, f.normal)), inv);
   const V tilt_y = hn::Mul(hn::Mul(set(job.blur_y / job.focal_y), dot(up, f.normal)), inv);
   const V tilt = hn::Sqrt(hn::MulAdd(tilt_x, tilt_x, hn::Mul(tilt_y, tilt_y)));
-  const V more = hn::Max(hn::Sub(tilt, set(kLeastTilt)), hn::Zero(d));
-  const V counts = hn::Div(more, hn::Max(tilt, set(kLeastTilt)));
+  const V more = hn::Max(hn::Sub(tilt, set(kMinTilt)), hn::Zero(d));
+  const V counts = hn::Div(more, hn::Max(tilt, set(kMinTilt)));
   const V shade = hn::MulAdd(set(job.shading), hn::Sub(hn::Abs(away), one), one);
 
-  // Keep what draws something: in front, on the image, with an area. Comparisons fail on NaN.
+  // Keep what renders something: in front, on the image, with an area. Comparisons fail on NaN.
   const V all_x2 = hn::Add(vxx, blur_x2), all_y2 = hn::Add(vyy, blur_y2);
   const V radius_x = hn::Sqrt(hn::Mul(set(kWidestSupport2), all_x2));
   const V radius_y = hn::Sqrt(hn::Mul(set(kWidestSupport2), all_y2));

@@ -27,7 +27,7 @@ static_assert(sizeof(Splat) == 64);
 inline constexpr int kTile = 32;
 
 /// A tile whose splats are all blurred has its samples this far apart at most, pixels.
-inline constexpr int kMostStep_px = 8;
+inline constexpr int kMaxStep_px = 8;
 
 /// What binning needs of a splat: the distance of its centre, the pixels of the image that its
 /// footprint's box may reach, inclusive, a lower bound of its kernel's standard deviation (of a
@@ -54,10 +54,10 @@ struct SplatLens {
 
 /// Surfels a chunk, of `n`: whole SIMD steps, and about as many chunks as the largest machine has
 /// threads. Fixed, so that no result hangs on the threads.
-inline constexpr std::size_t kLeastChunk = 4096;
+inline constexpr std::size_t kMinChunk = 4096;
 inline std::size_t chunkSize(std::size_t n) {
-  constexpr std::size_t kMostChunks = 64;
-  return (n / kMostChunks + kLeastChunk) / kLeastChunk * kLeastChunk;
+  constexpr std::size_t kMaxChunks = 64;
+  return (n / kMaxChunks + kMinChunk) / kMinChunk * kMinChunk;
 }
 
 /// Splats of a frame, in chunks of consecutive surfels so that threads never share one. Chunk c

@@ -2,7 +2,7 @@
 
 #include <hwy/cache_control.h>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
+#include "render/kernel/limits.h"
 #include "render/splat/interpolate.h"
-#include "render/splat/limits.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/splat/sweep.cpp"
@@ -53,17 +53,17 @@ namespace {
 /// Less blur than this makes no difference to what hides what, distances of samples.
 constexpr float kBlurredSteps = 0.5f;
 
-/// Less blur than this needs no parts of the lens, more than this is drawn by them alone, pixels:
-/// in between both are mixed, so that a moving focus does not pop.
+/// Less blur than this needs no parts of the lens, more than this is rendered by them alone,
+/// pixels: in between both are mixed, so that a moving focus does not pop.
 constexpr float kPartsFrom_px = 2.0f, kPartsFully_px = 4.0f;
 
 /// By splat, whether it and all behind it begin where all before it have ended.
 std::vector<std::uint8_t> gapsOf(const Splat* splats, std::span<const std::uint32_t> list) {
   std::vector<float> nearest_m(list.size());  // of it and of those behind it
-  float least_m = std::numeric_limits<float>::infinity();
+  float min_m = std::numeric_limits<float>::infinity();
   for (std::size_t e = list.size(); e-- > 0;) {
     if (e >= kAhead) hwy::Prefetch(&splats[list[e - kAhead]]);
-    nearest_m[e] = least_m = std::min(least_m, splats[list[e]].near_m);
+    nearest_m[e] = min_m = std::min(min_m, splats[list[e]].near_m);
   }
   std::vector<std::uint8_t> gap(list.size());
   float farthest_m = 0.0f;  // of those before it

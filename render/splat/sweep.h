@@ -36,7 +36,7 @@ struct SweepSettings {
 /// what joins later lies behind, however near: it is hidden, or, where the scene is transparent,
 /// makes a layer of its own. A closed layer covers alpha = `coverageOf`(W) times its mean opacity
 /// and lets 1 - alpha of what follows through; where hardly any light passes, nothing more is
-/// drawn. Splats are taken in batches, and blocks of 4 x 4 samples keep their open layers in
+/// rendered. Splats are taken in batches, and blocks of 4 x 4 samples keep their open layers in
 /// registers while they add those of a batch that they meet. SIMD with run-time dispatch, tiles by
 /// TBB.
 /// @return the number of fragments: samples inside a footprint

@@ -16,9 +16,9 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
+#include "render/kernel/limits.h"
 #include "render/splat/batch-inl.h"
 #include "render/splat/layers-inl.h"
-#include "render/splat/limits.h"
 #include "render/splat/part_splats-inl.h"
 #include "render/splat/splat.h"
 #include "render/splat/sweep.h"
@@ -30,7 +30,7 @@ namespace foci {
 /// Splats are fetched from memory this many before they are used.
 inline constexpr std::size_t kAhead = 16;
 
-/// A tile, and how it is drawn.
+/// A tile, and how it is rendered.
 struct TileJob {
   const Splat* splats;
   const std::uint32_t* entries;
@@ -46,7 +46,7 @@ struct TileJob {
   const SplatLens* lens_across;  // null: the lens is round
   glm::vec2 radius_px_per_D;
   const LensParts* parts;  // null: never by parts
-  float parts_share;       // of the picture, where it is drawn by them
+  float parts_share;       // of the image, where it is rendered by them
   glm::vec4* rgba;         // samples x samples, all 0
   float* depth_m;          // likewise; null: not asked for
 };
@@ -96,7 +96,7 @@ struct Sweep : Layers<kTransparent, kDepth, asAWhole(kBlur)> {
   HWY_INLINE void flush(const Splat* splats) {
     if (batch.count == 0) return;
     const float inner_px = (kBlock - 1) / job.per_step, block_px = kBlock / job.per_step;
-    std::uint64_t in_column[Base::kMostBlocks];
+    std::uint64_t in_column[Base::kMaxBlocks];
     for (unsigned x = 0; x < columns; ++x) {
       const float from_px = job.x + block_px * static_cast<float>(x);
       in_column[x] = batch.meeting(batch.left_px, batch.right_px, from_px, from_px + inner_px);

@@ -1,6 +1,6 @@
 // What a sample costs: labels offline and online. Fixed seed; the walk of an observer with a little
 // noise, two minutes long. Argument: samples a second. What a webcam's frame costs, 640x480 on one
-// core: a drawn face that is followed, and one that is searched for.
+// core: a rendered face that is followed, and one that is searched for.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -9,8 +9,8 @@
 
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
-#include "gaze/eye/webcam_tracker.h"
 #include "gaze/sources/simulator.h"
+#include "gaze/webcam/webcam_tracker.h"
 #include "tests/faces/observer.h"
 
 namespace foci {

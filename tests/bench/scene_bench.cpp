@@ -8,9 +8,9 @@
 #include <glm/gtc/constants.hpp>
 #include <random>
 
-#include "render/scene/estimate.h"
-#include "render/scene/ply.h"
-#include "render/scene/procedural.h"
+#include "render/scene/builtin/procedural.h"
+#include "render/scene/estimation/estimate.h"
+#include "render/scene/io/ply.h"
 #include "render/scene/surface_query.h"
 
 namespace foci {

@@ -157,7 +157,7 @@ INSTANTIATE_TEST_SUITE_P(
                 studyWith("seconds = [0, 0.6]", "seconds = [0.6, 0.2]")),
         inStudy("SecondsAfterTheEnd", "expected within the recording",
                 studyWith("seconds = [0, 0.6]", "seconds = [10, 20]")),
-        inStudy("OddPictures", "expected even numbers",
+        inStudy("OddImages", "expected even numbers",
                 studyWith("size_px = [96, 72]", "size_px = [97, 72]")),
         inStudy("ScreenOfNoWidth", "screen.size_m",
                 studyWith("size_m = [0.4, 0.3]", "size_m = [0, 0.3]")),

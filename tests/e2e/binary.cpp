@@ -21,9 +21,9 @@ bool enter(const Fault& fault, const fs::path& folder, const fs::path& out, cons
       !freopen(err.c_str(), "w", stderr)) {
     return false;
   }
-  if (fault.most_file_bytes) {
+  if (fault.max_file_bytes) {
     signal(SIGXFSZ, SIG_IGN);  // so that writing fails, instead of the process
-    const rlimit limit{*fault.most_file_bytes, *fault.most_file_bytes};
+    const rlimit limit{*fault.max_file_bytes, *fault.max_file_bytes};
     if (setrlimit(RLIMIT_FSIZE, &limit) != 0) return false;
   }
   constexpr uid_t kNobody = 65534;

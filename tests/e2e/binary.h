@@ -27,8 +27,8 @@ Outcome terminateFoci(const std::vector<std::string>& arguments,
 
 /// What befalls a run.
 struct Fault {
-  std::optional<int> killed_after_ms{};          ///< by SIGKILL
-  std::optional<std::size_t> most_file_bytes{};  ///< writing beyond fails, as on a full disk
+  std::optional<int> killed_after_ms{};         ///< by SIGKILL
+  std::optional<std::size_t> max_file_bytes{};  ///< writing beyond fails, as on a full disk
   bool as_nobody = false;  ///< without rights of its own, where the test runs as root
   std::optional<std::filesystem::path> appears{};  ///< when it does,
   std::vector<std::filesystem::path> vanish{};     ///< these are removed

@@ -303,7 +303,7 @@ TEST(CalibrateScreen, RefusesInOneLine) {
 
 TEST(CalibrateCamera, RefusesInOneLine) {
   const TemporaryFolder folder;
-  folder.write("text.png", "not a picture");
+  folder.write("text.png", "not an image");
   const auto says = [&](const std::vector<std::string>& options) {
     std::vector<std::string> arguments{"calibrate", "camera", "--out", "made.toml"};
     arguments.insert(arguments.end(), options.begin(), options.end());

@@ -81,9 +81,9 @@ TEST(Chart, MeasuresEveryMethodOnceAndWritesTableAndPage) {
     charted.insert(csv[i][2]);
     EXPECT_LE(std::stod(csv[i][6]), std::stod(csv[i][5]));  // least, median
     const std::string setting = csv[i][3] == "n/a" ? "" : "-" + csv[i][3];
-    const std::string picture = "out/pictures/scan_" + csv[i][1] + "px_" + csv[i][2] + setting;
+    const std::string image = "out/images/scan_" + csv[i][1] + "px_" + csv[i][2] + setting;
     for (const char* end : {".png", "_difference.png"}) {
-      EXPECT_TRUE(folder.read(picture + end).starts_with("\x89PNG")) << picture << end;
+      EXPECT_TRUE(folder.read(image + end).starts_with("\x89PNG")) << image << end;
     }
   }
   for (const Json& method : Json::parse(runFoci({"methods", "--json"}, folder.path()).out)) {
@@ -96,7 +96,7 @@ TEST(Chart, MeasuresEveryMethodOnceAndWritesTableAndPage) {
   EXPECT_NE(page.find("</html>"), std::string::npos);
   EXPECT_EQ(page.find("=\"http"), std::string::npos);  // nothing but its own folder
   std::size_t links = 0;
-  for (std::size_t at = 0; (at = page.find("href=\"pictures/", at)) != std::string::npos; ++links) {
+  for (std::size_t at = 0; (at = page.find("href=\"images/", at)) != std::string::npos; ++links) {
     at += 6;
     const std::string link = page.substr(at, page.find('"', at) - at);
     EXPECT_TRUE(fs::exists(folder.path() / "out" / link)) << link;
@@ -179,12 +179,12 @@ TEST(Chart, ScoresStabilityOverItsDialsAndGoesOnWhereItStopped) {
   const std::string page = folder.read("out/stability.html");
   EXPECT_NE(page.find("</html>"), std::string::npos);
   std::size_t links = 0;
-  for (std::size_t at = 0; (at = page.find("\"pictures/", at)) != std::string::npos; ++links) {
+  for (std::size_t at = 0; (at = page.find("\"images/", at)) != std::string::npos; ++links) {
     ++at;
     const std::string link = page.substr(at, page.find('"', at) - at);
     EXPECT_TRUE(fs::exists(folder.path() / "out" / link)) << link;
   }
-  EXPECT_GE(links, 2u * 3 * 3);  // each point's picture and its reference
+  EXPECT_GE(links, 2u * 3 * 3);  // each point's image and its reference
 
   const Json again = Json::parse(runFoci(few, folder.path()).out);
   EXPECT_EQ(again.at("computed"), 0);

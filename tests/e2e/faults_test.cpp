@@ -70,7 +70,7 @@ TEST_F(Faults, AFullDiskIsSaidAndLeavesNothing) {
     const bool prepared = name.starts_with("scene");
     if (bytes.size() < 2) continue;
     const Outcome outcome =
-        runFociUnder({.most_file_bytes = bytes.size() - 1 - bytes.size() / 8},
+        runFociUnder({.max_file_bytes = bytes.size() - 1 - bytes.size() / 8},
                      prepared ? prepareTo("out") : replayTo("out"), folder.path());
     SCOPED_TRACE(name + " of " + std::to_string(bytes.size()));
     expectRefused(outcome, "out");

@@ -1,4 +1,4 @@
-// `foci methods`, and that each of them draws.
+// `foci methods`, and that each of them renders.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -40,7 +40,7 @@ TEST(Methods, AreListedInColumnsAndAsJson) {
   EXPECT_EQ(source_columns.size(), 1u);
 }
 
-TEST(Methods, EachDrawsItsOwnPicture) {
+TEST(Methods, EachDrawsItsOwnImage) {
   const TemporaryFolder folder;
   folder.write("study.toml", smallStudy());
   folder.write("scene.ply", squarePly(24, 1.0));

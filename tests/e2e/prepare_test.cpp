@@ -1,4 +1,5 @@
-// `foci prepare`: points or a mesh in, a scene with its report out, which the other commands draw.
+// `foci prepare`: points or a mesh in, a scene with its report out, which the other commands
+// render.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,8 +38,8 @@ std::size_t countOf(const std::string& what, const std::string& text) {
   return count;
 }
 
-/// A study of `scene`, drawn as linear floats.
-Outcome draw(const TemporaryFolder& folder, const std::string& scene, const std::string& out) {
+/// A study of `scene`, rendered as linear floats.
+Outcome render(const TemporaryFolder& folder, const std::string& scene, const std::string& out) {
   std::string study = smallStudy();
   study.replace(study.find("scene.ply"), 9, scene);
   folder.write("study.toml", study);
@@ -94,9 +95,9 @@ TEST(Prepare, PointsBecomeASceneWithAReportOfItsSumsAtEveryLevel) {
 
   // The scene looks as its points do.
   folder.write("made/points.ply", wavyPly());
-  ASSERT_EQ(draw(folder, "made/points.ply", "points.pfm").exit_code, 0);
-  const Outcome drawn = draw(folder, "made/scene.foci", "scene.pfm");
-  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  ASSERT_EQ(render(folder, "made/points.ply", "points.pfm").exit_code, 0);
+  const Outcome rendered = render(folder, "made/scene.foci", "scene.pfm");
+  ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
   const double light = meanOf(folder.read("points.pfm"));
   EXPECT_GT(light, 0.01);
   EXPECT_NEAR(meanOf(folder.read("scene.pfm")) / light, 1.0, 0.05);
@@ -110,7 +111,7 @@ TEST(Prepare, AMeshIsSampledAndDrawn) {
   EXPECT_NEAR(summary.at("surfels").get<double>() / 4000.0, 1.0, 0.2);
   EXPECT_NEAR(summary.at("area_m2").get<double>(), 1.0, 0.1);
   EXPECT_GT(summary.at("normalisation")[0].at("smooth_within_0.02"), 0.95);
-  ASSERT_EQ(draw(folder, "quad.foci", "quad.pfm").exit_code, 0);
+  ASSERT_EQ(render(folder, "quad.foci", "quad.pfm").exit_code, 0);
   EXPECT_GT(meanOf(folder.read("quad.pfm")), 0.01);
 }
 
@@ -133,7 +134,7 @@ TEST(Prepare, ATruncatedOrAlteredSceneIsRefused) {
   const std::string whole = folder.read("scene.foci");
   const auto expectRefused = [&](const std::string& bytes, const std::string& says) {
     folder.write("bad.foci", bytes);
-    const Outcome outcome = draw(folder, "bad.foci", "bad.pfm");
+    const Outcome outcome = render(folder, "bad.foci", "bad.pfm");
     SCOPED_TRACE(says);
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;

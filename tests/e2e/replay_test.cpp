@@ -76,13 +76,13 @@ TEST_F(Replay, DrawsOnlyWhatIsNew) {
   ASSERT_EQ(replay("out").exit_code, 0);
   const auto rows = tableOf(folder.read("out/frames.tsv"));
   const Json summary = Json::parse(folder.read("out/manifest.json"))["summary"];
-  const auto drawn = std::count_if(rows.begin() + 1, rows.end(),
-                                   [](const auto& row) { return row.back() != "0.000"; });
-  EXPECT_EQ(summary["frames_drawn"], drawn);
+  const auto rendered = std::count_if(rows.begin() + 1, rows.end(),
+                                      [](const auto& row) { return row.back() != "0.000"; });
+  EXPECT_EQ(summary["frames_rendered"], rendered);
   EXPECT_NE(rows[1].back(), "0.000");
   EXPECT_EQ(rows[2].back(), "0.000");  // the gaze is steady
   const std::string report = folder.read("out/report.html");
-  EXPECT_NE(report.find(std::to_string(drawn) + " of 6"), std::string::npos);
+  EXPECT_NE(report.find(std::to_string(rendered) + " of 6"), std::string::npos);
 }
 
 TEST_F(Replay, SaysWhereItErrsByMoreThanTheTolerance) {
@@ -174,7 +174,7 @@ TEST_F(Replay, ThePupilFollowsTheLight) {
     }
     EXPECT_EQ(frames.size(), 1u);
     pupils.push_back(pupilsOf(folder.read("out/frames.tsv")));
-    // The scene stands still: so does the pupil, but for what blur does to the picture's edge.
+    // The scene stands still: so does the pupil, but for what blur does to the image's edge.
     EXPECT_NEAR(pupils.back().front(), pupils.back().back(), 0.1);
   }
   EXPECT_GT(pupils[0][0], pupils[1][0] + 0.5);
@@ -194,11 +194,11 @@ TEST_F(Replay, PrintsItsSummaryAsJson) {
   EXPECT_DOUBLE_EQ(summary["gaze_valid"], 1.0);
   EXPECT_EQ(summary["fixations"], 1);
   EXPECT_EQ(summary["saccades"], 0);
-  EXPECT_GE(summary["frames_drawn"], 1);
-  EXPECT_LE(summary["frames_drawn"], summary["frames"]);
-  EXPECT_GT(summary["drawn_ms_median"], 0.0);
-  EXPECT_GE(summary["drawn_ms_p95"], summary["drawn_ms_median"]);
-  EXPECT_LE(summary["render_ms_median"], summary["drawn_ms_median"]);
+  EXPECT_GE(summary["frames_rendered"], 1);
+  EXPECT_LE(summary["frames_rendered"], summary["frames"]);
+  EXPECT_GT(summary["rendered_ms_median"], 0.0);
+  EXPECT_GE(summary["rendered_ms_p95"], summary["rendered_ms_median"]);
+  EXPECT_LE(summary["render_ms_median"], summary["rendered_ms_median"]);
   EXPECT_GE(summary["render_ms_p95"], summary["render_ms_median"]);
   EXPECT_GT(summary["splats"], 0);
   EXPECT_EQ(summary["out"], "out");
@@ -298,7 +298,7 @@ TEST_F(Replay, RunsWhatAMachineWithoutGnuplotOffers) {
   EXPECT_NE(folder.read("out/report.html").find("gnuplot-nox"), std::string::npos);
 }
 
-TEST_F(Replay, DrawsPicturesInEveryFormat) {
+TEST_F(Replay, DrawsImagesInEveryFormat) {
   for (const std::string name : {"a.png", "a.pfm", "a.exr"}) {
     const Outcome outcome =
         runFoci({"render", "study.toml", "--out", name, "--gaze", "320,240", "--depth", "d.pfm"},
@@ -310,7 +310,7 @@ TEST_F(Replay, DrawsPicturesInEveryFormat) {
   EXPECT_TRUE(folder.read("d.pfm").starts_with("Pf\n96 72\n"));
 }
 
-TEST_F(Replay, PictureFocusesOnWhatTheGazeShows) {
+TEST_F(Replay, ImageFocusesOnWhatTheGazeShows) {
   const Outcome outcome = runFoci(
       {"render", "study.toml", "--out", "a.png", "--gaze", "320,240", "--json"}, folder.path());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -34,7 +34,7 @@ TEST(Reproduce, WritesTheTableThePageAndTheFigures) {
   folder.write("bumps.ply", bumpyPly());
   const Outcome outcome = reproduce(folder, seenAlong("0,1,0", {"--scan", "bumps.ply", "--json"}));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("drawing: "), std::string::npos);
+  EXPECT_NE(outcome.err.find("rendering: "), std::string::npos);
 
   std::istringstream csv(folder.read("made/out/table1.csv"));
   std::string line;

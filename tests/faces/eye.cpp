@@ -47,7 +47,7 @@ Eye::Eye(const Person& person, const Moment& moment, int side)
     : person_(person),
       side_(side),
       closed_(moment.closed),
-      centre_(side * 0.5 * person.between_eyes_mm, 0.0, 0.0),
+      centre_(side * 0.5 * person.ipd_mm, 0.0, 0.0),
       camera_from_head_(cameraFromHead(moment)) {
   // The line of sight in the head, then the eye's axis, which lies temporally and below of it.
   const glm::dvec3 centre_m = moment.head_m + camera_from_head_ * centre_ / 1000.0;

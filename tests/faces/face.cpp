@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 #include "tests/faces/eye.h"
 
 namespace foci::faces {
@@ -194,12 +194,12 @@ cv::Mat Face::photograph(std::span<const Moment> moments, const Photography& how
   for (const Moment& moment : moments) {
     expose(Scene(person_, relief_, moment, how), film);
   }
-  // Cameras expose for the picture's mean, faces included: half-way towards an equal face.
+  // Cameras expose for the image's mean, faces included: half-way towards an equal face.
   const double skin = (person_.skin.r + person_.skin.g + person_.skin.b) / 3.0;
   film *= how.exposure * 1.2 * std::sqrt(0.36 / skin) / static_cast<double>(moments.size());
   if (how.blur_px > 0.0) cv::GaussianBlur(film, film, {}, how.blur_px);
   static const Encoding encoded;
-  cv::Mat3b picture(film.size());
+  cv::Mat3b image(film.size());
   parallelFor(static_cast<std::size_t>(film.rows), [&](std::size_t row) {
     const auto y = static_cast<int>(row);
     for (int x = 0; x < film.cols; ++x) {
@@ -210,11 +210,11 @@ cv::Mat Face::photograph(std::span<const Moment> moments, const Photography& how
             static_cast<float>(how.noise) * std::sqrt(0.3f + 0.7f * level / 128.0f);
         const float noise = normalNoise(static_cast<std::uint32_t>(3 * x + c),
                                         static_cast<std::uint32_t>(y), how.seed * 977u + 13u);
-        picture(y, x)[c] = cv::saturate_cast<unsigned char>(level + spread * noise);
+        image(y, x)[c] = cv::saturate_cast<unsigned char>(level + spread * noise);
       }
     }
   });
-  return picture;
+  return image;
 }
 
 }  // namespace foci::faces

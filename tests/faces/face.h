@@ -1,7 +1,7 @@
 // Photographs of faces with exact truth: eyeballs behind lids, with cornea and glints, in a head
 // that turns and moves, in a room with a window, a lamp and a screen. Ray casting, own noise.
 //
-// The camera frame, metres: x to the picture's right, y down, z away from the camera. The head
+// The camera frame, metres: x to the image's right, y down, z away from the camera. The head
 // frame is relief.h's, in millimetres; at rest it is parallel to the camera's.
 #pragma once
 
@@ -21,7 +21,7 @@ inline constexpr double kCorneaIndex = 1.336;
 /// A person at a moment.
 struct Moment {
   glm::dvec3 head_m{0.0, 0.0, 0.6};  ///< origin of the head frame
-  double yaw_rad = 0.0;              ///< to the observer's right, the picture's left
+  double yaw_rad = 0.0;              ///< to the observer's right, the image's left
   double pitch_rad = 0.0;            ///< upwards
   double roll_rad = 0.0;             ///< towards the observer's right shoulder
   glm::dvec3 looks_at_m{0.0};        ///< both eyes; camera frame
@@ -39,7 +39,7 @@ struct Photography {
   std::uint32_t seed = 1;
 };
 
-/// Index 0 is the observer's left eye, at the picture's right. Pixels, pixel centres at +0.5.
+/// Index 0 is the observer's left eye, at the image's right. Pixels, pixel centres at +0.5.
 struct Truth {
   std::array<glm::dvec2, 2> iris_px{};  ///< centre of the limbus
   std::array<double, 2> iris_radius_px{};
@@ -53,7 +53,7 @@ class Face {
  public:
   explicit Face(const Person& person) : person_(person), relief_(person) {}
 
-  /// One picture, BGR, 8 bits. Several moments are the course of one exposure.
+  /// One image, BGR, 8 bits. Several moments are the course of one exposure.
   cv::Mat photograph(std::span<const Moment> moments, const Photography& how) const;
   cv::Mat photograph(const Moment& moment, const Photography& how) const {
     return photograph({&moment, 1}, how);

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "gaze/gaze.h"
+#include "gaze/geometry/gaze_sample.h"
 #include "tests/faces/face.h"
 
 namespace foci::faces {

@@ -46,7 +46,7 @@ Person somebody(std::uint32_t index) {
   person.iris = kIrises[(index / kSkins.size() + index) % irises];
   person.hair = glm::mix(glm::vec3(0.012f, 0.010f, 0.009f), glm::vec3(0.16f, 0.10f, 0.055f),
                          skin < 3 ? static_cast<float>(draw(1, 0.0, 1.0)) : 0.0f);
-  person.between_eyes_mm = draw(2, 57.0, 69.0);
+  person.ipd_mm = draw(2, 57.0, 69.0);
   person.nose_mm = draw(3, 17.0, 26.0);
   person.face_width_mm = draw(4, 138.0, 160.0);
   person.pupil_mm = draw(5, 2.5, 5.5);

@@ -11,7 +11,7 @@ struct Person {
   glm::vec3 skin{0.50f, 0.30f, 0.21f};
   glm::vec3 iris{0.09f, 0.05f, 0.03f};
   glm::vec3 hair{0.05f, 0.035f, 0.025f};
-  double between_eyes_mm = 63.0;
+  double ipd_mm = 63.0;
   double nose_mm = 22.0;  ///< before the line of the face
   double face_width_mm = 150.0;
   double pupil_mm = 4.0;           ///< diameter

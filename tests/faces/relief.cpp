@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "app/base/parallel.h"
+#include "base/parallel.h"
 
 namespace foci::faces {
 namespace {
@@ -28,7 +28,7 @@ float height(const Person& p, double x, double y) {
   const double inside =
       1.0 - std::pow(std::abs(x) / half_width, 2.2) - std::pow(std::abs(y) / tall, 2.6);
   if (inside <= 0.0) return kBeside;
-  const double ax = std::abs(x), eye = 0.5 * p.between_eyes_mm;
+  const double ax = std::abs(x), eye = 0.5 * p.ipd_mm;
   double h = -75.0 + 95.0 * std::sqrt(inside);
   h += 5.0 * bump(y + 17.0, 8.0) * bump(x, 48.0);                       // brow ridge
   h -= 8.0 * bump(ax - eye, 17.0) * bump(y, 13.0);                      // sockets
@@ -52,7 +52,7 @@ glm::vec3 albedo(const Person& p, double x, double y) {
   const auto grain = [&](float scale, std::uint32_t which) {
     return smoothNoise(fx / scale + 500.0f, fy / scale + 500.0f, p.seed * 16 + which) - 0.5f;
   };
-  const double ax = std::abs(x), eye = 0.5 * p.between_eyes_mm;
+  const double ax = std::abs(x), eye = 0.5 * p.ipd_mm;
   glm::vec3 colour =
       p.skin * (1.0f + 0.18f * grain(14.0f, 0) + 0.14f * grain(4.0f, 1) + 0.12f * grain(1.3f, 2));
   const float freckle = smoothNoise(fx / 3.0f + 900.0f, fy / 3.0f + 900.0f, p.seed * 16 + 3);

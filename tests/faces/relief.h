@@ -1,7 +1,7 @@
 // A face as a relief over its own plane: height, colour and occlusion on a grid.
 //
 // The head frame, millimetres: the origin between the centres of the eyeballs; seen from the front
-// x runs to the picture's right, y down, z into the head.
+// x runs to the image's right, y down, z into the head.
 #pragma once
 
 #include <opencv2/core.hpp>

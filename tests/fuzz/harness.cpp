@@ -9,21 +9,21 @@
 #include <cstdlib>
 #include <ctime>
 
-#include "app/base/input_error.h"
+#include "base/input_error.h"
 #include "tests/temporary_folder.h"
 
 namespace foci::fuzz {
 namespace {
 
 constexpr double kMost_s = 1.0;
-constexpr std::size_t kMostPerByte = 4, kMostBesides = std::size_t{256} << 20;
+constexpr std::size_t kMaxPerByte = 4, kMaxBesides = std::size_t{256} << 20;
 
-std::atomic<std::int64_t> held{0}, most_held{0};
+std::atomic<std::int64_t> held{0}, max_held{0};
 
 void onMalloc(const volatile void*, std::size_t size) {
   const std::int64_t now = held += static_cast<std::int64_t>(size);
-  std::int64_t most = most_held;
-  while (now > most && !most_held.compare_exchange_weak(most, now)) {
+  std::int64_t most = max_held;
+  while (now > most && !max_held.compare_exchange_weak(most, now)) {
   }
 }
 
@@ -62,7 +62,7 @@ void readWithinLimits(std::size_t size, const std::function<void()>& read) {
   static const int installed = __sanitizer_install_malloc_and_free_hooks(onMalloc, onFree);
   if (installed == 0) give_up("no room for hooks", 0.0);
   const std::int64_t before = held;
-  most_held = before;
+  max_held = before;
   const double start_s = processorTime_s();
   try {
     read();
@@ -70,8 +70,8 @@ void readWithinLimits(std::size_t size, const std::function<void()>& read) {
   }
   const double took_s = processorTime_s() - start_s;
   if (took_s > kMost_s) give_up("a hang, seconds", took_s);
-  const auto took = static_cast<std::size_t>(most_held - before);
-  if (took > kMostPerByte * size + kMostBesides) {
+  const auto took = static_cast<std::size_t>(max_held - before);
+  if (took > kMaxPerByte * size + kMaxBesides) {
     give_up("too much memory, bytes", static_cast<double>(took));
   }
 }

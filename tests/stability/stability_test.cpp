@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "app/stability/scenes.h"
-#include "app/stability/setups.h"
+#include "app/evaluation/stability/scenes.h"
+#include "app/evaluation/stability/setups.h"
 
 namespace foci {
 namespace {
@@ -61,7 +61,7 @@ TEST(ExactFrame, FollowsTheClosedFormAtAnOutline) {
   }
 }
 
-// A sheet that nothing hides, sharp: what the splatter draws is what the rays see.
+// A sheet that nothing hides, sharp: what the splatter renders is what the rays see.
 TEST(ExactFrame, IsWhatSplatsDrawOfASheetInFocus) {
   StabilityTrial trial(sceneNamed("slanted"), 0.0f, {.samples = 200});
   EXPECT_GT(trial.score("sweep"), 50.0);
@@ -92,12 +92,12 @@ TEST(Stability, CloseParallelSurfacesStayApart) {
 
 // However flat they cross: each ray sees the nearer one, though the two are one layer where they
 // meet.
-TEST(Stability, CrossingPlanesKeepTheirPicture) {
+TEST(Stability, CrossingPlanesKeepTheirImage) {
   for (const float angle_deg : {5.0f, 45.0f, 85.0f}) {
     const auto psnr = scores("crossing", angle_deg);
     EXPECT_GT(psnr[1], 42.0) << angle_deg;
     EXPECT_GT(psnr[1], psnr[0] + 10.0) << angle_deg;
-    // Which draws the lens as a whole until a look at the frame shows that it needs parts.
+    // Which renders the lens as a whole until a look at the frame shows that it needs parts.
     StabilityTrial trial(sceneNamed("crossing"), angle_deg, kShort);
     EXPECT_GT(trial.score("auto"), 42.0) << angle_deg;
   }
@@ -109,7 +109,7 @@ TEST(Stability, CrossingLayersLetLightThrough) {
 }
 
 // A plane that one side of the lens sees more of than the other.
-TEST(Stability, SlantedPlanesKeepTheirPicture) {
+TEST(Stability, SlantedPlanesKeepTheirImage) {
   EXPECT_GT(scores("slanted", 60.0f)[1], 48.0);
   EXPECT_GT(scores("slanted", 75.0f)[1], 38.0);
 }

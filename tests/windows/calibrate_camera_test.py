@@ -19,7 +19,7 @@ COLUMNS, ROWS, SQUARE_M = 10, 7, 0.025
 SAMPLES = 2  # a pixel and axis
 
 
-def board_picture(yaw, pitch, x, y, z):
+def board_image(yaw, pitch, x, y, z):
     """Grey rows of a board turned by yaw and pitch, its centre at x, y, z metres in the camera's frame."""
     cy, sy, cp, sp = math.cos(yaw), math.sin(yaw), math.cos(pitch), math.sin(pitch)
     # Columns of camera_from_board: rotation about y, then x.
@@ -65,7 +65,7 @@ def main():
              (0.2, -0.5, -0.06, -0.04, 0.4), (-0.3, -0.4, 0.0, 0.0, 0.36), (0.4, 0.4, 0.03, 0.0, 0.5),
              (-0.4, 0.4, -0.03, 0.02, 0.45), (0.6, 0.0, 0.0, -0.03, 0.4)]
     for i, pose in enumerate(poses):
-        write_png(f"{frames}/{i:03d}.png", board_picture(*pose))
+        write_png(f"{frames}/{i:03d}.png", board_image(*pose))
     observer = Observer()
     try:
         program = observer.start(foci, "calibrate", "camera", "--window", "--video",

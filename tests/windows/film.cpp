@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <opencv2/videoio.hpp>
 
-#include "calibration/target_session.h"
+#include "calibration/gaze_map/target_session.h"
 #include "tests/faces/observer.h"
 
 namespace foci {
@@ -18,7 +18,7 @@ static int film(char** argv) {
   const glm::dvec2 screen_m(std::atof(argv[4]), std::atof(argv[5]));
   const double distance_m = std::atof(argv[6]), lead_s = std::atof(argv[7]),
                each_s = std::atof(argv[8]);
-  constexpr double kRate_Hz = 10.0;  // few pictures to draw
+  constexpr double kRate_Hz = 10.0;  // few images to draw
 
   std::vector<faces::ShownTarget> shown{{.from_s = 0.0, .to_s = lead_s}};
   std::printf("onset_s\tduration_s\tx_target\ty_target\n");

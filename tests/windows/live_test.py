@@ -14,7 +14,7 @@ import time
 from observer import Observer
 
 SIZE = (320, 180)
-NEAR, FAR = (0.078, 0.648), (0.45, 0.22)  # of the picture: a leaf before the eye, the picture on the wall
+NEAR, FAR = (0.078, 0.648), (0.45, 0.22)  # of the image: a leaf before the eye, the image on the wall
 
 
 class Experiment:
@@ -51,7 +51,7 @@ def table(path):
 
 
 def sharpness(rows, centre):
-    """How much neighbouring pixels differ around a point: more where the picture is in focus."""
+    """How much neighbouring pixels differ around a point: more where the image is in focus."""
     x0, y0 = (int(centre[i] * SIZE[i]) for i in (0, 1))
     total = 0
     for y in range(y0 - 14, y0 + 14):
@@ -93,7 +93,7 @@ def look_near_and_far(observer, foci, out):
         observer.screenshot(f"{out}/live-{name}.png")
         rows = observer.pixels()[2]
         sharp[name] = sharpness(rows, (0.43, 0.25))
-    # The picture on the wall is sharp when it is looked at.
+    # The image on the wall is sharp when it is looked at.
     assert sharp["far"] > 1.2 * sharp["near"], sharp
 
     observer.press("F1")

@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 #include <vector>
+#include "base/text.h"
 
 #define MSGPACK_NO_BOOST
 #include <msgpack.hpp>

@@ -1,7 +1,7 @@
 // Recorded gaze in BIDS: the JSON up to the first NUL, the table behind it.
 #include <cstring>
 
-#include "calibration/map_units.h"
+#include "calibration/gaze_map/map_units.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/fuzz/harness.h"
 

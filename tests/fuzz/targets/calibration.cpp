@@ -1,8 +1,8 @@
 // What calibrations leave: gaze maps, cameras, webcam maps.
-#include "calibration/binocular_map.h"
-#include "calibration/camera.h"
-#include "calibration/gaze_map_file.h"
-#include "calibration/webcam_calibration.h"
+#include "calibration/binocular/binocular_map.h"
+#include "calibration/camera/camera.h"
+#include "calibration/gaze_map/gaze_map_file.h"
+#include "calibration/webcam/webcam_calibration.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

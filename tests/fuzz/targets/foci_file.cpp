@@ -1,5 +1,5 @@
 // Scenes of the project's own.
-#include "render/scene/foci_file.h"
+#include "render/scene/io/foci_file.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

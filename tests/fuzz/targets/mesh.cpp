@@ -1,5 +1,5 @@
 // Meshes: the first byte chooses the format, as a name does.
-#include "render/scene/mesh.h"
+#include "render/scene/io/mesh.h"
 #include "tests/fuzz/harness.h"
 
 // What Assimp loses of a file that it refuses (about 2 kB an ASCII STL) is not ours to free.

@@ -2,7 +2,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "calibration/map_units.h"
+#include "calibration/gaze_map/map_units.h"
 #include "gaze/sources/pupil_message.h"
 #include "tests/fuzz/harness.h"
 

@@ -1,7 +1,7 @@
 // PLY point clouds, up to surfels. Those with faces are meshes, sampled more densely than a second
 // allows: mesh.cpp has them.
-#include "render/scene/mesh.h"
-#include "render/scene/open_scene.h"
+#include "render/scene/io/mesh.h"
+#include "render/scene/io/open_scene.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

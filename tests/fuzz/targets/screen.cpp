@@ -1,5 +1,5 @@
 // Screens: ours, and PsychoPy monitors.
-#include "calibration/screen_file.h"
+#include "calibration/screen/screen_file.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

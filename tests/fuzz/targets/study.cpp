@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "app/study.h"
+#include "app/study/study.h"
 #include "tests/fuzz/harness.h"
 
 namespace foci {

@@ -1,8 +1,8 @@
 // Tables of what people labelled and of where targets were.
-#include "calibration/binocular_pairs.h"
-#include "calibration/gaze_pairs.h"
-#include "calibration/webcam_calibration.h"
-#include "gaze/events/labelled.h"
+#include "calibration/binocular/binocular_pairs.h"
+#include "calibration/gaze_map/gaze_pairs.h"
+#include "calibration/webcam/webcam_calibration.h"
+#include "gaze/sources/labelled.h"
 #include "tests/fuzz/harness.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

@@ -1,5 +1,5 @@
 // Recorded gaze as text, of every tracker.
-#include "calibration/map_units.h"
+#include "calibration/gaze_map/map_units.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/fuzz/harness.h"
 

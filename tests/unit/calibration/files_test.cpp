@@ -3,12 +3,12 @@
 #include <fstream>
 #include <random>
 
-#include "app/base/input_error.h"
-#include "calibration/camera.h"
-#include "calibration/fit_gaze_map.h"
-#include "calibration/gaze_map_file.h"
-#include "calibration/monitor.h"
-#include "calibration/screen_file.h"
+#include "base/input_error.h"
+#include "calibration/camera/camera.h"
+#include "calibration/gaze_map/fit_gaze_map.h"
+#include "calibration/gaze_map/gaze_map_file.h"
+#include "calibration/screen/monitor.h"
+#include "calibration/screen/screen_file.h"
 #include "tests/unit/calibration/simulated_user.h"
 
 namespace foci {

@@ -18,7 +18,7 @@ Photography clean() {
   return how;
 }
 
-/// Where two pictures differ: weight, and centre of gravity in px.
+/// Where two images differ: weight, and centre of gravity in px.
 struct Difference {
   double weight = 0.0;
   glm::dvec2 centre_px{0.0};
@@ -49,12 +49,12 @@ TEST(Face, AnEyeThatLooksIntoTheCameraHasItsIrisBeforeItsCentre) {
   }
   // 63 mm at half a metre; turned by 0.2 the eyes are a little less apart.
   EXPECT_NEAR(truth.eyeDistance_px(), 560.0 * 0.063 / 0.5 * std::cos(0.2), 1.5);
-  EXPECT_GT(truth.iris_px[0].x, truth.iris_px[1].x);  // the left eye is at the picture's right
+  EXPECT_GT(truth.iris_px[0].x, truth.iris_px[1].x);  // the left eye is at the image's right
   EXPECT_GT(truth.inner_px[1].x, truth.outer_px[1].x);
 }
 
-TEST(Face, ThePictureHasItsIrisesWhereTheTruthSays) {
-  // What another colour of the iris changes in the picture is the iris. The lids cut it from above
+TEST(Face, TheImageHasItsIrisesWhereTheTruthSays) {
+  // What another colour of the iris changes in the image is the iris. The lids cut it from above
   // and below, so its height tells nothing.
   Person brown, red;
   red.iris = {0.5f, 0.1f, 0.1f};
@@ -83,7 +83,7 @@ TEST(Face, ShutLidsHideTheIris) {
   EXPECT_EQ(cv::norm(a, b), 0.0);
 }
 
-TEST(Face, TheSamePictureAtAnyNumberOfThreads) {
+TEST(Face, TheSameImageAtAnyNumberOfThreads) {
   Photography how;
   how.size_px = {160, 120};
   how.focal_px = 140.0;

@@ -1,0 +1,58 @@
+#include "app/cli/methods_command.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "render/methods/method.h"
+
+namespace foci {
+namespace {
+
+/// As it is typed: with `:N` where it takes a number.
+std::string typed(const MethodInfo& method) {
+  return std::string(method.name) + (method.most > 0 ? ":N" : "");
+}
+
+/// Three columns: what to type, what it does, where it is from.
+void printTable() {
+  std::size_t name_width = 0, summary_width = 0;
+  for (const MethodInfo& method : methods()) {
+    name_width = std::max(name_width, typed(method).size());
+    summary_width = std::max(summary_width, method.summary.size());
+  }
+  for (const MethodInfo& method : methods()) {
+    std::printf("%-*s  %-*s  %s\n", static_cast<int>(name_width), typed(method).c_str(),
+                static_cast<int>(summary_width), std::string(method.summary).c_str(),
+                std::string(method.source).c_str());
+  }
+}
+
+void printJson() {
+  auto list = nlohmann::ordered_json::array();
+  for (const MethodInfo& method : methods()) {
+    nlohmann::ordered_json entry = {
+        {"name", method.name}, {"summary", method.summary}, {"source", method.source}};
+    if (method.most > 0) {
+      entry["standard_n"] = method.standard;
+      entry["max_n"] = method.most;
+    }
+    list.push_back(entry);
+  }
+  std::puts(list.dump().c_str());
+}
+
+}  // namespace
+
+void addMethodsCommand(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("methods", "List the depth-of-field methods, each with its source.");
+  const auto json = std::make_shared<bool>(false);
+  command->add_flag("--json", *json, "as JSON");
+  command->callback([json] { *json ? printJson() : printTable(); });
+}
+
+}  // namespace foci

@@ -1,0 +1,169 @@
+#include "app/cli/trace_command.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/screen_options.h"
+#include "app/platform/output_folder.h"
+#include "app/study/inputs.h"
+#include "base/input_error.h"
+#include "gaze/sources/bids.h"
+#include "gaze/sources/trace_reader.h"
+#include "gaze/sources/trace_summary.h"
+
+namespace foci {
+namespace {
+
+struct TraceOptions {
+  std::string file{}, out{}, units{}, study{};
+  TraceColumns columns{};
+  ScreenOptions screen{};
+  double time_scale_s = 0.0;
+  bool json = false;
+};
+
+TraceColumns columnsOf(const TraceOptions& options) {
+  TraceColumns columns = options.columns;
+  if (!options.study.empty()) {
+    columns = columnsOf(readStudy(options.study));
+    if (!options.columns.time.empty()) columns.time = options.columns.time;
+    if (!options.columns.x.empty()) columns.x = options.columns.x;
+    if (!options.columns.y.empty()) columns.y = options.columns.y;
+  }
+  if (options.time_scale_s != 0.0) {
+    if (!(options.time_scale_s >= 1e-12 && options.time_scale_s <= 1.0)) {
+      throw InputError("--time-scale-s", "expected seconds a unit, 1e-12 to 1");
+    }
+    columns.time_scale_s = options.time_scale_s;
+  }
+  if (options.units == "px") columns.units = GazeUnits::px;
+  if (options.units == "deg") columns.units = GazeUnits::deg;
+  if (options.units == "normalised") columns.units = GazeUnits::normalised;
+  if (!options.units.empty() && options.units != "px" && options.units != "deg" &&
+      options.units != "normalised") {
+    throw InputError("--units " + options.units, "expected px, deg or normalised");
+  }
+  return columns;
+}
+
+nlohmann::ordered_json jsonOf(const TraceHeader& header, const TraceSummary& summary) {
+  const auto share = [&](std::size_t count) {
+    return static_cast<double>(count) /
+           static_cast<double>(std::max<std::size_t>(summary.samples(), 1));
+  };
+  nlohmann::ordered_json json = {{"format", header.format},
+                                 {"rate_Hz", summary.rate_Hz()},
+                                 {"samples", summary.samples()},
+                                 {"first_s", summary.first_s()},
+                                 {"span_s", summary.span_s()},
+                                 {"present", share(summary.present())},
+                                 {"left_eye", share(summary.eyes()[0])},
+                                 {"right_eye", share(summary.eyes()[1])},
+                                 {"blink", share(summary.blinks())},
+                                 {"pupil", share(summary.pupils())},
+                                 {"clock_jumps", summary.jumps()},
+                                 {"longest_jump_s", summary.longest_jump_s()}};
+  if (summary.present() > 0) {
+    json["x_px"] = {summary.min_px().x, summary.max_px().x};
+    json["y_px"] = {summary.min_px().y, summary.max_px().y};
+  }
+  const Screen& screen = *header.screen;
+  if (screen.size_px.x > 0) json["screen_px"] = {screen.size_px.x, screen.size_px.y};
+  if (screen.size_m.x > 0.0) json["screen_m"] = {screen.size_m.x, screen.size_m.y};
+  if (screen.distance_m > 0.0) json["distance_m"] = screen.distance_m;
+  return json;
+}
+
+void print(const TraceHeader& header, const TraceSummary& summary, bool json) {
+  const auto facts = jsonOf(header, summary);
+  if (json) {
+    std::puts(facts.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    return;
+  }
+  for (const auto& [key, value] : facts.items()) {
+    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    std::printf("%-15s %s\n", key.c_str(), text.c_str());
+  }
+}
+
+void requireSamples(const TraceOptions& options, const TraceSummary& summary) {
+  if (summary.samples() < 2) {
+    throw InputError(options.file,
+                     std::to_string(summary.samples()) + " samples: expected at least 2");
+  }
+}
+
+void info(const TraceOptions& options) {
+  TraceSummary summary;
+  const TraceHeader header = streamTrace(options.file, columnsOf(options), screenOf(options.screen),
+                                         [&](const GazeSample& sample) { summary.add(sample); });
+  requireSamples(options, summary);
+  print(header, summary, options.json);
+}
+
+void convert(const TraceOptions& options) {
+  const std::filesystem::path out(options.out);
+  const std::string sidecar = BidsWriter::sidecarFor(out).filename().string();
+  OutputFolder folder(out.has_parent_path() ? out.parent_path() : ".");
+  // The two stand aside under a name of their own, so that the writer finds its sidecar.
+  const std::filesystem::path aside = folder.stage(sidecar);
+  const std::filesystem::path staged = folder.stage(out.filename().string());
+  const std::filesystem::path work = aside.string() + "_physio.tsv.gz";
+  TraceSummary summary;
+  TraceHeader header;
+  try {
+    BidsWriter writer(work, true);
+    header = streamTrace(options.file, columnsOf(options), screenOf(options.screen),
+                         [&](const GazeSample& sample) {
+                           summary.add(sample);
+                           writer.add(sample);
+                         });
+    requireSamples(options, summary);
+    writer.finish(header, summary.rate_Hz());
+    std::filesystem::rename(work, staged);
+    std::filesystem::rename(BidsWriter::sidecarFor(work), aside);
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(work, ignored);
+    std::filesystem::remove(BidsWriter::sidecarFor(work), ignored);
+    throw;
+  }
+  folder.commit();
+  print(header, summary, options.json);
+}
+
+void addOptions(CLI::App& command, TraceOptions& o) {
+  command.add_option("FILE", o.file, "recording of gaze")->required();
+  command.add_option("--time", o.columns.time, "column of the time")->type_name("NAME");
+  command.add_option("--x", o.columns.x, "column of the horizontal position")->type_name("NAME");
+  command.add_option("--y", o.columns.y, "column of the vertical position")->type_name("NAME");
+  command.add_option("--units", o.units, "of the positions")->type_name("px|deg|normalised");
+  command.add_option("--time-scale-s", o.time_scale_s, "seconds a unit of time")->type_name("S");
+  command.add_option("--study", o.study, "its [gaze] says what the columns are")->type_name("FILE");
+  addScreenOptions(command, o.screen);
+  command.add_flag("--json", o.json, "print the facts as JSON");
+}
+
+}  // namespace
+
+void addTraceCommand(CLI::App& app) {
+  CLI::App* trace = app.add_subcommand("trace",
+                                       "What a recording of gaze is, and the same as BIDS.\n"
+                                       "Example: foci trace info gaze.asc")
+                        ->require_subcommand(1);
+  const auto options = std::make_shared<TraceOptions>();
+  CLI::App* facts =
+      trace->add_subcommand("info", "Format, rate, span, eyes, losses, clock jumps")->alias("INFO");
+  addOptions(*facts, *options);
+  facts->callback([options] { info(*options); });
+  CLI::App* conversion = trace->add_subcommand("convert", "As BIDS: a table and its JSON");
+  addOptions(*conversion, *options);
+  conversion->add_option("--out", options->out, "the table; its JSON goes beside it")
+      ->type_name("FILE_physio.tsv.gz")
+      ->required();
+  conversion->callback([options] { convert(*options); });
+}
+
+}  // namespace foci

@@ -1,0 +1,136 @@
+#include "app/evaluation/cells.h"
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "app/platform/json_number.h"
+#include "app/platform/machine.h"
+#include "app/platform/output_folder.h"
+#include "app/platform/sha256.h"
+#include "base/file.h"
+
+namespace foci {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::optional<std::string> contentOf(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return std::nullopt;
+  return std::string{std::istreambuf_iterator<char>(in), {}};
+}
+
+/// What a file holds under this key, as `parse` reads it.
+template <typename Parse>
+auto parsed(const fs::path& file, const std::string& key, const Parse& parse)
+    -> std::optional<decltype(parse(Json()))> {
+  const auto text = contentOf(file);
+  if (!text) return std::nullopt;
+  try {
+    const Json json = Json::parse(*text);
+    if (json.at("key") != key) return std::nullopt;
+    return parse(json);
+  } catch (const Json::exception&) {
+    return std::nullopt;  // not written by us, or not whole
+  }
+}
+
+}  // namespace
+
+std::string programKey() {
+  const Machine machine = describeMachine();
+  return "program " + sha256OfFile("/proc/self/exe") + "; " + machine.cpu + ", " +
+         std::to_string(machine.cores) + " cores, " + machine.simd + "; ";
+}
+
+ChartCells::ChartCells(fs::path folder, std::string key)
+    : folder_(std::move(folder)), key_(std::move(key)) {}
+
+std::optional<ChartCell> ChartCells::load(const std::string& name, const std::string& key) const {
+  return parsed(folder_ / (name + ".json"), key_ + key, [](const Json& json) {
+    ChartCell cell{.psnr_dB = numberInJson(json.at("psnr_dB")),
+                   .ssim = json.at("ssim"),
+                   .coverage_error = json.at("coverage_error"),
+                   .visible_error = json.at("visible_error"),
+                   .first_ms = json.at("first_ms")};
+    const Json& silhouette = json.at("silhouette_psnr_dB");
+    if (!silhouette.is_null()) cell.silhouette_psnr_dB = numberInJson(silhouette);
+    const Json& expected = json.at("expected_error");
+    if (!expected.is_null()) cell.expected_error = expected;
+    for (const auto& [threads, ms] : json.at("ms").items()) {
+      cell.ms[static_cast<unsigned>(std::atoi(threads.c_str()))] = ms.get<std::vector<double>>();
+    }
+    return cell;
+  });
+}
+
+void ChartCells::store(const std::string& name, const std::string& key,
+                       const ChartCell& cell) const {
+  Json json = {{"key", key_ + key},
+               {"psnr_dB", jsonNumber(cell.psnr_dB)},
+               {"ssim", cell.ssim},
+               {"silhouette_psnr_dB", nullptr},
+               {"coverage_error", cell.coverage_error},
+               {"visible_error", cell.visible_error},
+               {"expected_error", nullptr},
+               {"first_ms", cell.first_ms},
+               {"ms", Json::object()}};
+  if (cell.silhouette_psnr_dB) json["silhouette_psnr_dB"] = jsonNumber(*cell.silhouette_psnr_dB);
+  if (cell.expected_error) json["expected_error"] = *cell.expected_error;
+  for (const auto& [threads, ms] : cell.ms) json["ms"][std::to_string(threads)] = ms;
+  replaceFile(folder_ / (name + ".json"), json.dump(1) + "\n");
+}
+
+std::optional<double> ChartCells::loadScore(const std::string& name, const std::string& key) const {
+  return parsed(folder_ / (name + ".json"), key_ + key,
+                [](const Json& json) { return json.at("score").get<double>(); });
+}
+
+void ChartCells::storeScore(const std::string& name, const std::string& key, double score) const {
+  const Json json = {{"key", key_ + key}, {"score", score}};
+  replaceFile(folder_ / (name + ".json"), json.dump(1) + "\n");
+}
+
+std::optional<ChartReference> ChartCells::loadReferenceFigures(const std::string& name,
+                                                               const std::string& key) const {
+  return parsed(folder_ / (name + ".json"), key_ + key, [](const Json& json) {
+    return ChartReference{
+        .views = json.at("views"),
+        .split_half_psnr_dB = numberInJson(json.at("split_half_psnr_dB")),
+        .frame = {
+            .size_px = {json.at("width_px"), json.at("height_px")}, .rgba = {}, .depth_m = {}}};
+  });
+}
+
+std::optional<ChartReference> ChartCells::loadReference(const std::string& name,
+                                                        const std::string& key) const {
+  auto reference = loadReferenceFigures(name, key);
+  const auto bytes = contentOf(folder_ / (name + ".rgba"));
+  if (!reference || !bytes) return std::nullopt;
+  Frame& frame = reference->frame;
+  frame.rgba.resize(static_cast<std::size_t>(frame.size_px.x) * frame.size_px.y);
+  if (bytes->size() != frame.rgba.size() * sizeof frame.rgba[0]) return std::nullopt;
+  std::memcpy(frame.rgba.data(), bytes->data(), bytes->size());
+  return reference;
+}
+
+void ChartCells::storeReference(const std::string& name, const std::string& key,
+                                const ChartReference& reference) const {
+  const Frame& frame = reference.frame;
+  std::string bytes(frame.rgba.size() * sizeof frame.rgba[0], '\0');
+  std::memcpy(bytes.data(), frame.rgba.data(), bytes.size());
+  replaceFile(folder_ / (name + ".rgba"), bytes);
+  const Json json = {{"key", key_ + key},
+                     {"views", reference.views},
+                     {"split_half_psnr_dB", jsonNumber(reference.split_half_psnr_dB)},
+                     {"width_px", frame.size_px.x},
+                     {"height_px", frame.size_px.y}};
+  replaceFile(folder_ / (name + ".json"), json.dump(1) + "\n");
+}
+
+}  // namespace foci

@@ -1,0 +1,75 @@
+#include "app/evaluation/chart_html.h"
+
+#include "app/evaluation/chart/panel.h"
+#include "app/graphics/html.h"
+#include "app/graphics/image.h"
+#include "app/record/tables.h"
+#include "base/text.h"
+
+namespace foci {
+
+const char* const kChartStyle = R"(
+main { max-width: 1240px; }
+th { text-align: left; font-weight: 600; padding: .25rem .75rem .25rem 0; vertical-align: bottom; }
+.scroll { overflow-x: auto; } td.wraps { white-space: normal; }
+.figures td { white-space: nowrap; font-variant-numeric: tabular-nums; }
+.panels { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 520px), 1fr)); gap: 1rem; }
+.panel { background: var(--card); border: 1px solid var(--line); border-radius: 6px; padding: .5rem; }
+svg a:hover circle, svg a:focus circle { stroke-width: 4; }
+fieldset { border: 0; padding: 0; margin: .4rem 1.6rem .4rem 0; display: inline-block; }
+legend { float: left; margin-right: .6rem; color: var(--quiet); } label { margin-right: .7rem; }
+.dials { position: sticky; top: 0; background: var(--ground); padding: .3rem 0; z-index: 1; }
+dialog { width: min(1500px, 96vw); border: 1px solid var(--line); border-radius: 6px;
+  background: var(--ground); color: var(--ink); }
+dialog::backdrop { background: #000a; }
+dialog p { max-width: none; } td code { white-space: nowrap; }
+.three { display: grid; grid-template-columns: repeat(3, 1fr); gap: .7rem; }
+.yes { font-weight: 600; }
+.three img { image-rendering: pixelated; }
+)";
+
+namespace {
+
+constexpr const char* kScript = R"(
+const box = document.querySelector('dialog');
+document.addEventListener('click', event => {
+  const link = event.target.closest('svg a');
+  if (!link || !box.showModal) return;
+  event.preventDefault();
+  const image = link.getAttribute('href');
+  box.querySelector('p').textContent = link.querySelector('title').textContent;
+  const [a, b, c] = box.querySelectorAll('img');
+  a.src = image; b.src = link.dataset.at; c.src = image.replace(/\.png$/, '_difference.png');
+  for (const image of [a, b, c]) image.parentElement.href = image.src;
+  box.showModal();
+});
+box.addEventListener('click', event => { if (event.target === box) box.close(); });
+)";
+
+}  // namespace
+
+std::string cell(const std::string& text, const char* kind) {
+  return std::string("<td") + (*kind ? std::string(" class=\"") + kind + "\"" : "") + ">" + text +
+         "</td>";
+}
+
+void writeFamilies(std::ostream& out) {
+  for (const ChartFamily& family : chartFamilies()) {
+    out << "<span style=\"white-space:nowrap\"><span class=\"state\" "
+           "style=\"margin-right:.35em;background:"
+        << family.color << "\"></span>" << escaped(family.name) << "</span> ";
+  }
+}
+
+void writeImageDialog(std::ostream& out) {
+  out << "<dialog><form method=\"dialog\" style=\"float:right\"><button>close</button></form>\n"
+         "<p></p>\n<div class=\"three\">";
+  for (const char* what : {"drawn", "reference", "difference"}) {
+    out << "<figure><a target=\"_blank\"><img alt=\"" << what << "\"></a><figcaption>" << what
+        << (std::string(what) == "difference" ? ", " + decimal(kDifferenceGain, 0) + " times" : "")
+        << "</figcaption></figure>";
+  }
+  out << "</div></dialog>\n<script>" << kScript << "</script>\n";
+}
+
+}  // namespace foci

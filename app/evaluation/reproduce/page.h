@@ -1,0 +1,35 @@
+// The reproduction on one page: the figures wanted, Table 1 beside the paper's own numbers, Figures
+// 1 and 6.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/evaluation/reproduce/figures.h"
+#include "app/evaluation/reproduce/growth.h"
+#include "app/evaluation/reproduce/measure.h"
+#include "app/evaluation/reproduce/ratios.h"
+
+namespace foci {
+
+struct ReproducedScene {
+  const ReproduceScene& scene;
+  const SceneResult& result;
+  std::vector<std::vector<FigurePanel>> figure6;
+};
+
+struct ReproduceFacts {
+  std::vector<ReproducedScene> scenes = {};  ///< the plane, the lion
+  std::vector<ReproduceRatio> ratios = {};
+  std::vector<FigurePanel> figure1 = {};
+  std::optional<Growth> growth = {};
+  ReproduceEffort effort;
+  std::vector<unsigned> threads;
+  double seconds = 0.0;
+};
+
+/// @throws std::runtime_error where the file cannot be written
+void writeReproducePage(const std::filesystem::path& file, const ReproduceFacts& facts);
+
+}  // namespace foci

@@ -1,0 +1,67 @@
+#include "app/evaluation/reproduce/ratios.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+namespace foci {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kLargest = kApertures - 1;
+
+/// The row of another method or aperture that stands beside `row`: same threads.
+const ReproduceRow& beside(const std::vector<ReproduceRow>& rows, const ReproduceRow& row,
+                           const std::string& method, std::size_t aperture) {
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const ReproduceRow& one) {
+    return one.method == method && one.aperture == aperture && one.threads == row.threads;
+  });
+  assert(found != rows.end());
+  return *found;
+}
+
+}  // namespace
+
+std::vector<ReproduceRatio> ratiosOf(const std::vector<ReproduceRow>& rows, bool is_plane) {
+  double growth = 0.0, over_paper = kInfinity, over_accumulate = kInfinity, psnr_dB = kInfinity,
+         gap_dB = kInfinity;
+  for (const ReproduceRow& ours : rows) {
+    if (ours.method != kOurs) continue;
+    const ReproduceRow& paper = beside(rows, ours, "paper-lod", ours.aperture);
+    over_paper = std::min(over_paper, paper.ms_median / ours.ms_median);
+    psnr_dB = std::min(psnr_dB, ours.psnr_dB);
+    if (ours.psnr_dB < kInfinity) gap_dB = std::min(gap_dB, ours.psnr_dB - paper.psnr_dB);
+    if (ours.aperture != kLargest) continue;
+    growth = std::max(growth, ours.ms_median / beside(rows, ours, kOurs, 0).ms_median);
+    over_accumulate = std::min(
+        over_accumulate, beside(rows, ours, "accumulate:200", kLargest).ms_median / ours.ms_median);
+  }
+
+  const std::string scene = rows.front().scene;
+  return {{"sweep_lod_largest_over_unblurred",
+           "time of sweep-lod at the largest aperture over that without blur", scene,
+           is_plane ? "0.99" : "1.30", growth, is_plane ? 0.5 : 0.7, true, 2},
+          {"paper_lod_over_sweep_lod",
+           "time of paper-lod over that of sweep-lod, same threads, every aperture", scene, "1",
+           over_paper, 8.0, false, 1},
+          {"accumulate_200_over_sweep_lod",
+           "time of accumulate:200 over that of sweep-lod, largest aperture", scene,
+           is_plane ? "196" : "148", over_accumulate, 400.0, false, 0},
+          {"sweep_lod_psnr_dB", "PSNR of sweep-lod, every aperture, dB", scene,
+           is_plane ? "“hardly perceptible”" : "“some artifacts”", psnr_dB, 42.0, false, 1},
+          {"sweep_lod_over_paper_lod_dB", "the same, above paper-lod's, dB", scene, "", gap_dB,
+           is_plane ? 6.0 : 10.0, false, 1}};
+}
+
+std::vector<ReproduceRatio> ratiosOf(const Growth& growth) {
+  const std::string scene = std::to_string(growth.after.surfels / 1'000'000) + " million surfels";
+  return {{"hierarchy_build_s", "time to build the hierarchy of sweep-lod, s", scene, "",
+           growth.after.build_s, 10.0, true, 1},
+          {"hierarchy_bytes_per_surfel", "memory of that hierarchy, bytes a surfel", scene, "",
+           growth.after.bytes_per_surfel, 100.0, true, 0},
+          {"frame_time_over_a_tenth_of_the_surfels",
+           "frame time of sweep-lod over that with a tenth of the surfels, every aperture", scene,
+           "", growth.frameTime(), 1.3, true, 2}};
+}
+
+}  // namespace foci

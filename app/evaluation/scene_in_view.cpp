@@ -1,0 +1,172 @@
+#include "app/evaluation/scene_in_view.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include "base/input_error.h"
+#include "render/scene/io/open_scene.h"
+#include "render/scene/surface_query.h"
+
+namespace foci {
+namespace {
+
+// The plane: found by a search over tilts of 45 to 60 degrees and distances of 1.5 and 2 sides.
+// Its corners stay inside the image, so that all of its surfels are rendered, and it is as large as
+// makes the paper's own two apertures render the paper's fragments (5.05, 17.1 and 197 million
+// against 5.69, 17.6 and 197).
+constexpr float kPlaneSide_m = 3.833f;
+constexpr EyePose kPlanePose{{0.0f, 4.711f, 3.299f}, {0.0f, 0.0f, 0.341f}};
+constexpr double kPlaneFov_rad = 0.782;
+constexpr double kPlaneFocus_m = 5.742;  // its middle, along the axis
+
+// No scan is to be taken for one of these.
+constexpr const char* kBuiltIn[] = {"plane", "gallery", "mask", "fence", "statue"};
+
+constexpr double kStatueFov_rad = 0.56;
+constexpr double kScanFov_rad = 0.6;
+constexpr std::size_t kMinInView = 1000;
+constexpr double kFocusCone_rad = 0.00873;  // half a degree, as the eye's
+
+constexpr double kGalleryFov_rad = 0.46;  // as high as the gallery is sampled for
+
+constexpr double kFenceFov_rad = 0.5;
+constexpr double kMaskFov_rad = 0.44;
+
+View viewFrom(const EyePose& pose, const glm::ivec2& size_px, double fov_rad) {
+  return viewOfCamera(eyeFromWorld(pose.position_m, pose.target_m, pose.up), size_px, fov_rad);
+}
+
+View viewFrom(const EyePose& pose, int size_px, double fov_rad) {
+  return viewFrom(pose, glm::ivec2(size_px), fov_rad);
+}
+
+RenderSettings settingsFor(double focus_m, const glm::vec3& background) {
+  RenderSettings settings;
+  settings.defocus.focus_D = static_cast<float>(1.0 / focus_m);
+  settings.defocus.along = DistanceAlong::axis;  // a camera, as the paper's
+  settings.background = background;
+  return settings;
+}
+
+/// What the middle of the view shows, else the point looked at. Along the sight and the axis, which
+/// are one there.
+double focusAt_m(const SurfelCloud& cloud, const EyePose& pose) {
+  const glm::dvec3 sight = glm::dvec3(pose.target_m) - glm::dvec3(pose.position_m);
+  const double to_target_m = glm::length(sight);
+  return SurfaceQuery(cloud)
+      .distance(glm::dvec3(pose.position_m), sight / to_target_m, kFocusCone_rad, 0.5)
+      .value_or(to_target_m);
+}
+
+SceneInView lionInView(std::string name, SurfelCloud cloud, const EyePose& pose, int size_px,
+                       double fov_rad) {
+  const double focus_m = focusAt_m(cloud, pose);
+  return {.name = std::move(name),
+          .cloud = std::move(cloud),
+          .view = viewFrom(pose, size_px, fov_rad),
+          .settings = settingsFor(focus_m, {0.03f, 0.035f, 0.045f})};
+}
+
+}  // namespace
+
+Defocus SceneInView::defocusThrough(double aperture_m) const {
+  return defocusOfLens(aperture_m, view.focal_px, settings.defocus.focus_D, settings.defocus.along);
+}
+
+RenderSettings SceneInView::settingsThrough(double aperture_m) const {
+  RenderSettings all = settings;
+  all.defocus = defocusThrough(aperture_m);
+  return all;
+}
+
+std::vector<float> SceneInView::depthsInView_m() const {
+  std::vector<float> depths_m;
+  for (const glm::vec3& p_world : cloud.position_m) {
+    const glm::vec3 p(view.eye_from_world * glm::vec4(p_world, 1.0f));
+    if (!(-p.z >= view.near_m)) continue;
+    const glm::vec2 at = project(view, p);
+    if (at.x >= 0.0f && at.y >= 0.0f && at.x < static_cast<float>(view.size_px.x) &&
+        at.y < static_cast<float>(view.size_px.y)) {
+      depths_m.push_back(-p.z);
+    }
+  }
+  return depths_m;
+}
+
+double SceneInView::largestBlurThrough_px(double aperture_m) const {
+  float max_px = 0.0f;
+  const Defocus lens = defocusThrough(aperture_m);
+  for (const float depth_m : depthsInView_m()) {
+    max_px = std::max(max_px, blurRadius_px(lens, 1.0f / depth_m).x);
+  }
+  return max_px;
+}
+
+SceneInView planeInView(int samples, int size_px) {
+  return {.name = "plane",
+          .cloud = makePlane(samples, kPlaneSide_m),
+          .view = viewFrom(kPlanePose, size_px, kPlaneFov_rad),
+          .settings = settingsFor(kPlaneFocus_m, glm::vec3(0.2f))};
+}
+
+SceneInView statueInView(int size_px) {
+  return lionInView("statue", makeStatue(), statueEyePose(), size_px, kStatueFov_rad);
+}
+
+SceneInView scanInView(const ScanView& scan, int size_px) {
+  OpenedScene opened = openScene(scan.file, 1.0, scan.pose.position_m);
+  std::string name = scan.file.stem().string();
+  if (std::find(std::begin(kBuiltIn), std::end(kBuiltIn), name) != std::end(kBuiltIn)) {
+    name = "scanned " + name;
+  }
+  SceneInView scene =
+      lionInView(std::move(name), std::move(opened.cloud), scan.pose, size_px, kScanFov_rad);
+  const std::size_t in_view = scene.depthsInView_m().size();
+  if (in_view < kMinInView) {
+    throw InputError(scan.file.string(),
+                     std::to_string(in_view) + " points in view, expected at least " +
+                         std::to_string(kMinInView) + " (--eye, --look-at, --up)");
+  }
+  return scene;
+}
+
+SceneInView galleryInView(int width_px) {
+  const View view = viewFrom(galleryEyePose(), {width_px, width_px * 9 / 16}, kGalleryFov_rad);
+  return {.name = "gallery",
+          .cloud = makeGallery(),
+          .view = view,
+          .settings = settingsFor(galleryDepth_m(view, "knot"), {0.012f, 0.013f, 0.016f})};
+}
+
+View maskView(int size_px) {
+  // A step nearer than where the gallery's eye stands, past its foreground.
+  return viewFrom({{-0.02f, 1.35f, -0.38f}, {0.177f, 1.462f, -1.55f}}, size_px, kMaskFov_rad);
+}
+
+SceneInView maskInView(int size_px) {
+  const View view = maskView(size_px);
+  return {.name = "mask",
+          .cloud = makeGallery(),
+          .view = view,
+          .settings = settingsFor(galleryDepth_m(view, "bust"), glm::vec3(0.0f))};
+}
+
+SceneInView fenceInView(int size_px) {
+  const EyePose pose = fenceEyePose();
+  return {.name = "fence",
+          .cloud = makeFence(),
+          .view = viewFrom(pose, size_px, kFenceFov_rad),
+          .settings = settingsFor(glm::distance(pose.position_m, pose.target_m), glm::vec3(0.05f))};
+}
+
+double galleryDepth_m(const View& view, const std::string& place) {
+  const auto places = galleryPointsOfInterest();
+  const auto found = std::find_if(places.begin(), places.end(),
+                                  [&](const PointOfInterest& one) { return one.name == place; });
+  assert(found != places.end());
+  return -(view.eye_from_world * glm::vec4(found->p_world, 1.0f)).z;
+}
+
+}  // namespace foci

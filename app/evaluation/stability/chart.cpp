@@ -1,0 +1,183 @@
+#include "app/evaluation/stability/chart.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "app/evaluation/cells.h"
+#include "app/graphics/image.h"
+#include "app/platform/output_folder.h"
+#include "app/record/tables.h"
+#include "base/file.h"
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string groupName(const std::string& scene, float value) {
+  return scene + "_" + dialText(value) + "_";
+}
+
+void writeImage(const fs::path& file, const Image& image) {
+  const auto bytes = pngOf(image);
+  replaceFile(file, std::string(bytes.begin(), bytes.end()));
+}
+
+/// A light that is too bright or too faint to be seen is brought to white.
+float exposureOf(const Frame& reference) {
+  constexpr float kFaint = 0.2f;
+  float most = 0.0f;
+  for (const glm::vec4& c : reference.rgba) most = std::max({most, c.r, c.g, c.b});
+  return most > 1.0f || (most > 0.0f && most < kFaint) ? 1.0f / most : 1.0f;
+}
+
+Frame exposed(Frame frame, float exposure) {
+  for (glm::vec4& c : frame.rgba) c *= exposure;
+  return frame;
+}
+
+/// One scene at one value: all of its cells.
+class Group {
+ public:
+  Group(const StabilityPlan& plan, const StabilityScene& scene, float value, const fs::path& folder,
+        const ChartCells& cells)
+      : plan_(plan),
+        scene_(scene),
+        value_(value),
+        folder_(folder),
+        cells_(cells),
+        key_(scene.name + " " + scene.input + "; " + dialText(value) + "; " +
+             std::to_string(plan.effort.samples) + " samples, " +
+             std::to_string(plan.effort.steps) + " steps; ") {}
+
+  void measure(const std::function<void(std::size_t)>& on_steps, StabilityResult& result) {
+    const auto names = scoredIn(plan_, scene_);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto found = load(i, names[i]);
+      ++(found ? result.kept : result.computed);
+      result.points.push_back({.scene = scene_.name,
+                               .value = value_,
+                               .by = names[i],
+                               .score = found ? *found : compute(i, names[i])});
+      on_steps(1);
+    }
+  }
+
+ private:
+  std::string nameOf(std::size_t index) const {
+    return groupName(scene_.name, value_) +
+           (scene_.observe ? "observer-" + std::to_string(index) : plan_.methods[index].fileName());
+  }
+
+  std::optional<double> load(std::size_t index, const std::string& name) const {
+    std::error_code ignored;
+    if (!scene_.observe) {
+      const std::string image = stabilityImage(scene_.name, value_, plan_.methods[index]);
+      if (!fs::exists(folder_ / image, ignored) ||
+          !fs::exists(folder_ / differenceOf(image), ignored) ||
+          !fs::exists(folder_ / stabilityReference(scene_.name, value_), ignored)) {
+        return std::nullopt;
+      }
+    }
+    return cells_.loadScore(nameOf(index), key_ + name);
+  }
+
+  double compute(std::size_t index, const std::string& name) {
+    const double score = scene_.observe ? scene_.observe(index, value_) : draw(index, name);
+    cells_.storeScore(nameOf(index), key_ + name, score);
+    return score;
+  }
+
+  double draw(std::size_t index, const std::string& method) {
+    if (!trial_) {
+      trial_.emplace(scene_, value_, plan_.effort);
+      exposure_ = exposureOf(trial_->reference());
+      writeImage(folder_ / stabilityReference(scene_.name, value_),
+                 imageOf(exposed(trial_->reference(), exposure_)));
+    }
+    const double score = trial_->score(method);
+    const Frame drawn = exposed(trial_->drawn(), exposure_);
+    const std::string image = stabilityImage(scene_.name, value_, plan_.methods[index]);
+    writeImage(folder_ / image, imageOf(drawn));
+    writeImage(folder_ / differenceOf(image),
+               foci::differenceOf(drawn, exposed(trial_->reference(), exposure_), kDifferenceGain));
+    return score;
+  }
+
+  static std::string differenceOf(std::string image) {
+    return image.insert(image.rfind('.'), "_difference");
+  }
+
+  const StabilityPlan& plan_;
+  const StabilityScene& scene_;
+  float value_;
+  const fs::path& folder_;
+  const ChartCells& cells_;
+  std::string key_;
+  std::optional<StabilityTrial> trial_;
+  float exposure_ = 1.0f;
+};
+
+}  // namespace
+
+std::string dialText(float value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", static_cast<double>(value));
+  return text;
+}
+
+std::vector<std::string> scoredIn(const StabilityPlan& plan, const StabilityScene& scene) {
+  if (scene.observe) return scene.observers;
+  std::vector<std::string> names;
+  for (const ChartMethod& method : plan.methods) names.push_back(method.spec());
+  return names;
+}
+
+std::string stabilityImage(const std::string& scene, float value, const ChartMethod& method) {
+  return "images/" + groupName(scene, value) + method.fileName() + ".png";
+}
+
+std::string stabilityReference(const std::string& scene, float value) {
+  return "images/" + groupName(scene, value) + "reference.png";
+}
+
+std::size_t stepsOf(const StabilityPlan& plan) {
+  std::size_t steps = 0;
+  for (const StabilityScene& scene : plan.scenes) {
+    steps += scene.values.size() * scoredIn(plan, scene).size();
+  }
+  return steps;
+}
+
+StabilityResult measureStability(const StabilityPlan& plan, const fs::path& folder,
+                                 const std::function<void(std::size_t)>& on_steps) {
+  const ChartCells cells(folder / "cells", programKey());
+  fs::create_directories(folder / "cells");
+  fs::create_directories(folder / "images");
+  StabilityResult result;
+  for (const StabilityScene& scene : plan.scenes) {
+    for (const float value : scene.values) {
+      Group(plan, scene, value, folder, cells).measure(on_steps, result);
+    }
+  }
+  return result;
+}
+
+std::string csvOf(const StabilityPlan& plan, const std::vector<StabilityPoint>& points) {
+  std::string csv = "scene,dial,value,method,score,of,good\n";
+  for (const StabilityScene& scene : plan.scenes) {
+    const auto quoted = [](const std::string& words) { return '"' + words + '"'; };
+    for (const StabilityPoint& one : points) {
+      if (one.scene != scene.name) continue;
+      csv += one.scene + ',' + quoted(scene.dial) + ',' + dialText(one.value) + ',' +
+             quoted(one.by) + ',' + decimal(one.score, 6) + ',' + quoted(scene.score) + ',' +
+             (scene.isGood(one.score) ? "yes" : "no") + '\n';
+    }
+  }
+  return csv;
+}
+
+}  // namespace foci

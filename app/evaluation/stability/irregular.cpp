@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <utility>
+
+#include "app/evaluation/chart/plan.h"
+#include "app/evaluation/stability/setups.h"
+#include "render/scene/builtin/pattern.h"
+#include "render/scene/estimation/estimate.h"
+#include "render/scene/surfel_cloud.h"
+
+// Scenes whose samples are not where, or as, they should be.
+namespace foci {
+namespace stability {
+namespace {
+
+constexpr float kSpacing_m = 1.0f / kFocal_px;  // a pixel, a metre away
+
+SurfelCloud estimated(PointCloud&& points) {
+  return surfelsFromPoints(std::move(points), {.viewpoint_m = glm::vec3(0.0f)});
+}
+
+/// A white wall a metre away, out of focus, of points that are to cover it.
+StabilitySetup wallOf(PointCloud&& points) {
+  return {.view = view(),
+          .cloud = estimated(std::move(points)),
+          .settings = lens(6.0f, 0.0f),
+          .truth =
+              [](const View& seen, const RenderSettings&, int) {
+                Frame frame{.size_px = seen.size_px, .rgba = {}, .depth_m = {}};
+                frame.rgba.assign(static_cast<std::size_t>(seen.size_px.x) * seen.size_px.y,
+                                  glm::vec4(1.0f));
+                return frame;
+              },
+          .score = [](const Frame& frame) { return coverageErrorFrom(frame, 1.0f, 8); }};
+}
+
+/// The edge of stability::edgeSheets, blurred by `radius_px` before a sheet in focus, with other
+/// surfels for its near side.
+template <class AddNear>
+StabilitySetup edgeWith(float radius_px, const AddNear& addNear) {
+  const std::vector<Sheet> sheets = edgeSheets(1.0f, 2.0f);
+  StabilitySetup setup = sceneOf({sheets[0]}, lens(2.0f * radius_px, 0.5f));
+  addNear(setup.cloud, sheets[1]);
+  setup.truth = [sheets](const View& seen, const RenderSettings& settings, int samples) {
+    return exactFrame(sheets, seen, settings, samples);
+  };
+  setup.score = [=](const Frame& frame) { return edgeError(frame, radius_px, radius_px + 4.0); };
+  return setup;
+}
+
+}  // namespace
+
+StabilitySetup density(float ratio) {
+  // Points per area fall by `ratio` from the left to the right of the image.
+  constexpr float kSide_m = 0.6f, kFinest_m = kSpacing_m;
+  std::mt19937 random(5);
+  const auto uniform = [&] { return static_cast<float>(random() >> 8) / float{1 << 24}; };
+  PointCloud points;
+  for (float x = -0.5f * kSide_m; x < 0.5f * kSide_m;) {
+    const float along = std::clamp(x / (kSize_px * kFinest_m) + 0.5f, 0.0f, 1.0f);
+    const float step_m = kFinest_m * std::pow(ratio, 0.5f * along);
+    for (float y = -0.5f * kSide_m; y < 0.5f * kSide_m; y += step_m) {
+      const glm::vec2 jitter = 0.5f * step_m * glm::vec2(uniform() - 0.5f, uniform() - 0.5f);
+      points.position_m.emplace_back(x + jitter.x, y + jitter.y, -1.0f);
+      points.color.emplace_back(1.0f);
+    }
+    x += step_m;
+  }
+  return wallOf(std::move(points));
+}
+
+StabilitySetup patches(float width_px) {
+  // Holes on a grid, a twenty-fifth of the wall or less at the least.
+  constexpr int kSide = 180, kApart = 24;
+  PointCloud points;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const glm::vec2 off(x % kApart - kApart / 2, y % kApart - kApart / 2);
+      if (2.0f * glm::length(off) < width_px) continue;
+      const glm::vec2 jitter(hash01(x, y, 1), hash01(x, y, 2));
+      const glm::vec2 at = glm::vec2(x, y) - 0.5f * kSide + 0.25f * jitter;
+      points.position_m.emplace_back(kSpacing_m * at.x, kSpacing_m * at.y, -1.0f);
+      points.color.emplace_back(1.0f);
+    }
+  }
+  return wallOf(std::move(points));
+}
+
+StabilitySetup duplicates(float copies) {
+  return edgeWith(8.0f, [=](SurfelCloud& cloud, const Sheet& sheet) {
+    SurfelCloud regular;
+    addSurfels(regular, sheet);
+    PointCloud points;
+    for (std::size_t i = 0; i < regular.size(); ++i) {
+      // Of a third of the points there are several.
+      const int times = i % 3 == 0 ? static_cast<int>(copies) : 1;
+      points.position_m.insert(points.position_m.end(), static_cast<std::size_t>(times),
+                               regular.position_m[i]);
+    }
+    points.color.assign(points.size(), glm::vec3(1.0f, 0.0f, 0.0f));
+    const SurfelCloud near = estimated(std::move(points));
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      cloud.position_m.push_back(near.position_m[i]);
+      cloud.axis_u_m.push_back(near.axis_u_m[i]);
+      cloud.axis_v_m.push_back(near.axis_v_m[i]);
+      cloud.color.push_back(near.color[i]);
+      cloud.area_m2.push_back(near.area_m2[i]);
+    }
+  });
+}
+
+StabilitySetup misledNormals(float angle_deg) {
+  return edgeWith(
+      8.0f, [=](SurfelCloud& cloud, const Sheet& sheet) { addSurfels(cloud, sheet, angle_deg); });
+}
+
+}  // namespace stability
+
+StabilityScene thinnedScan(const ScanView& scan) {
+  constexpr int kImage_px = 256;
+  constexpr double kBlur_px = 8.0;
+  return {.name = "thinned",
+          .what = "a scan of which only some points are left, blurred by up to 8 px",
+          .dial = "share of the points",
+          .score = "PSNR against the whole scan, dB",
+          .high_is_good = true,
+          .good = 30.0,
+          .values = {1.0f, 0.5f, 0.25f, 0.1f},
+          .setup =
+              [scan](float share) {
+                const auto seen = std::make_shared<const SceneInView>(scanInView(scan, kImage_px));
+                const double aperture_m = kBlur_px / seen->largestBlurThrough_px(1.0);
+                StabilitySetup setup{.view = seen->view,
+                                     .cloud = seen->cloud,
+                                     .settings = seen->settingsThrough(aperture_m)};
+                if (share < 1.0f) {
+                  PointCloud points;
+                  for (std::size_t i = 0; i < seen->cloud.size(); ++i) {
+                    if (hash01(static_cast<int>(i), 0, 5) >= share) continue;
+                    points.position_m.push_back(seen->cloud.position_m[i]);
+                    points.color.push_back(seen->cloud.color[i]);
+                  }
+                  setup.cloud = stability::estimated(std::move(points));
+                }
+                setup.truth = [seen](const View& view, const RenderSettings& settings,
+                                     int samples) {
+                  Frame frame;
+                  makeMethod("accumulate:" + std::to_string(samples), seen->cloud)
+                      ->render(view, settings, frame);
+                  return frame;
+                };
+                return setup;
+              },
+          .input = inputOf(scan)};
+}
+
+}  // namespace foci

@@ -1,0 +1,89 @@
+#include "app/graphics/html.h"
+
+namespace foci {
+
+const char* const kPageStyle = R"(
+:root { color-scheme: light dark; --ground: #fbfbfa; --card: #ffffff; --ink: #1d2127; --quiet: #626a75; --line: #e3e4e6; }
+@media (prefers-color-scheme: dark) {
+  :root { --ground: #14161a; --card: #1b1e23; --ink: #e4e6ea; --quiet: #9aa2ad; --line: #2d3138; } }
+body { margin: 0; background: var(--ground); color: var(--ink); font: 15px/1.5 system-ui, sans-serif; }
+main { max-width: 1080px; margin: 0 auto; padding: 2rem 1.25rem 4rem; }
+h1 { font-size: 1.5rem; margin: 0 0 .25rem; } h2 { font-size: 1.1rem; margin: 2.5rem 0 .75rem; }
+p { margin: .5rem 0; max-width: 72ch; } .quiet { color: var(--quiet); }
+.notice { border-left: 3px solid #d9822b; padding: .1rem .8rem; margin: .8rem 0; }
+.numbers { display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: 1px;
+  background: var(--line); border: 1px solid var(--line); border-radius: 6px; overflow: hidden; margin: 1.25rem 0; }
+.numbers div { background: var(--card); padding: .7rem .9rem; }
+.numbers b { display: block; font-size: 1.25rem; font-weight: 600; font-variant-numeric: tabular-nums; }
+.numbers span { color: var(--quiet); font-size: .85rem; }
+video { width: 100%; border-radius: 6px; background: #000; display: block; }
+.sheet { display: grid; grid-template-columns: repeat(auto-fill, minmax(300px, 1fr)); gap: .9rem; }
+figure { margin: 0; } figure img { width: 100%; border-radius: 4px; display: block; }
+figcaption { font-size: .85rem; color: var(--quiet); font-variant-numeric: tabular-nums; margin-top: .25rem; }
+.state { display: inline-block; width: .7em; height: .7em; border-radius: 2px; margin-right: .35em; }
+.legend span { margin-right: 1.2em; font-size: .85rem; color: var(--quiet); }
+svg { width: 100%; height: auto; color: var(--ink); }
+table { border-collapse: collapse; width: 100%; font-size: .88rem; }
+td { border-top: 1px solid var(--line); padding: .25rem .75rem .25rem 0; vertical-align: top; }
+td:first-child { white-space: nowrap; } td.value { font-variant-numeric: tabular-nums; overflow-wrap: anywhere; }
+summary { cursor: pointer; font-weight: 600; margin-top: 2rem; }
+)";
+
+std::string escaped(const std::string& text) {
+  std::string html;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        html += "&amp;";
+        break;
+      case '<':
+        html += "&lt;";
+        break;
+      case '>':
+        html += "&gt;";
+        break;
+      case '"':
+        html += "&quot;";
+        break;
+      case '\'':
+        html += "&#39;";
+        break;
+      default:
+        html += c;
+    }
+  }
+  return html;
+}
+
+void Base64::add(const std::uint8_t* bytes, std::size_t count) {
+  std::string text;
+  text.reserve(count / 3 * 4 + 8);
+  for (std::size_t i = 0; i < count; ++i) {
+    bits_ = bits_ << 8 | bytes[i];
+    if (++held_ == 3) put(text, 4);
+  }
+  out_ << text;
+}
+
+void Base64::finish() {
+  if (held_ == 0) return;
+  const int digits = held_ + 1;
+  bits_ <<= 8 * (3 - held_);
+  std::string text;
+  put(text, digits);
+  out_ << text.append(static_cast<std::size_t>(4 - digits), '=');
+}
+
+void Base64::put(std::string& text, int digits) {
+  static constexpr char kDigits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (int i = 0; i < digits; ++i) text += kDigits[bits_ >> (18 - 6 * i) & 63];
+  bits_ = 0;
+  held_ = 0;
+}
+
+std::string numberCell(const std::string& value, const std::string& what) {
+  return "<div><b>" + value + "</b><span>" + what + "</span></div>\n";
+}
+
+}  // namespace foci

@@ -1,0 +1,108 @@
+#include "app/graphics/image.h"
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "render/image/srgb.h"
+
+namespace foci {
+namespace {
+
+constexpr int kJpegQuality = 88;
+
+cv::Mat matOf(const Image& image) {
+  return {image.size_px.y, image.size_px.x, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data())};
+}
+
+}  // namespace
+
+Image imageOf(const Frame& frame, std::optional<double> gamma) {
+  return {.size_px = frame.size_px, .rgb = codesOf(frame, gamma)};
+}
+
+void drawMarker(Image& image, const glm::dvec2& point_px, bool held) {
+  const glm::dvec2 size_px(image.size_px);
+  if (!glm::all(glm::greaterThanEqual(point_px, glm::dvec2(0.0))) ||
+      !glm::all(glm::lessThan(point_px, size_px))) {
+    return;
+  }
+  cv::Mat canvas = matOf(image);
+  const double radius_px = std::max(10.0, size_px.y / 36.0);
+  const int width_px = std::max(2, static_cast<int>(size_px.y / 360.0));
+  constexpr int kShift = 4;  // centres in sixteenths of a pixel; pixel centres lie at +0.5
+  const auto fixed = [](double px) { return static_cast<int>(std::lround(px * (1 << kShift))); };
+  const cv::Point centre(fixed(point_px.x - 0.5), fixed(point_px.y - 0.5));
+  const cv::Size axes(fixed(radius_px), fixed(radius_px));
+  const int arcs = held ? 8 : 1;
+  for (const auto& [color, width] : {std::pair{cv::Scalar(0, 0, 0), 2 * width_px + 1},
+                                     std::pair{cv::Scalar(255, 214, 10), width_px}}) {
+    for (int arc = 0; arc < arcs; ++arc) {
+      const double from_deg = 360.0 * arc / arcs;
+      cv::ellipse(canvas, centre, axes, 0.0, from_deg, from_deg + (held ? 22.5 : 360.0), color,
+                  width, cv::LINE_AA, kShift);
+    }
+  }
+}
+
+Image thumbnail(const Image& image, int width_px) {
+  Image small{.size_px = {width_px, std::max(1, image.size_px.y * width_px / image.size_px.x)},
+              .rgb = {}};
+  small.rgb.resize(3u * static_cast<std::size_t>(small.size_px.x) *
+                   static_cast<std::size_t>(small.size_px.y));
+  cv::Mat to = matOf(small);
+  cv::resize(matOf(image), to, to.size(), 0, 0, cv::INTER_AREA);
+  return small;
+}
+
+Image differenceOf(const Frame& a, const Frame& b, float gain) {
+  Frame difference{.size_px = a.size_px, .rgba = a.rgba, .depth_m = {}};
+  for (std::size_t i = 0; i < a.rgba.size(); ++i) {
+    difference.rgba[i] = gain * glm::abs(a.rgba[i] - b.rgba[i]);
+  }
+  return imageOf(difference);
+}
+
+Image gridOf(const std::vector<std::vector<Image>>& rows, const std::vector<std::string>& titles) {
+  constexpr int kGap_px = 8, kTitle_px = 28;
+  const glm::ivec2 one_px = rows.front().front().size_px;
+  const glm::ivec2 counts(static_cast<int>(titles.size()), static_cast<int>(rows.size()));
+  Image grid{.size_px = counts * (one_px + kGap_px) - kGap_px + glm::ivec2(0, kTitle_px),
+             .rgb = {}};
+  grid.rgb.assign(
+      3u * static_cast<std::size_t>(grid.size_px.x) * static_cast<std::size_t>(grid.size_px.y),
+      255);
+  cv::Mat image = matOf(grid);
+  for (int x = 0; x < counts.x; ++x) {
+    const int left = x * (one_px.x + kGap_px);
+    cv::putText(image, titles[static_cast<std::size_t>(x)], {left + 2, kTitle_px - 9},
+                cv::FONT_HERSHEY_SIMPLEX, 0.6, cv::Scalar(40, 40, 40), 1, cv::LINE_AA);
+    for (int y = 0; y < counts.y; ++y) {
+      const int top = kTitle_px + y * (one_px.y + kGap_px);
+      matOf(rows[static_cast<std::size_t>(y)][static_cast<std::size_t>(x)])
+          .copyTo(image(cv::Rect(left, top, one_px.x, one_px.y)));
+    }
+  }
+  return grid;
+}
+
+namespace {
+
+std::vector<std::uint8_t> encoded(const Image& image, const char* extension,
+                                  const std::vector<int>& parameters) {
+  cv::Mat bgr;
+  cv::cvtColor(matOf(image), bgr, cv::COLOR_RGB2BGR);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(extension, bgr, bytes, parameters);
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> jpegOf(const Image& image) {
+  return encoded(image, ".jpg", {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+}
+
+std::vector<std::uint8_t> pngOf(const Image& image) { return encoded(image, ".png", {}); }
+
+}  // namespace foci

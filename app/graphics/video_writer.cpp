@@ -1,0 +1,124 @@
+#include "app/graphics/video_writer.h"
+
+#include <array>
+#include <condition_variable>
+#include <deque>
+#include <fstream>
+#include <mutex>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <stdexcept>
+#include <string_view>
+#include <thread>
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kMaxWaiting = 4;
+
+}  // namespace
+
+struct VideoWriter::Worker {
+  std::string file;
+  cv::VideoWriter writer;
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<Image> waiting;
+  bool finished = false;
+  bool failed = false;
+  std::thread thread;
+
+  void run() {
+    cv::Mat bgr;
+    for (;;) {
+      Image image;
+      {
+        std::unique_lock lock(mutex);
+        changed.wait(lock, [&] { return !waiting.empty() || finished; });
+        if (waiting.empty()) return;
+        image = std::move(waiting.front());
+        waiting.pop_front();
+      }
+      changed.notify_all();
+      try {
+        cv::cvtColor(cv::Mat(image.size_px.y, image.size_px.x, CV_8UC3, image.rgb.data()), bgr,
+                     cv::COLOR_RGB2BGR);
+        writer.write(bgr);
+      } catch (const std::exception&) {
+        const std::lock_guard lock(mutex);
+        failed = true;
+      }
+    }
+  }
+
+  void stop() {
+    if (!thread.joinable()) return;
+    {
+      const std::lock_guard lock(mutex);
+      finished = true;
+    }
+    changed.notify_all();
+    thread.join();
+    writer.release();
+  }
+
+  [[noreturn]] void fail() const {
+    throw std::runtime_error("cannot encode video to " + file + ": is the disk full?");
+  }
+};
+
+bool isWholeMp4(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  std::uintmax_t at = 0;
+  bool indexed = false;
+  while (!error && at < size) {
+    std::array<unsigned char, 16> head{};
+    in.seekg(static_cast<std::streamoff>(at));
+    in.read(reinterpret_cast<char*>(head.data()), head.size());
+    if (in.gcount() < 8) return false;
+    in.clear();
+    const auto number = [&](std::size_t from, std::size_t bytes) {
+      std::uintmax_t value = 0;
+      for (std::size_t i = from; i < from + bytes; ++i) value = value << 8 | head[i];
+      return value;
+    };
+    const std::uintmax_t box = number(0, 4) == 1 ? number(8, 8) : number(0, 4);
+    if (box < 8 || box > size - at) return false;
+    indexed |= std::string_view(reinterpret_cast<const char*>(head.data()) + 4, 4) == "moov";
+    at += box;
+  }
+  return indexed;
+}
+
+VideoWriter::VideoWriter(const std::filesystem::path& file, const glm::ivec2& size_px, double fps)
+    : worker_(std::make_unique<Worker>()) {
+  worker_->file = file.string();
+  const int h264 = cv::VideoWriter::fourcc('a', 'v', 'c', '1');
+  if (!worker_->writer.open(file.string(), cv::CAP_FFMPEG, h264, fps, {size_px.x, size_px.y})) {
+    throw std::runtime_error("cannot write H.264 video to " + file.string() +
+                             ": OpenCV's ffmpeg has no encoder for it, or the folder is read-only");
+  }
+  worker_->thread = std::thread([worker = worker_.get()] { worker->run(); });
+}
+
+VideoWriter::~VideoWriter() { worker_->stop(); }
+
+void VideoWriter::push(Image&& image) {
+  {
+    std::unique_lock lock(worker_->mutex);
+    worker_->changed.wait(lock,
+                          [&] { return worker_->waiting.size() < kMaxWaiting || worker_->failed; });
+    if (worker_->failed) worker_->fail();
+    worker_->waiting.push_back(std::move(image));
+  }
+  worker_->changed.notify_all();
+}
+
+void VideoWriter::finish() {
+  worker_->stop();
+  if (worker_->failed || !isWholeMp4(worker_->file)) worker_->fail();
+}
+
+}  // namespace foci

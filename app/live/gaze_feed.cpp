@@ -1,0 +1,69 @@
+#include "app/live/gaze_feed.h"
+
+#include <stdexcept>
+#include <utility>
+
+namespace foci {
+namespace {
+
+constexpr double kPolls_Hz = 500.0;         // of a tracker: its samples are at most 2 ms old
+constexpr std::size_t kMaxWaiting = 65536;  // that nobody takes
+
+}  // namespace
+
+GazeFeed::GazeFeed(NamedSource source, const LiveClock& clock)
+    : source_(std::move(source)),
+      clock_(clock),
+      rate_Hz_(source_.source->rate_Hz()),
+      status_(source_.source->status()),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+void GazeFeed::run(const std::stop_token& stop) {
+  const double period_s = 1.0 / (source_.mouse ? rate_Hz_ : kPolls_Hz);
+  std::vector<GazeSample> news;
+  for (double due_s = clock_.now_s(); !stop.stop_requested(); due_s += period_s) {
+    due_s = std::max(due_s, clock_.now_s() - period_s);  // after a stall no burst
+    std::this_thread::sleep_until(clock_.at(due_s));
+    if (source_.mouse) {
+      const std::lock_guard lock(mutex_);
+      source_.mouse->moveTo(pointer_px_);
+    }
+    news.clear();
+    std::string status;
+    try {
+      source_.source->poll(clock_.now_s(), news);
+      status = source_.source->status();
+    } catch (const std::exception& error) {
+      status = error.what();  // the last focus holds
+    }
+    const std::lock_guard lock(mutex_);
+    if (waiting_.size() < kMaxWaiting) {
+      waiting_.insert(waiting_.end(), news.begin(), news.end());
+    }
+    status_ = std::move(status);
+  }
+}
+
+void GazeFeed::pointTo(const std::optional<glm::dvec2>& point_px) {
+  const std::lock_guard lock(mutex_);
+  pointer_px_ = point_px;
+}
+
+std::string GazeFeed::lookedAt(const glm::dvec2& point_px) {
+  if (!source_.lookedAt) return "";
+  return source_.lookedAt(point_px) ? "the webcam's map has learnt from the click"
+                                    : "the webcam sees no eyes: the click is not used";
+}
+
+void GazeFeed::take(std::vector<GazeSample>& samples) {
+  const std::lock_guard lock(mutex_);
+  samples.insert(samples.end(), waiting_.begin(), waiting_.end());
+  waiting_.clear();
+}
+
+std::string GazeFeed::status() const {
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+}  // namespace foci

@@ -1,0 +1,87 @@
+#include "app/live/remote_control.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "app/record/tables.h"
+#include "base/text.h"
+#include "gaze/sources/line_reader.h"
+
+namespace foci {
+namespace {
+
+constexpr auto kPatience = std::chrono::seconds(10);  // a method may take seconds to be made
+
+std::string answerOf(std::future<std::string> done) {
+  try {
+    if (done.wait_for(kPatience) != std::future_status::ready) return "error no answer yet";
+    const std::string wrong = done.get();
+    return wrong.empty() ? "ok" : "error " + wrong;
+  } catch (const std::future_error&) {
+    return "error foci is leaving";
+  }
+}
+
+std::string stateOf(const LiveState& state, double now_s) {
+  const FrameRecord& last = state.last;
+  nlohmann::ordered_json json = {{"now_s", now_s},
+                                 {"frame_s", last.time_s},
+                                 {"gaze_state", nameOf(last.eye.state)},
+                                 {"gaze_px", nullptr},
+                                 {"surface_distance_m", nullptr},
+                                 {"focus_D", last.eye.focus_D},
+                                 {"pupil_mm", last.pupil_mm},
+                                 {"method", last.method},
+                                 {"record", nullptr}};
+  if (last.gaze_px) json["gaze_px"] = {last.gaze_px->x, last.gaze_px->y};
+  if (last.eye.surface_distance_m) json["surface_distance_m"] = *last.eye.surface_distance_m;
+  if (state.record) json["record"] = state.record->folder().string();
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::filesystem::path unusedName(const std::string& extension) {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  std::array<char, 40> text;
+  const std::string stem(text.data(),
+                         std::strftime(text.data(), text.size(), "foci-%Y%m%d-%H%M%S", &local));
+  std::filesystem::path path = stem + extension;
+  for (int i = 2; std::filesystem::exists(path); ++i) {
+    path = stem;
+    path += "-" + std::to_string(i) + extension;
+  }
+  return path;
+}
+
+std::string answerTo(const std::string& command, LiveRenderer& renderer, const LiveClock& clock) {
+  const std::size_t space = std::min(command.find(' '), command.size());
+  const std::string verb = command.substr(0, space);
+  const std::string rest(trimmed(std::string_view(command).substr(space)));
+  if (verb == "mark" && !rest.empty()) return "ok " + decimal(renderer.mark(rest), 6);
+  if (verb == "stop") return answerOf(renderer.stopRecord());
+  if (verb == "state") return "ok " + stateOf(renderer.state(), clock.now_s());
+  if (verb == "record") {
+    // Over a network nobody is to choose where files go.
+    const bool plain = std::all_of(rest.begin(), rest.end(), [](unsigned char c) {
+      return std::isalnum(c) || c == '-' || c == '_';
+    });
+    if (!plain) return "error record NAME: expected letters, digits, - and _";
+    return answerOf(
+        renderer.startRecord(rest.empty() ? unusedName("") : std::filesystem::path(rest)));
+  }
+  if (verb == "set") {
+    const std::size_t key_end = rest.find(' ');
+    if (key_end == std::string::npos) return "error set KEY VALUE: expected a value";
+    return answerOf(renderer.change(rest.substr(0, key_end),
+                                    std::string(trimmed(std::string_view(rest).substr(key_end)))));
+  }
+  return "error " + shown(command) + ": expected mark, record, stop, set, state or leave";
+}
+
+}  // namespace foci

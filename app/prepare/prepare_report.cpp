@@ -1,0 +1,138 @@
+#include "app/prepare/prepare_report.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "app/graphics/html.h"
+
+namespace foci {
+namespace {
+
+constexpr const char* kStyle = R"(
+:root { color-scheme: light dark; --ground: #fbfbfa; --ink: #1d2127; --quiet: #626a75; --line: #e3e4e6; --bar: #3d7ea6; --rest: #c3d3de; }
+@media (prefers-color-scheme: dark) {
+  :root { --ground: #14161a; --ink: #e4e6ea; --quiet: #9aa2ad; --line: #2d3138; --bar: #6db3dc; --rest: #37505f; } }
+body { margin: 0; background: var(--ground); color: var(--ink); font: 15px/1.5 system-ui, sans-serif; }
+main { max-width: 860px; margin: 0 auto; padding: 2rem 1.25rem 4rem; }
+h1 { font-size: 1.5rem; margin: 0 0 .25rem; } h2 { font-size: 1.1rem; margin: 2.5rem 0 .75rem; }
+p { margin: .5rem 0; max-width: 72ch; } .quiet { color: var(--quiet); }
+table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabular-nums; }
+table { margin-top: .75rem; }
+td, th { border-top: 1px solid var(--line); padding: .3rem 1.5rem .3rem 0; text-align: left; font-weight: normal; }
+svg { width: 100%; height: auto; } svg text { fill: var(--quiet); font: 12px system-ui, sans-serif; }
+)";
+
+constexpr double kChartWidth = 800.0, kChartHeight = 140.0, kAxisHeight = 22.0;
+
+template <typename... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[256];
+  std::snprintf(text, sizeof(text), pattern, values...);
+  return text;
+}
+
+/// Of the whole surface, and before it that of the smooth parts.
+std::string histogramSvg(const Normalisation& n) {
+  const double highest = static_cast<double>(
+      std::max<std::size_t>(*std::max_element(n.histogram.begin(), n.histogram.end()), 1));
+  const double step = kChartWidth / static_cast<double>(n.histogram.size());
+  std::string svg =
+      format("<svg viewBox=\"0 0 %g %g\" role=\"img\">", kChartWidth, kChartHeight + kAxisHeight);
+  const auto bars = [&](const std::vector<std::size_t>& bins, const char* color) {
+    for (std::size_t i = 0; i < bins.size(); ++i) {
+      if (bins[i] == 0) continue;
+      const double height = kChartHeight * static_cast<double>(bins[i]) / highest;
+      svg +=
+          format("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"%s\"/>",
+                 static_cast<double>(i) * step, kChartHeight - height, 0.85 * step, height, color);
+    }
+  };
+  bars(n.histogram, "var(--rest)");
+  bars(n.smooth_histogram, "var(--bar)");
+  for (int tick = 0; tick <= 10; ++tick) {
+    const char* anchor = tick == 0 ? "start" : tick == 10 ? "end" : "middle";
+    svg += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">%.1f</text>",
+                  0.1 * tick * kChartWidth, kChartHeight + 16.0, anchor, 0.5 + 0.1 * tick);
+  }
+  return svg + "</svg>\n";
+}
+
+constexpr const char* kTableHead =
+    "<table><tr><th></th><th>mean</th><th>1 &plusmn; 0.02</th><th>1 &plusmn; 0.05</th>"
+    "<th>1 &plusmn; 0.1</th></tr>\n";
+
+std::string tableRow(const std::string& what, double mean, double within_2, double within_5,
+                     double within_10) {
+  return "<tr><td>" + what + "</td>" +
+         format("<td>%.4f</td><td>%.1f %%</td><td>%.1f %%</td><td>%.1f %%</td></tr>\n", mean,
+                100.0 * within_2, 100.0 * within_5, 100.0 * within_10);
+}
+
+std::string tableRows(const std::string& when, const Normalisation& n) {
+  std::string rows = tableRow("whole surface" + when, n.mean, n.within_2, n.within_5, n.within_10);
+  if (n.smooth_share > 0.0) {
+    rows += tableRow("smooth parts" + when + format(" (%.1f %% of it)", 100.0 * n.smooth_share),
+                     n.smooth_mean, n.smooth_within_2, n.smooth_within_5, n.smooth_within_10);
+  }
+  return rows;
+}
+
+std::string levelSection(const PrepareSummary& summary, const LevelNormalisation& level) {
+  std::string section =
+      format("<h2>Level of %zu nodes, %.1f surfels in each</h2>\n", level.nodes,
+             static_cast<double>(summary.surfels) / static_cast<double>(level.nodes));
+  section +=
+      format("<p class=\"quiet\">in focus, a pixel as wide as %.2f of the nodes' spacing</p>\n",
+             level.sharp.pixel_spacings);
+  section += histogramSvg(level.sharp);
+  section += format(
+      "<p class=\"quiet\">blurred, a circle of confusion of radius %.2f of their spacing</p>\n",
+      level.blurred.blur_spacings);
+  section += histogramSvg(level.blurred);
+  return section + kTableHead + tableRows(", in focus", level.sharp) +
+         tableRows(", blurred", level.blurred) + "</table>\n";
+}
+
+}  // namespace
+
+std::string prepareReport(const PrepareRequest& request, const PrepareSummary& summary) {
+  const std::string name = escaped(summary.out.filename().string());
+  std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
+                     name + "</title><style>" + kStyle + "</style></head><body><main>\n<h1>" +
+                     name + "</h1>\n<p class=\"quiet\">from " + escaped(request.input.string()) +
+                     "</p>\n";
+  page += format("<p>%zu surfels on %.4g m<sup>2</sup>, one every %.3g mm. ", summary.surfels,
+                 summary.area_m2, 1000.0 * summary.spacing_m);
+  page += summary.oriented ? "Their normals tell the outside from the inside.</p>\n"
+                           : "Their normals do not tell the outside from the inside.</p>\n";
+  if (summary.dropped > 0) {
+    page +=
+        format("<p>%zu points were left out: their position is not finite.</p>\n", summary.dropped);
+  }
+  page +=
+      "<p>The kernels of a whole surface sum to one at every pixel. Below, the sums of the kernels "
+      "as they are rendered, at points spread over this surface by area. Smooth parts, in the "
+      "stronger "
+      "colour, have agreeing normals, lie in one plane and have no border, as far as kernels "
+      "reach.</p>\n";
+  for (std::size_t i = 0; i < summary.normalisation.size(); ++i) {
+    const Normalisation &before = summary.before[i], &after = summary.normalisation[i];
+    page +=
+        format("<h2>A pixel as wide as %g of the surfels' spacing</h2>\n", after.pixel_spacings);
+    page += "<p class=\"quiet\">before weights and sizes were solved</p>\n" + histogramSvg(before) +
+            "<p class=\"quiet\">after</p>\n" + histogramSvg(after) + kTableHead +
+            tableRows(", before", before) + tableRows(", after", after) + "</table>\n";
+  }
+  if (!summary.levels.empty()) {
+    page +=
+        "<h2>Levels of detail</h2>\n<p>Blurred and distant parts are rendered from nodes, each in "
+        "place "
+        "of its surfels, with the sum of their areas for a weight. Each level as it is seen where "
+        "it is rendered at its coarsest; towards coarser ones fewer places are smooth as far as a "
+        "node's kernel reaches.</p>\n";
+  }
+  for (const LevelNormalisation& level : summary.levels) page += levelSection(summary, level);
+  return page + "</main></body></html>\n";
+}
+
+}  // namespace foci

@@ -1,0 +1,100 @@
+#include "app/record/manifest.h"
+
+#include <nlohmann/json.hpp>
+
+#include "app/platform/machine.h"
+#include "app/session/observer_eye.h"
+
+namespace foci {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// File names need not be UTF-8: what is not is replaced.
+std::string dump(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+Json toJson(const RunSummary& summary) {
+  return {{"frames", summary.frames},
+          {"duration_s", summary.duration_s},
+          {"gaze_valid", summary.gaze_valid},
+          {"fixations", summary.fixations},
+          {"saccades", summary.saccades},
+          {"render_ms_median", summary.render_ms_median},
+          {"render_ms_p95", summary.render_ms_p95},
+          {"frames_rendered", summary.frames_rendered},
+          {"rendered_ms_median", summary.rendered_ms_median},
+          {"rendered_ms_p95", summary.rendered_ms_p95},
+          {"splats", summary.splats},
+          {"pupil_mm", summary.pupil_mm},
+          {"out", summary.out.string()}};
+}
+
+}  // namespace
+
+nlohmann::ordered_json landingsJson(const Landings& landings) {
+  const Durations& to_full = landings.toFull();
+  return {{"landings", landings.count()},
+          {"landings_full", to_full.count()},
+          {"landing_to_full_ms_median", to_full.quantile_ms(0.5)},
+          {"landing_to_full_ms_p95", to_full.quantile_ms(0.95)},
+          {"frames_full", landings.fullShare()}};
+}
+
+std::string summaryJson(const RunSummary& summary) { return dump(toJson(summary), -1); }
+
+GazeFacts factsOf(const GazeTrace& trace) {
+  return {.format = trace.format,
+          .simulated = trace.simulated,
+          .rate_Hz = trace.rate_Hz,
+          .samples = trace.samples.size()};
+}
+
+std::string manifestJson(const Study& study, const RunSummary& summary,
+                         const ManifestFacts& facts) {
+  Json configuration = Json::object();
+  for (const ResolvedKey& key : resolvedKeys(study)) {
+    const auto dot = key.name.find('.');
+    const Json value = Json::parse(key.json, nullptr, false);
+    const std::string name(key.name);
+    if (dot == std::string_view::npos) {
+      configuration[name] = value;
+    } else {
+      configuration[name.substr(0, dot)][name.substr(dot + 1)] = value;
+    }
+  }
+  Json inputs = Json::array();
+  for (const InputFile& input : facts.inputs) {
+    inputs.push_back({{"path", input.path.string()}, {"sha256", input.sha256}});
+  }
+  const Machine machine = describeMachine();
+  Json manifest = {
+      {"program", "foci"},
+      {"version", FOCI_VERSION},
+      {"command", facts.command},
+      {"study", study.file.string()},
+      {"inputs", inputs},
+      {"configuration", configuration},
+      {"screen_is_default", study.screen.is_default},
+      {"ellipses_as_circles", !ellipseText(study).empty()},
+      {"gaze",
+       {{"format", facts.gaze.format},
+        {"simulated", facts.gaze.simulated},
+        {"rate_Hz", facts.gaze.rate_Hz},
+        {"samples", facts.gaze.samples}}},
+      {"seed", study.seed},
+      {"threads", facts.threads},
+      {"machine",
+       {{"cpu", machine.cpu},
+        {"cores", machine.cores},
+        {"simd", machine.simd},
+        {"system", machine.system}}},
+      {"frames_sha256", facts.frames_sha256},
+      {"summary", toJson(summary)},
+  };
+  if (facts.landings) manifest["live"] = landingsJson(*facts.landings);
+  return dump(manifest, 2) + "\n";
+}
+
+}  // namespace foci

@@ -1,0 +1,48 @@
+// manifest.json: enough to run it again to the same bytes.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "app/record/landing.h"
+#include "app/record/run_summary.h"
+#include "app/study/study.h"
+#include "gaze/geometry/gaze_sample.h"
+
+namespace foci {
+
+struct InputFile {
+  std::filesystem::path path;
+  std::string sha256;
+};
+
+/// Of the gaze that was used.
+struct GazeFacts {
+  std::string format;
+  bool simulated = false;
+  double rate_Hz = 0.0;
+  std::size_t samples = 0;
+};
+
+struct ManifestFacts {
+  std::string command;
+  unsigned threads = 0;
+  GazeFacts gaze;
+  const Landings* landings = nullptr;  ///< of a live run
+  std::vector<InputFile> inputs;
+  std::string frames_sha256;  ///< of the 8-bit sRGB bytes of all frames, in order, before encoding
+};
+
+std::string manifestJson(const Study& study, const RunSummary& summary, const ManifestFacts& facts);
+
+GazeFacts factsOf(const GazeTrace& trace);
+
+/// How soon after saccades the image of a live run was full.
+nlohmann::ordered_json landingsJson(const Landings& landings);
+
+/// `--json`: the summary as one line.
+std::string summaryJson(const RunSummary& summary);
+
+}  // namespace foci

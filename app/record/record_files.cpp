@@ -1,0 +1,124 @@
+#include "app/record/record_files.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+#include "app/record/tables.h"
+#include "base/text.h"
+#include "gaze/sources/line_reader.h"
+
+namespace foci {
+namespace {
+
+/// The shortest text that reads back as the same number.
+std::string exactly(double value) {
+  std::array<char, 40> text;
+  const auto end = std::to_chars(text.begin(), text.end(), value).ptr;
+  return {text.begin(), end};
+}
+
+std::string exactly(const std::optional<double>& value) { return value ? exactly(*value) : "n/a"; }
+
+std::string exactly(const std::optional<glm::dvec2>& point) {
+  return point ? exactly(point->x) + '\t' + exactly(point->y) : "n/a\tn/a";
+}
+
+/// The fields between tabs, as they are.
+std::vector<std::string> fieldsOf(std::string_view line) {
+  std::vector<std::string> fields(1);
+  for (const char c : line) {
+    if (c == '\t') {
+      fields.emplace_back();
+    } else {
+      fields.back() += c;
+    }
+  }
+  return fields;
+}
+
+double timeIn(const LineReader& lines, const std::string& field, double after_s) {
+  const auto time_s = parseNumber(field);
+  if (!time_s || !(*time_s >= after_s)) {
+    throw lines.error("time " + shown(field) + ": expected one that is not before the last");
+  }
+  return *time_s;
+}
+
+}  // namespace
+
+double wholeMicroseconds(double time_s) { return std::round(time_s * 1e6) / 1e6; }
+
+GazeTable::GazeTable(const std::filesystem::path& file, const Screen& screen)
+    : file_(file.string()), out_(file, std::ios::binary) {
+  out_ << "# screen_width_px=" << screen.size_px.x << " screen_height_px=" << screen.size_px.y
+       << " screen_width_m=" << exactly(screen.size_m.x)
+       << " screen_height_m=" << exactly(screen.size_m.y)
+       << " viewing_distance_m=" << exactly(screen.distance_m) << " units=px\n"
+       << "time_s\tx_px\ty_px\tblink\tpupil_mm\tuncertainty_deg\tleft_x_px\tleft_y_px\tright_x_px\t"
+          "right_y_px\n";
+}
+
+void GazeTable::add(const GazeSample& sample) {
+  out_ << decimal(sample.time_s, 6) << '\t' << exactly(sample.point_px) << '\t' << sample.blink
+       << '\t' << exactly(sample.pupil_mm) << '\t' << exactly(sample.uncertainty_deg);
+  for (const EyeSample& eye : sample.eyes) out_ << '\t' << exactly(eye.point_px);
+  out_ << '\n';
+  if (!out_) throw std::runtime_error("cannot write " + file_);
+}
+
+void GazeTable::flush() { out_.flush(); }
+
+std::vector<RecordedFrame> readFrames(const std::filesystem::path& file) {
+  LineReader lines(file);
+  std::string_view line;
+  if (!lines.next(line)) throw InputError(file.string(), "empty: expected frames");
+  const auto names = fieldsOf(line);
+  const auto column = [&](const char* name) {
+    const auto at = std::find(names.begin(), names.end(), name);
+    if (at == names.end()) throw lines.error(std::string("no column ") + name);
+    return static_cast<std::size_t>(at - names.begin());
+  };
+  const std::size_t time = column("time_s"), method = column("method");
+  std::vector<RecordedFrame> frames;
+  for (bool broken = false; lines.next(line);) {
+    if (line.empty()) continue;
+    if (broken) throw lines.error("follows a line that is too short");
+    const auto fields = fieldsOf(line);
+    // A record whose run was killed may end within a line.
+    if ((broken = fields.size() < names.size())) continue;
+    const double after_s = frames.empty() ? -1e12 : std::nextafter(frames.back().time_s, 1e12);
+    if (const auto expected = expectedMethod(fields[method])) {
+      throw lines.error("method " + shown(fields[method]) + ": expected " + *expected);
+    }
+    frames.push_back({timeIn(lines, fields[time], after_s), fields[method]});
+  }
+  if (frames.empty()) throw InputError(file.string(), "no frames: expected at least one");
+  return frames;
+}
+
+std::string changesHeader() { return "time_s\tkey\tvalue\n"; }
+
+std::string changeRow(const Change& change) {
+  return decimal(change.time_s, 6) + '\t' + change.key + '\t' + change.toml + '\n';
+}
+
+std::vector<Change> readChanges(const std::filesystem::path& file) {
+  LineReader lines(file);
+  std::string_view line;
+  std::vector<Change> changes;
+  for (bool header = true; lines.next(line); header = false) {
+    if (header || line.empty()) continue;
+    const auto fields = fieldsOf(line);
+    if (fields.size() != 3) throw lines.error("expected time, key and value between tabs");
+    if (!changesLive(fields[1])) {
+      throw lines.error("key " + shown(fields[1]) + ": expected one that changes while foci runs");
+    }
+    const double time_s = timeIn(lines, fields[0], changes.empty() ? -1e12 : changes.back().time_s);
+    changes.push_back({time_s, fields[1], fields[2]});
+  }
+  return changes;
+}
+
+}  // namespace foci

@@ -1,0 +1,31 @@
+#include "app/record/run_events.h"
+
+#include <algorithm>
+
+#include "app/session/session.h"
+
+namespace foci {
+
+std::vector<GazeEvent> eventsOfRun(const Study& study, const GazeTrace& trace, double from_s,
+                                   double to_s) {
+  const Screen screen = study.screenInForce();
+  const auto on_screen = [&](std::optional<glm::dvec2>& point_px) {
+    if (point_px) point_px = onOtherScreen_px(*trace.screen, screen, *point_px);
+  };
+  std::vector<GazeEvent> events = detectEvents(trace, *trace.screen, study.gaze.events);
+  std::erase_if(events, [&](const GazeEvent& event) {
+    return event.onset_s >= to_s || event.onset_s + event.duration_s <= from_s;
+  });
+  for (GazeEvent& event : events) {
+    on_screen(event.position_px);
+    on_screen(event.start_px);
+  }
+  return events;
+}
+
+std::size_t countOf(const std::vector<GazeEvent>& events, GazeState kind) {
+  return static_cast<std::size_t>(std::count_if(
+      events.begin(), events.end(), [&](const GazeEvent& event) { return event.kind == kind; }));
+}
+
+}  // namespace foci

@@ -1,0 +1,65 @@
+#include "app/record/tables.h"
+#include "base/text.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+namespace foci {
+namespace {
+
+constexpr int kTimeDigits = 6, kPointDigits = 2, kLengthDigits = 4, kDioptreDigits = 4;
+
+std::string orAbsent(const std::optional<double>& value, int digits) {
+  return value ? decimal(*value, digits) : "n/a";
+}
+
+std::string pointOrAbsent(const std::optional<glm::dvec2>& point_px) {
+  return point_px ? decimal(point_px->x, kPointDigits) + "\t" + decimal(point_px->y, kPointDigits)
+                  : "n/a\tn/a";
+}
+
+}  // namespace
+
+FrameTable::FrameTable(const std::filesystem::path& file)
+    : file_(file.string()), out_(file, std::ios::binary) {
+  out_ << "frame\ttime_s\tgaze_time_s\tgaze_x_px\tgaze_y_px\tgaze_state\tsurface_distance_m\t"
+          "target_D\tfocus_D\tpupil_mm\tmethod\tsplats\tfragments\ttolerance_error\trender_ms\n";
+}
+
+void FrameTable::add(std::size_t frame, const FrameRecord& record) {
+  const EyeNow& eye = record.eye;
+  out_ << frame << '\t' << decimal(record.time_s, kTimeDigits) << '\t'
+       << (eye.sample ? decimal(eye.sample->time_s, kTimeDigits) : "n/a") << '\t'
+       << pointOrAbsent(record.gaze_px) << '\t' << nameOf(eye.state) << '\t'
+       << orAbsent(eye.surface_distance_m, kLengthDigits) << '\t'
+       << orAbsent(eye.target_D, kDioptreDigits) << '\t' << decimal(eye.focus_D, kDioptreDigits)
+       << '\t' << decimal(record.pupil_mm, 3) << '\t' << record.method << '\t'
+       << record.stats.splats << '\t' << record.stats.fragments << '\t'
+       << orAbsent(record.stats.tolerance_error, 2) << '\t' << decimal(record.stats.ms, 3) << '\n';
+  if (!out_) throw std::runtime_error("cannot write " + file_);
+}
+
+void FrameTable::finish() {
+  out_.close();
+  if (!out_) throw std::runtime_error("cannot write " + file_);
+}
+
+std::string eventTable(const std::vector<GazeEvent>& events) {
+  std::string table =
+      "event\tonset_s\tduration_s\tx_px\ty_px\tstart_x_px\tstart_y_px\tamplitude_deg\t"
+      "peak_velocity_deg_s\n";
+  for (const GazeEvent& event : events) {
+    const bool saccade = event.kind == GazeState::saccade;
+    table += std::string(nameOf(event.kind)) + '\t' + decimal(event.onset_s, kTimeDigits) + '\t' +
+             decimal(event.duration_s, kTimeDigits) + '\t' + pointOrAbsent(event.position_px) +
+             '\t' + pointOrAbsent(event.start_px) + '\t' +
+             (saccade ? decimal(event.amplitude_deg, 3) : "n/a") + '\t' +
+             (saccade ? decimal(event.peak_velocity_deg_s, 1) : "n/a") + '\n';
+  }
+  return table;
+}
+
+}  // namespace foci

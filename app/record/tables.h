@@ -1,0 +1,33 @@
+// The tables that a replay writes: frames.tsv, events.tsv.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "app/session/session.h"
+#include "gaze/events/gaze_events.h"
+
+namespace foci {
+
+/// frames.tsv, row by row; `n/a` where a value is absent.
+class FrameTable {
+ public:
+  explicit FrameTable(const std::filesystem::path& file);
+
+  /// @throws std::runtime_error where the file cannot be written
+  void add(std::size_t frame, const FrameRecord& record);
+  void flush() { out_.flush(); }
+  void finish();
+
+ private:
+  std::string file_;
+  std::ofstream out_;
+};
+
+/// events.tsv. @param events  with points on the screen of the images, px
+std::string eventTable(const std::vector<GazeEvent>& events);
+
+}  // namespace foci

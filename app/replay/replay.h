@@ -1,0 +1,20 @@
+// `foci replay`: a recorded gaze goes in, what the eye would have seen comes out.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "app/record/run_summary.h"
+#include "app/study/study.h"
+
+namespace foci {
+
+/// Replays the study and writes video.mp4, frames.tsv, events.tsv, manifest.json and report.html to
+/// `out`. Nothing is left there, nor the folder if it is new, when it throws.
+/// @param command  as typed, for the manifest
+/// @param threads  in use, for the manifest
+/// @throws InputError, std::runtime_error
+RunSummary replay(const Study& study, const std::filesystem::path& out, const std::string& command,
+                  unsigned threads);
+
+}  // namespace foci

@@ -1,0 +1,246 @@
+#include "app/replay/report.h"
+
+#include <array>
+#include <fstream>
+#include <stdexcept>
+
+#include "app/graphics/html.h"
+#include "app/record/tables.h"
+#include "app/session/observer_eye.h"
+#include "base/text.h"
+#include "gaze/focus/pupil.h"
+#include "render/optics/defocus.h"
+
+namespace foci {
+namespace {
+
+std::string stateMark(GazeState state) {
+  return std::string("<span class=\"state\" style=\"background:") + colorOf(state) + "\"></span>";
+}
+
+std::string percent(double share) { return decimal(100.0 * share, 1) + "&thinsp;%"; }
+
+std::string distanceText(double focus_D) {
+  if (focus_D < -0.01) return "behind the eye";
+  return focus_D < 0.01 ? "infinity" : decimal(1.0 / focus_D, 2) + " m";
+}
+
+std::string headline(const Study& study, const GazeTrace& trace, const ReportFacts& facts) {
+  const RunSummary& summary = facts.summary;
+  const std::string scene = study.scene.file ? study.scene.file->filename().string()
+                                             : "the built-in " + study.scene.builtin;
+  const std::string gaze = trace.simulated
+                               ? "a simulated observer"
+                               : std::filesystem::path(study.gaze.source).filename().string();
+  std::string html = "<h1>" + escaped(scene) + ", seen by " + escaped(gaze) + "</h1>\n";
+  html += "<p class=\"quiet\">foci " FOCI_VERSION " &middot; study " +
+          escaped(study.file.string()) + " &middot; gaze " + escaped(trace.format) + ", " +
+          decimal(trace.rate_Hz, 0) + " Hz</p>\n";
+  if (trace.simulated) {
+    html +=
+        "<p class=\"notice\">The gaze is simulated: an oculomotor model looked, no person "
+        "did.</p>\n";
+  }
+  const Screen screen = study.screenInForce();
+  if (study.screen.is_default) {
+    html +=
+        "<p class=\"notice\">The study names no screen. Angles and blur hold for the default "
+        "one: " +
+        std::to_string(screen.size_px.x) + " &times; " + std::to_string(screen.size_px.y) +
+        " px on " + decimal(screen.size_m.x, 3) + " &times; " + decimal(screen.size_m.y, 3) +
+        " m, seen from " + decimal(screen.distance_m, 2) + " m.</p>\n";
+  }
+  html += "<div class=\"numbers\">\n";
+  html += numberCell(
+      decimal(summary.duration_s, 2) + " s",
+      std::to_string(summary.frames) + " frames, " + decimal(study.output.fps, 0) + " a second");
+  html += numberCell(std::to_string(summary.fixations), "fixations");
+  html += numberCell(std::to_string(summary.saccades), "saccades");
+  html += numberCell(percent(1.0 - summary.gaze_valid), "of the gaze samples lost");
+  const std::string& pupil = study.observer.pupil;
+  html += numberCell(decimal(summary.pupil_mm, 1) + " mm",
+                     pupil == "fixed"       ? "pupil, fixed"
+                     : pupil == "recording" ? "pupil (median), as recorded"
+                                            : "pupil (median), by the light of the images");
+  html +=
+      numberCell(std::to_string(summary.frames_rendered) + " of " + std::to_string(summary.frames),
+                 "frames rendered; the others show nothing new");
+  html +=
+      numberCell(decimal(summary.rendered_ms_median, 1) + " ms",
+                 "a frame rendered (median; 95&thinsp;%: " + decimal(summary.rendered_ms_p95, 1) +
+                     " ms); of all " + decimal(summary.render_ms_median, 1) +
+                     " ms (95&thinsp;%: " + decimal(summary.render_ms_p95, 1) + " ms)");
+  return html + "</div>\n";
+}
+
+/// Nothing where the pupil is fixed.
+std::string pupilText(const Study& study) {
+  if (study.observer.pupil == "recording") {
+    return " The pupil is the one recorded, held through blinks and losses.";
+  }
+  if (study.observer.pupil != "luminance") return "";
+  return " The pupil follows the light of the images on a screen whose white has " +
+         decimal(study.screen.luminance_cd_m2, 0) + " cd/m&sup2; and which fills " +
+         decimal(fieldArea_deg2(study.screenInForce()), 0) +
+         " square degrees, in a dark room (Watson and Yellott 2012).";
+}
+
+std::string eyeText(const Study& study) {
+  const Study::Observer& observer = study.observer;
+  std::string text;
+  if (observer.sphere_D != 0.0 || observer.cylinder_D != 0.0) {
+    text += " The observer's prescription is " + decimal(observer.sphere_D, 2) + " D";
+    if (observer.cylinder_D != 0.0) {
+      text += ", cylinder " + decimal(observer.cylinder_D, 2) + " D, axis " +
+              decimal(observer.axis_deg, 0) + "&deg;";
+    }
+    text += observer.corrected ? ", and worn."
+                               : ", and not worn: the focus is the mean over all meridians. " +
+                                     escaped(ellipseText(study));
+  }
+  if (observer.chromatic) text += " Red, green and blue are focused each by itself.";
+  return text;
+}
+
+}  // namespace
+
+std::string toleranceText(const Study& study, const ReportFacts& facts) {
+  if (facts.frames_over == 0) return "";
+  return "In " + std::to_string(facts.frames_over) + " of " + std::to_string(facts.summary.frames) +
+         " frames, the first at " + decimal(facts.first_over_s, 2) +
+         " s, 5 % of the pixels may err by more than the tolerance of " +
+         decimal(study.quality.tolerance, 1) + " just noticeable differences, by up to " +
+         decimal(facts.worst_error, 1) +
+         (study.quality.frame_ms ? ": quality.frame_ms leaves no time for more."
+                                 : ": auto renders them no more closely (docs/methods.md).");
+}
+
+namespace {
+
+/// What a dioptre of defocus does, and how the focus was found.
+std::string opticsText(const Study& study, const ReportFacts& facts) {
+  const RunSummary& summary = facts.summary;
+  const Screen screen = study.screenInForce();
+  const double pupil_m = summary.pupil_mm / 1000.0;
+  const double px_per_m = screen.size_px.x / screen.size_m.x;
+  const double angle_rad = blurAngle_rad(pupil_m, 0.0, 1.0);
+  const AccommodationSettings& accommodation = study.focus.accommodation;
+  return "<p>One dioptre of defocus blurs a point to a disc " +
+         decimal(angle_rad * 180.0 / 3.14159265358979 * 60.0, 2) +
+         " arcmin wide: " + decimal(angle_rad * screen.distance_m * px_per_m, 2) +
+         " px on the screen, " +
+         decimal(2e6 * retinalRadius_m(pupil_m, study.observer.retina_mm / 1000.0, 0.0, 1.0), 1) +
+         " &micro;m on the retina. The eye focuses on the nearest surface that fills " +
+         decimal(100.0 * study.focus.coverage, 0) + "&thinsp;% of a cone of " +
+         decimal(study.focus.cone_deg, 2) + "&deg; around the line of sight; " +
+         (accommodation.on ? "its focus follows after " + decimal(accommodation.latency_s, 2) +
+                                 " s, with a time constant of " +
+                                 decimal(accommodation.time_constant_s, 2) + " s."
+                           : std::string("its focus is there at once.")) +
+         pupilText(study) + eyeText(study) + " Drawn by the method <i>" +
+         escaped(study.render.method) + "</i>. " + escaped(toleranceText(study, facts)) + "</p>\n";
+}
+
+std::string lossText(const ReportFacts& facts) {
+  if (facts.samples == 0) return "<p>No gaze sample falls into the time replayed.</p>\n";
+  return "<p>Of " + std::to_string(facts.samples) + " gaze samples " +
+         std::to_string(facts.samples_lost) + " have no position, " +
+         std::to_string(facts.samples_blink) +
+         " are marked as blinks by the tracker; the longest loss lasts " +
+         decimal(facts.longest_loss_s, 3) + " s. " + std::to_string(facts.frames_held) + " of " +
+         std::to_string(facts.summary.frames) +
+         " frames fall into a blink, a loss or a pause of the recording; there, as in saccades, "
+         "the "
+         "focus is held.</p>\n";
+}
+
+std::string legend() {
+  std::string html = "<p class=\"legend\">";
+  for (const GazeState state :
+       {GazeState::saccade, GazeState::pursuit, GazeState::blink, GazeState::lost}) {
+    html += "<span>" + stateMark(state) + std::string(nameOf(state)) + "</span>";
+  }
+  return html + "<span>plain ground: fixation</span></p>\n";
+}
+
+std::string configuration(const Study& study) {
+  std::string html = "<details><summary>The study as resolved</summary><table>\n";
+  for (const ResolvedKey& key : resolvedKeys(study)) {
+    html += "<tr><td><code>" + std::string(key.name) + "</code></td><td class=\"value\">" +
+            escaped(key.json == "null" ? "n/a" : key.json) + "</td><td class=\"quiet\">" +
+            escaped(std::string(key.meaning)) + "</td></tr>\n";
+  }
+  return html + "</table></details>\n";
+}
+
+void embedVideo(std::ostream& out, const std::filesystem::path& video) {
+  std::ifstream in(video, std::ios::binary);
+  if (!in) throw std::runtime_error("cannot read " + video.string());
+  out << "<video controls loop muted playsinline preload=\"metadata\" src=\"data:video/mp4;base64,";
+  Base64 base64(out);
+  std::vector<char> block(1 << 18);
+  while (in.read(block.data(), static_cast<std::streamsize>(block.size())), in.gcount() > 0) {
+    base64.add(reinterpret_cast<const std::uint8_t*>(block.data()),
+               static_cast<std::size_t>(in.gcount()));
+  }
+  base64.finish();
+  out << "\"></video>\n";
+}
+
+void contactSheet(std::ostream& out, const ReportFacts& facts) {
+  out << "<div class=\"sheet\">\n";
+  for (const SheetImage& image : facts.sheet) {
+    out << "<figure><img alt=\"frame at " << decimal(image.time_s, 2)
+        << " s\" src=\"data:image/jpeg;base64,";
+    Base64 base64(out);
+    base64.add(image.jpeg.data(), image.jpeg.size());
+    base64.finish();
+    out << "\"><figcaption>" << stateMark(image.state) << nameOf(image.state) << " &middot; "
+        << decimal(image.time_s, 2) << " s<br>focus " << decimal(image.focus_D, 2) << " D, "
+        << distanceText(image.focus_D);
+    if (image.surface_distance_m) {
+      out << " &middot; surface " << decimal(*image.surface_distance_m, 2) << " m";
+    }
+    out << "</figcaption></figure>\n";
+  }
+  out << "</div>\n";
+}
+
+}  // namespace
+
+bool writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
+                 const Study& study, const GazeTrace& trace, const ReportFacts& facts) {
+  const auto charts = chartsSvg(facts.rows, study.screen.size_px);
+  std::ofstream out(file, std::ios::binary);
+  out << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width\">\n<title>foci replay</title>\n"
+         "<style>"
+      << kPageStyle << "</style></head><body><main>\n"
+      << headline(study, trace, facts) << "<h2>What the eye saw</h2>\n";
+  embedVideo(out, video);
+  out << opticsText(study, facts)
+      << "<h2>Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay the frame at "
+         "which a "
+         "fixation had lasted longest. The ring marks the gaze; broken, where the eye does not "
+         "fixate.</p>\n";
+  contactSheet(out, facts);
+  out << "<h2>Over time</h2>\n";
+  if (charts) {
+    out << legend() << *charts;
+  } else {
+    out << "<p class=\"notice\">No charts: gnuplot is not installed. On Debian: "
+           "<code>apt install gnuplot-nox</code>.</p>\n";
+  }
+  out << "<p class=\"quiet\">Gaze in px of the study's screen, from its top-left corner; time on "
+         "the "
+         "recording's clock.</p>\n"
+      << lossText(facts) << configuration(study) << "<p class=\"quiet\">" << facts.threads
+      << (facts.threads == 1 ? " thread" : " threads")
+      << ". Machine, hashes of every input and the frames' own are in manifest.json.</p>\n"
+         "</main></body></html>\n";
+  out.close();
+  if (!out) throw std::runtime_error("cannot write " + file.string());
+  return charts.has_value();
+}
+
+}  // namespace foci

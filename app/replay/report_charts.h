@@ -1,0 +1,41 @@
+// The report's charts: gnuplot renders them as SVG.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gaze/geometry/gaze_sample.h"
+
+namespace foci {
+
+/// What the charts show of a frame; NaN where absent.
+struct ChartRow {
+  double time_s, gaze_x_px, gaze_y_px, surface_D, target_D, focus_D, pupil_mm, render_ms;
+  GazeState state;
+};
+
+/// Rows for the charts in constant memory: when there are too many, every other one is dropped.
+class ChartSeries {
+ public:
+  void add(const ChartRow& row);
+  const std::vector<ChartRow>& rows() const { return rows_; }
+
+ private:
+  std::vector<ChartRow> rows_;
+  std::size_t stride_ = 1, seen_ = 0;
+};
+
+/// Gaze, focus, pupil and render time over time, under a band of states. Lines that are not data
+/// take the page's text colour, so that one image serves on light and dark ground.
+/// @param screen_px  range of the gaze axis
+/// @return an <svg> element; nothing where gnuplot is not installed
+/// @throws std::runtime_error where gnuplot fails
+std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows,
+                                     const glm::ivec2& screen_px);
+
+/// Colour of a state in charts and legends, "#rrggbb".
+const char* colorOf(GazeState state);
+
+}  // namespace foci

@@ -1,0 +1,344 @@
+// The table of keys, and the TOML that it is applied to (toml11).
+#include "app/study/study_keys.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <iterator>
+
+#include "app/study/toml_values.h"
+#include "base/input_error.h"
+#include "base/nearest.h"
+#include "calibration/toml_file.h"
+#include "render/methods/method.h"
+
+namespace foci {
+
+// The type of `eye.path`, beside those of toml_values.h.
+static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
+static std::string write(const std::vector<EyeKeyframe>& path);
+
+namespace {
+
+/// A key of the table T: Study, or EyeKeyframe within `eye.path`.
+template <class T>
+struct Key {
+  std::string_view name;
+  std::string_view meaning;
+  Allowed allowed;
+  void (*read)(const toml::value&, const Allowed&, T&);
+  std::string (*write)(const T&);
+  void (*reset)(T&);
+};
+
+/// @param at  the member that the key sets
+template <class T, auto at>
+Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}) {
+  return {name,
+          meaning,
+          std::move(allowed),
+          [](const toml::value& from, const Allowed& a, T& to) { read(from, a, at(to)); },
+          [](const T& from) { return write(at(from)); },
+          [](T& to) {
+            T fresh;
+            at(to) = at(fresh);
+          }};
+}
+
+#define FOCI_KEY(member, ...)                                    \
+  key < Study, [](auto& study) -> auto& { return study.member; } \
+  > (__VA_ARGS__)
+#define FOCI_KEYFRAME_KEY(member, ...)                                 \
+  key < EyeKeyframe, [](auto& frame) -> auto& { return frame.member; } \
+  > (__VA_ARGS__)
+
+constexpr double kFar_m = 1e6;  // positions beyond it leave a float no millimetre
+
+const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
+  static const std::vector<Key<EyeKeyframe>> keys = {
+      FOCI_KEYFRAME_KEY(time_s, "time_s", "after the recording's first sample, s", {0, 1e6}),
+      FOCI_KEYFRAME_KEY(position_m, "position_m", "where the eye is, m", {-kFar_m, kFar_m}),
+      FOCI_KEYFRAME_KEY(look_at_m, "look_at_m", "what the screen's centre shows, m",
+                        {-kFar_m, kFar_m}),
+      FOCI_KEYFRAME_KEY(up, "up", "upwards; absent: eye.up", {-1, 1}),
+  };
+  return keys;
+}
+
+const std::vector<Key<Study>>& studyKeys() {
+  static const std::vector<Key<Study>> keys = {
+      FOCI_KEY(scene.file, "scene.file",
+               "points (PLY), a mesh (OBJ, glTF, STL, PLY) or a prepared scene (.foci)"),
+      FOCI_KEY(scene.builtin, "scene.builtin", "built-in scene, where there is no file",
+               {.words = {"gallery", "plane"}}),
+      FOCI_KEY(scene.scale_m, "scene.scale_m", "metres a unit of the file", {1e-6, 1e6}),
+      FOCI_KEY(scene.background, "scene.background", "linear RGB behind everything", {0, 1}),
+      FOCI_KEY(eye.position_m, "eye.position_m", "where the eye is, m", {-kFar_m, kFar_m}),
+      FOCI_KEY(eye.look_at_m, "eye.look_at_m", "what the screen's centre shows, m",
+               {-kFar_m, kFar_m}),
+      FOCI_KEY(eye.up, "eye.up", "upwards", {-1, 1}),
+      FOCI_KEY(eye.path, "eye.path", "keyframes of a moving eye, instead of position and look_at"),
+      FOCI_KEY(screen.monitor, "screen.monitor",
+               "a calibrated screen (foci calibrate screen, PsychoPy), instead of sizes"),
+      FOCI_KEY(screen.size_px, "screen.size_px", "width and height, px", {16, 16384}),
+      FOCI_KEY(screen.size_m, "screen.size_m", "width and height of the visible area, m",
+               {0.01, 20}),
+      FOCI_KEY(screen.distance_m, "screen.distance_m", "eye to screen, m", {0.01, 100}),
+      FOCI_KEY(screen.gamma, "screen.gamma",
+               "of the display, light = code^gamma; absent: sRGB as displayed", {1, 4}),
+      FOCI_KEY(screen.luminance_cd_m2, "screen.luminance_cd_m2", "of its white, cd/m^2",
+               {1, 10000}),
+      FOCI_KEY(observer.pupil, "observer.pupil",
+               "fixed, of the recording, or from the image's luminance",
+               {.words = {"fixed", "recording", "luminance"}}),
+      FOCI_KEY(observer.pupil_mm, "observer.pupil_mm",
+               "diameter of the fixed pupil, and until a recording tells one, mm", {0.5, 12}),
+      FOCI_KEY(observer.retina_mm, "observer.retina_mm", "lens to retina, mm", {10, 40}),
+      FOCI_KEY(observer.ipd_mm, "observer.ipd_mm", "from one pupil to the other, mm", {40, 80}),
+      FOCI_KEY(observer.sphere_D, "observer.sphere_D",
+               "sphere of the prescription of both eyes, D; below 0 short-sighted", {-20, 20}),
+      FOCI_KEY(observer.cylinder_D, "observer.cylinder_D",
+               "its cylinder, D: sphere + cylinder is the power across the axis", {-10, 10}),
+      FOCI_KEY(observer.axis_deg, "observer.axis_deg",
+               "its axis, deg, as opticians have it: counter-clockwise for who faces the observer",
+               {0, 180}),
+      FOCI_KEY(observer.corrected, "observer.corrected",
+               "the prescription is worn; false: the eye is seen through as it is"),
+      FOCI_KEY(
+          observer.chromatic, "observer.chromatic",
+          "red, green and blue each have their focus, as in an eye; rendering takes three times as "
+          "long"),
+      FOCI_KEY(gaze.source, "gaze.source",
+               "\"simulated\", a recording (TSV, CSV, ASC), or webcam:VIDEO"),
+      FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording or a webcam"),
+      FOCI_KEY(gaze.camera, "gaze.camera", "camera of foci calibrate camera"),
+      FOCI_KEY(gaze.columns.time, "gaze.time", "column of the time; its name, or #1 for the first"),
+      FOCI_KEY(gaze.columns.x, "gaze.x", "column of the horizontal position"),
+      FOCI_KEY(gaze.columns.y, "gaze.y", "column of the vertical position"),
+      FOCI_KEY(gaze.columns.pupil, "gaze.pupil", "column of the pupil's diameter"),
+      FOCI_KEY(gaze.columns.blink, "gaze.blink", "column that marks blinks"),
+      FOCI_KEY(gaze.columns.confidence, "gaze.confidence",
+               "column of the confidence, 0 to 1; below 0.6 there is no gaze"),
+      FOCI_KEY(gaze.columns.eyes[0].x, "gaze.left_x", "column of the left eye's position"),
+      FOCI_KEY(gaze.columns.eyes[0].y, "gaze.left_y", "column of the left eye's position"),
+      FOCI_KEY(gaze.columns.eyes[0].pupil, "gaze.left_pupil",
+               "column of the left pupil's diameter"),
+      FOCI_KEY(gaze.columns.eyes[1].x, "gaze.right_x", "column of the right eye's position"),
+      FOCI_KEY(gaze.columns.eyes[1].y, "gaze.right_y", "column of the right eye's position"),
+      FOCI_KEY(gaze.columns.eyes[1].pupil, "gaze.right_pupil",
+               "column of the right pupil's diameter"),
+      FOCI_KEY(gaze.columns.missing, "gaze.missing",
+               "number that stands for no position or no pupil", {-1e9, 1e9}),
+      FOCI_KEY(gaze.columns.scale, "gaze.scale", "position in gaze.units = scale * column + offset",
+               {-1e6, 1e6}),
+      FOCI_KEY(gaze.columns.offset, "gaze.offset",
+               "position in gaze.units = scale * column + offset", {-1e6, 1e6}),
+      FOCI_KEY(gaze.columns.pupil_scale_mm, "gaze.pupil_scale_mm",
+               "millimetres a unit of the pupils' columns", {1e-9, 1e6}),
+      FOCI_KEY(gaze.columns.rate_Hz, "gaze.rate_Hz",
+               "samples a second of a table without a column of time", {5, 20000}),
+      FOCI_KEY(gaze.columns.time_scale_s, "gaze.time_scale_s", "seconds a unit of time",
+               {1e-12, 3600}),
+      FOCI_KEY(gaze.units, "gaze.units", "of the position",
+               {.words = {"auto", "px", "deg", "normalised"}}),
+      FOCI_KEY(gaze.events.saccade_deg_s, "gaze.saccade_deg_s", "faster is a saccade, deg/s",
+               {1, 1000}),
+      FOCI_KEY(gaze.events.window_s, "gaze.window_s", "samples that the speed is taken over, s",
+               {0.002, 0.5}),
+      FOCI_KEY(gaze.events.delay_s, "gaze.delay_s", "how late a sample's state may be known, s",
+               {0, 0.2}),
+      FOCI_KEY(gaze.events.max_gap_s, "gaze.max_gap_s", "losses up to this are filled, s", {0, 1}),
+      FOCI_KEY(gaze.events.max_blink_s, "gaze.max_blink_s", "longer losses are no blinks, s",
+               {0, 10}),
+      FOCI_KEY(focus.cone_deg, "focus.cone_deg",
+               "half-angle of the cone in which the surface is sought, deg", {0.01, 20}),
+      FOCI_KEY(focus.coverage, "focus.coverage", "share of the cone that a surface must fill",
+               {0.01, 1}),
+      FOCI_KEY(focus.accommodation.on, "focus.accommodation", "false: focus jumps to its target"),
+      FOCI_KEY(focus.accommodation.latency_s, "focus.latency_s", "before focus begins to move, s",
+               {0, 5}),
+      FOCI_KEY(focus.accommodation.time_constant_s, "focus.time_constant_s",
+               "of the exponential approach, s", {0.001, 10}),
+      FOCI_KEY(focus.accommodation.far_time_constant_s, "focus.far_time_constant_s",
+               "of the approach to a farther target, s; absent: the same", {0.001, 10}),
+      FOCI_KEY(focus.accommodation.age_years, "focus.age_years",
+               "limits how near the eye focuses; absent: no limit", {1, 120}),
+      FOCI_KEY(focus.vergence, "focus.vergence",
+               "true: the distance at which both lines of sight meet counts, too"),
+      FOCI_KEY(focus.accommodation.resting_D, "focus.resting_D", "before there is a target, D",
+               {0, 10}),
+      FOCI_KEY(focus.fixed_D, "focus.fixed_D",
+               "focus stays there, whatever is looked at, D; absent: it follows", {0, 20}),
+      FOCI_KEY(render.method, "render.method", "how depth of field is rendered: `foci methods`",
+               {.expected = expectedMethod}),
+      FOCI_KEY(render.shading, "render.shading",
+               "how much of the colour falls off with the angle of surface to sight", {0, 1}),
+      FOCI_KEY(quality.tolerance, "quality.tolerance",
+               "error that method auto may make in 95 % of the pixels, just noticeable differences",
+               {0.1, 100}),
+      FOCI_KEY(quality.frame_ms, "quality.frame_ms",
+               "time that method auto holds a frame to, ms, whatever the error; images then hang "
+               "on the machine; absent: as long as it takes",
+               {1, 1000}),
+      FOCI_KEY(quality.foveated, "quality.foveated",
+               "method auto renders no finer than the eye sees beside its gaze, and nothing new in "
+               "saccades and blinks"),
+      FOCI_KEY(output.size_px, "output.size_px",
+               "width and height of the images, px; absent: the screen's", {16, 8192}),
+      FOCI_KEY(output.fps, "output.fps", "frames a second", {1, 1000}),
+      FOCI_KEY(output.seconds, "output.seconds", "from, to: after the recording's first sample, s",
+               {0, 1e6}),
+      FOCI_KEY(output.marker, "output.marker", "a mark where the observer looks"),
+      FOCI_KEY(output.split, "output.split", "left half sharp, right half as the eye sees"),
+      FOCI_KEY(output.images, "output.images", "every frame as a PNG, too"),
+      FOCI_KEY(output.view, "output.view",
+               "one eye in the middle, or both: left beside right, left above right, left red",
+               {.words = {"mono", "side-by-side", "top-bottom", "anaglyph"}}),
+      FOCI_KEY(record.frames, "record.frames",
+               "frames.tsv of a live run: its times and methods, instead of output.fps"),
+      FOCI_KEY(record.changes, "record.changes", "changes.tsv of a live run"),
+      FOCI_KEY(record.rate_Hz, "record.rate_Hz",
+               "samples a second that its source states; absent: the gaze's median", {5, 20000}),
+      FOCI_KEY(seed, "seed", "of the simulated observer", {0, 9007199254740992.0}),
+  };
+  return keys;
+}
+
+#undef FOCI_KEY
+#undef FOCI_KEYFRAME_KEY
+
+std::string place(const std::string& file, const toml::value& value) {
+  return file + ":" + std::to_string(value.location().line());
+}
+
+InputError notAsExpected(const std::string& file, const std::string& key, const toml::value& value,
+                         const std::string& expected) {
+  return {place(file, value), key + " = " + shownValue(value) + ": expected " + expected};
+}
+
+/// Applies a TOML table of keys with the given prefix to `to`.
+/// @return the names of the keys set
+template <class T>
+KeyNames apply(const std::vector<Key<T>>& keys, const toml::table& table, const std::string& prefix,
+               const std::string& file, T& to) {
+  KeyNames given;
+  for (const auto& [name, value] : table) {
+    const std::string full = prefix + name;
+    const auto found =
+        std::find_if(keys.begin(), keys.end(), [&](const auto& key) { return key.name == full; });
+    const bool is_section = std::any_of(keys.begin(), keys.end(), [&](const auto& key) {
+      return key.name.starts_with(full + ".");
+    });
+    if (found != keys.end()) {
+      try {
+        found->read(value, found->allowed, to);
+      } catch (const Expected& expected) {
+        throw notAsExpected(file, full, value, expected.what);
+      }
+      given.insert(full);
+    } else if (is_section && value.is_table() && prefix.empty()) {
+      given.merge(apply(keys, value.as_table(), full + ".", file, to));
+    } else if (is_section) {
+      throw notAsExpected(file, full, value, "a section of keys");
+    } else {
+      std::vector<std::string> known;
+      std::transform(keys.begin(), keys.end(), std::back_inserter(known),
+                     [](const auto& key) { return std::string(key.name); });
+      throw InputError(place(file, value), "unknown key " + shownName(full) + ": did you mean " +
+                                               nearest(full, known) + "?");
+    }
+  }
+  return given;
+}
+
+}  // namespace
+
+static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to) {
+  const std::string what = "a list of at most 10000 { time_s, position_m, look_at_m }";
+  if (!from.is_array() || from.as_array().empty() || from.as_array().size() > 10000) {
+    throw Expected{what};
+  }
+  for (const toml::value& element : from.as_array()) {
+    if (!element.is_table()) throw Expected{what};
+    EyeKeyframe frame;
+    // The file's name is put before it by the caller, who knows it; the line is the element's own.
+    KeyNames given;
+    try {
+      given = apply(keyframeKeys(), element.as_table(), "", "", frame);
+    } catch (const InputError& error) {
+      const std::string_view text = error.what();
+      throw Expected{"a list of keyframes, but line " + std::string(text.substr(1))};
+    }
+    for (const char* needed : {"time_s", "position_m", "look_at_m"}) {
+      if (!given.contains(needed)) {
+        throw Expected{std::string(needed) + " in each keyframe"};
+      }
+    }
+    to.push_back(frame);
+  }
+}
+
+static std::string write(const std::vector<EyeKeyframe>& path) {
+  std::string text = "[";
+  for (const EyeKeyframe& frame : path) {
+    text += text.size() > 1 ? ", {" : "{";
+    for (const auto& key : keyframeKeys()) {
+      text += (key.name == "time_s" ? "\"" : ", \"") + std::string(key.name) +
+              "\": " + key.write(frame);
+    }
+    text += "}";
+  }
+  return text + "]";
+}
+
+std::string shownName(std::string_view name) {
+  const std::string quoted = jsonText(std::string(name.substr(0, 60)));
+  return quoted.substr(1, quoted.size() - 2);
+}
+
+KeyNames setKeys(Study& study, const toml::table& table, const std::string& file) {
+  return apply(studyKeys(), table, "", file, study);
+}
+
+void setKey(Study& study, std::string_view key, const toml::value& value) {
+  const auto& keys = studyKeys();
+  const auto found = std::find_if(keys.begin(), keys.end(), [&](auto& k) { return k.name == key; });
+  assert(found != keys.end());
+  found->read(value, found->allowed, study);
+}
+
+void setKey(Study& study, std::string_view key, const std::string& text, const std::string& where) {
+  const auto& keys = studyKeys();
+  const auto found = std::find_if(keys.begin(), keys.end(), [&](auto& k) { return k.name == key; });
+  if (found == keys.end()) throw InputError(where, "unknown key " + shownName(key));
+  if (text == "null") {
+    found->reset(study);
+    return;
+  }
+  const auto refusal = [&](const std::string& expected) {
+    return InputError(where, std::string(key) + " = " + shownName(text) + ": expected " + expected);
+  };
+  try {
+    const toml::value document = parseToml("value = " + text, where);
+    found->read(document.as_table().at("value"), found->allowed, study);
+  } catch (const Expected& expected) {
+    throw refusal(expected.what);
+  } catch (const std::exception&) {
+    throw refusal("a TOML value");
+  }
+}
+
+std::vector<ResolvedKey> resolvedKeys(const Study& study) {
+  std::vector<ResolvedKey> resolved;
+  for (const auto& key : studyKeys()) {
+    std::string allowed;
+    for (const auto word : key.allowed.words) {
+      allowed += (allowed.empty() ? "\"" : ", \"") + std::string(word) + "\"";
+    }
+    if (std::isfinite(key.allowed.high)) allowed = rangeText(key.allowed);
+    resolved.push_back({key.name, key.meaning, key.write(study), allowed});
+  }
+  return resolved;
+}
+
+}  // namespace foci

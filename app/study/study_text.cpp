@@ -1,0 +1,78 @@
+#include "app/study/study_text.h"
+
+#include <nlohmann/json.hpp>
+
+namespace foci {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Numbers, texts and lists look the same in both; tables do not.
+std::string tomlOf(const Json& json) {
+  std::string text;
+  if (json.is_array()) {
+    for (const Json& element : json) text += (text.empty() ? "" : ", ") + tomlOf(element);
+    return "[" + text + "]";
+  }
+  if (!json.is_object()) return json.dump();
+  for (const auto& [name, value] : json.items()) {
+    if (!value.is_null()) text += (text.empty() ? "" : ", ") + name + " = " + tomlOf(value);
+  }
+  return "{" + text + "}";
+}
+
+/// "eye" and "up" of "eye.up"; no section of "seed".
+std::pair<std::string, std::string> splitName(std::string_view name) {
+  const std::size_t dot = name.find('.');
+  if (dot == std::string_view::npos) return {"", std::string(name)};
+  return {std::string(name.substr(0, dot)), std::string(name.substr(dot + 1))};
+}
+
+}  // namespace
+
+std::string studyToml(const Study& study) {
+  Study moved = study;
+  for (auto* path : {&moved.scene.file, &moved.gaze.map, &moved.gaze.camera}) {
+    if (*path) **path = std::filesystem::absolute(**path);
+  }
+  moved.screen.monitor.reset();
+  std::string above, text, section;
+  for (const ResolvedKey& key : resolvedKeys(moved)) {
+    const Json value = Json::parse(key.json, nullptr, false);
+    if (value.is_null() || value == Json::array() || value == "") continue;
+    if (moved.scene.file && key.name == "scene.builtin") continue;
+    const auto [in, name] = splitName(key.name);
+    const std::string line = name + " = " + tomlOf(value) + "\n";
+    if (in.empty()) {
+      above += line;
+      continue;
+    }
+    if (section != in) text += "\n[" + in + "]\n";
+    section = in;
+    text += line;
+  }
+  return above + text;
+}
+
+std::string studyKeysMarkdown() {
+  std::string text =
+      "# The study file\n\n"
+      "TOML. Every key may be left out; an unknown one is refused and the nearest known one named. "
+      "Paths are\nrelative to the study. This page is what `foci keys --markdown` prints, from the "
+      "table that checks studies.\n";
+  std::string section = "none yet";
+  for (const ResolvedKey& key : resolvedKeys(Study{})) {
+    const auto [in, name] = splitName(key.name);
+    if (in != section) {
+      text += in.empty() ? "\n## Above the first section\n" : "\n## [" + in + "]\n";
+      text += "\n| key | what | allowed | default |\n|---|---|---|---|\n";
+      section = in;
+    }
+    const bool absent = key.json == "null" || key.json == "[]" || key.json == "\"\"";
+    text += "| `" + name + "` | " + std::string(key.meaning) + " | " + key.allowed + " | " +
+            (absent ? "" : "`" + tomlOf(Json::parse(key.json)) + "`") + " |\n";
+  }
+  return text;
+}
+
+}  // namespace foci

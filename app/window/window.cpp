@@ -1,0 +1,216 @@
+#include "app/window/window.h"
+
+// Functions beyond OpenGL 1.1; the library has them all.
+#define GL_GLEXT_PROTOTYPES
+#include <GL/gl.h>
+#include <GL/glext.h>
+//
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "base/input_error.h"
+
+namespace foci {
+namespace {
+
+constexpr float kFont_px = 20.0f;
+constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+
+}  // namespace
+
+Window::Window(const std::string& title, std::optional<glm::ivec2> size_px, int monitor) {
+  if (!glfwInit()) throw std::runtime_error("no display for a window");
+  int monitors = 0;
+  GLFWmonitor** all = glfwGetMonitors(&monitors);
+  if (monitor < 0 || monitor >= std::max(monitors, 1)) {
+    glfwTerminate();
+    throw InputError("--monitor " + std::to_string(monitor),
+                     "expected 0 to " + std::to_string(std::max(monitors, 1) - 1));
+  }
+  monitor_ = monitors > 0 ? all[monitor] : nullptr;
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  if (size_px || !monitor_) {
+    const glm::ivec2 size = size_px.value_or(glm::ivec2(1280, 720));
+    window_ = glfwCreateWindow(size.x, size.y, title.c_str(), nullptr, nullptr);
+    if (window_ && monitor > 0) {
+      int x = 0, y = 0;
+      glfwGetMonitorPos(monitor_, &x, &y);
+      glfwSetWindowPos(window_, x + 40, y + 40);
+    }
+  } else {
+    const GLFWvidmode* mode = glfwGetVideoMode(monitor_);
+    window_ = glfwCreateWindow(mode->width, mode->height, title.c_str(), monitor_, nullptr);
+  }
+  if (!window_) {
+    glfwTerminate();
+    throw std::runtime_error("no OpenGL 3.3 for a window");
+  }
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(1);
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+  if (!std::filesystem::exists(kFont) || !io.Fonts->AddFontFromFileTTF(kFont, kFont_px)) {
+    io.Fonts->AddFontDefault();
+    io.FontGlobalScale = 1.5f;
+  }
+  ImGui::StyleColorsLight();
+  listen();
+  ImGui_ImplGlfw_InitForOpenGL(window_, true);  // which calls our listeners, too
+  ImGui_ImplOpenGL3_Init("#version 330");
+}
+
+Window::~Window() {
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+void Window::listen() {
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+    if (action == GLFW_RELEASE) return;
+    static_cast<Window*>(glfwGetWindowUserPointer(window))->keys_.push_back(key);
+  });
+  glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned typed) {
+    static_cast<Window*>(glfwGetWindowUserPointer(window))->typed_.push_back(typed);
+  });
+}
+
+std::vector<int> Window::takeKeys() { return std::exchange(keys_, {}); }
+
+std::vector<unsigned> Window::takeTyped() { return std::exchange(typed_, {}); }
+
+bool Window::leftButton() const {
+  return glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
+}
+
+bool Window::rightButton() const {
+  return glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS;
+}
+
+bool Window::wait(double seconds) {
+  glfwWaitEventsTimeout(std::max(seconds, 1e-4));
+  return !glfwWindowShouldClose(window_);
+}
+
+void Window::wake() { glfwPostEmptyEvent(); }
+
+double Window::refresh_Hz() const {
+  const GLFWvidmode* mode = monitor_ ? glfwGetVideoMode(monitor_) : nullptr;
+  return mode && mode->refreshRate > 0 ? mode->refreshRate : 60.0;
+}
+
+bool Window::begin(const glm::vec3& background) {
+  glfwPollEvents();
+  if (glfwWindowShouldClose(window_)) return false;
+  const glm::ivec2 size_px = frameBufferSize_px();
+  glViewport(0, 0, size_px.x, size_px.y);
+  glClearColor(background.r, background.g, background.b, 1.0f);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  return true;
+}
+
+void Window::end() {
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  glfwSwapBuffers(window_);
+}
+
+glm::dvec2 Window::size_px() const {
+  int width = 0, height = 0;
+  glfwGetWindowSize(window_, &width, &height);
+  return {width, height};
+}
+
+glm::ivec2 Window::frameBufferSize_px() const {
+  glm::ivec2 size_px;
+  glfwGetFramebufferSize(window_, &size_px.x, &size_px.y);
+  return size_px;
+}
+
+glm::dvec2 Window::cursor_px() const {
+  glm::dvec2 at;
+  glfwGetCursorPos(window_, &at.x, &at.y);
+  return at;
+}
+
+bool Window::hovered() const { return glfwGetWindowAttrib(window_, GLFW_HOVERED) != 0; }
+
+double Window::time_s() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+std::optional<glm::dvec2> Window::monitorSize_m() const {
+  int width_mm = 0, height_mm = 0;
+  if (monitor_) glfwGetMonitorPhysicalSize(monitor_, &width_mm, &height_mm);
+  if (width_mm <= 0 || height_mm <= 0) return std::nullopt;
+  return glm::dvec2(width_mm, height_mm) / 1000.0;
+}
+
+glm::ivec2 Window::monitorSize_px() const {
+  if (!monitor_) return glm::ivec2(size_px());
+  const GLFWvidmode* mode = glfwGetVideoMode(monitor_);
+  return {mode->width, mode->height};
+}
+
+Texture::~Texture() {
+  if (frame_buffer_ != 0) glDeleteFramebuffers(1, &frame_buffer_);
+  if (id_ != 0) glDeleteTextures(1, &id_);
+}
+
+void Texture::set(const glm::ivec2& size_px, const unsigned char* rgb) {
+  if (id_ == 0) glGenTextures(1, &id_);
+  glBindTexture(GL_TEXTURE_2D, id_);
+  // As windows have their pixels, and no size in the format's name, so that the library may keep
+  // them so: then neither upload nor `fill` converts any. Drawn by the processor, that is a tenth.
+  const cv::Mat from(size_px.y, size_px.x, CV_8UC3, const_cast<unsigned char*>(rgb));
+  bgra_.resize(4 * static_cast<std::size_t>(size_px.x) * size_px.y);
+  cv::Mat to(size_px.y, size_px.x, CV_8UC4, bgra_.data());
+  cv::cvtColor(from, to, cv::COLOR_RGB2BGRA);
+  constexpr GLenum kOrder = GL_BGRA, kType = GL_UNSIGNED_BYTE;
+  if (size_px == size_px_) {
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size_px.x, size_px.y, kOrder, kType, bgra_.data());
+    return;
+  }
+  size_px_ = size_px;
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, size_px.x, size_px.y, 0, kOrder, kType, bgra_.data());
+  if (frame_buffer_ == 0) glGenFramebuffers(1, &frame_buffer_);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, frame_buffer_);
+  glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, id_, 0);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+}
+
+void Texture::fill(const glm::ivec2& size_px) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, frame_buffer_);
+  // Rows of the image go from the top, those of the frame buffer from the bottom.
+  glBlitFramebuffer(0, 0, size_px_.x, size_px_.y, 0, size_px.y, size_px.x, 0, GL_COLOR_BUFFER_BIT,
+                    size_px == size_px_ ? GL_NEAREST : GL_LINEAR);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+}
+
+void* Texture::id() const {
+  // Dear ImGui names textures so.  NOLINTNEXTLINE(performance-no-int-to-ptr)
+  return reinterpret_cast<void*>(static_cast<std::uintptr_t>(id_));
+}
+
+}  // namespace foci

@@ -1,0 +1,22 @@
+#include "base/file.h"
+
+#include <fstream>
+#include <stdexcept>
+
+namespace foci {
+namespace fs = std::filesystem;
+
+void replaceFile(const fs::path& path, const std::string& bytes) {
+  const fs::path aside = path.parent_path() / ("." + path.filename().string() + ".part");
+  writeText(aside, bytes);
+  fs::rename(aside, path);
+}
+
+void writeText(const fs::path& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  out.close();
+  if (!out) throw std::runtime_error("cannot write " + path.string());
+}
+
+}  // namespace foci

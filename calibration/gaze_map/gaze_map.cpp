@@ -1,0 +1,106 @@
+#include "calibration/gaze_map/gaze_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/input_error.h"
+#include "calibration/location.h"
+
+namespace foci {
+namespace {
+
+constexpr std::array<std::string_view, 4> kNames{"offset", "affine", "second", "third"};
+constexpr std::array<std::size_t, 4> kTerms{1, 3, 6, 10};
+constexpr std::size_t kMinDriftSamples = 5;
+constexpr double kLargestDrift_deg = 5.0;
+
+/// Derivatives of the terms along x and y.
+std::array<glm::dvec2, kMaxTerms> slopes(const glm::dvec2& u) {
+  const auto [x, y] = std::pair(u.x, u.y);
+  return {{{0, 0},
+           {1, 0},
+           {0, 1},
+           {2 * x, 0},
+           {y, x},
+           {0, 2 * y},
+           {3 * x * x, 0},
+           {2 * x * y, x * x},
+           {y * y, 2 * x * y},
+           {0, 3 * y * y}}};
+}
+
+}  // namespace
+
+std::string_view nameOf(GazeModel model) { return kNames[static_cast<std::size_t>(model)]; }
+
+std::optional<GazeModel> gazeModelNamed(std::string_view name) {
+  const auto found = std::find(kNames.begin(), kNames.end(), name);
+  if (found == kNames.end()) return std::nullopt;
+  return static_cast<GazeModel>(found - kNames.begin());
+}
+
+std::size_t termsOf(GazeModel model) { return kTerms[static_cast<std::size_t>(model)]; }
+
+std::array<double, kMaxTerms> gazeTerms(const glm::dvec2& u) {
+  const auto [x, y] = std::pair(u.x, u.y);
+  return {1, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y};
+}
+
+GazeEstimate estimateGaze(const GazeMap& map, const glm::dvec2& gaze) {
+  const glm::dvec2 u = (gaze - map.centre) / map.scale;
+  const glm::dvec2 inside = glm::clamp(u, map.low, map.high);
+  const glm::dvec2 beyond = u - inside;
+
+  // Beyond the calibrated range powers explode: follow the tangent plane instead.
+  auto terms = gazeTerms(inside);
+  const auto slope = slopes(inside);
+  for (std::size_t k = 0; k < kMaxTerms; ++k) terms[k] += glm::dot(slope[k], beyond);
+
+  GazeEstimate estimate;
+  for (std::size_t k = 0; k < kMaxTerms; ++k) estimate.point += map.coefficients[k] * terms[k];
+
+  const std::size_t n = termsOf(map.model);
+  double variance = map.target_sd_deg * map.target_sd_deg + map.sample_sd_deg * map.sample_sd_deg;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) {
+      variance += terms[i] * map.covariance_deg2[i * n + j] * terms[j];
+    }
+  }
+  estimate.uncertainty_deg = map.sigma_radius * std::sqrt(std::max(variance, 0.0));
+  return estimate;
+}
+
+GazeMap correctDrift(const GazeMap& map, std::span<const glm::dvec2> gaze,
+                     const glm::dvec2& target) {
+  if (gaze.size() < kMinDriftSamples) {
+    throw InputError("drift correction",
+                     std::to_string(gaze.size()) + " samples: expected 5 or more");
+  }
+  std::vector<glm::dvec2> mapped;
+  for (const glm::dvec2& sample : gaze) mapped.push_back(estimateGaze(map, sample).point);
+  const glm::dvec2 seen = robustLocation(mapped).centre;
+  const double drift_deg = angle_deg(onPlane(map.frame, seen), onPlane(map.frame, target));
+  if (!(drift_deg <= kLargestDrift_deg)) {
+    char text[80];
+    std::snprintf(text, sizeof text, "%.1f deg: expected at most %g, calibrate anew", drift_deg,
+                  kLargestDrift_deg);
+    throw InputError("drift correction", text);
+  }
+  GazeMap corrected = map;
+  corrected.coefficients[0] += target - seen;
+  return corrected;
+}
+
+GazeTrace mapTrace(const GazeMap& map, const Screen& screen, GazeTrace trace) {
+  for (GazeSample& sample : trace.samples) {
+    if (!sample.point_px) continue;
+    const glm::dvec2 gaze = fromPixels(map.frame, screen, *sample.point_px);
+    const GazeEstimate estimate = estimateGaze(map, gaze);
+    sample.point_px = toPixels(map.frame, screen, estimate.point);
+    sample.uncertainty_deg = estimate.uncertainty_deg;
+  }
+  return trace;
+}
+
+}  // namespace foci

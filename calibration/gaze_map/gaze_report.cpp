@@ -1,0 +1,186 @@
+#include "calibration/gaze_map/gaze_report.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "calibration/calibration_file.h"
+
+namespace foci {
+namespace {
+
+std::string jsonOf(const std::optional<double>& value) {
+  return value ? exactText(*value) : "null";
+}
+
+std::string shown(const std::optional<double>& value, const char* format = "%.2f") {
+  if (!value) return "n/a";
+  char text[40];
+  std::snprintf(text, sizeof text, format, *value);
+  return text;
+}
+
+std::string modelOf(const GazeReport& report) {
+  return report.model.empty() ? std::string(nameOf(report.fit.map.model)) : report.model;
+}
+
+double lostShare(const GazeMeasures& m) {
+  return m.samples > 0 ? static_cast<double>(m.lost) / static_cast<double>(m.samples) : 0.0;
+}
+
+std::string measuresJson(const GazeMeasures& m, const std::optional<double>& worst_deg) {
+  std::string text = "\"samples\": " + std::to_string(m.samples);
+  text += ", \"accuracy_deg\": " + jsonOf(m.accuracy_deg);
+  if (worst_deg) text += ", \"accuracy_max_deg\": " + jsonOf(worst_deg);
+  text += ", \"precision_rms_s2s_deg\": " + jsonOf(m.rms_s2s_deg);
+  text += ", \"precision_sd_deg\": " + jsonOf(m.sd_deg);
+  text += ", \"lost\": " + exactText(lostShare(m));
+  return text;
+}
+
+/// Targets as rings, mean gaze as dots, the miss as a line; scaled to the targets' own extent.
+std::string image(const GazeReport& report) {
+  constexpr double kWidth = 720.0, kHeight = 440.0, kMargin = 60.0;
+  const GazeFrame& frame = report.fit.map.frame;
+  glm::dvec2 low(1e300), high(-1e300);
+  for (const TargetMeasures& t : report.accuracy.targets) {
+    const glm::dvec2 p = onPlane(frame, t.target);
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const glm::dvec2 extent = glm::max(high - low, glm::dvec2(1e-6));
+  const double scale =
+      std::min((kWidth - 2 * kMargin) / extent.x, (kHeight - 2 * kMargin) / extent.y);
+  const auto place = [&](const glm::dvec2& point) {
+    const glm::dvec2 p = onPlane(frame, point) - 0.5 * (low + high);
+    return glm::dvec2(0.5 * kWidth + scale * p.x, 0.5 * kHeight - scale * p.y);
+  };
+  std::string svg = "<svg viewBox=\"0 0 720 440\" role=\"img\" aria-label=\"gaze by target\">";
+  char line[400];
+  for (const TargetMeasures& t : report.accuracy.targets) {
+    const glm::dvec2 at = place(t.target);
+    std::snprintf(line, sizeof line,
+                  "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"9\" class=\"target\"/>"
+                  "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"1.5\"/>",
+                  at.x, at.y, at.x, at.y);
+    svg += line;
+    if (!t.mean) continue;
+    const glm::dvec2 seen =
+        glm::clamp(place(*t.mean), glm::dvec2(0.0), glm::dvec2(kWidth, kHeight));
+    // On the plane z = 1 a degree near the centre is pi / 180.
+    const double ring = scale * glm::radians(t.measures.sd_deg.value_or(0.0));
+    std::snprintf(line, sizeof line,
+                  "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\"/>"
+                  "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" class=\"spread\"/>"
+                  "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" class=\"gaze\"/>"
+                  "<text x=\"%.1f\" y=\"%.1f\">%s</text>",
+                  at.x, at.y, seen.x, seen.y, seen.x, seen.y, ring, seen.x, seen.y, at.x + 12,
+                  at.y - 10, (shown(t.measures.accuracy_deg) + "°").c_str());
+    svg += line;
+  }
+  return svg + "</svg>";
+}
+
+std::string pointText(const glm::dvec2& p) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.3g, %.3g", p.x, p.y);
+  return text;
+}
+
+std::string slippedText(const GazeReport& report) {
+  std::string text;
+  for (const glm::dvec2& p : report.fit.refused) {
+    text += (text.empty() ? "(" : ", (") + pointText(p) + ")";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string gazeReportJson(const GazeReport& report) {
+  const GazeAccuracy& accuracy = report.accuracy;
+  std::string json = "{\"model\": " + quotedText(modelOf(report)) + ", ";
+  json += measuresJson(accuracy.overall, accuracy.worst_deg);
+  if (!accuracy.worst_deg) json += ", \"accuracy_max_deg\": null";
+  json += ", \"grade\": " + quotedText(std::string(nameOf(gradeOf(accuracy))));
+  json += ", \"validated\": " + std::string(report.validated ? "true" : "false");
+  json += ", \"uncertainty_deg\": " + jsonOf(accuracy.overall.uncertainty_deg);
+  json += ", \"within_uncertainty\": " + jsonOf(accuracy.overall.within);
+  json += ", \"slipped_targets\": [";
+  for (std::size_t i = 0; i < report.fit.refused.size(); ++i) {
+    json += (i ? ", " : "") + exactText(report.fit.refused[i]);
+  }
+  json += "], \"fit_ms\": " + exactText(report.fit.ms) + ", \"targets\": [";
+  for (std::size_t i = 0; i < accuracy.targets.size(); ++i) {
+    const TargetMeasures& t = accuracy.targets[i];
+    json += (i ? ", {" : "{") + std::string("\"target\": ") + exactText(t.target) + ", " +
+            measuresJson(t.measures, std::nullopt) + "}";
+  }
+  return json + "]}\n";
+}
+
+std::string gazeReportText(const GazeReport& report) {
+  const GazeMeasures& all = report.accuracy.overall;
+  char line[200];
+  std::string text;
+  std::snprintf(line, sizeof line, "%s calibration (%s): accuracy %s deg, worst target %s deg\n",
+                std::string(nameOf(gradeOf(report.accuracy))).c_str(),
+                report.validated ? "validated" : "measured on its own samples",
+                shown(all.accuracy_deg).c_str(), shown(report.accuracy.worst_deg).c_str());
+  text += line;
+  std::snprintf(line, sizeof line,
+                "model %s, precision %s deg RMS-S2S, %s deg SD, %.1f %% of %zu samples lost\n",
+                modelOf(report).c_str(), shown(all.rms_s2s_deg).c_str(), shown(all.sd_deg).c_str(),
+                100.0 * lostShare(all), all.samples);
+  text += line;
+  if (!report.fit.refused.empty()) text += "not looked at: " + slippedText(report) + "\n";
+  text += "          target  accuracy  RMS-S2S     SD   lost\n";
+  for (const TargetMeasures& t : report.accuracy.targets) {
+    std::snprintf(line, sizeof line, "%16s %9s %8s %6s %5.1f%%\n", pointText(t.target).c_str(),
+                  shown(t.measures.accuracy_deg).c_str(), shown(t.measures.rms_s2s_deg).c_str(),
+                  shown(t.measures.sd_deg).c_str(), 100.0 * lostShare(t.measures));
+    text += line;
+  }
+  return text;
+}
+
+std::string gazeReportHtml(const GazeReport& report) {
+  const GazeMeasures& all = report.accuracy.overall;
+  const std::string grade(nameOf(gradeOf(report.accuracy)));
+  std::string html =
+      "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Gaze calibration</title>\n"
+      "<style>body{font:15px/1.5 system-ui,sans-serif;max-width:760px;margin:2em auto;padding:0 "
+      "1em}"
+      "table{border-collapse:collapse}td,th{padding:.2em .9em;text-align:right;"
+      "border-bottom:1px solid #ddd}svg{width:100%;background:#f6f6f6}svg line{stroke:#b22}"
+      "svg text{font-size:13px;fill:#444}.target{fill:none;stroke:#222;stroke-width:2}"
+      ".gaze{fill:#b22}.spread{fill:#b22;fill-opacity:.15}.good{color:#175}.fair{color:#960}"
+      ".poor{color:#b22}</style>\n";
+  html += "<h1>Gaze calibration: <span class=\"" + grade + "\">" + grade + "</span></h1>\n<p>";
+  html += std::string(report.validated ? "Validated on targets of their own"
+                                       : "Measured on the samples of the fit; validate on others") +
+          ". Mean accuracy " + shown(all.accuracy_deg) + "°, worst target " +
+          shown(report.accuracy.worst_deg) + "°; precision " + shown(all.rms_s2s_deg) +
+          "° RMS-S2S, " + shown(all.sd_deg) + "° SD; " + shown(100.0 * lostShare(all), "%.1f") +
+          " % of " + std::to_string(all.samples) + " samples lost. Model: " + modelOf(report) +
+          (all.uncertainty_deg
+               ? "; it states an uncertainty of " + shown(all.uncertainty_deg) + "° (68 %)"
+               : "") +
+          ".</p>\n";
+  if (!report.fit.refused.empty()) {
+    html += "<p>Not looked at, and left out of the fit: " + slippedText(report) + ".</p>\n";
+  }
+  html += image(report);
+  html += "<table><tr><th>target (" + std::string(nameOf(report.fit.map.frame.units)) +
+          ")<th>accuracy °<th>RMS-S2S °<th>SD °<th>lost</tr>\n";
+  for (const TargetMeasures& t : report.accuracy.targets) {
+    html += "<tr><td>" + pointText(t.target) + "<td>" + shown(t.measures.accuracy_deg) + "<td>" +
+            shown(t.measures.rms_s2s_deg) + "<td>" + shown(t.measures.sd_deg) + "<td>" +
+            shown(100.0 * lostShare(t.measures), "%.1f %%") + "</tr>\n";
+  }
+  html +=
+      "</table><p>Grades: good below 1° on average and 1.5° at the worst target; fair to 1.5° and "
+      "2°; else poor.</p></html>\n";
+  return html;
+}
+
+}  // namespace foci

@@ -1,0 +1,78 @@
+#include "calibration/gaze_map/map_units.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace foci {
+namespace {
+
+constexpr std::array<std::string_view, 3> kNames{"deg", "norm", "direction"};
+constexpr double kWidest_deg = 89.0;
+
+}  // namespace
+
+std::string_view nameOf(MapUnits units) { return kNames[static_cast<std::size_t>(units)]; }
+
+std::optional<MapUnits> mapUnitsNamed(std::string_view name) {
+  const auto found = std::find(kNames.begin(), kNames.end(), name);
+  if (found == kNames.end()) return std::nullopt;
+  return static_cast<MapUnits>(found - kNames.begin());
+}
+
+Screen defaultScreen() {
+  return {.size_px = {1920, 1080}, .size_m = {0.5313, 0.2989}, .distance_m = 0.6};
+}
+
+glm::dvec2 onPlane(const GazeFrame& frame, const glm::dvec2& point) {
+  switch (frame.units) {
+    case MapUnits::deg:
+      return glm::tan(glm::radians(glm::clamp(point, -kWidest_deg, kWidest_deg)));
+    case MapUnits::norm:
+      return (point - 0.5) * frame.screen.size_m * glm::dvec2(1.0, -1.0) / frame.screen.distance_m;
+    case MapUnits::direction:
+      return point;
+  }
+  return point;
+}
+
+glm::dvec2 fromPlane(const GazeFrame& frame, const glm::dvec2& point) {
+  switch (frame.units) {
+    case MapUnits::deg:
+      return glm::degrees(glm::atan(point));
+    case MapUnits::norm:
+      return 0.5 + point * glm::dvec2(1.0, -1.0) * frame.screen.distance_m / frame.screen.size_m;
+    case MapUnits::direction:
+      return point;
+  }
+  return point;
+}
+
+double angle_deg(const glm::dvec2& a, const glm::dvec2& b) {
+  const glm::dvec3 u(a, 1.0), v(b, 1.0);
+  // atan2 keeps its digits at small angles, where acos loses half of them.
+  return glm::degrees(std::atan2(glm::length(glm::cross(u, v)), glm::dot(u, v)));
+}
+
+glm::dvec2 degPerUnit(const GazeFrame& frame, const glm::dvec2& point) {
+  constexpr double kStep = 1e-5;  // of a unit; the error of the difference is its square
+  const auto along = [&](const glm::dvec2& step) {
+    return angle_deg(onPlane(frame, point - step), onPlane(frame, point + step)) / (2.0 * kStep);
+  };
+  return {along({kStep, 0.0}), along({0.0, kStep})};
+}
+
+glm::dvec2 fromPixels(const GazeFrame& frame, const Screen& screen, const glm::dvec2& point_px) {
+  const glm::dvec2 norm = point_px / glm::dvec2(screen.size_px);
+  const GazeFrame of_screen{.units = MapUnits::norm, .screen = screen};
+  return frame.units == MapUnits::norm ? norm : fromPlane(frame, onPlane(of_screen, norm));
+}
+
+glm::dvec2 toPixels(const GazeFrame& frame, const Screen& screen, const glm::dvec2& point) {
+  const GazeFrame of_screen{.units = MapUnits::norm, .screen = screen};
+  const glm::dvec2 norm =
+      frame.units == MapUnits::norm ? point : fromPlane(of_screen, onPlane(frame, point));
+  return norm * glm::dvec2(screen.size_px);
+}
+
+}  // namespace foci

@@ -1,0 +1,170 @@
+#include "calibration/webcam/webcam_calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "base/input_error.h"
+#include "calibration/gaze_map/map_units.h"
+#include "gaze/sources/line_reader.h"
+
+namespace foci {
+namespace {
+
+constexpr double kLook_s = 0.5;
+constexpr std::size_t kMinWebcamTargets = 5;
+constexpr std::size_t kMaxTargets = 10000;
+// Radius that holds 68.27 % of errors that are normal along each axis, in deviations.
+constexpr double kSigmaRadius = 1.5152;
+
+char delimiterOf(std::string_view header) {
+  return header.find('\t') != header.npos ? '\t' : header.find(',') != header.npos ? ',' : ' ';
+}
+
+glm::dvec2 pointOnScreen_deg(const WebcamMap& map, const WebcamView& view, const Screen& screen) {
+  return glm::degrees(glm::atan(pointOnScreen_m(map, view) / screen.distance_m));
+}
+
+std::vector<GazePair> mapped(std::span<const WebcamPair> pairs, const WebcamMap& map,
+                             const Screen& screen) {
+  std::vector<GazePair> gaze;
+  for (const WebcamPair& pair : pairs) {
+    GazePair& one = gaze.emplace_back();
+    one.target = pair.target_deg;
+    one.time_s = pair.time_s;
+    if (pair.view) one.gaze = pointOnScreen_deg(map, *pair.view, screen);
+  }
+  return gaze;
+}
+
+}  // namespace
+
+std::vector<ShownTarget> readShownTargets(const std::filesystem::path& file) {
+  constexpr std::array<std::string_view, 4> kColumns{"onset_s", "duration_s", "x_target",
+                                                     "y_target"};
+  constexpr std::array<double, 4> kLow{0.0, 0.0, -80.0, -80.0}, kHigh{86400.0, 86400.0, 80.0, 80.0};
+  LineReader lines(file);
+  std::string_view line;
+  if (!lines.next(line)) {
+    throw InputError(file.string(), "empty: expected onset_s duration_s x_target y_target");
+  }
+  const char delimiter = delimiterOf(line);
+  std::vector<std::string_view> fields;
+  const auto split = [&](std::string_view text) {
+    if (delimiter == ' ') {
+      splitWords(text, fields);
+    } else {
+      splitFields(text, delimiter, fields);
+    }
+  };
+  split(line);
+  std::array<std::size_t, 4> column{};
+  for (std::size_t c = 0; c < kColumns.size(); ++c) {
+    const auto found = std::find(fields.begin(), fields.end(), kColumns[c]);
+    if (found == fields.end()) {
+      throw lines.error("no column " + std::string(kColumns[c]) +
+                        ": expected onset_s duration_s x_target y_target");
+    }
+    column[c] = static_cast<std::size_t>(found - fields.begin());
+  }
+  std::vector<ShownTarget> targets;
+  while (lines.next(line)) {
+    if (trimmed(line).empty() || line.front() == '#') continue;
+    split(line);
+    std::array<double, 4> values{};
+    for (std::size_t c = 0; c < kColumns.size(); ++c) {
+      const auto value =
+          column[c] < fields.size() ? parseNumber(trimmed(fields[column[c]])) : std::nullopt;
+      if (!value || *value < kLow[c] || *value > kHigh[c]) {
+        throw lines.error(std::string(kColumns[c]) + ": expected a number from " +
+                          std::to_string(static_cast<int>(kLow[c])) + " to " +
+                          std::to_string(static_cast<int>(kHigh[c])));
+      }
+      values[c] = *value;
+    }
+    if (targets.size() == kMaxTargets) throw lines.error("more than 10000 targets");
+    targets.push_back({values[0], values[1], {values[2], values[3]}});
+  }
+  if (targets.empty()) throw InputError(file.string(), "no rows below the header");
+  return targets;
+}
+
+std::vector<WebcamPair> pairFrames(std::span<const WebcamFrame> frames,
+                                   std::span<const ShownTarget> targets) {
+  std::vector<WebcamPair> pairs;
+  for (const ShownTarget& target : targets) {
+    const double from_s = target.onset_s + std::min(kLook_s, 0.5 * target.duration_s);
+    for (const WebcamFrame& frame : frames) {
+      if (frame.time_s < from_s || frame.time_s >= target.onset_s + target.duration_s) continue;
+      pairs.push_back({frame.record.view, frame.time_s, target.target_deg});
+    }
+  }
+  return pairs;
+}
+
+GazeReport calibrateWebcam(std::span<const WebcamPair> pairs, std::span<const WebcamPair> other,
+                           const Screen& screen, WebcamMap& map) {
+  std::vector<WebcamSample> samples;
+  std::vector<glm::dvec2> targets;
+  for (const WebcamPair& pair : pairs) {
+    if (!pair.view) continue;
+    const glm::dvec2 target_m = screen.distance_m * glm::tan(glm::radians(pair.target_deg));
+    samples.push_back({*pair.view, target_m});
+    if (std::find(targets.begin(), targets.end(), pair.target_deg) == targets.end()) {
+      targets.push_back(pair.target_deg);
+    }
+  }
+  if (targets.size() < kMinWebcamTargets) {
+    throw InputError("webcam", "eyes were seen at " + std::to_string(targets.size()) +
+                                   " targets: expected at least 5");
+  }
+  const auto start = std::chrono::steady_clock::now();
+  map = fitWebcamMap(samples, nominalWebcamMap());
+  GazeReport report;
+  report.fit.ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  report.model = "webcam";
+  report.fit.map.frame = {.units = MapUnits::deg, .screen = screen};
+  report.validated = !other.empty();
+  report.accuracy = measureAccuracy(mapped(other.empty() ? pairs : other, map, screen),
+                                    report.fit.map.frame, nullptr);
+  return report;
+}
+
+Lens lensOf(const CameraModel& camera) {
+  return {{.focal_px = camera.focal_px, .principal_px = camera.principal_px},
+          camera.distortion,
+          camera.size_px};
+}
+
+void requireSame(const WebcamCalibration& calibration, const Screen& screen,
+                 const std::optional<Lens>& camera) {
+  constexpr double kMost = 0.01;
+  const glm::dvec2 ratio = screen.size_m / calibration.screen_m;
+  if (glm::any(glm::greaterThan(glm::abs(ratio - 1.0), glm::dvec2(kMost)))) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "calibrated on a screen of %.3f x %.3f m: expected that one, not %.3f x %.3f m",
+                  calibration.screen_m.x, calibration.screen_m.y, screen.size_m.x, screen.size_m.y);
+    throw InputError("gaze.map", text);
+  }
+  if (camera && !(*camera == calibration.reference.camera)) {
+    throw InputError(
+        "gaze.camera",
+        "another camera than gaze.map was calibrated with: expected that one, or none");
+  }
+}
+
+WebcamMapping mappingOf(const WebcamMap& map, const Screen& screen) {
+  return [map, screen](const WebcamView& view) {
+    const glm::dvec2 px_per_m = glm::dvec2(screen.size_px) / screen.size_m;
+    const glm::dvec2 point_m = pointOnScreen_m(map, view);
+    return WebcamGaze{
+        .point_px = 0.5 * glm::dvec2(screen.size_px) + glm::dvec2(point_m.x, -point_m.y) * px_per_m,
+        .uncertainty_deg = kSigmaRadius * map.sd_deg};
+  };
+}
+
+}  // namespace foci

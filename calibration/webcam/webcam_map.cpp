@@ -1,0 +1,167 @@
+#include "calibration/webcam/webcam_map.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "base/input_error.h"
+#include "base/quantile.h"
+#include "calibration/location.h"
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kTerms = WebcamMap::kTurnTerms;
+constexpr std::size_t kAll = WebcamMap::kParameters;
+constexpr double kCauchy = 2.0;       // in deviations
+constexpr double kStartSd_deg = 2.0;  // webcams: 1.4 to 3.9 deg (gaze.md)
+constexpr double kMinSd_deg = 0.05;
+constexpr double kWidest_rad = 1.4;  // a line of sight beyond 80 deg meets no screen
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+template <typename T>
+void pointOf(const T* p, const WebcamView& view, T* point) {
+  // Take the head's roll out of the eye's offset.
+  const double c = std::cos(view.roll_rad), s = std::sin(view.roll_rad);
+  const double x = c * view.eye.x + s * view.eye.y, y = -s * view.eye.x + c * view.eye.y;
+  const double terms[kTerms] = {1.0, x, y, x * y, x * x, y * y};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    T angle = p[2 * kTerms + axis] * view.head_rad[static_cast<int>(axis)];
+    for (std::size_t k = 0; k < kTerms; ++k) angle += p[axis * kTerms + k] * terms[k];
+    if (angle > T(kWidest_rad)) angle = T(kWidest_rad);
+    if (angle < T(-kWidest_rad)) angle = T(-kWidest_rad);
+    point[axis] =
+        view.head_m[static_cast<int>(axis)] + p[2 * kTerms + 2 + axis] + view.head_m.z * tan(angle);
+  }
+}
+
+/// Distance from the target as an angle at the observer's eye, over the deviation.
+struct ScreenError {
+  WebcamSample sample;
+  double sd_deg;
+
+  template <typename T>
+  bool operator()(const T* p, T* residual) const {
+    pointOf(p, sample.view, residual);
+    const double scale = glm::degrees(1.0) / sample.view.head_m.z / sd_deg;
+    for (int axis = 0; axis < 2; ++axis) {
+      residual[axis] = (residual[axis] - sample.target_m[axis]) * scale;
+    }
+    return true;
+  }
+};
+
+/// What was known before: L (p - prior), information = L' L.
+class PriorCost final : public ceres::CostFunction {
+ public:
+  PriorCost(const Matrix& information, const std::array<double, kAll>& centre)
+      : root_(Eigen::LLT<Matrix>(information).matrixU()), centre_(centre) {
+    set_num_residuals(kAll);
+    mutable_parameter_block_sizes()->push_back(kAll);
+  }
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    Eigen::VectorXd step(kAll);
+    for (std::size_t i = 0; i < kAll; ++i) {
+      step[static_cast<Eigen::Index>(i)] = parameters[0][i] - centre_[i];
+    }
+    Eigen::Map<Eigen::VectorXd>(residuals, kAll) = root_ * step;
+    if (jacobians && jacobians[0]) Eigen::Map<Matrix>(jacobians[0], kAll, kAll) = root_;
+    return true;
+  }
+
+ private:
+  Matrix root_;
+  std::array<double, kAll> centre_;
+};
+
+}  // namespace
+
+WebcamMap nominalWebcamMap() {
+  constexpr double kTurnPerWidth = 30.0 / 12.0;  // radians: eye width over eyeball radius
+  constexpr double kCameraAbove_m = 0.15;
+  WebcamMap map;
+  map.parameters[1] = kTurnPerWidth;
+  map.parameters[kTerms + 2] = kTurnPerWidth;
+  map.parameters[2 * kTerms] = map.parameters[2 * kTerms + 1] = 1.0;
+  map.parameters[2 * kTerms + 3] = kCameraAbove_m;
+  std::array<double, kAll> sd{};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    double* turn = &sd[axis * kTerms];
+    turn[0] = 0.3;
+    turn[1] = turn[2] = 1.5;
+    turn[3] = turn[4] = turn[5] = 2.0;
+    sd[2 * kTerms + axis] = 0.1;
+    sd[2 * kTerms + 2 + axis] = 0.1;
+  }
+  map.information.assign(kAll * kAll, 0.0);
+  for (std::size_t i = 0; i < kAll; ++i) map.information[i * kAll + i] = 1.0 / (sd[i] * sd[i]);
+  map.sd_deg = kStartSd_deg;
+  return map;
+}
+
+WebcamMap fitWebcamMap(std::span<const WebcamSample> samples, const WebcamMap& prior,
+                       double trust) {
+  for (const WebcamSample& s : samples) {
+    const WebcamView& v = s.view;
+    const double sum = v.eye.x + v.eye.y + v.head_m.x + v.head_m.y + v.head_m.z + v.head_rad.x +
+                       v.head_rad.y + v.roll_rad + s.target_m.x + s.target_m.y;
+    if (!std::isfinite(sum) || v.head_m.z < 0.05) {
+      throw InputError("webcam calibration", "a view without a head in front of the screen");
+    }
+  }
+  const Matrix information =
+      std::max(trust, 1e-6) * Eigen::Map<const Matrix>(prior.information.data(), kAll, kAll);
+
+  // The loss needs the deviation of the samples, which the fit tells: begin wide, so that a map
+  // that has drifted is no outlier.
+  WebcamMap map = prior;
+  double usual_deg = kStartSd_deg;
+  for (int round = 0; round < 3; ++round) {
+    ceres::Problem problem;
+    for (const WebcamSample& sample : samples) {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ScreenError, 2, kAll>(
+                                   new ScreenError{sample, map.sd_deg}),
+                               new ceres::CauchyLoss(kCauchy * usual_deg / map.sd_deg),
+                               map.parameters.data());
+    }
+    problem.AddResidualBlock(new PriorCost(information, prior.parameters), nullptr,
+                             map.parameters.data());
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_QR;
+    options.max_num_iterations = 100;
+    options.logging_type = ceres::SILENT;
+    options.num_threads = 1;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+
+    ceres::CRSMatrix sparse;
+    problem.Evaluate({}, nullptr, nullptr, nullptr, &sparse);
+    Matrix jacobian = Matrix::Zero(sparse.num_rows, sparse.num_cols);
+    for (int row = 0; row < sparse.num_rows; ++row) {
+      for (int i = sparse.rows[row]; i < sparse.rows[row + 1]; ++i) {
+        jacobian(row, sparse.cols[i]) = sparse.values[i];
+      }
+    }
+    const Matrix normal = jacobian.transpose() * jacobian;
+    map.information.assign(normal.data(), normal.data() + kAll * kAll);
+
+    if (samples.size() <= kAll) continue;  // too few to tell it
+    std::vector<double> misses;
+    for (const WebcamSample& s : samples) {
+      misses.push_back(glm::length(pointOnScreen_m(map, s.view) - s.target_m) / s.view.head_m.z);
+    }
+    map.sd_deg = std::max(glm::degrees(quantile(misses, 0.5)) / 1.1774, kMinSd_deg);
+    usual_deg = map.sd_deg;
+  }
+  return map;
+}
+
+glm::dvec2 pointOnScreen_m(const WebcamMap& map, const WebcamView& view) {
+  glm::dvec2 point;
+  pointOf(map.parameters.data(), view, &point.x);
+  return point;
+}
+
+}  // namespace foci

@@ -1,0 +1,109 @@
+#include "gaze/follow/gaze_follower.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "gaze/geometry/line_of_sight.h"
+
+namespace foci {
+namespace {
+
+constexpr double kReach = 1.0;     // standard deviations around a fixation
+constexpr double kMinReach = 0.1;  // of the cone's half-angle: less is no noise
+constexpr int kAround = 8;         // directions that are asked
+
+}  // namespace
+
+GazeFollower::GazeFollower(const Screen& screen, double rate_Hz, SurfaceDistance surface,
+                           const FollowSettings& settings)
+    : screen_(screen),
+      surface_(std::move(surface)),
+      settings_(settings),
+      events_(screen, rate_Hz, settings.events),
+      accommodation_(settings.accommodation),
+      longest_silence_s_(settings.events.merge_gap_s + 1.5 / rate_Hz) {}
+
+bool GazeFollower::isFixating() const { return isStable(now_.state) && now_.fixation_px; }
+
+void GazeFollower::push(const GazeSample& sample) {
+  const bool was_stable = isFixating();
+  now_ = events_.push(sample);
+  newest_ = sample;
+  if (!isFixating()) {
+    looked_.reset();
+  } else if (!was_stable || !looked_ ||
+             angleBetween_deg(screen_, looked_->point_px, *now_.fixation_px) >=
+                 0.5 * settings_.cone_half_angle_deg) {
+    look(sample.time_s);
+  }
+}
+
+std::optional<double> GazeFollower::surfaceAround(double time_s, const glm::dvec3& sight,
+                                                  double half_angle_rad) const {
+  const auto offHeld_D = [&](const std::optional<double>& distance_m) {
+    return distance_m ? std::abs(1.0 / *distance_m - *held_D_) : INFINITY;
+  };
+  const auto ahead_m = surface_(time_s, sight, half_angle_rad);
+  const double reach_deg = kReach * now_.fixation_error_deg;
+  if (!held_D_ || offHeld_D(ahead_m) <= settings_.surface_error_D ||
+      reach_deg < kMinReach * glm::degrees(half_angle_rad)) {
+    return ahead_m;
+  }
+  const glm::dvec3 aside = glm::normalize(glm::cross(sight, glm::dvec3(0.0, 1.0, 0.0)));
+  const glm::dvec3 above = glm::cross(aside, sight);
+  std::optional<double> nearest_m;
+  for (int k = 0; k < kAround; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / kAround;
+    const glm::dvec3 off = std::cos(angle) * aside + std::sin(angle) * above;
+    const auto around_m = surface_(
+        time_s, glm::normalize(sight + std::tan(glm::radians(reach_deg)) * off), half_angle_rad);
+    if (offHeld_D(around_m) < offHeld_D(nearest_m)) nearest_m = around_m;
+  }
+  return offHeld_D(nearest_m) <= settings_.surface_error_D ? nearest_m : ahead_m;
+}
+
+void GazeFollower::look(double time_s) {
+  const glm::dvec2 point_px = *now_.fixation_px;
+  looked_ = {
+      .time_s = time_s,
+      .point_px = point_px,
+      .distance_m = surfaceAround(time_s, lineOfSight(screen_, point_px),
+                                  glm::radians(std::max(settings_.cone_half_angle_deg,
+                                                        newest_->uncertainty_deg.value_or(0.0))))};
+  std::vector<DioptreEstimate> estimates;
+  if (looked_->distance_m) {
+    assert(*looked_->distance_m > 0.0);
+    held_D_ = 1.0 / *looked_->distance_m;
+    estimates.push_back({*held_D_, settings_.surface_error_D});
+  }
+  vergence_.reset();
+  const auto rays =
+      settings_.vergence && newest_ ? raysOf(*newest_, screen_, settings_.ipd_m) : std::nullopt;
+  if (rays) vergence_ = vergenceOf(rays->first, rays->second, settings_.eye_error_deg);
+  if (vergence_) estimates.push_back(*vergence_);
+  if (estimates.empty()) return;
+  accommodation_.setTarget(time_s, estimates.size() == 1 && looked_->distance_m
+                                       ? estimates[0].value_D
+                                       : std::max(combined(estimates).value_D, 0.0));
+}
+
+EyeNow GazeFollower::at(double time_s) {
+  const bool silent = !newest_ || time_s - newest_->time_s > longest_silence_s_;
+  const bool stable = !silent && isFixating();
+  if (stable && looked_->time_s != time_s) look(time_s);
+  return {.time_s = time_s,
+          .sample = newest_,
+          .state = silent ? GazeState::lost : now_.state,
+          .state_time_s = now_.state_time_s,
+          .fixation_px = now_.fixation_px,
+          .surface_distance_m = stable ? looked_->distance_m : std::nullopt,
+          .vergence = stable ? vergence_ : std::nullopt,
+          .target_D = accommodation_.target_D(),
+          .focus_D = accommodation_.focusAt_D(time_s)};
+}
+
+}  // namespace foci

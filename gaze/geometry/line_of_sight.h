@@ -1,0 +1,29 @@
+// Points on a flat screen as directions of sight. The eye frame is right-handed, x to the right, y
+// up, and the eye looks along -z at the screen's centre; screen points are pixels from the top-left
+// corner, y down. Every screen here must have its size and distance known (asserted).
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+
+#include "gaze/geometry/gaze_sample.h"
+
+namespace foci {
+
+/// Unit direction in the eye frame from the eye through a screen point, which may lie off the
+/// screen.
+glm::dvec3 lineOfSight(const Screen& screen, const glm::dvec2& point_px);
+
+/// Where a direction meets the screen's plane; nothing if it leads away from it.
+std::optional<glm::dvec2> pointOnScreen_px(const Screen& screen, const glm::dvec3& direction);
+
+/// Angle at the eye between two screen points, degrees.
+double angleBetween_deg(const Screen& screen, const glm::dvec2& a_px, const glm::dvec2& b_px);
+
+/// Eccentricity along each axis, degrees, y up: atan(offset_m / distance_m).
+glm::dvec2 eccentricity_deg(const Screen& screen, const glm::dvec2& point_px);
+
+/// The inverse of `eccentricity_deg`, within +-90 degrees.
+glm::dvec2 pointAtEccentricity_px(const Screen& screen, const glm::dvec2& eccentricity_deg);
+
+}  // namespace foci

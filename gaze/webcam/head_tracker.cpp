@@ -1,0 +1,202 @@
+#include "gaze/webcam/head_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+namespace foci {
+namespace {
+
+constexpr int kMaxPoints = 110;
+constexpr std::size_t kMaxViews = 24;
+constexpr double kCutOut_mm = 210.0;     // side
+constexpr double kCutOutDown_mm = 15.0;  // its centre, below the eyes
+const cv::Size kPatch{21, 21};
+constexpr int kLevels = 2;
+// A view serves heads within these of its own pose; beyond, a new one is kept.
+constexpr double kTurn_rad = 0.12, kScale = 0.10;
+constexpr double kMinInliers = 0.45, kMaxRms_px = 1.5;
+constexpr double kFarthest =
+    2.5;  // from a kept view, in units of the above: patches look otherwise
+
+/// Parts of a face that move by themselves, or are none of it, bear no points.
+bool isRigid(const glm::dvec3& p) {
+  const auto within = [&](double x, double y, double half_x, double half_y) {
+    return std::pow((std::abs(p.x) - x) / half_x, 2) + std::pow((p.y - y) / half_y, 2) < 1.0;
+  };
+  const bool face = within(0.0, 0.0, 54.0, 70.0);  // not its outline, which slides
+  const bool eye = within(0.5 * kBetweenEyes_mm, 0.0, 20.0, 12.0);
+  const bool mouth = within(0.0, 75.0, 32.0, 18.0);
+  return face && !eye && !mouth;
+}
+
+/// What remains once the local mean is gone: light may change.
+cv::Mat withoutLight(const cv::Mat& grey) {
+  cv::Mat smooth, mean, flat;
+  cv::GaussianBlur(grey, smooth, {5, 5}, 1.0, 1.0, cv::BORDER_REPLICATE);  // noise has no place
+  const int side = std::max(9, grey.cols / 12 * 2 + 1);
+  cv::blur(smooth, mean, {side, side}, {-1, -1}, cv::BORDER_REPLICATE);
+  cv::addWeighted(smooth, 2.0, mean, -2.0, 128.0, flat);
+  return flat;
+}
+
+/// A cut-out that may reach beyond the frame.
+cv::Mat cutOut(const cv::Mat& grey, const cv::Point& corner, const cv::Size& size) {
+  const cv::Rect wanted(corner, size), there = wanted & cv::Rect({0, 0}, grey.size());
+  cv::Mat cut(size, CV_8UC1, cv::Scalar(128));
+  if (!there.empty()) grey(there).copyTo(cut(there - corner));
+  return cut;
+}
+
+cv::Point cutOutCorner(const Pinhole& camera, const HeadPose& pose, const cv::Size& size) {
+  const glm::dvec2 centre = project(camera, pose, {0.0, kCutOutDown_mm, 0.0});
+  return {cvRound(centre.x - 0.5 * size.width), cvRound(centre.y - 0.5 * size.height)};
+}
+
+double angleBetween(const glm::dmat3& a, const glm::dmat3& b) {
+  const glm::dmat3 turn = glm::transpose(a) * b;
+  return std::acos(std::clamp(0.5 * (turn[0][0] + turn[1][1] + turn[2][2] - 1.0), -1.0, 1.0));
+}
+
+/// How unlike two poses look; beyond 1 another view is wanted.
+double unlike(const HeadPose& a, const HeadPose& b) {
+  return std::hypot(angleBetween(a.camera_from_head, b.camera_from_head) / kTurn_rad,
+                    std::log(a.position_mm.z / b.position_mm.z) / kScale);
+}
+
+}  // namespace
+
+HeadPose HeadTracker::frontal(const Pinhole& camera, const std::array<glm::dvec2, 2>& irises_px) {
+  const auto along = [&](const glm::dvec2& px) {
+    return glm::dvec3((px - camera.principal_px) / camera.focal_px, 1.0);
+  };
+  const glm::dvec3 left = along(irises_px[0]), right = along(irises_px[1]);
+  const glm::dvec2 between(left - right);
+  const double roll = std::atan2(between.y, between.x);
+  const double depth = kBetweenEyes_mm / glm::length(between);
+  HeadPose pose;
+  pose.camera_from_head = glm::dmat3(std::cos(roll), std::sin(roll), 0.0, -std::sin(roll),
+                                     std::cos(roll), 0.0, 0.0, 0.0, 1.0);
+  pose.position_mm = 0.5 * (left + right) * depth - glm::dvec3(0.0, 0.0, kIrisDepth_mm);
+  return pose;
+}
+
+void HeadTracker::start(const cv::Mat& grey, const std::array<glm::dvec2, 2>& irises_px) {
+  views_.clear();
+  pose_ = frontal(camera_, irises_px);
+  keep(grey, pose_);
+}
+
+void HeadTracker::start(const HeadView& view) {
+  views_.clear();
+  pose_ = view.pose;
+  keep(view);
+}
+
+void HeadTracker::keep(const cv::Mat& grey, const HeadPose& pose) {
+  const int side = cvRound(kCutOut_mm * camera_.focal_px.x / pose.position_mm.z) / 4 * 4;
+  const cv::Size size(side, side);
+  const cv::Point corner = cutOutCorner(camera_, pose, size);
+  keep(HeadView{cutOut(grey, corner, size), {corner.x, corner.y}, pose});
+}
+
+void HeadTracker::keep(HeadView view) {
+  KeptView kept;
+  kept.view = std::move(view);
+  const cv::Mat flat = withoutLight(kept.view.grey);
+  // Corners on the rigid part of the face, spread over it.
+  cv::Mat mask(flat.size(), CV_8UC1, cv::Scalar(0));
+  constexpr int kCell_px = 4;
+  for (int y = 0; y < mask.rows; y += kCell_px) {
+    for (int x = 0; x < mask.cols; x += kCell_px) {
+      const glm::dvec2 px = kept.view.corner_px + glm::dvec2(x, y) + 0.5 * kCell_px;
+      const auto p = onFace_mm(camera_, kept.view.pose, px);
+      if (p && isRigid(*p)) {
+        mask(cv::Rect(x, y, kCell_px, kCell_px) & cv::Rect({0, 0}, mask.size())) = 255;
+      }
+    }
+  }
+  std::vector<cv::Point2f> corners;
+  cv::goodFeaturesToTrack(flat, corners, kMaxPoints, 0.003, std::max(3.0, flat.cols / 24.0), mask,
+                          5);
+  // A patch is found again as exactly as it has structure along its weaker direction.
+  cv::Mat1f structure;
+  cv::cornerMinEigenVal(flat, structure, kPatch.width);
+  for (const cv::Point2f& corner : corners) {
+    const glm::dvec2 px = kept.view.corner_px + glm::dvec2(corner.x + 0.5, corner.y + 0.5);
+    if (const auto p = onFace_mm(camera_, kept.view.pose, px)) {
+      kept.points_px.push_back(corner);
+      kept.weights.push_back(static_cast<double>(structure(cvRound(corner.y), cvRound(corner.x))));
+      kept.points_mm.push_back(*p);
+    }
+  }
+  if (!kept.weights.empty()) {
+    const double most = *std::max_element(kept.weights.begin(), kept.weights.end());
+    constexpr double kExactEnough = 0.15;  // of the best; then the face's shape is the limit
+    for (double& w : kept.weights) w = std::min(1.0, w / (kExactEnough * std::max(most, 1e-12)));
+  }
+  cv::buildOpticalFlowPyramid(flat, kept.pyramid, kPatch, kLevels, true);
+  // The first stays; of the others the oldest goes.
+  if (views_.size() == kMaxViews) views_.erase(views_.begin() + 1);
+  views_.push_back(std::move(kept));
+}
+
+std::size_t HeadTracker::nearestView(const HeadPose& pose) const {
+  std::size_t nearest = 0;
+  double least = 1e300;
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    const double far = unlike(views_[i].view.pose, pose);
+    if (far < least) {
+      least = far;
+      nearest = i;
+    }
+  }
+  return nearest;
+}
+
+std::optional<HeadPoseFit> HeadTracker::follow(const cv::Mat& grey,
+                                               const std::optional<HeadPose>& guess) {
+  const HeadPose from = guess.value_or(pose_);
+  const KeptView& kept = views_[nearestView(from)];
+  const cv::Size size = kept.view.grey.size();
+  HeadPoseFit fit{.pose = from};
+  // The second round begins where the first has led.
+  cv::Point corner = cutOutCorner(camera_, from, size);
+  const cv::Mat flat = withoutLight(cutOut(grey, corner, size));
+  std::vector<cv::Mat> pyramid;
+  cv::buildOpticalFlowPyramid(flat, pyramid, kPatch, kLevels, false);
+  const glm::dvec2 origin(corner.x, corner.y);
+  std::vector<cv::Point2f> seen(kept.points_px.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const glm::dvec2 at = project(camera_, from, kept.points_mm[i]) - origin - 0.5;
+    seen[i] = {static_cast<float>(at.x), static_cast<float>(at.y)};
+  }
+  if (seen.empty()) return std::nullopt;
+  std::vector<unsigned char> found;
+  std::vector<float> difference;
+  const cv::TermCriteria stop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 15, 0.01);
+  cv::calcOpticalFlowPyrLK(kept.pyramid, pyramid, kept.points_px, seen, found, difference, kPatch,
+                           kLevels, stop, cv::OPTFLOW_USE_INITIAL_FLOW, 1e-3);
+  std::vector<glm::dvec3> points_mm;
+  std::vector<glm::dvec2> image_px;
+  std::vector<double> weights;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!found[i]) continue;
+    points_mm.push_back(kept.points_mm[i]);
+    weights.push_back(kept.weights[i]);
+    image_px.push_back(origin + glm::dvec2(seen[i].x + 0.5, seen[i].y + 0.5));
+  }
+  auto better = fitHeadPose(camera_, points_mm, image_px, weights, from);
+  if (!better) return std::nullopt;
+  fit = *better;
+  fit.inliers *= static_cast<double>(points_mm.size()) / static_cast<double>(seen.size());
+  const double limit_px = kMaxRms_px * std::max(1.0, size.width / 240.0);
+  const bool is_far = unlike(fit.pose, kept.view.pose) > kFarthest;
+  if (fit.inliers < kMinInliers || fit.rms_px > limit_px || is_far) return std::nullopt;
+  pose_ = fit.pose;
+  if (unlike(fit.pose, views_[nearestView(fit.pose)].view.pose) > 1.0) keep(grey, fit.pose);
+  return fit;
+}
+
+}  // namespace foci

@@ -1,0 +1,118 @@
+#include "gaze/webcam/webcam_frames.h"
+
+#include <charconv>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <vector>
+
+#include "base/input_error.h"
+#include "gaze/sources/line_reader.h"
+
+namespace foci {
+namespace {
+
+constexpr std::string_view kPrefix = "webcam";
+constexpr int kMinSide_px = 120, kMaxSide_px = 8192;
+constexpr int kMaxDevices = 64;
+
+bool isPattern(const std::filesystem::path& file) {
+  return file.filename().string().find('%') != std::string::npos;
+}
+
+/// Errors are ours to report.
+class QuietLibrary {
+ public:
+  QuietLibrary() = default;
+  ~QuietLibrary() { cv::utils::logging::setLogLevel(before_); }
+  QuietLibrary(const QuietLibrary&) = delete;
+  QuietLibrary& operator=(const QuietLibrary&) = delete;
+
+ private:
+  cv::utils::logging::LogLevel before_ =
+      cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+};
+
+}  // namespace
+
+struct WebcamFrames::Capture {
+  std::vector<cv::VideoCapture> captures{1};  // as waitAny wants it
+  cv::Mat image;
+  cv::Size size;
+};
+
+std::optional<WebcamPlace> webcamPlaceOf(std::string_view source) {
+  if (!source.starts_with(kPrefix)) return std::nullopt;
+  source.remove_prefix(kPrefix.size());
+  if (source.empty()) return WebcamPlace{.device = 0};
+  if (source.front() != ':') return std::nullopt;
+  source.remove_prefix(1);
+  if (source.empty()) throw InputError("webcam:", "expected a camera's number, a video or images");
+  int device = 0;
+  const auto [end, error] = std::from_chars(source.data(), source.data() + source.size(), device);
+  if (error == std::errc() && end == source.data() + source.size()) {
+    if (device < 0 || device >= kMaxDevices) {
+      throw InputError("webcam:" + std::to_string(device), "expected a camera, 0 to 63");
+    }
+    return WebcamPlace{.device = device};
+  }
+  return WebcamPlace{.file = std::filesystem::path(source)};
+}
+
+std::string nameOf(const WebcamPlace& place) {
+  return "webcam " + (place.device ? std::to_string(*place.device) : place.file.string());
+}
+
+WebcamFrames::WebcamFrames(const WebcamPlace& place)
+    : place_(place), capture_(std::make_unique<Capture>()) {
+  const QuietLibrary quiet;
+  cv::VideoCapture& capture = capture_->captures.front();
+  if (place.device) {
+    const std::string node = "/dev/video" + std::to_string(*place.device);
+    if (!std::filesystem::exists(node) || !capture.open(*place.device, cv::CAP_V4L2)) {
+      throw InputError("webcam:" + std::to_string(*place.device), "no camera that can be opened");
+    }
+  } else {
+    const std::string name = place.file.string();
+    const bool opened = isPattern(place.file) ? capture.open(name, cv::CAP_IMAGES)
+                                              : std::filesystem::is_regular_file(place.file) &&
+                                                    capture.open(name, cv::CAP_FFMPEG);
+    if (!opened) throw InputError(name, "no video or images that can be read");
+  }
+  const double rate_Hz = capture.get(cv::CAP_PROP_FPS);
+  if (rate_Hz >= 5.0 && rate_Hz <= 1000.0 && !isPattern(place.file)) rate_Hz_ = rate_Hz;
+}
+
+WebcamFrames::~WebcamFrames() = default;
+
+bool WebcamFrames::next(cv::Mat& grey) {
+  const QuietLibrary quiet;
+  cv::VideoCapture& capture = capture_->captures.front();
+  if (isCamera()) {
+    std::vector<int> ready;
+    constexpr int kAtOnce_ns = 1;
+    if (!cv::VideoCapture::waitAny(capture_->captures, ready, kAtOnce_ns) || ready.empty()) {
+      return false;
+    }
+  }
+  if (!capture.read(capture_->image) || capture_->image.empty()) return false;
+  const cv::Mat& image = capture_->image;
+  const int shorter = std::min(image.cols, image.rows);
+  const int longer = std::max(image.cols, image.rows);
+  const std::string size = std::to_string(image.cols) + "x" + std::to_string(image.rows);
+  if (shorter < kMinSide_px || longer > kMaxSide_px) {
+    throw InputError(nameOf(place_), "frames of " + size + " px: expected 120 to 8192");
+  }
+  if (capture_->size != cv::Size() && capture_->size != image.size()) {
+    throw InputError(nameOf(place_), "a frame of " + size + " px: another size than those before");
+  }
+  capture_->size = image.size();
+  if (image.channels() == 1) {
+    image.copyTo(grey);
+  } else {
+    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  }
+  return true;
+}
+
+}  // namespace foci

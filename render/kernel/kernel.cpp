@@ -1,0 +1,52 @@
+#include "render/kernel/kernel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace foci {
+namespace {
+
+constexpr int kSteps = 256;
+
+/// Mixture (1 - alpha) t^i + alpha t^(i+1), each of unit mass on one support, whose E[r^4] /
+/// E[r^2]^2 is that of (1 - q)^n: 2 (n + 2) / (n + 3).
+KernelShape solveShape(double n) {
+  const int i = std::min(static_cast<int>(n), 1);
+  const double a = 1.0 / (i + 2), b = 1.0 / (i + 3);  // E[r^2] / R^2 of the two powers
+  const double e = 2.0 * a * b, f = 2.0 / ((i + 3.0) * (i + 4.0));  // E[r^4] / R^4
+  const double kurtosis = 2.0 * (n + 2.0) / (n + 3.0);
+
+  // kurtosis (a + alpha (b - a))^2 = e + alpha (f - e)
+  const double p = kurtosis * (b - a) * (b - a);
+  const double h = kurtosis * a * (b - a) - 0.5 * (f - e);
+  const double c = kurtosis * a * a - e;
+  // The root in [0, 1]; c = 0 at whole n.
+  const double root = std::sqrt(std::max(0.0, h * h - p * c));
+  const double alpha = std::clamp(c / (-h + root), 0.0, 1.0);
+
+  // A unit mass of t^m over the unit disc is (m + 1) / pi t^m.
+  std::array<double, 3> k{};
+  k[i] = (1.0 - alpha) * (i + 1) / std::numbers::pi;
+  k[i + 1] = alpha * (i + 2) / std::numbers::pi;
+  const double mean_r2 = a + alpha * (b - a);  // both axes together
+  return {static_cast<float>(k[0]), static_cast<float>(k[1]), static_cast<float>(k[2]),
+          static_cast<float>(2.0 / mean_r2)};
+}
+
+std::array<KernelShape, kSteps + 1> tabulate() {
+  std::array<KernelShape, kSteps + 1> table{};
+  for (int s = 0; s <= kSteps; ++s) table[s] = solveShape(double{kMaxExponent} * s / kSteps);
+  return table;
+}
+
+}  // namespace
+
+const KernelShape& kernelShape(float n) {
+  static const auto table = tabulate();
+  // Written so that NaN falls to the bell.
+  const float s = n < kMaxExponent ? std::max(n, 0.0f) * (kSteps / kMaxExponent) : kSteps;
+  return table[static_cast<int>(s + 0.5f)];
+}
+
+}  // namespace foci

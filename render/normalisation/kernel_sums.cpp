@@ -1,0 +1,180 @@
+#include "render/normalisation/kernel_sums.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <random>
+
+#include "base/parallel.h"
+#include "render/kernel/kernel.h"
+#include "render/kernel/limits.h"
+#include "render/optics/defocus.h"
+#include "render/scene/neighbours.h"
+
+namespace foci {
+namespace {
+
+constexpr float kReach = 4.0f;              // standard deviations of a kernel as rendered
+constexpr std::size_t kMaxSurfels = 2048;   // within reach
+constexpr float kSameSheetCosine = 0.5f;    // of normals, signs apart
+constexpr float kSameSheetOffPlane = 3.0f;  // widths of the surfel beside
+constexpr float kSmoothReach = 3.0f;        // standard deviations as rendered: all of a kernel
+constexpr float kSmoothCosine = 0.9f;
+constexpr float kSmoothOffPlane = 0.4f;  // standard deviations as rendered
+constexpr float kBorderReach = 2.4f;     // standard deviations as rendered: a border nearer is one
+constexpr float kBorderGap = 1.6f;       // rad, without a surfel from there to kReach
+
+float sigmaOf(const SurfelCloud& cloud, std::size_t i) {
+  return std::sqrt(glm::length(cloud.axis_u_m[i]) * glm::length(cloud.axis_v_m[i]));
+}
+
+glm::vec3 normalOf(const SurfelCloud& cloud, std::size_t i) {
+  return glm::normalize(
+      glm::cross(glm::normalize(cloud.axis_u_m[i]), glm::normalize(cloud.axis_v_m[i])));
+}
+
+struct Probe {
+  std::uint32_t beside;
+  glm::vec3 p_world;
+};
+
+/// The widest angle without any of them, rad.
+float largestGap(std::vector<float>& angles) {
+  if (angles.empty()) return glm::two_pi<float>();
+  std::sort(angles.begin(), angles.end());
+  float gap = glm::two_pi<float>() - (angles.back() - angles.front());
+  for (std::size_t i = 1; i < angles.size(); ++i) gap = std::max(gap, angles[i] - angles[i - 1]);
+  return gap;
+}
+
+/// At equal steps of the area summed up over the surfels, each up to half a spacing beside one.
+std::vector<Probe> spread(const SurfelCloud& cloud, std::size_t count) {
+  double area = 0.0;
+  for (const float area_m2 : cloud.area_m2) area += area_m2;
+  std::mt19937 random(1);
+  const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f - 0.5f; };
+  std::vector<Probe> probes;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < cloud.size() && probes.size() < count; ++i) {
+    sum += cloud.area_m2[i];
+    while (probes.size() < count &&
+           sum * static_cast<double>(count) > area * (static_cast<double>(probes.size()) + 0.5)) {
+      const float side = std::sqrt(cloud.area_m2[i]);
+      probes.push_back(
+          {static_cast<std::uint32_t>(i),
+           cloud.position_m[i] + side * (uniform() * glm::normalize(cloud.axis_u_m[i]) +
+                                         uniform() * glm::normalize(cloud.axis_v_m[i]))});
+    }
+  }
+  return probes;
+}
+
+/// A kernel on its surface, as it is rendered where surfels have a spacing.
+class Drawn {
+ public:
+  Drawn(const SeenAs& seen, float spacing2)
+      : prefilter_(seen.pixel_spacings * seen.pixel_spacings * spacing2),
+        radius2_(seen.blur_spacings * seen.blur_spacings * spacing2),
+        min_radius2_(1e-12f * spacing2) {}
+
+  float at(const SurfelCloud& cloud, std::span<const float> added_m2, std::size_t j,
+           const glm::vec3& p_world) const {
+    const glm::vec3 d = cloud.position_m[j] - p_world;
+    const float u2 = glm::dot(cloud.axis_u_m[j], cloud.axis_u_m[j]);
+    const float v2 = glm::dot(cloud.axis_v_m[j], cloud.axis_v_m[j]);
+    const float soft = prefilter_ + (added_m2.empty() ? 0.0f : kOverlap * added_m2[j]);
+    const float unblurred = std::sqrt((u2 + soft) * (v2 + soft));
+    const KernelShape& shape =
+        kernelShape(kernelExponent(unblurred / std::max(radius2_, min_radius2_)));
+    const float widening = prefilter_ + kDiscVariancePerRadius2 * radius2_;
+    const float u = glm::dot(d, cloud.axis_u_m[j]), v = glm::dot(d, cloud.axis_v_m[j]);
+    const float q = (u * u / u2 / (u2 + widening) + v * v / v2 / (v2 + widening)) / shape.support2;
+    if (q >= 1.0f) return 0.0f;
+    const float t = 1.0f - q;
+    return cloud.area_m2[j] / (shape.support2 * std::sqrt((u2 + widening) * (v2 + widening))) *
+           (shape.k0 + t * (shape.k1 + t * shape.k2));
+  }
+
+ private:
+  float prefilter_, radius2_, min_radius2_;
+};
+
+}  // namespace
+
+std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, const SeenAs& seen,
+                                  std::span<const float> added_m2) {
+  const std::vector<Probe> at = spread(cloud, probes);
+  const float widening2 = seen.pixel_spacings * seen.pixel_spacings +
+                          kDiscVariancePerRadius2 * seen.blur_spacings * seen.blur_spacings;
+  // A length as the surfel is wide, and its kernel's own standard deviation on the image.
+  const auto widthOf = [&](std::size_t i) {
+    return std::max(sigmaOf(cloud, i), kSigmaPerSpacing * std::sqrt(cloud.area_m2[i]));
+  };
+  const auto renderedOf = [&](std::size_t i) {
+    const float width = widthOf(i);
+    return std::sqrt(width * width + widening2 * cloud.area_m2[i]);
+  };
+  std::vector<glm::vec3> centers_m;
+  std::vector<float> radius_m;
+  for (const Probe& probe : at) {
+    centers_m.push_back(probe.p_world);
+    radius_m.push_back(kReach * renderedOf(probe.beside));
+  }
+  const auto around = findWithin(cloud.position_m, centers_m, radius_m, kMaxSurfels);
+
+  std::vector<KernelSum> sums(at.size(), {0.0f, false});
+  parallelFor(at.size(), [&](std::size_t k) {
+    const glm::vec3 normal = normalOf(cloud, at[k].beside);
+    const glm::vec3 along_u = glm::normalize(cloud.axis_u_m[at[k].beside]);
+    const glm::vec3 along_v = glm::normalize(cloud.axis_v_m[at[k].beside]);
+    const float width = widthOf(at[k].beside), rendered = renderedOf(at[k].beside);
+    std::vector<std::uint32_t> sheet;
+    double area = 0.0;
+    bool smooth = true;
+    std::vector<float> angles;
+    for (const std::uint32_t j : around[k]) {
+      const glm::vec3 d = cloud.position_m[j] - at[k].p_world;
+      const float off_plane = std::abs(glm::dot(d, normal));
+      const float cosine = std::abs(glm::dot(normalOf(cloud, j), normal));
+      if (glm::dot(d, d) < kSmoothReach * kSmoothReach * rendered * rendered) {
+        smooth = smooth && cosine >= kSmoothCosine && off_plane <= kSmoothOffPlane * rendered;
+      }
+      if (glm::dot(d, d) > kBorderReach * kBorderReach * rendered * rendered) {
+        angles.push_back(std::atan2(glm::dot(d, along_v), glm::dot(d, along_u)));
+      }
+      if (cosine < kSameSheetCosine || off_plane > kSameSheetOffPlane * width) continue;
+      sheet.push_back(j);
+      area += cloud.area_m2[j];
+    }
+    if (sheet.empty() || around[k].size() >= kMaxSurfels) {
+      sums[k].sum = -1.0f;
+      return;
+    }
+    const Drawn rendering(seen, static_cast<float>(area / static_cast<double>(sheet.size())));
+    float sum = 0.0f;
+    for (const std::uint32_t j : sheet) sum += rendering.at(cloud, added_m2, j, at[k].p_world);
+    sums[k] = {sum, smooth && largestGap(angles) < kBorderGap};
+  });
+  std::erase_if(sums, [](const KernelSum& sum) { return sum.sum < 0.0f; });
+  return sums;
+}
+
+float kernelSumAt(const SurfelCloud& cloud, const glm::vec3& p_world, float spacing_m,
+                  const SeenAs& seen, std::span<const float> added_m2) {
+  const Drawn rendering(seen, spacing_m * spacing_m);
+  float sum = 0.0f;
+  for (std::size_t j = 0; j < cloud.size(); ++j) sum += rendering.at(cloud, added_m2, j, p_world);
+  return sum;
+}
+
+double shareWithin(const std::vector<KernelSum>& sums, float tolerance, bool smooth_only) {
+  std::size_t all = 0, within = 0;
+  for (const KernelSum& sum : sums) {
+    if (smooth_only && !sum.smooth) continue;
+    ++all;
+    within += std::abs(sum.sum - 1.0f) <= tolerance;
+  }
+  return all == 0 ? 1.0 : static_cast<double>(within) / static_cast<double>(all);
+}
+
+}  // namespace foci

@@ -1,0 +1,182 @@
+#include "render/normalisation/weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "base/parallel.h"
+#include "render/normalisation/kernel_overlap.h"
+
+namespace foci {
+namespace {
+
+constexpr float kMinWeight = 0.05f;    // of spacing^2
+constexpr int kWeightsARound = 3;      // iterations of the weights between steps of the sizes
+constexpr float kPixel2 = 0.4f;        // side of a pixel, squared, of spacing^2
+constexpr float kStep = 4.0f;          // of log v, against the gradient
+constexpr float kLargestStep = 0.1f;   // of log v
+constexpr float kMaxGrowth = 2.56f;    // of v: 1.6 of sigma
+constexpr float kMinSheet = 0.5f;      // of the neighbours; strays and shreds are all border
+constexpr float kBorderOffset = 0.3f;  // of the reach; a half-disc's centroid lies at 0.42
+
+/// Sums over the surfel's own sheet, the surfel included.
+struct LocalSums {
+  float covered = 0.0f;   ///< sum_j w_j G, > 0
+  float gradient = 0.0f;  ///< w_i sum_j w_j dG/dv, without a unit
+};
+
+class Solver {
+ public:
+  Solver(const KernelProblem& problem, std::vector<float>& sigma_m)
+      : problem_(problem), sigma_m_(sigma_m), next_(sigma_m.size()), weight_(sigma_m.size()) {
+    parallelFor(count(), [&](std::size_t i) { weight_[i] = first(i); });
+  }
+
+  void iterateWeights() {
+    iterate([&](std::size_t i) { return sumsAt(i).covered; });
+  }
+
+  void iterateWeightsAsDrawn() {
+    // A pixel that looks past a border is covered in part only, and should be.
+    iterate([&](std::size_t i) { return atBorder(i) ? 1.0f : renderedAt(i); });
+  }
+
+  /// @param given_m  sigma as it was at first
+  void stepSigmas(const std::vector<float>& given_m) {
+    parallelFor(count(), [&](std::size_t i) {
+      next_[i] = sigma_m_[i];
+      if (atBorder(i)) return;
+      const float step = std::clamp(kStep * sumsAt(i).gradient, -kLargestStep, kLargestStep);
+      const float v = sigma_m_[i] * sigma_m_[i] * std::exp(-step);
+      const float given = given_m[i] * given_m[i];
+      next_[i] = std::sqrt(std::clamp(v, given / kMaxGrowth, given * kMaxGrowth));
+    });
+    sigma_m_.swap(next_);
+  }
+
+  std::vector<float> take() { return std::move(weight_); }
+
+ private:
+  std::size_t count() const { return sigma_m_.size(); }
+  float most(std::size_t i) const { return glm::two_pi<float>() * sigma_m_[i] * sigma_m_[i]; }
+  float first(std::size_t i) const {
+    return std::min(problem_.spacing_m[i] * problem_.spacing_m[i], most(i));
+  }
+
+  template <typename Covered>
+  void iterate(const Covered& covered) {
+    parallelFor(count(), [&](std::size_t i) {
+      next_[i] = std::clamp(weight_[i] / covered(i), kMinWeight * first(i), most(i));
+    });
+    weight_.swap(next_);
+  }
+
+  template <typename Body>
+  void forSheet(std::size_t i, const Body& body) const {
+    std::uint64_t bits = problem_.sheet[i];
+    for (const std::uint32_t j : problem_.near.of(i)) {
+      if ((bits & 1u) != 0) body(j);
+      bits >>= 1;
+    }
+  }
+
+  LocalSums sumsAt(std::size_t i) const {
+    const float own = sigma_m_[i] * sigma_m_[i];
+    float sum = weight_[i] / (2.0f * own);
+    float slope = -sum / (2.0f * own);
+    float variance_sum = 2.0f * own, seen = 1.0f;
+    forSheet(i, [&](std::uint32_t j) {
+      const glm::vec3 d = problem_.position_m[j] - problem_.position_m[i];
+      const float off_plane = glm::dot(d, problem_.normal[i]);
+      const float variance = own + sigma_m_[j] * sigma_m_[j];
+      const float q = 0.5f * std::max(glm::dot(d, d) - off_plane * off_plane, 0.0f) / variance;
+      const float kernel = weight_[j] / variance * std::exp(-q);
+      sum += kernel;
+      slope += kernel * (q - 1.0f) / variance;
+      variance_sum += variance;
+      seen += 1.0f;
+    });
+    LocalSums sums{sum / glm::two_pi<float>(), slope / glm::two_pi<float>()};
+    if (problem_.near.k + 1 < count()) {
+      const float variance = variance_sum / seen;
+      const float q = 0.5f * problem_.near.reach_m[i] * problem_.near.reach_m[i] / variance;
+      const float outside = std::exp(-q);
+      sums.covered /= std::max(1.0f - outside, 0.05f);
+      sums.gradient += outside > 0.0f ? q * outside / variance : 0.0f;
+    }
+    sums.gradient *= weight_[i];
+    return sums;
+  }
+
+  /// As `sumsAt`, of kernels as they are rendered, prefiltered by a pixel.
+  float renderedAt(std::size_t i) const {
+    const KernelOverlap& overlap = KernelOverlap::table();
+    const float prefilter = kPixel2 * problem_.spacing_m[i] * problem_.spacing_m[i];
+    const float own = sigma_m_[i] * sigma_m_[i] + prefilter;
+    float sum = weight_[i] / (2.0f * own) * overlap.of(0.0f, 1.0f);
+    float variance_sum = 2.0f * own, seen = 1.0f;
+    forSheet(i, [&](std::uint32_t j) {
+      const glm::vec3 d = problem_.position_m[j] - problem_.position_m[i];
+      const float off_plane = glm::dot(d, problem_.normal[i]);
+      const float other = sigma_m_[j] * sigma_m_[j] + prefilter, variance = own + other;
+      const float q = std::max(glm::dot(d, d) - off_plane * off_plane, 0.0f) / (16.0f * variance);
+      const float ratio = std::sqrt(std::min(own, other) / std::max(own, other));
+      sum += weight_[j] / variance * overlap.of(q, ratio);
+      variance_sum += variance;
+      seen += 1.0f;
+    });
+    if (problem_.near.k + 1 == count()) return sum;
+    const float reach2 = problem_.near.reach_m[i] * problem_.near.reach_m[i];
+    const float outside = overlap.beyond(reach2 * seen / (16.0f * variance_sum));
+    return sum / std::max(1.0f - outside, 0.05f);
+  }
+
+  bool atBorder(std::size_t i) const {
+    glm::vec3 centroid(0.0f);
+    float seen = 1.0f;
+    forSheet(i, [&](std::uint32_t j) {
+      centroid += problem_.position_m[j] - problem_.position_m[i];
+      seen += 1.0f;
+    });
+    return seen < kMinSheet * static_cast<float>(problem_.near.k) ||
+           glm::length(centroid) > kBorderOffset * seen * problem_.near.reach_m[i];
+  }
+
+  const KernelProblem& problem_;
+  std::vector<float>& sigma_m_;
+  std::vector<float> next_, weight_;
+};
+
+}  // namespace
+
+std::vector<float> solveKernels(const KernelProblem& problem, const KernelEffort& effort,
+                                std::vector<float>& sigma_m) {
+  Solver solver(problem, sigma_m);
+  if (problem.near.k == 0) return solver.take();
+  const int total = effort.sigma_rounds * (kWeightsARound + 1) + effort.weight_iterations +
+                    effort.rendered_iterations;
+  int done = 0;
+  const auto tick = [&](int passes) {
+    done += passes;
+    if (effort.progress) {
+      effort.progress(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
+    }
+  };
+  const std::vector<float> given_m = effort.sigma_rounds > 0 ? sigma_m : std::vector<float>();
+  for (int round = 0; round < effort.sigma_rounds; ++round) {
+    for (int i = 0; i < kWeightsARound; ++i) solver.iterateWeights();
+    solver.stepSigmas(given_m);
+    tick(kWeightsARound + 1);
+  }
+  for (int i = 0; i < effort.weight_iterations; ++i) {
+    solver.iterateWeights();
+    tick(1);
+  }
+  for (int i = 0; i < effort.rendered_iterations; ++i) {
+    solver.iterateWeightsAsDrawn();
+    tick(1);
+  }
+  return solver.take();
+}
+
+}  // namespace foci

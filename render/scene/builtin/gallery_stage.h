@@ -1,0 +1,47 @@
+// What the gallery is put together on: exhibits go in, lit and sampled surfels come out. Private to
+// the gallery.
+#pragma once
+
+#include <functional>
+#include <glm/glm.hpp>
+#include <utility>
+
+#include "render/scene/builtin/gallery_light.h"
+#include "render/scene/builtin/gallery_shapes.h"
+#include "render/scene/sampling/sample_surface.h"
+
+namespace foci {
+
+using Paint = std::function<glm::vec3(const SurfacePoint&)>;
+
+class GalleryStage {
+ public:
+  explicit GalleryStage(const SampledFor& audience) : audience_(audience), light_(audience.eye_m) {}
+
+  /// For what is added from now on.
+  void addOccluder(const glm::vec3& center_m, float radius_m) {
+    light_.addOccluder(center_m, radius_m);
+  }
+
+  /// @param keep  where there is surface at all; default: everywhere
+  void add(Shape shape, Paint paint, const Material& material, float opacity = 1.0f,
+           std::function<bool(const SurfacePoint&)> keep = {});
+
+  SurfelCloud take() {
+    cloud_.oriented = true;
+    return std::move(cloud_);
+  }
+
+ private:
+  SampledFor audience_;
+  GalleryLight light_;
+  SurfelCloud cloud_;
+};
+
+/// Floor, walls and images: what stands behind the exhibits.
+void addRoom(GalleryStage& stage);
+
+/// Depth of the wall that the eye faces.
+inline constexpr float kEndWall_m = -6.0f;
+
+}  // namespace foci

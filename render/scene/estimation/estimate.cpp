@@ -1,0 +1,300 @@
+#include "render/scene/estimation/estimate.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <glm/gtc/constants.hpp>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "base/parallel.h"
+#include "render/normalisation/weights.h"
+#include "render/scene/morton.h"
+#include "render/scene/neighbours.h"
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kNeighbours = 16;
+constexpr std::size_t kSolveNeighbours = 64;  // four spacings: all that a grown kernel meets
+constexpr std::uint8_t kStacked = 4;          // neighbours that coincide with a point
+constexpr float kSameSheetCosine = 0.5f;      // of normals, signs apart
+constexpr float kSameSheetReach = 0.5f;       // off the tangent plane, of the furthest neighbour
+constexpr float kMaxLocalSpacings = 2.0f;     // of the neighbours' median: strays beside a surface
+constexpr float kMaxSpacings = 5.0f;          // of the cloud's median: strays far from everything
+constexpr float kMinSigma_m = 1e-9f;          // its fourth power is still a normal float
+constexpr int kQuickIterations = 8, kThoroughIterations = 40, kThoroughRounds = 30;
+constexpr double kMaxOpposed = 0.05;  // share of neighbours, in an oriented cloud
+
+/// Unit eigenvector of the least eigenvalue, by cyclic Jacobi rotations (Golub and Van Loan, 8.5).
+/// Any one of them where several are least; the z axis for the zero matrix.
+glm::dvec3 leastAxis(glm::dmat3 a) {
+  glm::dmat3 v(1.0);
+  for (int sweep = 0; sweep < 12; ++sweep) {
+    const double off = std::abs(a[0][1]) + std::abs(a[0][2]) + std::abs(a[1][2]);
+    if (off <= 1e-14 * (a[0][0] + a[1][1] + a[2][2])) break;
+    for (const auto& [p, q] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+      if (a[p][q] == 0.0) continue;
+      const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+      const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::hypot(theta, 1.0));
+      const double c = 1.0 / std::hypot(t, 1.0), s = t * c;
+      const double app = a[p][p], aqq = a[q][q], apq = a[p][q];
+      a[p][p] = app - t * apq;
+      a[q][q] = aqq + t * apq;
+      a[p][q] = a[q][p] = 0.0;
+      const int r = 3 - p - q;
+      const double arp = a[r][p], arq = a[r][q];
+      a[r][p] = a[p][r] = c * arp - s * arq;
+      a[r][q] = a[q][r] = s * arp + c * arq;
+      for (int i = 0; i < 3; ++i) {
+        const double vp = v[p][i], vq = v[q][i];
+        v[p][i] = c * vp - s * vq;
+        v[q][i] = s * vp + c * vq;
+      }
+    }
+  }
+  int least = 2;
+  for (int i = 0; i < 2; ++i) {
+    if (a[i][i] < a[least][least]) least = i;
+  }
+  return glm::normalize(v[least]);
+}
+
+void estimateNormals(const std::vector<glm::vec3>& position_m, const Neighbours& near,
+                     const std::optional<glm::vec3>& viewpoint_m, std::vector<glm::vec3>& normal) {
+  glm::dvec3 centroid(0.0);
+  for (const glm::vec3& p : position_m) centroid += p;
+  centroid /= static_cast<double>(position_m.size());
+
+  normal.resize(position_m.size(), glm::vec3(0.0f));
+  parallelFor(position_m.size(), [&](std::size_t i) {
+    if (normal[i] != glm::vec3(0.0f)) return;
+    const glm::dvec3 p = position_m[i];
+    glm::dvec3 mean(0.0);
+    for (const std::uint32_t j : near.of(i)) mean += glm::dvec3(position_m[j]) - p;
+    mean /= static_cast<double>(near.k + 1);
+    glm::dmat3 covariance = glm::outerProduct(mean, mean);  // the point itself
+    for (const std::uint32_t j : near.of(i)) {
+      const glm::dvec3 d = glm::dvec3(position_m[j]) - p - mean;
+      covariance += glm::outerProduct(d, d);
+    }
+    const glm::dvec3 axis = leastAxis(covariance);
+    const glm::dvec3 outwards = viewpoint_m ? glm::dvec3(*viewpoint_m) - p : p - centroid;
+    normal[i] = glm::vec3(glm::dot(axis, outwards) < 0.0 ? -axis : axis);
+  });
+}
+
+/// Which neighbours lie on the point's own sheet of surface, a bit each.
+std::vector<std::uint64_t> sameSheet(const std::vector<glm::vec3>& position_m,
+                                     const std::vector<glm::vec3>& normal, const Neighbours& near) {
+  static_assert(kMaxNeighbours <= 64);  // bits
+  std::vector<std::uint64_t> sheet(position_m.size(), 0);
+  if (near.k == 0) return sheet;
+  parallelFor(position_m.size(), [&](std::size_t i) {
+    std::uint64_t bits = 0, bit = 1;
+    for (const std::uint32_t j : near.of(i)) {
+      const float off_plane = std::abs(glm::dot(position_m[j] - position_m[i], normal[i]));
+      if (off_plane <= kSameSheetReach * near.reach_m[i] &&
+          std::abs(glm::dot(normal[i], normal[j])) >= kSameSheetCosine) {
+        bits |= bit;
+      }
+      bit <<= 1;
+    }
+    sheet[i] = bits;
+  });
+  return sheet;
+}
+
+/// Whether neighbours on one sheet have their normals on the same side, but for a few.
+bool agree(const std::vector<glm::vec3>& normal, const Neighbours& near,
+           const std::vector<std::uint64_t>& sheet) {
+  std::vector<std::uint8_t> opposed(normal.size(), 0);
+  parallelFor(normal.size(), [&](std::size_t i) {
+    std::uint64_t bit = 1;
+    for (const std::uint32_t j : near.of(i)) {
+      opposed[i] += (sheet[i] & bit) != 0 && glm::dot(normal[i], normal[j]) < 0.0f;
+      bit <<= 1;
+    }
+  });
+  std::size_t pairs = 0, of_them = 0;
+  for (std::size_t i = 0; i < normal.size(); ++i) {
+    pairs += static_cast<std::size_t>(std::popcount(sheet[i]));
+    of_them += opposed[i];
+  }
+  return pairs > 0 && static_cast<double>(of_them) < kMaxOpposed * static_cast<double>(pairs);
+}
+
+float medianOf(std::vector<float> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// sqrt of the area of one sample, from the k-th neighbour's distance; strays are kept small.
+std::vector<float> spacings(const Neighbours& near, const std::vector<std::uint64_t>& sheet,
+                            float lone_spacing_m) {
+  std::vector<float> raw(sheet.size(), lone_spacing_m);
+  if (near.k == 0) return raw;
+  parallelFor(raw.size(), [&](std::size_t i) {
+    const int own = std::popcount(sheet[i]);
+    const auto samples = static_cast<float>(own >= 3 ? own : static_cast<int>(near.k));
+    raw[i] = near.reach_m[i] * std::sqrt(glm::pi<float>() / samples);
+  });
+  const float max_m = kMaxSpacings * medianOf(raw);
+  std::vector<float> spacing(raw.size());
+  parallelFor(raw.size(), [&](std::size_t i) {
+    std::array<float, kNeighbours> around{};
+    std::size_t count = 0;
+    for (const std::uint32_t j : near.of(i)) around[count++] = raw[j];
+    const auto middle = around.begin() + static_cast<std::ptrdiff_t>(count / 2);
+    std::nth_element(around.begin(), middle, around.begin() + static_cast<std::ptrdiff_t>(count));
+    spacing[i] = std::max(std::min({raw[i], max_m, kMaxLocalSpacings * *middle}), kMinSigma_m);
+  });
+  return spacing;
+}
+
+SurfelCloud assemble(PointCloud&& points, const std::vector<float>& sigma_m,
+                     std::vector<float>&& weight) {
+  SurfelCloud cloud;
+  const std::size_t count = points.size();
+  cloud.axis_u_m.resize(count);
+  cloud.axis_v_m.resize(count);
+  parallelFor(count, [&](std::size_t i) {
+    const glm::vec3 n = points.normal[i];
+    const glm::vec3 u = tangentTo(n);
+    cloud.axis_u_m[i] = sigma_m[i] * u;
+    cloud.axis_v_m[i] = sigma_m[i] * glm::cross(n, u);
+  });
+  cloud.position_m = std::move(points.position_m);
+  cloud.color = std::move(points.color);
+  cloud.area_m2 = std::move(weight);
+  const bool opaque = std::all_of(points.opacity.begin(), points.opacity.end(),
+                                  [](float opacity) { return opacity == 1.0f; });
+  if (!opaque) cloud.opacity = std::move(points.opacity);
+  points = {};
+  return cloud;
+}
+
+KernelEffort effortOf(const EstimateSettings& settings) {
+  switch (settings.solve) {
+    case KernelSolve::none:
+      return {};
+    case KernelSolve::quick:
+      return {.weight_iterations = kQuickIterations};
+    case KernelSolve::thorough:
+      break;
+  }
+  return {.sigma_rounds = kThoroughRounds,
+          .rendered_iterations = kThoroughIterations,
+          .progress = settings.progress};
+}
+
+enum class Stacks { possible, resolved };
+
+/// Whether so many points coincide somewhere that neighbours do not tell how far apart samples are.
+bool anyStack(const std::vector<glm::vec3>& position_m, const Neighbours& near) {
+  std::vector<std::uint8_t> coinciding(position_m.size(), 0);
+  parallelFor(position_m.size(), [&](std::size_t i) {
+    for (const std::uint32_t j : near.of(i)) coinciding[i] += position_m[j] == position_m[i];
+  });
+  return std::any_of(coinciding.begin(), coinciding.end(),
+                     [](std::uint8_t count) { return count >= kStacked; });
+}
+
+SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stacks stacks);
+
+/// Points that coincide beyond what neighbours can tell apart: one stands for all while the rest is
+/// estimated, then they share its area.
+SurfelCloud surfelsOfStacks(PointCloud&& points, const EstimateSettings& settings) {
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {
+    const glm::vec3 &p = points.position_m[a], &q = points.position_m[b];
+    return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
+  };
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), less);
+
+  PointCloud single;
+  std::vector<std::uint32_t> stack_of(points.size()), height;
+  for (std::size_t at = 0; at < order.size(); ++at) {
+    const std::uint32_t i = order[at];
+    if (at == 0 || points.position_m[i] != points.position_m[order[at - 1]]) {
+      single.position_m.push_back(points.position_m[i]);
+      if (!points.normal.empty()) single.normal.push_back(points.normal[i]);
+      if (!points.radius_m.empty()) single.radius_m.push_back(points.radius_m[i]);
+      height.push_back(0);
+    }
+    stack_of[i] = static_cast<std::uint32_t>(height.size() - 1);
+    ++height.back();
+  }
+  single.color.resize(single.size());
+  const SurfelCloud shared = estimate(std::move(single), settings, Stacks::resolved);
+
+  points.normal.resize(points.size(), glm::vec3(0.0f));
+  std::vector<float> sigma(points.size()), weight(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::uint32_t stack = stack_of[i];
+    if (points.normal[i] == glm::vec3(0.0f)) {
+      points.normal[i] = glm::normalize(glm::cross(glm::normalize(shared.axis_u_m[stack]),
+                                                   glm::normalize(shared.axis_v_m[stack])));
+    }
+    const bool sized = !points.radius_m.empty() && points.radius_m[i] > 0.0f;
+    sigma[i] = sized ? std::max(kSigmaPerRadius * points.radius_m[i], kMinSigma_m)
+                     : glm::length(shared.axis_u_m[stack]);
+    weight[i] = std::min(shared.area_m2[stack] / static_cast<float>(height[stack]),
+                         glm::two_pi<float>() * sigma[i] * sigma[i]);
+  }
+  SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
+  cloud.oriented = shared.oriented;
+  return cloud;
+}
+
+SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stacks stacks) {
+  Neighbours near = findNeighbours(points.position_m, kNeighbours);
+  if (stacks == Stacks::possible && anyStack(points.position_m, near)) {
+    near = {};
+    return surfelsOfStacks(std::move(points), settings);
+  }
+
+  const bool given_normals = !points.normal.empty();
+  estimateNormals(points.position_m, near, settings.viewpoint_m, points.normal);
+  std::vector<std::uint64_t> sheet = sameSheet(points.position_m, points.normal, near);
+  const bool oriented = given_normals && agree(points.normal, near, sheet);
+  const std::vector<float> spacing = spacings(near, sheet, settings.lone_spacing_m);
+
+  std::vector<float> sigma(points.size());
+  for (std::size_t i = 0; i < sigma.size(); ++i) {
+    const bool sized = !points.radius_m.empty() && points.radius_m[i] > 0.0f;
+    sigma[i] = std::max(
+        sized ? kSigmaPerRadius * points.radius_m[i] : kSigmaPerSpacing * spacing[i], kMinSigma_m);
+  }
+  if (settings.solve == KernelSolve::thorough) {
+    near = {};
+    near = findNeighbours(points.position_m, kSolveNeighbours);
+    sheet = sameSheet(points.position_m, points.normal, near);
+  }
+  std::vector<float> weight = solveKernels({points.position_m, points.normal, near, sheet, spacing},
+                                           effortOf(settings), sigma);
+  near = {};
+  SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
+  cloud.oriented = oriented;
+  return cloud;
+}
+
+}  // namespace
+
+SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& settings) {
+  if (points.size() == 0) return {};
+  const std::vector<std::uint32_t> order = mortonOrder(points.position_m);
+  reorder(points.position_m, order);
+  reorder(points.normal, order);
+  reorder(points.color, order);
+  reorder(points.radius_m, order);
+  reorder(points.opacity, order);
+  return estimate(std::move(points), settings, Stacks::possible);
+}
+
+}  // namespace foci

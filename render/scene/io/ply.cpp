@@ -1,0 +1,391 @@
+#include "render/scene/io/ply.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "base/input_error.h"
+#include "render/scene/io/ply_header.h"
+
+namespace foci {
+namespace {
+
+using ply::Element;
+using ply::Format;
+using ply::Header;
+using ply::Input;
+using ply::Property;
+using ply::Scalar;
+
+constexpr float kFarthest_m = 1e9f;     // squares and sums of squares stay finite
+constexpr float kUncoloured = 0.2140f;  // sRGB 0.5
+constexpr float kRangeSlack = 1e-3f;    // floats meant to be 0 or 1
+
+// What a vertex property means. Everything else is skipped.
+enum Slot { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kRadius, kOpacity, kSlots };
+using Vertex = std::array<double, kSlots>;
+
+float linearOfSrgb(double s) {
+  return static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+}
+
+/// One property of the vertex element, with where its value goes.
+struct Column {
+  Property property;
+  std::optional<Slot> slot;
+  double scale = 1.0;  // full range of an integer colour or opacity to 1
+};
+
+double fullRange(Scalar type) {
+  switch (type) {
+    case Scalar::int8:
+      return std::numeric_limits<std::int8_t>::max();
+    case Scalar::uint8:
+      return std::numeric_limits<std::uint8_t>::max();
+    case Scalar::int16:
+      return std::numeric_limits<std::int16_t>::max();
+    case Scalar::uint16:
+      return std::numeric_limits<std::uint16_t>::max();
+    case Scalar::int32:
+      return std::numeric_limits<std::int32_t>::max();
+    case Scalar::uint32:
+      return std::numeric_limits<std::uint32_t>::max();
+    case Scalar::float32:
+    case Scalar::float64:
+      return 1.0;
+  }
+  return 1.0;
+}
+
+/// Which columns are taken, and how.
+class Layout {
+ public:
+  Layout(const Element& element, const std::string& file) : file_(file) {
+    for (const Property& property : element.properties) columns_.push_back({property, {}, 1.0});
+    const bool position = take({"x", "y", "z"}, kX);
+    if (!position) throw InputError(file, "element vertex: expected properties x, y and z");
+    has_normal_ = take({"nx", "ny", "nz"}, kNx);
+    has_color_ = take({"red", "green", "blue"}, kRed) || take({"r", "g", "b"}, kRed) ||
+                 take({"diffuse_red", "diffuse_green", "diffuse_blue"}, kRed);
+    has_radius_ = take({"radius"}, kRadius);
+    has_opacity_ = take({"opacity"}, kOpacity) || take({"alpha"}, kOpacity);
+    for (Column& column : columns_) {
+      const bool unit = column.slot && (*column.slot == kOpacity ||
+                                        (*column.slot >= kRed && *column.slot <= kBlue));
+      if (unit) column.scale = 1.0 / fullRange(column.property.type);
+      if (column.property.list) fixed_size_ = false;
+      record_bytes_ += ply::sizeOf(column.property.type);
+    }
+    for (std::size_t i = 0; i < srgb8_.size(); ++i) {
+      srgb8_[i] = linearOfSrgb(static_cast<double>(i) / 255.0);
+    }
+  }
+
+  const std::vector<Column>& columns() const { return columns_; }
+  bool fixedSize() const { return fixed_size_; }
+  std::size_t recordBytes() const { return record_bytes_; }
+
+  void reserve(PointCloud& points, std::size_t count) const {
+    points.position_m.reserve(count);
+    points.color.reserve(count);
+    if (has_normal_) points.normal.reserve(count);
+    if (has_radius_) points.radius_m.reserve(count);
+    if (has_opacity_) points.opacity.reserve(count);
+  }
+
+  /// @param where  says which vertex it is, called for a message only
+  template <typename Where>
+  void append(PointCloud& points, const Vertex& v, const Where& where) const {
+    const glm::vec3 p(toFloat(v[kX]), toFloat(v[kY]), toFloat(v[kZ]));
+    const bool usable = std::abs(p.x) <= kFarthest_m && std::abs(p.y) <= kFarthest_m &&
+                        std::abs(p.z) <= kFarthest_m;  // false for NaN
+    if (!usable) {
+      ++points.dropped;
+      return;
+    }
+    points.position_m.push_back(p);
+    points.color.push_back(has_color_ ? glm::vec3(linear(v[kRed], where), linear(v[kGreen], where),
+                                                  linear(v[kBlue], where))
+                                      : glm::vec3(kUncoloured));
+    if (has_normal_) points.normal.push_back(normalOf({v[kNx], v[kNy], v[kNz]}));
+    if (has_radius_) {
+      const bool sized = v[kRadius] > 0.0 && v[kRadius] <= kFarthest_m;
+      points.radius_m.push_back(sized ? toFloat(v[kRadius]) : 0.0f);
+    }
+    if (has_opacity_) points.opacity.push_back(unitRange(v[kOpacity], "opacity", where));
+  }
+
+ private:
+  static float toFloat(double x) { return static_cast<float>(x); }
+
+  static glm::vec3 normalOf(const glm::dvec3& n) {
+    const double length = glm::length(n);
+    const bool usable = length > 1e-12 && length < 1e150;  // false for NaN
+    return usable ? glm::vec3(n / length) : glm::vec3(0.0f);
+  }
+
+  template <typename Where>
+  float unitRange(double value, const char* what, const Where& where) const {
+    if (!(value >= -kRangeSlack && value <= 1.0 + kRangeSlack)) {
+      throw InputError(where(), std::string(what) + " " + std::to_string(value) +
+                                    ": expected 0 to 1, or an integer type of full range");
+    }
+    return std::clamp(toFloat(value), 0.0f, 1.0f);
+  }
+
+  template <typename Where>
+  float linear(double srgb, const Where& where) const {
+    const double byte = srgb * 255.0;
+    const double rounded = std::nearbyint(byte);
+    if (std::abs(byte - rounded) < 1e-9 && rounded >= 0.0 && rounded <= 255.0) {
+      return srgb8_[static_cast<std::size_t>(rounded)];
+    }
+    return linearOfSrgb(unitRange(srgb, "colour", where));
+  }
+
+  /// Takes the columns with these names into consecutive slots, all or none.
+  bool take(std::initializer_list<std::string_view> names, int first_slot) {
+    std::vector<Column*> found;
+    for (const std::string_view name : names) {
+      for (Column& column : columns_) {
+        if (column.property.name != name) continue;
+        if (column.property.list) {
+          throw InputError(file_, "vertex property " + std::string(name) + " is a list");
+        }
+        found.push_back(&column);
+      }
+    }
+    if (found.size() > names.size()) {
+      throw InputError(file_, "vertex property " + found[1]->property.name + " is there twice");
+    }
+    if (found.size() < names.size()) return false;
+    for (Column* column : found) column->slot = static_cast<Slot>(first_slot++);
+    return true;
+  }
+
+  std::string file_;
+  std::vector<Column> columns_;
+  std::array<float, 256> srgb8_{};
+  bool has_normal_ = false, has_color_ = false, has_radius_ = false, has_opacity_ = false;
+  bool fixed_size_ = true;
+  std::size_t record_bytes_ = 0;
+};
+
+template <typename T>
+double load(const unsigned char* bytes, bool swap) {
+  std::array<unsigned char, sizeof(T)> raw;
+  std::memcpy(raw.data(), bytes, sizeof(T));
+  if (swap) std::reverse(raw.begin(), raw.end());
+  return static_cast<double>(std::bit_cast<T>(raw));
+}
+
+double loadScalar(const unsigned char* bytes, Scalar type, bool swap) {
+  switch (type) {
+    case Scalar::int8:
+      return load<std::int8_t>(bytes, false);
+    case Scalar::uint8:
+      return load<std::uint8_t>(bytes, false);
+    case Scalar::int16:
+      return load<std::int16_t>(bytes, swap);
+    case Scalar::uint16:
+      return load<std::uint16_t>(bytes, swap);
+    case Scalar::int32:
+      return load<std::int32_t>(bytes, swap);
+    case Scalar::uint32:
+      return load<std::uint32_t>(bytes, swap);
+    case Scalar::float32:
+      return load<float>(bytes, swap);
+    case Scalar::float64:
+      return load<double>(bytes, swap);
+  }
+  return 0.0;
+}
+
+bool mustSwap(Format format) {
+  return (format == Format::big) == (std::endian::native == std::endian::little);
+}
+
+void skipList(Input& input, const Property& property, bool swap) {
+  const double items =
+      loadScalar(input.take(ply::sizeOf(property.count_type)), property.count_type, swap);
+  const double bytes = items * static_cast<double>(ply::sizeOf(property.type));
+  if (items < 0.0 || bytes > static_cast<double>(input.remaining())) {
+    throw InputError(input.name(), "byte " + std::to_string(input.offset()) + ": list " +
+                                       property.name + " has " +
+                                       std::to_string(static_cast<std::int64_t>(items)) +
+                                       " items, more than the file has room for");
+  }
+  input.skip(static_cast<std::uint64_t>(bytes));
+}
+
+void skipElement(Input& input, const Element& element, Header& header) {
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    if (header.format == Format::ascii) {
+      ++header.lines;
+      input.line();
+      continue;
+    }
+    for (const Property& property : element.properties) {
+      if (property.list) {
+        skipList(input, property, mustSwap(header.format));
+      } else {
+        input.skip(ply::sizeOf(property.type));
+      }
+    }
+  }
+}
+
+void readBinary(Input& input, const Layout& layout, std::uint64_t count, bool swap,
+                PointCloud& points) {
+  Vertex vertex{};
+  const auto where = [&] {
+    return input.name() + ": before byte " + std::to_string(input.offset());
+  };
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const unsigned char* bytes = layout.fixedSize() ? input.take(layout.recordBytes()) : nullptr;
+    for (const Column& column : layout.columns()) {
+      const std::size_t size = ply::sizeOf(column.property.type);
+      if (column.property.list) {
+        skipList(input, column.property, swap);
+        continue;
+      }
+      if (!layout.fixedSize()) bytes = input.take(size);
+      if (column.slot) {
+        vertex[*column.slot] = loadScalar(bytes, column.property.type, swap) * column.scale;
+      }
+      bytes += size;
+    }
+    layout.append(points, vertex, where);
+  }
+}
+
+/// The next number of a line; `at` moves behind it.
+double parseNumber(std::string_view line, std::size_t& at, const std::string& file,
+                   std::uint64_t line_number) {
+  at = std::min(line.find_first_not_of(" \t", at), line.size());
+  const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
+  std::string_view word = line.substr(at, end - at);
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0.0;
+  const auto [last, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  // Out of range is told apart by the sign of the exponent only: let strtod do it.
+  if (error == std::errc::result_out_of_range)
+    value = std::strtod(std::string(word).c_str(), nullptr);
+  if (error == std::errc::invalid_argument || last != word.data() + word.size()) {
+    throw InputError(file + ":" + std::to_string(line_number),
+                     word.empty()
+                         ? "too few values for a vertex"
+                         : "expected a number, found \"" + std::string(word.substr(0, 20)) + "\"");
+  }
+  at = end;
+  return value;
+}
+
+void readAscii(Input& input, const Layout& layout, std::uint64_t count, Header& header,
+               PointCloud& points) {
+  Vertex vertex{};
+  const auto where = [&] { return input.name() + ":" + std::to_string(header.lines); };
+  for (std::uint64_t i = 0; i < count; ++i) {
+    ++header.lines;
+    if (input.remaining() == 0) {
+      throw InputError(where(), "ends after " + std::to_string(i) + " of " + std::to_string(count) +
+                                    " vertices");
+    }
+    const std::string_view line = input.line();
+    std::size_t at = 0;
+    for (const Column& column : layout.columns()) {
+      const double value = parseNumber(line, at, input.name(), header.lines);
+      if (column.property.list) {
+        for (double item = 0.0; item < value; ++item) {
+          parseNumber(line, at, input.name(), header.lines);
+        }
+      } else if (column.slot) {
+        vertex[*column.slot] = value * column.scale;
+      }
+    }
+    if (line.find_first_not_of(" \t", at) != std::string_view::npos) {
+      throw InputError(where(), "too many values for a vertex");
+    }
+    layout.append(points, vertex, where);
+  }
+}
+
+}  // namespace
+
+PointCloud readPly(const std::filesystem::path& path) {
+  Input input(path);
+  Header header = ply::readHeader(input);
+  PointCloud points;
+  for (const Element& element : header.elements) {
+    if (element.name != "vertex") {
+      skipElement(input, element, header);
+      continue;
+    }
+    const Layout layout(element, input.name());
+    layout.reserve(points, element.count);
+    if (header.format == Format::ascii) {
+      readAscii(input, layout, element.count, header, points);
+    } else {
+      readBinary(input, layout, element.count, mustSwap(header.format), points);
+    }
+    if (points.size() == 0) {
+      throw InputError(input.name(), points.dropped == 0
+                                         ? "has no points"
+                                         : "none of its " + std::to_string(points.dropped) +
+                                               " points has a finite position");
+    }
+    return points;
+  }
+  throw InputError(input.name(), "has no element vertex");
+}
+
+void writePly(const std::filesystem::path& path, const PointCloud& points) {
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "wb"));
+  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                    std::to_string(points.size()) +
+                    "\nproperty float x\nproperty float y\nproperty float z\n";
+  if (!points.normal.empty()) out += "property float nx\nproperty float ny\nproperty float nz\n";
+  out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (!points.radius_m.empty()) out += "property float radius\n";
+  if (!points.opacity.empty()) out += "property float opacity\n";
+  out += "end_header\n";
+
+  const auto put = [&out](float value) {
+    auto raw = std::bit_cast<std::array<char, 4>>(value);
+    if (std::endian::native == std::endian::big) std::reverse(raw.begin(), raw.end());
+    out.append(raw.data(), raw.size());
+  };
+  const auto put3 = [&put](const glm::vec3& v) { put(v.x), put(v.y), put(v.z); };
+  bool good = file != nullptr;
+  for (std::size_t i = 0; good && i < points.size(); ++i) {
+    put3(points.position_m[i]);
+    if (!points.normal.empty()) put3(points.normal[i]);
+    for (int c = 0; c < 3; ++c) {
+      const float linear = std::clamp(points.color[i][c], 0.0f, 1.0f);
+      const float srgb =
+          linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
+      out += static_cast<char>(std::lround(255.0f * srgb));
+    }
+    if (!points.radius_m.empty()) put(points.radius_m[i]);
+    if (!points.opacity.empty()) put(points.opacity[i]);
+    if (out.size() >= Input::kBlock) {
+      good = std::fwrite(out.data(), 1, out.size(), file.get()) == out.size();
+      out.clear();
+    }
+  }
+  good = good && std::fwrite(out.data(), 1, out.size(), file.get()) == out.size() &&
+         std::fflush(file.get()) == 0;
+  if (!good) throw std::runtime_error(path.string() + ": cannot be written");
+}
+
+}  // namespace foci

@@ -1,0 +1,221 @@
+#include "render/scene/io/ply_header.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <optional>
+
+#include "base/input_error.h"
+
+namespace foci::ply {
+namespace {
+
+constexpr std::size_t kMaxHeaderLines = 10000;
+
+std::optional<Scalar> scalarNamed(std::string_view name) {
+  static constexpr std::pair<std::string_view, Scalar> kNames[] = {
+      {"char", Scalar::int8},      {"int8", Scalar::int8},       {"uchar", Scalar::uint8},
+      {"uint8", Scalar::uint8},    {"short", Scalar::int16},     {"int16", Scalar::int16},
+      {"ushort", Scalar::uint16},  {"uint16", Scalar::uint16},   {"int", Scalar::int32},
+      {"int32", Scalar::int32},    {"uint", Scalar::uint32},     {"uint32", Scalar::uint32},
+      {"float", Scalar::float32},  {"float32", Scalar::float32}, {"double", Scalar::float64},
+      {"float64", Scalar::float64}};
+  for (const auto& [known, type] : kNames) {
+    if (known == name) return type;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string_view> wordsOf(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (std::size_t at = 0;;) {
+    at = line.find_first_not_of(" \t", at);
+    if (at == std::string_view::npos) return words;
+    const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = end;
+  }
+}
+
+/// What of a hostile line can stand in a one-line message.
+std::string printable(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text.substr(0, 40)) out += c >= ' ' && c <= '~' ? c : '?';
+  return out + (text.size() > 40 ? "...\"" : "\"");
+}
+
+Property propertyOf(const std::vector<std::string_view>& words, const std::string& where) {
+  const bool list = words.size() == 5 && words[1] == "list";
+  if (!list && words.size() != 3) {
+    throw InputError(where, "property: expected a type and a name, or list, two types and a name");
+  }
+  Property property{.name = std::string(words.back()), .list = list};
+  for (std::size_t i = list ? 2 : 1; i + 1 < words.size(); ++i) {
+    const auto type = scalarNamed(words[i]);
+    if (!type) {
+      throw InputError(where, "property type " + printable(words[i]) +
+                                  ": expected char, uchar, short, ushort, int, uint, float or "
+                                  "double");
+    }
+    (list && i == 2 ? property.count_type : property.type) = *type;
+  }
+  if (list && isFloat(property.count_type)) {
+    throw InputError(where, "list " + printable(property.name) +
+                                " is counted by a float: expected an "
+                                "integer type");
+  }
+  return property;
+}
+
+/// Fewest bytes that one item of the element can take.
+std::uint64_t leastSize(const Element& element, Format format) {
+  if (format == Format::ascii) return 2 * element.properties.size();  // a digit and what ends it
+  std::uint64_t bytes = 0;
+  for (const Property& p : element.properties) bytes += sizeOf(p.list ? p.count_type : p.type);
+  return bytes;
+}
+
+void checkCounts(const Header& header, const Input& input) {
+  // The last line of an ASCII file may lack its end.
+  std::uint64_t left = input.remaining() + (header.format == Format::ascii ? 1 : 0);
+  for (const Element& element : header.elements) {
+    if (element.properties.empty()) {
+      throw InputError(input.name(), "element " + printable(element.name) + " has no properties");
+    }
+    const std::uint64_t size = leastSize(element, header.format);
+    if (element.count > left / size) {
+      throw InputError(input.name(), "element " + printable(element.name) + " has " +
+                                         std::to_string(element.count) +
+                                         " items: the file has room for at most " +
+                                         std::to_string(left / size));
+    }
+    left -= element.count * size;
+  }
+}
+
+}  // namespace
+
+std::size_t sizeOf(Scalar type) {
+  static constexpr std::array<std::size_t, 8> kSize{1, 1, 2, 2, 4, 4, 4, 8};
+  return kSize[static_cast<std::size_t>(type)];
+}
+
+Input::Input(const std::filesystem::path& path) : name_(path.string()) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(name_, "no such file");
+  requireRegularFile(path);
+  size_ = std::filesystem::file_size(path, error);
+  file_.reset(std::fopen(name_.c_str(), "rb"));
+  if (!file_ || error) throw InputError(name_, "cannot be read");
+  std::setvbuf(file_.get(), nullptr, _IONBF, 0);
+  block_.resize(2 * kBlock);
+}
+
+void Input::fill() {
+  std::memmove(block_.data(), block_.data() + begin_, end_ - begin_);
+  end_ -= begin_;
+  begin_ = 0;
+  end_ += std::fread(block_.data() + end_, 1, block_.size() - end_, file_.get());
+}
+
+const unsigned char* Input::take(std::size_t bytes) {
+  if (end_ - begin_ < bytes) fill();
+  if (end_ - begin_ < bytes) {
+    throw InputError(name_, "ends at byte " + std::to_string(offset_ + (end_ - begin_)) +
+                                ", earlier than its header says");
+  }
+  const unsigned char* const data = block_.data() + begin_;
+  begin_ += bytes;
+  offset_ += bytes;
+  return data;
+}
+
+void Input::skip(std::uint64_t bytes) {
+  while (bytes > 0) {
+    const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(bytes, kBlock));
+    take(part);
+    bytes -= part;
+  }
+}
+
+std::string_view Input::line() {
+  const auto find = [this] {
+    return static_cast<const unsigned char*>(
+        std::memchr(block_.data() + begin_, '\n', end_ - begin_));
+  };
+  const unsigned char* newline = begin_ < end_ ? find() : nullptr;
+  if (newline == nullptr) {
+    fill();
+    newline = find();
+  }
+  const std::size_t held = end_ - begin_;
+  const auto length =
+      newline != nullptr ? static_cast<std::size_t>(newline - (block_.data() + begin_)) : held;
+  if (length > kBlock) throw InputError(name_, "has a line longer than 1 MiB");
+  const unsigned char* const data =
+      take(newline != nullptr ? length + 1 : std::max<std::size_t>(length, 1));
+  std::string_view text(reinterpret_cast<const char*>(data), length);
+  if (text.ends_with('\r')) text.remove_suffix(1);
+  return text;
+}
+
+Header readHeader(Input& input) {
+  if (input.remaining() == 0) throw InputError(input.name(), "is empty");
+  Header header;
+  const auto where = [&] { return input.name() + ":" + std::to_string(header.lines); };
+  const auto next = [&] {
+    if (++header.lines > kMaxHeaderLines || input.remaining() == 0) {
+      throw InputError(where(), "the header has no end_header");
+    }
+    return input.line();
+  };
+
+  if (const auto magic = next(); magic != "ply") {
+    throw InputError(where(), "not a PLY file: expected ply, found " + printable(magic));
+  }
+  bool has_format = false;
+  for (;;) {
+    const std::string_view line = next();
+    const auto words = wordsOf(line);
+    if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+    if (words[0] == "end_header") break;
+    if (words[0] == "format" && !has_format) {
+      has_format = true;
+      if (words.size() == 3 && words[1] == "ascii") {
+        header.format = Format::ascii;
+      } else if (words.size() == 3 && words[1] == "binary_little_endian") {
+        header.format = Format::little;
+      } else if (words.size() == 3 && words[1] == "binary_big_endian") {
+        header.format = Format::big;
+      } else {
+        throw InputError(where(), printable(line) +
+                                      ": expected format ascii, binary_little_endian or "
+                                      "binary_big_endian, and 1.0");
+      }
+    } else if (words[0] == "element") {
+      Element element;
+      bool counted = false;
+      if (words.size() == 3) {
+        element.name = words[1];
+        const char* const end = words[2].data() + words[2].size();
+        const auto [last, error] = std::from_chars(words[2].data(), end, element.count);
+        counted = error == std::errc() && last == end;
+      }
+      if (!counted) {
+        throw InputError(where(),
+                         printable(line) + ": expected element, a name and a whole number");
+      }
+      header.elements.push_back(std::move(element));
+    } else if (words[0] == "property" && !header.elements.empty()) {
+      header.elements.back().properties.push_back(propertyOf(words, where()));
+    } else {
+      throw InputError(where(),
+                       printable(line) + ": expected format, element, property or comment");
+    }
+  }
+  if (!has_format) throw InputError(input.name(), "the header names no format");
+  checkCounts(header, input);
+  return header;
+}
+
+}  // namespace foci::ply

@@ -1,0 +1,69 @@
+#include "render/scene/io/texture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+
+#include "render/image/srgb.h"
+
+namespace foci {
+namespace {
+
+using Pixel = cv::Vec<std::uint16_t, 4>;
+
+}  // namespace
+
+Texture::Texture(const cv::Mat& image) {
+  cv::Mat bgra, eight;
+  image.convertTo(eight, CV_8U, image.depth() == CV_16U ? 1.0 / 257.0 : 1.0);
+  if (eight.channels() == 1) cv::cvtColor(eight, bgra, cv::COLOR_GRAY2BGRA);
+  if (eight.channels() == 3) cv::cvtColor(eight, bgra, cv::COLOR_BGR2BGRA);
+  if (eight.channels() == 4) bgra = eight;
+  std::array<std::uint16_t, 256> linear{};
+  for (std::size_t i = 0; i < linear.size(); ++i) {
+    linear[i] = static_cast<std::uint16_t>(
+        std::lround(65535.0f * linearFromSrgb(static_cast<float>(i) / 255.0f)));
+  }
+  cv::Mat level(bgra.size(), CV_16UC4);
+  for (int y = 0; y < bgra.rows; ++y) {
+    const auto* from = bgra.ptr<cv::Vec4b>(y);
+    auto* to = level.ptr<Pixel>(y);
+    for (int x = 0; x < bgra.cols; ++x) {
+      to[x] = {linear[from[x][2]], linear[from[x][1]], linear[from[x][0]],
+               static_cast<std::uint16_t>(257 * from[x][3])};
+    }
+  }
+  levels_.push_back(level);
+  while (levels_.back().cols > 1 || levels_.back().rows > 1) {
+    const cv::Size half((levels_.back().cols + 1) / 2, (levels_.back().rows + 1) / 2);
+    cv::Mat smaller;
+    cv::resize(levels_.back(), smaller, half, 0.0, 0.0, cv::INTER_AREA);
+    levels_.push_back(smaller);
+  }
+}
+
+glm::vec2 Texture::size_px() const {
+  return {static_cast<float>(levels_[0].cols), static_cast<float>(levels_[0].rows)};
+}
+
+glm::vec4 Texture::at(const glm::vec2& uv, float footprint_px) const {
+  const float level = std::clamp(std::round(std::log2(std::max(footprint_px, 1.0f))), 0.0f,
+                                 static_cast<float>(levels_.size() - 1));
+  const cv::Mat& image = levels_[static_cast<std::size_t>(level)];
+  const glm::vec2 inside = glm::fract(glm::vec2(uv.x, 1.0f - uv.y));
+  const glm::vec2 p =
+      inside * glm::vec2(static_cast<float>(image.cols), static_cast<float>(image.rows)) - 0.5f;
+  const glm::vec2 low = glm::floor(p), share = p - low;
+  const auto pixel = [&](int dx, int dy) {
+    const int x = (static_cast<int>(low.x) + dx + image.cols) % image.cols;
+    const int y = (static_cast<int>(low.y) + dy + image.rows) % image.rows;
+    const Pixel& raw = image.at<Pixel>(y, x);
+    return glm::vec4(raw[0], raw[1], raw[2], raw[3]) / 65535.0f;
+  };
+  return glm::mix(glm::mix(pixel(0, 0), pixel(1, 0), share.x),
+                  glm::mix(pixel(0, 1), pixel(1, 1), share.x), share.y);
+}
+
+}  // namespace foci

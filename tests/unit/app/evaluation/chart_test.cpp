@@ -1,0 +1,317 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <random>
+#include <set>
+
+#include "app/evaluation/cells.h"
+#include "app/evaluation/chart/measure.h"
+#include "app/evaluation/chart/panel.h"
+#include "app/evaluation/chart/plan.h"
+#include "app/evaluation/frontier.h"
+#include "app/graphics/plot.h"
+#include "app/platform/output_folder.h"
+#include "base/file.h"
+#include "base/input_error.h"
+#include "base/quantile.h"
+#include "render/image/visible_difference.h"
+#include "render/methods/method.h"
+#include "tests/temporary_folder.h"
+
+namespace foci {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+ChartPoint point(const char* method, double ms, double psnr_dB) {
+  return {.scene = "s",
+          .blur_px = 4.0,
+          .method = {method, {}},
+          .threads = 1,
+          .ms_median = ms,
+          .ms_min = ms,
+          .psnr_dB = psnr_dB,
+          .ssim = 0.5,
+          .reference_psnr_dB = 50.0};
+}
+
+TEST(ParetoFrontier, IsWhatNothingBeats) {
+  //                              on     on   slower  worse  both
+  EXPECT_EQ(paretoFrontier({1.0, 2.0, 3.0, 2.0, 9.0}, {30.0, 40.0, 40.0, 35.0, 20.0}),
+            (std::vector<bool>{true, true, false, false, false}));
+}
+
+TEST(ParetoFrontier, HoldsOneAloneAndEqualOnesTogether) {
+  EXPECT_TRUE(paretoFrontier({}, {}).empty());
+  EXPECT_EQ(paretoFrontier({5.0}, {1.0}), (std::vector<bool>{true}));
+  EXPECT_EQ(paretoFrontier({5.0, 5.0, 5.0}, {1.0, 1.0, 0.5}),
+            (std::vector<bool>{true, true, false}));
+}
+
+TEST(ParetoFrontier, TakesInfinities) {
+  EXPECT_EQ(paretoFrontier({1.0, 2.0, 3.0}, {30.0, kInfinity, kInfinity}),
+            (std::vector<bool>{true, true, false}));
+}
+
+TEST(ParetoFrontier, IsAStaircaseThatDominatesTheRest) {
+  std::mt19937 random(5);
+  std::vector<double> cost, worth;
+  for (int i = 0; i < 200; ++i) {
+    cost.push_back(static_cast<double>(random() % 40));
+    worth.push_back(static_cast<double>(random() % 40));
+  }
+  const std::vector<bool> on = paretoFrontier(cost, worth);
+  const auto beats = [&](std::size_t a, std::size_t b) {
+    return cost[a] <= cost[b] && worth[a] >= worth[b] && (cost[a] < cost[b] || worth[a] > worth[b]);
+  };
+  for (std::size_t i = 0; i < cost.size(); ++i) {
+    bool beaten_by_one_on_it = false;
+    for (std::size_t j = 0; j < cost.size(); ++j) {
+      if (on[j]) beaten_by_one_on_it |= beats(j, i);
+    }
+    EXPECT_NE(on[i], beaten_by_one_on_it) << i;
+  }
+}
+
+TEST(MarkFrontiers, CountsNoAccuracyBeyondTheReferencesOwnAndKeepsPanelsApart) {
+  std::vector<ChartPoint> points = {point("a", 1.0, 30.0), point("b", 2.0, 51.0),
+                                    point("c", 3.0, 58.0), point("d", 9.0, 10.0)};
+  points[3].threads = 2;  // alone in its panel
+  markFrontiers(points);
+  EXPECT_TRUE(points[0].on_frontier);
+  EXPECT_TRUE(points[1].on_frontier);
+  EXPECT_FALSE(points[2].on_frontier);  // 58 dB says no more than 51 where the reference has 50
+  EXPECT_TRUE(points[3].on_frontier);
+}
+
+TEST(ChartCsv, HasTheColumnsThatProgramsRelyOn) {
+  ChartPoint one = point("accumulate", 12.5, kInfinity);
+  one.method.setting = 16;
+  one.silhouette_psnr_dB = 41.25;
+  one.coverage_error = 0.0125;
+  one.visible_error = 1.25;
+  one.expected_error = 1.5;
+  one.on_frontier = true;
+  EXPECT_EQ(
+      csvOf({one, point("sweep", 2.0, 30.0)}),
+      "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,"
+      "silhouette_psnr_dB,coverage_error,reference_psnr_dB,on_frontier,visible_error,"
+      "expected_error\n"
+      "s,4,accumulate,16,1,12.5000,12.5000,inf,0.500000,41.250,0.012500,50.000,yes,1.250,1.500\n"
+      "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,0.000000,50.000,no,0.000,n/a\n");
+}
+
+// What `auto` says of its error holds on every scene of the chart, and no more is spent than that
+// takes: where it renders the lens as a whole although parts are better, that is within the
+// tolerance.
+TEST(AutoOnTheChart, NoMorePixelsThanSaidAreFurtherOff) {
+  const ChartPlan plan = planChart({.quick = true, .size_px = 96});
+  for (const ChartScene& scene : plan.scenes) {
+    if (scene.id == "gallery") continue;  // the mask's scene from elsewhere, and slow
+    const SceneInView seen = scene.make();
+    const auto method = makeMethod("auto", seen.cloud);
+    for (const double blur_px : {1.0, 2.0, 4.0, 12.0}) {
+      const RenderSettings settings =
+          seen.settingsThrough(blur_px / seen.largestBlurThrough_px(1.0));
+      Frame frame, reference;
+      const RenderStats stats = method->render(seen.view, settings, frame);
+      const char* all_views = blur_px > 2.0 ? "accumulate:64" : "accumulate:16";
+      makeMethod(all_views, seen.cloud)->render(seen.view, settings, reference);
+      auto apart = visibleDifference(frame, reference, kUsualPx_per_deg);
+      ASSERT_TRUE(stats.tolerance_error.has_value());
+      EXPECT_LE(quantile(apart, 0.95), *stats.tolerance_error) << scene.id << " " << blur_px;
+      EXPECT_LE(*stats.tolerance_error, settings.quality.tolerance) << scene.id << " " << blur_px;
+    }
+  }
+}
+
+TEST(PlanChart, HasEveryMethodWithSettingsThatItTakes) {
+  for (const bool quick : {false, true}) {
+    const ChartPlan plan = planChart({.quick = quick});
+    std::set<std::string> planned, listed;
+    for (const ChartMethod& method : plan.methods) {
+      EXPECT_EQ(expectedMethod(method.spec()), std::nullopt) << method.spec();
+      planned.insert(method.name);
+    }
+    for (const MethodInfo& method : methods()) listed.emplace(method.name);
+    EXPECT_EQ(planned, listed);
+    EXPECT_EQ(plan.scenes.size(), 5u);
+    EXPECT_TRUE(std::is_sorted(plan.blurs_px.begin(), plan.blurs_px.end()));
+  }
+}
+
+TEST(PlanChart, TakesOnlyWhatIsChosenAndRefusesWhatIsNot) {
+  const ChartPlan plan =
+      planChart({.scenes = {"fence"}, .methods = {"sweep-lod", "accumulate:3", "pinhole"}});
+  ASSERT_EQ(plan.scenes.size(), 1u);
+  ASSERT_EQ(plan.methods.size(), 3u);
+  EXPECT_EQ(plan.methods[0].spec(), "sweep-lod:7");
+  EXPECT_EQ(plan.methods[1].fileName(), "accumulate-3");
+  EXPECT_EQ(plan.methods[2].spec(), "pinhole");
+  EXPECT_THROW(planChart({.scenes = {"statue", "cloud"}}), InputError);
+  EXPECT_THROW(planChart({.methods = {"sweep:2"}}), InputError);
+  EXPECT_THROW(planChart({.scan = ScanView{"/nowhere/a.ply", {}}}), InputError);
+}
+
+TEST(PlanChart, ReferencesHaveAViewAPixelOfTheLargestDiscWithinBounds) {
+  const ChartPlan plan = planChart({});
+  EXPECT_EQ(plan.views(1.0), 256);
+  EXPECT_EQ(plan.views(12.0), 453);  // pi 144
+  EXPECT_EQ(plan.views(40.0), 1024);
+}
+
+class ChartCellsTest : public testing::Test {
+ protected:
+  const TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
+};
+
+TEST_F(ChartCellsTest, BringBackWhatWasStoredUnderTheSameKeyOnly) {
+  const ChartCells cells(folder_, "program 1; ");
+  const ChartCell cell{.psnr_dB = kInfinity,
+                       .ssim = 1.0 / 3.0,
+                       .silhouette_psnr_dB = 40.1,
+                       .coverage_error = 1e-9,
+                       .visible_error = 1.0 / 7.0,
+                       .expected_error = 0.7,
+                       .first_ms = 7.25,
+                       .ms = {{1, {2.0, 3.0}}, {16, {0.1}}}};
+  cells.store("a", "plane", cell);
+  const auto back = cells.load("a", "plane");
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->psnr_dB, kInfinity);
+  EXPECT_EQ(back->ssim, cell.ssim);
+  EXPECT_EQ(back->silhouette_psnr_dB, cell.silhouette_psnr_dB);
+  EXPECT_EQ(back->coverage_error, cell.coverage_error);
+  EXPECT_EQ(back->visible_error, cell.visible_error);
+  EXPECT_EQ(back->expected_error, cell.expected_error);
+  EXPECT_EQ(back->first_ms, cell.first_ms);
+  EXPECT_EQ(back->ms, cell.ms);
+  EXPECT_FALSE(cells.load("b", "plane"));
+  EXPECT_FALSE(cells.load("a", "plane "));
+  EXPECT_FALSE(ChartCells(folder_, "program 2; ").load("a", "plane"));
+
+  cells.store("a", "plane", {.silhouette_psnr_dB = {}});
+  EXPECT_EQ(cells.load("a", "plane")->silhouette_psnr_dB, std::nullopt);
+}
+
+TEST_F(ChartCellsTest, CountAsAbsentWhatIsNotTheirs) {
+  const ChartCells cells(folder_, "k");
+  for (const char* text : {"", "{", "[]", "{\"key\": 1}", "{\"key\": \"k\"}",
+                           "{\"key\": \"k\", \"psnr_dB\": [], \"ssim\": \"x\"}"}) {
+    writeText(folder_ / "a.json", text);
+    EXPECT_FALSE(cells.load("a", "")) << text;
+    EXPECT_FALSE(cells.loadReference("a", "")) << text;
+  }
+}
+
+TEST_F(ChartCellsTest, KeepAReferenceToTheBitAndNotAPartOfIt) {
+  const ChartCells cells(folder_, "k");
+  ChartReference reference{.views = 64, .split_half_psnr_dB = 51.5, .frame = {}};
+  reference.frame.size_px = {3, 2};
+  for (int i = 0; i < 6; ++i) reference.frame.rgba.emplace_back(0.1f * static_cast<float>(i));
+  cells.storeReference("r", "", reference);
+  const auto back = cells.loadReference("r", "");
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->views, 64);
+  EXPECT_EQ(back->split_half_psnr_dB, 51.5);
+  EXPECT_EQ(back->frame.size_px, reference.frame.size_px);
+  EXPECT_EQ(back->frame.rgba, reference.frame.rgba);
+  fs::resize_file(folder_ / "r.rgba", 90);
+  EXPECT_FALSE(cells.loadReference("r", ""));
+}
+
+TEST(PlotAxis, HoldsItsValuesBetweenRoundTicks) {
+  for (const auto& values : std::vector<std::vector<double>>{
+           {20.3, 61.8, kInfinity}, {0.1, 0.12}, {5.0}, {-3.0, 4000.0}}) {
+    const PlotAxis axis = linearAxis("", values);
+    for (const double value : values) {
+      if (value == kInfinity) continue;
+      EXPECT_LE(axis.from, value);
+      EXPECT_GE(axis.to, value);
+    }
+    EXPECT_GE(axis.ticks.size(), 2u);
+    EXPECT_LE(axis.ticks.size(), 10u);
+    EXPECT_NEAR(axis.ticks.back().at, axis.to, 1e-9 * std::abs(axis.to));
+  }
+  const PlotAxis time = timeAxis("", {0.3, 2500.0});
+  EXPECT_EQ(time.from, 0.1);
+  EXPECT_EQ(time.ticks.front().text, "0.1 ms");
+  EXPECT_EQ(time.ticks.back().text, "10 s");
+}
+
+TEST(Plot, PutsPointsWhereTheAxesSay) {
+  Plot plot{.x = timeAxis("", {1.0, 100.0}), .y = linearAxis("", {0.0, 10.0})};
+  plot.series = {
+      {.name = "s",
+       .color = "#000000",
+       .points = {{.x = 1.0, .y = 0.0}, {.x = 10.0, .y = 5.0}, {.x = 100.0, .y = 99.0}}}};
+  const Drawing rendering = layOut(plot);
+  ASSERT_EQ(rendering.discs.size(), 3u);
+  const auto &a = rendering.discs[0].at_px, &b = rendering.discs[1].at_px,
+             &c = rendering.discs[2].at_px;
+  EXPECT_NEAR(b.x, 0.5 * (a.x + c.x), 1e-9);  // logarithmic
+  EXPECT_NEAR(b.y, 0.5 * (a.y + c.y), 1e-9);  // beyond the axis: at its end
+  EXPECT_LT(c.y, a.y);
+}
+
+TEST(Plot, LabelsDoNotCoverEachOtherAndThoseOfFullPointsComeFirst) {
+  Plot plot{.x = timeAxis("", {1.0, 100.0}), .y = linearAxis("", {0.0, 10.0})};
+  PlotSeries series{.name = "s", .color = "#000000"};
+  for (int i = 0; i < 60; ++i) {
+    series.points.push_back(
+        {.x = 9.0 + 0.01 * i, .y = 5.0, .label = i == 59 ? "full" : "hollow", .hollow = i != 59});
+  }
+  plot.series = {series};
+  std::vector<DrawnText> labels;
+  for (const DrawnText& text : layOut(plot).texts) {
+    if (text.words == "full" || text.words == "hollow") labels.push_back(text);
+  }
+  ASSERT_FALSE(labels.empty());
+  EXPECT_LT(labels.size(), 12u);
+  EXPECT_EQ(labels.front().words, "full");
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const glm::dvec2 apart = glm::abs(labels[i].at_px - labels[j].at_px);
+      const double width = textWidth_px("full", labels[i].size_px);
+      EXPECT_TRUE(apart.x >= width || apart.y >= labels[i].size_px - 1.0) << i << ", " << j;
+    }
+  }
+}
+
+TEST(ChartPanel, DrawsEveryPointWithItsImageAndTheFrontierThroughTheBest) {
+  const std::vector<ChartPoint> points = {point("pinhole", 1.0, 20.0), point("sweep", 4.0, 40.0),
+                                          point("paper", 8.0, 30.0)};
+  const Drawing rendering = layOut(panelOf(points, ChartMeasure::psnr, "a < b"));
+  ASSERT_EQ(rendering.discs.size(), 3u);
+  EXPECT_FALSE(rendering.discs[0].hollow);
+  EXPECT_FALSE(rendering.discs[1].hollow);
+  EXPECT_TRUE(rendering.discs[2].hollow);
+  EXPECT_EQ(rendering.discs[1].link, "images/s_4px_sweep.png");
+  const auto frontier = std::find_if(rendering.lines.begin(), rendering.lines.end(),
+                                     [](const DrawnLine& line) { return line.color == kInk; });
+  ASSERT_NE(frontier, rendering.lines.end());
+  for (const std::size_t i : {0u, 1u}) {
+    EXPECT_NE(
+        std::find(frontier->points_px.begin(), frontier->points_px.end(), rendering.discs[i].at_px),
+        frontier->points_px.end());
+  }
+  const std::string svg = svgOf(rendering);
+  EXPECT_NE(svg.find("a &lt; b"), std::string::npos);
+  EXPECT_NE(svg.find("href=\"images/s_4px_sweep.png\""), std::string::npos);
+}
+
+TEST(SceneInView, BlurGrowsWithTheAperture) {
+  const SceneInView plane = planeInView(32, 64);
+  const double one_px = plane.largestBlurThrough_px(1.0);
+  EXPECT_GT(one_px, 0.0);
+  EXPECT_NEAR(plane.largestBlurThrough_px(0.25), 0.25 * one_px, 1e-4 * one_px);
+  EXPECT_EQ(plane.largestBlurThrough_px(0.0), 0.0);
+}
+
+}  // namespace
+}  // namespace foci

@@ -1,0 +1,392 @@
+// `foci live` without its window: what it renders, what it leaves, and that a replay finds the
+// same.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include "app/live/refiner.h"
+#include "app/live/remote_control.h"
+#include "app/live/renderer.h"
+#include "app/replay/replay.h"
+#include "app/study/inputs.h"
+#include "base/input_error.h"
+#include "base/text.h"
+#include "tests/temporary_folder.h"
+
+namespace foci {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A gaze that jumps between two places on the screen every 150 ms, at 100 Hz; then, after
+/// `until_s`, says nothing.
+class Jumping final : public LiveSource {
+ public:
+  Jumping(const Screen& screen, double until_s) : screen_(screen), until_s_(until_s) {}
+  void poll(double now_s, std::vector<GazeSample>& samples) override {
+    for (; next_s_ <= std::min(now_s, until_s_); next_s_ += 0.01) {
+      const bool right = std::fmod(next_s_, 0.3) > 0.15;
+      samples.push_back({.time_s = next_s_,
+                         .point_px = glm::dvec2(screen_.size_px) *
+                                     glm::dvec2(right ? 0.7 : 0.3, 0.4 + 0.1 / 3.0)});
+    }
+  }
+  double rate_Hz() const override { return 100.0; }
+  std::string status() const override { return "jumping"; }
+
+ private:
+  Screen screen_;
+  double until_s_, next_s_ = 0.0;
+};
+
+class Live : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 1200\nproperty float x\nproperty float y\n"
+        "property float z\nend_header\n";
+    for (int i = 0; i < 1200; ++i) {  // a wall whose right part is nearer
+      const double x = 0.05 * (i % 40 - 19.5), y = 0.05 * (i / 40 - 14.5);
+      ply += std::to_string(x) + " " + std::to_string(y) + (x > 0 ? " -1\n" : " -2\n");
+    }
+    std::ofstream(scratch.path() / "scene.ply", std::ios::binary) << ply;
+    study.file = scratch.path() / "live.toml";
+    std::ofstream(study.file) << "";
+    study.scene.file = scratch.path() / "scene.ply";
+    study.eye.position_m = glm::dvec3(0.0);
+    study.eye.look_at_m = glm::dvec3(0.0, 0.0, -1.0);
+    study.output.size_px = glm::ivec2(64, 36);
+    study.output.marker = true;
+  }
+
+  NamedSource jumping(double until_s) const {
+    const Screen screen = study.screenInForce();
+    return {.source = std::make_unique<Jumping>(screen, until_s), .screen = screen};
+  }
+
+  /// Takes frames as a window would, for some time.
+  static FrameRecord watch(LiveRenderer& renderer, const LiveClock& clock, double seconds) {
+    FrameRecord last;
+    for (const double end_s = clock.now_s() + seconds; clock.now_s() < end_s;) {
+      if (auto frame = renderer.take(clock.now_s())) {
+        frame->timing.swap_s = clock.now_s();
+        last = frame->record;
+        if (const auto record = frame->into.lock()) record->add(frame);
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return last;
+  }
+
+  TemporaryFolder scratch;
+  Study study;
+};
+
+TEST_F(Live, RecordReplaysToTheSameImagesAndEvents) {
+  const fs::path folder = scratch.path() / "record";
+  const LiveClock clock;
+  {
+    GazeFeed feed(jumping(100.0), clock);
+    LiveRenderer renderer(study, feed, clock, "foci live", 1, [] {});
+    watch(renderer, clock, 0.2);  // what was before the record does not count
+    auto begun = renderer.startRecord(folder);
+    watch(renderer, clock, 0.3);
+    EXPECT_EQ(begun.get(), "");
+    renderer.change("observer.pupil_mm", "7");
+    watch(renderer, clock, 0.2);
+    renderer.change("output.view", "\"side-by-side\"");
+    renderer.change("eye.position_m", "[0.1, 0, 0.1]");
+    watch(renderer, clock, 0.3);
+    renderer.change("quality.foveated", "true");
+    watch(renderer, clock, 0.3);
+    renderer.mark("half");
+    renderer.change("focus.fixed_D", "1.5");
+    renderer.change("render.method", "\"pinhole\"");
+    watch(renderer, clock, 0.2);
+    renderer.change("focus.fixed_D", "null");
+    watch(renderer, clock, 0.3);
+    renderer.stopRecord();
+    watch(renderer, clock, 0.05);
+  }
+  EXPECT_NE(textOf(folder / "marks.tsv").find("\thalf\n"), std::string::npos);
+
+  const fs::path out = scratch.path() / "replay";
+  replay(readStudy(folder / "study.toml"), out, "", 1);
+  const auto live = nlohmann::json::parse(textOf(folder / "manifest.json"));
+  const auto again = nlohmann::json::parse(textOf(out / "manifest.json"));
+  EXPECT_GT(live["summary"]["frames"], 10);
+  EXPECT_EQ(live["summary"]["frames_rendered"], again["summary"]["frames_rendered"]);
+  EXPECT_NEAR(live["summary"]["pupil_mm"], again["summary"]["pupil_mm"], 0.01);
+  EXPECT_EQ(live["frames_sha256"], again["frames_sha256"]);
+  EXPECT_EQ(textOf(folder / "events.tsv"), textOf(out / "events.tsv"));
+  const auto untimed = [](const std::string& table) {
+    std::istringstream lines(table);
+    std::string kept;
+    for (std::string line; std::getline(lines, line);) kept += line.substr(0, line.rfind('\t'));
+    return kept;
+  };
+  EXPECT_EQ(untimed(textOf(folder / "frames.tsv")), untimed(textOf(out / "frames.tsv")));
+}
+
+TEST_F(Live, RecordUnderABudgetReplaysToTheSameImages) {
+  study.quality.frame_ms = 1.0;
+  study.observer.pupil_mm = 7.0;
+  const fs::path folder = scratch.path() / "record";
+  const LiveClock clock;
+  {
+    GazeFeed feed(jumping(100.0), clock);
+    LiveRenderer renderer(study, feed, clock, "foci live", 2, [] {});
+    EXPECT_EQ(renderer.startRecord(folder).get(), "");
+    watch(renderer, clock, 0.4);
+    renderer.change("output.split", "true");
+    watch(renderer, clock, 0.2);
+    renderer.change("output.view", "\"top-bottom\"");
+    watch(renderer, clock, 0.2);
+    renderer.change("observer.chromatic", "true");
+    watch(renderer, clock, 0.2);
+    renderer.change("quality.foveated", "true");
+    watch(renderer, clock, 0.2);
+    // At rest it is rendered at leisure, as well as the tolerance wants it.
+    renderer.change("quality.foveated", "false");
+    renderer.change("output.split", "false");
+    renderer.change("focus.fixed_D", "1.5");
+    renderer.change("quality.tolerance", "0.3");  // so little that blur is wanted
+    FrameRecord last;
+    for (int i = 0; i < 100 && last.method != "auto:3"; ++i) {
+      last = watch(renderer, clock, 0.05);
+    }
+    EXPECT_TRUE(last.method == "auto:3" || last.method == "auto:4") << last.method;
+  }
+  const fs::path out = scratch.path() / "replay";
+  replay(readStudy(folder / "study.toml"), out, "", 1);
+  const auto live = nlohmann::json::parse(textOf(folder / "manifest.json"));
+  const auto again = nlohmann::json::parse(textOf(out / "manifest.json"));
+  EXPECT_EQ(live["frames_sha256"], again["frames_sha256"]);
+}
+
+TEST_F(Live, WhatIsDrawnAtLeisureIsStoppedAtOnce) {
+  study.output.size_px = glm::ivec2(640, 360);
+  study.observer.pupil_mm = 8.0;
+  study.render.method = "auto";
+  study.quality.frame_ms = 5.0;
+  const SurfelCloud cloud = loadScene(study);
+  Session session(study, cloud, study.screenInForce(), 100.0, 0.0);
+  const FrameRecord record = session.look(0.0);
+  const RenderRequest job = session.jobOf("auto", record);
+  Refiner refiner(session.cloneRenderer(), 1);
+  RenderRequest other = job;
+  for (int i = 0; i < 20; ++i) {  // each stops the one before
+    other.eyes[0].settings.defocus.focus_D = 0.1f * static_cast<float>(i);
+    refiner.want({other});
+    std::this_thread::sleep_for(std::chrono::milliseconds(i));
+  }
+  refiner.want({});
+  refiner.want({other, job});
+  std::optional<RenderedFrame> rendered;
+  for (int i = 0; i < 2000 && !rendered; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    rendered = refiner.take(job);
+  }
+  ASSERT_TRUE(rendered.has_value());
+  RenderedFrame alone;
+  FrameRenderer(cloud).render(job.atLeisure(), alone);
+  EXPECT_EQ(rendered->frame.rgba, alone.frame.rgba);
+}
+
+std::size_t rowsOf(const fs::path& table) {
+  const std::string text = textOf(table);
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST_F(Live, WhatIsPaintedAheadIsWhatTheEyeComesToRestAt) {
+  study.observer.pupil_mm = 8.0;
+  study.render.method = "auto";
+  study.quality.frame_ms = 5.0;
+  study.quality.foveated = true;
+  const SurfelCloud cloud = loadScene(study);
+  const Screen screen = study.screenInForce();
+  Session session(study, cloud, screen, 250.0, 0.0);
+  std::optional<RenderRequest> ahead, last;
+  int changes = 0;
+  double sample_s = 0.0;
+  for (int frame = 0; frame < 240; ++frame) {  // the far wall for a second, then the near one
+    const double time_s = frame / 60.0;
+    for (; sample_s <= time_s; sample_s += 0.004) {
+      const double noise_px = 2.0 * std::sin(1e3 * sample_s);
+      const double x = sample_s < 1.0 ? 0.3 : 0.7;
+      session.push({.time_s = sample_s,
+                    .point_px = glm::dvec2(x, 0.45) * glm::dvec2(screen.size_px) + noise_px});
+    }
+    const FrameRecord record = session.look(time_s);
+    const RenderRequest job = session.jobOf("auto", record);
+    // As soon as the surface is known: focus holds for its latency, then moves.
+    if (time_s > 1.2 && !ahead) ahead = session.jobAtRest("auto", record);
+    if (time_s > 1.2 && time_s < 1.25) {
+      EXPECT_NE(job, *ahead);
+    }
+    if (time_s > 3.0) changes += job != last;
+    last = job;
+  }
+  EXPECT_EQ(*last, *ahead);
+  EXPECT_EQ(changes, 0);
+}
+
+TEST_F(Live, ARecordWithoutGazeSaysSo) {
+  const fs::path folder = scratch.path() / "record";
+  const LiveClock clock;
+  {
+    GazeFeed feed(jumping(-1.0), clock);
+    LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+    EXPECT_EQ(renderer.startRecord(folder).get(), "");
+    watch(renderer, clock, 0.2);
+  }
+  const auto manifest = nlohmann::json::parse(textOf(folder / "manifest.json"));
+  EXPECT_EQ(manifest["gaze"]["format"], "no gaze");
+  EXPECT_EQ(manifest["summary"]["gaze_valid"], 0.0);
+  EXPECT_GT(manifest["summary"]["frames"], 0);
+  EXPECT_EQ(rowsOf(folder / "events.tsv"), 1u);
+}
+
+/// Bytes of the program in memory.
+double residentBytes() {
+  std::ifstream file("/proc/self/statm");
+  double all = 0.0, resident = 0.0;
+  file >> all >> resident;
+  return resident * 4096.0;
+}
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+// They keep what is freed; and of a clock too fast each frame has more samples to take than the one
+// before, for ever.
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
+/// Hours in seconds: FOCI_SOAK_HOURS of its own clock, which is faster than time.
+TEST_F(Live, LongRunsLoseNoRowAndNoMemory) {
+  const char* asked = std::getenv("FOCI_SOAK_HOURS");
+  const double faster = kSanitized ? 12.0 : 120.0;
+  const double hours = asked ? std::atof(asked) : faster * 2.1 / 3600.0;
+  study.quality.frame_ms = 1.0;
+  const fs::path folder = scratch.path() / "record";
+  const LiveClock clock(faster);
+  std::size_t taken = 0;
+  double early_bytes = 0.0;
+  {
+    GazeFeed feed(jumping(1e9), clock);
+    LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+    EXPECT_EQ(renderer.startRecord(folder).get(), "");
+    const double end_s = clock.now_s() + 3600.0 * hours;
+    const double warm_s = clock.now_s() + 0.3 * 3600.0 * hours;
+    // A few frames at least, however slowly they come.
+    constexpr std::size_t kFew = 3;
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+    const auto waits = [&] { return taken < kFew && std::chrono::steady_clock::now() < patience; };
+    while (clock.now_s() < end_s || waits()) {
+      if (auto frame = renderer.take(clock.now_s())) {
+        frame->timing.swap_s = clock.now_s();
+        if (const auto record = frame->into.lock()) {
+          record->add(frame);
+          ++taken;
+        }
+      }
+      if (early_bytes == 0.0 && clock.now_s() > warm_s) early_bytes = residentBytes();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    const double late_bytes = residentBytes();
+    std::printf("%.2f h: %zu frames, %.1f MB, before %.1f MB\n", hours, taken, late_bytes / 1e6,
+                early_bytes / 1e6);
+    constexpr double kGrowth = 1.05;  // the goal of eight hours
+    if (!kSanitized) {
+      EXPECT_LE(late_bytes, kGrowth * early_bytes);
+    }
+  }
+  EXPECT_GT(taken, 1u);
+  EXPECT_EQ(rowsOf(folder / "frames.tsv"), taken + 1);
+  EXPECT_EQ(rowsOf(folder / "timing.tsv"), taken + 1);
+  const auto manifest = nlohmann::json::parse(textOf(folder / "manifest.json"));
+  EXPECT_EQ(manifest["summary"]["frames"], taken);
+  constexpr std::size_t kHead = 2;  // lines of gaze.tsv before the samples
+  EXPECT_EQ(manifest["gaze"]["samples"], rowsOf(folder / "gaze.tsv") - kHead);
+}
+
+TEST_F(Live, RecordIsWholeWhereTheProgramLeavesWhileItRuns) {
+  const LiveClock clock;
+  {
+    GazeFeed feed(jumping(100.0), clock);
+    LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+    renderer.startRecord(scratch.path() / "record");
+    watch(renderer, clock, 0.5);
+  }
+  const auto manifest = nlohmann::json::parse(textOf(scratch.path() / "record/manifest.json"));
+  EXPECT_GT(manifest["summary"]["frames"], 0);
+}
+
+TEST_F(Live, HoldsTheFocusWhenTheSourceFallsSilent) {
+  const LiveClock clock;
+  GazeFeed feed(jumping(1.0), clock);
+  LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+  const FrameRecord last = watch(renderer, clock, 2.5);
+  EXPECT_EQ(last.eye.state, GazeState::lost);
+  EXPECT_TRUE(last.fixation_px.has_value());
+  ASSERT_TRUE(last.eye.target_D.has_value());
+  EXPECT_GT(*last.eye.target_D, 0.4);
+  EXPECT_GT(last.time_s, 1.5);  // it goes on rendering
+}
+
+TEST_F(Live, RefusesWhatCannotChangeAndGoesOn) {
+  const LiveClock clock;
+  GazeFeed feed(jumping(100.0), clock);
+  LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+  EXPECT_NE(answerTo("set output.size_px [8, 8]", renderer, clock).find("does not change"),
+            std::string::npos);
+  EXPECT_NE(answerTo("set observer.pupil_mm 99", renderer, clock).find("0.5 to 12"),
+            std::string::npos);
+  EXPECT_EQ(answerTo("set observer.pupil_mm 6", renderer, clock), "ok");
+  EXPECT_TRUE(answerTo("stop", renderer, clock).starts_with("error"));
+  EXPECT_TRUE(answerTo("record ../elsewhere", renderer, clock).starts_with("error"));
+  EXPECT_TRUE(answerTo("dance", renderer, clock).starts_with("error"));
+  EXPECT_TRUE(answerTo("mark a b", renderer, clock).starts_with("ok "));
+  EXPECT_EQ(watch(renderer, clock, 0.5).pupil_mm, 6.0);
+}
+
+TEST_F(Live, SaysWhenTheSceneCannotBeOpened) {
+  study.scene.file = scratch.path() / "none.ply";
+  const LiveClock clock;
+  GazeFeed feed(jumping(1.0), clock);
+  LiveRenderer renderer(study, feed, clock, "", 1, [] {});
+  EXPECT_THROW(watch(renderer, clock, 5.0), InputError);
+}
+
+TEST(MethodOfFrame, IsTheCheapestInASaccadeButOfAuto) {
+  Study study;
+  study.render.method = "sweep-lod";
+  FrameRecord record;
+  record.eye.state = GazeState::saccade;
+  EXPECT_EQ(methodOfFrame(study, record), "pinhole");
+  study.render.method = "auto:4";
+  EXPECT_EQ(methodOfFrame(study, record), "pinhole");
+  study.render.method = "auto";  // its image stays
+  EXPECT_EQ(methodOfFrame(study, record), "auto");
+  study.quality.frame_ms = 10.0;
+  EXPECT_EQ(methodOfFrame(study, record), "auto");
+  study.render.method = "sweep-lod";
+  for (const GazeState state : {GazeState::fixation, GazeState::pursuit, GazeState::lost}) {
+    record.eye.state = state;
+    EXPECT_EQ(methodOfFrame(study, record), "sweep-lod");
+  }
+}
+
+}  // namespace
+}  // namespace foci

@@ -1,0 +1,92 @@
+#include "app/prepare/prepare_command.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "base/input_error.h"
+#include "render/scene/io/foci_file.h"
+#include "tests/temporary_folder.h"
+
+namespace foci {
+namespace {
+
+class PrepareCommand : public testing::Test {
+ protected:
+  std::filesystem::path file(const std::string& name, const std::string& content) {
+    std::ofstream(folder_ / name, std::ios::binary) << content;
+    return folder_ / name;
+  }
+
+  /// A square of one square metre, as two triangles.
+  std::filesystem::path square() {
+    return file("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  }
+
+  std::string refusal(const PrepareRequest& request) {
+    try {
+      prepareScene(request);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  std::size_t files() const {
+    return static_cast<std::size_t>(
+        std::distance(std::filesystem::directory_iterator(folder_), {}));
+  }
+
+  const TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
+};
+
+TEST_F(PrepareCommand, MakesASceneAndAReportOfAMesh) {
+  const PrepareSummary summary =
+      prepareScene({.input = square(), .out = folder_ / "s.foci", .scale_m = 2.0, .points = 3000});
+  const SurfelCloud cloud = readSceneFile(folder_ / "s.foci");
+  EXPECT_EQ(cloud.size(), summary.surfels);
+  EXPECT_NEAR(summary.area_m2, 4.0, 0.4);  // the border's surfels reach beyond it
+  ASSERT_EQ(summary.normalisation.size(), 2u);
+  EXPECT_GT(summary.normalisation[0].smooth_within_10, 0.95);
+  std::size_t counted = 0;
+  for (const std::size_t bin : summary.normalisation[0].histogram) counted += bin;
+  EXPECT_EQ(counted, 20000u);  // every probe is in it
+
+  std::ifstream report(folder_ / "s.html");
+  const std::string page{std::istreambuf_iterator<char>(report), {}};
+  EXPECT_NE(page.find("</html>"), std::string::npos);
+  EXPECT_NE(page.find("<svg"), std::string::npos);
+  EXPECT_EQ(files(), 3u);  // nothing is left aside
+}
+
+TEST_F(PrepareCommand, CountsThePointsLeftOut) {
+  const auto cloud = file("c.ply",
+                          "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
+                          "property float y\nproperty float z\nend_header\n"
+                          "0 0 0\n1 0 0\nnan 0 0\n0 1 0\n");
+  const PrepareSummary summary = prepareScene({.input = cloud, .out = folder_ / "c.foci"});
+  EXPECT_EQ(summary.surfels, 3u);
+  EXPECT_EQ(summary.dropped, 1u);
+}
+
+TEST_F(PrepareCommand, RefusesInOneLineAndLeavesNothing) {
+  EXPECT_NE(refusal({.input = square(), .out = folder_ / "s.ply"}).find(".foci"),
+            std::string::npos);
+  EXPECT_NE(refusal({.input = folder_ / "missing.ply", .out = folder_ / "s.foci"}), "accepted");
+  EXPECT_NE(refusal({.input = file("bad.obj", "hello"), .out = folder_ / "s.foci"}), "accepted");
+  std::filesystem::create_directory(folder_ / "folder.foci");
+  EXPECT_NE(refusal({.input = square(), .out = folder_ / "folder.foci"}), "accepted");
+  EXPECT_EQ(files(), 3u);
+
+  prepareScene({.input = square(), .out = folder_ / "s.foci", .points = 100});
+  EXPECT_NE(refusal({.input = folder_ / "s.foci", .out = folder_ / "t.foci"}).find("already"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace foci

@@ -1,0 +1,73 @@
+#include "app/record/record_files.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "base/input_error.h"
+#include "gaze/sources/trace_reader.h"
+#include "tests/temporary_folder.h"
+
+namespace foci {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(RecordFiles, GazeComesBackToTheLastBit) {
+  const TemporaryFolder scratch;
+  const Screen screen{.size_px = {1919, 1079}, .size_m = {0.53131, 0.29897}, .distance_m = 0.6123};
+  const fs::path file = scratch.path() / "gaze.tsv";
+  std::vector<GazeSample> samples;
+  for (int i = 0; i < 50; ++i) {
+    GazeSample sample{.time_s = wholeMicroseconds(17.0 + 0.004001 * i)};
+    if (i % 7 != 3) sample.point_px = glm::dvec2(100.0 / 3.0 * i, -1.0 / (1.0 + i));
+    sample.blink = i % 7 == 3;
+    if (i % 2) sample.pupil_mm = 3.0 + 0.1 / 3.0 * i;
+    if (i % 3) sample.uncertainty_deg = 0.7 / (i + 1.0);
+    if (i % 5) sample.eyes[1].point_px = glm::dvec2(std::sqrt(2.0) * i, 0.1 * i);
+    samples.push_back(sample);
+  }
+  {
+    GazeTable table(file, screen);
+    for (const GazeSample& sample : samples) table.add(sample);
+    table.flush();
+  }
+  const GazeTrace trace = readTrace(file, {}, {});
+  EXPECT_EQ(trace.screen->size_m, screen.size_m);
+  EXPECT_EQ(trace.screen->distance_m, screen.distance_m);
+  ASSERT_EQ(trace.samples.size(), samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_EQ(trace.samples[i].time_s, samples[i].time_s);
+    EXPECT_EQ(trace.samples[i].point_px, samples[i].point_px);
+    EXPECT_EQ(trace.samples[i].blink, samples[i].blink);
+    EXPECT_EQ(trace.samples[i].pupil_mm, samples[i].pupil_mm);
+    EXPECT_EQ(trace.samples[i].uncertainty_deg, samples[i].uncertainty_deg);
+    EXPECT_EQ(trace.samples[i].eyes[1].point_px, samples[i].eyes[1].point_px);
+  }
+}
+
+TEST(RecordFiles, RefusesTablesThatAreNone) {
+  const TemporaryFolder scratch;
+  const auto write = [&](const std::string& text) {
+    fs::path file = scratch.path() / "table.tsv";
+    std::ofstream(file, std::ios::binary) << text;
+    return file;
+  };
+  EXPECT_THROW(readFrames(write("")), InputError);
+  EXPECT_THROW(readFrames(write("time_s\tmethod\n")), InputError);
+  EXPECT_THROW(readFrames(write("time_s\n1\n")), InputError);
+  EXPECT_THROW(readFrames(write("time_s\tmethod\n1\tswep\n")), InputError);
+  EXPECT_THROW(readFrames(write("time_s\tmethod\n1\tsweep\n1\tsweep\n")), InputError);
+  EXPECT_EQ(readFrames(write("time_s\tmethod\n1\tsweep\n2\tpinhole\n")).size(), 2u);
+  EXPECT_THROW(readFrames(write("time_s\tmethod\n1\n2\tpinhole\n")), InputError);
+  EXPECT_EQ(readFrames(write("time_s\tmethod\n1\tsweep\n2")).size(), 1u);  // cut off
+  EXPECT_THROW(readChanges(write("time_s\tkey\tvalue\n1\tseed\t3\n")), InputError);
+  EXPECT_THROW(readChanges(write("time_s\tkey\tvalue\n1\tobserver.pupil_mm\n")), InputError);
+  EXPECT_EQ(readChanges(write("time_s\tkey\tvalue\n")).size(), 0u);
+}
+
+}  // namespace
+}  // namespace foci

@@ -1,0 +1,177 @@
+#include "app/session/session.h"
+
+#include <gtest/gtest.h>
+
+#include "base/input_error.h"
+
+namespace foci {
+namespace {
+
+constexpr double kRounding = 1e-9;
+constexpr float kFloatRounding = 1e-5f;
+
+glm::vec3 eyePosition(const EyePath& path, double time_s) {
+  return glm::vec3(glm::inverse(path.eyeFromWorldAt(time_s))[3]);
+}
+
+TEST(EyePath, InterpolatesBetweenAndHoldsOutside) {
+  Study study;
+  study.eye.path = {{.time_s = 1.0, .position_m = {0, 0, 0}, .look_at_m = {0, 0, -5}, .up = {}},
+                    {.time_s = 3.0, .position_m = {2, 0, 0}, .look_at_m = {2, 0, -5}, .up = {}}};
+  const EyePath path(study);
+  EXPECT_NEAR(eyePosition(path, 0.0).x, 0.0f, kFloatRounding);
+  EXPECT_NEAR(eyePosition(path, 1.5).x, 0.5f, kFloatRounding);
+  EXPECT_NEAR(eyePosition(path, 3.0).x, 2.0f, kFloatRounding);
+  EXPECT_NEAR(eyePosition(path, 99.0).x, 2.0f, kFloatRounding);
+}
+
+TEST(EyePath, RefusesToPassThroughWhatItLooksAt) {
+  Study study;
+  study.eye.path = {{.time_s = 0.0, .position_m = {0, 0, 0}, .look_at_m = {0, 0, -1}, .up = {}},
+                    {.time_s = 2.0, .position_m = {0, 0, -2}, .look_at_m = {0, 0, -1}, .up = {}}};
+  EXPECT_THROW(EyePath(study).eyeFromWorldAt(1.0), InputError);
+}
+
+TEST(OnOtherScreen, KeepsTheAngle) {
+  const Screen near{.size_px = {1000, 1000}, .size_m = {0.4, 0.4}, .distance_m = 0.5};
+  const Screen far{.size_px = {500, 500}, .size_m = {0.4, 0.4}, .distance_m = 1.0};
+  // 0.1 m right of the centre at 0.5 m is 0.2 m at 1 m: 250 of the other's pixels.
+  const auto point_px = onOtherScreen_px(near, far, {750.0, 500.0});
+  ASSERT_TRUE(point_px.has_value());
+  EXPECT_NEAR(point_px->x, 500.0, kRounding);
+  EXPECT_NEAR(point_px->y, 250.0, kRounding);
+}
+
+TEST(OnOtherScreen, OfTheSameScreenIsTheSamePoint) {
+  const Screen screen{.size_px = {1024, 768}, .size_m = {0.38, 0.30}, .distance_m = 0.67};
+  const auto point_px = onOtherScreen_px(screen, screen, {12.5, 700.25});
+  ASSERT_TRUE(point_px.has_value());
+  EXPECT_NEAR(point_px->x, 12.5, kRounding);
+  EXPECT_NEAR(point_px->y, 700.25, kRounding);
+}
+
+/// A wall across the line of sight, 2 m away.
+SurfelCloud wall() {
+  SurfelCloud cloud;
+  for (int i = 0; i < 60; ++i) {
+    for (int j = 0; j < 60; ++j) {
+      appendSurfel(cloud, glm::vec3(0.02f * (glm::vec2(i, j) - 29.5f), -2.0f), {0, 0, 1},
+                   0.02f * kSigmaPerSpacing, 4e-4f, glm::vec3(0.5f));
+    }
+  }
+  return cloud;
+}
+
+Study wallStudy() {
+  Study study;
+  study.eye.position_m = glm::dvec3(0.0);
+  study.eye.look_at_m = glm::dvec3(0.0, 0.0, -1.0);
+  study.output.size_px = glm::ivec2(64, 36);
+  return study;
+}
+
+TEST(Session, FocusesOnTheSurfaceUnderGaze) {
+  const Study study = wallStudy();
+  const SurfelCloud cloud = wall();
+  const Screen screen = study.screenInForce();
+  Session session(study, cloud, screen, 100.0, 0.0);
+  FrameRecord record;
+  for (int i = 0; i <= 20; ++i) {
+    session.push(
+        {.time_s = 0.01 * i, .point_px = 0.5 * glm::dvec2(screen.size_px), .pupil_mm = {}});
+    record = session.look(0.01 * i);
+  }
+  const Frame& frame = session.render("sweep", record);
+  constexpr double kCone = 1e-3;  // the wall is flat, the cone half a degree
+  EXPECT_EQ(record.eye.state, GazeState::fixation);
+  ASSERT_TRUE(record.eye.surface_distance_m.has_value());
+  EXPECT_NEAR(*record.eye.surface_distance_m, 2.0, 2.0 * kCone);
+  EXPECT_NEAR(record.eye.focus_D, 0.5, kCone);
+  EXPECT_EQ(frame.size_px, study.output.size_px);
+}
+
+TEST(Session, SharpHalfIgnoresThePupil) {
+  Study study = wallStudy();
+  study.output.split = true;
+  const SurfelCloud cloud = wall();
+  Frame small, large;
+  for (const auto& [pupil_mm, frame] : {std::pair{2.0, &small}, std::pair{8.0, &large}}) {
+    study.observer.pupil_mm = pupil_mm;
+    Session session(study, cloud, study.screenInForce(), 100.0, 0.0);
+    FrameRecord record = session.look(0.0);
+    *frame = session.render("sweep", record);
+  }
+  const auto halves = [](const Frame& frame) {
+    std::vector<glm::vec4> left, right;
+    for (int y = 0; y < frame.size_px.y; ++y) {
+      for (int x = 0; x < frame.size_px.x; ++x) {
+        (x < frame.size_px.x / 2 ? left : right).push_back(frame.at(x, y));
+      }
+    }
+    return std::pair(left, right);
+  };
+  EXPECT_EQ(halves(small).first, halves(large).first);
+  EXPECT_NE(halves(small).second, halves(large).second);
+}
+
+/// What an observer of the wall, 0.5 D away, sees after a while.
+std::pair<FrameRecord, Frame> seenBy(const Study& study, const SurfelCloud& cloud) {
+  const Screen screen = study.screenInForce();
+  Session session(study, cloud, screen, 100.0, 0.0);
+  FrameRecord record;
+  for (int i = 0; i <= 20; ++i) {
+    session.push(
+        {.time_s = 0.01 * i, .point_px = 0.5 * glm::dvec2(screen.size_px), .pupil_mm = {}});
+    record = session.look(0.01 * i);
+  }
+  const Frame& frame = session.render("sweep-lod", record);
+  return {record, frame};
+}
+
+TEST(ObserverEye, WithGlassesIsAnEmmetropeByteForByte) {
+  const SurfelCloud cloud = wall();
+  Study study = wallStudy();
+  study.focus.fixed_D = 3.0;  // some blur
+  const Frame emmetrope = seenBy(study, cloud).second;
+  study.observer.sphere_D = -4.0;
+  study.observer.cylinder_D = -2.0;
+  study.observer.axis_deg = 70.0;
+  EXPECT_EQ(seenBy(study, cloud).second.rgba, emmetrope.rgba);
+  study.observer.corrected = false;
+  EXPECT_NE(seenBy(study, cloud).second.rgba, emmetrope.rgba);
+}
+
+TEST(ObserverEye, ShortSightedSeesNothingSharpBeyondItsFarPoint) {
+  const SurfelCloud cloud = wall();
+  Study study = wallStudy();
+  study.observer.sphere_D = -2.0;
+  study.observer.corrected = false;
+  const FrameRecord record = seenBy(study, cloud).first;
+  EXPECT_NEAR(*record.eye.target_D, 0.5, 1e-3);  // the cone of half a degree
+  EXPECT_EQ(record.eye.focus_D, 2.0);
+  // It is blurred as for an emmetrope who looks at half a metre.
+  Study near_study = wallStudy();
+  near_study.focus.fixed_D = 2.0;
+  EXPECT_EQ(seenBy(study, cloud).second.rgba, seenBy(near_study, cloud).second.rgba);
+}
+
+TEST(ObserverEye, GlassesComeOffWhileItRuns) {
+  const Study study = wallStudy();
+  const SurfelCloud cloud = wall();
+  const Screen screen = study.screenInForce();
+  Session session(study, cloud, screen, 100.0, 0.0);
+  for (int i = 0; i <= 20; ++i) {
+    session.push(
+        {.time_s = 0.01 * i, .point_px = 0.5 * glm::dvec2(screen.size_px), .pupil_mm = {}});
+    session.look(0.01 * i);
+  }
+  session.change("observer.sphere_D", "-2");
+  const double worn_D = session.look(0.3).eye.focus_D;
+  session.change("observer.corrected", "false");
+  EXPECT_EQ(session.look(0.4).eye.focus_D, worn_D + 2.0);
+  EXPECT_NEAR(session.look(9.0).eye.focus_D, 2.0, 1e-6);  // relaxed
+  EXPECT_THROW(session.change("observer.axis_deg", "181"), InputError);
+}
+
+}  // namespace
+}  // namespace foci

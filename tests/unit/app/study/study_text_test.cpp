@@ -1,0 +1,38 @@
+#include "app/study/study_text.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "app/study/study.h"
+#include "tests/temporary_folder.h"
+
+namespace foci {
+namespace {
+
+TEST(StudyText, AsTomlIsTheSameStudy) {
+  const TemporaryFolder scratch;
+  Study study;
+  study.eye.path = {
+      {.time_s = 0.5, .position_m = {0, 1, 2}, .look_at_m = {0, 0, 0}, .up = {}},
+      {.time_s = 1.5, .position_m = {0, 1, 3}, .look_at_m = {0, 0, 0}, .up = glm::dvec3(0, 1, 0)}};
+  study.observer.ipd_mm = 100.0 / 1.7;
+  study.output.seconds = glm::dvec2(0.1, 1e5);
+  study.scene.file = "/somewhere/with \"quotes\".ply";
+  const std::filesystem::path file = scratch.path() / "written.toml";
+  std::ofstream(file, std::ios::binary) << studyToml(study);
+  const auto before = resolvedKeys(study), after = resolvedKeys(readStudy(file));
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_EQ(before[i].json, after[i].json) << before[i].name;
+  }
+}
+
+TEST(StudyKeys, PageIsCurrent) {
+  EXPECT_EQ(textOf(std::filesystem::path(FOCI_SOURCE_DIR) / "docs/study.md"), studyKeysMarkdown())
+      << "foci keys --markdown > docs/study.md";
+}
+
+}  // namespace
+}  // namespace foci

@@ -1,0 +1,264 @@
+// The live sources; Pupil against a sender of our own on the loopback device, in one thread.
+#include <gtest/gtest.h>
+
+#define MSGPACK_NO_BOOST
+#include <chrono>
+#include <cmath>
+#include <msgpack.hpp>
+#include <random>
+#include <thread>
+#include <zmq.hpp>
+
+#include "base/input_error.h"
+#include "base/text.h"
+#include "gaze/sources/pupil_message.h"
+#include "gaze/sources/pupil_source.h"
+#include "gaze/sources/simple_sources.h"
+#include "gaze/sources/trace_reader.h"
+#include "tests/unit/gaze/scratch.h"
+
+namespace foci {
+namespace {
+
+constexpr double kRounding = 1e-9;
+const Screen kScreen{.size_px = {1000, 500}, .size_m = {0.5, 0.25}, .distance_m = 0.6};
+
+void packVector(msgpack::packer<msgpack::sbuffer>& packer, const glm::dvec3& v) {
+  packer.pack_array(3);
+  for (int axis : {0, 1, 2}) packer.pack(v[axis]);
+}
+
+/// A binocular datum as Pupil sends it, in its camera's frame (y down, z forward, mm).
+/// @param integers  the older senders' keys
+std::string datum(const GazeSample& sample, bool integers) {
+  msgpack::sbuffer buffer;
+  msgpack::packer packer(buffer);
+  const auto camera = [](const glm::dvec3& v) { return glm::dvec3(v.x, -v.y, -v.z); };
+  const auto key = [&](int eye) {
+    if (integers) {
+      packer.pack(eye);
+    } else {
+      packer.pack(std::to_string(eye));
+    }
+  };
+  packer.pack_map(5);
+  packer.pack("topic");
+  packer.pack("gaze.3d.01.");
+  packer.pack("timestamp");
+  packer.pack(sample.time_s);
+  packer.pack("confidence");
+  packer.pack(sample.confidence.value_or(1.0));
+  for (const bool normals : {true, false}) {
+    packer.pack(normals ? "gaze_normals_3d" : "eye_centers_3d");
+    packer.pack_map(2);
+    for (const int eye : {0, 1}) {  // 0 is the right one
+      const EyeSample& side = sample.eyes[eye == 0];
+      key(eye);
+      packVector(packer, normals ? camera(*side.direction) : 1e3 * camera(*side.origin_m));
+    }
+  }
+  return {buffer.data(), buffer.size()};
+}
+
+GazeSample lookingAt(double time_s, const glm::dvec3& target_m) {
+  GazeSample sample{.time_s = time_s};
+  for (const std::size_t side : {0, 1}) {
+    sample.eyes[side].origin_m = glm::dvec3(side == 0 ? -0.03 : 0.03, 0, 0);
+    sample.eyes[side].direction = glm::normalize(target_m - *sample.eyes[side].origin_m);
+  }
+  return sample;
+}
+
+TEST(ParsePupilMessage, ReadsBothStylesOfKeys) {
+  const GazeSample sent = lookingAt(12.5, {0.1, 0.05, -0.6});
+  for (const bool integers : {false, true}) {
+    const auto sample = parsePupilMessage("gaze.3d.01.", datum(sent, integers), kScreen);
+    ASSERT_TRUE(sample);
+    EXPECT_EQ(sample->time_s, 12.5);
+    EXPECT_EQ(sample->confidence, 1.0);
+    for (const std::size_t side : {0, 1}) {
+      EXPECT_LT(glm::distance(*sample->eyes[side].direction, *sent.eyes[side].direction),
+                kRounding);
+      EXPECT_LT(glm::distance(*sample->eyes[side].origin_m, *sent.eyes[side].origin_m), kRounding);
+    }
+    EXPECT_NEAR(sample->point_px->x, 700, 1.0);
+    EXPECT_NEAR(sample->point_px->y, 150, 1.0);
+  }
+}
+
+TEST(ParsePupilMessage, TwoDimensionalDataAreFractionsFromTheBottomLeft) {
+  msgpack::sbuffer buffer;
+  msgpack::packer packer(buffer);
+  packer.pack_map(3);
+  packer.pack("timestamp");
+  packer.pack(3);
+  packer.pack("confidence");
+  packer.pack(0.8f);
+  packer.pack("norm_pos");
+  packer.pack(std::vector<double>{0.25, 0.9});
+  const std::string_view bytes(buffer.data(), buffer.size());
+  EXPECT_LT(glm::distance(*parsePupilMessage("gaze.2d.0.", bytes, kScreen)->point_px,
+                          glm::dvec2(250, 50)),
+            kRounding);
+  EXPECT_FALSE(parsePupilMessage("pupil.0", bytes, kScreen));
+}
+
+TEST(ParsePupilMessage, DoubtHasNoPointAndDamageIsNothing) {
+  GazeSample sent = lookingAt(1.0, {0, 0, -0.6});
+  sent.confidence = 0.3;
+  const auto doubtful = parsePupilMessage("gaze.3d.01.", datum(sent, false), kScreen);
+  ASSERT_TRUE(doubtful);
+  EXPECT_FALSE(doubtful->point_px);
+  const std::string whole = datum(lookingAt(1.0, {0, 0, -0.6}), false);
+  std::mt19937_64 bits(2);
+  int refused = 0;
+  for (int i = 0; i < 2000; ++i) {
+    std::string bytes = whole;
+    if (i % 2) bytes.resize(bits() % bytes.size());
+    for (int n = 0; n < 3 && !bytes.empty(); ++n) {
+      bytes[bits() % bytes.size()] = static_cast<char>(bits());
+    }
+    const auto sample = parsePupilMessage("gaze.3d.01.", bytes, kScreen);
+    refused += !sample;
+    if (sample) {
+      EXPECT_TRUE(std::isfinite(sample->time_s));
+    }
+  }
+  EXPECT_GT(refused, 900);
+  EXPECT_FALSE(parsePupilMessage("gaze.3d.01.", "\xdd\xff\xff\xff\xff", kScreen));
+}
+
+/// Pupil Remote and its publisher; serves only while `pump` is called.
+class Sender {
+ public:
+  Sender() {
+    remote_.set(zmq::sockopt::linger, 0);
+    data_.set(zmq::sockopt::linger, 0);
+    remote_.bind("tcp://127.0.0.1:*");
+    data_.bind("tcp://127.0.0.1:*");
+  }
+  int port() const { return portOf(remote_); }
+  void pump() {
+    zmq::message_t request;
+    if (!remote_.recv(request, zmq::recv_flags::dontwait)) return;
+    EXPECT_EQ(request.to_string_view(), "SUB_PORT");
+    remote_.send(zmq::buffer(std::to_string(portOf(data_))), zmq::send_flags::none);
+    ++asked;
+  }
+  void send(const GazeSample& sample, bool integers) {
+    data_.send(zmq::str_buffer("gaze.3d.01."), zmq::send_flags::sndmore);
+    data_.send(zmq::buffer(datum(sample, integers)), zmq::send_flags::none);
+  }
+  int asked = 0;
+
+ private:
+  static int portOf(const zmq::socket_t& socket) {
+    const std::string address = socket.get(zmq::sockopt::last_endpoint);
+    return std::stoi(address.substr(address.rfind(':') + 1));
+  }
+  zmq::context_t context_{1};
+  zmq::socket_t remote_{context_, zmq::socket_type::rep}, data_{context_, zmq::socket_type::pub};
+};
+
+/// Samples to play: a real export where there is one.
+std::vector<GazeSample> samplesToPlay() {
+  std::vector<GazeSample> samples;
+  const auto file = gazeData() / "vendors" / "pupil_core_gaze_positions.csv";
+  if (std::filesystem::exists(file)) {
+    for (const GazeSample& sample : readTrace(file, {}, kScreen).samples) {
+      if (sample.eyes[0].direction && sample.eyes[1].direction) samples.push_back(sample);
+      if (samples.size() == 500) break;
+    }
+  } else {
+    for (int i = 0; i < 500; ++i) {
+      samples.push_back(lookingAt(1000.0 + 0.005 * i, {0.0002 * i, 0, -0.6}));
+    }
+  }
+  return samples;
+}
+
+TEST(PupilSource, ReceivesWhatASenderPlaysAndComesBackAfterASilence) {
+  Sender sender;
+  PupilSource source("127.0.0.1", sender.port(), kScreen);
+  const auto played = samplesToPlay();
+  // Our clock is the sender's less some, so that it does not matter how long the test takes.
+  const double behind_s = played.front().time_s - 0.5;
+  std::vector<GazeSample> received;
+  double now_s = 0.0;
+  const auto settle = [&] {
+    sender.pump();
+    source.poll(now_s, received);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  EXPECT_NE(source.status().find("no answer"), std::string::npos);
+  for (int i = 0; i < 2000 && sender.asked == 0; ++i) settle();
+  ASSERT_EQ(sender.asked, 1);
+  // Subscriptions take a moment: what is sent before is lost, as with the real one.
+  GazeSample probe = lookingAt(behind_s, {0, 0, -0.6});
+  for (int i = 0; i < 2000 && received.empty(); ++i) {
+    sender.send(probe, false);
+    settle();
+  }
+  ASSERT_FALSE(received.empty());
+  received.clear();
+  for (std::size_t i = 0; i < played.size(); ++i) {
+    sender.send(played[i], i % 2 == 0);
+    now_s = std::max(now_s, played[i].time_s - behind_s);
+    for (int tries = 0; tries < 2000 && received.size() <= i; ++tries) settle();
+  }
+  ASSERT_EQ(received.size(), played.size());
+  for (std::size_t i = 0; i < played.size(); ++i) {
+    EXPECT_EQ(received[i].point_px.has_value(), played[i].point_px.has_value());
+    if (played[i].point_px) {
+      EXPECT_LT(glm::distance(*received[i].point_px, *played[i].point_px), 1e-6);
+    }
+    if (i > 0) {
+      EXPECT_GT(received[i].time_s, received[i - 1].time_s);
+    }
+  }
+  EXPECT_EQ(source.status().find(", no"), std::string::npos);
+  now_s += 3.0;
+  for (int i = 0; i < 2000 && sender.asked == 1; ++i) settle();
+  EXPECT_EQ(sender.asked, 2);
+}
+
+TEST(PupilSource, RefusesWhatIsNoAddressAndWaitsForNobody) {
+  EXPECT_THROW(PupilSource("", 50020, kScreen), InputError);
+  EXPECT_THROW(PupilSource("a b;c", 50020, kScreen), InputError);
+  EXPECT_THROW(PupilSource("localhost", 0, kScreen), InputError);
+  PupilSource source("127.0.0.1", 1, kScreen);
+  std::vector<GazeSample> samples;
+  for (int i = 0; i < 20; ++i) source.poll(0.5 * i, samples);
+  EXPECT_TRUE(samples.empty());
+}
+
+TEST(TraceSource, PlaysInRealTimeOnTheCallersClock) {
+  GazeTrace trace{.format = "TSV", .rate_Hz = 100.0};
+  for (int i = 0; i < 100; ++i) trace.samples.push_back({.time_s = 50.0 + 0.01 * i});
+  TraceSource source(trace);
+  std::vector<GazeSample> samples;
+  source.poll(7.0, samples);
+  ASSERT_EQ(samples.size(), 1u);
+  EXPECT_NEAR(samples[0].time_s, 7.0, kRounding);
+  source.poll(7.255, samples);
+  EXPECT_EQ(samples.size(), 26u);
+  source.poll(99.0, samples);
+  EXPECT_EQ(samples.size(), 100u);
+  EXPECT_TRUE(source.ended());
+}
+
+TEST(MouseSource, GivesASampleAPollOfATimeOfItsOwn) {
+  MouseSource source;
+  std::vector<GazeSample> samples;
+  source.moveTo(glm::dvec2(3, 4));
+  source.poll(1.0, samples);
+  source.poll(1.0, samples);
+  source.moveTo({});
+  source.poll(1.1, samples);
+  ASSERT_EQ(samples.size(), 2u);
+  EXPECT_EQ(samples[0].point_px, glm::dvec2(3, 4));
+  EXPECT_FALSE(samples[1].point_px);
+}
+
+}  // namespace
+}  // namespace foci

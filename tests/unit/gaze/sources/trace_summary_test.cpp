@@ -1,0 +1,33 @@
+#include "gaze/sources/trace_summary.h"
+
+#include <gtest/gtest.h>
+
+namespace foci {
+namespace {
+
+TEST(TraceSummary, CountsWhatIsThereAndWhatIsMissing) {
+  TraceSummary summary;
+  for (int i = 0; i < 1000; ++i) {
+    GazeSample sample{.time_s = 7.0 + 0.004 * i + (i >= 500 ? 2.0 : 0.0)};
+    if (i % 4 != 0) sample.point_px = glm::dvec2(i, -i);
+    if (i % 5 == 0) sample.eyes[1].point_px = glm::dvec2(1, 1);
+    if (i % 10 == 0) sample.pupil_mm = 3.0;
+    sample.blink = i < 20;
+    summary.add(sample);
+  }
+  EXPECT_EQ(summary.samples(), 1000u);
+  EXPECT_EQ(summary.rate_Hz(), 250.0);
+  EXPECT_NEAR(summary.span_s(), 5.996, 1e-9);
+  EXPECT_EQ(summary.present(), 750u);
+  EXPECT_EQ(summary.eyes()[0], 0u);
+  EXPECT_EQ(summary.eyes()[1], 200u);
+  EXPECT_EQ(summary.pupils(), 100u);
+  EXPECT_EQ(summary.blinks(), 20u);
+  EXPECT_EQ(summary.jumps(), 1u);
+  EXPECT_NEAR(summary.longest_jump_s(), 2.004, 1e-9);
+  EXPECT_EQ(summary.min_px(), glm::dvec2(1, -999));
+  EXPECT_EQ(summary.max_px(), glm::dvec2(999, -1));
+}
+
+}  // namespace
+}  // namespace foci

@@ -1,0 +1,104 @@
+#include "gaze/webcam/webcam_source.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+
+#include "base/input_error.h"
+#include "tests/faces/face.h"
+
+namespace foci {
+namespace {
+
+/// Numbered images of somebody who looks aside more and more.
+class Images {
+ public:
+  explicit Images(int count)
+      : folder_(std::filesystem::temp_directory_path() /
+                ("foci_images_" + std::to_string(getpid()))) {
+    std::filesystem::create_directories(folder_);
+    const faces::Face face(faces::somebody(1));
+    for (int i = 0; i < count; ++i) {
+      const faces::Moment moment{.head_m = {0.0, 0.05, 0.5}, .looks_at_m = {0.03 * i, 0.1, 0.0}};
+      char name[40];
+      std::snprintf(name, sizeof name, "eye%03d.png", i);
+      cv::imwrite(folder_ / name, face.photograph(moment, faces::Photography{}));
+    }
+  }
+  ~Images() { std::filesystem::remove_all(folder_); }
+  Images(const Images&) = delete;
+  Images& operator=(const Images&) = delete;
+  WebcamPlace place() const { return {.file = folder_ / "eye%03d.png"}; }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+TEST(WebcamPlaceOf, KnowsCamerasFilesAndNone) {
+  EXPECT_FALSE(webcamPlaceOf("mouse"));
+  EXPECT_FALSE(webcamPlaceOf("webcamera.tsv"));
+  EXPECT_EQ(webcamPlaceOf("webcam")->device, 0);
+  EXPECT_EQ(webcamPlaceOf("webcam:2")->device, 2);
+  EXPECT_EQ(webcamPlaceOf("webcam:2.mp4")->file, "2.mp4");
+  EXPECT_FALSE(webcamPlaceOf("webcam:2.mp4")->device);
+  EXPECT_THROW(webcamPlaceOf("webcam:"), InputError);
+  EXPECT_THROW(webcamPlaceOf("webcam:-1"), InputError);
+  EXPECT_THROW(webcamPlaceOf("webcam:99"), InputError);
+}
+
+TEST(WebcamSource, PlaysImagesInRealTime) {
+  const Images images(4);
+  // A map that shows what reaches it.
+  const WebcamMapping map = [](const WebcamView& view) {
+    return WebcamGaze{.point_px = 1000.0 * view.eye, .uncertainty_deg = 1.2};
+  };
+  WebcamSource source(images.place(), WebcamTracker(), map);
+  EXPECT_EQ(source.rate_Hz(), 30.0);
+  std::vector<GazeSample> samples;
+  source.poll(10.0, samples);
+  ASSERT_EQ(samples.size(), 1u);  // the first comes with the first poll
+  EXPECT_EQ(samples[0].time_s, 10.0);
+  source.poll(10.01, samples);
+  EXPECT_EQ(samples.size(), 1u);
+  source.poll(10.07, samples);
+  EXPECT_EQ(samples.size(), 3u);
+  source.poll(11.0, samples);
+  ASSERT_EQ(samples.size(), 4u);
+  EXPECT_TRUE(source.ended());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_NEAR(samples[i].time_s, 10.0 + static_cast<double>(i) / 30.0, 1e-9);
+    ASSERT_TRUE(samples[i].point_px) << i;
+    EXPECT_EQ(samples[i].uncertainty_deg, 1.2);
+    EXPECT_GT(samples[i].confidence, 0.2);
+    EXPECT_FALSE(samples[i].blink);
+  }
+  // The camera's right is the observer's left.
+  EXPECT_LT(samples[3].point_px->x, samples[0].point_px->x - 20.0);
+  const auto frames = source.takeFrames();
+  EXPECT_EQ(frames.size(), 4u);
+  EXPECT_TRUE(source.takeFrames().empty());
+}
+
+TEST(WebcamSource, UncalibratedGivesFeaturesAndSaysSo) {
+  const Images images(1);
+  WebcamSource source(images.place(), WebcamTracker(), {});
+  std::vector<GazeSample> samples;
+  source.poll(0.0, samples);
+  ASSERT_EQ(samples.size(), 1u);
+  EXPECT_FALSE(samples[0].point_px);
+  const auto frames = source.takeFrames();
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_TRUE(frames[0].record.view);
+  EXPECT_NE(source.status().find("not calibrated"), std::string::npos);
+}
+
+TEST(WebcamFrames, RefusesWhatIsNoVideo) {
+  EXPECT_THROW(WebcamFrames({.file = "/nowhere/eye%03d.png"}), InputError);
+  EXPECT_THROW(WebcamFrames({.file = "/nowhere/eye.mp4"}), InputError);
+  EXPECT_THROW(WebcamFrames({.device = 63}), InputError);
+}
+
+}  // namespace
+}  // namespace foci

@@ -1,0 +1,226 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string>
+
+#include "base/quantile.h"
+#include "render/image/visible_difference.h"
+#include "render/methods/method.h"
+#include "render/scene/builtin/procedural.h"
+#include "tests/unit/render/surfel_scenes.h"
+
+namespace foci {
+namespace {
+
+Frame greyFrame(float grey) {
+  return {.size_px = {16, 16}, .rgba = std::vector<glm::vec4>(256, glm::vec4(grey)), .depth_m = {}};
+}
+
+float lightness(float luminance) { return 116.0f * std::cbrt(luminance) - 16.0f; }
+
+TEST(VisibleDifference, OfGreysIsThatOfTheirLightness) {
+  const auto apart = visibleDifference(greyFrame(0.2f), greyFrame(0.25f), kUsualPx_per_deg);
+  const float expected = (lightness(0.25f) - lightness(0.2f)) / 2.3f;
+  for (const float each : apart) EXPECT_NEAR(each, expected, 1e-3f);
+}
+
+TEST(VisibleDifference, LightBeyondWhiteIsWhite) {
+  const auto apart = visibleDifference(greyFrame(1.0f), greyFrame(5.0f), kUsualPx_per_deg);
+  for (const float each : apart) EXPECT_EQ(each, 0.0f);
+}
+
+TEST(VisibleDifference, FinerThanTheEyeSeesCountsLess) {
+  Frame stripes = greyFrame(0.0f);
+  for (std::size_t i = 0; i < stripes.rgba.size(); ++i) {
+    stripes.rgba[i] = glm::vec4(i % 2 == 0 ? 0.1f : 0.3f);
+  }
+  auto coarse = visibleDifference(stripes, greyFrame(0.2f), 20.0);
+  auto fine = visibleDifference(stripes, greyFrame(0.2f), 120.0);
+  EXPECT_LT(quantile(fine, 0.5), 0.3f * quantile(coarse, 0.5));
+}
+
+class Auto : public ::testing::Test {
+ protected:
+  SurfelCloud cloud = makePlane(160, 1.0f);
+  View view = [] {
+    View tilted = squareViewOf(128, 190.0f);
+    tilted.eye_from_world =
+        eyeFromWorld({0.0f, 0.9f, 0.9f}, {0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f});
+    return tilted;
+  }();
+
+  RenderSettings settings(float radius_px_per_D, float tolerance = 1.0f) const {
+    RenderSettings all = blurredBy(radius_px_per_D, 1.0f / 1.27f);
+    all.quality.tolerance = tolerance;
+    return all;
+  }
+};
+
+TEST_F(Auto, NoMorePixelsThanSaidAreFurtherOff) {
+  for (const float radius_px_per_D : {2.0f, 20.0f, 60.0f}) {
+    const Frame reference = renderedBy("accumulate:128", cloud, view, settings(radius_px_per_D));
+    for (int number = 1; number <= 8; ++number) {
+      const std::string way = "auto:" + std::to_string(number);
+      RenderStats stats;
+      const Frame frame = renderedBy(way.c_str(), cloud, view, settings(radius_px_per_D), &stats);
+      auto apart = visibleDifference(frame, reference, kUsualPx_per_deg);
+      ASSERT_TRUE(stats.tolerance_error.has_value());
+      EXPECT_LE(quantile(apart, 0.95), *stats.tolerance_error) << way << " " << radius_px_per_D;
+    }
+  }
+}
+
+TEST_F(Auto, DrawsNoBlurWhereNoneShows) {
+  const Frame sharp = renderedBy("auto:1", cloud, view, settings(0.0f));
+  RenderStats stats;
+  const Frame hardly_blurred = renderedBy("auto", cloud, view, settings(3.0f), &stats);
+  EXPECT_EQ(hardly_blurred.rgba, sharp.rgba);
+  EXPECT_LE(*stats.tolerance_error, 1.0);
+  EXPECT_NE(renderedBy("auto", cloud, view, settings(20.0f)).rgba, sharp.rgba);
+  EXPECT_NE(renderedBy("auto", cloud, view, settings(3.0f, 0.3f)).rgba, sharp.rgba);
+}
+
+TEST_F(Auto, ALargerToleranceCostsLess) {
+  std::uint64_t before = UINT64_MAX;
+  double error = 0.0;
+  for (const float tolerance : {0.1f, 100.0f}) {
+    RenderStats stats;
+    renderedBy("auto", cloud, view, settings(40.0f, tolerance), &stats);
+    EXPECT_LT(stats.splats, before) << tolerance;
+    EXPECT_GT(*stats.tolerance_error, error) << tolerance;
+    before = stats.splats;
+    error = *stats.tolerance_error;
+  }
+}
+
+// Where nothing overlaps, parts of the lens would change nothing; where surfaces do in much of the
+// view, the lens as a whole would be off by more than is allowed.
+TEST_F(Auto, TakesTheLensApartWhereTheFrameAsksForIt) {
+  const Frame plane = renderedBy("auto", cloud, view, settings(60.0f));
+  EXPECT_EQ(plane.rgba, renderedBy("auto:3", cloud, view, settings(60.0f)).rgba);
+
+  SurfelCloud crossing;  // stripes before stripes, both blurred
+  for (int k = -4; k <= 4; ++k) {
+    const auto x_m = 0.06f * static_cast<float>(k);
+    for (int row = -3; row <= 3; ++row) {
+      const auto y_m = 0.08f * static_cast<float>(row);
+      addSheetOf(crossing, {.center_m = {x_m, y_m, -0.8f},
+                            .side_m = 0.03f,
+                            .samples = 12,
+                            .color = {1.0f, 0.1f, 0.1f}});
+      addSheetOf(crossing, {.center_m = {x_m + 0.01f, y_m, -0.9f},
+                            .side_m = 0.04f,
+                            .samples = 14,
+                            .color = {0.1f, 1.0f, 0.1f}});
+    }
+  }
+  const View ahead = squareViewOf(128, 300.0f);
+  const RenderSettings blurred = blurredBy(10.0f, 0.0f);
+  RenderStats stats, whole;
+  const Frame apart = renderedBy("auto", crossing, ahead, blurred, &stats);
+  const Frame reference = renderedBy("accumulate:256", crossing, ahead, blurred);
+  auto error = visibleDifference(apart, reference, kUsualPx_per_deg);
+  auto by_whole = visibleDifference(renderedBy("auto:3", crossing, ahead, blurred, &whole),
+                                    reference, kUsualPx_per_deg);
+  EXPECT_GT(quantile(by_whole, 0.95), 1.0f);
+  EXPECT_LT(quantile(error, 0.95), 0.8f * quantile(by_whole, 0.95));
+  EXPECT_GT(*stats.tolerance_error, 1.0f);  // so small and so near that parts do not suffice
+}
+
+TEST_F(Auto, DoesNotFlickerBetweenWays) {
+  const auto method = makeMethod("auto", cloud);
+  Frame frame;
+  std::set<std::string> ways;
+  // Blur that trembles by two per cent, at every level: some are where ways part.
+  for (int level = 0; level < 40; ++level) {
+    int changes = 0;
+    std::string before;
+    for (int i = 0; i < 8; ++i) {
+      RenderSettings now =
+          settings(4.0f * std::pow(1.07f, static_cast<float>(level)) * (i % 2 == 0 ? 1.02f : 1.0f));
+      now.quality.frame_ms = 1e6f;  // never reached: only to be told the way
+      const RenderStats stats = method->render(view, now, frame);
+      changes += i > 0 && stats.rendered_as != before;
+      before = stats.rendered_as;
+      ways.insert(before);
+    }
+    EXPECT_LE(changes, 1) << level;
+  }
+  EXPECT_GE(ways.size(), 2u);
+}
+
+TEST_F(Auto, IsSoftWhereTimeLacksUntilTheViewIsPrepared) {
+  const auto method = makeMethod("auto", cloud);
+  RenderSettings hurried = settings(40.0f, 0.1f);
+  hurried.quality.frame_ms = 1e-6f;
+  Frame frame;
+  RenderStats stats;
+  for (int i = 0; i < 10; ++i) stats = method->render(view, hurried, frame);
+  EXPECT_EQ(stats.rendered_as, "auto:8");
+  EXPECT_FALSE(stats.in_full);
+  EXPECT_GT(*stats.tolerance_error, hurried.quality.tolerance);
+  method->cloneSharingScene()->prepare(view, hurried);
+  stats = method->render(view, hurried, frame);
+  EXPECT_EQ(stats.rendered_as, "auto:6");
+  EXPECT_FALSE(stats.in_full);
+  // What drew it renders the same again, also where nothing was prepared.
+  const Frame again = renderedBy("auto:6", cloud, view, settings(40.0f));
+  EXPECT_EQ(frame.rgba, again.rgba);
+  // Another view is not.
+  View moved = view;
+  moved.principal_px.x += 1.0f;
+  EXPECT_NE(method->render(moved, hurried, frame).rendered_as, "auto:6");
+}
+
+TEST_F(Auto, IsAsGoodAsTheToleranceWhereTimeSuffices) {
+  const auto method = makeMethod("auto", cloud);
+  RenderSettings unhurried = settings(40.0f, 0.1f);
+  unhurried.quality.frame_ms = std::numeric_limits<float>::infinity();
+  Frame frame;
+  const RenderStats stats = method->render(view, unhurried, frame);
+  EXPECT_TRUE(stats.in_full);
+  const std::string way = stats.rendered_as;
+  RenderStats plain;
+  EXPECT_EQ(frame.rgba, renderedBy("auto", cloud, view, settings(40.0f, 0.1f), &plain).rgba);
+  EXPECT_EQ(stats.tolerance_error, plain.tolerance_error);
+  unhurried.quality.frame_ms = 1e6f;
+  const auto other = makeMethod("auto", cloud);
+  other->render(view, unhurried, frame);  // nothing is known yet
+  EXPECT_EQ(other->render(view, unhurried, frame).rendered_as, way);
+}
+
+TEST_F(Auto, ATwinDrawsTheSame) {
+  const auto method = makeMethod("auto", cloud);
+  const auto twin = method->cloneSharingScene();
+  ASSERT_TRUE(twin);
+  Frame ours, its;
+  method->render(view, settings(10.0f), ours);
+  twin->render(view, settings(10.0f), its);
+  EXPECT_EQ(ours.rgba, its.rgba);
+}
+
+TEST_F(Auto, FoveatedIsTheSameWhereOneLooksAndCheaperElsewhere) {
+  RenderSettings foveated = settings(4.0f);
+  foveated.quality.acuity = {.gaze_px = {64.0f, 64.0f}, .base_px = 0.5f, .per_px = 0.1f};
+  RenderStats full, fovea;
+  const Frame everywhere = renderedBy("auto:5", cloud, view, settings(4.0f), &full);
+  const Frame around = renderedBy("auto:5", cloud, view, foveated, &fovea);
+  EXPECT_LT(fovea.splats, full.splats);
+  for (int y = 60; y < 68; ++y) {
+    for (int x = 60; x < 68; ++x) {
+      EXPECT_LT(glm::length(everywhere.at(x, y) - around.at(x, y)), 0.02f) << x << " " << y;
+    }
+  }
+  // Coarser, not darker: kernels of coarse nodes sum to one within 4 %.
+  const auto mean = [](const Frame& frame) {
+    glm::vec4 sum(0.0f);
+    for (const glm::vec4& each : frame.rgba) sum += each;
+    return sum / static_cast<float>(frame.rgba.size());
+  };
+  EXPECT_LT(glm::length(mean(everywhere) - mean(around)), 0.02f);
+}
+
+}  // namespace
+}  // namespace foci

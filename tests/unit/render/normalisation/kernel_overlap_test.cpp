@@ -1,0 +1,46 @@
+#include "render/normalisation/kernel_overlap.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace foci {
+namespace {
+
+constexpr float kQuadrature = 1e-4f;  // of the table
+
+TEST(KernelOverlap, OfAKernelWithItselfIsTheIntegralOfItsSquare) {
+  // 9 / (5 pi R^2) with R^2 = 8 v, times 2 v.
+  EXPECT_NEAR(KernelOverlap::table().of(0.0f, 1.0f), 9.0f / (20.0f * std::numbers::pi_v<float>),
+              kQuadrature);
+}
+
+TEST(KernelOverlap, IntegratesToOneForAllSizes) {
+  for (const float ratio : {0.4f, 0.55f, 0.8f, 1.0f}) {
+    double sum = 0.0;
+    constexpr int kSteps = 2000;
+    for (int i = 0; i < kSteps; ++i) {
+      sum += KernelOverlap::table().of((static_cast<float>(i) + 0.5f) / kSteps, ratio) / kSteps;
+    }
+    EXPECT_NEAR(16.0 * std::numbers::pi * sum, 1.0, 2e-3) << ratio;
+  }
+}
+
+TEST(KernelOverlap, EndsWhereKernelsTouch) {
+  const KernelOverlap& overlap = KernelOverlap::table();
+  EXPECT_NEAR(overlap.beyond(0.0f), 1.0f, 2e-3f);
+  EXPECT_EQ(overlap.of(1.0f, 1.0f), 0.0f);
+  EXPECT_EQ(overlap.beyond(1.0f), 0.0f);
+  // Of radii 0.4 and 1 they touch at (R1 + R2)^2 / 2 (R1^2 + R2^2).
+  const float touch = 1.4f * 1.4f / (2.0f * 1.16f);
+  EXPECT_NEAR(overlap.of(touch + 0.01f, 0.4f), 0.0f, kQuadrature);
+  EXPECT_GT(overlap.of(0.5f * touch, 0.4f), kQuadrature);
+  float before = 1.0f;
+  for (float q = 0.0f; q < 1.0f; q += 0.05f) {
+    EXPECT_LT(overlap.of(q, 1.0f), before);
+    before = overlap.of(q, 1.0f);
+  }
+}
+
+}  // namespace
+}  // namespace foci

@@ -1,0 +1,271 @@
+#include "render/scene/io/mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "base/input_error.h"
+#include "render/scene/io/foci_file.h"
+#include "render/scene/io/open_scene.h"
+#include "render/scene/sampling/poisson_disk.h"
+#include "tests/temporary_folder.h"
+
+namespace foci {
+namespace {
+
+constexpr double kCount = 0.12;  // statistical: dart throwing fills more or less of the room
+constexpr float kByte = 0.01f;   // 8-bit sRGB
+
+/// Two triangles over [0, 2] x [0, 1] in z = 0, seen from +z.
+std::vector<glm::vec3> quad() {
+  return {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 0, 0}, {2, 1, 0}, {0, 1, 0}};
+}
+
+glm::vec3 at(const std::vector<glm::vec3>& corners, const MeshPoint& point) {
+  const glm::vec3 a = corners[3 * point.triangle];
+  return a + point.weights.x * (corners[3 * point.triangle + 1] - a) +
+         point.weights.y * (corners[3 * point.triangle + 2] - a);
+}
+
+TEST(PoissonDisk, KeepsItsLeastDistanceAndFillsTheSurface) {
+  const double spacing = 0.03;
+  const auto corners = quad();
+  const std::vector<MeshPoint> points = poissonDisk(corners, spacing);
+  EXPECT_NEAR(static_cast<double>(points.size()) * spacing * spacing / 2.0, 1.0, kCount);
+  const float least = kPoissonDistance * static_cast<float>(spacing);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      ASSERT_GE(glm::distance(at(corners, points[i]), at(corners, points[j])), 0.9999f * least);
+    }
+  }
+  // No hole much wider than the least distance is left.
+  for (int k = 0; k < 400; ++k) {
+    const glm::vec3 p(0.1f * static_cast<float>(k % 20) + 0.05f,
+                      0.05f * static_cast<float>(k / 20) + 0.025f, 0.0f);
+    const bool near = std::any_of(points.begin(), points.end(), [&](const MeshPoint& point) {
+      return glm::distance(at(corners, point), p) < 1.6f * least;
+    });
+    EXPECT_TRUE(near) << p.x << ", " << p.y;
+  }
+}
+
+TEST(PoissonDisk, IsUniformOverTrianglesOfAnySize) {
+  std::vector<glm::vec3> corners = quad();
+  for (glm::vec3 p : quad()) corners.push_back(3.0f * p + glm::vec3(0.0f, 0.0f, 5.0f));
+  corners.insert(corners.end(), 3, glm::vec3(1.0f));  // no area
+  std::size_t small = 0;
+  const std::vector<MeshPoint> points = poissonDisk(corners, 0.05);
+  for (const MeshPoint& point : points) {
+    ASSERT_LT(point.triangle, 4u);
+    small += point.triangle < 2;
+  }
+  EXPECT_NEAR(static_cast<double>(small) / static_cast<double>(points.size()), 0.1, 0.01);
+}
+
+TEST(PoissonDisk, FillsBothSidesOfAThinSheet) {
+  std::vector<glm::vec3> corners = quad();
+  for (const int i : {0, 2, 1, 3, 5, 4}) corners.push_back(quad()[static_cast<std::size_t>(i)]);
+  EXPECT_NEAR(static_cast<double>(poissonDisk(corners, 0.05).size()) * 0.0025 / 4.0, 1.0, kCount);
+}
+
+TEST(PoissonDisk, HasNothingToFillWithoutAnArea) {
+  EXPECT_TRUE(poissonDisk({}, 0.1).empty());
+  EXPECT_TRUE(poissonDisk(std::vector<glm::vec3>(6, glm::vec3(1.0f)), 0.1).empty());
+}
+
+TEST(PoissonDisk, ASliverTakesNoMoreThanThriceThePointsWanted) {
+  const std::vector<glm::vec3> sliver{{0.0f, 0.0f, 0.0f}, {1e4f, 0.0f, 0.0f}, {0.0f, 2e-4f, 0.0f}};
+  const std::size_t count = poissonDisk(sliver, std::sqrt(1.0 / 1000.0)).size();
+  EXPECT_GE(count, 1000u);
+  EXPECT_LE(count, 3000u);
+}
+
+class MeshTest : public testing::Test {
+ protected:
+  std::filesystem::path file(const std::string& name, const std::string& content) {
+    return temporary_.write(name, content);
+  }
+
+  /// A quad of 2 x 1 whose texture is red on its left half, blue on its right, brighter at the top.
+  std::filesystem::path texturedQuad() {
+    cv::Mat image(64, 128, CV_8UC3);
+    for (int y = 0; y < 64; ++y) {
+      for (int x = 0; x < 128; ++x) {
+        const uchar level = y < 32 ? 255 : 128;
+        image.at<cv::Vec3b>(y, x) = x < 64 ? cv::Vec3b(0, 0, level) : cv::Vec3b(level, 0, 0);
+      }
+    }
+    cv::imwrite((folder_ / "t.png").string(), image);
+    file("quad.mtl", "newmtl m\nKd 0.2 0.2 0.2\nmap_Kd t.png\n");
+    return file("quad.obj",
+                "mtllib quad.mtl\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\n"
+                "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n");
+  }
+
+  std::string refusal(const std::filesystem::path& path) {
+    try {
+      sampleMesh(path, {.points = 100});
+    } catch (const InputError& error) {
+      const std::string what = error.what();
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+      return what;
+    }
+    return "";
+  }
+
+  const TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
+};
+
+TEST_F(MeshTest, TakesColoursFromATexture) {
+  const PointCloud points = sampleMesh(texturedQuad(), {.points = 2000});
+  EXPECT_NEAR(static_cast<double>(points.size()), 2000.0, 2000.0 * kCount);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const glm::vec3 p = points.position_m[i];
+    EXPECT_EQ(points.normal[i], glm::vec3(0.0f, 0.0f, 1.0f));
+    if (std::abs(p.x - 1.0f) < 0.05f || std::abs(p.y - 0.5f) < 0.05f) continue;  // across the edges
+    if (p.x < 0.05f || p.x > 1.95f || p.y < 0.05f || p.y > 0.95f) continue;      // it repeats
+    const float level = p.y > 0.5f ? 1.0f : 0.2159f;                             // sRGB 128
+    const glm::vec3 expected = p.x < 1.0f ? glm::vec3(level, 0, 0) : glm::vec3(0, 0, level);
+    ASSERT_LT(glm::distance(points.color[i], expected), kByte) << p.x << ", " << p.y;
+  }
+}
+
+TEST_F(MeshTest, AveragesATextureFinerThanItsPoints) {
+  cv::Mat checker(256, 256, CV_8UC1);
+  for (int i = 0; i < 256 * 256; ++i) {
+    checker.data[i] = (i % 256 + i / 256) % 2 == 0 ? 255 : 0;
+  }
+  cv::imwrite((folder_ / "t.png").string(), checker);
+  file("q.mtl", "newmtl m\nmap_Kd t.png\n");
+  const auto path = file("q.obj",
+                         "mtllib q.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                         "usemtl m\nf 1/1 2/2 3/3\n");
+  for (const glm::vec3& color : sampleMesh(path, {.points = 500}).color) {
+    EXPECT_NEAR(color.x, 0.5f, kByte);  // of the light, not of its code
+  }
+}
+
+TEST_F(MeshTest, TakesColoursFromVertices) {
+  const auto path = file("t.ply",
+                         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                         "property float y\nproperty float z\nproperty uchar red\n"
+                         "property uchar green\nproperty uchar blue\nelement face 1\n"
+                         "property list uchar int vertex_indices\nend_header\n"
+                         "0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n3 0 1 2\n");
+  EXPECT_TRUE(isMeshFile(path));
+  const PointCloud points = sampleMesh(path, {.points = 500});
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const glm::vec3 p = points.position_m[i];
+    EXPECT_LT(glm::distance(points.color[i], {1.0f - p.x - p.y, p.x, p.y}), kByte);
+  }
+}
+
+TEST_F(MeshTest, ShadesWhatHasNoColours) {
+  const auto path = file("t.stl",
+                         "solid t\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 0 1\n"
+                         "vertex 1 0 0\nendloop\nendfacet\nfacet normal 0 0 0\nouter loop\n"
+                         "vertex 0 -9 0\nvertex 1 -9 0\nvertex 0 -9 1\nendloop\nendfacet\n"
+                         "endsolid t\n");
+  const PointCloud points = sampleMesh(path, {.points = 200});
+  float upper = 0.0f, lower = 0.0f;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    (points.normal[i].y > 0.0f ? upper : lower) = points.color[i].x;
+  }
+  EXPECT_GT(lower, 0.0f);
+  EXPECT_GT(upper, 2.0f * lower);
+}
+
+TEST_F(MeshTest, ReadsGltfWithItsNodesMoved) {
+  // Three float positions, (0 0 0) (1 0 0) (0 1 0), as base64.
+  const auto path = file("t.gltf",
+                         R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+          "nodes":[{"mesh":0,"translation":[0,0,-5]}],
+          "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
+          "materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,0.125,0.5]},
+                        "alphaMode":"BLEND"}],
+          "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",
+                        "min":[0,0,0],"max":[1,1,0]}],
+          "bufferViews":[{"buffer":0,"byteLength":36}],
+          "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+  const PointCloud points = sampleMesh(path, {.points = 300});
+  EXPECT_GT(points.size(), 200u);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_FLOAT_EQ(points.position_m[i].z, -5.0f);
+    EXPECT_NEAR(points.color[i].x / points.color[i].y, 2.0f, 1e-4f);
+    EXPECT_FLOAT_EQ(points.opacity[i], 0.5f);
+  }
+}
+
+TEST_F(MeshTest, LeavesOutWhatTheTextureCutsOut) {
+  cv::Mat image(8, 8, CV_8UC4, cv::Scalar(255, 255, 255, 255));
+  image.colRange(0, 4).setTo(cv::Scalar(255, 255, 255, 0));
+  cv::imwrite((folder_ / "t.png").string(), image);
+  file("q.mtl", "newmtl m\nmap_Kd t.png\n");
+  const auto path = file("q.obj",
+                         "mtllib q.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+                         "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n");
+  const PointCloud points = sampleMesh(path, {.points = 1000});
+  EXPECT_NEAR(static_cast<double>(points.size()), 500.0, 500.0 * kCount);
+  for (const glm::vec3& p : points.position_m) EXPECT_TRUE(p.x > 0.4f || p.x < 0.1f);
+}
+
+TEST_F(MeshTest, SkipsFacesWithoutCorners) {
+  const std::string vertices =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n";
+  const PointCloud points = sampleMesh(file("one.ply", vertices + "0\n3 0 1 2\n"), {.points = 500});
+  EXPECT_NEAR(static_cast<double>(points.size()), 500.0, 500.0 * kCount);
+  EXPECT_NE(refusal(file("none.ply", vertices + "0\n0\n")), "");
+}
+
+TEST_F(MeshTest, RefusesWhatIsNoMesh) {
+  EXPECT_NE(refusal(folder_ / "missing.obj"), "");
+  EXPECT_NE(refusal(file("empty.obj", "")), "");
+  EXPECT_NE(refusal(file("text.gltf", "{")), "");
+  EXPECT_NE(refusal(file("text.glb", "glTF\1\0\0\0")), "");
+  EXPECT_NE(refusal(file("points.obj", "v 0 0 0\nv 1 0 0\n")), "");
+  EXPECT_NE(refusal(file("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")), "");
+  EXPECT_NE(refusal(file("sliver.obj", "v 0 0 0\nv 1e-38 0.1 0\nv 0 0.2 0\nf 1 2 3\n")), "");
+  EXPECT_NE(refusal(file("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")), "");
+  EXPECT_NE(refusal(file("far.obj", "v 1 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n")), "");
+  EXPECT_NE(refusal(file("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 900\n")), "");
+  EXPECT_NE(refusal(file("index.ply",
+                         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                         "property float y\nproperty float z\nelement face 1\n"
+                         "property list uchar int vertex_indices\nend_header\n"
+                         "0 0 0\n1 0 0\n0 1 0\n3 0 1 900\n")),
+            "");
+  file("q.mtl", "newmtl m\nmap_Kd missing.png\n");
+  EXPECT_NE(refusal(file("q.obj",
+                         "mtllib q.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                         "usemtl m\nf 1/1 2/2 3/3\n"))
+                .find("missing.png"),
+            std::string::npos);
+}
+
+TEST_F(MeshTest, OpensLikeAPointCloudAndScaled) {
+  const PointCloud points = openPoints(texturedQuad(), 0.5, {.points = 1000});
+  for (const glm::vec3& p : points.position_m) {
+    ASSERT_TRUE(p.x >= 0.0f && p.x <= 1.0f && p.y >= 0.0f && p.y <= 0.5f);
+  }
+}
+
+TEST_F(MeshTest, SceneFilesOpenByTheirContent) {
+  SurfelCloud cloud;
+  appendSurfel(cloud, {1.0f, 2.0f, 3.0f}, {0.0f, 0.0f, 1.0f}, 0.1f, 0.02f, glm::vec3(0.5f));
+  writeSceneFile(folder_ / "scene.ply", cloud);
+  const OpenedScene scene = openScene(folder_ / "scene.ply", 2.0, {});
+  EXPECT_EQ(scene.cloud.position_m[0], glm::vec3(2.0f, 4.0f, 6.0f));
+  EXPECT_FLOAT_EQ(glm::length(scene.cloud.axis_u_m[0]), 0.2f);
+  EXPECT_FLOAT_EQ(scene.cloud.area_m2[0], 0.08f);
+}
+
+}  // namespace
+}  // namespace foci
