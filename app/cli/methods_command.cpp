@@ -14,7 +14,7 @@ namespace {
 
 /// As it is typed: with `:N` where it takes a number.
 std::string typed(const MethodInfo& method) {
-  return std::string(method.name) + (method.most > 0 ? ":N" : "");
+  return std::string(method.name) + (method.max_n > 0 ? ":N" : "");
 }
 
 /// Three columns: what to type, what it does, where it is from.
@@ -36,9 +36,9 @@ void printJson() {
   for (const MethodInfo& method : methods()) {
     nlohmann::ordered_json entry = {
         {"name", method.name}, {"summary", method.summary}, {"source", method.source}};
-    if (method.most > 0) {
-      entry["standard_n"] = method.standard;
-      entry["max_n"] = method.most;
+    if (method.max_n > 0) {
+      entry["default_n"] = method.default_n;
+      entry["max_n"] = method.max_n;
     }
     list.push_back(entry);
   }

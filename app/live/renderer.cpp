@@ -303,7 +303,7 @@ std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
     session_->mark(frame->record, *marked);
     frame->image = std::move(marked);
   }
-  timing.full = frame->record.stats.in_full && last_method_ == study.render.method;
+  timing.full = frame->record.stats.full_quality && last_method_ == study.render.method;
   last_frame_s_ = time_s;
   frame->into = state_.record;
   timing.render_end_s = clock_.now_s();

@@ -8,8 +8,6 @@
 namespace foci {
 namespace {
 
-constexpr std::string_view kAutoNumbered = "auto:";
-
 /// The left half without blur, a thin line between.
 void splitWithSharp(Frame& frame, const Frame& sharp) {
   const auto width = static_cast<std::size_t>(frame.size_px.x);
@@ -23,7 +21,7 @@ void splitWithSharp(Frame& frame, const Frame& sharp) {
 }  // namespace
 
 bool RenderRequest::holdsTime() const {
-  return method == "auto" && !eyes.empty() && eyes.front().settings.quality.frame_ms &&
+  return method == kAutoMethod && !eyes.empty() && eyes.front().settings.quality.frame_ms &&
          std::isfinite(*eyes.front().settings.quality.frame_ms);
 }
 
@@ -43,14 +41,14 @@ void addView(const RenderStats& view, RenderStats& all) {
   all.splats += view.splats;
   all.fragments += view.fragments;
   all.ms += view.ms;
-  all.in_full = all.in_full && view.in_full;
+  all.full_quality = all.full_quality && view.full_quality;
   if (view.tolerance_error) {
     all.tolerance_error = std::max(all.tolerance_error.value_or(0.0), *view.tolerance_error);
   }
 }
 
 Method& FrameRenderer::methodNamed(const std::string& spec) {
-  const std::string name = spec.starts_with(kAutoNumbered) ? "auto" : spec;
+  const std::string name(qualityLevelFrom(spec) ? kAutoMethod : spec);
   std::unique_ptr<Method>& method = methods_[name];
   if (!method) method = makeMethod(name, *cloud_);
   return *method;
@@ -71,9 +69,7 @@ void FrameRenderer::prepare(const RenderRequest& job) {
 
 void FrameRenderer::render(const RenderRequest& job, RenderedFrame& rendered) {
   const bool mono = job.stereo == StereoView::mono;
-  const int way = job.method.starts_with(kAutoNumbered)
-                      ? std::stoi(job.method.substr(kAutoNumbered.size()))
-                      : 0;
+  const std::optional<QualityLevel> level = qualityLevelFrom(job.method);
   Method& method = methodNamed(job.method);
   Frame& frame = rendered.frame;
   frame.size_px = job.size_px;
@@ -84,17 +80,20 @@ void FrameRenderer::render(const RenderRequest& job, RenderedFrame& rendered) {
   bool first = true;
   for (const auto& [eye, asked] : job.eyes) {
     RenderSettings settings = asked;
-    settings.quality.way = way;
-    // All of an image is rendered alike, or its method would not tell.
-    settings.quality.as_before = !std::exchange(first, false);
+    settings.quality.quality_level = level;
+    // Every view of a frame uses the same quality level, so the log has one value per frame.
+    settings.quality.keep_level = !std::exchange(first, false);
     if (settings.quality.frame_ms) *settings.quality.frame_ms /= renders;
     Frame& seen = mono ? frame : eye_frame_;
     const RenderStats stats = method.render(eye.view, settings, seen);
     addView(stats, rendered.stats);
-    if (!stats.rendered_as.empty()) rendered.method = stats.rendered_as;
+    // The budget makes the level depend on the machine, so the record names the level.
+    if (stats.quality_level && asked.quality.frame_ms) {
+      rendered.method = textOf(*stats.quality_level);
+    }
     if (job.split) {
       settings.defocus = {};
-      settings.quality.as_before = true;
+      settings.quality.keep_level = true;
       method.render(eye.view, settings, sharp_);
       splitWithSharp(seen, sharp_);
     }

@@ -15,7 +15,7 @@
 namespace foci {
 
 /// What is to be rendered. Equal jobs one after the other have equal images, but where method
-/// `auto` must hold a time, and where one goes on with the image before (`goesOn`).
+/// `auto` must hold a time, and where one goes on with the image before (`isIncremental`).
 struct RenderRequest {
   struct Eye {
     EyeView eye;

@@ -250,7 +250,7 @@ const Frame& Session::render(const std::string& method, FrameRecord& record) {
 
 const Frame& Session::render(const RenderRequest& job, FrameRecord& record, bool again) {
   const bool done = again || at_leisure_ || isUnseen(record) || !job.holdsTime();
-  if (done && rendered_.job == job && !goesOn(job.method)) {
+  if (done && rendered_.job == job && !isIncremental(job.method)) {
     rendered_.stats.ms = 0.0;
   } else {
     renderer_.render(job, rendered_);

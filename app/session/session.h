@@ -76,7 +76,8 @@ class Session {
 
   /// Draws it, and fills method, stats and `rendered` of its record. The same job as the last is
   /// not rendered again, but where another render may bring more: by a method that goes on with the
-  /// image before (`goesOn`), and under a budget of time, until it has been rendered at leisure.
+  /// image before (`isIncremental`), and under a budget of time, until it has been rendered at
+  /// leisure.
   /// @param again  another render of the same job would bring nothing, as far as the caller knows
   /// @return until the next render
   const Frame& render(const RenderRequest& job, FrameRecord& record, bool again = false);

@@ -1,10 +1,7 @@
 // A rendered frame in linear light.
 #pragma once
 
-#include <cstdint>
 #include <glm/glm.hpp>
-#include <optional>
-#include <string>
 #include <vector>
 
 namespace foci {
@@ -28,23 +25,6 @@ struct Frame {
   const glm::vec4& at(int x, int y) const {
     return rgba[static_cast<std::size_t>(y) * size_px.x + x];
   }
-};
-
-/// What a frame cost.
-struct RenderStats {
-  std::uint64_t splats = 0;     ///< rendered, after culling
-  std::uint64_t fragments = 0;  ///< kernel evaluations inside a footprint
-  double ms = 0.0;              ///< wall time
-  /// Of a reference: the PSNR between two halves of its samples. The ceiling of any PSNR against
-  /// it.
-  std::optional<double> split_half_psnr_dB;
-  /// Of `auto`: the error that it expects at most in 95 % of the pixels, in just noticeable
-  /// differences.
-  std::optional<double> tolerance_error;
-  /// False of `auto` whose budget of time did not allow what its tolerance wants.
-  bool in_full = true;
-  /// Of `auto` under a budget of time: the method that renders the same on any machine.
-  std::string rendered_as;
 };
 
 }  // namespace foci

@@ -1,7 +1,7 @@
-// The reference: pinhole views from points all over the lens, the focus kept, averaged (Haeberli
-// and Akeley, The Accumulation Buffer, 1990). Known failure: about pi C^2 views are needed for a
-// blur radius of C pixels; with fewer the views show as ghosts. The frame's own split-half error
-// says how far it can be trusted.
+// The reference: the average of N pinhole views from points all over the lens, with the focus kept
+// (Haeberli and Akeley, The Accumulation Buffer: Hardware Support for High-Quality Rendering,
+// SIGGRAPH 1990). Known failure: a blur radius of C pixels needs about pi C^2 views; fewer views
+// show as ghosts. The frame's own split-half error tells how far it can be trusted.
 #include <cmath>
 
 #include "base/parallel.h"
@@ -26,7 +26,7 @@ class AccumulateMethod final : public Method {
       one->depth_m.assign(settings.depth ? pixels : 0, 0.0f);
     }
 
-    // Even views into the frame, odd ones apart: two halves, against each other.
+    // Sum even views in `frame` and odd views in `odd_`, to compare the two halves.
     RenderStats stats;
     for (int i = 0; i < views_; ++i) {
       scene_.project(cloud_, view, settings, {.lens = lensSample(i, views_), .aperture = 0.0f});
@@ -73,8 +73,8 @@ MethodEntry accumulateMethod() {
   return {.info = {.name = "accumulate",
                    .summary = "N pinhole views over the lens, averaged: the reference",
                    .source = "Haeberli and Akeley 1990",
-                   .most = 100000,
-                   .standard = 200},
+                   .max_n = 100000,
+                   .default_n = 200},
           .make = makeAs<AccumulateMethod>};
 }
 

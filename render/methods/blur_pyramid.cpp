@@ -13,22 +13,23 @@
 namespace foci {
 namespace {
 
-constexpr int kSide_px = 32;  // of a tile
+constexpr int kSide_px = 32;  // of a tile; chosen by hand
 
-/// Pupil that outlines are found for: what they are does not hang on the lens in front of them.
+/// Outlines are found for this pupil, whatever the lens is: a typical diameter in indoor light.
 constexpr float kUsualPupil_m = 0.004f;
 
-/// Variance along an axis of copy j > 0 as it is read, px^2. Of an even one, at 2^-k of the size,
-/// that of the (1 4 6 4 1) / 16 before each halving, (4^k - 1) / 3, and of the interpolation
-/// between samples, 4^k / 6: together 2^j / 2 - 1/3. (1 2 1) / 4 on top, 4^k / 2, makes it that of
-/// the next odd one. The first, of the size of the image, is the mean of three pixels.
+/// Variance along an axis of copy j > 0 after interpolation, px^2: 2^j / 2 - 1/3.
+///   Even j = 2 k, at 2^-k of the size: the filters (1 4 6 4 1) / 16 before each halving add
+///   (4^k - 1) / 3, and the linear interpolation between samples adds 4^k / 6.
+///   Odd j: the filter (1 2 1) / 4 on top adds 4^k / 2.
+///   j = 1, of the size of the image: the mean of three pixels has 2/3.
 constexpr float varianceOf_px2(int j) { return 0.5f * static_cast<float>(1 << j) - 1.0f / 3.0f; }
 
-using Kernel = std::array<float, 3>;  // of a symmetric filter: its middle, and on to one side
+using Kernel = std::array<float, 3>;  // a symmetric filter, from its middle to one side
 constexpr Kernel kThree{1.0f / 3.0f, 1.0f / 3.0f, 0.0f}, kSmooth{0.5f, 0.25f, 0.0f},
     kHalve{0.375f, 0.25f, 0.0625f};
 
-/// Every `step`-th sample of an image through a kernel, along x and y.
+/// Filters an image along x and y, and keeps every `step`-th sample.
 void filter(const std::vector<glm::vec4>& from, const glm::ivec2& size, const Kernel& kernel,
             int step, std::vector<glm::vec4>& to, const glm::ivec2& to_size) {
   std::vector<glm::vec4> rows(static_cast<std::size_t>(to_size.x) * size.y);
@@ -55,8 +56,8 @@ void filter(const std::vector<glm::vec4>& from, const glm::ivec2& size, const Ke
   });
 }
 
-/// Gives pixels that show nothing the mean of what is beside them, so that an outline before
-/// nothing is blurred on both sides alike: from coarser and coarser means over squares.
+/// Gives each empty pixel the mean vergence of the smallest square around it that is not empty. So
+/// an outline in front of nothing is blurred equally on both sides.
 void continueOver(std::vector<float>& point_D, const Frame& sharp) {
   struct Means {
     glm::ivec2 size;
@@ -65,13 +66,13 @@ void continueOver(std::vector<float>& point_D, const Frame& sharp) {
   std::vector<Means> levels(1);
   levels[0].size = sharp.size_px;
   levels[0].sum_count.resize(point_D.size());
-  bool whole = true;
+  bool any_empty = false;
   for (std::size_t p = 0; p < point_D.size(); ++p) {
     const bool shows = sharp.depth_m[p] > 0.0f;
     levels[0].sum_count[p] = shows ? glm::vec2(point_D[p], 1.0f) : glm::vec2(0.0f);
-    whole = whole && shows;
+    any_empty = any_empty || !shows;
   }
-  if (whole) return;
+  if (!any_empty) return;
   while (levels.back().size != glm::ivec2(1)) {
     Means half{.size = (levels.back().size + 1) / 2, .sum_count = {}};
     half.sum_count.resize(static_cast<std::size_t>(half.size.x) * half.size.y);
@@ -114,7 +115,7 @@ void BlurPyramid::set(Frame sharp, const glm::vec2& focal_px) {
   }
 }
 
-/// A tile of a blurred image.
+/// Blurs one tile of the image.
 class BlurPyramid::Tile {
  public:
   Tile(const BlurPyramid& pyramid, const Defocus& defocus, const glm::ivec2& corner)
@@ -153,12 +154,12 @@ class BlurPyramid::Tile {
 
   static void put(const Colour& from, glm::vec4& to) { std::memcpy(&to, &from, sizeof to); }
 
-  /// A row of a copy between whose samples, every 2^k pixels, it is interpolated.
+  /// A row of a copy with a sample every 2^k pixels, for linear interpolation.
   struct Row {
     const glm::vec4* samples = nullptr;
     int k = 0;
-    int first = 0;  ///< where pixel 0 lies from the first sample
-    int next = 0;   ///< to the sample beyond; 0 where there is one for each pixel
+    int first = 0;  ///< offset of pixel 0 from the first sample, px
+    int next = 0;   ///< offset of the next sample; 0 where each pixel has a sample
     float inverse = 1.0f;
 
     Colour at(int x) const {
@@ -172,10 +173,10 @@ class BlurPyramid::Tile {
     return static_cast<std::size_t>(corner_.y + y) * pyramid_.sharp_.size_px.x + corner_.x;
   }
 
-  /// j + t where the variance is a share t of the way from copy j's to copy j + 1's.
+  /// j + t where the variance lies between those of copies j and j + 1, at the fraction t.
   static float levelOf(float variance_px2) {
     const float first_px2 = varianceOf_px2(1);
-    // From the first copy on 2 (variance + 1/3) is 2^j, in between 2^j (1 + t).
+    // From copy 1 on, 2 (variance + 1/3) is 2^j, and between two copies 2^j (1 + t).
     const float power = 2.0f * variance_px2 + 2.0f / 3.0f;
     const int j = (std::bit_cast<int>(power) >> 23) - 127;
     const float rest = power * std::bit_cast<float>((127 - j) << 23);
@@ -184,7 +185,7 @@ class BlurPyramid::Tile {
     return std::min(level, static_cast<float>(kCopies));
   }
 
-  /// The levels of a row of the tile.
+  /// Finds the level of each pixel in a row of the tile.
   void findLevels(int y) {
     const float* point_D = pyramid_.point_D_.data() + indexOf(y);
     const glm::vec2 finite = glm::min(defocus_.radius_px_per_D, glm::vec2(1e6f));
@@ -202,7 +203,7 @@ class BlurPyramid::Tile {
     }
   }
 
-  /// Row y of the tile in copy j, 0 the image itself.
+  /// Interpolates row y of the tile in copy j; copy 0 is the image itself.
   void findRow(int j, int y) {
     Row& row = rows_[j];
     const int k = j / 2, step = 1 << k;
@@ -234,9 +235,9 @@ class BlurPyramid::Tile {
   const BlurPyramid& pyramid_;
   const Defocus& defocus_;
   glm::ivec2 corner_, size_;
-  float level_[kSide_px];  // of a row
-  int finer_[kSide_px];    // of the two copies that a pixel is the mean of
-  Row rows_[kCopies + 1];  // that it is read from
+  float level_[kSide_px];  // by pixel of a row
+  int finer_[kSide_px];    // the finer of the two copies that a pixel interpolates
+  Row rows_[kCopies + 1];  // by copy
   glm::vec4 between_[kCopies + 1][kSide_px / 2 + 3];
 };
 

@@ -1,11 +1,10 @@
-// Coherence from frame to frame: what did not change is not computed again, and of what did, the
-// most noticeable first, until the time is up (Fearing, Importance Ordering for Real-Time Depth of
-// Field, ICSC 1995; Technical Report TR-96-06, University of British Columbia, 1996). Importance is
-// the change of colour and of blur since a place was last computed; how a place is computed is
-// `potmesil`. There places are pixels and the limit is a time; here, so that the same input gives
-// the same image, they are tiles, and at most N per cent of them are computed a frame. Known
-// failure: those of `potmesil`; and with N below 100, what is not yet computed shows an earlier
-// focus.
+// Coherence from frame to frame (Fearing, Importance Ordering for Real-Time Depth of Field, ICSC
+// 1995; Technical Report TR-96-06, University of British Columbia, 1996). Unchanged parts of the
+// frame are reused. Changed parts are computed in the order of their importance: the change of
+// colour and blur since the part was last computed. Each part is computed as in `potmesil`.
+// Fearing's parts are pixels, and a time limit ends the frame. Here the parts are tiles, and at
+// most N per cent of them are computed in a frame, so that the same input gives the same image.
+// Known failure: the failures of `potmesil`. With N below 100, some tiles show an earlier focus.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -26,7 +25,7 @@ class FearingMethod final : public Method {
     RenderStats stats = camera_.render(view, settings, frame);
     discs_.set(frame.size_px, frame.rgba, vergences_D(frame, settings.defocus), settings.defocus);
     if (shown_.size_px != frame.size_px) {
-      // Before the first frame everything counts as shown, sharp.
+      // Before the first frame, the sharp image counts as shown.
       shown_.size_px = frame.size_px;
       shown_.rgba = seen_rgba_ = frame.rgba;
       seen_radius_px_.assign(frame.rgba.size(), 0.0f);
@@ -51,11 +50,11 @@ class FearingMethod final : public Method {
   }
 
  private:
-  /// Adds what changed since the last frame to the importance of the tiles that it falls on.
+  /// Adds the change since the last frame to the importance of each tile that its light reaches.
   void addImportance(const Frame& frame) {
     struct Change {
       double sum = 0.0;
-      float reach_px = 0.0f;  // of the light that changed, before or now
+      float reach_px = 0.0f;  // of the changed light, before or now
     };
     const glm::ivec2 tiles = discs_.tiles();
     std::vector<Change> changes(importance_.size());
@@ -96,8 +95,8 @@ class FearingMethod final : public Method {
   PinholeCamera camera_;
   std::size_t percent_;
   DiscImage discs_;
-  Frame shown_;                       // what is on the screen
-  std::vector<double> importance_;    // by tile, since it was last computed
+  Frame shown_;                       // the previous frame
+  std::vector<double> importance_;    // by tile, since the tile was last computed
   std::vector<glm::vec4> seen_rgba_;  // of the last pinhole image
   std::vector<float> seen_radius_px_;
 };
@@ -106,12 +105,12 @@ class FearingMethod final : public Method {
 
 MethodEntry fearingMethod() {
   return {.info = {.name = "fearing",
-                   .summary = "potmesil where something changed, at most N per cent of the frame",
+                   .summary = "potmesil where the image changed, at most N per cent of the frame",
                    .source = "Fearing 1996",
-                   .most = 100,
-                   .standard = 100,
+                   .max_n = 100,
+                   .default_n = 100,
                    .ellipses = false,
-                   .goes_on = true},
+                   .incremental = true},
           .make = makeAs<FearingMethod>};
 }
 

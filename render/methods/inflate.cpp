@@ -1,10 +1,10 @@
-// Depth of field as renderers of Gaussian splats do it today: prefilter and blur are added to each
-// splat's covariance, V' = V + I + a C^2 I, its opacity is scaled by sqrt(det V / det V') so that
-// its light stays the same, and splats are composited one over the other, front to back (Kerbl et
-// al., 3D Gaussian Splatting for Real-Time Radiance Field Rendering, 2023; the blur as in Spark and
-// in PlayCanvas' splat-transform). Public renderers disagree on a; here it is the paper's (Eq. 11).
-// Known failure: splats do not add up to surfaces. An opaque sheet that is blurred lets through
-// what lies behind it.
+// Depth of field as in today's renderers of Gaussian splats (Kerbl et al., 3D Gaussian Splatting
+// for Real-Time Radiance Field Rendering, 2023; the blur as in Spark and in PlayCanvas'
+// splat-transform). Prefilter and blur are added to each splat's covariance, V' = V + I + a C^2 I.
+// The opacity is scaled by sqrt(det V / det V'), which preserves the splat's light. Splats are
+// composited one over the other, front to back. Public renderers disagree on a; here a is that of
+// Krivanek, Zara and Bouatouch 2003 (Eq. 11). Known failure: splats do not add up to surfaces. A
+// blurred opaque sheet transmits light from the surfaces behind it.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -26,12 +26,16 @@
 #define FOCI_INFLATE_ONCE
 namespace foci {
 
-/// As the reference rasteriser of 3D Gaussian splatting has it: the largest alpha of a splat on a
-/// pixel, and the light at which a pixel counts as closed. (Its least alpha, 1/255, is left out:
-/// under it, the many small splats of a scan would vanish once they are blurred.)
-inline constexpr float kMaxAlpha = 0.99f, kClosed = 1e-4f;
+/// From the reference rasteriser of 3D Gaussian splatting (Kerbl et al. 2023): the largest alpha of
+/// a splat at a pixel, and the transmittance at which a pixel counts as opaque. The rasteriser's
+/// smallest alpha, 1/255, is left out. It would remove the many small splats of a scan once they
+/// are blurred.
+inline constexpr float kMaxAlpha = 0.99f, kOpaque = 1e-4f;
 
-/// A Gaussian as it is composited: alpha = peak exp(-q/2).
+/// Every so many splats, a tile checks whether all of its pixels are opaque. Chosen by hand.
+inline constexpr int kSplatsBetweenOpaqueChecks = 256;
+
+/// A Gaussian with alpha = peak exp(-q/2).
 struct InflatedSplat {
   float x_px, y_px;  // from the tile's corner
   float qa, qb, qc;
@@ -40,11 +44,11 @@ struct InflatedSplat {
   float red, green, blue, distance;  // per unit of alpha
 };
 
-/// Pixels of a tile, row by row.
+/// The pixels of a tile, row by row.
 struct InflatedTile {
   static constexpr int kTile_px = ViewSplats::kTile_px;
   static constexpr int kPixels = kTile_px * kTile_px;
-  alignas(64) float through[kPixels], red[kPixels], green[kPixels], blue[kPixels];
+  alignas(64) float transmittance[kPixels], red[kPixels], green[kPixels], blue[kPixels];
   alignas(64) float distance[kPixels];
 };
 
@@ -56,7 +60,8 @@ namespace foci {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Composites one splat behind what the tile holds; returns the pixels that it met.
+/// Composites one splat behind the splats that the tile holds. Returns the number of pixels that
+/// the splat touched.
 std::size_t compositeSplat(const InflatedSplat& splat, InflatedTile& tile) {
   constexpr int kTile_px = InflatedTile::kTile_px;
   const hn::CappedTag<float, 16> d;
@@ -81,11 +86,11 @@ std::size_t compositeSplat(const InflatedSplat& splat, InflatedTile& tile) {
       auto alpha = hn::Mul(set(splat.peak), hn::Exp(d, hn::Mul(set(-0.5f), q)));
       alpha = hn::Min(alpha, set(kMaxAlpha));
       const int at = y * kTile_px + x;
-      const auto through = hn::Load(d, tile.through + at);
-      const auto counts = hn::And(hn::Lt(q, reach), hn::Gt(through, set(kClosed)));
+      const auto transmittance = hn::Load(d, tile.transmittance + at);
+      const auto counts = hn::And(hn::Lt(q, reach), hn::Gt(transmittance, set(kOpaque)));
       met += hn::CountTrue(d, counts);
       alpha = hn::IfThenElseZero(counts, alpha);
-      const auto passed = hn::Mul(through, alpha);
+      const auto passed = hn::Mul(transmittance, alpha);
       const auto add = [&](float* sum, float value) {
         hn::Store(hn::MulAdd(passed, set(value), hn::Load(d, sum + at)), d, sum + at);
       };
@@ -93,7 +98,7 @@ std::size_t compositeSplat(const InflatedSplat& splat, InflatedTile& tile) {
       add(tile.green, splat.green);
       add(tile.blue, splat.blue);
       add(tile.distance, splat.distance);
-      hn::Store(hn::Sub(through, passed), d, tile.through + at);
+      hn::Store(hn::Sub(transmittance, passed), d, tile.transmittance + at);
     }
   }
   return met;
@@ -113,8 +118,8 @@ namespace {
 class InflateMethod final : public Method {
  public:
   explicit InflateMethod(const SurfelCloud& cloud) : gaussians_(cloud) {
-    // Gaussians know no area. The product of their axes in its place makes a splat's weights sum to
-    // the root of the determinant of its projected covariance.
+    // A Gaussian has no area. With the product of its axes in place of the area, a splat's weights
+    // sum to the root of the determinant of its projected covariance.
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       gaussians_.area_m2[i] = glm::length(cloud.axis_u_m[i]) * glm::length(cloud.axis_v_m[i]);
     }
@@ -132,10 +137,10 @@ class InflateMethod final : public Method {
   }
 
  private:
-  /// The splat's blurred Gaussian of unit peak, and the opacity that keeps its light.
+  /// The splat's blurred Gaussian, with the opacity that preserves its light.
   static InflatedSplat inflated(const Splat& splat, const glm::vec2& corner_px) {
-    // The footprint x' Q x < 1 reaches `support2` squared deviations: V' = Q^-1 / support2. The
-    // splat's weights sum to sqrt(det V), see below.
+    // The footprint x' Q x < 1 ends at `support2` squared standard deviations, so V' = Q^-1 /
+    // support2. The splat's weights sum to sqrt(det V), see the constructor.
     const float support2 = kernelShape(kMaxExponent).support2;
     const float root_det_q = std::sqrt(splat.qa * splat.qc - 0.25f * splat.qb * splat.qb);
     const float root_det_sharp =
@@ -161,12 +166,13 @@ class InflateMethod final : public Method {
     const glm::ivec2 begin = scene_.cornerOf(number);
     const glm::ivec2 size = glm::min(glm::ivec2(InflatedTile::kTile_px), frame.size_px - begin);
     InflatedTile tile{};
-    std::fill_n(tile.through, InflatedTile::kPixels, 1.0f);
+    std::fill_n(tile.transmittance, InflatedTile::kPixels, 1.0f);
     std::uint64_t fragments = 0;
-    int until_check = 0;
+    int since_start = 0;
     for (const std::uint32_t index : scene_.splatsOn(number)) {
-      if (++until_check % 256 == 0 &&
-          *std::max_element(tile.through, tile.through + InflatedTile::kPixels) <= kClosed) {
+      if (++since_start % kSplatsBetweenOpaqueChecks == 0 &&
+          *std::max_element(tile.transmittance, tile.transmittance + InflatedTile::kPixels) <=
+              kOpaque) {
         break;
       }
       const InflatedSplat splat = inflated(scene_.splats()[index], glm::vec2(begin));
@@ -176,9 +182,9 @@ class InflateMethod final : public Method {
       for (int x = 0; x < size.x; ++x) {
         const int i = y * InflatedTile::kTile_px + x;
         const std::size_t p = static_cast<std::size_t>(begin.y + y) * frame.size_px.x + begin.x + x;
-        const float covered = 1.0f - tile.through[i];
+        const float covered = 1.0f - tile.transmittance[i];
         frame.rgba[p] = glm::vec4(glm::vec3(tile.red[i], tile.green[i], tile.blue[i]) +
-                                      tile.through[i] * settings.background,
+                                      tile.transmittance[i] * settings.background,
                                   covered);
         if (settings.depth) frame.depth_m[p] = covered > 0.0f ? tile.distance[i] / covered : 0.0f;
       }
@@ -195,7 +201,8 @@ class InflateMethod final : public Method {
 MethodEntry inflateMethod() {
   return {
       .info = {.name = "inflate",
-               .summary = "splats' covariance grown by the blur, opacity scaled down, sorted over",
+               .summary =
+                   "splats' covariance grown by the blur, opacity scaled down, composited in order",
                .source = "Kerbl et al. 2023; Spark, PlayCanvas"},
       .make = makeAs<InflateMethod>};
 }

@@ -1,10 +1,10 @@
-// Two and a half dimensions: the scene is sorted into layers by depth, each is rendered for itself
-// without blur, blurred as a whole and laid over those behind it (Scofield, 2 1/2-D Depth-of-Field
-// Simulation for Computer Animation, Graphics Gems III, 1992). So what a blurred thing hides is
-// there and shows through. There a layer is a group of objects; here, where there are only surfels,
-// it is one of N equal steps of vergence around the focus. Known failure: within a layer all is
-// blurred alike, so blur grows in steps, and a surface that runs through several layers comes apart
-// where it passes from one to the next.
+// Two and a half dimensions: the scene is sorted into layers by depth. Each layer is rendered
+// without blur, blurred uniformly, and composited over the layers behind it (Scofield, 2 1/2-D
+// Depth-of-Field Simulation for Computer Animation, Graphics Gems III, 1992). So surfaces behind a
+// blurred one are present and show through. Scofield's layers are groups of objects. A scan has
+// only surfels, so here a layer is one of N equal steps of vergence around the focus. Known
+// failure: blur grows in steps, because it is the same everywhere in a layer. A surface that
+// crosses several layers comes apart at their borders.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,7 +17,8 @@
 namespace foci {
 namespace {
 
-/// Layers are not thinner than this change of blur.
+/// The thinnest layer: half a pixel of blur, below which steps are not visible, and 1e-4 D, which
+/// bounds the number of layers of an extreme lens. Both chosen by hand.
 constexpr float kMinStep_px = 0.5f;
 constexpr float kMinStep_D = 1e-4f;
 
@@ -41,17 +42,17 @@ class LayeredMethod final : public Method {
 
     scene_.project(cloud_, view, settings, {.aperture = 0.0f});
     stats.splats = scene_.count();
-    float least_D = std::numeric_limits<float>::max(), most_D = 0.0f;
+    float min_D = std::numeric_limits<float>::max(), max_D = 0.0f;
     scene_.forEach([&](const Splat& splat) {
-      least_D = std::min(least_D, vergence_D(splat));
-      most_D = std::max(most_D, vergence_D(splat));
+      min_D = std::min(min_D, vergence_D(splat));
+      max_D = std::max(max_D, vergence_D(splat));
     });
     const float focus_D = settings.defocus.focus_D;
     const float widest =
         std::max(settings.defocus.radius_px_per_D.x, settings.defocus.radius_px_per_D.y);
-    const float step_D = std::max(
-        {(most_D - least_D) / static_cast<float>(layers_), kMinStep_px / widest, kMinStep_D});
-    // The layer in focus is number 0 and reaches half a step to both sides.
+    const float step_D =
+        std::max({(max_D - min_D) / static_cast<float>(layers_), kMinStep_px / widest, kMinStep_D});
+    // Layer 0 is in focus and reaches half a step to both sides.
     const auto layerOf = [&](const Splat& splat) {
       const float steps = (vergence_D(splat) - focus_D) / step_D;
       return static_cast<int>(std::floor(std::clamp(steps, -1e4f, 1e4f) + 0.5f));
@@ -76,12 +77,12 @@ class LayeredMethod final : public Method {
   }
 
  private:
-  /// Blurs the image of the layer as its mean vergence asks for.
+  /// Blurs the image of the layer by the blur of its mean vergence.
   void blur(const Defocus& defocus) {
     double sum_D = 0.0;
     layer_.forEach([&](const Splat& splat) { sum_D += vergence_D(splat); });
     const auto mean_D = static_cast<float>(sum_D / static_cast<double>(layer_.count()));
-    // What is empty has nothing to spread: as if in focus.
+    // Empty pixels have no light to spread: treat them as in focus.
     std::vector<float> point_D(image_.rgba.size());
     std::transform(
         image_.rgba.begin(), image_.rgba.end(), point_D.begin(),
@@ -104,10 +105,10 @@ class LayeredMethod final : public Method {
 MethodEntry layeredMethod() {
   return {.info = {.name = "layered",
                    .summary =
-                       "N depth layers rendered for themselves, blurred and laid over each other",
+                       "N depth layers, each rendered, blurred and composited over those behind it",
                    .source = "Scofield 1992",
-                   .most = 256,
-                   .standard = 8,
+                   .max_n = 256,
+                   .default_n = 8,
                    .ellipses = false},
           .make = makeAs<LayeredMethod>};
 }

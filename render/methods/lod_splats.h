@@ -1,5 +1,5 @@
-// The scene as a tree, rendered no finer than blur and acuity show it: the one door through which
-// methods reach level of detail.
+// Renders the scene from an LOD cut, no finer than blur and acuity can show. Every method with
+// level of detail goes through this class.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -17,7 +17,7 @@ namespace foci {
 
 struct LodSettings {
   CutSettings cut;
-  int parts = 1;  ///< of the lens, where surfaces overlap; 1: the lens as a whole
+  int sub_apertures = 1;  ///< used where surfaces overlap; 1: a whole-aperture pass everywhere
 };
 
 /// Keeps its buffers between frames.
@@ -29,8 +29,8 @@ class LodSplats {
   const MomentTree& tree() const { return *tree_; }
   const std::shared_ptr<const MomentTree>& sharedTree() const { return tree_; }
 
-  /// @param frame  of the view's size, with depth where it is asked for
-  /// @return all of the stats but their time
+  /// @param frame  has the view's size, and depth where the settings ask for depth
+  /// @return the stats without the time
   RenderStats render(const View& view, const RenderSettings& settings, const LodSettings& lod,
                      Frame& frame);
 

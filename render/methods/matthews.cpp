@@ -1,12 +1,13 @@
-// A post-filter that mends the faults of spreading pixels over their circles of confusion, in the
-// manner of Matthews (Analyzing and Improving Depth-of-Field Simulation in Digital Image Synthesis,
-// Master's thesis, University of California, Santa Cruz, 1998), which Krivanek, Zara and Bouatouch
-// (2003) cite for both: leakage and undervalued intensities. What is farther than a pixel's own
-// surface reaches that pixel no farther than that surface's blur; what it receives is divided by
-// the weights that arrive; what is nearer covers it by its own weights. The rules are ours, written
-// from that description. Known failure: a finished image has one surface a pixel. What a blurred
-// thing hides is missing, so the inner half of its blurred outline stays opaque.
-
+// A post-filter without the two faults of `potmesil`, leakage and undervalued intensities, after
+// Matthews (Analyzing and Improving Depth-of-Field Simulation in Digital Image Synthesis, Master's
+// thesis, University of California, Santa Cruz, 1998). We know the thesis from the description by
+// Krivanek, Zara and Bouatouch (2003), and the rules are our own:
+//   1. Light from a farther surface reaches a pixel only from within the blur of the pixel's
+//   surface.
+//   2. The light that arrives is divided by the sum of its weights.
+//   3. Light from a nearer surface covers the pixel by its own weights.
+// Known failure: a finished image has one surface at each pixel. The surfaces behind a blurred one
+// are missing, so the inner half of its blurred outline stays opaque.
 #include "base/parallel.h"
 #include "render/methods/method.h"
 #include "render/methods/post_filter.h"
@@ -29,7 +30,7 @@ class MatthewsMethod final : public Method {
   }
 
  private:
-  /// What arrives at a pixel: light from surfaces nearer than its own, and from the rest.
+  /// Light that arrives at a pixel: from surfaces nearer than the pixel's own, and from the rest.
   struct Arrivals {
     glm::vec4 nearer{0.0f}, rest{0.0f};
     float nearer_weight = 0.0f, rest_weight = 0.0f;
@@ -56,8 +57,7 @@ class MatthewsMethod final : public Method {
               continue;
             }
             if (std::abs(target_D) < std::abs(source_D)) {
-              // The same density of light, as far as the nearer surface's own circle lets it
-              // through.
+              // The density of light stays the same inside the circle of the nearer surface.
               const glm::vec2 outer_px = discs_.radius_px(target_D) + 0.5f;
               const float n = glm::length(glm::vec2(i - x, row - y) / outer_px);
               const float open = (1.0f - n) * std::min(outer_px.x, outer_px.y);
@@ -74,7 +74,7 @@ class MatthewsMethod final : public Method {
         const Arrivals& a = arrivals[(y - begin.y) * kTile_px + (x - begin.x)];
         const float covered = std::min(1.0f, a.nearer_weight);
         const glm::vec4 front = a.nearer_weight > 1.0f ? a.nearer / a.nearer_weight : a.nearer;
-        // A pixel always reaches itself.
+        // a.rest_weight > 0: a pixel always reaches itself.
         frame.rgba[static_cast<std::size_t>(y) * frame.size_px.x + x] =
             front + (1.0f - covered) * (a.rest / a.rest_weight);
       }
@@ -89,7 +89,7 @@ class MatthewsMethod final : public Method {
 
 MethodEntry matthewsMethod() {
   return {.info = {.name = "matthews",
-                   .summary = "spread pixels, kept off sharper things before them and normalised",
+                   .summary = "potmesil without leakage over sharper surfaces in front, normalised",
                    .source = "after Matthews 1998",
                    .ellipses = false},
           .make = makeAs<MatthewsMethod>};

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <charconv>
 #include <chrono>
+#include <limits>
 
 #include "base/nearest.h"
 
@@ -24,11 +25,11 @@ const std::vector<MethodEntry>& entries() {
   return all;
 }
 
-/// A spec as understood, or what was expected.
+/// A parsed spec.
 struct Choice {
-  const MethodEntry* entry = nullptr;
-  int number = 0;
-  std::string expected;
+  const MethodEntry* entry = nullptr;  ///< null: the spec is invalid
+  int n = 0;
+  std::string expected;  ///< of an invalid spec
 };
 
 Choice parse(std::string_view spec) {
@@ -42,21 +43,37 @@ Choice parse(std::string_view spec) {
     return {nullptr, 0, "a known method; the nearest is " + nearest(name, known)};
   }
   const MethodEntry* entry = &*found;
-  if (colon == std::string_view::npos) return {entry, entry->info.standard, {}};
-  if (entry->info.most == 0) return {nullptr, 0, name + ", which takes no number"};
-  int number = 0;
+  if (colon == std::string_view::npos) return {entry, entry->info.default_n, {}};
+  if (entry->info.max_n == 0) return {nullptr, 0, name + ", which takes no number"};
+  int n = 0;
   const char* end = spec.data() + spec.size();
-  const auto [rest, error] = std::from_chars(spec.data() + colon + 1, end, number);
-  if (error == std::errc() && rest == end && number >= 1 && number <= entry->info.most) {
-    return {entry, number, {}};
+  const auto [rest, error] = std::from_chars(spec.data() + colon + 1, end, n);
+  if (error == std::errc() && rest == end && n >= 1 && n <= entry->info.max_n) {
+    return {entry, n, {}};
   }
-  return {nullptr, 0, name + ":1 to " + name + ":" + std::to_string(entry->info.most)};
+  return {nullptr, 0, name + ":1 to " + name + ":" + std::to_string(entry->info.max_n)};
 }
 
 const MethodInfo& infoOf(std::string_view spec) {
   const Choice choice = parse(spec);
   assert(choice.entry);
   return choice.entry->info;
+}
+
+/// Adds the stats of one colour channel to those of the frame.
+void addChannel(const RenderStats& channel, RenderStats& all) {
+  all.splats += channel.splats;
+  all.fragments += channel.fragments;
+  if (channel.tolerance_error) {
+    all.tolerance_error = std::max(*channel.tolerance_error, all.tolerance_error.value_or(0.0));
+  }
+  if (channel.split_half_psnr_dB) {
+    all.split_half_psnr_dB =
+        std::min(*channel.split_half_psnr_dB,
+                 all.split_half_psnr_dB.value_or(std::numeric_limits<double>::infinity()));
+  }
+  all.quality_level = channel.quality_level;
+  all.full_quality = all.full_quality && channel.full_quality;
 }
 
 }  // namespace
@@ -68,36 +85,25 @@ RenderStats Method::render(const View& view, const RenderSettings& settings, Fra
   const bool colored =
       lens.chromatic_D != glm::vec3(0.0f) && lens.radius_px_per_D != glm::vec2(0.0f);
   RenderStats stats =
-      colored ? renderPrimaries(view, settings, frame) : renderFrame(view, settings, frame);
+      colored ? renderChannels(view, settings, frame) : renderFrame(view, settings, frame);
   stats.ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return stats;
 }
 
-RenderStats Method::renderPrimaries(const View& view, const RenderSettings& settings,
-                                    Frame& frame) {
+RenderStats Method::renderChannels(const View& view, const RenderSettings& settings, Frame& frame) {
   constexpr int kRed = 0, kGreen = 1, kBlue = 2;
-  RenderSettings primary = settings;
-  primary.defocus.chromatic_D = glm::vec3(0.0f);
-  if (primary.quality.frame_ms) *primary.quality.frame_ms /= 3.0f;
+  RenderSettings of_channel = settings;
+  of_channel.defocus.chromatic_D = glm::vec3(0.0f);
+  if (of_channel.quality.frame_ms) *of_channel.quality.frame_ms /= 3.0f;
   std::vector<glm::vec2> red_blue(frame.rgba.size());
   RenderStats all;
-  // Blue, the most out of focus, decides how closely all are rendered; green, the most of the
-  // light, tells coverage and depth.
+  // Blue goes first: it is the most out of focus and decides the quality level of all channels.
+  // Green goes last: it carries most of the light, so coverage and depth are those of green.
   for (const int channel : {kBlue, kRed, kGreen}) {
-    primary.defocus.focus_D = settings.defocus.focus_D + settings.defocus.chromatic_D[channel];
-    primary.quality.as_before = settings.quality.as_before || channel != kBlue;
-    const RenderStats stats = renderFrame(view, primary, frame);
-    all.splats += stats.splats;
-    all.fragments += stats.fragments;
-    const auto worse = [](auto& of_all, const auto& of_one, auto pick) {
-      if (of_one) of_all = of_all ? pick(*of_all, *of_one) : *of_one;
-    };
-    worse(all.tolerance_error, stats.tolerance_error,
-          [](double a, double b) { return std::max(a, b); });
-    worse(all.split_half_psnr_dB, stats.split_half_psnr_dB,
-          [](double a, double b) { return std::min(a, b); });
-    all.rendered_as = stats.rendered_as;
+    of_channel.defocus.focus_D = settings.defocus.focus_D + settings.defocus.chromatic_D[channel];
+    of_channel.quality.keep_level = settings.quality.keep_level || channel != kBlue;
+    addChannel(renderFrame(view, of_channel, frame), all);
     if (channel == kGreen) break;
     for (std::size_t p = 0; p < red_blue.size(); ++p) {
       red_blue[p][channel == kRed ? 0 : 1] = frame.rgba[p][channel];
@@ -121,7 +127,7 @@ const std::vector<MethodInfo>& methods() {
 
 bool rendersEllipses(std::string_view spec) { return infoOf(spec).ellipses; }
 
-bool goesOn(std::string_view spec) { return infoOf(spec).goes_on; }
+bool isIncremental(std::string_view spec) { return infoOf(spec).incremental; }
 
 std::optional<std::string> expectedMethod(std::string_view spec) {
   const Choice choice = parse(spec);
@@ -131,7 +137,7 @@ std::optional<std::string> expectedMethod(std::string_view spec) {
 std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud) {
   const Choice choice = parse(spec);
   assert(choice.entry);
-  return choice.entry->make(cloud, choice.number);
+  return choice.entry->make(cloud, choice.n);
 }
 
 }  // namespace foci

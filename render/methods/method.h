@@ -1,6 +1,7 @@
-// The one interface of every depth-of-field method.
+// The one interface of every depth-of-field method, and the list of the methods.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "render/image/frame.h"
+#include "render/methods/quality_level.h"
 #include "render/optics/acuity.h"
 #include "render/optics/defocus.h"
 #include "render/optics/view.h"
@@ -16,101 +18,127 @@
 
 namespace foci {
 
-/// What method `auto` may spend. Others take no notice.
+/// How closely method `auto` renders, and how long it may take. Other methods ignore all of this.
 struct Quality {
-  /// Error that 95 % of the pixels may have, in just noticeable differences (visible_difference.h).
+  /// Error that 95 % of the pixels may have, in just-noticeable differences (visible_difference.h).
   float tolerance = 1.0f;
-  /// Time to hold, ms: beyond it the error grows as far as it must. Images then depend on the
-  /// machine, and `RenderStats::rendered_as` says how each was rendered. Absent or infinite: as
-  /// long as the tolerance takes.
+  /// Frame-time budget, ms: the error grows as far as the budget requires. The quality level then
+  /// depends on the machine, and `RenderStats::quality_level` reports the level. Absent or
+  /// infinite: no budget.
   std::optional<float> frame_ms = {};
-  Acuity acuity = {};  ///< full everywhere by default
-  /// Drawn as closely as the render before: another primary or another view of the same image.
-  bool as_before = false;
-  /// N: as `auto:N` would. 0: as the rest says.
-  int way = 0;
+  /// Detail that the observer resolves; by default full acuity everywhere.
+  Acuity acuity = {};
+  /// Keep the level of the previous render. For another colour channel or another view of one
+  /// frame: a frame has one level.
+  bool keep_level = false;
+  /// Force this level; nullopt chooses one per frame.
+  std::optional<QualityLevel> quality_level = {};
   bool operator==(const Quality&) const = default;
 };
 
 struct RenderSettings {
   Defocus defocus;             ///< default: everything sharp
   glm::vec3 background{0.0f};  ///< linear RGB behind everything
-  float shading =
-      0.0f;  ///< 0 to 1: how much of the colour falls off with the cosine to the line of sight
+  /// Lambert's shading, 0 to 1: how much of the colour falls off with the cosine of the angle
+  /// between the surfel's normal and the line of sight.
+  float shading = 0.0f;
   bool depth = false;  ///< fill Frame::depth_m
   Quality quality = {};
   bool operator==(const RenderSettings&) const = default;
 };
 
-/// A method renders one scene, given when it is made; it may keep buffers between frames. Not
-/// thread-safe: one thread calls it, it uses as many as the enclosing tbb::task_arena or
-/// tbb::global_control allows.
+/// Cost and quality of one render.
+struct RenderStats {
+  std::uint64_t splats = 0;     ///< rendered, after culling
+  std::uint64_t fragments = 0;  ///< kernel evaluations inside a footprint
+  double ms = 0.0;              ///< wall time
+  /// Of a reference method: the PSNR between two halves of its samples. No PSNR against this
+  /// reference can be trusted beyond it.
+  std::optional<double> split_half_psnr_dB;
+  /// Of `auto`: the predicted error of 95 % of the pixels, an upper bound in just-noticeable
+  /// differences.
+  std::optional<double> tolerance_error;
+  /// Of `auto`: the level that was rendered.
+  std::optional<QualityLevel> quality_level;
+  /// False if the frame-time budget of `auto` was too short for its tolerance.
+  bool full_quality = true;
+};
+
+/// A method renders one scene, which it is made for. It may keep buffers between frames. Not
+/// thread-safe: one thread calls it. Inside, it uses as many threads as the enclosing
+/// tbb::task_arena or tbb::global_control allows.
 class Method {
  public:
   virtual ~Method() = default;
 
-  /// The same input gives the same bytes at any number of threads. `frame` is resized as needed.
-  /// Through a lens with chromatic aberration each primary is rendered with its own focus: three
-  /// renders.
+  /// Renders the scene. The same input gives the same bytes at any number of threads. `frame` is
+  /// resized as needed. A lens with chromatic aberration takes three renders, one for each colour
+  /// channel with its own focus.
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame);
 
-  /// A clone that renders the same scene alike, at the same time if need be: the two share what
-  /// is large and does not change. Nothing where the method has nothing to share.
+  /// A clone of the same scene that renders the same frames and may render at the same time. The
+  /// two share large data that does not change. Null where a method has nothing to share.
   virtual std::unique_ptr<Method> cloneSharingScene() const { return nullptr; }
 
-  /// Does at leisure what lets later renders of this view hold a time (`Quality::frame_ms`), those
-  /// of its twins too.
+  /// Renders in advance, without a frame-time budget, what later renders of this view need to meet
+  /// one (`Quality::frame_ms`). Clones profit too.
   virtual void prepare(const View& /*view*/, const RenderSettings& /*settings*/) {}
 
  private:
-  RenderStats renderPrimaries(const View& view, const RenderSettings& settings, Frame& frame);
+  RenderStats renderChannels(const View& view, const RenderSettings& settings, Frame& frame);
 
-  /// Renders into `frame`, which has the view's size, and depth where it is asked for; fills all of
-  /// the stats but their time.
-  virtual RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) = 0;
+  /// Renders into `frame`, which already has the view's size, and depth where the settings ask for
+  /// depth. Fills every field of the stats except `ms`.
+  virtual RenderStats renderFrame(const View& view, const RenderSettings& settings,
+                                  Frame& frame) = 0;
 };
 
 struct MethodInfo {
   std::string_view name;
   std::string_view summary;  ///< one line
-  std::string_view source;   ///< where it is from
-  int most = 0;              ///< the largest N of `name:N`; 0: it takes none
-  int standard = 0;          ///< N where none is given; 0 of one that takes it: its own choice
-  bool ellipses = true;      ///< false: an astigmatic lens is rendered as the round one of its blur
-                             ///< strength (`roundDefocus_D`)
-  bool goes_on = false;      ///< mends the image of the render before, a part of it at a time
+  std::string_view source;   ///< the publication
+  int max_n = 0;             ///< largest N of `name:N`; 0: the method takes no number
+  int default_n = 0;         ///< N of `name` alone; 0: the method then decides by itself
+  /// False: the method renders an astigmatic lens as the round lens of the same blur strength
+  /// (`roundDefocus_D`).
+  bool ellipses = true;
+  /// Each render updates a part of the previous frame.
+  bool incremental = false;
 };
 
-/// What each method's own file says of it, in a function that every_method.inc names.
+/// A method's own file defines its entry, in a function that every_method.inc lists.
 struct MethodEntry {
   MethodInfo info;
-  /// @param number  N, 1 to `info.most`, or `info.standard`; of no meaning where `most` is 0
-  std::unique_ptr<Method> (*make)(const SurfelCloud& cloud, int number);
+  /// @param n  1 to `info.max_n`, or `info.default_n`; ignored where `max_n` is 0
+  std::unique_ptr<Method> (*make)(const SurfelCloud& cloud, int n);
 };
 
-/// How `M` is made: of the scene, and of N where its constructor takes one.
+/// Makes an `M` from the scene, and from N where the constructor takes a number.
 template <class M>
-std::unique_ptr<Method> makeAs(const SurfelCloud& cloud, int number) {
+std::unique_ptr<Method> makeAs(const SurfelCloud& cloud, int n) {
   if constexpr (std::is_constructible_v<M, const SurfelCloud&, int>) {
-    return std::make_unique<M>(cloud, number);
+    return std::make_unique<M>(cloud, n);
   } else {
     return std::make_unique<M>(cloud);
   }
 }
 
+/// Every method, in the order of every_method.inc.
 const std::vector<MethodInfo>& methods();
 
-/// `MethodInfo::ellipses` of the method that `spec` names. It must be right (asserted).
+// A spec names a method: `name`, or `name:N` where the method takes a number. The functions below
+// except `expectedMethod` assert that the spec is valid.
+
+/// `MethodInfo::ellipses` of the method.
 bool rendersEllipses(std::string_view spec);
 
-/// `MethodInfo::goes_on` of the method that `spec` names. It must be right (asserted).
-bool goesOn(std::string_view spec);
+/// `MethodInfo::incremental` of the method.
+bool isIncremental(std::string_view spec);
 
-/// What was expected instead of `spec`, which is to be the name of one of `methods()`, where it
-/// takes a number with `:N` behind it; nothing where `spec` is right.
+/// What was expected in place of an invalid `spec`; nullopt where `spec` is valid.
 std::optional<std::string> expectedMethod(std::string_view spec);
 
-/// `spec` must be right (asserted). `cloud` must outlive the method.
+/// @param cloud  must outlive the method
 std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud);
 
 }  // namespace foci

@@ -1,10 +1,10 @@
-// Accurate where the observer looks, cheap elsewhere: within 5 degrees of the gaze the light of
-// each pixel is spread over its circle of confusion, as in `potmesil`; outside, pixels are looked
-// up in a pyramid of ever smaller images at the level that their blur asks for (Mulder and van
-// Liere, Fast Perception-Based Depth of Field Rendering, VRST 2000, which leaves both parts to
-// graphics hardware). The gaze is taken to rest on the image's principal point. Known failure:
-// those of `potmesil` inside; outside, blurred things keep their outline, sharp ones leak into what
-// is blurred around them, and the pyramid's squares show; between the two, a seam.
+// Accurate at the gaze, cheap elsewhere (Mulder and van Liere, Fast Perception-Based Depth of Field
+// Rendering, VRST 2000; their version uses graphics hardware). Within 5 degrees of the gaze, each
+// pixel is spread over its circle of confusion, as in `potmesil`. Outside, a pixel is looked up in
+// a pyramid of low-passed images, at the level of its blur. The gaze is assumed to rest on the
+// image's principal point. Known failure: inside, the failures of `potmesil`. Outside, a blurred
+// surface keeps a sharp outline, a sharp surface leaks into the blur around it, and the squares of
+// the pyramid are visible. A seam separates the two parts.
 #include <cmath>
 
 #include "base/parallel.h"
@@ -15,7 +15,7 @@
 namespace foci {
 namespace {
 
-/// Half-angle around the gaze that is rendered accurately: about the parafovea.
+/// Half-angle of the accurate part: about the parafovea. Our choice.
 const float kAccurate_tangent = std::tan(glm::radians(5.0f));
 
 struct Level {
@@ -23,7 +23,7 @@ struct Level {
   std::vector<glm::vec4> rgba;
 };
 
-/// The mean of each 2 x 2 pixels; at odd ends the last one counts twice.
+/// Halves the size: means of 2 x 2 pixels. At an odd end the last pixel counts twice.
 Level halved(const Level& level) {
   Level half{.size_px = (level.size_px + 1) / 2, .rgba = {}};
   half.rgba.resize(static_cast<std::size_t>(half.size_px.x) * half.size_px.y);
@@ -42,10 +42,11 @@ Level halved(const Level& level) {
   return half;
 }
 
-/// Bilinear, at a place in pixels of the level; beyond its middle-most ends the end is taken.
+/// Bilinear interpolation at a place in pixels of the level. Beyond the outer pixel centres the
+/// result is that of the nearest pixel.
 glm::vec4 sampleAt(const Level& level, const glm::vec2& place_px) {
-  const glm::vec2 most(level.size_px - 1);
-  const glm::vec2 p = glm::clamp(place_px - 0.5f, glm::vec2(0.0f), most);
+  const glm::vec2 last(level.size_px - 1);
+  const glm::vec2 p = glm::clamp(place_px - 0.5f, glm::vec2(0.0f), last);
   const glm::ivec2 at(p), next = glm::min(at + 1, level.size_px - 1);
   const glm::vec2 t = p - glm::vec2(at);
   const auto pixel = [&](int x, int y) {
@@ -92,7 +93,7 @@ class MulderMethod final : public Method {
     return glm::length(tangent) < kAccurate_tangent;
   }
 
-  /// Levels up to the one that the widest blur asks for.
+  /// Builds levels up to the level of the widest blur.
   void buildPyramid(const Frame& frame, const std::vector<float>& point_D, const Defocus& defocus) {
     float widest_px = 0.0f;
     for (float point : point_D) {
@@ -106,9 +107,9 @@ class MulderMethod final : public Method {
     }
   }
 
-  /// The pyramid where its blur has the variance of a disc of this radius, C^2/4 along an axis.
-  /// Level l, interpolated, has 4^l/4 from l = 1 on and level 0 none; between two levels variances
-  /// mix as the levels do.
+  /// The pyramid's image with the variance of a disc of radius C, which is C^2/4 along an axis. The
+  /// interpolated level l has the variance 4^l/4 from l = 1 on, and level 0 has none. A mixture of
+  /// two levels has the same mixture of their variances.
   glm::vec4 lookUp(const glm::vec2& place_px, float radius_px) const {
     const float variance_px2 = 0.25f * radius_px * radius_px;
     std::size_t level = 0;

@@ -1,15 +1,15 @@
-// The baseline, as published: Krivanek, Zara and Bouatouch, Fast Depth of Field Rendering with
-// Surface Splatting (2003), without level of detail. Every splat is blurred by its own circle of
-// confusion (Eq. 11), a truncated Gaussian, and goes to an A-buffer with z-ranges (section 6.4).
-// Known failure, theirs: the z-range is that of the blurred splat, so surfaces that are near to
-// each other, or that cross, merge where they should hide one another. And the cost grows with the
-// square of the blur.
+// The published baseline without level of detail: Krivanek, Zara and Bouatouch, Fast Depth of Field
+// Rendering with Surface Splatting (2003). Every splat is blurred by its own circle of confusion
+// (Eq. 11) and becomes a truncated Gaussian. The splats go to an A-buffer with z-ranges
+// (section 6.4). Known failure, which the paper states: the z-range is that of the blurred splat.
+// So surfaces that are close together, or that cross, merge where one should hide the other. The
+// cost grows with the square of the blur.
 #include "render/methods/paper.h"
 
 #include <algorithm>
 
 #include "base/parallel.h"
-#include "render/methods/paper_project.h"
+#include "render/methods/paper/project.h"
 #include "render/splat/splat.h"
 
 namespace foci {

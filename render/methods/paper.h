@@ -1,14 +1,14 @@
-// What `paper` and `paper-lod` have in common: from splats to a frame.
+// From the paper's splats to a frame, for `paper` and `paper-lod`.
 #pragma once
 
-#include "render/methods/abuffer.h"
 #include "render/methods/method.h"
-#include "render/methods/paper_splat.h"
-#include "render/methods/paper_tiles.h"
+#include "render/methods/paper/abuffer.h"
+#include "render/methods/paper/splat.h"
+#include "render/methods/paper/tiles.h"
 
 namespace foci {
 
-/// Bins and renders; `lists` are kept between frames for their memory.
+/// Bins the splats and renders them. The caller keeps `lists` between frames for their memory.
 inline RenderStats renderPaper(const PaperSplats& splats, PaperTileLists& lists, const View& view,
                                const RenderSettings& settings, bool transparent, Frame& frame) {
   lists.build(splats, view.size_px);

@@ -1,33 +1,34 @@
-// The baseline with level of detail: Krivanek, Zara and Bouatouch (2003), sections 5.3 and 6.2.
-// Where the circle of confusion of a node of the hierarchy is larger than the node, the node is
-// rendered in place of its surfels: the blur that its low-passed texture already has is not added
-// again. Known failure, theirs: the texture is low-passed, the shape is not, so outlines and relief
-// change with the level; levels are chosen one by one, so they pop as the focus moves; and what
-// `paper` merges wrongly, this does too.
+// The published baseline with level of detail: Krivanek, Zara and Bouatouch (2003), sections 5.3
+// and 6.2. If the circle of confusion of a hierarchy node is larger than the node, the node is
+// rendered in place of its surfels. Its low-passed texture already has some of the blur, which is
+// not added again. Known failure, which the paper states: the texture is low-passed but the shape
+// is not, so outlines and relief change with the level. Nodes do not fade
+// into each other, so levels pop as the focus moves. Surfaces that `paper` merges wrongly merge
+// here too.
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "base/parallel.h"
 #include "render/methods/paper.h"
-#include "render/methods/paper_hierarchy.h"
-#include "render/methods/paper_project.h"
+#include "render/methods/paper/hierarchy.h"
+#include "render/methods/paper/project.h"
 
 namespace foci {
 namespace {
 
-/// A few surfels and nodes side by side, on their way to be projected.
+/// Surfels or nodes that wait for projection, in the layout that projectPaper reads.
 struct Batch {
-  static constexpr std::size_t kMost = 256;
+  static constexpr std::size_t kMax = 256;  // chosen by hand
   std::size_t count = 0;
-  std::array<glm::vec3, kMost> position_m, axis_u_m, axis_v_m, spread_u_m, spread_v_m, color;
-  std::array<float, kMost> opacity, area_m2;
+  std::array<glm::vec3, kMax> position_m, axis_u_m, axis_v_m, spread_u_m, spread_v_m, color;
+  std::array<float, kMax> opacity, area_m2;
 };
 
-/// What a bounding sphere has to do with a frame.
+/// Where the kernels of a bounding sphere lie: outside the image, across its border, or inside.
 enum class Reach { outside, border, inside };
 
-/// Traverses one subtree and projects what the traversal stops at.
+/// Traverses one subtree and projects the nodes and surfels where the traversal stops.
 class Traversal {
  public:
   Traversal(const SurfelCloud& cloud, const PaperHierarchy& hierarchy, const View& view,
@@ -48,8 +49,8 @@ class Traversal {
   }
 
   /// Whether the node is rendered in place of its children: its projected diameter is below the
-  /// radius of its circle of confusion, or below a pixel. (The paper says "size"; with the diameter
-  /// the number of points comes out as in its table.)
+  /// radius of its circle of confusion, or below a pixel. The paper says "size". With the diameter,
+  /// the number of points agrees with the paper's Table 1.
   bool stops(const PaperNode& node, const glm::vec3& center) const {
     const float depth = -center.z;
     if (!(depth - node.radius_m > view_.near_m)) return false;
@@ -60,15 +61,15 @@ class Traversal {
     return diameter_px.x < blur_px.x && diameter_px.y < blur_px.y;
   }
 
-  /// Whether any kernel of the node or of what is below it can reach the image. Errs towards it.
+  /// Where the kernels of the node and of its descendants lie. Conservative: `outside` is certain.
   Reach reach(const PaperNode& node, const glm::vec3& center) const {
     const float r = node.radius_m, nearest = -center.z - r;
     if (-center.z + r < view_.near_m) return Reach::outside;
     if (!(nearest > view_.near_m)) return Reach::border;
-    const float least = std::max(distance(center) - r, nearest), most = distance(center) + r;
-    const glm::vec2 blur_px =
-        settings_.defocus.radius_px_per_D * std::max(mostDefocus_D(settings_.defocus, 1.0f / least),
-                                                     mostDefocus_D(settings_.defocus, 1.0f / most));
+    const float min_m = std::max(distance(center) - r, nearest), max_m = distance(center) + r;
+    const glm::vec2 blur_px = settings_.defocus.radius_px_per_D *
+                              std::max(mostDefocus_D(settings_.defocus, 1.0f / min_m),
+                                       mostDefocus_D(settings_.defocus, 1.0f / max_m));
     bool inside = true;
     for (int axis = 0; axis < 2; ++axis) {
       const float at = axis == 0 ? center.x : -center.y;
@@ -125,7 +126,7 @@ class Traversal {
     nodes_.color[i] = node.color;
     nodes_.opacity[i] = node.opacity;
     nodes_.area_m2[i] = node.area_m2;
-    if (nodes_.count == Batch::kMost) flush(nodes_, true);
+    if (nodes_.count == Batch::kMax) flush(nodes_, true);
   }
 
   void addSurfel(std::size_t surfel) {
@@ -136,7 +137,7 @@ class Traversal {
     surfels_.color[i] = cloud_.color[surfel];
     surfels_.opacity[i] = cloud_.opacity.empty() ? 1.0f : cloud_.opacity[surfel];
     surfels_.area_m2[i] = cloud_.area_m2[surfel];
-    if (surfels_.count == Batch::kMost) flush(surfels_, false);
+    if (surfels_.count == Batch::kMax) flush(surfels_, false);
   }
 
   void flush(Batch& batch, bool low_passed) {
@@ -171,8 +172,8 @@ class PaperLodMethod final : public Method {
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     splats_.reserve(hierarchy_.order().size());
     splats_.chunks.clear();
-    // Subtrees in parallel; where the traversal stops above their roots, the first child of each
-    // such node stands for it.
+    // Traverse subtrees in parallel. If the traversal stops at a node above their roots, the first
+    // subtree of that node renders the node.
     const int level = std::min(kSubtreeLevel, hierarchy_.levels() - 1);
     splats_.chunks.assign(level < 0 ? 0 : hierarchy_.level(level).size(), {});
     parallelFor(splats_.chunks.size(), [&](std::size_t c) {
@@ -196,7 +197,7 @@ class PaperLodMethod final : public Method {
   }
 
  private:
-  static constexpr int kSubtreeLevel = 4;
+  static constexpr int kSubtreeLevel = 4;  // 256 subtrees; chosen by hand, above most thread counts
 
   const SurfelCloud& cloud_;
   PaperHierarchy hierarchy_;
@@ -208,7 +209,7 @@ class PaperLodMethod final : public Method {
 
 MethodEntry paperLodMethod() {
   return {.info = {.name = "paper-lod",
-                   .summary = "the same with level of detail chosen by the blur",
+                   .summary = "paper with level of detail chosen by the blur",
                    .source =
                        "Krivanek, Zara and Bouatouch 2003; hierarchy: Rusinkiewicz and Levoy 2000"},
           .make = makeAs<PaperLodMethod>};

@@ -1,6 +1,6 @@
-// No depth of field: one view through the middle of the lens. The traditional camera of computer
-// graphics, which Potmesil and Chakravarty (A Lens and Aperture Camera Model for Synthetic Image
-// Generation, 1981) set out to extend; what the post-filters of this folder start from. Known
+// No depth of field: one view through the middle of the lens. This is the traditional camera of
+// computer graphics, which Potmesil and Chakravarty (A Lens and Aperture Camera Model for Synthetic
+// Image Generation, 1981) extended. The post-filters of this folder start from its image. Known
 // failure: everything is sharp, wherever the focus is.
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"

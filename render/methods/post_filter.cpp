@@ -8,16 +8,20 @@
 namespace foci {
 namespace {
 
-/// Sums of weights are tabulated up to a radius from which they are the disc's area within 0.1 %.
+/// Sums of weights are tabulated up to this radius. From there on they equal the integral of the
+/// weight within 0.1 %.
 constexpr float kTabulated_px = 24.0f;
-constexpr int kSteps = 32;  // a pixel
+constexpr int kSteps = 32;  // a pixel; chosen by hand
 
-/// How far from an outline distances are means of both sides: the footprint of the smallest splat.
+/// Within this distance of an outline, depth is a mean of both sides: the footprint of the smallest
+/// splat.
 constexpr int kOutline_px = 3;
-/// Blur that may differ within that without there being an outline.
+/// If the blur differs by less than this within that distance, the pixels are one surface. Chosen
+/// by hand: a pixel of blur is hardly visible.
 constexpr float kOneSurface_px = 1.0f;
 
-/// Weights of a disc with these radii, half a pixel wider than the circle of confusion.
+/// The sum of the weights of a disc. The radii are half a pixel larger than those of the circle of
+/// confusion.
 float sumOfWeights(const glm::vec2& outer_px) {
   const float slope = std::min(outer_px.x, outer_px.y);
   const glm::ivec2 reach(outer_px);
@@ -38,8 +42,8 @@ std::vector<float> vergences_D(const Frame& image, const Defocus& defocus) {
   const auto vergence = [](float depth_m) { return depth_m > 0.0f ? 1.0f / depth_m : 0.0f; };
   const float px_per_D = std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y);
 
-  // The ends of the distances around each pixel, along rows and then along columns. Nothing is at
-  // no distance.
+  // Find the nearest and the farthest distance around each pixel, along rows and then along
+  // columns. Empty pixels have no distance.
   struct Ends {
     float nearest = std::numeric_limits<float>::max(), farthest = 0.0f;
     void add(const Ends& other) {
@@ -86,14 +90,14 @@ int mirrored(int i, int n) {
 void DiscImage::set(const glm::ivec2& size_px, const std::vector<glm::vec4>& rgba,
                     const std::vector<float>& point_D, const Defocus& defocus) {
   size_px_ = size_px;
-  // Finite, so that nothing in focus becomes 0 times infinity.
+  // Keep it finite: in focus, 0 times infinity would be NaN.
   radius_px_per_D_ = glm::min(defocus.radius_px_per_D, glm::vec2(1e6f));
   const float widest = std::max(radius_px_per_D_.x, radius_px_per_D_.y);
-  const float most_D = widest > 0.0f ? kMaxRadius_px / widest : 0.0f;
+  const float max_D = widest > 0.0f ? kMaxRadius_px / widest : 0.0f;
 
   float reach_D = 0.0f;
   for (float point : point_D) reach_D = std::max(reach_D, std::abs(roundDefocus_D(defocus, point)));
-  const float reach_px = std::min(reach_D, most_D) * widest + 0.5f;
+  const float reach_px = std::min(reach_D, max_D) * widest + 0.5f;
   border_px_ = (static_cast<int>(reach_px) + kTile_px - 1) / kTile_px * kTile_px;
 
   border_tiles_ = tiles() + 2 * (border_px_ / kTile_px);
@@ -101,19 +105,19 @@ void DiscImage::set(const glm::ivec2& size_px, const std::vector<glm::vec4>& rgb
   const std::size_t rows = static_cast<std::size_t>(border_tiles_.y) * kTile_px;
   rgba_.resize(stride_ * rows);
   defocus_D_.resize(stride_ * rows);
-  tile_most_D_.resize(static_cast<std::size_t>(border_tiles_.x) * border_tiles_.y);
+  tile_max_D_.resize(static_cast<std::size_t>(border_tiles_.x) * border_tiles_.y);
   parallelFor(static_cast<std::size_t>(border_tiles_.y), [&](std::size_t ty) {
-    float* most = tile_most_D_.data() + ty * border_tiles_.x;
-    std::fill_n(most, border_tiles_.x, 0.0f);
+    float* tile_max = tile_max_D_.data() + ty * border_tiles_.x;
+    std::fill_n(tile_max, border_tiles_.x, 0.0f);
     for (std::size_t row = ty * kTile_px; row < (ty + 1) * kTile_px; ++row) {
       const int y = mirrored(static_cast<int>(row) - border_px_, size_px.y);
       for (std::size_t column = 0; column < stride_; ++column) {
         const int x = mirrored(static_cast<int>(column) - border_px_, size_px.x);
         const std::size_t from = static_cast<std::size_t>(y) * size_px.x + x;
-        const float blur_D = std::clamp(roundDefocus_D(defocus, point_D[from]), -most_D, most_D);
+        const float blur_D = std::clamp(roundDefocus_D(defocus, point_D[from]), -max_D, max_D);
         rgba_[row * stride_ + column] = rgba[from];
         defocus_D_[row * stride_ + column] = blur_D;
-        float& tile = most[column / kTile_px];
+        float& tile = tile_max[column / kTile_px];
         tile = std::max(tile, std::abs(blur_D));
       }
     }

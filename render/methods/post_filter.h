@@ -1,4 +1,4 @@
-// What post-filters share: a finished pinhole image whose pixels become circles of confusion.
+// The base of the post-filters: a finished pinhole image whose pixels become circles of confusion.
 #pragma once
 
 #include <algorithm>
@@ -11,25 +11,26 @@
 
 namespace foci {
 
-/// Vergence of what each pixel of an image with depth shows, 1 / distance; 0 where nothing is.
+/// Vergence at each pixel of an image with depth, 1 / distance; 0 where the pixel is empty.
 ///
-/// The sources have a depth buffer, which holds one surface a pixel. Our renderer's outlines are
-/// soft, and their distance is the mean of what lies on both sides, where nothing is. So where
-/// distances around a pixel differ by more than a pixel of blur, it takes the nearer or the farther
-/// end of what is around it, whichever its own distance is closer to: the surface that covers more
-/// of it.
+/// The post-filters of the literature read a depth buffer, which holds one surface at each pixel.
+/// Our renderer's outlines are soft: their distance is a mean of both sides, where there is no
+/// surface. This function sharpens them. Where the distances around a pixel differ by more than a
+/// pixel of blur, the pixel takes the nearest or the farthest of these distances. It takes the one
+/// that is closer to its own distance, which belongs to the surface that covers more of the pixel.
 std::vector<float> vergences_D(const Frame& image, const Defocus& defocus);
 
-/// Pixel that stands in for the one at `i`, which may lie outside [0, n): images continue beyond
-/// their borders as their own mirror image.
+/// Index of the pixel that replaces pixel `i`, which may lie outside [0, n): beyond its borders an
+/// image continues as its own mirror image.
 int mirrored(int i, int n);
 
-/// Post-filters render no circle of confusion wider than this.
+/// Post-filters render no larger radius of the circle of confusion. Chosen by hand: it bounds their
+/// time and their borders.
 inline constexpr float kMaxRadius_px = 256.0f;
 
-/// Radius of the circle of confusion, along x and y, up to `kMaxRadius_px`; finite for any lens.
-/// Post-filters have one radius a pixel: an astigmatic lens is taken for the round one of its blur
-/// strength (`roundDefocus_D`).
+/// Radius of the circle of confusion along x and y, at most `kMaxRadius_px`, finite for every lens.
+/// Post-filters have one radius at each pixel: an astigmatic lens counts as the round lens of the
+/// same blur strength (`roundDefocus_D`).
 inline glm::vec2 cappedRadius_px(const Defocus& defocus, float point_D) {
   const glm::vec2 finite = glm::min(defocus.radius_px_per_D, glm::vec2(1e6f));
   return glm::min(finite * std::abs(roundDefocus_D(defocus, point_D)), glm::vec2(kMaxRadius_px));
@@ -37,10 +38,11 @@ inline glm::vec2 cappedRadius_px(const Defocus& defocus, float point_D) {
 
 /// An image as a set of discs: each pixel spreads its light evenly over its circle of confusion.
 ///
-/// A disc of radius C around the middle of a pixel weighs the pixel at distance d by
-/// min(1, C + 1/2 - d) where that is positive (its area on the pixel, nearly), over the sum of
-/// these weights: together 1. Its variance along an axis is C^2/4 + 5/48, on the grid of pixels
-/// within 1 % from C = 3 on and within 15 % from C = 1 on; at C up to 1/2 nothing leaves the pixel.
+/// A disc of radius C around a pixel centre gives the pixel at distance d the weight
+///   max(0, min(1, C + 1/2 - d)),
+/// which is nearly the disc's area on that pixel. The weights are divided by their sum. The
+/// variance along an axis is C^2/4 + 5/48. On the grid of pixels this holds within 1 % from C = 3
+/// on, and within 15 % from C = 1 on. Up to C = 1/2 no light leaves the pixel.
 class DiscImage {
  public:
   static constexpr int kTile_px = 32;
@@ -55,20 +57,21 @@ class DiscImage {
 
   /// Radius along x and y of a disc of that defocus, pixels.
   glm::vec2 radius_px(float defocus_D) const { return radius_px_per_D_ * std::abs(defocus_D); }
-  /// Signed: positive nearer than the focus. Pixel of the image, or up to `border_px` outside.
+  /// Defocus at a pixel of the image, or up to `border_px` outside. Positive nearer than the focus.
   float defocus_D(int x, int y) const { return defocus_D_[indexOf(x, y)]; }
   const glm::vec4& rgba(int x, int y) const { return rgba_[indexOf(x, y)]; }
-  /// How far the image is continued: no disc of the image reaches farther.
+  /// Width of the mirrored border: no disc of the image reaches farther.
   int border_px() const { return border_px_; }
-  /// The sum of a disc's weights before they are divided by it.
+  /// The sum of a disc's weights before the division.
   float weightSum(float defocus_D) const;
 
-  /// Sums up the light that falls on the pixels of one tile, into `out` of the image's size. The
-  /// order of the sum is the same whichever tiles are asked for.
+  /// Sums the light that falls on the pixels of one tile, into `out`, which has the image's size.
+  /// The order of the sum is always the same.
   void spreadOnto(int tile, std::vector<glm::vec4>& out) const;
 
-  /// Calls visit(x, y, row, first, last, weights) for every row `row` of the tile that the disc of
-  /// the pixel (x, y) meets, weights[i - first] belonging to the pixels i of [first, last].
+  /// Calls visit(x, y, row, first, last, weights) for every disc and every row of the tile that the
+  /// disc touches. The disc is that of the pixel (x, y). It touches the pixels [first, last] of the
+  /// row, and weights[i - first] is the weight of pixel i.
   template <typename Visit>
   void forEachDiscOn(int tile, const Visit& visit) const;
 
@@ -84,9 +87,9 @@ class DiscImage {
   std::size_t stride_ = 0;
   std::vector<glm::vec4> rgba_;
   std::vector<float> defocus_D_;
-  std::vector<float> tile_most_D_;  // the largest defocus in each tile, with the border
-  std::vector<float> sums_;         // of weights by radius
-  glm::vec2 sums_for_{-1.0f};       // radius_px_per_D that they hold for
+  std::vector<float> tile_max_D_;  // the largest defocus in each tile, with the border
+  std::vector<float> sums_;        // of weights by radius
+  glm::vec2 sums_for_{-1.0f};      // radius_px_per_D of `sums_`
 };
 
 template <typename Visit>
@@ -98,9 +101,9 @@ void DiscImage::forEachDiscOn(int tile, const Visit& visit) const {
 
   for (int ty = at.y - ring; ty <= at.y + ring; ++ty) {
     for (int tx = at.x - ring; tx <= at.x + ring; ++tx) {
-      // Whether any disc of that tile can reach this one.
-      const float most_D = tile_most_D_[(ty + ring) * border_tiles_.x + tx + ring];
-      const glm::vec2 reach_px = radius_px(most_D) + 0.5f;
+      // Skip the tile if none of its discs can reach this one.
+      const float max_D = tile_max_D_[(ty + ring) * border_tiles_.x + tx + ring];
+      const glm::vec2 reach_px = radius_px(max_D) + 0.5f;
       const glm::ivec2 from = glm::ivec2(tx, ty) * kTile_px, to = from + kTile_px;
       const glm::ivec2 gap_px = glm::max(from - (end - 1), begin - (to - 1));
       if (static_cast<float>(gap_px.x) >= reach_px.x) continue;

@@ -1,12 +1,12 @@
-// The first depth of field in computer graphics: a focus processor takes the finished pinhole image
-// with depth and spreads each pixel over its circle of confusion (Potmesil and Chakravarty, A Lens
-// and Aperture Camera Model for Synthetic Image Generation, SIGGRAPH 1981; Synthetic Image
-// Generation with a Lens and Aperture Camera Model, ACM Transactions on Graphics 1(2), 1982). The
-// light falls evenly on the circle, as Chen proposed (Lens Effect on Synthetic Image Generation
-// Based on Light Particle Theory, 1987/88); the original weighs it by Lommel's functions. Known
-// failure: pixels do not know of each other. Blurred light leaks over sharp things before it, and
-// where two things of different blur meet, the one side receives too little and is too dark.
-
+// The first depth of field in computer graphics. A focus processor takes the finished pinhole image
+// with depth and spreads each pixel over its circle of confusion. Source: Potmesil and Chakravarty,
+// A Lens and Aperture Camera Model for Synthetic Image Generation, SIGGRAPH 1981; Synthetic Image
+// Generation with a Lens and Aperture Camera Model, ACM Transactions on Graphics 1(2), 1982. The
+// original weighs the light by Lommel's functions. Here it falls evenly on the circle, as Chen
+// proposed (Lens Effect on Synthetic Image Generation Based on Light Particle Theory, 1987/88).
+// Known failure: each pixel is spread without regard to the others. Blurred light leaks over sharp
+// surfaces in front of it. Where surfaces of different blur meet, one side receives too little
+// light.
 #include "base/parallel.h"
 #include "render/methods/method.h"
 #include "render/methods/post_filter.h"

@@ -1,10 +1,10 @@
-// Surface splatting with depth of field by chance: each splat's blurred resampling kernel is
-// sampled at N random places, each sample a fragment of the N-th part of its weight, and the
-// fragments are joined to surfaces by their depth ranges and composited as in an A-buffer (Rasanen,
-// Surface Splatting: Theory, Extensions and Implementation, Master's thesis, Helsinki University of
-// Technology, 2002, as Krivanek, Zara and Bouatouch 2003 describe it). Surfaces are still surfaces
-// while they are blurred, so nothing leaks by rule. Known failure: noise, which falls with the
-// root of N only; and as chance leaves holes in what should be closed, what lies behind shows.
+// Stochastic surface splatting (Rasanen, Surface Splatting: Theory, Extensions and Implementation,
+// Master's thesis, Helsinki University of Technology, 2002, as Krivanek, Zara and Bouatouch 2003
+// describe it). Each splat's blurred resampling kernel is sampled at N random places. Each sample
+// is a fragment with 1/N of the splat's weight. Fragments join to surfaces by their depth ranges
+// and are composited as in an A-buffer. Blurred surfaces stay surfaces, so nothing leaks
+// systematically. Known failure: noise, which falls only with the root of N. Random holes in a
+// surface show the surfaces behind it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,6 +15,7 @@
 #include "base/parallel.h"
 #include "render/kernel/limits.h"
 #include "render/methods/method.h"
+#include "render/methods/random_bits.h"
 #include "render/methods/view_splats.h"
 
 namespace foci {
@@ -22,15 +23,10 @@ namespace {
 
 constexpr int kTile_px = ViewSplats::kTile_px;
 
-/// 64 well-mixed bits of a counter (the finaliser of splitmix64; Steele, Lea and Flood 2014).
-std::uint64_t randomBits(std::uint64_t counter) {
-  std::uint64_t z = (counter + 1) * 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
+/// Every so many splats, a tile checks whether all of its pixels are opaque. Chosen by hand.
+constexpr int kSplatsBetweenChecks = 1024;
 
-/// Unit vectors all around.
+/// Unit vectors of evenly spaced directions.
 std::array<glm::vec2, 4096> directionTable() {
   std::array<glm::vec2, 4096> table;
   for (std::size_t i = 0; i < table.size(); ++i) {
@@ -41,11 +37,11 @@ std::array<glm::vec2, 4096> directionTable() {
   return table;
 }
 
-/// Draws places from a splat's kernel, a mixture of k0, k1 t and k2 t^2 over the ellipse q < 1.
+/// Samples places from a splat's kernel: a mixture of k0, k1 t and k2 t^2 over the ellipse q < 1.
 class KernelSampler {
  public:
   explicit KernelSampler(const Splat& splat) : center_px_(splat.x_px, splat.y_px) {
-    // q = |L' x|^2 with L lower triangular; a place is L'^-1 of one on the unit disc.
+    // q = |L' x|^2 with L lower triangular, so L'^-1 maps the unit disc to the ellipse.
     l11_ = std::sqrt(splat.qa);
     l21_ = 0.5f * splat.qb / l11_;
     l22_ = std::sqrt(std::max(splat.qc - l21_ * l21_, 0.0f));
@@ -56,7 +52,7 @@ class KernelSampler {
     mass_ = sum * std::numbers::pi_v<float> / (l11_ * l22_);
   }
 
-  /// Sum of the splat's weights over all pixels.
+  /// The sum of the splat's weights over all pixels.
   float mass() const { return mass_; }
 
   glm::vec2 place_px(std::uint64_t bits) const {
@@ -64,7 +60,7 @@ class KernelSampler {
     constexpr float kUnit = 1.0f / 16777216.0f;
     const float which = static_cast<float>(bits & 0xffffff) * kUnit;
     const float u = static_cast<float>((bits >> 24) & 0xffffff) * kUnit;
-    // The share of t^m below t is t^(m + 1).
+    // Inverse transform sampling: the distribution function of t^m is t^(m + 1).
     const float t = which < flat_ ? u : which < not_bell_ ? std::sqrt(u) : std::cbrt(u);
     const glm::vec2 p = std::sqrt(1.0f - t) * directions[bits >> 52];
     const float y = p.y / l22_;
@@ -74,25 +70,25 @@ class KernelSampler {
  private:
   glm::vec2 center_px_;
   float l11_, l21_, l22_;
-  float flat_, not_bell_;  // shares of the mixture, summed up
+  float flat_, not_bell_;  // cumulative shares of the mixture
   float mass_;
 };
 
-/// A pixel: its open layer and what is already composited.
+/// A pixel: its open layer, and the layers that are already composited.
 struct Pixel {
-  glm::vec4 sum{0.0f};  // of colour and opacity over the open layer's fragments
+  glm::vec4 sum{0.0f};  // colour and opacity of the open layer's fragments
   float weight = 0.0f, distance = 0.0f;
-  float far_m = -1.0f;  // end of the open layer; negative: none is open
-  float through = 1.0f;
+  float far_m = -1.0f;  // far end of the open layer; negative: no layer is open
+  float transmittance = 1.0f;
   glm::vec3 out{0.0f};
   float out_distance = 0.0f;
 
   void close() {
     if (far_m < 0.0f) return;
-    const float scale = through / std::max(weight, 1.0f);
+    const float scale = transmittance / std::max(weight, 1.0f);
     out += scale * glm::vec3(sum);
     out_distance += scale * distance;
-    through -= scale * sum.a;
+    transmittance -= scale * sum.a;
     sum = glm::vec4(0.0f);
     weight = distance = 0.0f;
     far_m = -1.0f;
@@ -123,9 +119,9 @@ class RasanenMethod final : public Method {
     const auto at = [&](int x, int y) -> Pixel& { return pixels[y * kTile_px + x]; };
 
     std::uint64_t fragments = 0;
-    int until_check = 0;
+    int since_start = 0;
     for (const std::uint32_t index : scene_.splatsOn(tile)) {
-      if (++until_check % 1024 == 0 && nothingPasses(pixels, size)) break;
+      if (++since_start % kSplatsBetweenChecks == 0 && isOpaque(pixels, size)) break;
       const Splat& splat = scene_.splats()[index];
       const KernelSampler kernel(splat);
       const float weight = kernel.mass() / static_cast<float>(samples_);
@@ -155,8 +151,8 @@ class RasanenMethod final : public Method {
         Pixel& pixel = at(x, y);
         pixel.close();
         const std::size_t p = static_cast<std::size_t>(begin.y + y) * frame.size_px.x + begin.x + x;
-        const float covered = 1.0f - pixel.through;
-        frame.rgba[p] = glm::vec4(pixel.out + pixel.through * background, covered);
+        const float covered = 1.0f - pixel.transmittance;
+        frame.rgba[p] = glm::vec4(pixel.out + pixel.transmittance * background, covered);
         if (!frame.depth_m.empty()) {
           frame.depth_m[p] = covered > 0.0f ? pixel.out_distance / covered : 0.0f;
         }
@@ -166,10 +162,10 @@ class RasanenMethod final : public Method {
   }
 
   template <typename Pixels>
-  static bool nothingPasses(const Pixels& pixels, const glm::ivec2& size) {
+  static bool isOpaque(const Pixels& pixels, const glm::ivec2& size) {
     for (int y = 0; y < size.y; ++y) {
       for (int x = 0; x < size.x; ++x) {
-        if (pixels[y * kTile_px + x].through >= kHidden) return false;
+        if (pixels[y * kTile_px + x].transmittance >= kHidden) return false;
       }
     }
     return true;
@@ -186,8 +182,8 @@ MethodEntry rasanenMethod() {
   return {.info = {.name = "rasanen",
                    .summary = "N random samples of each splat's blurred kernel",
                    .source = "Rasanen 2002",
-                   .most = 65536,
-                   .standard = 16},
+                   .max_n = 65536,
+                   .default_n = 16},
           .make = makeAs<RasanenMethod>};
 }
 

@@ -1,11 +1,11 @@
-// A buffer of rays behind each pixel: every pixel of the finished pinhole image sends its light
-// along N rays through points of the lens; each ray meets one pixel of the image, where a depth
-// buffer of its own, a cell for each point of the lens, keeps the nearest; a pixel is the mean of
-// its cells (Shinya, Post-filtering for Depth of Field Simulation with Ray Distribution Buffer,
-// Graphics Interface 1994). So rays hide each other one by one. Known failure: what the pinhole did
-// not see cannot be sent, and its cells stay empty: a pixel takes the mean of the others, and the
-// inner half of a blurred outline stays opaque. Time and memory grow with N, and with N below the
-// pixels of a circle of confusion it shows as ghosts.
+// A ray distribution buffer behind each pixel (Shinya, Post-filtering for Depth of Field Simulation
+// with Ray Distribution Buffer, Graphics Interface 1994). Every pixel of the finished pinhole image
+// sends its light along N rays through points of the lens. Each ray meets one pixel. A pixel has a
+// cell for each point of the lens, and the cell keeps the nearest light. The pixel is the mean of
+// its cells, so rays hide each other one by one. Known failure: surfaces that the pinhole does not
+// see send no rays, and their cells stay empty. The pixel is then the mean of the other cells, and
+// the inner half of a blurred outline stays opaque. Time and memory grow with N. If N is below the
+// number of pixels in a circle of confusion, ghosts appear.
 #include <array>
 #include <cstdint>
 
@@ -18,10 +18,11 @@
 namespace foci {
 namespace {
 
-/// Rays are worked on in this many groups; fixed, so that no sum hangs on the threads.
+/// Rays are processed in this many groups. Fixed, so that no sum depends on the number of threads;
+/// chosen by hand.
 constexpr int kGroups = 8;
 
-/// A shift rounded to whole pixels; cheaper than std::lround where shifts are bounded.
+/// Rounds a bounded shift to full pixels; cheaper than std::lround.
 glm::ivec2 nearestPixel(const glm::vec2& shift_px) {
   constexpr int kAbove = 2 * static_cast<int>(kMaxRadius_px);
   return glm::ivec2(shift_px + (static_cast<float>(kAbove) + 0.5f)) - kAbove;
@@ -60,19 +61,20 @@ class ShinyaMethod final : public Method {
  private:
   struct Group {
     std::vector<glm::vec4> sums;
-    std::vector<std::uint32_t> filled;  // cells that a ray met
-    // The cell of the ray at work, by pixel: the nearest defocus so far and whose light it is.
+    std::vector<std::uint32_t> filled;  // cells that received light
+    // The cells of the current ray, by pixel: the nearest defocus so far, and its sender.
     std::vector<float> nearest_D;
     std::vector<glm::ivec2> sender;
   };
 
-  /// Sends every pixel along its ray through one point of the lens.
+  /// Sends the light of every pixel along its ray through one point of the lens.
   void sendThrough(const glm::vec2& lens, Group& group) const {
     constexpr float kEmpty_D = -1e30f;
     const glm::ivec2 size = discs_.size_px();
     group.nearest_D.assign(group.sums.size(), kEmpty_D);
     group.sender.resize(group.sums.size());
-    // A point moves on the image by C_per_D lens (focus - point).
+    // Seen through the lens point l, a point moves on the image by -radius_px_per_D l (point -
+    // focus).
     const glm::vec2 per_D = -lens * discs_.radius_px(1.0f);
     const int border = discs_.border_px();
     for (int y = -border; y < size.y + border; ++y) {
@@ -104,10 +106,11 @@ class ShinyaMethod final : public Method {
 MethodEntry shinyaMethod() {
   return {
       .info = {.name = "shinya",
-               .summary = "N rays a pixel of the pinhole image, hiding each other in ray buffers",
+               .summary =
+                   "N rays from each pixel of the pinhole image, hiding each other in ray buffers",
                .source = "Shinya 1994",
-               .most = 4096,
-               .standard = 64,
+               .max_n = 4096,
+               .default_n = 64,
                .ellipses = false},
       .make = makeAs<ShinyaMethod>};
 }

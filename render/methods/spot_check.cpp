@@ -8,17 +8,19 @@
 namespace foci {
 namespace {
 
+/// Chosen for the accuracy that spot_check.h states.
 constexpr int kSquare_px = kTile, kSquares = 48, kFirstSquares = 16;
 
-/// What the first squares show may be as many times too little or too much.
-constexpr float kClear = 2.0f;
+/// The estimate of the first squares may be wrong by this factor either way.
+constexpr float kFactorOfFirst = 2.0f;
 
-/// Corners of as many tiles that lie in the image whole: those of an even sequence (Roberts's R2).
+/// Corners of `count` different tiles inside the image, spread evenly by the R2 sequence (Roberts,
+/// The Unreasonable Effectiveness of Quasirandom Sequences, 2018).
 std::vector<glm::ivec2> cornersIn(const glm::ivec2& tiles, std::size_t count) {
   std::vector<glm::ivec2> corners;
   for (int k = 0; corners.size() < count; ++k) {
     const glm::dvec2 at =
-        glm::fract(0.5 + double{1.0 * k} * glm::dvec2(0.7548776662, 0.5698402910));
+        glm::fract(0.5 + static_cast<double>(k) * glm::dvec2(0.7548776662, 0.5698402910));
     const glm::ivec2 corner = kSquare_px * glm::ivec2(at * glm::dvec2(tiles));
     if (std::ranges::find(corners, corner) == corners.end()) corners.push_back(corner);
   }
@@ -28,8 +30,8 @@ std::vector<glm::ivec2> cornersIn(const glm::ivec2& tiles, std::size_t count) {
 }  // namespace
 
 SpotCheck::SpotCheck(LodSplats& scene, const View& view, const RenderSettings& settings,
-                     const LodSettings& finest)
-    : scene_(scene), view_(view), settings_(settings), finest_(finest) {
+                     const LodSettings& reference)
+    : scene_(scene), view_(view), settings_(settings), reference_(reference) {
   settings_.depth = false;
   const glm::ivec2 tiles = view.size_px / kSquare_px;
   if (tiles.x * tiles.y < 2 * kSquares) {
@@ -41,29 +43,29 @@ SpotCheck::SpotCheck(LodSplats& scene, const View& view, const RenderSettings& s
   }
 }
 
-Frame SpotCheck::render(const Square& square, const LodSettings& way) {
+Frame SpotCheck::render(const Square& square, const LodSettings& lod) {
   View view = view_;
   view.size_px = square.size_px;
   view.principal_px -= glm::vec2(square.corner_px);
-  LodSettings lod = way;
-  lod.cut.acuity.gaze_px -= glm::vec2(square.corner_px);
+  LodSettings moved = lod;
+  moved.cut.acuity.gaze_px -= glm::vec2(square.corner_px);
   Frame frame;
   frame.resize(view.size_px);
-  scene_.render(view, settings_, lod, frame);
+  scene_.render(view, settings_, moved, frame);
   return frame;
 }
 
-float SpotCheck::error(const LodSettings& way, float limit) {
+float SpotCheck::error(const LodSettings& lod, float limit) {
   std::vector<float> all;
   for (std::size_t i = 0; i < squares_.size(); ++i) {
     Square& square = squares_[i];
-    if (square.finest.rgba.empty()) square.finest = render(square, finest_);
-    const auto apart = visibleDifference(render(square, way), square.finest, kUsualPx_per_deg);
+    if (square.reference.rgba.empty()) square.reference = render(square, reference_);
+    const auto apart = visibleDifference(render(square, lod), square.reference, kUsualPx_per_deg);
     all.insert(all.end(), apart.begin(), apart.end());
     if (i + 1 != kFirstSquares) continue;
     const float error = quantile(all, 0.95);
-    if (kClear * error <= limit) return kClear * error;
-    if (error > kClear * limit) return error;
+    if (kFactorOfFirst * error <= limit) return kFactorOfFirst * error;
+    if (error > kFactorOfFirst * limit) return error;
   }
   return quantile(all, 0.95);
 }

@@ -1,8 +1,7 @@
-// What a way to render a frame gets wrong, found out on small squares of it: what the scene in view
-// makes of a way, which no table of blurs can know.
+// The error of a quality level on a frame, measured on small squares of the frame: it depends on
+// the scene in view, which no table of blur radii can know.
 #pragma once
 
-#include <cstddef>
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -11,32 +10,35 @@
 
 namespace foci {
 
-/// Squares of one frame: 48 tiles, spread evenly over the view, or the view as one where it has not
-/// twice as many. They bring what 95 % of the pixels are apart by to 20 %, 16 to half or twice.
+/// Squares of one frame: 48 tiles, spread evenly over the view. A view of fewer than twice as many
+/// tiles is one square. 48 tiles estimate the error of 95 % of the pixels within 20 %
+/// (SpotCheckTest.EstimatesTheErrorFromSomeSquares), the first 16 of them within a factor of two.
 class SpotCheck {
  public:
   /// @param scene  keeps its buffers between frames
-  /// @param finest  what ways are held against
+  /// @param reference  the settings that all others are compared with
   SpotCheck(LodSplats& scene, const View& view, const RenderSettings& settings,
-            const LodSettings& finest);
+            const LodSettings& reference);
 
-  /// What 95 % of the squares' pixels are apart by from the finest way, in just noticeable
-  /// differences at 40 pixels a degree (visible_difference.h).
-  /// @param limit  what that is to be compared with: 16 squares suffice where it is clearly more,
-  ///               or clearly less; then it is what it may be at most
-  float error(const LodSettings& way, float limit);
+  /// The difference from the reference that 95 % of the squares' pixels stay below, in
+  /// just-noticeable differences at 40 pixels a degree (visible_difference.h).
+  /// @param limit  the caller compares the difference with this. If the first 16 squares are
+  /// clearly
+  ///               above or below, the other squares are not rendered; below, the result is then
+  ///               an upper bound.
+  float error(const LodSettings& lod, float limit);
 
  private:
   struct Square {
     glm::ivec2 corner_px, size_px;
-    Frame finest = {};  ///< rendered when it is asked for
+    Frame reference = {};  ///< rendered when it is first needed
   };
-  Frame render(const Square& square, const LodSettings& way);
+  Frame render(const Square& square, const LodSettings& lod);
 
   LodSplats& scene_;
   View view_;
   RenderSettings settings_;
-  LodSettings finest_;
+  LodSettings reference_;
   std::vector<Square> squares_;
 };
 

@@ -1,7 +1,9 @@
-// Our renderer: EWA surface splatting with the blur of each splat (Krivanek, Zara and Bouatouch
-// 2003), streamed over tiles without lists of fragments. Known failure: one layer a pixel is open
-// at a time, so surfaces nearer to each other than a surfel is wide join; and of what blurred
-// layers in front hide, one straight edge on the lens is remembered, where there may be several.
+// Our renderer without level of detail: EWA surface splatting that blurs each splat before the
+// image is formed (Krivanek, Zara and Bouatouch, Fast Depth of Field Rendering with Surface
+// Splatting, 2003). It streams the splats over tiles and keeps no lists of fragments. Known
+// failure: each pixel has one open layer at a time, so surfaces closer together than the width of a
+// surfel join. Blurred layers in front cover the lens up to one straight edge, although several of
+// them can leave a more complex shape open.
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"
 

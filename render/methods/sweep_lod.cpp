@@ -1,8 +1,8 @@
-// Our renderer, modelling no more than shows: what is blurred is rendered from coarser levels of
-// detail and at fewer samples, and the lens is taken apart only where surfaces cover each other in
-// part. Known failure: surfaces that the lens sees between and around in many places at once
-// (foliage) want more parts than are rendered; where two of them lie closer together than a node is
-// wide, they join.
+// Our renderer with level of detail. It renders blurred surfaces from coarser LOD nodes and at
+// fewer samples. Where surfaces cover each other in part, it renders N sub-apertures instead of one
+// whole-aperture pass. Source: our own. Known failure: foliage needs more sub-apertures than
+// N, because the lens sees between and around surfaces in many places at once. Two surfaces closer
+// together than the width of a node join.
 #include "render/methods/lod_splats.h"
 #include "render/methods/method.h"
 
@@ -11,28 +11,31 @@ namespace {
 
 class SweepLodMethod final : public Method {
  public:
-  SweepLodMethod(const SurfelCloud& cloud, int parts) : scene_(cloud), parts_(parts) {}
+  SweepLodMethod(const SurfelCloud& cloud, int sub_apertures)
+      : scene_(cloud), sub_apertures_(sub_apertures) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
-    return scene_.render(view, settings, {.cut = kFaithfulCut, .parts = parts_}, frame);
+    return scene_.render(view, settings, {.cut = kFaithfulCut, .sub_apertures = sub_apertures_},
+                         frame);
   }
 
  private:
   LodSplats scene_;
-  int parts_;
+  int sub_apertures_;
 };
 
 }  // namespace
 
 MethodEntry sweepLodMethod() {
   return {
-      .info = {.name = "sweep-lod",
-               .summary =
-                   "sweep from coarser levels and fewer samples where blurred; N parts of the lens "
-                   "where surfaces overlap",
-               .source = "our own",
-               .most = 256,
-               .standard = 7},
+      .info =
+          {.name = "sweep-lod",
+           .summary =
+               "sweep from coarser nodes and fewer samples where blurred; N sub-apertures where "
+               "surfaces overlap",
+           .source = "our own",
+           .max_n = 256,
+           .default_n = 7},
       .make = makeAs<SweepLodMethod>};
 }
 

@@ -7,24 +7,32 @@
 namespace foci {
 namespace {
 
-constexpr float kNews = 0.2f;        // share of the last time in what is expected
-constexpr float kMaxGrowth = 2.0f;   // beyond it a time is the machine's own doing: it counts less
-constexpr float kFitsWell = 0.8f;    // of the budget
-constexpr float kFade = 0.9998f;     // a frame: half as long in a minute at 60 frames a second
-constexpr float kFadeMoved = 0.98f;  // half as long in half a second
+// All chosen by hand. TimeBudget.OneSlowFrameDoesNotRuleALevelOut bounds the first two, and
+// TimeBudget.TriesAgainSoonerWhereTheViewMoves the decays.
+
+/// Weight of the newest time in the running mean.
+constexpr float kNewest = 0.2f;
+/// A time beyond this factor is the machine's doing, and is clipped.
+constexpr float kMaxGrowth = 2.0f;
+/// Share of the budget that a level may be expected to use if it was not the last one.
+constexpr float kFitsWell = 0.8f;
+/// Decay of a level's time with each frame of another level: half in a minute at 60 frames a
+/// second, and half in half a second where the view moves.
+constexpr float kDecay = 0.9998f, kDecayMoved = 0.98f;
 
 }  // namespace
 
-TimeBudget::TimeBudget(std::span<const float> likely) : last_(likely.size()) {
-  for (const float each : likely) ways_.push_back({.likely = each});
+TimeBudget::TimeBudget(std::span<const float> relative) {
+  for (const float each : relative) timings_.push_back({.relative = each});
 }
 
-float TimeBudget::expected_ms(std::size_t way) const {
-  if (ways_[way].ms > 0.0f) return ways_[way].ms;
-  // As the known way that it is most alike.
+float TimeBudget::expected_ms(QualityLevel level) const {
+  const Timing& asked = of(level);
+  if (asked.ms > 0.0f) return asked.ms;
+  // Scale the time of the timed level that is most alike.
   float expected_ms = std::numeric_limits<float>::infinity(), apart = expected_ms;
-  for (const Way& known : ways_) {
-    const float ratio = ways_[way].likely / known.likely;
+  for (const Timing& known : timings_) {
+    const float ratio = asked.relative / known.relative;
     if (known.ms <= 0.0f || std::abs(std::log(ratio)) >= apart) continue;
     apart = std::abs(std::log(ratio));
     expected_ms = ratio * known.ms;
@@ -32,17 +40,17 @@ float TimeBudget::expected_ms(std::size_t way) const {
   return expected_ms;
 }
 
-bool TimeBudget::fits(std::size_t way, float budget_ms) const {
-  return expected_ms(way) <= (way == last_ ? 1.0f : kFitsWell) * budget_ms;
+bool TimeBudget::fits(QualityLevel level, float budget_ms) const {
+  return expected_ms(level) <= (level == last_ ? 1.0f : kFitsWell) * budget_ms;
 }
 
-void TimeBudget::took(std::size_t way, float ms, bool moved) {
-  for (Way& other : ways_) other.ms *= moved ? kFadeMoved : kFade;
-  float& known_ms = ways_[way].ms;
+void TimeBudget::took(QualityLevel level, float ms, bool moved) {
+  for (Timing& other : timings_) other.ms *= moved ? kDecayMoved : kDecay;
+  float& known_ms = of(level).ms;
   known_ms = known_ms > 0.0f
-                 ? (1.0f - kNews) * known_ms + kNews * std::min(ms, kMaxGrowth * known_ms)
+                 ? (1.0f - kNewest) * known_ms + kNewest * std::min(ms, kMaxGrowth * known_ms)
                  : ms;
-  last_ = way;
+  last_ = level;
 }
 
 }  // namespace foci

@@ -1,36 +1,41 @@
-// What each way to render takes, learnt from what it took: to hold a budget, one must know
-// beforehand.
+// How long each quality level of method `auto` takes, learnt from the frames that it rendered: to
+// meet a frame-time budget, the time must be known before the frame is rendered.
 #pragma once
 
-#include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
+
+#include "render/methods/quality_level.h"
 
 namespace foci {
 
 class TimeBudget {
  public:
-  /// @param likely  what the ways take, in any unit: a first guess of one from the others
-  explicit TimeBudget(std::span<const float> likely);
+  /// @param relative  times of the levels in any unit: the first guess of one from another
+  explicit TimeBudget(std::span<const float> relative);
 
-  /// What a way is expected to take; infinite where nothing has been rendered yet.
-  float expected_ms(std::size_t way) const;
+  /// The time that a level is expected to take; infinite while nothing has been timed.
+  float expected_ms(QualityLevel level) const;
 
-  /// Whether it fits. One that took the place of the way rendered last must fit well, so that what
-  /// is rendered does not flicker.
-  bool fits(std::size_t way, float budget_ms) const;
+  /// Whether the level is expected to meet the budget. The level of the last frame may use all of
+  /// it; other levels need a reserve, so that the level does not flicker.
+  bool fits(QualityLevel level, float budget_ms) const;
 
-  /// It was rendered. What is known of the others fades towards trying them again, sooner where the
-  /// view has `moved`: other things are in sight.
-  void took(std::size_t way, float ms, bool moved);
+  /// Records the time of a frame. The times of the other levels decay, so that these levels are
+  /// tried again. They decay faster where the view has `moved`, because its cost has changed too.
+  void took(QualityLevel level, float ms, bool moved);
 
  private:
-  struct Way {
-    float likely = 1.0f;
-    float ms = 0.0f;  // 0: never rendered
+  struct Timing {
+    float relative = 1.0f;
+    float ms = 0.0f;  // 0: never timed
   };
-  std::vector<Way> ways_;
-  std::size_t last_ = 0;
+  Timing& of(QualityLevel level) { return timings_[static_cast<std::size_t>(level)]; }
+  const Timing& of(QualityLevel level) const { return timings_[static_cast<std::size_t>(level)]; }
+
+  std::vector<Timing> timings_;
+  std::optional<QualityLevel> last_;
 };
 
 }  // namespace foci

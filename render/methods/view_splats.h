@@ -1,5 +1,5 @@
-// The scene as splats for one view: the one door through which methods that render all surfels
-// reach projection, binning and the sweep.
+// The scene as splats for one view. Every method that renders all surfels goes through this class
+// to projection, binning and the sweep.
 #pragma once
 
 #include <cstdint>
@@ -17,22 +17,22 @@ namespace foci {
 /// Splats of a view by tile, front to back. Keeps its buffers between frames.
 class ViewSplats {
  public:
-  /// Projects the whole scene, blurred by `settings.defocus` as `projection` says. Its shading is
-  /// the settings'.
+  /// Projects every surfel. The blur is that of `settings.defocus`; `projection` says how the blur
+  /// enters a splat. `settings.shading` replaces the projection's.
   void project(const SurfelCloud& cloud, const View& view, const RenderSettings& settings,
                Projection projection);
 
-  /// Takes those splats of `all` that `belongs` accepts. It is called from several threads.
+  /// Copies the splats of `all` that `belongs` accepts. Several threads call `belongs`.
   void select(const ViewSplats& all, const std::function<bool(const Splat&)>& belongs);
 
-  /// Sweeps the splats over `background` into `frame`, resized as needed.
-  /// @return fragments
+  /// Renders the splats over `background` (linear RGB) into `frame`, which is resized as needed.
+  /// @return the number of fragments
   std::uint64_t render(const glm::vec3& background, bool depth, Frame& frame) const;
 
   std::uint64_t count() const { return chunks_.total(); }
   const Splat* splats() const { return chunks_.splats.get(); }
 
-  /// The image in squares of kTile_px, each with the splats that may meet it, front to back.
+  /// The image in square tiles, each with the splats that may touch the tile, front to back.
   static constexpr int kTile_px = kTile;
   std::size_t tileCount() const { return lists_.tiles().size(); }
   glm::ivec2 cornerOf(std::size_t tile) const {
@@ -40,7 +40,7 @@ class ViewSplats {
   }
   std::span<const std::uint32_t> splatsOn(std::size_t tile) const { return lists_.splats(tile); }
 
-  /// Calls `visit` for every splat, in order of surfel.
+  /// Calls `visit` for every splat, in the order of the surfels.
   template <typename Visit>
   void forEach(const Visit& visit) const {
     for (std::size_t c = 0; c < chunks_.count.size(); ++c) {
@@ -58,12 +58,13 @@ class ViewSplats {
   bool transparent_ = false;
 };
 
-/// Draws the scene unblurred: a pinhole in the middle of the lens. What a post-filter is given.
+/// Renders the scene through a pinhole in the middle of the lens: the sharp image that a
+/// post-filter starts from.
 class PinholeCamera {
  public:
   explicit PinholeCamera(const SurfelCloud& cloud) : sweep_(makeMethod("sweep", cloud)) {}
 
-  /// `settings` without their defocus (but for what distances are measured along), with depth.
+  /// Renders with depth and without blur, whatever the settings say of either.
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame);
 
  private:

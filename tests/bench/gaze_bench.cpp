@@ -1,6 +1,6 @@
-// What a sample costs: labels offline and online. Fixed seed; the walk of an observer with a little
-// noise, two minutes long. Argument: samples a second. What a webcam's frame costs, 640x480 on one
-// core: a rendered face that is followed, and one that is searched for.
+// The time of a gaze sample, labelled offline and online: two minutes of a simulated observer with
+// a little noise and a fixed seed. Argument: samples a second. And the time of a webcam frame of
+// 640x480 on one core: a rendered face that is tracked, and one that is searched for.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -46,7 +46,7 @@ void BM_LabelOnline(benchmark::State& state) {
 }
 BENCHMARK(BM_LabelOnline)->Arg(60)->Arg(500)->Arg(2000)->Unit(benchmark::kMillisecond);
 
-/// Frames that can be run to and fro without a jump.
+/// Frames that can be played forwards and backwards without a jump.
 std::vector<cv::Mat> film() {
   const faces::Face face(faces::somebody(0));
   const faces::Observer observer({}, {{0.0, 0.2, {0.1, 0.0}}, {0.2, 1.0, {-0.1, 0.05}}});

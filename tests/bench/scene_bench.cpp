@@ -1,4 +1,4 @@
-// Scenes: loading, estimation, distance queries. Fixed scenes and seeds.
+// The times of loading a scene, of estimation and of distance queries. Fixed scenes and seeds.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
@@ -22,14 +22,14 @@ std::filesystem::path lionFile() {
          "scans/lion.ply";
 }
 
-/// Of the process, so far.
+/// Peak memory of the process so far.
 double peakMemory_MiB() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-/// Points of a unit sphere in random order, as a file may bring them.
+/// Points on a unit sphere in random order, as in a file.
 PointCloud randomSphere(std::size_t count) {
   std::mt19937 random(1);
   const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
@@ -58,7 +58,7 @@ void BM_LoadLion(benchmark::State& state) {
 }
 BENCHMARK(BM_LoadLion)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-/// Argument: points.
+/// Argument: number of points.
 void BM_SurfelsOfRandomSphere(benchmark::State& state) {
   for (auto _ : state) {
     state.PauseTiming();

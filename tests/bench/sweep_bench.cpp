@@ -1,5 +1,4 @@
-// The paper's plane, 262,144 surfels at 512 x 512, and what a fragment costs. Fixed scenes; run
-// with
+// The time of a fragment on the paper's plane, 262,144 surfels at 512 x 512. Fixed scenes; run with
 // --benchmark_repetitions=N for medians.
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
@@ -14,7 +13,7 @@ namespace {
 constexpr int kSide = 512;
 constexpr float kDistance_m = 2.0f;
 
-/// One surfel a pixel, facing the camera, random colours: the content does not matter to the time.
+/// One surfel a pixel, facing the camera, with random colours: the time does not depend on them.
 SurfelCloud benchPlane() {
   std::mt19937 random(1);
   SurfelCloud cloud;

@@ -29,7 +29,7 @@ TEST(Methods, AreListedInColumnsAndAsJson) {
     const std::string name = method["name"], summary = method["summary"], source = method["source"];
     EXPECT_FALSE(summary.empty() || source.empty()) << name;
     EXPECT_EQ(line.substr(0, name.size()), name);
-    EXPECT_EQ(line.substr(name.size(), 2) == ":N", method.contains("standard_n"));
+    EXPECT_EQ(line.substr(name.size(), 2) == ":N", method.contains("default_n"));
     summary_columns.insert(line.find(summary, name.size()));
     source_columns.insert(line.rfind(source));
     EXPECT_TRUE(line.ends_with(source));
@@ -48,7 +48,7 @@ TEST(Methods, EachDrawsItsOwnImage) {
   const Json list = Json::parse(runFoci({"methods", "--json"}, folder.path()).out);
   for (const Json& method : list) {
     std::string spec = method["name"];
-    if (method.contains("standard_n")) spec += ":2";
+    if (method.contains("default_n")) spec += ":2";
     const Outcome outcome = runFoci(
         {"render", "study.toml", "--out", "a.pfm", "--focus", "0.5", "--method", spec, "--json"},
         folder.path());

@@ -56,14 +56,14 @@ std::vector<ChartMethod> everyMethod(std::vector<int> Dial::*settings) {
   std::vector<ChartMethod> all;
   for (const MethodInfo& info : methods()) {
     const std::string name(info.name);
-    if (info.standard == 0) {
+    if (info.default_n == 0) {
       all.push_back({name, {}});
       continue;
     }
     const auto dial = std::find_if(dials().begin(), dials().end(),
                                    [&](const Dial& one) { return one.method == name; });
     if (dial == dials().end()) {
-      all.push_back({name, info.standard});
+      all.push_back({name, info.default_n});
       continue;
     }
     for (const int setting : (*dial).*settings) all.push_back({name, setting});

@@ -8,22 +8,24 @@
 
 namespace foci {
 
-/// A camera at the origin that looks along -z, square pixels, the axis in the image's middle.
+/// A camera at the origin that looks along -z, with square pixels. Its axis meets the image's
+/// middle.
 inline View squareView(int size_px, float focal_px) {
   return {.size_px = {size_px, size_px},
           .focal_px = glm::vec2(focal_px),
           .principal_px = glm::vec2(0.5f * static_cast<float>(size_px))};
 }
 
-/// Blur by depth along the axis, so that a sheet across it is blurred alike everywhere.
+/// A lens that measures distance along the axis, so that a sheet across the axis has the same blur
+/// everywhere.
 inline RenderSettings lens(float radius_px_per_D, float focus_D) {
   return {.defocus = {.radius_px_per_D = glm::vec2(radius_px_per_D),
                       .focus_D = focus_D,
                       .along = DistanceAlong::axis}};
 }
 
-/// A square sheet across the axis at depth `depth_m`, `n` x `n` surfels over `size_m`, its middle
-/// at `middle_m` to the right.
+/// Adds a square sheet across the axis at depth `depth_m`: `n` x `n` surfels, `size_m` wide. Its
+/// centre is `middle_m` to the right.
 inline void addSheet(SurfelCloud& cloud, float depth_m, float size_m, int n, const glm::vec3& color,
                      float middle_m = 0.0f, float opacity = 1.0f) {
   const float h_m = size_m / static_cast<float>(n);
@@ -48,7 +50,7 @@ struct Moments {
   double mass = 0.0, variance_x_px2 = 0.0, variance_y_px2 = 0.0;
 };
 
-/// Moments of the red light of `frame` less that of `without`.
+/// Moments of the red light of `frame` minus that of `without`.
 inline Moments momentsOf(const Frame& frame, const Frame* without = nullptr) {
   double mass = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0;
   for (int py = 0; py < frame.size_px.y; ++py) {
@@ -66,7 +68,8 @@ inline Moments momentsOf(const Frame& frame, const Frame* without = nullptr) {
   return {mass, xx / mass - x * x, yy / mass - y * y};
 }
 
-/// A point of light 1 m away, nearly: its red light in the image sums to `kPointMass`.
+/// A tiny surfel 1 m away, nearly a point of light: its red light in the image sums to
+/// `kPointMass`.
 inline constexpr double kPointMass = 0.04;
 inline constexpr float kPointFocal_px = 1000.0f;
 
@@ -77,11 +80,11 @@ inline SurfelCloud pointOfLight(const glm::vec2& shift_px) {
                {0.0f, 0.0f, 1.0f}, 1e-4f, 4e-8f, glm::vec3(1.0f));
   return cloud;
 }
-/// Its variance where it is sharp: the prefilter's and its own (0.1 mm at 1000 px a metre).
+/// Variance of the sharp point: the prefilter's plus its own (0.1 mm at 1000 px a metre).
 inline constexpr double kPointVariance_px2 = 1.01;
 
-/// Mean moments over 4 x 4 places within a pixel of a point of light that is blurred by
-/// `radius_px`, with the focus at infinity.
+/// Moments of a point of light with a blur radius of `radius_px`, as a mean over 4 x 4 places
+/// within a pixel. The focus is at infinity.
 inline Moments momentsOfPoint(std::string_view method, float radius_px) {
   Moments mean;
   for (int place = 0; place < 16; ++place) {
@@ -95,11 +98,11 @@ inline Moments momentsOfPoint(std::string_view method, float radius_px) {
   return mean;
 }
 
-/// A red half-plane 1 m away, left of the axis, before a green sheet 2 m away; 128 x 128 px, the
-/// edge in the middle.
+/// A red half-plane 1 m away, left of the axis, in front of a green sheet 2 m away. The image has
+/// 128 x 128 px, with the edge in the middle.
 struct EdgeScene {
   static constexpr int kEdge_px = 64;
-  /// Blur of the one that is not in focus.
+  /// Blur radius of the surface that is out of focus.
   static constexpr float kRadius_px = 8.0f;
   SurfelCloud cloud;
   View view = squareView(128, 300.0f);
@@ -112,7 +115,7 @@ struct EdgeScene {
   static RenderSettings nearInFocus() { return lens(2.0f * kRadius_px, 1.0f); }
   static RenderSettings farInFocus() { return lens(2.0f * kRadius_px, 0.5f); }
 
-  /// Mean colour `right_px` pixels right of the edge (negative: left), over the middle rows.
+  /// Mean colour of the middle rows, `right_px` pixels right of the edge (negative: left).
   static glm::vec3 at(const Frame& frame, int right_px) {
     glm::vec3 sum(0.0f);
     for (int y = 48; y < 80; ++y) {

@@ -377,11 +377,11 @@ TEST(SweepLod, ExtremeScenesAreDrawn) {
   }
 }
 
-TEST(LensParts, HaveTheDiscsMeanAndVariance) {
+TEST(SubApertures, HaveTheDiscsMeanAndVariance) {
   for (const int n : {3, 4, 7, 16, 19, 100}) {
     glm::vec2 mean(0.0f);
     float xx = 0.0f, xy = 0.0f, yy = 0.0f;
-    for (const glm::vec2& part : lensParts(n)) {
+    for (const glm::vec2& part : subApertureCentres(n)) {
       mean += part / static_cast<float>(n);
       xx += part.x * part.x / static_cast<float>(n);
       xy += part.x * part.y / static_cast<float>(n);

@@ -1,4 +1,4 @@
-#include "render/methods/abuffer.h"
+#include "render/methods/paper/abuffer.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "render/methods/paper_project.h"
+#include "render/methods/paper/project.h"
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kTolerance =
     4e-5f;  // the kernel's exponential, twice, and sums of some dozen terms
-// Whether a pixel centre lies inside a rim may hang on rounding.
+// Whether a pixel centre lies inside a rim may depend on rounding.
 constexpr int kRimPixels = 3;
 
 PaperSplats listed(const std::vector<PaperSplat>& splats, const glm::ivec2& size_px) {
@@ -43,7 +43,7 @@ Frame rendered(const PaperSplats& splats, const glm::ivec2& size_px, const glm::
   return frame;
 }
 
-/// Covers a whole small image with one weight.
+/// Covers all of a small image with one weight.
 PaperSplat veil(float near_m, float far_m, float weight, const glm::vec3& color,
                 float opacity = 1.0f) {
   const glm::vec3 c = color * opacity;
@@ -75,17 +75,17 @@ void expectNear(const glm::vec4& a, const glm::vec4& b) {
 
 const glm::vec3 kRed(1, 0, 0), kGreen(0, 1, 0), kBlue(0, 0, 1);
 
-TEST(ABuffer, FragmentsWhoseRangesMeetAreOneSurface) {
+TEST(ABuffer, FragmentsWhoseRangesMeetMerge) {
   // Weights and colours add: 0.4 + 0.4 covers 0.8.
   expectNear(pixelOf({veil(1, 2, 0.4f, kRed), veil(1.5f, 3, 0.4f, kGreen)}, false),
              {0.4f, 0.4f, 0.0f, 0.8f});
-  // Ranges that touch meet, too.
+  // Ranges that only touch meet too.
   expectNear(pixelOf({veil(1, 2, 0.4f, kRed), veil(2, 3, 0.4f, kGreen)}, false),
              {0.4f, 0.4f, 0.0f, 0.8f});
 }
 
-TEST(ABuffer, FragmentsApartHideOneAnother) {
-  // Front to back in any order of insertion: 0.4, then 0.4 of what is left.
+TEST(ABuffer, FragmentsWhoseRangesDoNotMeetHideOneAnother) {
+  // In any order of insertion, the front fragment covers 0.4 and the next one 0.4 of the rest.
   for (const bool swapped : {false, true}) {
     std::vector<PaperSplat> splats = {veil(1, 2, 0.4f, kRed), veil(2.5f, 3, 0.4f, kGreen)};
     if (swapped) std::reverse(splats.begin(), splats.end());
@@ -93,7 +93,7 @@ TEST(ABuffer, FragmentsApartHideOneAnother) {
   }
 }
 
-TEST(ABuffer, AFragmentThatMeetsSeveralJoinsThemAll) {
+TEST(ABuffer, AFragmentThatMeetsSeveralMergesThemAll) {
   std::vector<PaperSplat> splats = {veil(1, 2, 0.2f, kRed), veil(3, 4, 0.2f, kGreen),
                                     veil(5, 6, 0.2f, kBlue), veil(9, 10, 0.5f, kBlue),
                                     veil(1.5f, 5.5f, 0.2f, kRed)};
@@ -106,21 +106,21 @@ TEST(ABuffer, AFragmentThatMeetsSeveralJoinsThemAll) {
       [](const PaperSplat& a, const PaperSplat& b) { return a.near_m < b.near_m; }));
 }
 
-TEST(ABuffer, MoreThanAWholeIsDividedByItsWeight) {
+TEST(ABuffer, ColourIsDividedByAWeightAboveOne) {
   expectNear(
       pixelOf({veil(1, 2, 1.5f, kRed), veil(1, 2, 0.5f, kGreen), veil(3, 4, 1, kBlue)}, false),
       {0.75f, 0.25f, 0.0f, 1.0f});
 }
 
-TEST(ABuffer, OpacityIsThatOfTheSurfaceNotOfItsWeight) {
+TEST(ABuffer, OpacityIsTheMeanOfTheSurface) {
   // alpha = min(1, 2) * 0.25, then min(1, 0.5) * 0.5 of the rest.
   expectNear(pixelOf({veil(1, 2, 2.0f, kRed, 0.25f), veil(3, 4, 0.5f, kGreen, 0.5f)}, true),
              {0.25f, 0.75f * 0.25f, 0.0f, 1.0f - 0.75f * 0.75f});
 }
 
-TEST(ABuffer, ListsGrowAsLongAsTheyMust) {
-  // n veils of weight w one behind the other leave (1 - w)^n; shuffled, and with endless ranges
-  // behind.
+TEST(ABuffer, ListsGrowAsLongAsNeeded) {
+  // n fragments of weight w one behind the other leave (1 - w)^n. They are inserted in random
+  // order, with a fragment of infinite range behind them.
   constexpr int kVeils = 150;
   std::vector<PaperSplat> splats;
   for (int i = 0; i < kVeils; ++i) {
@@ -130,7 +130,7 @@ TEST(ABuffer, ListsGrowAsLongAsTheyMust) {
   std::shuffle(splats.begin(), splats.end(), std::mt19937(1));
   const float left = std::pow(0.99f, static_cast<float>(kVeils));
   expectNear(pixelOf(splats, false), {0.0f, 1.0f - left, 0.0f, 1.0f - left});
-  // One that spans them all makes one surface of weight 1.5 + 1.
+  // A fragment that spans all of them merges them into one surface of weight 1.5 + 1.
   splats.push_back(veil(0.0f, std::numeric_limits<float>::infinity(), 1.0f, kRed));
   expectNear(pixelOf(splats, false), {0.4f, 0.6f, 0.0f, 1.0f});
 }
@@ -144,7 +144,7 @@ TEST(ABuffer, CountsOnlyPixelsOfTheImage) {
   }
 }
 
-/// One pixel by the definition: all fragments, sorted, their ranges united, composited.
+/// One pixel by the definition: sorts all fragments, unites their ranges, and composites them.
 glm::vec4 byDefinition(const PaperSplats& splats, const glm::dvec2& at_px,
                        const glm::vec3& background, double& depth_m, std::uint64_t& fragments) {
   struct Fragment {
@@ -184,7 +184,7 @@ glm::vec4 byDefinition(const PaperSplats& splats, const glm::dvec2& at_px,
   return {color + through * glm::dvec3(background), 1.0 - through};
 }
 
-TEST(ABuffer, AgreesWithListsSortedPixelByPixel) {
+TEST(ABuffer, AgreesWithTheDefinitionAtEachPixel) {
   for (const bool transparent : {false, true}) {
     for (const float blur_px_per_D : {0.0f, 3.0f, 20.0f}) {
       const SurfelCloud cloud = scattered(1500, 7, transparent);

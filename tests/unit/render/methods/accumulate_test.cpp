@@ -1,4 +1,4 @@
-// The reference against closed forms, and where it fails.
+// The reference against closed forms, and its known failure.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 constexpr double kVarianceOfSamples = 0.01;  // of a sunflower of 200 points against the disc's
 constexpr double kShareOfSamples = 0.02;     // of half-planes against 200 points, and a pixel
 
-/// Share of a disc of radius 1 on one side of a line, `d` from its centre towards that side.
+/// Share of the unit disc beyond a line at the signed distance `d` from its centre.
 double segment(double d) {
   d = std::clamp(d, -1.0, 1.0);
   return (std::acos(d) - d * std::sqrt(1.0 - d * d)) / std::numbers::pi;
@@ -38,11 +38,11 @@ TEST(Accumulate, PointOfLightHasTheVarianceOfTheDisc) {
   }
 }
 
-TEST(Accumulate, WhatABlurredThingHidesShowsThroughItsEdge) {
+TEST(Accumulate, TheBackgroundShowsThroughABlurredEdge) {
   const EdgeScene scene;
   const Frame frame = render("accumulate:200", scene.cloud, scene.view, EdgeScene::farInFocus());
   for (const int right_px : {-7, -4, -1, 1, 4, 7}) {
-    // The pixel's middle is half a pixel nearer to the edge.
+    // The pixel's centre is half a pixel nearer to the edge.
     const double off_px = right_px - (right_px < 0 ? -0.5 : 0.5);
     const double covered = segment(off_px / EdgeScene::kRadius_px);
     const glm::vec3 color = EdgeScene::at(frame, right_px);
@@ -52,7 +52,7 @@ TEST(Accumulate, WhatABlurredThingHidesShowsThroughItsEdge) {
 }
 
 TEST(Accumulate, FailureFewViewsShowAsGhosts) {
-  // A point of light should become a disc of pi 12^2 pixels; 8 views make 8 points of it.
+  // A point of light should become a disc of pi 12^2 pixels. 8 views turn it into 8 points.
   const SurfelCloud cloud = pointOfLight({0.0f, 0.0f});
   const View view = squareView(41, kPointFocal_px);
   const float sharp = brightest(render("pinhole", cloud, view, lens(0.0f, 0.0f)));

@@ -2,12 +2,14 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <string>
 
 #include "base/quantile.h"
 #include "render/image/visible_difference.h"
 #include "render/methods/method.h"
+#include "render/methods/quality_level.h"
 #include "render/scene/builtin/procedural.h"
 #include "tests/unit/render/surfel_scenes.h"
 
@@ -20,7 +22,7 @@ Frame greyFrame(float grey) {
 
 float lightness(float luminance) { return 116.0f * std::cbrt(luminance) - 16.0f; }
 
-TEST(VisibleDifference, OfGreysIsThatOfTheirLightness) {
+TEST(VisibleDifference, OfGreysIsTheDifferenceOfTheirLightness) {
   const auto apart = visibleDifference(greyFrame(0.2f), greyFrame(0.25f), kUsualPx_per_deg);
   const float expected = (lightness(0.25f) - lightness(0.2f)) / 2.3f;
   for (const float each : apart) EXPECT_NEAR(each, expected, 1e-3f);
@@ -31,7 +33,7 @@ TEST(VisibleDifference, LightBeyondWhiteIsWhite) {
   for (const float each : apart) EXPECT_EQ(each, 0.0f);
 }
 
-TEST(VisibleDifference, FinerThanTheEyeSeesCountsLess) {
+TEST(VisibleDifference, DetailThatTheEyeCannotResolveCountsLess) {
   Frame stripes = greyFrame(0.0f);
   for (std::size_t i = 0; i < stripes.rgba.size(); ++i) {
     stripes.rgba[i] = glm::vec4(i % 2 == 0 ? 0.1f : 0.3f);
@@ -41,7 +43,7 @@ TEST(VisibleDifference, FinerThanTheEyeSeesCountsLess) {
   EXPECT_LT(quantile(fine, 0.5), 0.3f * quantile(coarse, 0.5));
 }
 
-class Auto : public ::testing::Test {
+class AutoTest : public ::testing::Test {
  protected:
   SurfelCloud cloud = makePlane(160, 1.0f);
   View view = [] {
@@ -51,29 +53,36 @@ class Auto : public ::testing::Test {
     return tilted;
   }();
 
-  RenderSettings settings(float radius_px_per_D, float tolerance = 1.0f) const {
+  static RenderSettings settings(float radius_px_per_D, float tolerance = 1.0f) {
     RenderSettings all = blurredBy(radius_px_per_D, 1.0f / 1.27f);
     all.quality.tolerance = tolerance;
     return all;
   }
+
+  Frame renderedAt(QualityLevel level, const RenderSettings& of,
+                   RenderStats* stats = nullptr) const {
+    return renderedBy(textOf(level).c_str(), cloud, view, of, stats);
+  }
 };
 
-TEST_F(Auto, NoMorePixelsThanSaidAreFurtherOff) {
+TEST_F(AutoTest, PredictsAnUpperBoundOfTheError) {
   for (const float radius_px_per_D : {2.0f, 20.0f, 60.0f}) {
     const Frame reference = renderedBy("accumulate:128", cloud, view, settings(radius_px_per_D));
-    for (int number = 1; number <= 8; ++number) {
-      const std::string way = "auto:" + std::to_string(number);
+    for (int n = 1; n <= static_cast<int>(kQualityLevels); ++n) {
+      const QualityLevel level = *qualityLevelNumbered(n);
       RenderStats stats;
-      const Frame frame = renderedBy(way.c_str(), cloud, view, settings(radius_px_per_D), &stats);
+      const Frame frame = renderedAt(level, settings(radius_px_per_D), &stats);
+      EXPECT_EQ(stats.quality_level, level);
       auto apart = visibleDifference(frame, reference, kUsualPx_per_deg);
       ASSERT_TRUE(stats.tolerance_error.has_value());
-      EXPECT_LE(quantile(apart, 0.95), *stats.tolerance_error) << way << " " << radius_px_per_D;
+      EXPECT_LE(quantile(apart, 0.95), *stats.tolerance_error)
+          << textOf(level) << " " << radius_px_per_D;
     }
   }
 }
 
-TEST_F(Auto, DrawsNoBlurWhereNoneShows) {
-  const Frame sharp = renderedBy("auto:1", cloud, view, settings(0.0f));
+TEST_F(AutoTest, RendersNoBlurWhereItIsInvisible) {
+  const Frame sharp = renderedAt(QualityLevel::sharp, settings(0.0f));
   RenderStats stats;
   const Frame hardly_blurred = renderedBy("auto", cloud, view, settings(3.0f), &stats);
   EXPECT_EQ(hardly_blurred.rgba, sharp.rgba);
@@ -82,7 +91,7 @@ TEST_F(Auto, DrawsNoBlurWhereNoneShows) {
   EXPECT_NE(renderedBy("auto", cloud, view, settings(3.0f, 0.3f)).rgba, sharp.rgba);
 }
 
-TEST_F(Auto, ALargerToleranceCostsLess) {
+TEST_F(AutoTest, ALargerToleranceCostsLess) {
   std::uint64_t before = UINT64_MAX;
   double error = 0.0;
   for (const float tolerance : {0.1f, 100.0f}) {
@@ -95,13 +104,13 @@ TEST_F(Auto, ALargerToleranceCostsLess) {
   }
 }
 
-// Where nothing overlaps, parts of the lens would change nothing; where surfaces do in much of the
-// view, the lens as a whole would be off by more than is allowed.
-TEST_F(Auto, TakesTheLensApartWhereTheFrameAsksForIt) {
+// On a plane, sub-apertures would change nothing. Where surfaces overlap in much of the view, a
+// whole-aperture pass would exceed the tolerance.
+TEST_F(AutoTest, RendersSubAperturesWhereSurfacesOverlap) {
   const Frame plane = renderedBy("auto", cloud, view, settings(60.0f));
-  EXPECT_EQ(plane.rgba, renderedBy("auto:3", cloud, view, settings(60.0f)).rgba);
+  EXPECT_EQ(plane.rgba, renderedAt(QualityLevel::whole_aperture, settings(60.0f)).rgba);
 
-  SurfelCloud crossing;  // stripes before stripes, both blurred
+  SurfelCloud crossing;  // stripes in front of stripes, all of them blurred
   for (int k = -4; k <= 4; ++k) {
     const auto x_m = 0.06f * static_cast<float>(k);
     for (int row = -3; row <= 3; ++row) {
@@ -118,102 +127,117 @@ TEST_F(Auto, TakesTheLensApartWhereTheFrameAsksForIt) {
   }
   const View ahead = squareViewOf(128, 300.0f);
   const RenderSettings blurred = blurredBy(10.0f, 0.0f);
-  RenderStats stats, whole;
+  RenderStats stats;
   const Frame apart = renderedBy("auto", crossing, ahead, blurred, &stats);
   const Frame reference = renderedBy("accumulate:256", crossing, ahead, blurred);
   auto error = visibleDifference(apart, reference, kUsualPx_per_deg);
-  auto by_whole = visibleDifference(renderedBy("auto:3", crossing, ahead, blurred, &whole),
-                                    reference, kUsualPx_per_deg);
-  EXPECT_GT(quantile(by_whole, 0.95), 1.0f);
-  EXPECT_LT(quantile(error, 0.95), 0.8f * quantile(by_whole, 0.95));
-  EXPECT_GT(*stats.tolerance_error, 1.0f);  // so small and so near that parts do not suffice
+  const std::string whole_aperture = textOf(QualityLevel::whole_aperture);
+  auto error_of_whole = visibleDifference(
+      renderedBy(whole_aperture.c_str(), crossing, ahead, blurred), reference, kUsualPx_per_deg);
+  EXPECT_GT(quantile(error_of_whole, 0.95), 1.0f);
+  EXPECT_LT(quantile(error, 0.95), 0.8f * quantile(error_of_whole, 0.95));
+  // The stripes are so small and so near that 7 sub-apertures do not meet the tolerance.
+  EXPECT_GT(*stats.tolerance_error, 1.0f);
 }
 
-TEST_F(Auto, DoesNotFlickerBetweenWays) {
+TEST_F(AutoTest, DoesNotFlickerBetweenLevels) {
   const auto method = makeMethod("auto", cloud);
   Frame frame;
-  std::set<std::string> ways;
-  // Blur that trembles by two per cent, at every level: some are where ways part.
-  for (int level = 0; level < 40; ++level) {
+  std::set<QualityLevel> levels;
+  // The blur trembles by two per cent around many values. Some of them lie where the level changes.
+  for (int step = 0; step < 40; ++step) {
     int changes = 0;
-    std::string before;
+    std::optional<QualityLevel> before;
     for (int i = 0; i < 8; ++i) {
       RenderSettings now =
-          settings(4.0f * std::pow(1.07f, static_cast<float>(level)) * (i % 2 == 0 ? 1.02f : 1.0f));
-      now.quality.frame_ms = 1e6f;  // never reached: only to be told the way
+          settings(4.0f * std::pow(1.07f, static_cast<float>(step)) * (i % 2 == 0 ? 1.02f : 1.0f));
+      now.quality.frame_ms = 1e6f;  // a budget without effect: no squares of the frame
       const RenderStats stats = method->render(view, now, frame);
-      changes += i > 0 && stats.rendered_as != before;
-      before = stats.rendered_as;
-      ways.insert(before);
+      changes += i > 0 && stats.quality_level != before;
+      before = stats.quality_level;
+      levels.insert(before.value());
     }
-    EXPECT_LE(changes, 1) << level;
+    EXPECT_LE(changes, 1) << step;
   }
-  EXPECT_GE(ways.size(), 2u);
+  EXPECT_GE(levels.size(), 2u);
 }
 
-TEST_F(Auto, IsSoftWhereTimeLacksUntilTheViewIsPrepared) {
+TEST_F(AutoTest, IsSoftUnderAShortBudgetUntilTheViewIsPrepared) {
   const auto method = makeMethod("auto", cloud);
   RenderSettings hurried = settings(40.0f, 0.1f);
   hurried.quality.frame_ms = 1e-6f;
   Frame frame;
   RenderStats stats;
   for (int i = 0; i < 10; ++i) stats = method->render(view, hurried, frame);
-  EXPECT_EQ(stats.rendered_as, "auto:8");
-  EXPECT_FALSE(stats.in_full);
+  EXPECT_EQ(stats.quality_level, QualityLevel::softest);
+  EXPECT_FALSE(stats.full_quality);
   EXPECT_GT(*stats.tolerance_error, hurried.quality.tolerance);
   method->cloneSharingScene()->prepare(view, hurried);
   stats = method->render(view, hurried, frame);
-  EXPECT_EQ(stats.rendered_as, "auto:6");
-  EXPECT_FALSE(stats.in_full);
-  // What drew it renders the same again, also where nothing was prepared.
-  const Frame again = renderedBy("auto:6", cloud, view, settings(40.0f));
+  EXPECT_EQ(stats.quality_level, QualityLevel::post_filtered);
+  EXPECT_FALSE(stats.full_quality);
+  // The level alone gives the same frame, without preparation.
+  const Frame again = renderedAt(QualityLevel::post_filtered, settings(40.0f));
   EXPECT_EQ(frame.rgba, again.rgba);
-  // Another view is not.
+  // Another view is not prepared.
   View moved = view;
   moved.principal_px.x += 1.0f;
-  EXPECT_NE(method->render(moved, hurried, frame).rendered_as, "auto:6");
+  EXPECT_NE(method->render(moved, hurried, frame).quality_level, QualityLevel::post_filtered);
 }
 
-TEST_F(Auto, IsAsGoodAsTheToleranceWhereTimeSuffices) {
+TEST_F(AutoTest, MeetsTheToleranceUnderALongBudget) {
   const auto method = makeMethod("auto", cloud);
   RenderSettings unhurried = settings(40.0f, 0.1f);
   unhurried.quality.frame_ms = std::numeric_limits<float>::infinity();
   Frame frame;
   const RenderStats stats = method->render(view, unhurried, frame);
-  EXPECT_TRUE(stats.in_full);
-  const std::string way = stats.rendered_as;
+  EXPECT_TRUE(stats.full_quality);
   RenderStats plain;
   EXPECT_EQ(frame.rgba, renderedBy("auto", cloud, view, settings(40.0f, 0.1f), &plain).rgba);
   EXPECT_EQ(stats.tolerance_error, plain.tolerance_error);
   unhurried.quality.frame_ms = 1e6f;
   const auto other = makeMethod("auto", cloud);
-  other->render(view, unhurried, frame);  // nothing is known yet
-  EXPECT_EQ(other->render(view, unhurried, frame).rendered_as, way);
+  other->render(view, unhurried, frame);  // has no times yet
+  EXPECT_EQ(other->render(view, unhurried, frame).quality_level, stats.quality_level);
 }
 
-TEST_F(Auto, ATwinDrawsTheSame) {
+// All colour channels share one level and the verdict on it.
+TEST_F(AutoTest, ColourChannelsAreOfFullQualityTogether) {
+  RenderSettings chromatic = settings(40.0f, 0.1f);
+  chromatic.defocus.chromatic_D = {0.3f, 0.0f, -0.9f};
   const auto method = makeMethod("auto", cloud);
-  const auto twin = method->cloneSharingScene();
-  ASSERT_TRUE(twin);
+  Frame frame;
+  EXPECT_TRUE(method->render(view, chromatic, frame).full_quality);
+  chromatic.quality.frame_ms = 1e-6f;
+  RenderStats stats;
+  for (int i = 0; i < 10; ++i) stats = method->render(view, chromatic, frame);
+  EXPECT_EQ(stats.quality_level, QualityLevel::softest);
+  EXPECT_FALSE(stats.full_quality);
+}
+
+TEST_F(AutoTest, ACloneRendersTheSame) {
+  const auto method = makeMethod("auto", cloud);
+  const auto clone = method->cloneSharingScene();
+  ASSERT_TRUE(clone);
   Frame ours, its;
   method->render(view, settings(10.0f), ours);
-  twin->render(view, settings(10.0f), its);
+  clone->render(view, settings(10.0f), its);
   EXPECT_EQ(ours.rgba, its.rgba);
 }
 
-TEST_F(Auto, FoveatedIsTheSameWhereOneLooksAndCheaperElsewhere) {
+TEST_F(AutoTest, FoveatedIsTheSameAtTheGazeAndCheaperElsewhere) {
   RenderSettings foveated = settings(4.0f);
   foveated.quality.acuity = {.gaze_px = {64.0f, 64.0f}, .base_px = 0.5f, .per_px = 0.1f};
   RenderStats full, fovea;
-  const Frame everywhere = renderedBy("auto:5", cloud, view, settings(4.0f), &full);
-  const Frame around = renderedBy("auto:5", cloud, view, foveated, &fovea);
+  const Frame everywhere = renderedAt(QualityLevel::fine, settings(4.0f), &full);
+  const Frame around = renderedAt(QualityLevel::fine, foveated, &fovea);
   EXPECT_LT(fovea.splats, full.splats);
   for (int y = 60; y < 68; ++y) {
     for (int x = 60; x < 68; ++x) {
       EXPECT_LT(glm::length(everywhere.at(x, y) - around.at(x, y)), 0.02f) << x << " " << y;
     }
   }
-  // Coarser, not darker: kernels of coarse nodes sum to one within 4 %.
+  // The mean light stays the same: the kernels of coarse nodes sum to one within 4 %.
   const auto mean = [](const Frame& frame) {
     glm::vec4 sum(0.0f);
     for (const glm::vec4& each : frame.rgba) sum += each;

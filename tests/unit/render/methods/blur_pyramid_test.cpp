@@ -10,7 +10,7 @@ namespace {
 constexpr int kSize_px = 256;
 constexpr float kDistance_m = 0.5f;  // 2 D
 
-/// Black but for one pixel in the middle, all of it at one distance.
+/// A black image with one white pixel in the middle, all at one distance.
 Frame point() {
   Frame frame{.size_px = {kSize_px + 3, kSize_px - 5}, .rgba = {}, .depth_m = {}};
   const std::size_t pixels = static_cast<std::size_t>(frame.size_px.x) * frame.size_px.y;
@@ -44,7 +44,7 @@ TEST(BlurPyramid, AConstantStaysConstant) {
   }
 }
 
-TEST(BlurPyramid, APointHasTheLightAndTheVarianceOfItsDisc) {
+TEST(BlurPyramid, APointKeepsItsLightAndGetsTheVarianceOfTheDisc) {
   for (const float radius_px : {2.0f, 2.6f, 5.0f, 9.0f, 16.0f, 25.0f}) {
     const Frame frame = blurred(point(), radius_px);
     double light = 0.0, x = 0.0, xx = 0.0;

@@ -1,4 +1,4 @@
-#include "render/methods/circumellipse.h"
+#include "render/methods/paper/circumellipse.h"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ TEST(Circumellipse, RaisesEachEigenvalueToTheCircleAndKeepsTheEigenvectors) {
   }
 }
 
-TEST(Circumellipse, IsTheCircleAroundAnythingSmaller) {
+TEST(Circumellipse, IsTheCircleForASmallerEllipse) {
   expectNear(circumellipse({0.0f, 0.0f, 0.0f}, 2.0f), {2.0f, 0.0f, 2.0f}, 2.0f);
   expectNear(circumellipse({1.0f, 0.0f, 1.0f}, 2.0f), {2.0f, 0.0f, 2.0f}, 2.0f);
   expectNear(circumellipse(rotated(1.9, 0.0, 0.7), 2.0f), {2.0f, 0.0f, 2.0f}, 2.0f);
@@ -41,14 +41,14 @@ TEST(Circumellipse, OfNothingIsNothing) {
   expectNear(circumellipse({0.0f, 0.0f, 0.0f}, 0.0f), {0.0f, 0.0f, 0.0f}, 1.0f);
 }
 
-TEST(Circumellipse, HoldsUpForEllipsesABillionTimesLongerThanWide) {
+TEST(Circumellipse, IsAccurateForEllipsesABillionTimesLongerThanWide) {
   const Variance w = circumellipse(rotated(1e9, 1e-9, 0.4), 1.0f);
   expectNear(w, rotated(1e9, 1.0, 0.4), 1e9f);
   EXPECT_GE(w.xx, 0.0f);
   EXPECT_GE(w.yy, 0.0f);
 }
 
-TEST(Circumellipse, OfTwoEllipsesHoldsBothAndNoMoreThanItMust) {
+TEST(Circumellipse, OfTwoEllipsesContainsBothTightly) {
   for (double angle_rad = 0.0; angle_rad < 3.2; angle_rad += 0.3) {
     const Variance b = rotated(4.0, 0.5, angle_rad), c = rotated(3.0, 1.0, 0.7);
     const Variance w = circumellipse(b, c);
@@ -61,7 +61,7 @@ TEST(Circumellipse, OfTwoEllipsesHoldsBothAndNoMoreThanItMust) {
       EXPECT_LE(variance(w), variance(b) + variance(c) + 1e-4);
     }
   }
-  // Of circles it is the one above.
+  // If one of them is a circle, both functions agree.
   expectNear(circumellipse(rotated(3.0, 1.0, 0.4), Variance{2.0f, 0.0f, 2.0f}),
              circumellipse(rotated(3.0, 1.0, 0.4), 2.0f), 3.0f);
 }

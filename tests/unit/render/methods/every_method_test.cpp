@@ -1,4 +1,4 @@
-// What holds for every depth-of-field method.
+// Properties of every depth-of-field method.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -19,7 +19,7 @@ std::vector<std::string> everySpec() {
   std::vector<std::string> specs;
   for (const MethodInfo& method : methods()) {
     specs.emplace_back(method.name);
-    if (method.standard > 0) specs.back() += ":" + std::to_string(std::min(method.standard, 8));
+    if (method.default_n > 0) specs.back() += ":" + std::to_string(std::min(method.default_n, 8));
   }
   return specs;
 }
@@ -89,7 +89,7 @@ TEST_P(EveryMethod, StaysFiniteUnderAnyLens) {
   }
 }
 
-TEST_P(EveryMethod, TakesAnImageOfAnySize) {
+TEST_P(EveryMethod, RendersAnImageOfAnySize) {
   const SurfelCloud cloud = randomCloud(1000);
   const auto method = makeMethod(GetParam(), cloud);
   Frame frame;
@@ -112,11 +112,11 @@ std::string nameOf(const testing::TestParamInfo<std::string>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod, testing::ValuesIn(everySpec()), nameOf);
 
-/// Those that render closed surfaces: not `rasanen`, whose holes are chance, nor `inflate`, whose
-/// splats do not add up (their own tests show it).
+/// The methods that render closed surfaces. Excluded are `rasanen`, which has random holes, and
+/// `inflate`, whose splats do not add up. Their own tests show these failures.
 class ClosedSurfaces : public testing::TestWithParam<std::string> {};
 
-TEST_P(ClosedSurfaces, WhatIsInFocusIsSharp) {
+TEST_P(ClosedSurfaces, ASheetInFocusIsSharp) {
   // A sheet of random colours, in focus.
   std::mt19937 random(3);
   SurfelCloud cloud;
@@ -125,7 +125,7 @@ TEST_P(ClosedSurfaces, WhatIsInFocusIsSharp) {
   const View view = squareView(96, 300.0f);
   const Frame frame = render(GetParam(), cloud, view, lens(40.0f, 1.0f));
   const Frame sharp = render("pinhole", cloud, view, lens(40.0f, 1.0f));
-  // Sums of equal numbers are rounded.
+  // The tolerance covers the rounding of sums of equal numbers.
   for (std::size_t i = 0; i < frame.rgba.size(); ++i) {
     for (int channel = 0; channel < 4; ++channel) {
       ASSERT_NEAR(frame.rgba[i][channel], sharp.rgba[i][channel], 1e-4f);

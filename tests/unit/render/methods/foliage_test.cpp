@@ -1,6 +1,6 @@
-// Leaves at many depths before a wall in focus: the known failure of `sweep` and, with too few
-// parts of the lens, of `sweep-lod`. Each leaf hides another piece of the lens from what lies
-// behind it; no one straight edge tells which.
+// Leaves at many depths in front of a wall in focus: the known failure of `sweep` and, with too few
+// sub-apertures, of `sweep-lod`. Each leaf covers another area of the lens, so one straight edge
+// does not describe the open part.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -33,7 +33,8 @@ class Foliage : public testing::Test {
     }
   }
 
-  /// From the reference. @param lens_px_per_D  the leaves are 0.3 to 1.2 D out of focus
+  /// The difference from the reference.
+  /// @param lens_px_per_D  the leaves are 0.3 to 1.2 D out of focus
   std::vector<double> distances_dB(float lens_px_per_D, const std::vector<const char*>& methods) {
     const RenderSettings settings = blurredBy(lens_px_per_D, 0.5f);
     const Frame reference = renderedBy("accumulate:150", cloud_, view_, settings);
@@ -48,12 +49,12 @@ class Foliage : public testing::Test {
   View view_ = squareViewOf(64, 128.0f);
 };
 
-TEST_F(Foliage, FailureOfSweepOneEdgeOnTheLensIsNotEnough) {
+TEST_F(Foliage, FailureOfSweepOneEdgeAcrossTheLensIsNotEnough) {
   const auto dB = distances_dB(10.0f, {"sweep", "sweep-lod:7"});
   EXPECT_LT(dB[0], dB[1] - 6.0) << dB[0] << " dB";
 }
 
-TEST_F(Foliage, FailureOfSweepLodFewPartsOfTheLensAreNotEnough) {
+TEST_F(Foliage, FailureOfSweepLodFewSubAperturesAreNotEnough) {
   const auto dB = distances_dB(30.0f, {"sweep-lod:7", "sweep-lod:61"});
   EXPECT_LT(dB[0], dB[1] - 3.0) << dB[0] << " dB";
 }

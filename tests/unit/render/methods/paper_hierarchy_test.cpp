@@ -1,4 +1,4 @@
-#include "render/methods/paper_hierarchy.h"
+#include "render/methods/paper/hierarchy.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -17,7 +17,7 @@ namespace {
 constexpr double kSumTolerance = 1e-5;  // float sums along a tree, of some thousand terms
 constexpr float kRounding = 1e-5f;      // relative, of lengths and their squares
 
-TEST(PaperHierarchy, EveryLevelHoldsTheWholeArea) {
+TEST(PaperHierarchy, EveryLevelHasTheSameArea) {
   for (int n : {1, 2, 3, 4, 5, 16, 17, 1000, 4097}) {
     const SurfelCloud cloud = scattered(n, 1, false);
     double area_m2 = 0.0;
@@ -62,8 +62,8 @@ TEST(PaperHierarchy, EverySurfelIsInOneNodeOfEachLevelAndInItsSphere) {
   }
 }
 
-TEST(PaperHierarchy, SpheresShrinkLikeTheSurfaceThatTheyStandFor) {
-  // A square of n surfels: a node of level l covers 1 / 4^l of it, in a square or nearly so.
+TEST(PaperHierarchy, SpheresShrinkWithTheSurfaceOfTheirNode) {
+  // In a square of n surfels, a node of level l covers 1 / 4^l of the area and is nearly square.
   SurfelCloud cloud;
   addSheetOf(cloud, {.side_m = 1.0f, .samples = 128});
   const PaperHierarchy hierarchy(cloud);
@@ -75,8 +75,9 @@ TEST(PaperHierarchy, SpheresShrinkLikeTheSurfaceThatTheyStandFor) {
   }
 }
 
-TEST(PaperHierarchy, BasisOfAFlatNodeIsTheSurfelsOwnPlusTheSpreadOfTheirPositions) {
-  // On a grid of m x m of spacing h the positions' variance along an axis is h^2 (m^2 - 1) / 12.
+TEST(PaperHierarchy, BasisOfAFlatNodeIsTheSurfelsBasisPlusTheirSpread) {
+  // On an m x m grid of spacing h, the variance of the positions along an axis is h^2 (m^2 - 1)
+  // / 12.
   constexpr int kSide = 16;
   SurfelCloud cloud;
   addSheetOf(cloud, {.side_m = 1.6f, .samples = kSide, .color = {0.25f, 0.5f, 1.0f}});
@@ -107,7 +108,7 @@ TEST(PaperHierarchy, ColoursAreMeansByAreaAndOpacity) {
   EXPECT_NEAR(root.position_m.x, 1.0f, kRounding);
 }
 
-TEST(PaperHierarchy, NormalsOfOneSurfaceAgreeWhicheverWayTheyPoint) {
+TEST(PaperHierarchy, NormalsOfOppositeSignAgree) {
   SurfelCloud cloud;
   for (int i = 0; i < 16; ++i) {
     const float sign = i % 2 == 0 ? 1.0f : -1.0f;
@@ -119,7 +120,7 @@ TEST(PaperHierarchy, NormalsOfOneSurfaceAgreeWhicheverWayTheyPoint) {
   EXPECT_NEAR(std::abs(normal.z), 1.0f, kRounding);
 }
 
-TEST(PaperHierarchy, LeavesOutWhatNeverDraws) {
+TEST(PaperHierarchy, LeavesOutSurfelsThatAreNeverVisible) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
   SurfelCloud cloud;
@@ -135,7 +136,7 @@ TEST(PaperHierarchy, LeavesOutWhatNeverDraws) {
   EXPECT_EQ(PaperHierarchy(cloud).order(), std::vector<std::uint32_t>{6});
 }
 
-TEST(PaperHierarchy, AllSurfelsInOnePointAreAPoint) {
+TEST(PaperHierarchy, SurfelsAtOnePointAreAPoint) {
   SurfelCloud cloud;
   for (int i = 0; i < 1000; ++i) {
     appendSurfel(cloud, {1, 2, 3}, {0, 0, 1}, 0.1f, 0.01f, glm::vec3(1.0f));

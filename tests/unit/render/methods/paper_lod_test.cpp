@@ -1,4 +1,4 @@
-// Level of detail: what `paper-lod` does beyond `paper`.
+// Level of detail in `paper-lod`, compared with `paper`.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ View planeView(int size_px) {
                       1.2);
 }
 
-TEST(PaperLod, DrawsEverySurfelWhereNothingIsBlurredOrSmall) {
+TEST(PaperLod, RendersEverySurfelWhereNothingIsBlurredOrSmall) {
   const SurfelCloud cloud = scattered(3000, 11, true);
   RenderStats all, lod;
   const View view = squareViewOf(256, 1000.0f);
@@ -28,8 +28,9 @@ TEST(PaperLod, DrawsEverySurfelWhereNothingIsBlurredOrSmall) {
   EXPECT_GT(psnr_dB(a, b), 110.0);  // rounding: sums in another order
 }
 
-TEST(PaperLod, WhatLiesOutsideTheImageMakesNoDifferenceInIt) {
-  // A part of a view is that part of the whole view's frame, though traversal drops the rest.
+TEST(PaperLod, SurfelsOutsideTheImageDoNotChangeIt) {
+  // The frame of a cropped view equals that crop of the full frame, although the traversal drops
+  // the rest of the scene.
   SurfelCloud cloud = makePlane(128);
   const View whole = planeView(160);
   View part = whole;
@@ -51,8 +52,8 @@ TEST(PaperLod, WhatLiesOutsideTheImageMakesNoDifferenceInIt) {
 }
 
 TEST(PaperLod, PointsFallWithTheBlurAsInThePapersTable) {
-  // Table 1: 262,144 points become 178,696 and 54,385 where blur makes 3.1 and 34.6 times as many
-  // fragments without level of detail; with it they are 1.5 and 1.3 times as many.
+  // Table 1: 262,144 points become 178,696 and 54,385. Without level of detail, the blur multiplies
+  // the number of fragments by 3.1 and 34.6; with level of detail, by 1.5 and 1.3.
   const SurfelCloud cloud = makePlane(256);
   const View view = planeView(256);
   const auto over = [](std::uint64_t a, std::uint64_t b) {
@@ -82,7 +83,7 @@ TEST(PaperLod, FrameIsCloseToTheOneWithoutLevelOfDetail) {
   for (const float blur : {16.0f, 67.0f}) {
     const Frame a = renderedBy("paper", cloud, view, blurredBy(blur, 1.0f / 1.6f));
     const Frame b = renderedBy("paper-lod", cloud, view, blurredBy(blur, 1.0f / 1.6f));
-    // 46.4 and 41.3 dB when this was written.
+    // The bound is below the measured 46.4 and 41.3 dB.
     EXPECT_GT(psnr_dB(a, b), 40.0) << "blur " << blur;
   }
 }
@@ -98,8 +99,8 @@ TEST(PaperLod, ASceneSmallerThanAPixelIsOneSplatOfItsArea) {
 }
 
 TEST(PaperLod, BlurInTheLevelIsNotAddedAgain) {
-  // A patch smaller than its blur, 20 px: one node, whose low-pass filter lies inside the circle of
-  // confusion. Its variance is that of the blur and of one surfel, whatever the patch's size.
+  // A patch smaller than its blur of 20 px is one node. Its low-pass filter lies inside the circle
+  // of confusion. So its variance is that of the blur and of one surfel, whatever the patch's size.
   constexpr float kRadius_px = 30.0f;
   SurfelCloud cloud;
   addSheetOf(cloud, {.side_m = 0.02f, .samples = 16});
@@ -116,8 +117,9 @@ TEST(PaperLod, BlurInTheLevelIsNotAddedAgain) {
 }
 
 TEST(PaperLod, ShapeIsNotLowPassedWhichIsTheKnownFailure) {
-  // A roof of two slopes of 30 degrees, 10 px wide, its ridge across the line of sight. Its node
-  // lies in the mean of both, which the eye sees edge-on: blurred, the roof is gone.
+  // A roof of two slopes of 30 degrees, 10 px wide, with the ridge across the line of sight. Its
+  // node lies in the mean plane of both slopes, which the eye sees edge-on. The blurred roof
+  // vanishes.
   SurfelCloud cloud;
   const float rise = 0.5f, run = std::sqrt(0.75f);
   for (const float side : {-1.0f, 1.0f}) {
@@ -139,7 +141,7 @@ TEST(PaperLod, ShapeIsNotLowPassedWhichIsTheKnownFailure) {
   RenderStats stats;
   EXPECT_LT(light("paper-lod", 30.0f, &stats), 0.1 * mass);
   EXPECT_LE(stats.splats, 1u);
-  // A node that has all moments is as thick as the roof.
+  // A node of `sweep-lod` keeps all moments and is as thick as the roof.
   EXPECT_NEAR(light("sweep-lod", 30.0f) / mass, 1.0, kSlopes);
 }
 

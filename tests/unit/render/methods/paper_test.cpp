@@ -1,4 +1,4 @@
-// What `paper` and `paper-lod` have in common.
+// Properties of both `paper` and `paper-lod`.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 #include <tbb/global_control.h>
@@ -21,10 +21,11 @@ constexpr double kCutoff = 2.5;
 /// exponential on the plane, its mean over [0, c] is 1 - c exp(-c) / (1 - exp(-c)).
 const double kTruncatedVariance = 1.0 - kCutoff / (std::exp(kCutoff) - 1.0);
 
-// Sampling of a kernel with a rim at pixel centres, mean of 16 places.
+// Error of sampling a truncated kernel at pixel centres, as a mean over 16 places.
 constexpr double kMomentTolerance = 0.02, kEnergyTolerance = 0.01;
-// A sheet's sum of truncated kernels. Where they stand 0.9 standard deviations apart, as sharp
-// surfels and blurred nodes do: the paper's own bound (section 8). Blurred surfels stand closer.
+// The sum of truncated kernels on a sheet. For sharp surfels and blurred nodes, whose distance is
+// 0.9 standard deviations, the bound is the paper's (section 8). Blurred surfels are closer
+// together.
 constexpr float kRipple = 0.1f, kBlurredRipple = 0.01f;
 constexpr float kSimdTolerance = 2e-5f;  // fused against separate rounding, sums of some hundred
 
@@ -35,7 +36,7 @@ class PaperMethods : public testing::TestWithParam<const char*> {
     return renderedBy(GetParam(), cloud, view, settings, stats);
   }
 
-  /// Mean over 4 x 4 places within a pixel of one small, dim surfel 1 m away.
+  /// Mean over 4 x 4 places of one small, dim surfel within a pixel, 1 m away.
   FrameMoments pointOfLight(const RenderSettings& settings, const glm::vec3& normal = {0, 0, 1},
                             float sigma_m = 1e-4f) const {
     constexpr float kFocal_px = 1000.0f;
@@ -62,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(Both, PaperMethods, testing::Values("paper", "paper-lod
 TEST_P(PaperMethods, PointOfLightHasTheVarianceOfTheFormulaAndItsArea) {
   for (const double radius_px : {0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0}) {
     const FrameMoments m = pointOfLight(blurredBy(static_cast<float>(radius_px), 0.0f));
-    // Basis (0.1 mm at 1000 px a metre), prefilter, blur.
+    // The variances of the basis (0.1 mm at 1000 px a metre), the prefilter and the blur.
     const double variance_px2 = 0.01 + 1.0 + 0.36067 * radius_px * radius_px;
     EXPECT_NEAR(m.variance_x / (kTruncatedVariance * variance_px2), 1.0, kMomentTolerance)
         << "radius " << radius_px << " px";
@@ -88,7 +89,8 @@ TEST_P(PaperMethods, TiltedSurfelsSumToTheirProjectedArea) {
 }
 
 TEST_P(PaperMethods, KernelEndsAtTheCutoff) {
-  // Fragments are the ellipse's area, 2 pi c sqrt|W|; at the rim the kernel is exp(-c) of its peak.
+  // The number of fragments is the ellipse's area, 2 pi c sqrt|W|. At the rim the kernel is exp(-c)
+  // times its peak.
   constexpr int kPlaces = 16;
   for (const float radius_px : {4.0f, 15.0f}) {
     const double variance_px2 = 1.01 + 0.36067 * radius_px * radius_px;
@@ -195,7 +197,7 @@ TEST_P(PaperMethods, TransparentSheetsCompositeFrontToBack) {
   }
 }
 
-TEST_P(PaperMethods, SurfacesApartHideOneAnother) {
+TEST_P(PaperMethods, SeparateSurfacesHideOneAnother) {
   SurfelCloud cloud;
   addSheetOf(cloud, {.center_m = {0, 0, -2}, .side_m = 1.0f, .samples = 250, .color = {0, 1, 0}});
   addSheetOf(cloud, {.color = {1, 0, 0}});
@@ -207,8 +209,8 @@ TEST_P(PaperMethods, SurfacesApartHideOneAnother) {
 }
 
 TEST_P(PaperMethods, BlurredSurfacesNearEachOtherMixWhichIsTheKnownFailure) {
-  // Two sheets at 45 degrees, 3 cm one behind the other. Blur widens their z-ranges until they
-  // merge, though the near one hides the far one from all of the lens.
+  // Two sheets at 45 degrees, one 3 cm behind the other. Blur widens their z-ranges until they
+  // merge, although the near sheet hides the far one from every point of the lens.
   const float h = std::sqrt(0.5f);
   const auto sheets = [&](const glm::vec3& right) {
     SurfelCloud cloud;
@@ -227,7 +229,7 @@ TEST_P(PaperMethods, BlurredSurfacesNearEachOtherMixWhichIsTheKnownFailure) {
   EXPECT_LT(render(upright, view, blurredBy(12.0f, 0.0f)).at(32, 32).g, 0.05f);
 }
 
-TEST_P(PaperMethods, BackgroundShowsThroughWhatIsNotCovered) {
+TEST_P(PaperMethods, BackgroundShowsWhereNothingCoversIt) {
   SurfelCloud cloud;
   addSheetOf(cloud, {.opacity = 0.3f});
   RenderSettings settings;
@@ -259,7 +261,7 @@ TEST_P(PaperMethods, EmptySceneIsBackground) {
   EXPECT_EQ(frame.depth_m[5], 0.0f);
 }
 
-TEST_P(PaperMethods, DropsWhatCannotBeDrawn) {
+TEST_P(PaperMethods, DropsInvalidSurfels) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
   SurfelCloud cloud;
@@ -281,8 +283,8 @@ TEST_P(PaperMethods, DropsWhatCannotBeDrawn) {
   }
 }
 
-TEST_P(PaperMethods, SurfelsBehindTheEyeDoNotDraw) {
-  // A sheet through the eye: only what lies before it is seen, and nothing is not finite.
+TEST_P(PaperMethods, SurfelsBehindTheEyeAreInvisible) {
+  // A sheet passes through the eye. Only its part in front is visible, and every value is finite.
   SurfelCloud cloud;
   addSheetOf(cloud, {.center_m = {0.0f, -0.1f, 0.0f},
                      .right = {1, 0, 0},
@@ -302,7 +304,7 @@ TEST_P(PaperMethods, SurfelsBehindTheEyeDoNotDraw) {
   EXPECT_GT(frame.at(32, 48).a, 0.9f);
 }
 
-TEST_P(PaperMethods, ManySurfelsInOnePointAreOneSplat) {
+TEST_P(PaperMethods, SurfelsAtOnePointAreOneSplat) {
   SurfelCloud one, many;
   appendSurfel(one, {0, 0, -1}, {0, 0, 1}, 0.01f, 1e-4f, {1.0f, 0.5f, 0.25f});
   for (int i = 0; i < 100; ++i) {
@@ -315,8 +317,9 @@ TEST_P(PaperMethods, ManySurfelsInOnePointAreOneSplat) {
   }
 }
 
-TEST_P(PaperMethods, SizesABillionToOneAreDrawn) {
-  // A surfel of a nanometre, alone in its corner, weighs what its area says beside one of a metre.
+TEST_P(PaperMethods, SizesABillionToOneAreRendered) {
+  // A surfel of a nanometre in a corner of its own has the weight of its area, beside one of a
+  // metre.
   SurfelCloud cloud;
   appendSurfel(cloud, {-0.1f, 0.0f, -1.0f}, {0, 0, 1}, 1e-9f, 1e-6f, glm::vec3(1.0f));
   appendSurfel(cloud, {5.0f, 0.0f, -3.0f}, {0, 0, 1}, 1.0f, 1.0f, glm::vec3(1.0f));
@@ -374,7 +377,7 @@ TEST_P(PaperMethods, EverySimdTargetAgreesWithScalar) {
       const glm::vec4 delta = glm::abs(best.rgba[i] - frame.rgba[i]);
       differ += std::max({delta.r, delta.g, delta.b, delta.a}) > kSimdTolerance;
     }
-    // Where a z-range just touches another, or a rim a pixel centre, rounding decides.
+    // Rounding decides where z-ranges just touch, and where a rim passes a pixel centre.
     EXPECT_LE(differ, 20) << hwy::TargetName(target);
   }
   EXPECT_GE(compared, 2);

@@ -7,12 +7,13 @@
 namespace foci {
 namespace {
 
-// Sums of weights are interpolated in a table of 32 a pixel, beyond it the disc's area.
+// Sums of weights are interpolated in a table with 32 entries a pixel; beyond it they are an
+// integral.
 constexpr double kSumTolerance = 1e-3;
-// As stated: of a disc on the pixels' grid, from 1 and from 3 px on.
+// The bounds that post_filter.h states for a disc on the grid of pixels, from 1 and from 3 px on.
 constexpr double kSmallVarianceTolerance = 0.15, kVarianceTolerance = 0.01;
 
-/// An image of nothing but one white pixel, `radius_px` wide a disc everywhere.
+/// A black image with one white pixel. The blur radius is `radius_px` everywhere.
 std::vector<glm::vec4> spreadPoint(const glm::ivec2& size, const glm::ivec2& point,
                                    const glm::vec2& radius_px) {
   std::vector<glm::vec4> image(static_cast<std::size_t>(size.x) * size.y, glm::vec4(0.0f));
@@ -24,7 +25,7 @@ std::vector<glm::vec4> spreadPoint(const glm::ivec2& size, const glm::ivec2& poi
   return image;
 }
 
-TEST(DiscImage, DiscsWeighOneAndVaryByAQuarterOfTheSquaredRadius) {
+TEST(DiscImage, DiscsHaveWeightOneAndAQuarterOfTheSquaredRadiusAsVariance) {
   const glm::ivec2 size(150, 150), middle(70, 75);
   for (float radius_px : {0.0f, 0.3f, 0.5f, 1.0f, 1.7f, 3.0f, 7.9f, 23.9f, 24.1f, 60.0f}) {
     const auto image = spreadPoint(size, middle, glm::vec2(radius_px));
@@ -57,14 +58,14 @@ TEST(DiscImage, DiscsAreEllipsesOnOblongPixels) {
   EXPECT_FALSE(lit(50, 61));
 }
 
-TEST(DiscImage, ImagesGoOnBeyondTheirBordersAsTheirMirrorImage) {
+TEST(DiscImage, ImagesAreMirroredBeyondTheirBorders) {
   EXPECT_EQ(mirrored(-1, 5), 0);
   EXPECT_EQ(mirrored(-5, 5), 4);
   EXPECT_EQ(mirrored(-6, 5), 4);
   EXPECT_EQ(mirrored(5, 5), 4);
   EXPECT_EQ(mirrored(9, 5), 0);
   EXPECT_EQ(mirrored(10, 5), 0);
-  // So that light at the corner stays in the image.
+  // So the light at a corner stays in the image.
   double sum = 0.0;
   for (const glm::vec4& pixel : spreadPoint({40, 70}, {0, 69}, glm::vec2(12.0f))) sum += pixel.r;
   EXPECT_NEAR(sum, 1.0, kSumTolerance);
@@ -81,14 +82,14 @@ TEST(DiscImage, WidestDiscIsCapped) {
 }
 
 TEST(Vergences, OutlinesBelongToTheSurfaceThatCoversMore) {
-  // From 1 m to 2 m over three pixels, as soft outlines are; nothing at the right end.
+  // A soft outline from 1 m to 2 m over three pixels, and an empty pixel at the right end.
   Frame image{.size_px = {12, 1}, .rgba = std::vector<glm::vec4>(12), .depth_m = {}};
   image.depth_m = {1.0f, 1.0f, 1.0f, 1.2f, 1.45f, 1.55f, 1.8f, 2.0f, 2.0f, 2.0f, 0.0f, 0.0f};
   const Defocus wide{.radius_px_per_D = glm::vec2(10.0f), .focus_D = 1.0f};
   const std::vector<float> expected = {1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.5f,
                                        0.5f, 0.5f, 0.5f, 0.5f, 0.0f, 0.0f};
   EXPECT_EQ(vergences_D(image, wide), expected);
-  // Where it makes no difference, distances stay what they are.
+  // Without blur, distances stay the same.
   const Defocus narrow{.radius_px_per_D = glm::vec2(1.0f), .focus_D = 1.0f};
   EXPECT_FLOAT_EQ(vergences_D(image, narrow)[4], 1.0f / 1.45f);
 }

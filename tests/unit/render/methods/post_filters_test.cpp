@@ -1,4 +1,4 @@
-// What each method that works on a finished pinhole image gets right, and its known failure.
+// The strength and the known failure of each method that filters a finished pinhole image.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace foci {
 namespace {
 
 constexpr double kVarianceTolerance = 0.02;  // sampling at pixel centres, mean of 16 places
-// Discs of a few pixels on the grid of pixels: see DiscImage.
+// Variance of small discs on the grid of pixels: see DiscImage.
 constexpr double kSmallDiscTolerance = 0.05;
 constexpr double kMassTolerance = 0.01;  // likewise
 constexpr float kClean = 0.02f;          // a colour that is not there, or light that is all there
@@ -20,7 +20,7 @@ bool sameBytes(const Frame& a, const Frame& b) {
          std::memcmp(a.rgba.data(), b.rgba.data(), a.rgba.size() * sizeof(a.rgba[0])) == 0;
 }
 
-/// A grey sheet 1 m away with one pixel's worth of it red and brighter, and without it.
+/// A grey sheet 1 m away, with and without a brighter red dot of one pixel's area.
 struct DotScene {
   SurfelCloud with, without;
   View view = squareView(97, 100.0f);
@@ -33,7 +33,7 @@ struct DotScene {
       if (glm::length(glm::vec2(with.position_m[i])) < 0.009f) with.color[i].r = 1.0f;
     }
   }
-  /// Where the dot's light falls, blurred by `radius_px`.
+  /// Moments of the dot's light under a blur radius of `radius_px`.
   Moments moments(std::string_view method, float radius_px) const {
     const RenderSettings settings = lens(radius_px, 0.0f);
     const Frame dark = render(method, without, view, settings);
@@ -41,7 +41,7 @@ struct DotScene {
   }
 };
 
-/// 15 degrees off the gaze: the edge scene seen from the side of the eye.
+/// The edge scene in peripheral vision, 15 degrees off the gaze.
 View besideTheGaze() {
   View view = EdgeScene().view;
   view.principal_px.x -= 0.27f * view.focal_px.x;
@@ -64,7 +64,7 @@ TEST(Pinhole, IsTheSweepThroughAPinhole) {
   EXPECT_TRUE(pinhole.depth_m.empty());
 }
 
-TEST(Pinhole, FailureNothingIsEverBlurred) {
+TEST(Pinhole, FailureNothingIsBlurred) {
   const EdgeScene scene;
   const Frame near = render("pinhole", scene.cloud, scene.view, EdgeScene::nearInFocus());
   EXPECT_TRUE(sameBytes(near, render("pinhole", scene.cloud, scene.view, EdgeScene::farInFocus())));
@@ -84,17 +84,17 @@ TEST(Potmesil, PointOfLightHasTheVarianceOfTheDisc) {
   }
 }
 
-TEST(Potmesil, FailureLeaksOverSharpEdgesAndUndervaluesBesideThem) {
+TEST(Potmesil, FailureLeaksOverSharpEdgesAndIsTooDarkBesideThem) {
   const EdgeScene scene;
   const Frame frame = render("potmesil", scene.cloud, scene.view, EdgeScene::nearInFocus());
-  // Green light from behind on the sharp red side, where there is none.
+  // Green light from behind leaks onto the sharp red side, where there should be none.
   EXPECT_GT(EdgeScene::at(frame, -4).g, 0.15f);
-  // Beside it everything there is has a brightness of 1.
+  // Beside the edge, all surfaces have a brightness of 1.
   const glm::vec3 beside = EdgeScene::at(frame, 4);
   EXPECT_LT(beside.r + beside.g, 0.9f);
 }
 
-TEST(Potmesil, SpreadsAlikeEverywhere) {
+TEST(Potmesil, SpreadsEquallyEverywhere) {
   const Frame frame =
       render("potmesil", edgeBesideTheGaze(), besideTheGaze(), EdgeScene::farInFocus());
   EXPECT_GT(EdgeScene::at(frame, 4).r, 0.1f);
@@ -111,17 +111,17 @@ TEST(Rokita, PassesAddUpToTheVarianceOfTheDisc) {
   }
 }
 
-TEST(Rokita, FailureBlurredThingsKeepTheirOutlineAndSharpOnesLeak) {
+TEST(Rokita, FailureBlurredSurfacesKeepTheirOutlineAndSharpOnesLeak) {
   const EdgeScene scene;
-  // The blurred red half-plane ends as if it were sharp; it should cover 0.23 of this pixel.
+  // The blurred red half-plane ends in a sharp edge. It should cover 0.23 of this pixel.
   const Frame far = render("rokita", scene.cloud, scene.view, EdgeScene::farInFocus());
   EXPECT_LT(EdgeScene::at(far, 4).r, kClean);
-  // And where it is sharp, the blurred green beside it takes its red.
+  // Where red is sharp, the blurred green beside it gathers red light.
   const Frame near = render("rokita", scene.cloud, scene.view, EdgeScene::nearInFocus());
   EXPECT_GT(EdgeScene::at(near, 4).r, 0.15f);
 }
 
-TEST(Matthews, NothingLeaksOverSharpEdgesAndLightIsAllThere) {
+TEST(Matthews, NothingLeaksOverSharpEdgesAndNoLightIsMissing) {
   const EdgeScene scene;
   const Frame frame = render("matthews", scene.cloud, scene.view, EdgeScene::nearInFocus());
   EXPECT_LT(EdgeScene::at(frame, -4).g, kClean);
@@ -134,7 +134,7 @@ TEST(Matthews, NothingLeaksOverSharpEdgesAndLightIsAllThere) {
 TEST(Matthews, FailureInnerHalfOfABlurredOutlineStaysOpaque) {
   const EdgeScene scene;
   const Frame frame = render("matthews", scene.cloud, scene.view, EdgeScene::farInFocus());
-  // Outside, the blurred red covers something; inside, the green that it hides is missing (0.23).
+  // Outside, the blurred red covers a part. Inside, the green behind it is missing (0.23).
   EXPECT_GT(EdgeScene::at(frame, 4).r, 0.1f);
   EXPECT_LT(EdgeScene::at(frame, -4).g, 0.12f);
 }
@@ -157,19 +157,19 @@ TEST(Shinya, RaysSpreadEvenlyOverTheLens) {
   const double sharp_px2 = scene.moments("pinhole", 0.0f).variance_x_px2;
   for (float radius_px : {2.0f, 5.0f, 10.0f}) {
     const Moments m = scene.moments("shinya:256", radius_px);
-    // Rays land on whole pixels: 1/12.
+    // Rays are rounded to full pixels, which adds 1/12.
     const double expected_px2 = sharp_px2 + radius_px * radius_px / 4.0 + 1.0 / 12.0;
     EXPECT_NEAR(m.variance_x_px2 / expected_px2, 1.0, kVarianceTolerance) << radius_px;
     EXPECT_NEAR(m.variance_y_px2 / expected_px2, 1.0, kVarianceTolerance) << radius_px;
   }
 }
 
-TEST(Shinya, FailureWhatThePinholeDidNotSeeIsMissingAndFewRaysAreGhosts) {
+TEST(Shinya, FailureSurfacesHiddenFromThePinholeAreMissingAndFewRaysAreGhosts) {
   const EdgeScene edge;
   const Frame far = render("shinya", edge.cloud, edge.view, EdgeScene::farInFocus());
   EXPECT_LT(EdgeScene::at(far, -4).g, 0.12f);  // 0.23
 
-  // Seven rays show the dot seven times, with grey between.
+  // Seven rays show the dot seven times, with grey in between.
   const DotScene scene;
   const RenderSettings settings = lens(20.0f, 0.0f);
   const Frame frame = render("shinya:7", scene.with, scene.view, settings);
@@ -182,7 +182,7 @@ TEST(Shinya, FailureWhatThePinholeDidNotSeeIsMissingAndFewRaysAreGhosts) {
   EXPECT_LT(touched, 7 * 60);  // of the disc's 1257 px
 }
 
-TEST(Fearing, IsPotmesilWhenTimeSuffices) {
+TEST(Fearing, IsPotmesilIfEveryTileIsComputed) {
   const EdgeScene scene;
   const auto method = makeMethod("fearing", scene.cloud);
   Frame frame;
@@ -196,8 +196,8 @@ TEST(Fearing, IsPotmesilWhenTimeSuffices) {
   }
 }
 
-TEST(Fearing, ComputesOnlyWhatChanged) {
-  // A wide scene, finished; then one corner changes colour. A quarter of the frame is time enough.
+TEST(Fearing, ComputesOnlyChangedTiles) {
+  // A wide scene is finished. Then one corner changes colour, and a quarter of the frame suffices.
   SurfelCloud cloud;
   addSheet(cloud, 1.0f, 1.4f, 300, glm::vec3(0.5f));
   const View view = squareView(256, 200.0f);
@@ -213,7 +213,7 @@ TEST(Fearing, ComputesOnlyWhatChanged) {
   EXPECT_TRUE(sameBytes(frame, render("potmesil", cloud, view, settings)));
 }
 
-TEST(Fearing, FailureWhatIsNotYetComputedShowsAnEarlierFocus) {
+TEST(Fearing, FailureTilesThatWaitShowAnEarlierFocus) {
   const EdgeScene scene;
   const auto method = makeMethod("fearing:25", scene.cloud);
   Frame frame;
@@ -256,7 +256,8 @@ TEST(Mulder, PyramidHasTheVarianceOfTheDisc) {
     const RenderSettings settings = lens(radius_px, 0.0f);
     const Frame dark = render("mulder", grey, view, settings);
     double variance_px2 = 0.0;
-    // The grid of the pyramid shows: mean over places in one of its widest squares.
+    // The grid of the pyramid is visible, so take the mean over places in one of its largest
+    // squares.
     constexpr int kPlaces = 16;
     for (int place = 0; place < kPlaces; ++place) {
       dot = grey;
@@ -274,7 +275,7 @@ TEST(Mulder, PyramidHasTheVarianceOfTheDisc) {
   }
 }
 
-TEST(Mulder, FailureElsewhereOutlinesStaySharpAndSharpThingsLeak) {
+TEST(Mulder, FailureOffTheGazeOutlinesStaySharpAndSharpSurfacesLeak) {
   const SurfelCloud cloud = edgeBesideTheGaze();
   const Frame far = render("mulder", cloud, besideTheGaze(), EdgeScene::farInFocus());
   EXPECT_LT(EdgeScene::at(far, 4).r, kClean);  // 0.23

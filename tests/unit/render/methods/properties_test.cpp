@@ -1,4 +1,4 @@
-// What must hold of any scene: properties, tried on random ones (RapidCheck).
+// Properties of every scene, checked on random scenes (RapidCheck).
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 #include <tbb/global_control.h>
@@ -16,7 +16,7 @@
 namespace foci {
 namespace {
 
-// The same cases every time, and few: each renders frames.
+// A fixed seed, and few cases: each case renders frames.
 [[maybe_unused]] const int kFew = setenv("RC_PARAMS", "max_success=12 seed=1", 0);
 
 constexpr double kRounding_dB = 70.0;  // float sums in another order, 16-bit normals of the tree
@@ -91,7 +91,7 @@ RC_GTEST_PROP(AnyScene, IsDrawnTheSameWhereverItAndTheEyeAreMoved, ()) {
                     render(method, b.cloud, b.view, b.settings)) > kFloats_dB);
 }
 
-// A ten-thousandth of a dioptre, of a pixel a dioptre or of a millimetre is not seen.
+// A change by a ten-thousandth of a dioptre, of a pixel a dioptre or of a millimetre is invisible.
 RC_GTEST_PROP(AnyScene, ChangesLittleWithAnyParameter, ()) {
   const Drawing a = anyDrawing();
   Drawing b = a;

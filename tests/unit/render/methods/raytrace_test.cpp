@@ -1,5 +1,5 @@
-// Two references that share no code behind the kernel's formula: where they agree within their
-// noise, lens, layers and kernels are right in both.
+// The two references share no code beyond the kernel's formula. If they agree within their noise,
+// lens, layers and kernels are right in both.
 #ifdef FOCI_RAYTRACE
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -19,11 +19,11 @@
 namespace foci {
 namespace {
 
-// The mean of two halves has half the error of their difference. Both references' halves are
-// stratified against each other, so this is above the error rather than below it.
+// The mean of two halves has half the error of their difference. In both references the halves are
+// stratified against each other, so this estimate is above the error.
 constexpr double kNoisePerSplitHalf = 0.5;
-// Rounding, the order of splats whose distances fall on one sorting key, and layers behind less
-// than 1 / 8192 of the light.
+// Covers rounding, the order of splats with the same sorting key, and layers that receive less than
+// 1 / 8192 of the light.
 constexpr double kSharpRms = 2e-4;
 View squareView(int size_px, float focal_px) {
   return {.size_px = {size_px, size_px},
@@ -39,8 +39,8 @@ RenderSettings lens(float radius_px_per_D, float focus_D,
           .background = {0.1f, 0.2f, 0.3f}};
 }
 
-/// A square of n x n surfels about `center`, spanned by two directions of half its side's length,
-/// chequered.
+/// A chequered square of n x n surfels around `center`. The two directions are half as long as its
+/// sides.
 void addSquare(SurfelCloud& cloud, const glm::vec3& center, const glm::vec3& half_u,
                const glm::vec3& half_v, int n, const glm::vec3& color, float opacity = 1.0f) {
   const float side_m = 2.0f * glm::length(half_u) / static_cast<float>(n);
@@ -68,7 +68,7 @@ Rendered render(const char* spec, const SurfelCloud& cloud, const View& view,
 
 double rmsOf(double psnr_dB) { return std::pow(10.0, -psnr_dB / 20.0); }
 
-/// The references differ by no more than their noise; a lens a tenth wider would.
+/// The references differ by no more than their noise. A lens a tenth wider differs by more.
 void expectAgreement(const SurfelCloud& cloud, const View& view, const RenderSettings& settings) {
   const Rendered a = render("accumulate:256", cloud, view, settings);
   const Rendered r = render("raytrace:64", cloud, view, settings);
@@ -80,7 +80,7 @@ void expectAgreement(const SurfelCloud& cloud, const View& view, const RenderSet
   EXPECT_GT(rmsOf(psnr_dB(a.frame, render("raytrace:64", cloud, view, wrong).frame)), noise);
 }
 
-/// A foreground that is out of focus over a background that is in focus, and the other way round.
+/// Either the foreground or the background is out of focus.
 TEST(Raytrace, AgreesWithAccumulateOnAForegroundOverABackground) {
   SurfelCloud cloud;
   addSquare(cloud, {0.0f, 0.0f, -2.0f}, {0.5f, 0.0f, 0.0f}, {0.0f, 0.5f, 0.0f}, 100,
@@ -92,7 +92,7 @@ TEST(Raytrace, AgreesWithAccumulateOnAForegroundOverABackground) {
   }
 }
 
-/// Seen at a grazing angle, the blur changing along it.
+/// The plane is seen at a grazing angle, and the blur changes along it.
 TEST(Raytrace, AgreesWithAccumulateOnATiltedPlaneForEyeAndCamera) {
   SurfelCloud cloud;
   addSquare(cloud, {0.0f, -0.15f, -2.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f}, 128,
@@ -113,9 +113,9 @@ TEST(Raytrace, AgreesWithAccumulateThroughTransparentSheets) {
   expectAgreement(cloud, squareView(36, 150.0f), lens(8.0f, 0.5f));
 }
 
-/// Through a pinhole there is no noise: the discs and the lines through them against the sweep, at
-/// any angle, size and opacity, from both sides.
-TEST(Raytrace, DrawsWhatTheSweepDrawsThroughAPinhole) {
+/// A pinhole has no noise. This compares the discs and the rays through them with the sweep, at any
+/// angle, size and opacity, from both sides.
+TEST(Raytrace, AgreesWithTheSweepThroughAPinhole) {
   std::mt19937 random(7);
   const auto uniform = [&](float a, float b) {
     return a + (b - a) * static_cast<float>(random() >> 8) * 0x1p-24f;
@@ -148,7 +148,7 @@ TEST(Raytrace, DrawsWhatTheSweepDrawsThroughAPinhole) {
   }
 }
 
-TEST(Raytrace, NoiseFallsAsRaysAreAdded) {
+TEST(Raytrace, MoreRaysHaveLessNoise) {
   SurfelCloud cloud;
   addSquare(cloud, {0.0f, 0.0f, -1.0f}, {0.3f, 0.0f, 0.0f}, {0.0f, 0.3f, 0.0f}, 60,
             glm::vec3(1.0f));
@@ -162,7 +162,8 @@ TEST(Raytrace, NoiseFallsAsRaysAreAdded) {
 }
 
 TEST(Raytrace, FailureFewRaysAreNoise) {
-  // Wholly blurred, neighbouring pixels hardly differ; rendered with few rays they do, from chance.
+  // In a strongly blurred image, neighbouring pixels hardly differ. With few rays they differ
+  // randomly.
   SurfelCloud cloud;
   addSquare(cloud, {0.0f, 0.0f, -1.0f}, {0.6f, 0.0f, 0.0f}, {0.0f, 0.6f, 0.0f}, 100,
             glm::vec3(1.0f));
@@ -190,7 +191,7 @@ TEST(Raytrace, SameBytesAtAnyNumberOfThreads) {
             0);
 }
 
-TEST(Raytrace, WhatCannotBeDrawnIsBackground) {
+TEST(Raytrace, InvalidSurfelsAreBackground) {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               inf = std::numeric_limits<float>::infinity();
   SurfelCloud cloud;
@@ -214,7 +215,7 @@ TEST(Raytrace, WhatCannotBeDrawnIsBackground) {
   }
 }
 
-/// Uniform over the disc: E[r^2] = 1/2, E[r^4] = 1/3, of all samples and of either parity.
+/// Uniform over the disc: E[r^2] = 1/2 and E[r^4] = 1/3, for all samples and for either parity.
 TEST(LensSampleOfPixel, IsUnbiasedAtAnyNumber) {
   constexpr int kShifts = 256;
   for (const int n : {1, 2, 3, 7, 16}) {
@@ -244,7 +245,8 @@ TEST(LensSampleOfPixel, IsStratifiedInArea) {
       area.push_back(glm::dot(p, p));
     }
     std::sort(area.begin(), area.end());
-    // Even and odd ones are each one in every 2 / n of the area, half a step apart.
+    // The even samples have one in every 2 / n of the area. So have the odd ones, half a step
+    // later.
     for (int i = 0; i < n; ++i) EXPECT_NEAR(area[i], (i + 0.5) / n, 1.0 / n) << n;
   }
 }

@@ -1,4 +1,4 @@
-// What each of the other methods that render splats gets right, and its known failure.
+// The strength and the known failure of each other method that renders splats.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 constexpr double kVarianceTolerance = 0.02;  // sampling at pixel centres, mean of 16 places
 constexpr double kMassTolerance = 0.01;      // likewise
 
-/// A sheet that fills the image, facing the eye 1 m away, a surfel every `spacing_px`.
+/// A sheet that fills the image and faces the eye, 1 m away, with a surfel every `spacing_px`.
 SurfelCloud whiteSheet(float spacing_px) {
   SurfelCloud cloud;
   addSheet(cloud, 1.0f, 0.5f, static_cast<int>(150.0f / spacing_px), glm::vec3(1.0f));
@@ -26,7 +26,7 @@ struct Statistics {
   double mean = 0.0, deviation = 0.0;
 };
 
-/// Of the coverage, over the middle of the image.
+/// Mean and variance of the coverage in the middle of the image.
 Statistics coverageOf(const Frame& frame) {
   double sum = 0.0, squares = 0.0;
   int n = 0;
@@ -40,13 +40,13 @@ Statistics coverageOf(const Frame& frame) {
   return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean))};
 }
 
-/// Coverage of the blurred half-plane that hides a disc of radius 1 up to `x` from its middle.
+/// Coverage of a blurred half-plane: the share of the unit disc up to `x` from its centre.
 double coverageOfDisc(double x) {
   if (std::abs(x) >= 1.0) return x > 0.0 ? 1.0 : 0.0;
   return 0.5 + (x * std::sqrt(1.0 - x * x) + std::asin(x)) / std::numbers::pi;
 }
 
-TEST(Layered, WhatABlurredThingHidesShowsThroughItsEdge) {
+TEST(Layered, TheBackgroundShowsThroughABlurredEdge) {
   const EdgeScene scene;
   constexpr double kTolerance = 0.03;  // the edge's own softness, and the disc on whole pixels
   const Frame far = render("layered", scene.cloud, scene.view, EdgeScene::farInFocus());
@@ -56,14 +56,14 @@ TEST(Layered, WhatABlurredThingHidesShowsThroughItsEdge) {
     EXPECT_NEAR(EdgeScene::at(far, right_px).r, red, kTolerance) << right_px;
     EXPECT_NEAR(EdgeScene::at(far, right_px).g, 1.0 - red, kTolerance) << right_px;
   }
-  // Nor does anything leak where the near one is sharp.
+  // Nothing leaks over the near sheet where it is sharp.
   const Frame near = render("layered", scene.cloud, scene.view, EdgeScene::nearInFocus());
   EXPECT_LT(EdgeScene::at(near, -4).g, 0.02f);
   EXPECT_GT(EdgeScene::at(near, 4).g, 0.98f);
 }
 
-TEST(Layered, FailureASurfaceThroughSeveralLayersComesApart) {
-  // A floor from 1 to 3 m, without holes where it is not cut.
+TEST(Layered, FailureASurfaceAcrossSeveralLayersComesApart) {
+  // A floor from 1 to 3 m. It has no holes where no layer ends.
   SurfelCloud floor;
   constexpr float kStep_m = 0.003f;
   for (int z = 0; z < 700; ++z) {
@@ -87,7 +87,7 @@ TEST(Layered, FailureASurfaceThroughSeveralLayersComesApart) {
 TEST(Rasanen, PointOfLightHasTheVarianceOfTheDisc) {
   for (float radius_px : {0.0f, 2.0f, 10.0f, 40.0f}) {
     const Moments m = momentsOfPoint("rasanen:65536", radius_px);
-    // Samples count on whole pixels: 1/12.
+    // Samples are rounded to full pixels, which adds 1/12.
     const double expected_px2 = kPointVariance_px2 + radius_px * radius_px / 4.0 + 1.0 / 12.0;
     EXPECT_NEAR(m.mass, kPointMass, kPointMass * kMassTolerance) << radius_px;
     EXPECT_NEAR(m.variance_x_px2 / expected_px2, 1.0, kVarianceTolerance) << radius_px;
@@ -108,7 +108,7 @@ TEST(Rasanen, NothingLeaksWithManySamples) {
 }
 
 TEST(Rasanen, FailureNoiseFallsWithTheRootOfTheSamplesOnly) {
-  // Dim enough that no pixel is full: a sheet of opacity 1 of which a quarter is rendered.
+  // So dim that no pixel becomes opaque: the weights of the sheet sum to a quarter.
   SurfelCloud cloud = whiteSheet(1.0f);
   for (float& area_m2 : cloud.area_m2) area_m2 *= 0.25f;
   const auto noise = [&](int samples) {
@@ -125,8 +125,8 @@ TEST(Rasanen, FailureNoiseFallsWithTheRootOfTheSamplesOnly) {
   EXPECT_GT(sheet.deviation, 0.1);
 }
 
-TEST(Inflate, OneSplatKeepsItsLightAndHasTheVarianceOfTheGaussian) {
-  // A Gaussian of peak 1 and 4 px, which ends at 8 squared deviations.
+TEST(Inflate, ASplatKeepsItsLightAndHasTheVarianceOfTheGaussian) {
+  // A Gaussian of peak 1 and 4 px, truncated at 8 squared standard deviations.
   constexpr double kSigma_px = 4.0, kEnd2 = 8.0;
   const double cut = std::exp(-kEnd2 / 2.0);
   const double mass = 2.0 * std::numbers::pi * kSigma_px * kSigma_px * (1.0 - cut);
@@ -145,11 +145,11 @@ TEST(Inflate, OneSplatKeepsItsLightAndHasTheVarianceOfTheGaussian) {
   }
 }
 
-TEST(Inflate, FailureBlurredSheetsLetThroughWhatIsBehind) {
+TEST(Inflate, FailureBlurredSheetsTransmitLightFromBehind) {
   for (float radius_px : {0.0f, 3.0f, 10.0f}) {
     const Statistics sheet =
         coverageOf(render("inflate", whiteSheet(1.0f), kSheetView, lens(radius_px, 0.0f)));
-    // 1 - exp(-2 pi s^2) at s = 0.62 deviations a spacing.
+    // 1 - exp(-2 pi s^2), with a standard deviation of s = 0.62 spacings.
     const double expected =
         1.0 - std::exp(-2.0 * std::numbers::pi * kSigmaPerSpacing * kSigmaPerSpacing);
     EXPECT_NEAR(sheet.mean, expected, 0.02) << radius_px;

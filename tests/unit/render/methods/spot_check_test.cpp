@@ -10,7 +10,7 @@
 namespace foci {
 namespace {
 
-constexpr LodSettings kBest{.cut = kFaithfulCut, .parts = 7};
+constexpr LodSettings kBest{.cut = kFaithfulCut, .sub_apertures = 7};
 constexpr LodSettings kCoarse{.cut = {.per_blur2 = 0.06f, .per_pixel2 = 0.3f}};
 
 class SpotCheckTest : public ::testing::Test {
@@ -25,30 +25,32 @@ class SpotCheckTest : public ::testing::Test {
     return view;
   }
 
-  Frame whole(const View& view, const LodSettings& way) {
+  Frame rendered(const View& view, const LodSettings& lod) {
     Frame frame;
     frame.resize(view.size_px);
-    scene.render(view, settings, way, frame);
+    scene.render(view, settings, lod, frame);
     return frame;
   }
 };
 
 constexpr float kLimit = 1.0f;
 
-TEST_F(SpotCheckTest, OfASmallViewIsTheDifferenceOfTheFrames) {
+TEST_F(SpotCheckTest, OfASmallViewComparesTheFullFrames) {
   for (const int size_px : {20, 128}) {
     const View view = tilted(size_px);
-    auto apart = visibleDifference(whole(view, kCoarse), whole(view, kBest), kUsualPx_per_deg);
+    auto apart =
+        visibleDifference(rendered(view, kCoarse), rendered(view, kBest), kUsualPx_per_deg);
     SpotCheck squares(scene, view, settings, kBest);
     EXPECT_EQ(squares.error(kCoarse, kLimit), quantile(apart, 0.95)) << size_px;
     EXPECT_EQ(squares.error(kBest, kLimit), 0.0f);
   }
 }
 
-// A few squares stand for a larger image; fewer, where that is far from what matters.
-TEST_F(SpotCheckTest, OfSomeSquaresIsAboutThat) {
+// A few squares estimate the error of a larger image. Fewer squares suffice where the error is far
+// from the limit.
+TEST_F(SpotCheckTest, EstimatesTheErrorFromSomeSquares) {
   const View view = tilted(416);
-  auto apart = visibleDifference(whole(view, kCoarse), whole(view, kBest), kUsualPx_per_deg);
+  auto apart = visibleDifference(rendered(view, kCoarse), rendered(view, kBest), kUsualPx_per_deg);
   const float expected = quantile(apart, 0.95);
   EXPECT_GT(expected, 0.2f);
   for (const float limit : {0.1f * expected, expected}) {

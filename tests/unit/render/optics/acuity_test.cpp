@@ -9,8 +9,8 @@
 #include "render/image/frame_mat.h"
 #include "render/image/metrics.h"
 #include "render/image/visible_difference.h"
-#include "render/methods/auto_ways.h"
 #include "render/methods/lod_splats.h"
+#include "render/methods/quality_level_table.h"
 #include "render/scene/builtin/procedural.h"
 #include "tests/unit/render/surfel_scenes.h"
 
@@ -41,7 +41,7 @@ TEST(Acuity, CoarseNodesLookLikeFineOnesThroughIt) {
                                     .per_pixel2 = kFaithfulCut.per_pixel2,
                                     .per_acuity2 = per_acuity2,
                                     .acuity = {.gaze_px = {60.0f, 60.0f}, .per_px = 0.05f}},
-                            .parts = 7};
+                            .sub_apertures = 7};
       frame.resize(view.size_px);
       return scene.render(view, settings, lod, frame).splats;
     };
@@ -64,7 +64,7 @@ TEST(Acuity, WhatIsLeftOutIsNotSeen) {
   const SurfelCloud cloud = makeStatue();
   const View view = viewOfStatue();
   const RenderSettings settings = blurredBy(4.0f, 0.5f);
-  LodSettings lod = wayNumbered(kWhole).lod;
+  LodSettings lod = settingsOf(QualityLevel::whole_aperture).lod;
   LodSplats scene(cloud);
   Frame full, rendered;
   full.resize(view.size_px);
@@ -77,8 +77,8 @@ TEST(Acuity, WhatIsLeftOutIsNotSeen) {
     EXPECT_LT(few.fragments, all.fragments);
     // Of the Gaussian the prefilter is one pixel of either image.
     const double wider_px = std::sqrt(sigma_px * sigma_px - 1.0f);
-    const Frame seen_in_full = through(sigma_px, through(wider_px, full));
-    auto apart = visibleDifference(seen_in_full, through(sigma_px, rendered), kUsualPx_per_deg);
+    const Frame seen_of_full = through(sigma_px, through(wider_px, full));
+    auto apart = visibleDifference(seen_of_full, through(sigma_px, rendered), kUsualPx_per_deg);
     EXPECT_LT(quantile(apart, 0.95), 1.0) << sigma_px;
   }
 }

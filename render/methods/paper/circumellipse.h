@@ -1,5 +1,5 @@
-// The low-pass filter of a level against the blur that is needed (Krivanek, Zara and Bouatouch
-// 2003, section 6.2 and appendix A).
+// The ellipse about a level's low-pass filter and the blur that a splat needs (Krivanek, Zara and
+// Bouatouch 2003, section 6.2 and appendix A).
 #pragma once
 
 #include <algorithm>
@@ -12,9 +12,10 @@ struct Variance {
   float xx, xy, yy;
 };
 
-/// The smallest variance whose ellipse holds both that of `b` and the circle of variance `circle`
-/// I: the eigenvectors of `b`, each eigenvalue max(lambda, circle). The appendix rotates, takes the
-/// maxima and rotates back; this is the same without the angle. @param circle  >= 0
+/// The smallest variance whose ellipse contains the ellipse of `b` and the circle of variance
+/// `circle` I. It has the eigenvectors of `b`; each eigenvalue is max(lambda, circle). The appendix
+/// rotates, takes the maxima and rotates back; this code needs no angle.
+/// @param circle  >= 0
 inline Variance circumellipse(const Variance& b, float circle) {
   const float mean = 0.5f * (b.xx + b.yy), half = 0.5f * (b.xx - b.yy);
   const float spread = std::sqrt(half * half + b.xy * b.xy);
@@ -24,8 +25,9 @@ inline Variance circumellipse(const Variance& b, float circle) {
   return {middle + scale * half, scale * b.xy, middle - scale * half};
 }
 
-/// A variance that holds both `b` and `c`: where space is mapped so that `c` is a circle, the one
-/// above. A line, `c` of rank 1, is taken to be a thousandth of a unit wide.
+/// A variance whose ellipse contains the ellipses of `b` and `c`. Maps space so that `c` becomes a
+/// circle, and takes the circumellipse above. A line (`c` of rank 1) counts as a thousandth of a
+/// unit wide, so that the map exists.
 inline Variance circumellipse(const Variance& b, const Variance& c) {
   constexpr float kThinnest2 = 1e-6f;
   // c = L L', L lower triangular; L^-1 b L'^-1 and back.

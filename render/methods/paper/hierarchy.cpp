@@ -1,4 +1,4 @@
-#include "render/methods/paper_hierarchy.h"
+#include "render/methods/paper/hierarchy.h"
 
 #include <algorithm>
 #include <array>
@@ -13,11 +13,13 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kChildren = 4;
-constexpr float kThinnest2 = 1e-6f;  // of a node's basis: its lesser variance over their sum
+/// The smallest ratio of a node's lesser variance to the sum of both. Chosen by hand: a thousandth
+/// of the length keeps the matrix invertible.
+constexpr float kMinVarianceRatio = 1e-6f;
 
 struct Item {
   glm::vec3 position_m;
-  float radius_m;  // of the disc of its area
+  float radius_m;  // of a disc of the surfel's area
   std::uint32_t surfel;
 };
 
@@ -34,7 +36,7 @@ Box boxOf(std::span<const Item> items) {
   return box;
 }
 
-/// The `middle` items that come first along the longest side to the front.
+/// Moves the `middle` items that come first along the longest side to the front.
 void halve(std::span<Item> items, std::size_t middle) {
   const Box box = boxOf(items);
   const glm::vec3 size = box.high - box.low;
@@ -44,7 +46,7 @@ void halve(std::span<Item> items, std::size_t middle) {
       [axis](const Item& a, const Item& b) { return a.position_m[axis] < b.position_m[axis]; });
 }
 
-/// Symmetric 3x3: xx, xy, xz, yy, yz, zz.
+/// A symmetric 3x3 matrix: xx, xy, xz, yy, yz, zz.
 using Symmetric = std::array<float, 6>;
 
 void addOuter(Symmetric& sum, const glm::vec3& a, float scale) {
@@ -59,7 +61,7 @@ float quadratic(const Symmetric& m, const glm::vec3& a, const glm::vec3& b) {
          a.z * (m[2] * b.x + m[4] * b.y + m[5] * b.z);
 }
 
-/// Sums over surfels, weighted by area but for `mean_m`.
+/// Sums over surfels, weighted by area; `mean_m` is a mean.
 struct Moments {
   float area_m2 = 0.0f;
   glm::vec3 mean_m{0.0f};
@@ -75,7 +77,7 @@ struct Moments {
     addOuter(spread, apart, area_m2 * (other.area_m2 / sum));
     mean_m += apart * (other.area_m2 / sum);
     area_m2 = sum;
-    // Which way a normal points does not matter to a splat.
+    // A splat has no front: opposite normals count as equal.
     normal += glm::dot(normal, other.normal) < 0.0f ? -other.normal : other.normal;
     for (int i = 0; i < 6; ++i) {
       basis[i] += other.basis[i];
@@ -107,13 +109,13 @@ struct Axes {
 };
 
 /// Axes with u u' + v v' = `m` in the plane of the unit vectors `x` and `y` (Cholesky).
-Axes axesOf(const Symmetric& m, const glm::vec3& x, const glm::vec3& y, float thinnest2) {
+Axes axesOf(const Symmetric& m, const glm::vec3& x, const glm::vec3& y, float min_ratio) {
   float xx = quadratic(m, x, x), yy = quadratic(m, y, y);
-  const float xy = quadratic(m, x, y), least = thinnest2 * (xx + yy);
-  xx = std::max(xx, least);
-  yy = std::max(yy, least);
+  const float xy = quadratic(m, x, y), min = min_ratio * (xx + yy);
+  xx = std::max(xx, min);
+  yy = std::max(yy, min);
   const float along = std::sqrt(xx), across = along > 0.0f ? xy / along : 0.0f;
-  const float rest = std::sqrt(std::max(yy - across * across, least));
+  const float rest = std::sqrt(std::max(yy - across * across, min));
   return {along * x + across * y, rest * y};
 }
 
@@ -125,8 +127,8 @@ PaperNode nodeOf(const Moments& m) {
     basis[i] /= m.area_m2;
     spread[i] /= m.area_m2;
   }
-  const Axes own = axesOf(basis, x, y, kThinnest2), filter = axesOf(spread, x, y, 0.0f);
-  return {.center_m = m.mean_m,  // until the sphere is known
+  const Axes own = axesOf(basis, x, y, kMinVarianceRatio), filter = axesOf(spread, x, y, 0.0f);
+  return {.center_m = m.mean_m,  // replaced once the sphere is known
           .radius_m = 0.0f,
           .position_m = m.mean_m,
           .axis_u_m = own.u,
@@ -143,7 +145,7 @@ bool finite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-bool renders(const SurfelCloud& cloud, std::size_t i) {
+bool isVisible(const SurfelCloud& cloud, std::size_t i) {
   const glm::vec3 u = cloud.axis_u_m[i], v = cloud.axis_v_m[i];
   return finite(cloud.position_m[i]) && finite(u) && finite(v) && u != glm::vec3(0.0f) &&
          v != glm::vec3(0.0f) && std::isfinite(cloud.area_m2[i]) && cloud.area_m2[i] > 0.0f;
@@ -155,13 +157,13 @@ PaperHierarchy::PaperHierarchy(const SurfelCloud& cloud) {
   std::vector<Item> items;
   items.reserve(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!renders(cloud, i)) continue;
+    if (!isVisible(cloud, i)) continue;
     items.push_back({cloud.position_m[i],
                      std::sqrt(cloud.area_m2[i] * std::numbers::inv_pi_v<float>),
                      static_cast<std::uint32_t>(i)});
   }
   first_ = {0};
-  order_.resize(items.size());  // `surfels` counts on it
+  order_.resize(items.size());  // `surfels` reads its size
   if (items.empty()) return;
   for (std::size_t nodes = 1;; nodes *= kChildren) {
     first_.push_back(first_.back() + nodes);
@@ -172,7 +174,7 @@ PaperHierarchy::PaperHierarchy(const SurfelCloud& cloud) {
     return std::span(items).subspan(begin, end - begin);
   };
 
-  // Down: sort the surfels into the nodes of each level.
+  // Go down the levels and sort the surfels into the nodes.
   for (int l = 0; l + 1 < levels(); ++l) {
     parallelFor(level(l).size(), [&](std::size_t node) {
       std::array<std::size_t, kChildren + 1> at{};
@@ -187,7 +189,7 @@ PaperHierarchy::PaperHierarchy(const SurfelCloud& cloud) {
   }
   parallelFor(items.size(), [&](std::size_t i) { order_[i] = items[i].surfel; });
 
-  // Up: moments from the surfels, then from the children.
+  // Go up the levels and sum moments, of the surfels first and of the children then.
   std::vector<Moments> below, here;
   for (int l = levels() - 1; l >= 0; --l) {
     here.assign(level(l).size(), {});

@@ -1,5 +1,4 @@
-// A surfel as the paper's methods render it: a true truncated Gaussian. Private to `paper` and
-// `paper-lod`.
+// A surfel on the image as the paper's methods render it: a truncated Gaussian.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +8,14 @@
 
 namespace foci {
 
-/// Cutoff c of the kernels, which end at x' W^-1 x / 2 = c (formulas.md, section 5).
+/// Cutoff c: a kernel ends at x' W^-1 x / 2 = c. The paper's value (section 6.3;
+/// docs/formulas.md, section 5).
 inline constexpr float kPaperCutoff = 2.5f;
 
-/// One cache line. With d the offset from the centre in pixels and t = c - (qa dx^2 + qb dx dy + qc
-/// dy^2), the weight at a pixel centre is height exp(t) for t > 0; over all pixels the weights sum
-/// to the surfel's projected area in pixels.
+/// A splat, one cache line. (dx, dy) is the offset of a pixel centre from the splat's centre, in
+/// pixels. The weight of the pixel is height exp(t) where t > 0, with
+///   t = c - (qa dx^2 + qb dx dy + qc dy^2).
+/// Over all pixels the weights sum to the surfel's projected area in pixels.
 struct alignas(64) PaperSplat {
   float x_px, y_px;
   float qa, qb, qc;
@@ -22,20 +23,20 @@ struct alignas(64) PaperSplat {
   float red, green, blue;          ///< linear, times opacity
   float opacity;                   ///< 0 to 1
   float near_m, far_m;             ///< z-range of the blurred splat; far_m may be infinite
-  float distance_m;                ///< of the centre, as `Defocus::along` says
+  float distance_m;                ///< of the centre, measured as `Defocus::along` says
   float extent_x_px, extent_y_px;  ///< half size of the footprint's bounding box
 };
 static_assert(sizeof(PaperSplat) == 64);
 
 inline constexpr int kPaperTile_px = 32;
 
-/// Tiles that a footprint's box may reach, inclusive.
+/// Range of the tiles that the footprint's bounding box touches, inclusive.
 struct PaperSplatTiles {
   std::uint16_t x0, x1, y0, y1;
 };
 
-/// Splats of a frame in chunks, so that threads never share one. What lies between the chunks is
-/// unset.
+/// Splats of a frame in chunks, so that threads never share one. The memory between the chunks is
+/// not initialised.
 struct PaperSplats {
   struct Chunk {
     std::size_t begin;

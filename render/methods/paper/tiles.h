@@ -1,4 +1,4 @@
-// Which of the paper's splats touch which tile. Private to `paper` and `paper-lod`.
+// Bins the paper's splats: which splats touch which tile.
 #pragma once
 
 #include <cstdint>
@@ -6,12 +6,12 @@
 #include <span>
 #include <vector>
 
-#include "render/methods/paper_splat.h"
+#include "render/methods/paper/splat.h"
 
 namespace foci {
 
-/// Lists of splat indices by tile, each in the order of the chunks: an A-buffer takes its fragments
-/// in any order. The order does not depend on the number of threads.
+/// Lists of splat indices by tile, each in the order of the chunks, at any number of threads. They
+/// need no order of depth: an A-buffer takes its fragments in any order.
 class PaperTileLists {
  public:
   void build(const PaperSplats& splats, const glm::ivec2& size_px);

@@ -1,0 +1,96 @@
+// Composites the surfels of one ray into layers, by the rules of the sweep (render/splat/sweep.h).
+#pragma once
+
+#include <algorithm>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "render/kernel/limits.h"
+#include "render/methods/raytrace/disc_scene.h"
+#include "render/methods/raytrace/seen_surfel.h"
+
+namespace foci {
+
+/// Weighted sums over splats.
+struct SplatSums {
+  float weight = 0.0f, opacity = 0.0f, distance = 0.0f;
+  glm::vec3 color{0.0f};
+
+  void add(const SeenSurfel& surfel, float w) {
+    weight += w;
+    opacity += w * surfel.opacity;
+    distance += w * surfel.opacity * 0.5f * (surfel.near_m + surfel.far_m);
+    color += w * surfel.color;
+  }
+
+  void add(const SplatSums& other, float f) {
+    weight += f * other.weight;
+    opacity += f * other.opacity;
+    distance += f * other.distance;
+    color += f * other.color;
+  }
+};
+
+/// An open layer. `later` holds the weight that front-facing splats add once the front is opaque.
+struct RayLayer {
+  SplatSums front, back, later;
+
+  void add(const SeenSurfel& surfel, float w) {
+    SplatSums& side = surfel.back_facing ? back : front;
+    const float joins = std::min(w, std::max(kWhole - side.weight, 0.0f));
+    side.add(surfel, joins);
+    if (!surfel.back_facing && w > joins) later.add(surfel, w - joins);
+  }
+};
+
+/// The composited layers of a ray.
+struct RayColor {
+  glm::vec3 color{0.0f};
+  float distance = 0.0f;  ///< times coverage
+  float transmittance = 1.0f;
+
+  void close(RayLayer layer, bool transparent) {
+    if (!transparent) layer.later = {};
+    const float covered = coverageOf(layer.front.weight, kSharpRipple);
+    const float left = std::max(coverageOf(layer.back.weight, kSharpRipple) - covered, 0.0f);
+    // The later weight is noise of the same surface, another surface, or a share of each.
+    const float less = (kAnother - layer.later.weight) / (kAnother - kNoise);
+    const float same = std::clamp(less, 0.0f, 1.0f);
+    layer.front.add(layer.later, same);
+    layer.later.add(layer.later, -same);
+    const float front_scale = covered / std::max(layer.front.weight, 1e-20f);
+    const float back_scale = left / std::max(layer.back.weight, 1e-20f);
+    composite(layer.front, front_scale, layer.back, back_scale);
+    composite(layer.later, 1.0f / std::max(layer.later.weight, 1.0f), {}, 0.0f);
+  }
+
+ private:
+  void composite(const SplatSums& a, float a_scale, const SplatSums& b, float b_scale) {
+    color += transmittance * (a_scale * a.color + b_scale * b.color);
+    distance += transmittance * (a_scale * a.distance + b_scale * b.distance);
+    transmittance *= 1.0f - std::min(a_scale * a.opacity + b_scale * b.opacity, 1.0f);
+  }
+};
+
+/// @param hits  from the nearest to the farthest
+inline RayColor composite(const std::vector<SeenSurfel>& surfels, bool transparent,
+                          const std::vector<Hit>& hits) {
+  RayColor seen;
+  RayLayer open;
+  float open_far_m = -1.0f;
+  for (const Hit& hit : hits) {
+    const SeenSurfel& surfel = surfels[hit.surfel];
+    if (surfel.near_m > open_far_m || open.later.weight >= 1.0f) {
+      seen.close(open, transparent);
+      open = {};
+      open_far_m = -1.0f;
+      if (seen.transmittance < kHidden) return seen;
+    }
+    open_far_m = std::max(open_far_m, surfel.far_m);
+    open.add(surfel, hit.weight);
+  }
+  seen.close(open, transparent);
+  return seen;
+}
+
+}  // namespace foci
