@@ -17,7 +17,7 @@ namespace foci {
 
 struct LodSettings {
   CutSettings cut;
-  int parts = 1;  ///< of the lens, where surfaces overlap; 1: the lens as a whole
+  int sub_apertures = 1;  ///< where surfaces overlap; 1: the whole aperture only
 };
 
 /// Keeps its buffers between frames.

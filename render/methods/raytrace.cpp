@@ -265,7 +265,7 @@ struct Layer {
 
   void add(const SeenSurfel& surfel, float w) {
     Sums& side = surfel.from_behind ? behind : facing;
-    const float joins = std::min(w, std::max(kWhole - side.weight, 0.0f));
+    const float joins = std::min(w, std::max(kOpaqueWeight - side.weight, 0.0f));
     side.add(surfel, joins);
     if (!surfel.from_behind && w > joins) later.add(surfel, w - joins);
   }
@@ -279,8 +279,8 @@ struct Seen {
 
   void close(Layer layer, bool transparent) {
     if (!transparent) layer.later = {};
-    const float covered = coverageOf(layer.facing.weight, kSharpRipple);
-    const float left = std::max(coverageOf(layer.behind.weight, kSharpRipple) - covered, 0.0f);
+    const float covered = coverageOf(layer.facing.weight, kSharpRamp);
+    const float left = std::max(coverageOf(layer.behind.weight, kSharpRamp) - covered, 0.0f);
     const float less = (kAnother - layer.later.weight) / (kAnother - kNoise);
     const float same = std::clamp(less, 0.0f, 1.0f);  // of noise and another surface, the first
     layer.facing.add(layer.later, same);

@@ -14,7 +14,7 @@ class SweepLodMethod final : public Method {
   SweepLodMethod(const SurfelCloud& cloud, int parts) : scene_(cloud), parts_(parts) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
-    return scene_.render(view, settings, {.cut = kFaithfulCut, .parts = parts_}, frame);
+    return scene_.render(view, settings, {.cut = kFaithfulCut, .sub_apertures = parts_}, frame);
   }
 
  private:

@@ -10,7 +10,7 @@
 namespace foci {
 namespace {
 
-constexpr LodSettings kBest{.cut = kFaithfulCut, .parts = 7};
+constexpr LodSettings kBest{.cut = kFaithfulCut, .sub_apertures = 7};
 constexpr LodSettings kCoarse{.cut = {.per_blur2 = 0.06f, .per_pixel2 = 0.3f}};
 
 class SpotCheckTest : public ::testing::Test {

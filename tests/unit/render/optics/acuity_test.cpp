@@ -41,7 +41,7 @@ TEST(Acuity, CoarseNodesLookLikeFineOnesThroughIt) {
                                     .per_pixel2 = kFaithfulCut.per_pixel2,
                                     .per_acuity2 = per_acuity2,
                                     .acuity = {.gaze_px = {60.0f, 60.0f}, .per_px = 0.05f}},
-                            .parts = 7};
+                            .sub_apertures = 7};
       frame.resize(view.size_px);
       return scene.render(view, settings, lod, frame).splats;
     };
