@@ -1,4 +1,5 @@
-// Where a splat, a layer and the light end: bounds on which all that render surfels agree.
+// Limits that every surfel renderer shares: where a kernel ends, when summed kernels make an opaque
+// surface, and when light is too little to matter.
 #pragma once
 
 #include <algorithm>
@@ -7,48 +8,56 @@
 
 namespace foci {
 
-/// Of the variance that merging added, what a kernel needs for neighbours to overlap: a square's
-/// spread is side^2 / 12, its kernel wants (kSigmaPerSpacing side)^2.
+/// Factor on the variance that merging added, so that the kernels of neighbouring nodes overlap. A
+/// square node's spread is side^2 / 12, and its kernel needs (kSigmaPerSpacing side)^2.
 inline constexpr float kOverlap = 12.0f * kSigmaPerSpacing * kSigmaPerSpacing;
 
-/// A kernel's footprint reaches at most this many squared standard deviations (n = 2).
+/// Squared support radius of the widest kernel (n = 2, kernel.h), over its variance.
 inline constexpr float kWidestSupport2 = 8.0f;
 
-/// The unblurred splat's z-range: its plane within this many squared standard deviations.
+/// Squared standard deviations of an unblurred splat that its z-range spans, half of the paper's
+/// x' V^-1 x / 2 < c with c = 2.5 (docs/formulas.md, section 5).
 inline constexpr float kReach2 = 5.0f;
 
-/// Cosine from which a surfel counts as seen from behind: beyond what normals of a scan err by at
-/// its outline.
+/// A surfel is back-facing if its normal's cosine to the line of sight exceeds this. Chosen by
+/// hand, above the error that estimated normals of a scan have at its outline.
 inline constexpr float kBackFacing = 0.1f;
 
-/// Splats beyond any use are refused: a variance or an area of 10^5 by 10^5 pixels.
+/// Splats of a larger variance or area are dropped: 10^5 by 10^5 pixels, beyond any image.
 inline constexpr float kLargest_px2 = 1e10f;
 
-/// A surface's kernels sum to one, a little noise aside: what comes once they have reached this
-/// lies behind it.
-inline constexpr float kWhole = 1.01f;
+/// Sum of kernel weights from which a surface is opaque. The kernels are a partition of unity; the
+/// excess over one is their ripple. Splats that arrive later lie behind the surface.
+inline constexpr float kOpaqueWeight = 1.01f;
 
-/// In transparent scenes, where that is seen: it is noise of the samples up to `kNoise`, another
-/// surface from `kAnother` on, and in between in part either.
+/// Weight that a layer of a transparent scene gathers beyond kOpaqueWeight. Up to kNoise it is
+/// sampling noise of the same surface; from kAnother on it is a second surface; in between it is
+/// divided linearly. Chosen by hand; `Sweep.TransparentSheetsCompositeFrontToBack` bounds them.
 inline constexpr float kNoise = 0.15f, kAnother = 0.4f;
 
-/// They sum to one but for their ripple. What they cover from `whole` on counts as all, so that
-/// nothing is seen, nor rendered, behind a closed surface; up to `part` it counts as it is; in
-/// between it rises evenly from the one to the other. Blur evens the ripple out, and a blurred edge
-/// is wide.
-struct Ripple {
-  float part, whole;
-  constexpr float slope() const { return (1.0f - part) / (whole - part); }
+/// Coverage of a layer as a function of its summed weight W. The kernels are a partition of unity
+/// but for their ripple, so an opaque surface may sum to less than one. Up to `linear_to` the
+/// coverage is W. From there it rises linearly, to 1 at `opaque_from`. Nothing behind an opaque
+/// surface then shows, or is rendered.
+struct CoverageRamp {
+  float linear_to, opaque_from;
+  constexpr float slope() const { return (1.0f - linear_to) / (opaque_from - linear_to); }
 };
-inline constexpr Ripple kSharpRipple{0.9f, 0.98f}, kBlurredRipple{0.98f, 0.995f};
 
-/// What a layer covers whose weights sum to `weight`.
-inline float coverageOf(float weight, const Ripple& ripple) {
-  return std::min(1.0f, std::max(weight, ripple.slope() * (weight - ripple.part) + ripple.part));
+/// Unblurred kernels have more ripple than blurred ones, and a blurred edge is wide enough to show
+/// a change of its coverage. Chosen by hand;
+/// `KernelSums.AreOneOnARegularPlaneButForTheKernelsRipple` and
+/// `Sweep.RendersNothingBehindAnOpaqueSheet` bound them.
+inline constexpr CoverageRamp kSharpRamp{0.9f, 0.98f}, kBlurredRamp{0.98f, 0.995f};
+
+/// Coverage, 0 to 1, of a layer whose weights sum to `weight` >= 0.
+inline float coverageOf(float weight, const CoverageRamp& ramp) {
+  return std::min(1.0f,
+                  std::max(weight, ramp.slope() * (weight - ramp.linear_to) + ramp.linear_to));
 }
 
-/// Light that passes below this is not worth another layer: half a step of an 8-bit image's
-/// darkest, linear, code.
+/// A sample whose transmittance is below this needs no further layers: half of the darkest linear
+/// code step of an 8-bit sRGB image.
 inline constexpr float kHidden = 1.0f / 8192.0f;
 
 }  // namespace foci

@@ -10,12 +10,11 @@
 namespace foci {
 namespace {
 
-constexpr float kFade = 0.3f;         // of the variance allowed: over it a node fades out
-constexpr int kSerialCutLevels = 8;   // below, one task a subtree; fixed, as are all results
+constexpr float kFade = 0.3f;         // a node fades out over this share of the allowed variance
+constexpr int kSerialCutLevels = 8;   // below it one task a subtree; fixed, so results are, too
 constexpr int kMiddleLevel = 10;      // about a thousand nodes
-constexpr float kWidestReach = 3.0f;  // standard deviations of a kernel's support, at most
-
-constexpr int kRangeSurfels = 512;  // of a subtree, at most, that is taken as a whole
+constexpr float kWidestReach = 3.0f;  // bounds a kernel's support, standard deviations
+constexpr int kRangeSurfels = 512;    // largest subtree that is taken as one range of surfels
 
 struct Pending {
   std::size_t node;
@@ -32,14 +31,15 @@ class Selector {
     first_range_node_ = std::bit_ceil(tree.surfels().size() / kRangeSurfels + 1);
   }
 
-  /// Sizes of all that lies below a node, over its coarseness: between these.
+  /// Bounds of size over coarseness, for all nodes below a node.
   struct Bounds {
-    float least = 0.0f, most = std::numeric_limits<float>::infinity();
-    bool in_sight = false;  ///< their centres are on the image
+    float min = 0.0f, max = std::numeric_limits<float>::infinity();
+    bool in_view = false;  ///< all of their centres are on the image
   };
 
-  /// Selects below a node that is rendered with `weight`. Nodes of `last_level` are left pending.
-  /// @param above  of a node above it
+  /// Selects nodes at and below `node`, which has the given weight. Nodes from `last_node` on are
+  /// left in `pending`.
+  /// @param above  the bounds that an ancestor gives
   void select(std::size_t node, float weight, Bounds above, std::size_t last_node, Cut& cut,
               std::vector<Pending>* pending) const {
     if (node >= last_node) {
@@ -47,14 +47,13 @@ class Selector {
       return;
     }
     const MomentTree::Coarseness coarse = tree_.coarseness()[node];
-    float size = coarse.now_m2 * above.least;
-    const bool known = size >= 1.0f + kFade || coarse.now_m2 * above.most <= 1.0f;
-    if (!above.in_sight || !known) {
+    float size = coarse.now_m2 * above.min;
+    const bool known = size >= 1.0f + kFade || coarse.now_m2 * above.max <= 1.0f;
+    if (!above.in_view || !known) {
       size = sizeOf(node, above);
       if (size == kOutside) return;
     }
-    if (weight == 1.0f && node >= first_range_node_ &&
-        coarse.min_m2 * above.least >= 1.0f + kFade) {
+    if (weight == 1.0f && node >= first_range_node_ && coarse.min_m2 * above.min >= 1.0f + kFade) {
       takeAll(node, cut);
       return;
     }
@@ -92,8 +91,9 @@ class Selector {
     cut.ranges.push_back({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)});
   }
 
-  /// The node's variance over what is allowed; kOutside where it cannot touch the image.
-  /// @param below  out
+  /// Variance that merging added to the node, over the allowed variance; kOutside if the node
+  /// cannot touch the image.
+  /// @param below  output
   float sizeOf(std::size_t index, Bounds& below) const {
     constexpr float kRefine = 1e30f;
     below = {};
@@ -105,8 +105,8 @@ class Selector {
     const float nearest = depth - radius;
     if (nearest < view_.near_m) return kRefine;
 
-    // Everything of the node lies within this box on the image, its blur included. Distances along
-    // the sight are not below those along the axis.
+    // The node and its blur lie within this box on the image. A distance along the line of sight is
+    // never below the one along the axis.
     const float distance =
         defocus_.along == DistanceAlong::axis ? depth : std::sqrt(glm::dot(p, p));
     const float inv = 1.0f / distance, inv_nearest = 1.0f / nearest;
@@ -126,14 +126,15 @@ class Selector {
     const float now =
         tree_.coarseness()[index].now_m2 * perCoarseness(depth, min_px2(inv, range_D, at, reach));
 
-    // What lies below has its centre within the radius, and no more than twice that radius.
+    // A descendant's centre lies within the radius, and the descendant's radius is at most twice
+    // it.
     const float around = 3.0f * radius;
     if (depth - around < view_.near_m) return now;
     const float around_D = around * inv / std::max(distance - around, view_.near_m);
-    below = {.least = perCoarseness(depth + around, max_px2(inv, around_D, at, 3.0f * reach)),
-             .most = perCoarseness(depth - around, min_px2(inv, around_D, at, 3.0f * reach)),
-             .in_sight = at.x > spread.x && at.y > spread.y && at.x + spread.x < size.x &&
-                         at.y + spread.y < size.y};
+    below = {.min = perCoarseness(depth + around, max_px2(inv, around_D, at, 3.0f * reach)),
+             .max = perCoarseness(depth - around, min_px2(inv, around_D, at, 3.0f * reach)),
+             .in_view = at.x > spread.x && at.y > spread.y && at.x + spread.x < size.x &&
+                        at.y + spread.y < size.y};
     return now;
   }
 
@@ -141,8 +142,8 @@ class Selector {
     return focal2_ / (depth * depth * allowed_px2);
   }
 
-  /// The least and the most variance allowed within a range of dioptres and pixels;
-  /// finest_px grows with the distance from the gaze.
+  /// Smallest and largest allowed variance within a range of dioptres and pixels. finest_px grows
+  /// with the distance from the gaze.
   float min_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
     const float least_D = std::max(leastDefocus_D(defocus_, inv) - range_D, 0.0f);
     const glm::vec2 from_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);

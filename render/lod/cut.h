@@ -1,4 +1,4 @@
-// Which nodes of the tree to render: as coarse as the blur lets them be.
+// The LOD cut: the nodes of the tree to render, as coarse as blur and acuity allow.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +13,22 @@
 
 namespace foci {
 
-/// A node is coarse enough to be rendered while the variance that merging added to it, on the image
-/// and the mean of both axes, is at most
-///   per_blur2 C^2 + per_pixel2 + per_acuity2 (h^2 - 1),
-/// C its radius of the circle of confusion in pixels and h the prefilter's standard deviation, 1 px
-/// at full acuity. Variance along the node's mean normal counts several times: a node that holds
-/// two surfaces, which the lens tells apart, comes apart into nodes of one.
+/// Limits on the variance that merging surfels adds to a node. A node may be rendered if that
+/// variance, on the image and as the mean of both axes, is at most
+///   per_blur2 C^2 + per_pixel2 + per_acuity2 (h^2 - 1).
+/// C is the node's blur radius in pixels. h is the prefilter's standard deviation, 1 px at full
+/// acuity. Variance along the node's mean normal counts several times (`MomentTree::kThick`), so
+/// that a node of two surfaces is divided into nodes of one: the lens sees the two surfaces apart.
 struct CutSettings {
   float per_blur2;
   float per_pixel2;
-  float per_acuity2 = 0.2f;  ///< nodes up to 1.5 h wide, whose Gaussians sum to one within 0.1 %
+  float per_acuity2 = 0.2f;  ///< nodes up to 1.5 h wide; their Gaussians sum to one within 0.1 %
   Acuity acuity = {};
 };
 
-/// What merging adds to the variance stays within 3 % of the blur's and the pixel's own: a node is
-/// at most about a quarter of the blur's radius wide (a square's spread is side^2 / 12), 0.6 px in
-/// focus.
+/// Merging adds at most 3 % to the variance of blur and pixel. A square node's spread is side^2 /
+/// 12, so a node is at most a quarter of the blur radius wide, or 0.6 px in focus. `LodTest` and
+/// `LevelKernels` tests bound the errors.
 inline constexpr CutSettings kFaithfulCut{.per_blur2 = 0.0055f, .per_pixel2 = 0.03f};
 
 struct CutEntry {
@@ -41,10 +41,10 @@ struct CutRange {
   std::uint32_t begin, end;
 };
 
-/// What is rendered instead of all surfels: nodes and surfels of the tree, and where none of its
-/// nodes can be coarse enough, ranges of surfels. On the way from the root to each surfel in sight
-/// the weights sum to one. A node fades into its children over a range of its size, so that all
-/// weights are continuous in view, focus and aperture.
+/// The nodes and surfels to render instead of all surfels, and ranges of surfels where no node is
+/// coarse enough. On the path from the root to each visible surfel the weights sum to one. A node
+/// fades into its children over a range of its size, so all weights are continuous in view, focus
+/// and aperture.
 struct Cut {
   std::vector<CutEntry> nodes, surfels;
   std::vector<CutRange> ranges;  ///< at most kLongestRange surfels each
@@ -57,12 +57,14 @@ struct Cut {
   }
 };
 
-/// Distances, along what `defocus` says, between which the tree lies in view: of nodes of a middle
-/// level, so within about their size. Nothing where it is out of view.
+/// Smallest and largest distance of the visible part of the tree, measured as `defocus.along` says.
+/// Uses nodes of a middle level, so both are exact to about a node's size. Absent if the tree is
+/// out of view.
 std::optional<std::pair<float, float>> distancesInView(const MomentTree& tree, const View& view,
                                                        const Defocus& defocus);
 
-/// Leaves out what cannot touch the image. The same at any number of threads.
+/// Selects the cut. Leaves out nodes that cannot touch the image. The result does not depend on the
+/// number of threads.
 void selectCut(const MomentTree& tree, const View& view, const Defocus& defocus,
                const CutSettings& settings, Cut& cut);
 

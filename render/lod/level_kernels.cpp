@@ -7,7 +7,7 @@
 namespace foci {
 namespace {
 
-constexpr float kThinnest = 1e-3f;  // of a kernel's axes: the lesser over the greater
+constexpr float kThinnest = 1e-3f;  // lower bound of a kernel's shorter axis over the longer
 
 }  // namespace
 

@@ -1,11 +1,11 @@
-// The nodes of one level of detail as kernels on the surface, to be summed over it.
+// The nodes of one tree level as kernels on the surface, for checking that they sum to one.
 //
-// A node's weight is the sum of its surfels' areas, and that suffices: the surfels' kernels are
-// solved to sum to one (weights.h), a node has the same integral, mean and variance as those of its
-// surfels together, and it is rendered where the variance of blur or prefilter is at least 33 times
-// what merging added. On a jittered plane the sums' standard deviation is then below 0.2 % in focus
-// at every level, less than the surfels' own. Where a disc is sampled by some forty nodes it is
-// 0.9 %, but so it is on a regular grid, where all weights are equal: no weights could better that.
+// A node's weight is the sum of its surfels' areas; no solve is needed. The surfels' kernels are
+// solved to sum to one (weights.h). A node has the integral, mean and variance of its surfels
+// together. It is rendered only where the variance of blur or prefilter is at least 33 times the
+// variance that merging added. `LevelKernels` tests bound the sums' deviation on a jittered plane.
+// A disc that is sampled by some forty nodes has more ripple, but so it has on a regular grid,
+// where all weights are equal.
 #pragma once
 
 #include <vector>
@@ -18,13 +18,13 @@
 namespace foci {
 
 struct LevelKernels {
-  SurfelCloud surfels;          ///< as rendered: the axes are the share of the variance that is own
-  std::vector<float> added_m2;  ///< variance along an axis that merging added
+  SurfelCloud surfels;          ///< axes from the surfels' own share of the variance
+  std::vector<float> added_m2;  ///< variance that merging added, along an axis
 };
 
-/// The finest pixel and the least blur that square nodes are rendered at, in units of their side,
-/// whose variance is side^2 / 12: 1 / sqrt(12 per_pixel2) and 1 / sqrt(12 per_blur2) of
-/// kFaithfulCut.
+/// The smallest pixel and the smallest blur that a square node is rendered at, over its side. The
+/// side's variance is side^2 / 12, so these are 1 / sqrt(12 per_pixel2) and 1 / sqrt(12 per_blur2)
+/// of kFaithfulCut.
 inline constexpr SeenAs kCoarsestSharp{1.6667f}, kCoarsestBlurred{0.0f, 3.8925f};
 
 /// @param level  0 (the root) to tree.levels() - 1

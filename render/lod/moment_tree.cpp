@@ -12,16 +12,16 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kMinCluster = 3;
-constexpr int kSerialLevels = 6;  // below, one task a subtree; fixed, as are all results
+constexpr int kSerialLevels = 6;  // below it one task a subtree; fixed, so results are, too
 
-/// What is sorted into the tree.
+/// A surfel while the tree is sorted.
 struct Item {
   glm::vec3 position_m;
   std::uint32_t surfel;
 };
 
-/// Parts the range [begin, end) at `middle` along its longest extent.
-void part(Item* items, std::size_t begin, std::size_t middle, std::size_t end) {
+/// Partitions the range [begin, end) at `middle` along its longest extent.
+void partition(Item* items, std::size_t begin, std::size_t middle, std::size_t end) {
   glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
   for (std::size_t i = begin; i < end; ++i) {
     low = glm::min(low, items[i].position_m);
@@ -51,7 +51,8 @@ Sums sumsOf(const SurfelCloud& cloud, std::size_t i) {
   const double opacity = cloud.opacity.empty() ? 1.0 : double{cloud.opacity[i]};
   sums.area = cloud.area_m2[i];
   sums.opaque_area = sums.area * opacity;
-  sums.weight = std::max(sums.opaque_area, 1e-6 * sums.area);  // also where nothing is opaque
+  sums.weight =
+      std::max(sums.opaque_area, 1e-6 * sums.area);  // positive even if all surfels are transparent
   sums.mean = glm::dvec3(cloud.position_m[i]);
   const double variance[6] = {u.x * u.x + v.x * v.x, u.x * u.y + v.x * v.y, u.x * u.z + v.x * v.z,
                               u.y * u.y + v.y * v.y, u.y * u.z + v.y * v.z, u.z * u.z + v.z * v.z};
@@ -113,7 +114,7 @@ class Builder {
     if (level >= last_level) return;
     const auto [begin, end] = MomentTree::rangeOf(items_.size(), level, j);
     const std::size_t middle = MomentTree::rangeOf(items_.size(), level + 1, 2 * j).second;
-    part(items_.data(), begin, middle, end);
+    partition(items_.data(), begin, middle, end);
     sortBelow(level + 1, 2 * j, last_level);
     sortBelow(level + 1, 2 * j + 1, last_level);
   }

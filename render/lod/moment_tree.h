@@ -1,5 +1,5 @@
-// Level of detail: a binary tree of surfels merged by their moments, so that coarse levels have the
-// texture and the shape of the surface low-passed alike.
+// Level of detail: a binary tree of surfels merged by their moments. Merging low-passes texture and
+// shape alike (docs/formulas.md, section 4).
 #pragma once
 
 #include <cstddef>
@@ -12,23 +12,25 @@
 
 namespace foci {
 
-/// Some neighbouring surfels as one. With w_i = area times opacity, m the mean of their positions
-/// and V_i their variances, its variance is sum w_i (V_i + (x_i - m)(x_i - m)') / sum w_i. Seen
-/// along the unit vector d it covers `density` sqrt(d' adj(V) d), adj the adjugate: for a flat node
-/// its area times the cosine to its normal, else that with the root mean square of the cosines.
+/// Neighbouring surfels merged into one. Let w_i be area times opacity, x_i the positions, m their
+/// weighted mean and V_i the variances. The node's variance is
+///   sum w_i (V_i + (x_i - m)(x_i - m)') / sum w_i.
+/// Seen along the unit vector d it covers density sqrt(d' adj(V) d), with the adjugate adj. For a
+/// flat node this is its area times the cosine to its normal; else the cosine is a root mean
+/// square.
 struct alignas(64) LodNode {
   glm::vec3 position_m;
   float variance_m2[6];    ///< xx, xy, xz, yy, yz, zz
   glm::vec3 color;         ///< linear RGB, mean weighted by w
   float density;           ///< sum of the areas over sqrt(trace adj(V))
-  float radius_m;          ///< about the position: all of its surfels lie within, with 3 sigma
+  float radius_m;          ///< of a sphere about the position that holds all surfels to 3 sigma
   std::int16_t normal[2];  ///< mean normal, see `unpackNormal`
   std::uint16_t opacity;   ///< mean by area, in 65535ths
-  std::uint16_t own;  ///< share of the variance's trace that is the surfels' own, in 65535ths: the
-                      ///< rest is what merging added
+  /// The surfels' own share of the variance's trace, in 65535ths. Merging added the rest.
+  std::uint16_t own;
 
   float trace_m2() const { return variance_m2[0] + variance_m2[3] + variance_m2[5]; }
-  /// What merging added to the variance, mean of two axes.
+  /// Variance that merging added, mean of two axes.
   float added_m2() const {
     return 0.5f * trace_m2() * (1.0f - static_cast<float>(own) * (1.0f / 65535.0f));
   }
@@ -46,10 +48,9 @@ static_assert(sizeof(LodNode) == 64);
 void packNormal(const glm::vec3& normal, std::int16_t packed[2]);
 glm::vec3 unpackNormal(const std::int16_t packed[2]);
 
-/// A perfect binary tree over clusters of 3 to 6 surfels (fewer in a scene of fewer). Node i has
-/// the children 2 i and 2 i + 1; the root is 1. Halves are
-/// split at the median of the longest extent of the positions. Less than 100 bytes a surfel, the
-/// surfels included.
+/// A perfect binary tree over clusters of 3 to 6 surfels, or fewer in a tiny scene. Node i has the
+/// children 2 i and 2 i + 1; the root is 1. Each split is at the median along the longest extent of
+/// the positions. The tree takes less than 100 bytes a surfel, the surfels included.
 class MomentTree {
  public:
   /// Deterministic at any number of threads. @param cloud  sound, fewer than 2^31 surfels
@@ -59,24 +60,26 @@ class MomentTree {
   const std::vector<LodNode>& nodes() const { return nodes_; }  ///< nodes()[0] is unused
   int levels() const { return levels_; }  ///< of nodes, >= 1; 0: an empty scene
 
-  /// By node, how coarse it is: what merging added to its variance, that along its mean normal
-  /// counted kThick times. None of a flat node, that is, of one that holds two surfaces, which the
-  /// lens tells apart, a quarter of their distance squared, or what their angle makes.
+  /// By node, the variance that merging added, with the variance along the mean normal counted
+  /// kThick times. A flat node has none along its normal. A node of two surfaces has a quarter of
+  /// their squared distance, or the variance that their angle makes; such a node must be divided,
+  /// because the lens sees the two surfaces apart. kThick was chosen by hand.
   struct Coarseness {
-    float now_m2;
-    float min_m2;  ///< of the clusters below it, itself if it is one
+    float now_m2;  ///< of the node itself
+    float min_m2;  ///< smallest of the clusters below the node, or the cluster itself
   };
   const std::vector<Coarseness>& coarseness() const { return coarseness_; }
   static constexpr float kThick = 30.0f;
 
   bool isCluster(std::size_t node) const { return node >> (levels_ - 1) != 0; }
 
-  /// The surfels [first, second) of the `j`-th node, from 0, of a level, 0 that of the root.
+  /// The surfels [first, second) below the `j`-th node of a level. The root's level is 0; j begins
+  /// at 0.
   std::pair<std::size_t, std::size_t> range(int level, std::size_t j) const {
     return rangeOf(surfels_.size(), level, j);
   }
 
-  /// The same of a tree of `n` surfels.
+  /// The same for a tree of `n` surfels.
   static std::pair<std::size_t, std::size_t> rangeOf(std::uint64_t n, int level, std::size_t j) {
     return {n * j >> level, n * (j + 1) >> level};
   }

@@ -14,20 +14,20 @@ RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
   const Acuity& acuity = lod.cut.acuity;
   const bool blurred = radius_px_per_D.x * radius_px_per_D.y > 0.0f;
   const bool coarse = blurred || acuity.base_px > 1.0f || acuity.per_px > 0.0f;
-  const bool by_sub_aperture = lod.sub_apertures > 1 && blurred;
+  const bool by_sub_apertures = lod.sub_apertures > 1 && blurred;
   selectCut(*tree_, view, settings.defocus, lod.cut, cut_);
   projectCut(*tree_, cut_, view, settings.defocus,
-             {.part_aperture =
-                  by_sub_aperture ? 1.0f / std::sqrt(static_cast<float>(lod.sub_apertures)) : 0.0f,
+             {.sub_aperture =
+                  by_sub_apertures ? 1.0f / std::sqrt(static_cast<float>(lod.sub_apertures)) : 0.0f,
               .acuity = acuity,
               .margin_px = coarse ? kApron * kMaxStep_px : 0,  // for the aprons of coarse tiles
               .shading = settings.shading},
              chunks_);
   lists_.build(chunks_, view.size_px, coarse);
-  const LensParts parts{.splats = chunks_.parts.get(),
-                        .out_of_focus_D = chunks_.out_of_focus_D.get(),
-                        .out_across_D = chunks_.out_across_D.get(),
-                        .centres = subApertureCentres(lod.sub_apertures)};
+  const SubApertures sub_apertures{.splats = chunks_.sub_aperture_splats.get(),
+                                   .out_of_focus_D = chunks_.out_of_focus_D.get(),
+                                   .out_across_D = chunks_.out_across_D.get(),
+                                   .centres = subApertureCentres(lod.sub_apertures)};
   RenderStats stats;
   stats.splats = chunks_.total();
   stats.fragments = sweep(chunks_, lists_,
@@ -35,7 +35,7 @@ RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
                            .defocus = settings.defocus,
                            .transparent = !tree_->surfels().opacity.empty(),
                            .depth = settings.depth,
-                           .parts = by_sub_aperture ? &parts : nullptr},
+                           .sub_apertures = by_sub_apertures ? &sub_apertures : nullptr},
                           frame);
   return stats;
 }

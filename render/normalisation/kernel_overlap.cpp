@@ -7,10 +7,11 @@
 namespace foci {
 namespace {
 
-constexpr double kMinRatio = 0.4;  // sizes of neighbours differ less
+constexpr double kMinRatio = 0.4;  // sizes of neighbours seldom differ more
 constexpr int kRings = 64, kAngles = 64;
 
-/// By the midpoint rule over the smaller one's disc, rings of equal area; radii `radius` and 1.
+/// The overlap of kernels of radii `radius` and 1, by the midpoint rule over the smaller disc, in
+/// rings of equal area.
 double overlap(double radius, double distance) {
   static const auto cosines = [] {
     std::array<double, kAngles> all{};

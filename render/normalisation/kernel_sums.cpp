@@ -14,14 +14,16 @@
 namespace foci {
 namespace {
 
-constexpr float kReach = 4.0f;              // standard deviations of a kernel as rendered
+// Chosen by hand; `KernelSums` tests bound them. "Rendered" lengths are standard deviations of a
+// kernel on the image, with prefilter and blur.
+constexpr float kReach = 4.0f;              // radius in which surfels are summed, rendered
 constexpr std::size_t kMaxSurfels = 2048;   // within reach
 constexpr float kSameSheetCosine = 0.5f;    // of normals, signs apart
-constexpr float kSameSheetOffPlane = 3.0f;  // widths of the surfel beside
-constexpr float kSmoothReach = 3.0f;        // standard deviations as rendered: all of a kernel
+constexpr float kSameSheetOffPlane = 3.0f;  // widths of the surfel at the probe
+constexpr float kSmoothReach = 3.0f;        // rendered: a whole kernel
 constexpr float kSmoothCosine = 0.9f;
-constexpr float kSmoothOffPlane = 0.4f;  // standard deviations as rendered
-constexpr float kBorderReach = 2.4f;     // standard deviations as rendered: a border nearer is one
+constexpr float kSmoothOffPlane = 0.4f;  // rendered
+constexpr float kBorderReach = 2.4f;     // rendered: only a gap that begins here makes a border
 constexpr float kBorderGap = 1.6f;       // rad, without a surfel from there to kReach
 
 float sigmaOf(const SurfelCloud& cloud, std::size_t i) {
@@ -38,7 +40,7 @@ struct Probe {
   glm::vec3 p_world;
 };
 
-/// The widest angle without any of them, rad.
+/// The widest gap between consecutive angles, rad.
 float largestGap(std::vector<float>& angles) {
   if (angles.empty()) return glm::two_pi<float>();
   std::sort(angles.begin(), angles.end());
@@ -47,7 +49,7 @@ float largestGap(std::vector<float>& angles) {
   return gap;
 }
 
-/// At equal steps of the area summed up over the surfels, each up to half a spacing beside one.
+/// Probes at equal steps of the accumulated area, each up to half a spacing beside a surfel.
 std::vector<Probe> spread(const SurfelCloud& cloud, std::size_t count) {
   double area = 0.0;
   for (const float area_m2 : cloud.area_m2) area += area_m2;
@@ -69,10 +71,10 @@ std::vector<Probe> spread(const SurfelCloud& cloud, std::size_t count) {
   return probes;
 }
 
-/// A kernel on its surface, as it is rendered where surfels have a spacing.
-class Drawn {
+/// The kernels as they are rendered, for surfels of a given squared spacing.
+class RenderedKernel {
  public:
-  Drawn(const SeenAs& seen, float spacing2)
+  RenderedKernel(const SeenAs& seen, float spacing2)
       : prefilter_(seen.pixel_spacings * seen.pixel_spacings * spacing2),
         radius2_(seen.blur_spacings * seen.blur_spacings * spacing2),
         min_radius2_(1e-12f * spacing2) {}
@@ -106,7 +108,7 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, 
   const std::vector<Probe> at = spread(cloud, probes);
   const float widening2 = seen.pixel_spacings * seen.pixel_spacings +
                           kDiscVariancePerRadius2 * seen.blur_spacings * seen.blur_spacings;
-  // A length as the surfel is wide, and its kernel's own standard deviation on the image.
+  // The surfel's width, and the standard deviation of its rendered kernel.
   const auto widthOf = [&](std::size_t i) {
     return std::max(sigmaOf(cloud, i), kSigmaPerSpacing * std::sqrt(cloud.area_m2[i]));
   };
@@ -150,9 +152,11 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, 
       sums[k].sum = -1.0f;
       return;
     }
-    const Drawn rendering(seen, static_cast<float>(area / static_cast<double>(sheet.size())));
+    const RenderedKernel rendered_kernel(
+        seen, static_cast<float>(area / static_cast<double>(sheet.size())));
     float sum = 0.0f;
-    for (const std::uint32_t j : sheet) sum += rendering.at(cloud, added_m2, j, at[k].p_world);
+    for (const std::uint32_t j : sheet)
+      sum += rendered_kernel.at(cloud, added_m2, j, at[k].p_world);
     sums[k] = {sum, smooth && largestGap(angles) < kBorderGap};
   });
   std::erase_if(sums, [](const KernelSum& sum) { return sum.sum < 0.0f; });
@@ -161,9 +165,10 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, 
 
 float kernelSumAt(const SurfelCloud& cloud, const glm::vec3& p_world, float spacing_m,
                   const SeenAs& seen, std::span<const float> added_m2) {
-  const Drawn rendering(seen, spacing_m * spacing_m);
+  const RenderedKernel rendered_kernel(seen, spacing_m * spacing_m);
   float sum = 0.0f;
-  for (std::size_t j = 0; j < cloud.size(); ++j) sum += rendering.at(cloud, added_m2, j, p_world);
+  for (std::size_t j = 0; j < cloud.size(); ++j)
+    sum += rendered_kernel.at(cloud, added_m2, j, p_world);
   return sum;
 }
 

@@ -1,5 +1,5 @@
-// How closely a scene's kernels sum to one over its surface, as they are rendered: what `foci
-// prepare` reports.
+// Sums of the rendered kernels over a scene's surface: how close they are to a partition of unity.
+// `foci prepare` reports them.
 #pragma once
 
 #include <cstddef>
@@ -11,32 +11,31 @@
 namespace foci {
 
 struct KernelSum {
-  float sum;    ///< 1 where the normalisation is perfect
-  bool smooth;  ///< a smooth part: as far as kernels reach normals agree, points lie in one plane,
-                ///< and there is no border
+  float sum;  ///< 1 if the normalisation is perfect
+  /// Within the kernels' reach normals agree, points lie in one plane, and there is no border.
+  bool smooth;
 };
 
-/// How large surfels are on the image. In units of their local spacing, sqrt(area).
+/// The size of pixel and blur over the surfels' local spacing, sqrt(area).
 struct SeenAs {
-  float pixel_spacings;        ///< side of a pixel, >= 0: 1 as on the paper's plane
-  float blur_spacings = 0.0f;  ///< radius of the circle of confusion, >= 0
+  float pixel_spacings;        ///< side of a pixel, >= 0; 1 on the paper's plane
+  float blur_spacings = 0.0f;  ///< blur radius, >= 0
 };
 
-/// Sums of the kernels (kernel.h), prefiltered as a pixel does (variance of one square pixel) and
-/// blurred, at points spread over the surface by area, beside the surfels.
-/// @param probes    > 0; fewer come back where so many surfels coincide that counting them is
-///                  pointless
-/// @param added_m2  for each surfel that is a node of a level of detail: the variance along an axis
-///                  that merging added, for which blurred kernels are softer; empty: none
+/// Sums of the kernels (kernel.h) at points near surfels, spread over the surface by area. The
+/// kernels are prefiltered with a variance of one square pixel, and blurred.
+/// @param probes    > 0; fewer come back where too many surfels coincide to be counted
+/// @param added_m2  the variance along an axis that merging added, for each surfel that is an LOD
+///                  node; it makes blurred kernels softer; empty: none
 std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, const SeenAs& seen,
                                   std::span<const float> added_m2 = {});
 
-/// The sum at one place of a surface that is flat: all kernels, wherever they are.
-/// @param spacing_m  of the surfels there
+/// The sum of all kernels of the cloud at one place of a flat surface.
+/// @param spacing_m  spacing of the surfels there
 float kernelSumAt(const SurfelCloud& cloud, const glm::vec3& p_world, float spacing_m,
                   const SeenAs& seen, std::span<const float> added_m2 = {});
 
-/// Share of the sums within 1 +- `tolerance`; 1 where there are none.
+/// Share of the sums within 1 +- `tolerance`; 1 if there are none.
 double shareWithin(const std::vector<KernelSum>& sums, float tolerance, bool smooth_only);
 
 }  // namespace foci

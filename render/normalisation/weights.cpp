@@ -10,38 +10,39 @@
 namespace foci {
 namespace {
 
+// Chosen by hand; `SurfelsFromPoints` tests bound the sums that they lead to.
 constexpr float kMinWeight = 0.05f;    // of spacing^2
 constexpr int kWeightsARound = 3;      // iterations of the weights between steps of the sizes
-constexpr float kPixel2 = 0.4f;        // side of a pixel, squared, of spacing^2
+constexpr float kPixel2 = 0.4f;        // squared side of a pixel over spacing^2
 constexpr float kStep = 4.0f;          // of log v, against the gradient
 constexpr float kLargestStep = 0.1f;   // of log v
 constexpr float kMaxGrowth = 2.56f;    // of v: 1.6 of sigma
-constexpr float kMinSheet = 0.5f;      // of the neighbours; strays and shreds are all border
-constexpr float kBorderOffset = 0.3f;  // of the reach; a half-disc's centroid lies at 0.42
+constexpr float kMinSheet = 0.5f;      // share of the neighbours; a stray or a shred is all border
+constexpr float kBorderOffset = 0.3f;  // share of the reach; a half-disc's centroid lies at 0.42
 
 /// Sums over the surfel's own sheet, the surfel included.
 struct LocalSums {
   float covered = 0.0f;   ///< sum_j w_j G, > 0
-  float gradient = 0.0f;  ///< w_i sum_j w_j dG/dv, without a unit
+  float gradient = 0.0f;  ///< w_i sum_j w_j dG/dv, dimensionless
 };
 
 class Solver {
  public:
   Solver(const KernelProblem& problem, std::vector<float>& sigma_m)
       : problem_(problem), sigma_m_(sigma_m), next_(sigma_m.size()), weight_(sigma_m.size()) {
-    parallelFor(count(), [&](std::size_t i) { weight_[i] = first(i); });
+    parallelFor(count(), [&](std::size_t i) { weight_[i] = initialWeight(i); });
   }
 
   void iterateWeights() {
     iterate([&](std::size_t i) { return sumsAt(i).covered; });
   }
 
-  void iterateWeightsAsDrawn() {
-    // A pixel that looks past a border is covered in part only, and should be.
+  void iterateWeightsAsRendered() {
+    // A pixel at a border is covered in part, as it should be.
     iterate([&](std::size_t i) { return atBorder(i) ? 1.0f : renderedAt(i); });
   }
 
-  /// @param given_m  sigma as it was at first
+  /// @param given_m  sigma before the first step
   void stepSigmas(const std::vector<float>& given_m) {
     parallelFor(count(), [&](std::size_t i) {
       next_[i] = sigma_m_[i];
@@ -58,15 +59,15 @@ class Solver {
 
  private:
   std::size_t count() const { return sigma_m_.size(); }
-  float most(std::size_t i) const { return glm::two_pi<float>() * sigma_m_[i] * sigma_m_[i]; }
-  float first(std::size_t i) const {
-    return std::min(problem_.spacing_m[i] * problem_.spacing_m[i], most(i));
+  float maxWeight(std::size_t i) const { return glm::two_pi<float>() * sigma_m_[i] * sigma_m_[i]; }
+  float initialWeight(std::size_t i) const {
+    return std::min(problem_.spacing_m[i] * problem_.spacing_m[i], maxWeight(i));
   }
 
   template <typename Covered>
   void iterate(const Covered& covered) {
     parallelFor(count(), [&](std::size_t i) {
-      next_[i] = std::clamp(weight_[i] / covered(i), kMinWeight * first(i), most(i));
+      next_[i] = std::clamp(weight_[i] / covered(i), kMinWeight * initialWeight(i), maxWeight(i));
     });
     weight_.swap(next_);
   }
@@ -108,7 +109,7 @@ class Solver {
     return sums;
   }
 
-  /// As `sumsAt`, of kernels as they are rendered, prefiltered by a pixel.
+  /// `sumsAt` for rendered kernels, prefiltered by a pixel.
   float renderedAt(std::size_t i) const {
     const KernelOverlap& overlap = KernelOverlap::table();
     const float prefilter = kPixel2 * problem_.spacing_m[i] * problem_.spacing_m[i];
@@ -173,7 +174,7 @@ std::vector<float> solveKernels(const KernelProblem& problem, const KernelEffort
     tick(1);
   }
   for (int i = 0; i < effort.rendered_iterations; ++i) {
-    solver.iterateWeightsAsDrawn();
+    solver.iterateWeightsAsRendered();
     tick(1);
   }
   return solver.take();

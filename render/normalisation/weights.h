@@ -1,5 +1,5 @@
-// Weights and sizes of surfels so that their kernels sum to one over the surface. Private to the
-// scene.
+// Solves the weights and sizes of surfels so that their kernels are a partition of unity over the
+// surface (docs/formulas.md, section 5). Private to the scene.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace foci {
 
-/// Circular surfels and who is near whom. All vectors have one entry a surfel.
+/// Circular surfels and their neighbours. All vectors have one entry for each surfel.
 struct KernelProblem {
   const std::vector<glm::vec3>& position_m;
   const std::vector<glm::vec3>& normal;
@@ -22,25 +22,28 @@ struct KernelProblem {
 
 struct KernelEffort {
   int weight_iterations = 0;    ///< >= 0
-  int sigma_rounds = 0;         ///< of adapting the sizes too, before those iterations
-  int rendered_iterations = 0;  ///< of the weights after them, for the kernels as they are rendered
+  int sigma_rounds = 0;         ///< >= 0; rounds that adapt the sizes too, before those
+  int rendered_iterations = 0;  ///< >= 0; last, for the kernels as they are rendered
   std::function<void(std::size_t done, std::size_t total)> progress = {};
 };
 
-/// Least squares over the surface itself, not only at its samples, where an irregular sampling's
-/// sum is above its mean. With E = |sum_j w_j G_j - 1|^2 integrated over the surface, v_j =
-/// sigma_j^2:
-///   dE/dw_i = 0:  sum_j w_j G_{v_i + v_j}(x_i - x_j) = 1, by the multiplicative iteration
-///                 w_i <- w_i / sum (ISRA, Daube-Witherspoon and Muehllehner 1986; formulas.md, 5);
-///   dE/dv_i = 2 w_i sum_j w_j dG/dv (x_i - x_j), dG/dv = G (d^2 / 2v^2 - 1/v), v = v_i + v_j:
-///   small
-///                 steps of log v_i against it, within a factor of 1.6 of the given sigma. Sizes at
-///                 the border of a surface stay, or they would fill the space beyond it.
-/// G are Gaussians, whose overlaps are Gaussians; the `rendered_iterations` take the kernels as
-/// rendered, of compact support, and prefiltered by a pixel of 0.63 of the spacing
-/// (kernel_overlap.h). Neighbours beyond the k-th are made up for by the kernel's mass outside.
-/// @param sigma_m  > 0; changed where `sigma_rounds` > 0
-/// @return weights, m^2, > 0 and at most 2 pi sigma^2: no single kernel covers more than everything
+/// Minimises E = int |sum_j w_j G_j - 1|^2 over the surface, where G_j is a Gaussian of variance
+/// v_j = sigma_j^2 and weight w_j. The integral runs over the surface, because at the samples of an
+/// irregular sampling the sum is above its mean.
+///
+/// Weights. dE/dw_i = 0 asks for sum_j w_j G_{v_i + v_j}(x_i - x_j) = 1. Each iteration divides w_i
+/// by that sum (ISRA, Daube-Witherspoon and Muehllehner 1986).
+///
+/// Sizes. With v = v_i + v_j and d the distance,
+///   dE/dv_i = 2 w_i sum_j w_j dG/dv,  dG/dv = G (d^2 / (2 v^2) - 1/v).
+/// Small steps of log v_i go against this gradient, within a factor of 1.6 of the given sigma. At
+/// the border of a surface sizes stay; they would grow into the empty space beyond.
+///
+/// The `rendered_iterations` use the rendered kernels instead of Gaussians: of compact support,
+/// prefiltered by a pixel of 0.63 of the spacing (kernel_overlap.h). The kernel mass outside the
+/// k-th neighbour's distance is added, since neighbours beyond it are not known.
+/// @param sigma_m  > 0; changed if `sigma_rounds` > 0
+/// @return weights, m^2, > 0 and at most 2 pi sigma^2, where one kernel alone is opaque
 std::vector<float> solveKernels(const KernelProblem& problem, const KernelEffort& effort,
                                 std::vector<float>& sigma_m);
 

@@ -1,4 +1,4 @@
-// Splats of a tile, a batch at a time, and which of them meet which of its blocks. Included once a
+// A batch of a tile's splats, and the test which of them meet a block of samples. Included once a
 // SIMD target.
 #if defined(FOCI_BATCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FOCI_BATCH_INL_H
@@ -21,18 +21,18 @@ HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
 
-/// Splats as they come, front to back: where their centres are and how large they look, seen from
-/// where they are seen from, and their footprints' boxes.
+/// Up to kCapacity splats, front to back, with their centres and the boxes of their footprints as
+/// the current sub-aperture (or the whole aperture) sees them.
 struct Batch {
-  static constexpr unsigned kMost = 64;
+  static constexpr unsigned kCapacity = 64;
   unsigned count = 0;
-  alignas(64) std::uint32_t splat[kMost] = {};
-  alignas(64) float x_px[kMost] = {}, y_px[kMost] = {};
-  alignas(64) float size[kMost] = {};  // their weights count that many times, from parts of a lens
-  alignas(64) float left_px[kMost] = {}, right_px[kMost] = {};
-  alignas(64) float top_px[kMost] = {}, bottom_px[kMost] = {};
+  alignas(64) std::uint32_t splat[kCapacity] = {};
+  alignas(64) float x_px[kCapacity] = {}, y_px[kCapacity] = {};
+  alignas(64) float size[kCapacity] = {};  // factor on the weights; set for sub-apertures only
+  alignas(64) float left_px[kCapacity] = {}, right_px[kCapacity] = {};
+  alignas(64) float top_px[kCapacity] = {}, bottom_px[kCapacity] = {};
 
-  /// Adds a splat as it lies. There must be room.
+  /// Adds a splat as the whole aperture sees it. The batch must have room.
   HWY_INLINE void put(const Splat& added, std::uint32_t index) {
     const unsigned n = count++;
     splat[n] = index;
@@ -44,13 +44,13 @@ struct Batch {
     bottom_px[n] = y_px[n] + added.extent_y_px;
   }
 
-  /// Those, a bit each, whose spans [low, high] meet [from_px, to_px].
+  /// One bit for each splat: whether its span [low, high] meets [from_px, to_px].
   HWY_INLINE std::uint64_t meeting(const float* low, const float* high, float from_px,
                                    float to_px) const {
     const D d;
     const V from = hn::Set(d, from_px), to = hn::Set(d, to_px);
     std::uint64_t all = 0;
-    for (std::size_t n = 0; n < kMost; n += hn::Lanes(d)) {
+    for (std::size_t n = 0; n < kCapacity; n += hn::Lanes(d)) {
       const M meets =
           hn::And(hn::Ge(hn::Load(d, high + n), from), hn::Le(hn::Load(d, low + n), to));
       std::uint8_t bytes[8] = {};
@@ -59,7 +59,7 @@ struct Batch {
       std::memcpy(&bits, bytes, sizeof bits);
       all |= bits << n;
     }
-    return count < kMost ? all & ((std::uint64_t{1} << count) - 1) : all;
+    return count < kCapacity ? all & ((std::uint64_t{1} << count) - 1) : all;
   }
 };
 

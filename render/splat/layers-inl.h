@@ -1,5 +1,6 @@
-// The open and the closed layers of a tile's samples: what splats sum up to, what it covers, and
-// which side of the lens the light that passes it falls on. Included once a SIMD target.
+// The layers of a tile's samples. An open layer sums splats; closing it composites its coverage and
+// colour. Where the blur is large, a sample also remembers behind which edge on the lens its light
+// is blocked. Included once a SIMD target.
 #if defined(FOCI_LAYERS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FOCI_LAYERS_INL_H
 #undef FOCI_LAYERS_INL_H
@@ -21,15 +22,16 @@
 #define FOCI_LAYERS_ONCE
 namespace foci {
 
-/// Coverage that tells a layer from nothing, or from a whole one, when looking for layers that
-/// cover each other in part.
+/// Share of the light below which a partial coverage is ignored, in the search for layers that
+/// cover each other in part. Chosen by hand.
 inline constexpr float kPartial = 0.02f;
 
-/// Sums of weights that a single surface does not reach: two were taken for one.
-inline constexpr float kTooMuch = 1.3f;
+/// A layer whose weights sum to more holds two surfaces. Chosen by hand, above the ripple of one
+/// surface that `KernelSums` tests allow.
+inline constexpr float kTwoSurfaces = 1.3f;
 
-/// What the mean of a layer's lens points may be off by, of itself and in radii: a little more than
-/// the kernels that it is found by.
+/// The mean lens point of a layer is scaled by the first and reduced by the second (lens radii)
+/// before it bounds the layer's coverage. Chosen by hand: the mean then errs towards more coverage.
 inline constexpr float kMeanScale = 0.92f, kMeanNoise = 0.04f;
 
 }  // namespace foci
@@ -49,35 +51,35 @@ constexpr int kBlock = 4, kBlockSamples = kBlock * kBlock;
 static_assert(kTile % (kBlock * kMaxStep_px) == 0 && 2 * kApron % kBlock == 0);
 using BlockValues = float[kBlockSamples];
 
-/// Per sample, colours summed over splats by their weights. `visible`, the opacity that is seen,
-/// and `distance` are used where asked for.
-struct alignas(64) Paint {
+/// By sample, colours of splats times their weights. `visible` sums the opacity that is seen and
+/// `distance` the distances, where the sweep needs them.
+struct alignas(64) ColorSums {
   BlockValues red, green, blue, visible, distance;
 };
 
-/// An open layer: of the splats that came before it was whole.
-struct alignas(64) Sums : Paint {
-  BlockValues weight;          // of all, what came later too
+/// An open layer. The colours are those of splats that arrived before the layer was opaque.
+struct alignas(64) Sums : ColorSums {
+  BlockValues weight;          // of all splats, later ones too
   BlockValues lens_x, lens_y;  // weights times lens points
 };
 
-/// Per sample, what is composited, and what light still passes.
+/// By sample, the composited light and the transmittance of all closed layers.
 struct alignas(64) Light {
-  BlockValues through;
+  BlockValues transmittance;
   BlockValues red, green, blue, distance;
-  BlockValues partial;                  // the most that a layer covers a part of the light
-  BlockValues side_x, side_y, side_at;  // see `findSide`
-  BlockValues outside, contrast;
+  BlockValues partial;                  // largest share of the light that a layer covers in part
+  BlockValues edge_x, edge_y, edge_at;  // see `findEdge`
+  BlockValues outside, contrast;        // transmittance beyond the edge, and the step at the edge
 };
 
-/// All of a block lies together: arrays by tile, a power of two apart, would share the same few
-/// cache lines.
+/// The data of a block lie together. Arrays over the tile would lie a power of two apart and
+/// compete for the same few cache lines.
 struct alignas(64) Block {
-  Sums facing, from_behind;  // of the open layer, by the side that is seen
-  BlockValues far_m;         // where its z-range ends
+  Sums facing, back_facing;  // the open layer, by the side of the surface that is seen
+  BlockValues far_m;         // end of the open layer's z-range
   Light light;
-  bool any_side;  // some light that passes has a side of the lens
-  bool dark;      // none passes any more
+  bool any_edge;  // some sample has an edge on the lens
+  bool opaque;    // no sample passes light any more
 };
 
 /// The layers of a tile.
@@ -87,40 +89,40 @@ struct Layers {
   static constexpr int kMaxBlocks = (kTile + 2 * kApron) / kBlock;
 
   Block tile[kMaxBlocks * kMaxBlocks];
-  Paint beyond[kTransparent ? kMaxBlocks * kMaxBlocks : 1];  // what came later, see `addBeyond`
-  const unsigned columns;                                    // of blocks, and their rows
-  bool any_from_behind = false;                              // in the open layers
-  bool any_beyond = false;                                   // likewise
-  unsigned lit = 0;                                          // blocks that some light passes
+  ColorSums beyond[kTransparent ? kMaxBlocks * kMaxBlocks : 1];  // see `addBeyond`
+  const unsigned columns;                                        // of blocks; as many rows
+  bool any_back_facing = false;                                  // in the open layers
+  bool any_beyond = false;                                       // in the open layers
+  unsigned translucent = 0;                                      // blocks that are not opaque
   bool overlap = false;  // somewhere layers cover each other in part
 
   explicit Layers(int samples_a_side) : columns(static_cast<unsigned>(samples_a_side) / kBlock) {
     for (Block& block : blocks()) {
-      block.facing = block.from_behind = Sums{};
+      block.facing = block.back_facing = Sums{};
       std::fill_n(block.far_m, kBlockSamples, kClosed);
     }
   }
 
   std::span<Block> blocks() { return {tile, columns * columns}; }
 
-  /// Nothing composited yet: all light passes.
+  /// Starts a new composite: nothing in it, all light passes.
   void clear() {
     for (Block& block : blocks()) {
       block.light = Light{};
-      std::fill_n(block.light.through, kBlockSamples, 1.0f);
+      std::fill_n(block.light.transmittance, kBlockSamples, 1.0f);
       std::fill_n(block.light.outside, kBlockSamples, 1.0f);
-      block.any_side = block.dark = false;
+      block.any_edge = block.opaque = false;
     }
-    lit = columns * columns;
+    translucent = columns * columns;
   }
 
-  /// Adds what comes once the surface of a layer is whole.
-  /// @param weight  of it, times the light that passes to it
+  /// Adds a splat's share that arrives after the open layer became opaque.
+  /// @param weight  the share, times the light that reaches it
   HWY_NOINLINE void addBeyond(std::size_t index, std::size_t i, V weight, const Splat& splat) {
     const D d;
-    if (!any_beyond) std::fill_n(beyond, columns * columns, Paint{});
+    if (!any_beyond) std::fill_n(beyond, columns * columns, ColorSums{});
     any_beyond = true;
-    Paint& more = beyond[index];
+    ColorSums& more = beyond[index];
     const auto add = [&](float* sum, float value) {
       hn::Store(hn::MulAdd(weight, hn::Set(d, value), hn::Load(d, sum + i)), d, sum + i);
     };
@@ -132,15 +134,16 @@ struct Layers {
     if constexpr (kDepth) add(more.distance, 0.5f * (splat.near_m + splat.far_m) * opacity);
   }
 
-  /// What came beyond a whole surface is, where it is little, noise of the same surface and joins
-  /// it; the rest stays, to be composited behind it.
-  /// @param summed  weights of `side`'s sums, enlarged by what joins; returns those of the rest
+  /// Divides what arrived beyond the opaque surface (see kNoise, kAnother): sampling noise joins
+  /// the surface, the rest stays in `beyond` as a layer behind it.
+  /// @param summed  weights of the facing sums; increased by the weights that join
+  /// @return the weights that stay
   HWY_INLINE V joinBeyond(std::size_t index, std::size_t i, M which, V& summed) {
     const D d;
     Sums& side = tile[index].facing;
-    Paint& more = beyond[index];
+    ColorSums& more = beyond[index];
     const V weight =
-        hn::Max(hn::Sub(hn::Load(d, side.weight + i), hn::Set(d, kWhole)), hn::Zero(d));
+        hn::Max(hn::Sub(hn::Load(d, side.weight + i), hn::Set(d, kOpaqueWeight)), hn::Zero(d));
     constexpr float kPer = 1.0f / (kAnother - kNoise);
     const V f = hn::MulAdd(weight, hn::Set(d, -kPer), hn::Set(d, kPer * kAnother));
     const V same = hn::Min(hn::Max(f, hn::Zero(d)), hn::Set(d, 1.0f));
@@ -164,101 +167,126 @@ struct Layers {
     const D d;
     Block& block = tile[index];
     const V one = hn::Set(d, 1.0f);
-    V through = hn::Load(d, block.light.through + i);
-    V alpha = hn::Zero(d);
+    Closing closing{block.light, i, which, hn::Load(d, block.light.transmittance + i), hn::Zero(d)};
 
-    const auto take = [&](float* sum) {
+    // Composite the side of the surface that faces the eye.
+    Covering all = coveringOf(block.facing, i);
+    if constexpr (kLens) findOverlap(block, i, which, all.weight, closing.transmittance);
+    V summed = hn::Min(all.weight, hn::Set(d, kOpaqueWeight)), rest = hn::Zero(d);
+    if constexpr (kTransparent) {
+      if (any_beyond) rest = joinBeyond(index, i, which, summed);
+    }
+    closing.compositeLayer(block.facing, summed, all.share);
+
+    // The back of a solid meets its front at the outline, at one distance and within one layer, but
+    // no ray sees both: the back counts where it covers more than the front.
+    if (any_back_facing) {
+      const Covering back = coveringOf(block.back_facing, i);
+      const V more = hn::Max(hn::Sub(back.share, all.share), hn::Zero(d));
+      closing.compositeLayer(block.back_facing, hn::Min(back.weight, hn::Set(d, kOpaqueWeight)),
+                             more);
+      if constexpr (kLens) all.join(back, more);
+    }
+
+    // The light that passes the layer, and the edge on the lens behind which it does.
+    if constexpr (kLens) findEdge(block, i, which, all, hn::Min(closing.alpha, one));
+    closing.pass();
+    if constexpr (kTransparent) {
+      if (any_beyond) {
+        closing.alpha = hn::Zero(d);
+        closing.composite(beyond[index], rest, hn::Min(rest, one));
+        closing.pass();
+      }
+    }
+    hn::Store(closing.transmittance, d, block.light.transmittance + i);
+    hn::Store(hn::IfThenElse(which, hn::Set(d, kClosed), hn::Load(d, block.far_m + i)), d,
+              block.far_m + i);
+  }
+
+  /// The coverage of a layer, or of one side of its surface.
+  struct Covering {
+    V weight;  // sum of the kernels
+    V share;   // of the lens, at most 1
+    V x, y;    // mean lens point of the layer, lens radii
+
+    /// Adds another side that covers `more` of the lens.
+    HWY_INLINE void join(const Covering& other, V more) {
+      const V total = hn::Add(share, more);
+      const V f = hn::Div(more, hn::Max(total, hn::Set(D(), 1e-20f)));
+      x = hn::MulAdd(f, hn::Sub(other.x, x), x);
+      y = hn::MulAdd(f, hn::Sub(other.y, y), y);
+      share = total;
+    }
+  };
+
+  /// Lanes whose layers close: their transmittance, and the alpha of the layer at hand.
+  struct Closing {
+    Light& light;
+    const std::size_t i;
+    const M which;
+    V transmittance, alpha;
+
+    /// Reads a sum and resets it to zero in the lanes that close.
+    HWY_INLINE V take(float* sum) const {
+      const D d;
       const V value = hn::Load(d, sum + i);
       hn::Store(hn::IfThenZeroElse(which, value), d, sum + i);
       return value;
-    };
-    // What a side covers, and its mean point on the lens.
-    const auto cover = [&](const Sums& sums) {
-      const V weight = hn::Load(d, sums.weight + i);
-      // `coverageOf`
-      constexpr Ripple kRipple = kLens ? kBlurredRipple : kSharpRipple;
-      const V steep = hn::MulAdd(weight, hn::Set(d, kRipple.slope()),
-                                 hn::Set(d, kRipple.part - kRipple.slope() * kRipple.part));
-      Covering c{weight, hn::Min(hn::Max(weight, steep), one), hn::Zero(d), hn::Zero(d)};
-      if constexpr (kLens) {
-        const V summed = hn::Min(weight, hn::Set(d, kWhole));
-        const V inv = hn::Div(one, hn::Max(summed, hn::Set(d, 1e-20f)));
-        c.x = hn::Mul(hn::Load(d, sums.lens_x + i), inv);
-        c.y = hn::Mul(hn::Load(d, sums.lens_y + i), inv);
-        c.share = hn::Min(c.share, shareAt(hn::Sqrt(hn::MulAdd(c.x, c.x, hn::Mul(c.y, c.y)))));
-      }
-      return c;
-    };
-    // `share` of the sample is this side's, `summed` the weights that its sums are of.
-    const auto render = [&](Paint& sums, V summed, V share) {
+    }
+
+    /// Composites sums over `summed` weights that cover `share` of the sample.
+    HWY_INLINE void composite(ColorSums& sums, V summed, V share) {
+      const D d;
       const V scale = hn::Div(share, hn::Max(summed, hn::Set(d, 1e-20f)));
-      const V passed = hn::IfThenElseZero(which, hn::Mul(through, scale));
-      const auto compose = [&](float* out, float* sum) {
+      const V passed = hn::IfThenElseZero(which, hn::Mul(transmittance, scale));
+      const auto add = [&](float* out, float* sum) {
         hn::Store(hn::MulAdd(passed, take(sum), hn::Load(d, out + i)), d, out + i);
       };
-      compose(block.light.red, sums.red);
-      compose(block.light.green, sums.green);
-      compose(block.light.blue, sums.blue);
-      if constexpr (kDepth) compose(block.light.distance, sums.distance);
+      add(light.red, sums.red);
+      add(light.green, sums.green);
+      add(light.blue, sums.blue);
+      if constexpr (kDepth) add(light.distance, sums.distance);
       alpha = hn::MulAdd(scale, kTransparent || kLens ? take(sums.visible) : summed, alpha);
-    };
-    const auto composeSide = [&](Sums& sums, V summed, V share) {
-      render(sums, summed, share);
+    }
+
+    HWY_INLINE void compositeLayer(Sums& sums, V summed, V share) {
+      composite(sums, summed, share);
       take(sums.weight);
       if constexpr (kLens) {
         take(sums.lens_x);
         take(sums.lens_y);
       }
-    };
+    }
 
-    Covering all = cover(block.facing);
-    if constexpr (kLens) lookForOverlap(block, i, which, all.weight, through);
-    V summed = hn::Min(all.weight, hn::Set(d, kWhole)), rest = hn::Zero(d);
-    if constexpr (kTransparent) {
-      if (any_beyond) rest = joinBeyond(index, i, which, summed);
+    HWY_INLINE void pass() {
+      const V one = hn::Set(D(), 1.0f);
+      transmittance = hn::IfThenElse(
+          which, hn::Mul(transmittance, hn::Sub(one, hn::Min(alpha, one))), transmittance);
     }
-    composeSide(block.facing, summed, all.share);
-    if (any_from_behind) {
-      // The far side of a solid meets the near side at its outline, at one distance and within one
-      // layer, but no ray sees both: it counts where it covers more than the near side does.
-      const Covering behind = cover(block.from_behind);
-      const V left = hn::Max(hn::Sub(behind.share, all.share), hn::Zero(d));
-      composeSide(block.from_behind, hn::Min(behind.weight, hn::Set(d, kWhole)), left);
-      if constexpr (kLens) {
-        const V total = hn::Add(all.share, left);
-        const V f = hn::Div(left, hn::Max(total, hn::Set(d, 1e-20f)));
-        all.x = hn::MulAdd(f, hn::Sub(behind.x, all.x), all.x);
-        all.y = hn::MulAdd(f, hn::Sub(behind.y, all.y), all.y);
-        all.share = total;
-      }
-    }
-    const auto pass = [&] {
-      through = hn::IfThenElse(which, hn::Mul(through, hn::Sub(one, hn::Min(alpha, one))), through);
-    };
-    if constexpr (kLens) findSide(block, i, which, all, hn::Min(alpha, one));
-    pass();
-    if constexpr (kTransparent) {
-      if (any_beyond) {
-        alpha = hn::Zero(d);
-        render(beyond[index], rest, hn::Min(rest, one));
-        pass();
-      }
-    }
-    hn::Store(through, d, block.light.through + i);
-    hn::Store(hn::IfThenElse(which, hn::Set(d, kClosed), hn::Load(d, block.far_m + i)), d,
-              block.far_m + i);
-  }
-
-  /// What of the lens a layer covers.
-  struct Covering {
-    V weight;  // sum of the kernels
-    V share;   // of the lens, at most 1
-    V x, y;    // mean point on the lens, lens radii
   };
 
-  /// The share of a disc that a chord cuts off whose centroid lies `mean` radii from the centre:
-  /// within 0.02. A layer that covers one side of the lens cannot cover more than that, though its
-  /// kernels may sum up to more where it hides parts of itself.
+  static HWY_INLINE Covering coveringOf(const Sums& sums, std::size_t i) {
+    const D d;
+    const V one = hn::Set(d, 1.0f);
+    const V weight = hn::Load(d, sums.weight + i);
+    // `coverageOf`
+    constexpr CoverageRamp kRamp = kLens ? kBlurredRamp : kSharpRamp;
+    const V steep = hn::MulAdd(weight, hn::Set(d, kRamp.slope()),
+                               hn::Set(d, kRamp.linear_to - kRamp.slope() * kRamp.linear_to));
+    Covering c{weight, hn::Min(hn::Max(weight, steep), one), hn::Zero(d), hn::Zero(d)};
+    if constexpr (kLens) {
+      const V summed = hn::Min(weight, hn::Set(d, kOpaqueWeight));
+      const V inv = hn::Div(one, hn::Max(summed, hn::Set(d, 1e-20f)));
+      c.x = hn::Mul(hn::Load(d, sums.lens_x + i), inv);
+      c.y = hn::Mul(hn::Load(d, sums.lens_y + i), inv);
+      c.share = hn::Min(c.share, shareAt(hn::Sqrt(hn::MulAdd(c.x, c.x, hn::Mul(c.y, c.y)))));
+    }
+    return c;
+  }
+
+  /// Area share of the disc segment whose centroid lies `mean` radii from the centre; a polynomial
+  /// fit within 0.02. A layer on one side of the lens covers no more than that, although its
+  /// kernels may sum to more where the layer hides parts of itself.
   static HWY_INLINE V shareAt(V mean) {
     const D d;
     const V one = hn::Set(d, 1.0f),
@@ -268,61 +296,67 @@ struct Layers {
     return hn::Mul(hn::Sub(one, m), hn::NegMulAdd(hn::Set(d, 0.7f), hn::Mul(m, m), one));
   }
 
-  /// The side of the lens that a closing layer covers. A layer that covers the share A of the lens
-  /// about an edge leaves the light of a half of it, { l : n l < at }; n points
-  /// to the mean l of what it covers, and how far off that mean lies, of what it would if the edge
-  /// were straight, tells how much of the layer is such a half and how much covers evenly.
-  /// A splat further behind counts by where on the lens it is seen. One side is kept a sample, the
-  /// one of the most contrast.
-  HWY_INLINE void findSide(Block& block, std::size_t i, M which, const Covering& layer, V alpha) {
+  /// The straight edge on the lens behind which a closing layer blocks the light.
+  ///
+  /// A layer that covers the share A of the lens up to an edge leaves the light of the half-plane
+  /// { l : n l < at }. n points to the mean lens point of the layer. If the edge were straight, the
+  /// mean would lie at a known distance; the measured distance over that one is the share of the
+  /// layer that is such a half-plane. The rest covers the lens evenly. A splat behind the layer
+  /// then counts by the lens point that sees it (`edgeTransmittance`). Each sample keeps one edge,
+  /// the one of most contrast.
+  HWY_INLINE void findEdge(Block& block, std::size_t i, M which, const Covering& layer, V alpha) {
     const D d;
     const V one = hn::Set(d, 1.0f), tiny = hn::Set(d, 1e-6f), zero = hn::Zero(d);
     const V covering = layer.share, mx = layer.x, my = layer.y;
 
-    // The chord that cuts off the share A of a disc lies at about this distance from its centre.
+    // Distance from the centre of the chord that cuts off the share A of a disc; a polynomial fit.
     const V x = hn::MulSub(hn::Set(d, 2.0f), covering, one);
     const V x2 = hn::Mul(x, x), x4 = hn::Mul(x2, x2), x12 = hn::Mul(hn::Mul(x4, x4), x4);
     const V at =
         hn::Neg(hn::Mul(x, hn::MulAdd(hn::Set(d, 0.065f), x12,
                                       hn::MulAdd(hn::Set(d, 0.15f), x4, hn::Set(d, 0.785f)))));
-    // First moment of that part over the disc's area: 2 / (3 pi) (1 - at^2)^(3/2).
+    // First moment of that segment over the disc's area: 2 / (3 pi) (1 - at^2)^(3/2).
     const V c = hn::Max(hn::NegMulAdd(at, at, one), zero);
     const V straight = hn::Mul(hn::Set(d, 0.2122066f), hn::Mul(c, hn::Sqrt(c)));
     const V length = hn::Sqrt(hn::MulAdd(mx, mx, hn::Mul(my, my)));
     const V share = hn::Min(hn::Div(hn::Mul(length, covering), hn::Max(straight, tiny)), one);
 
+    // Transmittance on both sides of the edge, over the mean transmittance.
     const V passes = hn::Max(hn::Sub(one, alpha), hn::Set(d, 1e-3f));
-    const V opaque = hn::Min(hn::Div(alpha, hn::Max(covering, tiny)), one);
-    const V contrast = hn::Div(hn::Mul(opaque, share), passes);
+    const V opacity = hn::Min(hn::Div(alpha, hn::Max(covering, tiny)), one);
+    const V contrast = hn::Div(hn::Mul(opacity, share), passes);
     const V evenly = hn::Mul(hn::Sub(one, share), covering);
-    const V outside = hn::Div(hn::NegMulAdd(opaque, hn::Add(share, evenly), one), passes);
+    const V outside = hn::Div(hn::NegMulAdd(opacity, hn::Add(share, evenly), one), passes);
+
+    // Keep the edge where it is the sample's strongest.
     M better = hn::And(which, hn::Gt(contrast, hn::Load(d, block.light.contrast + i)));
     better = hn::And(better, hn::And(hn::Gt(covering, hn::Set(d, kPartial)),
                                      hn::Lt(alpha, hn::Set(d, 1.0f - kPartial))));
     if (hn::AllFalse(d, better)) return;
-    block.any_side = true;
+    block.any_edge = true;
     const V inv_length = hn::Div(one, hn::Max(length, tiny));
     const auto keep = [&](float* to, V value) {
       hn::Store(hn::IfThenElse(better, value, hn::Load(d, to + i)), d, to + i);
     };
-    keep(block.light.side_x, hn::Mul(mx, inv_length));
-    keep(block.light.side_y, hn::Mul(my, inv_length));
-    keep(block.light.side_at, at);
+    keep(block.light.edge_x, hn::Mul(mx, inv_length));
+    keep(block.light.edge_y, hn::Mul(my, inv_length));
+    keep(block.light.edge_at, at);
     keep(block.light.outside, outside);
     keep(block.light.contrast, contrast);
   }
 
-  /// Notes where the light that one layer covers in part falls on another, and where one layer
-  /// holds more than a surface. What a lens sees there hangs on where it covers.
-  HWY_INLINE void lookForOverlap(Block& block, std::size_t i, M which, V weight, V through) {
+  /// Sets `overlap` where two layers cover a sample in part, or where one layer holds two surfaces.
+  /// Such a sample needs sub-apertures: each point of the lens sees another surface there.
+  HWY_INLINE void findOverlap(Block& block, std::size_t i, M which, V weight, V transmittance) {
     const D d;
     const V one = hn::Set(d, 1.0f), partial = hn::Load(d, block.light.partial + i);
     const V covered = hn::Min(weight, one);
-    const V least = hn::Set(d, kPartial);
-    M found = hn::Gt(hn::Mul(covered, partial), least);
-    found = hn::Or(found, hn::And(hn::Gt(weight, hn::Set(d, kTooMuch)), hn::Gt(through, least)));
+    const V threshold = hn::Set(d, kPartial);
+    M found = hn::Gt(hn::Mul(covered, partial), threshold);
+    found = hn::Or(
+        found, hn::And(hn::Gt(weight, hn::Set(d, kTwoSurfaces)), hn::Gt(transmittance, threshold)));
     overlap |= !hn::AllFalse(d, hn::And(which, found));
-    const V here = hn::Mul(through, hn::Min(covered, hn::Sub(one, covered)));
+    const V here = hn::Mul(transmittance, hn::Min(covered, hn::Sub(one, covered)));
     hn::Store(hn::IfThenElse(which, hn::Max(partial, here), partial), d, block.light.partial + i);
   }
 
@@ -336,21 +370,21 @@ struct Layers {
         closeLayers(index, i, open);
         any_open = true;
       }
-      if (any_open && !tile[index].dark) goesDark(tile[index]);
+      if (any_open && !tile[index].opaque) becomesOpaque(tile[index]);
     }
-    any_from_behind = any_beyond = false;
+    any_back_facing = any_beyond = false;
   }
 
-  /// Whether hardly any light passes a block that did not yet count as dark; it stays so.
-  HWY_INLINE bool goesDark(Block& block) {
+  /// Whether a block that was not yet opaque now is: all of its transmittances are below kHidden.
+  HWY_INLINE bool becomesOpaque(Block& block) {
     const D d;
-    V most = hn::Zero(d);
+    V max_transmittance = hn::Zero(d);
     for (std::size_t i = 0; i < kBlockSamples; i += hn::Lanes(d)) {
-      most = hn::Max(most, hn::Load(d, block.light.through + i));
+      max_transmittance = hn::Max(max_transmittance, hn::Load(d, block.light.transmittance + i));
     }
-    block.dark = hn::AllTrue(d, hn::Lt(most, hn::Set(d, kHidden)));
-    lit -= block.dark;
-    return block.dark;
+    block.opaque = hn::AllTrue(d, hn::Lt(max_transmittance, hn::Set(d, kHidden)));
+    translucent -= block.opaque;
+    return block.opaque;
   }
 };
 

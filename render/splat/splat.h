@@ -1,4 +1,5 @@
-// A surfel as it falls on the image: what projection hands to the sweep.
+// A splat: the kernel that a surfel or a node of the level-of-detail tree leaves on the image.
+// Projection writes splats, binning and the sweep read them.
 #pragma once
 
 #include <algorithm>
@@ -9,15 +10,16 @@
 
 namespace foci {
 
-/// One cache line. With d the offset from the centre in pixels, q = qa dx^2 + qb dx dy + qc dy^2
-/// and t = 1 - q, the weight at a pixel centre is k0 + k1 t + k2 t^2 for t > 0; over all pixels the
-/// weights sum to the surfel's projected area in pixels.
+/// One cache line. Let (dx, dy) be the offset from the centre in pixels,
+///   q = qa dx^2 + qb dx dy + qc dy^2  and  t = 1 - q.
+/// The weight at a pixel centre is k0 + k1 t + k2 t^2 where t > 0, else 0 (kernel.h). Over all
+/// pixels the weights sum to the surfel's projected area in pixels.
 struct alignas(64) Splat {
   float x_px, y_px;
   float qa, qb, qc;
   float k0, k1, k2;
   float red, green, blue;          ///< linear, times opacity
-  float opacity;                   ///< negative: of an oriented surface that is seen from behind
+  float opacity;                   ///< negative: back-facing, on an oriented surface
   float near_m, far_m;             ///< distances that the unblurred splat spans
   float extent_x_px, extent_y_px;  ///< half size of the footprint's bounding box
 };
@@ -26,51 +28,55 @@ static_assert(sizeof(Splat) == 64);
 /// Samples along a side of a tile.
 inline constexpr int kTile = 32;
 
-/// A tile whose splats are all blurred has its samples this far apart at most, pixels.
+/// Largest distance of samples, pixels, in a tile whose splats are all blurred.
 inline constexpr int kMaxStep_px = 8;
 
-/// What binning needs of a splat: the distance of its centre, the pixels of the image that its
-/// footprint's box may reach, inclusive, a lower bound of its kernel's standard deviation (of a
-/// highlight less, which wants finer samples) and the radius of its blur.
+/// The data that binning needs of a splat.
 struct SplatKey {
-  float distance_m;
-  float sigma_px, blur_px;
-  std::uint16_t x0, x1, y0, y1;
+  float distance_m;  ///< of its centre
+  /// Lower bound of the kernel's standard deviation; reduced for a highlight, so that binning
+  /// chooses finer samples.
+  float sigma_px;
+  float blur_px;                 ///< blur radius
+  std::uint16_t x0, x1, y0, y1;  ///< pixels that the footprint's box may reach, inclusive
 };
 
-/// Which part of the lens sees a splat at an offset d from its centre, pixels: on the mean the one
-/// at per_px d lens radii, with a standard deviation of 1 / (sqrt(12) inv_width). With blur of
-/// radius C and unblurred variance s these are a linear regression: C / (C^2 + 4 s), signed, and
-/// s / (C^2 + 4 s); in focus the whole lens sees the same. An astigmatic lens has one of these
-/// along its nearest meridian (defocus.h) and another across it.
+/// The point of the lens that sees a splat at an offset d from its centre, pixels. The points have
+/// the mean per_px d, in lens radii, and the standard deviation 1 / (sqrt(12) inv_width). For a
+/// blur radius C and an unblurred variance s this is a linear regression:
+///   per_px = C / (C^2 + 4 s), signed;  variance of the points = s / (C^2 + 4 s).
+/// In focus, the whole lens sees every offset alike. An astigmatic lens has one SplatLens along its
+/// nearest meridian (defocus.h) and another across it.
 ///
-/// A slanted splat is seen larger from one side of the lens: from the point l by 1 + tilt l,
-///   tilt = -R n / (n p),
-/// n its normal, p its place seen from the lens's centre and R the lens's radius, in metres.
+/// A slanted splat looks larger from one side of the lens: from the lens point l by the factor
+///   1 + tilt l,  tilt = -R n / (n p),
+/// with its normal n, its place p from the centre of the lens, and the lens's radius R in metres.
 struct SplatLens {
   float per_px, inv_width;
-  float tilt_x, tilt_y;  ///< 0 where it is little
+  float tilt_x, tilt_y;  ///< 0 where the tilt is too small to matter
 };
 
-/// Surfels a chunk, of `n`: whole SIMD steps, and about as many chunks as the largest machine has
-/// threads. Fixed, so that no result hangs on the threads.
+/// Number of surfels in a chunk, out of `n`: a multiple of any SIMD width, and few enough that
+/// there are about as many chunks as the largest machine has threads. The size depends on `n` only,
+/// so results do not depend on the number of threads.
 inline constexpr std::size_t kMinChunk = 4096;
 inline std::size_t chunkSize(std::size_t n) {
   constexpr std::size_t kMaxChunks = 64;
   return (n / kMaxChunks + kMinChunk) / kMinChunk * kMinChunk;
 }
 
-/// Splats of a frame, in chunks of consecutive surfels so that threads never share one. Chunk c
-/// holds `count[c]` splats from index c * chunk_size on; what lies behind them is unset.
+/// Splats of a frame, in chunks of consecutive surfels, so that threads never share a chunk. Chunk
+/// c holds `count[c]` splats from index c * chunk_size on; elements after them are unset.
 struct SplatChunks {
   std::unique_ptr<Splat[]> splats;
   std::unique_ptr<SplatKey[]> keys;
   std::unique_ptr<SplatLens[]> lens;         ///< null: nothing is blurred
   std::unique_ptr<SplatLens[]> lens_across;  ///< null: the lens is round
-  std::unique_ptr<Splat[]>
-      parts;  ///< the same splats blurred by a part of the lens, where asked for
-  std::unique_ptr<float[]> out_of_focus_D;  ///< likewise: how parts see them move
-  std::unique_ptr<float[]> out_across_D;    ///< likewise, of an astigmatic lens
+  /// The same splats, blurred by a sub-aperture; null: not asked for. The other two are their
+  /// displacements (`SubApertures`).
+  std::unique_ptr<Splat[]> sub_aperture_splats;
+  std::unique_ptr<float[]> out_of_focus_D;
+  std::unique_ptr<float[]> out_across_D;  ///< null: the lens is round
   std::size_t capacity = 0;
   std::size_t chunk_size = 0;
   std::vector<std::uint32_t> count;

@@ -18,7 +18,7 @@
 #define HWY_TARGET_INCLUDE "render/splat/sweep.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-// After it:
+// After foreach_target.h:
 #include "render/splat/sweep_tile-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -50,23 +50,26 @@ HWY_EXPORT(sweepTile);
 
 namespace {
 
-/// Less blur than this makes no difference to what hides what, distances of samples.
+/// Lens points matter only in tiles whose blur radius exceeds this, in distances of samples. Chosen
+/// by hand.
 constexpr float kBlurredSteps = 0.5f;
 
-/// Less blur than this needs no parts of the lens, more than this is rendered by them alone,
-/// pixels: in between both are mixed, so that a moving focus does not pop.
-constexpr float kPartsFrom_px = 2.0f, kPartsFully_px = 4.0f;
+/// Blur radii in pixels. Up to the first a tile uses the whole aperture, from the second on
+/// sub-apertures alone. In between it mixes both, so that a moving focus does not pop. Chosen by
+/// eye.
+constexpr float kSubAperturesFrom_px = 2.0f, kSubAperturesOnly_px = 4.0f;
 
-/// By splat, whether it and all behind it begin where all before it have ended.
+/// By entry of a tile's list: whether all splats before it end nearer than it and all splats after
+/// it begin.
 std::vector<std::uint8_t> gapsOf(const Splat* splats, std::span<const std::uint32_t> list) {
-  std::vector<float> nearest_m(list.size());  // of it and of those behind it
+  std::vector<float> nearest_m(list.size());  // of it and all splats after it
   float min_m = std::numeric_limits<float>::infinity();
   for (std::size_t e = list.size(); e-- > 0;) {
     if (e >= kAhead) hwy::Prefetch(&splats[list[e - kAhead]]);
     nearest_m[e] = min_m = std::min(min_m, splats[list[e]].near_m);
   }
   std::vector<std::uint8_t> gap(list.size());
-  float farthest_m = 0.0f;  // of those before it
+  float farthest_m = 0.0f;  // of all splats before it
   for (std::size_t e = 1; e < list.size(); ++e) {
     farthest_m = std::max(farthest_m, splats[list[e - 1]].far_m);
     gap[e] = nearest_m[e] > farthest_m;
@@ -84,9 +87,9 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
     const Tile& tile = lists.tiles()[t];
     const auto list = lists.splats(t);
     const std::vector<std::uint8_t> gap = gapsOf(chunks.splats.get(), list);
-    constexpr int kMost = kTile + 2 * kApron;
-    alignas(64) glm::vec4 rgba[kMost * kMost]{};
-    float depth_m[kMost * kMost]{};
+    constexpr int kMaxSamples = kTile + 2 * kApron;
+    alignas(64) glm::vec4 rgba[kMaxSamples * kMaxSamples]{};
+    float depth_m[kMaxSamples * kMaxSamples]{};
     const auto step_px = static_cast<float>(tile.step_px);
     const float first_px = step_px * (0.5f - static_cast<float>(tile.apron()));
     const glm::vec2 radius = settings.defocus.radius_px_per_D;
@@ -107,9 +110,10 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .lens = tile.blur_px > kBlurredSteps * step_px ? chunks.lens.get() : nullptr,
         .lens_across = chunks.lens_across.get(),
         .radius_px_per_D = radius,
-        .parts = tile.blur_px > kPartsFrom_px ? settings.parts : nullptr,
-        .parts_share =
-            std::min((tile.blur_px - kPartsFrom_px) / (kPartsFully_px - kPartsFrom_px), 1.0f),
+        .sub_apertures = tile.blur_px > kSubAperturesFrom_px ? settings.sub_apertures : nullptr,
+        .sub_aperture_share = std::min(
+            (tile.blur_px - kSubAperturesFrom_px) / (kSubAperturesOnly_px - kSubAperturesFrom_px),
+            1.0f),
         .rgba = rgba,
         .depth_m = settings.depth ? depth_m : nullptr};
     fragments[t] = HWY_DYNAMIC_DISPATCH(sweepTile)(job, settings.transparent);

@@ -1,4 +1,4 @@
-// The tiled, streamed sweep: splats blurred before the image is formed, composited without lists.
+// The tiled sweep: composites blurred splats front to back, without a list of fragments per pixel.
 #pragma once
 
 #include "render/image/frame.h"
@@ -8,42 +8,49 @@
 
 namespace foci {
 
-/// The lens in parts, to tell what it sees around a surface: each part's view has the blur of that
-/// part only, and all are averaged. Drawn so are the tiles in which layers cover each other in
-/// part.
-struct LensParts {
-  /// The frame's splats again, in the same places, blurred by a part about the lens's centre.
+/// The lens cut into sub-apertures. Each sees the scene with less blur and from its own place, so a
+/// near object hides different parts of the background from each. The mean of their images is the
+/// image of the lens. Only tiles in which layers cover each other in part are rendered this way.
+struct SubApertures {
+  /// The frame's splats, at the same indices, blurred by a sub-aperture about the lens's centre.
   const Splat* splats;
-  /// By splat, focus_D - 1/U: seen from a part at c lens radii it moves by radius_px_per_D c times
-  /// that. Of an astigmatic lens along its nearest meridian and across it.
+  /// By splat, the displacement for a sub-aperture at c lens radii, over radius_px_per_D c:
+  /// focus_D - 1/U. For an astigmatic lens the first is along its nearest meridian, the second
+  /// across it.
   const float* out_of_focus_D;
-  const float* out_across_D;  ///< null: the lens is round
-  std::vector<glm::vec2> centres;
+  const float* out_across_D;       ///< null: the lens is round
+  std::vector<glm::vec2> centres;  ///< lens radii
 };
 
 struct SweepSettings {
-  glm::vec3 background;              ///< linear RGB
-  Defocus defocus;                   ///< as the splats were projected with
-  bool transparent = false;          ///< some splat's opacity is below 1
-  bool depth = false;                ///< fill Frame::depth_m
-  const LensParts* parts = nullptr;  ///< null: the lens as a whole
+  glm::vec3 background;                         ///< linear RGB
+  Defocus defocus;                              ///< the one that projected the splats
+  bool transparent = false;                     ///< some splat's opacity is below 1
+  bool depth = false;                           ///< fill Frame::depth_m
+  const SubApertures* sub_apertures = nullptr;  ///< null: the whole aperture only
 };
 
-/// Draws binned splats. Per sample one layer is open at a time. Splats come front to back by their
-/// centres: one whose z-range begins before the open layer ends joins it, and the ranges unite (the
-/// A-buffer's merge by intersection, section 6.4, as a running union); one that begins behind it
-/// closes it. The kernels of one surface sum to one: weights and colours add until they have, and
-/// what joins later lies behind, however near: it is hidden, or, where the scene is transparent,
-/// makes a layer of its own. A closed layer covers alpha = `coverageOf`(W) times its mean opacity
-/// and lets 1 - alpha of what follows through; where hardly any light passes, nothing more is
-/// rendered. Splats are taken in batches, and blocks of 4 x 4 samples keep their open layers in
-/// registers while they add those of a batch that they meet. SIMD with run-time dispatch, tiles by
-/// TBB.
+/// Renders binned splats (docs/formulas.md, section 6).
+///
+/// Each sample has one open layer. Splats arrive front to back by their centres. A splat whose
+/// z-range begins before the open layer ends joins the layer, and the ranges unite: the paper's
+/// A-buffer merge by intersection, as a running union. A splat that begins behind the layer closes
+/// it.
+///
+/// The kernels of one surface are a partition of unity, so a layer is opaque when its weights reach
+/// one (kOpaqueWeight). A splat that joins later lies behind the surface, however near it is. It is
+/// hidden, or, in a transparent scene, starts a layer of its own.
+///
+/// A closed layer covers alpha = `coverageOf`(W) times its mean opacity, and its transmittance is
+/// 1 - alpha. A sample that hardly any light passes takes no more splats (kHidden).
+///
+/// Splats are taken in batches. Blocks of 4 x 4 samples keep their open layers in registers while
+/// they add the splats of a batch that they meet. SIMD with run-time dispatch, tiles by TBB.
 /// @return the number of fragments: samples inside a footprint
 std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
                     const SweepSettings& settings, Frame& frame);
 
-/// The SIMD target that rendering runs on here, as Highway names it.
+/// Highway's name for the SIMD target that this machine renders with.
 const char* simdTarget();
 
 }  // namespace foci

@@ -1,5 +1,5 @@
-// Draws the splats of one tile: through the lens as a whole, and by parts of it where layers cover
-// each other. Included once a SIMD target.
+// Composites the splats of one tile: first through the whole aperture, then, where layers cover
+// each other in part, through each sub-aperture. Included once a SIMD target.
 #if defined(FOCI_SWEEP_TILE_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FOCI_SWEEP_TILE_INL_H
 #undef FOCI_SWEEP_TILE_INL_H
@@ -19,72 +19,46 @@
 #include "render/kernel/limits.h"
 #include "render/splat/batch-inl.h"
 #include "render/splat/layers-inl.h"
-#include "render/splat/part_splats-inl.h"
+#include "render/splat/lens_point-inl.h"
+#include "render/splat/open_layer-inl.h"
 #include "render/splat/splat.h"
-#include "render/splat/sweep.h"
-
-#ifndef FOCI_SWEEP_TILE_ONCE
-#define FOCI_SWEEP_TILE_ONCE
-namespace foci {
-
-/// Splats are fetched from memory this many before they are used.
-inline constexpr std::size_t kAhead = 16;
-
-/// A tile, and how it is rendered.
-struct TileJob {
-  const Splat* splats;
-  const std::uint32_t* entries;
-  std::size_t count;
-  const std::uint8_t* gap;  // by entry: before it a gap in depth, across the whole tile
-  int samples;              // along a side, with the apron
-  float x, y;               // of the first sample, pixels
-  float lens_x, lens_y;     // what a mean radius counts along the axes, where pixels are oblong
-  glm::vec2 meridian;       // of an astigmatic lens the nearest
-  float per_step;           // 1 / the distance of samples, pixels
-  float background[3];
-  const SplatLens* lens;         // null: nothing is blurred
-  const SplatLens* lens_across;  // null: the lens is round
-  glm::vec2 radius_px_per_D;
-  const LensParts* parts;  // null: never by parts
-  float parts_share;       // of the image, where it is rendered by them
-  glm::vec4* rgba;         // samples x samples, all 0
-  float* depth_m;          // likewise; null: not asked for
-};
-
-}  // namespace foci
-#endif  // FOCI_SWEEP_TILE_ONCE
+#include "render/splat/sub_aperture_splats-inl.h"
+#include "render/splat/tile_job.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
-/// Where a block's samples lie, from its first.
-struct Places {
+/// Sample positions in a block, relative to the first.
+struct SamplePlaces {
   alignas(64) BlockValues x, y;
-  constexpr Places() : x(), y() {
+  constexpr SamplePlaces() : x(), y() {
     for (int i = 0; i < kBlockSamples; ++i) {
       x[i] = static_cast<float>(i % kBlock);
       y[i] = static_cast<float>(i / kBlock);
     }
   }
 };
-constexpr Places kPlaces;
+constexpr SamplePlaces kSamplePlaces;
 
-/// Through the lens as a whole what covers which part of it is noted: its points are in lens radii
-/// along the image's axes; where the lens is astigmatic, along its nearest meridian and across it.
-/// Parts of a lens are too small to be worth it.
-enum class Blur { none, part, round, astigmatic };
-constexpr bool asAWhole(Blur blur) { return blur == Blur::round || blur == Blur::astigmatic; }
+/// How the splats at hand are blurred. The whole-aperture passes, `round` and `astigmatic`, note
+/// the mean lens point of each layer: along the image's axes, or along the lens's nearest meridian
+/// and across it. A sub-aperture is too small to need lens points.
+enum class Blur { none, sub_aperture, round, astigmatic };
+constexpr bool isWholeAperture(Blur blur) {
+  return blur == Blur::round || blur == Blur::astigmatic;
+}
 
-/// Draws the splats of a tile.
+/// One tile's sweep.
 template <bool kTransparent, bool kDepth, Blur kBlur>
-struct Sweep : Layers<kTransparent, kDepth, asAWhole(kBlur)> {
+struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
   static constexpr bool kAstigmatic = kBlur == Blur::astigmatic;
-  static constexpr bool kLens = asAWhole(kBlur);
+  static constexpr bool kLens = isWholeAperture(kBlur);
   using Base = Layers<kTransparent, kDepth, kLens>;
-  using Parts = Sweep<kTransparent, kDepth, Blur::part>;
-  using Base::addBeyond, Base::any_from_behind, Base::blocks, Base::clear, Base::closeAll,
+  using Open = OpenLayer<kTransparent, kDepth, kLens>;
+  using SubApertureSweep = Sweep<kTransparent, kDepth, Blur::sub_aperture>;
+  using Base::addBeyond, Base::any_back_facing, Base::blocks, Base::clear, Base::closeAll,
       Base::tile;
-  using Base::closeLayers, Base::columns, Base::goesDark, Base::lit, Base::overlap;
+  using Base::becomesOpaque, Base::closeLayers, Base::columns, Base::overlap, Base::translucent;
 
   const TileJob& job;
   Batch batch;
@@ -109,8 +83,8 @@ struct Sweep : Layers<kTransparent, kDepth, asAWhole(kBlur)> {
         const std::size_t index = y * columns + x;
         const Block& block = tile[index];
         const std::uint64_t touching = in_row & in_column[x];
-        if (touching == 0 || block.dark) continue;
-        for (std::size_t i = 0; i < kBlockSamples && !block.dark; i += hn::Lanes(D())) {
+        if (touching == 0 || block.opaque) continue;
+        for (std::size_t i = 0; i < kBlockSamples && !block.opaque; i += hn::Lanes(D())) {
           add(splats, index, i, static_cast<float>(x * kBlock), static_cast<float>(y * kBlock),
               touching);
         }
@@ -119,58 +93,31 @@ struct Sweep : Layers<kTransparent, kDepth, asAWhole(kBlur)> {
     batch.count = 0;
   }
 
-  /// Adds splats of the batch to a block's samples from `i` on, as many as there are lanes.
+  /// Adds splats of the batch to a block's samples from `i` on, as many samples as SIMD lanes.
   HWY_NOINLINE void add(const Splat* splats, std::size_t index, std::size_t i, float at_x,
                         float at_y, std::uint64_t touching) {
     const D d;
     Block& block = tile[index];
     const V one = hn::Set(d, 1.0f), zero = hn::Zero(d), step = hn::Set(d, 1.0f / job.per_step);
-    const V x =
-        hn::MulAdd(hn::Add(hn::Load(d, kPlaces.x + i), hn::Set(d, at_x)), step, hn::Set(d, job.x));
-    const V y =
-        hn::MulAdd(hn::Add(hn::Load(d, kPlaces.y + i), hn::Set(d, at_y)), step, hn::Set(d, job.y));
-    const Light& light = block.light;
-
-    // The open layer, in registers: of one side at a time.
+    const V x = hn::MulAdd(hn::Add(hn::Load(d, kSamplePlaces.x + i), hn::Set(d, at_x)), step,
+                           hn::Set(d, job.x));
+    const V y = hn::MulAdd(hn::Add(hn::Load(d, kSamplePlaces.y + i), hn::Set(d, at_y)), step,
+                           hn::Set(d, job.y));
     Sums* sums = &block.facing;
-    V open, weight, red, green, blue, visible = zero, distance = zero, lens_x = zero, lens_y = zero;
-    const auto load = [&] {
-      open = hn::Load(d, block.far_m + i);
-      weight = hn::Load(d, sums->weight + i);
-      red = hn::Load(d, sums->red + i);
-      green = hn::Load(d, sums->green + i);
-      blue = hn::Load(d, sums->blue + i);
-      if constexpr (kTransparent || kLens) visible = hn::Load(d, sums->visible + i);
-      if constexpr (kDepth) distance = hn::Load(d, sums->distance + i);
-      if constexpr (kLens) {
-        lens_x = hn::Load(d, sums->lens_x + i);
-        lens_y = hn::Load(d, sums->lens_y + i);
-      }
-    };
-    const auto store = [&] {
-      hn::Store(open, d, block.far_m + i);
-      hn::Store(weight, d, sums->weight + i);
-      hn::Store(red, d, sums->red + i);
-      hn::Store(green, d, sums->green + i);
-      hn::Store(blue, d, sums->blue + i);
-      if constexpr (kTransparent || kLens) hn::Store(visible, d, sums->visible + i);
-      if constexpr (kDepth) hn::Store(distance, d, sums->distance + i);
-      if constexpr (kLens) {
-        hn::Store(lens_x, d, sums->lens_x + i);
-        hn::Store(lens_y, d, sums->lens_y + i);
-      }
-    };
-    load();
+    Open layer;
+    layer.load(block, *sums, i);
 
     for (; touching != 0; touching &= touching - 1) {
       const auto n = static_cast<unsigned>(std::countr_zero(touching));
       const Splat& splat = splats[batch.splat[n]];
-      Sums* side = splat.opacity < 0.0f ? &block.from_behind : &block.facing;
+      Sums* side = splat.opacity < 0.0f ? &block.back_facing : &block.facing;
       if (HWY_UNLIKELY(side != sums)) {
-        store();
+        layer.store(block, *sums, i);
         sums = side;
-        load();
+        layer.load(block, *sums, i);
       }
+
+      // Find the samples inside the footprint.
       const V dx = hn::Sub(x, hn::Set(d, batch.x_px[n])),
               dy = hn::Sub(y, hn::Set(d, batch.y_px[n]));
       const V slope = hn::MulAdd(hn::Set(d, splat.qa), dx, hn::Mul(hn::Set(d, splat.qb), dy));
@@ -178,123 +125,91 @@ struct Sweep : Layers<kTransparent, kDepth, asAWhole(kBlur)> {
           hn::NegMulAdd(slope, dx, hn::NegMulAdd(hn::Mul(hn::Set(d, splat.qc), dy), dy, one));
       const M inside = hn::Gt(t, zero);
       fragments += hn::CountTrue(d, inside);
+
+      // Close the layers that end before the splat begins.
       const V near_m = hn::Set(d, splat.near_m);
-      const M behind = hn::And(inside, hn::And(hn::Gt(near_m, open), hn::Ge(open, zero)));
+      const M behind =
+          hn::And(inside, hn::And(hn::Gt(near_m, layer.far_m), hn::Ge(layer.far_m, zero)));
       if (HWY_UNLIKELY(!hn::AllFalse(d, behind))) {
-        store();
-        closeLayers(index, i, behind);
-        if (goesDark(block)) return;
-        load();
+        if (!close(index, i, behind, *sums, layer)) return;
       }
-      open = hn::IfThenElse(inside, hn::Max(open, hn::Set(d, splat.far_m)), open);
-      V all = hn::IfThenElseZero(
-          inside, hn::MulAdd(hn::MulAdd(hn::Set(d, splat.k2), t, hn::Set(d, splat.k1)), t,
-                             hn::Set(d, splat.k0)));
-      if constexpr (kBlur == Blur::part) all = hn::Mul(all, hn::Set(d, batch.size[n]));
-      V passes = one;  // of the light, by where on the lens it falls
-      V w;
-      const auto fill = [&] {
-        w = hn::Min(all, hn::Max(hn::Sub(hn::Set(d, kWhole), weight), zero));
-      };
+      layer.far_m =
+          hn::IfThenElse(inside, hn::Max(layer.far_m, hn::Set(d, splat.far_m)), layer.far_m);
+
+      // Evaluate the kernel, and note which point of the lens sees the splat.
+      V all = kernelAt(splat, n, t, inside);
+      V reaching = one;  // share of the light that reaches the splat, by its lens point
+      V taken;
       if constexpr (kLens) {
         const SplatLens& lens = job.lens[batch.splat[n]];
         const SplatLens& across =
             kAstigmatic ? job.lens_across[batch.splat[n]] : job.lens[batch.splat[n]];
-        const auto perPixel = [&](float x_of, float y_of) {
-          return hn::MulAdd(dx, hn::Set(d, x_of), hn::Mul(dy, hn::Set(d, y_of)));
-        };
-        V lx, ly;
-        if constexpr (kAstigmatic) {
-          const glm::vec2 m = job.meridian * glm::vec2(job.lens_x, job.lens_y);
-          const glm::vec2 a(-job.meridian.y * job.lens_x, job.meridian.x * job.lens_y);
-          lx = perPixel(lens.per_px * m.x, lens.per_px * m.y);
-          ly = perPixel(across.per_px * a.x, across.per_px * a.y);
-        } else {
-          lx = hn::Mul(dx, hn::Set(d, lens.per_px * job.lens_x));
-          ly = hn::Mul(dy, hn::Set(d, lens.per_px * job.lens_y));
-        }
+        const LensPoint point = lensPointAt<kAstigmatic>(job, lens, across, dx, dy);
         if (lens.tilt_x != 0.0f || lens.tilt_y != 0.0f) {
-          const glm::vec2 tilt(lens.tilt_x, lens.tilt_y), m = job.meridian;
-          const V tilt_x = hn::Set(d, kAstigmatic ? glm::dot(tilt, m) : tilt.x);
-          const V tilt_y = hn::Set(d, kAstigmatic ? tilt.y * m.x - tilt.x * m.y : tilt.y);
-          all = hn::Mul(all, hn::Abs(hn::MulAdd(tilt_x, lx, hn::MulAdd(tilt_y, ly, one))));
+          all = hn::Mul(all, tiltFactor<kAstigmatic>(job, lens, point));
         }
-        fill();
-        lens_x = hn::MulAdd(w, lx, lens_x);
-        lens_y = hn::MulAdd(w, ly, lens_y);
-        if (block.any_side) passes = shareSeen(light, i, lx, ly, lens, across);
+        taken = layer.taken(all);
+        layer.lens_x = hn::MulAdd(taken, point.x, layer.lens_x);
+        layer.lens_y = hn::MulAdd(taken, point.y, layer.lens_y);
+        if (block.any_edge)
+          reaching = edgeTransmittance<kAstigmatic>(block.light, i, point, lens, across);
       } else {
-        fill();
+        taken = layer.taken(all);
       }
-      const V seen = hn::Mul(w, passes);
-      if constexpr (kTransparent || kLens) {
-        visible = hn::MulAdd(seen, hn::Set(d, std::abs(splat.opacity)), visible);
-      }
-      weight = hn::Add(weight, all);
-      red = hn::MulAdd(seen, hn::Set(d, splat.red), red);
-      green = hn::MulAdd(seen, hn::Set(d, splat.green), green);
-      blue = hn::MulAdd(seen, hn::Set(d, splat.blue), blue);
-      if constexpr (kDepth) {
-        const float opaque_m = 0.5f * (splat.near_m + splat.far_m) * std::abs(splat.opacity);
-        distance = hn::MulAdd(seen, hn::Set(d, opaque_m), distance);
-      }
+      layer.weight = hn::Add(layer.weight, all);
+      layer.addColour(splat, hn::Mul(taken, reaching));
+
+      // Behind an opaque surface of a transparent scene a second surface begins.
       if constexpr (kTransparent) {
-        const V later = hn::Sub(all, w);
+        const V later = hn::Sub(all, taken);
         if (side != &block.facing || hn::AllTrue(d, hn::Le(later, zero))) continue;
-        addBeyond(index, i, hn::Mul(later, passes), splat);
-        const M full = hn::Ge(weight, hn::Set(d, kWhole + 1.0f));
+        addBeyond(index, i, hn::Mul(later, reaching), splat);
+        const M full = hn::Ge(layer.weight, hn::Set(d, kOpaqueWeight + 1.0f));
         if (HWY_LIKELY(hn::AllFalse(d, full))) continue;
-        store();
-        closeLayers(index, i, full);
-        if (goesDark(block)) return;
-        load();
+        if (!close(index, i, full, *sums, layer)) return;
       }
     }
-    store();
+    layer.store(block, *sums, i);
   }
 
-  /// Of what is seen from a lens point, with how far it spreads, the share that the layers before
-  /// let through, over what they do on the mean.
-  static HWY_INLINE V shareSeen(const Light& light, std::size_t i, V lx, V ly,
-                                const SplatLens& lens, const SplatLens& across) {
+  /// Closes the layers of the lanes in `which`. False if the block is opaque now.
+  HWY_INLINE bool close(std::size_t index, std::size_t i, M which, Sums& sums, Open& layer) {
+    Block& block = tile[index];
+    layer.store(block, sums, i);
+    closeLayers(index, i, which);
+    if (becomesOpaque(block)) return false;
+    layer.load(block, sums, i);
+    return true;
+  }
+
+  /// A splat's weights at t = 1 - q (kernel.h); 0 outside the footprint.
+  HWY_INLINE V kernelAt(const Splat& splat, unsigned n, V t, M inside) const {
     const D d;
-    const V one = hn::Set(d, 1.0f);
-    const V off = hn::NegMulAdd(
-        hn::Load(d, light.side_x + i), lx,
-        hn::NegMulAdd(hn::Load(d, light.side_y + i), ly, hn::Load(d, light.side_at + i)));
-    V sharpness = hn::Set(d, lens.inv_width);
-    if constexpr (kAstigmatic) {
-      // The variance along the side's normal, whose parts' squares sum to 1.
-      const V width2 = hn::Set(d, 1.0f / (lens.inv_width * lens.inv_width));
-      const V across_width2 = hn::Set(d, 1.0f / (across.inv_width * across.inv_width));
-      const V n = hn::Load(d, light.side_x + i);
-      const V squared = hn::MulAdd(hn::Mul(n, n), hn::Sub(width2, across_width2), across_width2);
-      sharpness = hn::Div(one, hn::Sqrt(squared));
-    }
-    const V within =
-        hn::Min(hn::Max(hn::MulAdd(off, sharpness, hn::Set(d, 0.5f)), hn::Zero(d)), one);
-    return hn::MulAdd(hn::Load(d, light.contrast + i), within, hn::Load(d, light.outside + i));
+    V weight = hn::IfThenElseZero(
+        inside, hn::MulAdd(hn::MulAdd(hn::Set(d, splat.k2), t, hn::Set(d, splat.k1)), t,
+                           hn::Set(d, splat.k0)));
+    if constexpr (kBlur == Blur::sub_aperture) weight = hn::Mul(weight, hn::Set(d, batch.size[n]));
+    return weight;
   }
 
-  /// Composites all splats.
-  /// @param until_overlap  no further than to where layers are found to cover each other in part
+  /// Composites all splats as the whole aperture sees them.
+  /// @param until_overlap  stop at the first layers that cover each other in part
   HWY_INLINE void compose(bool until_overlap) {
     clear();
-    const auto done = [&] { return lit == 0 || (until_overlap && overlap); };
+    const auto done = [&] { return translucent == 0 || (until_overlap && overlap); };
     for (std::size_t e = 0; e < job.count; ++e) {
       if (e + kAhead < job.count) hwy::Prefetch(&job.splats[job.entries[e + kAhead]]);
       const Splat& splat = job.splats[job.entries[e]];
 
-      // A gap in depth across the whole tile closes every layer; with no light left, the tile is
-      // done.
+      // A gap in depth across the whole tile closes every layer.
       if (HWY_UNLIKELY(job.gap[e])) {
         flush(job.splats);
         closeAll();
         if (done()) break;
       }
-      any_from_behind |= splat.opacity < 0.0f;
+      any_back_facing |= splat.opacity < 0.0f;
       batch.put(splat, job.entries[e]);
-      if (batch.count < Batch::kMost) continue;
+      if (batch.count < Batch::kCapacity) continue;
       flush(job.splats);
       if (done()) break;
     }
@@ -302,80 +217,90 @@ struct Sweep : Layers<kTransparent, kDepth, asAWhole(kBlur)> {
     closeAll();
   }
 
-  /// Composites them as a part of the lens sees them.
-  HWY_INLINE void compose(const PartSplats& splats, const PartView& view) {
+  /// Composites all splats as one sub-aperture sees them.
+  HWY_INLINE void compose(const SubApertureSplats& splats, const SubApertureView& view) {
     clear();
     const float side_px = static_cast<float>(job.samples - 1) / job.per_step;
     const glm::vec2 first_px(job.x, job.y), last_px = first_px + side_px;
     std::size_t at = 0;
     for (const std::size_t end : splats.ends) {
-      any_from_behind = true;
-      while (at < end && lit > 0) {
+      any_back_facing = true;
+      while (at < end && translucent > 0) {
         at = splats.put(at, end, view, first_px, last_px, batch);
         if (at < end) flush(splats.splats.data());
       }
       flush(splats.splats.data());
       closeAll();
-      if (lit == 0) break;
+      if (translucent == 0) break;
     }
   }
 
-  /// Adds a share of what is composited to the result.
+  /// Adds `share` of the composite, over the background, to the tile's samples.
   void emit(float share) {
     const unsigned side = columns * kBlock;
     for (unsigned y = 0; y < side; ++y) {
       for (unsigned x = 0; x < side; ++x) {
         const Light& light = tile[y / kBlock * columns + x / kBlock].light;
         const unsigned i = y % kBlock * kBlock + x % kBlock;
-        const float through = light.through[i];
+        const float transmittance = light.transmittance[i];
         job.rgba[y * side + x] +=
-            share * glm::vec4(light.red[i] + through * job.background[0],
-                              light.green[i] + through * job.background[1],
-                              light.blue[i] + through * job.background[2], 1.0f - through);
+            share * glm::vec4(light.red[i] + transmittance * job.background[0],
+                              light.green[i] + transmittance * job.background[1],
+                              light.blue[i] + transmittance * job.background[2],
+                              1.0f - transmittance);
         if (kDepth) job.depth_m[y * side + x] += share * light.distance[i];
       }
     }
   }
 
-  /// The lens as a whole; where layers cover each other in part, by its parts.
+  /// Renders the tile through the whole aperture. Where layers cover each other in part, mixes the
+  /// sub-apertures in, or uses them alone.
+  /// @return the number of fragments
   std::size_t run() {
-    const bool by_parts = kLens && job.parts && job.parts_share == 1.0f;
-    compose(by_parts);
-    if (!kLens || !job.parts || !overlap) {
+    const bool sub_apertures_only = kLens && job.sub_apertures && job.sub_aperture_share == 1.0f;
+    compose(sub_apertures_only);
+    if (!kLens || !job.sub_apertures || !overlap) {
       emit(1.0f);
       return fragments;
     }
-    if (!by_parts) emit(1.0f - job.parts_share);
-    return fragments + Parts(job).runParts();
+    if (!sub_apertures_only) emit(1.0f - job.sub_aperture_share);
+    return fragments + SubApertureSweep(job).runSubApertures();
   }
 
-  std::size_t runParts() {
-    const LensParts& parts = *job.parts;
-    const bool round = !parts.out_across_D;
-    static thread_local PartSplats splats;
-    splats.reset(job.count);
-    for (std::size_t e = 0; e < job.count; ++e) {
-      const std::uint32_t splat = job.entries[e];
-      if (e + kAhead < job.count) {
-        const std::uint32_t later = job.entries[e + kAhead];
-        hwy::Prefetch(&parts.splats[later]);
-        hwy::Prefetch(&parts.out_of_focus_D[later]);
-        hwy::Prefetch(&job.lens[later]);
-      }
-      if (job.gap[e]) splats.ends.push_back(e);
-      splats.set(e, parts.splats[splat], parts.out_of_focus_D[splat],
-                 round ? 0.0f : parts.out_across_D[splat], job.lens[splat]);
-    }
-    splats.ends.push_back(job.count);
-    for (const glm::vec2& centre : parts.centres) {
+  /// Renders the tile through each sub-aperture and adds the mean.
+  std::size_t runSubApertures() {
+    const SubApertures& all = *job.sub_apertures;
+    const bool round = !all.out_across_D;
+    static thread_local SubApertureSplats splats;
+    gather(splats);
+    for (const glm::vec2& centre : all.centres) {
       const glm::vec2 along = job.meridian, across(-along.y, along.x);
       compose(splats,
               {.centre = centre,
                .px_per_D = job.radius_px_per_D * (round ? centre : glm::dot(centre, along) * along),
                .across_px_per_D = job.radius_px_per_D * glm::dot(centre, across) * across});
-      emit(job.parts_share / static_cast<float>(parts.centres.size()));
+      emit(job.sub_aperture_share / static_cast<float>(all.centres.size()));
     }
     return fragments;
+  }
+
+  /// Copies the tile's splats from the frame.
+  void gather(SubApertureSplats& splats) const {
+    const SubApertures& all = *job.sub_apertures;
+    splats.reset(job.count);
+    for (std::size_t e = 0; e < job.count; ++e) {
+      const std::uint32_t splat = job.entries[e];
+      if (e + kAhead < job.count) {
+        const std::uint32_t later = job.entries[e + kAhead];
+        hwy::Prefetch(&all.splats[later]);
+        hwy::Prefetch(&all.out_of_focus_D[later]);
+        hwy::Prefetch(&job.lens[later]);
+      }
+      if (job.gap[e]) splats.ends.push_back(e);
+      splats.set(e, all.splats[splat], all.out_of_focus_D[splat],
+                 all.out_across_D ? all.out_across_D[splat] : 0.0f, job.lens[splat]);
+    }
+    splats.ends.push_back(job.count);
   }
 };
 

@@ -37,7 +37,7 @@ struct RayLayer {
 
   void add(const SeenSurfel& surfel, float w) {
     SplatSums& side = surfel.back_facing ? back : front;
-    const float joins = std::min(w, std::max(kWhole - side.weight, 0.0f));
+    const float joins = std::min(w, std::max(kOpaqueWeight - side.weight, 0.0f));
     side.add(surfel, joins);
     if (!surfel.back_facing && w > joins) later.add(surfel, w - joins);
   }
@@ -51,8 +51,8 @@ struct RayColor {
 
   void close(RayLayer layer, bool transparent) {
     if (!transparent) layer.later = {};
-    const float covered = coverageOf(layer.front.weight, kSharpRipple);
-    const float left = std::max(coverageOf(layer.back.weight, kSharpRipple) - covered, 0.0f);
+    const float covered = coverageOf(layer.front.weight, kSharpRamp);
+    const float left = std::max(coverageOf(layer.back.weight, kSharpRamp) - covered, 0.0f);
     // The later weight is noise of the same surface, another surface, or a share of each.
     const float less = (kAnother - layer.later.weight) / (kAnother - kNoise);
     const float same = std::clamp(less, 0.0f, 1.0f);

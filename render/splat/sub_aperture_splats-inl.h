@@ -1,10 +1,10 @@
-// A tile's splats one after the other, to be seen from one part of the lens after the other.
+// The splats of a tile as a structure of arrays, from which each sub-aperture fills its batches.
 // Included once a SIMD target.
-#if defined(FOCI_PART_SPLATS_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef FOCI_PART_SPLATS_INL_H
-#undef FOCI_PART_SPLATS_INL_H
+#if defined(FOCI_SUB_APERTURE_SPLATS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FOCI_SUB_APERTURE_SPLATS_INL_H
+#undef FOCI_SUB_APERTURE_SPLATS_INL_H
 #else
-#define FOCI_PART_SPLATS_INL_H
+#define FOCI_SUB_APERTURE_SPLATS_INL_H
 #endif
 
 #include <hwy/highway.h>
@@ -16,33 +16,33 @@
 #include "render/splat/batch-inl.h"
 #include "render/splat/splat.h"
 
-#ifndef FOCI_PART_SPLATS_ONCE
-#define FOCI_PART_SPLATS_ONCE
+#ifndef FOCI_SUB_APERTURE_SPLATS_ONCE
+#define FOCI_SUB_APERTURE_SPLATS_ONCE
 namespace foci {
 
-/// What a part of the lens sees: where its centre is, lens radii, and how far splats move that are
-/// out of focus by one dioptre, along the nearest meridian of the lens and across it.
-struct PartView {
+/// One sub-aperture: its centre in lens radii, and how far it sees a splat displaced for each
+/// dioptre of defocus along the lens's nearest meridian and across that meridian.
+struct SubApertureView {
   glm::vec2 centre;
   glm::vec2 px_per_D, across_px_per_D;
 };
 
 }  // namespace foci
-#endif  // FOCI_PART_SPLATS_ONCE
+#endif  // FOCI_SUB_APERTURE_SPLATS_ONCE
 
 HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
 
-/// Front to back. Its memory serves one tile after another.
-struct PartSplats {
+/// A tile's splats, front to back. One object serves tile after tile, so it allocates seldom.
+struct SubApertureSplats {
   enum Value { kX, kY, kExtentX, kExtentY, kOut, kAcross, kTiltX, kTiltY, kValues };
 
   std::vector<Splat> splats;
   std::vector<float> values[kValues];  ///< by splat, in pixels and dioptres
-  std::vector<std::size_t> ends;       ///< after these splats is a gap in depth
+  std::vector<std::size_t> ends;       ///< splat counts before each gap in depth, and the total
 
-  /// Makes room for `count` splats, and to read whole steps.
+  /// Makes room for `count` splats, and for a SIMD step that reads past the last one.
   void reset(std::size_t count) {
     splats.resize(count);
     ends.clear();
@@ -62,16 +62,17 @@ struct PartSplats {
     values[kTiltY][i] = lens.tilt_y;
   }
 
-  /// Puts those of [begin, end) that meet the samples from `first_px` to `last_px` into the batch,
-  /// as long as there is room for a whole step. @return from where to go on
-  HWY_INLINE std::size_t put(std::size_t begin, std::size_t end, const PartView& view,
+  /// Puts the splats of [begin, end) that meet the samples from `first_px` to `last_px` into the
+  /// batch. Stops when the batch has no room for another SIMD step.
+  /// @return the index to continue from; `end` when all are done
+  HWY_INLINE std::size_t put(std::size_t begin, std::size_t end, const SubApertureView& view,
                              const glm::vec2& first_px, const glm::vec2& last_px,
                              Batch& batch) const {
     const D d;
     const std::size_t step = hn::Lanes(d);
     const V one = hn::Set(d, 1.0f);
     std::size_t at = begin;
-    for (; at < end && batch.count + step <= Batch::kMost; at += step) {
+    for (; at < end && batch.count + step <= Batch::kCapacity; at += step) {
       const std::size_t some = std::min(step, end - at);
       const auto load = [&](Value v) { return hn::LoadU(d, values[v].data() + at); };
       const V out = load(kOut), across = load(kAcross);
@@ -112,4 +113,4 @@ struct PartSplats {
 }  // namespace foci
 HWY_AFTER_NAMESPACE();
 
-#endif  // FOCI_PART_SPLATS_INL_H
+#endif  // FOCI_SUB_APERTURE_SPLATS_INL_H

@@ -1,0 +1,216 @@
+// Turns projected lanes into splats: the kernel, the key for binning with the distance of samples,
+// the lens points, and the splat as a sub-aperture sees it. Included once a SIMD target.
+#if defined(FOCI_FINISH_SPLATS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FOCI_FINISH_SPLATS_INL_H
+#undef FOCI_FINISH_SPLATS_INL_H
+#else
+#define FOCI_FINISH_SPLATS_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "render/kernel/kernel.h"
+#include "render/kernel/limits.h"
+#include "render/optics/defocus.h"
+#include "render/splat/project_lanes-inl.h"
+#include "render/splat/splat.h"
+
+#ifndef FOCI_FINISH_SPLATS_ONCE
+#define FOCI_FINISH_SPLATS_ONCE
+namespace foci {
+
+/// Peak light of one splat, of a white surface's, from which it counts as a highlight; from twice
+/// that peak fully. Chosen by hand.
+inline constexpr float kHighlight = 0.06f;
+
+/// A highlight's samples are closer by this share; samples of splats that acuity softens are this
+/// factor farther apart. Chosen by hand: the errors are finer than the observer resolves.
+inline constexpr float kFiner = 0.6f, kCoarser = 1.4f;
+
+/// Where splats are written; all but the first two may be null.
+struct SplatsOut {
+  Splat* splats;
+  SplatKey* keys;
+  SplatLens* lens;
+  SplatLens* lens_across;
+  Splat* sub_aperture_splats;
+  float* out_of_focus_D;
+  float* out_across_D;
+};
+
+}  // namespace foci
+#endif  // FOCI_FINISH_SPLATS_ONCE
+
+HWY_BEFORE_NAMESPACE();
+namespace foci {
+namespace HWY_NAMESPACE {
+
+/// A surfel's or a node's data besides its geometry.
+struct Appearance {
+  const float* color;  // linear RGB
+  float opacity, weight;
+};
+
+/// Sets the kernel of lane `k` (kernel.h) to the variance `widen` V + `blur` V_C, the prefilter not
+/// widened. False if that variance is degenerate.
+HWY_INLINE bool setKernel(const ProjectedLanes& lanes, std::size_t k, float widen, float blur,
+                          float weight, Splat& splat) {
+  const KernelShape& shape = kernelShape(kernelExponent(lanes.narrow[k] / std::max(blur, 1e-12f)));
+
+  const float prefilter = lanes.prefilter[k];
+
+  // Footprint x' R^-1 x < 1 with R = support2 W.
+  const float rxx =
+      shape.support2 * (prefilter + widen * (lanes.vxx[k] - prefilter) + blur * lanes.blur_x2[k]);
+  const float ryy =
+      shape.support2 * (prefilter + widen * (lanes.vyy[k] - prefilter) + blur * lanes.blur_y2[k]);
+  const float rxy =
+      shape.support2 * widen * lanes.vxy[k] + shape.support2 * blur * lanes.blur_xy[k];
+  splat.extent_x_px = std::sqrt(rxx);
+  splat.extent_y_px = std::sqrt(ryy);
+  const float det = rxx * ryy - rxy * rxy;
+  if (!(det > 0.0f)) return false;
+  const float inv_det = 1.0f / det;
+  splat.qa = ryy * inv_det;
+  splat.qb = -2.0f * rxy * inv_det;
+  splat.qc = rxx * inv_det;
+  const float height = weight * lanes.area_px[k] * std::sqrt(inv_det);
+  splat.k0 = shape.k0 * height;
+  splat.k1 = shape.k1 * height;
+  splat.k2 = shape.k2 * height;
+  return true;
+}
+
+/// Completes lane `k`. False if the kernel lies outside the image.
+HWY_INLINE bool finishSplat(const ProjectJob& job, const ProjectedLanes& lanes, std::size_t k,
+                            const Appearance& look, Splat& splat) {
+  splat.x_px = lanes.x[k];
+  splat.y_px = lanes.y[k];
+  if (!setKernel(lanes, k, 1.0f, 1.0f, look.weight, splat)) return false;
+  if (!(splat.x_px + splat.extent_x_px > -job.margin &&
+        splat.x_px - splat.extent_x_px < job.width + job.margin &&
+        splat.y_px + splat.extent_y_px > -job.margin &&
+        splat.y_px - splat.extent_y_px < job.height + job.margin)) {
+    return false;
+  }
+  splat.opacity = look.opacity;
+  const float scale = lanes.shade[k] * look.opacity;
+  splat.red = scale * look.color[0];
+  splat.green = scale * look.color[1];
+  splat.blue = scale * look.color[2];
+  if (job.oriented && lanes.away[k] > kBackFacing) splat.opacity = -splat.opacity;
+  splat.near_m = std::max(lanes.distance[k] - lanes.reach[k], 0.0f);
+  splat.far_m = lanes.distance[k] + lanes.reach[k];
+  return true;
+}
+
+/// Standard deviation that chooses the distance of samples (`SplatKey::sigma_px`).
+///
+/// A highlight's own shape is visible, while other splats show only as a sum, so a highlight needs
+/// finer samples. The prefilter of acuity is smooth and allows coarser ones, as far as the
+/// prefilter makes the shape.
+HWY_INLINE float sigmaForSamples(const ProjectedLanes& lanes, std::size_t k, const Splat& splat) {
+  const float peak =
+      (splat.k0 + splat.k1 + splat.k2) * std::max({splat.red, splat.green, splat.blue});
+  const float highlight = std::clamp((peak - kHighlight) / kHighlight, 0.0f, 1.0f);
+  const float all2 = lanes.prefilter[k] + lanes.blur_min2[k];
+  const float by_acuity = (lanes.prefilter[k] - 1.0f) / all2;
+  const float sharper = 1.0f - kFiner * highlight;
+  return std::sqrt(all2) * (sharper + by_acuity * (kCoarser - sharper));
+}
+
+HWY_INLINE SplatKey keyOf(const ProjectJob& job, const ProjectedLanes& lanes, std::size_t k,
+                          const Splat& splat) {
+  const auto pixel = [](float px, float size_px) {
+    return static_cast<std::uint16_t>(std::clamp(px, 0.0f, size_px - 1.0f));
+  };
+  return {.distance_m = lanes.distance[k],
+          .sigma_px = sigmaForSamples(lanes, k, splat),
+          .blur_px = lanes.radius[k],
+          .x0 = pixel(splat.x_px - splat.extent_x_px - 0.5f, job.width),
+          .x1 = pixel(splat.x_px + splat.extent_x_px - 0.5f, job.width),
+          .y0 = pixel(splat.y_px - splat.extent_y_px - 0.5f, job.height),
+          .y1 = pixel(splat.y_px + splat.extent_y_px - 0.5f, job.height)};
+}
+
+/// Writes the splat at `at` again, blurred by a sub-aperture, and its displacement a dioptre.
+///
+/// Few sub-apertures sample the lens coarsely. Where the sub-aperture's blur and the prefilter are
+/// too narrow for neighbouring nodes to overlap, the splat is widened. The displacement is reduced
+/// by the same variance, so that the total over all sub-apertures stays the blur's.
+HWY_INLINE void finishSubAperture(const ProjectJob& job, const ProjectedLanes& lanes, std::size_t k,
+                                  float weight, const SplatsOut& out, std::uint32_t at) {
+  const float share = job.sub_aperture * job.sub_aperture;
+  const float blur = lanes.blur_min2[k];
+  const float overlap = kOverlap * lanes.added[k];  // variance that neighbours need to sum to one
+  const float missing = std::max(overlap - share * blur - lanes.prefilter[k], 0.0f);
+  const float own = 0.5f * (lanes.vxx[k] + lanes.vyy[k]) - lanes.prefilter[k];
+  const float widen = missing > 0.0f ? 1.0f + missing / std::max(own, 1e-12f) : 1.0f;
+  out.sub_aperture_splats[at] = out.splats[at];
+  setKernel(lanes, k, widen, share, weight, out.sub_aperture_splats[at]);
+  const auto spread = [&](float off_D, float variance) {
+    const float rest = 1.0f - share - missing / std::max(variance, 1e-12f);
+    return off_D * std::sqrt(std::max(rest, 0.0f));
+  };
+  const float off_D = lanes.out_of_focus_D[k];
+  if (!out.lens_across) {
+    out.out_of_focus_D[at] = spread(off_D, blur);
+    return;
+  }
+  const float across_D = lanes.out_across_D[k];
+  const float variance = kDiscVariancePerRadius2 * job.blur_x * job.blur_y;  // of one dioptre
+  out.out_of_focus_D[at] = spread(off_D, variance * off_D * off_D);
+  out.out_across_D[at] = spread(across_D, variance * across_D * across_D);
+}
+
+/// The lens points of lane `k` (`SplatLens`), for a round lens.
+HWY_INLINE SplatLens lensOf(const ProjectedLanes& lanes, std::size_t k) {
+  const float radius = std::max(lanes.radius[k], 1e-6f);
+  const float variance = lanes.narrow[k];  // over the squared radius
+  const float per_px = 1.0f / (radius * (1.0f + 4.0f * variance));
+  const float inv_width = std::sqrt((1.0f / 12.0f) * (1.0f + 4.0f * variance) / variance);
+  return {std::copysign(per_px, lanes.out_of_focus_D[k]), inv_width, lanes.tilt_x[k],
+          lanes.tilt_y[k]};
+}
+
+/// The lens points of lane `k` along a meridian of an astigmatic lens that is out of focus by
+/// `off_D`.
+HWY_INLINE SplatLens lensAlong(const ProjectJob& job, const ProjectedLanes& lanes, std::size_t k,
+                               float off_D) {
+  const float radius = std::sqrt(job.blur_x * job.blur_y) * off_D;
+  const float variance4 = 4.0f * lanes.unblurred[k];
+  const float sum = radius * radius + variance4;
+  return {radius / sum, std::sqrt(sum / (3.0f * variance4)), lanes.tilt_x[k], lanes.tilt_y[k]};
+}
+
+/// Writes the visible lanes to consecutive splats.
+template <class AppearanceOf>
+HWY_INLINE void finishLanes(const ProjectJob& job, const ProjectedLanes& lanes,
+                            std::size_t lane_count, const AppearanceOf& appearanceOf,
+                            const SplatsOut& out, std::uint32_t& count) {
+  for (std::size_t k = 0; k < lane_count; ++k) {
+    if (lanes.visible[k] == 0.0f) continue;
+    const Appearance look = appearanceOf(k);
+    if (!finishSplat(job, lanes, k, look, out.splats[count])) continue;
+    out.keys[count] = keyOf(job, lanes, k, out.splats[count]);
+    if (out.lens_across) {
+      out.lens[count] = lensAlong(job, lanes, k, lanes.out_of_focus_D[k]);
+      out.lens_across[count] = lensAlong(job, lanes, k, lanes.out_across_D[k]);
+    } else if (out.lens) {
+      out.lens[count] = lensOf(lanes, k);
+    }
+    if (out.sub_aperture_splats) finishSubAperture(job, lanes, k, look.weight, out, count);
+    ++count;
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace foci
+HWY_AFTER_NAMESPACE();
+
+#endif  // FOCI_FINISH_SPLATS_INL_H

@@ -1,0 +1,84 @@
+// The open layer of a few samples, while splats are added to it. Included once a SIMD target.
+#if defined(FOCI_OPEN_LAYER_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FOCI_OPEN_LAYER_INL_H
+#undef FOCI_OPEN_LAYER_INL_H
+#else
+#define FOCI_OPEN_LAYER_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <cmath>
+#include <cstddef>
+
+#include "render/kernel/limits.h"
+#include "render/splat/layers-inl.h"
+#include "render/splat/splat.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace foci {
+namespace HWY_NAMESPACE {
+
+/// The open layer of a few samples, in registers: the sums of one side of the surface.
+template <bool kTransparent, bool kDepth, bool kLens>
+struct OpenLayer {
+  V far_m, weight, red, green, blue, visible, distance, lens_x, lens_y;
+
+  HWY_INLINE void load(const Block& block, const Sums& sums, std::size_t i) {
+    const D d;
+    far_m = hn::Load(d, block.far_m + i);
+    weight = hn::Load(d, sums.weight + i);
+    red = hn::Load(d, sums.red + i);
+    green = hn::Load(d, sums.green + i);
+    blue = hn::Load(d, sums.blue + i);
+    if constexpr (kTransparent || kLens) visible = hn::Load(d, sums.visible + i);
+    if constexpr (kDepth) distance = hn::Load(d, sums.distance + i);
+    if constexpr (kLens) {
+      lens_x = hn::Load(d, sums.lens_x + i);
+      lens_y = hn::Load(d, sums.lens_y + i);
+    }
+  }
+
+  HWY_INLINE void store(Block& block, Sums& sums, std::size_t i) const {
+    const D d;
+    hn::Store(far_m, d, block.far_m + i);
+    hn::Store(weight, d, sums.weight + i);
+    hn::Store(red, d, sums.red + i);
+    hn::Store(green, d, sums.green + i);
+    hn::Store(blue, d, sums.blue + i);
+    if constexpr (kTransparent || kLens) hn::Store(visible, d, sums.visible + i);
+    if constexpr (kDepth) hn::Store(distance, d, sums.distance + i);
+    if constexpr (kLens) {
+      hn::Store(lens_x, d, sums.lens_x + i);
+      hn::Store(lens_y, d, sums.lens_y + i);
+    }
+  }
+
+  /// Adds a splat's colours.
+  /// @param seen  its weight, times the share of the light that reaches it
+  HWY_INLINE void addColour(const Splat& splat, V seen) {
+    const D d;
+    if constexpr (kTransparent || kLens) {
+      visible = hn::MulAdd(seen, hn::Set(d, std::abs(splat.opacity)), visible);
+    }
+    red = hn::MulAdd(seen, hn::Set(d, splat.red), red);
+    green = hn::MulAdd(seen, hn::Set(d, splat.green), green);
+    blue = hn::MulAdd(seen, hn::Set(d, splat.blue), blue);
+    if constexpr (kDepth) {
+      const float opaque_m = 0.5f * (splat.near_m + splat.far_m) * std::abs(splat.opacity);
+      distance = hn::MulAdd(seen, hn::Set(d, opaque_m), distance);
+    }
+  }
+
+  /// The part of `all` that the layer takes before it is opaque.
+  HWY_INLINE V taken(V all) const {
+    const D d;
+    return hn::Min(all, hn::Max(hn::Sub(hn::Set(d, kOpaqueWeight), weight), hn::Zero(d)));
+  }
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace foci
+HWY_AFTER_NAMESPACE();
+
+#endif  // FOCI_OPEN_LAYER_INL_H
