@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cassert>
-#include <charconv>
 #include <chrono>
 
 #include "base/nearest.h"
+#include "base/number.h"
 
 namespace foci {
 
@@ -44,12 +44,8 @@ Choice parse(std::string_view spec) {
   const MethodEntry* entry = &*found;
   if (colon == std::string_view::npos) return {entry, entry->info.standard, {}};
   if (entry->info.most == 0) return {nullptr, 0, name + ", which takes no number"};
-  int number = 0;
-  const char* end = spec.data() + spec.size();
-  const auto [rest, error] = std::from_chars(spec.data() + colon + 1, end, number);
-  if (error == std::errc() && rest == end && number >= 1 && number <= entry->info.most) {
-    return {entry, number, {}};
-  }
+  const auto number = parseInteger<int>(spec.substr(colon + 1));
+  if (number && *number >= 1 && *number <= entry->info.most) return {entry, *number, {}};
   return {nullptr, 0, name + ":1 to " + name + ":" + std::to_string(entry->info.most)};
 }
 
