@@ -30,7 +30,7 @@ double StableGaze::evidence(double noise_deg) const {
   const double distance_deg = glm::degrees(glm::distance(first_, newest_));
   const double spread_deg2 = std::pow(glm::degrees(1.0), 2) * squares_ / count_;
   // The squared distance between two noisy samples is chi-square distributed (two axes): 95 % of
-  // its values are below three times its mean, 2 noise^2.
+  // its values are below three times its mean, which is 2 noise_deg2.
   constexpr double kDistance95 = 3.0;
   // The variance of n samples (two axes) scatters by 1 / sqrt(n) of itself. The noise is known to a
   // seventh, so its square to a factor of 1.3.
