@@ -8,8 +8,14 @@ namespace fs = std::filesystem;
 
 void replaceFile(const fs::path& path, const std::string& bytes) {
   const fs::path aside = path.parent_path() / ("." + path.filename().string() + ".part");
-  writeText(aside, bytes);
-  fs::rename(aside, path);
+  std::error_code ignored;
+  try {
+    writeText(aside, bytes);
+    fs::rename(aside, path);
+  } catch (const std::runtime_error&) {
+    fs::remove(aside, ignored);
+    throw;
+  }
 }
 
 void writeText(const fs::path& path, const std::string& text) {

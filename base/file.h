@@ -1,4 +1,4 @@
-// Whole files, written so that no reader meets half of one.
+// Writing files so that no reader meets a half-written one.
 #pragma once
 
 #include <filesystem>
@@ -6,11 +6,12 @@
 
 namespace foci {
 
-/// Writes a file aside, under a hidden name, and renames it: it is there whole or not at all.
+/// Replaces a file by `bytes`: writes a hidden file beside it, then renames that file. If anything
+/// fails, the hidden file is removed and the old file stays as it was.
 /// @throws std::runtime_error
 void replaceFile(const std::filesystem::path& path, const std::string& bytes);
 
-/// Writes a whole text to a file. @throws std::runtime_error where it cannot be written in full
+/// Writes `text` directly to a file. @throws std::runtime_error if not all of it could be written
 void writeText(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace foci

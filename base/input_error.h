@@ -1,5 +1,4 @@
-// The one exception for bad outside input: files, options, messages from other programs.
-// `app/base` is the only folder that every room may include.
+// The one exception for bad input from outside: files, options, messages from other programs.
 #pragma once
 
 #include <filesystem>
@@ -9,20 +8,20 @@
 
 namespace foci {
 
-/// Says in one line what was wrong: file, line or key, the value found and what was allowed, e.g.
-/// `study.toml:12: observer.pupil_mm = 40: expected 0.5 to 12`. Caught once, in `main`: exit
-/// code 2.
+/// One line that names the file, the line or key, the value found and the values allowed, e.g.
+/// `study.toml:12: observer.pupil_mm = 40: expected 0.5 to 12`. `main` catches it, prints the line
+/// and exits with code 2.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 
-  /// `where` is "file", "file:line" or "--option"; `what` the rest of the line.
+  /// `where` is "file", "file:line" or "--option"; `what` is the rest of the line.
   InputError(const std::string& where, const std::string& what)
       : std::runtime_error(where + ": " + what) {}
 };
 
-/// Refuses what is there but no regular file: a folder, a device, a pipe that would be waited on
-/// for ever.
+/// Throws if `path` exists but is not a regular file. A folder cannot be read, and a pipe could
+/// keep the program waiting for ever.
 inline void requireRegularFile(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {

@@ -9,7 +9,8 @@
 
 namespace foci {
 
-/// Levenshtein's distance: insertions, deletions and replacements of one character.
+/// Levenshtein distance (1966): the smallest number of insertions, deletions and replacements of
+/// one character that turn `a` into `b`.
 inline std::size_t editDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -25,8 +26,8 @@ inline std::size_t editDistance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// The first of the `known` words (at least one) with the least distance to the first 64 characters
-/// of `word`.
+/// The known word with the smallest edit distance to the first 64 characters of `word`; the first
+/// one of several. @param known  not empty
 inline std::string nearest(std::string_view word, const std::vector<std::string>& known) {
   const std::string_view head = word.substr(0, 64);
   return *std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {

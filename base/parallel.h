@@ -1,4 +1,4 @@
-// The one way to spread work over threads.
+// Work spread over threads. All threads of the libraries start here.
 #pragma once
 
 #include <cstddef>
@@ -16,16 +16,15 @@
 
 namespace foci {
 
-/// Thrown out of work whose enclosing tbb::task_group_context was cancelled.
+/// Thrown by `parallelFor` when its enclosing tbb::task_group_context was cancelled.
 struct Cancelled {};
 
-/// Calls `body(i)` for i in [0, n), on as many threads as the enclosing tbb::global_control allows,
-/// and returns when all are done. Bodies run in any order and must not touch what another one
-/// writes: then the result does not depend on the threads.
-/// @throws Cancelled where not all bodies were called
+/// Calls `body(i)` for each i in [0, n) and returns after the last call. It uses as many threads as
+/// the enclosing tbb::global_control allows. Calls run in any order. No call may touch memory that
+/// another one writes; then the result does not depend on the number of threads.
+/// @throws Cancelled if not all bodies were called
 ///
-/// The thread sanitizer cannot see into the scheduling library, which is not instrumented: there,
-/// plain threads do the same.
+/// TBB is not instrumented for the thread sanitizer. Sanitized builds use plain threads instead.
 template <typename Body>
 void parallelFor(std::size_t n, const Body& body) {
 #if defined(__SANITIZE_THREAD__)
@@ -42,7 +41,7 @@ void parallelFor(std::size_t n, const Body& body) {
 #endif
 }
 
-/// Sorts; elements that compare equal must be the same, or their order hangs on the threads.
+/// Sorts. Elements that compare equal must be identical, or their order depends on the threads.
 template <typename Iterator>
 void parallelSort(Iterator begin, Iterator end) {
 #if defined(__SANITIZE_THREAD__)

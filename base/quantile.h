@@ -8,8 +8,9 @@
 
 namespace foci {
 
-/// The value below which a share of all lies, 0 to 1, the nearest of them. `values` is reordered,
-/// and not empty (asserted).
+/// The element at the rank nearest to share * (n - 1), without interpolation. Reorders `values`.
+/// @param values  not empty (asserted)
+/// @param share   0 (minimum) to 1 (maximum)
 template <class T>
 T quantile(std::vector<T>& values, double share) {
   assert(!values.empty());

@@ -1,20 +1,34 @@
-// Numbers as text, the same in every locale.
+// Numbers and quoted strings as text, the same in every locale.
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace foci {
 
-/// `value` with `digits` after the point, never "-0".
+/// `value` with `digits` digits after the decimal point. Never "-0".
 std::string decimal(double value, int digits);
 
-/// The same; "inf" for what is not finite.
+/// As `decimal`; "inf" for values that are not finite.
 std::string decimalOrInf(double value, int digits);
 
-/// 12345.6 as 12,346.
+/// The shortest decimal text that reads back as the same double; "inf", "-inf" or "nan".
+std::string exactText(double value);
+
+/// Rounded, with commas between groups of three digits: 12345.6 as "12,346".
 std::string thousands(double value);
 
-/// Milliseconds, as many digits as are worth reading.
+/// Milliseconds with about three significant digits.
 std::string milliseconds(double ms);
+
+/// `text` without the blanks, tabs and carriage returns at both ends.
+std::string_view trimmed(std::string_view text);
+
+/// A text from outside, ready for an error message: in double quotes, at most 40 bytes, with "?"
+/// for each byte that is not printable ASCII.
+std::string shown(std::string_view text);
+
+/// `text` in double quotes, escaped for JSON and TOML alike.
+std::string quotedText(std::string_view text);
 
 }  // namespace foci

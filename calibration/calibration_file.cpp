@@ -1,8 +1,5 @@
 #include "calibration/calibration_file.h"
 
-#include <charconv>
-#include <cmath>
-
 #include "base/input_error.h"
 #include "calibration/toml_file.h"
 
@@ -107,30 +104,8 @@ void CalibrationFile::refuse(const std::string& key, const std::string& allowed)
   throw InputError(file_, key + " = " + shown + ": expected " + allowed);
 }
 
-std::string exactText(double value) {
-  if (!std::isfinite(value)) return value > 0 ? "inf" : value < 0 ? "-inf" : "nan";
-  char text[40];
-  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
-  return {text, end};
-}
-
 std::string exactText(const glm::dvec2& pair) {
   return "[" + exactText(pair.x) + ", " + exactText(pair.y) + "]";
-}
-
-std::string quotedText(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    if (static_cast<unsigned char>(c) < 0x20) {
-      char escape[8];
-      std::snprintf(escape, sizeof escape, "\\u%04x", c);
-      quoted += escape;
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + "\"";
 }
 
 void writeWhole(const std::filesystem::path& path, const std::string& text) {

@@ -10,6 +10,8 @@
 
 #include <glm/glm.hpp>
 
+#include "base/text.h"
+
 namespace foci {
 
 /// A document as "table.key" to value. Every getter throws InputError by file and key where the
@@ -41,12 +43,8 @@ class CalibrationFile {
   std::map<std::string, bool> asked_;
 };
 
-/// `value` with all of its digits, as TOML and JSON want it.
-std::string exactText(double value);
-std::string exactText(const glm::dvec2& pair);  ///< "[x, y]"
-
-/// A quoted string, escaped for TOML and JSON alike.
-std::string quotedText(const std::string& text);
+/// "[x, y]", each as `exactText` of a number.
+std::string exactText(const glm::dvec2& pair);
 
 /// Writes aside and renames, so that no half-written file ever bears the name.
 /// @throws std::runtime_error

@@ -1,5 +1,4 @@
 // `foci calibrate screen`: the measures come from the window or, with --headless, from options.
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -8,6 +7,7 @@
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
 #include "base/input_error.h"
+#include "base/number.h"
 #include "calibration/calibration_file.h"
 #include "calibration/screen/monitor.h"
 #include "calibration/screen/screen_file.h"
@@ -23,13 +23,9 @@ std::vector<double> numbersOf(const std::string& option, const std::string& text
   std::size_t at = 0;
   while (at <= text.size()) {
     const std::size_t end = std::min(text.find_first_of(separators, at), text.size());
-    double value = 0.0;
-    const char* last = text.data() + end;
-    const auto [stop, error] = std::from_chars(text.data() + at, last, value);
-    if (error != std::errc() || stop != last || !std::isfinite(value)) {
-      throw InputError(option, text.substr(0, 40) + ": expected numbers");
-    }
-    numbers.push_back(value);
+    const auto value = parseNumber(std::string_view(text).substr(at, end - at));
+    if (!value) throw InputError(option, text.substr(0, 40) + ": expected numbers");
+    numbers.push_back(*value);
     at = end + 1;
   }
   return numbers;

@@ -2,7 +2,6 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -28,6 +27,7 @@
 #include "app/study/inputs.h"
 #include "app/study/study.h"
 #include "base/input_error.h"
+#include "base/number.h"
 #include "base/text.h"
 
 namespace foci {
@@ -37,21 +37,13 @@ constexpr int kDone = 0, kFailed = 1, kBadInput = 2;
 constexpr unsigned kMaxThreads = 1024;
 constexpr double kLiveFrame_ms = 10.0;  // the rest of 1/60 s is the window's
 
-/// A finite number that fills the whole text.
-std::optional<double> numberOf(std::string_view text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
-  return value;
-}
-
 /// "1280x720", "2:8.5", "960,540".
 std::vector<double> pairOf(const std::string& option, const std::string& text, char between,
                            const char* expected) {
   const std::size_t at = text.find(between);
-  const auto first = numberOf(std::string_view(text).substr(0, at));
+  const auto first = parseNumber(std::string_view(text).substr(0, at));
   const auto second =
-      at == std::string::npos ? std::nullopt : numberOf(std::string_view(text).substr(at + 1));
+      at == std::string::npos ? std::nullopt : parseNumber(std::string_view(text).substr(at + 1));
   if (!first || !second) throw InputError(option + " " + text, std::string("expected ") + expected);
   return {*first, *second};
 }
@@ -68,7 +60,7 @@ unsigned threadsOf(const Options& options) {
     return static_cast<unsigned>(
         tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
   }
-  const auto threads = numberOf(options.threads);
+  const auto threads = parseNumber(options.threads);
   if (!threads || *threads < 1 || *threads > kMaxThreads || *threads != std::floor(*threads)) {
     throw InputError("--threads " + options.threads,
                      "expected an integer, 1 to " + std::to_string(kMaxThreads));
@@ -98,7 +90,7 @@ Study studyOf(const Options& options) {
                 "--seconds " + options.seconds);
   }
   if (!options.pupil.empty()) {
-    const auto pupil_mm = numberOf(options.pupil);
+    const auto pupil_mm = parseNumber(options.pupil);
     const bool named = options.pupil == "recording" || options.pupil == "luminance";
     if (!pupil_mm && !named) {
       throw InputError("--pupil " + options.pupil,
@@ -162,7 +154,7 @@ int runRender(const Options& options) {
   ImageRequest request{.out = options.out, .depth = {}, .focus_D = {}, .gaze_px = {}};
   if (!options.depth.empty()) request.depth = options.depth;
   if (!options.focus.empty()) {
-    const auto focus_m = options.focus == "inf" ? std::optional(HUGE_VAL) : numberOf(options.focus);
+    const auto focus_m = options.focus == "inf" ? std::optional(HUGE_VAL) : parseNumber(options.focus);
     if (!focus_m || !(*focus_m >= 0.01)) {
       throw InputError("--focus " + options.focus, "expected metres, 0.01 or more, or inf");
     }

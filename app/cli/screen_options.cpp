@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/input_error.h"
-#include "gaze/sources/line_reader.h"
+#include "base/number.h"
 
 namespace foci {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "app/record/tables.h"
 #include "base/text.h"
-#include "gaze/sources/line_reader.h"
 
 namespace foci {
 namespace {

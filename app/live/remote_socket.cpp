@@ -11,7 +11,8 @@
 #include <stdexcept>
 
 #include "base/input_error.h"
-#include "gaze/sources/line_reader.h"
+#include "base/number.h"
+#include "base/text.h"
 
 namespace foci {
 namespace {

@@ -4,12 +4,13 @@
 
 #include "app/study/inputs.h"
 #include "base/input_error.h"
+#include "base/number.h"
+#include "base/text.h"
 #include "calibration/binocular/binocular_map.h"
 #include "calibration/camera/camera.h"
 #include "calibration/gaze_map/gaze_map_file.h"
 #include "calibration/webcam/webcam_calibration.h"
 #include "calibration/webcam/webcam_recalibration.h"
-#include "gaze/sources/line_reader.h"
 #include "gaze/webcam/webcam_source.h"
 #ifdef FOCI_PUPIL
 #include "gaze/sources/pupil_source.h"

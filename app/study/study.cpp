@@ -160,7 +160,7 @@ void checkStudy(const Study& study) {
     checkPose(frame.position_m, frame.look_at_m, frame.up.value_or(study.eye.up),
               "eye.path[" + std::to_string(i) + "]");
     if (i > 0 && !(frame.time_s > study.eye.path[i - 1].time_s)) {
-      refuse("eye.path[" + std::to_string(i) + "].time_s = " + numberText(frame.time_s) +
+      refuse("eye.path[" + std::to_string(i) + "].time_s = " + exactText(frame.time_s) +
              ": expected later than the keyframe before");
     }
   }

@@ -292,7 +292,7 @@ static std::string write(const std::vector<EyeKeyframe>& path) {
 }
 
 std::string shownName(std::string_view name) {
-  const std::string quoted = jsonText(std::string(name.substr(0, 60)));
+  const std::string quoted = quotedText(name.substr(0, 60));
   return quoted.substr(1, quoted.size() - 2);
 }
 

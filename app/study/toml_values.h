@@ -3,11 +3,8 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <concepts>
-#include <cstdio>
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <limits>
@@ -16,6 +13,8 @@
 #include <string_view>
 #include <toml.hpp>
 #include <vector>
+
+#include "base/text.h"
 
 namespace foci {
 
@@ -35,29 +34,8 @@ struct Expected {
   std::string what;
 };
 
-inline std::string numberText(double value) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.begin(), text.end(), value).ptr;
-  return {text.begin(), end};
-}
-
-inline std::string jsonText(const std::string& text) {
-  std::string json = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') json += '\\';
-    if (static_cast<unsigned char>(c) < 0x20) {
-      std::array<char, 8> escape;
-      std::snprintf(escape.data(), escape.size(), "\\u%04x", c);
-      json += escape.data();
-    } else {
-      json += c;
-    }
-  }
-  return json + '"';
-}
-
 inline std::string rangeText(const Allowed& allowed) {
-  return numberText(allowed.low) + " to " + numberText(allowed.high);
+  return exactText(allowed.low) + " to " + exactText(allowed.high);
 }
 
 // One `read` (TOML to value, or Expected) and one `write` (value to JSON) for each type of key.
@@ -130,11 +108,11 @@ void read(const toml::value& from, const Allowed& allowed, std::optional<T>& to)
   to = value;
 }
 
-inline std::string write(double value) { return numberText(value); }
+inline std::string write(double value) { return exactText(value); }
 std::string write(std::signed_integral auto value) { return std::to_string(value); }
 inline std::string write(bool value) { return value ? "true" : "false"; }
-inline std::string write(const std::string& value) { return jsonText(value); }
-inline std::string write(const std::filesystem::path& value) { return jsonText(value.string()); }
+inline std::string write(const std::string& value) { return quotedText(value); }
+inline std::string write(const std::filesystem::path& value) { return quotedText(value.string()); }
 template <int N, class Number>
 std::string write(const glm::vec<N, Number>& value) {
   std::string text = "[";
@@ -154,13 +132,13 @@ inline std::string shownValue(const toml::value& value) {
       text = std::to_string(value.as_integer());
       break;
     case toml::value_t::floating:
-      text = numberText(value.as_floating());
+      text = exactText(value.as_floating());
       break;
     case toml::value_t::boolean:
       text = value.as_boolean() ? "true" : "false";
       break;
     case toml::value_t::string:
-      text = jsonText(value.as_string().str);
+      text = quotedText(value.as_string().str);
       break;
     case toml::value_t::table:
       text = "{...}";

@@ -12,6 +12,7 @@
 #include "base/input_error.h"
 #include "base/quantile.h"
 #include "calibration/location.h"
+#include "gaze/focus/vergence.h"
 
 namespace foci {
 namespace {
@@ -91,15 +92,8 @@ std::optional<double> vergence_D(const BinocularMap& map, const BinocularSample&
   if (!sample.eyes[0] || !sample.eyes[1]) return std::nullopt;
   const glm::dvec3 left = correctedDirection(map, 0, sample.eyes[0]->direction);
   const glm::dvec3 right = correctedDirection(map, 1, sample.eyes[1]->direction);
-  const glm::dvec3 base = sample.eyes[1]->centre_m - sample.eyes[0]->centre_m;
-  const glm::dvec3 middle = glm::normalize(left + right);
-  // Along the mean line of sight, the gap across it closes at this rate: the parallel is 0, never
-  // infinite.
-  const glm::dvec3 across = base - glm::dot(base, middle) * middle;
-  const double gap = glm::dot(across, across);
-  if (gap <= 0.0) return std::nullopt;
-  const glm::dvec3 slope = left / glm::dot(left, middle) - right / glm::dot(right, middle);
-  return glm::dot(slope, across) / gap;
+  return vergence_D(EyeRay{.origin_m = sample.eyes[0]->centre_m, .direction = left},
+                    EyeRay{.origin_m = sample.eyes[1]->centre_m, .direction = right});
 }
 
 BinocularMap roughBinocularMap(std::span<const BinocularSample> samples) {

@@ -1,11 +1,11 @@
 #include "calibration/gaze_map/gaze_pairs.h"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 
 #include "base/input_error.h"
+#include "base/number.h"
 
 namespace foci {
 namespace {
@@ -39,15 +39,6 @@ void split(std::string_view line, std::vector<std::string_view>& fields) {
 bool isMissing(std::string_view field) {
   return field.empty() || field == "." || field == "n/a" || field == "N/A" || field == "NA" ||
          field == "nan" || field == "NaN" || field == "NAN";
-}
-
-std::optional<double> number(std::string_view field) {
-  if (!field.empty() && field.front() == '+') field.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
-    return {};
-  return value;
 }
 
 struct Range {
@@ -120,7 +111,7 @@ std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits 
     const auto valueOf = [&](std::size_t c, double least, double most) -> std::optional<double> {
       if (!column[c] || isMissing(fields[*column[c]])) return std::nullopt;
       const std::string_view field = fields[*column[c]];
-      const std::optional<double> value = number(field);
+      const std::optional<double> value = parseNumber(field);
       if (!value || *value < least || *value > most) {
         char range[80];
         std::snprintf(range, sizeof range, ": expected a number from %g to %g", least, most);

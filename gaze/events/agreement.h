@@ -1,4 +1,4 @@
-// How far two labellings of the same samples agree beyond chance.
+// Agreement beyond chance between two labellings of the same samples.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,8 @@
 
 namespace foci {
 
-/// Cohen's kappa (1960) of two labellings into yes and no: (p_o - p_e) / (1 - p_e).
+/// Cohen's kappa (1960) of two yes-or-no labellings: (p_o - p_e) / (1 - p_e), with the observed
+/// agreement p_o and the agreement p_e that chance alone would give.
 class CohensKappa {
  public:
   void add(bool a, bool b) {
@@ -16,8 +17,8 @@ class CohensKappa {
     both_ += a && b;
   }
 
-  /// 1 where they agree wholly, 0 by chance; nothing where chance alone would agree, that is where
-  /// both say always yes, or always no.
+  /// 1 for full agreement, 0 for the agreement of chance. Nothing if both labellings are constant
+  /// and equal, because chance alone would agree then.
   std::optional<double> value() const {
     const double chance =
         (a_ * b_ + (count_ - a_) * (count_ - b_)) / std::max(count_ * count_, 1.0);

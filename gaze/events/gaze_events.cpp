@@ -1,13 +1,68 @@
-// Events from labels, with the merge and duration rules of Tobii's filter (Olsen 2012).
+// The rules for merging fixations and for their minimum duration are those of Tobii's filter (Olsen
+// 2012).
 #include "gaze/events/gaze_events.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "gaze/events/online_events.h"
+#include "gaze/events/saccades.h"
 #include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
+
+namespace {
+
+/// Consecutive samples [first, end) with the same label.
+struct Stretch {
+  std::size_t first = 0, end = 0;
+  bool missing = false;  ///< no gaze, and the tracker reports no blink
+  StableGaze gaze{};     ///< of a stretch without saccades
+};
+
+/// Splits the recording where the label changes or where time jumps. A blink that the tracker
+/// reports and data loss are stretches of their own.
+std::vector<Stretch> stretchesOf(const std::vector<GazeState>& states,
+                                 const std::vector<TimedSight>& sights, const GazeTrace& trace) {
+  std::vector<Stretch> stretches;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const bool missing = !trace.samples[i].point_px && !trace.samples[i].blink;
+    const bool goes_on = i > 0 && states[i] == states[i - 1];
+    const bool same =
+        goes_on && (states[i] == GazeState::blink
+                        ? missing == stretches.back().missing
+                        : sights[i].time_s - sights[i - 1].time_s <= longestStep_s(trace.rate_Hz));
+    if (!same) stretches.push_back({.first = i, .end = i, .missing = missing});
+    stretches.back().end = i + 1;
+  }
+  return stretches;
+}
+
+void gatherGaze(const std::vector<TimedSight>& sights, double rate_Hz,
+                std::vector<Stretch>& stretches) {
+  // A slow tracker's sample beside a saccade may belong to the saccade.
+  constexpr double kSlow_Hz = 100.0;
+  const std::size_t border = rate_Hz < kSlow_Hz ? 1 : 0;
+  for (Stretch& stretch : stretches) {
+    for (std::size_t i = stretch.first + border; i + border < stretch.end; ++i) {
+      if (sights[i].direction) stretch.gaze.add(sights[i].time_s, *sights[i].direction);
+    }
+  }
+}
+
+/// Whether the stable gaze at `place` is pursuit, with its neighbours up to 0.2 s away.
+bool isPursuitAmong(const std::vector<const StableGaze*>& stable, std::size_t place,
+                    const SightNoise& noise) {
+  constexpr double kNear_s = 0.2;
+  const StableGaze& gaze = *stable[place];
+  const StableGaze* before = place > 0 ? stable[place - 1] : nullptr;
+  const StableGaze* after = place + 1 < stable.size() ? stable[place + 1] : nullptr;
+  if (before && gaze.first_s() - before->newest_s() > kNear_s) before = nullptr;
+  if (after && after->first_s() - gaze.newest_s() > kNear_s) after = nullptr;
+  return gaze.isPursuit(noise.sample_deg, before, after);
+}
+
+}  // namespace
 
 std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen,
                                     const EventSettings& settings) {
@@ -22,52 +77,24 @@ std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen
   sights = withoutSpikes(sights, trace.rate_Hz, noise);
   auto states = labelSaccades(sights, blinks, trace.rate_Hz, noise, settings);
 
-  // Stretches of one label, and what gaze did in those in which it was stable.
-  struct Stretch {
-    std::size_t first = 0, end = 0;
-    bool lost = false;
-    StableGaze gaze{};
-  };
-  std::vector<Stretch> stretches;
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const bool lost = !trace.samples[i].point_px && !blinks[i];
-    const bool goes_on = i > 0 && states[i] == states[i - 1];
-    const bool same =
-        goes_on && (states[i] == GazeState::blink
-                        ? lost == stretches.back().lost
-                        : sights[i].time_s - sights[i - 1].time_s <= longestStep_s(trace.rate_Hz));
-    if (!same) stretches.push_back({.first = i, .end = i, .lost = lost});
-    stretches.back().end = i + 1;
-  }
-  // A slow tracker's samples next to a saccade may lie on its way.
-  constexpr double kSlow_Hz = 100.0;
-  const std::size_t border = trace.rate_Hz < kSlow_Hz ? 1 : 0;
-  for (Stretch& stretch : stretches) {
-    for (std::size_t i = stretch.first + border; i + border < stretch.end; ++i) {
-      if (sights[i].direction) stretch.gaze.add(sights[i].time_s, *sights[i].direction);
-    }
-  }
+  // Tell pursuit from fixation.
+  std::vector<Stretch> stretches = stretchesOf(states, sights, trace);
+  gatherGaze(sights, trace.rate_Hz, stretches);
   std::vector<const StableGaze*> stable;
   for (const Stretch& stretch : stretches) {
-    constexpr double kFewest = 3.0;  // samples that tell a velocity
-    const bool tells =
-        states[stretch.first] == GazeState::fixation && stretch.gaze.count() >= kFewest;
-    if (tells) stable.push_back(&stretch.gaze);
+    constexpr double kMinSamples = 3.0;  // for a velocity
+    const bool is_fixation = states[stretch.first] == GazeState::fixation;
+    if (is_fixation && stretch.gaze.count() >= kMinSamples) stable.push_back(&stretch.gaze);
   }
-
-  std::size_t place = 0;  // of the stretch among the stable ones
+  std::size_t place = 0;  // of the stretch within `stable`
   for (const Stretch& stretch : stretches) {
     GazeState state = states[stretch.first];
     if (place < stable.size() && stable[place] == &stretch.gaze) {
-      constexpr double kNear_s = 0.2;
-      const StableGaze* before = place > 0 ? stable[place - 1] : nullptr;
-      const StableGaze* after = place + 1 < stable.size() ? stable[place + 1] : nullptr;
-      if (before && stretch.gaze.first_s() - before->newest_s() > kNear_s) before = nullptr;
-      if (after && after->first_s() - stretch.gaze.newest_s() > kNear_s) after = nullptr;
-      if (stretch.gaze.isPursuit(noise.sample_deg, before, after)) state = GazeState::pursuit;
+      if (isPursuitAmong(stable, place, noise)) state = GazeState::pursuit;
       ++place;
     }
-    if (state == GazeState::blink && stretch.lost &&
+    // Tell data loss from blinks.
+    if (state == GazeState::blink && stretch.missing &&
         sights[stretch.end - 1].time_s - sights[stretch.first].time_s > settings.max_blink_s) {
       state = GazeState::lost;
     }
@@ -101,6 +128,7 @@ class EventBuilder {
   }
 
  private:
+  /// Whether a sample follows the previous one without a break in the recording.
   bool follows(std::size_t next) const {
     const double gap_s = trace_.samples[next].time_s - trace_.samples[next - 1].time_s;
     return gap_s <= std::max(settings_.merge_gap_s, 1.5 / trace_.rate_Hz);
@@ -117,8 +145,8 @@ class EventBuilder {
     return runs;
   }
 
-  /// When the run gives way to the next sample or, before a break in the recording, one interval
-  /// on.
+  /// End of the run: the time of the next sample or, before a break in the recording, one interval
+  /// after the last sample.
   double endOf(const Run& run) const {
     const std::size_t next = run.last + 1;
     if (next < trace_.samples.size() && follows(next)) return trace_.samples[next].time_s;
@@ -138,10 +166,11 @@ class EventBuilder {
     return count > 0.0 ? std::optional(mean) : std::nullopt;
   }
 
-  /// Joins fixations with little time and little distance between them; what lay between goes.
+  /// Joins two fixations if little time and little distance lie between them. The runs between the
+  /// two disappear.
   std::vector<Run> mergedFixations(const std::vector<Run>& runs) const {
     std::vector<Run> merged;
-    std::optional<std::size_t> before;  // the latest fixation in `merged`
+    std::optional<std::size_t> before;  // index of the latest stable run in `merged`
     for (const Run& run : runs) {
       if (isStable(run.state) && before) {
         const Run& fixation = merged[*before];
@@ -166,7 +195,7 @@ class EventBuilder {
     if (isStable(run.state)) event.position_px = meanOf_px(run);
     if (run.state != GazeState::saccade) return event;
 
-    // A saccade starts at the last sample of what was before it.
+    // A saccade starts at the last sample before it.
     std::size_t first = run.first > 0 && follows(run.first) ? run.first - 1 : run.first;
     while (first < run.last && !trace_.samples[first].point_px) ++first;
     std::size_t last = run.last;
@@ -180,7 +209,8 @@ class EventBuilder {
     return event;
   }
 
-  /// Over windows of 8 ms, or of two samples: the detector's own would flatten the peak.
+  /// The windows are 8 ms long, or two samples. The detector's longer windows would flatten the
+  /// peak.
   double peakSpeed_deg_s(std::size_t first, std::size_t last) const {
     constexpr double kWindow_s = 0.008;
     const auto span = static_cast<std::size_t>(std::lround(kWindow_s * trace_.rate_Hz));

@@ -1,4 +1,4 @@
-// Labels and events of a whole recording.
+// Labels and events of a complete recording.
 #pragma once
 
 #include <optional>
@@ -9,29 +9,30 @@
 
 namespace foci {
 
-/// The state of every sample, decided with the whole recording in view.
-/// @param trace   with a rate, > 0
-/// @param screen  that the samples are on, with all of its quantities known
+/// The state of every sample. Each decision may use the complete recording.
+/// @param trace   its rate must be known
+/// @param screen  the screen of the samples, with known size and distance
 std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen,
                                     const EventSettings& settings = {});
 
-/// A stretch of one state. Positions are absent in blinks and losses.
+/// An interval of one state. Positions are absent in blinks and data loss.
 struct GazeEvent {
   GazeState kind = GazeState::lost;
   double onset_s = 0.0;  ///< on the recording's clock
   double duration_s = 0.0;
-  std::optional<glm::dvec2> position_px{};  ///< of a fixation its mean, of a saccade its end
-  std::optional<glm::dvec2> start_px{};     ///< of a saccade
-  double amplitude_deg = 0.0;               ///< of a saccade, start to end; else 0
-  double peak_velocity_deg_s = 0.0;         ///< of a saccade; else 0
+  std::optional<glm::dvec2> position_px{};  ///< mean of a fixation, end of a saccade
+  std::optional<glm::dvec2> start_px{};     ///< saccades only
+  double amplitude_deg = 0.0;               ///< saccades only: angle from start to end
+  double peak_velocity_deg_s = 0.0;         ///< saccades only
 };
 
-/// Events in order of time: runs of labels, one a sample, with fixations merged and short ones
-/// dropped.
+/// Events in order of time. Neighbouring fixations are merged and short ones left out, as
+/// `EventSettings` says.
+/// @param states  one for each sample
 std::vector<GazeEvent> eventsOf(const std::vector<GazeState>& states, const GazeTrace& trace,
                                 const Screen& screen, const EventSettings& settings = {});
 
-/// `eventsOf` the labels of `labelSamples`.
+/// `eventsOf` with the labels of `labelSamples`.
 std::vector<GazeEvent> detectEvents(const GazeTrace& trace, const Screen& screen,
                                     const EventSettings& settings = {});
 

@@ -35,7 +35,7 @@ std::vector<std::optional<SightVelocity>> velocitiesOfSight(std::span<const Time
   constexpr double kRounding_s = 1e-6;
   const double reach_s = 0.5 * window_s + kRounding_s;
   std::vector<std::optional<SightVelocity>> velocities(samples.size());
-  const auto joined = [&](std::size_t i) {  // with the sample before it
+  const auto joined = [&](std::size_t i) {  // sample i continues sample i - 1
     return samples[i].direction && samples[i - 1].direction &&
            samples[i].time_s - samples[i - 1].time_s <= longest_step_s;
   };
@@ -55,9 +55,9 @@ std::vector<std::optional<SightVelocity>> velocitiesOfSight(std::span<const Time
       }
       const auto slope = velocityOfSight_deg_s(samples.subspan(first, last - first + 1));
       if (!slope) continue;
-      // The variance of a slope over n even steps falls as n^3.
-      const double whole = static_cast<double>(2 * std::max(i - first, last - i) + 1);
-      const double share = static_cast<double>(last - first + 1) / whole;
+      // The variance of a slope over n equal steps falls with n^3.
+      const double complete = static_cast<double>(2 * std::max(i - first, last - i) + 1);
+      const double share = static_cast<double>(last - first + 1) / complete;
       velocities[i] = {
           .deg_s = *slope, .speed_deg_s = glm::length(*slope), .noise_gain = std::pow(share, -1.5)};
     }
@@ -68,17 +68,18 @@ std::vector<std::optional<SightVelocity>> velocitiesOfSight(std::span<const Time
 
 double velocityNoise_deg_s(std::span<const std::optional<SightVelocity>> velocities,
                            std::size_t step) {
-  constexpr std::size_t kFewest = 8;
+  constexpr std::size_t kMinChanges = 8;
   std::vector<double> changes_deg_s;
   for (std::size_t i = 0; i + step < velocities.size(); ++i) {
     if (velocities[i] && velocities[i + step]) {
       changes_deg_s.push_back(glm::length(velocities[i + step]->deg_s - velocities[i]->deg_s));
     }
   }
-  if (changes_deg_s.size() < kFewest) return 0.0;
+  if (changes_deg_s.size() < kMinChanges) return 0.0;
   const auto middle = changes_deg_s.begin() + static_cast<std::ptrdiff_t>(changes_deg_s.size() / 2);
   std::nth_element(changes_deg_s.begin(), middle, changes_deg_s.end());
-  // The median of a Rayleigh distribution is sqrt(2 ln 2); a difference has twice the variance.
+  // The median of a Rayleigh distribution is sqrt(2 ln 2) times sigma. A difference of two
+  // velocities has twice the variance.
   return *middle / (std::sqrt(2.0 * std::numbers::ln2) * std::numbers::sqrt2);
 }
 

@@ -1,4 +1,4 @@
-// How fast the line of sight turns, and how much of that is noise.
+// The velocity of the line of sight, and its noise.
 #pragma once
 
 #include <cstddef>
@@ -9,33 +9,35 @@
 
 namespace foci {
 
-/// A sample as a direction; absent where gaze is.
+/// A sample as a direction. The direction is absent where the sample has no gaze.
 struct TimedSight {
   double time_s = 0.0;
   std::optional<glm::dvec3> direction{};  ///< unit
 };
 
-/// Least-squares slope of the directions over time: exact for a constant turn that is small against
-/// a radian, and the same all over the screen.
-/// @return degrees of visual angle a second; nothing with fewer than two directions
+/// Least-squares slope of the directions over time. It is exact for a steady turn much smaller than
+/// a radian, and it does not depend on the place on the screen.
+/// @return degrees of visual angle per second; nothing with fewer than two directions
 std::optional<glm::dvec3> velocityOfSight_deg_s(std::span<const TimedSight> samples);
 
-/// The slope at a sample; `speed` is its length.
+/// The velocity at a sample.
 struct SightVelocity {
   glm::dvec3 deg_s{0.0};
-  double speed_deg_s = 0.0;
-  double noise_gain = 1.0;  ///< its noise, to that of a whole window; above 1 next to a loss
+  double speed_deg_s = 0.0;  ///< length of `deg_s`
+  /// Noise relative to the noise of a complete window. It is above 1 beside data loss, where the
+  /// window holds fewer samples.
+  double noise_gain = 1.0;
 };
 
-/// The slope at every sample that has a direction, over the samples up to half a window away on
-/// both sides, and its neighbours even where they come late. Nothing is bridged: a window ends at a
-/// sample without a direction, and at a step in time of more than `longest_step_s`.
+/// The velocity at every sample that has a direction. Each window reaches half of `window_s` to
+/// both sides, and at least to both neighbours. A window ends at a sample without a direction, and
+/// at a step in time of more than `longest_step_s`.
 std::vector<std::optional<SightVelocity>> velocitiesOfSight(std::span<const TimedSight> samples,
                                                             double window_s, double longest_step_s);
 
-/// Standard deviation along each axis of the velocities' noise, from the median change of the
-/// velocity from one window to the next: steady pursuit does not raise it, and saccades hardly do.
-/// @param step  samples from one window to the next that shares none with it, >= 1
+/// Standard deviation of the velocity noise along each axis, from the median change of velocity
+/// between neighbouring windows. Steady pursuit does not raise it, and saccades hardly do.
+/// @param step  samples between two windows that do not overlap, >= 1
 /// @return 0 with fewer than eight changes
 double velocityNoise_deg_s(std::span<const std::optional<SightVelocity>> velocities,
                            std::size_t step);

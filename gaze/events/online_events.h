@@ -1,4 +1,4 @@
-// Fixations, saccades and the rest as they happen.
+// Online detection: fixations, saccades and other states while the samples arrive.
 #pragma once
 
 #include <cstddef>
@@ -8,37 +8,38 @@
 
 #include "gaze/events/event_settings.h"
 #include "gaze/events/pursuit.h"
-#include "gaze/events/saccades.h"
+#include "gaze/events/sight_noise.h"
 #include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 
-/// What is known when a sample has arrived.
+/// The detector's knowledge after a sample has arrived.
 struct GazeNow {
   GazeState state = GazeState::lost;
-  double state_time_s =
-      0.0;  ///< the sample that `state` is of: earlier than the newest by the delay
-  /// Where the observer fixates; in saccades, blinks and losses where he last did. Absent until the
-  /// first fixation.
+  /// Time of the sample that `state` belongs to. This sample is older than the newest by the delay.
+  double state_time_s = 0.0;
+  /// The point of fixation. During saccades, blinks and data loss it is the last fixation. Absent
+  /// before the first one.
   std::optional<glm::dvec2> fixation_px{};
-  double fixation_error_deg = 0.0;  ///< standard deviation of that, by the noise of the samples
+  double fixation_error_deg = 0.0;  ///< standard error of `fixation_px`, from the sample noise
 };
 
-/// A causal detector, fed sample by sample. Rates from 25 to 2000 Hz. It labels each sample as the
-/// offline detector would if the recording began 0.4 s before and ended `delay_s` after
-/// it, with the noise of the last seconds. Time a sample and memory do not grow.
+/// A causal detector for rates from 25 to 2000 Hz. It labels each sample as the offline detector
+/// would if the recording began 0.4 s before the sample and ended `delay_s` after it. It measures
+/// the noise over the last seconds. The time per sample and the memory do not grow.
 class OnlineEvents {
  public:
-  /// @param screen   that the samples are on, with all of its quantities known
+  /// @param screen   the screen of the samples, with known size and distance
   /// @param rate_Hz  nominal, > 0
   OnlineEvents(const Screen& screen, double rate_Hz, const EventSettings& settings = {});
 
-  /// @param sample  later than the one before
+  /// @param sample  later than the previous one
   GazeNow push(const GazeSample& sample);
 
-  /// How many samples `GazeNow::state` lies behind the newest: 0 where the rate is low.
+  /// Number of samples from the one that `GazeNow::state` belongs to, to the newest. It is 0 at low
+  /// rates.
   std::size_t delaySamples() const { return delay_; }
-  /// The same in seconds at the nominal rate; never above `EventSettings::delay_s`.
+  /// The same in seconds at the nominal rate. Never above `EventSettings::delay_s`.
   double delay_s() const { return static_cast<double>(delay_) / rate_Hz_; }
 
  private:
@@ -51,28 +52,28 @@ class OnlineEvents {
   double rate_Hz_;
   EventSettings settings_;
   std::size_t delay_ = 0;
-  std::size_t hop_ = 1;  // samples that are labelled at once
+  std::size_t hop_ = 1;  // samples labelled in one step
   std::vector<GazeSample> samples_{};
   std::vector<TimedSight> sights_{};
   std::vector<bool> blinks_{};
-  std::size_t settled_ = 0;         // of the samples, from the front
-  std::deque<GazeState> labels_{};  // of those that come next
+  std::size_t settled_ = 0;         // samples_[0] to samples_[settled_ - 1] have their state
+  std::deque<GazeState> labels_{};  // labels of the samples from `settled_` on
   SightNoise noise_{};
   double measured_s_ = 0.0, begin_s_ = 0.0;
   std::optional<double> last_present_s_{};
   GazeNow now_{};
   StableGaze stable_{};
-  std::deque<GazeSample> fixation_{};  // of which `fixation_px` is the mean
-  std::optional<double> landed_s_{};   // its first sample since the last saccade
+  std::deque<GazeSample> fixation_{};  // `fixation_px` is the mean of these
+  std::optional<double> landed_s_{};   // time of the first sample after the last saccade
 };
 
-/// Whether gaze stays in place or follows something: the states in which the eye sees sharply.
+/// True for fixation and pursuit, the states in which the retinal image is stable.
 bool isStable(GazeState state);
 
-/// A sample as a direction on a screen.
+/// A sample's point on the screen as a direction.
 TimedSight sightOf(const GazeSample& sample, const Screen& screen);
 
-/// The online detector's state of every sample of a trace, its delay taken out.
+/// The online detector's state for every sample of a trace, with the delay compensated.
 std::vector<GazeState> labelSamplesOnline(const GazeTrace& trace, const Screen& screen,
                                           const EventSettings& settings = {});
 

@@ -23,20 +23,23 @@ void StableGaze::add(double time_s, const glm::dvec3& direction) {
 }
 
 double StableGaze::evidence(double noise_deg) const {
-  constexpr double kShortest_s = 0.03;  // nothing can be said of less
+  constexpr double kMinDuration_s = 0.03;  // too short to tell
   const double duration_s = newest_s_ - first_s_;
-  if (duration_s < kShortest_s) return -1.0;
-  const double noise_deg2 = 2.0 * noise_deg * noise_deg;  // of two axes
-  const double way_deg = glm::degrees(glm::distance(first_, newest_));
+  if (duration_s < kMinDuration_s) return -1.0;
+  const double noise_deg2 = 2.0 * noise_deg * noise_deg;  // both axes
+  const double distance_deg = glm::degrees(glm::distance(first_, newest_));
   const double spread_deg2 = std::pow(glm::degrees(1.0), 2) * squares_ / count_;
-  // Nineteen in twenty ways of pure noise are no longer than the square root of thrice their mean
-  // square (chi-square, two axes); a spread's square scatters by 1 / sqrt(n), and the noise is
-  // known to a seventh.
-  constexpr double kMaxOfNoise = 3.0, kKnown = 1.3;
-  const double way = std::sqrt(std::max(way_deg * way_deg - kMaxOfNoise * 2.0 * noise_deg2, 0.0));
+  // The squared distance between two noisy samples is chi-square distributed (two axes): 95 % of
+  // its values are below three times its mean, which is 2 noise_deg2.
+  constexpr double kDistance95 = 3.0;
+  // The variance of n samples (two axes) scatters by 1 / sqrt(n) of itself. The noise is known to a
+  // seventh, so its square to a factor of 1.3.
+  constexpr double kNoiseMargin = 1.3;
+  const double distance =
+      std::sqrt(std::max(distance_deg * distance_deg - kDistance95 * 2.0 * noise_deg2, 0.0));
   const double spread =
-      std::sqrt(std::max(spread_deg2 - (kKnown + 2.0 / std::sqrt(count_)) * noise_deg2, 0.0));
-  return 0.37 - 0.39 * std::log(duration_s) + 1.59 * std::log(way + 0.1) +
+      std::sqrt(std::max(spread_deg2 - (kNoiseMargin + 2.0 / std::sqrt(count_)) * noise_deg2, 0.0));
+  return 0.37 - 0.39 * std::log(duration_s) + 1.59 * std::log(distance + 0.1) +
          1.20 * std::log(spread + 0.05);
 }
 
@@ -49,7 +52,7 @@ double StableGaze::variance_deg2_s2(double noise_deg) const {
 }
 
 double StableGaze::agreement(const StableGaze& other, double noise_deg) const {
-  constexpr double kStill_deg_s = 3.0;
+  constexpr double kStill_deg_s = 3.0;  // slower than this, the direction of motion tells little
   const glm::dvec3 u = velocity_deg_s(), v = other.velocity_deg_s();
   return glm::dot(u, v) / (glm::length(u) * glm::length(v) + kStill_deg_s * kStill_deg_s +
                            variance_deg2_s2(noise_deg) + other.variance_deg2_s2(noise_deg));

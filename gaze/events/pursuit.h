@@ -1,30 +1,33 @@
-// Fixation or pursuit: whether gaze that is in no saccade stays in place or follows something.
+// Fixation or smooth pursuit: does gaze between two saccades stay in place or follow a target?
 #pragma once
 
 #include <glm/glm.hpp>
 
 namespace foci {
 
-/// What gaze did between two saccades, gathered sample by sample.
+/// Statistics of gaze between two saccades, gathered sample by sample.
 class StableGaze {
  public:
   void add(double time_s, const glm::dvec3& direction);
   void clear() { *this = {}; }
 
-  /// Whether it went too far for a fixation. With the time T in seconds, the way D from the first
-  /// sample to the newest and the samples' standard deviation S, both in degrees,
-  ///   0.37 - 0.39 ln T + 1.59 ln(D + 0.1) + 1.20 ln(S + 0.05) > 0,
-  /// fitted to two coders of 18 recordings (gaze.md); left out one observer at a time the
-  /// coefficients hardly change. After a second that is about 0.9 degrees of steady drift.
-  /// @param noise_deg  standard deviation along each axis of a sample's error, >= 0: as much of D
-  ///   and S as noise alone may make is taken off
+  /// Whether gaze moved too far for a fixation. The rule is
+  ///   0.37 - 0.39 ln T + 1.59 ln(D + 0.1) + 1.20 ln(S + 0.05) > 0.
+  /// T is the duration in seconds. D is the distance from the first sample to the newest, and S the
+  /// standard deviation of the samples, both in degrees. Within a second, a steady drift of about
+  /// 0.9 degrees is pursuit.
+  ///
+  /// The coefficients were fitted to the labels of two coders in 18 recordings of Andersson et al.
+  /// (2017). They hardly change if one observer is left out.
+  /// @param noise_deg  standard deviation of a sample's error along each axis, >= 0. The rule
+  ///   subtracts from D and S the share that noise alone explains.
   bool isPursuit(double noise_deg) const { return evidence(noise_deg) > 0.0; }
 
-  /// The same where what gaze did before and after is known: who follows something goes on across a
-  /// catch-up saccade. To the left side comes, for each neighbour with the velocity u against v,
-  ///   1.5 u.v / (|u| |v| + (3 deg/s)^2 + the variances of both).
-  /// The two constants were fitted as above, with the others held.
-  /// @param before, after  null where there is none within 0.2 s
+  /// The same with the neighbours known: pursuit goes on after a catch-up saccade. Each neighbour
+  /// of velocity u adds to the left side, for this interval's velocity v,
+  ///   1.5 u.v / (|u| |v| + (3 deg/s)^2 + var(u) + var(v)).
+  /// The constants 1.5 and 3 were fitted on the same recordings, with the coefficients above fixed.
+  /// @param before, after  null if there is no neighbour within 0.2 s
   bool isPursuit(double noise_deg, const StableGaze* before, const StableGaze* after) const;
 
   double newest_s() const { return newest_s_; }
@@ -33,7 +36,7 @@ class StableGaze {
 
  private:
   double evidence(double noise_deg) const;
-  /// Least-squares slope of the directions, and its variance along each axis.
+  /// Least-squares slope of the directions over time, and its variance along each axis.
   glm::dvec3 velocity_deg_s() const;
   double variance_deg2_s2(double noise_deg) const;
   double agreement(const StableGaze& other, double noise_deg) const;
@@ -41,10 +44,9 @@ class StableGaze {
   double count_ = 0.0;
   double first_s_ = 0.0, newest_s_ = 0.0;
   glm::dvec3 first_{0.0}, newest_{0.0}, mean_{0.0};
-  double squares_ = 0.0;  // of the distances from the mean, rad^2
-  // Of times from their mean: squares, and products with the directions.
-  double mean_s_ = 0.0, squares_s2_ = 0.0;
-  glm::dvec3 products_{0.0};
+  double squares_ = 0.0;                    // sum of squared distances from the mean, rad^2
+  double mean_s_ = 0.0, squares_s2_ = 0.0;  // mean of the times, and their squares around it
+  glm::dvec3 products_{0.0};                // sum of the products of time and direction around it
 };
 
 }  // namespace foci

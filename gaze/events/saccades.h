@@ -1,5 +1,4 @@
-// Saccades, their oscillations, spikes and blinks in a stretch of samples, by thresholds that
-// follow the noise.
+// Saccades, their oscillations and blinks, by velocity thresholds that follow the noise.
 #pragma once
 
 #include <span>
@@ -7,43 +6,26 @@
 
 #include "gaze/events/event_settings.h"
 #include "gaze/events/gaze_speed.h"
+#include "gaze/events/sight_noise.h"
 #include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 
-/// How much the samples of a recording scatter.
-struct SightNoise {
-  double sample_deg = 0.0;  ///< standard deviation along each axis of a sample's error
-  /// The same of the velocity over windows of `scaleWindow_s(0)`, `(1)`, ...
-  std::vector<double> velocity_deg_s{};
-};
-
-/// Over a longer step in time nobody knows what gaze did: no velocity, and what is stable before it
-/// and after it is told apart.
-double longestStep_s(double rate_Hz);
-
-/// Windows double from one scale to the next; the first holds three samples at least.
-double scaleWindow_s(std::size_t scale, double rate_Hz, const EventSettings& settings);
-
-/// @param sights   a second or more, so that fixations prevail
-/// @param rate_Hz  nominal, > 0
-SightNoise noiseOf(std::span<const TimedSight> sights, double rate_Hz,
-                   const EventSettings& settings);
-
-/// Samples that leave for less than 25 ms and come back, which no eye does, moved onto the line
-/// between their neighbours.
-std::vector<TimedSight> withoutSpikes(std::span<const TimedSight> sights, double rate_Hz,
-                                      const SightNoise& noise);
-
-/// fixation (gaze is stable, maybe in pursuit), saccade, oscillation, or blink (no gaze, however
-/// long, and the motion of the lid before and after).
+/// Labels each sample as one of
+///   fixation     gaze is stable; smooth pursuit included
+///   saccade
+///   oscillation  post-saccadic
+///   blink        data loss of any length, and the motion of the eyelid before and after it
 ///
-/// A saccade is a peak of speed above both `saccade_deg_s` and a multiple of the noise; it lasts
-/// while the speed along the peak's direction stays above a lower threshold. What follows it within
-/// 20 ms and is smaller, or still moves, is its oscillation. Where the noise hides peaks, or the
-/// window is longer than a saccade, wider windows are tried: they show that and where there was a
-/// saccade but not how long, so that it gets the duration that its amplitude has in healthy adults.
-/// @param blinks  one a sight: what the tracker says itself
+/// A saccade is a peak of speed above `saccade_deg_s` and above a multiple of the noise. It lasts
+/// as long as the speed along the peak's direction stays above a lower threshold. Motion within 20
+/// ms after a saccade is its oscillation if it is smaller, or if gaze has not come to rest before.
+///
+/// If noise hides the peaks, or if the shortest window is longer than a saccade, wider windows
+/// follow. They show where a saccade was but not how long it lasted. Such a saccade gets the
+/// duration that is typical of its amplitude in healthy adults.
+/// @param sights  without spikes
+/// @param blinks  one for each sample: the tracker itself reports a blink
 std::vector<GazeState> labelSaccades(std::span<const TimedSight> sights,
                                      const std::vector<bool>& blinks, double rate_Hz,
                                      const SightNoise& noise, const EventSettings& settings);

@@ -1,5 +1,4 @@
-// The eye's focus over time: a dead time, then an exponential approach in dioptres (formulas.md,
-// section 8).
+// The eye's focus over time: a latency, then an exponential approach in dioptres.
 #pragma once
 
 #include <deque>
@@ -9,38 +8,38 @@
 namespace foci {
 
 struct AccommodationSettings {
-  bool on = true;                ///< off: focus is the target itself
+  bool on = true;                ///< off: the focus equals the target at all times
   double latency_s = 0.3;        ///< from a new target to the first response
-  double time_constant_s = 0.2;  ///< of the approach to a nearer target: 63 % of the way; > 0
-  std::optional<double> far_time_constant_s{};  ///< to a farther one; absent: the same
+  double time_constant_s = 0.2;  ///< towards a nearer target, > 0: 63 % of the change
+  std::optional<double> far_time_constant_s{};  ///< towards a farther target; absent: the same
   std::optional<double> age_years{};  ///< limits how near the eye can focus; absent: no limit
-  double resting_D = 1.0;             ///< focus before there is any target (tonic accommodation)
-  /// What the eye at rest is focused on: 0, infinity, with normal sight or with glasses; nearer, >
-  /// 0, short-sighted; < 0 long-sighted, so that infinity takes accommodation already.
+  double resting_D = 1.0;             ///< tonic accommodation: the focus before the first target
+  /// Focus of the relaxed eye. 0 is infinity: normal sight, or glasses. A short-sighted eye has a
+  /// far point > 0. A long-sighted eye has one < 0 and must accommodate even for infinity.
   double far_point_D = 0.0;
 };
 
-/// How much an eye of this age can accommodate, in the mean (Hofstetter 1950): 18.5 - 0.30 age
-/// dioptres, never below 0.
+/// Mean amplitude of accommodation at an age (Hofstetter 1950): 18.5 - 0.30 age dioptres, never
+/// below 0.
 double accommodationAmplitude_D(double age_years);
 
-/// The focus nearest to `target_D` that the eye can reach: from its far point to what its age's
-/// amplitude adds to that.
+/// The focus nearest to `target_D` that the eye can reach. Its range begins at the far point and is
+/// as long as the amplitude of its age.
 double reachableFocus_D(const AccommodationSettings& settings, double target_D);
 
-/// tau dA/dt = target(t - latency) - A, solved exactly between changes of the target, so that the
-/// result does not depend on how often it is asked. The first target is taken at once: what the
-/// observer did before the recording is not known.
+/// Solves tau dA/dt = target(t - latency) - A exactly between changes of the target. The result
+/// does not depend on how often the focus is asked for. The focus starts at the first target,
+/// without latency, because the recording does not show what the observer did before.
 class Accommodation {
  public:
   explicit Accommodation(const AccommodationSettings& settings = {});
 
-  /// From `time_s` on the eye wants `target_D`; it gets as near as its age lets it. Times of both
-  /// functions never decrease.
+  /// From `time_s` on, the eye tries to focus at `target_D`. Its age limits how near it gets.
+  /// @param time_s  never decreases, over the calls of this function and of `focusAt_D`
   void setTarget(double time_s, double target_D);
 
-  /// Glasses are put on or off: focus jumps with the far point, since the lens in the eye is as it
-  /// was at the last time that was told, and then answers the target as to a new one.
+  /// The observer puts glasses on or off. The lens in the eye is still the same, so the focus jumps
+  /// with the far point. After the latency the eye then approaches its target again.
   void setFarPoint(double far_point_D);
 
   /// Focus at `time_s`, dioptres.
@@ -54,12 +53,12 @@ class Accommodation {
   double focusFromAnchor_D(double time_s) const;
 
   AccommodationSettings settings_;
-  double now_s_ = 0.0;  // the last time that was told
+  double now_s_ = 0.0;  // time of the latest call
   std::optional<double> target_D_{};
-  // Between targets the focus runs from the anchor towards the drive.
+  // Between targets the focus moves from the anchor towards the drive.
   double anchor_s_ = 0.0, anchor_D_, drive_D_;
   std::deque<std::pair<double, double>>
-      pending_{};  // targets seen but not yet answered: from when, dioptres
+      pending_{};  // targets whose latency is not over: when it ends, dioptres
 };
 
 }  // namespace foci

@@ -24,12 +24,13 @@ double fieldArea_deg2(const Screen& screen) {
 }
 
 double PupilReflex::follow(double time_s, double target_mm) {
-  constexpr double kNarrow_s = 0.4, kWiden_s = 1.2;  // time constants
+  // Time constants, chosen by eye so that constriction is faster (Ellis 1981).
+  constexpr double kConstrict_s = 0.4, kDilate_s = 1.2;
   if (!diameter_mm_) {
     diameter_mm_ = target_mm;
   } else {
     assert(time_s >= time_s_);
-    const double constant_s = target_mm < *diameter_mm_ ? kNarrow_s : kWiden_s;
+    const double constant_s = target_mm < *diameter_mm_ ? kConstrict_s : kDilate_s;
     diameter_mm_ =
         target_mm + (*diameter_mm_ - target_mm) * std::exp(-(time_s - time_s_) / constant_s);
   }

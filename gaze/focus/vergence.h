@@ -1,44 +1,52 @@
-// How far away the two lines of sight meet, with its error, and estimates put together.
+// Vergence: how far away the two lines of sight meet. Also the combination of estimates of
+// distance.
 #pragma once
 
 #include <glm/glm.hpp>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 
-/// A distance as its reciprocal.
+/// The reciprocal of a distance, with its error.
 struct DioptreEstimate {
-  double value_D = 0.0;  ///< of a vergence below 0 where the lines of sight diverge
+  double value_D = 0.0;  ///< a vergence is below 0 if the lines of sight diverge
   double error_D = 0.0;  ///< standard deviation, > 0
 };
 
-/// Where one eye looks from and to.
+/// The line of sight of one eye.
 struct EyeRay {
   glm::dvec3 origin_m{0.0};
   glm::dvec3 direction{0.0, 0.0, -1.0};  ///< unit
 };
 
-/// The reciprocal of the depth, along the mean direction m from between the eyes, at which the two
-/// lines of sight have no disparity left:
-///   V = (d_l / d_l.m - d_r / d_r.m) . b / b.b,   b the part of (o_r - o_l) across m.
-/// Finite where the lines are parallel. Its error is that of the two directions, sqrt(2) sigma /
-/// |b|: 0.2 D for half a degree and 63 mm, whatever the distance.
-/// @param error_deg  standard deviation of each direction, > 0
-/// @return nothing where the eyes have less than a centimetre between them, seen along m, or the
-///   directions differ by 60 degrees or more
+/// The vergence V of two lines of sight: the reciprocal of the depth at which they have no
+/// disparity. Depth is measured along their mean direction m. With the part b of (o_r - o_l)
+/// perpendicular to m,
+///   V = (d_l / d_l.m - d_r / d_r.m) . b / b.b.
+/// V is 0 for parallel lines of sight and negative if they diverge.
+/// @return dioptres; nothing if |b| is below a centimetre, or if the directions differ by 60
+/// degrees
+///   or more
+std::optional<double> vergence_D(const EyeRay& left, const EyeRay& right);
+
+/// `vergence_D` and its error, sqrt(2) sigma / |b|. The error does not depend on the distance: it
+/// is 0.2 D for half a degree and an interpupillary distance of 63 mm.
+/// @param error_deg  sigma, the standard deviation of each direction, > 0
 std::optional<DioptreEstimate> vergenceOf(const EyeRay& left, const EyeRay& right,
                                           double error_deg);
 
-/// The two lines of sight of a sample: the recording's own, else from eyes `between_m` apart, side
-/// by side in front of the screen, to their points on it. Nothing where an eye is missing.
+/// The two lines of sight of a sample. If the recording has points on the screen only, the eyes are
+/// `ipd_m` apart, side by side in front of the screen. Nothing if an eye is missing.
 std::optional<std::pair<EyeRay, EyeRay>> raysOf(const GazeSample& sample, const Screen& screen,
-                                                double between_m);
+                                                double ipd_m);
 
 /// The mean of independent estimates, weighted by the reciprocals of their variances, and its
-/// error. @param estimates  one or more
+/// error.
+/// @param estimates  one or more
 DioptreEstimate combined(std::span<const DioptreEstimate> estimates);
 
 }  // namespace foci

@@ -12,9 +12,11 @@
 namespace foci {
 namespace {
 
-constexpr double kReach = 1.0;     // standard deviations around a fixation
-constexpr double kMinReach = 0.1;  // of the cone's half-angle: less is no noise
-constexpr int kAround = 8;         // directions that are asked
+// Constants of the ring around a fixation. Its radius and the number of directions were chosen with
+// simulated noise beside an edge (test GazeFollower.KeepsASurfaceThroughNoiseAtASilhouette).
+constexpr double kRingRadius = 1.0;  // standard errors of the fixation
+constexpr int kRingDirections = 8;
+constexpr double kMinRingRadius = 0.1;  // of the cone's half-angle; a smaller ring changes nothing
 
 }  // namespace
 
@@ -44,26 +46,26 @@ void GazeFollower::push(const GazeSample& sample) {
 
 std::optional<double> GazeFollower::surfaceAround(double time_s, const glm::dvec3& sight,
                                                   double half_angle_rad) const {
-  const auto offHeld_D = [&](const std::optional<double>& distance_m) {
-    return distance_m ? std::abs(1.0 / *distance_m - *held_D_) : INFINITY;
+  const auto changeOf_D = [&](const std::optional<double>& distance_m) {
+    return distance_m ? std::abs(1.0 / *distance_m - *surface_D_) : INFINITY;
   };
   const auto ahead_m = surface_(time_s, sight, half_angle_rad);
-  const double reach_deg = kReach * now_.fixation_error_deg;
-  if (!held_D_ || offHeld_D(ahead_m) <= settings_.surface_error_D ||
-      reach_deg < kMinReach * glm::degrees(half_angle_rad)) {
+  const double ring_deg = kRingRadius * now_.fixation_error_deg;
+  if (!surface_D_ || changeOf_D(ahead_m) <= settings_.surface_error_D ||
+      ring_deg < kMinRingRadius * glm::degrees(half_angle_rad)) {
     return ahead_m;
   }
   const glm::dvec3 aside = glm::normalize(glm::cross(sight, glm::dvec3(0.0, 1.0, 0.0)));
   const glm::dvec3 above = glm::cross(aside, sight);
   std::optional<double> nearest_m;
-  for (int k = 0; k < kAround; ++k) {
-    const double angle = 2.0 * std::numbers::pi * k / kAround;
+  for (int k = 0; k < kRingDirections; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / kRingDirections;
     const glm::dvec3 off = std::cos(angle) * aside + std::sin(angle) * above;
     const auto around_m = surface_(
-        time_s, glm::normalize(sight + std::tan(glm::radians(reach_deg)) * off), half_angle_rad);
-    if (offHeld_D(around_m) < offHeld_D(nearest_m)) nearest_m = around_m;
+        time_s, glm::normalize(sight + std::tan(glm::radians(ring_deg)) * off), half_angle_rad);
+    if (changeOf_D(around_m) < changeOf_D(nearest_m)) nearest_m = around_m;
   }
-  return offHeld_D(nearest_m) <= settings_.surface_error_D ? nearest_m : ahead_m;
+  return changeOf_D(nearest_m) <= settings_.surface_error_D ? nearest_m : ahead_m;
 }
 
 void GazeFollower::look(double time_s) {
@@ -77,8 +79,8 @@ void GazeFollower::look(double time_s) {
   std::vector<DioptreEstimate> estimates;
   if (looked_->distance_m) {
     assert(*looked_->distance_m > 0.0);
-    held_D_ = 1.0 / *looked_->distance_m;
-    estimates.push_back({*held_D_, settings_.surface_error_D});
+    surface_D_ = 1.0 / *looked_->distance_m;
+    estimates.push_back({*surface_D_, settings_.surface_error_D});
   }
   vergence_.reset();
   const auto rays =

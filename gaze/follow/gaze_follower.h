@@ -1,4 +1,4 @@
-// Gaze to focus: samples go in as they come, the eye's state comes out whenever a frame asks.
+// From gaze to focus: samples go in as they arrive, and each frame asks for the eye's state.
 #pragma once
 
 #include <functional>
@@ -11,68 +11,72 @@
 
 namespace foci {
 
-/// Distance in metres from the eye to the surface it would focus in a cone around a direction, or
-/// nothing where there is none. A pure function of its arguments; the eye's pose is the one of
-/// `time_s`.
-/// @param direction_eye   unit, in the eye frame (x right, y up, looking along -z)
-/// @param half_angle_rad  of the cone
+/// Distance in metres from the eye to the surface that it would focus within a cone; nothing if the
+/// cone meets no surface. The result depends on the arguments alone.
+/// @param time_s          selects the eye's pose
+/// @param direction_eye   the cone's axis: unit, in the eye frame (x right, y up, looking along -z)
+/// @param half_angle_rad  the cone's half-angle
 using SurfaceDistance = std::function<std::optional<double>(
     double time_s, const glm::dvec3& direction_eye, double half_angle_rad)>;
 
 struct FollowSettings {
   EventSettings events{};
   AccommodationSettings accommodation{};
-  double cone_half_angle_deg =
-      0.5;  ///< as wide as a good tracker's error; wider where a sample says so
-  /// Where both eyes are recorded, the target is the mean of the surface's distance and of that at
-  /// which the lines of sight meet, weighted by their variances; on a miss it is the latter alone.
+  /// The error of a good tracker. A sample with a larger `uncertainty_deg` widens its cone.
+  double cone_half_angle_deg = 0.5;
+  /// With recordings of both eyes, the target is the mean of the surface's distance and the
+  /// vergence distance, weighted by their variances. Without a surface it is the vergence distance
+  /// alone.
   bool vergence = false;
   double eye_error_deg = 0.5;    ///< standard deviation of one eye's direction, > 0
-  double surface_error_D = 0.1;  ///< of the surface's distance, e.g. at its edges, > 0
-  double ipd_m = 0.063;          ///< where the recording does not say it
+  double surface_error_D = 0.1;  ///< standard deviation of the surface's distance, > 0
+  double ipd_m = 0.063;  ///< interpupillary distance, if the recording has no origins of the eyes
 };
 
 /// The eye at the time of a frame.
 struct EyeNow {
   double time_s = 0.0;
-  std::optional<GazeSample> sample{};  ///< the newest
-  GazeState state = GazeState::lost;   ///< lost, too, when no sample has come for long
-  double state_time_s = 0.0;           ///< the sample that it is of
-  std::optional<glm::dvec2>
-      fixation_px;  ///< held in saccades, blinks, losses; absent before the first
-  std::optional<double>
-      surface_distance_m;  ///< along the fixation's line of sight; absent on a miss
-  std::optional<DioptreEstimate>
-      vergence{};                    ///< of the newest fixated sample; off, or one eye: absent
-  std::optional<double> target_D{};  ///< held likewise, and on a miss; absent before the first
-  double focus_D = 0.0;              ///< the resting focus before the first target
+  std::optional<GazeSample> sample{};  ///< the newest sample
+  GazeState state = GazeState::lost;   ///< also `lost` if no sample has come for long
+  double state_time_s = 0.0;           ///< time of the sample that `state` belongs to
+  /// Keeps its value through saccades, blinks and data loss. Absent before the first fixation.
+  std::optional<glm::dvec2> fixation_px;
+  /// Along the fixation's line of sight; absent if the cone meets no surface.
+  std::optional<double> surface_distance_m;
+  /// Of the newest fixated sample; absent if switched off or with one eye.
+  std::optional<DioptreEstimate> vergence{};
+  /// Keeps its value as `fixation_px` does, and where there is no surface. Absent before the first.
+  std::optional<double> target_D{};
+  double focus_D = 0.0;  ///< the resting focus before the first target
 };
 
-/// Follows one recording, or one live source. For each frame: push every sample up to its time,
-/// then ask `at`.
+/// Follows one recording or one live source. For each frame, push every sample up to the frame's
+/// time, then call `at`.
 ///
-/// The surface is asked once a frame in fixation (the eye itself may move), and besides at the
-/// sample at which the fixation begins or has moved by half the cone's half-angle, so that the
-/// latency of accommodation runs from there and not from the next frame. In saccades, blinks and
-/// losses it is not asked: the target holds.
+/// During a fixation the follower asks for the surface once a frame, because the eye itself may
+/// move. It also asks at the sample where the fixation begins, or has moved by half of the cone's
+/// half-angle. So the latency of accommodation starts at this sample and not at the next frame.
+/// During saccades, blinks and data loss the target keeps its value.
 ///
-/// In noise the surface holds, too: where the cone's answer is another one by more than
-/// `surface_error_D`, but the one before is still met within a standard deviation of the
-/// fixation's error around it, that one stays.
+/// Noise does not make the focus jump at an edge. If the cone meets another surface than before, by
+/// more than `surface_error_D`, the follower also asks in a ring around the fixation. The ring's
+/// radius is the fixation's standard error. If a cone of the ring still meets the former surface,
+/// the focus stays there.
 class GazeFollower {
  public:
-  /// @param screen   that the samples are on, with all of its quantities known
-  /// @param rate_Hz  nominal rate of the samples
+  /// @param screen   the screen of the samples, with known size and distance
+  /// @param rate_Hz  nominal sampling rate
   GazeFollower(const Screen& screen, double rate_Hz, SurfaceDistance surface,
                const FollowSettings& settings = {});
 
-  /// @param sample  later than the one before, and not before the last frame's time
+  /// @param sample  later than the previous sample, and not before the last frame's time
   void push(const GazeSample& sample);
 
-  /// See `Accommodation`.
+  /// See `Accommodation::setFarPoint`.
   void setFarPoint(double far_point_D) { accommodation_.setFarPoint(far_point_D); }
 
-  /// @param time_s  not before the newest sample nor the last frame
+  /// The eye's state at the time of a frame.
+  /// @param time_s  not before the newest sample or the last frame
   EyeNow at(double time_s);
 
  private:
@@ -97,7 +101,7 @@ class GazeFollower {
   std::optional<GazeSample> newest_{};
   GazeNow now_{};
   std::optional<Look> looked_{};
-  std::optional<double> held_D_{};  // the surface of the last look that met one
+  std::optional<double> surface_D_{};  // of the latest look that met a surface
   std::optional<DioptreEstimate> vergence_{};
 };
 

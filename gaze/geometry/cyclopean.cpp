@@ -7,7 +7,7 @@ namespace foci {
 std::optional<glm::dvec2> Cyclopean::combine(double time_s,
                                              const std::optional<glm::dvec2>& left_px,
                                              const std::optional<glm::dvec2>& right_px) {
-  constexpr double kMemory_s = 0.3;
+  constexpr double kMemory_s = 0.3;  // chosen by eye: vergence hardly changes within a fixation
   if (left_px && right_px) {
     const glm::dvec2 half = 0.5 * (*right_px - *left_px);
     const double keep = half_px_ ? std::exp(-(time_s - time_s_) / kMemory_s) : 0.0;

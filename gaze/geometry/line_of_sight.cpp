@@ -6,22 +6,21 @@
 namespace foci {
 namespace {
 
-/// Metres on the screen from its centre, x to the right, y up.
-glm::dvec2 offset_m(const Screen& screen, const glm::dvec2& point_px) {
-  assert(screen.size_px.x > 0 && screen.size_px.y > 0 && screen.size_m.x > 0.0 &&
-         screen.size_m.y > 0.0 && screen.distance_m > 0.0);
-  const glm::dvec2 offset = (point_px / glm::dvec2(screen.size_px) - 0.5) * screen.size_m;
-  return {offset.x, -offset.y};
-}
-
 glm::dvec2 pointAtOffset_px(const Screen& screen, const glm::dvec2& offset) {
   return (glm::dvec2(offset.x, -offset.y) / screen.size_m + 0.5) * glm::dvec2(screen.size_px);
 }
 
 }  // namespace
 
+glm::dvec2 offsetOnScreen_m(const Screen& screen, const glm::dvec2& point_px) {
+  assert(screen.size_px.x > 0 && screen.size_px.y > 0 && screen.size_m.x > 0.0 &&
+         screen.size_m.y > 0.0 && screen.distance_m > 0.0);
+  const glm::dvec2 offset = (point_px / glm::dvec2(screen.size_px) - 0.5) * screen.size_m;
+  return {offset.x, -offset.y};
+}
+
 glm::dvec3 lineOfSight(const Screen& screen, const glm::dvec2& point_px) {
-  return glm::normalize(glm::dvec3(offset_m(screen, point_px), -screen.distance_m));
+  return glm::normalize(glm::dvec3(offsetOnScreen_m(screen, point_px), -screen.distance_m));
 }
 
 std::optional<glm::dvec2> pointOnScreen_px(const Screen& screen, const glm::dvec3& direction) {
@@ -30,13 +29,13 @@ std::optional<glm::dvec2> pointOnScreen_px(const Screen& screen, const glm::dvec
 }
 
 double angleBetween_deg(const Screen& screen, const glm::dvec2& a_px, const glm::dvec2& b_px) {
-  const glm::dvec3 a(offset_m(screen, a_px), -screen.distance_m);
-  const glm::dvec3 b(offset_m(screen, b_px), -screen.distance_m);
+  const glm::dvec3 a(offsetOnScreen_m(screen, a_px), -screen.distance_m);
+  const glm::dvec3 b(offsetOnScreen_m(screen, b_px), -screen.distance_m);
   return glm::degrees(std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
 }
 
 glm::dvec2 eccentricity_deg(const Screen& screen, const glm::dvec2& point_px) {
-  return glm::degrees(glm::atan(offset_m(screen, point_px) / screen.distance_m));
+  return glm::degrees(glm::atan(offsetOnScreen_m(screen, point_px) / screen.distance_m));
 }
 
 glm::dvec2 pointAtEccentricity_px(const Screen& screen, const glm::dvec2& eccentricity_deg) {

@@ -1,13 +1,14 @@
-// BIDS 1.10, physiological recordings of PhysioType "eyetrack".
+// BIDS 1.10, physiological recordings with PhysioType "eyetrack".
 #include "gaze/sources/bids.h"
 
 #include <zlib.h>
 
-#include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "base/file.h"
+#include "base/text.h"
 #include "gaze/sources/delimited_trace.h"
 
 namespace foci {
@@ -30,8 +31,8 @@ std::optional<fs::path> sidecarNameOf(const fs::path& file) {
 
 Json readJson(const fs::path& file) {
   std::error_code error;
-  constexpr std::uintmax_t kLargest = 1 << 20;  // a sidecar is a page or two
-  if (fs::file_size(file, error) > kLargest || error) {
+  constexpr std::uintmax_t kMaxBytes = 1 << 20;  // a sidecar has a page or two
+  if (fs::file_size(file, error) > kMaxBytes || error) {
     throw InputError(file.string(), "expected a JSON file of up to 1 MiB");
   }
   std::ifstream in(file);
@@ -40,7 +41,7 @@ Json readJson(const fs::path& file) {
   return json;
 }
 
-/// Both numbers of a list, or {0, 0}.
+/// The two numbers of a list; {0, 0} if there is no such list within the limits.
 glm::dvec2 pairIn(const Json& json, const char* key, double low, double high) {
   const auto found = json.find(key);
   if (found == json.end() || !found->is_array() || found->size() != 2) return glm::dvec2(0.0);
@@ -69,7 +70,7 @@ Screen screenIn(const Json& json, Screen screen) {
   return screen;
 }
 
-/// A unit as the names of columns have it.
+/// The column's unit in the short form of `ColumnNames`; empty if the sidecar has none.
 std::string unitOf(const Json& json, const std::string& column) {
   const auto entry = json.find(column);
   if (entry == json.end() || !entry->is_object()) return {};
@@ -86,20 +87,9 @@ std::string unitOf(const Json& json, const std::string& column) {
   return unit.size() <= 16 ? unit : std::string();
 }
 
-void append(std::string& text, double value, int digits) {
-  char number[400];
-  const auto end =
-      std::to_chars(number, number + sizeof number, value, std::chars_format::fixed, digits).ptr;
-  text.append(number, end);
-}
-
 void append(std::string& text, const std::optional<double>& value, int digits) {
   text += '\t';
-  if (value) {
-    append(text, *value, digits);
-  } else {
-    text += "n/a";
-  }
+  text += value ? decimal(*value, digits) : "n/a";
 }
 
 void append(std::string& text, const std::optional<glm::dvec2>& point) {
@@ -174,7 +164,7 @@ BidsWriter::~BidsWriter() {
 void BidsWriter::add(const GazeSample& sample) {
   constexpr std::size_t kBlock = 1 << 16;
   std::string& text = out_->text;
-  append(text, sample.time_s, 6);
+  text += decimal(sample.time_s, 6);
   append(text, sample.point_px);
   append(text, sample.pupil_mm, 4);
   text += sample.blink ? "\t1" : "\t0";
@@ -223,10 +213,7 @@ void BidsWriter::finish(const TraceHeader& header, double rate_Hz) {
     if (screen.distance_m > 0.0) stimulus["ScreenDistance"] = screen.distance_m;
     json["StimulusPresentation"] = stimulus;
   }
-  std::ofstream out(sidecarFor(file_), std::ios::binary);
-  out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-  out.close();
-  if (!out) throw std::runtime_error("cannot write the sidecar of " + file_.string());
+  writeText(sidecarFor(file_), json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 }  // namespace foci

@@ -1,5 +1,5 @@
-// Eye tracking as the Brain Imaging Data Structure has it: `*_physio.tsv.gz` without a header line,
-// and a JSON file of the same name that says what its columns are.
+// Eye tracking in the Brain Imaging Data Structure: `*_physio.tsv.gz` without a header line, and a
+// JSON file of the same name (the sidecar) that describes the columns.
 #pragma once
 
 #include <filesystem>
@@ -10,22 +10,22 @@
 
 namespace foci {
 
-/// The JSON beside a recording whose name ends in _physio.tsv or _physio.tsv.gz, if there is one.
+/// The sidecar of a recording whose name ends in _physio.tsv or _physio.tsv.gz, if it exists.
 std::optional<std::filesystem::path> bidsSidecarOf(const std::filesystem::path& file);
 
-/// Columns timestamp, x_coordinate, y_coordinate, pupil_size (in mm, or it is absent), with the
-/// units that the sidecar says; left_ and right_ before the last three for two eyes. The screen is
-/// StimulusPresentation's.
+/// Reads the columns timestamp, x_coordinate, y_coordinate, pupil_size and blink, with the
+/// sidecar's units. Names that begin with left_ or right_ belong to one eye. A pupil that is not in
+/// millimetres is ignored. The screen geometry comes from StimulusPresentation.
 /// @throws InputError
 TraceHeader readBids(const std::filesystem::path& file, const std::filesystem::path& sidecar,
                      const Screen& fallback_screen, const TakeSample& take);
 
-/// Writes such a pair, sample by sample, in constant memory.
+/// Writes a recording and its sidecar, sample by sample, in constant memory.
 class BidsWriter {
  public:
   /// @param file  ends in _physio.tsv.gz
-  /// @param eyes  whether to write the points and pupils of both eyes, too
-  /// @throws InputError on another name, std::runtime_error where it cannot be written
+  /// @param eyes  also write the point and the pupil of each eye
+  /// @throws InputError on another name, std::runtime_error if the file cannot be written
   BidsWriter(const std::filesystem::path& file, bool eyes);
   ~BidsWriter();
   BidsWriter(const BidsWriter&) = delete;
@@ -33,11 +33,11 @@ class BidsWriter {
 
   void add(const GazeSample& sample);
 
-  /// Writes the sidecar, too. @param screen  quantities that are 0 are left out
-  /// @throws std::runtime_error where not all could be written
+  /// Closes the recording and writes the sidecar. Quantities of the screen that are 0 are left out.
+  /// @throws std::runtime_error if not everything could be written
   void finish(const TraceHeader& header, double rate_Hz);
 
-  /// Where the sidecar of `file` goes.
+  /// Name of the sidecar of `file`. @throws InputError if `file` has another ending
   static std::filesystem::path sidecarFor(const std::filesystem::path& file);
 
  private:

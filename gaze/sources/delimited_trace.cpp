@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/number.h"
+#include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/sources/table_layout.h"
 #include "gaze/sources/table_preamble.h"
@@ -12,9 +14,9 @@
 namespace foci {
 namespace {
 
-constexpr double kLatest_s = 1e11;  // a clock in seconds keeps 20 us up to here
+constexpr double kMaxTime_s = 1e11;  // up to here a double resolves 20 us
 
-// Degrees and fractions keep their meaning on any screen: on this one where none is known.
+// Degrees and fractions keep their meaning on any screen. This one stands in for an unknown screen.
 const Screen kNominalScreen{.size_px = {1000, 1000}, .size_m = {1.0, 1.0}, .distance_m = 1.0};
 
 bool isMetric(const Screen& screen) {
@@ -45,13 +47,13 @@ class TableReader {
   void readLine(std::string_view line) {
     if (broken_) throw lines_.error("follows a line that is too short");
     row_->split(line);
-    // A recording that was cut off ends within a line.
+    // The last line may be cut off. `broken_` refuses any line behind it.
     if ((broken_ = !row_->isComplete() && taken_ > 1 && !layout_.kind)) return;
     ++taken_;
     if (layout_.kind && row_->field(*layout_.kind) != layout_.sample_kind) return;
     readResolution();
     readSample(sample_);
-    hold();
+    passOn();
   }
 
   void readHeader(const TraceColumns& columns, const std::string& given) {
@@ -93,7 +95,7 @@ class TableReader {
   double readTime() {
     if (!layout_.time) return static_cast<double>(counted_++) / layout_.rate_Hz;
     const auto time = row_->number(*layout_.time);
-    if (!time || std::abs(*time) * std::max(layout_.time_scale_s, 1e-9) > kLatest_s) {
+    if (!time || std::abs(*time) * std::max(layout_.time_scale_s, 1e-9) > kMaxTime_s) {
       row_->fail(*layout_.time, "expected a time");
     }
     return *time;
@@ -101,7 +103,7 @@ class TableReader {
 
   void readSample(GazeSample& sample) {
     row_->read(sample);
-    sample.time_s = readTime();  // in the file's unit, until the clock is settled
+    sample.time_s = readTime();  // in the file's unit, until the unit of time is known
     if (!layout_.x && !layout_.hasDirections()) {
       sample.point_px =
           cyclopean_.combine(sample.time_s * (clock_known_ ? layout_.time_scale_s : 0.0),
@@ -113,8 +115,8 @@ class TableReader {
     }
   }
 
-  /// Checks the order, and passes samples on once the unit of time is known.
-  void hold() {
+  /// Checks the order of the sample just read. Passes samples on once the unit of time is known.
+  void passOn() {
     GazeSample& sample = sample_;
     if (last_time_ && sample.time_s <= *last_time_) {
       throw lines_.error("time " + shown(row_->field(*layout_.time)) +
@@ -126,9 +128,9 @@ class TableReader {
       take_(sample);
       return;
     }
-    constexpr std::size_t kEnough = 128;  // to know the usual interval
+    constexpr std::size_t kEnoughSamples = 128;  // for the usual interval between samples
     held_.push_back(sample);
-    if (held_.size() == kEnough) settleClock();
+    if (held_.size() == kEnoughSamples) settleClock();
   }
 
   void settleClock() {
@@ -141,8 +143,9 @@ class TableReader {
     held_.clear();
   }
 
+  /// The unit of time that gives the rate of an eye tracker.
   double likelyScale_s() const {
-    constexpr double kSlowest_Hz = 5.0, kFastest_Hz = 20'000.0;
+    constexpr double kMinRate_Hz = 5.0, kMaxRate_Hz = 20'000.0;
     std::vector<double> intervals;
     for (std::size_t i = 1; i < held_.size(); ++i) {
       intervals.push_back(held_[i].time_s - held_[i - 1].time_s);
@@ -152,7 +155,7 @@ class TableReader {
     std::nth_element(intervals.begin(), middle, intervals.end());
     for (const double scale_s : {1.0, 1e-3, 1e-6, 1e-9}) {
       const double rate_Hz = 1.0 / (*middle * scale_s);
-      if (rate_Hz >= kSlowest_Hz && rate_Hz <= kFastest_Hz) return scale_s;
+      if (rate_Hz >= kMinRate_Hz && rate_Hz <= kMaxRate_Hz) return scale_s;
     }
     return 1.0;
   }
@@ -162,13 +165,13 @@ class TableReader {
   TablePreamble preamble_;
   TableLayout layout_{};
   std::optional<TableRow> row_{};
-  GazeSample sample_{};  // of the row read last
+  GazeSample sample_{};  // of the latest row
   Cyclopean cyclopean_{};
   bool clock_known_ = false, resolution_known_ = false;
   std::optional<double> last_time_{};
   std::vector<GazeSample> held_{};
   std::size_t taken_ = 0, counted_ = 0;
-  bool broken_ = false;  // the line before had too few fields
+  bool broken_ = false;  // the previous line had too few fields
   std::array<bool, 2> eyes_seen_{};
 };
 

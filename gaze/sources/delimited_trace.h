@@ -1,4 +1,4 @@
-// Recordings as tables of text: TSV and CSV with a header line.
+// Recordings as text tables: TSV and CSV with a header line.
 #pragma once
 
 #include "gaze/geometry/gaze_sample.h"
@@ -7,8 +7,8 @@
 
 namespace foci {
 
-/// Reads what `streamTrace` says of TSV and CSV.
-/// @param header  the names of the columns where the file itself has none; else empty
+/// Reads a table as `streamTrace` describes.
+/// @param header  the columns' names if the file itself has none; else empty
 /// @throws InputError
 TraceHeader readDelimitedTrace(LineReader& lines, const TraceColumns& columns,
                                const Screen& fallback_screen, const TakeSample& take,

@@ -7,24 +7,26 @@
 #include <string>
 #include <vector>
 
+#include "base/number.h"
+#include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
 
 namespace foci {
 namespace {
 
 constexpr double kSecond_ms = 1000.0;
-constexpr double kClock_ms = 1e-3;  // above the rounding of seconds, far below a sample
+constexpr double kClock_ms = 1e-3;  // above the rounding of seconds, far below an interval
 
-// Lids move together, and the eye that the tracker still sees is half covered: a blink of one eye
-// is a blink. But one that lasts longer than any blink is an eye lost, and the other is good.
-constexpr double kLongestBlink_ms = 1000.0;
-constexpr double kSlack_ms = 100.0;  // an event's line comes a little after its samples
+// Both eyelids move together, so a blink of one eye counts as a blink of both. But no blink lasts
+// longer than this: then the tracker has lost one eye, and the other eye's gaze is good.
+constexpr double kMaxBlink_ms = 1000.0;
+constexpr double kSlack_ms = 100.0;  // the line of an event comes a little after its samples
 
 struct Interval {
-  double first_ms = 0.0, last_ms = 0.0;  // stamps of the first and last sample in it
+  double first_ms = 0.0, last_ms = 0.0;  // time stamps of the first and last sample
 };
 
-/// One START to END. Eyes: 0 left, 1 right.
+/// A recording block, from START to END. Eyes: 0 left, 1 right.
 struct Block {
   bool open = false;
   std::array<bool, 2> recorded{};
@@ -119,14 +121,15 @@ class AscReader {
         throw lines_.error(std::string(key) + ": " + shown(words_[5 + axis]) +
                            ": expected a screen of 16 to 16384 px");
       }
-      // Last pixel minus first, plus one; some experiments write the size itself. Sizes are even.
+      // The size is last pixel minus first, plus one. Some experiments write the size in place of
+      // the last pixel. Screens have even sizes, so rounding down corrects this.
       screen.size_px[axis] = static_cast<int>(pixels) & ~1;
     }
     header_.screen = screen;
   }
 
-  /// Time, then x, y, pupil of each recorded eye; what follows (velocity, target, flags) is not
-  /// read.
+  /// A sample is the time, then x, y and pupil of each recorded eye. The fields behind them
+  /// (velocity, target, flags) are not read.
   void readSample(std::string_view line) {
     splitWords(line, words_, 7);
     const int eyes = (block_.recorded[0] ? 1 : 0) + (block_.recorded[1] ? 1 : 0);
@@ -158,10 +161,10 @@ class AscReader {
     sample.point_px =
         cyclopean_.combine(sample.time_s, sample.eyes[0].point_px, sample.eyes[1].point_px);
     held_.push_back(sample);
-    while (stamp_ms - held_.front().time_s * kSecond_ms > kLongestBlink_ms + kSlack_ms) release();
+    while (stamp_ms - held_.front().time_s * kSecond_ms > kMaxBlink_ms + kSlack_ms) release();
   }
 
-  /// Marks the oldest sample, of which by now everything is known, and passes it on.
+  /// Passes on the oldest sample, and marks it if it belongs to a blink.
   void release() {
     GazeSample& sample = held_.front();
     const double stamp_ms = sample.time_s * kSecond_ms + kClock_ms;
@@ -169,12 +172,12 @@ class AscReader {
     for (std::size_t side : {0, 1}) {
       if (!block_.recorded[side]) continue;
       auto& blinks = block_.blinks[side];
-      // A stamp stands for its whole millisecond, in which there may be two samples.
+      // A time stamp covers a millisecond, which holds two samples at 2000 Hz.
       while (!blinks.empty() && stamp_ms >= blinks.front().last_ms + 1.0) blinks.pop_front();
       const bool closed = !blinks.empty() && stamp_ms >= blinks.front().first_ms;
       const bool open_end = block_.blink_from_ms[side] && stamp_ms >= *block_.blink_from_ms[side];
       all &= closed || open_end;
-      any |= closed && blinks.front().last_ms - blinks.front().first_ms <= kLongestBlink_ms;
+      any |= closed && blinks.front().last_ms - blinks.front().first_ms <= kMaxBlink_ms;
     }
     if (all || any) {
       sample.blink = true;

@@ -1,4 +1,4 @@
-// EyeLink's ASC, as edf2asc writes it.
+// EyeLink ASC, the text format that edf2asc writes.
 #pragma once
 
 #include <string_view>
@@ -9,11 +9,12 @@
 
 namespace foci {
 
-/// Whether a file whose first line that is not empty is `line` is an ASC.
+/// Whether a file is an ASC. @param line  its first line that is not empty
 bool startsEyeLinkAsc(std::string_view line);
 
-/// Samples of all recording blocks, held back for a second or so, since only then a blink is known
-/// to be one. Of its screen the file knows pixels only, from GAZE_COORDS or else DISPLAY_COORDS.
+/// Reads the samples of all recording blocks. They are passed on a good second late, because the
+/// end of a blink decides whether it is one. The file gives the screen's size in pixels only, from
+/// GAZE_COORDS or else DISPLAY_COORDS.
 /// @throws InputError
 TraceHeader readEyeLinkAsc(LineReader& lines, const TakeSample& take);
 

@@ -1,5 +1,6 @@
 #include "gaze/sources/labelled.h"
 
+#include "base/text.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/trace_reader.h"
 

@@ -1,4 +1,4 @@
-// Recordings that people have labelled, sample by sample.
+// Recordings whose samples human coders have labelled.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@
 namespace foci {
 
 struct Coder {
-  std::string name;  ///< of its column
-  /// One a sample; absent where the coder could not tell, or used another word.
+  std::string name;  ///< name of the column
+  /// One for each sample. Absent if the word is none of `nameOf`.
   std::vector<std::optional<GazeState>> labels{};
 };
 
@@ -21,9 +21,9 @@ struct LabelledTrace {
   std::vector<Coder> coders;  ///< one or more
 };
 
-/// A TSV or CSV as `readTrace` takes it, with columns called coder, coder_NAME or label that hold
-/// the words of `nameOf`.
-/// @throws InputError as `readTrace`, and where there is no such column
+/// Reads a TSV or CSV as `readTrace` does, with one column of labels for each coder. Such a column
+/// is called coder, coder_NAME or label, and holds the words of `nameOf`.
+/// @throws InputError as `readTrace`, and if there is no column of labels
 LabelledTrace readLabelledTrace(const std::filesystem::path& file, const Screen& fallback_screen);
 
 }  // namespace foci

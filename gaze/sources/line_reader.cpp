@@ -4,18 +4,17 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 
+#include "base/text.h"
 #include "gaze/sources/swift_number.h"
 
 namespace foci {
 namespace {
 
-constexpr std::size_t kLongestLine = 64 * 1024;    // bytes; no tracker's line is near it
-constexpr std::size_t kBuffer = 4 * kLongestLine;  // bytes; large enough that refills cost nothing
+constexpr std::size_t kMaxLine_B = 64 * 1024;      // far above the line of any tracker
+constexpr std::size_t kBuffer_B = 4 * kMaxLine_B;  // large enough that refills cost nothing
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
@@ -30,16 +29,16 @@ bool equalsIgnoringCase(std::string_view a, std::string_view lower) {
 
 struct LineReader::Input {
   gzFile file = nullptr;
-  bool done = false;  // at the end, or where a packed file is damaged
+  bool done = false;  // at the end of the file, or at damage in a packed file
 };
 
 LineReader::LineReader(const std::filesystem::path& file)
-    : name_(file.string()), in_(std::make_unique<Input>()), buffer_(kBuffer + kNumberPadding) {
+    : name_(file.string()), in_(std::make_unique<Input>()), buffer_(kBuffer_B + kNumberPadding) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) throw InputError(name_, "is a folder");
   in_->file = gzopen(name_.c_str(), "rb");
   if (!in_->file) throw InputError(name_, "cannot be read");
-  gzbuffer(in_->file, static_cast<unsigned>(kBuffer / 2));
+  gzbuffer(in_->file, static_cast<unsigned>(kBuffer_B / 2));
 }
 
 LineReader::~LineReader() {
@@ -51,7 +50,8 @@ bool LineReader::fill() {
   std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
-  const int count = gzread(in_->file, buffer_.data() + end_, static_cast<unsigned>(kBuffer - end_));
+  const int count =
+      gzread(in_->file, buffer_.data() + end_, static_cast<unsigned>(kBuffer_B - end_));
   int status = Z_OK;
   gzerror(in_->file, &status);
   if (count < 0 || status == Z_BUF_ERROR || status == Z_DATA_ERROR) {
@@ -72,13 +72,13 @@ bool LineReader::next(std::string_view& line) {
     newline = left > 0 ? static_cast<const char*>(std::memchr(from, '\n', left)) : nullptr;
     if (newline) break;
     searched = end_ - begin_;
-    if (searched > kLongestLine || !fill()) break;
+    if (searched > kMaxLine_B || !fill()) break;
   }
   if (!newline && searched == 0) return false;
   ++number_;
   const std::size_t length =
       newline ? static_cast<std::size_t>(newline - buffer_.data()) - begin_ : end_ - begin_;
-  if (length > kLongestLine) throw error("a line over 64 KiB: expected lines of text");
+  if (length > kMaxLine_B) throw error("a line over 64 KiB: expected lines of text");
   line = {buffer_.data() + begin_, length};
   begin_ += length + (newline ? 1 : 0);
   if (std::memchr(line.data(), '\0', line.size())) throw error("binary: expected UTF-8 text");
@@ -91,22 +91,6 @@ InputError LineReader::error(const std::string& what) const {
   return InputError(name_ + ":" + std::to_string(number_), what);
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && isBlank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && isBlank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-std::string shown(std::string_view text) {
-  constexpr std::size_t kMost = 40;
-  std::string result;
-  for (char c : text.substr(0, kMost)) {
-    result += c >= 0x20 && c < 0x7f ? c : '?';
-  }
-  if (text.size() > kMost) result += "...";
-  return '"' + result + '"';
-}
-
 bool isAbsent(std::string_view field) {
   if (field.empty() || field == ".") return true;
   if (field.size() > 4 || std::tolower(static_cast<unsigned char>(field[0])) != 'n') return false;
@@ -116,22 +100,12 @@ bool isAbsent(std::string_view field) {
   return false;
 }
 
-std::optional<double> parseNumber(std::string_view field) {
-  if (field.starts_with('+') && !field.starts_with("+-")) field.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), value);
-  if (status != std::errc() || end != field.data() + field.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
-}
-
 void splitFields(std::string_view line, char delimiter, std::vector<std::string_view>& fields,
-                 std::size_t most) {
+                 std::size_t max_fields) {
   fields.clear();
   const bool quotes = std::memchr(line.data(), '"', line.size()) != nullptr;
   std::size_t at = 0;
-  while (fields.size() < most) {
+  while (fields.size() < max_fields) {
     std::size_t end = at;
     bool quoted = false;
     if (quotes) {
@@ -149,10 +123,11 @@ void splitFields(std::string_view line, char delimiter, std::vector<std::string_
   }
 }
 
-void splitWords(std::string_view line, std::vector<std::string_view>& words, std::size_t most) {
+void splitWords(std::string_view line, std::vector<std::string_view>& words,
+                std::size_t max_words) {
   words.clear();
   std::size_t at = 0;
-  while (at < line.size() && words.size() < most) {
+  while (at < line.size() && words.size() < max_words) {
     if (isBlank(line[at])) {
       ++at;
       continue;
@@ -164,11 +139,11 @@ void splitWords(std::string_view line, std::vector<std::string_view>& words, std
 }
 
 void splitRow(std::string_view line, char delimiter, std::vector<std::string_view>& fields,
-              std::size_t most) {
+              std::size_t max_fields) {
   if (delimiter == ' ') {
-    splitWords(line, fields, most);
+    splitWords(line, fields, max_fields);
   } else {
-    splitFields(line, delimiter, fields, most);
+    splitFields(line, delimiter, fields, max_fields);
   }
 }
 

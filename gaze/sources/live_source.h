@@ -1,4 +1,4 @@
-// Gaze as it happens, whatever it comes from.
+// The interface of all sources of live gaze.
 #pragma once
 
 #include <string>
@@ -8,20 +8,20 @@
 
 namespace foci {
 
-/// A tracker, or what stands in for one. Never waits: the frame loop asks it once a frame.
+/// An eye tracker, or a substitute for one. No function waits; the frame loop polls once a frame.
 class LiveSource {
  public:
   virtual ~LiveSource() = default;
 
-  /// Appends what has come since the last call, oldest first, with times on the caller's clock that
-  /// increase from sample to sample and are not after `now_s`.
+  /// Appends the samples that have arrived since the last call, oldest first. Their times are on
+  /// the caller's clock, increase from sample to sample, and are not after `now_s`.
   /// @param now_s  never decreases
   virtual void poll(double now_s, std::vector<GazeSample>& samples) = 0;
 
-  /// Samples a second, nominal, > 0: known from the start, or a guess until there are enough.
+  /// Nominal sampling rate, > 0. Some sources return a guess until enough samples have arrived.
   virtual double rate_Hz() const = 0;
 
-  /// One line for the observer: what it is, whether it is there.
+  /// One line for the observer: the source's name, and whether it works.
   virtual std::string status() const = 0;
 };
 

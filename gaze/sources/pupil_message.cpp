@@ -12,7 +12,7 @@ namespace {
 
 using Object = msgpack::object;
 
-/// The value of a key in a map; a key of digits may be an integer, too.
+/// The value of a key in a map. A key made of digits may also be an integer in the map.
 const Object* find(const Object& map, std::string_view key) {
   if (map.type != msgpack::type::MAP) return nullptr;
   for (std::uint32_t i = 0; i < map.via.map.size; ++i) {
@@ -55,25 +55,25 @@ std::optional<glm::dvec3> vectorIn(const Object* object, std::uint32_t count) {
   return result;
 }
 
-/// From the scene camera (x right, y down, z forward) to the eye frame.
-glm::dvec3 turned(const glm::dvec3& camera) { return {camera.x, -camera.y, -camera.z}; }
+/// From the scene camera's frame (x right, y down, z forward) to the eye frame.
+glm::dvec3 inEyeFrame(const glm::dvec3& camera) { return {camera.x, -camera.y, -camera.z}; }
 
 void readEye(const Object* direction, const Object* origin_mm, EyeSample& eye) {
   if (const auto normal = vectorIn(direction, 3)) {
     const double length = glm::length(*normal);
-    if (length > 0.5 && length < 2.0) eye.direction = turned(*normal) / length;
+    if (length > 0.5 && length < 2.0) eye.direction = inEyeFrame(*normal) / length;
   }
-  if (const auto centre_mm = vectorIn(origin_mm, 3)) eye.origin_m = 1e-3 * turned(*centre_mm);
+  if (const auto centre_mm = vectorIn(origin_mm, 3)) eye.origin_m = 1e-3 * inEyeFrame(*centre_mm);
 }
 
 }  // namespace
 
 std::optional<GazeSample> parsePupilMessage(std::string_view topic, std::string_view payload,
                                             const Screen& screen) {
-  constexpr std::size_t kLargest = 1 << 20;  // a datum has a few kilobytes
-  constexpr double kConfident = 0.6;
-  constexpr double kLatest_s = 1e11, kFarthest_px = 1e5;
-  if (!topic.starts_with("gaze.") || payload.size() > kLargest) return std::nullopt;
+  constexpr std::size_t kMaxBytes = 1 << 20;   // a message has a few kilobytes
+  constexpr double kMinPupilConfidence = 0.6;  // as in Pupil Core's own software
+  constexpr double kMaxClock_s = 1e11, kMaxGaze_px = 1e5;
+  if (!topic.starts_with("gaze.") || payload.size() > kMaxBytes) return std::nullopt;
   msgpack::object_handle handle;
   try {
     const msgpack::unpack_limit limit(4096, 4096, 1 << 16, 1 << 16, 1 << 16, 16);
@@ -85,11 +85,11 @@ std::optional<GazeSample> parsePupilMessage(std::string_view topic, std::string_
   }
   const Object& map = handle.get();
   const auto time_s = numberIn(find(map, "timestamp"));
-  if (!time_s || std::abs(*time_s) > kLatest_s) return std::nullopt;
+  if (!time_s || std::abs(*time_s) > kMaxClock_s) return std::nullopt;
   GazeSample sample{.time_s = *time_s};
   if (const auto confidence = numberIn(find(map, "confidence"))) {
     sample.confidence = std::clamp(*confidence, 0.0, 1.0);
-    if (*confidence < kConfident) return sample;
+    if (*confidence < kMinPupilConfidence) return sample;
   }
 
   if (topic.starts_with("gaze.3d.01")) {
@@ -111,7 +111,7 @@ std::optional<GazeSample> parsePupilMessage(std::string_view topic, std::string_
   } else if (const auto norm = vectorIn(find(map, "norm_pos"), 2)) {
     sample.point_px = glm::dvec2(norm->x, 1.0 - norm->y) * glm::dvec2(screen.size_px);
   }
-  if (sample.point_px && !(glm::length(*sample.point_px) <= kFarthest_px)) sample.point_px.reset();
+  if (sample.point_px && !(glm::length(*sample.point_px) <= kMaxGaze_px)) sample.point_px.reset();
   return sample;
 }
 

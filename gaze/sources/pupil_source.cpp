@@ -5,14 +5,15 @@
 #include <zmq.hpp>
 
 #include "base/input_error.h"
-#include "gaze/sources/line_reader.h"
+#include "base/number.h"
+#include "base/text.h"
 #include "gaze/sources/pupil_message.h"
 
 namespace foci {
 namespace {
 
 constexpr double kPatience_s = 2.0;
-constexpr int kMaxMessages = 4096;  // waiting; older ones go
+constexpr int kMaxMessages = 4096;  // in the queue
 
 zmq::socket_t quietSocket(zmq::context_t& context, zmq::socket_type type) {
   zmq::socket_t socket(context, type);
@@ -27,7 +28,7 @@ zmq::socket_t quietSocket(zmq::context_t& context, zmq::socket_type type) {
 struct PupilSource::Sockets {
   zmq::context_t context{1};
   std::optional<zmq::socket_t> request{}, data{};
-  bool heard = false;  // from `data`
+  bool heard = false;  // a message has arrived from `data`
 };
 
 PupilSource::PupilSource(const std::string& host, int port, const Screen& screen)
@@ -105,7 +106,7 @@ void PupilSource::receive(double now_s, std::vector<GazeSample>& samples) {
     sample->time_s = std::min(sample->time_s + *offset_s_, now_s);
     if (last_s_ && sample->time_s <= *last_s_) continue;
     if (last_s_) {
-      constexpr double kMemory = 0.05;
+      constexpr double kMemory = 0.05;  // share of the newest interval, chosen by eye
       const double interval_s = sample->time_s - *last_s_;
       interval_s_ = interval_s_
                         ? std::lerp(*interval_s_, std::min(interval_s, 2.0 * *interval_s_), kMemory)
@@ -117,7 +118,7 @@ void PupilSource::receive(double now_s, std::vector<GazeSample>& samples) {
 }
 
 double PupilSource::rate_Hz() const {
-  constexpr double kUsual_Hz = 200.0;
+  constexpr double kUsual_Hz = 200.0;  // eye cameras of Pupil Core
   return interval_s_ ? std::clamp(1.0 / *interval_s_, 25.0, 2000.0) : kUsual_Hz;
 }
 

@@ -1,4 +1,4 @@
-// Pupil Core over the network: `pupil:HOST:PORT`.
+// Live gaze from Pupil Core over the network: `pupil:HOST:PORT`.
 #pragma once
 
 #include <memory>
@@ -8,14 +8,14 @@
 
 namespace foci {
 
-/// Asks Pupil Remote (ZeroMQ REQ, "SUB_PORT") for the port of its data and subscribes to `gaze.`.
-/// Where nobody answers, or the data stop for two seconds, it asks again, for ever. The sender's
-/// clock is set against ours by the message that came soonest.
+/// Asks Pupil Remote for the port of its data (ZeroMQ REQ, "SUB_PORT") and subscribes to `gaze.`.
+/// If nobody answers, or no data arrive for two seconds, it asks again, without end. The message
+/// with the shortest delay so far sets the offset between the sender's clock and ours.
 class PupilSource : public LiveSource {
  public:
   /// @param host    a name or an address
-  /// @param screen  with all of its quantities known
-  /// @throws InputError where host or port cannot be one
+  /// @param screen  with known size and distance
+  /// @throws InputError if host or port are malformed
   PupilSource(const std::string& host, int port, const Screen& screen);
   ~PupilSource() override;
 
@@ -33,9 +33,9 @@ class PupilSource : public LiveSource {
   int port_;
   Screen screen_;
   std::unique_ptr<Sockets> sockets_;
-  double since_s_ = 0.0;  // when it asked, or last heard
-  std::optional<double> offset_s_{}, last_s_{};
-  std::optional<double> interval_s_{};  // usual one between samples
+  double since_s_ = 0.0;                         // time of the latest request or message
+  std::optional<double> offset_s_{}, last_s_{};  // between the clocks; time of the latest sample
+  std::optional<double> interval_s_{};           // usual time between samples
 };
 
 }  // namespace foci

@@ -1,4 +1,4 @@
-// The live sources that need no tracker: the mouse, and a recording played in real time.
+// Live sources without a tracker: the mouse, and a recording played in real time.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace foci {
 
-/// The pointer stands for the gaze: one sample a poll.
+/// The pointer replaces gaze. Each poll gives one sample.
 class MouseSource : public LiveSource {
  public:
-  /// @param rate_Hz  how often it will be asked
+  /// @param rate_Hz  nominal number of polls per second
   explicit MouseSource(double rate_Hz = 60.0) : rate_Hz_(rate_Hz) {}
 
-  /// @param point_px  on the screen; absent where the pointer is elsewhere: gaze is lost
+  /// @param point_px  on the screen; absent while the pointer is elsewhere (data loss)
   void moveTo(const std::optional<glm::dvec2>& point_px) { point_px_ = point_px; }
 
   void poll(double now_s, std::vector<GazeSample>& samples) override;
@@ -27,10 +27,10 @@ class MouseSource : public LiveSource {
   std::optional<double> last_s_{};
 };
 
-/// A recording as if its observer sat here: its first sample comes with the first poll.
+/// Plays a recording in real time. The first poll gives the first sample.
 class TraceSource : public LiveSource {
  public:
-  /// @param trace  with samples and a rate
+  /// @param trace  its samples and rate must be known (asserted)
   explicit TraceSource(GazeTrace trace);
 
   void poll(double now_s, std::vector<GazeSample>& samples) override;
@@ -41,7 +41,7 @@ class TraceSource : public LiveSource {
  private:
   GazeTrace trace_;
   std::size_t next_ = 0;
-  std::optional<double> offset_s_{};  // from its clock to the caller's
+  std::optional<double> offset_s_{};  // from the recording's clock to the caller's
 };
 
 }  // namespace foci

@@ -1,5 +1,5 @@
-// Saccades with the durations of Carpenter (1988) and the minimum-jerk course of Flash and Hogan
-// (1985); drift as a smooth random walk; blinks at random times.
+// Saccades have the durations of Carpenter (1988) and the minimum-jerk course of Flash and Hogan
+// (1985). Drift is a smooth random walk. Blinks come at random times.
 #include "gaze/sources/simulator.h"
 
 #include <algorithm>
@@ -14,19 +14,24 @@
 namespace foci {
 namespace {
 
-// Duration of a saccade: 2.2 ms a degree and 21 ms. Peak velocity follows: 15/8 of the mean.
+// Duration of a saccade: 21 ms and 2.2 ms per degree. The peak velocity of a minimum-jerk course is
+// 15/8 of its mean velocity.
+constexpr double kMinDuration_s = 0.021;
 constexpr double kDurationPerDegree_s = 0.0022;
-constexpr double kShortestDuration_s = 0.021;
-constexpr double kMinLatency_s = 0.08;         // what is faster was no answer to the target
-constexpr double kIntersaccadic_s = 0.05;      // no saccade starts as soon after another
-constexpr double kCorrectionLatency_s = 0.15;  // of the second saccade to the same target
-constexpr double kCorrected_deg = 1.0;         // errors below stay uncorrected
-constexpr double kDriftMemory_s = 0.2;         // the drift keeps its direction about as long
-constexpr double kBlinkPause_s = 0.5;          // no blink starts as soon after another
-constexpr double kShortestBlink_s = 0.08;
-constexpr glm::dvec2 kTremor_Hz{81.0, 89.0};  // along x and y: never in step
 
-/// std::mt19937_64 gives the same bits everywhere; the library's distributions do not.
+// Chosen by eye, within the usual ranges.
+constexpr double kMinLatency_s = 0.08;         // a faster saccade is no response to the target
+constexpr double kMinPause_s = 0.05;           // between two saccades
+constexpr double kCorrectionLatency_s = 0.15;  // of a corrective saccade
+constexpr double kCorrected_deg = 1.0;         // smaller errors are not corrected
+constexpr double kDriftMemory_s = 0.2;         // how long drift keeps its direction
+constexpr double kBlinkPause_s = 0.5;          // minimum, between two blinks
+constexpr double kMinBlink_s = 0.08;
+constexpr glm::dvec2 kTremor_Hz{81.0,
+                                89.0};  // along x and y; different, so that it has no direction
+
+/// std::mt19937_64 gives the same bits everywhere. The standard library's distributions do not, so
+/// they are written out here.
 class Chance {
  public:
   explicit Chance(std::uint64_t seed) : bits_(seed) {}
@@ -81,7 +86,7 @@ class Observer {
     planBlink(0.0);
   }
 
-  /// Where the eye points, with what it does. Times increase.
+  /// Gaze in degrees, and the eye's state. @param time_s  never decreases
   std::pair<glm::dvec2, GazeState> at(double time_s) {
     if (saccade_ && time_s >= saccade_->onset_s + saccade_->duration_s) endSaccade();
     if (!saccade_ && !plans_.empty() && time_s >= plans_.front().onset_s &&
@@ -111,7 +116,8 @@ class Observer {
     bool correction = false;
   };
 
-  /// Per axis, so that the mean speed is the one set (the mean of a Rayleigh distribution).
+  /// Standard deviation of the drift's velocity along each axis. The mean speed is the mean of a
+  /// Rayleigh distribution, sqrt(pi / 2) sigma.
   double driftScale() const { return settings_.drift_deg_s / std::sqrt(0.5 * std::numbers::pi); }
 
   void drift(double step_s) {
@@ -122,22 +128,22 @@ class Observer {
   }
 
   void startSaccade(double time_s) {
-    // Of several plans that are due the eye carries out the latest.
+    // Of several plans that are due, the eye follows the latest.
     while (plans_.size() > 1 && plans_[1].onset_s <= time_s) plans_.pop_front();
     goal_ = plans_.front();
     plans_.pop_front();
     const double amplitude_deg = glm::length(goal_.point_deg - eye_deg_);
     saccade_ = {
         .onset_s = time_s,
-        .duration_s = kShortestDuration_s + kDurationPerDegree_s * amplitude_deg,
+        .duration_s = kMinDuration_s + kDurationPerDegree_s * amplitude_deg,
         .from_deg = eye_deg_,
         .to_deg = goal_.point_deg + settings_.landing_error * amplitude_deg * chance_.normals()};
   }
 
   void endSaccade() {
     eye_deg_ = saccade_->to_deg;
-    rests_until_s_ = saccade_->onset_s + saccade_->duration_s + kIntersaccadic_s;
-    const double again_s = rests_until_s_ - kIntersaccadic_s + kCorrectionLatency_s;
+    rests_until_s_ = saccade_->onset_s + saccade_->duration_s + kMinPause_s;
+    const double again_s = rests_until_s_ - kMinPause_s + kCorrectionLatency_s;
     const bool missed = glm::length(goal_.point_deg - eye_deg_) > kCorrected_deg;
     if (missed && !goal_.correction && (plans_.empty() || again_s < plans_.front().onset_s)) {
       plans_.push_front({again_s, goal_.point_deg, true});
@@ -150,7 +156,7 @@ class Observer {
                    ? time_s + kBlinkPause_s + chance_.exponential(1.0 / settings_.blink_rate_Hz)
                    : INFINITY;
     blink_duration_s_ =
-        std::max(settings_.blink_duration_s * (1.0 + 0.2 * chance_.normal()), kShortestBlink_s);
+        std::max(settings_.blink_duration_s * (1.0 + 0.2 * chance_.normal()), kMinBlink_s);
   }
 
   Chance chance_;

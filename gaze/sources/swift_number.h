@@ -1,5 +1,6 @@
-// Decimal numbers of a table, eight characters at once (Lemire 2021, "Number parsing at a gigabyte
-// per second").
+// Fast parsing of a table's decimal numbers, eight characters in one step (Lemire 2021, "Number
+// parsing at a gigabyte per second"). The recordings' readers use this path first, and
+// `parseNumber` for any other text.
 #pragma once
 
 #include <bit>
@@ -10,16 +11,16 @@
 
 namespace foci {
 
-/// What follows a field must be readable for so many bytes.
+/// So many bytes behind a field must be readable.
 inline constexpr std::size_t kNumberPadding = 8;
 
 static_assert(std::endian::native == std::endian::little);
 
-/// A sign, digits, and at most one point between or behind them: up to 8 characters, or up to 15 of
-/// which the point is none but one of the last 8. Whole and power of ten are exact then, so that
-/// their quotient is the nearest double (Clinger 1990).
-/// @param field  followed by `kNumberPadding` bytes that may be read, whatever they hold
-/// @return nothing for every other text, be it a number or not
+/// Parses an optional minus sign and up to 15 characters: digits, with at most one decimal point
+/// among the last 8. The digits as an integer and the power of ten are then exact doubles, so their
+/// quotient is the nearest double (Clinger 1990).
+/// @param field  followed by `kNumberPadding` readable bytes of any value
+/// @return nothing for any other text, even if it is a number
 inline std::optional<double> swiftNumber(std::string_view field) {
   static constexpr double kPowers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7};
   constexpr std::uint64_t kZeros = 0x3030303030303030, kOnes = 0x0101010101010101,
@@ -32,7 +33,7 @@ inline std::optional<double> swiftNumber(std::string_view field) {
   length -= negative;
   if (length == 0 || length > 15) return std::nullopt;
 
-  std::uint64_t head = 0;  // what is before the last eight
+  std::uint64_t head = 0;  // the digits before the last eight characters
   for (; length > 8; --length) {
     const auto digit = static_cast<unsigned char>(*at++ - '0');
     if (digit > 9) return std::nullopt;
@@ -40,15 +41,15 @@ inline std::optional<double> swiftNumber(std::string_view field) {
   }
   std::uint64_t text = 0;
   std::memcpy(&text, at, sizeof text);
-  // The last character to the highest byte; zeros before the first.
+  // Move the last character to the highest byte, and fill with zeros before the first.
   const auto unused = static_cast<unsigned>(8 * (8 - length));
   text = unused == 0 ? text : text << unused | kZeros >> (64 - unused);
 
-  // The point is taken out, and what is before it moved on.
+  // Remove the point: move the digits before it by one byte.
   const std::uint64_t points = text ^ 0x2e2e2e2e2e2e2e2e;
   const std::uint64_t found = (points - kOnes) & ~points & kHighs;
   int decimals = 0;
-  std::uint64_t scale = 100'000'000;  // of the head
+  std::uint64_t scale = 100'000'000;  // of `head`
   if (found != 0) {
     if (length == 1) return std::nullopt;
     const int byte = std::countr_zero(found) / 8;
@@ -62,10 +63,10 @@ inline std::optional<double> swiftNumber(std::string_view field) {
   text -= kZeros;
   text = text * 10 + (text >> 8);
   constexpr std::uint64_t kPairs = 0x000000ff000000ff;
-  const std::uint64_t whole =
+  const std::uint64_t digits =
       ((text & kPairs) * 0x000f424000000064 + ((text >> 16) & kPairs) * 0x0000271000000001) >> 32;
   const double value =
-      static_cast<double>(static_cast<std::int64_t>(head * scale + whole)) / kPowers[decimals];
+      static_cast<double>(static_cast<std::int64_t>(head * scale + digits)) / kPowers[decimals];
   return negative ? -value : value;
 }
 

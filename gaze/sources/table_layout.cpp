@@ -1,18 +1,19 @@
-// Names after the vendors' exports and their documentation: Tobii Pro Lab, Tobii Studio, Tobii Pro
-// SDK, Pupil Core, Neon, SMI BeGaze, GazeBase, GazeBaseVR, JuDo1000, BIDS.
+// The names come from exports and documentation of Tobii Pro Lab, Tobii Studio, Tobii Pro SDK,
+// Pupil Core, Neon, SMI BeGaze, GazeBase, GazeBaseVR, JuDo1000 and BIDS.
 #include "gaze/sources/table_layout.h"
 
 #include <algorithm>
-#include <cctype>
-#include <cmath>
-#include <span>
+#include <initializer_list>
+#include <string>
 
-#include "base/nearest.h"
+#include "base/number.h"
+#include "base/text.h"
+#include "gaze/sources/column_names.h"
 
 namespace foci {
 namespace {
 
-using Keys = std::span<const std::string_view>;
+using Keys = ColumnNames::Keys;
 
 constexpr std::string_view kTimes[] = {
     "time",          "timestamp",       "t", "sampletime", "recordingtimestamp",
@@ -22,66 +23,25 @@ constexpr std::string_view kXs[] = {"x",    "gazex",    "xgaze",       "gazepoin
 constexpr std::string_view kYs[] = {"y",    "gazey",    "ygaze",       "gazepointy",
                                     "eyey", "normposy", "ycoordinate", "pory"};
 
-/// A column's name without its unit and without everything that is no letter or digit.
-struct Name {
-  std::string key, unit;
-};
-
-bool isUnit(std::string_view word) {
-  for (const std::string_view unit :
-       {"s", "ms", "us", "ns", "px", "deg", "dva", "norm", "mm", "m"}) {
-    if (word == unit) return true;
-  }
-  return false;
-}
-
-Name nameOfColumn(std::string_view text) {
-  std::string lower;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool micro =
-        text.substr(i).starts_with("\xce\xbc") || text.substr(i).starts_with("\xc2\xb5");
-    lower += micro ? 'u' : static_cast<char>(std::tolower(static_cast<unsigned char>(text[i])));
-    i += micro;
-  }
-  Name name;
-  const std::size_t bracket = lower.find_first_of("[(");
-  if (bracket != std::string::npos && bracket > 0) {
-    std::string inside = lower.substr(bracket + 1);
-    inside.erase(
-        std::find_if(inside.begin(), inside.end(), [](char c) { return c == ']' || c == ')'; }),
-        inside.end());
-    // "DACS px", "ADCSpx", "MCSnorm": the last part counts.
-    for (const std::string_view unit : {"px", "norm", "deg", "mm", "ms", "us", "ns", "s"}) {
-      if (name.unit.empty() && inside.ends_with(unit)) name.unit = unit;
-    }
-    lower.resize(bracket);
-  } else if (const std::size_t at = lower.rfind('_');
-             at != std::string::npos && at > 0 && isUnit(lower.substr(at + 1))) {
-    name.unit = lower.substr(at + 1);
-    lower.resize(at);
-  }
-  for (const char c : lower) {
-    if (std::isalnum(static_cast<unsigned char>(c))) name.key += c;
-  }
-  return name;
-}
-
 double secondsPer(const std::string& unit) {
   return unit == "s" ? 1.0 : unit == "ms" ? 1e-3 : unit == "us" ? 1e-6 : unit == "ns" ? 1e-9 : 0.0;
+}
+
+char delimiterOf(std::string_view header) {
+  const auto has = [&](char c) { return header.find(c) != std::string_view::npos; };
+  return has('\t') ? '\t' : has(';') ? ';' : has(',') ? ',' : ' ';
 }
 
 class Recogniser {
  public:
   Recogniser(const LineReader& lines, std::string_view header, const TraceColumns& columns,
              const TablePreamble& before)
-      : lines_(lines), given_(columns), before_(before) {
-    const auto has = [&](char c) { return header.find(c) != std::string_view::npos; };
-    layout_.delimiter = has('\t') ? '\t' : has(';') ? ';' : has(',') ? ',' : ' ';
+      : lines_(lines),
+        given_(columns),
+        before_(before),
+        names_(lines, header, delimiterOf(header)) {
+    layout_.delimiter = delimiterOf(header);
     layout_.format = layout_.delimiter == '\t' ? "TSV" : layout_.delimiter == ' ' ? "text" : "CSV";
-    splitRow(header, layout_.delimiter, fields_);
-    constexpr std::size_t kMaxColumns = 4096;
-    if (fields_.size() > kMaxColumns) throw lines.error("over 4096 columns");
-    for (const std::string_view field : fields_) names_.push_back(nameOfColumn(field));
   }
 
   TableLayout recognise() {
@@ -91,7 +51,7 @@ class Recogniser {
     findPoint();
     findRest();
     recogniseFormat();
-    for (std::size_t i = 0; i < fields_.size(); ++i) {
+    for (std::size_t i = 0; i < names_.size(); ++i) {
       if (isUsed(i)) layout_.columns = i + 1;
       for (const EyeColumns& eye : layout_.eyes) layout_.has_eyes |= isOf(eye, i);
     }
@@ -99,54 +59,28 @@ class Recogniser {
   }
 
  private:
+  std::optional<std::size_t> find(Keys keys) const { return names_.find(keys); }
   std::optional<std::size_t> find(std::initializer_list<std::string_view> keys) const {
-    return find(Keys(keys.begin(), keys.size()));
+    return names_.find(keys);
   }
 
-  std::optional<std::size_t> find(Keys keys) const {
-    for (const std::string_view key : keys) {
-      for (std::size_t i = 0; i < names_.size(); ++i) {
-        if (names_[i].key == key) return i;
-      }
-    }
-    return std::nullopt;
-  }
-
-  /// Diameters, if the name says that they are in millimetres or the vendor always has them so.
-  std::optional<std::size_t> findPupil(std::initializer_list<std::string_view> keys) const {
-    const auto found = find(keys);
-    const bool tobii = find({"recordingtimestamp", "devicetimestamp"}).has_value();
-    return found && (tobii || names_[*found].unit == "mm") ? found : std::nullopt;
-  }
-
-  std::string nearestTo(std::string_view wanted) const {
-    std::vector<std::string> known;
-    for (const std::string_view field : fields_) known.emplace_back(field.substr(0, 64));
-    return shown(nearest(wanted, known));
-  }
-
-  /// A column by its name, or by its number, "#1" the first.
+  /// The column that the study names. A column that is named by its number may have no header.
   std::size_t named(const std::string& name) {
-    const auto found = std::find(fields_.begin(), fields_.end(), name);
-    if (found != fields_.end()) return static_cast<std::size_t>(found - fields_.begin());
-    if (name.starts_with('#')) {
-      const auto number = parseNumber(std::string_view(name).substr(1));
-      if (number && *number >= 1.0 && *number <= static_cast<double>(fields_.size()) &&
-          *number == std::floor(*number)) {
-        const auto column = static_cast<std::size_t>(*number) - 1;
-        layout_.headless |= parseNumber(fields_[column]).has_value();
-        return column;
-      }
-      throw lines_.error("no column " + shown(name) + ": expected #1 to #" +
-                         std::to_string(fields_.size()));
-    }
-    throw lines_.error("no column " + shown(name) + ": the nearest is " + nearestTo(name));
+    const std::size_t column = names_.named(name);
+    layout_.headless |= name.starts_with('#') && parseNumber(names_.text(column)).has_value();
+    return column;
   }
 
   std::size_t require(const std::string& name, Keys usual) {
-    if (!name.empty()) return named(name);
-    if (const auto found = find(usual)) return *found;
-    throw lines_.error("no column " + shown(usual[0]) + ": the nearest is " + nearestTo(usual[0]));
+    return name.empty() ? names_.require(name, usual) : named(name);
+  }
+
+  /// Pupil diameters, if they are in millimetres: by the unit, or because Tobii always writes them
+  /// so.
+  std::optional<std::size_t> findPupil(std::initializer_list<std::string_view> keys) const {
+    const auto found = find(keys);
+    const bool tobii = find({"recordingtimestamp", "devicetimestamp"}).has_value();
+    return found && (tobii || names_.unit(*found) == "mm") ? found : std::nullopt;
   }
 
   void findEyes() {
@@ -167,7 +101,7 @@ class Recogniser {
                                "lmappeddiameter", "leftpupilsize", "leftpupil"});
     right.pupil_mm = findPupil({"rightpupildiameter", "pupildiameterright", "pupilright",
                                 "rmappeddiameter", "rightpupilsize", "rightpupil"});
-    // Tobii's user coordinates: x right, y up, z towards the user.
+    // Tobii's user coordinate system: x right, y up, z towards the user.
     for (std::size_t side : {0, 1}) {
       EyeColumns& eye = layout_.eyes[side];
       const std::string name = side == 0 ? "left" : "right";
@@ -184,7 +118,7 @@ class Recogniser {
       right.direction[axis] = find({"rightdirection" + letter});
     }
     if (left.direction[0] || right.direction[0]) return;
-    // Pupil counts the right eye as 0.
+    // In Pupil Core the right eye is number 0.
     layout_.camera_axes = true;
     for (std::size_t axis : {0, 1, 2}) {
       left.origin_mm[axis] = find({"eyecenter13d" + axes.substr(axis, 1)});
@@ -204,19 +138,20 @@ class Recogniser {
       takeUnits(layout_.eyes[0].x ? layout_.eyes[0].x : layout_.eyes[1].x);
       return;
     }
-    // Lines of sight give the point, too.
+    // Without columns of a point, lines of sight give it.
     if (given_.x.empty() && given_.y.empty() && layout_.hasDirections() && !find(Keys(kXs))) return;
     layout_.x = require(given_.x, kXs);
     layout_.y = require(given_.y, kYs);
     takeUnits(layout_.x);
-    if (names_[*layout_.x].unit != names_[*layout_.y].unit && !given_.units) {
-      throw lines_.error("columns " + shown(fields_[*layout_.x]) + " and " +
-                         shown(fields_[*layout_.y]) + " have different units: expected the same");
+    if (names_.unit(*layout_.x) != names_.unit(*layout_.y) && !given_.units) {
+      throw lines_.error("columns " + shown(names_.text(*layout_.x)) + " and " +
+                         shown(names_.text(*layout_.y)) +
+                         " have different units: expected the same");
     }
   }
 
   void takeUnits(const std::optional<std::size_t>& column) {
-    if (column) layout_.units = unitsNamed(names_[*column].unit);
+    if (column) layout_.units = unitsNamed(names_.unit(*column));
   }
 
   void findTime() {
@@ -227,7 +162,7 @@ class Recogniser {
       layout_.time_scale_s = 1.0;
     } else {
       layout_.time = require(given_.time, kTimes);
-      layout_.time_scale_s = given_.time_scale_s.value_or(secondsPer(names_[*layout_.time].unit));
+      layout_.time_scale_s = given_.time_scale_s.value_or(secondsPer(names_.unit(*layout_.time)));
     }
   }
 
@@ -242,7 +177,7 @@ class Recogniser {
       if (!given.x.empty()) {
         eye = EyeColumns{.x = named(given.x), .y = named(given.y)};
       } else if (given_.namesEye(1 - side) && given.pupil.empty()) {
-        eye = {};  // the study speaks of the other eye alone
+        eye = {};  // the study names the other eye alone
       }
       if (!given.pupil.empty()) eye.pupil_mm = named(given.pupil);
     }
@@ -254,11 +189,11 @@ class Recogniser {
     layout_.blink = !given_.blink.empty() ? std::optional(named(given_.blink))
                                           : find({"blink", "isblink", "blinkid"});
     layout_.named_blink =
-        given_.blink.empty() && layout_.blink && names_[*layout_.blink].key == "blinkid";
+        given_.blink.empty() && layout_.blink && names_.key(*layout_.blink) == "blinkid";
     layout_.confidence =
         !given_.confidence.empty() ? std::optional(named(given_.confidence)) : find({"confidence"});
     const auto uncertainty = find({"uncertainty"});
-    if (uncertainty && names_[*uncertainty].unit == "deg") layout_.uncertainty_deg = uncertainty;
+    if (uncertainty && names_.unit(*uncertainty) == "deg") layout_.uncertainty_deg = uncertainty;
     layout_.numbers = {.missing = given_.missing,
                        .scale = given_.scale,
                        .offset = given_.offset,
@@ -327,8 +262,7 @@ class Recogniser {
   const LineReader& lines_;
   const TraceColumns& given_;
   const TablePreamble& before_;
-  std::vector<std::string_view> fields_{};
-  std::vector<Name> names_{};
+  ColumnNames names_;
   TableLayout layout_{};
 };
 

@@ -1,4 +1,4 @@
-// Which column of a table of gaze means what, recognised from its names.
+// The meaning of each column in a table of gaze, recognised from the columns' names.
 #pragma once
 
 #include <array>
@@ -14,23 +14,24 @@
 
 namespace foci {
 
-/// How a column says that an eye was seen.
+/// The value that marks an eye as seen.
 enum class ValidityCode {
-  one,       ///< 1 (Tobii's SDK)
+  one,       ///< 1 (Tobii Pro SDK)
   zero,      ///< 0 (GazeBase)
   below_two  ///< the word Valid, or 0 and 1 of Tobii Studio's 0 to 4
 };
 
+/// Columns of one eye, counted from 0.
 struct EyeColumns {
   std::optional<std::size_t> x{}, y{};  ///< of the point
-  std::optional<std::size_t> point{};   ///< or both in one field, "(x, y)"
+  std::optional<std::size_t> point{};   ///< or both coordinates in one field, "(x, y)"
   std::optional<std::size_t> validity{}, pupil_mm{};
   std::array<std::optional<std::size_t>, 3> origin_mm{}, direction{};  ///< x, y, z
-  std::optional<std::size_t> origin_point_mm{}, sight_point_mm{};  ///< "(x, y, z)" (Tobii's SDK)
+  std::optional<std::size_t> origin_point_mm{}, sight_point_mm{};  ///< "(x, y, z)" (Tobii Pro SDK)
   std::optional<std::size_t> origin_validity{};
 };
 
-/// Of the columns that a study names: how to read their numbers.
+/// How to read the numbers, as the study says: see `TraceColumns`.
 struct TableNumbers {
   std::optional<double> missing{};
   glm::dvec2 scale{1.0}, offset{0.0};
@@ -40,34 +41,33 @@ struct TableNumbers {
 struct TableLayout {
   std::string format;  ///< "TSV", "Tobii Pro SDK", ...
   char delimiter = ',';
-  std::optional<std::size_t> time{};  ///< absent: the rows are counted
-  double rate_Hz = 0.0;               ///< of these
-  double time_scale_s = 0.0;          ///< seconds a unit; 0: not said
+  std::optional<std::size_t> time{};  ///< absent: the row's number gives the time
+  double rate_Hz = 0.0;               ///< rows per second, without `time`
+  double time_scale_s = 0.0;          ///< seconds per unit of time; 0: unknown
   std::optional<std::size_t> x{}, y{};
   std::array<EyeColumns, 2> eyes{};  ///< left, right
-  bool has_eyes = false;             ///< any column of either
+  bool has_eyes = false;             ///< the table has any column of either eye
   std::optional<std::size_t> pupil_mm{}, blink{}, confidence{}, validity{}, uncertainty_deg{};
   ValidityCode validity_code = ValidityCode::below_two;
-  std::optional<std::size_t> width_px{}, height_px{};  ///< of the screen, on every row
-  std::optional<std::size_t>
-      kind{};  ///< rows that have another word than `sample_kind` are no samples
+  std::optional<std::size_t> width_px{}, height_px{};  ///< of the screen, repeated on every row
+  std::optional<std::size_t> kind{};  ///< only rows with the word `sample_kind` here are samples
   std::string sample_kind{};
-  std::optional<GazeUnits> units{};  ///< as the columns' names say
-  bool y_up = false;                 ///< the fractions' origin is the bottom-left corner (Pupil)
-  bool camera_axes = false;          ///< of origin and direction: y down, z forward (Pupil)
-  bool zero_is_absent = false;       ///< a point of 0, 0 is none (SMI)
+  std::optional<GazeUnits> units{};  ///< from the columns' names
+  bool y_up = false;                 ///< fractions count from the bottom-left corner (Pupil Core)
+  bool camera_axes = false;          ///< origins and directions have y down, z forward (Pupil Core)
+  bool zero_is_absent = false;       ///< the point (0, 0) means data loss (SMI)
   bool named_blink = false;          ///< `blink` holds the blink's number, or nothing (Neon)
   TableNumbers numbers{};
-  bool headless = false;    ///< the line of names is a row already
-  std::size_t columns = 0;  ///< that must be split
+  bool headless = false;    ///< the first line is a row, not a header
+  std::size_t columns = 0;  ///< number of columns up to the last one in use
 
   bool hasDirections() const { return eyes[0].direction[0] || eyes[1].direction[0]; }
 };
 
-/// @param lines   stands at the header, for errors
+/// @param lines   at the header line, for errors
 /// @param header  the line of names
-/// @param before  what the lines before it say
-/// @throws InputError where time or positions are not found, naming the nearest column
+/// @param before  from the lines before the header
+/// @throws InputError if a column is not found; it names the nearest one
 TableLayout recogniseTable(const LineReader& lines, std::string_view header,
                            const TraceColumns& columns, const TablePreamble& before);
 

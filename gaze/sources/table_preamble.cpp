@@ -3,6 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "base/number.h"
+#include "base/text.h"
+
 namespace foci {
 
 std::optional<GazeUnits> unitsNamed(std::string_view name) {
@@ -50,7 +53,7 @@ void readKeys(const LineReader& lines, std::string_view line, TablePreamble& pre
   }
 }
 
-/// BeGaze writes lengths in millimetres.
+/// A line of SMI BeGaze. Its lengths are in millimetres.
 void readSmi(const LineReader& lines, std::string_view line, TablePreamble& preamble) {
   std::vector<std::string_view> fields;
   splitFields(line, '\t', fields);

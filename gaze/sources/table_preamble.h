@@ -1,4 +1,4 @@
-// What the lines before a table of gaze say of the recording.
+// Lines before a table of gaze that describe the recording.
 #pragma once
 
 #include <optional>
@@ -14,19 +14,18 @@ struct TablePreamble {
   Screen screen{};
   std::optional<GazeUnits> units{};
   std::optional<double> rate_Hz{};
-  bool smi = false;  ///< the file begins as BeGaze's do
+  bool smi = false;  ///< the file begins like those of SMI BeGaze
 };
 
-/// "px", "deg", "normalised" and what others write for them.
+/// "px", "deg", "normalised" and their usual synonyms.
 std::optional<GazeUnits> unitsNamed(std::string_view name);
 
-/// Takes a line that begins with '#': `# key=value ...`, or BeGaze's
-/// `## Calibration Area:<tab>1680<tab>1050` and the like. Keys that are not ours are other people's
-/// and pass.
-/// @throws InputError on a value out of its range
+/// Reads a line that begins with '#': `# key=value ...`, or a BeGaze line such as
+/// `## Calibration Area:<tab>1680<tab>1050`. Unknown keys are ignored.
+/// @throws InputError if a value is out of range
 void readPreambleLine(const LineReader& lines, std::string_view line, TablePreamble& preamble);
 
-/// A number within limits. @param range  them, for the message
+/// A number from `low` to `high`. @param range  the limits as words, for the error
 /// @throws InputError
 double numberIn(const LineReader& lines, std::string_view key, std::string_view text, double low,
                 double high, const char* range);

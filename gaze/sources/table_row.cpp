@@ -4,16 +4,19 @@
 #include <cctype>
 #include <cmath>
 
+#include "base/number.h"
+#include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/swift_number.h"
 
 namespace foci {
 namespace {
 
-constexpr double kFarthest_px = 1e5;  // no gaze is as far from any screen
-constexpr double kWidest_deg = 89.0;  // a flat screen ends before 90
-constexpr double kWidestPupil_mm = 15.0;
-constexpr double kConfident = 0.6;  // as Pupil's own software takes it
+// Larger values are errors in the file, not gaze.
+constexpr double kMaxPoint_px = 1e5;
+constexpr double kMaxEccentricity_deg = 89.0;  // a flat screen ends before 90
+constexpr double kMaxPupil_mm = 15.0;
+constexpr double kMinGazeConfidence = 0.6;  // as in Pupil Core's own software
 
 bool isWord(std::string_view text, std::string_view lower) {
   return std::equal(text.begin(), text.end(), lower.begin(), lower.end(), [](char a, char b) {
@@ -32,7 +35,7 @@ void TableRow::split(std::string_view line) {
   splitRow(line, layout_.delimiter, fields_, layout_.columns);
 }
 
-/// Some vendors write the decimal comma of the user's country.
+/// Some vendors write a decimal comma, as is usual in the user's country.
 std::optional<double> TableRow::parse(std::string_view text) const {
   if (const auto number = swiftNumber(text)) return number;
   if (layout_.delimiter == ',' || text.find(',') == std::string_view::npos) {
@@ -47,10 +50,10 @@ std::optional<double> TableRow::number(std::size_t column) const { return parse(
 
 std::optional<double> TableRow::coordinate(std::size_t column, std::string_view text,
                                            int axis) const {
-  const double limit = units_ == GazeUnits::px ? kFarthest_px
+  const double limit = units_ == GazeUnits::px ? kMaxPoint_px
                        : units_ == GazeUnits::deg
-                           ? kWidest_deg
-                           : kFarthest_px / glm::max(screen_.size_px.x, screen_.size_px.y);
+                           ? kMaxEccentricity_deg
+                           : kMaxPoint_px / glm::max(screen_.size_px.x, screen_.size_px.y);
   const auto number = parse(text);
   if (!number && isAbsent(text)) return std::nullopt;
   if (!number) fail(column, "expected a number");
@@ -72,7 +75,7 @@ std::optional<double> TableRow::readPupil(std::size_t column) const {
   const auto pupil = number(column);
   if (!pupil && isAbsent(field(column))) return std::nullopt;
   if (pupil && pupil == layout_.numbers.missing) return std::nullopt;
-  if (!pupil || *pupil * layout_.numbers.pupil_scale_mm > kWidestPupil_mm) {
+  if (!pupil || *pupil * layout_.numbers.pupil_scale_mm > kMaxPupil_mm) {
     fail(column, "expected a diameter up to 15 mm");
   }
   if (!(*pupil > 0.0)) return std::nullopt;
@@ -90,7 +93,7 @@ bool TableRow::isTrusted(GazeSample& sample) const {
     const auto confidence = number(*layout_.confidence);
     if (!confidence) fail(*layout_.confidence, "expected a number");
     sample.confidence = std::clamp(*confidence, 0.0, 1.0);
-    if (*sample.confidence < kConfident) return false;
+    if (*sample.confidence < kMinGazeConfidence) return false;
   }
   return !layout_.validity || isValid(*layout_.validity);
 }
@@ -125,7 +128,7 @@ void TableRow::read(GazeSample& sample) const {
   }
 }
 
-/// In the frame of `EyeSample`.
+/// x, y, z from three columns, in the frame of `EyeSample`.
 std::optional<glm::dvec3> TableRow::triple(
     const std::array<std::optional<std::size_t>, 3>& columns) const {
   if (!columns[0] || !columns[1] || !columns[2]) return std::nullopt;
@@ -140,7 +143,7 @@ std::optional<glm::dvec3> TableRow::triple(
   return result;
 }
 
-/// "(x, y, z)".
+/// x, y, z from one field, "(x, y, z)".
 std::optional<glm::dvec3> TableRow::tripleIn(std::size_t column) const {
   std::string_view text = field(column);
   if (isAbsent(text)) return std::nullopt;
@@ -170,7 +173,7 @@ void TableRow::readEye(const EyeColumns& columns, EyeSample& eye) const {
   if (columns.pupil_mm) eye.pupil_mm = readPupil(*columns.pupil_mm);
   if (const auto direction = triple(columns.direction)) {
     const double length = glm::length(*direction);
-    // Pupil's are of unit length, and of none where the eye was lost.
+    // Pupil Core's directions have unit length, or length 0 in data loss.
     const double low = layout_.camera_axes ? 0.5 : 1e-6, high = layout_.camera_axes ? 2.0 : 1e6;
     if (length > low && length < high) eye.direction = *direction / length;
   }
@@ -191,7 +194,7 @@ std::optional<glm::dvec2> TableRow::meanSight(const std::array<EyeSample, 2>& ey
   for (const EyeSample& eye : eyes) sum += eye.direction.value_or(glm::dvec3(0.0));
   if (!(glm::length(sum) > 0.5)) return std::nullopt;
   const auto point = pointOnScreen_px(screen_, glm::normalize(sum));
-  return point && glm::length(*point) <= kFarthest_px ? point : std::nullopt;
+  return point && glm::length(*point) <= kMaxPoint_px ? point : std::nullopt;
 }
 
 bool TableRow::isValid(std::size_t column) const {
@@ -210,7 +213,7 @@ bool TableRow::isValid(std::size_t column) const {
   return false;
 }
 
-/// "(x, y)".
+/// x, y from one field, "(x, y)".
 std::optional<glm::dvec2> TableRow::readTuple(std::size_t column) const {
   std::string_view text = field(column);
   if (isAbsent(text)) return std::nullopt;

@@ -13,35 +13,35 @@ namespace foci {
 
 class TableRow {
  public:
-  /// All outlive the row. @param screen  may become known later
+  /// All arguments outlive the row. @param screen  may still change while rows are read
   TableRow(const LineReader& lines, const TableLayout& layout, const Screen& screen,
            GazeUnits units)
       : lines_(lines), layout_(layout), screen_(screen), units_(units) {}
 
-  /// Takes a line of a LineReader; what is got before is of the line before.
+  /// Takes a line from a LineReader. Fields of the previous line become invalid.
   void split(std::string_view line);
 
-  /// Every field that the layout names is there.
+  /// Whether the row has every field that the layout uses.
   bool isComplete() const { return fields_.size() >= layout_.columns; }
 
-  /// @throws InputError where the row is too short
+  /// @throws InputError if the row is too short
   std::string_view field(std::size_t column) const {
     if (column < fields_.size()) return fields_[column];
     failShort(column);
   }
   std::optional<double> number(std::size_t column) const;
 
-  /// What the row says but its time. The point is the recording's own, or the mean of two lines of
-  /// sight; absent where the row has points of the eyes alone.
-  /// @param sample  new, or of the row before: all that is large is not cleared anew
-  /// @throws InputError naming the column
+  /// Reads everything except the time. The point is the recording's own, or the mean of two lines
+  /// of sight. It is absent if the row has points of single eyes only.
+  /// @param sample  overwritten; reuse the same object for speed
+  /// @throws InputError that names the column
   void read(GazeSample& sample) const;
 
   [[noreturn]] void fail(std::size_t column, const char* expected) const;
   [[noreturn]] void failShort(std::size_t column) const;
 
  private:
-  // Inline where they are defined, and used nowhere else: a row is read millions of times.
+  // `inline` makes reading faster: these are called for millions of rows, in one file only.
   inline bool isTrusted(GazeSample& sample) const;
   void readEye(const EyeColumns& columns, EyeSample& eye) const;
   std::optional<glm::dvec3> triple(const std::array<std::optional<std::size_t>, 3>& columns) const;

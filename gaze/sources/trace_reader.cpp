@@ -13,11 +13,11 @@
 namespace foci {
 namespace {
 
-constexpr double kSlowest_Hz = 5.0;       // below any tracker: the unit of time must be wrong
-constexpr double kFastest_Hz = 20'000.0;  // above any
-constexpr double kLongest_s = 86'400.0;   // a day; more is a broken clock
+// No tracker has a rate outside these limits: the unit of time must be wrong.
+constexpr double kMinRate_Hz = 5.0, kMaxRate_Hz = 20'000.0;
+constexpr double kMaxDuration_s = 86'400.0;  // a day; a longer recording has a broken clock
 
-/// By the median interval, to a thousandth.
+/// Rate from the median interval, rounded to a thousandth.
 double medianRate_Hz(const std::vector<GazeSample>& samples) {
   std::vector<double> interval_s(samples.size() - 1);
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
@@ -37,7 +37,8 @@ bool isEyeLinkAsc(const std::filesystem::path& file) {
   return false;
 }
 
-std::string decimal(double value) {
+/// With up to six significant digits.
+std::string shortText(double value) {
   std::ostringstream text;
   text << value;
   return text.str();
@@ -81,14 +82,14 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
   }
 
   trace.rate_Hz = rate_Hz ? *rate_Hz : medianRate_Hz(trace.samples);
-  if (!(trace.rate_Hz >= kSlowest_Hz && trace.rate_Hz <= kFastest_Hz)) {
+  if (!(trace.rate_Hz >= kMinRate_Hz && trace.rate_Hz <= kMaxRate_Hz)) {
     throw InputError(name,
-                     decimal(trace.rate_Hz) +
+                     shortText(trace.rate_Hz) +
                          " samples a second: expected 5 to 20000; is the unit of time right?");
   }
   const double span_s = trace.samples.back().time_s - trace.samples.front().time_s;
-  if (!(span_s <= kLongest_s)) {
-    throw InputError(name, "lasts " + decimal(span_s) + " s: expected at most a day");
+  if (!(span_s <= kMaxDuration_s)) {
+    throw InputError(name, "lasts " + shortText(span_s) + " s: expected at most a day");
   }
   return trace;
 }

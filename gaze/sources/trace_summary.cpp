@@ -6,13 +6,13 @@
 namespace foci {
 namespace {
 
-constexpr double kShortest_s = 1e-6;
+constexpr double kMinInterval_s = 1e-6;
 
 }  // namespace
 
 int TraceSummary::binOf(double interval_s) const {
   int octave = 0;
-  const double part = 2.0 * std::frexp(std::max(interval_s / kShortest_s, 1.0), &octave) - 1.0;
+  const double part = 2.0 * std::frexp(std::max(interval_s / kMinInterval_s, 1.0), &octave) - 1.0;
   return std::min((octave - 1) * kPerOctave + static_cast<int>(part * kPerOctave),
                   kPerOctave * kOctaves - 1);
 }
@@ -28,7 +28,7 @@ int TraceSummary::medianBin() const {
 }
 
 void TraceSummary::add(const GazeSample& sample) {
-  constexpr std::size_t kAgain = 1024;
+  constexpr std::size_t kUpdateEvery = 1024;  // samples between updates of the usual interval
   if (samples_ == 0) {
     first_s_ = sample.time_s;
   } else {
@@ -36,7 +36,7 @@ void TraceSummary::add(const GazeSample& sample) {
     const auto bin = static_cast<std::size_t>(binOf(interval_s));
     ++intervals_[bin];
     sums_s_[bin] += interval_s;
-    if (samples_ == 16 || samples_ % kAgain == 0) {
+    if (samples_ == 16 || samples_ % kUpdateEvery == 0) {
       const auto usual = static_cast<std::size_t>(medianBin());
       usual_s_ = sums_s_[usual] / static_cast<double>(std::max<std::size_t>(intervals_[usual], 1));
     }

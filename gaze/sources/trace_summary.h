@@ -1,4 +1,4 @@
-// What a recording is like, gathered sample by sample.
+// A summary of a recording, gathered sample by sample in constant memory.
 #pragma once
 
 #include <array>
@@ -16,22 +16,22 @@ class TraceSummary {
   std::size_t samples() const { return samples_; }
   double first_s() const { return first_s_; }
   double span_s() const { return last_s_ - first_s_; }
-  /// By the median interval (the mean of those within a fiftieth of it); 0 with fewer than two
-  /// samples.
+  /// Sampling rate from the median interval, exact to a fiftieth; 0 with fewer than two samples.
   double rate_Hz() const;
   std::size_t present() const { return present_; }  ///< samples with a point
-  std::size_t blinks() const { return blinks_; }    ///< samples that the tracker calls blinks
+  std::size_t blinks() const { return blinks_; }    ///< samples that the tracker reports as blinks
   std::size_t pupils() const { return pupils_; }    ///< samples with a diameter
-  std::array<std::size_t, 2> eyes() const { return eyes_; }  ///< left, right: samples with it
-  /// Steps of time over three times the median interval so far, and over a tenth of a second.
+  std::array<std::size_t, 2> eyes() const { return eyes_; }  ///< samples with a left, a right eye
+  /// Intervals longer than a tenth of a second and than three times the median interval so far.
   std::size_t jumps() const { return jumps_; }
   double longest_jump_s() const { return longest_jump_s_; }
-  glm::dvec2 min_px() const { return min_px_; }  ///< of the points, each axis
+  glm::dvec2 min_px() const { return min_px_; }  ///< of all points, along each axis
   glm::dvec2 max_px() const { return max_px_; }
 
  private:
-  static constexpr int kPerOctave = 35;  // bins of intervals: even in each octave
-  static constexpr int kOctaves = 24;    // from a microsecond up
+  // The histogram of intervals has equal bins within each octave, from a microsecond up.
+  static constexpr int kPerOctave = 35;
+  static constexpr int kOctaves = 24;
   int binOf(double interval_s) const;
   int medianBin() const;
 
@@ -41,7 +41,7 @@ class TraceSummary {
   glm::dvec2 min_px_{0.0}, max_px_{0.0};
   std::array<std::size_t, kPerOctave * kOctaves> intervals_{};
   std::array<double, kPerOctave * kOctaves> sums_s_{};  // of the intervals in each bin
-  double usual_s_ = 0.0;                                // median interval, now and then
+  double usual_s_ = 0.0;                                // median interval, updated at times
 };
 
 }  // namespace foci

@@ -14,8 +14,10 @@
 namespace foci {
 namespace {
 
+// Constants were chosen by hand. FaceFinder's tests on rendered faces bound them.
 constexpr double kSearchWidth_px = 320.0;  // enough for a face an eighth of the image wide
-// Where an average face has its eyes within the cascade's square: shares of its side.
+// The eyes of an average face within the cascade's square, as shares of its side: their place, the
+// distance between them, how far around to search, and the radius of the iris.
 constexpr double kEyesDown = 0.39, kEyesAside = 0.18, kEyesApart = 0.36, kEyesReach = 0.15;
 constexpr double kIrisRadius = 0.034;
 constexpr std::size_t kMaxCandidates = 6;
@@ -35,9 +37,10 @@ cv::CascadeClassifier cascadeNamed(const std::string& name) {
   throw InputError(name, "the cascade that finds faces is not installed: package opencv-data");
 }
 
-/// Places that look like an iris, where one is likely; the more so where a cascade sees an eye.
-/// @param box   of the face, px
-/// @param side  0: the observer's left
+/// Candidates for an iris. Their score is higher where a cascade sees an eye.
+/// @param box      of the face, px
+/// @param side     0: the observer's left eye
+/// @param seen_px  eyes that the cascades see
 std::vector<Candidate> irisesOf(const cv::Mat& grey, const cv::Rect2d& box, int side,
                                 const std::vector<glm::dvec2>& seen_px) {
   const glm::dvec2 usual(box.x + (side == 0 ? 0.5 + kEyesAside : 0.5 - kEyesAside) * box.width,
@@ -48,7 +51,7 @@ std::vector<Candidate> irisesOf(const cv::Mat& grey, const cv::Rect2d& box, int 
        coarseIrises(grey, usual, glm::dvec2(kEyesReach * box.width), radius, kMaxCandidates)) {
     Candidate candidate{coarse.centre_px, 0.3 * coarse.score};
     if (const auto iris = refineIris(grey, coarse.centre_px, radius)) {
-      constexpr double kClear = 30.0;  // grey levels
+      constexpr double kClear = 30.0;  // contrast of a clear iris, grey levels
       candidate.centre_px = iris->centre_px;
       candidate.score += iris->confidence * std::min(1.0, iris->contrast / kClear);
     }
@@ -69,22 +72,22 @@ struct FaceFinder::Cascades {
   cv::CascadeClassifier eye = cascadeNamed("haarcascade_eye.xml");
   cv::CascadeClassifier eye_glasses = cascadeNamed("haarcascade_eye_tree_eyeglasses.xml");
 
-  /// Squares around what looks like a face, px; the largest first, a few at most.
+  /// Squares around possible faces, px: up to four, the largest first.
   std::vector<cv::Rect2d> faces(const cv::Mat& grey) {
     const double scale = std::max(1.0, grey.cols / kSearchWidth_px);
     cv::Mat small;
     cv::resize(grey, small, {}, 1.0 / scale, 1.0 / scale, cv::INTER_AREA);
-    const int least = small.cols / 8;
+    const int min_side = small.cols / 8;
     std::vector<cv::Rect> found, more;
-    face.detectMultiScale(small, found, 1.1, 3, 0, {least, least});
-    face_more.detectMultiScale(small, more, 1.1, 4, 0, {least, least});
+    face.detectMultiScale(small, found, 1.1, 3, 0, {min_side, min_side});
+    face_more.detectMultiScale(small, more, 1.1, 4, 0, {min_side, min_side});
     found.insert(found.end(), more.begin(), more.end());
-    // The order of the cascade's findings hangs on its threads, this one does not.
+    // The cascades' order depends on their threads. This order does not.
     std::sort(found.begin(), found.end(), [](const cv::Rect& a, const cv::Rect& b) {
       return std::tuple(a.width, a.y, a.x) > std::tuple(b.width, b.y, b.x);
     });
-    constexpr std::size_t kMost = 4;
-    if (found.size() > kMost) found.resize(kMost);
+    constexpr std::size_t kMaxFaces = 4;
+    if (found.size() > kMaxFaces) found.resize(kMaxFaces);
     std::vector<cv::Rect2d> boxes;
     boxes.reserve(found.size());
     for (const cv::Rect& box : found) {
@@ -93,7 +96,7 @@ struct FaceFinder::Cascades {
     return boxes;
   }
 
-  /// Centres of whatever looks like an eye in the upper part of a face, px.
+  /// Centres of possible eyes in the upper part of a face, px.
   std::vector<glm::dvec2> eyesIn(const cv::Mat& grey, const cv::Rect2d& face_px) {
     const cv::Rect upper = cv::Rect(cvRound(face_px.x), cvRound(face_px.y + 0.1 * face_px.height),
                                     cvRound(face_px.width), cvRound(0.5 * face_px.height)) &
@@ -102,11 +105,11 @@ struct FaceFinder::Cascades {
     const double shrink = std::max(1.0, upper.width / kUsualWidth_px);
     cv::Mat search;
     cv::resize(grey(upper), search, {}, 1.0 / shrink, 1.0 / shrink, cv::INTER_AREA);
-    const int least = search.cols / 7;
+    const int min_side = search.cols / 7;
     std::vector<glm::dvec2> centres;
     for (cv::CascadeClassifier* cascade : {&eye, &eye_glasses}) {
       std::vector<cv::Rect> eyes;
-      cascade->detectMultiScale(search, eyes, 1.1, 2, 0, {least, least});
+      cascade->detectMultiScale(search, eyes, 1.1, 2, 0, {min_side, min_side});
       for (const cv::Rect& found : eyes) {
         const glm::dvec2 at(found.x + 0.5 * found.width, found.y + 0.5 * found.height);
         centres.push_back(glm::dvec2(upper.x, upper.y) + shrink * at);
@@ -121,7 +124,7 @@ FaceFinder::~FaceFinder() = default;
 FaceFinder::FaceFinder(FaceFinder&& other) noexcept = default;
 
 std::optional<FoundFace> FaceFinder::find(const cv::Mat& grey) {
-  // Of all pairs of irises the one that suits a face.
+  // Of all pairs of irises, take the one that suits a face best.
   double best = 0.0;
   FoundFace face;
   for (const cv::Rect2d& box : cascades_->faces(grey)) {

@@ -1,6 +1,6 @@
-// Finds a face and its eyes in an image without knowing anything of the one before: the boosted
-// cascades of Viola and Jones (2001) as Debian's opencv-data has them, then irises that make a
-// pair.
+// Finds a face and its eyes in a single image. The boosted cascades of Viola and Jones (2001), from
+// Debian's package opencv-data, find faces and eyes. Then the pair of irises is taken that suits a
+// face best.
 #pragma once
 
 #include <array>
@@ -15,18 +15,18 @@ class Mat;
 namespace foci {
 
 struct FoundFace {
-  /// Centres of the irises, px: index 0 is the observer's left one, at the image's right.
+  /// Centres of the irises, px. Index 0 is the observer's left eye, at the image's right.
   std::array<glm::dvec2, 2> eyes_px{};
 };
 
 class FaceFinder {
  public:
-  /// @throws InputError where the cascades are not installed
+  /// @throws InputError if the cascades are not installed
   FaceFinder();
   ~FaceFinder();
   FaceFinder(FaceFinder&& other) noexcept;
 
-  /// The largest face, at least an eighth of the image wide, with its eyes open.
+  /// Finds a face that is at least an eighth of the image wide and has open eyes.
   /// @param grey  8 bits, one channel
   std::optional<FoundFace> find(const cv::Mat& grey);
 

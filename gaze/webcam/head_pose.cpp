@@ -9,10 +9,10 @@
 namespace foci {
 namespace {
 
-constexpr double kMinSpread_px = 0.15;  // of good matches
-constexpr double kTukey = 4.685;        // 95 % efficient for normal errors
+constexpr double kMinSpread_px = 0.15;  // scatter of good matches
+constexpr double kTukey = 4.685;  // 95 % efficiency for normal errors (Holland and Welsch 1977)
 
-/// Rotation by the vector's length about it (Rodrigues).
+/// Rotation about a vector by its length (Rodrigues).
 glm::dmat3 rotation(const glm::dvec3& turn) {
   const double angle = glm::length(turn);
   if (angle < 1e-12) return glm::dmat3(1.0);
@@ -21,7 +21,7 @@ glm::dmat3 rotation(const glm::dvec3& turn) {
   return glm::dmat3(1.0) + std::sin(angle) * cross + (1.0 - std::cos(angle)) * cross * cross;
 }
 
-/// Gram and Schmidt: rounding must not pile up.
+/// Gram-Schmidt orthonormalisation, so that rounding errors do not accumulate.
 glm::dmat3 orthonormal(const glm::dmat3& m) {
   const glm::dvec3 x = glm::normalize(m[0]);
   const glm::dvec3 y = glm::normalize(m[1] - glm::dot(m[1], x) * x);
@@ -47,7 +47,8 @@ glm::dvec2 project(const Pinhole& camera, const HeadPose& pose, const glm::dvec3
 }
 
 std::optional<double> faceDepth_mm(double x, double y) {
-  // Below the eyes the profile runs straight down, the nose apart; above, the forehead leans back.
+  // Dimensions of an average face, chosen by eye. Below the eyes the profile without its nose runs
+  // straight down. Above the eyes the forehead leans back.
   constexpr double kHalfWidth_mm = 80.0, kForehead_mm = 120.0, kProfile_mm = 190.0, kDeep_mm = 92.0;
   constexpr double kBrow_mm = -21.0;  // z between the brows
   constexpr double kNose_mm = 20.0, kNoseTip_mm = 43.0, kNoseEnd_mm = 56.0,
@@ -81,7 +82,7 @@ std::optional<glm::dvec3> onFace_mm(const Pinhole& camera, const HeadPose& pose,
     p = onHeadPlane_mm(camera, pose, point_px, z);
     const auto depth = faceDepth_mm(p.x, p.y);
     if (!depth) return std::nullopt;
-    z = 0.5 * (z + *depth);  // halved: the nose is steep
+    z = 0.5 * (z + *depth);  // half steps converge on the steep sides of the nose, too
   }
   return p;
 }
@@ -90,8 +91,8 @@ std::optional<HeadPoseFit> fitHeadPose(const Pinhole& camera, std::span<const gl
                                        std::span<const glm::dvec2> image_px,
                                        std::span<const double> weights, const HeadPose& start) {
   assert(points_mm.size() == image_px.size() && points_mm.size() == weights.size());
-  constexpr std::size_t kFewest = 6;
-  if (points_mm.size() < kFewest) return std::nullopt;
+  constexpr std::size_t kMinPoints = 6;
+  if (points_mm.size() < kMinPoints) return std::nullopt;
   HeadPoseFit fit{.pose = start};
   std::vector<double> off(points_mm.size());
   constexpr int kRounds = 12;

@@ -8,40 +8,42 @@
 namespace foci {
 namespace {
 
+// Constants were chosen by hand. WebcamTracker's tests on rendered faces bound them.
 constexpr int kMaxPoints = 110;
 constexpr std::size_t kMaxViews = 24;
-constexpr double kCutOut_mm = 210.0;     // side
-constexpr double kCutOutDown_mm = 15.0;  // its centre, below the eyes
+constexpr double kCutOut_mm = 210.0;     // side of the cut-out
+constexpr double kCutOutDown_mm = 15.0;  // from the eyes down to its centre
 const cv::Size kPatch{21, 21};
 constexpr int kLevels = 2;
-// A view serves heads within these of its own pose; beyond, a new one is kept.
+// A view serves for poses up to this rotation and change of scale. Beyond, a new view is kept.
 constexpr double kTurn_rad = 0.12, kScale = 0.10;
-constexpr double kMinInliers = 0.45, kMaxRms_px = 1.5;
-constexpr double kFarthest =
-    2.5;  // from a kept view, in units of the above: patches look otherwise
+// A fit must have as many inliers, a smaller error, and a pose closer to its view (in units of the
+// two constants above): far from the view, patches look different.
+constexpr double kMinInliers = 0.45, kMaxRms_px = 1.5, kMaxUnlike = 2.5;
 
-/// Parts of a face that move by themselves, or are none of it, bear no points.
+/// Whether a point belongs to the rigid part of the face: not to the eyes, the mouth or the
+/// outline.
 bool isRigid(const glm::dvec3& p) {
   const auto within = [&](double x, double y, double half_x, double half_y) {
     return std::pow((std::abs(p.x) - x) / half_x, 2) + std::pow((p.y - y) / half_y, 2) < 1.0;
   };
-  const bool face = within(0.0, 0.0, 54.0, 70.0);  // not its outline, which slides
-  const bool eye = within(0.5 * kBetweenEyes_mm, 0.0, 20.0, 12.0);
+  const bool face = within(0.0, 0.0, 54.0, 70.0);  // the outline slides when the head turns
+  const bool eye = within(0.5 * kMeanIpd_mm, 0.0, 20.0, 12.0);
   const bool mouth = within(0.0, 75.0, 32.0, 18.0);
   return face && !eye && !mouth;
 }
 
-/// What remains once the local mean is gone: light may change.
+/// The image minus its local mean, so that changes of light have little effect.
 cv::Mat withoutLight(const cv::Mat& grey) {
   cv::Mat smooth, mean, flat;
-  cv::GaussianBlur(grey, smooth, {5, 5}, 1.0, 1.0, cv::BORDER_REPLICATE);  // noise has no place
+  cv::GaussianBlur(grey, smooth, {5, 5}, 1.0, 1.0, cv::BORDER_REPLICATE);  // against noise
   const int side = std::max(9, grey.cols / 12 * 2 + 1);
   cv::blur(smooth, mean, {side, side}, {-1, -1}, cv::BORDER_REPLICATE);
   cv::addWeighted(smooth, 2.0, mean, -2.0, 128.0, flat);
   return flat;
 }
 
-/// A cut-out that may reach beyond the frame.
+/// A cut-out that may reach beyond the frame. Pixels outside the frame are grey.
 cv::Mat cutOut(const cv::Mat& grey, const cv::Point& corner, const cv::Size& size) {
   const cv::Rect wanted(corner, size), there = wanted & cv::Rect({0, 0}, grey.size());
   cv::Mat cut(size, CV_8UC1, cv::Scalar(128));
@@ -59,7 +61,7 @@ double angleBetween(const glm::dmat3& a, const glm::dmat3& b) {
   return std::acos(std::clamp(0.5 * (turn[0][0] + turn[1][1] + turn[2][2] - 1.0), -1.0, 1.0));
 }
 
-/// How unlike two poses look; beyond 1 another view is wanted.
+/// How different a head looks in two poses. Above 1, another view is needed.
 double unlike(const HeadPose& a, const HeadPose& b) {
   return std::hypot(angleBetween(a.camera_from_head, b.camera_from_head) / kTurn_rad,
                     std::log(a.position_mm.z / b.position_mm.z) / kScale);
@@ -74,7 +76,7 @@ HeadPose HeadTracker::frontal(const Pinhole& camera, const std::array<glm::dvec2
   const glm::dvec3 left = along(irises_px[0]), right = along(irises_px[1]);
   const glm::dvec2 between(left - right);
   const double roll = std::atan2(between.y, between.x);
-  const double depth = kBetweenEyes_mm / glm::length(between);
+  const double depth = kMeanIpd_mm / glm::length(between);
   HeadPose pose;
   pose.camera_from_head = glm::dmat3(std::cos(roll), std::sin(roll), 0.0, -std::sin(roll),
                                      std::cos(roll), 0.0, 0.0, 0.0, 1.0);
@@ -105,7 +107,7 @@ void HeadTracker::keep(HeadView view) {
   KeptView kept;
   kept.view = std::move(view);
   const cv::Mat flat = withoutLight(kept.view.grey);
-  // Corners on the rigid part of the face, spread over it.
+  // Find corners on the rigid part of the face, spread over it.
   cv::Mat mask(flat.size(), CV_8UC1, cv::Scalar(0));
   constexpr int kCell_px = 4;
   for (int y = 0; y < mask.rows; y += kCell_px) {
@@ -120,7 +122,7 @@ void HeadTracker::keep(HeadView view) {
   std::vector<cv::Point2f> corners;
   cv::goodFeaturesToTrack(flat, corners, kMaxPoints, 0.003, std::max(3.0, flat.cols / 24.0), mask,
                           5);
-  // A patch is found again as exactly as it has structure along its weaker direction.
+  // The structure of a patch along its weaker direction decides how exactly it is found again.
   cv::Mat1f structure;
   cv::cornerMinEigenVal(flat, structure, kPatch.width);
   for (const cv::Point2f& corner : corners) {
@@ -132,23 +134,23 @@ void HeadTracker::keep(HeadView view) {
     }
   }
   if (!kept.weights.empty()) {
-    const double most = *std::max_element(kept.weights.begin(), kept.weights.end());
-    constexpr double kExactEnough = 0.15;  // of the best; then the face's shape is the limit
-    for (double& w : kept.weights) w = std::min(1.0, w / (kExactEnough * std::max(most, 1e-12)));
+    const double best = *std::max_element(kept.weights.begin(), kept.weights.end());
+    constexpr double kExactEnough = 0.15;  // of the best; above, the average face is the limit
+    for (double& w : kept.weights) w = std::min(1.0, w / (kExactEnough * std::max(best, 1e-12)));
   }
   cv::buildOpticalFlowPyramid(flat, kept.pyramid, kPatch, kLevels, true);
-  // The first stays; of the others the oldest goes.
+  // The first view always stays. Of the others the oldest makes room.
   if (views_.size() == kMaxViews) views_.erase(views_.begin() + 1);
   views_.push_back(std::move(kept));
 }
 
 std::size_t HeadTracker::nearestView(const HeadPose& pose) const {
   std::size_t nearest = 0;
-  double least = 1e300;
+  double min_unlike = 1e300;
   for (std::size_t i = 0; i < views_.size(); ++i) {
-    const double far = unlike(views_[i].view.pose, pose);
-    if (far < least) {
-      least = far;
+    const double difference = unlike(views_[i].view.pose, pose);
+    if (difference < min_unlike) {
+      min_unlike = difference;
       nearest = i;
     }
   }
@@ -160,9 +162,8 @@ std::optional<HeadPoseFit> HeadTracker::follow(const cv::Mat& grey,
   const HeadPose from = guess.value_or(pose_);
   const KeptView& kept = views_[nearestView(from)];
   const cv::Size size = kept.view.grey.size();
-  HeadPoseFit fit{.pose = from};
-  // The second round begins where the first has led.
-  cv::Point corner = cutOutCorner(camera_, from, size);
+  // Find the patches of the nearest view in the frame.
+  const cv::Point corner = cutOutCorner(camera_, from, size);
   const cv::Mat flat = withoutLight(cutOut(grey, corner, size));
   std::vector<cv::Mat> pyramid;
   cv::buildOpticalFlowPyramid(flat, pyramid, kPatch, kLevels, false);
@@ -187,12 +188,13 @@ std::optional<HeadPoseFit> HeadTracker::follow(const cv::Mat& grey,
     weights.push_back(kept.weights[i]);
     image_px.push_back(origin + glm::dvec2(seen[i].x + 0.5, seen[i].y + 0.5));
   }
-  auto better = fitHeadPose(camera_, points_mm, image_px, weights, from);
-  if (!better) return std::nullopt;
-  fit = *better;
+  // Fit the pose.
+  const auto found_pose = fitHeadPose(camera_, points_mm, image_px, weights, from);
+  if (!found_pose) return std::nullopt;
+  HeadPoseFit fit = *found_pose;
   fit.inliers *= static_cast<double>(points_mm.size()) / static_cast<double>(seen.size());
   const double limit_px = kMaxRms_px * std::max(1.0, size.width / 240.0);
-  const bool is_far = unlike(fit.pose, kept.view.pose) > kFarthest;
+  const bool is_far = unlike(fit.pose, kept.view.pose) > kMaxUnlike;
   if (fit.inliers < kMinInliers || fit.rms_px > limit_px || is_far) return std::nullopt;
   pose_ = fit.pose;
   if (unlike(fit.pose, views_[nearestView(fit.pose)].view.pose) > 1.0) keep(grey, fit.pose);

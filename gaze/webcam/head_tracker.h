@@ -1,7 +1,7 @@
-// Follows a head from frame to frame: patches of the face, as views kept of it show them, are found
-// again (Lucas and Kanade 1981, Bouguet's pyramids), and the pose that puts a rigid face there is
-// fitted. Each pose is measured against a kept view, not against the frame before: it does not
-// drift.
+// Follows a head from frame to frame. The tracker keeps views of the head and finds their patches
+// in each frame (Lucas and Kanade 1981, with Bouguet's pyramids). Then it fits the pose of a rigid
+// face to these patches. Poses do not drift, because each one is measured against a kept view and
+// not against the previous frame.
 #pragma once
 
 #include <array>
@@ -13,10 +13,10 @@
 
 namespace foci {
 
-/// A view of a head whose pose is known.
+/// A view of a head with known pose.
 struct HeadView {
   cv::Mat grey;               ///< 8 bits, a cut-out of the frame
-  glm::dvec2 corner_px{0.0};  ///< of the cut-out, in the frame
+  glm::dvec2 corner_px{0.0};  ///< the cut-out's top-left corner in the frame
   HeadPose pose;
 };
 
@@ -24,24 +24,26 @@ class HeadTracker {
  public:
   explicit HeadTracker(const Pinhole& camera) : camera_(camera) {}
 
-  /// Forgets what it knew. The head is taken to face the camera, rolled as the eyes lie.
+  /// Starts anew from a frame, and assumes that the head faces the camera. The irises give its
+  /// roll.
   /// @param irises_px  of the observer's left and right eye
   void start(const cv::Mat& grey, const std::array<glm::dvec2, 2>& irises_px);
 
-  /// Starts from a view kept from another time; `follow` wants a guess then.
+  /// Starts anew from a stored view. The first `follow` then needs a guess.
   void start(const HeadView& view);
 
-  /// @param guess  where the head is, if not where it was
-  /// @return nothing where the head is lost; the next call tries the same again
+  /// Finds the head in the next frame.
+  /// @param guess  a pose close to the head's; absent: the latest pose
+  /// @return nothing if the head is not found; the next call starts from the same pose again
   std::optional<HeadPoseFit> follow(const cv::Mat& grey,
                                     const std::optional<HeadPose>& guess = std::nullopt);
 
   bool started() const { return !views_.empty(); }
-  /// The first view, against which all poses are measured in the end.
+  /// The first view. All poses are measured against it, directly or through other views.
   const HeadView& firstView() const { return views_.front().view; }
   const HeadPose& pose() const { return pose_; }
 
-  /// The pose of a head that faces the camera with irises there.
+  /// The pose of a head that faces the camera and has its irises at these points.
   static HeadPose frontal(const Pinhole& camera, const std::array<glm::dvec2, 2>& irises_px);
 
  private:
@@ -61,7 +63,8 @@ class HeadTracker {
   HeadPose pose_{};
 };
 
-/// Depth of the iris in the head frame, mm: the limbus of an eye of 12 mm that looks ahead.
+/// Depth of the iris in the head frame, mm: the limbus of an eyeball of 12 mm radius that looks
+/// ahead.
 inline constexpr double kIrisDepth_mm = -10.5;
 
 }  // namespace foci

@@ -13,38 +13,40 @@ namespace foci {
 
 struct Iris {
   glm::dvec2 centre_px{0.0};  ///< of the limbus; the image's top-left corner is (0, 0)
-  double radius_px = 0.0;
-  double contrast = 0.0;  ///< grey levels from iris to white
-  /// 0 to 1: how well a dark disk between two whites explains what is seen.
-  double confidence = 0.0;
+  double radius_px = 0.0;     ///< of the limbus
+  double contrast = 0.0;      ///< grey levels between iris and sclera
+  double confidence = 0.0;    ///< 0 to 1: how well a dark disk on a white ground explains the image
 };
 
 struct IrisCandidate {
   glm::dvec2 centre_px{0.0};
-  double score = 0.0;  ///< the best one's is 1
+  double score = 0.0;  ///< relative to the best candidate, whose score is 1
 };
 
-/// Where the gradients of an image point away from: the centres that maximise
-///   sum of w (d . g)^2 over the edges at 0.7 to 1.35 radii, d . g > 0
-/// with unit directions d from the centre and g of the gradient, weighted by the gradient's
-/// strength and the darkness of the centre (Timm and Barth 2011; the band and the weight of lateral
-/// edges, which lids leave free, are ours).
-/// @param grey         8 bits, one channel
-/// @param near_px      where the eye is
-/// @param reach_px     how far from there to look, along each axis
-/// @param radius_px    of the limbus, within a fifth
-/// @param most         how many, at least a radius apart
-/// @return the best first; none where the image ends
+/// Finds centres from which the gradients of the image point away (Timm and Barth 2011). They
+/// maximise
+///   sum of w (d . g)^2 over the edges between 0.7 and 1.35 radii with d . g > 0.
+/// Here d is the unit direction from the centre to the edge, and g the unit gradient. The weight w
+/// grows with the strength of the gradient and with the darkness of the centre.
+///
+/// Two changes are ours: the band of radii, and a larger weight for lateral edges, which the
+/// eyelids leave free.
+/// @param grey       8 bits, one channel
+/// @param near_px    place of the eye
+/// @param reach_px   how far from there to search, along each axis
+/// @param radius_px  of the limbus, known to a fifth
+/// @param max_count  number of candidates, at least a radius apart
+/// @return the best candidate first; empty beside the image
 std::vector<IrisCandidate> coarseIrises(const cv::Mat& grey, const glm::dvec2& near_px,
                                         const glm::dvec2& reach_px, double radius_px,
-                                        std::size_t most);
+                                        std::size_t max_count);
 
-/// Fits a dark disk with a blurred edge between two whites,
-///   I = (1 + slope y / r) (in + (out_side - in) S(|p - c| - r)),
-/// by robust least squares over the rows that lids leave free.
+/// Fits a dark disk of radius r with a blurred edge S between two whites, left and right of it:
+///   I = (1 + slope y / r) (in + (out_side - in) S(|p - c| - r)).
+/// A robust least-squares fit (Huber's weights) over the rows that the eyelids leave free.
 /// @param near_px    within half a radius of the centre
-/// @param radius_px  of the limbus, within a fifth
-/// @return nothing where no such disk is
+/// @param radius_px  of the limbus, known to a fifth
+/// @return nothing if the image has no such disk there
 std::optional<Iris> refineIris(const cv::Mat& grey, const glm::dvec2& near_px, double radius_px);
 
 }  // namespace foci

@@ -1,13 +1,12 @@
 #include "gaze/webcam/webcam_frames.h"
 
-#include <charconv>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <vector>
 
 #include "base/input_error.h"
-#include "gaze/sources/line_reader.h"
+#include "base/number.h"
 
 namespace foci {
 namespace {
@@ -20,7 +19,7 @@ bool isPattern(const std::filesystem::path& file) {
   return file.filename().string().find('%') != std::string::npos;
 }
 
-/// Errors are ours to report.
+/// Silences OpenCV while it lives, because foci reports the errors itself.
 class QuietLibrary {
  public:
   QuietLibrary() = default;
@@ -36,7 +35,7 @@ class QuietLibrary {
 }  // namespace
 
 struct WebcamFrames::Capture {
-  std::vector<cv::VideoCapture> captures{1};  // as waitAny wants it
+  std::vector<cv::VideoCapture> captures{1};  // one; cv::VideoCapture::waitAny takes a vector
   cv::Mat image;
   cv::Size size;
 };
@@ -48,11 +47,9 @@ std::optional<WebcamPlace> webcamPlaceOf(std::string_view source) {
   if (source.front() != ':') return std::nullopt;
   source.remove_prefix(1);
   if (source.empty()) throw InputError("webcam:", "expected a camera's number, a video or images");
-  int device = 0;
-  const auto [end, error] = std::from_chars(source.data(), source.data() + source.size(), device);
-  if (error == std::errc() && end == source.data() + source.size()) {
-    if (device < 0 || device >= kMaxDevices) {
-      throw InputError("webcam:" + std::to_string(device), "expected a camera, 0 to 63");
+  if (const auto device = parseInteger<int>(source)) {
+    if (*device < 0 || *device >= kMaxDevices) {
+      throw InputError("webcam:" + std::to_string(*device), "expected a camera, 0 to 63");
     }
     return WebcamPlace{.device = device};
   }

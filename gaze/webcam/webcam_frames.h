@@ -1,4 +1,4 @@
-// Grey frames of a camera, a video file or numbered images, with their times.
+// Grey frames from a camera, a video file or numbered images.
 #pragma once
 
 #include <filesystem>
@@ -14,12 +14,12 @@ class Mat;
 namespace foci {
 
 struct WebcamPlace {
-  std::optional<int> device{};   ///< number of a camera
-  std::filesystem::path file{};  ///< else a video, or a pattern of images as "eye%04d.png"
+  std::optional<int> device{};   ///< a camera's number
+  std::filesystem::path file{};  ///< else a video, or a pattern of images such as "eye%04d.png"
 };
 
-/// What `webcam[:N|FILE|PATTERN]` names; nothing where the source is no webcam.
-/// @throws InputError where nothing stands behind the colon
+/// Parses `webcam[:N|FILE|PATTERN]`. Nothing if the source is not a webcam.
+/// @throws InputError if the colon is the last character, or if there can be no camera N
 std::optional<WebcamPlace> webcamPlaceOf(std::string_view source);
 
 /// "webcam 0", "webcam eyes.mp4".
@@ -27,19 +27,18 @@ std::string nameOf(const WebcamPlace& place);
 
 class WebcamFrames {
  public:
-  /// @throws InputError where there is no such camera, or the file is no video
+  /// @throws InputError if there is no such camera, or if the file is not a video
   explicit WebcamFrames(const WebcamPlace& place);
   ~WebcamFrames();
   WebcamFrames(const WebcamFrames&) = delete;
   WebcamFrames& operator=(const WebcamFrames&) = delete;
 
-  /// The next frame, 8 bits, one channel. Of a camera only what has come already: this never waits
-  /// for it.
-  /// @return false where there is none now; in a file, where it ends
-  /// @throws InputError on frames that are too small or of a size of their own
+  /// The next frame, 8 bits, one channel. Never waits for a camera.
+  /// @return false if the camera has no new frame, or at the end of a file
+  /// @throws InputError if a frame is too small, or differs in size from the previous ones
   bool next(cv::Mat& grey);
 
-  /// Nominal, > 0; images come at 30 a second.
+  /// Nominal frame rate, > 0; 30 for images.
   double rate_Hz() const { return rate_Hz_; }
   bool isCamera() const { return place_.device.has_value(); }
 

@@ -8,7 +8,7 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kMaxKept = 600;  // frames that nobody took
+constexpr std::size_t kMaxKept = 600;  // frames that wait for `takeFrames`
 
 }  // namespace
 
@@ -42,7 +42,7 @@ void WebcamSource::poll(double now_s, std::vector<GazeSample>& samples) {
   if (!first_s_) first_s_ = now_s;
   cv::Mat grey;
   while (!ended_) {
-    // A file's frame comes when its time has come, a camera's when it is there.
+    // A file's frame is due at its time. A camera's frame is due when it has arrived.
     const double due_s = *first_s_ + static_cast<double>(count_) / frames_.rate_Hz();
     if (!frames_.isCamera() && due_s > now_s) break;
     if (!frames_.next(grey)) {
@@ -54,7 +54,7 @@ void WebcamSource::poll(double now_s, std::vector<GazeSample>& samples) {
     face_ = frame.record.face;
     if (recent_.size() == kMaxKept) recent_.erase(recent_.begin());
     recent_.push_back(frame);
-    if (last_s_ && frame.time_s <= *last_s_) continue;  // two of a camera at once
+    if (last_s_ && frame.time_s <= *last_s_) continue;  // a camera gave two frames in one poll
     last_s_ = frame.time_s;
     samples.push_back(sampleOf(frame, map_));
   }

@@ -1,4 +1,4 @@
-// Gaze by a webcam: `webcam[:N|FILE|PATTERN]`, live, or a video as a recording.
+// Gaze from a webcam, live or from a video: `webcam[:N|FILE|PATTERN]`.
 #pragma once
 
 #include <functional>
@@ -9,42 +9,43 @@
 
 namespace foci {
 
-/// Where on the screen an observer seen so looks: a calibration's map.
+/// A calibration's estimate of gaze.
 struct WebcamGaze {
   glm::dvec2 point_px{0.0};
   double uncertainty_deg = 0.0;  ///< 68 % of the errors are smaller
 };
+/// Maps the features of a frame to gaze.
 using WebcamMapping = std::function<WebcamGaze(const WebcamView&)>;
 
 struct WebcamFrame {
-  double time_s = 0.0;  ///< of a file: after its first frame
+  double time_s = 0.0;  ///< in a file: since the first frame
   WebcamRecord record{};
 };
 
 /// @param map  absent: the sample has no point
 GazeSample sampleOf(const WebcamFrame& frame, const WebcamMapping& map);
 
-/// Every frame of a video or of images.
-/// @throws InputError where they cannot be read, or have no frame
+/// Reads every frame of a video or of images.
+/// @throws InputError if the file cannot be read or has no frame
 std::vector<WebcamFrame> readWebcam(const WebcamPlace& place, WebcamTracker& tracker);
 
 class WebcamSource : public LiveSource {
  public:
-  /// @param map  absent: not calibrated; records come, samples have no point, the status says so
-  /// @throws InputError where there is no such camera or file
+  /// @param map  absent: not calibrated. Then the samples have no point, and the status says so.
+  /// @throws InputError if there is no such camera or file
   WebcamSource(const WebcamPlace& place, WebcamTracker tracker, WebcamMapping map);
 
   void poll(double now_s, std::vector<GazeSample>& samples) override;
   double rate_Hz() const override { return frames_.rate_Hz(); }
   std::string status() const override;
 
-  /// What the newest frames said, oldest first, since the last call: for calibrations.
+  /// The frames since the last call, oldest first. Calibrations use them.
   std::vector<WebcamFrame> takeFrames();
 
-  /// The head that the frames are measured against; absent before the first face.
+  /// The reference head of the features; absent before the first face.
   std::optional<WebcamReference> reference() const { return tracker_.reference(); }
 
-  /// No frame is left in the file.
+  /// True after the last frame of a file.
   bool ended() const { return ended_; }
 
  private:

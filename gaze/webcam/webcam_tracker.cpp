@@ -7,15 +7,19 @@
 namespace foci {
 namespace {
 
-constexpr double kEyeWidth_mm = 30.0;
-constexpr double kLimbus_mm = 5.9;  // radius (Hall et al. 1985)
-// How far the iris may be from where it rests: eyes turn by up to 30 degrees, and rest is a guess.
+constexpr double kEyeWidth_mm = 30.0;  // between the corners; the unit of `WebcamView::eye`
+constexpr double kLimbus_mm = 5.9;     // radius (Hall et al. 1985)
+// How far the iris may be from its place at rest. Eyes turn by up to 30 degrees, and the place at
+// rest is a guess.
 const glm::dvec2 kReach_mm{8.5, 6.5};
-constexpr double kShut = 0.45;  // of the usual contrast: the lid hides the iris
+
+// Chosen by hand. WebcamTracker's tests on rendered faces bound them.
+constexpr double kShut = 0.45;  // of the usual contrast: below, the eyelid hides the iris
 constexpr double kMinConfidence = 0.2;
-constexpr double kMemory = 0.03;  // of the usual values, a frame
-constexpr int kSearchEvery = 3;   // frames without a face between searches for one
-constexpr int kMaxFailures = 5;   // then it is somebody else, or in another light
+constexpr double kMemory = 0.03;       // weight of a frame in the usual values
+constexpr double kFoundInliers = 0.5;  // of a head that was just found
+constexpr int kSearchEvery = 3;        // frames without a head from one search to the next
+constexpr int kMaxFailures = 5;        // then it is another head, or in another light
 
 double quality(const Iris& iris, double usual_contrast) {
   return iris.confidence * std::min(1.0, iris.contrast / std::max(usual_contrast, 20.0));
@@ -89,65 +93,65 @@ std::optional<Iris> WebcamTracker::findIris(const cv::Mat& grey, std::size_t eye
   return best;
 }
 
-WebcamRecord WebcamTracker::push(const cv::Mat& image) {
-  WebcamRecord record;
+void WebcamTracker::prepare(const cv::Mat& image) {
   if (!camera_) {
     const glm::ivec2 size_px(image.cols, image.rows);
     camera_ = Lens{usualPinhole(size_px), {}, size_px};
   }
   if (!straight_) straight_.emplace(*camera_);
   if (!head_) head_.emplace(*camera_);
-  const cv::Mat& grey = straight_->of(image);
+}
 
-  // Follow the head, or look for it.
+/// Follows the head, or searches for it.
+/// @return share of the head's points that agree with its pose; nothing without a head
+std::optional<double> WebcamTracker::locateHead(const cv::Mat& grey) {
   double rigid = 0.0;
   if (head_->started()) {
     const auto fit = head_->follow(grey);
-    if (!fit && following_) frames_lost_ = 0;
+    if (!fit && following_) frames_without_head_ = 0;
     following_ = fit.has_value();
     rigid = fit ? fit->inliers : 0.0;
   }
-  if (!following_) {
-    if (frames_lost_++ % kSearchEvery != 0 || !findHead(grey)) return record;
-    following_ = true;
-    rigid = 0.5;
-  }
-  record.face = true;
-  const HeadPose& pose = head_->pose();
-  const double px_per_mm = camera_->focal_px.x / pose.position_mm.z;
-  record.ipd_px = kBetweenEyes_mm * px_per_mm;
+  if (following_) return rigid;
+  if (frames_without_head_++ % kSearchEvery != 0 || !findHead(grey)) return std::nullopt;
+  following_ = true;
+  return kFoundInliers;
+}
 
-  // The irises, in the head's own frame.
-  std::array<bool, 2> open{};
+/// Reads the irises of open eyes, and their offsets in the head's frame.
+void WebcamTracker::readIrises(const cv::Mat& grey, WebcamRecord& record) {
+  const double px_per_mm = camera_->focal_px.x / head_->pose().position_mm.z;
   for (std::size_t i = 0; i < 2; ++i) {
     const auto iris = findIris(grey, i);
     if (!iris) continue;
-    open[i] = iris->confidence > kMinConfidence && iris->contrast > kShut * usual_contrast_[i];
-    if (!open[i]) continue;
+    const bool open =
+        iris->confidence > kMinConfidence && iris->contrast > kShut * usual_contrast_[i];
+    if (!open) continue;
     record.irises[i] = iris;
     const double memory = usual_contrast_[i] > 0.0 ? kMemory : 1.0;
     usual_contrast_[i] += memory * (iris->contrast - usual_contrast_[i]);
     radius_mm_[i] += kMemory * (iris->radius_px / px_per_mm - radius_mm_[i]);
     radius_mm_[i] = std::clamp(radius_mm_[i], 0.85 * kLimbus_mm, 1.15 * kLimbus_mm);
-    const glm::dvec3 seen = onHeadPlane_mm(*camera_, pose, iris->centre_px, eyes_mm_[i].z);
+    const glm::dvec3 seen = onHeadPlane_mm(*camera_, head_->pose(), iris->centre_px, eyes_mm_[i].z);
     offset_mm_[i] = glm::dvec2(seen - eyes_mm_[i]);
   }
-  if (!open[0] && !open[1]) {
-    record.blink = true;
-    return record;
-  }
-  glm::dvec2 offset_mm = 0.5 * (offset_mm_[0] + offset_mm_[1]);
-  if (open[0] && open[1]) {
+}
+
+/// Mean offset of both irises. If one eye is shut, its offset is guessed from the other eye's.
+/// @param record  with one iris or two
+glm::dvec2 WebcamTracker::meanOffset_mm(const WebcamRecord& record) {
+  if (record.irises[0] && record.irises[1]) {
     const glm::dvec2 apart = offset_mm_[0] - offset_mm_[1];
     apart_mm_ = know_apart_ ? apart_mm_ + kMemory * (apart - apart_mm_) : apart;
     know_apart_ = true;
-  } else {
-    // What the other eye would say.
-    const std::size_t eye = open[0] ? 0 : 1;
-    offset_mm = offset_mm_[eye] + (open[0] ? -0.5 : 0.5) * apart_mm_;
+    return 0.5 * (offset_mm_[0] + offset_mm_[1]);
   }
+  return record.irises[0] ? offset_mm_[0] - 0.5 * apart_mm_ : offset_mm_[1] + 0.5 * apart_mm_;
+}
 
-  // To the screen's axes: x and y turn round, z points back.
+/// From the camera's axes to the screen's: x and y change their signs, z points back.
+WebcamView WebcamTracker::viewOf(const glm::dvec2& offset_mm) const {
+  const HeadPose& pose = head_->pose();
   const glm::dvec3 forward = -pose.camera_from_head[2];
   const glm::dvec3 across = pose.camera_from_head[0];
   WebcamView view;
@@ -157,12 +161,29 @@ WebcamRecord WebcamTracker::push(const cv::Mat& image) {
   const glm::dvec2 eye = -offset_mm / kEyeWidth_mm;
   const double c = std::cos(view.roll_rad), s = std::sin(view.roll_rad);
   view.eye = {c * eye.x - s * eye.y, s * eye.x + c * eye.y};
-  record.view = view;
+  return view;
+}
+
+WebcamRecord WebcamTracker::push(const cv::Mat& image) {
+  WebcamRecord record;
+  prepare(image);
+  const cv::Mat& grey = straight_->of(image);
+  const auto rigid = locateHead(grey);
+  if (!rigid) return record;
+  record.face = true;
+  const double px_per_mm = camera_->focal_px.x / head_->pose().position_mm.z;
+  record.ipd_px = kMeanIpd_mm * px_per_mm;
+  readIrises(grey, record);
+  if (!record.irises[0] && !record.irises[1]) {
+    record.blink = true;
+    return record;
+  }
+  record.view = viewOf(meanOffset_mm(record));
   double sum = 0.0;
   for (std::size_t i = 0; i < 2; ++i) {
     if (record.irises[i]) sum += 0.5 * quality(*record.irises[i], usual_contrast_[i]);
   }
-  record.confidence = std::clamp(std::min(1.0, 1.3 * sum) * std::min(1.0, 1.25 * rigid), 0.0, 1.0);
+  record.confidence = std::clamp(std::min(1.0, 1.3 * sum) * std::min(1.0, 1.25 * *rigid), 0.0, 1.0);
   return record;
 }
 

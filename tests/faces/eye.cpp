@@ -16,7 +16,7 @@ double step(double from, double to, double x) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-/// The nearer meeting of a ray with a sphere.
+/// Distance along a ray to its nearer intersection with a sphere.
 std::optional<double> meetSphere(const glm::dvec3& origin, const glm::dvec3& direction,
                                  const glm::dvec3& centre, double radius) {
   const glm::dvec3 o = origin - centre;
@@ -49,7 +49,7 @@ Eye::Eye(const Person& person, const Moment& moment, int side)
       closed_(moment.closed),
       centre_(side * 0.5 * person.ipd_mm, 0.0, 0.0),
       camera_from_head_(cameraFromHead(moment)) {
-  // The line of sight in the head, then the eye's axis, which lies temporally and below of it.
+  // First the line of sight in the head, then the eye's axis, which is temporal of it and below.
   const glm::dvec3 centre_m = moment.head_m + camera_from_head_ * centre_ / 1000.0;
   const glm::dvec3 sight =
       glm::transpose(camera_from_head_) * glm::normalize(moment.looks_at_m - centre_m);
@@ -65,7 +65,7 @@ Eye::Eye(const Person& person, const Moment& moment, int side)
 glm::dvec3 Eye::irisCentre_mm() const { return centre_ + head_from_eye_[2] * kLimbusPlane_mm; }
 
 std::optional<Eye::Lids> Eye::lidsAt(double x) const {
-  constexpr double kMiddle_mm = -1.0, kHalf_mm = 14.5;  // the inner corner is at -15.5
+  constexpr double kMiddle_mm = -1.0, kHalf_mm = 14.5;  // so the inner corner is at -15.5
   const double q = (side_ * (x - centre_.x) - kMiddle_mm) / kHalf_mm;
   if (std::abs(q) >= 1.0) return std::nullopt;
   const double line = 0.5 - q;  // the outer corner lies higher
@@ -103,7 +103,7 @@ glm::vec3 Eye::irisAt(double x, double y) const {
   const double r = std::hypot(x, y);
   const auto angle = static_cast<float>(std::atan2(y, x));
   const double pupil = 0.5 * person_.pupil_mm;
-  // Fibres run outwards; a collarette of a lighter shade, a darker ring at the limbus.
+  // Fibres run outwards. The collarette is lighter, the ring at the limbus darker.
   const float fibres = smoothNoise(20.0f + 14.0f * std::cos(angle) + 0.3f * static_cast<float>(r),
                                    20.0f + 14.0f * std::sin(angle), person_.seed * 16 + 10);
   float shade = 0.65f + 0.7f * fibres;
@@ -129,7 +129,7 @@ glm::vec3 Eye::seenAlong(const glm::dvec3& origin, const glm::dvec3& direction,
     return share * roomLight(camera_from_head_ * glm::reflect(direction, normal));
   };
 
-  // The white, pink towards the corners; a shadow of the upper lid and its lashes.
+  // The sclera is pink towards the corners.
   const double nasal = -side_ * (hit.x - centre_.x);
   glm::vec3 white = glm::mix(glm::vec3(0.46f, 0.40f, 0.37f), person_.skin, 0.3f);
   white *=
@@ -160,6 +160,7 @@ glm::vec3 Eye::seenAlong(const glm::dvec3& origin, const glm::dvec3& direction,
     colour = glm::mix(colour, iris, share);
     glint = glm::mix(glint, mirrored(normal), share);
   }
+  // The upper eyelid and its lashes throw a shadow.
   double shadow = 1.0;
   if (const auto lids = lidsAt(hit.x)) {
     shadow = 0.35 + 0.65 * step(-0.3, 4.2, hit.y - lids->upper);

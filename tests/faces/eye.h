@@ -1,4 +1,4 @@
-// One eye of a face: where it looks, what its lids leave open, and what is seen there.
+// One eye of a face: its line of sight, its eyelids, and its appearance between them.
 #pragma once
 
 #include <optional>
@@ -19,12 +19,12 @@ class Eye {
   glm::dvec3 irisCentre_mm() const;        ///< of the limbus, head frame
   glm::dvec3 corner_mm(bool inner) const;  ///< head frame
 
-  /// Does a point of the lids' shell lie between the lids?
+  /// Whether a point on the eyelids' shell lies between the eyelids.
   bool isOpenAt(double x, double y) const;
-  /// 0 to 1: how much of lashes lies over a point outside.
+  /// How much of a point outside the opening is covered by lashes, 0 to 1.
   float lashesAt(double x, double y) const;
   /// Light along a ray through the opening.
-  /// @param light  of the room's general level
+  /// @param ambient  share of the light that comes from everywhere
   glm::vec3 seenAlong(const glm::dvec3& origin, const glm::dvec3& direction,
                       const glm::vec3& towards_light, float ambient) const;
 
@@ -40,7 +40,7 @@ class Eye {
   double closed_;
   glm::dvec3 centre_;
   glm::dmat3 camera_from_head_;
-  glm::dmat3 head_from_eye_;  // z along the optical axis, out of the eye
+  glm::dmat3 head_from_eye_;  // z points along the optical axis, out of the eye
   double upwards_deg_;
 };
 

@@ -70,7 +70,7 @@ struct Scene {
     return glm::mix(skin, person.hair * 0.4f, std::min(0.9f, eye.lashesAt(p.x, p.y)));
   }
 
-  /// Glasses over what lies behind them.
+  /// Colour seen through the glasses, or on them.
   glm::vec3 throughGlasses(const glm::dvec3& origin, const glm::dvec3& d, glm::vec3 behind) const {
     const glm::dvec3 p = origin + d * ((kLens_mm - origin.z) / d.z);
     const glm::dvec2 lens = glm::dvec2(std::abs(p.x), p.y) - kLensCentre_mm;
@@ -82,7 +82,7 @@ struct Scene {
     const double side = p.x > 0.0 ? 1.0 : -1.0;
     const glm::dvec3 normal =
         glm::normalize(glm::dvec3(side * lens.x / kLensCurve_mm, lens.y / kLensCurve_mm, -1.0));
-    constexpr float kMirrored = 0.06f;  // both faces of an uncoated lens, less what coatings spare
+    constexpr float kMirrored = 0.06f;  // reflectance of both faces of a partly coated lens
     return behind * (1.0f - kMirrored) +
            kMirrored * roomLight(camera_from_head * glm::reflect(d, normal));
   }
@@ -96,7 +96,7 @@ struct Scene {
       const glm::vec3 skin = skinAt(*p, origin, d);
       return person.glasses && p->z > kLens_mm ? throughGlasses(origin, d, skin) : skin;
     }
-    // Neck and shoulders, as a flat shape that goes with the head.
+    // Neck and shoulders are a flat shape that moves with the head.
     const glm::dvec2 chest = (px - project({0.0, 120.0, 60.0})) / how.focal_px * moment.head_m.z;
     const double shoulder = 0.02 + 1.2 * std::pow(std::max(0.0, std::abs(chest.x) - 0.05), 1.5);
     glm::vec3 behind = background(plane.x, plane.y, person.seed);
@@ -154,7 +154,7 @@ class Encoding {
   std::array<float, 16384> levels_;
 };
 
-/// Approximately normal, from four uniform numbers: deviation 1.
+/// Approximately normal, from four uniform numbers. Standard deviation 1.
 float normalNoise(std::uint32_t x, std::uint32_t y, std::uint32_t seed) {
   float sum = -2.0f;
   for (std::uint32_t i = 0; i < 4; ++i) sum += noiseAt(x, y, seed * 4 + i);
@@ -194,7 +194,8 @@ cv::Mat Face::photograph(std::span<const Moment> moments, const Photography& how
   for (const Moment& moment : moments) {
     expose(Scene(person_, relief_, moment, how), film);
   }
-  // Cameras expose for the image's mean, faces included: half-way towards an equal face.
+  // A camera exposes for the image's mean, and the face is part of it. So dark and light skins
+  // differ by half (in logarithms) of their real difference.
   const double skin = (person_.skin.r + person_.skin.g + person_.skin.b) / 3.0;
   film *= how.exposure * 1.2 * std::sqrt(0.36 / skin) / static_cast<double>(moments.size());
   if (how.blur_px > 0.0) cv::GaussianBlur(film, film, {}, how.blur_px);
@@ -205,7 +206,7 @@ cv::Mat Face::photograph(std::span<const Moment> moments, const Photography& how
     for (int x = 0; x < film.cols; ++x) {
       for (int c = 0; c < 3; ++c) {
         const float level = encoded(film(y, x)[c]);
-        // Photons make it grow with the root of the light.
+        // Photon noise grows with the root of the light.
         const float spread =
             static_cast<float>(how.noise) * std::sqrt(0.3f + 0.7f * level / 128.0f);
         const float noise = normalNoise(static_cast<std::uint32_t>(3 * x + c),

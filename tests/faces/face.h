@@ -1,8 +1,8 @@
-// Photographs of faces with exact truth: eyeballs behind lids, with cornea and glints, in a head
-// that turns and moves, in a room with a window, a lamp and a screen. Ray casting, own noise.
+// Photographs of faces with exact truth, by ray casting. The eyeballs have a cornea and glints and
+// lie behind eyelids. The head turns and moves, in a room with a window, a lamp and a screen.
 //
-// The camera frame, metres: x to the image's right, y down, z away from the camera. The head
-// frame is relief.h's, in millimetres; at rest it is parallel to the camera's.
+// The camera frame is in metres: x to the image's right, y down, z away from the camera. The head
+// frame is that of relief.h, in millimetres. At rest it is parallel to the camera's.
 #pragma once
 
 #include <array>
@@ -24,17 +24,17 @@ struct Moment {
   double yaw_rad = 0.0;              ///< to the observer's right, the image's left
   double pitch_rad = 0.0;            ///< upwards
   double roll_rad = 0.0;             ///< towards the observer's right shoulder
-  glm::dvec3 looks_at_m{0.0};        ///< both eyes; camera frame
+  glm::dvec3 looks_at_m{0.0};        ///< target of both eyes, camera frame
   double closed = 0.0;               ///< 0: open, 1: shut
 };
 
 struct Photography {
   glm::ivec2 size_px{640, 480};
-  double focal_px = 560.0;      ///< the principal point is the middle
-  double blur_px = 0.6;         ///< standard deviation of the lens's spread
-  double noise = 2.0;           ///< standard deviation in middle grey, of 255
-  double exposure = 1.0;        ///< times what the camera chooses itself
-  double light_yaw_rad = -0.6;  ///< where the main light comes from; 0: from the camera
+  double focal_px = 560.0;      ///< the principal point is the image's centre
+  double blur_px = 0.6;         ///< standard deviation of the lens' point spread
+  double noise = 2.0;           ///< standard deviation at middle grey, of 255
+  double exposure = 1.0;        ///< factor on the camera's automatic exposure
+  double light_yaw_rad = -0.6;  ///< direction of the main light; 0: from the camera
   double ambient = 0.55;        ///< share of the light that comes from everywhere
   std::uint32_t seed = 1;
 };
@@ -53,7 +53,7 @@ class Face {
  public:
   explicit Face(const Person& person) : person_(person), relief_(person) {}
 
-  /// One image, BGR, 8 bits. Several moments are the course of one exposure.
+  /// One image, BGR, 8 bits. Several moments belong to one exposure, so that motion blurs.
   cv::Mat photograph(std::span<const Moment> moments, const Photography& how) const;
   cv::Mat photograph(const Moment& moment, const Photography& how) const {
     return photograph({&moment, 1}, how);
@@ -66,7 +66,7 @@ class Face {
   Relief relief_;
 };
 
-/// Turns directions of the head frame into the camera's.
+/// Rotates directions from the head frame to the camera frame.
 glm::dmat3 cameraFromHead(const Moment& moment);
 
 }  // namespace foci::faces

@@ -15,7 +15,7 @@ double ease(double t) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-/// Slow, without a period that is seen; -1 to 1.
+/// Slow motion without a visible period, -1 to 1.
 double sway(double time_s, std::uint32_t which, std::uint32_t seed) {
   double sum = 0.0;
   for (std::uint32_t k = 0; k < 3; ++k) {
@@ -37,7 +37,7 @@ Observer::Observer(const Sitting& sitting, std::vector<ShownTarget> targets)
 
 double Observer::closedAt(double time_s) const {
   if (!(sitting_.blink_every_s > 0.0)) return 0.0;
-  // In each interval one, at a time of its own.
+  // Each interval has one blink, at a random time.
   const double interval = std::floor(time_s / sitting_.blink_every_s);
   const double share =
       static_cast<double>(noiseAt(static_cast<std::uint32_t>(interval + 8.0), 3, sitting_.seed));
@@ -56,7 +56,7 @@ Moment Observer::at(double time_s) const {
   moment.looks_at_m = onScreen_m(sitting_, point);
   const auto swayed = [&](std::uint32_t which) { return sway(time_s, which, sitting_.seed); };
   moment.head_m = sitting_.head_m + sitting_.sway_m * glm::dvec3(swayed(0), swayed(1), swayed(2));
-  // The head goes a quarter of the way towards what is looked at, late.
+  // The head turns a quarter of the way towards the target, after the eyes.
   glm::dvec2 towards = targets_.front().point_m;
   for (std::size_t i = 1; i < targets_.size(); ++i) {
     const double t = (time_s - targets_[i].from_s - sitting_.latency_s) / 0.6;

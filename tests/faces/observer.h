@@ -1,5 +1,5 @@
-// An observer in front of a screen with a webcam on top of it, who looks from target to target:
-// saccades after a latency, blinks, a head that sways. The same at any time step.
+// An observer in front of a screen with a webcam on top, who looks from target to target. Saccades
+// follow a latency, the eyes blink, and the head sways. The state does not depend on the time step.
 #pragma once
 
 #include <span>
@@ -17,14 +17,14 @@ struct ShownTarget {
 
 struct Sitting {
   glm::dvec3 head_m{0.0, 0.11, 0.55};  ///< at rest, camera frame
-  double camera_above_m = 0.155;       ///< of the screen's centre
+  double camera_above_m = 0.155;       ///< height of the camera above the screen's centre
   double sway_m = 0.008, sway_rad = 0.03;
   double latency_s = 0.2;      ///< from a new target to its saccade
   double blink_every_s = 4.0;  ///< 0: never
   std::uint32_t seed = 1;
 };
 
-/// Where a point of the screen lies in the camera's frame.
+/// A point of the screen in the camera frame.
 glm::dvec3 onScreen_m(const Sitting& sitting, const glm::dvec2& point_m);
 
 class Observer {

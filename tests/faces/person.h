@@ -1,4 +1,4 @@
-// Who is drawn: what differs from face to face.
+// The properties that differ from face to face.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,19 @@ struct Person {
   glm::vec3 iris{0.09f, 0.05f, 0.03f};
   glm::vec3 hair{0.05f, 0.035f, 0.025f};
   double ipd_mm = 63.0;
-  double nose_mm = 22.0;  ///< before the line of the face
+  double nose_mm = 22.0;  ///< how far the nose stands out
   double face_width_mm = 150.0;
   double pupil_mm = 4.0;           ///< diameter
-  glm::dvec2 kappa_deg{5.0, 1.5};  ///< line of sight nasally and upwards of the eye's axis
+  glm::dvec2 kappa_deg{5.0, 1.5};  ///< from the eye's axis to the line of sight: nasal, upwards
   bool glasses = false;
   bool beard = false;
-  std::uint32_t seed = 1;  ///< of skin, brows and irises
+  std::uint32_t seed = 1;  ///< of the texture of skin, brows and irises
 };
 
-/// Six skins, five irises, and the rest drawn from `index`: the same for the same index.
+/// A person with one of six skins and five irises. The same index always gives the same person.
 Person somebody(std::uint32_t index);
 
-/// White noise from integers, 0 to 1: alike on every machine.
+/// White noise from integers, 0 to 1. The same on every machine.
 float noiseAt(std::uint32_t x, std::uint32_t y, std::uint32_t seed);
 
 /// Smooth noise of unit scale, 0 to 1.

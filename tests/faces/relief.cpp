@@ -13,7 +13,7 @@ constexpr double kStep_mm = 0.5;
 constexpr double kHalfWidth_mm = 95.0, kTop_mm = -140.0, kBottom_mm = 135.0;
 constexpr float kBeside = -1000.0f;
 constexpr double kFrontmost_mm = 62.0, kBackmost_mm = -75.0;
-constexpr double kAround_mm = 14.0;  // how far around the ceiling looks
+constexpr double kAround_mm = 14.0;  // half of the region whose maximum height is `ceiling_`
 
 double bump(double x, double width) { return std::exp(-(x / width) * (x / width)); }
 
@@ -74,7 +74,7 @@ glm::vec3 albedo(const Person& p, double x, double y) {
     const double jaw = step(48.0, 62.0, y + 0.004 * x * x) * (1.0 - lip);
     blend(p.hair, jaw * (0.55 + 1.2 * grain(0.9f, 4)));
   }
-  // Brows, of strokes; hair, of strands.
+  // Brows consist of strokes, hair of strands.
   const double along = (ax - eye + 2.0) / 23.0;
   const double brow_y = -20.0 - 3.5 * (1.0 - along * along) + 1.5 * along;
   const double thick = std::max(0.1, 4.4 * (1.0 - 0.5 * std::max(0.0, along)));
@@ -129,7 +129,7 @@ Relief::Relief(const Person& person) {
   });
   const int around_side = 2 * static_cast<int>(kAround_mm / kStep_mm) + 1;
   cv::dilate(height_, ceiling_, cv::Mat(around_side, around_side, CV_8U, cv::Scalar(1)));
-  // What lies deeper than its surroundings sees less of the room.
+  // A point deeper than its surroundings gets less ambient light.
   cv::Mat1f around;
   cv::GaussianBlur(cv::max(height_, -60.0f), around, {}, 9.0 / kStep_mm);
   open_ = 1.0f - 0.07f * (around - cv::max(height_, -60.0f));
@@ -144,7 +144,8 @@ std::optional<float> Relief::heightAt(double x, double y) const {
 }
 
 std::optional<glm::dvec3> Relief::meet(const glm::dvec3& origin, const glm::dvec3& d) const {
-  constexpr double kMarch_mm = 2.5, kLeap_mm = 20.0;  // within which a ray stays under its ceiling
+  // A step may be as long as the distance to the ceiling, within these limits.
+  constexpr double kMarch_mm = 2.5, kLeap_mm = 20.0;
   if (!(d.z > 0.0)) return std::nullopt;
   const auto pointAt = [&](double z) { return origin + d * ((z - origin.z) / d.z); };
   const auto isInside = [&](const glm::dvec3& p) {
@@ -177,7 +178,7 @@ glm::vec3 Relief::colourAt(double x, double y, const glm::vec3& towards_light,
   const cv::Vec3f a = bilinear(albedo_, x, y), n = bilinear(normal_, x, y);
   const float open = bilinear(open_, x, y);
   const glm::vec3 normal = glm::normalize(glm::vec3(n[0], n[1], n[2]));
-  // Skin scatters: light reaches a little beyond the terminator.
+  // Skin scatters light a little beyond the terminator.
   const float lit = std::max(0.0f, (glm::dot(normal, towards_light) + 0.25f) / 1.25f);
   return glm::vec3(a[0], a[1], a[2]) * open * (ambient + (1.0f - ambient) * lit);
 }

@@ -15,15 +15,15 @@
 namespace foci::fuzz {
 namespace {
 
-constexpr double kMost_s = 1.0;
-constexpr std::size_t kMaxPerByte = 4, kMaxBesides = std::size_t{256} << 20;
+constexpr double kMax_s = 1.0;
+constexpr std::size_t kMaxPerByte = 4, kMaxExtra = std::size_t{256} << 20;
 
 std::atomic<std::int64_t> held{0}, max_held{0};
 
 void onMalloc(const volatile void*, std::size_t size) {
   const std::int64_t now = held += static_cast<std::int64_t>(size);
-  std::int64_t most = max_held;
-  while (now > most && !max_held.compare_exchange_weak(most, now)) {
+  std::int64_t max_so_far = max_held;
+  while (now > max_so_far && !max_held.compare_exchange_weak(max_so_far, now)) {
   }
 }
 
@@ -39,7 +39,7 @@ double processorTime_s() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-void give_up(const char* what, double value) {
+void giveUp(const char* what, double value) {
   std::fprintf(stderr, "foci fuzz: %s: %g\n", what, value);
   std::abort();
 }
@@ -51,16 +51,16 @@ std::filesystem::path asFile(const std::string& name, const std::uint8_t* bytes,
   const std::filesystem::path path = folder.path() / name;
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr || std::fwrite(bytes, 1, size, file) != size || std::fclose(file) != 0) {
-    give_up("no room for the input, bytes", static_cast<double>(size));
+    giveUp("no room for the input, bytes", static_cast<double>(size));
   }
   return path;
 }
 
 void readWithinLimits(std::size_t size, const std::function<void()>& read) {
-  // One thread: the same input takes the same path.
+  // With one thread, the same input always takes the same path.
   static const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   static const int installed = __sanitizer_install_malloc_and_free_hooks(onMalloc, onFree);
-  if (installed == 0) give_up("no room for hooks", 0.0);
+  if (installed == 0) giveUp("no room for hooks", 0.0);
   const std::int64_t before = held;
   max_held = before;
   const double start_s = processorTime_s();
@@ -69,10 +69,10 @@ void readWithinLimits(std::size_t size, const std::function<void()>& read) {
   } catch (const InputError&) {
   }
   const double took_s = processorTime_s() - start_s;
-  if (took_s > kMost_s) give_up("a hang, seconds", took_s);
+  if (took_s > kMax_s) giveUp("a hang, seconds", took_s);
   const auto took = static_cast<std::size_t>(max_held - before);
-  if (took > kMaxPerByte * size + kMaxBesides) {
-    give_up("too much memory, bytes", static_cast<double>(took));
+  if (took > kMaxPerByte * size + kMaxExtra) {
+    giveUp("too much memory, bytes", static_cast<double>(took));
   }
 }
 

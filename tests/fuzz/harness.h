@@ -1,4 +1,4 @@
-// What every fuzzer of a reader shares: bytes as a file, and the limits that a reader keeps.
+// Shared by all fuzzers of the readers: bytes as a file, and the limits that a reader must keep.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +11,13 @@
 
 namespace foci::fuzz {
 
-/// Writes the bytes to a file of this name in a folder of the process's own, in memory where the
-/// system has such a folder. The same name is the same file.
+/// Writes the bytes to a file of this name, in a folder that belongs to this process. The folder is
+/// in memory if the system allows it. Another call with the same name replaces the file.
 std::filesystem::path asFile(const std::string& name, const std::uint8_t* bytes, std::size_t size);
 
-/// Calls a reader on an input of `size` bytes. It may throw InputError and nothing else; it stays
-/// within a second of processor time and within 4 `size` + 256 MiB of memory. Else the process is
-/// aborted, which is how a fuzzer finds.
+/// Calls a reader on an input of `size` bytes. The reader may throw InputError and nothing else. It
+/// may take a second of processor time and 4 `size` + 256 MiB of memory. Otherwise the process
+/// aborts, which the fuzzer reports as a finding.
 void readWithinLimits(std::size_t size, const std::function<void()>& read);
 
 }  // namespace foci::fuzz

@@ -1,8 +1,8 @@
 #!/bin/sh
 # Fuzzes the readers: tests/fuzz/run.sh [SECONDS [TARGET...]]
-# Builds them, runs each one's corpus (tests/fuzz/corpus) and then fuzzes it for SECONDS (30), two at a time.
-# The same commit takes the same path: the seed is 1 unless SEED, in the environment, is another (0: any).
-# What is new goes to out/fuzz, not to the corpus; what fails lies there as TARGET-crash-*.
+# Builds the fuzzers, runs each one on its corpus (tests/fuzz/corpus), and then fuzzes for SECONDS (default
+# 30). Two fuzzers run at the same time. SEED in the environment sets the seed (default 1; 0: random), so that
+# the same commit takes the same path. New inputs and findings (TARGET-crash-*) go to out/fuzz.
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1:-30}
@@ -20,7 +20,7 @@ cat >"$one" <<'EOF'
 target=$1 seconds=$2
 found=out/fuzz/$target
 mkdir -p "$found"
-# Reads are limited by the harness, in processor time; the timeout here only ends what never would.
+# The harness limits each read in processor time. This timeout ends a read that never returns.
 limits="-timeout=20 -rss_limit_mb=2048 -max_len=65536 -artifact_prefix=out/fuzz/$target-"
 if build/fuzz/fuzz_$target $limits -runs=0 tests/fuzz/corpus/$target >"$found.log" 2>&1 &&
   { [ "$seconds" -eq 0 ] ||

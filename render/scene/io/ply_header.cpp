@@ -1,11 +1,11 @@
 #include "render/scene/io/ply_header.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstring>
 #include <optional>
 
 #include "base/input_error.h"
+#include "base/number.h"
 
 namespace foci::ply {
 namespace {
@@ -197,9 +197,9 @@ Header readHeader(Input& input) {
       bool counted = false;
       if (words.size() == 3) {
         element.name = words[1];
-        const char* const end = words[2].data() + words[2].size();
-        const auto [last, error] = std::from_chars(words[2].data(), end, element.count);
-        counted = error == std::errc() && last == end;
+        const auto count = parseInteger<std::uint64_t>(words[2]);
+        counted = count.has_value();
+        element.count = count.value_or(0);
       }
       if (!counted) {
         throw InputError(where(),

@@ -1,4 +1,4 @@
-// Recorded gaze in BIDS: the JSON up to the first NUL, the table behind it.
+// Recordings in BIDS. The input is the JSON up to the first NUL, and the table behind it.
 #include <cstring>
 
 #include "calibration/gaze_map/map_units.h"

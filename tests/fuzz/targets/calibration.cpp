@@ -1,4 +1,4 @@
-// What calibrations leave: gaze maps, cameras, webcam maps.
+// Files of calibrations: gaze maps, cameras, webcam maps.
 #include "calibration/binocular/binocular_map.h"
 #include "calibration/camera/camera.h"
 #include "calibration/gaze_map/gaze_map_file.h"

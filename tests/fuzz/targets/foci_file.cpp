@@ -1,4 +1,4 @@
-// Scenes of the project's own.
+// Scenes in the .foci format.
 #include "render/scene/io/foci_file.h"
 #include "tests/fuzz/harness.h"
 

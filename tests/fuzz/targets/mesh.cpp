@@ -1,8 +1,8 @@
-// Meshes: the first byte chooses the format, as a name does.
+// Meshes. The first byte chooses the format.
 #include "render/scene/io/mesh.h"
 #include "tests/fuzz/harness.h"
 
-// What Assimp loses of a file that it refuses (about 2 kB an ASCII STL) is not ours to free.
+// Assimp leaks memory of files that it refuses (about 2 kB for an ASCII STL).
 extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp"; }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

@@ -1,4 +1,4 @@
-// Messages from the network: the topic up to the first NUL, the payload behind it.
+// Messages from the network. The input is the topic up to the first NUL, and the payload behind it.
 #include <cstring>
 #include <string_view>
 

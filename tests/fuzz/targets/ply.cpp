@@ -1,5 +1,5 @@
-// PLY point clouds, up to surfels. Those with faces are meshes, sampled more densely than a second
-// allows: mesh.cpp has them.
+// PLY point clouds, up to surfels. Files with faces are meshes, and sampling them would take too
+// long; mesh.cpp reads them.
 #include "render/scene/io/mesh.h"
 #include "render/scene/io/open_scene.h"
 #include "tests/fuzz/harness.h"

@@ -1,4 +1,4 @@
-// Screens: ours, and PsychoPy monitors.
+// Screen geometry: our own files and PsychoPy monitors.
 #include "calibration/screen/screen_file.h"
 #include "tests/fuzz/harness.h"
 

@@ -1,4 +1,4 @@
-// Tables of what people labelled and of where targets were.
+// Tables of labels, and tables of targets.
 #include "calibration/binocular/binocular_pairs.h"
 #include "calibration/gaze_map/gaze_pairs.h"
 #include "calibration/webcam/webcam_calibration.h"

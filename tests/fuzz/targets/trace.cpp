@@ -1,4 +1,4 @@
-// Recorded gaze as text, of every tracker.
+// Recordings as text, in the format of any tracker.
 #include "calibration/gaze_map/map_units.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/fuzz/harness.h"

@@ -18,7 +18,7 @@ Photography clean() {
   return how;
 }
 
-/// Where two images differ: weight, and centre of gravity in px.
+/// The difference of two images: its sum and its centre of gravity.
 struct Difference {
   double weight = 0.0;
   glm::dvec2 centre_px{0.0};
@@ -37,7 +37,7 @@ cv::Rect around(const glm::dvec2& px) {
   return {static_cast<int>(px.x) - 20, static_cast<int>(px.y) - 15, 40, 30};
 }
 
-TEST(Face, AnEyeThatLooksIntoTheCameraHasItsIrisBeforeItsCentre) {
+TEST(Face, IrisOfAnEyeThatLooksIntoTheCameraHidesItsCentre) {
   Person person;
   person.kappa_deg = {0.0, 0.0};
   const Face face(person);
@@ -47,15 +47,14 @@ TEST(Face, AnEyeThatLooksIntoTheCameraHasItsIrisBeforeItsCentre) {
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_LT(glm::distance(truth.iris_px[i], truth.eye_px[i]), kRounding_px);
   }
-  // 63 mm at half a metre; turned by 0.2 the eyes are a little less apart.
+  // 63 mm at half a metre, seen under a yaw of 0.2 rad.
   EXPECT_NEAR(truth.eyeDistance_px(), 560.0 * 0.063 / 0.5 * std::cos(0.2), 1.5);
   EXPECT_GT(truth.iris_px[0].x, truth.iris_px[1].x);  // the left eye is at the image's right
   EXPECT_GT(truth.inner_px[1].x, truth.outer_px[1].x);
 }
 
 TEST(Face, TheImageHasItsIrisesWhereTheTruthSays) {
-  // What another colour of the iris changes in the image is the iris. The lids cut it from above
-  // and below, so its height tells nothing.
+  // Only the iris changes with its colour. The eyelids cut it above and below, so compare x alone.
   Person brown, red;
   red.iris = {0.5f, 0.1f, 0.1f};
   const Face one(brown), other(red);
@@ -67,10 +66,10 @@ TEST(Face, TheImageHasItsIrisesWhereTheTruthSays) {
     for (std::size_t i = 0; i < 2; ++i) {
       const Difference found = between(a, b, around(truth.iris_px[i]));
       EXPECT_GT(found.weight, 0.0);
-      constexpr double kRefraction_px = 0.5;  // through the cornea the iris is seen nearer
+      constexpr double kRefraction_px = 0.5;  // the cornea makes the iris appear nearer
       EXPECT_NEAR(found.centre_px.x, truth.iris_px[i].x, kRefraction_px) << across;
     }
-    // Between the eyes nothing has changed.
+    // The rest of the image, such as the forehead, is the same.
     EXPECT_EQ(cv::norm(a(cv::Rect(0, 0, 640, 100)), b(cv::Rect(0, 0, 640, 100))), 0.0);
   }
 }
@@ -83,7 +82,7 @@ TEST(Face, ShutLidsHideTheIris) {
   EXPECT_EQ(cv::norm(a, b), 0.0);
 }
 
-TEST(Face, TheSameImageAtAnyNumberOfThreads) {
+TEST(Face, ImageDoesNotDependOnTheThreads) {
   Photography how;
   how.size_px = {160, 120};
   how.focal_px = 140.0;
@@ -96,7 +95,7 @@ TEST(Face, TheSameImageAtAnyNumberOfThreads) {
   EXPECT_GT(cv::norm(many, face.photograph(moment, how)), 0.0);
 }
 
-TEST(Face, NoiseIsAsStrongAsAskedFor) {
+TEST(Face, NoiseHasTheGivenStrength) {
   Photography how;
   how.size_px = {160, 120};
   how.focal_px = 140.0;
@@ -121,7 +120,7 @@ TEST(Face, NoiseIsAsStrongAsAskedFor) {
     ++count;
   }
   ASSERT_GT(count, 300.0);
-  constexpr double kStatistical = 0.4;  // a tenth: more than three deviations of that many
+  constexpr double kStatistical = 0.4;  // more than three standard errors
   EXPECT_NEAR(std::sqrt(sum2 / count), how.noise, kStatistical);
 }
 

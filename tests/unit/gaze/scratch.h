@@ -11,7 +11,7 @@
 
 namespace foci {
 
-/// A file of this process with the given bytes, gone with the object.
+/// A temporary file with the given bytes. The destructor removes it.
 class ScratchFile {
  public:
   explicit ScratchFile(std::string_view bytes) {
@@ -30,7 +30,7 @@ class ScratchFile {
   std::filesystem::path path_;
 };
 
-/// The real data, which may be absent.
+/// Folder of the real recordings. It may be absent.
 inline std::filesystem::path gazeData() {
   const char* folder = std::getenv("FOCI_DATA");
   return std::filesystem::path(folder ? folder : FOCI_SOURCE_DIR "/../shared/data") / "gaze";

@@ -8,7 +8,7 @@
 namespace foci {
 namespace {
 
-/// Gaze that drifts to the side for 0.3 s at 250 Hz, with white noise along each axis.
+/// Gaze that moves to the side for 0.3 s at 250 Hz, with white noise along each axis.
 StableGaze drift(double from_s, double speed_deg_s, double noise_deg = 0.0, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, std::max(noise_deg, 1e-9));
@@ -22,8 +22,8 @@ StableGaze drift(double from_s, double speed_deg_s, double noise_deg = 0.0, unsi
   return gaze;
 }
 
-TEST(StableGaze, WhoFollowsGoesOnAcrossASaccade) {
-  // 0.9 deg in 0.3 s: -0.57 by itself, 0.75 more for each neighbour that goes the same way.
+TEST(StableGaze, PursuitGoesOnAcrossASaccade) {
+  // 0.9 deg in 0.3 s have a sum of -0.57. Each neighbour in the same direction adds 0.75.
   const StableGaze before = drift(0.0, 3.0), gaze = drift(0.35, 3.0), after = drift(0.7, 3.0);
   EXPECT_FALSE(gaze.isPursuit(0.01));
   EXPECT_FALSE(gaze.isPursuit(0.01, nullptr, nullptr));
@@ -35,14 +35,14 @@ TEST(StableGaze, WhoFollowsGoesOnAcrossASaccade) {
   EXPECT_FALSE(gaze.isPursuit(0.01, &back, &still));
 }
 
-TEST(StableGaze, NoiseIsNoPursuitAndHidesNoFastOne) {
+TEST(StableGaze, NoiseIsNoPursuitAndHidesNoFastPursuit) {
   constexpr double kNoise_deg = 0.5;
   int pursuits = 0;
   for (unsigned seed = 1; seed <= 100; ++seed) {
     pursuits += drift(0.0, 0.0, kNoise_deg, seed).isPursuit(kNoise_deg);
     EXPECT_TRUE(drift(0.0, 20.0, kNoise_deg, seed).isPursuit(kNoise_deg)) << seed;
   }
-  EXPECT_LE(pursuits, 10);  // of 100: the way alone passes in 5
+  EXPECT_LE(pursuits, 10);  // of 100; the distance alone passes in 5
 }
 
 }  // namespace

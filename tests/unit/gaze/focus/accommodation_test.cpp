@@ -11,7 +11,7 @@ constexpr double kRounding = 1e-12;  // a few double operations and one exponent
 
 const AccommodationSettings kEye{.latency_s = 0.3, .time_constant_s = 0.2};
 
-TEST(Accommodation, RestsUntilTheFirstTargetAndTakesThatAtOnce) {
+TEST(Accommodation, RestsUntilTheFirstTargetAndStartsThere) {
   Accommodation eye({.resting_D = 1.25});
   EXPECT_EQ(eye.focusAt_D(0.0), 1.25);
   EXPECT_EQ(eye.focusAt_D(5.0), 1.25);
@@ -52,7 +52,7 @@ TEST(Accommodation, DoesNotDependOnHowOftenItIsAsked) {
   EXPECT_EQ(often.focusAt_D(7.123), once.focusAt_D(7.123));
 }
 
-TEST(Accommodation, SwitchedOffIsTheTargetItself) {
+TEST(Accommodation, EqualsTheTargetIfSwitchedOff) {
   Accommodation eye({.on = false});
   for (int i = 0; i < 5; ++i) {
     eye.setTarget(i, 0.5 * i);
@@ -66,7 +66,7 @@ TEST(ReachableFocus, RunsFromTheFarPointOverTheAmplitude) {
   EXPECT_EQ(reachableFocus_D(eye, 5.0), 5.0);
   eye.age_years = 50.0;  // 3.5 D
   EXPECT_EQ(reachableFocus_D(eye, 9.0), 5.5);
-  eye.far_point_D = -4.0;  // long-sighted: not even infinity
+  eye.far_point_D = -4.0;  // long-sighted: this eye cannot even focus at infinity
   EXPECT_EQ(reachableFocus_D(eye, 0.0), -0.5);
 }
 
@@ -83,7 +83,7 @@ TEST(Accommodation, JumpsWhenGlassesComeOffAndThenAnswers) {
   Accommodation eye(kEye);
   eye.setTarget(0.0, 3.0);
   EXPECT_EQ(eye.focusAt_D(1.0), 3.0);
-  eye.setFarPoint(2.0);  // off: the lens in the eye is still 3 D strong
+  eye.setFarPoint(2.0);  // glasses off; the lens in the eye still accommodates by 3 D
   EXPECT_EQ(eye.focusAt_D(1.1), 5.0);
   EXPECT_NEAR(eye.focusAt_D(1.5), 3.0 + 2.0 * std::exp(-1.0), kRounding);
   EXPECT_NEAR(eye.focusAt_D(9.0), 3.0, 1e-9);

@@ -1,4 +1,4 @@
-// Vergence, its combination with the surface, the age limit and the pupil.
+// Tests of vergence, of its combination with the surface, of the limit by age, and of the pupil.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -15,7 +15,7 @@ namespace foci {
 namespace {
 
 constexpr double kRounding = 1e-9;
-constexpr double kBetween_m = 0.063;
+constexpr double kIpd_m = 0.063;
 const Screen kScreen{.size_px = {1000, 500}, .size_m = {0.5, 0.25}, .distance_m = 0.6};
 
 EyeRay rayTo(const glm::dvec3& origin_m, const glm::dvec3& target_m) {
@@ -23,7 +23,7 @@ EyeRay rayTo(const glm::dvec3& origin_m, const glm::dvec3& target_m) {
 }
 
 TEST(VergenceOf, IsTheReciprocalOfTheDistanceStraightAhead) {
-  const glm::dvec3 left(-0.5 * kBetween_m, 0, 0), right(0.5 * kBetween_m, 0, 0);
+  const glm::dvec3 left(-0.5 * kIpd_m, 0, 0), right(0.5 * kIpd_m, 0, 0);
   for (const double distance_m : {0.1, 0.33, 1.0, 6.0, 1e6}) {
     const glm::dvec3 target(0, 0, -distance_m);
     const auto vergence = vergenceOf(rayTo(left, target), rayTo(right, target), 0.5);
@@ -31,7 +31,7 @@ TEST(VergenceOf, IsTheReciprocalOfTheDistanceStraightAhead) {
     EXPECT_NEAR(vergence->error_D, 0.196, 0.001);
   }
   EXPECT_NEAR(vergenceOf({left, {0, 0, -1}}, {right, {0, 0, -1}}, 0.5)->value_D, 0.0, kRounding);
-  // Diverging lines of sight are below zero, and finite.
+  // Diverging lines of sight give a negative, finite vergence.
   EXPECT_LT(vergenceOf({left, glm::normalize(glm::dvec3(-0.02, 0, -1))},
                        {right, glm::normalize(glm::dvec3(0.02, 0, -1))}, 0.5)
                 ->value_D,
@@ -39,7 +39,7 @@ TEST(VergenceOf, IsTheReciprocalOfTheDistanceStraightAhead) {
 }
 
 TEST(VergenceOf, HoldsAsideAndIgnoresVerticalError) {
-  const glm::dvec3 left(-0.5 * kBetween_m, 0, 0), right(0.5 * kBetween_m, 0, 0);
+  const glm::dvec3 left(-0.5 * kIpd_m, 0, 0), right(0.5 * kIpd_m, 0, 0);
   const glm::dvec3 target(0.3, 0.2, -0.8);
   const auto vergence = vergenceOf(rayTo(left, target), rayTo(right, target), 0.5);
   constexpr double kBaseOblique = 0.01;  // the eyes are not at the same depth along the gaze
@@ -50,10 +50,10 @@ TEST(VergenceOf, HoldsAsideAndIgnoresVerticalError) {
   EXPECT_NEAR(tilted->value_D, 2.0, 0.01);
 }
 
-TEST(VergenceOf, StatesItsErrorTruly) {
+TEST(VergenceOf, ErrorIsTheScatterOfNoisyDirections) {
   std::mt19937_64 bits(1);
   std::normal_distribution<double> normal(0.0, std::tan(glm::radians(0.5)));
-  const glm::dvec3 left(-0.5 * kBetween_m, 0, 0), right(0.5 * kBetween_m, 0, 0);
+  const glm::dvec3 left(-0.5 * kIpd_m, 0, 0), right(0.5 * kIpd_m, 0, 0);
   double squares = 0.0, error_D = 0.0;
   constexpr int kTrials = 4000;
   for (int i = 0; i < kTrials; ++i) {
@@ -69,7 +69,7 @@ TEST(VergenceOf, StatesItsErrorTruly) {
   EXPECT_NEAR(std::sqrt(squares / kTrials) / error_D, 1.0, kStatistical);
 }
 
-TEST(VergenceOf, RefusesEyesThatAreOne) {
+TEST(VergenceOf, IsAbsentWithoutABaseline) {
   EXPECT_FALSE(vergenceOf({}, {}, 0.5));
   EXPECT_FALSE(vergenceOf({{-0.03, 0, 0}, {-1, 0, 0}}, {{0.03, 0, 0}, {1, 0, 0}}, 0.5));
 }
@@ -121,11 +121,11 @@ TEST(Accommodation, HasATimeConstantEachWay) {
   EXPECT_NEAR(eye.focusAt_D(10.4), 1.0 + 2.0 * std::exp(-1.0), 1e-6);
 }
 
-TEST(PupilDiameter, IsTheUnifiedFormulas) {
+TEST(PupilDiameter, FollowsTheUnifiedFormula) {
   const double luminances[] = {1, 10, 100, 1000};
   const double wide[] = {5.1195, 3.8282, 2.8869, 2.3831};
   const double narrow[] = {7.2872, 6.7747, 5.8226, 4.5278};
-  constexpr double kDigits = 5e-5;  // of the vectors
+  constexpr double kDigits = 5e-5;  // rounding of the expected values
   for (int i = 0; i < 4; ++i) {
     const double area_deg2 = std::numbers::pi * 30.0 * 30.0;
     EXPECT_NEAR(pupilDiameter_mm({.luminance_cd_m2 = luminances[i], .area_deg2 = area_deg2}),
@@ -139,21 +139,21 @@ TEST(PupilDiameter, IsTheUnifiedFormulas) {
 }
 
 TEST(FieldArea, IsTheSolidAngle) {
-  // A square as wide as it is near to the middle of a cube of that width: a sixth of the sphere.
+  // The face of a cube, seen from its centre, is a sixth of the sphere.
   constexpr double kSphere_deg2 = 41252.96125;
   EXPECT_NEAR(fieldArea_deg2({.size_px = {1, 1}, .size_m = {2.0, 2.0}, .distance_m = 1.0}),
               kSphere_deg2 / 6.0, 1e-4);
-  // A small one: width times height.
+  // The solid angle of a small screen is its width times its height.
   EXPECT_NEAR(fieldArea_deg2({.size_px = {1, 1}, .size_m = {0.02, 0.01}, .distance_m = 1.0}),
               0.02 * 0.01 * 57.29578 * 57.29578, 1e-4);
 }
 
-TEST(PupilReflex, StartsThereAndNarrowsQuickerThanItWidens) {
+TEST(PupilReflex, StartsAtTheTargetAndConstrictsFasterThanItDilates) {
   PupilReflex reflex;
   EXPECT_EQ(reflex.follow(1.0, 6.0), 6.0);
   const double narrowed = reflex.follow(1.4, 3.0);
   EXPECT_NEAR(narrowed, 3.0 + 3.0 * std::exp(-1.0), 1e-12);
-  // In steps or at once: the same.
+  // Many small steps give the same as one large step.
   PupilReflex steps;
   steps.follow(1.0, 6.0);
   for (int i = 1; i <= 8; ++i) steps.follow(1.0 + 0.05 * i, 3.0);

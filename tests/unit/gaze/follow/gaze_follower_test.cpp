@@ -13,7 +13,7 @@ constexpr double kRounding = 1e-9;  // a handful of double operations
 const Screen kScreen{.size_px = {1280, 720}, .size_m = {0.52, 0.2925}, .distance_m = 0.6};
 const glm::dvec2 kLeft_px{300, 360}, kRight_px{1000, 360};
 
-/// A near surface to the left, a far one to the right, nothing above.
+/// A near surface on the left, a far one on the right, and none above.
 std::optional<double> twoSurfaces(double, const glm::dvec3& direction, double) {
   if (direction.y > 0.1) return std::nullopt;
   return direction.x < 0.0 ? 0.5 : 2.0;
@@ -25,7 +25,7 @@ FollowSettings instant() {
   return settings;
 }
 
-/// Feeds `samples` up to a time.
+/// Pushes `samples` into a follower up to the time of each frame.
 class Feed {
  public:
   Feed(GazeFollower& follower, const std::vector<GazeSample>& samples)
@@ -75,7 +75,7 @@ TEST(GazeFollower, FocusesWhatIsFixated) {
   EXPECT_EQ(eye.focus_D, 2.0);
 }
 
-TEST(GazeFollower, HoldsThroughBlinksLossesAndMisses) {
+TEST(GazeFollower, KeepsItsTargetThroughBlinksDataLossAndMisses) {
   auto samples = still(0.0, 0.5, kLeft_px);
   append(samples, still(0.5, 1.5, std::nullopt));
   append(samples, still(1.5, 2.0, glm::dvec2(300, 60)));
@@ -84,10 +84,10 @@ TEST(GazeFollower, HoldsThroughBlinksLossesAndMisses) {
   const struct {
     double time_s;
     GazeState state;
-  } expected[] = {{0.51, GazeState::fixation},  // the newest that is labelled was still present
+  } expected[] = {{0.51, GazeState::fixation},  // the newest labelled sample still had gaze
                   {0.7, GazeState::blink},
                   {1.3, GazeState::lost},
-                  {1.8, GazeState::fixation},  // on nothing
+                  {1.8, GazeState::fixation},  // on no surface
                   {2.5, GazeState::lost}};     // after the last sample
   for (const auto& [time_s, state] : expected) {
     const EyeNow eye = feed.at(time_s);
@@ -99,7 +99,7 @@ TEST(GazeFollower, HoldsThroughBlinksLossesAndMisses) {
   }
 }
 
-TEST(GazeFollower, HoldsTheFixationWhileASaccadeLasts) {
+TEST(GazeFollower, KeepsTheFixationDuringASaccade) {
   const auto simulated = simulateGaze({{kLeft_px, 1.0}, {kRight_px, 1.0}}, kScreen, 500, 3,
                                       {.noise_deg = 0.01, .blink_rate_Hz = 0.0});
   GazeFollower follower(kScreen, 500, twoSurfaces, instant());
@@ -127,7 +127,7 @@ TEST(GazeFollower, HoldsTheFixationWhileASaccadeLasts) {
   EXPECT_TRUE(landed);
 }
 
-// Accommodation starts with the fixation itself, whatever the frame rate.
+// Accommodation starts at the sample where the fixation begins, at any frame rate.
 TEST(GazeFollower, FocusAtATimeDoesNotDependOnTheFramesBefore) {
   const auto simulated = simulateGaze({{kLeft_px, 0.6}, {kRight_px, 0.9}}, kScreen, 500, 5);
   double focus_D[2], target_D[2];
@@ -142,7 +142,7 @@ TEST(GazeFollower, FocusAtATimeDoesNotDependOnTheFramesBefore) {
     target_D[run] = *eye.target_D;
   }
   EXPECT_EQ(target_D[0], 0.5);
-  EXPECT_LT(focus_D[0], 1.9);  // on its way
+  EXPECT_LT(focus_D[0], 1.9);  // still moving towards the target
   EXPECT_EQ(focus_D[0], focus_D[1]);
   EXPECT_EQ(target_D[0], target_D[1]);
 }
@@ -167,8 +167,8 @@ TEST(GazeFollower, AsksTheSurfaceOnceAFrameAndNotAtEverySample) {
   EXPECT_TRUE(std::is_sorted(times_s.begin(), times_s.end()));
 }
 
-/// The share of the time in which an observer who steadily looks at a point `off_deg` to the right
-/// of the edge between the two surfaces is taken to look at the other one.
+/// An observer looks steadily at a point, `off_deg` to the right of the edge between two surfaces.
+/// Returns the share of the time with the focus on the wrong surface.
 double wrongShare(double rate_Hz, double off_deg, double noise_deg, unsigned seed) {
   const auto simulated = simulateGaze(
       {{pointAtEccentricity_px(kScreen, {off_deg, 0.0}), 8.0}}, kScreen, rate_Hz, seed,
@@ -183,9 +183,9 @@ double wrongShare(double rate_Hz, double off_deg, double noise_deg, unsigned see
   return wrong / frames;
 }
 
-// Means over the last 0.1 s alone, six samples at 60 Hz, err by 0.41 deg: at these distances from
-// the edge they are wrong for 7 % of the time; at 250 Hz, and 1.6 deg of noise, for 3.4 %.
-TEST(GazeFollower, HoldsASurfaceThroughNoiseAtASilhouette) {
+// Means over the last 0.1 s are six samples at 60 Hz, with an error of 0.41 deg. At these distances
+// from the edge they would be wrong for 7 % of the time; at 250 Hz and 1.6 deg of noise, for 3.4 %.
+TEST(GazeFollower, KeepsASurfaceThroughNoiseAtASilhouette) {
   double slow = 0.0, fast = 0.0;
   for (const double off_deg : {-0.75, -0.5, 0.5, 0.75}) {
     for (unsigned seed = 1; seed <= 3; ++seed) {
@@ -198,7 +198,7 @@ TEST(GazeFollower, HoldsASurfaceThroughNoiseAtASilhouette) {
   EXPECT_EQ(wrongShare(60, -0.5, 0.03, 1), 0.0);
 }
 
-// Holding is no deafness: gaze that crosses the edge by more than the noise is followed.
+// The focus still follows gaze that crosses the edge by more than the noise.
 TEST(GazeFollower, FollowsASaccadeAcrossASilhouetteInNoise) {
   const auto simulated = simulateGaze({{pointAtEccentricity_px(kScreen, {-2.0, 0.0}), 2.0},
                                        {pointAtEccentricity_px(kScreen, {2.0, 0.0}), 2.0}},

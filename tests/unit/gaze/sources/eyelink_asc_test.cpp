@@ -42,7 +42,7 @@ TEST(EyeLinkAsc, TakesTheMeanOfTheEyesAndDoesNotJumpToOne) {
   EXPECT_EQ(trace.screen->size_px, glm::ivec2(100, 50));
 }
 
-TEST(EyeLinkAsc, TheSecondOfTwoEqualStampsIsHalfAMillisecondLater) {
+TEST(EyeLinkAsc, PutsTheSecondOfTwoEqualTimeStampsHalfAMillisecondLater) {
   const GazeTrace trace = read(kHead +
                                "START\t10 \tRIGHT\n10\t1\t1\t1\t...\n10\t2\t2\t1\t...\n"
                                "11\t3\t3\t1\t...\n11\t4\t4\t1\t...\nEND\t11\n");
@@ -53,7 +53,7 @@ TEST(EyeLinkAsc, TheSecondOfTwoEqualStampsIsHalfAMillisecondLater) {
   EXPECT_EQ(trace.rate_Hz, 2000.0);
 }
 
-TEST(EyeLinkAsc, ReadsBlocksWithDifferentEyesAndSkipsWhatLiesBetween) {
+TEST(EyeLinkAsc, ReadsBlocksWithDifferentEyesAndSkipsOtherLines) {
   const GazeTrace trace = read(kHead +
                                "START\t10 \tRIGHT\n10\t1\t2\t1\t...\n11\t1\t2\t1\t...\nEND\t11\n"
                                "12\t99\t99\t99\t...\n   7.1\t8.2\nINPUT\t15\t0\n"
@@ -101,7 +101,7 @@ TEST(EyeLinkAsc, ABlinkOfOneEyeCountsUnlessItIsTooLongForABlink) {
   EXPECT_EQ(*one_eye.samples[150].point_px, glm::dvec2(5, 6));
 }
 
-TEST(EyeLinkAsc, GazeCoordinatesWinAndMayWriteTheSizeInsteadOfTheLastPixel) {
+TEST(EyeLinkAsc, PrefersGazeCoordinatesAndTakesASizeForALastPixel) {
   const std::string samples = "START\t10 \tLEFT\n10\t15\t25\t1\t...\n11\t15\t25\t1\t...\n";
   EXPECT_EQ(
       read("MSG\t1 GAZE_COORDS 0.00 0.00 1920.00 1080.00\n" + kHead + samples).screen->size_px,
@@ -199,7 +199,7 @@ TEST(EyeLinkAsc, MarksTheBlinkOfARealFile) {
   const auto path = gazeData() / "vendors" / "pymovements_eyelink_binocular_example.asc";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
   for (const GazeSample& sample : readTrace(path, {}, {}).samples) {
-    // Left from ...787 to ...883, right within it.
+    // The left eye's blink lasts from ...787 to ...883. The right eye's lies within.
     const bool inside = sample.time_s > 1408.7865 && sample.time_s < 1408.8835;
     EXPECT_EQ(sample.blink, inside) << sample.time_s;
   }

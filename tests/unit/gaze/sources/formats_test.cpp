@@ -1,5 +1,5 @@
-// Each vendor's format by a few rows as the vendor writes them, and on real files where there are
-// some.
+// Tests of each vendor's format: on a few rows as the vendor writes them, and on real files if
+// present.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ const Screen kScreen{.size_px = {1920, 1080}, .size_m = {0.52, 0.2925}, .distanc
 
 GazeTrace read(std::string_view bytes) { return readTrace(ScratchFile(bytes).path(), {}, kScreen); }
 
-TEST(Cyclopean, DoesNotJumpWhenAnEyeIsLost) {
+TEST(Cyclopean, DoesNotJumpWhenAnEyeIsMissing) {
   Cyclopean eyes;
   for (int i = 0; i < 100; ++i) {
     EXPECT_EQ(*eyes.combine(0.01 * i, glm::dvec2(100, 50), glm::dvec2(140, 60)),
@@ -85,7 +85,7 @@ TEST(ReadTobii, SdkTuplesAreFractionsOfTheScreen) {
                InputError);
 }
 
-TEST(ReadPupil, LinesOfSightBecomePointsAndDoubtIsALoss) {
+TEST(ReadPupil, LinesOfSightBecomePointsAndLowConfidenceIsDataLoss) {
   std::string text =
       "gaze_timestamp,world_index,confidence,norm_pos_x,norm_pos_y,base_data,gaze_normal0_x,"
       "gaze_normal0_y,gaze_normal0_z,gaze_normal1_x,gaze_normal1_y,gaze_normal1_z,"
@@ -95,7 +95,7 @@ TEST(ReadPupil, LinesOfSightBecomePointsAndDoubtIsALoss) {
       "10.02,0,1.0,0.5,0.5,a,0.0,0.1,0.995,,,,20,15,-20\n";
   const GazeTrace trace = read(text);
   EXPECT_EQ(trace.format, "Pupil Core export, binocular");
-  // Straight ahead: the centre. Down in the camera (y down) is down on the screen.
+  // Straight ahead is the screen's centre. The camera's y points down, as the screen's does.
   EXPECT_LT(glm::distance(*trace.samples[0].point_px, glm::dvec2(960, 540)), kRounding);
   EXPECT_EQ(trace.samples[0].confidence, 0.9);
   EXPECT_FALSE(trace.samples[1].point_px);
@@ -130,7 +130,7 @@ TEST(ReadGazeBase, DegreesAndItsValidity) {
   EXPECT_FALSE(trace.samples[1].point_px);
 }
 
-TEST(ReadSmi, BeGazeTextWithItsScreenAndZerosAsLosses) {
+TEST(ReadSmi, ReadsTheScreenAndTakesZerosForDataLoss) {
   const GazeTrace trace = read(
       "## [BeGaze]\n## Converted from:\tx.idf\n## Calibration Area:\t1680\t1050\n"
       "## Stimulus Dimension [mm]:\t474\t297\n## Head Distance [mm]:\t700\n"
@@ -151,7 +151,7 @@ TEST(ReadSmi, BeGazeTextWithItsScreenAndZerosAsLosses) {
   EXPECT_EQ(trace.rate_Hz, 500.0);
 }
 
-TEST(Bids, WhatIsWrittenIsReadAgain) {
+TEST(Bids, RoundTrips) {
   const auto folder =
       std::filesystem::temp_directory_path() / ("foci_bids_" + std::to_string(getpid()));
   std::filesystem::create_directory(folder);
@@ -182,7 +182,7 @@ TEST(Bids, WhatIsWrittenIsReadAgain) {
   EXPECT_EQ(*trace.samples[7].eyes[0].point_px, glm::dvec2(1.5, 7));
   EXPECT_DOUBLE_EQ(trace.samples[4999].time_s, 109.998);
 
-  // A packed file that breaks off is refused, not read in part.
+  // A packed file that breaks off is refused.
   std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
   EXPECT_THROW(readTrace(file, {}, {}), InputError);
   EXPECT_THROW(BidsWriter(folder / "gaze.tsv", false), InputError);

@@ -1,4 +1,5 @@
-// The live sources; Pupil against a sender of our own on the loopback device, in one thread.
+// Tests of the live sources. The Pupil source talks to a sender in this thread, over the loopback
+// device.
 #include <gtest/gtest.h>
 
 #define MSGPACK_NO_BOOST
@@ -28,8 +29,8 @@ void packVector(msgpack::packer<msgpack::sbuffer>& packer, const glm::dvec3& v) 
   for (int axis : {0, 1, 2}) packer.pack(v[axis]);
 }
 
-/// A binocular datum as Pupil sends it, in its camera's frame (y down, z forward, mm).
-/// @param integers  the older senders' keys
+/// A binocular message as Pupil sends it, in the frame of its camera (y down, z forward, mm).
+/// @param integers  with integer keys, as older senders write
 std::string datum(const GazeSample& sample, bool integers) {
   msgpack::sbuffer buffer;
   msgpack::packer packer(buffer);
@@ -51,7 +52,7 @@ std::string datum(const GazeSample& sample, bool integers) {
   for (const bool normals : {true, false}) {
     packer.pack(normals ? "gaze_normals_3d" : "eye_centers_3d");
     packer.pack_map(2);
-    for (const int eye : {0, 1}) {  // 0 is the right one
+    for (const int eye : {0, 1}) {  // 0 is the right eye
       const EyeSample& side = sample.eyes[eye == 0];
       key(eye);
       packVector(packer, normals ? camera(*side.direction) : 1e3 * camera(*side.origin_m));
@@ -103,7 +104,7 @@ TEST(ParsePupilMessage, TwoDimensionalDataAreFractionsFromTheBottomLeft) {
   EXPECT_FALSE(parsePupilMessage("pupil.0", bytes, kScreen));
 }
 
-TEST(ParsePupilMessage, DoubtHasNoPointAndDamageIsNothing) {
+TEST(ParsePupilMessage, LowConfidenceHasNoPointAndDamageGivesNothing) {
   GazeSample sent = lookingAt(1.0, {0, 0, -0.6});
   sent.confidence = 0.3;
   const auto doubtful = parsePupilMessage("gaze.3d.01.", datum(sent, false), kScreen);
@@ -128,7 +129,7 @@ TEST(ParsePupilMessage, DoubtHasNoPointAndDamageIsNothing) {
   EXPECT_FALSE(parsePupilMessage("gaze.3d.01.", "\xdd\xff\xff\xff\xff", kScreen));
 }
 
-/// Pupil Remote and its publisher; serves only while `pump` is called.
+/// Pupil Remote and its publisher. They work only during calls of `pump`.
 class Sender {
  public:
   Sender() {
@@ -160,7 +161,7 @@ class Sender {
   zmq::socket_t remote_{context_, zmq::socket_type::rep}, data_{context_, zmq::socket_type::pub};
 };
 
-/// Samples to play: a real export where there is one.
+/// Samples to play, from a real export if present.
 std::vector<GazeSample> samplesToPlay() {
   std::vector<GazeSample> samples;
   const auto file = gazeData() / "vendors" / "pupil_core_gaze_positions.csv";
@@ -181,7 +182,7 @@ TEST(PupilSource, ReceivesWhatASenderPlaysAndComesBackAfterASilence) {
   Sender sender;
   PupilSource source("127.0.0.1", sender.port(), kScreen);
   const auto played = samplesToPlay();
-  // Our clock is the sender's less some, so that it does not matter how long the test takes.
+  // The receiver's clock is the sender's minus an offset, so the test may take any time.
   const double behind_s = played.front().time_s - 0.5;
   std::vector<GazeSample> received;
   double now_s = 0.0;
@@ -193,7 +194,7 @@ TEST(PupilSource, ReceivesWhatASenderPlaysAndComesBackAfterASilence) {
   EXPECT_NE(source.status().find("no answer"), std::string::npos);
   for (int i = 0; i < 2000 && sender.asked == 0; ++i) settle();
   ASSERT_EQ(sender.asked, 1);
-  // Subscriptions take a moment: what is sent before is lost, as with the real one.
+  // A subscription takes a moment. Earlier messages do not arrive, as with the real Pupil.
   GazeSample probe = lookingAt(behind_s, {0, 0, -0.6});
   for (int i = 0; i < 2000 && received.empty(); ++i) {
     sender.send(probe, false);
@@ -222,7 +223,7 @@ TEST(PupilSource, ReceivesWhatASenderPlaysAndComesBackAfterASilence) {
   EXPECT_EQ(sender.asked, 2);
 }
 
-TEST(PupilSource, RefusesWhatIsNoAddressAndWaitsForNobody) {
+TEST(PupilSource, RefusesMalformedAddressesAndNeverWaits) {
   EXPECT_THROW(PupilSource("", 50020, kScreen), InputError);
   EXPECT_THROW(PupilSource("a b;c", 50020, kScreen), InputError);
   EXPECT_THROW(PupilSource("localhost", 0, kScreen), InputError);
@@ -247,7 +248,7 @@ TEST(TraceSource, PlaysInRealTimeOnTheCallersClock) {
   EXPECT_TRUE(source.ended());
 }
 
-TEST(MouseSource, GivesASampleAPollOfATimeOfItsOwn) {
+TEST(MouseSource, GivesOneSampleForEachNewTime) {
   MouseSource source;
   std::vector<GazeSample> samples;
   source.moveTo(glm::dvec2(3, 4));

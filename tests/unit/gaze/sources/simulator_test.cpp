@@ -65,7 +65,7 @@ TEST(SimulateGaze, DriftAndNoiseHaveTheirSizes) {
   for (std::size_t i = 1; i < slow.size(); ++i) {
     speed_deg_s += 100.0 * angleBetween_deg(kScreen, *slow[i].point_px, *slow[i - 1].point_px);
   }
-  // 60 s hold about 150 independent drifts: 5 % is more than one standard error of their mean.
+  // 60 s contain about 150 independent drifts. 5 % is more than one standard error of their mean.
   EXPECT_NEAR(speed_deg_s / static_cast<double>(slow.size()), 0.3, 0.05);
 
   const auto noise = simulateGaze(one, kScreen, 100, 9, noisy).trace.samples;
@@ -88,7 +88,8 @@ TEST(SimulateGaze, BlinksHideTheEyeAsOftenAndAsLongAsSet) {
     blinks += blink && gaze.states[i - 1] != GazeState::blink;
     hidden += blink;
   }
-  // Mean cycle: 2 s to wait, 0.5 s of pause, 0.15 s shut; some 113 blinks, +-20 %.
+  // The mean cycle has 2 s of waiting, 0.5 s of pause and 0.15 s with closed eyes. So there are
+  // about 113 blinks, +-20 %.
   EXPECT_NEAR(blinks, 300.0 / 2.65, 22.0);
   EXPECT_NEAR(hidden / 100.0 / blinks, blinking.blink_duration_s, 0.02);
 }

@@ -9,13 +9,13 @@
 namespace foci {
 namespace {
 
-/// With bytes behind it that would make another number.
+/// Parses `text` with bytes behind it that would change the number.
 std::optional<double> parse(const std::string& text, const std::string& behind = "9.9.9999") {
   const std::string padded = text + behind;
   return swiftNumber(std::string_view(padded).substr(0, text.size()));
 }
 
-TEST(SwiftNumber, IsTheNearestDoubleOfWhatItTakes) {
+TEST(SwiftNumber, GivesTheNearestDouble) {
   std::mt19937_64 random(1);
   int taken = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -44,7 +44,7 @@ TEST(SwiftNumber, TakesTheUsualFields) {
   EXPECT_EQ(parse("123456789012345"), 123456789012345.0);
 }
 
-TEST(SwiftNumber, LeavesTheRestAlone) {
+TEST(SwiftNumber, RefusesAnyOtherText) {
   for (const char* text :
        {"", "-", ".", "-.", "--1", "+1", "1e5", "nan", "1,5", "1..2", "1.2.3", "a", "1 ", "/1",
         ":1", "1234567890123456", "1.23456789", "\xb0", "1\xff"}) {

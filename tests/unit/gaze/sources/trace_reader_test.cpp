@@ -38,7 +38,7 @@ void expectRefusal(std::string_view bytes, std::string_view part, const TraceCol
   EXPECT_NE(message.find(part), std::string::npos) << message << "\n  wanted: " << part;
 }
 
-// A busy machine gives samples the times at which it got to them.
+// On a busy machine samples have irregular times of arrival.
 TEST(ReadTable, TimesOfArrivalNeedARate) {
   const ScratchFile file("time_s,x,y\n0,1,1\n0.000001,1,1\n0.000002,1,1\n0.03,1,1\n0.030001,1,1\n");
   EXPECT_THROW(readTrace(file.path(), {}, kScreen), InputError);
@@ -85,8 +85,8 @@ TEST(ReadTable, ColumnsAreNamedOrRecognised) {
 }
 
 TEST(ReadTable, AnyTableWithTwoEyesIsMapped) {
-  // Blanks between the fields, -1 for a loss, the origin in the middle, y up, pupils in a
-  // hundredth.
+  // Blanks between the fields, -1 for data loss, the origin in the centre, y up, pupils in
+  // hundredths of a millimetre.
   TraceColumns columns{.time = "clock", .confidence = "sure"};
   columns.eyes = {{{.x = "XL", .y = "YL", .pupil = "PL"}, {.x = "XR", .y = "YR", .pupil = "PR"}}};
   columns.time_scale_s = 0.001;
@@ -120,7 +120,7 @@ TEST(ReadTable, NeitherNamesNorClockAreNeeded) {
     EXPECT_EQ(*trace.samples[0].point_px, glm::dvec2(10, 20));
     EXPECT_DOUBLE_EQ(trace.samples[2].time_s, 0.04);
   }
-  // The file's own rate does, too, where it has no clock; a clock comes first.
+  // The rate in the file's first line also replaces a clock. A column of time is preferred.
   EXPECT_EQ(read("# sampling_Hz=200\nx,y\n1,2\n3,4\n").rate_Hz, 200.0);
   EXPECT_EQ(read("# sampling_Hz=200\ntime_s,x,y\n0,1,2\n0.01,3,4\n").rate_Hz, 100.0);
   expectRefusal("7,10,20\n", "no column \"#4\": expected #1 to #3",
@@ -157,7 +157,7 @@ TEST(ReadTable, TheFirstLineOverridesTheFallbackScreen) {
   EXPECT_EQ(*trace.samples[0].point_px, glm::dvec2(400, 250));
 }
 
-TEST(ReadTable, RefusesWhatIsNotThere) {
+TEST(ReadTable, RefusesMissingFilesColumnsAndPositions) {
   expectRefusal("", "empty");
   expectRefusal("\n\n", "empty");
   expectRefusal("time,x,y\n", "0 samples");
@@ -171,7 +171,7 @@ TEST(ReadTable, RefusesWhatIsNotThere) {
   EXPECT_THROW(readTrace(std::filesystem::temp_directory_path(), {}, kScreen), InputError);
 }
 
-TEST(ReadTable, RefusesWhatIsNoRecording) {
+TEST(ReadTable, RefusesValuesThatNoRecordingHas) {
   expectRefusal("time,x,y\n0,1,1\n0.01,1,1\n0.01,1,1\n", ":4: time \"0.01\" is not after");
   expectRefusal("time,x,y\n0,1,1\n-0.01,1,1\n", "is not after");
   expectRefusal("time,x,y\n0,abc,1\n", ":2: column 2 = \"abc\": expected a number");
@@ -199,8 +199,8 @@ TEST(ReadTable, RefusesBinaryAndEndlessLines) {
   expectRefusal("time\x1b,x\ry,y\n", "no column");
 }
 
-// Whatever the bytes: an InputError of one line or a trace that holds what readTrace promises.
-TEST(ReadTrace, NeverFailsOtherwiseOnDamagedFiles) {
+// Any bytes give either an InputError of one line, or a trace that keeps the promises of readTrace.
+TEST(ReadTrace, ThrowsNothingButInputErrorsOnDamagedFiles) {
   std::mt19937_64 bits(1);
   std::string asc = "** CONVERTED\nMSG\t1 GAZE_COORDS 0 0 99 99\nSTART\t10 \tLEFT\tRIGHT\n";
   for (int i = 10; i < 30; ++i) {

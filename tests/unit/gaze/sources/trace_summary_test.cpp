@@ -5,7 +5,7 @@
 namespace foci {
 namespace {
 
-TEST(TraceSummary, CountsWhatIsThereAndWhatIsMissing) {
+TEST(TraceSummary, CountsPresentAndMissingSamples) {
   TraceSummary summary;
   for (int i = 0; i < 1000; ++i) {
     GazeSample sample{.time_s = 7.0 + 0.004 * i + (i >= 500 ? 2.0 : 0.0)};

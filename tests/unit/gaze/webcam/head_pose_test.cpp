@@ -25,7 +25,7 @@ std::vector<glm::dvec3> pointsOfAFace() {
   return points;
 }
 
-TEST(FitHeadPose, IsExactWithoutNoiseAndBearsOutliers) {
+TEST(FitHeadPose, IsExactWithoutNoiseAndIgnoresOutliers) {
   const std::vector<glm::dvec3> points = pointsOfAFace();
   const HeadPose truth = turned(0.2, -0.1, 0.15, {30.0, 60.0, 550.0});
   const std::vector<double> even(points.size(), 1.0);
@@ -62,10 +62,10 @@ TEST(FitHeadPose, RefusesTooFewPoints) {
 TEST(OnFace, UndoesTheProjection) {
   const HeadPose pose = turned(-0.25, 0.1, 0.05, {-40.0, 20.0, 480.0});
   for (const glm::dvec3& p : pointsOfAFace()) {
-    if (std::abs(p.x) < 20.0) continue;  // the nose hides what is behind it
+    if (std::abs(p.x) < 20.0) continue;  // hidden by the nose
     const auto back = onFace_mm(kCamera, pose, project(kCamera, pose, p));
     ASSERT_TRUE(back);
-    constexpr double kHalving_mm = 0.1;  // what the halvings leave
+    constexpr double kHalving_mm = 0.1;  // error after the half steps
     EXPECT_LT(glm::distance(*back, p), kHalving_mm) << p.x << ' ' << p.y;
   }
   EXPECT_FALSE(onFace_mm(kCamera, pose, {5.0, 5.0}));

@@ -11,7 +11,8 @@
 namespace foci {
 namespace {
 
-/// A dark disk between two whites and two lids; edges exact to a fraction of a pixel, then blurred.
+/// A dark disk between two whites and two eyelids. The edges are exact to a fraction of a pixel,
+/// then blurred.
 cv::Mat drawnIris(const glm::dvec2& centre_px, double radius_px) {
   constexpr int kFiner = 16;
   cv::Mat fine(60 * kFiner, 80 * kFiner, CV_8UC1, cv::Scalar(120));
@@ -48,7 +49,7 @@ TEST(RefineIris, IsSubPixelOnADrawnEye) {
   }
 }
 
-TEST(RefineIris, SeesNoneOnEvenSkinOrBesideTheImage) {
+TEST(RefineIris, FindsNoneOnEvenSkinOrBesideTheImage) {
   const cv::Mat even(60, 80, CV_8UC1, cv::Scalar(120));
   EXPECT_FALSE(refineIris(even, {40.0, 30.0}, 6.0));
   EXPECT_FALSE(refineIris(even, {2.0, 2.0}, 6.0));
@@ -65,8 +66,8 @@ TEST(CoarseIrises, FindTheDiskFromAfar) {
   }
 }
 
-/// Share of faces whose two irises are within 5 % of the eyes' distance: people, places, turns,
-/// light and looks drawn at random.
+/// Share of faces whose irises are both found within 5 % of the interpupillary distance. Person,
+/// place, rotation, light and gaze are random.
 double shareFound(int count, bool glasses, double noise) {
   FaceFinder finder;
   int good = 0;
@@ -106,7 +107,7 @@ TEST(FaceFinder, FindsBothIrisesBehindGlassesAndNoise) {
   EXPECT_GE(shareFound(24, true, 5.0), 0.85);
 }
 
-TEST(FaceFinder, SeesNoFaceWhereThereIsNone) {
+TEST(FaceFinder, FindsNoFaceInNoise) {
   FaceFinder finder;
   cv::Mat noise(480, 640, CV_8UC1);
   cv::RNG(3).fill(noise, cv::RNG::UNIFORM, 0, 255);

@@ -14,14 +14,14 @@ const Lens kLens{{.focal_px = {560, 560}, .principal_px = {322, 238}},
                  {-0.25, 0.08, 0.001, -0.002, 0.0},
                  {640, 480}};
 
-TEST(StraightFrames, PutAPointWhereAPinholeSeesIt) {
+TEST(StraightFrames, ShowAPointWhereAPinholeWould) {
   CameraModel camera{.size_px = kLens.size_px,
                      .focal_px = kLens.focal_px,
                      .principal_px = kLens.principal_px,
                      .distortion = kLens.distortion};
   for (const glm::dvec2& along :
        {glm::dvec2(0.4, 0.3), glm::dvec2(-0.45, 0.1), glm::dvec2(0.0, 0.0)}) {
-    // A blurred dot, drawn where the real lens puts it.
+    // Draw a blurred dot where the real lens shows the point.
     const glm::dvec2 at_px = projectByCamera(camera, glm::dvec3(along, 1.0));
     cv::Mat1b frame(480, 640);
     for (int y = 0; y < frame.rows; ++y) {
@@ -41,12 +41,12 @@ TEST(StraightFrames, PutAPointWhereAPinholeSeesIt) {
       }
     }
     const glm::dvec2 wanted = kLens.focal_px * along + kLens.principal_px;
-    constexpr double kImage_px = 0.15;  // the dot is stretched unevenly
+    constexpr double kImage_px = 0.15;  // distortion stretches the dot unevenly
     EXPECT_NEAR(glm::distance(sum / weight, wanted), 0.0, kImage_px) << along.x;
   }
 }
 
-TEST(StraightFrames, LeaveAPinholesAloneAndRefuseAnotherSize) {
+TEST(StraightFrames, DoNotChangeAPinholesFramesAndRefuseAnotherSize) {
   Lens lens = kLens;
   lens.distortion = {};
   const cv::Mat1b frame(480, 640, static_cast<unsigned char>(7)), small(240, 320);

@@ -12,7 +12,7 @@
 namespace foci {
 namespace {
 
-/// Numbered images of somebody who looks aside more and more.
+/// Numbered images of a person who looks farther aside in each one.
 class Images {
  public:
   explicit Images(int count)
@@ -50,7 +50,7 @@ TEST(WebcamPlaceOf, KnowsCamerasFilesAndNone) {
 
 TEST(WebcamSource, PlaysImagesInRealTime) {
   const Images images(4);
-  // A map that shows what reaches it.
+  // A map that returns the features.
   const WebcamMapping map = [](const WebcamView& view) {
     return WebcamGaze{.point_px = 1000.0 * view.eye, .uncertainty_deg = 1.2};
   };
@@ -58,7 +58,7 @@ TEST(WebcamSource, PlaysImagesInRealTime) {
   EXPECT_EQ(source.rate_Hz(), 30.0);
   std::vector<GazeSample> samples;
   source.poll(10.0, samples);
-  ASSERT_EQ(samples.size(), 1u);  // the first comes with the first poll
+  ASSERT_EQ(samples.size(), 1u);  // the first poll gives the first frame
   EXPECT_EQ(samples[0].time_s, 10.0);
   source.poll(10.01, samples);
   EXPECT_EQ(samples.size(), 1u);
@@ -74,14 +74,14 @@ TEST(WebcamSource, PlaysImagesInRealTime) {
     EXPECT_GT(samples[i].confidence, 0.2);
     EXPECT_FALSE(samples[i].blink);
   }
-  // The camera's right is the observer's left.
+  // The image's right is the observer's left.
   EXPECT_LT(samples[3].point_px->x, samples[0].point_px->x - 20.0);
   const auto frames = source.takeFrames();
   EXPECT_EQ(frames.size(), 4u);
   EXPECT_TRUE(source.takeFrames().empty());
 }
 
-TEST(WebcamSource, UncalibratedGivesFeaturesAndSaysSo) {
+TEST(WebcamSource, GivesFeaturesWithoutACalibrationAndSaysSo) {
   const Images images(1);
   WebcamSource source(images.place(), WebcamTracker(), {});
   std::vector<GazeSample> samples;
@@ -94,7 +94,7 @@ TEST(WebcamSource, UncalibratedGivesFeaturesAndSaysSo) {
   EXPECT_NE(source.status().find("not calibrated"), std::string::npos);
 }
 
-TEST(WebcamFrames, RefusesWhatIsNoVideo) {
+TEST(WebcamFrames, RefusesFilesThatAreNoVideo) {
   EXPECT_THROW(WebcamFrames({.file = "/nowhere/eye%03d.png"}), InputError);
   EXPECT_THROW(WebcamFrames({.file = "/nowhere/eye.mp4"}), InputError);
   EXPECT_THROW(WebcamFrames({.device = 63}), InputError);

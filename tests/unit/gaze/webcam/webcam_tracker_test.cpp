@@ -15,7 +15,7 @@ namespace {
 constexpr double kRate_Hz = 30.0;
 const Pinhole kCamera{.focal_px = {560, 560}, .principal_px = {320, 240}};
 
-/// An observer filmed at 30 frames a second, seen by a tracker.
+/// An observer, filmed at 30 frames per second, and the tracker's records.
 struct Watched {
   std::vector<WebcamRecord> records;
   std::vector<faces::Truth> truths;
@@ -44,7 +44,8 @@ Watched watch(WebcamTracker& tracker, const faces::Person& person, const faces::
   return watched;
 }
 
-/// Share of the open eyes' frames in which both irises are within 5 % of the eyes' distance.
+/// Share of the frames with open eyes in which both irises are found within 5 % of the
+/// interpupillary distance.
 double shareFound(const Watched& w) {
   int open = 0, good = 0;
   for (std::size_t i = 0; i < w.records.size(); ++i) {
@@ -67,7 +68,8 @@ TEST(WebcamTracker, FollowsHeadIrisesAndBlinks) {
   const faces::Sitting sitting{.sway_m = 0.02, .sway_rad = 0.08, .blink_every_s = 1.2};
   const Watched w = watch(tracker, faces::somebody(1), sitting, 0.0, 1.9, 2.0);
   EXPECT_GE(shareFound(w), 0.97);
-  // The head's place and turn: constants are the calibration's, changes must be right.
+  // Position and rotation of the head may have a constant error, which a calibration removes. Their
+  // changes must be right.
   std::vector<glm::dvec3> place_off;
   std::vector<glm::dvec2> turn_off;
   int shut = 0, blinks = 0, false_blinks = 0;
@@ -81,7 +83,7 @@ TEST(WebcamTracker, FollowsHeadIrisesAndBlinks) {
     if (m.closed < 0.05) false_blinks += w.records[i].blink;
     if (!w.records[i].view) continue;
     const WebcamView& v = *w.records[i].view;
-    const double scale = kBetweenEyes_mm / faces::somebody(1).ipd_mm;
+    const double scale = kMeanIpd_mm / faces::somebody(1).ipd_mm;
     place_off.push_back(v.head_m - scale * glm::dvec3(-m.head_m.x, -m.head_m.y, m.head_m.z));
     turn_off.push_back(v.head_rad - glm::dvec2(m.yaw_rad, m.pitch_rad));
     EXPECT_NEAR(v.roll_rad, m.roll_rad, 0.03);
@@ -91,7 +93,7 @@ TEST(WebcamTracker, FollowsHeadIrisesAndBlinks) {
   EXPECT_EQ(false_blinks, 0);
   for (std::size_t i = 0; i < place_off.size(); ++i) {
     constexpr double kAside_m = 0.003, kAlong_m = 0.012,
-                     kTurn_rad = 0.06;  // the face is an average one
+                     kTurn_rad = 0.06;  // the tracker assumes an average face
     EXPECT_NEAR(place_off[i].x, place_off[0].x, kAside_m) << i;
     EXPECT_NEAR(place_off[i].y, place_off[0].y, kAside_m) << i;
     EXPECT_NEAR(place_off[i].z, place_off[0].z, kAlong_m) << i;
@@ -108,8 +110,8 @@ TEST(WebcamTracker, FollowsIrisesBehindGlassesAndNoise) {
   EXPECT_GE(shareFound(w), 0.85);
 }
 
-TEST(WebcamTracker, TakesUpTheSameHeadAgain) {
-  // Away for a while; and at another time, from the reference kept.
+TEST(WebcamTracker, FindsTheSameHeadAgain) {
+  // The head comes back, and at another time it is found from the stored reference.
   const faces::Sitting sitting{.blink_every_s = 0.0};
   WebcamTracker tracker(Lens{kCamera});
   const Watched before = watch(tracker, faces::somebody(1), sitting, 0.2, 0.5, 2.0);
@@ -136,13 +138,13 @@ TEST(WebcamTracker, TakesUpTheSameHeadAgain) {
   const auto first = mean(before);
   for (WebcamTracker* other : {&tracker, &later}) {
     const auto again = mean(watch(*other, faces::somebody(1), sitting, 0.2, 0.5, 2.0));
-    // 0.006 eye widths are a degree.
+    // A degree is 0.006 widths of the eye.
     EXPECT_LT(glm::distance(again.first, first.first), 0.004);
     EXPECT_LT(glm::distance(again.second, first.second), 0.01);
   }
 }
 
-TEST(WebcamTracker, SeesNobodyInAnEmptyRoom) {
+TEST(WebcamTracker, FindsNobodyInAnEmptyRoom) {
   WebcamTracker tracker;
   const WebcamRecord record = tracker.push(cv::Mat(480, 640, CV_8UC1, cv::Scalar(90)));
   EXPECT_FALSE(record.face || record.blink || record.view);
