@@ -1,10 +1,14 @@
 #include "calibration/calibration_file.h"
 
+#include <optional>
+
 #include "base/input_error.h"
 #include "calibration/toml_file.h"
 
 namespace foci {
 namespace {
+
+constexpr double kRotation = 1e-6;  // a rotation written with 7 digits is still one
 
 std::optional<double> numberOf(const toml::value& value) {
   if (value.is_floating()) return value.as_floating();
@@ -30,7 +34,7 @@ CalibrationFile::CalibrationFile(const std::filesystem::path& path) : file_(path
       }
       values_[key] = std::move(numbers);
     } else {
-      throw InputError(file_, key + ": expected a number, a word or numbers");
+      throw InputError(file_, key + ": expected a number, a text or numbers");
     }
   };
   for (const auto& [key, value] : document.as_table()) {
@@ -44,7 +48,7 @@ CalibrationFile::CalibrationFile(const std::filesystem::path& path) : file_(path
 }
 
 const CalibrationFile::Value& CalibrationFile::at(const std::string& key) {
-  asked_[key] = true;
+  asked_.insert(key);
   const auto found = values_.find(key);
   if (found == values_.end()) throw InputError(file_, "no " + key);
   return found->second;
@@ -78,13 +82,26 @@ glm::ivec2 CalibrationFile::size_px(const std::string& key) {
   return glm::ivec2(pair(key, 16, 16384));
 }
 
-std::string CalibrationFile::word(const std::string& key) {
+glm::dmat3 CalibrationFile::rotation(const std::string& key) {
+  const std::vector<double> values = numbers(key, 9, -1.0 - kRotation, 1.0 + kRotation);
+  glm::dmat3 r;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    r[static_cast<int>(i / 3)][static_cast<int>(i % 3)] = values[i];
+  }
+  if (std::abs(glm::determinant(r) - 1.0) > kRotation ||
+      std::abs(glm::dot(r[0], r[1])) > kRotation || std::abs(glm::length(r[2]) - 1.0) > kRotation) {
+    refuse(key, "a rotation");
+  }
+  return r;
+}
+
+std::string CalibrationFile::text(const std::string& key) {
   const auto* value = std::get_if<std::string>(&at(key));
-  if (!value) refuse(key, "a word in quotes");
+  if (!value) refuse(key, "a text in quotes");
   return *value;
 }
 
-void CalibrationFile::refuseRest() const {
+void CalibrationFile::refuseUnknownKeys() const {
   for (const auto& [key, value] : values_) {
     if (!asked_.contains(key)) throw InputError(file_, "unknown key " + key.substr(0, 60));
   }
@@ -94,8 +111,8 @@ void CalibrationFile::refuse(const std::string& key, const std::string& allowed)
   std::string shown;
   if (const auto found = values_.find(key); found != values_.end()) {
     if (const auto* number = std::get_if<double>(&found->second)) shown = exactText(*number);
-    if (const auto* word = std::get_if<std::string>(&found->second)) {
-      shown = quotedText(word->substr(0, 40));
+    if (const auto* text = std::get_if<std::string>(&found->second)) {
+      shown = quotedText(text->substr(0, 40));
     }
     if (const auto* list = std::get_if<std::vector<double>>(&found->second)) {
       shown = std::to_string(list->size()) + " numbers";
@@ -104,27 +121,18 @@ void CalibrationFile::refuse(const std::string& key, const std::string& allowed)
   throw InputError(file_, key + " = " + shown + ": expected " + allowed);
 }
 
-std::string exactText(const glm::dvec2& pair) {
-  return "[" + exactText(pair.x) + ", " + exactText(pair.y) + "]";
+std::string exactText(std::span<const double> values) {
+  std::string text = "[";
+  for (const double value : values) text += (text.size() > 1 ? ", " : "") + exactText(value);
+  return text + "]";
 }
 
-void writeWhole(const std::filesystem::path& path, const std::string& text) {
-  std::filesystem::path aside = path;
-  aside.replace_filename("." + path.filename().string() + ".part");
-  bool written = false;
-  {
-    std::ofstream out(aside, std::ios::binary | std::ios::trunc);
-    out << text;
-    out.close();
-    written = static_cast<bool>(out);
-  }
-  std::error_code error;
-  if (written) std::filesystem::rename(aside, path, error);
-  if (!written || error) {
-    std::error_code ignored;
-    std::filesystem::remove(aside, ignored);
-    throw std::runtime_error(path.string() + ": cannot be written");
-  }
+std::string exactText(const glm::dvec2& pair) { return exactText(std::span(&pair.x, 2)); }
+
+std::string exactText(const glm::ivec2& pair) {
+  return "[" + std::to_string(pair.x) + ", " + std::to_string(pair.y) + "]";
 }
+
+std::string exactText(const glm::dmat3& matrix) { return exactText(std::span(&matrix[0].x, 9)); }
 
 }  // namespace foci

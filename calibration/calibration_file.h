@@ -1,9 +1,10 @@
-// The files of a calibration: small TOML documents of numbers and words, read without mercy.
+// The files of a calibration: small TOML documents of numbers and texts. Every key is checked.
 #pragma once
 
 #include <filesystem>
 #include <map>
-#include <optional>
+#include <set>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -18,8 +19,8 @@ namespace foci {
 /// value is missing, of the wrong type or out of range.
 class CalibrationFile {
  public:
-  /// @throws InputError where the file cannot be read, is larger than 1 MiB or is not such a
-  /// document
+  /// @throws InputError where the file cannot be read, is no TOML, or has a value that is neither a
+  ///   number, a text nor an array of numbers
   explicit CalibrationFile(const std::filesystem::path& path);
 
   bool has(const std::string& key) const { return values_.contains(key); }
@@ -27,11 +28,14 @@ class CalibrationFile {
   std::vector<double> numbers(const std::string& key, std::size_t count, double low, double high);
   glm::dvec2 pair(const std::string& key, double low, double high);
   glm::ivec2 size_px(const std::string& key);
-  std::string word(const std::string& key);
+  /// Nine numbers, column by column, with orthonormal columns and determinant 1.
+  glm::dmat3 rotation(const std::string& key);
+  std::string text(const std::string& key);
 
-  /// Refuses keys that nobody asked for: a spelling mistake would otherwise go unseen.
-  void refuseRest() const;
+  /// Refuses keys that no getter has asked for: a spelling mistake would otherwise go unseen.
+  void refuseUnknownKeys() const;
 
+  /// Throws InputError: the value of `key` is not `allowed`.
   [[noreturn]] void refuse(const std::string& key, const std::string& allowed) const;
 
  private:
@@ -40,14 +44,13 @@ class CalibrationFile {
 
   std::string file_;
   std::map<std::string, Value> values_;
-  std::map<std::string, bool> asked_;
+  std::set<std::string> asked_;
 };
 
-/// "[x, y]", each as `exactText` of a number.
-std::string exactText(const glm::dvec2& pair);
-
-/// Writes aside and renames, so that no half-written file ever bears the name.
-/// @throws std::runtime_error
-void writeWhole(const std::filesystem::path& path, const std::string& text);
+/// Values as TOML arrays, each number as `exactText` of base/text.h.
+std::string exactText(const glm::dvec2& pair);          ///< "[x, y]"
+std::string exactText(const glm::ivec2& pair);          ///< "[x, y]"
+std::string exactText(const glm::dmat3& matrix);        ///< "[...]", column by column
+std::string exactText(std::span<const double> values);  ///< "[a, b, ...]"
 
 }  // namespace foci

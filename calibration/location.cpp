@@ -9,10 +9,7 @@
 namespace foci {
 namespace {
 
-constexpr double kGaussianMedianDeviation =
-    1.4826;                       // sigma of a Gaussian over its median deviation
-constexpr double kTukey = 4.685;  // for 95 % efficiency
-constexpr int kIterations = 8;
+constexpr int kIterations = 8;  // chosen by hand; each shrinks the remaining step several times
 
 }  // namespace
 
@@ -28,10 +25,10 @@ RobustLocation robustLocation(std::span<const glm::dvec2> samples,
     for (std::size_t i = 0; i < samples.size(); ++i) {
       values[i] = std::abs(samples[i][axis] - location.centre[axis]);
     }
-    scale[axis] = kGaussianMedianDeviation * quantile(values, 0.5);
+    scale[axis] = kSigmaPerMad * quantile(values, 0.5);
   }
   location.sd = scale;
-  // More than half of the samples equal: they are the location.
+  // If more than half of the samples are equal, they are the location.
   scale = glm::max(scale, glm::dvec2(1e-12));
 
   for (int iteration = 0; iteration < kIterations; ++iteration) {

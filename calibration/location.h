@@ -1,4 +1,4 @@
-// Where a cloud of samples lies, however wild a part of it is.
+// The centre of a cloud of samples of which some are outliers.
 #pragma once
 
 #include <span>
@@ -10,12 +10,23 @@ namespace foci {
 
 struct RobustLocation {
   glm::dvec2 centre{0.0};
-  glm::dvec2 sd{0.0};  ///< per axis, of the samples that agree; 0 for a single one
+  glm::dvec2 sd{0.0};  ///< per axis, from the median absolute deviation; 0 for a single sample
 };
 
-/// Tukey's biweight around the median, scaled by the median deviation: 95 % as efficient as the
-/// mean on Gaussian samples, and untouched by 10 % of outliers. Must not be empty.
-/// @param weights  one a sample, or none for equal ones
+/// Gaussian sigma over the median absolute deviation: 1 / Phi^-1(3/4).
+inline constexpr double kSigmaPerMad = 1.4826;
+
+/// Tukey's biweight: at 4.685 sigma the fit is 95 % as efficient as the mean on Gaussian samples
+/// (Holland and Welsch 1977).
+inline constexpr double kTukey = 4.685;
+
+/// Median of a Rayleigh distribution over its sigma, sqrt(2 ln 2): the length of an error with
+/// Gaussian axes.
+inline constexpr double kRayleighMedian = 1.1774;
+
+/// Tukey's biweight around the median, scaled by the median absolute deviation. 10 % of outliers do
+/// not move the result. `samples` must not be empty.
+/// @param weights  one for each sample; empty: all are equal
 RobustLocation robustLocation(std::span<const glm::dvec2> samples,
                               std::span<const double> weights = {});
 

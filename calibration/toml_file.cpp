@@ -12,11 +12,11 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kMaxFile_bytes = 4 << 20;
-constexpr int kMaxDepth = 16;
+constexpr std::size_t kMaxFile_bytes = 4 << 20;  // a webcam's calibration holds a PNG in base64
+constexpr int kMaxDepth = 16;                    // our own files nest 2 deep
 
-/// The bytes of the UTF-8 character that `text` starts with; 0: it is none (RFC 3629, table 3-7 of
-/// Unicode).
+/// Number of bytes of the UTF-8 character that `text` starts with; 0: it starts with none (RFC
+/// 3629; Unicode, table 3-7).
 std::size_t utf8Length(std::string_view text) {
   const auto byte = [&](std::size_t i) {
     return i < text.size() ? static_cast<std::uint8_t>(text[i]) : std::uint8_t{0};
@@ -36,9 +36,9 @@ std::size_t utf8Length(std::string_view text) {
   return length;
 }
 
-/// toml11 recurses into nested values and dotted keys, and walks out of its buffer to report bytes
-/// that are not UTF-8: both are refused before.
-void refuseWhatBreaksTheParser(const std::string& text, const std::string& where) {
+/// toml11 recurses into nested values and dotted keys, and reads beyond its buffer when it reports
+/// bytes that are not UTF-8. Both are refused before toml11 sees them.
+void refuseUnsafeText(const std::string& text, const std::string& where) {
   int brackets = 0, dots = 0, line = 1;
   char quote = 0;
   const auto refuse = [&](const char* why) {
@@ -64,10 +64,10 @@ void refuseWhatBreaksTheParser(const std::string& text, const std::string& where
       }
     } else if (c == '"' || c == '\'') {
       if (text.compare(i, 3, std::string(3, c)) == 0)
-        refuse("strings of several lines are not taken");
+        refuse("strings of several lines are not supported");
       quote = c;
     } else if (c == '#') {
-      quote = '\n';  // to the end of the line
+      quote = '\n';  // a comment, to the end of the line
     } else if (c == '[' || c == '{') {
       if (++brackets > kMaxDepth) refuse("nested too deeply");
     } else if (c == ']' || c == '}') {
@@ -94,7 +94,7 @@ std::string firstLine(const std::exception& error) {
 }  // namespace
 
 toml::value parseToml(const std::string& text, const std::string& where) {
-  refuseWhatBreaksTheParser(text, where);
+  refuseUnsafeText(text, where);
   try {
     std::istringstream stream(text);
     return toml::parse(stream, where);

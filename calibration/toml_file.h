@@ -1,4 +1,5 @@
-// TOML from outside, read by toml11, which what would break it never reaches. Heavy to compile.
+// TOML from outside, read by toml11. Text that would break the parser is refused first. Private:
+// toml11 is heavy to compile.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +13,8 @@ namespace foci {
 ///   bytes that are not UTF-8, NUL, values or keys nested over 16 deep, strings of several lines
 toml::value parseToml(const std::string& text, const std::string& where);
 
-/// @throws InputError as above, for what cannot be read, is no regular file, or is over 4 MiB
+/// @throws InputError as `parseToml`, and where the file cannot be read, is no regular file or is
+///   larger than 4 MiB
 toml::value readToml(const std::filesystem::path& path);
 
 }  // namespace foci

@@ -17,103 +17,112 @@ void refuseEmpty(const CLI::App& command) {
   }
 }
 
+void addScreen(CLI::App& calibrate) {
+  const auto options = std::make_shared<CalibrateScreenOptions>();
+  CLI::App* screen =
+      calibrate.add_subcommand("screen", "Measure the screen: size, distance, gamma");
+  CalibrateScreenOptions& o = *options;
+  screen->add_flag("--headless", o.headless, "No window: the options give every measure");
+  screen->add_flag("--window", o.window, "Use a window instead of the full screen");
+  screen->add_option("--size-px", o.size_px, "Resolution, WxH");
+  screen->add_option("--card-px", o.card_px, "Bank card as fitted on screen, W or WxH px");
+  screen->add_option("--size-m", o.size_m, "Visible area, WxH m");
+  screen->add_option("--edid", o.edid, "EDID file, as /sys/class/drm/*/edid");
+  screen->add_option("--monitor", o.monitor, "Start from this screen: a PsychoPy monitor or TOML");
+  screen->add_option("--distance-m", o.distance_m, "Distance from eye to screen");
+  screen->add_option(
+      "--blind-spot-px", o.blind_spot_px,
+      "Offsets at which the dot vanished (above 0) or came back (below 0), by commas");
+  screen->add_option("--face-px", o.face_px, "Width of the face in the webcam's image");
+  screen->add_option("--face-reference-px", o.face_reference_px,
+                     "Width of the face at a known distance");
+  screen->add_option("--face-reference-m", o.face_reference_m, "The known distance");
+  screen->add_option("--gamma", o.gamma, "sRGB, or a number from 1 to 4");
+  screen->add_option("--out", o.out, "Write the screen as TOML");
+  screen->add_option("--psychopy", o.psychopy, "Write the screen as a PsychoPy monitor (JSON)");
+  screen->add_flag("--json", o.json, "Print the summary as JSON");
+  screen->callback([=] {
+    refuseEmpty(*screen);
+    calibrateScreen(*options);
+  });
+}
+
+void addGaze(CLI::App& calibrate) {
+  const auto options = std::make_shared<CalibrateGazeOptions>();
+  CLI::App* gaze =
+      calibrate.add_subcommand("gaze", "Map the tracker's gaze to the screen, with its accuracy");
+  CalibrateGazeOptions& o = *options;
+  gaze->add_option("--pairs", o.pairs, "Samples to fit: a table with x y x_target y_target");
+  gaze->add_option("--validate", o.validate, "Samples of other targets, to measure accuracy on");
+  gaze->add_option("--drift", o.drift, "Correct this map; --pairs has samples of one target");
+  gaze->add_option("--units", o.units, "deg, norm or direction (the plane z = 1)");
+  gaze->add_option("--model", o.model, "auto, offset, affine, second or third");
+  gaze->add_option("--screen", o.screen, "Calibrated screen");
+  gaze->add_option("--out", o.out, "Write the map as TOML, and its report beside it");
+  gaze->add_option("--report", o.report, "Write the report (HTML) to this file instead");
+  gaze->add_option("--source", o.source,
+                   "mouse or webcam[:N] in the window; webcam:VIDEO with --pairs");
+  gaze->add_option("--camera", o.camera, "Calibrated camera, for a webcam");
+  gaze->add_option("--targets", o.targets, "Number of targets in the window: 5, 9, 13 or 16");
+  gaze->add_option("--seed", o.seed, "Seed for the order of the targets");
+  gaze->add_flag("--window", o.window, "Use a window instead of the full screen");
+  gaze->add_flag("--manual", o.manual, "Each target waits for the space key");
+  gaze->add_flag("--json", o.json, "Print the summary as JSON");
+  gaze->callback([=] {
+    refuseEmpty(*gaze);
+    calibrateGaze(*options);
+  });
+}
+
+void addBinocular(CLI::App& calibrate) {
+  const auto options = std::make_shared<CalibrateBinocularOptions>();
+  CLI::App* binocular = calibrate.add_subcommand(
+      "binocular", "Find the display's pose and each eye's kappa in a binocular tracker's frame");
+  CalibrateBinocularOptions& o = *options;
+  binocular
+      ->add_option("--pairs", o.pairs, "Eyes and targets to fit, a table (docs/calibration.md)")
+      ->required();
+  binocular->add_option("--validate", o.validate,
+                        "Samples of other targets, to measure accuracy on");
+  binocular->add_option("--out", o.out, "Write the map as TOML");
+  binocular->add_flag("--json", o.json, "Print the summary as JSON");
+  binocular->callback([=] {
+    refuseEmpty(*binocular);
+    calibrateBinocular(*options);
+  });
+}
+
+void addCamera(CLI::App& calibrate) {
+  const auto options = std::make_shared<CalibrateCameraOptions>();
+  CLI::App* camera =
+      calibrate.add_subcommand("camera", "Measure a camera's focal length and distortion");
+  CalibrateCameraOptions& o = *options;
+  camera->add_option("--images", o.images, "Images of the board");
+  camera->add_option("--video", o.video, "Video of the board");
+  camera->add_option("--device", o.device, "Number of the camera that sees the board");
+  camera->add_flag("--window", o.window, "Show the video while it is searched");
+  camera->add_option("--board", o.board, "Inner corners of the chessboard, WxH");
+  camera->add_option("--charuco", o.charuco, "Squares of a ChArUco board, WxH, instead");
+  camera->add_option("--square-mm", o.square_mm, "Side of a square");
+  camera->add_option("--marker-mm", o.marker_mm, "Side of a ChArUco marker");
+  camera->add_option("--out", o.out, "Write the camera as TOML");
+  camera->add_flag("--json", o.json, "Print the summary as JSON");
+  camera->callback([=] {
+    refuseEmpty(*camera);
+    calibrateCamera(*options);
+  });
+}
+
 }  // namespace
 
 void addCalibrateCommand(CLI::App& app) {
   CLI::App* calibrate =
-      app.add_subcommand("calibrate", "The screen, the gaze, both eyes in space, the camera")
+      app.add_subcommand("calibrate", "Calibrate the screen, a tracker, a webcam or a camera")
           ->require_subcommand(1);
-
-  const auto screen_options = std::make_shared<CalibrateScreenOptions>();
-  CLI::App* screen = calibrate->add_subcommand("screen", "Size, distance and gamma of the screen");
-  {
-    CalibrateScreenOptions& o = *screen_options;
-    screen->add_flag("--headless", o.headless, "No window: everything comes from the options");
-    screen->add_flag("--window", o.window, "A window instead of the full screen");
-    screen->add_option("--size-px", o.size_px, "Resolution, WxH");
-    screen->add_option("--card-px", o.card_px, "Bank card as fitted on screen, W or WxH px");
-    screen->add_option("--size-m", o.size_m, "Visible area, WxH m");
-    screen->add_option("--edid", o.edid, "EDID file, as /sys/class/drm/*/edid");
-    screen->add_option("--monitor", o.monitor, "PsychoPy monitor or our TOML, to start from");
-    screen->add_option("--distance-m", o.distance_m, "Eye to screen, by hand");
-    screen->add_option(
-        "--blind-spot-px", o.blind_spot_px,
-        "Offsets where the dot vanished, by commas: outwards above 0, inwards below");
-    screen->add_option("--face-px", o.face_px, "Width of the face in the webcam's image");
-    screen->add_option("--face-reference-px", o.face_reference_px, "The same at a known distance");
-    screen->add_option("--face-reference-m", o.face_reference_m, "That distance");
-    screen->add_option("--gamma", o.gamma, "sRGB, or a number from 1 to 4");
-    screen->add_option("--out", o.out, "Screen as TOML");
-    screen->add_option("--psychopy", o.psychopy, "Screen as a PsychoPy monitor (JSON)");
-    screen->add_flag("--json", o.json, "Summary on standard output as JSON");
-  }
-  screen->callback([=] {
-    refuseEmpty(*screen);
-    calibrateScreen(*screen_options);
-  });
-
-  const auto gaze_options = std::make_shared<CalibrateGazeOptions>();
-  CLI::App* gaze = calibrate->add_subcommand("gaze", "From the tracker's gaze to the screen");
-  {
-    CalibrateGazeOptions& o = *gaze_options;
-    gaze->add_option("--pairs", o.pairs, "Samples to fit: TSV with x y x_target y_target");
-    gaze->add_option("--validate", o.validate, "Samples to measure on, of other targets");
-    gaze->add_option("--drift", o.drift, "Map to move: --pairs has samples of one target");
-    gaze->add_option("--units", o.units, "deg, norm or direction (the plane z = 1)");
-    gaze->add_option("--model", o.model, "auto, offset, affine, second or third");
-    gaze->add_option("--screen", o.screen, "Calibrated screen");
-    gaze->add_option("--out", o.out, "Map as TOML; the report goes beside it");
-    gaze->add_option("--report", o.report, "Report as HTML, another name");
-    gaze->add_option("--source", o.source,
-                     "mouse or webcam[:N] in the window; webcam:VIDEO with --pairs");
-    gaze->add_option("--camera", o.camera, "Calibrated camera, for a webcam");
-    gaze->add_option("--targets", o.targets, "In the window: 5, 9, 13 or 16");
-    gaze->add_option("--seed", o.seed, "Order of the targets");
-    gaze->add_flag("--window", o.window, "A window instead of the full screen");
-    gaze->add_flag("--manual", o.manual, "Each target waits for the space key");
-    gaze->add_flag("--json", o.json, "Summary on standard output as JSON");
-  }
-  gaze->callback([=] {
-    refuseEmpty(*gaze);
-    calibrateGaze(*gaze_options);
-  });
-
-  const auto binocular_options = std::make_shared<CalibrateBinocularOptions>();
-  CLI::App* binocular = calibrate->add_subcommand(
-      "binocular", "From eyes in space to the screen: the display's pose, each eye's kappa");
-  {
-    CalibrateBinocularOptions& o = *binocular_options;
-    binocular
-        ->add_option("--pairs", o.pairs, "Eyes and targets to fit, a table (docs/calibration.md)")
-        ->required();
-    binocular->add_option("--validate", o.validate, "Others, to measure on");
-    binocular->add_option("--out", o.out, "Map as TOML");
-    binocular->add_flag("--json", o.json, "Summary on standard output as JSON");
-  }
-  binocular->callback([=] {
-    refuseEmpty(*binocular);
-    calibrateBinocular(*binocular_options);
-  });
-
-  const auto camera_options = std::make_shared<CalibrateCameraOptions>();
-  CLI::App* camera = calibrate->add_subcommand("camera", "Focal length and distortion of a camera");
-  {
-    CalibrateCameraOptions& o = *camera_options;
-    camera->add_option("--images", o.images, "Images of the board");
-    camera->add_option("--video", o.video, "Video of the board");
-    camera->add_option("--device", o.device, "Camera to watch the board with");
-    camera->add_flag("--window", o.window, "Show the video as it is searched");
-    camera->add_option("--board", o.board, "Chessboard's inner corners, WxH");
-    camera->add_option("--charuco", o.charuco, "ChArUco board's squares, WxH, instead");
-    camera->add_option("--square-mm", o.square_mm, "Side of a square");
-    camera->add_option("--marker-mm", o.marker_mm, "Side of a ChArUco marker");
-    camera->add_option("--out", o.out, "Camera as TOML");
-    camera->add_flag("--json", o.json, "Summary on standard output as JSON");
-  }
-  camera->callback([=] {
-    refuseEmpty(*camera);
-    calibrateCamera(*camera_options);
-  });
+  addScreen(*calibrate);
+  addGaze(*calibrate);
+  addBinocular(*calibrate);
+  addCamera(*calibrate);
 }
 
 }  // namespace foci

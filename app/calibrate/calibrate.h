@@ -1,4 +1,4 @@
-// `foci calibrate screen | gaze | camera`.
+// `foci calibrate screen | gaze | binocular | camera`.
 #pragma once
 
 namespace CLI {
@@ -7,7 +7,8 @@ class App;
 
 namespace foci {
 
-/// Adds the sub-command; it runs while the command line is parsed. Bad input leaves as InputError.
+/// Adds the sub-command, which runs while CLI11 parses the command line. Bad input throws
+/// InputError.
 void addCalibrateCommand(CLI::App& app);
 
 }  // namespace foci

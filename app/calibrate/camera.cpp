@@ -1,21 +1,21 @@
-// `foci calibrate camera`: the board from images, a video or a device.
-#include <algorithm>
+// `foci calibrate camera`: fits a camera to a board in images, in a video or before a device.
 #include <cstdio>
+#include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
+#include "base/file.h"
 #include "base/input_error.h"
 #include "calibration/calibration_file.h"
-#include "calibration/camera/camera.h"
+#include "calibration/camera/fit_camera.h"
 
 namespace foci {
 namespace {
 
 constexpr int kMaxFrames = 100'000;
-constexpr std::size_t kMaxViews = 60;  // of a video; more cost time and tell no more
-constexpr double kMovedShare = 0.03;   // of the image's width, to count as another view
+constexpr std::size_t kMaxViews = 60;  // of a video; chosen by hand, since more views cost time
 
 glm::ivec2 gridOf(const std::string& option, const std::string& text) {
   int w = 0, h = 0, used = 0;
@@ -42,32 +42,95 @@ Board boardOf(const CalibrateCameraOptions& options) {
   return board;
 }
 
-struct Seen {
+/// The views of the board, and where they come from.
+struct Views {
   std::vector<BoardView> views;
   glm::ivec2 size_px{0, 0};
-  int images = 0;
+  int images = 0;  // searched
 };
 
-void look(const cv::Mat& image, const Board& board, bool only_moved, Seen& seen) {
-  ++seen.images;
-  auto view = findBoard(image, board);
-  if (!view) return;
-  if (only_moved && !seen.views.empty()) {
-    double moved = 0.0;
-    const auto& last = seen.views.back().image_px;
-    for (std::size_t i = 0; i < std::min(last.size(), view->image_px.size()); ++i) {
-      moved = std::max(moved, glm::length(last[i] - view->image_px[i]));
+Views viewsInImages(const std::vector<std::string>& files, const Board& board) {
+  Views found;
+  for (const std::string& file : files) {
+    // OpenCV prints a warning of its own about a file that does not exist.
+    const bool exists = std::filesystem::is_regular_file(file);
+    const cv::Mat image = exists ? cv::imread(file, cv::IMREAD_GRAYSCALE) : cv::Mat();
+    if (image.empty()) throw InputError(file, "not an image that can be read");
+    const glm::ivec2 size_px{image.cols, image.rows};
+    if (found.size_px.x != 0 && size_px != found.size_px) {
+      throw InputError(file, "another size than the images before: one camera, one setting");
     }
-    if (moved < kMovedShare * image.cols) return;
+    found.size_px = size_px;
+    ++found.images;
+    if (auto view = findBoard(image, board)) found.views.push_back(std::move(*view));
   }
-  seen.views.push_back(std::move(*view));
+  return found;
 }
 
-void lookAtStream(cv::VideoCapture& stream, int frames, const Board& board, Seen& seen) {
+/// A view of the video counts once the board has moved.
+Views viewsInStream(cv::VideoCapture& stream, const Board& board) {
+  Views found;
   cv::Mat image;
-  for (int i = 0; i < frames && seen.views.size() < kMaxViews && stream.read(image); ++i) {
-    seen.size_px = {image.cols, image.rows};
-    look(image, board, true, seen);
+  while (found.images < kMaxFrames && found.views.size() < kMaxViews && stream.read(image)) {
+    found.size_px = {image.cols, image.rows};
+    ++found.images;
+    auto view = findBoard(image, board);
+    if (!view) continue;
+    if (found.views.empty() || hasMoved(found.views.back(), *view, image.cols)) {
+      found.views.push_back(std::move(*view));
+    }
+  }
+  return found;
+}
+
+/// @return nullopt where the observer left the window
+std::optional<Views> viewsInVideo(const CalibrateCameraOptions& options, const Board& board) {
+  cv::VideoCapture stream;
+  if (options.device) {
+    stream.open(*options.device);
+    if (!stream.isOpened()) {
+      throw std::runtime_error("camera " + std::to_string(*options.device) + " does not open");
+    }
+  } else {
+    stream.open(options.video.string());
+    if (!stream.isOpened()) {
+      throw InputError(options.video.string(), "not a video that can be read");
+    }
+  }
+  if (!options.device && !options.window) return viewsInStream(stream, board);
+  Views found;
+  const auto next = [&](cv::Mat& image) {
+    ++found.images;
+    return stream.read(image) && !image.empty();
+  };
+  auto views = watchBoardInWindow(next, board, found.size_px);
+  if (!views) return std::nullopt;
+  found.views = std::move(*views);
+  return found;
+}
+
+void printJson(const Views& found, const CameraFit& fit) {
+  const CameraModel& camera = fit.camera;
+  std::printf("{\"views\": %zu, \"images\": %d, \"size_px\": %s, \"focal_px\": %s, ",
+              found.views.size(), found.images, exactText(camera.size_px).c_str(),
+              exactText(camera.focal_px).c_str());
+  std::printf("\"principal_px\": %s, \"focal_sd_px\": %s, \"rms_px\": %s, \"covered\": %s, ",
+              exactText(camera.principal_px).c_str(), exactText(camera.focal_sd_px).c_str(),
+              exactText(camera.rms_px).c_str(), exactText(fit.covered).c_str());
+  std::printf("\"distortion\": %s}\n", exactText(camera.distortion).c_str());
+}
+
+void printText(const Views& found, const CameraFit& fit) {
+  const CameraModel& camera = fit.camera;
+  std::printf("%zu views of the board in %d images of %d x %d px\n", found.views.size(),
+              found.images, camera.size_px.x, camera.size_px.y);
+  std::printf("focal length %.1f +- %.1f, %.1f +- %.1f px, centre %.1f, %.1f px\n",
+              camera.focal_px.x, camera.focal_sd_px.x, camera.focal_px.y, camera.focal_sd_px.y,
+              camera.principal_px.x, camera.principal_px.y);
+  std::printf("reprojection %.3f px RMS; corners in each part of the image:\n", camera.rms_px);
+  for (std::size_t cell = 0; cell < fit.coverage.size(); ++cell) {
+    const bool last = (cell + 1) % static_cast<std::size_t>(kCoverageCells.x) == 0;
+    std::printf(" %5d%s", fit.coverage[cell], last ? "\n" : "");
   }
 }
 
@@ -75,47 +138,16 @@ void lookAtStream(cv::VideoCapture& stream, int frames, const Board& board, Seen
 
 void calibrateCamera(const CalibrateCameraOptions& options) {
   const Board board = boardOf(options);
-  Seen seen;
   const int sources =
       (options.images.empty() ? 0 : 1) + (options.video.empty() ? 0 : 1) + (options.device ? 1 : 0);
-  if (sources != 1) throw InputError("calibrate camera", "one of --images, --video, --device");
-  for (const std::string& file : options.images) {
-    const bool there = std::filesystem::is_regular_file(file);  // else OpenCV says so, too
-    const cv::Mat image = there ? cv::imread(file, cv::IMREAD_GRAYSCALE) : cv::Mat();
-    if (image.empty()) throw InputError(file, "not an image that can be read");
-    const glm::ivec2 size_px{image.cols, image.rows};
-    if (seen.size_px.x != 0 && size_px != seen.size_px) {
-      throw InputError(file, "another size than the images before: one camera, one setting");
-    }
-    seen.size_px = size_px;
-    look(image, board, false, seen);
+  if (sources != 1) {
+    throw InputError("calibrate camera", "expected one of --images, --video, --device");
   }
-  if (!options.video.empty() || options.device) {
-    cv::VideoCapture stream;
-    if (options.device) {
-      stream.open(*options.device);
-    } else {
-      stream.open(options.video.string());
-    }
-    if (!stream.isOpened() && options.device) {
-      throw std::runtime_error("camera " + std::to_string(*options.device) + " does not open");
-    }
-    if (!stream.isOpened())
-      throw InputError(options.video.string(), "not a video that can be read");
-    if (options.device || options.window) {
-      const auto next = [&](cv::Mat& image) {
-        ++seen.images;
-        return stream.read(image) && !image.empty();
-      };
-      auto views = watchBoardInWindow(next, board, seen.size_px);
-      if (!views) {
-        std::fprintf(stderr, "left without a calibration\n");
-        return;
-      }
-      seen.views = std::move(*views);
-    } else {
-      lookAtStream(stream, kMaxFrames, board, seen);
-    }
+  const std::optional<Views> found =
+      options.images.empty() ? viewsInVideo(options, board) : viewsInImages(options.images, board);
+  if (!found) {
+    std::fprintf(stderr, "left without a calibration\n");
+    return;
   }
 
   const std::string where = options.device           ? "camera " + std::to_string(*options.device)
@@ -123,37 +155,15 @@ void calibrateCamera(const CalibrateCameraOptions& options) {
                                                      : options.images.front();
   CameraFit fit;
   try {
-    fit = fitCamera(seen.views, seen.size_px);
+    fit = fitCamera(found->views, found->size_px);
   } catch (const InputError& error) {
     throw InputError(where, error.what());
   }
-  if (!options.out.empty()) writeWhole(options.out, cameraToml(fit.camera));
-  const CameraModel& camera = fit.camera;
+  if (!options.out.empty()) replaceFile(options.out, cameraToml(fit.camera));
   if (options.json) {
-    std::printf("{\"views\": %zu, \"images\": %d, \"size_px\": [%d, %d], \"focal_px\": %s, ",
-                seen.views.size(), seen.images, camera.size_px.x, camera.size_px.y,
-                exactText(camera.focal_px).c_str());
-    std::printf("\"principal_px\": %s, \"focal_sd_px\": %s, \"rms_px\": %s, \"covered\": %s, ",
-                exactText(camera.principal_px).c_str(), exactText(camera.focal_sd_px).c_str(),
-                exactText(camera.rms_px).c_str(), exactText(fit.covered).c_str());
-    std::printf("\"distortion\": [");
-    for (std::size_t i = 0; i < 5; ++i) {
-      std::printf("%s%s", i ? ", " : "", exactText(camera.distortion[i]).c_str());
-    }
-    std::printf("]}\n");
-    return;
-  }
-  std::printf("%zu views of the board in %d images of %d x %d px\n", seen.views.size(), seen.images,
-              camera.size_px.x, camera.size_px.y);
-  std::printf("focal length %.1f +- %.1f, %.1f +- %.1f px, centre %.1f, %.1f px\n",
-              camera.focal_px.x, camera.focal_sd_px.x, camera.focal_px.y, camera.focal_sd_px.y,
-              camera.principal_px.x, camera.principal_px.y);
-  std::printf("reprojection %.3f px RMS; corners seen, over the image:\n", camera.rms_px);
-  for (std::size_t row = 0; row < 6; ++row) {
-    for (std::size_t column = 0; column < 8; ++column) {
-      std::printf(" %5d", fit.coverage[row * 8 + column]);
-    }
-    std::printf("\n");
+    printJson(*found, fit);
+  } else {
+    printText(*found, fit);
   }
 }
 

@@ -1,4 +1,4 @@
-// `foci calibrate gaze`, from files or in its window.
+// `foci calibrate gaze`: from tables, from a video, or in its window.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -6,8 +6,9 @@
 
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
+#include "base/file.h"
 #include "base/input_error.h"
-#include "calibration/calibration_file.h"
+#include "calibration/camera/camera.h"
 #include "calibration/gaze_map/gaze_map_file.h"
 #include "calibration/gaze_map/gaze_report.h"
 #include "calibration/screen/screen_file.h"
@@ -25,7 +26,7 @@ GazeFrame frameOf(const CalibrateGazeOptions& options) {
   if (!options.screen.empty()) {
     frame.screen = readScreen(options.screen).screen;
   } else if (frame.units == MapUnits::norm) {
-    std::fprintf(stderr, "no --screen: degrees are those of %.2f x %.2f m at %.2f m\n",
+    std::fprintf(stderr, "no --screen: degrees assume a screen of %.2f x %.2f m at %.2f m\n",
                  frame.screen.size_m.x, frame.screen.size_m.y, frame.screen.distance_m);
   }
   return frame;
@@ -47,21 +48,22 @@ GazeReport fromFiles(const CalibrateGazeOptions& options, const GazeFrame& frame
   return report;
 }
 
-/// Moves a map by what gaze says at a single target.
+/// Moves a map by the mean miss at a single target.
 void correctDriftOf(const CalibrateGazeOptions& options) {
-  if (options.pairs.empty()) throw InputError("--drift", "needs --pairs, samples of one target");
+  if (options.pairs.empty())
+    throw InputError("--drift", "needs --pairs with samples of one target");
   const GazeMap map = readGazeMap(options.drift);
   std::vector<glm::dvec2> gaze;
   std::optional<glm::dvec2> target;
   for (const GazePair& pair : readGazePairs(options.pairs, map.frame.units)) {
     if (target && *target != pair.target) {
-      throw InputError(options.pairs.string(), "more than one target: a drift has one");
+      throw InputError(options.pairs.string(), "more than one target: expected one");
     }
     target = pair.target;
     if (pair.gaze) gaze.push_back(*pair.gaze);
   }
   const GazeMap corrected = correctDrift(map, gaze, *target);
-  if (!options.out.empty()) writeWhole(options.out, gazeMapToml(corrected));
+  if (!options.out.empty()) replaceFile(options.out, gazeMapToml(corrected));
   const glm::dvec2 moved = corrected.coefficients[0] - map.coefficients[0];
   const double drift_deg =
       angle_deg(onPlane(map.frame, *target - moved), onPlane(map.frame, *target));
@@ -75,7 +77,7 @@ std::optional<Lens> cameraOf(const CalibrateGazeOptions& options) {
   return lensOf(readCamera(options.camera));
 }
 
-/// From a video of the observer's face and the times at which targets were shown.
+/// Fits a webcam's map to a video of the observer's face and a table of the targets shown.
 GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& place,
                      const Screen& screen, WebcamCalibration& calibration) {
   const auto targets = readShownTargets(options.pairs);
@@ -84,7 +86,7 @@ GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& pla
   WebcamTracker tracker(cameraOf(options));
   const std::vector<WebcamFrame> frames = readWebcam(place, tracker);
   const auto reference = tracker.reference();
-  if (!reference) throw InputError(nameOf(place), "no face in any frame");
+  if (!reference) throw InputError(nameOf(place), "no frame shows a face");
   calibration.reference = *reference;
   calibration.screen_m = screen.size_m;
   return calibrateWebcam(pairFrames(frames, targets), pairFrames(frames, others), screen,
@@ -100,7 +102,7 @@ void refuseWindowOptions(const CalibrateGazeOptions& options) {
   if (std::find(kCounts.begin(), kCounts.end(), options.targets) == kCounts.end()) {
     throw InputError("--targets", std::to_string(options.targets) + ": expected 5, 9, 13 or 16");
   }
-  if (options.units != "deg") throw InputError("--units", "the window works in deg");
+  if (options.units != "deg") throw InputError("--units", "the window needs deg");
 }
 
 }  // namespace
@@ -123,7 +125,7 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
   const auto webcam = webcamPlaceOf(options.source);
   WebcamCalibration calibration;
   if (webcam && !options.pairs.empty()) {
-    if (options.units != "deg") throw InputError("--units", "a webcam's targets are in deg");
+    if (options.units != "deg") throw InputError("--units", "a webcam needs deg");
     report = fromVideo(options, *webcam, frame.screen, calibration);
   } else if (options.pairs.empty()) {
     if (!options.validate.empty()) throw InputError("--validate", "needs --pairs");
@@ -142,11 +144,11 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
   if (!options.out.empty()) {
     std::filesystem::path page = options.report;
     if (page.empty()) page = std::filesystem::path(options.out).replace_extension(".html");
-    writeWhole(page, gazeReportHtml(report));
-    writeWhole(options.out,
-               webcam ? webcamCalibrationToml(calibration) : gazeMapToml(report.fit.map));
+    replaceFile(page, gazeReportHtml(report));
+    replaceFile(options.out,
+                webcam ? webcamCalibrationToml(calibration) : gazeMapToml(report.fit.map));
   } else if (!options.report.empty()) {
-    writeWhole(options.report, gazeReportHtml(report));
+    replaceFile(options.report, gazeReportHtml(report));
   }
   const std::string summary = options.json ? gazeReportJson(report) : gazeReportText(report);
   std::fputs(summary.c_str(), stdout);

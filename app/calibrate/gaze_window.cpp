@@ -1,5 +1,5 @@
-// The window of `foci calibrate gaze`: a dot that shrinks to its mark at each target, the same on
-// other targets for validation, then the result by target.
+// The window of `foci calibrate gaze`: a dot shrinks to its mark at each calibration target and
+// then at each validation target; the result shows the accuracy at each.
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
@@ -34,7 +34,7 @@ void centredText(const Window& window, double y_share, ImU32 colour, const std::
       text.c_str());
 }
 
-/// The dot shrinks to draw the eye, the mark in its centre holds it.
+/// The shrinking dot draws the eye to the mark in its centre.
 void drawTarget(const glm::dvec2& px, const TargetSession::Step& step) {
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
   const float radius =
@@ -52,7 +52,7 @@ class GazeWindow {
         webcam_(std::move(webcam)),
         window_("foci: calibrate gaze",
                 options.window ? std::optional<glm::ivec2>(kWindow_px) : std::nullopt) {
-    // The screen's size holds for the whole of its pixels; a window shows a part.
+    // The measured size belongs to all pixels of the screen; a window covers some of them.
     const glm::dvec2 m_per_px = screen.size_m / glm::dvec2(screen.size_px);
     screen_ = {.size_px = glm::ivec2(window_.size_px()),
                .size_m = window_.size_px() * m_per_px,
@@ -63,7 +63,7 @@ class GazeWindow {
   std::optional<GazeWindowResult> run() {
     while (window_.begin(kBackground)) {
       if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE)) return std::nullopt;
-      watch();
+      readTracker();
       const bool go_on = step();
       window_.end();
       if (!go_on) return result_;
@@ -72,18 +72,19 @@ class GazeWindow {
   }
 
  private:
-  /// What the tracker said at a moment.
+  /// One sample of the tracker.
   struct Look {
     double time_s = 0.0;
-    std::optional<glm::dvec2> gaze_deg{};  ///< of a webcam a rough one: whether the eye rests
+    std::optional<glm::dvec2>
+        gaze_deg{};  ///< a webcam's by the nominal map, to see whether the eye rests
     std::optional<WebcamView> view{};
   };
 
   bool step();
   void begin(Stage stage, int count);
-  bool follow();
-  void watch();
-  void take(const Look& look);
+  bool showTarget();
+  void readTracker();
+  void add(const Look& look);
   void finish();
   void drawResult();
 
@@ -94,11 +95,11 @@ class GazeWindow {
   GazeFrame frame_;
   Stage stage_ = Stage::welcome;
   std::optional<TargetSession> session_;
-  std::vector<Look> looks_;  // of this frame
+  std::vector<Look> looks_;  // new in this frame
   bool eye_in_view_ = false, playing_ = false;
   std::vector<glm::dvec2> targets_deg_;
   TargetSession::Step shown_{};
-  std::size_t said_ = 0;
+  std::size_t announced_ = 0;  // target, on standard error
   std::vector<GazePair> fitted_;
   std::vector<WebcamPair> views_, fitted_views_;
   GazeWindowResult result_;
@@ -114,11 +115,11 @@ void GazeWindow::begin(Stage stage, int count) {
   session_.emplace(targets_deg_, options_.manual);
   views_.clear();
   shown_ = {};
-  said_ = targets_deg_.size();
+  announced_ = targets_deg_.size();
 }
 
-/// Asks the tracker.
-void GazeWindow::watch() {
+/// Takes the tracker's new samples.
+void GazeWindow::readTracker() {
   looks_.clear();
   if (!webcam_) {
     Look& look = looks_.emplace_back();
@@ -141,7 +142,7 @@ void GazeWindow::watch() {
     }
     const bool in_session = stage_ == Stage::fitting || stage_ == Stage::validating;
     if (webcam_->ended() && in_session) {
-      failure_ = "The film has ended before the last target.";
+      failure_ = "The video ended before the last target.";
       stage_ = Stage::failed;
       std::fprintf(stderr, "%s\n", failure_.c_str());
     }
@@ -149,7 +150,7 @@ void GazeWindow::watch() {
   if (!looks_.empty()) eye_in_view_ = looks_.back().gaze_deg.has_value();
 }
 
-void GazeWindow::take(const Look& look) {
+void GazeWindow::add(const Look& look) {
   const std::size_t before = session_->pairs().size();
   shown_ = session_->update(look.time_s, look.gaze_deg);
   if (session_->pairs().size() > before) {
@@ -157,18 +158,18 @@ void GazeWindow::take(const Look& look) {
   }
 }
 
-/// True while targets are left.
-bool GazeWindow::follow() {
+/// Returns false once all targets are done.
+bool GazeWindow::showTarget() {
   if (ImGui::IsKeyPressed(GLFW_KEY_SPACE, false)) session_->confirm();
   ImGui::SetMouseCursor(ImGuiMouseCursor_None);
-  for (const Look& look : looks_) take(look);
+  for (const Look& look : looks_) add(look);
   if (session_->done()) return false;
   const TargetSession::Step& step = shown_;
   const glm::dvec2 px = toPixels(frame_, screen_, targets_deg_[step.target]);
   drawTarget(px, step);
   if (step.gaze_missing) centredText(window_, 0.62, kRed, "No eye in view: waiting");
-  if (said_ != step.target) {
-    said_ = step.target;
+  if (announced_ != step.target) {
+    announced_ = step.target;
     std::fprintf(stderr, "%s target %zu of %zu at %.0f,%.0f px\n",
                  stage_ == Stage::fitting ? "calibration" : "validation", step.target + 1,
                  targets_deg_.size(), px.x, px.y);
@@ -229,7 +230,7 @@ void GazeWindow::drawResult() {
   centredText(window_, 0.09, kBlack, text);
 }
 
-/// False once the observer accepts.
+/// Returns false once the observer accepts the result.
 bool GazeWindow::step() {
   const bool space = ImGui::IsKeyPressed(GLFW_KEY_SPACE, false);
   switch (stage_) {
@@ -237,30 +238,30 @@ bool GazeWindow::step() {
       centredText(window_, 0.40, kBlack, "Look at the centre of each dot until it moves on.");
       centredText(window_, 0.46, kBlack,
                   options_.manual ? "Press the space key while you look at it."
-                                  : "It moves on by itself; the space key hurries it.");
+                                  : "It moves on by itself, or sooner with the space key.");
       centredText(window_, 0.52, kBlack, "Space: start.   Escape: leave at any time.");
       centredText(window_, 0.58, eye_in_view_ ? kBlack : kRed,
-                  eye_in_view_ ? "Gaze is there." : "No eye in view.");
+                  eye_in_view_ ? "Gaze is in view." : "No eye in view.");
       if (space) begin(Stage::fitting, options_.targets);
       return true;
     case Stage::fitting:
-      if (!follow()) {
+      if (!showTarget()) {
         fitted_ = session_->pairs();
         fitted_views_ = views_;
         begin(Stage::validating, kValidationTargets);
       }
       return true;
     case Stage::validating:
-      if (!follow()) finish();
+      if (!showTarget()) finish();
       return true;
     case Stage::result:
       drawResult();
-      centredText(window_, 0.93, kBlack, "Space: keep it.   R: once more.   Escape: leave.");
+      centredText(window_, 0.93, kBlack, "Space: keep the result.   R: repeat.   Escape: leave.");
       if (ImGui::IsKeyPressed(GLFW_KEY_R, false)) stage_ = Stage::welcome;
       return !space;
     case Stage::failed:
       centredText(window_, 0.45, kRed, failure_);
-      centredText(window_, 0.52, kBlack, "R: once more.   Escape: leave.");
+      centredText(window_, 0.52, kBlack, "R: repeat.   Escape: leave.");
       if (ImGui::IsKeyPressed(GLFW_KEY_R, false)) stage_ = Stage::welcome;
       return true;
   }

@@ -1,4 +1,4 @@
-// What stands in for the windows where foci was built without them (FOCI_WINDOW=OFF).
+// Replaces the calibration windows where foci is built without windows (FOCI_WINDOW=OFF).
 #include <stdexcept>
 
 #include "app/calibrate/windows.h"
@@ -6,7 +6,8 @@
 namespace foci {
 namespace {
 
-constexpr const char* kNoWindow = "built without windows: use --pairs or --headless";
+constexpr const char* kNoWindow =
+    "foci was built without windows: use --pairs, --headless or --images";
 
 }  // namespace
 

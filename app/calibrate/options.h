@@ -1,4 +1,4 @@
-// What the calibrations are asked for on the command line, and their entries.
+// The options of each `foci calibrate` command, and the functions that run them.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +10,9 @@ namespace foci {
 
 struct CalibrateScreenOptions {
   bool headless = false, json = false;
-  bool window = false;                   ///< not full screen
-  std::string size_px, card_px, size_m;  ///< "WxH"; a card's height may be left out
-  std::string blind_spot_px;             ///< offsets, outwards > 0, inwards < 0, by commas
+  bool window = false;                   ///< instead of the full screen
+  std::string size_px, card_px, size_m;  ///< "WxH"; a card's height is optional
+  std::string blind_spot_px;             ///< offsets by commas; outwards > 0, inwards < 0
   std::string gamma = "sRGB";
   std::optional<double> distance_m, face_px, face_reference_px, face_reference_m;
   std::filesystem::path monitor, edid, out, psychopy;
@@ -25,8 +25,8 @@ struct CalibrateGazeOptions {
   std::string source = "mouse";
   int targets = 9;
   unsigned seed = 1;
-  bool window = false;  ///< not full screen
-  bool manual = false;  ///< every target waits for the space key
+  bool window = false;  ///< instead of the full screen
+  bool manual = false;  ///< each target waits for the space key
 };
 
 struct CalibrateBinocularOptions {
@@ -36,7 +36,7 @@ struct CalibrateBinocularOptions {
 
 struct CalibrateCameraOptions {
   bool json = false;
-  bool window = false;  ///< show the video; a device is shown always
+  bool window = false;  ///< show the video; a device is always shown
   std::vector<std::string> images;
   std::filesystem::path video, out;
   std::optional<int> device;

@@ -1,4 +1,4 @@
-// `foci calibrate screen`: the measures come from the window or, with --headless, from options.
+// `foci calibrate screen`: measured in its window or, with --headless, given as options.
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -6,6 +6,7 @@
 
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/number.h"
 #include "calibration/calibration_file.h"
@@ -50,7 +51,7 @@ std::optional<glm::dvec2> edidOf(const std::filesystem::path& file) {
   return edidSize_m(bytes);
 }
 
-/// Size of the visible area: the card is believed before the tape, the tape before the display.
+/// Size of the visible area: a bank card takes precedence over --size-m, --size-m over the EDID.
 void measureSize(const CalibrateScreenOptions& options, const std::optional<glm::dvec2>& edid_m,
                  ScreenCalibration& calibration) {
   Screen& screen = calibration.screen;
@@ -74,7 +75,7 @@ void measureSize(const CalibrateScreenOptions& options, const std::optional<glm:
     calibration.size_from = "EDID";
   }
   if (screen.size_m.x <= 0.0) {
-    throw InputError("--card-px", "missing: expected it, --size-m, --edid or --monitor");
+    throw InputError("--card-px", "missing: expected --card-px, --size-m, --edid or --monitor");
   }
 }
 
@@ -108,7 +109,7 @@ void measureDistance(const CalibrateScreenOptions& options, ScreenCalibration& c
   }
   if (screen.distance_m <= 0.0) {
     throw InputError("--distance-m",
-                     "missing: expected it, --blind-spot-px, --face-px or --monitor");
+                     "missing: expected --distance-m, --blind-spot-px, --face-px or --monitor");
   }
 }
 
@@ -141,20 +142,22 @@ void calibrateScreen(const CalibrateScreenOptions& options) {
   std::optional<double> edid_off;
   if (edid_m) edid_off = disagreement(screen.size_m, *edid_m);
   if (edid_off && *edid_off > kEdidTolerance) {
-    std::fprintf(stderr, "the display states %.3f x %.3f m, %.0f %% off what was measured\n",
-                 edid_m->x, edid_m->y, 100.0 * *edid_off);
+    std::fprintf(
+        stderr,
+        "the display states %.3f x %.3f m, which differs by %.0f %% from the measured size\n",
+        edid_m->x, edid_m->y, 100.0 * *edid_off);
   }
   if (!options.psychopy.empty()) {
-    writeWhole(options.psychopy, psychoPyMonitor(screen, calibration.gamma, "foci"));
+    replaceFile(options.psychopy, psychoPyMonitor(screen, calibration.gamma, "foci"));
   }
-  if (!options.out.empty()) writeWhole(options.out, screenToml(calibration));
+  if (!options.out.empty()) replaceFile(options.out, screenToml(calibration));
 
   const glm::dvec2 px_per_m = glm::dvec2(screen.size_px) / screen.size_m;
   const double px_per_deg = px_per_m.x * screen.distance_m * std::tan(glm::radians(1.0));
   if (!options.json) {
     std::printf("%d x %d px, %.4f x %.4f m (%s), %.1f px/m\n", screen.size_px.x, screen.size_px.y,
                 screen.size_m.x, screen.size_m.y, calibration.size_from.c_str(), px_per_m.x);
-    std::printf("%.3f m away (%s), %.2f px a degree at the centre\n", screen.distance_m,
+    std::printf("%.3f m away (%s), %.2f px per degree at the centre\n", screen.distance_m,
                 calibration.distance_from.c_str(), px_per_deg);
     return;
   }

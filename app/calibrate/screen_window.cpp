@@ -1,5 +1,5 @@
-// The window of `foci calibrate screen`: a bank card for the size of the pixels, the blind spot or
-// the hand for the distance, stripes against a plain patch for gamma.
+// The window of `foci calibrate screen`. A bank card gives the size of a pixel, the blind spot or a
+// tape the distance, and stripes beside a plain patch gamma.
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
@@ -10,6 +10,7 @@
 #include "app/calibrate/windows.h"
 #include "app/window/window.h"
 #include "base/input_error.h"
+#include "calibration/gaze_map/map_units.h"
 #include "calibration/screen/screen_size.h"
 
 namespace foci {
@@ -21,10 +22,10 @@ constexpr ImU32 kBlack = IM_COL32(20, 20, 20, 255), kRed = IM_COL32(190, 20, 20,
 constexpr ImU32 kCard = IM_COL32(90, 130, 190, 255);
 constexpr double kGuess_px_per_m = 3780.0;  // 96 dpi
 constexpr double kDotSpeed_m_per_s = 0.03;  // 3 deg/s at 0.6 m: half a degree in a reaction time
-constexpr double kDotStart_m = 0.04;        // outwards from here: 4 deg at 0.6 m
-constexpr double kInsideSpot = 1.2;         // inwards from so much beyond where it vanished
+constexpr double kDotStart_m = 0.04;        // where outward runs start: 4 deg at 0.6 m
+constexpr double kInsideSpot = 1.2;         // inward runs start at this multiple of the last offset
 constexpr std::size_t kRuns = 6;
-constexpr int kHalfLight = 188;  // what sRGB needs for half the light
+constexpr int kHalfLight = 188;  // the level at which sRGB emits half the light (IEC 61966-2-1)
 
 enum class Stage { card, distance, blind_spot, by_hand, gamma, result };
 
@@ -43,7 +44,7 @@ class ScreenWindow {
     } else if (edid_m_) {
       px_per_m_ = found_.screen.size_px.x / edid_m_->x;
     }
-    if (found_.screen.distance_m <= 0.0) found_.screen.distance_m = 0.6;
+    if (found_.screen.distance_m <= 0.0) found_.screen.distance_m = defaultScreen().distance_m;
   }
 
   std::optional<ScreenCalibration> run() {
@@ -122,7 +123,7 @@ void ScreenWindow::fitCard() {
   say(text);
   if (edid_m_) {
     const double off = disagreement(found_.screen.size_m, *edid_m_);
-    std::snprintf(text, sizeof text, "The display itself states %.1f x %.1f cm: %.0f %% off",
+    std::snprintf(text, sizeof text, "The display states %.1f x %.1f cm, which differs by %.0f %%",
                   100.0 * edid_m_->x, 100.0 * edid_m_->y, 100.0 * off);
     say(text, off > kEdidTolerance ? kRed : kBlack);
   }
@@ -134,8 +135,8 @@ void ScreenWindow::fitCard() {
 
 void ScreenWindow::chooseDistance() {
   say("How far are your eyes from the screen?");
-  say("B: find it by the blind spot of your left eye (a minute).");
-  say("H: enter what a tape says.");
+  say("B: measure it by the blind spot of your left eye (a minute).");
+  say("H: measure it with a tape and enter it.");
   if (!trouble_.empty()) say(trouble_, kRed);
   if (pressed(GLFW_KEY_B)) {
     runs_.clear();
@@ -149,7 +150,7 @@ void ScreenWindow::runBlindSpot() {
   const bool outwards = runs_.size() % 2 == 0;
   const glm::dvec2 area = window_.size_px();
   const glm::dvec2 cross(0.9 * area.x, 0.55 * area.y);
-  say("Cover your right eye. Look at the cross with the left, all the time.");
+  say("Cover your right eye. Keep your left eye on the cross.");
   char text[120];
   std::snprintf(text, sizeof text, "Run %zu of %zu. Space: start; space again when the red dot %s.",
                 runs_.size() + 1, kRuns, outwards ? "vanishes" : "comes back");
@@ -158,12 +159,14 @@ void ScreenWindow::runBlindSpot() {
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
   draw->AddLine(at(cross.x - 12, cross.y), at(cross.x + 12, cross.y), kBlack, 3.0f);
   draw->AddLine(at(cross.x, cross.y - 12), at(cross.x, cross.y + 12), kBlack, 3.0f);
-  const double way_m = run_start_s_ ? kDotSpeed_m_per_s * (window_.time_s() - *run_start_s_) : 0.0;
+  const double travelled_m =
+      run_start_s_ ? kDotSpeed_m_per_s * (window_.time_s() - *run_start_s_) : 0.0;
   const double offset_m =
-      outwards ? kDotStart_m + way_m : kInsideSpot * runs_.back().offset_m - way_m;
+      outwards ? kDotStart_m + travelled_m : kInsideSpot * runs_.back().offset_m - travelled_m;
   const double x = cross.x - offset_m * px_per_m_;
   if (run_start_s_) draw->AddCircleFilled(at(x, cross.y), 9.0f, kRed, 32);
-  if (run_start_s_ && (x < 0.0 || offset_m <= 0.0)) run_start_s_.reset();  // missed: the run again
+  if (run_start_s_ && (x < 0.0 || offset_m <= 0.0))
+    run_start_s_.reset();  // the observer missed it: repeat the run
 
   if (!pressed(GLFW_KEY_SPACE)) return;
   if (!run_start_s_) {
@@ -189,7 +192,7 @@ void ScreenWindow::runBlindSpot() {
 }
 
 void ScreenWindow::enterDistance() {
-  say("Distance from the eyes to the screen, by a tape: left and right arrow.   Space: done.");
+  say("Set the distance from your eyes to the screen: left and right arrow.   Space: done.");
   found_.screen.distance_m = std::clamp(found_.screen.distance_m + 0.005 * arrows(), 0.1, 10.0);
   char text[60];
   std::snprintf(text, sizeof text, "%.1f cm", 100.0 * found_.screen.distance_m);
@@ -201,8 +204,8 @@ void ScreenWindow::enterDistance() {
 }
 
 void ScreenWindow::matchGamma() {
-  say("Step back or screw up your eyes: make the plain patch as bright as the stripes.");
-  say("Left and right arrow.   Space: it matches.   S: take it as sRGB.");
+  say("Step back or squint, and make the plain patch as bright as the stripes.");
+  say("Left and right arrow.   Space: it matches.   S: assume sRGB.");
   level_ = std::clamp(level_ + static_cast<int>(arrows()), 40, 250);
   const glm::dvec2 middle(0.5 * window_.size_px().x, 0.5 * window_.size_px().y);
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
@@ -212,7 +215,7 @@ void ScreenWindow::matchGamma() {
   }
   draw->AddRectFilled(at(middle.x, middle.y - 80), at(middle.x + 200, middle.y + 120),
                       IM_COL32(level_, level_, level_, 255));
-  // level^gamma = half the light.
+  // (level / 255)^gamma = 1/2: the stripes emit half the light.
   const double gamma = std::log(0.5) / std::log(level_ / 255.0);
   char text[60];
   std::snprintf(text, sizeof text, "gamma %.2f", gamma);
@@ -223,7 +226,7 @@ void ScreenWindow::matchGamma() {
   if (space || pressed(GLFW_KEY_S)) enter(Stage::result);
 }
 
-/// False once the observer accepts.
+/// Returns false once the observer accepts the result.
 bool ScreenWindow::showResult() {
   const Screen& screen = found_.screen;
   char text[200];
@@ -234,7 +237,7 @@ bool ScreenWindow::showResult() {
   std::snprintf(text, sizeof text, "%.1f cm away (%s)", 100.0 * screen.distance_m,
                 found_.distance_from.c_str());
   say(text);
-  std::snprintf(text, sizeof text, "%.1f px a degree at the centre",
+  std::snprintf(text, sizeof text, "%.1f px per degree at the centre",
                 px_per_m_ * screen.distance_m * std::tan(glm::radians(1.0)));
   say(text);
   if (found_.gamma) {
@@ -243,7 +246,7 @@ bool ScreenWindow::showResult() {
   } else {
     say("sRGB as displayed");
   }
-  say("Space: keep it.   R: once more.   Escape: leave.");
+  say("Space: keep the result.   R: repeat.   Escape: leave.");
   if (pressed(GLFW_KEY_R)) enter(Stage::card);
   return !pressed(GLFW_KEY_SPACE);
 }

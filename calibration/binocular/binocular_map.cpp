@@ -1,8 +1,7 @@
 #include "calibration/binocular/binocular_map.h"
 
-#include <algorithm>
 #include <cmath>
-#include <vector>
+#include <span>
 
 #include "base/input_error.h"
 #include "calibration/calibration_file.h"
@@ -12,15 +11,8 @@ namespace foci {
 namespace {
 
 constexpr double kFarthestEye_mm = 1e5;
-constexpr double kRounding = 1e-6;
 
-std::string list(const std::vector<double>& values) {
-  std::string text = "[";
-  for (std::size_t i = 0; i < values.size(); ++i) text += (i ? ", " : "") + exactText(values[i]);
-  return text + "]";
-}
-
-/// A vector of the tracker's frame in the display's: x right, y up, z towards the observer.
+/// Turns a vector from the tracker's frame into the display's: x right, y up, z to the observer.
 glm::dvec3 inDisplay(const BinocularMap& map, const glm::dvec3& vector, bool mirrored) {
   glm::dvec3 result = glm::transpose(map.rotation) * vector;
   if (mirrored) result.z = -result.z;
@@ -31,16 +23,13 @@ glm::dvec3 inDisplay(const BinocularMap& map, const glm::dvec3& vector, bool mir
 
 std::string binocularToml(const BinocularCalibration& calibration) {
   const BinocularMap& map = calibration.map;
-  std::vector<double> rotation, position_mm;
-  for (int i = 0; i < 3; ++i) {
-    position_mm.push_back(1e3 * map.translation_m[i]);
-    for (int k = 0; k < 3; ++k) rotation.push_back(map.rotation[i][k]);
-  }
-  return "# Binocular calibration of foci: where the display's centre is in the tracker's frame, "
-         "mm,\n"
-         "# and how the display is turned there, column by column.\n"
+  const glm::dvec3 position_mm = 1e3 * map.translation_m;
+  return "# Binocular calibration of foci. The display in the tracker's frame: its centre in mm "
+         "and "
+         "its\n"
+         "# rotation, column by column.\n"
          "[binocular]\nposition_mm = " +
-         list(position_mm) + "\nrotation = " + list(rotation) +
+         exactText(std::span(&position_mm.x, 3)) + "\nrotation = " + exactText(map.rotation) +
          "\n# Added to the yaw and pitch of each eye in the tracker's frame.\nleft_kappa_deg = " +
          exactText(glm::degrees(map.kappa_rad[0])) +
          "\nright_kappa_deg = " + exactText(glm::degrees(map.kappa_rad[1])) +
@@ -61,21 +50,14 @@ BinocularCalibration readBinocular(const std::filesystem::path& file) {
   BinocularCalibration calibration;
   const auto position_mm =
       in.numbers("binocular.position_mm", 3, -kFarthestEye_mm, kFarthestEye_mm);
-  const auto rotation = in.numbers("binocular.rotation", 9, -1.0 - kRounding, 1.0 + kRounding);
-  glm::dmat3& r = calibration.map.rotation;
   for (int i = 0; i < 3; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    calibration.map.translation_m[i] = 1e-3 * position_mm[at];
-    for (int k = 0; k < 3; ++k) r[i][k] = rotation[3 * at + static_cast<std::size_t>(k)];
+    calibration.map.translation_m[i] = 1e-3 * position_mm[static_cast<std::size_t>(i)];
   }
-  if (std::abs(glm::determinant(r) - 1.0) > kRounding ||
-      std::abs(glm::dot(r[0], r[1])) > kRounding || std::abs(glm::length(r[2]) - 1.0) > kRounding) {
-    in.refuse("binocular.rotation", "a rotation");
-  }
+  calibration.map.rotation = in.rotation("binocular.rotation");
   calibration.map.kappa_rad = {glm::radians(in.pair("binocular.left_kappa_deg", -30.0, 30.0)),
                                glm::radians(in.pair("binocular.right_kappa_deg", -30.0, 30.0))};
   calibration.uncertainty_deg = in.number("binocular.uncertainty_deg", 0.0, 180.0);
-  in.refuseRest();
+  in.refuseUnknownKeys();
   return calibration;
 }
 
@@ -96,7 +78,7 @@ GazeTrace mapTrace(const BinocularCalibration& calibration, const Screen& screen
         eye.point_px =
             0.5 * glm::dvec2(screen.size_px) + glm::dvec2(point_m->x, -point_m->y) * px_per_m;
       }
-      // A tracker's frame may be left-handed: the observer is where z is above 0.
+      // A tracker's frame may be left-handed: the observer must come out at z > 0.
       const glm::dvec3 from = inDisplay(map, *eye.origin_m - map.translation_m, false);
       const bool mirrored = from.z < 0.0;
       eye.direction = inDisplay(map, correctedDirection(map, side, *eye.direction), mirrored);
@@ -109,7 +91,7 @@ GazeTrace mapTrace(const BinocularCalibration& calibration, const Screen& screen
   }
   if (!any) {
     throw InputError("gaze.map",
-                     "a binocular map: expected a recording with the eyes' centres and directions");
+                     "is binocular: expected a recording with the eyes' centres and directions");
   }
   trace.screen = screen;
   return trace;

@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, 2> kEyes{"left_", "right_"};
 constexpr std::array<std::string_view, 6> kOfEye{"origin_x_mm", "origin_y_mm", "origin_z_mm",
                                                  "direction_x", "direction_y", "direction_z"};
 constexpr std::array<std::string_view, 2> kTarget{"x_target_mm", "y_target_mm"};
-constexpr double kFarthest_mm = 1e5, kLongest = 1e6, kShortest = 1e-6;
+constexpr double kMaxDistance_mm = 1e5, kMaxLength = 1e6, kMinLength = 1e-6;
 constexpr std::size_t kMaxRows = 2'000'000;
 
 using Column = std::optional<std::size_t>;
@@ -90,14 +90,14 @@ class PairsReader {
     if (!any) throw missing(std::string(kEyes[0]) + std::string(kOfEye[0]));
   }
 
-  /// Nothing where the field is absent.
-  std::optional<double> number(std::size_t column, std::string_view name, double most) const {
+  /// @return absent where the field is
+  std::optional<double> number(std::size_t column, std::string_view name, double max) const {
     if (column >= fields_.size()) throw lines_.error("a row without " + std::string(name));
     if (isAbsent(fields_[column])) return std::nullopt;
     const auto value = parseNumber(fields_[column]);
-    if (!value || std::abs(*value) > most) {
+    if (!value || std::abs(*value) > max) {
       throw lines_.error(std::string(name) + " = " + shown(fields_[column]) +
-                         ": expected a number up to " + std::to_string(static_cast<long>(most)));
+                         ": expected a number up to " + std::to_string(static_cast<long>(max)));
     }
     return value;
   }
@@ -105,23 +105,23 @@ class PairsReader {
   BinocularSample sample() const {
     BinocularSample result;
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      const auto value = number(columns_.target[axis], kTarget[axis], kFarthest_mm);
+      const auto value = number(columns_.target[axis], kTarget[axis], kMaxDistance_mm);
       if (!value) throw lines_.error("a row without a target");
       result.target_m[static_cast<int>(axis)] = 1e-3 * *value;
     }
     for (std::size_t eye = 0; eye < 2; ++eye) {
       if (!columns_.eyes[eye][0]) continue;
       std::array<double, 6> values{};
-      bool whole = true;
+      bool complete = true;
       for (std::size_t i = 0; i < 6; ++i) {
         const auto value =
-            number(*columns_.eyes[eye][i], kOfEye[i], i < 3 ? kFarthest_mm : kLongest);
-        whole &= value.has_value();
+            number(*columns_.eyes[eye][i], kOfEye[i], i < 3 ? kMaxDistance_mm : kMaxLength);
+        complete &= value.has_value();
         values[i] = value.value_or(0.0);
       }
       const glm::dvec3 direction(values[3], values[4], values[5]);
-      if (!whole) continue;
-      if (!(glm::length(direction) > kShortest)) throw lines_.error("a direction of length 0");
+      if (!complete) continue;
+      if (!(glm::length(direction) > kMinLength)) throw lines_.error("a direction of length 0");
       result.eyes[eye] = {.centre_m = 1e-3 * glm::dvec3(values[0], values[1], values[2]),
                           .direction = direction};
     }

@@ -6,14 +6,14 @@
 namespace foci {
 namespace {
 
-/// Sums from which the measures of a target, or of all, follow.
+/// Sums from which the measures of one target or of all targets follow.
 struct Sums {
-  std::size_t rows = 0, lost = 0, pairs = 0, within = 0;
+  std::size_t rows = 0, missing = 0, pairs = 0, within = 0;
   double angle = 0.0, step2 = 0.0, spread2 = 0.0, uncertainty = 0.0;
 
   void add(const Sums& other) {
     rows += other.rows;
-    lost += other.lost;
+    missing += other.missing;
     pairs += other.pairs;
     within += other.within;
     angle += other.angle;
@@ -23,8 +23,8 @@ struct Sums {
   }
 
   GazeMeasures measures(bool mapped) const {
-    GazeMeasures m{.samples = rows, .lost = lost};
-    const std::size_t count = rows - lost;
+    GazeMeasures m{.samples = rows, .missing = missing};
+    const std::size_t count = rows - missing;
     const auto valid = static_cast<double>(count);
     if (count > 0) m.accuracy_deg = angle / valid;
     if (count > 0 && mapped) {
@@ -74,7 +74,7 @@ GazeAccuracy measureAccuracy(std::span<const GazePair> pairs, const GazeFrame& f
     AtTarget& here = at[found->second];
     ++here.sums.rows;
     if (!pair.gaze) {
-      ++here.sums.lost;
+      ++here.sums.missing;
       previous.reset();
       continue;
     }

@@ -1,26 +1,33 @@
-// How good a calibration is: accuracy, precision and data loss, by target and overall (gaze.md).
+// Quality of a calibration: accuracy, precision and data loss, for each target and overall (as
+// Holmqvist et al. 2012 define them).
 #pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "calibration/gaze_map/gaze_map.h"
 #include "calibration/gaze_map/gaze_pairs.h"
 
 namespace foci {
 
-/// As EyeLink users know them: good below 1 deg mean and 1.5 deg worst target, fair to 1.5 and 2.
+/// EyeLink's limits for validation: good below 1 deg mean and 1.5 deg at the worst target, fair up
+/// to 1.5 and 2 deg.
 enum class Grade { good, fair, poor };
 std::string_view nameOf(Grade grade);
 
-/// Absent where no sample, or for precision no pair of samples, is left to measure it.
+/// A measure is absent where it has no sample, or for precision no pair of samples.
 struct GazeMeasures {
-  std::size_t samples = 0;  ///< rows, lost ones included
-  std::size_t lost = 0;
+  std::size_t samples = 0;               ///< rows, those without gaze included
+  std::size_t missing = 0;               ///< rows without gaze: data loss
   std::optional<double> accuracy_deg{};  ///< mean angle between gaze and target
-  std::optional<double>
-      rms_s2s_deg{};  ///< sqrt(sum theta(g_i, g_i+1)^2 / pairs), pairs of adjacent rows
-  std::optional<double>
-      sd_deg{};  ///< sqrt(sum theta(g_i, mean)^2 / n), mean of the target's samples
-  std::optional<double> uncertainty_deg{};  ///< mean of what the map states
-  std::optional<double> within{};           ///< share of the errors within what the map states
+  /// sqrt(sum theta(g_i, g_i+1)^2 / pairs) over pairs of adjacent rows.
+  std::optional<double> rms_s2s_deg{};
+  /// sqrt(sum theta(g_i, mean)^2 / n), with the mean of the target's samples.
+  std::optional<double> sd_deg{};
+  std::optional<double> uncertainty_deg{};  ///< mean of the map's own estimates
+  std::optional<double> within{};           ///< share of errors within those estimates
 };
 
 struct TargetMeasures {
@@ -35,7 +42,7 @@ struct GazeAccuracy {
   std::vector<TargetMeasures> targets;  ///< in order of first appearance
 };
 
-/// Gaze is mapped by `map`, or taken as it is where there is none.
+/// @param map  maps the gaze of `pairs`; nullptr: their gaze is mapped already
 GazeAccuracy measureAccuracy(std::span<const GazePair> pairs, const GazeFrame& frame,
                              const GazeMap* map);
 

@@ -1,29 +1,32 @@
-// Fits a gaze map to calibration samples and decides how much model they bear.
+// Fits a gaze map to calibration samples and chooses the order of its polynomial.
 #pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include "calibration/gaze_map/gaze_map.h"
 #include "calibration/gaze_map/gaze_pairs.h"
 
 namespace foci {
 
-/// What a fit tells besides the map.
 struct GazeFit {
   GazeMap map;
-  /// Held-out error of each model tried, deg, from `offset` on; absent where the targets do not
-  /// bear it.
+  /// Held-out error of each model tried, deg, from `offset` on; absent where targets are too few.
   std::array<std::optional<double>, 4> cross_validated_deg;
-  std::vector<glm::dvec2> refused;  ///< targets that the fit gave no weight: nobody looked at them
-  double ms = 0.0;
+  std::vector<glm::dvec2> refused;  ///< targets without weight: the observer looked elsewhere
+  double ms = 0.0;                  ///< time that the fit took
 };
 
-/// Robust fit (Ceres, Tukey's loss on whole targets, whose samples were first reduced to a robust
-/// location). The order is chosen by leave-one-target-out error; a higher one must lower it
-/// noticeably. Terms above the affine are shrunk towards 0, and the map towards the affine fit, as
-/// far as cross-validation asks for it.
-/// @param model  forces an order
-/// @throws InputError where gaze is missing at too many targets, targets are too few, collinear or
-///   contradict each other
+/// Robust fit: each target's samples are reduced to a robust location, then Ceres minimises Tukey's
+/// loss over the targets. The order is chosen by leave-one-target-out error: a higher order must
+/// lower its variance by 5 % (affine) or 20 % (second, third). Cross-validation also chooses how
+/// far the terms above the affine shrink towards 0, and the map towards the affine fit.
+/// @param forced  fits this model only
+/// @throws InputError where no sample has gaze, or targets are too few, collinear or contradict
+///   each other
 GazeFit fitGazeMap(std::span<const GazePair> pairs, const GazeFrame& frame,
-                   std::optional<GazeModel> model = std::nullopt);
+                   std::optional<GazeModel> forced = std::nullopt);
 
 }  // namespace foci

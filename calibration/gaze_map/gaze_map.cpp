@@ -13,7 +13,7 @@ namespace {
 constexpr std::array<std::string_view, 4> kNames{"offset", "affine", "second", "third"};
 constexpr std::array<std::size_t, 4> kTerms{1, 3, 6, 10};
 constexpr std::size_t kMinDriftSamples = 5;
-constexpr double kLargestDrift_deg = 5.0;
+constexpr double kMaxDrift_deg = 5.0;  // chosen by hand; a larger drift needs a new calibration
 
 /// Derivatives of the terms along x and y.
 std::array<glm::dvec2, kMaxTerms> slopes(const glm::dvec2& u) {
@@ -52,7 +52,7 @@ GazeEstimate estimateGaze(const GazeMap& map, const glm::dvec2& gaze) {
   const glm::dvec2 inside = glm::clamp(u, map.low, map.high);
   const glm::dvec2 beyond = u - inside;
 
-  // Beyond the calibrated range powers explode: follow the tangent plane instead.
+  // Powers explode beyond the calibrated range: follow the tangent plane there.
   auto terms = gazeTerms(inside);
   const auto slope = slopes(inside);
   for (std::size_t k = 0; k < kMaxTerms; ++k) terms[k] += glm::dot(slope[k], beyond);
@@ -81,10 +81,10 @@ GazeMap correctDrift(const GazeMap& map, std::span<const glm::dvec2> gaze,
   for (const glm::dvec2& sample : gaze) mapped.push_back(estimateGaze(map, sample).point);
   const glm::dvec2 seen = robustLocation(mapped).centre;
   const double drift_deg = angle_deg(onPlane(map.frame, seen), onPlane(map.frame, target));
-  if (!(drift_deg <= kLargestDrift_deg)) {
+  if (!(drift_deg <= kMaxDrift_deg)) {
     char text[80];
     std::snprintf(text, sizeof text, "%.1f deg: expected at most %g, calibrate anew", drift_deg,
-                  kLargestDrift_deg);
+                  kMaxDrift_deg);
     throw InputError("drift correction", text);
   }
   GazeMap corrected = map;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "calibration/gaze_map/gaze_map.h"
 

@@ -15,10 +15,10 @@ constexpr std::array<std::string_view, 6> kColumns{"x",        "y",      "x_targ
 constexpr std::size_t kNeeded = 4;
 constexpr std::size_t kMaxColumns = 256;
 constexpr std::size_t kMaxRows = 2'000'000;
-constexpr std::size_t kLongestLine = 65536;
-constexpr double kLargestGaze = 1e6;
+constexpr std::size_t kMaxLine = 65536;
+constexpr double kMaxGaze = 1e6;
 
-/// Fields of a line; blanks separate only where there is neither tab nor comma.
+/// Splits a line into fields; blanks separate only where the line has neither tab nor comma.
 void split(std::string_view line, std::vector<std::string_view>& fields) {
   fields.clear();
   const char separator = line.find('\t') != line.npos  ? '\t'
@@ -70,7 +70,7 @@ std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits 
     line.clear();
     if (!std::getline(in, line)) return false;
     ++line_number;
-    if (line.size() > kLongestLine) throw InputError(name, "line longer than 65536 characters");
+    if (line.size() > kMaxLine) throw InputError(name, "line longer than 65536 characters");
     if (!line.empty() && line.back() == '\r') line.pop_back();
     return true;
   };
@@ -108,19 +108,21 @@ std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits 
       throw refuse(std::to_string(fields.size()) + " fields: expected " + std::to_string(width));
     }
     if (pairs.size() == kMaxRows) throw refuse("more than 2 million rows: not a calibration");
-    const auto valueOf = [&](std::size_t c, double least, double most) -> std::optional<double> {
+    const auto valueOf = [&](std::size_t c, double low_value,
+                             double high_value) -> std::optional<double> {
       if (!column[c] || isMissing(fields[*column[c]])) return std::nullopt;
       const std::string_view field = fields[*column[c]];
       const std::optional<double> value = parseNumber(field);
-      if (!value || *value < least || *value > most) {
+      if (!value || *value < low_value || *value > high_value) {
         char range[80];
-        std::snprintf(range, sizeof range, ": expected a number from %g to %g", least, most);
+        std::snprintf(range, sizeof range, ": expected a number from %g to %g", low_value,
+                      high_value);
         throw refuse(std::string(kColumns[c]) + " = " + std::string(field.substr(0, 40)) + range);
       }
       return value;
     };
-    const auto x = valueOf(0, -kLargestGaze, kLargestGaze);
-    const auto y = valueOf(1, -kLargestGaze, kLargestGaze);
+    const auto x = valueOf(0, -kMaxGaze, kMaxGaze);
+    const auto y = valueOf(1, -kMaxGaze, kMaxGaze);
     const auto x_target = valueOf(2, low, high);
     const auto y_target = valueOf(3, low, high);
     if (!x_target || !y_target) throw refuse("a row without a target");

@@ -23,8 +23,8 @@ std::string modelOf(const GazeReport& report) {
   return report.model.empty() ? std::string(nameOf(report.fit.map.model)) : report.model;
 }
 
-double lostShare(const GazeMeasures& m) {
-  return m.samples > 0 ? static_cast<double>(m.lost) / static_cast<double>(m.samples) : 0.0;
+double lossShare(const GazeMeasures& m) {
+  return m.samples > 0 ? static_cast<double>(m.missing) / static_cast<double>(m.samples) : 0.0;
 }
 
 std::string measuresJson(const GazeMeasures& m, const std::optional<double>& worst_deg) {
@@ -33,12 +33,13 @@ std::string measuresJson(const GazeMeasures& m, const std::optional<double>& wor
   if (worst_deg) text += ", \"accuracy_max_deg\": " + jsonOf(worst_deg);
   text += ", \"precision_rms_s2s_deg\": " + jsonOf(m.rms_s2s_deg);
   text += ", \"precision_sd_deg\": " + jsonOf(m.sd_deg);
-  text += ", \"lost\": " + exactText(lostShare(m));
+  text += ", \"lost\": " + exactText(lossShare(m));
   return text;
 }
 
-/// Targets as rings, mean gaze as dots, the miss as a line; scaled to the targets' own extent.
-std::string image(const GazeReport& report) {
+/// Targets as rings, mean gaze as dots, their distance as a line. The targets' extent fills the
+/// image.
+std::string svgOf(const GazeReport& report) {
   constexpr double kWidth = 720.0, kHeight = 440.0, kMargin = 60.0;
   const GazeFrame& frame = report.fit.map.frame;
   glm::dvec2 low(1e300), high(-1e300);
@@ -66,7 +67,7 @@ std::string image(const GazeReport& report) {
     if (!t.mean) continue;
     const glm::dvec2 seen =
         glm::clamp(place(*t.mean), glm::dvec2(0.0), glm::dvec2(kWidth, kHeight));
-    // On the plane z = 1 a degree near the centre is pi / 180.
+    // Near the centre of the plane z = 1 a degree is pi / 180.
     const double ring = scale * glm::radians(t.measures.sd_deg.value_or(0.0));
     std::snprintf(line, sizeof line,
                   "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\"/>"
@@ -128,16 +129,16 @@ std::string gazeReportText(const GazeReport& report) {
                 shown(all.accuracy_deg).c_str(), shown(report.accuracy.worst_deg).c_str());
   text += line;
   std::snprintf(line, sizeof line,
-                "model %s, precision %s deg RMS-S2S, %s deg SD, %.1f %% of %zu samples lost\n",
+                "model %s, precision %s deg RMS-S2S, %s deg SD, data loss %.1f %% of %zu samples\n",
                 modelOf(report).c_str(), shown(all.rms_s2s_deg).c_str(), shown(all.sd_deg).c_str(),
-                100.0 * lostShare(all), all.samples);
+                100.0 * lossShare(all), all.samples);
   text += line;
-  if (!report.fit.refused.empty()) text += "not looked at: " + slippedText(report) + "\n";
-  text += "          target  accuracy  RMS-S2S     SD   lost\n";
+  if (!report.fit.refused.empty()) text += "left out, not looked at: " + slippedText(report) + "\n";
+  text += "          target  accuracy  RMS-S2S     SD   loss\n";
   for (const TargetMeasures& t : report.accuracy.targets) {
     std::snprintf(line, sizeof line, "%16s %9s %8s %6s %5.1f%%\n", pointText(t.target).c_str(),
                   shown(t.measures.accuracy_deg).c_str(), shown(t.measures.rms_s2s_deg).c_str(),
-                  shown(t.measures.sd_deg).c_str(), 100.0 * lostShare(t.measures));
+                  shown(t.measures.sd_deg).c_str(), 100.0 * lossShare(t.measures));
     text += line;
   }
   return text;
@@ -156,26 +157,28 @@ std::string gazeReportHtml(const GazeReport& report) {
       ".gaze{fill:#b22}.spread{fill:#b22;fill-opacity:.15}.good{color:#175}.fair{color:#960}"
       ".poor{color:#b22}</style>\n";
   html += "<h1>Gaze calibration: <span class=\"" + grade + "\">" + grade + "</span></h1>\n<p>";
-  html += std::string(report.validated ? "Validated on targets of their own"
-                                       : "Measured on the samples of the fit; validate on others") +
-          ". Mean accuracy " + shown(all.accuracy_deg) + "°, worst target " +
-          shown(report.accuracy.worst_deg) + "°; precision " + shown(all.rms_s2s_deg) +
-          "° RMS-S2S, " + shown(all.sd_deg) + "° SD; " + shown(100.0 * lostShare(all), "%.1f") +
-          " % of " + std::to_string(all.samples) + " samples lost. Model: " + modelOf(report) +
-          (all.uncertainty_deg
-               ? "; it states an uncertainty of " + shown(all.uncertainty_deg) + "° (68 %)"
-               : "") +
-          ".</p>\n";
+  html +=
+      std::string(report.validated
+                      ? "Validated on other targets"
+                      : "Measured on the samples of the fit: validate on other targets") +
+      ". Mean accuracy " + shown(all.accuracy_deg) + "°, worst target " +
+      shown(report.accuracy.worst_deg) + "°; precision " + shown(all.rms_s2s_deg) + "° RMS-S2S, " +
+      shown(all.sd_deg) + "° SD; data loss " + shown(100.0 * lossShare(all), "%.1f") + " % of " +
+      std::to_string(all.samples) + " samples. Model: " + modelOf(report) +
+      (all.uncertainty_deg ? "; its own uncertainty is " + shown(all.uncertainty_deg) + "° (68 %)"
+                           : "") +
+      ".</p>\n";
   if (!report.fit.refused.empty()) {
-    html += "<p>Not looked at, and left out of the fit: " + slippedText(report) + ".</p>\n";
+    html += "<p>Targets that the observer did not look at, left out of the fit: " +
+            slippedText(report) + ".</p>\n";
   }
-  html += image(report);
+  html += svgOf(report);
   html += "<table><tr><th>target (" + std::string(nameOf(report.fit.map.frame.units)) +
-          ")<th>accuracy °<th>RMS-S2S °<th>SD °<th>lost</tr>\n";
+          ")<th>accuracy °<th>RMS-S2S °<th>SD °<th>data loss</tr>\n";
   for (const TargetMeasures& t : report.accuracy.targets) {
     html += "<tr><td>" + pointText(t.target) + "<td>" + shown(t.measures.accuracy_deg) + "<td>" +
             shown(t.measures.rms_s2s_deg) + "<td>" + shown(t.measures.sd_deg) + "<td>" +
-            shown(100.0 * lostShare(t.measures), "%.1f %%") + "</tr>\n";
+            shown(100.0 * lossShare(t.measures), "%.1f %%") + "</tr>\n";
   }
   html +=
       "</table><p>Grades: good below 1° on average and 1.5° at the worst target; fair to 1.5° and "

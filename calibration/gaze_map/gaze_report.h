@@ -1,5 +1,7 @@
-// The result of a gaze calibration, for people and for programs.
+// Reports of a gaze calibration: JSON for programs, text and HTML for people.
 #pragma once
+
+#include <string>
 
 #include "calibration/gaze_map/accuracy.h"
 #include "calibration/gaze_map/fit_gaze_map.h"
@@ -9,19 +11,20 @@ namespace foci {
 struct GazeReport {
   GazeFit fit;
   GazeAccuracy accuracy;
-  std::string model{};     ///< of a map that is none of fit.map.model; empty: that one
-  bool validated = false;  ///< measured on other samples than the fit's
+  std::string model{};     ///< "webcam"; empty: fit.map.model
+  bool validated = false;  ///< accuracy was measured on samples that the fit did not see
 };
 
-/// One JSON object: model, samples, accuracy_deg, accuracy_max_deg, precision_rms_s2s_deg,
-/// precision_sd_deg, lost (share), and besides grade, uncertainty_deg, within_uncertainty, targets,
-/// slipped_targets, fit_ms. What could not be measured is null.
+/// One JSON object with the keys model, samples, accuracy_deg, accuracy_max_deg,
+/// precision_rms_s2s_deg, precision_sd_deg, lost (share of data loss), grade, validated,
+/// uncertainty_deg, within_uncertainty, slipped_targets, fit_ms and targets. A value that could not
+/// be measured is null.
 std::string gazeReportJson(const GazeReport& report);
 
-/// A few lines and a table by target.
+/// A few lines and a table of the targets.
 std::string gazeReportText(const GazeReport& report);
 
-/// A page of its own, with the targets drawn.
+/// A web page that stands alone, with an image of the targets.
 std::string gazeReportHtml(const GazeReport& report);
 
 }  // namespace foci

@@ -8,7 +8,7 @@ namespace foci {
 namespace {
 
 constexpr std::array<std::string_view, 3> kNames{"deg", "norm", "direction"};
-constexpr double kWidest_deg = 89.0;
+constexpr double kMaxAngle_deg = 89.0;  // the tangent of 90 is infinite
 
 }  // namespace
 
@@ -27,7 +27,7 @@ Screen defaultScreen() {
 glm::dvec2 onPlane(const GazeFrame& frame, const glm::dvec2& point) {
   switch (frame.units) {
     case MapUnits::deg:
-      return glm::tan(glm::radians(glm::clamp(point, -kWidest_deg, kWidest_deg)));
+      return glm::tan(glm::radians(glm::clamp(point, -kMaxAngle_deg, kMaxAngle_deg)));
     case MapUnits::norm:
       return (point - 0.5) * frame.screen.size_m * glm::dvec2(1.0, -1.0) / frame.screen.distance_m;
     case MapUnits::direction:
@@ -55,7 +55,8 @@ double angle_deg(const glm::dvec2& a, const glm::dvec2& b) {
 }
 
 glm::dvec2 degPerUnit(const GazeFrame& frame, const glm::dvec2& point) {
-  constexpr double kStep = 1e-5;  // of a unit; the error of the difference is its square
+  constexpr double kStep =
+      1e-5;  // of a unit; the error of a central difference is of the order of its square
   const auto along = [&](const glm::dvec2& step) {
     return angle_deg(onPlane(frame, point - step), onPlane(frame, point + step)) / (2.0 * kStep);
   };

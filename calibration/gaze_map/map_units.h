@@ -1,4 +1,4 @@
-// The coordinates in which gaze and targets come, and angles between them.
+// Units of gaze and targets, and angles between lines of sight.
 #pragma once
 
 #include <optional>
@@ -11,20 +11,20 @@ namespace foci {
 enum class MapUnits {
   deg,        ///< eccentricity from the screen's centre, atan(offset / distance) along each axis
   norm,       ///< 0 to 1 over the screen, origin top-left, y down
-  direction,  ///< where the line of sight cuts the plane z = 1
+  direction,  ///< the point at which the line of sight cuts the plane z = 1
 };
 
 /// "deg", "norm", "direction".
 std::string_view nameOf(MapUnits units);
 std::optional<MapUnits> mapUnitsNamed(std::string_view name);
 
-/// Units, and the screen without which normalised coordinates have no angle.
+/// Units, and the screen that gives normalised coordinates an angle.
 struct GazeFrame {
   MapUnits units = MapUnits::deg;
   Screen screen;
 };
 
-/// What a study runs on where nobody calibrated: 24 inches, 1920 x 1080, at 0.6 m.
+/// The screen of a study without a calibrated one: 24 inches, 1920 x 1080, at 0.6 m.
 Screen defaultScreen();
 
 /// Point of the plane z = 1 that the line of sight cuts. Degrees beyond +-89 are taken as +-89.
@@ -36,10 +36,11 @@ glm::dvec2 fromPlane(const GazeFrame& frame, const glm::dvec2& point);
 /// Angle between two lines of sight given on the plane z = 1. Degrees, 0 to 180.
 double angle_deg(const glm::dvec2& a, const glm::dvec2& b);
 
-/// Degrees that a small step along each axis takes at `point`.
+/// Angle of a small step along each axis at `point`, degrees per unit.
 glm::dvec2 degPerUnit(const GazeFrame& frame, const glm::dvec2& point);
 
-/// A point of the screen in the frame's units: x to the right, and y up except for `norm`.
+/// Converts a point of the screen, in pixels, to the frame's units (x right; y up, in `norm` down),
+/// and back.
 glm::dvec2 fromPixels(const GazeFrame& frame, const Screen& screen, const glm::dvec2& point_px);
 glm::dvec2 toPixels(const GazeFrame& frame, const Screen& screen, const glm::dvec2& point);
 

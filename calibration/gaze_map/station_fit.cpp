@@ -1,19 +1,21 @@
 #include "calibration/gaze_map/station_fit.h"
 
-#include <ceres/ceres.h>
-
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
+
+#include "calibration/location.h"
+#include "calibration/solve.h"
 
 namespace foci {
 namespace {
 
-constexpr double kOutlierChance = 1e-3;  // of a target refused that belongs, over all targets
-constexpr double kMinFreedoms = 4.0;     // that must be left to call a target slipped
-constexpr double kTukey = 4.685;
+constexpr double kOutlierChance = 1e-3;  // of calling any good target slipped, over all subsets
+constexpr double kMinFreedoms = 4.0;     // residual degrees of freedom needed to judge a target
+constexpr std::size_t kMaxSlipped = 64;
 
-/// Weighted ridge regression in closed form, one isotropic metric a station so that both axes share
-/// it.
+/// Weighted ridge regression in closed form. Both axes share the normal matrix.
 StationSolution solveLinear(const StationSystem& system, const Eigen::VectorXd& weight) {
   const Eigen::Index n = system.design.rows(), k = system.design.cols();
   const Eigen::VectorXd w = weight.cwiseProduct(system.weight);
@@ -41,8 +43,8 @@ StationSolution solveLinear(const StationSystem& system, const Eigen::VectorXd& 
   return solution;
 }
 
-/// Chance that noise alone lets the residual sum of squares fall to the share `rest` of what it was
-/// when `removed` stations go: I_rest(nu / 2, removed), the F test of a mean shift (Cook and
+/// Probability that noise alone lowers the residual sum of squares to the share `rest` when
+/// `removed` stations are left out: I_rest(nu / 2, removed), the F test of a mean shift (Cook and
 /// Weisberg 1982).
 double chanceOfDrop(double rest, double nu, std::size_t removed) {
   double term = 1.0, sum = 1.0;
@@ -53,7 +55,7 @@ double chanceOfDrop(double rest, double nu, std::size_t removed) {
   return std::pow(rest, 0.5 * nu) * sum;
 }
 
-/// Calls `visit` with each way to choose `size` of `n`, in order.
+/// Calls `visit` with each subset of `size` out of `n` indices, in lexicographic order.
 template <typename Visit>
 void forSubsets(std::size_t n, std::size_t size, Visit visit) {
   std::vector<std::size_t> chosen(size);
@@ -68,69 +70,96 @@ void forSubsets(std::size_t n, std::size_t size, Visit visit) {
   }
 }
 
-/// Leaves out the targets that nobody looked at: those, up to three at once so that they cannot
-/// mask each other, whose removal lowers the residual by more than chance would. At most a third of
-/// all.
+/// The stations still in the fit, scaled by the roots of their weights.
+struct Remaining {
+  std::vector<Eigen::Index> rows;  // of the system
+  Eigen::MatrixXd residual, design, spread;
+};
+
+Remaining remainingOf(const StationSystem& system, const StationSolution& solution) {
+  Remaining in;
+  for (Eigen::Index i = 0; i < solution.weight.size(); ++i) {
+    if (solution.weight[i] > 0.0) in.rows.push_back(i);
+  }
+  const auto m = static_cast<Eigen::Index>(in.rows.size());
+  in.residual.resize(m, 2);
+  in.design.resize(m, system.design.cols());
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const Eigen::Index row = in.rows[static_cast<std::size_t>(i)];
+    const double root = std::sqrt(system.weight[row]);
+    in.residual.row(i) = root * solution.residual.row(row);
+    in.design.row(i) = root * system.design.row(row);
+  }
+  in.spread = solution.inverse * in.design.transpose();
+  return in;
+}
+
+/// How far the residual sum of squares falls when the `chosen` stations (at most 3) are left out:
+/// e' (I - H)^-1 e over the chosen rows, H the hat matrix. Absent where the other stations no
+/// longer determine the model.
+std::optional<double> dropWithout(const Remaining& in, const std::vector<std::size_t>& chosen) {
+  Eigen::Matrix3d left = Eigen::Matrix3d::Identity();
+  Eigen::Matrix<double, 3, 2> missed = Eigen::Matrix<double, 3, 2>::Zero();
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const auto a = static_cast<Eigen::Index>(chosen[i]), row = static_cast<Eigen::Index>(i);
+    missed.row(row) = in.residual.row(a);
+    for (std::size_t j = 0; j < chosen.size(); ++j) {
+      const auto b = static_cast<Eigen::Index>(chosen[j]);
+      left(row, static_cast<Eigen::Index>(j)) -= in.design.row(a).dot(in.spread.col(b));
+    }
+  }
+  if (left.determinant() < 1e-6) return std::nullopt;
+  return (missed.transpose() * left.inverse() * missed).trace();
+}
+
+/// The subset of at most `max` stations whose misfit is least likely to be noise; empty where noise
+/// explains every subset.
+std::vector<std::size_t> slippedSubset(const Remaining& in, double freedom, std::size_t max) {
+  const double total = in.residual.squaredNorm();
+  double min_chance = kOutlierChance;
+  std::vector<std::size_t> slipped;
+  // At most 780 subsets of one size.
+  const std::size_t together = in.rows.size() <= 16 ? 3 : in.rows.size() <= 40 ? 2 : 1;
+  double subsets = 1.0;
+  for (std::size_t size = 1; size <= std::min(together, max); ++size) {
+    subsets *= static_cast<double>(in.rows.size() - size + 1) / static_cast<double>(size);
+    const double nu = 2.0 * (freedom - static_cast<double>(size));
+    if (nu < kMinFreedoms) break;
+    forSubsets(in.rows.size(), size, [&](const std::vector<std::size_t>& chosen) {
+      const auto drop = dropWithout(in, chosen);
+      if (!drop) return;
+      const double floor = nu * kNoiseFloor_deg * kNoiseFloor_deg;
+      const double rest = std::min((std::max(total - *drop, 0.0) + floor) / (total + floor), 1.0);
+      const double chance = subsets * chanceOfDrop(rest, nu, size);
+      if (chance < min_chance) {
+        min_chance = chance;
+        slipped = chosen;
+      }
+    });
+  }
+  return slipped;
+}
+
+/// The solution without slipped targets, which the observer did not look at. Subsets are tested
+/// together so that slips cannot mask each other. At most a third of all stations are left out.
 StationSolution withoutSlips(const StationSystem& system) {
   const auto n = static_cast<std::size_t>(system.design.rows());
   Eigen::VectorXd weight = Eigen::VectorXd::Ones(system.design.rows());
   StationSolution solution = solveLinear(system, weight);
-  const std::size_t most = std::min<std::size_t>(n / 3, 64);
-  for (std::size_t removed = 0; removed < most;) {
-    // Residuals scaled by their weights, and the hat matrix among the stations still in.
-    std::vector<Eigen::Index> in;
-    for (Eigen::Index i = 0; i < weight.size(); ++i) {
-      if (weight[i] > 0.0) in.push_back(i);
-    }
-    const auto m = static_cast<Eigen::Index>(in.size());
-    Eigen::MatrixXd residual(m, 2), design(m, system.design.cols());
-    for (Eigen::Index i = 0; i < m; ++i) {
-      const double root = std::sqrt(system.weight[in[i]]);
-      residual.row(i) = root * solution.residual.row(in[i]);
-      design.row(i) = root * system.design.row(in[i]);
-    }
-    const double total = residual.squaredNorm();
-    const Eigen::MatrixXd spread = solution.inverse * design.transpose();
-
-    double min_chance = kOutlierChance;
-    std::vector<std::size_t> worst;
-    const std::size_t together = m <= 16 ? 3 : m <= 40 ? 2 : 1;
-    double ways = 1.0;
-    for (std::size_t size = 1; size <= std::min(together, most - removed); ++size) {
-      ways *= static_cast<double>(in.size() - size + 1) / static_cast<double>(size);
-      const double nu = 2.0 * (solution.freedom - static_cast<double>(size));
-      if (nu < kMinFreedoms) break;
-      forSubsets(in.size(), size, [&](const std::vector<std::size_t>& chosen) {
-        Eigen::Matrix3d left = Eigen::Matrix3d::Identity();
-        Eigen::Matrix<double, 3, 2> missed = Eigen::Matrix<double, 3, 2>::Zero();
-        for (std::size_t i = 0; i < size; ++i) {
-          const auto a = static_cast<Eigen::Index>(chosen[i]), row = static_cast<Eigen::Index>(i);
-          missed.row(row) = residual.row(a);
-          for (std::size_t j = 0; j < size; ++j) {
-            const auto b = static_cast<Eigen::Index>(chosen[j]);
-            left(row, static_cast<Eigen::Index>(j)) -= design.row(a).dot(spread.col(b));
-          }
-        }
-        if (left.determinant() < 1e-6) return;  // the rest would no longer bear the model
-        const double drop = (missed.transpose() * left.inverse() * missed).trace();
-        const double floor = nu * kNoiseFloor_deg * kNoiseFloor_deg;
-        const double rest = std::min((std::max(total - drop, 0.0) + floor) / (total + floor), 1.0);
-        const double chance = ways * chanceOfDrop(rest, nu, size);
-        if (chance < min_chance) {
-          min_chance = chance;
-          worst = chosen;
-        }
-      });
-    }
-    if (worst.empty()) break;
-    for (std::size_t i : worst) weight[in[i]] = 0.0;
-    removed += worst.size();
+  const std::size_t max_removed = std::min(n / 3, kMaxSlipped);
+  for (std::size_t removed = 0; removed < max_removed;) {
+    const Remaining in = remainingOf(system, solution);
+    const auto slipped = slippedSubset(in, solution.freedom, max_removed - removed);
+    if (slipped.empty()) break;
+    for (std::size_t i : slipped) weight[in.rows[i]] = 0.0;
+    removed += slipped.size();
     solution = solveLinear(system, weight);
   }
   return solution;
 }
 
-/// One station: both axes under one loss, in units of the noise. Parameters: x and y of each term.
+/// Residual of one station, both axes under one loss, over the noise. Parameters: x and y of each
+/// term.
 class StationCost final : public ceres::CostFunction {
  public:
   StationCost(const StationSystem& system, Eigen::Index row, double sd_deg)
@@ -162,7 +191,7 @@ class StationCost final : public ceres::CostFunction {
   double factor_;
 };
 
-/// The prior that keeps a power near 0.
+/// The prior that shrinks one power towards 0.
 class ShrinkCost final : public ceres::CostFunction {
  public:
   ShrinkCost(const StationSystem& system, Eigen::Index term, double sd_deg)
@@ -190,25 +219,14 @@ class ShrinkCost final : public ceres::CostFunction {
   Eigen::RowVector2d metric_;
 };
 
-}  // namespace
-
-StationSolution fitStations(const StationSystem& system) {
-  const Eigen::Index n = system.design.rows(), k = system.design.cols();
-  const StationSolution start = withoutSlips(system);
-  const double sd_deg = start.sd_deg;
-
-  std::vector<double> parameters(static_cast<std::size_t>(2 * k));
-  for (Eigen::Index t = 0; t < k; ++t) {
-    for (Eigen::Index axis = 0; axis < 2; ++axis) {
-      parameters[static_cast<std::size_t>(2 * t + axis)] = start.coefficients(t, axis);
-    }
-  }
-  ceres::Problem problem;
-  for (Eigen::Index i = 0; i < n; ++i) {
+/// Minimises Tukey's loss from `parameters`: x and y of each term.
+void minimise(const StationSystem& system, double sd_deg, ceres::Problem& problem,
+              std::vector<double>& parameters) {
+  for (Eigen::Index i = 0; i < system.design.rows(); ++i) {
     problem.AddResidualBlock(new StationCost(system, i, sd_deg), new ceres::TukeyLoss(kTukey),
                              parameters.data());
   }
-  for (Eigen::Index t = 0; t < k; ++t) {
+  for (Eigen::Index t = 0; t < system.design.cols(); ++t) {
     if (system.prior(t) > 0.0) {
       problem.AddResidualBlock(new ShrinkCost(system, t, sd_deg), nullptr, parameters.data());
     }
@@ -217,37 +235,31 @@ StationSolution fitStations(const StationSystem& system) {
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = 50;
   options.function_tolerance = 1e-10;
-  options.logging_type = ceres::SILENT;
-  options.num_threads = 1;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  solve(options, problem, "gaze calibration");
+}
 
-  // What the loss left of each station decides covariance and cross-validation.
-  Eigen::MatrixXd coefficients(k, 2);
-  for (Eigen::Index t = 0; t < k; ++t) {
-    for (Eigen::Index axis = 0; axis < 2; ++axis) {
-      coefficients(t, axis) = parameters[static_cast<std::size_t>(2 * t + axis)];
-    }
-  }
-  const Eigen::MatrixXd residual =
-      (system.goal - system.design * coefficients).cwiseProduct(system.metric);
-  Eigen::VectorXd weight(n);
+/// The weight that Tukey's loss leaves each station, 0 to 1.
+Eigen::VectorXd weightsOf(const StationSystem& system, const Eigen::MatrixXd& residual,
+                          double sd_deg) {
+  Eigen::VectorXd weight(residual.rows());
   const ceres::TukeyLoss loss(kTukey);
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Eigen::Index i = 0; i < residual.rows(); ++i) {
     double rho[3];
     loss.Evaluate(system.weight[i] * residual.row(i).squaredNorm() / (sd_deg * sd_deg), rho);
     weight[i] = rho[1];
   }
-  StationSolution solution = solveLinear(system, weight);
-  solution.coefficients = coefficients;
-  solution.residual = residual;
-  solution.sd_deg = sd_deg;
+  return weight;
+}
 
-  ceres::Covariance::Options covariance_options;
-  covariance_options.algorithm_type = ceres::DENSE_SVD;
-  covariance_options.null_space_rank = -1;
-  ceres::Covariance covariance(covariance_options);
-  solution.covariance = Eigen::MatrixXd::Zero(k, k);
+/// Covariance of the terms, mean of both axes, deg^2; 0 where Ceres cannot tell it.
+Eigen::MatrixXd covarianceOf(const StationSystem& system, ceres::Problem& problem,
+                             const std::vector<double>& parameters) {
+  const Eigen::Index k = system.design.cols();
+  ceres::Covariance::Options options;
+  options.algorithm_type = ceres::DENSE_SVD;
+  options.null_space_rank = -1;
+  ceres::Covariance covariance(options);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(k, k);
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> both(2 * k, 2 * k);
   const double* block = parameters.data();
   if (covariance.Compute(std::vector<std::pair<const double*, const double*>>{{block, block}},
@@ -256,11 +268,37 @@ StationSolution fitStations(const StationSystem& system) {
     const Eigen::RowVector2d mean = system.metric.colwise().mean();
     for (Eigen::Index i = 0; i < k; ++i) {
       for (Eigen::Index j = 0; j < k; ++j) {
-        solution.covariance(i, j) = 0.5 * (both(2 * i, 2 * j) * mean[0] * mean[0] +
-                                           both(2 * i + 1, 2 * j + 1) * mean[1] * mean[1]);
+        result(i, j) = 0.5 * (both(2 * i, 2 * j) * mean[0] * mean[0] +
+                              both(2 * i + 1, 2 * j + 1) * mean[1] * mean[1]);
       }
     }
   }
+  return result;
+}
+
+}  // namespace
+
+StationSolution fitStations(const StationSystem& system) {
+  const Eigen::Index k = system.design.cols();
+  const StationSolution start = withoutSlips(system);
+
+  // Minimise from the start that leaves out slipped targets.
+  std::vector<double> parameters(static_cast<std::size_t>(2 * k));
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>> by_term(parameters.data(),
+                                                                                k, 2);
+  by_term = start.coefficients;
+  ceres::Problem problem;
+  minimise(system, start.sd_deg, problem, parameters);
+  const Eigen::MatrixXd coefficients = by_term;
+
+  // Leverage and freedom follow from the weights that the loss left.
+  const Eigen::MatrixXd residual =
+      (system.goal - system.design * coefficients).cwiseProduct(system.metric);
+  StationSolution solution = solveLinear(system, weightsOf(system, residual, start.sd_deg));
+  solution.coefficients = coefficients;
+  solution.residual = residual;
+  solution.sd_deg = start.sd_deg;
+  solution.covariance = covarianceOf(system, problem, parameters);
   return solution;
 }
 

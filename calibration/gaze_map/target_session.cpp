@@ -8,14 +8,15 @@
 namespace foci {
 namespace {
 
-constexpr double kShrink_s = 0.7;    // the dot draws the eye, then holds it
-constexpr double kSettle_s = 0.3;    // after a saccade to it
-constexpr double kStable_s = 0.35;   // gaze must rest as long
-constexpr double kStable_deg = 1.2;  // within such a radius; a webcam's noise must pass
-constexpr double kCollect_s = 0.8;
-constexpr double kBlink_s = 0.5;
-constexpr double kPatience_s = 6.0;  // then an unsteady gaze is taken as it is
-constexpr double kEdge = 0.1;
+// Times and radii chosen by hand, in the range of commercial trackers.
+constexpr double kShrink_s = 0.7;    // the shrinking dot draws the eye to its centre
+constexpr double kSettle_s = 0.3;    // for the saccade to the target and its correction
+constexpr double kStable_s = 0.35;   // gaze must rest this long
+constexpr double kStable_deg = 1.2;  // within this radius; the noise of a webcam stays inside
+constexpr double kCollect_s = 0.8;   // samples are kept
+constexpr double kBlink_s = 0.5;     // a longer gap is no blink
+constexpr double kPatience_s = 6.0;  // then the session takes an unsteady gaze, too
+constexpr double kEdge = 0.1;        // of the screen, from its edge to the outermost targets
 
 }  // namespace
 
@@ -55,7 +56,7 @@ std::vector<glm::dvec2> targetLayout(int count) {
 
 std::vector<glm::dvec2> shuffled(std::vector<glm::dvec2> targets, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  // std::shuffle's draws are the library's own; these are not.
+  // std::shuffle differs between standard libraries.
   for (std::size_t i = targets.size(); i > 1; --i) std::swap(targets[i - 1], targets[random() % i]);
   return targets;
 }
@@ -88,7 +89,7 @@ TargetSession::Step TargetSession::update(double time_s, const std::optional<glm
   if (done()) return step;
   if (!shown_since_s_) shown_since_s_ = seen_last_s_ = time_s;
   if (gaze) {
-    // A session that waited for the eye starts this target anew.
+    // After waiting for the eye, start this target anew.
     if (time_s - seen_last_s_ > kBlink_s && !collecting_since_s_) shown_since_s_ = time_s;
     seen_last_s_ = time_s;
     recent_.emplace_back(time_s, *gaze);

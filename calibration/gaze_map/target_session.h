@@ -1,4 +1,4 @@
-// Leads an observer from target to target and collects gaze while it rests on each.
+// Leads an observer from target to target and collects gaze while the eye rests on each.
 #pragma once
 
 #include <cstdint>
@@ -10,31 +10,31 @@
 
 namespace foci {
 
-/// Places of 5, 9, 13 or 16 targets, or of 4 for validation between them (another count asserts). 0
-/// to 1 over the screen, origin top-left; the outermost lie a tenth of the screen from the edge.
+/// Positions of 5, 9, 13 or 16 calibration targets, or of 4 validation targets between them;
+/// another count asserts. 0 to 1 over the screen, origin top-left. The outermost targets lie a
+/// tenth of the screen from the edge.
 std::vector<glm::dvec2> targetLayout(int count);
 
-/// The same in an order drawn from `seed`, alike on every machine.
+/// The targets in an order drawn from `seed`, the same on every machine.
 std::vector<glm::dvec2> shuffled(std::vector<glm::dvec2> targets, std::uint64_t seed);
 
-/// Time is the caller's; gaze and targets are degrees.
+/// The caller provides the time. Gaze and targets are in degrees.
 class TargetSession {
  public:
   struct Step {
-    std::size_t target = 0;     ///< in force; `count` once all are done
+    std::size_t target = 0;     ///< index of the target to show; their number once all are done
     double shrink = 0.0;        ///< 0: the dot is large, 1: it has shrunk to its mark
-    bool collecting = false;    ///< samples are being kept
-    bool gaze_missing = false;  ///< for longer than a blink: the session waits
+    bool collecting = false;    ///< the session keeps the samples
+    bool gaze_missing = false;  ///< no gaze for longer than a blink: the session waits
   };
 
-  /// @param manual  a target is collected after `confirm` only; else also when gaze is stable
+  /// @param manual  a target is collected only after `confirm`; false: also once gaze is stable
   TargetSession(std::vector<glm::dvec2> targets_deg, bool manual);
 
-  /// One sample of the tracker, as often as there is one; absent gaze is a loss. Time must not run
-  /// back.
+  /// Takes one sample of the tracker. Absent gaze is a blink or data loss. Time must not run back.
   Step update(double time_s, const std::optional<glm::dvec2>& gaze);
 
-  /// The observer says: I look at it.
+  /// The observer states that they look at the target.
   void confirm() { confirmed_ = true; }
 
   bool done() const { return target_ == targets_.size(); }

@@ -1,6 +1,8 @@
 #include "calibration/screen/monitor.h"
 
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "base/input_error.h"
@@ -9,8 +11,8 @@ namespace foci {
 namespace {
 
 using Json = nlohmann::json;
-constexpr std::uintmax_t kLargest_bytes = 16 << 20;
-constexpr int kDeepest = 32;
+constexpr std::uintmax_t kMaxFile_bytes = 16 << 20;
+constexpr int kMaxDepth = 32;
 
 /// A finite number of `calibration[key]` in [low, high].
 double numberIn(const Json& calibration, const char* key, double low, double high,
@@ -33,17 +35,17 @@ PsychoPyMonitor readPsychoPyMonitor(const std::filesystem::path& file) {
   if (!in) throw InputError(name, "cannot be read");
   std::error_code error;
   const auto bytes = std::filesystem::file_size(file, error);
-  if (error || bytes > kLargest_bytes) throw InputError(name, "not a PsychoPy monitor");
+  if (error || bytes > kMaxFile_bytes) throw InputError(name, "not a PsychoPy monitor");
   bool too_deep = false;
   const auto shallow = [&](int depth, nlohmann::ordered_json::parse_event_t,
                            nlohmann::ordered_json&) {
-    too_deep = too_deep || depth > kDeepest;
+    too_deep = too_deep || depth > kMaxDepth;
     return !too_deep;
   };
   const auto document = nlohmann::ordered_json::parse(in, shallow, false);
   if (document.is_discarded() || too_deep) throw InputError(name, "not JSON");
 
-  // A file holds either one calibration or several by name, the last of which is in force.
+  // A file holds one calibration, or several by name, of which the last counts.
   const auto* calibration = &document;
   if (document.is_object() && !document.empty() && !document.contains("sizePix")) {
     calibration = &*std::prev(document.end());

@@ -1,7 +1,8 @@
-// Screens as PsychoPy keeps them.
+// Screen geometry in PsychoPy's monitor files.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "gaze/geometry/gaze_sample.h"
@@ -14,14 +15,14 @@ struct PsychoPyMonitor {
 };
 
 /// Reads a PsychoPy monitor file (`monitors/NAME.json`): `sizePix` [px, px], `width` cm, `distance`
-/// cm. It keeps calibrations by name; the last in the file's order, PsychoPy's own choice, is
-/// taken. The height follows from square pixels. `gamma` is taken where it is a number above 1 (1
-/// is PsychoPy's own default for a screen that nobody measured) and up to 4.
+/// cm. Of several named calibrations, the last in the file counts, as in PsychoPy. The height
+/// follows from square pixels. `gamma` counts where it is above 1 and at most 4; 1 is PsychoPy's
+/// default for a screen that nobody measured.
 /// @throws InputError where a field is missing, of the wrong type or out of range
 PsychoPyMonitor readPsychoPyMonitor(const std::filesystem::path& file);
 
-/// The screen as such a file, with one calibration called `name`.
-/// @param gamma  absent: PsychoPy's own default
+/// The screen as a PsychoPy monitor file with one calibration called `name`.
+/// @param gamma  absent: PsychoPy's default
 std::string psychoPyMonitor(const Screen& screen, std::optional<double> gamma,
                             const std::string& name);
 

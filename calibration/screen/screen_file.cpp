@@ -10,8 +10,7 @@ namespace foci {
 std::string screenToml(const ScreenCalibration& calibration) {
   const Screen& screen = calibration.screen;
   std::string text = "# Screen calibrated by foci.\n[screen]\n";
-  text += "size_px = [" + std::to_string(screen.size_px.x) + ", " +
-          std::to_string(screen.size_px.y) + "]\n";
+  text += "size_px = " + exactText(screen.size_px) + "\n";
   text += "size_m = " + exactText(screen.size_m) + "\n";
   text += "distance_m = " + exactText(screen.distance_m) + "\n\n[display]\n";
   text += "gamma = " + (calibration.gamma ? exactText(*calibration.gamma) : "\"sRGB\"") + "\n";
@@ -41,12 +40,12 @@ ScreenCalibration readScreen(const std::filesystem::path& file) {
     try {
       calibration.gamma = in.number("display.gamma", 1.0, 4.0);
     } catch (const std::exception&) {
-      if (in.word("display.gamma") != "sRGB") in.refuse("display.gamma", "\"sRGB\" or 1 to 4");
+      if (in.text("display.gamma") != "sRGB") in.refuse("display.gamma", "\"sRGB\" or 1 to 4");
     }
   }
-  if (in.has("display.size_from")) calibration.size_from = in.word("display.size_from");
-  if (in.has("display.distance_from")) calibration.distance_from = in.word("display.distance_from");
-  in.refuseRest();
+  if (in.has("display.size_from")) calibration.size_from = in.text("display.size_from");
+  if (in.has("display.distance_from")) calibration.distance_from = in.text("display.distance_from");
+  in.refuseUnknownKeys();
   return calibration;
 }
 

@@ -1,7 +1,8 @@
-// A calibrated screen on disk: our TOML, or a PsychoPy monitor.
+// Screen geometry on disk: foci's TOML, or a PsychoPy monitor file.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "gaze/geometry/gaze_sample.h"
@@ -15,9 +16,10 @@ struct ScreenCalibration {
   std::string distance_from;      ///< "blind spot, 6 runs, 1 refused", "face size", "by hand", ...
 };
 
+/// The screen as commented TOML, every digit kept.
 std::string screenToml(const ScreenCalibration& calibration);
 
-/// Reads either kind, told apart by the first character that is not blank.
+/// Reads either format: a file that starts with `{` is a PsychoPy monitor.
 /// @throws InputError by file and key
 ScreenCalibration readScreen(const std::filesystem::path& file);
 

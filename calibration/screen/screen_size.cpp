@@ -16,8 +16,10 @@ namespace {
 
 constexpr double kMinPxPerMetre = 200.0, kMaxPxPerMetre = 100'000.0;
 constexpr double kOblong = 0.1;
-constexpr double kNearest_m = 0.1, kFarthest_m = 10.0;
+constexpr double kMinDistance_m = 0.1, kMaxDistance_m = 10.0;
 constexpr std::size_t kMinRuns = 3;
+constexpr double kRefusedAt = 3.0;   // robust deviations from the median
+constexpr double kMinRefused = 0.1;  // of the median: observers' runs differ by less
 
 std::string text(const char* format, double value) {
   char buffer[120];
@@ -26,7 +28,7 @@ std::string text(const char* format, double value) {
 }
 
 void refuseDistance(const char* how, double distance_m) {
-  if (distance_m >= kNearest_m && distance_m <= kFarthest_m) return;
+  if (distance_m >= kMinDistance_m && distance_m <= kMaxDistance_m) return;
   throw InputError(how, text("%g m: expected 0.1 to 10 m", distance_m));
 }
 
@@ -67,7 +69,8 @@ BlindSpotDistance distanceByBlindSpot(std::span<const BlindSpotRun> runs) {
     std::vector<double> sorted = found;
     const double median = quantile(sorted, 0.5);
     for (double& d : sorted) d = std::abs(d - median);
-    const double limit = std::max(3.0 * 1.4826 * quantile(sorted, 0.5), 0.1 * median);
+    const double limit =
+        std::max(kRefusedAt * kSigmaPerMad * quantile(sorted, 0.5), kMinRefused * median);
     double direction_sum = 0.0;
     std::size_t in_direction = 0;
     for (std::size_t i = 0; i < runs.size(); ++i) {

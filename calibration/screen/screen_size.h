@@ -1,5 +1,5 @@
-// How large a screen's pixels are and how far it stands: a bank card, the blind spot, the display's
-// own word, the size of the observer's face.
+// Screen geometry measured with household means. Size: a bank card, or the display's EDID.
+// Distance: the blind spot, or the size of the observer's face.
 #pragma once
 
 #include <optional>
@@ -11,16 +11,17 @@
 namespace foci {
 
 inline constexpr glm::dvec2 kBankCard_m{0.08560, 0.05398};  ///< ISO/IEC 7810 ID-1
-inline constexpr double kBlindSpot_deg = 13.5;              ///< temporal, from the fovea
-inline constexpr double kEdidTolerance = 0.05;  ///< disagreement above this share is shown
+inline constexpr double kBlindSpot_deg = 13.5;  ///< centre to fovea, temporal (Li et al. 2020)
+inline constexpr double kEdidTolerance =
+    0.05;  ///< a larger disagreement is reported; chosen by hand
 
 /// Pixels per metre along both axes, from a card's width and, where pixels may be oblong, its
 /// height.
-/// @throws InputError unless 200 to 100000 px/m come out, and the two agree within 10 %
+/// @throws InputError unless both densities lie within 200 to 100000 px/m and agree within 10 %
 glm::dvec2 pxPerMetreOfCard(double width_px, std::optional<double> height_px);
 
-/// One run of the blind spot: how far from the fixation mark the dot vanished or came back, on the
-/// screen.
+/// One run of the blind spot: distance on the screen from the fixation mark to the place where the
+/// dot vanished or came back.
 struct BlindSpotRun {
   double offset_m = 0.0;  ///< > 0
   bool outwards = true;   ///< the dot moved away from the mark
@@ -32,18 +33,20 @@ struct BlindSpotDistance {
   std::vector<std::size_t> refused;  ///< runs that disagree with the others
 };
 
-/// distance = offset / tan(13.5 deg), each direction's mean counted alike, since the edges found
-/// inwards and outwards differ by the reaction time. Runs beyond 3 robust deviations, but at least
-/// 10 %, of their direction's median are refused.
-/// @throws InputError with fewer than 3 runs, fewer than 2 in agreement, or an impossible distance
+/// distance = offset / tan(13.5 deg). The reaction time shifts inward and outward runs in opposite
+/// directions, so both directions have equal weight. A run is refused where it differs from its
+/// direction's median by more than 3 robust deviations and more than 10 %.
+/// @throws InputError with fewer than 3 runs, fewer than 2 or half of them in agreement, or a
+/// distance
+///   outside 0.1 to 10 m
 BlindSpotDistance distanceByBlindSpot(std::span<const BlindSpotRun> runs);
 
 /// A face half as large is twice as far: distance = reference_m * reference_px / face_px.
-/// @throws InputError unless 0.1 to 10 m come out
+/// @throws InputError unless the distance lies within 0.1 to 10 m
 double distanceByFace_m(double face_px, double reference_px, double reference_m);
 
-/// Size of the visible area as the display itself states it (VESA E-EDID: the first detailed timing
-/// in mm, else the whole centimetres of bytes 21 and 22); absent where it states none.
+/// Size of the visible area that the display states (VESA E-EDID: the first detailed timing in mm,
+/// else the centimetres of bytes 21 and 22); absent where it states none.
 /// @throws InputError where the header or the checksum is wrong
 std::optional<glm::dvec2> edidSize_m(std::span<const unsigned char> edid);
 

@@ -13,11 +13,10 @@
 namespace foci {
 namespace {
 
-constexpr double kLook_s = 0.5;
+constexpr double kLook_s = 0.5;  // latency of a saccade (0.2 s), the saccade, and a correction
 constexpr std::size_t kMinWebcamTargets = 5;
 constexpr std::size_t kMaxTargets = 10000;
-// Radius that holds 68.27 % of errors that are normal along each axis, in deviations.
-constexpr double kSigmaRadius = 1.5152;
+constexpr double kSameScreen = 0.01;  // relative difference; chosen by hand
 
 char delimiterOf(std::string_view header) {
   return header.find('\t') != header.npos ? '\t' : header.find(',') != header.npos ? ',' : ' ';
@@ -117,7 +116,7 @@ GazeReport calibrateWebcam(std::span<const WebcamPair> pairs, std::span<const We
     }
   }
   if (targets.size() < kMinWebcamTargets) {
-    throw InputError("webcam", "eyes were seen at " + std::to_string(targets.size()) +
+    throw InputError("webcam", "eyes in view at " + std::to_string(targets.size()) +
                                    " targets: expected at least 5");
   }
   const auto start = std::chrono::steady_clock::now();
@@ -141,19 +140,17 @@ Lens lensOf(const CameraModel& camera) {
 
 void requireSame(const WebcamCalibration& calibration, const Screen& screen,
                  const std::optional<Lens>& camera) {
-  constexpr double kMost = 0.01;
   const glm::dvec2 ratio = screen.size_m / calibration.screen_m;
-  if (glm::any(glm::greaterThan(glm::abs(ratio - 1.0), glm::dvec2(kMost)))) {
+  if (glm::any(glm::greaterThan(glm::abs(ratio - 1.0), glm::dvec2(kSameScreen)))) {
     char text[160];
     std::snprintf(text, sizeof text,
-                  "calibrated on a screen of %.3f x %.3f m: expected that one, not %.3f x %.3f m",
+                  "expected the calibrated screen of %.3f x %.3f m, not %.3f x %.3f m",
                   calibration.screen_m.x, calibration.screen_m.y, screen.size_m.x, screen.size_m.y);
     throw InputError("gaze.map", text);
   }
   if (camera && !(*camera == calibration.reference.camera)) {
-    throw InputError(
-        "gaze.camera",
-        "another camera than gaze.map was calibrated with: expected that one, or none");
+    throw InputError("gaze.camera",
+                     "expected the camera that gaze.map was calibrated with, or none");
   }
 }
 
@@ -163,7 +160,7 @@ WebcamMapping mappingOf(const WebcamMap& map, const Screen& screen) {
     const glm::dvec2 point_m = pointOnScreen_m(map, view);
     return WebcamGaze{
         .point_px = 0.5 * glm::dvec2(screen.size_px) + glm::dvec2(point_m.x, -point_m.y) * px_per_m,
-        .uncertainty_deg = kSigmaRadius * map.sd_deg};
+        .uncertainty_deg = kGaussianSigmaRadius * map.sd_deg};
   };
 }
 

@@ -1,8 +1,12 @@
-// A webcam's calibration: the map from features to the screen, and the observer's head that the
-// features are measured against; how it is made, and its file.
+// A webcam's calibration, its fit and its file. It holds the map from features to the screen and
+// the reference view of the observer's head, against which the features are measured.
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "calibration/camera/camera.h"
 #include "calibration/gaze_map/gaze_report.h"
@@ -14,49 +18,52 @@ namespace foci {
 struct WebcamCalibration {
   WebcamMap map;
   WebcamReference reference;
-  glm::dvec2 screen_m{0.0};  ///< size of the screen that it was made on
+  glm::dvec2 screen_m{0.0};  ///< size of the calibrated screen
 };
 
-/// A target and when it was there to be looked at.
+/// A target and when it was on the screen.
 struct ShownTarget {
   double onset_s = 0.0, duration_s = 0.0;
   glm::dvec2 target_deg{0.0};
 };
 
-/// Reads `onset_s duration_s x_target y_target`, degrees from the screen's centre: columns in any
-/// order, named by a header row, separated by tabs, commas or spaces.
+/// Reads `onset_s duration_s x_target y_target`, degrees from the screen's centre. A header row
+/// names the columns, in any order; tabs, commas or spaces separate them.
 /// @throws InputError by file and line
 std::vector<ShownTarget> readShownTargets(const std::filesystem::path& file);
 
-/// The views while targets were there, without the time that it takes to look at one: half a
-/// second, or half of its duration where that is less. Blinks are among them as losses.
+/// A view and the target that was on the screen.
 struct WebcamPair {
-  std::optional<WebcamView> view{};
+  std::optional<WebcamView> view{};  ///< absent in a blink or without a face
   double time_s = 0.0;
   glm::dvec2 target_deg{0.0};
 };
+
+/// The frames while targets were on the screen. The first half second of each target is left out,
+/// or half of a shorter target: the eye is still moving there.
 std::vector<WebcamPair> pairFrames(std::span<const WebcamFrame> frames,
                                    std::span<const ShownTarget> targets);
 
-/// Fits the map and measures it, on `other` where there is any.
-/// @param screen  with all of its quantities known
-/// @throws InputError where a face was seen at fewer than 5 targets
+/// Fits the map and measures its accuracy: on `other`, or on `pairs` where `other` is empty.
+/// @param screen  with resolution, size and distance known
+/// @throws InputError where eyes were in view at fewer than 5 targets
 GazeReport calibrateWebcam(std::span<const WebcamPair> pairs, std::span<const WebcamPair> other,
                            const Screen& screen, WebcamMap& map);
 
-/// A calibrated camera as webcams are seen through.
+/// A calibrated camera as the lens of a webcam.
 Lens lensOf(const CameraModel& camera);
 
-/// The map is of one screen, the reference of one camera.
-/// @param camera  absent: not said
-/// @throws InputError where the screen's width or height differs by over 1 %, or the camera is
-///   another
+/// Requires the screen and the camera of the calibration.
+/// @param camera  absent: the study names none
+/// @throws InputError where the screen's width or height differs by more than 1 %, or where the
+///   camera differs
 void requireSame(const WebcamCalibration& calibration, const Screen& screen,
                  const std::optional<Lens>& camera);
 
-/// Where an observer seen so looks on `screen`.
+/// The map as a function from a view to a pixel of `screen`.
 WebcamMapping mappingOf(const WebcamMap& map, const Screen& screen);
 
+/// Commented TOML, every digit kept; the view of the head is a PNG in base64.
 std::string webcamCalibrationToml(const WebcamCalibration& calibration);
 
 /// @throws InputError by file and key

@@ -1,23 +1,25 @@
 #include "calibration/webcam/webcam_map.h"
 
-#include <ceres/ceres.h>
-
 #include <Eigen/Dense>
 #include <cmath>
 
 #include "base/input_error.h"
 #include "base/quantile.h"
 #include "calibration/location.h"
+#include "calibration/solve.h"
 
 namespace foci {
 namespace {
 
+constexpr const char* kWhere = "webcam calibration";
 constexpr std::size_t kTerms = WebcamMap::kTurnTerms;
 constexpr std::size_t kAll = WebcamMap::kParameters;
-constexpr double kCauchy = 2.0;       // in deviations
-constexpr double kStartSd_deg = 2.0;  // webcams: 1.4 to 3.9 deg (gaze.md)
-constexpr double kMinSd_deg = 0.05;
-constexpr double kWidest_rad = 1.4;  // a line of sight beyond 80 deg meets no screen
+constexpr double kCauchy = 2.0;  // in deviations; 2.385 is 95 % efficient (Holland, Welsch 1977)
+constexpr double kStartSd_deg = 2.0;   // webcams: Labvanced 1.4 deg, WebGazer 3.9 deg
+constexpr double kMinSd_deg = 0.05;    // an observer fixates no more exactly
+constexpr double kMaxAngle_rad = 1.4;  // a line of sight beyond 80 deg meets no screen
+constexpr double kMinHead_m = 0.05;
+constexpr double kMinTrust = 1e-6;  // keeps the information positive definite
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 template <typename T>
@@ -29,8 +31,8 @@ void pointOf(const T* p, const WebcamView& view, T* point) {
   for (std::size_t axis = 0; axis < 2; ++axis) {
     T angle = p[2 * kTerms + axis] * view.head_rad[static_cast<int>(axis)];
     for (std::size_t k = 0; k < kTerms; ++k) angle += p[axis * kTerms + k] * terms[k];
-    if (angle > T(kWidest_rad)) angle = T(kWidest_rad);
-    if (angle < T(-kWidest_rad)) angle = T(-kWidest_rad);
+    if (angle > T(kMaxAngle_rad)) angle = T(kMaxAngle_rad);
+    if (angle < T(-kMaxAngle_rad)) angle = T(-kMaxAngle_rad);
     point[axis] =
         view.head_m[static_cast<int>(axis)] + p[2 * kTerms + 2 + axis] + view.head_m.z * tan(angle);
   }
@@ -52,7 +54,7 @@ struct ScreenError {
   }
 };
 
-/// What was known before: L (p - prior), information = L' L.
+/// Misfit to the prior: L (p - centre), with information = L' L.
 class PriorCost final : public ceres::CostFunction {
  public:
   PriorCost(const Matrix& information, const std::array<double, kAll>& centre)
@@ -76,11 +78,27 @@ class PriorCost final : public ceres::CostFunction {
   std::array<double, kAll> centre_;
 };
 
+/// Information of the parameters at the solution, J' J, row-major.
+std::vector<double> informationOf(ceres::Problem& problem) {
+  ceres::CRSMatrix sparse;
+  problem.Evaluate({}, nullptr, nullptr, nullptr, &sparse);
+  Matrix jacobian = Matrix::Zero(sparse.num_rows, sparse.num_cols);
+  for (int row = 0; row < sparse.num_rows; ++row) {
+    for (int i = sparse.rows[row]; i < sparse.rows[row + 1]; ++i) {
+      jacobian(row, sparse.cols[i]) = sparse.values[i];
+    }
+  }
+  const Matrix normal = jacobian.transpose() * jacobian;
+  return {normal.data(), normal.data() + kAll * kAll};
+}
+
 }  // namespace
 
 WebcamMap nominalWebcamMap() {
-  constexpr double kTurnPerWidth = 30.0 / 12.0;  // radians: eye width over eyeball radius
-  constexpr double kCameraAbove_m = 0.15;
+  // Turn of the eye, in radians, that moves the iris by one eye width: width over radius, mm.
+  constexpr double kTurnPerWidth = 30.0 / 12.0;
+  constexpr double kCameraAbove_m = 0.15;  // half the height of a 24-inch screen
+  // Deviations chosen by hand: wide for what differs between faces, 10 % and 10 cm for the rest.
   WebcamMap map;
   map.parameters[1] = kTurnPerWidth;
   map.parameters[kTerms + 2] = kTurnPerWidth;
@@ -107,15 +125,15 @@ WebcamMap fitWebcamMap(std::span<const WebcamSample> samples, const WebcamMap& p
     const WebcamView& v = s.view;
     const double sum = v.eye.x + v.eye.y + v.head_m.x + v.head_m.y + v.head_m.z + v.head_rad.x +
                        v.head_rad.y + v.roll_rad + s.target_m.x + s.target_m.y;
-    if (!std::isfinite(sum) || v.head_m.z < 0.05) {
-      throw InputError("webcam calibration", "a view without a head in front of the screen");
+    if (!std::isfinite(sum) || v.head_m.z < kMinHead_m) {
+      throw InputError(kWhere, "a view without a head in front of the screen");
     }
   }
   const Matrix information =
-      std::max(trust, 1e-6) * Eigen::Map<const Matrix>(prior.information.data(), kAll, kAll);
+      std::max(trust, kMinTrust) * Eigen::Map<const Matrix>(prior.information.data(), kAll, kAll);
 
-  // The loss needs the deviation of the samples, which the fit tells: begin wide, so that a map
-  // that has drifted is no outlier.
+  // The loss needs the deviation of the samples, which only a fit tells. Begin wide, so that the
+  // samples of a drifted map do not count as outliers.
   WebcamMap map = prior;
   double usual_deg = kStartSd_deg;
   for (int round = 0; round < 3; ++round) {
@@ -131,28 +149,15 @@ WebcamMap fitWebcamMap(std::span<const WebcamSample> samples, const WebcamMap& p
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_QR;
     options.max_num_iterations = 100;
-    options.logging_type = ceres::SILENT;
-    options.num_threads = 1;
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
+    solve(options, problem, kWhere);
+    map.information = informationOf(problem);
 
-    ceres::CRSMatrix sparse;
-    problem.Evaluate({}, nullptr, nullptr, nullptr, &sparse);
-    Matrix jacobian = Matrix::Zero(sparse.num_rows, sparse.num_cols);
-    for (int row = 0; row < sparse.num_rows; ++row) {
-      for (int i = sparse.rows[row]; i < sparse.rows[row + 1]; ++i) {
-        jacobian(row, sparse.cols[i]) = sparse.values[i];
-      }
-    }
-    const Matrix normal = jacobian.transpose() * jacobian;
-    map.information.assign(normal.data(), normal.data() + kAll * kAll);
-
-    if (samples.size() <= kAll) continue;  // too few to tell it
+    if (samples.size() <= kAll) continue;  // too few for a deviation of their own
     std::vector<double> misses;
     for (const WebcamSample& s : samples) {
       misses.push_back(glm::length(pointOnScreen_m(map, s.view) - s.target_m) / s.view.head_m.z);
     }
-    map.sd_deg = std::max(glm::degrees(quantile(misses, 0.5)) / 1.1774, kMinSd_deg);
+    map.sd_deg = std::max(glm::degrees(quantile(misses, 0.5)) / kRayleighMedian, kMinSd_deg);
     usual_deg = map.sd_deg;
   }
   return map;

@@ -5,9 +5,11 @@
 namespace foci {
 namespace {
 
-constexpr double kCalibrationShare = 0.005;  // some hundreds of samples count as one or two clicks
-constexpr std::size_t kMaxClicks = 30;
-constexpr std::chrono::milliseconds kJustNow{300};
+// Chosen by hand: some hundreds of samples count as one or two clicks. The test
+// WebcamRecalibration.LearnsFromEachClickOnceEyesAreSeen bounds it.
+constexpr double kCalibrationShare = 0.005;
+constexpr std::size_t kMaxClicks = 30;  // chosen by hand; older ones may be of another posture
+constexpr std::chrono::milliseconds kMaxAge{300};  // about the duration of one fixation
 
 }  // namespace
 
@@ -25,7 +27,7 @@ bool WebcamRecalibration::click(const glm::dvec2& point_px) {
   std::vector<WebcamSample> clicks;
   {
     const std::lock_guard lock(mutex_);
-    if (!seen_ || std::chrono::steady_clock::now() - seen_->at > kJustNow) return false;
+    if (!seen_ || std::chrono::steady_clock::now() - seen_->at > kMaxAge) return false;
     const glm::dvec2 m_per_px = screen_.size_m / glm::dvec2(screen_.size_px);
     const glm::dvec2 from_middle_m = (point_px - 0.5 * glm::dvec2(screen_.size_px)) * m_per_px;
     if (clicks_.size() == kMaxClicks) clicks_.erase(clicks_.begin());

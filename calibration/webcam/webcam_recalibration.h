@@ -1,4 +1,4 @@
-// A webcam's map that clicks keep right while it is used: who clicks on a thing looks at it.
+// A webcam's map that clicks correct while it is in use: an observer who clicks looks there.
 #pragma once
 
 #include <chrono>
@@ -12,18 +12,18 @@
 
 namespace foci {
 
-/// For two threads: one asks for the gaze, the other clicks.
+/// Safe for two threads: one asks for gaze, the other reports clicks.
 class WebcamRecalibration {
  public:
   WebcamRecalibration(const WebcamMap& map, const Screen& screen)
       : calibrated_(map), map_(map), screen_(screen) {}
 
-  /// By the map as it is now.
+  /// Gaze by the current map.
   WebcamGaze gazeOf(const WebcamView& view);
 
-  /// Fits the map again, to what it was calibrated with, faded, and to the clicks, of which the
-  /// newest count (`fitWebcamMap`).
-  /// @return false: no eyes were seen just now, nothing is changed
+  /// Fits the map again to the newest clicks, with the calibrated map as a faded prior
+  /// (`fitWebcamMap`).
+  /// @return false where no eyes were in view in the last 0.3 s; the map is then unchanged
   bool click(const glm::dvec2& point_px);
 
  private:
@@ -36,7 +36,7 @@ class WebcamRecalibration {
   WebcamMap calibrated_, map_;
   Screen screen_;
   std::optional<Seen> seen_;
-  std::vector<WebcamSample> clicks_;  // the newest last
+  std::vector<WebcamSample> clicks_;  // oldest first
 };
 
 }  // namespace foci

@@ -7,6 +7,7 @@
 
 #include "base/input_error.h"
 #include "calibration/binocular/binocular_pairs.h"
+#include "calibration/binocular/fit_binocular.h"
 #include "tests/unit/gaze/scratch.h"
 
 namespace foci {

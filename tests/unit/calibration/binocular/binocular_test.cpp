@@ -1,10 +1,11 @@
-#include "calibration/binocular/binocular.h"
+#include "calibration/binocular/fit_binocular.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
+#include <string>
 
 #include "base/input_error.h"
 
@@ -116,6 +117,22 @@ TEST(FitBinocular, RefusesAHeadThatNeverMovedAndTooLittle) {
   auto few = record(t, 10, random);
   few.resize(9);
   EXPECT_THROW(fitBinocular(few, nominal()), InputError);
+}
+
+TEST(FitBinocular, RefusesAnEyeOnItsTarget) {
+  std::mt19937_64 random(7);
+  Tracker t = tracker();
+  t.head_m = 0.1;
+  auto samples = record(t, 10, random);
+  // Its line of sight has no direction: Ceres cannot evaluate the start.
+  samples[0].eyes[0]->centre_m =
+      nominal().rotation * glm::dvec3(samples[0].target_m, 0.0) + nominal().translation_m;
+  try {
+    fitBinocular(samples, nominal());
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("no parameters fit the samples"), std::string::npos);
+  }
 }
 
 TEST(FitBinocular, OneEyeIsEnough) {

@@ -24,13 +24,13 @@ TEST(Accuracy, IsTheMeanAngleAndPrecisionItsClosedForm) {
   // The one pair of neighbours at one target.
   EXPECT_NEAR(*found.overall.rms_s2s_deg, 1.8, kRounding);
   EXPECT_EQ(found.overall.samples, 4u);
-  EXPECT_EQ(found.overall.lost, 1u);
+  EXPECT_EQ(found.overall.missing, 1u);
   EXPECT_EQ(found.targets.size(), 2u);
   EXPECT_FALSE(found.targets[1].measures.rms_s2s_deg);
   EXPECT_EQ(gradeOf(found), Grade::fair);
 }
 
-TEST(Accuracy, ALossBreaksTheSequence) {
+TEST(Accuracy, DataLossBreaksTheSequence) {
   const std::vector<GazePair> pairs{{right(0.0), right(0.0), {}, 1.0},
                                     {std::nullopt, right(0.0), {}, 1.0},
                                     {right(2.0), right(0.0), {}, 1.0}};

@@ -117,7 +117,7 @@ TEST(PairFrames, LeavesOutTheTimeToLookThere) {
   EXPECT_NEAR(pairs[3].time_s, 2.5, 1e-12);
 }
 
-TEST(CalibrateWebcam, MeasuresOnTheOthersAndCountsBlinksAsLost) {
+TEST(CalibrateWebcam, MeasuresOnTheOthersAndCountsBlinksAsDataLoss) {
   // An observer for whom the nominal map is right.
   const WebcamMap truth = nominalWebcamMap();
   const auto look = [&](double x, double y) {
@@ -136,7 +136,7 @@ TEST(CalibrateWebcam, MeasuresOnTheOthersAndCountsBlinksAsLost) {
   WebcamMap map;
   const GazeReport report = calibrateWebcam(pairs, others, kScreen, map);
   EXPECT_TRUE(report.validated);
-  EXPECT_EQ(report.accuracy.overall.lost, 1u);
+  EXPECT_EQ(report.accuracy.overall.missing, 1u);
   constexpr double kSolver_deg = 1e-3;
   EXPECT_LT(*report.accuracy.overall.accuracy_deg, kSolver_deg);
   EXPECT_NE(gazeReportJson(report).find("\"model\": \"webcam\""), std::string::npos);

@@ -133,5 +133,16 @@ TEST(FitWebcamMap, RefusesAViewWithoutAHead) {
   EXPECT_THROW(fitWebcamMap({&sample, 1}, nominalWebcamMap()), InputError);
 }
 
+TEST(FitWebcamMap, RefusesATargetBeyondNumbers) {
+  WebcamSample sample;
+  sample.target_m.x = 1e308;  // finite, but no angle in degrees is
+  try {
+    fitWebcamMap({&sample, 1}, nominalWebcamMap());
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("no parameters fit the samples"), std::string::npos);
+  }
+}
+
 }  // namespace
 }  // namespace foci

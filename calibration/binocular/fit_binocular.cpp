@@ -1,0 +1,262 @@
+#include "calibration/binocular/fit_binocular.h"
+
+#include <ceres/rotation.h>
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "base/input_error.h"
+#include "base/quantile.h"
+#include "calibration/location.h"
+#include "calibration/solve.h"
+
+namespace foci {
+namespace {
+
+constexpr const char* kWhere = "binocular calibration";
+constexpr std::size_t kMinSamples = 20, kMinBinocularTargets = 3;
+constexpr double kCauchy = 2.0;  // in deviations; 2.385 is 95 % efficient (Holland and Welsch 1977)
+constexpr double kKnown_m = 0.02, kKnown_deg = 1.0;
+constexpr int kRounds = 3;            // fits, each with the scale that the previous one left
+constexpr double kStartSd_deg = 3.0;  // wider than the errors of any tracker before kappa is known
+constexpr double kMinSd_deg = 0.001;  // no tracker is better
+
+/// Difference of yaw and pitch between the corrected direction and the target. Radians.
+struct SightError {
+  BinocularSample::Eye eye;
+  glm::dvec2 target_m;
+  double sd_rad;
+
+  template <typename T>
+  bool operator()(const T* pose, const T* kappa, T* residual) const {
+    const T display[3] = {T(target_m.x), T(target_m.y), T(0.0)};
+    T p[3];
+    ceres::AngleAxisRotatePoint(pose, display, p);
+    for (int i = 0; i < 3; ++i) p[i] += pose[3 + i] - T(eye.centre_m[i]);
+    const T depth = sqrt(p[0] * p[0] + p[2] * p[2]);
+    if (depth < T(1e-6)) return false;
+    const glm::dvec3 d = glm::normalize(eye.direction);
+    // Yaw shrinks with the cosine of pitch, as angles on a sphere do.
+    const double cosine = std::sqrt(std::max(1.0 - d.y * d.y, 0.0));
+    const T yaw = T(std::atan2(d.x, d.z)) + kappa[0] - atan2(p[0], p[2]);
+    const T pitch = T(std::asin(std::clamp(d.y, -1.0, 1.0))) + kappa[1] - atan2(p[1], depth);
+    residual[0] = atan2(sin(yaw), cos(yaw)) * T(cosine / sd_rad);
+    residual[1] = pitch / T(sd_rad);
+    return true;
+  }
+};
+
+/// Pose of the display and kappa of each eye, as Ceres moves them.
+struct Unknowns {
+  double pose[6];  // angle-axis, then translation
+  double kappa[2][2];
+};
+
+Unknowns startOf(const BinocularMap& nominal) {
+  Unknowns start{};
+  ceres::RotationMatrixToAngleAxis(&nominal.rotation[0][0], start.pose);
+  for (int i = 0; i < 3; ++i) start.pose[3 + i] = nominal.translation_m[i];
+  for (int eye = 0; eye < 2; ++eye) {
+    for (int axis = 0; axis < 2; ++axis) {
+      start.kappa[eye][axis] = nominal.kappa_rad[static_cast<std::size_t>(eye)][axis];
+    }
+  }
+  return start;
+}
+
+glm::dmat3 rotationOf(const double* angle_axis) {
+  double column_major[9];
+  ceres::AngleAxisToRotationMatrix(angle_axis, column_major);
+  glm::dmat3 rotation;
+  for (int i = 0; i < 9; ++i) rotation[i / 3][i % 3] = column_major[i];
+  return rotation;
+}
+
+BinocularMap mapOf(const Unknowns& found) {
+  BinocularMap map;
+  map.rotation = rotationOf(found.pose);
+  map.translation_m = {found.pose[3], found.pose[4], found.pose[5]};
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    map.kappa_rad[eye] = {found.kappa[eye][0], found.kappa[eye][1]};
+  }
+  return map;
+}
+
+/// Number of samples of each eye.
+/// @throws InputError where samples or targets are too few, or a direction has no length
+std::array<std::size_t, 2> countEyes(std::span<const BinocularSample> samples) {
+  std::vector<glm::dvec2> targets;
+  std::array<std::size_t, 2> seen{};
+  for (const BinocularSample& sample : samples) {
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      if (!sample.eyes[eye]) continue;
+      if (!(glm::length(sample.eyes[eye]->direction) > 0.0)) {
+        throw InputError(kWhere, "a direction of length 0");
+      }
+      ++seen[eye];
+    }
+    if (std::find(targets.begin(), targets.end(), sample.target_m) == targets.end() &&
+        targets.size() < kMinBinocularTargets) {
+      targets.push_back(sample.target_m);
+    }
+  }
+  if (seen[0] + seen[1] < kMinSamples || targets.size() < kMinBinocularTargets) {
+    throw InputError(kWhere, "too few: expected 20 samples or more at 3 targets or more");
+  }
+  return seen;
+}
+
+/// Adds the residuals of all eyes and minimises them.
+void adjust(std::span<const BinocularSample> samples, double sd_rad, ceres::Problem& problem,
+            Unknowns& unknowns) {
+  for (const BinocularSample& sample : samples) {
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      if (!sample.eyes[eye]) continue;
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SightError, 2, 6, 2>(
+                                   new SightError{*sample.eyes[eye], sample.target_m, sd_rad}),
+                               new ceres::CauchyLoss(kCauchy), unknowns.pose, unknowns.kappa[eye]);
+    }
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = 200;
+  options.function_tolerance = 1e-14;
+  options.parameter_tolerance = 1e-12;
+  solve(options, problem, kWhere);
+}
+
+/// Angle between each line of sight and its target; pi where the eye lies on the target.
+std::vector<double> missesOf_rad(std::span<const BinocularSample> samples, double sd_rad,
+                                 const Unknowns& found) {
+  std::vector<double> misses;
+  for (const BinocularSample& sample : samples) {
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      if (!sample.eyes[eye]) continue;
+      double residual[2];
+      const SightError cost{*sample.eyes[eye], sample.target_m, sd_rad};
+      misses.push_back(cost(found.pose, found.kappa[eye], residual)
+                           ? sd_rad * std::hypot(residual[0], residual[1])
+                           : 3.14);
+    }
+  }
+  return misses;
+}
+
+/// Largest deviations of translation and kappa, from the covariance.
+void takeDeviations(ceres::Problem& problem, const Unknowns& found,
+                    const std::array<std::size_t, 2>& seen, BinocularFit& fit) {
+  ceres::Covariance::Options options;
+  options.algorithm_type = ceres::DENSE_SVD;
+  // An undetermined parameter shall show as a large deviation, not as an error.
+  options.min_reciprocal_condition_number = 1e-60;
+  ceres::Covariance covariance(options);
+  std::vector<std::pair<const double*, const double*>> blocks{{found.pose, found.pose}};
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    if (seen[eye] > 0) blocks.emplace_back(found.kappa[eye], found.kappa[eye]);
+  }
+  if (!covariance.Compute(blocks, &problem)) throw InputError(kWhere, "nothing is determined");
+  double of_pose[36];
+  covariance.GetCovarianceBlock(found.pose, found.pose, of_pose);
+  for (int i = 3; i < 6; ++i) {
+    fit.translation_sd_m = std::max(fit.translation_sd_m, std::sqrt(std::abs(of_pose[7 * i])));
+  }
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    if (seen[eye] == 0) continue;
+    double of_kappa[4];
+    covariance.GetCovarianceBlock(found.kappa[eye], found.kappa[eye], of_kappa);
+    for (int i : {0, 3}) {
+      fit.kappa_sd_deg = std::max(fit.kappa_sd_deg, glm::degrees(std::sqrt(std::abs(of_kappa[i]))));
+    }
+  }
+}
+
+/// Median of the vergence that `map` gives minus the vergence that the targets ask for.
+double medianVergenceError_D(std::span<const BinocularSample> samples, const BinocularMap& map,
+                             const BinocularMap& truth) {
+  std::vector<double> errors;
+  for (const BinocularSample& sample : samples) {
+    const auto vergence = vergence_D(map, sample);
+    if (!vergence) continue;
+    const glm::dvec3 target =
+        truth.rotation * glm::dvec3(sample.target_m, 0.0) + truth.translation_m;
+    const glm::dvec3 middle = 0.5 * (sample.eyes[0]->centre_m + sample.eyes[1]->centre_m);
+    errors.push_back(*vergence - 1.0 / glm::length(target - middle));
+  }
+  return errors.empty() ? 0.0 : quantile(errors, 0.5);
+}
+
+}  // namespace
+
+BinocularMap roughBinocularMap(std::span<const BinocularSample> samples) {
+  // (I - d d') (x r1 + y r2 + t - c) = 0 in the two columns of the rotation and the translation.
+  Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+  Eigen::Matrix<double, 9, 1> right = Eigen::Matrix<double, 9, 1>::Zero();
+  for (const BinocularSample& sample : samples) {
+    for (const auto& eye : sample.eyes) {
+      if (!eye || !(glm::length(eye->direction) > 0.0)) continue;
+      const glm::dvec3 d = glm::normalize(eye->direction);
+      const Eigen::Vector3d along(d.x, d.y, d.z);
+      const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - along * along.transpose();
+      Eigen::Matrix<double, 3, 9> row;
+      row << sample.target_m.x * across, sample.target_m.y * across, across;
+      const Eigen::Vector3d centre(eye->centre_m.x, eye->centre_m.y, eye->centre_m.z);
+      normal += row.transpose() * row;
+      right += row.transpose() * (across * centre);
+    }
+  }
+  const Eigen::Matrix<double, 9, 1> found = normal.ldlt().solve(right);
+  const auto column = [&](Eigen::Index i) {
+    return glm::dvec3(found[3 * i], found[3 * i + 1], found[3 * i + 2]);
+  };
+  const glm::dvec3 x = column(0), y = column(1);
+  // Without noise both columns are unit and orthogonal; a plane seen edge-on gives neither.
+  const double sine = glm::length(glm::cross(x, y)) / (glm::length(x) * glm::length(y));
+  if (!found.allFinite() || !(sine > 0.5)) {
+    throw InputError(kWhere,
+                     "the lines of sight do not meet the targets: expected targets over the width "
+                     "and height of the display, and eyes that look at them");
+  }
+  BinocularMap map;
+  map.rotation[0] = glm::normalize(x);
+  map.rotation[1] = glm::normalize(y - glm::dot(y, map.rotation[0]) * map.rotation[0]);
+  map.rotation[2] = glm::cross(map.rotation[0], map.rotation[1]);
+  map.translation_m = column(2);
+  return map;
+}
+
+BinocularFit fitBinocular(std::span<const BinocularSample> samples, const BinocularMap& nominal) {
+  const std::array<std::size_t, 2> seen = countEyes(samples);
+  Unknowns unknowns = startOf(nominal);
+
+  // The loss needs the residual's scale, which only a fit tells: begin wide and repeat.
+  double sd_rad = glm::radians(kStartSd_deg);
+  BinocularFit fit;
+  for (int round = 0; round < kRounds; ++round) {
+    ceres::Problem problem;
+    adjust(samples, sd_rad, problem, unknowns);
+    if (round == kRounds - 1) takeDeviations(problem, unknowns, seen, fit);
+    std::vector<double> misses = missesOf_rad(samples, sd_rad, unknowns);
+    const double sum = std::accumulate(misses.begin(), misses.end(), 0.0);
+    fit.accuracy_deg = glm::degrees(sum / static_cast<double>(misses.size()));
+    sd_rad = std::max(quantile(misses, 0.5) / kRayleighMedian, glm::radians(kMinSd_deg));
+  }
+  if (!(fit.translation_sd_m <= kKnown_m && fit.kappa_sd_deg <= kKnown_deg)) {
+    throw InputError(kWhere,
+                     "pose and kappa cannot be separated: move the head nearer, farther and aside");
+  }
+
+  fit.map = mapOf(unknowns);
+  BinocularMap uncorrected = fit.map;
+  uncorrected.kappa_rad = {};
+  fit.vergence_bias_before_D = medianVergenceError_D(samples, uncorrected, fit.map);
+  fit.vergence_bias_after_D = medianVergenceError_D(samples, fit.map, fit.map);
+  return fit;
+}
+
+}  // namespace foci

@@ -1,0 +1,36 @@
+// Calibration samples grouped by target. Private to the fit.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "calibration/gaze_map/gaze_pairs.h"
+
+namespace foci {
+
+/// All samples of one target: the fit sees each target as one robust point.
+struct Station {
+  glm::dvec2 target{0.0};
+  glm::dvec2 gaze{0.0};     ///< robust centre of the samples
+  glm::dvec2 gaze_sd{0.0};  ///< robust deviation of the samples per axis
+  glm::dvec2 deg_per_unit{1.0};
+  double weight = 1.0;  ///< 0.1 to 1
+  std::vector<glm::dvec2> samples;
+};
+
+/// Throws InputError: the gaze calibration is refused because of `why`.
+[[noreturn]] void refuseGazeCalibration(const std::string& why);
+
+/// One station for each target at which gaze was measured, ordered by target.
+/// @throws InputError where no sample has gaze, or targets are more than 10000
+std::vector<Station> stationsOf(std::span<const GazePair> pairs, const GazeFrame& frame);
+
+/// @throws InputError where targets are fewer than 3 or collinear, where gaze does not move in two
+///   directions, or where targets contradict each other
+void refuseUnusable(std::span<const Station> stations);
+
+/// Smaller and larger standard deviation of a cloud of points along its principal axes.
+glm::dvec2 extents(std::span<const Station> stations, glm::dvec2 Station::*point);
+
+}  // namespace foci
