@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "app/record/tables.h"
 #include "base/text.h"
 
 namespace foci {
