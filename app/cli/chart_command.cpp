@@ -1,41 +1,40 @@
-#include "app/cli/chart_command.h"
+#include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
 
+#include "app/cli/commands.h"
+#include "app/cli/option_values.h"
+#include "app/cli/scan_options.h"
 #include "app/evaluation/chart/measure.h"
 #include "app/evaluation/chart/page.h"
 #include "app/evaluation/chart/panel.h"
-#include "app/evaluation/scan_options.h"
-#include "app/evaluation/stability/chart.h"
+#include "app/evaluation/stability/measure.h"
 #include "app/evaluation/stability/page.h"
-#include "app/platform/json_number.h"
+#include "app/platform/json_text.h"
 #include "app/platform/machine.h"
 #include "app/platform/output_folder.h"
 #include "app/platform/progress.h"
-#include "app/record/tables.h"
 #include "base/file.h"
 #include "base/input_error.h"
 
 namespace foci {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr int kMinSize_px = 16, kMaxSize_px = 4096;
 
-struct Options {
-  std::string out;
-  ScanOptions scan;
-  ChartChoice choice;
+struct ChartOptions {
+  std::string out{};
+  ScanOptions scan{};
+  EvaluationChoice choice{};
   bool stability = false, json = false;
 };
 
-Json json(const ChartPoint& point) {
+nlohmann::ordered_json pointJson(const ChartPoint& point) {
   return {{"scene", point.scene},
           {"blur_px", point.blur_px},
           {"method", point.method.spec()},
@@ -45,7 +44,7 @@ Json json(const ChartPoint& point) {
           {"on_frontier", point.on_frontier}};
 }
 
-Json json(const StabilityPoint& point) {
+nlohmann::ordered_json pointJson(const StabilityPoint& point) {
   return {{"scene", point.scene},
           {"value", point.value},
           {"method", point.by},
@@ -53,28 +52,28 @@ Json json(const StabilityPoint& point) {
 }
 
 template <class Result>
-std::string json(const std::filesystem::path& out, double seconds, const Result& result) {
-  Json points = Json::array();
-  for (const auto& point : result.points) points.push_back(json(point));
-  const Json all = {{"out", out.string()},
-                    {"seconds", seconds},
-                    {"computed", result.computed},
-                    {"kept", result.kept},
-                    {"points", points}};
-  return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string chartJson(const std::filesystem::path& out, double seconds, const Result& result) {
+  auto points = nlohmann::ordered_json::array();
+  for (const auto& point : result.points) points.push_back(pointJson(point));
+  return jsonText({{"out", out.string()},
+                   {"seconds", seconds},
+                   {"computed", result.computed},
+                   {"kept", result.kept},
+                   {"points", points}});
 }
 
-/// How far a run is.
+/// Reports the steps of a run.
 std::function<void(std::size_t)> progressOf(std::size_t steps) {
   return [progress = std::make_shared<Progress>("charting", "steps", steps),
           done = std::size_t{0}](std::size_t more) mutable { progress->advance(done += more); };
 }
 
+/// Measures and writes the table, the page and the image of all panels.
 ChartResult chart(const ChartPlan& plan, const std::filesystem::path& out) {
   OutputFolder output(out);
   ChartResult result = measureChart(plan, out, progressOf(stepsOf(plan)));
   writeText(output.stage("chart.csv"), csvOf(result.points));
-  writeChartPage(output.stage("chart.html"), plan, result.points);
+  writeText(output.stage("chart.html"), chartPage(plan, result.points));
   const double blur_px = plan.blurs_px[plan.blurs_px.size() / 2];
   if (const auto png = pngOf(overviewOf(plan, result.points, blur_px, describeMachine()))) {
     writeText(output.stage("chart.png"), *png);
@@ -87,7 +86,7 @@ StabilityResult chart(const StabilityPlan& plan, const std::filesystem::path& ou
   OutputFolder output(out);
   StabilityResult result = measureStability(plan, out, progressOf(stepsOf(plan)));
   writeText(output.stage("stability.csv"), csvOf(plan, result.points));
-  writeStabilityPage(output.stage("stability.html"), plan, result.points);
+  writeText(output.stage("stability.html"), stabilityPage(plan, result.points));
   if (const auto png = pngOf(stabilityOverview(plan, result.points))) {
     writeText(output.stage("stability.png"), *png);
   }
@@ -96,22 +95,21 @@ StabilityResult chart(const StabilityPlan& plan, const std::filesystem::path& ou
 }
 
 template <class Plan>
-void run(const Options& options, const Plan& plan, const char* page) {
+void chartAndReport(const ChartOptions& options, const Plan& plan, const char* page) {
   const auto start = std::chrono::steady_clock::now();
   const std::filesystem::path out = options.out;
   const auto result = chart(plan, out);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (options.json) {
-    std::puts(json(out, seconds, result).c_str());
+    std::puts(chartJson(out, seconds, result).c_str());
   } else {
-    std::printf("%zu cells measured, %zu kept; %.0f s; page: %s\n", result.computed, result.kept,
-                seconds, (out / page).c_str());
+    std::printf("%zu cells measured, %zu already complete; %.0f s; page: %s\n", result.computed,
+                result.kept, seconds, (out / page).c_str());
   }
 }
 
-void run(Options options) {
-  if (options.out.empty()) throw InputError("--out", "expected a value that is not empty");
+void runChart(ChartOptions options) {
   const auto& size_px = options.choice.size_px;
   if (size_px && (*size_px < kMinSize_px || *size_px > kMaxSize_px)) {
     throw InputError(
@@ -121,43 +119,47 @@ void run(Options options) {
   if (size_px && options.stability) {
     throw InputError("--size", "the scenes of --stability have a size of their own");
   }
-  const auto limit = threadLimit(options.scan);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  threadsOf(options.scan.threads));
   options.choice.scan = scanViewOf(options.scan);
   if (options.stability) {
-    run(options, planStability(options.choice), "stability.html");
+    chartAndReport(options, planStability(options.choice), "stability.html");
   } else {
-    run(options, planChart(options.choice), "chart.html");
+    chartAndReport(options, planChart(options.choice), "chart.html");
   }
 }
 
 }  // namespace
 
 void addChartCommand(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ChartOptions>();
   CLI::App* chart = app.add_subcommand("chart",
-                                       "Chart every method's speed against its accuracy, in under "
-                                       "half an hour. Interrupted, it goes\n"
-                                       "on where it stopped when run again.\n"
+                                       "Chart the speed of every method against its accuracy. The "
+                                       "run takes under half an hour;\n"
+                                       "an interrupted run continues where it stopped.\n"
                                        "Example: foci chart --out out/chart\n"
                                        "         foci chart --stability --out out/stability");
   chart->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
   chart->add_flag("--quick", options->choice.quick,
-                  "smaller images, fewer settings and runs: in under two minutes");
+                  "two minutes: smaller images, fewer settings and runs");
   chart->add_flag("--stability", options->stability,
-                  "score instead where methods give way: scenes made to break them, each with a "
-                  "dial from harmless to extreme");
+                  "score the methods on scenes made to break them, each with a dial from harmless "
+                  "to extreme");
   chart
       ->add_option("--size", options->choice.size_px, "width of the images; default 512, quick 256")
       ->type_name("PX");
-  chart->add_option("--scene", options->choice.scenes, "only this one; can be given again")
+  chart->add_option("--scene", options->choice.scenes, "only this scene; may be repeated")
       ->type_name("NAME");
   chart
       ->add_option("--method", options->choice.methods,
-                   "only this one of `foci methods`, NAME or NAME:N; can be given again")
+                   "only this method, NAME or NAME:N; may be repeated")
       ->type_name("NAME");
   addScanOptions(*chart, options->scan);
   chart->add_flag("--json", options->json, "print the figures as JSON");
-  chart->callback([options] { run(*options); });
+  chart->callback([options, chart] {
+    refuseEmptyValues(*chart);
+    runChart(*options);
+  });
 }
 
 }  // namespace foci

@@ -1,5 +1,3 @@
-#include "app/cli/doctor_command.h"
-
 #include <tbb/global_control.h>
 #include <unistd.h>
 
@@ -14,7 +12,9 @@
 #include <sstream>
 #include <thread>
 
+#include "app/cli/commands.h"
 #include "app/live/sources.h"
+#include "app/platform/json_text.h"
 #include "app/platform/machine.h"
 #include "app/window/display.h"
 #include "base/text.h"
@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double kMmPerInch = 25.4;
-constexpr double kPatience_s = 0.5;  // for a tracker to answer
+constexpr double kPatience_s = 0.5;  // time for a tracker to answer, chosen by eye
 
 std::string firstLineOf(const fs::path& file) {
   std::ifstream in(file);
@@ -58,13 +58,13 @@ Json displayJson(const DisplayFacts& display) {
   return json;
 }
 
-/// The system's list: a camera that is in use is there, too.
+/// The cameras that the system lists, also those in use by another program.
 Json camerasJson() {
   Json cameras = Json::array();
   std::error_code none;
   std::vector<fs::path> nodes;
   for (const auto& entry : fs::directory_iterator("/sys/class/video4linux", none)) {
-    // A camera has further nodes for what is no image.
+    // A camera has further nodes for metadata: only index 0 delivers images.
     if (firstLineOf(entry.path() / "index") == "0") nodes.push_back(entry.path());
   }
   std::sort(nodes.begin(), nodes.end());
@@ -78,7 +78,7 @@ Json camerasJson() {
   return cameras;
 }
 
-bool answers(const std::string& place) {
+bool trackerAnswers(const std::string& place) {
   const NamedSource tracker = openLiveSource("pupil:" + place, Study{});
   std::vector<GazeSample> samples;
   for (double now_s = 0.0; now_s < kPatience_s; now_s += 0.01) {
@@ -91,19 +91,21 @@ bool answers(const std::string& place) {
 
 Json trackersJson(const std::string& place) {
 #ifdef FOCI_PUPIL
-  return Json::array({{{"name", "Pupil Core"}, {"place", place}, {"answers", answers(place)}}});
+  return Json::array(
+      {{{"name", "Pupil Core"}, {"place", place}, {"answers", trackerAnswers(place)}}});
 #else
   (void)place;
   return Json::array();
 #endif
 }
 
-/// Of packages.txt, those that Debian's own list does not have.
+/// The packages of packages.txt that Debian does not list as installed.
 Json packagesJson() {
   Json json = {{"missing", Json::array()}, {"install", nullptr}};
   std::ifstream status("/var/lib/dpkg/status");
   if (!status) {
-    json["problem"] = "no Debian packages here: see app/packages.txt for what is needed";
+    json["problem"] =
+        "no Debian packages here: app/packages.txt lists the packages that foci needs";
     return json;
   }
   std::vector<std::string> installed;
@@ -138,70 +140,76 @@ Json examine(const std::string& pupil) {
       {"packages", packagesJson()}};
 }
 
-void printText(const Json& facts) {
-  const auto text = [](const Json& json) {
-    return json.is_string() ? json.get<std::string>() : json.dump();
-  };
-  const auto say = [](const char* what, const std::string& value) {
-    std::printf("%-10s %s\n", what, value.c_str());
-  };
-  say("foci", text(facts["version"]) + ", " + text(facts["system"]));
-  say("CPU", text(facts["cpu"]) + "; " + text(facts["cores"]) + " cores, " +
-                 text(facts["threads"]) + " threads, SIMD " + text(facts["simd"]));
-  const Json& display = facts["display"];
+std::string textOfJson(const Json& json) {
+  return json.is_string() ? json.get<std::string>() : json.dump();
+}
+
+void say(const char* what, const std::string& value) {
+  std::printf("%-10s %s\n", what, value.c_str());
+}
+
+void printDisplay(const Json& display) {
   if (!display["opengl"].is_null()) {
     const Json& opengl = display["opengl"];
-    say("OpenGL", text(opengl["version"]) + "; " + text(opengl["renderer"]) + "; textures up to " +
-                      text(opengl["texture_px"]) + " px");
+    say("OpenGL", textOfJson(opengl["version"]) + "; " + textOfJson(opengl["renderer"]) +
+                      "; textures up to " + textOfJson(opengl["texture_px"]) + " px");
   }
-  if (display.contains("problem")) say("OpenGL", text(display["problem"]));
+  if (display.contains("problem")) say("OpenGL", textOfJson(display["problem"]));
   int number = 0;
   for (const Json& monitor : display["monitors"]) {
-    std::string line = std::to_string(number++) + ": " + text(monitor["name"]) + ", " +
-                       text(monitor["size_px"][0]) + "x" + text(monitor["size_px"][1]) + " px";
+    std::string line = std::to_string(number++) + ": " + textOfJson(monitor["name"]) + ", " +
+                       textOfJson(monitor["size_px"][0]) + "x" + textOfJson(monitor["size_px"][1]) +
+                       " px";
     if (!monitor["dpi"].is_null()) {
-      line += ", " + text(monitor["size_mm"][0]) + "x" + text(monitor["size_mm"][1]) + " mm (" +
-              text(monitor["dpi"]) + " dpi, as it says itself)";
+      line += ", " + textOfJson(monitor["size_mm"][0]) + "x" + textOfJson(monitor["size_mm"][1]) +
+              " mm (" + textOfJson(monitor["dpi"]) + " dpi, as the monitor states)";
     }
-    say("monitor", line + ", " + text(monitor["refresh_Hz"]) + " Hz");
+    say("monitor", line + ", " + textOfJson(monitor["refresh_Hz"]) + " Hz");
   }
+}
+
+void printDoctorText(const Json& facts) {
+  say("foci", textOfJson(facts["version"]) + ", " + textOfJson(facts["system"]));
+  say("CPU", textOfJson(facts["cpu"]) + "; " + textOfJson(facts["cores"]) + " cores, " +
+                 textOfJson(facts["threads"]) + " threads, SIMD " + textOfJson(facts["simd"]));
+  printDisplay(facts["display"]);
   for (const Json& camera : facts["cameras"]) {
-    say("camera", text(camera["source"]) + ": " + text(camera["name"]) +
+    say("camera", textOfJson(camera["source"]) + ": " + textOfJson(camera["name"]) +
                       (camera["allowed"].get<bool>() ? "" : "; not allowed (group video?)"));
   }
   if (facts["cameras"].empty()) say("camera", "none");
   for (const Json& tracker : facts["trackers"]) {
-    say("tracker", text(tracker["name"]) + " at " + text(tracker["place"]) +
+    say("tracker", textOfJson(tracker["name"]) + " at " + textOfJson(tracker["place"]) +
                        (tracker["answers"].get<bool>() ? ": answers" : ": no answer"));
   }
   const Json& packages = facts["packages"];
   if (packages.contains("problem")) {
-    say("packages", text(packages["problem"]));
+    say("packages", textOfJson(packages["problem"]));
   } else if (packages["missing"].empty()) {
-    say("packages", "all there");
+    say("packages", "all installed");
   } else {
-    say("packages", "missing; as root: " + text(packages["install"]));
+    say("packages", "missing; as root: " + textOfJson(packages["install"]));
   }
 }
 
 }  // namespace
 
 void addDoctorCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("doctor", "What this machine offers, and what it lacks.");
+  CLI::App* command =
+      app.add_subcommand("doctor", "Show what this machine offers foci, and what it lacks.");
   struct Options {
     bool json = false;
     std::string pupil = "127.0.0.1:50020";
   };
   const auto options = std::make_shared<Options>();
-  command->add_flag("--json", options->json, "as JSON");
-  command->add_option("--pupil", options->pupil, "where Pupil Remote may answer")
-      ->type_name("HOST:PORT");
+  command->add_flag("--json", options->json, "print the facts as JSON");
+  command->add_option("--pupil", options->pupil, "address of Pupil Remote")->type_name("HOST:PORT");
   command->callback([options] {
     const Json facts = examine(options->pupil);
     if (options->json) {
-      std::puts(facts.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
+      std::puts(jsonText(facts).c_str());
     } else {
-      printText(facts);
+      printDoctorText(facts);
     }
   });
 }

@@ -1,11 +1,11 @@
-#include "app/cli/events_command.h"
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/commands.h"
+#include "app/cli/option_values.h"
 #include "app/cli/screen_options.h"
 #include "app/platform/output_folder.h"
 #include "app/record/tables.h"
@@ -35,8 +35,8 @@ std::vector<GazeState> labelsOf(const GazeTrace& trace, bool online) {
   return online ? labelSamplesOnline(trace, *trace.screen) : labelSamples(trace, *trace.screen);
 }
 
-/// Writes aside and renames.
-void writeWhole(const std::string& file, const std::string& text) {
+/// Writes to a temporary name and renames, so that no reader meets half a file.
+void writeWholeFile(const std::string& file, const std::string& text) {
   const std::filesystem::path path(file);
   OutputFolder folder(path.has_parent_path() ? path.parent_path() : ".");
   writeText(folder.stage(path.filename().string()), text);
@@ -53,7 +53,7 @@ std::string sampleTable(const GazeTrace& trace, const std::vector<GazeState>& st
   return table;
 }
 
-/// BIDS: onset and duration in seconds, no header; the columns are named beside it.
+/// BIDS: onset and duration in seconds, no header. The JSON sidecar names the columns.
 void writePhysioevents(const std::string& file, const std::vector<GazeEvent>& events) {
   constexpr std::string_view kEnding = "_physioevents.tsv";
   if (!file.ends_with(kEnding)) {
@@ -72,17 +72,35 @@ void writePhysioevents(const std::string& file, const std::vector<GazeEvent>& ev
       {"trial_type",
        {{"Description",
          "fixation, saccade, pso (post-saccadic oscillation), pursuit, blink, lost"}}}};
-  writeWhole(file, table);
-  writeWhole(file.substr(0, file.size() - 4) + ".json", sidecar.dump(2) + '\n');
+  writeWholeFile(file, table);
+  writeWholeFile(file.substr(0, file.size() - 4) + ".json", sidecar.dump(2) + '\n');
 }
 
-void detect(const EventsOptions& options) {
+/// How often each kind of event occurs, and its share of the samples: as text and in `json`.
+std::string countsOf(const std::vector<GazeState>& states, const std::vector<GazeEvent>& events,
+                     nlohmann::ordered_json& json) {
+  std::string text;
+  for (const GazeState kind : kStates) {
+    const auto samples = std::count(states.begin(), states.end(), kind);
+    const auto count = std::count_if(events.begin(), events.end(),
+                                     [&](const GazeEvent& event) { return event.kind == kind; });
+    const double share = static_cast<double>(samples) / static_cast<double>(states.size());
+    json["events"][nameOf(kind)] = {{"count", count}, {"share", share}};
+    char line[80];
+    std::snprintf(line, sizeof line, "%-9s %5ld events  %5.1f %% of the samples\n",
+                  std::string(nameOf(kind)).c_str(), static_cast<long>(count), 100.0 * share);
+    text += line;
+  }
+  return text;
+}
+
+void detectEvents(const EventsOptions& options) {
   const GazeTrace trace = readTrace(options.traces[0], {}, screenOf(options.screen));
   requireWholeScreen(*trace.screen, options.traces[0]);
   const auto states = labelsOf(trace, options.online);
   const auto events = eventsOf(states, trace, *trace.screen);
-  if (!options.out.empty()) writeWhole(options.out, eventTable(events));
-  if (!options.samples.empty()) writeWhole(options.samples, sampleTable(trace, states));
+  if (!options.out.empty()) writeWholeFile(options.out, eventTable(events));
+  if (!options.samples.empty()) writeWholeFile(options.samples, sampleTable(trace, states));
   if (!options.physioevents.empty()) writePhysioevents(options.physioevents, events);
 
   const double delay_s =
@@ -92,30 +110,20 @@ void detect(const EventsOptions& options) {
                                     {"samples", states.size()},
                                     {"online", options.online},
                                     {"delay_s", delay_s}};
-  std::string text;
-  for (const GazeState kind : kStates) {
-    const auto samples = std::count(states.begin(), states.end(), kind);
-    const auto count = std::count_if(events.begin(), events.end(),
-                                     [&](const GazeEvent& event) { return event.kind == kind; });
-    const double share = static_cast<double>(samples) / static_cast<double>(states.size());
-    summary["events"][nameOf(kind)] = {{"count", count}, {"share", share}};
-    char line[80];
-    std::snprintf(line, sizeof line, "%-9s %5ld events  %5.1f %% of the samples\n",
-                  std::string(nameOf(kind)).c_str(), static_cast<long>(count), 100.0 * share);
-    text += line;
-  }
+  const std::string text = countsOf(states, events, summary);
   if (options.json) {
     std::puts(summary.dump().c_str());
-  } else {
-    std::printf("%s, %g Hz, %zu samples", trace.format.c_str(), trace.rate_Hz, states.size());
-    if (options.online) std::printf(", online with a delay of %g ms", 1e3 * delay_s);
-    std::printf("\n%s", text.c_str());
+    return;
   }
+  std::printf("%s, %g Hz, %zu samples", trace.format.c_str(), trace.rate_Hz, states.size());
+  if (options.online) std::printf(", online with a delay of %g ms", 1e3 * delay_s);
+  std::printf("\n%s", text.c_str());
 }
 
-/// Every labelling of the pooled recordings against every other: "foci" first, then the coders.
+/// Agreement of every labeller with every other, over all recordings. The labellers are "foci" and
+/// the human coders.
 struct Scores {
-  static constexpr std::size_t kStable = 6;  // after the six states: fixation or pursuit
+  static constexpr std::size_t kStable = 6;  // after the six states: fixation and pursuit in one
 
   std::map<std::pair<std::string, std::string>, std::array<CohensKappa, 7>> kappas{};
   std::map<std::string, std::array<double, 6>> counts{};
@@ -150,7 +158,50 @@ std::string wordOf(std::size_t kind) {
   return kind == Scores::kStable ? "stable" : std::string(nameOf(kStates[kind]));
 }
 
-void score(const EventsOptions& options) {
+/// A cell of a column, right-aligned.
+std::string columnText(const std::string& text, std::size_t width) {
+  return std::string(width - std::min(width, text.size()), ' ') + text;
+}
+
+/// Cohen's kappa of each pair of labellers (columns) for each kind of event (rows): as text and in
+/// `json`.
+std::string kappaTable(const Scores& scores, nlohmann::ordered_json& json) {
+  std::string text = "kappa    ";
+  for (const auto& [pair, kappas] : scores.kappas) text += "  " + pair.first + ":" + pair.second;
+  text += '\n';
+  for (std::size_t kind = 0; kind <= Scores::kStable; ++kind) {
+    text += wordOf(kind) + std::string(9 - wordOf(kind).size(), ' ');
+    for (const auto& [pair, kappas] : scores.kappas) {
+      const auto value = kappas[kind].value();
+      text += columnText(value ? decimal(*value, 3) : "n/a",
+                         pair.first.size() + pair.second.size() + 3);
+      auto& entry = json["kappa"][pair.first + ":" + pair.second][wordOf(kind)];
+      if (value) entry = *value;
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+/// The share of the samples that each labeller (columns) gave to each kind of event (rows): as text
+/// and in `json`.
+std::string shareTable(const Scores& scores, nlohmann::ordered_json& json) {
+  std::string text = "share    ";
+  for (const auto& [name, counts] : scores.counts) text += "  " + name;
+  text += '\n';
+  for (std::size_t kind = 0; kind < Scores::kStable; ++kind) {
+    text += wordOf(kind) + std::string(9 - wordOf(kind).size(), ' ');
+    for (const auto& [name, counts] : scores.counts) {
+      const double share = counts[static_cast<std::size_t>(kStates[kind])] / scores.samples;
+      text += columnText(decimal(share, 3), name.size() + 2);
+      json["share"][name][wordOf(kind)] = share;
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+void scoreEvents(const EventsOptions& options) {
   Scores scores;
   for (const std::string& file : options.traces) {
     const LabelledTrace labelled = readLabelledTrace(file, screenOf(options.screen));
@@ -160,35 +211,7 @@ void score(const EventsOptions& options) {
   nlohmann::ordered_json json = {{"recordings", options.traces.size()},
                                  {"samples", scores.samples},
                                  {"online", options.online}};
-  std::string text = "kappa    ";
-  for (const auto& [pair, kappas] : scores.kappas) text += "  " + pair.first + ":" + pair.second;
-  text += '\n';
-  for (std::size_t kind = 0; kind <= Scores::kStable; ++kind) {
-    text += wordOf(kind) + std::string(9 - wordOf(kind).size(), ' ');
-    for (const auto& [pair, kappas] : scores.kappas) {
-      const auto value = kappas[kind].value();
-      const std::size_t width = pair.first.size() + pair.second.size() + 3;
-      std::string cell = value ? decimal(*value, 3) : "n/a";
-      text += std::string(width - std::min(width, cell.size()), ' ') + cell;
-      auto& entry = json["kappa"][pair.first + ":" + pair.second][wordOf(kind)];
-      if (value) entry = *value;
-    }
-    text += '\n';
-  }
-  text += "share    ";
-  for (const auto& [name, counts] : scores.counts) text += "  " + name;
-  text += '\n';
-  for (std::size_t kind = 0; kind < Scores::kStable; ++kind) {
-    text += wordOf(kind) + std::string(9 - wordOf(kind).size(), ' ');
-    for (const auto& [name, counts] : scores.counts) {
-      const double share = counts[static_cast<std::size_t>(kStates[kind])] / scores.samples;
-      const std::string cell = decimal(share, 3);
-      const std::size_t width = name.size() + 2;
-      text += std::string(width - std::min(width, cell.size()), ' ') + cell;
-      json["share"][name][wordOf(kind)] = share;
-    }
-    text += '\n';
-  }
+  const std::string text = kappaTable(scores, json) + shareTable(scores, json);
   if (options.json) {
     std::puts(json.dump().c_str());
   } else {
@@ -203,28 +226,27 @@ void addEventsCommand(CLI::App& app) {
   const auto options = std::make_shared<EventsOptions>();
   CLI::App* events = app.add_subcommand(
       "events",
-      "Fixations, saccades, oscillations, pursuit, blinks and losses of a recording.\n"
+      "Detect fixations, saccades, oscillations, pursuit, blinks and data loss in a recording.\n"
       "Example: foci events gaze.tsv --out events.tsv --samples samples.tsv");
   EventsOptions& o = *options;
-  events->add_option("TRACE", o.traces, "recording of gaze; with --score one or more")->required();
-  events->add_flag("--online", o.online, "as a live tracker would say it, with its delay");
-  events->add_option("--out", o.out, "the events, one a row")->type_name("FILE.tsv");
-  events->add_option("--samples", o.samples, "the label of every sample")->type_name("FILE.tsv");
-  events->add_option("--physioevents", o.physioevents, "the events as BIDS has them")
+  events->add_option("TRACE", o.traces, "gaze recording; several with --score")->required();
+  events->add_flag("--online", o.online, "use the detector of live gaze, which has a delay");
+  events->add_option("--out", o.out, "table of the events")->type_name("FILE.tsv");
+  events->add_option("--samples", o.samples, "table of the label of every sample")
+      ->type_name("FILE.tsv");
+  events
+      ->add_option("--physioevents", o.physioevents,
+                   "the events as a BIDS table with a JSON sidecar")
       ->type_name("FILE_physioevents.tsv");
   events->add_flag("--score", o.score,
-                   "agreement (Cohen's kappa) with the recordings' columns coder_NAME");
+                   "agreement (Cohen's kappa) with the human coders in the columns coder_NAME");
   addScreenOptions(*events, o.screen);
   events->add_flag("--json", o.json, "print the summary as JSON");
   events->callback([options, events] {
-    for (const CLI::Option* option : events->get_options()) {
-      if (option->count() > 0 && option->get_type_size() > 0 && option->as<std::string>().empty()) {
-        throw InputError(option->get_name(), "expected a value that is not empty");
-      }
-    }
-    if (options->score) return score(*options);
-    if (options->traces.size() > 1) throw InputError("TRACE: expected one, or --score");
-    detect(*options);
+    refuseEmptyValues(*events);
+    if (options->score) return scoreEvents(*options);
+    if (options->traces.size() > 1) throw InputError("TRACE: expected one recording, or --score");
+    detectEvents(*options);
   });
 }
 

@@ -1,9 +1,8 @@
-#include "app/cli/keys_command.h"
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 
+#include "app/cli/commands.h"
 #include "app/study/study_text.h"
 
 namespace foci {
@@ -11,7 +10,7 @@ namespace foci {
 void addKeysCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("keys", "List the keys of a study file.");
   const auto markdown = std::make_shared<bool>(false);
-  command->add_flag("--markdown", *markdown, "as docs/study.md");
+  command->add_flag("--markdown", *markdown, "print docs/study.md");
   command->callback([markdown] {
     if (*markdown) {
       std::fputs(studyKeysMarkdown().c_str(), stdout);

@@ -1,12 +1,26 @@
-#include "app/cli/live_command.h"
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
 
-#include <nlohmann/json.hpp>
-
+#include "app/cli/commands.h"
+#include "app/cli/option_values.h"
+#include "app/cli/study_options.h"
+#include "app/live/options.h"
+#include "app/platform/json_text.h"
 #include "app/record/manifest.h"
-#include "app/record/tables.h"
+#include "app/study/inputs.h"
 #include "base/text.h"
 
 namespace foci {
+namespace {
+
+/// Default frame-time budget: the window needs the rest of a refresh at 60 Hz.
+constexpr double kLiveFrame_ms = 10.0;
+
+struct LiveCommandOptions : StudyOptions {
+  LiveOptions live{};
+  std::string record{};
+};
 
 std::string liveSummaryJson(const LiveSummary& summary) {
   nlohmann::ordered_json json = {
@@ -21,17 +35,17 @@ std::string liveSummaryJson(const LiveSummary& summary) {
   json.update(landingsJson(summary.landings));
   json["records"] = nlohmann::ordered_json::array();
   for (const auto& folder : summary.records) json["records"].push_back(folder.string());
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return jsonText(json);
 }
 
 std::string liveSummaryText(const LiveSummary& summary) {
   std::string text = std::to_string(summary.frames) + " frames, the first after " +
                      decimal(summary.first_frame_s, 2) + " s; " + std::to_string(summary.repeated) +
-                     " refreshes showed an older one, " + std::to_string(summary.dropped) +
-                     " were never shown\ngaze to screen " +
+                     " refreshes showed an older frame, " + std::to_string(summary.dropped) +
+                     " frames were never shown\ngaze to screen " +
                      decimal(summary.sample_to_swap.quantile_ms(0.5), 1) +
                      " ms (median; 95 %: " + decimal(summary.sample_to_swap.quantile_ms(0.95), 1) +
-                     " ms), drawing " + decimal(summary.render.quantile_ms(0.5), 1) +
+                     " ms), rendering " + decimal(summary.render.quantile_ms(0.5), 1) +
                      " ms (95 %: " + decimal(summary.render.quantile_ms(0.95), 1) + " ms)";
   if (const Landings& landings = summary.landings; landings.count() > 0) {
     text +=
@@ -39,13 +53,65 @@ std::string liveSummaryText(const LiveSummary& summary) {
         std::to_string(landings.count()) + " saccades, " +
         decimal(landings.toFull().quantile_ms(0.5), 0) +
         " ms after the landing (median; 95 %: " + decimal(landings.toFull().quantile_ms(0.95), 0) +
-        " ms); of all frames in " + decimal(100.0 * landings.fullShare(), 0) + " %";
+        " ms); in " + decimal(100.0 * landings.fullShare(), 0) + " % of all frames";
   }
   for (const auto& folder : summary.records) {
     text += "\nrecord: foci replay " + (folder / "study.toml").string() + " --out " +
             (folder / "replay").string();
   }
   return text;
+}
+
+void runLiveCommand(const LiveCommandOptions& options, const std::string& command_line) {
+  LiveOptions live = options.live;
+  live.command = command_line;
+  // The window, the tracker and the system share one thread. A machine with two threads gives up
+  // a part of one.
+  const unsigned threads = threadsOf(options.threads);
+  live.threads = options.threads.empty() && threads > 2 ? threads - 1 : threads;
+  if (!options.record.empty()) live.record = options.record;
+  Study study = studyOf(options);
+  if (!study.quality.frame_ms) study.quality.frame_ms = kLiveFrame_ms;
+  if (study.eye.path.empty() && !study.eye.position_m) {
+    // The observer moves from the scene's own eye pose.
+    const EyePose pose = builtinPose(study);
+    study.eye.position_m = pose.position_m;
+    study.eye.look_at_m = pose.target_m;
+    study.eye.up = pose.up;
+  }
+  const LiveSummary summary = runLive(study, live);
+  std::puts((options.json ? liveSummaryJson(summary) : liveSummaryText(summary)).c_str());
+}
+
+}  // namespace
+
+void addLiveCommand(CLI::App& app, const std::string& command_line) {
+  const auto options = std::make_shared<LiveCommandOptions>();
+  CLI::App* command =
+      app.add_subcommand("live",
+                         "Look at a scene; its focus follows your eye. Press ? for the keys.\n"
+                         "Example: foci live configs/demo.toml --window");
+  addStudyOptions(*command, *options);
+  command
+      ->add_option("--source", options->live.source,
+                   "gaze source: mouse, trace:FILE, pupil:HOST:PORT or webcam[:N|FILE]")
+      ->type_name("NAME");
+  command->add_flag("--window", options->live.window, "a window instead of the full screen");
+  command
+      ->add_option("--monitor", options->live.monitor,
+                   "monitor, 0 for the primary one; `foci doctor` lists them")
+      ->type_name("N");
+  command->add_option("--record", options->record, "record from the start, to this folder")
+      ->type_name("DIR");
+  command
+      ->add_option("--socket", options->live.socket,
+                   "port for an experiment's commands; default address: this machine")
+      ->type_name("[ADDRESS:]PORT");
+  addMarkerOptions(*command, *options);
+  command->callback([options, command, command_line] {
+    refuseEmptyValues(*command);
+    runLiveCommand(*options, command_line);
+  });
 }
 
 }  // namespace foci

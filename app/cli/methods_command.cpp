@@ -1,5 +1,3 @@
-#include "app/cli/methods_command.h"
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -7,18 +5,19 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "app/cli/commands.h"
 #include "render/methods/method.h"
 
 namespace foci {
 namespace {
 
-/// As it is typed: with `:N` where it takes a number.
+/// The name as users type it, with `:N` if the method takes a number.
 std::string typed(const MethodInfo& method) {
   return std::string(method.name) + (method.max_n > 0 ? ":N" : "");
 }
 
-/// Three columns: what to type, what it does, where it is from.
-void printTable() {
+/// Three columns: name, summary, source.
+void printMethodTable() {
   std::size_t name_width = 0, summary_width = 0;
   for (const MethodInfo& method : methods()) {
     name_width = std::max(name_width, typed(method).size());
@@ -31,7 +30,7 @@ void printTable() {
   }
 }
 
-void printJson() {
+void printMethodJson() {
   auto list = nlohmann::ordered_json::array();
   for (const MethodInfo& method : methods()) {
     nlohmann::ordered_json entry = {
@@ -51,8 +50,8 @@ void addMethodsCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("methods", "List the depth-of-field methods, each with its source.");
   const auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "as JSON");
-  command->callback([json] { *json ? printJson() : printTable(); });
+  command->add_flag("--json", *json, "print the list as JSON");
+  command->callback([json] { *json ? printMethodJson() : printMethodTable(); });
 }
 
 }  // namespace foci

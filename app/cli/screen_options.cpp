@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/cli/option_values.h"
 #include "base/input_error.h"
 #include "base/number.h"
 
@@ -10,24 +11,23 @@ namespace {
 
 /// "1024x768" within limits.
 glm::dvec2 sizeOf(const std::string& option, const std::string& text, double low, double high,
-                  const char* expected) {
-  const std::size_t at = text.find('x');
-  const auto width = parseNumber(std::string_view(text).substr(0, at));
-  const auto height =
-      at == std::string::npos ? std::nullopt : parseNumber(std::string_view(text).substr(at + 1));
-  if (!width || !height || *width < low || *width > high || *height < low || *height > high) {
-    throw InputError(option + " " + text, std::string("expected ") + expected);
+                  const std::string& expected) {
+  const glm::dvec2 size = pairOf(option, text, 'x', expected);
+  if (size.x < low || size.x > high || size.y < low || size.y > high) {
+    throw InputError(option + " " + text, "expected " + expected);
   }
-  return {*width, *height};
+  return size;
 }
 
 }  // namespace
 
 void addScreenOptions(CLI::App& command, ScreenOptions& options) {
-  command.add_option("--screen-px", options.size_px, "resolution, where the file lacks it")
+  command.add_option("--screen-px", options.size_px, "resolution, if the file does not state it")
       ->type_name("WxH");
-  command.add_option("--screen-m", options.size_m, "visible area, metres")->type_name("WxH");
-  command.add_option("--distance-m", options.distance_m, "eye to screen, metres")->type_name("D");
+  command.add_option("--screen-m", options.size_m, "size of the visible area, metres")
+      ->type_name("WxH");
+  command.add_option("--distance-m", options.distance_m, "distance from eye to screen, metres")
+      ->type_name("D");
 }
 
 Screen screenOf(const ScreenOptions& options) {
@@ -53,7 +53,7 @@ void requireWholeScreen(const Screen& screen, const std::string& file) {
   if (screen.size_px.x <= 0 || screen.size_px.y <= 0) missing += " --screen-px WxH";
   if (screen.size_m.x <= 0.0 || screen.size_m.y <= 0.0) missing += " --screen-m WxH";
   if (screen.distance_m <= 0.0) missing += " --distance-m D";
-  if (!missing.empty()) throw InputError(file, "does not say all of its screen: give" + missing);
+  if (!missing.empty()) throw InputError(file, "does not state its whole screen: give" + missing);
 }
 
 }  // namespace foci

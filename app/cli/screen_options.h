@@ -1,4 +1,4 @@
-// The screen of a recording, as options give it.
+// The screen of a recording, as options state it.
 #pragma once
 
 #include <string>
@@ -11,17 +11,18 @@ class App;
 
 namespace foci {
 
+/// Texts as the user typed them; an empty text means that the option was not given.
 struct ScreenOptions {
-  std::string size_px{}, size_m{}, distance_m{};  ///< as given; empty: not
+  std::string size_px{}, size_m{}, distance_m{};
 };
 
-/// --screen-px WxH, --screen-m WxH, --distance-m D.
+/// Adds --screen-px WxH, --screen-m WxH and --distance-m D.
 void addScreenOptions(CLI::App& command, ScreenOptions& options);
 
-/// What was given; the rest is 0. @throws InputError
+/// Quantities that were not given are 0. @throws InputError
 Screen screenOf(const ScreenOptions& options);
 
-/// @throws InputError where a quantity that turns pixels into angles is missing
+/// @throws InputError if a quantity that turns pixels into angles is missing
 void requireWholeScreen(const Screen& screen, const std::string& file);
 
 }  // namespace foci

@@ -1,11 +1,11 @@
-#include "app/cli/trace_command.h"
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/commands.h"
 #include "app/cli/screen_options.h"
+#include "app/platform/json_text.h"
 #include "app/platform/output_folder.h"
 #include "app/study/inputs.h"
 #include "base/input_error.h"
@@ -34,21 +34,23 @@ TraceColumns columnsOf(const TraceOptions& options) {
   }
   if (options.time_scale_s != 0.0) {
     if (!(options.time_scale_s >= 1e-12 && options.time_scale_s <= 1.0)) {
-      throw InputError("--time-scale-s", "expected seconds a unit, 1e-12 to 1");
+      throw InputError("--time-scale-s", "expected seconds per unit of time, 1e-12 to 1");
     }
     columns.time_scale_s = options.time_scale_s;
   }
-  if (options.units == "px") columns.units = GazeUnits::px;
-  if (options.units == "deg") columns.units = GazeUnits::deg;
-  if (options.units == "normalised") columns.units = GazeUnits::normalised;
-  if (!options.units.empty() && options.units != "px" && options.units != "deg" &&
-      options.units != "normalised") {
+  if (options.units == "px") {
+    columns.units = GazeUnits::px;
+  } else if (options.units == "deg") {
+    columns.units = GazeUnits::deg;
+  } else if (options.units == "normalised") {
+    columns.units = GazeUnits::normalised;
+  } else if (!options.units.empty()) {
     throw InputError("--units " + options.units, "expected px, deg or normalised");
   }
   return columns;
 }
 
-nlohmann::ordered_json jsonOf(const TraceHeader& header, const TraceSummary& summary) {
+nlohmann::ordered_json factsOf(const TraceHeader& header, const TraceSummary& summary) {
   const auto share = [&](std::size_t count) {
     return static_cast<double>(count) /
            static_cast<double>(std::max<std::size_t>(summary.samples(), 1));
@@ -76,10 +78,10 @@ nlohmann::ordered_json jsonOf(const TraceHeader& header, const TraceSummary& sum
   return json;
 }
 
-void print(const TraceHeader& header, const TraceSummary& summary, bool json) {
-  const auto facts = jsonOf(header, summary);
+void printFacts(const TraceHeader& header, const TraceSummary& summary, bool json) {
+  const auto facts = factsOf(header, summary);
   if (json) {
-    std::puts(facts.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::puts(jsonText(facts).c_str());
     return;
   }
   for (const auto& [key, value] : facts.items()) {
@@ -95,19 +97,20 @@ void requireSamples(const TraceOptions& options, const TraceSummary& summary) {
   }
 }
 
-void info(const TraceOptions& options) {
+void showTrace(const TraceOptions& options) {
   TraceSummary summary;
   const TraceHeader header = streamTrace(options.file, columnsOf(options), screenOf(options.screen),
                                          [&](const GazeSample& sample) { summary.add(sample); });
   requireSamples(options, summary);
-  print(header, summary, options.json);
+  printFacts(header, summary, options.json);
 }
 
-void convert(const TraceOptions& options) {
+void convertTrace(const TraceOptions& options) {
   const std::filesystem::path out(options.out);
   const std::string sidecar = BidsWriter::sidecarFor(out).filename().string();
   OutputFolder folder(out.has_parent_path() ? out.parent_path() : ".");
-  // The two stand aside under a name of their own, so that the writer finds its sidecar.
+  // BidsWriter derives the sidecar's name from the table's: both files first get temporary names
+  // that match.
   const std::filesystem::path aside = folder.stage(sidecar);
   const std::filesystem::path staged = folder.stage(out.filename().string());
   const std::filesystem::path work = aside.string() + "_physio.tsv.gz";
@@ -131,17 +134,20 @@ void convert(const TraceOptions& options) {
     throw;
   }
   folder.commit();
-  print(header, summary, options.json);
+  printFacts(header, summary, options.json);
 }
 
-void addOptions(CLI::App& command, TraceOptions& o) {
-  command.add_option("FILE", o.file, "recording of gaze")->required();
-  command.add_option("--time", o.columns.time, "column of the time")->type_name("NAME");
-  command.add_option("--x", o.columns.x, "column of the horizontal position")->type_name("NAME");
-  command.add_option("--y", o.columns.y, "column of the vertical position")->type_name("NAME");
-  command.add_option("--units", o.units, "of the positions")->type_name("px|deg|normalised");
-  command.add_option("--time-scale-s", o.time_scale_s, "seconds a unit of time")->type_name("S");
-  command.add_option("--study", o.study, "its [gaze] says what the columns are")->type_name("FILE");
+void addTraceOptions(CLI::App& command, TraceOptions& o) {
+  command.add_option("FILE", o.file, "gaze recording")->required();
+  command.add_option("--time", o.columns.time, "name of the time column")->type_name("NAME");
+  command.add_option("--x", o.columns.x, "name of the column of horizontal positions")
+      ->type_name("NAME");
+  command.add_option("--y", o.columns.y, "name of the column of vertical positions")
+      ->type_name("NAME");
+  command.add_option("--units", o.units, "unit of the positions")->type_name("px|deg|normalised");
+  command.add_option("--time-scale-s", o.time_scale_s, "length of a unit of time, seconds")
+      ->type_name("S");
+  command.add_option("--study", o.study, "study whose [gaze] names the columns")->type_name("FILE");
   addScreenOptions(command, o.screen);
   command.add_flag("--json", o.json, "print the facts as JSON");
 }
@@ -150,20 +156,22 @@ void addOptions(CLI::App& command, TraceOptions& o) {
 
 void addTraceCommand(CLI::App& app) {
   CLI::App* trace = app.add_subcommand("trace",
-                                       "What a recording of gaze is, and the same as BIDS.\n"
+                                       "Show facts about a gaze recording, or convert it to BIDS.\n"
                                        "Example: foci trace info gaze.asc")
                         ->require_subcommand(1);
   const auto options = std::make_shared<TraceOptions>();
   CLI::App* facts =
-      trace->add_subcommand("info", "Format, rate, span, eyes, losses, clock jumps")->alias("INFO");
-  addOptions(*facts, *options);
-  facts->callback([options] { info(*options); });
-  CLI::App* conversion = trace->add_subcommand("convert", "As BIDS: a table and its JSON");
-  addOptions(*conversion, *options);
-  conversion->add_option("--out", options->out, "the table; its JSON goes beside it")
+      trace->add_subcommand("info", "Show format, rate, duration, eyes, data loss and clock jumps")
+          ->alias("INFO");
+  addTraceOptions(*facts, *options);
+  facts->callback([options] { showTrace(*options); });
+  CLI::App* conversion =
+      trace->add_subcommand("convert", "Write the recording as BIDS: a table and its JSON sidecar");
+  addTraceOptions(*conversion, *options);
+  conversion->add_option("--out", options->out, "table; foci writes the JSON sidecar beside it")
       ->type_name("FILE_physio.tsv.gz")
       ->required();
-  conversion->callback([options] { convert(*options); });
+  conversion->callback([options] { convertTrace(*options); });
 }
 
 }  // namespace foci

@@ -7,9 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "app/platform/json_number.h"
+#include "app/platform/json_text.h"
 #include "app/platform/machine.h"
-#include "app/platform/output_folder.h"
 #include "app/platform/sha256.h"
 #include "base/file.h"
 
@@ -25,7 +24,7 @@ std::optional<std::string> contentOf(const fs::path& file) {
   return std::string{std::istreambuf_iterator<char>(in), {}};
 }
 
-/// What a file holds under this key, as `parse` reads it.
+/// The content of a file with this key, as `parse` reads it.
 template <typename Parse>
 auto parsed(const fs::path& file, const std::string& key, const Parse& parse)
     -> std::optional<decltype(parse(Json()))> {
@@ -36,7 +35,7 @@ auto parsed(const fs::path& file, const std::string& key, const Parse& parse)
     if (json.at("key") != key) return std::nullopt;
     return parse(json);
   } catch (const Json::exception&) {
-    return std::nullopt;  // not written by us, or not whole
+    return std::nullopt;  // another program wrote the file, or it is not complete
   }
 }
 

@@ -1,4 +1,5 @@
-// What `foci chart` has measured so far, kept in files, so that nothing is measured twice.
+// The results of `foci chart` so far, in files: an interrupted run continues without measuring
+// anything twice.
 #pragma once
 
 #include <filesystem>
@@ -11,51 +12,52 @@
 
 namespace foci {
 
-/// What was measured of one method with one setting, in one scene, at one blur.
+/// Results of one method with one setting, in one scene, at one blur.
 struct ChartCell {
-  double psnr_dB = 0.0;  ///< infinite where it is the reference to the bit
+  double psnr_dB = 0.0;  ///< infinite if every bit equals the reference's
   double ssim = 0.0;
-  std::optional<double> silhouette_psnr_dB = {};  ///< nothing where no silhouette is in view
+  std::optional<double> silhouette_psnr_dB = {};  ///< absent without a silhouette in view
   double coverage_error = 0.0;
-  double visible_error = 0.0;  ///< that 95 % of the pixels stay within, just noticeable differences
-  std::optional<double> expected_error =
-      {};                 ///< what the method said of that; nothing: it does not
-  double first_ms = 0.0;  ///< of the frame that the errors are of, at all threads
-  std::map<unsigned, std::vector<double>> ms = {};  ///< of the timed frames, by threads
+  double visible_error = 0.0;  ///< 95 % quantile over the pixels, just-noticeable differences
+  /// The visible error that the method predicted; absent if the method predicts none.
+  std::optional<double> expected_error = {};
+  double first_ms = 0.0;  ///< time of the frame that the errors belong to, with all threads
+  std::map<unsigned, std::vector<double>> ms = {};  ///< times of the timed frames, by threads
 };
 
-/// What cells are measured against.
+/// The frame that cells are compared with.
 struct ChartReference {
   int views = 0;
   double split_half_psnr_dB = 0.0;
   Frame frame = {};  ///< without depth
 };
 
-/// What every figure hangs on, besides what is in the plan: the program and the machine.
+/// The part of every key that does not depend on the plan: the program and the machine.
 std::string programKey();
 
-/// A folder of cells, a file each. Every file holds a key: all that its figures hang on. A file
-/// with another key counts as absent and is overwritten; so does one that cannot be read. Files are
-/// written aside and renamed: whenever the program ends, what was stored is whole.
+/// A folder with one file for each cell. Every file states a key, which names everything that its
+/// results depend on. A file with another key, or one that cannot be read, counts as absent and is
+/// overwritten. Files are renamed into place, so every file is complete at any moment.
 class ChartCells {
  public:
-  /// @param key  what all cells hang on: program, machine. The folder is made when needed.
+  /// @param folder  must exist before the first write
+  /// @param key     what all cells depend on: program and machine
   ChartCells(std::filesystem::path folder, std::string key);
 
-  /// @param name  of the cell's file, without folder and extension
-  /// @param key   what this cell hangs on besides
+  /// @param name  the cell's file name without folder and extension
+  /// @param key   what this cell depends on in addition
   std::optional<ChartCell> load(const std::string& name, const std::string& key) const;
-  /// @throws std::runtime_error where the file cannot be written
+  /// @throws std::runtime_error if the file cannot be written
   void store(const std::string& name, const std::string& key, const ChartCell& cell) const;
 
-  /// Of a cell that is one figure, finite.
+  /// A cell that holds one finite number.
   std::optional<double> loadScore(const std::string& name, const std::string& key) const;
   void storeScore(const std::string& name, const std::string& key, double score) const;
 
-  /// With its frame, to the bit.
+  /// The reference with its frame, to the bit.
   std::optional<ChartReference> loadReference(const std::string& name,
                                               const std::string& key) const;
-  /// All but the frame.
+  /// The reference without the pixels of its frame.
   std::optional<ChartReference> loadReferenceFigures(const std::string& name,
                                                      const std::string& key) const;
   void storeReference(const std::string& name, const std::string& key,

@@ -5,34 +5,36 @@
 #include <cmath>
 #include <utility>
 
+#include "app/platform/sha256.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "render/scene/io/open_scene.h"
 #include "render/scene/surface_query.h"
 
 namespace foci {
 namespace {
 
-// The plane: found by a search over tilts of 45 to 60 degrees and distances of 1.5 and 2 sides.
-// Its corners stay inside the image, so that all of its surfels are rendered, and it is as large as
-// makes the paper's own two apertures render the paper's fragments (5.05, 17.1 and 197 million
-// against 5.69, 17.6 and 197).
+// The plane: chosen by a search over tilts of 45 to 60 degrees and distances of 1.5 and 2 sides.
+// The corners stay inside the image, so the renderer meets all surfels. The size is such that
+// method `paper` renders the fragments of Table 1 of the paper at the paper's own apertures (tests:
+// PlaneScene).
 constexpr float kPlaneSide_m = 3.833f;
 constexpr EyePose kPlanePose{{0.0f, 4.711f, 3.299f}, {0.0f, 0.0f, 0.341f}};
 constexpr double kPlaneFov_rad = 0.782;
-constexpr double kPlaneFocus_m = 5.742;  // its middle, along the axis
+constexpr double kPlaneFocus_m = 5.742;  // the middle of the plane, along the axis
 
-// No scan is to be taken for one of these.
+// Names that no scan may take.
 constexpr const char* kBuiltIn[] = {"plane", "gallery", "mask", "fence", "statue"};
 
+// Fields of view, chosen by eye unless a comment says otherwise.
 constexpr double kStatueFov_rad = 0.56;
 constexpr double kScanFov_rad = 0.6;
-constexpr std::size_t kMinInView = 1000;
-constexpr double kFocusCone_rad = 0.00873;  // half a degree, as the eye's
-
-constexpr double kGalleryFov_rad = 0.46;  // as high as the gallery is sampled for
-
+constexpr double kGalleryFov_rad = 0.46;  // the gallery is sampled for this image height
 constexpr double kFenceFov_rad = 0.5;
 constexpr double kMaskFov_rad = 0.44;
+
+constexpr std::size_t kMinInView = 1000;    // points; with fewer, no surface can be told
+constexpr double kFocusCone_rad = 0.00873;  // half a degree, as for a gaze in app/study
 
 View viewFrom(const EyePose& pose, const glm::ivec2& size_px, double fov_rad) {
   return viewOfCamera(eyeFromWorld(pose.position_m, pose.target_m, pose.up), size_px, fov_rad);
@@ -45,13 +47,13 @@ View viewFrom(const EyePose& pose, int size_px, double fov_rad) {
 RenderSettings settingsFor(double focus_m, const glm::vec3& background) {
   RenderSettings settings;
   settings.defocus.focus_D = static_cast<float>(1.0 / focus_m);
-  settings.defocus.along = DistanceAlong::axis;  // a camera, as the paper's
+  settings.defocus.along = DistanceAlong::axis;  // a camera, as in the paper
   settings.background = background;
   return settings;
 }
 
-/// What the middle of the view shows, else the point looked at. Along the sight and the axis, which
-/// are one there.
+/// Distance of the surface in the middle of the view, else of the point looked at. The line of
+/// sight is the camera's axis there.
 double focusAt_m(const SurfelCloud& cloud, const EyePose& pose) {
   const glm::dvec3 sight = glm::dvec3(pose.target_m) - glm::dvec3(pose.position_m);
   const double to_target_m = glm::length(sight);
@@ -69,7 +71,19 @@ SceneInView lionInView(std::string name, SurfelCloud cloud, const EyePose& pose,
           .settings = settingsFor(focus_m, {0.03f, 0.035f, 0.045f})};
 }
 
+std::string poseText(const EyePose& pose) {
+  std::string text;
+  for (const glm::vec3& v : {pose.position_m, pose.target_m, pose.up}) {
+    for (int i = 0; i < 3; ++i) text += decimal(v[i], 6) + " ";
+  }
+  return text;
+}
+
 }  // namespace
+
+std::string scanKey(const ScanView& scan) {
+  return sha256OfFile(scan.file) + " " + poseText(scan.pose);
+}
 
 Defocus SceneInView::defocusThrough(double aperture_m) const {
   return defocusOfLens(aperture_m, view.focal_px, settings.defocus.focus_D, settings.defocus.along);
@@ -141,7 +155,7 @@ SceneInView galleryInView(int width_px) {
 }
 
 View maskView(int size_px) {
-  // A step nearer than where the gallery's eye stands, past its foreground.
+  // A step nearer than the gallery's own eye pose, past the foreground.
   return viewFrom({{-0.02f, 1.35f, -0.38f}, {0.177f, 1.462f, -1.55f}}, size_px, kMaskFov_rad);
 }
 

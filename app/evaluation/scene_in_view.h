@@ -1,4 +1,4 @@
-// The scenes that the program measures its methods on: what is seen from where, what is in focus.
+// The scenes that foci measures its methods on, each with its view and its focus.
 #pragma once
 
 #include <filesystem>
@@ -13,20 +13,20 @@
 
 namespace foci {
 
-/// A scene as a camera sees it. Blur grows with the aperture, linearly.
+/// A scene as a camera sees it. Blur is proportional to the aperture.
 struct SceneInView {
   std::string name;
   SurfelCloud cloud;
   View view;
-  RenderSettings settings;  ///< all but the aperture
+  RenderSettings settings;  ///< everything but the aperture
 
   Defocus defocusThrough(double aperture_m) const;
   RenderSettings settingsThrough(double aperture_m) const;
 
-  /// Along the axis, of the surfels whose centres are on the image.
+  /// Distances along the axis, of the surfels whose centres lie on the image.
   std::vector<float> depthsInView_m() const;
 
-  /// The largest circle of confusion of a surfel whose centre is on the image, px.
+  /// The largest blur radius of a surfel whose centre lies on the image, px.
   double largestBlurThrough_px(double aperture_m) const;
 };
 
@@ -35,31 +35,38 @@ struct ScanView {
   EyePose pose;
 };
 
-/// The paper's plane, tilted, so far that method `paper` renders about as many fragments as the
-/// paper counted; its middle is in focus. `samples`: surfels a side; `size_px`: of the square
-/// image.
+/// SHA-256 of a scan, and its pose: everything that results on the scan depend on.
+/// @throws InputError if the file cannot be read
+std::string scanKey(const ScanView& scan);
+
+/// The plane of the 2003 paper. Tilt and distance are such that method `paper` renders about as
+/// many fragments as the paper counted. The middle of the plane is in focus.
+/// @param samples  surfels along a side
+/// @param size_px  side of the square image
 SceneInView planeInView(int samples, int size_px);
 
-/// The procedural lion, what is in the middle in focus.
+/// The procedural lion. The surface in the middle of the image is in focus.
 SceneInView statueInView(int size_px);
 
-/// A lion of one's own, likewise.
-/// @throws InputError for what cannot be read, or where fewer than a thousand points are in view
+/// A scan. The surface in the middle of the image is in focus.
+/// @throws InputError if the file cannot be read, or if fewer than a thousand points are in view
 SceneInView scanInView(const ScanView& scan, int size_px);
 
-/// The gallery from its eye, focus on the knot; things from 0.25 to 6 m. @param width_px  16 : 9
+/// The gallery from its own eye pose, with things from 0.25 to 6 m and the knot in focus.
+/// @param width_px  of an image of 16 : 9
 SceneInView galleryInView(int width_px);
 
-/// The paper's Figure 1: the gallery's half-transparent mask before its bust, which is in focus.
+/// Figure 1 of the 2003 paper: a half-transparent mask before a bust. The bust is in focus.
 SceneInView maskInView(int size_px);
 
-/// Whence it is seen: past the foreground.
+/// The view of `maskInView`: past the foreground of the gallery.
 View maskView(int size_px);
 
-/// The fence, the wall behind it in focus.
+/// A fence before a wall. The wall is in focus.
 SceneInView fenceInView(int size_px);
 
-/// Depth along the axis of one of `galleryPointsOfInterest()`.
+/// Distance along the axis of one of `galleryPointsOfInterest()`.
+/// @param place  its name (asserted)
 double galleryDepth_m(const View& view, const std::string& place);
 
 }  // namespace foci

@@ -1,5 +1,4 @@
-// Timing things against each other: repeated, and in turn, so that whatever else the machine does
-// meets all of them alike.
+// Times of runs that take turns, so that other load on the machine slows all of them alike.
 #pragma once
 
 #include <functional>
@@ -8,18 +7,18 @@
 namespace foci {
 
 struct TimedRun {
-  std::function<double()> run_ms;  ///< does it once; returns how long it took
-  int runs = 1;                    ///< > 0
-  std::vector<double> ms = {};     ///< what they took
+  std::function<double()> run_ms;  ///< runs once and returns its time
+  int runs = 1;                    ///< number of runs, > 0
+  std::vector<double> ms = {};     ///< their times
 };
 
-/// Runs everything once, in order, then everything that wants a second time, and so on.
+/// Runs every entry once, in order; then every entry that has runs left; until none has.
 void runInTurn(std::vector<TimedRun>& runs);
 
-/// The middle one, or the mean of the two in the middle. Not empty.
+/// The middle value, or the mean of the two middle ones. @param values  not empty (asserted)
 double median(std::vector<double> values);
 
-/// Numbers of threads to time at: one, and all that are allowed now.
+/// Numbers of threads to measure times with: one, and as many as TBB may use now.
 std::vector<unsigned> threadCounts();
 
 }  // namespace foci

@@ -2,15 +2,18 @@
 
 #include "app/graphics/gnuplot.h"
 #include "app/graphics/html.h"
-#include "app/record/tables.h"
 #include "base/text.h"
 
 namespace foci {
 namespace {
 
-constexpr double kAdvancePerSize = 0.56;  // of a letter, on the mean
-// As pngcairo draws: of a font size, of a point of size 1, and words by their middle.
-constexpr double kPointPerPx = 0.75, kPointRadius_px = 4.0, kMiddlePerSize = 0.33;
+constexpr double kAdvancePerSize =
+    0.56;  // mean width of a letter over the font size, chosen by eye
+
+// Units of gnuplot's pngcairo terminal, matched by eye with the SVG.
+constexpr double kPointPerPx = 0.75;     // font size
+constexpr double kPointRadius_px = 4.0;  // of a disc of point size 1
+constexpr double kMiddlePerSize = 0.33;  // baseline to the middle of the words
 
 std::string attribute(const char* name, const std::string& value) {
   return std::string(" ") + name + "=\"" + value + "\"";
@@ -38,16 +41,6 @@ const char* svgAnchor(Anchor anchor) {
 
 const char* gnuplotAnchor(Anchor anchor) {
   return anchor == Anchor::start ? "left" : anchor == Anchor::middle ? "center" : "right";
-}
-
-/// A string of gnuplot's that stands for itself.
-std::string quoted(const std::string& words) {
-  std::string text = "\"";
-  for (const char c : words) {
-    if (c == '"' || c == '\\') text += '\\';
-    text += c;
-  }
-  return text + "\"";
 }
 
 std::string svgDisc(const DrawnDisc& disc) {
@@ -138,7 +131,7 @@ std::optional<std::string> pngOf(const Drawing& drawing) {
              paperColor(disc.color) + "'");
   }
   for (const DrawnText& text : drawing.texts) {
-    script += "set label " + quoted(text.words) + " at " + px(text.at_px.x) + "," +
+    script += "set label " + gnuplotString(text.words) + " at " + px(text.at_px.x) + "," +
               px(text.at_px.y - kMiddlePerSize * text.size_px) + " " + gnuplotAnchor(text.anchor) +
               " font 'sans" + (text.bold ? " Bold" : "") + "," + px(kPointPerPx * text.size_px) +
               "' textcolor rgb '" + paperColor(text.color) + "' front\n";

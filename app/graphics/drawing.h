@@ -1,4 +1,4 @@
-// Lines, discs and words, as SVG for a page or as a PNG file.
+// Lines, discs and texts, written as SVG for a page or as a PNG file.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace foci {
 
-/// A colour "#rrggbb", or a role that follows the page's: light or dark.
+/// A colour is "#rrggbb", or one of these roles, which follow the page's light or dark style.
 inline constexpr const char* kInk = "ink";      ///< text
-inline constexpr const char* kQuiet = "quiet";  ///< lesser text
+inline constexpr const char* kQuiet = "quiet";  ///< secondary text
 inline constexpr const char* kFaint = "faint";  ///< grids
 
 struct DrawnLine {
@@ -21,15 +21,15 @@ struct DrawnLine {
   bool dashed = false;
 };
 
-/// On a page, one with a `title` or a `link` answers to the pointer.
+/// On a page, a disc with a `title` or a `link` responds to the pointer.
 struct DrawnDisc {
   glm::dvec2 at_px;
   double radius_px;
   std::string color;
   bool hollow = false;
-  std::string title = {};  ///< what is shown under the pointer
-  std::string link = {};   ///< what opens
-  std::string data = {};   ///< for the page's own script
+  std::string title = {};  ///< text under the pointer
+  std::string link = {};   ///< target of a click
+  std::string data = {};   ///< for the page's script
 };
 
 enum class Anchor { start, middle, end };
@@ -43,7 +43,7 @@ struct DrawnText {
   bool bold = false;
 };
 
-/// Origin top-left. Lines lie under discs, discs under words.
+/// The origin is the top-left corner. Lines lie under discs, discs under texts.
 struct Drawing {
   glm::dvec2 size_px;
   std::vector<DrawnLine> lines = {};
@@ -54,14 +54,14 @@ struct Drawing {
   void add(const Drawing& other, const glm::dvec2& by_px);
 };
 
-/// About how wide words are in a sans serif face.
+/// Approximate width of words in a sans serif face.
 double textWidth_px(const std::string& words, double size_px);
 
-/// An <svg> element that takes the page's colours.
+/// An <svg> element in the page's colours.
 std::string svgOf(const Drawing& drawing);
 
-/// A PNG file's bytes on white ground, drawn by gnuplot; nothing where that is not installed.
-/// @throws std::runtime_error where gnuplot fails
+/// The bytes of a PNG file on white ground, drawn by gnuplot; nothing without gnuplot.
+/// @throws std::runtime_error if gnuplot fails
 std::optional<std::string> pngOf(const Drawing& drawing);
 
 }  // namespace foci

@@ -22,6 +22,15 @@ File temporaryFile() {
 
 }  // namespace
 
+std::string gnuplotString(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
 std::optional<std::string> runGnuplot(const std::string& script) {
   const File in = temporaryFile(), out = temporaryFile();
   if (std::fwrite(script.data(), 1, script.size(), in.get()) != script.size() ||
@@ -34,7 +43,7 @@ std::optional<std::string> runGnuplot(const std::string& script) {
   posix_spawn_file_actions_adddup2(&actions, fileno(in.get()), STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, fileno(out.get()), STDOUT_FILENO);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  std::string name = "gnuplot", option = "-d";  // no settings of the user's own
+  std::string name = "gnuplot", option = "-d";  // without the user's own settings
   char* arguments[] = {name.data(), option.data(), nullptr};
   pid_t child = 0;
   const int spawned = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);

@@ -1,4 +1,4 @@
-// gnuplot, where it is installed.
+// Runs gnuplot, if it is installed.
 #pragma once
 
 #include <optional>
@@ -6,9 +6,12 @@
 
 namespace foci {
 
-/// Runs gnuplot on a script, without settings of the user's own.
-/// @return its standard output, never empty; nothing where there is no gnuplot
-/// @throws std::runtime_error where it fails
+/// Runs gnuplot on a script, without the user's own settings.
+/// @return its standard output, not empty; nothing without gnuplot
+/// @throws std::runtime_error if gnuplot fails
 std::optional<std::string> runGnuplot(const std::string& script);
+
+/// A string literal of gnuplot's language for this text.
+std::string gnuplotString(const std::string& text);
 
 }  // namespace foci

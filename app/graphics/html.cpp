@@ -29,6 +29,15 @@ td:first-child { white-space: nowrap; } td.value { font-variant-numeric: tabular
 summary { cursor: pointer; font-weight: 600; margin-top: 2rem; }
 )";
 
+const char* const kPageEnd = "</main></body></html>\n";
+
+std::string pageStart(const std::string& title, const std::string& style, const std::string& head) {
+  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width\">\n<title>" +
+         escaped(title) + "</title>\n<style>" + kPageStyle + style + "</style>" + head +
+         "</head><body><main>\n";
+}
+
 std::string escaped(const std::string& text) {
   std::string html;
   for (const char c : text) {

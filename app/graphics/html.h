@@ -1,4 +1,4 @@
-// What the program's pages have in common: they open from disk, with everything inside.
+// What the program's pages share: one style, and text quoted for HTML.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,21 @@
 
 namespace foci {
 
-/// The pages' style sheet; light and dark as the reader's system is.
+/// The pages' style sheet, light or dark as the reader's system is.
 extern const char* const kPageStyle;
 
-/// Text from outside as HTML text or attribute.
+/// A page up to and including <main>; `kPageEnd` closes it.
+/// @param title  plain text
+/// @param style  CSS besides `kPageStyle`
+/// @param head   more of <head>, as HTML
+std::string pageStart(const std::string& title, const std::string& style,
+                      const std::string& head = "");
+extern const char* const kPageEnd;
+
+/// Plain text as the text or an attribute of an HTML element.
 std::string escaped(const std::string& text);
 
-/// Base64 (RFC 4648) of a stream of bytes, in constant memory.
+/// Writes a stream of bytes as Base64 (RFC 4648), in constant memory.
 class Base64 {
  public:
   explicit Base64(std::ostream& out) : out_(out) {}
@@ -30,7 +38,7 @@ class Base64 {
   int held_ = 0;
 };
 
-/// A number and what it is, as a cell of a `numbers` block.
+/// A number and its name, as a cell of a `numbers` block. Both are HTML.
 std::string numberCell(const std::string& value, const std::string& what);
 
 }  // namespace foci

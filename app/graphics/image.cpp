@@ -9,7 +9,7 @@
 namespace foci {
 namespace {
 
-constexpr int kJpegQuality = 88;
+constexpr int kJpegQuality = 88;  // chosen by eye
 
 cv::Mat matOf(const Image& image) {
   return {image.size_px.y, image.size_px.x, CV_8UC3, const_cast<std::uint8_t*>(image.rgb.data())};
@@ -21,7 +21,7 @@ Image imageOf(const Frame& frame, std::optional<double> gamma) {
   return {.size_px = frame.size_px, .rgb = codesOf(frame, gamma)};
 }
 
-void drawMarker(Image& image, const glm::dvec2& point_px, bool held) {
+void drawMarker(Image& image, const glm::dvec2& point_px, bool broken) {
   const glm::dvec2 size_px(image.size_px);
   if (!glm::all(glm::greaterThanEqual(point_px, glm::dvec2(0.0))) ||
       !glm::all(glm::lessThan(point_px, size_px))) {
@@ -30,16 +30,16 @@ void drawMarker(Image& image, const glm::dvec2& point_px, bool held) {
   cv::Mat canvas = matOf(image);
   const double radius_px = std::max(10.0, size_px.y / 36.0);
   const int width_px = std::max(2, static_cast<int>(size_px.y / 360.0));
-  constexpr int kShift = 4;  // centres in sixteenths of a pixel; pixel centres lie at +0.5
+  constexpr int kShift = 4;  // OpenCV takes sixteenths of a pixel; pixel centres lie at +0.5
   const auto fixed = [](double px) { return static_cast<int>(std::lround(px * (1 << kShift))); };
   const cv::Point centre(fixed(point_px.x - 0.5), fixed(point_px.y - 0.5));
   const cv::Size axes(fixed(radius_px), fixed(radius_px));
-  const int arcs = held ? 8 : 1;
+  const int arcs = broken ? 8 : 1;
   for (const auto& [color, width] : {std::pair{cv::Scalar(0, 0, 0), 2 * width_px + 1},
                                      std::pair{cv::Scalar(255, 214, 10), width_px}}) {
     for (int arc = 0; arc < arcs; ++arc) {
       const double from_deg = 360.0 * arc / arcs;
-      cv::ellipse(canvas, centre, axes, 0.0, from_deg, from_deg + (held ? 22.5 : 360.0), color,
+      cv::ellipse(canvas, centre, axes, 0.0, from_deg, from_deg + (broken ? 22.5 : 360.0), color,
                   width, cv::LINE_AA, kShift);
     }
   }

@@ -1,4 +1,4 @@
-// Frames as they are shown: 8 bits, with a mark where the observer looks.
+// Frames as 8-bit images, markers, and image files.
 #pragma once
 
 #include <cstdint>
@@ -16,26 +16,26 @@ namespace foci {
 /// @param gamma  of the display; absent: sRGB
 Image imageOf(const Frame& frame, std::optional<double> gamma = std::nullopt);
 
-/// A ring around a point, legible on any ground. Points off the image are left out.
-/// @param held  the observer does not fixate now (saccade, blink, loss): the ring is broken
-void drawMarker(Image& image, const glm::dvec2& point_px, bool held);
+/// Draws a ring around a point, visible on any ground. A point outside the image gets no ring.
+/// @param broken  draws a broken ring: the observer does not fixate now
+void drawMarker(Image& image, const glm::dvec2& point_px, bool broken);
 
 /// A smaller copy, `width_px` wide, of the same shape.
 Image thumbnail(const Image& image, int width_px);
 
-/// How much differences are amplified to be seen.
+/// Factor that makes differences visible; chosen by eye.
 inline constexpr float kDifferenceGain = 8.0f;
 
-/// How far two frames are apart, |a - b| times `gain`, linear. Same sizes.
+/// |a - b| times `gain`, linear. The frames have the same size.
 Image differenceOf(const Frame& a, const Frame& b, float gain);
 
-/// Images of one size in rows of equal length, a gap between them, the columns titled.
+/// A grid of images of one size, with gaps and column titles. The rows have equal length.
 Image gridOf(const std::vector<std::vector<Image>>& rows, const std::vector<std::string>& titles);
 
-/// As a JPEG file's bytes.
+/// The bytes of a JPEG file.
 std::vector<std::uint8_t> jpegOf(const Image& image);
 
-/// As a PNG file's bytes.
+/// The bytes of a PNG file.
 std::vector<std::uint8_t> pngOf(const Image& image);
 
 }  // namespace foci

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <limits>
 
-#include "app/record/tables.h"
 #include "base/text.h"
 
 namespace foci {
 namespace {
 
+// Margins, sizes and gaps, px; chosen by eye.
 constexpr double kLeft = 58.0, kRight = 14.0, kNamesRight = 236.0, kTop = 12.0, kTitleTop = 34.0;
 constexpr double kBottom = 44.0, kUntitledBottom = 28.0;
 constexpr double kText_px = 12.0, kLabel_px = 11.0, kTitle_px = 14.0;
@@ -19,7 +19,7 @@ constexpr double kNameGap_px = 15.0;
 constexpr double kDisc_px = 4.0;
 constexpr int kMaxTicks = 7;
 
-/// The part of a drawing where the figures are.
+/// The part of a drawing between the axes.
 struct Area {
   glm::dvec2 low, high;  // px; y downwards
   const Plot& plot;
@@ -34,7 +34,7 @@ struct Area {
   glm::dvec2 at(const PlotPoint& point) const { return {x(point.x), y(point.y)}; }
 };
 
-/// A box of words, or of a disc.
+/// The bounds of a text, a disc or a line.
 struct Box {
   glm::dvec2 low, high;
   bool meets(const Box& other) const {
@@ -68,13 +68,13 @@ void drawAxes(const Area& area, Drawing& drawing) {
   }
 }
 
-/// The first place around its point where a label meets nothing.
+/// Puts a label at the first free place around its point; leaves it out if there is none.
 void placeLabel(const glm::dvec2& at, const PlotPoint& point, const std::string& color,
                 const Area& area, std::vector<Box>& taken, Drawing& drawing) {
   const double width = textWidth_px(point.label, kLabel_px), out = kDisc_px + 3.0;
   struct Place {
-    glm::dvec2 off;  // of the words' start and baseline
-    double before;   // how much of their width lies before
+    glm::dvec2 off;  // from the point to the start of the baseline
+    double before;   // share of the width that lies left of that start
   };
   const std::array<Place, 8> places = {{{{-out, -out + 2.0}, 1.0},
                                         {{out, 4.0}, 0.0},
@@ -103,22 +103,22 @@ void placeLabel(const glm::dvec2& at, const PlotPoint& point, const std::string&
 }  // namespace
 
 PlotAxis linearAxis(std::string title, const std::vector<double>& values) {
-  double least = std::numeric_limits<double>::infinity(), most = -least;
+  double min = std::numeric_limits<double>::infinity(), max = -min;
   for (const double value : values) {
     if (!std::isfinite(value)) continue;
-    least = std::min(least, value);
-    most = std::max(most, value);
+    min = std::min(min, value);
+    max = std::max(max, value);
   }
-  assert(least <= most);
-  const double span = std::max(most - least, 1e-6);
+  assert(min <= max);
+  const double span = std::max(max - min, 1e-6);
   double step = std::pow(10.0, std::floor(std::log10(span)) - 1.0);
   for (const double factor : {2.0, 2.5, 2.0, 2.0, 2.5, 2.0}) {
     if (span / step <= kMaxTicks) break;
     step *= factor;
   }
   PlotAxis axis{.title = std::move(title),
-                .from = step * std::floor(least / step),
-                .to = step * std::ceil(most / step)};
+                .from = step * std::floor(min / step),
+                .to = step * std::ceil(max / step)};
   if (axis.to <= axis.from) axis.to = axis.from + step;
   const int digits = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
   for (double at = axis.from; at < axis.to + 0.5 * step; at += step) {
@@ -129,14 +129,14 @@ PlotAxis linearAxis(std::string title, const std::vector<double>& values) {
 
 namespace {
 
-/// Powers of ten that hold all of the values, > 0 (asserted).
+/// An axis of powers of ten that covers all values, > 0 (asserted).
 template <class TextOf>
 PlotAxis powersOfTen(std::string title, const std::vector<double>& values, const TextOf& textOf) {
   assert(!values.empty());
-  const auto [least, most] = std::minmax_element(values.begin(), values.end());
-  assert(*least > 0.0);
-  const double low = std::floor(std::log10(*least) + 1e-9);
-  const double high = std::max(std::ceil(std::log10(*most) - 1e-9), low + 1.0);
+  const auto [min, max] = std::minmax_element(values.begin(), values.end());
+  assert(*min > 0.0);
+  const double low = std::floor(std::log10(*min) + 1e-9);
+  const double high = std::max(std::ceil(std::log10(*max) - 1e-9), low + 1.0);
   PlotAxis axis{.title = std::move(title),
                 .from = std::pow(10.0, low),
                 .to = std::pow(10.0, high),
@@ -156,23 +156,18 @@ PlotAxis timeAxis(std::string title, const std::vector<double>& ms) {
   });
 }
 
-PlotAxis logarithmicAxis(std::string title, std::vector<double> values, double least) {
-  for (double& value : values) value = std::max(value, least);
+PlotAxis logarithmicAxis(std::string title, std::vector<double> values, double min) {
+  for (double& value : values) value = std::max(value, min);
   return powersOfTen(std::move(title), values,
                      [](double at, int digits) { return decimal(at, digits); });
 }
 
-Drawing layOut(const Plot& plot) {
-  const Area area{
-      .low = {kLeft, (plot.title.empty() ? kTop : kTitleTop) + (plot.y.title.empty() ? 0.0 : 14.0)},
-      .high = plot.size_px - glm::dvec2(plot.end_labels ? kNamesRight : kRight,
-                                        plot.x.title.empty() ? kUntitledBottom : kBottom),
-      .plot = plot};
-  Drawing drawing{.size_px = plot.size_px};
-  drawAxes(area, drawing);
+namespace {
 
+/// Draws the lines and discs of all series. @return the space that they take
+std::vector<Box> drawSeries(const Area& area, Drawing& drawing) {
   std::vector<Box> taken;
-  for (const PlotSeries& series : plot.series) {
+  for (const PlotSeries& series : area.plot.series) {
     DrawnLine line{.points_px = {},
                    .color = series.color,
                    .width_px = series.width_px,
@@ -197,62 +192,86 @@ Drawing layOut(const Plot& plot) {
     }
     drawing.lines.push_back(std::move(line));
   }
-  for (const PlotLevel& level : plot.levels) {
-    const double y = area.y(level.y), width = textWidth_px(level.text, kLabel_px);
-    drawing.lines.push_back({{{area.low.x, y}, {area.high.x, y}}, kQuiet, 1.2, true});
-    // Above or below the line, at its right end or its left one: where nothing is in the way.
-    const double right = area.high.x - width, left = area.low.x + 4.0;
-    Box words{};
-    for (const glm::dvec2& start : {glm::dvec2(right, y - 4.0), glm::dvec2(right, y + 12.0),
-                                    glm::dvec2(left, y - 4.0), glm::dvec2(left, y + 12.0)}) {
-      words = {start - glm::dvec2(0.0, kLabel_px), start + glm::dvec2(width, 2.0)};
-      if (std::none_of(taken.begin(), taken.end(),
-                       [&](const Box& one) { return one.meets(words); })) {
-        break;
-      }
+  return taken;
+}
+
+/// Draws a level and its text: above or below the line, at its right or left end, at the first of
+/// these places that is free.
+void drawLevel(const PlotLevel& level, const Area& area, std::vector<Box>& taken,
+               Drawing& drawing) {
+  const double y = area.y(level.y), width = textWidth_px(level.text, kLabel_px);
+  drawing.lines.push_back({{{area.low.x, y}, {area.high.x, y}}, kQuiet, 1.2, true});
+  const double right = area.high.x - width, left = area.low.x + 4.0;
+  Box words{};
+  for (const glm::dvec2& start : {glm::dvec2(right, y - 4.0), glm::dvec2(right, y + 12.0),
+                                  glm::dvec2(left, y - 4.0), glm::dvec2(left, y + 12.0)}) {
+    words = {start - glm::dvec2(0.0, kLabel_px), start + glm::dvec2(width, 2.0)};
+    if (std::none_of(taken.begin(), taken.end(),
+                     [&](const Box& one) { return one.meets(words); })) {
+      break;
     }
-    const bool at_right = words.low.x == right;
-    drawing.texts.push_back({{at_right ? area.high.x : left, words.high.y - 2.0},
-                             level.text,
-                             at_right ? Anchor::end : Anchor::start,
-                             kQuiet,
-                             kLabel_px});
-    taken.push_back(words);
-    taken.push_back({{area.low.x, y - 1.0}, {area.high.x, y + 1.0}});
   }
-  for (const bool hollow : {false, true}) {  // full ones first
-    for (const PlotSeries& series : plot.series) {
+  const bool at_right = words.low.x == right;
+  drawing.texts.push_back({{at_right ? area.high.x : left, words.high.y - 2.0},
+                           level.text,
+                           at_right ? Anchor::end : Anchor::start,
+                           kQuiet,
+                           kLabel_px});
+  taken.push_back(words);
+  taken.push_back({{area.low.x, y - 1.0}, {area.high.x, y + 1.0}});
+}
+
+/// Labels the points; full points get their places first.
+void drawLabels(const Area& area, std::vector<Box>& taken, Drawing& drawing) {
+  for (const bool hollow : {false, true}) {
+    for (const PlotSeries& series : area.plot.series) {
       for (const PlotPoint& point : series.points) {
         if (point.hollow != hollow || point.label.empty()) continue;
         placeLabel(area.at(point), point, series.color, area, taken, drawing);
       }
     }
   }
+}
 
-  if (plot.end_labels) {
-    // At the right end, pushed apart.
-    std::vector<std::pair<double, const PlotSeries*>> names;
-    for (const PlotSeries& series : plot.series) {
-      if (!series.points.empty()) names.emplace_back(area.at(series.points.back()).y, &series);
-    }
-    std::sort(names.begin(), names.end(),
-              [](const auto& a, const auto& b) { return a.first < b.first; });
-    double free_y = 0.0;
-    for (auto& [y, series] : names) {
-      y = std::max(y, free_y);
-      free_y = y + kNameGap_px;
-    }
-    // Back up from the image's lower edge.
-    free_y = plot.size_px.y - 8.0;
-    for (auto name = names.rbegin(); name != names.rend(); ++name) {
-      name->first = std::min(name->first, free_y);
-      free_y = name->first - kNameGap_px;
-    }
-    for (const auto& [y, series] : names) {
-      drawing.texts.push_back(
-          {{area.high.x + 14.0, y + 4.0}, series->name, Anchor::start, series->color, kText_px});
-    }
+/// Writes the names of the series at the right ends of their lines, pushed apart.
+void drawEndLabels(const Area& area, Drawing& drawing) {
+  std::vector<std::pair<double, const PlotSeries*>> names;
+  for (const PlotSeries& series : area.plot.series) {
+    if (!series.points.empty()) names.emplace_back(area.at(series.points.back()).y, &series);
   }
+  std::sort(names.begin(), names.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  double free_y = 0.0;
+  for (auto& [y, series] : names) {
+    y = std::max(y, free_y);
+    free_y = y + kNameGap_px;
+  }
+  // Push names that leave the image back up from its lower edge.
+  free_y = area.plot.size_px.y - 8.0;
+  for (auto name = names.rbegin(); name != names.rend(); ++name) {
+    name->first = std::min(name->first, free_y);
+    free_y = name->first - kNameGap_px;
+  }
+  for (const auto& [y, series] : names) {
+    drawing.texts.push_back(
+        {{area.high.x + 14.0, y + 4.0}, series->name, Anchor::start, series->color, kText_px});
+  }
+}
+
+}  // namespace
+
+Drawing layOut(const Plot& plot) {
+  const Area area{
+      .low = {kLeft, (plot.title.empty() ? kTop : kTitleTop) + (plot.y.title.empty() ? 0.0 : 14.0)},
+      .high = plot.size_px - glm::dvec2(plot.end_labels ? kNamesRight : kRight,
+                                        plot.x.title.empty() ? kUntitledBottom : kBottom),
+      .plot = plot};
+  Drawing drawing{.size_px = plot.size_px};
+  drawAxes(area, drawing);
+  std::vector<Box> taken = drawSeries(area, drawing);
+  for (const PlotLevel& level : plot.levels) drawLevel(level, area, taken, drawing);
+  drawLabels(area, taken, drawing);
+  if (plot.end_labels) drawEndLabels(area, drawing);
   return drawing;
 }
 

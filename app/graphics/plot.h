@@ -1,4 +1,4 @@
-// Points and lines over two axes, laid out with their labels: what every chart of figures shares.
+// Points and lines over two axes, laid out with their labels.
 #pragma once
 
 #include <string>
@@ -15,38 +15,39 @@ struct PlotTick {
 
 struct PlotAxis {
   std::string title = {};
-  double from = 0.0, to = 1.0;  ///< `from` < `to`; both > 0 where logarithmic
+  double from = 0.0, to = 1.0;  ///< `from` < `to`; both > 0 on a logarithmic axis
   bool logarithmic = false;
   std::vector<PlotTick> ticks = {};
 };
 
-/// Round steps that hold all of the values, finite ones counted. At least one must be (asserted).
+/// An axis with round steps that covers all finite values. At least one value is finite (asserted).
 PlotAxis linearAxis(std::string title, const std::vector<double>& values);
 
-/// Times in milliseconds: powers of ten that hold all of the values. All > 0 (asserted).
+/// A logarithmic axis in powers of ten that covers times in milliseconds, > 0 (asserted).
 PlotAxis timeAxis(std::string title, const std::vector<double>& ms);
 
-/// Powers of ten that hold all of the values, those below `least` > 0 counted as it.
-PlotAxis logarithmicAxis(std::string title, std::vector<double> values, double least);
+/// A logarithmic axis in powers of ten that covers the values. Values below `min` > 0 count as
+/// `min`.
+PlotAxis logarithmicAxis(std::string title, std::vector<double> values, double min);
 
 struct PlotPoint {
-  double x = 0.0, y = 0.0;  ///< beyond the axes: drawn at their ends
-  std::string label = {};   ///< beside it, where there is room
+  double x = 0.0, y = 0.0;  ///< values beyond an axis are drawn at its end
+  std::string label = {};   ///< beside the point, if there is room
   bool hollow = false;
-  std::string title = {}, link = {}, data = {};  ///< as of a DrawnDisc
+  std::string title = {}, link = {}, data = {};  ///< as in DrawnDisc
 };
 
 struct PlotSeries {
-  std::string name = {};  ///< at the end of its line, where `end_labels`
+  std::string name = {};  ///< at the end of the line, with `end_labels`
   std::string color = {};
   std::vector<PlotPoint> points = {};
-  bool line = true;  ///< from point to point
+  bool line = true;  ///< joins the points
   bool discs = true;
   bool dashed = false;
   double width_px = 1.4;
 };
 
-/// A value that nothing passes, or is to reach.
+/// A horizontal line at a value, e.g. a bound.
 struct PlotLevel {
   double y = 0.0;
   std::string text = {};
@@ -57,7 +58,7 @@ struct Plot {
   PlotAxis x = {}, y = {};
   std::vector<PlotSeries> series = {};
   std::vector<PlotLevel> levels = {};
-  bool end_labels = false;  ///< the series' names in a column on the right
+  bool end_labels = false;  ///< names of the series in a column on the right
   glm::dvec2 size_px{600.0, 360.0};
 };
 

@@ -1,4 +1,4 @@
-// H.264 video, encoded in a thread of its own beside the rendering.
+// H.264 video, encoded in a thread of its own while foci renders.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +15,19 @@ struct Image {
   std::vector<std::uint8_t> rgb;
 };
 
-/// Frames come out in the order they went in. At most a few wait: `push` blocks until there is
-/// room.
+/// Keeps the order of the frames. At most a few frames wait for the encoder: then `push` blocks.
 class VideoWriter {
  public:
   /// @param file  ends in .mp4; `size_px` even
-  /// @throws std::runtime_error where OpenCV offers no H.264 encoder or the file cannot be written
+  /// @throws std::runtime_error if OpenCV has no H.264 encoder or the file cannot be written
   VideoWriter(const std::filesystem::path& file, const glm::ivec2& size_px, double fps);
   ~VideoWriter();
 
-  /// @throws std::runtime_error where encoding has failed meanwhile
+  /// @throws std::runtime_error if encoding has failed
   void push(Image&& image);
 
   /// Waits for the last frame and closes the file.
-  /// @throws std::runtime_error where encoding has failed, or the file is not whole
+  /// @throws std::runtime_error if encoding has failed or the file is not complete
   void finish();
 
  private:
@@ -36,8 +35,8 @@ class VideoWriter {
   std::unique_ptr<Worker> worker_;
 };
 
-/// Whether a file is boxes of ISO/IEC 14496-12 from its first byte to its last, their index among
-/// them. One that a full disk has cut short is not, though the encoder says nothing.
+/// True if a file consists of boxes of ISO/IEC 14496-12 from its first byte to its last, with an
+/// index among them. The encoder does not report a file that a full disk truncates.
 bool isWholeMp4(const std::filesystem::path& file);
 
 }  // namespace foci

@@ -1,14 +1,14 @@
-// Ctrl-C and termination end a run as an error does: nothing half-written stays.
+// Ctrl-C and termination end a run like an error: no half-written file stays.
 #pragma once
 
 namespace foci {
 
-/// From now on SIGINT and SIGTERM are noted rather than deadly; a second one is deadly again.
+/// From now on the first SIGINT or SIGTERM only sets a flag. A second signal ends the process.
 void noteInterrupts();
 
 bool isInterrupted();
 
-/// @throws std::runtime_error once a signal has been noted
+/// @throws std::runtime_error after a signal
 void throwIfInterrupted();
 
 }  // namespace foci

@@ -1,4 +1,4 @@
-// What a result was computed on.
+// The machine that a result was computed on.
 #pragma once
 
 #include <string>
@@ -6,9 +6,9 @@
 namespace foci {
 
 struct Machine {
-  std::string cpu;     ///< "unknown" where the system does not say
+  std::string cpu;     ///< "unknown" if the system does not state it
   unsigned cores = 0;  ///< that this process may use
-  std::string simd;    ///< the widest instruction set of the code in use, e.g. "AVX3"
+  std::string simd;    ///< instruction set that the code uses, e.g. "AVX3"
   std::string system;  ///< kernel and release
 };
 

@@ -12,7 +12,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Removes what a run that was killed has left aside of `name`: told by its process, which is gone.
+/// Removes the temporary files of killed runs: files whose name holds the id of a process that no
+/// longer exists.
 void removeLeftovers(const fs::path& folder, const std::string& before, const std::string& after) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
@@ -31,9 +32,9 @@ void removeLeftovers(const fs::path& folder, const std::string& before, const st
 
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   std::error_code error;
-  const fs::path whole = fs::absolute(folder_, error);
+  const fs::path absolute = fs::absolute(folder_, error);
   fs::path part;
-  for (const fs::path& name : whole) {
+  for (const fs::path& name : absolute) {
     part /= name;
     if (fs::is_directory(part, error)) continue;
     if (!fs::create_directory(part, error)) {
@@ -51,7 +52,7 @@ OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
 OutputFolder::~OutputFolder() {
   std::error_code ignored;
   if (committed_) return;
-  for (const Staged& file : staged_) fs::remove(file.aside, ignored);
+  for (const Staged& file : staged_) fs::remove(file.temporary, ignored);
   for (auto made = made_.rbegin(); made != made_.rend(); ++made) fs::remove(*made, ignored);
 }
 
@@ -60,13 +61,13 @@ fs::path OutputFolder::stage(const std::string& name) {
   const std::string before = "." + final.stem().string() + ".";
   const std::string after = ".part" + final.extension().string();
   removeLeftovers(folder_, before, after);
-  fs::path aside = folder_ / (before + std::to_string(getpid()) + after);
-  staged_.push_back({aside, final});
-  return aside;
+  fs::path temporary = folder_ / (before + std::to_string(getpid()) + after);
+  staged_.push_back({temporary, final});
+  return temporary;
 }
 
 void OutputFolder::commit() {
-  for (const Staged& file : staged_) fs::rename(file.aside, file.final);
+  for (const Staged& file : staged_) fs::rename(file.temporary, file.final);
   committed_ = true;
 }
 

@@ -1,5 +1,5 @@
-// Outputs are written aside and renamed together: a reader never meets a half-written file, and a
-// run that fails leaves nothing.
+// A folder of outputs. Files get temporary names first and their final names together: readers
+// never meet half a file, and a run that fails leaves nothing.
 #pragma once
 
 #include <filesystem>
@@ -8,28 +8,28 @@
 
 namespace foci {
 
-/// The folder of a run's files. Until `commit`, they stand aside under hidden names; if it is never
-/// reached, they are removed, and so are the folders that were made for them.
+/// Files have hidden temporary names until `commit`. Without `commit`, the destructor removes them,
+/// and the folders that the constructor made.
 class OutputFolder {
  public:
-  /// Makes the folder and its parents where they are missing.
-  /// @throws std::runtime_error where that fails, or where the path is something else
+  /// Makes the folder and its missing parents.
+  /// @throws std::runtime_error if a folder cannot be made
   explicit OutputFolder(std::filesystem::path folder);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Where to write `name` for now; same extension, same file system. What a killed run has left
-  /// there of the same name is removed.
+  /// The temporary path of `name`, with the same extension. Also removes temporary files of `name`
+  /// that killed runs left.
   std::filesystem::path stage(const std::string& name);
 
-  /// Gives every staged file its name, in the order of staging.
+  /// Gives every staged file its final name, in the order of staging.
   /// @throws std::runtime_error
   void commit();
 
  private:
   struct Staged {
-    std::filesystem::path aside, final;
+    std::filesystem::path temporary, final;
   };
   std::filesystem::path folder_;
   std::vector<std::filesystem::path> made_;  ///< outermost first

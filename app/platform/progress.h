@@ -1,4 +1,4 @@
-// How far a long job is, on standard error: a bar on a terminal, a plain line now and then
+// Progress of a long job on standard error: a bar on a terminal, a plain line every few seconds
 // elsewhere.
 #pragma once
 

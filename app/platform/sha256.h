@@ -13,7 +13,7 @@ class Sha256 {
   Sha256();
   ~Sha256();
   void add(std::span<const unsigned char> bytes);
-  /// 64 hexadecimal digits of all that was added. To be asked once.
+  /// The hash of all bytes added, 64 hexadecimal digits. Call it once.
   std::string hex();
 
  private:
@@ -21,7 +21,7 @@ class Sha256 {
   std::unique_ptr<State> state_;
 };
 
-/// @throws InputError where the file cannot be read
+/// @throws InputError if the file cannot be read
 std::string sha256OfFile(const std::filesystem::path& path);
 
 }  // namespace foci

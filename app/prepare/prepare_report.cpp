@@ -8,18 +8,13 @@
 namespace foci {
 namespace {
 
-constexpr const char* kStyle = R"(
-:root { color-scheme: light dark; --ground: #fbfbfa; --ink: #1d2127; --quiet: #626a75; --line: #e3e4e6; --bar: #3d7ea6; --rest: #c3d3de; }
-@media (prefers-color-scheme: dark) {
-  :root { --ground: #14161a; --ink: #e4e6ea; --quiet: #9aa2ad; --line: #2d3138; --bar: #6db3dc; --rest: #37505f; } }
-body { margin: 0; background: var(--ground); color: var(--ink); font: 15px/1.5 system-ui, sans-serif; }
-main { max-width: 860px; margin: 0 auto; padding: 2rem 1.25rem 4rem; }
-h1 { font-size: 1.5rem; margin: 0 0 .25rem; } h2 { font-size: 1.1rem; margin: 2.5rem 0 .75rem; }
-p { margin: .5rem 0; max-width: 72ch; } .quiet { color: var(--quiet); }
-table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabular-nums; }
-table { margin-top: .75rem; }
+constexpr const char* kReportStyle = R"(
+:root { --bar: #3d7ea6; --rest: #c3d3de; }
+@media (prefers-color-scheme: dark) { :root { --bar: #6db3dc; --rest: #37505f; } }
+main { max-width: 860px; }
+table { margin-top: .75rem; width: auto; font-size: .92rem; font-variant-numeric: tabular-nums; }
 td, th { border-top: 1px solid var(--line); padding: .3rem 1.5rem .3rem 0; text-align: left; font-weight: normal; }
-svg { width: 100%; height: auto; } svg text { fill: var(--quiet); font: 12px system-ui, sans-serif; }
+svg text { fill: var(--quiet); font: 12px system-ui, sans-serif; }
 )";
 
 constexpr double kChartWidth = 800.0, kChartHeight = 140.0, kAxisHeight = 22.0;
@@ -31,7 +26,7 @@ std::string format(const char* pattern, Values... values) {
   return text;
 }
 
-/// Of the whole surface, and before it that of the smooth parts.
+/// Histogram of the whole surface, and in front of it the histogram of the smooth parts.
 std::string histogramSvg(const Normalisation& n) {
   const double highest = static_cast<double>(
       std::max<std::size_t>(*std::max_element(n.histogram.begin(), n.histogram.end()), 1));
@@ -81,13 +76,12 @@ std::string levelSection(const PrepareSummary& summary, const LevelNormalisation
   std::string section =
       format("<h2>Level of %zu nodes, %.1f surfels in each</h2>\n", level.nodes,
              static_cast<double>(summary.surfels) / static_cast<double>(level.nodes));
-  section +=
-      format("<p class=\"quiet\">in focus, a pixel as wide as %.2f of the nodes' spacing</p>\n",
-             level.sharp.pixel_spacings);
+  section += format("<p class=\"quiet\">in focus; a pixel is %.2f of the nodes' spacing wide</p>\n",
+                    level.sharp.pixel_spacings);
   section += histogramSvg(level.sharp);
-  section += format(
-      "<p class=\"quiet\">blurred, a circle of confusion of radius %.2f of their spacing</p>\n",
-      level.blurred.blur_spacings);
+  section +=
+      format("<p class=\"quiet\">blurred; the blur radius is %.2f of the nodes' spacing</p>\n",
+             level.blurred.blur_spacings);
   section += histogramSvg(level.blurred);
   return section + kTableHead + tableRows(", in focus", level.sharp) +
          tableRows(", blurred", level.blurred) + "</table>\n";
@@ -96,11 +90,9 @@ std::string levelSection(const PrepareSummary& summary, const LevelNormalisation
 }  // namespace
 
 std::string prepareReport(const PrepareRequest& request, const PrepareSummary& summary) {
-  const std::string name = escaped(summary.out.filename().string());
-  std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>" +
-                     name + "</title><style>" + kStyle + "</style></head><body><main>\n<h1>" +
-                     name + "</h1>\n<p class=\"quiet\">from " + escaped(request.input.string()) +
-                     "</p>\n";
+  const std::string name = summary.out.filename().string();
+  std::string page = pageStart(name, kReportStyle) + "<h1>" + escaped(name) +
+                     "</h1>\n<p class=\"quiet\">from " + escaped(request.input.string()) + "</p>\n";
   page += format("<p>%zu surfels on %.4g m<sup>2</sup>, one every %.3g mm. ", summary.surfels,
                  summary.area_m2, 1000.0 * summary.spacing_m);
   page += summary.oriented ? "Their normals tell the outside from the inside.</p>\n"
@@ -110,29 +102,28 @@ std::string prepareReport(const PrepareRequest& request, const PrepareSummary& s
         format("<p>%zu points were left out: their position is not finite.</p>\n", summary.dropped);
   }
   page +=
-      "<p>The kernels of a whole surface sum to one at every pixel. Below, the sums of the kernels "
-      "as they are rendered, at points spread over this surface by area. Smooth parts, in the "
-      "stronger "
-      "colour, have agreeing normals, lie in one plane and have no border, as far as kernels "
-      "reach.</p>\n";
+      "<p>The kernels of a surface without holes sum to one at every pixel. The histograms show "
+      "the "
+      "sums of the kernels as foci renders them, at points spread evenly over this surface. Smooth "
+      "parts, in the stronger colour, have agreeing normals, lie in one plane and have no border "
+      "within the reach of a kernel.</p>\n";
   for (std::size_t i = 0; i < summary.normalisation.size(); ++i) {
     const Normalisation &before = summary.before[i], &after = summary.normalisation[i];
-    page +=
-        format("<h2>A pixel as wide as %g of the surfels' spacing</h2>\n", after.pixel_spacings);
-    page += "<p class=\"quiet\">before weights and sizes were solved</p>\n" + histogramSvg(before) +
+    page += format("<h2>A pixel of %g times the surfels' spacing</h2>\n", after.pixel_spacings);
+    page += "<p class=\"quiet\">before foci solved weights and sizes</p>\n" + histogramSvg(before) +
             "<p class=\"quiet\">after</p>\n" + histogramSvg(after) + kTableHead +
             tableRows(", before", before) + tableRows(", after", after) + "</table>\n";
   }
   if (!summary.levels.empty()) {
     page +=
-        "<h2>Levels of detail</h2>\n<p>Blurred and distant parts are rendered from nodes, each in "
-        "place "
-        "of its surfels, with the sum of their areas for a weight. Each level as it is seen where "
-        "it is rendered at its coarsest; towards coarser ones fewer places are smooth as far as a "
-        "node's kernel reaches.</p>\n";
+        "<h2>Levels of detail</h2>\n<p>foci renders blurred and distant parts from nodes. Each "
+        "node "
+        "stands for several surfels and has the sum of their areas as its weight. Each level is "
+        "shown where foci renders it at its coarsest. On coarser levels fewer places are smooth "
+        "within the reach of a node's kernel.</p>\n";
   }
   for (const LevelNormalisation& level : summary.levels) page += levelSection(summary, level);
-  return page + "</main></body></html>\n";
+  return page + kPageEnd;
 }
 
 }  // namespace foci

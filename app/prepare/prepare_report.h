@@ -1,13 +1,13 @@
-// The page beside a prepared scene: what it is made of, and histograms of its kernels' sums.
+// The report on a prepared scene: its facts, and histograms of the sums of its kernels.
 #pragma once
 
 #include <string>
 
-#include "app/prepare/prepare_command.h"
+#include "app/prepare/prepare.h"
 
 namespace foci {
 
-/// A whole HTML page that opens from disk.
+/// A complete HTML page.
 std::string prepareReport(const PrepareRequest& request, const PrepareSummary& summary);
 
 }  // namespace foci

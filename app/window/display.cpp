@@ -47,7 +47,7 @@ DisplayFacts describeDisplay() {
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &facts.texture_px);
     glfwDestroyWindow(window);
   } else {
-    facts.problem = "no OpenGL 3.3: a driver for it is missing (libgl1-mesa-dri draws in software)";
+    facts.problem = "no OpenGL 3.3: its driver is missing (libgl1-mesa-dri renders in software)";
   }
   glfwTerminate();
   return facts;

@@ -1,4 +1,4 @@
-// What the machine's display offers.
+// Facts about the machine's displays.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -11,18 +11,18 @@ namespace foci {
 struct MonitorFacts {
   std::string name;
   glm::ivec2 size_px{0, 0};
-  glm::ivec2 size_mm{0, 0};  ///< 0: it does not say
+  glm::ivec2 size_mm{0, 0};  ///< 0: the monitor does not state it
   double refresh_Hz = 0.0;
 };
 
 struct DisplayFacts {
-  std::string problem;                 ///< why what follows is empty; "" where it is not
-  std::string opengl, renderer;        ///< as the driver names them
-  int texture_px = 0;                  ///< widest and highest texture
-  std::vector<MonitorFacts> monitors;  ///< as `foci live --monitor` counts them
+  std::string problem;                 ///< the reason if the other fields are empty
+  std::string opengl, renderer;        ///< as the driver states them
+  int texture_px = 0;                  ///< max width and height of a texture
+  std::vector<MonitorFacts> monitors;  ///< in the order of `foci live --monitor`
 };
 
-/// Opens a hidden window for a moment.
+/// Opens a hidden window for a moment to ask OpenGL.
 DisplayFacts describeDisplay();
 
 }  // namespace foci

@@ -1,6 +1,6 @@
 #include "app/window/window.h"
 
-// Functions beyond OpenGL 1.1; the library has them all.
+// Declares the functions beyond OpenGL 1.1, which the library has.
 #define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
 #include <GL/glext.h>
@@ -68,7 +68,7 @@ Window::Window(const std::string& title, std::optional<glm::ivec2> size_px, int 
   }
   ImGui::StyleColorsLight();
   listen();
-  ImGui_ImplGlfw_InitForOpenGL(window_, true);  // which calls our listeners, too
+  ImGui_ImplGlfw_InitForOpenGL(window_, true);  // ImGui's listeners call ours too
   ImGui_ImplOpenGL3_Init("#version 330");
 }
 
@@ -179,8 +179,8 @@ Texture::~Texture() {
 void Texture::set(const glm::ivec2& size_px, const unsigned char* rgb) {
   if (id_ == 0) glGenTextures(1, &id_);
   glBindTexture(GL_TEXTURE_2D, id_);
-  // As windows have their pixels, and no size in the format's name, so that the library may keep
-  // them so: then neither upload nor `fill` converts any. Drawn by the processor, that is a tenth.
+  // BGRA without a size in the format's name matches the pixels of windows: then neither upload nor
+  // `fill` converts a pixel. Software OpenGL spends about a tenth of a frame on such conversions.
   const cv::Mat from(size_px.y, size_px.x, CV_8UC3, const_cast<unsigned char*>(rgb));
   bgra_.resize(4 * static_cast<std::size_t>(size_px.x) * size_px.y);
   cv::Mat to(size_px.y, size_px.x, CV_8UC4, bgra_.data());
@@ -202,14 +202,14 @@ void Texture::set(const glm::ivec2& size_px, const unsigned char* rgb) {
 
 void Texture::fill(const glm::ivec2& size_px) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, frame_buffer_);
-  // Rows of the image go from the top, those of the frame buffer from the bottom.
+  // Rows of the image start at the top, rows of the frame buffer at the bottom.
   glBlitFramebuffer(0, 0, size_px_.x, size_px_.y, 0, size_px.y, size_px.x, 0, GL_COLOR_BUFFER_BIT,
                     size_px == size_px_ ? GL_NEAREST : GL_LINEAR);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }
 
 void* Texture::id() const {
-  // Dear ImGui names textures so.  NOLINTNEXTLINE(performance-no-int-to-ptr)
+  // Dear ImGui identifies textures by pointers.  NOLINTNEXTLINE(performance-no-int-to-ptr)
   return reinterpret_cast<void*>(static_cast<std::uintptr_t>(id_));
 }
 

@@ -1,4 +1,4 @@
-// A window with OpenGL 3.3 and Dear ImGui, and nothing of what it shows.
+// A window with OpenGL 3.3 and Dear ImGui; it knows nothing about its content.
 #pragma once
 
 #include <chrono>
@@ -15,39 +15,40 @@ namespace foci {
 class Window {
  public:
   /// @param size_px  of the window; absent: the whole monitor
-  /// @param monitor  counted from 0, the primary one
-  /// @throws InputError where there is no such monitor
-  /// @throws std::runtime_error where there is no display or no OpenGL 3.3
+  /// @param monitor  number; 0 is the primary monitor
+  /// @throws InputError for an unknown monitor
+  /// @throws std::runtime_error without a display or OpenGL 3.3
   Window(const std::string& title, std::optional<glm::ivec2> size_px, int monitor = 0);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Waits for input, for `wake` or until the time is over. False once the window was closed.
+  /// Waits for input, for `wake`, or for `seconds`. @return false after the window was closed
   bool wait(double seconds);
   /// Ends a `wait`, from any thread.
   static void wake();
 
-  /// Starts a frame: events, a blank image. False once the window was closed.
+  /// Starts a frame: handles events and clears the window. @return false after the window was
+  /// closed
   bool begin(const glm::vec3& background);
-  /// Draws the frame's Dear ImGui commands and shows it.
+  /// Executes the frame's Dear ImGui commands and shows the frame.
   void end();
 
-  /// Keys (GLFW's numbers) that went down or repeated since the last call, and what was typed.
+  /// Keys (numbers of GLFW) pressed or repeated since the last call, and characters typed.
   std::vector<int> takeKeys();
   std::vector<unsigned> takeTyped();
-  bool leftButton() const;   ///< of the mouse is down
-  bool rightButton() const;  ///< of the mouse is down
+  bool leftButton() const;   ///< true while the left mouse button is down
+  bool rightButton() const;  ///< true while the right mouse button is down
 
   glm::dvec2 size_px() const;
   glm::ivec2 frameBufferSize_px() const;
   glm::dvec2 cursor_px() const;
-  bool hovered() const;  ///< the mouse is inside
-  /// Of the window's monitor, as it states itself; 60 where it does not.
+  bool hovered() const;  ///< true while the mouse is inside
+  /// Refresh rate that the monitor states; 60 if it states none.
   double refresh_Hz() const;
   double time_s() const;
 
-  /// Size of the monitor as it states itself; absent where it does not.
+  /// Size that the monitor states; absent if it states none.
   std::optional<glm::dvec2> monitorSize_m() const;
   glm::ivec2 monitorSize_px() const;
 
@@ -61,7 +62,7 @@ class Window {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// An image on the graphics card, to be shown by ImGui::Image. Needs a Window.
+/// An image on the graphics card, for ImGui::Image. Needs a Window.
 class Texture {
  public:
   Texture() = default;
@@ -73,14 +74,14 @@ class Texture {
   void set(const glm::ivec2& size_px, const unsigned char* rgb);
   void* id() const;
 
-  /// Fills the window with it: quicker than through Dear ImGui, which blends.
+  /// Fills the window with the image: faster than Dear ImGui, which blends.
   /// @param size_px  of the window's frame buffer
   void fill(const glm::ivec2& size_px) const;
 
  private:
   unsigned id_ = 0, frame_buffer_ = 0;
   glm::ivec2 size_px_{0, 0};
-  std::vector<unsigned char> bgra_;  // kept for its memory
+  std::vector<unsigned char> bgra_;  // a member to reuse its memory
 };
 
 }  // namespace foci

@@ -1,4 +1,4 @@
-// Whatever is wrong outside, the program says so in one line, exits 2 and leaves no folder behind.
+// foci reports any bad input in one line, exits with 2 and leaves no folder behind.
 #include <gtest/gtest.h>
 
 #include <algorithm>

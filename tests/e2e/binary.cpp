@@ -15,14 +15,14 @@ namespace foci::e2e {
 namespace fs = std::filesystem;
 namespace {
 
-/// What the child does between fork and exec. False where it cannot.
+/// Runs in the child between fork and exec. @return false on failure
 bool enter(const Fault& fault, const fs::path& folder, const fs::path& out, const fs::path& err) {
   if (chdir(folder.c_str()) != 0 || !freopen(out.c_str(), "w", stdout) ||
       !freopen(err.c_str(), "w", stderr)) {
     return false;
   }
   if (fault.max_file_bytes) {
-    signal(SIGXFSZ, SIG_IGN);  // so that writing fails, instead of the process
+    signal(SIGXFSZ, SIG_IGN);  // the write fails, and the process lives on
     const rlimit limit{*fault.max_file_bytes, *fault.max_file_bytes};
     if (setrlimit(RLIMIT_FSIZE, &limit) != 0) return false;
   }

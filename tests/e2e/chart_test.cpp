@@ -1,4 +1,4 @@
-// `foci chart`: its files, its frontiers, and that no run loses what an earlier one measured.
+// `foci chart`: its files and frontiers; a later run keeps the results of an earlier one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// Of the plan for --quick.
+// From the plan of --quick.
 constexpr std::size_t kBlurs = 2, kThreads = 2;
 
 /// Two squares at different depths, the nearer one smaller.
@@ -38,7 +38,7 @@ std::vector<std::vector<std::string>> csvOf(const std::string& text) {
   return tableOf(tabs);
 }
 
-/// Every row that a row of the same panel beats is off the frontier, every other one is on it.
+/// A row lies on the frontier unless another row of its panel beats it.
 void expectFrontiers(const std::vector<std::vector<std::string>>& csv) {
   struct Row {
     double ms, dB;
@@ -79,7 +79,7 @@ TEST(Chart, MeasuresEveryMethodOnceAndWritesTableAndPage) {
   for (std::size_t i = 1; i < csv.size(); ++i) {
     ASSERT_EQ(csv[i].size(), csv[0].size());
     charted.insert(csv[i][2]);
-    EXPECT_LE(std::stod(csv[i][6]), std::stod(csv[i][5]));  // least, median
+    EXPECT_LE(std::stod(csv[i][6]), std::stod(csv[i][5]));  // min, median
     const std::string setting = csv[i][3] == "n/a" ? "" : "-" + csv[i][3];
     const std::string image = "out/images/scan_" + csv[i][1] + "px_" + csv[i][2] + setting;
     for (const char* end : {".png", "_difference.png"}) {
@@ -94,7 +94,7 @@ TEST(Chart, MeasuresEveryMethodOnceAndWritesTableAndPage) {
 
   const std::string page = folder.read("out/chart.html");
   EXPECT_NE(page.find("</html>"), std::string::npos);
-  EXPECT_EQ(page.find("=\"http"), std::string::npos);  // nothing but its own folder
+  EXPECT_EQ(page.find("=\"http"), std::string::npos);  // the page needs only its own folder
   std::size_t links = 0;
   for (std::size_t at = 0; (at = page.find("href=\"images/", at)) != std::string::npos; ++links) {
     at += 6;
@@ -103,14 +103,14 @@ TEST(Chart, MeasuresEveryMethodOnceAndWritesTableAndPage) {
   }
   EXPECT_GE(links, csv.size() - 1);
 
-  // Again: all is there.
+  // A second run has nothing to measure.
   const Json again = Json::parse(runFoci(arguments(), folder.path()).out);
   EXPECT_EQ(again.at("computed"), 0);
   EXPECT_EQ(again.at("kept"), summary.at("computed"));
   EXPECT_EQ(again.at("points"), summary.at("points"));
 }
 
-TEST(Chart, KilledItGoesOnWhereItStopped) {
+TEST(Chart, ContinuesAfterAKill) {
   const TemporaryFolder folder;
   folder.write("step.ply", stepPly());
   const auto few = arguments({"--method", "pinhole", "--method", "sweep", "--method", "sweep-lod:1",
@@ -119,9 +119,8 @@ TEST(Chart, KilledItGoesOnWhereItStopped) {
   const Outcome killed = terminateFoci(few, folder.path(), cells / "scan_4px_accumulate-9.json");
   ASSERT_EQ(killed.exit_code, 128 + 15);
   EXPECT_FALSE(fs::exists(folder.path() / "out/chart.csv"));
-  // What makes the accuracy of a cell is measured once: a changed figure would come from anew.
-  std::string marked = folder.read("out/cells/scan_4px_pinhole.json");
-  const Json before = Json::parse(marked);
+  // The errors of a cell are measured once: the next run must keep this changed figure.
+  const Json before = Json::parse(folder.read("out/cells/scan_4px_pinhole.json"));
   Json changed = before;
   changed["ssim"] = 0.123;
   folder.write("out/cells/scan_4px_pinhole.json", changed.dump());
@@ -138,11 +137,11 @@ TEST(Chart, KilledItGoesOnWhereItStopped) {
   }
   const Json after = Json::parse(folder.read("out/cells/scan_4px_pinhole.json"));
   EXPECT_EQ(after.at("first_ms"), before.at("first_ms"));
-  for (const auto& [threads, ms] : before.at("ms").items()) {  // timed runs are kept, more follow
+  for (const auto& [threads, ms] : before.at("ms").items()) {  // earlier timed runs stay
     for (std::size_t run = 0; run < ms.size(); ++run) EXPECT_EQ(after["ms"][threads][run], ms[run]);
   }
 
-  // A cell of another program or with other settings is measured anew, it alone.
+  // Only cells of another program, and damaged cells, are measured again.
   changed = after;
   changed["key"] = "another " + after.at("key").get<std::string>();
   folder.write("out/cells/scan_4px_pinhole.json", changed.dump());
@@ -154,7 +153,7 @@ TEST(Chart, KilledItGoesOnWhereItStopped) {
             before.at("ssim"));
 }
 
-TEST(Chart, ScoresStabilityOverItsDialsAndGoesOnWhereItStopped) {
+TEST(Chart, ScoresStabilityAndContinuesAfterAKill) {
   const TemporaryFolder folder;
   const std::vector<std::string> few = {"chart",    "--stability", "--quick",  "--out",
                                         "out",      "--json",      "--scene",  "density",
@@ -174,7 +173,8 @@ TEST(Chart, ScoresStabilityOverItsDialsAndGoesOnWhereItStopped) {
   EXPECT_EQ(csv[0][0], "scene");
   for (std::size_t i = 1; i <= 3 * 3; ++i) {
     EXPECT_GT(std::stod(csv[i][4]), 0.0);
-    EXPECT_EQ(csv[i].back(), "yes") << csv[i][2] << " " << csv[i][3];  // all of them cover
+    EXPECT_EQ(csv[i].back(), "yes")
+        << csv[i][2] << " " << csv[i][3];  // each method covers the wall
   }
   const std::string page = folder.read("out/stability.html");
   EXPECT_NE(page.find("</html>"), std::string::npos);

@@ -1,6 +1,6 @@
-// What befalls a run from outside: a full disk, a folder without rights, a kill at any moment,
-// input that vanishes, an encoder that is missing. It ends with one clear line or as if nothing had
-// been, and no final name ever bears half of a file.
+// Faults from outside: a full disk, a folder without rights, a kill at any moment, input that
+// vanishes, a missing encoder. The run reports the fault in one clear line, or succeeds. No file
+// with a final name is ever incomplete.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kKills = 6;  // of a binary that is ten times as slow
+constexpr int kKills = 6;  // a sanitizer makes the binary ten times slower
 #else
 constexpr int kKills = 30;
 #endif
@@ -60,12 +60,12 @@ class Faults : public testing::Test {
   TemporaryFolder folder;
 };
 
-TEST_F(Faults, AFullDiskIsSaidAndLeavesNothing) {
+TEST_F(Faults, AFullDiskIsReportedAndLeavesNothing) {
   ASSERT_EQ(runFoci(replayTo("whole"), folder.path()).exit_code, 0);
   ASSERT_EQ(runFoci(prepareTo("whole"), folder.path()).exit_code, 0);
   const auto whole = filesIn("whole");
-  // Below each file's size in turn, so that each is the one that fails; by an eighth, as timings in
-  // them have a digit more or less.
+  // Set the limit below each file's size in turn, so that each file fails once. The margin of an
+  // eighth covers timings with a digit more or less.
   for (const auto& [name, bytes] : whole) {
     const bool prepared = name.starts_with("scene");
     if (bytes.size() < 2) continue;
@@ -78,7 +78,7 @@ TEST_F(Faults, AFullDiskIsSaidAndLeavesNothing) {
   }
 }
 
-TEST_F(Faults, AFolderWithoutRightsIsSaid) {
+TEST_F(Faults, AFolderWithoutRightsIsReported) {
   fs::permissions(folder.path(), fs::perms(0755));
   fs::create_directory(folder.path() / "shut");
   fs::permissions(folder.path() / "shut", fs::perms(0555));
@@ -89,16 +89,16 @@ TEST_F(Faults, AFolderWithoutRightsIsSaid) {
   }
 }
 
-TEST_F(Faults, AMissingEncoderIsSaid) {
+TEST_F(Faults, AMissingEncoderIsReported) {
   const Outcome outcome = runFociUnder({.environment = {"OPENCV_VIDEOIO_PRIORITY_FFMPEG=0"}},
                                        replayTo("out"), folder.path());
   expectRefused(outcome, "out");
   EXPECT_NE(outcome.err.find("H.264"), std::string::npos) << outcome.err;
 }
 
-TEST_F(Faults, InputThatVanishesMeanwhileIsNotMissed) {
+TEST_F(Faults, InputMayVanishOnceTheRunHasReadIt) {
   ASSERT_EQ(runFoci(replayTo("whole"), folder.path()).exit_code, 0);
-  // The folder is made once all is read.
+  // The run makes its folder after it has read all input.
   const Fault fault{.appears = folder.path() / "out",
                     .vanish = {folder.path() / "scene.ply", folder.path() / "trace.tsv",
                                folder.path() / "study.toml"}};
@@ -110,9 +110,9 @@ TEST_F(Faults, InputThatVanishesMeanwhileIsNotMissed) {
   EXPECT_EQ(hashOf("out"), hashOf("whole"));
 }
 
-// A file under its final name is whole, whenever the run was killed; the next run finishes and
-// clears away what the others left aside.
-TEST_F(Faults, AKillAtAnyMomentLeavesNothingHalfWritten) {
+// After a kill at any moment, every file with a final name is complete. The next run succeeds and
+// removes temporary files.
+TEST_F(Faults, AKillAtAnyMomentLeavesOnlyCompleteFiles) {
   std::mt19937 random(1);
   for (const bool prepare : {false, true}) {
     const auto arguments = prepare ? prepareTo("out") : replayTo("out");
@@ -129,7 +129,7 @@ TEST_F(Faults, AKillAtAnyMomentLeavesNothingHalfWritten) {
       const Outcome outcome = runFociUnder({.killed_after_ms = after_ms}, arguments, folder.path());
       killed += outcome.exit_code != 0;
       for (const auto& [name, bytes] : filesIn("out")) {
-        // Reports and tables hold timings: of them the end is compared.
+        // Reports and tables hold timings: compare only their ends.
         const auto& expected = whole.at(name);
         SCOPED_TRACE(name + " after " + std::to_string(after_ms) + " ms");
         if (name == "video.mp4" || name == "scene.foci" || name == "events.tsv") {

@@ -1,4 +1,4 @@
-// `foci methods`, and that each of them renders.
+// `foci methods`, and a frame of each method.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -40,7 +40,7 @@ TEST(Methods, AreListedInColumnsAndAsJson) {
   EXPECT_EQ(source_columns.size(), 1u);
 }
 
-TEST(Methods, EachDrawsItsOwnImage) {
+TEST(Methods, EachRendersAnImage) {
   const TemporaryFolder folder;
   folder.write("study.toml", smallStudy());
   folder.write("scene.ply", squarePly(24, 1.0));

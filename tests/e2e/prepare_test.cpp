@@ -1,5 +1,4 @@
-// `foci prepare`: points or a mesh in, a scene with its report out, which the other commands
-// render.
+// `foci prepare`: points or a mesh become a scene with a report; other commands render the scene.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A square metre, 2 m before the eye, a little wavy.
+/// A wavy square of 1 m, 2 m before the eye.
 std::string wavyPly() {
   return reliefPly([](int x, int y) { return 2.0 + 0.002 * ((x * 7 + y * 3) % 5); });
 }
@@ -47,7 +46,7 @@ Outcome render(const TemporaryFolder& folder, const std::string& scene, const st
   return runFoci({"render", "study.toml", "--out", out, "--focus", "2"}, folder.path());
 }
 
-/// Of the red, green and blue of all pixels of a PFM of 96 x 72.
+/// Mean over the colours of all pixels of a PFM of 96 x 72.
 double meanOf(const std::string& pfm) {
   constexpr std::size_t kValues = std::size_t{96} * 72 * 3;
   std::vector<float> values(kValues);
@@ -64,7 +63,7 @@ TEST(Prepare, PointsBecomeASceneWithAReportOfItsSumsAtEveryLevel) {
   EXPECT_EQ(summary.at("surfels"), 3600);
   EXPECT_NEAR(summary.at("area_m2").get<double>(), 1.0, 0.1);
 
-  // Histograms: before and after by size of the pixels, and of each level.
+  // Histograms before and after the solve, by size of the pixels, and of each level.
   std::vector<Json> sums;
   for (const char* when : {"normalisation_before", "normalisation"}) {
     ASSERT_EQ(summary.at(when).size(), 2u) << when;
@@ -93,7 +92,7 @@ TEST(Prepare, PointsBecomeASceneWithAReportOfItsSumsAtEveryLevel) {
   EXPECT_NE(report.find("3600 surfels"), std::string::npos);
   EXPECT_TRUE(report.ends_with("</html>\n"));
 
-  // The scene looks as its points do.
+  // The scene has the light of its points.
   folder.write("made/points.ply", wavyPly());
   ASSERT_EQ(render(folder, "made/points.ply", "points.pfm").exit_code, 0);
   const Outcome rendered = render(folder, "made/scene.foci", "scene.pfm");
@@ -103,7 +102,7 @@ TEST(Prepare, PointsBecomeASceneWithAReportOfItsSumsAtEveryLevel) {
   EXPECT_NEAR(meanOf(folder.read("scene.pfm")) / light, 1.0, 0.05);
 }
 
-TEST(Prepare, AMeshIsSampledAndDrawn) {
+TEST(Prepare, SamplesAMeshThatRenders) {
   const TemporaryFolder folder;
   folder.write("quad.obj", kQuadObj);
   const Json summary =

@@ -1,4 +1,4 @@
-// The main job, run as a user runs it.
+// `foci replay` and `foci render`, as users run them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr std::size_t kRenderMs = 13;  // frames.tsv's last column, the only one that is a timing
+constexpr std::size_t kRenderMs = 13;  // the last column of frames.tsv, the only timing
 
 std::set<std::string> filesIn(const fs::path& folder) {
   std::set<std::string> names;
@@ -72,7 +72,7 @@ TEST_F(Replay, TabulatesEveryFrame) {
   EXPECT_NEAR(std::stod(rows[6][8]), std::stod(rows[6][7]), 1e-3);
 }
 
-TEST_F(Replay, DrawsOnlyWhatIsNew) {
+TEST_F(Replay, ReusesThePreviousFrameOfASteadyGaze) {
   ASSERT_EQ(replay("out").exit_code, 0);
   const auto rows = tableOf(folder.read("out/frames.tsv"));
   const Json summary = Json::parse(folder.read("out/manifest.json"))["summary"];
@@ -85,7 +85,7 @@ TEST_F(Replay, DrawsOnlyWhatIsNew) {
   EXPECT_NE(report.find(std::to_string(rendered) + " of 6"), std::string::npos);
 }
 
-TEST_F(Replay, SaysWhereItErrsByMoreThanTheTolerance) {
+TEST_F(Replay, ReportsFramesAboveTheTolerance) {
   folder.write("strict.toml", smallStudy() + "\n[quality]\ntolerance = 0.1\n");
   folder.write("loose.toml", smallStudy() + "\n[quality]\ntolerance = 100\n");
   const Outcome strict = runFoci({"replay", "strict.toml", "--out", "strict"}, folder.path());
@@ -100,7 +100,7 @@ TEST_F(Replay, SaysWhereItErrsByMoreThanTheTolerance) {
   EXPECT_EQ(loose.err.find("just noticeable"), std::string::npos) << loose.err;
 }
 
-TEST_F(Replay, HoldsFocusWhileGazeIsLost) {
+TEST_F(Replay, KeepsFocusDuringDataLoss) {
   std::string trace = "time_s\tx_px\ty_px\n";
   for (int i = 0; i < 100; ++i) {
     trace += std::to_string(0.01 * i) + (i > 30 ? "\tn/a\tn/a\n" : "\t320\t240\n");
@@ -135,7 +135,7 @@ TEST_F(Replay, IsTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(events.size(), 1u);
 }
 
-/// frames.tsv's pupils.
+/// The column pupil_mm of frames.tsv.
 std::vector<double> pupilsOf(const std::string& table) {
   std::vector<double> pupils;
   for (const auto& row : tableOf(table)) {
@@ -144,7 +144,7 @@ std::vector<double> pupilsOf(const std::string& table) {
   return pupils;
 }
 
-TEST_F(Replay, ThePupilIsTheRecordings) {
+TEST_F(Replay, TakesThePupilFromTheRecording) {
   std::string trace = "time_s\tx_px\ty_px\tpupil_mm\n";
   for (int i = 0; i < 100; ++i) {
     const char* pupil = i < 20 ? "n/a" : i < 40 ? "3.25" : i < 50 ? "n/a" : "5.5";
@@ -156,7 +156,7 @@ TEST_F(Replay, ThePupilIsTheRecordings) {
   EXPECT_EQ(pupilsOf(folder.read("out/frames.tsv")),
             (std::vector<double>{4.5, 4.5, 3.25, 3.25, 3.25, 5.5}));
   EXPECT_NE(folder.read("out/report.html").find("as recorded"), std::string::npos);
-  // A width by hand overrides it.
+  // --pupil overrides the recording.
   ASSERT_EQ(replay("fixed", {"--pupil", "6"}).exit_code, 0);
   EXPECT_EQ(pupilsOf(folder.read("fixed/frames.tsv")), std::vector<double>(6, 6.0));
 }
@@ -174,7 +174,7 @@ TEST_F(Replay, ThePupilFollowsTheLight) {
     }
     EXPECT_EQ(frames.size(), 1u);
     pupils.push_back(pupilsOf(folder.read("out/frames.tsv")));
-    // The scene stands still: so does the pupil, but for what blur does to the image's edge.
+    // The scene is static, so the pupil is constant except for blur at the edge of the image.
     EXPECT_NEAR(pupils.back().front(), pupils.back().back(), 0.1);
   }
   EXPECT_GT(pupils[0][0], pupils[1][0] + 0.5);
@@ -218,8 +218,7 @@ TEST_F(Replay, NamesItsInputsInTheManifest) {
 }
 
 TEST_F(Replay, MapsGazeFromTheRecordingsScreenByAngle) {
-  // Half the distance, the same metres: a point a quarter of the way out subtends twice the
-  // tangent.
+  // At half the distance, the same point of the screen has twice the tangent.
   std::string trace =
       "# screen_width_px=640 screen_height_px=480 screen_width_m=0.4 screen_height_m=0.3 "
       "viewing_distance_m=0.25\ntime_s\tx_px\ty_px\n";
@@ -229,7 +228,7 @@ TEST_F(Replay, MapsGazeFromTheRecordingsScreenByAngle) {
   EXPECT_EQ(tableOf(folder.read("out/frames.tsv"))[3][3], "480.00");
 }
 
-TEST_F(Replay, ReportStandsAloneAndSaysWhatIsSimulated) {
+TEST_F(Replay, WritesASelfContainedReportThatNamesSimulatedInput) {
   std::string study = smallStudy();
   study.replace(study.find("trace.tsv"), 9, "simulated");
   study.replace(study.find("[screen]"), study.find("[gaze]") - study.find("[screen]"), "");
@@ -289,8 +288,8 @@ TEST_F(Replay, FollowsAMovingEye) {
   EXPECT_NEAR(std::stod(rows[6][6]), 2.0, 2e-3);
 }
 
-TEST_F(Replay, RunsWhatAMachineWithoutGnuplotOffers) {
-  // An empty PATH hides gnuplot: the run succeeds, report and standard error say what is missing.
+TEST_F(Replay, RunsWithoutGnuplot) {
+  // An empty PATH hides gnuplot. The run succeeds; its report and standard error name the package.
   const Outcome outcome =
       runFoci({"replay", "study.toml", "--out", "out"}, folder.path(), {"PATH="});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -298,7 +297,7 @@ TEST_F(Replay, RunsWhatAMachineWithoutGnuplotOffers) {
   EXPECT_NE(folder.read("out/report.html").find("gnuplot-nox"), std::string::npos);
 }
 
-TEST_F(Replay, DrawsImagesInEveryFormat) {
+TEST_F(Replay, RendersImagesInEveryFormat) {
   for (const std::string name : {"a.png", "a.pfm", "a.exr"}) {
     const Outcome outcome =
         runFoci({"render", "study.toml", "--out", name, "--gaze", "320,240", "--depth", "d.pfm"},
@@ -310,7 +309,7 @@ TEST_F(Replay, DrawsImagesInEveryFormat) {
   EXPECT_TRUE(folder.read("d.pfm").starts_with("Pf\n96 72\n"));
 }
 
-TEST_F(Replay, ImageFocusesOnWhatTheGazeShows) {
+TEST_F(Replay, RendersAnImageFocusedOnTheSurfaceUnderTheGaze) {
   const Outcome outcome = runFoci(
       {"render", "study.toml", "--out", "a.png", "--gaze", "320,240", "--json"}, folder.path());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

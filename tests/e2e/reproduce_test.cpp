@@ -28,7 +28,7 @@ Outcome reproduce(const TemporaryFolder& folder, const std::vector<std::string>&
 
 TEST(Reproduce, WritesTheTableThePageAndTheFigures) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "thousands of frames of 512 x 512 px: too slow under a sanitizer";
+  GTEST_SKIP() << "thousands of frames of 512 x 512 px are too slow under a sanitizer";
 #endif
   const TemporaryFolder folder;
   folder.write("bumps.ply", bumpyPly());
@@ -51,7 +51,7 @@ TEST(Reproduce, WritesTheTableThePageAndTheFigures) {
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json.at("rows").size(), rows);
   for (const char* scene : {"plane", "bumps"}) {
-    // The three rows of `paper` at one number of threads, against the paper's own counts.
+    // Fragments of `paper` with one thread, against the paper's own counts.
     std::vector<double> fragments;
     for (const auto& row : json.at("rows")) {
       if (row.at("scene") == scene && row.at("method") == "paper" && row.at("threads") == 1) {
@@ -70,7 +70,7 @@ TEST(Reproduce, WritesTheTableThePageAndTheFigures) {
   }
   const std::string page = folder.read("made/out/reproduce.html");
   EXPECT_NE(page.find("</html>"), std::string::npos);
-  EXPECT_EQ(page.find("src=\"http"), std::string::npos);  // nothing but itself
+  EXPECT_EQ(page.find("src=\"http"), std::string::npos);  // the page needs no other file
   for (const char* file : {"figure1.png", "figure6_plane.png", "figure6_bumps.png"}) {
     EXPECT_TRUE(folder.read(std::string("made/out/") + file).starts_with("\x89PNG")) << file;
   }

@@ -1,5 +1,5 @@
-// The suite's short run: what `sweep-lod` must reach where the paper's method gives way. Bounds are
-// those of docs/stability.md; what is beyond them stands there, too.
+// A short run of the stability suite: the scores that `sweep-lod` must reach where the paper's
+// method fails. docs/stability.md lists the bounds.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,11 +7,16 @@
 #include <string_view>
 #include <vector>
 
+#include "app/evaluation/stability/closed_forms.h"
 #include "app/evaluation/stability/scenes.h"
 #include "app/evaluation/stability/setups.h"
+#include "app/evaluation/stability/trial.h"
 
 namespace foci {
 namespace {
+
+using stability::discThroughGaussian;
+using stability::edgeShare;
 
 constexpr StabilityEffort kShort{.samples = 48, .steps = 4};
 
@@ -21,7 +26,7 @@ const StabilityScene& sceneNamed(std::string_view name) {
                        [&](const StabilityScene& scene) { return scene.name == name; });
 }
 
-/// Of `paper-lod` and of `sweep-lod`.
+/// The scores of `paper-lod` and of `sweep-lod`.
 std::vector<double> scores(std::string_view name, float value) {
   StabilityTrial trial(sceneNamed(name), value, kShort);
   return {trial.score("paper-lod"), trial.score("sweep-lod")};
@@ -40,7 +45,7 @@ TEST(EdgeShare, IsTheShareOfTheDisc) {
   EXPECT_NEAR(edgeShare(1.0, 0.0, 1.0), 0.8413, 1e-4);  // a standard deviation of the pixel
 }
 
-TEST(DiscThroughGaussian, HoldsItsVolumeAndIsTheDiscWhereThatIsWide) {
+TEST(DiscThroughGaussian, HasUnitLightAndIsFlatInAWideDisc) {
   constexpr double kPi = 3.14159265358979;
   double volume = 0.0;
   for (double r = 0.05; r < 20.0; r += 0.1) {
@@ -51,7 +56,7 @@ TEST(DiscThroughGaussian, HoldsItsVolumeAndIsTheDiscWhereThatIsWide) {
   EXPECT_NEAR(discThroughGaussian(10.0, 10.0, 1.2) * kPi * 100.0, 0.5, 0.05);  // half in its edge
 }
 
-// Rays through the lens against the closed form, which knows nothing of rays.
+// Rays through the lens agree with the closed form, which does without rays.
 TEST(ExactFrame, FollowsTheClosedFormAtAnOutline) {
   for (const float radius_px : {1.0f, 8.0f}) {
     for (const char* name : {"sharp-before-blurred", "blurred-before-sharp"}) {
@@ -61,13 +66,13 @@ TEST(ExactFrame, FollowsTheClosedFormAtAnOutline) {
   }
 }
 
-// A sheet that nothing hides, sharp: what the splatter renders is what the rays see.
-TEST(ExactFrame, IsWhatSplatsDrawOfASheetInFocus) {
+// Splats and rays agree on a sheet in focus that nothing hides.
+TEST(ExactFrame, AgreesWithSplatsOnASheetInFocus) {
   StabilityTrial trial(sceneNamed("slanted"), 0.0f, {.samples = 200});
   EXPECT_GT(trial.score("sweep"), 50.0);
 }
 
-// Two sheets that cross: on each side of the line the nearer one alone is seen, with no blur.
+// Without blur, each side of the line where two sheets cross shows the nearer sheet alone.
 TEST(ExactFrame, TellsCrossingSheetsApart) {
   using namespace stability;
   const float a = 0.5f;
@@ -78,37 +83,36 @@ TEST(ExactFrame, TellsCrossingSheetsApart) {
        .across = {std::cos(a), 0, std::sin(a)},
        .color = plain({0, 1, 0})}};
   const Frame frame = exactFrame(sheets, view(), lens(0.0f, 1.0f), 4);
-  EXPECT_NEAR(frame.at(20, 64).r, 1.0f, 1e-5f);  // left, the slanted one is behind
+  EXPECT_NEAR(frame.at(20, 64).r, 1.0f, 1e-5f);  // left of the line the slanted sheet is behind
   EXPECT_NEAR(frame.at(108, 64).g, 1.0f, 1e-5f);
-  EXPECT_NEAR(frame.at(63, 64).r, 0.69f, 0.02f);  // half a pixel left of where they meet
+  EXPECT_NEAR(frame.at(63, 64).r, 0.69f, 0.02f);  // half a pixel left of the line
 }
 
 TEST(Stability, CloseParallelSurfacesStayApart) {
   const auto error = scores("parallel", 0.005f);
   EXPECT_LT(error[1], 0.02);
   EXPECT_LT(error[1], 0.25 * error[0]);
-  EXPECT_LT(scores("parallel", 0.002f)[1], 0.02);  // a sample apart
+  EXPECT_LT(scores("parallel", 0.002f)[1], 0.02);  // the gap is one sample wide
 }
 
-// However flat they cross: each ray sees the nearer one, though the two are one layer where they
-// meet.
+// At any angle, each ray sees the nearer plane, although the two are one layer where they meet.
 TEST(Stability, CrossingPlanesKeepTheirImage) {
   for (const float angle_deg : {5.0f, 45.0f, 85.0f}) {
     const auto psnr = scores("crossing", angle_deg);
     EXPECT_GT(psnr[1], 42.0) << angle_deg;
     EXPECT_GT(psnr[1], psnr[0] + 10.0) << angle_deg;
-    // Which renders the lens as a whole until a look at the frame shows that it needs parts.
+    // `auto` renders a whole-aperture pass first and goes on to sub-apertures if it needs them.
     StabilityTrial trial(sceneNamed("crossing"), angle_deg, kShort);
     EXPECT_GT(trial.score("auto"), 42.0) << angle_deg;
   }
 }
 
-// Of layers that cross, what one lets through falls on the next.
+// Where layers cross, the light that one transmits falls on the next.
 TEST(Stability, CrossingLayersLetLightThrough) {
   for (const float layers : {2.0f, 6.0f}) EXPECT_GT(scores("crossing-layers", layers)[1], 42.0);
 }
 
-// A plane that one side of the lens sees more of than the other.
+// One side of the lens sees more of a slanted plane than the other.
 TEST(Stability, SlantedPlanesKeepTheirImage) {
   EXPECT_GT(scores("slanted", 60.0f)[1], 48.0);
   EXPECT_GT(scores("slanted", 75.0f)[1], 38.0);
@@ -117,7 +121,7 @@ TEST(Stability, SlantedPlanesKeepTheirImage) {
 TEST(Stability, IrregularSamplesCover) {
   EXPECT_LT(scores("density", 100.0f)[1], 0.03);
   EXPECT_LT(scores("normals", 10.0f)[1], 0.02);
-  // Copies of a point, also where they are all the neighbours that are looked at, change nothing.
+  // Copies of a point change nothing, even if all inspected neighbours are copies.
   EXPECT_NEAR(scores("duplicates", 16.0f)[1], scores("duplicates", 1.0f)[1], 0.002);
 }
 
@@ -129,7 +133,7 @@ TEST(Stability, SilhouettesFollowTheClosedForm) {
 
 TEST(Stability, AMovingFocusDoesNotPop) {
   EXPECT_LT(scores("focus-sweep", 20.0f)[1], 0.005);
-  // Past where parts of the lens come in, which is where most of it was.
+  // The sweep crosses the focus where sub-apertures come in, the worst place for popping.
   StabilityTrial longer(sceneNamed("focus-sweep"), 10.0f, {.samples = 48, .steps = 8});
   EXPECT_LT(longer.score("sweep-lod"), 0.008);
 }
@@ -141,18 +145,18 @@ TEST(Stability, LightIsNeitherLostNorGained) {
   EXPECT_LT(scores("transparent", 16.0f)[1], 0.01);
 }
 
-// Against a mean over 0.1 s, which follows noise across the edge; at 250 Hz, where that is closer,
-// too.
-TEST(Stability, FocusHoldsInNoise) {
-  for (const std::size_t held : {0, 3}) {
+// foci beats a mean over 0.1 s, which follows noise across the edge; at 250 Hz too, where the mean
+// is better.
+TEST(Stability, FocusIsSteadyInNoise) {
+  for (const std::size_t foci : {0, 3}) {
     for (const char* score : {"gaze-noise", "gaze-noise-jumps"}) {
-      EXPECT_LT(observed(score, held, 1.0f), observed(score, held + 1, 1.0f) / 3.0)
-          << score << " " << held;
+      EXPECT_LT(observed(score, foci, 1.0f), observed(score, foci + 1, 1.0f) / 3.0)
+          << score << " " << foci;
     }
   }
 }
 
-// Whatever the dial says, every pixel of every method is a number.
+// At the extreme of every dial, every pixel is a finite number.
 TEST(Stability, ExtremesGiveNumbers) {
   for (const StabilityScene& scene : stabilityScenes()) {
     if (scene.observe) continue;

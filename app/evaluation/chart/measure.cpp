@@ -6,14 +6,12 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <tuple>
+#include <optional>
 
 #include "app/evaluation/cells.h"
-#include "app/evaluation/frontier.h"
+#include "app/evaluation/evaluation_page.h"
 #include "app/evaluation/timed_runs.h"
 #include "app/graphics/image.h"
-#include "app/platform/output_folder.h"
-#include "app/record/tables.h"
 #include "base/file.h"
 #include "base/quantile.h"
 #include "base/text.h"
@@ -25,21 +23,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Apertures of consecutive timed frames differ by this share, so that no method can reuse its
+/// previous frame. Chosen by eye: too small to change the time.
 constexpr double kAperturesApart = 1e-3;
 
-/// A first draw, which finds its buffers cold, is its time only where it takes so many times as
-/// long as all runs are to.
+/// The first frame of a method finds cold buffers, so its time does not count. It counts if it
+/// takes this many times as long as all timed frames may. Chosen by eye: such a method is timed
+/// once.
 constexpr double kSlow = 15.0;
 
-std::string groupName(const std::string& scene, double blur_px) {
-  return scene + "_" + decimal(blur_px, 0) + "px_";
-}
-
-/// One scene at one blur: all of its cells.
-class Group {
+/// All cells of one scene at one blur.
+class ChartGroup {
  public:
-  Group(const ChartPlan& plan, const ChartScene& scene, double blur_px, const fs::path& folder,
-        const ChartCells& cells, const std::function<void(std::size_t)>& on_steps)
+  ChartGroup(const ChartPlan& plan, const ChartScene& scene, double blur_px, const fs::path& folder,
+             const ChartCells& cells, const std::function<void(std::size_t)>& on_steps)
       : plan_(plan),
         scene_(scene),
         blur_px_(blur_px),
@@ -49,17 +46,17 @@ class Group {
         key_(scene.id + " " + scene.input + "; " + std::to_string(plan.size_px) + " px; blur " +
              decimal(blur_px, 3) +
              " px; reference accumulate:" + std::to_string(plan.views(blur_px)) + "; ") {
-    for (const ChartMethod& method : plan.methods) {
+    for (const EvaluatedMethod& method : plan.methods) {
       auto cell = cells.load(nameOf(method), keyOf(method));
       if (cell && haveImages(method)) found_[method.spec()] = *cell;
     }
     reference_ = cells.loadReferenceFigures(referenceName(), key_);
   }
 
-  /// Whether this group wants nothing more, so that its scene need not be made.
+  /// True if every cell is measured: then the scene need not be made.
   bool isComplete() const {
     return reference_ && std::all_of(plan_.methods.begin(), plan_.methods.end(),
-                                     [&](const ChartMethod& one) { return isDone(one); });
+                                     [&](const EvaluatedMethod& one) { return isDone(one); });
   }
 
   void measure(const SceneInView& seen) {
@@ -69,7 +66,7 @@ class Group {
   }
 
   void addTo(ChartResult& result) const {
-    for (const ChartMethod& method : plan_.methods) {
+    for (const EvaluatedMethod& method : plan_.methods) {
       const ChartCell& cell = found_.at(method.spec());
       for (const unsigned threads : plan_.threads) {
         const std::vector<double>& ms = cell.ms.at(threads);
@@ -90,7 +87,7 @@ class Group {
     }
   }
 
-  bool isDone(const ChartMethod& method) const {
+  bool isDone(const EvaluatedMethod& method) const {
     const auto found = found_.find(method.spec());
     return found != found_.end() &&
            std::all_of(plan_.threads.begin(), plan_.threads.end(),
@@ -98,16 +95,18 @@ class Group {
   }
 
  private:
-  std::string nameOf(const ChartMethod& method) const {
-    return groupName(scene_.id, blur_px_) + method.fileName();
+  std::string nameOf(const EvaluatedMethod& method) const {
+    return stemOf(imageFile(scene_.id, blur_px_, method));
   }
-  std::string keyOf(const ChartMethod& method) const { return key_ + method.spec(); }
-  std::string referenceName() const { return groupName(scene_.id, blur_px_) + "reference"; }
+  std::string keyOf(const EvaluatedMethod& method) const { return key_ + method.spec(); }
+  std::string referenceName() const { return stemOf(referenceFile(scene_.id, blur_px_)); }
+  static std::string stemOf(const std::string& image) { return fs::path(image).stem().string(); }
 
-  bool haveImages(const ChartMethod& method) const {
+  bool haveImages(const EvaluatedMethod& method) const {
     std::error_code ignored;
-    return fs::exists(folder_ / imageFile(scene_.id, blur_px_, method), ignored) &&
-           fs::exists(folder_ / differenceFile(scene_.id, blur_px_, method), ignored);
+    const std::string image = imageFile(scene_.id, blur_px_, method);
+    return fs::exists(folder_ / image, ignored) &&
+           fs::exists(folder_ / differenceFileOf(image), ignored);
   }
 
   int runsMissing(const ChartCell& cell, unsigned threads) const {
@@ -123,22 +122,13 @@ class Group {
     replaceFile(folder_ / file, std::string(bytes.begin(), bytes.end()));
   }
 
+  /// Renders the reference, and the first frame of each method that has no cell yet.
   void measureErrors(const SceneInView& seen) {
     const RenderSettings settings = seen.settingsThrough(aperture_m_);
-    auto reference = cells_.loadReference(referenceName(), key_);
     const bool missing = std::any_of(plan_.methods.begin(), plan_.methods.end(),
                                      [&](const auto& m) { return !found_.contains(m.spec()); });
-    if (missing && !reference) {
-      reference.emplace();
-      reference->views = plan_.views(blur_px_);
-      reference->split_half_psnr_dB =
-          makeMethod("accumulate:" + std::to_string(reference->views), seen.cloud)
-              ->render(seen.view, settings, reference->frame)
-              .split_half_psnr_dB.value();
-      writeImage(referenceFile(scene_.id, blur_px_), imageOf(reference->frame));
-      cells_.storeReference(referenceName(), key_, *reference);
-      reference_ = cells_.loadReferenceFigures(referenceName(), key_);
-    }
+    auto reference = cells_.loadReference(referenceName(), key_);
+    if (missing && !reference) reference = renderReference(seen, settings);
     on_steps_(1);
 
     std::vector<std::uint8_t> band;
@@ -149,35 +139,55 @@ class Group {
       makeMethod("pinhole", seen.cloud)->render(seen.view, sharp, pinhole);
       band = silhouetteBand(pinhole, settings.defocus);
     }
-    for (const ChartMethod& method : plan_.methods) {
+    for (const EvaluatedMethod& method : plan_.methods) {
       if (!found_.contains(method.spec())) {
-        Frame frame;
-        const auto& drawn = reference->frame;
-        const RenderStats stats = methodOf(method, seen).render(seen.view, settings, frame);
-        auto visible = visibleDifference(frame, drawn, kUsualPx_per_deg);
-        ChartCell cell{.psnr_dB = psnr_dB(frame, drawn),
-                       .ssim = ssim(frame, drawn),
-                       .silhouette_psnr_dB = silhouettePsnr_dB(frame, drawn, band),
-                       .coverage_error = coverageError(frame, drawn),
-                       .visible_error = quantile(visible, 0.95),
-                       .expected_error = stats.tolerance_error,
-                       .first_ms = stats.ms};
-        if (stats.ms > kSlow * plan_.timing_ms) cell.ms[plan_.threads.back()] = {stats.ms};
-        writeImage(imageFile(scene_.id, blur_px_, method), imageOf(frame));
-        writeImage(differenceFile(scene_.id, blur_px_, method),
-                   differenceOf(frame, drawn, kDifferenceGain));
-        cells_.store(nameOf(method), keyOf(method), cell);
-        found_[method.spec()] = cell;
+        measureFirstFrame(method, seen, settings, reference->frame, band);
       }
       on_steps_(1);
     }
   }
 
+  ChartReference renderReference(const SceneInView& seen, const RenderSettings& settings) {
+    ChartReference reference{.views = plan_.views(blur_px_)};
+    reference.split_half_psnr_dB =
+        makeMethod("accumulate:" + std::to_string(reference.views), seen.cloud)
+            ->render(seen.view, settings, reference.frame)
+            .split_half_psnr_dB.value();
+    writeImage(referenceFile(scene_.id, blur_px_), imageOf(reference.frame));
+    cells_.storeReference(referenceName(), key_, reference);
+    reference_ = cells_.loadReferenceFigures(referenceName(), key_);
+    return reference;
+  }
+
+  /// @param band  the silhouettes
+  void measureFirstFrame(const EvaluatedMethod& method, const SceneInView& seen,
+                         const RenderSettings& settings, const Frame& reference,
+                         const std::vector<std::uint8_t>& band) {
+    constexpr double kShareOfPixels = 0.95;  // as `Quality::tolerance` counts errors
+    Frame frame;
+    const RenderStats stats = methodOf(method, seen).render(seen.view, settings, frame);
+    auto visible = visibleDifference(frame, reference, kUsualPx_per_deg);
+    ChartCell cell{.psnr_dB = psnr_dB(frame, reference),
+                   .ssim = ssim(frame, reference),
+                   .silhouette_psnr_dB = silhouettePsnr_dB(frame, reference, band),
+                   .coverage_error = coverageError(frame, reference),
+                   .visible_error = quantile(visible, kShareOfPixels),
+                   .expected_error = stats.tolerance_error,
+                   .first_ms = stats.ms};
+    if (stats.ms > kSlow * plan_.timing_ms) cell.ms[plan_.threads.back()] = {stats.ms};
+    const std::string image = imageFile(scene_.id, blur_px_, method);
+    writeImage(image, imageOf(frame));
+    writeImage(differenceFileOf(image), differenceOf(frame, reference, kDifferenceGain));
+    cells_.store(nameOf(method), keyOf(method), cell);
+    found_[method.spec()] = cell;
+  }
+
+  /// Times every method that has runs left; the methods take turns.
   void measureTimes(const SceneInView& seen, unsigned threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Frame frame;
     std::vector<TimedRun> runs;
-    for (const ChartMethod& method : plan_.methods) {
+    for (const EvaluatedMethod& method : plan_.methods) {
       ChartCell& cell = found_[method.spec()];
       const int missing = runsMissing(cell, threads);
       if (missing == 0) {
@@ -202,7 +212,7 @@ class Group {
     runInTurn(runs);
   }
 
-  Method& methodOf(const ChartMethod& method, const SceneInView& seen) {
+  Method& methodOf(const EvaluatedMethod& method, const SceneInView& seen) {
     auto& made = made_[method.spec()];
     if (!made) made = makeMethod(method.spec(), seen.cloud);
     return *made;
@@ -223,18 +233,6 @@ class Group {
 
 }  // namespace
 
-std::string imageFile(const std::string& scene, double blur_px, const ChartMethod& method) {
-  return "images/" + groupName(scene, blur_px) + method.fileName() + ".png";
-}
-
-std::string differenceFile(const std::string& scene, double blur_px, const ChartMethod& method) {
-  return "images/" + groupName(scene, blur_px) + method.fileName() + "_difference.png";
-}
-
-std::string referenceFile(const std::string& scene, double blur_px) {
-  return "images/" + groupName(scene, blur_px) + "reference.png";
-}
-
 std::size_t stepsOf(const ChartPlan& plan) {
   return plan.scenes.size() * plan.blurs_px.size() *
          (1 + plan.methods.size() * (1 + plan.threads.size()));
@@ -247,7 +245,7 @@ ChartResult measureChart(const ChartPlan& plan, const fs::path& folder,
   for (const ChartScene& scene : plan.scenes) {
     std::optional<SceneInView> seen;
     for (const double blur_px : plan.blurs_px) {
-      Group group(plan, scene, blur_px, folder, cells, on_steps);
+      ChartGroup group(plan, scene, blur_px, folder, cells, on_steps);
       const auto done = static_cast<std::size_t>(
           std::count_if(plan.methods.begin(), plan.methods.end(),
                         [&](const auto& one) { return group.isDone(one); }));
@@ -266,42 +264,6 @@ ChartResult measureChart(const ChartPlan& plan, const fs::path& folder,
   }
   markFrontiers(result.points);
   return result;
-}
-
-double worthOf_dB(const ChartPoint& point) {
-  return std::min(point.psnr_dB, point.reference_psnr_dB);
-}
-
-void markFrontiers(std::vector<ChartPoint>& points) {
-  std::map<std::tuple<std::string, double, unsigned>, std::vector<ChartPoint*>> panels;
-  for (ChartPoint& one : points) panels[{one.scene, one.blur_px, one.threads}].push_back(&one);
-  for (auto& [panel, members] : panels) {
-    std::vector<double> ms, dB;
-    for (const ChartPoint* one : members) {
-      ms.push_back(one->ms_median);
-      dB.push_back(worthOf_dB(*one));
-    }
-    const std::vector<bool> on = paretoFrontier(ms, dB);
-    for (std::size_t i = 0; i < members.size(); ++i) members[i]->on_frontier = on[i];
-  }
-}
-
-std::string csvOf(const std::vector<ChartPoint>& points) {
-  std::string csv =
-      "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,silhouette_psnr_dB,"
-      "coverage_error,reference_psnr_dB,on_frontier,visible_error,expected_error\n";
-  for (const ChartPoint& one : points) {
-    const auto& silhouette = one.silhouette_psnr_dB;
-    csv += one.scene + ',' + decimal(one.blur_px, 0) + ',' + one.method.name + ',' +
-           (one.method.setting ? std::to_string(*one.method.setting) : "n/a") + ',' +
-           std::to_string(one.threads) + ',' + decimal(one.ms_median, 4) + ',' +
-           decimal(one.ms_min, 4) + ',' + decimalOrInf(one.psnr_dB, 3) + ',' +
-           decimal(one.ssim, 6) + ',' + (silhouette ? decimalOrInf(*silhouette, 3) : "n/a") + ',' +
-           decimal(one.coverage_error, 6) + ',' + decimalOrInf(one.reference_psnr_dB, 3) + ',' +
-           (one.on_frontier ? "yes" : "no") + ',' + decimal(one.visible_error, 3) + ',' +
-           (one.expected_error ? decimal(*one.expected_error, 3) : "n/a") + '\n';
-  }
-  return csv;
 }
 
 }  // namespace foci

@@ -1,22 +1,20 @@
 #include "app/evaluation/chart/page.h"
 
 #include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <stdexcept>
+#include <sstream>
+#include <utility>
 
 #include "app/evaluation/chart/panel.h"
-#include "app/evaluation/chart_html.h"
+#include "app/evaluation/evaluation_page.h"
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
 #include "app/platform/machine.h"
-#include "app/record/tables.h"
 #include "base/text.h"
 
 namespace foci {
 namespace {
 
-constexpr const char* kPageScript = R"(
+constexpr const char* kPanelScript = R"(
 const dials = document.querySelectorAll('.dials input');
 function show() {
   const at = {};
@@ -37,41 +35,43 @@ struct Advice {
 
 constexpr Advice kAdvice[] = {
     {"You follow a gaze, or want a good image soon", "auto",
-     "the default: as coarse, and so as fast, as the tolerance allows, and it says what it errs "
-     "by"},
-    {"The image matters more than its time", "sweep-lod",
-     "levels of detail that show nowhere, and outlines that are right where surfaces overlap"},
-    {"The blur is small, or one code path without levels of detail is wanted", "sweep",
-     "the same kernel without a hierarchy; as close wherever surfaces do not overlap"},
-    {"Foliage, hair: things at many depths, seen around and between", "sweep-lod:19",
-     "more parts of the lens, in proportion more time"},
-    {"A reference to measure against", "accumulate:N",
-     "N of at least pi C&sup2; for a blur of C px; it says how far to trust it. "
-     "<code>raytrace:N</code> checks it by other means"},
-    {"There is only a finished image with its depth", "matthews",
-     "the one post-filter whose light does not leak; <code>potmesil</code> where the blur is "
-     "small"},
-    {"You compare with what was published", "paper, paper-lod",
-     "the method of 2003 as it is described; <code>inflate</code> is what Gaussian-splat "
-     "renderers do today"},
+     "the default: picks the cheapest quality level whose predicted error stays below the "
+     "tolerance, and states that error"},
+    {"Accuracy matters more than time", "sweep-lod",
+     "invisible levels of detail, and correct outlines where surfaces overlap"},
+    {"The blur is small, or you want one code path without levels of detail", "sweep",
+     "the same kernel without a hierarchy; equally accurate where surfaces do not overlap"},
+    {"Foliage or hair: things at many depths, seen around and between each other", "sweep-lod:19",
+     "more sub-apertures, in proportion more time"},
+    {"You need a reference", "accumulate:N",
+     "choose N of at least pi C&sup2; for a blur radius of C px; the method states its own "
+     "accuracy. "
+     "<code>raytrace:N</code> checks it independently"},
+    {"You have only a finished image with its depth", "matthews",
+     "the one post-filter without light leaks; <code>potmesil</code> for small blur"},
+    {"You compare with published work", "paper, paper-lod",
+     "the method of 2003 as published; <code>inflate</code> is the usual method of today's "
+     "Gaussian-splat renderers"},
 };
 
+/// Accuracies that the table lists. At 30 dB differences are easy to see, at 40 dB hardly.
 constexpr double kGood_dB[] = {30.0, 35.0, 40.0};
 
-std::string threadsText(unsigned threads) {
-  return std::to_string(threads) + (threads == 1 ? " thread" : " threads");
+/// The fastest point of at least `good_dB`; null if there is none.
+const ChartPoint* fastestOf(const std::vector<ChartPoint>& points, double good_dB) {
+  const ChartPoint* best = nullptr;
+  for (const ChartPoint& one : points) {
+    if (one.psnr_dB >= good_dB && (!best || one.ms_median < best->ms_median)) best = &one;
+  }
+  return best;
 }
 
-std::string orInfinite(double value, int digits) {
-  return std::isfinite(value) ? decimal(value, digits) : "&infin;";
-}
-
-/// What reaches a given accuracy first, by scene and blur.
+/// The fastest method that reaches a given accuracy, by scene and blur.
 std::string fastestTable(const ChartPlan& plan, const std::vector<ChartPoint>& points) {
   std::string html =
       "<div class=\"scroll\"><table class=\"figures\"><tr><th>scene</th><th>at least</th>";
   for (const double blur_px : plan.blurs_px) {
-    html += "<th>blur up to " + decimal(blur_px, 0) + " px</th>";
+    html += "<th>blur radius up to " + decimal(blur_px, 0) + " px</th>";
   }
   html += "</tr>\n";
   for (const ChartScene& scene : plan.scenes) {
@@ -79,11 +79,8 @@ std::string fastestTable(const ChartPlan& plan, const std::vector<ChartPoint>& p
       html += "<tr>" + cell(good_dB == kGood_dB[0] ? escaped(scene.id) : "") +
               cell(decimal(good_dB, 0) + " dB");
       for (const double blur_px : plan.blurs_px) {
-        const ChartPoint* best = nullptr;
         const auto members = pointsOf(points, scene.id, blur_px, plan.threads.back());
-        for (const ChartPoint& one : members) {
-          if (one.psnr_dB >= good_dB && (!best || one.ms_median < best->ms_median)) best = &one;
-        }
+        const ChartPoint* best = fastestOf(members, good_dB);
         html += cell(best ? escaped(best->method.spec()) + " <span class=\"quiet\">" +
                                 milliseconds(best->ms_median) + " ms</span>"
                           : "<span class=\"quiet\">none</span>");
@@ -121,11 +118,30 @@ std::string dials(const ChartPlan& plan, double blur_px) {
     blurs.emplace_back(decimal(one, 0), decimal(one, 0) + " px");
   for (const unsigned one : plan.threads)
     threads.emplace_back(std::to_string(one), threadsText(one));
-  return "<div class=\"dials\">" + dial("blur", "blur up to", blurs, decimal(blur_px, 0)) +
-         dial("threads", "on", threads, std::to_string(plan.threads.back())) +
+  return "<div class=\"dials\">" + dial("blur", "blur radius up to", blurs, decimal(blur_px, 0)) +
+         dial("threads", "with", threads, std::to_string(plan.threads.back())) +
          dial("measure", "accuracy of",
               {{"psnr", "the whole image"}, {"silhouette", "silhouettes"}}, "psnr") +
          "</div>\n";
+}
+
+/// One panel; the page's script shows the panels of the chosen blur, threads and measure.
+void writePanel(std::ostream& out, const ChartScene& scene, const std::vector<ChartPoint>& points,
+                ChartMeasure measure, bool shown) {
+  const bool is_psnr = measure == ChartMeasure::psnr;
+  out << "<div class=\"panel\" data-blur=\"" << decimal(points.front().blur_px, 0)
+      << "\" data-threads=\"" << points.front().threads << "\" data-measure=\""
+      << (is_psnr ? "psnr" : "silhouette") << "\"" << (shown ? "" : " hidden") << ">\n";
+  const bool has_points =
+      is_psnr || std::any_of(points.begin(), points.end(), [](const ChartPoint& one) {
+        return one.silhouette_psnr_dB.has_value();
+      });
+  if (has_points) {
+    out << svgOf(layOut(panelOf(points, measure, scene.title)));
+  } else {
+    out << "<p>" << escaped(scene.title) << ": no silhouette is in view.</p>\n";
+  }
+  out << "</div>\n";
 }
 
 void writePanels(std::ostream& out, const ChartPlan& plan, const std::vector<ChartPoint>& points,
@@ -135,42 +151,28 @@ void writePanels(std::ostream& out, const ChartPlan& plan, const std::vector<Cha
     for (const double blur_px : plan.blurs_px) {
       for (const unsigned threads : plan.threads) {
         const auto members = pointsOf(points, scene.id, blur_px, threads);
-        for (const ChartMeasure measure : {ChartMeasure::psnr, ChartMeasure::silhouette}) {
-          const bool is_psnr = measure == ChartMeasure::psnr;
-          const bool shown = blur_px == shown_px && threads == plan.threads.back() && is_psnr;
-          out << "<div class=\"panel\" data-blur=\"" << decimal(blur_px, 0) << "\" data-threads=\""
-              << threads << "\" data-measure=\"" << (is_psnr ? "psnr" : "silhouette") << "\""
-              << (shown ? "" : " hidden") << ">\n";
-          const bool has =
-              is_psnr || std::any_of(members.begin(), members.end(), [](const auto& m) {
-                return m.silhouette_psnr_dB.has_value();
-              });
-          if (has) {
-            out << svgOf(layOut(panelOf(members, measure, scene.title)));
-          } else {
-            out << "<p>" << escaped(scene.title) << ": no silhouette is in view.</p>\n";
-          }
-          out << "</div>\n";
-        }
+        const bool shown = blur_px == shown_px && threads == plan.threads.back();
+        writePanel(out, scene, members, ChartMeasure::psnr, shown);
+        writePanel(out, scene, members, ChartMeasure::silhouette, false);
       }
     }
   }
-  out << "<div class=\"panel\"><p>Up is closer to the reference, left is faster. Full points are "
-         "on the frontier, the black line: nothing is both faster and closer. A line joins the "
-         "settings of one method. Above the dashed line points count as equally close: the "
-         "reference itself is not known any better.</p><p class=\"legend\">";
+  out << "<div class=\"panel\"><p>Up is more accurate, left is faster. Full points lie on the "
+         "frontier, the black line: no other method is both faster and more accurate. A line joins "
+         "the settings of one method. Points above the dashed line count as equal: the reference "
+         "itself is no more accurate.</p><p class=\"legend\">";
   writeFamilies(out);
   out << "</p><p class=\"quiet\">Click a point for its image, the reference and their "
-         "difference, "
-      << decimal(kDifferenceGain, 0) << " times.</p></div>\n</div>\n";
+         "difference times "
+      << decimal(kDifferenceGain, 0) << ".</p></div>\n</div>\n";
 }
 
 void writeTable(std::ostream& out, const std::vector<ChartPoint>& points) {
-  out << "<details><summary>Every figure</summary>\n<div class=\"scroll\"><table class=\"figures\">"
-         "<tr><th>scene</th><th>blur up to, px</th><th>method</th><th>threads</th>"
-         "<th>ms, median (least)</th><th>PSNR, dB</th><th>SSIM</th><th>at silhouettes, dB</th>"
-         "<th>coverage off by</th><th>95 % of the pixels within, just noticeable</th><th>the "
-         "reference's own, dB</th><th>on the frontier</th></tr>\n";
+  out << "<details><summary>All figures</summary>\n<div class=\"scroll\"><table class=\"figures\">"
+         "<tr><th>scene</th><th>blur radius up to, px</th><th>method</th><th>threads</th>"
+         "<th>ms, median (min)</th><th>PSNR, dB</th><th>SSIM</th><th>PSNR at silhouettes, dB</th>"
+         "<th>coverage error</th><th>visible error, JND</th><th>PSNR of the reference, dB</th>"
+         "<th>on the frontier</th></tr>\n";
   for (const ChartPoint& one : points) {
     const std::string image = imageFile(one.scene, one.blur_px, one.method);
     out << "<tr>" << cell(escaped(one.scene)) << cell(decimal(one.blur_px, 0))
@@ -178,65 +180,67 @@ void writeTable(std::ostream& out, const std::vector<ChartPoint>& points) {
         << cell(std::to_string(one.threads))
         << cell(milliseconds(one.ms_median) + " <span class=\"quiet\">(" +
                 milliseconds(one.ms_min) + ")</span>")
-        << cell(orInfinite(one.psnr_dB, 2)) << cell(decimal(one.ssim, 4))
-        << cell(one.silhouette_psnr_dB ? orInfinite(*one.silhouette_psnr_dB, 2) : "n/a")
+        << cell(numberHtml(one.psnr_dB, 2)) << cell(decimal(one.ssim, 4))
+        << cell(one.silhouette_psnr_dB ? numberHtml(*one.silhouette_psnr_dB, 2) : "n/a")
         << cell(decimal(100.0 * one.coverage_error, 3) + "&thinsp;%")
         << cell(decimal(one.visible_error, 2) +
-                (one.expected_error ? " (expected " + decimal(*one.expected_error, 2) + ")" : ""))
-        << cell(orInfinite(one.reference_psnr_dB, 2)) << cell(one.on_frontier ? "yes" : "", "yes")
+                (one.expected_error ? " (predicted " + decimal(*one.expected_error, 2) + ")" : ""))
+        << cell(numberHtml(one.reference_psnr_dB, 2)) << cell(one.on_frontier ? "yes" : "", "yes")
         << "</tr>\n";
   }
   out << "</table></div></details>\n";
 }
 
+void writeMethodology(std::ostream& out, const ChartPlan& plan) {
+  out << "<h2>How the figures were measured</h2>\n<ul>\n"
+         "<li>Blur is the largest blur radius in view, in pixels. Most of an image has less.</li>\n"
+         "<li>Time is the time of one frame, with the scene in memory and hierarchies built: the "
+         "median of up to "
+      << plan.max_runs
+      << " runs. The methods took turns, so that other load on the machine slowed all of them "
+         "alike. A method slower than "
+      << decimal(plan.timing_ms / 1000.0, 2)
+      << " s per frame was timed once. Consecutive runs differ in aperture by a thousandth, so "
+         "that no method can reuse its previous frame.</li>\n"
+         "<li>Accuracy is measured against <code>accumulate:N</code>, the mean of "
+      << plan.views(plan.blurs_px.front()) << " to " << plan.views(plan.blurs_px.back())
+      << " pinhole views, in linear light with peak 1: PSNR over the image, PSNR over the pixels "
+         "that a step in depth blurs into (silhouettes), SSIM, and the mean difference of "
+         "coverage. "
+         "95 % of the pixels stay below the visible error, in just-noticeable differences (JND). "
+         "The dashed line compares one half of the reference's views with the other half.</li>\n"
+         "<li><code>chart.csv</code> holds all figures and <code>images/</code> all images. A "
+         "later "
+         "run continues from <code>cells/</code>, which you may remove.</li>\n</ul>\n";
+}
+
 }  // namespace
 
-void writeChartPage(const std::filesystem::path& file, const ChartPlan& plan,
-                    const std::vector<ChartPoint>& points) {
+std::string chartPage(const ChartPlan& plan, const std::vector<ChartPoint>& points) {
   const Machine machine = describeMachine();
   const double shown_px = plan.blurs_px[plan.blurs_px.size() / 2];
-  std::ofstream out(file, std::ios::binary);
-  out << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width\">\n<title>foci chart</title>\n"
-         "<style>"
-      << kPageStyle << kChartStyle
-      << "</style><noscript><style>.panel[hidden] { display: block; }</style></noscript></head>"
-         "<body><main>\n<h1>Depth of field: speed against accuracy</h1>\n<p "
-         "class=\"quiet\">foci " FOCI_VERSION " &middot; "
+  std::ostringstream out;
+  out << pageStart("foci chart", std::string(kEvaluationStyle) + kChartStyle,
+                   "<noscript><style>.panel[hidden] { display: block; }</style></noscript>")
+      << "<h1>Depth of field: speed against accuracy</h1>\n<p class=\"quiet\">foci " FOCI_VERSION
+         " &middot; "
       << escaped(machine.cpu) << ", " << machine.simd << ", " << threadsText(plan.threads.back())
       << " &middot; images " << plan.size_px << " px wide"
-      << (plan.quick ? " &middot; a quick look: few runs" : "") << "</p>\n<h2>Use this when</h2>\n"
-      << adviceTable() << "<h2>What gets there first</h2>\n"
-      << "<p>The fastest method that comes within so many decibels of the reference, on "
+      << (plan.quick ? " &middot; a quick look: few runs" : "")
+      << "</p>\n<h2>Which method to use</h2>\n"
+      << adviceTable() << "<h2>The fastest method for an accuracy</h2>\n"
+      << "<p>The fastest method whose PSNR against the reference is at least this high, with "
       << threadsText(plan.threads.back())
-      << ". At 30 dB differences are easily seen, at 40 dB hardly.</p>\n"
+      << ". At 30 dB differences are easy to see, at 40 dB hardly.</p>\n"
       << fastestTable(plan, points) << "<h2>Time against accuracy</h2>\n"
       << dials(plan, shown_px);
   writePanels(out, plan, points, shown_px);
-  out << "<h2>How it was measured</h2>\n<ul>\n"
-         "<li>Blur is the radius of the largest circle of confusion in view, pixels; most of a "
-         "image has less.</li>\n"
-         "<li>Time is that of a frame, scene in memory, hierarchies built: the median of up to "
-      << plan.max_runs
-      << " runs, all methods taking turns, so that whatever else the machine did met all alike. "
-         "What takes longer than "
-      << decimal(plan.timing_ms / 1000.0, 2)
-      << " s a frame was timed once. The aperture differs by a thousandth from run to run, so that "
-         "no method can show its last frame again.</li>\n"
-         "<li>Accuracy is the distance from <code>accumulate:N</code>, "
-      << plan.views(plan.blurs_px.front()) << " to " << plan.views(plan.blurs_px.back())
-      << " pinhole views averaged, in linear light, peak 1: PSNR over the image, and over the "
-         "pixels that a step in depth blurs into (silhouettes); SSIM; mean difference of coverage. "
-         "The dashed line is one half of the reference's views against the other.</li>\n"
-         "<li><code>chart.csv</code> holds every figure; <code>images/</code> every image; "
-         "<code>cells/</code> what a later run need not measure again, and may be removed.</li>\n"
-         "</ul>\n";
+  writeMethodology(out, plan);
   writeTable(out, points);
-  out << "<script>" << kPageScript << "</script>\n";
+  out << "<script>" << kPanelScript << "</script>\n";
   writeImageDialog(out);
-  out << "</main></body></html>\n";
-  out.close();
-  if (!out) throw std::runtime_error("cannot write " + file.string());
+  out << kPageEnd;
+  return out.str();
 }
 
 }  // namespace foci

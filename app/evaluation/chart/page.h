@@ -1,14 +1,15 @@
-// The chart on one page: what to use when, time against accuracy, every image a click away.
+// The chart as a page: which method to use when, time against accuracy, and every image as a link.
 #pragma once
 
-#include <filesystem>
+#include <string>
+#include <vector>
 
-#include "app/evaluation/chart/measure.h"
+#include "app/evaluation/chart/plan.h"
+#include "app/evaluation/chart/points.h"
 
 namespace foci {
 
-/// @throws std::runtime_error where the file cannot be written
-void writeChartPage(const std::filesystem::path& file, const ChartPlan& plan,
-                    const std::vector<ChartPoint>& points);
+/// A complete HTML page. Its links are relative to the chart's folder.
+std::string chartPage(const ChartPlan& plan, const std::vector<ChartPoint>& points);
 
 }  // namespace foci

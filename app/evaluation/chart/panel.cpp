@@ -5,8 +5,8 @@
 #include <map>
 #include <string_view>
 
-#include "app/evaluation/frontier.h"
-#include "app/record/tables.h"
+#include "app/evaluation/chart/frontier.h"
+#include "app/evaluation/evaluation_page.h"
 #include "base/text.h"
 
 namespace foci {
@@ -17,14 +17,14 @@ constexpr double kHead_px = 30.0;
 
 std::string dB(double value) { return std::isfinite(value) ? decimal(value, 1) + " dB" : "exact"; }
 
-/// What is drawn of a point: where it is, and what that is worth to the frontier.
-struct Shown {
+/// A point of a panel: its height, and its worth for the frontier.
+struct ShownPoint {
   const ChartPoint* point;
   double height_dB, worth_dB;
 };
 
-std::vector<Shown> shownOf(const std::vector<ChartPoint>& points, ChartMeasure measure) {
-  std::vector<Shown> shown;
+std::vector<ShownPoint> shownOf(const std::vector<ChartPoint>& points, ChartMeasure measure) {
+  std::vector<ShownPoint> shown;
   for (const ChartPoint& point : points) {
     if (measure == ChartMeasure::psnr) {
       shown.push_back({&point, point.psnr_dB, worthOf_dB(point)});
@@ -35,15 +35,16 @@ std::vector<Shown> shownOf(const std::vector<ChartPoint>& points, ChartMeasure m
   return shown;
 }
 
-std::string titleOf(const ChartPoint& point) {
+std::string pointTitleOf(const ChartPoint& point) {
   return point.method.spec() + ": " + milliseconds(point.ms_median) + " ms, " + dB(point.psnr_dB) +
          (point.silhouette_psnr_dB ? " (at silhouettes " + dB(*point.silhouette_psnr_dB) + ")"
                                    : "") +
-         ", SSIM " + decimal(point.ssim, 4) + ", coverage off by " +
+         ", SSIM " + decimal(point.ssim, 4) + ", coverage error " +
          decimal(100.0 * point.coverage_error, 2) + " %";
 }
 
-/// From below the cheapest up and along to the dearest, and on to the right.
+/// The frontier as a line: from below the fastest method up to it, in steps to the slowest, and on
+/// to the right.
 PlotSeries staircase(std::vector<glm::dvec2> corners, const Plot& plot) {
   std::sort(corners.begin(), corners.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
   PlotSeries line{.name = "frontier", .color = kInk, .discs = false, .width_px = 1.2};
@@ -56,51 +57,49 @@ PlotSeries staircase(std::vector<glm::dvec2> corners, const Plot& plot) {
   return line;
 }
 
+/// The text beside the panels of the overview.
+Drawing overviewKey(const ChartPlan& plan, const Machine& machine) {
+  const unsigned threads = plan.threads.back();
+  Drawing key{.size_px = kPanel_px};
+  double y = 60.0;
+  for (const MethodFamily& family : methodFamilies()) {
+    key.discs.push_back({{70.0, y}, 5.0, family.color});
+    key.texts.push_back({{84.0, y + 4.5}, family.name, Anchor::start, kInk, 13.0});
+    y += 24.0;
+  }
+  y += 10.0;
+  for (const std::string& line :
+       {std::string("Up is more accurate, left is faster."),
+        std::string("Full points lie on the frontier (black line): no other method"),
+        std::string("is both faster and more accurate. Points above the dashed line"),
+        std::string("count as equal: the reference itself is no more accurate."),
+        "Images " + std::to_string(plan.size_px) +
+            " px wide; medians of runs that took turns; linear light.",
+        "Measured by foci " FOCI_VERSION " on " + machine.cpu + ",",
+        machine.simd + ", " + threadsText(threads) + "."}) {
+    key.texts.push_back({{64.0, y}, line, Anchor::start, kQuiet, 13.0});
+    y += 22.0;
+  }
+  return key;
+}
+
 }  // namespace
-
-const std::vector<ChartFamily>& chartFamilies() {
-  static const std::vector<ChartFamily> all = {{"ours", "#2f8f5b"},
-                                               {"the 2003 paper", "#d9822b"},
-                                               {"other splatting", "#b4507c"},
-                                               {"many views", "#7a5bb5"},
-                                               {"post-filters of a finished image", "#4f7fb3"}};
-  return all;
-}
-
-const ChartFamily& familyOf(const std::string& method) {
-  static const std::map<std::string_view, std::size_t> families = {
-      {"paper", 1},      {"paper-lod", 1}, {"rasanen", 2},  {"inflate", 2}, {"layered", 2},
-      {"accumulate", 3}, {"raytrace", 3},  {"potmesil", 4}, {"rokita", 4},  {"matthews", 4},
-      {"shinya", 4},     {"fearing", 4},   {"mulder", 4},   {"pinhole", 4}};
-  const auto found = families.find(method);
-  return chartFamilies()[found == families.end() ? 0 : found->second];
-}
-
-std::vector<ChartPoint> pointsOf(const std::vector<ChartPoint>& points, const std::string& scene,
-                                 double blur_px, unsigned threads) {
-  std::vector<ChartPoint> chosen;
-  std::copy_if(points.begin(), points.end(), std::back_inserter(chosen),
-               [&](const ChartPoint& one) {
-                 return one.scene == scene && one.blur_px == blur_px && one.threads == threads;
-               });
-  return chosen;
-}
 
 Plot panelOf(const std::vector<ChartPoint>& points, ChartMeasure measure,
              const std::string& title) {
-  const std::vector<Shown> shown = shownOf(points, measure);
+  const std::vector<ShownPoint> shown = shownOf(points, measure);
   std::vector<double> ms, heights_dB, worth_dB;
-  for (const Shown& one : shown) {
+  for (const ShownPoint& one : shown) {
     ms.push_back(one.point->ms_median);
     heights_dB.push_back(one.height_dB);
     worth_dB.push_back(one.worth_dB);
   }
   Plot plot{.title = title, .size_px = kPanel_px};
-  plot.x = timeAxis("time of a frame, logarithmic", ms);
+  plot.x = timeAxis("time per frame, logarithmic", ms);
   if (measure == ChartMeasure::psnr) {
     const double ceiling_dB = points.front().reference_psnr_dB;
     heights_dB.push_back(ceiling_dB);
-    plot.levels.push_back({ceiling_dB, "the reference against itself: " + dB(ceiling_dB)});
+    plot.levels.push_back({ceiling_dB, "the reference's own accuracy: " + dB(ceiling_dB)});
   }
   plot.y = linearAxis(
       measure == ChartMeasure::psnr ? "PSNR against the reference, dB" : "PSNR at silhouettes, dB",
@@ -125,7 +124,7 @@ Plot panelOf(const std::vector<ChartPoint>& points, ChartMeasure measure,
          .y = heights_dB[i],
          .label = settings[name] > 1 ? point.method.spec() : name,
          .hollow = !on[i],
-         .title = titleOf(point),
+         .title = pointTitleOf(point),
          .link = imageFile(point.scene, point.blur_px, point.method),
          .data = referenceFile(point.scene, point.blur_px)});
   }
@@ -135,49 +134,26 @@ Plot panelOf(const std::vector<ChartPoint>& points, ChartMeasure measure,
 Drawing overviewOf(const ChartPlan& plan, const std::vector<ChartPoint>& points, double blur_px,
                    const Machine& machine) {
   constexpr int kColumns = 2;
-  const unsigned threads = plan.threads.back();
   const auto cells = static_cast<int>(plan.scenes.size()) + 1;
   Drawing all{.size_px = {kColumns * kPanel_px.x,
                           kHead_px + (cells + kColumns - 1) / kColumns * kPanel_px.y}};
-  all.texts.push_back({{8.0, 20.0},
-                       "Time of a frame against its distance from the reference; blur up to " +
-                           decimal(blur_px, 0) + " px",
-                       Anchor::start,
-                       kInk,
-                       16.0,
-                       true});
+  all.texts.push_back(
+      {{8.0, 20.0},
+       "Time per frame against accuracy; blur radius up to " + decimal(blur_px, 0) + " px",
+       Anchor::start,
+       kInk,
+       16.0,
+       true});
   const auto place = [&](int cell) {
     return glm::dvec2(cell % kColumns * kPanel_px.x, kHead_px + cell / kColumns * kPanel_px.y);
   };
   int cell = 0;
   for (const ChartScene& scene : plan.scenes) {
-    all.add(layOut(panelOf(pointsOf(points, scene.id, blur_px, threads), ChartMeasure::psnr,
-                           scene.title)),
+    all.add(layOut(panelOf(pointsOf(points, scene.id, blur_px, plan.threads.back()),
+                           ChartMeasure::psnr, scene.title)),
             place(cell++));
   }
-
-  Drawing key{.size_px = kPanel_px};
-  double y = 60.0;
-  for (const ChartFamily& family : chartFamilies()) {
-    key.discs.push_back({{70.0, y}, 5.0, family.color});
-    key.texts.push_back({{84.0, y + 4.5}, family.name, Anchor::start, kInk, 13.0});
-    y += 24.0;
-  }
-  y += 10.0;
-  for (const std::string& line :
-       {std::string("Up is closer to the reference, left is faster."),
-        std::string("Full points are on the frontier (black line): nothing is both faster"),
-        std::string("and closer. Above the dashed line, points count as equally close: the"),
-        std::string("reference itself is not known any better."),
-        "Images " + std::to_string(plan.size_px) +
-            " px wide; medians of runs taken in turn; linear light.",
-        "Measured by foci " FOCI_VERSION " on " + machine.cpu + ",",
-        machine.simd + ", " + std::to_string(threads) +
-            (threads == 1 ? " thread." : " threads.")}) {
-    key.texts.push_back({{64.0, y}, line, Anchor::start, kQuiet, 13.0});
-    y += 22.0;
-  }
-  all.add(key, place(cell));
+  all.add(overviewKey(plan, machine), place(cell));
   return all;
 }
 

@@ -1,40 +1,27 @@
-// Time against accuracy: one scene at one blur and number of threads, every method a point.
+// Time against accuracy: one scene at one blur and number of threads; every method is a point.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "app/evaluation/chart/measure.h"
+#include "app/evaluation/chart/plan.h"
+#include "app/evaluation/chart/points.h"
 #include "app/graphics/plot.h"
 #include "app/platform/machine.h"
 
 namespace foci {
 
-/// What accuracy is.
+/// The accuracy that a panel shows.
 enum class ChartMeasure {
-  psnr,        ///< of the whole image
-  silhouette,  ///< of the pixels that a step in depth blurs into
+  psnr,        ///< over the image
+  silhouette,  ///< over the pixels that a step in depth blurs into
 };
 
-/// A kind of method, which has a colour.
-struct ChartFamily {
-  std::string name;
-  std::string color;
-};
-
-const ChartFamily& familyOf(const std::string& method);
-const std::vector<ChartFamily>& chartFamilies();
-
-/// @param points  of one panel: one scene, blur and number of threads; some with that measure. The
-///                frontier is drawn of what is shown: of silhouettes, of theirs.
+/// The frontier is that of the measure shown.
+/// @param points  of one scene, blur and number of threads; at least one has the measure
 Plot panelOf(const std::vector<ChartPoint>& points, ChartMeasure measure, const std::string& title);
 
-/// Those of one scene, blur and number of threads.
-std::vector<ChartPoint> pointsOf(const std::vector<ChartPoint>& points, const std::string& scene,
-                                 double blur_px, unsigned threads);
-
-/// One image of all scenes at one blur, with the machine's name, for a page that cannot be
-/// clicked.
+/// All scenes at one blur in one image, with the machine's name: for pages without links.
 Drawing overviewOf(const ChartPlan& plan, const std::vector<ChartPoint>& points, double blur_px,
                    const Machine& machine);
 

@@ -5,15 +5,14 @@
 #include <utility>
 
 #include "app/graphics/plot.h"
-#include "app/record/tables.h"
 #include "base/text.h"
 
 namespace foci {
 namespace {
 
-constexpr double kPlaces = kApertures - 1, kMargin = 0.1;  // of the axis of apertures
+constexpr double kPlaces = kApertures - 1, kMargin = 0.1;  // the axis of apertures and its margin
 
-/// Nothing where the method was not measured.
+/// By aperture; absent if the method was not measured.
 using Times = std::array<std::optional<double>, kApertures>;
 
 PlotSeries lineOf(std::string name, std::string color, const Times& ms) {

@@ -1,4 +1,4 @@
-// Time against aperture, every method a line, the paper's own among them.
+// Time against aperture: a line for each method, foci's and the paper's.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace foci {
 
-/// An <svg> element that takes the page's colours; logarithmic in time.
-/// @param threads  whose rows are drawn
+/// An <svg> element in the page's colours, with logarithmic time.
+/// @param threads  selects the rows
 std::string chartOf(const ReproduceScene& scene, const std::vector<ReproduceRow>& rows,
                     unsigned threads);
 

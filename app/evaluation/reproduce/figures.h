@@ -1,4 +1,4 @@
-// The paper's Figures 1 and 6, drawn by us.
+// Figures 1 and 6 of the 2003 paper, rendered by foci.
 #pragma once
 
 #include <functional>
@@ -11,20 +11,20 @@
 
 namespace foci {
 
-/// An image with what is to be said below it.
+/// An image with its caption.
 struct FigurePanel {
   Image image;
   std::string caption;
 };
 
-/// Figure 1: the half-transparent mask before a figure in the gallery; the mask in focus, a
-/// distance in between, the figure.
-/// @param views      of the references that it is held against
-/// @param on_frames  called after so many frames
-std::vector<FigurePanel> drawFigure1(const SurfelCloud& gallery, int views,
-                                     const std::function<void(std::size_t)>& on_frames);
+/// Figure 1: a half-transparent mask before a bust. Focus lies on the mask, between the two, and on
+/// the bust.
+/// @param views      of the references
+/// @param on_frames  called with the number of frames rendered since the last call
+std::vector<FigurePanel> figure1(const SurfelCloud& gallery, int views,
+                                 const std::function<void(std::size_t)>& on_frames);
 
-/// Figure 6: a row an aperture; ours, the reference, their difference.
+/// Figure 6: a row for each aperture, with foci's frame, the reference, and their difference.
 std::vector<std::vector<FigurePanel>> figure6(const ReproduceScene& scene,
                                               const SceneResult& result);
 

@@ -17,7 +17,7 @@ std::size_t allocatedBytes() {
   return info.uordblks + info.hblkhd;
 }
 
-Growth::Size measure(std::size_t surfels, const std::function<void()>& on_frame) {
+Growth::Size measurePlane(std::size_t surfels, const std::function<void()>& on_frame) {
   const ReproduceScene plane = planeScene(static_cast<int>(std::ceil(std::sqrt(surfels))));
   Growth::Size size{.surfels = plane.cloud.size()};
   const std::size_t before = allocatedBytes();
@@ -51,17 +51,17 @@ Growth::Size measure(std::size_t surfels, const std::function<void()>& on_frame)
 }  // namespace
 
 double Growth::frameTime() const {
-  double most = 0.0;
+  double max = 0.0;
   for (std::size_t aperture = 0; aperture < kApertures; ++aperture) {
-    most = std::max(most, after.ms_median[aperture] / before.ms_median[aperture]);
+    max = std::max(max, after.ms_median[aperture] / before.ms_median[aperture]);
   }
-  return most;
+  return max;
 }
 
 Growth measureGrowth(std::size_t surfels, const std::function<void()>& on_frame) {
   Growth growth;
-  growth.before = measure(surfels / 10, on_frame);
-  growth.after = measure(surfels, on_frame);
+  growth.before = measurePlane(surfels / 10, on_frame);
+  growth.after = measurePlane(surfels, on_frame);
   return growth;
 }
 

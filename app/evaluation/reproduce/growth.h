@@ -1,5 +1,5 @@
-// What the hierarchy of sweep-lod costs as the scene grows: the plane with ten times the surfels,
-// seen in the same view.
+// The cost of the hierarchy of `sweep-lod` as a scene grows: the same view of the plane, with ten
+// times the surfels.
 #pragma once
 
 #include <array>
@@ -14,18 +14,18 @@ struct Growth {
   struct Size {
     std::size_t surfels = 0;
     double build_s = 0.0;
-    double bytes_per_surfel = 0.0;  ///< besides the scene's own
+    double bytes_per_surfel = 0.0;  ///< without the scene itself
     std::array<double, kApertures> ms_median{};
   };
   Size before, after;
 
-  /// The largest over the apertures of time after over time before.
+  /// Frame time after over frame time before: the max over the apertures.
   double frameTime() const;
 };
 
 inline constexpr int kGrowthRuns = 5;
 
-/// Planes of about a tenth of `surfels` and about as many, `sweep-lod` on both.
+/// Measures `sweep-lod` on planes of about a tenth of `surfels`, and of about `surfels`.
 /// @param on_frame  called after every frame
 Growth measureGrowth(std::size_t surfels, const std::function<void()>& on_frame);
 

@@ -1,4 +1,4 @@
-// What each method makes of a scene at each aperture, and what it costs.
+// Accuracy and time of each method on a scene at each aperture.
 #pragma once
 
 #include <array>
@@ -14,13 +14,13 @@
 
 namespace foci {
 
-/// The method that is ours, and that draws the figures.
+/// foci's own method, which renders the figures.
 inline constexpr const char* kOurs = "sweep-lod";
 
-/// How much is done. Times are of runs taken in turn, after one that is not counted.
+/// How much work a measurement does. The timed runs take turns, after one that does not count.
 struct ReproduceEffort {
   int runs = 15;
-  int accumulate_runs = 3;  ///< of `accumulate:200`, which draws 200 views a run
+  int accumulate_runs = 3;  ///< of `accumulate:200`, which renders 200 views in each run
   int min_views = 256;      ///< of the reference
   int max_views = 4096;
   int figure1_views = 400;  ///< of the references of Figure 1
@@ -38,35 +38,36 @@ struct ReproduceRow {
   std::uint64_t points = 0;
   double ms_median = 0.0, ms_min = 0.0;
   unsigned threads = 0;
-  double psnr_dB = 0.0;  ///< infinite where it is the reference to the bit
+  double psnr_dB = 0.0;  ///< infinite if every bit equals the reference's
   double ssim = 0.0;
-  std::optional<double> silhouette_psnr_dB;  ///< nothing where no silhouette is in view
+  std::optional<double> silhouette_psnr_dB;  ///< absent without a silhouette in view
 };
 
-/// What the accuracy is measured against: `accumulate:views`; without blur one view.
+/// The frame that methods are compared with: `accumulate:views`; without blur a single view.
 struct ReproduceReference {
   int views = 1;
-  std::optional<double> split_half_psnr_dB;  ///< of more than one view
+  std::optional<double> split_half_psnr_dB;  ///< absent for a single view
   Frame frame;
 };
 
 struct SceneResult {
   std::vector<ReproduceRow> rows;
   std::array<ReproduceReference, kApertures> reference;
-  /// By method, at each aperture; `accumulate` is not kept.
+  /// By method and aperture, without those of `accumulate`.
   std::map<std::string, std::array<Frame, kApertures>> frames;
 };
 
-/// Views of the reference: one a pixel of the largest disc, pi C^2 (formulas.md, 7), within bounds.
+/// Views of the reference: one for each pixel of the largest disc, pi C^2 (formulas.md, 7), clamped
+/// to the effort's min and max.
 int referenceViews(const ReproduceScene& scene, std::size_t aperture,
                    const ReproduceEffort& effort);
 
-/// Frames that `measureScene` draws, each of N views counted.
+/// Frames that `measureScene` renders. A frame of N views counts N times.
 std::size_t framesToMeasure(const ReproduceScene& scene, const ReproduceEffort& effort,
                             const std::vector<unsigned>& threads);
 
-/// @param threads   numbers of threads to measure at, rising, the last being all
-/// @param on_frames called after so many frames
+/// @param threads    numbers of threads to measure with, rising; the last is all threads
+/// @param on_frames  called with the number of frames rendered since the last call
 SceneResult measureScene(const ReproduceScene& scene, const ReproduceEffort& effort,
                          const std::vector<unsigned>& threads,
                          const std::function<void(std::size_t)>& on_frames);

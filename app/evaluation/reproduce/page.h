@@ -1,8 +1,8 @@
-// The reproduction on one page: the figures wanted, Table 1 beside the paper's own numbers, Figures
+// The reproduction as a page: the figures to reach, Table 1 beside the paper's own numbers, Figures
 // 1 and 6.
 #pragma once
 
-#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,7 +20,7 @@ struct ReproducedScene {
 };
 
 struct ReproduceFacts {
-  std::vector<ReproducedScene> scenes = {};  ///< the plane, the lion
+  std::vector<ReproducedScene> scenes = {};  ///< the plane, then the lion
   std::vector<ReproduceRatio> ratios = {};
   std::vector<FigurePanel> figure1 = {};
   std::optional<Growth> growth = {};
@@ -29,7 +29,7 @@ struct ReproduceFacts {
   double seconds = 0.0;
 };
 
-/// @throws std::runtime_error where the file cannot be written
-void writeReproducePage(const std::filesystem::path& file, const ReproduceFacts& facts);
+/// A complete HTML page, with its images inside.
+std::string reproducePage(const ReproduceFacts& facts);
 
 }  // namespace foci

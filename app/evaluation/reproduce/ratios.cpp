@@ -10,7 +10,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLargest = kApertures - 1;
 
-/// The row of another method or aperture that stands beside `row`: same threads.
+/// The row of `method` at `aperture` with the threads of `row`.
 const ReproduceRow& beside(const std::vector<ReproduceRow>& rows, const ReproduceRow& row,
                            const std::string& method, std::size_t aperture) {
   const auto found = std::find_if(rows.begin(), rows.end(), [&](const ReproduceRow& one) {
@@ -39,29 +39,30 @@ std::vector<ReproduceRatio> ratiosOf(const std::vector<ReproduceRow>& rows, bool
 
   const std::string scene = rows.front().scene;
   return {{"sweep_lod_largest_over_unblurred",
-           "time of sweep-lod at the largest aperture over that without blur", scene,
+           "time of sweep-lod at the largest aperture over its time without blur", scene,
            is_plane ? "0.99" : "1.30", growth, is_plane ? 0.5 : 0.7, true, 2},
           {"paper_lod_over_sweep_lod",
-           "time of paper-lod over that of sweep-lod, same threads, every aperture", scene, "1",
+           "time of paper-lod over time of sweep-lod, same threads, every aperture", scene, "1",
            over_paper, 8.0, false, 1},
           {"accumulate_200_over_sweep_lod",
-           "time of accumulate:200 over that of sweep-lod, largest aperture", scene,
+           "time of accumulate:200 over time of sweep-lod, largest aperture", scene,
            is_plane ? "196" : "148", over_accumulate, 400.0, false, 0},
           {"sweep_lod_psnr_dB", "PSNR of sweep-lod, every aperture, dB", scene,
            is_plane ? "“hardly perceptible”" : "“some artifacts”", psnr_dB, 42.0, false, 1},
-          {"sweep_lod_over_paper_lod_dB", "the same, above paper-lod's, dB", scene, "", gap_dB,
-           is_plane ? 6.0 : 10.0, false, 1}};
+          {"sweep_lod_over_paper_lod_dB", "PSNR of sweep-lod above that of paper-lod, dB", scene,
+           "", gap_dB, is_plane ? 6.0 : 10.0, false, 1}};
 }
 
 std::vector<ReproduceRatio> ratiosOf(const Growth& growth) {
   const std::string scene = std::to_string(growth.after.surfels / 1'000'000) + " million surfels";
-  return {{"hierarchy_build_s", "time to build the hierarchy of sweep-lod, s", scene, "",
-           growth.after.build_s, 10.0, true, 1},
-          {"hierarchy_bytes_per_surfel", "memory of that hierarchy, bytes a surfel", scene, "",
-           growth.after.bytes_per_surfel, 100.0, true, 0},
-          {"frame_time_over_a_tenth_of_the_surfels",
-           "frame time of sweep-lod over that with a tenth of the surfels, every aperture", scene,
-           "", growth.frameTime(), 1.3, true, 2}};
+  return {
+      {"hierarchy_build_s", "time to build the hierarchy of sweep-lod, s", scene, "",
+       growth.after.build_s, 10.0, true, 1},
+      {"hierarchy_bytes_per_surfel", "memory of the hierarchy, bytes per surfel", scene, "",
+       growth.after.bytes_per_surfel, 100.0, true, 0},
+      {"frame_time_over_a_tenth_of_the_surfels",
+       "frame time of sweep-lod over its frame time with a tenth of the surfels, every aperture",
+       scene, "", growth.frameTime(), 1.3, true, 2}};
 }
 
 }  // namespace foci

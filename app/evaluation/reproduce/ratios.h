@@ -1,4 +1,4 @@
-// The figures that the reproduction is judged by: ratios of times, distances from the reference.
+// The figures that the reproduction is judged by: ratios of times, and accuracy.
 #pragma once
 
 #include <optional>
@@ -10,27 +10,29 @@
 
 namespace foci {
 
-/// One figure, of one scene.
+/// One figure of one scene.
 struct ReproduceRatio {
   std::string key;   ///< for programs
   std::string what;  ///< for people
   std::string scene;
-  std::string paper;  ///< what the paper says of itself; "" where nothing
-  double value;       ///< the worst over the rows concerned; infinite is possible
+  std::string paper;  ///< the paper's own figure; empty if the paper states none
+  double value;       ///< the worst over the rows; may be infinite
   double wanted;
-  bool at_most;  ///< `wanted` is an upper bound, else a lower one
+  bool at_most;  ///< true: `wanted` is an upper bound; false: a lower bound
   int digits;
 
   bool reached() const { return at_most ? value <= wanted : value >= wanted; }
 };
 
-/// Of all of one scene's rows. The largest aperture is the last.
-///   sweep-lod at the largest aperture over itself without blur, paper-lod over sweep-lod at the
-///   same aperture and threads, accumulate:200 over sweep-lod at the largest aperture: medians.
-/// @param is_plane  else the lion, of which other figures are wanted
+/// The figures of one scene. Ratios of times compare medians with the same number of threads:
+///   sweep-lod at the largest aperture over sweep-lod without blur,
+///   paper-lod over sweep-lod at each aperture,
+///   accumulate:200 over sweep-lod at the largest aperture.
+/// @param rows      all rows of the scene
+/// @param is_plane  true: the plane; false: the lion, which has other bounds
 std::vector<ReproduceRatio> ratiosOf(const std::vector<ReproduceRow>& rows, bool is_plane);
 
-/// Of the hierarchy of the larger plane: time to build it, memory, and `frameTime`.
+/// The figures of a grown scene: time to build the larger hierarchy, its memory, and `frameTime`.
 std::vector<ReproduceRatio> ratiosOf(const Growth& growth);
 
 }  // namespace foci

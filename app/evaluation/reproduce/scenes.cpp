@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "app/record/tables.h"
 #include "base/input_error.h"
 #include "base/text.h"
 
@@ -15,10 +14,10 @@ namespace {
 constexpr int kSize_px = 512;
 constexpr std::array<double, kApertures> kPlaneApertures_m{0.0, 0.5, 2.0};
 
-constexpr double kFirstBlur_px =
-    3.5;  // root mean square: what the paper's counts mean (formulas.md, 7)
-constexpr double kFragmentsWithin = 0.005;
-constexpr int kMaxSteps = 12;
+/// Root mean square of the blur radius that the paper's counts imply (formulas.md, 7).
+constexpr double kFirstBlur_px = 3.5;
+constexpr double kFragmentsWithin = 0.005;  // chosen by eye
+constexpr int kMaxSteps = 12;               // chosen by eye
 
 constexpr std::array<PaperRow, 5> kPaperPlane{{{0, "0", false, 5685, 262144, 0.76},
                                                {1, "0.5", true, 8521, 178696, 0.97},
@@ -32,6 +31,17 @@ constexpr std::array<PaperRow, 5> kPaperLion{{{0, "0", false, 2266, 81458, 0.43}
                                               {2, "0.04", false, 90219, 81458, 8.93}}};
 
 ReproduceScene lionScene(SceneInView seen) { return {{std::move(seen)}, {}, kPaperLion, 83.0}; }
+
+/// The aperture that blurs the image as the paper's small aperture did.
+double firstAperture_m(const ReproduceScene& scene) {
+  double sum_D2 = 0.0;
+  const std::vector<float> depths_m = scene.depthsInView_m();
+  for (const float depth_m : depths_m) {
+    const double defocus_D = 1.0 / depth_m - scene.settings.defocus.focus_D;
+    sum_D2 += defocus_D * defocus_D / static_cast<double>(depths_m.size());
+  }
+  return 2.0 * kFirstBlur_px / (scene.view.focal_px.x * std::sqrt(sum_D2));
+}
 
 }  // namespace
 
@@ -58,15 +68,7 @@ void chooseApertures(ReproduceScene& scene, const std::function<void()>& on_fram
     return row->kfragments;
   };
 
-  // The aperture that blurs the image as the paper's small one did, as a start.
-  double sum_D2 = 0.0;
-  const std::vector<float> depths_m = scene.depthsInView_m();
-  for (const float depth_m : depths_m) {
-    const double defocus_D = 1.0 / depth_m - scene.settings.defocus.focus_D;
-    sum_D2 += defocus_D * defocus_D / static_cast<double>(depths_m.size());
-  }
-  double aperture_m = 2.0 * kFirstBlur_px / (scene.view.focal_px.x * std::sqrt(sum_D2));
-
+  double aperture_m = firstAperture_m(scene);
   scene.apertures_m = {};
   const double sharp = fragmentsAt(0);
   for (const std::size_t aperture : {std::size_t{1}, std::size_t{2}}) {
@@ -81,7 +83,7 @@ void chooseApertures(ReproduceScene& scene, const std::function<void()>& on_fram
       }
       aperture_m *= std::sqrt((wanted - sharp) / (fragments - sharp));
     }
-    aperture_m *= 4.0;  // as the paper's two
+    aperture_m *= 4.0;  // the ratio of the paper's two apertures
   }
 }
 

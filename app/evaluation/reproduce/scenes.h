@@ -1,5 +1,5 @@
-// What the paper's Table 1 and Figure 6 show: the textured plane and the lion, from where, in focus
-// where, through which apertures.
+// The scenes of Table 1 and Figure 6 of the 2003 paper: the textured plane and the lion, each with
+// its view, its focus and its apertures.
 #pragma once
 
 #include <array>
@@ -10,12 +10,12 @@
 
 namespace foci {
 
-inline constexpr std::size_t kApertures = 3;  // none, a small one, a large one
+inline constexpr std::size_t kApertures = 3;  // a pinhole, a small aperture, a large one
 
 /// A row of the paper's Table 1 (512 x 512, c = 2.5, Pentium 4 at 1.4 GHz).
 struct PaperRow {
   std::size_t aperture;     ///< 0, 1, 2
-  const char* aperture_as;  ///< in the paper's own units
+  const char* aperture_as;  ///< in the paper's units
   bool lod;
   double kfragments, points, seconds;
 };
@@ -23,7 +23,7 @@ struct PaperRow {
 struct ReproduceScene : SceneInView {
   std::array<double, kApertures> apertures_m{};  ///< diameters; the first is 0
   std::array<PaperRow, 5> paper;
-  double paper_reference_s;  ///< what its 200 views took
+  double paper_reference_s;  ///< time of the paper's 200 views
 
   RenderSettings settingsAt(std::size_t aperture) const {
     return settingsThrough(apertures_m[aperture]);
@@ -33,23 +33,21 @@ struct ReproduceScene : SceneInView {
   }
 };
 
-/// The paper's plane, with its apertures, so tilted and so far that method `paper` draws about as
-/// many fragments as the paper counted. `samples`: surfels a side.
+/// The paper's plane with its apertures: see `planeInView`. @param samples  surfels along a side
 ReproduceScene planeScene(int samples = 512);
 
-/// The lion as a procedural statue, without apertures yet.
+/// The procedural lion, without apertures.
 ReproduceScene statueScene();
 
-/// The lion as a scan: of what is in the middle of the view the focus is, apertures are missing
-/// yet.
-/// @throws InputError for what cannot be read, or where fewer than a thousand points are in view
+/// A scan in place of the lion, without apertures.
+/// @throws InputError as `scanInView`
 ReproduceScene scanScene(const ScanView& scan);
 
-/// Gives the scene the apertures at which method `paper` draws as many fragments, over those
-/// without blur, as the paper counted on its lion. Fragments grow with the square of the aperture
-/// where blur dominates: a few steps of the secant in that.
-/// @param on_frame  after every frame drawn
-/// @throws InputError where no aperture does
+/// Chooses the scene's apertures: with them, fragments of method `paper` grow as the paper's
+/// fragments do on its lion. Where blur dominates, fragments are proportional to the square of the
+/// aperture; a secant search in the square takes a few steps.
+/// @param on_frame  called after every rendered frame
+/// @throws InputError if no aperture reaches the paper's growth
 void chooseApertures(ReproduceScene& scene, const std::function<void()>& on_frame);
 
 }  // namespace foci

@@ -1,5 +1,6 @@
-// Focus under gaze beside a silhouette, in noise and losses: what `foci` does, against what follows
-// the samples as they come. A steady observer is the truth: the same gaze without noise and losses.
+// Focus that follows a gaze beside a silhouette, under noise and data loss. The observers are foci
+// and two simple ones: a mean over 0.1 s, and each sample as it comes. The reference is the same
+// observer with the same gaze, without noise and data loss.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -13,11 +14,12 @@
 namespace foci::stability {
 namespace {
 
-constexpr double kNear_D = 2.0, kFar_D = 0.5;  // left and right of the image's middle
+constexpr double kNear_D = 2.0, kFar_D = 0.5;  // left and right of the middle of the screen
 constexpr double kFrames_Hz = 30.0;
-constexpr double kSettled_s = 0.2;  // after which a gaze counts
-constexpr double kMean_s = 0.1;     // of the observer who takes a mean
-constexpr double kLoss_s = 0.08;    // of a loss, the mean
+// Chosen by eye.
+constexpr double kSettled_s = 0.2;  // the score leaves out this start of a run
+constexpr double kMean_s = 0.1;     // window of the observer that takes a mean
+constexpr double kLoss_s = 0.08;    // mean duration of a stretch of data loss
 constexpr unsigned kSeeds = 3;
 const Screen kScreen{.size_px = {1280, 720}, .size_m = {0.52, 0.2925}, .distance_m = 0.6};
 
@@ -38,10 +40,12 @@ Observer observerOf(std::size_t index) {
 }
 
 struct Samples {
-  std::vector<GazeSample> clean, seen;
+  std::vector<GazeSample> clean, noisy;
 };
 
-/// @param lost  0 to 1: in stretches of `kLoss_s` on the mean
+/// Gaze at `targets`, clean and with Gaussian noise and data loss. Data loss is a Markov chain of
+/// two states with stretches of `kLoss_s` on average.
+/// @param lost  share of the samples that are missing, 0 to 1
 Samples samplesOf(const std::vector<GazeTarget>& targets, double rate_Hz, double noise_deg,
                   double lost, unsigned seed) {
   Samples samples{
@@ -65,45 +69,54 @@ Samples samplesOf(const std::vector<GazeTarget>& targets, double rate_Hz, double
           kScreen, eccentricity_deg(kScreen, *sample.point_px) +
                        radius_deg * glm::dvec2(std::cos(turn_rad), std::sin(turn_rad)));
     }
-    samples.seen.push_back(sample);
+    samples.noisy.push_back(sample);
   }
   return samples;
 }
 
-/// Focus at the frames' times.
+/// Mean of the samples since `since_s` that are not lost, before index `end`. With `last_only`: the
+/// last of these samples.
+std::optional<glm::dvec2> meanPoint_px(const std::vector<GazeSample>& samples, std::size_t end,
+                                       double since_s, bool last_only) {
+  glm::dvec2 sum_px(0.0);
+  double count = 0.0;
+  for (std::size_t i = end; i > 0 && samples[i - 1].time_s > since_s; --i) {
+    if (!samples[i - 1].point_px) continue;
+    sum_px += *samples[i - 1].point_px;
+    ++count;
+    if (last_only) break;
+  }
+  if (count == 0.0) return std::nullopt;
+  return sum_px / count;
+}
+
+/// The observer's focus at the times of the frames.
 std::vector<double> focus_D(const Observer& observer, const std::vector<GazeSample>& samples) {
+  using enum Observer::Kind;
   FollowSettings settings;
   settings.accommodation.on = false;
-  GazeFollower follower(
+  GazeFollower gaze(
       kScreen, observer.rate_Hz,
       [](double, const glm::dvec3& sight, double) {
         return std::optional(1.0 / (sight.x < 0.0 ? kNear_D : kFar_D));
       },
       settings);
+  const double window_s = observer.kind == mean ? kMean_s : 1.5 / observer.rate_Hz;
   std::vector<double> frames;
   std::size_t next = 0;
-  double held_D = kFar_D;
+  double now_D = kFar_D;
   const double end_s = samples.back().time_s;
   for (double time_s = kSettled_s; time_s < end_s; time_s += 1.0 / kFrames_Hz) {
     for (; next < samples.size() && samples[next].time_s <= time_s; ++next) {
-      if (observer.kind == Observer::Kind::follower) follower.push(samples[next]);
+      if (observer.kind == follower) gaze.push(samples[next]);
     }
-    if (observer.kind == Observer::Kind::follower) {
-      held_D = follower.at(time_s).target_D.value_or(held_D);
-    } else {
-      const double since_s =
-          time_s - (observer.kind == Observer::Kind::mean ? kMean_s : 1.5 / observer.rate_Hz);
-      glm::dvec2 sum_px(0.0);
-      double count = 0.0;
-      for (std::size_t i = next; i > 0 && samples[i - 1].time_s > since_s; --i) {
-        if (!samples[i - 1].point_px) continue;
-        sum_px += *samples[i - 1].point_px;
-        ++count;
-        if (observer.kind == Observer::Kind::each_sample) break;
-      }
-      if (count > 0.0) held_D = atPoint_D(sum_px / count);
+    if (observer.kind == follower) {
+      now_D = gaze.at(time_s).target_D.value_or(now_D);
+    } else if (const auto point_px =
+                   meanPoint_px(samples, next, time_s - window_s, observer.kind == each_sample)) {
+      now_D = atPoint_D(*point_px);
     }
-    frames.push_back(held_D);
+    frames.push_back(now_D);
   }
   return frames;
 }
@@ -114,7 +127,7 @@ int jumpsIn(const std::vector<double>& frames) {
   return jumps;
 }
 
-/// Over several runs of gazes.
+/// The score over all gazes and seeds.
 double scoreOf(std::size_t index, const std::vector<std::vector<GazeTarget>>& gazes,
                double noise_deg, double lost, GazeScore score) {
   const Observer observer = observerOf(index);
@@ -122,10 +135,10 @@ double scoreOf(std::size_t index, const std::vector<std::vector<GazeTarget>>& ga
   for (const auto& targets : gazes) {
     for (unsigned seed = 1; seed <= kSeeds; ++seed) {
       const Samples samples = samplesOf(targets, observer.rate_Hz, noise_deg, lost, seed);
-      const auto truth = focus_D(observer, samples.clean), seen = focus_D(observer, samples.seen);
-      for (std::size_t i = 0; i < seen.size(); ++i) wrong += seen[i] != truth[i];
-      jumps += std::max(0, jumpsIn(seen) - jumpsIn(truth));
-      count += static_cast<double>(seen.size());
+      const auto truth = focus_D(observer, samples.clean), noisy = focus_D(observer, samples.noisy);
+      for (std::size_t i = 0; i < noisy.size(); ++i) wrong += noisy[i] != truth[i];
+      jumps += std::max(0, jumpsIn(noisy) - jumpsIn(truth));
+      count += static_cast<double>(noisy.size());
     }
   }
   return score == GazeScore::wrong_share ? wrong / count : jumps * kFrames_Hz / count;

@@ -1,27 +1,26 @@
+// Scenes with irregular samples: uneven density, holes, copies, wrong normals, few points.
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
 #include <utility>
 
-#include "app/evaluation/chart/plan.h"
 #include "app/evaluation/stability/setups.h"
 #include "render/scene/builtin/pattern.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/surfel_cloud.h"
 
-// Scenes whose samples are not where, or as, they should be.
 namespace foci {
 namespace stability {
 namespace {
 
-constexpr float kSpacing_m = 1.0f / kFocal_px;  // a pixel, a metre away
+constexpr float kSpacing_m = 1.0f / kFocal_px;  // a pixel wide at 1 m
 
 SurfelCloud estimated(PointCloud&& points) {
   return surfelsFromPoints(std::move(points), {.viewpoint_m = glm::vec3(0.0f)});
 }
 
-/// A white wall a metre away, out of focus, of points that are to cover it.
+/// A white wall 1 m away, out of focus. Its points should cover it.
 StabilitySetup wallOf(PointCloud&& points) {
   return {.view = view(),
           .cloud = estimated(std::move(points)),
@@ -36,8 +35,8 @@ StabilitySetup wallOf(PointCloud&& points) {
           .score = [](const Frame& frame) { return coverageErrorFrom(frame, 1.0f, 8); }};
 }
 
-/// The edge of stability::edgeSheets, blurred by `radius_px` before a sheet in focus, with other
-/// surfels for its near side.
+/// The half-plane of `edgeSheets`, blurred by `radius_px`, before a sheet in focus.
+/// @param addNear  adds the surfels of the half-plane
 template <class AddNear>
 StabilitySetup edgeWith(float radius_px, const AddNear& addNear) {
   const std::vector<Sheet> sheets = edgeSheets(1.0f, 2.0f);
@@ -53,7 +52,7 @@ StabilitySetup edgeWith(float radius_px, const AddNear& addNear) {
 }  // namespace
 
 StabilitySetup density(float ratio) {
-  // Points per area fall by `ratio` from the left to the right of the image.
+  // Points per area fall by the factor `ratio` from the left to the right of the image.
   constexpr float kSide_m = 0.6f, kFinest_m = kSpacing_m;
   std::mt19937 random(5);
   const auto uniform = [&] { return static_cast<float>(random() >> 8) / float{1 << 24}; };
@@ -72,7 +71,7 @@ StabilitySetup density(float ratio) {
 }
 
 StabilitySetup patches(float width_px) {
-  // Holes on a grid, a twenty-fifth of the wall or less at the least.
+  // Holes on a grid of 24 samples: at most a fifth of the wall is missing.
   constexpr int kSide = 180, kApart = 24;
   PointCloud points;
   for (int y = 0; y < kSide; ++y) {
@@ -94,7 +93,7 @@ StabilitySetup duplicates(float copies) {
     addSurfels(regular, sheet);
     PointCloud points;
     for (std::size_t i = 0; i < regular.size(); ++i) {
-      // Of a third of the points there are several.
+      // Every third point has copies.
       const int times = i % 3 == 0 ? static_cast<int>(copies) : 1;
       points.position_m.insert(points.position_m.end(), static_cast<std::size_t>(times),
                                regular.position_m[i]);
@@ -118,42 +117,47 @@ StabilitySetup misledNormals(float angle_deg) {
 
 }  // namespace stability
 
-StabilityScene thinnedScan(const ScanView& scan) {
+namespace {
+
+/// The scan with a share of its points, chosen by a hash of their index.
+SurfelCloud thinned(const SurfelCloud& cloud, float share) {
+  PointCloud points;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (hash01(static_cast<int>(i), 0, 5) >= share) continue;
+    points.position_m.push_back(cloud.position_m[i]);
+    points.color.push_back(cloud.color[i]);
+  }
+  return stability::estimated(std::move(points));
+}
+
+StabilitySetup thinnedSetup(const ScanView& scan, float share) {
   constexpr int kImage_px = 256;
   constexpr double kBlur_px = 8.0;
+  const auto seen = std::make_shared<const SceneInView>(scanInView(scan, kImage_px));
+  const double aperture_m = kBlur_px / seen->largestBlurThrough_px(1.0);
+  StabilitySetup setup{.view = seen->view,
+                       .cloud = share < 1.0f ? thinned(seen->cloud, share) : seen->cloud,
+                       .settings = seen->settingsThrough(aperture_m)};
+  setup.truth = [seen](const View& view, const RenderSettings& settings, int samples) {
+    Frame frame;
+    makeMethod("accumulate:" + std::to_string(samples), seen->cloud)->render(view, settings, frame);
+    return frame;
+  };
+  return setup;
+}
+
+}  // namespace
+
+StabilityScene thinnedScan(const ScanView& scan) {
   return {.name = "thinned",
-          .what = "a scan of which only some points are left, blurred by up to 8 px",
+          .what = "a scan with a part of its points, blur radius up to 8 px",
           .dial = "share of the points",
           .score = "PSNR against the whole scan, dB",
           .high_is_good = true,
           .good = 30.0,
           .values = {1.0f, 0.5f, 0.25f, 0.1f},
-          .setup =
-              [scan](float share) {
-                const auto seen = std::make_shared<const SceneInView>(scanInView(scan, kImage_px));
-                const double aperture_m = kBlur_px / seen->largestBlurThrough_px(1.0);
-                StabilitySetup setup{.view = seen->view,
-                                     .cloud = seen->cloud,
-                                     .settings = seen->settingsThrough(aperture_m)};
-                if (share < 1.0f) {
-                  PointCloud points;
-                  for (std::size_t i = 0; i < seen->cloud.size(); ++i) {
-                    if (hash01(static_cast<int>(i), 0, 5) >= share) continue;
-                    points.position_m.push_back(seen->cloud.position_m[i]);
-                    points.color.push_back(seen->cloud.color[i]);
-                  }
-                  setup.cloud = stability::estimated(std::move(points));
-                }
-                setup.truth = [seen](const View& view, const RenderSettings& settings,
-                                     int samples) {
-                  Frame frame;
-                  makeMethod("accumulate:" + std::to_string(samples), seen->cloud)
-                      ->render(view, settings, frame);
-                  return frame;
-                };
-                return setup;
-              },
-          .input = inputOf(scan)};
+          .setup = [scan](float share) { return thinnedSetup(scan, share); },
+          .input = scanKey(scan)};
 }
 
 }  // namespace foci

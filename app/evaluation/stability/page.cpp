@@ -1,32 +1,32 @@
 #include "app/evaluation/stability/page.h"
 
-#include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <stdexcept>
+#include <sstream>
+#include <utility>
 
-#include "app/evaluation/chart/panel.h"
-#include "app/evaluation/chart_html.h"
+#include "app/evaluation/evaluated_methods.h"
+#include "app/evaluation/evaluation_page.h"
 #include "app/graphics/html.h"
 #include "app/graphics/plot.h"
-#include "app/record/tables.h"
 #include "base/text.h"
 
 namespace foci {
 namespace {
 
-constexpr glm::dvec2 kPanel_px{760.0, 400.0};
-constexpr double kMargin = 0.15;  // of a step, beside the first and the last value
-constexpr double kLeast = 1e-4;   // errors below it are drawn as it
-constexpr const char* kColumns[] = {"#2f8f5b", "#d9822b", "#7a8190"};  // of observers
+constexpr glm::dvec2 kStabilityPanel_px{760.0, 400.0};
+constexpr double kStepMargin = 0.15;  // free space beside the first and last value, in steps
+constexpr double kMinError = 1e-4;    // the logarithmic axis shows smaller errors as this
 
-constexpr const char* kStyle = R"(
+/// Colours of the observers.
+constexpr const char* kObserverColors[] = {"#2f8f5b", "#d9822b", "#7a8190"};
+
+constexpr const char* kStabilityStyle = R"(
 .strip { display: flex; flex-wrap: wrap; gap: .5rem; margin: .6rem 0 0; }
 .strip figure { width: 128px; } .strip img { image-rendering: pixelated; }
 .strip figcaption { font-size: .75rem; overflow-wrap: anywhere; }
 .strip figure.good figcaption::before { content: "\2713\00a0"; }
 h3 { font-size: 1rem; margin: 0 0 .3rem; } .panel p { margin: 0 0 .3rem; }
-.holds td, .holds th { padding: .2rem .5rem .2rem 0; font-size: .8rem; }
+.limits td, .limits th { padding: .2rem .5rem .2rem 0; font-size: .8rem; }
 )";
 
 std::string scoreText(const StabilityScene& scene, double score) {
@@ -39,10 +39,10 @@ std::string fileOf(const StabilityPlan& plan, const StabilityScene& scene, float
 }
 
 std::string colorOf(const StabilityPlan& plan, const StabilityScene& scene, std::size_t by) {
-  return scene.observe ? kColumns[by % 3] : familyOf(plan.methods[by].name).color;
+  return scene.observe ? kObserverColors[by % 3] : familyOf(plan.methods[by].name).color;
 }
 
-/// Of one scene, by value, then by method.
+/// The scores of one scene, by value, then by method.
 std::vector<std::vector<double>> scoresOf(const StabilityScene& scene,
                                           const std::vector<StabilityPoint>& points) {
   std::vector<std::vector<double>> scores;
@@ -55,13 +55,13 @@ std::vector<std::vector<double>> scoresOf(const StabilityScene& scene,
   return scores;
 }
 
-Plot panelOf(const StabilityPlan& plan, const StabilityScene& scene,
-             const std::vector<StabilityPoint>& points, bool titled) {
+Plot stabilityPanelOf(const StabilityPlan& plan, const StabilityScene& scene,
+                      const std::vector<StabilityPoint>& points, bool titled) {
   const auto names = scoredIn(plan, scene);
   const auto scores = scoresOf(scene, points);
   Plot plot{.title = titled ? scene.name + ": " + scene.what : "",
             .end_labels = true,
-            .size_px = kPanel_px};
+            .size_px = kStabilityPanel_px};
   std::vector<double> heights = {scene.good};
   for (std::size_t by = 0; by < names.size(); ++by) {
     PlotSeries line{
@@ -81,19 +81,19 @@ Plot panelOf(const StabilityPlan& plan, const StabilityScene& scene,
     plot.series.push_back(std::move(line));
   }
   plot.y = scene.high_is_good ? linearAxis(scene.score, heights)
-                              : logarithmicAxis(scene.score, heights, kLeast);
+                              : logarithmicAxis(scene.score, heights, kMinError);
   plot.x = {.title = scene.dial,
-            .from = -kMargin,
-            .to = static_cast<double>(scene.values.size()) - 1.0 + kMargin};
+            .from = -kStepMargin,
+            .to = static_cast<double>(scene.values.size()) - 1.0 + kStepMargin};
   for (std::size_t i = 0; i < scene.values.size(); ++i) {
     plot.x.ticks.push_back({static_cast<double>(i), dialText(scene.values[i])});
   }
-  plot.levels.push_back({scene.good, "wanted"});
+  plot.levels.push_back({scene.good, "good"});
   return plot;
 }
 
-/// How far the dial can be turned before a method gives way.
-std::string holdsText(const StabilityScene& scene, const std::vector<std::vector<double>>& scores,
+/// The last value of the dial before a method fails.
+std::string limitText(const StabilityScene& scene, const std::vector<std::vector<double>>& scores,
                       std::size_t by) {
   std::size_t good = 0;
   while (good < scores.size() && scene.isGood(scores[good][by])) ++good;
@@ -102,10 +102,11 @@ std::string holdsText(const StabilityScene& scene, const std::vector<std::vector
   return dialText(scene.values[good - 1]);
 }
 
-void writeHolds(std::ostream& out, const StabilityPlan& plan,
-                const std::vector<StabilityPoint>& points) {
-  out << "<div class=\"scroll\"><table class=\"figures holds\"><tr><th>scene</th><th>dial</th>";
-  for (const ChartMethod& method : plan.methods) out << "<th>" << escaped(method.spec()) << "</th>";
+void writeLimits(std::ostream& out, const StabilityPlan& plan,
+                 const std::vector<StabilityPoint>& points) {
+  out << "<div class=\"scroll\"><table class=\"figures limits\"><tr><th>scene</th><th>dial</th>";
+  for (const EvaluatedMethod& method : plan.methods)
+    out << "<th>" << escaped(method.spec()) << "</th>";
   out << "</tr>\n";
   for (const StabilityScene& scene : plan.scenes) {
     if (scene.observe) continue;
@@ -114,14 +115,14 @@ void writeHolds(std::ostream& out, const StabilityPlan& plan,
                 dialText(scene.values.back()));
     const auto scores = scoresOf(scene, points);
     for (std::size_t by = 0; by < plan.methods.size(); ++by) {
-      out << cell(holdsText(scene, scores, by));
+      out << cell(limitText(scene, scores, by));
     }
     out << "</tr>\n";
   }
   out << "</table></div>\n";
 }
 
-/// The dial's end as each method draws it.
+/// The images of all methods at the last value of the dial.
 void writeStrip(std::ostream& out, const StabilityPlan& plan, const StabilityScene& scene,
                 const std::vector<StabilityPoint>& points) {
   const float value = scene.values.back();
@@ -143,53 +144,50 @@ void writeStrip(std::ostream& out, const StabilityPlan& plan, const StabilitySce
 
 }  // namespace
 
-void writeStabilityPage(const std::filesystem::path& file, const StabilityPlan& plan,
-                        const std::vector<StabilityPoint>& points) {
-  std::ofstream out(file, std::ios::binary);
-  out << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width\">\n"
-         "<title>foci chart --stability</title>\n<style>"
-      << kPageStyle << kChartStyle << kStyle
-      << "</style></head><body><main>\n<h1>Depth of field: where methods give way</h1>\n"
-         "<p class=\"quiet\">foci " FOCI_VERSION
-      << (plan.quick ? " &middot; a quick look: three values a dial" : "")
-      << "</p>\n<p>Each scene has one dial from harmless to extreme. The dashed line is the score "
-         "that is wanted; hollow points miss it. Where the image is known in closed form the "
-         "score is against that; scenes of flat sheets are held against rays that meet the sheets "
+std::string stabilityPage(const StabilityPlan& plan, const std::vector<StabilityPoint>& points) {
+  std::ostringstream out;
+  out << pageStart("foci chart --stability",
+                   std::string(kEvaluationStyle) + kChartStyle + kStabilityStyle)
+      << "<h1>Depth of field: where methods fail</h1>\n<p class=\"quiet\">foci " FOCI_VERSION
+      << (plan.quick ? " &middot; a quick look: three values for each dial" : "")
+      << "</p>\n<p>Each scene has one dial, which runs from harmless to extreme. The dashed line "
+         "is "
+         "the score that counts as good. Hollow points miss it. A scene with a closed form is "
+         "scored against it. A scene of flat sheets is scored against rays that meet the sheets "
          "exactly, "
       << 4 * plan.effort.samples
-      << " a pixel; others against as many pinhole views of the same splats (<code>accumulate:"
+      << " for each pixel. Other scenes are scored against the mean of as many pinhole views "
+         "of the same splats (<code>accumulate:"
       << plan.effort.samples << "</code>).</p>\n<p class=\"legend\">";
   writeFamilies(out);
   out << "</p>\n<h2>How far each dial can be turned</h2>\n"
-         "<p>The last value at which the score is still what is wanted.</p>\n";
-  writeHolds(out, plan, points);
+         "<p>The last value up to which every score is good.</p>\n";
+  writeLimits(out, plan, points);
   out << "<h2>Score over dial</h2>\n<p class=\"quiet\">Click a point for its image, the "
          "reference and their difference.</p>\n<div class=\"panels\">\n";
   for (const StabilityScene& scene : plan.scenes) {
     out << "<div class=\"panel\" id=\"" << scene.name << "\"><h3>" << scene.name << "</h3><p>"
         << escaped(scene.what) << "</p>\n"
-        << svgOf(layOut(panelOf(plan, scene, points, false)));
+        << svgOf(layOut(stabilityPanelOf(plan, scene, points, false)));
     if (!scene.observe) writeStrip(out, plan, scene, points);
     out << "</div>\n";
   }
-  out << "</div>\n<p class=\"quiet\"><code>stability.csv</code> holds every figure, "
-         "<code>images/</code> every image; <code>cells/</code> what a later run need not "
-         "measure again, and may be removed.</p>\n";
+  out << "</div>\n<p class=\"quiet\"><code>stability.csv</code> holds all figures and "
+         "<code>images/</code> all images. A later run continues from <code>cells/</code>, which "
+         "you may remove.</p>\n";
   writeImageDialog(out);
-  out << "</main></body></html>\n";
-  out.close();
-  if (!out) throw std::runtime_error("cannot write " + file.string());
+  out << kPageEnd;
+  return out.str();
 }
 
 Drawing stabilityOverview(const StabilityPlan& plan, const std::vector<StabilityPoint>& points) {
   constexpr int kAcross = 3;
   const int rows = (static_cast<int>(plan.scenes.size()) + kAcross - 1) / kAcross;
-  Drawing all{.size_px = glm::dvec2(kAcross, rows) * kPanel_px};
+  Drawing all{.size_px = glm::dvec2(kAcross, rows) * kStabilityPanel_px};
   for (std::size_t i = 0; i < plan.scenes.size(); ++i) {
     const auto at = static_cast<int>(i);
-    all.add(layOut(panelOf(plan, plan.scenes[i], points, true)),
-            glm::dvec2(at % kAcross, at / kAcross) * kPanel_px);
+    all.add(layOut(stabilityPanelOf(plan, plan.scenes[i], points, true)),
+            glm::dvec2(at % kAcross, at / kAcross) * kStabilityPanel_px);
   }
   return all;
 }

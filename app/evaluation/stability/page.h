@@ -1,19 +1,19 @@
-// Where methods give way, on one page: score over dial for each scene, every image a click away.
+// The stability suite as a page: how far each dial can be turned, score over dial, and every image
+// as a link.
 #pragma once
 
-#include <filesystem>
+#include <string>
 #include <vector>
 
-#include "app/evaluation/stability/chart.h"
+#include "app/evaluation/stability/measure.h"
 #include "app/graphics/drawing.h"
 
 namespace foci {
 
-/// @throws std::runtime_error where the file cannot be written
-void writeStabilityPage(const std::filesystem::path& file, const StabilityPlan& plan,
-                        const std::vector<StabilityPoint>& points);
+/// A complete HTML page. Its links are relative to the chart's folder.
+std::string stabilityPage(const StabilityPlan& plan, const std::vector<StabilityPoint>& points);
 
-/// All panels in one image, for a page that cannot be clicked.
+/// All panels in one image: for pages without links.
 Drawing stabilityOverview(const StabilityPlan& plan, const std::vector<StabilityPoint>& points);
 
 }  // namespace foci

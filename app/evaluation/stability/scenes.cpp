@@ -1,20 +1,13 @@
 #include "app/evaluation/stability/scenes.h"
 
-#include <algorithm>
-#include <cassert>
-#include <cmath>
 #include <utility>
 
 #include "app/evaluation/stability/setups.h"
-#include "base/quantile.h"
-#include "render/image/metrics.h"
 
 namespace foci {
 namespace {
 
 using stability::GazeScore;
-
-constexpr double kMost_dB = 99.0;
 
 std::vector<StabilityScene> surfaces() {
   return {
@@ -34,7 +27,7 @@ std::vector<StabilityScene> surfaces() {
        .values = {85.0f, 60.0f, 45.0f, 30.0f, 15.0f, 5.0f},
        .setup = stability::intersecting},
       {.name = "crossing-deep",
-       .what = "the same, but the slanted plane reaches from 0.4 to 1.6 m: blur up to 36 px",
+       .what = "the same, but the slanted plane reaches from 0.4 to 1.6 m: blur radius up to 36 px",
        .dial = "angle between them, deg",
        .score = "PSNR, dB",
        .high_is_good = true,
@@ -77,15 +70,15 @@ std::vector<StabilityScene> samplings() {
        .values = {0.0f, 2.0f, 4.0f, 8.0f, 12.0f},
        .setup = stability::patches},
       {.name = "duplicates",
-       .what = "a half-plane blurred by 8 px, of a third of whose points there are several",
-       .dial = "copies of these points",
+       .what = "a half-plane blurred by 8 px; a third of its points occur several times",
+       .dial = "copies of each such point",
        .score = "error against the closed form, mean",
        .good = 0.02,
        .values = {1.0f, 2.0f, 4.0f, 8.0f, 16.0f},
        .setup = stability::duplicates},
       {.name = "normals",
-       .what = "a half-plane blurred by 8 px whose normals are wrong, each in its own direction",
-       .dial = "off by, deg",
+       .what = "a half-plane blurred by 8 px; its normals are wrong, each in a random direction",
+       .dial = "error of the normals, deg",
        .score = "error against the closed form, mean",
        .good = 0.02,
        .values = {0.0f, 10.0f, 20.0f, 30.0f, 45.0f, 60.0f},
@@ -98,12 +91,12 @@ std::vector<StabilityScene> outlines() {
       {.name = "wire",
        .what = "a wire before a sheet in focus, blurred by 6 px",
        .dial = "width, px",
-       .score = "share of its light that is wrong",
+       .score = "relative error of its light",
        .good = 0.02,
        .values = {5.0f, 2.0f, 1.0f, 0.5f, 0.2f},
        .setup = stability::wire},
       {.name = "sharp-before-blurred",
-       .what = "a half-plane in focus before a sheet that is not",
+       .what = "a half-plane in focus before a sheet out of focus",
        .dial = "blur of the sheet, px",
        .score = "error against the closed form, mean",
        .good = 0.02,
@@ -117,15 +110,15 @@ std::vector<StabilityScene> outlines() {
        .values = {1.0f, 2.0f, 4.0f, 8.0f, 16.0f},
        .setup = stability::blurredSilhouette},
       {.name = "close-up",
-       .what = "a half-plane that comes up to the eye, until its blur is wider than the image",
+       .what = "a half-plane that approaches the eye until its blur is wider than the image",
        .dial = "distance, m",
        .score = "error against the closed form, mean",
        .good = 0.02,
        .values = {0.5f, 0.2f, 0.1f, 0.05f, 0.02f},
        .setup = stability::closeUp},
       {.name = "near-plane",
-       .what = "a slanted sheet that the near plane cuts off, before a sheet in focus",
-       .dial = "blur where it is cut, px",
+       .what = "a slanted sheet, cut off by the near plane, before a sheet in focus",
+       .dial = "blur at the cut, px",
        .score = "PSNR, dB",
        .high_is_good = true,
        .good = 35.0,
@@ -147,19 +140,19 @@ std::vector<StabilityScene> lights() {
       {.name = "point-light",
        .what = "a point of light 1000 km away",
        .dial = "focus, D",
-       .score = "share of its light lost or gained",
+       .score = "relative error of its light",
        .good = 0.02,
        .values = {0.0f, 0.5f, 1.0f, 3.0f, 10.0f},
        .setup = stability::pointLight},
       {.name = "transparent",
-       .what = "layers of an opacity of 0.3, 0.1 m apart, all blurred",
+       .what = "layers of opacity 0.3, 0.1 m apart, all out of focus",
        .dial = "layers",
        .score = "coverage error, mean",
        .good = 0.02,
        .values = {1.0f, 2.0f, 4.0f, 8.0f, 16.0f},
        .setup = stability::transparent},
       {.name = "crossing-layers",
-       .what = "a fan of layers of an opacity of 0.5 that cross, blurred by 9 px",
+       .what = "a fan of crossing layers of opacity 0.5, blurred by 9 px",
        .dial = "layers",
        .score = "PSNR, dB",
        .high_is_good = true,
@@ -169,14 +162,14 @@ std::vector<StabilityScene> lights() {
       {.name = "highlight",
        .what = "one bright surfel on a wall blurred by 10 px",
        .dial = "times as bright as the wall",
-       .score = "share of its light lost or gained",
+       .score = "relative error of its light",
        .good = 0.02,
        .values = {1.0f, 10.0f, 100.0f, 1000.0f, 10000.0f},
        .setup = stability::highlightOf},
       {.name = "firefly",
-       .what = "the same: the pixel that is most too bright",
+       .what = "the same: the pixel with the largest excess",
        .dial = "times as bright as the wall",
-       .score = "too bright by, of the blurred highlight",
+       .score = "excess, relative to the blurred highlight",
        .good = 0.3,
        .values = {1.0f, 10.0f, 100.0f, 1000.0f, 10000.0f},
        .setup = stability::firefly},
@@ -184,7 +177,7 @@ std::vector<StabilityScene> lights() {
 }
 
 std::vector<StabilityScene> sequences() {
-  const std::string change = "change beyond the reference's, 99.9 % of pixels";
+  const std::string change = "change beyond the reference's, 99.9 % quantile";
   return {
       {.name = "focus-sweep",
        .what = "the focus moves by 0.02 D a frame over two textured sheets",
@@ -194,8 +187,8 @@ std::vector<StabilityScene> sequences() {
        .values = {5.0f, 10.0f, 20.0f, 40.0f},
        .setup = stability::sweptFocus},
       {.name = "moving-eye",
-       .what = "the eye moves past two textured sheets, the far one in focus",
-       .dial = "speed of what is near, px a frame",
+       .what = "the eye moves past two textured sheets; the far one is in focus",
+       .dial = "speed of the near sheet, px a frame",
        .score = change,
        .good = 0.02,
        .values = {0.1f, 0.3f, 1.0f, 3.0f},
@@ -204,10 +197,12 @@ std::vector<StabilityScene> sequences() {
 }
 
 std::vector<StabilityScene> gazes() {
-  const std::string steady = "a steady gaze 0.5 to 1.5 deg beside an edge, 0.5 m before 2 m";
-  const std::string crossing = "gaze to and fro across an edge, 0.5 m before 2 m, noise 0.3 deg";
-  const std::string wrong = "share of the time in wrong focus";
-  const std::string jumps = "jumps of focus a second too many";
+  const std::string steady =
+      "a steady gaze 0.5 to 1.5 deg from an edge between surfaces at 0.5 and 2 m";
+  const std::string crossing =
+      "a gaze that jumps across an edge between surfaces at 0.5 and 2 m, noise 0.3 deg";
+  const std::string wrong = "share of the time with wrong focus";
+  const std::string jumps = "excess jumps of focus a second";
   const std::vector<float> noise_deg = {0.1f, 0.3f, 0.5f, 1.0f, 2.0f};
   const std::vector<float> lost_percent = {0.0f, 10.0f, 20.0f, 40.0f, 60.0f};
   const auto by = [](double (*of)(std::size_t, float, GazeScore), GazeScore score) {
@@ -231,7 +226,7 @@ std::vector<StabilityScene> gazes() {
            .observe = by(stability::gazeNoise, GazeScore::jumps_a_second)},
           {.name = "gaze-loss",
            .what = crossing,
-           .dial = "samples lost, %",
+           .dial = "data loss, %",
            .score = wrong,
            .good = 0.02,
            .values = lost_percent,
@@ -239,18 +234,12 @@ std::vector<StabilityScene> gazes() {
            .observe = by(stability::gazeLoss, GazeScore::wrong_share)},
           {.name = "gaze-loss-jumps",
            .what = crossing,
-           .dial = "samples lost, %",
+           .dial = "data loss, %",
            .score = jumps,
            .good = 0.2,
            .values = lost_percent,
            .observers = stability::kObservers,
            .observe = by(stability::gazeLoss, GazeScore::jumps_a_second)}};
-}
-
-/// What of a frame is scored.
-Frame less(Frame frame, const Frame& without) {
-  for (std::size_t i = 0; i < frame.rgba.size(); ++i) frame.rgba[i] -= without.rgba[i];
-  return frame;
 }
 
 }  // namespace
@@ -264,66 +253,6 @@ const std::vector<StabilityScene>& stabilityScenes() {
     return all;
   }();
   return scenes;
-}
-
-StabilityTrial::StabilityTrial(const StabilityScene& scene, float value,
-                               const StabilityEffort& effort)
-    : setup_(scene.setup(value)), effort_(effort) {
-  assert(!scene.observe);
-}
-
-Frame StabilityTrial::draw(std::string_view method, const SurfelCloud& cloud) const {
-  Frame frame;
-  makeMethod(method, cloud)->render(setup_.view, setup_.settings, frame);
-  return frame;
-}
-
-const std::vector<Frame>& StabilityTrial::references() {
-  if (!references_.empty()) return references_;
-  View view = setup_.view;
-  RenderSettings settings = setup_.settings;
-  for (int k = 0; k <= (setup_.step ? effort_.steps : 0); ++k) {
-    if (k > 0) setup_.step(view, settings);
-    if (setup_.truth) {
-      references_.push_back(setup_.truth(view, settings, effort_.samples));
-    } else {
-      makeMethod("accumulate:" + std::to_string(effort_.samples), setup_.cloud)
-          ->render(view, settings, references_.emplace_back());
-    }
-  }
-  return references_;
-}
-
-const Frame& StabilityTrial::reference() { return references().back(); }
-
-double StabilityTrial::popping(std::string_view method) {
-  const auto tested = makeMethod(method, setup_.cloud);
-  View view = setup_.view;
-  RenderSettings settings = setup_.settings;
-  double most = 0.0;
-  tested->render(view, settings, drawn_);
-  for (std::size_t k = 1; k < references().size(); ++k) {
-    const Frame before = drawn_, &exact = references()[k], &exact_before = references()[k - 1];
-    setup_.step(view, settings);
-    tested->render(view, settings, drawn_);
-    std::vector<double> extra;
-    for (std::size_t i = 0; i < drawn_.rgba.size(); ++i) {
-      const glm::vec3 change = glm::abs(glm::vec3(drawn_.rgba[i] - before.rgba[i]));
-      const glm::vec3 own = glm::abs(glm::vec3(exact.rgba[i] - exact_before.rgba[i]));
-      const glm::vec3 beyond = glm::max(change - own, glm::vec3(0.0f));
-      extra.push_back(std::max({beyond.x, beyond.y, beyond.z}));
-    }
-    most = std::max(most, quantile(extra, 0.999));
-  }
-  return most;
-}
-
-double StabilityTrial::score(std::string_view method) {
-  if (setup_.step) return popping(method);
-  drawn_ = draw(method, setup_.cloud);
-  if (setup_.without) drawn_ = less(std::move(drawn_), draw(method, *setup_.without));
-  if (setup_.score) return setup_.score(drawn_);
-  return std::min(psnr_dB(drawn_, reference()), kMost_dB);
 }
 
 }  // namespace foci

@@ -5,10 +5,9 @@
 #include <glm/gtc/constants.hpp>
 #include <utility>
 
-#include "render/image/metrics.h"
+#include "app/evaluation/stability/closed_forms.h"
 
-namespace foci {
-namespace stability {
+namespace foci::stability {
 namespace {
 
 const glm::vec3 kRed{1.0f, 0.0f, 0.0f}, kGreen{0.0f, 1.0f, 0.0f};
@@ -27,7 +26,8 @@ double sumOfRed(const Frame& frame, int from_row, int to_row) {
   return red;
 }
 
-/// @param deep_m  how far the slanted plane reaches before and behind where they meet, at most
+/// Two planes that cross.
+/// @param deep_m  max depth of the slanted plane before and behind the line where the planes meet
 StabilitySetup crossing(float angle_deg, float deep_m) {
   const float a = glm::radians(angle_deg);
   return sceneOf({{.centre_m = {0, 0, -1},
@@ -40,7 +40,8 @@ StabilitySetup crossing(float angle_deg, float deep_m) {
                  lens(18.0f, 0.5f));
 }
 
-/// What a surfel a pixel wide becomes that is blurred by `radius_px`, `light_px` over all pixels.
+/// The image of a surfel of one pixel, blurred by `radius_px`.
+/// @param light_px  red over all pixels
 std::function<Frame(const View&, const RenderSettings&, int)> discOf(double light_px,
                                                                      const glm::vec2& at_px,
                                                                      double radius_px) {
@@ -61,10 +62,10 @@ std::function<Frame(const View&, const RenderSettings&, int)> discOf(double ligh
   };
 }
 
-/// One surfel of a wall, brighter than the others.
+/// A wall with one surfel that is brighter than the others.
 struct Highlight {
   StabilitySetup setup;
-  double light_px;  // over all pixels
+  double light_px;  // red over all pixels
   glm::vec2 at_px;
 };
 
@@ -111,7 +112,7 @@ StabilitySetup sceneOf(const std::vector<Sheet>& sheets, const RenderSettings& s
 }
 
 std::vector<Sheet> edgeSheets(float near_m, float far_m) {
-  const float half_m = 0.5f * kSize_px / kFocal_px;  // of the view, a metre away
+  const float half_m = 0.5f * kSize_px / kFocal_px;  // half the width of the view at 1 m
   return {{.centre_m = {0, 0, -far_m},
            .size_m = glm::vec2(4.0f * half_m * far_m),
            .color = plain(kGreen)},
@@ -159,7 +160,7 @@ StabilitySetup intersecting(float angle_deg) { return crossing(angle_deg, 0.15f)
 StabilitySetup intersectingDeep(float angle_deg) { return crossing(angle_deg, 0.6f); }
 
 StabilitySetup wire(float width_px) {
-  // As many surfels along as fit its width, at least a pixel apart.
+  // As many surfels across as fit the width a pixel apart, at least one.
   return scored(
       sceneOf(
           {{.centre_m = {0, 0, -2}, .size_m = glm::vec2(2.0f), .color = plain(kGreen)},
@@ -190,7 +191,7 @@ StabilitySetup closeUp(float distance_m) {
 }
 
 StabilitySetup nearPlane(float radius_px) {
-  // The slanted sheet comes nearer than what is drawn: it is cut off in the middle of the image.
+  // The near plane cuts the slanted sheet off in the middle of the image.
   constexpr float kNearest_m = 0.5f, kFocus_D = 0.5f, kTilt_rad = 1.0f;
   StabilitySetup setup =
       sceneOf({{.centre_m = {0, 0, -2}, .size_m = glm::vec2(2.0f), .color = textured(kGreen, 0.1f)},
@@ -217,7 +218,7 @@ StabilitySetup focusRange(float focus_D) {
 }
 
 StabilitySetup pointLight(float focus_D) {
-  // A pixel of it.
+  // The sheet covers one pixel.
   constexpr float kFar_m = 1e6f, kRadiance = 100.0f, kPupil_px_per_D = 2.0f;
   StabilitySetup setup = sceneOf({{.centre_m = {0, 0, -kFar_m},
                                    .size_m = glm::vec2(kFar_m / kFocal_px),
@@ -245,7 +246,7 @@ StabilitySetup transparent(float layers) {
 }
 
 StabilitySetup crossingLayers(float layers) {
-  // A fan about the image's vertical axis.
+  // The layers form a fan about the image's vertical axis.
   constexpr float kFan_deg = 120.0f;
   std::vector<Sheet> sheets;
   for (int k = 0; k < static_cast<int>(layers); ++k) {
@@ -292,7 +293,7 @@ StabilitySetup slanted(float angle_deg) {
 }
 
 StabilitySetup curved(float radius_m) {
-  // A pillar, its nearest line in focus.
+  // The nearest line of the pillar is in focus.
   constexpr float kStep_m = 1.0f / kFocal_px, kWidest_rad = 1.5f;
   const auto color = textured(glm::vec3(1.0f), 0.05f);
   StabilitySetup setup{.view = view(), .cloud = {}, .settings = lens(40.0f, 1.0f)};
@@ -328,44 +329,9 @@ StabilitySetup sweptFocus(float radius_px_per_D) {
 StabilitySetup movingEye(float px_a_frame) {
   StabilitySetup setup = sceneOf(movedSheets(), lens(20.0f, 0.5f));
   setup.step = [=](View& seen, RenderSettings&) {
-    seen.eye_from_world[3].x -= px_a_frame / kFocal_px;  // of what is a metre away
+    seen.eye_from_world[3].x -= px_a_frame / kFocal_px;  // pixels of things at 1 m
   };
   return setup;
 }
 
-}  // namespace stability
-
-double edgeShare(double distance_px, double radius_px, double sigma_px) {
-  const auto disc = [&](double x) {
-    if (radius_px <= 0.0) return x > 0.0 ? 1.0 : x < 0.0 ? 0.0 : 0.5;
-    const double t = std::clamp(x / radius_px, -1.0, 1.0);
-    return (std::acos(-t) + t * std::sqrt(1.0 - t * t)) / glm::pi<double>();
-  };
-  if (radius_px <= 0.0) return 0.5 * std::erfc(-distance_px / (sigma_px * std::sqrt(2.0)));
-  constexpr int kSteps = 48;
-  double sum = 0.0, total = 0.0;
-  for (int i = -kSteps; i <= kSteps; ++i) {
-    const double z = 4.0 * i / kSteps;
-    const double w = std::exp(-0.5 * z * z);
-    sum += w * disc(distance_px - z * sigma_px);
-    total += w;
-  }
-  return sum / total;
-}
-
-double discThroughGaussian(double distance_px, double radius_px, double sigma_px) {
-  constexpr int kSteps = 200;
-  const double s2 = sigma_px * sigma_px, step_px = radius_px / kSteps;
-  double sum = 0.0;
-  for (int i = 0; i < kSteps; ++i) {
-    const double r = (i + 0.5) * step_px, x = r * distance_px / s2;
-    // exp(-x) I0(x), which does not overflow.
-    const double bessel = x < 50.0 ? std::exp(-x) * std::cyl_bessel_i(0.0, x)
-                                   : (1.0 + 0.125 / x) / std::sqrt(glm::two_pi<double>() * x);
-    const double off = r - distance_px;
-    sum += r * std::exp(-0.5 * off * off / s2) * bessel * step_px;
-  }
-  return sum / (glm::pi<double>() * radius_px * radius_px * s2);
-}
-
-}  // namespace foci
+}  // namespace foci::stability

@@ -1,4 +1,4 @@
-// How the scenes of stability_scenes.h are built and scored. Private to it.
+// Builds and scores the scenes of the stability suite. Private to it.
 #pragma once
 
 #include "app/evaluation/stability/scenes.h"
@@ -12,23 +12,24 @@ inline constexpr int kSize_px = 128;
 /// A camera at the origin that looks along -z.
 View view();
 
-/// Blur by depth along the axis: a sheet across it is blurred alike everywhere.
+/// Blur depends on the depth along the axis: a sheet across the axis is blurred evenly.
 RenderSettings lens(float radius_px_per_D, float focus_D);
 
-/// A scene of sheets, the truth about it included.
+/// A scene of sheets, with `exactFrame` as its reference.
 StabilitySetup sceneOf(const std::vector<Sheet>& sheets, const RenderSettings& settings);
 
-/// A red half-plane left of the axis before a green sheet: the sheet first.
+/// A green sheet, then a red half-plane before it, left of the axis.
 std::vector<Sheet> edgeSheets(float near_m, float far_m);
 
-/// Mean difference of red and closed form, over the pixels within `reach_px` of the edge in the
-/// middle rows.
+/// Mean difference between red and `edgeShare`, over the pixels of the middle rows within
+/// `reach_px` of the edge.
 double edgeError(const Frame& frame, double radius_px, double reach_px);
 
-/// Mean lack or excess of coverage `border_px` and more from the border.
+/// Mean difference between coverage and `alpha`, over the pixels at least `border_px` from the
+/// border.
 double coverageErrorFrom(const Frame& frame, float alpha, int border_px);
 
-// By the value of the scene's dial.
+// Each function takes the value of its scene's dial.
 StabilitySetup parallel(float gap_m);
 StabilitySetup intersecting(float angle_deg);
 StabilitySetup intersectingDeep(float angle_deg);
@@ -53,10 +54,13 @@ StabilitySetup patches(float width_px);
 StabilitySetup duplicates(float copies);
 StabilitySetup misledNormals(float angle_deg);
 
-/// Focus under gaze near the edge between surfaces at 0.5 and 2 m. By noise of a sample, degrees,
-/// and by the share of samples lost, %.
-enum class GazeScore { wrong_share, jumps_a_second };
+/// Scores of focus that follows a gaze near an edge between surfaces at 0.5 and 2 m.
+enum class GazeScore {
+  wrong_share,    ///< share of the frames with wrong focus
+  jumps_a_second  ///< jumps of focus beyond those of a gaze without noise and data loss
+};
 extern const std::vector<std::string> kObservers;
+/// @param observer  an index of `kObservers`
 double gazeNoise(std::size_t observer, float noise_deg, GazeScore score);
 double gazeLoss(std::size_t observer, float lost_percent, GazeScore score);
 

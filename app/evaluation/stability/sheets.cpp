@@ -14,11 +14,11 @@
 namespace foci::stability {
 namespace {
 
-/// Surfels along the sides, and how far apart.
+/// The number of surfels along the sides, and their spacing.
 struct Sampling {
   glm::ivec2 count;
   glm::vec2 step_m;
-  float side_m;  // of a square as large as a surfel's share
+  float side_m;  // side of a square with the area of one surfel
 };
 
 Sampling samplingOf(const Sheet& sheet) {
@@ -28,12 +28,12 @@ Sampling samplingOf(const Sheet& sheet) {
   return {count, step_m, std::sqrt(step_m.x * step_m.y)};
 }
 
-constexpr int kSub = 2;     // points a pixel, along a side
+constexpr int kSub = 2;     // points along a side of a pixel
 constexpr int kMargin = 5;  // pixels around the image
-constexpr int kReach = 9;   // points that the pixel's Gaussian reaches to either side
+constexpr int kReach = 9;   // points on either side that the pixel's Gaussian covers: 4.5 sigma
 
-/// What a ray meets on its way.
-struct Met {
+/// A point where a ray meets a sheet.
+struct Hit {
   float depth_m;
   const Sheet* sheet;
   glm::vec2 at_m;
@@ -54,7 +54,7 @@ class Rays {
     }
     for (int i = 0; i < samples; ++i) {
       lens_.push_back(lensSample(i, samples));
-      // The same points by other radii: independent of the lens's.
+      // Box-Muller: the same points in another order, independent of the lens sample.
       const int k = static_cast<int>(static_cast<std::int64_t>(i) * kStride % samples);
       const glm::vec2 disc = lensSample(k, samples);
       const float radius2 = glm::dot(disc, disc);
@@ -62,7 +62,7 @@ class Rays {
     }
   }
 
-  /// Colour and coverage of the points, a mean over the lens.
+  /// Colour and coverage of a point of the image, the mean over the lens.
   glm::vec4 through(const glm::vec2& point_px, int x, int y) const {
     const glm::vec2 turn = turnOf(hash01(x, y, 1)), other = turnOf(hash01(x, y, 2));
     const glm::vec2 tangent = (point_px - view_.principal_px) / view_.focal_px;
@@ -84,7 +84,7 @@ class Rays {
     glm::vec3 normal;
     float sigma_m;
   };
-  static constexpr int kStride = 61;  // a prime, no divisor of usual numbers of samples
+  static constexpr int kStride = 61;  // a prime that divides no usual number of samples
 
   static glm::vec2 turnOf(float turn) {
     const float angle_rad = glm::two_pi<float>() * turn;
@@ -95,8 +95,8 @@ class Rays {
   }
 
   glm::vec4 seen(const glm::vec3& from, const glm::vec3& along, const glm::vec2& kernel) const {
-    constexpr std::size_t kMost = 32;
-    std::array<Met, kMost> met;
+    constexpr std::size_t kMaxHits = 32;  // more than any scene of the suite has sheets
+    std::array<Hit, kMaxHits> hits;
     std::size_t count = 0;
     for (const Placed& one : placed_) {
       const Sheet& sheet = *one.sheet;
@@ -108,21 +108,21 @@ class Rays {
           glm::vec2(glm::dot(off, sheet.across), glm::dot(off, sheet.up)) + one.sigma_m * kernel;
       if (!(std::abs(at_m.x) <= 0.5f * sheet.size_m.x &&
             std::abs(at_m.y) <= 0.5f * sheet.size_m.y)) {
-        continue;  // beyond it, or along it
+        continue;  // the ray passes the sheet, or runs along it
       }
-      assert(count < kMost);
-      met[count++] = {depth_m, &sheet, at_m};
+      assert(count < kMaxHits);
+      hits[count++] = {depth_m, &sheet, at_m};
     }
-    std::sort(met.begin(), met.begin() + static_cast<std::ptrdiff_t>(count),
-              [](const Met& a, const Met& b) { return a.depth_m < b.depth_m; });
+    std::sort(hits.begin(), hits.begin() + static_cast<std::ptrdiff_t>(count),
+              [](const Hit& a, const Hit& b) { return a.depth_m < b.depth_m; });
     glm::vec4 light(0.0f);
-    float passes = 1.0f;
-    for (std::size_t i = 0; i < count && passes > 0.0f; ++i) {
-      const Sheet& sheet = *met[i].sheet;
-      light += passes * sheet.opacity * glm::vec4(sheet.color(met[i].at_m), 1.0f);
-      passes *= 1.0f - sheet.opacity;
+    float transmittance = 1.0f;
+    for (std::size_t i = 0; i < count && transmittance > 0.0f; ++i) {
+      const Sheet& sheet = *hits[i].sheet;
+      light += transmittance * sheet.opacity * glm::vec4(sheet.color(hits[i].at_m), 1.0f);
+      transmittance *= 1.0f - sheet.opacity;
     }
-    return light + glm::vec4(passes * settings_.background, 0.0f);
+    return light + glm::vec4(transmittance * settings_.background, 0.0f);
   }
 
   const View& view_;
@@ -177,8 +177,8 @@ Frame exactFrame(const std::vector<Sheet>& sheets, const View& view, const Rende
     }
   });
 
-  // The pixel's Gaussian, first along rows, then along columns. A pixel's centre lies between two
-  // points.
+  // Apply the pixel's Gaussian, first along rows, then along columns. A pixel's centre lies between
+  // two points.
   std::array<float, 2 * kReach> weights;
   float total = 0.0f;
   for (int k = 0; k < 2 * kReach; ++k) {

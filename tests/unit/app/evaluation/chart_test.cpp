@@ -8,12 +8,11 @@
 #include <set>
 
 #include "app/evaluation/cells.h"
-#include "app/evaluation/chart/measure.h"
+#include "app/evaluation/chart/frontier.h"
 #include "app/evaluation/chart/panel.h"
 #include "app/evaluation/chart/plan.h"
-#include "app/evaluation/frontier.h"
+#include "app/evaluation/chart/points.h"
 #include "app/graphics/plot.h"
-#include "app/platform/output_folder.h"
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/quantile.h"
@@ -39,7 +38,7 @@ ChartPoint point(const char* method, double ms, double psnr_dB) {
           .reference_psnr_dB = 50.0};
 }
 
-TEST(ParetoFrontier, IsWhatNothingBeats) {
+TEST(ParetoFrontier, HoldsTheEntriesThatNothingBeats) {
   //                              on     on   slower  worse  both
   EXPECT_EQ(paretoFrontier({1.0, 2.0, 3.0, 2.0, 9.0}, {30.0, 40.0, 40.0, 35.0, 20.0}),
             (std::vector<bool>{true, true, false, false, false}));
@@ -84,7 +83,7 @@ TEST(MarkFrontiers, CountsNoAccuracyBeyondTheReferencesOwnAndKeepsPanelsApart) {
   markFrontiers(points);
   EXPECT_TRUE(points[0].on_frontier);
   EXPECT_TRUE(points[1].on_frontier);
-  EXPECT_FALSE(points[2].on_frontier);  // 58 dB says no more than 51 where the reference has 50
+  EXPECT_FALSE(points[2].on_frontier);  // the reference has 50 dB: 58 counts as much as 51
   EXPECT_TRUE(points[3].on_frontier);
 }
 
@@ -105,13 +104,13 @@ TEST(ChartCsv, HasTheColumnsThatProgramsRelyOn) {
       "s,4,sweep,n/a,1,2.0000,2.0000,30.000,0.500000,n/a,0.000000,50.000,no,0.000,n/a\n");
 }
 
-// What `auto` says of its error holds on every scene of the chart, and no more is spent than that
-// takes: where it renders the lens as a whole although parts are better, that is within the
-// tolerance.
-TEST(AutoOnTheChart, NoMorePixelsThanSaidAreFurtherOff) {
+// The error that `auto` predicts bounds the measured error on every scene of the chart. The
+// prediction stays below the tolerance, also where `auto` prefers a whole-aperture pass to
+// sub-apertures.
+TEST(AutoOnTheChart, PredictsABoundOfItsErrorBelowTheTolerance) {
   const ChartPlan plan = planChart({.quick = true, .size_px = 96});
   for (const ChartScene& scene : plan.scenes) {
-    if (scene.id == "gallery") continue;  // the mask's scene from elsewhere, and slow
+    if (scene.id == "gallery") continue;  // slow, and the scene of the mask from another view
     const SceneInView seen = scene.make();
     const auto method = makeMethod("auto", seen.cloud);
     for (const double blur_px : {1.0, 2.0, 4.0, 12.0}) {
@@ -133,7 +132,7 @@ TEST(PlanChart, HasEveryMethodWithSettingsThatItTakes) {
   for (const bool quick : {false, true}) {
     const ChartPlan plan = planChart({.quick = quick});
     std::set<std::string> planned, listed;
-    for (const ChartMethod& method : plan.methods) {
+    for (const EvaluatedMethod& method : plan.methods) {
       EXPECT_EQ(expectedMethod(method.spec()), std::nullopt) << method.spec();
       planned.insert(method.name);
     }
@@ -144,7 +143,7 @@ TEST(PlanChart, HasEveryMethodWithSettingsThatItTakes) {
   }
 }
 
-TEST(PlanChart, TakesOnlyWhatIsChosenAndRefusesWhatIsNot) {
+TEST(PlanChart, TakesOnlyTheUsersChoiceAndRefusesUnknownNames) {
   const ChartPlan plan =
       planChart({.scenes = {"fence"}, .methods = {"sweep-lod", "accumulate:3", "pinhole"}});
   ASSERT_EQ(plan.scenes.size(), 1u);
@@ -170,7 +169,7 @@ class ChartCellsTest : public testing::Test {
   const std::filesystem::path& folder_ = temporary_.path();
 };
 
-TEST_F(ChartCellsTest, BringBackWhatWasStoredUnderTheSameKeyOnly) {
+TEST_F(ChartCellsTest, LoadsResultsUnderTheSameKeyOnly) {
   const ChartCells cells(folder_, "program 1; ");
   const ChartCell cell{.psnr_dB = kInfinity,
                        .ssim = 1.0 / 3.0,
@@ -199,7 +198,7 @@ TEST_F(ChartCellsTest, BringBackWhatWasStoredUnderTheSameKeyOnly) {
   EXPECT_EQ(cells.load("a", "plane")->silhouette_psnr_dB, std::nullopt);
 }
 
-TEST_F(ChartCellsTest, CountAsAbsentWhatIsNotTheirs) {
+TEST_F(ChartCellsTest, CountsForeignFilesAsAbsent) {
   const ChartCells cells(folder_, "k");
   for (const char* text : {"", "{", "[]", "{\"key\": 1}", "{\"key\": \"k\"}",
                            "{\"key\": \"k\", \"psnr_dB\": [], \"ssim\": \"x\"}"}) {
@@ -209,7 +208,7 @@ TEST_F(ChartCellsTest, CountAsAbsentWhatIsNotTheirs) {
   }
 }
 
-TEST_F(ChartCellsTest, KeepAReferenceToTheBitAndNotAPartOfIt) {
+TEST_F(ChartCellsTest, LoadsAReferenceToTheBitAndNoTruncatedOne) {
   const ChartCells cells(folder_, "k");
   ChartReference reference{.views = 64, .split_half_psnr_dB = 51.5, .frame = {}};
   reference.frame.size_px = {3, 2};
@@ -250,10 +249,9 @@ TEST(Plot, PutsPointsWhereTheAxesSay) {
       {.name = "s",
        .color = "#000000",
        .points = {{.x = 1.0, .y = 0.0}, {.x = 10.0, .y = 5.0}, {.x = 100.0, .y = 99.0}}}};
-  const Drawing rendering = layOut(plot);
-  ASSERT_EQ(rendering.discs.size(), 3u);
-  const auto &a = rendering.discs[0].at_px, &b = rendering.discs[1].at_px,
-             &c = rendering.discs[2].at_px;
+  const Drawing drawing = layOut(plot);
+  ASSERT_EQ(drawing.discs.size(), 3u);
+  const auto &a = drawing.discs[0].at_px, &b = drawing.discs[1].at_px, &c = drawing.discs[2].at_px;
   EXPECT_NEAR(b.x, 0.5 * (a.x + c.x), 1e-9);  // logarithmic
   EXPECT_NEAR(b.y, 0.5 * (a.y + c.y), 1e-9);  // beyond the axis: at its end
   EXPECT_LT(c.y, a.y);
@@ -283,24 +281,24 @@ TEST(Plot, LabelsDoNotCoverEachOtherAndThoseOfFullPointsComeFirst) {
   }
 }
 
-TEST(ChartPanel, DrawsEveryPointWithItsImageAndTheFrontierThroughTheBest) {
+TEST(ChartPanel, LinksEveryPointToItsImageAndDrawsTheFrontier) {
   const std::vector<ChartPoint> points = {point("pinhole", 1.0, 20.0), point("sweep", 4.0, 40.0),
                                           point("paper", 8.0, 30.0)};
-  const Drawing rendering = layOut(panelOf(points, ChartMeasure::psnr, "a < b"));
-  ASSERT_EQ(rendering.discs.size(), 3u);
-  EXPECT_FALSE(rendering.discs[0].hollow);
-  EXPECT_FALSE(rendering.discs[1].hollow);
-  EXPECT_TRUE(rendering.discs[2].hollow);
-  EXPECT_EQ(rendering.discs[1].link, "images/s_4px_sweep.png");
-  const auto frontier = std::find_if(rendering.lines.begin(), rendering.lines.end(),
+  const Drawing drawing = layOut(panelOf(points, ChartMeasure::psnr, "a < b"));
+  ASSERT_EQ(drawing.discs.size(), 3u);
+  EXPECT_FALSE(drawing.discs[0].hollow);
+  EXPECT_FALSE(drawing.discs[1].hollow);
+  EXPECT_TRUE(drawing.discs[2].hollow);
+  EXPECT_EQ(drawing.discs[1].link, "images/s_4px_sweep.png");
+  const auto frontier = std::find_if(drawing.lines.begin(), drawing.lines.end(),
                                      [](const DrawnLine& line) { return line.color == kInk; });
-  ASSERT_NE(frontier, rendering.lines.end());
+  ASSERT_NE(frontier, drawing.lines.end());
   for (const std::size_t i : {0u, 1u}) {
     EXPECT_NE(
-        std::find(frontier->points_px.begin(), frontier->points_px.end(), rendering.discs[i].at_px),
+        std::find(frontier->points_px.begin(), frontier->points_px.end(), drawing.discs[i].at_px),
         frontier->points_px.end());
   }
-  const std::string svg = svgOf(rendering);
+  const std::string svg = svgOf(drawing);
   EXPECT_NE(svg.find("a &lt; b"), std::string::npos);
   EXPECT_NE(svg.find("href=\"images/s_4px_sweep.png\""), std::string::npos);
 }

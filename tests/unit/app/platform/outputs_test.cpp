@@ -45,7 +45,7 @@ TEST_F(OutputFolderTest, LeavesNothingUncommitted) {
   EXPECT_FALSE(fs::exists(root_ / "a"));
 }
 
-TEST_F(OutputFolderTest, KeepsWhatWasThere) {
+TEST_F(OutputFolderTest, KeepsOlderFiles) {
   fs::create_directories(root_ / "a");
   writeText(root_ / "a/old.txt", "old");
   {
@@ -56,7 +56,7 @@ TEST_F(OutputFolderTest, KeepsWhatWasThere) {
   EXPECT_FALSE(fs::exists(root_ / "a/b"));
 }
 
-TEST_F(OutputFolderTest, RefusesAFileInItsPlaceAndTakesBackWhatItMade) {
+TEST_F(OutputFolderTest, RefusesAFileInItsPlaceAndRemovesNewFolders) {
   writeText(root_ / "file", "");
   EXPECT_THROW(OutputFolder(root_ / "file"), std::runtime_error);
   EXPECT_THROW(OutputFolder(root_ / "file/below"), std::runtime_error);
@@ -80,7 +80,7 @@ TEST(Decimal, RoundsWithoutMinusZero) {
   EXPECT_EQ(decimal(std::numeric_limits<double>::max(), 6).size(), 316u);
 }
 
-TEST(EventTable, LeavesOutWhatAnEventHasNot) {
+TEST(EventTable, WritesNaForMissingValues) {
   const GazeEvent fixation{.kind = GazeState::fixation,
                            .onset_s = 1.0,
                            .duration_s = 0.25,

@@ -32,7 +32,7 @@ ReproduceRow row(const char* method, std::size_t aperture, unsigned threads, dou
           .silhouette_psnr_dB = {}};
 }
 
-/// Bands of surfels one behind the other, in and out of focus.
+/// Bands of surfels one behind the other; the first is in focus.
 ReproduceScene steps(double depth_step_m) {
   ReproduceScene scene = planeScene(2);
   scene.name = "steps";
@@ -70,7 +70,7 @@ TEST(Median, IsTheMiddle) {
   EXPECT_EQ(median({9.0, 1.0, 4.0, 5.0}), 4.5);
 }
 
-TEST(Base64Text, IsThatOfTheRfc) {
+TEST(Base64Text, MatchesTheVectorsOfRfc4648) {
   for (const auto& [text, expected] : {std::pair<std::string, std::string>{"", ""},
                                        {"f", "Zg=="},
                                        {"fo", "Zm8="},
@@ -100,7 +100,7 @@ TEST(GridOf, PutsImagesSideBySideUnderTheirTitles) {
   EXPECT_EQ(at(5, 29), 255);
 }
 
-TEST(DifferenceOf, AmplifiesWhatDiffers) {
+TEST(DifferenceOf, AmplifiesDifferences) {
   Frame a{.size_px = {2, 1}, .rgba = {glm::vec4(0.2f), glm::vec4(0.5f)}, .depth_m = {}};
   Frame b = a;
   b.rgba[1] = glm::vec4(0.25f);
@@ -123,13 +123,13 @@ TEST(CsvOf, HasTheColumnsThatProgramsRelyOn) {
             "s,0.500000,6.000,sweep-lod,yes,17630.432,262144,1.2500,1.2500,2,inf,1.000000,n/a\n");
 }
 
-TEST(CsvOf, QuotesANameThatWouldBreakIt) {
+TEST(CsvOf, QuotesANameWithCommas) {
   ReproduceRow one = row("paper", 0, 1, 1.0);
   one.scene = "a,\"b\"";
   EXPECT_NE(csvOf({one}).find("\n\"a,\"\"b\"\"\",0.0"), std::string::npos);
 }
 
-TEST(RatiosOf, AreThoseOfTheWorstRow) {
+TEST(RatiosOf, TakeTheWorstRow) {
   const std::vector<ReproduceRow> rows = {
       row("sweep-lod", 0, 1, 10.0, kInfinity),   row("sweep-lod", 0, 2, 5.0, kInfinity),
       row("sweep-lod", 2, 1, 4.0, 43.0),         row("sweep-lod", 2, 2, 2.5, 43.0),
@@ -164,7 +164,7 @@ TEST(RatiosOf, OfAGrownSceneTakeTheWorstAperture) {
   EXPECT_DOUBLE_EQ(ratios[2].value, 1.2);
 }
 
-TEST(PlaneScene, DrawsThePapersFragmentsAndAllOfItsSurfels) {
+TEST(PlaneScene, RendersThePapersFragmentsAndAllItsSurfels) {
   const ReproduceScene plane = planeScene();
   const auto paper = makeMethod("paper", plane.cloud);
   Frame frame;
@@ -193,7 +193,7 @@ TEST(ChooseApertures, FindsThePapersRatiosOfFragments) {
   EXPECT_NEAR(fragments(2) / fragments(0), 196752.0 / 5685.0, 0.01 * 34.6);
 }
 
-TEST(ChooseApertures, RefusesWhatNoApertureBlurs) {
+TEST(ChooseApertures, RefusesASceneThatNoApertureBlurs) {
   ReproduceScene flat = steps(0.0);
   EXPECT_THROW(chooseApertures(flat, [] {}), InputError);
 }
@@ -201,7 +201,7 @@ TEST(ChooseApertures, RefusesWhatNoApertureBlurs) {
 TEST(ReferenceViews, AreOneAPixelOfTheLargestDisc) {
   ReproduceScene scene = steps(0.1);
   scene.apertures_m = {0.0, 0.01, 4.0};
-  // The hindmost band is 2.6 m away, focus at 2 m.
+  // The farthest band is 2.6 m away; the focus lies at 2 m.
   const double per_m = 0.5 * scene.view.focal_px.x * (0.5 - 1.0 / 2.6);
   EXPECT_NEAR(scene.largestBlur_px(1), 0.01 * per_m, 1e-5);
   EXPECT_EQ(referenceViews(scene, 0, {}), 1);
@@ -210,7 +210,7 @@ TEST(ReferenceViews, AreOneAPixelOfTheLargestDisc) {
   EXPECT_EQ(referenceViews(scene, 2, {.max_views = 300}), 300);
 }
 
-TEST(MeasureScene, DrawsWhatItSaysAndRanksItsRows) {
+TEST(MeasureScene, CountsItsFramesAndSortsItsRows) {
   ReproduceScene scene = steps(0.1);
   scene.apertures_m = {0.0, 0.02, 0.08};
   const ReproduceEffort effort{.runs = 2, .accumulate_runs = 1, .min_views = 16, .max_views = 32};

@@ -1,4 +1,4 @@
-#include "app/evaluation/frontier.h"
+#include "app/evaluation/chart/frontier.h"
 
 #include <cassert>
 #include <cmath>

@@ -1,17 +1,21 @@
-#include "app/evaluation/chart_html.h"
+#include "app/evaluation/evaluation_page.h"
 
-#include "app/evaluation/chart/panel.h"
+#include <cmath>
+
+#include "app/evaluation/evaluated_methods.h"
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
-#include "app/record/tables.h"
 #include "base/text.h"
 
 namespace foci {
 
-const char* const kChartStyle = R"(
+const char* const kEvaluationStyle = R"(
 main { max-width: 1240px; }
 th { text-align: left; font-weight: 600; padding: .25rem .75rem .25rem 0; vertical-align: bottom; }
 .scroll { overflow-x: auto; } td.wraps { white-space: normal; }
+)";
+
+const char* const kChartStyle = R"(
 .figures td { white-space: nowrap; font-variant-numeric: tabular-nums; }
 .panels { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 520px), 1fr)); gap: 1rem; }
 .panel { background: var(--card); border: 1px solid var(--line); border-radius: 6px; padding: .5rem; }
@@ -30,7 +34,7 @@ dialog p { max-width: none; } td code { white-space: nowrap; }
 
 namespace {
 
-constexpr const char* kScript = R"(
+constexpr const char* kDialogScript = R"(
 const box = document.querySelector('dialog');
 document.addEventListener('click', event => {
   const link = event.target.closest('svg a');
@@ -53,8 +57,20 @@ std::string cell(const std::string& text, const char* kind) {
          "</td>";
 }
 
+std::string numberHtml(double value, int digits) {
+  return std::isfinite(value) ? decimal(value, digits) : "&infin;";
+}
+
+std::string threadsText(unsigned threads) {
+  return std::to_string(threads) + (threads == 1 ? " thread" : " threads");
+}
+
+std::string differenceFileOf(std::string image) {
+  return image.insert(image.rfind('.'), "_difference");
+}
+
 void writeFamilies(std::ostream& out) {
-  for (const ChartFamily& family : chartFamilies()) {
+  for (const MethodFamily& family : methodFamilies()) {
     out << "<span style=\"white-space:nowrap\"><span class=\"state\" "
            "style=\"margin-right:.35em;background:"
         << family.color << "\"></span>" << escaped(family.name) << "</span> ";
@@ -64,12 +80,12 @@ void writeFamilies(std::ostream& out) {
 void writeImageDialog(std::ostream& out) {
   out << "<dialog><form method=\"dialog\" style=\"float:right\"><button>close</button></form>\n"
          "<p></p>\n<div class=\"three\">";
-  for (const char* what : {"drawn", "reference", "difference"}) {
+  for (const char* what : {"rendered", "reference", "difference"}) {
     out << "<figure><a target=\"_blank\"><img alt=\"" << what << "\"></a><figcaption>" << what
-        << (std::string(what) == "difference" ? ", " + decimal(kDifferenceGain, 0) + " times" : "")
+        << (std::string(what) == "difference" ? " times " + decimal(kDifferenceGain, 0) : "")
         << "</figcaption></figure>";
   }
-  out << "</div></dialog>\n<script>" << kScript << "</script>\n";
+  out << "</div></dialog>\n<script>" << kDialogScript << "</script>\n";
 }
 
 }  // namespace foci

@@ -1,4 +1,4 @@
-#include "app/evaluation/stability/chart.h"
+#include "app/evaluation/stability/measure.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "app/evaluation/cells.h"
+#include "app/evaluation/csv.h"
+#include "app/evaluation/evaluation_page.h"
 #include "app/graphics/image.h"
-#include "app/platform/output_folder.h"
-#include "app/record/tables.h"
 #include "base/file.h"
 #include "base/text.h"
 
@@ -26,12 +26,12 @@ void writeImage(const fs::path& file, const Image& image) {
   replaceFile(file, std::string(bytes.begin(), bytes.end()));
 }
 
-/// A light that is too bright or too faint to be seen is brought to white.
+/// Factor for the images: brings a scene that is too bright or too faint to see to white.
 float exposureOf(const Frame& reference) {
-  constexpr float kFaint = 0.2f;
-  float most = 0.0f;
-  for (const glm::vec4& c : reference.rgba) most = std::max({most, c.r, c.g, c.b});
-  return most > 1.0f || (most > 0.0f && most < kFaint) ? 1.0f / most : 1.0f;
+  constexpr float kFaint = 0.2f;  // chosen by eye
+  float max = 0.0f;
+  for (const glm::vec4& c : reference.rgba) max = std::max({max, c.r, c.g, c.b});
+  return max > 1.0f || (max > 0.0f && max < kFaint) ? 1.0f / max : 1.0f;
 }
 
 Frame exposed(Frame frame, float exposure) {
@@ -39,11 +39,11 @@ Frame exposed(Frame frame, float exposure) {
   return frame;
 }
 
-/// One scene at one value: all of its cells.
-class Group {
+/// All cells of one scene at one value of its dial.
+class StabilityGroup {
  public:
-  Group(const StabilityPlan& plan, const StabilityScene& scene, float value, const fs::path& folder,
-        const ChartCells& cells)
+  StabilityGroup(const StabilityPlan& plan, const StabilityScene& scene, float value,
+                 const fs::path& folder, const ChartCells& cells)
       : plan_(plan),
         scene_(scene),
         value_(value),
@@ -77,7 +77,7 @@ class Group {
     if (!scene_.observe) {
       const std::string image = stabilityImage(scene_.name, value_, plan_.methods[index]);
       if (!fs::exists(folder_ / image, ignored) ||
-          !fs::exists(folder_ / differenceOf(image), ignored) ||
+          !fs::exists(folder_ / differenceFileOf(image), ignored) ||
           !fs::exists(folder_ / stabilityReference(scene_.name, value_), ignored)) {
         return std::nullopt;
       }
@@ -86,12 +86,12 @@ class Group {
   }
 
   double compute(std::size_t index, const std::string& name) {
-    const double score = scene_.observe ? scene_.observe(index, value_) : draw(index, name);
+    const double score = scene_.observe ? scene_.observe(index, value_) : render(index, name);
     cells_.storeScore(nameOf(index), key_ + name, score);
     return score;
   }
 
-  double draw(std::size_t index, const std::string& method) {
+  double render(std::size_t index, const std::string& method) {
     if (!trial_) {
       trial_.emplace(scene_, value_, plan_.effort);
       exposure_ = exposureOf(trial_->reference());
@@ -99,16 +99,12 @@ class Group {
                  imageOf(exposed(trial_->reference(), exposure_)));
     }
     const double score = trial_->score(method);
-    const Frame drawn = exposed(trial_->drawn(), exposure_);
+    const Frame rendered = exposed(trial_->rendered(), exposure_);
     const std::string image = stabilityImage(scene_.name, value_, plan_.methods[index]);
-    writeImage(folder_ / image, imageOf(drawn));
-    writeImage(folder_ / differenceOf(image),
-               foci::differenceOf(drawn, exposed(trial_->reference(), exposure_), kDifferenceGain));
+    writeImage(folder_ / image, imageOf(rendered));
+    writeImage(folder_ / differenceFileOf(image),
+               differenceOf(rendered, exposed(trial_->reference(), exposure_), kDifferenceGain));
     return score;
-  }
-
-  static std::string differenceOf(std::string image) {
-    return image.insert(image.rfind('.'), "_difference");
   }
 
   const StabilityPlan& plan_;
@@ -132,11 +128,11 @@ std::string dialText(float value) {
 std::vector<std::string> scoredIn(const StabilityPlan& plan, const StabilityScene& scene) {
   if (scene.observe) return scene.observers;
   std::vector<std::string> names;
-  for (const ChartMethod& method : plan.methods) names.push_back(method.spec());
+  for (const EvaluatedMethod& method : plan.methods) names.push_back(method.spec());
   return names;
 }
 
-std::string stabilityImage(const std::string& scene, float value, const ChartMethod& method) {
+std::string stabilityImage(const std::string& scene, float value, const EvaluatedMethod& method) {
   return "images/" + groupName(scene, value) + method.fileName() + ".png";
 }
 
@@ -160,7 +156,7 @@ StabilityResult measureStability(const StabilityPlan& plan, const fs::path& fold
   StabilityResult result;
   for (const StabilityScene& scene : plan.scenes) {
     for (const float value : scene.values) {
-      Group(plan, scene, value, folder, cells).measure(on_steps, result);
+      StabilityGroup(plan, scene, value, folder, cells).measure(on_steps, result);
     }
   }
   return result;
@@ -169,11 +165,10 @@ StabilityResult measureStability(const StabilityPlan& plan, const fs::path& fold
 std::string csvOf(const StabilityPlan& plan, const std::vector<StabilityPoint>& points) {
   std::string csv = "scene,dial,value,method,score,of,good\n";
   for (const StabilityScene& scene : plan.scenes) {
-    const auto quoted = [](const std::string& words) { return '"' + words + '"'; };
     for (const StabilityPoint& one : points) {
       if (one.scene != scene.name) continue;
-      csv += one.scene + ',' + quoted(scene.dial) + ',' + dialText(one.value) + ',' +
-             quoted(one.by) + ',' + decimal(one.score, 6) + ',' + quoted(scene.score) + ',' +
+      csv += csvField(one.scene) + ',' + csvField(scene.dial) + ',' + dialText(one.value) + ',' +
+             csvField(one.by) + ',' + decimal(one.score, 6) + ',' + csvField(scene.score) + ',' +
              (scene.isGood(one.score) ? "yes" : "no") + '\n';
     }
   }

@@ -1,4 +1,4 @@
-#include "app/prepare/prepare_command.h"
+#include "app/prepare/prepare.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 namespace foci {
 namespace {
 
-class PrepareCommand : public testing::Test {
+class PrepareScene : public testing::Test {
  protected:
   std::filesystem::path file(const std::string& name, const std::string& content) {
     std::ofstream(folder_ / name, std::ios::binary) << content;
@@ -45,26 +45,26 @@ class PrepareCommand : public testing::Test {
   const std::filesystem::path& folder_ = temporary_.path();
 };
 
-TEST_F(PrepareCommand, MakesASceneAndAReportOfAMesh) {
+TEST_F(PrepareScene, MakesASceneAndAReportOfAMesh) {
   const PrepareSummary summary =
       prepareScene({.input = square(), .out = folder_ / "s.foci", .scale_m = 2.0, .points = 3000});
   const SurfelCloud cloud = readSceneFile(folder_ / "s.foci");
   EXPECT_EQ(cloud.size(), summary.surfels);
-  EXPECT_NEAR(summary.area_m2, 4.0, 0.4);  // the border's surfels reach beyond it
+  EXPECT_NEAR(summary.area_m2, 4.0, 0.4);  // surfels at the border reach beyond it
   ASSERT_EQ(summary.normalisation.size(), 2u);
   EXPECT_GT(summary.normalisation[0].smooth_within_10, 0.95);
   std::size_t counted = 0;
   for (const std::size_t bin : summary.normalisation[0].histogram) counted += bin;
-  EXPECT_EQ(counted, 20000u);  // every probe is in it
+  EXPECT_EQ(counted, 20000u);  // one sum for each probe
 
   std::ifstream report(folder_ / "s.html");
   const std::string page{std::istreambuf_iterator<char>(report), {}};
   EXPECT_NE(page.find("</html>"), std::string::npos);
   EXPECT_NE(page.find("<svg"), std::string::npos);
-  EXPECT_EQ(files(), 3u);  // nothing is left aside
+  EXPECT_EQ(files(), 3u);  // no temporary file is left
 }
 
-TEST_F(PrepareCommand, CountsThePointsLeftOut) {
+TEST_F(PrepareScene, CountsThePointsLeftOut) {
   const auto cloud = file("c.ply",
                           "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
                           "property float y\nproperty float z\nend_header\n"
@@ -74,7 +74,7 @@ TEST_F(PrepareCommand, CountsThePointsLeftOut) {
   EXPECT_EQ(summary.dropped, 1u);
 }
 
-TEST_F(PrepareCommand, RefusesInOneLineAndLeavesNothing) {
+TEST_F(PrepareScene, RefusesInOneLineAndLeavesNothing) {
   EXPECT_NE(refusal({.input = square(), .out = folder_ / "s.ply"}).find(".foci"),
             std::string::npos);
   EXPECT_NE(refusal({.input = folder_ / "missing.ply", .out = folder_ / "s.foci"}), "accepted");

@@ -1,5 +1,5 @@
-// Every scene of the stability suite at every value of its dial, scored for every method, going on
-// where an earlier run stopped.
+// The stability suite: every scene at every value of its dial, scored for every method. An
+// interrupted run continues where it stopped.
 #pragma once
 
 #include <cstddef>
@@ -8,38 +8,38 @@
 #include <string>
 #include <vector>
 
-#include "app/evaluation/chart/plan.h"
+#include "app/evaluation/stability/plan.h"
 
 namespace foci {
 
 /// A row of stability.csv.
 struct StabilityPoint {
   std::string scene;
-  float value = 0.0f;
-  std::string by;  ///< a method's spec, or an observer
+  float value = 0.0f;  ///< of the dial
+  std::string by;      ///< a method's spec, or an observer
   double score = 0.0;
 };
 
 struct StabilityResult {
   std::vector<StabilityPoint> points;  ///< by scene, value, method
-  std::size_t computed = 0, kept = 0;  ///< cells that this run worked on, and found done
+  std::size_t computed = 0, kept = 0;  ///< cells that this run measured, and found complete
 };
 
-/// Who is scored in a scene: the plan's methods, or the scene's own observers.
+/// The methods of the plan, or the scene's own observers.
 std::vector<std::string> scoredIn(const StabilityPlan& plan, const StabilityScene& scene);
 
-/// Where the images of a cell are, relative to the chart's folder. Of observers there are none.
-std::string stabilityImage(const std::string& scene, float value, const ChartMethod& method);
+/// Image files relative to the chart's folder. Scenes of gaze have none.
+std::string stabilityImage(const std::string& scene, float value, const EvaluatedMethod& method);
 std::string stabilityReference(const std::string& scene, float value);
 
-/// A dial's value as it is written.
+/// A dial's value as text.
 std::string dialText(float value);
 
-/// Steps that `measureStability` reports.
+/// Number of steps that `measureStability` reports.
 std::size_t stepsOf(const StabilityPlan& plan);
 
-/// @param folder   of the chart: cells go to `cells`, images to `images`
-/// @param on_steps called after so many steps
+/// @param folder    of the chart: cells go to `cells`, images to `images`
+/// @param on_steps  called with the number of steps done since the last call
 StabilityResult measureStability(const StabilityPlan& plan, const std::filesystem::path& folder,
                                  const std::function<void(std::size_t)>& on_steps);
 

@@ -1,7 +1,6 @@
-// foci reproduce: the paper's Table 1, Figure 1 and Figure 6, measured on this machine.
+// Measures the paper's Table 1, Figure 1 and Figure 6 on this machine.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -10,15 +9,11 @@
 #include "app/evaluation/reproduce/ratios.h"
 #include "app/evaluation/reproduce/scenes.h"
 
-namespace CLI {
-class App;
-}
-
 namespace foci {
 
 struct ReproduceRequest {
   std::filesystem::path out;
-  std::optional<ScanView> scan = {};  ///< in place of the statue
+  std::optional<ScanView> scan = {};  ///< instead of the statue
   bool quick = false;                 ///< fewer repetitions and views
 };
 
@@ -30,12 +25,9 @@ struct ReproduceSummary {
   std::optional<Growth> growth = {};
 };
 
-/// Writes table1.csv, reproduce.html, figure1.png and a figure6_SCENE.png each to `out`; nothing is
-/// left there when it throws. Progress goes to standard error.
+/// Writes table1.csv, reproduce.html, figure1.png and figure6_SCENE.png of both scenes to `out`. If
+/// it throws, it leaves nothing there. Progress goes to standard error.
 /// @throws InputError, std::runtime_error
 ReproduceSummary reproduce(const ReproduceRequest& request);
-
-/// Adds `reproduce` to the command line; it runs as the arguments are parsed.
-void addReproduceCommand(CLI::App& app);
 
 }  // namespace foci

@@ -1,0 +1,29 @@
+// The sub-commands of `foci`.
+//
+// Each function adds one sub-command to the command line. The sub-command runs while CLI11 parses
+// the arguments. Bad input leaves as InputError, which `main` reports.
+#pragma once
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace foci {
+
+void addChartCommand(CLI::App& app);      ///< time and error of every method
+void addDoctorCommand(CLI::App& app);     ///< what this machine offers
+void addEventsCommand(CLI::App& app);     ///< eye movements of a recording
+void addKeysCommand(CLI::App& app);       ///< the keys of a study file
+void addMethodsCommand(CLI::App& app);    ///< the depth-of-field methods
+void addPrepareCommand(CLI::App& app);    ///< points or a mesh to a scene file
+void addRenderCommand(CLI::App& app);     ///< one image
+void addReproduceCommand(CLI::App& app);  ///< the tables and figures of the 2003 paper
+void addTraceCommand(CLI::App& app);      ///< facts about a recording, and its conversion to BIDS
+
+/// @param command_line  as the user typed it; the manifest of the run states it
+void addLiveCommand(CLI::App& app, const std::string& command_line);
+void addReplayCommand(CLI::App& app, const std::string& command_line);
+
+}  // namespace foci

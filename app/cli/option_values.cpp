@@ -1,0 +1,54 @@
+#include "app/cli/option_values.h"
+
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "base/input_error.h"
+#include "gaze/sources/line_reader.h"
+
+namespace foci {
+
+glm::dvec2 pairOf(const std::string& option, const std::string& text, char between,
+                  const std::string& expected) {
+  const std::size_t at = text.find(between);
+  const auto first = parseNumber(std::string_view(text).substr(0, at));
+  const auto second =
+      at == std::string::npos ? std::nullopt : parseNumber(std::string_view(text).substr(at + 1));
+  if (!first || !second) throw InputError(option + " " + text, "expected " + expected);
+  return {*first, *second};
+}
+
+void refuseEmptyValues(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_type_size() == 0) continue;  // a flag
+    for (const std::string& value : option->results()) {
+      if (value.empty()) {
+        throw InputError(option->get_name(), "expected a value that is not empty");
+      }
+    }
+  }
+}
+
+void addThreadsOption(CLI::App& command, std::string& threads, const char* help) {
+  command.add_option("--threads", threads, help)->type_name("N");
+}
+
+unsigned threadsOf(const std::string& threads) {
+  constexpr unsigned kMaxThreads = 1024;  // chosen by eye: far above the cores of a workstation
+  if (threads.empty()) {
+    return static_cast<unsigned>(
+        tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  }
+  const auto count = parseNumber(threads);
+  if (!count || *count < 1 || *count > kMaxThreads || *count != std::floor(*count)) {
+    throw InputError("--threads " + threads,
+                     "expected an integer, 1 to " + std::to_string(kMaxThreads));
+  }
+  return static_cast<unsigned>(*count);
+}
+
+}  // namespace foci

@@ -1,0 +1,29 @@
+// Values of options that several sub-commands take.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace foci {
+
+/// Two finite numbers with one character between them: "1280x720", "2:8.5", "960,540".
+/// @param option    as the user types it, for the message
+/// @param expected  the end of the message
+/// @throws InputError
+glm::dvec2 pairOf(const std::string& option, const std::string& text, char between,
+                  const std::string& expected);
+
+/// @throws InputError if the user gave an option of `command` an empty value
+void refuseEmptyValues(const CLI::App& command);
+
+/// Adds --threads N.
+void addThreadsOption(CLI::App& command, std::string& threads, const char* help);
+
+/// The value of --threads; if `threads` is empty, the number that TBB uses now. @throws InputError
+unsigned threadsOf(const std::string& threads);
+
+}  // namespace foci

@@ -1,0 +1,132 @@
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "app/cli/commands.h"
+#include "app/cli/option_values.h"
+#include "app/platform/json_text.h"
+#include "app/prepare/prepare.h"
+#include "base/input_error.h"
+
+namespace foci {
+namespace {
+
+nlohmann::ordered_json normalisationJson(const Normalisation& n) {
+  const auto ofSmooth = [&](double value) {
+    return n.smooth_share > 0.0 ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+  };
+  return {{"pixel_spacings", n.pixel_spacings},
+          {"blur_spacings", n.blur_spacings},
+          {"mean", n.mean},
+          {"within_0.02", n.within_2},
+          {"within_0.05", n.within_5},
+          {"within_0.1", n.within_10},
+          {"smooth_share", n.smooth_share},
+          {"smooth_mean", ofSmooth(n.smooth_mean)},
+          {"smooth_within_0.02", ofSmooth(n.smooth_within_2)},
+          {"smooth_within_0.05", ofSmooth(n.smooth_within_5)},
+          {"smooth_within_0.1", ofSmooth(n.smooth_within_10)},
+          {"histogram", n.histogram},
+          {"smooth_histogram", n.smooth_histogram}};
+}
+
+std::string prepareJson(const PrepareSummary& summary) {
+  const auto list = [](const std::vector<Normalisation>& from) {
+    auto all = nlohmann::ordered_json::array();
+    for (const Normalisation& n : from) all.push_back(normalisationJson(n));
+    return all;
+  };
+  auto levels = nlohmann::ordered_json::array();
+  for (const LevelNormalisation& level : summary.levels) {
+    levels.push_back({{"nodes", level.nodes},
+                      {"sharp", normalisationJson(level.sharp)},
+                      {"blurred", normalisationJson(level.blurred)}});
+  }
+  const nlohmann::ordered_json all = {{"out", summary.out.string()},
+                                      {"report", summary.report.string()},
+                                      {"surfels", summary.surfels},
+                                      {"dropped", summary.dropped},
+                                      {"oriented", summary.oriented},
+                                      {"area_m2", summary.area_m2},
+                                      {"spacing_mm", 1000.0 * summary.spacing_m},
+                                      {"seconds", summary.seconds},
+                                      {"normalisation", list(summary.normalisation)},
+                                      {"normalisation_before", list(summary.before)},
+                                      {"normalisation_of_levels", levels}};
+  return jsonText(all);
+}
+
+struct PrepareOptions {
+  std::string input{}, out{};
+  double scale_m = 1.0;
+  double points = 500'000.0;
+  std::string threads{};
+  bool json = false;
+};
+
+void runPrepare(const PrepareOptions& options) {
+  if (!(options.scale_m >= 1e-6 && options.scale_m <= 1e6)) {
+    throw InputError("--scale " + std::to_string(options.scale_m),
+                     "expected metres per unit of the input, 1e-6 to 1e6");
+  }
+  if (!(options.points >= 1.0 && options.points <= 1e8)) {
+    throw InputError("--points " + std::to_string(options.points), "expected 1 to 1e8");
+  }
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  threadsOf(options.threads));
+  const PrepareSummary summary = prepareScene({.input = options.input,
+                                               .out = options.out,
+                                               .scale_m = options.scale_m,
+                                               .points = static_cast<std::size_t>(options.points)});
+  if (summary.dropped > 0) {
+    std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n",
+                 options.input.c_str(), summary.dropped);
+  }
+  if (options.json) {
+    std::puts(prepareJson(summary).c_str());
+    return;
+  }
+  const Normalisation& n = summary.normalisation.front();
+  std::printf(
+      "%zu surfels, %.4g m2, one every %.3g mm; %.1f s\n"
+      "kernels sum to 1 +- 0.02 over %.1f %% of the surface, to 1 +- 0.1 over %.1f %% (%.1f %% of "
+      "the smooth parts)\nscene: %s\nreport: %s\n",
+      summary.surfels, summary.area_m2, 1000.0 * summary.spacing_m, summary.seconds,
+      100.0 * n.within_2, 100.0 * n.within_10, 100.0 * n.smooth_within_10, summary.out.c_str(),
+      summary.report.c_str());
+}
+
+}  // namespace
+
+void addPrepareCommand(CLI::App& app) {
+  const auto options = std::make_shared<PrepareOptions>();
+  CLI::App* prepare = app.add_subcommand("prepare",
+                                         "Turn points or a mesh into a scene file. foci solves "
+                                         "sizes and weights of splats so that surfaces\n"
+                                         "have neither holes nor seams.\n"
+                                         "Example: foci prepare lion.ply --out lion.foci");
+  prepare->add_option("INPUT", options->input, "points (PLY) or mesh (OBJ, glTF, STL, PLY)")
+      ->type_name("FILE")
+      ->required();
+  prepare->add_option("--out", options->out, "scene; the report gets the same name with .html")
+      ->type_name("FILE.foci")
+      ->required();
+  prepare
+      ->add_option("--scale", options->scale_m, "length of a unit of the input, metres; default: 1")
+      ->type_name("METRES");
+  prepare
+      ->add_option("--points", options->points,
+                   "about the number of samples of a mesh; default: 500000")
+      ->type_name("N");
+  addThreadsOption(*prepare, options->threads,
+                   "max number of threads; the scene does not depend on it");
+  prepare->add_flag("--json", options->json, "print the summary as JSON");
+  prepare->callback([options, prepare] {
+    refuseEmptyValues(*prepare);
+    runPrepare(*options);
+  });
+}
+
+}  // namespace foci

@@ -1,0 +1,110 @@
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "app/cli/commands.h"
+#include "app/cli/option_values.h"
+#include "app/cli/study_options.h"
+#include "app/platform/json_text.h"
+#include "app/replay/render_image.h"
+#include "base/input_error.h"
+#include "base/text.h"
+#include "gaze/sources/line_reader.h"
+
+namespace foci {
+namespace {
+
+constexpr double kMinFocus_m = 0.01;  // nearer than any eye accommodates
+
+struct RenderOptions : StudyOptions {
+  std::string out{}, focus{}, gaze{}, depth{};
+};
+
+double focusOf_D(const std::string& focus) {
+  const auto focus_m = focus == "inf" ? std::optional(HUGE_VAL) : parseNumber(focus);
+  if (!focus_m || !(*focus_m >= kMinFocus_m)) {
+    throw InputError("--focus " + focus, "expected metres, 0.01 or more, or inf");
+  }
+  return 1.0 / *focus_m;
+}
+
+glm::dvec2 gazeOf_px(const std::string& gaze, const Screen& screen) {
+  const glm::dvec2 point_px = pairOf("--gaze", gaze, ',', "X,Y in px of the study's screen");
+  if (point_px.x < 0 || point_px.y < 0 || point_px.x > screen.size_px.x ||
+      point_px.y > screen.size_px.y) {
+    throw InputError("--gaze " + gaze, "expected a point on the study's screen, 0,0 to " +
+                                           std::to_string(screen.size_px.x) + "," +
+                                           std::to_string(screen.size_px.y));
+  }
+  return point_px;
+}
+
+std::string summaryJsonOf(const RenderOptions& options, const Study& study,
+                          const ImageSummary& summary) {
+  nlohmann::ordered_json json = {{"out", options.out},
+                                 {"focus_D", summary.focus_D},
+                                 {"surface_distance_m", nullptr},
+                                 {"pupil_mm", summary.pupil_mm},
+                                 {"method", study.render.method},
+                                 {"splats", summary.stats.splats},
+                                 {"fragments", summary.stats.fragments},
+                                 {"render_ms", summary.stats.ms}};
+  if (summary.surface_distance_m) json["surface_distance_m"] = *summary.surface_distance_m;
+  return jsonText(json);
+}
+
+void runRender(const RenderOptions& options) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  threadsOf(options.threads));
+  const Study study = studyOf(options);
+  ImageRequest request{.out = options.out, .depth = {}, .focus_D = {}, .gaze_px = {}};
+  if (!options.depth.empty()) request.depth = options.depth;
+  if (!options.focus.empty()) request.focus_D = focusOf_D(options.focus);
+  if (!options.gaze.empty()) request.gaze_px = gazeOf_px(options.gaze, study.screenInForce());
+  const ImageSummary summary = renderImage(study, request);
+  if (options.json) {
+    std::puts(summaryJsonOf(options, study, summary).c_str());
+    return;
+  }
+  const auto& surface_m = summary.surface_distance_m;
+  const std::string surface = request.focus_D ? ""
+                              : surface_m ? ", on the surface " + decimal(*surface_m, 3) + " m away"
+                                          : ", at rest: no surface under the gaze";
+  std::printf("%s: focus %.3f D%s; pupil %.2f mm; %.1f ms\n", options.out.c_str(), summary.focus_D,
+              surface.c_str(), summary.pupil_mm, summary.stats.ms);
+}
+
+}  // namespace
+
+void addRenderCommand(CLI::App& app) {
+  const auto options = std::make_shared<RenderOptions>();
+  CLI::App* command =
+      app.add_subcommand("render",
+                         "Render one image at a given focus or gaze.\n"
+                         "Example: foci render configs/demo.toml --focus 0.5 --out near.png");
+  addStudyOptions(*command, *options);
+  command->add_option("--out", options->out, "image: .png (sRGB), .pfm or .exr (linear)")
+      ->type_name("FILE")
+      ->required();
+  auto* focus = command->add_option("--focus", options->focus, "focal distance, metres, or inf")
+                    ->type_name("METRES");
+  command
+      ->add_option("--gaze", options->gaze,
+                   "point on the study's screen, px; the eye focuses on the surface there")
+      ->type_name("X,Y")
+      ->excludes(focus);
+  command
+      ->add_option("--depth", options->depth,
+                   "also write the distance of each pixel, metres, as PFM")
+      ->type_name("FILE");
+  command->callback([options, command] {
+    refuseEmptyValues(*command);
+    runRender(*options);
+  });
+}
+
+}  // namespace foci

@@ -1,0 +1,75 @@
+#include "app/evaluation/chart/points.h"
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <tuple>
+
+#include "app/evaluation/chart/frontier.h"
+#include "app/evaluation/csv.h"
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+std::string panelName(const std::string& scene, double blur_px) {
+  return scene + "_" + decimal(blur_px, 0) + "px_";
+}
+
+}  // namespace
+
+double worthOf_dB(const ChartPoint& point) {
+  return std::min(point.psnr_dB, point.reference_psnr_dB);
+}
+
+void markFrontiers(std::vector<ChartPoint>& points) {
+  std::map<std::tuple<std::string, double, unsigned>, std::vector<ChartPoint*>> panels;
+  for (ChartPoint& one : points) panels[{one.scene, one.blur_px, one.threads}].push_back(&one);
+  for (auto& [panel, members] : panels) {
+    std::vector<double> ms, dB;
+    for (const ChartPoint* one : members) {
+      ms.push_back(one->ms_median);
+      dB.push_back(worthOf_dB(*one));
+    }
+    const std::vector<bool> on = paretoFrontier(ms, dB);
+    for (std::size_t i = 0; i < members.size(); ++i) members[i]->on_frontier = on[i];
+  }
+}
+
+std::vector<ChartPoint> pointsOf(const std::vector<ChartPoint>& points, const std::string& scene,
+                                 double blur_px, unsigned threads) {
+  std::vector<ChartPoint> chosen;
+  std::copy_if(points.begin(), points.end(), std::back_inserter(chosen),
+               [&](const ChartPoint& one) {
+                 return one.scene == scene && one.blur_px == blur_px && one.threads == threads;
+               });
+  return chosen;
+}
+
+std::string csvOf(const std::vector<ChartPoint>& points) {
+  std::string csv =
+      "scene,blur_px,method,setting,threads,ms_median,ms_min,psnr_dB,ssim,silhouette_psnr_dB,"
+      "coverage_error,reference_psnr_dB,on_frontier,visible_error,expected_error\n";
+  for (const ChartPoint& one : points) {
+    const auto& silhouette = one.silhouette_psnr_dB;
+    csv += csvField(one.scene) + ',' + decimal(one.blur_px, 0) + ',' + one.method.name + ',' +
+           (one.method.setting ? std::to_string(*one.method.setting) : "n/a") + ',' +
+           std::to_string(one.threads) + ',' + decimal(one.ms_median, 4) + ',' +
+           decimal(one.ms_min, 4) + ',' + decimalOrInf(one.psnr_dB, 3) + ',' +
+           decimal(one.ssim, 6) + ',' + (silhouette ? decimalOrInf(*silhouette, 3) : "n/a") + ',' +
+           decimal(one.coverage_error, 6) + ',' + decimalOrInf(one.reference_psnr_dB, 3) + ',' +
+           (one.on_frontier ? "yes" : "no") + ',' + decimal(one.visible_error, 3) + ',' +
+           (one.expected_error ? decimal(*one.expected_error, 3) : "n/a") + '\n';
+  }
+  return csv;
+}
+
+std::string imageFile(const std::string& scene, double blur_px, const EvaluatedMethod& method) {
+  return "images/" + panelName(scene, blur_px) + method.fileName() + ".png";
+}
+
+std::string referenceFile(const std::string& scene, double blur_px) {
+  return "images/" + panelName(scene, blur_px) + "reference.png";
+}
+
+}  // namespace foci

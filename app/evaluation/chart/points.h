@@ -1,0 +1,47 @@
+// The points of the chart: one method at one blur and one number of threads; frontiers; chart.csv.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/evaluation/evaluated_methods.h"
+
+namespace foci {
+
+/// A row of chart.csv. `ChartCell` explains the errors.
+struct ChartPoint {
+  std::string scene;
+  double blur_px = 0.0;  ///< largest blur radius in view
+  EvaluatedMethod method = {};
+  unsigned threads = 0;
+  double ms_median = 0.0, ms_min = 0.0;
+  double psnr_dB = 0.0;
+  double ssim = 0.0;
+  std::optional<double> silhouette_psnr_dB = {};
+  double coverage_error = 0.0;
+  double visible_error = 0.0;
+  std::optional<double> expected_error = {};
+  double reference_psnr_dB = 0.0;  ///< of the reference: one half of its views against the other
+  bool on_frontier = false;        ///< see `markFrontiers`
+};
+
+/// PSNR as far as the reference can tell: at most the reference's own.
+double worthOf_dB(const ChartPoint& point);
+
+/// Sets `on_frontier`: the frontier of time and `worthOf_dB` among the points of one scene, blur
+/// and number of threads.
+void markFrontiers(std::vector<ChartPoint>& points);
+
+/// The points of one scene, blur and number of threads.
+std::vector<ChartPoint> pointsOf(const std::vector<ChartPoint>& points, const std::string& scene,
+                                 double blur_px, unsigned threads);
+
+/// chart.csv.
+std::string csvOf(const std::vector<ChartPoint>& points);
+
+/// Image files relative to the chart's folder.
+std::string imageFile(const std::string& scene, double blur_px, const EvaluatedMethod& method);
+std::string referenceFile(const std::string& scene, double blur_px);
+
+}  // namespace foci

@@ -1,0 +1,95 @@
+#include "app/evaluation/evaluated_methods.h"
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <string_view>
+
+#include "base/input_error.h"
+#include "render/methods/method.h"
+
+namespace foci {
+namespace {
+
+/// The settings of a method whose number is worth varying, or whose standard number takes long.
+/// Chosen by eye: each list spans the method from fast to accurate.
+struct MethodSettings {
+  std::string_view method;
+  std::vector<int> full, quick, one;
+
+  const std::vector<int>& in(SettingRange range) const {
+    return range == SettingRange::full ? full : range == SettingRange::quick ? quick : one;
+  }
+};
+
+const std::vector<MethodSettings>& variedMethods() {
+  static const std::vector<MethodSettings> all = {
+      {"accumulate", {16, 64, 200}, {16}, {64}}, {"raytrace", {1, 4}, {1}, {16}},
+      {"sweep-lod", {1, 7, 19}, {1, 7}, {7}},    {"layered", {4, 8, 32}, {8}, {8}},
+      {"rasanen", {4, 16, 64}, {16}, {16}},      {"shinya", {16, 64}, {16}, {16}}};
+  return all;
+}
+
+std::optional<int> standardSettingOf(const MethodInfo& info) {
+  return info.default_n > 0 ? std::optional(info.default_n) : std::nullopt;
+}
+
+std::vector<EvaluatedMethod> everyMethod(SettingRange range) {
+  std::vector<EvaluatedMethod> all;
+  for (const MethodInfo& info : methods()) {
+    const std::string name(info.name);
+    const auto varied = std::find_if(variedMethods().begin(), variedMethods().end(),
+                                     [&](const MethodSettings& one) { return one.method == name; });
+    if (info.default_n == 0 || varied == variedMethods().end()) {
+      all.push_back({name, standardSettingOf(info)});
+      continue;
+    }
+    for (const int setting : varied->in(range)) all.push_back({name, setting});
+  }
+  return all;
+}
+
+EvaluatedMethod methodOfSpec(const std::string& spec) {
+  if (const auto expected = expectedMethod(spec)) {
+    throw InputError("--method " + spec, "expected " + *expected);
+  }
+  const std::size_t colon = spec.find(':');
+  if (colon != std::string::npos) {
+    int setting = 0;  // the registry has checked the number
+    std::from_chars(spec.data() + colon + 1, spec.data() + spec.size(), setting);
+    return {spec.substr(0, colon), setting};
+  }
+  const auto info = std::find_if(methods().begin(), methods().end(),
+                                 [&](const MethodInfo& one) { return one.name == spec; });
+  return {spec, standardSettingOf(*info)};
+}
+
+}  // namespace
+
+std::vector<EvaluatedMethod> evaluatedMethods(const std::vector<std::string>& specs,
+                                              SettingRange range) {
+  if (specs.empty()) return everyMethod(range);
+  std::vector<EvaluatedMethod> chosen;
+  for (const std::string& spec : specs) chosen.push_back(methodOfSpec(spec));
+  return chosen;
+}
+
+const std::vector<MethodFamily>& methodFamilies() {
+  static const std::vector<MethodFamily> all = {{"foci's own", "#2f8f5b"},
+                                                {"the 2003 paper", "#d9822b"},
+                                                {"other splatting", "#b4507c"},
+                                                {"many views", "#7a5bb5"},
+                                                {"post-filters of a finished image", "#4f7fb3"}};
+  return all;
+}
+
+const MethodFamily& familyOf(const std::string& method) {
+  static const std::map<std::string_view, std::size_t> families = {
+      {"paper", 1},      {"paper-lod", 1}, {"rasanen", 2},  {"inflate", 2}, {"layered", 2},
+      {"accumulate", 3}, {"raytrace", 3},  {"potmesil", 4}, {"rokita", 4},  {"matthews", 4},
+      {"shinya", 4},     {"fearing", 4},   {"mulder", 4},   {"pinhole", 4}};
+  const auto found = families.find(method);
+  return methodFamilies()[found == families.end() ? 0 : found->second];
+}
+
+}  // namespace foci

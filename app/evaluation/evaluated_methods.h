@@ -1,0 +1,43 @@
+// The methods that an evaluation compares, each with its number, and their families.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace foci {
+
+/// A method with the number that it is made with, if it takes one.
+struct EvaluatedMethod {
+  std::string name;
+  std::optional<int> setting;
+
+  /// As `makeMethod` takes it: "sweep", "accumulate:16".
+  std::string spec() const { return name + (setting ? ":" + std::to_string(*setting) : ""); }
+  /// A part of a file name: "sweep", "accumulate-16".
+  std::string fileName() const { return name + (setting ? "-" + std::to_string(*setting) : ""); }
+};
+
+/// How many settings an evaluation takes of a method whose number is worth varying.
+enum class SettingRange {
+  full,   ///< several, which span what the method can do
+  quick,  ///< mostly one, and a cheap one
+  one,    ///< exactly one
+};
+
+/// The methods that the user chose, or all of them.
+/// @param specs  `name` or `name:N`; empty: every method, with the settings of `range`
+/// @throws InputError for an unknown method or a number that it does not take
+std::vector<EvaluatedMethod> evaluatedMethods(const std::vector<std::string>& specs,
+                                              SettingRange range);
+
+/// Methods of one kind, which share a colour in every chart.
+struct MethodFamily {
+  std::string name;
+  std::string color;
+};
+
+const std::vector<MethodFamily>& methodFamilies();
+const MethodFamily& familyOf(const std::string& method);
+
+}  // namespace foci

@@ -1,0 +1,37 @@
+// What the pages of the evaluations share: their look, and the dialog that a click on a point
+// opens.
+#pragma once
+
+#include <ostream>
+#include <string>
+
+namespace foci {
+
+/// The style of all three pages, besides `kPageStyle`.
+extern const char* const kEvaluationStyle;
+
+/// The style of the pages of `foci chart`, besides `kEvaluationStyle`.
+extern const char* const kChartStyle;
+
+/// A cell of a table.
+/// @param text  HTML
+/// @param kind  CSS class
+std::string cell(const std::string& text, const char* kind = "");
+
+/// A number in HTML; an infinity sign if it is not finite.
+std::string numberHtml(double value, int digits);
+
+/// "1 thread", "8 threads".
+std::string threadsText(unsigned threads);
+
+/// The key to the colours of the methods' families.
+void writeFamilies(std::ostream& out);
+
+/// A dialog that every link in an <svg> opens. The dialog shows the image that the link names, the
+/// reference in the link's `data-at`, and the difference (`differenceFileOf` the image).
+void writeImageDialog(std::ostream& out);
+
+/// "a.png" to "a_difference.png".
+std::string differenceFileOf(std::string image);
+
+}  // namespace foci

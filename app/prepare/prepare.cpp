@@ -1,0 +1,156 @@
+#include "app/prepare/prepare.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "app/platform/output_folder.h"
+#include "app/platform/progress.h"
+#include "app/prepare/prepare_report.h"
+#include "base/file.h"
+#include "base/input_error.h"
+#include "render/lod/level_kernels.h"
+#include "render/lod/moment_tree.h"
+#include "render/normalisation/kernel_sums.h"
+#include "render/scene/estimation/estimate.h"
+#include "render/scene/io/foci_file.h"
+#include "render/scene/io/open_scene.h"
+
+namespace foci {
+namespace {
+
+// Chosen by eye.
+constexpr std::size_t kMaxProbes = 20'000, kProbesASurfel = 10;
+constexpr int kMinNodes = 1000;            // of a level that the report lists
+constexpr float kPixels[] = {1.0f, 0.5f};  // widths of a pixel, in spacings of the surfels
+
+std::vector<std::size_t> histogramOf(const std::vector<KernelSum>& sums, bool smooth_only) {
+  std::vector<std::size_t> histogram(kHistogramBins, 0);
+  for (const KernelSum& sum : sums) {
+    if (smooth_only && !sum.smooth) continue;
+    const float bin = std::floor((sum.sum - 0.5f) * static_cast<float>(kHistogramBins));
+    ++histogram[static_cast<std::size_t>(
+        std::clamp(bin, 0.0f, static_cast<float>(kHistogramBins - 1)))];
+  }
+  return histogram;
+}
+
+Normalisation normalisationOf(const std::vector<KernelSum>& sums, const SeenAs& seen) {
+  double sum = 0.0, smooth_sum = 0.0, smooth = 0.0;
+  for (const KernelSum& at : sums) {
+    sum += at.sum;
+    smooth += at.smooth ? 1.0 : 0.0;
+    smooth_sum += at.smooth ? at.sum : 0.0;
+  }
+  const auto all = static_cast<double>(std::max<std::size_t>(sums.size(), 1));
+  return {.pixel_spacings = seen.pixel_spacings,
+          .blur_spacings = seen.blur_spacings,
+          .smooth_share = smooth / all,
+          .within_2 = shareWithin(sums, 0.02f, false),
+          .within_5 = shareWithin(sums, 0.05f, false),
+          .within_10 = shareWithin(sums, 0.1f, false),
+          .smooth_within_2 = shareWithin(sums, 0.02f, true),
+          .smooth_within_5 = shareWithin(sums, 0.05f, true),
+          .smooth_within_10 = shareWithin(sums, 0.1f, true),
+          .mean = sum / all,
+          .smooth_mean = smooth_sum / std::max(smooth, 1.0),
+          .histogram = histogramOf(sums, false),
+          .smooth_histogram = histogramOf(sums, true)};
+}
+
+std::size_t probesOf(const SurfelCloud& cloud) {
+  return std::min(kMaxProbes, kProbesASurfel * cloud.size());
+}
+
+std::vector<Normalisation> normalisationOf(const SurfelCloud& cloud) {
+  std::vector<Normalisation> all;
+  for (const float pixel : kPixels) {
+    all.push_back(normalisationOf(kernelSums(cloud, probesOf(cloud), {pixel}), {pixel}));
+  }
+  return all;
+}
+
+/// Levels of at least `kMinNodes` nodes. Coarser levels consist of border only.
+std::vector<LevelNormalisation> normalisationOfLevels(const SurfelCloud& cloud) {
+  std::vector<LevelNormalisation> levels;
+  const MomentTree tree(cloud);
+  for (int level = tree.levels() - 1; level >= 0 && 1 << level >= kMinNodes; --level) {
+    const LevelKernels kernels = levelKernels(tree, level);
+    const auto as = [&](const SeenAs& seen) {
+      return normalisationOf(
+          kernelSums(kernels.surfels, probesOf(kernels.surfels), seen, kernels.added_m2), seen);
+    };
+    levels.push_back({.nodes = kernels.surfels.size(),
+                      .sharp = as(kCoarsestSharp),
+                      .blurred = as(kCoarsestBlurred)});
+  }
+  return levels;
+}
+
+double medianSpacing_m(const SurfelCloud& cloud) {
+  std::vector<float> area_m2 = cloud.area_m2;
+  const auto middle = area_m2.begin() + static_cast<std::ptrdiff_t>(area_m2.size() / 2);
+  std::nth_element(area_m2.begin(), middle, area_m2.end());
+  return std::sqrt(static_cast<double>(*middle));
+}
+
+/// @throws InputError
+void checkRequest(const PrepareRequest& request) {
+  if (request.out.extension() != ".foci") {
+    throw InputError("--out " + request.out.string(), "expected a file name that ends in .foci");
+  }
+  std::error_code ignored;
+  if (std::filesystem::is_directory(request.out, ignored)) {
+    throw InputError("--out " + request.out.string(), "is a folder");
+  }
+  if (isSceneFile(request.input)) {
+    throw InputError(request.input.string(), "is a prepared scene already");
+  }
+}
+
+/// The surfels with sizes and weights solved. Progress goes to standard error.
+SurfelCloud solved(PointCloud&& points) {
+  std::optional<Progress> progress;
+  return surfelsFromPoints(
+      std::move(points),
+      {.solve = KernelSolve::thorough, .progress = [&](std::size_t done, std::size_t total) {
+         if (!progress) progress.emplace("solving weights and sizes", "passes", total);
+         progress->advance(done);
+       }});
+}
+
+}  // namespace
+
+PrepareSummary prepareScene(const PrepareRequest& request) {
+  checkRequest(request);
+  const auto start = std::chrono::steady_clock::now();
+  std::filesystem::path folder = request.out.parent_path();
+  if (folder.empty()) folder = ".";
+  OutputFolder output(folder);  // before the work, so that a bad folder is reported at once
+  const std::filesystem::path scene_file = output.stage(request.out.filename().string());
+  PointCloud points =
+      openPoints(request.input, request.scale_m, MeshSampling{.points = request.points});
+  PrepareSummary summary{.out = request.out, .report = request.out, .dropped = points.dropped};
+  summary.report.replace_extension(".html");
+
+  summary.before =
+      normalisationOf(surfelsFromPoints(PointCloud(points), {.solve = KernelSolve::none}));
+  const SurfelCloud cloud = solved(std::move(points));
+  summary.surfels = cloud.size();
+  summary.oriented = cloud.oriented;
+  summary.spacing_m = medianSpacing_m(cloud);
+  for (const float area_m2 : cloud.area_m2) summary.area_m2 += area_m2;
+  summary.normalisation = normalisationOf(cloud);
+  summary.levels = normalisationOfLevels(cloud);
+
+  writeSceneFile(scene_file, cloud);
+  summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  writeText(output.stage(summary.report.filename().string()), prepareReport(request, summary));
+  output.commit();
+  return summary;
+}
+
+}  // namespace foci

@@ -1,0 +1,56 @@
+// Turns points or a mesh into a scene file. Sizes and weights of the splats are solved so that
+// their kernels form a partition of unity; a report states how closely they do.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace foci {
+
+struct PrepareRequest {
+  std::filesystem::path input;   ///< points (PLY) or a mesh
+  std::filesystem::path out;     ///< the scene, .foci; the report gets the same name with .html
+  double scale_m = 1.0;          ///< length of a unit of the input, metres
+  std::size_t points = 500'000;  ///< about the number of samples of a mesh
+};
+
+/// How closely kernels form a partition of unity over the surface, at one size of pixels or blur.
+struct Normalisation {
+  double pixel_spacings, blur_spacings;  ///< see `SeenAs`
+  double smooth_share;  ///< share of the surface that is smooth; 0: `smooth_...` have no meaning
+  double within_2, within_5, within_10;  ///< shares of the surface within 1 +- 0.02, 0.05, 0.1
+  double smooth_within_2, smooth_within_5, smooth_within_10;  ///< the same of the smooth parts
+  double mean, smooth_mean;
+  /// Histograms of the sums, `kHistogramBins` bins from 0.5 to 1.5. The end bins also count the
+  /// sums beyond.
+  std::vector<std::size_t> histogram, smooth_histogram;
+};
+inline constexpr std::size_t kHistogramBins = 100;
+
+/// A level of detail, seen where foci renders it at its coarsest: in focus, and blurred.
+struct LevelNormalisation {
+  std::size_t nodes;
+  Normalisation sharp, blurred;
+};
+
+struct PrepareSummary {
+  std::filesystem::path out, report;
+  std::size_t surfels = 0;
+  std::size_t dropped = 0;  ///< points left out because their position is not finite
+  bool oriented = false;
+  double area_m2 = 0.0;
+  double spacing_m = 0.0;  ///< median of sqrt(area)
+  double seconds = 0.0;
+  /// After and before the solve, by falling size of the pixels.
+  std::vector<Normalisation> normalisation = {}, before = {};
+  std::vector<LevelNormalisation> levels =
+      {};  ///< from fine to coarse, of levels with enough nodes
+};
+
+/// If it throws, it leaves nothing behind. Progress goes to standard error.
+/// @throws InputError, std::runtime_error
+PrepareSummary prepareScene(const PrepareRequest& request);
+
+}  // namespace foci
