@@ -1,4 +1,4 @@
-"""How an experiment drives foci live; Python's standard library is enough.
+"""Remote control of foci live from an experiment; needs only the Python standard library.
 
     foci live study.toml --socket 5005
     python3 experiment.py 5005
