@@ -119,8 +119,15 @@ def live(args):
     print("+", " ".join(command), file=sys.stderr)
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as foci, \
             socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as remote:
-        remote.settimeout(5)
+        remote.settimeout(1)
         remote.connect(("127.0.0.1", port))
+        for _ in range(120):  # until the first frame is there
+            try:
+                remote.send(b"state")
+                if remote.recv(4096).startswith(b"ok"):
+                    break
+            except OSError:
+                time.sleep(0.5)
         time.sleep(args.live_s)
         remote.send(b"leave")
         summary = json.loads(foci.communicate(timeout=120)[0].strip().splitlines()[-1])
