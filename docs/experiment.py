@@ -16,7 +16,7 @@ class Foci:
         self.socket.connect((host, port))
 
     def ask(self, command):
-        """Sends a command, returns what foci answers after "ok"; an error is raised."""
+        """Sends a command and returns the answer without its "ok". Raises RuntimeError if foci refuses the command."""
         self.socket.send(command.encode())
         answer = self.socket.recv(4096).decode().strip()
         if not answer.startswith("ok"):
