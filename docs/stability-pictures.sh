@@ -1,7 +1,7 @@
 #!/bin/sh
 # Renders the images of docs/stability.md anew, from a full `foci chart --stability`:
 #   sh docs/stability-pictures.sh                 run the suite into out/stability first
-#   sh docs/stability-pictures.sh FOLDER          use the folder of an earlier run
+#   sh docs/stability-pictures.sh FOLDER          use an earlier full run, e.g. out/results/stability of docs/results.py --full
 #   SCAN=scan.ply sh docs/stability-pictures.sh   also thin out a scan
 # Needs ImageMagick with WebP.
 set -eu
