@@ -1,4 +1,4 @@
-"""How an experiment drives foci live; Python's standard library is enough.
+"""Remote control of foci live from an experiment; needs only the Python standard library.
 
     foci live study.toml --socket 5005
     python3 experiment.py 5005
@@ -16,7 +16,7 @@ class Foci:
         self.socket.connect((host, port))
 
     def ask(self, command):
-        """Sends a command, returns what foci answers after "ok"; an error is raised."""
+        """Sends a command and returns the answer without its "ok". Raises RuntimeError if foci refuses the command."""
         self.socket.send(command.encode())
         answer = self.socket.recv(4096).decode().strip()
         if not answer.startswith("ok"):

@@ -1,7 +1,7 @@
 #!/bin/sh
-# README's first image, from this folder: what foci live shows while an observer looks around the gallery.
-# A live run and its replay show the same images (docs/live.md); the replay draws them at an even pace.
-# Wants ImageMagick: sh docs/live-animation.sh
+# Makes docs/live.webp, the first image of README.md: an observer looks around the gallery.
+# foci replays the gaze, because a replay has an even frame rate; the frames equal those of a live run (docs/live.md).
+# Needs ImageMagick with WebP: sh docs/live-animation.sh
 set -eu
 cd "$(dirname "$0")/.."
 out=$(mktemp -d)
@@ -23,7 +23,7 @@ fps = 10
 marker = true
 images = true
 STUDY
-# Leaf, image on the wall, ring, leaf: x y in px of the screen, and until when.
+# Leaf, image on the wall, ring, leaf: x and y in px of the screen, and the time until which gaze stays there.
 awk 'BEGIN {
   print "time_s\tx_px\ty_px"
   split("150 700 1.8 864 240 3.6 330 380 5.2 1090 180 6.8 150 700 7.5", p)

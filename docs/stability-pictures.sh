@@ -1,9 +1,17 @@
 #!/bin/sh
-# The images of docs/stability.md, from the folder of a full `foci chart --stability`:
-#   docs/stability-images.sh out/stability      (ImageMagick with WebP)
+# Renders the images of docs/stability.md anew, from a full `foci chart --stability`:
+#   sh docs/stability-pictures.sh                 run the suite into out/stability first
+#   sh docs/stability-pictures.sh FOLDER          use an earlier full run, e.g. out/results/stability of docs/results.py --full
+#   SCAN=scan.ply sh docs/stability-pictures.sh   also thin out a scan
+# Needs ImageMagick with WebP.
 set -eu
-from=$1/images
-to=$(dirname "$0")/stability
+cd "$(dirname "$0")/.."
+run=${1:-out/stability}
+if [ $# -eq 0 ]; then
+  build/release/foci chart --stability --out "$run" ${SCAN:+--scan "$SCAN"}
+fi
+from=$run/images
+to=docs/stability
 mkdir -p "$to"
 row() {  # SCENE VALUE
   set -- "$1_$2" "$2"
@@ -15,7 +23,7 @@ montage_of() {  # SCENE VALUE...
   scene=$1
   shift
   { convert -size 836x18 xc:white -pointsize 13 -fill '#333' \
-      -annotate +48+13 reference -annotate +180+13 sweep-lod -annotate +312+13 'difference, 8 times' \
+      -annotate +48+13 reference -annotate +180+13 sweep-lod -annotate +312+13 'difference x 8' \
       -annotate +444+13 paper-lod -annotate +576+13 accumulate:64 -annotate +708+13 matthews miff:-
     for value; do row "$scene" "$value"; done
   } | convert - -append -quality 82 "$to/$scene.webp"
@@ -42,4 +50,4 @@ montage_of highlight 100
 montage_of focus-sweep 40
 montage_of moving-eye 3
 if [ -e "$from/thinned_0.1_reference.png" ]; then montage_of thinned 0.25 0.1; fi
-convert "$1/stability.png" -resize 1500x -quality 75 "$to/chart.webp"
+convert "$run/stability.png" -resize 1500x -quality 75 "$to/chart.webp"

@@ -10,7 +10,7 @@ namespace foci {
 void addKeysCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("keys", "List the keys of a study file.");
   const auto markdown = std::make_shared<bool>(false);
-  command->add_flag("--markdown", *markdown, "print docs/study.md");
+  command->add_flag("--markdown", *markdown, "print docs/studies.md");
   command->callback([markdown] {
     if (*markdown) {
       std::fputs(studyKeysMarkdown().c_str(), stdout);

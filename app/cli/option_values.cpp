@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "base/input_error.h"
-#include "gaze/sources/line_reader.h"
+#include "base/number.h"
 
 namespace foci {
 

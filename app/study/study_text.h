@@ -12,7 +12,7 @@ namespace foci {
 /// file. What belongs to a recording (gaze.source, record) keeps the names that it has.
 std::string studyToml(const Study& study);
 
-/// docs/study.md: every key with its meaning, what it allows and what it is where a study does not
+/// docs/studies.md: every key with its meaning, what it allows and what it is where a study does not
 /// name it.
 std::string studyKeysMarkdown();
 

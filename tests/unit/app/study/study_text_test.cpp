@@ -30,8 +30,8 @@ TEST(StudyText, AsTomlIsTheSameStudy) {
 }
 
 TEST(StudyKeys, PageIsCurrent) {
-  EXPECT_EQ(textOf(std::filesystem::path(FOCI_SOURCE_DIR) / "docs/study.md"), studyKeysMarkdown())
-      << "foci keys --markdown > docs/study.md";
+  EXPECT_EQ(textOf(std::filesystem::path(FOCI_SOURCE_DIR) / "docs/studies.md"), studyKeysMarkdown())
+      << "foci keys --markdown > docs/studies.md";
 }
 
 }  // namespace

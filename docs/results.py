@@ -1,0 +1,268 @@
+#!/usr/bin/env python3
+"""Measures foci and writes docs/results.md: every measured figure of the documentation, with machine, date and commit.
+
+    python3 docs/results.py                        short runs of everything, on an idle machine
+    python3 docs/results.py --full                 the full chart, stability suite and reproduction
+    python3 docs/results.py --only bench,chart     some sections; the page keeps the others as they are
+    python3 docs/results.py --labelled DIR/*.tsv   agreement with human coders, on recordings with columns coder_NAME
+
+Expects a release build with tests (cmake --preset release && cmake --build --preset release). The section "live" needs
+a display or xvfb-run. The measurements stay in out/results; `foci chart` continues from them.
+"""
+
+import argparse
+import csv
+import datetime
+import json
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+PAGE = os.path.join(ROOT, "docs", "results.md")
+SECTIONS = ("bench", "events", "live", "chart", "stability", "reproduce")
+
+
+def run(*command):
+    """Standard output of a command; its progress goes to the terminal."""
+    print("+", " ".join(command), file=sys.stderr)
+    return subprocess.run(command, check=True, cwd=ROOT, stdout=subprocess.PIPE, text=True).stdout
+
+
+def rows_of(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
+
+
+def short(text, digits=3):
+    """A number with few digits; other text unchanged."""
+    try:
+        value = float(text)
+    except (TypeError, ValueError):
+        return text
+    if abs(value) >= 1000:
+        return f"{value:.0f}"
+    return f"{value:.{digits}g}"
+
+
+def stamp(foci):
+    """One line: machine, date, commit."""
+    machine = json.loads(run(foci, "doctor", "--json"))
+    commit = run("git", "rev-parse", "--short", "HEAD").strip()
+    if run("git", "status", "--porcelain", "--untracked-files=no").strip():
+        commit += " with local changes"
+    date = datetime.date.today().isoformat()
+    load = os.getloadavg()[0]
+    return (f"*Measured {date} at commit {commit}: {machine['cpu']}, {machine['threads']} threads, {machine['simd']}, "
+            f"{machine['system']}; load {load:.1f} at the start.*")
+
+
+def bench(args):
+    counters = ("median_drawn_ms", "p95_drawn_ms", "median_ms", "p95_ms", "rendered", "error")
+    measured = json.loads(run(args.bench, "--benchmark_format=json", f"--benchmark_filter={args.bench_filter}"))
+    gallery, others = [], []
+    for one in measured["benchmarks"]:
+        if one.get("error_occurred") or one.get("run_type") == "aggregate":
+            continue
+        if "p95_ms" in one:
+            name = re.sub(r"BM_|/iterations.*|/real_time.*", "", one["name"])
+            gallery.append([f"`{name}`"] + [short(one.get(counter, "n/a")) for counter in counters])
+        else:
+            others.append([f"`{one['name'].removeprefix('BM_')}`", short(one["real_time"]), one["time_unit"]])
+    text = ["`foci_bench` measures the parts of the program. Times are wall-clock times."]
+    if gallery:
+        text.append("**A study's frame**: six seconds of gaze over the gallery of two million surfels, 1920 x 1080 px, method "
+                    "`auto`. A reused frame takes no time.")
+        text.append(table(["run", "median of rendered frames, ms", "95 %, ms", "median of all frames, ms", "95 %, ms",
+                           "share rendered", "predicted error, JND"], gallery))
+    if others:
+        text.append(table(["benchmark", "time", "unit"], others))
+    return "\n\n".join(text)
+
+
+def events(args):
+    if not args.labelled:
+        return None
+    scored = json.loads(run(args.foci, "events", "--score", "--json", *args.labelled))
+    pairs = list(scored["kappa"])
+    kinds = list(scored["kappa"][pairs[0]])
+    return (f"Cohen's kappa of event labels per sample, over {scored['recordings']} recordings. Columns compare two labellers; "
+            "`coder_` marks a human.\n\n" +
+            table(["label"] + [pair.replace(":", " : ") for pair in pairs],
+                  [[kind] + [short(scored["kappa"][pair][kind]) if scored["kappa"][pair][kind] is not None else "n/a"
+                             for pair in pairs] for kind in kinds]))
+
+
+def live(args):
+    command = [args.foci, "live", "configs/demo.toml", "--window", "--size", args.live_size, "--source", "trace:simulated",
+               "--socket", "0", "--json"]
+    if not os.environ.get("DISPLAY"):
+        if not shutil.which("xvfb-run"):
+            return None
+        command = ["xvfb-run", "-a", "-s", "-screen 0 1920x1080x24"] + command
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    command[command.index("--socket") + 1] = str(port)
+    folder = os.path.join(args.out, "live")
+    shutil.rmtree(folder, ignore_errors=True)
+    command += ["--record", folder]
+    print("+", " ".join(command), file=sys.stderr)
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as foci, \
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as remote:
+        remote.settimeout(1)
+        remote.connect(("127.0.0.1", port))
+        for _ in range(120):  # until the first frame is there
+            try:
+                remote.send(b"state")
+                if remote.recv(4096).startswith(b"ok"):
+                    break
+            except OSError:
+                time.sleep(0.5)
+        time.sleep(args.live_s)
+        remote.send(b"leave")
+        summary = json.loads(foci.communicate(timeout=120)[0].strip().splitlines()[-1])
+    flat = []
+
+    def flatten(prefix, value):
+        for name, inner in value.items():
+            if isinstance(inner, dict):
+                flatten(f"{prefix}{name}.", inner)
+            elif isinstance(inner, (int, float)):
+                flat.append([f"`{prefix}{name}`", short(inner)])
+
+    flatten("", summary)
+    return (f"`foci live configs/demo.toml --window --size {args.live_size}` for {args.live_s:.0f} s, with the simulated observer as "
+            "source. These values are the summary of `--json`.\n\n" + table(["value", "measured"], flat))
+
+
+def chart(args):
+    folder = os.path.join(args.out, "chart")
+    run(args.foci, "chart", "--out", folder, *args.quick, *args.chart_options)
+    rows = rows_of(os.path.join(folder, "chart.csv"))
+    threads = max(int(row["threads"]) for row in rows)
+    text = [f"`foci chart`, times at {threads} threads. The tables show the frontier (no method is both faster and closer) and "
+            "`auto`. `chart.csv` has all methods; [methods.md](methods.md#chart-time-against-accuracy) explains the columns."]
+    cells = {}
+    for row in rows:
+        if int(row["threads"]) == threads:
+            cells.setdefault((row["scene"], row["blur_px"]), []).append(row)
+    for (scene, blur_px), found in cells.items():
+        shown = [row for row in found if row["on_frontier"] == "yes" or row["method"] == "auto"]
+        shown.sort(key=lambda row: float(row["ms_median"]))
+        text.append(f"**{scene}, blur up to {short(blur_px)} px** "
+                    f"(reference known to {short(found[0]['reference_psnr_dB'])} dB)")
+        text.append(table(["method", "ms per frame", "PSNR, dB", "silhouettes, dB", "visible error, JND", "predicted, JND"],
+                          [["`" + row["method"] + ("" if row["setting"] == "n/a" else ":" + row["setting"]) + "`",
+                            short(row["ms_median"]), short(row["psnr_dB"]), short(row["silhouette_psnr_dB"]),
+                            short(row["visible_error"]), short(row["expected_error"])] for row in shown]))
+    if not args.chart_options:
+        shutil.copy(os.path.join(folder, "chart.png"), os.path.join(ROOT, "docs", "chart.png"))
+    return "\n\n".join(text)
+
+
+def stability(args):
+    folder = os.path.join(args.out, "stability")
+    run(args.foci, "chart", "--stability", "--out", folder, *args.quick, *args.stability_options)
+    images = {"paper-lod": "", "sweep": "", "sweep-lod:7": "", "auto": "", "accumulate:64": "", "matthews": ""}
+    scenes = {}
+    for row in rows_of(os.path.join(folder, "stability.csv")):
+        scene = scenes.setdefault(row["scene"], {"dial": row["dial"], "of": row["of"], "values": [], "scores": {}})
+        if row["value"] not in scene["values"]:
+            scene["values"].append(row["value"])
+        mark = "" if row["good"] == "yes" else " (!)"
+        scene["scores"].setdefault(row["method"], {})[row["value"]] = short(row["score"]) + mark
+    text = ["`foci chart --stability`. Scores follow the dial's values from left to right; **(!)** marks a score that misses the "
+            "wanted one. [stability.md](stability.md) describes the scenes."]
+    for observers, title in ((False, "Images"), (True, "Gaze")):
+        chosen = {name: scene for name, scene in scenes.items() if name.startswith("gaze-") == observers}
+        if not chosen:
+            continue
+        methods = []
+        for scene in chosen.values():
+            methods += [name for name in scene["scores"] if name not in methods and (observers or name in images)]
+        text.append(f"**{title}**")
+        text.append(table(["scene", "score", "dial"] + [f"`{name}`" if not observers else name for name in methods],
+                          [[f"`{name}`", scene["of"], scene["dial"] + ": " + ", ".join(map(short, scene["values"]))] +
+                           ["; ".join(scene["scores"].get(method, {}).get(value, "n/a") for value in scene["values"])
+                            for method in methods] for name, scene in chosen.items()]))
+    return "\n\n".join(text).replace(" (!)", " **(!)**")
+
+
+def reproduce(args):
+    folder = os.path.join(args.out, "reproduce")
+    shutil.rmtree(folder, ignore_errors=True)
+    run(args.foci, "reproduce", "--out", folder, *args.quick)
+    rows = rows_of(os.path.join(folder, "table1.csv"))
+    threads = max(int(row["threads"]) for row in rows)
+    head = ["scene", "aperture", "blur_px_max", "method", "kfragments", "points", "ms_median", "psnr_dB"]
+    return (f"`foci reproduce`, 512 x 512 px, times at {threads} threads. [reproduce.md](reproduce.md) explains the columns; "
+            "[formulas.md](formulas.md#7-what-the-paper-measured) has the paper's own numbers.\n\n" +
+            table(["scene", "aperture, m", "blur, px", "method", "k fragments", "points", "ms", "PSNR, dB"],
+                  [[row[name] if name in ("scene", "method") else short(row[name]) for name in head]
+                   for row in rows if int(row["threads"]) == threads]))
+
+
+TITLES = {"bench": "Benchmarks", "events": "Event detection", "live": "Live", "chart": "Time against accuracy",
+          "stability": "Stability", "reproduce": "The paper's Table 1"}
+
+
+def old_sections():
+    """Section name -> its text, of the page as it is."""
+    if not os.path.exists(PAGE):
+        return {}
+    parts = re.split(r"^<!-- section (\w+) -->\n", open(PAGE, encoding="utf-8").read(), flags=re.M)
+    return {name: text.rstrip("\n") for name, text in zip(parts[1::2], parts[2::2])}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--full", action="store_true", help="full runs instead of --quick")
+    parser.add_argument("--only", default=",".join(SECTIONS), help="sections, by commas: " + ", ".join(SECTIONS))
+    parser.add_argument("--labelled", nargs="*", default=[], help="recordings with the labels of human coders")
+    parser.add_argument("--build", default=os.path.join(ROOT, "build", "release"), help="folder of foci and foci_bench")
+    parser.add_argument("--out", default=os.path.join(ROOT, "out", "results"), help="folder of the measurements")
+    parser.add_argument("--bench-filter", default=".")
+    parser.add_argument("--live-s", type=float, default=30.0)
+    parser.add_argument("--live-size", default="1280x720")
+    parser.add_argument("--chart-options", default="", help="for foci chart, e.g. '--scene plane --size 64'")
+    parser.add_argument("--stability-options", default="", help="for foci chart --stability")
+    args = parser.parse_args()
+    args.foci, args.bench = os.path.join(args.build, "foci"), os.path.join(args.build, "foci_bench")
+    args.out = os.path.abspath(args.out)
+    args.labelled = [os.path.abspath(path) for path in args.labelled]
+    args.quick = [] if args.full else ["--quick"]
+    args.chart_options, args.stability_options = args.chart_options.split(), args.stability_options.split()
+    only = args.only.split(",")
+    if unknown := set(only) - set(SECTIONS):
+        parser.error(f"--only: unknown section {', '.join(sorted(unknown))}")
+    os.makedirs(args.out, exist_ok=True)
+
+    texts = old_sections()
+    for name in SECTIONS:
+        if name in only:
+            stamped = stamp(args.foci)
+            text = globals()[name](args)
+            if text is None:
+                print(f"{name}: skipped (see --help); the page keeps its old section", file=sys.stderr)
+            else:
+                texts[name] = f"## {TITLES[name]}\n\n{stamped}\n\n{text}"
+    with open(PAGE, "w", encoding="utf-8") as page:
+        page.write("# Results\n\nEvery measured figure of the documentation stands on this page. `docs/results.py` writes it: do not "
+                   "edit it.\nEach section states machine, date and commit. Times vary between runs; compare ratios.\n")
+        for name in SECTIONS:
+            text = texts.get(name, f"## {TITLES[name]}\n\nNot measured yet: `python3 docs/results.py --only {name}`.")
+            page.write(f"\n<!-- section {name} -->\n{text}\n")
+
+
+if __name__ == "__main__":
+    main()
