@@ -1,0 +1,27 @@
+// Fits a gaze map to a table of measured gaze and targets (x y x_target y_target, degrees), writes
+// the map, and prints the point that it gives for straight ahead:
+//   fit_gaze_map PAIRS.tsv MAP.toml
+#include <exception>
+#include <fstream>
+#include <iostream>
+
+#include "calibration/gaze_map/fit_gaze_map.h"
+#include "calibration/gaze_map/gaze_map_file.h"
+
+int main(int argc, char** argv) try {
+  if (argc != 3) {
+    std::cerr << "usage: fit_gaze_map PAIRS.tsv MAP.toml\n";
+    return 2;
+  }
+  const foci::GazeFrame frame{foci::MapUnits::deg, {{1920, 1080}, {0.531, 0.299}, 0.6}};
+  const auto pairs = foci::readGazePairs(argv[1], frame.units);
+  const foci::GazeFit fit = foci::fitGazeMap(pairs, frame);
+  std::ofstream(argv[2]) << foci::gazeMapToml(fit.map);
+
+  const foci::GazeEstimate ahead = foci::estimateGaze(fit.map, {0.0, 0.0});
+  std::cout << "model " << foci::nameOf(fit.map.model) << "; straight ahead: " << ahead.point.x
+            << ", " << ahead.point.y << " deg, within " << ahead.uncertainty_deg << " deg\n";
+} catch (const std::exception& error) {
+  std::cerr << error.what() << "\n";
+  return 1;
+}

@@ -1,0 +1,97 @@
+"""Installs foci to an empty folder, then builds and runs the programs of examples/ against that copy.
+
+    examples_test.py CMAKE BUILD_FOLDER CXX
+
+It also compiles each installed header alone. A header may include the standard library, GLM and other installed headers.
+"""
+
+import concurrent.futures
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
+MAX_LINES = 40
+
+
+def run(*command, **options):
+    """Standard output of a command that must succeed."""
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True, **options)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(map(str, command))}\nexited with {done.returncode}:\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def expect(condition, message):
+    if not condition:
+        sys.exit(message)
+
+
+def check_headers(include, cxx):
+    headers = sorted(include.rglob("*.h"))
+    expect(len(headers) > 50, f"only {len(headers)} headers in {include}")
+    for header in headers:
+        for bracket, name in re.findall(r'^\s*#\s*include\s*([<"])([^>"]+)', header.read_text(), re.M):
+            if bracket == '"':
+                expect((include / name).exists(), f"{header}: {name} is not installed")
+            else:
+                expect(re.fullmatch(r"[a-z_]+|cstd\w+|glm/.*", name), f"{header}: <{name}> is neither standard nor GLM")
+
+    def compile_alone(header):
+        return subprocess.run([cxx, "-std=c++20", "-fsyntax-only", "-Wall", "-x", "c++", f"-I{include}", "-include", header,
+                               "/dev/null"], capture_output=True, text=True)
+
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        for header, done in zip(headers, pool.map(compile_alone, headers)):
+            expect(done.returncode == 0 and not done.stderr, f"{header} does not compile alone:\n{done.stderr}")
+
+
+def write_inputs(folder):
+    """A square of points, half a second at each of two places, and nine targets measured 1 degree to their right."""
+    points = [(x / 20 - 0.5, y / 20 - 0.5) for x in range(21) for y in range(21)]
+    rows = "".join(f"{x} {y} 0 200 120 40\n" for x, y in points)
+    (folder / "square.ply").write_text(
+        f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n"
+        + "".join(f"property float {axis}\n" for axis in "xyz")
+        + "".join(f"property uchar {colour}\n" for colour in ("red", "green", "blue")) + "end_header\n" + rows)
+    (folder / "recording.tsv").write_text("time_s\tx_px\ty_px\n" + "".join(
+        f"{i / 250:.3f}\t{(600 if i < 125 else 1300) + math.sin(i)}\t540\n" for i in range(250)))
+    (folder / "pairs.tsv").write_text("x\ty\tx_target\ty_target\n" + "".join(
+        f"{x + 1.0 + 0.05 * math.sin(i)}\t{y + 0.05 * math.cos(i)}\t{x}\t{y}\n"
+        for x in (-8, 0, 8) for y in (-5, 0, 5) for i in range(20)))
+
+
+def main():
+    cmake, build, cxx = sys.argv[1:]
+    for source in EXAMPLES.glob("*.cpp"):
+        lines = len(source.read_text().splitlines())
+        expect(lines <= MAX_LINES, f"{source.name} has {lines} lines; at most {MAX_LINES} are allowed")
+
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        prefix, programs = folder / "prefix", folder / "build"
+        run(cmake, "--install", build, "--prefix", prefix)
+        check_headers(prefix / "include" / "foci", cxx)
+        expect((prefix / "bin" / "foci").exists(), "the program is not installed")
+
+        run(cmake, "-S", EXAMPLES, "-B", programs, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
+            f"-DCMAKE_CXX_COMPILER={cxx}")
+        run(cmake, "--build", programs)
+        expect("-Werror" not in (programs / "build.ninja").read_text(), "the flags of foci leak to its users")
+
+        write_inputs(folder)
+        out = run(programs / "render_ply", "square.ply", "2", "square.png", cwd=folder)
+        expect("441 surfels" in out and (folder / "square.png").read_bytes().startswith(b"\x89PNG"), out)
+        out = run(programs / "detect_fixations", "recording.tsv", cwd=folder).splitlines()
+        expect(len(out) == 3 and abs(float(out[2].split("\t")[2]) - 1300) < 5, f"not two fixations: {out}")
+        out = run(programs / "fit_gaze_map", "pairs.tsv", "map.toml", cwd=folder)
+        expect(re.search(r"straight ahead: -(1\.0|0\.9)", out) and (folder / "map.toml").exists(), out)
+        if (programs / "replay_recording").exists():
+            run(programs / "replay_recording", "square.ply", "recording.tsv", "frames", cwd=folder)
+    print("The examples link and run, and the installed headers stand alone.")
+
+
+main()
