@@ -79,7 +79,7 @@ ChartMethod methodOf(const std::string& spec) {
   if (colon != std::string::npos) return {spec.substr(0, colon), std::stoi(spec.substr(colon + 1))};
   const auto info = std::find_if(methods().begin(), methods().end(),
                                  [&](const MethodInfo& one) { return one.name == spec; });
-  return {spec, info->standard > 0 ? std::optional(info->standard) : std::nullopt};
+  return {spec, info->default_n > 0 ? std::optional(info->default_n) : std::nullopt};
 }
 
 std::vector<ChartMethod> methodsOf(const ChartChoice& choice, std::vector<int> Dial::*settings) {
