@@ -6,7 +6,7 @@
 #include <string>
 
 #include "app/study/study.h"
-#include "render/image/frame.h"
+#include "render/methods/method.h"
 
 namespace foci {
 

@@ -13,7 +13,7 @@ namespace {
 /// Weight of the newest time in the running mean.
 constexpr float kNewest = 0.2f;
 /// A time beyond this factor is the machine's doing, and is clipped.
-constexpr float kMaxGrowth = 2.0f;
+constexpr float kMaxTimeGrowth = 2.0f;
 /// Share of the budget that a level may be expected to use if it was not the last one.
 constexpr float kFitsWell = 0.8f;
 /// Decay of a level's time with each frame of another level: half in a minute at 60 frames a
@@ -48,7 +48,7 @@ void TimeBudget::took(QualityLevel level, float ms, bool moved) {
   for (Timing& other : timings_) other.ms *= moved ? kDecayMoved : kDecay;
   float& known_ms = of(level).ms;
   known_ms = known_ms > 0.0f
-                 ? (1.0f - kNewest) * known_ms + kNewest * std::min(ms, kMaxGrowth * known_ms)
+                 ? (1.0f - kNewest) * known_ms + kNewest * std::min(ms, kMaxTimeGrowth * known_ms)
                  : ms;
   last_ = level;
 }
