@@ -9,15 +9,16 @@
 
 namespace foci {
 
-/// Row-major, top row first. `rgba` holds linear RGB, already multiplied by coverage and already
-/// over the background, and the coverage (0 to 1) itself.
+/// Row-major, top row first. `rgba` holds linear RGB, composited over the background, and the
+/// coverage, 0 to 1.
 struct Frame {
   glm::ivec2 size_px{0, 0};
   std::vector<glm::vec4> rgba;
-  std::vector<float> depth_m;  ///< distance of what is seen, coverage-weighted; 0 where nothing is;
-                               ///< empty unless asked for
+  /// Distance of the visible surfaces, coverage-weighted; 0 where there is none. Empty unless asked
+  /// for.
+  std::vector<float> depth_m;
 
-  /// @param depth  with room for it; otherwise it has none
+  /// @param depth  whether the frame has depth
   void resize(const glm::ivec2& to_px, bool depth = false) {
     const std::size_t pixels = static_cast<std::size_t>(to_px.x) * to_px.y;
     size_px = to_px;
@@ -30,20 +31,20 @@ struct Frame {
   }
 };
 
-/// What a frame cost.
+/// The cost of a frame, and how it was rendered.
 struct RenderStats {
   std::uint64_t splats = 0;     ///< rendered, after culling
   std::uint64_t fragments = 0;  ///< kernel evaluations inside a footprint
   double ms = 0.0;              ///< wall time
-  /// Of a reference: the PSNR between two halves of its samples. The ceiling of any PSNR against
-  /// it.
+  /// For a reference, the PSNR between two halves of its samples: no method can show a higher PSNR
+  /// against it.
   std::optional<double> split_half_psnr_dB;
-  /// Of `auto`: the error that it expects at most in 95 % of the pixels, in just noticeable
-  /// differences.
+  /// For `auto`, the predicted error that 95 % of the pixels stay below, in just-noticeable
+  /// differences (JND).
   std::optional<double> tolerance_error;
-  /// False of `auto` whose budget of time did not allow what its tolerance wants.
+  /// False if the frame-time budget kept `auto` from the full quality that its tolerance asks for.
   bool in_full = true;
-  /// Of `auto` under a budget of time: the method that renders the same on any machine.
+  /// For `auto` with a frame-time budget, the method that renders the same frame on any machine.
   std::string rendered_as;
 };
 

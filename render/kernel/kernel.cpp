@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kSteps = 256;
 
-/// Mixture (1 - alpha) t^i + alpha t^(i+1), each of unit mass on one support, whose E[r^4] /
-/// E[r^2]^2 is that of (1 - q)^n: 2 (n + 2) / (n + 3).
+/// The mixture (1 - alpha) t^i + alpha t^(i+1), each power of unit mass on one support, with
+/// E[r^4] / E[r^2]^2 = 2 (n + 2) / (n + 3), the kurtosis of (1 - q)^n.
 KernelShape solveShape(double n) {
   const int i = std::min(static_cast<int>(n), 1);
   const double a = 1.0 / (i + 2), b = 1.0 / (i + 3);  // E[r^2] / R^2 of the two powers
@@ -21,7 +21,7 @@ KernelShape solveShape(double n) {
   const double p = kurtosis * (b - a) * (b - a);
   const double h = kurtosis * a * (b - a) - 0.5 * (f - e);
   const double c = kurtosis * a * a - e;
-  // The root in [0, 1]; c = 0 at whole n.
+  // The root in [0, 1]; c = 0 at integer n.
   const double root = std::sqrt(std::max(0.0, h * h - p * c));
   const double alpha = std::clamp(c / (-h + root), 0.0, 1.0);
 

@@ -27,7 +27,7 @@ struct CutSettings {
 };
 
 /// Merging adds at most 3 % to the variance of blur and pixel. A square node's spread is side^2 /
-/// 12, so a node is at most a quarter of the blur radius wide, or 0.6 px in focus. `LodTest` and
+/// 12, so a node is at most a quarter of the blur radius wide, or 0.6 px in focus. `SweepLod` and
 /// `LevelKernels` tests bound the errors.
 inline constexpr CutSettings kFaithfulCut{.per_blur2 = 0.0055f, .per_pixel2 = 0.03f};
 

@@ -56,7 +56,7 @@ class Traversal {
     const glm::vec2 diameter_px = 2.0f * node.radius_m / depth * view_.focal_px;
     if (diameter_px.x < 1.0f && diameter_px.y < 1.0f) return true;
     const glm::vec2 blur_px = settings_.defocus.radius_px_per_D *
-                              leastDefocus_D(settings_.defocus, 1.0f / distance(center));
+                              minDefocus_D(settings_.defocus, 1.0f / distance(center));
     return diameter_px.x < blur_px.x && diameter_px.y < blur_px.y;
   }
 
@@ -67,8 +67,8 @@ class Traversal {
     if (!(nearest > view_.near_m)) return Reach::border;
     const float least = std::max(distance(center) - r, nearest), most = distance(center) + r;
     const glm::vec2 blur_px =
-        settings_.defocus.radius_px_per_D * std::max(mostDefocus_D(settings_.defocus, 1.0f / least),
-                                                     mostDefocus_D(settings_.defocus, 1.0f / most));
+        settings_.defocus.radius_px_per_D * std::max(maxDefocus_D(settings_.defocus, 1.0f / least),
+                                                     maxDefocus_D(settings_.defocus, 1.0f / most));
     bool inside = true;
     for (int axis = 0; axis < 2; ++axis) {
       const float at = axis == 0 ? center.x : -center.y;

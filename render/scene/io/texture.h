@@ -1,4 +1,4 @@
-// An image on a surface, averaged to any coarseness. Private to the meshes.
+// A texture with its averaged levels (mipmaps). Private to the mesh reader.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -14,8 +14,9 @@ class Texture {
 
   glm::vec2 size_px() const;
 
-  /// Linear RGB and alpha at `uv`, repeated outside 0 to 1, the origin at the image's lower left.
-  /// @param footprint_px  side of what is averaged, in pixels of the image
+  /// Linear RGB and alpha at `uv`. The texture repeats outside 0 to 1; the origin is its lower
+  /// left.
+  /// @param footprint_px  side of the square to average over, in pixels of the image
   glm::vec4 at(const glm::vec2& uv, float footprint_px) const;
 
  private:
