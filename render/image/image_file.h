@@ -8,8 +8,9 @@
 
 namespace foci {
 
-/// Writes the format of the extension: `.png` (8 bits, for a display of this gamma; absent: sRGB),
-/// `.pfm` or `.exr` (linear float RGB). The file is written aside and renamed.
+/// Writes the format of the extension, `.png` (8 bits), `.pfm` or `.exr` (linear float RGB). The
+/// file is written aside and renamed.
+/// @param gamma  gamma of the display that a `.png` is for; absent: sRGB
 /// @throws InputError for another extension, std::runtime_error if the file cannot be written
 void writeImage(const std::filesystem::path& file, const Frame& frame,
                 std::optional<double> gamma = std::nullopt);

@@ -17,8 +17,8 @@ namespace foci {
 /// variance, on the image and as the mean of both axes, is at most
 ///   per_blur2 C^2 + per_pixel2 + per_acuity2 (h^2 - 1).
 /// C is the node's blur radius in pixels. h is the prefilter's standard deviation, 1 px at full
-/// acuity. Variance along the node's mean normal counts several times (`MomentTree::kThick`), so
-/// that a node of two surfaces is divided into nodes of one: the lens sees the two surfaces apart.
+/// acuity. Variance along the node's mean normal counts `kThick` times (moment_tree.h). A node
+/// of two surfaces is then divided, because the lens sees the two surfaces apart.
 struct CutSettings {
   float per_blur2;
   float per_pixel2;

@@ -1,5 +1,4 @@
-// Circle of confusion of the thin lens: the paper's Eq. 1 to 4 (docs/formulas.md,
-// section 1).
+// The circle of confusion of a thin lens, Eq. 1 to 4 of the paper (docs/formulas.md, section 1).
 #pragma once
 
 #include <cmath>
@@ -13,10 +12,12 @@ enum class DistanceAlong {
   axis,   ///< depth along the optical axis (a camera)
 };
 
-/// The lens, as a renderer needs it. The blur radius of a point at the distance U is
-///   C_px = radius_px_per_D |1/U - focus_D|        (Eq. 1 to 4 in dioptres; the retina distance
-///   cancels),
-/// which is finite for U = F, U -> inf and focus at infinity (focus_D = 0).
+/// The lens, as a renderer needs it. A point at the distance U has the blur radius
+///
+///   C_px = radius_px_per_D |1/U - focus_D|.       (Eq. 1 to 4 in dioptres; the retina distance
+///   cancels)
+///
+/// The radius is finite for U = F, for U -> inf and for a focus at infinity (focus_D = 0).
 ///
 /// An astigmatic lens has a focus in each meridian. In image axes (x right, y down) the foci form
 /// the matrix

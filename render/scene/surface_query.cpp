@@ -90,8 +90,8 @@ struct Cone {
   }
 
   /// The share of the cone's cross-section that the surfel covers: its kernel, convolved with the
-  /// cone's disc, at the cone's middle. The convolution is the (1 - q)^n of docs/formulas.md,
-  /// section 3.
+  /// cone's disc, at the cone's middle. The convolution is (1 - q)^n, see
+  /// docs/formulas.md, section 3.
   std::optional<Share> shareOf(const SurfelCloud& cloud, std::size_t i) const {
     const glm::vec3 d(glm::dvec3(cloud.position_m[i]) - origin_m);
     const glm::vec3 &u = cloud.axis_u_m[i], &v = cloud.axis_v_m[i];

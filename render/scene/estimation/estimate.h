@@ -34,6 +34,7 @@ inline constexpr float kSigmaPerRadius = kSigmaPerSpacing * 1.41421356f;
 
 /// Estimates one surfel from each point sampled on a surface. Surfels come in Morton order, so that
 /// neighbours in space are near in memory.
+///
 ///   normal:  the given one; else the smallest principal axis of the nearest neighbours (PCA, Hoppe
 ///            et al. 1992)
 ///   spacing: sqrt(pi r_k^2 / k), with the distance r_k of the k-th neighbour; at most a few times
@@ -41,6 +42,7 @@ inline constexpr float kSigmaPerRadius = kSigmaPerSpacing * 1.41421356f;
 ///            median, so that stray points stay small
 ///   sigma:   kSigmaPerRadius radius if given, else kSigmaPerSpacing spacing
 ///   area:    spacing^2, then solved so that the kernels sum to one (weights.h)
+///
 /// Points that coincide share their area. Any input, even one point, gives finite axes and areas >
 /// 0. The result does not depend on the number of threads.
 SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& settings = {});

@@ -43,7 +43,7 @@ std::string extensionOf(const std::filesystem::path& path) {
 }
 
 struct MeshMaterial {
-  std::shared_ptr<const Texture> texture;
+  std::shared_ptr<const MeshTexture> texture;
   glm::vec3 factor{1.0f};  ///< times the texture; the colour itself if there is no texture
   float opacity = 1.0f;
   bool cut_out = true;  ///< whether the texture's alpha cuts holes
@@ -192,8 +192,8 @@ class Loader {
     return material;
   }
 
-  std::shared_ptr<const Texture> textureOf(const std::string& name) {
-    std::shared_ptr<const Texture>& texture = textures_[name];
+  std::shared_ptr<const MeshTexture> textureOf(const std::string& name) {
+    std::shared_ptr<const MeshTexture>& texture = textures_[name];
     if (texture) return texture;
     cv::Mat image;
     try {
@@ -208,7 +208,7 @@ class Loader {
       throw InputError(path_.string(), "texture " + name.substr(0, 200) +
                                            " cannot be read, or has more than 2^26 pixels");
     }
-    texture = std::make_shared<const Texture>(image);
+    texture = std::make_shared<const MeshTexture>(image);
     return texture;
   }
 
@@ -228,7 +228,7 @@ class Loader {
   bool gltf_ = false;
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;
-  std::map<std::string, std::shared_ptr<const Texture>> textures_;
+  std::map<std::string, std::shared_ptr<const MeshTexture>> textures_;
 };
 
 /// Colour and alpha of a point, averaged over a square of side `spacing_m`.

@@ -21,12 +21,16 @@ bool isMeshFile(const std::filesystem::path& path);
 /// transforms applied. Normals are the triangles', on the side of the file's own normals if it has
 /// some. Opacity is the material's.
 ///
-/// The linear colour of a point is the first that the file has:
-///   - the texture's (base colour or diffuse), averaged over the point's surroundings and, in glTF,
-///     times the base colour's factor. Where the texture's alpha is below a half there is no
-///     surface, unless glTF calls the material opaque;
-///   - the vertices' (sRGB, but linear in glTF);
-///   - the material's, under a light from above and in front that shows the shape.
+/// The linear colour of a point comes from the first of these that the file has.
+///
+/// The texture (base colour or diffuse), averaged over the point's surroundings. In glTF it is
+/// multiplied by the base colour's factor. Where its alpha is below a half there is no surface,
+/// unless glTF calls the material opaque.
+///
+/// The vertices: sRGB, but linear in glTF.
+///
+/// The material, under a light from above and in front that shows the shape.
+///
 /// @throws InputError if Assimp cannot read the file, if no triangle has an area, or if a texture
 ///         cannot be read or has more than 2^26 pixels
 PointCloud sampleMesh(const std::filesystem::path& path, const MeshSampling& sampling = {});

@@ -1,16 +1,22 @@
 // A texture with its averaged levels (mipmaps). Private to the mesh reader.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
-#include <opencv2/core/mat.hpp>
 #include <vector>
+
+namespace cv {
+class Mat;
+}
 
 namespace foci {
 
-class Texture {
+class MeshTexture {
  public:
   /// @param image  8 or 16 bits, 1, 3 or 4 channels in OpenCV's order (BGRA), sRGB; not empty
-  explicit Texture(const cv::Mat& image);
+  explicit MeshTexture(const cv::Mat& image);
 
   glm::vec2 size_px() const;
 
@@ -20,7 +26,11 @@ class Texture {
   glm::vec4 at(const glm::vec2& uv, float footprint_px) const;
 
  private:
-  std::vector<cv::Mat> levels_;  // 16-bit linear RGBA, each half as large as the one before
+  struct Level {
+    int columns, rows;
+    std::vector<std::array<std::uint16_t, 4>> pixels;  // linear RGBA, row by row
+  };
+  std::vector<Level> levels_;  // each half as large as the one before
 };
 
 }  // namespace foci

@@ -168,7 +168,7 @@ TEST(Cut, TakesSurfelsAsTheyLieWhereNoNodeIsCoarseEnough) {
   EXPECT_TRUE(cutOf(100.0f).ranges.empty());
 }
 
-TEST(Cut, LeavesOutWhatCannotTouchTheImage) {
+TEST(Cut, LeavesOutNodesThatCannotTouchTheImage) {
   const MomentTree tree(ball(5000, 0.1f, {0, 0, 2}));  // behind the eye
   Cut cut;
   selectCut(tree, squareViewOf(64, 100.0f), {}, {.per_blur2 = 0.01f, .per_pixel2 = 0.1f}, cut);
@@ -350,7 +350,7 @@ TEST(SweepLod, SameBytesAtAnyNumberOfThreads) {
   }
 }
 
-TEST(SweepLod, ExtremeScenesAreDrawn) {
+TEST(SweepLod, ExtremeScenesAreRendered) {
   const View view = squareViewOf(64, 100.0f);
   const auto finite = [&](const SurfelCloud& cloud, float radius_px_per_D) {
     const Frame frame = renderedBy("sweep-lod", cloud, view, blurredBy(radius_px_per_D, 0.5f));
@@ -377,7 +377,7 @@ TEST(SweepLod, ExtremeScenesAreDrawn) {
   }
 }
 
-TEST(LensParts, HaveTheDiscsMeanAndVariance) {
+TEST(SubApertures, HaveTheDiscsMeanAndVariance) {
   for (const int n : {3, 4, 7, 16, 19, 100}) {
     glm::vec2 mean(0.0f);
     float xx = 0.0f, xy = 0.0f, yy = 0.0f;

@@ -192,7 +192,7 @@ TEST(Sweep, NearSheetHidesTheFarOne) {
   EXPECT_LT(frame.at(32, 32).g, 0.02f);
 }
 
-TEST(Sweep, DrawsNothingBehindAClosedSheet) {
+TEST(Sweep, RendersNothingBehindAnOpaqueSheet) {
   SurfelCloud cloud;
   addSheet(cloud, -1.0f, 0.4f, 160, {1.0f, 0.0f, 0.0f});
   const View view = squareView(64, 600.0f);
@@ -221,7 +221,7 @@ TEST(Sweep, TransparentSheetsCompositeFrontToBack) {
   }
 }
 
-TEST(Sweep, BackgroundShowsThroughWhatIsNotCovered) {
+TEST(Sweep, BackgroundShowsWhereNothingCoversIt) {
   SurfelCloud cloud;
   addSheet(cloud, -1.0f, 0.4f, 160, glm::vec3(1.0f), 0.3f);
   RenderSettings settings = sharp();
@@ -288,7 +288,7 @@ TEST(Sweep, EmptySceneIsBackground) {
   EXPECT_EQ(frame.depth_m[5], 0.0f);
 }
 
-TEST(Sweep, DropsWhatCannotBeDrawn) {
+TEST(Sweep, DropsSurfelsThatCannotBeRendered) {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               inf = std::numeric_limits<float>::infinity();
   SurfelCloud cloud;
