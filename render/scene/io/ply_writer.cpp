@@ -14,7 +14,7 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kBlock = 1 << 20;  // bytes written together
+constexpr std::size_t kWriteBlock = 1 << 20;  // bytes written together
 
 }  // namespace
 
@@ -48,7 +48,7 @@ void writePly(const std::filesystem::path& path, const PointCloud& points) {
     }
     if (!points.radius_m.empty()) put(points.radius_m[i]);
     if (!points.opacity.empty()) put(points.opacity[i]);
-    if (out.size() >= kBlock) {
+    if (out.size() >= kWriteBlock) {
       good = std::fwrite(out.data(), 1, out.size(), file.get()) == out.size();
       out.clear();
     }

@@ -1,4 +1,4 @@
-// Small scenes and what is measured on their frames, for the tests of the paper's methods.
+// Small scenes and measurements on their frames, for the tests of the paper's methods.
 #pragma once
 
 #include <cmath>
@@ -73,7 +73,7 @@ struct FrameMoments {
   double mass = 0.0, variance_x = 0.0, variance_y = 0.0;
 };
 
-/// Of the red channel, over pixel centres.
+/// Moments of the red channel, over pixel centres.
 inline FrameMoments frameMoments(const Frame& frame) {
   const auto sum = [&](auto&& value) {
     double total = 0.0;
