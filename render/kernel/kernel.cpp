@@ -7,7 +7,7 @@
 namespace foci {
 namespace {
 
-constexpr int kSteps = 256;
+constexpr int kTableSteps = 256;
 
 /// The mixture (1 - alpha) t^i + alpha t^(i+1), each power of unit mass on one support, with
 /// E[r^4] / E[r^2]^2 = 2 (n + 2) / (n + 3), the kurtosis of (1 - q)^n.
@@ -34,9 +34,10 @@ KernelShape solveShape(double n) {
           static_cast<float>(2.0 / mean_r2)};
 }
 
-std::array<KernelShape, kSteps + 1> tabulate() {
-  std::array<KernelShape, kSteps + 1> table{};
-  for (int s = 0; s <= kSteps; ++s) table[s] = solveShape(double{kMaxExponent} * s / kSteps);
+std::array<KernelShape, kTableSteps + 1> tabulate() {
+  std::array<KernelShape, kTableSteps + 1> table{};
+  for (int s = 0; s <= kTableSteps; ++s)
+    table[s] = solveShape(double{kMaxExponent} * s / kTableSteps);
   return table;
 }
 
@@ -45,7 +46,7 @@ std::array<KernelShape, kSteps + 1> tabulate() {
 const KernelShape& kernelShape(float n) {
   static const auto table = tabulate();
   // Written so that NaN falls to the bell.
-  const float s = n < kMaxExponent ? std::max(n, 0.0f) * (kSteps / kMaxExponent) : kSteps;
+  const float s = n < kMaxExponent ? std::max(n, 0.0f) * (kTableSteps / kMaxExponent) : kTableSteps;
   return table[static_cast<int>(s + 0.5f)];
 }
 

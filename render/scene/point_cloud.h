@@ -7,6 +7,10 @@
 
 namespace foci {
 
+/// Limit of coordinates and lengths from files, metres. Their squares, and sums of these, stay
+/// finite.
+inline constexpr float kFarthest_m = 1e9f;
+
 /// Measured points as a structure of arrays. `position_m` and `color` have one entry for each
 /// point. Each other array has one for each point, or is empty if the file does not give it.
 struct PointCloud {

@@ -21,6 +21,7 @@
 
 #include "base/input_error.h"
 #include "base/parallel.h"
+#include "render/scene/point_cloud.h"
 
 namespace foci {
 namespace {
@@ -30,7 +31,6 @@ static_assert(std::endian::native == std::endian::little && sizeof(glm::vec3) ==
 constexpr std::array<unsigned char, 8> kMagic = {'F', 'O', 'C', 'I', '\r', '\n', 0x1a, '\n'};
 constexpr std::uint32_t kVersion = 1;
 constexpr std::uint32_t kOriented = 1, kWithOpacity = 2;
-constexpr float kFarthest_m = 1e9f;  // the same limit in all readers
 constexpr std::size_t kBlock = 1 << 20;
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
 constexpr bool kChecksums = false;  // a fuzzer would never pass them

@@ -30,7 +30,6 @@
 namespace foci {
 namespace {
 
-constexpr float kFarthest_m = 1e9f;  // the same limit in all readers
 constexpr int kMaxTexturePixels = 1 << 26;
 constexpr float kMinAlpha = 0.5f;
 const glm::vec3 kTowardsLight = glm::normalize(glm::vec3(0.3f, 0.8f, 0.5f));

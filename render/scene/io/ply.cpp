@@ -23,7 +23,6 @@ using ply::Input;
 using ply::Property;
 using ply::Scalar;
 
-constexpr float kFarthest_m = 1e9f;  // the same limit in all readers: sums of squares stay finite
 constexpr float kUncoloured = 0.2140f;  // sRGB 0.5
 constexpr float kRangeSlack = 1e-3f;    // tolerance of floats meant to be 0 or 1
 

@@ -18,10 +18,10 @@ namespace foci {
 ///   radius                                         metres
 ///   opacity | alpha                                integers of the full range, floats 0 to 1
 ///
-/// @throws InputError with file and line (header, ASCII) or byte (binary) if the file is no PLY,
+/// The length is checked before memory is allocated.
+/// @throws InputError with file and line (header, ASCII) or byte (binary), if the file is no PLY,
 /// has
-///         no points, or is shorter than its header says; the length is checked before memory is
-///         allocated
+///         no points, or is shorter than its header says
 PointCloud readPly(const std::filesystem::path& path);
 
 /// Writes binary little endian: float positions, the cloud's other arrays, and colours as 8-bit
