@@ -34,7 +34,7 @@ KernelShape solveShape(double n) {
           static_cast<float>(2.0 / mean_r2)};
 }
 
-std::array<KernelShape, kTableSteps + 1> tabulate() {
+std::array<KernelShape, kTableSteps + 1> tabulateShapes() {
   std::array<KernelShape, kTableSteps + 1> table{};
   for (int s = 0; s <= kTableSteps; ++s)
     table[s] = solveShape(double{kMaxExponent} * s / kTableSteps);
@@ -44,7 +44,7 @@ std::array<KernelShape, kTableSteps + 1> tabulate() {
 }  // namespace
 
 const KernelShape& kernelShape(float n) {
-  static const auto table = tabulate();
+  static const auto table = tabulateShapes();
   // Written so that NaN falls to the bell.
   const float s = n < kMaxExponent ? std::max(n, 0.0f) * (kTableSteps / kMaxExponent) : kTableSteps;
   return table[static_cast<int>(s + 0.5f)];
