@@ -6,15 +6,16 @@
 
 namespace foci {
 
-/// Row-major, top row first. `rgba` holds linear RGB, already multiplied by coverage and already
-/// over the background, and the coverage (0 to 1) itself.
+/// Row-major, top row first. `rgba` holds linear RGB, composited over the background, and the
+/// coverage, 0 to 1.
 struct Frame {
   glm::ivec2 size_px{0, 0};
   std::vector<glm::vec4> rgba;
-  std::vector<float> depth_m;  ///< distance of what is seen, coverage-weighted; 0 where nothing is;
-                               ///< empty unless asked for
+  /// Distance of the visible surfaces, coverage-weighted; 0 where there is none. Empty unless asked
+  /// for.
+  std::vector<float> depth_m;
 
-  /// @param depth  with room for it; otherwise it has none
+  /// @param depth  whether the frame has depth
   void resize(const glm::ivec2& to_px, bool depth = false) {
     const std::size_t pixels = static_cast<std::size_t>(to_px.x) * to_px.y;
     size_px = to_px;

@@ -15,8 +15,8 @@ namespace foci {
 namespace {
 
 constexpr int kStraddle_px = 3;
-constexpr float kStep = 0.05f;       // of the vergence
-constexpr double kSsimPeak = 255.0;  // for which OpenCV's constants are
+constexpr float kStep = 0.05f;       // of the vergence; chosen by hand, as is the straddle
+constexpr double kSsimPeak = 255.0;  // the peak that OpenCV's constants assume
 
 double squaredDifference(const glm::vec4& a, const glm::vec4& b) {
   const glm::dvec3 difference = glm::dvec3(a) - glm::dvec3(b);
@@ -93,8 +93,8 @@ std::vector<std::uint8_t> silhouetteBand(const Frame& pinhole, const Defocus& de
         const std::array<float, 3> d = {vergence_D.at<float>(low.y, low.x),
                                         vergence_D.at<float>(y, x),
                                         vergence_D.at<float>(high.y, high.x)};
-        const float most_D = std::max({d[0], d[1], d[2]});
-        if (!(std::abs(d[0] - 2.0f * d[1] + d[2]) > kStep * most_D)) continue;
+        const float max_D = std::max({d[0], d[1], d[2]});
+        if (!(std::abs(d[0] - 2.0f * d[1] + d[2]) > kStep * max_D)) continue;
         for (const float one_D : d) {
           if (one_D > 0.0f) reach_px = glm::max(reach_px, blurRadius_px(defocus, one_D));
         }

@@ -1,4 +1,5 @@
-// How far two frames are apart, in linear light. Both of the same size (asserted), peak 1.
+// Differences of two frames in linear light. The frames have the same size (asserted), the peak
+// is 1.
 #pragma once
 
 #include <cstdint>
@@ -15,29 +16,27 @@ namespace foci {
 double psnr_dB(const Frame& a, const Frame& b);
 
 /// Structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004), mean over pixels and channels,
-/// -1 to 1: windows weighted by a Gaussian of 1.5 px, K1 = 0.01, K2 = 0.03. OpenCV's.
+/// -1 to 1. OpenCV's, with windows weighted by a Gaussian of 1.5 px, K1 = 0.01, K2 = 0.03.
 double ssim(const Frame& a, const Frame& b);
 
 /// Mean absolute difference of the coverage (alpha), 0 to 1.
 double coverageError(const Frame& a, const Frame& b);
 
-/// Where an image with depth of field is hard: the pixels within the blur's reach of a depth
-/// discontinuity.
-///   Discontinuity, at a pixel x along a row or a column: with d the vergence 1/U of what a pinhole
-///   view shows there (0 where it covers less than half of the pixel; the median of 3 x 3 pixels,
-///   against gaps between samples) and s = 3 px, which straddle an edge that the prefilter has
-///   smoothed,
-///     |d(x - s) - 2 d(x) + d(x + s)| > 0.05 max d(x - s, x, x + s).
-///   Exactly 0 on a plane at any slope, whose 1/depth is affine on the image.
-///   Reach: the largest circle of confusion of what the three pixels show, and s.
-/// @param pinhole  a frame rendered without blur, with `depth_m` (asserted), which is measured
-/// along
-///                 what `defocus` says
+/// The pixels within the blur's reach of a depth discontinuity, where depth of field is hard.
+///
+/// Let d be the vergence 1/U at a pixel of a pinhole frame: 0 where surfaces cover less than half
+/// of the pixel, and the median of 3 x 3 pixels, to close gaps between samples. A pixel x along a
+/// row or column is a discontinuity if
+///   |d(x - s) - 2 d(x) + d(x + s)| > 0.05 max d(x - s, x, x + s).
+/// The step s = 3 px straddles an edge that the prefilter has smoothed. On a plane of any slope the
+/// left side is exactly 0, because 1/depth is affine on the image. The reach is the largest blur
+/// radius of the three pixels, plus s.
+/// @param pinhole  a frame without blur, with `depth_m` (asserted), measured along `defocus.along`
 /// @return row-major, 1 in the band, else 0
 std::vector<std::uint8_t> silhouetteBand(const Frame& pinhole, const Defocus& defocus);
 
-/// `psnr_dB` of the pixels of a band; nothing where the band has no pixel.
-/// @param band  as many as pixels (asserted)
+/// `psnr_dB` of the pixels of a band; absent if the band has no pixel.
+/// @param band  one entry for each pixel (asserted)
 std::optional<double> silhouettePsnr_dB(const Frame& a, const Frame& b,
                                         const std::vector<std::uint8_t>& band);
 

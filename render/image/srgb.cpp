@@ -9,8 +9,8 @@
 namespace foci {
 namespace {
 
-/// A table by linear value is exact enough only if fine: a code value is at least 1 / 3295 wide at
-/// the dark end.
+/// Entries of the table from linear light to code values. At the dark end a code is only 1 / 3295
+/// wide, so a coarser table would miss codes.
 constexpr int kSteps = 1 << 16;
 
 std::array<std::uint8_t, kSteps + 1> tabulate() {
@@ -22,7 +22,7 @@ std::array<std::uint8_t, kSteps + 1> tabulate() {
   return table;
 }
 
-/// By the root of the linear value: a power is steep at the dark end.
+/// The table's index is the root of the linear value, because a power is steep at the dark end.
 std::vector<std::uint8_t> tabulatePower(double gamma) {
   std::vector<std::uint8_t> table(kSteps + 1);
   for (int i = 0; i <= kSteps; ++i) {
@@ -62,7 +62,7 @@ std::vector<std::uint8_t> codesOf(const Frame& frame, std::optional<double> gamm
         for (int c = 0; c < 3; ++c) to[c] = powerCode(frame.rgba[i][c]);
         continue;
       }
-      // All four at once.
+      // All four channels, so that the compiler can use SIMD.
       const glm::vec4& linear = frame.rgba[i];
       int at[4];
       for (int c = 0; c < 4; ++c) {
@@ -77,7 +77,7 @@ std::vector<std::uint8_t> codesOf(const Frame& frame, std::optional<double> gamm
 
 double meanLuminance(const Frame& frame) {
   if (frame.rgba.empty()) return 0.0;
-  // Row by row, and the rows in order: the same sum at any number of threads.
+  // Rows are summed in order, so the sum does not depend on the number of threads.
   const auto width = static_cast<std::size_t>(frame.size_px.x);
   std::vector<double> rows(static_cast<std::size_t>(frame.size_px.y));
   parallelFor(rows.size(), [&](std::size_t y) {

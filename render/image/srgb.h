@@ -9,16 +9,16 @@
 
 namespace foci {
 
-/// One channel, both in [0, 1]; outside it the ends are taken. NaN gives 0.
+/// One channel. Arguments are clamped to [0, 1]; NaN gives 0.
 float srgbFromLinear(float linear);
 float linearFromSrgb(float srgb);
 
-/// RGB bytes, row-major, 3 a pixel, each the nearest code value. Threads by TBB.
+/// RGB bytes, row-major, three for each pixel, each the nearest code value. Threads by TBB.
 /// @param gamma  of a display that emits (code / 255)^gamma, 1 to 4; absent: sRGB
 std::vector<std::uint8_t> codesOf(const Frame& frame, std::optional<double> gamma = std::nullopt);
 
-/// Mean of Y = 0.2126 R + 0.7152 G + 0.0722 B over the frame, each channel held to [0, 1]: the
-/// share of the light of a white frame. 0 for an empty one.
+/// Mean of Y = 0.2126 R + 0.7152 G + 0.0722 B over the frame, channels clamped to [0, 1]; 1 for a
+/// white frame, 0 for an empty one.
 double meanLuminance(const Frame& frame);
 
 }  // namespace foci

@@ -9,7 +9,7 @@
 namespace foci {
 namespace {
 
-constexpr double kEye_deg = 0.5 / 60.0;  // standard deviation of its blur
+constexpr double kEye_deg = 0.5 / 60.0;  // standard deviation of the blur of an eye in focus
 constexpr float kJustNoticeable = 2.3f;
 
 cv::Mat labOf(const Frame& frame, double px_per_deg) {

@@ -1,4 +1,4 @@
-// How far two frames are apart to the eye, in just noticeable differences.
+// The visible difference of two frames, in just-noticeable differences (JND).
 #pragma once
 
 #include <vector>
@@ -7,15 +7,15 @@
 
 namespace foci {
 
-/// Of a screen of 96 dpi, 0.6 m away: what errors are measured at that are of no screen's own.
+/// Resolution of a 96 dpi screen 0.6 m away, for errors that are measured without a screen.
 inline constexpr double kUsualPx_per_deg = 40.0;
 
-/// CIE 1976 L*a*b* difference by pixel, in units of 2.3, the just noticeable one (Mahy, Van
-/// Eycken and Oosterlinck 1994), after the eye's own blur: a Gaussian of 0.5 arcmin standard
-/// deviation, which leaves a tenth of a grating's contrast at 40 cycles a degree. White is the
-/// display's; light beyond it is held to it, as a display does.
-/// @param px_per_deg  of the display as seen, in its middle; positive (asserted)
-/// @return row-major, as many as pixels. Both frames are of one size (asserted).
+/// CIE 1976 L*a*b* difference of each pixel, in JND of 2.3 (Mahy, Van Eycken and Oosterlinck 1994).
+/// Before, both frames are blurred like an eye in focus, by a Gaussian of 0.5 arcmin standard
+/// deviation: a grating of 40 cycles a degree keeps a tenth of its contrast. White is the
+/// display's, and brighter light is clamped to it.
+/// @param px_per_deg  resolution at the middle of the display; positive (asserted)
+/// @return row-major, one for each pixel. Both frames have the same size (asserted).
 std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg);
 
 }  // namespace foci

@@ -7,10 +7,10 @@
 namespace foci {
 namespace {
 
-constexpr int kSteps = 256;
+constexpr int kTableSteps = 256;
 
-/// Mixture (1 - alpha) t^i + alpha t^(i+1), each of unit mass on one support, whose E[r^4] /
-/// E[r^2]^2 is that of (1 - q)^n: 2 (n + 2) / (n + 3).
+/// The mixture (1 - alpha) t^i + alpha t^(i+1), each power of unit mass on one support, with
+/// E[r^4] / E[r^2]^2 = 2 (n + 2) / (n + 3), the kurtosis of (1 - q)^n.
 KernelShape solveShape(double n) {
   const int i = std::min(static_cast<int>(n), 1);
   const double a = 1.0 / (i + 2), b = 1.0 / (i + 3);  // E[r^2] / R^2 of the two powers
@@ -21,7 +21,7 @@ KernelShape solveShape(double n) {
   const double p = kurtosis * (b - a) * (b - a);
   const double h = kurtosis * a * (b - a) - 0.5 * (f - e);
   const double c = kurtosis * a * a - e;
-  // The root in [0, 1]; c = 0 at whole n.
+  // The root in [0, 1]; c = 0 at integer n.
   const double root = std::sqrt(std::max(0.0, h * h - p * c));
   const double alpha = std::clamp(c / (-h + root), 0.0, 1.0);
 
@@ -34,18 +34,19 @@ KernelShape solveShape(double n) {
           static_cast<float>(2.0 / mean_r2)};
 }
 
-std::array<KernelShape, kSteps + 1> tabulate() {
-  std::array<KernelShape, kSteps + 1> table{};
-  for (int s = 0; s <= kSteps; ++s) table[s] = solveShape(double{kMaxExponent} * s / kSteps);
+std::array<KernelShape, kTableSteps + 1> tabulateShapes() {
+  std::array<KernelShape, kTableSteps + 1> table{};
+  for (int s = 0; s <= kTableSteps; ++s)
+    table[s] = solveShape(double{kMaxExponent} * s / kTableSteps);
   return table;
 }
 
 }  // namespace
 
 const KernelShape& kernelShape(float n) {
-  static const auto table = tabulate();
+  static const auto table = tabulateShapes();
   // Written so that NaN falls to the bell.
-  const float s = n < kMaxExponent ? std::max(n, 0.0f) * (kSteps / kMaxExponent) : kSteps;
+  const float s = n < kMaxExponent ? std::max(n, 0.0f) * (kTableSteps / kMaxExponent) : kTableSteps;
   return table[static_cast<int>(s + 0.5f)];
 }
 

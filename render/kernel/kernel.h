@@ -1,13 +1,13 @@
-// The kernel that every splat is rendered with: a polynomial of compact support with the moments of
-// (disc of the circle of confusion) * (Gaussian of the unblurred splat).
+// The kernel of every splat: a polynomial of compact support that has the moments of a disc (the
+// circle of confusion) convolved with a Gaussian (the unblurred splat).
 //
-// The unblurred resampling kernel is a Gaussian of variance V (Zwicker et al. 2001), the blur a
-// uniform disc of radius C with variance (C^2/4) I. Their convolution has, along an axis and with
-// t = s / C^2 (s: unblurred variance), the variance s + C^2/4 and the kurtosis of the radial kernel
-// (1 - q)^n with n = 24 t (1 + 2 t)  (formulas.md, section 3). A real n needs a power a pixel; a
-// mixture of the two whole powers around n, on one support, reaches the same two moments with two
-// multiply-adds and without truncation loss. For n >= 2 the kernel stays at n = 2, a bell of 2.83
-// standard deviations.
+// The unblurred resampling kernel is a Gaussian of variance V (Zwicker et al. 2001). The blur is a
+// uniform disc of radius C, of variance (C^2/4) I. Let t = s / C^2, with s the unblurred variance
+// along an axis. The convolution has the variance s + C^2/4 and the kurtosis of the radial kernel
+// (1 - q)^n with n = 24 t (1 + 2 t)  (docs/formulas.md, section 3). A real n would need a power at
+// each pixel. A mixture of the two integer powers around n, on one support, has the same two
+// moments. It takes two multiply-adds and loses nothing by truncation. For n >= 2 the kernel stays
+// at n = 2, a bell of 2.83 standard deviations.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct KernelShape {
   float support2;
 };
 
-/// The kernel whose kurtosis is that of (1 - q)^n. Tabulated; n < 0 is taken as 0 and n > 2 as 2.
+/// The kernel with the kurtosis of (1 - q)^n. Tabulated; n is clamped to 0 to 2.
 const KernelShape& kernelShape(float n);
 
 /// The exponent for an unblurred per-axis variance over the squared blur radius, t = s / C^2.

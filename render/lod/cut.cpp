@@ -115,9 +115,9 @@ class Selector {
     const glm::vec2 at = view_.principal_px + offset;
     const glm::vec2 spread = radius * inv_nearest * (view_.focal_px + glm::abs(offset));
     const glm::vec2 reach =
-        kWidestReach * (0.5f * spread +
-                        0.6f * (mostDefocus_D(defocus_, inv) + range_D) * defocus_.radius_px_per_D +
-                        settings_.acuity.finest_px(glm::length(at - settings_.acuity.gaze_px)));
+        kWidestReach *
+        (0.5f * spread + 0.6f * (maxDefocus_D(defocus_, inv) + range_D) * defocus_.radius_px_per_D +
+         settings_.acuity.finest_px(glm::length(at - settings_.acuity.gaze_px)));
     const glm::vec2 size(view_.size_px);
     if (at.x + reach.x < 0.0f || at.y + reach.y < 0.0f || at.x - reach.x > size.x ||
         at.y - reach.y > size.y) {
@@ -145,14 +145,14 @@ class Selector {
   /// Smallest and largest allowed variance within a range of dioptres and pixels. finest_px grows
   /// with the distance from the gaze.
   float min_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
-    const float least_D = std::max(leastDefocus_D(defocus_, inv) - range_D, 0.0f);
+    const float min_D = std::max(minDefocus_D(defocus_, inv) - range_D, 0.0f);
     const glm::vec2 from_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
-    return allowed_px2(least_D, settings_.acuity.finest_px(glm::length(from_px)));
+    return allowed_px2(min_D, settings_.acuity.finest_px(glm::length(from_px)));
   }
   float max_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
-    const float most_D = mostDefocus_D(defocus_, inv) + range_D;
+    const float max_D = maxDefocus_D(defocus_, inv) + range_D;
     const glm::vec2 from_px = glm::abs(at - settings_.acuity.gaze_px) + reach;
-    return allowed_px2(most_D, settings_.acuity.finest_px(glm::length(from_px)));
+    return allowed_px2(max_D, settings_.acuity.finest_px(glm::length(from_px)));
   }
   float allowed_px2(float defocus_D, float finest_px) const {
     return settings_.per_blur2 * blur2_ * defocus_D * defocus_D + settings_.per_pixel2 +

@@ -62,7 +62,7 @@ class MomentTree {
 
   /// By node, the variance that merging added, with the variance along the mean normal counted
   /// kThick times. A flat node has none along its normal. A node of two surfaces has a quarter of
-  /// their squared distance, or the variance that their angle makes; such a node must be divided,
+  /// their squared distance, or the variance that their angle makes. Such a node must be divided,
   /// because the lens sees the two surfaces apart. kThick was chosen by hand.
   struct Coarseness {
     float now_m2;  ///< of the node itself

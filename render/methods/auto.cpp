@@ -136,8 +136,8 @@ class AutoMethod final : public Method {
   float maxBlur_px(const View& view, const Defocus& defocus) const {
     const auto distances = distancesInView(scene_.tree(), view, defocus);
     if (!distances) return 0.0f;
-    const float max_D = std::max(mostDefocus_D(defocus, 1.0f / distances->first),
-                                 mostDefocus_D(defocus, 1.0f / distances->second));
+    const float max_D = std::max(maxDefocus_D(defocus, 1.0f / distances->first),
+                                 maxDefocus_D(defocus, 1.0f / distances->second));
     return max_D * std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y);
   }
 

@@ -57,7 +57,7 @@ class Traversal {
     const glm::vec2 diameter_px = 2.0f * node.radius_m / depth * view_.focal_px;
     if (diameter_px.x < 1.0f && diameter_px.y < 1.0f) return true;
     const glm::vec2 blur_px = settings_.defocus.radius_px_per_D *
-                              leastDefocus_D(settings_.defocus, 1.0f / distance(center));
+                              minDefocus_D(settings_.defocus, 1.0f / distance(center));
     return diameter_px.x < blur_px.x && diameter_px.y < blur_px.y;
   }
 
@@ -68,8 +68,8 @@ class Traversal {
     if (!(nearest > view_.near_m)) return Reach::border;
     const float min_m = std::max(distance(center) - r, nearest), max_m = distance(center) + r;
     const glm::vec2 blur_px = settings_.defocus.radius_px_per_D *
-                              std::max(mostDefocus_D(settings_.defocus, 1.0f / min_m),
-                                       mostDefocus_D(settings_.defocus, 1.0f / max_m));
+                              std::max(maxDefocus_D(settings_.defocus, 1.0f / min_m),
+                                       maxDefocus_D(settings_.defocus, 1.0f / max_m));
     bool inside = true;
     for (int axis = 0; axis < 2; ++axis) {
       const float at = axis == 0 ? center.x : -center.y;

@@ -26,7 +26,7 @@ struct SeenAs {
 /// kernels are prefiltered with a variance of one square pixel, and blurred.
 /// @param probes    > 0; fewer come back where too many surfels coincide to be counted
 /// @param added_m2  the variance along an axis that merging added, for each surfel that is an LOD
-///                  node; it makes blurred kernels softer; empty: none
+///                  node; it makes blurred kernels softer (empty: none)
 std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, const SeenAs& seen,
                                   std::span<const float> added_m2 = {});
 

@@ -1,6 +1,6 @@
-// Where the eye (or camera) is and how the world falls on its screen. The conventions of all
-// images: the eye looks along -z with y up, x to the right; the image origin is the top-left
-// corner, x to the right, y down; pixel centres lie at +0.5.
+// The eye's or camera's pose and its projection to the image. All images share these conventions.
+// The eye looks along -z, with x to the right and y up. The image origin is the top-left corner,
+// with x to the right and y down. Pixel centres lie at +0.5.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,9 +10,9 @@ namespace foci {
 struct View {
   glm::mat4 eye_from_world{1.0f};
   glm::ivec2 size_px{0, 0};
-  glm::vec2 focal_px{
-      0.0f};  ///< pixels for a tangent of 1, along x and y (screens may have oblong pixels)
-  glm::vec2 principal_px{0.0f};  ///< where the -z axis meets the image
+  /// Pixels for a tangent of 1, along x and y; screens may have oblong pixels.
+  glm::vec2 focal_px{0.0f};
+  glm::vec2 principal_px{0.0f};  ///< image point of the -z axis
   float near_m = 0.01f;          ///< nothing nearer along the axis is rendered
   bool operator==(const View&) const = default;
 };
@@ -21,9 +21,9 @@ struct View {
 /// The three must not be collinear (asserted).
 glm::mat4 eyeFromWorld(const glm::vec3& position_m, const glm::vec3& target_m, const glm::vec3& up);
 
-/// View through a screen that the eye faces at its centre: focal_px = d_s R, so that frustum and
-/// screen agree (formulas.md, section 1). `size_px` is the image, which may be coarser than the
-/// screen.
+/// View through a screen that the eye faces at its centre. The frustum is the screen's own:
+/// focal_px = d_s R (docs/formulas.md, section 1). `size_px` is the size of the image, which may be
+/// coarser than the screen.
 View viewThroughScreen(const glm::mat4& eye_from_world, const glm::ivec2& size_px,
                        const glm::dvec2& screen_size_m, double distance_m);
 

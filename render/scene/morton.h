@@ -1,5 +1,5 @@
-// Points along a space-filling curve: what is near in space is near in memory. Private to the
-// scene.
+// Orders points along a space-filling curve, so that neighbours in space are near in memory.
+// Private to the scene.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace foci {
 
-/// Indices of the points along a Morton curve (21 bits an axis, over their bounding cube); points
-/// in one cell stay in their order. The same at any number of threads. Fewer than 2^32 points, all
-/// finite.
+/// Indices of the points along a Morton curve with 21 bits for each axis of their bounding cube.
+/// Points in one cell keep their order. The result does not depend on the number of threads. Fewer
+/// than 2^32 points, all finite.
 std::vector<std::uint32_t> mortonOrder(const std::vector<glm::vec3>& position_m);
 
-/// `values[order[i]]` at i. An empty vector stays empty.
+/// Moves `values[order[i]]` to i. An empty vector stays empty.
 template <typename T>
 void reorder(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
   if (values.empty()) return;

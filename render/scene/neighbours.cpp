@@ -29,9 +29,9 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<
     nanoflann::L2_Simple_Adaptor<float, Positions, float, std::uint32_t>, Positions, 3,
     std::uint32_t>;
 
-/// The k nearest but one's own, as nanoflann wants to be told. Unlike its own result set it stops
-/// as soon as k points coincide with the query: a cloud in one spot would otherwise take quadratic
-/// time.
+/// A result set for nanoflann: the k nearest points besides the query itself. Unlike nanoflann's
+/// own it stops as soon as k points coincide with the query. A cloud in one spot would otherwise
+/// take quadratic time.
 class Nearest {
  public:
   Nearest(std::size_t k, std::uint32_t self) : k_(k), self_(self) {}
@@ -67,23 +67,23 @@ class Nearest {
   std::array<std::uint32_t, kMaxNeighbours> index_{};
 };
 
-/// All within a radius, up to a number.
+/// A result set for nanoflann: points within a radius, up to a maximum number.
 class Within {
  public:
-  Within(float radius_m, std::size_t most, std::vector<std::uint32_t>& found)
-      : radius2_(radius_m * radius_m), most_(most), found_(found) {}
+  Within(float radius_m, std::size_t max_points, std::vector<std::uint32_t>& found)
+      : radius2_(radius_m * radius_m), max_points_(max_points), found_(found) {}
 
   std::size_t size() const { return found_.size(); }
   bool full() const { return true; }
   float worstDist() const { return radius2_; }
   bool addPoint(float distance2, std::uint32_t index) {
-    if (distance2 < radius2_ && found_.size() < most_) found_.push_back(index);
-    return found_.size() < most_;
+    if (distance2 < radius2_ && found_.size() < max_points_) found_.push_back(index);
+    return found_.size() < max_points_;
   }
 
  private:
   float radius2_;
-  std::size_t most_;
+  std::size_t max_points_;
   std::vector<std::uint32_t>& found_;
 };
 
@@ -100,7 +100,7 @@ Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t 
   Tree tree(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(12));
   found.index.resize(position_m.size() * found.k);
   found.reach_m.resize(position_m.size());
-  // In the tree's own order neighbouring queries share their memory.
+  // In the tree's order, consecutive queries read the same memory.
   parallelFor(position_m.size(), [&](std::size_t at) {
     const std::uint32_t i = tree.vAcc[at];
     Nearest nearest(found.k, i);
@@ -113,13 +113,13 @@ Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t 
 std::vector<std::vector<std::uint32_t>> findWithin(const std::vector<glm::vec3>& position_m,
                                                    const std::vector<glm::vec3>& centers_m,
                                                    const std::vector<float>& radius_m,
-                                                   std::size_t most) {
+                                                   std::size_t max_points) {
   std::vector<std::vector<std::uint32_t>> found(centers_m.size());
   if (position_m.empty()) return found;
   const Positions positions{position_m};
   const Tree tree(3, positions, nanoflann::KDTreeSingleIndexAdaptorParams(12));
   parallelFor(centers_m.size(), [&](std::size_t i) {
-    Within within(radius_m[i], most, found[i]);
+    Within within(radius_m[i], max_points, found[i]);
     tree.findNeighbors(within, &centers_m[i].x, nanoflann::SearchParams());
   });
   return found;

@@ -10,24 +10,26 @@ namespace foci {
 
 inline constexpr std::size_t kMaxNeighbours = 64;
 
-/// For point i the entries i * k to i * k + k - 1, not sorted; the point itself is not among them.
+/// The neighbours of point i are the entries i * k to i * k + k - 1, not sorted. The point itself
+/// is not among them.
 struct Neighbours {
   std::size_t k = 0;  ///< min(wanted, points - 1)
   std::vector<std::uint32_t> index;
-  std::vector<float> reach_m;  ///< distance of the furthest of the k; empty for k = 0
+  std::vector<float> reach_m;  ///< distance of the k-th neighbour; empty if k = 0
 
   std::span<const std::uint32_t> of(std::size_t i) const { return {index.data() + i * k, k}; }
 };
 
-/// At most kMaxNeighbours wanted (asserted). Exact; the same at any number of threads. Fewer than
-/// 2^32 points, all finite (asserted).
+/// Finds the `wanted` nearest neighbours of each point, at most kMaxNeighbours (asserted). Exact;
+/// the result does not depend on the number of threads. Fewer than 2^32 points (asserted), all
+/// finite.
 Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t wanted);
 
-/// For each center the points within its radius, at most `most` of them, in an order that is the
-/// same at any number of threads. All finite.
+/// Finds the points within each center's radius, at most `max_points` of them. Their order does not
+/// depend on the number of threads. All points finite.
 std::vector<std::vector<std::uint32_t>> findWithin(const std::vector<glm::vec3>& position_m,
                                                    const std::vector<glm::vec3>& centers_m,
                                                    const std::vector<float>& radius_m,
-                                                   std::size_t most);
+                                                   std::size_t max_points);
 
 }  // namespace foci

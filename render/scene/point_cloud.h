@@ -1,4 +1,4 @@
-// Points as they were measured, before surfels are estimated from them.
+// Measured points, before surfels are estimated from them.
 #pragma once
 
 #include <cstddef>
@@ -7,15 +7,20 @@
 
 namespace foci {
 
-/// Points as they were measured, as a structure of arrays. `position_m` and `color` have one entry
-/// a point; each of the others has one a point or, where nobody said, none at all.
+/// Limit of coordinates and lengths from files, metres. Their squares, and sums of these, stay
+/// finite.
+inline constexpr float kFarthest_m = 1e9f;
+
+/// Measured points as a structure of arrays. `position_m` and `color` have one entry for each
+/// point. Each other array has one for each point, or is empty if the file does not give it.
 struct PointCloud {
   std::vector<glm::vec3> position_m;
   std::vector<glm::vec3> normal;  ///< unit length; (0, 0, 0): to be estimated
   std::vector<glm::vec3> color;   ///< linear RGB; mid-grey where the file has none
-  std::vector<float> radius_m;  ///< of a disc that reaches across the gaps, > 0; 0: to be estimated
-  std::vector<float> opacity;   ///< 0 to 1
-  std::size_t dropped = 0;      ///< points left out since their position was not finite
+  /// Radius of a disc that closes the gaps to its neighbours, > 0; 0: to be estimated.
+  std::vector<float> radius_m;
+  std::vector<float> opacity;  ///< 0 to 1
+  std::size_t dropped = 0;     ///< points dropped because their position was not finite
 
   std::size_t size() const { return position_m.size(); }
 };

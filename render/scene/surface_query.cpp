@@ -18,10 +18,10 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kLeafSurfels = 8;
-constexpr float kReach = 3.0f;         // of a surfel's kernel, standard deviations
-constexpr float kDepthReach = 2.0f;    // of its z-range, standard deviations along the ray
-constexpr float kNearest_m = 0.001f;   // what reaches nearer is not seen
-constexpr double kFullCoverage = 0.9;  // kernels of a closed surface sum to one within 0.1
+constexpr float kReach = 3.0f;         // support of a surfel's kernel, standard deviations
+constexpr float kDepthReach = 2.0f;    // half of its depth range, standard deviations along the ray
+constexpr float kNearest_m = 0.001f;   // surfels that begin nearer are ignored
+constexpr double kFullCoverage = 0.9;  // kernels of an opaque surface sum to one within 0.1
 
 struct Sphere {
   glm::vec3 center{0.0f};
@@ -54,13 +54,13 @@ struct Visit {
   }
 };
 
-/// What one surfel puts into the cone.
+/// One surfel's share of the cone.
 struct Share {
   float depth_m, near_m, far_m;
   double coverage;
 };
 
-/// The cone's frame: the ray is its z axis, offsets are tangents of angles.
+/// The cone's frame. The ray is its z axis; offsets are tangents of angles.
 struct Cone {
   glm::dvec3 origin_m;
   glm::vec3 x, y, z;
@@ -77,7 +77,7 @@ struct Cone {
     y = glm::cross(z, x);
   }
 
-  /// Nearest depth that the sphere can reach within the cone; nothing where it misses it.
+  /// Nearest depth at which the sphere may meet the cone; absent if they do not meet.
   std::optional<float> nearestIn(const Sphere& sphere) const {
     if (sphere.radius < 0.0f) return std::nullopt;
     const glm::vec3 d(glm::dvec3(sphere.center) - origin_m);
@@ -89,16 +89,16 @@ struct Cone {
     return depth - sphere.radius;
   }
 
-  /// The share of the cone's cross-section that the surfel's kernel covers: the kernel, convolved
-  /// with the cone's disc, at the cone's middle. Their convolution is the (1 - q)^n of formulas.md
-  /// section 3.
+  /// The share of the cone's cross-section that the surfel covers: its kernel, convolved with the
+  /// cone's disc, at the cone's middle. The convolution is (1 - q)^n, see
+  /// docs/formulas.md, section 3.
   std::optional<Share> shareOf(const SurfelCloud& cloud, std::size_t i) const {
     const glm::vec3 d(glm::dvec3(cloud.position_m[i]) - origin_m);
     const glm::vec3 &u = cloud.axis_u_m[i], &v = cloud.axis_v_m[i];
     const float depth = glm::dot(d, z);
     const float sigma = largestSigma(cloud, i);
     const float uz = glm::dot(u, z), vz = glm::dot(v, z);
-    // At least one sigma: the noise that lets a sampled surface hold together when seen head-on.
+    // At least one sigma, so that the noise of samples does not divide a surface seen head-on.
     const float half_range = std::max(kDepthReach * std::sqrt(uz * uz + vz * vz), sigma);
     if (!(depth - half_range >= kNearest_m)) return std::nullopt;
 
@@ -133,8 +133,8 @@ struct Cone {
 
 }  // namespace
 
-/// A complete binary tree: node k has the children 2k + 1 and 2k + 2, its last level are the
-/// leaves, kLeafSurfels consecutive entries of `order` each.
+/// A complete binary tree. Node k has the children 2k + 1 and 2k + 2. The last level are the
+/// leaves, each with kLeafSurfels consecutive entries of `order`.
 struct SurfaceQuery::Impl {
   explicit Impl(const SurfelCloud& surfels)
       : cloud(surfels), order(mortonOrder(surfels.position_m)) {
@@ -198,7 +198,8 @@ std::optional<double> SurfaceQuery::distance(const glm::dvec3& origin_m,
     }
   };
 
-  // Surfels leave the heap by their near ends, so that a layer is a running union of depth ranges.
+  // Surfels leave the heap in order of their near ends, so a layer is a running union of depth
+  // ranges.
   double covered = 0.0, vergence = 0.0;
   float layer_far_m = std::numeric_limits<float>::lowest();
   pushNode(0);

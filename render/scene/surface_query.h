@@ -1,4 +1,4 @@
-// Distance to the nearest visible surface in a cone: what the eye focuses on.
+// Distance to the nearest visible surface in a cone about the line of sight. The eye focuses there.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -19,17 +19,20 @@ class SurfaceQuery {
 
   /// Distance along the ray, metres, to the first surface that covers at least `coverage` of the
   /// cone. Surfels in the cone are taken front to back and joined to surfaces by their depth
-  /// ranges, as the splatter joins them to layers; opacity counts. The distance is the surface's
+  /// ranges, as the sweep joins splats to layers. Opacity counts. The distance is the surface's
   /// coverage-weighted mean, taken in dioptres.
-  ///   Coverage: the surfel's kernel, convolved with the cone's disc, at the cone's middle, summed
-  ///   over the surface. Since the kernels of a closed surface sum to one within 0.1 only, 0.9
-  ///   counts as full: a `coverage` above 0.9 asks for 0.9. Depth range: two standard deviations
-  ///   along the ray to either side, at least one sigma (the longer axis): ranges that overlap are
-  ///   one surface. What reaches nearer to the origin than 1 mm is not seen: the eye sits there.
+  ///
+  /// Coverage is the sum over the surface of the surfels' kernels, convolved with the cone's disc,
+  /// at the cone's middle. The kernels of an opaque surface sum to one only within 0.1, so 0.9
+  /// counts as full coverage, and a larger `coverage` asks for 0.9.
+  ///
+  /// The depth range of a surfel is two standard deviations along the ray to either side, and at
+  /// least one sigma (its longer axis). Ranges that overlap form one surface. A surfel whose range
+  /// begins nearer than 1 mm is ignored, because the eye sits there.
   /// @param direction       unit length
   /// @param half_angle_rad  > 0, below pi/4
   /// @param coverage        0 < coverage <= 1
-  /// @return nothing where no surface covers that much of the cone (a miss)
+  /// @return absent if no surface covers that much of the cone
   std::optional<double> distance(const glm::dvec3& origin_m, const glm::dvec3& direction,
                                  double half_angle_rad, double coverage) const;
 

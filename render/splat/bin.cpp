@@ -12,8 +12,8 @@
 namespace foci {
 namespace {
 
-/// The least standard deviation of a tile's kernels over the distance of its samples, where that is
-/// more than a pixel.
+/// Smallest standard deviation of a tile's kernels over the distance of its samples, if that
+/// distance exceeds a pixel. Chosen by hand; `SweepLod` tests bound its errors.
 constexpr float kSigmasAStep = 0.7f;
 
 int stepFor(float sigma_px) {
@@ -22,13 +22,14 @@ int stepFor(float sigma_px) {
   return step_px;
 }
 
+/// Bits of the distance that splats are sorted by: two digits.
 constexpr int kKeyBits = 18;
 
-/// Digits of up to 9 bits: what counts them stays in the nearest cache.
+/// Digits of up to 9 bits: the counters then fit into the first-level cache.
 constexpr int kDigitBits = 9;
 constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
 
-/// Fewer are sorted by comparing.
+/// Shorter lists are sorted by comparison.
 constexpr std::size_t kFew = 64;
 
 /// One stable counting pass of `from` into `to` by the digit at `shift`.
@@ -42,8 +43,8 @@ void sortPass(std::span<const std::uint64_t> from, int shift, const To& to) {
   for (const std::uint64_t pair : from) to(offsets[digitOf(pair)]++, pair);
 }
 
-/// Splats of a tile by key, then by splat, as which they come. @param scratch  for whoever asks
-/// next
+/// Sorts a tile's splats by key. Equal keys keep their order, which is by splat.
+/// @param scratch  memory, kept for the next call
 void sortByKey(std::span<std::uint64_t> pairs, std::uint32_t* splats,
                std::vector<std::uint64_t>& scratch) {
   if (pairs.size() < kFew) {
@@ -62,8 +63,8 @@ void sortByKey(std::span<std::uint64_t> pairs, std::uint32_t* splats,
 }  // namespace
 
 std::vector<TileLists::Blur> TileLists::blurOfCells(const SplatChunks& chunks) const {
-  // A pixel is interpolated from samples up to one and a half steps away: a splat that wants finer
-  // ones is in the way up to there.
+  // A pixel is interpolated from samples up to one and a half steps away. A splat that needs finer
+  // samples affects pixels that far.
   constexpr auto reachOf = [](int step_px) { return 3 * step_px / 2; };
   constexpr int kMaxReach_px = reachOf(kMaxStep_px);
   const std::size_t cell_count = static_cast<std::size_t>(cells_.x) * cells_.y;
@@ -89,7 +90,7 @@ std::vector<TileLists::Blur> TileLists::blurOfCells(const SplatChunks& chunks) c
       for (int y = y0; y <= y1; ++y) {
         for (int x = x0; x <= x1; ++x) {
           Blur& cell = cells[static_cast<std::size_t>(y) * cells_.x + x];
-          // A cell that is as fine already need not know more.
+          // Skip the search for a cell that is already as fine.
           cell.add({cell.step_px > own_px ? stepIn(x, y) : own_px, key.blur_px});
         }
       }
@@ -106,12 +107,12 @@ void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
   cells_ = (size_px_ + kTile - 1) / kTile;
   tile_of_cell_.assign(static_cast<std::size_t>(cells_.x) * cells_.y, 0);
   tiles_.clear();
-  // Where nothing is blurred and all tiles are fine, nobody asks.
+  // If nothing is blurred and all tiles are fine, the cells' blur is not used.
   const bool matters = coarse || chunks.lens;
   const std::vector<Blur> cells =
       matters ? blurOfCells(chunks) : std::vector<Blur>(tile_of_cell_.size());
 
-  // From the largest square down: one tile, where that needs no more than its samples.
+  // Divide the largest squares until one tile has few enough samples.
   const auto blurOf = [&](int x0, int y0, int side) {
     Blur sum{.step_px = coarse ? kMaxStep_px : 1};
     for (int y = y0; y < std::min(y0 + side, cells_.y); ++y) {
@@ -161,9 +162,9 @@ void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
   }
 }
 
-/// Counts, sums up and fills by chunks, in order of surfel, then sorts by tile.
-/// `forEachTile(key, begin, visit)` calls begin(n), n the most tiles there may be, then
-/// visit(tile, counts).
+/// Counts the splats of each tile, fills the lists by chunks in order of surfel, then sorts each
+/// list. `forEachTile(key, begin, visit)` calls begin(n) with an upper bound n of the splat's
+/// tiles, then visit(tile, counts) for each; a tile with `counts` false is not touched.
 template <typename ForEachTile>
 void TileLists::fill(const SplatChunks& chunks, const ForEachTile& forEachTile) {
   const std::size_t tile_count = tiles_.size(), chunk_count = chunks.count.size();
@@ -174,12 +175,12 @@ void TileLists::fill(const SplatChunks& chunks, const ForEachTile& forEachTile) 
     std::size_t* count = cursor_.data() + c * tile_count;
     Touched& touched = touched_[c];
     touched.clear();
-    std::uint32_t least = UINT32_MAX, most = 0;
+    std::uint32_t lowest = UINT32_MAX, highest = 0;
     for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
       const SplatKey& key = chunks.keys[c * chunks.chunk_size + i];
       const auto bits = std::bit_cast<std::uint32_t>(key.distance_m);
-      least = std::min(least, bits);
-      most = std::max(most, bits);
+      lowest = std::min(lowest, bits);
+      highest = std::max(highest, bits);
       forEachTile(
           key, [&](std::size_t max_tiles) { touched.begin(max_tiles); },
           [&](std::uint32_t tile, bool counts) {
@@ -188,15 +189,15 @@ void TileLists::fill(const SplatChunks& chunks, const ForEachTile& forEachTile) 
           });
       touched.end();
     }
-    range[c] = {least, most};
+    range[c] = {lowest, highest};
   });
-  // Keys are the bits of the distance, which order like the distance, less the least and cut short.
-  std::uint32_t least = UINT32_MAX, most = 0;
+  // A key is the distance's bits, which order like the distance, less the smallest, and truncated.
+  std::uint32_t lowest = UINT32_MAX, highest = 0;
   for (const auto& [low, high] : range) {
-    least = std::min(least, low);
-    most = std::max(most, high);
+    lowest = std::min(lowest, low);
+    highest = std::max(highest, high);
   }
-  const int key_bits = most >= least ? static_cast<int>(std::bit_width(most - least)) : 0;
+  const int key_bits = highest >= lowest ? static_cast<int>(std::bit_width(highest - lowest)) : 0;
   const int shift = std::max(0, key_bits - kKeyBits);
 
   begin_.resize(tile_count + 1);
@@ -215,7 +216,7 @@ void TileLists::fill(const SplatChunks& chunks, const ForEachTile& forEachTile) 
     for (std::uint32_t i = 0; i < chunks.count[c]; ++i) {
       const std::size_t splat = c * chunks.chunk_size + i;
       const float distance_m = chunks.keys[splat].distance_m;
-      const std::uint64_t bits = (std::bit_cast<std::uint32_t>(distance_m) - least) >> shift;
+      const std::uint64_t bits = (std::bit_cast<std::uint32_t>(distance_m) - lowest) >> shift;
       const std::uint32_t* const end = tiles + 1 + *tiles;
       for (++tiles; tiles < end; ++tiles) pairs_[cursor[*tiles]++] = bits << 32 | splat;
     }
@@ -234,8 +235,7 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
   const auto tileAt = [&](int x, int y) {
     return tile_of_cell_[static_cast<std::size_t>(y) * cells_.x + x];
   };
-  // A splat of up to two cells by two, far from coarse tiles: four visits without a branch, of
-  // which some do not count.
+  // A splat of at most two by two cells, far from coarse tiles, takes four visits without a branch.
   const auto visitFine = [&](const SplatKey& key, auto&& begin, auto&& visit) {
     const int x0 = key.x0 / kTile, x1 = key.x1 / kTile;
     const int y0 = key.y0 / kTile, y1 = key.y1 / kTile;
@@ -253,7 +253,7 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
     return true;
   };
 
-  // Tiles of several sizes with aprons: each is visited at the first of its cells.
+  // Other splats visit each tile at the first of its cells.
   fill(chunks, [&](const SplatKey& key, auto&& begin, auto&& visit) {
     if (visitFine(key, begin, visit)) return;
     const int x0 = std::max(key.x0 - max_apron_px_, 0) / kTile;

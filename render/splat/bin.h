@@ -1,4 +1,4 @@
-// Which splats touch which tile, front to back.
+// Binning: divides the image into tiles and lists the splats of each, front to back.
 #pragma once
 
 #include <algorithm>
@@ -11,26 +11,29 @@
 
 namespace foci {
 
+/// Samples of an apron: cubic interpolation needs two beyond the tile's edge.
 inline constexpr int kApron = 2;
 
-/// A square of the image and how densely it is sampled: at most kTile samples along a side,
-/// `step_px` apart, and where they are more than a pixel apart an apron of kApron more on each
-/// side, to interpolate from.
+/// A square of the image and its samples: at most kTile along a side, `step_px` apart. Where
+/// samples are more than a pixel apart, an apron of kApron samples on each side lets the tile
+/// interpolate.
 struct Tile {
-  int x_px = 0, y_px = 0;  ///< its corner
+  int x_px = 0, y_px = 0;  ///< top-left corner
   int side_px = kTile;
   int step_px = 1;       ///< a power of two, at most kMaxStep_px
-  float blur_px = 0.0f;  ///< the largest radius of blur in it
+  float blur_px = 0.0f;  ///< largest blur radius in the tile
 
   int apron() const { return step_px > 1 ? kApron : 0; }
   int samplesWithApron() const { return side_px / step_px + 2 * apron(); }
 };
 
-/// Lists of splat indices by tile, each in order of distance (ties and distances equal to about one
-/// part in 10^5: in order of surfel). The order does not depend on the number of threads.
+/// Splat indices of each tile, in order of distance. Distances that agree to about one part in 10^5
+/// are equal, and their splats come in order of surfel. The order does not depend on the number of
+/// threads.
 class TileLists {
  public:
-  /// @param coarse  where nothing is sharper than about n pixels, samples are n pixels apart
+  /// @param coarse  whether tiles without detail finer than about n pixels have samples n pixels
+  /// apart
   void build(const SplatChunks& chunks, const glm::ivec2& size_px, bool coarse = false);
 
   const std::vector<Tile>& tiles() const { return tiles_; }
@@ -42,8 +45,8 @@ class TileLists {
   void chooseTiles(const SplatChunks& chunks, bool coarse);
 
   struct Blur {
-    int step_px = kMaxStep_px;  // as far apart may samples be
-    float radius_px = 0.0f;     // the most
+    int step_px = kMaxStep_px;  // largest distance of samples allowed
+    float radius_px = 0.0f;     // largest
     void add(const Blur& other) {
       step_px = std::min(step_px, other.step_px);
       radius_px = std::max(radius_px, other.radius_px);
@@ -54,13 +57,14 @@ class TileLists {
   template <typename ForEachTile>
   void fill(const SplatChunks& chunks, const ForEachTile& forEachTile);
 
-  /// Tiles that each splat of a chunk touches, in order: their number, then they.
+  /// The tiles that each splat of a chunk touches, in order: first their number, then their
+  /// indices.
   class Touched {
    public:
     void clear() { size_ = 0; }
-    /// Room for a splat with as many tiles.
-    void begin(std::size_t most) {
-      if (data_.size() < size_ + 1 + most) data_.resize(2 * (size_ + 1 + most));
+    /// Begins a splat that touches at most `max_tiles` tiles.
+    void begin(std::size_t max_tiles) {
+      if (data_.size() < size_ + 1 + max_tiles) data_.resize(2 * (size_ + 1 + max_tiles));
       first_ = size_ + 1;
       size_ = first_;
     }
@@ -76,11 +80,11 @@ class TileLists {
     std::size_t size_ = 0, first_ = 0;
   };
 
-  glm::ivec2 size_px_{0}, cells_{0};  // a cell is the least tile
+  glm::ivec2 size_px_{0}, cells_{0};  // a cell is the smallest tile
   std::vector<Tile> tiles_;
   std::vector<std::uint32_t> tile_of_cell_;
-  std::vector<std::uint8_t> fine_;    // by cell: neither it nor a neighbour has coarser samples
-  int max_apron_px_ = 0;              // of all tiles
+  std::vector<std::uint8_t> fine_;    // by cell: its samples and its neighbours' are a pixel apart
+  int max_apron_px_ = 0;              // largest of all tiles
   std::vector<Touched> touched_;      // by chunk
   std::vector<std::uint64_t> pairs_;  // by tile, key << 32 | splat
   std::vector<std::size_t> begin_;

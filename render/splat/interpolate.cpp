@@ -14,7 +14,7 @@ Taps catmullRom(float t) {
           0.5f * t * (1.0f + t * (4.0f - 3.0f * t)), 0.5f * t * t * (t - 1.0f)};
 }
 
-/// Where a pixel lies among the samples: the first of four, and their taps.
+/// A pixel's place among the samples: the first of four samples, and their taps.
 struct Place {
   int first;
   Taps taps;

@@ -298,12 +298,12 @@ struct Layers {
 
   /// The straight edge on the lens behind which a closing layer blocks the light.
   ///
-  /// A layer that covers the share A of the lens up to an edge leaves the light of the half-plane
-  /// { l : n l < at }. n points to the mean lens point of the layer. If the edge were straight, the
-  /// mean would lie at a known distance; the measured distance over that one is the share of the
-  /// layer that is such a half-plane. The rest covers the lens evenly. A splat behind the layer
-  /// then counts by the lens point that sees it (`edgeTransmittance`). Each sample keeps one edge,
-  /// the one of most contrast.
+  /// A layer that covers the share A of the lens up to an edge passes light where n l < at. The
+  /// unit vector n points to the layer's mean lens point. If the edge were straight, the mean would
+  /// lie at a known distance; the measured distance over that one is the share of the layer that is
+  /// such a half-plane. The rest covers the lens evenly. A splat behind the layer then counts by
+  /// the lens point that sees it (`edgeTransmittance`). Each sample keeps one edge, the one of most
+  /// contrast.
   HWY_INLINE void findEdge(Block& block, std::size_t i, M which, const Covering& layer, V alpha) {
     const D d;
     const V one = hn::Set(d, 1.0f), tiny = hn::Set(d, 1e-6f), zero = hn::Zero(d);

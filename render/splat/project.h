@@ -45,7 +45,8 @@ void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& d
 
 /// Projects an LOD cut. `own` is the surfels' share of a node's variance V; merging added the rest.
 /// The node's blur, or a texture finer than the node, already contains the rest, so the node is not
-/// low-passed twice (docs/formulas.md, section 4):
+/// low-passed twice (docs/formulas.md, section 4).
+///
 ///   W = own J V J' + V_h + C^2/4 I.
 void projectCut(const MomentTree& tree, const Cut& cut, const View& view, const Defocus& defocus,
                 const Projection& projection, SplatChunks& chunks);

@@ -95,9 +95,11 @@ struct BlurVariance {
 /// on splats of variance `sharp`, prefilter included.
 ///
 /// Let f1 >= f2 be the blur's shares of W along its principal axes. The kernel with the mean fourth
-/// moment of ellipse and Gaussian (of q, over W) is the kernel of a disc with the share f,
-///   f^2 = (3 f1^2 + 3 f2^2 + 2 f1 f2) / 8,
-/// and f = f1 = f2 for a disc. The formula gives a line a bell that is longer than the line, so
+/// moment of ellipse and Gaussian (of q, over W) is the kernel of a disc with the share f:
+///
+///   f^2 = (3 f1^2 + 3 f2^2 + 2 f1 f2) / 8.
+///
+/// For a disc f = f1 = f2. The formula gives a line a bell that is longer than the line, so
 /// kLongAxis of f^2 is f1^2.
 HWY_INLINE BlurVariance blurEllipse(const ProjectJob& job, V out_of_focus_D, V sharp_xx, V sharp_xy,
                                     V sharp_yy, ProjectedLanes& out) {

@@ -48,9 +48,13 @@ struct SplatKey {
 /// In focus, the whole lens sees every offset alike. An astigmatic lens has one SplatLens along its
 /// nearest meridian (defocus.h) and another across it.
 ///
-/// A slanted splat looks larger from one side of the lens: from the lens point l by the factor
-///   1 + tilt l,  tilt = -R n / (n p),
-/// with its normal n, its place p from the centre of the lens, and the lens's radius R in metres.
+/// A slanted splat looks larger from one side of the lens. From the lens point l the factor is
+/// 1 + tilt l, with
+///
+///   tilt = -R n / (n p).
+///
+/// n is the splat's normal, p its place from the centre of the lens, R the lens's radius, in
+/// metres.
 struct SplatLens {
   float per_px, inv_width;
   float tilt_x, tilt_y;  ///< 0 where the tilt is too small to matter

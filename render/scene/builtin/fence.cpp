@@ -1,4 +1,4 @@
-// Thin things before a wall: where one splat, one pixel or one layer has to be two things at once.
+// Thin wires and slats before a wall. One pixel, splat or layer there shows two surfaces.
 #include <array>
 #include <cmath>
 

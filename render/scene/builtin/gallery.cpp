@@ -1,4 +1,4 @@
-// The gallery: what stands where, and how it is painted. Lamps and shadows are in gallery_light.
+// The gallery: the places and the paint of its exhibits. Lamps and shadows are in gallery_light.
 #include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>

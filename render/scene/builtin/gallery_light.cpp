@@ -22,7 +22,7 @@ const std::array<Lamp, 5> kLamps{{
     {{0.7f, 3.2f, -3.3f}, {0.85f, 0.9f, -4.3f}, {4.2f, 3.7f, 3.0f}, 0.80f, 0.96f, 0.08f},
 }};
 
-/// What is left of a lamp behind a sphere: a ramp over the penumbra.
+/// Share of a lamp's light that passes a sphere: a ramp over the penumbra.
 float lit(const glm::vec3& p, const glm::vec3& to_lamp, float distance_m, float lamp_radius_m,
           const Occluder& occluder) {
   const glm::vec3 d = occluder.center_m - p;
@@ -42,7 +42,7 @@ glm::vec3 GalleryLight::shade(const SurfacePoint& at, const glm::vec3& paint,
   const bool turned = material.two_sided && glm::dot(at.normal, to_eye) < 0.0f;
   const glm::vec3 n = turned ? -at.normal : at.normal;
 
-  float open = 1.0f;  // of the sky: what occluders leave, cos / (distance / radius)^2 each
+  float open = 1.0f;  // share of the sky; each occluder takes cos / (distance / radius)^2
   if (material.shadowed) {
     for (const Occluder& occluder : occluders_) {
       const glm::vec3 d = occluder.center_m - p;
@@ -76,7 +76,8 @@ glm::vec3 GalleryLight::shade(const SurfacePoint& at, const glm::vec3& paint,
     highlight += lamp.power * seen * glossy * std::pow(half, material.hardness);
   }
   const glm::vec3 linear = paint * light + highlight;
-  return glm::vec3(1.0f) - glm::exp(-1.35f * linear);  // film's shoulder: nothing clips
+  return glm::vec3(1.0f) -
+         glm::exp(-1.35f * linear);  // the shoulder of a film curve, so that no light clips
 }
 
 }  // namespace foci

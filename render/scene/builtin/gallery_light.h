@@ -9,7 +9,7 @@
 
 namespace foci {
 
-/// Stands for an exhibit when it casts a shadow.
+/// A sphere that casts an exhibit's shadow.
 struct Occluder {
   glm::vec3 center_m;
   float radius_m;
@@ -19,7 +19,7 @@ struct Material {
   float gloss = 0.0f;      ///< strength of the highlight, 0 to 1
   float hardness = 40.0f;  ///< Blinn-Phong exponent
   bool shadowed = true;
-  bool two_sided = false;  ///< lit from the side that the eye sees
+  bool two_sided = false;  ///< lit on the side that faces the eye
   float coarse = 1.0f;     ///< step between surfels over the gallery's usual one
 };
 
@@ -31,8 +31,9 @@ class GalleryLight {
     occluders_.push_back({center_m, radius_m});
   }
 
-  /// Light that reaches the eye, 0 to 1 a channel. Lamps with soft shadows of spheres, a sky of
-  /// warm ceiling and dark floor, dimmed near occluders (sphere occlusion in closed form).
+  /// Light that reaches the eye, each channel 0 to 1. Lamps cast the spheres' soft shadows. The
+  /// sky, a warm ceiling and a dark floor, is dimmed near occluders (sphere occlusion in closed
+  /// form).
   glm::vec3 shade(const SurfacePoint& at, const glm::vec3& paint, const Material& material) const;
 
  private:

@@ -58,7 +58,7 @@ glm::vec3 rings(glm::vec2 p) {
   return a * b > 0.0f ? srgb(0xf5efe0) : srgb(0x23395b);
 }
 
-/// An image in a gilt frame. `right` and `up` span the whole, frame included; the wall is behind.
+/// A picture in a gilt frame. `right` and `up` span the picture with its frame; the wall is behind.
 void addImage(GalleryStage& stage, const glm::vec3& corner, const glm::vec3& right,
               const glm::vec3& up, glm::vec3 (*image)(glm::vec2)) {
   const float width = glm::length(right), height = glm::length(up), bar = 0.09f;

@@ -1,5 +1,5 @@
-// Parametric surfaces over the unit square that the gallery is made of; normals along cross(du, dv)
-// point outwards. Private to the gallery.
+// Parametric surfaces over the unit square, for the gallery. Normals along cross(du, dv) point
+// outwards. Private to the gallery.
 #pragma once
 
 #include <functional>

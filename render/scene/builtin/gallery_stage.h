@@ -1,5 +1,5 @@
-// What the gallery is put together on: exhibits go in, lit and sampled surfels come out. Private to
-// the gallery.
+// Lights and samples the exhibits of the gallery: shapes go in, surfels come out. Private to the
+// gallery.
 #pragma once
 
 #include <functional>
@@ -18,12 +18,12 @@ class GalleryStage {
  public:
   explicit GalleryStage(const SampledFor& audience) : audience_(audience), light_(audience.eye_m) {}
 
-  /// For what is added from now on.
+  /// Shadows exhibits that are added later.
   void addOccluder(const glm::vec3& center_m, float radius_m) {
     light_.addOccluder(center_m, radius_m);
   }
 
-  /// @param keep  where there is surface at all; default: everywhere
+  /// @param keep  whether there is surface at a point; default: everywhere
   void add(Shape shape, Paint paint, const Material& material, float opacity = 1.0f,
            std::function<bool(const SurfacePoint&)> keep = {});
 
@@ -38,10 +38,10 @@ class GalleryStage {
   SurfelCloud cloud_;
 };
 
-/// Floor, walls and images: what stands behind the exhibits.
+/// Floor, walls and pictures behind the exhibits.
 void addRoom(GalleryStage& stage);
 
-/// Depth of the wall that the eye faces.
+/// z of the wall that the eye faces, metres.
 inline constexpr float kEndWall_m = -6.0f;
 
 }  // namespace foci

@@ -1,4 +1,4 @@
-// Patterns painted on the built-in scenes: hashes, noise and what is made of them. Private to them.
+// Procedural patterns from hashes and noise. Private to the built-in scenes.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ float checker(glm::vec2 p);
 /// 1 within `half_width` of an integer, 0 from twice that on.
 float lines(float x, float half_width);
 
-/// Distances to the nearest and second nearest of scattered points, one a unit square (Worley
+/// Distances to the nearest and second nearest of scattered points, one in each unit square (Worley
 /// 1996), and the nearest one's hash.
 glm::vec3 cells(glm::vec2 p, std::int32_t seed);
 

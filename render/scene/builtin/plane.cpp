@@ -1,5 +1,5 @@
-// The paper's textured plane (Table 1, Figure 6): the texture is our own, coarse and fine detail
-// side by side so that any blur shows.
+// The paper's textured plane (Table 1, Figure 6). The texture is our own. It has coarse and fine
+// detail side by side, so that any blur is visible.
 #include <cassert>
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// Built-in scenes, made of parametric surfaces sampled evenly. The same bytes on every run.
+// Built-in scenes, sampled evenly from parametric surfaces. Every run makes the same bytes.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace foci {
 
-/// Where an eye stands and looks; what `eyeFromWorld` takes.
+/// Place and direction of an eye, the arguments of `eyeFromWorld`.
 struct EyePose {
   glm::vec3 position_m;
   glm::vec3 target_m;
@@ -24,20 +24,20 @@ SurfelCloud makePlane(int samples = 512, float side_m = 2.0f);
 /// A pose that sees the plane tilted away, as in the paper's Figure 6.
 EyePose planeEyePose();
 
-/// A gallery: things from 0.25 to 6 m from the eye, fine texture everywhere, thin structures in
-/// front, a half-transparent mask before a figure (the paper's Figure 1). y up, floor at y = 0,
-/// sampled for an eye near `galleryEyePose()`.
-/// @param step_px  distance of surfels for that eye, of pixels of 0.39 mm 0.6 m away, > 0: half a
-///                 million at 1.8, two million at 0.9
+/// A gallery with exhibits from 0.25 to 6 m from the eye. It has fine texture everywhere, thin
+/// structures in front, and a half-transparent mask before a figure (the paper's Figure 1). y is
+/// up, the floor at y = 0. It is sampled for an eye near `galleryEyePose()`.
+/// @param step_px  distance of surfels for that eye, > 0, in pixels of 0.39 mm 0.6 m away. At 1.8
+///                 there are half a million surfels, at 0.9 two million
 SurfelCloud makeGallery(float step_px = 1.8f);
 
 EyePose galleryEyePose();
 
-/// As many as the paper's lion has.
+/// The number of surfels of the paper's lion.
 inline constexpr std::size_t kStatueSurfels = 81458;
 
-/// A stone lion, about a metre tall, with its plinth on y = 0 and its face towards +z, where the
-/// paper has a scanned one: sampled evenly, normals outwards, weights solved.
+/// A stone lion in place of the paper's scan, about a metre tall, its plinth on y = 0, its face
+/// towards +z. It is sampled evenly, with outward normals and solved weights.
 SurfelCloud makeStatue();
 
 /// A pose that sees the statue from its left front.
@@ -51,7 +51,7 @@ EyePose fenceEyePose();
 
 struct PointOfInterest {
   std::string name;   ///< "lattice", "bust", ...
-  glm::vec3 p_world;  ///< on a surface that the gallery's eye sees
+  glm::vec3 p_world;  ///< on a surface that is visible from `galleryEyePose()`
 };
 
 /// Places in the gallery that draw the gaze, from near to far.

@@ -1,5 +1,5 @@
-// A stone lion on its plinth, in place of the paper's scanned one: as many surfels, organic and
-// full of folds, all of it smooth parts of an implicit solid blended into each other.
+// A stone lion on its plinth, in place of the paper's scan, with as many surfels. It is an implicit
+// solid of smooth shapes that blend into each other, organic and full of folds.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -48,7 +48,7 @@ float curls(const glm::vec3& p) {
   return std::sin(52.0f * p.x + 2.0f * sway) * std::sin(58.0f * p.y + 30.0f * p.z + 1.5f * sway);
 }
 
-/// What keeps to one side is mirrored: `q` has |x|.
+/// The lion is mirrored: `q` is the point with |x|.
 float bodyOf(const glm::vec3& p, const glm::vec3& q) {
   float body = limb(p, {0, 0.36f, -0.10f}, 0.17f, {0, 0.62f, 0.08f}, 0.14f);
   body = blend(body, ellipsoid(p, {0, 0.33f, -0.14f}, {0.17f, 0.19f, 0.20f}), 0.10f);
@@ -116,7 +116,7 @@ float lion(const glm::vec3& p) {
   return blend(solid, plinthOf(p), 0.02f);
 }
 
-/// Fractal noise in space: of the three planes, each as much as the surface faces it. 0 to 1.
+/// Fractal noise in space, 0 to 1: the mean of noise on the three planes, weighted by the normal.
 float stoneNoise(const glm::vec3& p, const glm::vec3& normal, float per_m, int octaves,
                  std::int32_t seed) {
   const glm::vec3 share = normal * normal, at = per_m * p + 100.0f;
@@ -153,8 +153,8 @@ glm::vec3 paint(const glm::vec3& p, const glm::vec3& normal) {
                   (0.4f + 0.6f * worn) * glm::smoothstep(0.006f, 0.0f, mouth));
 }
 
-/// Share of a lamp that reaches a point, its shadow soft: the nearest miss over the way, by
-/// tracing spheres (Quilez).
+/// Share of a lamp's light that reaches a point. The shadow is soft: sphere tracing finds the
+/// nearest miss over the distance (Quilez).
 float lamp(const glm::vec3& p, const glm::vec3& towards) {
   float light = 1.0f, t = 0.012f;
   for (int step = 0; step < 40 && t < 1.2f; ++step) {

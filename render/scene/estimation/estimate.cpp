@@ -18,20 +18,21 @@
 namespace foci {
 namespace {
 
+// Chosen by hand; `SurfelsFromPoints` tests bound normals, areas and sums.
 constexpr std::size_t kNeighbours = 16;
 constexpr std::size_t kSolveNeighbours = 64;  // four spacings: all that a grown kernel meets
 constexpr std::uint8_t kStacked = 4;          // neighbours that coincide with a point
 constexpr float kSameSheetCosine = 0.5f;      // of normals, signs apart
-constexpr float kSameSheetReach = 0.5f;       // off the tangent plane, of the furthest neighbour
-constexpr float kMaxLocalSpacings = 2.0f;     // of the neighbours' median: strays beside a surface
-constexpr float kMaxSpacings = 5.0f;          // of the cloud's median: strays far from everything
+constexpr float kSameSheetReach = 0.5f;       // off the tangent plane, over the k-th distance
+constexpr float kMaxLocalSpacings = 2.0f;     // neighbours' medians: strays beside a surface
+constexpr float kMaxSpacings = 5.0f;          // medians of the cloud: strays far from everything
 constexpr float kMinSigma_m = 1e-9f;          // its fourth power is still a normal float
 constexpr int kQuickIterations = 8, kThoroughIterations = 40, kThoroughRounds = 30;
 constexpr double kMaxOpposed = 0.05;  // share of neighbours, in an oriented cloud
 
-/// Unit eigenvector of the least eigenvalue, by cyclic Jacobi rotations (Golub and Van Loan, 8.5).
-/// Any one of them where several are least; the z axis for the zero matrix.
-glm::dvec3 leastAxis(glm::dmat3 a) {
+/// Unit eigenvector of the smallest eigenvalue, by cyclic Jacobi rotations (Golub and Van
+/// Loan, 8.5); any of them if several are smallest, the z axis for the zero matrix.
+glm::dvec3 smallestAxis(glm::dmat3 a) {
   glm::dmat3 v(1.0);
   for (int sweep = 0; sweep < 12; ++sweep) {
     const double off = std::abs(a[0][1]) + std::abs(a[0][2]) + std::abs(a[1][2]);
@@ -56,11 +57,11 @@ glm::dvec3 leastAxis(glm::dmat3 a) {
       }
     }
   }
-  int least = 2;
+  int smallest = 2;
   for (int i = 0; i < 2; ++i) {
-    if (a[i][i] < a[least][least]) least = i;
+    if (a[i][i] < a[smallest][smallest]) smallest = i;
   }
-  return glm::normalize(v[least]);
+  return glm::normalize(v[smallest]);
 }
 
 void estimateNormals(const std::vector<glm::vec3>& position_m, const Neighbours& near,
@@ -81,13 +82,13 @@ void estimateNormals(const std::vector<glm::vec3>& position_m, const Neighbours&
       const glm::dvec3 d = glm::dvec3(position_m[j]) - p - mean;
       covariance += glm::outerProduct(d, d);
     }
-    const glm::dvec3 axis = leastAxis(covariance);
+    const glm::dvec3 axis = smallestAxis(covariance);
     const glm::dvec3 outwards = viewpoint_m ? glm::dvec3(*viewpoint_m) - p : p - centroid;
     normal[i] = glm::vec3(glm::dot(axis, outwards) < 0.0 ? -axis : axis);
   });
 }
 
-/// Which neighbours lie on the point's own sheet of surface, a bit each.
+/// By point, one bit for each neighbour: whether both lie on the same sheet of surface.
 std::vector<std::uint64_t> sameSheet(const std::vector<glm::vec3>& position_m,
                                      const std::vector<glm::vec3>& normal, const Neighbours& near) {
   static_assert(kMaxNeighbours <= 64);  // bits
@@ -108,7 +109,7 @@ std::vector<std::uint64_t> sameSheet(const std::vector<glm::vec3>& position_m,
   return sheet;
 }
 
-/// Whether neighbours on one sheet have their normals on the same side, but for a few.
+/// Whether almost all neighbours on one sheet have their normals on the same side.
 bool agree(const std::vector<glm::vec3>& normal, const Neighbours& near,
            const std::vector<std::uint64_t>& sheet) {
   std::vector<std::uint8_t> opposed(normal.size(), 0);
@@ -119,12 +120,12 @@ bool agree(const std::vector<glm::vec3>& normal, const Neighbours& near,
       bit <<= 1;
     }
   });
-  std::size_t pairs = 0, of_them = 0;
+  std::size_t pairs = 0, opposed_pairs = 0;
   for (std::size_t i = 0; i < normal.size(); ++i) {
     pairs += static_cast<std::size_t>(std::popcount(sheet[i]));
-    of_them += opposed[i];
+    opposed_pairs += opposed[i];
   }
-  return pairs > 0 && static_cast<double>(of_them) < kMaxOpposed * static_cast<double>(pairs);
+  return pairs > 0 && static_cast<double>(opposed_pairs) < kMaxOpposed * static_cast<double>(pairs);
 }
 
 float medianOf(std::vector<float> values) {
@@ -133,7 +134,7 @@ float medianOf(std::vector<float> values) {
   return *middle;
 }
 
-/// sqrt of the area of one sample, from the k-th neighbour's distance; strays are kept small.
+/// Square root of a sample's area, from the distance of the k-th neighbour; strays are kept small.
 std::vector<float> spacings(const Neighbours& near, const std::vector<std::uint64_t>& sheet,
                             float lone_spacing_m) {
   std::vector<float> raw(sheet.size(), lone_spacing_m);
@@ -194,7 +195,7 @@ KernelEffort effortOf(const EstimateSettings& settings) {
 
 enum class Stacks { possible, resolved };
 
-/// Whether so many points coincide somewhere that neighbours do not tell how far apart samples are.
+/// Whether so many points coincide somewhere that the neighbours' distance is no spacing.
 bool anyStack(const std::vector<glm::vec3>& position_m, const Neighbours& near) {
   std::vector<std::uint8_t> coinciding(position_m.size(), 0);
   parallelFor(position_m.size(), [&](std::size_t i) {
@@ -206,8 +207,8 @@ bool anyStack(const std::vector<glm::vec3>& position_m, const Neighbours& near) 
 
 SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stacks stacks);
 
-/// Points that coincide beyond what neighbours can tell apart: one stands for all while the rest is
-/// estimated, then they share its area.
+/// Estimates surfels of a cloud in which many points coincide. One point of each stack is
+/// estimated, then all points of the stack share its area.
 SurfelCloud surfelsOfStacks(PointCloud&& points, const EstimateSettings& settings) {
   const auto less = [&](std::uint32_t a, std::uint32_t b) {
     const glm::vec3 &p = points.position_m[a], &q = points.position_m[b];

@@ -1,4 +1,4 @@
-// From points to surfels: the normals, sizes and areas that the points do not bring along.
+// Estimates surfels from points: the normals, sizes and areas that a file does not give.
 #pragma once
 
 #include <functional>
@@ -10,37 +10,41 @@
 
 namespace foci {
 
+/// How to solve the surfels' areas so that their kernels are a partition of unity (weights.h).
 enum class KernelSolve {
   none,   ///< areas are spacing^2
-  quick,  ///< areas
-  /// Sizes as well as areas, so that the kernels of an irregular sampling sum to one much more
-  /// closely: about fifteen times the work, surfels a third larger, and 350 bytes a surfel while it
-  /// works.
+  quick,  ///< solves areas
+  /// Solves areas and sizes, for an irregular sampling. Takes about fifteen times as long, and 350
+  /// bytes a surfel while it works; surfels become a third larger.
   thorough,
 };
 
 struct EstimateSettings {
-  /// Estimated normals are turned towards it; by default away from the cloud's centroid. Splats are
-  /// drawn two-sided, so this only matters to shading.
+  /// Estimated normals point towards this place; by default, away from the cloud's centroid. Splats
+  /// are two-sided, so this matters for shading only.
   std::optional<glm::vec3> viewpoint_m = {};
-  float lone_spacing_m = 0.01f;  ///< spacing where there is no neighbour to measure one by
+  float lone_spacing_m = 0.01f;  ///< spacing of a point without neighbours
   KernelSolve solve = KernelSolve::quick;
-  std::function<void(std::size_t done, std::size_t total)> progress = {};  ///< where thorough
+  std::function<void(std::size_t done, std::size_t total)> progress = {};  ///< called if thorough
 };
 
-/// Sigma of a surfel over the radius that a file gives: a disc that just reaches across the gaps of
-/// a square grid has spacing / sqrt(2).
+/// Sigma of a surfel over the radius that a file gives. A disc that just closes the gaps of a
+/// square grid has the radius spacing / sqrt(2).
 inline constexpr float kSigmaPerRadius = kSigmaPerSpacing * 1.41421356f;
 
-/// Surfels of points sampled on surfaces, in Morton order (neighbours in space are near in memory),
-/// not the points' own.
-///   normal: the given one, else the least axis of the nearest neighbours (PCA, Hoppe et al. 1992);
-///   spacing: sqrt(pi r_k^2 / k), r_k the distance of the k-th neighbour; at most a few times the
-///            median, so that strays stay small;
-///   sigma:  kSigmaPerRadius radius where given, else kSigmaPerSpacing spacing;
-///   area:   starts at spacing^2, then is solved so that the kernels sum to one (weights.h).
-/// Deterministic at any number of threads. Points that coincide share their area. Any input, one
-/// point included, gives finite axes and areas > 0.
+/// Estimates one surfel from each point sampled on a surface. Surfels come in Morton order, so that
+/// neighbours in space are near in memory.
+///
+///   normal:  the given one; else the smallest principal axis of the nearest neighbours (PCA, Hoppe
+///            et al. 1992)
+///   spacing: sqrt(pi r_k^2 / k), with the distance r_k of the k-th neighbour; at most a few times
+///   the
+///            median, so that stray points stay small
+///   sigma:   kSigmaPerRadius radius if given, else kSigmaPerSpacing spacing
+///   area:    spacing^2, then solved so that the kernels sum to one (weights.h)
+///
+/// Points that coincide share their area. Any input, even one point, gives finite axes and areas >
+/// 0. The result does not depend on the number of threads.
 SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& settings = {});
 
 }  // namespace foci

@@ -21,6 +21,7 @@
 
 #include "base/input_error.h"
 #include "base/parallel.h"
+#include "render/scene/point_cloud.h"
 
 namespace foci {
 namespace {
@@ -30,10 +31,9 @@ static_assert(std::endian::native == std::endian::little && sizeof(glm::vec3) ==
 constexpr std::array<unsigned char, 8> kMagic = {'F', 'O', 'C', 'I', '\r', '\n', 0x1a, '\n'};
 constexpr std::uint32_t kVersion = 1;
 constexpr std::uint32_t kOriented = 1, kWithOpacity = 2;
-constexpr float kFarthest_m = 1e9f;  // as of the other readers
 constexpr std::size_t kBlock = 1 << 20;
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
-constexpr bool kChecksums = false;  // a fuzzer would never get past them
+constexpr bool kChecksums = false;  // a fuzzer would never pass them
 #else
 constexpr bool kChecksums = true;
 #endif
@@ -51,7 +51,7 @@ struct Header {
 static_assert(sizeof(Header) == 64);
 
 /// FNV-1a over words of eight bytes, the last one padded with zeros. Each step is a bijection of
-/// the state, so that a change within one word never goes unseen.
+/// the state, so a change within one word always changes the result.
 class Checksum {
  public:
   void add(std::uint64_t word) { state_ = (state_ ^ word) * 0x100000001b3; }
@@ -77,7 +77,7 @@ std::uint64_t checksumOf(const Header& header) {
   return sum.value();
 }
 
-/// The checksum of an array: of its blocks' checksums, which are found side by side.
+/// The checksum of an array: that of its blocks' checksums, which are computed in parallel.
 std::uint64_t checksumOf(std::span<const unsigned char> bytes) {
   std::vector<std::uint64_t> blocks((bytes.size() + kBlock - 1) / kBlock);
   parallelFor(blocks.size(), [&](std::size_t i) {
@@ -149,7 +149,7 @@ bool sound(const SurfelCloud& cloud, std::size_t i) {
 bool isSceneFile(const std::filesystem::path& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
                                                              &std::fclose);
-  // Half of the magic is enough: the rest tells what happened to the file.
+  // Half of the magic is enough; the rest shows how a transfer has altered the file.
   std::array<unsigned char, 4> start{};
   return file && std::fread(start.data(), 1, start.size(), file.get()) == start.size() &&
          std::equal(start.begin(), start.end(), kMagic.begin());

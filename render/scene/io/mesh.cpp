@@ -30,7 +30,6 @@
 namespace foci {
 namespace {
 
-constexpr float kFarthest_m = 1e9f;  // as of the other readers
 constexpr int kMaxTexturePixels = 1 << 26;
 constexpr float kMinAlpha = 0.5f;
 const glm::vec3 kTowardsLight = glm::normalize(glm::vec3(0.3f, 0.8f, 0.5f));
@@ -43,23 +42,23 @@ std::string extensionOf(const std::filesystem::path& path) {
 }
 
 struct MeshMaterial {
-  std::shared_ptr<const Texture> texture;
-  glm::vec3 factor{1.0f};  ///< of the texture; the colour where there is none
+  std::shared_ptr<const MeshTexture> texture;
+  glm::vec3 factor{1.0f};  ///< times the texture; the colour itself if there is no texture
   float opacity = 1.0f;
-  bool cut_out = true;  ///< the texture's alpha counts
+  bool cut_out = true;  ///< whether the texture's alpha cuts holes
 };
 
-/// All triangles of a file; of each corner what its mesh has.
+/// All triangles of a file, with the data of their corners.
 struct Triangles {
   std::vector<glm::vec3> corners_m;
   std::vector<glm::vec2> uv;
   std::vector<glm::vec3> color;         ///< linear; negative: none
-  std::vector<std::uint32_t> material;  ///< one a triangle
+  std::vector<std::uint32_t> material;  ///< one for each triangle
 };
 
 glm::vec3 vec3Of(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
-/// 0 to 1, whatever it was.
+/// Clamps to 0 to 1; NaN becomes 0.
 glm::vec3 unitColor(const glm::vec3& c) {
   const auto unit = [](float x) { return x >= 0.0f ? std::min(x, 1.0f) : 0.0f; };
   return {unit(c.x), unit(c.y), unit(c.z)};
@@ -69,8 +68,8 @@ glm::vec3 linearOf(const glm::vec3& srgb) {
   return {linearFromSrgb(srgb.x), linearFromSrgb(srgb.y), linearFromSrgb(srgb.z)};
 }
 
-/// A face without corners marks its mesh as one with polygons, of which Assimp's triangulation
-/// asserts that there are.
+/// Removes faces without corners. Assimp marks their mesh as one with polygons, and its
+/// triangulation then asserts that there are polygons.
 void dropEmptyFaces(aiMesh& mesh) {
   aiFace* const end = mesh.mFaces + mesh.mNumFaces;
   aiFace* const kept =
@@ -80,7 +79,7 @@ void dropEmptyFaces(aiMesh& mesh) {
   const bool polygons =
       std::any_of(mesh.mFaces, kept, [](const aiFace& face) { return face.mNumIndices > 3; });
   if (!polygons) mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
-  if (mesh.mNumFaces == 0) mesh.mPrimitiveTypes = aiPrimitiveType_POINT;  // which are not asked for
+  if (mesh.mNumFaces == 0) mesh.mPrimitiveTypes = aiPrimitiveType_POINT;  // points are not imported
 }
 
 class Loader {
@@ -192,8 +191,8 @@ class Loader {
     return material;
   }
 
-  std::shared_ptr<const Texture> textureOf(const std::string& name) {
-    std::shared_ptr<const Texture>& texture = textures_[name];
+  std::shared_ptr<const MeshTexture> textureOf(const std::string& name) {
+    std::shared_ptr<const MeshTexture>& texture = textures_[name];
     if (texture) return texture;
     cv::Mat image;
     try {
@@ -208,14 +207,14 @@ class Loader {
       throw InputError(path_.string(), "texture " + name.substr(0, 200) +
                                            " cannot be read, or has more than 2^26 pixels");
     }
-    texture = std::make_shared<const Texture>(image);
+    texture = std::make_shared<const MeshTexture>(image);
     return texture;
   }
 
   cv::Mat imageOf(std::string name) const {
     if (const aiTexture* embedded = scene_->GetEmbeddedTexture(name.c_str())) {
       const int width = static_cast<int>(embedded->mWidth);
-      if (embedded->mHeight == 0) {  // an image file's bytes
+      if (embedded->mHeight == 0) {  // the bytes of an image file
         return cv::imdecode(cv::Mat(1, width, CV_8U, embedded->pcData), cv::IMREAD_UNCHANGED);
       }
       return cv::Mat(static_cast<int>(embedded->mHeight), width, CV_8UC4, embedded->pcData);
@@ -228,10 +227,10 @@ class Loader {
   bool gltf_ = false;
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;
-  std::map<std::string, std::shared_ptr<const Texture>> textures_;
+  std::map<std::string, std::shared_ptr<const MeshTexture>> textures_;
 };
 
-/// Colour and alpha of a point; `spacing_m` is the side of what it stands for.
+/// Colour and alpha of a point, averaged over a square of side `spacing_m`.
 glm::vec4 appearance(const Triangles& all, const MeshMaterial& material, const MeshPoint& point,
                      const glm::vec3& normal, float area_m2, float spacing_m) {
   const std::size_t first = 3 * std::size_t{point.triangle};

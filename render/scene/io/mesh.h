@@ -1,4 +1,4 @@
-// Triangle meshes (through Assimp) as points of their surface.
+// Samples the surface of triangle meshes, which Assimp reads.
 #pragma once
 
 #include <cstddef>
@@ -12,24 +12,27 @@ struct MeshSampling {
   std::size_t points = 500'000;  ///< about; 1 to 10^8
 };
 
-/// Whether a file is a mesh: by its extension (.obj, .gltf, .glb, .stl), a PLY where it has faces.
-/// @throws InputError where a PLY has a broken header
+/// Whether a file is a mesh, by its extension (.obj, .gltf, .glb, .stl). A PLY file is a mesh if it
+/// has faces.
+/// @throws InputError if the header of a PLY file is broken
 bool isMeshFile(const std::filesystem::path& path);
 
-/// Points by Poisson-disk sampling, evenly over all triangles of the file, nodes' transforms
-/// applied, with the triangles' normals (turned as the file's own normals where it has some).
-/// Colours, linear:
-///   - of the texture (base colour or diffuse; averaged over a point's surroundings), times the
-///   base
-///     colour's factor in glTF; where its alpha is below a half, there is no surface, unless glTF
-///     calls the material opaque;
-///   - else of the vertices (sRGB, but linear in glTF);
-///   - else the material's, under a light from above and in front, since nothing else would show
-///   its shape.
-/// Opacity is the material's.
-/// @throws InputError for what Assimp cannot read, has no triangle with an area, or whose textures
-/// cannot be
-///         read or have more than 2^26 pixels
+/// Samples points evenly over all triangles of the file (poisson_disk.h), with the nodes'
+/// transforms applied. Normals are the triangles', on the side of the file's own normals if it has
+/// some. Opacity is the material's.
+///
+/// The linear colour of a point comes from the first of these that the file has.
+///
+/// The texture (base colour or diffuse), averaged over the point's surroundings. In glTF it is
+/// multiplied by the base colour's factor. Where its alpha is below a half there is no surface,
+/// unless glTF calls the material opaque.
+///
+/// The vertices: sRGB, but linear in glTF.
+///
+/// The material, under a light from above and in front that shows the shape.
+///
+/// @throws InputError if Assimp cannot read the file, if no triangle has an area, or if a texture
+///         cannot be read or has more than 2^26 pixels
 PointCloud sampleMesh(const std::filesystem::path& path, const MeshSampling& sampling = {});
 
 }  // namespace foci

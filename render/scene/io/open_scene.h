@@ -1,4 +1,4 @@
-// Any file that holds a scene, as surfels.
+// Opens a scene file of any supported format as surfels.
 #pragma once
 
 #include <cstddef>
@@ -11,21 +11,21 @@
 
 namespace foci {
 
-/// Points of a PLY file as they are, or of a mesh as sampled.
+/// Reads the points of a PLY file, or samples those of a mesh.
 /// @param scale_m  metres a unit of the file, > 0
-/// @throws InputError as `readPly` and `sampleMesh` do
+/// @throws InputError, see `readPly` and `sampleMesh`
 PointCloud openPoints(const std::filesystem::path& path, double scale_m,
                       const MeshSampling& sampling = {});
 
 struct OpenedScene {
   SurfelCloud cloud;        ///< not empty
-  std::size_t dropped = 0;  ///< points left out since their position was not finite
+  std::size_t dropped = 0;  ///< points dropped because their position was not finite
 };
 
-/// Opens a `.foci` scene (told by its first bytes), a mesh (OBJ, glTF, STL, PLY with faces) or a
-/// PLY point cloud (anything else).
+/// Opens a `.foci` scene (recognised by its first bytes), a mesh (OBJ, glTF, STL, PLY with faces)
+/// or, for any other file, a PLY point cloud.
 /// @param scale_m      metres a unit of the file, > 0
-/// @param viewpoint_m  estimated normals are turned towards it
+/// @param viewpoint_m  estimated normals point towards this place
 /// @throws InputError naming the file and what is wrong with it
 OpenedScene openScene(const std::filesystem::path& path, double scale_m,
                       const std::optional<glm::vec3>& viewpoint_m);

@@ -8,7 +8,6 @@
 #include <cstring>
 #include <limits>
 #include <optional>
-#include <stdexcept>
 #include <string>
 
 #include "base/input_error.h"
@@ -24,11 +23,10 @@ using ply::Input;
 using ply::Property;
 using ply::Scalar;
 
-constexpr float kFarthest_m = 1e9f;     // squares and sums of squares stay finite
 constexpr float kUncoloured = 0.2140f;  // sRGB 0.5
-constexpr float kRangeSlack = 1e-3f;    // floats meant to be 0 or 1
+constexpr float kRangeSlack = 1e-3f;    // tolerance of floats meant to be 0 or 1
 
-// What a vertex property means. Everything else is skipped.
+// The meaning of a vertex property. Other properties are skipped.
 enum Slot { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kRadius, kOpacity, kSlots };
 using Vertex = std::array<double, kSlots>;
 
@@ -36,11 +34,11 @@ float linearOfSrgb(double s) {
   return static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
 }
 
-/// One property of the vertex element, with where its value goes.
+/// One property of the vertex element, and the slot that takes its value.
 struct Column {
   Property property;
   std::optional<Slot> slot;
-  double scale = 1.0;  // full range of an integer colour or opacity to 1
+  double scale = 1.0;  // 1 over the full range of an integer colour or opacity
 };
 
 double fullRange(Scalar type) {
@@ -64,7 +62,7 @@ double fullRange(Scalar type) {
   return 1.0;
 }
 
-/// Which columns are taken, and how.
+/// Maps the columns of the vertex element to the arrays of a point cloud.
 class Layout {
  public:
   Layout(const Element& element, const std::string& file) : file_(file) {
@@ -100,7 +98,7 @@ class Layout {
     if (has_opacity_) points.opacity.reserve(count);
   }
 
-  /// @param where  says which vertex it is, called for a message only
+  /// @param where  names the vertex; called for messages only
   template <typename Where>
   void append(PointCloud& points, const Vertex& v, const Where& where) const {
     const glm::vec3 p(toFloat(v[kX]), toFloat(v[kY]), toFloat(v[kZ]));
@@ -150,7 +148,7 @@ class Layout {
     return linearOfSrgb(unitRange(srgb, "colour", where));
   }
 
-  /// Takes the columns with these names into consecutive slots, all or none.
+  /// Assigns the columns of these names to consecutive slots, all or none.
   bool take(std::initializer_list<std::string_view> names, int first_slot) {
     std::vector<Column*> found;
     for (const std::string_view name : names) {
@@ -266,7 +264,7 @@ void readBinary(Input& input, const Layout& layout, std::uint64_t count, bool sw
   }
 }
 
-/// The next number of a line; `at` moves behind it.
+/// Parses the next number of a line and moves `at` behind it.
 double parseNumber(std::string_view line, std::size_t& at, const std::string& file,
                    std::uint64_t line_number) {
   at = std::min(line.find_first_not_of(" \t", at), line.size());
@@ -275,7 +273,7 @@ double parseNumber(std::string_view line, std::size_t& at, const std::string& fi
   if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0.0;
   const auto [last, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  // Out of range is told apart by the sign of the exponent only: let strtod do it.
+  // from_chars does not say whether the value is too large or too small; strtod does.
   if (error == std::errc::result_out_of_range)
     value = std::strtod(std::string(word).c_str(), nullptr);
   if (error == std::errc::invalid_argument || last != word.data() + word.size()) {
@@ -344,48 +342,6 @@ PointCloud readPly(const std::filesystem::path& path) {
     return points;
   }
   throw InputError(input.name(), "has no element vertex");
-}
-
-void writePly(const std::filesystem::path& path, const PointCloud& points) {
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "wb"));
-  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " +
-                    std::to_string(points.size()) +
-                    "\nproperty float x\nproperty float y\nproperty float z\n";
-  if (!points.normal.empty()) out += "property float nx\nproperty float ny\nproperty float nz\n";
-  out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  if (!points.radius_m.empty()) out += "property float radius\n";
-  if (!points.opacity.empty()) out += "property float opacity\n";
-  out += "end_header\n";
-
-  const auto put = [&out](float value) {
-    auto raw = std::bit_cast<std::array<char, 4>>(value);
-    if (std::endian::native == std::endian::big) std::reverse(raw.begin(), raw.end());
-    out.append(raw.data(), raw.size());
-  };
-  const auto put3 = [&put](const glm::vec3& v) { put(v.x), put(v.y), put(v.z); };
-  bool good = file != nullptr;
-  for (std::size_t i = 0; good && i < points.size(); ++i) {
-    put3(points.position_m[i]);
-    if (!points.normal.empty()) put3(points.normal[i]);
-    for (int c = 0; c < 3; ++c) {
-      const float linear = std::clamp(points.color[i][c], 0.0f, 1.0f);
-      const float srgb =
-          linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
-      out += static_cast<char>(std::lround(255.0f * srgb));
-    }
-    if (!points.radius_m.empty()) put(points.radius_m[i]);
-    if (!points.opacity.empty()) put(points.opacity[i]);
-    if (out.size() >= Input::kBlock) {
-      good = std::fwrite(out.data(), 1, out.size(), file.get()) == out.size();
-      out.clear();
-    }
-  }
-  good = good && std::fwrite(out.data(), 1, out.size(), file.get()) == out.size() &&
-         std::fflush(file.get()) == 0;
-  if (!good) throw std::runtime_error(path.string() + ": cannot be written");
 }
 
 }  // namespace foci

@@ -1,4 +1,4 @@
-// PLY point clouds, in and out (Turk 1994: ASCII, binary little endian, binary big endian).
+// Reads and writes PLY point clouds (Turk 1994): ASCII, binary little endian, binary big endian.
 #pragma once
 
 #include <filesystem>
@@ -7,22 +7,26 @@
 
 namespace foci {
 
-/// Reads the `vertex` element; its properties may come in any order and of any scalar type, other
-/// properties, lists and elements are skipped. Taken are
-///   x y z                                          (required)
-///   nx ny nz                                       any length; zero or not finite: to be estimated
-///   red green blue | r g b | diffuse_red ...       integers: sRGB of the type's full range;
+/// Reads the `vertex` element. Its properties may come in any order and of any scalar type. Other
+/// properties, lists and elements are skipped. The reader uses
+///
+///   x y z                                          required
+///   nx ny nz                                       of any length; zero or not finite: to be
+///   estimated red green blue | r g b | diffuse_red ...       integers: sRGB of the type's full
+///   range;
 ///                                                  floats: sRGB, 0 to 1
 ///   radius                                         metres
 ///   opacity | alpha                                integers of the full range, floats 0 to 1
-/// @throws InputError naming file and line (header, ASCII) or byte (binary) for what is no PLY, a
-/// file
-///         shorter than its header says (found out before any memory is taken), or no points at all
+///
+/// The length is checked before memory is allocated.
+/// @throws InputError with file and line (header, ASCII) or byte (binary), if the file is no PLY,
+/// has
+///         no points, or is shorter than its header says
 PointCloud readPly(const std::filesystem::path& path);
 
-/// Writes binary little endian: float positions, and what else the cloud has; colours as 8-bit
+/// Writes binary little endian: float positions, the cloud's other arrays, and colours as 8-bit
 /// sRGB.
-/// @throws std::runtime_error where the file cannot be written
+/// @throws std::runtime_error if the file cannot be written
 void writePly(const std::filesystem::path& path, const PointCloud& points);
 
 }  // namespace foci

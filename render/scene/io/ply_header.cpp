@@ -37,7 +37,7 @@ std::vector<std::string_view> wordsOf(std::string_view line) {
   }
 }
 
-/// What of a hostile line can stand in a one-line message.
+/// The part of a hostile line that is safe to show in a one-line message.
 std::string printable(std::string_view text) {
   std::string out = "\"";
   for (const char c : text.substr(0, 40)) out += c >= ' ' && c <= '~' ? c : '?';
@@ -67,9 +67,9 @@ Property propertyOf(const std::vector<std::string_view>& words, const std::strin
   return property;
 }
 
-/// Fewest bytes that one item of the element can take.
+/// Smallest number of bytes of one item of the element.
 std::uint64_t leastSize(const Element& element, Format format) {
-  if (format == Format::ascii) return 2 * element.properties.size();  // a digit and what ends it
+  if (format == Format::ascii) return 2 * element.properties.size();  // a digit and a separator
   std::uint64_t bytes = 0;
   for (const Property& p : element.properties) bytes += sizeOf(p.list ? p.count_type : p.type);
   return bytes;

@@ -1,4 +1,5 @@
-// The header of a PLY file, and bytes from the file in blocks. Private to the reader in ply.cpp.
+// Reads the header of a PLY file, and the bytes after it in blocks. Private to the readers of PLY
+// and meshes.
 #pragma once
 
 #include <array>
@@ -19,7 +20,7 @@ struct Property {
   std::string name;
   Scalar type = Scalar::float32;
   bool list = false;
-  Scalar count_type = Scalar::uint8;  ///< of a list
+  Scalar count_type = Scalar::uint8;  ///< type of a list's length
 };
 
 struct Element {
@@ -31,7 +32,7 @@ struct Element {
 struct Header {
   Format format = Format::ascii;
   std::vector<Element> elements;
-  std::uint64_t lines = 0;  ///< of the header, for messages about what follows
+  std::uint64_t lines = 0;  ///< lines read so far, for messages
 };
 
 std::size_t sizeOf(Scalar type);
@@ -40,7 +41,7 @@ inline bool isFloat(Scalar type) { return type == Scalar::float32 || type == Sca
 /// A file read front to back through one block of memory.
 class Input {
  public:
-  /// @throws InputError where there is no readable regular file
+  /// @throws InputError if there is no readable regular file
   explicit Input(const std::filesystem::path& path);
 
   const std::string& name() const { return name_; }
@@ -52,7 +53,7 @@ class Input {
   const unsigned char* take(std::size_t bytes);
   void skip(std::uint64_t bytes);
 
-  /// The next line without its end; nothing is left of `\r\n` either. Valid until the next call.
+  /// The next line without its end, `\n` or `\r\n`. Valid until the next call.
   /// @throws InputError for a line longer than kBlock, or at the end of the file
   std::string_view line();
 
@@ -69,11 +70,11 @@ class Input {
   std::uint64_t size_ = 0;
   std::uint64_t offset_ = 0;  // of the next byte to hand out
   std::vector<unsigned char> block_;
-  std::size_t begin_ = 0, end_ = 0;  // what block_ holds
+  std::size_t begin_ = 0, end_ = 0;  // the unread bytes of block_
 };
 
-/// Reads up to `end_header` and checks every element's count against the bytes that are left.
-/// @throws InputError by file and line
+/// Reads up to `end_header` and checks every element's count against the remaining bytes.
+/// @throws InputError with file and line
 Header readHeader(Input& input);
 
 }  // namespace foci::ply

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "render/image/srgb.h"
 
@@ -15,7 +16,7 @@ using Pixel = cv::Vec<std::uint16_t, 4>;
 
 }  // namespace
 
-Texture::Texture(const cv::Mat& image) {
+MeshTexture::MeshTexture(const cv::Mat& image) {
   cv::Mat bgra, eight;
   image.convertTo(eight, CV_8U, image.depth() == CV_16U ? 1.0 / 257.0 : 1.0);
   if (eight.channels() == 1) cv::cvtColor(eight, bgra, cv::COLOR_GRAY2BGRA);
@@ -35,31 +36,43 @@ Texture::Texture(const cv::Mat& image) {
                static_cast<std::uint16_t>(257 * from[x][3])};
     }
   }
-  levels_.push_back(level);
-  while (levels_.back().cols > 1 || levels_.back().rows > 1) {
-    const cv::Size half((levels_.back().cols + 1) / 2, (levels_.back().rows + 1) / 2);
+  const auto keep = [&] {
+    Level kept{level.cols, level.rows, {}};
+    kept.pixels.reserve(level.total());
+    for (int y = 0; y < level.rows; ++y) {
+      const auto* from = level.ptr<Pixel>(y);
+      for (int x = 0; x < level.cols; ++x) {
+        kept.pixels.push_back({from[x][0], from[x][1], from[x][2], from[x][3]});
+      }
+    }
+    levels_.push_back(std::move(kept));
+  };
+  keep();
+  while (level.cols > 1 || level.rows > 1) {
+    const cv::Size half((level.cols + 1) / 2, (level.rows + 1) / 2);
     cv::Mat smaller;
-    cv::resize(levels_.back(), smaller, half, 0.0, 0.0, cv::INTER_AREA);
-    levels_.push_back(smaller);
+    cv::resize(level, smaller, half, 0.0, 0.0, cv::INTER_AREA);
+    level = smaller;
+    keep();
   }
 }
 
-glm::vec2 Texture::size_px() const {
-  return {static_cast<float>(levels_[0].cols), static_cast<float>(levels_[0].rows)};
+glm::vec2 MeshTexture::size_px() const {
+  return {static_cast<float>(levels_[0].columns), static_cast<float>(levels_[0].rows)};
 }
 
-glm::vec4 Texture::at(const glm::vec2& uv, float footprint_px) const {
+glm::vec4 MeshTexture::at(const glm::vec2& uv, float footprint_px) const {
   const float level = std::clamp(std::round(std::log2(std::max(footprint_px, 1.0f))), 0.0f,
                                  static_cast<float>(levels_.size() - 1));
-  const cv::Mat& image = levels_[static_cast<std::size_t>(level)];
+  const Level& image = levels_[static_cast<std::size_t>(level)];
   const glm::vec2 inside = glm::fract(glm::vec2(uv.x, 1.0f - uv.y));
   const glm::vec2 p =
-      inside * glm::vec2(static_cast<float>(image.cols), static_cast<float>(image.rows)) - 0.5f;
+      inside * glm::vec2(static_cast<float>(image.columns), static_cast<float>(image.rows)) - 0.5f;
   const glm::vec2 low = glm::floor(p), share = p - low;
   const auto pixel = [&](int dx, int dy) {
-    const int x = (static_cast<int>(low.x) + dx + image.cols) % image.cols;
+    const int x = (static_cast<int>(low.x) + dx + image.columns) % image.columns;
     const int y = (static_cast<int>(low.y) + dy + image.rows) % image.rows;
-    const Pixel& raw = image.at<Pixel>(y, x);
+    const auto& raw = image.pixels[static_cast<std::size_t>(y) * image.columns + x];
     return glm::vec4(raw[0], raw[1], raw[2], raw[3]) / 65535.0f;
   };
   return glm::mix(glm::mix(pixel(0, 0), pixel(1, 0), share.x),

@@ -10,7 +10,7 @@
 namespace foci {
 namespace {
 
-constexpr float kDifference_m = 2e-4f;  // for gradients: above the rounding of floats about 1 m
+constexpr float kDifference_m = 2e-4f;  // step of gradients, above the rounding of floats about 1 m
 constexpr int kNewtonSteps = 4;
 // Points asked of the Poisson disks over those wanted: darts leave gaps, where surfaces are near
 // each other most. The last few, which only filled gaps, are not needed.

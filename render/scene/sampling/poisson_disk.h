@@ -1,4 +1,4 @@
-// Points spread over triangles, none closer to another than a given distance.
+// Poisson-disk sampling of triangles: random points with a smallest distance.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +14,17 @@ struct MeshPoint {
   glm::vec2 weights;
 };
 
-/// Least distance of two points over the spacing wanted: with it, about one point per spacing^2
-/// fits.
+/// Smallest distance of two points over the wanted spacing. At this value about one point fits into
+/// spacing^2; `PoissonDisk` tests check it.
 inline constexpr float kPoissonDistance = 0.8f;
 
-/// Dart throwing (Cook 1986) with many more darts than points, by a fixed seed. Points on sides of
-/// a thin sheet that face away from each other do not keep apart.
-/// @param corners_m  three a triangle, finite; counter-clockwise as seen from outside
+/// Dart throwing (Cook 1986) from a fixed seed, with many more darts than points. Points on the two
+/// sides of a thin sheet may be closer.
+/// @param corners_m  three for each triangle, finite; counter-clockwise from outside
 /// @param spacing_m  > 0; area / spacing^2 is at most 10^8 (asserted)
-/// @return about area / spacing^2 points; none where no triangle has an area, up to three times as
-///   many where triangles are narrower than the spacing
+/// @return about area / spacing^2 points; none if no triangle has an area, up to three times as
+/// many
+///         if triangles are narrower than the spacing
 std::vector<MeshPoint> poissonDisk(const std::vector<glm::vec3>& corners_m, double spacing_m);
 
 /// Sum of the triangles' areas.

@@ -1,5 +1,5 @@
-// Surfels on parametric surfaces, as fine as an eye at a given place can use. Private to the
-// built-in scenes.
+// Samples surfels on parametric surfaces, at the density that an eye at a given place resolves.
+// Private to the built-in scenes.
 #pragma once
 
 #include <functional>
@@ -20,16 +20,16 @@ struct ParametricSurface {
   std::function<glm::vec3(glm::vec2)> at;
   std::function<glm::vec3(const SurfacePoint&)>
       paint;  ///< linear RGB, averaged over a surfel's cell
-  /// What light makes of the paint, once a surfel; default: nothing.
+  /// Lights the paint of a surfel; default: leaves the paint.
   std::function<glm::vec3(const SurfacePoint&, const glm::vec3& paint)> light = {};
   std::function<bool(const SurfacePoint&)> keep = {};  ///< default: everything
   float opacity = 1.0f;
-  bool two_sided = false;  ///< else the side turned away is sampled coarsely
+  bool two_sided = false;  ///< else a back-facing side is sampled coarsely
 };
 
-/// For whom a scene is sampled: one surfel every `step_rad` as seen from `eye_m`; coarser outside
-/// the view, whose half width and height are tangents along `right` and `up`, and on sides turned
-/// away.
+/// The eye that a scene is sampled for, at one surfel every `step_rad` from `eye_m`. Sampling is
+/// coarser outside the view and on back-facing sides. `half_view` is the tangents of the view's
+/// half width and height, along `right` and `up`.
 struct SampledFor {
   glm::vec3 eye_m;
   glm::vec3 right, up, forward;
@@ -37,8 +37,8 @@ struct SampledFor {
   float step_rad;
 };
 
-/// Appends rows of surfels: equal steps along each row and from row to row, as the eye sees them,
-/// so that the kernels sum to one. Deterministic at any number of threads.
+/// Appends rows of surfels. Steps along a row and from row to row are equal for the eye, so the
+/// kernels sum to one. The result does not depend on the number of threads.
 void appendSurface(SurfelCloud& cloud, const ParametricSurface& surface,
                    const SampledFor& audience);
 

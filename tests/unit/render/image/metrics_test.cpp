@@ -29,7 +29,7 @@ Frame checkerboard(float mean, float amplitude) {
   return frame;
 }
 
-/// A row-wise frame whose vergence is `vergence_D(x, y)`; 0: nothing there.
+/// A row-wise frame whose vergence is `vergence_D(x, y)`; 0: no surface.
 template <typename Vergence>
 Frame pinholeOf(int width, int height, Vergence vergence_D) {
   Frame frame = flat(width, height, glm::vec4(0.5f, 0.5f, 0.5f, 1.0f));

@@ -168,7 +168,7 @@ TEST(Cut, TakesSurfelsAsTheyLieWhereNoNodeIsCoarseEnough) {
   EXPECT_TRUE(cutOf(100.0f).ranges.empty());
 }
 
-TEST(Cut, LeavesOutWhatCannotTouchTheImage) {
+TEST(Cut, LeavesOutNodesThatCannotTouchTheImage) {
   const MomentTree tree(ball(5000, 0.1f, {0, 0, 2}));  // behind the eye
   Cut cut;
   selectCut(tree, squareViewOf(64, 100.0f), {}, {.per_blur2 = 0.01f, .per_pixel2 = 0.1f}, cut);
@@ -209,12 +209,12 @@ TEST(SweepLod, TotalVarianceIsTheFormulasAtEveryLevel) {
 }
 
 TEST(SweepLod, ATexturesPointHasTheFormulasVarianceAtEveryLevel) {
-  // One bright surfel of a dark sheet, in 64 places: its light is spread about its own place.
+  // One bright surfel of a dark sheet, in 64 places. Its light spreads about its own place.
   for (const float radius_px : {2.0f, 6.0f, 20.0f}) {
     double all_mass = 0.0, all_square = 0.0;
     for (int place = 0; place < 64; ++place) {
       SurfelCloud cloud;
-      // Moved too, so that nodes do not all lie alike between samples up to 8 px apart.
+      // The sheet moves, so that nodes lie differently between samples up to 8 px apart.
       const glm::vec3 center_m(0.00225f * static_cast<float>(place % 4),
                                0.00225f * static_cast<float>(place / 4 % 4), -1.0f);
       addSheetOf(cloud, {.center_m = center_m, .side_m = 0.128f, .samples = 128, .color = {}});
@@ -241,7 +241,7 @@ TEST(SweepLod, ATexturesPointHasTheFormulasVarianceAtEveryLevel) {
 }
 
 TEST(SweepLod, LooksAsTheReferenceWhereACardHidesAPlane) {
-  // Both blurred, focus between them; the card's edges are where the lens sees around.
+  // Card and plane are blurred, with the focus between them. The lens sees around the card's edges.
   SurfelCloud cloud;
   addSheetOf(cloud, {.center_m = {0.03f, 0, -0.8f},
                      .side_m = 0.12f,
@@ -257,7 +257,7 @@ TEST(SweepLod, LooksAsTheReferenceWhereACardHidesAPlane) {
 }
 
 TEST(SweepLod, LensSidesTellWhatACardHides) {
-  // In one view: the card's own far-off twin lies right behind it and must not show beside it.
+  // A copy of the card far behind it must not be visible beside it.
   SurfelCloud cloud;
   addSheetOf(cloud, {.center_m = {0, 0, -1.0f}, .side_m = 0.1f, .samples = 100});
   addSheetOf(cloud, {.center_m = {0, 0, -1.2f}, .side_m = 0.12f, .samples = 100});
@@ -284,8 +284,8 @@ TEST(SweepLod, ConstantSheetStaysConstantAcrossCoarseTiles) {
 }
 
 TEST(SweepLod, CoversAJitteredPlaneEvenlyAtEveryLevel) {
-  // A surfel a pixel on average, each anywhere in its square; coverage of a half, so that what is
-  // too much shows as well as what is too little.
+  // One surfel for each pixel on average, each anywhere in its square. At a coverage of a half both
+  // too much and too little are visible.
   constexpr int kSide = 146;
   std::mt19937 random(1);
   const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
@@ -314,7 +314,7 @@ TEST(SweepLod, CoversAJitteredPlaneEvenlyAtEveryLevel) {
 }
 
 TEST(SweepLod, LittlePopsAsFocusMoves) {
-  // Against the method without levels: what else changes from frame to frame.
+  // The method without levels shows how much else changes from frame to frame.
   const SurfelCloud cloud = ball(20000, 0.4f, {0, 0, -2});
   const View view = squareViewOf(200, 300.0f);
   const auto frameAt = [&](const char* method, int step) {
@@ -350,7 +350,7 @@ TEST(SweepLod, SameBytesAtAnyNumberOfThreads) {
   }
 }
 
-TEST(SweepLod, ExtremeScenesAreDrawn) {
+TEST(SweepLod, ExtremeScenesAreRendered) {
   const View view = squareViewOf(64, 100.0f);
   const auto finite = [&](const SurfelCloud& cloud, float radius_px_per_D) {
     const Frame frame = renderedBy("sweep-lod", cloud, view, blurredBy(radius_px_per_D, 0.5f));

@@ -31,7 +31,7 @@ TEST(KernelOverlap, EndsWhereKernelsTouch) {
   EXPECT_NEAR(overlap.beyond(0.0f), 1.0f, 2e-3f);
   EXPECT_EQ(overlap.of(1.0f, 1.0f), 0.0f);
   EXPECT_EQ(overlap.beyond(1.0f), 0.0f);
-  // Of radii 0.4 and 1 they touch at (R1 + R2)^2 / 2 (R1^2 + R2^2).
+  // Kernels of radii 0.4 and 1 touch at (R1 + R2)^2 / 2 (R1^2 + R2^2).
   const float touch = 1.4f * 1.4f / (2.0f * 1.16f);
   EXPECT_NEAR(overlap.of(touch + 0.01f, 0.4f), 0.0f, kQuadrature);
   EXPECT_GT(overlap.of(0.5f * touch, 0.4f), kQuadrature);

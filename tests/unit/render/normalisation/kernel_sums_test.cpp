@@ -20,18 +20,18 @@
 namespace foci {
 namespace {
 
-/// What a grid's sum ripples by at most, sigma over spacing: of the kernel (1 - q)^2, of support
-/// sqrt(8) sigma, the transform 48 J_3(k) / k^3 at the grid's first frequencies.
+/// Largest ripple of a grid's sum, for sigma over spacing. The kernel (1 - q)^2 of support sqrt(8)
+/// sigma has the transform 48 J_3(k) / k^3, taken at the grid's first frequencies.
 float rippleOf(double sigma) {
   double ripple = 0.0;
   for (const double frequency : {1.0, std::numbers::sqrt2, 2.0}) {
     const double k = 2.0 * std::numbers::pi * frequency * std::sqrt(8.0) * sigma;
     ripple += 4.0 * 48.0 * std::abs(std::cyl_bessel_j(3.0, k)) / (k * k * k);
   }
-  return static_cast<float>(ripple) + 1e-3f;  // and of all the others
+  return static_cast<float>(ripple) + 1e-3f;  // for all other frequencies
 }
 
-/// A part of the scan of more than five thousand points.
+/// A scan's part with more than five thousand points.
 const glm::vec3 kScansPart_m(-2.375f, 4.875f, -0.625f);
 constexpr float kScansRadius_m = 0.45f;
 
@@ -48,7 +48,7 @@ PointCloud jitteredPlane(int side) {
   return points;
 }
 
-/// As a pixel sees it, of the side `pixel_m`: all kernels as rendered, without a tree or a reach.
+/// The sum at a pixel of the side `pixel_m`: all kernels as rendered, without a tree or a reach.
 double sumAt(const SurfelCloud& cloud, const glm::vec3& p, float pixel_m) {
   double sum = 0.0;
   for (std::size_t j = 0; j < cloud.size(); ++j) {

@@ -28,8 +28,8 @@ View viewOfStatue() {
   return viewOfCamera(eyeFromWorld(pose.position_m, pose.target_m, pose.up), {256, 256}, 0.6);
 }
 
-// What the eye does not resolve is left out: the image is that of many more nodes, seen through
-// the same Gaussian.
+// Coarse nodes leave out only what the eye does not resolve: through the same Gaussian their image
+// equals that of many more nodes.
 TEST(Acuity, CoarseNodesLookLikeFineOnesThroughIt) {
   const SurfelCloud cloud = makeStatue();
   const View view = viewOfStatue();
@@ -59,7 +59,7 @@ Frame through(double sigma_px, const Frame& frame) {
   return blurred;
 }
 
-// To an eye that sees no finer the image of coarse nodes, at few samples, is the full image.
+// For an eye of that acuity the image of coarse nodes, at few samples, equals the full image.
 TEST(Acuity, WhatIsLeftOutIsNotSeen) {
   const SurfelCloud cloud = makeStatue();
   const View view = viewOfStatue();
@@ -75,7 +75,7 @@ TEST(Acuity, WhatIsLeftOutIsNotSeen) {
     const auto few = scene.render(view, settings, lod, rendered);
     EXPECT_LT(few.splats, all.splats);
     EXPECT_LT(few.fragments, all.fragments);
-    // Of the Gaussian the prefilter is one pixel of either image.
+    // The prefilter of either image is one pixel of the Gaussian.
     const double wider_px = std::sqrt(sigma_px * sigma_px - 1.0f);
     const Frame seen_of_full = through(sigma_px, through(wider_px, full));
     auto apart = visibleDifference(seen_of_full, through(sigma_px, rendered), kUsualPx_per_deg);

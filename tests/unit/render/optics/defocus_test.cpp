@@ -7,7 +7,7 @@
 namespace foci {
 namespace {
 
-constexpr double kPrinted = 5e-5;   // the test vectors of formulas.md are printed to 4 or 5 digits
+constexpr double kPrinted = 5e-5;   // digits of the test vectors in docs/formulas.md, section 1
 constexpr double kRounding = 1e-9;  // a handful of double operations
 
 double eyeRadius_px(double pupil_m, double point_m, double focus_m, double px_per_m,

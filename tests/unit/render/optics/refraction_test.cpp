@@ -1,6 +1,5 @@
-// The observer's refraction against the textbook, and what an astigmatic lens renders against
-// closed forms: its ellipses of confusion are lines at the ends of Sturm's interval, a circle
-// halfway.
+// Tests the observer's refraction against the textbook, and astigmatic rendering against closed
+// forms: ellipses of confusion are lines at the ends of Sturm's interval, and a circle halfway.
 #include "render/optics/refraction.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +22,7 @@ constexpr double kKernel = 0.02;   // of a variance: kernels on pixels
 constexpr double kSampled = 0.03;  // likewise: 200 points on the lens, or random ones
 constexpr float kRadius_px_per_D = 10.0f;
 
-/// Light's variance in the image, px^2, red.
+/// Variance of the red light in the image, px^2.
 struct Spread {
   double xx = 0.0, xy = 0.0, yy = 0.0;
 
@@ -100,13 +99,13 @@ TEST(ChromaticDifference, IsThatOfTheChromaticEye) {
   EXPECT_NEAR(primaries.b, 0.802, 1e-3);
 }
 
-/// Methods cut their kernels in different ways; what of a round disc's variance is left is theirs.
+/// Methods truncate their kernels differently; each keeps a share of a round disc's variance.
 class Ellipses : public testing::TestWithParam<const char*> {
  protected:
   double tolerance() const {
     return std::string(GetParam()).find(':') == std::string::npos ? kKernel : kSampled;
   }
-  /// Of a point that a round lens blurs to a disc of so many dioptres.
+  /// Variance of a point that a round lens blurs to a disc of so many dioptres.
   double roundVariance_px2(float defocus_D) const {
     return pointThrough(GetParam(), lens(kRadius_px_per_D, 1.0f + defocus_D)).xx;
   }
@@ -175,7 +174,7 @@ TEST(Astigmatism, AlongTheLineLightEndsWhereTheFormulaSays) {
 }
 
 TEST(Astigmatism, ASheetStaysWhole) {
-  // Of one splat a pixel, in focus along one meridian and far out of it across.
+  // One splat for each pixel, in focus along one meridian and far out of focus across it.
   SurfelCloud cloud;
   addSheet(cloud, 1.0f, 0.4f, 200, glm::vec3(1.0f));
   for (const char* method : {"sweep", "sweep-lod"}) {

@@ -124,7 +124,7 @@ TEST(SurfaceQuery, DoesNotAddUpSurfacesAtDifferentDepths) {
   EXPECT_FALSE(ask(cloud));
 }
 
-TEST(SurfaceQuery, IgnoresWhatTouchesTheEye) {
+TEST(SurfaceQuery, IgnoresSurfelsThatTouchTheEye) {
   SurfelCloud cloud;
   addSheet(cloud, 0.0005f, {-0.01f, -0.01f}, {0.01f, 0.01f}, 0.001f);
   appendSurfel(cloud, {0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, 0.5f, 1.0f, glm::vec3(1.0f));

@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kMomentTolerance =
     0.02;  // sampling of the kernel at pixel centres, mean of 16 places
-constexpr double kEnergyTolerance = 0.01;  // likewise
-// Surfels within a cosine of 0.1 of grazing, 1 % of the disc, count as facing; as much again for
-// sampling.
+constexpr double kEnergyTolerance = 0.01;  // sampling, as above
+// Surfels within a cosine of 0.1 of grazing are 1 % of the disc and do not count as back-facing. As
+// much again is for sampling.
 constexpr double kOutlineTolerance = 0.02;
 constexpr float kSimdTolerance =
     2e-5f;  // fused against separate rounding, sums of some hundred terms
@@ -178,7 +178,7 @@ TEST(Sweep, EdgeOfABlurredHalfPlaneCoversHalf) {
   addSheet(cloud, -1.0f, 0.4f, 200, glm::vec3(1.0f), 1.0f, -0.2f);  // its right edge on the axis
   const Frame frame = render(cloud, squareView(120, 600.0f), blurred(10.0f, 0.0f));
   EXPECT_NEAR(0.5f * (frame.at(59, 60).a + frame.at(60, 60).a), 0.5f, 0.01f);
-  // Symmetric: coverage right of the edge is what lacks left of it.
+  // By symmetry the coverage right of the edge equals the gap left of it.
   for (int d = 1; d < 25; ++d)
     EXPECT_NEAR(frame.at(60 + d, 60).a, 1.0f - frame.at(59 - d, 60).a, 0.01f);
 }
@@ -192,7 +192,7 @@ TEST(Sweep, NearSheetHidesTheFarOne) {
   EXPECT_LT(frame.at(32, 32).g, 0.02f);
 }
 
-TEST(Sweep, DrawsNothingBehindAClosedSheet) {
+TEST(Sweep, RendersNothingBehindAnOpaqueSheet) {
   SurfelCloud cloud;
   addSheet(cloud, -1.0f, 0.4f, 160, {1.0f, 0.0f, 0.0f});
   const View view = squareView(64, 600.0f);
@@ -221,7 +221,7 @@ TEST(Sweep, TransparentSheetsCompositeFrontToBack) {
   }
 }
 
-TEST(Sweep, BackgroundShowsThroughWhatIsNotCovered) {
+TEST(Sweep, BackgroundShowsWhereNothingCoversIt) {
   SurfelCloud cloud;
   addSheet(cloud, -1.0f, 0.4f, 160, glm::vec3(1.0f), 0.3f);
   RenderSettings settings = sharp();
@@ -232,8 +232,8 @@ TEST(Sweep, BackgroundShowsThroughWhatIsNotCovered) {
 }
 
 TEST(Sweep, FarSideOfASolidStaysHiddenAtItsOutline) {
-  // A sphere, red where it faces the eye and green behind: blurred or not, no green, and the
-  // outline covers what the near side alone covers.
+  // A sphere, red on its front and green on its back. Blurred or not, no green is visible, and the
+  // outline covers as much as the front alone.
   SurfelCloud near_side, whole;
   constexpr int kSurfels = 20000;
   constexpr float kRadius_m = 0.2f,
@@ -288,7 +288,7 @@ TEST(Sweep, EmptySceneIsBackground) {
   EXPECT_EQ(frame.depth_m[5], 0.0f);
 }
 
-TEST(Sweep, DropsWhatCannotBeDrawn) {
+TEST(Sweep, DropsSurfelsThatCannotBeRendered) {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               inf = std::numeric_limits<float>::infinity();
   SurfelCloud cloud;

@@ -112,7 +112,7 @@ TEST(MakeStatue, IsAClosedSolidOfThePapersNumberOfSurfels) {
       ASSERT_TRUE(statue.color[i][c] >= 0.0f && statue.color[i][c] <= 1.0f);
   }
   // The surface integral of the outward normal of a closed surface is zero, that of p.n / 3 its
-  // volume. Irregular samples stand for slightly wrong areas.
+  // volume. The areas of irregular samples are slightly wrong.
   EXPECT_LT(glm::length(sum_m2), 0.01 * area_m2);
   EXPECT_NEAR(volume_m3, 0.2, 0.05);
 

@@ -32,7 +32,7 @@ glm::vec3 at(const std::vector<glm::vec3>& corners, const MeshPoint& point) {
          point.weights.y * (corners[3 * point.triangle + 2] - a);
 }
 
-TEST(PoissonDisk, KeepsItsLeastDistanceAndFillsTheSurface) {
+TEST(PoissonDisk, KeepsItsSmallestDistanceAndFillsTheSurface) {
   const double spacing = 0.03;
   const auto corners = quad();
   const std::vector<MeshPoint> points = poissonDisk(corners, spacing);
@@ -43,7 +43,7 @@ TEST(PoissonDisk, KeepsItsLeastDistanceAndFillsTheSurface) {
       ASSERT_GE(glm::distance(at(corners, points[i]), at(corners, points[j])), 0.9999f * least);
     }
   }
-  // No hole much wider than the least distance is left.
+  // No hole is much wider than the smallest distance.
   for (int k = 0; k < 400; ++k) {
     const glm::vec3 p(0.1f * static_cast<float>(k % 20) + 0.05f,
                       0.05f * static_cast<float>(k / 20) + 0.025f, 0.0f);
@@ -166,7 +166,7 @@ TEST_F(MeshTest, TakesColoursFromVertices) {
   }
 }
 
-TEST_F(MeshTest, ShadesWhatHasNoColours) {
+TEST_F(MeshTest, ShadesAMeshWithoutColours) {
   const auto path = file("t.stl",
                          "solid t\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 0 1\n"
                          "vertex 1 0 0\nendloop\nendfacet\nfacet normal 0 0 0\nouter loop\n"
@@ -202,7 +202,7 @@ TEST_F(MeshTest, ReadsGltfWithItsNodesMoved) {
   }
 }
 
-TEST_F(MeshTest, LeavesOutWhatTheTextureCutsOut) {
+TEST_F(MeshTest, LeavesOutHolesThatTheTextureCuts) {
   cv::Mat image(8, 8, CV_8UC4, cv::Scalar(255, 255, 255, 255));
   image.colRange(0, 4).setTo(cv::Scalar(255, 255, 255, 0));
   cv::imwrite((folder_ / "t.png").string(), image);
@@ -225,7 +225,7 @@ TEST_F(MeshTest, SkipsFacesWithoutCorners) {
   EXPECT_NE(refusal(file("none.ply", vertices + "0\n0\n")), "");
 }
 
-TEST_F(MeshTest, RefusesWhatIsNoMesh) {
+TEST_F(MeshTest, RefusesOtherFiles) {
   EXPECT_NE(refusal(folder_ / "missing.obj"), "");
   EXPECT_NE(refusal(file("empty.obj", "")), "");
   EXPECT_NE(refusal(file("text.gltf", "{")), "");
