@@ -154,7 +154,8 @@ int runRender(const Options& options) {
   ImageRequest request{.out = options.out, .depth = {}, .focus_D = {}, .gaze_px = {}};
   if (!options.depth.empty()) request.depth = options.depth;
   if (!options.focus.empty()) {
-    const auto focus_m = options.focus == "inf" ? std::optional(HUGE_VAL) : parseNumber(options.focus);
+    const auto focus_m =
+        options.focus == "inf" ? std::optional(HUGE_VAL) : parseNumber(options.focus);
     if (!focus_m || !(*focus_m >= 0.01)) {
       throw InputError("--focus " + options.focus, "expected metres, 0.01 or more, or inf");
     }
