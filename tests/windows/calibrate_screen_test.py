@@ -32,7 +32,6 @@ def wait_for_dot(observer, x_px, outwards):
     raise AssertionError("the dot did not come")
 
 
-
 def main():
     foci, out = sys.argv[1], sys.argv[2]
     os.makedirs(out, exist_ok=True)

@@ -18,7 +18,7 @@ WIDTH_M, HEIGHT_M, DISTANCE_M = 0.52, 0.2925, 0.55
 LEAD_S, EACH_S = 1.5, 2.2
 TARGETS, VALIDATION_TARGETS, SEED = 5, 4, 3
 RATE_HZ = 10  # of the film
-SPEED = 2     # of the program's clock, and so of the film
+SPEED = 1     # of the clock and the film; more needs a machine that tracks faces at more than 10 Hz
 LOOK_S = 0.5  # of each target, for the saccade to it
 LIMIT_DEG = 1.5
 
