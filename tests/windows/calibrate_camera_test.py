@@ -26,23 +26,23 @@ def board_image(yaw, pitch, x, y, z):
     right, down = (cy, sy * sp, -sy * cp), (0.0, cp, sp)
     normal = (right[1] * down[2] - right[2] * down[1], right[2] * down[0] - right[0] * down[2],
               right[0] * down[1] - right[1] * down[0])
-    along = normal[0] * x + normal[1] * y + normal[2] * z
+    dot = lambda p, q: p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+    along = dot(normal, (x, y, z))
+    # A ray (u, v, 1) meets the board at t (u, v, 1), in squares from its corner: a right, b down.
+    a0, b0 = COLUMNS / 2 - dot(right, (x, y, z)) / SQUARE_M, ROWS / 2 - dot(down, (x, y, z)) / SQUARE_M
     rows = []
     for py in range(HEIGHT):
-        row = bytearray(WIDTH)
-        for px in range(WIDTH):
-            light = 0
-            for k in range(SAMPLES * SAMPLES):
-                u = (px + (k % SAMPLES + 0.5) / SAMPLES - WIDTH / 2) / FOCAL_PX
-                v = (py + (k // SAMPLES + 0.5) / SAMPLES - HEIGHT / 2) / FOCAL_PX
-                t = along / (normal[0] * u + normal[1] * v + normal[2])
-                p = (t * u - x, t * v - y, t - z)
-                a = (p[0] * right[0] + p[1] * right[1] + p[2] * right[2]) / SQUARE_M + COLUMNS / 2
-                b = (p[0] * down[0] + p[1] * down[1] + p[2] * down[2]) / SQUARE_M + ROWS / 2
+        light = [0] * WIDTH
+        for k in range(SAMPLES):
+            v = (py + (k + 0.5) / SAMPLES - HEIGHT / 2) / FOCAL_PX
+            depth, across, below = (axis[1] * v + axis[2] for axis in (normal, right, down))
+            for i in range(WIDTH * SAMPLES):
+                u = ((i + 0.5) / SAMPLES - WIDTH / 2) / FOCAL_PX
+                t = along / (normal[0] * u + depth) / SQUARE_M
+                a, b = t * (right[0] * u + across) + a0, t * (down[0] * u + below) + b0
                 dark = 0 <= a < COLUMNS and 0 <= b < ROWS and (int(a) + int(b)) % 2 == 0
-                light += 20 if dark else 235
-            row[px] = light // (SAMPLES * SAMPLES)
-        rows.append(bytes(row))
+                light[i // SAMPLES] += 20 if dark else 235
+        rows.append(bytes(level // (SAMPLES * SAMPLES) for level in light))
     return rows
 
 
@@ -75,7 +75,7 @@ def main():
             line = program.stderr.readline()
             assert line, text
             text += line
-        time.sleep(1.0)
+        time.sleep(0.3)
         observer.screenshot(out + "/camera.png")
         observer.press("space")
         assert program.wait(timeout=20) == 0, program.stderr.read()

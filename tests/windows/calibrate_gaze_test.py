@@ -12,6 +12,9 @@ import time
 
 from observer import Observer
 
+SPEED = 3  # of the program's clock: a target takes 0.6 s
+TARGETS = 5  # and 4 for validation
+
 
 def tracked(x, y):
     """Where a tracker that is not calibrated sees the gaze: scaled, sheared and moved, with noise."""
@@ -20,24 +23,31 @@ def tracked(x, y):
             360 - 0.03 * (x - 640) + 0.96 * (y - 360) - 18 + random_px())
 
 
+def leave(foci, out):
+    """A run that is left with the escape key writes nothing."""
+    observer = Observer()
+    try:
+        program = observer.start(foci, "calibrate", "gaze", "--window", "--out", out + "/left.toml")
+        observer.wait_for_window()
+        while program.poll() is None:
+            observer.press("space")
+            observer.press("Escape")
+        assert program.returncode == 0, program.stderr.read()
+        assert not os.path.exists(out + "/left.toml")
+    finally:
+        observer.close()
+
+
 def main():
     foci, out = sys.argv[1], sys.argv[2]
     os.makedirs(out, exist_ok=True)
     random.seed(1)
+    leave(foci, out)
     observer = Observer()
     try:
-        # A run that is left with the escape key writes nothing.
-        left = observer.start(foci, "calibrate", "gaze", "--window", "--out", out + "/left.toml")
-        time.sleep(2.0)
-        observer.press("space")
-        time.sleep(0.5)
-        observer.press("Escape")
-        assert left.wait(timeout=10) == 0, left.stderr.read()
-        assert not os.path.exists(out + "/left.toml")
-
-        program = observer.start(foci, "calibrate", "gaze", "--window", "--targets", "9",
-                                 "--out", out + "/map.toml", "--json")
-        time.sleep(2.0)
+        program = observer.start(foci, "calibrate", "gaze", "--window", "--targets", TARGETS,
+                                 "--out", out + "/map.toml", "--json", speed=SPEED)
+        observer.wait_for_window()
         observer.look(640, 360)
         time.sleep(0.3)
         observer.screenshot(out + "/gaze-welcome.png")
@@ -52,18 +62,19 @@ def main():
             if "result" in text:
                 break
             targets = re.findall(r"at (-?\d+),(-?\d+) px\n", text)
+            if not targets:
+                observer.press("space")  # until the window takes it
             if targets and targets[-1] != at:
                 at = targets[-1]
                 shots += 1
             if at:
                 observer.look(*tracked(float(at[0]), float(at[1])))
             if shots == 3:
-                time.sleep(0.4)
                 observer.screenshot(out + "/gaze-target.png")
                 shots += 1
-            time.sleep(0.02)
+            time.sleep(0.01)
         assert "result" in text, text
-        time.sleep(0.5)
+        time.sleep(0.2)
         observer.screenshot(out + "/gaze-result.png")
         observer.press("space")
         assert program.wait(timeout=10) == 0

@@ -12,10 +12,24 @@ import time
 from observer import Observer
 
 CARD_PX = 342            # 3995 px/m
-DISTANCE_M = 0.55
-DOT_SPEED_M_PER_S = 0.03  # the program's own, and where its dot sets out
-DOT_START_M = 0.04
-INSIDE = 1.2
+DISTANCE_M = 0.4
+SPEED = 2                # of the program's clock
+INATTENTIVE = 1.25       # times the offset: farther off than the runs that foci keeps
+DOT_SPEED_M_PER_S = 0.03 * SPEED
+REACTION_S = 0.05        # from the dot on the display to the key in the program
+CROSS_PX = (1152, 396)   # where foci draws it in a window of 1280 x 720
+PX_PER_M = CARD_PX / 0.0856
+
+
+def wait_for_dot(observer, x_px, outwards):
+    """Returns once the red dot, which moves left where it moves outwards, has reached this column."""
+    begin = time.time()
+    while time.time() - begin < 20:
+        row = observer.pixels(CROSS_PX[1])[2][0]
+        red = [x for x in range(len(row) // 3) if row[3 * x] > 150 and row[3 * x + 1] < 80]
+        if red and (sum(red) / len(red) <= x_px) == outwards:
+            return
+    raise AssertionError("the dot did not come")
 
 
 def main():
@@ -24,9 +38,10 @@ def main():
     observer = Observer()
     try:
         program = observer.start(foci, "calibrate", "screen", "--window", "--json",
-                                 "--out", out + "/screen.toml", "--psychopy", out + "/screen.json")
+                                 "--out", out + "/screen.toml", "--psychopy", out + "/screen.json",
+                                 speed=SPEED)
         log = lambda: program.stderr.readline()
-        time.sleep(2.0)
+        observer.wait_for_window()
         observer.look(700, 600)
         observer.click(60 + CARD_PX - 3, 300)
         observer.press("Right", 3)
@@ -39,20 +54,17 @@ def main():
         assert "blind spot" in log()
 
         spot_m = DISTANCE_M * math.tan(math.radians(13.5))
-        last_m = 0.0
         for run in range(6):
             observer.press("space")
             assert log().startswith("run")
-            begin = time.time()
             # The third time the observer was not attentive.
-            at_m = spot_m * (1.5 if run == 2 else 1.0)
-            way_m = at_m - DOT_START_M if run % 2 == 0 else INSIDE * last_m - at_m
-            time.sleep(way_m / DOT_SPEED_M_PER_S - (time.time() - begin) - 0.05)
+            at_m = spot_m * (INATTENTIVE if run == 2 else 1.0)
+            lead_m = REACTION_S * DOT_SPEED_M_PER_S * (1 if run % 2 == 0 else -1)
+            wait_for_dot(observer, CROSS_PX[0] - PX_PER_M * (at_m - lead_m), outwards=run % 2 == 0)
+            observer.press("space")
             if run == 0:
                 observer.screenshot(out + "/screen-blind-spot.png")
-            observer.press("space")
-            last_m = at_m
-            time.sleep(0.3)
+            time.sleep(0.1)
         assert "gamma" in log()
         observer.press("Left", 5)
         time.sleep(0.3)

@@ -15,9 +15,12 @@ import time
 from observer import Observer
 
 WIDTH_M, HEIGHT_M, DISTANCE_M = 0.52, 0.2925, 0.55
-LEAD_S, EACH_S = 2.0, 2.2
-TARGETS, SEED = 9, 3
-LIMIT_DEG = 1.5  # the goal
+LEAD_S, EACH_S = 1.5, 2.2
+TARGETS, VALIDATION_TARGETS, SEED = 5, 4, 3
+RATE_HZ = 10  # of the film
+SPEED = 1     # of the clock and the film; more needs a machine that tracks faces at more than 10 Hz
+LOOK_S = 0.5  # of each target, for the saccade to it
+LIMIT_DEG = 1.5
 
 
 def table(path):
@@ -53,23 +56,22 @@ def main():
         program = observer.start(
             foci, "calibrate", "gaze", "--window", "--source", f"webcam:{out}/eyes.mp4", "--targets",
             TARGETS, "--seed", SEED, "--manual", "--screen", out + "/screen.toml", "--out",
-            out + "/map.toml", "--json")
+            out + "/map.toml", "--json", speed=SPEED)
         os.set_blocking(program.stderr.fileno(), False)
         wait_for(program, "first frame", 20)
         begin = time.time()
-        until = lambda film_s: time.sleep(max(begin + film_s - time.time(), 0.0))
-        until(1.0)
+        until = lambda film_s: time.sleep(max(begin + film_s / SPEED - time.time(), 0.0))
+        until(0.5)
         observer.screenshot(out + "/welcome.png")
         until(LEAD_S)
         observer.press("space")
-        for target in range(TARGETS + 4):
+        for target in range(TARGETS + VALIDATION_TARGETS):
             until(LEAD_S + EACH_S * target + 1.1)
             observer.press("space")
             if target == 4:
-                time.sleep(0.2)
                 observer.screenshot(out + "/target.png")
         wait_for(program, "result", 20)
-        time.sleep(0.5)
+        time.sleep(0.2)
         observer.screenshot(out + "/result.png")
         observer.press("space")
         assert program.wait(timeout=10) == 0
@@ -81,7 +83,7 @@ def main():
     finally:
         observer.close()
 
-    # The whole film through the map, in another process.
+    # The same film through the map, in another process.
     with open(out + "/study.toml", "w") as file:
         file.write('[scene]\nbuiltin = "plane"\n[output]\nsize_px = [64, 36]\nfps = 15\n')
     subprocess.run(
@@ -92,14 +94,15 @@ def main():
     for row in table(out + "/out/frames.tsv"):
         for target in targets:
             since = float(row["time_s"]) - float(target["onset_s"])
-            if 0.5 <= since < float(target["duration_s"]) and row["gaze_x_px"] != "n/a":
+            if LOOK_S <= since < float(target["duration_s"]) and row["gaze_x_px"] != "n/a":
                 x = (float(row["gaze_x_px"]) / 1280 - 0.5) * WIDTH_M
                 y = (0.5 - float(row["gaze_y_px"]) / 720) * HEIGHT_M
                 errors.append(math.degrees(math.hypot(
                     x - float(target["x_target"]), y - float(target["y_target"])) / DISTANCE_M))
     accuracy = sum(errors) / len(errors)
     print("replayed:", len(errors), "frames,", round(accuracy, 2), "deg")
-    assert len(errors) > 200 and accuracy <= LIMIT_DEG, (len(errors), accuracy)
+    frames = (TARGETS + VALIDATION_TARGETS) * (EACH_S - LOOK_S) * RATE_HZ
+    assert len(errors) > 0.9 * frames and accuracy <= LIMIT_DEG, (len(errors), accuracy)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
-// Films an observer who looks where `foci calibrate gaze` shows its targets, in its order.
+// Films an observer who looks at the targets of `foci calibrate gaze`, in the same order.
 //
 //     foci_film OUT.mp4 TARGETS SEED WIDTH_M HEIGHT_M DISTANCE_M LEAD_S EACH_S
 //
 // For LEAD_S the observer looks at the centre, then for EACH_S at each target of the calibration
-// and of the validation. Prints which was looked at when: onset_s duration_s x_target y_target, m.
+// and of the validation. Prints the targets: onset_s duration_s x_target y_target, in metres.
 #include <cstdio>
 #include <cstdlib>
 #include <opencv2/videoio.hpp>
@@ -18,7 +18,7 @@ static int film(char** argv) {
   const glm::dvec2 screen_m(std::atof(argv[4]), std::atof(argv[5]));
   const double distance_m = std::atof(argv[6]), lead_s = std::atof(argv[7]),
                each_s = std::atof(argv[8]);
-  constexpr double kRate_Hz = 10.0;  // few images to draw
+  constexpr double kRate_Hz = 10.0;  // few images to render
 
   std::vector<faces::ShownTarget> shown{{.from_s = 0.0, .to_s = lead_s}};
   std::printf("onset_s\tduration_s\tx_target\ty_target\n");

@@ -1,8 +1,9 @@
-"""An observer with a mouse, then one whose tracker dies, before `foci live`; and the replay of what was recorded.
+"""`foci live` with a mouse, with trackers that stop, and killed; and replays of the recordings.
 
     live_test.py FOCI OUT_FOLDER FOCI_FILM [FOCI_PUPIL]
 """
 
+import concurrent.futures
 import json
 import os
 import shutil
@@ -14,11 +15,11 @@ import time
 from observer import Observer
 
 SIZE = (320, 180)
-NEAR, FAR = (0.078, 0.648), (0.45, 0.22)  # of the image: a leaf before the eye, the image on the wall
+NEAR, FAR = (0.078, 0.648), (0.45, 0.22)  # shares of the frame: a leaf near the eye, the painting on the wall
 
 
 class Experiment:
-    """A script that drives foci, as docs/experiment.py does."""
+    """A script that controls foci, as docs/experiment.py does."""
 
     def __init__(self, port):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -44,6 +45,11 @@ class Experiment:
             time.sleep(0.05)
         raise AssertionError(f"never {what}: {self.state()}")
 
+    def rendered(self, seconds):
+        """The first state whose frame is at least this much newer than now."""
+        begin = self.state()["now_s"]
+        return self.until(lambda s: s["frame_s"] >= begin + seconds, "rendered on")
+
 
 def table(path):
     with open(path) as file:
@@ -51,7 +57,7 @@ def table(path):
 
 
 def sharpness(rows, centre):
-    """How much neighbouring pixels differ around a point: more where the image is in focus."""
+    """Sum of differences between neighbouring pixels around a point: larger where the frame is in focus."""
     x0, y0 = (int(centre[i] * SIZE[i]) for i in (0, 1))
     total = 0
     for y in range(y0 - 14, y0 + 14):
@@ -76,7 +82,7 @@ def leave(program, experiment):
 
 def look_near_and_far(observer, foci, out):
     record = out + "/record"
-    # Wide open: what is out of focus shows.
+    # With a wide pupil the blur is large.
     program, experiment = start(observer, foci, out + "/study.toml", "--record", record, "--pupil", "8")
     looks = {"near": NEAR, "far": FAR}
     sharp = {}
@@ -86,30 +92,29 @@ def look_near_and_far(observer, foci, out):
             lambda s: s["gaze_px"] and s["surface_distance_m"] and
             abs(s["focus_D"] - 1 / s["surface_distance_m"]) < 0.05 and s["gaze_state"] == "fixation" and
             abs(s["gaze_px"][0] / 1920 - place[0]) < 0.02 and (s["focus_D"] > 2) == (name == "near"),
-            "focused on what is " + name)
+            "focused " + name)
         print(name, state)
         assert experiment.ask("mark " + name).startswith("ok ")
-        time.sleep(1.0)
+        experiment.rendered(0.5)
         observer.screenshot(f"{out}/live-{name}.png")
         rows = observer.pixels()[2]
         sharp[name] = sharpness(rows, (0.43, 0.25))
-    # The image on the wall is sharp when it is looked at.
+    # The painting is sharp when the observer looks at it.
     assert sharp["far"] > 1.2 * sharp["near"], sharp
 
     observer.press("F1")
-    time.sleep(1.0)
+    experiment.rendered(0.3)
     observer.screenshot(out + "/live-panel.png")
     observer.press("F1")
     observer.press("slash")
-    time.sleep(1.0)
+    experiment.rendered(0.3)
     observer.screenshot(out + "/live-keys.png")
     observer.press("slash")
     observer.press("6")
     experiment.until(lambda s: s["pupil_mm"] == 6, "a pupil of 6 mm")
     for view in ("side-by-side", "top-bottom", "anaglyph"):
         assert experiment.ask(f'set output.view "{view}"') == "ok"
-        frame = experiment.state()["frame_s"]
-        experiment.until(lambda s: s["frame_s"] > frame + 0.3, "drawn on")
+        experiment.rendered(0.3)
         observer.screenshot(f"{out}/live-{view}.png")
     observer.press("space")
     assert experiment.ask("stop") == "ok"
@@ -118,7 +123,7 @@ def look_near_and_far(observer, foci, out):
     assert summary["records"] == [record]
     assert [row[1] for row in table(record + "/marks.tsv")[1:]] == ["near", "far", "space"]
 
-    # What is replayed is what was seen.
+    # The replay equals the run.
     replay = out + "/replay"
     subprocess.run([foci, "replay", record + "/study.toml", "--out", replay], check=True,
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -134,15 +139,14 @@ def look_near_and_far(observer, foci, out):
 
 
 def lose_the_tracker(observer, foci, out):
-    # A tracker that says nothing any more after two seconds.
+    # A tracker that stops after one second.
     with open(out + "/dies.tsv", "w") as file:
         file.write("time_s\tx_px\ty_px\n")
-        for i in range(200):
+        for i in range(100):
             file.write(f"{0.01 * i:.2f}\t{NEAR[0] * 1920:.1f}\t{NEAR[1] * 1080:.1f}\n")
-    program, experiment = start(observer, foci, out + "/study.toml", "--source", "trace:" + out + "/dies.tsv")
-    experiment.until(lambda s: s["gaze_state"] == "lost" and s["now_s"] > 4 and s["method"], "lost")
-    first = experiment.state()
-    later = experiment.until(lambda s: s["frame_s"] > first["frame_s"] + 1.0, "drawn on")
+    program, experiment = start(observer, foci, out + "/plane.toml", "--source", "trace:" + out + "/dies.tsv")
+    experiment.until(lambda s: s["gaze_state"] == "lost" and s["now_s"] > 2 and s["method"], "lost")
+    later = experiment.rendered(0.5)
     print(later)
     assert later["gaze_state"] == "lost" and later["gaze_px"] is None
     observer.screenshot(out + "/live-lost.png")
@@ -150,13 +154,13 @@ def lose_the_tracker(observer, foci, out):
 
 
 def signs(observer):
-    """Pixels of the colour of warnings at the upper edge."""
+    """Number of pixels at the upper edge in the colour of warnings."""
     return sum(row[3 * x] > 200 and row[3 * x + 1] > 160 and row[3 * x + 2] < 90
                for row in observer.pixels()[2][:60] for x in range(SIZE[0]))
 
 
 def lose_a_pupil_core(observer, foci, out, pupil):
-    """Gaze of a Pupil Core that is killed on the way, and comes back."""
+    """Gaze of a Pupil Core that is killed during the run, and comes back."""
     def serve(port, place):
         server = observer.start(pupil, port, *place)
         return server, int(server.stdout.readline())
@@ -169,15 +173,15 @@ def lose_a_pupil_core(observer, foci, out, pupil):
     without = signs(observer)
     server.kill()
     server.wait()
-    lost = experiment.until(lambda s: s["gaze_state"] == "lost", "lost")
-    later = experiment.until(lambda s: s["frame_s"] > lost["frame_s"] + 1.0, "drawn on")
+    experiment.until(lambda s: s["gaze_state"] == "lost", "lost")
+    later = experiment.rendered(0.5)
     print(before, later)
     assert later["gaze_state"] == "lost" and abs(later["focus_D"] - before["focus_D"]) < 0.05
     begin = time.time()
     while signs(observer) < without + 50 and time.time() - begin < 60:
         time.sleep(0.1)
     observer.screenshot(out + "/live-pupil-lost.png")
-    assert signs(observer) >= without + 50, "no sign says that gaze is lost"
+    assert signs(observer) >= without + 50, "no warning about the missing gaze"
     serve(port, FAR)
     print(experiment.until(lambda s: s["gaze_state"] == "fixation" and s["focus_D"] < 1, "reconnected"))
     leave(program, experiment)
@@ -185,11 +189,10 @@ def lose_a_pupil_core(observer, foci, out, pupil):
 
 def kill_the_program(observer, foci, out):
     record = out + "/killed"
-    program, experiment = start(observer, foci, out + "/study.toml", "--record", record)
+    program, experiment = start(observer, foci, out + "/plane.toml", "--record", record)
     observer.look(FAR[0] * SIZE[0], FAR[1] * SIZE[1])
     experiment.until(lambda s: s["record"], "recording")
-    begin = experiment.state()["now_s"]
-    experiment.until(lambda s: s["frame_s"] > begin + 3, "drawn on")
+    experiment.rendered(1.5)
     program.kill()
     program.wait()
     subprocess.run([foci, "replay", record + "/study.toml", "--out", out + "/killed-replay"], check=True,
@@ -202,15 +205,26 @@ def main():
     os.makedirs(out)
     with open(out + "/study.toml", "w") as file:
         file.write("[output]\nmarker = true\n[render]\nmethod = \"sweep\"\n")
-    observer = Observer(*SIZE)
-    try:
-        look_near_and_far(observer, foci, out)
-        lose_the_tracker(observer, foci, out)
-        if len(sys.argv) > 4:
-            lose_a_pupil_core(observer, foci, out, sys.argv[4])
-        kill_the_program(observer, foci, out)
-    finally:
-        observer.close()
+    # A scene that is there at once, for the runs that do not depend on depth.
+    with open(out + "/plane.toml", "w") as file:
+        file.write("[scene]\nbuiltin = \"plane\"\n[output]\nmarker = true\n[render]\nmethod = \"sweep\"\n")
+
+    def play(*parts):
+        observer = Observer(*SIZE)
+        try:
+            for part, *more in parts:
+                part(observer, foci, out, *more)
+        finally:
+            observer.close()
+
+    # Two observers play at the same time, each before a display of their own.
+    others = [(lose_the_tracker,), (kill_the_program,)]
+    if len(sys.argv) > 4:
+        others.append((lose_a_pupil_core, sys.argv[4]))
+    with concurrent.futures.ThreadPoolExecutor() as pool:
+        runs = [pool.submit(play, (look_near_and_far,)), pool.submit(play, *others)]
+        for run in runs:
+            run.result()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""A display without a screen, and an observer with a hand on mouse and keys (Xvfb and its XTest extension)."""
+"""A display without a monitor (Xvfb), and an observer who moves its mouse and presses its keys (XTest)."""
 
 import ctypes
 import glob
@@ -23,6 +23,7 @@ class Observer:
         with os.fdopen(read) as pipe:
             self.name = ":" + pipe.readline().strip()
         self.x11 = ctypes.CDLL("libX11.so.6")
+        self.x11.XInitThreads()  # several observers may play at the same time
         self.xtest = ctypes.CDLL("libXtst.so.6")
         self.x11.XOpenDisplay.restype = ctypes.c_void_p
         self.x11.XStringToKeysym.restype = ctypes.c_ulong
@@ -32,8 +33,11 @@ class Observer:
             raise RuntimeError("Xvfb does not answer at " + self.name)
         self.programs = []
 
-    def start(self, *command):
+    def start(self, *command, speed=1.0):
+        """Starts a program on this display. Its clock runs `speed` times as fast (see fast_clock.cpp)."""
         environment = dict(os.environ, DISPLAY=self.name, LIBGL_ALWAYS_SOFTWARE="1")
+        if speed != 1.0:
+            environment.update(LD_PRELOAD=os.environ["FOCI_FAST_CLOCK"], FOCI_CLOCK_SPEED=str(speed))
         program = subprocess.Popen([str(word) for word in command], env=environment, text=True,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         self.programs.append(program)
@@ -62,14 +66,24 @@ class Observer:
                 self.x11.XFlush(self.display)
                 time.sleep(0.06)
 
-    def pixels(self):
-        """Width, height and rows of RGB bytes of what the display shows (Xvfb keeps an XWD file)."""
+    def wait_for_window(self):
+        """Returns once a program has drawn: the display is black before."""
+        begin = time.time()
+        while time.time() - begin < 60:
+            width, height, rows = self.pixels()
+            if any(rows[height // 2]):
+                return
+            time.sleep(0.05)
+        raise AssertionError("no window has opened")
+
+    def pixels(self, only_row=None):
+        """Width, height and rows of RGB bytes of the display's image (Xvfb keeps an XWD file)."""
         with open(glob.glob(self.folder.name + "/Xvfb_screen0")[0], "rb") as file:
             data = file.read()
         head = struct.unpack(">25I", data[:100])
         start, width, height, line = head[0] + 12 * head[19], head[4], head[5], head[12]
         rows = []
-        for y in range(height):
+        for y in range(height) if only_row is None else [only_row]:
             row = data[start + y * line:start + y * line + 4 * width]
             rgb = bytearray(3 * width)
             rgb[0::3], rgb[1::3], rgb[2::3] = row[2::4], row[1::4], row[0::4]

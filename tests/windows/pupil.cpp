@@ -1,16 +1,15 @@
-// A Pupil Core that sees an observer who looks at one place, until it is killed.
+// A Pupil Core whose observer looks at one point, until the program is killed.
 //
 //     foci_pupil PORT X Y
 //
-// Pupil Remote at PORT of the loopback device (0: a free one, printed); the gaze 100 times a second
-// at (X, Y) of the screen, fractions from its top left corner.
+// Answers as Pupil Remote at PORT of the loopback device (0: a free port, printed). Sends gaze 100
+// times a second at (X, Y), shares of the screen from its top left corner.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <thread>
 #include <vector>
-#include "base/text.h"
 
 #define MSGPACK_NO_BOOST
 #include <msgpack.hpp>
