@@ -13,7 +13,7 @@
 namespace foci {
 namespace {
 
-constexpr int kSize_px = 512;
+constexpr int kFigure_px = 512;
 constexpr double kLens_m = 0.03;  // chosen by eye: blurs by about a tenth of a face
 
 std::string figureDb(double value) {
@@ -24,7 +24,7 @@ std::string figureDb(double value) {
 
 std::vector<FigurePanel> figure1(const SurfelCloud& gallery, int views,
                                  const std::function<void(std::size_t)>& on_frames) {
-  const View view = maskView(kSize_px);
+  const View view = maskView(kFigure_px);
   const auto ours = makeMethod(kOurs, gallery);
   const auto reference = makeMethod("accumulate:" + std::to_string(views), gallery);
   const double mask_m = galleryDepth_m(view, "mask"), bust_m = galleryDepth_m(view, "bust");

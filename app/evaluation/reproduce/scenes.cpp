@@ -11,7 +11,7 @@
 namespace foci {
 namespace {
 
-constexpr int kSize_px = 512;
+constexpr int kTable_px = 512;
 constexpr std::array<double, kApertures> kPlaneApertures_m{0.0, 0.5, 2.0};
 
 /// Root mean square of the blur radius that the paper's counts imply (formulas.md, 7).
@@ -46,12 +46,12 @@ double firstAperture_m(const ReproduceScene& scene) {
 }  // namespace
 
 ReproduceScene planeScene(int samples) {
-  return {{planeInView(samples, kSize_px)}, kPlaneApertures_m, kPaperPlane, 147.0};
+  return {{planeInView(samples, kTable_px)}, kPlaneApertures_m, kPaperPlane, 147.0};
 }
 
-ReproduceScene statueScene() { return lionScene(statueInView(kSize_px)); }
+ReproduceScene statueScene() { return lionScene(statueInView(kTable_px)); }
 
-ReproduceScene scanScene(const ScanView& scan) { return lionScene(scanInView(scan, kSize_px)); }
+ReproduceScene scanScene(const ScanView& scan) { return lionScene(scanInView(scan, kTable_px)); }
 
 void chooseApertures(ReproduceScene& scene, const std::function<void()>& on_frame) {
   const auto paper = makeMethod("paper", scene.cloud);
