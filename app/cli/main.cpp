@@ -104,7 +104,7 @@ Study studyOf(const Options& options) {
       throw InputError("--pupil " + options.pupil,
                        "expected millimetres, e.g. 4, or recording or luminance");
     }
-    study.observer.pupil = named ? options.pupil : "fixed";
+    overrideKey(study, "observer.pupil", named ? options.pupil : "fixed", "--pupil");
     if (pupil_mm) overrideKey(study, "observer.pupil_mm", *pupil_mm, "--pupil " + options.pupil);
   }
   if (!options.view.empty()) overrideKey(study, "output.view", options.view, "--view");

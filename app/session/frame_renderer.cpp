@@ -5,12 +5,25 @@
 #include <limits>
 #include <utility>
 
+#include "app/session/auto_method.h"
+
 namespace foci {
 namespace {
 
 constexpr std::string_view kAutoNumbered = "auto:";
 
-/// The left half without blur, a thin line between.
+/// Adds what one view of an image cost. The error of an image is its largest.
+void addView(const RenderStats& view, RenderStats& all) {
+  all.splats += view.splats;
+  all.fragments += view.fragments;
+  all.ms += view.ms;
+  all.in_full = all.in_full && view.in_full;
+  if (view.tolerance_error) {
+    all.tolerance_error = std::max(all.tolerance_error.value_or(0.0), *view.tolerance_error);
+  }
+}
+
+/// Replaces the left half by a frame without blur, with a white line between.
 void splitWithSharp(Frame& frame, const Frame& sharp) {
   const auto width = static_cast<std::size_t>(frame.size_px.x);
   for (std::size_t y = 0; y < static_cast<std::size_t>(frame.size_px.y); ++y) {
@@ -22,8 +35,8 @@ void splitWithSharp(Frame& frame, const Frame& sharp) {
 
 }  // namespace
 
-bool RenderRequest::holdsTime() const {
-  return method == "auto" && !eyes.empty() && eyes.front().settings.quality.frame_ms &&
+bool RenderRequest::hasTimeBudget() const {
+  return choosesQuality(method) && !eyes.empty() && eyes.front().settings.quality.frame_ms &&
          std::isfinite(*eyes.front().settings.quality.frame_ms);
 }
 
@@ -31,22 +44,12 @@ bool RenderRequest::sameViews(const RenderRequest& other) const {
   return std::ranges::equal(eyes, other.eyes, {}, &Eye::eye, &Eye::eye);
 }
 
-RenderRequest RenderRequest::atLeisure() const {
-  RenderRequest job = *this;
-  for (Eye& each : job.eyes) {
+RenderRequest RenderRequest::withoutTimeBudget() const {
+  RenderRequest request = *this;
+  for (Eye& each : request.eyes) {
     each.settings.quality.frame_ms = std::numeric_limits<float>::infinity();
   }
-  return job;
-}
-
-void addView(const RenderStats& view, RenderStats& all) {
-  all.splats += view.splats;
-  all.fragments += view.fragments;
-  all.ms += view.ms;
-  all.in_full = all.in_full && view.in_full;
-  if (view.tolerance_error) {
-    all.tolerance_error = std::max(all.tolerance_error.value_or(0.0), *view.tolerance_error);
-  }
+  return request;
 }
 
 Method& FrameRenderer::methodNamed(const std::string& spec) {
@@ -85,7 +88,7 @@ void FrameRenderer::render(const RenderRequest& job, RenderedFrame& rendered) {
   for (const auto& [eye, asked] : job.eyes) {
     RenderSettings settings = asked;
     settings.quality.way = way;
-    // All of an image is rendered alike, or its method would not tell.
+    // Every view of a frame uses the same quality level, so that the log has one value per frame.
     settings.quality.as_before = !std::exchange(first, false);
     if (settings.quality.frame_ms) *settings.quality.frame_ms /= renders;
     Frame& seen = mono ? frame : eye_frame_;
@@ -94,13 +97,14 @@ void FrameRenderer::render(const RenderRequest& job, RenderedFrame& rendered) {
     if (!stats.rendered_as.empty()) rendered.method = stats.rendered_as;
     if (job.split) {
       settings.defocus = {};
+      settings.depth = false;
       settings.quality.as_before = true;
       method.render(eye.view, settings, sharp_);
       splitWithSharp(seen, sharp_);
     }
     if (!mono) putEye(job.stereo, eye, seen, frame);
   }
-  rendered.job = job;
+  rendered.request = job;
 }
 
 }  // namespace foci

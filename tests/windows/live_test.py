@@ -116,7 +116,7 @@ def look_near_and_far(observer, foci, out):
     summary = leave(program, experiment)
     print(summary)
     assert summary["records"] == [record]
-    assert [row[1] for row in table(record + "/marks.tsv")[1:]] == ["near", "far", "space"]
+    assert [row[1] for row in table(record + "/event_markers.tsv")[1:]] == ["near", "far", "space"]
 
     # What is replayed is what was seen.
     replay = out + "/replay"
