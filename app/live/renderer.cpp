@@ -251,8 +251,8 @@ void LiveRenderer::takeGaze() {
   }
 }
 
-/// Under a frame-time budget, has the refiner render at full quality: the frame of an eye at rest,
-/// and ahead of time the frame that the eye will see once its focus has come to rest.
+/// Under a frame-time budget, has the refiner render at full quality. It renders the frame of an
+/// eye at rest, and ahead of time the frame of a focus that will come to rest.
 /// @return whether rendering the request again would bring nothing new
 bool LiveRenderer::refine(const RenderRequest& request, const FrameRecord& record) {
   if (!request.hasTimeBudget()) {

@@ -17,8 +17,8 @@ struct EyeKeyframe {
   bool operator==(const EyeKeyframe&) const = default;
 };
 
-/// Between keyframes the pose is interpolated linearly. Before the first and after the last the eye
-/// stands still.
+/// Between keyframes the pose is interpolated linearly. Outside them the eye has the
+/// pose of the nearest one.
 class EyePath {
  public:
   /// At the origin, looking along -z.

@@ -1,4 +1,4 @@
-// What is known of a frame besides its pixels.
+// The record of a frame: eye state, method and cost, without the pixels.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -70,7 +70,7 @@ class Session {
   const Frame& render(const RenderRequest& request, FrameRecord& record,
                       bool again_is_useless = false);
   /// Renders `requestOf`, and takes the time to prepare for a frame-time budget while the eye
-  /// stands still.
+  /// does not move.
   const Frame& render(const std::string& method, FrameRecord& record);
 
   /// Whether a frame of the request at full quality has been adopted.

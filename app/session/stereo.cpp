@@ -37,7 +37,8 @@ void putEye(StereoView stereo, const EyeView& eye, const Frame& frame, Frame& im
     const auto to =
         image.rgba.begin() + static_cast<std::ptrdiff_t>((y + eye.corner_px.y) * image_width +
                                                          static_cast<std::size_t>(eye.corner_px.x));
-    // The left eye of an anaglyph comes first, in full; the right eye then replaces green and blue.
+    // The left eye of an anaglyph comes first, with all colours. The right eye then replaces green
+    // and blue.
     if (stereo != StereoView::anaglyph || eye.offset_m < 0.0) {
       std::copy_n(from, width, to);
     } else {
