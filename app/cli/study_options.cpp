@@ -21,7 +21,7 @@ void overridePupil(Study& study, const std::string& pupil) {
   if (!pupil_mm && !named) {
     throw InputError("--pupil " + pupil, "expected millimetres, e.g. 4, or recording or luminance");
   }
-  study.observer.pupil = named ? pupil : "fixed";
+  overrideKey(study, "observer.pupil", named ? pupil : "fixed", "--pupil");
   if (pupil_mm) overrideKey(study, "observer.pupil_mm", *pupil_mm, "--pupil " + pupil);
 }
 

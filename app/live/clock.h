@@ -1,5 +1,5 @@
-// The clock of a live run: whole microseconds since the program started, so that a record that is
-// read back has the same times.
+// The clock of a live run, in whole microseconds since the program started. A record writes six
+// decimals, so the times that it is read back with are the same.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,7 @@ namespace foci {
 
 class LiveClock {
  public:
-  /// @param rate  of its seconds to those that pass; 1: a clock; more: for tests of long runs
+  /// @param rate  its seconds per second of real time; above 1 for tests of long runs
   explicit LiveClock(double rate = 1.0) : rate_(rate) {}
 
   double now_s() const {

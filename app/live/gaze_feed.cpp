@@ -6,8 +6,8 @@
 namespace foci {
 namespace {
 
-constexpr double kPolls_Hz = 500.0;         // of a tracker: its samples are at most 2 ms old
-constexpr std::size_t kMaxWaiting = 65536;  // that nobody takes
+constexpr double kPolls_Hz = 500.0;         // samples of a tracker wait 2 ms at most
+constexpr std::size_t kMaxWaiting = 65536;  // bounds memory if nobody takes samples
 
 }  // namespace
 
@@ -22,7 +22,7 @@ void GazeFeed::run(const std::stop_token& stop) {
   const double period_s = 1.0 / (source_.mouse ? rate_Hz_ : kPolls_Hz);
   std::vector<GazeSample> news;
   for (double due_s = clock_.now_s(); !stop.stop_requested(); due_s += period_s) {
-    due_s = std::max(due_s, clock_.now_s() - period_s);  // after a stall no burst
+    due_s = std::max(due_s, clock_.now_s() - period_s);  // no burst of polls after a stall
     std::this_thread::sleep_until(clock_.at(due_s));
     if (source_.mouse) {
       const std::lock_guard lock(mutex_);
@@ -34,7 +34,7 @@ void GazeFeed::run(const std::stop_token& stop) {
       source_.source->poll(clock_.now_s(), news);
       status = source_.source->status();
     } catch (const std::exception& error) {
-      status = error.what();  // the last focus holds
+      status = error.what();  // focus stays where it is
     }
     const std::lock_guard lock(mutex_);
     if (waiting_.size() < kMaxWaiting) {

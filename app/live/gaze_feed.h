@@ -1,4 +1,5 @@
-// Asks a live source on a thread of its own: neither a frame nor the window waits for a tracker.
+// Polls a live source on a thread of its own, so that neither a frame nor the window waits for a
+// tracker.
 #pragma once
 
 #include <mutex>
@@ -17,14 +18,15 @@ class GazeFeed {
   /// @param clock  outlives the feed
   GazeFeed(NamedSource source, const LiveClock& clock);
 
-  /// Where the mouse points on the study's screen; absent: elsewhere. Ignored by other sources.
+  /// Where the mouse points on the study's screen; absent: off the window. Other sources ignore it.
   void pointTo(const std::optional<glm::dvec2>& point_px);
 
-  /// The observer looks there now, on the study's screen: a calibrated webcam's map learns from it.
-  /// @return what to tell the observer; "" where the source does not learn
+  /// Tells that the observer looks at this point of the study's screen now. The map of a calibrated
+  /// webcam learns from it.
+  /// @return a notice for the observer; "" if the source does not learn
   std::string lookedAt(const glm::dvec2& point_px);
 
-  /// Appends what has come since the last call, oldest first.
+  /// Appends the samples since the last call, oldest first.
   void take(std::vector<GazeSample>& samples);
 
   const Screen& screen() const { return source_.screen; }
@@ -36,7 +38,7 @@ class GazeFeed {
 
   NamedSource source_;
   const LiveClock& clock_;
-  double rate_Hz_;  // as it was at the start
+  double rate_Hz_;  // at the start
   mutable std::mutex mutex_;
   std::vector<GazeSample> waiting_;
   std::optional<glm::dvec2> pointer_px_;

@@ -1,4 +1,4 @@
-// What stands in for the window where foci was built without it (FOCI_WINDOW=OFF).
+// Replaces the window in a build without it (FOCI_WINDOW=OFF).
 #include <stdexcept>
 
 #include "app/live/options.h"

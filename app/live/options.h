@@ -1,4 +1,4 @@
-// What `foci live` is asked for, and what it tells when it ends.
+// Options of `foci live`, and the summary that it ends with.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +15,19 @@ namespace foci {
 
 struct LiveOptions {
   std::string source = "mouse";
-  bool window = false;  ///< not full screen
+  bool window = false;  ///< false: full screen
   int monitor = 0;
   std::optional<std::filesystem::path> record;  ///< from the start, to this folder
-  std::string socket;                           ///< where it listens; empty: nowhere
-  unsigned threads = 1;                         ///< that render
-  std::string command;                          ///< as typed
+  std::string socket;    ///< of remote control, as `RemoteSocket` takes it; empty: none
+  unsigned threads = 1;  ///< that render
+  std::string command;   ///< as typed
 };
 
 struct LiveSummary {
   std::uint64_t frames = 0;    ///< shown
-  std::uint64_t repeated = 0;  ///< refreshes of the screen that showed an older frame
+  std::uint64_t repeated = 0;  ///< refreshes of the screen that showed an old frame again
   std::uint64_t dropped = 0;   ///< rendered, never shown
-  double first_frame_s = 0.0;  ///< from the start of the program to the first swap
+  double first_frame_s = 0.0;  ///< from the start of the program to the first buffer swap
   Durations sample_to_swap, render;
   Landings landings;
   std::vector<std::filesystem::path> records;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "app/record/tables.h"
+#include "app/study/study_words.h"
 #include "base/text.h"
 #include "render/methods/method.h"
 
@@ -25,23 +25,23 @@ constexpr HelpLine kHelp[] = {
     {"?", "these keys"},
     {"F1", "the panel"},
     {"1 ... 8", "pupil, mm"},
-    {"F", "focus: follow the eye, or hold where it is"},
-    {"+  -", "held focus a quarter of a dioptre nearer, farther"},
-    {"M", "mark where gaze is"},
+    {"F", "focus: follow the eye, or keep it fixed"},
+    {"+  -", "fixed focus a quarter of a dioptre nearer, farther"},
+    {"M", "show the gaze"},
     {"S", "left half sharp"},
     {"V", "view: mono, side by side, top and bottom, anaglyph"},
     {"N", "next method"},
     {"arrows", "move the eye; with page up and down up and down"},
     {"right button", "turn the eye"},
-    {"left button", "with a calibrated webcam: looked at, its map learns"},
-    {"Home", "the eye where it was"},
+    {"left button", "look at it and click: the map of a calibrated webcam learns"},
+    {"Home", "the eye back to where it began"},
     {"R", "record: begin, end"},
-    {"space", "a mark in the record"},
-    {"P", "image to a file"},
+    {"space", "an event marker in the record"},
+    {"P", "save the image to a file"},
 };
 
-/// Text on a dark ground, its middle at `x`; returns the y below it.
-float signAt(float x, float y, ImU32 colour, const std::string& text) {
+/// Shows text on a dark ground, centred at `x`. @return the y below it
+float noticeAt(float x, float y, ImU32 colour, const std::string& text) {
   ImDrawList* draw = ImGui::GetForegroundDrawList();
   const float width = 0.9f * ImGui::GetIO().DisplaySize.x;
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, width);
@@ -55,10 +55,10 @@ float signAt(float x, float y, ImU32 colour, const std::string& text) {
 void focusControls(const PanelContent& content, const LiveControls& controls) {
   const Study& study = content.state.study;
   const double now_D = content.frame ? content.frame->record.eye.focus_D : 1.0;
-  int held = study.focus.fixed_D ? 1 : 0;
-  if (ImGui::RadioButton("follow", &held, 0)) controls.change("focus.fixed_D", "null");
+  int fixed = study.focus.fixed_D ? 1 : 0;
+  if (ImGui::RadioButton("follow", &fixed, 0)) controls.change("focus.fixed_D", "null");
   ImGui::SameLine();
-  if (ImGui::RadioButton("hold", &held, 1)) controls.change("focus.fixed_D", tomlNumber(now_D));
+  if (ImGui::RadioButton("fixed", &fixed, 1)) controls.change("focus.fixed_D", tomlNumber(now_D));
   ImGui::SameLine();
   ImGui::Text("focus");
   if (study.focus.fixed_D) {
@@ -70,9 +70,9 @@ void focusControls(const PanelContent& content, const LiveControls& controls) {
 }
 
 template <class Names>
-void combo(const char* label, const std::string& now, const Names& names, const char* key,
+void combo(const char* label, std::string_view now, const Names& names, const char* key,
            const LiveControls& controls) {
-  if (!ImGui::BeginCombo(label, now.c_str())) return;
+  if (!ImGui::BeginCombo(label, std::string(now).c_str())) return;
   for (const auto& each : names) {
     const std::string name(each);
     if (ImGui::Selectable(name.c_str(), name == now)) controls.change(key, '"' + name + '"');
@@ -97,17 +97,17 @@ std::string metresText(double focus_D) {
   return focus_D < 0.005 ? "infinity" : decimal(1.0 / focus_D, 2) + " m";
 }
 
-/// The observer's own eye: prescription, and colours.
+/// Prescription and chromatic aberration.
 void eyeControls(const Study::Observer& observer, const LiveControls& controls) {
   if (!ImGui::CollapsingHeader("The observer's eye")) return;
-  check("glasses worn", observer.corrected, "observer.corrected", controls);
+  check("wears glasses", observer.corrected, "observer.corrected", controls);
   ImGui::SameLine();
-  check("colours apart", observer.chromatic, "observer.chromatic", controls);
+  check("chromatic aberration", observer.chromatic, "observer.chromatic", controls);
   const auto quarters = [](float value) { return std::round(4.0f * value) / 4.0f; };
-  const auto power = [&](const char* label, double now, float most, const char* key) {
+  const auto power = [&](const char* label, double now, float max, const char* key) {
     auto value = static_cast<float>(now);
-    if (ImGui::SliderFloat(label, &value, -most, most, "%+.2f")) {
-      controls.change(key, tomlNumber(std::clamp(quarters(value), -most, most)));
+    if (ImGui::SliderFloat(label, &value, -max, max, "%+.2f")) {
+      controls.change(key, tomlNumber(std::clamp(quarters(value), -max, max)));
     }
   };
   power("sphere, D", observer.sphere_D, 8.0f, "observer.sphere_D");
@@ -118,18 +118,18 @@ void eyeControls(const Study::Observer& observer, const LiveControls& controls) 
   }
 }
 
-/// What method auto may spend.
-void qualityControls(const Study::QualityKeys& quality, const LiveControls& controls) {
+/// What method auto may spend on a frame.
+void qualityControls(const QualitySettings& quality, const LiveControls& controls) {
   if (!ImGui::CollapsingHeader("Quality (method auto)")) return;
   slide("tolerance, jnd", quality.tolerance, 0.1f, 10.0f, "quality.tolerance", controls);
-  bool held = quality.frame_ms.has_value();
-  if (ImGui::Checkbox("hold a time", &held)) {
-    controls.change("quality.frame_ms", held ? "20" : "null");
+  bool budget = quality.frame_ms.has_value();
+  if (ImGui::Checkbox("frame-time budget", &budget)) {
+    controls.change("quality.frame_ms", budget ? "20" : "null");
   }
   ImGui::SameLine();
-  check("as sharp as the eye", quality.foveated, "quality.foveated", controls);
+  check("foveated", quality.foveated, "quality.foveated", controls);
   if (quality.frame_ms) {
-    slide("a frame, ms", *quality.frame_ms, 1.0f, 100.0f, "quality.frame_ms", controls);
+    slide("budget, ms", *quality.frame_ms, 1.0f, 100.0f, "quality.frame_ms", controls);
   }
 }
 
@@ -138,16 +138,16 @@ void qualityControls(const Study::QualityKeys& quality, const LiveControls& cont
 void FrameGraph::draw() const {
   const ImVec2 size(ImGui::GetContentRegionAvail().x, 60.0f);
   const auto plot = [&](const char* name, const std::array<float, kFrames>& values) {
-    const float most = std::max(40.0f, *std::max_element(values.begin(), values.end()));
+    const float max = std::max(40.0f, *std::max_element(values.begin(), values.end()));
     char text[80];
-    std::snprintf(text, sizeof text, "%s, ms; up to %.0f", name, static_cast<double>(most));
-    ImGui::PlotLines("##graph", values.data(), kFrames, next_, text, 0.0f, most, size);
+    std::snprintf(text, sizeof text, "%s, ms; up to %.0f", name, static_cast<double>(max));
+    ImGui::PlotLines("##graph", values.data(), kFrames, next_, text, 0.0f, max, size);
   };
   ImGui::PushID(0);
   plot("gaze to screen", sample_to_swap_);
   ImGui::PopID();
   ImGui::PushID(1);
-  plot("drawing", render_);
+  plot("rendering", render_);
   ImGui::PopID();
   ImGui::PushID(2);
   plot("waiting for the screen", wait_);
@@ -166,25 +166,24 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, bool& 
     slide("pupil, mm", study.observer.pupil_mm, 1.0f, 8.0f, "observer.pupil_mm", controls);
     focusControls(content, controls);
     combo("method", study.render.method, names, "render.method", controls);
-    combo("view", study.output.view, std::array{"mono", "side-by-side", "top-bottom", "anaglyph"},
-          "output.view", controls);
-    if (study.output.view != "mono") {
-      slide("between the eyes, mm", study.observer.ipd_mm, 50.0f, 75.0f, "observer.ipd_mm",
+    combo("view", studyWord(study.output.view), studyWords<StereoView>(), "output.view", controls);
+    if (study.output.view != StereoView::mono) {
+      slide("interpupillary distance, mm", study.observer.ipd_mm, 50.0f, 75.0f, "observer.ipd_mm",
             controls);
     }
-    check("mark the gaze", study.output.marker, "output.marker", controls);
+    check("show the gaze", study.output.marker, "output.marker", controls);
     ImGui::SameLine();
     check("left half sharp", study.output.split, "output.split", controls);
     eyeControls(study.observer, controls);
     qualityControls(study.quality, controls);
     ImGui::PopItemWidth();
-    if (ImGui::Button(content.state.record ? "End the record" : "Record")) {
+    if (ImGui::Button(content.state.record ? "End the recording" : "Record")) {
       controls.toggle_record();
     }
     ImGui::SameLine();
-    if (ImGui::Button("Image")) controls.screenshot();
+    if (ImGui::Button("Save image")) controls.screenshot();
     ImGui::SameLine();
-    if (ImGui::Button("Mark")) controls.mark();
+    if (ImGui::Button("Event marker")) controls.add_marker();
     ImGui::Separator();
     ImGui::TextWrapped("%s", content.source.c_str());
     if (content.frame) {
@@ -220,24 +219,24 @@ void drawHelp(bool& open) {
   ImGui::End();
 }
 
-void drawSigns(const PanelContent& content, const std::string& notice, bool first) {
+void drawNotices(const PanelContent& content, const std::string& notice, bool first) {
   const ImVec2 area = ImGui::GetIO().DisplaySize;
   float y = 14.0f;
   const float x = 0.5f * area.x;
   if (!content.frame) {
-    signAt(x, 0.5f * area.y, kQuiet, "opening the scene");
+    noticeAt(x, 0.5f * area.y, kQuiet, "opening the scene");
     return;
   }
   if (content.frame->record.eye.state == GazeState::lost) {
-    y = signAt(x, y, kWarning, "No gaze: focus stays where it was (" + content.source + ")");
+    y = noticeAt(x, y, kWarning, "No gaze: focus stays where it was (" + content.source + ")");
   }
   if (content.state.record) {
     const auto failure = content.state.record->failure();
-    if (failure) y = signAt(x, y, kWarning, "The record has ended: " + *failure);
+    if (failure) y = noticeAt(x, y, kWarning, "The recording has failed: " + *failure);
     ImGui::GetForegroundDrawList()->AddCircleFilled({area.x - 24.0f, 24.0f}, 9.0f, kRecording);
   }
-  if (!notice.empty()) signAt(x, y, kQuiet, notice);
-  if (first) signAt(x, area.y - 40.0f, kQuiet, "F1: panel    ?: keys    Escape: leave");
+  if (!notice.empty()) noticeAt(x, y, kQuiet, notice);
+  if (first) noticeAt(x, area.y - 40.0f, kQuiet, "F1: panel    ?: keys    Escape: leave");
 }
 
 }  // namespace foci

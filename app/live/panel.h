@@ -1,4 +1,4 @@
-// The panel (F1), the help (?) and the line of signs of `foci live`, in Dear ImGui.
+// The panel (F1), the help (?) and the notices of `foci live`, in Dear ImGui.
 #pragma once
 
 #include <array>
@@ -31,27 +31,27 @@ class FrameGraph {
   int next_ = 0;
 };
 
-/// What the observer does, by panel or key.
+/// What panel and keys can do.
 struct LiveControls {
   std::function<void(const std::string& key, const std::string& toml)> change;
-  std::function<void()> toggle_record, screenshot, mark;
+  std::function<void()> toggle_record, screenshot, add_marker;
 };
 
 struct PanelContent {
   const LiveState& state;
-  const LiveFrame* frame;  ///< shown last; or none
-  std::string source;      ///< its status
+  const LiveFrame* frame;  ///< shown last; null before the first
+  std::string source;      ///< status of the gaze source
   const FrameGraph& graph;
   const LiveSummary& summary;
 };
 
-/// @param open  the observer may close it
+/// @param open  false once the observer has closed it
 void drawPanel(const PanelContent& content, const LiveControls& controls, bool& open);
 
 void drawHelp(bool& open);
 
-/// What is wrong with the gaze or the record and `notice`, at the upper edge; the most important
-/// keys below where it is the `first` time.
-void drawSigns(const PanelContent& content, const std::string& notice, bool first);
+/// Shows problems of gaze and record, and `notice`, at the upper edge.
+/// @param first  also shows the most important keys, at the lower edge
+void drawNotices(const PanelContent& content, const std::string& notice, bool first);
 
 }  // namespace foci

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "app/record/tables.h"
 #include "base/text.h"
 
 namespace foci {
@@ -23,12 +22,12 @@ void LivePose::move(const glm::dvec3& step_m) {
 }
 
 void LivePose::turn(const glm::dvec2& angles_rad) {
-  constexpr double kSteepest = 0.98;  // of the cosine to up
+  constexpr double kMaxCosToUp = 0.98;  // 11 degrees from the vertical: chosen by hand
   const glm::dvec3 forwards = sight(), right = rightwards();
   const glm::dvec3 above = glm::cross(right, forwards);
   const glm::dvec3 turned =
       glm::normalize(forwards + std::tan(angles_rad.x) * right - std::tan(angles_rad.y) * above);
-  if (std::abs(glm::dot(turned, up_)) > kSteepest) return;
+  if (std::abs(glm::dot(turned, up_)) > kMaxCosToUp) return;
   look_at_m_ = position_m_ + glm::length(look_at_m_ - position_m_) * turned;
 }
 

@@ -1,4 +1,4 @@
-// Where the observer has moved the eye to, by mouse and keys.
+// The pose of an eye that mouse and keys move.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -11,13 +11,15 @@ class LivePose {
   /// @param up  as the study's
   LivePose(const glm::dvec3& position_m, const glm::dvec3& look_at_m, const glm::dvec3& up);
 
-  /// @param step_m  to the right, up, and level forwards; what is looked at moves along
+  /// Moves the eye and the point it looks at.
+  /// @param step_m  to the right, up, and forwards on the level
   void move(const glm::dvec3& step_m);
 
-  /// Around the eye. @param angles_rad  to the right, down; it stays short of straight up or down
+  /// Turns the line of sight. It stops short of straight up or down.
+  /// @param angles_rad  to the right, down
   void turn(const glm::dvec2& angles_rad);
 
-  /// Back to the beginning.
+  /// Back to the first pose.
   void reset();
 
   const glm::dvec3& position_m() const { return position_m_; }

@@ -16,7 +16,7 @@ namespace foci {
 namespace fs = std::filesystem;
 namespace {
 
-/// The study of a record: its gaze has been through map and camera.
+/// The study of a record. Its gaze needs no calibration: the samples have been through it.
 Study studyOfRecord(Study study, double rate_Hz) {
   const EventSettings events = study.gaze.events;
   study.gaze = {};
@@ -31,7 +31,7 @@ Study studyOfRecord(Study study, double rate_Hz) {
 
 fs::path madeEmpty(const fs::path& folder) {
   if (fs::exists(folder / "gaze.tsv") || fs::exists(folder / "frames.tsv")) {
-    throw InputError(folder.string(), "holds a record already: expected another folder");
+    throw InputError(folder.string(), "has a record in it: expected another folder");
   }
   std::error_code error;
   fs::create_directories(folder, error);
@@ -45,7 +45,8 @@ std::string orAbsent(const std::optional<double>& time_s) {
   return time_s ? decimal(*time_s, 6) : "n/a";
 }
 
-/// Of values by how often they came; 0 of none.
+/// @param counts  how often each value came
+/// @return 0 without values
 int medianOf(const std::map<int, std::size_t>& counts) {
   std::size_t all = 0, so_far = 0;
   for (const auto& [value, count] : counts) all += count;
@@ -68,11 +69,11 @@ LiveRecord::LiveRecord(const fs::path& folder, const Study& study, const Screen&
       frames_(folder_ / "frames.tsv"),
       changes_(folder_ / "changes.tsv", std::ios::binary),
       timing_(folder_ / "timing.tsv", std::ios::binary),
-      marks_(folder_ / "marks.tsv", std::ios::binary) {
+      markers_(folder_ / "event_markers.tsv", std::ios::binary) {
   changes_ << changesHeader();
   timing_ << "frame\tsample_s\tstate_s\trender_start_s\trender_end_s\tswap_s\trepeats\tfull\t"
              "landing_to_full_ms\n";
-  marks_ << "time_s\tmark\n";
+  markers_ << "time_s\tmarker\n";
   writeStudy(study_.output.fps);
   thread_ = std::thread([this] { run(); });
 }
@@ -112,8 +113,8 @@ void LiveRecord::add(const Change& change) {
   post([this, change] { changes_ << changeRow(change); });
 }
 
-void LiveRecord::addMark(double time_s, const std::string& text) {
-  post([this, time_s, text] { marks_ << decimal(time_s, 6) << '\t' << text << '\n'; });
+void LiveRecord::addMarker(double time_s, const std::string& text) {
+  post([this, time_s, text] { markers_ << decimal(time_s, 6) << '\t' << text << '\n'; });
 }
 
 void LiveRecord::add(std::shared_ptr<const LiveFrame> frame) {
@@ -174,17 +175,17 @@ void LiveRecord::run() {
 }
 
 void LiveRecord::write(const LiveFrame& frame) {
-  constexpr double kFlush_s = 1.0;  // what is lost where all goes down
+  constexpr double kFlush_s = 1.0;  // a crash of the machine costs at most this much
   const FrameTiming& timing = frame.timing;
   if (frame_count_ == 0) first_s_ = frame.record.time_s;
   last_s_ = frame.record.time_s;
   frames_.add(frame_count_, frame.record);
   timing_ << frame_count_ << '\t' << orAbsent(timing.sample_s) << '\t' << decimal(timing.state_s, 6)
           << '\t' << decimal(timing.render_start_s, 6) << '\t' << decimal(timing.render_end_s, 6)
-          << '\t' << orAbsent(timing.swap_s) << '\t' << timing.repeats << '\t' << timing.full
+          << '\t' << orAbsent(timing.swap_s) << '\t' << timing.repeats << '\t' << timing.in_full
           << '\t';
   const auto landed_ms =
-      timing.swap_s ? landings_.add(frame.record, timing.full, *timing.swap_s) : std::nullopt;
+      timing.swap_s ? landings_.add(frame.record, timing.in_full, *timing.swap_s) : std::nullopt;
   timing_ << (landed_ms ? decimal(*landed_ms, 1) : "n/a") << '\n';
   hash_.add(frame.image->rgb);
   render_.add(frame.record.stats.ms);
@@ -196,9 +197,9 @@ void LiveRecord::write(const LiveFrame& frame) {
     flushed_s_ = last_s_;
     gaze_.flush();
     frames_.flush();
-    for (std::ofstream* out : {&changes_, &timing_, &marks_}) out->flush();
+    for (std::ofstream* out : {&changes_, &timing_, &markers_}) out->flush();
   }
-  if (!changes_ || !timing_ || !marks_) {
+  if (!changes_ || !timing_ || !markers_) {
     throw std::runtime_error("cannot write to " + folder_.string());
   }
   const std::lock_guard lock(mutex_);
@@ -208,13 +209,13 @@ void LiveRecord::write(const LiveFrame& frame) {
 void LiveRecord::finish() {
   gaze_.flush();
   frames_.finish();
-  for (std::ofstream* out : {&changes_, &timing_, &marks_}) out->close();
+  for (std::ofstream* out : {&changes_, &timing_, &markers_}) out->close();
   const double span_s = last_s_ - first_s_;
   const double fps = frame_count_ > 1 && span_s > 0.0
                          ? std::round(1e3 * static_cast<double>(frame_count_ - 1) / span_s) / 1e3
                          : study_.output.fps;
   writeStudy(fps);
-  // From here on as a replay would: from the files.
+  // The rest is computed from the files, as a replay would.
   const Study study = readStudy(folder_ / "study.toml");
   std::vector<GazeEvent> events;
   ManifestFacts facts{.command = command_,

@@ -1,15 +1,18 @@
-// What a live run leaves. A record is a folder with
-//   study.toml    the study in force, whose gaze is the record's own: `foci replay` takes it
-//   gaze.tsv      every sample, in order of arrival, on the run's clock
-//   frames.tsv    as of a replay (app/record/tables.h): a row a frame that was rendered
-//   changes.tsv   keys that changed, each with the time of the first frame that it holds for
-//   timing.tsv    when each frame was sampled, rendered and shown
-//   marks.tsv     what was marked, by key or through the socket
-// and, once it has been closed,
-//   events.tsv    as of a replay
-//   manifest.json with the hash of all images, which a replay's equals, and what only a live run
-//                 has: how soon after saccades the image was full
-// The files grow in place: what a run that is killed has recorded is there.
+// The record of a live run: a folder that `foci replay` renders again.
+//
+// During the run:
+//   study.toml         the study in force; its gaze is gaze.tsv
+//   gaze.tsv           every sample, in order of arrival, on the clock of the run
+//   frames.tsv         as of a replay (app/record/tables.h): a row for each frame shown
+//   changes.tsv        keys that changed, each with the time of the first frame with its new value
+//   timing.tsv         when each frame was sampled, rendered and shown
+//   event_markers.tsv  event markers, set by a key or by remote control
+// Once it is closed:
+//   events.tsv         as of a replay
+//   manifest.json      with the hash of all frames, which equals that of the replay, and how soon
+//                      after saccades the frames had full quality
+//
+// The files grow in place. If the program is killed, they hold what was recorded until then.
 #pragma once
 
 #include <condition_variable>
@@ -23,12 +26,14 @@
 #include <string>
 #include <thread>
 
+#include "app/graphics/image.h"
 #include "app/platform/sha256.h"
 #include "app/record/durations.h"
 #include "app/record/landing.h"
 #include "app/record/record_files.h"
 #include "app/record/tables.h"
 #include "app/session/session.h"
+#include "app/study/live_change.h"
 
 namespace foci {
 
@@ -36,26 +41,26 @@ class LiveRecord;
 
 /// When things happened, on the run's clock.
 struct FrameTiming {
-  std::optional<double> sample_s;  ///< the newest sample that the frame knows
+  std::optional<double> sample_s;  ///< the newest sample before the frame
   double state_s = 0.0;            ///< the sample that its state is of
   double render_start_s = 0.0, render_end_s = 0.0;
   std::optional<double> swap_s;  ///< absent: never shown
-  int repeats = 0;               ///< refreshes of the screen before it that showed an older frame
-  bool full = false;  ///< rendered as well as the study wants it; false: time did not suffice
+  int repeats = 0;               ///< earlier refreshes of the screen that showed an older frame
+  bool in_full = false;          ///< at full quality: the frame-time budget took nothing away
 };
 
 struct LiveFrame {
   FrameRecord record;
   std::shared_ptr<const Image> image;
   FrameTiming timing;
-  std::weak_ptr<LiveRecord> into;  ///< the record it belongs to, if any
+  std::weak_ptr<LiveRecord> record_file;  ///< the record it belongs to, if any
 };
 
 /// All functions are called from any thread and do not wait for the disk.
 class LiveRecord {
  public:
-  /// @param folder   made; must not hold a record yet
-  /// @param study    in force as it begins
+  /// @param folder   is made if missing; must not hold a record yet
+  /// @param study    as it begins
   /// @param screen   that the samples are on
   /// @param command  as typed, for the manifest
   /// @throws InputError, std::runtime_error
@@ -68,17 +73,17 @@ class LiveRecord {
 
   void add(const GazeSample& sample);
   void add(const Change& change);
-  void addMark(double time_s, const std::string& text);
+  void addMarker(double time_s, const std::string& text);
   /// In order of rendering.
   void add(std::shared_ptr<const LiveFrame> frame);
 
-  /// Nothing more comes: the rest is written.
+  /// Ends the record. What waits is still written.
   void close();
 
   /// Frames that wait to be written.
   std::size_t backlog() const;
 
-  /// What went wrong, once something has: the record ends there.
+  /// The error that ended the record, if there was one.
   std::optional<std::string> failure() const;
   /// Everything is written, or has failed.
   bool finished() const;
@@ -96,15 +101,15 @@ class LiveRecord {
   std::string command_;
   unsigned threads_;
 
-  // Touched by the thread alone.
+  // Used by the thread alone.
   GazeTable gaze_;
   FrameTable frames_;
-  std::ofstream changes_, timing_, marks_;
+  std::ofstream changes_, timing_, markers_;
   Sha256 hash_;
-  Durations render_, rendered_;        // of all frames; of those that were rendered
+  Durations render_, rendered_;        // of all frames; without reused frames
   std::map<int, std::size_t> pupils_;  // frames by hundredths of a millimetre
   Landings landings_;
-  std::size_t gaze_samples_ = 0, gaze_points_ = 0;  // with a place
+  std::size_t gaze_samples_ = 0, gaze_points_ = 0;  // samples; samples with a gaze point
   std::size_t frame_count_ = 0, splats_ = 0;
   double first_s_ = 0.0, last_s_ = 0.0, flushed_s_ = 0.0;
 

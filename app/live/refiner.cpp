@@ -30,30 +30,30 @@ Refiner::~Refiner() {
   want({});
 }
 
-void Refiner::want(std::vector<RenderRequest> jobs) {
+void Refiner::want(std::vector<RenderRequest> requests) {
   {
     const std::lock_guard lock(mutex_);
-    if (jobs == wanted_) return;
-    wanted_ = std::move(jobs);
-    std::erase_if(rendered_, [&](const RenderedFrame& each) { return !isWanted({each.job}); });
+    if (requests == wanted_) return;
+    wanted_ = std::move(requests);
+    std::erase_if(rendered_, [&](const RenderedFrame& each) { return !isWanted({each.request}); });
     if (work_->busy && !isWanted(step_)) work_->context.cancel_group_execution();
   }
   changed_.notify_all();
 }
 
 bool Refiner::isWanted(const Step& step) const {
-  return std::ranges::any_of(wanted_, [&](const RenderRequest& job) {
-    return step.prepares ? job.sameViews(step.job) : job == step.job;
+  return std::ranges::any_of(wanted_, [&](const RenderRequest& request) {
+    return step.prepares ? request.sameViews(step.request) : request == step.request;
   });
 }
 
-std::optional<RenderedFrame> Refiner::take(const RenderRequest& job) {
+std::optional<RenderedFrame> Refiner::take(const RenderRequest& request) {
   const std::lock_guard lock(mutex_);
-  const auto found = std::ranges::find(rendered_, job, &RenderedFrame::job);
+  const auto found = std::ranges::find(rendered_, request, &RenderedFrame::request);
   if (found == rendered_.end()) return std::nullopt;
   std::optional<RenderedFrame> rendered = std::move(*found);
   rendered_.erase(found);
-  std::erase(wanted_, job);
+  std::erase(wanted_, request);
   return rendered;
 }
 
@@ -64,39 +64,39 @@ std::uint64_t Refiner::done() const {
 
 std::optional<Refiner::Step> Refiner::next() const {
   if (!wanted_.empty() && !(prepared_ && prepared_->sameViews(wanted_.front()))) {
-    return Step{.job = wanted_.front(), .prepares = true};
+    return Step{.request = wanted_.front(), .prepares = true};
   }
-  for (const RenderRequest& job : wanted_) {
-    if (std::ranges::find(rendered_, job, &RenderedFrame::job) == rendered_.end())
-      return Step{.job = job};
+  for (const RenderRequest& request : wanted_) {
+    if (std::ranges::find(rendered_, request, &RenderedFrame::request) == rendered_.end())
+      return Step{.request = request};
   }
   return std::nullopt;
 }
 
-/// False where it was stopped.
+/// @return false if it was cancelled
 bool Refiner::carryOut(const Step& step, RenderedFrame& rendered) {
-  bool whole = false;
+  bool completed = false;
   tbb::parallel_for(
       0, 1,
       [&](int) {
         try {
           if (step.prepares) {
-            renderer_.prepare(step.job);
+            renderer_.prepare(step.request);
           } else {
-            renderer_.render(step.job.atLeisure(), rendered);
-            rendered.job = step.job;
+            renderer_.render(step.request.withoutTimeBudget(), rendered);
+            rendered.request = step.request;
           }
-          whole = true;
+          completed = true;
         } catch (const Cancelled&) {
         }
       },
       work_->context);
-  return whole;
+  return completed;
 }
 
 void Refiner::run(const std::stop_token& stop) {
-  // What follows the eye goes first; where the system does not allow it, they share.
-  constexpr int kNice = 10;
+  // The frame loop goes first. If the system does not allow that, both share the cores.
+  constexpr int kNice = 10;  // about a tenth of a core beside a thread of nice 0 (setpriority(2))
   const sched_param usual{};
   (void)sched_setscheduler(0, SCHED_BATCH, &usual);
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
@@ -111,14 +111,14 @@ void Refiner::run(const std::stop_token& stop) {
       work_->busy = true;
     }
     RenderedFrame rendered;
-    bool whole = false;
-    arena.execute([&] { whole = carryOut(step, rendered); });
+    bool completed = false;
+    arena.execute([&] { completed = carryOut(step, rendered); });
     const std::lock_guard lock(mutex_);
     work_->busy = false;
-    if (!whole) continue;
+    if (!completed) continue;
     ++done_;
     if (step.prepares) {
-      prepared_ = step.job;
+      prepared_ = step.request;
     } else if (isWanted(step)) {
       rendered_.push_back(std::move(rendered));
     }

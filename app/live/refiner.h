@@ -1,5 +1,5 @@
-// Paints at leisure, beside the frame loop, what an eye at rest sees or is about to see; and stops
-// at once when it is no longer wanted.
+// Renders at full quality, on a thread beside the frame loop, what an eye at rest sees or will see.
+// A frame that is no longer wanted is cancelled within a few milliseconds.
 #pragma once
 
 #include <condition_variable>
@@ -22,21 +22,21 @@ class Refiner {
   Refiner(const Refiner&) = delete;
   Refiner& operator=(const Refiner&) = delete;
 
-  /// These images are to be rendered, the first of them first, and no others. What their views
-  /// need to hold a time is prepared before. Does not wait.
-  void want(std::vector<RenderRequest> jobs);
+  /// Renders these requests in their order, and cancels all others. First it prepares their views
+  /// for a frame-time budget. Does not wait.
+  void want(std::vector<RenderRequest> requests);
 
-  /// The image of a job that is wanted, once it is there.
-  std::optional<RenderedFrame> take(const RenderRequest& job);
+  /// The frame of a wanted request, once it is rendered.
+  std::optional<RenderedFrame> take(const RenderRequest& request);
 
-  /// How much has been prepared and rendered so far.
+  /// How many steps have been completed: views prepared, frames rendered.
   std::uint64_t done() const;
 
  private:
   struct Work;
-  /// What is being done, or was last.
+  /// A unit of work.
   struct Step {
-    RenderRequest job;
+    RenderRequest request;
     bool prepares = false;
   };
 
@@ -50,9 +50,9 @@ class Refiner {
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::vector<RenderRequest> wanted_;
-  std::vector<RenderedFrame> rendered_;  // of those
+  std::vector<RenderedFrame> rendered_;  // wanted ones
   std::optional<RenderRequest> prepared_;
-  Step step_;
+  Step step_;  // in work, or done last
   std::uint64_t done_ = 0;
   std::unique_ptr<Work> work_;
   std::jthread thread_;  // last: it uses the others

@@ -6,7 +6,6 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
-#include "app/record/tables.h"
 #include "base/text.h"
 
 namespace foci {
@@ -17,8 +16,8 @@ constexpr auto kPatience = std::chrono::seconds(10);  // a method may take secon
 std::string answerOf(std::future<std::string> done) {
   try {
     if (done.wait_for(kPatience) != std::future_status::ready) return "error no answer yet";
-    const std::string wrong = done.get();
-    return wrong.empty() ? "ok" : "error " + wrong;
+    const std::string error = done.get();
+    return error.empty() ? "ok" : "error " + error;
   } catch (const std::future_error&) {
     return "error foci is leaving";
   }
@@ -62,15 +61,15 @@ std::string answerTo(const std::string& command, LiveRenderer& renderer, const L
   const std::size_t space = std::min(command.find(' '), command.size());
   const std::string verb = command.substr(0, space);
   const std::string rest(trimmed(std::string_view(command).substr(space)));
-  if (verb == "mark" && !rest.empty()) return "ok " + decimal(renderer.mark(rest), 6);
+  if (verb == "mark" && !rest.empty()) return "ok " + decimal(renderer.addMarker(rest), 6);
   if (verb == "stop") return answerOf(renderer.stopRecord());
   if (verb == "state") return "ok " + stateOf(renderer.state(), clock.now_s());
   if (verb == "record") {
-    // Over a network nobody is to choose where files go.
-    const bool plain = std::all_of(rest.begin(), rest.end(), [](unsigned char c) {
+    // A command from the network must not choose a path.
+    const bool is_plain_name = std::all_of(rest.begin(), rest.end(), [](unsigned char c) {
       return std::isalnum(c) || c == '-' || c == '_';
     });
-    if (!plain) return "error record NAME: expected letters, digits, - and _";
+    if (!is_plain_name) return "error record NAME: expected letters, digits, - and _";
     return answerOf(
         renderer.startRecord(rest.empty() ? unusedName("") : std::filesystem::path(rest)));
   }

@@ -1,4 +1,4 @@
-// What an experiment's script may ask of a live run through the socket.
+// The commands by which the script of an experiment controls a live run.
 #pragma once
 
 #include <filesystem>
@@ -8,15 +8,18 @@
 
 namespace foci {
 
-/// Done before the next frame; answered with "ok ..." or "error ...".
-///   mark TEXT        "ok TIME": of the mark, on the run's clock, s
-///   record [NAME]    a record in a new folder of that name begins
-///   stop             it ends
-///   set KEY VALUE    a key of the study, as TOML: set observer.pupil_mm 6
-///   state            "ok {...}": time, gaze, focus, as JSON
+/// Carries out a command before the next frame.
+///
+///   mark TEXT        sets an event marker; answers "ok TIME", in seconds on the clock of the run
+///   record [NAME]    begins a record in a new folder of that name
+///   stop             ends the record
+///   set KEY VALUE    sets a key of the study, as TOML: set observer.pupil_mm 6
+///   state            answers "ok {...}": time, gaze and focus as JSON
+///
+/// @return the answer: "ok ..." or "error ..."
 std::string answerTo(const std::string& command, LiveRenderer& renderer, const LiveClock& clock);
 
-/// "foci-20261121-174501" and `extension`, a name that nothing has.
+/// A new name from the time of day, e.g. "foci-20261121-174501" and `extension`.
 std::filesystem::path unusedName(const std::string& extension);
 
 }  // namespace foci

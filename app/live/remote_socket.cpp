@@ -18,7 +18,7 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kMaxBytes = 1024;
-constexpr int kPatience_ms = 100;  // until the thread looks whether it is to end
+constexpr int kPatience_ms = 100;  // between two looks at the stop token
 
 sockaddr_in addressOf(const std::string& text) {
   const std::size_t colon = text.rfind(':');
@@ -33,7 +33,7 @@ sockaddr_in addressOf(const std::string& text) {
   return address;
 }
 
-/// Control characters would break the tables that a mark goes to.
+/// Replaces control characters: they would break the table of event markers.
 std::string cleaned(std::string_view bytes) {
   std::string text(bytes);
   for (char& c : text) {

@@ -1,5 +1,5 @@
-// A socket through which an experiment's script drives a live run: one datagram (UDP) a command,
-// one datagram as the answer. docs/live.md has the commands.
+// The socket of remote control: a datagram (UDP) brings a command, another one takes the answer.
+// docs/live.md lists the commands.
 #pragma once
 
 #include <functional>
@@ -11,14 +11,14 @@ namespace foci {
 class RemoteSocket {
  public:
   /// @param address  "PORT" on the loopback address, or "ADDRESS:PORT" (IPv4)
-  /// @param answer   called on the socket's thread with a command; what it returns is sent back
-  /// @throws InputError where the address is none, std::runtime_error where it is taken
+  /// @param answer   called with each command, on the thread of the socket; returns the answer
+  /// @throws InputError if the address is wrong, std::runtime_error if it is taken
   RemoteSocket(const std::string& address, std::function<std::string(const std::string&)> answer);
   ~RemoteSocket();
   RemoteSocket(const RemoteSocket&) = delete;
   RemoteSocket& operator=(const RemoteSocket&) = delete;
 
-  /// In use: the one asked for, or where that was 0 a free one.
+  /// The port in use. If port 0 was asked for, the system has chosen a free one.
   int port() const { return port_; }
 
  private:

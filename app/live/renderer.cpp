@@ -6,25 +6,31 @@
 #include <cmath>
 #include <utility>
 
-#include "app/session/observer_eye.h"
+#include "app/record/gaze_marker.h"
+#include "app/session/auto_method.h"
 #include "app/study/inputs.h"
+#include "app/study/live_change.h"
+#include "app/study/session_settings_of.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
 namespace {
 
-constexpr double kMargin_s = 0.0015;    // a frame is ready this much before it is wanted
-constexpr double kTick_s = 1e-6;        // of the clock
-constexpr double kStill_D_s = 0.05;     // an eye whose focus moves no faster is at rest
-constexpr int kAlike = 2;               // renders after which another brings nothing new
-constexpr std::size_t kMaxBacklog = 8;  // frames that wait for the disk
+// Chosen by hand: the frame is ready this long before the window swaps buffers.
+constexpr double kMargin_s = 0.0015;
+constexpr double kTick_s = 1e-6;     // resolution of `LiveClock`
+constexpr double kStill_D_s = 0.05;  // focus that moves no faster is at rest; chosen by hand
+// Method auto learns the cost of its quality levels from each render. After so many renders at the
+// same level another one brings nothing new.
+constexpr int kAlike = 2;
+constexpr std::size_t kMaxBacklog = 8;  // frames that wait for the disk: 50 MB at 1920 x 1080
 
 }  // namespace
 
 std::string methodOfFrame(const Study& study, const FrameRecord& record) {
   const bool jumps = record.eye.state == GazeState::saccade;
-  return jumps && study.render.method != "auto" ? "pinhole" : study.render.method;
+  return jumps && !choosesQuality(study.render.method) ? "pinhole" : study.render.method;
 }
 
 LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock,
@@ -57,18 +63,18 @@ std::future<std::string> LiveRenderer::post(std::function<void()> action) {
   {
     const std::lock_guard lock(mutex_);
     commands_.push_back([this, answer, action = std::move(action)] {
-      std::string wrong;
+      std::string failure;
       try {
         action();
       } catch (const std::exception& error) {
-        wrong = error.what();
+        failure = error.what();
       }
       {
         const std::lock_guard inner(mutex_);
-        if (!wrong.empty()) state_.notice = wrong;
+        if (!failure.empty()) state_.notice = failure;
       }
       publish();
-      answer->set_value(wrong);
+      answer->set_value(failure);
     });
   }
   changed_.notify_all();
@@ -77,9 +83,9 @@ std::future<std::string> LiveRenderer::post(std::function<void()> action) {
 
 std::future<std::string> LiveRenderer::change(const std::string& key, const std::string& toml) {
   return post([this, key, toml] {
-    session_->change(key, toml);
-    if (const std::string remark = ellipseText(session_->study()); !remark.empty()) tell(remark);
-    // The first frame that it holds for is the next, whose time is not before now.
+    changeLive(study_, *session_, key, toml);
+    if (const std::string remark = ellipseRemark(study_); !remark.empty()) tell(remark);
+    // The next frame is the first with the new value. Its time is not before now.
     if (state_.record) {
       state_.record->add(Change{std::max(clock_.now_s(), last_frame_s_ + kTick_s), key, toml});
     }
@@ -89,9 +95,9 @@ std::future<std::string> LiveRenderer::change(const std::string& key, const std:
 std::future<std::string> LiveRenderer::startRecord(const std::filesystem::path& folder) {
   return post([this, folder] {
     if (state_.record) throw std::runtime_error("a record is running");
-    auto record = std::make_shared<LiveRecord>(folder, session_->study(), feed_.screen(),
-                                               feed_.rate_Hz(), command_, threads_);
-    // From here on nothing counts that happened before: so will a replay find it.
+    auto record = std::make_shared<LiveRecord>(folder, study_, feed_.screen(), feed_.rate_Hz(),
+                                               command_, threads_);
+    // A replay of the record knows nothing of what happened before.
     news_.clear();
     feed_.take(news_);
     session_start_s_ = wholeMicroseconds(std::max(clock_.now_s(), last_frame_s_ + kTick_s));
@@ -121,11 +127,11 @@ void LiveRenderer::closeRecord() {
   closing_.push_back(std::exchange(state_.record, nullptr));
 }
 
-double LiveRenderer::mark(const std::string& text) {
+double LiveRenderer::addMarker(const std::string& text) {
   const double time_s = clock_.now_s();
   const std::lock_guard lock(mutex_);
-  state_.notice = "mark: " + text + (state_.record ? "" : " (no record is running)");
-  if (state_.record) state_.record->addMark(time_s, text);
+  state_.notice = "event marker: " + text + (state_.record ? "" : " (no record is running)");
+  if (state_.record) state_.record->addMarker(time_s, text);
   return time_s;
 }
 
@@ -146,15 +152,15 @@ std::vector<std::filesystem::path> LiveRenderer::records() const {
 
 void LiveRenderer::publish() {
   const std::lock_guard lock(mutex_);
-  state_.study = session_->study();
+  state_.study = study_;
 }
 
 void LiveRenderer::run(const std::stop_token& stop) {
   try {
     cloud_ = loadScene(study_);
     session_start_s_ = clock_.now_s();
-    session_ = std::make_unique<Session>(study_, *cloud_, feed_.screen(), feed_.rate_Hz(),
-                                         session_start_s_);
+    session_ = std::make_unique<Session>(sessionSettingsOf(study_), *cloud_, feed_.screen(),
+                                         feed_.rate_Hz(), session_start_s_);
     renderFrames(stop);
   } catch (...) {
     const std::lock_guard lock(mutex_);
@@ -178,7 +184,8 @@ void LiveRenderer::renderFrames(const std::stop_token& stop) {
   }
 }
 
-/// Until the last image has been taken and it is time for the next, minding commands meanwhile.
+/// Waits until the last frame has been taken and the next one is due. Carries out commands.
+/// @return false to stop
 bool LiveRenderer::waitForRoom(const std::stop_token& stop) {
   const double cost_s = cost_s_.contains(last_method_) ? cost_s_.at(last_method_) : 0.0;
   while (!stop.stop_requested()) {
@@ -199,25 +206,26 @@ bool LiveRenderer::waitForRoom(const std::stop_token& stop) {
       if (commands.empty()) return !stop.stop_requested();
     }
     for (const Command& command : commands) command();
-    // A record that has failed, or is closed and written, goes.
+    // A record is destroyed once it is written or has failed: its destructor would wait.
     std::erase_if(closing_, [](const auto& record) { return record->finished(); });
   }
   return false;
 }
 
-/// A sample as a record keeps it.
+/// The sample as the record and its replay will have it.
 GazeSample LiveRenderer::asRecorded(GazeSample sample) const {
-  constexpr double kFarthest_px = 1e5, kWidestPupil_mm = 15.0, kMinSure_deg = 45.0;
+  // The limits of gaze/sources/table_row.cpp, beyond which a replay would refuse the record.
+  constexpr double kMaxPoint_px = 1e5, kMaxPupil_mm = 15.0, kMaxUncertainty_deg = 45.0;
   const auto plausible = [&](std::optional<glm::dvec2>& point_px) {
-    if (point_px && !(glm::length(*point_px) <= kFarthest_px)) point_px.reset();
+    if (point_px && !(glm::length(*point_px) <= kMaxPoint_px)) point_px.reset();
   };
   if (sample.blink) sample.point_px.reset();
   plausible(sample.point_px);
-  if (sample.pupil_mm && !(*sample.pupil_mm > 0.0 && *sample.pupil_mm <= kWidestPupil_mm)) {
+  if (sample.pupil_mm && !(*sample.pupil_mm > 0.0 && *sample.pupil_mm <= kMaxPupil_mm)) {
     sample.pupil_mm.reset();
   }
   if (sample.uncertainty_deg) {
-    sample.uncertainty_deg = std::clamp(*sample.uncertainty_deg, 0.0, kMinSure_deg);
+    sample.uncertainty_deg = std::clamp(*sample.uncertainty_deg, 0.0, kMaxUncertainty_deg);
   }
   for (EyeSample& eye : sample.eyes) {
     if (!eye.point_px && eye.direction) {
@@ -226,7 +234,7 @@ GazeSample LiveRenderer::asRecorded(GazeSample sample) const {
     plausible(eye.point_px);
     eye = {.point_px = eye.point_px};
   }
-  // One that comes after a frame for which it would have counted is put behind it.
+  // A sample that is older than the last frame comes too late for it: its time moves behind.
   const double after_s = std::max(last_sample_s_.value_or(0.0), last_frame_s_);
   sample.time_s = wholeMicroseconds(std::max(sample.time_s, after_s + kTick_s));
   return sample;
@@ -243,33 +251,34 @@ void LiveRenderer::takeGaze() {
   }
 }
 
-/// Where a time is held, images are rendered at leisure, too: the one of an eye at rest, and the
-/// one that it will see once its focus has come to rest, so that it is there by then.
-/// @return whether the last image is that of the job, too, as good as can be had now
-bool LiveRenderer::refine(const RenderRequest& job, const FrameRecord& record) {
-  if (!job.holdsTime()) {
+/// Under a frame-time budget, has the refiner render at full quality. It renders the frame of an
+/// eye at rest, and ahead of time the frame of a focus that will come to rest.
+/// @return whether rendering the request again would bring nothing new
+bool LiveRenderer::refine(const RenderRequest& request, const FrameRecord& record) {
+  if (!request.hasTimeBudget()) {
     refiner_.reset();
     return false;
   }
   if (!refiner_) {
-    // Of two cores it has one: a frame that waits for the other one's share of it comes late.
+    // It leaves one core to the frame loop, which would wait for its own work behind the refiner's.
     refiner_ = std::make_unique<Refiner>(session_->cloneRenderer(), std::max(threads_, 2u) - 1);
   }
-  const bool same = job == last_job_;
-  if (!job.sameViews(last_job_)) {
+  const bool same = request == last_request_;
+  if (!request.sameViews(last_request_)) {
     refiner_->want({});
-  } else if (record.eye.state != GazeState::saccade) {  // what is rendered will do after it, too
+  } else if (record.eye.state != GazeState::saccade) {  // the same requests are wanted after it
     const double moved_D = std::abs(record.eye.focus_D - last_.eye.focus_D);
     const bool rests = moved_D <= kStill_D_s * (record.time_s - last_.time_s);
-    const RenderRequest at_rest = session_->jobAtRest(last_method_, record);
+    const RenderRequest at_rest = session_->requestAtRest(last_method_, record);
     std::vector<RenderRequest> wanted;
-    if ((rests || job == at_rest) && !session_->hasAtLeisure(job)) wanted.push_back(job);
-    if (job != at_rest) wanted.push_back(at_rest);
+    if ((rests || request == at_rest) && !session_->hasFullQuality(request))
+      wanted.push_back(request);
+    if (request != at_rest) wanted.push_back(at_rest);
     refiner_->want(std::move(wanted));
   }
-  if (session_->hasAtLeisure(job)) return same;
-  if (auto rendered = refiner_->take(job)) {
-    session_->adopt(job, std::move(*rendered));
+  if (session_->hasFullQuality(request)) return same;
+  if (auto rendered = refiner_->take(request)) {
+    session_->adopt(request, std::move(*rendered));
     return false;
   }
   const std::uint64_t refined = refiner_->done();
@@ -287,27 +296,27 @@ std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
   frame->record = session_->look(time_s);
   if (frame->record.eye.sample) timing.sample_s = frame->record.eye.sample->time_s;
   timing.state_s = frame->record.eye.state_time_s;
-  last_method_ = methodOfFrame(session_->study(), frame->record);
-  const RenderRequest job = session_->jobOf(last_method_, frame->record);
-  const bool again = refine(job, frame->record);
-  const Frame& rendered = session_->render(job, frame->record, again);
-  alike_ = job == last_job_ && frame->record.method == last_.method ? alike_ + 1 : 0;
-  const Study& study = session_->study();
-  if (frame->record.rendered)
-    plain_ = std::make_shared<Image>(imageOf(rendered, study.screen.gamma));
-  last_job_ = job;
+  last_method_ = methodOfFrame(study_, frame->record);
+  const RenderRequest request = session_->requestOf(last_method_, frame->record);
+  const bool again = refine(request, frame->record);
+  const Frame& rendered = session_->render(request, frame->record, again);
+  alike_ = request == last_request_ && frame->record.method == last_.method ? alike_ + 1 : 0;
+  if (frame->record.rendered) {
+    plain_ = std::make_shared<Image>(imageOf(rendered, study_.screen.gamma));
+  }
+  last_request_ = request;
   last_ = frame->record;
   frame->image = plain_;
-  if (study.output.marker) {
+  if (study_.output.marker) {
     auto marked = std::make_shared<Image>(*plain_);
-    session_->mark(frame->record, *marked);
+    drawGazeMarkers(*session_, frame->record, *marked);
     frame->image = std::move(marked);
   }
-  timing.full = frame->record.stats.full_quality && last_method_ == study.render.method;
+  timing.in_full = frame->record.stats.full_quality && last_method_ == study_.render.method;
   last_frame_s_ = time_s;
-  frame->into = state_.record;
+  frame->record_file = state_.record;
   timing.render_end_s = clock_.now_s();
-  // In a saccade the image may stay, which costs nothing; the one of its landing is rendered.
+  // A frame reused in a saccade costs nothing, but the frame after the landing will.
   if (last_.rendered || last_.eye.state != GazeState::saccade) {
     cost_s_[last_method_] = timing.render_end_s - timing.render_start_s;
   }

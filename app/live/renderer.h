@@ -1,5 +1,6 @@
-// The worker of `foci live`: takes the gaze as late as it can, renders, and lays the image ready.
-// The window takes it when it wants one, and never waits.
+// The frame loop of `foci live`, on a thread of its own. It takes the gaze as late as it can,
+// renders a frame, and lays it ready. The window takes the frame when it wants one, and never
+// waits.
 #pragma once
 
 #include <condition_variable>
@@ -23,48 +24,48 @@
 
 namespace foci {
 
-/// The one place where a live frame's method is chosen: the study's, but in a saccade, when the
-/// eye sees next to nothing, the one that is soonest ready for its landing. `auto` goes on: its
-/// image stays while nothing changes, which takes no time at all.
+/// The method of a live frame. In a saccade, when the eye sees almost nothing, it is the fastest
+/// one, so that the frame after the landing starts early. A method that chooses its quality
+/// (`auto`) stays: it reuses frames. Otherwise it is the study's method.
 std::string methodOfFrame(const Study& study, const FrameRecord& record);
 
-/// What the window shows besides the image.
+/// What the window shows besides the frame.
 struct LiveState {
   Study study;                         ///< with the changes so far
-  std::string notice;                  ///< the last thing to be told; "" at first
-  FrameRecord last;                    ///< rendered
-  std::shared_ptr<LiveRecord> record;  ///< running; or none
+  std::string notice;                  ///< the latest; "" at first
+  FrameRecord last;                    ///< of the newest frame
+  std::shared_ptr<LiveRecord> record;  ///< in progress; null: none
 };
 
 class LiveRenderer {
  public:
-  /// @param ready    called from the worker when an image has been laid ready, or it has failed
+  /// @param ready    called from the thread when a frame lies ready, or the thread has failed
   /// @param threads  that render
-  /// `clock` and `feed` outlive it.
+  /// `clock` and `feed` must outlive the renderer.
   LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock, std::string command,
                unsigned threads, std::function<void()> ready);
   ~LiveRenderer();
   LiveRenderer(const LiveRenderer&) = delete;
   LiveRenderer& operator=(const LiveRenderer&) = delete;
 
-  /// The image that lies ready, if one does: room for the next.
-  /// @param next_s  when the window will want that
-  /// @throws what made the worker end
+  /// Takes the frame that lies ready, if there is one, and makes room for the next.
+  /// @param next_s  when the window will want the next one
+  /// @throws the exception that ended the thread
   std::shared_ptr<LiveFrame> take(double next_s);
 
-  // Each is done before the next frame; what it answers is "" where it is done, else what is wrong.
+  // Each is carried out before the next frame. The answer is "", or the error.
   std::future<std::string> change(const std::string& key, const std::string& toml);
   std::future<std::string> startRecord(const std::filesystem::path& folder);
   std::future<std::string> stopRecord();
-  /// @return the mark's time
-  double mark(const std::string& text);
+  /// Sets an event marker. @return its time
+  double addMarker(const std::string& text);
 
   LiveState state() const;
 
   /// Shows a notice.
   void tell(const std::string& notice);
 
-  /// Folders of all records that were begun.
+  /// Folders of all records so far.
   std::vector<std::filesystem::path> records() const;
 
  private:
@@ -77,7 +78,7 @@ class LiveRenderer {
   void takeGaze();
   GazeSample asRecorded(GazeSample sample) const;
   std::shared_ptr<LiveFrame> renderFrame();
-  bool refine(const RenderRequest& job, const FrameRecord& record);
+  bool refine(const RenderRequest& request, const FrameRecord& record);
   void publish();
   void closeRecord();
 
@@ -88,19 +89,19 @@ class LiveRenderer {
   unsigned threads_;
   std::function<void()> ready_;
 
-  // Touched by the worker alone.
+  // Used by the thread alone.
   std::optional<SurfelCloud> cloud_;
   std::unique_ptr<Session> session_;
-  std::unique_ptr<Refiner> refiner_;  // where a time is held
-  RenderRequest last_job_;
+  std::unique_ptr<Refiner> refiner_;  // under a frame-time budget
+  RenderRequest last_request_;
   FrameRecord last_;
-  int alike_ = 0;                       // renders of the last job that were rendered alike
-  std::uint64_t refined_ = 0;           // as the refiner counts, at the last of them
-  std::shared_ptr<const Image> plain_;  // of the last frame, without a mark
+  int alike_ = 0;                       // renders of the last request at the same quality level
+  std::uint64_t refined_ = 0;           // steps of the refiner at the last frame
+  std::shared_ptr<const Image> plain_;  // the last frame without gaze marker
   std::vector<GazeSample> news_;
   std::optional<double> last_sample_s_;
   double last_frame_s_ = 0.0, session_start_s_ = 0.0;
-  std::map<std::string, double> cost_s_;  // of the last frame by each method
+  std::map<std::string, double> cost_s_;  // of the last frame of each method
   std::string last_method_;
   std::vector<std::shared_ptr<LiveRecord>> closing_;
 

@@ -2,14 +2,11 @@
 
 #include <utility>
 
+#include "app/study/gaze_calibration.h"
 #include "app/study/inputs.h"
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
-#include "calibration/binocular/binocular_map.h"
-#include "calibration/camera/camera.h"
-#include "calibration/gaze_map/gaze_map_file.h"
-#include "calibration/webcam/webcam_calibration.h"
 #include "calibration/webcam/webcam_recalibration.h"
 #include "gaze/webcam/webcam_source.h"
 #ifdef FOCI_PUPIL
@@ -19,7 +16,7 @@
 namespace foci {
 namespace {
 
-constexpr double kMouse_Hz = 250.0;
+constexpr double kMouse_Hz = 250.0;  // as a common tracker
 
 std::unique_ptr<LiveSource> openPupil(const std::string& name, const Screen& screen) {
   const std::size_t colon = name.rfind(':');
@@ -39,10 +36,7 @@ void openWebcam(const WebcamPlace& place, const Study& study, NamedSource& named
   std::optional<WebcamReference> reference;
   WebcamMapping map;
   if (study.gaze.map) {
-    const WebcamCalibration calibration = readWebcamCalibration(*study.gaze.map);
-    std::optional<Lens> camera;
-    if (study.gaze.camera) camera = lensOf(readCamera(*study.gaze.camera));
-    requireSame(calibration, study.screenInForce(), camera);
+    const WebcamCalibration calibration = webcamCalibrationOf(study);
     reference = calibration.reference;
     const auto now = std::make_shared<WebcamRecalibration>(calibration.map, study.screenInForce());
     map = [now](const WebcamView& view) { return now->gazeOf(view); };
@@ -51,7 +45,7 @@ void openWebcam(const WebcamPlace& place, const Study& study, NamedSource& named
   named.source = std::make_unique<WebcamSource>(place, WebcamTracker(std::nullopt, reference), map);
 }
 
-/// A tracker whose gaze is put right by a calibration's map.
+/// A tracker whose gaze goes through the map of a calibration.
 class MappedSource final : public LiveSource {
  public:
   MappedSource(std::unique_ptr<LiveSource> source, GazeMap map, const Screen& screen)
@@ -90,13 +84,15 @@ NamedSource openLiveSource(const std::string& name, const Study& study) {
     named.source = std::make_unique<TraceSource>(std::move(trace));
   } else if (name.starts_with("pupil:")) {
     named.source = openPupil(name, named.screen);
-    if (study.gaze.map && isBinocularFile(*study.gaze.map)) {
-      throw InputError(study.gaze.map->string(),
-                       "expected a map of foci calibrate gaze: live, both eyes are not corrected");
-    }
     if (study.gaze.map) {
-      named.source = std::make_unique<MappedSource>(std::move(named.source),
-                                                    readGazeMap(*study.gaze.map), named.screen);
+      const GazeCalibration calibration = readGazeCalibration(*study.gaze.map, /*webcam=*/false);
+      const auto* map = std::get_if<GazeMap>(&calibration);
+      if (!map) {
+        throw InputError(
+            study.gaze.map->string(),
+            "expected a map of foci calibrate gaze: live, both eyes are not corrected");
+      }
+      named.source = std::make_unique<MappedSource>(std::move(named.source), *map, named.screen);
     }
   } else if (const auto place = webcamPlaceOf(name)) {
     openWebcam(*place, study, named);

@@ -1,4 +1,4 @@
-// The gaze that `foci live --source` names.
+// The gaze source that `foci live --source` names.
 #pragma once
 
 #include <functional>
@@ -14,15 +14,16 @@ namespace foci {
 
 struct NamedSource {
   std::unique_ptr<LiveSource> source;
-  MouseSource* mouse = nullptr;  ///< where it is the mouse: somebody must tell it where it is
+  MouseSource* mouse = nullptr;  ///< set if the source is the mouse, which the window moves
   Screen screen;                 ///< that its samples are on
-  /// Of a calibrated webcam: the observer looks at this point now. False: no eyes were seen.
+  /// Tells a calibrated webcam that the observer looks at this point now. Returns false if it sees
+  /// no eyes. Other sources have none.
   std::function<bool(const glm::dvec2& point_px)> lookedAt = {};
 };
 
 /// @param name  mouse; trace:FILE (or trace:simulated); pupil:HOST:PORT; webcam[:N|FILE]. A map of
 ///   foci calibrate gaze in the study is applied to all but the mouse.
-/// @throws InputError where there is no such source
+/// @throws InputError for an unknown source
 NamedSource openLiveSource(const std::string& name, const Study& study);
 
 }  // namespace foci

@@ -1,5 +1,5 @@
-// The window of `foci live`: shows each image as soon as it is there, and turns keys into changes
-// of the study. Nothing here takes longer than a swap of buffers.
+// The window of `foci live`. It shows each frame as soon as it is rendered, and turns keys into
+// changes of the study. Nothing here takes longer than a buffer swap.
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
@@ -20,6 +20,7 @@
 #include "app/live/renderer.h"
 #include "app/platform/interrupt.h"
 #include "app/platform/output_folder.h"
+#include "app/study/study_words.h"
 #include "app/window/window.h"
 #include "base/file.h"
 #include "render/methods/method.h"
@@ -27,16 +28,16 @@
 namespace foci {
 namespace {
 
-constexpr double kFirst_s = 8.0, kNotice_s = 4.0;       // how long hints stand
-constexpr double kPanel_s = 1.0 / 30.0, kIdle_s = 0.5;  // redrawn without a new image
+constexpr double kFirst_s = 8.0, kNotice_s = 4.0;  // how long hints and notices stay
+constexpr double kPanel_s = 1.0 / 30.0,
+                 kIdle_s = 0.5;  // until the window is drawn again without a new frame
 constexpr double kStep_m = 0.05, kTurn_rad_per_px = 0.002, kFocusStep_D = 0.25;
-constexpr std::array kViews{"mono", "side-by-side", "top-bottom", "anaglyph"};
 
 std::string quoted(std::string_view name) { return '"' + std::string(name) + '"'; }
 
-/// The name after `now`, around.
+/// The name after `now`; after the last one the first.
 template <class Names>
-std::string nextOf(const Names& names, const std::string& now) {
+std::string nextOf(const Names& names, std::string_view now) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i] == now) return quoted(names[(i + 1) % names.size()]);
   }
@@ -98,9 +99,9 @@ LiveWindow::LiveWindow(const Study& study, const LiveOptions& options)
   controls_ = {.change = [this](const auto& name, const auto& toml) { change(name, toml); },
                .toggle_record = [this] { toggleRecord(); },
                .screenshot = [this] { screenshot(); },
-               .mark = [this] { renderer_->mark("panel"); }};
+               .add_marker = [this] { renderer_->addMarker("panel"); }};
   feed_.emplace(openLiveSource(options.source, study), clock_);
-  // The scene opens while the window does.
+  // The scene loads while the window opens.
   renderer_.emplace(study, *feed_, clock_, options.command, options.threads, [this] {
     if (open_) Window::wake();
   });
@@ -141,7 +142,7 @@ LiveSummary LiveWindow::run() {
   return summary_;
 }
 
-/// Tells a source that is the mouse where it is, and one that learns from clicks of clicks.
+/// Tells the gaze source where the mouse is, and where it clicks.
 void LiveWindow::point() {
   const glm::dvec2 at_px = window_->cursor_px();
   if (window_->rightButton() && !ImGui::GetIO().WantCaptureMouse) turnEye();
@@ -164,7 +165,7 @@ void LiveWindow::point() {
 void LiveWindow::turnEye() {
   const glm::dvec2 by_px = window_->cursor_px() - cursor_px_;
   if (!pose_ || by_px == glm::dvec2(0.0)) return;
-  pose_->turn(-kTurn_rad_per_px * by_px);  // the scene is dragged along
+  pose_->turn(-kTurn_rad_per_px * by_px);  // the scene follows the mouse
   sendPose();
 }
 
@@ -203,7 +204,7 @@ void LiveWindow::moveEye(int key) {
   sendPose();
 }
 
-/// True where any was pressed.
+/// @return whether any key was pressed
 bool LiveWindow::keys() {
   const std::vector<int> pressed = window_->takeKeys();
   const std::vector<unsigned> typed = window_->takeTyped();
@@ -250,7 +251,7 @@ void LiveWindow::key(int key) {
       toggle("output.split", study.output.split);
       break;
     case GLFW_KEY_V:
-      change("output.view", nextOf(kViews, study.output.view));
+      change("output.view", nextOf(studyWords<StereoView>(), studyWord(study.output.view)));
       break;
     case GLFW_KEY_N:
       change("render.method", nextOf(names, study.render.method));
@@ -259,7 +260,7 @@ void LiveWindow::key(int key) {
       toggleRecord();
       break;
     case GLFW_KEY_SPACE:
-      renderer_->mark("space");
+      renderer_->addMarker("space");
       break;
     case GLFW_KEY_P:
       screenshot();
@@ -311,13 +312,13 @@ void LiveWindow::draw() {
                              .summary = summary_};
   if (panel_) drawPanel(content, controls_, panel_);
   if (help_) drawHelp(help_);
-  drawSigns(content, now_s - notice_since_s_ < kNotice_s ? notice_ : "", now_s < kFirst_s);
+  drawNotices(content, now_s - notice_since_s_ < kNotice_s ? notice_ : "", now_s < kFirst_s);
   window_->end();
   last_swap_s_ = clock_.now_s();
   if (is_new_) shown();
 }
 
-/// Accounts for the image that has just been swapped in.
+/// Counts the frame that has just been shown, and gives it to the record.
 void LiveWindow::shown() {
   is_new_ = false;
   FrameTiming& timing = frame_->timing;
@@ -334,13 +335,13 @@ void LiveWindow::shown() {
   const double render_ms = 1e3 * (timing.render_end_s - timing.render_start_s);
   const double sample_ms = 1e3 * (last_swap_s_ - timing.sample_s.value_or(last_swap_s_));
   summary_.render.add(render_ms);
-  // A source that is silent has no sample to be late with.
+  // A silent source has no sample whose age could be told.
   if (timing.sample_s && frame_->record.eye.state != GazeState::lost) {
     summary_.sample_to_swap.add(sample_ms);
   }
-  summary_.landings.add(frame_->record, timing.full, last_swap_s_);
+  summary_.landings.add(frame_->record, timing.in_full, last_swap_s_);
   graph_.add(sample_ms, render_ms, 1e3 * (last_swap_s_ - timing.render_end_s));
-  if (const auto record = frame_->into.lock()) record->add(frame_);
+  if (const auto record = frame_->record_file.lock()) record->add(frame_);
 }
 
 }  // namespace

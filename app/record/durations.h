@@ -1,4 +1,4 @@
-// Durations counted in bins, in constant memory however long a run is.
+// A histogram of durations, in constant memory however long a run is.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +18,8 @@ class Durations {
 
   std::uint64_t count() const { return count_; }
 
-  /// The value below which a share of all lies, ms: 0.1 ms wide bins, up to 2 s. 0 where there are
-  /// none.
+  /// The value below which a share of all durations lies, ms, in bins of 0.1 ms up to 2 s. 0
+  /// without durations.
   double quantile_ms(double share) const {
     const auto wanted = static_cast<std::uint64_t>(share * static_cast<double>(count_));
     std::uint64_t below = 0;

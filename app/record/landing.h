@@ -1,20 +1,20 @@
-// How long after a saccade's landing the image is full again: as good as the study wants it,
-// which a budget of time may not allow at once.
+// The time from the landing of a saccade to the first frame at full quality, which a frame-time
+// budget may delay.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
 #include "app/record/durations.h"
-#include "app/session/session.h"
+#include "app/session/frame_record.h"
 
 namespace foci {
 
 class Landings {
  public:
-  /// A frame was shown. Each in order.
-  /// @param full  what is rendered at leisure, or needed no more time than there was
-  /// @return ms since the landing, of the first full frame after it
+  /// Takes a frame that was shown. Frames come in order.
+  /// @param full  at full quality: the frame-time budget took nothing away
+  /// @return for the first full frame after a landing, the time since then, ms
   std::optional<double> add(const FrameRecord& record, bool full, double swap_s) {
     ++frames_;
     full_frames_ += full;
@@ -26,7 +26,7 @@ class Landings {
       landed_s_ = record.eye.state_time_s;
       ++count_;
     }
-    if (!isStable(state)) landed_s_.reset();  // the eye is off again
+    if (!isStable(state)) landed_s_.reset();  // the eye has left again
     if (!full || !landed_s_) return std::nullopt;
     const double ms = 1e3 * (swap_s - *landed_s_);
     landed_s_.reset();
@@ -35,7 +35,7 @@ class Landings {
   }
 
   std::uint64_t count() const { return count_; }
-  /// Of those after which the image was full before the eye left again.
+  /// Of the landings that had a full frame before the eye left again.
   const Durations& toFull() const { return to_full_; }
   /// Share of all frames that were full.
   double fullShare() const {

@@ -3,14 +3,14 @@
 #include <nlohmann/json.hpp>
 
 #include "app/platform/machine.h"
-#include "app/session/observer_eye.h"
+#include "app/study/session_settings_of.h"
 
 namespace foci {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// File names need not be UTF-8: what is not is replaced.
+// File names need not be UTF-8: other bytes are replaced.
 std::string dump(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
@@ -77,7 +77,7 @@ std::string manifestJson(const Study& study, const RunSummary& summary,
       {"inputs", inputs},
       {"configuration", configuration},
       {"screen_is_default", study.screen.is_default},
-      {"ellipses_as_circles", !ellipseText(study).empty()},
+      {"ellipses_as_circles", !ellipseRemark(study).empty()},
       {"gaze",
        {{"format", facts.gaze.format},
         {"simulated", facts.gaze.simulated},

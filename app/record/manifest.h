@@ -1,4 +1,4 @@
-// manifest.json: enough to run it again to the same bytes.
+// manifest.json: all that is needed to repeat a run to the same bytes.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ struct InputFile {
   std::string sha256;
 };
 
-/// Of the gaze that was used.
+/// The gaze of the run.
 struct GazeFacts {
   std::string format;
   bool simulated = false;
@@ -30,7 +30,7 @@ struct ManifestFacts {
   std::string command;
   unsigned threads = 0;
   GazeFacts gaze;
-  const Landings* landings = nullptr;  ///< of a live run
+  const Landings* landings = nullptr;  ///< of a live run; else null
   std::vector<InputFile> inputs;
   std::string frames_sha256;  ///< of the 8-bit sRGB bytes of all frames, in order, before encoding
 };
@@ -39,7 +39,7 @@ std::string manifestJson(const Study& study, const RunSummary& summary, const Ma
 
 GazeFacts factsOf(const GazeTrace& trace);
 
-/// How soon after saccades the image of a live run was full.
+/// How soon after saccades the frames of a live run had full quality.
 nlohmann::ordered_json landingsJson(const Landings& landings);
 
 /// `--json`: the summary as one line.

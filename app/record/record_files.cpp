@@ -6,8 +6,10 @@
 #include <stdexcept>
 
 #include "app/record/tables.h"
+#include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/sources/line_reader.h"
+#include "render/methods/method.h"
 
 namespace foci {
 namespace {
@@ -25,7 +27,7 @@ std::string exactly(const std::optional<glm::dvec2>& point) {
   return point ? exactly(point->x) + '\t' + exactly(point->y) : "n/a\tn/a";
 }
 
-/// The fields between tabs, as they are.
+/// The fields between tabs.
 std::vector<std::string> fieldsOf(std::string_view line) {
   std::vector<std::string> fields(1);
   for (const char c : line) {
@@ -86,7 +88,7 @@ std::vector<RecordedFrame> readFrames(const std::filesystem::path& file) {
     if (line.empty()) continue;
     if (broken) throw lines.error("follows a line that is too short");
     const auto fields = fieldsOf(line);
-    // A record whose run was killed may end within a line.
+    // The record of a killed run may end within a line.
     if ((broken = fields.size() < names.size())) continue;
     const double after_s = frames.empty() ? -1e12 : std::nextafter(frames.back().time_s, 1e12);
     if (const auto expected = expectedMethod(fields[method])) {

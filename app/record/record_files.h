@@ -1,5 +1,5 @@
-// The tables of a live run's record that a replay takes up again. Times are whole microseconds and
-// numbers are written to the last bit, so that what is read back is what was.
+// The tables of a live record that a replay reads. Times are whole microseconds and numbers have
+// every digit, so they read back to the same bits.
 #pragma once
 
 #include <filesystem>
@@ -7,15 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "app/session/session.h"
+#include "app/study/live_change.h"
+#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 
-/// `time_s` at the nearest whole microsecond, as six decimals read back give it.
+/// `time_s` rounded to a microsecond, as it reads back from six decimals.
 double wholeMicroseconds(double time_s);
 
-/// gaze.tsv: every sample in order of arrival. What a replay uses of a sample comes back from
-/// `readTrace` as it was; of an eye, its point on the screen.
+/// gaze.tsv: every sample, in order of arrival. `readTrace` reads back all that a replay uses. Of
+/// each eye that is its point on the screen.
 class GazeTable {
  public:
   /// @param screen  that the samples are on
@@ -30,7 +31,7 @@ class GazeTable {
   std::ofstream out_;
 };
 
-/// A frame as a record names it.
+/// A frame of a record.
 struct RecordedFrame {
   double time_s = 0.0;
   std::string method;
@@ -41,7 +42,7 @@ struct RecordedFrame {
 /// @throws InputError
 std::vector<RecordedFrame> readFrames(const std::filesystem::path& file);
 
-/// changes.tsv: a line a change.
+/// changes.tsv: one line for each change.
 std::string changesHeader();
 std::string changeRow(const Change& change);
 

@@ -1,4 +1,4 @@
-// What a run tells of its gaze, beside its frames.
+// The gaze events of a run.
 #pragma once
 
 #include <vector>

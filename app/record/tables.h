@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/session/session.h"
+#include "app/session/frame_record.h"
 #include "gaze/events/gaze_events.h"
 
 namespace foci {

@@ -13,8 +13,8 @@ namespace foci {
 struct ImageRequest {
   std::filesystem::path out;                   ///< .png, .pfm or .exr
   std::optional<std::filesystem::path> depth;  ///< .pfm
-  /// Focus in dioptres (0: infinity); absent: what `gaze_px` shows. The eye focuses as near to it
-  /// as its age and its refraction let it.
+  /// Focus in dioptres (0: infinity); absent: the study's fixed focus, else the surface at the
+  /// gaze. The eye focuses as near to it as its age and its refraction allow.
   std::optional<double> focus_D;
   /// On the study's screen, px; absent: its centre.
   std::optional<glm::dvec2> gaze_px;
@@ -22,13 +22,14 @@ struct ImageRequest {
 
 struct ImageSummary {
   double focus_D = 0.0;
-  std::optional<double> surface_distance_m;  ///< under the gaze; absent on a miss: focus rests
+  std::optional<double> surface_distance_m;  ///< at the gaze; absent if there is none
   double pupil_mm = 0.0;
   RenderStats stats;
 };
 
-/// The eye is where it is at the recording's beginning. No recording is read: where its pupil is
-/// wanted, the study's fixed one is taken; that of the image's light is the adapted one.
+/// Renders the frame of a replay whose observer has looked at one point for a long time, at the
+/// beginning of the recording. A still image has no frame-time budget. No recording is read: a
+/// pupil from the recording has the study's fixed diameter, and one from luminance has adapted.
 /// @throws InputError, std::runtime_error
 ImageSummary renderImage(const Study& study, const ImageRequest& request);
 

@@ -10,7 +10,7 @@
 namespace foci {
 
 /// Replays the study and writes video.mp4, frames.tsv, events.tsv, manifest.json and report.html to
-/// `out`. Nothing is left there, nor the folder if it is new, when it throws.
+/// `out`. If it throws, it leaves no file there, and removes the folder if that is new.
 /// @param command  as typed, for the manifest
 /// @param threads  in use, for the manifest
 /// @throws InputError, std::runtime_error

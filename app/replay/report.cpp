@@ -6,7 +6,7 @@
 
 #include "app/graphics/html.h"
 #include "app/record/tables.h"
-#include "app/session/observer_eye.h"
+#include "app/study/session_settings_of.h"
 #include "base/text.h"
 #include "gaze/focus/pupil.h"
 #include "render/optics/defocus.h"
@@ -53,18 +53,19 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
   html += "<div class=\"numbers\">\n";
   html += numberCell(
       decimal(summary.duration_s, 2) + " s",
-      std::to_string(summary.frames) + " frames, " + decimal(study.output.fps, 0) + " a second");
+      std::to_string(summary.frames) + " frames, " + decimal(study.output.fps, 0) + " per second");
   html += numberCell(std::to_string(summary.fixations), "fixations");
   html += numberCell(std::to_string(summary.saccades), "saccades");
-  html += numberCell(percent(1.0 - summary.gaze_valid), "of the gaze samples lost");
-  const std::string& pupil = study.observer.pupil;
+  html += numberCell(percent(1.0 - summary.gaze_valid), "of the gaze samples have no gaze");
+  const PupilModel pupil = study.observer.pupil;
   html += numberCell(decimal(summary.pupil_mm, 1) + " mm",
-                     pupil == "fixed"       ? "pupil, fixed"
-                     : pupil == "recording" ? "pupil (median), as recorded"
-                                            : "pupil (median), by the light of the images");
+                     pupil == PupilModel::fixed ? "pupil, fixed"
+                     : pupil == PupilModel::recording
+                         ? "pupil (median), as recorded"
+                         : "pupil (median), from the luminance of the images");
   html +=
       numberCell(std::to_string(summary.frames_rendered) + " of " + std::to_string(summary.frames),
-                 "frames rendered; the others show nothing new");
+                 "frames rendered; the others reuse the frame before");
   html +=
       numberCell(decimal(summary.rendered_ms_median, 1) + " ms",
                  "a frame rendered (median; 95&thinsp;%: " + decimal(summary.rendered_ms_p95, 1) +
@@ -73,14 +74,14 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
   return html + "</div>\n";
 }
 
-/// Nothing where the pupil is fixed.
+/// "" for a fixed pupil.
 std::string pupilText(const Study& study) {
-  if (study.observer.pupil == "recording") {
-    return " The pupil is the one recorded, held through blinks and losses.";
+  if (study.observer.pupil == PupilModel::recording) {
+    return " The pupil is the recorded one. It stays through blinks and data loss.";
   }
-  if (study.observer.pupil != "luminance") return "";
-  return " The pupil follows the light of the images on a screen whose white has " +
-         decimal(study.screen.luminance_cd_m2, 0) + " cd/m&sup2; and which fills " +
+  if (study.observer.pupil != PupilModel::luminance) return "";
+  return " The pupil follows the luminance of the images on a screen whose white has " +
+         decimal(study.screen.luminance_cd_m2, 0) + " cd/m&sup2; and that fills " +
          decimal(fieldArea_deg2(study.screenInForce()), 0) +
          " square degrees, in a dark room (Watson and Yellott 2012).";
 }
@@ -94,11 +95,13 @@ std::string eyeText(const Study& study) {
       text += ", cylinder " + decimal(observer.cylinder_D, 2) + " D, axis " +
               decimal(observer.axis_deg, 0) + "&deg;";
     }
-    text += observer.corrected ? ", and worn."
-                               : ", and not worn: the focus is the mean over all meridians. " +
-                                     escaped(ellipseText(study));
+    text +=
+        observer.corrected
+            ? "; the observer wears it."
+            : "; the observer does not wear it, and the focus is the mean over all meridians. " +
+                  escaped(ellipseRemark(study));
   }
-  if (observer.chromatic) text += " Red, green and blue are focused each by itself.";
+  if (observer.chromatic) text += " Red, green and blue each have their own focus.";
   return text;
 }
 
@@ -109,15 +112,16 @@ std::string toleranceText(const Study& study, const ReportFacts& facts) {
   return "In " + std::to_string(facts.frames_over) + " of " + std::to_string(facts.summary.frames) +
          " frames, the first at " + decimal(facts.first_over_s, 2) +
          " s, 5 % of the pixels may err by more than the tolerance of " +
-         decimal(study.quality.tolerance, 1) + " just noticeable differences, by up to " +
+         decimal(study.quality.tolerance, 1) + " just-noticeable differences, by up to " +
          decimal(facts.worst_error, 1) +
-         (study.quality.frame_ms ? ": quality.frame_ms leaves no time for more."
-                                 : ": auto renders them no more closely (docs/methods.md).");
+         (study.quality.frame_ms
+              ? ": the frame-time budget (quality.frame_ms) leaves no time for more."
+              : ": method auto has no better quality level (docs/methods.md).");
 }
 
 namespace {
 
-/// What a dioptre of defocus does, and how the focus was found.
+/// What one dioptre of defocus does, and how the focus is chosen.
 std::string opticsText(const Study& study, const ReportFacts& facts) {
   const RunSummary& summary = facts.summary;
   const Screen screen = study.screenInForce();
@@ -136,22 +140,21 @@ std::string opticsText(const Study& study, const ReportFacts& facts) {
          (accommodation.on ? "its focus follows after " + decimal(accommodation.latency_s, 2) +
                                  " s, with a time constant of " +
                                  decimal(accommodation.time_constant_s, 2) + " s."
-                           : std::string("its focus is there at once.")) +
-         pupilText(study) + eyeText(study) + " Drawn by the method <i>" +
+                           : std::string("its focus jumps at once.")) +
+         pupilText(study) + eyeText(study) + " Rendered by method <i>" +
          escaped(study.render.method) + "</i>. " + escaped(toleranceText(study, facts)) + "</p>\n";
 }
 
-std::string lossText(const ReportFacts& facts) {
+std::string dataLossText(const ReportFacts& facts) {
   if (facts.samples == 0) return "<p>No gaze sample falls into the time replayed.</p>\n";
   return "<p>Of " + std::to_string(facts.samples) + " gaze samples " +
-         std::to_string(facts.samples_lost) + " have no position, " +
+         std::to_string(facts.samples_without_gaze) + " have no position, " +
          std::to_string(facts.samples_blink) +
-         " are marked as blinks by the tracker; the longest loss lasts " +
-         decimal(facts.longest_loss_s, 3) + " s. " + std::to_string(facts.frames_held) + " of " +
-         std::to_string(facts.summary.frames) +
-         " frames fall into a blink, a loss or a pause of the recording; there, as in saccades, "
-         "the "
-         "focus is held.</p>\n";
+         " are marked as blinks by the tracker; the longest data loss lasts " +
+         decimal(facts.longest_data_loss_s, 3) + " s. " +
+         std::to_string(facts.frames_without_gaze) + " of " + std::to_string(facts.summary.frames) +
+         " frames fall into a blink, data loss or a pause of the recording. There, as in saccades, "
+         "the focus stays.</p>\n";
 }
 
 std::string legend() {
@@ -234,7 +237,7 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
   out << "<p class=\"quiet\">Gaze in px of the study's screen, from its top-left corner; time on "
          "the "
          "recording's clock.</p>\n"
-      << lossText(facts) << configuration(study) << "<p class=\"quiet\">" << facts.threads
+      << dataLossText(facts) << configuration(study) << "<p class=\"quiet\">" << facts.threads
       << (facts.threads == 1 ? " thread" : " threads")
       << ". Machine, hashes of every input and the frames' own are in manifest.json.</p>\n"
          "</main></body></html>\n";

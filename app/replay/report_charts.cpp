@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "app/graphics/gnuplot.h"
-#include "app/record/tables.h"
 #include "base/text.h"
 
 namespace foci {
@@ -120,7 +119,7 @@ std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows,
   script +=
       panel(0.06, 0.225, "render, ms",
             "set yrange [0:*]\nset ytics autofreq\nset format x '%g'\nset xlabel 'time, s'\n");
-  // A frame that is not rendered takes none.
+  // A reused frame has no impulse.
   script +=
       "plot $frames using 1:8 with impulses title '' linewidth 1.2 linecolor rgb '#7a8190'\n"
       "unset multiplot\n";

@@ -1,4 +1,4 @@
-// The report's charts: gnuplot renders them as SVG.
+// The charts of the report, which gnuplot renders as SVG.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 
 namespace foci {
 
-/// What the charts show of a frame; NaN where absent.
+/// What the charts show of a frame; NaN: absent.
 struct ChartRow {
   double time_s, gaze_x_px, gaze_y_px, surface_D, target_D, focus_D, pupil_mm, render_ms;
   GazeState state;
 };
 
-/// Rows for the charts in constant memory: when there are too many, every other one is dropped.
+/// Rows for the charts, in constant memory: if there are too many, every other one is dropped.
 class ChartSeries {
  public:
   void add(const ChartRow& row);
@@ -27,11 +27,11 @@ class ChartSeries {
   std::size_t stride_ = 1, seen_ = 0;
 };
 
-/// Gaze, focus, pupil and render time over time, under a band of states. Lines that are not data
-/// take the page's text colour, so that one image serves on light and dark ground.
+/// Gaze, focus, pupil and render time over time, over bands that show the gaze state. Axes have the
+/// text colour of the page, so that one image serves light and dark pages.
 /// @param screen_px  range of the gaze axis
-/// @return an <svg> element; nothing where gnuplot is not installed
-/// @throws std::runtime_error where gnuplot fails
+/// @return an <svg> element; nothing if gnuplot is not installed
+/// @throws std::runtime_error if gnuplot fails
 std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows,
                                      const glm::ivec2& screen_px);
 

@@ -5,10 +5,23 @@
 #include <limits>
 #include <utility>
 
+#include "app/session/auto_method.h"
+
 namespace foci {
 namespace {
 
-/// The left half without blur, a thin line between.
+/// Adds what one view of an image cost. The error of an image is its largest.
+void addView(const RenderStats& view, RenderStats& all) {
+  all.splats += view.splats;
+  all.fragments += view.fragments;
+  all.ms += view.ms;
+  all.full_quality = all.full_quality && view.full_quality;
+  if (view.tolerance_error) {
+    all.tolerance_error = std::max(all.tolerance_error.value_or(0.0), *view.tolerance_error);
+  }
+}
+
+/// Replaces the left half by a frame without blur, with a white line between.
 void splitWithSharp(Frame& frame, const Frame& sharp) {
   const auto width = static_cast<std::size_t>(frame.size_px.x);
   for (std::size_t y = 0; y < static_cast<std::size_t>(frame.size_px.y); ++y) {
@@ -20,8 +33,8 @@ void splitWithSharp(Frame& frame, const Frame& sharp) {
 
 }  // namespace
 
-bool RenderRequest::holdsTime() const {
-  return method == kAutoMethod && !eyes.empty() && eyes.front().settings.quality.frame_ms &&
+bool RenderRequest::hasTimeBudget() const {
+  return choosesQuality(method) && !eyes.empty() && eyes.front().settings.quality.frame_ms &&
          std::isfinite(*eyes.front().settings.quality.frame_ms);
 }
 
@@ -29,22 +42,12 @@ bool RenderRequest::sameViews(const RenderRequest& other) const {
   return std::ranges::equal(eyes, other.eyes, {}, &Eye::eye, &Eye::eye);
 }
 
-RenderRequest RenderRequest::atLeisure() const {
-  RenderRequest job = *this;
-  for (Eye& each : job.eyes) {
+RenderRequest RenderRequest::withoutTimeBudget() const {
+  RenderRequest request = *this;
+  for (Eye& each : request.eyes) {
     each.settings.quality.frame_ms = std::numeric_limits<float>::infinity();
   }
-  return job;
-}
-
-void addView(const RenderStats& view, RenderStats& all) {
-  all.splats += view.splats;
-  all.fragments += view.fragments;
-  all.ms += view.ms;
-  all.full_quality = all.full_quality && view.full_quality;
-  if (view.tolerance_error) {
-    all.tolerance_error = std::max(all.tolerance_error.value_or(0.0), *view.tolerance_error);
-  }
+  return request;
 }
 
 Method& FrameRenderer::methodNamed(const std::string& spec) {
@@ -81,7 +84,7 @@ void FrameRenderer::render(const RenderRequest& job, RenderedFrame& rendered) {
   for (const auto& [eye, asked] : job.eyes) {
     RenderSettings settings = asked;
     settings.quality.quality_level = level;
-    // Every view of a frame uses the same quality level, so the log has one value per frame.
+    // Every view of a frame uses the same quality level, so that the log has one value per frame.
     settings.quality.keep_level = !std::exchange(first, false);
     if (settings.quality.frame_ms) *settings.quality.frame_ms /= renders;
     Frame& seen = mono ? frame : eye_frame_;
@@ -93,13 +96,14 @@ void FrameRenderer::render(const RenderRequest& job, RenderedFrame& rendered) {
     }
     if (job.split) {
       settings.defocus = {};
+      settings.depth = false;
       settings.quality.keep_level = true;
       method.render(eye.view, settings, sharp_);
       splitWithSharp(seen, sharp_);
     }
     if (!mono) putEye(job.stereo, eye, seen, frame);
   }
-  rendered.job = job;
+  rendered.request = job;
 }
 
 }  // namespace foci

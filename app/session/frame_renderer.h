@@ -1,4 +1,4 @@
-// Images from all that they hang on: the views and lenses of a frame, and how it is to be rendered.
+// Renders a frame from all that it depends on: views, lenses, method and quality.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -14,8 +14,8 @@
 
 namespace foci {
 
-/// What is to be rendered. Equal jobs one after the other have equal images, but where method
-/// `auto` must hold a time, and where one goes on with the image before (`isIncremental`).
+/// All that a frame depends on. Equal requests give equal frames, with two exceptions: `auto` under
+/// a frame-time budget, and methods that go on with the frame before (`isIncremental`).
 struct RenderRequest {
   struct Eye {
     EyeView eye;
@@ -29,37 +29,38 @@ struct RenderRequest {
   std::vector<Eye> eyes;
   bool operator==(const RenderRequest&) const = default;
 
-  /// Whether what is rendered hangs on what it takes.
-  bool holdsTime() const;
-  /// Whether it is seen from the same place.
+  /// Whether a frame-time budget decides how well it is rendered.
+  bool hasTimeBudget() const;
+  /// Whether the eyes stand at the same places as in `other`.
   bool sameViews(const RenderRequest& other) const;
-  /// The same without haste.
-  RenderRequest atLeisure() const;
+  /// The same request at full quality.
+  RenderRequest withoutTimeBudget() const;
 };
 
 struct RenderedFrame {
-  RenderRequest job;
+  RenderRequest request;
   Frame frame;
-  std::string method;  ///< that renders the same again on any machine
+  std::string method;  ///< that renders the same frame again on any machine
   RenderStats stats;   ///< of all views together
 };
 
-/// Keeps a method of each name, and their buffers. One thread at a time.
+/// Renders requests, one at a time. Keeps a method of each name, with its buffers.
 class FrameRenderer {
  public:
   /// @param cloud  outlives it
   explicit FrameRenderer(const SurfelCloud& cloud) : cloud_(&cloud) {}
 
-  /// Paints into `rendered.frame`, and fills the rest.
+  /// Renders into `rendered.frame`, and fills the rest.
   void render(const RenderRequest& job, RenderedFrame& rendered);
 
-  /// Does at leisure what lets jobs of the same views hold a time, also those of twins.
+  /// Takes the time to compute what lets later requests of the same views keep a frame-time budget.
+  /// Clones profit, too.
   void prepare(const RenderRequest& job);
 
-  /// The method of that name, which is right (asserted); `auto:N` is `auto`.
+  /// The method of that name, which must exist (asserted); `auto:N` is `auto`.
   Method& methodNamed(const std::string& spec);
 
-  /// Another one, as if just made, that may render at the same time.
+  /// A clone, as if just made, that may render at the same time.
   FrameRenderer cloneSharingScene() const;
 
  private:
@@ -67,8 +68,5 @@ class FrameRenderer {
   std::map<std::string, std::unique_ptr<Method>> methods_;
   Frame eye_frame_, sharp_;  // of one eye; kept for their memory
 };
-
-/// Adds what one of its views cost to what all of an image's do; the larger error is that of all.
-void addView(const RenderStats& view, RenderStats& all);
 
 }  // namespace foci

@@ -8,19 +8,19 @@
 namespace foci {
 namespace {
 
-// Of the ages that the formula was made from.
-constexpr double kYoungest_years = 20.0, kOldest_years = 83.0;
+// Ages of the observers that the formula was fitted to (Watson and Yellott 2012).
+constexpr double kMinAge_years = 20.0, kMaxAge_years = 83.0;
 
 }  // namespace
 
-ObserverPupil::ObserverPupil(const Study& study)
-    : fixed_mm_(study.observer.pupil_mm),
-      by_light_(study.observer.pupil == "luminance"),
-      recorded_(study.observer.pupil == "recording"),
-      scene_{.luminance_cd_m2 = study.screen.luminance_cd_m2,
-             .area_deg2 = fieldArea_deg2(study.screenInForce())} {
-  const auto& age = study.focus.accommodation.age_years;
-  if (age) scene_.age_years = std::clamp(*age, kYoungest_years, kOldest_years);
+ObserverPupil::ObserverPupil(const SessionSettings& settings)
+    : fixed_mm_(settings.observer.pupil_mm),
+      by_luminance_(settings.observer.pupil == PupilModel::luminance),
+      recorded_(settings.observer.pupil == PupilModel::recording),
+      scene_{.luminance_cd_m2 = settings.luminance_cd_m2,
+             .area_deg2 = fieldArea_deg2(settings.screen)} {
+  const auto& age_years = settings.focus.accommodation.age_years;
+  if (age_years) scene_.age_years = std::clamp(*age_years, kMinAge_years, kMaxAge_years);
 }
 
 void ObserverPupil::push(const GazeSample& sample) {
@@ -28,7 +28,7 @@ void ObserverPupil::push(const GazeSample& sample) {
 }
 
 void ObserverPupil::show(double time_s, const Frame& frame) {
-  if (!by_light_) return;
+  if (!by_luminance_) return;
   if (shown_mm_) reflex_.follow(time_s, *shown_mm_);
   PupilScene scene = scene_;
   scene.luminance_cd_m2 *= meanLuminance(frame);
@@ -36,8 +36,8 @@ void ObserverPupil::show(double time_s, const Frame& frame) {
 }
 
 double ObserverPupil::at_mm(double time_s) {
-  assert(!needsImage());
-  if (by_light_) return reflex_.follow(time_s, *shown_mm_);
+  assert(!needsFrame());
+  if (by_luminance_) return reflex_.follow(time_s, *shown_mm_);
   return recorded_mm_.value_or(fixed_mm_);
 }
 

@@ -1,10 +1,10 @@
-// The observer's pupil over time, as the study chooses it: fixed, the recording's, or the one that
-// the light of the images gives.
+// The diameter of the observer's pupil over time: fixed, from the recording, or from the luminance
+// of the rendered frames.
 #pragma once
 
 #include <optional>
 
-#include "app/study/study.h"
+#include "app/session/session_settings.h"
 #include "gaze/focus/pupil.h"
 #include "render/image/frame.h"
 
@@ -12,28 +12,28 @@ namespace foci {
 
 class ObserverPupil {
  public:
-  explicit ObserverPupil(const Study& study);
+  explicit ObserverPupil(const SessionSettings& settings);
 
-  /// The study's own diameter from now on.
+  /// Sets the fixed diameter from now on.
   void fix(double pupil_mm) { fixed_mm_ = pupil_mm; }
 
-  /// A diameter that the recording tells is held until the next, through blinks and losses.
+  /// A recorded diameter stays until the next one, through blinks and data loss.
   void push(const GazeSample& sample);
 
-  /// An image was shown at `time_s`, not before the last; until the next the eye adapts to it.
+  /// A frame was shown at `time_s`, not before the last one. The pupil adapts to it until the next.
   void show(double time_s, const Frame& frame);
 
-  /// Whether the first image must be known, in any blur, before there is a diameter.
-  bool needsImage() const { return by_light_ && !shown_mm_; }
+  /// Whether a first frame, sharp or blurred, must be shown before there is a diameter.
+  bool needsFrame() const { return by_luminance_ && !shown_mm_; }
 
-  /// Millimetres. Not `needsImage`.
-  /// @param time_s  not before the last image's
+  /// Millimetres. Not while `needsFrame` (asserted).
+  /// @param time_s  not before the last frame's
   double at_mm(double time_s);
 
  private:
   double fixed_mm_;
-  bool by_light_, recorded_;
-  PupilScene scene_;  // of a white image
+  bool by_luminance_, recorded_;
+  PupilScene scene_;  // of a white frame
   std::optional<double> recorded_mm_{}, shown_mm_{};
   PupilReflex reflex_{};
 };

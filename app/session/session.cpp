@@ -3,124 +3,92 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
+#include "app/session/auto_method.h"
 #include "app/session/observer_eye.h"
-#include "base/input_error.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "render/optics/view.h"
 
 namespace foci {
 namespace {
 
-constexpr std::string_view kLiveKeys[] = {
-    "eye.position_m",    "eye.look_at_m",      "observer.pupil_mm",  "observer.ipd_mm",
-    "focus.fixed_D",     "render.method",      "render.shading",     "scene.background",
-    "output.marker",     "output.split",       "output.view",        "quality.tolerance",
-    "quality.frame_ms",  "quality.foveated",   "observer.sphere_D",  "observer.cylinder_D",
-    "observer.axis_deg", "observer.corrected", "observer.chromatic",
-};
-
-/// What `auto` renders holds while it changes by less. Of focus that is what changes radii of blur
-/// by so many px for each just noticeable difference of the tolerance, and never more than 1/32 D;
-/// of the gaze, a third of a degree.
-constexpr double kBlurHold_px = 0.1, kFocusHold_D = 1.0 / 32.0;
-constexpr double kPupilHold_mm = 1.0 / 16.0, kGazeHold_px = 12.0;
-
-double held(double value, double before, double most) {
-  return std::abs(value - before) <= most ? before : value;
+SessionSettings checked(const SessionSettings& settings) {
+  checkSettings(settings);
+  return settings;
 }
 
 }  // namespace
-
-bool holdsTime(const Study& study) {
-  return study.render.method == "auto" && study.quality.frame_ms;
-}
-
-Quality requestedQuality(const Study& study) {
-  Quality quality{.tolerance = static_cast<float>(study.quality.tolerance)};
-  if (study.quality.frame_ms) quality.frame_ms = static_cast<float>(*study.quality.frame_ms);
-  return quality;
-}
-
-bool changesLive(std::string_view key) {
-  return std::find(std::begin(kLiveKeys), std::end(kLiveKeys), key) != std::end(kLiveKeys);
-}
-
-bool isHeld(const FrameRecord& record) { return !isStable(record.eye.state); }
 
 std::optional<glm::dvec2> onOtherScreen_px(const Screen& from, const Screen& to,
                                            const glm::dvec2& point_px) {
   return pointOnScreen_px(to, lineOfSight(from, point_px));
 }
 
-Session::Session(const Study& study, const SurfelCloud& cloud, const Screen& screen, double rate_Hz,
-                 double start_s)
-    : study_(study),
-      gaze_screen_(screen),
-      screen_(study.screenInForce()),
+Session::Session(const SessionSettings& settings, const SurfelCloud& cloud,
+                 const Screen& gaze_screen, double rate_Hz, double start_s)
+    : settings_(checked(settings)),
+      gaze_screen_(gaze_screen),
       rate_Hz_(rate_Hz),
       start_s_(start_s),
-      path_(study),
       query_(cloud),
       renderer_(cloud),
       follower_(newFollower()),
-      pupil_(study) {
-  renderer_.methodNamed(study.render.method);
+      pupil_(settings) {
+  renderer_.methodNamed(settings.method);  // it may take seconds to make, so before the first frame
 }
 
 GazeFollower Session::newFollower() {
+  const FocusSettings& focus = settings_.focus;
   return {gaze_screen_,
           rate_Hz_,
           [this](double time_s, const glm::dvec3& direction_eye, double half_angle_rad) {
             return surfaceDistance(time_s, direction_eye, half_angle_rad);
           },
-          {.events = study_.gaze.events,
-           .accommodation = accommodationOf(study_),
-           .cone_half_angle_deg = study_.focus.cone_deg,
-           .vergence = study_.focus.vergence,
-           .ipd_m = study_.observer.ipd_mm / 1000.0}};
+          {.events = settings_.events,
+           .accommodation = accommodationOf(settings_),
+           .cone_half_angle_deg = focus.cone_half_angle_deg,
+           .vergence = focus.vergence,
+           .ipd_m = settings_.observer.ipd_mm / 1000.0}};
 }
 
 void Session::restart(double start_s) {
   start_s_ = start_s;
   follower_ = newFollower();
-  pupil_ = ObserverPupil(study_);
+  pupil_ = ObserverPupil(settings_);
   renderer_ = renderer_.cloneSharingScene();  // methods may remember the frame before
-  rendered_.job = {};
-  held_.reset();
+  last_.request = {};
+  rendered_eye_.reset();
 }
 
-void Session::change(const std::string& key, const std::string& toml) {
-  if (!changesLive(key)) {
-    throw InputError(key.substr(0, 60), "does not change while foci runs");
-  }
-  Study changed = study_;
-  setKey(changed, key, toml, "change");
-  checkStudy(changed);
-  path_ = EyePath(changed);
-  study_ = std::move(changed);
-  pupil_.fix(study_.observer.pupil_mm);
-  follower_.setFarPoint(refractionInForce(study_).far_point_D);
-  // However small the change, it is to be seen; where the eye stands always is.
-  if (!key.starts_with("eye.")) held_.reset();
+void Session::changeSettings(const SessionSettings& settings) {
+  checkSettings(settings);
+  const bool moved = !(settings.path == settings_.path);
+  settings_ = settings;
+  pupil_.fix(settings_.observer.pupil_mm);
+  follower_.setFarPoint(settings_.observer.refraction.far_point_D);
+  // The place of the eye is never taken in steps. Any other change, however small, must show.
+  if (!moved) rendered_eye_.reset();
+}
+
+View Session::middleViewAt(double time_s) const {
+  return viewThroughScreen(settings_.path.eyeFromWorldAt(time_s - start_s_),
+                           settings_.output.size_px, settings_.screen.size_m,
+                           settings_.screen.distance_m);
 }
 
 std::vector<EyeView> Session::viewsAt(double time_s) const {
-  const View middle = viewThroughScreen(path_.eyeFromWorldAt(time_s - start_s_),
-                                        study_.imageSize_px(), screen_.size_m, screen_.distance_m);
-  return eyeViews(stereoViewNamed(study_.output.view), middle, study_.observer.ipd_mm / 1000.0,
-                  screen_.distance_m);
+  return eyeViews(settings_.output.stereo, middleViewAt(time_s), settings_.observer.ipd_mm / 1000.0,
+                  settings_.screen.distance_m);
 }
 
 std::optional<double> Session::surfaceDistance(double time_s, const glm::dvec3& direction_eye,
                                                double half_angle_rad) const {
   const glm::dmat4 world_from_eye =
-      glm::inverse(glm::dmat4(path_.eyeFromWorldAt(time_s - start_s_)));
+      glm::inverse(glm::dmat4(settings_.path.eyeFromWorldAt(time_s - start_s_)));
   return query_.distance(glm::dvec3(world_from_eye[3]),
                          glm::normalize(glm::dmat3(world_from_eye) * direction_eye), half_angle_rad,
-                         study_.focus.coverage);
+                         settings_.focus.coverage);
 }
 
 FrameRecord Session::look(double time_s) {
@@ -131,82 +99,101 @@ FrameRecord Session::look(double time_s) {
                      .pupil_mm = 0.0,
                      .method = {},
                      .stats = {}};
-  // To the image an eye that still rings has not landed.
+  // Rendering takes post-saccadic oscillation for a part of the saccade.
   if (record.eye.state == GazeState::oscillation) record.eye.state = GazeState::saccade;
-  if (study_.focus.fixed_D) {
-    record.eye.target_D = study_.focus.fixed_D;
-    record.eye.focus_D = reachableFocus_D(accommodationOf(study_), *study_.focus.fixed_D);
-  }
   const auto on_screen = [&](const std::optional<glm::dvec2>& point_px) {
-    return point_px ? onOtherScreen_px(gaze_screen_, screen_, *point_px) : std::nullopt;
+    return point_px ? onOtherScreen_px(gaze_screen_, settings_.screen, *point_px) : std::nullopt;
   };
   const bool seen = record.eye.state != GazeState::blink && record.eye.state != GazeState::lost;
   if (record.eye.sample && seen) record.gaze_px = on_screen(record.eye.sample->point_px);
   record.fixation_px = on_screen(record.eye.fixation_px);
-  if (pupil_.needsImage()) {
-    const View middle =
-        viewThroughScreen(path_.eyeFromWorldAt(time_s - start_s_), study_.imageSize_px(),
-                          screen_.size_m, screen_.distance_m);
-    renderer_.methodNamed(study_.render.method)
-        .render(middle,
-                {.defocus = {},
-                 .background = glm::vec3(study_.scene.background),
-                 .shading = static_cast<float>(study_.render.shading)},
-                sharp_);
-    pupil_.show(time_s, sharp_);
-  }
-  record.pupil_mm = pupil_.at_mm(time_s);
-  if (study_.render.method == "auto") hold(record);
+  finishLook(record);
   return record;
 }
 
-/// Whether the observer misses what changes now: the eye jumps or is shut. Others who look at the
-/// screen do not.
+FrameRecord Session::lookSettled(double time_s, const glm::dvec2& point_px) {
+  FrameRecord record{.time_s = time_s,
+                     .eye = {.time_s = time_s,
+                             .state = GazeState::fixation,
+                             .state_time_s = time_s,
+                             .fixation_px = point_px,
+                             .surface_distance_m = {}},
+                     .gaze_px = point_px,
+                     .fixation_px = point_px,
+                     .pupil_mm = 0.0,
+                     .method = {},
+                     .stats = {}};
+  EyeNow& eye = record.eye;
+  eye.surface_distance_m = surfaceDistance(time_s, lineOfSight(settings_.screen, point_px),
+                                           glm::radians(settings_.focus.cone_half_angle_deg));
+  const AccommodationSettings accommodation = accommodationOf(settings_);
+  if (eye.surface_distance_m) eye.target_D = 1.0 / *eye.surface_distance_m;
+  eye.focus_D = reachableFocus_D(accommodation, eye.target_D.value_or(accommodation.resting_D));
+  finishLook(record);
+  return record;
+}
+
+/// Fixed focus, the pupil, and what `auto` renders.
+void Session::finishLook(FrameRecord& record) {
+  if (settings_.focus.fixed_D) {
+    record.eye.target_D = settings_.focus.fixed_D;
+    record.eye.focus_D = reachableFocus_D(accommodationOf(settings_), *settings_.focus.fixed_D);
+  }
+  if (pupil_.needsFrame()) showSharpFrame(record.time_s);
+  record.pupil_mm = pupil_.at_mm(record.time_s);
+  if (choosesQuality(settings_.method)) followEye(record);
+}
+
+/// Shows a pupil that follows luminance its first frame. Blur does not change the mean luminance.
+void Session::showSharpFrame(double time_s) {
+  renderer_.methodNamed(settings_.method)
+      .render(middleViewAt(time_s),
+              {.defocus = {}, .background = settings_.background, .shading = settings_.shading},
+              sharp_);
+  pupil_.show(time_s, sharp_);
+}
+
+/// Whether the observer cannot see a change now: the eye jumps or is shut. Other viewers of the
+/// screen can.
 bool Session::isUnseen(const FrameRecord& record) const {
   const GazeState state = record.eye.state;
-  return study_.quality.foveated && (state == GazeState::saccade || state == GazeState::blink);
+  return settings_.quality.foveated && (state == GazeState::saccade || state == GazeState::blink);
 }
 
-double Session::focusHold_D(const FrameRecord& record) const {
-  const glm::vec2 focal_px = viewsAt(record.time_s).front().view.focal_px;
-  const glm::vec2 px_per_D =
-      defocusOfEye(study_, held_->pupil_mm, focal_px, record.eye.focus_D).radius_px_per_D;
-  return std::min(kFocusHold_D,
-                  kBlurHold_px * study_.quality.tolerance / std::max(px_per_D.x, px_per_D.y));
-}
-
-void Session::hold(const FrameRecord& record) {
-  if (held_ && isUnseen(record)) return;
+void Session::followEye(const FrameRecord& record) {
+  if (rendered_eye_ && isUnseen(record)) return;
   const double focus_D = record.eye.focus_D;
   const double rest_D = record.eye.target_D
-                            ? reachableFocus_D(accommodationOf(study_), *record.eye.target_D)
+                            ? reachableFocus_D(accommodationOf(settings_), *record.eye.target_D)
                             : focus_D;
   const bool steady = record.eye.state == GazeState::fixation;
   const auto& gaze_px = record.gaze_px && !steady ? record.gaze_px : record.fixation_px;
-  if (!held_) {
-    held_ = {.focus_D = focus_D, .rest_D = rest_D, .pupil_mm = record.pupil_mm, .gaze_px = gaze_px};
+  if (!rendered_eye_) {
+    rendered_eye_ = {
+        .focus_D = focus_D, .rest_D = rest_D, .pupil_mm = record.pupil_mm, .gaze_px = gaze_px};
   }
-  held_->pupil_mm = held(record.pupil_mm, held_->pupil_mm, kPupilHold_mm);
-  const double most_D = focusHold_D(record);
-  held_->rest_D = held(rest_D, held_->rest_D, most_D);
-  // Nearly at rest is at rest.
-  held_->focus_D = std::abs(focus_D - held_->rest_D) <= most_D
-                       ? held_->rest_D
-                       : held(focus_D, held_->focus_D, most_D);
-  const bool near =
-      gaze_px && held_->gaze_px && glm::distance(*gaze_px, *held_->gaze_px) <= kGazeHold_px;
-  if (!near) held_->gaze_px = gaze_px;
+  rendered_eye_->followPupil(record.pupil_mm);
+  const glm::vec2 focal_px = viewsAt(record.time_s).front().view.focal_px;
+  const Defocus defocus =
+      defocusOfEye(settings_.observer, rendered_eye_->pupil_mm, focal_px, focus_D);
+  rendered_eye_->followFocus(
+      focus_D, rest_D,
+      maxUnseenFocusChange_D(settings_.quality.tolerance, defocus.radius_px_per_D));
+  rendered_eye_->followGaze(gaze_px, settings_.screen);
 }
 
 Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const {
-  Quality quality = requestedQuality(study_);
-  if (!study_.quality.foveated) return quality;
+  Quality quality{.tolerance = static_cast<float>(settings_.quality.tolerance)};
+  if (settings_.quality.frame_ms)
+    quality.frame_ms = static_cast<float>(*settings_.quality.frame_ms);
+  if (!settings_.quality.foveated) return quality;
   const auto& now_px = record.gaze_px ? record.gaze_px : record.fixation_px;
-  if (const auto& point_px = held_ ? held_->gaze_px : now_px) {
-    // On the screen, which all views share: where the eye's own view has it.
-    const glm::dvec3 sight = lineOfSight(screen_, *point_px);
+  if (const auto& point_px = rendered_eye_ ? rendered_eye_->gaze_px : now_px) {
+    // The point lies on the screen, which all views share: where the eye's own view shows it.
+    const Screen& screen = settings_.screen;
+    const glm::dvec3 sight = lineOfSight(screen, *point_px);
     const glm::dvec3 p_eye =
-        screen_.distance_m / -sight.z * sight - glm::dvec3(eye.offset_m, 0.0, 0.0);
+        screen.distance_m / -sight.z * sight - glm::dvec3(eye.offset_m, 0.0, 0.0);
     quality.acuity =
         acuityAround(project(eye.view, glm::vec3(p_eye)),
                      glm::radians(std::sqrt(eye.view.focal_px.x * eye.view.focal_px.y)));
@@ -214,83 +201,82 @@ Quality Session::qualityOf(const FrameRecord& record, const EyeView& eye) const 
   return quality;
 }
 
-RenderRequest Session::jobOf(const std::string& method, const FrameRecord& record) const {
-  return held_ ? jobWith(method, record, held_->focus_D, held_->pupil_mm)
-               : jobWith(method, record, record.eye.focus_D, record.pupil_mm);
+RenderRequest Session::requestOf(const std::string& method, const FrameRecord& record) const {
+  return rendered_eye_
+             ? requestWith(method, record, rendered_eye_->focus_D, rendered_eye_->pupil_mm)
+             : requestWith(method, record, record.eye.focus_D, record.pupil_mm);
 }
 
-RenderRequest Session::jobAtRest(const std::string& method, const FrameRecord& record) const {
-  assert(held_);
-  return jobWith(method, record, held_->rest_D, held_->pupil_mm);
+RenderRequest Session::requestAtRest(const std::string& method, const FrameRecord& record) const {
+  assert(rendered_eye_);
+  return requestWith(method, record, rendered_eye_->rest_D, rendered_eye_->pupil_mm);
 }
 
-RenderRequest Session::jobWith(const std::string& method, const FrameRecord& record, double focus_D,
-                               double pupil_mm) const {
-  RenderRequest job{.method = method,
-                    .stereo = stereoViewNamed(study_.output.view),
-                    .size_px = study_.imageSize_px(),
-                    .split = study_.output.split,
-                    .eyes = {}};
+RenderRequest Session::requestWith(const std::string& method, const FrameRecord& record,
+                                   double focus_D, double pupil_mm) const {
+  RenderRequest request{.method = method,
+                        .stereo = settings_.output.stereo,
+                        .size_px = settings_.output.size_px,
+                        .split = settings_.output.split,
+                        .eyes = {}};
   for (const EyeView& eye : viewsAt(record.time_s)) {
-    RenderSettings settings{.defocus = defocusOfEye(study_, pupil_mm, eye.view.focal_px, focus_D),
-                            .background = glm::vec3(study_.scene.background),
-                            .shading = static_cast<float>(study_.render.shading)};
-    if (method.starts_with("auto")) settings.quality = qualityOf(record, eye);
-    if (method == "pinhole") settings.defocus.chromatic_D = glm::vec3(0.0f);  // all alike
-    job.eyes.push_back({eye, settings});
+    RenderSettings settings{
+        .defocus = defocusOfEye(settings_.observer, pupil_mm, eye.view.focal_px, focus_D),
+        .background = settings_.background,
+        .shading = settings_.shading};
+    if (usesQuality(method)) settings.quality = qualityOf(record, eye);
+    // Without blur all colours are equally sharp.
+    if (method == "pinhole") settings.defocus.chromatic_D = glm::vec3(0.0f);
+    request.eyes.push_back({eye, settings});
   }
-  return job;
+  return request;
 }
 
 const Frame& Session::render(const std::string& method, FrameRecord& record) {
-  const RenderRequest job = jobOf(method, record);
-  if (job.holdsTime() && job.sameViews(rendered_.job)) renderer_.prepare(job);
-  return render(job, record);
+  const RenderRequest request = requestOf(method, record);
+  if (request.hasTimeBudget() && request.sameViews(last_.request)) renderer_.prepare(request);
+  return render(request, record);
 }
 
-const Frame& Session::render(const RenderRequest& job, FrameRecord& record, bool again) {
-  const bool done = again || at_leisure_ || isUnseen(record) || !job.holdsTime();
-  if (done && rendered_.job == job && !isIncremental(job.method)) {
-    rendered_.stats.ms = 0.0;
+const Frame& Session::render(const RenderRequest& request, FrameRecord& record,
+                             bool again_is_useless) {
+  const bool done =
+      again_is_useless || full_quality_ || isUnseen(record) || !request.hasTimeBudget();
+  if (done && last_.request == request && !isIncremental(request.method)) {
+    last_.stats.ms = 0.0;
   } else {
-    renderer_.render(job, rendered_);
-    at_leisure_ = shown_ = false;
+    renderer_.render(request, last_);
+    full_quality_ = returned_ = false;
   }
-  record.method = rendered_.method;
-  record.stats = rendered_.stats;
-  record.rendered = !std::exchange(shown_, true);
-  pupil_.show(record.time_s, rendered_.frame);
-  return rendered_.frame;
+  record.method = last_.method;
+  record.stats = last_.stats;
+  record.rendered = !std::exchange(returned_, true);
+  pupil_.show(record.time_s, last_.frame);
+  return last_.frame;
 }
 
-void Session::adopt(const RenderRequest& job, RenderedFrame&& rendered) {
-  rendered_ = std::move(rendered);
-  rendered_.job = job;
-  at_leisure_ = true;
-  shown_ = false;
+void Session::adopt(const RenderRequest& request, RenderedFrame&& rendered) {
+  last_ = std::move(rendered);
+  last_.request = request;
+  full_quality_ = true;
+  returned_ = false;
 }
 
 std::vector<glm::dvec2> Session::gazePoints_px(const FrameRecord& record) const {
   const auto& point_px = record.gaze_px ? record.gaze_px : record.fixation_px;
   if (!point_px) return {};
-  if (study_.output.view == "mono") {
-    return {*point_px * glm::dvec2(study_.imageSize_px()) / glm::dvec2(screen_.size_px)};
+  const Screen& screen = settings_.screen;
+  if (settings_.output.stereo == StereoView::mono) {
+    return {*point_px * glm::dvec2(settings_.output.size_px) / glm::dvec2(screen.size_px)};
   }
-  // On the surface that is fixated, so that the two fuse there; else on the screen.
-  const glm::dvec3 sight = lineOfSight(screen_, *point_px);
-  const double distance_m = record.eye.surface_distance_m.value_or(screen_.distance_m / -sight.z);
+  // On the surface that is fixated, so that both points fuse there; else on the screen.
+  const glm::dvec3 sight = lineOfSight(screen, *point_px);
+  const double distance_m = record.eye.surface_distance_m.value_or(screen.distance_m / -sight.z);
   std::vector<glm::dvec2> points_px;
   for (const EyeView& eye : viewsAt(record.time_s)) {
     points_px.push_back(projectForEye(eye, distance_m * sight));
   }
   return points_px;
-}
-
-void Session::mark(const FrameRecord& record, Image& image) const {
-  if (!study_.output.marker) return;
-  for (const glm::dvec2& point_px : gazePoints_px(record)) {
-    drawMarker(image, point_px, isHeld(record));
-  }
 }
 
 }  // namespace foci

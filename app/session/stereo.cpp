@@ -1,22 +1,13 @@
 #include "app/session/stereo.h"
 
 #include <algorithm>
-#include <cassert>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/parallel.h"
 
 namespace foci {
 
-StereoView stereoViewNamed(std::string_view name) {
-  if (name == "side-by-side") return StereoView::side_by_side;
-  if (name == "top-bottom") return StereoView::top_bottom;
-  if (name == "anaglyph") return StereoView::anaglyph;
-  assert(name == "mono");
-  return StereoView::mono;
-}
-
-std::vector<EyeView> eyeViews(StereoView stereo, const View& middle, double between_m,
+std::vector<EyeView> eyeViews(StereoView stereo, const View& middle, double ipd_m,
                               double distance_m) {
   if (stereo == StereoView::mono) return {{.view = middle}};
   glm::ivec2 parts(1, 1);
@@ -24,7 +15,7 @@ std::vector<EyeView> eyeViews(StereoView stereo, const View& middle, double betw
   if (stereo == StereoView::top_bottom) parts.y = 2;
   std::vector<EyeView> eyes;
   for (const int side : {0, 1}) {
-    EyeView eye{.offset_m = (side == 0 ? -0.5 : 0.5) * between_m, .view = middle};
+    EyeView eye{.offset_m = (side == 0 ? -0.5 : 0.5) * ipd_m, .view = middle};
     const auto offset_m = static_cast<float>(eye.offset_m);
     eye.view.eye_from_world =
         glm::translate(glm::mat4(1.0f), {-offset_m, 0.0f, 0.0f}) * middle.eye_from_world;
@@ -38,15 +29,16 @@ std::vector<EyeView> eyeViews(StereoView stereo, const View& middle, double betw
   return eyes;
 }
 
-void putEye(StereoView stereo, const EyeView& eye, const Frame& frame, Frame& whole) {
+void putEye(StereoView stereo, const EyeView& eye, const Frame& frame, Frame& image) {
   const auto width = static_cast<std::size_t>(frame.size_px.x);
-  const auto whole_width = static_cast<std::size_t>(whole.size_px.x);
+  const auto image_width = static_cast<std::size_t>(image.size_px.x);
   parallelFor(static_cast<std::size_t>(frame.size_px.y), [&](std::size_t y) {
     const auto from = frame.rgba.begin() + static_cast<std::ptrdiff_t>(y * width);
     const auto to =
-        whole.rgba.begin() + static_cast<std::ptrdiff_t>((y + eye.corner_px.y) * whole_width +
+        image.rgba.begin() + static_cast<std::ptrdiff_t>((y + eye.corner_px.y) * image_width +
                                                          static_cast<std::size_t>(eye.corner_px.x));
-    // Of an anaglyph's left eye all; the right eye's takes the place of what is not red.
+    // The left eye of an anaglyph comes first, with all colours. The right eye then replaces green
+    // and blue.
     if (stereo != StereoView::anaglyph || eye.offset_m < 0.0) {
       std::copy_n(from, width, to);
     } else {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <glm/glm.hpp>
-#include <string_view>
 #include <vector>
 
 #include "render/image/frame.h"
@@ -10,36 +9,38 @@
 
 namespace foci {
 
-/// How the views are put together.
-///   side-by-side  the left eye's in the left half, the right eye's in the right, each squeezed to
-///                 half of the width, as displays for it take them
-///   top-bottom    the left eye's above, the right eye's below, squeezed likewise
+/// How an image shows the views of the eyes.
+///   mono          one eye, in the middle between both
+///   side_by_side  left eye in the left half, right eye in the right half, each squeezed to half of
+///                 the width, as stereo displays expect
+///   top_bottom    left eye above, right eye below, squeezed likewise
 ///   anaglyph      red from the left eye, green and blue from the right
 enum class StereoView { mono, side_by_side, top_bottom, anaglyph };
 
-/// "mono", "side-by-side", "top-bottom", "anaglyph" (asserted).
-StereoView stereoViewNamed(std::string_view name);
-
 struct EyeView {
-  double offset_m = 0.0;  ///< from between the eyes, to the right
+  double offset_m = 0.0;  ///< of the eye from the middle between both, to the right
   View view;
-  glm::ivec2 corner_px{0, 0};  ///< of its image in the whole
+  glm::ivec2 corner_px{0, 0};  ///< of the view in the image
   bool operator==(const EyeView&) const = default;
 };
 
-/// The views of one eye between both, or of left and right. All see the same screen, so what lies
-/// on it has no disparity: an eye `e` to the right sees a point (X, Y) of the screen at X - e, and
-/// its principal point is where it faces the screen, e focal_px / d to the right.
-/// @param middle      through the whole screen, from between the eyes, as large as the image;
+/// The views of an image: one from the middle between both eyes, or left and right. All look
+/// through the same screen, so what lies on the screen has no disparity. An eye `e` to the right
+/// sees a point (X, Y) of the screen at X - e. Its principal point is where it faces the screen,
+/// e focal_px / d to the right.
+/// @param middle      from the middle between both eyes, as large as the image;
 ///   even numbers of px where it is halved
+/// @param ipd_m       interpupillary distance
 /// @param distance_m  to the screen
-std::vector<EyeView> eyeViews(StereoView stereo, const View& middle, double between_m,
+std::vector<EyeView> eyeViews(StereoView stereo, const View& middle, double ipd_m,
                               double distance_m);
 
-/// Puts one eye's frame into `whole`, which has its size and no depth. Mono is the frame itself.
-void putEye(StereoView stereo, const EyeView& eye, const Frame& frame, Frame& whole);
+/// Copies the frame of one eye to its place in `image`, which has its size and no depth. Not for
+/// mono, where the frame is the image.
+void putEye(StereoView stereo, const EyeView& eye, const Frame& frame, Frame& image);
 
-/// Image point of `p_eye`, given in the frame of the eye in the middle, in the whole image.
+/// Where `eye` has a point in the image.
+/// @param p_middle  in the frame of an eye in the middle between both
 glm::dvec2 projectForEye(const EyeView& eye, const glm::dvec3& p_middle);
 
 }  // namespace foci

@@ -5,10 +5,9 @@
 #include <numeric>
 #include <random>
 
+#include "app/study/gaze_calibration.h"
+#include "app/study/session_settings_of.h"
 #include "base/input_error.h"
-#include "calibration/binocular/binocular_map.h"
-#include "calibration/gaze_map/gaze_map_file.h"
-#include "calibration/webcam/webcam_calibration.h"
 #include "gaze/sources/simulator.h"
 #include "gaze/sources/trace_reader.h"
 #include "render/optics/view.h"
@@ -21,9 +20,10 @@ namespace {
 constexpr double kSimulatedRate_Hz = 500.0;
 constexpr double kSimulatedSpan_s = 20.0;
 constexpr double kMaxSimulatedSpan_s = 3600.0;
+// Longer than most fixations, so that focus settles on each target; chosen by hand.
 constexpr double kMinDwell_s = 0.7, kMaxDwell_s = 2.1;
 
-/// Where the simulated observer may look at the moment of `eye_from_world`: points on the screen.
+/// Points on the screen that a simulated observer looks at while the eye is at `eye_from_world`.
 std::vector<glm::dvec2> attractivePoints_px(const Study& study, const glm::mat4& eye_from_world) {
   const Screen screen = study.screenInForce();
   const glm::dvec2 size_px(screen.size_px);
@@ -57,12 +57,12 @@ GazeTrace simulate(const Study& study) {
     throw InputError(study.file.string(),
                      "output.seconds: a simulated observer looks for an hour at most, 0 to 3600");
   }
-  const EyePath path(study);
-  // mt19937_64 is specified to the bit, the standard distributions are not.
+  const EyePath path = eyePathOf(study);
+  // The standard specifies mt19937_64 to the bit, but not its distributions.
   std::mt19937_64 random(static_cast<std::uint64_t>(study.seed));
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
 
-  // Rounds over all points, each in an order of its own, without staying at a seam.
+  // Each round visits all points in a new order, and never begins where the last one ended.
   std::vector<GazeTarget> targets;
   std::vector<std::size_t> round;
   std::size_t points = 0, last = 0;
@@ -90,11 +90,8 @@ GazeTrace simulate(const Study& study) {
 
 /// A webcam's video as a recording on the study's screen.
 GazeTrace traceOfWebcam(const Study& study, const WebcamPlace& place) {
-  const WebcamCalibration calibration = readWebcamCalibration(*study.gaze.map);
+  const WebcamCalibration calibration = webcamCalibrationOf(study);
   const Screen screen = study.screenInForce();
-  std::optional<Lens> camera;
-  if (study.gaze.camera) camera = lensOf(readCamera(*study.gaze.camera));
-  requireSame(calibration, screen, camera);
   WebcamTracker tracker(std::nullopt, calibration.reference);
   const WebcamMapping map = mappingOf(calibration.map, screen);
   GazeTrace trace{.format = nameOf(place), .screen = screen};
@@ -116,41 +113,9 @@ EyePose builtinPose(const Study& study) {
   return study.scene.builtin == "plane" ? planeEyePose() : galleryEyePose();
 }
 
-EyePath::EyePath(const Study& study)
-    : file_(study.file.string()), up_(study.eye.up), keyframes_(study.eye.path) {
-  if (!keyframes_.empty()) return;
-  if (study.eye.position_m) {
-    keyframes_.push_back({.position_m = *study.eye.position_m,
-                          .look_at_m = *study.eye.look_at_m,
-                          .up = study.eye.up});
-  } else {
-    const EyePose pose = builtinPose(study);
-    keyframes_.push_back(
-        {.position_m = pose.position_m, .look_at_m = pose.target_m, .up = pose.up});
-  }
-}
-
-glm::mat4 EyePath::eyeFromWorldAt(double time_s) const {
-  const auto after = std::find_if(keyframes_.begin(), keyframes_.end(),
-                                  [&](const EyeKeyframe& frame) { return frame.time_s > time_s; });
-  const EyeKeyframe& to = after == keyframes_.end() ? keyframes_.back() : *after;
-  const EyeKeyframe& from = after == keyframes_.begin() ? keyframes_.front() : *std::prev(after);
-  const double share =
-      &from == &to ? 0.0 : std::clamp((time_s - from.time_s) / (to.time_s - from.time_s), 0.0, 1.0);
-  const glm::vec3 position_m(glm::mix(from.position_m, to.position_m, share));
-  const glm::vec3 look_at_m(glm::mix(from.look_at_m, to.look_at_m, share));
-  const glm::vec3 up(glm::mix(from.up.value_or(up_), to.up.value_or(up_), share));
-  const float side = glm::length(glm::cross(look_at_m - position_m, up));
-  if (!(side > 0.0f)) {
-    throw InputError(file_, "eye.path: at " + std::to_string(time_s) +
-                                " s the line of sight is none, or along up");
-  }
-  return eyeFromWorld(position_m, look_at_m, glm::normalize(up));
-}
-
 SurfelCloud loadScene(const Study& study) {
   if (!study.scene.file) return study.scene.builtin == "plane" ? makePlane() : makeGallery();
-  const glm::mat4 world_from_eye = glm::inverse(EyePath(study).eyeFromWorldAt(0.0));
+  const glm::mat4 world_from_eye = glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0));
   OpenedScene scene =
       openScene(*study.scene.file, study.scene.scale_m, glm::vec3(world_from_eye[3]));
   if (scene.dropped > 0) {
@@ -160,29 +125,20 @@ SurfelCloud loadScene(const Study& study) {
   return std::move(scene.cloud);
 }
 
-TraceColumns columnsOf(const Study& study) {
-  TraceColumns columns = study.gaze.columns;
-  if (study.gaze.units == "px") columns.units = GazeUnits::px;
-  if (study.gaze.units == "deg") columns.units = GazeUnits::deg;
-  if (study.gaze.units == "normalised") columns.units = GazeUnits::normalised;
-  return columns;
-}
-
 namespace {
 
 GazeTrace loadNamedGaze(const Study& study) {
   if (study.gazeIsSimulated()) return simulate(study);
   if (const auto place = webcamPlaceOf(study.gaze.source)) return traceOfWebcam(study, *place);
   GazeTrace trace =
-      readTrace(study.gaze.source, columnsOf(study), study.screenInForce(), study.record.rate_Hz);
-  if (study.gaze.map && isBinocularFile(*study.gaze.map)) {
-    trace = mapTrace(readBinocular(*study.gaze.map), study.screenInForce(), std::move(trace));
-  } else if (study.gaze.map) {
-    const GazeMap map = readGazeMap(*study.gaze.map);
-    const Screen screen = *trace.screen;
-    trace = mapTrace(map, screen, std::move(trace));
+      readTrace(study.gaze.source, study.gaze.columns, study.screenInForce(), study.record.rate_Hz);
+  if (!study.gaze.map) return trace;
+  const GazeCalibration calibration = readGazeCalibration(*study.gaze.map, /*webcam=*/false);
+  if (const auto* both_eyes = std::get_if<BinocularCalibration>(&calibration)) {
+    return mapTrace(*both_eyes, study.screenInForce(), std::move(trace));
   }
-  return trace;
+  const Screen screen = *trace.screen;
+  return mapTrace(std::get<GazeMap>(calibration), screen, std::move(trace));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a study names, loaded: the scene, the gaze, the eye's way through the scene.
+// Loads what a study names: the scene and the gaze.
 #pragma once
 
 #include <filesystem>
@@ -11,35 +11,17 @@
 
 namespace foci {
 
-/// The study's eye over time. Between keyframes the pose is interpolated linearly, outside them
-/// held.
-class EyePath {
- public:
-  explicit EyePath(const Study& study);
-
-  /// @param time_s  after the recording's first sample
-  /// @throws InputError where two keyframes lead the eye through the point that it looks at
-  glm::mat4 eyeFromWorldAt(double time_s) const;
-
- private:
-  std::string file_;
-  glm::dvec3 up_;
-  std::vector<EyeKeyframe> keyframes_;
-};
-
-/// The built-in scene's own pose.
+/// The pose from which a built-in scene is seen if the study names none.
 EyePose builtinPose(const Study& study);
 
 /// @throws InputError
 SurfelCloud loadScene(const Study& study);
 
-/// The recording that the study names, or one simulated over the scene (the gallery's points of
-/// interest, else points spread over the screen) for `output.seconds`, 20 s where absent.
+/// The recording that the study names, seen through its calibration. A simulated observer looks at
+/// the gallery's points of interest, in other scenes at points spread over the screen, until the
+/// end of `output.seconds` or for 20 s.
 /// @throws InputError
 GazeTrace loadGaze(const Study& study);
-
-/// The columns of a recording as the study names them.
-TraceColumns columnsOf(const Study& study);
 
 /// Every file that the result depends on.
 std::vector<std::filesystem::path> inputFiles(const Study& study);

@@ -1,18 +1,16 @@
-// A study's file, and what only the whole of it can tell.
+// Reads the file of a study, and checks what several keys decide together.
 #include "app/study/study.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "app/study/gaze_calibration.h"
 #include "app/study/study_keys.h"
 #include "app/study/toml_values.h"
 #include "base/input_error.h"
-#include "calibration/binocular/binocular_map.h"
 #include "calibration/camera/camera.h"
-#include "calibration/gaze_map/gaze_map_file.h"
 #include "calibration/screen/screen_file.h"
 #include "calibration/toml_file.h"
-#include "calibration/webcam/webcam_calibration.h"
 
 namespace foci {
 namespace {
@@ -21,7 +19,7 @@ void resolve(std::filesystem::path& path, const std::filesystem::path& folder) {
   if (path.is_relative()) path = (folder / path).lexically_normal();
 }
 
-/// The calibrated screen's own numbers, where the study names one.
+/// Replaces the screen by the calibrated one, if the study names one.
 void takeMonitor(Study& study) {
   if (!study.screen.monitor) return;
   const ScreenCalibration calibration = readScreen(*study.screen.monitor);
@@ -73,7 +71,7 @@ Study readStudy(const std::filesystem::path& file) {
     study.gaze.source = trace.string();
   }
   study.screen.is_default = std::none_of(given.begin(), given.end(), [](const std::string& name) {
-    // Light says nothing of angles.
+    // Only keys that decide angles count.
     return name.starts_with("screen.") && name != "screen.gamma" &&
            name != "screen.luminance_cd_m2";
   });
@@ -85,7 +83,7 @@ void overrideKey(Study& study, std::string_view key, const OptionValue& value,
                  const std::string& option) {
   const toml::value toml = std::visit(
       [](const auto& v) -> toml::value {
-        // Whole numbers may be meant for an integer key; a real key takes them as well.
+        // An integer key wants integers; a real key takes them, too.
         const auto number = [](double d) -> toml::value {
           if (std::abs(d) < 1e15 && d == std::floor(d)) return static_cast<std::int64_t>(d);
           return d;
@@ -109,70 +107,89 @@ void overrideKey(Study& study, std::string_view key, const OptionValue& value,
   if (key == "screen.monitor") takeMonitor(study);
 }
 
-void checkStudy(const Study& study) {
-  const std::string file = study.file.string();
-  const auto refuse = [&](const std::string& what) { throw InputError(file, what); };
+namespace {
+
+[[noreturn]] void refuse(const Study& study, const std::string& what) {
+  throw InputError(study.file.string(), what);
+}
+
+void checkGaze(const Study& study) {
   if (study.gaze.map && study.gazeIsSimulated()) {
-    refuse("gaze.map: expected a recording to map, not simulated gaze");
+    refuse(study, "gaze.map: expected a recording to map, not simulated gaze");
   }
-  if (webcamPlaceOf(study.gaze.source)) {
-    if (!study.gaze.map) {
-      refuse(
-          "gaze.source: a webcam needs gaze.map (--gaze-map): foci calibrate gaze --source webcam");
-    }
-    readWebcamCalibration(*study.gaze.map);
-  } else if (study.gaze.map && isBinocularFile(*study.gaze.map)) {
-    readBinocular(*study.gaze.map);
-  } else if (study.gaze.map) {
-    readGazeMap(*study.gaze.map);
+  const bool webcam = webcamPlaceOf(study.gaze.source).has_value();
+  if (webcam && !study.gaze.map) {
+    refuse(
+        study,
+        "gaze.source: a webcam needs gaze.map (--gaze-map): foci calibrate gaze --source webcam");
   }
+  if (study.gaze.map) readGazeCalibration(*study.gaze.map, webcam);
   const TraceColumns& columns = study.gaze.columns;
   if (columns.rate_Hz && !columns.time.empty()) {
-    refuse("gaze.rate_Hz and gaze.time: expected only one of them");
+    refuse(study, "gaze.rate_Hz and gaze.time: expected only one of them");
   }
   for (std::size_t side : {0, 1}) {
     if (columns.eyes[side].x.empty() != columns.eyes[side].y.empty()) {
-      refuse(side == 0 ? "gaze.left_x and gaze.left_y: expected both or neither"
-                       : "gaze.right_x and gaze.right_y: expected both or neither");
+      refuse(study, side == 0 ? "gaze.left_x and gaze.left_y: expected both or neither"
+                              : "gaze.right_x and gaze.right_y: expected both or neither");
     }
   }
   if (study.gaze.camera) readCamera(*study.gaze.camera);
-  const auto checkPose = [&](const glm::dvec3& position_m, const glm::dvec3& look_at_m,
-                             const glm::dvec3& up, const std::string& name) {
-    const glm::dvec3 sight = look_at_m - position_m;
-    if (!(glm::length(sight) > 1e-6)) refuse(name + ": expected look_at_m away from position_m");
-    if (!(glm::length(up) > 1e-6) ||
-        !(glm::length(glm::cross(glm::normalize(sight), glm::normalize(up))) > 1e-4)) {
-      refuse(name + ": expected up not along the line of sight");
-    }
-  };
+}
 
-  if (study.eye.position_m.has_value() != study.eye.look_at_m.has_value()) {
-    refuse("eye.position_m and eye.look_at_m: expected both or neither");
+/// @param name  of the pose, for messages
+void checkPose(const Study& study, const EyeKeyframe& pose, const std::string& name) {
+  const glm::dvec3 sight = pose.look_at_m - pose.position_m;
+  const glm::dvec3 up = pose.up.value_or(study.eye.up);
+  if (!(glm::length(sight) > 1e-6)) {
+    refuse(study, name + ": expected look_at_m away from position_m");
   }
-  if (study.eye.position_m) {
-    checkPose(*study.eye.position_m, *study.eye.look_at_m, study.eye.up, "eye");
-  } else if (study.eye.path.empty() && study.scene.file) {
-    refuse("eye.position_m: expected for a scene from a file, as is eye.look_at_m");
+  if (!(glm::length(up) > 1e-6) ||
+      !(glm::length(glm::cross(glm::normalize(sight), glm::normalize(up))) > 1e-4)) {
+    refuse(study, name + ": expected up not along the line of sight");
   }
-  for (std::size_t i = 0; i < study.eye.path.size(); ++i) {
-    const EyeKeyframe& frame = study.eye.path[i];
-    checkPose(frame.position_m, frame.look_at_m, frame.up.value_or(study.eye.up),
-              "eye.path[" + std::to_string(i) + "]");
-    if (i > 0 && !(frame.time_s > study.eye.path[i - 1].time_s)) {
-      refuse("eye.path[" + std::to_string(i) + "].time_s = " + exactText(frame.time_s) +
-             ": expected later than the keyframe before");
+}
+
+void checkEye(const Study& study) {
+  const Study::Eye& eye = study.eye;
+  if (eye.position_m.has_value() != eye.look_at_m.has_value()) {
+    refuse(study, "eye.position_m and eye.look_at_m: expected both or neither");
+  }
+  if (eye.position_m) {
+    checkPose(study, {.position_m = *eye.position_m, .look_at_m = *eye.look_at_m, .up = eye.up},
+              "eye");
+  } else if (eye.path.empty() && study.scene.file) {
+    refuse(study, "eye.position_m: expected for a scene from a file, as is eye.look_at_m");
+  }
+  for (std::size_t i = 0; i < eye.path.size(); ++i) {
+    const std::string name = "eye.path[" + std::to_string(i) + "]";
+    checkPose(study, eye.path[i], name);
+    if (i > 0 && !(eye.path[i].time_s > eye.path[i - 1].time_s)) {
+      refuse(study, name + ".time_s = " + exactText(eye.path[i].time_s) +
+                        ": expected later than the keyframe before");
     }
   }
+}
+
+void checkOutput(const Study& study) {
   const glm::ivec2 size_px = study.imageSize_px();
-  if ((study.output.view == "side-by-side" && size_px.x % 2 != 0) ||
-      (study.output.view == "top-bottom" && size_px.y % 2 != 0)) {
-    refuse("output.view = \"" + study.output.view +
-           "\": expected images of an even number of px, to be halved");
+  const StereoView view = study.output.view;
+  if ((view == StereoView::side_by_side && size_px.x % 2 != 0) ||
+      (view == StereoView::top_bottom && size_px.y % 2 != 0)) {
+    refuse(study, "output.view = " + write(view) +
+                      ": expected images of an even number of px, to be halved");
   }
   if (study.output.seconds && !(study.output.seconds->y > study.output.seconds->x)) {
-    refuse("output.seconds = " + write(*study.output.seconds) + ": expected from before to");
+    refuse(study, "output.seconds = " + write(*study.output.seconds) + ": expected from before to");
   }
+}
+
+}  // namespace
+
+void checkStudy(const Study& study) {
+  checkGaze(study);
+  checkEye(study);
+  checkOutput(study);
 }
 
 Screen Study::screenInForce() const {

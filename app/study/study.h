@@ -1,5 +1,6 @@
-// A study: what is shown to whom, on which screen, under which gaze. Read from TOML; the table of
-// keys in study_keys.cpp is the only place that knows their names, types, ranges and meaning.
+// A study: what is shown to whom, on which screen, under which gaze. It is read from TOML. The
+// table of keys in study_keys.cpp is the only place that knows their names, types, ranges and
+// meaning.
 #pragma once
 
 #include <cstdint>
@@ -11,28 +12,22 @@
 #include <variant>
 #include <vector>
 
+#include "app/session/session_settings.h"
 #include "gaze/events/event_settings.h"
 #include "gaze/focus/accommodation.h"
+#include "gaze/geometry/default_screen.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
-
-/// Where the eye is at a moment of the recording.
-struct EyeKeyframe {
-  double time_s = 0.0;
-  glm::dvec3 position_m{0.0};
-  glm::dvec3 look_at_m{0.0};
-  std::optional<glm::dvec3> up;  ///< absent: the study's eye.up
-};
 
 struct Study {
   std::filesystem::path file;
 
   struct Scene {
     std::optional<std::filesystem::path> file;
-    std::string builtin = "gallery";  ///< shown where there is no file
-    double scale_m = 1.0;             ///< metres a unit of the file
+    std::string builtin = "gallery";  ///< shown if there is no file
+    double scale_m = 1.0;             ///< metres per unit of the file
     glm::dvec3 background{0.0};       ///< linear RGB
   } scene;
 
@@ -40,36 +35,35 @@ struct Study {
     std::optional<glm::dvec3> position_m;  ///< absent: the built-in scene's own pose
     std::optional<glm::dvec3> look_at_m;
     glm::dvec3 up{0.0, 1.0, 0.0};
-    std::vector<EyeKeyframe> path;  ///< by time, interpolated linearly; empty: the eye stands still
+    std::vector<EyeKeyframe> path;  ///< by time; empty: the eye stands still
   } eye;
 
   struct ScreenChoice {
     std::optional<std::filesystem::path> monitor;  ///< our TOML or PsychoPy JSON
-    glm::ivec2 size_px{1920, 1080};
-    glm::dvec2 size_m{0.5313, 0.2989};
-    double distance_m = 0.6;
+    glm::ivec2 size_px = defaultScreen().size_px;
+    glm::dvec2 size_m = defaultScreen().size_m;
+    double distance_m = defaultScreen().distance_m;
     std::optional<double> gamma;     ///< light = code^gamma; absent: sRGB as displayed
     double luminance_cd_m2 = 120.0;  ///< of white
     bool is_default = true;          ///< the study says nothing about its screen
   } screen;
 
   struct Observer {
-    std::string pupil = "fixed";  ///< or "recording", "luminance"
-    double pupil_mm = 4.0;        ///< where fixed, and until a recording says one
+    PupilModel pupil = PupilModel::fixed;
+    double pupil_mm = 4.0;  ///< where fixed, and until a recording says one
     double retina_mm = 24.0;
     double ipd_mm = 63.0;
     double sphere_D = 0.0, cylinder_D = 0.0, axis_deg = 0.0;  ///< the prescription of both eyes
-    bool corrected = true;                                    ///< it is worn
+    bool corrected = true;                                    ///< the prescription is worn
     bool chromatic = false;                                   ///< see render/optics/refraction.h
   } observer;
 
   struct Gaze {
     std::string source = "simulated";  ///< or a file, as the study or the option names it
-    TraceColumns columns;              ///< all but the units, which are text here
-    std::string units = "auto";
+    TraceColumns columns;
     std::optional<std::filesystem::path> map;     ///< of foci calibrate gaze; applied to recordings
     std::optional<std::filesystem::path> camera;  ///< of foci calibrate camera
-    /// Losses up to 75 ms are filled, so that focus follows through them.
+    /// Data loss up to 75 ms is filled, as in Tobii's I-VT filter, so that focus follows through.
     EventSettings events{.max_gap_s = 0.075};
   } gaze;
 
@@ -86,12 +80,7 @@ struct Study {
     double shading = 0.0;
   } render;
 
-  /// What method `auto` may spend.
-  struct QualityKeys {
-    double tolerance = 1.0;          ///< just noticeable differences
-    std::optional<double> frame_ms;  ///< time to hold
-    bool foveated = false;
-  } quality;
+  QualitySettings quality;
 
   struct Output {
     std::optional<glm::ivec2> size_px;  ///< of the images; absent: the screen's
@@ -99,33 +88,31 @@ struct Study {
     std::optional<glm::dvec2> seconds;  ///< from, to, after the recording's first sample
     bool marker = false;
     bool split = false;
-    bool images = false;        ///< every frame as a PNG, too
-    std::string view = "mono";  ///< how the eyes' views are put together: app/session/stereo.h
+    bool images = false;  ///< every frame as a PNG, too
+    StereoView view = StereoView::mono;
   } output;
 
-  /// What a live run leaves so that it can be replayed (app/live/record.h).
+  /// What the record of a live run adds for its replay (app/live/record.h).
   struct Record {
     std::optional<std::filesystem::path> frames;   ///< times and methods, instead of output.fps
-    std::optional<std::filesystem::path> changes;  ///< of keys while it ran
-    std::optional<double> rate_Hz;                 ///< of the source; absent: the gaze's median
+    std::optional<std::filesystem::path> changes;  ///< of keys during the run
+    std::optional<double> rate_Hz;  ///< of the samples; absent: the median of the recording
   } record;
 
   std::int64_t seed = 1;
 
   bool gazeIsSimulated() const { return gaze.source == "simulated"; }
-  /// The screen in force: the study's, its monitor's or the default.
+  /// The screen in force: that of the study, of its monitor file, or the default one.
   Screen screenInForce() const;
   glm::ivec2 imageSize_px() const { return output.size_px.value_or(screen.size_px); }
 };
 
-/// @throws InputError naming file, line, key and value for whatever is not as the table of keys
-/// says
+/// @throws InputError naming file, line, key and value where the table of keys forbids something
 Study readStudy(const std::filesystem::path& file);
 
 using OptionValue = std::variant<double, std::string, std::vector<double>>;
 
-/// Sets a key to a TOML value, e.g. `"mono"` or `[0, 1.6, 2]`; "null": to what it is where a study
-/// does not name it.
+/// Sets a key to a TOML value, e.g. `"mono"` or `[0, 1.6, 2]`; "null" sets its default.
 /// @param where  for messages
 /// @throws InputError
 void setKey(Study& study, std::string_view key, const std::string& toml, const std::string& where);
@@ -135,8 +122,9 @@ void setKey(Study& study, std::string_view key, const std::string& toml, const s
 void overrideKey(Study& study, std::string_view key, const OptionValue& value,
                  const std::string& option);
 
-/// What only the whole study can tell: that the scene has an eye pose, the path is ordered, and so
-/// on. Called after the last override.
+/// Checks what several keys decide together: that the scene has an eye pose, that the path is
+/// ordered, and so on. Called after the last override.
+/// @throws InputError
 void checkStudy(const Study& study);
 
 struct ResolvedKey {

@@ -1,4 +1,4 @@
-// The table of keys, and the TOML that it is applied to (toml11).
+// The table of keys, and how TOML (toml11) sets them.
 #include "app/study/study_keys.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace foci {
 
-// The type of `eye.path`, beside those of toml_values.h.
+// `eye.path` has a type of its own; toml_values.h has the others.
 static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
 static std::string write(const std::vector<EyeKeyframe>& path);
 
@@ -52,13 +52,13 @@ Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}
   key < EyeKeyframe, [](auto& frame) -> auto& { return frame.member; } \
   > (__VA_ARGS__)
 
-constexpr double kFar_m = 1e6;  // positions beyond it leave a float no millimetre
+constexpr double kFar_m = 1e6;  // a float there has steps of 6 cm
 
 const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
   static const std::vector<Key<EyeKeyframe>> keys = {
-      FOCI_KEYFRAME_KEY(time_s, "time_s", "after the recording's first sample, s", {0, 1e6}),
+      FOCI_KEYFRAME_KEY(time_s, "time_s", "time after the recording's first sample, s", {0, 1e6}),
       FOCI_KEYFRAME_KEY(position_m, "position_m", "where the eye is, m", {-kFar_m, kFar_m}),
-      FOCI_KEYFRAME_KEY(look_at_m, "look_at_m", "what the screen's centre shows, m",
+      FOCI_KEYFRAME_KEY(look_at_m, "look_at_m", "point that the centre of the screen shows, m",
                         {-kFar_m, kFar_m}),
       FOCI_KEYFRAME_KEY(up, "up", "upwards; absent: eye.up", {-1, 1}),
   };
@@ -69,12 +69,12 @@ const std::vector<Key<Study>>& studyKeys() {
   static const std::vector<Key<Study>> keys = {
       FOCI_KEY(scene.file, "scene.file",
                "points (PLY), a mesh (OBJ, glTF, STL, PLY) or a prepared scene (.foci)"),
-      FOCI_KEY(scene.builtin, "scene.builtin", "built-in scene, where there is no file",
+      FOCI_KEY(scene.builtin, "scene.builtin", "built-in scene, if there is no file",
                {.words = {"gallery", "plane"}}),
-      FOCI_KEY(scene.scale_m, "scene.scale_m", "metres a unit of the file", {1e-6, 1e6}),
+      FOCI_KEY(scene.scale_m, "scene.scale_m", "metres per unit of the file", {1e-6, 1e6}),
       FOCI_KEY(scene.background, "scene.background", "linear RGB behind everything", {0, 1}),
       FOCI_KEY(eye.position_m, "eye.position_m", "where the eye is, m", {-kFar_m, kFar_m}),
-      FOCI_KEY(eye.look_at_m, "eye.look_at_m", "what the screen's centre shows, m",
+      FOCI_KEY(eye.look_at_m, "eye.look_at_m", "point that the centre of the screen shows, m",
                {-kFar_m, kFar_m}),
       FOCI_KEY(eye.up, "eye.up", "upwards", {-1, 1}),
       FOCI_KEY(eye.path, "eye.path", "keyframes of a moving eye, instead of position and look_at"),
@@ -85,29 +85,30 @@ const std::vector<Key<Study>>& studyKeys() {
                {0.01, 20}),
       FOCI_KEY(screen.distance_m, "screen.distance_m", "eye to screen, m", {0.01, 100}),
       FOCI_KEY(screen.gamma, "screen.gamma",
-               "of the display, light = code^gamma; absent: sRGB as displayed", {1, 4}),
-      FOCI_KEY(screen.luminance_cd_m2, "screen.luminance_cd_m2", "of its white, cd/m^2",
+               "gamma of the display, light = code^gamma; absent: sRGB", {1, 4}),
+      FOCI_KEY(screen.luminance_cd_m2, "screen.luminance_cd_m2", "luminance of white, cd/m^2",
                {1, 10000}),
       FOCI_KEY(observer.pupil, "observer.pupil",
-               "fixed, of the recording, or from the image's luminance",
-               {.words = {"fixed", "recording", "luminance"}}),
+               "fixed, from the recording, or from the luminance of the images",
+               {.words = studyWords<PupilModel>()}),
       FOCI_KEY(observer.pupil_mm, "observer.pupil_mm",
-               "diameter of the fixed pupil, and until a recording tells one, mm", {0.5, 12}),
+               "diameter of the fixed pupil, and until the recording has one, mm", {0.5, 12}),
       FOCI_KEY(observer.retina_mm, "observer.retina_mm", "lens to retina, mm", {10, 40}),
-      FOCI_KEY(observer.ipd_mm, "observer.ipd_mm", "from one pupil to the other, mm", {40, 80}),
+      FOCI_KEY(observer.ipd_mm, "observer.ipd_mm", "interpupillary distance, mm", {40, 80}),
       FOCI_KEY(observer.sphere_D, "observer.sphere_D",
                "sphere of the prescription of both eyes, D; below 0 short-sighted", {-20, 20}),
       FOCI_KEY(observer.cylinder_D, "observer.cylinder_D",
-               "its cylinder, D: sphere + cylinder is the power across the axis", {-10, 10}),
+               "cylinder of the prescription, D: sphere + cylinder is the power across the axis",
+               {-10, 10}),
       FOCI_KEY(observer.axis_deg, "observer.axis_deg",
-               "its axis, deg, as opticians have it: counter-clockwise for who faces the observer",
+               "axis of the cylinder, deg, as opticians write it: counter-clockwise for somebody "
+               "who faces the observer",
                {0, 180}),
       FOCI_KEY(observer.corrected, "observer.corrected",
-               "the prescription is worn; false: the eye is seen through as it is"),
+               "true: the observer wears the prescription; false: the eye sees without it"),
       FOCI_KEY(
           observer.chromatic, "observer.chromatic",
-          "red, green and blue each have their focus, as in an eye; rendering takes three times as "
-          "long"),
+          "red, green and blue each have their own focus; rendering takes three times as long"),
       FOCI_KEY(gaze.source, "gaze.source",
                "\"simulated\", a recording (TSV, CSV, ASC), or webcam:VIDEO"),
       FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording or a webcam"),
@@ -118,7 +119,7 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.columns.pupil, "gaze.pupil", "column of the pupil's diameter"),
       FOCI_KEY(gaze.columns.blink, "gaze.blink", "column that marks blinks"),
       FOCI_KEY(gaze.columns.confidence, "gaze.confidence",
-               "column of the confidence, 0 to 1; below 0.6 there is no gaze"),
+               "column of the confidence, 0 to 1; a sample below 0.6 has no gaze"),
       FOCI_KEY(gaze.columns.eyes[0].x, "gaze.left_x", "column of the left eye's position"),
       FOCI_KEY(gaze.columns.eyes[0].y, "gaze.left_y", "column of the left eye's position"),
       FOCI_KEY(gaze.columns.eyes[0].pupil, "gaze.left_pupil",
@@ -127,79 +128,84 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.columns.eyes[1].y, "gaze.right_y", "column of the right eye's position"),
       FOCI_KEY(gaze.columns.eyes[1].pupil, "gaze.right_pupil",
                "column of the right pupil's diameter"),
-      FOCI_KEY(gaze.columns.missing, "gaze.missing",
-               "number that stands for no position or no pupil", {-1e9, 1e9}),
+      FOCI_KEY(gaze.columns.missing, "gaze.missing", "number that means no position or no pupil",
+               {-1e9, 1e9}),
       FOCI_KEY(gaze.columns.scale, "gaze.scale", "position in gaze.units = scale * column + offset",
                {-1e6, 1e6}),
       FOCI_KEY(gaze.columns.offset, "gaze.offset",
                "position in gaze.units = scale * column + offset", {-1e6, 1e6}),
       FOCI_KEY(gaze.columns.pupil_scale_mm, "gaze.pupil_scale_mm",
-               "millimetres a unit of the pupils' columns", {1e-9, 1e6}),
+               "millimetres per unit of the pupil columns", {1e-9, 1e6}),
       FOCI_KEY(gaze.columns.rate_Hz, "gaze.rate_Hz",
-               "samples a second of a table without a column of time", {5, 20000}),
-      FOCI_KEY(gaze.columns.time_scale_s, "gaze.time_scale_s", "seconds a unit of time",
+               "samples per second of a table without a time column", {5, 20000}),
+      FOCI_KEY(gaze.columns.time_scale_s, "gaze.time_scale_s", "seconds per unit of time",
                {1e-12, 3600}),
-      FOCI_KEY(gaze.units, "gaze.units", "of the position",
-               {.words = {"auto", "px", "deg", "normalised"}}),
-      FOCI_KEY(gaze.events.saccade_deg_s, "gaze.saccade_deg_s", "faster is a saccade, deg/s",
-               {1, 1000}),
-      FOCI_KEY(gaze.events.window_s, "gaze.window_s", "samples that the speed is taken over, s",
+      FOCI_KEY(gaze.columns.units, "gaze.units", "units of the position; auto: as the file says",
+               {.words = studyWords<std::optional<GazeUnits>>()}),
+      FOCI_KEY(gaze.events.saccade_deg_s, "gaze.saccade_deg_s",
+               "speed above which the eye makes a saccade, deg/s", {1, 1000}),
+      FOCI_KEY(gaze.events.window_s, "gaze.window_s", "time over which the speed is measured, s",
                {0.002, 0.5}),
-      FOCI_KEY(gaze.events.delay_s, "gaze.delay_s", "how late a sample's state may be known, s",
+      FOCI_KEY(gaze.events.delay_s, "gaze.delay_s", "how far the event detection may look ahead, s",
                {0, 0.2}),
-      FOCI_KEY(gaze.events.max_gap_s, "gaze.max_gap_s", "losses up to this are filled, s", {0, 1}),
-      FOCI_KEY(gaze.events.max_blink_s, "gaze.max_blink_s", "longer losses are no blinks, s",
-               {0, 10}),
+      FOCI_KEY(gaze.events.max_gap_s, "gaze.max_gap_s", "longest data loss that is filled, s",
+               {0, 1}),
+      FOCI_KEY(gaze.events.max_blink_s, "gaze.max_blink_s",
+               "longest data loss that counts as a blink, s", {0, 10}),
       FOCI_KEY(focus.cone_deg, "focus.cone_deg",
                "half-angle of the cone in which the surface is sought, deg", {0.01, 20}),
       FOCI_KEY(focus.coverage, "focus.coverage", "share of the cone that a surface must fill",
                {0.01, 1}),
       FOCI_KEY(focus.accommodation.on, "focus.accommodation", "false: focus jumps to its target"),
-      FOCI_KEY(focus.accommodation.latency_s, "focus.latency_s", "before focus begins to move, s",
-               {0, 5}),
+      FOCI_KEY(focus.accommodation.latency_s, "focus.latency_s",
+               "time before focus begins to move, s", {0, 5}),
       FOCI_KEY(focus.accommodation.time_constant_s, "focus.time_constant_s",
-               "of the exponential approach, s", {0.001, 10}),
+               "time constant of the exponential approach, s", {0.001, 10}),
       FOCI_KEY(focus.accommodation.far_time_constant_s, "focus.far_time_constant_s",
-               "of the approach to a farther target, s; absent: the same", {0.001, 10}),
+               "time constant towards a farther target, s; absent: the same", {0.001, 10}),
       FOCI_KEY(focus.accommodation.age_years, "focus.age_years",
-               "limits how near the eye focuses; absent: no limit", {1, 120}),
+               "age, which limits how near the eye focuses; absent: no limit", {1, 120}),
       FOCI_KEY(focus.vergence, "focus.vergence",
                "true: the distance at which both lines of sight meet counts, too"),
-      FOCI_KEY(focus.accommodation.resting_D, "focus.resting_D", "before there is a target, D",
-               {0, 10}),
+      FOCI_KEY(focus.accommodation.resting_D, "focus.resting_D",
+               "focus before there is a target, D", {0, 10}),
       FOCI_KEY(focus.fixed_D, "focus.fixed_D",
-               "focus stays there, whatever is looked at, D; absent: it follows", {0, 20}),
-      FOCI_KEY(render.method, "render.method", "how depth of field is rendered: `foci methods`",
+               "fixed focus, whatever the eye looks at, D; absent: focus follows the gaze",
+               {0, 20}),
+      FOCI_KEY(render.method, "render.method", "method that renders depth of field: `foci methods`",
                {.expected = expectedMethod}),
       FOCI_KEY(render.shading, "render.shading",
-               "how much of the colour falls off with the angle of surface to sight", {0, 1}),
+               "share of the colour that falls off with the angle between surface and sight",
+               {0, 1}),
       FOCI_KEY(quality.tolerance, "quality.tolerance",
-               "error that method auto may make in 95 % of the pixels, just noticeable differences",
+               "error that method auto allows in 95 % of the pixels, just-noticeable differences",
                {0.1, 100}),
       FOCI_KEY(quality.frame_ms, "quality.frame_ms",
-               "time that method auto holds a frame to, ms, whatever the error; images then hang "
-               "on the machine; absent: as long as it takes",
+               "frame-time budget of method auto, ms, which overrides the tolerance; the image "
+               "then depends on how fast the machine is; absent: none",
                {1, 1000}),
       FOCI_KEY(quality.foveated, "quality.foveated",
-               "method auto renders no finer than the eye sees beside its gaze, and nothing new in "
-               "saccades and blinks"),
+               "method auto renders no finer than the eye resolves away from the gaze, and reuses "
+               "the previous frame in saccades and blinks"),
       FOCI_KEY(output.size_px, "output.size_px",
-               "width and height of the images, px; absent: the screen's", {16, 8192}),
-      FOCI_KEY(output.fps, "output.fps", "frames a second", {1, 1000}),
-      FOCI_KEY(output.seconds, "output.seconds", "from, to: after the recording's first sample, s",
-               {0, 1e6}),
-      FOCI_KEY(output.marker, "output.marker", "a mark where the observer looks"),
-      FOCI_KEY(output.split, "output.split", "left half sharp, right half as the eye sees"),
-      FOCI_KEY(output.images, "output.images", "every frame as a PNG, too"),
+               "width and height of the images, px; absent: those of the screen", {16, 8192}),
+      FOCI_KEY(output.fps, "output.fps", "frames per second", {1, 1000}),
+      FOCI_KEY(output.seconds, "output.seconds",
+               "begin and end, after the recording's first sample, s", {0, 1e6}),
+      FOCI_KEY(output.marker, "output.marker", "shows where the observer looks"),
+      FOCI_KEY(output.split, "output.split", "left half sharp, right half as the eye sees it"),
+      FOCI_KEY(output.images, "output.images", "also saves every frame as a PNG"),
       FOCI_KEY(output.view, "output.view",
                "one eye in the middle, or both: left beside right, left above right, left red",
-               {.words = {"mono", "side-by-side", "top-bottom", "anaglyph"}}),
+               {.words = studyWords<StereoView>()}),
       FOCI_KEY(record.frames, "record.frames",
-               "frames.tsv of a live run: its times and methods, instead of output.fps"),
+               "frames.tsv of a live run, with times and methods, instead of output.fps"),
       FOCI_KEY(record.changes, "record.changes", "changes.tsv of a live run"),
-      FOCI_KEY(record.rate_Hz, "record.rate_Hz",
-               "samples a second that its source states; absent: the gaze's median", {5, 20000}),
-      FOCI_KEY(seed, "seed", "of the simulated observer", {0, 9007199254740992.0}),
+      FOCI_KEY(
+          record.rate_Hz, "record.rate_Hz",
+          "samples per second, as the gaze source states it; absent: the median of the recording",
+          {5, 20000}),
+      FOCI_KEY(seed, "seed", "seed of the simulated observer", {0, 9007199254740992.0}),
   };
   return keys;
 }
@@ -261,7 +267,7 @@ static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyfram
   for (const toml::value& element : from.as_array()) {
     if (!element.is_table()) throw Expected{what};
     EyeKeyframe frame;
-    // The file's name is put before it by the caller, who knows it; the line is the element's own.
+    // The caller, who knows the name of the file, puts it before the message.
     KeyNames given;
     try {
       given = apply(keyframeKeys(), element.as_table(), "", "", frame);

@@ -1,5 +1,5 @@
-// The keys of a study: names, types, ranges, meaning. Heavy to compile (toml11): for study*.cpp
-// alone.
+// The keys of a study: names, types, ranges, meaning. toml11 is heavy to compile, so only
+// study*.cpp include this.
 #pragma once
 
 #include <functional>
@@ -17,13 +17,13 @@ using KeyNames = std::set<std::string, std::less<>>;
 /// Sets every key of a TOML document.
 /// @param file  for messages
 /// @return the names of the keys set
-/// @throws InputError naming file, line, key and value for whatever is not as the table says
+/// @throws InputError naming file, line, key and value where the table of keys forbids something
 KeyNames setKeys(Study& study, const toml::table& table, const std::string& file);
 
-/// Sets one key of the table (another asserts). @throws Expected
+/// Sets one key, which the table must have (asserted). @throws Expected
 void setKey(Study& study, std::string_view key, const toml::value& value);
 
-/// A text from outside, printable and short.
+/// A text from outside, made printable and short for a message.
 std::string shownName(std::string_view name);
 
 }  // namespace foci

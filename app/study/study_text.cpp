@@ -7,7 +7,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Numbers, texts and lists look the same in both; tables do not.
+/// Numbers, texts and lists look the same in JSON and TOML; tables do not.
 std::string tomlOf(const Json& json) {
   std::string text;
   if (json.is_array()) {

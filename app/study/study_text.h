@@ -1,4 +1,4 @@
-// Studies as text: one in force as TOML again, and the page that lists every key.
+// A study written as TOML, and the page that lists every key.
 #pragma once
 
 #include <string>
@@ -7,13 +7,12 @@
 
 namespace foci {
 
-/// The study in force as TOML, which `readStudy` takes from any folder: the names of the scene's
-/// and the calibrations' files are absolute, and a monitor's numbers stand in the place of its
-/// file. What belongs to a recording (gaze.source, record) keeps the names that it has.
+/// The study as TOML that `readStudy` takes in any folder. Files of scene and calibrations have
+/// absolute names. The numbers of a monitor replace its file. Files of a recording (gaze.source,
+/// record) keep their names.
 std::string studyToml(const Study& study);
 
-/// docs/studies.md: every key with its meaning, what it allows and what it is where a study does not
-/// name it.
+/// docs/studies.md: every key with its meaning, its allowed values and its default.
 std::string studyKeysMarkdown();
 
 }  // namespace foci

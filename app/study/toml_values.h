@@ -1,5 +1,5 @@
-// From TOML to the values of a study and on to JSON, one pair of functions for each type. Heavy to
-// compile (toml11): for study*.cpp alone.
+// Reads the values of a study from TOML and writes them as JSON, by one pair of functions for each
+// type. toml11 is heavy to compile, so only study*.cpp include this.
 #pragma once
 
 #include <algorithm>
@@ -14,14 +14,15 @@
 #include <toml.hpp>
 #include <vector>
 
+#include "app/study/study_words.h"
 #include "base/text.h"
 
 namespace foci {
 
 using Words = std::vector<std::string_view>;
 
-/// What a key allows: numbers from `low` to `high`, each of them; texts among `words` (none: any)
-/// of which `expected`, if there, says nothing against.
+/// The values that a key allows. Every number lies from `low` to `high`. A text is one of `words`,
+/// or any text if there are none. `expected` may refuse a text: it returns what was expected.
 struct Allowed {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -29,16 +30,16 @@ struct Allowed {
   std::optional<std::string> (*expected)(std::string_view) = nullptr;
 };
 
-/// A value that the key does not allow; `what` says what it does.
+/// Thrown for a value that the key does not allow.
 struct Expected {
-  std::string what;
+  std::string what;  ///< the key allows
 };
 
 inline std::string rangeText(const Allowed& allowed) {
   return exactText(allowed.low) + " to " + exactText(allowed.high);
 }
 
-// One `read` (TOML to value, or Expected) and one `write` (value to JSON) for each type of key.
+// For each type of key, `read` from TOML (@throws Expected) and `write` to JSON.
 
 inline void read(const toml::value& from, const Allowed& allowed, double& to) {
   const double value = from.is_floating()  ? from.as_floating()
@@ -101,8 +102,19 @@ void read(const toml::value& from, const Allowed& allowed, glm::vec<N, Number>& 
   }
 }
 
+/// A value of an enum, by its word.
+template <HasStudyWords Enum>
+void read(const toml::value& from, const Allowed& allowed, Enum& to) {
+  std::string text;
+  read(from, allowed, text);
+  for (const auto& word : kStudyWords<Enum>) {
+    if (word.text == text) to = word.value;
+  }
+}
+
 template <class T>
-void read(const toml::value& from, const Allowed& allowed, std::optional<T>& to) {
+requires(!HasStudyWords<std::optional<T>>) void read(const toml::value& from,
+                                                     const Allowed& allowed, std::optional<T>& to) {
   T value{};
   read(from, allowed, value);
   to = value;
@@ -119,12 +131,16 @@ std::string write(const glm::vec<N, Number>& value) {
   for (int i = 0; i < N; ++i) text += (i ? ", " : "") + write(value[i]);
   return text + "]";
 }
+template <HasStudyWords Enum>
+std::string write(const Enum& value) {
+  return quotedText(std::string(studyWord(value)));
+}
 template <class T>
-std::string write(const std::optional<T>& value) {
+requires(!HasStudyWords<std::optional<T>>) std::string write(const std::optional<T>& value) {
   return value ? write(*value) : "null";
 }
 
-/// A value as a message shows it: one short line.
+/// A value on one short line, for messages.
 inline std::string shownValue(const toml::value& value) {
   std::string text;
   switch (value.type()) {

@@ -20,10 +20,6 @@ std::optional<MapUnits> mapUnitsNamed(std::string_view name) {
   return static_cast<MapUnits>(found - kNames.begin());
 }
 
-Screen defaultScreen() {
-  return {.size_px = {1920, 1080}, .size_m = {0.5313, 0.2989}, .distance_m = 0.6};
-}
-
 glm::dvec2 onPlane(const GazeFrame& frame, const glm::dvec2& point) {
   switch (frame.units) {
     case MapUnits::deg:

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 
+#include "gaze/geometry/default_screen.h"
 #include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
@@ -23,9 +24,6 @@ struct GazeFrame {
   MapUnits units = MapUnits::deg;
   Screen screen;
 };
-
-/// The screen of a study without a calibrated one: 24 inches, 1920 x 1080, at 0.6 m.
-Screen defaultScreen();
 
 /// Point of the plane z = 1 that the line of sight cuts. Degrees beyond +-89 are taken as +-89.
 glm::dvec2 onPlane(const GazeFrame& frame, const glm::dvec2& point);

@@ -10,6 +10,7 @@
 
 #include "app/session/session.h"
 #include "app/study/inputs.h"
+#include "app/study/session_settings_of.h"
 #include "app/study/study.h"
 #include "base/quantile.h"
 #include "render/scene/builtin/procedural.h"
@@ -35,7 +36,7 @@ void BM_GalleryReplay(benchmark::State& state) {
   std::vector<double> all_ms, rendered_ms, splats, errors;
   for (auto _ : state) {
     const double start_s = trace.samples.front().time_s;
-    Session session(study, cloud, *trace.screen, trace.rate_Hz, start_s);
+    Session session(sessionSettingsOf(study), cloud, *trace.screen, trace.rate_Hz, start_s);
     auto sample = trace.samples.begin();
     for (int i = 0; i < static_cast<int>(kSeconds * kFps); ++i) {
       const double time_s = start_s + i / kFps;

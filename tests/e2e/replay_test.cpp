@@ -97,7 +97,7 @@ TEST_F(Replay, ReportsFramesAboveTheTolerance) {
 
   const Outcome loose = runFoci({"replay", "loose.toml", "--out", "loose"}, folder.path());
   ASSERT_EQ(loose.exit_code, 0) << loose.err;
-  EXPECT_EQ(loose.err.find("just noticeable"), std::string::npos) << loose.err;
+  EXPECT_EQ(loose.err.find("just-noticeable"), std::string::npos) << loose.err;
 }
 
 TEST_F(Replay, KeepsFocusDuringDataLoss) {

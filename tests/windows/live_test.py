@@ -121,7 +121,7 @@ def look_near_and_far(observer, foci, out):
     summary = leave(program, experiment)
     print(summary)
     assert summary["records"] == [record]
-    assert [row[1] for row in table(record + "/marks.tsv")[1:]] == ["near", "far", "space"]
+    assert [row[1] for row in table(record + "/event_markers.tsv")[1:]] == ["near", "far", "space"]
 
     # The replay equals the run.
     replay = out + "/replay"

@@ -1,5 +1,4 @@
-// `foci live` without its window: what it renders, what it leaves, and that a replay finds the
-// same.
+// `foci live` without its window: its frames, its record, and that a replay gives the same frames.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,6 +18,7 @@
 #include "app/live/renderer.h"
 #include "app/replay/replay.h"
 #include "app/study/inputs.h"
+#include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "tests/temporary_folder.h"
@@ -28,8 +28,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A gaze that jumps between two places on the screen every 150 ms, at 100 Hz; then, after
-/// `until_s`, says nothing.
+/// A gaze that jumps between two places on the screen every 150 ms, at 100 Hz. After `until_s` it
+/// falls silent.
 class Jumping final : public LiveSource {
  public:
   Jumping(const Screen& screen, double until_s) : screen_(screen), until_s_(until_s) {}
@@ -74,14 +74,14 @@ class Live : public testing::Test {
     return {.source = std::make_unique<Jumping>(screen, until_s), .screen = screen};
   }
 
-  /// Takes frames as a window would, for some time.
+  /// Takes frames as a window would. @return the record of the last one
   static FrameRecord watch(LiveRenderer& renderer, const LiveClock& clock, double seconds) {
     FrameRecord last;
     for (const double end_s = clock.now_s() + seconds; clock.now_s() < end_s;) {
       if (auto frame = renderer.take(clock.now_s())) {
         frame->timing.swap_s = clock.now_s();
         last = frame->record;
-        if (const auto record = frame->into.lock()) record->add(frame);
+        if (const auto record = frame->record_file.lock()) record->add(frame);
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
@@ -98,7 +98,7 @@ TEST_F(Live, RecordReplaysToTheSameImagesAndEvents) {
   {
     GazeFeed feed(jumping(100.0), clock);
     LiveRenderer renderer(study, feed, clock, "foci live", 1, [] {});
-    watch(renderer, clock, 0.2);  // what was before the record does not count
+    watch(renderer, clock, 0.2);  // what happens before the record does not count
     auto begun = renderer.startRecord(folder);
     watch(renderer, clock, 0.3);
     EXPECT_EQ(begun.get(), "");
@@ -109,7 +109,7 @@ TEST_F(Live, RecordReplaysToTheSameImagesAndEvents) {
     watch(renderer, clock, 0.3);
     renderer.change("quality.foveated", "true");
     watch(renderer, clock, 0.3);
-    renderer.mark("half");
+    renderer.addMarker("half");
     renderer.change("focus.fixed_D", "1.5");
     renderer.change("render.method", "\"pinhole\"");
     watch(renderer, clock, 0.2);
@@ -118,7 +118,7 @@ TEST_F(Live, RecordReplaysToTheSameImagesAndEvents) {
     renderer.stopRecord();
     watch(renderer, clock, 0.05);
   }
-  EXPECT_NE(textOf(folder / "marks.tsv").find("\thalf\n"), std::string::npos);
+  EXPECT_NE(textOf(folder / "event_markers.tsv").find("\thalf\n"), std::string::npos);
 
   const fs::path out = scratch.path() / "replay";
   replay(readStudy(folder / "study.toml"), out, "", 1);
@@ -156,11 +156,11 @@ TEST_F(Live, RecordUnderABudgetReplaysToTheSameImages) {
     watch(renderer, clock, 0.2);
     renderer.change("quality.foveated", "true");
     watch(renderer, clock, 0.2);
-    // At rest it is rendered at leisure, as well as the tolerance wants it.
+    // At rest the frame gets full quality.
     renderer.change("quality.foveated", "false");
     renderer.change("output.split", "false");
     renderer.change("focus.fixed_D", "1.5");
-    renderer.change("quality.tolerance", "0.3");  // so little that blur is wanted
+    renderer.change("quality.tolerance", "0.3");  // too strict for the cheapest levels
     FrameRecord last;
     for (int i = 0; i < 100 && last.method != "auto:3"; ++i) {
       last = watch(renderer, clock, 0.05);
@@ -174,32 +174,32 @@ TEST_F(Live, RecordUnderABudgetReplaysToTheSameImages) {
   EXPECT_EQ(live["frames_sha256"], again["frames_sha256"]);
 }
 
-TEST_F(Live, WhatIsDrawnAtLeisureIsStoppedAtOnce) {
+TEST_F(Live, ARefinerCancelsWhatIsNoLongerWanted) {
   study.output.size_px = glm::ivec2(640, 360);
   study.observer.pupil_mm = 8.0;
   study.render.method = "auto";
   study.quality.frame_ms = 5.0;
   const SurfelCloud cloud = loadScene(study);
-  Session session(study, cloud, study.screenInForce(), 100.0, 0.0);
+  Session session(sessionSettingsOf(study), cloud, study.screenInForce(), 100.0, 0.0);
   const FrameRecord record = session.look(0.0);
-  const RenderRequest job = session.jobOf("auto", record);
+  const RenderRequest request = session.requestOf("auto", record);
   Refiner refiner(session.cloneRenderer(), 1);
-  RenderRequest other = job;
-  for (int i = 0; i < 20; ++i) {  // each stops the one before
+  RenderRequest other = request;
+  for (int i = 0; i < 20; ++i) {  // each cancels the one before
     other.eyes[0].settings.defocus.focus_D = 0.1f * static_cast<float>(i);
     refiner.want({other});
     std::this_thread::sleep_for(std::chrono::milliseconds(i));
   }
   refiner.want({});
-  refiner.want({other, job});
+  refiner.want({other, request});
   std::optional<RenderedFrame> rendered;
   for (int i = 0; i < 2000 && !rendered; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    rendered = refiner.take(job);
+    rendered = refiner.take(request);
   }
   ASSERT_TRUE(rendered.has_value());
   RenderedFrame alone;
-  FrameRenderer(cloud).render(job.atLeisure(), alone);
+  FrameRenderer(cloud).render(request.withoutTimeBudget(), alone);
   EXPECT_EQ(rendered->frame.rgba, alone.frame.rgba);
 }
 
@@ -208,14 +208,14 @@ std::size_t rowsOf(const fs::path& table) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
-TEST_F(Live, WhatIsPaintedAheadIsWhatTheEyeComesToRestAt) {
+TEST_F(Live, TheFrameRenderedAheadIsTheOneAtRest) {
   study.observer.pupil_mm = 8.0;
   study.render.method = "auto";
   study.quality.frame_ms = 5.0;
   study.quality.foveated = true;
   const SurfelCloud cloud = loadScene(study);
   const Screen screen = study.screenInForce();
-  Session session(study, cloud, screen, 250.0, 0.0);
+  Session session(sessionSettingsOf(study), cloud, screen, 250.0, 0.0);
   std::optional<RenderRequest> ahead, last;
   int changes = 0;
   double sample_s = 0.0;
@@ -228,14 +228,14 @@ TEST_F(Live, WhatIsPaintedAheadIsWhatTheEyeComesToRestAt) {
                     .point_px = glm::dvec2(x, 0.45) * glm::dvec2(screen.size_px) + noise_px});
     }
     const FrameRecord record = session.look(time_s);
-    const RenderRequest job = session.jobOf("auto", record);
-    // As soon as the surface is known: focus holds for its latency, then moves.
-    if (time_s > 1.2 && !ahead) ahead = session.jobAtRest("auto", record);
+    const RenderRequest request = session.requestOf("auto", record);
+    // The surface is known, but focus only moves after its latency.
+    if (time_s > 1.2 && !ahead) ahead = session.requestAtRest("auto", record);
     if (time_s > 1.2 && time_s < 1.25) {
-      EXPECT_NE(job, *ahead);
+      EXPECT_NE(request, *ahead);
     }
-    if (time_s > 3.0) changes += job != last;
-    last = job;
+    if (time_s > 3.0) changes += request != last;
+    last = request;
   }
   EXPECT_EQ(*last, *ahead);
   EXPECT_EQ(changes, 0);
@@ -257,7 +257,7 @@ TEST_F(Live, ARecordWithoutGazeSaysSo) {
   EXPECT_EQ(rowsOf(folder / "events.tsv"), 1u);
 }
 
-/// Bytes of the program in memory.
+/// Memory of the program, bytes.
 double residentBytes() {
   std::ifstream file("/proc/self/statm");
   double all = 0.0, resident = 0.0;
@@ -266,14 +266,14 @@ double residentBytes() {
 }
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-// They keep what is freed; and of a clock too fast each frame has more samples to take than the one
-// before, for ever.
+// Sanitizers keep freed memory, and slow the frame loop: with a faster clock every frame would have
+// more samples to take than the one before.
 constexpr bool kSanitized = true;
 #else
 constexpr bool kSanitized = false;
 #endif
 
-/// Hours in seconds: FOCI_SOAK_HOURS of its own clock, which is faster than time.
+/// Hours in seconds, on a clock that is faster than real time. FOCI_SOAK_HOURS sets how many.
 TEST_F(Live, LongRunsLoseNoRowAndNoMemory) {
   const char* asked = std::getenv("FOCI_SOAK_HOURS");
   const double faster = kSanitized ? 12.0 : 120.0;
@@ -289,14 +289,14 @@ TEST_F(Live, LongRunsLoseNoRowAndNoMemory) {
     EXPECT_EQ(renderer.startRecord(folder).get(), "");
     const double end_s = clock.now_s() + 3600.0 * hours;
     const double warm_s = clock.now_s() + 0.3 * 3600.0 * hours;
-    // A few frames at least, however slowly they come.
+    // A slow machine gets the time for a few frames.
     constexpr std::size_t kFew = 3;
     const auto patience = std::chrono::steady_clock::now() + std::chrono::minutes(2);
     const auto waits = [&] { return taken < kFew && std::chrono::steady_clock::now() < patience; };
     while (clock.now_s() < end_s || waits()) {
       if (auto frame = renderer.take(clock.now_s())) {
         frame->timing.swap_s = clock.now_s();
-        if (const auto record = frame->into.lock()) {
+        if (const auto record = frame->record_file.lock()) {
           record->add(frame);
           ++taken;
         }
@@ -307,7 +307,7 @@ TEST_F(Live, LongRunsLoseNoRowAndNoMemory) {
     const double late_bytes = residentBytes();
     std::printf("%.2f h: %zu frames, %.1f MB, before %.1f MB\n", hours, taken, late_bytes / 1e6,
                 early_bytes / 1e6);
-    constexpr double kGrowth = 1.05;  // the goal of eight hours
+    constexpr double kGrowth = 1.05;  // bound for eight hours
     if (!kSanitized) {
       EXPECT_LE(late_bytes, kGrowth * early_bytes);
     }
@@ -321,7 +321,7 @@ TEST_F(Live, LongRunsLoseNoRowAndNoMemory) {
   EXPECT_EQ(manifest["gaze"]["samples"], rowsOf(folder / "gaze.tsv") - kHead);
 }
 
-TEST_F(Live, RecordIsWholeWhereTheProgramLeavesWhileItRuns) {
+TEST_F(Live, RecordIsCompleteIfTheProgramEndsFirst) {
   const LiveClock clock;
   {
     GazeFeed feed(jumping(100.0), clock);
@@ -333,7 +333,7 @@ TEST_F(Live, RecordIsWholeWhereTheProgramLeavesWhileItRuns) {
   EXPECT_GT(manifest["summary"]["frames"], 0);
 }
 
-TEST_F(Live, HoldsTheFocusWhenTheSourceFallsSilent) {
+TEST_F(Live, KeepsTheFocusWhenTheSourceFallsSilent) {
   const LiveClock clock;
   GazeFeed feed(jumping(1.0), clock);
   LiveRenderer renderer(study, feed, clock, "", 1, [] {});
@@ -342,10 +342,10 @@ TEST_F(Live, HoldsTheFocusWhenTheSourceFallsSilent) {
   EXPECT_TRUE(last.fixation_px.has_value());
   ASSERT_TRUE(last.eye.target_D.has_value());
   EXPECT_GT(*last.eye.target_D, 0.4);
-  EXPECT_GT(last.time_s, 1.5);  // it goes on rendering
+  EXPECT_GT(last.time_s, 1.5);  // rendering goes on
 }
 
-TEST_F(Live, RefusesWhatCannotChangeAndGoesOn) {
+TEST_F(Live, RefusesAChangeAndGoesOn) {
   const LiveClock clock;
   GazeFeed feed(jumping(100.0), clock);
   LiveRenderer renderer(study, feed, clock, "", 1, [] {});
@@ -369,7 +369,7 @@ TEST_F(Live, SaysWhenTheSceneCannotBeOpened) {
   EXPECT_THROW(watch(renderer, clock, 5.0), InputError);
 }
 
-TEST(MethodOfFrame, IsTheCheapestInASaccadeButOfAuto) {
+TEST(MethodOfFrame, IsTheFastestInASaccadeExceptForAuto) {
   Study study;
   study.render.method = "sweep-lod";
   FrameRecord record;
@@ -377,7 +377,7 @@ TEST(MethodOfFrame, IsTheCheapestInASaccadeButOfAuto) {
   EXPECT_EQ(methodOfFrame(study, record), "pinhole");
   study.render.method = "auto:4";
   EXPECT_EQ(methodOfFrame(study, record), "pinhole");
-  study.render.method = "auto";  // its image stays
+  study.render.method = "auto";  // it reuses its frame
   EXPECT_EQ(methodOfFrame(study, record), "auto");
   study.quality.frame_ms = 10.0;
   EXPECT_EQ(methodOfFrame(study, record), "auto");

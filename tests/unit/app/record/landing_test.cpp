@@ -1,4 +1,4 @@
-// What a live run tells of its times.
+// Statistics of the times of a live run.
 #include "app/record/landing.h"
 
 #include <gtest/gtest.h>

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "app/study/live_change.h"
+#include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 
 namespace foci {
@@ -14,22 +16,22 @@ glm::vec3 eyePosition(const EyePath& path, double time_s) {
   return glm::vec3(glm::inverse(path.eyeFromWorldAt(time_s))[3]);
 }
 
-TEST(EyePath, InterpolatesBetweenAndHoldsOutside) {
+TEST(EyePath, InterpolatesBetweenKeyframesAndStandsStillOutside) {
   Study study;
   study.eye.path = {{.time_s = 1.0, .position_m = {0, 0, 0}, .look_at_m = {0, 0, -5}, .up = {}},
                     {.time_s = 3.0, .position_m = {2, 0, 0}, .look_at_m = {2, 0, -5}, .up = {}}};
-  const EyePath path(study);
+  const EyePath path = eyePathOf(study);
   EXPECT_NEAR(eyePosition(path, 0.0).x, 0.0f, kFloatRounding);
   EXPECT_NEAR(eyePosition(path, 1.5).x, 0.5f, kFloatRounding);
   EXPECT_NEAR(eyePosition(path, 3.0).x, 2.0f, kFloatRounding);
   EXPECT_NEAR(eyePosition(path, 99.0).x, 2.0f, kFloatRounding);
 }
 
-TEST(EyePath, RefusesToPassThroughWhatItLooksAt) {
+TEST(EyePath, RefusesToPassThroughThePointItLooksAt) {
   Study study;
   study.eye.path = {{.time_s = 0.0, .position_m = {0, 0, 0}, .look_at_m = {0, 0, -1}, .up = {}},
                     {.time_s = 2.0, .position_m = {0, 0, -2}, .look_at_m = {0, 0, -1}, .up = {}}};
-  EXPECT_THROW(EyePath(study).eyeFromWorldAt(1.0), InputError);
+  EXPECT_THROW(eyePathOf(study).eyeFromWorldAt(1.0), InputError);
 }
 
 TEST(OnOtherScreen, KeepsTheAngle) {
@@ -74,7 +76,7 @@ TEST(Session, FocusesOnTheSurfaceUnderGaze) {
   const Study study = wallStudy();
   const SurfelCloud cloud = wall();
   const Screen screen = study.screenInForce();
-  Session session(study, cloud, screen, 100.0, 0.0);
+  Session session(sessionSettingsOf(study), cloud, screen, 100.0, 0.0);
   FrameRecord record;
   for (int i = 0; i <= 20; ++i) {
     session.push(
@@ -90,6 +92,48 @@ TEST(Session, FocusesOnTheSurfaceUnderGaze) {
   EXPECT_EQ(frame.size_px, study.output.size_px);
 }
 
+TEST(Session, LooksSettledAsAfterALongFixation) {
+  const SurfelCloud cloud = wall();
+  for (const char* method : {"auto", "sweep"}) {
+    Study study = wallStudy();
+    study.render.method = method;
+    study.observer.pupil = PupilModel::luminance;
+    study.focus.accommodation.on = false;  // otherwise focus comes to rest asymptotically
+    const SessionSettings settings = sessionSettingsOf(study);
+    Session fixating(settings, cloud, settings.screen, 100.0, 0.0);
+    Session settled(settings, cloud, settings.screen, 100.0, 0.0);
+    const glm::dvec2 point_px = 0.4 * glm::dvec2(settings.screen.size_px);
+    FrameRecord after;
+    for (int i = 0; i <= 20; ++i) {
+      fixating.push({.time_s = 0.01 * i, .point_px = point_px, .pupil_mm = {}});
+      after = fixating.look(0.01 * i);
+    }
+    FrameRecord at_once = settled.lookSettled(0.2, point_px);
+    EXPECT_EQ(at_once.eye.state, after.eye.state);
+    EXPECT_NEAR(at_once.eye.focus_D, after.eye.focus_D, kRounding);
+    EXPECT_EQ(at_once.pupil_mm, after.pupil_mm);
+    EXPECT_EQ(settled.render(method, at_once).rgba, fixating.render(method, after).rgba) << method;
+  }
+}
+
+TEST(Session, RefusesSettingsAndStaysAsItWas) {
+  const SurfelCloud cloud = wall();
+  const SessionSettings good = sessionSettingsOf(wallStudy());
+  Session session(good, cloud, good.screen, 100.0, 0.0);
+  FrameRecord record = session.lookSettled(0.0, {960, 540});
+  const Frame before = session.render(good.method, record);
+  SessionSettings unknown = good, odd = good;
+  unknown.observer.pupil_mm = odd.observer.pupil_mm = 8.0;
+  unknown.method = "swep";
+  odd.output = {.size_px = {63, 36}, .stereo = StereoView::side_by_side};
+  EXPECT_THROW(session.changeSettings(unknown), InputError);
+  EXPECT_THROW(session.changeSettings(odd), InputError);
+  EXPECT_THROW(Session(odd, cloud, odd.screen, 100.0, 0.0), InputError);
+  record = session.lookSettled(0.1, {960, 540});
+  EXPECT_EQ(record.pupil_mm, good.observer.pupil_mm);
+  EXPECT_EQ(session.render(good.method, record).rgba, before.rgba);
+}
+
 TEST(Session, SharpHalfIgnoresThePupil) {
   Study study = wallStudy();
   study.output.split = true;
@@ -97,7 +141,7 @@ TEST(Session, SharpHalfIgnoresThePupil) {
   Frame small, large;
   for (const auto& [pupil_mm, frame] : {std::pair{2.0, &small}, std::pair{8.0, &large}}) {
     study.observer.pupil_mm = pupil_mm;
-    Session session(study, cloud, study.screenInForce(), 100.0, 0.0);
+    Session session(sessionSettingsOf(study), cloud, study.screenInForce(), 100.0, 0.0);
     FrameRecord record = session.look(0.0);
     *frame = session.render("sweep", record);
   }
@@ -114,10 +158,10 @@ TEST(Session, SharpHalfIgnoresThePupil) {
   EXPECT_NE(halves(small).second, halves(large).second);
 }
 
-/// What an observer of the wall, 0.5 D away, sees after a while.
+/// Record and frame of an observer who has looked at the wall, 0.5 D away, for 0.2 s.
 std::pair<FrameRecord, Frame> seenBy(const Study& study, const SurfelCloud& cloud) {
   const Screen screen = study.screenInForce();
-  Session session(study, cloud, screen, 100.0, 0.0);
+  Session session(sessionSettingsOf(study), cloud, screen, 100.0, 0.0);
   FrameRecord record;
   for (int i = 0; i <= 20; ++i) {
     session.push(
@@ -149,28 +193,28 @@ TEST(ObserverEye, ShortSightedSeesNothingSharpBeyondItsFarPoint) {
   const FrameRecord record = seenBy(study, cloud).first;
   EXPECT_NEAR(*record.eye.target_D, 0.5, 1e-3);  // the cone of half a degree
   EXPECT_EQ(record.eye.focus_D, 2.0);
-  // It is blurred as for an emmetrope who looks at half a metre.
+  // The blur is that of an emmetrope who focuses on half a metre.
   Study near_study = wallStudy();
   near_study.focus.fixed_D = 2.0;
   EXPECT_EQ(seenBy(study, cloud).second.rgba, seenBy(near_study, cloud).second.rgba);
 }
 
 TEST(ObserverEye, GlassesComeOffWhileItRuns) {
-  const Study study = wallStudy();
+  Study study = wallStudy();
   const SurfelCloud cloud = wall();
   const Screen screen = study.screenInForce();
-  Session session(study, cloud, screen, 100.0, 0.0);
+  Session session(sessionSettingsOf(study), cloud, screen, 100.0, 0.0);
   for (int i = 0; i <= 20; ++i) {
     session.push(
         {.time_s = 0.01 * i, .point_px = 0.5 * glm::dvec2(screen.size_px), .pupil_mm = {}});
     session.look(0.01 * i);
   }
-  session.change("observer.sphere_D", "-2");
+  changeLive(study, session, "observer.sphere_D", "-2");
   const double worn_D = session.look(0.3).eye.focus_D;
-  session.change("observer.corrected", "false");
+  changeLive(study, session, "observer.corrected", "false");
   EXPECT_EQ(session.look(0.4).eye.focus_D, worn_D + 2.0);
   EXPECT_NEAR(session.look(9.0).eye.focus_D, 2.0, 1e-6);  // relaxed
-  EXPECT_THROW(session.change("observer.axis_deg", "181"), InputError);
+  EXPECT_THROW(changeLive(study, session, "observer.axis_deg", "181"), InputError);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A frame that would show nothing new is not rendered: when that is, and that nobody sees it.
+// When the previous frame is reused, and that nobody sees the difference.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "app/session/session.h"
+#include "app/study/live_change.h"
+#include "app/study/session_settings_of.h"
 #include "base/quantile.h"
 #include "render/image/visible_difference.h"
 
@@ -40,7 +42,7 @@ SurfelCloud steppedWall() {
   return cloud;
 }
 
-/// On a small screen, an eighth of a degree a 3 px, where a dioptre blurs by 6 px.
+/// A small screen of 27 px a degree, on which one dioptre of defocus gives a blur radius of 6 px.
 Study wallStudy() {
   Study study;
   study.eye.position_m = glm::dvec3(0.0);
@@ -55,13 +57,13 @@ Study wallStudy() {
 constexpr double kPx_per_D = 0.5 * 0.008 * 0.6 * 2560.0;
 constexpr double kPx_per_deg = 0.6 * 2560.0 * 3.14159265358979 / 180.0;
 
-/// Where the observer looks at a time, in parts of the screen; nothing where the eye is shut.
+/// Where the observer looks at a time, as fractions of the screen; nothing while the eye is shut.
 using Gaze = std::function<std::optional<glm::dvec2>(double time_s)>;
 
 constexpr glm::dvec2 kFar{0.3, 0.5}, kNear{0.7, 0.5};
 
-/// Fixates one of two places for a while, a step in depth apart, jumps within 60 ms to the other,
-/// and so on; shuts the eye for a while at 1.5 s.
+/// Fixates two places at different depths in turn, with jumps of 60 ms, and shuts the eye for 0.2 s
+/// at 1.5 s.
 std::optional<glm::dvec2> jumping(double time_s) {
   constexpr double kPeriod_s = 1.1, kJump_s = 0.06;
   if (time_s > 1.5 && time_s < 1.7) return std::nullopt;
@@ -71,18 +73,20 @@ std::optional<glm::dvec2> jumping(double time_s) {
   return glm::mix(kFar, kNear, back ? 1.0 - share : share);
 }
 
-/// Follows a gaze, whose noise is 2 px.
+/// A session that follows a gaze with 2 px of noise.
 class Watch {
  public:
-  Watch(const Study& study, const SurfelCloud& cloud, Gaze gaze)
-      : session(study, cloud, study.screenInForce(), kRate_Hz, 0.0), gaze_(std::move(gaze)) {}
+  Watch(const Study& watched, const SurfelCloud& cloud, Gaze gaze)
+      : study(watched),
+        session(sessionSettingsOf(watched), cloud, watched.screenInForce(), kRate_Hz, 0.0),
+        gaze_(std::move(gaze)) {}
 
   FrameRecord look(double time_s) {
     for (; sample_s_ <= time_s; sample_s_ += 1.0 / kRate_Hz) {
       const glm::dvec2 noise_px(2.0 * std::sin(1e3 * sample_s_), 2.0 * std::cos(1.3e3 * sample_s_));
       GazeSample sample{.time_s = sample_s_};
       if (const auto at = gaze_(sample_s_)) {
-        sample.point_px = *at * glm::dvec2(session.study().screen.size_px) + noise_px;
+        sample.point_px = *at * glm::dvec2(study.screen.size_px) + noise_px;
       } else {
         sample.blink = true;
       }
@@ -91,6 +95,7 @@ class Watch {
     return session.look(time_s);
   }
 
+  Study study;
   Session session;
 
  private:
@@ -98,9 +103,9 @@ class Watch {
   double sample_s_ = 0.0;
 };
 
-double focusOf(const RenderRequest& job) { return job.eyes[0].settings.defocus.focus_D; }
+double focusOf(const RenderRequest& request) { return request.eyes[0].settings.defocus.focus_D; }
 
-TEST(Hold, AnEyeAtRestIsPaintedOnce) {
+TEST(FrameReuse, AnEyeAtRestIsRenderedOnce) {
   const SurfelCloud cloud = steppedWall();
   for (const bool foveated : {false, true}) {
     Study study = wallStudy();
@@ -120,51 +125,51 @@ TEST(Hold, AnEyeAtRestIsPaintedOnce) {
   }
 }
 
-class FocusHold : public testing::TestWithParam<double> {};
+class FocusSteps : public testing::TestWithParam<double> {};
 
-TEST_P(FocusHold, FocusOnItsWayIsDrawnToATenthOfAPixelForEachStepOfTolerance) {
+TEST_P(FocusSteps, AreATenthOfAPixelOfBlurForEachStepOfTolerance) {
   const SurfelCloud cloud = steppedWall();
   Study study = wallStudy();
   study.quality.tolerance = GetParam();
   const double max_px = std::min(0.1 * GetParam(), kPx_per_D / 32.0);
   Watch watch(study, cloud, [](double time_s) { return time_s < 2.0 ? kFar : kNear; });
   std::optional<RenderRequest> last;
-  double before_D = 0.0;  // focus as the record had it in the frame before
+  double before_D = 0.0;  // focus of the observer in the frame before
   int changes = 0, late = 0;
-  constexpr double kRounding_px = 1e-4;  // jobs are in float
+  constexpr double kRounding_px = 1e-4;  // requests are in float
   for (int i = 0; i < 480; ++i) {
     const FrameRecord record = watch.look(i / 120.0);
-    const RenderRequest job = watch.session.jobOf("auto", record);
+    const RenderRequest request = watch.session.requestOf("auto", record);
     const double focus_D = record.eye.focus_D;
-    ASSERT_LE(kPx_per_D * std::abs(focusOf(job) - focus_D), max_px + kRounding_px);
-    if (last && focusOf(job) != focusOf(*last)) {
+    ASSERT_LE(kPx_per_D * std::abs(focusOf(request) - focus_D), max_px + kRounding_px);
+    if (last && focusOf(request) != focusOf(*last)) {
       ++changes;
       late += i > 450;
-      // Not before it must: what was held until then is no more.
-      const double rest_D = focusOf(watch.session.jobAtRest("auto", record));
-      if (focusOf(job) != rest_D) {
+      // Focus takes a step only when the last one is too far away.
+      const double rest_D = focusOf(watch.session.requestAtRest("auto", record));
+      if (focusOf(request) != rest_D) {
         EXPECT_GT(kPx_per_D * std::abs(focus_D - focusOf(*last)), max_px - kRounding_px);
       }
     }
-    last = job;
+    last = request;
     before_D = focus_D;
   }
   EXPECT_NEAR(before_D, 1.0 / 0.7, 0.02);
-  // From 2 m to 0.7 m, in no more steps than it takes; then it rests.
+  // Focus goes from 2 m to 0.7 m in no more steps than needed, and then rests.
   const double sweep_px = kPx_per_D * (1.0 / 0.7 - 0.5);
   EXPECT_GE(changes, std::min(0.4 * sweep_px / max_px, 12.0));
   EXPECT_LE(changes, 2.0 * sweep_px / max_px + 10.0);
   EXPECT_EQ(late, 0);
 }
-INSTANTIATE_TEST_SUITE_P(Tolerances, FocusHold, testing::Values(0.3, 1.0, 10.0));
+INSTANTIATE_TEST_SUITE_P(Tolerances, FocusSteps, testing::Values(0.3, 1.0, 10.0));
 
-TEST(Hold, NoOneSeesThatAFrameIsNotDrawn) {
+TEST(FrameReuse, NoOneSeesThatAFrameIsReused) {
   const SurfelCloud cloud = steppedWall();
   for (const bool foveated : {false, true}) {
     Study study = wallStudy();
     study.quality.foveated = foveated;
     Watch watch(study, cloud, jumping);
-    study.render.method = "auto:4";  // holds nothing; the same way is rendered on both sides
+    study.render.method = "auto:4";  // follows the eye exactly, at the same quality level
     Watch exact(study, cloud, jumping);
     int rendered = 0, frames = 0;
     float worst = 0.0f;
@@ -179,12 +184,13 @@ TEST(Hold, NoOneSeesThatAFrameIsNotDrawn) {
       auto apart = visibleDifference(shown, wanted, kPx_per_deg);
       worst = std::max(worst, quantile(apart, 0.95));
     }
-    EXPECT_LE(worst, 0.25 * study.quality.tolerance) << foveated;  // the rest is the method's own
+    EXPECT_LE(worst, 0.25 * study.quality.tolerance)
+        << foveated;  // the rest is for the errors of the method
     EXPECT_LT(rendered, 0.8 * frames) << foveated;
   }
 }
 
-TEST(Hold, NothingIsPaintedInASaccadeOrABlink) {
+TEST(FrameReuse, NothingIsRenderedInASaccadeOrABlink) {
   const SurfelCloud cloud = steppedWall();
   Study study = wallStudy();
   study.quality.foveated = true;
@@ -210,7 +216,7 @@ TEST(Hold, NothingIsPaintedInASaccadeOrABlink) {
   EXPECT_GE(landings, 2);
 }
 
-TEST(Hold, AHeadThatMovesInASaccadeSeesThroughTheGazeBefore) {
+TEST(FrameReuse, AHeadThatMovesInASaccadeKeepsTheGazeBefore) {
   const SurfelCloud cloud = steppedWall();
   Study study = wallStudy();
   study.quality.foveated = true;
@@ -222,19 +228,19 @@ TEST(Hold, AHeadThatMovesInASaccadeSeesThroughTheGazeBefore) {
   int saccades = 0;
   for (int i = 0; i < 110; ++i) {
     FrameRecord record = watch.look((i + 1) / 90.0);
-    const RenderRequest job = watch.session.jobOf("auto", record);
-    watch.session.render(job, record);
+    const RenderRequest request = watch.session.requestOf("auto", record);
+    watch.session.render(request, record);
     EXPECT_TRUE(record.rendered);
     if (last && record.eye.state == GazeState::saccade) {
       ++saccades;
-      EXPECT_EQ(job.eyes[0].settings, last->eyes[0].settings);
+      EXPECT_EQ(request.eyes[0].settings, last->eyes[0].settings);
     }
-    last = job;
+    last = request;
   }
   EXPECT_GT(saccades, 3);
 }
 
-TEST(Hold, ARunMayBeginInASaccadeOrWithoutGaze) {
+TEST(FrameReuse, ARunMayBeginInASaccadeOrWithoutGaze) {
   const SurfelCloud cloud = steppedWall();
   const Gaze runs[] = {[](double time_s) { return glm::mix(kFar, kNear, 15.0 * time_s); },
                        [](double) { return std::nullopt; }};
@@ -255,7 +261,7 @@ TEST(Hold, ARunMayBeginInASaccadeOrWithoutGaze) {
   }
 }
 
-TEST(Hold, WhatAChangeOfAKeyAsksForIsDrawn) {
+TEST(FrameReuse, EveryChangeOfAKeyIsRendered) {
   const SurfelCloud cloud = steppedWall();
   Study study = wallStudy();
   study.focus.fixed_D = 1.0;
@@ -263,7 +269,7 @@ TEST(Hold, WhatAChangeOfAKeyAsksForIsDrawn) {
   double time_s = 0.1;
   const auto renderedNow = [&] {
     FrameRecord record = watch.look(time_s += 1.0 / kFps);
-    watch.session.render(watch.session.study().render.method, record);
+    watch.session.render(watch.study.render.method, record);
     return record.rendered;
   };
   EXPECT_TRUE(renderedNow());
@@ -278,12 +284,12 @@ TEST(Hold, WhatAChangeOfAKeyAsksForIsDrawn) {
   };
   for (const auto& [key, value] : changes) {
     EXPECT_FALSE(renderedNow()) << "before " << key;
-    watch.session.change(key, value);
+    changeLive(watch.study, watch.session, key, value);
     EXPECT_TRUE(renderedNow()) << key << " = " << value;
   }
 }
 
-TEST(Hold, OtherMethodsDrawWhatTheRecordSaysAndThatOnce) {
+TEST(FrameReuse, OtherMethodsRenderTheRecordAsItIsOnce) {
   const SurfelCloud cloud = steppedWall();
   for (const char* method : {"sweep", "auto:4", "pinhole"}) {
     Study study = wallStudy();
@@ -293,18 +299,18 @@ TEST(Hold, OtherMethodsDrawWhatTheRecordSaysAndThatOnce) {
     int same = 0;
     for (int i = 0; i < 60; ++i) {
       FrameRecord record = watch.look(i / kFps);
-      const RenderRequest job = watch.session.jobOf(method, record);
-      EXPECT_EQ(focusOf(job), static_cast<float>(record.eye.focus_D));
-      watch.session.render(job, record);
-      EXPECT_EQ(record.rendered, before_D != focusOf(job)) << method;
+      const RenderRequest request = watch.session.requestOf(method, record);
+      EXPECT_EQ(focusOf(request), static_cast<float>(record.eye.focus_D));
+      watch.session.render(request, record);
+      EXPECT_EQ(record.rendered, before_D != focusOf(request)) << method;
       same += !record.rendered;
-      before_D = focusOf(job);
+      before_D = focusOf(request);
     }
-    EXPECT_GT(same, 5);  // while focus has not set off
+    EXPECT_GT(same, 5);  // during the latency of focus
   }
 }
 
-TEST(Hold, AMethodThatMendsItsImageGoesOn) {
+TEST(FrameReuse, AMethodThatMendsItsImageGoesOn) {
   const SurfelCloud cloud = steppedWall();
   Study study = wallStudy();
   study.focus.fixed_D = 3.0;
@@ -322,7 +328,7 @@ TEST(Hold, AMethodThatMendsItsImageGoesOn) {
   EXPECT_EQ(last, watch.session.render("fearing", record).rgba);  // mended by then
 }
 
-TEST(Hold, ARunStartedAgainDrawsItsFirstFrame) {
+TEST(FrameReuse, ARestartedRunRendersItsFirstFrame) {
   const SurfelCloud cloud = steppedWall();
   Study study = wallStudy();
   study.focus.fixed_D = 1.0;
@@ -338,28 +344,28 @@ TEST(Hold, ARunStartedAgainDrawsItsFirstFrame) {
   EXPECT_TRUE(record.rendered);
 }
 
-TEST(Hold, ImagesAreThoseOfEveryJobPaintedAtAnyNumberOfThreads) {
+TEST(FrameReuse, FramesAreThoseOfEveryRequestAtAnyNumberOfThreads) {
   const SurfelCloud cloud = steppedWall();
   for (const bool foveated : {false, true}) {
     Study study = wallStudy();
     study.quality.foveated = foveated;
     std::vector<std::vector<Frame>> runs;
-    std::vector<RenderRequest> jobs;
+    std::vector<RenderRequest> requests;
     for (const unsigned threads : {1u, 4u}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
       Watch watch(study, cloud, jumping);
       auto& frames = runs.emplace_back();
-      jobs.clear();
+      requests.clear();
       for (int i = 0; i < 40; ++i) {
         FrameRecord record = watch.look(i / 15.0);
-        jobs.push_back(watch.session.jobOf("auto", record));
+        requests.push_back(watch.session.requestOf("auto", record));
         frames.push_back(watch.session.render("auto", record));
       }
     }
     FrameRenderer renderer(cloud);
     RenderedFrame rendered;
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-      renderer.render(jobs[i], rendered);
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+      renderer.render(requests[i], rendered);
       EXPECT_TRUE(rendered.frame.rgba == runs[0][i].rgba) << i;
       EXPECT_TRUE(runs[0][i].rgba == runs[1][i].rgba) << i;
     }

@@ -1,0 +1,46 @@
+// Where the eye is over time.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace foci {
+
+/// The pose of the eye at a moment of the recording.
+struct EyeKeyframe {
+  double time_s = 0.0;  ///< after the recording's first sample
+  glm::dvec3 position_m{0.0};
+  glm::dvec3 look_at_m{0.0};     ///< what the centre of the screen shows
+  std::optional<glm::dvec3> up;  ///< absent: the path's
+  bool operator==(const EyeKeyframe&) const = default;
+};
+
+/// Between keyframes the pose is interpolated linearly. Outside them the eye has the
+/// pose of the nearest one.
+class EyePath {
+ public:
+  /// At the origin, looking along -z.
+  EyePath();
+
+  /// @param keyframes  at least one, by time
+  /// @param source     named in errors
+  /// @throws InputError without keyframes
+  explicit EyePath(std::vector<EyeKeyframe> keyframes, const glm::dvec3& up = {0.0, 1.0, 0.0},
+                   std::string source = "eye path");
+
+  /// @param time_s  after the recording's first sample
+  /// @throws InputError where the line of sight has no length or runs along up, as between two
+  ///   keyframes that lead the eye through the point it looks at
+  glm::mat4 eyeFromWorldAt(double time_s) const;
+
+  bool operator==(const EyePath&) const = default;
+
+ private:
+  std::vector<EyeKeyframe> keyframes_;
+  glm::dvec3 up_;
+  std::string source_;
+};
+
+}  // namespace foci

@@ -1,0 +1,72 @@
+// What a session shows, to whom, on which screen and how well.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+
+#include "app/session/eye_path.h"
+#include "app/session/stereo.h"
+#include "gaze/events/event_settings.h"
+#include "gaze/focus/accommodation.h"
+#include "gaze/geometry/default_screen.h"
+#include "render/optics/refraction.h"
+
+namespace foci {
+
+/// Where the diameter of the pupil comes from: a fixed number, the gaze samples, or the luminance
+/// of the rendered frames.
+enum class PupilModel { fixed, recording, luminance };
+
+struct ObserverSettings {
+  PupilModel pupil = PupilModel::fixed;
+  double pupil_mm = 4.0;  ///< where fixed, and until a recording says one
+  double ipd_mm = 63.0;
+  Refraction refraction{};  ///< what glasses do not correct; default: none
+  bool chromatic = false;   ///< red, green and blue each have their focus (refraction.h)
+};
+
+struct FocusSettings {
+  double cone_half_angle_deg = 0.5;  ///< of the cone in which the surface is sought
+  double coverage = 0.5;             ///< share of the cone that a surface must fill
+  /// The far point comes from the observer's refraction.
+  AccommodationSettings accommodation{};
+  bool vergence = false;            ///< the distance at which both lines of sight meet counts, too
+  std::optional<double> fixed_D{};  ///< focus stays there, whatever the eye looks at
+};
+
+/// What method `auto` may spend; other methods ignore it.
+struct QualitySettings {
+  double tolerance = 1.0;            ///< just-noticeable differences
+  std::optional<double> frame_ms{};  ///< frame-time budget; absent: none
+  bool foveated = false;             ///< no finer than the eye resolves away from the gaze
+};
+
+/// The image that a frame is rendered to.
+struct OutputView {
+  glm::ivec2 size_px{1920, 1080};
+  StereoView stereo = StereoView::mono;
+  bool split = false;  ///< the left half of each view without blur
+};
+
+struct SessionSettings {
+  glm::vec3 background{0.0f};  ///< linear RGB behind everything
+  float shading = 0.0f;        ///< 0 to 1: how much colour falls off with the angle of sight
+  EyePath path{};
+  Screen screen = defaultScreen();  ///< that the frames are shown on
+  double luminance_cd_m2 = 120.0;   ///< of the screen's white
+  ObserverSettings observer{};
+  EventSettings events{};
+  FocusSettings focus{};
+  std::string method = "auto";  ///< as `makeMethod` takes it
+  QualitySettings quality{};
+  OutputView output{};
+};
+
+/// @throws InputError where the method is unknown, or an image cannot be halved for two eyes
+void checkSettings(const SessionSettings& settings);
+
+/// How the observer's eye accommodates: from the far point that its refraction leaves it.
+AccommodationSettings accommodationOf(const SessionSettings& settings);
+
+}  // namespace foci

@@ -1,0 +1,38 @@
+#include "app/study/live_change.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "app/study/session_settings_of.h"
+#include "base/input_error.h"
+
+namespace foci {
+namespace {
+
+constexpr std::string_view kLiveKeys[] = {
+    "eye.position_m",    "eye.look_at_m",      "observer.pupil_mm",  "observer.ipd_mm",
+    "focus.fixed_D",     "render.method",      "render.shading",     "scene.background",
+    "output.marker",     "output.split",       "output.view",        "quality.tolerance",
+    "quality.frame_ms",  "quality.foveated",   "observer.sphere_D",  "observer.cylinder_D",
+    "observer.axis_deg", "observer.corrected", "observer.chromatic",
+};
+
+}  // namespace
+
+bool changesLive(std::string_view key) {
+  return std::find(std::begin(kLiveKeys), std::end(kLiveKeys), key) != std::end(kLiveKeys);
+}
+
+void changeLive(Study& study, Session& session, const std::string& key, const std::string& toml) {
+  if (!changesLive(key)) {
+    throw InputError(key.substr(0, 60), "does not change while foci runs");
+  }
+  Study changed = study;
+  setKey(changed, key, toml, "change");
+  checkStudy(changed);
+  session.changeSettings(sessionSettingsOf(changed));
+  study = std::move(changed);
+}
+
+}  // namespace foci
