@@ -6,7 +6,7 @@
 #include <string>
 
 #include "gaze/follow/gaze_follower.h"
-#include "render/image/frame.h"
+#include "render/methods/method.h"
 
 namespace foci {
 

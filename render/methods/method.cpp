@@ -28,6 +28,23 @@ const std::vector<MethodEntry>& entries() {
 /// A parsed spec.
 struct Choice {
   const MethodEntry* entry = nullptr;  ///< null: the spec is invalid
+  int n = 0;
+  std::string expected;  ///< of an invalid spec
+};
+
+Choice parse(std::string_view spec) {
+  const std::size_t colon = spec.find(':');
+  const std::string name(spec.substr(0, colon));
+  const auto found = std::find_if(entries().begin(), entries().end(),
+                                  [&](const MethodEntry& one) { return one.info.name == name; });
+  if (found == entries().end()) {
+    std::vector<std::string> known;
+    for (const MethodEntry& one : entries()) known.emplace_back(one.info.name);
+    return {nullptr, 0, "a known method; the nearest is " + nearest(name, known)};
+  }
+  const MethodEntry* entry = &*found;
+  if (colon == std::string_view::npos) return {entry, entry->info.default_n, {}};
+  if (entry->info.max_n == 0) return {nullptr, 0, name + ", which takes no number"};
   const auto n = parseInteger<int>(spec.substr(colon + 1));
   if (n && *n >= 1 && *n <= entry->info.max_n) return {entry, *n, {}};
   return {nullptr, 0, name + ":1 to " + name + ":" + std::to_string(entry->info.max_n)};
