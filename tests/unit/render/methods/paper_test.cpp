@@ -368,7 +368,7 @@ TEST_P(PaperMethods, EverySimdTargetAgreesWithScalar) {
   };
   const Frame best = on(hwy::SupportedTargets());
   int compared = 0;
-  for (const std::int64_t target : {HWY_SCALAR, HWY_SSE2, HWY_AVX2, HWY_AVX3}) {
+  for (const std::int64_t target : {HWY_SCALAR, HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
     if (!(hwy::SupportedTargets() & target)) continue;
     const Frame frame = on(target);
     ++compared;

@@ -350,7 +350,7 @@ TEST(Sweep, EverySimdTargetAgreesWithScalar) {
   };
   const Frame best = on(hwy::SupportedTargets());
   int compared = 0;
-  for (std::int64_t target : {HWY_SCALAR, HWY_SSE2, HWY_AVX2, HWY_AVX3}) {
+  for (std::int64_t target : {HWY_SCALAR, HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
     if (!(hwy::SupportedTargets() & target)) continue;
     const Frame frame = on(target);
     ++compared;
