@@ -63,8 +63,8 @@ class Session {
 
   /// Renders a request, and fills method, stats and `rendered` of its record. Reuses the previous
   /// frame if the request is the same and rendering it again would bring nothing new. It may do so
-  /// for a method that goes on with the frame before (`isIncremental`), and under a frame-time budget
-  /// until the frame has full quality.
+  /// for a method that goes on with the frame before (`isIncremental`), and under a frame-time
+  /// budget until the frame has full quality.
   /// @param again_is_useless  as far as the caller knows
   /// @return until the next call
   const Frame& render(const RenderRequest& request, FrameRecord& record,

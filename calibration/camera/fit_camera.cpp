@@ -15,13 +15,13 @@ namespace foci {
 namespace {
 
 constexpr const char* kWhere = "camera calibration";
-constexpr std::size_t kMinViews = 3;    // Zhang 2000: fewer leave the camera open
+constexpr std::size_t kMinViews = 3;        // Zhang 2000: fewer leave the camera open
 constexpr std::size_t kMinViewCorners = 6;  // of a view
-constexpr double kHuber_px = 1.0;       // farther off, a corner is more likely misplaced than noisy
-constexpr double kKnownFocal = 0.05;    // deviation over focal length that is still a calibration
-constexpr double kSignificant = 2.0;    // deviations that a term of distortion must reach
-constexpr double kUsualFocal = 1.2;     // of the image's width, where the closed form fails
-constexpr int kFirstDistortion = 4;     // index among the camera's parameters
+constexpr double kHuber_px = 1.0;     // farther off, a corner is more likely misplaced than noisy
+constexpr double kKnownFocal = 0.05;  // deviation over focal length that is still a calibration
+constexpr double kSignificant = 2.0;  // deviations that a term of distortion must reach
+constexpr double kUsualFocal = 1.2;   // of the image's width, where the closed form fails
+constexpr int kFirstDistortion = 4;   // index among the camera's parameters
 
 struct Reprojection {
   glm::dvec2 board_m, image_px;
@@ -57,7 +57,8 @@ Unknowns startOf(std::span<const BoardView> views, const glm::ivec2& size_px) {
   std::vector<std::vector<cv::Point3f>> board(views.size());
   std::vector<std::vector<cv::Point2f>> image(views.size());
   for (std::size_t v = 0; v < views.size(); ++v) {
-    if (views[v].board_m.size() < kMinViewCorners) throw InputError(kWhere, "a view with few corners");
+    if (views[v].board_m.size() < kMinViewCorners)
+      throw InputError(kWhere, "a view with few corners");
     for (std::size_t i = 0; i < views[v].board_m.size(); ++i) {
       const glm::vec2 b(views[v].board_m[i]), p(views[v].image_px[i]);
       board[v].emplace_back(b.x, b.y, 0.0f);

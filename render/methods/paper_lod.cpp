@@ -67,9 +67,9 @@ class Traversal {
     if (-center.z + r < view_.near_m) return Reach::outside;
     if (!(nearest > view_.near_m)) return Reach::border;
     const float min_m = std::max(distance(center) - r, nearest), max_m = distance(center) + r;
-    const glm::vec2 blur_px = settings_.defocus.radius_px_per_D *
-                              std::max(maxDefocus_D(settings_.defocus, 1.0f / min_m),
-                                       maxDefocus_D(settings_.defocus, 1.0f / max_m));
+    const glm::vec2 blur_px =
+        settings_.defocus.radius_px_per_D * std::max(maxDefocus_D(settings_.defocus, 1.0f / min_m),
+                                                     maxDefocus_D(settings_.defocus, 1.0f / max_m));
     bool inside = true;
     for (int axis = 0; axis < 2; ++axis) {
       const float at = axis == 0 ? center.x : -center.y;
