@@ -67,7 +67,7 @@ def stamp(foci):
 
 
 def bench(args):
-    counters = ("median_drawn_ms", "p95_drawn_ms", "median_ms", "p95_ms", "rendered", "error")
+    counters = ("median_rendered_ms", "p95_rendered_ms", "median_ms", "p95_ms", "rendered", "error")
     measured = json.loads(run(args.bench, "--benchmark_format=json", f"--benchmark_filter={args.bench_filter}"))
     gallery, others = [], []
     for one in measured["benchmarks"]:
