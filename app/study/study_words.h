@@ -17,6 +17,8 @@ struct StudyWord {
   std::string_view text;
   Enum value;
 };
+template <class Enum>
+StudyWord(const char*, Enum) -> StudyWord<Enum>;
 
 /// The words of an enum, in the order in which messages list them.
 template <class Enum>
