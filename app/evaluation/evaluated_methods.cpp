@@ -70,6 +70,7 @@ std::vector<EvaluatedMethod> evaluatedMethods(const std::vector<std::string>& sp
                                               SettingRange range) {
   if (specs.empty()) return everyMethod(range);
   std::vector<EvaluatedMethod> chosen;
+  chosen.reserve(specs.size());
   for (const std::string& spec : specs) chosen.push_back(methodOfSpec(spec));
   return chosen;
 }

@@ -27,6 +27,7 @@ template <class Scene, class NameOf>
 void keepChosen(std::vector<Scene>& scenes, const EvaluationChoice& choice, const NameOf& nameOf) {
   if (choice.scenes.empty()) return;
   std::vector<std::string> known;
+  known.reserve(scenes.size());
   for (const Scene& scene : scenes) known.push_back(nameOf(scene));
   const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();

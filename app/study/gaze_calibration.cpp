@@ -14,7 +14,7 @@ GazeCalibration readGazeCalibration(const std::filesystem::path& file, bool webc
 }
 
 WebcamCalibration webcamCalibrationOf(const Study& study) {
-  const auto calibration =
+  auto calibration =
       std::get<WebcamCalibration>(readGazeCalibration(*study.gaze.map, /*webcam=*/true));
   std::optional<Lens> camera;
   if (study.gaze.camera) camera = lensOf(readCamera(*study.gaze.camera));

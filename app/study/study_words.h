@@ -54,6 +54,7 @@ concept HasStudyWords = !kStudyWords<Enum>.empty();
 template <HasStudyWords Enum>
 std::vector<std::string_view> studyWords() {
   std::vector<std::string_view> words;
+  words.reserve(kStudyWords<Enum>.size());
   for (const auto& word : kStudyWords<Enum>) words.push_back(word.text);
   return words;
 }

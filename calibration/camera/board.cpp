@@ -78,7 +78,7 @@ std::size_t coverageCell(const glm::dvec2& image_px, const glm::ivec2& size_px) 
   const glm::ivec2 cell =
       glm::clamp(glm::ivec2(image_px / glm::dvec2(size_px) * glm::dvec2(kCoverageCells)),
                  glm::ivec2(0), kCoverageCells - 1);
-  return static_cast<std::size_t>(cell.y * kCoverageCells.x + cell.x);
+  return static_cast<std::size_t>(cell.y) * kCoverageCells.x + static_cast<std::size_t>(cell.x);
 }
 
 }  // namespace foci

@@ -13,7 +13,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <ranges>
 #include <utility>
 
 #include "render/methods/lod_splats.h"
@@ -166,8 +165,8 @@ class AutoMethod final : public Method {
   QualityLevel levelWithin(float budget_ms, const UnblurredView& view) const {
     // A frame without blur must be wanted: time alone does not justify it.
     const QualityLevel cheapest = std::min(*wanted_, QualityLevel::coarse);
-    for (const QualityLevel level : kToleranceLevels | std::views::reverse) {
-      if (level <= *wanted_ && level >= cheapest && time_.fits(level, budget_ms)) return level;
+    for (auto level = kToleranceLevels.rbegin(); level != kToleranceLevels.rend(); ++level) {
+      if (*level <= *wanted_ && *level >= cheapest && time_.fits(*level, budget_ms)) return *level;
     }
     if (sharp_views_->find(view) && (time_.fits(QualityLevel::post_filtered, budget_ms) ||
                                      time_.expected_ms(QualityLevel::post_filtered) <=

@@ -104,7 +104,7 @@ struct Jacobian {
   HWY_INLINE V y(const V3& a) const { return hn::Mul(sy, hn::MulAdd(a.z, ty, a.y)); }
 };
 
-constexpr std::size_t kMaxLanes = 16;
+inline constexpr std::size_t kMaxLanes = 16;
 
 /// Results of one step, for the scalar code that follows.
 struct Lanes {
