@@ -1,10 +1,17 @@
 #include "base/file.h"
 
+#include <cctype>
 #include <fstream>
 #include <stdexcept>
 
 namespace foci {
 namespace fs = std::filesystem;
+
+std::string lowerExtension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
 
 void replaceFile(const fs::path& path, const std::string& bytes) {
   const fs::path aside = path.parent_path() / ("." + path.filename().string() + ".part");

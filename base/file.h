@@ -1,10 +1,13 @@
-// Writing files so that no reader meets a half-written one.
+// Names of files, and writing them so that no reader meets a half-written one.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
 namespace foci {
+
+/// The extension of a name in lower case, with its dot.
+std::string lowerExtension(const std::filesystem::path& path);
 
 /// Replaces a file by `bytes`: writes a hidden file beside it, then renames that file. If anything
 /// fails, the hidden file is removed and the old file stays as it was.

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace foci {
@@ -24,6 +26,35 @@ inline std::size_t editDistance(std::string_view a, std::string_view b) {
     }
   }
   return row[b.size()];
+}
+
+/// The largest distance at which two words are still spellings of the same one: a third of their
+/// letters, rounded; none in a single letter.
+inline std::size_t spellingDistance(std::string_view a, std::string_view b) {
+  return (std::min(a.size(), b.size()) + 1) / 3;
+}
+
+/// Whether `b` may be what `a` was meant to be. Two neighbours in the wrong order are one error.
+inline bool isMisspelt(std::string_view a, std::string_view b) {
+  if (a.size() > 64 || b.size() > 64) return false;
+  std::size_t distance = editDistance(a, b);
+  for (std::size_t i = 0; i + 1 < a.size(); ++i) {
+    std::string swapped(a);
+    std::swap(swapped[i], swapped[i + 1]);
+    distance = std::min(distance, editDistance(swapped, b) + 1);
+  }
+  return distance <= spellingDistance(a, b);
+}
+
+/// The known word that `word` is a misspelling of; nothing if none is close.
+inline std::optional<std::string> nearWord(std::string_view word,
+                                           const std::vector<std::string>& known) {
+  const std::string* best = nullptr;
+  for (const std::string& one : known) {
+    if (!isMisspelt(word, one)) continue;
+    if (!best || editDistance(word, one) < editDistance(word, *best)) best = &one;
+  }
+  return best ? std::optional(*best) : std::nullopt;
 }
 
 /// The known word with the smallest edit distance to the first 64 characters of `word`; the first

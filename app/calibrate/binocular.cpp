@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/calibrate/options.h"
-#include "base/file.h"
+#include "app/platform/output_files.h"
 #include "base/input_error.h"
 #include "base/quantile.h"
 #include "calibration/binocular/binocular_map.h"
@@ -56,6 +56,7 @@ void print(const CalibrateBinocularOptions& options, const BinocularFit& fit, st
 }  // namespace
 
 void calibrateBinocular(const CalibrateBinocularOptions& options) {
+  checkOutputs({options.out}, {options.pairs, options.validate}, options.overwrite);
   const auto pairs = readBinocularPairs(options.pairs);
   std::vector<BinocularSample> others;
   if (!options.validate.empty()) others = readBinocularPairs(options.validate);
@@ -76,7 +77,9 @@ void calibrateBinocular(const CalibrateBinocularOptions& options) {
       throw InputError(options.validate.string(), "no row has data of an eye");
     accuracy_deg = meanOf(errors_deg);
   }
-  if (!options.out.empty()) replaceFile(options.out, binocularToml(calibration));
+  OutputFiles files;
+  if (!options.out.empty()) files.write(options.out, binocularToml(calibration));
+  files.commit();
   print(options, fit, pairs.size(), !others.empty(), accuracy_deg, calibration.uncertainty_deg);
 }
 

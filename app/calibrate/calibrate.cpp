@@ -17,6 +17,10 @@ void refuseEmpty(const CLI::App& command) {
   }
 }
 
+void addOverwrite(CLI::App& command, bool& overwrite) {
+  command.add_flag("--overwrite", overwrite, "Replace files that foci did not make, too");
+}
+
 void addScreen(CLI::App& calibrate) {
   const auto options = std::make_shared<CalibrateScreenOptions>();
   CLI::App* screen =
@@ -40,6 +44,7 @@ void addScreen(CLI::App& calibrate) {
   screen->add_option("--gamma", o.gamma, "sRGB, or a number from 1 to 4");
   screen->add_option("--out", o.out, "Write the screen as TOML");
   screen->add_option("--psychopy", o.psychopy, "Write the screen as a PsychoPy monitor (JSON)");
+  addOverwrite(*screen, o.overwrite);
   screen->add_flag("--json", o.json, "Print the summary as JSON");
   screen->callback([=] {
     refuseEmpty(*screen);
@@ -67,6 +72,7 @@ void addGaze(CLI::App& calibrate) {
   gaze->add_option("--seed", o.seed, "Seed for the order of the targets");
   gaze->add_flag("--window", o.window, "Use a window instead of the full screen");
   gaze->add_flag("--manual", o.manual, "Each target waits for the space key");
+  addOverwrite(*gaze, o.overwrite);
   gaze->add_flag("--json", o.json, "Print the summary as JSON");
   gaze->callback([=] {
     refuseEmpty(*gaze);
@@ -85,6 +91,7 @@ void addBinocular(CLI::App& calibrate) {
   binocular->add_option("--validate", o.validate,
                         "Samples of other targets, to measure accuracy on");
   binocular->add_option("--out", o.out, "Write the map as TOML");
+  addOverwrite(*binocular, o.overwrite);
   binocular->add_flag("--json", o.json, "Print the summary as JSON");
   binocular->callback([=] {
     refuseEmpty(*binocular);
@@ -106,6 +113,7 @@ void addCamera(CLI::App& calibrate) {
   camera->add_option("--square-mm", o.square_mm, "Side of a square");
   camera->add_option("--marker-mm", o.marker_mm, "Side of a ChArUco marker");
   camera->add_option("--out", o.out, "Write the camera as TOML");
+  addOverwrite(*camera, o.overwrite);
   camera->add_flag("--json", o.json, "Print the summary as JSON");
   camera->callback([=] {
     refuseEmpty(*camera);

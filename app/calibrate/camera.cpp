@@ -6,10 +6,12 @@
 
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
-#include "base/file.h"
+#include "app/platform/output_files.h"
 #include "base/input_error.h"
+#include "base/quiet_stderr.h"
 #include "calibration/calibration_file.h"
 #include "calibration/camera/fit_camera.h"
+#include "gaze/webcam/webcam_frames.h"
 
 namespace foci {
 namespace {
@@ -52,8 +54,10 @@ struct Views {
 Views viewsInImages(const std::vector<std::string>& files, const Board& board) {
   Views found;
   for (const std::string& file : files) {
-    // OpenCV prints a warning of its own about a file that does not exist.
-    const bool exists = std::filesystem::is_regular_file(file);
+    // OpenCV would wait for ever at a pipe.
+    std::error_code ignored;
+    const bool exists = std::filesystem::is_regular_file(file, ignored);
+    const QuietStderr quiet;
     const cv::Mat image = exists ? cv::imread(file, cv::IMREAD_GRAYSCALE) : cv::Mat();
     if (image.empty()) throw InputError(file, "not an image that can be read");
     const glm::ivec2 size_px{image.cols, image.rows};
@@ -69,6 +73,7 @@ Views viewsInImages(const std::vector<std::string>& files, const Board& board) {
 
 /// A view of the video counts once the board has moved.
 Views viewsInStream(cv::VideoCapture& stream, const Board& board) {
+  const QuietStderr quiet;
   Views found;
   cv::Mat image;
   while (found.images < kMaxFrames && found.views.size() < kMaxViews && stream.read(image)) {
@@ -83,24 +88,32 @@ Views viewsInStream(cv::VideoCapture& stream, const Board& board) {
   return found;
 }
 
-/// @return nullopt where the observer left the window
-std::optional<Views> viewsInVideo(const CalibrateCameraOptions& options, const Board& board) {
+cv::VideoCapture openedStream(const CalibrateCameraOptions& options) {
+  const QuietStderr quiet;
   cv::VideoCapture stream;
   if (options.device) {
-    stream.open(*options.device);
-    if (!stream.isOpened()) {
+    if (!stream.open(*options.device, cv::CAP_V4L2)) {
       throw std::runtime_error("camera " + std::to_string(*options.device) + " does not open");
     }
-  } else {
-    stream.open(options.video.string());
-    if (!stream.isOpened()) {
-      throw InputError(options.video.string(), "not a video that can be read");
-    }
+    return stream;
   }
+  refuseOtherThanFiles(options.video);
+  std::error_code ignored;
+  const bool is_file = std::filesystem::exists(options.video, ignored);  // else a pattern of images
+  if (!stream.open(options.video.string(), is_file ? cv::CAP_FFMPEG : cv::CAP_IMAGES)) {
+    throw InputError(options.video.string(), "not a video that can be read");
+  }
+  return stream;
+}
+
+/// @return nullopt where the observer left the window
+std::optional<Views> viewsInVideo(const CalibrateCameraOptions& options, const Board& board) {
+  cv::VideoCapture stream = openedStream(options);
   if (!options.device && !options.window) return viewsInStream(stream, board);
   Views found;
   const auto next = [&](cv::Mat& image) {
     ++found.images;
+    const QuietStderr quiet;
     return stream.read(image) && !image.empty();
   };
   auto views = watchBoardInWindow(next, board, found.size_px);
@@ -137,6 +150,9 @@ void printText(const Views& found, const CameraFit& fit) {
 }  // namespace
 
 void calibrateCamera(const CalibrateCameraOptions& options) {
+  std::vector<std::filesystem::path> inputs(options.images.begin(), options.images.end());
+  inputs.push_back(options.video);
+  checkOutputs({options.out}, inputs, options.overwrite);
   const Board board = boardOf(options);
   const int sources =
       (options.images.empty() ? 0 : 1) + (options.video.empty() ? 0 : 1) + (options.device ? 1 : 0);
@@ -159,7 +175,9 @@ void calibrateCamera(const CalibrateCameraOptions& options) {
   } catch (const InputError& error) {
     throw InputError(where, error.what());
   }
-  if (!options.out.empty()) replaceFile(options.out, cameraToml(fit.camera));
+  OutputFiles files;
+  if (!options.out.empty()) files.write(options.out, cameraToml(fit.camera));
+  files.commit();
   if (options.json) {
     printJson(*found, fit);
   } else {

@@ -6,7 +6,7 @@
 
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
-#include "base/file.h"
+#include "app/platform/output_files.h"
 #include "base/input_error.h"
 #include "calibration/camera/camera.h"
 #include "calibration/gaze_map/gaze_map_file.h"
@@ -63,7 +63,9 @@ void correctDriftOf(const CalibrateGazeOptions& options) {
     if (pair.gaze) gaze.push_back(*pair.gaze);
   }
   const GazeMap corrected = correctDrift(map, gaze, *target);
-  if (!options.out.empty()) replaceFile(options.out, gazeMapToml(corrected));
+  OutputFiles files;
+  if (!options.out.empty()) files.write(options.out, gazeMapToml(corrected));
+  files.commit();
   const glm::dvec2 moved = corrected.coefficients[0] - map.coefficients[0];
   const double drift_deg =
       angle_deg(onPlane(map.frame, *target - moved), onPlane(map.frame, *target));
@@ -105,6 +107,21 @@ void refuseWindowOptions(const CalibrateGazeOptions& options) {
   if (options.units != "deg") throw InputError("--units", "the window needs deg");
 }
 
+/// The file of the report; empty if there is none.
+std::filesystem::path reportOf(const CalibrateGazeOptions& options) {
+  if (!options.report.empty() || options.out.empty()) return options.report;
+  return std::filesystem::path(options.out).replace_extension(".html");
+}
+
+/// @throws InputError if an output must not be written
+void checkFiles(const CalibrateGazeOptions& options) {
+  const auto webcam = webcamPlaceOf(options.source);
+  checkOutputs({options.out, options.drift.empty() ? reportOf(options) : ""},
+               {options.pairs, options.validate, options.drift, options.screen, options.camera,
+                webcam ? webcam->file : ""},
+               options.overwrite);
+}
+
 }  // namespace
 
 void calibrateGaze(const CalibrateGazeOptions& options) {
@@ -116,6 +133,7 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
                        options.model + ": expected auto, offset, affine, second or third");
     }
   }
+  checkFiles(options);
   if (!options.drift.empty()) {
     correctDriftOf(options);
     return;
@@ -141,15 +159,14 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
     report = fromFiles(options, frame, model);
   }
 
+  OutputFiles files;
+  const std::filesystem::path page = reportOf(options);
+  if (!page.empty()) files.write(page, gazeReportHtml(report));
   if (!options.out.empty()) {
-    std::filesystem::path page = options.report;
-    if (page.empty()) page = std::filesystem::path(options.out).replace_extension(".html");
-    replaceFile(page, gazeReportHtml(report));
-    replaceFile(options.out,
+    files.write(options.out,
                 webcam ? webcamCalibrationToml(calibration) : gazeMapToml(report.fit.map));
-  } else if (!options.report.empty()) {
-    replaceFile(options.report, gazeReportHtml(report));
   }
+  files.commit();
   const std::string summary = options.json ? gazeReportJson(report) : gazeReportText(report);
   std::fputs(summary.c_str(), stdout);
 }

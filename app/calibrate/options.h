@@ -9,7 +9,7 @@
 namespace foci {
 
 struct CalibrateScreenOptions {
-  bool headless = false, json = false;
+  bool headless = false, json = false, overwrite = false;
   bool window = false;                   ///< instead of the full screen
   std::string size_px, card_px, size_m;  ///< "WxH"; a card's height is optional
   std::string blind_spot_px;             ///< offsets by commas; outwards > 0, inwards < 0
@@ -19,7 +19,7 @@ struct CalibrateScreenOptions {
 };
 
 struct CalibrateGazeOptions {
-  bool json = false;
+  bool json = false, overwrite = false;
   std::filesystem::path pairs, validate, drift, out, report, screen, camera;
   std::string units = "deg", model = "auto";
   std::string source = "mouse";
@@ -30,12 +30,12 @@ struct CalibrateGazeOptions {
 };
 
 struct CalibrateBinocularOptions {
-  bool json = false;
+  bool json = false, overwrite = false;
   std::filesystem::path pairs, validate, out;
 };
 
 struct CalibrateCameraOptions {
-  bool json = false;
+  bool json = false, overwrite = false;
   bool window = false;  ///< show the video; a device is always shown
   std::vector<std::string> images;
   std::filesystem::path video, out;

@@ -6,7 +6,7 @@
 
 #include "app/calibrate/options.h"
 #include "app/calibrate/windows.h"
-#include "base/file.h"
+#include "app/platform/output_files.h"
 #include "base/input_error.h"
 #include "base/number.h"
 #include "calibration/calibration_file.h"
@@ -43,6 +43,7 @@ glm::dvec2 pairOf(const std::string& option, const std::string& text, double low
 
 std::optional<glm::dvec2> edidOf(const std::filesystem::path& file) {
   if (file.empty()) return std::nullopt;
+  requireRegularFile(file);
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError(file.string(), "cannot be read");
   std::vector<unsigned char> bytes(512);
@@ -116,6 +117,7 @@ void measureDistance(const CalibrateScreenOptions& options, ScreenCalibration& c
 }  // namespace
 
 void calibrateScreen(const CalibrateScreenOptions& options) {
+  checkOutputs({options.out, options.psychopy}, {options.monitor, options.edid}, options.overwrite);
   ScreenCalibration calibration;
   if (!options.monitor.empty()) calibration = readScreen(options.monitor);
   if (options.gamma != "sRGB") {
@@ -147,10 +149,12 @@ void calibrateScreen(const CalibrateScreenOptions& options) {
         "the display states %.3f x %.3f m, which differs by %.0f %% from the measured size\n",
         edid_m->x, edid_m->y, 100.0 * *edid_off);
   }
+  OutputFiles files;
   if (!options.psychopy.empty()) {
-    replaceFile(options.psychopy, psychoPyMonitor(screen, calibration.gamma, "foci"));
+    files.write(options.psychopy, psychoPyMonitor(screen, calibration.gamma, "foci"));
   }
-  if (!options.out.empty()) replaceFile(options.out, screenToml(calibration));
+  if (!options.out.empty()) files.write(options.out, screenToml(calibration));
+  files.commit();
 
   const glm::dvec2 px_per_m = glm::dvec2(screen.size_px) / screen.size_m;
   const double px_per_deg = px_per_m.x * screen.distance_m * std::tan(glm::radians(1.0));

@@ -19,7 +19,6 @@
 #include "app/platform/machine.h"
 #include "app/platform/output_folder.h"
 #include "app/platform/progress.h"
-#include "base/file.h"
 #include "base/input_error.h"
 
 namespace foci {
@@ -31,7 +30,7 @@ struct ChartOptions {
   std::string out{};
   ScanOptions scan{};
   EvaluationChoice choice{};
-  bool stability = false, json = false;
+  bool stability = false, json = false, overwrite = false;
 };
 
 nlohmann::ordered_json pointJson(const ChartPoint& point) {
@@ -72,11 +71,11 @@ std::function<void(std::size_t)> progressOf(std::size_t steps) {
 ChartResult chart(const ChartPlan& plan, const std::filesystem::path& out) {
   OutputFolder output(out);
   ChartResult result = measureChart(plan, out, progressOf(stepsOf(plan)));
-  writeText(output.stage("chart.csv"), csvOf(result.points));
-  writeText(output.stage("chart.html"), chartPage(plan, result.points));
+  output.write("chart.csv", csvOf(result.points));
+  output.write("chart.html", chartPage(plan, result.points));
   const double blur_px = plan.blurs_px[plan.blurs_px.size() / 2];
   if (const auto png = pngOf(overviewOf(plan, result.points, blur_px, describeMachine()))) {
-    writeText(output.stage("chart.png"), *png);
+    output.write("chart.png", *png);
   }
   output.commit();
   return result;
@@ -85,10 +84,10 @@ ChartResult chart(const ChartPlan& plan, const std::filesystem::path& out) {
 StabilityResult chart(const StabilityPlan& plan, const std::filesystem::path& out) {
   OutputFolder output(out);
   StabilityResult result = measureStability(plan, out, progressOf(stepsOf(plan)));
-  writeText(output.stage("stability.csv"), csvOf(plan, result.points));
-  writeText(output.stage("stability.html"), stabilityPage(plan, result.points));
+  output.write("stability.csv", csvOf(plan, result.points));
+  output.write("stability.html", stabilityPage(plan, result.points));
   if (const auto png = pngOf(stabilityOverview(plan, result.points))) {
-    writeText(output.stage("stability.png"), *png);
+    output.write("stability.png", *png);
   }
   output.commit();
   return result;
@@ -119,6 +118,10 @@ void runChart(ChartOptions options) {
   if (size_px && options.stability) {
     throw InputError("--size", "the scenes of --stability have a size of their own");
   }
+  const std::filesystem::path stem =
+      std::filesystem::path(options.out) / (options.stability ? "stability" : "chart");
+  checkOutputs({stem.string() + ".csv", stem.string() + ".html", stem.string() + ".png"},
+               {options.scan.scan}, options.overwrite);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   threadsOf(options.scan.threads));
   options.choice.scan = scanViewOf(options.scan);
@@ -155,6 +158,7 @@ void addChartCommand(CLI::App& app) {
                    "only this method, NAME or NAME:N; may be repeated")
       ->type_name("NAME");
   addScanOptions(*chart, options->scan);
+  addOverwriteFlag(*chart, options->overwrite);
   chart->add_flag("--json", options->json, "print the figures as JSON");
   chart->callback([options, chart] {
     refuseEmptyValues(*chart);

@@ -15,6 +15,7 @@ namespace foci {
 void addChartCommand(CLI::App& app);      ///< time and error of every method
 void addDoctorCommand(CLI::App& app);     ///< what this machine offers
 void addEventsCommand(CLI::App& app);     ///< eye movements of a recording
+void addInfoCommand(CLI::App& app);       ///< facts about a scene
 void addKeysCommand(CLI::App& app);       ///< the keys of a study file
 void addMethodsCommand(CLI::App& app);    ///< the depth-of-field methods
 void addPrepareCommand(CLI::App& app);    ///< points or a mesh to a scene file

@@ -7,14 +7,14 @@
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
 #include "app/cli/screen_options.h"
-#include "app/platform/output_folder.h"
+#include "app/platform/output_files.h"
 #include "app/record/tables.h"
-#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/events/agreement.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
+#include "gaze/sources/bids.h"
 #include "gaze/sources/labelled.h"
 #include "gaze/sources/trace_reader.h"
 
@@ -28,19 +28,11 @@ struct EventsOptions {
   std::vector<std::string> traces{};
   std::string out{}, samples{}, physioevents{};
   ScreenOptions screen{};
-  bool online = false, score = false, json = false;
+  bool online = false, score = false, json = false, overwrite = false;
 };
 
 std::vector<GazeState> labelsOf(const GazeTrace& trace, bool online) {
   return online ? labelSamplesOnline(trace, *trace.screen) : labelSamples(trace, *trace.screen);
-}
-
-/// Writes to a temporary name and renames, so that no reader meets half a file.
-void writeWholeFile(const std::string& file, const std::string& text) {
-  const std::filesystem::path path(file);
-  OutputFolder folder(path.has_parent_path() ? path.parent_path() : ".");
-  writeText(folder.stage(path.filename().string()), text);
-  folder.commit();
 }
 
 std::string sampleTable(const GazeTrace& trace, const std::vector<GazeState>& states) {
@@ -53,12 +45,20 @@ std::string sampleTable(const GazeTrace& trace, const std::vector<GazeState>& st
   return table;
 }
 
-/// BIDS: onset and duration in seconds, no header. The JSON sidecar names the columns.
-void writePhysioevents(const std::string& file, const std::vector<GazeEvent>& events) {
+/// The JSON beside a BIDS table of events; empty without a table. @throws InputError
+std::string sidecarOf(const std::string& physioevents) {
   constexpr std::string_view kEnding = "_physioevents.tsv";
-  if (!file.ends_with(kEnding)) {
-    throw InputError("--physioevents " + file, "expected a name that ends in _physioevents.tsv");
+  if (physioevents.empty()) return {};
+  if (!physioevents.ends_with(kEnding)) {
+    throw InputError("--physioevents " + physioevents,
+                     "expected a name that ends in _physioevents.tsv");
   }
+  return physioevents.substr(0, physioevents.size() - 4) + ".json";
+}
+
+/// BIDS: onset and duration in seconds, no header. The JSON sidecar names the columns.
+void writePhysioevents(const std::string& file, const std::vector<GazeEvent>& events,
+                       OutputFiles& files) {
   constexpr int kDigits = 6;
   std::string table;
   for (const GazeEvent& event : events) {
@@ -72,8 +72,8 @@ void writePhysioevents(const std::string& file, const std::vector<GazeEvent>& ev
       {"trial_type",
        {{"Description",
          "fixation, saccade, pso (post-saccadic oscillation), pursuit, blink, lost"}}}};
-  writeWholeFile(file, table);
-  writeWholeFile(file.substr(0, file.size() - 4) + ".json", sidecar.dump(2) + '\n');
+  files.write(file, table);
+  files.write(sidecarOf(file), sidecar.dump(2) + '\n');
 }
 
 /// How often each kind of event occurs, and its share of the samples: as text and in `json`.
@@ -94,14 +94,28 @@ std::string countsOf(const std::vector<GazeState>& states, const std::vector<Gaz
   return text;
 }
 
+/// @throws InputError if an output must not be written
+void checkFiles(const EventsOptions& options) {
+  const std::string& trace = options.traces[0];
+  checkOutputs(
+      {options.out, options.samples, options.physioevents, sidecarOf(options.physioevents)},
+      {trace, bidsSidecarOf(trace).value_or("")}, options.overwrite);
+}
+
 void detectEvents(const EventsOptions& options) {
+  checkFiles(options);
   const GazeTrace trace = readTrace(options.traces[0], {}, screenOf(options.screen));
   requireWholeScreen(*trace.screen, options.traces[0]);
+  for (const std::string& warning : trace.warnings) {
+    std::fprintf(stderr, "foci: %s: %s\n", options.traces[0].c_str(), warning.c_str());
+  }
   const auto states = labelsOf(trace, options.online);
   const auto events = eventsOf(states, trace, *trace.screen);
-  if (!options.out.empty()) writeWholeFile(options.out, eventTable(events));
-  if (!options.samples.empty()) writeWholeFile(options.samples, sampleTable(trace, states));
-  if (!options.physioevents.empty()) writePhysioevents(options.physioevents, events);
+  OutputFiles files;
+  if (!options.out.empty()) files.write(options.out, eventTable(events));
+  if (!options.samples.empty()) files.write(options.samples, sampleTable(trace, states));
+  if (!options.physioevents.empty()) writePhysioevents(options.physioevents, events, files);
+  files.commit();
 
   const double delay_s =
       options.online ? OnlineEvents(*trace.screen, trace.rate_Hz).delay_s() : 0.0;
@@ -224,10 +238,16 @@ void scoreEvents(const EventsOptions& options) {
 
 void addEventsCommand(CLI::App& app) {
   const auto options = std::make_shared<EventsOptions>();
-  CLI::App* events = app.add_subcommand(
-      "events",
-      "Detect fixations, saccades, oscillations, pursuit, blinks and data loss in a recording.\n"
-      "Example: foci events gaze.tsv --out events.tsv --samples samples.tsv");
+  CLI::App* events =
+      app.add_subcommand("events",
+                         "Detect eye movements in a recording. Types of events:\n"
+                         "  fixation  the eye rests\n"
+                         "  saccade   the eye jumps\n"
+                         "  pso       post-saccadic oscillation: the eye swings after a saccade\n"
+                         "  pursuit   smooth pursuit: the eye follows a moving target\n"
+                         "  blink     the lid is closed\n"
+                         "  lost      data loss without a blink\n"
+                         "Example: foci events gaze.tsv --out events.tsv --samples samples.tsv");
   EventsOptions& o = *options;
   events->add_option("TRACE", o.traces, "gaze recording; several with --score")->required();
   events->add_flag("--online", o.online, "use the detector of live gaze, which has a delay");
@@ -241,6 +261,7 @@ void addEventsCommand(CLI::App& app) {
   events->add_flag("--score", o.score,
                    "agreement (Cohen's kappa) with the human coders in the columns coder_NAME");
   addScreenOptions(*events, o.screen);
+  addOverwriteFlag(*events, o.overwrite);
   events->add_flag("--json", o.json, "print the summary as JSON");
   events->callback([options, events] {
     refuseEmptyValues(*events);

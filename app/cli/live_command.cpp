@@ -7,6 +7,7 @@
 #include "app/cli/study_options.h"
 #include "app/live/options.h"
 #include "app/platform/json_text.h"
+#include "app/platform/output_files.h"
 #include "app/record/manifest.h"
 #include "app/study/inputs.h"
 #include "base/text.h"
@@ -70,7 +71,10 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
   const unsigned threads = threadsOf(options.threads);
   live.threads = options.threads.empty() && threads > 2 ? threads - 1 : threads;
   if (!options.record.empty()) live.record = options.record;
-  Study study = studyOf(options);
+  const StudyAsked asked = studyOf(options);
+  checkOutputs({options.write_study}, inputFiles(asked.study), false);
+  saveStudy(options, asked);
+  Study study = asked.study;
   if (!study.quality.frame_ms) study.quality.frame_ms = kLiveFrame_ms;
   if (study.eye.path.empty() && !study.eye.position_m) {
     // The observer moves from the scene's own eye pose.
@@ -90,7 +94,7 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
   CLI::App* command =
       app.add_subcommand("live",
                          "Look at a scene; its focus follows your eye. Press ? for the keys.\n"
-                         "Example: foci live configs/demo.toml --window");
+                         "Example: foci live configs/demo.toml --window, foci live scan.ply");
   addStudyOptions(*command, *options);
   command
       ->add_option("--source", options->live.source,

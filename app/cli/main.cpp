@@ -1,11 +1,14 @@
 // `foci`: the command line (CLI11), and errors as one line with an exit code.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstdlib>
+#include <filesystem>
+#include <new>
 #include <string>
 
 #include "app/calibrate/calibrate.h"
 #include "app/cli/commands.h"
+#include "app/cli/usage_error.h"
+#include "app/platform/quiet_libraries.h"
 #include "base/input_error.h"
 
 namespace foci {
@@ -42,6 +45,7 @@ int run(int argc, char** argv) {
   addChartCommand(app);
   addDoctorCommand(app);
   addEventsCommand(app);
+  addInfoCommand(app);
   addKeysCommand(app);
   addMethodsCommand(app);
   addPrepareCommand(app);
@@ -51,6 +55,7 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (const auto unknown = unknownWord(app, argc, argv)) throw InputError(*unknown);
     throw InputError(oneLine(error.what()) + " (foci --help)");
   }
   return kDone;
@@ -60,14 +65,18 @@ int run(int argc, char** argv) {
 }  // namespace foci
 
 int main(int argc, char** argv) {
-  // foci reports errors itself, in one line: OpenCV and its encoders stay silent.
-  setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
-  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+  foci::quietLibraries();
   try {
     return foci::run(argc, argv);
   } catch (const foci::InputError& error) {
     std::fprintf(stderr, "foci: %s\n", error.what());
     return foci::kBadInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    std::fprintf(stderr, "foci: %s: %s\n", error.path1().c_str(), error.code().message().c_str());
+    return foci::kFailed;
+  } catch (const std::bad_alloc&) {
+    std::fputs("foci: this input needs more memory than there is\n", stderr);
+    return foci::kFailed;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "foci: %s\n", error.what());
     return foci::kFailed;

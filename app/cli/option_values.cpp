@@ -37,6 +37,10 @@ void addThreadsOption(CLI::App& command, std::string& threads, const char* help)
   command.add_option("--threads", threads, help)->type_name("N");
 }
 
+void addOverwriteFlag(CLI::App& command, bool& overwrite) {
+  command.add_flag("--overwrite", overwrite, "replace files that foci did not make, too");
+}
+
 unsigned threadsOf(const std::string& threads) {
   constexpr unsigned kMaxThreads = 1024;  // chosen by eye: far above the cores of a workstation
   if (threads.empty()) {

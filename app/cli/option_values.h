@@ -23,6 +23,9 @@ void refuseEmptyValues(const CLI::App& command);
 /// Adds --threads N.
 void addThreadsOption(CLI::App& command, std::string& threads, const char* help);
 
+/// Adds --overwrite.
+void addOverwriteFlag(CLI::App& command, bool& overwrite);
+
 /// The value of --threads; if `threads` is empty, the number that TBB uses now. @throws InputError
 unsigned threadsOf(const std::string& threads);
 

@@ -3,12 +3,15 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
 #include "app/platform/json_text.h"
 #include "app/prepare/prepare.h"
+#include "app/study/scene_text.h"
 #include "base/input_error.h"
+#include "gaze/geometry/default_screen.h"
 
 namespace foci {
 namespace {
@@ -32,7 +35,7 @@ nlohmann::ordered_json normalisationJson(const Normalisation& n) {
           {"smooth_histogram", n.smooth_histogram}};
 }
 
-std::string prepareJson(const PrepareSummary& summary) {
+std::string prepareJson(const PrepareSummary& summary, const nlohmann::ordered_json& input) {
   const auto list = [](const std::vector<Normalisation>& from) {
     auto all = nlohmann::ordered_json::array();
     for (const Normalisation& n : from) all.push_back(normalisationJson(n));
@@ -46,6 +49,7 @@ std::string prepareJson(const PrepareSummary& summary) {
   }
   const nlohmann::ordered_json all = {{"out", summary.out.string()},
                                       {"report", summary.report.string()},
+                                      {"input", input},
                                       {"surfels", summary.surfels},
                                       {"dropped", summary.dropped},
                                       {"oriented", summary.oriented},
@@ -61,9 +65,9 @@ std::string prepareJson(const PrepareSummary& summary) {
 struct PrepareOptions {
   std::string input{}, out{};
   double scale_m = 1.0;
-  double points = 500'000.0;
+  std::optional<double> points{};
   std::string threads{};
-  bool json = false;
+  bool json = false, overwrite = false;
 };
 
 void runPrepare(const PrepareOptions& options) {
@@ -71,23 +75,31 @@ void runPrepare(const PrepareOptions& options) {
     throw InputError("--scale " + std::to_string(options.scale_m),
                      "expected metres per unit of the input, 1e-6 to 1e6");
   }
-  if (!(options.points >= 1.0 && options.points <= 1e8)) {
-    throw InputError("--points " + std::to_string(options.points), "expected 1 to 1e8");
+  std::optional<std::size_t> points;
+  if (options.points) {
+    if (!(*options.points >= 1.0 && *options.points <= 1e8)) {
+      throw InputError("--points " + std::to_string(*options.points), "expected 1 to 1e8");
+    }
+    points = static_cast<std::size_t>(*options.points);
   }
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   threadsOf(options.threads));
   const PrepareSummary summary = prepareScene({.input = options.input,
                                                .out = options.out,
                                                .scale_m = options.scale_m,
-                                               .points = static_cast<std::size_t>(options.points)});
+                                               .points = points,
+                                               .overwrite = options.overwrite});
+  const SceneFacts facts = readSceneFacts(options.input);
+  const Framing framing = framingOf(facts, {.screen = defaultScreen()});
   if (summary.dropped > 0) {
     std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n",
                  options.input.c_str(), summary.dropped);
   }
   if (options.json) {
-    std::puts(prepareJson(summary).c_str());
+    std::puts(prepareJson(summary, sceneJson(facts, framing)).c_str());
     return;
   }
+  std::fputs(sceneText(facts, framing).c_str(), stdout);
   const Normalisation& n = summary.normalisation.front();
   std::printf(
       "%zu surfels, %.4g m2, one every %.3g mm; %.1f s\n"
@@ -107,7 +119,9 @@ void addPrepareCommand(CLI::App& app) {
                                          "sizes and weights of splats so that surfaces\n"
                                          "have neither holes nor seams.\n"
                                          "Example: foci prepare lion.ply --out lion.foci");
-  prepare->add_option("INPUT", options->input, "points (PLY) or mesh (OBJ, glTF, STL, PLY)")
+  prepare
+      ->add_option("INPUT", options->input,
+                   "points (PLY, LAS, XYZ, PTS) or mesh (OBJ, glTF, STL, FBX, PLY)")
       ->type_name("FILE")
       ->required();
   prepare->add_option("--out", options->out, "scene; the report gets the same name with .html")
@@ -117,11 +131,13 @@ void addPrepareCommand(CLI::App& app) {
       ->add_option("--scale", options->scale_m, "length of a unit of the input, metres; default: 1")
       ->type_name("METRES");
   prepare
-      ->add_option("--points", options->points,
-                   "about the number of samples of a mesh; default: 500000")
+      ->add_option(
+          "--points", options->points,
+          "about the number of samples of a mesh; default: from its detail, 500000 or more")
       ->type_name("N");
   addThreadsOption(*prepare, options->threads,
                    "max number of threads; the scene does not depend on it");
+  addOverwriteFlag(*prepare, options->overwrite);
   prepare->add_flag("--json", options->json, "print the summary as JSON");
   prepare->callback([options, prepare] {
     refuseEmptyValues(*prepare);

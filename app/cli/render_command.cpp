@@ -10,7 +10,9 @@
 #include "app/cli/option_values.h"
 #include "app/cli/study_options.h"
 #include "app/platform/json_text.h"
+#include "app/platform/output_files.h"
 #include "app/replay/render_image.h"
+#include "app/study/inputs.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/sources/line_reader.h"
@@ -22,6 +24,7 @@ constexpr double kMinFocus_m = 0.01;  // nearer than any eye accommodates
 
 struct RenderOptions : StudyOptions {
   std::string out{}, focus{}, gaze{}, depth{};
+  bool overwrite = false;
 };
 
 double focusOf_D(const std::string& focus) {
@@ -60,12 +63,16 @@ std::string summaryJsonOf(const RenderOptions& options, const Study& study,
 void runRender(const RenderOptions& options) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   threadsOf(options.threads));
-  const Study study = studyOf(options);
+  const StudyAsked asked = studyOf(options);
+  const Study& study = asked.study;
+  checkOutputs({options.out, options.depth, options.write_study}, inputFiles(study),
+               options.overwrite);
   ImageRequest request{.out = options.out, .depth = {}, .focus_D = {}, .gaze_px = {}};
   if (!options.depth.empty()) request.depth = options.depth;
   if (!options.focus.empty()) request.focus_D = focusOf_D(options.focus);
   if (!options.gaze.empty()) request.gaze_px = gazeOf_px(options.gaze, study.screenInForce());
   const ImageSummary summary = renderImage(study, request);
+  saveStudy(options, asked);
   if (options.json) {
     std::puts(summaryJsonOf(options, study, summary).c_str());
     return;
@@ -84,8 +91,8 @@ void addRenderCommand(CLI::App& app) {
   const auto options = std::make_shared<RenderOptions>();
   CLI::App* command =
       app.add_subcommand("render",
-                         "Render one image at a given focus or gaze.\n"
-                         "Example: foci render configs/demo.toml --focus 0.5 --out near.png");
+                         "Render one image of a study or of any scene, at a given focus or gaze.\n"
+                         "Example: foci render cow.obj --out cow.png");
   addStudyOptions(*command, *options);
   command->add_option("--out", options->out, "image: .png (sRGB), .pfm or .exr (linear)")
       ->type_name("FILE")
@@ -101,6 +108,7 @@ void addRenderCommand(CLI::App& app) {
       ->add_option("--depth", options->depth,
                    "also write the distance of each pixel, metres, as PFM")
       ->type_name("FILE");
+  addOverwriteFlag(*command, options->overwrite);
   command->callback([options, command] {
     refuseEmptyValues(*command);
     runRender(*options);

@@ -7,21 +7,29 @@
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
 #include "app/cli/study_options.h"
+#include "app/platform/output_files.h"
 #include "app/record/manifest.h"
 #include "app/replay/replay.h"
+#include "app/study/inputs.h"
 
 namespace foci {
 namespace {
 
 struct ReplayOptions : StudyOptions {
   std::string out{};
+  bool overwrite = false;
 };
 
 void runReplay(const ReplayOptions& options, const std::string& command_line) {
   const unsigned threads = threadsOf(options.threads);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   const std::string out = options.out.empty() ? "out" : options.out;
-  const RunSummary summary = replay(studyOf(options), out, command_line, threads);
+  const StudyAsked asked = studyOf(options);
+  std::vector<std::filesystem::path> outputs = replayFiles(asked.study, out);
+  outputs.emplace_back(options.write_study);
+  checkOutputs(outputs, inputFiles(asked.study), options.overwrite);
+  const RunSummary summary = replay(asked.study, out, command_line, threads);
+  saveStudy(options, asked);
   if (options.json) {
     std::puts(summaryJson(summary).c_str());
     return;
@@ -43,7 +51,7 @@ void addReplayCommand(CLI::App& app, const std::string& command_line) {
   CLI::App* command = app.add_subcommand(
       "replay",
       "Replay a gaze recording: write a video, tables and a report of what the eye saw.\n"
-      "Example: foci replay configs/lion.toml --scene lion.ply --trace gaze.tsv --out out/lion");
+      "Example: foci replay scan.glb --trace gaze.tsv --out out/scan");
   addStudyOptions(*command, *options);
   command
       ->add_option("--trace", options->trace,
@@ -56,6 +64,7 @@ void addReplayCommand(CLI::App& app, const std::string& command_line) {
                    "part of the recording, seconds after its first sample")
       ->type_name("FROM:TO");
   addMarkerOptions(*command, *options);
+  addOverwriteFlag(*command, options->overwrite);
   command->callback([options, command, command_line] {
     refuseEmptyValues(*command);
     runReplay(*options, command_line);

@@ -10,6 +10,7 @@
 #include "app/cli/scan_options.h"
 #include "app/evaluation/reproduce/reproduce.h"
 #include "app/platform/json_text.h"
+#include "app/platform/output_files.h"
 #include "base/text.h"
 
 namespace foci {
@@ -18,11 +19,12 @@ namespace {
 std::string reproduceJson(const ReproduceSummary& summary) {
   nlohmann::ordered_json ratios = nlohmann::ordered_json::array();
   for (const ReproduceRatio& one : summary.ratios) {
-    ratios.push_back({{"figure", one.key},
-                      {"scene", one.scene},
-                      {"value", jsonNumber(one.value)},
-                      {one.at_most ? "at_most" : "at_least", one.wanted},
-                      {"reached", one.reached()}});
+    nlohmann::ordered_json ratio = {{"figure", one.key},
+                                    {"scene", one.scene},
+                                    {"value", jsonNumber(one.value)},
+                                    {one.at_most ? "at_most" : "at_least", one.wanted}};
+    if (!summary.quick) ratio["reached"] = one.reached();
+    ratios.push_back(std::move(ratio));
   }
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const ReproduceRow& row : summary.rows) {
@@ -37,6 +39,7 @@ std::string reproduceJson(const ReproduceSummary& summary) {
   }
   nlohmann::ordered_json all = {{"out", summary.out.string()},
                                 {"seconds", summary.seconds},
+                                {"quick", summary.quick},
                                 {"ratios", ratios},
                                 {"rows", rows}};
   if (summary.growth) {
@@ -53,12 +56,13 @@ std::string reproduceJson(const ReproduceSummary& summary) {
 struct ReproduceOptions {
   std::string out{};
   ScanOptions scan{};
-  bool quick = false, json = false;
+  bool quick = false, json = false, overwrite = false;
 };
 
 void runReproduce(const ReproduceOptions& options) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   threadsOf(options.scan.threads));
+  checkOutputs(reproduceFiles(options.out), {options.scan.scan}, options.overwrite);
   const ReproduceSummary summary =
       reproduce({.out = options.out, .scan = scanViewOf(options.scan), .quick = options.quick});
   if (options.json) {
@@ -69,8 +73,9 @@ void runReproduce(const ReproduceOptions& options) {
     std::printf("%-7s %s: %s, wanted %s %g%s\n", one.scene.c_str(), one.what.c_str(),
                 std::isfinite(one.value) ? decimal(one.value, one.digits).c_str() : "exact",
                 one.at_most ? "at most" : "at least", one.wanted,
-                one.reached() ? "" : ": not reached");
+                summary.quick || one.reached() ? "" : ": not reached");
   }
+  if (summary.quick) std::puts("A quick run: its figures scatter too much to be judged.");
   std::printf("%.0f s; page: %s\n", summary.seconds, (summary.out / "reproduce.html").c_str());
 }
 
@@ -86,8 +91,10 @@ void addReproduceCommand(CLI::App& app) {
   command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
   command->add_flag(
       "--quick", options->quick,
-      "one minute: fewer repetitions, a coarse reference, no scene of 10 million surfels");
+      "one minute: fewer repetitions, a coarse reference, no scene of 10 million surfels; shows "
+      "the figures without judging them");
   addScanOptions(*command, options->scan);
+  addOverwriteFlag(*command, options->overwrite);
   command->add_flag("--json", options->json, "print the figures as JSON");
   command->callback([options, command] {
     refuseEmptyValues(*command);

@@ -1,12 +1,17 @@
 #include "app/cli/study_options.h"
 
 #include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+#include <utility>
 #include <vector>
 
 #include "app/cli/option_values.h"
-#include "app/study/inputs.h"
+#include "app/platform/output_files.h"
+#include "app/study/scene_study.h"
 #include "base/input_error.h"
 #include "gaze/sources/line_reader.h"
+#include "render/scene/io/open_scene.h"
 
 namespace foci {
 namespace {
@@ -31,9 +36,15 @@ void addStudyOptions(CLI::App& command, StudyOptions& options) {
   const auto add = [&](const char* name, std::string& value, const char* type, const char* help) {
     return command.add_option(name, value, help)->type_name(type);
   };
-  add("STUDY", options.study, "FILE", "study file (TOML)")->required();
+  add("STUDY", options.study, "FILE",
+      "study (TOML), or a scene: points, mesh or prepared scene, which foci then frames")
+      ->required();
   add("--scene", options.scene, "FILE",
-      "points (PLY), mesh or prepared scene instead of the study's scene");
+      "points, mesh or prepared scene instead of the study's scene");
+  add("--look", options.look, "FROM", "for a scene: look from front, left or above");
+  add("--up", options.up, "AXIS", "for a scene: its upward axis, x, y or z, or -x, -y or -z");
+  add("--write-study", options.write_study, "FILE.toml",
+      "save the study with these options, to edit and use again");
   add("--screen", options.screen, "FILE",
       "calibrated screen: a TOML file of foci or a PsychoPy monitor");
   add("--gaze-map", options.gaze_map, "FILE",
@@ -54,8 +65,36 @@ void addMarkerOptions(CLI::App& command, StudyOptions& options) {
   command.add_flag("--split", options.split, "left half sharp, right half as the eye sees it");
 }
 
-Study studyOf(const StudyOptions& options) {
-  Study study = readStudy(options.study);
+Look lookOf(const std::string& look) {
+  constexpr std::array<std::pair<std::string_view, Look>, 3> kLooks = {
+      {{"front", Look::front}, {"left", Look::left}, {"above", Look::above}}};
+  if (look.empty()) return Look::front;
+  for (const auto& [name, value] : kLooks) {
+    if (name == look) return value;
+  }
+  throw InputError("--look " + look, "expected front, left or above");
+}
+
+std::optional<UpAxis> upOf(const std::string& up) {
+  if (up.empty()) return std::nullopt;
+  auto axis = upAxisNamed(up);
+  if (!axis) throw InputError("--up " + up, "expected x, y or z, or -x, -y or -z");
+  return axis;
+}
+
+StudyAsked studyOf(const StudyOptions& options) {
+  const bool is_scene = isScene(options.study);
+  const Look look = lookOf(options.look);
+  const std::optional<UpAxis> up = upOf(options.up);
+  if (!is_scene && !(options.look.empty() && options.up.empty())) {
+    throw InputError(options.look.empty() ? "--up" : "--look",
+                     "expected a scene instead of a study, which has eye.position_m");
+  }
+  if (is_scene && !options.scene.empty()) {
+    throw InputError("--scene " + options.scene,
+                     "expected a study, not the scene " + options.study + ", before it");
+  }
+  Study study = is_scene ? studyOfScene(options.study) : readStudy(options.study);
   const auto override = [&](const char* key, const std::string& value, const std::string& where) {
     if (!value.empty()) overrideKey(study, key, value, where);
   };
@@ -79,8 +118,21 @@ Study studyOf(const StudyOptions& options) {
   override("output.view", options.view, "--view");
   if (options.marker) study.output.marker = true;
   if (options.split) study.output.split = true;
+  std::string framing;
+  if (is_scene) {
+    framing = frameScene(study, look, up);
+    std::fprintf(stderr, "foci: %s: %s%s\n", options.study.c_str(), framing.c_str(),
+                 options.write_study.empty() ? "; --write-study FILE saves this" : "");
+  }
   checkStudy(study);
-  return study;
+  return {std::move(study), std::move(framing)};
+}
+
+void saveStudy(const StudyOptions& options, const StudyAsked& asked) {
+  if (options.write_study.empty()) return;
+  OutputFiles files;
+  files.write(options.write_study, writtenStudy(options.write_study, asked.study, asked.framing));
+  files.commit();
 }
 
 }  // namespace foci

@@ -1,14 +1,17 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "app/cli/commands.h"
+#include "app/cli/option_values.h"
 #include "app/cli/screen_options.h"
 #include "app/platform/json_text.h"
-#include "app/platform/output_folder.h"
+#include "app/platform/output_files.h"
 #include "app/study/inputs.h"
 #include "base/input_error.h"
+#include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/bids.h"
 #include "gaze/sources/trace_reader.h"
 #include "gaze/sources/trace_summary.h"
@@ -21,7 +24,7 @@ struct TraceOptions {
   TraceColumns columns{};
   ScreenOptions screen{};
   double time_scale_s = 0.0;
-  bool json = false;
+  bool json = false, overwrite = false;
 };
 
 TraceColumns columnsOf(const TraceOptions& options) {
@@ -50,6 +53,41 @@ TraceColumns columnsOf(const TraceOptions& options) {
   return columns;
 }
 
+/// Without the last digits, which come from arithmetic on doubles.
+double rounded(double value) { return std::round(value * 1e9) / 1e9; }
+
+/// The quantities of the screen that nobody states.
+std::vector<std::string> unknownOf(const TraceHeader& header) {
+  const Screen& screen = *header.screen;
+  std::vector<std::string> unknown;
+  if (header.nominal_screen || screen.size_px.x <= 0) unknown.emplace_back("screen_px");
+  if (header.nominal_screen || screen.size_m.x <= 0.0) unknown.emplace_back("screen_m");
+  if (header.nominal_screen || screen.distance_m <= 0.0) unknown.emplace_back("distance_m");
+  return unknown;
+}
+
+/// The range of the positions in the file's own unit. Along each axis
+/// that unit is a monotonic function of the pixels.
+void addRange(const TraceHeader& header, const TraceSummary& summary,
+              nlohmann::ordered_json& json) {
+  const glm::dvec2 low_px = summary.min_px(), high_px = summary.max_px();
+  const Screen& screen = *header.screen;
+  if (header.units == GazeUnits::deg) {
+    // Degrees count upwards, pixels downwards.
+    const glm::dvec2 low = eccentricity_deg(screen, {low_px.x, high_px.y});
+    const glm::dvec2 high = eccentricity_deg(screen, {high_px.x, low_px.y});
+    json["x_deg"] = {rounded(low.x), rounded(high.x)};
+    json["y_deg"] = {rounded(low.y), rounded(high.y)};
+  } else if (header.units == GazeUnits::normalised) {
+    const glm::dvec2 size_px(screen.size_px);
+    json["x_fraction"] = {rounded(low_px.x / size_px.x), rounded(high_px.x / size_px.x)};
+    json["y_fraction"] = {rounded(low_px.y / size_px.y), rounded(high_px.y / size_px.y)};
+  } else {
+    json["x_px"] = {rounded(low_px.x), rounded(high_px.x)};
+    json["y_px"] = {rounded(low_px.y), rounded(high_px.y)};
+  }
+}
+
 nlohmann::ordered_json factsOf(const TraceHeader& header, const TraceSummary& summary) {
   const auto share = [&](std::size_t count) {
     return static_cast<double>(count) /
@@ -58,23 +96,27 @@ nlohmann::ordered_json factsOf(const TraceHeader& header, const TraceSummary& su
   nlohmann::ordered_json json = {{"format", header.format},
                                  {"rate_Hz", summary.rate_Hz()},
                                  {"samples", summary.samples()},
-                                 {"first_s", summary.first_s()},
-                                 {"span_s", summary.span_s()},
+                                 {"first_s", rounded(summary.first_s())},
+                                 {"span_s", rounded(summary.span_s())},
                                  {"present", share(summary.present())},
                                  {"left_eye", share(summary.eyes()[0])},
                                  {"right_eye", share(summary.eyes()[1])},
                                  {"blink", share(summary.blinks())},
                                  {"pupil", share(summary.pupils())},
                                  {"clock_jumps", summary.jumps()},
-                                 {"longest_jump_s", summary.longest_jump_s()}};
-  if (summary.present() > 0) {
-    json["x_px"] = {summary.min_px().x, summary.max_px().x};
-    json["y_px"] = {summary.min_px().y, summary.max_px().y};
-  }
+                                 {"longest_jump_s", rounded(summary.longest_jump_s())}};
+  if (summary.present() > 0) addRange(header, summary, json);
   const Screen& screen = *header.screen;
-  if (screen.size_px.x > 0) json["screen_px"] = {screen.size_px.x, screen.size_px.y};
-  if (screen.size_m.x > 0.0) json["screen_m"] = {screen.size_m.x, screen.size_m.y};
-  if (screen.distance_m > 0.0) json["distance_m"] = screen.distance_m;
+  if (!header.nominal_screen) {
+    if (screen.size_px.x > 0) json["screen_px"] = {screen.size_px.x, screen.size_px.y};
+    if (screen.size_m.x > 0.0) {
+      json["screen_m"] = {rounded(screen.size_m.x), rounded(screen.size_m.y)};
+    }
+    if (screen.distance_m > 0.0) json["distance_m"] = rounded(screen.distance_m);
+  }
+  if (const auto unknown = unknownOf(header); !unknown.empty()) json["unknown"] = unknown;
+  if (!header.assumed.empty()) json["assumed"] = header.assumed;
+  if (!header.warnings.empty()) json["warnings"] = header.warnings;
   return json;
 }
 
@@ -85,6 +127,12 @@ void printFacts(const TraceHeader& header, const TraceSummary& summary, bool jso
     return;
   }
   for (const auto& [key, value] : facts.items()) {
+    if (key == "unknown" || key == "assumed" || key == "warnings") {
+      for (const auto& line : value) {
+        std::printf("%-15s %s\n", key.c_str(), line.get<std::string>().c_str());
+      }
+      continue;
+    }
     const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
     std::printf("%-15s %s\n", key.c_str(), text.c_str());
   }
@@ -107,12 +155,15 @@ void showTrace(const TraceOptions& options) {
 
 void convertTrace(const TraceOptions& options) {
   const std::filesystem::path out(options.out);
-  const std::string sidecar = BidsWriter::sidecarFor(out).filename().string();
-  OutputFolder folder(out.has_parent_path() ? out.parent_path() : ".");
+  const std::filesystem::path sidecar = BidsWriter::sidecarFor(out);
+  checkOutputs({out, sidecar},
+               {options.file, bidsSidecarOf(options.file).value_or(""), options.study},
+               options.overwrite);
+  OutputFiles files;
   // BidsWriter derives the sidecar's name from the table's: both files first get temporary names
   // that match.
-  const std::filesystem::path aside = folder.stage(sidecar);
-  const std::filesystem::path staged = folder.stage(out.filename().string());
+  const std::filesystem::path aside = files.stage(sidecar);
+  const std::filesystem::path staged = files.stage(out);
   const std::filesystem::path work = aside.string() + "_physio.tsv.gz";
   TraceSummary summary;
   TraceHeader header;
@@ -133,7 +184,7 @@ void convertTrace(const TraceOptions& options) {
     std::filesystem::remove(BidsWriter::sidecarFor(work), ignored);
     throw;
   }
-  folder.commit();
+  files.commit();
   printFacts(header, summary, options.json);
 }
 
@@ -161,7 +212,10 @@ void addTraceCommand(CLI::App& app) {
                         ->require_subcommand(1);
   const auto options = std::make_shared<TraceOptions>();
   CLI::App* facts =
-      trace->add_subcommand("info", "Show format, rate, duration, eyes, data loss and clock jumps")
+      trace
+          ->add_subcommand(
+              "info",
+              "Show format, rate, duration, eyes, data loss and clock jumps, and what was assumed")
           ->alias("INFO");
   addTraceOptions(*facts, *options);
   facts->callback([options] { showTrace(*options); });
@@ -171,6 +225,7 @@ void addTraceCommand(CLI::App& app) {
   conversion->add_option("--out", options->out, "table; foci writes the JSON sidecar beside it")
       ->type_name("FILE_physio.tsv.gz")
       ->required();
+  addOverwriteFlag(*conversion, options->overwrite);
   conversion->callback([options] { convertTrace(*options); });
 }
 

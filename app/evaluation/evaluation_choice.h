@@ -34,8 +34,11 @@ void keepChosen(std::vector<Scene>& scenes, const EvaluationChoice& choice, cons
   };
   for (const std::string& name : choice.scenes) {
     if (!contains(known, name)) {
-      throw InputError("--scene " + name,
-                       "expected a known scene; the nearest is " + nearest(name, known));
+      const auto near = nearWord(name, known);
+      std::string all;
+      for (const std::string& one : known) all += (all.empty() ? "" : ", ") + one;
+      throw InputError("--scene " + name, near ? "expected a known scene; the nearest is " + *near
+                                               : "expected one of " + all);
     }
   }
   std::erase_if(scenes,

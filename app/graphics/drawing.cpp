@@ -1,5 +1,7 @@
 #include "app/graphics/drawing.h"
 
+#include <algorithm>
+
 #include "app/graphics/gnuplot.h"
 #include "app/graphics/html.h"
 #include "base/text.h"
@@ -80,10 +82,18 @@ double textWidth_px(const std::string& words, double size_px) {
 }
 
 std::string svgOf(const Drawing& drawing) {
-  std::string svg = "<svg" +
-                    attribute("viewBox", "0 0 " + decimal(drawing.size_px.x, 0) + " " +
-                                             decimal(drawing.size_px.y, 0)) +
-                    " role=\"img\" font-family=\"system-ui, sans-serif\">\n";
+  // The children of an image do not exist for a screen reader.
+  const bool links = std::any_of(drawing.discs.begin(), drawing.discs.end(),
+                                 [](const DrawnDisc& disc) { return !disc.link.empty(); });
+  std::string svg =
+      "<svg" +
+      attribute("viewBox",
+                "0 0 " + decimal(drawing.size_px.x, 0) + " " + decimal(drawing.size_px.y, 0)) +
+      attribute("role", links ? "group" : "img") + " font-family=\"system-ui, sans-serif\"";
+  if (!drawing.title.empty()) svg += attribute("aria-label", escaped(drawing.title));
+  svg += ">\n";
+  if (!drawing.title.empty()) svg += "<title>" + escaped(drawing.title) + "</title>\n";
+  if (!drawing.description.empty()) svg += "<desc>" + escaped(drawing.description) + "</desc>\n";
   for (const DrawnLine& line : drawing.lines) {
     std::string points;
     for (const glm::dvec2& at : line.points_px) points += px(at.x) + "," + px(at.y) + " ";

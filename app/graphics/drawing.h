@@ -49,6 +49,8 @@ struct Drawing {
   std::vector<DrawnLine> lines = {};
   std::vector<DrawnDisc> discs = {};
   std::vector<DrawnText> texts = {};
+  std::string title = {};        ///< for screen readers: what it is
+  std::string description = {};  ///< and what it shows
 
   /// Adds another drawing's shapes, moved.
   void add(const Drawing& other, const glm::dvec2& by_px);
@@ -57,7 +59,7 @@ struct Drawing {
 /// Approximate width of words in a sans serif face.
 double textWidth_px(const std::string& words, double size_px);
 
-/// An <svg> element in the page's colours.
+/// An <svg> element in the page's colours, an image for screen readers; a group if it has links.
 std::string svgOf(const Drawing& drawing);
 
 /// The bytes of a PNG file on white ground, drawn by gnuplot; nothing without gnuplot.

@@ -23,6 +23,7 @@ figcaption { font-size: .85rem; color: var(--quiet); font-variant-numeric: tabul
 .state { display: inline-block; width: .7em; height: .7em; border-radius: 2px; margin-right: .35em; }
 .legend span { margin-right: 1.2em; font-size: .85rem; color: var(--quiet); }
 svg { width: 100%; height: auto; color: var(--ink); }
+caption { text-align: left; color: var(--quiet); padding: .25rem 0; } th { text-align: left; font-weight: 600; }
 table { border-collapse: collapse; width: 100%; font-size: .88rem; }
 td { border-top: 1px solid var(--line); padding: .25rem .75rem .25rem 0; vertical-align: top; }
 td:first-child { white-space: nowrap; } td.value { font-variant-numeric: tabular-nums; overflow-wrap: anywhere; }

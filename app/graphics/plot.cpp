@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "base/text.h"
 
@@ -260,6 +261,56 @@ void drawEndLabels(const Area& area, Drawing& drawing) {
 
 }  // namespace
 
+namespace {
+
+/// With about three significant digits.
+std::string shortText(double value) {
+  std::ostringstream text;
+  text.precision(3);
+  text << value;
+  return text.str();
+}
+
+std::string axisText(const std::string& letter, const PlotAxis& axis) {
+  std::string text = letter + (axis.title.empty() ? "" : ": " + axis.title);
+  if (axis.ticks.size() > 1) {
+    text += ", from " + axis.ticks.front().text + " to " + axis.ticks.back().text;
+  }
+  return text + ". ";
+}
+
+/// A value as the axis would write it: a tick's own text, or with the ticks' unit of time.
+std::string valueText(const PlotAxis& axis, double value) {
+  bool time = false;
+  for (const PlotTick& tick : axis.ticks) {
+    if (std::abs(tick.at - value) < 1e-9) return tick.text;
+    time |= tick.text.ends_with(" ms") || tick.text.ends_with(" s");
+  }
+  if (!time) return shortText(value);
+  return value < 1000.0 ? shortText(value) + " ms" : shortText(value / 1000.0) + " s";
+}
+
+/// The plot in words: axes, levels, and the ends of each series.
+std::string descriptionOf(const Plot& plot) {
+  std::string text = axisText("Across", plot.x) + axisText("Up", plot.y);
+  for (const PlotLevel& level : plot.levels) text += "Line: " + level.text + ". ";
+  for (const PlotSeries& series : plot.series) {
+    if (series.name.empty() || series.points.empty()) continue;
+    const PlotPoint &first = series.points.front(), &last = series.points.back();
+    const auto at = [&](const PlotPoint& point) {
+      return valueText(plot.y, point.y) + " at " + valueText(plot.x, point.x);
+    };
+    text += series.name + ": " + at(first);
+    if (series.points.size() > 1) {
+      text += " to " + at(last) + ", " + std::to_string(series.points.size()) + " points";
+    }
+    text += ". ";
+  }
+  return text;
+}
+
+}  // namespace
+
 Drawing layOut(const Plot& plot) {
   const Area area{
       .low = {kLeft, (plot.title.empty() ? kTop : kTitleTop) + (plot.y.title.empty() ? 0.0 : 14.0)},
@@ -267,6 +318,8 @@ Drawing layOut(const Plot& plot) {
                                         plot.x.title.empty() ? kUntitledBottom : kBottom),
       .plot = plot};
   Drawing drawing{.size_px = plot.size_px};
+  drawing.title = plot.title.empty() ? plot.name : plot.title;
+  drawing.description = descriptionOf(plot);
   drawAxes(area, drawing);
   std::vector<Box> taken = drawSeries(area, drawing);
   for (const PlotLevel& level : plot.levels) drawLevel(level, area, taken, drawing);

@@ -55,6 +55,7 @@ struct PlotLevel {
 
 struct Plot {
   std::string title = {};
+  std::string name = {};  ///< for screen readers, of a plot without title
   PlotAxis x = {}, y = {};
   std::vector<PlotSeries> series = {};
   std::vector<PlotLevel> levels = {};

@@ -31,7 +31,7 @@ constexpr HelpLine kHelp[] = {
     {"S", "left half sharp"},
     {"V", "view: mono, side by side, top and bottom, anaglyph"},
     {"N", "next method"},
-    {"arrows", "move the eye; with page up and down up and down"},
+    {"arrows", "move the eye by a step of the scene's size; with page up and down up and down"},
     {"right button", "turn the eye"},
     {"left button", "look at it and click: the map of a calibrated webcam learns"},
     {"Home", "the eye back to where it began"},
@@ -191,6 +191,11 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, bool& 
       ImGui::Text("%s; focus %.2f D (%s); %s", std::string(nameOf(eye.state)).c_str(), eye.focus_D,
                   metresText(eye.focus_D).c_str(), content.frame->record.method.c_str());
     }
+    if (study.eye.position_m) {
+      const glm::dvec3 &eye = *study.eye.position_m, &at = *study.eye.look_at_m;
+      ImGui::Text("eye at %.3g, %.3g, %.3g m, looks at %.3g, %.3g, %.3g", eye.x, eye.y, eye.z, at.x,
+                  at.y, at.z);
+    }
     ImGui::Text("%.1f ms gaze to screen (95 %%: %.1f); %llu refreshes repeated",
                 content.summary.sample_to_swap.quantile_ms(0.5),
                 content.summary.sample_to_swap.quantile_ms(0.95),
@@ -229,6 +234,10 @@ void drawNotices(const PanelContent& content, const std::string& notice, bool fi
   }
   if (content.frame->record.eye.state == GazeState::lost) {
     y = noticeAt(x, y, kWarning, "No gaze: focus stays where it was (" + content.source + ")");
+  }
+  if (!content.state.in_view) {
+    y = noticeAt(x, y, kWarning,
+                 "Nothing of the scene is in view. Home: the eye back to its start");
   }
   if (content.state.record) {
     const auto failure = content.state.record->failure();

@@ -6,6 +6,12 @@
 
 namespace foci {
 
+double liveStep_m(double scene_m) {
+  // Chosen by hand: 120 steps cross the scene, 5 cm a step in the built-in gallery.
+  constexpr double kSteps = 120.0, kUnknown_m = 0.05;
+  return scene_m > 0.0 ? scene_m / kSteps : kUnknown_m;
+}
+
 LivePose::LivePose(const glm::dvec3& position_m, const glm::dvec3& look_at_m, const glm::dvec3& up)
     : position_m_(position_m),
       look_at_m_(look_at_m),

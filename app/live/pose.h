@@ -6,6 +6,10 @@
 
 namespace foci {
 
+/// How far one key moves the eye.
+/// @param scene_m  longest side of the scene; 0 if it is not known yet
+double liveStep_m(double scene_m);
+
 class LivePose {
  public:
   /// @param up  as the study's

@@ -24,16 +24,20 @@ Study studyOfRecord(Study study, double rate_Hz) {
   study.gaze.events = events;
   study.record.frames = "frames.tsv";
   study.record.changes = "changes.tsv";
+  study.record.markers = "event_markers.tsv";
   study.record.rate_Hz = rate_Hz;
   study.output.seconds.reset();
   return study;
 }
 
 fs::path madeEmpty(const fs::path& folder) {
-  if (fs::exists(folder / "gaze.tsv") || fs::exists(folder / "frames.tsv")) {
-    throw InputError(folder.string(), "has a record in it: expected another folder");
-  }
   std::error_code error;
+  for (const char* name : {"study.toml", "gaze.tsv", "frames.tsv", "changes.tsv", "timing.tsv",
+                           "event_markers.tsv", "events.tsv", "manifest.json"}) {
+    if (!fs::exists(fs::symlink_status(folder / name, error))) continue;
+    throw InputError(folder.string(), std::string("has a ") + name +
+                                          " already, as records have: expected another folder");
+  }
   fs::create_directories(folder, error);
   if (!fs::is_directory(folder)) {
     throw std::runtime_error("cannot make the folder " + folder.string());

@@ -8,9 +8,11 @@
 
 #include "app/record/gaze_marker.h"
 #include "app/session/auto_method.h"
+#include "app/study/framing.h"
 #include "app/study/inputs.h"
 #include "app/study/live_change.h"
 #include "app/study/session_settings_of.h"
+#include "app/study/view_remarks.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 
@@ -41,7 +43,12 @@ LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& 
       command_(std::move(command)),
       threads_(threads),
       ready_(std::move(ready)),
-      state_{.study = study, .notice = {}, .last = {}, .record = nullptr},
+      state_{.study = study,
+             .notice = {},
+             .last = {},
+             .record = nullptr,
+             .scene_m = 0.0,
+             .in_view = true},
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 LiveRenderer::~LiveRenderer() = default;
@@ -84,6 +91,7 @@ std::future<std::string> LiveRenderer::post(std::function<void()> action) {
 std::future<std::string> LiveRenderer::change(const std::string& key, const std::string& toml) {
   return post([this, key, toml] {
     changeLive(study_, *session_, key, toml);
+    if (key.starts_with("eye.")) noteView();
     if (const std::string remark = ellipseRemark(study_); !remark.empty()) tell(remark);
     // The next frame is the first with the new value. Its time is not before now.
     if (state_.record) {
@@ -155,9 +163,23 @@ void LiveRenderer::publish() {
   state_.study = study_;
 }
 
+/// Notes whether the eye sees the scene, after a change of its place. An eye on a path finds its
+/// own way.
+void LiveRenderer::noteView() {
+  const bool in_view = !study_.eye.path.empty() || isSceneInView(study_, *cloud_);
+  const std::lock_guard lock(mutex_);
+  state_.in_view = in_view;
+}
+
 void LiveRenderer::run(const std::stop_token& stop) {
   try {
     cloud_ = loadScene(study_);
+    noteView();
+    const double scene_m = boxWithoutStrays(cloud_->position_m).longest();
+    {
+      const std::lock_guard lock(mutex_);
+      state_.scene_m = scene_m;
+    }
     session_start_s_ = clock_.now_s();
     session_ = std::make_unique<Session>(sessionSettingsOf(study_), *cloud_, feed_.screen(),
                                          feed_.rate_Hz(), session_start_s_);

@@ -35,6 +35,8 @@ struct LiveState {
   std::string notice;                  ///< the latest; "" at first
   FrameRecord last;                    ///< of the newest frame
   std::shared_ptr<LiveRecord> record;  ///< in progress; null: none
+  double scene_m = 0.0;                ///< longest side of the scene; 0 until it is loaded
+  bool in_view = true;                 ///< whether a resting eye sees any of the scene
 };
 
 class LiveRenderer {
@@ -80,6 +82,7 @@ class LiveRenderer {
   std::shared_ptr<LiveFrame> renderFrame();
   bool refine(const RenderRequest& request, const FrameRecord& record);
   void publish();
+  void noteView();
   void closeRecord();
 
   Study study_;

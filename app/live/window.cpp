@@ -31,7 +31,7 @@ namespace {
 constexpr double kFirst_s = 8.0, kNotice_s = 4.0;  // how long hints and notices stay
 constexpr double kPanel_s = 1.0 / 30.0,
                  kIdle_s = 0.5;  // until the window is drawn again without a new frame
-constexpr double kStep_m = 0.05, kTurn_rad_per_px = 0.002, kFocusStep_D = 0.25;
+constexpr double kTurn_rad_per_px = 0.002, kFocusStep_D = 0.25;
 
 std::string quoted(std::string_view name) { return '"' + std::string(name) + '"'; }
 
@@ -176,24 +176,25 @@ void LiveWindow::sendPose() {
 
 void LiveWindow::moveEye(int key) {
   if (!pose_) return;
+  const double step_m = liveStep_m(renderer_->state().scene_m);
   switch (key) {
     case GLFW_KEY_LEFT:
-      pose_->move({-kStep_m, 0.0, 0.0});
+      pose_->move({-step_m, 0.0, 0.0});
       break;
     case GLFW_KEY_RIGHT:
-      pose_->move({kStep_m, 0.0, 0.0});
+      pose_->move({step_m, 0.0, 0.0});
       break;
     case GLFW_KEY_UP:
-      pose_->move({0.0, 0.0, kStep_m});
+      pose_->move({0.0, 0.0, step_m});
       break;
     case GLFW_KEY_DOWN:
-      pose_->move({0.0, 0.0, -kStep_m});
+      pose_->move({0.0, 0.0, -step_m});
       break;
     case GLFW_KEY_PAGE_UP:
-      pose_->move({0.0, kStep_m, 0.0});
+      pose_->move({0.0, step_m, 0.0});
       break;
     case GLFW_KEY_PAGE_DOWN:
-      pose_->move({0.0, -kStep_m, 0.0});
+      pose_->move({0.0, -step_m, 0.0});
       break;
     case GLFW_KEY_HOME:
       pose_->reset();

@@ -1,40 +1,33 @@
-// A folder of outputs. Files get temporary names first and their final names together: readers
-// never meet half a file, and a run that fails leaves nothing.
+// A folder of outputs (output_files.h). A run that fails leaves nothing, not even the folder.
 #pragma once
 
 #include <filesystem>
 #include <string>
-#include <vector>
+
+#include "app/platform/output_files.h"
 
 namespace foci {
 
-/// Files have hidden temporary names until `commit`. Without `commit`, the destructor removes them,
-/// and the folders that the constructor made.
 class OutputFolder {
  public:
   /// Makes the folder and its missing parents.
   /// @throws std::runtime_error if a folder cannot be made
   explicit OutputFolder(std::filesystem::path folder);
-  ~OutputFolder();
-  OutputFolder(const OutputFolder&) = delete;
-  OutputFolder& operator=(const OutputFolder&) = delete;
 
   /// The temporary path of `name`, with the same extension. Also removes temporary files of `name`
   /// that killed runs left.
   std::filesystem::path stage(const std::string& name);
 
-  /// Gives every staged file its final name, in the order of staging.
+  /// Stages a file with this content. @throws std::runtime_error
+  void write(const std::string& name, const std::string& bytes);
+
+  /// Gives every staged file its final name, or none.
   /// @throws std::runtime_error
   void commit();
 
  private:
-  struct Staged {
-    std::filesystem::path temporary, final;
-  };
   std::filesystem::path folder_;
-  std::vector<std::filesystem::path> made_;  ///< outermost first
-  std::vector<Staged> staged_;
-  bool committed_ = false;
+  OutputFiles files_;
 };
 
 }  // namespace foci

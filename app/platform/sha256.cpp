@@ -40,6 +40,7 @@ std::string Sha256::hex() {
 }
 
 std::string sha256OfFile(const std::filesystem::path& path) {
+  requireRegularFile(path);
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path.string(), "cannot be read");
   Sha256 hash;

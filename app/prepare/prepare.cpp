@@ -4,19 +4,18 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include "app/platform/output_folder.h"
 #include "app/platform/progress.h"
 #include "app/prepare/prepare_report.h"
-#include "base/file.h"
 #include "base/input_error.h"
 #include "render/lod/level_kernels.h"
 #include "render/lod/moment_tree.h"
 #include "render/normalisation/kernel_sums.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/io/foci_file.h"
+#include "render/scene/io/mesh_companions.h"
 #include "render/scene/io/open_scene.h"
 
 namespace foci {
@@ -97,15 +96,18 @@ double medianSpacing_m(const SurfelCloud& cloud) {
   return std::sqrt(static_cast<double>(*middle));
 }
 
+std::filesystem::path reportOf(std::filesystem::path scene) {
+  return scene.replace_extension(".html");
+}
+
 /// @throws InputError
 void checkRequest(const PrepareRequest& request) {
   if (request.out.extension() != ".foci") {
     throw InputError("--out " + request.out.string(), "expected a file name that ends in .foci");
   }
-  std::error_code ignored;
-  if (std::filesystem::is_directory(request.out, ignored)) {
-    throw InputError("--out " + request.out.string(), "is a folder");
-  }
+  std::vector<std::filesystem::path> inputs = meshCompanions(request.input);
+  inputs.push_back(request.input);
+  checkOutputs({request.out, reportOf(request.out)}, inputs, request.overwrite);
   if (isSceneFile(request.input)) {
     throw InputError(request.input.string(), "is a prepared scene already");
   }
@@ -131,10 +133,11 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
   if (folder.empty()) folder = ".";
   OutputFolder output(folder);  // before the work, so that a bad folder is reported at once
   const std::filesystem::path scene_file = output.stage(request.out.filename().string());
-  PointCloud points =
+  OpenedPoints opened =
       openPoints(request.input, request.scale_m, MeshSampling{.points = request.points});
-  PrepareSummary summary{.out = request.out, .report = request.out, .dropped = points.dropped};
-  summary.report.replace_extension(".html");
+  PointCloud& points = opened.points;
+  PrepareSummary summary{
+      .out = request.out, .report = reportOf(request.out), .dropped = points.dropped};
 
   summary.before =
       normalisationOf(surfelsFromPoints(PointCloud(points), {.solve = KernelSolve::none}));
@@ -148,7 +151,7 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
 
   writeSceneFile(scene_file, cloud);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  writeText(output.stage(summary.report.filename().string()), prepareReport(request, summary));
+  output.write(summary.report.filename().string(), prepareReport(request, summary));
   output.commit();
   return summary;
 }

@@ -4,16 +4,18 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace foci {
 
 struct PrepareRequest {
-  std::filesystem::path input;   ///< points (PLY) or a mesh
-  std::filesystem::path out;     ///< the scene, .foci; the report gets the same name with .html
-  double scale_m = 1.0;          ///< length of a unit of the input, metres
-  std::size_t points = 500'000;  ///< about the number of samples of a mesh
+  std::filesystem::path input;  ///< points (PLY) or a mesh
+  std::filesystem::path out;    ///< the scene, .foci; the report gets the same name with .html
+  double scale_m = 1.0;         ///< length of a unit of the input, metres
+  std::optional<std::size_t> points = {};  ///< about the number of samples of a mesh
+  bool overwrite = false;                  ///< replace files that foci did not make, too
 };
 
 /// How closely kernels form a partition of unity over the surface, at one size of pixels or blur.

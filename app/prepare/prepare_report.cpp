@@ -32,7 +32,14 @@ std::string histogramSvg(const Normalisation& n) {
       std::max<std::size_t>(*std::max_element(n.histogram.begin(), n.histogram.end()), 1));
   const double step = kChartWidth / static_cast<double>(n.histogram.size());
   std::string svg =
-      format("<svg viewBox=\"0 0 %g %g\" role=\"img\">", kChartWidth, kChartHeight + kAxisHeight);
+      format("<svg viewBox=\"0 0 %g %g\" role=\"img\" aria-label=\"Histogram of the kernel sums\">",
+             kChartWidth, kChartHeight + kAxisHeight);
+  svg += "<title>Histogram of the kernel sums</title>\n<desc>" +
+         format(
+             "Whole surface: mean %.4f, %.1f %% within 0.05 of one. Smooth parts: mean %.4f, "
+             "%.1f %% within 0.05 of one.",
+             n.mean, 100.0 * n.within_5, n.smooth_mean, 100.0 * n.smooth_within_5) +
+         "</desc>\n";
   const auto bars = [&](const std::vector<std::size_t>& bins, const char* color) {
     for (std::size_t i = 0; i < bins.size(); ++i) {
       if (bins[i] == 0) continue;
@@ -91,7 +98,7 @@ std::string levelSection(const PrepareSummary& summary, const LevelNormalisation
 
 std::string prepareReport(const PrepareRequest& request, const PrepareSummary& summary) {
   const std::string name = summary.out.filename().string();
-  std::string page = pageStart(name, kReportStyle) + "<h1>" + escaped(name) +
+  std::string page = pageStart(name + " - foci prepare", kReportStyle) + "<h1>" + escaped(name) +
                      "</h1>\n<p class=\"quiet\">from " + escaped(request.input.string()) + "</p>\n";
   page += format("<p>%zu surfels on %.4g m<sup>2</sup>, one every %.3g mm. ", summary.surfels,
                  summary.area_m2, 1000.0 * summary.spacing_m);

@@ -1,5 +1,6 @@
 #include "app/record/record_files.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -121,6 +122,25 @@ std::vector<Change> readChanges(const std::filesystem::path& file) {
     changes.push_back({time_s, fields[1], fields[2]});
   }
   return changes;
+}
+
+std::vector<EventMarker> readEventMarkers(const std::filesystem::path& file) {
+  LineReader lines(file);
+  std::string_view line;
+  std::vector<EventMarker> markers;
+  bool broken = false;
+  for (bool header = true; lines.next(line); header = false) {
+    if (header || line.empty()) continue;
+    if (broken) throw lines.error("follows a line that is too short");
+    const std::size_t tab = line.find('\t');
+    // The record of a killed run may end within a line.
+    if ((broken = tab == line.npos)) continue;
+    markers.push_back({timeIn(lines, std::string(line.substr(0, tab)), -1e12),
+                       std::string(line.substr(tab + 1))});
+  }
+  std::stable_sort(markers.begin(), markers.end(),
+                   [](const EventMarker& a, const EventMarker& b) { return a.time_s < b.time_s; });
+  return markers;
 }
 
 }  // namespace foci

@@ -46,6 +46,16 @@ std::vector<RecordedFrame> readFrames(const std::filesystem::path& file);
 std::string changesHeader();
 std::string changeRow(const Change& change);
 
+/// What the experimenter marked during a run: by a key, or from a script.
+struct EventMarker {
+  double time_s = 0.0;
+  std::string text;
+};
+
+/// event_markers.tsv: a header line, then `time<tab>text`.
+/// @return in order of time @throws InputError
+std::vector<EventMarker> readEventMarkers(const std::filesystem::path& file);
+
 /// @return in order of time
 /// @throws InputError, also for keys that do not change while a session runs
 std::vector<Change> readChanges(const std::filesystem::path& file);

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "app/platform/output_files.h"
 #include "app/session/session.h"
 #include "app/study/inputs.h"
 #include "app/study/session_settings_of.h"
@@ -41,8 +42,13 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request) {
     eye.settings.depth = request.depth.has_value();
   }
   const Frame& frame = session.render(render_request, record);
-  writeImage(request.out, frame, study.screen.gamma);
-  if (request.depth) writeDepthPfm(*request.depth, frame);
+  OutputFiles files;
+  using Path = std::filesystem::path;
+  files.write(request.out, [&](const Path& to) { writeImage(to, frame, study.screen.gamma); });
+  if (request.depth) {
+    files.write(*request.depth, [&](const Path& to) { writeDepthPfm(to, frame); });
+  }
+  files.commit();
   return {.focus_D = record.eye.focus_D,
           .surface_distance_m = record.eye.surface_distance_m,
           .pupil_mm = record.pupil_mm,

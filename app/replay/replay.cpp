@@ -22,18 +22,22 @@
 #include "app/study/inputs.h"
 #include "app/study/live_change.h"
 #include "app/study/session_settings_of.h"
-#include "base/file.h"
 #include "base/input_error.h"
 #include "base/quantile.h"
 
 namespace foci {
 namespace {
 
+constexpr const char *kVideo = "video.mp4", *kFrames = "frames.tsv", *kEvents = "events.tsv",
+                     *kManifest = "manifest.json", *kReport = "report.html";
+constexpr const char* kImage = "frame-";  // and its number
+
 /// What a replay reads. Reading it all refuses bad input before anything is written.
 struct ReplayInputs {
   GazeTrace trace;
   Schedule schedule;
   std::vector<Change> changes;
+  std::vector<EventMarker> markers;
   SurfelCloud cloud;
   std::vector<InputFile> files;
 };
@@ -45,8 +49,12 @@ ReplayInputs readInputs(const Study& study) {
                                               std::to_string(size_px.y) +
                                               " px: expected even numbers, as H.264 wants");
   }
-  ReplayInputs inputs{
-      .trace = loadGaze(study), .schedule = {}, .changes = {}, .cloud = {}, .files = {}};
+  ReplayInputs inputs{.trace = loadGaze(study),
+                      .schedule = {},
+                      .changes = {},
+                      .markers = {},
+                      .cloud = {},
+                      .files = {}};
   const auto& samples = inputs.trace.samples;
   const bool has_pupil = std::any_of(samples.begin(), samples.end(), [](const GazeSample& sample) {
     return sample.pupil_mm.has_value();
@@ -58,6 +66,7 @@ ReplayInputs readInputs(const Study& study) {
   }
   inputs.schedule = scheduleOf(study, inputs.trace);
   if (study.record.changes) inputs.changes = readChanges(*study.record.changes);
+  if (study.record.markers) inputs.markers = readEventMarkers(*study.record.markers);
   inputs.cloud = loadScene(study);
   for (const auto& file : inputFiles(study)) inputs.files.push_back({file, sha256OfFile(file)});
   return inputs;
@@ -75,7 +84,8 @@ class ReplayedEye {
   }
 
   FrameRecord look(double time_s) {
-    const auto& [trace, schedule, changes, cloud, files] = inputs_;
+    const GazeTrace& trace = inputs_.trace;
+    const std::vector<Change>& changes = inputs_.changes;
     for (; change_ < changes.size() && changes[change_].time_s <= time_s; ++change_) {
       changeLive(study_, session_, changes[change_].key, changes[change_].toml);
     }
@@ -165,6 +175,9 @@ class FrameStatistics {
     facts.frames_over = frames_over_;
     facts.first_over_s = first_over_s_;
     facts.worst_error = worst_error_;
+    const auto [min, max] = std::minmax_element(pupil_mm_.begin(), pupil_mm_.end());
+    facts.pupil_min_mm = *min;
+    facts.pupil_max_mm = *max;
   }
 
  private:
@@ -200,7 +213,7 @@ class FrameFiles {
   FrameFiles(const Study& study, OutputFolder& folder)
       : folder_(folder),
         images_(study.output.images),
-        video_file_(folder.stage("video.mp4")),
+        video_file_(folder.stage(kVideo)),
         video_(video_file_, study.imageSize_px(), study.output.fps) {}
 
   void add(std::size_t frame, Image&& image) {
@@ -209,7 +222,7 @@ class FrameFiles {
       const auto png = pngOf(image);
       std::string number = std::to_string(frame);
       number.insert(0, 6 - std::min<std::size_t>(6, number.size()), '0');
-      writeText(folder_.stage("frame-" + number + ".png"), {png.begin(), png.end()});
+      folder_.write(kImage + number + ".png", {png.begin(), png.end()});
     }
     video_.push(std::move(image));
   }
@@ -269,6 +282,21 @@ RunSummary summaryOf(const ReplayInputs& inputs, const std::vector<GazeEvent>& e
 
 }  // namespace
 
+std::vector<std::filesystem::path> replayFiles(const Study& study,
+                                               const std::filesystem::path& out) {
+  std::vector<std::filesystem::path> files;
+  for (const char* name : {kVideo, kFrames, kEvents, kManifest, kReport}) {
+    files.push_back(out / name);
+  }
+  std::error_code ignored;
+  if (!study.output.images) return files;
+  for (const auto& entry : std::filesystem::directory_iterator(out, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(kImage) && name.ends_with(".png")) files.push_back(entry.path());
+  }
+  return files;
+}
+
 RunSummary replay(const Study& study, const std::filesystem::path& out, const std::string& command,
                   unsigned threads) {
   const ReplayInputs inputs = readInputs(study);
@@ -280,7 +308,7 @@ RunSummary replay(const Study& study, const std::filesystem::path& out, const st
 
   OutputFolder folder(out);
   FrameFiles files(study, folder);
-  FrameTable table(folder.stage("frames.tsv"));
+  FrameTable table(folder.stage(kFrames));
   ContactSheet sheet(inputs.schedule.frames);
   FrameStatistics statistics;
   renderFrames(inputs, eye, files, table, sheet, statistics);
@@ -288,7 +316,7 @@ RunSummary replay(const Study& study, const std::filesystem::path& out, const st
 
   const std::vector<GazeEvent> events =
       eventsOfRun(study, inputs.trace, inputs.schedule.first_s, inputs.schedule.end_s());
-  writeText(folder.stage("events.tsv"), eventTable(events));
+  folder.write(kEvents, eventTable(events));
 
   ReportFacts facts;
   facts.threads = threads;
@@ -296,16 +324,18 @@ RunSummary replay(const Study& study, const std::filesystem::path& out, const st
   statistics.fill(facts);
   facts.summary = summaryOf(inputs, events, statistics, facts, out);
   facts.sheet = sheet.images(study.imageSize_px());
+  facts.run = changesOfRun(study, inputs.changes, inputs.markers, inputs.schedule.time_s(0),
+                           inputs.schedule.time_s(inputs.schedule.frames - 1));
   if (const std::string warning = toleranceText(study, facts); !warning.empty()) {
     std::fprintf(stderr, "foci: %s\n", warning.c_str());
   }
-  writeText(folder.stage("manifest.json"), manifestJson(study, facts.summary,
-                                                        {.command = command,
-                                                         .threads = threads,
-                                                         .gaze = factsOf(inputs.trace),
-                                                         .inputs = inputs.files,
-                                                         .frames_sha256 = frames_sha256}));
-  if (!writeReport(folder.stage("report.html"), files.videoFile(), study, inputs.trace, facts)) {
+  folder.write(kManifest, manifestJson(study, facts.summary,
+                                       {.command = command,
+                                        .threads = threads,
+                                        .gaze = factsOf(inputs.trace),
+                                        .inputs = inputs.files,
+                                        .frames_sha256 = frames_sha256}));
+  if (!writeReport(folder.stage(kReport), files.videoFile(), inputs.trace, facts)) {
     std::fputs(
         "foci: the report has no charts: gnuplot is not installed (apt install gnuplot-nox)\n",
         stderr);

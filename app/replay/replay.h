@@ -3,11 +3,17 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "app/record/run_summary.h"
 #include "app/study/study.h"
 
 namespace foci {
+
+/// The files in `out` that a replay of the study writes. Of images, the numbers are not known
+/// before the run: these are the images that are there already.
+std::vector<std::filesystem::path> replayFiles(const Study& study,
+                                               const std::filesystem::path& out);
 
 /// Replays the study and writes video.mp4, frames.tsv, events.tsv, manifest.json and report.html to
 /// `out`. If it throws, it leaves no file there, and removes the folder if that is new.

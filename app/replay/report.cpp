@@ -15,7 +15,8 @@ namespace foci {
 namespace {
 
 std::string stateMark(GazeState state) {
-  return std::string("<span class=\"state\" style=\"background:") + colorOf(state) + "\"></span>";
+  return std::string("<span class=\"state\" aria-hidden=\"true\" style=\"background:") +
+         colorOf(state) + "\"></span>";
 }
 
 std::string percent(double share) { return decimal(100.0 * share, 1) + "&thinsp;%"; }
@@ -25,14 +26,41 @@ std::string distanceText(double focus_D) {
   return focus_D < 0.01 ? "infinity" : decimal(1.0 / focus_D, 2) + " m";
 }
 
-std::string headline(const Study& study, const GazeTrace& trace, const ReportFacts& facts) {
-  const RunSummary& summary = facts.summary;
+/// What the run is, as plain text: "lion.ply, seen by gaze.tsv".
+std::string nameOfRun(const Study& study, const GazeTrace& trace) {
   const std::string scene = study.scene.file ? study.scene.file->filename().string()
                                              : "the built-in " + study.scene.builtin;
   const std::string gaze = trace.simulated
                                ? "a simulated observer"
                                : std::filesystem::path(study.gaze.source).filename().string();
-  std::string html = "<h1>" + escaped(scene) + ", seen by " + escaped(gaze) + "</h1>\n";
+  return scene + ", seen by " + gaze;
+}
+
+/// The pupil of the run: every diameter of a fixed one, else the median.
+std::string pupilCell(const ReportFacts& facts) {
+  constexpr std::size_t kMaxDiameters = 4;
+  const RunSummary& summary = facts.summary;
+  const PupilModel pupil = facts.run.start.observer.pupil;
+  const std::string median = decimal(summary.pupil_mm, 1) + " mm";
+  const auto diameters = valuesOf(facts.run.changes, "observer.pupil_mm");
+  if (pupil == PupilModel::fixed && !diameters.empty()) {
+    std::string all;
+    for (const std::string& one : diameters) all += (all.empty() ? "" : ", ") + one;
+    if (diameters.size() > kMaxDiameters) {
+      all = decimal(facts.pupil_min_mm, 1) + " to " + decimal(facts.pupil_max_mm, 1);
+    }
+    return numberCell(escaped(all) + " mm",
+                      "pupil, changed during the run (median " + median + ")");
+  }
+  return numberCell(median, pupil == PupilModel::fixed ? "pupil, fixed"
+                            : pupil == PupilModel::recording
+                                ? "pupil (median), as recorded"
+                                : "pupil (median), from the luminance of the images");
+}
+
+std::string headline(const Study& study, const GazeTrace& trace, const ReportFacts& facts) {
+  const RunSummary& summary = facts.summary;
+  std::string html = "<h1>" + escaped(nameOfRun(study, trace)) + "</h1>\n";
   html += "<p class=\"quiet\">foci " FOCI_VERSION " &middot; study " +
           escaped(study.file.string()) + " &middot; gaze " + escaped(trace.format) + ", " +
           decimal(trace.rate_Hz, 0) + " Hz</p>\n";
@@ -40,6 +68,14 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
     html +=
         "<p class=\"notice\">The gaze is simulated: an oculomotor model looked, no person "
         "did.</p>\n";
+  }
+  if (!facts.run.changes.empty()) {
+    html += "<p class=\"notice\">Settings changed during the run: " +
+            escaped(changesText(facts.run.changes)) +
+            ". Sentences below about the eye and the method hold for the first frame.</p>\n";
+  }
+  for (const std::string& warning : trace.warnings) {
+    html += "<p class=\"notice\">The recording: " + escaped(warning) + ".</p>\n";
   }
   const Screen screen = study.screenInForce();
   if (study.screen.is_default) {
@@ -57,12 +93,7 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
   html += numberCell(std::to_string(summary.fixations), "fixations");
   html += numberCell(std::to_string(summary.saccades), "saccades");
   html += numberCell(percent(1.0 - summary.gaze_valid), "of the gaze samples have no gaze");
-  const PupilModel pupil = study.observer.pupil;
-  html += numberCell(decimal(summary.pupil_mm, 1) + " mm",
-                     pupil == PupilModel::fixed ? "pupil, fixed"
-                     : pupil == PupilModel::recording
-                         ? "pupil (median), as recorded"
-                         : "pupil (median), from the luminance of the images");
+  html += pupilCell(facts);
   html +=
       numberCell(std::to_string(summary.frames_rendered) + " of " + std::to_string(summary.frames),
                  "frames rendered; the others reuse the frame before");
@@ -121,28 +152,39 @@ std::string toleranceText(const Study& study, const ReportFacts& facts) {
 
 namespace {
 
-/// What one dioptre of defocus does, and how the focus is chosen.
-std::string opticsText(const Study& study, const ReportFacts& facts) {
-  const RunSummary& summary = facts.summary;
-  const Screen screen = study.screenInForce();
-  const double pupil_m = summary.pupil_mm / 1000.0;
-  const double px_per_m = screen.size_px.x / screen.size_m.x;
-  const double angle_rad = blurAngle_rad(pupil_m, 0.0, 1.0);
+std::string focusText(const Study& study) {
+  if (study.focus.fixed_D) {
+    return "Its focus is fixed at " + decimal(*study.focus.fixed_D, 2) + " D (" +
+           distanceText(*study.focus.fixed_D) + "), whatever it looks at.";
+  }
   const AccommodationSettings& accommodation = study.focus.accommodation;
-  return "<p>One dioptre of defocus blurs a point to a disc " +
-         decimal(angle_rad * 180.0 / 3.14159265358979 * 60.0, 2) +
-         " arcmin wide: " + decimal(angle_rad * screen.distance_m * px_per_m, 2) +
-         " px on the screen, " +
-         decimal(2e6 * retinalRadius_m(pupil_m, study.observer.retina_mm / 1000.0, 0.0, 1.0), 1) +
-         " &micro;m on the retina. The eye focuses on the nearest surface that fills " +
+  return "The eye focuses on the nearest surface that fills " +
          decimal(100.0 * study.focus.coverage, 0) + "&thinsp;% of a cone of " +
          decimal(study.focus.cone_deg, 2) + "&deg; around the line of sight; " +
          (accommodation.on ? "its focus follows after " + decimal(accommodation.latency_s, 2) +
                                  " s, with a time constant of " +
                                  decimal(accommodation.time_constant_s, 2) + " s."
-                           : std::string("its focus jumps at once.")) +
-         pupilText(study) + eyeText(study) + " Rendered by method <i>" +
-         escaped(study.render.method) + "</i>. " + escaped(toleranceText(study, facts)) + "</p>\n";
+                           : std::string("its focus jumps at once."));
+}
+
+/// What one dioptre of defocus does, and how the focus is chosen.
+std::string opticsText(const Study& study, const ReportFacts& facts) {
+  const Screen screen = study.screenInForce();
+  // With a fixed pupil the text is about the first frame, else about the median.
+  const double pupil_mm =
+      study.observer.pupil == PupilModel::fixed ? study.observer.pupil_mm : facts.summary.pupil_mm;
+  const double pupil_m = pupil_mm / 1000.0;
+  const double px_per_m = screen.size_px.x / screen.size_m.x;
+  const double angle_rad = blurAngle_rad(pupil_m, 0.0, 1.0);
+  return "<p>With a pupil of " + decimal(pupil_mm, 1) +
+         " mm one dioptre of defocus blurs a point to a disc " +
+         decimal(angle_rad * 180.0 / 3.14159265358979 * 60.0, 2) +
+         " arcmin wide: " + decimal(angle_rad * screen.distance_m * px_per_m, 2) +
+         " px on the screen, " +
+         decimal(2e6 * retinalRadius_m(pupil_m, study.observer.retina_mm / 1000.0, 0.0, 1.0), 1) +
+         " &micro;m on the retina. " + focusText(study) + pupilText(study) + eyeText(study) +
+         " Rendered by method <i>" + escaped(study.render.method) + "</i>. " +
+         escaped(toleranceText(study, facts)) + "</p>\n";
 }
 
 std::string dataLossText(const ReportFacts& facts) {
@@ -157,17 +199,22 @@ std::string dataLossText(const ReportFacts& facts) {
          "the focus stays.</p>\n";
 }
 
-std::string legend() {
+std::string legend(const std::vector<RunMark>& marks) {
   std::string html = "<p class=\"legend\">";
   for (const GazeState state :
        {GazeState::saccade, GazeState::pursuit, GazeState::blink, GazeState::lost}) {
     html += "<span>" + stateMark(state) + std::string(nameOf(state)) + "</span>";
   }
-  return html + "<span>plain ground: fixation</span></p>\n";
+  html += "<span>plain ground: fixation</span>";
+  if (!marks.empty()) {
+    html += "<span>solid line: event marker</span><span>dashed line: changed setting</span>";
+  }
+  return html + "</p>\n";
 }
 
-std::string configuration(const Study& study) {
-  std::string html = "<details><summary>The study as resolved</summary><table>\n";
+std::string configuration(const Study& study, bool changes) {
+  std::string html = "<details><summary>The study as resolved" +
+                     std::string(changes ? ", at the first frame" : "") + "</summary><table>\n";
   for (const ResolvedKey& key : resolvedKeys(study)) {
     html += "<tr><td><code>" + std::string(key.name) + "</code></td><td class=\"value\">" +
             escaped(key.json == "null" ? "n/a" : key.json) + "</td><td class=\"quiet\">" +
@@ -179,7 +226,8 @@ std::string configuration(const Study& study) {
 void embedVideo(std::ostream& out, const std::filesystem::path& video) {
   std::ifstream in(video, std::ios::binary);
   if (!in) throw std::runtime_error("cannot read " + video.string());
-  out << "<video controls loop muted playsinline preload=\"metadata\" src=\"data:video/mp4;base64,";
+  out << "<video controls loop muted playsinline preload=\"metadata\" "
+         "aria-label=\"video of the run\" src=\"data:video/mp4;base64,";
   Base64 base64(out);
   std::vector<char> block(1 << 18);
   while (in.read(block.data(), static_cast<std::streamsize>(block.size())), in.gcount() > 0) {
@@ -212,14 +260,13 @@ void contactSheet(std::ostream& out, const ReportFacts& facts) {
 }  // namespace
 
 bool writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
-                 const Study& study, const GazeTrace& trace, const ReportFacts& facts) {
-  const auto charts = chartsSvg(facts.rows, study.screen.size_px);
+                 const GazeTrace& trace, const ReportFacts& facts) {
+  const Study& study = facts.run.start;
+  const std::vector<RunMark> marks = marksOf(facts.run);
+  const auto charts = chartsSvg(facts.rows, study.screen.size_px, marks);
   std::ofstream out(file, std::ios::binary);
-  out << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width\">\n<title>foci replay</title>\n"
-         "<style>"
-      << kPageStyle << "</style></head><body><main>\n"
-      << headline(study, trace, facts) << "<h2>What the eye saw</h2>\n";
+  out << pageStart(nameOfRun(study, trace) + " - foci replay", "") << headline(study, trace, facts)
+      << "<h2>What the eye saw</h2>\n";
   embedVideo(out, video);
   out << opticsText(study, facts)
       << "<h2>Contact sheet</h2>\n<p class=\"quiet\">From each twelfth of the replay the frame at "
@@ -229,7 +276,7 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
   contactSheet(out, facts);
   out << "<h2>Over time</h2>\n";
   if (charts) {
-    out << legend() << *charts;
+    out << legend(marks) << *charts;
   } else {
     out << "<p class=\"notice\">No charts: gnuplot is not installed. On Debian: "
            "<code>apt install gnuplot-nox</code>.</p>\n";
@@ -237,10 +284,11 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
   out << "<p class=\"quiet\">Gaze in px of the study's screen, from its top-left corner; time on "
          "the "
          "recording's clock.</p>\n"
-      << dataLossText(facts) << configuration(study) << "<p class=\"quiet\">" << facts.threads
+      << marksTable(marks) << dataLossText(facts)
+      << configuration(study, !facts.run.changes.empty()) << "<p class=\"quiet\">" << facts.threads
       << (facts.threads == 1 ? " thread" : " threads")
       << ". Machine, hashes of every input and the frames' own are in manifest.json.</p>\n"
-         "</main></body></html>\n";
+      << kPageEnd;
   out.close();
   if (!out) throw std::runtime_error("cannot write " + file.string());
   return charts.has_value();

@@ -10,6 +10,7 @@
 #include "app/record/run_summary.h"
 #include "app/replay/contact_sheet.h"
 #include "app/replay/report_charts.h"
+#include "app/replay/run_changes.h"
 #include "app/study/study.h"
 #include "gaze/geometry/gaze_sample.h"
 
@@ -27,7 +28,9 @@ struct ReportFacts {
   std::size_t frames_over = 0;  ///< whose predicted error exceeds the tolerance
   double first_over_s = 0.0;    ///< time of the first such frame
   double worst_error = 0.0;     ///< largest predicted error, just-noticeable differences
+  double pupil_min_mm = 0.0, pupil_max_mm = 0.0;
   unsigned threads = 0;
+  RunChanges run;  ///< the study in force, and what changed
 };
 
 /// What `frames_over` means, in one sentence for the reader; "" if there are none.
@@ -37,6 +40,6 @@ std::string toleranceText(const Study& study, const ReportFacts& facts);
 /// @return whether the page has charts: without gnuplot it says that they are missing
 /// @throws std::runtime_error
 bool writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
-                 const Study& study, const GazeTrace& trace, const ReportFacts& facts);
+                 const GazeTrace& trace, const ReportFacts& facts);
 
 }  // namespace foci

@@ -1,9 +1,12 @@
 #include "app/replay/report_charts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "app/graphics/gnuplot.h"
+#include "app/graphics/html.h"
 #include "base/text.h"
 
 namespace foci {
@@ -42,6 +45,39 @@ std::string stateBand(const std::vector<ChartRow>& rows) {
               colorOf(rows[begin].state) + "'\n";
     }
     begin = i;
+  }
+  return text;
+}
+
+/// The marks as vertical lines: dashed where a setting changed. Numbers stand in the first panel,
+/// where there is room.
+/// @param labels  the script that removes the numbers again
+std::string markLines(const std::vector<RunMark>& marks, double from_s, double to_s,
+                      std::string& labels) {
+  constexpr double kWidth_px = 870.0, kLabel_px = 16.0, kLine_px = 1.0;
+  const double px_per_s = kWidth_px / (to_s - from_s);
+  std::string text;
+  double last_line_s = -1e300, last_label_s = -1e300;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    const RunMark& mark = marks[i];
+    if ((mark.time_s - last_line_s) * px_per_s < kLine_px) continue;
+    last_line_s = mark.time_s;
+    const std::string at = decimal(mark.time_s, 4);
+    // gnuplot's SVG keeps the dashes of the last line unless the width differs, too.
+    text.append("set arrow from ").append(at).append(", graph 0 to ").append(at);
+    text.append(", graph 1 nohead ")
+        .append(mark.is_change ? "linewidth 0.9 dashtype 2" : "linewidth 1.2 dashtype 1")
+        .append(" linecolor rgb '")
+        .append(kTextColor)
+        .append("'\n");
+    if ((mark.time_s - last_label_s) * px_per_s < kLabel_px) continue;
+    last_label_s = mark.time_s;
+    const std::string number = std::to_string(i + 1);
+    text.append("set label ").append(number).append(" '").append(number).append("' at ").append(at);
+    text.append(", graph 0.93 left offset 0.3,0 font 'sans-serif,11' textcolor rgb '")
+        .append(kTextColor)
+        .append("' front\n");
+    labels.append("unset label ").append(number).append("\n");
   }
   return text;
 }
@@ -85,8 +121,60 @@ void ChartSeries::add(const ChartRow& row) {
   stride_ *= 2;
 }
 
-std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows,
-                                     const glm::ivec2& screen_px) {
+namespace {
+
+/// "1 change", "2 changes".
+std::string counted(std::ptrdiff_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+/// "0.50 to 2.00"; "no value" if all are absent.
+std::string rangeOf(const std::vector<ChartRow>& rows, double ChartRow::*member, int digits) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const ChartRow& row : rows) {
+    if (!std::isfinite(row.*member)) continue;
+    low = std::min(low, row.*member);
+    high = std::max(high, row.*member);
+  }
+  return low <= high ? decimal(low, digits) + " to " + decimal(high, digits) : "no value";
+}
+
+/// Gives gnuplot's <svg> element a role, a title and a description in place of its own.
+void describe(std::string& svg, const std::string& title, const std::string& description) {
+  const std::size_t start = svg.find('>');
+  svg.insert(start, " role=\"img\" aria-label=\"" + escaped(title) + "\"");
+  for (const auto& [tag, text] :
+       {std::pair<std::string, std::string>("title", title), {"desc", description}}) {
+    const std::string open = "<" + tag + ">", close = "</" + tag + ">";
+    const std::size_t from = svg.find(open), to = svg.find(close);
+    const std::string element = std::string(open).append(escaped(text)).append(close);
+    if (from != svg.npos && to != svg.npos) {
+      svg.replace(from, to + close.size() - from, element);
+    } else {
+      svg.insert(svg.find('>') + 1, "\n" + element);
+    }
+  }
+}
+
+}  // namespace
+
+std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunMark>& marks) {
+  const auto changes =
+      std::count_if(marks.begin(), marks.end(), [](const RunMark& mark) { return mark.is_change; });
+  const auto markers = static_cast<std::ptrdiff_t>(marks.size()) - changes;
+  return "Four panels over time, from " + decimal(rows.front().time_s, 2) + " s to " +
+         decimal(rows.back().time_s, 2) + " s. Gaze, horizontal " +
+         rangeOf(rows, &ChartRow::gaze_x_px, 0) + " px and vertical " +
+         rangeOf(rows, &ChartRow::gaze_y_px, 0) + " px. Focus of the eye, " +
+         rangeOf(rows, &ChartRow::focus_D, 2) + " dioptres, beside the surface under the gaze, " +
+         rangeOf(rows, &ChartRow::surface_D, 2) + " dioptres. Pupil, " +
+         rangeOf(rows, &ChartRow::pupil_mm, 1) + " mm. Time to render a frame, " +
+         rangeOf(rows, &ChartRow::render_ms, 1) + " ms. " + counted(markers, "event marker") +
+         " and " + counted(changes, "change") + " of settings.";
+}
+
+std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& screen_px,
+                                     const std::vector<RunMark>& marks) {
   const double from_s = rows.front().time_s;
   const double to_s = std::max(rows.back().time_s, from_s + 1e-3);
   std::string script = dataBlock(rows);
@@ -104,13 +192,16 @@ std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows,
       "set xrange [" +
       decimal(from_s, 6) + ":" + decimal(to_s, 6) + "]\n";
   script += stateBand(rows);
+  std::string no_labels;
+  script += markLines(marks, from_s, to_s, no_labels);
   const auto line = [](int column, const char* title, const char* color, const char* width) {
     return "$frames using 1:" + std::to_string(column) + " with lines title '" + title +
            "' linewidth " + width + " linecolor rgb '" + color + "'";
   };
   const int span_px = std::max(screen_px.x, screen_px.y);
   script += panel(0.75, 0.965, "gaze, px", "set yrange [0:" + std::to_string(span_px) + "]\n");
-  script += "plot " + line(2, "x", "#3b82c4", "1.4") + ", " + line(3, "y", "#d9822b", "1.4") + "\n";
+  script += "plot " + line(2, "x", "#3b82c4", "1.4") + ", " + line(3, "y", "#d9822b", "1.4") +
+            "\n" + no_labels;
   script += panel(0.44, 0.69, "focus, D", "set yrange [0:*]\n");
   script += "plot " + line(4, "surface under gaze", "#3a9d6e", "3.5") + ", " +
             line(6, "focus of the eye", "#c2417c", "1.6") + "\n";
@@ -130,6 +221,7 @@ std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows,
   replaceAll(*svg, "#010203", "currentColor");
   replaceAll(*svg, "rgb(  1,   2,   3)", "currentColor");
   replaceAll(*svg, "rgb(1,2,3)", "currentColor");
+  describe(*svg, "Gaze, focus, pupil and render time over time", chartsText(rows, marks));
   return svg;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/replay/run_changes.h"
 #include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
@@ -27,13 +28,19 @@ class ChartSeries {
   std::size_t stride_ = 1, seen_ = 0;
 };
 
-/// Gaze, focus, pupil and render time over time, over bands that show the gaze state. Axes have the
-/// text colour of the page, so that one image serves light and dark pages.
+/// Gaze, focus, pupil and render time over time, over bands that show the gaze state. Event markers
+/// and changes are lines through all panels, numbered at the top. Axes have the text colour of the
+/// page, so that one image serves light and dark pages. The element has a title and a description
+/// for screen readers.
 /// @param screen_px  range of the gaze axis
+/// @param marks      in order of time
 /// @return an <svg> element; nothing if gnuplot is not installed
 /// @throws std::runtime_error if gnuplot fails
-std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows,
-                                     const glm::ivec2& screen_px);
+std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& screen_px,
+                                     const std::vector<RunMark>& marks);
+
+/// What the charts show, in sentences.
+std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunMark>& marks);
 
 /// Colour of a state in charts and legends, "#rrggbb".
 const char* colorOf(GazeState state);

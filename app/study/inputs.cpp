@@ -4,14 +4,17 @@
 #include <cstdio>
 #include <numeric>
 #include <random>
+#include <utility>
 
 #include "app/study/gaze_calibration.h"
 #include "app/study/session_settings_of.h"
+#include "app/study/view_remarks.h"
 #include "base/input_error.h"
 #include "gaze/sources/simulator.h"
 #include "gaze/sources/trace_reader.h"
 #include "render/optics/view.h"
 #include "render/scene/builtin/procedural.h"
+#include "render/scene/io/mesh_companions.h"
 #include "render/scene/io/open_scene.h"
 
 namespace foci {
@@ -113,8 +116,9 @@ EyePose builtinPose(const Study& study) {
   return study.scene.builtin == "plane" ? planeEyePose() : galleryEyePose();
 }
 
-SurfelCloud loadScene(const Study& study) {
-  if (!study.scene.file) return study.scene.builtin == "plane" ? makePlane() : makeGallery();
+namespace {
+
+SurfelCloud loadSceneFile(const Study& study) {
   const glm::mat4 world_from_eye = glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0));
   OpenedScene scene =
       openScene(*study.scene.file, study.scene.scale_m, glm::vec3(world_from_eye[3]));
@@ -122,7 +126,26 @@ SurfelCloud loadScene(const Study& study) {
     std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n",
                  study.scene.file->c_str(), scene.dropped);
   }
+  for (const std::string& remark : scene.remarks) {
+    std::fprintf(stderr, "foci: %s: %s\n", study.scene.file->c_str(), remark.c_str());
+  }
   return std::move(scene.cloud);
+}
+
+SurfelCloud builtinScene(const Study& study) {
+  return study.scene.builtin == "plane" ? makePlane() : makeGallery();
+}
+
+}  // namespace
+
+SurfelCloud loadScene(const Study& study) {
+  SurfelCloud cloud = study.scene.file ? loadSceneFile(study) : builtinScene(study);
+  if (study.scene.file || study.eye.position_m || !study.eye.path.empty()) {
+    for (const std::string& remark : viewRemarks(study, cloud)) {
+      std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark.c_str());
+    }
+  }
+  return cloud;
 }
 
 namespace {
@@ -130,8 +153,10 @@ namespace {
 GazeTrace loadNamedGaze(const Study& study) {
   if (study.gazeIsSimulated()) return simulate(study);
   if (const auto place = webcamPlaceOf(study.gaze.source)) return traceOfWebcam(study, *place);
+  TraceColumns columns = study.gaze.columns;
+  columns.mapped_later = study.gaze.map.has_value();
   GazeTrace trace =
-      readTrace(study.gaze.source, study.gaze.columns, study.screenInForce(), study.record.rate_Hz);
+      readTrace(study.gaze.source, columns, study.screenInForce(), study.record.rate_Hz);
   if (!study.gaze.map) return trace;
   const GazeCalibration calibration = readGazeCalibration(*study.gaze.map, /*webcam=*/false);
   if (const auto* both_eyes = std::get_if<BinocularCalibration>(&calibration)) {
@@ -145,19 +170,26 @@ GazeTrace loadNamedGaze(const Study& study) {
 
 GazeTrace loadGaze(const Study& study) {
   GazeTrace trace = loadNamedGaze(study);
+  for (const std::string& warning : trace.warnings) {
+    std::fprintf(stderr, "foci: %s: %s\n", study.gaze.source.c_str(), warning.c_str());
+  }
   trace.rate_Hz = study.record.rate_Hz.value_or(trace.rate_Hz);
   return trace;
 }
 
 std::vector<std::filesystem::path> inputFiles(const Study& study) {
   std::vector<std::filesystem::path> files = {study.file};
-  if (study.scene.file) files.push_back(*study.scene.file);
+  if (study.scene.file) {
+    if (*study.scene.file != study.file) files.push_back(*study.scene.file);
+    for (auto& file : meshCompanions(*study.scene.file)) files.push_back(std::move(file));
+  }
   for (const auto& file : {study.screen.monitor, study.gaze.map, study.gaze.camera,
-                           study.record.frames, study.record.changes}) {
+                           study.record.frames, study.record.changes, study.record.markers}) {
     if (file) files.push_back(*file);
   }
   if (const auto place = webcamPlaceOf(study.gaze.source)) {
-    if (std::filesystem::is_regular_file(place->file)) files.push_back(place->file);
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(place->file, ignored)) files.push_back(place->file);
   } else if (!study.gazeIsSimulated()) {
     files.push_back(study.gaze.source);
   }

@@ -14,6 +14,8 @@ namespace foci {
 /// The pose from which a built-in scene is seen if the study names none.
 EyePose builtinPose(const Study& study);
 
+/// Writes to standard error what a user should know of the file, and of the place of the eye in it
+/// (view_remarks.h).
 /// @throws InputError
 SurfelCloud loadScene(const Study& study);
 

@@ -60,6 +60,7 @@ Study readStudy(const std::filesystem::path& file) {
   if (study.gaze.camera) resolve(*study.gaze.camera, folder);
   if (study.record.frames) resolve(*study.record.frames, folder);
   if (study.record.changes) resolve(*study.record.changes, folder);
+  if (study.record.markers) resolve(*study.record.markers, folder);
   if (auto place = webcamPlaceOf(study.gaze.source)) {
     if (!place->device) {
       resolve(place->file, folder);

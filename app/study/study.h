@@ -96,6 +96,7 @@ struct Study {
   struct Record {
     std::optional<std::filesystem::path> frames;   ///< times and methods, instead of output.fps
     std::optional<std::filesystem::path> changes;  ///< of keys during the run
+    std::optional<std::filesystem::path> markers;  ///< event markers of the run, for its report
     std::optional<double> rate_Hz;  ///< of the samples; absent: the median of the recording
   } record;
 

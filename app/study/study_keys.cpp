@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "app/study/key_suggestion.h"
 #include "app/study/toml_values.h"
 #include "base/input_error.h"
 #include "base/nearest.h"
@@ -68,7 +69,8 @@ const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
 const std::vector<Key<Study>>& studyKeys() {
   static const std::vector<Key<Study>> keys = {
       FOCI_KEY(scene.file, "scene.file",
-               "points (PLY), a mesh (OBJ, glTF, STL, PLY) or a prepared scene (.foci)"),
+               "points (PLY, LAS, XYZ, PTS), a mesh (OBJ, glTF, STL, FBX, PLY) or a prepared scene "
+               "(.foci)"),
       FOCI_KEY(scene.builtin, "scene.builtin", "built-in scene, if there is no file",
                {.words = {"gallery", "plane"}}),
       FOCI_KEY(scene.scale_m, "scene.scale_m", "metres per unit of the file", {1e-6, 1e6}),
@@ -201,6 +203,8 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(record.frames, "record.frames",
                "frames.tsv of a live run, with times and methods, instead of output.fps"),
       FOCI_KEY(record.changes, "record.changes", "changes.tsv of a live run"),
+      FOCI_KEY(record.markers, "record.markers",
+               "event_markers.tsv of a live run, which the report shows"),
       FOCI_KEY(
           record.rate_Hz, "record.rate_Hz",
           "samples per second, as the gaze source states it; absent: the median of the recording",
@@ -220,6 +224,18 @@ std::string place(const std::string& file, const toml::value& value) {
 InputError notAsExpected(const std::string& file, const std::string& key, const toml::value& value,
                          const std::string& expected) {
   return {place(file, value), key + " = " + shownValue(value) + ": expected " + expected};
+}
+
+/// @param value  a table makes the name that of a section
+InputError unknownKey(const std::string& where, const std::string& name, const toml::value& value,
+                      const std::vector<std::string>& known) {
+  const bool is_section = value.is_table() && name.find('.') == name.npos;
+  auto near = is_section ? nearWord(name, sectionsOf(known)) : suggestedKey(name, known);
+  if (!near && is_section && !value.as_table().empty()) {
+    near = suggestedKey(name + "." + value.as_table().begin()->first, known);
+  }
+  return {where, (is_section ? "unknown section " : "unknown key ") + shownName(name) +
+                     (near ? ": did you mean " + *near + "?" : "; foci keys lists the keys")};
 }
 
 /// Applies a TOML table of keys with the given prefix to `to`.
@@ -250,8 +266,7 @@ KeyNames apply(const std::vector<Key<T>>& keys, const toml::table& table, const 
       std::vector<std::string> known;
       std::transform(keys.begin(), keys.end(), std::back_inserter(known),
                      [](const auto& key) { return std::string(key.name); });
-      throw InputError(place(file, value), "unknown key " + shownName(full) + ": did you mean " +
-                                               nearest(full, known) + "?");
+      throw unknownKey(place(file, value), full, value, known);
     }
   }
   return given;

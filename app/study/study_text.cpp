@@ -1,6 +1,8 @@
 #include "app/study/study_text.h"
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 namespace foci {
 namespace {
@@ -29,6 +31,56 @@ std::pair<std::string, std::string> splitName(std::string_view name) {
 }
 
 }  // namespace
+
+namespace {
+
+/// A file as a study in `folder` names it.
+std::filesystem::path namedIn(const std::filesystem::path& folder,
+                              const std::filesystem::path& file) {
+  const std::filesystem::path absolute = std::filesystem::absolute(file).lexically_normal();
+  const std::filesystem::path home =
+      std::filesystem::absolute(folder.empty() ? "." : folder).lexically_normal();
+  const std::filesystem::path relative = absolute.lexically_relative(home);
+  const bool below = !relative.empty() && *relative.begin() != "..";
+  return below ? relative : absolute;
+}
+
+bool isPlace(std::string_view key) { return key == "scene.scale_m" || key.starts_with("eye."); }
+
+}  // namespace
+
+std::string annotatedStudyToml(const Study& study, const std::filesystem::path& folder,
+                               const std::string& comment) {
+  Study moved = study;
+  for (auto* path : {&moved.scene.file, &moved.gaze.map, &moved.gaze.camera, &moved.record.frames,
+                     &moved.record.changes}) {
+    if (*path) **path = namedIn(folder, **path);
+  }
+  const std::filesystem::path source = moved.gaze.source;
+  if (std::filesystem::exists(source)) moved.gaze.source = namedIn(folder, source).string();
+  moved.screen.monitor.reset();
+
+  std::map<std::string_view, std::string> defaults;
+  for (const ResolvedKey& key : resolvedKeys(Study{})) defaults[key.name] = key.json;
+  std::string above, text, section, line;
+  std::istringstream lines(comment);
+  while (std::getline(lines, line)) above += "# " + line + "\n";
+  for (const ResolvedKey& key : resolvedKeys(moved)) {
+    const bool wanted = isPlace(key.name) || key.json != defaults.at(key.name);
+    const Json value = Json::parse(key.json, nullptr, false);
+    if (!wanted || value.is_null() || value == Json::array()) continue;
+    if (moved.scene.file && key.name == "scene.builtin") continue;
+    if (!moved.eye.path.empty() && (key.name == "eye.position_m" || key.name == "eye.look_at_m")) {
+      continue;
+    }
+    const auto [in, name] = splitName(key.name);
+    const std::string entry = name + " = " + tomlOf(value) + "  # " + std::string(key.meaning);
+    if (section != in) text += "\n[" + in + "]\n";
+    section = in;
+    (in.empty() ? above : text) += entry + "\n";
+  }
+  return above + text;
+}
 
 std::string studyToml(const Study& study) {
   Study moved = study;

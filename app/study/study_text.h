@@ -1,6 +1,7 @@
 // A study written as TOML, and the page that lists every key.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "app/study/study.h"
@@ -11,6 +12,13 @@ namespace foci {
 /// absolute names. The numbers of a monitor replace its file. Files of a recording (gaze.source,
 /// record) keep their names.
 std::string studyToml(const Study& study);
+
+/// The keys that differ from their defaults, and scale and eye, each with its meaning as a comment.
+/// Files in `folder` or below it are named relative to it, others absolutely.
+/// @param folder   of the file that the text is for
+/// @param comment  lines for its head, without "# "
+std::string annotatedStudyToml(const Study& study, const std::filesystem::path& folder,
+                               const std::string& comment);
 
 /// docs/studies.md: every key with its meaning, its allowed values and its default.
 std::string studyKeysMarkdown();

@@ -61,6 +61,7 @@ Range targetRange(MapUnits units) {
 
 std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits units) {
   const std::string name = file.string();
+  requireRegularFile(file);
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file)) throw InputError(name, "cannot be read");
 

@@ -55,7 +55,12 @@ std::string svgOf(const GazeReport& report) {
     const glm::dvec2 p = onPlane(frame, point) - 0.5 * (low + high);
     return glm::dvec2(0.5 * kWidth + scale * p.x, 0.5 * kHeight - scale * p.y);
   };
-  std::string svg = "<svg viewBox=\"0 0 720 440\" role=\"img\" aria-label=\"gaze by target\">";
+  std::string svg =
+      "<svg viewBox=\"0 0 720 440\" role=\"img\" aria-label=\"Mean gaze for each target\">"
+      "<title>Mean gaze for each target</title><desc>" +
+      std::to_string(report.accuracy.targets.size()) + " targets; mean error " +
+      shown(report.accuracy.overall.accuracy_deg) + "°, worst " + shown(report.accuracy.worst_deg) +
+      "°. The table lists them.</desc>";
   char line[400];
   for (const TargetMeasures& t : report.accuracy.targets) {
     const glm::dvec2 at = place(t.target);
@@ -148,7 +153,9 @@ std::string gazeReportHtml(const GazeReport& report) {
   const GazeMeasures& all = report.accuracy.overall;
   const std::string grade(nameOf(gradeOf(report.accuracy)));
   std::string html =
-      "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Gaze calibration</title>\n"
+      "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Gaze calibration: " +
+      grade + ", " + modelOf(report) + ", " + shown(all.accuracy_deg) +
+      "°</title>\n"
       "<style>body{font:15px/1.5 system-ui,sans-serif;max-width:760px;margin:2em auto;padding:0 "
       "1em}"
       "table{border-collapse:collapse}td,th{padding:.2em .9em;text-align:right;"

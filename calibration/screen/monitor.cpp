@@ -31,6 +31,7 @@ double numberIn(const Json& calibration, const char* key, double low, double hig
 
 PsychoPyMonitor readPsychoPyMonitor(const std::filesystem::path& file) {
   const std::string name = file.string();
+  requireRegularFile(file);
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError(name, "cannot be read");
   std::error_code error;

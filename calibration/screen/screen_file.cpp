@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include "base/input_error.h"
 #include "calibration/calibration_file.h"
 #include "calibration/screen/monitor.h"
 
@@ -20,6 +21,7 @@ std::string screenToml(const ScreenCalibration& calibration) {
 }
 
 ScreenCalibration readScreen(const std::filesystem::path& file) {
+  requireRegularFile(file);
   {
     std::ifstream peek(file, std::ios::binary);
     char first = 0;

@@ -54,6 +54,7 @@ struct GazeTrace {
   double rate_Hz = 0.0;               ///< sampling rate, nominal or median
   std::vector<GazeSample> samples{};  ///< times strictly increase
   bool simulated = false;
+  std::vector<std::string> warnings{};  ///< what looks wrong in the positions, a sentence each
 };
 
 }  // namespace foci

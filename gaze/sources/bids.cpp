@@ -87,6 +87,10 @@ std::string unitOf(const Json& json, const std::string& column) {
   return unit.size() <= 16 ? unit : std::string();
 }
 
+constexpr const char* kNominalText =
+    "The recording states no screen: StimulusPresentation is a nominal screen of foci, which "
+    "keeps the recording's own degrees or fractions";
+
 void append(std::string& text, const std::optional<double>& value, int digits) {
   text += '\t';
   text += value ? decimal(*value, digits) : "n/a";
@@ -194,6 +198,10 @@ void BidsWriter::finish(const TraceHeader& header, double rate_Hz) {
   const auto describe = [&](const std::string& eye) {
     json[eye + "x_coordinate"] = {{"Units", "pixel"}};
     json[eye + "y_coordinate"] = {{"Units", "pixel"}};
+    if (header.nominal_screen) {
+      json[eye + "x_coordinate"]["Description"] = kNominalText;
+      json[eye + "y_coordinate"]["Description"] = kNominalText;
+    }
     json[eye + "pupil_size"] = {{"Description", "Diameter"}, {"Units", "mm"}};
   };
   describe("");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <utility>
 
 #include "base/nearest.h"
 #include "base/number.h"
@@ -11,17 +12,46 @@
 namespace foci {
 namespace {
 
-bool isUnit(std::string_view word) {
-  for (const std::string_view unit :
-       {"s", "ms", "us", "ns", "px", "deg", "dva", "norm", "mm", "m"}) {
-    if (word == unit) return true;
+/// The short form of a unit as vendors write it; empty for any other word.
+std::string unitOf(std::string_view word) {
+  static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
+      {"s", "s"},         {"sec", "s"},           {"seconds", "s"},      {"ms", "ms"},
+      {"msec", "ms"},     {"milliseconds", "ms"}, {"us", "us"},          {"usec", "us"},
+      {"ns", "ns"},       {"px", "px"},           {"pix", "px"},         {"pixel", "px"},
+      {"pixels", "px"},   {"deg", "deg"},         {"dva", "deg"},        {"degree", "deg"},
+      {"degrees", "deg"}, {"norm", "norm"},       {"mm", "mm"},          {"cm", "cm"},
+      {"m", "m"},         {"normalised", "norm"}, {"normalized", "norm"}};
+  for (const auto& [text, unit] : kUnits) {
+    if (word == text) return std::string(unit);
+  }
+  return {};
+}
+
+/// The unit in brackets. Tobii writes "DACS px", "ADCSpx", "MCSnorm": it is the end of the word.
+std::string unitIn(std::string_view inside) {
+  const std::size_t blank = inside.rfind(' ');
+  const std::string_view last = blank == std::string_view::npos ? inside : inside.substr(blank + 1);
+  if (std::string unit = unitOf(last); !unit.empty()) return unit;
+  for (const std::string_view unit : {"px", "norm", "mm"}) {
+    if (last.ends_with(unit)) return std::string(unit);
+  }
+  return {};
+}
+
+/// Removes the word for fractions from a key. @return whether it was there
+bool takeNorm(std::string& key) {
+  for (const std::string_view word : {"normalised", "normalized", "norm"}) {
+    const std::size_t at = key.find(word);
+    if (at == std::string::npos || key.size() == word.size()) continue;
+    // "normal" is a direction in space.
+    if (word == "norm" && key.compare(at, 6, "normal") == 0) continue;
+    key.erase(at, word.size());
+    return true;
   }
   return false;
 }
 
-}  // namespace
-
-ColumnNames::Name ColumnNames::nameOf(std::string_view text) {
+std::string lowerCase(std::string_view text) {
   std::string lower;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const bool micro =
@@ -29,6 +59,13 @@ ColumnNames::Name ColumnNames::nameOf(std::string_view text) {
     lower += micro ? 'u' : static_cast<char>(std::tolower(static_cast<unsigned char>(text[i])));
     i += micro;
   }
+  return lower;
+}
+
+}  // namespace
+
+ColumnNames::Name ColumnNames::nameOf(std::string_view text) {
+  std::string lower = lowerCase(text);
   Name name;
   const std::size_t bracket = lower.find_first_of("[(");
   if (bracket != std::string::npos && bracket > 0) {
@@ -36,19 +73,17 @@ ColumnNames::Name ColumnNames::nameOf(std::string_view text) {
     inside.erase(
         std::find_if(inside.begin(), inside.end(), [](char c) { return c == ']' || c == ')'; }),
         inside.end());
-    // Tobii writes "DACS px", "ADCSpx", "MCSnorm": the unit is the end of the word.
-    for (const std::string_view unit : {"px", "norm", "deg", "mm", "ms", "us", "ns", "s"}) {
-      if (name.unit.empty() && inside.ends_with(unit)) name.unit = unit;
-    }
+    name.unit = unitIn(inside);
+    name.of_media = inside.starts_with("mcs");
     lower.resize(bracket);
-  } else if (const std::size_t at = lower.rfind('_');
-             at != std::string::npos && at > 0 && isUnit(lower.substr(at + 1))) {
-    name.unit = lower.substr(at + 1);
-    lower.resize(at);
+  } else if (const std::size_t at = lower.rfind('_'); at != std::string::npos && at > 0) {
+    name.unit = unitOf(std::string_view(lower).substr(at + 1));
+    if (!name.unit.empty()) lower.resize(at);
   }
   for (const char c : lower) {
     if (std::isalnum(static_cast<unsigned char>(c))) name.key += c;
   }
+  if (name.unit.empty() && takeNorm(name.key)) name.unit = "norm";
   return name;
 }
 
@@ -80,19 +115,93 @@ std::size_t ColumnNames::named(const std::string& name) const {
     }
     throw lines_.error("no column " + shown(name) + ": expected #1 to #" + std::to_string(size()));
   }
-  throw lines_.error("no column " + shown(name) + ": the nearest is " + nearestTo(name));
+  throw lines_.error("no column " + shown(name) + ": " + nearestTo(name));
 }
 
-std::size_t ColumnNames::require(const std::string& name, Keys keys) const {
-  if (!name.empty()) return named(name);
-  if (const auto found = find(keys)) return *found;
-  throw lines_.error("no column " + shown(keys[0]) + ": the nearest is " + nearestTo(keys[0]));
+bool ColumnNames::isPosition(std::size_t column) const {
+  const std::string& unit = names_[column].unit;
+  return !names_[column].of_media &&
+         (unit.empty() || unit == "px" || unit == "deg" || unit == "norm");
+}
+
+std::optional<std::size_t> ColumnNames::findPosition(Keys keys) const {
+  for (const std::string_view key : keys) {
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (names_[i].key == key && isPosition(i)) return i;
+    }
+  }
+  return std::nullopt;
+}
+
+/// Whether the name hints at the meaning. Axes come in pairs: "LPOGX" is one of "LPOGX", "LPOGY".
+bool ColumnNames::mayBe(Meaning meaning, std::size_t column) const {
+  const std::string lower = lowerCase(texts_[column]);
+  const auto has = [&](std::string_view part) { return lower.find(part) != std::string::npos; };
+  if (meaning == Meaning::time) {
+    const std::string& unit = names_[column].unit;
+    return has("time") || has("stamp") || has("clock") || has("tick") || unit == "s" ||
+           unit == "ms" || unit == "us" || unit == "ns";
+  }
+  if (has(meaning == Meaning::x ? "horiz" : "vert")) return true;
+  if (has(meaning == Meaning::x ? "azimuth" : "elevation")) return true;
+  const char axis = meaning == Meaning::x ? 'x' : 'y', other = meaning == Meaning::x ? 'y' : 'x';
+  for (std::size_t at = lower.find(axis); at != std::string::npos; at = lower.find(axis, at + 1)) {
+    std::string pair = lower;
+    pair[at] = other;
+    if (std::any_of(texts_.begin(), texts_.end(),
+                    [&](std::string_view text) { return lowerCase(text) == pair; })) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// The names of the wanted columns, up to six.
+template <class Wanted>
+std::string ColumnNames::listed(const Wanted& wanted) const {
+  constexpr std::size_t kMaxListed = 6;
+  std::string text;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < texts_.size(); ++i) {
+    if (!wanted(i)) continue;
+    if (count++ == kMaxListed) return text + ", ...";
+    text += (text.empty() ? "" : ", ") + shown(texts_[i]);
+  }
+  return text;
+}
+
+InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
+  const std::string option = meaning == Meaning::time ? "time" : meaning == Meaning::x ? "x" : "y";
+  const std::string what = "no column " + shown(keys[0]) + ": ";
+  if (!texts_.empty() && parseNumber(texts_[0])) {
+    return lines_.error(what + "the first line has numbers, not names; give columns by number: " +
+                        "gaze.time = \"#1\", gaze.x = \"#2\", or --time, --x, --y");
+  }
+  if (const auto wrong = find(keys); wrong && meaning != Meaning::time) {
+    const std::string column = "column " + shown(texts_[*wrong]);
+    return lines_.error(
+        names_[*wrong].of_media
+            ? column +
+                  " counts from the presented media: expected positions on the screen (DACS "
+                  "px, ADCSpx); export them, or name the column with gaze." +
+                  option + " (--" + option + ")"
+            : column + " is in " + shown(names_[*wrong].unit) +
+                  ": expected px, deg or fractions of the screen; gaze.scale converts it, with "
+                  "gaze.units and gaze." +
+                  option);
+  }
+  const std::string how = "name it with gaze." + option + " (--" + option + "); ";
+  const std::string candidates = listed([&](std::size_t i) { return mayBe(meaning, i); });
+  const std::string all = listed([](std::size_t) { return true; });
+  return lines_.error(what + how +
+                      (candidates.empty() ? "the columns are " + all : "it may be " + candidates));
 }
 
 std::string ColumnNames::nearestTo(std::string_view wanted) const {
   std::vector<std::string> known;
   for (const std::string_view text : texts_) known.emplace_back(text.substr(0, 64));
-  return shown(nearest(wanted, known));
+  if (const auto near = nearWord(wanted, known)) return "the nearest is " + shown(*near);
+  return "the columns are " + listed([](std::size_t) { return true; });
 }
 
 }  // namespace foci

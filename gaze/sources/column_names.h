@@ -29,8 +29,11 @@ class ColumnNames {
   std::string_view text(std::size_t column) const { return texts_[column]; }
   /// Lower-case letters and digits alone, without the unit.
   const std::string& key(std::size_t column) const { return names_[column].key; }
-  /// "s", "ms", "us", "ns", "px", "deg", "dva", "norm", "mm", "m" or empty.
+  /// "s", "ms", "us", "ns", "px", "deg", "norm", "mm", "cm", "m" or empty. A name that contains
+  /// "norm" has the unit "norm".
   const std::string& unit(std::size_t column) const { return names_[column].unit; }
+  /// Whether the column counts from the presented media, not from the screen (Tobii's MCS).
+  bool ofMedia(std::size_t column) const { return names_[column].of_media; }
 
   /// The column of the first key that the table has.
   std::optional<std::size_t> find(Keys keys) const;
@@ -38,20 +41,33 @@ class ColumnNames {
     return find(Keys(keys.begin(), keys.size()));
   }
 
+  /// The first column of such a key that may be a position on the screen: no length, no time, not
+  /// on the presented media.
+  std::optional<std::size_t> findPosition(Keys keys) const;
+
   /// The column with exactly this name, or with this number ("#1" is the first).
   /// @throws InputError that names the nearest column
   std::size_t named(const std::string& name) const;
 
-  /// `named` if there is a name, else `find`.
-  /// @throws InputError that names the nearest column
-  std::size_t require(const std::string& name, Keys keys) const;
+  enum class Meaning { time, x, y };
+
+  /// The error for a column that was not found: it lists the columns that may be it, and says how
+  /// to name one.
+  /// @param keys  the usual ones
+  InputError missing(Meaning meaning, Keys keys) const;
 
  private:
   struct Name {
     std::string key, unit;
+    bool of_media = false;
   };
+  bool isPosition(std::size_t column) const;
+  bool mayBe(Meaning meaning, std::size_t column) const;
   static Name nameOf(std::string_view text);
+  /// The nearest name, or all, as words of an error.
   std::string nearestTo(std::string_view wanted) const;
+  template <class Wanted>
+  std::string listed(const Wanted& wanted) const;
 
   const LineReader& lines_;
   std::vector<std::string_view> texts_{};

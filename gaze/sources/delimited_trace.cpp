@@ -19,6 +19,24 @@ constexpr double kMaxTime_s = 1e11;  // up to here a double resolves 20 us
 // Degrees and fractions keep their meaning on any screen. This one stands in for an unknown screen.
 const Screen kNominalScreen{.size_px = {1000, 1000}, .size_m = {1.0, 1.0}, .distance_m = 1.0};
 
+/// Judges positions whose unit nobody states.
+class PlainPositions {
+ public:
+  void add(const glm::dvec2& point_px) {
+    ++count_;
+    const bool whole = point_px == glm::floor(point_px);
+    tiny_ += !whole && glm::all(glm::lessThan(glm::abs(point_px), glm::dvec2(2.0)));
+    negative_ += point_px.x < 0.0 || point_px.y < 0.0;
+  }
+
+  /// No tracker looks at the corner pixel for half of a recording.
+  bool areFractions() const { return tiny_ >= 2 && 2 * tiny_ >= count_; }
+  bool areAroundZero() const { return count_ >= 20 && 4 * negative_ >= count_; }
+
+ private:
+  std::size_t count_ = 0, tiny_ = 0, negative_ = 0;
+};
+
 bool isMetric(const Screen& screen) {
   return screen.size_px.x > 0 && screen.size_px.y > 0 && screen.size_m.x > 0.0 &&
          screen.size_m.y > 0.0 && screen.distance_m > 0.0;
@@ -38,8 +56,12 @@ class TableReader {
       if (!trimmed(line).empty()) readLine(line);
     }
     settleClock();
-    TraceHeader header{.format = layout_.format, .screen = preamble_.screen};
+    TraceHeader header{.format = layout_.format,
+                       .screen = preamble_.screen,
+                       .units = layout_.hasDirections() ? GazeUnits::deg : units_,
+                       .nominal_screen = nominal_};
     if (eyes_seen_[0] && eyes_seen_[1]) header.format += ", binocular";
+    state(header);
     return header;
   }
 
@@ -48,9 +70,9 @@ class TableReader {
     if (broken_) throw lines_.error("follows a line that is too short");
     row_->split(line);
     // The last line may be cut off. `broken_` refuses any line behind it.
-    if ((broken_ = !row_->isComplete() && taken_ > 1 && !layout_.kind)) return;
+    if ((broken_ = !row_->isComplete() && taken_ > 1 && !layout_.rows.column)) return;
     ++taken_;
-    if (layout_.kind && row_->field(*layout_.kind) != layout_.sample_kind) return;
+    if (!row_->isSample()) return;
     readResolution();
     readSample(sample_);
     passOn();
@@ -60,27 +82,42 @@ class TableReader {
     std::string_view line = given;
     bool found = !given.empty();
     while (!found && lines_.next(line)) {
+      preamble_.tobii_studio |= startsTobiiStudio(line);
+      if (preamble_.tobii_studio && readTobiiStudioLine(lines_, line, preamble_)) continue;
       if (line.starts_with('#')) readPreambleLine(lines_, line, preamble_);
       found = !trimmed(line).empty() && !line.starts_with('#');
     }
     if (!found) throw InputError(lines_.fileName(), "empty: expected a header line and samples");
     layout_ = recogniseTable(lines_, line, columns, preamble_);
-    const GazeUnits units = columns.units     ? *columns.units
-                            : preamble_.units ? *preamble_.units
-                                              : layout_.units.value_or(GazeUnits::px);
+    mapped_later_ = columns.mapped_later;
+    units_ = columns.units     ? *columns.units
+             : preamble_.units ? *preamble_.units
+                               : layout_.units.value_or(GazeUnits::px);
+    units_stated_ = columns.units || preamble_.units || layout_.units || layout_.hasDirections() ||
+                    columns.mapped_later;
     Screen& screen = preamble_.screen;
-    if ((units == GazeUnits::deg || layout_.hasDirections()) && !isMetric(screen))
+    if ((units_ == GazeUnits::deg || layout_.hasDirections()) && !isMetric(screen)) {
       screen = kNominalScreen;
-    if (units == GazeUnits::normalised && !(screen.size_px.x > 0 && screen.size_px.y > 0)) {
+      nominal_ = true;
+    }
+    if (units_ == GazeUnits::normalised && !(screen.size_px.x > 0 && screen.size_px.y > 0)) {
       screen.size_px = kNominalScreen.size_px;
+      nominal_ = true;
     }
     clock_known_ = layout_.time_scale_s > 0.0;
-    row_.emplace(lines_, layout_, screen, units);
+    row_.emplace(lines_, layout_, screen, units_);
     if (layout_.headless) readLine(line);
   }
 
   void readResolution() {
-    if (!layout_.width_px || !layout_.height_px || resolution_known_) return;
+    if (resolution_known_) return;
+    if (layout_.resolution) {
+      const auto size_px = resolutionIn(lines_, row_->field(*layout_.resolution));
+      if (size_px) preamble_.screen.size_px = *size_px;
+      resolution_known_ = size_px.has_value();
+      return;
+    }
+    if (!layout_.width_px || !layout_.height_px) return;
     const auto width = parseNumber(row_->field(*layout_.width_px));
     const auto height = parseNumber(row_->field(*layout_.height_px));
     if (!width || !height) return;
@@ -110,8 +147,40 @@ class TableReader {
                              sample.eyes[0].point_px, sample.eyes[1].point_px);
     }
     if (sample.blink) sample.point_px.reset();
+    if (!units_stated_ && sample.point_px) plain_.add(*sample.point_px);
     for (std::size_t side : {0, 1}) {
       eyes_seen_[side] |= sample.eyes[side].point_px || sample.eyes[side].direction;
+    }
+  }
+
+  /// States what was assumed. @throws InputError if the positions contradict it
+  void state(TraceHeader& header) const {
+    if (!units_stated_) {
+      if (plain_.areFractions()) {
+        throw InputError(lines_.fileName(),
+                         "positions such as fractions: half of them lie within 2 px of the corner; "
+                         "give their unit: --units normalised or deg (gaze.units)");
+      }
+      header.assumed.push_back("unit of the positions: px (--units, gaze.units)");
+      if (plain_.areAroundZero()) {
+        header.warnings.push_back(
+            "a quarter of the positions or more are negative, so they may be degrees, or pixels "
+            "from the middle of the screen: give gaze.units (--units) or gaze.offset");
+      }
+    }
+    if (layout_.of_scene_camera && !mapped_later_) {
+      header.warnings.push_back(
+          "positions are those of a scene camera on the head: foci takes its view for the screen, "
+          "which holds only for a head at rest; a gaze map (foci calibrate gaze) corrects this");
+    }
+    if (clock_guessed_) {
+      header.assumed.push_back("unit of time: " + exactText(layout_.time_scale_s) +
+                               " s, from the rate (--time-scale-s, gaze.time_scale_s)");
+    }
+    if (nominal_) {
+      header.assumed.push_back(
+          "screen: unknown (--screen-px, --screen-m, --distance-m); only the unit of the file is "
+          "shown");
     }
   }
 
@@ -134,7 +203,10 @@ class TableReader {
   }
 
   void settleClock() {
-    if (!clock_known_) layout_.time_scale_s = likelyScale_s();
+    if (!clock_known_) {
+      layout_.time_scale_s = likelyScale_s();
+      clock_guessed_ = true;
+    }
     clock_known_ = true;
     for (GazeSample& sample : held_) {
       sample.time_s *= layout_.time_scale_s;
@@ -167,7 +239,12 @@ class TableReader {
   std::optional<TableRow> row_{};
   GazeSample sample_{};  // of the latest row
   Cyclopean cyclopean_{};
-  bool clock_known_ = false, resolution_known_ = false;
+  PlainPositions plain_{};
+  GazeUnits units_ = GazeUnits::px;
+  bool units_stated_ = false;  // by the user, the file or its format
+  bool mapped_later_ = false;
+  bool nominal_ = false;  // `kNominalScreen` stands in
+  bool clock_known_ = false, clock_guessed_ = false, resolution_known_ = false;
   std::optional<double> last_time_{};
   std::vector<GazeSample> held_{};
   std::size_t taken_ = 0, counted_ = 0;

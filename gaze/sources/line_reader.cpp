@@ -15,6 +15,10 @@ namespace {
 
 constexpr std::size_t kMaxLine_B = 64 * 1024;      // far above the line of any tracker
 constexpr std::size_t kBuffer_B = 4 * kMaxLine_B;  // large enough that refills cost nothing
+// A packed recording is unpacked to about 5 times its size; a file that packs some bytes again and
+// again reaches a thousand times.
+constexpr std::int64_t kMaxUnpacked = 100;
+constexpr std::int64_t kUnpackedAnyway_B = std::int64_t{64} << 20;
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
@@ -36,6 +40,7 @@ LineReader::LineReader(const std::filesystem::path& file)
     : name_(file.string()), in_(std::make_unique<Input>()), buffer_(kBuffer_B + kNumberPadding) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) throw InputError(name_, "is a folder");
+  requireRegularFile(file);
   in_->file = gzopen(name_.c_str(), "rb");
   if (!in_->file) throw InputError(name_, "cannot be read");
   gzbuffer(in_->file, static_cast<unsigned>(kBuffer_B / 2));
@@ -57,6 +62,12 @@ bool LineReader::fill() {
   if (count < 0 || status == Z_BUF_ERROR || status == Z_DATA_ERROR) {
     in_->done = true;
     throw InputError(name_, "damaged: cannot be unpacked to its end");
+  }
+  const auto unpacked_B = static_cast<std::int64_t>(gztell(in_->file));
+  const auto packed_B = static_cast<std::int64_t>(gzoffset(in_->file));
+  if (unpacked_B > kUnpackedAnyway_B && unpacked_B / kMaxUnpacked > packed_B) {
+    in_->done = true;
+    throw InputError(name_, "unpacks to more than 100 times its size: expected a recording");
   }
   in_->done = count == 0;
   end_ += static_cast<std::size_t>(count);
@@ -81,7 +92,8 @@ bool LineReader::next(std::string_view& line) {
   if (length > kMaxLine_B) throw error("a line over 64 KiB: expected lines of text");
   line = {buffer_.data() + begin_, length};
   begin_ += length + (newline ? 1 : 0);
-  if (std::memchr(line.data(), '\0', line.size())) throw error("binary: expected UTF-8 text");
+  if (std::memchr(line.data(), '\0', line.size()))
+    throw error("binary: expected UTF-8 text; export the recording as TSV, CSV or ASC");
   if (number_ == 1 && line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
   if (line.ends_with('\r')) line.remove_suffix(1);
   return true;
@@ -92,7 +104,7 @@ InputError LineReader::error(const std::string& what) const {
 }
 
 bool isAbsent(std::string_view field) {
-  if (field.empty() || field == ".") return true;
+  if (field.empty() || field == "." || field == "-") return true;
   if (field.size() > 4 || std::tolower(static_cast<unsigned char>(field[0])) != 'n') return false;
   for (std::string_view word : {"nan", "na", "n/a", "null", "none"}) {
     if (equalsIgnoringCase(field, word)) return true;

@@ -44,7 +44,8 @@ class LineReader {
   std::size_t number_ = 0;
 };
 
-/// Whether a field means "no value": an empty field, ".", NaN, NA, n/a, null or none.
+/// Whether a field means "no value": an empty field, ".", "-", NaN, NA, n/a, null or
+/// none.
 bool isAbsent(std::string_view field);
 
 inline constexpr std::size_t kAllFields = static_cast<std::size_t>(-1);

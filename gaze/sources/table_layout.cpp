@@ -15,13 +15,23 @@ namespace {
 
 using Keys = ColumnNames::Keys;
 
-constexpr std::string_view kTimes[] = {
-    "time",          "timestamp",       "t", "sampletime", "recordingtimestamp",
-    "gazetimestamp", "devicetimestamp", "n"};
-constexpr std::string_view kXs[] = {"x",    "gazex",    "xgaze",       "gazepointx",
-                                    "eyex", "normposx", "xcoordinate", "porx"};
-constexpr std::string_view kYs[] = {"y",    "gazey",    "ygaze",       "gazepointy",
-                                    "eyey", "normposy", "ycoordinate", "pory"};
+constexpr std::string_view kTimes[] = {"time",
+                                       "timestamp",
+                                       "t",
+                                       "sampletime",
+                                       "recordingtimestamp",
+                                       "gazetimestamp",
+                                       "devicetimestamp",
+                                       "recordingtime",
+                                       "n"};
+constexpr std::string_view kXs[] = {"x",           "gazex", "xgaze", "gazepointx",
+                                    "xcoordinate", "porx",  "bporx", "pointofregardbinocularx"};
+constexpr std::string_view kYs[] = {"y",           "gazey", "ygaze", "gazepointy",
+                                    "ycoordinate", "pory",  "bpory", "pointofregardbinoculary"};
+// A position only if the name also says "norm" (Pupil Core); else they may be places in space.
+constexpr std::string_view kNormXs[] = {"posx"}, kNormYs[] = {"posy"};
+
+bool isLength(const std::string& unit) { return unit == "mm" || unit == "cm" || unit == "m"; }
 
 double secondsPer(const std::string& unit) {
   return unit == "s" ? 1.0 : unit == "ms" ? 1e-3 : unit == "us" ? 1e-6 : unit == "ns" ? 1e-9 : 0.0;
@@ -71,15 +81,29 @@ class Recogniser {
     return column;
   }
 
-  std::size_t require(const std::string& name, Keys usual) {
-    return name.empty() ? names_.require(name, usual) : named(name);
+  std::optional<std::size_t> findPosition(Keys keys) const {
+    // Units that the user states hold for any column.
+    return given_.units ? names_.find(keys) : names_.findPosition(keys);
   }
+  std::optional<std::size_t> findPosition(std::initializer_list<std::string_view> keys) const {
+    return findPosition(Keys(keys.begin(), keys.size()));
+  }
+
+  /// As `findPosition`; also Pupil Core's fractions.
+  std::optional<std::size_t> findAxis(Keys keys, Keys norm_keys) const {
+    if (const auto found = findPosition(keys)) return found;
+    const auto norm = names_.find(norm_keys);
+    return norm && names_.unit(*norm) == "norm" ? norm : std::nullopt;
+  }
+  std::optional<std::size_t> findX() const { return findAxis(kXs, kNormXs); }
+  std::optional<std::size_t> findY() const { return findAxis(kYs, kNormYs); }
 
   /// Pupil diameters, if they are in millimetres: by the unit, or because Tobii always writes them
   /// so.
   std::optional<std::size_t> findPupil(std::initializer_list<std::string_view> keys) const {
     const auto found = find(keys);
-    const bool tobii = find({"recordingtimestamp", "devicetimestamp"}).has_value();
+    const bool tobii =
+        isTobiiStudio() || find({"recordingtimestamp", "devicetimestamp"}).has_value();
     return found && (tobii || names_.unit(*found) == "mm") ? found : std::nullopt;
   }
 
@@ -87,20 +111,25 @@ class Recogniser {
     auto& [left, right] = layout_.eyes;
     left.point = find({"leftgazepointondisplayarea"});
     right.point = find({"rightgazepointondisplayarea"});
-    left.x = find({"lx", "leftx", "xleft", "leftgazex", "gazeleftx", "gazexleft", "gazepointleftx",
-                   "leftgazepointx", "lporx", "leftxcoordinate", "xl"});
-    left.y = find({"ly", "lefty", "yleft", "leftgazey", "gazelefty", "gazeyleft", "gazepointlefty",
-                   "leftgazepointy", "lpory", "leftycoordinate", "yl"});
-    right.x = find({"rx", "rightx", "xright", "rightgazex", "gazerightx", "gazexright",
-                    "gazepointrightx", "rightgazepointx", "rporx", "rightxcoordinate", "xr"});
-    right.y = find({"ry", "righty", "yright", "rightgazey", "gazerighty", "gazeyright",
-                    "gazepointrighty", "rightgazepointy", "rpory", "rightycoordinate", "yr"});
+    left.x = findPosition({"lx", "leftx", "xleft", "leftgazex", "gazeleftx", "gazexleft",
+                           "gazepointleftx", "gazepointxleft", "leftgazepointx", "lporx",
+                           "pointofregardleftx", "leftxcoordinate", "xl"});
+    left.y = findPosition({"ly", "lefty", "yleft", "leftgazey", "gazelefty", "gazeyleft",
+                           "gazepointlefty", "gazepointyleft", "leftgazepointy", "lpory",
+                           "pointofregardlefty", "leftycoordinate", "yl"});
+    right.x = findPosition({"rx", "rightx", "xright", "rightgazex", "gazerightx", "gazexright",
+                            "gazepointrightx", "gazepointxright", "rightgazepointx", "rporx",
+                            "pointofregardrightx", "rightxcoordinate", "xr"});
+    right.y = findPosition({"ry", "righty", "yright", "rightgazey", "gazerighty", "gazeyright",
+                            "gazepointrighty", "gazepointyright", "rightgazepointy", "rpory",
+                            "pointofregardrighty", "rightycoordinate", "yr"});
     left.validity = find({"leftgazepointvalidity", "validityleft", "leftvalidity"});
     right.validity = find({"rightgazepointvalidity", "validityright", "rightvalidity"});
     left.pupil_mm = findPupil({"leftpupildiameter", "pupildiameterleft", "pupilleft",
-                               "lmappeddiameter", "leftpupilsize", "leftpupil"});
-    right.pupil_mm = findPupil({"rightpupildiameter", "pupildiameterright", "pupilright",
-                                "rmappeddiameter", "rightpupilsize", "rightpupil"});
+                               "lmappeddiameter", "lpupildiameter", "leftpupilsize", "leftpupil"});
+    right.pupil_mm =
+        findPupil({"rightpupildiameter", "pupildiameterright", "pupilright", "rmappeddiameter",
+                   "rpupildiameter", "rightpupilsize", "rightpupil"});
     // Tobii's user coordinate system: x right, y up, z towards the user.
     for (std::size_t side : {0, 1}) {
       EyeColumns& eye = layout_.eyes[side];
@@ -133,16 +162,21 @@ class Recogniser {
   void findPoint() {
     const bool eyes = hasPoint(layout_.eyes[0]) || hasPoint(layout_.eyes[1]);
     const bool told = !given_.eyes[0].x.empty() || !given_.eyes[1].x.empty();
-    if (given_.x.empty() && given_.y.empty() && eyes &&
-        (told || !(find(Keys(kXs)) && find(Keys(kYs))))) {
+    if (given_.x.empty() && given_.y.empty() && eyes && (told || !(findX() && findY()))) {
       takeUnits(layout_.eyes[0].x ? layout_.eyes[0].x : layout_.eyes[1].x);
       return;
     }
     // Without columns of a point, lines of sight give it.
-    if (given_.x.empty() && given_.y.empty() && layout_.hasDirections() && !find(Keys(kXs))) return;
-    layout_.x = require(given_.x, kXs);
-    layout_.y = require(given_.y, kYs);
+    if (given_.x.empty() && given_.y.empty() && layout_.hasDirections() && !findX()) return;
+    layout_.x = given_.x.empty() ? findX() : named(given_.x);
+    if (!layout_.x) throw names_.missing(ColumnNames::Meaning::x, kXs);
+    layout_.y = given_.y.empty() ? findY() : named(given_.y);
+    if (!layout_.y) throw names_.missing(ColumnNames::Meaning::y, kYs);
     takeUnits(layout_.x);
+    for (EyeColumns& eye : layout_.eyes) {
+      // One scale holds for all positions: an eye in other units is left out.
+      if (eye.x && !told && names_.unit(*eye.x) != names_.unit(*layout_.x)) eye.x = eye.y = {};
+    }
     if (names_.unit(*layout_.x) != names_.unit(*layout_.y) && !given_.units) {
       throw lines_.error("columns " + shown(names_.text(*layout_.x)) + " and " +
                          shown(names_.text(*layout_.y)) +
@@ -151,7 +185,14 @@ class Recogniser {
   }
 
   void takeUnits(const std::optional<std::size_t>& column) {
-    if (column) layout_.units = unitsNamed(names_.unit(*column));
+    if (!column) return;
+    const std::string& unit = names_.unit(*column);
+    if (isLength(unit) && !given_.units && !given_.mapped_later) {
+      throw lines_.error("column " + shown(names_.text(*column)) + " is in " + shown(unit) +
+                         ": expected px, deg or fractions of the screen; gaze.scale converts it "
+                         "to gaze.units");
+    }
+    layout_.units = unitsNamed(unit);
   }
 
   void findTime() {
@@ -161,7 +202,8 @@ class Recogniser {
       layout_.rate_Hz = *rate_Hz;
       layout_.time_scale_s = 1.0;
     } else {
-      layout_.time = require(given_.time, kTimes);
+      layout_.time = given_.time.empty() ? find(Keys(kTimes)) : named(given_.time);
+      if (!layout_.time) throw names_.missing(ColumnNames::Meaning::time, kTimes);
       layout_.time_scale_s = given_.time_scale_s.value_or(secondsPer(names_.unit(*layout_.time)));
     }
   }
@@ -207,25 +249,33 @@ class Recogniser {
       layout_.units = GazeUnits::normalised;
       layout_.validity_code = ValidityCode::one;
       if (layout_.time_scale_s == 0.0) layout_.time_scale_s = 1e-6;
+    } else if (isTobiiStudio()) {
+      set("Tobii Studio");
+      recogniseTobiiStudio();
     } else if (find({"recordingtimestamp"}) && find({"gazepointx", "gazepointleftx"})) {
       set("Tobii Pro Lab");
       layout_.width_px = find({"recordingresolutionwidth"});
       layout_.height_px = find({"recordingresolutionheight"});
       if (!layout_.units) layout_.units = GazeUnits::px;
-      if ((layout_.kind = find({"sensor"}))) layout_.sample_kind = "Eye Tracker";
-    } else if (find({"gazetimestamp"}) && find({"normposx"}) && find({"basedata"})) {
+      // Rows of the mouse and of events lie between those of the eye tracker.
+      layout_.rows = find({"sensor"})
+                         ? SampleRows{.column = find({"sensor"}), .only = "Eye Tracker"}
+                         : SampleRows{.column = find({"eyetrackertimestamp"})};
+    } else if (find({"gazetimestamp"}) && findX() && find({"basedata"})) {
       set("Pupil Core export");
       layout_.units = GazeUnits::normalised;
-      layout_.y_up = true;
+      layout_.y_up = layout_.of_scene_camera = true;
       layout_.time_scale_s = 1.0;
     } else if (find({"sectionid"}) && find({"gazex"}) && find({"recordingid"})) {
       set("Neon export");
-    } else if (before_.smi) {
+      layout_.of_scene_camera = true;
+    } else if (before_.smi ||
+               (find({"recordingtime"}) && find({"pointofregardleftx", "pointofregardrightx"}))) {
       set("SMI BeGaze");
       layout_.units = GazeUnits::px;
       layout_.zero_is_absent = true;
       if (layout_.time_scale_s == 0.0) layout_.time_scale_s = 1e-6;
-      if ((layout_.kind = find({"type"}))) layout_.sample_kind = "SMP";
+      recogniseSmiRows();
     } else if (find({"n"}) && find({"clx"}) && find({"lx"})) {
       set("GazeBaseVR");
       layout_.units = GazeUnits::deg;
@@ -236,6 +286,41 @@ class Recogniser {
       layout_.time_scale_s = 1e-3;
       layout_.validity = find({"val"});
       layout_.validity_code = ValidityCode::zero;
+    } else if (layout_.x && names_.key(*layout_.x) == "posx") {
+      layout_.y_up = true;  // Pupil Labs' norm_pos counts from the bottom
+    }
+  }
+
+  /// Tobii Studio writes names without blanks, Pro Lab with blanks.
+  bool isTobiiStudio() const {
+    const auto time = find({"recordingtimestamp"});
+    const bool version3 = time && names_.text(*time).find(' ') == std::string_view::npos &&
+                          find({"gazepointx", "gazepointleftx"});
+    return before_.tobii_studio || version3 ||
+           (find({"gazepointxleft"}) && find({"camxleft", "distanceleft", "validityleft"}));
+  }
+
+  /// Version 1 and 2: times in ms, (0, 0) and (-width, -height) in data loss. Version 3: times in
+  /// ms, empty fields in data loss.
+  void recogniseTobiiStudio() {
+    layout_.units = GazeUnits::px;
+    layout_.zero_is_absent = layout_.size_off_is_absent = true;
+    if (layout_.time_scale_s == 0.0) layout_.time_scale_s = 1e-3;
+    layout_.resolution = find({"recordingresolution"});
+    // Rows of the mouse, keys and events have no number of a gaze sample.
+    for (const std::string_view key :
+         {"gazepointindex", "number", "eyetrackertimestamp", "validityleft", "validityright",
+          "gazepointxleft", "gazepointxright"}) {
+      if (!layout_.rows.column) layout_.rows.column = find({key});
+    }
+  }
+
+  /// Messages and the separators of trials lie between the samples.
+  void recogniseSmiRows() {
+    if (const auto type = find({"type"})) {
+      layout_.rows = {.column = type, .only = "SMP"};
+    } else {
+      layout_.rows = {.column = find({"categoryright", "categoryleft"}), .except = "Separator"};
     }
   }
 
@@ -250,9 +335,10 @@ class Recogniser {
   bool isUsed(std::size_t column) const {
     const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
     bool used = is(layout_.time);
-    for (const auto& at : {layout_.x, layout_.y, layout_.pupil_mm, layout_.blink,
-                           layout_.confidence, layout_.validity, layout_.width_px,
-                           layout_.height_px, layout_.kind, layout_.uncertainty_deg}) {
+    for (const auto& at :
+         {layout_.x, layout_.y, layout_.pupil_mm, layout_.blink, layout_.confidence,
+          layout_.validity, layout_.width_px, layout_.height_px, layout_.resolution,
+          layout_.rows.column, layout_.uncertainty_deg}) {
       used |= is(at);
     }
     for (const EyeColumns& eye : layout_.eyes) used |= isOf(eye, column);

@@ -31,6 +31,17 @@ struct EyeColumns {
   std::optional<std::size_t> origin_validity{};
 };
 
+/// Which rows of a table are samples: all without a column.
+struct SampleRows {
+  std::optional<std::size_t> column{};
+  std::string only{};    ///< the field has this word; empty: any text
+  std::string except{};  ///< the field has not this word
+
+  bool has(std::string_view field) const {
+    return only.empty() ? !field.empty() && (except.empty() || field != except) : field == only;
+  }
+};
+
 /// How to read the numbers, as the study says: see `TraceColumns`.
 struct TableNumbers {
   std::optional<double> missing{};
@@ -50,12 +61,14 @@ struct TableLayout {
   std::optional<std::size_t> pupil_mm{}, blink{}, confidence{}, validity{}, uncertainty_deg{};
   ValidityCode validity_code = ValidityCode::below_two;
   std::optional<std::size_t> width_px{}, height_px{};  ///< of the screen, repeated on every row
-  std::optional<std::size_t> kind{};  ///< only rows with the word `sample_kind` here are samples
-  std::string sample_kind{};
+  std::optional<std::size_t> resolution{};             ///< the same in one field, "1920 x 1080"
+  SampleRows rows{};
   std::optional<GazeUnits> units{};  ///< from the columns' names
   bool y_up = false;                 ///< fractions count from the bottom-left corner (Pupil Core)
+  bool size_off_is_absent = false;   ///< the point (-width, -height) means data loss (Tobii Studio)
+  bool of_scene_camera = false;      ///< of a camera on the head (Pupil Core, Neon)
   bool camera_axes = false;          ///< origins and directions have y down, z forward (Pupil Core)
-  bool zero_is_absent = false;       ///< the point (0, 0) means data loss (SMI)
+  bool zero_is_absent = false;       ///< the point (0, 0) means data loss (SMI, Tobii Studio)
   bool named_blink = false;          ///< `blink` holds the blink's number, or nothing (Neon)
   TableNumbers numbers{};
   bool headless = false;    ///< the first line is a row, not a header

@@ -1,5 +1,6 @@
 #include "gaze/sources/table_preamble.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -53,25 +54,32 @@ void readKeys(const LineReader& lines, std::string_view line, TablePreamble& pre
   }
 }
 
-/// A line of SMI BeGaze. Its lengths are in millimetres.
+/// A line of SMI's BeGaze or IDF Converter. Its lengths are in millimetres; 0 means unknown.
 void readSmi(const LineReader& lines, std::string_view line, TablePreamble& preamble) {
-  std::vector<std::string_view> fields;
-  splitFields(line, '\t', fields);
-  const auto starts = [&](std::string_view key) {
-    return fields[0].find(key) != std::string_view::npos;
+  const std::size_t colon = line.find(':');
+  const std::string_view key = trimmed(line.substr(2, colon == line.npos ? colon : colon - 2));
+  const auto names = [&](std::string_view part) { return key.find(part) != key.npos; };
+  preamble.smi |= names("BeGaze") || names("iView") || names("Calibration Area") ||
+                  line.find("IDF Converter") != line.npos;
+  if (colon == line.npos) return;
+  std::vector<std::string_view> values;
+  splitWords(line.substr(colon + 1), values);
+  const auto known = [&](std::size_t count) {
+    return values.size() >= count &&
+           std::none_of(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count),
+                        [](std::string_view text) { return parseNumber(text) == 0.0; });
   };
-  preamble.smi |= starts("BeGaze") || starts("iView") || starts("Calibration Area");
   const auto value = [&](std::size_t i, double low, double high, const char* range) {
-    return numberIn(lines, trimmed(fields[0].substr(2)), fields[i], low, high, range);
+    return numberIn(lines, key, values[i], low, high, range);
   };
-  if (starts("Calibration Area") && fields.size() >= 3) {
-    preamble.screen.size_px = {static_cast<int>(value(1, 16, 16384, "16 to 16384 px")),
-                               static_cast<int>(value(2, 16, 16384, "16 to 16384 px"))};
-  } else if (starts("Stimulus Dimension") && fields.size() >= 3) {
-    preamble.screen.size_m = 1e-3 * glm::dvec2(value(1, 10, 20000, "10 to 20000 mm"),
-                                               value(2, 10, 20000, "10 to 20000 mm"));
-  } else if (starts("Head Distance") && fields.size() >= 2) {
-    preamble.screen.distance_m = 1e-3 * value(1, 10, 20000, "10 to 20000 mm");
+  if (names("Calibration Area") && known(2)) {
+    preamble.screen.size_px = {static_cast<int>(value(0, 16, 16384, "16 to 16384 px")),
+                               static_cast<int>(value(1, 16, 16384, "16 to 16384 px"))};
+  } else if (names("Stimulus Dimension") && known(2)) {
+    preamble.screen.size_m = 1e-3 * glm::dvec2(value(0, 10, 20000, "10 to 20000 mm"),
+                                               value(1, 10, 20000, "10 to 20000 mm"));
+  } else if (names("Head Distance") && known(1)) {
+    preamble.screen.distance_m = 1e-3 * value(0, 10, 20000, "10 to 20000 mm");
   }
 }
 
@@ -83,6 +91,28 @@ void readPreambleLine(const LineReader& lines, std::string_view line, TablePream
   } else {
     readKeys(lines, line, preamble);
   }
+}
+
+bool startsTobiiStudio(std::string_view line) { return line.starts_with("System Properties:"); }
+
+std::optional<glm::ivec2> resolutionIn(const LineReader& lines, std::string_view text) {
+  const std::size_t times = text.find_first_of("xX");
+  if (times == text.npos) return std::nullopt;
+  const auto side = [&](std::string_view number) {
+    return static_cast<int>(
+        numberIn(lines, "resolution", trimmed(number), 16, 16384, "16 to 16384 px"));
+  };
+  return glm::ivec2(side(text.substr(0, times)), side(text.substr(times + 1)));
+}
+
+bool readTobiiStudioLine(const LineReader& lines, std::string_view line, TablePreamble& preamble) {
+  if (line.starts_with("Timestamp\t")) return false;
+  constexpr std::string_view kResolution = "Recording resolution:";
+  if (line.starts_with(kResolution)) {
+    const auto size_px = resolutionIn(lines, trimmed(line.substr(kResolution.size())));
+    if (size_px) preamble.screen.size_px = *size_px;
+  }
+  return true;
 }
 
 }  // namespace foci

@@ -14,7 +14,8 @@ struct TablePreamble {
   Screen screen{};
   std::optional<GazeUnits> units{};
   std::optional<double> rate_Hz{};
-  bool smi = false;  ///< the file begins like those of SMI BeGaze
+  bool smi = false;           ///< the file begins like those of SMI's BeGaze or IDF Converter
+  bool tobii_studio = false;  ///< the file begins like those of Tobii Studio 1 and 2
 };
 
 /// "px", "deg", "normalised" and their usual synonyms.
@@ -24,6 +25,17 @@ std::optional<GazeUnits> unitsNamed(std::string_view name);
 /// `## Calibration Area:<tab>1680<tab>1050`. Unknown keys are ignored.
 /// @throws InputError if a value is out of range
 void readPreambleLine(const LineReader& lines, std::string_view line, TablePreamble& preamble);
+
+/// Reads a line of `KEY:<tab>VALUE` as Tobii Studio 1 and 2 write before the header.
+/// @return false at the header line itself
+/// @throws InputError if the resolution is out of range
+bool readTobiiStudioLine(const LineReader& lines, std::string_view line, TablePreamble& preamble);
+
+/// Whether a file that begins with this line is one of Tobii Studio 1 or 2.
+bool startsTobiiStudio(std::string_view line);
+
+/// "1280 x 1024". @return nothing for another text @throws InputError if it is out of range
+std::optional<glm::ivec2> resolutionIn(const LineReader& lines, std::string_view text);
 
 /// A number from `low` to `high`. @param range  the limits as words, for the error
 /// @throws InputError

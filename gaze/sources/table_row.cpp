@@ -66,6 +66,10 @@ std::optional<double> TableRow::coordinate(std::size_t column, std::string_view 
 
 std::optional<glm::dvec2> TableRow::pointOf(double x, double y) const {
   if (layout_.zero_is_absent && x == 0.0 && y == 0.0) return std::nullopt;
+  if (layout_.size_off_is_absent && screen_.size_px.x > 0 && x == -screen_.size_px.x &&
+      y == -screen_.size_px.y) {
+    return std::nullopt;
+  }
   if (units_ == GazeUnits::deg) return pointAtEccentricity_px(screen_, {x, y});
   if (units_ == GazeUnits::px) return glm::dvec2(x, y);
   return glm::dvec2(x, layout_.y_up ? 1.0 - y : y) * glm::dvec2(screen_.size_px);

@@ -31,6 +31,12 @@ class TableRow {
   }
   std::optional<double> number(std::size_t column) const;
 
+  /// Whether the row is a sample: rows of messages may lie between the samples.
+  bool isSample() const {
+    const auto& column = layout_.rows.column;
+    return !column || (*column < fields_.size() && layout_.rows.has(fields_[*column]));
+  }
+
   /// Reads everything except the time. The point is the recording's own, or the mean of two lines
   /// of sight. It is absent if the row has points of single eyes only.
   /// @param sample  overwritten; reuse the same object for speed

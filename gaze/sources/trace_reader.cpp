@@ -9,6 +9,7 @@
 #include "gaze/sources/bids.h"
 #include "gaze/sources/delimited_trace.h"
 #include "gaze/sources/eyelink_asc.h"
+#include "gaze/sources/file_kind.h"
 
 namespace foci {
 namespace {
@@ -49,6 +50,7 @@ std::string shortText(double value) {
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
                         const Screen& fallback_screen, const TakeSample& take) {
   requireRegularFile(file);
+  requireGazeText(file);
   TraceHeader header;
   if (const auto sidecar = bidsSidecarOf(file)) {
     header = readBids(file, *sidecar, fallback_screen, take);
@@ -72,6 +74,7 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
                   [&](const GazeSample& sample) { trace.samples.push_back(sample); });
   trace.format = header.format;
   trace.screen = header.screen;
+  trace.warnings = header.warnings;
   const std::string name = file.string();
   if (trace.samples.size() < 2) {
     throw InputError(name, std::to_string(trace.samples.size()) + " samples: expected at least 2");

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
 
@@ -46,6 +47,8 @@ struct TraceColumns {
   /// Position in `units` = scale * column + offset.
   glm::dvec2 scale{1.0}, offset{0.0};
   double pupil_scale_mm = 1.0;  ///< millimetres per unit of the pupils' columns
+  /// A gaze map turns the positions into pixels. Before that they may be of any kind.
+  bool mapped_later = false;
 
   bool namesEye(std::size_t side) const {
     return !eyes[side].x.empty() || !eyes[side].y.empty() || !eyes[side].pupil.empty();
@@ -54,8 +57,16 @@ struct TraceColumns {
 
 /// The properties of a recording besides its samples.
 struct TraceHeader {
-  std::string format{};            ///< as `GazeTrace::format`
-  std::optional<Screen> screen{};  ///< the fallback replaces missing quantities
+  std::string format{};             ///< as `GazeTrace::format`
+  std::optional<Screen> screen{};   ///< the fallback replaces missing quantities
+  GazeUnits units = GazeUnits::px;  ///< of the file's positions
+  /// Degrees, fractions or lines of sight are put on this screen, because nobody states the real
+  /// one. Its quantities mean nothing.
+  bool nominal_screen = false;
+  /// What the file does not state and the reader assumed, a phrase each.
+  std::vector<std::string> assumed{};
+  /// What looks wrong in the positions, a sentence each.
+  std::vector<std::string> warnings{};
 };
 
 using TakeSample = std::function<void(const GazeSample&)>;
@@ -64,17 +75,17 @@ using TakeSample = std::function<void(const GazeSample&)>;
 ///
 /// It recognises the format from the content. Formats:
 /// - EyeLink ASC.
-/// - Tobii Pro Lab TSV, Tobii Pro SDK CSV.
+/// - Tobii Pro Lab TSV, Tobii Studio TSV, Tobii Pro SDK CSV.
 /// - Pupil Core (gaze_positions.csv), Neon (gaze.csv).
 /// - GazeBase, GazeBaseVR.
-/// - SMI BeGaze text.
+/// - Text of SMI's BeGaze and IDF Converter.
 /// - BIDS eye tracking (`*_physio.tsv.gz` beside its JSON).
 /// - Any TSV or CSV with named columns, with one point or two eyes.
 ///
 /// A table is delimited by tabs, commas, semicolons or blanks. Fields may be quoted, and files may
 /// be gzipped. A first line `# key=value ...` may contain screen_width_px screen_height_px
 /// screen_width_m screen_height_m viewing_distance_m sampling_Hz units. Absent values are an empty
-/// field, ".", NaN, NA, N/A, null and none.
+/// field, ".", "-", NaN, NA, N/A, null and none.
 ///
 /// `GazeSample::point_px` is the recording's own point for both eyes, else the `Cyclopean` point.
 /// Degrees without a known screen are put on a nominal screen.
@@ -85,6 +96,8 @@ using TakeSample = std::function<void(const GazeSample&)>;
 ///
 /// Pupil Core: the point is where the mean of the two lines of sight meets the screen. Samples of a
 /// confidence below 0.6 have no point.
+/// Positions without a stated unit are pixels. Half of them within two pixels of the corner, and no
+/// whole numbers, are refused as fractions.
 /// @throws InputError on unreadable, binary or empty files, unknown columns, fields that are not
 ///   numbers, time that does not increase, and lines over 64 KiB
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,

@@ -7,6 +7,7 @@
 
 #include "base/input_error.h"
 #include "base/number.h"
+#include "base/quiet_stderr.h"
 
 namespace foci {
 namespace {
@@ -19,7 +20,7 @@ bool isPattern(const std::filesystem::path& file) {
   return file.filename().string().find('%') != std::string::npos;
 }
 
-/// Silences OpenCV while it lives, because foci reports the errors itself.
+/// Silences OpenCV and the libraries below it while it lives: foci reports the errors itself.
 class QuietLibrary {
  public:
   QuietLibrary() = default;
@@ -28,6 +29,7 @@ class QuietLibrary {
   QuietLibrary& operator=(const QuietLibrary&) = delete;
 
  private:
+  QuietStderr stderr_;
   cv::utils::logging::LogLevel before_ =
       cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
 };
@@ -56,6 +58,20 @@ std::optional<WebcamPlace> webcamPlaceOf(std::string_view source) {
   return WebcamPlace{.file = std::filesystem::path(source)};
 }
 
+void refuseOtherThanFiles(const std::filesystem::path& video) {
+  requireRegularFile(video);
+  if (!isPattern(video)) return;
+  const std::string name = video.filename().string();
+  const std::string before = name.substr(0, name.find('%'));
+  const auto folder = video.has_parent_path() ? video.parent_path() : std::filesystem::path(".");
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    const auto& image = entry.path();
+    if (image.extension() != video.extension()) continue;
+    if (image.filename().string().starts_with(before)) requireRegularFile(image);
+  }
+}
+
 std::string nameOf(const WebcamPlace& place) {
   return "webcam " + (place.device ? std::to_string(*place.device) : place.file.string());
 }
@@ -71,9 +87,12 @@ WebcamFrames::WebcamFrames(const WebcamPlace& place)
     }
   } else {
     const std::string name = place.file.string();
-    const bool opened = isPattern(place.file) ? capture.open(name, cv::CAP_IMAGES)
-                                              : std::filesystem::is_regular_file(place.file) &&
-                                                    capture.open(name, cv::CAP_FFMPEG);
+    refuseOtherThanFiles(place.file);
+    std::error_code ignored;
+    const bool opened = isPattern(place.file)
+                            ? capture.open(name, cv::CAP_IMAGES)
+                            : std::filesystem::is_regular_file(place.file, ignored) &&
+                                  capture.open(name, cv::CAP_FFMPEG);
     if (!opened) throw InputError(name, "no video or images that can be read");
   }
   const double rate_Hz = capture.get(cv::CAP_PROP_FPS);

@@ -25,6 +25,11 @@ std::optional<WebcamPlace> webcamPlaceOf(std::string_view source);
 /// "webcam 0", "webcam eyes.mp4".
 std::string nameOf(const WebcamPlace& place);
 
+/// Refuses a video, or an image of a pattern, that is a folder, a pipe or a device: OpenCV would
+/// wait for it for ever.
+/// @throws InputError
+void refuseOtherThanFiles(const std::filesystem::path& video);
+
 class WebcamFrames {
  public:
   /// @throws InputError if there is no such camera, or if the file is not a video

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "render/scene/surfel_cloud.h"
 
@@ -49,6 +50,20 @@ struct CoverageRamp {
 /// `KernelSums.AreOneOnARegularPlaneButForTheKernelsRipple` and
 /// `Sweep.RendersNothingBehindAnOpaqueSheet` bound them.
 inline constexpr CoverageRamp kSharpRamp{0.9f, 0.98f}, kBlurredRamp{0.98f, 0.995f};
+
+/// Factor on a layer's weight under a low-pass of standard deviation s, so that the low-pass does
+/// not show the background inside a surface; the outline grows instead. At the distance C from a
+/// straight edge, where a lens of blur radius C sees the surface alone, the weight is Phi(C /
+/// sqrt(s^2 + C^2/4)). Inside a right-angled corner it is the square of that. The factor is between
+/// both, the inverse to the power of 1.5, so that limbs about as thick as the low-pass are opaque
+/// too.
+/// @return 1 for s = 0; 2.83 in focus
+inline float closingFactor(float low_pass_px, float blur_px) {
+  if (low_pass_px == 0.0f) return 1.0f;
+  const float sigma_px = std::sqrt(low_pass_px * low_pass_px + 0.25f * blur_px * blur_px);
+  const float inside = 0.5f * std::erfc(-blur_px / (1.41421356f * sigma_px));
+  return 1.0f / (inside * std::sqrt(inside));
+}
 
 /// Coverage, 0 to 1, of a layer whose weights sum to `weight` >= 0.
 inline float coverageOf(float weight, const CoverageRamp& ramp) {

@@ -34,6 +34,7 @@ RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
                           {.background = settings.background,
                            .defocus = settings.defocus,
                            .transparent = !tree_->surfels().opacity.empty(),
+                           .low_pass_px = lod.low_pass_px,
                            .depth = settings.depth,
                            .sub_apertures = by_sub_apertures ? &sub_apertures : nullptr},
                           frame);

@@ -17,7 +17,8 @@ namespace foci {
 
 struct LodSettings {
   CutSettings cut;
-  int sub_apertures = 1;  ///< used where surfaces overlap; 1: a whole-aperture pass everywhere
+  int sub_apertures = 1;     ///< used where surfaces overlap; 1: a whole-aperture pass everywhere
+  float low_pass_px = 0.0f;  ///< standard deviation of the low-pass that `cut` is made for
 };
 
 /// Keeps its buffers between frames.

@@ -40,7 +40,10 @@ Choice parse(std::string_view spec) {
   if (found == entries().end()) {
     std::vector<std::string> known;
     for (const MethodEntry& one : entries()) known.emplace_back(one.info.name);
-    return {nullptr, 0, "a known method; the nearest is " + nearest(name, known)};
+    const auto near = nearWord(name, known);
+    return {nullptr, 0,
+            near ? "a known method; the nearest is " + *near
+                 : std::string("a known method; foci methods lists them")};
   }
   const MethodEntry* entry = &*found;
   if (colon == std::string_view::npos) return {entry, entry->info.default_n, {}};

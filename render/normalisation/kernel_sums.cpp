@@ -79,21 +79,34 @@ class RenderedKernel {
         radius2_(seen.blur_spacings * seen.blur_spacings * spacing2),
         min_radius2_(1e-12f * spacing2) {}
 
+  /// The kernel of surfel `j` at a place of the surface, as the eye sees it along the normal there:
+  /// foreshortened.
+  /// @param right, up  unit vectors that span the tangent plane at `p_world`
   float at(const SurfelCloud& cloud, std::span<const float> added_m2, std::size_t j,
-           const glm::vec3& p_world) const {
-    const glm::vec3 d = cloud.position_m[j] - p_world;
-    const float u2 = glm::dot(cloud.axis_u_m[j], cloud.axis_u_m[j]);
-    const float v2 = glm::dot(cloud.axis_v_m[j], cloud.axis_v_m[j]);
+           const glm::vec3& p_world, const glm::vec3& right, const glm::vec3& up) const {
+    const glm::vec3 d = p_world - cloud.position_m[j];
+    const glm::vec3 &u = cloud.axis_u_m[j], &v = cloud.axis_v_m[j];
+    const glm::vec2 seen_u(glm::dot(u, right), glm::dot(u, up));
+    const glm::vec2 seen_v(glm::dot(v, right), glm::dot(v, up));
+    const float parallelogram = std::abs(seen_u.x * seen_v.y - seen_u.y * seen_v.x);
+    const float cosine = parallelogram / (glm::length(u) * glm::length(v));
+    const float xx = seen_u.x * seen_u.x + seen_v.x * seen_v.x;
+    const float yy = seen_u.y * seen_u.y + seen_v.y * seen_v.y;
+    const float xy = seen_u.x * seen_u.y + seen_v.x * seen_v.y;
+    const auto detWith = [&](float wide) { return (xx + wide) * (yy + wide) - xy * xy; };
     const float soft = prefilter_ + (added_m2.empty() ? 0.0f : kOverlap * added_m2[j]);
-    const float unblurred = std::sqrt((u2 + soft) * (v2 + soft));
+    const float unblurred = std::sqrt(std::max(detWith(soft), 0.0f));
     const KernelShape& shape =
         kernelShape(kernelExponent(unblurred / std::max(radius2_, min_radius2_)));
     const float widening = prefilter_ + kDiscVariancePerRadius2 * radius2_;
-    const float u = glm::dot(d, cloud.axis_u_m[j]), v = glm::dot(d, cloud.axis_v_m[j]);
-    const float q = (u * u / u2 / (u2 + widening) + v * v / v2 / (v2 + widening)) / shape.support2;
+    const float det = detWith(widening);
+    if (!(det > 0.0f)) return 0.0f;
+    const float x = glm::dot(d, right), y = glm::dot(d, up);
+    const float q = ((yy + widening) * x * x - 2.0f * xy * x * y + (xx + widening) * y * y) /
+                    (det * shape.support2);
     if (q >= 1.0f) return 0.0f;
     const float t = 1.0f - q;
-    return cloud.area_m2[j] / (shape.support2 * std::sqrt((u2 + widening) * (v2 + widening))) *
+    return cosine * cloud.area_m2[j] / (shape.support2 * std::sqrt(det)) *
            (shape.k0 + t * (shape.k1 + t * shape.k2));
   }
 
@@ -156,7 +169,7 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, 
         seen, static_cast<float>(area / static_cast<double>(sheet.size())));
     float sum = 0.0f;
     for (const std::uint32_t j : sheet)
-      sum += rendered_kernel.at(cloud, added_m2, j, at[k].p_world);
+      sum += rendered_kernel.at(cloud, added_m2, j, at[k].p_world, along_u, along_v);
     sums[k] = {sum, smooth && largestGap(angles) < kBorderGap};
   });
   std::erase_if(sums, [](const KernelSum& sum) { return sum.sum < 0.0f; });
@@ -168,7 +181,8 @@ float kernelSumAt(const SurfelCloud& cloud, const glm::vec3& p_world, float spac
   const RenderedKernel rendered_kernel(seen, spacing_m * spacing_m);
   float sum = 0.0f;
   for (std::size_t j = 0; j < cloud.size(); ++j)
-    sum += rendered_kernel.at(cloud, added_m2, j, p_world);
+    sum += rendered_kernel.at(cloud, added_m2, j, p_world, glm::normalize(cloud.axis_u_m[j]),
+                              glm::normalize(cloud.axis_v_m[j]));
   return sum;
 }
 

@@ -11,13 +11,16 @@ namespace foci {
 namespace {
 
 // Chosen by hand; `SurfelsFromPoints` tests bound the sums that they lead to.
-constexpr float kMinWeight = 0.05f;    // of spacing^2
-constexpr int kWeightsARound = 3;      // iterations of the weights between steps of the sizes
-constexpr float kPixel2 = 0.4f;        // squared side of a pixel over spacing^2
-constexpr float kStep = 4.0f;          // of log v, against the gradient
-constexpr float kLargestStep = 0.1f;   // of log v
-constexpr float kMaxGrowth = 2.56f;    // of v: 1.6 of sigma
-constexpr float kMinSheet = 0.5f;      // share of the neighbours; a stray or a shred is all border
+constexpr float kMinWeight = 0.05f;   // of spacing^2
+constexpr int kWeightsARound = 3;     // iterations of the weights between steps of the sizes
+constexpr float kPixel2 = 0.4f;       // squared side of a pixel over spacing^2
+constexpr float kStep = 4.0f;         // of log v, against the gradient
+constexpr float kLargestStep = 0.1f;  // of log v
+constexpr float kMaxGrowth = 2.56f;   // of v: 1.6 of sigma
+constexpr float kMinSheet = 0.5f;     // share of the neighbours; a stray or a shred is all border
+constexpr float kReserve = 1.06f;     // where curved kernels ripple: below 0.9 the background shows
+constexpr int kMeanPasses = 3;        // over the neighbours
+constexpr float kCurved = 0.9f, kFlat = 0.98f;  // mean cosines of the neighbours' normals
 constexpr float kBorderOffset = 0.3f;  // share of the reach; a half-disc's centroid lies at 0.42
 
 /// Sums over the surfel's own sheet, the surfel included.
@@ -29,8 +32,21 @@ struct LocalSums {
 class Solver {
  public:
   Solver(const KernelProblem& problem, std::vector<float>& sigma_m)
-      : problem_(problem), sigma_m_(sigma_m), next_(sigma_m.size()), weight_(sigma_m.size()) {
+      : problem_(problem),
+        sigma_m_(sigma_m),
+        next_(sigma_m.size()),
+        weight_(sigma_m.size()),
+        target_(sigma_m.size(), 1.0f) {
     parallelFor(count(), [&](std::size_t i) { weight_[i] = initialWeight(i); });
+  }
+
+  /// Sets the targets to local means of the sums that the weights have now, and to one where the
+  /// surface is flat.
+  void aimAtMeans() {
+    aimAtMeansOf([&](std::size_t i) { return sumsAt(i).covered; });
+  }
+  void aimAtMeansAsRendered() {
+    aimAtMeansOf([&](std::size_t i) { return renderedAt(i); });
   }
 
   void iterateWeights() {
@@ -39,7 +55,7 @@ class Solver {
 
   void iterateWeightsAsRendered() {
     // A pixel at a border is covered in part, as it should be.
-    iterate([&](std::size_t i) { return atBorder(i) ? 1.0f : renderedAt(i); });
+    iterate([&](std::size_t i) { return atBorder(i) ? target_[i] : renderedAt(i); });
   }
 
   /// @param given_m  sigma before the first step
@@ -65,9 +81,39 @@ class Solver {
   }
 
   template <typename Covered>
+  void aimAtMeansOf(const Covered& covered) {
+    parallelFor(count(), [&](std::size_t i) { target_[i] = covered(i); });
+    for (int pass = 0; pass < kMeanPasses; ++pass) {
+      parallelFor(count(), [&](std::size_t i) {
+        float sum = target_[i], seen = 1.0f;
+        forSheet(i, [&](std::uint32_t j) {
+          sum += target_[j];
+          seen += 1.0f;
+        });
+        next_[i] = sum / seen;
+      });
+      target_.swap(next_);
+    }
+    parallelFor(count(), [&](std::size_t i) {
+      if (!atBorder(i)) target_[i] = glm::mix(kReserve * target_[i], 1.0f, flatness(i));
+    });
+  }
+
+  /// 1 where the normals of the neighbours agree, 0 from a mean cosine of kCurved on.
+  float flatness(std::size_t i) const {
+    float cosines = 0.0f, seen = 0.0f;
+    for (const std::uint32_t j : problem_.near.of(i)) {
+      cosines += std::abs(glm::dot(problem_.normal[i], problem_.normal[j]));
+      seen += 1.0f;
+    }
+    return glm::smoothstep(kCurved, kFlat, cosines / std::max(seen, 1.0f));
+  }
+
+  template <typename Covered>
   void iterate(const Covered& covered) {
     parallelFor(count(), [&](std::size_t i) {
-      next_[i] = std::clamp(weight_[i] / covered(i), kMinWeight * initialWeight(i), maxWeight(i));
+      next_[i] = std::clamp(weight_[i] * target_[i] / covered(i), kMinWeight * initialWeight(i),
+                            maxWeight(i));
     });
     weight_.swap(next_);
   }
@@ -81,6 +127,11 @@ class Solver {
     }
   }
 
+  /// The weight of a neighbour as the normal at `i` sees it: foreshortened.
+  float weightSeen(std::size_t i, std::uint32_t j) const {
+    return weight_[j] * std::abs(glm::dot(problem_.normal[i], problem_.normal[j]));
+  }
+
   LocalSums sumsAt(std::size_t i) const {
     const float own = sigma_m_[i] * sigma_m_[i];
     float sum = weight_[i] / (2.0f * own);
@@ -91,7 +142,7 @@ class Solver {
       const float off_plane = glm::dot(d, problem_.normal[i]);
       const float variance = own + sigma_m_[j] * sigma_m_[j];
       const float q = 0.5f * std::max(glm::dot(d, d) - off_plane * off_plane, 0.0f) / variance;
-      const float kernel = weight_[j] / variance * std::exp(-q);
+      const float kernel = weightSeen(i, j) / variance * std::exp(-q);
       sum += kernel;
       slope += kernel * (q - 1.0f) / variance;
       variance_sum += variance;
@@ -122,7 +173,7 @@ class Solver {
       const float other = sigma_m_[j] * sigma_m_[j] + prefilter, variance = own + other;
       const float q = std::max(glm::dot(d, d) - off_plane * off_plane, 0.0f) / (16.0f * variance);
       const float ratio = std::sqrt(std::min(own, other) / std::max(own, other));
-      sum += weight_[j] / variance * overlap.of(q, ratio);
+      sum += weightSeen(i, j) / variance * overlap.of(q, ratio);
       variance_sum += variance;
       seen += 1.0f;
     });
@@ -146,6 +197,7 @@ class Solver {
   const KernelProblem& problem_;
   std::vector<float>& sigma_m_;
   std::vector<float> next_, weight_;
+  std::vector<float> target_;  ///< of the sums
 };
 
 }  // namespace
@@ -163,6 +215,18 @@ std::vector<float> solveKernels(const KernelProblem& problem, const KernelEffort
       effort.progress(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
     }
   };
+  if (problem.areas_known) {
+    // The sampling is even already: sizes stay, and one kind of iteration does.
+    const bool as_rendered = effort.rendered_iterations > 0;
+    as_rendered ? solver.aimAtMeansAsRendered() : solver.aimAtMeans();
+    for (int i = 0; i < effort.weight_iterations && !as_rendered; ++i) solver.iterateWeights();
+    for (int i = 0; i < effort.rendered_iterations; ++i) {
+      solver.iterateWeightsAsRendered();
+      tick(1);
+    }
+    tick(total - done);
+    return solver.take();
+  }
   const std::vector<float> given_m = effort.sigma_rounds > 0 ? sigma_m : std::vector<float>();
   for (int round = 0; round < effort.sigma_rounds; ++round) {
     for (int i = 0; i < kWeightsARound; ++i) solver.iterateWeights();

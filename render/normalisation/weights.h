@@ -18,6 +18,8 @@ struct KernelProblem {
   const Neighbours& near;
   const std::vector<std::uint64_t>& sheet;  ///< bit b: the b-th neighbour lies on the same surface
   const std::vector<float>& spacing_m;      ///< > 0
+  /// Whether spacing_m^2 are the true areas, on average over each neighbourhood.
+  bool areas_known = false;
 };
 
 struct KernelEffort {
@@ -42,6 +44,11 @@ struct KernelEffort {
 /// The `rendered_iterations` use the rendered kernels instead of Gaussians: of compact support,
 /// prefiltered by a pixel of 0.63 of the spacing (kernel_overlap.h). The kernel mass outside the
 /// k-th neighbour's distance is added, since neighbours beyond it are not known.
+/// Sums. Where areas are known, the kernels sum to the mean of the initial sums around each surfel
+/// instead of to one: neighbours on other sheets, borders and folds then take no area away. At a
+/// strongly curved place the neighbours are no single sheet in any direction, and a sum of one
+/// would need weights that oscillate.
+///
 /// @param sigma_m  > 0; changed if `sigma_rounds` > 0
 /// @return weights, m^2, > 0 and at most 2 pi sigma^2, where one kernel alone is opaque
 std::vector<float> solveKernels(const KernelProblem& problem, const KernelEffort& effort,

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <glm/glm.hpp>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace foci {
@@ -20,7 +22,12 @@ struct PointCloud {
   /// Radius of a disc that closes the gaps to its neighbours, > 0; 0: to be estimated.
   std::vector<float> radius_m;
   std::vector<float> opacity;  ///< 0 to 1
-  std::size_t dropped = 0;     ///< points dropped because their position was not finite
+  /// Mean share of the surface's area, where it is known: all points are samples of a mesh.
+  std::optional<float> area_m2 = {};
+  std::size_t dropped = 0;  ///< points dropped because their position was not finite
+  /// What the user should know of the file: a texture that is missing, an origin that was moved.
+  /// One sentence each, without the name of the file.
+  std::vector<std::string> remarks;
 
   std::size_t size() const { return position_m.size(); }
 };

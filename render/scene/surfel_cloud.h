@@ -4,9 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <glm/glm.hpp>
+#include <memory>
 #include <vector>
 
 namespace foci {
+
+struct TriangleMesh;
 
 /// Surfels as a structure of arrays, all of the same length. The world frame is in metres,
 /// right-handed, y up unless the study says otherwise.
@@ -27,6 +30,9 @@ struct SurfelCloud {
   /// Normals point out of the solid, or at least agree with their neighbours'. The renderer then
   /// distinguishes back-facing surfels from those that face the eye.
   bool oriented = false;
+
+  /// The mesh that the surfels were sampled from; null if they are all that is known.
+  std::shared_ptr<const TriangleMesh> mesh = {};
 
   std::size_t size() const { return position_m.size(); }
   bool empty() const { return position_m.empty(); }

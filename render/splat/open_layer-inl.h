@@ -22,7 +22,7 @@ namespace HWY_NAMESPACE {
 /// The open layer of a few samples, in registers: the sums of one side of the surface.
 template <bool kTransparent, bool kDepth, bool kLens>
 struct OpenLayer {
-  V far_m, weight, red, green, blue, visible, distance, lens_x, lens_y;
+  V far_m, weight, red, green, blue, visible, distance, lens_weight, lens_x, lens_y;
 
   HWY_INLINE void load(const Block& block, const Sums& sums, std::size_t i) {
     const D d;
@@ -34,6 +34,7 @@ struct OpenLayer {
     if constexpr (kTransparent || kLens) visible = hn::Load(d, sums.visible + i);
     if constexpr (kDepth) distance = hn::Load(d, sums.distance + i);
     if constexpr (kLens) {
+      lens_weight = hn::Load(d, sums.lens_weight + i);
       lens_x = hn::Load(d, sums.lens_x + i);
       lens_y = hn::Load(d, sums.lens_y + i);
     }
@@ -49,6 +50,7 @@ struct OpenLayer {
     if constexpr (kTransparent || kLens) hn::Store(visible, d, sums.visible + i);
     if constexpr (kDepth) hn::Store(distance, d, sums.distance + i);
     if constexpr (kLens) {
+      hn::Store(lens_weight, d, sums.lens_weight + i);
       hn::Store(lens_x, d, sums.lens_x + i);
       hn::Store(lens_y, d, sums.lens_y + i);
     }

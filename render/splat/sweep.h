@@ -23,10 +23,11 @@ struct SubApertures {
 };
 
 struct SweepSettings {
-  glm::vec3 background;                         ///< linear RGB
-  Defocus defocus;                              ///< the one that projected the splats
-  bool transparent = false;                     ///< some splat's opacity is below 1
-  bool depth = false;                           ///< fill Frame::depth_m
+  glm::vec3 background;      ///< linear RGB
+  Defocus defocus;           ///< the one that projected the splats
+  bool transparent = false;  ///< some splat's opacity is below 1
+  float low_pass_px = 0.0f;  ///< standard deviation of a low-pass of the frame (`closingFactor`)
+  bool depth = false;        ///< fill Frame::depth_m
   const SubApertures* sub_apertures = nullptr;  ///< null: the whole aperture only
 };
 

@@ -64,7 +64,8 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
   Batch batch;
   std::size_t fragments = 0;
 
-  explicit Sweep(const TileJob& tile_job) : Base(tile_job.samples), job(tile_job) {}
+  explicit Sweep(const TileJob& tile_job)
+      : Base(tile_job.samples, tile_job.coverage), job(tile_job) {}
 
   /// Adds the splats of the batch, block by block, and empties it.
   HWY_INLINE void flush(const Splat* splats) {
@@ -145,12 +146,13 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
         const SplatLens& across =
             kAstigmatic ? job.lens_across[batch.splat[n]] : job.lens[batch.splat[n]];
         const LensPoint point = lensPointAt<kAstigmatic>(job, lens, across, dx, dy);
+        layer.lens_weight = hn::Add(layer.lens_weight, all);
+        layer.lens_x = hn::MulAdd(all, point.x, layer.lens_x);
+        layer.lens_y = hn::MulAdd(all, point.y, layer.lens_y);
         if (lens.tilt_x != 0.0f || lens.tilt_y != 0.0f) {
           all = hn::Mul(all, tiltFactor<kAstigmatic>(job, lens, point));
         }
         taken = layer.taken(all);
-        layer.lens_x = hn::MulAdd(taken, point.x, layer.lens_x);
-        layer.lens_y = hn::MulAdd(taken, point.y, layer.lens_y);
         if (block.any_edge)
           reaching = edgeTransmittance<kAstigmatic>(block.light, i, point, lens, across);
       } else {

@@ -26,6 +26,7 @@ struct TileJob {
   glm::vec2 meridian;       // the nearest meridian of an astigmatic lens
   float per_step;           // 1 / the distance of samples, pixels
   float background[3];
+  float coverage;                // times a layer's weight (`closingFactor`)
   const SplatLens* lens;         // null: nothing is blurred
   const SplatLens* lens_across;  // null: the lens is round
   glm::vec2 radius_px_per_D;

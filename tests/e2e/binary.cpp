@@ -26,6 +26,7 @@ bool enter(const Fault& fault, const fs::path& folder, const fs::path& out, cons
     const rlimit limit{*fault.max_file_bytes, *fault.max_file_bytes};
     if (setrlimit(RLIMIT_FSIZE, &limit) != 0) return false;
   }
+  alarm(fault.max_s);
   constexpr uid_t kNobody = 65534;
   if (fault.as_nobody && getuid() == 0 && setuid(kNobody) != 0) return false;
   for (const std::string& variable : fault.environment) {

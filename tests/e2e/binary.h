@@ -28,6 +28,7 @@ Outcome terminateFoci(const std::vector<std::string>& arguments,
 /// A fault from outside the process.
 struct Fault {
   std::optional<int> killed_after_ms{};            ///< SIGKILL after this time
+  unsigned max_s = 0;                              ///< SIGALRM after this time; 0: never
   std::optional<std::size_t> max_file_bytes{};     ///< longer files fail, as on a full disk
   bool as_nobody = false;                          ///< drops the rights of root
   std::optional<std::filesystem::path> appears{};  ///< as soon as this file exists,

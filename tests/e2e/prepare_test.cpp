@@ -82,7 +82,7 @@ TEST(Prepare, PointsBecomeASceneWithAReportOfItsSumsAtEveryLevel) {
     const auto of_smooth = std::accumulate(smooth.begin(), smooth.end(), 0.0);
     EXPECT_GT(total, 9'000.0);
     EXPECT_NEAR(of_smooth / total, n.at("smooth_share").get<double>(), 1e-6);
-    ASSERT_GT(of_smooth, 200.0);
+    ASSERT_GT(of_smooth, 100.0);  // the coarsest level is border but for its middle
     EXPECT_GT(n.at("smooth_within_0.1"), 0.95);
   }
 

@@ -47,8 +47,8 @@ TEST_F(Replay, WritesItsFilesAndNothingElse) {
   const Outcome outcome = replay("deep/out");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(filesIn(folder.path() / "deep/out"),
-            (std::set<std::string>{"events.tsv", "frames.tsv", "manifest.json", "report.html",
-                                   "video.mp4"}));
+            (std::set<std::string>{".foci-outputs", "events.tsv", "frames.tsv", "manifest.json",
+                                   "report.html", "video.mp4"}));
   EXPECT_EQ(folder.read("deep/out/video.mp4").substr(4, 4), "ftyp");
   EXPECT_NE(folder.read("deep/out/video.mp4").find("avc1"), std::string::npos);
 }
@@ -252,11 +252,15 @@ TEST_F(Replay, EscapesOutsideTextInTheReport) {
 TEST_F(Replay, OverwritesOnlyItsOwnFiles) {
   fs::create_directory(folder.path() / "out");
   folder.write("out/notes.txt", "mine");
-  folder.write("out/frames.tsv", "old");
+  ASSERT_EQ(replay("out").exit_code, 0);
   ASSERT_EQ(replay("out").exit_code, 0);
   EXPECT_EQ(folder.read("out/notes.txt"), "mine");
+  folder.write("out/frames.tsv", "mine");
+  EXPECT_EQ(replay("out").exit_code, 2);
+  EXPECT_EQ(folder.read("out/frames.tsv"), "mine");
+  ASSERT_EQ(replay("out", {"--overwrite"}).exit_code, 0);
   EXPECT_EQ(tableOf(folder.read("out/frames.tsv")).size(), 7u);
-  EXPECT_EQ(filesIn(folder.path() / "out").size(), 6u);
+  EXPECT_EQ(filesIn(folder.path() / "out").size(), 7u);  // five, notes and .foci-outputs
 }
 
 TEST_F(Replay, LeavesNothingWhenItCannotWrite) {

@@ -71,10 +71,19 @@ TEST(Reproduce, WritesTheTableThePageAndTheFigures) {
   const std::string page = folder.read("made/out/reproduce.html");
   EXPECT_NE(page.find("</html>"), std::string::npos);
   EXPECT_EQ(page.find("src=\"http"), std::string::npos);  // the page needs no other file
+  EXPECT_NE(page.find("<title>foci reproduce: plane, bumps (quick)</title>"), std::string::npos);
+  EXPECT_NE(page.find("aria-label=\"Time per frame against aperture: bumps\""), std::string::npos);
+  // A quick run does not judge.
+  EXPECT_EQ(page.find("<b class=\"no\">"), std::string::npos);
+  EXPECT_EQ(page.find("<b class=\"yes\">"), std::string::npos);
+  EXPECT_NE(page.find("This is a quick run"), std::string::npos);
+  EXPECT_EQ(json.at("quick"), true);
+  for (const auto& ratio : json.at("ratios")) EXPECT_FALSE(ratio.contains("reached"));
   for (const char* file : {"figure1.png", "figure6_plane.png", "figure6_bumps.png"}) {
     EXPECT_TRUE(folder.read(std::string("made/out/") + file).starts_with("\x89PNG")) << file;
   }
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path() / "made/out"), {}), 5);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path() / "made/out"), {}),
+            6);  // and .foci-outputs
 }
 
 struct Refusal {

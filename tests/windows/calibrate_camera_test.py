@@ -12,7 +12,7 @@ import time
 import zlib
 import struct
 
-from observer import Observer
+from observer import Observer, emptied
 
 WIDTH, HEIGHT, FOCAL_PX = 320, 240, 310.0
 COLUMNS, ROWS, SQUARE_M = 10, 7, 0.025
@@ -58,7 +58,7 @@ def write_png(path, rows):
 
 
 def main():
-    foci, out = sys.argv[1], sys.argv[2]
+    foci, out = sys.argv[1], emptied(sys.argv[2] + "/camera")
     frames = out + "/board"
     os.makedirs(frames, exist_ok=True)
     poses = [(0.5, 0.1, -0.05, 0.03, 0.4), (-0.5, 0.2, 0.06, -0.02, 0.42), (0.1, 0.5, 0.05, 0.04, 0.45),

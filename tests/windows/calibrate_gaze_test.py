@@ -10,10 +10,10 @@ import re
 import sys
 import time
 
-from observer import Observer
+from observer import Observer, emptied
 
 SPEED = 3  # of the program's clock: a target takes 0.6 s
-TARGETS = 5  # and 4 for validation
+TARGETS = 9  # and 4 for validation
 
 
 def tracked(x, y):
@@ -39,8 +39,7 @@ def leave(foci, out):
 
 
 def main():
-    foci, out = sys.argv[1], sys.argv[2]
-    os.makedirs(out, exist_ok=True)
+    foci, out = sys.argv[1], emptied(sys.argv[2] + "/gaze")
     random.seed(1)
     leave(foci, out)
     observer = Observer()

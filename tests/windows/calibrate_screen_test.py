@@ -9,7 +9,7 @@ import os
 import sys
 import time
 
-from observer import Observer
+from observer import Observer, emptied
 
 CARD_PX = 342            # 3995 px/m
 DISTANCE_M = 0.4
@@ -33,8 +33,7 @@ def wait_for_dot(observer, x_px, outwards):
 
 
 def main():
-    foci, out = sys.argv[1], sys.argv[2]
-    os.makedirs(out, exist_ok=True)
+    foci, out = sys.argv[1], emptied(sys.argv[2] + "/screen")
     observer = Observer()
     try:
         program = observer.start(foci, "calibrate", "screen", "--window", "--json",

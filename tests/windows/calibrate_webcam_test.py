@@ -12,11 +12,11 @@ import subprocess
 import sys
 import time
 
-from observer import Observer
+from observer import Observer, emptied
 
 WIDTH_M, HEIGHT_M, DISTANCE_M = 0.52, 0.2925, 0.55
 LEAD_S, EACH_S = 1.5, 2.2
-TARGETS, VALIDATION_TARGETS, SEED = 5, 4, 3
+TARGETS, VALIDATION_TARGETS, SEED = 9, 4, 3
 RATE_HZ = 10  # of the film
 SPEED = 1     # of the clock and the film; more needs a machine that tracks faces at more than 10 Hz
 LOOK_S = 0.5  # of each target, for the saccade to it
@@ -40,8 +40,7 @@ def wait_for(program, word, seconds):
 
 
 def main():
-    foci, out, film = sys.argv[1], sys.argv[2] + "/webcam", sys.argv[3]
-    os.makedirs(out, exist_ok=True)
+    foci, out, film = sys.argv[1], emptied(sys.argv[2] + "/webcam"), sys.argv[3]
     shown = subprocess.run(
         [film, "eyes.mp4", str(TARGETS), str(SEED), str(WIDTH_M), str(HEIGHT_M), str(DISTANCE_M),
          str(LEAD_S), str(EACH_S)], cwd=out, check=True, capture_output=True, text=True).stdout
@@ -101,8 +100,7 @@ def main():
                     x - float(target["x_target"]), y - float(target["y_target"])) / DISTANCE_M))
     accuracy = sum(errors) / len(errors)
     print("replayed:", len(errors), "frames,", round(accuracy, 2), "deg")
-    frames = (TARGETS + VALIDATION_TARGETS) * (EACH_S - LOOK_S) * RATE_HZ
-    assert len(errors) > 0.9 * frames and accuracy <= LIMIT_DEG, (len(errors), accuracy)
+    assert len(errors) > 200 and accuracy <= LIMIT_DEG, (len(errors), accuracy)
 
 
 if __name__ == "__main__":

@@ -3,11 +3,19 @@
 import ctypes
 import glob
 import os
+import shutil
 import struct
 import subprocess
 import tempfile
 import time
 import zlib
+
+
+def emptied(folder):
+    """The folder without the files of an earlier run, which foci does not replace if a test has changed them."""
+    shutil.rmtree(folder, ignore_errors=True)
+    os.makedirs(folder)
+    return folder
 
 
 class Observer:

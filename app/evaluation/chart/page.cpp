@@ -220,7 +220,12 @@ std::string chartPage(const ChartPlan& plan, const std::vector<ChartPoint>& poin
   const Machine machine = describeMachine();
   const double shown_px = plan.blurs_px[plan.blurs_px.size() / 2];
   std::ostringstream out;
-  out << pageStart("foci chart", std::string(kEvaluationStyle) + kChartStyle,
+  std::string scenes;
+  for (const ChartScene& scene : plan.scenes) {
+    scenes += (scenes.empty() ? "" : ", ") + scene.id;
+  }
+  out << pageStart("foci chart: " + scenes + (plan.quick ? " (quick)" : ""),
+                   std::string(kEvaluationStyle) + kChartStyle,
                    "<noscript><style>.panel[hidden] { display: block; }</style></noscript>")
       << "<h1>Depth of field: speed against accuracy</h1>\n<p class=\"quiet\">foci " FOCI_VERSION
          " &middot; "

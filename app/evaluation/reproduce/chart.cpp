@@ -58,7 +58,8 @@ std::vector<PlotSeries> linesOf(const ReproduceScene& scene, const std::vector<R
 
 std::string chartOf(const ReproduceScene& scene, const std::vector<ReproduceRow>& rows,
                     unsigned threads) {
-  Plot plot{.x = {.from = -kMargin, .to = kPlaces + kMargin},
+  Plot plot{.name = "Time per frame against aperture: " + scene.name,
+            .x = {.title = "aperture", .from = -kMargin, .to = kPlaces + kMargin},
             .series = linesOf(scene, rows, threads),
             .end_labels = true,
             .size_px = {960.0, 300.0}};
@@ -66,7 +67,7 @@ std::string chartOf(const ReproduceScene& scene, const std::vector<ReproduceRow>
   for (const PlotSeries& line : plot.series) {
     for (const PlotPoint& point : line.points) times_ms.push_back(point.y);
   }
-  plot.y = timeAxis("", times_ms);
+  plot.y = timeAxis("time per frame", times_ms);
   for (std::size_t aperture = 0; aperture < kApertures; ++aperture) {
     plot.x.ticks.push_back(
         {static_cast<double>(aperture),

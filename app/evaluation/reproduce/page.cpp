@@ -72,6 +72,14 @@ std::string tableHtml(const ReproducedScene& one, const std::vector<unsigned>& t
   return html + "</table></div>\n";
 }
 
+/// A figure; a full run says whether it was reached.
+std::string judged(const ReproduceRatio& ratio, bool quick) {
+  std::string number = numberHtml(ratio.value, ratio.digits);
+  if (quick) return number;
+  return ratio.reached() ? "<b class=\"yes\">" + number + "</b>"
+                         : "<b class=\"no\">" + number + " (not reached)</b>";
+}
+
 std::string ratioTable(const ReproduceFacts& facts) {
   std::string html =
       "<div class=\"scroll\"><table><tr><th></th><th>scene</th><th class=\"theirs\">the paper's "
@@ -81,11 +89,20 @@ std::string ratioTable(const ReproduceFacts& facts) {
             cell(escaped(ratio.paper), "theirs") +
             cell((ratio.at_most ? "at most " : "at least ") +
                  decimal(ratio.wanted, ratio.wanted < 2.0 ? 1 : 0)) +
-            cell(std::string("<b class=\"") + (ratio.reached() ? "yes" : "no") + "\">" +
-                 numberHtml(ratio.value, ratio.digits) + "</b>") +
-            "</tr>\n";
+            cell(judged(ratio, facts.quick)) + "</tr>\n";
   }
   return html + "</table></div>\n";
+}
+
+std::string ratioText(const ReproduceFacts& facts) {
+  std::string html = "<p class=\"quiet\">Times are medians. Each figure is the worst of its rows. ";
+  html += facts.quick
+              ? "This is a quick run: " + std::to_string(facts.effort.runs) +
+                    " timed repetitions, and references of fewer views. It shows that everything "
+                    "runs. Its figures scatter too much to be judged; leave out "
+                    "<code>--quick</code> for that."
+              : std::string("Red: not reached on this machine.");
+  return html + "</p>\n";
 }
 
 void writeFigurePanels(std::ostream& out, const std::vector<FigurePanel>& row) {
@@ -149,15 +166,18 @@ void writeMethodology(std::ostream& out, const ReproduceFacts& facts) {
 std::string reproducePage(const ReproduceFacts& facts) {
   const Machine machine = describeMachine();
   std::ostringstream out;
-  out << pageStart("foci reproduce", std::string(kEvaluationStyle) + kReproduceStyle)
+  std::string scenes;
+  for (const ReproducedScene& one : facts.scenes) {
+    scenes += (scenes.empty() ? "" : ", ") + one.scene.name;
+  }
+  out << pageStart("foci reproduce: " + scenes + (facts.quick ? " (quick)" : ""),
+                   std::string(kEvaluationStyle) + kReproduceStyle)
       << "<h1>Fast depth of field with surface splatting, measured again</h1>\n"
          "<p class=\"quiet\">K&#345;iv&aacute;nek, &#381;&aacute;ra and Bouatouch 2003: Table 1, "
          "Figure 1, Figure 6 &middot; foci " FOCI_VERSION " &middot; "
       << escaped(machine.cpu) << ", " << machine.simd << ", up to "
       << threadsText(facts.threads.back()) << "</p>\n";
-  out << "<h2>The figures to reach</h2>\n"
-      << ratioTable(facts)
-      << "<p class=\"quiet\">Times are medians. Each figure is the worst of its rows.</p>\n";
+  out << "<h2>The figures to reach</h2>\n" << ratioTable(facts) << ratioText(facts);
   for (const ReproducedScene& one : facts.scenes) {
     out << "<h2>Table 1: " << escaped(one.scene.name) << ", "
         << thousands(static_cast<double>(one.scene.cloud.size())) << " surfels, 512 &times; 512 px"

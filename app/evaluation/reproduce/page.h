@@ -27,6 +27,7 @@ struct ReproduceFacts {
   ReproduceEffort effort;
   std::vector<unsigned> threads;
   double seconds = 0.0;
+  bool quick = false;  ///< the page does not judge a quick run
 };
 
 /// A complete HTML page, with its images inside.

@@ -11,7 +11,6 @@
 #include "app/platform/interrupt.h"
 #include "app/platform/output_folder.h"
 #include "app/platform/progress.h"
-#include "base/file.h"
 #include "base/text.h"
 #include "render/scene/builtin/procedural.h"
 
@@ -23,10 +22,10 @@ constexpr ReproduceEffort kQuick{
     .runs = 3, .accumulate_runs = 1, .min_views = 64, .max_views = 64, .figure1_views = 32};
 constexpr std::size_t kSearchFrames = 10;  // about the frames that the search for apertures renders
 constexpr std::size_t kManySurfels = 10'000'000;
+constexpr const char *kTable = "table1.csv", *kPage = "reproduce.html", *kFigure1 = "figure1.png";
+constexpr const char* kFigure6 = "figure6_";  // and the name of its scene
 
-void writeBytes(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes) {
-  writeText(file, std::string(bytes.begin(), bytes.end()));
-}
+std::string textOf(const std::vector<std::uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
 std::vector<std::vector<Image>> imagesOf(const std::vector<std::vector<FigurePanel>>& rows) {
   std::vector<std::vector<Image>> images;
@@ -59,6 +58,17 @@ void findApertures(ReproduceScene& scene) {
 
 }  // namespace
 
+std::vector<std::filesystem::path> reproduceFiles(const std::filesystem::path& out) {
+  std::vector<std::filesystem::path> files;
+  for (const char* name : {kTable, kPage, kFigure1}) files.push_back(out / name);
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(out, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(kFigure6) && name.ends_with(".png")) files.push_back(entry.path());
+  }
+  return files;
+}
+
 ReproduceSummary reproduce(const ReproduceRequest& request) {
   const auto start = std::chrono::steady_clock::now();
   noteInterrupts();
@@ -79,8 +89,8 @@ ReproduceSummary reproduce(const ReproduceRequest& request) {
     progress.advance(done += frames);
   };
 
-  ReproduceFacts facts{.effort = effort, .threads = threads};
-  ReproduceSummary summary{.out = request.out};
+  ReproduceFacts facts{.effort = effort, .threads = threads, .quick = request.quick};
+  ReproduceSummary summary{.out = request.out, .quick = request.quick};
   const SceneResult plane_result = measureScene(plane, effort, threads, onFrames);
   const SceneResult lion_result = measureScene(lion, effort, threads, onFrames);
   for (const auto& [scene, result] : {std::pair{&plane, &plane_result}, {&lion, &lion_result}}) {
@@ -88,26 +98,27 @@ ReproduceSummary reproduce(const ReproduceRequest& request) {
     summary.rows.insert(summary.rows.end(), result->rows.begin(), result->rows.end());
     const auto ratios = ratiosOf(result->rows, scene == &plane);
     facts.ratios.insert(facts.ratios.end(), ratios.begin(), ratios.end());
-    writeBytes(output.stage("figure6_" + scene->name + ".png"),
-               pngOf(gridOf(imagesOf(facts.scenes.back().figure6),
-                            {kOurs, "reference", "difference x " + decimal(kDifferenceGain, 0)})));
+    output.write(
+        kFigure6 + scene->name + ".png",
+        textOf(pngOf(gridOf(imagesOf(facts.scenes.back().figure6),
+                            {kOurs, "reference", "difference x " + decimal(kDifferenceGain, 0)}))));
   }
   facts.figure1 = figure1(gallery, effort.figure1_views, onFrames);
-  writeBytes(output.stage("figure1.png"),
-             pngOf(gridOf(imagesOf({facts.figure1}),
-                          {"mask in focus", "between the two", "bust in focus"})));
+  output.write(kFigure1,
+               textOf(pngOf(gridOf(imagesOf({facts.figure1}),
+                                   {"mask in focus", "between the two", "bust in focus"}))));
   if (!request.quick) {
     facts.growth = measureGrowth(kManySurfels, [&] { onFrames(1); });
     const auto ratios = ratiosOf(*facts.growth);
     facts.ratios.insert(facts.ratios.end(), ratios.begin(), ratios.end());
   }
 
-  writeText(output.stage("table1.csv"), csvOf(summary.rows));
+  output.write(kTable, csvOf(summary.rows));
   summary.ratios = facts.ratios;
   summary.growth = facts.growth;
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   facts.seconds = summary.seconds;
-  writeText(output.stage("reproduce.html"), reproducePage(facts));
+  output.write(kPage, reproducePage(facts));
   output.commit();
   return summary;
 }

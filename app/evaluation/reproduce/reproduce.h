@@ -23,7 +23,12 @@ struct ReproduceSummary {
   std::vector<ReproduceRow> rows = {};
   std::vector<ReproduceRatio> ratios = {};
   std::optional<Growth> growth = {};
+  bool quick = false;  ///< the figures scatter too much to be judged
 };
+
+/// The files in `out` that `reproduce` writes. The figures 6 are named for their scenes: these are
+/// the figures that are there already.
+std::vector<std::filesystem::path> reproduceFiles(const std::filesystem::path& out);
 
 /// Writes table1.csv, reproduce.html, figure1.png and figure6_SCENE.png of both scenes to `out`. If
 /// it throws, it leaves nothing there. Progress goes to standard error.

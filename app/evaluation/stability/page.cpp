@@ -59,9 +59,9 @@ Plot stabilityPanelOf(const StabilityPlan& plan, const StabilityScene& scene,
                       const std::vector<StabilityPoint>& points, bool titled) {
   const auto names = scoredIn(plan, scene);
   const auto scores = scoresOf(scene, points);
-  Plot plot{.title = titled ? scene.name + ": " + scene.what : "",
-            .end_labels = true,
-            .size_px = kStabilityPanel_px};
+  const std::string name = scene.name + ": " + scene.what;
+  Plot plot{
+      .title = titled ? name : "", .name = name, .end_labels = true, .size_px = kStabilityPanel_px};
   std::vector<double> heights = {scene.good};
   for (std::size_t by = 0; by < names.size(); ++by) {
     PlotSeries line{
@@ -146,7 +146,11 @@ void writeStrip(std::ostream& out, const StabilityPlan& plan, const StabilitySce
 
 std::string stabilityPage(const StabilityPlan& plan, const std::vector<StabilityPoint>& points) {
   std::ostringstream out;
-  out << pageStart("foci chart --stability",
+  std::string scenes;
+  for (const StabilityScene& scene : plan.scenes) {
+    scenes += (scenes.empty() ? "" : ", ") + scene.name;
+  }
+  out << pageStart("foci chart --stability: " + scenes + (plan.quick ? " (quick)" : ""),
                    std::string(kEvaluationStyle) + kChartStyle + kStabilityStyle)
       << "<h1>Depth of field: where methods fail</h1>\n<p class=\"quiet\">foci " FOCI_VERSION
       << (plan.quick ? " &middot; a quick look: three values for each dial" : "")

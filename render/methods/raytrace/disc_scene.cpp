@@ -2,19 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "render/kernel/kernel.h"
 #include "render/kernel/limits.h"
 
 namespace foci {
 namespace {
-
-#if defined(__SANITIZE_THREAD__)
-constexpr const char* kDevice = "threads=1";  // the sanitizer cannot follow Embree's own threads
-#else
-constexpr const char* kDevice = nullptr;
-#endif
 
 /// The kernel's weight at an offset from the splat's centre, seen through a lens point. It equals
 /// the projection's weight (render/splat/project.cpp).
@@ -63,9 +56,7 @@ DiscScene::DiscScene(const std::vector<SeenSurfel>& surfels, const Defocus& defo
   // Scale v so that a dioptre is as long as the largest shift of a line over a dioptre.
   const float steepest = std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y);
   px_per_D_ = steepest > 0.0f && std::isfinite(steepest) ? steepest : 1.0f;
-  device_ = rtcNewDevice(kDevice);
-  if (!device_) throw std::runtime_error("Embree: cannot be started");
-  RTCGeometry discs = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT);
+  RTCGeometry discs = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT);
   auto* vertices = static_cast<glm::vec4*>(rtcSetNewGeometryBuffer(
       discs, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(glm::vec4), surfels.size()));
   auto* normals = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
@@ -78,20 +69,8 @@ DiscScene::DiscScene(const std::vector<SeenSurfel>& surfels, const Defocus& defo
     furthest_ = std::max(furthest_, disc.z + 1.0f);
   }
   rtcSetGeometryOccludedFilterFunction(discs, gather);
-  rtcCommitGeometry(discs);
-  scene_ = rtcNewScene(device_);
-  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-  rtcAttachGeometry(scene_, discs);
-  rtcReleaseGeometry(discs);
-  rtcCommitScene(scene_);
-  const bool failed = rtcGetDeviceError(device_) != RTC_ERROR_NONE;
-  if (failed) {
-    release();
-    throw std::runtime_error("Embree: cannot build the scene of discs");
-  }
+  scene_.build(discs);
 }
-
-DiscScene::~DiscScene() { release(); }
 
 void DiscScene::trace(const glm::vec2& pixel, const glm::vec2& lens, std::vector<Hit>& hits) const {
   hits.clear();
@@ -116,7 +95,7 @@ void DiscScene::trace(const glm::vec2& pixel, const glm::vec2& lens, std::vector
   ray.dir_z = 1.0f;
   ray.tfar = furthest_ - nearest_;
   ray.mask = ~0u;
-  rtcOccluded1(scene_, &line.context, &ray);
+  rtcOccluded1(scene_.get(), &line.context, &ray);
   std::sort(hits.begin(), hits.end(),
             [](const Hit& a, const Hit& b) { return a.surfel < b.surfel; });
 }
@@ -130,11 +109,6 @@ glm::vec4 DiscScene::discOf(const SeenSurfel& surfel) const {
   const float z = surfel.vergence_D * px_per_D_;
   const float rounding = 1e-5f * (std::abs(surfel.center_px.x) + std::abs(surfel.center_px.y) + z);
   return {surfel.center_px, z, 1.001f * radius + rounding};
-}
-
-void DiscScene::release() {
-  if (scene_) rtcReleaseScene(scene_);
-  rtcReleaseDevice(device_);
 }
 
 }  // namespace foci

@@ -1,12 +1,11 @@
 // Which surfels a pixel sees through a point of the lens, found by Embree.
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "render/methods/raytrace/embree_scene.h"
 #include "render/methods/raytrace/seen_surfel.h"
 #include "render/optics/defocus.h"
 
@@ -34,9 +33,6 @@ class DiscScene {
   /// @param surfels, defocus  must outlive the scene
   /// Throws std::runtime_error where Embree fails.
   DiscScene(const std::vector<SeenSurfel>& surfels, const Defocus& defocus);
-  ~DiscScene();
-  DiscScene(const DiscScene&) = delete;
-  DiscScene& operator=(const DiscScene&) = delete;
 
   /// The surfels that the pixel centre sees through a point of the lens (in lens radii), in the
   /// order of `surfels`.
@@ -44,14 +40,12 @@ class DiscScene {
 
  private:
   glm::vec4 discOf(const SeenSurfel& surfel) const;
-  void release();
 
   const std::vector<SeenSurfel>& surfels_;
   const Defocus& defocus_;
   float px_per_D_ = 1.0f;
   float nearest_ = 0.0f, furthest_ = 0.0f;
-  RTCDevice device_ = nullptr;
-  RTCScene scene_ = nullptr;
+  EmbreeScene scene_;
 };
 
 }  // namespace foci

@@ -264,7 +264,10 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
   estimateNormals(points.position_m, near, settings.viewpoint_m, points.normal);
   std::vector<std::uint64_t> sheet = sameSheet(points.position_m, points.normal, near);
   const bool oriented = given_normals && agree(points.normal, near, sheet);
-  const std::vector<float> spacing = spacings(near, sheet, settings.lone_spacing_m);
+  const bool areas_known = points.area_m2.has_value();
+  const std::vector<float> spacing =
+      areas_known ? std::vector<float>(points.size(), std::sqrt(*points.area_m2))
+                  : spacings(near, sheet, settings.lone_spacing_m);
 
   std::vector<float> sigma(points.size());
   for (std::size_t i = 0; i < sigma.size(); ++i) {
@@ -277,8 +280,9 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
     near = findNeighbours(points.position_m, kSolveNeighbours);
     sheet = sameSheet(points.position_m, points.normal, near);
   }
-  std::vector<float> weight = solveKernels({points.position_m, points.normal, near, sheet, spacing},
-                                           effortOf(settings), sigma);
+  std::vector<float> weight =
+      solveKernels({points.position_m, points.normal, near, sheet, spacing, areas_known},
+                   effortOf(settings), sigma);
   near = {};
   SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
   cloud.oriented = oriented;

@@ -38,7 +38,7 @@ constexpr bool kChecksums = false;  // a fuzzer would never pass them
 constexpr bool kChecksums = true;
 #endif
 
-struct Header {
+struct FociHeader {
   std::array<unsigned char, 8> magic = kMagic;
   std::uint32_t version = kVersion;
   std::uint32_t flags = 0;
@@ -48,7 +48,7 @@ struct Header {
   std::array<std::uint64_t, 2> zero{};
   std::uint64_t header_checksum = 0;
 };
-static_assert(sizeof(Header) == 64);
+static_assert(sizeof(FociHeader) == 64);
 
 /// FNV-1a over words of eight bytes, the last one padded with zeros. Each step is a bijection of
 /// the state, so a change within one word always changes the result.
@@ -71,9 +71,9 @@ class Checksum {
   std::uint64_t state_ = 0xcbf29ce484222325;
 };
 
-std::uint64_t checksumOf(const Header& header) {
+std::uint64_t checksumOf(const FociHeader& header) {
   Checksum sum;
-  sum.add({reinterpret_cast<const unsigned char*>(&header), offsetof(Header, header_checksum)});
+  sum.add({reinterpret_cast<const unsigned char*>(&header), offsetof(FociHeader, header_checksum)});
   return sum.value();
 }
 
@@ -103,7 +103,7 @@ std::uint64_t bytesASurfel(std::uint32_t flags) {
 class Map {
  public:
   explicit Map(const std::filesystem::path& path) {
-    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     struct stat status {};
     if (file < 0 || ::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
       if (file >= 0) ::close(file);
@@ -147,6 +147,8 @@ bool sound(const SurfelCloud& cloud, std::size_t i) {
 }  // namespace
 
 bool isSceneFile(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;  // a pipe never ends
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
                                                              &std::fclose);
   // Half of the magic is enough; the rest shows how a transfer has altered the file.
@@ -160,10 +162,10 @@ void writeSceneFile(const std::filesystem::path& path, const SurfelCloud& cloud)
   const std::array arrays = {bytesOf(cloud.position_m), bytesOf(cloud.axis_u_m),
                              bytesOf(cloud.axis_v_m),   bytesOf(cloud.color),
                              bytesOf(cloud.area_m2),    bytesOf(cloud.opacity)};
-  Header header;
+  FociHeader header;
   header.flags = (cloud.oriented ? kOriented : 0) | (cloud.opacity.empty() ? 0 : kWithOpacity);
   header.surfels = cloud.size();
-  header.file_bytes = sizeof(Header) + cloud.size() * bytesASurfel(header.flags);
+  header.file_bytes = sizeof(FociHeader) + cloud.size() * bytesASurfel(header.flags);
   Checksum content;
   for (const auto& array : arrays) content.add(checksumOf(array));
   header.content_checksum = content.value();
@@ -191,10 +193,10 @@ SurfelCloud readSceneFile(const std::filesystem::path& path) {
       std::memcmp(bytes.data(), kMagic.data(), std::min<std::size_t>(start, 4)) != 0) {
     refuse("is not a .foci scene");
   }
-  if (bytes.size() < sizeof(Header)) {
+  if (bytes.size() < sizeof(FociHeader)) {
     refuse("is cut short: " + std::to_string(bytes.size()) + " bytes, a header has 64");
   }
-  Header header;
+  FociHeader header;
   std::memcpy(&header, bytes.data(), sizeof(header));
   if (header.magic != kMagic) refuse("was altered, as by a transfer as text");
   if (header.version > kVersion) {
@@ -209,7 +211,7 @@ SurfelCloud readSceneFile(const std::filesystem::path& path) {
   const std::uint64_t surfel_bytes = bytesASurfel(header.flags);
   if (header.surfels == 0) refuse("has no surfels");
   if (header.surfels > std::numeric_limits<std::uint32_t>::max() - 1 ||
-      header.file_bytes != sizeof(Header) + header.surfels * surfel_bytes) {
+      header.file_bytes != sizeof(FociHeader) + header.surfels * surfel_bytes) {
     refuse("is not a .foci scene: its sizes contradict each other");
   }
   if (bytes.size() != header.file_bytes) {
@@ -217,7 +219,7 @@ SurfelCloud readSceneFile(const std::filesystem::path& path) {
            std::to_string(bytes.size()) + " bytes of " + std::to_string(header.file_bytes));
   }
 
-  std::size_t at = sizeof(Header);
+  std::size_t at = sizeof(FociHeader);
   Checksum content;
   const std::size_t count = header.surfels;
   const auto take = [&](std::size_t entry_bytes) {

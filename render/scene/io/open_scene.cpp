@@ -1,22 +1,93 @@
 #include "render/scene/io/open_scene.h"
 
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
 #include <utility>
 
+#include "base/file.h"
 #include "base/input_error.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/io/foci_file.h"
+#include "render/scene/io/las.h"
+#include "render/scene/io/mesh.h"
 #include "render/scene/io/ply.h"
+#include "render/scene/io/scan_values.h"
+#include "render/scene/io/text_points.h"
 
 namespace foci {
+namespace {
 
-PointCloud openPoints(const std::filesystem::path& path, double scale_m,
-                      const MeshSampling& sampling) {
-  requireRegularFile(path);
-  PointCloud points = isMeshFile(path) ? sampleMesh(path, sampling) : readPly(path);
-  const auto scale = static_cast<float>(scale_m);
+constexpr std::string_view kPdal = "CloudCompare, or pdal translate IN OUT.ply, makes a PLY of it";
+constexpr std::string_view kBlender = "Blender can export it as glTF";
+
+/// Formats that foci does not read, and what converts them.
+struct Converter {
+  std::string_view extension, how;
+};
+constexpr std::array kConverters = {
+    Converter{".e57", kPdal},    Converter{".pcd", kPdal},     Converter{".ptx", kPdal},
+    Converter{".dae", kBlender}, Converter{".3ds", kBlender},  Converter{".blend", kBlender},
+    Converter{".usd", kBlender}, Converter{".usdc", kBlender}, Converter{".usdz", kBlender},
+};
+
+/// @throws InputError for a format that is known and not read
+void refuseUnread(const std::filesystem::path& path) {
+  const std::string extension = lowerExtension(path);
+  const auto* found =
+      std::find_if(kConverters.begin(), kConverters.end(),
+                   [&](const Converter& each) { return each.extension == extension; });
+  if (found == kConverters.end()) return;
+  throw InputError(path.string(), "foci does not read " + extension.substr(1) +
+                                      " files: " + std::string(found->how));
+}
+
+bool hasSceneExtension(const std::filesystem::path& path) {
+  static constexpr std::array<std::string_view, 12> kRead = {".foci", ".ply", ".obj", ".gltf",
+                                                             ".glb",  ".stl", ".fbx", ".las",
+                                                             ".laz",  ".xyz", ".pts", ".asc"};
+  const std::string extension = lowerExtension(path);
+  return std::find(kRead.begin(), kRead.end(), extension) != kRead.end() ||
+         std::any_of(kConverters.begin(), kConverters.end(),
+                     [&](const Converter& each) { return each.extension == extension; });
+}
+
+PointCloud readPoints(const std::filesystem::path& path) {
+  if (isLasFile(path)) return readLas(path);
+  if (isTextPointsFile(path)) return readTextPoints(path);
+  refuseUnread(path);
+  return readPly(path);
+}
+
+TriangleMesh scaledMesh(const std::filesystem::path& path, float scale) {
+  TriangleMesh mesh = readMesh(path);
+  for (glm::vec3& corner_m : mesh.corners_m) corner_m *= scale;
+  return mesh;
+}
+
+PointCloud scaledPoints(const std::filesystem::path& path, float scale) {
+  PointCloud points = readPoints(path);
   for (glm::vec3& position_m : points.position_m) position_m *= scale;
   for (float& radius_m : points.radius_m) radius_m *= scale;
   return points;
+}
+
+}  // namespace
+
+OpenedPoints openPoints(const std::filesystem::path& path, double scale_m,
+                        const MeshSampling& sampling) {
+  requireRegularFile(path);
+  const auto scale = static_cast<float>(scale_m);
+  if (isLasFile(path) || !isMeshFile(path)) return {scaledPoints(path, scale), nullptr};
+  const auto mesh = std::make_shared<const TriangleMesh>(scaledMesh(path, scale));
+  return {sampleMesh(*mesh, path, sampling), mesh};
+}
+
+bool isScene(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return hasSceneExtension(path);
+  return hasSceneExtension(path) || isSceneFile(path) || isLasFile(path) || isTextPointsFile(path);
 }
 
 OpenedScene openScene(const std::filesystem::path& path, double scale_m,
@@ -29,11 +100,14 @@ OpenedScene openScene(const std::filesystem::path& path, double scale_m,
       for (glm::vec3& length_m : *lengths_m) length_m *= scale;
     }
     for (float& area_m2 : cloud.area_m2) area_m2 *= scale * scale;
-    return {std::move(cloud), 0};
+    return {std::move(cloud), 0, {}};
   }
-  PointCloud points = openPoints(path, scale_m);
-  const std::size_t dropped = points.dropped;
-  return {surfelsFromPoints(std::move(points), {.viewpoint_m = viewpoint_m}), dropped};
+  OpenedPoints opened = openPoints(path, scale_m);
+  const std::size_t dropped = opened.points.dropped;
+  std::vector<std::string> remarks = std::move(opened.points.remarks);
+  SurfelCloud cloud = surfelsFromPoints(std::move(opened.points), {.viewpoint_m = viewpoint_m});
+  cloud.mesh = std::move(opened.mesh);
+  return {std::move(cloud), dropped, std::move(remarks)};
 }
 
 }  // namespace foci

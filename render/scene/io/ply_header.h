@@ -1,5 +1,5 @@
-// Reads the header of a PLY file, and the bytes after it in blocks. Private to the readers of PLY
-// and meshes.
+// Reads the header of a PLY file, and the bytes after it in blocks. Private to the readers of
+// scenes, which all read through `Input`.
 #pragma once
 
 #include <array>

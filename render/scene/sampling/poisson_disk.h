@@ -18,6 +18,10 @@ struct MeshPoint {
 /// spacing^2; `PoissonDisk` tests check it.
 inline constexpr float kPoissonDistance = 0.8f;
 
+/// Mean area of a point over spacing^2: what the darts leave open. Measured on smooth surfaces;
+/// `PoissonDisk` tests check it.
+inline constexpr double kPoissonArea = 1.107;
+
 /// Dart throwing (Cook 1986) from a fixed seed, with many more darts than points. Points on the two
 /// sides of a thin sheet may be closer.
 /// @param corners_m  three for each triangle, finite; counter-clockwise from outside

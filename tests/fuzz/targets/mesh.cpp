@@ -1,5 +1,6 @@
 // Meshes. The first byte chooses the format.
 #include "render/scene/io/mesh.h"
+#include "render/scene/mesh/sample_mesh.h"
 #include "tests/fuzz/harness.h"
 
 // Assimp leaks memory of files that it refuses (about 2 kB for an ASCII STL).
@@ -7,11 +8,11 @@ extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp"; 
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   if (size == 0) return 0;
-  constexpr const char* kNames[] = {"input.obj", "input.stl", "input.gltf", "input.glb",
-                                    "input.ply"};
-  const auto file = foci::fuzz::asFile(kNames[bytes[0] % 5], bytes + 1, size - 1);
+  constexpr const char* kNames[] = {"input.obj", "input.stl", "input.gltf",
+                                    "input.glb", "input.ply", "input.fbx"};
+  const auto file = foci::fuzz::asFile(kNames[bytes[0] % 6], bytes + 1, size - 1);
   foci::fuzz::readWithinLimits(size, [&] {
-    if (foci::isMeshFile(file)) foci::sampleMesh(file, {.points = 1000});
+    if (foci::isMeshFile(file)) foci::sampleMesh(foci::readMesh(file), file, {.points = 1000});
   });
   return 0;
 }

@@ -243,6 +243,20 @@ TEST(PlotAxis, HoldsItsValuesBetweenRoundTicks) {
   EXPECT_EQ(time.ticks.back().text, "10 s");
 }
 
+TEST(Plot, DescribesItselfInWords) {
+  Plot plot{.name = "n", .x = timeAxis("time", {1.0, 100.0}), .y = linearAxis("dB", {0.0, 10.0})};
+  plot.series = {
+      {.name = "s", .color = "#000000", .points = {{.x = 3.0, .y = 4.4}, {.x = 100.0, .y = 9.5}}}};
+  const Drawing drawing = layOut(plot);
+  EXPECT_EQ(drawing.title, "n");
+  EXPECT_NE(drawing.description.find("Across: time, from 1 ms to 100 ms."), std::string::npos);
+  EXPECT_NE(drawing.description.find("s: 4.4 at 3 ms to 9.5 at 100 ms, 2 points."),
+            std::string::npos)
+      << drawing.description;
+  // An image without links is one thing for a screen reader.
+  EXPECT_NE(svgOf(drawing).find("role=\"img\""), std::string::npos);
+}
+
 TEST(Plot, PutsPointsWhereTheAxesSay) {
   Plot plot{.x = timeAxis("", {1.0, 100.0}), .y = linearAxis("", {0.0, 10.0})};
   plot.series = {
@@ -301,6 +315,11 @@ TEST(ChartPanel, LinksEveryPointToItsImageAndDrawsTheFrontier) {
   const std::string svg = svgOf(drawing);
   EXPECT_NE(svg.find("a &lt; b"), std::string::npos);
   EXPECT_NE(svg.find("href=\"images/s_4px_sweep.png\""), std::string::npos);
+  // Screen readers: links are reachable, and the chart has a name and a text.
+  EXPECT_NE(svg.find("role=\"group\""), std::string::npos);
+  EXPECT_NE(svg.find("aria-label=\"a &lt; b\""), std::string::npos);
+  EXPECT_NE(svg.find("<title>a &lt; b</title>"), std::string::npos);
+  EXPECT_NE(svg.find("<desc>Across: time per frame"), std::string::npos);
 }
 
 TEST(SceneInView, BlurGrowsWithTheAperture) {

@@ -13,6 +13,7 @@
 #include <sstream>
 #include <thread>
 
+#include "app/live/record.h"
 #include "app/live/refiner.h"
 #include "app/live/remote_control.h"
 #include "app/live/renderer.h"
@@ -91,6 +92,24 @@ class Live : public testing::Test {
   TemporaryFolder scratch;
   Study study;
 };
+
+TEST_F(Live, SaysWhetherTheSceneIsInViewAndHowLargeItIs) {
+  const LiveClock clock;
+  GazeFeed feed(jumping(100.0), clock);
+  LiveRenderer renderer(study, feed, clock, "foci live", 1, [] {});
+  const auto inViewAfter = [&](const std::string& look_at_m) {
+    auto changed = renderer.change("eye.look_at_m", look_at_m);
+    while (changed.wait_for(std::chrono::milliseconds(1)) != std::future_status::ready) {
+      renderer.take(clock.now_s());
+    }
+    EXPECT_EQ(changed.get(), "");
+    return renderer.state().in_view;
+  };
+  EXPECT_TRUE(inViewAfter("[0, 0, -2]"));
+  EXPECT_NEAR(renderer.state().scene_m, 1.95, 1e-3);  // 40 columns
+  EXPECT_FALSE(inViewAfter("[0, 0, 1]"));
+  EXPECT_TRUE(inViewAfter("[0.1, 0, -1]"));
+}
 
 TEST_F(Live, RecordReplaysToTheSameImagesAndEvents) {
   const fs::path folder = scratch.path() / "record";
@@ -385,6 +404,15 @@ TEST(MethodOfFrame, IsTheFastestInASaccadeExceptForAuto) {
   for (const GazeState state : {GazeState::fixation, GazeState::pursuit, GazeState::lost}) {
     record.eye.state = state;
     EXPECT_EQ(methodOfFrame(study, record), "sweep-lod");
+  }
+}
+
+TEST(LiveRecord, ReplacesNoFile) {
+  for (const char* name : {"study.toml", "frames.tsv", "manifest.json"}) {
+    const TemporaryFolder folder;
+    folder.write(name, "mine");
+    EXPECT_THROW(LiveRecord(folder.path(), Study{}, defaultScreen(), 250.0, "", 1), InputError);
+    EXPECT_EQ(folder.read(name), "mine");
   }
 }
 

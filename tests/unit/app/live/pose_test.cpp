@@ -7,6 +7,12 @@
 namespace foci {
 namespace {
 
+TEST(LivePose, AStepIsAShareOfTheScene) {
+  EXPECT_DOUBLE_EQ(liveStep_m(12.0), 2.0 * liveStep_m(6.0));
+  EXPECT_DOUBLE_EQ(liveStep_m(6.0), 0.05);  // the gallery
+  EXPECT_GT(liveStep_m(0.0), 0.0);          // not loaded yet
+}
+
 TEST(LivePose, MovesLevelAndTurnsAroundTheEye) {
   LivePose pose({0, 1, 0}, {0, 0.5, -2}, {0, 1, 0});
   constexpr double kRounding = 1e-12;

@@ -61,7 +61,7 @@ TEST_F(PrepareScene, MakesASceneAndAReportOfAMesh) {
   const std::string page{std::istreambuf_iterator<char>(report), {}};
   EXPECT_NE(page.find("</html>"), std::string::npos);
   EXPECT_NE(page.find("<svg"), std::string::npos);
-  EXPECT_EQ(files(), 3u);  // no temporary file is left
+  EXPECT_EQ(files(), 4u);  // mesh, scene, report and .foci-outputs: no temporary file is left
 }
 
 TEST_F(PrepareScene, CountsThePointsLeftOut) {

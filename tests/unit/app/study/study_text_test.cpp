@@ -29,6 +29,28 @@ TEST(StudyText, AsTomlIsTheSameStudy) {
   }
 }
 
+TEST(StudyText, AnnotatedIsTheSameStudyWithItsMeaning) {
+  const TemporaryFolder scratch;
+  Study study;
+  study.scene.file = scratch.path() / "scans/lion.ply";
+  study.scene.scale_m = 0.01;
+  study.eye.position_m = glm::dvec3(0.1, 1.0 / 3.0, 2e-7);
+  study.eye.look_at_m = glm::dvec3(0.0);
+  study.eye.up = {0, 0, 1};
+  study.observer.pupil_mm = 6.5;
+  const std::string text = annotatedStudyToml(study, scratch.path(), "first\nsecond");
+  EXPECT_TRUE(text.starts_with("# first\n# second\n")) << text;
+  EXPECT_NE(text.find("file = \"scans/lion.ply\""), std::string::npos) << text;
+  EXPECT_EQ(text.find("fps"), std::string::npos) << text;  // as by default
+  EXPECT_NE(text.find("pupil_mm = 6.5  # diameter"), std::string::npos) << text;
+  const auto before = resolvedKeys(study),
+             after = resolvedKeys(readStudy(scratch.write("study.toml", text)));
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_EQ(before[i].json, after[i].json) << before[i].name;
+  }
+}
+
 TEST(StudyKeys, PageIsCurrent) {
   EXPECT_EQ(textOf(std::filesystem::path(FOCI_SOURCE_DIR) / "docs/studies.md"), studyKeysMarkdown())
       << "foci keys --markdown > docs/studies.md";

@@ -95,6 +95,11 @@ TEST(ReadPupil, LinesOfSightBecomePointsAndLowConfidenceIsDataLoss) {
       "10.02,0,1.0,0.5,0.5,a,0.0,0.1,0.995,,,,20,15,-20\n";
   const GazeTrace trace = read(text);
   EXPECT_EQ(trace.format, "Pupil Core export, binocular");
+  // Lines of sight are degrees, whatever screen is known.
+  const TraceHeader header =
+      streamTrace(ScratchFile(text).path(), {}, {}, [](const GazeSample&) {});
+  EXPECT_EQ(header.units, GazeUnits::deg);
+  EXPECT_TRUE(header.nominal_screen);
   // Straight ahead is the screen's centre. The camera's y points down, as the screen's does.
   EXPECT_LT(glm::distance(*trace.samples[0].point_px, glm::dvec2(960, 540)), kRounding);
   EXPECT_EQ(trace.samples[0].confidence, 0.9);
@@ -117,6 +122,8 @@ TEST(ReadNeon, NanosecondsPixelsAndBlinks) {
   EXPECT_TRUE(trace.samples[1].blink);
   EXPECT_FALSE(trace.samples[1].point_px);
   EXPECT_NEAR(trace.rate_Hz, 200.0, 0.1);
+  ASSERT_EQ(trace.warnings.size(), 1u);
+  EXPECT_NE(trace.warnings[0].find("a scene camera on the head"), std::string::npos);
 }
 
 TEST(ReadGazeBase, DegreesAndItsValidity) {

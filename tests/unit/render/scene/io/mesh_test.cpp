@@ -12,6 +12,7 @@
 #include "base/input_error.h"
 #include "render/scene/io/foci_file.h"
 #include "render/scene/io/open_scene.h"
+#include "render/scene/mesh/sample_mesh.h"
 #include "render/scene/sampling/poisson_disk.h"
 #include "tests/temporary_folder.h"
 
@@ -26,6 +27,10 @@ std::vector<glm::vec3> quad() {
   return {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 0, 0}, {2, 1, 0}, {0, 1, 0}};
 }
 
+PointCloud sampled(const std::filesystem::path& path, const MeshSampling& sampling) {
+  return sampleMesh(readMesh(path), path, sampling);
+}
+
 glm::vec3 at(const std::vector<glm::vec3>& corners, const MeshPoint& point) {
   const glm::vec3 a = corners[3 * point.triangle];
   return a + point.weights.x * (corners[3 * point.triangle + 1] - a) +
@@ -37,6 +42,9 @@ TEST(PoissonDisk, KeepsItsSmallestDistanceAndFillsTheSurface) {
   const auto corners = quad();
   const std::vector<MeshPoint> points = poissonDisk(corners, spacing);
   EXPECT_NEAR(static_cast<double>(points.size()) * spacing * spacing / 2.0, 1.0, kCount);
+  // Points on the quad's border stand for less than a whole area: one spacing along its outline.
+  const double inner = 2.0 / (static_cast<double>(points.size()) * spacing * spacing);
+  EXPECT_NEAR(inner, kPoissonArea, 0.06);
   const float least = kPoissonDistance * static_cast<float>(spacing);
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -109,7 +117,7 @@ class MeshTest : public testing::Test {
 
   std::string refusal(const std::filesystem::path& path) {
     try {
-      sampleMesh(path, {.points = 100});
+      sampled(path, {.points = 100});
     } catch (const InputError& error) {
       const std::string what = error.what();
       EXPECT_EQ(what.find('\n'), std::string::npos) << what;
@@ -123,7 +131,7 @@ class MeshTest : public testing::Test {
 };
 
 TEST_F(MeshTest, TakesColoursFromATexture) {
-  const PointCloud points = sampleMesh(texturedQuad(), {.points = 2000});
+  const PointCloud points = sampled(texturedQuad(), {.points = 2000});
   EXPECT_NEAR(static_cast<double>(points.size()), 2000.0, 2000.0 * kCount);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const glm::vec3 p = points.position_m[i];
@@ -146,7 +154,7 @@ TEST_F(MeshTest, AveragesATextureFinerThanItsPoints) {
   const auto path = file("q.obj",
                          "mtllib q.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
                          "usemtl m\nf 1/1 2/2 3/3\n");
-  for (const glm::vec3& color : sampleMesh(path, {.points = 500}).color) {
+  for (const glm::vec3& color : sampled(path, {.points = 500}).color) {
     EXPECT_NEAR(color.x, 0.5f, kByte);  // of the light, not of its code
   }
 }
@@ -159,26 +167,34 @@ TEST_F(MeshTest, TakesColoursFromVertices) {
                          "property list uchar int vertex_indices\nend_header\n"
                          "0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n3 0 1 2\n");
   EXPECT_TRUE(isMeshFile(path));
-  const PointCloud points = sampleMesh(path, {.points = 500});
+  const PointCloud points = sampled(path, {.points = 500});
   for (std::size_t i = 0; i < points.size(); ++i) {
     const glm::vec3 p = points.position_m[i];
     EXPECT_LT(glm::distance(points.color[i], {1.0f - p.x - p.y, p.x, p.y}), kByte);
   }
 }
 
-TEST_F(MeshTest, ShadesAMeshWithoutColours) {
-  const auto path = file("t.stl",
-                         "solid t\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 0 1\n"
-                         "vertex 1 0 0\nendloop\nendfacet\nfacet normal 0 0 0\nouter loop\n"
-                         "vertex 0 -9 0\nvertex 1 -9 0\nvertex 0 -9 1\nendloop\nendfacet\n"
-                         "endsolid t\n");
-  const PointCloud points = sampleMesh(path, {.points = 200});
-  float upper = 0.0f, lower = 0.0f;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    (points.normal[i].y > 0.0f ? upper : lower) = points.color[i].x;
+TEST_F(MeshTest, ShowsTheColourOfTheMaterialWithoutLight) {
+  file("m.mtl", "newmtl m\nKd 1 0.5 0\n");
+  const auto path = file("t.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+  for (const glm::vec3& color : sampled(path, {.points = 200}).color) {
+    EXPECT_LT(glm::distance(color, {1.0f, 0.2140f, 0.0f}), 1e-3f);  // sRGB 0.5
   }
-  EXPECT_GT(lower, 0.0f);
-  EXPECT_GT(upper, 2.0f * lower);
+}
+
+TEST_F(MeshTest, ChoosesPointsFromTheMeshsDetail) {
+  // A coarse quad needs the least; its texture of 4096 x 2048 px shows on a screen of 1080 rows.
+  const auto pointsOf = [&](const std::filesystem::path& path) {
+    return defaultPoints(readMesh(path));
+  };
+  EXPECT_EQ(pointsOf(texturedQuad()), kMinPoints);
+  cv::imwrite((folder_ / "fine.png").string(), cv::Mat(2048, 4096, CV_8UC1, cv::Scalar(128)));
+  file("fine.mtl", "newmtl m\nmap_Kd fine.png\n");
+  const auto fine = file("fine.obj",
+                         "mtllib fine.mtl\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\n"
+                         "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n");
+  const double pixel = std::sqrt(5.0) / kScreenRows;  // the quad's diagonal fills the rows
+  EXPECT_NEAR(static_cast<double>(pointsOf(fine)), std::max(2.0 / (pixel * pixel), 5e5), 1e4);
 }
 
 TEST_F(MeshTest, ReadsGltfWithItsNodesMoved) {
@@ -193,7 +209,7 @@ TEST_F(MeshTest, ReadsGltfWithItsNodesMoved) {
                         "min":[0,0,0],"max":[1,1,0]}],
           "bufferViews":[{"buffer":0,"byteLength":36}],
           "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
-  const PointCloud points = sampleMesh(path, {.points = 300});
+  const PointCloud points = sampled(path, {.points = 300});
   EXPECT_GT(points.size(), 200u);
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_FLOAT_EQ(points.position_m[i].z, -5.0f);
@@ -210,7 +226,7 @@ TEST_F(MeshTest, LeavesOutHolesThatTheTextureCuts) {
   const auto path = file("q.obj",
                          "mtllib q.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
                          "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n");
-  const PointCloud points = sampleMesh(path, {.points = 1000});
+  const PointCloud points = sampled(path, {.points = 1000});
   EXPECT_NEAR(static_cast<double>(points.size()), 500.0, 500.0 * kCount);
   for (const glm::vec3& p : points.position_m) EXPECT_TRUE(p.x > 0.4f || p.x < 0.1f);
 }
@@ -220,7 +236,7 @@ TEST_F(MeshTest, SkipsFacesWithoutCorners) {
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
       "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
       "0 0 0\n1 0 0\n0 1 0\n";
-  const PointCloud points = sampleMesh(file("one.ply", vertices + "0\n3 0 1 2\n"), {.points = 500});
+  const PointCloud points = sampled(file("one.ply", vertices + "0\n3 0 1 2\n"), {.points = 500});
   EXPECT_NEAR(static_cast<double>(points.size()), 500.0, 500.0 * kCount);
   EXPECT_NE(refusal(file("none.ply", vertices + "0\n0\n")), "");
 }
@@ -242,16 +258,35 @@ TEST_F(MeshTest, RefusesOtherFiles) {
                          "property list uchar int vertex_indices\nend_header\n"
                          "0 0 0\n1 0 0\n0 1 0\n3 0 1 900\n")),
             "");
-  file("q.mtl", "newmtl m\nmap_Kd missing.png\n");
-  EXPECT_NE(refusal(file("q.obj",
-                         "mtllib q.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
-                         "usemtl m\nf 1/1 2/2 3/3\n"))
-                .find("missing.png"),
-            std::string::npos);
+}
+
+TEST_F(MeshTest, NamesMissingTexturesAndMaterialsAndShowsTheRest) {
+  const std::string faces =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n";
+  file("q.mtl", "newmtl m\nKd 0.9 0.1 0.1\nmap_Kd missing.png\n");
+  const PointCloud red = sampled(file("q.obj", "mtllib q.mtl\n" + faces), {.points = 100});
+  ASSERT_EQ(red.remarks.size(), 1u);
+  EXPECT_NE(red.remarks[0].find("\"missing.png\""), std::string::npos) << red.remarks[0];
+  EXPECT_GT(red.color[0].x, 2.0f * red.color[0].y);
+  const PointCloud grey = sampled(file("r.obj", "mtllib absent.mtl\n" + faces), {.points = 100});
+  ASSERT_EQ(grey.remarks.size(), 1u);
+  EXPECT_NE(grey.remarks[0].find("\"absent.mtl\""), std::string::npos) << grey.remarks[0];
+  EXPECT_TRUE(sampled(texturedQuad(), {.points = 100}).remarks.empty());
+}
+
+TEST_F(MeshTest, NamesTheCompressionOfAGltfThatItCannotRead) {
+  for (const char* name : {"EXT_meshopt_compression", "KHR_draco_mesh_compression"}) {
+    const std::string what = refusal(
+        file("t.gltf", R"({"asset":{"version":"2.0"},"extensionsUsed":[")" + std::string(name) +
+                           R"("],"extensionsRequired":["KHR_x",")" + name +
+                           R"("],"meshes":[{"primitives":[{"attributes":{"POSITION":9}}]}]})"));
+    EXPECT_NE(what.find(name), std::string::npos) << what;
+    EXPECT_NE(what.find("without compression"), std::string::npos) << what;
+  }
 }
 
 TEST_F(MeshTest, OpensLikeAPointCloudAndScaled) {
-  const PointCloud points = openPoints(texturedQuad(), 0.5, {.points = 1000});
+  const PointCloud points = openPoints(texturedQuad(), 0.5, {.points = 1000}).points;
   for (const glm::vec3& p : points.position_m) {
     ASSERT_TRUE(p.x >= 0.0f && p.x <= 1.0f && p.y >= 0.0f && p.y <= 0.5f);
   }

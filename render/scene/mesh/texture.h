@@ -1,4 +1,4 @@
-// A texture with its averaged levels (mipmaps). Private to the mesh reader.
+// A texture with its averaged levels (mipmaps). Private to the triangle mesh.
 #pragma once
 
 #include <array>

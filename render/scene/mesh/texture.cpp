@@ -1,4 +1,4 @@
-#include "render/scene/io/texture.h"
+#include "render/scene/mesh/texture.h"
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,78 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "app/cli/commands.h"
+#include "app/cli/option_values.h"
+#include "app/cli/study_options.h"
+#include "app/platform/json_text.h"
+#include "app/platform/output_files.h"
+#include "app/replay/render_image.h"
+#include "app/study/inputs.h"
+#include "app/study/scene_study.h"
+#include "app/study/scene_text.h"
+#include "base/input_error.h"
+
+namespace foci {
+namespace {
+
+constexpr glm::ivec2 kThumbnail_px(480, 270);
+
+struct InfoOptions {
+  std::string scene{}, thumbnail{}, look{}, up{};
+  bool overwrite = false;
+  bool json = false;
+};
+
+void runInfo(const InfoOptions& options) {
+  Study study = studyOfScene(options.scene);
+  const Look look = lookOf(options.look);
+  const std::optional<UpAxis> up = upOf(options.up);
+  if (!options.thumbnail.empty() && !options.thumbnail.ends_with(".png")) {
+    throw InputError("--thumbnail " + options.thumbnail, "expected a name that ends in .png");
+  }
+  checkOutputs({options.thumbnail}, inputFiles(study), options.overwrite);
+  const SceneFacts facts = readSceneFacts(options.scene);
+  const Framing framing =
+      framingOf(facts, {.screen = study.screenInForce(), .look = look, .up = up});
+  if (!options.thumbnail.empty()) {
+    frameScene(study, facts, framing);
+    study.output.size_px = kThumbnail_px;
+    renderImage(study, {.out = options.thumbnail, .depth = {}, .focus_D = {}, .gaze_px = {}});
+  }
+  if (options.json) {
+    nlohmann::ordered_json json = sceneJson(facts, framing);
+    if (!options.thumbnail.empty()) json["thumbnail"] = options.thumbnail;
+    std::puts(jsonText(json).c_str());
+    return;
+  }
+  std::fputs(sceneText(facts, framing).c_str(), stdout);
+  if (!options.thumbnail.empty()) std::printf("thumbnail %s\n", options.thumbnail.c_str());
+}
+
+}  // namespace
+
+void addInfoCommand(CLI::App& app) {
+  const auto options = std::make_shared<InfoOptions>();
+  CLI::App* command = app.add_subcommand("info",
+                                         "Say what a scene file holds: bounds, units, counts, "
+                                         "materials; and show it in a small image.\n"
+                                         "Example: foci info cow.obj --thumbnail cow.png");
+  command->add_option("SCENE", options->scene, "points, mesh or prepared scene")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--thumbnail", options->thumbnail, "also render the scene, 480x270 px")
+      ->type_name("FILE.png");
+  command->add_option("--look", options->look, "look from front, left or above")->type_name("FROM");
+  command->add_option("--up", options->up, "upward axis, x, y or z, or -x, -y or -z")
+      ->type_name("AXIS");
+  command->add_flag("--json", options->json, "print the facts as JSON");
+  addOverwriteFlag(*command, options->overwrite);
+  command->callback([options, command] {
+    refuseEmptyValues(*command);
+    runInfo(*options);
+  });
+}
+
+}  // namespace foci

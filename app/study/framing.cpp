@@ -1,0 +1,196 @@
+#include "app/study/framing.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <utility>
+#include <vector>
+
+#include "base/quantile.h"
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+constexpr double kStraysShare = 0.01;    // on each end of each axis
+constexpr double kStrayDistance = 0.25;  // of the longest side of the box
+constexpr double kFlat = 1.0 / 3.0;
+
+/// Unit vectors of a scene: upwards, and from it towards somebody who sees its front.
+struct SceneAxes {
+  glm::dvec3 up, front, right;  ///< right as somebody in front sees it
+};
+
+SceneAxes axesOf(const UpAxis& up) {
+  const double sign = up.negative ? -1.0 : 1.0;
+  glm::dvec3 upwards(0.0), front(0.0);
+  upwards[up.axis] = sign;
+  // glTF: y up, the front towards z. Surveys and CAD: z up, seen from -y.
+  if (up.axis == 2) {
+    front.y = -sign;
+  } else {
+    front.z = sign;
+  }
+  return {upwards, front, glm::cross(upwards, front)};
+}
+
+/// `x` with `digits` significant digits of `of`, so that a study is easy to read.
+double rounded(double x, double of, int digits) {
+  const double power = std::floor(std::log10(of)) - (digits - 1);
+  const double step = std::pow(10.0, std::abs(power));
+  return power < 0.0 ? std::round(x * step) / step : std::round(x / step) * step;
+}
+
+glm::dvec3 rounded(const glm::dvec3& p, double of, int digits) {
+  return {rounded(p.x, of, digits), rounded(p.y, of, digits), rounded(p.z, of, digits)};
+}
+
+bool isIn(const SceneBox& box, const glm::dvec3& p) {
+  return glm::all(glm::greaterThanEqual(p, box.low)) && glm::all(glm::lessThanEqual(p, box.high));
+}
+
+/// Distance from the middle of the box, units of the file. A point at (x, y, z) in the eye's axes
+/// from the middle, z towards the eye, has the tangents x / (d - z) and y / (d - z).
+double distanceOf(const SceneFacts& facts, const SceneBox& box, const glm::dmat3& eye_from_scene,
+                  const Screen& screen) {
+  const glm::dvec2 tangent = kFilledShare * 0.5 * screen.size_m / screen.distance_m;
+  double distance = 0.0;
+  for (const glm::vec3& point : facts.position) {
+    const glm::dvec3 p_scene = glm::dvec3(point);
+    if (!isIn(box, p_scene)) continue;
+    const glm::dvec3 p = eye_from_scene * (p_scene - box.middle());
+    distance =
+        std::max({distance, p.z + std::abs(p.x) / tangent.x, p.z + std::abs(p.y) / tangent.y});
+  }
+  const double one_point = 1.0;  // a scene of a single point has no size
+  return distance > 0.0 ? distance : one_point;
+}
+
+std::string sizeText(const glm::dvec3& size) {
+  const auto text = [](double x) {
+    return x > 0.0 ? exactText(rounded(x, x, 3)) : std::string("0");
+  };
+  return text(size.x) + " x " + text(size.y) + " x " + text(size.z);
+}
+
+void chooseScale(const SceneFacts& facts, double distance, Framing& framing) {
+  const double stated = facts.unit_m.value_or(1.0);
+  const std::string source = facts.unit_m
+                                 ? "as the " + nameOf(facts.kind) + " states"
+                                 : "a unit is taken for a metre, since the file states none";
+  framing.scale_m = stated;
+  framing.why_scale = source;
+  const double stated_m = stated * distance;
+  if (stated_m >= kNearest_m && stated_m <= kMostDistant_m) return;
+  const double middle_m = std::sqrt(0.5 * 5.0);
+  const double power = std::round(std::log10(middle_m / stated_m));
+  const double ten = std::pow(10.0, std::abs(power));
+  framing.scale_m = std::clamp(power < 0.0 ? stated / ten : stated * ten, 1e-6, 1e6);
+  framing.why_scale = "with " + exactText(stated) + " the eye would be " +
+                      exactText(rounded(stated_m, stated_m, 2)) + " m away";
+}
+
+}  // namespace
+
+double SceneBox::longest() const {
+  const glm::dvec3 sides = size();
+  return std::max({sides.x, sides.y, sides.z});
+}
+
+SceneBox boxWithoutStrays(std::span<const glm::vec3> points) {
+  assert(!points.empty());
+  SceneBox core;
+  std::vector<float> along(points.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < points.size(); ++i) along[i] = points[i][axis];
+    core.low[axis] = quantile(along, kStraysShare);
+    core.high[axis] = quantile(along, 1.0 - kStraysShare);
+  }
+  const glm::dvec3 margin(kStrayDistance * core.longest());
+  const SceneBox wide{core.low - margin, core.high + margin};
+  SceneBox box = core;
+  for (const glm::vec3& point : points) {
+    const glm::dvec3 p(point);
+    if (isIn(wide, p)) {
+      box.low = glm::min(box.low, p);
+      box.high = glm::max(box.high, p);
+    } else {
+      ++box.strays;
+    }
+  }
+  return box;
+}
+
+SceneBox boxOf(const SceneFacts& facts) {
+  if (!facts.isMesh()) return boxWithoutStrays(facts.position);
+  SceneBox box{facts.position.front(), facts.position.front()};
+  for (const glm::vec3& p : facts.position) {
+    box.low = glm::min(box.low, glm::dvec3(p));
+    box.high = glm::max(box.high, glm::dvec3(p));
+  }
+  return box;
+}
+
+std::optional<UpAxis> upAxisNamed(std::string_view name) {
+  const bool negative = name.starts_with('-');
+  if (negative) name.remove_prefix(1);
+  if (name != "x" && name != "y" && name != "z") return std::nullopt;
+  return UpAxis{name[0] - 'x', negative, "as --up says"};
+}
+
+std::string nameOf(const UpAxis& up) {
+  return (up.negative ? "-" : "") + std::string(1, static_cast<char>('x' + up.axis));
+}
+
+UpAxis upAxisOf(const SceneFacts& facts, const SceneBox& box) {
+  if (facts.up_axis) return {*facts.up_axis, false, "as the " + nameOf(facts.kind) + " states"};
+  if (facts.kind == SceneKind::gltf) return {1, false, "the convention of glTF"};
+  if (facts.kind == SceneKind::obj) return {1, false, "the convention of OBJ"};
+  if (facts.kind == SceneKind::fbx) return {1, false, "the convention of FBX"};
+  const glm::dvec3 size = box.size();
+  for (const int axis : {2, 1}) {
+    const double least_other = std::min(size[(axis + 1) % 3], size[(axis + 2) % 3]);
+    if (size[axis] < kFlat * least_other) return {axis, false, "the scene is flat across it"};
+  }
+  if (facts.kind == SceneKind::ply_mesh) return {1, false, "as usual in PLY meshes"};
+  return {2, false, facts.kind == SceneKind::stl ? "as usual in STL" : "as usual in scans"};
+}
+
+Framing framingOf(const SceneFacts& facts, const FramingRequest& request) {
+  Framing framing{.box = boxOf(facts)};
+  framing.up_axis = request.up ? *request.up : upAxisOf(facts, framing.box);
+  const SceneAxes axes = axesOf(framing.up_axis);
+  const double raise_rad = glm::radians(kRaise_deg);
+  glm::dvec3 to_eye = axes.up, image_up = -axes.front;
+  if (request.look != Look::above) {
+    const glm::dvec3 level = request.look == Look::front ? axes.front : -axes.right;
+    to_eye = std::cos(raise_rad) * level + std::sin(raise_rad) * axes.up;
+    image_up = axes.up;
+  }
+  const glm::dvec3 right = glm::normalize(glm::cross(image_up, to_eye));
+  const glm::dmat3 eye_from_scene =
+      glm::transpose(glm::dmat3(right, glm::cross(to_eye, right), to_eye));
+  const double distance = distanceOf(facts, framing.box, eye_from_scene, request.screen);
+  chooseScale(facts, distance, framing);
+  const double distance_m = framing.scale_m * distance;
+  const glm::dvec3 middle_m = framing.scale_m * framing.box.middle();
+  framing.look_at_m = rounded(middle_m, distance_m, 4);
+  framing.position_m = rounded(middle_m + distance_m * to_eye, distance_m, 4);
+  framing.up = image_up;
+  return framing;
+}
+
+std::string framingText(const Framing& framing) {
+  std::string text = sizeText(framing.box.size()) + " units";
+  if (framing.box.strays > 0) {
+    text += " without " + std::to_string(framing.box.strays) + " strays";
+  }
+  const double distance_m = framing.distance_m();
+  return text + ", " + nameOf(framing.up_axis) + " is up (" + framing.up_axis.why +
+         "); scene.scale_m = " + exactText(framing.scale_m) + " (" + framing.why_scale +
+         "), the eye is " + exactText(rounded(distance_m, distance_m, 3)) + " m away";
+}
+
+}  // namespace foci

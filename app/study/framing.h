@@ -1,0 +1,87 @@
+// Automatic framing: an eye that sees a whole scene, and a scale that brings the scene to a
+// comfortable distance.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "gaze/geometry/gaze_sample.h"
+#include "render/scene/io/scene_facts.h"
+
+namespace foci {
+
+/// From where the eye looks. Front and left are raised by kRaise_deg, so that a landscape shows its
+/// ground.
+enum class Look { front, left, above };
+
+inline constexpr double kRaise_deg = 20.0;
+/// Share of the image's width or height, whichever is the tighter, that the scene fills.
+inline constexpr double kFilledShare = 0.8;
+/// An eye at these distances from the middle of the scene sees it in comfort: from the nearest
+/// point of easy reading to the size of a house. Chosen by hand.
+inline constexpr double kNearest_m = 0.25, kMostDistant_m = 25.0;
+
+struct SceneBox {
+  glm::dvec3 low{0.0}, high{0.0};
+  std::size_t strays = 0;  ///< points outside
+
+  glm::dvec3 size() const { return high - low; }
+  glm::dvec3 middle() const { return 0.5 * (low + high); }
+  double longest() const;
+};
+
+/// The box of all points that are not strays. Strays lie farther from the box of the middle 98 % of
+/// each axis than a quarter of its longest side.
+/// @param points  not empty (asserted)
+SceneBox boxWithoutStrays(std::span<const glm::vec3> points);
+
+/// The box of a scene: of all corners of a mesh, or of points without strays.
+SceneBox boxOf(const SceneFacts& facts);
+
+/// An axis that points upwards: 0 x, 1 y, 2 z, with its sign.
+struct UpAxis {
+  int axis = 1;
+  bool negative = false;
+  std::string why{};  ///< "the convention of OBJ"
+};
+
+/// "x", "-y", ...; nothing for another text.
+std::optional<UpAxis> upAxisNamed(std::string_view name);
+std::string nameOf(const UpAxis& up);
+
+/// The axis that the file states. Otherwise y in glTF, OBJ and FBX, by their conventions. In
+/// others, y or z if the scene is less than a third as long there as along both other axes, because
+/// landscapes and rooms are flat. Otherwise z in STL and scans, and y in PLY meshes, as is usual.
+UpAxis upAxisOf(const SceneFacts& facts, const SceneBox& box);
+
+struct FramingRequest {
+  Screen screen{};
+  Look look = Look::front;
+  std::optional<UpAxis> up{};  ///< absent: `upAxisOf`
+};
+
+struct Framing {
+  SceneBox box{};  ///< units of the file
+  UpAxis up_axis{};
+  double scale_m = 1.0;  ///< metres a unit
+  std::string why_scale{};
+  glm::dvec3 position_m{0.0}, look_at_m{0.0}, up{0.0, 1.0, 0.0};
+
+  double distance_m() const { return glm::distance(position_m, look_at_m); }
+};
+
+/// The eye looks at the middle of the box, from the distance at which all points in the box lie
+/// within kFilledShare of the image, and one of them on its border.
+///
+/// The scale is what the file states, or a metre a unit. If the eye would then be nearer than
+/// kNearest_m or farther away than kMostDistant_m, it is multiplied by the power of ten that brings
+/// the distance to 0.5 to 5 m.
+Framing framingOf(const SceneFacts& facts, const FramingRequest& request);
+
+/// What was chosen and why, in one line, without the name of the file.
+std::string framingText(const Framing& framing);
+
+}  // namespace foci

@@ -1,0 +1,54 @@
+#include "app/study/scene_study.h"
+
+#include "app/study/study_text.h"
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+/// Shading that shows the shape of a surface of one colour. Chosen by eye.
+constexpr double kPlainShading = 0.65;
+
+/// Whether the file gives no more than one colour.
+bool isPlain(const SceneFacts& facts) {
+  return !facts.has_colors && facts.materials.size() <= 1 && facts.kind != SceneKind::prepared;
+}
+
+}  // namespace
+
+Study studyOfScene(const std::filesystem::path& scene) {
+  Study study;
+  study.file = scene;
+  study.scene.file = scene;
+  return study;
+}
+
+std::string frameScene(Study& study, Look look, const std::optional<UpAxis>& up) {
+  const SceneFacts facts = readSceneFacts(*study.scene.file);
+  const Framing framing =
+      framingOf(facts, {.screen = study.screenInForce(), .look = look, .up = up});
+  frameScene(study, facts, framing);
+  if (!isPlain(facts)) return framingText(framing);
+  return framingText(framing) +
+         "; one colour: shaded by render.shading = " + exactText(kPlainShading);
+}
+
+void frameScene(Study& study, const SceneFacts& facts, const Framing& framing) {
+  if (isPlain(facts)) study.render.shading = kPlainShading;
+  study.scene.scale_m = framing.scale_m;
+  study.eye.position_m = framing.position_m;
+  study.eye.look_at_m = framing.look_at_m;
+  study.eye.up = framing.up;
+}
+
+std::string writtenStudy(const std::filesystem::path& file, const Study& study,
+                         const std::string& about) {
+  const std::string scene =
+      study.scene.file ? shown(study.scene.file->filename().string()) : "the built-in scene";
+  const std::string comment = "A study of " + scene + ", written by foci.\n" + about +
+                              (about.empty() ? "" : "\n") +
+                              "Keys that are not here have their defaults: `foci keys` lists them.";
+  return annotatedStudyToml(study, file.parent_path(), comment);
+}
+
+}  // namespace foci

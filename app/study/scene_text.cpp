@@ -1,0 +1,111 @@
+#include "app/study/scene_text.h"
+
+#include <cstdio>
+
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+std::string numbers(const glm::dvec3& p, const char* between) {
+  const auto text = [](double x) {
+    std::string number(32, '\0');
+    number.resize(static_cast<std::size_t>(std::snprintf(number.data(), number.size(), "%.5g", x)));
+    return number;
+  };
+  return text(p.x) + between + text(p.y) + between + text(p.z);
+}
+
+std::string countsText(const SceneFacts& facts) {
+  std::string text;
+  const auto add = [&](std::size_t count, const char* what) {
+    if (count == 0) return;
+    text += (text.empty() ? "" : ", ") + thousands(static_cast<double>(count)) + " " + what;
+  };
+  add(facts.points, "points");
+  add(facts.triangles, "triangles");
+  add(facts.surfels, "surfels");
+  add(facts.dropped, "points without a finite position");
+  return text;
+}
+
+std::string materialText(const MaterialFacts& material) {
+  std::string text = material.name.empty() ? "(no name)" : shown(material.name);
+  for (const TextureFacts& texture : material.textures) {
+    text += ", texture " + shown(texture.name) + (texture.found ? "" : " (missing)");
+  }
+  if (material.opacity < 1.0f) text += ", opacity " + decimal(double{material.opacity}, 2);
+  return text;
+}
+
+std::string unitText(const SceneFacts& facts, const Framing& framing) {
+  const std::string stated =
+      facts.unit_m ? "a unit is " + exactText(*facts.unit_m) + " m (" + nameOf(facts.kind) + ")"
+                   : "the file states none";
+  return stated + "; foci shows " + exactText(framing.scale_m) + " m a unit: " + framing.why_scale;
+}
+
+nlohmann::ordered_json jsonOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
+
+}  // namespace
+
+std::string sceneText(const SceneFacts& facts, const Framing& framing) {
+  std::string text;
+  const auto line = [&](const std::string& name, const std::string& value) {
+    text += name + std::string(name.size() < 10 ? 10 - name.size() : 1, ' ') + value + "\n";
+  };
+  const glm::dvec3 size = framing.box.size();
+  line("format", nameOf(facts.kind));
+  line("contents", countsText(facts));
+  line("bounds",
+       numbers(framing.box.low, " ") + " to " + numbers(framing.box.high, " ") + " units, " +
+           numbers(size, " x ") +
+           (framing.box.strays > 0 ? "; " + thousands(static_cast<double>(framing.box.strays)) +
+                                         " stray points lie outside"
+                                   : ""));
+  line("units", unitText(facts, framing));
+  line("size", numbers(size * framing.scale_m, " x ") + " m");
+  line("up", nameOf(framing.up_axis) + " (" + framing.up_axis.why + ")");
+  line("normals", facts.has_normals ? "yes" : "no: foci estimates them");
+  line("colours", facts.has_colors ? "yes" : "one colour");
+  line("opacity",
+       facts.opacity.x == facts.opacity.y
+           ? decimal(double{facts.opacity.x}, 2)
+           : decimal(double{facts.opacity.x}, 2) + " to " + decimal(double{facts.opacity.y}, 2));
+  for (const MaterialFacts& material : facts.materials) line("material", materialText(material));
+  for (const std::string& remark : facts.remarks) line("remark", remark);
+  return text;
+}
+
+nlohmann::ordered_json sceneJson(const SceneFacts& facts, const Framing& framing) {
+  auto materials = nlohmann::ordered_json::array();
+  for (const MaterialFacts& material : facts.materials) {
+    auto textures = nlohmann::ordered_json::array();
+    for (const TextureFacts& texture : material.textures) {
+      textures.push_back({{"name", texture.name}, {"found", texture.found}});
+    }
+    materials.push_back(
+        {{"name", material.name}, {"opacity", material.opacity}, {"textures", textures}});
+  }
+  nlohmann::ordered_json unit_m = nullptr;
+  if (facts.unit_m) unit_m = *facts.unit_m;
+  return {{"format", nameOf(facts.kind)},
+          {"points", facts.points},
+          {"triangles", facts.triangles},
+          {"surfels", facts.surfels},
+          {"dropped", facts.dropped},
+          {"strays", framing.box.strays},
+          {"low", jsonOf(framing.box.low)},
+          {"high", jsonOf(framing.box.high)},
+          {"unit_m", unit_m},
+          {"scale_m", framing.scale_m},
+          {"size_m", jsonOf(framing.box.size() * framing.scale_m)},
+          {"up", nameOf(framing.up_axis)},
+          {"normals", facts.has_normals},
+          {"colors", facts.has_colors},
+          {"opacity", {facts.opacity.x, facts.opacity.y}},
+          {"materials", materials},
+          {"remarks", facts.remarks}};
+}
+
+}  // namespace foci

@@ -1,0 +1,148 @@
+#include "app/study/view_remarks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "app/study/framing.h"
+#include "app/study/session_settings_of.h"
+#include "base/text.h"
+#include "render/optics/view.h"
+
+namespace foci {
+namespace {
+
+constexpr float kAround = 0.9f;      // share of directions that counts as all
+constexpr float kTooNear_m = 0.02f;  // nearer than any eye focuses
+constexpr int kBins = 8;             // along each side of a face of a cube around the eye
+constexpr float kReach = 3.0f;       // support of a surfel's kernel, standard deviations
+
+float sigmaOf(const SurfelCloud& cloud, std::size_t i) {
+  return std::max(glm::length(cloud.axis_u_m[i]), glm::length(cloud.axis_v_m[i]));
+}
+
+/// Whether any surfel may reach into the image.
+bool anyInView(const View& view, const SurfelCloud& cloud) {
+  const glm::vec2 tangent = 0.5f * glm::vec2(view.size_px) / view.focal_px;
+  const glm::vec2 across = glm::sqrt(1.0f + tangent * tangent);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::vec3 p(view.eye_from_world * glm::vec4(cloud.position_m[i], 1.0f));
+    const float reach = kReach * sigmaOf(cloud, i);
+    if (-p.z + reach < view.near_m) continue;
+    // Distances from the four planes through the eye and the borders of the image.
+    const glm::vec2 aside = (glm::abs(glm::vec2(p)) + p.z * tangent) / across;
+    if (aside.x <= reach && aside.y <= reach) return true;
+  }
+  return false;
+}
+
+/// The nearest surfel in each direction around the eye, on the faces of a cube.
+class Surroundings {
+ public:
+  Surroundings(const glm::vec3& eye_m, const SurfelCloud& cloud) {
+    distance_m_.fill(std::numeric_limits<float>::infinity());
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const glm::vec3 to = cloud.position_m[i] - eye_m;
+      const float distance = glm::length(to);
+      if (!(distance > 0.0f)) continue;
+      const std::size_t bin = binOf(to);
+      if (distance >= distance_m_[bin]) continue;
+      distance_m_[bin] = distance;
+      back_[bin] = glm::dot(glm::cross(cloud.axis_u_m[i], cloud.axis_v_m[i]), to) > 0.0f;
+    }
+  }
+
+  /// Share of directions in which a surfel is nearer, or shows its back.
+  float shareNearer(float than_m) const {
+    return shareWhere([&](std::size_t bin) { return distance_m_[bin] < than_m; });
+  }
+  float shareOfBacks() const {
+    return shareWhere([&](std::size_t bin) { return back_[bin]; });
+  }
+
+ private:
+  static constexpr std::size_t kCount = std::size_t{6} * kBins * kBins;
+
+  static std::size_t binOf(const glm::vec3& to) {
+    const glm::vec3 size = glm::abs(to);
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    constexpr std::size_t kSide = kBins;
+    const auto along = [&](int other) {
+      const float share = 0.5f * (to[other] / size[axis] + 1.0f);
+      return static_cast<std::size_t>(std::clamp(static_cast<int>(share * kBins), 0, kBins - 1));
+    };
+    const std::size_t face = 2 * static_cast<std::size_t>(axis) + (to[axis] > 0.0f ? 1 : 0);
+    return (face * kSide + along((axis + 1) % 3)) * kSide + along((axis + 2) % 3);
+  }
+
+  template <class Condition>
+  float shareWhere(const Condition& condition) const {
+    int count = 0;
+    for (std::size_t bin = 0; bin < kCount; ++bin) count += condition(bin) ? 1 : 0;
+    return static_cast<float>(count) / static_cast<float>(kCount);
+  }
+
+  std::array<float, kCount> distance_m_{};
+  std::array<bool, kCount> back_{};
+};
+
+std::string lengthText(double length_m) {
+  const double digits = 2.0 - std::floor(std::log10(length_m));
+  return decimal(length_m, static_cast<int>(std::clamp(digits, 0.0, 9.0))) + " m";
+}
+
+std::string pointText(const glm::dvec3& p) {
+  return "[" + decimal(p.x, 3) + ", " + decimal(p.y, 3) + ", " + decimal(p.z, 3) + "]";
+}
+
+std::string sizeRemark(const Study& study, const SceneBox& box) {
+  const double width_m = box.longest();
+  if (width_m > kWidestScene_m) {
+    return "the scene is " + lengthText(width_m) +
+           " wide, and blur differs within some metres only: if a unit of the file is less than " +
+           exactText(study.scene.scale_m) + " m, set scene.scale_m";
+  }
+  if (width_m > 0.0 && width_m < kNarrowestScene_m) {
+    return "the scene is " + lengthText(width_m) +
+           " wide, too small for an eye: if a unit of the file is more than " +
+           exactText(study.scene.scale_m) + " m, set scene.scale_m";
+  }
+  return "";
+}
+
+}  // namespace
+
+bool isSceneInView(const Study& study, const SurfelCloud& cloud) {
+  const Screen screen = study.screenInForce();
+  return anyInView(viewThroughScreen(eyePathOf(study).eyeFromWorldAt(0.0), screen.size_px,
+                                     screen.size_m, screen.distance_m),
+                   cloud);
+}
+
+std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& cloud) {
+  const glm::vec3 eye_m(glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0))[3]);
+  const SceneBox box = boxWithoutStrays(cloud.position_m);
+  std::vector<std::string> remarks;
+  if (std::string remark = sizeRemark(study, box); !remark.empty())
+    remarks.push_back(std::move(remark));
+  if (!isSceneInView(study, cloud)) {
+    remarks.push_back("nothing is in view: the middle of the scene is at " +
+                      pointText(box.middle()) + ", " +
+                      lengthText(std::max(glm::distance(box.middle(), glm::dvec3(eye_m)), 1e-9)) +
+                      " from the eye: set eye.look_at_m or eye.position_m");
+    return remarks;
+  }
+  const Surroundings around(eye_m, cloud);
+  if (around.shareNearer(kTooNear_m) > kAround) {
+    remarks.push_back(
+        "surfaces are nearer than 2 cm all around the eye: set eye.position_m, or "
+        "scene.scale_m");
+  } else if (cloud.oriented && around.shareOfBacks() > kAround) {
+    remarks.push_back("the eye stands inside a solid: set eye.position_m outside of " +
+                      pointText(box.low) + " to " + pointText(box.high));
+  }
+  return remarks;
+}
+
+}  // namespace foci

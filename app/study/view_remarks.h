@@ -1,0 +1,25 @@
+// What is wrong with the place of an eye in a scene: nothing in view, an eye inside a solid, a
+// scene of a size that no eye can focus in.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/study/study.h"
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+
+/// A scene wider than this, or narrower, is remarked on: farther away than 100 m the optics of an
+/// eye hardly tell distances apart, and an eye focuses on nothing nearer than some centimetres.
+inline constexpr double kWidestScene_m = 1000.0, kNarrowestScene_m = 0.001;
+
+/// Whether any surfel may reach into the image that an eye in the study's first pose sees.
+bool isSceneInView(const Study& study, const SurfelCloud& cloud);
+
+/// One sentence for each fault, with the key to set; empty for an ordinary view. Looks at the eye's
+/// pose at the beginning, or the scene's own pose. The eye stands inside a solid if it sees the
+/// backs of oriented surfels in nearly all directions, or any surfels nearer than 2 cm.
+std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& cloud);
+
+}  // namespace foci

@@ -1,0 +1,124 @@
+// Magic numbers are those of file(1) and of each format's own description.
+#include "gaze/sources/file_kind.h"
+
+#include <zlib.h>
+
+#include <array>
+#include <cctype>
+
+#include "base/input_error.h"
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+using namespace std::string_view_literals;
+
+struct Magic {
+  std::string_view bytes;
+  const char* kind;
+  const char* advice;
+};
+
+constexpr const char* kExportTable = "export a table as text (TSV or CSV)";
+constexpr const char* kNoGaze = "expected a recording of gaze as text (TSV, CSV, ASC)";
+
+constexpr Magic kMagics[] = {
+    {"SR_RESEARCH"sv, "an EyeLink EDF file",
+     "convert it with SR Research's edf2asc, then read the .asc file"},
+    {"0       "sv, "a European Data Format file of biosignals (EDF)", kNoGaze},
+    {"\xff"
+     "BIOSEMI"sv,
+     "a BioSemi file of biosignals (BDF)", kNoGaze},
+    {"\x89HDF\r\n\x1a\n"sv, "an HDF5 file (PsychoPy ioHub, MATLAB 7.3)",
+     "export its table of samples as CSV, for example with h5dump or pandas"},
+    {"MATLAB 5.0 MAT-file"sv, "a MATLAB file",
+     "write its table of samples as CSV, in MATLAB with writetable"},
+    {"XDF:"sv, "an XDF file (Lab Streaming Layer)",
+     "export its gaze stream as CSV, for example with pyxdf"},
+    {"SQLite format 3\0"sv, "an SQLite database", kExportTable},
+    {"PAR1"sv, "a Parquet file", kExportTable},
+    {"ARROW1"sv, "an Arrow file", kExportTable},
+    {"\x93NUMPY"sv, "a NumPy file", "write it as CSV with numpy.savetxt"},
+    {"PK\x03\x04"sv, "a ZIP archive or an Excel or Calc workbook",
+     "unpack it, or save the sheet as CSV"},
+    {"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"sv, "an old Excel workbook or another Office file",
+     "save the sheet as CSV"},
+    {"7z\xbc\xaf\x27\x1c"sv, "a 7z archive", "unpack it"},
+    {"Rar!"sv, "a RAR archive", "unpack it"},
+    {"\xfd"
+     "7zXZ"sv,
+     "an xz file", "unpack it, or pack it with gzip"},
+    {"BZh"sv, "a bzip2 file", "unpack it, or pack it with gzip"},
+    {"\x28\xb5\x2f\xfd"sv, "a Zstandard file", "unpack it, or pack it with gzip"},
+    {"%PDF"sv, "a PDF document", kNoGaze},
+    {"\x89PNG"sv, "a PNG image", kNoGaze},
+    {"\xff\xd8\xff"sv, "a JPEG image", kNoGaze},
+    {"RIFF"sv, "a video or sound file", "for a video of a face use webcam:FILE"},
+    {"\x1a\x45\xdf\xa3"sv, "a Matroska video", "for a video of a face use webcam:FILE"},
+    {"\xff\xfe"sv, "text in UTF-16", "convert it: iconv -f UTF-16 -t UTF-8 FILE > NEW"},
+    {"\xfe\xff"sv, "text in UTF-16", "convert it: iconv -f UTF-16 -t UTF-8 FILE > NEW"},
+    {"<?xml"sv, "an XML file", kExportTable},
+    {"<!DOCTYPE"sv, "an HTML or XML page", kExportTable},
+    {"\x7f"
+     "ELF"sv,
+     "a program", kNoGaze},
+    {"ply\n"sv, "a scene (PLY)", "give it as --scene; a recording holds gaze"},
+    {"ply\r"sv, "a scene (PLY)", "give it as --scene; a recording holds gaze"},
+};
+
+std::string lowerEnding(const std::filesystem::path& name) {
+  std::string ending = name.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
+bool looksBinary(std::string_view start) { return start.find('\0') != std::string_view::npos; }
+
+std::string kindText(const char* kind, const char* advice) {
+  return std::string("is ") + kind + ": " + advice;
+}
+
+}  // namespace
+
+std::optional<std::string> otherFileKind(std::string_view start,
+                                         const std::filesystem::path& name) {
+  for (const Magic& magic : kMagics) {
+    if (start.starts_with(magic.bytes)) return kindText(magic.kind, magic.advice);
+  }
+  if (start.size() >= 8 && start.substr(4, 4) == "ftyp") {
+    return kindText("an MP4 or MOV video", "for a video of a face use webcam:FILE");
+  }
+  // A pickle of protocol 2 or later; MessagePack has no magic number.
+  if (start.size() >= 2 && start[0] == '\x80' && start[1] >= 2 && start[1] <= 5) {
+    return kindText("a Python pickle", "write its table of samples as CSV");
+  }
+  const std::size_t first = start.find_first_not_of(" \t\r\n");
+  if (first != std::string_view::npos && start[first] == '{') {
+    return kindText("a JSON file", "expected a table; from Tobii Pro Glasses export it in Pro Lab");
+  }
+  const std::string ending = lowerEnding(name);
+  if (ending == ".idf") {
+    return kindText("an SMI IDF file", "convert it to text with SMI's IDF Converter or BeGaze");
+  }
+  if (ending == ".edf" && looksBinary(start)) {
+    return kindText("an EDF file", "an EyeLink EDF is converted with SR Research's edf2asc");
+  }
+  if (ending == ".pldata") {
+    return kindText("Pupil Core's own recording", "export it in Pupil Player (gaze_positions.csv)");
+  }
+  return std::nullopt;
+}
+
+void requireGazeText(const std::filesystem::path& file) {
+  std::array<char, 64> bytes{};
+  gzFile in = gzopen(file.string().c_str(), "rb");
+  if (!in) return;  // the reader reports it
+  const int count = gzread(in, bytes.data(), static_cast<unsigned>(bytes.size()));
+  gzclose(in);
+  if (count <= 0) return;
+  const std::string_view start(bytes.data(), static_cast<std::size_t>(count));
+  if (const auto kind = otherFileKind(start, file)) throw InputError(file.string(), *kind);
+}
+
+}  // namespace foci

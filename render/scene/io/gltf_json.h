@@ -1,0 +1,20 @@
+// The JSON of glTF files, text (.gltf) or binary (.glb).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace foci {
+
+/// Whether the extension is that of glTF.
+bool isGltf(const std::filesystem::path& path);
+
+/// The JSON of a glTF file, without the bytes of its buffers.
+/// @throws InputError if the file cannot be read
+std::string gltfJson(const std::filesystem::path& path);
+
+/// How deep the brackets of a JSON text nest, whether or not it is well formed.
+int jsonDepth(std::string_view json);
+
+}  // namespace foci

@@ -1,0 +1,73 @@
+#include "render/scene/io/mesh_files.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "base/input_error.h"
+#include "base/text.h"
+#include "render/scene/io/gltf_json.h"
+
+namespace foci {
+namespace {
+
+constexpr std::array<std::string_view, 3> kCompressions = {
+    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"};
+
+}  // namespace
+
+bool MeshFiles::Exists(const char* name) const {
+  std::error_code ignored;
+  return std::filesystem::exists(name, ignored);
+}
+
+Assimp::IOStream* MeshFiles::Open(const char* name, const char* mode) {
+  if (Exists(name)) requireRegularFile(name);
+  Assimp::IOStream* stream = Exists(name) ? Assimp::DefaultIOSystem::Open(name, mode) : nullptr;
+  if (mesh_.empty()) mesh_ = name;
+  if (stream == nullptr) {
+    const std::filesystem::path path = name;
+    const bool second =
+        !missing_.empty() && path.extension() == ".mtl" && path.stem() == mesh_.stem();
+    const std::string bare = path.filename().string();
+    const bool known = std::find(missing_.begin(), missing_.end(), bare) != missing_.end();
+    if (!second && !known) missing_.push_back(bare);
+  }
+  return stream;
+}
+
+std::vector<std::string> MeshFiles::missing() const {
+  std::vector<std::string> names;
+  names.reserve(missing_.size());
+  for (const std::string& name : missing_) names.push_back(shown(name));
+  return names;
+}
+
+std::string compressionOf(const std::filesystem::path& path) {
+  if (!isGltf(path)) return "";
+  const std::string text = gltfJson(path);
+  const std::size_t at = text.find("\"extensionsRequired\"");
+  if (at == std::string::npos) return "";
+  const std::string required = text.substr(at, text.find(']', at) - at);
+  const auto* found =
+      std::find_if(kCompressions.begin(), kCompressions.end(), [&](std::string_view name) {
+        return required.find('"' + std::string(name) + '"') != std::string::npos;
+      });
+  return found == kCompressions.end() ? "" : std::string(*found);
+}
+
+bool mayBeRead(const std::string& compression) {
+  return compression.empty() || compression == kCompressions[0];
+}
+
+std::string compressionRefusal(const std::string& compression) {
+  return "is compressed with " + compression +
+         ", which foci cannot read: save it without compression, e.g. from Blender";
+}
+
+std::string compressionRemark(const std::string& compression) {
+  if (compression.empty()) return "";
+  return "; it is compressed with " + compression + ": try it without compression";
+}
+
+}  // namespace foci

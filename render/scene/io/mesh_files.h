@@ -1,0 +1,42 @@
+// The files that Assimp opens for a mesh: which are missing, and how a glTF is compressed. Private
+// to the readers of meshes.
+#pragma once
+
+#include <assimp/DefaultIOSystem.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace foci {
+
+/// Opens files for Assimp, and keeps the names of those that cannot be read.
+class MeshFiles : public Assimp::DefaultIOSystem {
+ public:
+  bool Exists(const char* name) const override;
+  /// @throws InputError for a pipe or a device: opening it could take for ever
+  Assimp::IOStream* Open(const char* name, const char* mode) override;
+
+  /// Names without their folder, printable, in the order in which Assimp asked for them. For a file
+  /// of materials that is missing, Assimp tries a second name: this name does not count.
+  std::vector<std::string> missing() const;
+
+ private:
+  std::filesystem::path mesh_;  // opened first
+  std::vector<std::string> missing_;
+};
+
+/// The compression that a glTF file requires, e.g. "EXT_meshopt_compression"; "" if it requires
+/// none, or for another file. @throws InputError if the file cannot be read
+std::string compressionOf(const std::filesystem::path& path);
+
+/// Assimp reads no meshopt compression, and Draco's only where it was built with it.
+bool mayBeRead(const std::string& compression);
+
+/// Why such a file is refused, and what to do.
+std::string compressionRefusal(const std::string& compression);
+
+/// What to add to the reason why a file cannot be read: its compression, if it has one.
+std::string compressionRemark(const std::string& compression);
+
+}  // namespace foci

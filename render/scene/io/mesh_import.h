@@ -1,0 +1,53 @@
+// Opens a mesh with Assimp: the one place that checks a file before, and says what was wrong after.
+// Private to the readers of meshes.
+#pragma once
+
+#include <assimp/Importer.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "render/scene/io/mesh_files.h"
+
+struct aiScene;
+
+namespace foci {
+
+class MeshImport {
+ public:
+  /// Refuses hostile files and compressions that cannot be read. Nothing is read yet.
+  /// @throws InputError
+  explicit MeshImport(const std::filesystem::path& path);
+
+  const std::filesystem::path& path() const { return path_; }
+  const MeshFiles& files() const { return *files_; }
+
+  /// Reads the file, then calls `finish` with the importer: it may process the scene, which it
+  /// returns.
+  /// @throws InputError if Assimp cannot read the file
+  template <class Finish>
+  const aiScene& read(const Finish& finish) {
+    const aiScene* scene = nullptr;
+    try {
+      if (readFile()) scene = finish(importer_);
+    } catch (const std::exception& error) {
+      refuse(error.what());
+    }
+    if (scene == nullptr) refuse(importer_.GetErrorString());
+    return *scene;
+  }
+
+  /// A sentence for each file that was asked for and is missing.
+  std::vector<std::string> missing() const;
+
+ private:
+  bool readFile();
+  [[noreturn]] void refuse(std::string why) const;
+
+  std::filesystem::path path_;
+  std::string compression_;
+  Assimp::Importer importer_;
+  MeshFiles* files_ = new MeshFiles;  // belongs to the importer
+};
+
+}  // namespace foci

@@ -1,0 +1,15 @@
+// What a mesh file may ask of Assimp. Assimp follows nested JSON and the nodes of a scene graph
+// without limits, so a small file could exhaust the stack, the memory or hours.
+#pragma once
+
+#include <filesystem>
+
+namespace foci {
+
+/// Refuses what is not a file, and a glTF file whose JSON or whose nodes nest too deeply, whose
+/// node is its own descendant, or whose nodes repeat meshes to too many instances or triangles.
+/// Other formats pass: they have neither JSON nor instances. Call it before Assimp reads the file.
+/// @throws InputError
+void refuseHostileMesh(const std::filesystem::path& path);
+
+}  // namespace foci

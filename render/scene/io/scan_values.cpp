@@ -1,0 +1,51 @@
+#include "render/scene/io/scan_values.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/quantile.h"
+#include "base/text.h"
+#include "render/image/srgb.h"
+
+namespace foci {
+
+bool ScanPositions::append(const glm::dvec3& p) {
+  const double farthest = kFarthest_m;
+  const bool usable = std::abs(p.x) <= farthest && std::abs(p.y) <= farthest &&
+                      std::abs(p.z) <= farthest;  // false for NaN
+  if (!usable) {
+    ++points_.dropped;
+    return false;
+  }
+  if (!origin_) {
+    constexpr double kFar = 1e4, kStep = 1e3;
+    const auto near = [](double x) {
+      return std::abs(x) < kFar ? 0.0 : kStep * std::round(x / kStep);
+    };
+    origin_ = {near(p.x), near(p.y), near(p.z)};
+  }
+  points_.position_m.emplace_back(p - *origin_);
+  return true;
+}
+
+void ScanPositions::finish() const {
+  if (!origin_ || *origin_ == glm::dvec3(0.0)) return;
+  points_.remarks.push_back("positions are relative to " + exactText(origin_->x) + " " +
+                            exactText(origin_->y) + " " + exactText(origin_->z) +
+                            " of the file, to keep their millimetres");
+}
+
+std::vector<glm::vec3> greyOf(const std::vector<float>& intensity) {
+  std::vector<glm::vec3> grey(intensity.size(), glm::vec3(kUncolouredLight));
+  if (intensity.empty()) return grey;
+  std::vector<float> ranked = intensity;
+  const float low = quantile(ranked, 0.01), high = quantile(ranked, 0.99);
+  if (!(high > low)) return grey;
+  for (std::size_t i = 0; i < intensity.size(); ++i) {
+    const float code = std::clamp((intensity[i] - low) / (high - low), 0.0f, 1.0f);
+    grey[i] = glm::vec3(linearFromSrgb(code));
+  }
+  return grey;
+}
+
+}  // namespace foci

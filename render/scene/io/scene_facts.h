@@ -1,0 +1,58 @@
+// What a scene file holds, before foci renders it: counts, materials, units, places of its points.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace foci {
+
+struct TextureFacts {
+  std::string name;  ///< as the file names it
+  bool found = true;
+};
+
+struct MaterialFacts {
+  std::string name;
+  std::vector<TextureFacts> textures;  ///< of its colour
+  float opacity = 1.0f;
+};
+
+/// The kinds of files that differ in what is usual for them.
+enum class SceneKind { gltf, obj, stl, fbx, ply_mesh, ply_points, las, text_points, prepared };
+
+struct SceneFacts {
+  SceneKind kind = SceneKind::ply_points;
+  std::size_t points = 0, triangles = 0, surfels = 0;
+  std::vector<MaterialFacts> materials{};
+  bool has_normals = false;
+  bool has_colors = false;             ///< of points or vertices, or textures
+  glm::vec2 opacity{1.0f};             ///< least and greatest
+  std::size_t dropped = 0;             ///< points whose position is not finite
+  std::vector<std::string> remarks{};  ///< see `PointCloud`
+
+  /// Metres a unit, if the format or the file says so; up axis (0 x, 1 y, 2 z), if the file does.
+  std::optional<double> unit_m{};
+  std::optional<int> up_axis{};
+
+  /// Where the scene is, units of the file: its points, its surfels, or the corners of its
+  /// triangles. Not empty.
+  std::vector<glm::vec3> position{};
+
+  bool isMesh() const { return triangles > 0; }
+};
+
+/// "glTF mesh", "LAS scan", ...
+std::string nameOf(SceneKind kind);
+
+/// Reads a scene of any format. A mesh is not sampled.
+/// @throws InputError as `openScene`
+SceneFacts readSceneFacts(const std::filesystem::path& path);
+
+/// The same of a mesh that Assimp reads (mesh_facts.cpp). @throws InputError
+SceneFacts readMeshFacts(const std::filesystem::path& path);
+
+}  // namespace foci

@@ -1,0 +1,33 @@
+// Reads points written as text: a point a line, its numbers between blanks, tabs, commas or
+// semicolons. XYZ, TXT, ASC and PTS files look like this.
+#pragma once
+
+#include <filesystem>
+
+#include "render/scene/point_cloud.h"
+
+namespace foci {
+
+/// Whether a file holds points as text: .xyz, .pts and .asc by their extension; .txt if its first
+/// line without a comment starts with a number. False for a .txt file that cannot be read.
+bool isTextPointsFile(const std::filesystem::path& path);
+
+/// Reads points. Empty lines and those after `#` or `//` are skipped. A line with a single whole
+/// number (PTS) is the number of points that follow. Columns are
+///
+///   by name, if a line before the points has names, also as a comment:
+///     x y z, red green blue or r g b, nx ny nz, intensity; others are skipped
+///   by their number otherwise:
+///     3  x y z
+///     4  x y z intensity
+///     6  x y z, and colour or normal
+///     7  x y z intensity colour after a number of points, x y z colour and a value otherwise
+///     9  x y z, and colour and normal in any order
+///
+/// A triple is a normal if its length is 1 in every line (within 2 %; 0 is allowed), and a colour
+/// otherwise. Colours are sRGB, of 0 to 1, 0 to 255 or 0 to 65535, as their largest value needs.
+/// Without colours, intensity becomes grey (scan_values.h).
+/// @throws InputError with file and line
+PointCloud readTextPoints(const std::filesystem::path& path);
+
+}  // namespace foci

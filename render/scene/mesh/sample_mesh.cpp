@@ -1,0 +1,120 @@
+#include "render/scene/mesh/sample_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "base/input_error.h"
+#include "base/parallel.h"
+#include "render/scene/mesh/texture.h"
+
+namespace foci {
+namespace {
+
+double triangleArea_m2(const TriangleMesh& mesh, std::size_t triangle) {
+  const glm::dvec3 a = mesh.corners_m[3 * triangle], b = mesh.corners_m[3 * triangle + 1],
+                   c = mesh.corners_m[3 * triangle + 2];
+  return 0.5 * glm::length(glm::cross(b - a, c - a));
+}
+
+/// Pixels of the texture in a triangle; 0 where it has no texture.
+double texelsOf(const TriangleMesh& mesh, std::size_t triangle) {
+  const std::uint32_t m = mesh.material[triangle];
+  if (m >= mesh.materials.size() || !mesh.materials[m].texture) return 0.0;
+  const glm::dvec2 size_px = mesh.materials[m].texture->size_px();
+  const glm::dvec2 a = glm::dvec2(mesh.uv[3 * triangle + 1] - mesh.uv[3 * triangle]) * size_px,
+                   b = glm::dvec2(mesh.uv[3 * triangle + 2] - mesh.uv[3 * triangle]) * size_px;
+  return 0.5 * std::abs(a.x * b.y - a.y * b.x);
+}
+
+float largestCoordinate(const TriangleMesh& mesh) {
+  float largest_m = 0.0f;
+  for (const glm::vec3& corner : mesh.corners_m) {
+    largest_m = std::max({largest_m, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
+  }
+  return largest_m;
+}
+
+/// Keeps the points whose mark is set.
+void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i] == 0) continue;
+    cloud.position_m[kept] = cloud.position_m[i];
+    cloud.normal[kept] = cloud.normal[i];
+    cloud.color[kept] = cloud.color[i];
+    cloud.opacity[kept++] = cloud.opacity[i];
+  }
+  cloud.position_m.resize(kept);
+  cloud.normal.resize(kept);
+  cloud.color.resize(kept);
+  cloud.opacity.resize(kept);
+}
+
+}  // namespace
+
+std::size_t defaultPoints(const TriangleMesh& mesh) {
+  double area_m2 = 0.0, texels = 0.0;
+  std::vector<double> areas_m2(mesh.size());
+  for (std::size_t i = 0; i < mesh.size(); ++i) {
+    area_m2 += areas_m2[i] = triangleArea_m2(mesh, i);
+    texels += texelsOf(mesh, i);
+  }
+  const auto middle = areas_m2.begin() + static_cast<std::ptrdiff_t>(mesh.size() / 2);
+  std::nth_element(areas_m2.begin(), middle, areas_m2.end());
+  const double detail = std::max(area_m2 / (2.0 * std::max(*middle, 1e-300)), texels);
+  glm::dvec3 low(mesh.corners_m[0]), high = low;
+  for (const glm::vec3& corner : mesh.corners_m) {
+    low = glm::min(low, glm::dvec3(corner));
+    high = glm::max(high, glm::dvec3(corner));
+  }
+  const double pixel_m = glm::length(high - low) / kScreenRows;
+  const double on_screen = std::min(detail, area_m2 / (pixel_m * pixel_m));
+  const double needed = std::max(on_screen, 0.5 * static_cast<double>(mesh.size()));
+  return static_cast<std::size_t>(
+      std::clamp(needed, static_cast<double>(kMinPoints), static_cast<double>(kMaxPoints)));
+}
+
+PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& name,
+                      const MeshSampling& sampling) {
+  const std::size_t wanted = sampling.points.value_or(defaultPoints(mesh));
+  const double mesh_m2 = areaOf_m2(mesh.corners_m);
+  const double spacing_m = std::sqrt(mesh_m2 / static_cast<double>(wanted));
+  if (spacing_m < double{largestCoordinate(mesh)} * std::numeric_limits<float>::epsilon()) {
+    throw InputError(name.string(), "has so little area for its extent that " +
+                                        std::to_string(wanted) +
+                                        " points would fall on each other");
+  }
+  const std::vector<MeshPoint> points = poissonDisk(mesh.corners_m, spacing_m);
+
+  PointCloud cloud;
+  cloud.remarks = mesh.remarks;
+  cloud.position_m.resize(points.size());
+  cloud.normal.resize(points.size());
+  cloud.color.resize(points.size());
+  cloud.opacity.resize(points.size());
+  std::vector<std::uint8_t> keep(points.size());
+  parallelFor(points.size(), [&](std::size_t i) {
+    const MeshPoint& point = points[i];
+    const glm::dvec3 a = mesh.corners_m[3 * std::size_t{point.triangle}];
+    const glm::dvec3 ab = glm::dvec3(mesh.corners_m[3 * std::size_t{point.triangle} + 1]) - a;
+    const glm::dvec3 ac = glm::dvec3(mesh.corners_m[3 * std::size_t{point.triangle} + 2]) - a;
+    cloud.position_m[i] =
+        glm::vec3(a + double{point.weights.x} * ab + double{point.weights.y} * ac);
+    cloud.normal[i] = glm::vec3(glm::normalize(glm::cross(ab, ac)));
+    const MeshColor color = colorAt(mesh, point, static_cast<float>(spacing_m));
+    cloud.color[i] = color.color;
+    cloud.opacity[i] = color.opacity;
+    keep[i] = color.opacity > 0.0f;
+  });
+  // Triangles narrower than the spacing hold more points, which must not take area from the others.
+  const double share_m2 = mesh_m2 / static_cast<double>(points.size());
+  cloud.area_m2 = static_cast<float>(std::max(share_m2, kPoissonArea * spacing_m * spacing_m));
+  keepMarked(cloud, keep);
+  if (cloud.size() == 0) throw InputError(name.string(), "has no surface that is not cut out");
+  return cloud;
+}
+
+}  // namespace foci

@@ -1,0 +1,46 @@
+// The triangles of a mesh, with the colour and opacity of every place on them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/scene/sampling/poisson_disk.h"
+
+namespace foci {
+
+class MeshTexture;
+
+struct MeshMaterial {
+  std::shared_ptr<const MeshTexture> texture;  ///< null: none
+  glm::vec3 factor{1.0f};  ///< times the texture; the colour itself if there is no texture
+  float opacity = 1.0f;
+  bool cut_out = true;  ///< whether the texture's alpha cuts holes
+};
+
+/// The world frame is in metres, or in the units of the file where the reader says so.
+struct TriangleMesh {
+  std::vector<glm::vec3> corners_m;     ///< three a triangle, counter-clockwise from outside
+  std::vector<glm::vec2> uv;            ///< one a corner
+  std::vector<glm::vec3> color;         ///< one a corner, linear RGB; negative: none; empty: none
+  std::vector<std::uint32_t> material;  ///< one a triangle
+  std::vector<std::string> remarks;     ///< see `PointCloud`
+  std::vector<MeshMaterial> materials;  ///< a triangle may name one beyond the end: the default
+
+  std::size_t size() const { return corners_m.size() / 3; }
+};
+
+struct MeshColor {
+  glm::vec3 color;  ///< linear RGB
+  float opacity;    ///< 0 to 1; 0 where the texture cuts a hole
+};
+
+/// The linear colour comes from the first of these that the triangle has: the texture (times the
+/// material's factor in glTF), the vertices, the material. No light is added.
+/// @param footprint_m  side of the square over which the texture is averaged
+MeshColor colorAt(const TriangleMesh& mesh, const MeshPoint& point, float footprint_m);
+
+}  // namespace foci

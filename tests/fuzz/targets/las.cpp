@@ -1,0 +1,9 @@
+// LAS scans.
+#include "render/scene/io/las.h"
+#include "tests/fuzz/harness.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  const auto file = foci::fuzz::asFile("input.las", bytes, size);
+  foci::fuzz::readWithinLimits(size, [&] { foci::readLas(file); });
+  return 0;
+}

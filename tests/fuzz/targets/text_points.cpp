@@ -1,0 +1,13 @@
+// Points as text. The first byte chooses the extension.
+#include "render/scene/io/text_points.h"
+#include "tests/fuzz/harness.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  if (size == 0) return 0;
+  constexpr const char* kNames[] = {"input.xyz", "input.pts", "input.txt"};
+  const auto file = foci::fuzz::asFile(kNames[bytes[0] % 3], bytes + 1, size - 1);
+  foci::fuzz::readWithinLimits(size, [&] {
+    if (foci::isTextPointsFile(file)) foci::readTextPoints(file);
+  });
+  return 0;
+}

@@ -1,0 +1,90 @@
+#include "app/replay/run_changes.h"
+
+#include <gtest/gtest.h>
+
+#include "app/replay/report_charts.h"
+
+namespace foci {
+namespace {
+
+const std::vector<Change> kPupils = {{.time_s = 1.0, .key = "observer.pupil_mm", .toml = "2"},
+                                     {.time_s = 2.0, .key = "observer.pupil_mm", .toml = "4"},
+                                     {.time_s = 3.0, .key = "observer.pupil_mm", .toml = "8"},
+                                     {.time_s = 3.5, .key = "focus.fixed_D", .toml = "1.5"},
+                                     {.time_s = 9.0, .key = "observer.pupil_mm", .toml = "3"}};
+const std::vector<EventMarker> kMarkers = {{0.5, "before"}, {2.5, "a < b"}, {3.0, "stop"}};
+
+TEST(RunChanges, ThoseBeforeTheFirstFrameAreInForceAndLaterOnesAreListed) {
+  const RunChanges run = changesOfRun(Study{}, kPupils, kMarkers, 1.0, 4.0);
+  EXPECT_EQ(run.start.observer.pupil_mm, 2.0);
+  ASSERT_EQ(run.changes.size(), 3u);
+  EXPECT_EQ(run.changes[0].from, "2");
+  EXPECT_EQ(run.changes[0].to, "4");
+  EXPECT_EQ(run.changes[2].from, "null");
+  EXPECT_EQ(run.markers.size(), 2u);
+  EXPECT_EQ(valuesOf(run.changes, "observer.pupil_mm"), (std::vector<std::string>{"2", "4", "8"}));
+  EXPECT_EQ(changesText(run.changes),
+            "observer.pupil_mm 2, then 4, then 8; focus.fixed_D absent, then 1.5");
+}
+
+TEST(RunChanges, AValueSetAgainIsNoChange) {
+  const std::vector<Change> same = {{.time_s = 1.0, .key = "observer.pupil_mm", .toml = "5"},
+                                    {.time_s = 2.0, .key = "observer.pupil_mm", .toml = "5.0"}};
+  EXPECT_EQ(changesOfRun(Study{}, same, {}, 0.0, 4.0).changes.size(), 1u);
+}
+
+TEST(RunChanges, ManyValuesAreCounted) {
+  std::vector<Change> moves;
+  for (int i = 1; i <= 40; ++i) {
+    moves.push_back(
+        {.time_s = 0.1 * i, .key = "observer.pupil_mm", .toml = std::to_string(2 + 0.1 * i)});
+  }
+  const RunChanges run = changesOfRun(Study{}, moves, {}, 0.0, 10.0);
+  EXPECT_EQ(changesText(run.changes), "observer.pupil_mm 40 times");
+}
+
+TEST(RunChanges, MarksAreInOrderOfTimeAndTheTableIsEscaped) {
+  const auto marks = marksOf(changesOfRun(Study{}, kPupils, kMarkers, 1.0, 4.0));
+  ASSERT_EQ(marks.size(), 5u);
+  EXPECT_TRUE(marks[0].is_change);
+  EXPECT_EQ(marks[1].text, "a < b");
+  EXPECT_EQ(marks[0].text, "observer.pupil_mm: 2 to 4");
+  const std::string table = marksTable(marks);
+  EXPECT_NE(table.find("a &lt; b"), std::string::npos);
+  EXPECT_EQ(table.find("a < b"), std::string::npos);
+  EXPECT_EQ(marksTable({}), "");
+}
+
+TEST(ReportCharts, MarkTheTimeAxisAndSpeakToScreenReaders) {
+  std::vector<ChartRow> rows;
+  for (int i = 0; i < 100; ++i) {
+    rows.push_back({.time_s = 1.0 + 0.03 * i,
+                    .gaze_x_px = 10.0 + i,
+                    .gaze_y_px = 50.0,
+                    .surface_D = 1.0,
+                    .target_D = 1.0,
+                    .focus_D = 0.01 * i,
+                    .pupil_mm = 4.0,
+                    .render_ms = 7.0,
+                    .state = GazeState::fixation});
+  }
+  const auto marks = marksOf(changesOfRun(Study{}, kPupils, kMarkers, 1.0, 4.0));
+  const auto svg = chartsSvg(rows, {640, 480}, marks);
+  if (!svg) GTEST_SKIP() << "gnuplot is absent";
+  EXPECT_NE(svg->find("role=\"img\" aria-label=\"Gaze, focus, pupil and render time over time\""),
+            std::string::npos);
+  EXPECT_EQ(svg->find("Gnuplot"), std::string::npos);
+  EXPECT_NE(svg->find("2 event markers and 3 changes of settings"), std::string::npos);
+  EXPECT_NE(svg->find("horizontal 10 to 109 px"), std::string::npos);
+  const auto plain = chartsSvg(rows, {640, 480}, {});
+  // Dashed lines for the changes: a path in each of the four panels.
+  const auto dashes = [](const std::string& text) {
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = text.find("stroke-dasharray", at)) != text.npos; ++at) ++count;
+    return count;
+  };
+  EXPECT_GE(dashes(*svg), dashes(*plain) + 4);
+}
+
+}  // namespace
+}  // namespace foci

@@ -1,0 +1,215 @@
+// Exports of Tobii Studio, Tobii Pro Lab and SMI, in small files with their vendors' columns,
+// preambles and codes for data loss. The values are made up.
+#include <gtest/gtest.h>
+
+#include "base/input_error.h"
+#include "gaze/sources/trace_reader.h"
+#include "tests/unit/gaze/scratch.h"
+
+namespace foci {
+namespace {
+
+constexpr double kRounding = 1e-9;  // a handful of double operations
+
+std::filesystem::path recording(const char* name) {
+  return std::filesystem::path(FOCI_SOURCE_DIR) / "tests/unit/gaze/sources/recordings" / name;
+}
+
+GazeTrace read(const char* name, const TraceColumns& columns = {}) {
+  return readTrace(recording(name), columns, {});
+}
+
+std::string refusal(std::string_view bytes, const TraceColumns& columns = {}) {
+  try {
+    readTrace(ScratchFile(bytes).path(), columns, {});
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+void expectPoint(const std::optional<glm::dvec2>& point_px, double x, double y) {
+  ASSERT_TRUE(point_px);
+  EXPECT_LT(glm::distance(*point_px, glm::dvec2(x, y)), kRounding);
+}
+
+TEST(VendorExport, TobiiStudio2HasAPreambleAndCodesForDataLoss) {
+  const GazeTrace trace = read("tobii_studio_2.tsv");
+  EXPECT_EQ(trace.format, "Tobii Studio, binocular");
+  EXPECT_EQ(trace.screen->size_px, glm::ivec2(1280, 1024));
+  ASSERT_EQ(trace.samples.size(), 4u);  // rows of clicks and of the log are none
+  EXPECT_DOUBLE_EQ(trace.samples[0].time_s, 0.017);
+  expectPoint(trace.samples[0].point_px, 640, 510);
+  expectPoint(trace.samples[0].eyes[0].point_px, 630, 500);
+  EXPECT_DOUBLE_EQ(*trace.samples[0].pupil_mm, 3.2);
+  expectPoint(trace.samples[1].point_px, 652, 522);
+  EXPECT_FALSE(trace.samples[1].eyes[0].point_px);
+  EXPECT_DOUBLE_EQ(*trace.samples[1].pupil_mm, 3.3);
+  EXPECT_FALSE(trace.samples[2].point_px);  // (0, 0)
+  EXPECT_FALSE(trace.samples[2].pupil_mm);  // -1
+}
+
+TEST(VendorExport, TobiiStudio2WithoutValidityHasEyesAtMinusTheScreensSize) {
+  const GazeTrace trace =
+      readTrace(ScratchFile("System Properties:\r\nRecording resolution:\t 1280 x 1024\r\n\r\n"
+                            "Timestamp\tNumber\tGazePointXLeft\tGazePointYLeft\tGazePointXRight\t"
+                            "GazePointYRight\t\r\n"
+                            "17\t1\t630\t500\t650\t520\t\r\n33\t2\t-1280\t-1024\t650\t520\t\r\n")
+                    .path(),
+                {}, {});
+  ASSERT_EQ(trace.samples.size(), 2u);
+  expectPoint(trace.samples[0].point_px, 640, 510);
+  EXPECT_FALSE(trace.samples[1].eyes[0].point_px);
+  expectPoint(trace.samples[1].point_px, 640, 510);
+}
+
+TEST(VendorExport, TobiiStudio3IsReadInScreenPixelsNotOnTheMedia) {
+  const GazeTrace trace = read("tobii_studio_3.tsv");
+  EXPECT_EQ(trace.format, "Tobii Studio, binocular");
+  EXPECT_EQ(trace.screen->size_px, glm::ivec2(1920, 1080));
+  ASSERT_EQ(trace.samples.size(), 4u);
+  EXPECT_DOUBLE_EQ(trace.samples[0].time_s, 0.003);
+  expectPoint(trace.samples[0].point_px, 910, 510);
+  expectPoint(trace.samples[0].eyes[1].point_px, 920, 520);
+  EXPECT_DOUBLE_EQ(*trace.samples[0].pupil_mm, 3.3);  // "3,20" and "3,40"
+  EXPECT_FALSE(trace.samples[1].eyes[0].point_px);
+  EXPECT_FALSE(trace.samples[2].point_px);
+}
+
+TEST(VendorExport, TobiiProLabKeepsTheEyeTrackersRowsAndTheScreensColumns) {
+  const GazeTrace trace = read("tobii_pro_lab.tsv");
+  EXPECT_EQ(trace.format, "Tobii Pro Lab, binocular");
+  EXPECT_EQ(trace.screen->size_px, glm::ivec2(1920, 1080));
+  ASSERT_EQ(trace.samples.size(), 4u);
+  EXPECT_DOUBLE_EQ(trace.samples[0].time_s, 0.001);
+  EXPECT_NEAR(trace.rate_Hz, 300.0, 0.1);
+  expectPoint(trace.samples[0].point_px, 960, 540);
+  expectPoint(trace.samples[0].eyes[0].point_px, 950, 530);
+  EXPECT_FALSE(trace.samples[1].eyes[0].point_px);
+  EXPECT_FALSE(trace.samples[2].point_px);
+}
+
+TEST(VendorExport, PositionsOnTheMediaOrInMillimetresAreRefused) {
+  const std::string media = refusal(
+      "Recording timestamp [ms]\tSensor\tGaze point X [MCS px]\tGaze point Y [MCS px]\n"
+      "1\tEye Tracker\t10\t20\n9\tEye Tracker\t10\t20\n");
+  EXPECT_NE(media.find("\"Gaze point X [MCS px]\" counts from the presented media"),
+            std::string::npos)
+      << media;
+  EXPECT_NE(
+      refusal("RecordingTimestamp\tGazePointX (ADCSmm)\tGazePointY (ADCSmm)\n1\t9\t9\n9\t9\t9\n")
+          .find("\"GazePointX (ADCSmm)\" is in \"mm\": expected px"),
+      std::string::npos);
+}
+
+TEST(VendorExport, SmiIdfConverterHasMessagesAndUnknownZeros) {
+  const GazeTrace trace = read("smi_idf_converter.txt");
+  EXPECT_EQ(trace.format, "SMI BeGaze, binocular");
+  EXPECT_EQ(trace.screen->size_px, glm::ivec2(1680, 1050));
+  EXPECT_DOUBLE_EQ(trace.screen->size_m.y, 0.297);
+  EXPECT_EQ(trace.screen->distance_m, 0.0);  // "Head Distance: 0" means unknown
+  ASSERT_EQ(trace.samples.size(), 4u);
+  EXPECT_DOUBLE_EQ(trace.samples[0].time_s, 2.001);
+  EXPECT_EQ(trace.rate_Hz, 250.0);
+  expectPoint(trace.samples[0].point_px, 840, 530);
+  EXPECT_DOUBLE_EQ(*trace.samples[0].pupil_mm, 3.3);
+  EXPECT_FALSE(trace.samples[2].point_px);
+  EXPECT_FALSE(trace.samples[2].pupil_mm);
+}
+
+TEST(VendorExport, SmiBeGazeRawDataHasSeparatorsAndDashes) {
+  const GazeTrace trace = read("smi_begaze.csv");
+  EXPECT_EQ(trace.format, "SMI BeGaze, binocular");
+  ASSERT_EQ(trace.samples.size(), 4u);
+  EXPECT_DOUBLE_EQ(trace.samples[0].time_s, 0.012034);
+  expectPoint(trace.samples[0].eyes[0].point_px, 830, 520);
+  expectPoint(trace.samples[0].point_px, 840, 530);
+  EXPECT_FALSE(trace.samples[1].point_px);
+  EXPECT_FALSE(trace.samples[3].point_px);
+}
+
+TEST(VendorExport, NamesWithNormAreFractions) {
+  for (const std::string_view header :
+       {"time,norm_x,norm_y\n", "time,gaze_x_norm,gaze_y_norm\n",
+        "time,GazeX normalised,GazeY normalised\n", "time;Gaze X [MCSnorm];Gaze Y\n"}) {
+    const std::string bytes = std::string(header) + "0,0.5,0.25\n0.01,0.5,0.25\n";
+    if (header.find("MCS") != std::string_view::npos) {
+      EXPECT_NE(refusal(bytes).find("presented media"), std::string::npos) << header;
+      continue;
+    }
+    const GazeTrace trace = readTrace(ScratchFile(bytes).path(), {}, {.size_px = {1000, 800}});
+    expectPoint(trace.samples[0].point_px, 500, 200);
+  }
+  // Pupil Labs' norm_pos counts from the lower edge.
+  const GazeTrace trace =
+      readTrace(ScratchFile("timestamp,norm_pos_x,norm_pos_y\n0,0.5,0.25\n0.01,0.5,0.25\n").path(),
+                {}, {.size_px = {1000, 800}});
+  expectPoint(trace.samples[0].point_px, 500, 600);
+}
+
+TEST(VendorExport, FractionsAndMetresWithoutAUnitAreRefused) {
+  std::string fractions = "time,x,y\n", metres = "time,eye_x,eye_y,eye_z\n";
+  for (int i = 0; i < 50; ++i) {
+    const std::string time = std::to_string(0.01 * i);
+    fractions += time + ",0.5" + std::to_string(i) + ",0.4\n";
+    metres += time + ",0.031,0.002,0.64\n";
+  }
+  EXPECT_NE(refusal(fractions).find("give their unit: --units normalised or deg"),
+            std::string::npos)
+      << refusal(fractions);
+  EXPECT_NE(refusal(metres).find("it may be \"eye_x\""), std::string::npos) << refusal(metres);
+  EXPECT_NE(refusal(metres, {.x = "eye_x", .y = "eye_y"}).find("give their unit"),
+            std::string::npos);
+  EXPECT_NE(refusal("time,x_m,y_m\n0,0.1,0.1\n0.01,0.1,0.1\n").find("is in \"m\": expected px"),
+            std::string::npos);
+  // The unit that the user states holds.
+  EXPECT_EQ(refusal(fractions, {.units = GazeUnits::normalised}), "not refused");
+  EXPECT_EQ(refusal(fractions, {.units = GazeUnits::px}), "not refused");
+  // What a gaze map will turn into pixels is not judged.
+  EXPECT_EQ(refusal(fractions, {.mapped_later = true}), "not refused");
+}
+
+TEST(VendorExport, DegreesWithoutAUnitWarn) {
+  std::string degrees = "time,x,y\n";
+  for (int i = 0; i < 50; ++i) {
+    degrees += std::to_string(0.01 * i) + "," + std::to_string(i - 25) + ",-3.5\n";
+  }
+  const GazeTrace trace = readTrace(ScratchFile(degrees).path(), {}, {});
+  ASSERT_EQ(trace.warnings.size(), 1u);
+  EXPECT_NE(trace.warnings[0].find("may be degrees"), std::string::npos);
+}
+
+TEST(VendorExport, TheHeaderStatesWhatWasAssumed) {
+  const auto header = [](std::string_view bytes, const TraceColumns& columns = {}) {
+    return streamTrace(ScratchFile(bytes).path(), columns, {}, [](const GazeSample&) {});
+  };
+  const TraceHeader plain = header("time,x,y\n0,10,20\n4,11,21\n8,12,22\n");
+  ASSERT_EQ(plain.assumed.size(), 2u);
+  EXPECT_NE(plain.assumed[0].find("unit of the positions: px"), std::string::npos);
+  EXPECT_NE(plain.assumed[1].find("unit of time: 0.001 s"), std::string::npos);
+  EXPECT_FALSE(plain.nominal_screen);
+
+  const TraceHeader degrees = header("time_s,x_deg,y_deg\n0,10,20\n0.01,11,21\n");
+  EXPECT_TRUE(degrees.nominal_screen);
+  EXPECT_EQ(degrees.units, GazeUnits::deg);
+  ASSERT_EQ(degrees.assumed.size(), 1u);
+  EXPECT_NE(degrees.assumed[0].find("screen: unknown"), std::string::npos);
+
+  EXPECT_TRUE(header("time_s,x_px,y_px\n0,10,20\n0.01,11,21\n").assumed.empty());
+}
+
+TEST(VendorExport, MissingColumnsListTheirCandidates) {
+  const std::string message = refusal("TIMETICK,LPOGX,LPOGY,stimulus\n1,2,3,4\n");
+  EXPECT_NE(
+      message.find("no column \"time\": name it with gaze.time (--time); it may be \"TIMETICK\""),
+      std::string::npos)
+      << message;
+  const std::string x =
+      refusal("TIMETICK,LPOGX,LPOGY,RPOGX,RPOGY\n1,2,3,4,5\n", {.time = "TIMETICK"});
+  EXPECT_NE(x.find("it may be \"LPOGX\", \"RPOGX\""), std::string::npos) << x;
+  EXPECT_NE(refusal("0.1,1,2\n0.2,1,2\n").find("the first line has numbers, not names"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace foci

@@ -1,0 +1,156 @@
+// No background shows through a closed surface: black meshes before white, held against rays
+// through their triangles. None of these meshes is one that constants were chosen on.
+#ifdef FOCI_RAYTRACE
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/gtc/constants.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/methods/method.h"
+#include "render/scene/estimation/estimate.h"
+#include "render/scene/mesh/sample_mesh.h"
+
+namespace foci {
+namespace {
+
+constexpr glm::ivec2 kSize_px{200, 150};
+constexpr std::size_t kPoints = 40'000;  // a pixel apart, about
+constexpr float kLeak = 0.05f, kWorst = 0.15f;
+constexpr double kShare = 1e-4;  // of interior pixels that may leak more than kLeak
+constexpr int kErode_px = 3;     // the kernel's reach
+
+using Surface = std::function<glm::vec3(float u, float v)>;
+
+TriangleMesh meshOf(const Surface& surface, int columns, int rows) {
+  TriangleMesh mesh;
+  const auto at = [&](int i, int j) {
+    return surface(static_cast<float>(i) / static_cast<float>(columns),
+                   static_cast<float>(j) / static_cast<float>(rows));
+  };
+  for (int i = 0; i < columns; ++i) {
+    for (int j = 0; j < rows; ++j) {
+      const glm::vec3 a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+      for (const glm::vec3& corner : {a, b, c, a, c, d}) mesh.corners_m.push_back(corner);
+    }
+  }
+  mesh.uv.resize(mesh.corners_m.size());
+  mesh.material.resize(mesh.size(), 0);
+  mesh.materials = {{.texture = {}, .factor = glm::vec3(0.0f)}};
+  return mesh;
+}
+
+glm::vec3 onSphere(float u, float v, float radius) {
+  const float phi = glm::two_pi<float>() * u, theta = glm::pi<float>() * v;
+  return radius * glm::vec3(std::sin(theta) * std::cos(phi), std::cos(theta),
+                            -std::sin(theta) * std::sin(phi));
+}
+
+struct Shape {
+  const char* name;
+  TriangleMesh mesh;
+};
+
+std::vector<Shape> shapes() {
+  const float tau = glm::two_pi<float>();
+  const auto smooth = [](float u, float v) { return onSphere(u, v, 1.0f); };
+  const auto bumps = [&](float u, float v) {
+    const float sine = std::sin(glm::pi<float>() * v);
+    return onSphere(u, v, 1.0f + 0.06f * sine * std::sin(12 * tau * u) * std::sin(11 * tau * v));
+  };
+  const auto star = [&](float u, float v) {
+    const float sine = std::sin(glm::pi<float>() * v);
+    return onSphere(u, v, 1.0f + 0.4f * sine * sine * std::cos(5 * tau * u));
+  };
+  const auto torus = [&](float u, float v) {
+    const float ring = 1.0f + 0.3f * std::cos(tau * v);
+    return glm::vec3(ring * std::cos(tau * u), 0.3f * std::sin(tau * v), ring * std::sin(tau * u));
+  };
+  const auto sheet = [&](float u, float v) {
+    return glm::vec3(2 * u - 1, 0.03f * std::sin(9 * tau * u) * std::cos(8 * tau * v), 1 - 2 * v);
+  };
+  const auto folds = [&](float u, float v) {
+    const float saw = std::abs(std::fmod(14.0f * u, 2.0f) - 1.0f);
+    return glm::vec3(2 * u - 1, 0.12f * saw, 1 - 2 * v);
+  };
+  return {{"sphere", meshOf(smooth, 60, 40)},   {"bumps", meshOf(bumps, 240, 120)},
+          {"star", meshOf(star, 120, 60)},      {"torus", meshOf(torus, 120, 40)},
+          {"ripples", meshOf(sheet, 150, 150)}, {"folds", meshOf(folds, 140, 40)}};
+}
+
+struct Leak {
+  double share = 0.0;
+  float worst = 0.0f;
+  std::size_t interior = 0;
+};
+
+/// Light of the background at pixels around which the truth has none.
+Leak leakOf(const Frame& frame, const Frame& truth) {
+  Leak leak;
+  std::size_t leaking = 0;
+  for (int y = kErode_px; y < kSize_px.y - kErode_px; ++y) {
+    for (int x = kErode_px; x < kSize_px.x - kErode_px; ++x) {
+      float least = 1.0f;
+      for (int k = 0; k < (2 * kErode_px + 1) * (2 * kErode_px + 1); ++k) {
+        const int dx = k % (2 * kErode_px + 1) - kErode_px,
+                  dy = k / (2 * kErode_px + 1) - kErode_px;
+        const auto p = static_cast<std::size_t>((y + dy) * kSize_px.x + x + dx);
+        least = std::min(least, truth.rgba[p].a);
+      }
+      if (least < 0.9999f) continue;
+      const float light = frame.rgba[static_cast<std::size_t>(y * kSize_px.x + x)].r;
+      ++leak.interior;
+      leaking += light > kLeak;
+      leak.worst = std::max(leak.worst, light);
+    }
+  }
+  leak.share =
+      static_cast<double>(leaking) / static_cast<double>(std::max<std::size_t>(leak.interior, 1));
+  return leak;
+}
+
+View viewFrom(float elevation, float azimuth) {
+  const glm::vec3 towards(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
+                          std::cos(elevation) * std::cos(azimuth));
+  return viewOfCamera(eyeFromWorld(5.0f * towards, glm::vec3(0.0f), {0, 1, 0}), kSize_px, 0.5);
+}
+
+TEST(ClosedSurfaces, LeakNoBackgroundAtAnyLevelAndBlur) {
+  std::size_t images = 0;
+  for (const Shape& shape : shapes()) {
+    SurfelCloud cloud = surfelsFromPoints(sampleMesh(shape.mesh, shape.name, {.points = kPoints}));
+    cloud.mesh = std::make_shared<const TriangleMesh>(shape.mesh);
+    const auto truth = makeMethod("raytrace:16", cloud);
+    for (const float elevation : {0.35f, 1.2f}) {
+      const View view = viewFrom(elevation, 0.5f + elevation);
+      for (const float blur_px : {0.0f, 3.0f}) {
+        RenderSettings settings;
+        settings.background = glm::vec3(1.0f);
+        settings.defocus.radius_px_per_D = glm::vec2(5.0f * blur_px);  // focus at infinity
+        Frame expected, frame;
+        truth->render(view, settings, expected);
+        for (const char* method :
+             {"sweep", "auto:2", "auto:3", "auto:4", "auto:6", "auto:7", "auto:8"}) {
+          makeMethod(method, cloud)->render(view, settings, frame);
+          const Leak leak = leakOf(frame, expected);
+          const std::string where = std::string(shape.name) + ", " + method + ", blur " +
+                                    std::to_string(blur_px) + ", elevation " +
+                                    std::to_string(elevation);
+          EXPECT_GT(leak.interior, 500u) << where;
+          EXPECT_LE(leak.share, kShare) << where;
+          EXPECT_LE(leak.worst, kWorst) << where;
+          ++images;
+        }
+      }
+    }
+  }
+  EXPECT_GE(images, 100u);
+}
+
+}  // namespace
+}  // namespace foci
+#endif  // FOCI_RAYTRACE

@@ -1,0 +1,129 @@
+#include "render/scene/io/scene_facts.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "base/input_error.h"
+#include "render/scene/io/foci_file.h"
+#include "render/scene/io/mesh.h"
+#include "render/scene/mesh/sample_mesh.h"
+#include "tests/temporary_folder.h"
+
+namespace foci {
+namespace {
+
+/// A quad of 2 x 1 units in the xy plane, with centimetres as units and z upwards.
+constexpr const char* kQuadFbx = R"(; FBX 7.4.0 project file
+FBXHeaderExtension:  {
+	FBXHeaderVersion: 1003
+	FBXVersion: 7400
+}
+GlobalSettings:  {
+	Version: 1000
+	Properties70:  {
+		P: "UpAxis", "int", "Integer", "",2
+		P: "UnitScaleFactor", "double", "Number", "",1
+	}
+}
+Objects:  {
+	Geometry: 100, "Geometry::quad", "Mesh" {
+		Vertices: *12 {
+			a: 0,0,0,2,0,0,2,1,0,0,1,0
+		}
+		PolygonVertexIndex: *4 {
+			a: 0,1,2,-4
+		}
+		GeometryVersion: 124
+	}
+	Model: 200, "Model::quad", "Mesh" {
+		Version: 232
+	}
+}
+Connections:  {
+	C: "OO",200,0
+	C: "OO",100,200
+}
+)";
+
+class Facts : public testing::Test {
+ protected:
+  const TemporaryFolder scratch;
+};
+
+TEST_F(Facts, OfAMeshAreItsTrianglesMaterialsAndCorners) {
+  cv::imwrite((scratch.path() / "planks.png").string(), cv::Mat(4, 4, CV_8UC3, cv::Scalar(9)));
+  scratch.write("q.mtl",
+                "newmtl wood\nmap_Kd planks.png\nnewmtl glass\nKd 1 1 1\nd 0.25\nnewmtl tin\n"
+                "map_Kd lost.png\n");
+  const SceneFacts facts = readSceneFacts(scratch.write(
+      "q.obj",
+      "mtllib q.mtl\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 5\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+      "vn 0 0 1\nusemtl wood\nf 1/1/1 2/2/1 3/3/1 4/4/1\nusemtl glass\nf 1/1/1 2/2/1 3/3/1\n"
+      "usemtl tin\nf 1/1/1 2/2/1 4/4/1\n"));
+  EXPECT_EQ(facts.kind, SceneKind::obj);
+  EXPECT_EQ(facts.triangles, 4u);
+  EXPECT_TRUE(facts.has_normals && facts.has_colors && facts.isMesh());
+  EXPECT_EQ(facts.opacity, glm::vec2(0.25f, 1.0f));
+  EXPECT_FALSE(facts.unit_m || facts.up_axis);
+  const auto materialNamed = [&](const std::string& name) {
+    for (const MaterialFacts& material : facts.materials) {
+      if (material.name == name) return material;
+    }
+    ADD_FAILURE() << name;
+    return MaterialFacts{};
+  };
+  ASSERT_EQ(materialNamed("wood").textures.size(), 1u);
+  EXPECT_TRUE(materialNamed("wood").textures[0].found);
+  EXPECT_FALSE(materialNamed("tin").textures.at(0).found);
+  EXPECT_FLOAT_EQ(materialNamed("glass").opacity, 0.25f);
+  float high = 0.0f;
+  for (const glm::vec3& p : facts.position) high = std::max(high, p.z);
+  EXPECT_EQ(high, 5.0f);
+}
+
+TEST_F(Facts, OfFbxStateUnitsAndUpAxis) {
+  const auto file = scratch.write("q.fbx", kQuadFbx);
+  const SceneFacts facts = readSceneFacts(file);
+  EXPECT_EQ(facts.kind, SceneKind::fbx);
+  EXPECT_EQ(facts.triangles, 2u);
+  EXPECT_EQ(facts.unit_m, 0.01);
+  EXPECT_EQ(facts.up_axis, 2);
+  const PointCloud points = sampleMesh(readMesh(file), file, {.points = 400});
+  ASSERT_GT(points.size(), 300u);
+  for (const glm::vec3& p : points.position_m) {
+    ASSERT_TRUE(p.x >= -1e-4f && p.x <= 2.0001f && p.y >= -1e-4f && p.y <= 1.0001f)
+        << p.x << " " << p.y << " " << p.z;
+  }
+}
+
+TEST_F(Facts, OfPointsAndPreparedScenes) {
+  const SceneFacts facts =
+      readSceneFacts(scratch.write("p.xyz", "0 0 0 255 0 0\n1 2 3 0 0 255\nnan 0 0 0 0 0\n"));
+  EXPECT_EQ(facts.kind, SceneKind::text_points);
+  EXPECT_EQ(facts.points, 2u);
+  EXPECT_EQ(facts.dropped, 1u);
+  EXPECT_TRUE(facts.has_colors);
+  EXPECT_FALSE(facts.has_normals || facts.isMesh());
+
+  SurfelCloud cloud;
+  appendSurfel(cloud, {1.0f, 2.0f, 3.0f}, {0.0f, 0.0f, 1.0f}, 0.1f, 0.02f, glm::vec3(0.5f), 0.5f);
+  writeSceneFile(scratch.path() / "scene.foci", cloud);
+  const SceneFacts prepared = readSceneFacts(scratch.path() / "scene.foci");
+  EXPECT_EQ(prepared.surfels, 1u);
+  EXPECT_EQ(prepared.unit_m, 1.0);
+  EXPECT_EQ(prepared.opacity, glm::vec2(0.5f));
+  EXPECT_EQ(prepared.position.at(0), glm::vec3(1, 2, 3));
+}
+
+TEST_F(Facts, OfNothingAreRefused) {
+  EXPECT_THROW(readSceneFacts(scratch.path() / "absent.obj"), InputError);
+  EXPECT_THROW(readSceneFacts(scratch.write("empty.obj", "")), InputError);
+  EXPECT_THROW(readSceneFacts(scratch.write("points.obj", "v 0 0 0\nv 1 0 0\n")), InputError);
+  EXPECT_THROW(readSceneFacts(scratch.write("broken.fbx", "Kaydara FBX Binary  ")), InputError);
+}
+
+}  // namespace
+}  // namespace foci

@@ -1,0 +1,153 @@
+#include "render/scene/io/text_points.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/input_error.h"
+#include "render/image/srgb.h"
+#include "render/scene/io/open_scene.h"
+#include "tests/temporary_folder.h"
+
+namespace foci {
+namespace {
+
+class TextPoints : public testing::Test {
+ protected:
+  PointCloud read(const std::string& text, const std::string& name = "p.xyz") {
+    return readTextPoints(scratch.write(name, text));
+  }
+  std::string refusal(const std::string& text, const std::string& name = "p.xyz") {
+    try {
+      read(text, name);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  static bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+  }
+
+  const TemporaryFolder scratch;
+};
+
+TEST_F(TextPoints, PositionsAloneAreGrey) {
+  const PointCloud points = read("# a scan\n\n1 2 3\n-1.5\t2e1 +3\n1,2,4");
+  ASSERT_EQ(points.size(), 3u);
+  EXPECT_EQ(points.position_m[1], glm::vec3(-1.5f, 20.0f, 3.0f));
+  EXPECT_EQ(points.position_m[2], glm::vec3(1, 2, 4));
+  EXPECT_NEAR(points.color[0].x, linearFromSrgb(0.5f), 1e-3f);
+  EXPECT_TRUE(points.normal.empty());
+}
+
+TEST_F(TextPoints, ColoursHaveTheRangeOfTheWholeFile) {
+  const float half = linearFromSrgb(0.5f);
+  EXPECT_FLOAT_EQ(read("0 0 0 1 0 0\n1 0 0 0.5 1 0\n").color[1].x, half);
+  EXPECT_FLOAT_EQ(read("0 0 0 255 0 0\n1 0 0 0 1 0\n").color[1].y, linearFromSrgb(1.0f / 255.0f));
+  EXPECT_FLOAT_EQ(read("0 0 0 255 0 0\n1 0 0 127.5 1 0\n").color[1].x, half);
+  EXPECT_FLOAT_EQ(read("0 0 0 65535 0 0\n1 0 0 0 1 0\n").color[0].x, 1.0f);
+}
+
+TEST_F(TextPoints, TriplesOfLengthOneAreNormals) {
+  const PointCloud points = read("0 0 0 0 0.6 0.8\n1 0 0 0 0 -1\n2 0 0 0 0 0\n");
+  ASSERT_EQ(points.normal.size(), 3u);
+  EXPECT_FLOAT_EQ(points.normal[0].z, 0.8f);
+  EXPECT_EQ(points.normal[2], glm::vec3(0.0f));  // to be estimated
+  for (const char* both : {"0 0 0 10 20 30 0 1 0\n", "0 0 0 0 1 0 10 20 30\n"}) {
+    const PointCloud all = read(both);
+    EXPECT_EQ(all.normal.at(0), glm::vec3(0, 1, 0));
+    EXPECT_FLOAT_EQ(all.color.at(0).x, linearFromSrgb(10.0f / 255.0f));
+  }
+}
+
+TEST_F(TextPoints, PtsHasANumberOfPointsAndIntensity) {
+  const PointCloud points = read("2\n0 0 0 -1200 255 0 0\n1 0 0 300 0 255 0\n", "p.pts");
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_FLOAT_EQ(points.color[0].x, 1.0f);
+  EXPECT_FLOAT_EQ(points.color[1].y, 1.0f);
+  const PointCloud grey = read("2\n0 0 0 -1200\n1 0 0 300\n", "p.pts");
+  EXPECT_EQ(grey.color[0], glm::vec3(0.0f));
+  EXPECT_EQ(grey.color[1], glm::vec3(1.0f));
+  // Scans one after another.
+  EXPECT_EQ(read("1\n0 0 0 5\n2\n1 0 0 5\n2 0 0 5\n", "p.pts").size(), 3u);
+  EXPECT_TRUE(has(refusal("3\n0 0 0 5\n", "p.pts"), "p.pts:2: ends after 1 of 3 points"));
+}
+
+TEST_F(TextPoints, ALineOfNamesSaysWhatTheColumnsAre) {
+  const PointCloud points =
+      read("//X Y Z Scalar Nx Ny Nz R G B\n0 1 2 77 0 0 1 0 255 0\n", "p.asc");
+  EXPECT_EQ(points.position_m[0], glm::vec3(0, 1, 2));
+  EXPECT_EQ(points.normal.at(0), glm::vec3(0, 0, 1));
+  EXPECT_FLOAT_EQ(points.color[0].y, 1.0f);
+  const PointCloud turned = read("intensity;z;y;x\n1;2;3;4\n2;2;3;5\n", "p.txt");
+  EXPECT_EQ(turned.position_m[0], glm::vec3(4, 3, 2));
+}
+
+TEST_F(TextPoints, MapCoordinatesKeepTheirMillimetres) {
+  const PointCloud points = read("482123.001 5412345.001 310\n482123.002 5412345.001 310\n");
+  EXPECT_NEAR(points.position_m[1].x - points.position_m[0].x, 0.001f, 1e-4f);
+  ASSERT_EQ(points.remarks.size(), 1u);
+  EXPECT_TRUE(has(points.remarks[0], "482000 5412000 0")) << points.remarks[0];
+}
+
+TEST_F(TextPoints, DropsPointsThatAreNotFinite) {
+  const PointCloud points = read("0 0 0 1 0 0\nnan 0 0 0 1 0\n1e30 0 0 0 0 1\n1 0 0 0 1 1\n");
+  EXPECT_EQ(points.size(), 2u);
+  EXPECT_EQ(points.dropped, 2u);
+  EXPECT_FLOAT_EQ(points.color[1].z, 1.0f);
+}
+
+TEST_F(TextPoints, RefusesBadLinesByNumber) {
+  EXPECT_TRUE(has(refusal("0 0 0\n1 2\n"), ":2: has 2 numbers: expected 3"));
+  EXPECT_TRUE(has(refusal("0 0 0\n1 2 x\n"), ":2: expected a number, found \"x\""));
+  EXPECT_TRUE(has(refusal("1 2\n"), ":1: expected x y z"));
+  EXPECT_TRUE(has(refusal(""), "is empty"));
+  EXPECT_TRUE(has(refusal("# nothing\n"), "has no points"));
+  EXPECT_TRUE(has(refusal("nan nan nan\n"), "none of its points"));
+  EXPECT_TRUE(has(refusal("0 0 0 -5 300 2\n"), "neither colours"));
+  EXPECT_NE(refusal(std::string("\0\1\2 3 4\n", 9)), "");
+  EXPECT_NE(refusal("0 0 0" +
+                    [] {
+                      std::string many;
+                      for (int i = 0; i < 100; ++i) many += " 1";
+                      return many;
+                    }()),
+            "");
+}
+
+TEST_F(TextPoints, ATxtFileIsASceneIfItBeginsWithPoints) {
+  EXPECT_TRUE(isScene(scratch.write("a.txt", "# points\n1 2 3\n")));
+  EXPECT_TRUE(isScene(scratch.write("b.txt", "x y z\n1 2 3\n")));
+  EXPECT_FALSE(isScene(scratch.write("c.txt", "[scene]\nbuiltin = \"plane\"\n")));
+  EXPECT_FALSE(isScene(scratch.write("d.toml", "seed = 1\n")));
+  EXPECT_FALSE(isScene(scratch.path() / "absent.txt"));
+  EXPECT_TRUE(isScene(scratch.path() / "absent.obj"));
+}
+
+TEST_F(TextPoints, OpensAsASceneAtItsScale) {
+  std::string text;
+  for (int i = 0; i < 400; ++i) {
+    text += std::to_string(i % 20) + " " + std::to_string(i / 20) + " 0 255 0 0\n";
+  }
+  const OpenedScene scene = openScene(scratch.write("p.xyz", text), 0.01, {});
+  ASSERT_EQ(scene.cloud.size(), 400u);
+  for (const glm::vec3& p : scene.cloud.position_m) EXPECT_LE(p.x, 0.1901f);
+  EXPECT_FLOAT_EQ(scene.cloud.color[0].x, 1.0f);
+}
+
+TEST_F(TextPoints, FormatsThatAreNotReadNameAConverter) {
+  for (const char* name : {"scan.e57", "scan.pcd", "model.blend"}) {
+    try {
+      openPoints(scratch.write(name, "ASTM-E57 and more"), 1.0);
+      FAIL() << name;
+    } catch (const InputError& error) {
+      EXPECT_TRUE(has(error.what(), "does not read") &&
+                  (has(error.what(), "pdal") || has(error.what(), "Blender")))
+          << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace foci
