@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#if defined(__SANITIZE_THREAD__)
+#ifdef FOCI_TSAN
 #include <algorithm>
 #include <atomic>
 #include <thread>
@@ -27,7 +27,7 @@ struct Cancelled {};
 /// TBB is not instrumented for the thread sanitizer. Sanitized builds use plain threads instead.
 template <typename Body>
 void parallelFor(std::size_t n, const Body& body) {
-#if defined(__SANITIZE_THREAD__)
+#ifdef FOCI_TSAN
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
     for (std::size_t i = next++; i < n; i = next++) body(i);
@@ -44,7 +44,7 @@ void parallelFor(std::size_t n, const Body& body) {
 /// Sorts. Elements that compare equal must be identical, or their order depends on the threads.
 template <typename Iterator>
 void parallelSort(Iterator begin, Iterator end) {
-#if defined(__SANITIZE_THREAD__)
+#ifdef FOCI_TSAN
   std::sort(begin, end);
 #else
   tbb::parallel_sort(begin, end);

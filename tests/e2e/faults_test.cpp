@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef FOCI_SANITIZED
 constexpr int kKills = 6;  // a sanitizer makes the binary ten times slower
 #else
 constexpr int kKills = 30;

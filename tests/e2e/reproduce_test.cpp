@@ -27,7 +27,7 @@ Outcome reproduce(const TemporaryFolder& folder, const std::vector<std::string>&
 }
 
 TEST(Reproduce, WritesTheTableThePageAndTheFigures) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef FOCI_SANITIZED
   GTEST_SKIP() << "thousands of frames of 512 x 512 px are too slow under a sanitizer";
 #endif
   const TemporaryFolder folder;

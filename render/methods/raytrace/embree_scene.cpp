@@ -5,7 +5,7 @@
 namespace foci {
 namespace {
 
-#if defined(__SANITIZE_THREAD__)
+#ifdef FOCI_TSAN
 constexpr const char* kDevice = "threads=1";  // the sanitizer cannot follow Embree's own threads
 #else
 constexpr const char* kDevice = nullptr;

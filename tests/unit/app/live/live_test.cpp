@@ -284,7 +284,7 @@ double residentBytes() {
   return resident * 4096.0;
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef FOCI_SANITIZED
 // Sanitizers keep freed memory, and slow the frame loop: with a faster clock every frame would have
 // more samples to take than the one before.
 constexpr bool kSanitized = true;

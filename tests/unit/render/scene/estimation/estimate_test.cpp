@@ -47,8 +47,9 @@ std::vector<glm::vec3> plane(int side, float jitter) {
   std::mt19937 random(2);
   std::vector<glm::vec3> points;
   for (int i = 0; i < side * side; ++i) {
-    points.emplace_back(static_cast<float>(i % side) + jitter * (uniform(random) - 0.5f), 0.0f,
-                        static_cast<float>(i / side) + jitter * (uniform(random) - 0.5f));
+    const float z = static_cast<float>(i / side) + jitter * (uniform(random) - 0.5f);
+    const float x = static_cast<float>(i % side) + jitter * (uniform(random) - 0.5f);
+    points.emplace_back(x, 0.0f, z);
   }
   return points;
 }
