@@ -28,7 +28,7 @@ std::vector<glm::vec3> quad() {
 }
 
 PointCloud sampled(const std::filesystem::path& path, const MeshSampling& sampling) {
-  return sampleMesh(readMesh(path), path, sampling);
+  return sampleMesh(readMesh(path).mesh, path, sampling);
 }
 
 glm::vec3 at(const std::vector<glm::vec3>& corners, const MeshPoint& point) {
@@ -185,7 +185,7 @@ TEST_F(MeshTest, ShowsTheColourOfTheMaterialWithoutLight) {
 TEST_F(MeshTest, ChoosesPointsFromTheMeshsDetail) {
   // A coarse quad needs the least; its texture of 4096 x 2048 px shows on a screen of 1080 rows.
   const auto pointsOf = [&](const std::filesystem::path& path) {
-    return defaultPoints(readMesh(path));
+    return defaultPoints(readMesh(path).mesh);
   };
   EXPECT_EQ(pointsOf(texturedQuad()), kMinPoints);
   cv::imwrite((folder_ / "fine.png").string(), cv::Mat(2048, 4096, CV_8UC1, cv::Scalar(128)));
@@ -286,7 +286,7 @@ TEST_F(MeshTest, NamesTheCompressionOfAGltfThatItCannotRead) {
 }
 
 TEST_F(MeshTest, OpensLikeAPointCloudAndScaled) {
-  const PointCloud points = openPoints(texturedQuad(), 0.5, {.points = 1000}).points;
+  const PointCloud points = openPoints(readScene(texturedQuad()), 0.5, {.points = 1000}).points;
   for (const glm::vec3& p : points.position_m) {
     ASSERT_TRUE(p.x >= 0.0f && p.x <= 1.0f && p.y >= 0.0f && p.y <= 0.5f);
   }
