@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kRounds = 12;   // with a dart for each point that is wanted
 constexpr double kMost = 3.0;         // times the points wanted; slivers would take all darts
 constexpr float kFacingAway = -0.5f;  // cosine of normals
-constexpr std::size_t kBlock = 4096;  // darts of a task
+constexpr std::size_t kBlock = 1024;  // darts of a task
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 glm::dvec3 crossOf(const std::vector<glm::vec3>& corners_m, std::size_t triangle) {
@@ -80,7 +80,8 @@ class Grid {
 
   /// Darts are numbered in the order in which they are added.
   void add(const Dart& dart) {
-    std::uint32_t& head = heads_[slotOf(cellOf(placeOf(dart)))];
+    const Cell cell = cellOf(placeOf(dart));
+    std::uint32_t& head = heads_[slotOf(cell.x, rowOf(cell.y, cell.z))];
     entries_.push_back({dart.p_m, dart.normal, head});
     head = static_cast<std::uint32_t>(entries_.size() - 1);
   }
@@ -89,18 +90,20 @@ class Grid {
   /// @return whether it did
   template <typename Body>
   bool anyNear(const Dart& dart, const Body& body) const {
+    if (entries_.empty()) return false;
     const glm::dvec3 place = placeOf(dart);
     const Cell cell = cellOf(place), low = cellOf(place - 0.5);
-    for (int k = 0; k < 8; ++k) {  // its own cell first, then those in reach
-      Cell near = cell;
-      for (int axis = 0; axis < 3; ++axis) {
-        if ((k >> axis & 1) != 0) near[axis] += low[axis] == cell[axis] ? 1 : -1;
-      }
-      for (std::uint32_t i = heads_[slotOf(near)]; i != kNone; i = entries_[i].next) {
-        const glm::dvec3 d = entries_[i].p_m - dart.p_m;
-        if (glm::dot(d, d) < distance_m_ * distance_m_ &&
-            glm::dot(entries_[i].normal, dart.normal) > kFacingAway && body(i)) {
-          return true;
+    const Cell other = low + low + Cell(1) - cell;  // the neighbour in reach, on each axis
+    for (int k = 0; k < 4; ++k) {                   // its own row first
+      const std::uint64_t row =
+          rowOf((k & 1) != 0 ? other.y : cell.y, (k & 2) != 0 ? other.z : cell.z);
+      for (const std::int64_t x : {cell.x, other.x}) {
+        for (std::uint32_t i = heads_[slotOf(x, row)]; i != kNone; i = entries_[i].next) {
+          const glm::dvec3 d = entries_[i].p_m - dart.p_m;
+          if (glm::dot(d, d) < distance_m_ * distance_m_ &&
+              glm::dot(entries_[i].normal, dart.normal) > kFacingAway && body(i)) {
+            return true;
+          }
         }
       }
     }
@@ -118,11 +121,13 @@ class Grid {
   glm::dvec3 placeOf(const Dart& dart) const { return dart.p_m * (0.5 / distance_m_); }
   static Cell cellOf(const glm::dvec3& place) { return Cell(glm::floor(place)); }
 
+  static std::uint64_t rowOf(std::int64_t y, std::int64_t z) {
+    return randomBits(static_cast<std::uint64_t>(y) * 0xd6e8feb86659fd93 +
+                      static_cast<std::uint64_t>(z));
+  }
   /// Neighbours along x have neighbouring slots.
-  std::size_t slotOf(const Cell& cell) const {
-    const auto row = randomBits(static_cast<std::uint64_t>(cell.y) * 0xd6e8feb86659fd93 +
-                                static_cast<std::uint64_t>(cell.z));
-    return (row + static_cast<std::uint64_t>(cell.x)) & (heads_.size() - 1);
+  std::size_t slotOf(std::int64_t x, std::uint64_t row) const {
+    return (row + static_cast<std::uint64_t>(x)) & (heads_.size() - 1);
   }
 
   double distance_m_;
@@ -158,7 +163,10 @@ class Thrower {
         blocks[b].push_back(dart);
       }
     });
+    std::size_t total = 0;
+    for (const auto& block : blocks) total += block.size();
     std::vector<Dart> darts;
+    darts.reserve(total);
     for (const auto& block : blocks) darts.insert(darts.end(), block.begin(), block.end());
     return darts;
   }
