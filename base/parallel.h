@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 
 #ifdef FOCI_TSAN
 #include <algorithm>
@@ -42,12 +43,12 @@ void parallelFor(std::size_t n, const Body& body) {
 }
 
 /// Sorts. Elements that compare equal must be identical, or their order depends on the threads.
-template <typename Iterator>
-void parallelSort(Iterator begin, Iterator end) {
+template <typename Iterator, typename Less = std::less<>>
+void parallelSort(Iterator begin, Iterator end, const Less& less = {}) {
 #ifdef FOCI_TSAN
-  std::sort(begin, end);
+  std::sort(begin, end, less);
 #else
-  tbb::parallel_sort(begin, end);
+  tbb::parallel_sort(begin, end, less);
 #endif
 }
 

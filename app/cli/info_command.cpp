@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
@@ -33,13 +34,15 @@ void runInfo(const InfoOptions& options) {
     throw InputError("--thumbnail " + options.thumbnail, "expected a name that ends in .png");
   }
   checkOutputs({options.thumbnail}, inputFiles(study), options.overwrite);
-  const SceneFacts facts = readSceneFacts(options.scene);
+  SceneFile scene = readScene(options.scene);
+  const SceneFacts facts = factsOf(scene);
   const Framing framing =
       framingOf(facts, {.screen = study.screenInForce(), .look = look, .up = up});
   if (!options.thumbnail.empty()) {
     frameScene(study, facts, framing);
     study.output.size_px = kThumbnail_px;
-    renderImage(study, {.out = options.thumbnail, .depth = {}, .focus_D = {}, .gaze_px = {}});
+    renderImage(study, {.out = options.thumbnail, .depth = {}, .focus_D = {}, .gaze_px = {}},
+                std::move(scene));
   }
   if (options.json) {
     nlohmann::ordered_json json = sceneJson(facts, framing);

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <utility>
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
@@ -71,7 +72,7 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
   const unsigned threads = threadsOf(options.threads);
   live.threads = options.threads.empty() && threads > 2 ? threads - 1 : threads;
   if (!options.record.empty()) live.record = options.record;
-  const StudyAsked asked = studyOf(options);
+  StudyAsked asked = studyOf(options);
   checkOutputs({options.write_study}, inputFiles(asked.study), false);
   saveStudy(options, asked);
   Study study = asked.study;
@@ -83,7 +84,7 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
     study.eye.look_at_m = pose.target_m;
     study.eye.up = pose.up;
   }
-  const LiveSummary summary = runLive(study, live);
+  const LiveSummary summary = runLive(study, live, std::move(asked.scene));
   std::puts((options.json ? liveSummaryJson(summary) : liveSummaryText(summary)).c_str());
 }
 

@@ -12,6 +12,7 @@
 #include "app/study/scene_text.h"
 #include "base/input_error.h"
 #include "gaze/geometry/default_screen.h"
+#include "render/scene/io/open_scene.h"
 
 namespace foci {
 namespace {
@@ -89,7 +90,7 @@ void runPrepare(const PrepareOptions& options) {
                                                .scale_m = options.scale_m,
                                                .points = points,
                                                .overwrite = options.overwrite});
-  const SceneFacts facts = readSceneFacts(options.input);
+  const SceneFacts facts = factsOf(readScene(options.input));
   const Framing framing = framingOf(facts, {.screen = defaultScreen()});
   if (summary.dropped > 0) {
     std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n",

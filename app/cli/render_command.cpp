@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
@@ -63,7 +64,7 @@ std::string summaryJsonOf(const RenderOptions& options, const Study& study,
 void runRender(const RenderOptions& options) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   threadsOf(options.threads));
-  const StudyAsked asked = studyOf(options);
+  StudyAsked asked = studyOf(options);
   const Study& study = asked.study;
   checkOutputs({options.out, options.depth, options.write_study}, inputFiles(study),
                options.overwrite);
@@ -71,7 +72,7 @@ void runRender(const RenderOptions& options) {
   if (!options.depth.empty()) request.depth = options.depth;
   if (!options.focus.empty()) request.focus_D = focusOf_D(options.focus);
   if (!options.gaze.empty()) request.gaze_px = gazeOf_px(options.gaze, study.screenInForce());
-  const ImageSummary summary = renderImage(study, request);
+  const ImageSummary summary = renderImage(study, request, std::move(asked.scene));
   saveStudy(options, asked);
   if (options.json) {
     std::puts(summaryJsonOf(options, study, summary).c_str());

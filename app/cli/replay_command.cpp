@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <utility>
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
@@ -24,11 +25,12 @@ void runReplay(const ReplayOptions& options, const std::string& command_line) {
   const unsigned threads = threadsOf(options.threads);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   const std::string out = options.out.empty() ? "out" : options.out;
-  const StudyAsked asked = studyOf(options);
+  StudyAsked asked = studyOf(options);
   std::vector<std::filesystem::path> outputs = replayFiles(asked.study, out);
   outputs.emplace_back(options.write_study);
   checkOutputs(outputs, inputFiles(asked.study), options.overwrite);
-  const RunSummary summary = replay(asked.study, out, command_line, threads);
+  const RunSummary summary =
+      replay(asked.study, out, command_line, threads, std::move(asked.scene));
   saveStudy(options, asked);
   if (options.json) {
     std::puts(summaryJson(summary).c_str());

@@ -11,7 +11,6 @@
 #include "app/study/scene_study.h"
 #include "base/input_error.h"
 #include "gaze/sources/line_reader.h"
-#include "render/scene/io/open_scene.h"
 
 namespace foci {
 namespace {
@@ -119,13 +118,15 @@ StudyAsked studyOf(const StudyOptions& options) {
   if (options.marker) study.output.marker = true;
   if (options.split) study.output.split = true;
   std::string framing;
+  std::optional<SceneFile> scene;
   if (is_scene) {
-    framing = frameScene(study, look, up);
+    scene = readScene(options.study);
+    framing = frameScene(study, factsOf(*scene), look, up);
     std::fprintf(stderr, "foci: %s: %s%s\n", options.study.c_str(), framing.c_str(),
                  options.write_study.empty() ? "; --write-study FILE saves this" : "");
   }
   checkStudy(study);
-  return {std::move(study), std::move(framing)};
+  return {std::move(study), std::move(framing), std::move(scene)};
 }
 
 void saveStudy(const StudyOptions& options, const StudyAsked& asked) {

@@ -6,6 +6,7 @@
 
 #include "app/study/framing.h"
 #include "app/study/study.h"
+#include "render/scene/io/open_scene.h"
 
 namespace CLI {
 class App;
@@ -33,7 +34,8 @@ std::optional<UpAxis> upOf(const std::string& up);
 
 struct StudyAsked {
   Study study{};
-  std::string framing{};  ///< what was chosen for a scene; empty for a study
+  std::string framing{};             ///< what was chosen for a scene; empty for a study
+  std::optional<SceneFile> scene{};  ///< the file, which the framing has read
 };
 
 /// The study with the options applied, checked. A scene instead of a study gets a study with

@@ -6,7 +6,7 @@
 
 namespace foci {
 
-LiveSummary runLive(const Study&, const LiveOptions&) {
+LiveSummary runLive(const Study&, const LiveOptions&, std::optional<SceneFile>) {
   throw std::runtime_error("built without windows: foci live needs one");
 }
 

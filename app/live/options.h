@@ -10,6 +10,7 @@
 #include "app/record/durations.h"
 #include "app/record/landing.h"
 #include "app/study/study.h"
+#include "render/scene/io/open_scene.h"
 
 namespace foci {
 
@@ -34,7 +35,8 @@ struct LiveSummary {
 };
 
 /// Shows the study until the observer leaves.
+/// @param scene  the study's scene file, if it has been read
 /// @throws InputError, std::runtime_error
-LiveSummary runLive(const Study& study, const LiveOptions& options);
+LiveSummary runLive(const Study& study, const LiveOptions& options, std::optional<SceneFile> scene);
 
 }  // namespace foci

@@ -36,7 +36,8 @@ std::string methodOfFrame(const Study& study, const FrameRecord& record) {
 }
 
 LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock,
-                           std::string command, unsigned threads, std::function<void()> ready)
+                           std::string command, unsigned threads, std::function<void()> ready,
+                           std::optional<SceneFile> scene)
     : study_(study),
       feed_(feed),
       clock_(clock),
@@ -49,7 +50,9 @@ LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& 
              .record = nullptr,
              .scene_m = 0.0,
              .in_view = true},
-      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+      thread_([this, scene = std::move(scene)](const std::stop_token& stop) mutable {
+        run(stop, std::move(scene));
+      }) {}
 
 LiveRenderer::~LiveRenderer() = default;
 
@@ -171,9 +174,9 @@ void LiveRenderer::noteView() {
   state_.in_view = in_view;
 }
 
-void LiveRenderer::run(const std::stop_token& stop) {
+void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& scene) {
   try {
-    cloud_ = loadScene(study_);
+    cloud_ = loadScene(study_, std::move(scene));
     noteView();
     const double scene_m = boxWithoutStrays(cloud_->position_m).longest();
     {

@@ -21,6 +21,7 @@
 #include "app/live/record.h"
 #include "app/live/refiner.h"
 #include "app/session/session.h"
+#include "render/scene/io/open_scene.h"
 
 namespace foci {
 
@@ -43,9 +44,10 @@ class LiveRenderer {
  public:
   /// @param ready    called from the thread when a frame lies ready, or the thread has failed
   /// @param threads  that render
+  /// @param scene    the study's scene file, if it has been read
   /// `clock` and `feed` must outlive the renderer.
   LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock, std::string command,
-               unsigned threads, std::function<void()> ready);
+               unsigned threads, std::function<void()> ready, std::optional<SceneFile> scene = {});
   ~LiveRenderer();
   LiveRenderer(const LiveRenderer&) = delete;
   LiveRenderer& operator=(const LiveRenderer&) = delete;
@@ -74,7 +76,7 @@ class LiveRenderer {
   using Command = std::function<void()>;
 
   std::future<std::string> post(std::function<void()> action);
-  void run(const std::stop_token& stop);
+  void run(const std::stop_token& stop, std::optional<SceneFile>&& scene);
   void renderFrames(const std::stop_token& stop);
   bool waitForRoom(const std::stop_token& stop);
   void takeGaze();

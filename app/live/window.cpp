@@ -46,7 +46,7 @@ std::string nextOf(const Names& names, std::string_view now) {
 
 class LiveWindow {
  public:
-  LiveWindow(const Study& study, const LiveOptions& options);
+  LiveWindow(const Study& study, const LiveOptions& options, std::optional<SceneFile>&& scene);
   ~LiveWindow() { open_ = false; }
   LiveWindow(const LiveWindow&) = delete;
   LiveWindow& operator=(const LiveWindow&) = delete;
@@ -91,7 +91,8 @@ class LiveWindow {
   std::optional<RemoteSocket> socket_;  // last: its thread calls the others
 };
 
-LiveWindow::LiveWindow(const Study& study, const LiveOptions& options)
+LiveWindow::LiveWindow(const Study& study, const LiveOptions& options,
+                       std::optional<SceneFile>&& scene)
     : screen_(study.screenInForce()) {
   if (study.eye.path.empty()) {
     pose_.emplace(*study.eye.position_m, *study.eye.look_at_m, study.eye.up);
@@ -102,9 +103,11 @@ LiveWindow::LiveWindow(const Study& study, const LiveOptions& options)
                .add_marker = [this] { renderer_->addMarker("panel"); }};
   feed_.emplace(openLiveSource(options.source, study), clock_);
   // The scene loads while the window opens.
-  renderer_.emplace(study, *feed_, clock_, options.command, options.threads, [this] {
+  const auto wake = [this] {
     if (open_) Window::wake();
-  });
+  };
+  renderer_.emplace(study, *feed_, clock_, options.command, options.threads, wake,
+                    std::move(scene));
   window_.emplace("foci live", options.window ? std::optional(study.imageSize_px()) : std::nullopt,
                   options.monitor);
   open_ = true;
@@ -347,8 +350,9 @@ void LiveWindow::shown() {
 
 }  // namespace
 
-LiveSummary runLive(const Study& study, const LiveOptions& options) {
-  LiveWindow window(study, options);
+LiveSummary runLive(const Study& study, const LiveOptions& options,
+                    std::optional<SceneFile> scene) {
+  LiveWindow window(study, options, std::move(scene));
   return window.run();
 }
 

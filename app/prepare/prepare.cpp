@@ -134,7 +134,7 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
   OutputFolder output(folder);  // before the work, so that a bad folder is reported at once
   const std::filesystem::path scene_file = output.stage(request.out.filename().string());
   OpenedPoints opened =
-      openPoints(request.input, request.scale_m, MeshSampling{.points = request.points});
+      openPoints(readScene(request.input), request.scale_m, MeshSampling{.points = request.points});
   PointCloud& points = opened.points;
   PrepareSummary summary{
       .out = request.out, .report = reportOf(request.out), .dropped = points.dropped};

@@ -1,6 +1,7 @@
 #include "app/replay/render_image.h"
 
 #include <cstdio>
+#include <utility>
 
 #include "app/platform/output_files.h"
 #include "app/session/session.h"
@@ -24,9 +25,10 @@ void checkRequest(const Study& study, const ImageRequest& request) {
 
 }  // namespace
 
-ImageSummary renderImage(const Study& study, const ImageRequest& request) {
+ImageSummary renderImage(const Study& study, const ImageRequest& request,
+                         std::optional<SceneFile> scene) {
   checkRequest(study, request);
-  const SurfelCloud cloud = loadScene(study);
+  const SurfelCloud cloud = loadScene(study, std::move(scene));
   SessionSettings settings = sessionSettingsOf(study);
   settings.quality.frame_ms.reset();
   if (request.focus_D) settings.focus.fixed_D = request.focus_D;

@@ -7,6 +7,7 @@
 
 #include "app/study/study.h"
 #include "render/methods/method.h"
+#include "render/scene/io/open_scene.h"
 
 namespace foci {
 
@@ -30,7 +31,9 @@ struct ImageSummary {
 /// Renders the frame of a replay whose observer has looked at one point for a long time, at the
 /// beginning of the recording. A still image has no frame-time budget. No recording is read: a
 /// pupil from the recording has the study's fixed diameter, and one from luminance has adapted.
+/// @param scene  the study's scene file, if it has been read
 /// @throws InputError, std::runtime_error
-ImageSummary renderImage(const Study& study, const ImageRequest& request);
+ImageSummary renderImage(const Study& study, const ImageRequest& request,
+                         std::optional<SceneFile> scene = {});
 
 }  // namespace foci

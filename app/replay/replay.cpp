@@ -42,7 +42,7 @@ struct ReplayInputs {
   std::vector<InputFile> files;
 };
 
-ReplayInputs readInputs(const Study& study) {
+ReplayInputs readInputs(const Study& study, std::optional<SceneFile>&& scene) {
   const glm::ivec2 size_px = study.imageSize_px();
   if (size_px.x % 2 != 0 || size_px.y % 2 != 0) {
     throw InputError(study.file.string(), "images of " + std::to_string(size_px.x) + "x" +
@@ -67,7 +67,7 @@ ReplayInputs readInputs(const Study& study) {
   inputs.schedule = scheduleOf(study, inputs.trace);
   if (study.record.changes) inputs.changes = readChanges(*study.record.changes);
   if (study.record.markers) inputs.markers = readEventMarkers(*study.record.markers);
-  inputs.cloud = loadScene(study);
+  inputs.cloud = loadScene(study, std::move(scene));
   for (const auto& file : inputFiles(study)) inputs.files.push_back({file, sha256OfFile(file)});
   return inputs;
 }
@@ -298,8 +298,8 @@ std::vector<std::filesystem::path> replayFiles(const Study& study,
 }
 
 RunSummary replay(const Study& study, const std::filesystem::path& out, const std::string& command,
-                  unsigned threads) {
-  const ReplayInputs inputs = readInputs(study);
+                  unsigned threads, std::optional<SceneFile> scene) {
+  const ReplayInputs inputs = readInputs(study, std::move(scene));
   ReplayedEye eye(study, inputs);
   noteInterrupts();
   if (const std::string remark = ellipseRemark(study); !remark.empty()) {

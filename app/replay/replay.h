@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/record/run_summary.h"
 #include "app/study/study.h"
+#include "render/scene/io/open_scene.h"
 
 namespace foci {
 
@@ -19,8 +21,9 @@ std::vector<std::filesystem::path> replayFiles(const Study& study,
 /// `out`. If it throws, it leaves no file there, and removes the folder if that is new.
 /// @param command  as typed, for the manifest
 /// @param threads  in use, for the manifest
+/// @param scene    the study's scene file, if it has been read
 /// @throws InputError, std::runtime_error
 RunSummary replay(const Study& study, const std::filesystem::path& out, const std::string& command,
-                  unsigned threads);
+                  unsigned threads, std::optional<SceneFile> scene = {});
 
 }  // namespace foci

@@ -118,10 +118,11 @@ EyePose builtinPose(const Study& study) {
 
 namespace {
 
-SurfelCloud loadSceneFile(const Study& study) {
+SurfelCloud loadSceneFile(const Study& study, std::optional<SceneFile>&& file) {
   const glm::mat4 world_from_eye = glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0));
+  if (!file) file = readScene(*study.scene.file);
   OpenedScene scene =
-      openScene(*study.scene.file, study.scene.scale_m, glm::vec3(world_from_eye[3]));
+      openScene(std::move(*file), study.scene.scale_m, glm::vec3(world_from_eye[3]));
   if (scene.dropped > 0) {
     std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n",
                  study.scene.file->c_str(), scene.dropped);
@@ -138,8 +139,9 @@ SurfelCloud builtinScene(const Study& study) {
 
 }  // namespace
 
-SurfelCloud loadScene(const Study& study) {
-  SurfelCloud cloud = study.scene.file ? loadSceneFile(study) : builtinScene(study);
+SurfelCloud loadScene(const Study& study, std::optional<SceneFile> scene) {
+  SurfelCloud cloud =
+      study.scene.file ? loadSceneFile(study, std::move(scene)) : builtinScene(study);
   if (study.scene.file || study.eye.position_m || !study.eye.path.empty()) {
     for (const std::string& remark : viewRemarks(study, cloud)) {
       std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark.c_str());

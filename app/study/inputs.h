@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "app/study/study.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "render/scene/builtin/procedural.h"
+#include "render/scene/io/open_scene.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -16,8 +18,9 @@ EyePose builtinPose(const Study& study);
 
 /// Writes to standard error what a user should know of the file, and of the place of the eye in it
 /// (view_remarks.h).
+/// @param scene  the study's scene file, if it has been read
 /// @throws InputError
-SurfelCloud loadScene(const Study& study);
+SurfelCloud loadScene(const Study& study, std::optional<SceneFile> scene = {});
 
 /// The recording that the study names, seen through its calibration. A simulated observer looks at
 /// the gallery's points of interest, in other scenes at points spread over the screen, until the

@@ -23,8 +23,8 @@ Study studyOfScene(const std::filesystem::path& scene) {
   return study;
 }
 
-std::string frameScene(Study& study, Look look, const std::optional<UpAxis>& up) {
-  const SceneFacts facts = readSceneFacts(*study.scene.file);
+std::string frameScene(Study& study, const SceneFacts& facts, Look look,
+                       const std::optional<UpAxis>& up) {
   const Framing framing =
       framingOf(facts, {.screen = study.screenInForce(), .look = look, .up = up});
   frameScene(study, facts, framing);

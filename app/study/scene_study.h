@@ -16,10 +16,10 @@ Study studyOfScene(const std::filesystem::path& scene);
 
 /// Sets scale and eye of a study of a scene file, for the study's screen.
 /// @return what was chosen, see `framingText`
-/// @throws InputError as `readSceneFacts`
-std::string frameScene(Study& study, Look look, const std::optional<UpAxis>& up);
+std::string frameScene(Study& study, const SceneFacts& facts, Look look,
+                       const std::optional<UpAxis>& up);
 
-/// The same with facts and framing at hand. A scene of one colour is shaded, so that its shape
+/// The same with a framing at hand. A scene of one colour is shaded, so that its shape
 /// shows.
 void frameScene(Study& study, const SceneFacts& facts, const Framing& framing);
 

@@ -11,6 +11,7 @@
 #include "render/scene/builtin/procedural.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/io/ply.h"
+#include "render/scene/mesh/sample_mesh.h"
 #include "render/scene/surface_query.h"
 
 namespace foci {
@@ -74,6 +75,46 @@ BENCHMARK(BM_SurfelsOfRandomSphere)
     ->Arg(10'000'000)
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+/// A closed sphere of as many columns as rows, two triangles in each field.
+TriangleMesh meshedSphere(std::size_t rows) {
+  const auto at = [&](std::size_t row, std::size_t column) {
+    const float polar = glm::pi<float>() * static_cast<float>(row) / static_cast<float>(rows);
+    const float around =
+        glm::two_pi<float>() * static_cast<float>(column % rows) / static_cast<float>(rows);
+    return glm::vec3(std::sin(polar) * std::cos(around), std::cos(polar),
+                     std::sin(polar) * std::sin(around));
+  };
+  TriangleMesh mesh;
+  mesh.corners_m.reserve(6 * rows * rows);
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t column = 0; column < rows; ++column) {
+      const glm::vec3 a = at(row, column), b = at(row, column + 1), c = at(row + 1, column),
+                      d = at(row + 1, column + 1);
+      mesh.corners_m.insert(mesh.corners_m.end(), {a, b, c, b, d, c});
+    }
+  }
+  mesh.uv.resize(mesh.corners_m.size());
+  mesh.material.resize(mesh.size());
+  return mesh;
+}
+
+/// Argument: rows of the sphere, which has twice as many triangles as their square.
+void BM_SampleMesh(benchmark::State& state) {
+  const TriangleMesh mesh = meshedSphere(static_cast<std::size_t>(state.range(0)));
+  for (auto _ : state) {
+    const PointCloud points = sampleMesh(mesh, "sphere");
+    benchmark::DoNotOptimize(points.position_m.data());
+  }
+  state.counters["triangles"] = static_cast<double>(mesh.size());
+}
+BENCHMARK(BM_SampleMesh)
+    ->Arg(3)
+    ->Arg(200)
+    ->Arg(1000)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
     ->UseRealTime();
 
 void BM_DistanceInGallery(benchmark::State& state) {

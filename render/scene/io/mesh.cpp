@@ -23,6 +23,7 @@
 #include "base/text.h"
 #include "render/image/srgb.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/mesh_facts.h"
 #include "render/scene/io/mesh_import.h"
 #include "render/scene/io/ply_header.h"
 #include "render/scene/mesh/texture.h"
@@ -64,7 +65,7 @@ class Loader {
   explicit Loader(const std::filesystem::path& path)
       : path_(path), gltf_(isGltf(path)), import_(path), scene_(read(import_)) {}
 
-  TriangleMesh mesh() {
+  MeshFile file() {
     TriangleMesh mesh;
     for (unsigned m = 0; m < scene_.mNumMeshes; ++m) append(mesh, *scene_.mMeshes[m]);
     if (!mesh.color.empty()) mesh.color.resize(mesh.corners_m.size(), glm::vec3(-1.0f));
@@ -76,13 +77,16 @@ class Loader {
     }
     mesh.remarks = remarks_;
     for (std::string& remark : import_.missing()) mesh.remarks.push_back(std::move(remark));
-    return mesh;
+    SceneFacts facts = meshFacts(scene_, path_);
+    facts.triangles = mesh.size();
+    return {std::move(mesh), std::move(facts)};
   }
 
  private:
   static const aiScene& read(MeshImport& import) {
     return import.read([](Assimp::Importer& importer) {
       const aiScene& read = *importer.GetScene();
+      refuseRepeats(read);
       for (unsigned m = 0; m < read.mNumMeshes; ++m) dropEmptyFaces(*read.mMeshes[m]);
       return importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType |
                                           aiProcess_PreTransformVertices);
@@ -213,6 +217,6 @@ bool isMeshFile(const std::filesystem::path& path) {
   });
 }
 
-TriangleMesh readMesh(const std::filesystem::path& path) { return Loader(path).mesh(); }
+MeshFile readMesh(const std::filesystem::path& path) { return Loader(path).file(); }
 
 }  // namespace foci

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "render/scene/io/scene_facts.h"
 #include "render/scene/mesh/triangle_mesh.h"
 
 namespace foci {
@@ -11,6 +12,11 @@ namespace foci {
 /// if it has faces.
 /// @throws InputError if the header of a PLY file is broken
 bool isMeshFile(const std::filesystem::path& path);
+
+struct MeshFile {
+  TriangleMesh mesh;
+  SceneFacts facts;  ///< but the positions and the remarks, which the mesh has
+};
 
 /// Reads all triangles of a mesh file, in its units, with the nodes' transforms applied. Triangles
 /// are turned to the side of the file's own normals if it has some. Vertex colours are sRGB, but
@@ -22,6 +28,6 @@ bool isMeshFile(const std::filesystem::path& path);
 /// @throws InputError if Assimp cannot read the file, if no triangle has an area, or if a texture
 /// or
 ///         a file of materials is a pipe or a device
-TriangleMesh readMesh(const std::filesystem::path& path);
+MeshFile readMesh(const std::filesystem::path& path);
 
 }  // namespace foci

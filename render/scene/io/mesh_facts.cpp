@@ -1,18 +1,15 @@
-// What a mesh holds, as Assimp reads it.
+#include "render/scene/io/mesh_facts.h"
+
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
 #include <assimp/scene.h>
 
 #include <algorithm>
-#include <cmath>
+#include <stdexcept>
 #include <string>
 
 #include "base/file.h"
-#include "base/input_error.h"
 #include "render/scene/io/gltf_json.h"
-#include "render/scene/io/mesh_import.h"
-#include "render/scene/io/scene_facts.h"
-#include "render/scene/point_cloud.h"
 
 namespace foci {
 namespace {
@@ -27,44 +24,19 @@ SceneKind kindOfMesh(const std::filesystem::path& path) {
   return extension == ".fbx" ? SceneKind::fbx : SceneKind::ply_mesh;
 }
 
-/// Counts triangles and takes their corners, with the transforms of the nodes applied.
-class MeshCounter {
- public:
-  MeshCounter(const aiScene& scene, const std::filesystem::path& path, SceneFacts& facts)
-      : scene_(scene), path_(path), facts_(facts) {}
+/// Meshes and their corners below a node, with repeats.
+struct Repeats {
+  std::size_t instances = 0, corners = 0;
 
-  void add(const aiNode& node, const aiMatrix4x4& world_from_parent) {
-    const aiMatrix4x4 world_from_node = world_from_parent * node.mTransformation;
+  void add(const aiScene& scene, const aiNode& node) {
     for (unsigned m = 0; m < node.mNumMeshes; ++m) {
-      add(*scene_.mMeshes[node.mMeshes[m]], world_from_node);
+      corners += scene.mMeshes[node.mMeshes[m]]->mNumVertices;
+      if (++instances > kMaxCountedInstances || corners > kMaxCountedCorners) {
+        throw std::runtime_error("it repeats its parts more than a million times");
+      }
     }
-    for (unsigned c = 0; c < node.mNumChildren; ++c) add(*node.mChildren[c], world_from_node);
+    for (unsigned c = 0; c < node.mNumChildren; ++c) add(scene, *node.mChildren[c]);
   }
-
- private:
-  void add(const aiMesh& mesh, const aiMatrix4x4& world_from_mesh) {
-    if (++instances_ > kMaxCountedInstances || facts_.position.size() > kMaxCountedCorners) {
-      throw InputError(path_.string(), "repeats its parts more than a million times");
-    }
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-      const aiFace& face = mesh.mFaces[f];
-      if (face.mNumIndices < 3) continue;
-      facts_.triangles += face.mNumIndices - 2;
-    }
-    for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-      const aiVector3D p = world_from_mesh * mesh.mVertices[v];
-      const bool usable = std::abs(p.x) <= kFarthest_m && std::abs(p.y) <= kFarthest_m &&
-                          std::abs(p.z) <= kFarthest_m;  // false for NaN
-      if (usable) facts_.position.emplace_back(p.x, p.y, p.z);
-    }
-    facts_.has_normals = facts_.has_normals || mesh.HasNormals();
-    facts_.has_colors = facts_.has_colors || mesh.HasVertexColors(0);
-  }
-
-  const aiScene& scene_;
-  const std::filesystem::path& path_;
-  SceneFacts& facts_;
-  std::size_t instances_ = 0;
 };
 
 MaterialFacts factsOf(const aiMaterial& material, const aiScene& scene,
@@ -108,18 +80,17 @@ void takeMetadata(const aiMetadata& metadata, SceneFacts& facts) {
 
 }  // namespace
 
-SceneFacts readMeshFacts(const std::filesystem::path& path) {
-  MeshImport import(path);
-  const aiScene& scene =
-      import.read([](Assimp::Importer& importer) { return importer.GetScene(); });
+void refuseRepeats(const aiScene& scene) { Repeats().add(scene, *scene.mRootNode); }
+
+SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path) {
   SceneFacts facts{.kind = kindOfMesh(path)};
   if (facts.kind == SceneKind::gltf) facts.unit_m = 1.0;
   if (facts.kind == SceneKind::fbx && scene.mMetaData != nullptr) {
     takeMetadata(*scene.mMetaData, facts);
   }
-  MeshCounter(scene, path, facts).add(*scene.mRootNode, aiMatrix4x4());
-  if (facts.position.empty() || facts.triangles == 0) {
-    throw InputError(path.string(), "has no triangle with an area");
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    facts.has_normals = facts.has_normals || scene.mMeshes[m]->HasNormals();
+    facts.has_colors = facts.has_colors || scene.mMeshes[m]->HasVertexColors(0);
   }
   for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
     // Assimp gives this material to a mesh without one.
@@ -129,7 +100,6 @@ SceneFacts readMeshFacts(const std::filesystem::path& path) {
     facts.opacity.x = std::min(facts.opacity.x, material.opacity);
     facts.has_colors = facts.has_colors || !material.textures.empty();
   }
-  facts.remarks = import.missing();
   return facts;
 }
 

@@ -60,29 +60,19 @@ PointCloud readPoints(const std::filesystem::path& path) {
   return readPly(path);
 }
 
-TriangleMesh scaledMesh(const std::filesystem::path& path, float scale) {
-  TriangleMesh mesh = readMesh(path);
-  for (glm::vec3& corner_m : mesh.corners_m) corner_m *= scale;
-  return mesh;
+void scale(std::vector<glm::vec3>& lengths_m, float scale) {
+  for (glm::vec3& length_m : lengths_m) length_m *= scale;
 }
 
-PointCloud scaledPoints(const std::filesystem::path& path, float scale) {
-  PointCloud points = readPoints(path);
-  for (glm::vec3& position_m : points.position_m) position_m *= scale;
-  for (float& radius_m : points.radius_m) radius_m *= scale;
-  return points;
+SurfelCloud scaled(SurfelCloud&& cloud, float factor) {
+  for (auto* lengths_m : {&cloud.position_m, &cloud.axis_u_m, &cloud.axis_v_m}) {
+    scale(*lengths_m, factor);
+  }
+  for (float& area_m2 : cloud.area_m2) area_m2 *= factor * factor;
+  return std::move(cloud);
 }
 
 }  // namespace
-
-OpenedPoints openPoints(const std::filesystem::path& path, double scale_m,
-                        const MeshSampling& sampling) {
-  requireRegularFile(path);
-  const auto scale = static_cast<float>(scale_m);
-  if (isLasFile(path) || !isMeshFile(path)) return {scaledPoints(path, scale), nullptr};
-  const auto mesh = std::make_shared<const TriangleMesh>(scaledMesh(path, scale));
-  return {sampleMesh(*mesh, path, sampling), mesh};
-}
 
 bool isScene(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -90,19 +80,35 @@ bool isScene(const std::filesystem::path& path) {
   return hasSceneExtension(path) || isSceneFile(path) || isLasFile(path) || isTextPointsFile(path);
 }
 
-OpenedScene openScene(const std::filesystem::path& path, double scale_m,
-                      const std::optional<glm::vec3>& viewpoint_m) {
+SceneFile readScene(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw InputError(path.string(), "no such file");
   requireRegularFile(path);
-  if (isSceneFile(path)) {
-    SurfelCloud cloud = readSceneFile(path);
-    const auto scale = static_cast<float>(scale_m);
-    for (auto* lengths_m : {&cloud.position_m, &cloud.axis_u_m, &cloud.axis_v_m}) {
-      for (glm::vec3& length_m : *lengths_m) length_m *= scale;
-    }
-    for (float& area_m2 : cloud.area_m2) area_m2 *= scale * scale;
-    return {std::move(cloud), 0, {}};
+  if (isSceneFile(path)) return {path, readSceneFile(path)};
+  if (!isLasFile(path) && isMeshFile(path)) return {path, readMesh(path)};
+  return {path, readPoints(path)};
+}
+
+OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sampling) {
+  const auto factor = static_cast<float>(scale_m);
+  if (auto* const read = std::get_if<MeshFile>(&file.content)) {
+    const auto mesh = std::make_shared<TriangleMesh>(std::move(read->mesh));
+    scale(mesh->corners_m, factor);
+    return {sampleMesh(*mesh, file.path, sampling), mesh};
   }
-  OpenedPoints opened = openPoints(path, scale_m);
+  auto* const points = std::get_if<PointCloud>(&file.content);
+  if (points == nullptr) throw InputError(file.path.string(), "is a prepared scene already");
+  scale(points->position_m, factor);
+  for (float& radius_m : points->radius_m) radius_m *= factor;
+  return {std::move(*points), nullptr};
+}
+
+OpenedScene openScene(SceneFile&& file, double scale_m,
+                      const std::optional<glm::vec3>& viewpoint_m) {
+  if (auto* const cloud = std::get_if<SurfelCloud>(&file.content)) {
+    return {scaled(std::move(*cloud), static_cast<float>(scale_m))};
+  }
+  OpenedPoints opened = openPoints(std::move(file), scale_m);
   const std::size_t dropped = opened.points.dropped;
   std::vector<std::string> remarks = std::move(opened.points.remarks);
   SurfelCloud cloud = surfelsFromPoints(std::move(opened.points), {.viewpoint_m = viewpoint_m});

@@ -7,8 +7,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "render/scene/io/mesh.h"
 #include "render/scene/mesh/sample_mesh.h"
 #include "render/scene/point_cloud.h"
 #include "render/scene/surfel_cloud.h"
@@ -19,17 +21,27 @@ namespace foci {
 /// points in its text. The extensions of formats that `openPoints` refuses count.
 bool isScene(const std::filesystem::path& path);
 
+/// A scene file as read: in its own units, a mesh not sampled, no surfels estimated.
+struct SceneFile {
+  std::filesystem::path path;
+  std::variant<PointCloud, MeshFile, SurfelCloud> content;
+};
+
+/// Reads a `.foci` scene or a LAS scan (recognised by their first bytes), a mesh (OBJ, glTF, STL,
+/// FBX, PLY with faces), points as text, or, for any other file, a PLY point cloud.
+/// @throws InputError, see `readSceneFile`, `readPly`, `readLas`, `readTextPoints` and `readMesh`.
+///         For a format that foci does not read, it names a converter.
+SceneFile readScene(const std::filesystem::path& path);
+
 struct OpenedPoints {
   PointCloud points;
   std::shared_ptr<const TriangleMesh> mesh;  ///< null: the file has points only
 };
 
-/// Reads the points of a scan (PLY, LAS, text), or samples those of a mesh.
+/// The points of a scan, or samples of a mesh.
 /// @param scale_m  metres a unit of the file, > 0
-/// @throws InputError, see `readPly`, `readLas`, `readTextPoints`, `readMesh` and `sampleMesh`. For
-///         a format that foci does not read, it names a converter.
-OpenedPoints openPoints(const std::filesystem::path& path, double scale_m,
-                        const MeshSampling& sampling = {});
+/// @throws InputError, see `sampleMesh`; for a prepared scene
+OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sampling = {});
 
 struct OpenedScene {
   SurfelCloud cloud;                      ///< not empty
@@ -37,12 +49,17 @@ struct OpenedScene {
   std::vector<std::string> remarks = {};  ///< see `PointCloud`
 };
 
-/// Opens a `.foci` scene or a LAS scan (recognised by their first bytes), a mesh (OBJ, glTF, STL,
-/// FBX, PLY with faces), points as text, or, for any other file, a PLY point cloud.
+/// The surfels of a scene file.
 /// @param scale_m      metres a unit of the file, > 0
 /// @param viewpoint_m  estimated normals point towards this place
 /// @throws InputError naming the file and what is wrong with it
-OpenedScene openScene(const std::filesystem::path& path, double scale_m,
+OpenedScene openScene(SceneFile&& file, double scale_m,
                       const std::optional<glm::vec3>& viewpoint_m);
+
+/// Reads and opens it. @throws InputError as `readScene` and the above
+inline OpenedScene openScene(const std::filesystem::path& path, double scale_m,
+                             const std::optional<glm::vec3>& viewpoint_m) {
+  return openScene(readScene(path), scale_m, viewpoint_m);
+}
 
 }  // namespace foci

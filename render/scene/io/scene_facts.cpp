@@ -1,12 +1,10 @@
 #include "render/scene/io/scene_facts.h"
 
 #include <algorithm>
-#include <utility>
+#include <filesystem>
+#include <variant>
 
-#include "base/input_error.h"
-#include "render/scene/io/foci_file.h"
 #include "render/scene/io/las.h"
-#include "render/scene/io/mesh.h"
 #include "render/scene/io/open_scene.h"
 #include "render/scene/io/text_points.h"
 
@@ -24,26 +22,31 @@ glm::vec2 rangeOf(const std::vector<float>& opacity) {
   return {*least, *greatest};
 }
 
-SceneFacts factsOfPrepared(const std::filesystem::path& path) {
-  SurfelCloud cloud = readSceneFile(path);
-  SceneFacts facts{.kind = SceneKind::prepared,
-                   .surfels = cloud.size(),
-                   .has_normals = cloud.oriented,
-                   .has_colors = differ(cloud.color),
-                   .opacity = rangeOf(cloud.opacity),
-                   .unit_m = 1.0};
-  facts.position = std::move(cloud.position_m);
+SceneFacts factsOfContent(const SurfelCloud& cloud, const std::filesystem::path&) {
+  return {.kind = SceneKind::prepared,
+          .surfels = cloud.size(),
+          .has_normals = cloud.oriented,
+          .has_colors = differ(cloud.color),
+          .opacity = rangeOf(cloud.opacity),
+          .unit_m = 1.0,
+          .position = cloud.position_m};
+}
+
+SceneFacts factsOfContent(const MeshFile& file, const std::filesystem::path&) {
+  SceneFacts facts = file.facts;
+  facts.position = file.mesh.corners_m;
+  facts.remarks = file.mesh.remarks;
   return facts;
 }
 
-SceneFacts factsOfPoints(const std::filesystem::path& path) {
-  PointCloud points = openPoints(path, 1.0).points;
+SceneFacts factsOfContent(const PointCloud& points, const std::filesystem::path& path) {
   SceneFacts facts{.points = points.size(),
                    .has_normals = !points.normal.empty(),
                    .has_colors = differ(points.color),
                    .opacity = rangeOf(points.opacity),
                    .dropped = points.dropped,
-                   .remarks = std::move(points.remarks)};
+                   .remarks = points.remarks,
+                   .position = points.position_m};
   if (isLasFile(path)) {
     facts.kind = SceneKind::las;
     facts.unit_m = 1.0;  // as nearly all surveys
@@ -51,7 +54,6 @@ SceneFacts factsOfPoints(const std::filesystem::path& path) {
   } else if (isTextPointsFile(path)) {
     facts.kind = SceneKind::text_points;
   }
-  facts.position = std::move(points.position_m);
   return facts;
 }
 
@@ -81,13 +83,9 @@ std::string nameOf(SceneKind kind) {
   return "";
 }
 
-SceneFacts readSceneFacts(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) throw InputError(path.string(), "no such file");
-  requireRegularFile(path);
-  if (isSceneFile(path)) return factsOfPrepared(path);
-  if (!isLasFile(path) && isMeshFile(path)) return readMeshFacts(path);
-  return factsOfPoints(path);
+SceneFacts factsOf(const SceneFile& file) {
+  return std::visit([&](const auto& content) { return factsOfContent(content, file.path); },
+                    file.content);
 }
 
 }  // namespace foci

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -48,11 +47,8 @@ struct SceneFacts {
 /// "glTF mesh", "LAS scan", ...
 std::string nameOf(SceneKind kind);
 
-/// Reads a scene of any format. A mesh is not sampled.
-/// @throws InputError as `openScene`
-SceneFacts readSceneFacts(const std::filesystem::path& path);
+struct SceneFile;
 
-/// The same of a mesh that Assimp reads (mesh_facts.cpp). @throws InputError
-SceneFacts readMeshFacts(const std::filesystem::path& path);
+SceneFacts factsOf(const SceneFile& file);
 
 }  // namespace foci

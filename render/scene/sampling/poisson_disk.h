@@ -23,12 +23,13 @@ inline constexpr float kPoissonDistance = 0.8f;
 inline constexpr double kPoissonArea = 1.107;
 
 /// Dart throwing (Cook 1986) from a fixed seed, with many more darts than points. Points on the two
-/// sides of a thin sheet may be closer.
-/// @param corners_m  three for each triangle, finite; counter-clockwise from outside
+/// sides of a thin sheet may be closer. The result does not depend on the number of threads.
+/// @param corners_m  three for each triangle, finite, less than 2^50 spacings from the origin;
+///                   counter-clockwise from outside
 /// @param spacing_m  > 0; area / spacing^2 is at most 10^8 (asserted)
 /// @return about area / spacing^2 points; none if no triangle has an area, up to three times as
-/// many
-///         if triangles are narrower than the spacing
+///         many if triangles are narrower than the spacing. The first points are spread over the
+///         whole surface.
 std::vector<MeshPoint> poissonDisk(const std::vector<glm::vec3>& corners_m, double spacing_m);
 
 /// Sum of the triangles' areas.

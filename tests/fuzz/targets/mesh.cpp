@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
                                     "input.glb", "input.ply", "input.fbx"};
   const auto file = foci::fuzz::asFile(kNames[bytes[0] % 6], bytes + 1, size - 1);
   foci::fuzz::readWithinLimits(size, [&] {
-    if (foci::isMeshFile(file)) foci::sampleMesh(foci::readMesh(file), file, {.points = 1000});
+    if (foci::isMeshFile(file)) foci::sampleMesh(foci::readMesh(file).mesh, file, {.points = 1000});
   });
   return 0;
 }

@@ -143,7 +143,7 @@ TEST(LevelKernels, SumToOneOnAScansSmoothPartsAtEveryLevel) {
   const std::filesystem::path scan = data / "scans/lion.ply";
   if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << " (set FOCI_DATA)";
   // A part of it, with leaves, holes and strays.
-  PointCloud points = openPoints(scan, 1.0).points, some;
+  PointCloud points = openPoints(readScene(scan), 1.0).points, some;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (glm::distance(points.position_m[i], kScansPart_m) > kScansRadius_m) continue;
     some.position_m.push_back(points.position_m[i]);

@@ -128,7 +128,7 @@ TEST_F(Las, MapCoordinatesKeepTheirMillimetres) {
 }
 
 TEST_F(Las, OpensByItsContent) {
-  EXPECT_EQ(openPoints(scratch.write("scan.bin", LasFile{.points = kTwo}.bytes()), 2.0)
+  EXPECT_EQ(openPoints(readScene(scratch.write("scan.bin", LasFile{.points = kTwo}.bytes())), 2.0)
                 .points.position_m[0],
             glm::vec3(2, 4, 6));
   EXPECT_TRUE(isScene(scratch.path() / "scan.bin"));

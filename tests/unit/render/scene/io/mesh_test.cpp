@@ -13,7 +13,6 @@
 #include "render/scene/io/foci_file.h"
 #include "render/scene/io/open_scene.h"
 #include "render/scene/mesh/sample_mesh.h"
-#include "render/scene/sampling/poisson_disk.h"
 #include "tests/temporary_folder.h"
 
 namespace foci {
@@ -22,75 +21,8 @@ namespace {
 constexpr double kCount = 0.12;  // statistical: dart throwing fills more or less of the room
 constexpr float kByte = 0.01f;   // 8-bit sRGB
 
-/// Two triangles over [0, 2] x [0, 1] in z = 0, seen from +z.
-std::vector<glm::vec3> quad() {
-  return {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 0, 0}, {2, 1, 0}, {0, 1, 0}};
-}
-
 PointCloud sampled(const std::filesystem::path& path, const MeshSampling& sampling) {
-  return sampleMesh(readMesh(path), path, sampling);
-}
-
-glm::vec3 at(const std::vector<glm::vec3>& corners, const MeshPoint& point) {
-  const glm::vec3 a = corners[3 * point.triangle];
-  return a + point.weights.x * (corners[3 * point.triangle + 1] - a) +
-         point.weights.y * (corners[3 * point.triangle + 2] - a);
-}
-
-TEST(PoissonDisk, KeepsItsSmallestDistanceAndFillsTheSurface) {
-  const double spacing = 0.03;
-  const auto corners = quad();
-  const std::vector<MeshPoint> points = poissonDisk(corners, spacing);
-  EXPECT_NEAR(static_cast<double>(points.size()) * spacing * spacing / 2.0, 1.0, kCount);
-  // Points on the quad's border stand for less than a whole area: one spacing along its outline.
-  const double inner = 2.0 / (static_cast<double>(points.size()) * spacing * spacing);
-  EXPECT_NEAR(inner, kPoissonArea, 0.06);
-  const float least = kPoissonDistance * static_cast<float>(spacing);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      ASSERT_GE(glm::distance(at(corners, points[i]), at(corners, points[j])), 0.9999f * least);
-    }
-  }
-  // No hole is much wider than the smallest distance.
-  for (int k = 0; k < 400; ++k) {
-    const glm::vec3 p(0.1f * static_cast<float>(k % 20) + 0.05f,
-                      0.05f * static_cast<float>(k / 20) + 0.025f, 0.0f);
-    const bool near = std::any_of(points.begin(), points.end(), [&](const MeshPoint& point) {
-      return glm::distance(at(corners, point), p) < 1.6f * least;
-    });
-    EXPECT_TRUE(near) << p.x << ", " << p.y;
-  }
-}
-
-TEST(PoissonDisk, IsUniformOverTrianglesOfAnySize) {
-  std::vector<glm::vec3> corners = quad();
-  for (glm::vec3 p : quad()) corners.push_back(3.0f * p + glm::vec3(0.0f, 0.0f, 5.0f));
-  corners.insert(corners.end(), 3, glm::vec3(1.0f));  // no area
-  std::size_t small = 0;
-  const std::vector<MeshPoint> points = poissonDisk(corners, 0.05);
-  for (const MeshPoint& point : points) {
-    ASSERT_LT(point.triangle, 4u);
-    small += point.triangle < 2;
-  }
-  EXPECT_NEAR(static_cast<double>(small) / static_cast<double>(points.size()), 0.1, 0.01);
-}
-
-TEST(PoissonDisk, FillsBothSidesOfAThinSheet) {
-  std::vector<glm::vec3> corners = quad();
-  for (const int i : {0, 2, 1, 3, 5, 4}) corners.push_back(quad()[static_cast<std::size_t>(i)]);
-  EXPECT_NEAR(static_cast<double>(poissonDisk(corners, 0.05).size()) * 0.0025 / 4.0, 1.0, kCount);
-}
-
-TEST(PoissonDisk, HasNothingToFillWithoutAnArea) {
-  EXPECT_TRUE(poissonDisk({}, 0.1).empty());
-  EXPECT_TRUE(poissonDisk(std::vector<glm::vec3>(6, glm::vec3(1.0f)), 0.1).empty());
-}
-
-TEST(PoissonDisk, ASliverTakesNoMoreThanThriceThePointsWanted) {
-  const std::vector<glm::vec3> sliver{{0.0f, 0.0f, 0.0f}, {1e4f, 0.0f, 0.0f}, {0.0f, 2e-4f, 0.0f}};
-  const std::size_t count = poissonDisk(sliver, std::sqrt(1.0 / 1000.0)).size();
-  EXPECT_GE(count, 1000u);
-  EXPECT_LE(count, 3000u);
+  return sampleMesh(readMesh(path).mesh, path, sampling);
 }
 
 class MeshTest : public testing::Test {
@@ -185,7 +117,7 @@ TEST_F(MeshTest, ShowsTheColourOfTheMaterialWithoutLight) {
 TEST_F(MeshTest, ChoosesPointsFromTheMeshsDetail) {
   // A coarse quad needs the least; its texture of 4096 x 2048 px shows on a screen of 1080 rows.
   const auto pointsOf = [&](const std::filesystem::path& path) {
-    return defaultPoints(readMesh(path));
+    return defaultPoints(readMesh(path).mesh);
   };
   EXPECT_EQ(pointsOf(texturedQuad()), kMinPoints);
   cv::imwrite((folder_ / "fine.png").string(), cv::Mat(2048, 4096, CV_8UC1, cv::Scalar(128)));
@@ -286,7 +218,7 @@ TEST_F(MeshTest, NamesTheCompressionOfAGltfThatItCannotRead) {
 }
 
 TEST_F(MeshTest, OpensLikeAPointCloudAndScaled) {
-  const PointCloud points = openPoints(texturedQuad(), 0.5, {.points = 1000}).points;
+  const PointCloud points = openPoints(readScene(texturedQuad()), 0.5, {.points = 1000}).points;
   for (const glm::vec3& p : points.position_m) {
     ASSERT_TRUE(p.x >= 0.0f && p.x <= 1.0f && p.y >= 0.0f && p.y <= 0.5f);
   }

@@ -9,6 +9,7 @@
 #include "base/input_error.h"
 #include "render/scene/io/foci_file.h"
 #include "render/scene/io/mesh.h"
+#include "render/scene/io/open_scene.h"
 #include "render/scene/mesh/sample_mesh.h"
 #include "tests/temporary_folder.h"
 
@@ -48,6 +49,8 @@ Connections:  {
 }
 )";
 
+SceneFacts factsIn(const std::filesystem::path& path) { return factsOf(readScene(path)); }
+
 class Facts : public testing::Test {
  protected:
   const TemporaryFolder scratch;
@@ -58,7 +61,7 @@ TEST_F(Facts, OfAMeshAreItsTrianglesMaterialsAndCorners) {
   scratch.write("q.mtl",
                 "newmtl wood\nmap_Kd planks.png\nnewmtl glass\nKd 1 1 1\nd 0.25\nnewmtl tin\n"
                 "map_Kd lost.png\n");
-  const SceneFacts facts = readSceneFacts(scratch.write(
+  const SceneFacts facts = factsIn(scratch.write(
       "q.obj",
       "mtllib q.mtl\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 5\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
       "vn 0 0 1\nusemtl wood\nf 1/1/1 2/2/1 3/3/1 4/4/1\nusemtl glass\nf 1/1/1 2/2/1 3/3/1\n"
@@ -86,12 +89,12 @@ TEST_F(Facts, OfAMeshAreItsTrianglesMaterialsAndCorners) {
 
 TEST_F(Facts, OfFbxStateUnitsAndUpAxis) {
   const auto file = scratch.write("q.fbx", kQuadFbx);
-  const SceneFacts facts = readSceneFacts(file);
+  const SceneFacts facts = factsIn(file);
   EXPECT_EQ(facts.kind, SceneKind::fbx);
   EXPECT_EQ(facts.triangles, 2u);
   EXPECT_EQ(facts.unit_m, 0.01);
   EXPECT_EQ(facts.up_axis, 2);
-  const PointCloud points = sampleMesh(readMesh(file), file, {.points = 400});
+  const PointCloud points = sampleMesh(readMesh(file).mesh, file, {.points = 400});
   ASSERT_GT(points.size(), 300u);
   for (const glm::vec3& p : points.position_m) {
     ASSERT_TRUE(p.x >= -1e-4f && p.x <= 2.0001f && p.y >= -1e-4f && p.y <= 1.0001f)
@@ -101,7 +104,7 @@ TEST_F(Facts, OfFbxStateUnitsAndUpAxis) {
 
 TEST_F(Facts, OfPointsAndPreparedScenes) {
   const SceneFacts facts =
-      readSceneFacts(scratch.write("p.xyz", "0 0 0 255 0 0\n1 2 3 0 0 255\nnan 0 0 0 0 0\n"));
+      factsIn(scratch.write("p.xyz", "0 0 0 255 0 0\n1 2 3 0 0 255\nnan 0 0 0 0 0\n"));
   EXPECT_EQ(facts.kind, SceneKind::text_points);
   EXPECT_EQ(facts.points, 2u);
   EXPECT_EQ(facts.dropped, 1u);
@@ -111,7 +114,7 @@ TEST_F(Facts, OfPointsAndPreparedScenes) {
   SurfelCloud cloud;
   appendSurfel(cloud, {1.0f, 2.0f, 3.0f}, {0.0f, 0.0f, 1.0f}, 0.1f, 0.02f, glm::vec3(0.5f), 0.5f);
   writeSceneFile(scratch.path() / "scene.foci", cloud);
-  const SceneFacts prepared = readSceneFacts(scratch.path() / "scene.foci");
+  const SceneFacts prepared = factsIn(scratch.path() / "scene.foci");
   EXPECT_EQ(prepared.surfels, 1u);
   EXPECT_EQ(prepared.unit_m, 1.0);
   EXPECT_EQ(prepared.opacity, glm::vec2(0.5f));
@@ -119,10 +122,10 @@ TEST_F(Facts, OfPointsAndPreparedScenes) {
 }
 
 TEST_F(Facts, OfNothingAreRefused) {
-  EXPECT_THROW(readSceneFacts(scratch.path() / "absent.obj"), InputError);
-  EXPECT_THROW(readSceneFacts(scratch.write("empty.obj", "")), InputError);
-  EXPECT_THROW(readSceneFacts(scratch.write("points.obj", "v 0 0 0\nv 1 0 0\n")), InputError);
-  EXPECT_THROW(readSceneFacts(scratch.write("broken.fbx", "Kaydara FBX Binary  ")), InputError);
+  EXPECT_THROW(factsIn(scratch.path() / "absent.obj"), InputError);
+  EXPECT_THROW(factsIn(scratch.write("empty.obj", "")), InputError);
+  EXPECT_THROW(factsIn(scratch.write("points.obj", "v 0 0 0\nv 1 0 0\n")), InputError);
+  EXPECT_THROW(factsIn(scratch.write("broken.fbx", "Kaydara FBX Binary  ")), InputError);
 }
 
 }  // namespace

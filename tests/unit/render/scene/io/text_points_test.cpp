@@ -139,7 +139,7 @@ TEST_F(TextPoints, OpensAsASceneAtItsScale) {
 TEST_F(TextPoints, FormatsThatAreNotReadNameAConverter) {
   for (const char* name : {"scan.e57", "scan.pcd", "model.blend"}) {
     try {
-      openPoints(scratch.write(name, "ASTM-E57 and more"), 1.0);
+      readScene(scratch.write(name, "ASTM-E57 and more"));
       FAIL() << name;
     } catch (const InputError& error) {
       EXPECT_TRUE(has(error.what(), "does not read") &&

@@ -1,0 +1,19 @@
+// What a mesh holds, besides its triangles. Private to the readers of meshes.
+#pragma once
+
+#include <filesystem>
+
+#include "render/scene/io/scene_facts.h"
+
+struct aiScene;
+
+namespace foci {
+
+/// Refuses a scene whose nodes repeat its meshes so often that applying their transforms would
+/// exhaust the memory. @throws std::runtime_error
+void refuseRepeats(const aiScene& scene);
+
+/// The facts that Assimp's scene states: all but triangles, positions and remarks.
+SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path);
+
+}  // namespace foci
