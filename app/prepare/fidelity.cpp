@@ -212,6 +212,12 @@ View viewFromOutside(const BoundingSphere& sphere, const glm::vec3& towards,
   return view;
 }
 
+#ifdef FOCI_RAYTRACE
+Fidelity fidelityOf(const TriangleView& truth, const Frame& surfels) {
+  return sumsOf(truth, surfels).figures();
+}
+#endif
+
 std::optional<FidelityReport> measureFidelity(const SurfelCloud& cloud, const TriangleMesh& mesh,
                                               double spacing_m, std::size_t views) {
 #ifdef FOCI_RAYTRACE

@@ -16,6 +16,9 @@
 
 namespace foci {
 
+struct Frame;
+struct TriangleView;
+
 /// A surfel cloud leaks at a pixel where its coverage is below 1 by more than this, though the
 /// triangles are opaque all around: a twentieth of the light behind shows.
 inline constexpr float kLeak = 0.05f;
@@ -54,6 +57,10 @@ struct Fidelity {
     return interior == 0 ? 0.0 : static_cast<double>(leaking) / static_cast<double>(interior);
   }
 };
+
+/// @param surfels  before black. Their coverage gives the image before white, which differs by
+///                 (1 - coverage) white.
+Fidelity fidelityOf(const TriangleView& truth, const Frame& surfels);
 
 /// One of the views, and a small picture of it.
 struct FidelityView {
