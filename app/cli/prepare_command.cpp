@@ -138,11 +138,13 @@ void runPrepare(const PrepareOptions& options) {
 
 void addPrepareCommand(CLI::App& app) {
   const auto options = std::make_shared<PrepareOptions>();
-  CLI::App* prepare = app.add_subcommand("prepare",
-                                         "Turn points or a mesh into a scene file. foci solves "
-                                         "sizes and weights of splats so that surfaces\n"
-                                         "have neither holes nor seams.\n"
-                                         "Example: foci prepare lion.ply --out lion.foci");
+  CLI::App* prepare =
+      app.add_subcommand("prepare",
+                         "Turn points or a mesh into a scene file. foci solves "
+                         "sizes and weights of splats so that surfaces\n"
+                         "have neither holes nor seams. The report holds the surfels of a mesh "
+                         "against its triangles.\n"
+                         "Example: foci prepare lion.ply --out lion.foci");
   prepare
       ->add_option("INPUT", options->input,
                    "points (PLY, LAS, XYZ, PTS) or mesh (OBJ, glTF, STL, FBX, PLY)")

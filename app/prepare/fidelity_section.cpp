@@ -90,7 +90,7 @@ std::string definitions(const FidelityReport& report) {
   std::string html =
       "<p>The input's triangles and the surfels, seen from " + std::to_string(report.views.size()) +
       " directions spread evenly over the sphere. The views are as sharp as a screen of 1080 rows "
-      "that the object fills: its bounding sphere is " +
+      "that the object fills by 80 %: its bounding sphere is " +
       std::to_string(kObject_px) + " px wide. A window of " + std::to_string(kFidelity_px) +
       " px of each view is measured. A pixel is " + decimal(report.pixelSpacings(), 2) +
       " times as wide as the surfels' spacing. Rays through the triangles give the truth, "

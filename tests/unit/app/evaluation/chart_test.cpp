@@ -167,18 +167,16 @@ TEST(PlanChart, ReferencesHaveAViewAPixelOfTheLargestDiscWithinBounds) {
 
 TEST(PlanChart, HoldsAMeshAgainstItsTrianglesAndOtherScenesAgainstTheirSurfels) {
   const ChartPlan plan = planChart({.quick = true});
-  std::size_t light = 0;
   for (const ChartScene& scene : plan.scenes) {
     const bool ball = scene.id == "ball";
     EXPECT_EQ(scene.truth == ChartTruth::triangles, ball) << scene.id;
     const bool traced = ball && !expectedMethod("raytrace:1");
     EXPECT_EQ(plan.reference(scene, 4.0), traced ? "raytrace:256" : "accumulate:64") << scene.id;
-    if (!ball && scene.id != "plane") continue;  // slow to make
+    if (!ball) continue;  // slow to make
     const SceneInView seen = scene.make();
-    EXPECT_EQ(seen.cloud.mesh != nullptr, ball) << scene.id;
-    light += seen.settings.background.g > 0.5f;
+    EXPECT_NE(seen.cloud.mesh, nullptr);
+    EXPECT_GT(seen.settings.background.g, 0.5f);
   }
-  EXPECT_EQ(light, 1u);
 }
 
 TEST(Ball, IsClosedAndAsLargeAsABall) {
