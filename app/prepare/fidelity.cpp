@@ -22,11 +22,12 @@ namespace {
 
 constexpr double kRadiiAway = 5.0;  // about as far as the framing of a scene without a study
 const double kHalfWidth = std::tan(std::asin(1.0 / kRadiiAway));  // of the sphere, at distance 1
-constexpr int kMargin_px = 6;        // twice the reach of the pixel filter
-constexpr int kTile_px = 88;         // eight fill the page's width
-constexpr float kTileLight = 0.35f;  // of the object, so that leaks stand out
+constexpr int kMargin_px = 6;  // twice the reach of the pixel filter
 
 #ifdef FOCI_RAYTRACE
+
+constexpr int kTile_px = 88;         // eight fill the page's width
+constexpr float kTileLight = 0.35f;  // of the object, so that leaks stand out
 
 /// Differences of code values, summed over R, G and B.
 using ColorErrors = std::array<std::size_t, 3 * 255 + 1>;
