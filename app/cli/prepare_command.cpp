@@ -8,6 +8,7 @@
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
 #include "app/platform/json_text.h"
+#include "app/prepare/fidelity_section.h"
 #include "app/prepare/prepare.h"
 #include "app/study/scene_text.h"
 #include "base/input_error.h"
@@ -36,6 +37,23 @@ nlohmann::ordered_json normalisationJson(const Normalisation& n) {
           {"smooth_histogram", n.smooth_histogram}};
 }
 
+nlohmann::ordered_json fidelityJson(const FidelityReport& report) {
+  const auto orNull = [](const std::optional<double>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+  };
+  const Fidelity& all = report.all;
+  return {{"views", report.views.size()},
+          {"pixel_spacings", report.pixelSpacings()},
+          {"interior_px", all.interior},
+          {"leak_share", all.leakShare()},
+          {"largest_leak", all.largest_leak},
+          {"color_error_mean", orNull(all.color_mean)},
+          {"color_error_99", orNull(all.color_99)},
+          {"outline_error_px", orNull(all.outline_px)},
+          {"outline_shift_px", orNull(all.outline_shift_px)},
+          {"transparent_share", report.transparent_share}};
+}
+
 std::string prepareJson(const PrepareSummary& summary, const nlohmann::ordered_json& input) {
   const auto list = [](const std::vector<Normalisation>& from) {
     auto all = nlohmann::ordered_json::array();
@@ -48,18 +66,21 @@ std::string prepareJson(const PrepareSummary& summary, const nlohmann::ordered_j
                       {"sharp", normalisationJson(level.sharp)},
                       {"blurred", normalisationJson(level.blurred)}});
   }
-  const nlohmann::ordered_json all = {{"out", summary.out.string()},
-                                      {"report", summary.report.string()},
-                                      {"input", input},
-                                      {"surfels", summary.surfels},
-                                      {"dropped", summary.dropped},
-                                      {"oriented", summary.oriented},
-                                      {"area_m2", summary.area_m2},
-                                      {"spacing_mm", 1000.0 * summary.spacing_m},
-                                      {"seconds", summary.seconds},
-                                      {"normalisation", list(summary.normalisation)},
-                                      {"normalisation_before", list(summary.before)},
-                                      {"normalisation_of_levels", levels}};
+  const nlohmann::ordered_json all = {
+      {"out", summary.out.string()},
+      {"report", summary.report.string()},
+      {"input", input},
+      {"surfels", summary.surfels},
+      {"dropped", summary.dropped},
+      {"oriented", summary.oriented},
+      {"area_m2", summary.area_m2},
+      {"spacing_mm", 1000.0 * summary.spacing_m},
+      {"seconds", summary.seconds},
+      {"triangles", summary.fidelity ? fidelityJson(*summary.fidelity) : nlohmann::ordered_json()},
+      {"warnings", summary.warnings},
+      {"normalisation", list(summary.normalisation)},
+      {"normalisation_before", list(summary.before)},
+      {"normalisation_of_levels", levels}};
   return jsonText(all);
 }
 
@@ -96,6 +117,9 @@ void runPrepare(const PrepareOptions& options) {
     std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n",
                  options.input.c_str(), summary.dropped);
   }
+  for (const std::string& warning : summary.warnings) {
+    std::fprintf(stderr, "warning: %s: %s\n", options.input.c_str(), warning.c_str());
+  }
   if (options.json) {
     std::puts(prepareJson(summary, sceneJson(facts, framing)).c_str());
     return;
@@ -105,21 +129,23 @@ void runPrepare(const PrepareOptions& options) {
   std::printf(
       "%zu surfels, %.4g m2, one every %.3g mm; %.1f s\n"
       "kernels sum to 1 +- 0.02 over %.1f %% of the surface, to 1 +- 0.1 over %.1f %% (%.1f %% of "
-      "the smooth parts)\nscene: %s\nreport: %s\n",
+      "the smooth parts)\n%s\nscene: %s\nreport: %s\n",
       summary.surfels, summary.area_m2, 1000.0 * summary.spacing_m, summary.seconds,
-      100.0 * n.within_2, 100.0 * n.within_10, 100.0 * n.smooth_within_10, summary.out.c_str(),
-      summary.report.c_str());
+      100.0 * n.within_2, 100.0 * n.within_10, 100.0 * n.smooth_within_10,
+      fidelityText(summary).c_str(), summary.out.c_str(), summary.report.c_str());
 }
 
 }  // namespace
 
 void addPrepareCommand(CLI::App& app) {
   const auto options = std::make_shared<PrepareOptions>();
-  CLI::App* prepare = app.add_subcommand("prepare",
-                                         "Turn points or a mesh into a scene file. foci solves "
-                                         "sizes and weights of splats so that surfaces\n"
-                                         "have neither holes nor seams.\n"
-                                         "Example: foci prepare lion.ply --out lion.foci");
+  CLI::App* prepare =
+      app.add_subcommand("prepare",
+                         "Turn points or a mesh into a scene file. foci solves "
+                         "sizes and weights of splats so that surfaces\n"
+                         "have neither holes nor seams. The report holds the surfels of a mesh "
+                         "against its triangles.\n"
+                         "Example: foci prepare lion.ply --out lion.foci");
   prepare
       ->add_option("INPUT", options->input,
                    "points (PLY, LAS, XYZ, PTS) or mesh (OBJ, glTF, STL, FBX, PLY)")

@@ -24,7 +24,7 @@ constexpr double kPlaneFov_rad = 0.782;
 constexpr double kPlaneFocus_m = 5.742;  // the middle of the plane, along the axis
 
 // Names that no scan may take.
-constexpr const char* kBuiltIn[] = {"plane", "gallery", "mask", "fence", "statue"};
+constexpr const char* kBuiltIn[] = {"plane", "gallery", "mask", "fence", "ball", "statue"};
 
 // Fields of view, chosen by eye unless a comment says otherwise.
 constexpr double kStatueFov_rad = 0.56;

@@ -8,6 +8,7 @@
 
 #include "app/platform/output_folder.h"
 #include "app/platform/progress.h"
+#include "app/prepare/fidelity_advice.h"
 #include "app/prepare/prepare_report.h"
 #include "base/input_error.h"
 #include "render/lod/level_kernels.h"
@@ -148,6 +149,13 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
   for (const float area_m2 : cloud.area_m2) summary.area_m2 += area_m2;
   summary.normalisation = normalisationOf(cloud);
   summary.levels = normalisationOfLevels(cloud);
+
+  summary.of_mesh = opened.mesh != nullptr;
+  if (opened.mesh) {
+    summary.fidelity = measureFidelity(cloud, *opened.mesh, summary.spacing_m);
+    if (summary.fidelity)
+      summary.warnings = fidelityWarnings(*summary.fidelity, cloud.size(), *opened.mesh);
+  }
 
   writeSceneFile(scene_file, cloud);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

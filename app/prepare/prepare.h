@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "app/prepare/fidelity.h"
+
 namespace foci {
 
 struct PrepareRequest {
@@ -48,7 +50,11 @@ struct PrepareSummary {
   /// After and before the solve, by falling size of the pixels.
   std::vector<Normalisation> normalisation = {}, before = {};
   std::vector<LevelNormalisation> levels =
-      {};  ///< from fine to coarse, of levels with enough nodes
+      {};                ///< from fine to coarse, of levels with enough nodes
+  bool of_mesh = false;  ///< the input has triangles
+  /// Absent for points, and without ray tracing.
+  std::optional<FidelityReport> fidelity = {};
+  std::vector<std::string> warnings = {};  ///< one sentence each, with the option to set
 };
 
 /// If it throws, it leaves nothing behind. Progress goes to standard error.

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "app/graphics/html.h"
+#include "app/prepare/fidelity_section.h"
 
 namespace foci {
 namespace {
@@ -98,8 +99,10 @@ std::string levelSection(const PrepareSummary& summary, const LevelNormalisation
 
 std::string prepareReport(const PrepareRequest& request, const PrepareSummary& summary) {
   const std::string name = summary.out.filename().string();
-  std::string page = pageStart(name + " - foci prepare", kReportStyle) + "<h1>" + escaped(name) +
-                     "</h1>\n<p class=\"quiet\">from " + escaped(request.input.string()) + "</p>\n";
+  std::string page =
+      pageStart(name + " - foci prepare", std::string(kReportStyle) + kFidelityStyle) + "<h1>" +
+      escaped(name) + "</h1>\n<p class=\"quiet\">from " + escaped(request.input.string()) +
+      "</p>\n";
   page += format("<p>%zu surfels on %.4g m<sup>2</sup>, one every %.3g mm. ", summary.surfels,
                  summary.area_m2, 1000.0 * summary.spacing_m);
   page += summary.oriented ? "Their normals tell the outside from the inside.</p>\n"
@@ -108,8 +111,10 @@ std::string prepareReport(const PrepareRequest& request, const PrepareSummary& s
     page +=
         format("<p>%zu points were left out: their position is not finite.</p>\n", summary.dropped);
   }
+  page += fidelitySection(summary);
   page +=
-      "<p>The kernels of a surface without holes sum to one at every pixel. The histograms show "
+      "<h2>Sums of the kernels</h2>\n<p>The kernels of a surface without holes sum to one at every "
+      "pixel. The histograms show "
       "the "
       "sums of the kernels as foci renders them, at points spread evenly over this surface. Smooth "
       "parts, in the stronger colour, have agreeing normals, lie in one plane and have no border "

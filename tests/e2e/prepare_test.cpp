@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -112,6 +114,111 @@ TEST(Prepare, SamplesAMeshThatRenders) {
   EXPECT_GT(summary.at("normalisation")[0].at("smooth_within_0.02"), 0.95);
   ASSERT_EQ(render(folder, "quad.foci", "quad.pfm").exit_code, 0);
   EXPECT_GT(meanOf(folder.read("quad.pfm")), 0.01);
+}
+
+/// A ball of 1 m, 3 m before the eye, as an OBJ of triangles.
+std::string ballObj() {
+  constexpr int kColumns = 48, kRows = 24;
+  std::ostringstream obj;
+  for (int i = 0; i <= kColumns; ++i) {
+    for (int j = 0; j <= kRows; ++j) {
+      const double around = 2.0 * M_PI * i / kColumns, down = M_PI * j / kRows;
+      obj << "v " << 0.5 * std::sin(down) * std::sin(around) << ' ' << 0.5 * std::cos(down) << ' '
+          << -3.0 + 0.5 * std::sin(down) * std::cos(around) << '\n';
+    }
+  }
+  for (int i = 0; i < kColumns; ++i) {
+    for (int j = 0; j < kRows; ++j) {
+      const int a = i * (kRows + 1) + j + 1, b = a + 1, c = b + kRows + 1, d = c - 1;
+      obj << "f " << a << ' ' << b << ' ' << c << "\nf " << a << ' ' << c << ' ' << d << '\n';
+    }
+  }
+  return obj.str();
+}
+
+/// The red channel of a PFM of 96 x 72 in linear light.
+std::vector<float> redOf(const std::string& pfm) {
+  constexpr std::size_t kPixels = std::size_t{96} * 72;
+  std::vector<float> values(3 * kPixels), red(kPixels);
+  EXPECT_GT(pfm.size(), values.size() * sizeof(float));
+  const std::string bytes = pfm.substr(pfm.size() - values.size() * sizeof(float));
+  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<char*>(values.data()));
+  for (std::size_t i = 0; i < kPixels; ++i) red[i] = values[3 * i];
+  return red;
+}
+
+// The silhouette of the ball is a circle of tangent 0.5 / sqrt(9 - 0.25) around the middle.
+TEST(Prepare, AMeshLeaksNothingBetweenBlackAndWhite) {
+  const TemporaryFolder folder;
+  folder.write("ball.obj", ballObj());
+  folder.write("trace.tsv", steadyTrace());
+  std::vector<std::vector<float>> red;
+  for (const char* background : {"[0, 0, 0]", "[1, 1, 1]"}) {
+    std::string study = smallStudy();
+    study.replace(study.find("scene.ply"), 9, "ball.obj");
+    study.insert(study.find("file = "), std::string("background = ") + background + "\n");
+    folder.write("study.toml", study);
+    const Outcome outcome =
+        runFoci({"render", "study.toml", "--out", "a.pfm", "--focus", "2.5", "--method", "sweep"},
+                folder.path());
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    red.push_back(redOf(folder.read("a.pfm")));
+  }
+  const double focal_px = 0.5 * 96 / 0.4, radius_px = focal_px * 0.5 / std::sqrt(8.75);
+  std::size_t inside = 0, outside = 0;
+  for (int y = 0; y < 72; ++y) {
+    for (int x = 0; x < 96; ++x) {
+      const double from_middle_px = std::hypot(x + 0.5 - 48.0, y + 0.5 - 36.0);
+      const float added = red[1][y * 96 + x] - red[0][y * 96 + x];
+      if (from_middle_px < radius_px - 4.0) {
+        EXPECT_LE(added, 0.05f) << x << ' ' << y;
+        EXPECT_GT(red[0][y * 96 + x], 0.05f);
+        ++inside;
+      } else if (from_middle_px > radius_px + 4.0) {
+        EXPECT_NEAR(added, 1.0f, 1e-5f) << x << ' ' << y;
+        ++outside;
+      }
+    }
+  }
+  EXPECT_GT(inside, 500u);
+  EXPECT_GT(outside, 2000u);
+}
+
+TEST(Prepare, HoldsAMeshAgainstItsTrianglesAndWarnsOfTooFewPoints) {
+  const TemporaryFolder folder;
+  folder.write("ball.obj", ballObj());
+  const Outcome few =
+      runFoci({"prepare", "ball.obj", "--out", "few.foci", "--points", "200"}, folder.path());
+  ASSERT_EQ(few.exit_code, 0) << few.err;
+  if (few.out.find("built without ray tracing") != std::string::npos) GTEST_SKIP();
+  EXPECT_NE(few.out.find("against the triangles, from 64 sides"), std::string::npos) << few.out;
+  EXPECT_NE(few.err.find("warning: ball.obj: "), std::string::npos) << few.err;
+  EXPECT_NE(few.err.find("set --points 500000"), std::string::npos) << few.err;
+  const std::string page = folder.read("few.html");
+  EXPECT_EQ(countOf("data:image/png;base64,", page), 4u);  // the map, and the worst view
+  EXPECT_EQ(countOf("<img alt=\"", page), 4u);
+  EXPECT_EQ(countOf("class=\"notice\"", page), countOf("warning: ", few.err));
+
+  const Json summary = prepared(folder, {"ball.obj", "--out", "ball.foci", "--points", "20000"});
+  const Json& figures = summary.at("triangles");
+  EXPECT_EQ(figures.at("views"), 64);
+  EXPECT_GT(figures.at("interior_px"), 1'000'000);
+  EXPECT_LT(figures.at("leak_share"), 1e-3);  // 200 surfels leak over a hundredth
+  EXPECT_LT(figures.at("outline_error_px"), 1.5);
+  EXPECT_LT(std::abs(figures.at("outline_shift_px").get<double>()),
+            figures.at("outline_error_px").get<double>() + 1e-9);
+  EXPECT_EQ(figures.at("transparent_share"), 0.0);
+}
+
+TEST(Prepare, PointsHaveNoTrianglesToBeHeldAgainst) {
+  const TemporaryFolder folder;
+  folder.write("points.ply", squarePly(24, 1.0));
+  const Json summary = prepared(folder, {"points.ply", "--out", "scene.foci"});
+  EXPECT_TRUE(summary.at("triangles").is_null());
+  EXPECT_TRUE(summary.at("warnings").empty());
+  const std::string page = folder.read("scene.html");
+  EXPECT_NE(page.find("The input has points only."), std::string::npos);
+  EXPECT_EQ(countOf("<img", page), 0u);
 }
 
 TEST(Prepare, IsTheSameAtAnyNumberOfThreads) {

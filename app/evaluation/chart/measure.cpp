@@ -44,8 +44,7 @@ class ChartGroup {
         cells_(cells),
         on_steps_(on_steps),
         key_(scene.id + " " + scene.input + "; " + std::to_string(plan.size_px) + " px; blur " +
-             decimal(blur_px, 3) +
-             " px; reference accumulate:" + std::to_string(plan.views(blur_px)) + "; ") {
+             decimal(blur_px, 3) + " px; reference " + plan.reference(scene, blur_px) + "; ") {
     for (const EvaluatedMethod& method : plan.methods) {
       auto cell = cells.load(nameOf(method), keyOf(method));
       if (cell && haveImages(method)) found_[method.spec()] = *cell;
@@ -149,10 +148,9 @@ class ChartGroup {
 
   ChartReference renderReference(const SceneInView& seen, const RenderSettings& settings) {
     ChartReference reference{.views = plan_.views(blur_px_)};
-    reference.split_half_psnr_dB =
-        makeMethod("accumulate:" + std::to_string(reference.views), seen.cloud)
-            ->render(seen.view, settings, reference.frame)
-            .split_half_psnr_dB.value();
+    reference.split_half_psnr_dB = makeMethod(plan_.reference(scene_, blur_px_), seen.cloud)
+                                       ->render(seen.view, settings, reference.frame)
+                                       .split_half_psnr_dB.value();
     writeImage(referenceFile(scene_.id, blur_px_), imageOf(reference.frame));
     cells_.storeReference(referenceName(), key_, reference);
     reference_ = cells_.loadReferenceFigures(referenceName(), key_);

@@ -126,8 +126,8 @@ std::string dials(const ChartPlan& plan, double blur_px) {
 }
 
 /// One panel; the page's script shows the panels of the chosen blur, threads and measure.
-void writePanel(std::ostream& out, const ChartScene& scene, const std::vector<ChartPoint>& points,
-                ChartMeasure measure, bool shown) {
+void writePanel(std::ostream& out, const ChartPlan& plan, const ChartScene& scene,
+                const std::vector<ChartPoint>& points, ChartMeasure measure, bool shown) {
   const bool is_psnr = measure == ChartMeasure::psnr;
   out << "<div class=\"panel\" data-blur=\"" << decimal(points.front().blur_px, 0)
       << "\" data-threads=\"" << points.front().threads << "\" data-measure=\""
@@ -141,6 +141,11 @@ void writePanel(std::ostream& out, const ChartScene& scene, const std::vector<Ch
   } else {
     out << "<p>" << escaped(scene.title) << ": no silhouette is in view.</p>\n";
   }
+  out << "<p class=\"quiet\">reference: <code>" << plan.reference(scene, points.front().blur_px)
+      << "</code>"
+      << (scene.truth == ChartTruth::triangles ? ", the mesh's triangles"
+                                               : ", views of the same surfels")
+      << "</p>\n";
   out << "</div>\n";
 }
 
@@ -152,8 +157,8 @@ void writePanels(std::ostream& out, const ChartPlan& plan, const std::vector<Cha
       for (const unsigned threads : plan.threads) {
         const auto members = pointsOf(points, scene.id, blur_px, threads);
         const bool shown = blur_px == shown_px && threads == plan.threads.back();
-        writePanel(out, scene, members, ChartMeasure::psnr, shown);
-        writePanel(out, scene, members, ChartMeasure::silhouette, false);
+        writePanel(out, plan, scene, members, ChartMeasure::psnr, shown);
+        writePanel(out, plan, scene, members, ChartMeasure::silhouette, false);
       }
     }
   }
@@ -204,7 +209,11 @@ void writeMethodology(std::ostream& out, const ChartPlan& plan) {
          "that no method can reuse its previous frame.</li>\n"
          "<li>Accuracy is measured against <code>accumulate:N</code>, the mean of "
       << plan.views(plan.blurs_px.front()) << " to " << plan.views(plan.blurs_px.back())
-      << " pinhole views, in linear light with peak 1: PSNR over the image, PSNR over the pixels "
+      << " pinhole views of the same surfels. This shows errors of blur and visibility. Scene "
+         "<code>ball</code> is a mesh: its methods are held against <code>raytrace:N</code>, rays "
+         "to the mesh's triangles. This shows errors of the surfels too. Its background is light, "
+         "so that leaks in dark parts show. Figures are in linear light with peak 1: PSNR over the "
+         "image, PSNR over the pixels "
          "that a step in depth blurs into (silhouettes), SSIM, and the mean difference of "
          "coverage. "
          "95 % of the pixels stay below the visible error, in just-noticeable differences (JND). "

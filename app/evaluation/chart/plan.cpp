@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/evaluation/ball.h"
 #include "app/evaluation/timed_runs.h"
+#include "render/methods/method.h"
 
 namespace foci {
 namespace {
@@ -17,6 +19,7 @@ ChartPlan fullPlan() {
           .blurs_px = {1.0, 4.0, 12.0, 40.0},
           .min_views = 256,
           .max_views = 1024,
+          .rays = 512,
           .timing_ms = 300.0,
           .max_runs = 7};
 }
@@ -27,6 +30,7 @@ ChartPlan quickPlan() {
           .blurs_px = {4.0, 16.0},
           .min_views = 64,
           .max_views = 128,
+          .rays = 256,
           .timing_ms = 60.0,
           .max_runs = 3};
 }
@@ -46,6 +50,8 @@ std::vector<ChartScene> everyScene(int size_px, const std::optional<ScanView>& s
                  [=] { return maskInView(size_px); }});
   all.push_back(
       {"fence", "thin wires before a wall in focus", "", [=] { return fenceInView(size_px); }});
+  all.push_back({"ball", "a textured mesh before a light background", "",
+                 [=] { return ballInView(size_px); }, ChartTruth::triangles});
   if (!scan) {
     all.push_back({"statue", "a stone lion", "", [=] { return statueInView(size_px); }});
   }
@@ -57,6 +63,12 @@ std::vector<ChartScene> everyScene(int size_px, const std::optional<ScanView>& s
 int ChartPlan::views(double blur_px) const {
   const double views = std::ceil(std::numbers::pi * blur_px * blur_px);
   return static_cast<int>(std::clamp(views, double{1.0 * min_views}, double{1.0 * max_views}));
+}
+
+std::string ChartPlan::reference(const ChartScene& scene, double blur_px) const {
+  const std::string traced = "raytrace:" + std::to_string(rays);
+  const bool triangles = scene.truth == ChartTruth::triangles && !expectedMethod(traced);
+  return triangles ? traced : "accumulate:" + std::to_string(views(blur_px));
 }
 
 ChartPlan planChart(const EvaluationChoice& choice) {

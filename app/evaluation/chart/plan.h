@@ -11,11 +11,18 @@
 
 namespace foci {
 
+/// What a scene's methods are held against.
+enum class ChartTruth {
+  surfels,    ///< many sharp views of the same surfels: `accumulate:N`
+  triangles,  ///< the mesh that the surfels were sampled from: `raytrace:N`
+};
+
 struct ChartScene {
   std::string id;     ///< in file names and in chart.csv
   std::string title;  ///< for people
   std::string input;  ///< `scanKey` of a scan; empty for a built-in scene
   std::function<SceneInView()> make;
+  ChartTruth truth = ChartTruth::surfels;
 };
 
 struct ChartPlan {
@@ -26,12 +33,17 @@ struct ChartPlan {
   std::vector<EvaluatedMethod> methods = {};
   std::vector<unsigned> threads = {};  ///< rising; the last entry is all threads
   int min_views = 0, max_views = 0;    ///< of the references
+  int rays = 0;                        ///< a pixel, of the references that are traced
   double timing_ms = 0.0;  ///< about how long to time one method at one number of threads
   int max_runs = 0;        ///< of one method at one number of threads
 
   /// Views of the reference: one for each pixel of the largest disc, pi C^2 (formulas.md, 7),
   /// clamped to `min_views` and `max_views`.
   int views(double blur_px) const;
+
+  /// The method that makes a scene's reference. Without ray tracing (FOCI_RAYTRACE), every scene
+  /// has `accumulate`.
+  std::string reference(const ChartScene& scene, double blur_px) const;
 };
 
 /// @throws InputError for an unknown scene or method, or a scan that cannot be read

@@ -4,9 +4,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <set>
 
+#include "app/evaluation/ball.h"
 #include "app/evaluation/cells.h"
 #include "app/evaluation/chart/frontier.h"
 #include "app/evaluation/chart/panel.h"
@@ -138,7 +140,7 @@ TEST(PlanChart, HasEveryMethodWithSettingsThatItTakes) {
     }
     for (const MethodInfo& method : methods()) listed.emplace(method.name);
     EXPECT_EQ(planned, listed);
-    EXPECT_EQ(plan.scenes.size(), 5u);
+    EXPECT_EQ(plan.scenes.size(), 6u);
     EXPECT_TRUE(std::is_sorted(plan.blurs_px.begin(), plan.blurs_px.end()));
   }
 }
@@ -161,6 +163,36 @@ TEST(PlanChart, ReferencesHaveAViewAPixelOfTheLargestDiscWithinBounds) {
   EXPECT_EQ(plan.views(1.0), 256);
   EXPECT_EQ(plan.views(12.0), 453);  // pi 144
   EXPECT_EQ(plan.views(40.0), 1024);
+}
+
+TEST(PlanChart, HoldsAMeshAgainstItsTrianglesAndOtherScenesAgainstTheirSurfels) {
+  const ChartPlan plan = planChart({.quick = true});
+  for (const ChartScene& scene : plan.scenes) {
+    const bool ball = scene.id == "ball";
+    EXPECT_EQ(scene.truth == ChartTruth::triangles, ball) << scene.id;
+    const bool traced = ball && !expectedMethod("raytrace:1");
+    EXPECT_EQ(plan.reference(scene, 4.0), traced ? "raytrace:256" : "accumulate:64") << scene.id;
+    if (!ball) continue;  // slow to make
+    const SceneInView seen = scene.make();
+    EXPECT_NE(seen.cloud.mesh, nullptr);
+    EXPECT_GT(seen.settings.background.g, 0.5f);
+  }
+}
+
+TEST(Ball, IsClosedAndAsLargeAsABall) {
+  const TriangleMesh ball = makeBallMesh(1.0f);
+  // By the divergence theorem: the triangles' oriented areas sum to zero, and the cones over them
+  // to the volume.
+  double volume = 0.0;
+  glm::dvec3 area(0.0);
+  for (std::size_t i = 0; i < ball.size(); ++i) {
+    const glm::dvec3 a = ball.corners_m[3 * i], b = ball.corners_m[3 * i + 1],
+                     c = ball.corners_m[3 * i + 2];
+    volume += glm::dot(a, glm::cross(b, c)) / 6.0;
+    area += 0.5 * glm::cross(b - a, c - a);
+  }
+  EXPECT_NEAR(volume, 4.0 / 3.0 * std::numbers::pi, 0.05);
+  EXPECT_LT(glm::length(area), 1e-4);  // zero for a closed surface
 }
 
 class ChartCellsTest : public testing::Test {
