@@ -24,6 +24,11 @@ std::string gltfJson(const std::filesystem::path& path) {
   std::error_code error;
   const std::uintmax_t file_bytes = std::filesystem::file_size(path, error);
   if (error) throw InputError(path.string(), "cannot be read");
+  if (binary && header[1] == 1) {
+    throw InputError(path.string(),
+                     "is binary glTF of version 1: expected version 2, which Blender or "
+                     "gltf-pipeline makes of it");
+  }
   // Version, length of the file, length of the JSON, kind of the chunk.
   const std::uintmax_t json_bytes =
       binary ? std::min<std::uintmax_t>(header[3], file_bytes) : file_bytes;

@@ -11,7 +11,7 @@ namespace foci {
 bool isGltf(const std::filesystem::path& path);
 
 /// The JSON of a glTF file, without the bytes of its buffers.
-/// @throws InputError if the file cannot be read
+/// @throws InputError if the file cannot be read, or is binary glTF of version 1
 std::string gltfJson(const std::filesystem::path& path);
 
 /// How deep the brackets of a JSON text nest, whether or not it is well formed.

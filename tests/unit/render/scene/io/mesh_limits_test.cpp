@@ -49,6 +49,12 @@ TEST_F(MeshLimits, CountInstancesOfBothVersions) {
   EXPECT_NE(refusal("a.GLB", binaryOf(doublingByName(18))).find("instances"), std::string::npos);
 }
 
+TEST_F(MeshLimits, NameTheVersionOfBinaryGltf) {
+  std::string file = binaryOf("{}");
+  file[4] = 1;
+  EXPECT_NE(refusal("a.glb", file).find("version 1: expected version 2"), std::string::npos);
+}
+
 TEST_F(MeshLimits, CountEveryRootOfAScene) {
   std::string roots = "0";
   for (int i = 0; i < 300'000; ++i) roots += ",0";
