@@ -33,15 +33,15 @@ LodSettings softerBy(float factor, float low_pass_px) {
 ///     foci chart --method auto:1 --method auto:2 ... --method auto:8 --out DIR
 /// measured them, with 512 px and with `--size 256`. The column of 16 px is from `--quick`. Errors
 /// up to 4 px have a reserve, because images of 96 px err by half as much again. Sub-apertures err
-/// by more on a fence. The soft levels up to 4 px err most on the tilted plane of AutoTest, whose
-/// outline grows in a large share of its image. Blur beyond 40 px, and blur wider than a fifth of
-/// the image, may exceed the bound.
+/// by more on a fence, and beyond 4 px on a lumpy ball. The soft levels up to 4 px err most on the
+/// tilted plane of AutoTest, whose outline grows in a large share of its image. Blur beyond 40 px,
+/// and blur wider than a fifth of the image, may exceed the bound.
 const std::array<LevelSettings, kQualityLevels> kLevels{
     LevelSettings{{coarserBy(2.0f), 1}, {0.4f, 0.8f, 6.0f, 12.0f, 13.0f, 16.0f}, true},
     LevelSettings{{coarserBy(10.0f), 1}, {1.9f, 2.3f, 1.9f, 1.9f, 2.2f, 3.2f}},
     LevelSettings{{coarserBy(3.0f), 1}, {0.8f, 0.8f, 0.8f, 1.8f, 2.1f, 2.6f}},
-    LevelSettings{{coarserBy(3.0f), 7}, {0.8f, 0.8f, 0.7f, 0.7f, 0.8f, 1.1f}},
-    LevelSettings{{coarserBy(1.0f), 7}, {0.2f, 0.3f, 0.5f, 0.6f, 0.6f, 0.9f}},
+    LevelSettings{{coarserBy(3.0f), 7}, {0.8f, 0.8f, 0.7f, 0.75f, 1.0f, 1.5f}},
+    LevelSettings{{coarserBy(1.0f), 7}, {0.2f, 0.3f, 0.5f, 0.65f, 0.8f, 1.2f}},
     LevelSettings{{coarserBy(1.0f), 1}, {0.5f, 0.5f, 4.0f, 5.7f, 5.8f, 6.2f}},
     LevelSettings{softerBy(30.0f, 6.0f), {19.0f, 19.0f, 13.2f, 12.8f, 12.7f, 12.7f}},
     LevelSettings{softerBy(30.0f, 12.0f), {26.0f, 26.0f, 21.5f, 14.5f, 13.1f, 13.0f}}};
@@ -49,7 +49,7 @@ const std::array<LevelSettings, kQualityLevels> kLevels{
 /// The square of a level's error stays below the sum of two squares: this error, and the level's
 /// difference from this reference. Measured on the same scenes, for blur of 4 px and more, where
 /// squares are rendered.
-const LevelSettings kReference{{coarserBy(0.25f), 19}, {0.2f, 0.3f, 0.45f, 0.45f, 0.75f, 0.8f}};
+const LevelSettings kReference{{coarserBy(0.25f), 19}, {0.2f, 0.3f, 0.45f, 0.5f, 0.75f, 1.05f}};
 
 constexpr std::array<float, kQualityLevels> kRelativeTimes{13.0f, 14.0f, 16.0f, 32.0f,
                                                            35.0f, 1.1f,  3.0f,  1.0f};
