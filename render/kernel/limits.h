@@ -22,7 +22,7 @@ inline constexpr float kReach2 = 5.0f;
 
 /// A surfel is back-facing if its normal's cosine to the line of sight exceeds this. Chosen by
 /// hand, above the error that estimated normals of a scan have at its outline.
-inline constexpr float kBackFacing = 0.1f;
+inline constexpr float kBackFacing = 0.0f;
 
 /// Splats of a larger variance or area are dropped: 10^5 by 10^5 pixels, beyond any image.
 inline constexpr float kLargest_px2 = 1e10f;
