@@ -20,10 +20,6 @@ inline constexpr float kWidestSupport2 = 8.0f;
 /// x' V^-1 x / 2 < c with c = 2.5 (docs/formulas.md, section 5).
 inline constexpr float kReach2 = 5.0f;
 
-/// A surfel is back-facing if its normal's cosine to the line of sight exceeds this. Chosen by
-/// hand, above the error that estimated normals of a scan have at its outline.
-inline constexpr float kBackFacing = 0.0f;
-
 /// Splats of a larger variance or area are dropped: 10^5 by 10^5 pixels, beyond any image.
 inline constexpr float kLargest_px2 = 1e10f;
 

@@ -9,6 +9,7 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -29,6 +30,7 @@ struct Batch {
   alignas(64) std::uint32_t splat[kCapacity] = {};
   alignas(64) float x_px[kCapacity] = {}, y_px[kCapacity] = {};
   alignas(64) float size[kCapacity] = {};  // factor on the weights; set for sub-apertures only
+  alignas(64) float inv_radius[kCapacity] = {};  // of the footprint across its narrower side, 1/px
   alignas(64) float left_px[kCapacity] = {}, right_px[kCapacity] = {};
   alignas(64) float top_px[kCapacity] = {}, bottom_px[kCapacity] = {};
 
@@ -42,6 +44,7 @@ struct Batch {
     right_px[n] = x_px[n] + added.extent_x_px;
     top_px[n] = y_px[n] - added.extent_y_px;
     bottom_px[n] = y_px[n] + added.extent_y_px;
+    inv_radius[n] = 1.0f / std::min(added.extent_x_px, added.extent_y_px);
   }
 
   /// One bit for each splat: whether its span [low, high] meets [from_px, to_px].

@@ -103,7 +103,7 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const ProjectedLanes& lanes, 
   splat.red = scale * look.color[0];
   splat.green = scale * look.color[1];
   splat.blue = scale * look.color[2];
-  if (job.oriented && lanes.away[k] > kBackFacing) splat.opacity = -splat.opacity;
+  if (job.oriented && lanes.away[k] > 0.0f) splat.opacity = -splat.opacity;
   splat.near_m = std::max(lanes.distance[k] - lanes.reach[k], 0.0f);
   splat.far_m = lanes.distance[k] + lanes.reach[k];
   return true;

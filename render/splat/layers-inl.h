@@ -16,15 +16,13 @@
 
 #include "render/kernel/limits.h"
 #include "render/splat/bin.h"
+#include "render/splat/pixel_edge-inl.h"
+#include "render/splat/simd-inl.h"
 #include "render/splat/splat.h"
 
 #ifndef FOCI_LAYERS_ONCE
 #define FOCI_LAYERS_ONCE
 namespace foci {
-
-/// Share of the light below which a partial coverage is ignored, in the search for layers that
-/// cover each other in part. Chosen by hand.
-inline constexpr float kPartial = 0.02f;
 
 /// A layer whose weights sum to more holds two surfaces. Chosen by hand, above the ripple of one
 /// surface that `KernelSums` tests allow.
@@ -45,11 +43,6 @@ inline constexpr float kFoldScale = 1.57f, kFoldMean = 0.314f;
 HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using D = hn::CappedTag<float, 16>;
-using V = hn::Vec<D>;
-using M = hn::Mask<D>;
 
 // A tile is blocks of 4 x 4 samples; a block's 16 are consecutive, row by row.
 constexpr int kBlock = 4, kBlockSamples = kBlock * kBlock;
@@ -64,18 +57,23 @@ struct alignas(64) ColorSums {
 
 /// An open layer. The colours are those of splats that arrived before the layer was opaque.
 struct alignas(64) Sums : ColorSums {
-  BlockValues weight;          // of all splats, later ones too
-  BlockValues lens_weight;     // of all splats, without their tilt
-  BlockValues lens_x, lens_y;  // `lens_weight` times lens points
+  BlockValues weight;       // of all splats, later ones too
+  BlockValues lens_weight;  // of all splats, without their tilt
+  // `lens_weight` times lens points; without a lens, `weight` times the centres' offsets over the
+  // supports' radii.
+  BlockValues mean_x, mean_y;
 };
 
 /// By sample, the composited light and the transmittance of all closed layers.
 struct alignas(64) Light {
   BlockValues transmittance;
   BlockValues red, green, blue, distance;
-  BlockValues partial;                  // largest share of the light that a layer covers in part
-  BlockValues edge_x, edge_y, edge_at;  // see `findEdge`
-  BlockValues outside, contrast;        // transmittance beyond the edge, and the step at the edge
+  BlockValues partial;  // largest share of the light that a layer covers in part
+  // The edge of most contrast: on the lens (`findLensEdge`), or in the pixel (`findPixelEdge`).
+  BlockValues edge_x, edge_y, edge_at;
+  BlockValues
+      outside;  // transmittance beyond the edge on the lens; opacity up to that in the pixel
+  BlockValues contrast;  // step of the transmittance at the edge, over the mean
 };
 
 /// The data of a block lie together. Arrays over the tile would lie a power of two apart and
@@ -84,7 +82,7 @@ struct alignas(64) Block {
   Sums facing, back_facing;  // the open layer, by the side of the surface that is seen
   BlockValues far_m;         // end of the open layer's z-range
   Light light;
-  bool any_edge;  // some sample has an edge on the lens
+  bool any_edge;  // some sample has an edge
   bool opaque;    // no sample passes light any more
 };
 
@@ -176,33 +174,48 @@ struct Layers {
     const D d;
     Block& block = tile[index];
     const V one = hn::Set(d, 1.0f);
-    Closing closing{block.light, i, which, hn::Load(d, block.light.transmittance + i), hn::Zero(d)};
+    Closing closing{.light = block.light,
+                    .i = i,
+                    .which = which,
+                    .transmittance = hn::Load(d, block.light.transmittance + i),
+                    .alpha = hn::Zero(d),
+                    .seen = one};
 
-    // Composite the side of the surface that faces the eye.
+    // The side of the surface that faces the eye.
     Covering all = coveringOf(block.facing, i);
     if constexpr (kLens) findOverlap(block, i, which, all.weight, closing.transmittance);
     V summed = hn::Min(all.weight, hn::Set(d, kOpaqueWeight)), rest = hn::Zero(d);
     if constexpr (kTransparent) {
       if (any_beyond) rest = joinBeyond(index, i, which, summed);
     }
-    closing.compositeLayer(block.facing, summed, all.share);
+    const V facing = all.share;
 
     // The back of a solid meets its front at the outline, at one distance and within one layer, but
     // no ray sees both: the back counts where it covers more than the front.
+    V back = hn::Zero(d), more = hn::Zero(d);
     if (any_back_facing) {
-      const Covering back = coveringOf(block.back_facing, i);
-      const V more = hn::Max(hn::Sub(back.share, all.share), hn::Zero(d));
-      closing.compositeLayer(block.back_facing, hn::Min(back.weight, hn::Set(d, kOpaqueWeight)),
-                             more);
-      if constexpr (kLens) all.join(back, more);
+      const Covering other = coveringOf(block.back_facing, i);
+      back = hn::Min(other.weight, hn::Set(d, kOpaqueWeight));
+      more = hn::Max(hn::Sub(other.share, facing), hn::Zero(d));
+      all.join(other, more);
     }
+    if constexpr (!kLens) {
+      if (block.any_edge) closing.seen = seenBehindPixelEdge(block.light, i, all);
+    }
+    closing.compositeLayer(block.facing, summed, facing);
+    if (any_back_facing) closing.compositeLayer(block.back_facing, back, more);
 
-    // The light that passes the layer, and the edge on the lens behind which it does.
-    if constexpr (kLens) findEdge(block, i, which, all, hn::Min(closing.alpha, one));
+    // The light that passes the layer, and the edge behind which it does.
+    if constexpr (kLens) {
+      findLensEdge(block, i, which, all, hn::Min(closing.alpha, one));
+    } else {
+      findPixelEdge(block, i, which, all, closing);
+    }
     closing.pass();
     if constexpr (kTransparent) {
       if (any_beyond) {
         closing.alpha = hn::Zero(d);
+        closing.seen = one;
         closing.composite(beyond[index], rest, hn::Min(rest, one));
         closing.pass();
       }
@@ -215,11 +228,12 @@ struct Layers {
   /// The coverage of a layer, or of one side of its surface.
   struct Covering {
     V weight;  // sum of the kernels
-    V share;   // of the lens, at most 1
-    V x, y;    // mean lens point of the layer, lens radii
+    V share;   // of the lens or the pixel, at most 1
+    V x, y;    // mean lens point of the layer, lens radii; or mean offset of its kernels
 
-    /// Adds another side that covers `more` of the lens.
+    /// Adds another side that covers `more`.
     HWY_INLINE void join(const Covering& other, V more) {
+      weight = hn::Max(weight, other.weight);
       const V total = hn::Add(share, more);
       const V f = hn::Div(more, hn::Max(total, hn::Set(D(), 1e-20f)));
       x = hn::MulAdd(f, hn::Sub(other.x, x), x);
@@ -234,6 +248,7 @@ struct Layers {
     const std::size_t i;
     const M which;
     V transmittance, alpha;
+    V seen;  // share of the layer, over what an independent layer would show
 
     /// Reads a sum and resets it to zero in the lanes that close.
     HWY_INLINE V take(float* sum) const {
@@ -246,7 +261,7 @@ struct Layers {
     /// Composites sums over `summed` weights that cover `share` of the sample.
     HWY_INLINE void composite(ColorSums& sums, V summed, V share) {
       const D d;
-      const V scale = hn::Div(share, hn::Max(summed, hn::Set(d, 1e-20f)));
+      const V scale = hn::Div(hn::Mul(share, seen), hn::Max(summed, hn::Set(d, 1e-20f)));
       const V passed = hn::IfThenElseZero(which, hn::Mul(transmittance, scale));
       const auto add = [&](float* out, float* sum) {
         hn::Store(hn::MulAdd(passed, take(sum), hn::Load(d, out + i)), d, out + i);
@@ -261,11 +276,9 @@ struct Layers {
     HWY_INLINE void compositeLayer(Sums& sums, V summed, V share) {
       composite(sums, summed, share);
       take(sums.weight);
-      if constexpr (kLens) {
-        take(sums.lens_weight);
-        take(sums.lens_x);
-        take(sums.lens_y);
-      }
+      if constexpr (kLens) take(sums.lens_weight);
+      take(sums.mean_x);
+      take(sums.mean_y);
     }
 
     HWY_INLINE void pass() {
@@ -285,11 +298,13 @@ struct Layers {
                                hn::Set(d, kRamp.linear_to - kRamp.slope() * kRamp.linear_to));
     const V per = hn::Set(d, coverage_a_weight);
     const V share = hn::Min(hn::Max(hn::Mul(weight, per), steep), one);
-    Covering c{weight, share, hn::Zero(d), hn::Zero(d)};
+    const float* const summed = kLens ? sums.lens_weight : sums.weight;
+    const V inv = hn::Div(one, hn::Max(hn::Load(d, summed + i), hn::Set(d, 1e-20f)));
+    Covering c{.weight = weight,
+               .share = share,
+               .x = hn::Mul(hn::Load(d, sums.mean_x + i), inv),
+               .y = hn::Mul(hn::Load(d, sums.mean_y + i), inv)};
     if constexpr (kLens) {
-      const V inv = hn::Div(one, hn::Max(hn::Load(d, sums.lens_weight + i), hn::Set(d, 1e-20f)));
-      c.x = hn::Mul(hn::Load(d, sums.lens_x + i), inv);
-      c.y = hn::Mul(hn::Load(d, sums.lens_y + i), inv);
       const V segment = shareAt(hn::Sqrt(hn::MulAdd(c.x, c.x, hn::Mul(c.y, c.y))));
       c.share = hn::Min(c.share, hn::Mul(segment, per));
     }
@@ -316,7 +331,8 @@ struct Layers {
   /// such a half-plane. The rest covers the lens evenly. A splat behind the layer then counts by
   /// the lens point that sees it (`edgeTransmittance`). Each sample keeps one edge, the one of most
   /// contrast.
-  HWY_INLINE void findEdge(Block& block, std::size_t i, M which, const Covering& layer, V alpha) {
+  HWY_INLINE void findLensEdge(Block& block, std::size_t i, M which, const Covering& layer,
+                               V alpha) {
     const D d;
     const V one = hn::Set(d, 1.0f), tiny = hn::Set(d, 1e-6f), zero = hn::Zero(d);
     const V covering = layer.share, mx = layer.x, my = layer.y;
@@ -354,6 +370,42 @@ struct Layers {
     keep(block.light.edge_y, hn::Mul(my, inv_length));
     keep(block.light.edge_at, at);
     keep(block.light.outside, outside);
+    keep(block.light.contrast, contrast);
+  }
+
+  /// How much more of a layer is seen than if it were independent of the layer at the sample's
+  /// edge.
+  HWY_INLINE V seenBehindPixelEdge(const Light& light, std::size_t i, const Covering& layer) const {
+    const D d;
+    const PixelEdges front{hn::Load(d, light.edge_at + i), hn::Load(d, light.edge_x + i),
+                           hn::Load(d, light.edge_y + i)};
+    return seenOverIndependent(front, hn::Load(d, light.outside + i),
+                               pixelEdgesOf(layer.weight, layer.x, layer.y, layer.share));
+  }
+
+  /// Keeps the edge of a closing layer that covers the sample in part, if it is the sample's
+  /// strongest. The edge serves where two outlines meet in a pixel.
+  HWY_INLINE void findPixelEdge(Block& block, std::size_t i, M which, const Covering& layer,
+                                const Closing& closing) {
+    const D d;
+    const V one = hn::Set(d, 1.0f), tiny = hn::Set(d, 1e-6f);
+    M better = hn::And(which, hn::And(hn::Gt(layer.share, hn::Set(d, kPartial)),
+                                      hn::Lt(closing.alpha, hn::Set(d, 1.0f - kPartial))));
+    if (hn::AllFalse(d, better)) return;
+    const V independent = hn::Min(hn::Div(closing.alpha, hn::Max(closing.seen, tiny)), one);
+    const V passes = hn::Max(hn::Sub(one, independent), hn::Set(d, 1e-3f));
+    const V contrast = hn::Div(independent, passes);
+    better = hn::And(better, hn::Gt(contrast, hn::Load(d, block.light.contrast + i)));
+    if (hn::AllFalse(d, better)) return;
+    block.any_edge = true;
+    const PixelEdges edge = pixelEdgesOf(layer.weight, layer.x, layer.y, layer.share);
+    const auto keep = [&](float* to, V value) {
+      hn::Store(hn::IfThenElse(better, value, hn::Load(d, to + i)), d, to + i);
+    };
+    keep(block.light.edge_x, edge.x);
+    keep(block.light.edge_y, edge.y);
+    keep(block.light.edge_at, edge.share);
+    keep(block.light.outside, hn::Min(hn::Div(independent, edge.share), one));
     keep(block.light.contrast, contrast);
   }
 

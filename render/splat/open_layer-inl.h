@@ -22,7 +22,7 @@ namespace HWY_NAMESPACE {
 /// The open layer of a few samples, in registers: the sums of one side of the surface.
 template <bool kTransparent, bool kDepth, bool kLens>
 struct OpenLayer {
-  V far_m, weight, red, green, blue, visible, distance, lens_weight, lens_x, lens_y;
+  V far_m, weight, red, green, blue, visible, distance, lens_weight, mean_x, mean_y;
 
   HWY_INLINE void load(const Block& block, const Sums& sums, std::size_t i) {
     const D d;
@@ -33,11 +33,9 @@ struct OpenLayer {
     blue = hn::Load(d, sums.blue + i);
     if constexpr (kTransparent || kLens) visible = hn::Load(d, sums.visible + i);
     if constexpr (kDepth) distance = hn::Load(d, sums.distance + i);
-    if constexpr (kLens) {
-      lens_weight = hn::Load(d, sums.lens_weight + i);
-      lens_x = hn::Load(d, sums.lens_x + i);
-      lens_y = hn::Load(d, sums.lens_y + i);
-    }
+    if constexpr (kLens) lens_weight = hn::Load(d, sums.lens_weight + i);
+    mean_x = hn::Load(d, sums.mean_x + i);
+    mean_y = hn::Load(d, sums.mean_y + i);
   }
 
   HWY_INLINE void store(Block& block, Sums& sums, std::size_t i) const {
@@ -49,11 +47,9 @@ struct OpenLayer {
     hn::Store(blue, d, sums.blue + i);
     if constexpr (kTransparent || kLens) hn::Store(visible, d, sums.visible + i);
     if constexpr (kDepth) hn::Store(distance, d, sums.distance + i);
-    if constexpr (kLens) {
-      hn::Store(lens_weight, d, sums.lens_weight + i);
-      hn::Store(lens_x, d, sums.lens_x + i);
-      hn::Store(lens_y, d, sums.lens_y + i);
-    }
+    if constexpr (kLens) hn::Store(lens_weight, d, sums.lens_weight + i);
+    hn::Store(mean_x, d, sums.mean_x + i);
+    hn::Store(mean_y, d, sums.mean_y + i);
   }
 
   /// Adds a splat's colours.

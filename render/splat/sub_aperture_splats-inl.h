@@ -96,6 +96,8 @@ struct SubApertureSplats {
       hn::StoreU(hn::Compress(x, meets), d, batch.x_px + n);
       hn::StoreU(hn::Compress(y, meets), d, batch.y_px + n);
       hn::StoreU(hn::Compress(size, meets), d, batch.size + n);
+      const V inv_radius = hn::Div(one, hn::Min(extent_x, extent_y));
+      hn::StoreU(hn::Compress(inv_radius, meets), d, batch.inv_radius + n);
       hn::StoreU(hn::Compress(left, meets), d, batch.left_px + n);
       hn::StoreU(hn::Compress(right, meets), d, batch.right_px + n);
       hn::StoreU(hn::Compress(top, meets), d, batch.top_px + n);

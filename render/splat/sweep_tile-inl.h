@@ -147,8 +147,8 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
             kAstigmatic ? job.lens_across[batch.splat[n]] : job.lens[batch.splat[n]];
         const LensPoint point = lensPointAt<kAstigmatic>(job, lens, across, dx, dy);
         layer.lens_weight = hn::Add(layer.lens_weight, all);
-        layer.lens_x = hn::MulAdd(all, point.x, layer.lens_x);
-        layer.lens_y = hn::MulAdd(all, point.y, layer.lens_y);
+        layer.mean_x = hn::MulAdd(all, point.x, layer.mean_x);
+        layer.mean_y = hn::MulAdd(all, point.y, layer.mean_y);
         if (lens.tilt_x != 0.0f || lens.tilt_y != 0.0f) {
           all = hn::Mul(all, tiltFactor<kAstigmatic>(job, lens, point));
         }
@@ -156,6 +156,9 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
         if (block.any_edge)
           reaching = edgeTransmittance<kAstigmatic>(block.light, i, point, lens, across);
       } else {
+        const V by_radius = hn::Mul(all, hn::Set(d, batch.inv_radius[n]));
+        layer.mean_x = hn::NegMulAdd(by_radius, dx, layer.mean_x);
+        layer.mean_y = hn::NegMulAdd(by_radius, dy, layer.mean_y);
         taken = layer.taken(all);
       }
       layer.weight = hn::Add(layer.weight, all);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "render/kernel/kernel.h"
 #include "render/kernel/limits.h"
@@ -9,23 +10,26 @@
 namespace foci {
 namespace {
 
-/// The kernel's weight at an offset from the splat's centre, seen through a lens point. It equals
-/// the projection's weight (render/splat/project.cpp).
-float weightAt(const SeenSurfel& surfel, const glm::vec2& lens_px_per_D, const glm::vec2& offset) {
+/// A surfel's hit at an offset from the splat's centre, seen through a lens point. The weight
+/// equals the projection's (render/splat/project.cpp).
+std::optional<Hit> hitAt(const SeenSurfel& surfel, std::uint32_t index,
+                         const glm::vec2& lens_px_per_D, const glm::vec2& offset) {
   const glm::vec2 u = surfel.u_px + lens_px_per_D * surfel.u_D;
   const glm::vec2 v = surfel.v_px + lens_px_per_D * surfel.v_D;
   static const KernelShape shape = kernelShape(kMaxExponent);
   const float vxx = u.x * u.x + v.x * v.x + 1.0f, vyy = u.y * u.y + v.y * v.y + 1.0f;
   const float area_px = surfel.area_per_axes * std::abs(u.x * v.y - u.y * v.x);
   if (!(area_px > 0.0f && area_px < kLargest_px2 && vxx < kLargest_px2 && vyy < kLargest_px2)) {
-    return 0.0f;
+    return std::nullopt;
   }
   const float vxy = u.x * u.y + v.x * v.y, det = vxx * vyy - vxy * vxy;
   const float q_det =
       vyy * offset.x * offset.x - 2.0f * vxy * offset.x * offset.y + vxx * offset.y * offset.y;
-  if (!(q_det < shape.support2 * det)) return 0.0f;
+  if (!(q_det < shape.support2 * det)) return std::nullopt;
   const float t = 1.0f - q_det / (shape.support2 * det);
-  return (shape.k0 + t * (shape.k1 + t * shape.k2)) * area_px / (shape.support2 * std::sqrt(det));
+  const float weight =
+      (shape.k0 + t * (shape.k1 + t * shape.k2)) * area_px / (shape.support2 * std::sqrt(det));
+  return Hit{index, weight, -offset / std::sqrt(shape.support2 * std::min(vxx, vyy))};
 }
 
 /// A ray and the hits that it gathers, as Embree hands them back to the filter.
@@ -45,8 +49,8 @@ void gather(const RTCFilterFunctionNArguments* arguments) {
   const auto index = RTCHitN_primID(arguments->hit, arguments->N, 0);
   const SeenSurfel& surfel = (*ray.surfels)[index];
   const glm::vec2 center = surfel.center_px + ray.lens_px_per_D * (ray.focus_D - surfel.vergence_D);
-  const float weight = weightAt(surfel, ray.lens_px_per_D, ray.pixel - center);
-  if (weight > 0.0f) ray.hits->push_back({index, weight});
+  const auto hit = hitAt(surfel, index, ray.lens_px_per_D, ray.pixel - center);
+  if (hit && hit->weight > 0.0f) ray.hits->push_back(*hit);
 }
 
 }  // namespace

@@ -13,7 +13,8 @@ namespace foci {
 
 struct Hit {
   std::uint32_t surfel;
-  float weight;
+  float weight;      ///< of the splat at the pixel
+  glm::vec2 offset;  ///< of the splat's centre from the pixel's, in radii of its narrower side
 };
 
 /// The surfels as discs in image space (x px, y px, vergence v), and the rays through them.

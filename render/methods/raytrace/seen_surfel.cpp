@@ -36,7 +36,7 @@ SeenSurfel seen(const SurfelCloud& cloud, std::size_t i, const View& view,
           .area_per_axes = cloud.area_m2[i] / parallelogram,
           .color = shade * opacity * cloud.color[i],
           .opacity = opacity,
-          .back_facing = cloud.oriented && away > kBackFacing,
+          .back_facing = cloud.oriented && away > 0.0f,
           .distance_m = distance_m,
           .near_m = std::max(distance_m - reach_m, 0.0f),
           .far_m = distance_m + reach_m};

@@ -1,0 +1,68 @@
+// The edges of render/kernel/pixel_edge.h, for as many samples as SIMD lanes. Included once a SIMD
+// target.
+#if defined(FOCI_PIXEL_EDGE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FOCI_PIXEL_EDGE_INL_H
+#undef FOCI_PIXEL_EDGE_INL_H
+#else
+#define FOCI_PIXEL_EDGE_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <cmath>
+
+#include "render/kernel/limits.h"
+#include "render/kernel/pixel_edge.h"
+#include "render/splat/simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace foci {
+namespace HWY_NAMESPACE {
+
+/// `PixelEdge`, by lane.
+struct PixelEdges {
+  V share, x, y;
+};
+
+/// `pixelEdgeOf`, by lane.
+HWY_INLINE PixelEdges pixelEdgesOf(V weight, V x, V y, V share) {
+  const D d;
+  const V one = hn::Set(d, 1.0f), tiny = hn::Set(d, 1e-6f), area = hn::Min(weight, one);
+  const V u = hn::Mul(hn::Mul(hn::Set(d, 4.0f), area), hn::Sub(one, area));
+  const V bent = hn::MulAdd(u, hn::Set(d, -kDensityBend), hn::Set(d, 1.0f + kDensityBend));
+  const V density = hn::Mul(hn::Mul(hn::Set(d, kDensityPeak), u), bent);
+  const V length = hn::Sqrt(hn::MulAdd(x, x, hn::Mul(y, y)));
+  const V measured = hn::Mul(hn::Mul(hn::Set(d, std::sqrt(kWidestSupport2)), length), area);
+  const V straight = hn::Min(hn::Div(measured, hn::Max(density, tiny)), one);
+  const V scale = hn::Div(straight, hn::Max(length, tiny));
+  return {share, hn::Mul(x, scale), hn::Mul(y, scale)};
+}
+
+/// `sharedBy`, by lane.
+HWY_INLINE V sharedBy(const PixelEdges& a, const PixelEdges& b) {
+  const D d;
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+  const V r = hn::MulAdd(a.x, b.x, hn::Mul(a.y, b.y));
+  const V r2 = hn::Mul(r, r), r4 = hn::Mul(r2, r2);
+  const V f =
+      hn::Mul(r, hn::MulAdd(hn::Mul(r4, r4), hn::Set(d, 1.0f - kArcSine), hn::Set(d, kArcSine)));
+  const V independent = hn::Mul(a.share, b.share);
+  const V most = hn::Min(a.share, b.share);
+  const V least = hn::Max(hn::Sub(hn::Add(a.share, b.share), one), zero);
+  const V bound = hn::IfThenElse(hn::Gt(f, zero), most, least);
+  return hn::MulAdd(hn::Abs(f), hn::Sub(bound, independent), independent);
+}
+
+/// `seenOverIndependent`, by lane.
+HWY_INLINE V seenOverIndependent(const PixelEdges& front, V opacity, const PixelEdges& behind) {
+  const D d;
+  const V seen = hn::NegMulAdd(opacity, sharedBy(front, behind), behind.share);
+  const V passes = hn::NegMulAdd(opacity, front.share, hn::Set(d, 1.0f));
+  return hn::Div(seen, hn::Max(hn::Mul(passes, behind.share), hn::Set(d, 1e-6f)));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace foci
+HWY_AFTER_NAMESPACE();
+
+#endif  // FOCI_PIXEL_EDGE_INL_H
