@@ -69,9 +69,23 @@ struct OpenLayer {
   }
 
   /// The part of `all` that the layer takes before it is opaque.
-  HWY_INLINE V taken(V all) const {
+  HWY_INLINE V taken(V all) const { return hn::Min(all, upToOpaque(weight)); }
+
+  /// The part of `all` that is seen. Behind an edge on the lens, a layer's first splats may be
+  /// hidden and its later ones in view, so that the layer takes splats until those in view make it
+  /// opaque. (Where `visible` holds opacities, their weights decide.)
+  /// @param reaching  share of the light that reaches the splat
+  HWY_INLINE V seen(V all, V reaching) const {
+    if constexpr (kLens && !kTransparent) {
+      return hn::Min(hn::Mul(all, reaching), upToOpaque(visible));
+    }
+    return hn::Mul(taken(all), reaching);
+  }
+
+ private:
+  static HWY_INLINE V upToOpaque(V sum) {
     const D d;
-    return hn::Min(all, hn::Max(hn::Sub(hn::Set(d, kOpaqueWeight), weight), hn::Zero(d)));
+    return hn::Max(hn::Sub(hn::Set(d, kOpaqueWeight), sum), hn::Zero(d));
   }
 };
 

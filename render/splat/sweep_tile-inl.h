@@ -140,7 +140,6 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
       // Evaluate the kernel, and note which point of the lens sees the splat.
       V all = kernelAt(splat, n, t, inside);
       V reaching = one;  // share of the light that reaches the splat, by its lens point
-      V taken;
       if constexpr (kLens) {
         const SplatLens& lens = job.lens[batch.splat[n]];
         const SplatLens& across =
@@ -152,17 +151,16 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
         if (lens.tilt_x != 0.0f || lens.tilt_y != 0.0f) {
           all = hn::Mul(all, tiltFactor<kAstigmatic>(job, lens, point));
         }
-        taken = layer.taken(all);
         if (block.any_edge)
           reaching = edgeTransmittance<kAstigmatic>(block.light, i, point, lens, across);
       } else {
         const V by_radius = hn::Mul(all, hn::Set(d, batch.inv_radius[n]));
         layer.mean_x = hn::NegMulAdd(by_radius, dx, layer.mean_x);
         layer.mean_y = hn::NegMulAdd(by_radius, dy, layer.mean_y);
-        taken = layer.taken(all);
       }
+      const V taken = layer.taken(all), seen = layer.seen(all, reaching);
       layer.weight = hn::Add(layer.weight, all);
-      layer.addColour(splat, hn::Mul(taken, reaching));
+      layer.addColour(splat, seen);
 
       // Behind an opaque surface of a transparent scene a second surface begins.
       if constexpr (kTransparent) {
