@@ -17,17 +17,18 @@ namespace {
 
 // Chosen by eye: lumps of some ten degrees, and checks that 500,000 surfels resolve.
 constexpr int kColumns = 192, kRows = 96;  // quads around the ball and from pole to pole
+constexpr float kLump = 0.06f;             // of the radius
 constexpr glm::ivec2 kTexture_px{512, 256};
 constexpr int kCheck_px = 16;
 
 constexpr float kRadius_m = 0.25f, kDistance_m = 1.0f;
-constexpr double kFov_rad = 0.56;       // the ball fills the image
+constexpr double kFov_rad = 0.56;       // the ball, with its lumps, fills the image
 constexpr glm::vec3 kBackground{0.8f};  // light, so that leaks and halos of dark checks show
 
-glm::vec3 onBall(float u, float v, float lump) {
+glm::vec3 onBall(float u, float v) {
   const float around = glm::two_pi<float>() * u, down = glm::pi<float>() * v;
   const float sine = std::sin(down);
-  const float radius = 1.0f + lump * sine * sine * std::sin(6.0f * around) * std::sin(7.0f * down);
+  const float radius = 1.0f + kLump * sine * sine * std::sin(6.0f * around) * std::sin(7.0f * down);
   return radius * glm::vec3(sine * std::sin(around), std::cos(down), sine * std::cos(around));
 }
 
@@ -47,11 +48,11 @@ cv::Mat checks() {
 
 }  // namespace
 
-TriangleMesh makeBallMesh(float radius_m, float lump) {
+TriangleMesh makeBallMesh(float radius_m) {
   TriangleMesh mesh;
   const auto add = [&](const glm::ivec2& corner) {
     const glm::vec2 uv = glm::vec2(corner) / glm::vec2(kColumns, kRows);
-    mesh.corners_m.push_back(radius_m * onBall(uv.x, uv.y, lump));
+    mesh.corners_m.push_back(radius_m * onBall(uv.x, uv.y));
     mesh.uv.emplace_back(uv.x, 1.0f - uv.y);
   };
   for (int i = 0; i < kColumns; ++i) {
@@ -71,7 +72,7 @@ TriangleMesh makeBallMesh(float radius_m, float lump) {
 }
 
 SceneInView ballInView(int size_px) {
-  auto mesh = std::make_shared<const TriangleMesh>(makeBallMesh(kRadius_m, /*lump=*/0.0f));
+  auto mesh = std::make_shared<const TriangleMesh>(makeBallMesh(kRadius_m));
   SurfelCloud cloud = surfelsFromPoints(sampleMesh(*mesh, "ball"));
   cloud.mesh = std::move(mesh);
   RenderSettings settings;

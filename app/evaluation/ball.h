@@ -6,13 +6,12 @@
 
 namespace foci {
 
-/// A ball around the origin, closed, with a texture of checks over a gradient. Every run makes the
-/// same bytes.
-/// @param lump  height of its lumps, as a share of the radius; 0: smooth
-TriangleMesh makeBallMesh(float radius_m, float lump);
+/// A lumpy ball of about `radius_m` around the origin, closed, with a texture of checks over a
+/// gradient. Every run makes the same bytes.
+TriangleMesh makeBallMesh(float radius_m);
 
-/// The smooth ball sampled as any mesh is, before a light background. Its nearest point is in
-/// focus. `SurfelCloud::mesh` holds its triangles.
+/// The ball sampled as any mesh is, before a light background. Its nearest point is in focus.
+/// `SurfelCloud::mesh` holds its triangles.
 /// @param size_px  side of the square image
 SceneInView ballInView(int size_px);
 

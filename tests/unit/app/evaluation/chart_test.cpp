@@ -180,7 +180,7 @@ TEST(PlanChart, HoldsAMeshAgainstItsTrianglesAndOtherScenesAgainstTheirSurfels) 
 }
 
 TEST(Ball, IsClosedAndAsLargeAsABall) {
-  const TriangleMesh ball = makeBallMesh(1.0f, 0.06f);
+  const TriangleMesh ball = makeBallMesh(1.0f);
   // By the divergence theorem: the triangles' oriented areas sum to zero, and the cones over them
   // to the volume.
   double volume = 0.0;

@@ -53,7 +53,7 @@ TEST(LeakColor, RisesInLightness) {
 }
 
 TEST(FidelityWarnings, NameTheFigureAndTheNumberOfPoints) {
-  const TriangleMesh mesh = makeBallMesh(1.0f, 0.06f);
+  const TriangleMesh mesh = makeBallMesh(1.0f);
   const auto wanted = std::to_string(defaultPoints(mesh));  // 500,000
   FidelityReport report{.pixel_m = 1.0, .spacing_m = 1.0};
   report.all = {.interior = 1'000'000, .leaking = 100, .largest_leak = 0.15f, .color_99 = 26.0};
@@ -176,7 +176,7 @@ TEST(TriangleView, CountsNoTransparentPixelAsInterior) {
 
 // The same surfaces, found by rays that are built for one view and pass through any lens.
 TEST(TriangleView, AgreesWithTheReferenceMethod) {
-  const TriangleMesh mesh = makeBallMesh(0.9f, 0.06f);
+  const TriangleMesh mesh = makeBallMesh(0.9f);
   const View view = viewOf(64, 120.0f);
   SurfelCloud cloud;
   cloud.mesh = std::make_shared<const TriangleMesh>(mesh);
@@ -194,7 +194,7 @@ TEST(TriangleView, AgreesWithTheReferenceMethod) {
 
 // Coverage is what a white background loses: the leak that a user sees.
 TEST(Fidelity, CoverageIsOneMinusWhatWhiteAddsToBlack) {
-  const TriangleMesh mesh = makeBallMesh(1.0f, 0.06f);
+  const TriangleMesh mesh = makeBallMesh(1.0f);
   const Prepared sparse = prepared(mesh, {.points = 300});
   const auto method = makeMethod("pinhole", sparse.cloud);
   const View view = viewFromOutside(boundingSphereOf(mesh), {0, 0, 1}, {0.9f, 0, 0});
@@ -213,7 +213,7 @@ TEST(Fidelity, CoverageIsOneMinusWhatWhiteAddsToBlack) {
 }
 
 TEST(Fidelity, ALumpyBallOfDefaultPointsMeetsTheGoals) {
-  const TriangleMesh mesh = makeBallMesh(0.25f, 0.06f);
+  const TriangleMesh mesh = makeBallMesh(0.25f);
   const Prepared ball = prepared(mesh, {});
   const auto report = measureFidelity(ball.cloud, mesh, ball.spacing_m, kViews);
   ASSERT_TRUE(report);
@@ -226,7 +226,7 @@ TEST(Fidelity, ALumpyBallOfDefaultPointsMeetsTheGoals) {
 }
 
 TEST(Fidelity, WarnsOfABallWithFarTooFewPointsAndIsTheSameEveryTime) {
-  const TriangleMesh mesh = makeBallMesh(0.25f, 0.06f);
+  const TriangleMesh mesh = makeBallMesh(0.25f);
   const Prepared ball = prepared(mesh, {.points = 200});
   const auto report = measureFidelity(ball.cloud, mesh, ball.spacing_m, kViews);
   ASSERT_TRUE(report);
