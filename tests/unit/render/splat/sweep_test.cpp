@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kMomentTolerance =
     0.02;  // sampling of the kernel at pixel centres, mean of 16 places
-constexpr double kEnergyTolerance = 0.01;  // sampling, as above
+constexpr double kEnergyTolerance = 0.01;   // sampling, as above
 constexpr double kOutlineTolerance = 0.01;  // sampling
 constexpr float kSimdTolerance =
     2e-5f;  // fused against separate rounding, sums of some hundred terms
