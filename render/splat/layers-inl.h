@@ -16,6 +16,7 @@
 
 #include "render/kernel/limits.h"
 #include "render/splat/bin.h"
+#include "render/splat/lens_edge-inl.h"
 #include "render/splat/pixel_edge-inl.h"
 #include "render/splat/simd-inl.h"
 #include "render/splat/splat.h"
@@ -191,12 +192,12 @@ struct Layers {
     const V facing = all.share;
 
     // The back of a solid meets its front at the outline, at one distance and within one layer, but
-    // no ray sees both: the back counts where it covers more than the front.
+    // no ray sees both: the back counts where it lies beside the front.
     V back = hn::Zero(d), more = hn::Zero(d);
     if (any_back_facing) {
       const Covering other = coveringOf(block.back_facing, i);
       back = hn::Min(other.weight, hn::Set(d, kOpaqueWeight));
-      more = hn::Max(hn::Sub(other.share, facing), hn::Zero(d));
+      more = besideFront(edgeOf(all), edgeOf(other));
       all.join(other, more);
     }
     if constexpr (!kLens) {
@@ -326,28 +327,17 @@ struct Layers {
   /// The straight edge on the lens behind which a closing layer blocks the light.
   ///
   /// A layer that covers the share A of the lens up to an edge passes light where n l < at. The
-  /// unit vector n points to the layer's mean lens point. If the edge were straight, the mean would
-  /// lie at a known distance; the measured distance over that one is the share of the layer that is
-  /// such a half-plane. The rest covers the lens evenly. A splat behind the layer then counts by
+  /// unit vector n points to the layer's mean lens point. A splat behind the layer then counts by
   /// the lens point that sees it (`edgeTransmittance`). Each sample keeps one edge, the one of most
   /// contrast.
   HWY_INLINE void findLensEdge(Block& block, std::size_t i, M which, const Covering& layer,
                                V alpha) {
     const D d;
-    const V one = hn::Set(d, 1.0f), tiny = hn::Set(d, 1e-6f), zero = hn::Zero(d);
+    const V one = hn::Set(d, 1.0f), tiny = hn::Set(d, 1e-6f);
     const V covering = layer.share, mx = layer.x, my = layer.y;
 
-    // Distance from the centre of the chord that cuts off the share A of a disc; a polynomial fit.
-    const V x = hn::MulSub(hn::Set(d, 2.0f), covering, one);
-    const V x2 = hn::Mul(x, x), x4 = hn::Mul(x2, x2), x12 = hn::Mul(hn::Mul(x4, x4), x4);
-    const V at =
-        hn::Neg(hn::Mul(x, hn::MulAdd(hn::Set(d, 0.065f), x12,
-                                      hn::MulAdd(hn::Set(d, 0.15f), x4, hn::Set(d, 0.785f)))));
-    // First moment of that segment over the disc's area: 2 / (3 pi) (1 - at^2)^(3/2).
-    const V c = hn::Max(hn::NegMulAdd(at, at, one), zero);
-    const V straight = hn::Mul(hn::Set(d, 0.2122066f), hn::Mul(c, hn::Sqrt(c)));
-    const V length = hn::Sqrt(hn::MulAdd(mx, mx, hn::Mul(my, my)));
-    const V share = hn::Min(hn::Div(hn::Mul(length, covering), hn::Max(straight, tiny)), one);
+    const V at = chordAt(covering), length = hn::Sqrt(hn::MulAdd(mx, mx, hn::Mul(my, my)));
+    const V share = straightness(length, covering, at);
 
     // Transmittance on both sides of the edge, over the mean transmittance.
     const V passes = hn::Max(hn::Sub(one, alpha), hn::Set(d, 1e-3f));
@@ -373,14 +363,19 @@ struct Layers {
     keep(block.light.contrast, contrast);
   }
 
+  /// The edge of one side of a layer, on the lens or in the pixel.
+  static HWY_INLINE PixelEdges edgeOf(const Covering& side) {
+    if constexpr (kLens) return lensEdgesOf(side.x, side.y, side.share);
+    return pixelEdgesOf(side.weight, side.x, side.y, side.share);
+  }
+
   /// How much more of a layer is seen than if it were independent of the layer at the sample's
   /// edge.
   HWY_INLINE V seenBehindPixelEdge(const Light& light, std::size_t i, const Covering& layer) const {
     const D d;
     const PixelEdges front{hn::Load(d, light.edge_at + i), hn::Load(d, light.edge_x + i),
                            hn::Load(d, light.edge_y + i)};
-    return seenOverIndependent(front, hn::Load(d, light.outside + i),
-                               pixelEdgesOf(layer.weight, layer.x, layer.y, layer.share));
+    return seenOverIndependent(front, hn::Load(d, light.outside + i), edgeOf(layer));
   }
 
   /// Keeps the edge of a closing layer that covers the sample in part, if it is the sample's
@@ -398,7 +393,7 @@ struct Layers {
     better = hn::And(better, hn::Gt(contrast, hn::Load(d, block.light.contrast + i)));
     if (hn::AllFalse(d, better)) return;
     block.any_edge = true;
-    const PixelEdges edge = pixelEdgesOf(layer.weight, layer.x, layer.y, layer.share);
+    const PixelEdges edge = edgeOf(layer);
     const auto keep = [&](float* to, V value) {
       hn::Store(hn::IfThenElse(better, value, hn::Load(d, to + i)), d, to + i);
     };

@@ -40,6 +40,7 @@ struct RaySide : SplatSums {
 
   float share() const { return coverageOf(all, kSharpRamp); }
   glm::vec2 mean() const { return offset / std::max(all, 1e-20f); }
+  PixelEdge edge() const { return pixelEdgeOf(all, mean(), share()); }
 };
 
 /// An open layer. `later` holds the weight that front-facing splats add once the front is opaque.
@@ -68,7 +69,7 @@ class RayColor {
   void close(RayLayer layer, bool transparent) {
     if (!transparent) layer.later = {};
     const float covered = layer.front.share();
-    const float left = std::max(layer.back.share() - covered, 0.0f);
+    const float left = besideFront(layer.front.edge(), layer.back.edge());
     const PixelEdge behind = edgeOf(layer, left);
     const float seen = edge_ ? seenOverIndependent(edge_->edge, edge_->opacity, behind) : 1.0f;
     // The later weight is noise of the same surface, another surface, or a share of each.
