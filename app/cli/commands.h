@@ -12,6 +12,7 @@ class App;
 
 namespace foci {
 
+void addCalibrateCommand(CLI::App& app);  ///< the screen, a tracker, a webcam or a camera
 void addChartCommand(CLI::App& app);      ///< time and error of every method
 void addDoctorCommand(CLI::App& app);     ///< what this machine offers
 void addEventsCommand(CLI::App& app);     ///< eye movements of a recording

@@ -5,7 +5,6 @@
 #include <new>
 #include <string>
 
-#include "app/calibrate/calibrate.h"
 #include "app/cli/commands.h"
 #include "app/cli/usage_error.h"
 #include "app/platform/quiet_libraries.h"

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/parallel_sort.h"
 
 namespace foci {
 namespace {

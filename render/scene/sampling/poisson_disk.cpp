@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "base/parallel_sort.h"
 
 namespace foci {
 namespace {

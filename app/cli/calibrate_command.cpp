@@ -1,9 +1,9 @@
-#include "app/calibrate/calibrate.h"
-
+// `foci calibrate screen | gaze | binocular | camera`.
 #include <CLI/CLI.hpp>
 #include <memory>
 
 #include "app/calibrate/options.h"
+#include "app/cli/commands.h"
 #include "base/input_error.h"
 
 namespace foci {

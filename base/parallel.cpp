@@ -1,0 +1,36 @@
+#include "base/parallel.h"
+
+#ifdef FOCI_TSAN
+#include <atomic>
+#include <thread>
+#include <vector>
+#else
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task.h>
+#endif
+
+namespace foci {
+
+// TBB is not instrumented for the thread sanitizer. Sanitized builds use plain threads instead.
+void parallelRanges(std::size_t n,
+                    void (*work)(const void* body, std::size_t begin, std::size_t end),
+                    const void* body) {
+#ifdef FOCI_TSAN
+  std::atomic<std::size_t> next{0};
+  const auto work_on = [&] {
+    for (std::size_t i = next++; i < n; i = next++) work(body, i, i + 1);
+  };
+  std::vector<std::jthread> threads(3);
+  for (std::jthread& thread : threads) thread = std::jthread(work_on);
+  work_on();
+#else
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      work(body, range.begin(), range.end());
+                    });
+  if (tbb::is_current_task_group_canceling()) throw Cancelled();
+#endif
+}
+
+}  // namespace foci
