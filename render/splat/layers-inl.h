@@ -15,7 +15,7 @@
 #include <span>
 
 #include "render/kernel/limits.h"
-#include "render/splat/bin.h"
+#include "render/splat/block-inl.h"
 #include "render/splat/lens_edge-inl.h"
 #include "render/splat/pixel_edge-inl.h"
 #include "render/splat/simd-inl.h"
@@ -44,48 +44,6 @@ inline constexpr float kFoldScale = 1.57f, kFoldMean = 0.314f;
 HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
-
-// A tile is blocks of 4 x 4 samples; a block's 16 are consecutive, row by row.
-constexpr int kBlock = 4, kBlockSamples = kBlock * kBlock;
-static_assert(kTile % (kBlock * kMaxStep_px) == 0 && 2 * kApron % kBlock == 0);
-using BlockValues = float[kBlockSamples];
-
-/// By sample, colours of splats times their weights. `visible` sums the opacity that is seen and
-/// `distance` the distances, where the sweep needs them.
-struct alignas(64) ColorSums {
-  BlockValues red, green, blue, visible, distance;
-};
-
-/// An open layer. The colours are those of splats that arrived before the layer was opaque.
-struct alignas(64) Sums : ColorSums {
-  BlockValues weight;       // of all splats, later ones too
-  BlockValues lens_weight;  // of all splats, without their tilt
-  // `lens_weight` times lens points; without a lens, `weight` times the centres' offsets over the
-  // supports' radii.
-  BlockValues mean_x, mean_y;
-};
-
-/// By sample, the composited light and the transmittance of all closed layers.
-struct alignas(64) Light {
-  BlockValues transmittance;
-  BlockValues red, green, blue, distance;
-  BlockValues partial;  // largest share of the light that a layer covers in part
-  // The edge of most contrast: on the lens (`findLensEdge`), or in the pixel (`findPixelEdge`).
-  BlockValues edge_x, edge_y, edge_at;
-  BlockValues
-      outside;  // transmittance beyond the edge on the lens; opacity up to that in the pixel
-  BlockValues contrast;  // step of the transmittance at the edge, over the mean
-};
-
-/// The data of a block lie together. Arrays over the tile would lie a power of two apart and
-/// compete for the same few cache lines.
-struct alignas(64) Block {
-  Sums facing, back_facing;  // the open layer, by the side of the surface that is seen
-  BlockValues far_m;         // end of the open layer's z-range
-  Light light;
-  bool any_edge;  // some sample has an edge
-  bool opaque;    // no sample passes light any more
-};
 
 /// The layers of a tile.
 template <bool kTransparent, bool kDepth, bool kLens>
