@@ -6,12 +6,13 @@
 namespace foci {
 namespace {
 
-/// Shading that shows the shape of a surface of one colour. Chosen by eye.
+/// Shading that shows the shape of surfaces whose colour does not. Chosen by eye.
 constexpr double kPlainShading = 0.65;
 
-/// Whether the file gives no more than one colour.
+/// Whether the file gives no more than a colour for each material. Textures and scans contain the
+/// light of the place; such a colour does not.
 bool isPlain(const SceneFacts& facts) {
-  return !facts.has_colors && facts.materials.size() <= 1 && facts.kind != SceneKind::prepared;
+  return !facts.has_colors && facts.kind != SceneKind::prepared;
 }
 
 }  // namespace
@@ -30,7 +31,8 @@ std::string frameScene(Study& study, const SceneFacts& facts, Look look,
   frameScene(study, facts, framing);
   if (!isPlain(facts)) return framingText(framing);
   return framingText(framing) +
-         "; one colour: shaded by render.shading = " + exactText(kPlainShading);
+         (facts.material_colors ? "; colours of materials" : "; one colour") +
+         ": shaded by render.shading = " + exactText(kPlainShading);
 }
 
 void frameScene(Study& study, const SceneFacts& facts, const Framing& framing) {

@@ -5,11 +5,15 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "base/file.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/mesh_textures.h"
 
 namespace foci {
 namespace {
@@ -55,11 +59,8 @@ MaterialFacts factsOf(const aiMaterial& material, const aiScene& scene,
   }
   for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
     if (material.GetTexture(type, 0, &name) != aiReturn_SUCCESS) continue;
-    std::string file = name.C_Str();
-    std::replace(file.begin(), file.end(), '\\', '/');
-    std::error_code ignored;
     const bool found = scene.GetEmbeddedTexture(name.C_Str()) != nullptr ||
-                       std::filesystem::is_regular_file(path.parent_path() / file, ignored);
+                       textureFile(path, name.C_Str()).has_value();
     facts.textures.push_back({name.C_Str(), found});
     break;
   }
@@ -82,6 +83,29 @@ void takeMetadata(const aiMetadata& metadata, SceneFacts& facts) {
 
 void refuseRepeats(const aiScene& scene) { Repeats().add(scene, *scene.mRootNode); }
 
+void takeColors(const TriangleMesh& mesh, SceneFacts& facts) {
+  std::optional<glm::vec3> flat, vertex;
+  for (std::size_t i = 0; i < mesh.size(); ++i) {
+    static const MeshMaterial plain;
+    const std::uint32_t m = mesh.material[i];
+    const MeshMaterial& material = m < mesh.materials.size() ? mesh.materials[m] : plain;
+    if (material.texture) {
+      facts.has_colors = true;
+    } else if (!mesh.color.empty() && mesh.color[3 * i].x >= 0.0f) {
+      for (std::size_t k = 0; k < 3 && !facts.has_colors; ++k) {
+        const glm::vec3& color = mesh.color[3 * i + k];
+        facts.has_colors = color != vertex.value_or(color);
+        vertex = color;
+      }
+    } else {
+      facts.material_colors =
+          facts.material_colors || material.factor != flat.value_or(material.factor);
+      flat = material.factor;
+    }
+    if (facts.has_colors) return;
+  }
+}
+
 SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path) {
   SceneFacts facts{.kind = kindOfMesh(path)};
   if (facts.kind == SceneKind::gltf) facts.unit_m = 1.0;
@@ -90,15 +114,12 @@ SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path) {
   }
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     facts.has_normals = facts.has_normals || scene.mMeshes[m]->HasNormals();
-    facts.has_colors = facts.has_colors || scene.mMeshes[m]->HasVertexColors(0);
   }
   for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
     // Assimp gives this material to a mesh without one.
     if (scene.mMaterials[m]->GetName() == aiString(AI_DEFAULT_MATERIAL_NAME)) continue;
     facts.materials.push_back(factsOf(*scene.mMaterials[m], scene, path));
-    const MaterialFacts& material = facts.materials.back();
-    facts.opacity.x = std::min(facts.opacity.x, material.opacity);
-    facts.has_colors = facts.has_colors || !material.textures.empty();
+    facts.opacity.x = std::min(facts.opacity.x, facts.materials.back().opacity);
   }
   return facts;
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "render/scene/io/scene_facts.h"
+#include "render/scene/mesh/triangle_mesh.h"
 
 struct aiScene;
 
@@ -13,7 +14,10 @@ namespace foci {
 /// exhaust the memory. @throws std::runtime_error
 void refuseRepeats(const aiScene& scene);
 
-/// The facts that Assimp's scene states: all but triangles, positions and remarks.
+/// Sets where the colours of a mesh come from: of its triangles, not of all that the file lists.
+void takeColors(const TriangleMesh& mesh, SceneFacts& facts);
+
+/// The facts that Assimp's scene states: all but triangles, colours, positions and remarks.
 SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path);
 
 }  // namespace foci

@@ -28,7 +28,8 @@ struct SceneFacts {
   std::size_t points = 0, triangles = 0, surfels = 0;
   std::vector<MaterialFacts> materials{};
   bool has_normals = false;
-  bool has_colors = false;             ///< of points or vertices, or textures
+  bool has_colors = false;             ///< of points or vertices, or textures: they differ
+  bool material_colors = false;        ///< no such colours, but materials that differ in theirs
   glm::vec2 opacity{1.0f};             ///< least and greatest
   std::size_t dropped = 0;             ///< points whose position is not finite
   std::vector<std::string> remarks{};  ///< see `PointCloud`

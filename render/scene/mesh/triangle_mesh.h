@@ -33,6 +33,11 @@ struct TriangleMesh {
   std::size_t size() const { return corners_m.size() / 3; }
 };
 
+/// Drops triangles that have corners and material of an earlier one, and its winding. Their area
+/// would count as surface.
+/// @return their number
+std::size_t dropRepeats(TriangleMesh& mesh);
+
 struct MeshColor {
   glm::vec3 color;  ///< linear RGB
   float opacity;    ///< 0 to 1; 0 where the texture cuts a hole
