@@ -155,6 +155,7 @@ UpAxis upAxisOf(const SceneFacts& facts, const SceneBox& box) {
     if (size[axis] < kFlat * least_other) return {axis, false, "the scene is flat across it"};
   }
   if (facts.kind == SceneKind::ply_mesh) return {1, false, "as usual in PLY meshes"};
+  if (facts.kind == SceneKind::off_mesh) return {1, false, "as usual in OFF meshes"};
   return {2, false, facts.kind == SceneKind::stl ? "as usual in STL" : "as usual in scans"};
 }
 

@@ -16,7 +16,6 @@
 
 #include "base/file.h"
 #include "base/input_error.h"
-#include "base/text.h"
 #include "render/image/srgb.h"
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/mesh_facts.h"
@@ -55,13 +54,6 @@ void dropEmptyFaces(aiMesh& mesh) {
   if (mesh.mNumFaces == 0) mesh.mPrimitiveTypes = aiPrimitiveType_POINT;  // points are not imported
 }
 
-std::string repeatsRemark(std::size_t repeated) {
-  return thousands(static_cast<double>(repeated)) +
-         (repeated == 1 ? " triangle repeats another one: it is"
-                        : " triangles repeat others: they are") +
-         " left out";
-}
-
 class Loader {
  public:
   explicit Loader(const std::filesystem::path& path)
@@ -81,13 +73,10 @@ class Loader {
     for (unsigned i = 0; i < scene_.mNumMaterials; ++i) {
       mesh.materials.push_back(materialOf(*scene_.mMaterials[i]));
     }
-    const std::size_t repeated = dropRepeats(mesh);
     mesh.remarks = textures_.remarks();
     for (std::string& remark : import_.missing()) mesh.remarks.push_back(std::move(remark));
-    if (repeated > 0) mesh.remarks.push_back(repeatsRemark(repeated));
     SceneFacts facts = meshFacts(scene_, path_);
-    facts.triangles = mesh.size();
-    takeColors(mesh, facts);
+    finishTriangles(mesh, facts);
     return {std::move(mesh), std::move(facts)};
   }
 

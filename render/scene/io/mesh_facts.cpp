@@ -12,6 +12,7 @@
 #include <string>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/mesh_textures.h"
 
@@ -79,10 +80,7 @@ void takeMetadata(const aiMetadata& metadata, SceneFacts& facts) {
   if (metadata.Get("UpAxis", axis) && axis >= 0 && axis <= 2) facts.up_axis = axis;
 }
 
-}  // namespace
-
-void refuseRepeats(const aiScene& scene) { Repeats().add(scene, *scene.mRootNode); }
-
+/// Where the colours of the triangles come from.
 void takeColors(const TriangleMesh& mesh, SceneFacts& facts) {
   std::optional<glm::vec3> flat, vertex;
   for (std::size_t i = 0; i < mesh.size(); ++i) {
@@ -104,6 +102,21 @@ void takeColors(const TriangleMesh& mesh, SceneFacts& facts) {
     }
     if (facts.has_colors) return;
   }
+}
+
+}  // namespace
+
+void refuseRepeats(const aiScene& scene) { Repeats().add(scene, *scene.mRootNode); }
+
+void finishTriangles(TriangleMesh& mesh, SceneFacts& facts) {
+  const std::size_t repeated = dropRepeats(mesh);
+  if (repeated > 0) {
+    mesh.remarks.push_back(thousands(static_cast<double>(repeated)) +
+                           (repeated == 1 ? " triangle repeats another one: it is left out"
+                                          : " triangles repeat others: they are left out"));
+  }
+  facts.triangles = mesh.size();
+  takeColors(mesh, facts);
 }
 
 SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path) {

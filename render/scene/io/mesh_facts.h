@@ -14,8 +14,9 @@ namespace foci {
 /// exhaust the memory. @throws std::runtime_error
 void refuseRepeats(const aiScene& scene);
 
-/// Sets where the colours of a mesh come from: of its triangles, not of all that the file lists.
-void takeColors(const TriangleMesh& mesh, SceneFacts& facts);
+/// Drops triangles that repeat others, with a remark. Sets the number of triangles, and where their
+/// colours come from: of what the triangles use, not of all that the file lists.
+void finishTriangles(TriangleMesh& mesh, SceneFacts& facts);
 
 /// The facts that Assimp's scene states: all but triangles, colours, positions and remarks.
 SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path);

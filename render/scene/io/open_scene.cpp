@@ -12,6 +12,7 @@
 #include "render/scene/io/foci_file.h"
 #include "render/scene/io/las.h"
 #include "render/scene/io/mesh.h"
+#include "render/scene/io/off.h"
 #include "render/scene/io/ply.h"
 #include "render/scene/io/scan_values.h"
 #include "render/scene/io/text_points.h"
@@ -44,9 +45,9 @@ void refuseUnread(const std::filesystem::path& path) {
 }
 
 bool hasSceneExtension(const std::filesystem::path& path) {
-  static constexpr std::array<std::string_view, 12> kRead = {".foci", ".ply", ".obj", ".gltf",
-                                                             ".glb",  ".stl", ".fbx", ".las",
-                                                             ".laz",  ".xyz", ".pts", ".asc"};
+  static constexpr std::array<std::string_view, 14> kRead = {
+      ".foci", ".ply", ".obj", ".gltf", ".glb", ".stl", ".fbx",
+      ".las",  ".laz", ".xyz", ".pts",  ".asc", ".off", ".pwn"};
   const std::string extension = lowerExtension(path);
   return std::find(kRead.begin(), kRead.end(), extension) != kRead.end() ||
          std::any_of(kConverters.begin(), kConverters.end(),
@@ -85,6 +86,9 @@ SceneFile readScene(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, ignored)) throw InputError(path.string(), "no such file");
   requireRegularFile(path);
   if (isSceneFile(path)) return {path, readSceneFile(path)};
+  if (isOffFile(path)) {
+    return std::visit([&](auto&& read) { return SceneFile{path, std::move(read)}; }, readOff(path));
+  }
   if (!isLasFile(path) && isMeshFile(path)) return {path, readMesh(path)};
   return {path, readPoints(path)};
 }

@@ -2,12 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/quantile.h"
 #include "base/text.h"
 #include "render/image/srgb.h"
 
 namespace foci {
+
+glm::dvec3 originNear(const glm::dvec3& p) {
+  constexpr double kFar = 1e4, kStep = 1e3;
+  const auto near = [](double x) {
+    return std::abs(x) < kFar ? 0.0 : kStep * std::round(x / kStep);
+  };
+  return {near(p.x), near(p.y), near(p.z)};
+}
+
+std::optional<std::string> originRemark(const glm::dvec3& origin) {
+  if (origin == glm::dvec3(0.0)) return std::nullopt;
+  return "positions are relative to " + exactText(origin.x) + " " + exactText(origin.y) + " " +
+         exactText(origin.z) + " of the file, to keep their millimetres";
+}
 
 bool ScanPositions::append(const glm::dvec3& p) {
   const double farthest = kFarthest_m;
@@ -17,22 +32,14 @@ bool ScanPositions::append(const glm::dvec3& p) {
     ++points_.dropped;
     return false;
   }
-  if (!origin_) {
-    constexpr double kFar = 1e4, kStep = 1e3;
-    const auto near = [](double x) {
-      return std::abs(x) < kFar ? 0.0 : kStep * std::round(x / kStep);
-    };
-    origin_ = {near(p.x), near(p.y), near(p.z)};
-  }
+  if (!origin_) origin_ = originNear(p);
   points_.position_m.emplace_back(p - *origin_);
   return true;
 }
 
 void ScanPositions::finish() const {
-  if (!origin_ || *origin_ == glm::dvec3(0.0)) return;
-  points_.remarks.push_back("positions are relative to " + exactText(origin_->x) + " " +
-                            exactText(origin_->y) + " " + exactText(origin_->z) +
-                            " of the file, to keep their millimetres");
+  if (!origin_) return;
+  if (auto remark = originRemark(*origin_)) points_.remarks.push_back(std::move(*remark));
 }
 
 std::vector<glm::vec3> greyOf(const std::vector<float>& intensity) {

@@ -21,7 +21,19 @@ struct MaterialFacts {
 };
 
 /// The kinds of files that differ in what is usual for them.
-enum class SceneKind { gltf, obj, stl, fbx, ply_mesh, ply_points, las, text_points, prepared };
+enum class SceneKind {
+  gltf,
+  obj,
+  stl,
+  fbx,
+  ply_mesh,
+  off_mesh,
+  off_points,
+  ply_points,
+  las,
+  text_points,
+  prepared
+};
 
 struct SceneFacts {
   SceneKind kind = SceneKind::ply_points;
