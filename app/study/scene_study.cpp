@@ -24,14 +24,13 @@ Study studyOfScene(const std::filesystem::path& scene) {
   return study;
 }
 
-std::string frameScene(Study& study, const SceneFacts& facts, Look look,
+std::string frameScene(Study& study, const SceneFacts& facts, const std::optional<Look>& look,
                        const std::optional<UpAxis>& up) {
   const Framing framing =
       framingOf(facts, {.screen = study.screenInForce(), .look = look, .up = up});
   frameScene(study, facts, framing);
   if (!isPlain(facts)) return framingText(framing);
-  return framingText(framing) +
-         (facts.material_colors ? "; colours of materials" : "; one colour") +
+  return framingText(framing) + (facts.material_colors ? "; plain colours" : "; one colour") +
          ": shaded by render.shading = " + exactText(kPlainShading);
 }
 

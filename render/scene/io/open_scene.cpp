@@ -22,15 +22,23 @@ namespace {
 
 constexpr std::string_view kPdal = "CloudCompare, or pdal translate IN OUT.ply, makes a PLY of it";
 constexpr std::string_view kBlender = "Blender can export it as glTF";
+constexpr std::string_view kCad = "FreeCAD can export it as STL or OBJ";
+constexpr std::string_view kParaview = "ParaView can export it as PLY";
+constexpr std::string_view kSplats = "SuperSplat or splat-transform makes a PLY of it";
 
 /// Formats that foci does not read, and what converts them.
 struct Converter {
   std::string_view extension, how;
 };
 constexpr std::array kConverters = {
-    Converter{".e57", kPdal},    Converter{".pcd", kPdal},     Converter{".ptx", kPdal},
-    Converter{".dae", kBlender}, Converter{".3ds", kBlender},  Converter{".blend", kBlender},
-    Converter{".usd", kBlender}, Converter{".usdc", kBlender}, Converter{".usdz", kBlender},
+    Converter{".e57", kPdal},     Converter{".pcd", kPdal},      Converter{".ptx", kPdal},
+    Converter{".dae", kBlender},  Converter{".3ds", kBlender},   Converter{".blend", kBlender},
+    Converter{".usd", kBlender},  Converter{".usdc", kBlender},  Converter{".usdz", kBlender},
+    Converter{".x3d", kBlender},  Converter{".wrl", kBlender},   Converter{".lwo", kBlender},
+    Converter{".dxf", kBlender},  Converter{".3mf", kCad},       Converter{".step", kCad},
+    Converter{".stp", kCad},      Converter{".iges", kCad},      Converter{".igs", kCad},
+    Converter{".vtk", kParaview}, Converter{".vtp", kParaview},  Converter{".vtu", kParaview},
+    Converter{".splat", kSplats}, Converter{".ksplat", kSplats}, Converter{".spz", kSplats},
 };
 
 /// @throws InputError for a format that is known and not read
