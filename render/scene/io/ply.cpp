@@ -339,6 +339,11 @@ PointCloud readPly(const std::filesystem::path& path) {
                                          : "none of its " + std::to_string(points.dropped) +
                                                " points has a finite position");
     }
+    if (std::all_of(points.color.begin(), points.color.end(),
+                    [](const glm::vec3& color) { return color == glm::vec3(0.0f); })) {
+      points.color.assign(points.size(), glm::vec3(kUncolouredLight));
+      points.remarks.push_back("all colours are 0: shown in grey");
+    }
     return points;
   }
   throw InputError(input.name(), "has no element vertex");
