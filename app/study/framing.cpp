@@ -39,6 +39,11 @@ SceneAxes axesOf(const UpAxis& up) {
   return {upwards, front, glm::cross(upwards, front)};
 }
 
+/// Why an axis was chosen that the file does not state, and the option for the other usual one.
+std::string guess(const std::string& why, int axis) {
+  return why + "; if not: --up " + (axis == 2 ? "y" : "z");
+}
+
 /// The side that shows a scene of this size: the front, if that is not its edge.
 Look lookAt(const SceneAxes& axes, const glm::dvec3& size) {
   const double across_front = std::abs(glm::dot(axes.right, size));
@@ -160,16 +165,19 @@ std::string nameOf(const UpAxis& up) {
 UpAxis upAxisOf(const SceneFacts& facts, const SceneBox& box) {
   if (facts.up_axis) return {*facts.up_axis, false, "as the " + nameOf(facts.kind) + " states"};
   if (facts.kind == SceneKind::gltf) return {1, false, "the convention of glTF"};
-  if (facts.kind == SceneKind::obj) return {1, false, "the convention of OBJ"};
+  if (facts.kind == SceneKind::obj) return {1, false, guess("the convention of OBJ", 1)};
   if (facts.kind == SceneKind::fbx) return {1, false, "the convention of FBX"};
   const glm::dvec3 size = box.size();
   for (const int axis : {2, 1}) {
     const double least_other = std::min(size[(axis + 1) % 3], size[(axis + 2) % 3]);
-    if (size[axis] < kFlat * least_other) return {axis, false, "the scene is flat across it"};
+    if (size[axis] < kFlat * least_other) {
+      return {axis, false, guess("the scene is flat across it", axis)};
+    }
   }
-  if (facts.kind == SceneKind::ply_mesh) return {1, false, "as usual in PLY meshes"};
-  if (facts.kind == SceneKind::off_mesh) return {1, false, "as usual in OFF meshes"};
-  return {2, false, facts.kind == SceneKind::stl ? "as usual in STL" : "as usual in scans"};
+  if (facts.kind == SceneKind::ply_mesh) return {1, false, guess("as usual in PLY meshes", 1)};
+  if (facts.kind == SceneKind::off_mesh) return {1, false, guess("as usual in OFF meshes", 1)};
+  return {2, false,
+          guess(facts.kind == SceneKind::stl ? "as usual in STL" : "as usual in scans", 2)};
 }
 
 Framing framingOf(const SceneFacts& facts, const FramingRequest& request) {

@@ -68,7 +68,8 @@ class Loader {
     for (unsigned m = 0; m < scene_.mNumMeshes; ++m) append(mesh, *scene_.mMeshes[m]);
     if (!mesh.color.empty()) mesh.color.resize(mesh.corners_m.size(), glm::vec3(-1.0f));
     if (!(areaOf_m2(mesh.corners_m) > 0.0)) {
-      throw InputError(path_.string(), "has no triangle with an area");
+      throw InputError(path_.string(),
+                       "has no triangle with an area within 1e9 units of the origin");
     }
     for (unsigned i = 0; i < scene_.mNumMaterials; ++i) {
       mesh.materials.push_back(materialOf(*scene_.mMaterials[i]));

@@ -53,6 +53,7 @@ void MeshImport::refuse(std::string why) const {
   for (char& c : why) {
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
   }
+  while (why.ends_with('.') || why.ends_with(' ')) why.pop_back();
   throw InputError(path_.string(), "is no mesh that can be read: " + why.substr(0, 200) +
                                        compressionRemark(compression_) + adviceFor(why));
 }

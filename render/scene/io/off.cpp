@@ -56,6 +56,7 @@ class OffReader {
   explicit OffReader(const std::filesystem::path& path) : input_(path) {}
 
   std::variant<PointCloud, MeshFile> read() {
+    if (input_.remaining() == 0) throw InputError(input_.name(), "is empty");
     readHeader();
     for (std::uint64_t i = 0; i < vertices_; ++i) readVertex();
     if (faces_ == 0) return finishPoints();
@@ -239,7 +240,8 @@ class OffReader {
 
   std::variant<PointCloud, MeshFile> finishMesh() {
     if (!(areaOf_m2(mesh_.corners_m) > 0.0)) {
-      throw InputError(input_.name(), "has no triangle with an area");
+      throw InputError(input_.name(),
+                       "has no triangle with an area within 1e9 units of the origin");
     }
     if (const auto remark = originRemark(origin_)) mesh_.remarks.push_back(*remark);
     SceneFacts facts{.kind = SceneKind::off_mesh};

@@ -10,6 +10,16 @@
 
 namespace foci {
 
+namespace {
+
+bool isNearEnough(const glm::dvec3& p) {
+  const double farthest = kFarthest_m;
+  return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest &&
+         std::abs(p.z) <= farthest;  // false for NaN
+}
+
+}  // namespace
+
 glm::dvec3 originNear(const glm::dvec3& p) {
   constexpr double kFar = 1e4, kStep = 1e3;
   const auto near = [](double x) {
@@ -25,15 +35,16 @@ std::optional<std::string> originRemark(const glm::dvec3& origin) {
 }
 
 bool ScanPositions::append(const glm::dvec3& p) {
-  const double farthest = kFarthest_m;
-  const bool usable = std::abs(p.x) <= farthest && std::abs(p.y) <= farthest &&
-                      std::abs(p.z) <= farthest;  // false for NaN
-  if (!usable) {
+  if (!origin_ && isNearEnough(p)) origin_ = originNear(p);
+  return appendInPlace(p);
+}
+
+bool ScanPositions::appendInPlace(const glm::dvec3& p) {
+  if (!isNearEnough(p)) {
     ++points_.dropped;
     return false;
   }
-  if (!origin_) origin_ = originNear(p);
-  points_.position_m.emplace_back(p - *origin_);
+  points_.position_m.emplace_back(p - origin_.value_or(glm::dvec3(0.0)));
   return true;
 }
 

@@ -30,6 +30,9 @@ class ScanPositions {
   /// @return false, with the point counted as dropped, if it is not finite or too far away
   bool append(const glm::dvec3& p);
 
+  /// The same with the file's own origin.
+  bool appendInPlace(const glm::dvec3& p);
+
   /// Adds a remark to the points if the origin was moved.
   void finish() const;
 

@@ -28,7 +28,7 @@ std::array<glm::vec3, 3> turnedCorners(const TriangleMesh& mesh, std::uint32_t t
 
 }  // namespace
 
-std::size_t dropRepeats(TriangleMesh& mesh) {
+std::size_t dropUseless(TriangleMesh& mesh) {
   struct Key {
     std::array<glm::vec3, 3> corners;
     std::uint32_t material, triangle;
@@ -45,16 +45,22 @@ std::size_t dropRepeats(TriangleMesh& mesh) {
     keys[i] = {turnedCorners(mesh, triangle), mesh.material[i], triangle};
   });
   parallelSort(keys.begin(), keys.end(), order);
-  std::vector<std::uint8_t> repeated(mesh.size(), 0);
-  for (std::size_t i = 1; i < keys.size(); ++i) {
-    repeated[keys[i].triangle] =
-        keys[i].material == keys[i - 1].material && keys[i].corners == keys[i - 1].corners;
+  std::vector<std::uint8_t> useless(mesh.size(), 0);
+  std::size_t repeats = 0;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const auto& [a, b, c] = keys[i].corners;
+    const glm::dvec3 first(a);
+    const bool flat = glm::cross(glm::dvec3(b) - first, glm::dvec3(c) - first) == glm::dvec3(0.0);
+    const bool repeat =
+        i > 0 && keys[i].material == keys[i - 1].material && keys[i].corners == keys[i - 1].corners;
+    useless[keys[i].triangle] = flat || repeat;
+    repeats += repeat && !flat;
   }
   const auto keep = [&](auto& values, std::size_t each) {
     if (values.empty()) return;
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < repeated.size(); ++i) {
-      if (repeated[i] != 0) continue;
+    for (std::size_t i = 0; i < useless.size(); ++i) {
+      if (useless[i] != 0) continue;
       for (std::size_t k = 0; k < each; ++k) values[each * kept + k] = values[each * i + k];
       ++kept;
     }
@@ -64,7 +70,7 @@ std::size_t dropRepeats(TriangleMesh& mesh) {
   keep(mesh.uv, 3);
   keep(mesh.color, 3);
   keep(mesh.material, 1);
-  return repeated.size() - mesh.size();
+  return repeats;
 }
 
 MeshColor colorAt(const TriangleMesh& mesh, const MeshPoint& point, float footprint_m) {

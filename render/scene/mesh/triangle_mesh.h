@@ -33,10 +33,10 @@ struct TriangleMesh {
   std::size_t size() const { return corners_m.size() / 3; }
 };
 
-/// Drops triangles that have corners and material of an earlier one, and its winding. Their area
-/// would count as surface.
-/// @return their number
-std::size_t dropRepeats(TriangleMesh& mesh);
+/// Drops triangles without an area, which would count for the bounds, and those that have corners,
+/// material and winding of an earlier one, whose area would count as surface.
+/// @return the number of the latter
+std::size_t dropUseless(TriangleMesh& mesh);
 
 struct MeshColor {
   glm::vec3 color;  ///< linear RGB
