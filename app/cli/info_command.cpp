@@ -28,7 +28,7 @@ struct InfoOptions {
 
 void runInfo(const InfoOptions& options) {
   Study study = studyOfScene(options.scene);
-  const Look look = lookOf(options.look);
+  const std::optional<Look> look = lookOf(options.look);
   const std::optional<UpAxis> up = upOf(options.up);
   if (!options.thumbnail.empty() && !options.thumbnail.ends_with(".png")) {
     throw InputError("--thumbnail " + options.thumbnail, "expected a name that ends in .png");

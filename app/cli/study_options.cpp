@@ -64,10 +64,10 @@ void addMarkerOptions(CLI::App& command, StudyOptions& options) {
   command.add_flag("--split", options.split, "left half sharp, right half as the eye sees it");
 }
 
-Look lookOf(const std::string& look) {
+std::optional<Look> lookOf(const std::string& look) {
   constexpr std::array<std::pair<std::string_view, Look>, 3> kLooks = {
       {{"front", Look::front}, {"left", Look::left}, {"above", Look::above}}};
-  if (look.empty()) return Look::front;
+  if (look.empty()) return std::nullopt;
   for (const auto& [name, value] : kLooks) {
     if (name == look) return value;
   }
@@ -83,7 +83,7 @@ std::optional<UpAxis> upOf(const std::string& up) {
 
 StudyAsked studyOf(const StudyOptions& options) {
   const bool is_scene = isScene(options.study);
-  const Look look = lookOf(options.look);
+  const std::optional<Look> look = lookOf(options.look);
   const std::optional<UpAxis> up = upOf(options.up);
   if (!is_scene && !(options.look.empty() && options.up.empty())) {
     throw InputError(options.look.empty() ? "--up" : "--look",

@@ -27,7 +27,7 @@ void addStudyOptions(CLI::App& command, StudyOptions& options);
 void addMarkerOptions(CLI::App& command, StudyOptions& options);
 
 /// From where --look looks; from the front if the option was not given. @throws InputError
-Look lookOf(const std::string& look);
+std::optional<Look> lookOf(const std::string& look);
 
 /// The axis that --up names, if the option was given. @throws InputError
 std::optional<UpAxis> upOf(const std::string& up);

@@ -14,9 +14,12 @@
 namespace foci {
 namespace {
 
-constexpr double kStraysShare = 0.01;    // on each end of each axis
-constexpr double kStrayDistance = 0.25;  // of the longest side of the box
+constexpr double kStraysShare = 0.01;     // on each end of each axis
+constexpr double kMostStrays = 0.03;      // the same, if the core then is
+constexpr double kDenseCore = 1.0 / 3.0;  // this much shorter
+constexpr double kStrayDistance = 0.25;   // of the longest side of the box
 constexpr double kFlat = 1.0 / 3.0;
+constexpr double kEdgeOn = 0.02;  // of the width that the other side shows
 
 /// Unit vectors of a scene: upwards, and from it towards somebody who sees its front.
 struct SceneAxes {
@@ -34,6 +37,18 @@ SceneAxes axesOf(const UpAxis& up) {
     front.z = sign;
   }
   return {upwards, front, glm::cross(upwards, front)};
+}
+
+/// Why an axis was chosen that the file does not state, and the option for the other usual one.
+std::string guess(const std::string& why, int axis) {
+  return why + "; if not: --up " + (axis == 2 ? "y" : "z");
+}
+
+/// The side that shows a scene of this size: the front, if that is not its edge.
+Look lookAt(const SceneAxes& axes, const glm::dvec3& size) {
+  const double across_front = std::abs(glm::dot(axes.right, size));
+  const double across_left = std::abs(glm::dot(axes.front, size));
+  return across_front < kEdgeOn * across_left ? Look::left : Look::front;
 }
 
 /// `x` with `digits` significant digits of `of`, so that a study is easy to read.
@@ -101,13 +116,16 @@ double SceneBox::longest() const {
 
 SceneBox boxWithoutStrays(std::span<const glm::vec3> points) {
   assert(!points.empty());
-  SceneBox core;
+  SceneBox core, dense;
   std::vector<float> along(points.size());
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < points.size(); ++i) along[i] = points[i][axis];
     core.low[axis] = quantile(along, kStraysShare);
     core.high[axis] = quantile(along, 1.0 - kStraysShare);
+    dense.low[axis] = quantile(along, kMostStrays);
+    dense.high[axis] = quantile(along, 1.0 - kMostStrays);
   }
+  if (dense.longest() < kDenseCore * core.longest()) core = dense;
   const glm::dvec3 margin(kStrayDistance * core.longest());
   const SceneBox wide{core.low - margin, core.high + margin};
   SceneBox box = core;
@@ -147,15 +165,19 @@ std::string nameOf(const UpAxis& up) {
 UpAxis upAxisOf(const SceneFacts& facts, const SceneBox& box) {
   if (facts.up_axis) return {*facts.up_axis, false, "as the " + nameOf(facts.kind) + " states"};
   if (facts.kind == SceneKind::gltf) return {1, false, "the convention of glTF"};
-  if (facts.kind == SceneKind::obj) return {1, false, "the convention of OBJ"};
+  if (facts.kind == SceneKind::obj) return {1, false, guess("the convention of OBJ", 1)};
   if (facts.kind == SceneKind::fbx) return {1, false, "the convention of FBX"};
   const glm::dvec3 size = box.size();
   for (const int axis : {2, 1}) {
     const double least_other = std::min(size[(axis + 1) % 3], size[(axis + 2) % 3]);
-    if (size[axis] < kFlat * least_other) return {axis, false, "the scene is flat across it"};
+    if (size[axis] < kFlat * least_other) {
+      return {axis, false, guess("the scene is flat across it", axis)};
+    }
   }
-  if (facts.kind == SceneKind::ply_mesh) return {1, false, "as usual in PLY meshes"};
-  return {2, false, facts.kind == SceneKind::stl ? "as usual in STL" : "as usual in scans"};
+  if (facts.kind == SceneKind::ply_mesh) return {1, false, guess("as usual in PLY meshes", 1)};
+  if (facts.kind == SceneKind::off_mesh) return {1, false, guess("as usual in OFF meshes", 1)};
+  return {2, false,
+          guess(facts.kind == SceneKind::stl ? "as usual in STL" : "as usual in scans", 2)};
 }
 
 Framing framingOf(const SceneFacts& facts, const FramingRequest& request) {
@@ -163,9 +185,11 @@ Framing framingOf(const SceneFacts& facts, const FramingRequest& request) {
   framing.up_axis = request.up ? *request.up : upAxisOf(facts, framing.box);
   const SceneAxes axes = axesOf(framing.up_axis);
   const double raise_rad = glm::radians(kRaise_deg);
+  const Look look = request.look.value_or(lookAt(axes, framing.box.size()));
+  if (!request.look && look != Look::front) framing.why_look = "it is flat: seen from the left";
   glm::dvec3 to_eye = axes.up, image_up = -axes.front;
-  if (request.look != Look::above) {
-    const glm::dvec3 level = request.look == Look::front ? axes.front : -axes.right;
+  if (look != Look::above) {
+    const glm::dvec3 level = look == Look::front ? axes.front : -axes.right;
     to_eye = std::cos(raise_rad) * level + std::sin(raise_rad) * axes.up;
     image_up = axes.up;
   }
@@ -190,7 +214,8 @@ std::string framingText(const Framing& framing) {
   const double distance_m = framing.distance_m();
   return text + ", " + nameOf(framing.up_axis) + " is up (" + framing.up_axis.why +
          "); scene.scale_m = " + exactText(framing.scale_m) + " (" + framing.why_scale +
-         "), the eye is " + exactText(rounded(distance_m, distance_m, 3)) + " m away";
+         "), the eye is " + exactText(rounded(distance_m, distance_m, 3)) + " m away" +
+         (framing.why_look.empty() ? "" : "; " + framing.why_look);
 }
 
 }  // namespace foci

@@ -6,12 +6,13 @@
 namespace foci {
 namespace {
 
-/// Shading that shows the shape of a surface of one colour. Chosen by eye.
+/// Shading that shows the shape of surfaces whose colour does not. Chosen by eye.
 constexpr double kPlainShading = 0.65;
 
-/// Whether the file gives no more than one colour.
+/// Whether the file gives no more than a colour for each material. Textures and scans contain the
+/// light of the place; such a colour does not.
 bool isPlain(const SceneFacts& facts) {
-  return !facts.has_colors && facts.materials.size() <= 1 && facts.kind != SceneKind::prepared;
+  return !facts.has_colors && facts.kind != SceneKind::prepared;
 }
 
 }  // namespace
@@ -23,14 +24,14 @@ Study studyOfScene(const std::filesystem::path& scene) {
   return study;
 }
 
-std::string frameScene(Study& study, const SceneFacts& facts, Look look,
+std::string frameScene(Study& study, const SceneFacts& facts, const std::optional<Look>& look,
                        const std::optional<UpAxis>& up) {
   const Framing framing =
       framingOf(facts, {.screen = study.screenInForce(), .look = look, .up = up});
   frameScene(study, facts, framing);
   if (!isPlain(facts)) return framingText(framing);
-  return framingText(framing) +
-         "; one colour: shaded by render.shading = " + exactText(kPlainShading);
+  return framingText(framing) + (facts.material_colors ? "; plain colours" : "; one colour") +
+         ": shaded by render.shading = " + exactText(kPlainShading);
 }
 
 void frameScene(Study& study, const SceneFacts& facts, const Framing& framing) {

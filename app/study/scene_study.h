@@ -16,7 +16,7 @@ Study studyOfScene(const std::filesystem::path& scene);
 
 /// Sets scale and eye of a study of a scene file, for the study's screen.
 /// @return what was chosen, see `framingText`
-std::string frameScene(Study& study, const SceneFacts& facts, Look look,
+std::string frameScene(Study& study, const SceneFacts& facts, const std::optional<Look>& look,
                        const std::optional<UpAxis>& up);
 
 /// The same with a framing at hand. A scene of one colour is shaded, so that its shape

@@ -66,8 +66,12 @@ std::string sceneText(const SceneFacts& facts, const Framing& framing) {
   line("units", unitText(facts, framing));
   line("size", numbers(size * framing.scale_m, " x ") + " m");
   line("up", nameOf(framing.up_axis) + " (" + framing.up_axis.why + ")");
-  line("normals", facts.has_normals ? "yes" : "no: foci estimates them");
-  line("colours", facts.has_colors ? "yes" : "one colour");
+  line("normals", facts.has_normals ? "yes"
+                  : facts.isMesh()  ? "no: those of the triangles"
+                                    : "no: foci estimates them");
+  line("colours", facts.has_colors        ? "yes"
+                  : facts.material_colors ? "of materials or faces"
+                                          : "one colour");
   line("opacity",
        facts.opacity.x == facts.opacity.y
            ? decimal(double{facts.opacity.x}, 2)

@@ -170,6 +170,29 @@ std::string ColumnNames::listed(const Wanted& wanted) const {
   return text;
 }
 
+/// What a table is that has no samples of gaze as its rows; empty if that cannot be told.
+std::string ColumnNames::otherKind() const {
+  const auto any = [&](std::initializer_list<std::string_view> parts) {
+    return std::any_of(names_.begin(), names_.end(), [&](const Name& name) {
+      return std::any_of(parts.begin(), parts.end(), [&](std::string_view part) {
+        return name.key.find(part) != std::string::npos;
+      });
+    });
+  };
+  if (any({"webgazerdata"})) {
+    return "the column webgazer_data holds the samples of a trial as JSON: write them as a table, "
+           "t, x and y of a sample in each row";
+  }
+  if (find({"fixationx", "fixationpointx"}) || find({"starttimestamp"})) {
+    return "the rows are fixations or events: export the samples of gaze";
+  }
+  if (any({"gazedirect", "gazevector", "gazedir", "gvec"})) {
+    return "the columns are directions in space: write a position in degrees from straight ahead, "
+           "atan(x / z) and atan(y / z), as columns x_deg and y_deg";
+  }
+  return "";
+}
+
 InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
   const std::string option = meaning == Meaning::time ? "time" : meaning == Meaning::x ? "x" : "y";
   const std::string what = "no column " + shown(keys[0]) + ": ";
@@ -190,6 +213,7 @@ InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
                   "gaze.units and gaze." +
                   option);
   }
+  if (const std::string other = otherKind(); !other.empty()) return lines_.error(other);
   const std::string how = "name it with gaze." + option + " (--" + option + "); ";
   const std::string candidates = listed([&](std::size_t i) { return mayBe(meaning, i); });
   const std::string all = listed([](std::size_t) { return true; });

@@ -62,6 +62,7 @@ class ColumnNames {
     bool of_media = false;
   };
   bool isPosition(std::size_t column) const;
+  std::string otherKind() const;
   bool mayBe(Meaning meaning, std::size_t column) const;
   static Name nameOf(std::string_view text);
   /// The nearest name, or all, as words of an error.

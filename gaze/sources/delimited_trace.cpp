@@ -14,6 +14,9 @@
 namespace foci {
 namespace {
 
+// Between the clocks of computer and tracker: whole milliseconds are within 1 of the truth, and
+// quartz drifts by less than 1 ms in ten seconds. A thousandth a sample follows in a few seconds.
+constexpr double kJump_ms = 20.0, kFollow = 1e-3;
 constexpr double kMaxTime_s = 1e11;  // up to here a double resolves 20 us
 
 // Degrees and fractions keep their meaning on any screen. This one stands in for an unknown screen.
@@ -35,6 +38,36 @@ class PlainPositions {
 
  private:
   std::size_t count_ = 0, tiny_ = 0, negative_ = 0;
+};
+
+/// Tells samples apart whose times are whole units, faster than one a unit: each follows the one
+/// before by an even interval, within its unit. A control loop (proportional and integral,
+/// critically damped) keeps the times in the middle of their units.
+class WholeTimes {
+ public:
+  explicit WholeTimes(double interval) : interval_(interval) {}
+
+  double interval() const { return interval_; }
+
+  /// Increases strictly. @param whole  does not decrease
+  double time(double whole) {
+    constexpr double kGain = 0.01;  // settles within a few hundred samples
+    const double end = whole + 1.0;
+    double at = last_ ? *last_ + interval_ : whole;
+    const double error = whole + 0.5 - at;
+    if (std::abs(error) <= 1.0) {
+      at += kGain * error;
+      interval_ += 0.25 * kGain * kGain * error;
+    }
+    at = std::max(at, whole);
+    if (at >= end) at = 0.5 * (*last_ + end);
+    last_ = at;
+    return at;
+  }
+
+ private:
+  double interval_;
+  std::optional<double> last_{};
 };
 
 bool isMetric(const Screen& screen) {
@@ -133,9 +166,25 @@ class TableReader {
     if (!layout_.time) return static_cast<double>(counted_++) / layout_.rate_Hz;
     const auto time = row_->number(*layout_.time);
     if (!time || std::abs(*time) * std::max(layout_.time_scale_s, 1e-9) > kMaxTime_s) {
-      row_->fail(*layout_.time, "expected a time");
+      row_->fail(*layout_.time,
+                 "expected a time in numbers; another column can be named with gaze.time (--time)");
     }
-    return *time;
+    return layout_.fine_time ? fineTime(*time) : *time;
+  }
+
+  /// A time in whole milliseconds, with the steps of the tracker's clock. The offset between the
+  /// clocks follows their drift, and starts anew after a jump of either.
+  double fineTime(double time_ms) {
+    const auto fine_us = row_->number(*layout_.fine_time);
+    if (!fine_us) return time_ms;
+    const double fine_ms = 1e-3 * *fine_us;
+    const double ahead_ms = clock_offset_ms_ ? time_ms - fine_ms - *clock_offset_ms_ : kJump_ms;
+    if (std::abs(ahead_ms) >= kJump_ms) {
+      clock_offset_ms_ = time_ms - fine_ms;
+    } else {
+      *clock_offset_ms_ += kFollow * ahead_ms;
+    }
+    return fine_ms + *clock_offset_ms_;
   }
 
   void readSample(GazeSample& sample) {
@@ -168,10 +217,19 @@ class TableReader {
             "from the middle of the screen: give gaze.units (--units) or gaze.offset");
       }
     }
+    if (spread_) {
+      header.warnings.push_back(
+          "times are whole milliseconds and repeat: foci spreads the samples evenly; export the "
+          "times in microseconds");
+    }
     if (layout_.of_scene_camera && !mapped_later_) {
       header.warnings.push_back(
           "positions are those of a scene camera on the head: foci takes its view for the screen, "
           "which holds only for a head at rest; a gaze map (foci calibrate gaze) corrects this");
+    }
+    if (clock_offset_ms_) {
+      header.assumed.push_back(
+          "intervals: those of the tracker's own clock, since times are whole milliseconds");
     }
     if (clock_guessed_) {
       header.assumed.push_back("unit of time: " + exactText(layout_.time_scale_s) +
@@ -184,17 +242,20 @@ class TableReader {
     }
   }
 
-  /// Checks the order of the sample just read. Passes samples on once the unit of time is known.
+  /// Checks the order of the sample just read. Passes samples on once the clock is known.
   void passOn() {
     GazeSample& sample = sample_;
+    const bool repeats =
+        last_time_ && sample.time_s == *last_time_ && sample.time_s == std::floor(sample.time_s);
     if (last_time_ && sample.time_s <= *last_time_) {
-      throw lines_.error("time " + shown(row_->field(*layout_.time)) +
-                         " is not after the sample before");
+      const InputError error = lines_.error("time " + shown(row_->field(*layout_.time)) +
+                                            " is not after the sample before");
+      if (!repeats || (settled_ && !spread_)) throw error;
+      if (!first_repeat_) first_repeat_ = error;
     }
     last_time_ = sample.time_s;
-    if (clock_known_) {
-      sample.time_s *= layout_.time_scale_s;
-      take_(sample);
+    if (settled_) {
+      take(sample);
       return;
     }
     constexpr std::size_t kEnoughSamples = 128;  // for the usual interval between samples
@@ -202,17 +263,33 @@ class TableReader {
     if (held_.size() == kEnoughSamples) settleClock();
   }
 
+  /// Chooses the unit of time, and how repeated times are told apart.
+  /// @throws InputError if times repeat without a reason
   void settleClock() {
+    if (settled_) return;
     if (!clock_known_) {
       layout_.time_scale_s = likelyScale_s();
       clock_guessed_ = true;
     }
-    clock_known_ = true;
-    for (GazeSample& sample : held_) {
-      sample.time_s *= layout_.time_scale_s;
-      take_(sample);
+    settled_ = true;
+    if (first_repeat_) {
+      spread_.emplace((held_.back().time_s - held_.front().time_s) /
+                      static_cast<double>(held_.size() - 1));
+      // Above 1000 Hz, whole milliseconds cannot but repeat.
+      if (layout_.time_scale_s != 1e-3 ||
+          !(spread_->interval() > 0.0 && spread_->interval() < 1.0)) {
+        throw *first_repeat_;
+      }
     }
+    for (GazeSample& sample : held_) take(sample);
     held_.clear();
+  }
+
+  /// @param sample  its time is in the file's unit
+  void take(GazeSample& sample) {
+    if (spread_) sample.time_s = spread_->time(sample.time_s);
+    sample.time_s *= layout_.time_scale_s;
+    take_(sample);
   }
 
   /// The unit of time that gives the rate of an eye tracker.
@@ -245,7 +322,10 @@ class TableReader {
   bool mapped_later_ = false;
   bool nominal_ = false;  // `kNominalScreen` stands in
   bool clock_known_ = false, clock_guessed_ = false, resolution_known_ = false;
-  std::optional<double> last_time_{};
+  bool settled_ = false;                      // the unit of time; until then samples are held
+  std::optional<InputError> first_repeat_{};  // of a time
+  std::optional<WholeTimes> spread_{};        // times repeat
+  std::optional<double> last_time_{}, clock_offset_ms_{};
   std::vector<GazeSample> held_{};
   std::size_t taken_ = 0, counted_ = 0;
   bool broken_ = false;  // the previous line had too few fields

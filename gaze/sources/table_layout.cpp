@@ -1,5 +1,5 @@
 // The names come from exports and documentation of Tobii Pro Lab, Tobii Studio, Tobii Pro SDK,
-// Pupil Core, Neon, SMI BeGaze, GazeBase, GazeBaseVR, JuDo1000 and BIDS.
+// Gazepoint, Pupil Core, Neon, SMI BeGaze, GazeBase, GazeBaseVR, JuDo1000 and BIDS.
 #include "gaze/sources/table_layout.h"
 
 #include <algorithm>
@@ -28,6 +28,9 @@ constexpr std::string_view kXs[] = {"x",           "gazex", "xgaze", "gazepointx
                                     "xcoordinate", "porx",  "bporx", "pointofregardbinocularx"};
 constexpr std::string_view kYs[] = {"y",           "gazey", "ygaze", "gazepointy",
                                     "ycoordinate", "pory",  "bpory", "pointofregardbinoculary"};
+// Gazepoint: the best point of both eyes, else the one filtered to fixations.
+constexpr std::string_view kBestValid[] = {"bpogv"}, kFixationValid[] = {"fpogv"};
+constexpr std::string_view kGazepointXs[] = {"bpogx", "fpogx"}, kGazepointYs[] = {"bpogy", "fpogy"};
 // A position only if the name also says "norm" (Pupil Core); else they may be places in space.
 constexpr std::string_view kNormXs[] = {"posx"}, kNormYs[] = {"posy"};
 
@@ -95,8 +98,14 @@ class Recogniser {
     const auto norm = names_.find(norm_keys);
     return norm && names_.unit(*norm) == "norm" ? norm : std::nullopt;
   }
-  std::optional<std::size_t> findX() const { return findAxis(kXs, kNormXs); }
-  std::optional<std::size_t> findY() const { return findAxis(kYs, kNormYs); }
+  std::optional<std::size_t> findX() const {
+    const auto gazepoint = find(kGazepointXs);
+    return gazepoint ? gazepoint : findAxis(kXs, kNormXs);
+  }
+  std::optional<std::size_t> findY() const {
+    const auto gazepoint = find(kGazepointYs);
+    return gazepoint ? gazepoint : findAxis(kYs, kNormYs);
+  }
 
   /// Pupil diameters, if they are in millimetres: by the unit, or because Tobii always writes them
   /// so.
@@ -104,7 +113,8 @@ class Recogniser {
     const auto found = find(keys);
     const bool tobii =
         isTobiiStudio() || find({"recordingtimestamp", "devicetimestamp"}).has_value();
-    return found && (tobii || names_.unit(*found) == "mm") ? found : std::nullopt;
+    const bool gazepoint = found && (names_.key(*found) == "lpmm" || names_.key(*found) == "rpmm");
+    return found && (tobii || gazepoint || names_.unit(*found) == "mm") ? found : std::nullopt;
   }
 
   void findEyes() {
@@ -113,23 +123,28 @@ class Recogniser {
     right.point = find({"rightgazepointondisplayarea"});
     left.x = findPosition({"lx", "leftx", "xleft", "leftgazex", "gazeleftx", "gazexleft",
                            "gazepointleftx", "gazepointxleft", "leftgazepointx", "lporx",
-                           "pointofregardleftx", "leftxcoordinate", "xl"});
+                           "pointofregardleftx", "leftxcoordinate", "xl", "lpogx",
+                           "leftgazepointondisplayareax"});
     left.y = findPosition({"ly", "lefty", "yleft", "leftgazey", "gazelefty", "gazeyleft",
                            "gazepointlefty", "gazepointyleft", "leftgazepointy", "lpory",
-                           "pointofregardlefty", "leftycoordinate", "yl"});
+                           "pointofregardlefty", "leftycoordinate", "yl", "lpogy",
+                           "leftgazepointondisplayareay"});
     right.x = findPosition({"rx", "rightx", "xright", "rightgazex", "gazerightx", "gazexright",
                             "gazepointrightx", "gazepointxright", "rightgazepointx", "rporx",
-                            "pointofregardrightx", "rightxcoordinate", "xr"});
+                            "pointofregardrightx", "rightxcoordinate", "xr", "rpogx",
+                            "rightgazepointondisplayareax"});
     right.y = findPosition({"ry", "righty", "yright", "rightgazey", "gazerighty", "gazeyright",
                             "gazepointrighty", "gazepointyright", "rightgazepointy", "rpory",
-                            "pointofregardrighty", "rightycoordinate", "yr"});
-    left.validity = find({"leftgazepointvalidity", "validityleft", "leftvalidity"});
-    right.validity = find({"rightgazepointvalidity", "validityright", "rightvalidity"});
-    left.pupil_mm = findPupil({"leftpupildiameter", "pupildiameterleft", "pupilleft",
-                               "lmappeddiameter", "lpupildiameter", "leftpupilsize", "leftpupil"});
+                            "pointofregardrighty", "rightycoordinate", "yr", "rpogy",
+                            "rightgazepointondisplayareay"});
+    left.validity = find({"leftgazepointvalidity", "validityleft", "leftvalidity", "lpogv"});
+    right.validity = find({"rightgazepointvalidity", "validityright", "rightvalidity", "rpogv"});
+    left.pupil_mm =
+        findPupil({"leftpupildiameter", "pupildiameterleft", "pupilleft", "lmappeddiameter",
+                   "lpupildiameter", "leftpupilsize", "leftpupil", "lpmm"});
     right.pupil_mm =
         findPupil({"rightpupildiameter", "pupildiameterright", "pupilright", "rmappeddiameter",
-                   "rpupildiameter", "rightpupilsize", "rightpupil"});
+                   "rpupildiameter", "rightpupilsize", "rightpupil", "rpmm"});
     // Tobii's user coordinate system: x right, y up, z towards the user.
     for (std::size_t side : {0, 1}) {
       EyeColumns& eye = layout_.eyes[side];
@@ -205,6 +220,9 @@ class Recogniser {
       layout_.time = given_.time.empty() ? find(Keys(kTimes)) : named(given_.time);
       if (!layout_.time) throw names_.missing(ColumnNames::Meaning::time, kTimes);
       layout_.time_scale_s = given_.time_scale_s.value_or(secondsPer(names_.unit(*layout_.time)));
+      const auto fine = find({"eyetrackertimestamp"});
+      const bool whole_ms = given_.time.empty() && names_.unit(*layout_.time) == "ms";
+      if (whole_ms && fine && names_.unit(*fine) == "us") layout_.fine_time = fine;
     }
   }
 
@@ -229,7 +247,7 @@ class Recogniser {
     layout_.pupil_mm = !given_.pupil.empty() ? std::optional(named(given_.pupil))
                                              : findPupil({"pupil", "pupildiameter", "pupilsize"});
     layout_.blink = !given_.blink.empty() ? std::optional(named(given_.blink))
-                                          : find({"blink", "isblink", "blinkid"});
+                                          : find({"blink", "isblink", "blinkid", "bkid"});
     layout_.named_blink =
         given_.blink.empty() && layout_.blink && names_.key(*layout_.blink) == "blinkid";
     layout_.confidence =
@@ -244,7 +262,10 @@ class Recogniser {
 
   void recogniseFormat() {
     const auto set = [&](const char* format) { layout_.format = format; };
-    if (layout_.eyes[0].point || layout_.eyes[1].point) {
+    if (find(kGazepointXs) && given_.x.empty()) {
+      recogniseGazepoint();
+    } else if (layout_.eyes[0].point || layout_.eyes[1].point ||
+               find({"leftgazepointondisplayareax", "rightgazepointondisplayareax"})) {
       set("Tobii Pro SDK");
       layout_.units = GazeUnits::normalised;
       layout_.validity_code = ValidityCode::one;
@@ -269,6 +290,8 @@ class Recogniser {
     } else if (find({"sectionid"}) && find({"gazex"}) && find({"recordingid"})) {
       set("Neon export");
       layout_.of_scene_camera = true;
+      layout_.validity = find({"worn"});
+      layout_.validity_code = ValidityCode::not_zero;
     } else if (before_.smi ||
                (find({"recordingtime"}) && find({"pointofregardleftx", "pointofregardrightx"}))) {
       set("SMI BeGaze");
@@ -298,6 +321,20 @@ class Recogniser {
                           find({"gazepointx", "gazepointleftx"});
     return before_.tobii_studio || version3 ||
            (find({"gazepointxleft"}) && find({"camxleft", "distanceleft", "validityleft"}));
+  }
+
+  /// Gazepoint Analysis: seconds, fractions of the screen, 1 for valid; a blink's number or 0.
+  void recogniseGazepoint() {
+    layout_.format = "Gazepoint";
+    layout_.units = GazeUnits::normalised;
+    layout_.validity_code = ValidityCode::one;
+    if (layout_.x) {
+      layout_.validity =
+          find(names_.key(*layout_.x) == "bpogx" ? Keys(kBestValid) : Keys(kFixationValid));
+    }
+    if (given_.time_scale_s) return;
+    const std::string& time = layout_.time ? names_.key(*layout_.time) : std::string();
+    if (time == "time") layout_.time_scale_s = 1.0;
   }
 
   /// Version 1 and 2: times in ms, (0, 0) and (-width, -height) in data loss. Version 3: times in
@@ -334,7 +371,7 @@ class Recogniser {
 
   bool isUsed(std::size_t column) const {
     const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
-    bool used = is(layout_.time);
+    bool used = is(layout_.time) || is(layout_.fine_time);
     for (const auto& at :
          {layout_.x, layout_.y, layout_.pupil_mm, layout_.blink, layout_.confidence,
           layout_.validity, layout_.width_px, layout_.height_px, layout_.resolution,

@@ -18,6 +18,7 @@ namespace foci {
 enum class ValidityCode {
   one,       ///< 1 (Tobii Pro SDK)
   zero,      ///< 0 (GazeBase)
+  not_zero,  ///< any number but 0 (Neon's and Pupil Invisible's `worn`)
   below_two  ///< the word Valid, or 0 and 1 of Tobii Studio's 0 to 4
 };
 
@@ -53,8 +54,10 @@ struct TableLayout {
   std::string format;  ///< "TSV", "Tobii Pro SDK", ...
   char delimiter = ',';
   std::optional<std::size_t> time{};  ///< absent: the row's number gives the time
-  double rate_Hz = 0.0;               ///< rows per second, without `time`
-  double time_scale_s = 0.0;          ///< seconds per unit of time; 0: unknown
+  /// Microseconds of the tracker's clock, beside a time in whole milliseconds (Tobii).
+  std::optional<std::size_t> fine_time{};
+  double rate_Hz = 0.0;       ///< rows per second, without `time`
+  double time_scale_s = 0.0;  ///< seconds per unit of time; 0: unknown
   std::optional<std::size_t> x{}, y{};
   std::array<EyeColumns, 2> eyes{};  ///< left, right
   bool has_eyes = false;             ///< the table has any column of either eye

@@ -211,6 +211,8 @@ bool TableRow::isValid(std::size_t column) const {
       return *value == 1.0;
     case ValidityCode::zero:
       return *value == 0.0;
+    case ValidityCode::not_zero:
+      return *value != 0.0;
     case ValidityCode::below_two:
       return *value >= 0.0 && *value < 2.0;
   }

@@ -10,6 +10,7 @@
 #include "gaze/sources/delimited_trace.h"
 #include "gaze/sources/eyelink_asc.h"
 #include "gaze/sources/file_kind.h"
+#include "gaze/sources/rounded_intervals.h"
 
 namespace foci {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 constexpr double kMinRate_Hz = 5.0, kMaxRate_Hz = 20'000.0;
 constexpr double kMaxDuration_s = 86'400.0;  // a day; a longer recording has a broken clock
 
-/// Rate from the median interval, rounded to a thousandth.
+/// Rate from the median interval, or from the mean of rounded ones, rounded to a thousandth.
 double medianRate_Hz(const std::vector<GazeSample>& samples) {
   std::vector<double> interval_s(samples.size() - 1);
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
@@ -26,6 +27,11 @@ double medianRate_Hz(const std::vector<GazeSample>& samples) {
   }
   const auto middle = interval_s.begin() + static_cast<std::ptrdiff_t>(interval_s.size() / 2);
   std::nth_element(interval_s.begin(), middle, interval_s.end());
+  if (std::all_of(interval_s.begin(), interval_s.end(), isWhole_ms)) {
+    RoundedIntervals rounded(*middle);
+    for (const double interval : interval_s) rounded.add(1, interval);
+    if (const auto mean_s = rounded.mean_s()) return std::round(1000.0 / *mean_s) / 1000.0;
+  }
   return std::round(1000.0 / *middle) / 1000.0;
 }
 

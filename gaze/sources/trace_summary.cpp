@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gaze/sources/rounded_intervals.h"
+
 namespace foci {
 namespace {
 
@@ -36,6 +38,7 @@ void TraceSummary::add(const GazeSample& sample) {
     const auto bin = static_cast<std::size_t>(binOf(interval_s));
     ++intervals_[bin];
     sums_s_[bin] += interval_s;
+    whole_ms_ = whole_ms_ && isWhole_ms(interval_s);
     if (samples_ == 16 || samples_ % kUpdateEvery == 0) {
       const auto usual = static_cast<std::size_t>(medianBin());
       usual_s_ = sums_s_[usual] / static_cast<double>(std::max<std::size_t>(intervals_[usual], 1));
@@ -63,8 +66,13 @@ double TraceSummary::rate_Hz() const {
   if (samples_ < 2) return 0.0;
   const auto bin = static_cast<std::size_t>(medianBin());
   if (sums_s_[bin] <= 0.0) return 0.0;
-  const double rate_Hz = static_cast<double>(intervals_[bin]) / sums_s_[bin];
-  return std::round(1000.0 * rate_Hz) / 1000.0;
+  double count = static_cast<double>(intervals_[bin]), sum_s = sums_s_[bin];
+  if (whole_ms_) {
+    RoundedIntervals rounded(sum_s / count);
+    for (std::size_t i = 0; i < intervals_.size(); ++i) rounded.add(intervals_[i], sums_s_[i]);
+    if (const auto mean_s = rounded.mean_s()) return std::round(1000.0 / *mean_s) / 1000.0;
+  }
+  return std::round(1000.0 * count / sum_s) / 1000.0;
 }
 
 }  // namespace foci

@@ -17,6 +17,7 @@ class TraceSummary {
   double first_s() const { return first_s_; }
   double span_s() const { return last_s_ - first_s_; }
   /// Sampling rate from the median interval, exact to a fiftieth; 0 with fewer than two samples.
+  /// From the mean of the intervals beside the median if times are whole milliseconds.
   double rate_Hz() const;
   std::size_t present() const { return present_; }  ///< samples with a point
   std::size_t blinks() const { return blinks_; }    ///< samples that the tracker reports as blinks
@@ -41,6 +42,7 @@ class TraceSummary {
   glm::dvec2 min_px_{0.0}, max_px_{0.0};
   std::array<std::size_t, kPerOctave * kOctaves> intervals_{};
   std::array<double, kPerOctave * kOctaves> sums_s_{};  // of the intervals in each bin
+  bool whole_ms_ = true;                                // all intervals
   double usual_s_ = 0.0;                                // median interval, updated at times
 };
 

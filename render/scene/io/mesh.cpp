@@ -9,9 +9,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <memory>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -19,20 +16,17 @@
 
 #include "base/file.h"
 #include "base/input_error.h"
-#include "base/quiet_stderr.h"
-#include "base/text.h"
 #include "render/image/srgb.h"
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/mesh_facts.h"
 #include "render/scene/io/mesh_import.h"
+#include "render/scene/io/mesh_textures.h"
 #include "render/scene/io/ply_header.h"
-#include "render/scene/mesh/texture.h"
+#include "render/scene/io/texture_placement.h"
 #include "render/scene/point_cloud.h"
 
 namespace foci {
 namespace {
-
-constexpr int kMaxTexturePixels = 1 << 26;
 
 glm::vec3 vec3Of(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
@@ -63,22 +57,27 @@ void dropEmptyFaces(aiMesh& mesh) {
 class Loader {
  public:
   explicit Loader(const std::filesystem::path& path)
-      : path_(path), gltf_(isGltf(path)), import_(path), scene_(read(import_)) {}
+      : path_(path),
+        gltf_(isGltf(path)),
+        import_(path),
+        scene_(read(import_)),
+        textures_(path, scene_) {}
 
   MeshFile file() {
     TriangleMesh mesh;
     for (unsigned m = 0; m < scene_.mNumMeshes; ++m) append(mesh, *scene_.mMeshes[m]);
     if (!mesh.color.empty()) mesh.color.resize(mesh.corners_m.size(), glm::vec3(-1.0f));
     if (!(areaOf_m2(mesh.corners_m) > 0.0)) {
-      throw InputError(path_.string(), "has no triangle with an area");
+      throw InputError(path_.string(),
+                       "has no triangle with an area within 1e9 units of the origin");
     }
     for (unsigned i = 0; i < scene_.mNumMaterials; ++i) {
       mesh.materials.push_back(materialOf(*scene_.mMaterials[i]));
     }
-    mesh.remarks = remarks_;
+    mesh.remarks = textures_.remarks();
     for (std::string& remark : import_.missing()) mesh.remarks.push_back(std::move(remark));
     SceneFacts facts = meshFacts(scene_, path_);
-    facts.triangles = mesh.size();
+    finishTriangles(mesh, facts);
     return {std::move(mesh), std::move(facts)};
   }
 
@@ -94,7 +93,8 @@ class Loader {
   }
 
   void append(TriangleMesh& all, const aiMesh& mesh) const {
-    const bool has_uv = mesh.HasTextureCoords(0), has_color = mesh.HasVertexColors(0);
+    const TexturePlacement placement = placementOf(mesh.mMaterialIndex);
+    const bool has_uv = mesh.HasTextureCoords(placement.set), has_color = mesh.HasVertexColors(0);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
       if (face.mNumIndices != 3) continue;
@@ -116,7 +116,10 @@ class Loader {
       for (const unsigned i : index) {
         all.corners_m.push_back(vec3Of(mesh.mVertices[i]));
         glm::vec2 uv(0.0f);
-        if (has_uv) uv = {mesh.mTextureCoords[0][i].x, mesh.mTextureCoords[0][i].y};
+        if (has_uv) {
+          const aiVector3D& at = mesh.mTextureCoords[placement.set][i];
+          uv = placement.of({at.x, at.y});
+        }
         const bool placed = std::abs(uv.x) < 1e6f && std::abs(uv.y) < 1e6f;
         all.uv.push_back(placed ? uv : glm::vec2(0.0f));
         if (!has_color) continue;
@@ -129,12 +132,34 @@ class Loader {
     }
   }
 
+  /// The texture of a material's colour.
+  static std::optional<aiTextureType> colorTexture(const aiMaterial& material) {
+    for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
+      if (material.GetTextureCount(type) > 0) return type;
+    }
+    return std::nullopt;
+  }
+
+  TexturePlacement placementOf(unsigned material) const {
+    if (material >= scene_.mNumMaterials) return {};
+    const std::optional<aiTextureType> type = colorTexture(*scene_.mMaterials[material]);
+    return type ? texturePlacement(*scene_.mMaterials[material], *type, gltf_) : TexturePlacement{};
+  }
+
+  /// Whether Assimp gave this material, which is white, to the triangles of a file without one.
+  bool isUncoloured(const aiMaterial& material) const {
+    const aiString name = material.GetName();
+    return name == aiString(AI_DEFAULT_MATERIAL_NAME) ||
+           (name.length == 0 && lowerExtension(path_) == ".ply");
+  }
+
   MeshMaterial materialOf(const aiMaterial& from) {
     MeshMaterial material;
-    aiColor4D color(0.6f, 0.6f, 0.6f, 1.0f);
-    if (!gltf_ || from.Get(AI_MATKEY_BASE_COLOR, color) != aiReturn_SUCCESS) {
-      from.Get(AI_MATKEY_COLOR_DIFFUSE, color);
-    }
+    const aiColor4D grey(0.6f, 0.6f, 0.6f, 1.0f);
+    aiColor4D color = grey;
+    const bool colored = (gltf_ && from.Get(AI_MATKEY_BASE_COLOR, color) == aiReturn_SUCCESS) ||
+                         from.Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS;
+    if (isUncoloured(from)) color = grey;
     material.factor = unitColor({color.r, color.g, color.b});
     if (!gltf_) material.factor = linearOf(material.factor);
     float opacity = gltf_ ? color.a : 1.0f;
@@ -144,61 +169,20 @@ class Loader {
                                   std::string(mode.C_Str()) == "OPAQUE");
     material.opacity = opaque || !(opacity >= 0.0f) ? 1.0f : std::min(opacity, 1.0f);
     material.cut_out = !opaque;
-    for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
-      aiString name;
-      if (from.GetTexture(type, 0, &name) != aiReturn_SUCCESS) continue;
-      material.texture = textureOf(name.C_Str());
-      if (!gltf_ && material.texture) material.factor = glm::vec3(1.0f);
-      break;
+    aiString name;
+    const std::optional<aiTextureType> type = colorTexture(from);
+    if (type && from.GetTexture(*type, 0, &name) == aiReturn_SUCCESS) {
+      material.texture = textures_.read(name.C_Str());
+      if ((!gltf_ || !colored) && material.texture) material.factor = glm::vec3(1.0f);
     }
     return material;
-  }
-
-  /// Null if it cannot be read.
-  std::shared_ptr<const MeshTexture> textureOf(const std::string& name) {
-    const auto [at, is_new] = textures_.try_emplace(name);
-    std::shared_ptr<const MeshTexture>& texture = at->second;
-    if (!is_new) return texture;
-    cv::Mat image;
-    try {
-      const QuietStderr quiet;
-      image = imageOf(name);
-    } catch (const cv::Exception&) {
-      image.release();
-    }
-    const bool usable = !image.empty() && image.total() <= kMaxTexturePixels &&
-                        (image.depth() == CV_8U || image.depth() == CV_16U) &&
-                        image.channels() != 2;
-    if (!usable) {
-      remarks_.push_back("texture " + shown(name) +
-                         " cannot be read: the colour of its material is shown");
-      return texture;
-    }
-    texture = std::make_shared<const MeshTexture>(image);
-    return texture;
-  }
-
-  cv::Mat imageOf(std::string name) const {
-    if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str())) {
-      const int width = static_cast<int>(embedded->mWidth);
-      if (embedded->mHeight == 0) {  // the bytes of an image file
-        return cv::imdecode(cv::Mat(1, width, CV_8U, embedded->pcData), cv::IMREAD_UNCHANGED);
-      }
-      return cv::Mat(static_cast<int>(embedded->mHeight), width, CV_8UC4, embedded->pcData);
-    }
-    std::replace(name.begin(), name.end(), '\\', '/');
-    const std::filesystem::path file = path_.parent_path() / name;
-    if (!import_.files().Exists(file.c_str())) return {};
-    requireRegularFile(file);
-    return cv::imread(file.string(), cv::IMREAD_UNCHANGED);
   }
 
   std::filesystem::path path_;
   bool gltf_;
   MeshImport import_;
   const aiScene& scene_;  // of the import
-  std::vector<std::string> remarks_;
-  std::map<std::string, std::shared_ptr<const MeshTexture>> textures_;
+  MeshTextures textures_;
 };
 
 }  // namespace

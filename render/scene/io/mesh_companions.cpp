@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/gltf_json.h"
@@ -108,7 +109,7 @@ std::vector<fs::path> meshCompanions(const fs::path& mesh) {
   try {
     if (isGltf(mesh)) {
       companions.readGltf(mesh);
-    } else if (mesh.extension() == ".obj" || mesh.extension() == ".OBJ") {
+    } else if (lowerExtension(mesh) == ".obj") {
       companions.readObj(mesh);
     }
   } catch (const InputError&) {  // opening the scene reports it

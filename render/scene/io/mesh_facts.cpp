@@ -5,11 +5,17 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/mesh_textures.h"
 
 namespace foci {
 namespace {
@@ -55,11 +61,8 @@ MaterialFacts factsOf(const aiMaterial& material, const aiScene& scene,
   }
   for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
     if (material.GetTexture(type, 0, &name) != aiReturn_SUCCESS) continue;
-    std::string file = name.C_Str();
-    std::replace(file.begin(), file.end(), '\\', '/');
-    std::error_code ignored;
     const bool found = scene.GetEmbeddedTexture(name.C_Str()) != nullptr ||
-                       std::filesystem::is_regular_file(path.parent_path() / file, ignored);
+                       textureFile(path, name.C_Str()).has_value();
     facts.textures.push_back({name.C_Str(), found});
     break;
   }
@@ -78,9 +81,61 @@ void takeMetadata(const aiMetadata& metadata, SceneFacts& facts) {
   if (metadata.Get("UpAxis", axis) && axis >= 0 && axis <= 2) facts.up_axis = axis;
 }
 
+/// Coordinates are floats. Far from the origin, their steps are wider than what a screen shows.
+void remarkLostDetail(TriangleMesh& mesh) {
+  constexpr float kStepsShown = 1 << 13;  // across the mesh; a screen has fewer columns
+  glm::vec3 low(mesh.corners_m[0]), high(low);
+  for (const glm::vec3& corner : mesh.corners_m) {
+    low = glm::min(low, corner);
+    high = glm::max(high, corner);
+  }
+  const glm::vec3 far = glm::max(glm::abs(low), glm::abs(high)), size = high - low;
+  const float step = std::max({far.x, far.y, far.z}) * std::numeric_limits<float>::epsilon();
+  if (step * kStepsShown <= std::max({size.x, size.y, size.z})) return;
+  mesh.remarks.push_back(
+      "the mesh is so far from the origin that its detail is lost: move it to the origin, e.g. "
+      "with CloudCompare");
+}
+
+/// Where the colours of the triangles come from.
+void takeColors(const TriangleMesh& mesh, SceneFacts& facts) {
+  std::optional<glm::vec3> flat, vertex;
+  for (std::size_t i = 0; i < mesh.size(); ++i) {
+    static const MeshMaterial plain;
+    const std::uint32_t m = mesh.material[i];
+    const MeshMaterial& material = m < mesh.materials.size() ? mesh.materials[m] : plain;
+    if (material.texture) {
+      facts.has_colors = true;
+    } else if (!mesh.color.empty() && mesh.color[3 * i].x >= 0.0f) {
+      for (std::size_t k = 0; k < 3 && !facts.has_colors; ++k) {
+        const glm::vec3& color = mesh.color[3 * i + k];
+        facts.has_colors = color != vertex.value_or(color);
+        vertex = color;
+      }
+    } else {
+      facts.material_colors =
+          facts.material_colors || material.factor != flat.value_or(material.factor);
+      flat = material.factor;
+    }
+    if (facts.has_colors) return;
+  }
+}
+
 }  // namespace
 
 void refuseRepeats(const aiScene& scene) { Repeats().add(scene, *scene.mRootNode); }
+
+void finishTriangles(TriangleMesh& mesh, SceneFacts& facts) {
+  const std::size_t repeated = dropUseless(mesh);
+  if (repeated > 0) {
+    mesh.remarks.push_back(thousands(static_cast<double>(repeated)) +
+                           (repeated == 1 ? " triangle repeats another one: it is left out"
+                                          : " triangles repeat others: they are left out"));
+  }
+  facts.triangles = mesh.size();
+  takeColors(mesh, facts);
+  remarkLostDetail(mesh);
+}
 
 SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path) {
   SceneFacts facts{.kind = kindOfMesh(path)};
@@ -90,15 +145,12 @@ SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path) {
   }
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     facts.has_normals = facts.has_normals || scene.mMeshes[m]->HasNormals();
-    facts.has_colors = facts.has_colors || scene.mMeshes[m]->HasVertexColors(0);
   }
   for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
     // Assimp gives this material to a mesh without one.
     if (scene.mMaterials[m]->GetName() == aiString(AI_DEFAULT_MATERIAL_NAME)) continue;
     facts.materials.push_back(factsOf(*scene.mMaterials[m], scene, path));
-    const MaterialFacts& material = facts.materials.back();
-    facts.opacity.x = std::min(facts.opacity.x, material.opacity);
-    facts.has_colors = facts.has_colors || !material.textures.empty();
+    facts.opacity.x = std::min(facts.opacity.x, facts.materials.back().opacity);
   }
   return facts;
 }

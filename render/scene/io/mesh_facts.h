@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "render/scene/io/scene_facts.h"
+#include "render/scene/mesh/triangle_mesh.h"
 
 struct aiScene;
 
@@ -13,7 +14,11 @@ namespace foci {
 /// exhaust the memory. @throws std::runtime_error
 void refuseRepeats(const aiScene& scene);
 
-/// The facts that Assimp's scene states: all but triangles, positions and remarks.
+/// Drops triangles that repeat others, with a remark. Sets the number of triangles, and where their
+/// colours come from: of what the triangles use, not of all that the file lists.
+void finishTriangles(TriangleMesh& mesh, SceneFacts& facts);
+
+/// The facts that Assimp's scene states: all but triangles, colours, positions and remarks.
 SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path);
 
 }  // namespace foci

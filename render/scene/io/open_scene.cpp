@@ -12,6 +12,7 @@
 #include "render/scene/io/foci_file.h"
 #include "render/scene/io/las.h"
 #include "render/scene/io/mesh.h"
+#include "render/scene/io/off.h"
 #include "render/scene/io/ply.h"
 #include "render/scene/io/scan_values.h"
 #include "render/scene/io/text_points.h"
@@ -21,15 +22,23 @@ namespace {
 
 constexpr std::string_view kPdal = "CloudCompare, or pdal translate IN OUT.ply, makes a PLY of it";
 constexpr std::string_view kBlender = "Blender can export it as glTF";
+constexpr std::string_view kCad = "FreeCAD can export it as STL or OBJ";
+constexpr std::string_view kParaview = "ParaView can export it as PLY";
+constexpr std::string_view kSplats = "SuperSplat or splat-transform makes a PLY of it";
 
 /// Formats that foci does not read, and what converts them.
 struct Converter {
   std::string_view extension, how;
 };
 constexpr std::array kConverters = {
-    Converter{".e57", kPdal},    Converter{".pcd", kPdal},     Converter{".ptx", kPdal},
-    Converter{".dae", kBlender}, Converter{".3ds", kBlender},  Converter{".blend", kBlender},
-    Converter{".usd", kBlender}, Converter{".usdc", kBlender}, Converter{".usdz", kBlender},
+    Converter{".e57", kPdal},     Converter{".pcd", kPdal},      Converter{".ptx", kPdal},
+    Converter{".dae", kBlender},  Converter{".3ds", kBlender},   Converter{".blend", kBlender},
+    Converter{".usd", kBlender},  Converter{".usdc", kBlender},  Converter{".usdz", kBlender},
+    Converter{".x3d", kBlender},  Converter{".wrl", kBlender},   Converter{".lwo", kBlender},
+    Converter{".dxf", kBlender},  Converter{".3mf", kCad},       Converter{".step", kCad},
+    Converter{".stp", kCad},      Converter{".iges", kCad},      Converter{".igs", kCad},
+    Converter{".vtk", kParaview}, Converter{".vtp", kParaview},  Converter{".vtu", kParaview},
+    Converter{".splat", kSplats}, Converter{".ksplat", kSplats}, Converter{".spz", kSplats},
 };
 
 /// @throws InputError for a format that is known and not read
@@ -44,9 +53,9 @@ void refuseUnread(const std::filesystem::path& path) {
 }
 
 bool hasSceneExtension(const std::filesystem::path& path) {
-  static constexpr std::array<std::string_view, 12> kRead = {".foci", ".ply", ".obj", ".gltf",
-                                                             ".glb",  ".stl", ".fbx", ".las",
-                                                             ".laz",  ".xyz", ".pts", ".asc"};
+  static constexpr std::array<std::string_view, 14> kRead = {
+      ".foci", ".ply", ".obj", ".gltf", ".glb", ".stl", ".fbx",
+      ".las",  ".laz", ".xyz", ".pts",  ".asc", ".off", ".pwn"};
   const std::string extension = lowerExtension(path);
   return std::find(kRead.begin(), kRead.end(), extension) != kRead.end() ||
          std::any_of(kConverters.begin(), kConverters.end(),
@@ -85,6 +94,9 @@ SceneFile readScene(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, ignored)) throw InputError(path.string(), "no such file");
   requireRegularFile(path);
   if (isSceneFile(path)) return {path, readSceneFile(path)};
+  if (isOffFile(path)) {
+    return std::visit([&](auto&& read) { return SceneFile{path, std::move(read)}; }, readOff(path));
+  }
   if (!isLasFile(path) && isMeshFile(path)) return {path, readMesh(path)};
   return {path, readPoints(path)};
 }

@@ -12,6 +12,7 @@
 
 #include "base/input_error.h"
 #include "render/scene/io/ply_header.h"
+#include "render/scene/io/scan_values.h"
 
 namespace foci {
 namespace {
@@ -23,8 +24,7 @@ using ply::Input;
 using ply::Property;
 using ply::Scalar;
 
-constexpr float kUncoloured = 0.2140f;  // sRGB 0.5
-constexpr float kRangeSlack = 1e-3f;    // tolerance of floats meant to be 0 or 1
+constexpr float kRangeSlack = 1e-3f;  // tolerance of floats meant to be 0 or 1
 
 // The meaning of a vertex property. Other properties are skipped.
 enum Slot { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kRadius, kOpacity, kSlots };
@@ -62,13 +62,25 @@ double fullRange(Scalar type) {
   return 1.0;
 }
 
+bool hasProperty(const Element& element, std::string_view name) {
+  return std::any_of(element.properties.begin(), element.properties.end(),
+                     [&](const Property& property) { return property.name == name; });
+}
+
 /// Maps the columns of the vertex element to the arrays of a point cloud.
 class Layout {
  public:
   Layout(const Element& element, const std::string& file) : file_(file) {
     for (const Property& property : element.properties) columns_.push_back({property, {}, 1.0});
     const bool position = take({"x", "y", "z"}, kX);
-    if (!position) throw InputError(file, "element vertex: expected properties x, y and z");
+    fine_ = std::any_of(columns_.begin(), columns_.end(), [](const Column& column) {
+      return column.slot == kX && column.property.type == Scalar::float64;
+    });
+    if (!position)
+      throw InputError(file, hasProperty(element, "packed_position")
+                                 ? "is a compressed PLY of Gaussians: splat-transform "
+                                   "makes a plain PLY of it"
+                                 : "element vertex: expected properties x, y and z");
     has_normal_ = take({"nx", "ny", "nz"}, kNx);
     has_color_ = take({"red", "green", "blue"}, kRed) || take({"r", "g", "b"}, kRed) ||
                  take({"diffuse_red", "diffuse_green", "diffuse_blue"}, kRed);
@@ -98,20 +110,17 @@ class Layout {
     if (has_opacity_) points.opacity.reserve(count);
   }
 
-  /// @param where  names the vertex; called for messages only
+  /// @param positions  appends to `points`
+  /// @param where      names the vertex; called for messages only
   template <typename Where>
-  void append(PointCloud& points, const Vertex& v, const Where& where) const {
-    const glm::vec3 p(toFloat(v[kX]), toFloat(v[kY]), toFloat(v[kZ]));
-    const bool usable = std::abs(p.x) <= kFarthest_m && std::abs(p.y) <= kFarthest_m &&
-                        std::abs(p.z) <= kFarthest_m;  // false for NaN
-    if (!usable) {
-      ++points.dropped;
-      return;
-    }
-    points.position_m.push_back(p);
+  void append(PointCloud& points, ScanPositions& positions, const Vertex& v,
+              const Where& where) const {
+    // A float has lost what an origin nearby would keep.
+    const glm::dvec3 p(v[kX], v[kY], v[kZ]);
+    if (!(fine_ ? positions.append(p) : positions.appendInPlace(p))) return;
     points.color.push_back(has_color_ ? glm::vec3(linear(v[kRed], where), linear(v[kGreen], where),
                                                   linear(v[kBlue], where))
-                                      : glm::vec3(kUncoloured));
+                                      : glm::vec3(kUncolouredLight));
     if (has_normal_) points.normal.push_back(normalOf({v[kNx], v[kNy], v[kNz]}));
     if (has_radius_) {
       const bool sized = v[kRadius] > 0.0 && v[kRadius] <= kFarthest_m;
@@ -172,6 +181,7 @@ class Layout {
   std::vector<Column> columns_;
   std::array<float, 256> srgb8_{};
   bool has_normal_ = false, has_color_ = false, has_radius_ = false, has_opacity_ = false;
+  bool fine_ = false;  // positions are doubles
   bool fixed_size_ = true;
   std::size_t record_bytes_ = 0;
 };
@@ -241,7 +251,7 @@ void skipElement(Input& input, const Element& element, Header& header) {
 }
 
 void readBinary(Input& input, const Layout& layout, std::uint64_t count, bool swap,
-                PointCloud& points) {
+                PointCloud& points, ScanPositions& positions) {
   Vertex vertex{};
   const auto where = [&] {
     return input.name() + ": before byte " + std::to_string(input.offset());
@@ -260,7 +270,7 @@ void readBinary(Input& input, const Layout& layout, std::uint64_t count, bool sw
       }
       bytes += size;
     }
-    layout.append(points, vertex, where);
+    layout.append(points, positions, vertex, where);
   }
 }
 
@@ -287,7 +297,7 @@ double parseNumber(std::string_view line, std::size_t& at, const std::string& fi
 }
 
 void readAscii(Input& input, const Layout& layout, std::uint64_t count, Header& header,
-               PointCloud& points) {
+               PointCloud& points, ScanPositions& positions) {
   Vertex vertex{};
   const auto where = [&] { return input.name() + ":" + std::to_string(header.lines); };
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -311,7 +321,7 @@ void readAscii(Input& input, const Layout& layout, std::uint64_t count, Header& 
     if (line.find_first_not_of(" \t", at) != std::string_view::npos) {
       throw InputError(where(), "too many values for a vertex");
     }
-    layout.append(points, vertex, where);
+    layout.append(points, positions, vertex, where);
   }
 }
 
@@ -328,16 +338,23 @@ PointCloud readPly(const std::filesystem::path& path) {
     }
     const Layout layout(element, input.name());
     layout.reserve(points, element.count);
+    ScanPositions positions(points);
     if (header.format == Format::ascii) {
-      readAscii(input, layout, element.count, header, points);
+      readAscii(input, layout, element.count, header, points, positions);
     } else {
-      readBinary(input, layout, element.count, mustSwap(header.format), points);
+      readBinary(input, layout, element.count, mustSwap(header.format), points, positions);
     }
     if (points.size() == 0) {
       throw InputError(input.name(), points.dropped == 0
                                          ? "has no points"
                                          : "none of its " + std::to_string(points.dropped) +
                                                " points has a finite position");
+    }
+    positions.finish();
+    if (std::all_of(points.color.begin(), points.color.end(),
+                    [](const glm::vec3& color) { return color == glm::vec3(0.0f); })) {
+      points.color.assign(points.size(), glm::vec3(kUncolouredLight));
+      points.remarks.push_back("all colours are 0: shown in grey");
     }
     return points;
   }

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <optional>
 
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/number.h"
 
@@ -171,7 +172,11 @@ Header readHeader(Input& input) {
   };
 
   if (const auto magic = next(); magic != "ply") {
-    throw InputError(where(), "not a PLY file: expected ply, found " + printable(magic));
+    const bool named = lowerExtension(input.name()) == ".ply";
+    throw InputError(where(), (named ? "is no PLY file: expected ply, found "
+                                     : "is no scene that foci reads (docs/scenes.md lists the "
+                                       "formats): expected a known extension, or ply, found ") +
+                                  printable(magic));
   }
   bool has_format = false;
   for (;;) {

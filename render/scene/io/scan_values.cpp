@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/quantile.h"
 #include "base/text.h"
@@ -9,30 +10,47 @@
 
 namespace foci {
 
-bool ScanPositions::append(const glm::dvec3& p) {
+namespace {
+
+bool isNearEnough(const glm::dvec3& p) {
   const double farthest = kFarthest_m;
-  const bool usable = std::abs(p.x) <= farthest && std::abs(p.y) <= farthest &&
-                      std::abs(p.z) <= farthest;  // false for NaN
-  if (!usable) {
+  return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest &&
+         std::abs(p.z) <= farthest;  // false for NaN
+}
+
+}  // namespace
+
+glm::dvec3 originNear(const glm::dvec3& p) {
+  constexpr double kFar = 1e4, kStep = 1e3;
+  const auto near = [](double x) {
+    return std::abs(x) < kFar ? 0.0 : kStep * std::round(x / kStep);
+  };
+  return {near(p.x), near(p.y), near(p.z)};
+}
+
+std::optional<std::string> originRemark(const glm::dvec3& origin) {
+  if (origin == glm::dvec3(0.0)) return std::nullopt;
+  return "positions are relative to " + exactText(origin.x) + " " + exactText(origin.y) + " " +
+         exactText(origin.z) + " of the file, to keep their millimetres";
+}
+
+bool ScanPositions::append(const glm::dvec3& p) {
+  if (!origin_ && isNearEnough(p)) origin_ = originNear(p);
+  return appendInPlace(p);
+}
+
+bool ScanPositions::appendInPlace(const glm::dvec3& p) {
+  if (!isNearEnough(p)) {
     ++points_.dropped;
     return false;
   }
-  if (!origin_) {
-    constexpr double kFar = 1e4, kStep = 1e3;
-    const auto near = [](double x) {
-      return std::abs(x) < kFar ? 0.0 : kStep * std::round(x / kStep);
-    };
-    origin_ = {near(p.x), near(p.y), near(p.z)};
-  }
-  points_.position_m.emplace_back(p - *origin_);
+  points_.position_m.emplace_back(p - origin_.value_or(glm::dvec3(0.0)));
   return true;
 }
 
 void ScanPositions::finish() const {
-  if (!origin_ || *origin_ == glm::dvec3(0.0)) return;
-  points_.remarks.push_back("positions are relative to " + exactText(origin_->x) + " " +
-                            exactText(origin_->y) + " " + exactText(origin_->z) +
-                            " of the file, to keep their millimetres");
+  if (!origin_) return;
+  if (auto remark = originRemark(*origin_)) points_.remarks.push_back(std::move(*remark));
 }
 
 std::vector<glm::vec3> greyOf(const std::vector<float>& intensity) {

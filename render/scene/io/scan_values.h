@@ -4,6 +4,7 @@
 
 #include <glm/glm.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "render/scene/point_cloud.h"
@@ -13,15 +14,24 @@ namespace foci {
 /// Light of a point without a colour: sRGB 0.5.
 inline constexpr float kUncolouredLight = 0.2140f;
 
-/// Appends points whose coordinates may be as large as those of a map projection. A float at 10,000
-/// has steps of 1 mm. So the first point decides an origin, in whole thousands on each axis where
-/// it is 10,000 or farther out, and positions are relative to this origin.
+/// The origin for points near `p`: in whole thousands on each axis where `p` is 10,000 or farther
+/// out, since a float at 10,000 has steps of 1 mm; 0 on others.
+glm::dvec3 originNear(const glm::dvec3& p);
+
+/// What the user should know of an origin that was moved.
+std::optional<std::string> originRemark(const glm::dvec3& origin);
+
+/// Appends points whose coordinates may be as large as those of a map projection. The first
+/// point decides the origin (`originNear`), and positions are relative to it.
 class ScanPositions {
  public:
   explicit ScanPositions(PointCloud& points) : points_(points) {}
 
   /// @return false, with the point counted as dropped, if it is not finite or too far away
   bool append(const glm::dvec3& p);
+
+  /// The same with the file's own origin.
+  bool appendInPlace(const glm::dvec3& p);
 
   /// Adds a remark to the points if the origin was moved.
   void finish() const;

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "render/scene/io/las.h"
+#include "render/scene/io/off.h"
 #include "render/scene/io/open_scene.h"
 #include "render/scene/io/text_points.h"
 
@@ -51,6 +52,8 @@ SceneFacts factsOfContent(const PointCloud& points, const std::filesystem::path&
     facts.kind = SceneKind::las;
     facts.unit_m = 1.0;  // as nearly all surveys
     facts.up_axis = 2;
+  } else if (isOffFile(path)) {
+    facts.kind = SceneKind::off_points;
   } else if (isTextPointsFile(path)) {
     facts.kind = SceneKind::text_points;
   }
@@ -71,6 +74,10 @@ std::string nameOf(SceneKind kind) {
       return "FBX mesh";
     case SceneKind::ply_mesh:
       return "PLY mesh";
+    case SceneKind::off_mesh:
+      return "OFF mesh";
+    case SceneKind::off_points:
+      return "OFF points";
     case SceneKind::ply_points:
       return "PLY points";
     case SceneKind::las:

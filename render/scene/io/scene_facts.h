@@ -21,14 +21,27 @@ struct MaterialFacts {
 };
 
 /// The kinds of files that differ in what is usual for them.
-enum class SceneKind { gltf, obj, stl, fbx, ply_mesh, ply_points, las, text_points, prepared };
+enum class SceneKind {
+  gltf,
+  obj,
+  stl,
+  fbx,
+  ply_mesh,
+  off_mesh,
+  off_points,
+  ply_points,
+  las,
+  text_points,
+  prepared
+};
 
 struct SceneFacts {
   SceneKind kind = SceneKind::ply_points;
   std::size_t points = 0, triangles = 0, surfels = 0;
   std::vector<MaterialFacts> materials{};
   bool has_normals = false;
-  bool has_colors = false;             ///< of points or vertices, or textures
+  bool has_colors = false;             ///< of points or vertices, or textures: they differ
+  bool material_colors = false;        ///< no such colours, but materials that differ in theirs
   glm::vec2 opacity{1.0f};             ///< least and greatest
   std::size_t dropped = 0;             ///< points whose position is not finite
   std::vector<std::string> remarks{};  ///< see `PointCloud`

@@ -203,6 +203,10 @@ class TextPointsReader {
   void finishColumns() {
     for (Triples& triple : triples_) {
       if (triple.values.empty()) continue;
+      if (!triple.any) {  // an exporter's place for what it did not have
+        points_.remarks.push_back("the columns of colour or normal are all 0: left out");
+        continue;
+      }
       if (triple.isNormal()) {
         if (!points_.normal.empty()) continue;
         for (glm::vec3& n : triple.values) {
@@ -261,7 +265,9 @@ bool startsWithPoints(const std::filesystem::path& path) {
 
 bool isTextPointsFile(const std::filesystem::path& path) {
   const std::string extension = lowerExtension(path);
-  if (extension == ".xyz" || extension == ".pts" || extension == ".asc") return true;
+  if (extension == ".xyz" || extension == ".pts" || extension == ".asc" || extension == ".pwn") {
+    return true;
+  }
   if (extension != ".txt") return false;
   try {
     return startsWithPoints(path);

@@ -83,9 +83,11 @@ PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& nam
   const double mesh_m2 = areaOf_m2(mesh.corners_m);
   const double spacing_m = std::sqrt(mesh_m2 / static_cast<double>(wanted));
   if (spacing_m < double{largestCoordinate(mesh)} * std::numeric_limits<float>::epsilon()) {
-    throw InputError(name.string(), "has so little area for its extent that " +
-                                        std::to_string(wanted) +
-                                        " points would fall on each other");
+    throw InputError(name.string(),
+                     "is so far from the origin, or has so little area for its extent, that " +
+                         std::to_string(wanted) +
+                         " points would fall on each other: move it to the origin, e.g. with "
+                         "CloudCompare");
   }
   const std::vector<MeshPoint> points = poissonDisk(mesh.corners_m, spacing_m);
 

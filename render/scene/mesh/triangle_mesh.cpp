@@ -1,7 +1,11 @@
 #include "render/scene/mesh/triangle_mesh.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <tuple>
 
+#include "base/parallel.h"
 #include "render/scene/mesh/texture.h"
 
 namespace foci {
@@ -9,7 +13,65 @@ namespace {
 
 constexpr float kMinAlpha = 0.5f;  // glTF's default alphaCutoff
 
+bool precedes(const glm::vec3& a, const glm::vec3& b) {
+  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
+/// The corners of a triangle, the least one first, in their winding.
+std::array<glm::vec3, 3> turnedCorners(const TriangleMesh& mesh, std::uint32_t triangle) {
+  const glm::vec3* const from = &mesh.corners_m[3 * std::size_t{triangle}];
+  std::array<glm::vec3, 3> corners{from[0], from[1], from[2]};
+  std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end(), precedes),
+              corners.end());
+  return corners;
+}
+
 }  // namespace
+
+std::size_t dropUseless(TriangleMesh& mesh) {
+  struct Key {
+    std::array<glm::vec3, 3> corners;
+    std::uint32_t material, triangle;
+  };
+  const auto order = [](const Key& a, const Key& b) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (a.corners[i] != b.corners[i]) return precedes(a.corners[i], b.corners[i]);
+    }
+    return std::tie(a.material, a.triangle) < std::tie(b.material, b.triangle);
+  };
+  std::vector<Key> keys(mesh.size());
+  parallelFor(keys.size(), [&](std::size_t i) {
+    const auto triangle = static_cast<std::uint32_t>(i);
+    keys[i] = {turnedCorners(mesh, triangle), mesh.material[i], triangle};
+  });
+  parallelSort(keys.begin(), keys.end(), order);
+  std::vector<std::uint8_t> useless(mesh.size(), 0);
+  std::size_t repeats = 0;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const auto& [a, b, c] = keys[i].corners;
+    const glm::dvec3 first(a);
+    const bool flat = glm::cross(glm::dvec3(b) - first, glm::dvec3(c) - first) == glm::dvec3(0.0);
+    const bool repeat =
+        i > 0 && keys[i].material == keys[i - 1].material && keys[i].corners == keys[i - 1].corners;
+    useless[keys[i].triangle] = flat || repeat;
+    repeats += repeat && !flat;
+  }
+  const auto keep = [&](auto& values, std::size_t each) {
+    if (values.empty()) return;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < useless.size(); ++i) {
+      if (useless[i] != 0) continue;
+      for (std::size_t k = 0; k < each; ++k) values[each * kept + k] = values[each * i + k];
+      ++kept;
+    }
+    values.resize(each * kept);
+  };
+  keep(mesh.corners_m, 3);
+  keep(mesh.uv, 3);
+  keep(mesh.color, 3);
+  keep(mesh.material, 1);
+  return repeats;
+}
 
 MeshColor colorAt(const TriangleMesh& mesh, const MeshPoint& point, float footprint_m) {
   static const MeshMaterial plain;

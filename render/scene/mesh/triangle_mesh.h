@@ -33,6 +33,11 @@ struct TriangleMesh {
   std::size_t size() const { return corners_m.size() / 3; }
 };
 
+/// Drops triangles without an area, which would count for the bounds, and those that have corners,
+/// material and winding of an earlier one, whose area would count as surface.
+/// @return the number of the latter
+std::size_t dropUseless(TriangleMesh& mesh);
+
 struct MeshColor {
   glm::vec3 color;  ///< linear RGB
   float opacity;    ///< 0 to 1; 0 where the texture cuts a hole

@@ -1,0 +1,273 @@
+// The Geomview manual, "OFF Files".
+#include "render/scene/io/off.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "base/file.h"
+#include "base/input_error.h"
+#include "base/number.h"
+#include "base/text.h"
+#include "render/image/srgb.h"
+#include "render/scene/io/mesh_facts.h"
+#include "render/scene/io/ply_header.h"
+#include "render/scene/io/scan_values.h"
+#include "render/scene/io/triangulate.h"
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kMaxMaterials = 4096;  // colours of faces; later ones share the last
+constexpr glm::vec3 kPlainFace(0.3185f);     // sRGB 0.6, as other meshes without a colour
+
+/// What the word before "OFF" says that a vertex has besides its position.
+struct OffKind {
+  bool uv = false, color = false, normal = false;
+};
+
+/// The linear colour of three or four numbers of 0 to 1 or 0 to 255.
+std::optional<glm::vec3> offColor(const std::vector<double>& row, std::size_t at,
+                                  std::size_t count) {
+  if (count < 3) return std::nullopt;
+  double most = 0.0;
+  for (std::size_t i = at; i < at + 3; ++i) {
+    if (!(row[i] >= 0.0 && row[i] <= 255.0)) return std::nullopt;
+    most = std::max(most, row[i]);
+  }
+  // (1, 1, 1) is white, since nobody writes it for the darkest grey of 255.
+  const double white = most > 1.0 ? 255.0 : 1.0;
+  const auto linear = [&](std::size_t i) {
+    return linearFromSrgb(static_cast<float>(row[at + i] / white));
+  };
+  return glm::vec3(linear(0), linear(1), linear(2));
+}
+
+class OffReader {
+ public:
+  explicit OffReader(const std::filesystem::path& path) : input_(path) {}
+
+  std::variant<PointCloud, MeshFile> read() {
+    if (input_.remaining() == 0) throw InputError(input_.name(), "is empty");
+    readHeader();
+    for (std::uint64_t i = 0; i < vertices_; ++i) readVertex();
+    if (faces_ == 0) return finishPoints();
+    for (std::uint64_t i = 0; i < faces_; ++i) readFace();
+    return finishMesh();
+  }
+
+ private:
+  std::string where() const { return input_.name() + ":" + std::to_string(line_); }
+
+  /// The words of the next line that has some. @throws InputError at the end of the file
+  const std::vector<std::string_view>& nextWords(const char* wanted) {
+    words_.clear();
+    while (words_.empty()) {
+      if (input_.remaining() == 0) {
+        throw InputError(where(),
+                         std::string("ends early: expected ") + wanted + "; the file is cut off");
+      }
+      std::string_view line = input_.line();
+      ++line_;
+      line = line.substr(0, std::min(line.find('#'), line.size()));
+      for (std::size_t at = 0;;) {
+        constexpr std::string_view kBlanks = " \t\r";
+        at = line.find_first_not_of(kBlanks, at);
+        if (at == std::string_view::npos) break;
+        const std::size_t end = std::min(line.find_first_of(kBlanks, at), line.size());
+        words_.push_back(line.substr(at, end - at));
+        at = end;
+      }
+    }
+    return words_;
+  }
+
+  const std::vector<double>& nextRow(const char* wanted) {
+    nextWords(wanted);
+    row_.clear();
+    for (const std::string_view word : words_) {
+      const auto value = parseNumber(word);
+      if (!value) {
+        throw InputError(where(), "found " + shown(word) + ": expected " + wanted);
+      }
+      row_.push_back(*value);
+    }
+    return row_;
+  }
+
+  /// The letters before "OFF" in their order; what follows the word is taken off it.
+  void takeWord(std::string_view& word) {
+    const auto take = [&](std::string_view letters) {
+      const bool found = word.starts_with(letters);
+      if (found) word.remove_prefix(letters.size());
+      return found;
+    };
+    kind_.uv = take("ST");
+    kind_.color = take("C");
+    kind_.normal = take("N");
+    const bool more = take("4") || take("n");
+    if (!take("OFF")) {
+      throw InputError(where(),
+                       "is no OFF file: expected OFF and the numbers of vertices, faces and edges");
+    }
+    if (more) throw InputError(where(), "has more than three dimensions: foci shows three");
+  }
+
+  void readHeader() {
+    const char* const wanted = "the numbers of vertices, faces and edges";
+    std::vector<std::string_view> words = nextWords(wanted);
+    if (!parseNumber(words[0])) {
+      takeWord(words[0]);
+      if (words[0].empty()) words.erase(words.begin());  // ModelNet writes "OFF8 6 12"
+      if (!words.empty() && words[0] == "BINARY") {
+        throw InputError(where(), "is a binary OFF file: save it as text, e.g. with MeshLab");
+      }
+      if (words.empty()) words = nextWords(wanted);
+    }
+    std::array<std::optional<std::uint32_t>, 2> counts;
+    for (std::size_t i = 0; i < 2 && i < words.size(); ++i) {
+      counts[i] = parseInteger<std::uint32_t>(words[i]);
+    }
+    if (!counts[0] || !counts[1] || words.size() > 3) {
+      throw InputError(where(), std::string("expected ") + wanted);
+    }
+    vertices_ = *counts[0];
+    faces_ = *counts[1];
+    // Two bytes for each number at least.
+    if (6 * vertices_ > input_.remaining() + 1 || 2 * faces_ > input_.remaining() + 1) {
+      throw InputError(
+          where(), "states more vertices or faces than the file has room for: the file is cut off");
+    }
+  }
+
+  void readVertex() {
+    const char* const wanted = "x y z of a vertex";
+    nextRow(wanted);
+    const std::size_t least = kind_.normal ? 6 : 3;
+    if (row_.size() < least) throw InputError(where(), std::string("expected ") + wanted);
+    const glm::dvec3 p(row_[0], row_[1], row_[2]);
+    if (!isNear(p)) throw InputError(where(), "is a vertex farther out than 1e9 units");
+    if (position_.empty()) origin_ = originNear(p);
+    position_.push_back(p - origin_);
+    if (kind_.normal) normal_.emplace_back(glm::dvec3(row_[3], row_[4], row_[5]));
+    const std::size_t after = row_.size() - least;
+    // Some writers add colours without the letter C.
+    const auto color = kind_.color || (!kind_.uv && (after == 3 || after == 4))
+                           ? offColor(row_, least, after)
+                           : std::nullopt;
+    if (color) {
+      color_.resize(position_.size() - 1, glm::vec3(-1.0f));
+      color_.push_back(*color);
+    }
+  }
+
+  void readFace() {
+    const char* const wanted = "the number of a face's corners, and the corners";
+    nextRow(wanted);
+    const double corners = row_[0];
+    if (!(corners >= 0.0 && corners <= static_cast<double>(row_.size() - 1)) ||
+        corners != std::floor(corners)) {
+      throw InputError(where(), std::string("expected ") + wanted);
+    }
+    const auto count = static_cast<std::size_t>(corners);
+    corner_.clear();
+    corner_m_.clear();
+    for (std::size_t i = 1; i <= count; ++i) {
+      if (!(row_[i] >= 0.0 && row_[i] < static_cast<double>(vertices_)) ||
+          row_[i] != std::floor(row_[i])) {
+        throw InputError(where(), "names vertex " + exactText(row_[i]) + ": expected 0 to " +
+                                      std::to_string(vertices_ - 1));
+      }
+      corner_.push_back(static_cast<std::uint32_t>(row_[i]));
+      corner_m_.push_back(position_[corner_.back()]);
+    }
+    const auto color = offColor(row_, count + 1, row_.size() - 1 - count);
+    const std::uint32_t material = materialOf(color.value_or(kPlainFace));
+    for (const auto& triangle : triangulate(corner_m_)) {
+      for (const std::uint32_t k : triangle) {
+        mesh_.corners_m.emplace_back(corner_m_[k]);
+        mesh_.uv.emplace_back(0.0f);
+        if (!color_.empty()) {
+          mesh_.color.push_back(color ? glm::vec3(-1.0f) : vertexColor(corner_[k]));
+        }
+      }
+      mesh_.material.push_back(material);
+    }
+  }
+
+  static bool isNear(const glm::dvec3& p) {
+    const double farthest = kFarthest_m;
+    return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest;
+  }
+
+  glm::vec3 vertexColor(std::uint32_t vertex) const {
+    return vertex < color_.size() ? color_[vertex] : glm::vec3(-1.0f);
+  }
+
+  std::uint32_t materialOf(const glm::vec3& color) {
+    const auto key = std::tuple(color.x, color.y, color.z);
+    if (const auto known = materials_.find(key); known != materials_.end()) return known->second;
+    if (mesh_.materials.size() < kMaxMaterials)
+      mesh_.materials.push_back({.texture = {}, .factor = color});
+    const auto number = static_cast<std::uint32_t>(mesh_.materials.size() - 1);
+    if (materials_.size() < kMaxMaterials) materials_.emplace(key, number);
+    return number;
+  }
+  std::variant<PointCloud, MeshFile> finishPoints() {
+    if (position_.empty()) throw InputError(input_.name(), "has no vertices");
+    PointCloud points;
+    points.position_m.assign(position_.begin(), position_.end());
+    for (glm::vec3& n : normal_) {
+      const float length = glm::length(n);
+      n = length > 0.0f ? n / length : glm::vec3(0.0f);
+    }
+    points.normal = std::move(normal_);
+    points.color.assign(position_.size(), glm::vec3(kUncolouredLight));
+    for (std::size_t i = 0; i < color_.size(); ++i) {
+      if (color_[i].x >= 0.0f) points.color[i] = color_[i];
+    }
+    if (const auto remark = originRemark(origin_)) points.remarks.push_back(*remark);
+    return points;
+  }
+
+  std::variant<PointCloud, MeshFile> finishMesh() {
+    if (!(areaOf_m2(mesh_.corners_m) > 0.0)) {
+      throw InputError(input_.name(),
+                       "has no triangle with an area within 1e9 units of the origin");
+    }
+    if (const auto remark = originRemark(origin_)) mesh_.remarks.push_back(*remark);
+    SceneFacts facts{.kind = SceneKind::off_mesh};
+    finishTriangles(mesh_, facts);
+    return MeshFile{std::move(mesh_), std::move(facts)};
+  }
+
+  ply::Input input_;
+  std::uint64_t line_ = 0, vertices_ = 0, faces_ = 0;
+  OffKind kind_;
+  std::vector<std::string_view> words_;
+  std::vector<double> row_;
+  glm::dvec3 origin_{0.0};
+  std::vector<glm::dvec3> position_, corner_m_;  // less the origin
+  std::vector<glm::vec3> normal_, color_;        // color_: negative or absent for none
+  std::vector<std::uint32_t> corner_;
+  TriangleMesh mesh_;
+  std::map<std::tuple<float, float, float>, std::uint32_t> materials_;
+};
+
+}  // namespace
+
+bool isOffFile(const std::filesystem::path& path) { return lowerExtension(path) == ".off"; }
+
+std::variant<PointCloud, MeshFile> readOff(const std::filesystem::path& path) {
+  return OffReader(path).read();
+}
+
+}  // namespace foci
