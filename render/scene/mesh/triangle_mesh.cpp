@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "base/parallel.h"
+#include "base/parallel_sort.h"
 #include "render/scene/mesh/texture.h"
 
 namespace foci {
