@@ -39,33 +39,36 @@ inline PixelEdge pixelEdgeOf(float weight, const glm::vec2& mean, float share) {
   return {share, mean * (straight / std::max(length, 1e-6f))};
 }
 
-/// 2/pi asin(r), within 0.06, for r from -1 to 1.
-inline float arcSine(float r) {
-  const float r4 = r * r * r * r;
+/// How far two edges lie on opposite sides, 0 to 1: -2/pi asin(r), within 0.06, for the cosine r
+/// between their directions, where it is negative.
+inline float apart(const PixelEdge& a, const PixelEdge& b) {
+  const float r = -std::min(glm::dot(a.direction, b.direction), 0.0f), r4 = r * r * r * r;
   return r * (kArcSine + (1.0f - kArcSine) * r4 * r4);
 }
+
+/// The least share of the footprint that two layers can both cover.
+inline float leastShared(const PixelEdge& a, const PixelEdge& b) {
+  return std::max(a.share + b.share - 1.0f, 0.0f);
+}
+
 /// Share of the footprint that both layers cover.
 ///
 /// Let r be the cosine between two straight edges' directions. At r = 0 the layers are independent
-/// and share the product of their shares; at r = 1 they share as much as they can, at -1 as little.
-/// Two half-planes that cover one half each share 1/4 + asin(r) / (2 pi). Other shares interpolate
-/// by the same function.
+/// and share the product of their shares; at r = -1 they share as little as they can. Two
+/// half-planes that cover one half each share 1/4 + asin(r) / (2 pi). Other shares interpolate by
+/// the same function. Edges on the same side (r > 0) count as independent: thin places of two
+/// closed surfaces would else let light through together.
 inline float sharedBy(const PixelEdge& a, const PixelEdge& b) {
-  const float f = arcSine(glm::dot(a.direction, b.direction));
   const float independent = a.share * b.share;
-  const float most = std::min(a.share, b.share);
-  const float least = std::max(a.share + b.share - 1.0f, 0.0f);
-  return independent + std::abs(f) * ((f > 0.0f ? most : least) - independent);
+  return independent + apart(a, b) * (leastShared(a, b) - independent);
 }
 
 /// Share of the footprint that the back of a surface covers beside its front. At the outline of a
 /// solid both lie on one side, and the back is hidden as far as it can be. On opposite sides they
 /// are parts of one sheet, whose triangles disagree which side is the front.
 inline float besideFront(const PixelEdge& front, const PixelEdge& back) {
-  const float f = std::max(-arcSine(glm::dot(front.direction, back.direction)), 0.0f);
   const float hidden = std::min(front.share, back.share);
-  const float least = std::max(front.share + back.share - 1.0f, 0.0f);
-  return back.share - (hidden + f * (least - hidden));
+  return back.share - (hidden + apart(front, back) * (leastShared(front, back) - hidden));
 }
 
 /// How much more of a layer is seen than if it and the layer in front were independent.

@@ -38,15 +38,16 @@ HWY_INLINE PixelEdges pixelEdgesOf(V weight, V x, V y, V share) {
   return {share, hn::Mul(x, scale), hn::Mul(y, scale)};
 }
 
-/// `arcSine`, by lane.
-HWY_INLINE V arcSine(const PixelEdges& a, const PixelEdges& b) {
+/// `apart`, by lane.
+HWY_INLINE V apart(const PixelEdges& a, const PixelEdges& b) {
   const D d;
-  const V r = hn::MulAdd(a.x, b.x, hn::Mul(a.y, b.y));
+  const V cosine = hn::MulAdd(a.x, b.x, hn::Mul(a.y, b.y));
+  const V r = hn::Max(hn::Neg(cosine), hn::Zero(d));
   const V r2 = hn::Mul(r, r), r4 = hn::Mul(r2, r2);
   return hn::Mul(r, hn::MulAdd(hn::Mul(r4, r4), hn::Set(d, 1.0f - kArcSine), hn::Set(d, kArcSine)));
 }
 
-/// The least share that both edges can cover.
+/// `leastShared`, by lane.
 HWY_INLINE V leastShared(const PixelEdges& a, const PixelEdges& b) {
   const D d;
   return hn::Max(hn::Sub(hn::Add(a.share, b.share), hn::Set(d, 1.0f)), hn::Zero(d));
@@ -54,18 +55,14 @@ HWY_INLINE V leastShared(const PixelEdges& a, const PixelEdges& b) {
 
 /// `sharedBy`, by lane.
 HWY_INLINE V sharedBy(const PixelEdges& a, const PixelEdges& b) {
-  const D d;
-  const V f = arcSine(a, b), independent = hn::Mul(a.share, b.share);
-  const V bound =
-      hn::IfThenElse(hn::Gt(f, hn::Zero(d)), hn::Min(a.share, b.share), leastShared(a, b));
-  return hn::MulAdd(hn::Abs(f), hn::Sub(bound, independent), independent);
+  const V independent = hn::Mul(a.share, b.share);
+  return hn::MulAdd(apart(a, b), hn::Sub(leastShared(a, b), independent), independent);
 }
 
 /// `besideFront`, by lane.
 HWY_INLINE V besideFront(const PixelEdges& front, const PixelEdges& back) {
-  const D d;
-  const V f = hn::Max(hn::Neg(arcSine(front, back)), hn::Zero(d));
   const V hidden = hn::Min(front.share, back.share);
+  const V f = apart(front, back);
   return hn::Sub(back.share, hn::MulAdd(f, hn::Sub(leastShared(front, back), hidden), hidden));
 }
 

@@ -44,7 +44,7 @@ TEST(PixelEdge, KnowsAHalfPlaneFromAnEvenCover) {
 TEST(PixelEdge, SharesWhatTwoHalfPlanesShare) {
   for (const double t1 : {-0.8, 0.0, 0.8}) {
     for (const double t2 : {-0.8, 0.0, 0.8}) {
-      for (double angle = 0.0; angle < 3.15; angle += glm::pi<double>() / 8) {
+      for (double angle = 0.5 * glm::pi<double>(); angle < 3.15; angle += glm::pi<double>() / 8) {
         const float shared =
             sharedBy(halfPlane(t1, 0.3f), halfPlane(t2, 0.3f + static_cast<float>(angle)));
         EXPECT_NEAR(shared, sharedExactly(t1, t2, angle), 0.04) << t1 << " " << t2 << " " << angle;
@@ -53,10 +53,23 @@ TEST(PixelEdge, SharesWhatTwoHalfPlanesShare) {
   }
 }
 
+TEST(PixelEdge, TakesEdgesOnOneSideAsIndependent) {
+  for (const float angle : {0.0f, 0.7f, 1.5f}) {
+    EXPECT_NEAR(sharedBy(halfPlane(0.0, 0.3f), halfPlane(0.0, 0.3f + angle)), 0.25f, 1e-3f);
+  }
+}
+
+TEST(PixelEdge, HidesTheBackBehindTheFrontUnlessTheyLieApart) {
+  const PixelEdge left = halfPlane(0.0, glm::pi<float>()), right = halfPlane(0.0, 0.0f);
+  EXPECT_NEAR(besideFront(left, left), 0.0f, 1e-5f);
+  EXPECT_NEAR(besideFront(left, halfPlane(0.7, glm::pi<float>())), 0.258f, 1e-3f);
+  EXPECT_NEAR(besideFront(left, right), 0.5f, 0.01f);  // one sheet
+}
+
 TEST(PixelEdge, SeesAllOfALayerOnTheOtherSide) {
   const PixelEdge left = halfPlane(0.0, glm::pi<float>()), right = halfPlane(0.0, 0.0f);
   EXPECT_NEAR(seenOverIndependent(left, 1.0f, right), 2.0f, 0.01f);  // nothing is hidden
-  EXPECT_NEAR(seenOverIndependent(left, 1.0f, left), 0.0f, 0.01f);   // everything is
+  EXPECT_NEAR(seenOverIndependent(left, 1.0f, left), 1.0f, 1e-5f);   // independent
   EXPECT_NEAR(seenOverIndependent(left, 0.0f, left), 1.0f, 1e-5f);   // behind clear glass
   EXPECT_NEAR(seenOverIndependent(left, 0.5f, right), 4.0f / 3, 0.01f);
 }
