@@ -262,7 +262,7 @@ class Recogniser {
 
   void recogniseFormat() {
     const auto set = [&](const char* format) { layout_.format = format; };
-    if (find(kGazepointXs) && given_.x.empty()) {
+    if (given_.x.empty() && (find(kGazepointXs) || find({"lpogx", "rpogx"}))) {
       recogniseGazepoint();
     } else if (layout_.eyes[0].point || layout_.eyes[1].point ||
                find({"leftgazepointondisplayareax", "rightgazepointondisplayareax"})) {

@@ -110,7 +110,7 @@ TEST_F(OneCommand, PointsAsTextReplayUnderARecording) {
   const std::string said =
       told({"replay", "scan.xyz", "--trace", "gaze.tsv", "--size", "96x54", "--seconds", "0:0.3",
             "--out", "out", "--write-study", "scan.toml"});
-  EXPECT_TRUE(has(said, "z is up (the scene is flat across it)")) << said;
+  EXPECT_TRUE(has(said, "z is up (the scene is flat across it; if not: --up y)")) << said;
   EXPECT_TRUE(fs::exists(folder.path() / "out/report.html"));
   EXPECT_TRUE(has(folder.read("scan.toml"), "source = \"gaze.tsv\""));
   const Json first = Json::parse(folder.read("out/manifest.json"));
@@ -149,7 +149,7 @@ TEST_F(OneCommand, MissingMaterialsAndTexturesAreNamed) {
   const Outcome info = foci({"info", "cube.obj"});
   EXPECT_TRUE(has(info.out, "\"wood\", texture \"planks.png\" (missing)")) << info.out;
   EXPECT_TRUE(has(told({"render", "cube.obj", "--out", "a.png", "--size", "96x54"}),
-                  "texture \"planks.png\" cannot be read"));
+                  "texture \"planks.png\" is missing"));
   const cv::Vec3b middle = cv::imread((folder.path() / "a.png").string()).at<cv::Vec3b>(27, 48);
   EXPECT_GT(middle[1], middle[2]);  // the material's green
 }

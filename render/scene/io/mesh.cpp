@@ -10,14 +10,17 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/file.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "render/image/srgb.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/mesh_companions.h"
 #include "render/scene/io/mesh_facts.h"
 #include "render/scene/io/mesh_import.h"
 #include "render/scene/io/mesh_textures.h"
@@ -76,6 +79,7 @@ class Loader {
     }
     mesh.remarks = textures_.remarks();
     for (std::string& remark : import_.missing()) mesh.remarks.push_back(std::move(remark));
+    remarkUndefined(mesh);
     SceneFacts facts = meshFacts(scene_, path_);
     finishTriangles(mesh, facts);
     return {std::move(mesh), std::move(facts)};
@@ -90,6 +94,24 @@ class Loader {
       return importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType |
                                           aiProcess_PreTransformVertices);
     });
+  }
+
+  /// OBJ: materials in use that no file of materials defines. A file that is missing is remarked
+  /// already.
+  void remarkUndefined(TriangleMesh& mesh) const {
+    if (lowerExtension(path_) != ".obj") return;
+    const std::vector<std::string> defined = definedMaterials(path_);
+    if (defined.empty()) return;
+    const std::set<std::uint32_t> used(mesh.material.begin(), mesh.material.end());
+    for (const std::uint32_t m : used) {
+      const std::string name = scene_.mMaterials[m]->GetName().C_Str();
+      if (name == AI_DEFAULT_MATERIAL_NAME ||
+          std::find(defined.begin(), defined.end(), name) != defined.end()) {
+        continue;
+      }
+      mesh.remarks.push_back("material " + shown(name) +
+                             " is in none of its MTL files: shown in grey");
+    }
   }
 
   void append(TriangleMesh& all, const aiMesh& mesh) const {

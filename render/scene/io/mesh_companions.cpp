@@ -117,4 +117,15 @@ std::vector<fs::path> meshCompanions(const fs::path& mesh) {
   return std::move(companions).files();
 }
 
+std::vector<std::string> definedMaterials(const fs::path& obj) {
+  std::vector<std::string> names;
+  for (const fs::path& file : meshCompanions(obj)) {
+    if (lowerExtension(file) != ".mtl") continue;
+    Companions::eachLine(file, [&](std::string_view word, std::string_view rest) {
+      if (word == "newmtl") names.emplace_back(rest);
+    });
+  }
+  return names;
+}
+
 }  // namespace foci

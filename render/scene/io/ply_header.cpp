@@ -173,7 +173,7 @@ Header readHeader(Input& input) {
 
   if (const auto magic = next(); magic != "ply") {
     const bool named = lowerExtension(input.name()) == ".ply";
-    throw InputError(where(), (named ? "is no PLY file: expected ply, found "
+    throw InputError(where(), (named ? "not a PLY file: expected ply, found "
                                      : "is no scene that foci reads (docs/scenes.md lists the "
                                        "formats): expected a known extension, or ply, found ") +
                                   printable(magic));

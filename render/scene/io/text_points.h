@@ -8,8 +8,8 @@
 
 namespace foci {
 
-/// Whether a file holds points as text: .xyz, .pts, .pwn and .asc by their extension; .txt if its first
-/// line without a comment starts with a number. False for a .txt file that cannot be read.
+/// Whether a file holds points as text: .xyz, .pts, .pwn and .asc by their extension; .txt if its
+/// first line without a comment starts with a number. False for a .txt file that cannot be read.
 bool isTextPointsFile(const std::filesystem::path& path);
 
 /// Reads points. Empty lines and those after `#` or `//` are skipped. A line with a single whole
@@ -25,8 +25,9 @@ bool isTextPointsFile(const std::filesystem::path& path);
 ///     9  x y z, and colour and normal in any order
 ///
 /// A triple is a normal if its length is 1 in every line (within 2 %; 0 is allowed), and a colour
-/// otherwise; it is left out, with a remark, if it is 0 everywhere. Colours are sRGB, of 0 to 1, 0 to 255 or 0 to 65535, as their largest value needs.
-/// Without colours, intensity becomes grey (scan_values.h).
+/// otherwise; it is left out, with a remark, if it is 0 everywhere. Colours are sRGB, of 0 to 1, 0
+/// to 255 or 0 to 65535, as their largest value needs. Without colours, intensity becomes grey
+/// (scan_values.h).
 /// @throws InputError with file and line
 PointCloud readTextPoints(const std::filesystem::path& path);
 

@@ -1,6 +1,8 @@
 // KHR_texture_transform (Khronos), and aiUVTransform of Assimp 5.2.
 #include "render/scene/io/texture_placement.h"
 
+#include <assimp/mesh.h>
+
 #include <algorithm>
 #include <cmath>
 

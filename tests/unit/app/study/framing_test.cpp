@@ -194,5 +194,28 @@ TEST(UpAxis, FollowsConventionUnlessAScanIsFlat) {
   EXPECT_FALSE(upAxisNamed("w"));
 }
 
+TEST(Framing, IslandsOfAMapDoNotShrinkTheMainland) {
+  // A hundred points for each of 9900: more than 1 % on one end, as overseas departments are.
+  std::vector<glm::vec3> points = sphere(1.0f, 9'850);
+  for (int i = 0; i < 150; ++i)
+    points.emplace_back(-90.0f - 0.1f * static_cast<float>(i), -60, -80);
+  const SceneBox box = boxWithoutStrays(points);
+  EXPECT_EQ(box.strays, 150u);
+  EXPECT_NEAR(box.longest(), 2.0, 0.01);
+}
+
+TEST(Framing, AFlatSceneIsSeenFromItsSide) {
+  std::vector<glm::vec3> upright;  // in the plane x = 0
+  for (const glm::vec3& p : cube(1.0f)) upright.emplace_back(0.0f, p.y, p.z);
+  const SceneFacts facts = meshOf(upright);
+  const Screen screen = defaultScreen();
+  const Framing chosen = framingOf(facts, {.screen = screen, .look = {}, .up = {}});
+  EXPECT_EQ(chosen.position_m, framed(facts, Look::left).position_m);
+  EXPECT_NE(framingText(chosen).find("seen from the left"), std::string::npos);
+  EXPECT_TRUE(framed(facts, Look::front).why_look.empty());  // as wished
+  const Framing solid = framingOf(meshOf(cube(1.0f)), {.screen = screen, .look = {}, .up = {}});
+  EXPECT_EQ(solid.position_m, framed(meshOf(cube(1.0f))).position_m);
+}
+
 }  // namespace
 }  // namespace foci

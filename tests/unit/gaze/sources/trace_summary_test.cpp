@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace foci {
 namespace {
 
@@ -27,6 +29,15 @@ TEST(TraceSummary, CountsPresentAndMissingSamples) {
   EXPECT_NEAR(summary.longest_jump_s(), 2.004, 1e-9);
   EXPECT_EQ(summary.min_px(), glm::dvec2(1, -999));
   EXPECT_EQ(summary.max_px(), glm::dvec2(999, -1));
+}
+
+TEST(TraceSummary, WholeMillisecondsHaveTheirMeanRate) {
+  TraceSummary summary;
+  for (int i = 0; i < 600; ++i) {
+    const double gap_s = i < 300 ? 0.0 : 2.0;
+    summary.add({.time_s = 1e-3 * std::round(i / 0.06) + gap_s});
+  }
+  EXPECT_NEAR(summary.rate_Hz(), 60.0, 0.02);  // the median would give 58.8
 }
 
 }  // namespace

@@ -2,6 +2,10 @@
 // preambles and codes for data loss. The values are made up.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+
 #include "base/input_error.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/unit/gaze/scratch.h"
@@ -199,16 +203,105 @@ TEST(VendorExport, TheHeaderStatesWhatWasAssumed) {
 }
 
 TEST(VendorExport, MissingColumnsListTheirCandidates) {
-  const std::string message = refusal("TIMETICK,LPOGX,LPOGY,stimulus\n1,2,3,4\n");
+  const std::string message = refusal("TIMETICK,LSPOTX,LSPOTY,stimulus\n1,2,3,4\n");
   EXPECT_NE(
       message.find("no column \"time\": name it with gaze.time (--time); it may be \"TIMETICK\""),
       std::string::npos)
       << message;
   const std::string x =
-      refusal("TIMETICK,LPOGX,LPOGY,RPOGX,RPOGY\n1,2,3,4,5\n", {.time = "TIMETICK"});
-  EXPECT_NE(x.find("it may be \"LPOGX\", \"RPOGX\""), std::string::npos) << x;
+      refusal("TIMETICK,LSPOTX,LSPOTY,RSPOTX,RSPOTY\n1,2,3,4,5\n", {.time = "TIMETICK"});
+  EXPECT_NE(x.find("it may be \"LSPOTX\", \"RSPOTX\""), std::string::npos) << x;
   EXPECT_NE(refusal("0.1,1,2\n0.2,1,2\n").find("the first line has numbers, not names"),
             std::string::npos);
+}
+
+TEST(VendorExport, GazepointHasSecondsAndFractionsWithValidity) {
+  const GazeTrace trace = readTrace(
+      ScratchFile(
+          "MEDIA_ID,CNT,TIME(2023/05/12 10:22:33.123),TIMETICK(f=10000000),FPOGX,FPOGY,FPOGV,"
+          "BPOGX,BPOGY,BPOGV,BKID,LPMM,LPMMV,RPMM,RPMMV,\n"
+          "0,1,0.50000,77,0.1,0.1,1,0.25,0.5,1,0,3.0,1,4.0,1,\n"
+          "0,2,0.51667,78,0.1,0.1,1,0.25,0.5,0,0,0,0,4.0,1,\n"
+          "0,3,0.53333,79,0.1,0.1,1,0.25,0.5,1,7,3.0,1,4.0,1,\n")
+          .path(),
+      {}, Screen{.size_px = {1000, 800}, .size_m = {0.5, 0.4}, .distance_m = 0.6});
+  EXPECT_EQ(trace.format, "Gazepoint");
+  ASSERT_EQ(trace.samples.size(), 3u);
+  EXPECT_DOUBLE_EQ(trace.samples[0].time_s, 0.5);
+  expectPoint(trace.samples[0].point_px, 250, 400);  // the best point, not the fixation's
+  EXPECT_DOUBLE_EQ(*trace.samples[0].pupil_mm, 3.5);
+  EXPECT_FALSE(trace.samples[1].point_px);
+  EXPECT_FALSE(trace.samples[1].blink);
+  EXPECT_TRUE(trace.samples[2].blink);
+}
+
+constexpr double kProLabRate_Hz = 1200.0;
+
+/// Tobii Pro Lab in whole milliseconds, with or without the tracker's own times.
+GazeTrace proLab(double rate_Hz, bool tracker_times, int count) {
+  std::string text =
+      "Recording timestamp [ms]\tSensor\tEyetracker timestamp [\xce\xbcs]\tGaze point X [DACS px]\t"
+      "Gaze point Y [DACS px]\n";
+  for (int i = 0; i < count; ++i) {
+    const double time_s = i / rate_Hz;
+    text += std::to_string(static_cast<int>(1e3 * time_s + 1e-9)) + "\tEye Tracker\t" +
+            (tracker_times ? std::to_string(900'000'000 + std::lround(1e6 * time_s)) : "") +
+            "\t700\t500\n";
+  }
+  return readTrace(ScratchFile(text).path(), {}, {});
+}
+
+TEST(VendorExport, WholeMillisecondsAbove1000HzKeepTheOrderOfTheSamples) {
+  constexpr double kQuantum_s = 1.1e-3;  // a millisecond, and what the control loop needs
+  for (const bool tracker_times : {true, false}) {
+    const GazeTrace trace = proLab(kProLabRate_Hz, tracker_times, 6000);
+    ASSERT_EQ(trace.samples.size(), 6000u);
+    EXPECT_NEAR(trace.rate_Hz, kProLabRate_Hz, 0.01 * kProLabRate_Hz) << tracker_times;
+    double longest_s = 0.0;
+    for (std::size_t i = 0; i < trace.samples.size(); ++i) {
+      const double true_s = static_cast<double>(i) / kProLabRate_Hz;
+      ASSERT_NEAR(trace.samples[i].time_s, true_s, kQuantum_s) << i;
+      if (i < 3000) continue;  // settled
+      longest_s = std::max(longest_s, trace.samples[i].time_s - trace.samples[i - 1].time_s);
+      ASSERT_GT(trace.samples[i].time_s, trace.samples[i - 1].time_s);
+    }
+    EXPECT_LT(longest_s, 1.05 / kProLabRate_Hz) << tracker_times;  // even, not 1 ms and 0.5 ms
+  }
+}
+
+TEST(VendorExport, RepeatedTimesBelow1000HzAreRefused) {
+  EXPECT_NE(refusal("time_ms,x,y\n0,700,500\n10,700,500\n10,700,500\n20,700,500\n")
+                .find("time \"10\" is not after"),
+            std::string::npos);
+}
+
+TEST(VendorExport, TheRateOfWholeMillisecondsIsTheMean) {
+  std::string text = "time_ms,x_px,y_px\n";
+  for (int i = 0; i < 600; ++i) text += std::to_string(std::lround(i / 0.06)) + ",700,500\n";
+  EXPECT_NEAR(readTrace(ScratchFile(text).path(), {}, {}).rate_Hz, 60.0, 0.01);
+}
+
+TEST(VendorExport, TablesOfOtherThingsAreNamed) {
+  const auto says = [](const char* table, const char* part) {
+    EXPECT_NE(refusal(table).find(part), std::string::npos) << refusal(table);
+  };
+  says("rt,trial_type,webgazer_data\n5,a,\"[]\"\n", "JSON");
+  says("fixation id,start timestamp [ns],fixation x [px],fixation y [px]\n1,2,3,4\n", "fixations");
+  says("time(s),gaze_direct_L.x,gaze_direct_L.y,gaze_direct_L.z\n0,0,0,1\n", "directions in space");
+  says("Time,X,Y\n10:22:00,3,4\n", "--time");
+}
+
+TEST(VendorExport, GlassesThatAreNotWornHaveNoGaze) {
+  const GazeTrace trace =
+      readTrace(ScratchFile("section id,recording id,timestamp [ns],gaze x [px],gaze y [px],worn\n"
+                            "a,b,1000000000,700,500,255\na,b,1005000000,700,500,0\n"
+                            "a,b,1010000000,700,500,1.0\n")
+                    .path(),
+                {}, {});
+  ASSERT_EQ(trace.samples.size(), 3u);
+  EXPECT_TRUE(trace.samples[0].point_px);
+  EXPECT_FALSE(trace.samples[1].point_px);
+  EXPECT_TRUE(trace.samples[2].point_px);
 }
 
 }  // namespace
