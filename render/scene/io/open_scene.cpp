@@ -95,7 +95,7 @@ SceneFile readScene(const std::filesystem::path& path) {
   requireRegularFile(path);
   if (isSceneFile(path)) return {path, readSceneFile(path)};
   if (isOffFile(path)) {
-    return std::visit([&](auto&& read) { return SceneFile{path, std::move(read)}; }, readOff(path));
+    return std::visit([&](auto read) { return SceneFile{path, std::move(read)}; }, readOff(path));
   }
   if (!isLasFile(path) && isMeshFile(path)) return {path, readMesh(path)};
   return {path, readPoints(path)};
