@@ -98,7 +98,8 @@ struct Scene {
     }
     // Neck and shoulders are a flat shape that moves with the head.
     const glm::dvec2 chest = (px - project({0.0, 120.0, 60.0})) / how.focal_px * moment.head_m.z;
-    const double shoulder = 0.02 + 1.2 * std::pow(std::max(0.0, std::abs(chest.x) - 0.05), 1.5);
+    const double outward = std::max(0.0, std::abs(chest.x) - 0.05);
+    const double shoulder = 0.02 + 1.2 * outward * std::sqrt(outward);
     glm::vec3 behind = background(plane.x, plane.y, person.seed);
     if (std::abs(chest.x) < 0.055 && chest.y > -0.08) behind = person.skin * 0.45f;
     if (chest.y > shoulder + 0.02 && std::abs(chest.x) < 0.21) {

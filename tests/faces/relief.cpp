@@ -147,15 +147,30 @@ std::optional<glm::dvec3> Relief::meet(const glm::dvec3& origin, const glm::dvec
   // A step may be as long as the distance to the ceiling, within these limits.
   constexpr double kMarch_mm = 2.5, kLeap_mm = 20.0;
   if (!(d.z > 0.0)) return std::nullopt;
-  const auto pointAt = [&](double z) { return origin + d * ((z - origin.z) / d.z); };
+  const glm::dvec2 slope = glm::dvec2(d) / d.z, start = glm::dvec2(origin) - slope * origin.z;
+  const auto pointAt = [&](double z) { return glm::dvec3(start + slope * z, z); };
   const auto isInside = [&](const glm::dvec3& p) {
     const auto h = heightAt(p.x, p.y);
     return h && -p.z <= static_cast<double>(*h);
   };
-  double before = -kFrontmost_mm;
-  for (double z = before; z <= -kBackmost_mm;) {
+  // The part of the ray above the grid.
+  double from = -kFrontmost_mm, to = -kBackmost_mm;
+  const std::array<glm::dvec2, 2> sides{glm::dvec2(-kHalfWidth_mm, kHalfWidth_mm),
+                                        glm::dvec2(kTop_mm, kBottom_mm)};
+  for (int axis = 0; axis < 2; ++axis) {
+    const auto [low, high] = std::minmax({(sides[axis][0] - start[axis]) / slope[axis],
+                                          (sides[axis][1] - start[axis]) / slope[axis]});
+    from = std::max(from, low);
+    to = std::min(to, high);
+  }
+  double before = from;
+  for (double z = from; z <= to;) {
     const glm::dvec3 p = pointAt(z);
-    if (isInside(p)) {
+    const int column = static_cast<int>((p.x + kHalfWidth_mm) / kStep_mm);
+    const int row = static_cast<int>((p.y - kTop_mm) / kStep_mm);
+    const bool is_over = column >= 0 && column < ceiling_.cols && row >= 0 && row < ceiling_.rows;
+    const double ceiling = is_over ? ceiling_(row, column) : kBeside;
+    if (-z <= ceiling && isInside(p)) {
       double low = before, high = z;
       for (int i = 0; i < 8; ++i) {
         const double middle = 0.5 * (low + high);
@@ -164,11 +179,7 @@ std::optional<glm::dvec3> Relief::meet(const glm::dvec3& origin, const glm::dvec
       return pointAt(high);
     }
     before = z;
-    const int column = static_cast<int>((p.x + kHalfWidth_mm) / kStep_mm);
-    const int row = static_cast<int>((p.y - kTop_mm) / kStep_mm);
-    const bool is_over = column >= 0 && column < ceiling_.cols && row >= 0 && row < ceiling_.rows;
-    const double ceiling = is_over ? ceiling_(row, column) : kBeside;
-    z += std::clamp(-z - ceiling, kMarch_mm, is_over ? kLeap_mm : kMarch_mm * 2.0);
+    z += std::clamp(-z - ceiling, kMarch_mm, kLeap_mm);
   }
   return std::nullopt;
 }
