@@ -106,12 +106,14 @@ void runPrepare(const PrepareOptions& options) {
   }
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   threadsOf(options.threads));
-  const PrepareSummary summary = prepareScene({.input = options.input,
-                                               .out = options.out,
-                                               .scale_m = options.scale_m,
-                                               .points = points,
-                                               .overwrite = options.overwrite});
-  const SceneFacts facts = factsOf(readScene(options.input));
+  const PrepareSummary summary = prepareScene(
+      {.input = options.input,
+       .out = options.out,
+       .scale_m = options.scale_m,
+       .points = points,
+       .up_axis = [](const SceneFacts& facts) { return upAxisOf(facts, boxOf(facts)).axis; },
+       .overwrite = options.overwrite});
+  const SceneFacts& facts = summary.facts;
   const Framing framing = framingOf(facts, {.screen = defaultScreen()});
   if (summary.dropped > 0) {
     std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n",

@@ -134,15 +134,21 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
   if (folder.empty()) folder = ".";
   OutputFolder output(folder);  // before the work, so that a bad folder is reported at once
   const std::filesystem::path scene_file = output.stage(request.out.filename().string());
-  OpenedPoints opened =
-      openPoints(readScene(request.input), request.scale_m, MeshSampling{.points = request.points});
-  PointCloud& points = opened.points;
+  SceneFile file = readScene(request.input);
   PrepareSummary summary{
-      .out = request.out, .report = reportOf(request.out), .dropped = points.dropped};
+      .out = request.out, .report = reportOf(request.out), .facts = factsOf(file)};
+  OpenedPoints opened =
+      openPoints(std::move(file), request.scale_m, MeshSampling{.points = request.points});
+  PointCloud& points = opened.points;
+  summary.dropped = points.dropped;
 
   summary.before =
       normalisationOf(surfelsFromPoints(PointCloud(points), {.solve = KernelSolve::none}));
-  const SurfelCloud cloud = solved(std::move(points));
+  PreparedScene scene{solved(std::move(points)),
+                      {.mesh = opened.mesh != nullptr,
+                       .plain_colors = !summary.facts.has_colors,
+                       .up_axis = request.up_axis ? request.up_axis(summary.facts) : std::nullopt}};
+  const SurfelCloud& cloud = scene.cloud;
   summary.surfels = cloud.size();
   summary.oriented = cloud.oriented;
   summary.spacing_m = medianSpacing_m(cloud);
@@ -157,7 +163,7 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
       summary.warnings = fidelityWarnings(*summary.fidelity, cloud.size(), *opened.mesh);
   }
 
-  writeSceneFile(scene_file, cloud);
+  writeSceneFile(scene_file, scene);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   output.write(summary.report.filename().string(), prepareReport(request, summary));
   output.commit();

@@ -4,11 +4,13 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/prepare/fidelity.h"
+#include "render/scene/io/scene_facts.h"
 
 namespace foci {
 
@@ -17,7 +19,9 @@ struct PrepareRequest {
   std::filesystem::path out;    ///< the scene, .foci; the report gets the same name with .html
   double scale_m = 1.0;         ///< length of a unit of the input, metres
   std::optional<std::size_t> points = {};  ///< about the number of samples of a mesh
-  bool overwrite = false;                  ///< replace files that foci did not make, too
+  /// The axis upwards, 0 to 2, for whoever shows the scene.
+  std::function<std::optional<int>(const SceneFacts&)> up_axis = {};
+  bool overwrite = false;  ///< replace files that foci did not make, too
 };
 
 /// How closely kernels form a partition of unity over the surface, at one size of pixels or blur.
@@ -41,6 +45,7 @@ struct LevelNormalisation {
 
 struct PrepareSummary {
   std::filesystem::path out, report;
+  SceneFacts facts{};  ///< of the input
   std::size_t surfels = 0;
   std::size_t dropped = 0;  ///< points left out because their position is not finite
   bool oriented = false;

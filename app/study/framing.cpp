@@ -142,7 +142,7 @@ SceneBox boxWithoutStrays(std::span<const glm::vec3> points) {
 }
 
 SceneBox boxOf(const SceneFacts& facts) {
-  if (!facts.isMesh()) return boxWithoutStrays(facts.position);
+  if (!facts.isMesh() && !facts.samples_of_mesh) return boxWithoutStrays(facts.position);
   SceneBox box{facts.position.front(), facts.position.front()};
   for (const glm::vec3& p : facts.position) {
     box.low = glm::min(box.low, glm::dvec3(p));

@@ -12,7 +12,7 @@ constexpr double kPlainShading = 0.65;
 /// Whether the file gives no more than a colour for each material. Textures and scans contain the
 /// light of the place; such a colour does not.
 bool isPlain(const SceneFacts& facts) {
-  return !facts.has_colors && facts.kind != SceneKind::prepared;
+  return !facts.has_colors;
 }
 
 }  // namespace

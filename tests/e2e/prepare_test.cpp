@@ -184,6 +184,24 @@ TEST(Prepare, AMeshLeaksNothingBetweenBlackAndWhite) {
   EXPECT_GT(outside, 2000u);
 }
 
+TEST(Prepare, AMeshLooksAsBeforeWithoutAStudy) {
+  const TemporaryFolder folder;
+  folder.write("ball.obj", ballObj());  // y is up in OBJ, and one colour is shaded
+  prepared(folder, {"ball.obj", "--out", "ball.foci"});
+  std::vector<std::vector<float>> red;
+  for (const char* scene : {"ball.obj", "ball.foci"}) {
+    const Outcome outcome = runFoci(
+        {"render", scene, "--look", "above", "--size", "96x72", "--out", "a.pfm", "--overwrite"},
+        folder.path());
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("y is up"), std::string::npos) << outcome.err;
+    red.push_back(redOf(folder.read("a.pfm")));
+  }
+  double squared = 0.0;
+  for (std::size_t i = 0; i < red[0].size(); ++i) squared += std::pow(red[0][i] - red[1][i], 2.0);
+  EXPECT_LT(std::sqrt(squared / static_cast<double>(red[0].size())), 0.01);
+}
+
 TEST(Prepare, HoldsAMeshAgainstItsTrianglesAndWarnsOfTooFewPoints) {
   const TemporaryFolder folder;
   folder.write("ball.obj", ballObj());

@@ -18,6 +18,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "base/input_error.h"
 #include "base/parallel.h"
@@ -30,7 +31,8 @@ static_assert(std::endian::native == std::endian::little && sizeof(glm::vec3) ==
 
 constexpr std::array<unsigned char, 8> kMagic = {'F', 'O', 'C', 'I', '\r', '\n', 0x1a, '\n'};
 constexpr std::uint32_t kVersion = 1;
-constexpr std::uint32_t kOriented = 1, kWithOpacity = 2;
+constexpr std::uint32_t kOriented = 1, kWithOpacity = 2, kMesh = 4, kPlainColors = 8;
+constexpr std::uint32_t kUpAxisX = 16, kFlags = 63;  // an up axis is a multiple of kUpAxisX
 constexpr std::size_t kBlock = 1 << 20;
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
 constexpr bool kChecksums = false;  // a fuzzer would never pass them
@@ -95,6 +97,20 @@ std::span<const unsigned char> bytesOf(const std::vector<T>& values) {
   return {reinterpret_cast<const unsigned char*>(values.data()), values.size() * sizeof(T)};
 }
 
+std::uint32_t flagsOf(const PreparedScene& scene) {
+  const SurfelOrigin& origin = scene.origin;
+  return (scene.cloud.oriented ? kOriented : 0) | (scene.cloud.opacity.empty() ? 0 : kWithOpacity) |
+         (origin.mesh ? kMesh : 0) | (origin.plain_colors ? kPlainColors : 0) |
+         (origin.up_axis ? kUpAxisX * static_cast<std::uint32_t>(*origin.up_axis + 1) : 0);
+}
+
+SurfelOrigin originOf(std::uint32_t flags) {
+  SurfelOrigin origin{.mesh = (flags & kMesh) != 0, .plain_colors = (flags & kPlainColors) != 0};
+  const int axis = static_cast<int>(flags / kUpAxisX);
+  if (axis > 0) origin.up_axis = axis - 1;
+  return origin;
+}
+
 std::uint64_t bytesASurfel(std::uint32_t flags) {
   return 4 * 12 + 4 + ((flags & kWithOpacity) != 0 ? 4 : 0);
 }
@@ -157,13 +173,14 @@ bool isSceneFile(const std::filesystem::path& path) {
          std::equal(start.begin(), start.end(), kMagic.begin());
 }
 
-void writeSceneFile(const std::filesystem::path& path, const SurfelCloud& cloud) {
+void writeSceneFile(const std::filesystem::path& path, const PreparedScene& scene) {
+  const SurfelCloud& cloud = scene.cloud;
   assert(!cloud.empty());
   const std::array arrays = {bytesOf(cloud.position_m), bytesOf(cloud.axis_u_m),
                              bytesOf(cloud.axis_v_m),   bytesOf(cloud.color),
                              bytesOf(cloud.area_m2),    bytesOf(cloud.opacity)};
   FociHeader header;
-  header.flags = (cloud.oriented ? kOriented : 0) | (cloud.opacity.empty() ? 0 : kWithOpacity);
+  header.flags = flagsOf(scene);
   header.surfels = cloud.size();
   header.file_bytes = sizeof(FociHeader) + cloud.size() * bytesASurfel(header.flags);
   Checksum content;
@@ -184,7 +201,7 @@ void writeSceneFile(const std::filesystem::path& path, const SurfelCloud& cloud)
   if (!good) throw std::runtime_error(path.string() + ": cannot be written");
 }
 
-SurfelCloud readSceneFile(const std::filesystem::path& path) {
+PreparedScene readSceneFile(const std::filesystem::path& path) {
   const Map map(path);
   const std::span<const unsigned char> bytes = map.bytes();
   const auto refuse = [&](const std::string& why) -> void { throw InputError(path.string(), why); };
@@ -205,7 +222,7 @@ SurfelCloud readSceneFile(const std::filesystem::path& path) {
   }
   if (kChecksums && header.header_checksum != checksumOf(header))
     refuse("was altered: its header does not match");
-  if (header.version != kVersion || (header.flags & ~(kOriented | kWithOpacity)) != 0) {
+  if (header.version != kVersion || (header.flags & ~kFlags) != 0) {
     refuse("is not a .foci scene");
   }
   const std::uint64_t surfel_bytes = bytesASurfel(header.flags);
@@ -251,7 +268,7 @@ SurfelCloud readSceneFile(const std::filesystem::path& path) {
   for (std::size_t i = 0; i < count; ++i) {
     if (!sound(cloud, i)) refuse("surfel " + std::to_string(i) + " is not sound");
   }
-  return cloud;
+  return {std::move(cloud), originOf(header.flags)};
 }
 
 }  // namespace foci

@@ -4,7 +4,8 @@
 //
 //    0  8 bytes  "FOCI\r\n\x1a\n", which a transfer as text would alter
 //    8  uint32   version, 1
-//   12  uint32   flags: 1 oriented, 2 with opacity; others 0
+//   12  uint32   flags: 1 oriented, 2 with opacity, 4 samples of a mesh, 8 plain colours,
+//                16 * (0 up axis unknown, 1 x, 2 y, 3 z); others 0
 //   16  uint64   surfels
 //   24  uint64   bytes of the whole file
 //   32  uint64   checksum of the bytes after the header
@@ -14,17 +15,31 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
 
+/// What the surfels were prepared from, as far as it tells how to show them.
+struct SurfelOrigin {
+  bool mesh = false;             ///< samples of a mesh, so that none of them is a stray
+  bool plain_colors = false;     ///< at most a colour for each material: no light is in them
+  std::optional<int> up_axis{};  ///< 0 x, 1 y, 2 z
+  bool operator==(const SurfelOrigin&) const = default;
+};
+
+struct PreparedScene {
+  SurfelCloud cloud;
+  SurfelOrigin origin{};
+};
+
 /// Whether the file begins like a scene file. False if the file cannot be read.
 bool isSceneFile(const std::filesystem::path& path);
 
-/// Writes a cloud that is sound and not empty (asserted).
+/// Writes a scene whose cloud is sound and not empty (asserted).
 /// @throws std::runtime_error if the file cannot be written
-void writeSceneFile(const std::filesystem::path& path, const SurfelCloud& cloud);
+void writeSceneFile(const std::filesystem::path& path, const PreparedScene& scene);
 
 /// Reads through a memory map, and checks everything before it allocates the surfels. The surfels
 /// are bit for bit the written ones.
@@ -32,6 +47,6 @@ void writeSceneFile(const std::filesystem::path& path, const SurfelCloud& cloud)
 ///         differs from its header. A checksum finds any single altered byte, and other changes but
 ///         for one in 2^64. Surfels must be sound: finite positions and axes, axes longer than 0,
 ///         areas > 0, colours >= 0, opacity 0 to 1.
-SurfelCloud readSceneFile(const std::filesystem::path& path);
+PreparedScene readSceneFile(const std::filesystem::path& path);
 
 }  // namespace foci

@@ -117,8 +117,8 @@ OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sa
 
 OpenedScene openScene(SceneFile&& file, double scale_m,
                       const std::optional<glm::vec3>& viewpoint_m) {
-  if (auto* const cloud = std::get_if<SurfelCloud>(&file.content)) {
-    return {scaled(std::move(*cloud), static_cast<float>(scale_m))};
+  if (auto* const prepared = std::get_if<PreparedScene>(&file.content)) {
+    return {scaled(std::move(prepared->cloud), static_cast<float>(scale_m))};
   }
   OpenedPoints opened = openPoints(std::move(file), scale_m);
   const std::size_t dropped = opened.points.dropped;

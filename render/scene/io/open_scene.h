@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "render/scene/io/foci_file.h"
 #include "render/scene/io/mesh.h"
 #include "render/scene/mesh/sample_mesh.h"
 #include "render/scene/point_cloud.h"
@@ -24,7 +25,7 @@ bool isScene(const std::filesystem::path& path);
 /// A scene file as read: in its own units, a mesh not sampled, no surfels estimated.
 struct SceneFile {
   std::filesystem::path path;
-  std::variant<PointCloud, MeshFile, SurfelCloud> content;
+  std::variant<PointCloud, MeshFile, PreparedScene> content;
 };
 
 /// Reads a `.foci` scene or a LAS scan (recognised by their first bytes), a mesh (OBJ, glTF, STL,

@@ -23,13 +23,18 @@ glm::vec2 rangeOf(const std::vector<float>& opacity) {
   return {*least, *greatest};
 }
 
-SceneFacts factsOfContent(const SurfelCloud& cloud, const std::filesystem::path&) {
+SceneFacts factsOfContent(const PreparedScene& scene, const std::filesystem::path&) {
+  const SurfelCloud& cloud = scene.cloud;
+  const bool is_plain = scene.origin.plain_colors;
   return {.kind = SceneKind::prepared,
           .surfels = cloud.size(),
           .has_normals = cloud.oriented,
-          .has_colors = differ(cloud.color),
+          .has_colors = !is_plain,
+          .material_colors = is_plain && differ(cloud.color),
           .opacity = rangeOf(cloud.opacity),
+          .samples_of_mesh = scene.origin.mesh,
           .unit_m = 1.0,
+          .up_axis = scene.origin.up_axis,
           .position = cloud.position_m};
 }
 

@@ -45,6 +45,7 @@ struct SceneFacts {
   glm::vec2 opacity{1.0f};             ///< least and greatest
   std::size_t dropped = 0;             ///< points whose position is not finite
   std::vector<std::string> remarks{};  ///< see `PointCloud`
+  bool samples_of_mesh = false;        ///< a prepared scene that was a mesh
 
   /// Metres a unit, if the format or the file says so; up axis (0 x, 1 y, 2 z), if the file does.
   std::optional<double> unit_m{};

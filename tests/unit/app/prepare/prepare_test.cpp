@@ -48,7 +48,7 @@ class PrepareScene : public testing::Test {
 TEST_F(PrepareScene, MakesASceneAndAReportOfAMesh) {
   const PrepareSummary summary =
       prepareScene({.input = square(), .out = folder_ / "s.foci", .scale_m = 2.0, .points = 3000});
-  const SurfelCloud cloud = readSceneFile(folder_ / "s.foci");
+  const SurfelCloud cloud = readSceneFile(folder_ / "s.foci").cloud;
   EXPECT_EQ(cloud.size(), summary.surfels);
   EXPECT_NEAR(summary.area_m2, 4.0, 0.4);  // surfels at the border reach beyond it
   ASSERT_EQ(summary.normalisation.size(), 2u);

@@ -26,7 +26,7 @@ class FociFileTest : public testing::Test {
   ~FociFileTest() override { std::filesystem::remove(path_); }
 
   std::string written(const SurfelCloud& cloud) {
-    writeSceneFile(path_, cloud);
+    writeSceneFile(path_, {cloud});
     std::ifstream in(path_, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
@@ -59,12 +59,22 @@ SurfelCloud few(bool with_opacity) {
   return cloud;
 }
 
+TEST_F(FociFileTest, BringsBackTheOrigin) {
+  for (const SurfelOrigin& origin :
+       {SurfelOrigin{}, SurfelOrigin{.mesh = true},
+        SurfelOrigin{.plain_colors = true, .up_axis = 0},
+        SurfelOrigin{.mesh = true, .plain_colors = true, .up_axis = 2}}) {
+    writeSceneFile(path_, {few(true), origin});
+    EXPECT_EQ(readSceneFile(path_).origin, origin);
+  }
+}
+
 TEST_F(FociFileTest, BringsBackWhatWasWritten) {
   for (const bool with_opacity : {false, true}) {
     const SurfelCloud cloud = few(with_opacity);
-    writeSceneFile(path_, cloud);
+    writeSceneFile(path_, {cloud});
     EXPECT_TRUE(isSceneFile(path_));
-    const SurfelCloud back = readSceneFile(path_);
+    const SurfelCloud back = readSceneFile(path_).cloud;
     EXPECT_EQ(back.position_m, cloud.position_m);
     EXPECT_EQ(back.axis_u_m, cloud.axis_u_m);
     EXPECT_EQ(back.axis_v_m, cloud.axis_v_m);

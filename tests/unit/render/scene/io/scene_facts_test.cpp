@@ -113,12 +113,19 @@ TEST_F(Facts, OfPointsAndPreparedScenes) {
 
   SurfelCloud cloud;
   appendSurfel(cloud, {1.0f, 2.0f, 3.0f}, {0.0f, 0.0f, 1.0f}, 0.1f, 0.02f, glm::vec3(0.5f), 0.5f);
-  writeSceneFile(scratch.path() / "scene.foci", cloud);
+  writeSceneFile(scratch.path() / "scene.foci", {cloud});
   const SceneFacts prepared = factsIn(scratch.path() / "scene.foci");
   EXPECT_EQ(prepared.surfels, 1u);
   EXPECT_EQ(prepared.unit_m, 1.0);
   EXPECT_EQ(prepared.opacity, glm::vec2(0.5f));
   EXPECT_EQ(prepared.position.at(0), glm::vec3(1, 2, 3));
+  EXPECT_TRUE(prepared.has_colors && !prepared.up_axis && !prepared.samples_of_mesh);
+
+  writeSceneFile(scratch.path() / "mesh.foci",
+                 {cloud, {.mesh = true, .plain_colors = true, .up_axis = 1}});
+  const SceneFacts plain = factsIn(scratch.path() / "mesh.foci");
+  EXPECT_TRUE(plain.samples_of_mesh && !plain.has_colors && !plain.material_colors);
+  EXPECT_EQ(plain.up_axis, 1);
 }
 
 TEST_F(Facts, OfNothingAreRefused) {
