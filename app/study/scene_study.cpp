@@ -11,9 +11,7 @@ constexpr double kPlainShading = 0.65;
 
 /// Whether the file gives no more than a colour for each material. Textures and scans contain the
 /// light of the place; such a colour does not.
-bool isPlain(const SceneFacts& facts) {
-  return !facts.has_colors;
-}
+bool isPlain(const SceneFacts& facts) { return !facts.has_colors; }
 
 }  // namespace
 

@@ -13,10 +13,17 @@
 namespace foci {
 namespace {
 
-double triangleArea_m2(const TriangleMesh& mesh, std::size_t triangle) {
+struct TriangleSize {
+  double area_m2, least_height_m;
+};
+
+TriangleSize sizeOf(const TriangleMesh& mesh, std::size_t triangle) {
   const glm::dvec3 a = mesh.corners_m[3 * triangle], b = mesh.corners_m[3 * triangle + 1],
                    c = mesh.corners_m[3 * triangle + 2];
-  return 0.5 * glm::length(glm::cross(b - a, c - a));
+  const double area_m2 = 0.5 * glm::length(glm::cross(b - a, c - a));
+  const double longest_m =
+      std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+  return {area_m2, longest_m > 0.0 ? 2.0 * area_m2 / longest_m : 0.0};
 }
 
 /// Pixels of the texture in a triangle; 0 where it has no texture.
@@ -57,14 +64,19 @@ void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
 
 std::size_t defaultPoints(const TriangleMesh& mesh) {
   double area_m2 = 0.0, texels = 0.0;
-  std::vector<double> areas_m2(mesh.size());
+  std::vector<double> heights_m(mesh.size());
   for (std::size_t i = 0; i < mesh.size(); ++i) {
-    area_m2 += areas_m2[i] = triangleArea_m2(mesh, i);
+    const TriangleSize size = sizeOf(mesh, i);
+    area_m2 += size.area_m2;
+    heights_m[i] = size.least_height_m;
     texels += texelsOf(mesh, i);
   }
-  const auto middle = areas_m2.begin() + static_cast<std::ptrdiff_t>(mesh.size() / 2);
-  std::nth_element(areas_m2.begin(), middle, areas_m2.end());
-  const double detail = std::max(area_m2 / (2.0 * std::max(*middle, 1e-300)), texels);
+  const auto middle = heights_m.begin() + static_cast<std::ptrdiff_t>(mesh.size() / 2);
+  std::nth_element(heights_m.begin(), middle, heights_m.end());
+  // Equilateral triangles of this height, two for each vertex: their edges are as far apart as the
+  // vertices.
+  const double vertex_m2 = 2.0 / std::sqrt(3.0) * *middle * *middle;
+  const double detail = std::max(area_m2 / std::max(vertex_m2, 1e-300), texels);
   glm::dvec3 low(mesh.corners_m[0]), high = low;
   for (const glm::vec3& corner : mesh.corners_m) {
     low = glm::min(low, glm::dvec3(corner));

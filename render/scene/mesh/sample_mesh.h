@@ -15,8 +15,9 @@ struct MeshSampling {
   std::optional<std::size_t> points = {};
 };
 
-/// As many points as show the mesh's detail: its vertices (half of the triangles, at the density of
-/// the median triangle) and the texels of its textures. A screen on which the mesh just fills
+/// As many points as show the mesh's detail: its triangles across (the median of their least
+/// heights, which is the distance of the vertices where triangles are not thin) and the texels of
+/// its textures. A screen on which the mesh just fills
 /// `kScreenRows` rows bounds the detail that can be seen: one point a pixel. At least half of the
 /// triangles and `kMinPoints`, at most `kMaxPoints`.
 std::size_t defaultPoints(const TriangleMesh& mesh);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "render/scene/io/foci_file.h"
 #include "render/scene/io/open_scene.h"
 #include "render/scene/mesh/sample_mesh.h"
+#include "render/scene/sampling/poisson_disk.h"
 #include "tests/temporary_folder.h"
 
 namespace foci {
@@ -127,6 +129,25 @@ TEST_F(MeshTest, ChoosesPointsFromTheMeshsDetail) {
                          "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n");
   const double pixel = std::sqrt(5.0) / kScreenRows;  // the quad's diagonal fills the rows
   EXPECT_NEAR(static_cast<double>(pointsOf(fine)), std::max(2.0 / (pixel * pixel), 5e5), 1e4);
+}
+
+TEST_F(MeshTest, StripsOfLongTrianglesAreDetailedAcross) {
+  // A fluted square: 1000 slopes of 45 degrees, each of two triangles from edge to edge. A
+  // triangle has as much area as an equilateral one of edge 1/25.
+  constexpr int kSlopes = 1000;
+  std::ostringstream obj;
+  for (int i = 0; i <= kSlopes; ++i) {
+    const double x = static_cast<double>(i) / kSlopes, z = i % 2 / 1000.0;
+    obj << "v " << x << " 0 " << z << "\nv " << x << " 1 " << z << '\n';
+    if (i == 0) continue;
+    const int a = 2 * i - 1;
+    obj << "f " << a << ' ' << a + 2 << ' ' << a + 3 << "\nf " << a << ' ' << a + 3 << ' ' << a + 1
+        << '\n';
+  }
+  const TriangleMesh mesh = readMesh(file("strips.obj", obj.str())).mesh;
+  const double points = static_cast<double>(defaultPoints(mesh));
+  const double across_m = std::sqrt(2.0) / kSlopes;
+  EXPECT_LT(std::sqrt(areaOf_m2(mesh.corners_m) / points), 1.1 * across_m);
 }
 
 TEST_F(MeshTest, ReadsGltfWithItsNodesMoved) {
