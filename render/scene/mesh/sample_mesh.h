@@ -17,9 +17,9 @@ struct MeshSampling {
 
 /// As many points as show the mesh's detail: its triangles across (the median of their least
 /// heights, which is the distance of the vertices where triangles are not thin) and the texels of
-/// its textures. A screen on which the mesh just fills
-/// `kScreenRows` rows bounds the detail that can be seen: one point a pixel. At least half of the
-/// triangles and `kMinPoints`, at most `kMaxPoints`.
+/// its textures. A screen on which the mesh just fills `kScreenRows` rows bounds the detail that
+/// can be seen: one point a pixel. At least half of the triangles and `kMinPoints`, at most
+/// `kMaxPoints`.
 std::size_t defaultPoints(const TriangleMesh& mesh);
 
 inline constexpr std::size_t kMinPoints = 500'000, kMaxPoints = 8'000'000;
