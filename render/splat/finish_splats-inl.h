@@ -168,13 +168,29 @@ HWY_INLINE void finishSubAperture(const ProjectJob& job, const ProjectedLanes& l
   out.out_across_D[at] = spread(across_D, variance * across_D * across_D);
 }
 
+/// How lens points follow from offsets on the image, along one meridian.
+struct LensScale {
+  float per_px;     // lens radii a px
+  float inv_width;  // of the lens points that see one offset, 1 / lens radii
+};
+
+/// Surfels and merged nodes smear a sheet. The smear widens an outline as a larger lens would, so
+/// it counts as part of the lens: two outlines that meet then still meet. The prefilter differs
+/// from the lens point at random, as does a smear beyond the width of the blur.
+/// @param variance  of the unblurred splat, its prefilter included
+HWY_INLINE LensScale lensScale(float radius_px, float variance_px2, float prefilter_px2) {
+  const float blur = kDiscVariancePerRadius2 * radius_px * radius_px;
+  const float smear = std::clamp(variance_px2 - prefilter_px2, 0.0f, blur);
+  const float lens = blur + smear, random = variance_px2 - smear;
+  return {std::sqrt(kDiscVariancePerRadius2 * lens) / (lens + random),
+          std::sqrt((lens + random) / (3.0f * std::max(random, 1e-12f)))};
+}
+
 /// The lens points of lane `k` (`SplatLens`), for a round lens.
 HWY_INLINE SplatLens lensOf(const ProjectedLanes& lanes, std::size_t k) {
   const float radius = std::max(lanes.radius[k], 1e-6f);
-  const float variance = lanes.narrow[k];  // over the squared radius
-  const float per_px = 1.0f / (radius * (1.0f + 4.0f * variance));
-  const float inv_width = std::sqrt((1.0f / 12.0f) * (1.0f + 4.0f * variance) / variance);
-  return {std::copysign(per_px, lanes.out_of_focus_D[k]), inv_width, lanes.tilt_x[k],
+  const LensScale scale = lensScale(radius, lanes.narrow[k] * radius * radius, lanes.prefilter[k]);
+  return {std::copysign(scale.per_px, lanes.out_of_focus_D[k]), scale.inv_width, lanes.tilt_x[k],
           lanes.tilt_y[k]};
 }
 
@@ -183,9 +199,8 @@ HWY_INLINE SplatLens lensOf(const ProjectedLanes& lanes, std::size_t k) {
 HWY_INLINE SplatLens lensAlong(const ProjectJob& job, const ProjectedLanes& lanes, std::size_t k,
                                float off_D) {
   const float radius = std::sqrt(job.blur_x * job.blur_y) * off_D;
-  const float variance4 = 4.0f * lanes.unblurred[k];
-  const float sum = radius * radius + variance4;
-  return {radius / sum, std::sqrt(sum / (3.0f * variance4)), lanes.tilt_x[k], lanes.tilt_y[k]};
+  const LensScale scale = lensScale(radius, lanes.unblurred[k], lanes.prefilter[k]);
+  return {std::copysign(scale.per_px, off_D), scale.inv_width, lanes.tilt_x[k], lanes.tilt_y[k]};
 }
 
 /// Writes the visible lanes to consecutive splats.
