@@ -12,6 +12,7 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
+#include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/pupil_message.h"
 #include "gaze/sources/pupil_source.h"
 #include "gaze/sources/simple_sources.h"
@@ -172,7 +173,10 @@ std::vector<GazeSample> samplesToPlay() {
     }
   } else {
     for (int i = 0; i < 500; ++i) {
-      samples.push_back(lookingAt(1000.0 + 0.005 * i, {0.0002 * i, 0, -0.6}));
+      GazeSample& sample =
+          samples.emplace_back(lookingAt(1000.0 + 0.005 * i, {0.0002 * i, 0, -0.6}));
+      sample.point_px =
+          pointOnScreen_px(kScreen, *sample.eyes[0].direction + *sample.eyes[1].direction);
     }
   }
   return samples;
