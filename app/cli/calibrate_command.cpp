@@ -125,7 +125,7 @@ void addCamera(CLI::App& calibrate) {
 
 void addCalibrateCommand(CLI::App& app) {
   CLI::App* calibrate =
-      app.add_subcommand("calibrate", "Calibrate the screen, a tracker, a webcam or a camera")
+      app.add_subcommand("calibrate", "Calibrate the screen, a tracker, a webcam or a camera.")
           ->require_subcommand(1);
   addScreen(*calibrate);
   addGaze(*calibrate);

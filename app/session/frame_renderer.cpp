@@ -65,23 +65,23 @@ FrameRenderer FrameRenderer::cloneSharingScene() const {
   return other;
 }
 
-void FrameRenderer::prepare(const RenderRequest& job) {
-  Method& method = methodNamed(job.method);
-  for (const auto& [eye, settings] : job.eyes) method.prepare(eye.view, settings);
+void FrameRenderer::prepare(const RenderRequest& request) {
+  Method& method = methodNamed(request.method);
+  for (const auto& [eye, settings] : request.eyes) method.prepare(eye.view, settings);
 }
 
-void FrameRenderer::render(const RenderRequest& job, RenderedFrame& rendered) {
-  const bool mono = job.stereo == StereoView::mono;
-  const std::optional<QualityLevel> level = qualityLevelFrom(job.method);
-  Method& method = methodNamed(job.method);
+void FrameRenderer::render(const RenderRequest& request, RenderedFrame& rendered) {
+  const bool mono = request.stereo == StereoView::mono;
+  const std::optional<QualityLevel> level = qualityLevelFrom(request.method);
+  Method& method = methodNamed(request.method);
   Frame& frame = rendered.frame;
-  frame.size_px = job.size_px;
-  frame.rgba.resize(static_cast<std::size_t>(job.size_px.x) * job.size_px.y);
-  rendered.method = job.method;
+  frame.size_px = request.size_px;
+  frame.rgba.resize(static_cast<std::size_t>(request.size_px.x) * request.size_px.y);
+  rendered.method = request.method;
   rendered.stats = {};
-  const auto renders = static_cast<float>(job.eyes.size() * (job.split ? 2 : 1));
+  const auto renders = static_cast<float>(request.eyes.size() * (request.split ? 2 : 1));
   bool first = true;
-  for (const auto& [eye, asked] : job.eyes) {
+  for (const auto& [eye, asked] : request.eyes) {
     RenderSettings settings = asked;
     settings.quality.quality_level = level;
     // Every view of a frame uses the same quality level, so that the log has one value per frame.
@@ -94,16 +94,16 @@ void FrameRenderer::render(const RenderRequest& job, RenderedFrame& rendered) {
     if (stats.quality_level && asked.quality.frame_ms) {
       rendered.method = textOf(*stats.quality_level);
     }
-    if (job.split) {
+    if (request.split) {
       settings.defocus = {};
       settings.depth = false;
       settings.quality.keep_level = true;
       method.render(eye.view, settings, sharp_);
       splitWithSharp(seen, sharp_);
     }
-    if (!mono) putEye(job.stereo, eye, seen, frame);
+    if (!mono) putEye(request.stereo, eye, seen, frame);
   }
-  rendered.request = job;
+  rendered.request = request;
 }
 
 }  // namespace foci

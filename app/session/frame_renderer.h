@@ -51,11 +51,11 @@ class FrameRenderer {
   explicit FrameRenderer(const SurfelCloud& cloud) : cloud_(&cloud) {}
 
   /// Renders into `rendered.frame`, and fills the rest.
-  void render(const RenderRequest& job, RenderedFrame& rendered);
+  void render(const RenderRequest& request, RenderedFrame& rendered);
 
   /// Takes the time to compute what lets later requests of the same views keep a frame-time budget.
   /// Clones profit, too.
-  void prepare(const RenderRequest& job);
+  void prepare(const RenderRequest& request);
 
   /// The method of that name, which must exist (asserted); `auto:N` is `auto`.
   Method& methodNamed(const std::string& spec);

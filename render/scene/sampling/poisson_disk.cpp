@@ -15,7 +15,7 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kRounds = 12;   // with a dart for each point that is wanted
-constexpr double kMost = 3.0;         // times the points wanted; slivers would take all darts
+constexpr double kMostPoints = 3.0;   // times the points wanted; slivers would take all darts
 constexpr float kFacingAway = -0.5f;  // cosine of normals
 constexpr std::size_t kBlock = 1024;  // darts of a task
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -246,7 +246,7 @@ std::vector<MeshPoint> poissonDisk(const std::vector<glm::vec3>& corners_m, doub
     parallelSort(darts.begin(), darts.end(),
                  [](const Dart& a, const Dart& b) { return a.priority < b.priority; });
     for (const Dart& dart : darts) {
-      if (static_cast<double>(points.size()) >= kMost * wanted) return points;
+      if (static_cast<double>(points.size()) >= kMostPoints * wanted) return points;
       points.push_back(dart.point);
     }
   }
