@@ -32,14 +32,17 @@ struct alignas(64) Sums : ColorSums {
   // `lens_weight` times lens points; without a lens, `weight` times the centres' offsets over the
   // supports' radii.
   BlockValues mean_x, mean_y;
+  BlockValues blocked_x, blocked_y;  // `visible` times lens points; unused without a lens
 };
 
 /// By sample, the composited light and the transmittance of all closed layers.
 struct alignas(64) Light {
   BlockValues transmittance;
   BlockValues red, green, blue, distance;
-  BlockValues partial;  // largest share of the light that a layer covers in part
-  // The edge of most contrast: on the lens (`findLensEdge`), or in the pixel (`findPixelEdge`).
+  BlockValues blocked_x, blocked_y;  // lens points times the share of the light blocked there
+  BlockValues partial;               // largest share of the light that a layer covers in part
+  // An edge: of all layers on the lens (`findLensEdge`), or of most contrast in the pixel
+  // (`findPixelEdge`).
   // Beyond a lens's edge `outside` passes; of a pixel's edge `outside` is the opacity and `edge_at`
   // the share.
   BlockValues edge_x, edge_y, edge_at, outside;

@@ -166,11 +166,12 @@ struct Layers {
 
     // The light that passes the layer, and the edge behind which it does.
     if constexpr (kLens) {
-      findLensEdge(block, i, which, all, hn::Min(closing.alpha, one));
+      closing.pass();
+      findLensEdge(block, i, which, closing.transmittance);
     } else {
       findPixelEdge(block, i, which, all, closing);
+      closing.pass();
     }
-    closing.pass();
     if constexpr (kTransparent) {
       if (any_beyond) {
         closing.alpha = hn::Zero(d);
@@ -218,24 +219,31 @@ struct Layers {
     }
 
     /// Composites sums over `summed` weights that cover `share` of the sample.
-    HWY_INLINE void composite(ColorSums& sums, V summed, V share) {
-      const D d;
-      const V scale = hn::Div(hn::Mul(share, seen), hn::Max(summed, hn::Set(d, 1e-20f)));
+    /// @return the factor of the sums
+    HWY_INLINE V composite(ColorSums& sums, V summed, V share) {
+      const V scale = hn::Div(hn::Mul(share, seen), hn::Max(summed, hn::Set(D(), 1e-20f)));
       const V passed = hn::IfThenElseZero(which, hn::Mul(transmittance, scale));
-      const auto add = [&](float* out, float* sum) {
-        hn::Store(hn::MulAdd(passed, take(sum), hn::Load(d, out + i)), d, out + i);
-      };
-      add(light.red, sums.red);
-      add(light.green, sums.green);
-      add(light.blue, sums.blue);
-      if constexpr (kDepth) add(light.distance, sums.distance);
+      add(light.red, passed, sums.red);
+      add(light.green, passed, sums.green);
+      add(light.blue, passed, sums.blue);
+      if constexpr (kDepth) add(light.distance, passed, sums.distance);
       alpha = hn::MulAdd(scale, kTransparent || kLens ? take(sums.visible) : summed, alpha);
+      return passed;
+    }
+
+    HWY_INLINE void add(float* out, V factor, float* sum) const {
+      const D d;
+      hn::Store(hn::MulAdd(factor, take(sum), hn::Load(d, out + i)), d, out + i);
     }
 
     HWY_INLINE void compositeLayer(Sums& sums, V summed, V share) {
-      composite(sums, summed, share);
+      const V passed = composite(sums, summed, share);
+      if constexpr (kLens) {
+        add(light.blocked_x, passed, sums.blocked_x);
+        add(light.blocked_y, passed, sums.blocked_y);
+        take(sums.lens_weight);
+      }
       take(sums.weight);
-      if constexpr (kLens) take(sums.lens_weight);
       take(sums.mean_x);
       take(sums.mean_y);
     }
@@ -282,37 +290,33 @@ struct Layers {
     return hn::Mul(hn::Sub(one, m), hn::NegMulAdd(hn::Set(d, 0.7f), hn::Mul(m, m), one));
   }
 
-  /// The straight edge on the lens behind which a closing layer blocks the light.
+  /// The straight edge on the lens behind which the closed layers block light.
   ///
-  /// A layer that covers the share A of the lens up to an edge passes light where n l < at. The
-  /// unit vector n points to the layer's mean lens point. A splat behind the layer then counts by
-  /// the lens point that sees it (`edgeTransmittance`). Each sample keeps one edge, the one of most
-  /// contrast.
-  HWY_INLINE void findLensEdge(Block& block, std::size_t i, M which, const Covering& layer,
-                               V alpha) {
+  /// Layers that block the share A of the light up to an edge let it pass where n l < at. The unit
+  /// vector n points to the mean lens point of the blocked light. A splat behind the layers then
+  /// counts by the lens point that sees it (`edgeTransmittance`). All layers of a sample have one
+  /// edge together: a fold that two sheets make, or the slices of one steep sheet, bound one
+  /// region.
+  HWY_INLINE void findLensEdge(Block& block, std::size_t i, M which, V transmittance) {
     const D d;
     const V one = hn::Set(d, 1.0f), tiny = hn::Set(d, 1e-6f);
-    const V covering = layer.share, mx = layer.x, my = layer.y;
-
-    const V at = chordAt(covering), length = hn::Sqrt(hn::MulAdd(mx, mx, hn::Mul(my, my)));
-    const V share = straightness(length, covering, at);
+    const V blocked = hn::Sub(one, transmittance), partial = hn::Set(d, kPartial);
+    which = hn::And(which, hn::And(hn::Gt(blocked, partial), hn::Gt(transmittance, partial)));
+    if (hn::AllFalse(d, which)) return;
+    const V inv = hn::Div(one, blocked);
+    const V mx = hn::Mul(hn::Load(d, block.light.blocked_x + i), inv);
+    const V my = hn::Mul(hn::Load(d, block.light.blocked_y + i), inv);
+    const V at = chordAt(blocked), length = hn::Sqrt(hn::MulAdd(mx, mx, hn::Mul(my, my)));
+    const V share = straightness(length, blocked, at);
 
     // Transmittance on both sides of the edge, over the mean transmittance.
-    const V passes = hn::Max(hn::Sub(one, alpha), hn::Set(d, 1e-3f));
-    const V opacity = hn::Min(hn::Div(alpha, hn::Max(covering, tiny)), one);
-    const V contrast = hn::Div(hn::Mul(opacity, share), passes);
-    const V evenly = hn::Mul(hn::Sub(one, share), covering);
-    const V outside = hn::Div(hn::NegMulAdd(opacity, hn::Add(share, evenly), one), passes);
-
-    // Keep the edge where it is the sample's strongest.
-    M better = hn::And(which, hn::Gt(contrast, hn::Load(d, block.light.contrast + i)));
-    better = hn::And(better, hn::And(hn::Gt(covering, hn::Set(d, kPartial)),
-                                     hn::Lt(alpha, hn::Set(d, 1.0f - kPartial))));
-    if (hn::AllFalse(d, better)) return;
+    const V contrast = hn::Div(share, transmittance);
+    const V evenly = hn::Mul(hn::Sub(one, share), blocked);
+    const V outside = hn::Div(hn::Sub(one, hn::Add(share, evenly)), transmittance);
     block.any_edge = true;
     const V inv_length = hn::Div(one, hn::Max(length, tiny));
     const auto keep = [&](float* to, V value) {
-      hn::Store(hn::IfThenElse(better, value, hn::Load(d, to + i)), d, to + i);
+      hn::Store(hn::IfThenElse(which, value, hn::Load(d, to + i)), d, to + i);
     };
     keep(block.light.edge_x, hn::Mul(mx, inv_length));
     keep(block.light.edge_y, hn::Mul(my, inv_length));

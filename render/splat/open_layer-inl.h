@@ -23,6 +23,7 @@ namespace HWY_NAMESPACE {
 template <bool kTransparent, bool kDepth, bool kLens>
 struct OpenLayer {
   V far_m, weight, red, green, blue, visible, distance, lens_weight, mean_x, mean_y;
+  V blocked_x, blocked_y;
 
   HWY_INLINE void load(const Block& block, const Sums& sums, std::size_t i) {
     const D d;
@@ -36,6 +37,8 @@ struct OpenLayer {
     if constexpr (kLens) lens_weight = hn::Load(d, sums.lens_weight + i);
     mean_x = hn::Load(d, sums.mean_x + i);
     mean_y = hn::Load(d, sums.mean_y + i);
+    if constexpr (kLens) blocked_x = hn::Load(d, sums.blocked_x + i);
+    if constexpr (kLens) blocked_y = hn::Load(d, sums.blocked_y + i);
   }
 
   HWY_INLINE void store(Block& block, Sums& sums, std::size_t i) const {
@@ -50,6 +53,8 @@ struct OpenLayer {
     if constexpr (kLens) hn::Store(lens_weight, d, sums.lens_weight + i);
     hn::Store(mean_x, d, sums.mean_x + i);
     hn::Store(mean_y, d, sums.mean_y + i);
+    if constexpr (kLens) hn::Store(blocked_x, d, sums.blocked_x + i);
+    if constexpr (kLens) hn::Store(blocked_y, d, sums.blocked_y + i);
   }
 
   /// Adds a splat's colours.
@@ -66,6 +71,14 @@ struct OpenLayer {
       const float opaque_m = 0.5f * (splat.near_m + splat.far_m) * std::abs(splat.opacity);
       distance = hn::MulAdd(seen, hn::Set(d, opaque_m), distance);
     }
+  }
+
+  /// Adds the light that a splat blocks, by the lens point that sees it.
+  /// @param seen  its weight, times the share of the light that reaches it
+  HWY_INLINE void addBlocked(const Splat& splat, V seen, const LensPoint& point) {
+    const V blocked = kTransparent ? hn::Mul(seen, hn::Set(D(), std::abs(splat.opacity))) : seen;
+    blocked_x = hn::MulAdd(blocked, point.x, blocked_x);
+    blocked_y = hn::MulAdd(blocked, point.y, blocked_y);
   }
 
   /// The part of `all` that the layer takes before it is opaque.

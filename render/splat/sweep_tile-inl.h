@@ -139,12 +139,13 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
 
       // Evaluate the kernel, and note which point of the lens sees the splat.
       V all = kernelAt(splat, n, t, inside);
+      LensPoint point;
       V reaching = one;  // share of the light that reaches the splat, by its lens point
       if constexpr (kLens) {
         const SplatLens& lens = job.lens[batch.splat[n]];
         const SplatLens& across =
             kAstigmatic ? job.lens_across[batch.splat[n]] : job.lens[batch.splat[n]];
-        const LensPoint point = lensPointAt<kAstigmatic>(job, lens, across, dx, dy);
+        point = lensPointAt<kAstigmatic>(job, lens, across, dx, dy);
         layer.lens_weight = hn::Add(layer.lens_weight, all);
         layer.mean_x = hn::MulAdd(all, point.x, layer.mean_x);
         layer.mean_y = hn::MulAdd(all, point.y, layer.mean_y);
@@ -161,6 +162,7 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
       const V taken = layer.taken(all), seen = layer.seen(all, reaching);
       layer.weight = hn::Add(layer.weight, all);
       layer.addColour(splat, seen);
+      if constexpr (kLens) layer.addBlocked(splat, seen, point);
 
       // Behind an opaque surface of a transparent scene a second surface begins.
       if constexpr (kTransparent) {
