@@ -140,29 +140,30 @@ struct Layers {
                     .alpha = hn::Zero(d),
                     .seen = one};
 
-    // The side of the surface that faces the eye.
-    Covering all = coveringOf(block.facing, i);
-    if constexpr (kLens) findOverlap(block, i, which, all.weight, closing.transmittance);
-    V summed = hn::Min(all.weight, hn::Set(d, kOpaqueWeight)), rest = hn::Zero(d);
-    if constexpr (kTransparent) {
-      if (any_beyond) rest = joinBeyond(index, i, which, summed);
-    }
-    const V facing = all.share;
-
     // The back of a solid meets its front at the outline, at one distance and within one layer, but
     // no ray sees both: the back counts where it lies beside the front.
-    V back = hn::Zero(d), more = hn::Zero(d);
+    Covering all = coveringOf(block.facing, i);
+    V summed = hn::Min(all.weight, hn::Set(d, kOpaqueWeight)), rest = hn::Zero(d);
+    V front_weight = all.weight, facing = all.share, back_summed = rest, back_facing = rest;
     if (any_back_facing) {
-      const Covering other = coveringOf(block.back_facing, i);
-      back = hn::Min(other.weight, hn::Set(d, kOpaqueWeight));
-      more = besideFront(edgeOf(all), edgeOf(other));
-      all.join(other, more);
+      Covering back = coveringOf(block.back_facing, i);
+      back_summed = hn::Min(back.weight, hn::Set(d, kOpaqueWeight));
+      const M turned = all.swapWhereNearer(back);
+      const V beside = besideFront(edgeOf(all), edgeOf(back));
+      facing = hn::IfThenElse(turned, beside, all.share);
+      back_facing = hn::IfThenElse(turned, all.share, beside);
+      front_weight = all.weight;
+      all.join(back, beside);
+    }
+    if constexpr (kLens) findOverlap(block, i, which, front_weight, closing.transmittance);
+    if constexpr (kTransparent) {
+      if (any_beyond) rest = joinBeyond(index, i, which, summed);
     }
     if constexpr (!kLens) {
       if (block.any_edge) closing.seen = seenBehindPixelEdge(block.light, i, all);
     }
     closing.compositeLayer(block.facing, summed, facing);
-    if (any_back_facing) closing.compositeLayer(block.back_facing, back, more);
+    if (any_back_facing) closing.compositeLayer(block.back_facing, back_summed, back_facing);
 
     // The light that passes the layer, and the edge behind which it does.
     if constexpr (kLens) {
@@ -187,9 +188,26 @@ struct Layers {
 
   /// The coverage of a layer, or of one side of its surface.
   struct Covering {
-    V weight;  // sum of the kernels
-    V share;   // of the lens or the pixel, at most 1
-    V x, y;    // mean lens point of the layer, lens radii; or mean offset of its kernels
+    V weight;   // sum of the kernels
+    V share;    // of the lens or the pixel, at most 1
+    V x, y;     // mean lens point of the layer, lens radii; or mean offset of its kernels
+    V depth_m;  // `weight` times the mean distance
+
+    /// Swaps both sides where the other one is nearer. A mesh may be wound inside out.
+    /// @return where
+    HWY_INLINE M swapWhereNearer(Covering& other) {
+      const M nearer = hn::Lt(hn::Mul(other.depth_m, weight), hn::Mul(depth_m, other.weight));
+      const auto swap = [&](V& a, V& b) {
+        const V was = a;
+        a = hn::IfThenElse(nearer, b, a);
+        b = hn::IfThenElse(nearer, was, b);
+      };
+      swap(weight, other.weight);
+      swap(share, other.share);
+      swap(x, other.x);
+      swap(y, other.y);
+      return nearer;
+    }
 
     /// Adds another side that covers `more`.
     HWY_INLINE void join(const Covering& other, V more) {
@@ -244,6 +262,7 @@ struct Layers {
         take(sums.lens_weight);
       }
       take(sums.weight);
+      take(sums.depth_m);
       take(sums.mean_x);
       take(sums.mean_y);
     }
@@ -270,7 +289,8 @@ struct Layers {
     Covering c{.weight = weight,
                .share = share,
                .x = hn::Mul(hn::Load(d, sums.mean_x + i), inv),
-               .y = hn::Mul(hn::Load(d, sums.mean_y + i), inv)};
+               .y = hn::Mul(hn::Load(d, sums.mean_y + i), inv),
+               .depth_m = hn::Load(d, sums.depth_m + i)};
     if constexpr (kLens) {
       const V segment = shareAt(hn::Sqrt(hn::MulAdd(c.x, c.x, hn::Mul(c.y, c.y))));
       c.share = hn::Min(c.share, hn::Mul(segment, per));

@@ -36,6 +36,7 @@ struct SplatSums {
 /// One side of a layer's surface: splats until it is opaque, and the mean offset of all of them.
 struct RaySide : SplatSums {
   float all = 0.0f;        ///< weight, that of later splats too
+  float depth_m = 0.0f;    ///< `all` times the distances
   glm::vec2 offset{0.0f};  ///< `all` times the offsets of `Hit`
 
   float share() const { return coverageOf(all, kSharpRamp); }
@@ -43,19 +44,25 @@ struct RaySide : SplatSums {
   PixelEdge edge() const { return pixelEdgeOf(all, mean(), share()); }
 };
 
-/// An open layer. `later` holds the weight that front-facing splats add once the front is opaque.
+/// An open layer. `later` holds the weight that facing splats add once their side is opaque.
 struct RayLayer {
-  RaySide front, back;
+  RaySide facing, back_facing;
   SplatSums later;
 
   void add(const SeenSurfel& surfel, const Hit& hit) {
     const float w = hit.weight;
-    RaySide& side = surfel.back_facing ? back : front;
+    RaySide& side = surfel.back_facing ? back_facing : facing;
     const float joins = std::min(w, std::max(kOpaqueWeight - side.weight, 0.0f));
     side.add(surfel, joins);
     side.all += w;
+    side.depth_m += w * 0.5f * (surfel.near_m + surfel.far_m);
     side.offset += w * hit.offset;
     if (!surfel.back_facing && w > joins) later.add(surfel, w - joins);
+  }
+
+  /// Whether the nearer side is the one that faces away. A mesh may be wound inside out.
+  bool turned() const {
+    return back_facing.depth_m * facing.all < facing.depth_m * back_facing.all;
   }
 };
 
@@ -68,19 +75,21 @@ class RayColor {
 
   void close(RayLayer layer, bool transparent) {
     if (!transparent) layer.later = {};
-    const float covered = layer.front.share();
-    const float left = besideFront(layer.front.edge(), layer.back.edge());
-    const PixelEdge behind = edgeOf(layer, left);
-    const float seen = edge_ ? seenOverIndependent(edge_->edge, edge_->opacity, behind) : 1.0f;
+    RaySide& front = layer.turned() ? layer.back_facing : layer.facing;
+    RaySide& back = layer.turned() ? layer.facing : layer.back_facing;
+    const float covered = front.share();
+    const float left = besideFront(front.edge(), back.edge());
+    const PixelEdge whole = edgeOf(front, back, left);
+    const float seen = edge_ ? seenOverIndependent(edge_->edge, edge_->opacity, whole) : 1.0f;
     // The later weight is noise of the same surface, another surface, or a share of each.
     const float less = (kAnother - layer.later.weight) / (kAnother - kNoise);
     const float same = std::clamp(less, 0.0f, 1.0f);
-    layer.front.add(layer.later, same);
+    layer.facing.add(layer.later, same);
     layer.later.add(layer.later, -same);
-    const float front_scale = covered / std::max(layer.front.weight, 1e-20f);
-    const float back_scale = left / std::max(layer.back.weight, 1e-20f);
-    keepEdge(behind, front_scale * layer.front.opacity + back_scale * layer.back.opacity, seen);
-    composite(layer.front, seen * front_scale, layer.back, seen * back_scale);
+    const float front_scale = covered / std::max(front.weight, 1e-20f);
+    const float back_scale = left / std::max(back.weight, 1e-20f);
+    keepEdge(whole, front_scale * front.opacity + back_scale * back.opacity, seen);
+    composite(front, seen * front_scale, back, seen * back_scale);
     composite(layer.later, 1.0f / std::max(layer.later.weight, 1.0f), {}, 0.0f);
   }
 
@@ -92,11 +101,10 @@ class RayColor {
   };
   std::optional<FrontEdge> edge_;  ///< of most contrast
 
-  static PixelEdge edgeOf(const RayLayer& layer, float left) {
-    const float share = layer.front.share() + left;
-    const glm::vec2 mean =
-        glm::mix(layer.front.mean(), layer.back.mean(), left / std::max(share, 1e-20f));
-    return pixelEdgeOf(std::max(layer.front.all, layer.back.all), mean, share);
+  static PixelEdge edgeOf(const RaySide& front, const RaySide& back, float left) {
+    const float share = front.share() + left;
+    const glm::vec2 mean = glm::mix(front.mean(), back.mean(), left / std::max(share, 1e-20f));
+    return pixelEdgeOf(std::max(front.all, back.all), mean, share);
   }
 
   void keepEdge(const PixelEdge& edge, float independent_alpha, float seen) {
