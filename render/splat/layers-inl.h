@@ -143,8 +143,9 @@ struct Layers {
     // The back of a solid meets its front at the outline, at one distance and within one layer, but
     // no ray sees both: the back counts where it lies beside the front.
     Covering all = coveringOf(block.facing, i);
+    if constexpr (kLens) findOverlap(block, i, which, all.weight, closing.transmittance);
     V summed = hn::Min(all.weight, hn::Set(d, kOpaqueWeight)), rest = hn::Zero(d);
-    V front_weight = all.weight, facing = all.share, back_summed = rest, back_facing = rest;
+    V facing = all.share, back_summed = rest, back_facing = rest;
     if (any_back_facing) {
       Covering back = coveringOf(block.back_facing, i);
       back_summed = hn::Min(back.weight, hn::Set(d, kOpaqueWeight));
@@ -152,10 +153,8 @@ struct Layers {
       const V beside = besideFront(edgeOf(all), edgeOf(back));
       facing = hn::IfThenElse(turned, beside, all.share);
       back_facing = hn::IfThenElse(turned, all.share, beside);
-      front_weight = all.weight;
       all.join(back, beside);
     }
-    if constexpr (kLens) findOverlap(block, i, which, front_weight, closing.transmittance);
     if constexpr (kTransparent) {
       if (any_beyond) rest = joinBeyond(index, i, which, summed);
     }
@@ -188,15 +187,15 @@ struct Layers {
 
   /// The coverage of a layer, or of one side of its surface.
   struct Covering {
-    V weight;   // sum of the kernels
-    V share;    // of the lens or the pixel, at most 1
-    V x, y;     // mean lens point of the layer, lens radii; or mean offset of its kernels
-    V depth_m;  // `weight` times the mean distance
+    V weight;     // sum of the kernels
+    V share;      // of the lens or the pixel, at most 1
+    V x, y;       // mean lens point of the layer, lens radii; or mean offset of its kernels
+    V nearest_D;  // vergence of the nearest splat; 0 without one
 
     /// Swaps both sides where the other one is nearer. A mesh may be wound inside out.
     /// @return where
     HWY_INLINE M swapWhereNearer(Covering& other) {
-      const M nearer = hn::Lt(hn::Mul(other.depth_m, weight), hn::Mul(depth_m, other.weight));
+      const M nearer = hn::Gt(other.nearest_D, nearest_D);
       const auto swap = [&](V& a, V& b) {
         const V was = a;
         a = hn::IfThenElse(nearer, b, a);
@@ -262,7 +261,7 @@ struct Layers {
         take(sums.lens_weight);
       }
       take(sums.weight);
-      take(sums.depth_m);
+      take(sums.nearest_D);
       take(sums.mean_x);
       take(sums.mean_y);
     }
@@ -290,7 +289,7 @@ struct Layers {
                .share = share,
                .x = hn::Mul(hn::Load(d, sums.mean_x + i), inv),
                .y = hn::Mul(hn::Load(d, sums.mean_y + i), inv),
-               .depth_m = hn::Load(d, sums.depth_m + i)};
+               .nearest_D = hn::Load(d, sums.nearest_D + i)};
     if constexpr (kLens) {
       const V segment = shareAt(hn::Sqrt(hn::MulAdd(c.x, c.x, hn::Mul(c.y, c.y))));
       c.share = hn::Min(c.share, hn::Mul(segment, per));
@@ -388,6 +387,7 @@ struct Layers {
 
   /// Sets `overlap` where two layers cover a sample in part, or where one layer holds two surfaces.
   /// Such a sample needs sub-apertures: each point of the lens sees another surface there.
+  /// @param weight  of the facing side; the far side of a solid is behind its own outline
   HWY_INLINE void findOverlap(Block& block, std::size_t i, M which, V weight, V transmittance) {
     const D d;
     const V one = hn::Set(d, 1.0f), partial = hn::Load(d, block.light.partial + i);

@@ -36,7 +36,7 @@ struct SplatSums {
 /// One side of a layer's surface: splats until it is opaque, and the mean offset of all of them.
 struct RaySide : SplatSums {
   float all = 0.0f;        ///< weight, that of later splats too
-  float depth_m = 0.0f;    ///< `all` times the distances
+  float nearest_D = 0.0f;  ///< vergence of the nearest surfel; 0 without one
   glm::vec2 offset{0.0f};  ///< `all` times the offsets of `Hit`
 
   float share() const { return coverageOf(all, kSharpRamp); }
@@ -55,15 +55,13 @@ struct RayLayer {
     const float joins = std::min(w, std::max(kOpaqueWeight - side.weight, 0.0f));
     side.add(surfel, joins);
     side.all += w;
-    side.depth_m += w * 0.5f * (surfel.near_m + surfel.far_m);
+    side.nearest_D = std::max(side.nearest_D, 2.0f / (surfel.near_m + surfel.far_m));
     side.offset += w * hit.offset;
     if (!surfel.back_facing && w > joins) later.add(surfel, w - joins);
   }
 
   /// Whether the nearer side is the one that faces away. A mesh may be wound inside out.
-  bool turned() const {
-    return back_facing.depth_m * facing.all < facing.depth_m * back_facing.all;
-  }
+  bool turned() const { return back_facing.nearest_D > facing.nearest_D; }
 };
 
 /// The composited layers of a ray.
