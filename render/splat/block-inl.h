@@ -28,7 +28,6 @@ struct alignas(64) ColorSums {
 /// An open layer. The colours are those of splats that arrived before the layer was opaque.
 struct alignas(64) Sums : ColorSums {
   BlockValues weight;       // of all splats, later ones too
-  BlockValues nearest_D;    // vergence of the nearest splat; 0 without one
   BlockValues lens_weight;  // of all splats, without their tilt
   // `lens_weight` times lens points; without a lens, `weight` times the centres' offsets over the
   // supports' radii.

@@ -140,29 +140,29 @@ struct Layers {
                     .alpha = hn::Zero(d),
                     .seen = one};
 
-    // The back of a solid meets its front at the outline, at one distance and within one layer, but
-    // no ray sees both: the back counts where it lies beside the front.
+    // The side of the surface that faces the eye.
     Covering all = coveringOf(block.facing, i);
     if constexpr (kLens) findOverlap(block, i, which, all.weight, closing.transmittance);
     V summed = hn::Min(all.weight, hn::Set(d, kOpaqueWeight)), rest = hn::Zero(d);
-    V facing = all.share, back_summed = rest, back_facing = rest;
-    if (any_back_facing) {
-      Covering back = coveringOf(block.back_facing, i);
-      back_summed = hn::Min(back.weight, hn::Set(d, kOpaqueWeight));
-      const M turned = all.swapWhereNearer(back);
-      const V beside = besideFront(edgeOf(all), edgeOf(back));
-      facing = hn::IfThenElse(turned, beside, all.share);
-      back_facing = hn::IfThenElse(turned, all.share, beside);
-      all.join(back, beside);
-    }
     if constexpr (kTransparent) {
       if (any_beyond) rest = joinBeyond(index, i, which, summed);
+    }
+    const V facing = all.share;
+
+    // The back of a solid meets its front at the outline, at one distance and within one layer, but
+    // no ray sees both: the back counts where it lies beside the front.
+    V back = hn::Zero(d), more = hn::Zero(d);
+    if (any_back_facing) {
+      const Covering other = coveringOf(block.back_facing, i);
+      back = hn::Min(other.weight, hn::Set(d, kOpaqueWeight));
+      more = besideFront(edgeOf(all), edgeOf(other));
+      all.join(other, more);
     }
     if constexpr (!kLens) {
       if (block.any_edge) closing.seen = seenBehindPixelEdge(block.light, i, all);
     }
     closing.compositeLayer(block.facing, summed, facing);
-    if (any_back_facing) closing.compositeLayer(block.back_facing, back_summed, back_facing);
+    if (any_back_facing) closing.compositeLayer(block.back_facing, back, more);
 
     // The light that passes the layer, and the edge behind which it does.
     if constexpr (kLens) {
@@ -187,26 +187,9 @@ struct Layers {
 
   /// The coverage of a layer, or of one side of its surface.
   struct Covering {
-    V weight;     // sum of the kernels
-    V share;      // of the lens or the pixel, at most 1
-    V x, y;       // mean lens point of the layer, lens radii; or mean offset of its kernels
-    V nearest_D;  // vergence of the nearest splat; 0 without one
-
-    /// Swaps both sides where the other one is nearer. A mesh may be wound inside out.
-    /// @return where
-    HWY_INLINE M swapWhereNearer(Covering& other) {
-      const M nearer = hn::Gt(other.nearest_D, nearest_D);
-      const auto swap = [&](V& a, V& b) {
-        const V was = a;
-        a = hn::IfThenElse(nearer, b, a);
-        b = hn::IfThenElse(nearer, was, b);
-      };
-      swap(weight, other.weight);
-      swap(share, other.share);
-      swap(x, other.x);
-      swap(y, other.y);
-      return nearer;
-    }
+    V weight;  // sum of the kernels
+    V share;   // of the lens or the pixel, at most 1
+    V x, y;    // mean lens point of the layer, lens radii; or mean offset of its kernels
 
     /// Adds another side that covers `more`.
     HWY_INLINE void join(const Covering& other, V more) {
@@ -261,7 +244,6 @@ struct Layers {
         take(sums.lens_weight);
       }
       take(sums.weight);
-      take(sums.nearest_D);
       take(sums.mean_x);
       take(sums.mean_y);
     }
@@ -288,8 +270,7 @@ struct Layers {
     Covering c{.weight = weight,
                .share = share,
                .x = hn::Mul(hn::Load(d, sums.mean_x + i), inv),
-               .y = hn::Mul(hn::Load(d, sums.mean_y + i), inv),
-               .nearest_D = hn::Load(d, sums.nearest_D + i)};
+               .y = hn::Mul(hn::Load(d, sums.mean_y + i), inv)};
     if constexpr (kLens) {
       const V segment = shareAt(hn::Sqrt(hn::MulAdd(c.x, c.x, hn::Mul(c.y, c.y))));
       c.share = hn::Min(c.share, hn::Mul(segment, per));
@@ -387,7 +368,6 @@ struct Layers {
 
   /// Sets `overlap` where two layers cover a sample in part, or where one layer holds two surfaces.
   /// Such a sample needs sub-apertures: each point of the lens sees another surface there.
-  /// @param weight  of the facing side; the far side of a solid is behind its own outline
   HWY_INLINE void findOverlap(Block& block, std::size_t i, M which, V weight, V transmittance) {
     const D d;
     const V one = hn::Set(d, 1.0f), partial = hn::Load(d, block.light.partial + i);

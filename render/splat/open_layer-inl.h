@@ -22,7 +22,7 @@ namespace HWY_NAMESPACE {
 /// The open layer of a few samples, in registers: the sums of one side of the surface.
 template <bool kTransparent, bool kDepth, bool kLens>
 struct OpenLayer {
-  V far_m, weight, nearest_D, red, green, blue, visible, distance, lens_weight, mean_x, mean_y;
+  V far_m, weight, red, green, blue, visible, distance, lens_weight, mean_x, mean_y;
   V blocked_x, blocked_y;
 
   HWY_INLINE void load(const Block& block, const Sums& sums, std::size_t i) {
@@ -35,7 +35,6 @@ struct OpenLayer {
     if constexpr (kTransparent || kLens) visible = hn::Load(d, sums.visible + i);
     if constexpr (kDepth) distance = hn::Load(d, sums.distance + i);
     if constexpr (kLens) lens_weight = hn::Load(d, sums.lens_weight + i);
-    nearest_D = hn::Load(d, sums.nearest_D + i);
     mean_x = hn::Load(d, sums.mean_x + i);
     mean_y = hn::Load(d, sums.mean_y + i);
     if constexpr (kLens) blocked_x = hn::Load(d, sums.blocked_x + i);
@@ -52,7 +51,6 @@ struct OpenLayer {
     if constexpr (kTransparent || kLens) hn::Store(visible, d, sums.visible + i);
     if constexpr (kDepth) hn::Store(distance, d, sums.distance + i);
     if constexpr (kLens) hn::Store(lens_weight, d, sums.lens_weight + i);
-    hn::Store(nearest_D, d, sums.nearest_D + i);
     hn::Store(mean_x, d, sums.mean_x + i);
     hn::Store(mean_y, d, sums.mean_y + i);
     if constexpr (kLens) hn::Store(blocked_x, d, sums.blocked_x + i);

@@ -161,8 +161,6 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
       }
       const V taken = layer.taken(all), seen = layer.seen(all, reaching);
       layer.weight = hn::Add(layer.weight, all);
-      const V vergence_D = hn::Set(d, 2.0f / (splat.near_m + splat.far_m));
-      layer.nearest_D = hn::Max(layer.nearest_D, hn::IfThenElseZero(inside, vergence_D));
       layer.addColour(splat, seen);
       if constexpr (kLens) layer.addBlocked(splat, seen, point);
 

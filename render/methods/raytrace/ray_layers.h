@@ -36,7 +36,6 @@ struct SplatSums {
 /// One side of a layer's surface: splats until it is opaque, and the mean offset of all of them.
 struct RaySide : SplatSums {
   float all = 0.0f;        ///< weight, that of later splats too
-  float nearest_D = 0.0f;  ///< vergence of the nearest surfel; 0 without one
   glm::vec2 offset{0.0f};  ///< `all` times the offsets of `Hit`
 
   float share() const { return coverageOf(all, kSharpRamp); }
@@ -44,24 +43,20 @@ struct RaySide : SplatSums {
   PixelEdge edge() const { return pixelEdgeOf(all, mean(), share()); }
 };
 
-/// An open layer. `later` holds the weight that facing splats add once their side is opaque.
+/// An open layer. `later` holds the weight that front-facing splats add once the front is opaque.
 struct RayLayer {
-  RaySide facing, back_facing;
+  RaySide front, back;
   SplatSums later;
 
   void add(const SeenSurfel& surfel, const Hit& hit) {
     const float w = hit.weight;
-    RaySide& side = surfel.back_facing ? back_facing : facing;
+    RaySide& side = surfel.back_facing ? back : front;
     const float joins = std::min(w, std::max(kOpaqueWeight - side.weight, 0.0f));
     side.add(surfel, joins);
     side.all += w;
-    side.nearest_D = std::max(side.nearest_D, 2.0f / (surfel.near_m + surfel.far_m));
     side.offset += w * hit.offset;
     if (!surfel.back_facing && w > joins) later.add(surfel, w - joins);
   }
-
-  /// Whether the nearer side is the one that faces away. A mesh may be wound inside out.
-  bool turned() const { return back_facing.nearest_D > facing.nearest_D; }
 };
 
 /// The composited layers of a ray.
@@ -73,21 +68,19 @@ class RayColor {
 
   void close(RayLayer layer, bool transparent) {
     if (!transparent) layer.later = {};
-    RaySide& front = layer.turned() ? layer.back_facing : layer.facing;
-    RaySide& back = layer.turned() ? layer.facing : layer.back_facing;
-    const float covered = front.share();
-    const float left = besideFront(front.edge(), back.edge());
-    const PixelEdge whole = edgeOf(front, back, left);
-    const float seen = edge_ ? seenOverIndependent(edge_->edge, edge_->opacity, whole) : 1.0f;
+    const float covered = layer.front.share();
+    const float left = besideFront(layer.front.edge(), layer.back.edge());
+    const PixelEdge behind = edgeOf(layer, left);
+    const float seen = edge_ ? seenOverIndependent(edge_->edge, edge_->opacity, behind) : 1.0f;
     // The later weight is noise of the same surface, another surface, or a share of each.
     const float less = (kAnother - layer.later.weight) / (kAnother - kNoise);
     const float same = std::clamp(less, 0.0f, 1.0f);
-    layer.facing.add(layer.later, same);
+    layer.front.add(layer.later, same);
     layer.later.add(layer.later, -same);
-    const float front_scale = covered / std::max(front.weight, 1e-20f);
-    const float back_scale = left / std::max(back.weight, 1e-20f);
-    keepEdge(whole, front_scale * front.opacity + back_scale * back.opacity, seen);
-    composite(front, seen * front_scale, back, seen * back_scale);
+    const float front_scale = covered / std::max(layer.front.weight, 1e-20f);
+    const float back_scale = left / std::max(layer.back.weight, 1e-20f);
+    keepEdge(behind, front_scale * layer.front.opacity + back_scale * layer.back.opacity, seen);
+    composite(layer.front, seen * front_scale, layer.back, seen * back_scale);
     composite(layer.later, 1.0f / std::max(layer.later.weight, 1.0f), {}, 0.0f);
   }
 
@@ -99,10 +92,11 @@ class RayColor {
   };
   std::optional<FrontEdge> edge_;  ///< of most contrast
 
-  static PixelEdge edgeOf(const RaySide& front, const RaySide& back, float left) {
-    const float share = front.share() + left;
-    const glm::vec2 mean = glm::mix(front.mean(), back.mean(), left / std::max(share, 1e-20f));
-    return pixelEdgeOf(std::max(front.all, back.all), mean, share);
+  static PixelEdge edgeOf(const RayLayer& layer, float left) {
+    const float share = layer.front.share() + left;
+    const glm::vec2 mean =
+        glm::mix(layer.front.mean(), layer.back.mean(), left / std::max(share, 1e-20f));
+    return pixelEdgeOf(std::max(layer.front.all, layer.back.all), mean, share);
   }
 
   void keepEdge(const PixelEdge& edge, float independent_alpha, float seen) {

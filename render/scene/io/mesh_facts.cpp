@@ -16,6 +16,7 @@
 #include "base/text.h"
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/mesh_textures.h"
+#include "render/scene/mesh/orientation.h"
 
 namespace foci {
 namespace {
@@ -132,6 +133,7 @@ void finishTriangles(TriangleMesh& mesh, SceneFacts& facts) {
                            (repeated == 1 ? " triangle repeats another one: it is left out"
                                           : " triangles repeat others: they are left out"));
   }
+  orientOutwards(mesh);
   facts.triangles = mesh.size();
   takeColors(mesh, facts);
   remarkLostDetail(mesh);

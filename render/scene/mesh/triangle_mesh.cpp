@@ -14,10 +14,6 @@ namespace {
 
 constexpr float kMinAlpha = 0.5f;  // glTF's default alphaCutoff
 
-bool precedes(const glm::vec3& a, const glm::vec3& b) {
-  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-}
-
 /// The corners of a triangle, the least one first, in their winding.
 std::array<glm::vec3, 3> turnedCorners(const TriangleMesh& mesh, std::uint32_t triangle) {
   const glm::vec3* const from = &mesh.corners_m[3 * std::size_t{triangle}];
@@ -28,6 +24,10 @@ std::array<glm::vec3, 3> turnedCorners(const TriangleMesh& mesh, std::uint32_t t
 }
 
 }  // namespace
+
+bool precedes(const glm::vec3& a, const glm::vec3& b) {
+  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
 
 std::size_t dropUseless(TriangleMesh& mesh) {
   struct Key {

@@ -33,6 +33,9 @@ struct TriangleMesh {
   std::size_t size() const { return corners_m.size() / 3; }
 };
 
+/// Whether `a` comes first by x, then y, then z.
+bool precedes(const glm::vec3& a, const glm::vec3& b);
+
 /// Drops triangles without an area, which would count for the bounds, and those that have corners,
 /// material and winding of an earlier one, whose area would count as surface.
 /// @return the number of the latter

@@ -1,0 +1,129 @@
+#include "render/scene/mesh/orientation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <random>
+#include <utility>
+
+#include "render/scene/mesh/triangle_mesh.h"
+
+namespace foci {
+namespace {
+
+void addTriangle(TriangleMesh& mesh, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  for (const glm::vec3& corner : {a, b, c}) {
+    mesh.corners_m.push_back(corner);
+    mesh.uv.emplace_back(corner.x, corner.y);
+  }
+  mesh.material.push_back(0);
+}
+
+/// The corner (x, y, z) of a cube, each 0 or 1.
+glm::vec3 cornerOf(const glm::vec3& center_m, float side_m, int x, int y, int z) {
+  return center_m + side_m * (glm::vec3(x, y, z) - 0.5f);
+}
+
+/// Wound counter-clockwise from outside. `faces` leaves some out from the end.
+void addCube(TriangleMesh& mesh, const glm::vec3& center_m, float side_m, int faces = 6) {
+  for (int face = 0; face < faces; ++face) {
+    const int axis = face % 3, high = face / 3;
+    glm::vec3 corners[4];
+    for (int k = 0; k < 4; ++k) {
+      int place[3];
+      place[axis] = high;
+      place[(axis + 1) % 3] = k == 1 || k == 2;
+      place[(axis + 2) % 3] = k >= 2;
+      corners[high == 1 ? k : 3 - k] = cornerOf(center_m, side_m, place[0], place[1], place[2]);
+    }
+    addTriangle(mesh, corners[0], corners[1], corners[2]);
+    addTriangle(mesh, corners[0], corners[2], corners[3]);
+  }
+}
+
+void turn(TriangleMesh& mesh, std::size_t triangle) {
+  std::swap(mesh.corners_m[3 * triangle + 1], mesh.corners_m[3 * triangle + 2]);
+  std::swap(mesh.uv[3 * triangle + 1], mesh.uv[3 * triangle + 2]);
+}
+
+/// Triangles from `first` on whose normals point away from `center_m`.
+std::size_t outwards(const TriangleMesh& mesh, const glm::vec3& center_m, std::size_t first,
+                     std::size_t end) {
+  std::size_t count = 0;
+  for (std::size_t t = first; t < end; ++t) {
+    const glm::vec3* const p = &mesh.corners_m[3 * t];
+    count += glm::dot(glm::cross(p[1] - p[0], p[2] - p[0]), p[0] - center_m) > 0.0f;
+  }
+  return count;
+}
+
+constexpr glm::vec3 kCenter(7.0f, -3.0f, 40.0f);
+
+TEST(Orientation, ASolidFacesOutwardsHoweverItWasWound) {
+  std::mt19937 random(3);
+  for (int part = 0; part <= 4; ++part) {  // quarters of the triangles are turned
+    TriangleMesh mesh;
+    addCube(mesh, kCenter, 2.0f);
+    ASSERT_EQ(outwards(mesh, kCenter, 0, 12), 12u);
+    std::size_t turned = 0;
+    for (std::size_t t = 0; t < mesh.size(); ++t) {
+      if (static_cast<int>(random() % 4) >= part) continue;
+      turn(mesh, t);
+      ++turned;
+    }
+    EXPECT_EQ(orientOutwards(mesh), turned);
+    EXPECT_EQ(outwards(mesh, kCenter, 0, 12), 12u) << part;
+  }
+}
+
+TEST(Orientation, TextureFollowsTheCorners) {
+  TriangleMesh mesh;
+  addCube(mesh, {}, 2.0f);
+  for (std::size_t t = 0; t < mesh.size(); ++t) turn(mesh, t);
+  orientOutwards(mesh);
+  for (std::size_t i = 0; i < mesh.uv.size(); ++i) {
+    EXPECT_EQ(mesh.uv[i], glm::vec2(mesh.corners_m[i]));
+  }
+}
+
+TEST(Orientation, AnOpenSurfaceKeepsTheSideOfMostOfItsArea) {
+  TriangleMesh box;  // half a cube: no solid
+  addCube(box, kCenter, 2.0f, 3);
+  for (std::size_t t = 0; t < box.size(); ++t) turn(box, t);
+  turn(box, 2);
+  EXPECT_EQ(orientOutwards(box), 1u);
+  EXPECT_EQ(outwards(box, kCenter, 0, 6), 0u);
+}
+
+TEST(Orientation, ARoomKeepsItsInsideAndItsThingsFaceOutwards) {
+  TriangleMesh mesh;
+  addCube(mesh, kCenter, 4.0f);
+  addCube(mesh, kCenter, 0.5f);
+  for (std::size_t t = 0; t < mesh.size(); ++t) turn(mesh, t);
+  EXPECT_EQ(orientOutwards(mesh), 12u);
+  EXPECT_EQ(outwards(mesh, kCenter, 0, 12), 0u);
+  EXPECT_EQ(outwards(mesh, kCenter, 12, 24), 12u);
+}
+
+TEST(Orientation, AMoebiusStripKeepsASeam) {
+  TriangleMesh mesh;
+  constexpr int kSteps = 40;
+  const auto at = [](int i, float side) {
+    const float angle = 6.2831853f * static_cast<float>(i) / kSteps, half = 0.5f * angle;
+    const float r = 1.0f + 0.2f * side * std::cos(half);
+    return glm::vec3(r * std::cos(angle), r * std::sin(angle), 0.2f * side * std::sin(half));
+  };
+  for (int i = 0; i < kSteps; ++i) {
+    const bool last = i + 1 == kSteps;
+    const glm::vec3 c = last ? at(0, 1.0f) : at(i + 1, -1.0f);
+    const glm::vec3 d = last ? at(0, -1.0f) : at(i + 1, 1.0f);
+    addTriangle(mesh, at(i, -1.0f), c, d);
+    addTriangle(mesh, at(i, -1.0f), d, at(i, 1.0f));
+  }
+  EXPECT_EQ(orientOutwards(mesh), 0u);
+}
+
+}  // namespace
+}  // namespace foci
