@@ -32,6 +32,9 @@ struct alignas(64) Sums : ColorSums {
   // `lens_weight` times lens points; without a lens, `weight` times the centres' offsets over the
   // supports' radii.
   BlockValues mean_x, mean_y;
+  // `lens_weight` by the lens points of each splat with x > 0, with y > 0, and with both; unused
+  // without a lens.
+  BlockValues right, above, right_above;
   BlockValues blocked_x, blocked_y;  // `visible` times lens points; unused without a lens
 };
 

@@ -16,6 +16,7 @@
 
 #include "render/kernel/limits.h"
 #include "render/splat/block-inl.h"
+#include "render/splat/covering-inl.h"
 #include "render/splat/lens_edge-inl.h"
 #include "render/splat/pixel_edge-inl.h"
 #include "render/splat/simd-inl.h"
@@ -28,15 +29,6 @@ namespace foci {
 /// A layer whose weights sum to more holds two surfaces. Chosen by hand, above the ripple of one
 /// surface that `KernelSums` tests allow.
 inline constexpr float kTwoSurfaces = 1.3f;
-
-/// The mean lens point of a layer is scaled by the first and reduced by the second (lens radii)
-/// before it bounds the layer's coverage. Chosen by hand: the mean then errs towards more coverage.
-inline constexpr float kMeanScale = 0.92f, kMeanNoise = 0.04f;
-
-/// A mean up to the second, over the first, bounds nothing: folds that hide parts of themselves
-/// weigh one side of the lens more, although the surface covers all of it. At the mean of a
-/// half-covered lens, 0.42, both bounds agree. `ClosedSurfaces` tests bound the rest.
-inline constexpr float kFoldScale = 1.57f, kFoldMean = 0.314f;
 
 }  // namespace foci
 #endif  // FOCI_LAYERS_ONCE
@@ -141,7 +133,7 @@ struct Layers {
                     .seen = one};
 
     // The side of the surface that faces the eye.
-    Covering all = coveringOf(block.facing, i);
+    Covering all = coveringOf<kLens>(block.facing, i, coverage_a_weight);
     if constexpr (kLens) findOverlap(block, i, which, all.weight, closing.transmittance);
     V summed = hn::Min(all.weight, hn::Set(d, kOpaqueWeight)), rest = hn::Zero(d);
     if constexpr (kTransparent) {
@@ -153,7 +145,7 @@ struct Layers {
     // no ray sees both: the back counts where it lies beside the front.
     V back = hn::Zero(d), more = hn::Zero(d);
     if (any_back_facing) {
-      const Covering other = coveringOf(block.back_facing, i);
+      const Covering other = coveringOf<kLens>(block.back_facing, i, coverage_a_weight);
       back = hn::Min(other.weight, hn::Set(d, kOpaqueWeight));
       more = besideFront(edgeOf(all), edgeOf(other));
       all.join(other, more);
@@ -184,23 +176,6 @@ struct Layers {
     hn::Store(hn::IfThenElse(which, hn::Set(d, kClosed), hn::Load(d, block.far_m + i)), d,
               block.far_m + i);
   }
-
-  /// The coverage of a layer, or of one side of its surface.
-  struct Covering {
-    V weight;  // sum of the kernels
-    V share;   // of the lens or the pixel, at most 1
-    V x, y;    // mean lens point of the layer, lens radii; or mean offset of its kernels
-
-    /// Adds another side that covers `more`.
-    HWY_INLINE void join(const Covering& other, V more) {
-      weight = hn::Max(weight, other.weight);
-      const V total = hn::Add(share, more);
-      const V f = hn::Div(more, hn::Max(total, hn::Set(D(), 1e-20f)));
-      x = hn::MulAdd(f, hn::Sub(other.x, x), x);
-      y = hn::MulAdd(f, hn::Sub(other.y, y), y);
-      share = total;
-    }
-  };
 
   /// Lanes whose layers close: their transmittance, and the alpha of the layer at hand.
   struct Closing {
@@ -242,6 +217,9 @@ struct Layers {
         add(light.blocked_x, passed, sums.blocked_x);
         add(light.blocked_y, passed, sums.blocked_y);
         take(sums.lens_weight);
+        take(sums.right);
+        take(sums.above);
+        take(sums.right_above);
       }
       take(sums.weight);
       take(sums.mean_x);
@@ -254,41 +232,6 @@ struct Layers {
           which, hn::Mul(transmittance, hn::Sub(one, hn::Min(alpha, one))), transmittance);
     }
   };
-
-  HWY_INLINE Covering coveringOf(const Sums& sums, std::size_t i) const {
-    const D d;
-    const V one = hn::Set(d, 1.0f);
-    const V weight = hn::Load(d, sums.weight + i);
-    // `coverageOf`
-    constexpr CoverageRamp kRamp = kLens ? kBlurredRamp : kSharpRamp;
-    const V steep = hn::MulAdd(weight, hn::Set(d, kRamp.slope()),
-                               hn::Set(d, kRamp.linear_to - kRamp.slope() * kRamp.linear_to));
-    const V per = hn::Set(d, coverage_a_weight);
-    const V share = hn::Min(hn::Max(hn::Mul(weight, per), steep), one);
-    const float* const summed = kLens ? sums.lens_weight : sums.weight;
-    const V inv = hn::Div(one, hn::Max(hn::Load(d, summed + i), hn::Set(d, 1e-20f)));
-    Covering c{.weight = weight,
-               .share = share,
-               .x = hn::Mul(hn::Load(d, sums.mean_x + i), inv),
-               .y = hn::Mul(hn::Load(d, sums.mean_y + i), inv)};
-    if constexpr (kLens) {
-      const V segment = shareAt(hn::Sqrt(hn::MulAdd(c.x, c.x, hn::Mul(c.y, c.y))));
-      c.share = hn::Min(c.share, hn::Mul(segment, per));
-    }
-    return c;
-  }
-
-  /// Area share of the disc segment whose centroid lies `mean` radii from the centre; a polynomial
-  /// fit within 0.02. A layer on one side of the lens covers no more than that, although its
-  /// kernels may sum to more where the layer hides parts of itself.
-  static HWY_INLINE V shareAt(V mean) {
-    const D d;
-    const V one = hn::Set(d, 1.0f);
-    const V straight = hn::MulSub(mean, hn::Set(d, kMeanScale), hn::Set(d, kMeanNoise));
-    const V folded = hn::MulSub(mean, hn::Set(d, kFoldScale), hn::Set(d, kFoldMean));
-    const V m = hn::Min(hn::Max(hn::Min(straight, folded), hn::Zero(d)), one);
-    return hn::Mul(hn::Sub(one, m), hn::NegMulAdd(hn::Set(d, 0.7f), hn::Mul(m, m), one));
-  }
 
   /// The straight edge on the lens behind which the closed layers block light.
   ///

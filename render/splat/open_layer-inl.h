@@ -23,7 +23,7 @@ namespace HWY_NAMESPACE {
 template <bool kTransparent, bool kDepth, bool kLens>
 struct OpenLayer {
   V far_m, weight, red, green, blue, visible, distance, lens_weight, mean_x, mean_y;
-  V blocked_x, blocked_y;
+  V blocked_x, blocked_y, right, above, right_above;
 
   HWY_INLINE void load(const Block& block, const Sums& sums, std::size_t i) {
     const D d;
@@ -34,11 +34,16 @@ struct OpenLayer {
     blue = hn::Load(d, sums.blue + i);
     if constexpr (kTransparent || kLens) visible = hn::Load(d, sums.visible + i);
     if constexpr (kDepth) distance = hn::Load(d, sums.distance + i);
-    if constexpr (kLens) lens_weight = hn::Load(d, sums.lens_weight + i);
     mean_x = hn::Load(d, sums.mean_x + i);
     mean_y = hn::Load(d, sums.mean_y + i);
-    if constexpr (kLens) blocked_x = hn::Load(d, sums.blocked_x + i);
-    if constexpr (kLens) blocked_y = hn::Load(d, sums.blocked_y + i);
+    if constexpr (kLens) {
+      lens_weight = hn::Load(d, sums.lens_weight + i);
+      right = hn::Load(d, sums.right + i);
+      above = hn::Load(d, sums.above + i);
+      right_above = hn::Load(d, sums.right_above + i);
+      blocked_x = hn::Load(d, sums.blocked_x + i);
+      blocked_y = hn::Load(d, sums.blocked_y + i);
+    }
   }
 
   HWY_INLINE void store(Block& block, Sums& sums, std::size_t i) const {
@@ -50,11 +55,16 @@ struct OpenLayer {
     hn::Store(blue, d, sums.blue + i);
     if constexpr (kTransparent || kLens) hn::Store(visible, d, sums.visible + i);
     if constexpr (kDepth) hn::Store(distance, d, sums.distance + i);
-    if constexpr (kLens) hn::Store(lens_weight, d, sums.lens_weight + i);
     hn::Store(mean_x, d, sums.mean_x + i);
     hn::Store(mean_y, d, sums.mean_y + i);
-    if constexpr (kLens) hn::Store(blocked_x, d, sums.blocked_x + i);
-    if constexpr (kLens) hn::Store(blocked_y, d, sums.blocked_y + i);
+    if constexpr (kLens) {
+      hn::Store(lens_weight, d, sums.lens_weight + i);
+      hn::Store(right, d, sums.right + i);
+      hn::Store(above, d, sums.above + i);
+      hn::Store(right_above, d, sums.right_above + i);
+      hn::Store(blocked_x, d, sums.blocked_x + i);
+      hn::Store(blocked_y, d, sums.blocked_y + i);
+    }
   }
 
   /// Adds a splat's colours.
@@ -71,6 +81,26 @@ struct OpenLayer {
       const float opaque_m = 0.5f * (splat.near_m + splat.far_m) * std::abs(splat.opacity);
       distance = hn::MulAdd(seen, hn::Set(d, opaque_m), distance);
     }
+  }
+
+  /// Adds a splat's weight by the lens points that see it.
+  /// @param point  their mean
+  /// @param inv_width_x, inv_width_y  of `SplatLens`, along both axes
+  HWY_INLINE void addLensPoints(V all, const LensPoint& point, float inv_width_x,
+                                float inv_width_y) {
+    const D d;
+    const auto positive = [&](V mean, float inv_width) {  // share of a uniform distribution
+      const V share = hn::MulAdd(mean, hn::Set(d, inv_width), hn::Set(d, 0.5f));
+      return hn::Min(hn::Max(share, hn::Zero(d)), hn::Set(d, 1.0f));
+    };
+    const V on_right = hn::Mul(all, positive(point.x, inv_width_x));
+    const V upper = positive(point.y, inv_width_y);
+    lens_weight = hn::Add(lens_weight, all);
+    mean_x = hn::MulAdd(all, point.x, mean_x);
+    mean_y = hn::MulAdd(all, point.y, mean_y);
+    right = hn::Add(right, on_right);
+    above = hn::MulAdd(all, upper, above);
+    right_above = hn::MulAdd(on_right, upper, right_above);
   }
 
   /// Adds the light that a splat blocks, by the lens point that sees it.

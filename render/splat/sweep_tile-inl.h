@@ -146,9 +146,7 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
         const SplatLens& across =
             kAstigmatic ? job.lens_across[batch.splat[n]] : job.lens[batch.splat[n]];
         point = lensPointAt<kAstigmatic>(job, lens, across, dx, dy);
-        layer.lens_weight = hn::Add(layer.lens_weight, all);
-        layer.mean_x = hn::MulAdd(all, point.x, layer.mean_x);
-        layer.mean_y = hn::MulAdd(all, point.y, layer.mean_y);
+        layer.addLensPoints(all, point, lens.inv_width, across.inv_width);
         if (lens.tilt_x != 0.0f || lens.tilt_y != 0.0f) {
           all = hn::Mul(all, tiltFactor<kAstigmatic>(job, lens, point));
         }
