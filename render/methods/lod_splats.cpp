@@ -3,13 +3,33 @@
 #include <cmath>
 
 #include "render/methods/lens_samples.h"
+#include "render/methods/view_splats.h"
 #include "render/splat/project.h"
 #include "render/splat/sweep.h"
 
 namespace foci {
 
+LodSplats::LodSplats(const SurfelCloud& cloud, const SharedGpu& gpu)
+    : tree_(std::make_shared<MomentTree>(cloud)) {
+  if (gpu) gpu_.emplace(std::make_shared<GpuScene>(gpu, *tree_));
+}
+
+LodSplats::LodSplats(const LodSplats& other, std::nullptr_t) : tree_(other.tree_) {
+  if (other.gpu_) gpu_.emplace(other.gpu_->scene());
+}
+
+RenderStats LodSplats::renderOnGpu(const View& view, const RenderSettings& settings,
+                                   const LodSettings& lod, Frame& frame) {
+  GpuRequest request = gpuRequestOf(view, settings);
+  request.cut = lod.cut;
+  request.low_pass_px = lod.low_pass_px;
+  if (lod.sub_apertures > 1) request.sub_aperture_centres = subApertureCentres(lod.sub_apertures);
+  return statsOf(gpu_->render(request, frame));
+}
+
 RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
                               const LodSettings& lod, Frame& frame) {
+  if (gpu_) return renderOnGpu(view, settings, lod, frame);
   const glm::vec2 radius_px_per_D = settings.defocus.radius_px_per_D;
   const Acuity& acuity = lod.cut.acuity;
   const bool blurred = radius_px_per_D.x * radius_px_per_D.y > 0.0f;

@@ -49,6 +49,23 @@ std::uint64_t ViewSplats::render(const glm::vec3& background, bool depth, Frame&
       frame);
 }
 
+GpuRequest gpuRequestOf(const View& view, const RenderSettings& settings) {
+  return {.view = view,
+          .defocus = settings.defocus,
+          .cut = {},
+          .shading = settings.shading,
+          .background = settings.background,
+          .depth = settings.depth,
+          .sub_aperture_centres = {}};
+}
+
+RenderStats statsOf(const GpuStats& rendered) {
+  RenderStats stats;
+  stats.splats = rendered.splats;
+  stats.fragments = rendered.fragments;
+  return stats;
+}
+
 RenderStats PinholeCamera::render(const View& view, const RenderSettings& settings, Frame& frame) {
   RenderSettings unblurred = settings;
   unblurred.defocus.radius_px_per_D = glm::vec2(0.0f);
