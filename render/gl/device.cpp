@@ -19,7 +19,17 @@ namespace {
 /// Storage blocks that one stage uses at most.
 constexpr int kStorageBlocks = 15;
 
-std::vector<EGLDisplay> displays() {
+/// A device that does not render in software, or may not.
+bool mayBeHardware(EGLDeviceEXT device) {
+  const auto query = reinterpret_cast<PFNEGLQUERYDEVICESTRINGEXTPROC>(
+      eglGetProcAddress("eglQueryDeviceStringEXT"));
+  const char* extensions = query ? query(device, EGL_EXTENSIONS) : nullptr;
+  return !extensions ||
+         std::string_view(extensions).find("EGL_MESA_device_software") == std::string_view::npos;
+}
+
+/// The displays to try, in order.
+std::vector<EGLDisplay> displays(GpuDevice::Kind kind) {
   std::vector<EGLDisplay> all;
   const auto query =
       reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
@@ -30,12 +40,16 @@ std::vector<EGLDisplay> displays() {
     EGLint count = 0;
     if (query(static_cast<EGLint>(devices.size()), devices.data(), &count)) {
       for (EGLint i = 0; i < count; ++i) {
-        all.push_back(
-            open(EGL_PLATFORM_DEVICE_EXT, devices.at(static_cast<std::size_t>(i)), nullptr));
+        const EGLDeviceEXT device = devices.at(static_cast<std::size_t>(i));
+        if (kind == GpuDevice::Kind::any || mayBeHardware(device)) {
+          all.push_back(open(EGL_PLATFORM_DEVICE_EXT, device, nullptr));
+        }
       }
     }
   }
-  if (open) all.push_back(open(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr));
+  if (open && kind == GpuDevice::Kind::any) {
+    all.push_back(open(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr));
+  }
   return all;
 }
 
@@ -68,9 +82,9 @@ std::string firstLineOf(const std::string& text) { return text.substr(0, text.fi
 
 }  // namespace
 
-std::shared_ptr<GpuDevice> GpuDevice::open() {
+std::shared_ptr<GpuDevice> GpuDevice::open(Kind kind) {
   std::shared_ptr<GpuDevice> best;
-  for (const EGLDisplay display : displays()) {
+  for (const EGLDisplay display : displays(kind)) {
     const EGLContext context = contextOf(display);
     if (!context) continue;
     const std::shared_ptr<GpuDevice> device(new GpuDevice);
@@ -86,14 +100,14 @@ std::shared_ptr<GpuDevice> GpuDevice::open() {
     glGetIntegerv(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, &blocks);
     device->max_buffer_bytes_ = static_cast<std::size_t>(bytes);
     eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    if (blocks < kStorageBlocks) continue;
+    if (blocks < kStorageBlocks || (kind == Kind::hardware && device->software_)) continue;
     if (!best || (best->software_ && !device->software_)) best = device;
     if (!best->software_) break;
   }
   if (!best) {
-    throw GpuError(
-        "no OpenGL 4.5 without a window; Debian's libegl-mesa0 and libgl1-mesa-dri have one in "
-        "software");
+    throw GpuError(kind == Kind::hardware
+                       ? "no GPU with OpenGL 4.5"
+                       : "no OpenGL 4.5 through EGL; on Debian: apt install libegl-mesa0");
   }
   return best;
 }

@@ -19,13 +19,17 @@ class GpuError : public std::runtime_error {
 /// thread may use it, one at a time (`Use`).
 class GpuDevice {
  public:
-  /// Opens the first hardware device that has OpenGL 4.5, or else the software driver. Throws
-  /// GpuError if there is neither.
-  static std::shared_ptr<GpuDevice> open();
+  enum class Kind { hardware, any };
+  /// Opens the first hardware device that has OpenGL 4.5; for `any`, or else the software driver,
+  /// which renders on the CPU and far slower than the CPU's own code. Throws GpuError if there is
+  /// none.
+  static std::shared_ptr<GpuDevice> open(Kind kind);
   ~GpuDevice();
   GpuDevice(const GpuDevice&) = delete;
   GpuDevice& operator=(const GpuDevice&) = delete;
 
+  /// "NAME, driver VERSION".
+  std::string text() const { return name_ + ", driver " + driver_; }
   const std::string& name() const { return name_; }      ///< as the driver calls the GPU
   const std::string& driver() const { return driver_; }  ///< the driver's version
   bool isSoftware() const { return software_; }          ///< the driver renders on the CPU
