@@ -18,13 +18,13 @@ static_assert(sizeof(GpuFrameBlock) == 16 * sizeof(glm::vec4));
 
 /// What the GPU reads and counts: shaders/totals.glsl (std430).
 struct GpuTotals {
-  std::uint32_t cut_nodes = 0, cut_entries = 0;
+  std::uint32_t cut_nodes = 0, cut_entries = 0, cut_whole = 0;
   std::uint32_t nearest = 0xFFFFFFFFu, farthest = 0;
   std::uint32_t list_entries = 0, splats = 0;
   std::uint32_t work[3] = {};
   std::uint32_t fragments_low = 0, fragments_high = 0;
-  std::uint32_t longest_list = 0;
-  std::uint32_t unused[4] = {};
+  std::uint32_t longest_list = 0, sweep_rounds = 0;
+  std::uint32_t unused[2] = {};
   glm::uvec4 project_groups{0, 1, 1, 0};
   glm::uvec4 sweep_groups[3] = {{0, 1, 1, 0}, {0, 1, 1, 0}, {0, 1, 1, 0}};
 };

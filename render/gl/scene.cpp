@@ -1,6 +1,5 @@
 #include "render/gl/scene.h"
 
-#include <bit>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <utility>
@@ -15,13 +14,13 @@ namespace {
 
 /// Fills a buffer in pieces, so that a copy of the whole never lies in memory. `make(i, to)` writes
 /// the `width` vectors of element i.
-template <typename Make>
+template <typename Vector = glm::vec4, typename Make>
 void upload(GpuDevice& device, GpuBuffer& buffer, std::size_t count, std::size_t width,
             const char* what, const Make& make) {
   constexpr std::size_t kPiece = 1 << 16;
-  const std::size_t each_bytes = width * sizeof(glm::vec4);
+  const std::size_t each_bytes = width * sizeof(Vector);
   buffer.reserve(device, std::max<std::size_t>(count, 1) * each_bytes, what);
-  std::vector<glm::vec4> piece(kPiece * width);
+  std::vector<Vector> piece(kPiece * width);
   for (std::size_t first = 0; first < count; first += kPiece) {
     const std::size_t some = std::min(kPiece, count - first);
     for (std::size_t i = 0; i < some; ++i) make(first + i, piece.data() + width * i);
@@ -29,8 +28,12 @@ void upload(GpuDevice& device, GpuBuffer& buffer, std::size_t count, std::size_t
   }
 }
 
-float packed(std::uint16_t low, std::uint16_t high) {
-  return std::bit_cast<float>(std::uint32_t{low} | std::uint32_t{high} << 16);
+std::uint32_t packed(std::uint16_t low, std::uint16_t high) {
+  return std::uint32_t{low} | std::uint32_t{high} << 16;
+}
+
+glm::uvec4 bitsOf(const glm::vec3& floats, std::uint32_t last) {
+  return {glm::floatBitsToUint(floats), last};
 }
 
 /// The kernel's table in the steps of `kernelShape`.
@@ -85,19 +88,21 @@ void GpuScene::uploadNodes(const MomentTree& tree) {
   upload(*device_, buffers_->node_places, count, 1, "the nodes", [&](std::size_t i, glm::vec4* to) {
     to[0] = {tree.nodes()[i].position_m, tree.nodes()[i].radius_m};
   });
-  upload(*device_, buffers_->nodes, count, 3, "the nodes", [&](std::size_t i, glm::vec4* to) {
-    const LodNode& node = tree.nodes()[i];
-    const float* v = node.variance_m2;
-    to[0] = {v[0], v[1], v[2], v[3]};
-    to[1] = {v[4], v[5], node.density, packed(node.opacity, node.own)};
-    to[2] = {node.color, packed(static_cast<std::uint16_t>(node.normal[0]),
-                                static_cast<std::uint16_t>(node.normal[1]))};
-  });
-  std::vector<float> coarse(count);
-  for (std::size_t i = 0; i < count; ++i) coarse[i] = tree.coarseness()[i].now_m2;
-  buffers_->coarseness.reserve(*device_, std::max<std::size_t>(count, 1) * sizeof(float),
+  // As bits: a float would lose what is packed where its bits are a denormal number.
+  upload<glm::uvec4>(
+      *device_, buffers_->nodes, count, 3, "the nodes", [&](std::size_t i, glm::uvec4* to) {
+        const LodNode& node = tree.nodes()[i];
+        const float* v = node.variance_m2;
+        to[0] = glm::floatBitsToUint(glm::vec4(v[0], v[1], v[2], v[3]));
+        to[1] = bitsOf({v[4], v[5], node.density}, packed(node.opacity, node.own));
+        to[2] = bitsOf(node.color, packed(static_cast<std::uint16_t>(node.normal[0]),
+                                          static_cast<std::uint16_t>(node.normal[1])));
+      });
+  const std::vector<MomentTree::Coarseness>& coarse = tree.coarseness();
+  static_assert(sizeof coarse[0] == 2 * sizeof(float));
+  buffers_->coarseness.reserve(*device_, std::max<std::size_t>(count, 1) * sizeof coarse[0],
                                "the nodes");
-  if (count > 0) buffers_->coarseness.write(0, count * sizeof(float), coarse.data());
+  if (count > 0) buffers_->coarseness.write(0, count * sizeof coarse[0], coarse.data());
 }
 
 }  // namespace foci

@@ -4,6 +4,7 @@
 #include <GL/glcorearb.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <initializer_list>
 #include <string>
@@ -27,9 +28,9 @@ constexpr std::size_t kNodesAGroup = 256 * 8;  // of gather.glsl
 /// Rooms at the start; a frame that needs more is rendered again with more.
 constexpr std::size_t kFirstEntries = std::size_t{1} << 16, kFirstLists = std::size_t{1} << 18;
 
-/// Mesa's software driver ends the loops of a thread after 65,536 rounds, without an error. A list
-/// of this many splats stays below it in the sort and in the sweep.
-constexpr std::uint32_t kSoftwareRounds = 60000;
+/// Mesa's software driver ends the loops of a thread after 65,536 rounds, without an error. The
+/// sort of a list of kSoftwareList splats stays below that.
+constexpr std::uint32_t kSoftwareRounds = 65000, kSoftwareList = 100000;
 
 /// A room grows by this factor over what a frame needed.
 constexpr double kSpare = 1.25;
@@ -47,6 +48,7 @@ class GpuSplats::Pipeline {
   ~Pipeline() {
     const GpuDevice::Use use(device_);
     own_ = {};
+    if (clocks_[0] != 0) glDeleteQueries(static_cast<GLsizei>(clocks_.size()), clocks_.data());
   }
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
@@ -57,7 +59,7 @@ class GpuSplats::Pipeline {
  private:
   struct Buffers {
     GpuBuffer frame, totals;
-    GpuBuffer own, passed, group_sums, entries;                                    // of the cut
+    GpuBuffer own, passed, bounds, group_sums, entries;                            // of the cut
     GpuBuffer splats_a, splats_b, keys, lenses, sharper;                           // by entry
     GpuBuffer cells, tile_of_cell, tiles, blurs, cursors, ranges, overlaps, work;  // by tile
     GpuBuffer lists, scratch;
@@ -70,9 +72,13 @@ class GpuSplats::Pipeline {
   void project();
   void divideIntoTiles();
   void listSplats();
+  void sortLists();
   void sweep(const GpuRequest& request);
   void interpolate(bool depth);
   bool grew(const GpuTotals& totals);
+  /// Notes the time at which `stage` is done; without one, at which the first begins.
+  void note(std::optional<GpuStage> stage = {});
+  std::array<double, kGpuStages.size()> stageTimes_ms() const;
 
   /// Runs a stage on the buffers, in the order of its bindings; null leaves one out.
   void bind(const std::string& stage, const std::string& defines,
@@ -87,6 +93,7 @@ class GpuSplats::Pipeline {
   std::size_t entry_room_ = kFirstEntries, list_room_ = kFirstLists, tile_count_ = 0;
   bool cut_ = false, blurred_ = false, astigmatic_ = false, by_sub_apertures_ = false;
   GLuint program_ = 0;
+  std::array<GLuint, kGpuStages.size() + 1> clocks_{};
 };
 
 void GpuSplats::Pipeline::bind(const std::string& stage, const std::string& defines,
@@ -125,7 +132,8 @@ void GpuSplats::Pipeline::start(const GpuRequest& request) {
   if (!cut_) entry_room_ = std::max<std::size_t>(scene_->surfelCount(), 1);
   makeRoom(request);
   block_.room = {static_cast<int>(entry_room_), static_cast<int>(list_room_),
-                 static_cast<int>(tile_count_ * kGroupsATile), 0};
+                 static_cast<int>(tile_count_ * kGroupsATile),
+                 static_cast<int>(firstRangeNode(scene_->surfelCount()))};
   own_.frame.write(0, sizeof block_, &block_);
   GpuTotals totals;
   if (!cut_) {
@@ -148,7 +156,8 @@ void GpuSplats::Pipeline::makeRoom(const GpuRequest& request) {
     const std::size_t nodes = std::size_t{1} << scene_->levels();
     room(own_.own, nodes * sizeof(float), "the cut's weights");
     room(own_.passed, nodes * sizeof(float), "the cut's weights");
-    room(own_.group_sums, groupsOf(nodes, kNodesAGroup) * sizeof(glm::uvec2), "the cut's sums");
+    room(own_.bounds, nodes * kVector_bytes, "the cut's bounds");
+    room(own_.group_sums, groupsOf(nodes, kNodesAGroup) * sizeof(glm::uvec4), "the cut's sums");
     room(own_.entries, entry_room_ * sizeof(glm::uvec2), "the cut's entries");
   }
   room(own_.splats_a, entry_room_ * 2 * kVector_bytes, "the splats");
@@ -190,7 +199,7 @@ void GpuSplats::Pipeline::makeRoom(const GpuRequest& request) {
 void GpuSplats::Pipeline::selectCut() {
   const GpuScene::Buffers& scene = scene_->buffers();
   for (int level = 0; level < scene_->levels(); ++level) {
-    bind("cut", {}, {&scene.node_places, &scene.coarseness, &own_.own, &own_.passed});
+    bind("cut", {}, {&scene.node_places, &scene.coarseness, &own_.own, &own_.passed, &own_.bounds});
     glProgramUniform1i(program_, 0, level);
     dispatch(groupsOf(std::size_t{1} << level, 64));
   }
@@ -246,6 +255,9 @@ void GpuSplats::Pipeline::listSplats() {
   bind("prefix_lists", {}, {&own_.cursors, &own_.ranges, &own_.tiles, &own_.blurs, &own_.work});
   dispatch(1);
   visit("#define FILL\n");
+}
+
+void GpuSplats::Pipeline::sortLists() {
   bind("sort", {}, {&own_.lists, &own_.scratch, &own_.ranges});
   dispatch(static_cast<GLuint>(tile_count_));
 }
@@ -291,23 +303,53 @@ bool GpuSplats::Pipeline::grew(const GpuTotals& totals) {
   return more(list_room_, totals.list_entries) || entries;
 }
 
+void GpuSplats::Pipeline::note(std::optional<GpuStage> stage) {
+  if (clocks_[0] == 0) {
+    glCreateQueries(GL_TIMESTAMP, static_cast<GLsizei>(clocks_.size()), clocks_.data());
+  }
+  glQueryCounter(clocks_.at(stage ? static_cast<std::size_t>(*stage) + 1 : 0), GL_TIMESTAMP);
+}
+
+std::array<double, kGpuStages.size()> GpuSplats::Pipeline::stageTimes_ms() const {
+  constexpr double kMsANanosecond = 1e-6;
+  std::array<double, kGpuStages.size()> times_ms{};
+  GLuint64 before = 0;
+  glGetQueryObjectui64v(clocks_[0], GL_QUERY_RESULT, &before);
+  for (std::size_t stage = 0; stage < times_ms.size(); ++stage) {
+    GLuint64 after = 0;
+    glGetQueryObjectui64v(clocks_.at(stage + 1), GL_QUERY_RESULT, &after);
+    times_ms.at(stage) = kMsANanosecond * static_cast<double>(after - before);
+    before = after;
+  }
+  return times_ms;
+}
+
 GpuStats GpuSplats::Pipeline::render(const GpuRequest& request, Frame& frame) {
   const GpuDevice::Use use(device_);
   GpuTotals totals;
   do {
     start(request);
+    note();
     if (cut_) selectCut();
+    note(GpuStage::cut);
     project();
+    note(GpuStage::project);
     divideIntoTiles();
     listSplats();
+    note(GpuStage::bin);
+    sortLists();
+    note(GpuStage::sort);
     sweep(request);
+    note(GpuStage::composite);
     interpolate(request.depth);
+    note(GpuStage::present);
     own_.totals.read(0, sizeof totals, &totals);
+
   } while (grew(totals));
-  if (device_.isSoftware() && totals.longest_list > kSoftwareRounds) {
-    throw GpuError(device_.name() + ": the software driver ends loops after 65536 rounds, and a " +
-                   "tile has " + std::to_string(totals.longest_list) +
-                   " splats; render on the CPU");
+  if (device_.isSoftware() &&
+      (totals.longest_list > kSoftwareList || totals.sweep_rounds > kSoftwareRounds)) {
+    throw GpuError(device_.name() + ": this software driver ends long loops, and a tile has " +
+                   std::to_string(totals.longest_list) + " splats");
   }
   own_.image.read(0, frame.rgba.size() * kVector_bytes, frame.rgba.data());
   if (request.depth) {
@@ -317,7 +359,9 @@ GpuStats GpuSplats::Pipeline::render(const GpuRequest& request, Frame& frame) {
     throw GpuError(device_.name() + ": its driver failed (OpenGL error " + std::to_string(error) +
                    ")");
   }
-  return {totals.splats, std::uint64_t{totals.fragments_high} << 32 | totals.fragments_low};
+  return {.splats = totals.splats,
+          .fragments = std::uint64_t{totals.fragments_high} << 32 | totals.fragments_low,
+          .stage_ms = stageTimes_ms()};
 }
 
 GpuSplats::GpuSplats(std::shared_ptr<const GpuScene> scene)

@@ -35,12 +35,15 @@ RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
   const bool blurred = radius_px_per_D.x * radius_px_per_D.y > 0.0f;
   const bool coarse = blurred || acuity.base_px > 1.0f || acuity.per_px > 0.0f;
   const bool by_sub_apertures = lod.sub_apertures > 1 && blurred;
-  selectCut(*tree_, view, settings.defocus, lod.cut, cut_);
+  const int margin_px = coarse ? kApron * kMaxStep_px : 0;  // for the aprons of coarse tiles
+  CutSettings cut = lod.cut;
+  cut.margin_px = margin_px;
+  selectCut(*tree_, view, settings.defocus, cut, cut_);
   projectCut(*tree_, cut_, view, settings.defocus,
              {.sub_aperture =
                   by_sub_apertures ? 1.0f / std::sqrt(static_cast<float>(lod.sub_apertures)) : 0.0f,
               .acuity = acuity,
-              .margin_px = coarse ? kApron * kMaxStep_px : 0,  // for the aprons of coarse tiles
+              .margin_px = margin_px,
               .shading = settings.shading},
              chunks_);
   lists_.build(chunks_, view.size_px, coarse);

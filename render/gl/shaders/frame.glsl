@@ -14,7 +14,8 @@ layout(std140, binding = 0) uniform Frame {
   ivec4 size;                  // image width, height, margin, samples may be coarse
   ivec4 cells;                 // columns, rows of the smallest tiles; blurred, oriented
   ivec4 scene;                 // surfels, levels of nodes, distance along the axis, has opacity
-  ivec4 room;                  // entries of the cut, entries of the tile lists, work items, unused
+  ivec4 room;                  // entries of the cut, of the tile lists, work items;
+                               // first node of which all surfels may be taken together
 };
 
 const int kTile = 32, kApron = 2, kMaxStep = 8;
@@ -23,6 +24,7 @@ const int kGroup = 8;                    // samples along the side of a work gro
 const int kGroupsASide = (kWidest + kGroup - 1) / kGroup;
 const float kHidden = 1.0 / 8192.0;
 const uint kNone = 0xFFFFFFFFu;
+const float kWhole = 2.0;  // passed by a node whose surfels all render, at full weight
 
 float square(float x) { return x * x; }
 

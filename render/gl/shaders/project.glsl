@@ -5,7 +5,8 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Entries { uvec2 entries[]; };
 #ifdef CUT
 layout(std430, binding = 1) readonly buffer NodePlaces { vec4 node_place[]; };
-layout(std430, binding = 2) readonly buffer Nodes { vec4 node[]; };  // three a node
+// Three a node, as bits: packed integers are no floats, which a device may flush to zero.
+layout(std430, binding = 2) readonly buffer Nodes { uvec4 node[]; };
 #endif
 // Two vectors a surfel and a splat in each; apart, because drivers limit the size of a buffer.
 layout(std430, binding = 3) readonly buffer SurfelsA { vec4 surfel_a[]; };
@@ -54,7 +55,8 @@ vec3 unpackNormal(uint bits) {
 }
 
 Footprint nodeFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
-  vec4 a = node[3u * i], b = node[3u * i + 1u];
+  vec4 a = uintBitsToFloat(node[3u * i]);
+  vec3 b = uintBitsToFloat(node[3u * i + 1u].xyz);
   mat3 v = mat3(a.x, a.y, a.z, a.y, a.w, b.x, a.z, b.x, b.y);
   vec3 vx = v * to_x;
   Footprint f;
@@ -63,9 +65,9 @@ Footprint nodeFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
   f.vyy = dot(to_y, v * to_y);
   f.area = b.z * sqrt(max(f.vxx * f.vyy - f.vxy * f.vxy, 0.0));
   f.along2 = dot(to_distance, v * to_distance);
-  f.own = float(floatBitsToUint(b.w) >> 16) * (1.0 / 65535.0);
+  f.own = float(node[3u * i + 1u].w >> 16) * (1.0 / 65535.0);
   f.thick2 = 0.5 * f.own * (a.x + a.w + b.y);
-  f.normal = unpackNormal(floatBitsToUint(node[3u * i + 2u].w));
+  f.normal = unpackNormal(node[3u * i + 2u].w);
   return f;
 }
 #endif
@@ -238,8 +240,8 @@ void main() {
   Kernel kernel = kernelOf(lane, 1.0, 1.0, weight);
   if (!kernel.sound || !touches(lane.at, kernel.extent)) return;
 #ifdef CUT
-  vec4 look = is_node ? vec4(node[3u * i + 2u].xyz,
-                             float(floatBitsToUint(node[3u * i + 1u].w) & 0xFFFFu) * (1.0 / 65535.0))
+  vec4 look = is_node ? vec4(uintBitsToFloat(node[3u * i + 2u].xyz),
+                             float(node[3u * i + 1u].w & 0xFFFFu) * (1.0 / 65535.0))
                       : vec4(surfel_b[2u * i + 1u].xyz, surfel_a[2u * i].w);
 #else
   vec4 look = vec4(surfel_b[2u * i + 1u].xyz, surfel_a[2u * i].w);

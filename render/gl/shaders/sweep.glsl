@@ -44,7 +44,7 @@ shared vec4 across_of[kBatch];
 #endif
 
 float coverage;
-uint counted;
+uint counted, rounds;
 
 float upToOpaque(float sum) { return max(kOpaqueWeight - sum, 0.0); }
 
@@ -209,7 +209,9 @@ void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, v
     barrier();
     uint count = uint(bitCount(touching[0]) + bitCount(touching[1]));
     if (!exists) continue;
-    for (uint n = 0u; n < count && transmittance >= kHidden; ++n) add(n, at);
+    uint n = 0u;
+    for (; n < count && transmittance >= kHidden; ++n) add(n, at);
+    rounds += n + 1u;
   }
   if (exists && far_m >= 0.0) closeLayer(coverage);
 }
@@ -228,7 +230,7 @@ void main() {
   vec2 last_px = origin + step_px * vec2(min(corner + kGroup, ivec2(side)) - 1);
   uvec2 entries = min(range[index], uvec2(room.y));
   coverage = closingFactor(blur_px[index]);
-  counted = 0u;
+  counted = rounds = 0u;
   if (gl_LocalInvocationIndex == 0u) fragments = 0u;
 #ifdef LENS
   overlap = false;
@@ -266,6 +268,7 @@ void main() {
     atomicMax(sweep_groups[2].x, min(first + uint(groups * groups), uint(room.z)));
   }
 #endif
+  if (rounds > sweep_rounds) atomicMax(sweep_rounds, rounds);
   barrier();
   atomicAdd(fragments, counted);
   barrier();
