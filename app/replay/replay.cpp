@@ -313,12 +313,12 @@ RunSummary replay(const Study& study, const std::filesystem::path& out, const st
   const ReplayInputs inputs = readInputs(study, std::move(scene));
   ReplayedEye eye(study, inputs);
   noteInterrupts();
-  eye.sayDevice();
   if (const std::string remark = ellipseRemark(study); !remark.empty()) {
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }
 
   OutputFolder folder(out);
+  eye.sayDevice();
   FrameFiles files(study, folder);
   FrameTable table(folder.stage(kFrames));
   ContactSheet sheet(inputs.schedule.frames);
