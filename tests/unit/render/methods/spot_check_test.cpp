@@ -40,7 +40,7 @@ TEST_F(SpotCheckTest, OfASmallViewComparesTheFullFrames) {
     const View view = tilted(size_px);
     auto apart =
         visibleDifference(rendered(view, kCoarse), rendered(view, kBest), kUsualPx_per_deg);
-    SpotCheck squares(scene, view, settings, kBest);
+    SpotCheck squares(scene.sharedTree(), view, settings, kBest);
     EXPECT_EQ(squares.error(kCoarse, kLimit), quantile(apart, 0.95)) << size_px;
     EXPECT_EQ(squares.error(kBest, kLimit), 0.0f);
   }
@@ -54,10 +54,10 @@ TEST_F(SpotCheckTest, EstimatesTheErrorFromSomeSquares) {
   const float expected = quantile(apart, 0.95);
   EXPECT_GT(expected, 0.2f);
   for (const float limit : {0.1f * expected, expected}) {
-    SpotCheck squares(scene, view, settings, kBest);
+    SpotCheck squares(scene.sharedTree(), view, settings, kBest);
     EXPECT_NEAR(squares.error(kCoarse, limit), expected, 0.2f * expected) << limit;
   }
-  SpotCheck squares(scene, view, settings, kBest);
+  SpotCheck squares(scene.sharedTree(), view, settings, kBest);
   const float at_most = squares.error(kCoarse, 10.0f * expected);
   EXPECT_GE(at_most, expected);
   EXPECT_LE(at_most, 2.4f * expected);
