@@ -23,8 +23,8 @@ void ViewSplats::select(const ViewSplats& all, const std::function<bool(const Sp
   chunks_.chunk_size = from.chunk_size;
   chunks_.count.assign(from.count.size(), 0);
   if (chunks_.capacity < from.capacity) {
-    chunks_.splats = std::make_unique_for_overwrite<Splat[]>(from.capacity);
-    chunks_.keys = std::make_unique_for_overwrite<SplatKey[]>(from.capacity);
+    chunks_.splats = makeLargeArray<Splat>(from.capacity);
+    chunks_.keys = makeLargeArray<SplatKey>(from.capacity);
     chunks_.capacity = from.capacity;
   }
   parallelFor(from.count.size(), [&](std::size_t c) {
