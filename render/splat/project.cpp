@@ -161,6 +161,7 @@ ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
   job.sub_aperture = projection.sub_aperture;
   job.oriented = oriented;
   job.shading = projection.shading;
+  job.shapes = kernelShapes().data();
   return job;
 }
 
