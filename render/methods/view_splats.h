@@ -55,7 +55,6 @@ class ViewSplats {
   TileLists lists_;
   glm::ivec2 size_px_{0};
   Defocus defocus_;
-  bool transparent_ = false;
 };
 
 /// Renders the scene through a pinhole in the middle of the lens: the sharp image that a
