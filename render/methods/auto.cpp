@@ -207,7 +207,7 @@ class AutoMethod final : public Method {
     }
     if (checked_ && stillHolds(*checked_, view, settings.defocus, blur_px)) return;
     const float reference_error = referenceSettings().error(blur_px);
-    SpotCheck squares(squares_, view.view, settings, lodOf(referenceSettings(), quality));
+    SpotCheck squares(scene_, view.view, settings, lodOf(referenceSettings(), quality));
     checked_ = {.view = view, .defocus = settings.defocus, .blur_px = blur_px, .difference = {}};
     for (const QualityLevel level : kToleranceLevels) {
       if (level < QualityLevel::whole_aperture) continue;
@@ -239,7 +239,6 @@ class AutoMethod final : public Method {
   }
 
   LodSplats scene_;
-  LodSplats squares_{scene_, nullptr};  // with buffers of their size
   std::shared_ptr<SharpViews> sharp_views_;
   std::optional<QualityLevel> forced_;
   QualityLevel last_level_ = QualityLevel::sharp;  // of the previous render

@@ -30,6 +30,7 @@ class LodSplats {
   LodSplats(const LodSplats& other, std::nullptr_t);
 
   const MomentTree& tree() const { return *tree_; }
+  bool isOnGpu() const { return gpu_.has_value(); }
 
   /// @param frame  has the view's size, and depth where the settings ask for depth
   /// @return the stats without the time

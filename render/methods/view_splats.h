@@ -56,7 +56,6 @@ class ViewSplats {
   TileLists lists_;
   glm::ivec2 size_px_{0};
   Defocus defocus_;
-  bool transparent_ = false;
 };
 
 /// A request for all surfels, with the settings' lens.

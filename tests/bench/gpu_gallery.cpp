@@ -61,7 +61,6 @@ void renderOnCpu(const MomentTree& tree, const GpuRequest& request, Frame& frame
   sweep(chunks, lists,
         {.background = request.background,
          .defocus = request.defocus,
-         .transparent = !tree.surfels().opacity.empty(),
          .sub_apertures = &sub_apertures},
         frame);
 }

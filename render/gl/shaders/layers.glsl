@@ -41,8 +41,11 @@ float partial;
 bool overlap;
 #endif
 #ifdef TRANSPARENT
+bool transparent;  // some splat of the tile is
 vec3 beyond;
 float beyond_visible, beyond_m;
+#else
+const bool transparent = false;
 #endif
 
 Sums noSums() {
@@ -182,10 +185,10 @@ float composite(Sums sums, float summed, float share, float seen) {
 #ifdef LENS
   blocked += passed * sums.blocked;
 #endif
-#if defined(LENS) || defined(TRANSPARENT)
+#ifdef LENS
   return scale * sums.visible;
 #else
-  return scale * summed;
+  return scale * (transparent ? sums.visible : summed);
 #endif
 }
 
@@ -197,7 +200,7 @@ void closeLayer(float coverage) {
   float summed = min(all.weight, kOpaqueWeight), seen = 1.0;
 #ifdef TRANSPARENT
   // Sampling noise joins the surface, the rest is a layer behind it (`joinBeyond`).
-  float later = max(facing.weight - kOpaqueWeight, 0.0);
+  float later = transparent ? max(facing.weight - kOpaqueWeight, 0.0) : 0.0;
   float same = clamp((kAnother - later) / (kAnother - kNoise), 0.0, 1.0);
   facing.colour += same * beyond;
   facing.visible += same * beyond_visible;

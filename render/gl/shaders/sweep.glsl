@@ -34,6 +34,9 @@ const uint kBatch = uint(kGroup * kGroup);
 
 shared uint touching[2];
 shared uint translucent, fragments;
+#ifdef TRANSPARENT
+shared uint see_through;
+#endif
 // By splat of the batch. What each holds depends on the pass.
 shared vec4 form[kBatch], shape[kBatch], look[kBatch], reach[kBatch];
 #ifdef LENS
@@ -112,10 +115,9 @@ void add(uint n, vec2 at) {
   sums.mean -= all * z.z * d;
 #endif
   float taken = min(all, upToOpaque(sums.weight));
-#if defined(LENS) && !defined(TRANSPARENT)
-  float seen = min(all * reaching, upToOpaque(sums.visible));
-#else
   float seen = taken * reaching;
+#ifdef LENS
+  if (!transparent) seen = min(all * reaching, upToOpaque(sums.visible));
 #endif
   sums.weight += all;
   sums.visible += seen * opacity;
@@ -124,23 +126,33 @@ void add(uint n, vec2 at) {
   sums.distance_m += seen * 0.5 * (z.x + z.y) * opacity;
 #endif
 #ifdef LENS
-#ifdef TRANSPARENT
-  sums.blocked += seen * opacity * point;
-#else
-  sums.blocked += seen * point;
-#endif
+  sums.blocked += seen * (transparent ? opacity : 1.0) * point;
 #endif
   if (is_back) back_facing = sums;
   else facing = sums;
 #ifdef TRANSPARENT
   float later = (all - taken) * reaching;
-  if (is_back || !(later > 0.0)) return;
+  if (!transparent || is_back || !(later > 0.0)) return;
   beyond += later * c.rgb;
   beyond_visible += later * opacity;
   beyond_m += later * 0.5 * (z.x + z.y) * opacity;
   if (facing.weight >= kOpaqueWeight + 1.0) closeLayer(coverage);
 #endif
 }
+
+#ifdef TRANSPARENT
+// Whether a splat of the tile is transparent. A node rounds its opacity.
+bool anyTransparent(uvec2 entries) {
+  uint me = gl_LocalInvocationIndex;
+  if (me == 0u) see_through = 0u;
+  barrier();
+  for (uint e = entries.x + me; e < entries.y; e += kBatch) {
+    if (abs(splat_b[2u * list[e].y].a) < 0.9999) atomicOr(see_through, 1u);
+  }
+  barrier();
+  return see_through != 0u;
+}
+#endif
 
 // Composites the tile's list at one sample, as the sub-aperture at `centre` sees it.
 void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, vec2 centre) {
@@ -234,6 +246,9 @@ void main() {
   if (gl_LocalInvocationIndex == 0u) fragments = 0u;
 #ifdef LENS
   overlap = false;
+#endif
+#ifdef TRANSPARENT
+  transparent = anyTransparent(entries);
 #endif
   uint to = index * uint(kWidest * kWidest) + uint(here.y * kWidest + here.x);
   vec3 background = background_low_pass.rgb;
