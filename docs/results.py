@@ -23,6 +23,7 @@ import sys
 import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+GPU_STAGES = ("cut", "project", "bin", "sort", "composite", "present")
 PAGE = os.path.join(ROOT, "docs", "results.md")
 SECTIONS = ("bench", "events", "live", "chart", "stability", "reproduce")
 
@@ -69,12 +70,18 @@ def stamp(foci):
 def bench(args):
     counters = ("median_rendered_ms", "p95_rendered_ms", "median_ms", "p95_ms", "rendered", "error")
     measured = json.loads(run(args.bench, "--benchmark_format=json", f"--benchmark_filter={args.bench_filter}"))
-    gallery, others = [], []
+    gallery, frames, others, no_gpu = [], [], [], None
     for one in measured["benchmarks"]:
+        name = re.sub(r"BM_|/iterations.*|/real_time.*", "", one["name"])
+        if one.get("error_occurred") and name.startswith("GpuFrame"):
+            no_gpu = one["error_message"]
         if one.get("error_occurred") or one.get("run_type") == "aggregate":
             continue
-        if "p95_ms" in one:
-            name = re.sub(r"BM_|/iterations.*|/real_time.*", "", one["name"])
+        if "splats_per_px" in one:
+            device_ms = sum(one[stage + "_ms"] for stage in GPU_STAGES) if "present_ms" in one else None
+            frames.append([f"`{name}`"] + [short(one[counter]) for counter in ("median_ms", "min_ms", "splats_per_px",
+                           "fragments_per_px")] + [short(device_ms) if device_ms is not None else "n/a"])
+        elif "p95_ms" in one:
             gallery.append([f"`{name}`"] + [short(one.get(counter, "n/a")) for counter in counters])
         else:
             others.append([f"`{one['name'].removeprefix('BM_')}`", short(one["real_time"]), one["time_unit"]])
@@ -84,6 +91,12 @@ def bench(args):
                     "`auto`. A reused frame takes no time.")
         text.append(table(["run", "median of rendered frames, ms", "95 %, ms", "median of all frames, ms", "95 %, ms",
                            "share rendered", "predicted error, JND"], gallery))
+    if frames:
+        text.append("**One frame** of a scene: method, width of the image, focus, pupil. `FirstFrame` is the first of a new "
+                    "method, `GpuFrame` renders on the GPU. The last column is the GPU's own time.")
+        text.append(table(["frame", "median, ms", "minimum, ms", "splats a pixel", "fragments a pixel", "device, ms"], frames))
+    if no_gpu:
+        text.append(f"No GPU was at hand ({no_gpu}), so this page has no times of one.")
     if others:
         text.append(table(["benchmark", "time", "unit"], others))
     return "\n\n".join(text)

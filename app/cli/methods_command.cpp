@@ -16,7 +16,7 @@ std::string typed(const MethodInfo& method) {
   return std::string(method.name) + (method.max_n > 0 ? ":N" : "");
 }
 
-/// Three columns: name, summary, source.
+/// Four columns: name, whether a GPU renders it, summary, source.
 void printMethodTable() {
   std::size_t name_width = 0, summary_width = 0;
   for (const MethodInfo& method : methods()) {
@@ -24,17 +24,19 @@ void printMethodTable() {
     summary_width = std::max(summary_width, method.summary.size());
   }
   for (const MethodInfo& method : methods()) {
-    std::printf("%-*s  %-*s  %s\n", static_cast<int>(name_width), typed(method).c_str(),
-                static_cast<int>(summary_width), std::string(method.summary).c_str(),
-                std::string(method.source).c_str());
+    std::printf("%-*s  %s  %-*s  %s\n", static_cast<int>(name_width), typed(method).c_str(),
+                method.gpu ? "GPU" : "   ", static_cast<int>(summary_width),
+                std::string(method.summary).c_str(), std::string(method.source).c_str());
   }
 }
 
 void printMethodJson() {
   auto list = nlohmann::ordered_json::array();
   for (const MethodInfo& method : methods()) {
-    nlohmann::ordered_json entry = {
-        {"name", method.name}, {"summary", method.summary}, {"source", method.source}};
+    nlohmann::ordered_json entry = {{"name", method.name},
+                                    {"summary", method.summary},
+                                    {"source", method.source},
+                                    {"gpu", method.gpu}};
     if (method.max_n > 0) {
       entry["default_n"] = method.default_n;
       entry["max_n"] = method.max_n;
@@ -47,8 +49,9 @@ void printMethodJson() {
 }  // namespace
 
 void addMethodsCommand(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("methods", "List the depth-of-field methods, each with its source.");
+  CLI::App* command = app.add_subcommand(
+      "methods",
+      "List the depth-of-field methods, each with its source; GPU: a GPU renders it, too.");
   const auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "print the list as JSON");
   command->callback([json] { *json ? printMethodJson() : printMethodTable(); });

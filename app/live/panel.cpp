@@ -118,6 +118,16 @@ void eyeControls(const Study::Observer& observer, const LiveControls& controls) 
   }
 }
 
+/// `cut 0.21, project 0.35, ...`
+std::string stageText(const GpuTimes& times) {
+  std::string text;
+  for (std::size_t stage = 0; stage < kGpuStages.size(); ++stage) {
+    if (stage > 0) text += ", ";
+    text.append(kGpuStages.at(stage)).append(" ").append(decimal(times.stage_ms.at(stage), 2));
+  }
+  return text;
+}
+
 /// What method auto may spend on a frame.
 void qualityControls(const QualitySettings& quality, const LiveControls& controls) {
   if (!ImGui::CollapsingHeader("Quality (method auto)")) return;
@@ -200,6 +210,9 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, bool& 
                 content.summary.sample_to_swap.quantile_ms(0.5),
                 content.summary.sample_to_swap.quantile_ms(0.95),
                 static_cast<unsigned long long>(content.summary.repeated));
+    if (content.frame && content.frame->record.stats.gpu) {
+      ImGui::TextWrapped("GPU, ms: %s", stageText(*content.frame->record.stats.gpu).c_str());
+    }
     content.graph.draw();
   }
   ImGui::End();

@@ -11,17 +11,6 @@
 namespace foci {
 namespace {
 
-/// Adds what one view of an image cost. The error of an image is its largest.
-void addView(const RenderStats& view, RenderStats& all) {
-  all.splats += view.splats;
-  all.fragments += view.fragments;
-  all.ms += view.ms;
-  all.full_quality = all.full_quality && view.full_quality;
-  if (view.tolerance_error) {
-    all.tolerance_error = std::max(all.tolerance_error.value_or(0.0), *view.tolerance_error);
-  }
-}
-
 /// Replaces the left half by a frame without blur, with a white line between.
 void splitWithSharp(Frame& frame, const Frame& sharp) {
   const auto width = static_cast<std::size_t>(frame.size_px.x);
@@ -121,7 +110,7 @@ void FrameRenderer::renderViews(const RenderRequest& request, RenderedFrame& ren
     if (settings.quality.frame_ms) *settings.quality.frame_ms /= renders;
     Frame& seen = mono ? frame : eye_frame_;
     const RenderStats stats = method.render(eye.view, settings, seen);
-    addView(stats, rendered.stats);
+    rendered.stats.add(stats);
     // The budget makes the level depend on the machine, so the record names the level.
     if (stats.quality_level && asked.quality.frame_ms) {
       rendered.method = textOf(*stats.quality_level);

@@ -263,6 +263,7 @@ const Frame& Session::render(const RenderRequest& request, FrameRecord& record,
       again_is_useless || full_quality_ || isUnseen(record) || !request.hasTimeBudget();
   if (done && last_.request == request && !isIncremental(request.method)) {
     last_.stats.ms = 0.0;
+    last_.stats.gpu.reset();
   } else {
     renderer_.render(request, last_);
     full_quality_ = returned_ = false;

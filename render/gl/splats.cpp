@@ -78,7 +78,7 @@ class GpuSplats::Pipeline {
   bool grew(const GpuTotals& totals);
   /// Notes the time at which `stage` is done; without one, at which the first begins.
   void note(std::optional<GpuStage> stage = {});
-  std::array<double, kGpuStages.size()> stageTimes_ms() const;
+  GpuTimes times() const;
 
   /// Runs a stage on the buffers, in the order of its bindings; null leaves one out.
   void bind(const std::string& stage, const std::string& defines,
@@ -310,18 +310,18 @@ void GpuSplats::Pipeline::note(std::optional<GpuStage> stage) {
   glQueryCounter(clocks_.at(stage ? static_cast<std::size_t>(*stage) + 1 : 0), GL_TIMESTAMP);
 }
 
-std::array<double, kGpuStages.size()> GpuSplats::Pipeline::stageTimes_ms() const {
+GpuTimes GpuSplats::Pipeline::times() const {
   constexpr double kMsANanosecond = 1e-6;
-  std::array<double, kGpuStages.size()> times_ms{};
+  GpuTimes times;
   GLuint64 before = 0;
   glGetQueryObjectui64v(clocks_[0], GL_QUERY_RESULT, &before);
-  for (std::size_t stage = 0; stage < times_ms.size(); ++stage) {
+  for (std::size_t stage = 0; stage < kGpuStages.size(); ++stage) {
     GLuint64 after = 0;
     glGetQueryObjectui64v(clocks_.at(stage + 1), GL_QUERY_RESULT, &after);
-    times_ms.at(stage) = kMsANanosecond * static_cast<double>(after - before);
+    times.stage_ms.at(stage) = kMsANanosecond * static_cast<double>(after - before);
     before = after;
   }
-  return times_ms;
+  return times;
 }
 
 GpuStats GpuSplats::Pipeline::render(const GpuRequest& request, Frame& frame) {
@@ -361,7 +361,7 @@ GpuStats GpuSplats::Pipeline::render(const GpuRequest& request, Frame& frame) {
   }
   return {.splats = totals.splats,
           .fragments = std::uint64_t{totals.fragments_high} << 32 | totals.fragments_low,
-          .stage_ms = stageTimes_ms()};
+          .times = times()};
 }
 
 GpuSplats::GpuSplats(std::shared_ptr<const GpuScene> scene)

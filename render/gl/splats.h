@@ -2,15 +2,14 @@
 // does in render/lod and render/splat. Both give the same picture to rounding (docs/gpu.md).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "render/gl/scene.h"
+#include "render/gl/stages.h"
 #include "render/image/frame.h"
 #include "render/lod/cut.h"
 #include "render/optics/defocus.h"
@@ -31,16 +30,9 @@ struct GpuRequest {
   std::vector<glm::vec2> sub_aperture_centres;  ///< lens radii; up to one: none
 };
 
-/// The stages of a frame, in their order.
-enum class GpuStage : std::uint8_t { cut, project, bin, sort, composite, present };
-inline constexpr std::array<std::string_view, 6> kGpuStages{"cut",  "project",   "bin",
-                                                            "sort", "composite", "present"};
-
 struct GpuStats {
   std::uint64_t splats = 0, fragments = 0;
-  /// Of the device, by `GpuStage`, ms. `present` interpolates the samples to pixels; reading the
-  /// frame back is not in it.
-  std::array<double, kGpuStages.size()> stage_ms{};
+  GpuTimes times;
 };
 
 /// Keeps its buffers between frames.

@@ -70,9 +70,7 @@ class AccumulateMethod final : public Method {
       GpuRequest request = gpuRequestOf(view, settings);
       request.lens = lens;
       request.aperture = 0.0f;
-      const GpuStats rendered = gpu_->render(request, view_);
-      stats.splats += rendered.splats;
-      stats.fragments += rendered.fragments;
+      stats.add(statsOf(gpu_->render(request, view_)));
       return;
     }
     scene_.project(cloud_, view, settings, {.lens = lens, .aperture = 0.0f});

@@ -59,23 +59,27 @@ const MethodInfo& infoOf(std::string_view spec) {
   return choice.entry->info;
 }
 
-/// Adds the stats of one colour channel to those of the frame.
-void addChannel(const RenderStats& channel, RenderStats& all) {
-  all.splats += channel.splats;
-  all.fragments += channel.fragments;
-  if (channel.tolerance_error) {
-    all.tolerance_error = std::max(*channel.tolerance_error, all.tolerance_error.value_or(0.0));
-  }
-  if (channel.split_half_psnr_dB) {
-    all.split_half_psnr_dB =
-        std::min(*channel.split_half_psnr_dB,
-                 all.split_half_psnr_dB.value_or(std::numeric_limits<double>::infinity()));
-  }
-  all.quality_level = channel.quality_level;
-  all.full_quality = all.full_quality && channel.full_quality;
-}
-
 }  // namespace
+
+void RenderStats::add(const RenderStats& other) {
+  splats += other.splats;
+  fragments += other.fragments;
+  ms += other.ms;
+  if (other.tolerance_error) {
+    tolerance_error = std::max(*other.tolerance_error, tolerance_error.value_or(0.0));
+  }
+  if (other.split_half_psnr_dB) {
+    split_half_psnr_dB =
+        std::min(*other.split_half_psnr_dB,
+                 split_half_psnr_dB.value_or(std::numeric_limits<double>::infinity()));
+  }
+  if (other.quality_level) quality_level = other.quality_level;
+  if (other.gpu) {
+    if (!gpu) gpu.emplace();
+    *gpu += *other.gpu;
+  }
+  full_quality = full_quality && other.full_quality;
+}
 
 RenderStats Method::render(const View& view, const RenderSettings& settings, Frame& frame) {
   const auto start = std::chrono::steady_clock::now();
@@ -102,7 +106,7 @@ RenderStats Method::renderChannels(const View& view, const RenderSettings& setti
   for (const int channel : {kBlue, kRed, kGreen}) {
     of_channel.defocus.focus_D = settings.defocus.focus_D + settings.defocus.chromatic_D[channel];
     of_channel.quality.keep_level = settings.quality.keep_level || channel != kBlue;
-    addChannel(renderFrame(view, of_channel, frame), all);
+    all.add(renderFrame(view, of_channel, frame));
     if (channel == kGreen) break;
     for (std::size_t p = 0; p < red_blue.size(); ++p) {
       red_blue[p][channel == kRed ? 0 : 1] = frame.rgba[p][channel];

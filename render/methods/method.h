@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "render/gl/device.h"
+#include "render/gl/stages.h"
 #include "render/image/frame.h"
 #include "render/methods/quality_level.h"
 #include "render/optics/acuity.h"
@@ -50,6 +51,10 @@ struct RenderSettings {
 
 /// Cost and quality of one render.
 struct RenderStats {
+  /// Adds what another render of the same frame cost: another view, or another colour channel. The
+  /// error of both is the larger one.
+  void add(const RenderStats& other);
+
   std::uint64_t splats = 0;     ///< rendered, after culling
   std::uint64_t fragments = 0;  ///< kernel evaluations inside a footprint
   double ms = 0.0;              ///< wall time
@@ -61,6 +66,7 @@ struct RenderStats {
   std::optional<double> tolerance_error;
   /// Of `auto`: the level that was rendered.
   std::optional<QualityLevel> quality_level;
+  std::optional<GpuTimes> gpu;  ///< by stage; absent: the CPU rendered
   /// False if the frame-time budget of `auto` was too short for its tolerance.
   bool full_quality = true;
 };

@@ -59,6 +59,7 @@ RenderStats statsOf(const GpuStats& rendered) {
   RenderStats stats;
   stats.splats = rendered.splats;
   stats.fragments = rendered.fragments;
+  stats.gpu = rendered.times;
   return stats;
 }
 

@@ -107,8 +107,8 @@ int run(int argc, char** argv) {
             .count());
     double sum = 0.0;
     for (std::size_t stage = 0; stage < kGpuStages.size(); ++stage) {
-      stages[stage].push_back(stats.stage_ms.at(stage));
-      sum += stats.stage_ms.at(stage);
+      stages[stage].push_back(stats.times.stage_ms.at(stage));
+      sum += stats.times.stage_ms.at(stage);
     }
     device.push_back(sum);
   }

@@ -1,11 +1,12 @@
 // The time of a frame of the gallery and of the statue, by method, size of the image, focus and
 // pupil. Fixed scenes and steps. The screen is the demo's, 0.53 m wide and 0.6 m away.
 //     foci_bench --benchmark_filter='Frame'
-// prints the time of frames after the first, and `BM_FirstFrame` the time of the first frame of a
-// new method. The counter `cpu_ms` is the median of the time of all threads together, which other
-// programs disturb less than `median_ms` and `min_ms`.
+// prints the time of frames after the first, `BM_GpuFrame` the same on a GPU, and `BM_FirstFrame`
+// the time of the first frame of a new method. The counter `cpu_ms` is the median of the time of
+// all threads together, which other programs disturb less than `median_ms` and `min_ms`.
 #include <benchmark/benchmark.h>
 
+#include <array>
 #include <chrono>
 #include <ctime>
 #include <memory>
@@ -54,7 +55,9 @@ class FrameOf {
     view_.principal_px.x -= 1e-3f;
   }
 
-  std::unique_ptr<Method> method(const char* name) const { return makeMethod(name, cloud_); }
+  std::unique_ptr<Method> method(const char* name, const SharedGpu& gpu = nullptr) const {
+    return makeMethod(name, cloud_, gpu);
+  }
 
   /// Renders one frame. Each call moves the image by a thousandth of a pixel,
   /// so that no frame can be reused.
@@ -66,11 +69,16 @@ class FrameOf {
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
     ms_.push_back(took.count());
     cpu_ms_.push_back(1e3 * static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC);
+    if (!stats_.gpu) return;
+    for (std::size_t stage = 0; stage < kGpuStages.size(); ++stage) {
+      stage_ms_.at(stage).push_back(stats_.gpu->stage_ms.at(stage));
+    }
   }
 
   void forgetTimes() {
     ms_.clear();
     cpu_ms_.clear();
+    for (auto& stage : stage_ms_) stage.clear();
   }
 
   void count(benchmark::State& state) {
@@ -80,6 +88,10 @@ class FrameOf {
     state.counters["cpu_ms"] = quantile(cpu_ms_, 0.5);
     state.counters["median_ms"] = quantile(ms_, 0.5);
     state.counters["min_ms"] = quantile(ms_, 0.0);
+    for (std::size_t stage = 0; stage < kGpuStages.size() && stats_.gpu; ++stage) {
+      state.counters[std::string(kGpuStages.at(stage)) + "_ms"] =
+          quantile(stage_ms_.at(stage), 0.5);
+    }
   }
 
  private:
@@ -89,12 +101,31 @@ class FrameOf {
   Frame frame_;
   RenderStats stats_;
   std::vector<double> ms_, cpu_ms_;
+  std::array<std::vector<double>, kGpuStages.size()> stage_ms_;
 };
 
 /// Frames after the first.
 void BM_Frame(benchmark::State& state, const Case& of) {
   FrameOf frame(of);
   const auto method = frame.method(of.method);
+  frame.render(*method);
+  frame.render(*method);
+  frame.forgetTimes();
+  for (auto _ : state) frame.render(*method);
+  frame.count(state);
+}
+
+/// The same on the GPU, with the median of each stage's time on the device.
+void BM_GpuFrame(benchmark::State& state, const Case& of) {
+  SharedGpu gpu;
+  try {
+    gpu = GpuDevice::open(GpuDevice::Kind::hardware);
+  } catch (const GpuError& error) {
+    state.SkipWithError(error.what());
+    return;
+  }
+  FrameOf frame(of);
+  const auto method = frame.method(of.method, gpu);
   frame.render(*method);
   frame.render(*method);
   frame.forgetTimes();
@@ -131,6 +162,7 @@ void add(const char* name, void (*run)(benchmark::State&, const Case&), const Ca
 
 [[maybe_unused]] const bool kRegistered = [] {
   for (const Case& of : kCases) add("BM_Frame", BM_Frame, of);
+  for (const Case& of : kCases) add("BM_GpuFrame", BM_GpuFrame, of);
   for (const Case& of : kCases) {
     if (std::string(of.method) == "auto") add("BM_FirstFrame", BM_FirstFrame, of);
   }

@@ -33,6 +33,7 @@ TEST(Methods, AreListedInColumnsAndAsJson) {
     summary_columns.insert(line.find(summary, name.size()));
     source_columns.insert(line.rfind(source));
     EXPECT_TRUE(line.ends_with(source));
+    EXPECT_EQ(line.find("  GPU  ") != std::string::npos, method["gpu"].get<bool>()) << line;
   }
   std::string more;
   EXPECT_FALSE(std::getline(lines, more)) << more;

@@ -37,6 +37,9 @@ void expectSamePicture(const std::string& method, const SurfelCloud& cloud, cons
   EXPECT_GE(shareAlike(by_cpu, by_gpu), kShare) << method;
   EXPECT_EQ(cpu.quality_level, gpu_stats.quality_level) << method;
   EXPECT_GT(gpu_stats.fragments, 0u) << method;
+  EXPECT_FALSE(cpu.gpu) << method;
+  ASSERT_TRUE(gpu_stats.gpu) << method;
+  EXPECT_GT(gpu_stats.gpu->stage_ms.at(static_cast<std::size_t>(GpuStage::composite)), 0.0);
   ASSERT_EQ(by_gpu.depth_m.size(), by_cpu.depth_m.size());
   std::size_t apart = 0;
   for (std::size_t p = 0; p < by_cpu.depth_m.size(); ++p) {
