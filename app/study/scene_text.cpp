@@ -25,6 +25,7 @@ std::string countsText(const SceneFacts& facts) {
   add(facts.points, "points");
   add(facts.triangles, "triangles");
   add(facts.surfels, "surfels");
+  add(facts.gaussians, "Gaussians");
   add(facts.dropped, "points without a finite position");
   return text;
 }
@@ -97,6 +98,7 @@ nlohmann::ordered_json sceneJson(const SceneFacts& facts, const Framing& framing
           {"points", facts.points},
           {"triangles", facts.triangles},
           {"surfels", facts.surfels},
+          {"gaussians", facts.gaussians},
           {"dropped", facts.dropped},
           {"strays", framing.box.strays},
           {"low", jsonOf(framing.box.low)},

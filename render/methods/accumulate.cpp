@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "render/image/metrics.h"
+#include "render/methods/gaussian_methods.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"
@@ -75,7 +76,8 @@ MethodEntry accumulateMethod() {
                    .source = "Haeberli and Akeley 1990",
                    .max_n = 100000,
                    .default_n = 200},
-          .make = makeAs<AccumulateMethod>};
+          .make = makeAs<AccumulateMethod>,
+          .make_of_gaussians = gaussianAccumulate};
 }
 
 }  // namespace foci

@@ -15,6 +15,7 @@
 #include <optional>
 #include <utility>
 
+#include "render/methods/gaussian_methods.h"
 #include "render/methods/lod_splats.h"
 #include "render/methods/method.h"
 #include "render/methods/quality_level_table.h"
@@ -261,7 +262,8 @@ MethodEntry autoMethod() {
                    .max_n = static_cast<int>(kQualityLevels)},
           .make = [](const SurfelCloud& cloud, int n) -> std::unique_ptr<Method> {
             return std::make_unique<AutoMethod>(cloud, qualityLevelNumbered(n));
-          }};
+          },
+          .make_of_gaussians = gaussianAuto};
 }
 
 }  // namespace foci

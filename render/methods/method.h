@@ -14,6 +14,7 @@
 #include "render/optics/acuity.h"
 #include "render/optics/defocus.h"
 #include "render/optics/view.h"
+#include "render/scene/gaussian_cloud.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -104,6 +105,8 @@ struct MethodInfo {
   bool ellipses = true;
   /// Each render updates a part of the previous frame.
   bool incremental = false;
+  /// Also renders scenes of Gaussians.
+  bool gaussians = false;
 };
 
 /// A method's own file defines its entry, in a function that every_method.inc lists.
@@ -111,6 +114,8 @@ struct MethodEntry {
   MethodInfo info;
   /// @param n  1 to `info.max_n`, or `info.default_n`; ignored where `max_n` is 0
   std::unique_ptr<Method> (*make)(const SurfelCloud& cloud, int n);
+  /// The same for a scene of Gaussians; null: the method renders surfaces only.
+  std::unique_ptr<Method> (*make_of_gaussians)(const GaussianCloud& cloud, int n) = nullptr;
 };
 
 /// Makes an `M` from the scene, and from N where the constructor takes a number.
@@ -139,6 +144,7 @@ bool isIncremental(std::string_view spec);
 std::optional<std::string> expectedMethod(std::string_view spec);
 
 /// @param cloud  must outlive the method
+/// @throws InputError if the cloud holds Gaussians and the method renders surfaces only
 std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud);
 
 }  // namespace foci

@@ -4,6 +4,11 @@
 // failure: each pixel has one open layer at a time, so surfaces closer together than the width of a
 // surfel join. Blurred layers in front cover the lens up to one straight edge, although several of
 // them can leave a more complex shape open.
+#include <cmath>
+
+#include "base/parallel.h"
+#include "render/methods/gaussian_methods.h"
+#include "render/methods/lens_samples.h"
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"
 
@@ -12,31 +17,58 @@ namespace {
 
 class SweepMethod final : public Method {
  public:
-  explicit SweepMethod(const SurfelCloud& cloud) : cloud_(cloud) {}
+  SweepMethod(const SurfelCloud& cloud, int sub_apertures)
+      : cloud_(cloud), centres_(subApertureCentres(sub_apertures)) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
-    scene_.project(cloud_, view, settings, {});
     RenderStats stats;
-    stats.splats = scene_.count();
-    stats.fragments = scene_.render(settings.background, settings.depth, frame);
+    if (centres_.size() == 1) {
+      renderPart({}, view, settings, frame, stats);
+      return stats;
+    }
+    const float share = 1.0f / static_cast<float>(centres_.size());
+    part_.resize(view.size_px, settings.depth);
+    for (std::size_t i = 0; i < centres_.size(); ++i) {
+      renderPart({.lens = centres_[i], .aperture = std::sqrt(share)}, view, settings, part_, stats);
+      parallelFor(frame.rgba.size(), [&](std::size_t p) {
+        const float coverage = part_.rgba[p].a;
+        frame.rgba[p] = (i == 0 ? glm::vec4(0.0f) : frame.rgba[p]) + share * part_.rgba[p];
+        if (!settings.depth) return;
+        frame.depth_m[p] =
+            (i == 0 ? 0.0f : frame.depth_m[p]) + share * coverage * part_.depth_m[p];
+      });
+    }
+    for (std::size_t p = 0; settings.depth && p < frame.rgba.size(); ++p) {
+      if (frame.rgba[p].a > 0.0f) frame.depth_m[p] /= frame.rgba[p].a;
+    }
     return stats;
   }
 
  private:
+  void renderPart(const Projection& part, const View& view, const RenderSettings& settings,
+                  Frame& frame, RenderStats& stats) {
+    scene_.project(cloud_, view, settings, part);
+    stats.splats += scene_.count();
+    stats.fragments += scene_.render(settings.background, settings.depth, frame);
+  }
+
   const SurfelCloud& cloud_;
+  std::vector<glm::vec2> centres_;
   ViewSplats scene_;
+  Frame part_;
 };
 
 }  // namespace
 
 MethodEntry sweepMethod() {
-  return {
-      .info =
-          {.name = "sweep",
-           .summary =
-               "each splat blurred before the image is formed; streamed over tiles, without lists",
-           .source = "Krivanek, Zara and Bouatouch 2003, and our own"},
-      .make = makeAs<SweepMethod>};
+  return {.info = {.name = "sweep",
+                   .summary = "each splat blurred before the image is formed; N: the mean of N "
+                              "sub-apertures",
+                   .source = "Krivanek, Zara and Bouatouch 2003, and our own",
+                   .max_n = 100,
+                   .default_n = 1},
+          .make = makeAs<SweepMethod>,
+          .make_of_gaussians = gaussianSweep};
 }
 
 }  // namespace foci
