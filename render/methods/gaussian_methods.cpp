@@ -12,6 +12,14 @@
 namespace foci {
 namespace {
 
+/// Share of a sub-aperture's area that its disc covers. Discs blur each Gaussian by itself, and so
+/// let light through surfaces; gaps between discs show as ghosts. With 7 sub-apertures and blur of
+/// 10 and 20 px, PSNR against 100 pinholes, dB:
+///            1     0.6   0.35  0.2
+///   guitar   44.0  46.3  48.1  49.3     41.0, -, 43.9, 44.9 at 20 px
+///   biker    50.2  -     51.7  51.3     46.9, -, 47.9, 47.4 at 20 px
+constexpr float kDiscShare = 0.2f;
+
 bool isBlurred(const Defocus& defocus) { return defocus.radius_px_per_D != glm::vec2(0.0f); }
 
 /// The mean of the frames through the given discs of the lens.
@@ -80,8 +88,8 @@ class AccumulatedPoints final : public Method {
 
 std::vector<LensDisc> subApertureDiscs(int n) {
   if (n <= 1) return {{glm::vec2(0.0f), 1.0f}};
-  // The centres have the variance 1/4 of the lens (lens_samples.h), the discs 1/n of this.
-  const float share = 1.0f / static_cast<float>(n);
+  // The centres have the variance 1/4 of the lens (lens_samples.h), the discs a share of this.
+  const float share = kDiscShare / static_cast<float>(n);
   std::vector<LensDisc> discs;
   for (const glm::vec2& centre : subApertureCentres(n)) {
     discs.push_back({std::sqrt(1.0f - share) * centre, std::sqrt(share)});

@@ -11,8 +11,8 @@
 
 namespace foci {
 
-/// The whole lens for `n` = 1; else `n` sub-apertures, each of a share 1/n of the lens's area. Their
-/// centres and areas together have the lens's variance.
+/// The whole lens for `n` = 1; else `n` discs, which cover a part of the lens evenly. Centres and
+/// discs together have the lens's variance.
 std::vector<LensDisc> subApertureDiscs(int n);
 
 std::unique_ptr<Method> gaussianPinhole(const GaussianCloud& cloud, int n);
