@@ -27,8 +27,41 @@ void GaussianView::project(const View& view, const Defocus& defocus,
   lists_.build(projected_.chunks, view.size_px);
 }
 
+float GaussianView::tileBlur_px(std::size_t tile) const {
+  double sum = 0.0, weights = 0.0;
+  for (const std::uint32_t index : lists_.splats(tile)) {
+    const double blur2 = double{projected_.chunks.keys[index].blur_px} *
+                         double{projected_.chunks.keys[index].blur_px};
+    const double peak = projected_.gaussians[index].peak;
+    sum += peak * blur2 * blur2;
+    weights += peak;
+  }
+  return weights > 0.0 ? static_cast<float>(std::sqrt(std::sqrt(sum / weights))) : 0.0f;
+}
+
+std::vector<float> GaussianView::tileBlurs_px() const {
+  std::vector<float> blurs(lists_.tiles().size());
+  parallelFor(blurs.size(), [&](std::size_t t) { blurs[t] = tileBlur_px(t); });
+  return blurs;
+}
+
 std::uint64_t GaussianView::render(const std::vector<LensDisc>& discs, const glm::vec3& background,
                                    Frame& frame) {
+  return renderTiles([&](std::size_t) -> const std::vector<LensDisc>& { return discs; },
+                     background, frame);
+}
+
+std::uint64_t GaussianView::render(
+    const std::function<const std::vector<LensDisc>&(float blur_px)>& discs_of,
+    const glm::vec3& background, Frame& frame) {
+  return renderTiles(
+      [&](std::size_t t) -> const std::vector<LensDisc>& { return discs_of(tileBlur_px(t)); },
+      background, frame);
+}
+
+template <typename DiscsOfTile>
+std::uint64_t GaussianView::renderTiles(const DiscsOfTile& discs_of, const glm::vec3& background,
+                                        Frame& frame) {
   const bool depth = !frame.depth_m.empty();
   const glm::vec3 shown(srgbFromLinear(background.r), srgbFromLinear(background.g),
                         srgbFromLinear(background.b));
@@ -41,6 +74,7 @@ std::uint64_t GaussianView::render(const std::vector<LensDisc>& discs, const glm
          {sums->red, sums->green, sums->blue, sums->coverage, sums->distance_m}) {
       std::fill_n(plane, kTilePixels, 0.0f);
     }
+    const std::vector<LensDisc>& discs = discs_of(t);
     for (const LensDisc& disc : discs) {
       fragments[t] += compositeTile({.gaussians = projected_.gaussians.data(),
                                      .list = lists_.splats(t),

@@ -16,9 +16,9 @@ namespace {
 /// let light through surfaces; gaps between discs show as ghosts. With 7 sub-apertures and blur of
 /// 10 and 20 px, PSNR against 100 pinholes, dB:
 ///            1     0.6   0.35  0.2
-///   guitar   44.0  46.3  48.1  49.3     41.0, -, 43.9, 44.9 at 20 px
-///   biker    50.2  -     51.7  51.3     46.9, -, 47.9, 47.4 at 20 px
-constexpr float kDiscShare = 0.2f;
+///   guitar   44.0  46.3  48.1  49.3     at 20 px: 41.0, -, 43.9, 44.9
+///   biker    50.2  -     51.7  51.3     at 20 px: 46.9, -, 47.9, 47.4
+constexpr float kDiscShare = 0.15f;
 
 bool isBlurred(const Defocus& defocus) { return defocus.radius_px_per_D != glm::vec2(0.0f); }
 
@@ -107,10 +107,6 @@ std::unique_ptr<Method> gaussianSweep(const GaussianCloud& cloud, int n) {
 
 std::unique_ptr<Method> gaussianAccumulate(const GaussianCloud& cloud, int n) {
   return std::make_unique<AccumulatedPoints>(cloud, n);
-}
-
-std::unique_ptr<Method> gaussianAuto(const GaussianCloud& cloud, int /*n*/) {
-  return gaussianSweep(cloud, 7);
 }
 
 }  // namespace foci
