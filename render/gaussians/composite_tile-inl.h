@@ -20,8 +20,8 @@ namespace HWY_NAMESPACE {
 inline constexpr std::size_t kMaxLanes = 16;
 inline constexpr float kLast = kTile - 1;  // index of the last pixel of a row
 
-/// Gaussians of a block, one lane each, as the part of the lens sees them. At the offset (x, y) from
-/// its centre a Gaussian has alpha = peak 2^-q, q = qa x^2 + qb x y + qc y^2, where q < cut.
+/// Gaussians of a block, one lane each, as the part of the lens sees them. At the offset (x, y)
+/// from its centre a Gaussian has alpha = peak 2^-q, q = qa x^2 + qb x y + qc y^2, where q < cut.
 struct alignas(64) Block {
   float x[kMaxLanes], y[kMaxLanes];  // from the centre of the tile's first pixel
   float qa[kMaxLanes], qb[kMaxLanes], qc[kMaxLanes];
@@ -108,7 +108,7 @@ class TileCompositor {
     alignas(64) float in[11][kMaxLanes] = {};
     for (std::size_t k = 0; k < n; ++k) {
       const ProjectedGaussian& g = job_.gaussians[job_.list[at + k]];
-      const float fields[] = {g.x_px, g.y_px, g.vxx, g.vxy,   g.vyy, g.sx,
+      const float fields[] = {g.x_px, g.y_px, g.vxx,   g.vxy,  g.vyy, g.sx,
                               g.sy,   g.e,    g.off_D, g.peak, g.cut};
       for (std::size_t i = 0; i < 11; ++i) in[i][k] = fields[i];
     }
@@ -136,10 +136,10 @@ class TileCompositor {
     const float disc = kDiscVariancePerRadius2 * job_.lens.radius * job_.lens.radius;
     const V near_x = hn::Add(off, set(j.x)), near_y = hn::Sub(off, set(j.x));
     const V j45 = set(j.y * j.y);
-    xx = hn::MulAdd(set(disc * radius.x * radius.x),
-                    hn::Add(e, hn::MulAdd(near_x, near_x, j45)), xx);
-    yy = hn::MulAdd(set(disc * radius.y * radius.y),
-                    hn::Add(e, hn::MulAdd(near_y, near_y, j45)), yy);
+    xx = hn::MulAdd(set(disc * radius.x * radius.x), hn::Add(e, hn::MulAdd(near_x, near_x, j45)),
+                    xx);
+    yy = hn::MulAdd(set(disc * radius.y * radius.y), hn::Add(e, hn::MulAdd(near_y, near_y, j45)),
+                    yy);
     xy = hn::MulAdd(set(2.0f * disc * radius.x * radius.y * j.y), off, xy);
     const V blurred = hn::Max(determinant(), least);
 

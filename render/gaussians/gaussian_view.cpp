@@ -47,8 +47,8 @@ std::vector<float> GaussianView::tileBlurs_px() const {
 
 std::uint64_t GaussianView::render(const std::vector<LensDisc>& discs, const glm::vec3& background,
                                    Frame& frame) {
-  return renderTiles([&](std::size_t) -> const std::vector<LensDisc>& { return discs; },
-                     background, frame);
+  return renderTiles([&](std::size_t) -> const std::vector<LensDisc>& { return discs; }, background,
+                     frame);
 }
 
 std::uint64_t GaussianView::render(
@@ -70,8 +70,7 @@ std::uint64_t GaussianView::renderTiles(const DiscsOfTile& discs_of, const glm::
   parallelFor(tiles.size(), [&](std::size_t t) {
     const Tile& tile = tiles[t];
     thread_local const auto sums = std::make_unique<TileSums>();
-    for (float* plane :
-         {sums->red, sums->green, sums->blue, sums->coverage, sums->distance_m}) {
+    for (float* plane : {sums->red, sums->green, sums->blue, sums->coverage, sums->distance_m}) {
       std::fill_n(plane, kTilePixels, 0.0f);
     }
     const std::vector<LensDisc>& discs = discs_of(t);

@@ -47,8 +47,7 @@ class GaussianView {
  private:
   float tileBlur_px(std::size_t tile) const;
   template <typename DiscsOfTile>
-  std::uint64_t renderTiles(const DiscsOfTile& discs_of, const glm::vec3& background,
-                            Frame& frame);
+  std::uint64_t renderTiles(const DiscsOfTile& discs_of, const glm::vec3& background, Frame& frame);
 
   const GaussianCloud* cloud_;
   Defocus defocus_;

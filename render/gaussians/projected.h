@@ -29,14 +29,14 @@ inline constexpr float kOpaqueTransmittance = 1e-4f;
 /// gradient h of the vergence, the Jacobian J of the projection, and the covariance S,
 ///   V_p = J S J' - a s' - s a' + e a a',   a = R o p,  s = J S h,  e = h' S h.
 struct ProjectedGaussian {
-  float x_px, y_px;         ///< centre, from the middle of the lens
-  float vxx, vxy, vyy;      ///< J S J' and the low-pass, px^2
-  float sx, sy, e;          ///< px D, px D, D^2
-  float off_D;              ///< F - 1/U, without astigmatism
-  float peak;               ///< opacity at the centre
-  float cut;                ///< squared standard deviations at which it falls to kMinAlpha
-  float red, green, blue;   ///< display values
-  float distance_m;         ///< U
+  float x_px, y_px;        ///< centre, from the middle of the lens
+  float vxx, vxy, vyy;     ///< J S J' and the low-pass, px^2
+  float sx, sy, e;         ///< px D, px D, D^2
+  float off_D;             ///< F - 1/U, without astigmatism
+  float peak;              ///< opacity at the centre
+  float cut;               ///< squared standard deviations at which it falls to kMinAlpha
+  float red, green, blue;  ///< display values
+  float distance_m;        ///< U
 };
 static_assert(sizeof(ProjectedGaussian) == 60);
 

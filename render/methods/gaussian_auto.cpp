@@ -1,6 +1,6 @@
 // Method `auto` on scenes of Gaussians. Each tile is rendered through as few discs of the lens as
-// its blur allows under the tolerance. Source: our own. Known failure: the error was measured on two
-// captured objects; thin blurred parts before a bright background exceed it.
+// its blur allows under the tolerance. Source: our own. Known failure: the error was measured on
+// two captured objects; thin blurred parts before a bright background exceed it.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -107,8 +107,8 @@ class GaussianAuto final : public Method {
     view_.project(view, settings.defocus, all_);
     const float tolerance = settings.quality.tolerance;
     const auto setOf = [&](float blur_px) {
-      const auto enough = std::ranges::find_if(
-          kDiscs, [&](int n) { return errorOf(n, blur_px) <= tolerance; });
+      const auto enough =
+          std::ranges::find_if(kDiscs, [&](int n) { return errorOf(n, blur_px) <= tolerance; });
       return static_cast<std::size_t>(std::min(enough, kDiscs.end() - 1) - kDiscs.begin());
     };
     RenderStats stats;

@@ -71,9 +71,9 @@ class AccumulatedPoints final : public Method {
     parallelFor(frame.rgba.size(), [&](std::size_t p) {
       const float coverage = even * frame.rgba[p].a + odd * odd_.rgba[p].a;
       if (!frame.depth_m.empty() && coverage > 0.0f) {
-        frame.depth_m[p] = (even * frame.depth_m[p] * frame.rgba[p].a +
-                            odd * odd_.depth_m[p] * odd_.rgba[p].a) /
-                           coverage;
+        frame.depth_m[p] =
+            (even * frame.depth_m[p] * frame.rgba[p].a + odd * odd_.depth_m[p] * odd_.rgba[p].a) /
+            coverage;
       }
       frame.rgba[p] = even * frame.rgba[p] + odd * odd_.rgba[p];
     });

@@ -34,8 +34,7 @@ class SweepMethod final : public Method {
         const float coverage = part_.rgba[p].a;
         frame.rgba[p] = (i == 0 ? glm::vec4(0.0f) : frame.rgba[p]) + share * part_.rgba[p];
         if (!settings.depth) return;
-        frame.depth_m[p] =
-            (i == 0 ? 0.0f : frame.depth_m[p]) + share * coverage * part_.depth_m[p];
+        frame.depth_m[p] = (i == 0 ? 0.0f : frame.depth_m[p]) + share * coverage * part_.depth_m[p];
       });
     }
     for (std::size_t p = 0; settings.depth && p < frame.rgba.size(); ++p) {

@@ -7,15 +7,12 @@ namespace foci {
 Covariance3 covarianceOf(const glm::vec3& sigma, const glm::vec4& rotation) {
   const float x = rotation.x, y = rotation.y, z = rotation.z, w = rotation.w;
   // Columns: where the rotation takes the axes.
-  const glm::vec3 a =
-      sigma.x * glm::vec3(1.0f - 2.0f * (y * y + z * z), 2.0f * (x * y + w * z),
-                          2.0f * (x * z - w * y));
-  const glm::vec3 b =
-      sigma.y * glm::vec3(2.0f * (x * y - w * z), 1.0f - 2.0f * (x * x + z * z),
-                          2.0f * (y * z + w * x));
-  const glm::vec3 c =
-      sigma.z * glm::vec3(2.0f * (x * z + w * y), 2.0f * (y * z - w * x),
-                          1.0f - 2.0f * (x * x + y * y));
+  const glm::vec3 a = sigma.x * glm::vec3(1.0f - 2.0f * (y * y + z * z), 2.0f * (x * y + w * z),
+                                          2.0f * (x * z - w * y));
+  const glm::vec3 b = sigma.y * glm::vec3(2.0f * (x * y - w * z), 1.0f - 2.0f * (x * x + z * z),
+                                          2.0f * (y * z + w * x));
+  const glm::vec3 c = sigma.z * glm::vec3(2.0f * (x * z + w * y), 2.0f * (y * z - w * x),
+                                          1.0f - 2.0f * (x * x + y * y));
   return {.xx = a.x * a.x + b.x * b.x + c.x * c.x,
           .xy = a.x * a.y + b.x * b.y + c.x * c.y,
           .xz = a.x * a.z + b.x * b.z + c.x * c.z,

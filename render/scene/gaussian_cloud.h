@@ -23,15 +23,15 @@ inline constexpr int kMaxHarmonicsDegree = 3;
 /// Coefficients of the degrees 1 to `degree`, for one colour channel.
 constexpr int harmonicsOf(int degree) { return (degree + 1) * (degree + 1) - 1; }
 
-/// Coefficients of degree 1 and more are stored in steps of this size. The formats for sharing store
-/// them in 8 bits, with steps 16 times as large or more.
+/// Coefficients of degree 1 and more are stored in steps of this size. The formats for sharing
+/// store them in 8 bits, with steps 16 times as large or more.
 inline constexpr float kHarmonicsStep = 1.0f / 4096.0f;
 
 /// Gaussians as a structure of arrays, all of the same length. The frame is that of the file: in
 /// metres, right-handed, any axis up.
 ///
-/// Gaussian k has the opacity `opacity exp(-d' V^-1 d / 2)` at the offset d from its position, V its
-/// covariance. Its colour is a display value (sRGB), because such scenes are trained on images:
+/// Gaussian k has the opacity `opacity exp(-d' V^-1 d / 2)` at the offset d from its position, V
+/// its covariance. Its colour is a display value (sRGB), because such scenes are trained on images:
 ///
 ///   0.5 + sum over i of coefficient_i Y_i(direction from the eye), at least 0     (harmonics.h)
 struct GaussianCloud {

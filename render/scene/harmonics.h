@@ -33,7 +33,8 @@ inline void harmonicsIn(const glm::vec3& d, int degree, Harmonics& y) {
   y[6] = -k2a * d.x * d.z;
   y[7] = k2c * (xx - yy);
   if (degree < 3) return;
-  // sqrt(35 / (32 pi)), sqrt(105 / (4 pi)), sqrt(21 / (32 pi)), sqrt(7 / (16 pi)), sqrt(105 / (16 pi))
+  // sqrt(35 / (32 pi)), sqrt(105 / (4 pi)), sqrt(21 / (32 pi)), sqrt(7 / (16 pi)), sqrt(105 / (16
+  // pi))
   constexpr float k3a = 0.5900435899266435f, k3b = 2.890611442640554f, k3c = 0.4570457994644658f,
                   k3d = 0.3731763325901154f, k3e = 1.445305721320277f;
   y[8] = -k3a * d.y * (3.0f * xx - yy);

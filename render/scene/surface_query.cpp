@@ -142,8 +142,8 @@ struct Cone {
   }
 
   /// The mean opacity of a Gaussian over the cone, and its mean depth on the cone's axis: that of
-  /// its normal distribution, given the place in the image, and at most two standard deviations from
-  /// its centre.
+  /// its normal distribution, given the place in the image, and at most two standard deviations
+  /// from its centre.
   std::optional<Blocking> blockingOf(const GaussianCloud& cloud, std::size_t i) const {
     const glm::vec3 d(glm::dvec3(cloud.position_m[i]) - origin_m);
     const float depth = glm::dot(d, z);
@@ -165,7 +165,8 @@ struct Cone {
     const float mahalanobis = glm::dot(m, solved);
     if (!(mahalanobis < kReach * kReach)) return std::nullopt;
     const float sharp_det = std::max(xx * yy - xy * xy, 0.0f);
-    const float alpha = cloud.opacity[i] * std::sqrt(sharp_det / det) * std::exp(-0.5f * mahalanobis);
+    const float alpha =
+        cloud.opacity[i] * std::sqrt(sharp_det / det) * std::exp(-0.5f * mahalanobis);
     const float sigma = std::sqrt(glm::dot(z, times(z)));
     const float toward = -(glm::dot(z, va) * solved.x + glm::dot(z, vb) * solved.y);
     const float reach = kDepthReach * sigma;

@@ -35,8 +35,8 @@ struct SurfelCloud {
   /// The mesh that the surfels were sampled from; null if they are all that is known.
   std::shared_ptr<const TriangleMesh> mesh = {};
 
-  /// A captured scene of volumes in place of surfels, not empty: there are no surfels then. Null for
-  /// a scene of surfels.
+  /// A captured scene of volumes in place of surfels, not empty: there are no surfels then. Null
+  /// for a scene of surfels.
   std::shared_ptr<const GaussianCloud> gaussians = {};
 
   std::size_t size() const { return position_m.size(); }

@@ -36,10 +36,9 @@ bool isOfType(const Element& element, Scalar type) {
 template <std::size_t N>
 bool beginsWith(const Element& element, const std::array<std::string_view, N>& names) {
   return element.properties.size() >= N &&
-         std::equal(names.begin(), names.end(), element.properties.begin(),
-                    [](std::string_view name, const ply::Property& each) {
-                      return each.name == name;
-                    });
+         std::equal(
+             names.begin(), names.end(), element.properties.begin(),
+             [](std::string_view name, const ply::Property& each) { return each.name == name; });
 }
 
 constexpr std::array<std::string_view, 12> kRanges = {
@@ -90,8 +89,7 @@ RawGaussian unpacked(const Packed& packed, const Chunk& chunk) {
   const glm::vec3 color(unit(packed.color >> 24u, 8), unit(packed.color >> 16u, 8),
                         unit(packed.color >> 8u, 8));
   return {.position = glm::mix(chunk.low, chunk.high, unit111011(packed.position)),
-          .sigma =
-              glm::exp(glm::mix(chunk.low_scale, chunk.high_scale, unit111011(packed.scale))),
+          .sigma = glm::exp(glm::mix(chunk.low_scale, chunk.high_scale, unit111011(packed.scale))),
           .rotation = rotationOf(packed.rotation),
           .opacity = unit(packed.color, 8),
           .color = glm::mix(chunk.low_color, chunk.high_color, color)};
@@ -146,8 +144,8 @@ Layout layoutOf(const ply::Header& header, const std::string& file) {
     throw refuse("has " + std::to_string(layout.chunk->count) + " chunks: expected " +
                  std::to_string(needed) + ", one for 256 vertices");
   }
-  const bool ordered =
-      layout.chunk < layout.vertex && (layout.harmonics == nullptr || layout.vertex < layout.harmonics);
+  const bool ordered = layout.chunk < layout.vertex &&
+                       (layout.harmonics == nullptr || layout.vertex < layout.harmonics);
   if (!ordered || header.elements.size() != (layout.harmonics != nullptr ? 3u : 2u)) {
     throw refuse("expected the elements chunk, vertex and, with harmonics, sh");
   }

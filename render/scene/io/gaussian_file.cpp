@@ -120,8 +120,8 @@ FileBytes::FileBytes(const std::filesystem::path& path) : name_(path.string()) {
 
 std::span<const unsigned char> FileBytes::part(std::uint64_t at, std::uint64_t count) const {
   if (at > bytes_.size() || count > bytes_.size() - at) {
-    throw InputError(name_, "ends at byte " + std::to_string(bytes_.size()) +
-                                ", earlier than its header says");
+    throw InputError(
+        name_, "ends at byte " + std::to_string(bytes_.size()) + ", earlier than its header says");
   }
   return std::span(bytes_).subspan(at, count);
 }

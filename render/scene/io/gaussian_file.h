@@ -17,19 +17,19 @@ namespace foci {
 /// Gaussians as a file holds them, in its own units.
 struct GaussianFile {
   GaussianCloud cloud{};
-  std::string format{};      ///< "compressed PLY", as messages name it
-  bool y_is_up = false;      ///< else y points down, as in cameras: the usual convention
-  std::size_t dropped = 0;   ///< Gaussians left out, because a value was not finite
+  std::string format{};                ///< "compressed PLY", as messages name it
+  bool y_is_up = false;                ///< else y points down, as in cameras: the usual convention
+  std::size_t dropped = 0;             ///< Gaussians left out, because a value was not finite
   std::vector<std::string> remarks{};  ///< what the user should know, a sentence each
 };
 
 /// One Gaussian as the formats give it.
 struct RawGaussian {
   glm::vec3 position{0.0f};
-  glm::vec3 sigma{0.0f};                          ///< standard deviations along its axes
-  glm::vec4 rotation{0.0f, 0.0f, 0.0f, 1.0f};     ///< quaternion (x, y, z, w) of any length
-  float opacity = 1.0f;                           ///< 0 to 1
-  glm::vec3 color{0.5f};                          ///< display value of degree 0
+  glm::vec3 sigma{0.0f};                       ///< standard deviations along its axes
+  glm::vec4 rotation{0.0f, 0.0f, 0.0f, 1.0f};  ///< quaternion (x, y, z, w) of any length
+  float opacity = 1.0f;                        ///< 0 to 1
+  glm::vec3 color{0.5f};                       ///< display value of degree 0
 };
 
 /// Appends Gaussians to a file, and leaves out those that no renderer could show.

@@ -6,6 +6,7 @@ std::optional<GaussianFile> readGaussians(const std::filesystem::path& path) {
   if (isGaussianPly(path)) return readGaussianPly(path);
   if (isCompressedGaussianPly(path)) return readCompressedGaussianPly(path);
   if (isSpzFile(path)) return readSpzFile(path);
+  if (isKsplatFile(path)) return readKsplatFile(path);
   if (isSplatFile(path)) return readSplatFile(path);
   return std::nullopt;
 }

@@ -23,14 +23,18 @@ GaussianFile readGaussianPly(const std::filesystem::path& path);
 bool isCompressedGaussianPly(const std::filesystem::path& path);
 GaussianFile readCompressedGaussianPly(const std::filesystem::path& path);
 
-/// antimatter15's `.splat`: records of 32 bytes without a header. A file counts as one if its length
-/// is a multiple of 32 and all records looked at are sound.
+/// antimatter15's `.splat`: records of 32 bytes without a header. A file counts as one if its
+/// length is a multiple of 32 and all records looked at are sound.
 bool isSplatFile(const std::filesystem::path& path);
 GaussianFile readSplatFile(const std::filesystem::path& path);
 
 /// Niantic's `.spz`, versions 1 to 4: 1 to 3 plain or by gzip, 4 by Zstandard.
 bool isSpzFile(const std::filesystem::path& path);
 GaussianFile readSpzFile(const std::filesystem::path& path);
+
+/// mkkellogg's `.ksplat` (GaussianSplats3D), version 0.1, compression modes 0 to 2.
+bool isKsplatFile(const std::filesystem::path& path);
+GaussianFile readKsplatFile(const std::filesystem::path& path);
 
 /// Reads a file of any of these formats; nothing for another file.
 std::optional<GaussianFile> readGaussians(const std::filesystem::path& path);

@@ -97,7 +97,8 @@ class Columns {
     const auto found = std::find_if(places_.begin(), places_.end(),
                                     [&](const Place& each) { return each.name == name; });
     if (found == places_.end()) throw refusal("expected the property " + name + " of a Gaussian");
-    if (!ply::isFloat(found->type)) throw refusal("property " + name + ": expected float or double");
+    if (!ply::isFloat(found->type))
+      throw refusal("property " + name + ": expected float or double");
     return static_cast<std::size_t>(found - places_.begin());
   }
 
@@ -107,9 +108,10 @@ class Columns {
   }
 
   void findHarmonics() {
-    const auto count = static_cast<int>(
-        std::count_if(places_.begin(), places_.end(),
-                      [](const Place& each) { return each.name.starts_with("f_rest_"); }));
+    const auto count =
+        static_cast<int>(std::count_if(places_.begin(), places_.end(), [](const Place& each) {
+          return each.name.starts_with("f_rest_");
+        }));
     while (degree_ <= kMaxHarmonicsDegree && 3 * harmonicsOf(degree_) != count) ++degree_;
     if (degree_ > kMaxHarmonicsDegree) {
       throw refusal("has " + std::to_string(count) +

@@ -32,15 +32,14 @@ struct Converter {
   std::string_view extension, how;
 };
 constexpr std::array kConverters = {
-    Converter{".e57", kPdal},     Converter{".pcd", kPdal},      Converter{".ptx", kPdal},
-    Converter{".dae", kBlender},  Converter{".3ds", kBlender},   Converter{".blend", kBlender},
-    Converter{".usd", kBlender},  Converter{".usdc", kBlender},  Converter{".usdz", kBlender},
-    Converter{".x3d", kBlender},  Converter{".wrl", kBlender},   Converter{".lwo", kBlender},
-    Converter{".dxf", kBlender},  Converter{".3mf", kCad},       Converter{".step", kCad},
-    Converter{".stp", kCad},      Converter{".iges", kCad},      Converter{".igs", kCad},
-    Converter{".vtk", kParaview}, Converter{".vtp", kParaview},  Converter{".vtu", kParaview},
-    Converter{".splat", kSplats}, Converter{".ksplat", kSplats}, Converter{".sog", kSplats},
-    Converter{".lcc", kSplats},
+    Converter{".e57", kPdal},     Converter{".pcd", kPdal},     Converter{".ptx", kPdal},
+    Converter{".dae", kBlender},  Converter{".3ds", kBlender},  Converter{".blend", kBlender},
+    Converter{".usd", kBlender},  Converter{".usdc", kBlender}, Converter{".usdz", kBlender},
+    Converter{".x3d", kBlender},  Converter{".wrl", kBlender},  Converter{".lwo", kBlender},
+    Converter{".dxf", kBlender},  Converter{".3mf", kCad},      Converter{".step", kCad},
+    Converter{".stp", kCad},      Converter{".iges", kCad},     Converter{".igs", kCad},
+    Converter{".vtk", kParaview}, Converter{".vtp", kParaview}, Converter{".vtu", kParaview},
+    Converter{".sog", kSplats},   Converter{".lcc", kSplats},
 };
 
 /// @throws InputError for a format that is known and not read
@@ -55,9 +54,9 @@ void refuseUnread(const std::filesystem::path& path) {
 }
 
 bool hasSceneExtension(const std::filesystem::path& path) {
-  static constexpr std::array<std::string_view, 15> kRead = {
-      ".foci", ".ply", ".obj", ".gltf", ".glb", ".stl", ".fbx",
-      ".las",  ".laz", ".xyz", ".pts",  ".asc", ".off", ".pwn", ".spz"};
+  static constexpr std::array<std::string_view, 17> kRead = {
+      ".foci", ".ply", ".obj", ".gltf", ".glb", ".stl", ".fbx",   ".las",   ".laz",
+      ".xyz",  ".pts", ".asc", ".off",  ".pwn", ".spz", ".splat", ".ksplat"};
   const std::string extension = lowerExtension(path);
   return std::find(kRead.begin(), kRead.end(), extension) != kRead.end() ||
          std::any_of(kConverters.begin(), kConverters.end(),
@@ -88,8 +87,8 @@ SurfelCloud scaled(SurfelCloud&& cloud, float factor) {
 bool isScene(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return hasSceneExtension(path);
-  return hasSceneExtension(path) || isSceneFile(path) || isLasFile(path) || isTextPointsFile(path) ||
-         isSpzFile(path);
+  return hasSceneExtension(path) || isSceneFile(path) || isLasFile(path) ||
+         isTextPointsFile(path) || isSpzFile(path);
 }
 
 SceneFile readScene(const std::filesystem::path& path) {
@@ -115,8 +114,9 @@ OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sa
     return {sampleMesh(*mesh, file.path, sampling), mesh};
   }
   if (std::holds_alternative<GaussianFile>(file.content)) {
-    throw InputError(file.path.string(),
-                     "holds Gaussians, which are volumes: foci renders it as it is, without surfels");
+    throw InputError(
+        file.path.string(),
+        "holds Gaussians, which are volumes: foci renders it as it is, without surfels");
   }
   auto* const points = std::get_if<PointCloud>(&file.content);
   if (points == nullptr) throw InputError(file.path.string(), "is a prepared scene already");

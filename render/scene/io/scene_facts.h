@@ -51,8 +51,8 @@ struct SceneFacts {
   /// Metres a unit, if the format or the file says so; up axis (0 x, 1 y, 2 z), if the file does.
   std::optional<double> unit_m{};
   std::optional<int> up_axis{};
-  bool y_is_down = false;         ///< the convention of cameras, which captured scenes share
-  int harmonics_degree = 0;       ///< of Gaussians
+  bool y_is_down = false;    ///< the convention of cameras, which captured scenes share
+  int harmonics_degree = 0;  ///< of Gaussians
 
   /// Where the scene is, units of the file: its points, its surfels, or the corners of its
   /// triangles. Not empty.

@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::size_t kRecord = 32;
 
-/// Records that are looked at, from the first on, to recognise a file without a header. Random bytes
-/// pass as one record about once in 1000.
+/// Records that are looked at, from the first on, to recognise a file without a header. Random
+/// bytes pass as one record about once in 1000.
 constexpr std::size_t kRecordsLookedAt = 64;
 
 RawGaussian gaussianOf(std::span<const unsigned char> record) {
@@ -32,8 +32,8 @@ RawGaussian gaussianOf(std::span<const unsigned char> record) {
           .color = glm::vec3(record[24], record[25], record[26]) / 255.0f};
 }
 
-/// Whether the values are those of a Gaussian: lengths in range, and a quaternion of length 1 within
-/// its rounding to bytes.
+/// Whether the values are those of a Gaussian: lengths in range, and a quaternion of length 1
+/// within its rounding to bytes.
 bool isSound(const RawGaussian& gaussian) {
   constexpr float kMaxSigma = 1e6f, kSlack = 0.05f;
   const auto inRange = [](float value, float low, float high) {

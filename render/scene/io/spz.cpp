@@ -1,7 +1,7 @@
-// Niantic's `.spz` (github.com/nianticlabs/spz). Versions 1 to 3 are one stream, plain or by gzip: a
-// header of 16 bytes, then positions, opacities, colours, scales, rotations and harmonics, an array
-// each. Version 4 has a header of 32 bytes, a table of the arrays' lengths, and the arrays, each
-// compressed by Zstandard.
+// Niantic's `.spz` (github.com/nianticlabs/spz). Versions 1 to 3 are one stream, plain or by gzip:
+// a header of 16 bytes, then positions, opacities, colours, scales, rotations and harmonics, an
+// array each. Version 4 has a header of 32 bytes, a table of the arrays' lengths, and the arrays,
+// each compressed by Zstandard.
 #include <zlib.h>
 #include <zstd.h>
 
@@ -34,7 +34,11 @@ struct SpzHeader {
 
   std::array<std::uint64_t, kArrays> bytes() const {
     const std::uint64_t n = count;
-    return {n * (version == 1 ? 6u : 9u), n, 3 * n, 3 * n, n * (version <= 2 ? 3u : 4u),
+    return {n * (version == 1 ? 6u : 9u),
+            n,
+            3 * n,
+            3 * n,
+            n * (version <= 2 ? 3u : 4u),
             n * 3u * static_cast<unsigned>(harmonicsOf(degree))};
   }
 };
@@ -50,16 +54,16 @@ SpzHeader headerOf(std::span<const unsigned char> bytes, const std::string& file
   if (u32At(bytes, 0) != kMagic) throw InputError(file, "is no SPZ file: expected NGSP");
   SpzHeader header{.version = u32At(bytes, 4), .count = u32At(bytes, 8)};
   if (header.version < 1 || header.version > 4) {
-    throw InputError(file, "is SPZ of version " + std::to_string(header.version) +
-                               ": expected version 1 to 4");
+    throw InputError(
+        file, "is SPZ of version " + std::to_string(header.version) + ": expected version 1 to 4");
   }
   header.degree = bytes[12];
   header.fraction_bits = bytes[13];
   header.flags = bytes[14];
   header.arrays = bytes[15];
   if (header.degree > kMaxHarmonicsDegree) {
-    throw InputError(file, "has harmonics of degree " + std::to_string(header.degree) +
-                               ": expected 0 to 3");
+    throw InputError(
+        file, "has harmonics of degree " + std::to_string(header.degree) + ": expected 0 to 3");
   }
   if (header.fraction_bits > 23) {
     throw InputError(file, "has positions with " + std::to_string(header.fraction_bits) +
@@ -221,8 +225,7 @@ RawGaussian gaussianOf(const SpzArrays& all, std::size_t i) {
           .sigma = glm::exp(bytesOf(kScales) / 16.0f - 10.0f),
           .rotation = rotationOf(all, i),
           .opacity = static_cast<float>(all.array[kOpacities][i]) / 255.0f,
-          .color =
-              0.5f + kHarmonic0 / kColorScale * (bytesOf(kColors) / 255.0f - 0.5f)};
+          .color = 0.5f + kHarmonic0 / kColorScale * (bytesOf(kColors) / 255.0f - 0.5f)};
 }
 
 }  // namespace
