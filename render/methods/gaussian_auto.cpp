@@ -18,9 +18,9 @@ namespace {
 constexpr std::array kDiscs{1, 3, 7, 13, 19, 37, 61};
 
 /// Error of 95 % of the pixels, in just-noticeable differences: kError (C / sqrt(N))^kPower for N
-/// discs and a blur radius of C px. An upper bound of the errors against 400 pinholes on the two
-/// captures of GaussianLens, 384 px, C = 4, 10, 20 and N = 1, 3, 7, 19.
-constexpr float kError = 0.12f, kPower = 1.45f;
+/// discs and a blur radius of C px. An upper bound of the errors against 400 pinholes on two
+/// captures, at 256 and 384 px, C = 4, 10, 20 and N = 1, 3, 7, 19. GaussianCaptures holds it.
+constexpr float kError = 0.2f, kPower = 1.45f;
 
 float errorOf(int discs, float blur_px) {
   return kError * std::pow(blur_px / std::sqrt(static_cast<float>(discs)), kPower);

@@ -100,9 +100,22 @@ class Gunzip {
       const int result = inflate(&stream_, Z_NO_FLUSH);
       done += part - stream_.avail_out;
       const bool stuck = stream_.avail_out == part;
-      if (done < count && (result != Z_OK || stuck)) throw damaged();
+      if (result == Z_STREAM_END ? done < count : result != Z_OK || stuck) throw damaged();
     }
     return bytes;
+  }
+
+  /// Reads to the end, where the checksum is. Vendors may append extensions.
+  void finish() {
+    constexpr int kMaxBlocks = 64;
+    std::vector<unsigned char> block(std::size_t{1} << 20u);
+    for (int i = 0; i < kMaxBlocks; ++i) {
+      stream_.next_out = block.data();
+      stream_.avail_out = static_cast<uInt>(block.size());
+      const int result = inflate(&stream_, Z_NO_FLUSH);
+      if (result == Z_STREAM_END) return;
+      if (result != Z_OK || stream_.avail_out == block.size()) throw damaged();
+    }
   }
 
  private:
@@ -124,6 +137,7 @@ SpzArrays unpackOld(const FileBytes& file) {
     all.header = headerOf(stream.take(kHeader), file.name(), file.size());
     const auto sizes = all.header.bytes();
     for (std::size_t i = 0; i < kArrays; ++i) all.array[i] = stream.take(sizes[i]);
+    stream.finish();
   } else {
     all.header = headerOf(file.part(0, kHeader), file.name(), file.size());
     const auto sizes = all.header.bytes();
