@@ -4,6 +4,7 @@
 // failure: each pixel has one open layer at a time, so surfaces closer together than the width of a
 // surfel join. Blurred layers in front cover the lens up to one straight edge, although several of
 // them can leave a more complex shape open.
+#include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -17,8 +18,9 @@ namespace {
 
 class SweepMethod final : public Method {
  public:
+  /// @param sub_apertures  0 and 1: the whole aperture
   SweepMethod(const SurfelCloud& cloud, int sub_apertures)
-      : cloud_(cloud), centres_(subApertureCentres(sub_apertures)) {}
+      : cloud_(cloud), centres_(subApertureCentres(std::max(sub_apertures, 1))) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats;
@@ -64,8 +66,7 @@ MethodEntry sweepMethod() {
                    .summary = "each splat blurred before the image is formed; N: the mean of N "
                               "sub-apertures",
                    .source = "Krivanek, Zara and Bouatouch 2003, and our own",
-                   .max_n = 100,
-                   .default_n = 1},
+                   .max_n = 100},
           .make = makeAs<SweepMethod>,
           .make_of_gaussians = gaussianSweep};
 }
