@@ -32,6 +32,10 @@ RawGaussian gaussianOf(std::span<const unsigned char> record) {
           .color = glm::vec3(record[24], record[25], record[26]) / 255.0f};
 }
 
+bool isText(unsigned char byte) {
+  return (byte >= ' ' && byte <= '~') || byte == '\n' || byte == '\r' || byte == '\t';
+}
+
 /// Whether the values are those of a Gaussian: lengths in range, and a quaternion of length 1
 /// within its rounding to bytes.
 bool isSound(const RawGaussian& gaussian) {
@@ -54,7 +58,7 @@ bool isSplatFile(const std::filesystem::path& path) {
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error || size == 0 || size % kRecord != 0) return false;
   const std::vector<unsigned char> bytes = firstBytes(path, kRecordsLookedAt * kRecord);
-  bool sound = bytes.size() >= kRecord;
+  bool sound = bytes.size() >= kRecord && !std::all_of(bytes.begin(), bytes.end(), isText);
   for (std::size_t at = 0; sound && at + kRecord <= bytes.size(); at += kRecord) {
     sound = isSound(gaussianOf(std::span(bytes).subspan(at, kRecord)));
   }

@@ -408,6 +408,8 @@ TEST(GaussianFormats, OtherFilesAreNotTakenForThem) {
   const TemporaryFolder folder;
   EXPECT_FALSE(readGaussians(folder.write("a.txt", std::string(64, 'x'))));
   EXPECT_FALSE(readGaussians(folder.write("b", "")));
+  // Small floats, and bytes that would be a quaternion of length 1.
+  EXPECT_FALSE(readGaussians(folder.write("e.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1HHH")));
   EXPECT_FALSE(readGaussians(folder.write("c", std::string(320, '\0'))));
   EXPECT_FALSE(readGaussians(
       folder.write("d.ply",
