@@ -179,7 +179,7 @@ void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& s
   try {
     cloud_ = loadScene(study_, std::move(scene));
     noteView();
-    const double scene_m = boxWithoutStrays(cloud_->position_m).longest();
+    const double scene_m = boxWithoutStrays(positionsOf(*cloud_)).longest();
     {
       const std::lock_guard lock(mutex_);
       state_.scene_m = scene_m;

@@ -64,7 +64,7 @@ void FrameRenderer::fallBack(const GpuError& error) {
 
 std::string FrameRenderer::deviceOf(const std::string& spec) const {
   const std::string name(qualityLevelFrom(spec) ? kAutoMethod : spec);
-  if (gpu_ && rendersOnGpu(name)) return gpu_->text();
+  if (gpu_ && rendersOnGpu(name, *cloud_)) return gpu_->text();
   return std::string("the CPU, ") + simdTarget();
 }
 

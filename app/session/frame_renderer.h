@@ -63,6 +63,9 @@ class FrameRenderer {
   /// The method of that name, which must exist (asserted); `auto:N` is `auto`.
   Method& methodNamed(const std::string& spec);
 
+  /// Whether a GPU can render the method in this scene.
+  bool suitsGpu(const std::string& spec) const { return rendersOnGpu(spec, *cloud_); }
+
   /// What renders a method, for people: the GPU and its driver, or the CPU.
   std::string deviceOf(const std::string& spec) const;
 

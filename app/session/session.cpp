@@ -53,8 +53,8 @@ Session::Session(const SessionSettings& settings, const SurfelCloud& cloud,
 
 std::string Session::deviceRemark() const {
   if (!renderer_.gpuFailure().empty()) return renderer_.gpuFailure();
-  if (settings_.device != RenderDevice::gpu || rendersOnGpu(settings_.method)) return {};
-  return "method " + settings_.method + " has no code for the GPU; the CPU renders";
+  if (settings_.device != RenderDevice::gpu || renderer_.suitsGpu(settings_.method)) return {};
+  return "method " + settings_.method + " has no code for the GPU in this scene; the CPU renders";
 }
 
 GazeFollower Session::newFollower() {

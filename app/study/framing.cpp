@@ -166,6 +166,11 @@ UpAxis upAxisOf(const SceneFacts& facts, const SceneBox& box) {
   if (facts.up_axis) return {*facts.up_axis, false, "as the " + nameOf(facts.kind) + " states"};
   if (facts.kind == SceneKind::gltf) return {1, false, "the convention of glTF"};
   if (facts.kind == SceneKind::obj) return {1, false, guess("the convention of OBJ", 1)};
+  if (facts.kind == SceneKind::gaussians) {
+    return {1, facts.y_is_down,
+            facts.y_is_down ? "y points down in captured scenes; if not: --up y"
+                            : "the convention of SPZ; if not: --up -y"};
+  }
   if (facts.kind == SceneKind::fbx) return {1, false, "the convention of FBX"};
   const glm::dvec3 size = box.size();
   for (const int axis : {2, 1}) {

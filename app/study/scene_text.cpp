@@ -25,6 +25,7 @@ std::string countsText(const SceneFacts& facts) {
   add(facts.points, "points");
   add(facts.triangles, "triangles");
   add(facts.surfels, "surfels");
+  add(facts.gaussians, "Gaussians");
   add(facts.dropped, "points without a finite position");
   return text;
 }
@@ -66,9 +67,13 @@ std::string sceneText(const SceneFacts& facts, const Framing& framing) {
   line("units", unitText(facts, framing));
   line("size", numbers(size * framing.scale_m, " x ") + " m");
   line("up", nameOf(framing.up_axis) + " (" + framing.up_axis.why + ")");
-  line("normals", facts.has_normals ? "yes"
-                  : facts.isMesh()  ? "no: those of the triangles"
-                                    : "no: foci estimates them");
+  if (facts.kind == SceneKind::gaussians) {
+    line("harmonics", "of degree " + std::to_string(facts.harmonics_degree));
+  } else {
+    line("normals", facts.has_normals ? "yes"
+                    : facts.isMesh()  ? "no: those of the triangles"
+                                      : "no: foci estimates them");
+  }
   line("colours", facts.has_colors        ? "yes"
                   : facts.material_colors ? "of materials or faces"
                                           : "one colour");
@@ -93,23 +98,16 @@ nlohmann::ordered_json sceneJson(const SceneFacts& facts, const Framing& framing
   }
   nlohmann::ordered_json unit_m = nullptr;
   if (facts.unit_m) unit_m = *facts.unit_m;
-  return {{"format", nameOf(facts.kind)},
-          {"points", facts.points},
-          {"triangles", facts.triangles},
-          {"surfels", facts.surfels},
-          {"dropped", facts.dropped},
-          {"strays", framing.box.strays},
-          {"low", jsonOf(framing.box.low)},
-          {"high", jsonOf(framing.box.high)},
-          {"unit_m", unit_m},
-          {"scale_m", framing.scale_m},
-          {"size_m", jsonOf(framing.box.size() * framing.scale_m)},
-          {"up", nameOf(framing.up_axis)},
-          {"normals", facts.has_normals},
-          {"colors", facts.has_colors},
-          {"opacity", {facts.opacity.x, facts.opacity.y}},
-          {"materials", materials},
-          {"remarks", facts.remarks}};
+  return {
+      {"format", nameOf(facts.kind)},     {"points", facts.points},
+      {"triangles", facts.triangles},     {"surfels", facts.surfels},
+      {"gaussians", facts.gaussians},     {"dropped", facts.dropped},
+      {"strays", framing.box.strays},     {"low", jsonOf(framing.box.low)},
+      {"high", jsonOf(framing.box.high)}, {"unit_m", unit_m},
+      {"scale_m", framing.scale_m},       {"size_m", jsonOf(framing.box.size() * framing.scale_m)},
+      {"up", nameOf(framing.up_axis)},    {"normals", facts.has_normals},
+      {"colors", facts.has_colors},       {"opacity", {facts.opacity.x, facts.opacity.y}},
+      {"materials", materials},           {"remarks", facts.remarks}};
 }
 
 }  // namespace foci

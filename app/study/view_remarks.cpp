@@ -9,6 +9,7 @@
 #include "app/study/session_settings_of.h"
 #include "base/text.h"
 #include "render/optics/view.h"
+#include "render/scene/gaussian_cloud.h"
 
 namespace foci {
 namespace {
@@ -19,6 +20,10 @@ constexpr int kBins = 8;             // along each side of a face of a cube arou
 constexpr float kReach = 3.0f;       // support of a surfel's kernel, standard deviations
 
 float sigmaOf(const SurfelCloud& cloud, std::size_t i) {
+  if (cloud.gaussians) {
+    const Covariance3& v = cloud.gaussians->covariance_m2[i];
+    return std::sqrt(v.xx + v.yy + v.zz);  // at least the longest axis
+  }
   return std::max(glm::length(cloud.axis_u_m[i]), glm::length(cloud.axis_v_m[i]));
 }
 
@@ -26,8 +31,9 @@ float sigmaOf(const SurfelCloud& cloud, std::size_t i) {
 bool anyInView(const View& view, const SurfelCloud& cloud) {
   const glm::vec2 tangent = 0.5f * glm::vec2(view.size_px) / view.focal_px;
   const glm::vec2 across = glm::sqrt(1.0f + tangent * tangent);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const glm::vec3 p(view.eye_from_world * glm::vec4(cloud.position_m[i], 1.0f));
+  const std::vector<glm::vec3>& position_m = positionsOf(cloud);
+  for (std::size_t i = 0; i < position_m.size(); ++i) {
+    const glm::vec3 p(view.eye_from_world * glm::vec4(position_m[i], 1.0f));
     const float reach = kReach * sigmaOf(cloud, i);
     if (-p.z + reach < view.near_m) continue;
     // Distances from the four planes through the eye and the borders of the image.
@@ -42,13 +48,15 @@ class Surroundings {
  public:
   Surroundings(const glm::vec3& eye_m, const SurfelCloud& cloud) {
     distance_m_.fill(std::numeric_limits<float>::infinity());
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const glm::vec3 to = cloud.position_m[i] - eye_m;
+    const std::vector<glm::vec3>& position_m = positionsOf(cloud);
+    for (std::size_t i = 0; i < position_m.size(); ++i) {
+      const glm::vec3 to = position_m[i] - eye_m;
       const float distance = glm::length(to);
       if (!(distance > 0.0f)) continue;
       const std::size_t bin = binOf(to);
       if (distance >= distance_m_[bin]) continue;
       distance_m_[bin] = distance;
+      if (cloud.gaussians) continue;
       back_[bin] = glm::dot(glm::cross(cloud.axis_u_m[i], cloud.axis_v_m[i]), to) > 0.0f;
     }
   }
@@ -122,7 +130,7 @@ bool isSceneInView(const Study& study, const SurfelCloud& cloud) {
 
 std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& cloud) {
   const glm::vec3 eye_m(glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0))[3]);
-  const SceneBox box = boxWithoutStrays(cloud.position_m);
+  const SceneBox box = boxWithoutStrays(positionsOf(cloud));
   std::vector<std::string> remarks;
   if (std::string remark = sizeRemark(study, box); !remark.empty())
     remarks.push_back(std::move(remark));

@@ -138,6 +138,7 @@ unsigned GpuDevice::program(const std::string& stage, const std::string& defines
   if (stage == "sweep") parts.push_back(shaderSource("layers"));
   parts.push_back(shaderSource(stage));
   std::vector<const char*> texts;
+  texts.reserve(parts.size());
   for (const std::string& part : parts) texts.push_back(part.c_str());
 
   const GLuint shader = glCreateShader(GL_COMPUTE_SHADER);

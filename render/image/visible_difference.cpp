@@ -29,6 +29,7 @@ std::vector<float> gaussianFromMiddle(double sigma_px) {
     sum += i == 0 ? half[i] : 2.0 * half[i];
   }
   std::vector<float> weights;
+  weights.reserve(half.size());
   for (const double each : half) weights.push_back(static_cast<float>(each / sum));
   return weights;
 }

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "render/image/metrics.h"
+#include "render/methods/gaussian_methods.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"
@@ -94,7 +95,8 @@ MethodEntry accumulateMethod() {
                    .max_n = 100000,
                    .default_n = 200,
                    .gpu = true},
-          .make = makeAs<AccumulateMethod>};
+          .make = makeAs<AccumulateMethod>,
+          .make_of_gaussians = gaussianAccumulate};
 }
 
 }  // namespace foci

@@ -15,6 +15,7 @@
 #include <optional>
 #include <utility>
 
+#include "render/methods/gaussian_methods.h"
 #include "render/methods/lod_splats.h"
 #include "render/methods/method.h"
 #include "render/methods/quality_level_table.h"
@@ -260,7 +261,8 @@ MethodEntry autoMethod() {
                .gpu = true},
       .make = [](const SurfelCloud& cloud, int n, const SharedGpu& gpu) -> std::unique_ptr<Method> {
         return std::make_unique<AutoMethod>(cloud, qualityLevelNumbered(n), gpu);
-      }};
+      },
+      .make_of_gaussians = gaussianAuto};
 }
 
 }  // namespace foci

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <limits>
 
+#include "base/input_error.h"
 #include "base/nearest.h"
 #include "base/number.h"
 
@@ -122,7 +123,10 @@ RenderStats Method::renderChannels(const View& view, const RenderSettings& setti
 const std::vector<MethodInfo>& methods() {
   static const auto infos = [] {
     std::vector<MethodInfo> all;
-    for (const MethodEntry& entry : entries()) all.push_back(entry.info);
+    for (const MethodEntry& entry : entries()) {
+      all.push_back(entry.info);
+      all.back().gaussians = entry.make_of_gaussians != nullptr;
+    }
     return all;
   }();
   return infos;
@@ -137,13 +141,26 @@ std::optional<std::string> expectedMethod(std::string_view spec) {
   return choice.entry ? std::nullopt : std::optional(choice.expected);
 }
 
-bool rendersOnGpu(std::string_view spec) { return infoOf(spec).gpu; }
+bool rendersOnGpu(std::string_view spec, const SurfelCloud& cloud) {
+  return infoOf(spec).gpu && !cloud.gaussians;
+}
 
 std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud,
                                    const SharedGpu& gpu) {
   const Choice choice = parse(spec);
   assert(choice.entry);
-  return choice.entry->make(cloud, choice.n, choice.entry->info.gpu ? gpu : nullptr);
+  if (!cloud.gaussians) return choice.entry->make(cloud, choice.n, choice.entry->info.gpu ? gpu : nullptr);
+  if (choice.entry->make_of_gaussians != nullptr) {
+    return choice.entry->make_of_gaussians(*cloud.gaussians, choice.n);
+  }
+  std::string able;
+  for (const MethodInfo& method : methods()) {
+    if (!method.gaussians) continue;
+    able += able.empty() ? "" : ", ";
+    able += method.name;
+  }
+  throw InputError("method " + std::string(spec),
+                   "renders surfaces, and the scene holds Gaussians: expected one of " + able);
 }
 
 }  // namespace foci

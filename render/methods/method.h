@@ -16,6 +16,7 @@
 #include "render/optics/acuity.h"
 #include "render/optics/defocus.h"
 #include "render/optics/view.h"
+#include "render/scene/gaussian_cloud.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -115,6 +116,8 @@ struct MethodInfo {
   /// Each render updates a part of the previous frame.
   bool incremental = false;
   bool gpu = false;  ///< renders on a GPU too
+  /// Also renders scenes of Gaussians.
+  bool gaussians = false;
 };
 
 /// A method's own file defines its entry, in a function that every_method.inc lists.
@@ -123,6 +126,8 @@ struct MethodEntry {
   /// @param n  1 to `info.max_n`, or `info.default_n`; ignored where `max_n` is 0
   /// @param gpu  renders; null, or ignored unless `info.gpu`: the CPU renders
   std::unique_ptr<Method> (*make)(const SurfelCloud& cloud, int n, const SharedGpu& gpu);
+  /// The same for a scene of Gaussians; null: the method renders surfaces only.
+  std::unique_ptr<Method> (*make_of_gaussians)(const GaussianCloud& cloud, int n) = nullptr;
 };
 
 /// Makes an `M` from the scene, and from N and the GPU where the constructor takes them.
@@ -151,13 +156,14 @@ bool rendersEllipses(std::string_view spec);
 /// `MethodInfo::incremental` of the method.
 bool isIncremental(std::string_view spec);
 
-/// `MethodInfo::gpu` of the method.
-bool rendersOnGpu(std::string_view spec);
+/// `MethodInfo::gpu` of the method, and the scene holds surfaces.
+bool rendersOnGpu(std::string_view spec, const SurfelCloud& cloud);
 
 /// What was expected in place of an invalid `spec`; nullopt where `spec` is valid.
 std::optional<std::string> expectedMethod(std::string_view spec);
 
 /// @param cloud  must outlive the method
+/// @throws InputError if the cloud holds Gaussians and the method renders surfaces only
 /// @param gpu    renders where the method can (`rendersOnGpu`). The method then throws GpuError
 ///               where the GPU fails or lacks memory, here and in `render`.
 std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud,

@@ -2,6 +2,7 @@
 // computer graphics, which Potmesil and Chakravarty (A Lens and Aperture Camera Model for Synthetic
 // Image Generation, 1981) extended. The post-filters of this folder start from its image. Known
 // failure: everything is sharp, wherever the focus is.
+#include "render/methods/gaussian_methods.h"
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"
 
@@ -29,7 +30,8 @@ MethodEntry pinholeMethod() {
                    .summary = "no depth of field",
                    .source = "the traditional camera",
                    .gpu = true},
-          .make = makeAs<PinholeMethod>};
+          .make = makeAs<PinholeMethod>,
+          .make_of_gaussians = gaussianPinhole};
 }
 
 }  // namespace foci

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "render/scene/gaussian_cloud.h"
 #include "render/scene/morton.h"
 
 namespace foci {
@@ -38,7 +39,12 @@ struct Box {
   }
 };
 
+/// Of a Gaussian, an upper bound.
 float largestSigma(const SurfelCloud& cloud, std::size_t i) {
+  if (cloud.gaussians) {
+    const Covariance3& v = cloud.gaussians->covariance_m2[i];
+    return std::sqrt(v.xx + v.yy + v.zz);
+  }
   const glm::vec3 &u = cloud.axis_u_m[i], &v = cloud.axis_v_m[i];
   return std::sqrt(std::max(glm::dot(u, u), glm::dot(v, v)));
 }
@@ -58,6 +64,11 @@ struct Visit {
 struct Share {
   float depth_m, near_m, far_m;
   double coverage;
+};
+
+/// What a Gaussian blocks of the cone, and where.
+struct Blocking {
+  float depth_m, alpha;
 };
 
 /// The cone's frame. The ray is its z axis; offsets are tangents of angles.
@@ -129,6 +140,38 @@ struct Cone {
     return Share{depth, depth - half_range, depth + half_range,
                  static_cast<double>(opacity * area * kernel)};
   }
+
+  /// The mean opacity of a Gaussian over the cone, and its mean depth on the cone's axis: that of
+  /// its normal distribution, given the place in the image, and at most two standard deviations
+  /// from its centre.
+  std::optional<Blocking> blockingOf(const GaussianCloud& cloud, std::size_t i) const {
+    const glm::vec3 d(glm::dvec3(cloud.position_m[i]) - origin_m);
+    const float depth = glm::dot(d, z);
+    if (!(depth >= kNearest_m)) return std::nullopt;
+    const Covariance3& s = cloud.covariance_m2[i];
+    const auto times = [&](const glm::vec3& v) {
+      return glm::vec3(s.xx * v.x + s.xy * v.y + s.xz * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
+                       s.xz * v.x + s.yz * v.y + s.zz * v.z);
+    };
+    const float inverse = 1.0f / depth;
+    const glm::vec2 m(glm::dot(d, x) * inverse, glm::dot(d, y) * inverse);
+    const glm::vec3 a = (x - m.x * z) * inverse, b = (y - m.y * z) * inverse;  // to tangents
+    const glm::vec3 va = times(a), vb = times(b);
+    const float xx = glm::dot(a, va), xy = glm::dot(a, vb), yy = glm::dot(b, vb);
+    const float window = 0.25f * radius * radius;
+    const float wxx = xx + window, wyy = yy + window;
+    const float det = wxx * wyy - xy * xy;
+    const glm::vec2 solved = glm::vec2(wyy * m.x - xy * m.y, wxx * m.y - xy * m.x) / det;
+    const float mahalanobis = glm::dot(m, solved);
+    if (!(mahalanobis < kReach * kReach)) return std::nullopt;
+    const float sharp_det = std::max(xx * yy - xy * xy, 0.0f);
+    const float alpha =
+        cloud.opacity[i] * std::sqrt(sharp_det / det) * std::exp(-0.5f * mahalanobis);
+    const float sigma = std::sqrt(glm::dot(z, times(z)));
+    const float toward = -(glm::dot(z, va) * solved.x + glm::dot(z, vb) * solved.y);
+    const float reach = kDepthReach * sigma;
+    return Blocking{std::max(depth + std::clamp(toward, -reach, reach), kNearest_m), alpha};
+  }
 };
 
 }  // namespace
@@ -137,7 +180,7 @@ struct Cone {
 /// leaves, each with kLeafSurfels consecutive entries of `order`.
 struct SurfaceQuery::Impl {
   explicit Impl(const SurfelCloud& surfels)
-      : cloud(surfels), order(mortonOrder(surfels.position_m)) {
+      : cloud(surfels), order(mortonOrder(positionsOf(surfels))) {
     buildNodes();
   }
 
@@ -149,7 +192,7 @@ struct SurfaceQuery::Impl {
       Box& box = boxes[leaves - 1 + leaf];
       const std::size_t end = std::min((leaf + 1) * kLeafSurfels, order.size());
       for (std::size_t at = leaf * kLeafSurfels; at < end; ++at) {
-        const glm::vec3 p = cloud.position_m[order[at]];
+        const glm::vec3 p = positionsOf(cloud)[order[at]];
         const glm::vec3 reach(kReach * largestSigma(cloud, order[at]));
         box.add(p - reach, p + reach);
       }
@@ -165,6 +208,86 @@ struct SurfaceQuery::Impl {
         nodes[i] = {0.5f * (box.low + box.high), 0.5f * glm::length(box.high - box.low)};
       }
     });
+  }
+
+  /// Walks the tree in order of distance. `nearOf(i)` is where surfel i begins, absent if it is
+  /// not in the cone. `take(visit)` sees every node and surfel on the way, and stops the walk by
+  /// false.
+  template <typename NearOf, typename Take>
+  void walk(const Cone& cone, const NearOf& nearOf, const Take& take) const {
+    thread_local std::vector<Visit> heap;
+    heap.clear();
+    const auto push = [&](const Visit& visit) {
+      heap.push_back(visit);
+      std::push_heap(heap.begin(), heap.end(), std::greater<>());
+    };
+    const auto pushNode = [&](std::size_t node) {
+      if (const auto near_m = cone.nearestIn(nodes[node])) {
+        push({*near_m, static_cast<std::uint32_t>(node), false});
+      }
+    };
+    pushNode(0);
+    while (!heap.empty()) {
+      std::pop_heap(heap.begin(), heap.end(), std::greater<>());
+      const Visit visit = heap.back();
+      heap.pop_back();
+      if (!take(visit)) return;
+      if (visit.surfel) continue;
+      if (visit.id + 1 < leaves) {
+        pushNode(2 * std::size_t{visit.id} + 1);
+        pushNode(2 * std::size_t{visit.id} + 2);
+        continue;
+      }
+      const std::size_t begin = (visit.id + 1 - leaves) * kLeafSurfels;
+      const std::size_t end = std::min(begin + kLeafSurfels, order.size());
+      for (std::size_t at = begin; at < end; ++at) {
+        if (const auto near_m = nearOf(order[at])) push({*near_m, order[at], true});
+      }
+    }
+  }
+
+  std::optional<double> distanceToSurfels(const Cone& cone, double needed) const {
+    // Surfels come in order of their near ends, so a layer is a running union of depth ranges.
+    double covered = 0.0, vergence = 0.0;
+    float layer_far_m = std::numeric_limits<float>::lowest();
+    const auto nearOf = [&](std::size_t i) -> std::optional<float> {
+      const auto share = cone.shareOf(cloud, i);
+      return share && share->coverage > 0.0 ? std::optional(share->near_m) : std::nullopt;
+    };
+    walk(cone, nearOf, [&](const Visit& visit) {
+      if (visit.near_m > layer_far_m) {
+        if (covered >= needed) return false;
+        covered = vergence = 0.0;
+        layer_far_m = std::numeric_limits<float>::max();
+      }
+      if (!visit.surfel) return true;
+      const Share share = *cone.shareOf(cloud, visit.id);
+      const bool opens = layer_far_m == std::numeric_limits<float>::max();
+      layer_far_m = opens ? share.far_m : std::max(layer_far_m, share.far_m);
+      covered += share.coverage;
+      vergence += share.coverage / static_cast<double>(share.depth_m);
+      return true;
+    });
+    if (covered < needed) return std::nullopt;
+    return covered / vergence;
+  }
+
+  /// Where the opacity of what lies in front reaches `needed`.
+  std::optional<double> distanceToGaussians(const Cone& cone, double needed) const {
+    double through = 1.0;
+    std::optional<double> distance_m;
+    const auto nearOf = [&](std::size_t i) -> std::optional<float> {
+      const auto blocking = cone.blockingOf(*cloud.gaussians, i);
+      return blocking && blocking->alpha > 0.0f ? std::optional(blocking->depth_m) : std::nullopt;
+    };
+    walk(cone, nearOf, [&](const Visit& visit) {
+      if (!visit.surfel) return true;
+      through *= 1.0 - static_cast<double>(cone.blockingOf(*cloud.gaussians, visit.id)->alpha);
+      if (1.0 - through < needed) return true;
+      distance_m = static_cast<double>(visit.near_m);
+      return false;
+    });
+    return distance_m;
   }
 
   const SurfelCloud& cloud;
@@ -185,56 +308,8 @@ std::optional<double> SurfaceQuery::distance(const glm::dvec3& origin_m,
   assert(coverage > 0.0 && coverage <= 1.0);
   const Cone cone(origin_m, direction, half_angle_rad);
   const double needed = std::min(coverage, kFullCoverage);
-
-  thread_local std::vector<Visit> heap;
-  heap.clear();
-  const auto push = [&](const Visit& visit) {
-    heap.push_back(visit);
-    std::push_heap(heap.begin(), heap.end(), std::greater<>());
-  };
-  const auto pushNode = [&](std::size_t node) {
-    if (const auto near_m = cone.nearestIn(impl_->nodes[node])) {
-      push({*near_m, static_cast<std::uint32_t>(node), false});
-    }
-  };
-
-  // Surfels leave the heap in order of their near ends, so a layer is a running union of depth
-  // ranges.
-  double covered = 0.0, vergence = 0.0;
-  float layer_far_m = std::numeric_limits<float>::lowest();
-  pushNode(0);
-  while (!heap.empty()) {
-    std::pop_heap(heap.begin(), heap.end(), std::greater<>());
-    const Visit visit = heap.back();
-    heap.pop_back();
-    if (visit.near_m > layer_far_m) {
-      if (covered >= needed) break;
-      covered = vergence = 0.0;
-      layer_far_m = std::numeric_limits<float>::max();
-    }
-    if (visit.surfel) {
-      const Share share = *cone.shareOf(impl_->cloud, visit.id);
-      const bool opens = layer_far_m == std::numeric_limits<float>::max();
-      layer_far_m = opens ? share.far_m : std::max(layer_far_m, share.far_m);
-      covered += share.coverage;
-      vergence += share.coverage / static_cast<double>(share.depth_m);
-      continue;
-    }
-    if (visit.id + 1 < impl_->leaves) {
-      pushNode(2 * std::size_t{visit.id} + 1);
-      pushNode(2 * std::size_t{visit.id} + 2);
-      continue;
-    }
-    const std::size_t begin = (visit.id + 1 - impl_->leaves) * kLeafSurfels;
-    const std::size_t end = std::min(begin + kLeafSurfels, impl_->order.size());
-    for (std::size_t at = begin; at < end; ++at) {
-      const std::uint32_t i = impl_->order[at];
-      const auto share = cone.shareOf(impl_->cloud, i);
-      if (share && share->coverage > 0.0) push({share->near_m, i, true});
-    }
-  }
-  if (covered < needed) return std::nullopt;
-  return covered / vergence;
+  return impl_->cloud.gaussians ? impl_->distanceToGaussians(cone, needed)
+                                : impl_->distanceToSurfels(cone, needed);
 }
 
 }  // namespace foci

@@ -26,6 +26,9 @@ class SurfaceQuery {
   /// at the cone's middle. The kernels of an opaque surface sum to one only within 0.1, so 0.9
   /// counts as full coverage, and a larger `coverage` asks for 0.9.
   ///
+  /// In a scene of Gaussians, the distance is where the opacity of all that lies in front reaches
+  /// `coverage`, averaged over the cone. So fainter floaters do not catch the focus.
+  ///
   /// The depth range of a surfel is two standard deviations along the ray to either side, and at
   /// least one sigma (its longer axis). Ranges that overlap form one surface. A surfel whose range
   /// begins nearer than 1 mm is ignored, because the eye sits there.

@@ -1,6 +1,12 @@
 #include "render/scene/surfel_cloud.h"
 
+#include "render/scene/gaussian_cloud.h"
+
 namespace foci {
+
+const std::vector<glm::vec3>& positionsOf(const SurfelCloud& cloud) {
+  return cloud.gaussians ? cloud.gaussians->position_m : cloud.position_m;
+}
 
 void appendSurfel(SurfelCloud& cloud, const glm::vec3& position_m, const glm::vec3& normal,
                   float sigma_m, float area_m2, const glm::vec3& color, float opacity) {

@@ -9,6 +9,7 @@
 
 namespace foci {
 
+struct GaussianCloud;
 struct TriangleMesh;
 
 /// Surfels as a structure of arrays, all of the same length. The world frame is in metres,
@@ -34,9 +35,16 @@ struct SurfelCloud {
   /// The mesh that the surfels were sampled from; null if they are all that is known.
   std::shared_ptr<const TriangleMesh> mesh = {};
 
+  /// A captured scene of volumes in place of surfels, not empty: there are no surfels then. Null
+  /// for a scene of surfels.
+  std::shared_ptr<const GaussianCloud> gaussians = {};
+
   std::size_t size() const { return position_m.size(); }
   bool empty() const { return position_m.empty(); }
 };
+
+/// Places of all surfels, or of all Gaussians.
+const std::vector<glm::vec3>& positionsOf(const SurfelCloud& cloud);
 
 /// Standard deviation of a surfel's basis over the local spacing of samples, sqrt(area of one
 /// sample). On the paper's plane, with one surfel a pixel, it gives the paper's sqrt|V| = 1.38 px^2

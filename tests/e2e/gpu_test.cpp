@@ -80,7 +80,8 @@ TEST_F(OnTheGpu, OneLineSaysThatAMethodRendersOnTheCpu) {
       runFoci({"render", "study.toml", "--device", "gpu", "--method", "paper", "--out", "a.png"},
               folder.path());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("foci: method paper has no code for the GPU; the CPU renders\n"),
+  EXPECT_NE(outcome.err.find(
+                "foci: method paper has no code for the GPU in this scene; the CPU renders\n"),
             std::string::npos)
       << outcome.err;
 }

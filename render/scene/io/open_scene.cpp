@@ -10,6 +10,7 @@
 #include "base/input_error.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/io/foci_file.h"
+#include "render/scene/io/gaussian_formats.h"
 #include "render/scene/io/las.h"
 #include "render/scene/io/mesh.h"
 #include "render/scene/io/off.h"
@@ -31,14 +32,14 @@ struct Converter {
   std::string_view extension, how;
 };
 constexpr std::array kConverters = {
-    Converter{".e57", kPdal},     Converter{".pcd", kPdal},      Converter{".ptx", kPdal},
-    Converter{".dae", kBlender},  Converter{".3ds", kBlender},   Converter{".blend", kBlender},
-    Converter{".usd", kBlender},  Converter{".usdc", kBlender},  Converter{".usdz", kBlender},
-    Converter{".x3d", kBlender},  Converter{".wrl", kBlender},   Converter{".lwo", kBlender},
-    Converter{".dxf", kBlender},  Converter{".3mf", kCad},       Converter{".step", kCad},
-    Converter{".stp", kCad},      Converter{".iges", kCad},      Converter{".igs", kCad},
-    Converter{".vtk", kParaview}, Converter{".vtp", kParaview},  Converter{".vtu", kParaview},
-    Converter{".splat", kSplats}, Converter{".ksplat", kSplats}, Converter{".spz", kSplats},
+    Converter{".e57", kPdal},     Converter{".pcd", kPdal},     Converter{".ptx", kPdal},
+    Converter{".dae", kBlender},  Converter{".3ds", kBlender},  Converter{".blend", kBlender},
+    Converter{".usd", kBlender},  Converter{".usdc", kBlender}, Converter{".usdz", kBlender},
+    Converter{".x3d", kBlender},  Converter{".wrl", kBlender},  Converter{".lwo", kBlender},
+    Converter{".dxf", kBlender},  Converter{".3mf", kCad},      Converter{".step", kCad},
+    Converter{".stp", kCad},      Converter{".iges", kCad},     Converter{".igs", kCad},
+    Converter{".vtk", kParaview}, Converter{".vtp", kParaview}, Converter{".vtu", kParaview},
+    Converter{".sog", kSplats},   Converter{".lcc", kSplats},
 };
 
 /// @throws InputError for a format that is known and not read
@@ -53,9 +54,9 @@ void refuseUnread(const std::filesystem::path& path) {
 }
 
 bool hasSceneExtension(const std::filesystem::path& path) {
-  static constexpr std::array<std::string_view, 14> kRead = {
-      ".foci", ".ply", ".obj", ".gltf", ".glb", ".stl", ".fbx",
-      ".las",  ".laz", ".xyz", ".pts",  ".asc", ".off", ".pwn"};
+  static constexpr std::array<std::string_view, 17> kRead = {
+      ".foci", ".ply", ".obj", ".gltf", ".glb", ".stl", ".fbx",   ".las",   ".laz",
+      ".xyz",  ".pts", ".asc", ".off",  ".pwn", ".spz", ".splat", ".ksplat"};
   const std::string extension = lowerExtension(path);
   return std::find(kRead.begin(), kRead.end(), extension) != kRead.end() ||
          std::any_of(kConverters.begin(), kConverters.end(),
@@ -86,7 +87,8 @@ SurfelCloud scaled(SurfelCloud&& cloud, float factor) {
 bool isScene(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return hasSceneExtension(path);
-  return hasSceneExtension(path) || isSceneFile(path) || isLasFile(path) || isTextPointsFile(path);
+  return hasSceneExtension(path) || isSceneFile(path) || isLasFile(path) ||
+         isTextPointsFile(path) || isSpzFile(path);
 }
 
 SceneFile readScene(const std::filesystem::path& path) {
@@ -96,6 +98,9 @@ SceneFile readScene(const std::filesystem::path& path) {
   if (isSceneFile(path)) return {path, readSceneFile(path)};
   if (isOffFile(path)) {
     return std::visit([&](auto read) { return SceneFile{path, std::move(read)}; }, readOff(path));
+  }
+  if (!isLasFile(path) && !isTextPointsFile(path)) {
+    if (auto gaussians = readGaussians(path)) return {path, std::move(*gaussians)};
   }
   if (!isLasFile(path) && isMeshFile(path)) return {path, readMesh(path)};
   return {path, readPoints(path)};
@@ -108,6 +113,11 @@ OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sa
     scale(mesh->corners_m, factor);
     return {sampleMesh(*mesh, file.path, sampling), mesh};
   }
+  if (std::holds_alternative<GaussianFile>(file.content)) {
+    throw InputError(
+        file.path.string(),
+        "holds Gaussians, which are volumes: foci renders it as it is, without surfels");
+  }
   auto* const points = std::get_if<PointCloud>(&file.content);
   if (points == nullptr) throw InputError(file.path.string(), "is a prepared scene already");
   scale(points->position_m, factor);
@@ -119,6 +129,12 @@ OpenedScene openScene(SceneFile&& file, double scale_m,
                       const std::optional<glm::vec3>& viewpoint_m) {
   if (auto* const prepared = std::get_if<PreparedScene>(&file.content)) {
     return {scaled(std::move(prepared->cloud), static_cast<float>(scale_m))};
+  }
+  if (auto* const gaussians = std::get_if<GaussianFile>(&file.content)) {
+    scaleBy(gaussians->cloud, static_cast<float>(scale_m));
+    SurfelCloud cloud;
+    cloud.gaussians = std::make_shared<GaussianCloud>(std::move(gaussians->cloud));
+    return {std::move(cloud), gaussians->dropped, std::move(gaussians->remarks)};
   }
   OpenedPoints opened = openPoints(std::move(file), scale_m);
   const std::size_t dropped = opened.points.dropped;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "render/scene/io/foci_file.h"
+#include "render/scene/io/gaussian_file.h"
 #include "render/scene/io/mesh.h"
 #include "render/scene/mesh/sample_mesh.h"
 #include "render/scene/point_cloud.h"
@@ -25,11 +26,12 @@ bool isScene(const std::filesystem::path& path);
 /// A scene file as read: in its own units, a mesh not sampled, no surfels estimated.
 struct SceneFile {
   std::filesystem::path path;
-  std::variant<PointCloud, MeshFile, PreparedScene> content;
+  std::variant<PointCloud, MeshFile, PreparedScene, GaussianFile> content;
 };
 
-/// Reads a `.foci` scene or a LAS scan (recognised by their first bytes), a mesh (OBJ, glTF, STL,
-/// FBX, PLY with faces), points as text, or, for any other file, a PLY point cloud.
+/// Reads a `.foci` scene or a LAS scan (recognised by their first bytes), 3D Gaussians
+/// (gaussian_formats.h), a mesh (OBJ, glTF, STL, FBX, PLY with faces), points as text, or, for any
+/// other file, a PLY point cloud.
 /// @throws InputError, see `readSceneFile`, `readPly`, `readLas`, `readTextPoints` and `readMesh`.
 ///         For a format that foci does not read, it names a converter.
 SceneFile readScene(const std::filesystem::path& path);
@@ -41,16 +43,16 @@ struct OpenedPoints {
 
 /// The points of a scan, or samples of a mesh.
 /// @param scale_m  metres a unit of the file, > 0
-/// @throws InputError, see `sampleMesh`; for a prepared scene
+/// @throws InputError, see `sampleMesh`; for a prepared scene, and for Gaussians
 OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sampling = {});
 
 struct OpenedScene {
-  SurfelCloud cloud;                      ///< not empty
+  SurfelCloud cloud;                      ///< not empty, or of Gaussians
   std::size_t dropped = 0;                ///< points dropped because their position was not finite
   std::vector<std::string> remarks = {};  ///< see `PointCloud`
 };
 
-/// The surfels of a scene file.
+/// The surfels or Gaussians of a scene file.
 /// @param scale_m      metres a unit of the file, > 0
 /// @param viewpoint_m  estimated normals point towards this place
 /// @throws InputError naming the file and what is wrong with it

@@ -65,6 +65,18 @@ SceneFacts factsOfContent(const PointCloud& points, const std::filesystem::path&
   return facts;
 }
 
+SceneFacts factsOfContent(const GaussianFile& file, const std::filesystem::path&) {
+  return {.kind = SceneKind::gaussians,
+          .gaussians = file.cloud.size(),
+          .has_colors = true,
+          .opacity = rangeOf(file.cloud.opacity),
+          .dropped = file.dropped,
+          .remarks = file.remarks,
+          .y_is_down = !file.y_is_up,
+          .harmonics_degree = file.cloud.degree,
+          .position = file.cloud.position_m};
+}
+
 }  // namespace
 
 std::string nameOf(SceneKind kind) {
@@ -91,6 +103,8 @@ std::string nameOf(SceneKind kind) {
       return "points as text";
     case SceneKind::prepared:
       return "prepared scene";
+    case SceneKind::gaussians:
+      return "3D Gaussians";
   }
   return "";
 }

@@ -32,12 +32,13 @@ enum class SceneKind {
   ply_points,
   las,
   text_points,
-  prepared
+  prepared,
+  gaussians
 };
 
 struct SceneFacts {
   SceneKind kind = SceneKind::ply_points;
-  std::size_t points = 0, triangles = 0, surfels = 0;
+  std::size_t points = 0, triangles = 0, surfels = 0, gaussians = 0;
   std::vector<MaterialFacts> materials{};
   bool has_normals = false;
   bool has_colors = false;             ///< of points or vertices, or textures: they differ
@@ -50,6 +51,8 @@ struct SceneFacts {
   /// Metres a unit, if the format or the file says so; up axis (0 x, 1 y, 2 z), if the file does.
   std::optional<double> unit_m{};
   std::optional<int> up_axis{};
+  bool y_is_down = false;    ///< the convention of cameras, which captured scenes share
+  int harmonics_degree = 0;  ///< of Gaussians
 
   /// Where the scene is, units of the file: its points, its surfels, or the corners of its
   /// triangles. Not empty.

@@ -154,7 +154,7 @@ TEST(PlanChart, TakesOnlyTheUsersChoiceAndRefusesUnknownNames) {
   EXPECT_EQ(plan.methods[1].fileName(), "accumulate-3");
   EXPECT_EQ(plan.methods[2].spec(), "pinhole");
   EXPECT_THROW(planChart({.scenes = {"statue", "cloud"}}), InputError);
-  EXPECT_THROW(planChart({.methods = {"sweep:2"}}), InputError);
+  EXPECT_THROW(planChart({.methods = {"pinhole:2"}}), InputError);
   EXPECT_THROW(planChart({.scan = ScanView{"/nowhere/a.ply", {}}}), InputError);
 }
 

@@ -460,7 +460,7 @@ TEST(Methods, WrongNamesAndNumbersAreToldWhatWasExpected) {
   EXPECT_EQ(expectedMethod("sweep"), std::nullopt);
   EXPECT_EQ(expectedMethod("accumulate:16"), std::nullopt);
   EXPECT_EQ(expectedMethod("sweap"), "a known method; the nearest is sweep");
-  EXPECT_EQ(expectedMethod("sweep:3"), "sweep, which takes no number");
+  EXPECT_EQ(expectedMethod("pinhole:3"), "pinhole, which takes no number");
   for (const char* spec :
        {"accumulate:", "accumulate:0", "accumulate:-1", "accumulate:1e9", "accumulate:7x"}) {
     EXPECT_EQ(expectedMethod(spec), "accumulate:1 to accumulate:100000") << spec;

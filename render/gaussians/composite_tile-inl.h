@@ -1,0 +1,235 @@
+// One tile, one part of the lens. Included once a SIMD target.
+#if defined(FOCI_COMPOSITE_TILE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FOCI_COMPOSITE_TILE_INL_H
+#undef FOCI_COMPOSITE_TILE_INL_H
+#else
+#define FOCI_COMPOSITE_TILE_INL_H
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "render/gaussians/composite.h"
+#include "render/splat/simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace foci {
+namespace HWY_NAMESPACE {
+
+inline constexpr std::size_t kMaxLanes = 16;
+inline constexpr float kLast = kTile - 1;  // index of the last pixel of a row
+
+/// Gaussians of a block, one lane each, as the part of the lens sees them. At the offset (x, y)
+/// from its centre a Gaussian has alpha = peak 2^-q, q = qa x^2 + qb x y + qc y^2, where q < cut.
+struct alignas(64) Block {
+  float x[kMaxLanes], y[kMaxLanes];  // from the centre of the tile's first pixel
+  float qa[kMaxLanes], qb[kMaxLanes], qc[kMaxLanes];
+  float peak[kMaxLanes], cut[kMaxLanes];
+  float half_x[kMaxLanes], half_y[kMaxLanes];  // of the box of the footprint
+};
+
+/// 2^-q for 0 <= q <= 100, to 4e-6 of its value: the polynomial through 5 Chebyshev nodes for the
+/// fraction, and the exponent's bits.
+HWY_INLINE V powerOfHalf(V q) {
+  const D d;
+  const hn::RebindToSigned<D> di;
+  const V x = hn::Neg(q);
+  const V whole = hn::Floor(x);
+  const V f = hn::Sub(x, whole);
+  V p = hn::MulAdd(hn::Set(d, 0.0136703095f), f, hn::Set(d, 0.0517449978f));
+  p = hn::MulAdd(p, f, hn::Set(d, 0.2416043573f));
+  p = hn::MulAdd(p, f, hn::Set(d, 0.6929729222f));
+  p = hn::MulAdd(p, f, hn::Set(d, 1.0000034929f));
+  const auto exponent = hn::ShiftLeft<23>(hn::ConvertTo(di, whole));
+  return hn::BitCast(d, hn::Add(hn::BitCast(di, p), exponent));
+}
+
+/// Linear light of an sRGB value from 0 to 1 (IEC 61966-2-1), to 1e-5: the polynomial through 7
+/// Chebyshev nodes for the power.
+HWY_INLINE V linearOf(V s) {
+  const D d;
+  V p = hn::MulAdd(hn::Set(d, -0.0471605818f), s, hn::Set(d, 0.2031365960f));
+  p = hn::MulAdd(p, s, hn::Set(d, -0.4062709499f));
+  p = hn::MulAdd(p, s, hn::Set(d, 0.7008707547f));
+  p = hn::MulAdd(p, s, hn::Set(d, 0.5158576898f));
+  p = hn::MulAdd(p, s, hn::Set(d, 0.0326325297f));
+  p = hn::MulAdd(p, s, hn::Set(d, 0.0009311454f));
+  return hn::IfThenElse(hn::Le(s, hn::Set(d, 0.04045f)), hn::Mul(s, hn::Set(d, 1.0f / 12.92f)), p);
+}
+
+template <bool kDepth>
+class TileCompositor {
+ public:
+  explicit TileCompositor(const CompositeJob& job) : job_(job) {
+    std::fill_n(transmittance_, kTilePixels, 1.0f);
+    for (float* plane : {red_, green_, blue_}) std::fill_n(plane, kTilePixels, 0.0f);
+    if constexpr (kDepth) std::fill_n(distance_, kTilePixels, 0.0f);
+  }
+
+  std::size_t run() {
+    const std::size_t lanes = hn::Lanes(D());
+    std::size_t fragments = 0;
+    for (std::size_t at = 0; at < job_.list.size(); at += lanes) {
+      const std::size_t n = std::min(lanes, job_.list.size() - at);
+      see(at, n);
+      for (std::size_t k = 0; k < n; ++k) fragments += add(k, job_.gaussians[job_.list[at + k]]);
+      if (isOpaque()) break;
+    }
+    return fragments;
+  }
+
+  void addTo(TileSums& sums) const {
+    const D d;
+    const V weight = hn::Set(d, job_.weight), one = hn::Set(d, 1.0f), zero = hn::Zero(d);
+    for (std::size_t p = 0; p < kTilePixels; p += hn::Lanes(d)) {
+      const V through = hn::Load(d, transmittance_ + p);
+      const auto channel = [&](const float* plane, float background, float* sum) {
+        const V shown = hn::MulAdd(through, hn::Set(d, background), hn::Load(d, plane + p));
+        const V linear = linearOf(hn::Min(hn::Max(shown, zero), one));
+        hn::Store(hn::MulAdd(weight, linear, hn::Load(d, sum + p)), d, sum + p);
+      };
+      channel(red_, job_.background.r, sums.red);
+      channel(green_, job_.background.g, sums.green);
+      channel(blue_, job_.background.b, sums.blue);
+      const V covered = hn::Sub(one, through);
+      hn::Store(hn::MulAdd(weight, covered, hn::Load(d, sums.coverage + p)), d, sums.coverage + p);
+      if constexpr (kDepth) {
+        const V far = hn::Load(d, distance_ + p);
+        hn::Store(hn::MulAdd(weight, far, hn::Load(d, sums.distance_m + p)), d,
+                  sums.distance_m + p);
+      }
+    }
+  }
+
+ private:
+  /// Fills the block with entries [at, at + n) of the list (projected.h has the formulas).
+  void see(std::size_t at, std::size_t n) {
+    alignas(64) float in[11][kMaxLanes] = {};
+    for (std::size_t k = 0; k < n; ++k) {
+      const ProjectedGaussian& g = job_.gaussians[job_.list[at + k]];
+      const float fields[] = {g.x_px, g.y_px, g.vxx,   g.vxy,  g.vyy, g.sx,
+                              g.sy,   g.e,    g.off_D, g.peak, g.cut};
+      for (std::size_t i = 0; i < 11; ++i) in[i][k] = fields[i];
+    }
+    const D d;
+    const auto load = [&](std::size_t i) { return hn::Load(d, in[i]); };
+    const auto set = [&](float value) { return hn::Set(d, value); };
+    const V sx = load(5), sy = load(6), e = load(7), off = load(8);
+    const glm::vec2 radius = job_.defocus->radius_px_per_D, j = job_.defocus->astigmatism_D;
+    const glm::vec2 p = job_.lens.centre, a = radius * p;
+    const V moved_x = hn::MulAdd(off, set(a.x), set(radius.x * (j.x * p.x + j.y * p.y)));
+    const V moved_y = hn::MulAdd(off, set(a.y), set(radius.y * (j.y * p.x - j.x * p.y)));
+    hn::Store(hn::Add(load(0), hn::Add(moved_x, set(-0.5f - job_.corner_px.x))), d, block_.x);
+    hn::Store(hn::Add(load(1), hn::Add(moved_y, set(-0.5f - job_.corner_px.y))), d, block_.y);
+
+    // The sheared Gaussian.
+    V xx = hn::MulAdd(set(-2.0f * a.x), sx, hn::MulAdd(set(a.x * a.x), e, load(2)));
+    V yy = hn::MulAdd(set(-2.0f * a.y), sy, hn::MulAdd(set(a.y * a.y), e, load(4)));
+    V xy = hn::MulAdd(set(-a.x), sy, hn::MulAdd(set(-a.y), sx, load(3)));
+    xy = hn::MulAdd(set(a.x * a.y), e, xy);
+    const auto determinant = [&] { return hn::Sub(hn::Mul(xx, yy), hn::Mul(xy, xy)); };
+    const V least = set(kLowPass_px2 * kLowPass_px2);  // that of a point
+    const V sharp = hn::Max(determinant(), least);
+
+    // The disc's variance, also over the depth of the Gaussian.
+    const float disc = kDiscVariancePerRadius2 * job_.lens.radius * job_.lens.radius;
+    const V near_x = hn::Add(off, set(j.x)), near_y = hn::Sub(off, set(j.x));
+    const V j45 = set(j.y * j.y);
+    xx = hn::MulAdd(set(disc * radius.x * radius.x), hn::Add(e, hn::MulAdd(near_x, near_x, j45)),
+                    xx);
+    yy = hn::MulAdd(set(disc * radius.y * radius.y), hn::Add(e, hn::MulAdd(near_y, near_y, j45)),
+                    yy);
+    xy = hn::MulAdd(set(2.0f * disc * radius.x * radius.y * j.y), off, xy);
+    const V blurred = hn::Max(determinant(), least);
+
+    constexpr float kHalfLog2E = 0.5f * std::numbers::log2e_v<float>;
+    const V scale = hn::Div(set(kHalfLog2E), blurred);
+    const V cut = load(10);
+    hn::Store(hn::Mul(yy, scale), d, block_.qa);
+    hn::Store(hn::Mul(hn::Mul(set(-2.0f), xy), scale), d, block_.qb);
+    hn::Store(hn::Mul(xx, scale), d, block_.qc);
+    hn::Store(hn::Mul(load(9), hn::Sqrt(hn::Div(sharp, blurred))), d, block_.peak);
+    hn::Store(hn::Mul(cut, set(kHalfLog2E)), d, block_.cut);
+    hn::Store(hn::Sqrt(hn::Mul(cut, xx)), d, block_.half_x);
+    hn::Store(hn::Sqrt(hn::Mul(cut, yy)), d, block_.half_y);
+  }
+
+  /// Composites entry `k` of the block behind what the tile holds. @return pixels inside
+  std::size_t add(std::size_t k, const ProjectedGaussian& g) {
+    const D d;
+    const float x = block_.x[k], y = block_.y[k];
+    const float left = x - block_.half_x[k], right = x + block_.half_x[k];
+    const float top = y - block_.half_y[k], bottom = y + block_.half_y[k];
+    // Also false for values that are not finite.
+    if (!(right >= 0.0f && bottom >= 0.0f && left <= kLast && top <= kLast)) return 0;
+    const std::size_t lanes = hn::Lanes(d);
+    const auto pixel = [](float px) {
+      return static_cast<std::size_t>(std::clamp(px, 0.0f, kLast));
+    };
+    const std::size_t x0 = pixel(left) / lanes * lanes, x1 = pixel(right);
+    const std::size_t y0 = pixel(std::ceil(top)), y1 = pixel(bottom);
+    const V qa = hn::Set(d, block_.qa[k]), cut = hn::Set(d, block_.cut[k]);
+    const V peak = hn::Set(d, block_.peak[k]), most = hn::Set(d, kMaxAlphaOfGaussian);
+    const V red = hn::Set(d, g.red), green = hn::Set(d, g.green), blue = hn::Set(d, g.blue);
+    const V opaque = hn::Set(d, kOpaqueTransmittance);
+    std::size_t inside = 0;
+    for (std::size_t row = y0; row <= y1; ++row) {
+      const float dy = static_cast<float>(row) - y;
+      const V slope = hn::Set(d, block_.qb[k] * dy), rest = hn::Set(d, block_.qc[k] * dy * dy);
+      for (std::size_t column = x0; column <= x1; column += lanes) {
+        const V dx = hn::Sub(hn::Iota(d, static_cast<float>(column)), hn::Set(d, x));
+        const V q = hn::MulAdd(hn::MulAdd(qa, dx, slope), dx, rest);
+        const std::size_t at = row * kTile + column;
+        const V through = hn::Load(d, transmittance_ + at);
+        const M in = hn::And(hn::Lt(q, cut), hn::Gt(through, opaque));
+        if (hn::AllFalse(d, in)) continue;
+        inside += hn::CountTrue(d, in);
+        // The limits keep lanes outside from denormal numbers, which cost 100 times as much.
+        const V within = hn::Min(hn::Max(q, hn::Zero(d)), cut);
+        const V alpha = hn::IfThenElseZero(in, hn::Min(hn::Mul(peak, powerOfHalf(within)), most));
+        const V seen = hn::Mul(through, alpha);
+        hn::Store(hn::Sub(through, seen), d, transmittance_ + at);
+        hn::Store(hn::MulAdd(seen, red, hn::Load(d, red_ + at)), d, red_ + at);
+        hn::Store(hn::MulAdd(seen, green, hn::Load(d, green_ + at)), d, green_ + at);
+        hn::Store(hn::MulAdd(seen, blue, hn::Load(d, blue_ + at)), d, blue_ + at);
+        if constexpr (kDepth) {
+          hn::Store(hn::MulAdd(seen, hn::Set(d, g.distance_m), hn::Load(d, distance_ + at)), d,
+                    distance_ + at);
+        }
+      }
+    }
+    return inside;
+  }
+
+  bool isOpaque() const {
+    const D d;
+    V most = hn::Zero(d);
+    for (std::size_t p = 0; p < kTilePixels; p += hn::Lanes(d)) {
+      most = hn::Max(most, hn::Load(d, transmittance_ + p));
+    }
+    return hn::AllTrue(d, hn::Le(most, hn::Set(d, kOpaqueTransmittance)));
+  }
+
+  const CompositeJob& job_;
+  Block block_;
+  alignas(64) float transmittance_[kTilePixels];
+  alignas(64) float red_[kTilePixels], green_[kTilePixels], blue_[kTilePixels];
+  alignas(64) float distance_[kDepth ? kTilePixels : 1];
+};
+
+std::size_t compositeTileLanes(const CompositeJob& job, TileSums& sums) {
+  const auto run = [&]<bool kDepth>() {
+    TileCompositor<kDepth> tile(job);
+    const std::size_t fragments = tile.run();
+    tile.addTo(sums);
+    return fragments;
+  };
+  return job.depth ? run.template operator()<true>() : run.template operator()<false>();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace foci
+HWY_AFTER_NAMESPACE();
+
+#endif  // FOCI_COMPOSITE_TILE_INL_H

@@ -1,0 +1,103 @@
+#include "render/gaussians/gaussian_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+
+#include "base/parallel.h"
+#include "render/image/srgb.h"
+
+namespace foci {
+
+void GaussianView::project(const View& view, const Defocus& defocus,
+                           const std::vector<LensDisc>& discs) {
+  defocus_ = defocus;
+  std::vector<LensPart> parts;
+  for (const LensDisc& disc : discs) {
+    const LensPart part{glm::length(disc.centre), disc.radius};
+    // Of discs of one size, the farthest from the middle bounds the others.
+    if (parts.empty() || parts.back().aperture != part.aperture) {
+      parts.push_back(part);
+    } else {
+      parts.back().max_radius = std::max(parts.back().max_radius, part.max_radius);
+    }
+  }
+  projectGaussians(*cloud_, view, defocus, parts, projected_);
+  lists_.build(projected_.chunks, view.size_px);
+}
+
+float GaussianView::tileBlur_px(std::size_t tile) const {
+  double sum = 0.0, weights = 0.0;
+  for (const std::uint32_t index : lists_.splats(tile)) {
+    const double blur2 = double{projected_.chunks.keys[index].blur_px} *
+                         double{projected_.chunks.keys[index].blur_px};
+    const double peak = projected_.gaussians[index].peak;
+    sum += peak * blur2 * blur2;
+    weights += peak;
+  }
+  return weights > 0.0 ? static_cast<float>(std::sqrt(std::sqrt(sum / weights))) : 0.0f;
+}
+
+std::vector<float> GaussianView::tileBlurs_px() const {
+  std::vector<float> blurs(lists_.tiles().size());
+  parallelFor(blurs.size(), [&](std::size_t t) { blurs[t] = tileBlur_px(t); });
+  return blurs;
+}
+
+std::uint64_t GaussianView::render(const std::vector<LensDisc>& discs, const glm::vec3& background,
+                                   Frame& frame) {
+  return renderTiles([&](std::size_t) -> const std::vector<LensDisc>& { return discs; }, background,
+                     frame);
+}
+
+std::uint64_t GaussianView::render(
+    const std::function<const std::vector<LensDisc>&(float blur_px)>& discs_of,
+    const glm::vec3& background, Frame& frame) {
+  return renderTiles(
+      [&](std::size_t t) -> const std::vector<LensDisc>& { return discs_of(tileBlur_px(t)); },
+      background, frame);
+}
+
+template <typename DiscsOfTile>
+std::uint64_t GaussianView::renderTiles(const DiscsOfTile& discs_of, const glm::vec3& background,
+                                        Frame& frame) {
+  const bool depth = !frame.depth_m.empty();
+  const glm::vec3 shown(srgbFromLinear(background.r), srgbFromLinear(background.g),
+                        srgbFromLinear(background.b));
+  const std::vector<Tile>& tiles = lists_.tiles();
+  std::vector<std::uint64_t> fragments(tiles.size());
+  parallelFor(tiles.size(), [&](std::size_t t) {
+    const Tile& tile = tiles[t];
+    thread_local const auto sums = std::make_unique<TileSums>();
+    for (float* plane : {sums->red, sums->green, sums->blue, sums->coverage, sums->distance_m}) {
+      std::fill_n(plane, kTilePixels, 0.0f);
+    }
+    const std::vector<LensDisc>& discs = discs_of(t);
+    for (const LensDisc& disc : discs) {
+      fragments[t] += compositeTile({.gaussians = projected_.gaussians.data(),
+                                     .list = lists_.splats(t),
+                                     .defocus = &defocus_,
+                                     .corner_px = {tile.x_px, tile.y_px},
+                                     .lens = disc,
+                                     .background = shown,
+                                     .depth = depth,
+                                     .weight = 1.0f / static_cast<float>(discs.size())},
+                                    *sums);
+    }
+    const int x1 = std::min(tile.x_px + kTile, frame.size_px.x);
+    const int y1 = std::min(tile.y_px + kTile, frame.size_px.y);
+    for (int y = tile.y_px; y < y1; ++y) {
+      for (int x = tile.x_px; x < x1; ++x) {
+        const std::size_t from = static_cast<std::size_t>(y - tile.y_px) * kTile + (x - tile.x_px);
+        const std::size_t to = static_cast<std::size_t>(y) * frame.size_px.x + x;
+        const float covered = sums->coverage[from];
+        frame.rgba[to] = {sums->red[from], sums->green[from], sums->blue[from], covered};
+        if (depth) frame.depth_m[to] = covered > 0.0f ? sums->distance_m[from] / covered : 0.0f;
+      }
+    }
+  });
+  return std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});
+}
+
+}  // namespace foci

@@ -1,0 +1,58 @@
+// Renders a scene of Gaussians through the lens: one projection and one sorting for all of its
+// sub-apertures. The order by depth is the same from every point of the lens, since the lens lies
+// in a plane of equal depth.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "render/gaussians/composite.h"
+#include "render/gaussians/projected.h"
+#include "render/image/frame.h"
+#include "render/optics/view.h"
+#include "render/splat/bin.h"
+
+namespace foci {
+
+/// Keeps its buffers between frames.
+class GaussianView {
+ public:
+  /// @param cloud  outlives it
+  explicit GaussianView(const GaussianCloud& cloud) : cloud_(&cloud) {}
+
+  /// Projects and sorts what any of the discs shows.
+  void project(const View& view, const Defocus& defocus, const std::vector<LensDisc>& discs);
+
+  /// Renders the projected view through discs that were projected: the mean over the discs, in
+  /// linear light.
+  /// @param background  linear RGB
+  /// @param frame       has the view's size, and depth where it is wanted
+  /// @return kernel evaluations inside of footprints
+  std::uint64_t render(const std::vector<LensDisc>& discs, const glm::vec3& background,
+                       Frame& frame);
+
+  /// The same with discs that each tile chooses.
+  /// @param discs_of  the discs for a tile of this blur radius (`tileBlurs_px`); called by several
+  ///                  threads
+  std::uint64_t render(const std::function<const std::vector<LensDisc>&(float blur_px)>& discs_of,
+                       const glm::vec3& background, Frame& frame);
+
+  /// The blur radius of each tile's Gaussians: their mean of fourth powers, weighted by opacity, so
+  /// that few blurred ones count more than many sharp ones, and a single faint one does not.
+  std::vector<float> tileBlurs_px() const;
+
+  std::size_t count() const { return projected_.total(); }
+
+ private:
+  float tileBlur_px(std::size_t tile) const;
+  template <typename DiscsOfTile>
+  std::uint64_t renderTiles(const DiscsOfTile& discs_of, const glm::vec3& background, Frame& frame);
+
+  const GaussianCloud* cloud_;
+  Defocus defocus_;
+  ProjectedGaussians projected_;
+  TileLists lists_;
+};
+
+}  // namespace foci

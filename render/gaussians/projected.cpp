@@ -1,0 +1,151 @@
+#include "render/gaussians/projected.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "render/scene/harmonics.h"
+
+namespace foci {
+namespace {
+
+/// The local affine approximation holds near the image. Beyond this multiple of the field of view,
+/// it is taken from there (Kerbl et al. 2023).
+constexpr float kFieldMargin = 1.3f;
+
+glm::vec3 times(const Covariance3& s, const glm::vec3& v) {
+  return {s.xx * v.x + s.xy * v.y + s.xz * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
+          s.xz * v.x + s.yz * v.y + s.zz * v.z};
+}
+
+class Projection {
+ public:
+  Projection(const GaussianCloud& cloud, const View& view, const Defocus& defocus,
+             const std::vector<LensPart>& parts)
+      : cloud_(cloud), view_(view), defocus_(defocus), parts_(parts) {
+    const glm::mat3 turn(view.eye_from_world);
+    world_x_ = glm::transpose(turn)[0];
+    world_y_ = glm::transpose(turn)[1];
+    world_z_ = glm::transpose(turn)[2];
+    eye_m_ = glm::vec3(glm::inverse(view.eye_from_world)[3]);
+    const glm::vec2 size(view.size_px);
+    low_ = -(view.principal_px + (kFieldMargin - 1.0f) * 0.5f * size) / view.focal_px;
+    high_ = (size - view.principal_px + (kFieldMargin - 1.0f) * 0.5f * size) / view.focal_px;
+  }
+
+  /// @return false if the Gaussian does not reach the image
+  bool project(std::size_t i, ProjectedGaussian& out, SplatKey& key) const {
+    if (!(cloud_.opacity[i] > kMinAlpha)) return false;
+    const glm::vec3& p_world = cloud_.position_m[i];
+    const glm::vec3 p(view_.eye_from_world * glm::vec4(p_world, 1.0f));
+    const float depth = -p.z;
+    if (!(depth >= view_.near_m)) return false;
+
+    // Image axes: x right, y down. Rows of J times the rotation to the eye, in world axes.
+    const float inverse = 1.0f / depth;
+    const glm::vec2 tangent = glm::vec2(p.x, -p.y) * inverse;
+    const glm::vec2 at = glm::clamp(tangent, low_, high_);
+    const glm::vec3 row_x = view_.focal_px.x * inverse * (world_x_ + at.x * world_z_);
+    const glm::vec3 row_y = view_.focal_px.y * inverse * (at.y * world_z_ - world_y_);
+    const Covariance3& s = cloud_.covariance_m2[i];
+    const glm::vec3 sx = times(s, row_x), sy = times(s, row_y);
+    const float xx = glm::dot(row_x, sx), xy = glm::dot(row_x, sy), yy = glm::dot(row_y, sy);
+    out.x_px = view_.principal_px.x + view_.focal_px.x * tangent.x;
+    out.y_px = view_.principal_px.y + view_.focal_px.y * tangent.y;
+    out.vxx = xx + kLowPass_px2;
+    out.vxy = xy;
+    out.vyy = yy + kLowPass_px2;
+    out.peak = cloud_.opacity[i];
+    if (cloud_.preserves_light) {
+      out.peak *= std::sqrt(std::max(xx * yy - xy * xy, 0.0f) / (out.vxx * out.vyy - xy * xy));
+    }
+
+    if (!(out.peak > kMinAlpha)) return false;
+    out.cut = 2.0f * std::log(out.peak / kMinAlpha);
+
+    // The vergence, its gradient in world axes, and the blur.
+    const float length = glm::length(p);
+    const bool by_sight = defocus_.along == DistanceAlong::sight;
+    out.distance_m = by_sight ? length : depth;
+    const glm::vec3 gradient =
+        by_sight ? (eye_m_ - p_world) / (length * length * length) : world_z_ * inverse * inverse;
+    out.sx = glm::dot(sx, gradient);
+    out.sy = glm::dot(sy, gradient);
+    out.e = std::max(glm::dot(gradient, times(s, gradient)), 0.0f);
+    out.off_D = defocus_.focus_D - 1.0f / out.distance_m;
+    if (!place(out, depth, key)) return false;
+
+    const glm::vec3 color = colorOf(cloud_, i, (p_world - eye_m_) / length);
+    out.red = color.r;
+    out.green = color.g;
+    out.blue = color.b;
+    return true;
+  }
+
+ private:
+  /// Fills the key. The box bounds the Gaussian from every lens point: with the deviations of
+  /// position and vergence, the sheared variance is at most (sqrt(V) + sqrt(e) |a|)^2.
+  bool place(const ProjectedGaussian& g, float depth, SplatKey& key) const {
+    const glm::vec2 radius = defocus_.radius_px_per_D;
+    const glm::vec2 blur = blurRadius_px(defocus_, 1.0f / g.distance_m);
+    const glm::vec2 sharp = glm::sqrt(glm::vec2(g.vxx, g.vyy));
+    const float vergence = std::sqrt(g.e);
+    glm::vec2 half(0.0f);
+    for (const LensPart& part : parts_) {
+      const glm::vec2 sheared = sharp + vergence * part.max_radius * radius;
+      const glm::vec2 disc = kDiscVariancePerRadius2 * part.aperture * part.aperture *
+                             (blur * blur + g.e * radius * radius);
+      half = glm::max(half, part.max_radius * blur + glm::sqrt(g.cut * (sheared * sheared + disc)));
+    }
+    const glm::vec2 low = glm::vec2(g.x_px, g.y_px) - half, high = low + 2.0f * half;
+    const glm::vec2 size(view_.size_px);
+    // Also false for values that are not finite.
+    if (!(high.x >= 0.0f && high.y >= 0.0f && low.x < size.x && low.y < size.y)) return false;
+    const auto pixel = [](float px, float below) {
+      return static_cast<std::uint16_t>(std::clamp(px, 0.0f, below - 1.0f));
+    };
+    key = {.distance_m = depth,
+           .sigma_px = 0.0f,
+           .blur_px = std::max(blur.x, blur.y),
+           .x0 = pixel(low.x, size.x),
+           .x1 = pixel(high.x, size.x),
+           .y0 = pixel(low.y, size.y),
+           .y1 = pixel(high.y, size.y)};
+    return true;
+  }
+
+  const GaussianCloud& cloud_;
+  const View& view_;
+  const Defocus& defocus_;
+  const std::vector<LensPart>& parts_;
+  glm::vec3 world_x_{0.0f}, world_y_{0.0f}, world_z_{0.0f}, eye_m_{0.0f};  // the eye's axes
+  glm::vec2 low_{0.0f}, high_{0.0f};                                       // tangents
+};
+
+}  // namespace
+
+void projectGaussians(const GaussianCloud& cloud, const View& view, const Defocus& defocus,
+                      const std::vector<LensPart>& parts, ProjectedGaussians& out) {
+  SplatChunks& chunks = out.chunks;
+  const std::size_t size = chunkSize(cloud.size());
+  const std::size_t count = (cloud.size() + size - 1) / size;
+  chunks.chunk_size = size;
+  chunks.count.assign(count, 0);
+  if (chunks.capacity < count * size) {
+    chunks.capacity = count * size;
+    chunks.keys = makeLargeArray<SplatKey>(chunks.capacity);
+    out.gaussians.resize(chunks.capacity);
+  }
+  const Projection projection(cloud, view, defocus, parts);
+  parallelFor(count, [&](std::size_t c) {
+    std::uint32_t kept = 0;
+    for (std::size_t i = c * size; i < std::min((c + 1) * size, cloud.size()); ++i) {
+      const std::size_t slot = c * size + kept;
+      if (projection.project(i, out.gaussians[slot], chunks.keys[slot])) ++kept;
+    }
+    chunks.count[c] = kept;
+  });
+}
+
+}  // namespace foci

@@ -1,0 +1,63 @@
+// A Gaussian of the scene as the lens sees it on the image (EWA volume splatting: Zwicker et al.,
+// EWA Splatting, 2002; Kerbl et al. 2023).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "render/optics/defocus.h"
+#include "render/optics/view.h"
+#include "render/scene/gaussian_cloud.h"
+#include "render/splat/splat.h"
+
+namespace foci {
+
+/// Variance of the low-pass that rasterisers of captured scenes add to each Gaussian, px^2. Scenes
+/// are trained with it (Kerbl et al. 2023).
+inline constexpr float kLowPass_px2 = 0.3f;
+
+/// Smallest and largest alpha of a Gaussian at a pixel, and the transmittance at which a pixel is
+/// opaque, of the rasteriser that scenes are trained with (Kerbl et al. 2023).
+inline constexpr float kMinAlpha = 1.0f / 255.0f, kMaxAlphaOfGaussian = 0.99f;
+inline constexpr float kOpaqueTransmittance = 1e-4f;
+
+/// From the lens point p, on the unit disc, a point at the vergence 1/U appears displaced by
+///   R o ((F - I/U) p),   R = radius_px_per_D, F - I/U = [m_xx m_xy; m_xy m_yy]    (defocus.h).
+/// The displacement varies within a Gaussian that is deep. To first order this shears it: with the
+/// gradient h of the vergence, the Jacobian J of the projection, and the covariance S,
+///   V_p = J S J' - a s' - s a' + e a a',   a = R o p,  s = J S h,  e = h' S h.
+struct ProjectedGaussian {
+  float x_px, y_px;        ///< centre, from the middle of the lens
+  float vxx, vxy, vyy;     ///< J S J' and the low-pass, px^2
+  float sx, sy, e;         ///< px D, px D, D^2
+  float off_D;             ///< F - 1/U, without astigmatism
+  float peak;              ///< opacity at the centre
+  float cut;               ///< squared standard deviations at which it falls to kMinAlpha
+  float red, green, blue;  ///< display values
+  float distance_m;        ///< U
+};
+static_assert(sizeof(ProjectedGaussian) == 60);
+
+/// The part of the lens that is rendered at once: all points `lens`, blurred by a disc of this part
+/// of the lens's radius.
+struct LensPart {
+  float max_radius = 0.0f;  ///< largest distance of a point from the middle, 0 to 1
+  float aperture = 0.0f;    ///< 0: a pinhole; 1: the whole lens
+};
+
+/// Gaussians on the image, in chunks as TileLists takes them.
+struct ProjectedGaussians {
+  std::vector<ProjectedGaussian> gaussians;
+  SplatChunks chunks;  ///< without `splats`
+
+  std::size_t total() const { return chunks.total(); }
+};
+
+/// Projects all Gaussians that any of the `parts` may show. The order in a chunk is that of the
+/// scene.
+void projectGaussians(const GaussianCloud& cloud, const View& view, const Defocus& defocus,
+                      const std::vector<LensPart>& parts, ProjectedGaussians& out);
+
+}  // namespace foci

@@ -1,0 +1,112 @@
+#include "render/methods/gaussian_methods.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/parallel.h"
+#include "render/gaussians/gaussian_view.h"
+#include "render/image/metrics.h"
+#include "render/methods/lens_samples.h"
+
+namespace foci {
+namespace {
+
+/// Share of a sub-aperture's area that its disc covers. Discs blur each Gaussian by itself, and so
+/// let light through surfaces; gaps between discs show as ghosts. With 7 sub-apertures and blur of
+/// 10 and 20 px, PSNR against 100 pinholes, dB:
+///            1     0.6   0.35  0.2
+///   guitar   44.0  46.3  48.1  49.3     at 20 px: 41.0, -, 43.9, 44.9
+///   biker    50.2  -     51.7  51.3     at 20 px: 46.9, -, 47.9, 47.4
+constexpr float kDiscShare = 0.15f;
+
+bool isBlurred(const Defocus& defocus) { return defocus.radius_px_per_D != glm::vec2(0.0f); }
+
+/// The mean of the frames through the given discs of the lens.
+class DiscsMethod final : public Method {
+ public:
+  DiscsMethod(const GaussianCloud& cloud, std::vector<LensDisc> discs)
+      : view_(cloud), discs_(std::move(discs)) {}
+
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
+    const std::vector<LensDisc>& discs = isBlurred(settings.defocus) ? discs_ : pinhole_;
+    view_.project(view, settings.defocus, discs);
+    RenderStats stats;
+    stats.splats = view_.count();
+    stats.fragments = view_.render(discs, settings.background, frame);
+    return stats;
+  }
+
+ private:
+  GaussianView view_;
+  std::vector<LensDisc> discs_, pinhole_ = {LensDisc{}};
+};
+
+/// The mean of pinhole views, with the error of its two halves.
+class AccumulatedPoints final : public Method {
+ public:
+  AccumulatedPoints(const GaussianCloud& cloud, int n) : view_(cloud) {
+    for (int i = 0; i < n; ++i) halves_[i % 2].push_back({lensSample(i, n), 0.0f});
+    all_ = halves_[0];
+    all_.insert(all_.end(), halves_[1].begin(), halves_[1].end());
+  }
+
+  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
+    view_.project(view, settings.defocus, all_);
+    RenderStats stats;
+    stats.splats = view_.count();
+    stats.fragments = view_.render(halves_[0], settings.background, frame);
+    if (halves_[1].empty()) return stats;
+    odd_.resize(view.size_px, settings.depth);
+    stats.fragments += view_.render(halves_[1], settings.background, odd_);
+    stats.split_half_psnr_dB = psnr_dB(frame, odd_);
+    addOdd(frame);
+    return stats;
+  }
+
+ private:
+  void addOdd(Frame& frame) const {
+    const auto even = static_cast<float>(halves_[0].size()) / static_cast<float>(all_.size());
+    const float odd = 1.0f - even;
+    parallelFor(frame.rgba.size(), [&](std::size_t p) {
+      const float coverage = even * frame.rgba[p].a + odd * odd_.rgba[p].a;
+      if (!frame.depth_m.empty() && coverage > 0.0f) {
+        frame.depth_m[p] =
+            (even * frame.depth_m[p] * frame.rgba[p].a + odd * odd_.depth_m[p] * odd_.rgba[p].a) /
+            coverage;
+      }
+      frame.rgba[p] = even * frame.rgba[p] + odd * odd_.rgba[p];
+    });
+  }
+
+  GaussianView view_;
+  std::vector<LensDisc> halves_[2], all_;
+  Frame odd_;
+};
+
+}  // namespace
+
+std::vector<LensDisc> subApertureDiscs(int n) {
+  if (n <= 1) return {{glm::vec2(0.0f), 1.0f}};
+  // The centres have the variance 1/4 of the lens (lens_samples.h), the discs a share of this.
+  const float share = kDiscShare / static_cast<float>(n);
+  std::vector<LensDisc> discs;
+  for (const glm::vec2& centre : subApertureCentres(n)) {
+    discs.push_back({std::sqrt(1.0f - share) * centre, std::sqrt(share)});
+  }
+  return discs;
+}
+
+std::unique_ptr<Method> gaussianPinhole(const GaussianCloud& cloud, int /*n*/) {
+  return std::make_unique<DiscsMethod>(cloud, std::vector<LensDisc>{LensDisc{}});
+}
+
+std::unique_ptr<Method> gaussianSweep(const GaussianCloud& cloud, int n) {
+  return std::make_unique<DiscsMethod>(cloud, subApertureDiscs(n));
+}
+
+std::unique_ptr<Method> gaussianAccumulate(const GaussianCloud& cloud, int n) {
+  return std::make_unique<AccumulatedPoints>(cloud, n);
+}
+
+}  // namespace foci

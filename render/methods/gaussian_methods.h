@@ -1,0 +1,23 @@
+// The methods that render scenes of Gaussians, for the registry (method.h). Each has the meaning of
+// the method of the same name on surfels.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "render/gaussians/composite.h"
+#include "render/methods/method.h"
+#include "render/scene/gaussian_cloud.h"
+
+namespace foci {
+
+/// The whole lens for `n` = 1; else `n` discs, which cover a part of the lens evenly. Centres and
+/// discs together have the lens's variance.
+std::vector<LensDisc> subApertureDiscs(int n);
+
+std::unique_ptr<Method> gaussianPinhole(const GaussianCloud& cloud, int n);
+std::unique_ptr<Method> gaussianSweep(const GaussianCloud& cloud, int n);
+std::unique_ptr<Method> gaussianAccumulate(const GaussianCloud& cloud, int n);
+std::unique_ptr<Method> gaussianAuto(const GaussianCloud& cloud, int n);
+
+}  // namespace foci

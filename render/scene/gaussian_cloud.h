@@ -1,0 +1,63 @@
+// A captured scene of 3D Gaussians (Kerbl et al., 3D Gaussian Splatting for Real-Time Radiance
+// Field Rendering, 2023): volumes that are composited front to back, not samples of surfaces.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+namespace foci {
+
+/// A symmetric 3x3 matrix.
+struct Covariance3 {
+  float xx = 0.0f, xy = 0.0f, xz = 0.0f, yy = 0.0f, yz = 0.0f, zz = 0.0f;
+  bool operator==(const Covariance3&) const = default;
+};
+
+/// Largest degree of the spherical harmonics.
+inline constexpr int kMaxHarmonicsDegree = 3;
+
+/// Coefficients of the degrees 1 to `degree`, for one colour channel.
+constexpr int harmonicsOf(int degree) { return (degree + 1) * (degree + 1) - 1; }
+
+/// Coefficients of degree 1 and more are stored in steps of this size. The formats for sharing
+/// store them in 8 bits, with steps 16 times as large or more.
+inline constexpr float kHarmonicsStep = 1.0f / 4096.0f;
+
+/// Gaussians as a structure of arrays, all of the same length. The frame is that of the file: in
+/// metres, right-handed, any axis up.
+///
+/// Gaussian k has the opacity `opacity exp(-d' V^-1 d / 2)` at the offset d from its position, V
+/// its covariance. Its colour is a display value (sRGB), because such scenes are trained on images:
+///
+///   0.5 + sum over i of coefficient_i Y_i(direction from the eye), at least 0     (harmonics.h)
+struct GaussianCloud {
+  std::vector<glm::vec3> position_m;
+  std::vector<Covariance3> covariance_m2;
+  std::vector<float> opacity;    ///< 0 to 1
+  std::vector<glm::vec3> color;  ///< display value of degree 0: 0.5 + coefficient_0 Y_0
+  /// Of degree 1 and more: for each Gaussian all coefficients, red, green and blue of each in turn,
+  /// in steps of kHarmonicsStep.
+  std::vector<std::int16_t> harmonics;
+  int degree = 0;  ///< of the harmonics, 0 to kMaxHarmonicsDegree
+  /// Trained with a low-pass that preserves light (Yu et al., Mip-Splatting, 2024). If false, the
+  /// low-pass of the renderer makes small Gaussians wider and not fainter (Kerbl et al. 2023).
+  bool preserves_light = false;
+
+  std::size_t size() const { return position_m.size(); }
+  bool empty() const { return position_m.empty(); }
+  /// Numbers in `harmonics` for one Gaussian.
+  std::size_t harmonicsPerGaussian() const { return 3 * std::size_t(harmonicsOf(degree)); }
+};
+
+/// Covariance of a Gaussian with the standard deviations `sigma` along the axes of a rotation.
+/// @param rotation  quaternion (x, y, z, w) of unit length
+Covariance3 covarianceOf(const glm::vec3& sigma, const glm::vec4& rotation);
+
+/// The scene enlarged by `factor`, > 0.
+void scaleBy(GaussianCloud& cloud, float factor);
+
+}  // namespace foci

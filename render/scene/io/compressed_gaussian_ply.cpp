@@ -1,0 +1,219 @@
+// SuperSplat's compressed PLY: see gaussian_formats.h. A position and a scale have 11, 10 and 11
+// bits between the least and the greatest of their chunk; a rotation has the index of its largest
+// component and three components of 10 bits; colour and opacity have 8 bits each.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <string>
+
+#include "base/input_error.h"
+#include "render/scene/io/gaussian_formats.h"
+#include "render/scene/io/ply_header.h"
+
+namespace foci {
+namespace {
+
+using ply::Element;
+using ply::Scalar;
+
+constexpr std::size_t kChunk = 256;  // vertices of a chunk
+
+/// Harmonics are stored in 8 bits, over this range.
+constexpr float kHarmonicsRange = 8.0f;
+
+const Element* elementNamed(const ply::Header& header, std::string_view name) {
+  const auto found = std::find_if(header.elements.begin(), header.elements.end(),
+                                  [&](const Element& each) { return each.name == name; });
+  return found == header.elements.end() ? nullptr : &*found;
+}
+
+bool isOfType(const Element& element, Scalar type) {
+  return std::all_of(element.properties.begin(), element.properties.end(),
+                     [&](const ply::Property& each) { return !each.list && each.type == type; });
+}
+
+template <std::size_t N>
+bool beginsWith(const Element& element, const std::array<std::string_view, N>& names) {
+  return element.properties.size() >= N &&
+         std::equal(
+             names.begin(), names.end(), element.properties.begin(),
+             [](std::string_view name, const ply::Property& each) { return each.name == name; });
+}
+
+constexpr std::array<std::string_view, 12> kRanges = {
+    "min_x",       "min_y",       "min_z",       "max_x",       "max_y",       "max_z",
+    "min_scale_x", "min_scale_y", "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z"};
+constexpr std::array<std::string_view, 18> kRangesWithColor = {
+    "min_x",       "min_y",       "min_z",       "max_x",       "max_y",       "max_z",
+    "min_scale_x", "min_scale_y", "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z",
+    "min_r",       "min_g",       "min_b",       "max_r",       "max_g",       "max_b"};
+constexpr std::array<std::string_view, 4> kPacked = {"packed_position", "packed_rotation",
+                                                     "packed_scale", "packed_color"};
+
+/// The ranges of one chunk.
+struct Chunk {
+  glm::vec3 low{0.0f}, high{0.0f}, low_scale{0.0f}, high_scale{0.0f};
+  glm::vec3 low_color{0.0f}, high_color{1.0f};
+};
+
+struct Packed {
+  std::uint32_t position, rotation, scale, color;
+};
+
+float unit(std::uint32_t value, unsigned bits) {
+  const std::uint32_t most = (1u << bits) - 1u;
+  return static_cast<float>(value & most) / static_cast<float>(most);
+}
+
+glm::vec3 unit111011(std::uint32_t value) {
+  return {unit(value >> 21u, 11), unit(value >> 11u, 10), unit(value, 11)};
+}
+
+glm::vec4 rotationOf(std::uint32_t value) {
+  std::array<float, 4> wxyz{};
+  const std::size_t largest = value >> 30u;
+  float sum = 0.0f;
+  unsigned shift = 20;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (i == largest) continue;
+    wxyz[i] = (unit(value >> shift, 10) - 0.5f) * std::sqrt(2.0f);
+    sum += wxyz[i] * wxyz[i];
+    shift -= 10;
+  }
+  wxyz[largest] = std::sqrt(std::max(0.0f, 1.0f - sum));
+  return {wxyz[1], wxyz[2], wxyz[3], wxyz[0]};
+}
+
+RawGaussian unpacked(const Packed& packed, const Chunk& chunk) {
+  const glm::vec3 color(unit(packed.color >> 24u, 8), unit(packed.color >> 16u, 8),
+                        unit(packed.color >> 8u, 8));
+  return {.position = glm::mix(chunk.low, chunk.high, unit111011(packed.position)),
+          .sigma = glm::exp(glm::mix(chunk.low_scale, chunk.high_scale, unit111011(packed.scale))),
+          .rotation = rotationOf(packed.rotation),
+          .opacity = unit(packed.color, 8),
+          .color = glm::mix(chunk.low_color, chunk.high_color, color)};
+}
+
+std::vector<Chunk> readChunks(ply::Input& input, const Element& element) {
+  const bool colored = element.properties.size() > kRanges.size();
+  std::vector<Chunk> chunks(element.count);
+  for (Chunk& chunk : chunks) {
+    const unsigned char* bytes = input.take(element.properties.size() * sizeof(float));
+    const auto vector = [&](std::size_t at) {
+      glm::vec3 v(0.0f);
+      std::memcpy(&v, bytes + at * sizeof(float), sizeof(v));
+      return v;
+    };
+    chunk = {vector(0), vector(3), vector(6), vector(9)};
+    if (colored) {
+      chunk.low_color = vector(12);
+      chunk.high_color = vector(15);
+    }
+  }
+  return chunks;
+}
+
+/// The elements of a file of this format.
+struct Layout {
+  const Element *chunk, *vertex, *harmonics;
+  int degree = 0;
+};
+
+/// @throws InputError
+Layout layoutOf(const ply::Header& header, const std::string& file) {
+  const auto refuse = [&](const std::string& what) -> InputError {
+    return {file, "compressed PLY of Gaussians: " + what};
+  };
+  Layout layout{elementNamed(header, "chunk"), elementNamed(header, "vertex"),
+                elementNamed(header, "sh")};
+  if (header.format != ply::Format::little) throw refuse("expected format binary_little_endian");
+  if (layout.chunk == nullptr || !isOfType(*layout.chunk, Scalar::float32) ||
+      !(layout.chunk->properties.size() == kRanges.size()
+            ? beginsWith(*layout.chunk, kRanges)
+            : layout.chunk->properties.size() == kRangesWithColor.size() &&
+                  beginsWith(*layout.chunk, kRangesWithColor))) {
+    throw refuse("expected an element chunk of float min_x, min_y, ... (12 or 18 properties)");
+  }
+  if (layout.vertex == nullptr || layout.vertex->properties.size() != kPacked.size() ||
+      !isOfType(*layout.vertex, Scalar::uint32) || !beginsWith(*layout.vertex, kPacked)) {
+    throw refuse("element vertex: expected uint packed_position, _rotation, _scale and _color");
+  }
+  const std::size_t needed = (layout.vertex->count + kChunk - 1) / kChunk;
+  if (layout.chunk->count < needed) {
+    throw refuse("has " + std::to_string(layout.chunk->count) + " chunks: expected " +
+                 std::to_string(needed) + ", one for 256 vertices");
+  }
+  const bool ordered = layout.chunk < layout.vertex &&
+                       (layout.harmonics == nullptr || layout.vertex < layout.harmonics);
+  if (!ordered || header.elements.size() != (layout.harmonics != nullptr ? 3u : 2u)) {
+    throw refuse("expected the elements chunk, vertex and, with harmonics, sh");
+  }
+  if (layout.harmonics == nullptr) return layout;
+  const auto count = static_cast<int>(layout.harmonics->properties.size());
+  while (layout.degree <= kMaxHarmonicsDegree && 3 * harmonicsOf(layout.degree) != count) {
+    ++layout.degree;
+  }
+  if (layout.degree > kMaxHarmonicsDegree || layout.degree == 0 ||
+      !isOfType(*layout.harmonics, Scalar::uint8) ||
+      layout.harmonics->count != layout.vertex->count) {
+    throw refuse("element sh: expected 9, 24 or 45 uchar for each vertex");
+  }
+  return layout;
+}
+
+float harmonicOf(unsigned char byte) {
+  const float share = byte == 0     ? 0.0f
+                      : byte == 255 ? 1.0f
+                                    : (static_cast<float>(byte) + 0.5f) / 256.0f;
+  return (share - 0.5f) * kHarmonicsRange;
+}
+
+}  // namespace
+
+bool isCompressedGaussianPly(const std::filesystem::path& path) {
+  const std::vector<unsigned char> magic = firstBytes(path, 4);
+  if (magic.size() < 4 || std::memcmp(magic.data(), "ply", 3) != 0) return false;
+  try {
+    ply::Input input(path);
+    const ply::Header header = ply::readHeader(input);
+    const Element* vertex = elementNamed(header, "vertex");
+    return vertex != nullptr &&
+           std::any_of(vertex->properties.begin(), vertex->properties.end(),
+                       [](const ply::Property& each) { return each.name == kPacked[0]; });
+  } catch (const InputError&) {
+    return false;  // the reader of points says what is wrong
+  }
+}
+
+GaussianFile readCompressedGaussianPly(const std::filesystem::path& path) {
+  static_assert(std::endian::native == std::endian::little);
+  ply::Input input(path);
+  const ply::Header header = ply::readHeader(input);
+  const Layout layout = layoutOf(header, input.name());
+  const std::vector<Chunk> chunks = readChunks(input, *layout.chunk);
+
+  // Harmonics come after all vertices, so the packed vertices wait for them.
+  std::vector<Packed> packed(layout.vertex->count);
+  for (Packed& each : packed) std::memcpy(&each, input.take(sizeof(each)), sizeof(each));
+  GaussianFile file{.format = "compressed PLY"};
+  GaussianCollector collector(file, packed.size(), layout.degree);
+  const std::size_t values = file.cloud.harmonicsPerGaussian();
+  std::vector<float> harmonics(values);
+  for (std::size_t i = 0; i < packed.size(); ++i) {
+    if (values > 0) {
+      // By channel in the file, by coefficient in the cloud.
+      const unsigned char* bytes = input.take(values);
+      for (std::size_t k = 0; k < values / 3; ++k) {
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+          harmonics[3 * k + channel] = harmonicOf(bytes[channel * (values / 3) + k]);
+        }
+      }
+    }
+    collector.append(unpacked(packed[i], chunks[i / kChunk]), harmonics);
+  }
+  collector.finish(input.name());
+  return file;
+}
+
+}  // namespace foci

@@ -1,0 +1,14 @@
+#include "render/scene/io/gaussian_formats.h"
+
+namespace foci {
+
+std::optional<GaussianFile> readGaussians(const std::filesystem::path& path) {
+  if (isGaussianPly(path)) return readGaussianPly(path);
+  if (isCompressedGaussianPly(path)) return readCompressedGaussianPly(path);
+  if (isSpzFile(path)) return readSpzFile(path);
+  if (isKsplatFile(path)) return readKsplatFile(path);
+  if (isSplatFile(path)) return readSplatFile(path);
+  return std::nullopt;
+}
+
+}  // namespace foci

@@ -1,0 +1,279 @@
+// Niantic's `.spz` (github.com/nianticlabs/spz). Versions 1 to 3 are one stream, plain or by gzip:
+// a header of 16 bytes, then positions, opacities, colours, scales, rotations and harmonics, an
+// array each. Version 4 has a header of 32 bytes, a table of the arrays' lengths, and the arrays,
+// each compressed by Zstandard.
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "base/input_error.h"
+#include "render/scene/harmonics.h"
+#include "render/scene/io/gaussian_formats.h"
+
+namespace foci {
+namespace {
+
+constexpr std::uint32_t kMagic = 0x5053474e;  // NGSP
+constexpr std::size_t kHeader = 16, kHeader4 = 32, kTableEntry = 16;
+constexpr unsigned kFlagPreservesLight = 1;
+
+/// A colour byte spans the coefficients of degree 0 from -0.5 to 0.5, over this.
+constexpr float kColorScale = 0.15f;
+
+enum Array { kPositions, kOpacities, kColors, kScales, kRotations, kHarmonics, kArrays };
+
+struct SpzHeader {
+  std::uint32_t version = 0, count = 0;
+  int degree = 0;
+  unsigned fraction_bits = 0, flags = 0, arrays = 0;
+
+  std::array<std::uint64_t, kArrays> bytes() const {
+    const std::uint64_t n = count;
+    return {n * (version == 1 ? 6u : 9u),
+            n,
+            3 * n,
+            3 * n,
+            n * (version <= 2 ? 3u : 4u),
+            n * 3u * static_cast<unsigned>(harmonicsOf(degree))};
+  }
+};
+
+/// The arrays, unpacked.
+struct SpzArrays {
+  SpzHeader header;
+  std::array<std::vector<unsigned char>, kArrays> array;
+};
+
+SpzHeader headerOf(std::span<const unsigned char> bytes, const std::string& file,
+                   std::size_t file_bytes) {
+  if (u32At(bytes, 0) != kMagic) throw InputError(file, "is no SPZ file: expected NGSP");
+  SpzHeader header{.version = u32At(bytes, 4), .count = u32At(bytes, 8)};
+  if (header.version < 1 || header.version > 4) {
+    throw InputError(
+        file, "is SPZ of version " + std::to_string(header.version) + ": expected version 1 to 4");
+  }
+  header.degree = bytes[12];
+  header.fraction_bits = bytes[13];
+  header.flags = bytes[14];
+  header.arrays = bytes[15];
+  if (header.degree > kMaxHarmonicsDegree) {
+    throw InputError(
+        file, "has harmonics of degree " + std::to_string(header.degree) + ": expected 0 to 3");
+  }
+  if (header.fraction_bits > 23) {
+    throw InputError(file, "has positions with " + std::to_string(header.fraction_bits) +
+                               " bits after the point: expected 0 to 23");
+  }
+  // Less than a byte for a Gaussian is no capture, but a bomb of zeros.
+  if (header.count > file_bytes) {
+    throw InputError(file, "has " + std::to_string(header.count) + " Gaussians in " +
+                               std::to_string(file_bytes) + " bytes: damaged");
+  }
+  return header;
+}
+
+/// Unpacks gzip bit by bit, so that a file cannot ask for more than its header says.
+class Gunzip {
+ public:
+  explicit Gunzip(const FileBytes& file) : file_(file) {
+    constexpr int kGzip = 16;  // expect its header
+    stream_.next_in = const_cast<unsigned char*>(file.all().data());
+    stream_.avail_in = static_cast<uInt>(std::min<std::size_t>(file.size(), UINT32_MAX));
+    if (inflateInit2(&stream_, MAX_WBITS + kGzip) != Z_OK) throw damaged();
+  }
+  ~Gunzip() { inflateEnd(&stream_); }
+  Gunzip(const Gunzip&) = delete;
+  Gunzip& operator=(const Gunzip&) = delete;
+
+  std::vector<unsigned char> take(std::uint64_t count) {
+    std::vector<unsigned char> bytes(count);
+    std::size_t done = 0;
+    while (done < count) {
+      const auto part = static_cast<uInt>(std::min<std::uint64_t>(count - done, 1u << 30u));
+      stream_.next_out = bytes.data() + done;
+      stream_.avail_out = part;
+      const int result = inflate(&stream_, Z_NO_FLUSH);
+      done += part - stream_.avail_out;
+      const bool stuck = stream_.avail_out == part;
+      if (result == Z_STREAM_END ? done < count : result != Z_OK || stuck) throw damaged();
+    }
+    return bytes;
+  }
+
+  /// Reads to the end, where the checksum is. Vendors may append extensions.
+  void finish() {
+    constexpr int kMaxBlocks = 64;
+    std::vector<unsigned char> block(std::size_t{1} << 20u);
+    for (int i = 0; i < kMaxBlocks; ++i) {
+      stream_.next_out = block.data();
+      stream_.avail_out = static_cast<uInt>(block.size());
+      const int result = inflate(&stream_, Z_NO_FLUSH);
+      if (result == Z_STREAM_END) return;
+      if (result != Z_OK || stream_.avail_out == block.size()) throw damaged();
+    }
+  }
+
+ private:
+  InputError damaged() const {
+    return {file_.name(), "is damaged: its gzip stream ends early or is no gzip stream"};
+  }
+  const FileBytes& file_;
+  z_stream stream_{};
+};
+
+bool isGzip(std::span<const unsigned char> bytes) {
+  return bytes.size() >= 2 && bytes[0] == 0x1f && bytes[1] == 0x8b;
+}
+
+SpzArrays unpackOld(const FileBytes& file) {
+  SpzArrays all;
+  if (isGzip(file.all())) {
+    Gunzip stream(file);
+    all.header = headerOf(stream.take(kHeader), file.name(), file.size());
+    const auto sizes = all.header.bytes();
+    for (std::size_t i = 0; i < kArrays; ++i) all.array[i] = stream.take(sizes[i]);
+    stream.finish();
+  } else {
+    all.header = headerOf(file.part(0, kHeader), file.name(), file.size());
+    const auto sizes = all.header.bytes();
+    std::uint64_t at = kHeader;
+    for (std::size_t i = 0; i < kArrays; at += sizes[i++]) {
+      const auto part = file.part(at, sizes[i]);
+      all.array[i].assign(part.begin(), part.end());
+    }
+  }
+  if (all.header.version == 4) {
+    throw InputError(file.name(), "is SPZ of version 4 inside gzip: expected version 1 to 3");
+  }
+  return all;
+}
+
+SpzArrays unpackNew(const FileBytes& file) {
+  SpzArrays all{.header = headerOf(file.part(0, kHeader4), file.name(), file.size()), .array = {}};
+  const auto sizes = all.header.bytes();
+  const unsigned expected = all.header.degree > 0 ? kArrays : kArrays - 1;
+  if (all.header.arrays != expected) {
+    throw InputError(file.name(), "has " + std::to_string(all.header.arrays) +
+                                      " arrays: expected " + std::to_string(expected));
+  }
+  const std::uint64_t table_at = u32At(file.all(), 16);
+  const auto table = file.part(table_at, expected * kTableEntry);
+  std::uint64_t at = table_at + table.size();
+  for (std::size_t i = 0; i < expected; ++i) {
+    const std::uint64_t packed = u64At(table, i * kTableEntry);
+    const std::uint64_t plain = u64At(table, i * kTableEntry + 8);
+    if (plain != sizes[i]) {
+      throw InputError(file.name(), "array " + std::to_string(i + 1) + " has " +
+                                        std::to_string(plain) + " bytes: expected " +
+                                        std::to_string(sizes[i]));
+    }
+    const auto part = file.part(at, packed);
+    at += packed;
+    all.array[i].resize(plain);
+    const std::size_t unpacked =
+        ZSTD_decompress(all.array[i].data(), plain, part.data(), part.size());
+    if (ZSTD_isError(unpacked) != 0 || unpacked != plain) {
+      throw InputError(file.name(), "array " + std::to_string(i + 1) +
+                                        " is damaged: no Zstandard stream of its length");
+    }
+  }
+  return all;
+}
+
+float fixed24(const unsigned char* bytes, float scale) {
+  std::int32_t value = bytes[0] | bytes[1] << 8 | bytes[2] << 16;
+  if (value >= 1 << 23) value -= 1 << 24;
+  return static_cast<float>(value) * scale;
+}
+
+glm::vec3 positionOf(const SpzArrays& all, std::size_t i) {
+  const std::vector<unsigned char>& bytes = all.array[kPositions];
+  if (all.header.version == 1) {
+    const auto half = [&](std::size_t k) { return floatOfHalf(u16At(bytes, 6 * i + 2 * k)); };
+    return {half(0), half(1), half(2)};
+  }
+  const float scale = 1.0f / static_cast<float>(1u << all.header.fraction_bits);
+  const unsigned char* at = bytes.data() + 9 * i;
+  return {fixed24(at, scale), fixed24(at + 3, scale), fixed24(at + 6, scale)};
+}
+
+glm::vec4 rotationOf(const SpzArrays& all, std::size_t i) {
+  const std::vector<unsigned char>& bytes = all.array[kRotations];
+  std::array<float, 4> xyzw{};
+  if (all.header.version <= 2) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      xyzw[k] = static_cast<float>(bytes[3 * i + k]) / 127.5f - 1.0f;
+    }
+  }
+  std::size_t derived = 3;
+  if (all.header.version > 2) {
+    // The index of the largest component, and of the others sign and 9 bits, the last one lowest.
+    constexpr std::uint32_t kMost = (1u << 9u) - 1u;
+    std::uint32_t packed = u32At(bytes, 4 * i);
+    derived = packed >> 30u;
+    for (std::size_t k = 4; k-- > 0;) {
+      if (k == derived) continue;
+      const float size = static_cast<float>(packed & kMost) / static_cast<float>(kMost) /
+                         std::numbers::sqrt2_v<float>;
+      xyzw[k] = (packed >> 9u & 1u) != 0 ? -size : size;
+      packed >>= 10u;
+    }
+  }
+  float sum = 0.0f;
+  for (std::size_t k = 0; k < 4; ++k) sum += k == derived ? 0.0f : xyzw[k] * xyzw[k];
+  xyzw[derived] = std::sqrt(std::max(0.0f, 1.0f - sum));
+  return {xyzw[0], xyzw[1], xyzw[2], xyzw[3]};
+}
+
+RawGaussian gaussianOf(const SpzArrays& all, std::size_t i) {
+  const auto bytesOf = [&](Array array) {
+    const unsigned char* at = all.array[array].data() + 3 * i;
+    return glm::vec3(at[0], at[1], at[2]);
+  };
+  return {.position = positionOf(all, i),
+          .sigma = glm::exp(bytesOf(kScales) / 16.0f - 10.0f),
+          .rotation = rotationOf(all, i),
+          .opacity = static_cast<float>(all.array[kOpacities][i]) / 255.0f,
+          .color = 0.5f + kHarmonic0 / kColorScale * (bytesOf(kColors) / 255.0f - 0.5f)};
+}
+
+}  // namespace
+
+bool isSpzFile(const std::filesystem::path& path) {
+  std::vector<unsigned char> bytes = firstBytes(path, 1024);
+  if (isGzip(bytes)) {
+    try {
+      const FileBytes begin(path.string(), std::move(bytes));
+      bytes = Gunzip(begin).take(4);
+    } catch (const InputError&) {
+      return false;
+    }
+  }
+  return bytes.size() >= 4 && u32At(bytes, 0) == kMagic;
+}
+
+GaussianFile readSpzFile(const std::filesystem::path& path) {
+  const FileBytes bytes(path);
+  const bool is_new = !isGzip(bytes.all()) && u32At(bytes.part(0, 8), 4) == 4;
+  const SpzArrays all = is_new ? unpackNew(bytes) : unpackOld(bytes);
+  GaussianFile file{.format = "SPZ", .y_is_up = true};
+  file.cloud.preserves_light = (all.header.flags & kFlagPreservesLight) != 0;
+  GaussianCollector collector(file, all.header.count, all.header.degree);
+  std::vector<float> harmonics(file.cloud.harmonicsPerGaussian());
+  for (std::size_t i = 0; i < all.header.count; ++i) {
+    for (std::size_t k = 0; k < harmonics.size(); ++k) {
+      const unsigned char byte = all.array[kHarmonics][i * harmonics.size() + k];
+      harmonics[k] = (static_cast<float>(byte) - 128.0f) / 128.0f;
+    }
+    collector.append(gaussianOf(all, i), harmonics);
+  }
+  collector.finish(bytes.name());
+  return file;
+}
+
+}  // namespace foci

@@ -1,0 +1,124 @@
+// Captured scenes through the lens, against the average of pinholes. The captures are not part of
+// the project: the tests skip where they are absent.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "render/image/metrics.h"
+#include "render/image/visible_difference.h"
+#include "render/methods/method.h"
+#include "render/scene/io/gaussian_formats.h"
+#include "tests/unit/render/gaussian_scenes.h"
+#include "tests/unit/render/method_scenes.h"
+
+namespace foci {
+namespace {
+
+std::filesystem::path captureNamed(const std::string& name) {
+  const char* folder = std::getenv("FOCI_DATA");
+  const std::filesystem::path data =
+      folder ? folder : std::filesystem::path(FOCI_SOURCE_DIR).parent_path() / "shared/data";
+  return data / "splats" / name;
+}
+
+/// A capture that stands on the ground, and an eye that sees all of it.
+struct Captured {
+  SurfelCloud scene;
+  View view;
+  float nearest_m = 0.0f, farthest_m = 0.0f;  // of the middle 96 % of its Gaussians
+
+  Captured(const std::string& name, int size_px) {
+    GaussianFile file = *readGaussians(captureNamed(name));
+    const float up = file.y_is_up ? 1.0f : -1.0f;
+    const auto quantilesOf = [&](const auto& valueOf) {
+      std::vector<float> values;
+      for (const glm::vec3& p : file.cloud.position_m) values.push_back(valueOf(p));
+      std::ranges::sort(values);
+      return std::pair(values[values.size() / 50], values[values.size() - values.size() / 50]);
+    };
+    const auto [left, right] = quantilesOf([](const glm::vec3& p) { return p.x; });
+    const auto [low, high] = quantilesOf([](const glm::vec3& p) { return p.y; });
+    const auto [back, front] = quantilesOf([](const glm::vec3& p) { return p.z; });
+    const float height = high - low;
+    const glm::vec3 middle = 0.5f * glm::vec3(left + right, low + high, back + front);
+    const glm::vec3 eye = middle + 1.2f * height * glm::vec3(0.5f, 0.0f, up);
+    view = squareView(size_px,
+                      0.9f * static_cast<float>(size_px) * glm::length(eye - middle) / height);
+    view.eye_from_world = eyeFromWorld(eye, middle, {0.0f, up, 0.0f});
+    std::tie(nearest_m, farthest_m) =
+        quantilesOf([&](const glm::vec3& p) { return glm::distance(p, eye); });
+    scene = sceneOf(std::move(file.cloud));
+  }
+
+  /// In focus near its front, with blur up to this radius.
+  RenderSettings settings(float blur_px) const {
+    const float focus_D = 1.0f / (nearest_m + 0.15f * (farthest_m - nearest_m));
+    const float off_D = std::max(1.0f / nearest_m - focus_D, focus_D - 1.0f / farthest_m);
+    return {.defocus = {.radius_px_per_D = glm::vec2(blur_px / off_D), .focus_D = focus_D}};
+  }
+};
+
+constexpr int kSize_px = 256;
+
+class GaussianCaptures : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(captureNamed(GetParam()))) {
+      GTEST_SKIP() << "no " << captureNamed(GetParam()) << ": set FOCI_DATA";
+    }
+  }
+};
+
+TEST_P(GaussianCaptures, SevenSubAperturesAreCloseToALens) {
+  constexpr double kGoal_dB = 45.0;
+  const Captured capture(GetParam(), 384);
+  for (const float blur_px : {4.0f, 10.0f, 20.0f}) {
+    const RenderSettings settings = capture.settings(blur_px);
+    const Frame lens = render("accumulate:64", capture.scene, capture.view, settings);
+    const Frame parts = render("sweep:7", capture.scene, capture.view, settings);
+    EXPECT_GT(psnr_dB(parts, lens), kGoal_dB) << blur_px;
+  }
+}
+
+TEST_P(GaussianCaptures, AutoKeepsItsPrediction) {
+  const Captured capture(GetParam(), kSize_px);
+  for (const float blur_px : {4.0f, 12.0f}) {
+    const RenderSettings settings = capture.settings(blur_px);
+    const Frame lens = render("accumulate:64", capture.scene, capture.view, settings);
+    Frame frame;
+    const RenderStats stats =
+        makeMethod("auto", capture.scene)->render(capture.view, settings, frame);
+    std::vector<float> error = visibleDifference(frame, lens, kUsualPx_per_deg);
+    std::ranges::sort(error);
+    EXPECT_LE(error[error.size() * 95 / 100], *stats.tolerance_error) << blur_px;
+    EXPECT_LE(*stats.tolerance_error, settings.quality.tolerance) << blur_px;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, GaussianCaptures,
+                         testing::Values("guitar.compressed.ply", "biker.compressed.ply"),
+                         [](const auto& test) { return std::string(test.param).substr(0, 5); });
+
+TEST(GaussianCapture, TheSameSceneInTwoFormatsLooksTheSame) {
+  if (!std::filesystem::exists(captureNamed("biker.spz"))) {
+    GTEST_SKIP() << "no " << captureNamed("biker.spz") << ": set FOCI_DATA";
+  }
+  constexpr double kGoal_dB = 40.0;
+  const Captured ply("biker.compressed.ply", kSize_px), spz("biker.spz", kSize_px);
+  EXPECT_EQ(ply.scene.gaussians->size(), spz.scene.gaussians->size());
+  View view = ply.view;
+  // SPZ is turned by half a turn about x.
+  glm::mat4 turn(1.0f);
+  turn[1][1] = turn[2][2] = -1.0f;
+  view.eye_from_world = ply.view.eye_from_world * turn;
+  const Frame a = render("pinhole", ply.scene, ply.view, {});
+  const Frame b = render("pinhole", spz.scene, view, {});
+  EXPECT_GT(psnr_dB(a, b), kGoal_dB);
+}
+
+}  // namespace
+}  // namespace foci
