@@ -14,8 +14,8 @@
 namespace foci {
 namespace {
 
-/// Numbers of discs that a tile may be rendered through. 4, 5 and 9 discs cover the lens less evenly:
-/// with them the bound below does not hold.
+/// Numbers of discs that a tile may be rendered through. 4, 5 and 9 discs cover the lens less
+/// evenly: with them the bound below does not hold.
 constexpr std::array kDiscs{1, 3, 7, 13, 19, 37, 61};
 
 /// Error of 95 % of the pixels, in just-noticeable differences: kError (C / sqrt(N))^kPower for N

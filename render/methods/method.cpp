@@ -149,7 +149,8 @@ std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& clo
                                    const SharedGpu& gpu) {
   const Choice choice = parse(spec);
   assert(choice.entry);
-  if (!cloud.gaussians) return choice.entry->make(cloud, choice.n, choice.entry->info.gpu ? gpu : nullptr);
+  if (!cloud.gaussians)
+    return choice.entry->make(cloud, choice.n, choice.entry->info.gpu ? gpu : nullptr);
   if (choice.entry->make_of_gaussians != nullptr) {
     return choice.entry->make_of_gaussians(*cloud.gaussians, choice.n);
   }
