@@ -9,7 +9,7 @@
 
 namespace foci {
 
-/// The GPU cannot do what was asked: one line that says what is missing.
+/// The GPU cannot render this; the text is one line and names what is missing.
 class GpuError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
