@@ -81,6 +81,15 @@ GazeMap fit(const Numbers& gaze, const Numbers& target, const std::string& units
   return fitGazeMap(pairs, frame, forced).map;
 }
 
+GazeMap openMap(const std::filesystem::path& path, const Screen& screen) {
+  requireRegularFile(path);
+  GazeMap map = readGazeMap(path);
+  Screen& own = map.frame.screen;
+  if (own.size_m.x <= 0.0 || own.distance_m <= 0.0) own = screen;
+  if (own.size_px.x <= 0) own.size_px = screen.size_px;
+  return map;
+}
+
 py::tuple apply(const GazeMap& map, const Numbers& points, const std::string& unit_name) {
   const Units units(unit_name, map.frame);
   const double* in = tableOf("points", points, -1, 2);
@@ -134,9 +143,9 @@ void bindCalibration(py::module_& module) {
                   "units: \"px\" of\nthe screen, \"deg\", \"norm\" or \"direction\". model: "
                   "\"offset\", \"affine\", \"second\", \"third\"; None\nchooses by "
                   "cross-validation. Raises InputError if the targets cannot carry a fit.")
-      .def_static(
-          "open", [](const std::filesystem::path& path) { return readGazeMap(path); },
-          py::arg("path"), "Open a map that `save` or `foci calibrate gaze` wrote.")
+      .def_static("open", &openMap, py::arg("path"), py::arg("screen") = defaultScreen(),
+                  "Open a map that `save` or `foci calibrate gaze` wrote.\n\nscreen: of the "
+                  "pixels, where the file does not state it. A map in degrees does not.")
       .def(
           "save",
           [](const GazeMap& map, const std::filesystem::path& path) {
