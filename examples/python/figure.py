@@ -24,7 +24,7 @@ for axis, focus_m in zip(axes, (distance_m, 2 * distance_m)):
     image = foci.render(scene, eye, focus_m=focus_m, size_px=(640, 360), background=(0.2, 0.2, 0.2))
     axis.imshow(image.srgb())
     axis.set_title(f"focus at {focus_m:g} m")
-shown = axes[2].imshow(image.defocus_D, cmap="coolwarm")
+shown = axes[2].imshow(image.defocus_D, cmap="coolwarm", vmin=-1, vmax=1)  # 0: in focus
 axes[2].set_title("defocus of the second")
 figure.colorbar(shown, ax=axes[2], label="dioptres")
 for axis in axes:
