@@ -18,6 +18,7 @@
 #include "app/platform/machine.h"
 #include "app/window/display.h"
 #include "base/text.h"
+#include "render/gl/device.h"
 
 namespace foci {
 namespace {
@@ -125,6 +126,16 @@ Json packagesJson() {
   return json;
 }
 
+/// What `render.device = "gpu"` would render on.
+Json gpuJson() {
+  try {
+    const auto gpu = GpuDevice::open(GpuDevice::Kind::any);
+    return {{"name", gpu->name()}, {"driver", gpu->driver()}, {"software", gpu->isSoftware()}};
+  } catch (const GpuError& error) {
+    return {{"problem", error.what()}};
+  }
+}
+
 Json examine(const std::string& pupil) {
   const Machine machine = describeMachine();
   return {
@@ -134,6 +145,7 @@ Json examine(const std::string& pupil) {
       {"simd", machine.simd},
       {"threads", tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)},
       {"system", machine.system},
+      {"gpu", gpuJson()},
       {"display", displayJson(describeDisplay())},
       {"cameras", camerasJson()},
       {"trackers", trackersJson(pupil)},
@@ -172,6 +184,13 @@ void printDoctorText(const Json& facts) {
   say("foci", textOfJson(facts["version"]) + ", " + textOfJson(facts["system"]));
   say("CPU", textOfJson(facts["cpu"]) + "; " + textOfJson(facts["cores"]) + " cores, " +
                  textOfJson(facts["threads"]) + " threads, SIMD " + textOfJson(facts["simd"]));
+  const Json& gpu = facts["gpu"];
+  say("GPU", gpu.contains("problem")
+                 ? textOfJson(gpu["problem"])
+                 : textOfJson(gpu["name"]) + ", driver " + textOfJson(gpu["driver"]) +
+                       (gpu["software"].get<bool>() ? "; software, so render.device = \"auto\" "
+                                                      "takes the CPU"
+                                                    : ""));
   printDisplay(facts["display"]);
   for (const Json& camera : facts["cameras"]) {
     say("camera", textOfJson(camera["source"]) + ": " + textOfJson(camera["name"]) +

@@ -53,6 +53,7 @@ void addStudyOptions(CLI::App& command, StudyOptions& options) {
   add("--pupil", options.pupil, "MM",
       "pupil diameter in millimetres, or its source: recording or luminance");
   add("--method", options.method, "NAME", "depth-of-field method; `foci methods` lists them");
+  add("--device", options.device, "NAME", "auto, gpu or cpu: what renders");
   add("--view", options.view, "NAME", "mono, side-by-side, top-bottom or anaglyph");
   addThreadsOption(command, options.threads,
                    "max number of threads; the frames do not depend on it");
@@ -103,6 +104,7 @@ StudyAsked studyOf(const StudyOptions& options) {
   override("gaze.map", options.gaze_map, "--gaze-map");
   override("gaze.camera", options.camera, "--camera");
   override("render.method", options.method, "--method " + options.method);
+  override("render.device", options.device, "--device");
   if (!options.size.empty()) {
     overrideKey(study, "output.size_px",
                 listOf(pairOf("--size", options.size, 'x', "WIDTHxHEIGHT, e.g. 1280x720")),

@@ -17,7 +17,7 @@ namespace foci {
 /// Texts as the user typed them; an empty text means that the option was not given.
 struct StudyOptions {
   std::string study{}, scene{}, trace{}, screen{}, gaze_map{}, camera{}, size{}, seconds{},
-      method{}, pupil{}, threads{}, view{}, look{}, up{}, write_study{};
+      method{}, device{}, pupil{}, threads{}, view{}, look{}, up{}, write_study{};
   bool json = false, marker = false, split = false;
 };
 

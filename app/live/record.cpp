@@ -64,11 +64,12 @@ int medianOf(const std::map<int, std::size_t>& counts) {
 }  // namespace
 
 LiveRecord::LiveRecord(const fs::path& folder, const Study& study, const Screen& screen,
-                       double rate_Hz, std::string command, unsigned threads)
+                       double rate_Hz, std::string command, unsigned threads, std::string device)
     : folder_(madeEmpty(folder)),
       study_(studyOfRecord(study, rate_Hz)),
       command_(std::move(command)),
       threads_(threads),
+      device_(std::move(device)),
       gaze_(folder_ / "gaze.tsv", screen),
       frames_(folder_ / "frames.tsv"),
       changes_(folder_ / "changes.tsv", std::ios::binary),
@@ -90,6 +91,7 @@ LiveRecord::~LiveRecord() {
 void LiveRecord::writeStudy(double fps) const {
   Study study = study_;
   study.output.fps = std::clamp(fps, 1.0, 1000.0);
+  study.record.device = device_;
   writeText(folder_ / "study.toml",
             "# A record of foci live. As a video with its report:\n"
             "#     foci replay study.toml --out replay\n" +
@@ -224,6 +226,7 @@ void LiveRecord::finish() {
   std::vector<GazeEvent> events;
   ManifestFacts facts{.command = command_,
                       .threads = threads_,
+                      .device = device_,
                       .gaze = {.format = "no gaze",
                                .rate_Hz = study.record.rate_Hz.value_or(0.0),
                                .samples = gaze_samples_},

@@ -65,7 +65,7 @@ class LiveRecord {
   /// @param command  as typed, for the manifest
   /// @throws InputError, std::runtime_error
   LiveRecord(const std::filesystem::path& folder, const Study& study, const Screen& screen,
-             double rate_Hz, std::string command, unsigned threads);
+             double rate_Hz, std::string command, unsigned threads, std::string device);
   /// Closes it first.
   ~LiveRecord();
   LiveRecord(const LiveRecord&) = delete;
@@ -100,6 +100,7 @@ class LiveRecord {
   Study study_;
   std::string command_;
   unsigned threads_;
+  std::string device_;  // that renders the frames
 
   // Used by the thread alone.
   GazeTable gaze_;

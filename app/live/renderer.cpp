@@ -106,8 +106,9 @@ std::future<std::string> LiveRenderer::change(const std::string& key, const std:
 std::future<std::string> LiveRenderer::startRecord(const std::filesystem::path& folder) {
   return post([this, folder] {
     if (state_.record) throw std::runtime_error("a record is running");
-    auto record = std::make_shared<LiveRecord>(folder, study_, feed_.screen(), feed_.rate_Hz(),
-                                               command_, threads_);
+    auto record =
+        std::make_shared<LiveRecord>(folder, study_, feed_.screen(), feed_.rate_Hz(), command_,
+                                     threads_, session_->deviceOf(study_.render.method));
     // A replay of the record knows nothing of what happened before.
     news_.clear();
     feed_.take(news_);
@@ -186,6 +187,7 @@ void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& s
     session_start_s_ = clock_.now_s();
     session_ = std::make_unique<Session>(sessionSettingsOf(study_), *cloud_, feed_.screen(),
                                          feed_.rate_Hz(), session_start_s_);
+    std::fprintf(stderr, "foci: renders on %s\n", session_->deviceOf(study_.render.method).c_str());
     renderFrames(stop);
   } catch (...) {
     const std::lock_guard lock(mutex_);
@@ -203,6 +205,9 @@ void LiveRenderer::renderFrames(const std::stop_token& stop) {
     {
       const std::lock_guard lock(mutex_);
       state_.last = frame->record;
+      if (const std::string remark = session_->deviceRemark(); remark != device_remark_) {
+        state_.notice = device_remark_ = remark;
+      }
       laid_ready_ = std::move(frame);
     }
     ready_();

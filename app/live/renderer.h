@@ -107,6 +107,7 @@ class LiveRenderer {
   std::optional<double> last_sample_s_;
   double last_frame_s_ = 0.0, session_start_s_ = 0.0;
   std::map<std::string, double> cost_s_;  // of the last frame of each method
+  std::string device_remark_;             // shown last
   std::string last_method_;
   std::vector<std::shared_ptr<LiveRecord>> closing_;
 

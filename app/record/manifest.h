@@ -29,6 +29,7 @@ struct GazeFacts {
 struct ManifestFacts {
   std::string command;
   unsigned threads = 0;
+  std::string device;  ///< that rendered the frames (`Session::deviceOf`)
   GazeFacts gaze;
   const Landings* landings = nullptr;  ///< of a live run; else null
   std::vector<InputFile> inputs;

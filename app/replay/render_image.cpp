@@ -37,6 +37,10 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
   if (const std::string remark = ellipseRemark(study); !remark.empty()) {
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }
+  if (const std::string device = session.deviceOf(settings.method);
+      settings.device == RenderDevice::gpu || !device.starts_with("the CPU")) {
+    std::fprintf(stderr, "foci: renders on %s\n", device.c_str());
+  }
   FrameRecord record =
       session.lookSettled(0.0, request.gaze_px.value_or(0.5 * glm::dvec2(settings.screen.size_px)));
   RenderRequest render_request = session.requestOf(settings.method, record);
@@ -44,6 +48,9 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
     eye.settings.depth = request.depth.has_value();
   }
   const Frame& frame = session.render(render_request, record);
+  if (const std::string remark = session.deviceRemark(); !remark.empty()) {
+    std::fprintf(stderr, "foci: %s\n", remark.c_str());
+  }
   OutputFiles files;
   using Path = std::filesystem::path;
   files.write(request.out, [&](const Path& to) { writeImage(to, frame, study.screen.gamma); });

@@ -104,6 +104,17 @@ class ReplayedEye {
                            record);
   }
 
+  /// Says what renders, and whether a live run's record comes from another device.
+  void sayDevice() const {
+    const std::string device = session_.deviceOf(study_.render.method);
+    std::fprintf(stderr, "foci: renders on %s\n", device.c_str());
+    const std::string& recorded = study_.record.device;
+    if (recorded.empty() || recorded == device) return;
+    std::fprintf(stderr,
+                 "foci: the run was rendered on %s: the frames may differ from it in rounding\n",
+                 recorded.c_str());
+  }
+
   const Session& session() const { return session_; }
   /// With the changes so far.
   const Study& study() const { return study_; }
@@ -307,12 +318,16 @@ RunSummary replay(const Study& study, const std::filesystem::path& out, const st
   }
 
   OutputFolder folder(out);
+  eye.sayDevice();
   FrameFiles files(study, folder);
   FrameTable table(folder.stage(kFrames));
   ContactSheet sheet(inputs.schedule.frames);
   FrameStatistics statistics;
   renderFrames(inputs, eye, files, table, sheet, statistics);
   const std::string frames_sha256 = files.finish();
+  if (const std::string remark = eye.session().deviceRemark(); !remark.empty()) {
+    std::fprintf(stderr, "foci: %s\n", remark.c_str());
+  }
 
   const std::vector<GazeEvent> events =
       eventsOfRun(study, inputs.trace, inputs.schedule.first_s, inputs.schedule.end_s());
@@ -320,6 +335,7 @@ RunSummary replay(const Study& study, const std::filesystem::path& out, const st
 
   ReportFacts facts;
   facts.threads = threads;
+  facts.device = eye.session().deviceOf(study.render.method);
   countDataLoss(inputs.trace, inputs.schedule, facts);
   statistics.fill(facts);
   facts.summary = summaryOf(inputs, events, statistics, facts, out);
@@ -332,6 +348,7 @@ RunSummary replay(const Study& study, const std::filesystem::path& out, const st
   folder.write(kManifest, manifestJson(study, facts.summary,
                                        {.command = command,
                                         .threads = threads,
+                                        .device = facts.device,
                                         .gaze = factsOf(inputs.trace),
                                         .inputs = inputs.files,
                                         .frames_sha256 = frames_sha256}));

@@ -286,7 +286,7 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
          "recording's clock.</p>\n"
       << marksTable(marks) << dataLossText(facts)
       << configuration(study, !facts.run.changes.empty()) << "<p class=\"quiet\">" << facts.threads
-      << (facts.threads == 1 ? " thread" : " threads")
+      << (facts.threads == 1 ? " thread" : " threads") << ", rendered on " << escaped(facts.device)
       << ". Machine, hashes of every input and the frames' own are in manifest.json.</p>\n"
       << kPageEnd;
   out.close();

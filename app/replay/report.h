@@ -30,7 +30,8 @@ struct ReportFacts {
   double worst_error = 0.0;     ///< largest predicted error, just-noticeable differences
   double pupil_min_mm = 0.0, pupil_max_mm = 0.0;
   unsigned threads = 0;
-  RunChanges run;  ///< the study in force, and what changed
+  std::string device;  ///< that rendered the frames
+  RunChanges run;      ///< the study in force, and what changed
 };
 
 /// What `frames_over` means, in one sentence for the reader; "" if there are none.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "app/session/auto_method.h"
+#include "render/splat/sweep.h"
 
 namespace foci {
 namespace {
@@ -52,13 +53,35 @@ RenderRequest RenderRequest::withoutTimeBudget() const {
 
 Method& FrameRenderer::methodNamed(const std::string& spec) {
   const std::string name(qualityLevelFrom(spec) ? kAutoMethod : spec);
+  try {
+    return made(name);
+  } catch (const GpuError& error) {
+    fallBack(error);
+    return made(name);
+  }
+}
+
+Method& FrameRenderer::made(const std::string& name) {
   std::unique_ptr<Method>& method = methods_[name];
-  if (!method) method = makeMethod(name, *cloud_);
+  if (!method) method = makeMethod(name, *cloud_, gpu_);
   return *method;
 }
 
+void FrameRenderer::fallBack(const GpuError& error) {
+  gpu_failure_ = std::string(error.what()) + "; the CPU renders";
+  methods_.clear();
+  gpu_.reset();
+}
+
+std::string FrameRenderer::deviceOf(const std::string& spec) const {
+  const std::string name(qualityLevelFrom(spec) ? kAutoMethod : spec);
+  if (gpu_ && rendersOnGpu(name)) return gpu_->text();
+  return std::string("the CPU, ") + simdTarget();
+}
+
 FrameRenderer FrameRenderer::cloneSharingScene() const {
-  FrameRenderer other(*cloud_);
+  FrameRenderer other(*cloud_, gpu_);
+  other.gpu_failure_ = gpu_failure_;
   for (const auto& [name, method] : methods_) {
     if (auto its = method->cloneSharingScene()) other.methods_[name] = std::move(its);
   }
@@ -71,6 +94,15 @@ void FrameRenderer::prepare(const RenderRequest& request) {
 }
 
 void FrameRenderer::render(const RenderRequest& request, RenderedFrame& rendered) {
+  try {
+    renderViews(request, rendered);
+  } catch (const GpuError& error) {
+    fallBack(error);
+    renderViews(request, rendered);
+  }
+}
+
+void FrameRenderer::renderViews(const RenderRequest& request, RenderedFrame& rendered) {
   const bool mono = request.stereo == StereoView::mono;
   const std::optional<QualityLevel> level = qualityLevelFrom(request.method);
   Method& method = methodNamed(request.method);

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/session/stereo.h"
@@ -48,7 +49,9 @@ struct RenderedFrame {
 class FrameRenderer {
  public:
   /// @param cloud  outlives it
-  explicit FrameRenderer(const SurfelCloud& cloud) : cloud_(&cloud) {}
+  /// @param gpu  renders the methods that can (`rendersOnGpu`); null: the CPU renders
+  explicit FrameRenderer(const SurfelCloud& cloud, SharedGpu gpu = nullptr)
+      : cloud_(&cloud), gpu_(std::move(gpu)) {}
 
   /// Renders into `rendered.frame`, and fills the rest.
   void render(const RenderRequest& request, RenderedFrame& rendered);
@@ -60,11 +63,23 @@ class FrameRenderer {
   /// The method of that name, which must exist (asserted); `auto:N` is `auto`.
   Method& methodNamed(const std::string& spec);
 
+  /// What renders a method, for people: the GPU and its driver, or the CPU.
+  std::string deviceOf(const std::string& spec) const;
+
+  /// Why the CPU renders from then on, after the GPU failed; empty: it did not.
+  const std::string& gpuFailure() const { return gpu_failure_; }
+
   /// A clone, as if just made, that may render at the same time.
   FrameRenderer cloneSharingScene() const;
 
  private:
+  Method& made(const std::string& name);
+  void fallBack(const GpuError& error);
+  void renderViews(const RenderRequest& request, RenderedFrame& rendered);
+
   const SurfelCloud* cloud_;
+  SharedGpu gpu_;
+  std::string gpu_failure_;
   std::map<std::string, std::unique_ptr<Method>> methods_;
   Frame eye_frame_, sharp_;  // of one eye; kept for their memory
 };

@@ -7,11 +7,24 @@
 
 #include "app/session/auto_method.h"
 #include "app/session/observer_eye.h"
+#include "base/input_error.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "render/optics/view.h"
 
 namespace foci {
 namespace {
+
+/// The GPU that `device` asks for; null: the CPU.
+SharedGpu openDevice(RenderDevice device) {
+  if (device == RenderDevice::cpu) return nullptr;
+  try {
+    return GpuDevice::open(device == RenderDevice::gpu ? GpuDevice::Kind::any
+                                                       : GpuDevice::Kind::hardware);
+  } catch (const GpuError& error) {
+    if (device == RenderDevice::automatic) return nullptr;
+    throw InputError("render.device = \"gpu\"", error.what());
+  }
+}
 
 SessionSettings checked(const SessionSettings& settings) {
   checkSettings(settings);
@@ -32,10 +45,16 @@ Session::Session(const SessionSettings& settings, const SurfelCloud& cloud,
       rate_Hz_(rate_Hz),
       start_s_(start_s),
       query_(cloud),
-      renderer_(cloud),
+      renderer_(cloud, openDevice(settings.device)),
       follower_(newFollower()),
       pupil_(settings) {
   renderer_.methodNamed(settings.method);  // it may take seconds to make, so before the first frame
+}
+
+std::string Session::deviceRemark() const {
+  if (!renderer_.gpuFailure().empty()) return renderer_.gpuFailure();
+  if (settings_.device != RenderDevice::gpu || rendersOnGpu(settings_.method)) return {};
+  return "method " + settings_.method + " has no code for the GPU; the CPU renders";
 }
 
 GazeFollower Session::newFollower() {

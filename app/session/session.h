@@ -89,6 +89,12 @@ class Session {
 
   const SessionSettings& settings() const { return settings_; }
 
+  /// What renders a method, for people (`FrameRenderer::deviceOf`).
+  std::string deviceOf(const std::string& method) const { return renderer_.deviceOf(method); }
+
+  /// Why the CPU renders where the GPU was to; empty: it does not. Changes when the GPU fails.
+  std::string deviceRemark() const;
+
  private:
   void finishLook(FrameRecord& record);
   void showSharpFrame(double time_s);

@@ -42,6 +42,13 @@ struct QualitySettings {
   bool foveated = false;             ///< no finer than the eye resolves away from the gaze
 };
 
+/// What renders the frames.
+enum class RenderDevice {
+  automatic,  ///< a GPU, unless OpenGL is missing, older than 4.5, or in software
+  gpu,        ///< OpenGL 4.5, in software too
+  cpu,
+};
+
 /// The image that a frame is rendered to.
 struct OutputView {
   glm::ivec2 size_px{1920, 1080};
@@ -59,6 +66,7 @@ struct SessionSettings {
   EventSettings events{};
   FocusSettings focus{};
   std::string method = "auto";  ///< as `makeMethod` takes it
+  RenderDevice device = RenderDevice::automatic;
   QualitySettings quality{};
   OutputView output{};
 };

@@ -50,6 +50,7 @@ SessionSettings sessionSettingsOf(const Study& study) {
                     .vergence = study.focus.vergence,
                     .fixed_D = study.focus.fixed_D},
           .method = study.render.method,
+          .device = study.render.device,
           .quality = study.quality,
           .output = {.size_px = study.imageSize_px(),
                      .stereo = study.output.view,

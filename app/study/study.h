@@ -78,6 +78,7 @@ struct Study {
   struct Render {
     std::string method = "auto";
     double shading = 0.0;
+    RenderDevice device = RenderDevice::automatic;
   } render;
 
   QualitySettings quality;
@@ -98,6 +99,7 @@ struct Study {
     std::optional<std::filesystem::path> changes;  ///< of keys during the run
     std::optional<std::filesystem::path> markers;  ///< event markers of the run, for its report
     std::optional<double> rate_Hz;  ///< of the samples; absent: the median of the recording
+    std::string device;             ///< that rendered the run (`Session::deviceOf`); empty: unknown
   } record;
 
   std::int64_t seed = 1;

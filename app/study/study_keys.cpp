@@ -179,6 +179,9 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(render.shading, "render.shading",
                "share of the colour that falls off with the angle between surface and sight",
                {0, 1}),
+      FOCI_KEY(render.device, "render.device",
+               "what renders; auto: a GPU where there is one with OpenGL 4.5, else the CPU",
+               {.words = studyWords<RenderDevice>()}),
       FOCI_KEY(quality.tolerance, "quality.tolerance",
                "error that method auto allows in 95 % of the pixels, just-noticeable differences",
                {0.1, 100}),
@@ -209,6 +212,7 @@ const std::vector<Key<Study>>& studyKeys() {
           record.rate_Hz, "record.rate_Hz",
           "samples per second, as the gaze source states it; absent: the median of the recording",
           {5, 20000}),
+      FOCI_KEY(record.device, "record.device", "what rendered the frames of a live run"),
       FOCI_KEY(seed, "seed", "seed of the simulated observer", {0, 9007199254740992.0}),
   };
   return keys;

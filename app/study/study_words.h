@@ -39,6 +39,13 @@ inline constexpr std::array kStudyWords<StereoView>{
     StudyWord{"anaglyph", StereoView::anaglyph},
 };
 
+template <>
+inline constexpr std::array kStudyWords<RenderDevice>{
+    StudyWord{"auto", RenderDevice::automatic},
+    StudyWord{"gpu", RenderDevice::gpu},
+    StudyWord{"cpu", RenderDevice::cpu},
+};
+
 /// Absent: the file says so itself.
 template <>
 inline constexpr std::array kStudyWords<std::optional<GazeUnits>>{

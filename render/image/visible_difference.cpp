@@ -1,10 +1,13 @@
+// Without OpenCV: its first conversion to L*a*b* in a process takes longer than a frame, since it
+// fills a table in software floating point and looks for OpenCL. `auto` compares squares in its
+// first frame.
 #include "render/image/visible_difference.h"
 
+#include <algorithm>
 #include <cassert>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
+#include <cmath>
 
-#include "render/image/frame_mat.h"
+#include "base/parallel.h"
 
 namespace foci {
 namespace {
@@ -12,13 +15,72 @@ namespace {
 constexpr double kEye_deg = 0.5 / 60.0;  // standard deviation of the blur of an eye in focus
 constexpr float kJustNoticeable = 2.3f;
 
-cv::Mat labOf(const Frame& frame, double px_per_deg) {
-  cv::Mat rgb, lab;
-  cv::cvtColor(rgbaMat(frame), rgb, cv::COLOR_RGBA2RGB);
-  cv::min(rgb, 1.0, rgb);
-  cv::max(rgb, 0.0, rgb);
-  cv::GaussianBlur(rgb, rgb, {}, kEye_deg * px_per_deg, 0.0, cv::BORDER_REPLICATE);
-  cv::cvtColor(rgb, lab, cv::COLOR_LRGB2Lab);
+/// The Gaussian is cut off at this many standard deviations, where it is 0.0003 of its peak.
+constexpr double kReach = 4.0;
+
+/// Half of a Gaussian's samples from the middle on. All samples sum to one.
+std::vector<float> gaussianFromMiddle(double sigma_px) {
+  const auto reach_px = static_cast<std::size_t>(std::ceil(kReach * sigma_px));
+  std::vector<double> half(reach_px + 1);
+  double sum = 0.0;
+  for (std::size_t i = 0; i <= reach_px; ++i) {
+    const double x = static_cast<double>(i) / sigma_px;
+    half[i] = std::exp(-0.5 * x * x);
+    sum += i == 0 ? half[i] : 2.0 * half[i];
+  }
+  std::vector<float> weights;
+  for (const double each : half) weights.push_back(static_cast<float>(each / sum));
+  return weights;
+}
+
+/// Sum of the samples `at(i - k)` and `at(i + k)` times weights[k]. Beyond the ends the first and
+/// the last sample continue.
+template <typename At>
+glm::vec3 filtered(const std::vector<float>& weights, int i, int count, const At& at) {
+  glm::vec3 sum = weights[0] * at(i);
+  for (int k = 1; k < static_cast<int>(weights.size()); ++k) {
+    sum += weights[static_cast<std::size_t>(k)] *
+           (at(std::max(i - k, 0)) + at(std::min(i + k, count - 1)));
+  }
+  return sum;
+}
+
+/// CIE 1976 L*a*b* of linear RGB with the primaries of sRGB. White is D65.
+glm::vec3 labOf(const glm::vec3& rgb) {
+  constexpr float kLinearBelow = 0.008856f;
+  const auto curve = [](float t) {
+    return t > kLinearBelow ? std::cbrt(t) : 7.787f * t + 16.0f / 116.0f;
+  };
+  const float x = curve(glm::dot(rgb, glm::vec3(0.412453f, 0.357580f, 0.180423f)) / 0.950456f);
+  const float y = curve(glm::dot(rgb, glm::vec3(0.212671f, 0.715160f, 0.072169f)));
+  const float z = curve(glm::dot(rgb, glm::vec3(0.019334f, 0.119193f, 0.950227f)) / 1.088754f);
+  return {116.0f * y - 16.0f, 500.0f * (x - y), 200.0f * (y - z)};
+}
+
+/// The frame's L*a*b* behind the blur of the eye, row by row.
+std::vector<glm::vec3> seenBy(const std::vector<float>& eye, const Frame& frame) {
+  const int width = frame.size_px.x, height = frame.size_px.y;
+  const auto forEachPixel = [&](const auto& visit) {
+    parallelFor(static_cast<std::size_t>(height), [&](std::size_t y) {
+      const std::size_t row = y * static_cast<std::size_t>(width);
+      for (int x = 0; x < width; ++x) {
+        visit(x, static_cast<int>(y), row + static_cast<std::size_t>(x));
+      }
+    });
+  };
+  const auto at = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x);
+  };
+  std::vector<glm::vec3> along(frame.rgba.size()), lab(frame.rgba.size());
+  forEachPixel([&](int x, int y, std::size_t pixel) {
+    along[pixel] = filtered(eye, x, width, [&](int i) {
+      return glm::clamp(glm::vec3(frame.rgba[at(i, y)]), 0.0f, 1.0f);
+    });
+  });
+  forEachPixel([&](int x, int y, std::size_t pixel) {
+    lab[pixel] = labOf(filtered(eye, y, height, [&](int i) { return along[at(x, i)]; }));
+  });
   return lab;
 }
 
@@ -26,14 +88,11 @@ cv::Mat labOf(const Frame& frame, double px_per_deg) {
 
 std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg) {
   assert(a.size_px == b.size_px && px_per_deg > 0.0);
-  const cv::Mat lab_a = labOf(a, px_per_deg), lab_b = labOf(b, px_per_deg);
+  const std::vector<float> eye = gaussianFromMiddle(kEye_deg * px_per_deg);
+  const std::vector<glm::vec3> lab_a = seenBy(eye, a), lab_b = seenBy(eye, b);
   std::vector<float> difference(a.rgba.size());
-  std::size_t i = 0;
-  for (int y = 0; y < a.size_px.y; ++y) {
-    for (int x = 0; x < a.size_px.x; ++x, ++i) {
-      const cv::Vec3f apart = lab_a.at<cv::Vec3f>(y, x) - lab_b.at<cv::Vec3f>(y, x);
-      difference[i] = static_cast<float>(cv::norm(apart)) / kJustNoticeable;
-    }
+  for (std::size_t i = 0; i < difference.size(); ++i) {
+    difference[i] = glm::distance(lab_a[i], lab_b[i]) / kJustNoticeable;
   }
   return difference;
 }

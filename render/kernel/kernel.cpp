@@ -7,7 +7,7 @@
 namespace foci {
 namespace {
 
-constexpr int kTableSteps = 256;
+constexpr int kTableSteps = kKernelShapes - 1;
 
 /// The mixture (1 - alpha) t^i + alpha t^(i+1), each power of unit mass on one support, with
 /// E[r^4] / E[r^2]^2 = 2 (n + 2) / (n + 3), the kurtosis of (1 - q)^n.
@@ -34,8 +34,8 @@ KernelShape solveShape(double n) {
           static_cast<float>(2.0 / mean_r2)};
 }
 
-std::array<KernelShape, kTableSteps + 1> tabulateShapes() {
-  std::array<KernelShape, kTableSteps + 1> table{};
+std::array<KernelShape, kKernelShapes> tabulateShapes() {
+  std::array<KernelShape, kKernelShapes> table{};
   for (int s = 0; s <= kTableSteps; ++s)
     table[s] = solveShape(double{kMaxExponent} * s / kTableSteps);
   return table;
@@ -43,11 +43,9 @@ std::array<KernelShape, kTableSteps + 1> tabulateShapes() {
 
 }  // namespace
 
-const KernelShape& kernelShape(float n) {
+const std::array<KernelShape, kKernelShapes>& kernelShapes() {
   static const auto table = tabulateShapes();
-  // Written so that NaN falls to the bell.
-  const float s = n < kMaxExponent ? std::max(n, 0.0f) * (kTableSteps / kMaxExponent) : kTableSteps;
-  return table[static_cast<int>(s + 0.5f)];
+  return table;
 }
 
 }  // namespace foci

@@ -10,6 +10,7 @@
 // at n = 2, a bell of 2.83 standard deviations.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <glm/glm.hpp>
 
@@ -22,13 +23,23 @@ struct KernelShape {
   float support2;
 };
 
-/// The kernel with the kurtosis of (1 - q)^n. Tabulated; n is clamped to 0 to 2.
-const KernelShape& kernelShape(float n);
+/// The largest exponent of the table.
+inline constexpr float kMaxExponent = 2.0f;
+
+/// Kernels with the kurtosis of (1 - q)^n, for n from 0 to kMaxExponent in equal steps.
+inline constexpr int kKernelShapes = 257;
+const std::array<KernelShape, kKernelShapes>& kernelShapes();
+
+/// The kernel with the kurtosis of (1 - q)^n. n is clamped to 0 to 2; NaN falls to the bell.
+/// @param shapes  `kernelShapes()`, at hand in a loop
+inline const KernelShape& kernelShape(const KernelShape* shapes, float n) {
+  constexpr float kSteps = kKernelShapes - 1;
+  const float s = n < kMaxExponent ? std::max(n, 0.0f) * (kSteps / kMaxExponent) : kSteps;
+  return shapes[static_cast<int>(s + 0.5f)];
+}
+inline const KernelShape& kernelShape(float n) { return kernelShape(kernelShapes().data(), n); }
 
 /// The exponent for an unblurred per-axis variance over the squared blur radius, t = s / C^2.
 inline float kernelExponent(float t) { return 24.0f * t * (1.0f + 2.0f * t); }
-
-/// The largest exponent of the table.
-inline constexpr float kMaxExponent = 2.0f;
 
 }  // namespace foci

@@ -28,7 +28,7 @@ class Selector {
       : tree_(tree), view_(view), defocus_(defocus), settings_(settings) {
     focal2_ = view.focal_px.x * view.focal_px.y;
     blur2_ = defocus.radius_px_per_D.x * defocus.radius_px_per_D.y;
-    first_range_node_ = std::bit_ceil(tree.surfels().size() / kRangeSurfels + 1);
+    first_range_node_ = firstRangeNode(tree.surfels().size());
   }
 
   /// Bounds of size over coarseness, for all nodes below a node.
@@ -119,8 +119,9 @@ class Selector {
         (0.5f * spread + 0.6f * (maxDefocus_D(defocus_, inv) + range_D) * defocus_.radius_px_per_D +
          settings_.acuity.finest_px(glm::length(at - settings_.acuity.gaze_px)));
     const glm::vec2 size(view_.size_px);
-    if (at.x + reach.x < 0.0f || at.y + reach.y < 0.0f || at.x - reach.x > size.x ||
-        at.y - reach.y > size.y) {
+    const auto margin = static_cast<float>(settings_.margin_px);
+    if (at.x + reach.x < -margin || at.y + reach.y < -margin || at.x - reach.x > size.x + margin ||
+        at.y - reach.y > size.y + margin) {
       return kOutside;
     }
     const float now =
@@ -168,6 +169,10 @@ class Selector {
 };
 
 }  // namespace
+
+std::size_t firstRangeNode(std::size_t surfels) {
+  return std::bit_ceil(surfels / kRangeSurfels + 1);
+}
 
 std::optional<std::pair<float, float>> distancesInView(const MomentTree& tree, const View& view,
                                                        const Defocus& defocus) {

@@ -24,6 +24,7 @@ struct CutSettings {
   float per_pixel2;
   float per_acuity2 = 0.2f;  ///< nodes up to 1.5 h wide; their Gaussians sum to one within 0.1 %
   Acuity acuity = {};
+  int margin_px = 0;  ///< keeps nodes that touch the image or this margin about it
 };
 
 /// Merging adds at most 3 % to the variance of blur and pixel. A square node's spread is side^2 /
@@ -63,8 +64,11 @@ struct Cut {
 std::optional<std::pair<float, float>> distancesInView(const MomentTree& tree, const View& view,
                                                        const Defocus& defocus);
 
-/// Selects the cut. Leaves out nodes that cannot touch the image. The result does not depend on the
-/// number of threads.
+/// The first node of which all surfels may be taken as one range: a subtree below has at most 512.
+std::size_t firstRangeNode(std::size_t surfels);
+
+/// Selects the cut. Leaves out nodes that cannot touch the image or its margin. The result does not
+/// depend on the number of threads.
 void selectCut(const MomentTree& tree, const View& view, const Defocus& defocus,
                const CutSettings& settings, Cut& cut);
 

@@ -3,6 +3,7 @@
 // SIGGRAPH 1990). Known failure: a blur radius of C pixels needs about pi C^2 views; fewer views
 // show as ghosts. The frame's own split-half error tells how far it can be trusted.
 #include <cmath>
+#include <optional>
 
 #include "base/parallel.h"
 #include "render/image/metrics.h"
@@ -15,7 +16,10 @@ namespace {
 
 class AccumulateMethod final : public Method {
  public:
-  AccumulateMethod(const SurfelCloud& cloud, int views) : cloud_(cloud), views_(views) {}
+  AccumulateMethod(const SurfelCloud& cloud, int views, const SharedGpu& gpu)
+      : cloud_(cloud), views_(views) {
+    if (gpu) gpu_.emplace(std::make_shared<GpuScene>(gpu, cloud));
+  }
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
@@ -29,9 +33,7 @@ class AccumulateMethod final : public Method {
     // Sum even views in `frame` and odd views in `odd_`, to compare the two halves.
     RenderStats stats;
     for (int i = 0; i < views_; ++i) {
-      scene_.project(cloud_, view, settings, {.lens = lensSample(i, views_), .aperture = 0.0f});
-      stats.splats += scene_.count();
-      stats.fragments += scene_.render(settings.background, settings.depth, view_);
+      renderView(view, settings, lensSample(i, views_), stats);
       Frame& half = i % 2 == 0 ? frame : odd_;
       parallelFor(static_cast<std::size_t>(view.size_px.y), [&](std::size_t y) {
         for (std::size_t p = y * width; p < (y + 1) * width; ++p) {
@@ -61,9 +63,27 @@ class AccumulateMethod final : public Method {
   }
 
  private:
+  /// Renders the view from a point of the lens into `view_`.
+  void renderView(const View& view, const RenderSettings& settings, const glm::vec2& lens,
+                  RenderStats& stats) {
+    if (gpu_) {
+      GpuRequest request = gpuRequestOf(view, settings);
+      request.lens = lens;
+      request.aperture = 0.0f;
+      const GpuStats rendered = gpu_->render(request, view_);
+      stats.splats += rendered.splats;
+      stats.fragments += rendered.fragments;
+      return;
+    }
+    scene_.project(cloud_, view, settings, {.lens = lens, .aperture = 0.0f});
+    stats.splats += scene_.count();
+    stats.fragments += scene_.render(settings.background, settings.depth, view_);
+  }
+
   const SurfelCloud& cloud_;
   int views_;
   ViewSplats scene_;
+  std::optional<GpuSplats> gpu_;
   Frame odd_, view_;
 };
 
@@ -74,7 +94,8 @@ MethodEntry accumulateMethod() {
                    .summary = "N pinhole views over the lens, averaged: the reference",
                    .source = "Haeberli and Akeley 1990",
                    .max_n = 100000,
-                   .default_n = 200},
+                   .default_n = 200,
+                   .gpu = true},
           .make = makeAs<AccumulateMethod>};
 }
 

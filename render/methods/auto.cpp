@@ -47,16 +47,14 @@ constexpr float kSlower = 2.0f;
 class AutoMethod final : public Method {
  public:
   /// @param forced  render every frame at this level; nullopt chooses one per frame
-  AutoMethod(const SurfelCloud& cloud, std::optional<QualityLevel> forced)
-      : scene_(cloud), sharp_views_(std::make_shared<SharpViews>()), forced_(forced) {}
+  AutoMethod(const SurfelCloud& cloud, std::optional<QualityLevel> forced, const SharedGpu& gpu)
+      : scene_(cloud, gpu), sharp_views_(std::make_shared<SharpViews>()), forced_(forced) {}
 
   std::unique_ptr<Method> cloneSharingScene() const override {
     return std::make_unique<AutoMethod>(*this, nullptr);
   }
   AutoMethod(const AutoMethod& other, std::nullptr_t)
-      : scene_(other.scene_.sharedTree()),
-        sharp_views_(other.sharp_views_),
-        forced_(other.forced_) {}
+      : scene_(other.scene_, nullptr), sharp_views_(other.sharp_views_), forced_(other.forced_) {}
 
   void prepare(const View& view, const RenderSettings& settings) override {
     sharpViewOf(unblurred(view, settings));
@@ -209,7 +207,7 @@ class AutoMethod final : public Method {
     }
     if (checked_ && stillHolds(*checked_, view, settings.defocus, blur_px)) return;
     const float reference_error = referenceSettings().error(blur_px);
-    SpotCheck squares(squares_, view.view, settings, lodOf(referenceSettings(), quality));
+    SpotCheck squares(scene_, view.view, settings, lodOf(referenceSettings(), quality));
     checked_ = {.view = view, .defocus = settings.defocus, .blur_px = blur_px, .difference = {}};
     for (const QualityLevel level : kToleranceLevels) {
       if (level < QualityLevel::whole_aperture) continue;
@@ -241,7 +239,6 @@ class AutoMethod final : public Method {
   }
 
   LodSplats scene_;
-  LodSplats squares_{scene_.sharedTree()};  // with buffers of their size
   std::shared_ptr<SharpViews> sharp_views_;
   std::optional<QualityLevel> forced_;
   QualityLevel last_level_ = QualityLevel::sharp;  // of the previous render
@@ -254,14 +251,16 @@ class AutoMethod final : public Method {
 }  // namespace
 
 MethodEntry autoMethod() {
-  return {.info = {.name = kAutoMethod,
-                   .summary = "sweep-lod at the cheapest quality level that the tolerance, or the "
-                              "frame-time budget, allows",
-                   .source = "our own",
-                   .max_n = static_cast<int>(kQualityLevels)},
-          .make = [](const SurfelCloud& cloud, int n) -> std::unique_ptr<Method> {
-            return std::make_unique<AutoMethod>(cloud, qualityLevelNumbered(n));
-          }};
+  return {
+      .info = {.name = kAutoMethod,
+               .summary = "sweep-lod at the cheapest quality level that the tolerance, or the "
+                          "frame-time budget, allows",
+               .source = "our own",
+               .max_n = static_cast<int>(kQualityLevels),
+               .gpu = true},
+      .make = [](const SurfelCloud& cloud, int n, const SharedGpu& gpu) -> std::unique_ptr<Method> {
+        return std::make_unique<AutoMethod>(cloud, qualityLevelNumbered(n), gpu);
+      }};
 }
 
 }  // namespace foci

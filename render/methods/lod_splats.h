@@ -2,11 +2,11 @@
 // level of detail goes through this class.
 #pragma once
 
-#include <glm/glm.hpp>
+#include <cstddef>
 #include <memory>
-#include <utility>
-#include <vector>
+#include <optional>
 
+#include "render/gl/splats.h"
 #include "render/lod/cut.h"
 #include "render/lod/moment_tree.h"
 #include "render/methods/method.h"
@@ -24,11 +24,13 @@ struct LodSettings {
 /// Keeps its buffers between frames.
 class LodSplats {
  public:
-  explicit LodSplats(const SurfelCloud& cloud) : tree_(std::make_shared<MomentTree>(cloud)) {}
-  explicit LodSplats(std::shared_ptr<const MomentTree> tree) : tree_(std::move(tree)) {}
+  /// @param gpu  renders; null: the CPU does
+  explicit LodSplats(const SurfelCloud& cloud, const SharedGpu& gpu = nullptr);
+  /// Shares the other's scene.
+  LodSplats(const LodSplats& other, std::nullptr_t);
 
   const MomentTree& tree() const { return *tree_; }
-  const std::shared_ptr<const MomentTree>& sharedTree() const { return tree_; }
+  bool isOnGpu() const { return gpu_.has_value(); }
 
   /// @param frame  has the view's size, and depth where the settings ask for depth
   /// @return the stats without the time
@@ -36,7 +38,11 @@ class LodSplats {
                      Frame& frame);
 
  private:
+  RenderStats renderOnGpu(const View& view, const RenderSettings& settings, const LodSettings& lod,
+                          Frame& frame);
+
   std::shared_ptr<const MomentTree> tree_;
+  std::optional<GpuSplats> gpu_;
   Cut cut_;
   SplatChunks chunks_;
   TileLists lists_;

@@ -133,10 +133,13 @@ std::optional<std::string> expectedMethod(std::string_view spec) {
   return choice.entry ? std::nullopt : std::optional(choice.expected);
 }
 
-std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud) {
+bool rendersOnGpu(std::string_view spec) { return infoOf(spec).gpu; }
+
+std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud,
+                                   const SharedGpu& gpu) {
   const Choice choice = parse(spec);
   assert(choice.entry);
-  return choice.entry->make(cloud, choice.n);
+  return choice.entry->make(cloud, choice.n, choice.entry->info.gpu ? gpu : nullptr);
 }
 
 }  // namespace foci

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "render/gl/device.h"
 #include "render/image/frame.h"
 #include "render/methods/quality_level.h"
 #include "render/optics/acuity.h"
@@ -93,6 +94,9 @@ class Method {
                                   Frame& frame) = 0;
 };
 
+/// The GPU that a method renders on; null: the CPU.
+using SharedGpu = std::shared_ptr<GpuDevice>;
+
 struct MethodInfo {
   std::string_view name;
   std::string_view summary;  ///< one line
@@ -104,19 +108,25 @@ struct MethodInfo {
   bool ellipses = true;
   /// Each render updates a part of the previous frame.
   bool incremental = false;
+  bool gpu = false;  ///< renders on a GPU too
 };
 
 /// A method's own file defines its entry, in a function that every_method.inc lists.
 struct MethodEntry {
   MethodInfo info;
   /// @param n  1 to `info.max_n`, or `info.default_n`; ignored where `max_n` is 0
-  std::unique_ptr<Method> (*make)(const SurfelCloud& cloud, int n);
+  /// @param gpu  renders; null, or ignored unless `info.gpu`: the CPU renders
+  std::unique_ptr<Method> (*make)(const SurfelCloud& cloud, int n, const SharedGpu& gpu);
 };
 
-/// Makes an `M` from the scene, and from N where the constructor takes a number.
+/// Makes an `M` from the scene, and from N and the GPU where the constructor takes them.
 template <class M>
-std::unique_ptr<Method> makeAs(const SurfelCloud& cloud, int n) {
-  if constexpr (std::is_constructible_v<M, const SurfelCloud&, int>) {
+std::unique_ptr<Method> makeAs(const SurfelCloud& cloud, int n, const SharedGpu& gpu) {
+  if constexpr (std::is_constructible_v<M, const SurfelCloud&, int, const SharedGpu&>) {
+    return std::make_unique<M>(cloud, n, gpu);
+  } else if constexpr (std::is_constructible_v<M, const SurfelCloud&, const SharedGpu&>) {
+    return std::make_unique<M>(cloud, gpu);
+  } else if constexpr (std::is_constructible_v<M, const SurfelCloud&, int>) {
     return std::make_unique<M>(cloud, n);
   } else {
     return std::make_unique<M>(cloud);
@@ -135,10 +145,16 @@ bool rendersEllipses(std::string_view spec);
 /// `MethodInfo::incremental` of the method.
 bool isIncremental(std::string_view spec);
 
+/// `MethodInfo::gpu` of the method.
+bool rendersOnGpu(std::string_view spec);
+
 /// What was expected in place of an invalid `spec`; nullopt where `spec` is valid.
 std::optional<std::string> expectedMethod(std::string_view spec);
 
 /// @param cloud  must outlive the method
-std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud);
+/// @param gpu    renders where the method can (`rendersOnGpu`). The method then throws GpuError
+///               where the GPU fails or lacks memory, here and in `render`.
+std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud,
+                                   const SharedGpu& gpu = nullptr);
 
 }  // namespace foci

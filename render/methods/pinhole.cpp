@@ -10,7 +10,7 @@ namespace {
 
 class PinholeMethod final : public Method {
  public:
-  explicit PinholeMethod(const SurfelCloud& cloud) : camera_(cloud) {}
+  PinholeMethod(const SurfelCloud& cloud, const SharedGpu& gpu) : camera_(cloud, gpu) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats = camera_.render(view, settings, frame);
@@ -27,7 +27,8 @@ class PinholeMethod final : public Method {
 MethodEntry pinholeMethod() {
   return {.info = {.name = "pinhole",
                    .summary = "no depth of field",
-                   .source = "the traditional camera"},
+                   .source = "the traditional camera",
+                   .gpu = true},
           .make = makeAs<PinholeMethod>};
 }
 

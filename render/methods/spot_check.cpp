@@ -1,7 +1,9 @@
 #include "render/methods/spot_check.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "base/parallel.h"
 #include "base/quantile.h"
 #include "render/image/visible_difference.h"
 
@@ -29,7 +31,7 @@ std::vector<glm::ivec2> cornersIn(const glm::ivec2& tiles, std::size_t count) {
 
 }  // namespace
 
-SpotCheck::SpotCheck(LodSplats& scene, const View& view, const RenderSettings& settings,
+SpotCheck::SpotCheck(const LodSplats& scene, const View& view, const RenderSettings& settings,
                      const LodSettings& reference)
     : scene_(scene), view_(view), settings_(settings), reference_(reference) {
   settings_.depth = false;
@@ -43,6 +45,14 @@ SpotCheck::SpotCheck(LodSplats& scene, const View& view, const RenderSettings& s
   }
 }
 
+std::unique_ptr<LodSplats> SpotCheck::idleSplats() {
+  const std::lock_guard lock(mutex_);
+  if (idle_.empty()) return std::make_unique<LodSplats>(scene_, nullptr);
+  auto last = std::move(idle_.back());
+  idle_.pop_back();
+  return last;
+}
+
 Frame SpotCheck::render(const Square& square, const LodSettings& lod) {
   View view = view_;
   view.size_px = square.size_px;
@@ -51,22 +61,40 @@ Frame SpotCheck::render(const Square& square, const LodSettings& lod) {
   moved.cut.acuity.gaze_px -= glm::vec2(square.corner_px);
   Frame frame;
   frame.resize(view.size_px);
-  scene_.render(view, settings_, moved, frame);
+  auto splats = idleSplats();
+  splats->render(view, settings_, moved, frame);
+  const std::lock_guard lock(mutex_);
+  idle_.push_back(std::move(splats));
   return frame;
 }
 
-float SpotCheck::error(const LodSettings& lod, float limit) {
-  std::vector<float> all;
-  for (std::size_t i = 0; i < squares_.size(); ++i) {
-    Square& square = squares_[i];
+std::vector<float> SpotCheck::differences(std::size_t begin, std::size_t end,
+                                          const LodSettings& lod) {
+  std::vector<std::vector<float>> apart(end - begin);
+  const auto compare = [&](std::size_t i) {
+    Square& square = squares_[begin + i];
     if (square.reference.rgba.empty()) square.reference = render(square, reference_);
-    const auto apart = visibleDifference(render(square, lod), square.reference, kUsualPx_per_deg);
-    all.insert(all.end(), apart.begin(), apart.end());
-    if (i + 1 != kFirstSquares) continue;
-    const float error = quantile(all, 0.95);
-    if (kFactorOfFirst * error <= limit) return kFactorOfFirst * error;
-    if (error > kFactorOfFirst * limit) return error;
+    apart[i] = visibleDifference(render(square, lod), square.reference, kUsualPx_per_deg);
+  };
+  if (scene_.isOnGpu()) {  // it renders one square at a time
+    for (std::size_t i = 0; i < apart.size(); ++i) compare(i);
+  } else {
+    parallelFor(apart.size(), compare);
   }
+  std::vector<float> all;
+  for (const auto& each : apart) all.insert(all.end(), each.begin(), each.end());
+  return all;
+}
+
+float SpotCheck::error(const LodSettings& lod, float limit) {
+  const std::size_t first = std::min<std::size_t>(kFirstSquares, squares_.size());
+  std::vector<float> all = differences(0, first, lod);
+  if (first == squares_.size()) return quantile(all, 0.95);
+  const float error = quantile(all, 0.95);
+  if (kFactorOfFirst * error <= limit) return kFactorOfFirst * error;
+  if (error > kFactorOfFirst * limit) return error;
+  const std::vector<float> rest = differences(first, squares_.size(), lod);
+  all.insert(all.end(), rest.begin(), rest.end());
   return quantile(all, 0.95);
 }
 

@@ -2,7 +2,10 @@
 // the scene in view, which no table of blur radii can know.
 #pragma once
 
+#include <cstddef>
 #include <glm/glm.hpp>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "render/methods/lod_splats.h"
@@ -11,13 +14,14 @@
 namespace foci {
 
 /// Squares of one frame: 48 tiles, spread evenly over the view. A view of fewer than twice as many
-/// tiles is one square. 48 tiles estimate the error of 95 % of the pixels within 20 %
-/// (SpotCheckTest.EstimatesTheErrorFromSomeSquares), the first 16 of them within a factor of two.
+/// tiles is one square. The CPU's threads render squares side by side. 48 tiles estimate the error
+/// of 95 % of the pixels within 20 % (SpotCheckTest.EstimatesTheErrorFromSomeSquares), the first 16
+/// of them within a factor of two.
 class SpotCheck {
  public:
-  /// @param scene  keeps its buffers between frames
+  /// @param scene  stays alive, and renders nothing, while this exists
   /// @param reference  the settings that all others are compared with
-  SpotCheck(LodSplats& scene, const View& view, const RenderSettings& settings,
+  SpotCheck(const LodSplats& scene, const View& view, const RenderSettings& settings,
             const LodSettings& reference);
 
   /// The difference from the reference that 95 % of the squares' pixels stay below, in
@@ -34,12 +38,17 @@ class SpotCheck {
     Frame reference = {};  ///< rendered when it is first needed
   };
   Frame render(const Square& square, const LodSettings& lod);
+  /// The differences from the reference of the squares [begin, end), pixel by pixel.
+  std::vector<float> differences(std::size_t begin, std::size_t end, const LodSettings& lod);
+  std::unique_ptr<LodSplats> idleSplats();
 
-  LodSplats& scene_;
+  const LodSplats& scene_;
   View view_;
   RenderSettings settings_;
   LodSettings reference_;
   std::vector<Square> squares_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<LodSplats>> idle_;  // buffers of squares that are rendered
 };
 
 }  // namespace foci

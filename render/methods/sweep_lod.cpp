@@ -11,8 +11,8 @@ namespace {
 
 class SweepLodMethod final : public Method {
  public:
-  SweepLodMethod(const SurfelCloud& cloud, int sub_apertures)
-      : scene_(cloud), sub_apertures_(sub_apertures) {}
+  SweepLodMethod(const SurfelCloud& cloud, int sub_apertures, const SharedGpu& gpu)
+      : scene_(cloud, gpu), sub_apertures_(sub_apertures) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     return scene_.render(view, settings, {.cut = kFaithfulCut, .sub_apertures = sub_apertures_},
@@ -35,7 +35,8 @@ MethodEntry sweepLodMethod() {
                "surfaces overlap",
            .source = "our own",
            .max_n = 256,
-           .default_n = 7},
+           .default_n = 7,
+           .gpu = true},
       .make = makeAs<SweepLodMethod>};
 }
 

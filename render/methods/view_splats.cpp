@@ -10,7 +10,6 @@ void ViewSplats::project(const SurfelCloud& cloud, const View& view, const Rende
   projection.shading = settings.shading;
   size_px_ = view.size_px;
   defocus_ = settings.defocus;
-  transparent_ = !cloud.opacity.empty();
   projectSurfels(cloud, view, settings.defocus, projection, chunks_);
   lists_.build(chunks_, size_px_);
 }
@@ -19,12 +18,11 @@ void ViewSplats::select(const ViewSplats& all, const std::function<bool(const Sp
   const SplatChunks& from = all.chunks_;
   size_px_ = all.size_px_;
   defocus_ = all.defocus_;
-  transparent_ = all.transparent_;
   chunks_.chunk_size = from.chunk_size;
   chunks_.count.assign(from.count.size(), 0);
   if (chunks_.capacity < from.capacity) {
-    chunks_.splats = std::make_unique_for_overwrite<Splat[]>(from.capacity);
-    chunks_.keys = std::make_unique_for_overwrite<SplatKey[]>(from.capacity);
+    chunks_.splats = makeLargeArray<Splat>(from.capacity);
+    chunks_.keys = makeLargeArray<SplatKey>(from.capacity);
     chunks_.capacity = from.capacity;
   }
   parallelFor(from.count.size(), [&](std::size_t c) {
@@ -43,10 +41,25 @@ void ViewSplats::select(const ViewSplats& all, const std::function<bool(const Sp
 
 std::uint64_t ViewSplats::render(const glm::vec3& background, bool depth, Frame& frame) const {
   frame.resize(size_px_, depth);
-  return sweep(
-      chunks_, lists_,
-      {.background = background, .defocus = defocus_, .transparent = transparent_, .depth = depth},
-      frame);
+  return sweep(chunks_, lists_, {.background = background, .defocus = defocus_, .depth = depth},
+               frame);
+}
+
+GpuRequest gpuRequestOf(const View& view, const RenderSettings& settings) {
+  return {.view = view,
+          .defocus = settings.defocus,
+          .cut = {},
+          .shading = settings.shading,
+          .background = settings.background,
+          .depth = settings.depth,
+          .sub_aperture_centres = {}};
+}
+
+RenderStats statsOf(const GpuStats& rendered) {
+  RenderStats stats;
+  stats.splats = rendered.splats;
+  stats.fragments = rendered.fragments;
+  return stats;
 }
 
 RenderStats PinholeCamera::render(const View& view, const RenderSettings& settings, Frame& frame) {

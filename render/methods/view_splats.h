@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 
+#include "render/gl/splats.h"
 #include "render/methods/method.h"
 #include "render/splat/bin.h"
 #include "render/splat/project.h"
@@ -55,14 +56,19 @@ class ViewSplats {
   TileLists lists_;
   glm::ivec2 size_px_{0};
   Defocus defocus_;
-  bool transparent_ = false;
 };
+
+/// A request for all surfels, with the settings' lens.
+GpuRequest gpuRequestOf(const View& view, const RenderSettings& settings);
+RenderStats statsOf(const GpuStats& rendered);
 
 /// Renders the scene through a pinhole in the middle of the lens: the sharp image that a
 /// post-filter starts from.
 class PinholeCamera {
  public:
-  explicit PinholeCamera(const SurfelCloud& cloud) : sweep_(makeMethod("sweep", cloud)) {}
+  /// @param gpu  renders; null: the CPU does
+  explicit PinholeCamera(const SurfelCloud& cloud, const SharedGpu& gpu = nullptr)
+      : sweep_(makeMethod("sweep", cloud, gpu)) {}
 
   /// Renders with depth and without blur, whatever the settings say of either.
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame);

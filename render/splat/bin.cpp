@@ -149,15 +149,18 @@ void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
     max_apron_px_ = std::max(max_apron_px_, tile.apron() * tile.step_px);
   }
   static_assert(kApron * kMaxStep_px <= kTile);
-  fine_.assign(tile_of_cell_.size(), true);
+  near_apron_px_.assign(tile_of_cell_.size(), 0);
   for (const Tile& tile : tiles_) {
     if (tile.step_px == 1) continue;
+    const auto apron_px = static_cast<std::uint8_t>(tile.apron() * tile.step_px);
     const glm::ivec2 first = glm::max(glm::ivec2(tile.x_px, tile.y_px) / kTile - 1, 0);
     const glm::ivec2 end =
         glm::min((glm::ivec2(tile.x_px, tile.y_px) + tile.side_px) / kTile + 1, cells_);
     for (int y = first.y; y < end.y; ++y) {
-      for (int x = first.x; x < end.x; ++x)
-        fine_[static_cast<std::size_t>(y) * cells_.x + x] = false;
+      for (int x = first.x; x < end.x; ++x) {
+        std::uint8_t& near = near_apron_px_[static_cast<std::size_t>(y) * cells_.x + x];
+        near = std::max(near, apron_px);
+      }
     }
   }
 }
@@ -235,41 +238,42 @@ void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool
   const auto tileAt = [&](int x, int y) {
     return tile_of_cell_[static_cast<std::size_t>(y) * cells_.x + x];
   };
-  // A splat of at most two by two cells, far from coarse tiles, takes four visits without a branch.
-  const auto visitFine = [&](const SplatKey& key, auto&& begin, auto&& visit) {
-    const int x0 = key.x0 / kTile, x1 = key.x1 / kTile;
-    const int y0 = key.y0 / kTile, y1 = key.y1 / kTile;
-    if (x1 - x0 > 1 || y1 - y0 > 1) return false;
-    if (max_apron_px_ > 0 &&
-        !(isFine(x0, y0) && isFine(x1, y0) && isFine(x0, y1) && isFine(x1, y1))) {
-      return false;
-    }
-    const bool wide = x1 > x0, high = y1 > y0;
-    begin(4);
-    visit(tileAt(x0, y0), true);
-    visit(tileAt(x1, y0), wide);
-    visit(tileAt(x0, y1), high);
-    visit(tileAt(x1, y1), wide && high);
-    return true;
-  };
-
-  // Other splats visit each tile at the first of its cells.
   fill(chunks, [&](const SplatKey& key, auto&& begin, auto&& visit) {
-    if (visitFine(key, begin, visit)) return;
-    const int x0 = std::max(key.x0 - max_apron_px_, 0) / kTile;
-    const int y0 = std::max(key.y0 - max_apron_px_, 0) / kTile;
-    const int x1 = std::min(key.x1 + max_apron_px_, size_px_.x - 1) / kTile;
-    const int y1 = std::min(key.y1 + max_apron_px_, size_px_.y - 1) / kTile;
+    int x0 = key.x0 / kTile, x1 = key.x1 / kTile, y0 = key.y0 / kTile, y1 = key.y1 / kTile;
+    int apron_px = max_apron_px_;
+    if (x1 - x0 <= 1 && y1 - y0 <= 1) {
+      // A tile whose apron reaches the splat has a cell next to one of the splat's, since no apron
+      // is wider than a cell.
+      apron_px = max_apron_px_ == 0 ? 0
+                                    : std::max({nearApron_px(x0, y0), nearApron_px(x1, y0),
+                                                nearApron_px(x0, y1), nearApron_px(x1, y1)});
+      // At most two by two cells, far from coarse tiles, take four visits without a branch.
+      if (apron_px == 0) {
+        const bool wide = x1 > x0, high = y1 > y0;
+        begin(4);
+        visit(tileAt(x0, y0), true);
+        visit(tileAt(x1, y0), wide);
+        visit(tileAt(x0, y1), high);
+        visit(tileAt(x1, y1), wide && high);
+        return;
+      }
+    }
+
+    // Other splats visit each tile at the first of its cells.
+    x0 = std::max(key.x0 - apron_px, 0) / kTile;
+    y0 = std::max(key.y0 - apron_px, 0) / kTile;
+    x1 = std::min(key.x1 + apron_px, size_px_.x - 1) / kTile;
+    y1 = std::min(key.y1 + apron_px, size_px_.y - 1) / kTile;
     begin(static_cast<std::size_t>(x1 - x0 + 1) * (y1 - y0 + 1));
     for (int y = y0; y <= y1; ++y) {
       for (int x = x0; x <= x1;) {
         const std::uint32_t index = tileAt(x, y);
         const Tile& tile = tiles_[index];
         if (y == std::max(tile.y_px / kTile, y0)) {
-          const int apron_px = tile.apron() * tile.step_px;
+          const int reach_px = tile.apron() * tile.step_px;
           visit(index,
-                key.x1 >= tile.x_px - apron_px && key.x0 < tile.x_px + tile.side_px + apron_px &&
-                    key.y1 >= tile.y_px - apron_px && key.y0 < tile.y_px + tile.side_px + apron_px);
+                key.x1 >= tile.x_px - reach_px && key.x0 < tile.x_px + tile.side_px + reach_px &&
+                    key.y1 >= tile.y_px - reach_px && key.y0 < tile.y_px + tile.side_px + reach_px);
         }
         x = (tile.x_px + tile.side_px) / kTile;
       }

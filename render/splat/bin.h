@@ -52,7 +52,9 @@ class TileLists {
       radius_px = std::max(radius_px, other.radius_px);
     }
   };
-  bool isFine(int x, int y) const { return fine_[static_cast<std::size_t>(y) * cells_.x + x] != 0; }
+  int nearApron_px(int x, int y) const {
+    return near_apron_px_[static_cast<std::size_t>(y) * cells_.x + x];
+  }
   std::vector<Blur> blurOfCells(const SplatChunks& chunks) const;
   template <typename ForEachTile>
   void fill(const SplatChunks& chunks, const ForEachTile& forEachTile);
@@ -83,10 +85,10 @@ class TileLists {
   glm::ivec2 size_px_{0}, cells_{0};  // a cell is the smallest tile
   std::vector<Tile> tiles_;
   std::vector<std::uint32_t> tile_of_cell_;
-  std::vector<std::uint8_t> fine_;    // by cell: its samples and its neighbours' are a pixel apart
-  int max_apron_px_ = 0;              // largest of all tiles
-  std::vector<Touched> touched_;      // by chunk
-  std::vector<std::uint64_t> pairs_;  // by tile, key << 32 | splat
+  std::vector<std::uint8_t> near_apron_px_;  // by cell: the largest of its tile and its neighbours'
+  int max_apron_px_ = 0;                     // the largest of all
+  std::vector<Touched> touched_;             // by chunk
+  std::vector<std::uint64_t> pairs_;         // by tile, key << 32 | splat
   std::vector<std::size_t> begin_;
   std::vector<std::size_t> cursor_;
   std::vector<std::uint32_t> entries_;

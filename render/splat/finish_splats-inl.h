@@ -50,6 +50,11 @@ HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
 
+/// std::clamp without a branch, whose outcome would differ from splat to splat.
+HWY_INLINE float between(float value, float low, float high) {
+  return std::min(std::max(value, low), high);
+}
+
 /// A surfel's or a node's data besides its geometry.
 struct Appearance {
   const float* color;  // linear RGB
@@ -58,9 +63,10 @@ struct Appearance {
 
 /// Sets the kernel of lane `k` (kernel.h) to the variance `widen` V + `blur` V_C, the prefilter not
 /// widened. False if that variance is degenerate.
-HWY_INLINE bool setKernel(const ProjectedLanes& lanes, std::size_t k, float widen, float blur,
-                          float weight, Splat& splat) {
-  const KernelShape& shape = kernelShape(kernelExponent(lanes.narrow[k] / std::max(blur, 1e-12f)));
+HWY_INLINE bool setKernel(const ProjectJob& job, const ProjectedLanes& lanes, std::size_t k,
+                          float widen, float blur, float weight, Splat& splat) {
+  const KernelShape& shape =
+      kernelShape(job.shapes, kernelExponent(lanes.narrow[k] / std::max(blur, 1e-12f)));
 
   const float prefilter = lanes.prefilter[k];
 
@@ -91,7 +97,7 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const ProjectedLanes& lanes, 
                             const Appearance& look, Splat& splat) {
   splat.x_px = lanes.x[k];
   splat.y_px = lanes.y[k];
-  if (!setKernel(lanes, k, 1.0f, 1.0f, look.weight, splat)) return false;
+  if (!setKernel(job, lanes, k, 1.0f, 1.0f, look.weight, splat)) return false;
   if (!(splat.x_px + splat.extent_x_px > -job.margin &&
         splat.x_px - splat.extent_x_px < job.width + job.margin &&
         splat.y_px + splat.extent_y_px > -job.margin &&
@@ -117,7 +123,7 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const ProjectedLanes& lanes, 
 HWY_INLINE float sigmaForSamples(const ProjectedLanes& lanes, std::size_t k, const Splat& splat) {
   const float peak =
       (splat.k0 + splat.k1 + splat.k2) * std::max({splat.red, splat.green, splat.blue});
-  const float highlight = std::clamp((peak - kHighlight) / kHighlight, 0.0f, 1.0f);
+  const float highlight = between((peak - kHighlight) * (1.0f / kHighlight), 0.0f, 1.0f);
   const float all2 = lanes.prefilter[k] + lanes.blur_min2[k];
   const float by_acuity = (lanes.prefilter[k] - 1.0f) / all2;
   const float sharper = 1.0f - kFiner * highlight;
@@ -127,7 +133,7 @@ HWY_INLINE float sigmaForSamples(const ProjectedLanes& lanes, std::size_t k, con
 HWY_INLINE SplatKey keyOf(const ProjectJob& job, const ProjectedLanes& lanes, std::size_t k,
                           const Splat& splat) {
   const auto pixel = [](float px, float size_px) {
-    return static_cast<std::uint16_t>(std::clamp(px, 0.0f, size_px - 1.0f));
+    return static_cast<std::uint16_t>(between(px, 0.0f, size_px - 1.0f));
   };
   return {.distance_m = lanes.distance[k],
           .sigma_px = sigmaForSamples(lanes, k, splat),
@@ -152,7 +158,7 @@ HWY_INLINE void finishSubAperture(const ProjectJob& job, const ProjectedLanes& l
   const float own = 0.5f * (lanes.vxx[k] + lanes.vyy[k]) - lanes.prefilter[k];
   const float widen = missing > 0.0f ? 1.0f + missing / std::max(own, 1e-12f) : 1.0f;
   out.sub_aperture_splats[at] = out.splats[at];
-  setKernel(lanes, k, widen, share, weight, out.sub_aperture_splats[at]);
+  setKernel(job, lanes, k, widen, share, weight, out.sub_aperture_splats[at]);
   const auto spread = [&](float off_D, float variance) {
     const float rest = 1.0f - share - missing / std::max(variance, 1e-12f);
     return off_D * std::sqrt(std::max(rest, 0.0f));
@@ -180,7 +186,7 @@ struct LensScale {
 /// @param variance  of the unblurred splat, its prefilter included
 HWY_INLINE LensScale lensScale(float radius_px, float variance_px2, float prefilter_px2) {
   const float blur = kDiscVariancePerRadius2 * radius_px * radius_px;
-  const float smear = std::clamp(variance_px2 - prefilter_px2, 0.0f, blur);
+  const float smear = between(variance_px2 - prefilter_px2, 0.0f, blur);
   const float lens = blur + smear, random = variance_px2 - smear;
   return {std::sqrt(kDiscVariancePerRadius2 * lens) / (lens + random),
           std::sqrt((lens + random) / (3.0f * std::max(random, 1e-12f)))};

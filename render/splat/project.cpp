@@ -161,6 +161,7 @@ ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
   job.sub_aperture = projection.sub_aperture;
   job.oriented = oriented;
   job.shading = projection.shading;
+  job.shapes = kernelShapes().data();
   return job;
 }
 
@@ -176,8 +177,8 @@ void makeRoom(SplatChunks& chunks, std::size_t splats, const ProjectJob& job) {
              sub_apertures = job.sub_aperture > 0.0f;
   if (chunks.capacity < splats) {
     chunks = {};
-    chunks.splats = std::make_unique_for_overwrite<Splat[]>(splats);
-    chunks.keys = std::make_unique_for_overwrite<SplatKey[]>(splats);
+    chunks.splats = makeLargeArray<Splat>(splats);
+    chunks.keys = makeLargeArray<SplatKey>(splats);
     chunks.capacity = splats;
   }
   const auto room = [&](auto& array, bool wanted) {
@@ -185,7 +186,7 @@ void makeRoom(SplatChunks& chunks, std::size_t splats, const ProjectJob& job) {
     if (!wanted) {
       array.reset();
     } else if (!array) {
-      array = std::make_unique_for_overwrite<Element[]>(chunks.capacity);
+      array = makeLargeArray<Element>(chunks.capacity);
     }
   };
   room(chunks.lens, lens);

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "render/kernel/kernel.h"
 #include "render/kernel/limits.h"
 #include "render/optics/defocus.h"
 #include "render/splat/footprint-inl.h"
@@ -48,6 +49,7 @@ struct ProjectJob {
   bool gaussian;
   bool oriented;
   float shading;
+  const KernelShape* shapes;  // `kernelShapes()`
 };
 
 }  // namespace foci

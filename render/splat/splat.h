@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
+
+#include "base/large_array.h"
 
 namespace foci {
 
@@ -72,15 +73,15 @@ inline std::size_t chunkSize(std::size_t n) {
 /// Splats of a frame, in chunks of consecutive surfels, so that threads never share a chunk. Chunk
 /// c holds `count[c]` splats from index c * chunk_size on; elements after them are unset.
 struct SplatChunks {
-  std::unique_ptr<Splat[]> splats;
-  std::unique_ptr<SplatKey[]> keys;
-  std::unique_ptr<SplatLens[]> lens;         ///< null: nothing is blurred
-  std::unique_ptr<SplatLens[]> lens_across;  ///< null: the lens is round
+  LargeArray<Splat> splats;
+  LargeArray<SplatKey> keys;
+  LargeArray<SplatLens> lens;         ///< null: nothing is blurred
+  LargeArray<SplatLens> lens_across;  ///< null: the lens is round
   /// The same splats, blurred by a sub-aperture; null: not asked for. The other two are their
   /// displacements (`SubApertures`).
-  std::unique_ptr<Splat[]> sub_aperture_splats;
-  std::unique_ptr<float[]> out_of_focus_D;
-  std::unique_ptr<float[]> out_across_D;  ///< null: the lens is round
+  LargeArray<Splat> sub_aperture_splats;
+  LargeArray<float> out_of_focus_D;
+  LargeArray<float> out_across_D;  ///< null: the lens is round
   std::size_t capacity = 0;
   std::size_t chunk_size = 0;
   std::vector<std::uint32_t> count;

@@ -59,23 +59,36 @@ constexpr float kBlurredSteps = 0.5f;
 /// eye.
 constexpr float kSubAperturesFrom_px = 2.0f, kSubAperturesOnly_px = 4.0f;
 
-/// By entry of a tile's list: whether all splats before it end nearer than it and all splats after
-/// it begin.
-std::vector<std::uint8_t> gapsOf(const Splat* splats, std::span<const std::uint32_t> list) {
-  std::vector<float> nearest_m(list.size());  // of it and all splats after it
-  float min_m = std::numeric_limits<float>::infinity();
-  for (std::size_t e = list.size(); e-- > 0;) {
-    if (e >= kAhead) hwy::Prefetch(&splats[list[e - kAhead]]);
-    nearest_m[e] = min_m = std::min(min_m, splats[list[e]].near_m);
+/// What a tile's list tells of all its splats. One object serves tile after tile, so it allocates
+/// seldom.
+struct ListSurvey {
+  /// By entry: whether all splats before it end nearer than it and all splats after it begin.
+  std::vector<std::uint8_t> gap;
+  bool transparent = false;  ///< some splat's opacity is below 1
+
+  void read(const Splat* splats, std::span<const std::uint32_t> list) {
+    nearest_m_.resize(list.size());
+    far_m_.resize(list.size());
+    gap.resize(list.size());
+    float min_m = std::numeric_limits<float>::infinity(), min_opacity = 1.0f;
+    for (std::size_t e = list.size(); e-- > 0;) {
+      if (e >= kAhead) hwy::Prefetch(&splats[list[e - kAhead]]);
+      const Splat& splat = splats[list[e]];
+      nearest_m_[e] = min_m = std::min(min_m, splat.near_m);
+      far_m_[e] = splat.far_m;
+      min_opacity = std::min(min_opacity, std::abs(splat.opacity));
+    }
+    transparent = min_opacity < 0.9999f;  // a node rounds its opacity
+    float farthest_m = std::numeric_limits<float>::infinity();  // no gap before the first entry
+    for (std::size_t e = 0; e < list.size(); ++e) {
+      gap[e] = nearest_m_[e] > farthest_m;
+      farthest_m = e == 0 ? far_m_[0] : std::max(farthest_m, far_m_[e]);
+    }
   }
-  std::vector<std::uint8_t> gap(list.size());
-  float farthest_m = 0.0f;  // of all splats before it
-  for (std::size_t e = 1; e < list.size(); ++e) {
-    farthest_m = std::max(farthest_m, splats[list[e - 1]].far_m);
-    gap[e] = nearest_m[e] > farthest_m;
-  }
-  return gap;
-}
+
+ private:
+  std::vector<float> nearest_m_, far_m_;  // nearest of an entry and all after it; of the entry
+};
 
 }  // namespace
 
@@ -86,7 +99,8 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
   parallelFor(lists.tiles().size(), [&](std::size_t t) {
     const Tile& tile = lists.tiles()[t];
     const auto list = lists.splats(t);
-    const std::vector<std::uint8_t> gap = gapsOf(chunks.splats.get(), list);
+    static thread_local ListSurvey survey;
+    survey.read(chunks.splats.get(), list);
     constexpr int kMaxSamples = kTile + 2 * kApron;
     alignas(64) glm::vec4 rgba[kMaxSamples * kMaxSamples]{};
     float depth_m[kMaxSamples * kMaxSamples]{};
@@ -98,7 +112,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .splats = chunks.splats.get(),
         .entries = list.data(),
         .count = list.size(),
-        .gap = gap.data(),
+        .gap = survey.gap.data(),
         .samples = tile.samplesWithApron(),
         .x = static_cast<float>(tile.x_px) + first_px,
         .y = static_cast<float>(tile.y_px) + first_px,
@@ -117,7 +131,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
             1.0f),
         .rgba = rgba,
         .depth_m = settings.depth ? depth_m : nullptr};
-    fragments[t] = HWY_DYNAMIC_DISPATCH(sweepTile)(job, settings.transparent);
+    fragments[t] = HWY_DYNAMIC_DISPATCH(sweepTile)(job, survey.transparent);
     interpolateTile(tile, rgba, job.depth_m, frame);
   });
   return std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});

@@ -25,7 +25,6 @@ struct SubApertures {
 struct SweepSettings {
   glm::vec3 background;      ///< linear RGB
   Defocus defocus;           ///< the one that projected the splats
-  bool transparent = false;  ///< some splat's opacity is below 1
   float low_pass_px = 0.0f;  ///< standard deviation of a low-pass of the frame (`closingFactor`)
   bool depth = false;        ///< fill Frame::depth_m
   const SubApertures* sub_apertures = nullptr;  ///< null: the whole aperture only
@@ -40,7 +39,7 @@ struct SweepSettings {
 ///
 /// The kernels of one surface are a partition of unity, so a layer is opaque when its weights reach
 /// one (kOpaqueWeight). A splat that joins later lies behind the surface, however near it is. It is
-/// hidden, or, in a transparent scene, starts a layer of its own.
+/// hidden, or, in a tile with transparent splats, starts a layer of its own.
 ///
 /// A closed layer covers alpha = `coverageOf`(W) times its mean opacity, and its transmittance is
 /// 1 - alpha. A sample that hardly any light passes takes no more splats (kHidden).

@@ -162,7 +162,7 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
       layer.addColour(splat, seen);
       if constexpr (kLens) layer.addBlocked(splat, seen, point);
 
-      // Behind an opaque surface of a transparent scene a second surface begins.
+      // Behind an opaque surface of a transparent tile a second surface begins.
       if constexpr (kTransparent) {
         const V later = hn::Sub(all, taken);
         if (side != &block.facing || hn::AllTrue(d, hn::Le(later, zero))) continue;

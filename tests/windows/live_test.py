@@ -69,8 +69,11 @@ def sharpness(rows, centre):
 def start(observer, foci, study, *more):
     program = observer.start(foci, "live", study, "--window", "--socket", "0", "--json",
                              "--size", f"{SIZE[0]}x{SIZE[1]}", *more)
-    line = program.stderr.readline()
-    assert "listening at port" in line, line
+    lines = []
+    while not lines or lines[-1].startswith("foci: renders on"):  # the renderer's thread says it when it is ready
+        lines.append(program.stderr.readline())
+    line = lines[-1]
+    assert "listening at port" in line, lines
     return program, Experiment(int(line.split()[-1]))
 
 

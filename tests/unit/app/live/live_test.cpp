@@ -411,7 +411,7 @@ TEST(LiveRecord, ReplacesNoFile) {
   for (const char* name : {"study.toml", "frames.tsv", "manifest.json"}) {
     const TemporaryFolder folder;
     folder.write(name, "mine");
-    EXPECT_THROW(LiveRecord(folder.path(), Study{}, defaultScreen(), 250.0, "", 1), InputError);
+    EXPECT_THROW(LiveRecord(folder.path(), Study{}, defaultScreen(), 250.0, "", 1, ""), InputError);
     EXPECT_EQ(folder.read(name), "mine");
   }
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "base/quantile.h"
 #include "render/image/visible_difference.h"
@@ -26,6 +27,40 @@ TEST(VisibleDifference, OfGreysIsTheDifferenceOfTheirLightness) {
   const auto apart = visibleDifference(greyFrame(0.2f), greyFrame(0.25f), kUsualPx_per_deg);
   const float expected = (lightness(0.25f) - lightness(0.2f)) / 2.3f;
   for (const float each : apart) EXPECT_NEAR(each, expected, 1e-3f);
+}
+
+// L*a*b* of the primaries of sRGB under D65, to two digits as in tables.
+TEST(VisibleDifference, OfColoursIsTheirDistanceInLab) {
+  const glm::vec3 white(100.0f, 0.0f, 0.0f);
+  const std::pair<glm::vec3, glm::vec3> primaries[] = {
+      {{1.0f, 0.0f, 0.0f}, {53.24f, 80.09f, 67.20f}},
+      {{0.0f, 1.0f, 0.0f}, {87.73f, -86.18f, 83.18f}},
+      {{0.0f, 0.0f, 1.0f}, {32.30f, 79.19f, -107.86f}}};
+  for (const auto& [rgb, lab] : primaries) {
+    Frame frame = greyFrame(0.0f);
+    for (glm::vec4& each : frame.rgba) each = glm::vec4(rgb, 1.0f);
+    const auto apart = visibleDifference(frame, greyFrame(1.0f), kUsualPx_per_deg);
+    for (const float each : apart) EXPECT_NEAR(each, glm::distance(lab, white) / 2.3f, 0.02f);
+  }
+}
+
+// A bright pixel spreads to its neighbours as the Gaussian of the eye, also at the image's edge.
+TEST(VisibleDifference, BlursLikeAnEyeInFocus) {
+  constexpr double kPx_per_deg = 120.0;  // a standard deviation of one pixel
+  Frame spot = greyFrame(0.0f);
+  spot.rgba[static_cast<std::size_t>(8) * 16 + 8] = glm::vec4(1.0f);
+  const auto apart = visibleDifference(spot, greyFrame(0.0f), kPx_per_deg);
+  for (int x = 5; x < 12; ++x) {
+    const float dx = static_cast<float>(x - 8);
+    const float light = std::exp(-0.5f * dx * dx) / 6.2832f;
+    const float expected = light > 0.008856f ? lightness(light) : 903.3f * light;
+    EXPECT_NEAR(apart[static_cast<std::size_t>(8) * 16 + static_cast<std::size_t>(x)],
+                expected / 2.3f, 0.01f * expected);
+  }
+  Frame edge = greyFrame(0.0f);
+  for (std::size_t y = 0; y < 16; ++y) edge.rgba[y * 16] = glm::vec4(1.0f);
+  const auto from_edge = visibleDifference(edge, greyFrame(0.0f), kPx_per_deg);
+  EXPECT_NEAR(from_edge[0], lightness(0.6995f) / 2.3f, 0.01f);  // erf share of x < 0.5, replicated
 }
 
 TEST(VisibleDifference, LightBeyondWhiteIsWhite) {

@@ -220,6 +220,37 @@ TEST(Sweep, TransparentSheetsCompositeFrontToBack) {
   }
 }
 
+// A pane changes nothing in tiles that it does not touch, of glass or opaque: an opaque surface
+// there takes no light from behind it. The wall's kernels sum to 1.1, and its colours are random,
+// so that the splats beyond the first 1.01 would show.
+TEST(Sweep, GlassChangesNothingInOtherTiles) {
+  SurfelCloud opaque;
+  addSheet(opaque, -3.0f, 1.5f, 250, glm::vec3(1.0f));
+  std::mt19937 random(3);
+  for (std::size_t i = 0; i < opaque.size(); ++i) {
+    opaque.color[i] = glm::vec3(static_cast<float>(random() & 255) / 255.0f);
+    opaque.area_m2[i] *= 1.1f;
+  }
+  SurfelCloud glass = opaque;
+  Sheet pane{.center_m = {-0.04f, 0.0f, -1.0f}, .side_m = 0.02f, .samples = 20};
+  addSheetOf(opaque, pane);
+  pane.opacity = 0.5f;
+  addSheetOf(glass, pane);
+  for (const float radius_px : {0.0f, 3.0f}) {
+    const Frame a = render(opaque, squareView(64, 600.0f), blurred(radius_px, 0.0f));
+    const Frame b = render(glass, squareView(64, 600.0f), blurred(radius_px, 0.0f));
+    float left = 0.0f, right = 0.0f;
+    for (int y = 0; y < 64; ++y) {
+      for (int x = 0; x < 64; ++x) {
+        float& largest = x < 32 ? left : right;
+        largest = std::max(largest, glm::distance(a.at(x, y), b.at(x, y)));
+      }
+    }
+    EXPECT_GT(left, 0.1f);
+    EXPECT_EQ(right, 0.0f);
+  }
+}
+
 TEST(Sweep, BackgroundShowsWhereNothingCoversIt) {
   SurfelCloud cloud;
   addSheet(cloud, -1.0f, 0.4f, 160, glm::vec3(1.0f), 0.3f);

@@ -1,0 +1,108 @@
+#include "render/gl/scene.h"
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+#include "render/gl/scene_buffers.h"
+#include "render/kernel/kernel.h"
+
+namespace foci {
+namespace {
+
+/// Fills a buffer in pieces, so that a copy of the whole never lies in memory. `make(i, to)` writes
+/// the `width` vectors of element i.
+template <typename Vector = glm::vec4, typename Make>
+void upload(GpuDevice& device, GpuBuffer& buffer, std::size_t count, std::size_t width,
+            const char* what, const Make& make) {
+  constexpr std::size_t kPiece = 1 << 16;
+  const std::size_t each_bytes = width * sizeof(Vector);
+  buffer.reserve(device, std::max<std::size_t>(count, 1) * each_bytes, what);
+  std::vector<Vector> piece(kPiece * width);
+  for (std::size_t first = 0; first < count; first += kPiece) {
+    const std::size_t some = std::min(kPiece, count - first);
+    for (std::size_t i = 0; i < some; ++i) make(first + i, piece.data() + width * i);
+    buffer.write(first * each_bytes, some * each_bytes, piece.data());
+  }
+}
+
+std::uint32_t packed(std::uint16_t low, std::uint16_t high) {
+  return std::uint32_t{low} | std::uint32_t{high} << 16;
+}
+
+glm::uvec4 bitsOf(const glm::vec3& floats, std::uint32_t last) {
+  return {glm::floatBitsToUint(floats), last};
+}
+
+/// The kernel's table in the steps of `kernelShape`.
+constexpr int kShapeSteps = 256;
+
+}  // namespace
+
+GpuScene::GpuScene(std::shared_ptr<GpuDevice> device, const SurfelCloud& cloud)
+    : device_(std::move(device)) {
+  const GpuDevice::Use use(*device_);
+  uploadSurfels(cloud);
+}
+
+GpuScene::GpuScene(std::shared_ptr<GpuDevice> device, const MomentTree& tree)
+    : device_(std::move(device)) {
+  const GpuDevice::Use use(*device_);
+  uploadSurfels(tree.surfels());
+  uploadNodes(tree);
+}
+
+GpuScene::~GpuScene() {
+  const GpuDevice::Use use(*device_);
+  buffers_.reset();
+}
+
+void GpuScene::uploadSurfels(const SurfelCloud& cloud) {
+  buffers_ = std::make_unique<Buffers>();
+  surfels_ = cloud.size();
+  oriented_ = cloud.oriented;
+  transparent_ = !cloud.opacity.empty();
+  upload(*device_, buffers_->surfels_a, surfels_, 2, "the surfels",
+         [&](std::size_t i, glm::vec4* to) {
+           to[0] = {cloud.position_m[i], transparent_ ? cloud.opacity[i] : 1.0f};
+           to[1] = {cloud.axis_u_m[i], cloud.area_m2[i]};
+         });
+  upload(*device_, buffers_->surfels_b, surfels_, 2, "the surfels",
+         [&](std::size_t i, glm::vec4* to) {
+           to[0] = {cloud.axis_v_m[i], 0.0f};
+           to[1] = {cloud.color[i], 0.0f};
+         });
+  upload(*device_, buffers_->shapes, kShapeSteps + 1, 1, "the kernels",
+         [](std::size_t i, glm::vec4* to) {
+           const KernelShape& shape =
+               kernelShape(kMaxExponent * static_cast<float>(i) / kShapeSteps);
+           to[0] = {shape.k0, shape.k1, shape.k2, shape.support2};
+         });
+}
+
+void GpuScene::uploadNodes(const MomentTree& tree) {
+  levels_ = tree.levels();
+  const std::size_t count = tree.nodes().size();
+  upload(*device_, buffers_->node_places, count, 1, "the nodes", [&](std::size_t i, glm::vec4* to) {
+    to[0] = {tree.nodes()[i].position_m, tree.nodes()[i].radius_m};
+  });
+  // As bits: a float would lose what is packed where its bits are a denormal number.
+  upload<glm::uvec4>(
+      *device_, buffers_->nodes, count, 3, "the nodes", [&](std::size_t i, glm::uvec4* to) {
+        const LodNode& node = tree.nodes()[i];
+        const float* v = node.variance_m2;
+        to[0] = glm::floatBitsToUint(glm::vec4(v[0], v[1], v[2], v[3]));
+        to[1] = bitsOf({v[4], v[5], node.density}, packed(node.opacity, node.own));
+        to[2] = bitsOf(node.color, packed(static_cast<std::uint16_t>(node.normal[0]),
+                                          static_cast<std::uint16_t>(node.normal[1])));
+      });
+  const std::vector<MomentTree::Coarseness>& coarse = tree.coarseness();
+  static_assert(sizeof coarse[0] == 2 * sizeof(float));
+  buffers_->coarseness.reserve(*device_, std::max<std::size_t>(count, 1) * sizeof coarse[0],
+                               "the nodes");
+  if (count > 0) buffers_->coarseness.write(0, count * sizeof coarse[0], coarse.data());
+}
+
+}  // namespace foci

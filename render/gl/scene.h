@@ -1,0 +1,40 @@
+// A scene in the GPU's memory.
+#pragma once
+
+#include <memory>
+
+#include "render/gl/device.h"
+#include "render/lod/moment_tree.h"
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+
+/// Surfels, and the nodes of their tree where there is one. Several `GpuSplats` may render it.
+class GpuScene {
+ public:
+  /// Copies the scene to the GPU. Throws GpuError where the scene is too large for it.
+  GpuScene(std::shared_ptr<GpuDevice> device, const SurfelCloud& cloud);
+  GpuScene(std::shared_ptr<GpuDevice> device, const MomentTree& tree);
+  ~GpuScene();
+
+  GpuDevice& device() const { return *device_; }
+  std::size_t surfelCount() const { return surfels_; }
+  int levels() const { return levels_; }  ///< of nodes; 0: surfels alone
+  bool isOriented() const { return oriented_; }
+  bool isTransparent() const { return transparent_; }
+
+  struct Buffers;
+  const Buffers& buffers() const { return *buffers_; }
+
+ private:
+  void uploadSurfels(const SurfelCloud& cloud);
+  void uploadNodes(const MomentTree& tree);
+
+  std::shared_ptr<GpuDevice> device_;
+  std::unique_ptr<Buffers> buffers_;
+  std::size_t surfels_ = 0;
+  int levels_ = 0;
+  bool oriented_ = false, transparent_ = false;
+};
+
+}  // namespace foci

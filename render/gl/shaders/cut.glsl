@@ -1,0 +1,96 @@
+// One level of the LOD cut, as `Selector` of render/lod/cut.cpp makes it: each node decides for
+// itself, from the share and the bounds that its parent leaves.
+layout(local_size_x = 64) in;
+
+layout(std430, binding = 0) readonly buffer Places { vec4 place[]; };      // position, radius; m
+layout(std430, binding = 1) readonly buffer Coarseness { vec2 coarse[]; };  // now, min; m^2
+layout(std430, binding = 2) writeonly buffer Own { float own[]; };         // weight that renders
+layout(std430, binding = 3) buffer Passed { float passed[]; };             // weight for children
+// Of size over coarseness, for all nodes below: min, max; whether their centres are on the image.
+layout(std430, binding = 4) buffer AllBounds { vec4 bounds[]; };
+
+layout(location = 0) uniform int level;
+
+const float kFade = 0.3, kWidestReach = 3.0, kOutside = -1.0, kRefine = 1e30;
+const vec4 kNoBounds = vec4(0.0, kRefine, 0.0, 0.0);
+
+float finest(float from_gaze) { return max(acuity.z + acuity.w * from_gaze, 1.0); }
+
+float allowed(float defocus_D, float detail) {
+  return cut.x * view_px.z * view_px.w * defocus_D * defocus_D + cut.y +
+         cut.z * (detail * detail - 1.0);
+}
+
+// Bounds of the allowed variance within a range of dioptres and pixels.
+float minAllowed(float off_D, float range_D, vec2 at, vec2 reach) {
+  float detail = finest(length(max(abs(at - acuity.xy) - reach, 0.0)));
+  return allowed(max(abs(off_D - focus.w) - range_D, 0.0), detail);
+}
+float maxAllowed(float off_D, float range_D, vec2 at, vec2 reach) {
+  return allowed(off_D + focus.w + range_D, finest(length(abs(at - acuity.xy) + reach)));
+}
+
+float perCoarseness(float depth, float allowed_px2) {
+  return focal_principal_px.x * focal_principal_px.y / (depth * depth * allowed_px2);
+}
+
+float sizeOf(vec4 node, float coarseness, out vec4 below) {
+  below = kNoBounds;
+  vec3 from_eye = node.xyz - vec3(right.w, up.w, back.w);
+  vec3 p = vec3(dot(right.xyz, from_eye), dot(up.xyz, from_eye), dot(back.xyz, from_eye));
+  float radius = node.w, depth = -p.z, near_m = cut.w;
+  if (depth + radius < near_m) return kOutside;
+  float nearest = depth - radius;
+  if (nearest < near_m) return kRefine;
+
+  float distance_m = scene.z != 0 ? depth : length(p);
+  float inv = 1.0 / distance_m;
+  float range_D = radius * inv / max(distance_m - radius, near_m);
+  vec2 offset = focal_principal_px.xy * vec2(p.x, -p.y) / depth;
+  vec2 at = view_px.xy + offset;
+  vec2 spread = radius / nearest * (focal_principal_px.xy + abs(offset));
+  float off_D = abs(inv - focus.x);
+  vec2 reach = kWidestReach * (0.5 * spread + 0.6 * (off_D + focus.w + range_D) * view_px.zw +
+                               finest(length(at - acuity.xy)));
+  float margin = float(size.z);
+  if (any(lessThan(at + reach, vec2(-margin))) ||
+      any(greaterThan(at - reach, vec2(size.xy) + margin))) {
+    return kOutside;
+  }
+  float now = coarseness * perCoarseness(depth, minAllowed(off_D, range_D, at, reach));
+  float around = 3.0 * radius;
+  if (depth - around < near_m) return now;
+  float around_D = around * inv / max(distance_m - around, near_m);
+  bool in_view = all(greaterThan(at, spread)) && all(lessThan(at + spread, vec2(size.xy)));
+  below = vec4(perCoarseness(depth + around, maxAllowed(off_D, around_D, at, 3.0 * reach)),
+               perCoarseness(depth - around, minAllowed(off_D, around_D, at, 3.0 * reach)),
+               in_view ? 1.0 : 0.0, 0.0);
+  return now;
+}
+
+void main() {
+  uint count = 1u << level;
+  if (gl_GlobalInvocationID.x >= count) return;
+  uint node = count + gl_GlobalInvocationID.x;
+  float weight = level == 0 ? 1.0 : passed[node >> 1];
+  vec4 above = level == 0 ? kNoBounds : bounds[node >> 1];
+  own[node] = 0.0;
+  passed[node] = weight == kWhole ? kWhole : 0.0;
+  if (weight == 0.0 || weight == kWhole) return;
+
+  vec2 coarseness = coarse[node];
+  float now = coarseness.x * above.x;
+  bool known = now >= 1.0 + kFade || coarseness.x * above.y <= 1.0;
+  if (above.z == 0.0 || !known) {
+    now = sizeOf(place[node], coarseness.x, above);
+    if (now == kOutside) return;
+  }
+  if (weight == 1.0 && node >= uint(room.w) && coarseness.y * above.x >= 1.0 + kFade) {
+    passed[node] = kWhole;
+    return;
+  }
+  bounds[node] = above;
+  float children = min((now - 1.0) * (1.0 / kFade), 1.0);
+  if (children < 1.0) own[node] = weight * (children > 0.0 ? 1.0 - children : 1.0);
+  if (children > 0.0) passed[node] = weight * children;
+}

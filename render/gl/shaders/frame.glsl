@@ -1,0 +1,31 @@
+// What every stage of a frame shares: its parameters and the constants of the splat renderer.
+// render/gl/frame_block.h fills the block.
+layout(std140, binding = 0) uniform Frame {
+  vec4 right, up, back;  // rows of the rotation; w: the eye's place in the world, x, y, z, metres
+  vec4 focal_principal_px;  // as the aperture's centre sees it: focal x, y, principal x, y
+  vec4 view_px;             // principal point of the view itself x, y; radius_px_per_D x, y
+  vec4 blur_lens;           // blur radius x, y, displacement x, y for the aperture's centre, px per D
+  vec4 focus;               // focus_D, J0, J45, length of the last two
+  vec4 acuity;              // gaze x, y, base, per px
+  vec4 cut;                 // allowed variance per blur^2, per pixel^2, per acuity^2; near_m
+  vec4 background_low_pass;    // linear RGB; standard deviation of the low-pass, px
+  vec4 meridian_oblong;        // nearest meridian x, y; lens radii along the image's axes, x, y
+  vec4 sub_aperture_shading;   // radius of a sub-aperture, shading, number of sub-apertures, unused
+  ivec4 size;                  // image width, height, margin, samples may be coarse
+  ivec4 cells;                 // columns, rows of the smallest tiles; blurred, oriented
+  ivec4 scene;                 // surfels, levels of nodes, distance along the axis, has opacity
+  ivec4 room;                  // entries of the cut, of the tile lists, work items;
+                               // first node of which all surfels may be taken together
+};
+
+const int kTile = 32, kApron = 2, kMaxStep = 8;
+const int kWidest = kTile + 2 * kApron;  // samples along a tile's side, with the apron
+const int kGroup = 8;                    // samples along the side of a work group
+const int kGroupsASide = (kWidest + kGroup - 1) / kGroup;
+const float kHidden = 1.0 / 8192.0;
+const uint kNone = 0xFFFFFFFFu;
+const float kWhole = 2.0;  // passed by a node whose surfels all render, at full weight
+
+float square(float x) { return x * x; }
+
+int samplesOf(ivec4 tile) { return tile.z / tile.w + (tile.w > 1 ? 2 * kApron : 0); }

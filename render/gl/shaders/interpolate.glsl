@@ -1,0 +1,58 @@
+// Pixels from the samples of their tiles: copied, or by Catmull and Rom's cubic
+// (render/splat/interpolate.cpp).
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(std430, binding = 0) readonly buffer TileOfCell { uint tile_of_cell[]; };
+layout(std430, binding = 1) readonly buffer Tiles { ivec4 tiles[]; };
+layout(std430, binding = 2) readonly buffer Samples { vec4 samples[]; };
+layout(std430, binding = 3) writeonly buffer Image { vec4 pixels[]; };
+#ifdef DEPTH
+layout(std430, binding = 4) readonly buffer Depths { float depths[]; };
+layout(std430, binding = 5) writeonly buffer DepthImage { float pixel_depths[]; };
+#endif
+
+vec4 catmullRom(float t) {
+  return 0.5 * vec4(t * (-1.0 + t * (2.0 - t)), 2.0 + t * t * (-5.0 + 3.0 * t),
+                    t * (1.0 + t * (4.0 - 3.0 * t)), t * t * (t - 1.0));
+}
+
+float depthOf(float weighted_m, float share) {
+  return share > 0.0 ? max(weighted_m / share, 0.0) : 0.0;
+}
+
+void main() {
+  ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(at, size.xy))) return;
+  ivec2 cell = at / kTile;
+  uint index = tile_of_cell[cell.y * cells.x + cell.x], first = index * uint(kWidest * kWidest);
+  ivec4 tile = tiles[index];
+  int to = at.y * size.x + at.x;
+  ivec2 inside = at - tile.xy;
+  if (tile.w == 1) {
+    uint from = first + uint(inside.y * kWidest + inside.x);
+    vec4 value = samples[from];
+    pixels[to] = value;
+#ifdef DEPTH
+    pixel_depths[to] = depthOf(depths[from], value.a);
+#endif
+    return;
+  }
+  vec2 place = (vec2(inside) + 0.5) / float(tile.w) - 0.5 + float(kApron);
+  ivec2 below = ivec2(place);
+  vec4 tx = catmullRom(place.x - float(below.x)), ty = catmullRom(place.y - float(below.y));
+  vec4 value = vec4(0.0);
+  float weighted_m = 0.0;
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      uint from = first + uint((below.y - 1 + y) * kWidest + below.x - 1 + x);
+      value += tx[x] * ty[y] * samples[from];
+#ifdef DEPTH
+      weighted_m += tx[x] * ty[y] * depths[from];
+#endif
+    }
+  }
+  value.a = clamp(value.a, 0.0, 1.0);
+  pixels[to] = value;
+#ifdef DEPTH
+  pixel_depths[to] = depthOf(weighted_m, value.a);
+#endif
+}

@@ -1,0 +1,293 @@
+// Projects the surfels and nodes of the cut to splats: what render/splat/project_lanes-inl.h and
+// finish_splats-inl.h do. One thread an entry.
+layout(local_size_x = 64) in;
+
+layout(std430, binding = 0) readonly buffer Entries { uvec2 entries[]; };
+#ifdef CUT
+layout(std430, binding = 1) readonly buffer NodePlaces { vec4 node_place[]; };
+// Three a node, as bits: packed integers are no floats, which a device may flush to zero.
+layout(std430, binding = 2) readonly buffer Nodes { uvec4 node[]; };
+#endif
+// Two vectors a surfel and a splat in each; apart, because drivers limit the size of a buffer.
+layout(std430, binding = 3) readonly buffer SurfelsA { vec4 surfel_a[]; };
+layout(std430, binding = 10) readonly buffer SurfelsB { vec4 surfel_b[]; };
+layout(std430, binding = 4) writeonly buffer SplatsA { vec4 splat_a[]; };
+layout(std430, binding = 11) writeonly buffer SplatsB { vec4 splat_b[]; };
+layout(std430, binding = 5) writeonly buffer Keys { uvec4 keys[]; };
+layout(std430, binding = 6) readonly buffer Shapes { vec4 shapes[]; };
+#ifdef LENS
+layout(std430, binding = 8) writeonly buffer Lenses { vec4 lenses[]; };  // ASTIGMATIC: two a splat
+#endif
+#ifdef SUB_APERTURES
+layout(std430, binding = 9) writeonly buffer Sharper { vec4 sharper[]; };  // three a splat
+#endif
+
+const float kReach2 = 5.0, kWidestSupport2 = 8.0, kLargest = 1e10;
+const float kDisc = 0.25;  // kDiscVariancePerRadius2
+const float kLongAxis = 0.6, kMinTilt = 0.01;
+const float kHighlight = 0.06, kFiner = 0.6, kCoarser = 1.4;
+const float kSigmasAStep = 0.7;
+
+struct Footprint {
+  float vxx, vxy, vyy, area, along2, thick2, own;
+  vec3 normal;
+};
+struct Lane {
+  vec2 at;
+  float vxx, vxy, vyy, prefilter;
+  vec2 blur2;
+  float blur_xy, blur_min2, radius, narrow, unblurred, added, off_D, across_D;
+  vec2 tilt;
+  float area, distance_m, reach, shade, away;
+};
+struct Kernel {
+  vec3 q, k;
+  vec2 extent;
+  bool sound;
+};
+
+#ifdef CUT
+vec3 unpackNormal(uint bits) {
+  vec2 p = vec2(bitfieldExtract(int(bits), 0, 16), bitfieldExtract(int(bits), 16, 16)) / 32767.0;
+  float z = 1.0 - abs(p.x) - abs(p.y), fold = max(-z, 0.0);
+  vec2 side = vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0);
+  return normalize(vec3(p - side * fold, z));
+}
+
+Footprint nodeFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
+  vec4 a = uintBitsToFloat(node[3u * i]);
+  vec3 b = uintBitsToFloat(node[3u * i + 1u].xyz);
+  mat3 v = mat3(a.x, a.y, a.z, a.y, a.w, b.x, a.z, b.x, b.y);
+  vec3 vx = v * to_x;
+  Footprint f;
+  f.vxx = dot(to_x, vx);
+  f.vxy = dot(to_y, vx);
+  f.vyy = dot(to_y, v * to_y);
+  f.area = b.z * sqrt(max(f.vxx * f.vyy - f.vxy * f.vxy, 0.0));
+  f.along2 = dot(to_distance, v * to_distance);
+  f.own = float(node[3u * i + 1u].w >> 16) * (1.0 / 65535.0);
+  f.thick2 = 0.5 * f.own * (a.x + a.w + b.y);
+  f.normal = unpackNormal(node[3u * i + 2u].w);
+  return f;
+}
+#endif
+
+Footprint surfelFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
+  vec4 b = surfel_a[2u * i + 1u], c = surfel_b[2u * i];
+  vec3 u = b.xyz, v = c.xyz;
+  float ux = dot(to_x, u), uy = dot(to_y, u), vx = dot(to_x, v), vy = dot(to_y, v);
+  float inv = 1.0 / sqrt(dot(u, u) * dot(v, v));
+  Footprint f;
+  f.vxx = ux * ux + vx * vx;
+  f.vyy = uy * uy + vy * vy;
+  f.vxy = ux * uy + vx * vy;
+  f.area = b.w * abs(ux * vy - uy * vx) * inv;
+  f.along2 = square(dot(to_distance, u)) + square(dot(to_distance, v));
+  f.thick2 = max(dot(u, u), dot(v, v));
+  f.own = 1.0;
+  f.normal = cross(u, v) * inv;
+  return f;
+}
+
+void blurRound(inout Lane lane, Footprint f, float soft) {
+  vec2 c = blur_lens.xy * abs(lane.off_D);
+  lane.blur2 = kDisc * c * c;
+  lane.blur_xy = 0.0;
+  lane.blur_min2 = min(lane.blur2.x, lane.blur2.y);
+  lane.radius = sqrt(c.x * c.y);
+  float wide = (soft * f.vxx + lane.prefilter) * (soft * f.vyy + lane.prefilter);
+  lane.narrow = sqrt(max(wide - square(soft * f.vxy), 0.0)) / max(c.x * c.y, 1e-12);
+  lane.unblurred = 0.0;
+  lane.across_D = lane.off_D;
+}
+
+void blurEllipse(inout Lane lane, Footprint f, float soft) {
+  float sxx = soft * f.vxx + lane.prefilter, sxy = soft * f.vxy;
+  float syy = soft * f.vyy + lane.prefilter;
+  float j45 = focus.z, fx = lane.off_D + focus.y, fy = lane.off_D - focus.y;
+  float bxx = kDisc * blur_lens.x * blur_lens.x * (fx * fx + j45 * j45);
+  float byy = kDisc * blur_lens.y * blur_lens.y * (fy * fy + j45 * j45);
+  float bxy = 2.0 * kDisc * blur_lens.x * blur_lens.y * j45 * lane.off_D;
+  float mean_D = abs(lane.off_D), off_D = lane.off_D;
+  float narrowest = min(blur_lens.x, blur_lens.y);
+  lane.blur2 = vec2(bxx, byy);
+  lane.blur_xy = bxy;
+  lane.blur_min2 = kDisc * square(narrowest * (mean_D - focus.w));
+  lane.radius = sqrt(blur_lens.x * blur_lens.y) * (mean_D + focus.w);
+  lane.off_D = off_D + focus.w;
+  lane.across_D = off_D - focus.w;
+  lane.unblurred = sqrt(max(sxx * syy - sxy * sxy, 0.0));
+  float wxx = sxx + bxx, wxy = sxy + bxy, wyy = syy + byy;
+  float inv_det = 1.0 / (wxx * wyy - wxy * wxy);
+  float sum = inv_det * (wxx * byy + wyy * bxx - 2.0 * wxy * bxy);
+  float product = inv_det * (bxx * byy - bxy * bxy);
+  float moment2 = 0.375 * sum * sum - 0.5 * product;
+  float longer = 0.5 * (sum + sqrt(max(sum * sum - 4.0 * product, 0.0)));
+  float share = sqrt(max(kLongAxis * longer * longer + (1.0 - kLongAxis) * moment2, 1e-12));
+  lane.narrow = max(kDisc * (1.0 / share - 1.0), 0.0);
+}
+
+Kernel kernelOf(Lane lane, float widen, float blur, float weight) {
+  float t = lane.narrow / max(blur, 1e-12), n = 24.0 * t * (1.0 + 2.0 * t);
+  vec4 shape = shapes[n < 2.0 ? int(max(n, 0.0) * 128.0 + 0.5) : 256];
+  vec2 own = vec2(lane.vxx, lane.vyy) - lane.prefilter;
+  vec2 r = shape.w * (lane.prefilter + widen * own + blur * lane.blur2);
+  float rxy = shape.w * (widen * lane.vxy + blur * lane.blur_xy);
+  float det = r.x * r.y - rxy * rxy;
+  Kernel kernel;
+  kernel.sound = det > 0.0;
+  kernel.extent = sqrt(r);
+  float inv_det = 1.0 / det;
+  kernel.q = vec3(r.y, -2.0 * rxy, r.x) * inv_det;
+  kernel.k = shape.xyz * (weight * lane.area * sqrt(inv_det));
+  return kernel;
+}
+
+bool touches(vec2 at, vec2 reach) {
+  float margin = float(size.z);
+  return all(greaterThan(at + reach, vec2(-margin))) &&
+         all(lessThan(at - reach, vec2(size.xy) + margin));
+}
+
+#ifdef LENS
+vec4 lensOf(Lane lane, float radius, float variance, float off_D) {
+  float blur = kDisc * radius * radius;
+  float smear = clamp(variance - lane.prefilter, 0.0, blur);
+  float lens = blur + smear, random = variance - smear;
+  float per_px = sqrt(kDisc * lens) / (lens + random);
+  return vec4(off_D < 0.0 ? -per_px : per_px, sqrt((lens + random) / (3.0 * max(random, 1e-12))),
+              lane.tilt);
+}
+#endif
+
+uint stepOf(Lane lane, Kernel kernel, vec3 colour) {
+  float peak = (kernel.k.x + kernel.k.y + kernel.k.z) * max(max(colour.r, colour.g), colour.b);
+  float highlight = clamp((peak - kHighlight) / kHighlight, 0.0, 1.0);
+  float all2 = lane.prefilter + lane.blur_min2, by_acuity = (lane.prefilter - 1.0) / all2;
+  float sharpness = 1.0 - kFiner * highlight;
+  float sigma = sqrt(all2) * (sharpness + by_acuity * (kCoarser - sharpness));
+  uint log2_step = 3u;
+  while (log2_step > 0u && !(sigma >= kSigmasAStep * float(1u << log2_step))) --log2_step;
+  return log2_step;
+}
+
+void main() {
+  uint slot = gl_GlobalInvocationID.x;
+  if (slot >= min(cut_entries, uint(room.x))) return;
+  keys[slot] = uvec4(0u, 1u, 0u, 0u);  // x0 > x1: nothing to render
+#ifdef CUT
+  uint i = entries[slot].x;
+  float weight = uintBitsToFloat(entries[slot].y);
+  bool is_node = slot < cut_nodes;
+  vec3 p = is_node ? node_place[i].xyz : surfel_a[2u * i].xyz;
+#else
+  uint i = slot;
+  float weight = 1.0;
+  vec3 p = surfel_a[2u * i].xyz;
+#endif
+  bool along_axis = scene.z != 0;
+  vec3 eye = vec3(right.w, up.w, back.w);
+  p -= eye;
+  float depth = -dot(back.xyz, p), near_m = cut.w;
+  if (depth < near_m) return;
+  float inv_depth = 1.0 / max(depth, near_m);
+  vec2 tangent = vec2(dot(right.xyz, p), dot(up.xyz, p)) * inv_depth;
+  vec2 focal = focal_principal_px.xy;
+  float sight2 = dot(p, p), inv_sight = 1.0 / sqrt(sight2);
+  Lane lane;
+  lane.distance_m = along_axis ? depth : sight2 * inv_sight;
+  float inv_distance = along_axis ? 1.0 / depth : inv_sight;
+  lane.off_D = focus.x - inv_distance;
+  lane.at = focal_principal_px.zw + vec2(focal.x, -focal.y) * tangent + blur_lens.zw * lane.off_D;
+  vec3 along = along_axis ? -back.xyz : p * inv_sight;
+  vec2 slope = blur_lens.zw * (inv_distance * inv_distance);
+  vec3 to_x = slope.x * along + focal.x * inv_depth * (back.xyz * tangent.x + right.xyz);
+  vec3 to_y = slope.y * along - focal.y * inv_depth * (back.xyz * tangent.y + up.xyz);
+
+#ifdef CUT
+  Footprint f = is_node ? nodeFootprint(i, to_x, to_y, along) : surfelFootprint(i, to_x, to_y, along);
+#else
+  Footprint f = surfelFootprint(i, to_x, to_y, along);
+#endif
+  lane.reach = sqrt(kReach2 * f.along2 + f.thick2);
+  lane.prefilter = square(max(acuity.w * length(lane.at - acuity.xy) + acuity.z, 1.0));
+  float soft = (kOverlap - 1.0) * (1.0 - f.own) + 1.0;
+#ifdef ASTIGMATIC
+  blurEllipse(lane, f, soft);
+#else
+  blurRound(lane, f, soft);
+#endif
+  lane.vxx = f.own * f.vxx + lane.prefilter;
+  lane.vyy = f.own * f.vyy + lane.prefilter;
+  lane.vxy = f.own * f.vxy;
+  lane.added = 0.5 * (1.0 - f.own) * (f.vxx + f.vyy);
+  lane.area = f.area;
+  vec2 variance = vec2(lane.vxx, lane.vyy) + lane.blur2;
+  if (!(touches(lane.at, sqrt(kWidestSupport2 * variance)) && f.area > 0.0 && f.area < kLargest &&
+        variance.x < kLargest && variance.y < kLargest)) {
+    return;
+  }
+
+  float towards = dot(f.normal, p);
+  lane.away = towards * inv_sight;
+  float inv_towards = 1.0 / (towards < 0.0 ? min(towards, -1e-20) : max(towards, 1e-20));
+  vec2 tilt = vec2(-blur_lens.x / focal.x * dot(right.xyz, f.normal),
+                   blur_lens.y / focal.y * dot(up.xyz, f.normal)) * inv_towards;
+  float steep = length(tilt);
+  lane.tilt = tilt * (max(steep - kMinTilt, 0.0) / max(steep, kMinTilt));
+  lane.shade = sub_aperture_shading.y * (abs(lane.away) - 1.0) + 1.0;
+
+  Kernel kernel = kernelOf(lane, 1.0, 1.0, weight);
+  if (!kernel.sound || !touches(lane.at, kernel.extent)) return;
+#ifdef CUT
+  vec4 look = is_node ? vec4(uintBitsToFloat(node[3u * i + 2u].xyz),
+                             float(node[3u * i + 1u].w & 0xFFFFu) * (1.0 / 65535.0))
+                      : vec4(surfel_b[2u * i + 1u].xyz, surfel_a[2u * i].w);
+#else
+  vec4 look = vec4(surfel_b[2u * i + 1u].xyz, surfel_a[2u * i].w);
+#endif
+  vec3 colour = lane.shade * look.a * look.rgb;
+  bool is_back = cells.w != 0 && lane.away > 0.0;
+  splat_a[2u * slot] = vec4(lane.at, kernel.q.xy);
+  splat_a[2u * slot + 1u] = vec4(kernel.q.z, kernel.k);
+  splat_b[2u * slot] = vec4(colour, is_back ? -look.a : look.a);
+  splat_b[2u * slot + 1u] = vec4(max(lane.distance_m - lane.reach, 0.0),
+                               lane.distance_m + lane.reach, kernel.extent);
+  uvec2 low = uvec2(clamp(lane.at - kernel.extent - 0.5, vec2(0.0), vec2(size.xy) - 1.0));
+  uvec2 high = uvec2(clamp(lane.at + kernel.extent - 0.5, vec2(0.0), vec2(size.xy) - 1.0));
+  uint bits = floatBitsToUint(lane.distance_m);
+  keys[slot] = uvec4(bits, low.x | high.x << 15 | stepOf(lane, kernel, colour) << 30,
+                     low.y | high.y << 15, floatBitsToUint(lane.radius));
+  if (bits < nearest) atomicMin(nearest, bits);
+  if (bits > farthest) atomicMax(farthest, bits);
+  atomicAdd(splats, 1u);
+
+#ifdef LENS
+#ifdef ASTIGMATIC
+  float scale = sqrt(blur_lens.x * blur_lens.y);
+  lenses[2u * slot] = lensOf(lane, scale * lane.off_D, lane.unblurred, lane.off_D);
+  lenses[2u * slot + 1u] = lensOf(lane, scale * lane.across_D, lane.unblurred, lane.across_D);
+#else
+  float radius = max(lane.radius, 1e-6);
+  lenses[slot] = lensOf(lane, radius, lane.narrow * radius * radius, lane.off_D);
+#endif
+#endif
+#ifdef SUB_APERTURES
+  float share = square(sub_aperture_shading.x);
+  float missing = max(kOverlap * lane.added - share * lane.blur_min2 - lane.prefilter, 0.0);
+  float own = 0.5 * (lane.vxx + lane.vyy) - lane.prefilter;
+  Kernel sub = kernelOf(lane, missing > 0.0 ? 1.0 + missing / max(own, 1e-12) : 1.0, share, weight);
+#ifdef ASTIGMATIC
+  vec2 off_D = vec2(lane.off_D, lane.across_D);
+  vec2 of_blur = kDisc * blur_lens.x * blur_lens.y * off_D * off_D;
+#else
+  vec2 off_D = vec2(lane.off_D, 0.0);
+  vec2 of_blur = vec2(lane.blur_min2);
+#endif
+  off_D *= sqrt(max(1.0 - share - missing / max(of_blur, 1e-12), 0.0));
+  if (!sub.sound) sub = kernel;
+  sharper[3u * slot] = vec4(sub.q, sub.k.x);
+  sharper[3u * slot + 1u] = vec4(sub.k.yz, sub.extent);
+  sharper[3u * slot + 2u] = vec4(off_D, lane.tilt);
+#endif
+}

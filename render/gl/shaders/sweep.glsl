@@ -1,0 +1,293 @@
+// Composites the splats of a tile front to back, one thread a sample: what
+// render/splat/sweep_tile-inl.h does. A work group is a square of kGroup x kGroup samples. It takes
+// the tile's splats in batches and keeps those that touch its samples.
+//
+// LENS: through the whole aperture, with lens points. SUB_APERTURES: through one sub-aperture, in
+// tiles where layers cover each other in part. Neither: without blur.
+layout(local_size_x = kGroup, local_size_y = kGroup) in;
+
+layout(std430, binding = 0) readonly buffer Work { uint work_items[]; };
+layout(std430, binding = 1) readonly buffer Tiles { ivec4 tiles[]; };
+layout(std430, binding = 2) readonly buffer Blurs { float blur_px[]; };
+layout(std430, binding = 3) readonly buffer Ranges { uvec2 range[]; };
+layout(std430, binding = 4) readonly buffer Lists { uvec2 list[]; };
+layout(std430, binding = 5) readonly buffer SplatsA { vec4 splat_a[]; };
+layout(std430, binding = 6) readonly buffer SplatsB { vec4 splat_b[]; };
+layout(std430, binding = 8) buffer Samples { vec4 samples[]; };
+#ifdef DEPTH
+layout(std430, binding = 9) buffer Depths { float depths[]; };
+#endif
+#ifdef LENS
+layout(std430, binding = 10) readonly buffer Lenses { vec4 lenses[]; };
+layout(std430, binding = 12) buffer Overlaps { uint overlapping[]; };  // by tile
+layout(std430, binding = 13) writeonly buffer SubWork { uint sub_work[]; };
+#endif
+#ifdef SUB_APERTURES
+layout(std430, binding = 11) readonly buffer Sharper { vec4 sharper[]; };
+layout(std430, binding = 14) readonly buffer Centres { vec4 centres[]; };  // lens radii
+layout(location = 0) uniform int sub_aperture;  // one a dispatch
+#endif
+
+// Blur radii between which sub-apertures replace the whole aperture, pixels (sweep.cpp).
+const float kSubAperturesFrom = 2.0, kSubAperturesOnly = 4.0;
+const uint kBatch = uint(kGroup * kGroup);
+
+shared uint touching[2];
+shared uint translucent, fragments;
+#ifdef TRANSPARENT
+shared uint see_through;
+#endif
+// By splat of the batch. What each holds depends on the pass.
+shared vec4 form[kBatch], shape[kBatch], look[kBatch], reach[kBatch];
+#ifdef LENS
+shared vec4 lens_of[kBatch];
+#ifdef ASTIGMATIC
+shared vec4 across_of[kBatch];
+#endif
+#endif
+
+float coverage;
+uint counted, rounds;
+
+float upToOpaque(float sum) { return max(kOpaqueWeight - sum, 0.0); }
+
+// closingFactor of render/kernel/limits.h; erf by Abramowitz and Stegun 7.1.26, within 1.5e-7.
+float closingFactor(float blur) {
+  float low_pass = background_low_pass.w;
+  if (low_pass == 0.0) return 1.0;
+  float x = blur / (1.41421356 * sqrt(low_pass * low_pass + 0.25 * blur * blur));
+  float t = 1.0 / (1.0 + 0.3275911 * x);
+  float tail = t * (0.254829592 + t * (-0.284496736 + t * (1.421413741 + t *
+               (-1.453152027 + t * 1.061405429)))) * exp(-x * x);
+  float inside = 1.0 - 0.5 * tail;
+  return 1.0 / (inside * sqrt(inside));
+}
+
+// Adds splat `n` of the batch to one sample.
+void add(uint n, vec2 at) {
+  vec4 a = form[n], k = shape[n], c = look[n], z = reach[n];
+  vec2 d = at - a.xy;
+  float t = 1.0 - d.x * (a.z * d.x + a.w * d.y) - k.x * d.y * d.y;
+  if (!(t > 0.0)) return;
+  ++counted;
+  if (z.x > far_m && far_m >= 0.0) {
+    closeLayer(coverage);
+    if (transmittance < kHidden) return;
+  }
+  far_m = max(far_m, z.y);
+
+  float all = (k.w * t + k.z) * t + k.y;
+#ifdef SUB_APERTURES
+  all *= z.w;
+#endif
+  float reaching = 1.0, opacity = abs(c.a);
+  bool is_back = c.a < 0.0;
+  Sums sums;
+  if (is_back) sums = back_facing;
+  else sums = facing;
+#ifdef LENS
+  vec4 lens = lens_of[n];
+#ifdef ASTIGMATIC
+  vec4 across = across_of[n];
+  vec2 m = meridian_oblong.xy * meridian_oblong.zw;
+  vec2 aside = vec2(-meridian_oblong.y, meridian_oblong.x) * meridian_oblong.zw;
+  vec2 point = vec2(lens.x * dot(d, m), across.x * dot(d, aside));
+  vec2 tilt = vec2(dot(lens.zw, meridian_oblong.xy),
+                   lens.w * meridian_oblong.x - lens.z * meridian_oblong.y);
+  vec2 inv_width = vec2(lens.y, across.y);
+  float n2 = square(edge.direction.x);
+  float sharpness = inversesqrt(mix(1.0 / square(across.y), 1.0 / square(lens.y), n2));
+#else
+  vec2 point = d * lens.x * meridian_oblong.zw, tilt = lens.zw;
+  vec2 inv_width = vec2(lens.y);
+  float sharpness = lens.y;
+#endif
+  vec2 positive = clamp(point * inv_width + 0.5, 0.0, 1.0);
+  sums.lens_weight += all;
+  sums.mean += all * point;
+  sums.right += all * positive.x;
+  sums.above += all * positive.y;
+  sums.right_above += all * positive.x * positive.y;
+  all *= abs(1.0 + dot(tilt, point));
+  float off = edge.share - dot(edge.direction, point);
+  reaching = contrast * clamp(off * sharpness + 0.5, 0.0, 1.0) + outside;
+#else
+  sums.mean -= all * z.z * d;
+#endif
+  float taken = min(all, upToOpaque(sums.weight));
+  float seen = taken * reaching;
+#ifdef LENS
+  if (!transparent) seen = min(all * reaching, upToOpaque(sums.visible));
+#endif
+  sums.weight += all;
+  sums.visible += seen * opacity;
+  sums.colour += seen * c.rgb;
+#ifdef DEPTH
+  sums.distance_m += seen * 0.5 * (z.x + z.y) * opacity;
+#endif
+#ifdef LENS
+  sums.blocked += seen * (transparent ? opacity : 1.0) * point;
+#endif
+  if (is_back) back_facing = sums;
+  else facing = sums;
+#ifdef TRANSPARENT
+  float later = (all - taken) * reaching;
+  if (!transparent || is_back || !(later > 0.0)) return;
+  beyond += later * c.rgb;
+  beyond_visible += later * opacity;
+  beyond_m += later * 0.5 * (z.x + z.y) * opacity;
+  if (facing.weight >= kOpaqueWeight + 1.0) closeLayer(coverage);
+#endif
+}
+
+#ifdef TRANSPARENT
+// Whether a splat of the tile is transparent. A node rounds its opacity.
+bool anyTransparent(uvec2 entries) {
+  uint me = gl_LocalInvocationIndex;
+  if (me == 0u) see_through = 0u;
+  barrier();
+  for (uint e = entries.x + me; e < entries.y; e += kBatch) {
+    if (abs(splat_b[2u * list[e].y].a) < 0.9999) atomicOr(see_through, 1u);
+  }
+  barrier();
+  return see_through != 0u;
+}
+#endif
+
+// Composites the tile's list at one sample, as the sub-aperture at `centre` sees it.
+void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, vec2 centre) {
+  clearSample();
+  uint me = gl_LocalInvocationIndex;
+#ifdef SUB_APERTURES
+#ifdef ASTIGMATIC
+  vec2 along = meridian_oblong.xy, aside = vec2(-along.y, along.x);
+  vec2 px_per_D = view_px.zw * dot(centre, along) * along;
+  vec2 across_px_per_D = view_px.zw * dot(centre, aside) * aside;
+#else
+  vec2 px_per_D = view_px.zw * centre;
+#endif
+#endif
+  for (uint e = entries.x; e < entries.y; e += kBatch) {
+    barrier();
+    if (me < 2u) touching[me] = 0u;
+    if (me == 0u) translucent = 0u;
+    barrier();
+    bool mine = e + me < entries.y;
+    uint slot = 0u;
+    vec4 a, z;
+    if (mine) {
+      slot = list[e + me].y;
+      a = splat_a[2u * slot];
+      z = splat_b[2u * slot + 1u];
+#ifdef SUB_APERTURES
+      vec4 k = sharper[3u * slot + 1u], off = sharper[3u * slot + 2u];
+      a.xy += off.x * px_per_D;
+#ifdef ASTIGMATIC
+      a.xy += off.y * across_px_per_D;
+#endif
+      z = vec4(z.xy, k.zw);
+#endif
+      mine = all(greaterThanEqual(a.xy + z.zw, first_px)) && all(lessThanEqual(a.xy - z.zw, last_px));
+    }
+    if (mine) atomicOr(touching[me >> 5], 1u << (me & 31u));
+    if (exists && transmittance >= kHidden) atomicAdd(translucent, 1u);
+    barrier();
+    if (translucent == 0u) break;
+    if (mine) {
+      uint below = touching[me >> 5] & ((1u << (me & 31u)) - 1u);
+      uint n = uint(bitCount(below)) + (me >= 32u ? uint(bitCount(touching[0])) : 0u);
+      vec4 b = splat_a[2u * slot + 1u];
+      float inv_radius = 1.0 / min(z.z, z.w);
+#ifdef SUB_APERTURES
+      vec4 q = sharper[3u * slot], k = sharper[3u * slot + 1u], off = sharper[3u * slot + 2u];
+      form[n] = vec4(a.xy, q.xy);
+      shape[n] = vec4(q.zw, k.xy);
+      reach[n] = vec4(z.xy, inv_radius, abs(1.0 + dot(off.zw, centre)));
+#else
+      form[n] = a;
+      shape[n] = b;
+      reach[n] = vec4(z.xy, inv_radius, 0.0);
+#endif
+      look[n] = splat_b[2u * slot];
+#ifdef LENS
+#ifdef ASTIGMATIC
+      lens_of[n] = lenses[2u * slot];
+      across_of[n] = lenses[2u * slot + 1u];
+#else
+      lens_of[n] = lenses[slot];
+#endif
+#endif
+    }
+    barrier();
+    uint count = uint(bitCount(touching[0]) + bitCount(touching[1]));
+    if (!exists) continue;
+    uint n = 0u;
+    for (; n < count && transmittance >= kHidden; ++n) add(n, at);
+    rounds += n + 1u;
+  }
+  if (exists && far_m >= 0.0) closeLayer(coverage);
+}
+
+void main() {
+  uint item = work_items[WORK_KIND * uint(room.z) + gl_WorkGroupID.x];
+  uint index = item >> 6, part = item & 63u;
+  ivec4 tile = tiles[index];
+  int side = samplesOf(tile), groups = (side + kGroup - 1) / kGroup;
+  ivec2 corner = kGroup * ivec2(int(part) % groups, int(part) / groups);
+  ivec2 here = corner + ivec2(gl_LocalInvocationID.xy);
+  bool exists = all(lessThan(here, ivec2(side)));
+  float step_px = float(tile.w), apron = tile.w > 1 ? float(kApron) : 0.0;
+  vec2 origin = vec2(tile.xy) + step_px * (0.5 - apron);
+  vec2 at = origin + step_px * vec2(here), first_px = origin + step_px * vec2(corner);
+  vec2 last_px = origin + step_px * vec2(min(corner + kGroup, ivec2(side)) - 1);
+  uvec2 entries = min(range[index], uvec2(room.y));
+  coverage = closingFactor(blur_px[index]);
+  counted = rounds = 0u;
+  if (gl_LocalInvocationIndex == 0u) fragments = 0u;
+#ifdef LENS
+  overlap = false;
+#endif
+#ifdef TRANSPARENT
+  transparent = anyTransparent(entries);
+#endif
+  uint to = index * uint(kWidest * kWidest) + uint(here.y * kWidest + here.x);
+  vec3 background = background_low_pass.rgb;
+#ifdef SUB_APERTURES
+  float share = clamp((blur_px[index] - kSubAperturesFrom) / (kSubAperturesOnly - kSubAperturesFrom),
+                      0.0, 1.0);
+  float before = sub_aperture == 0 ? 1.0 - share : 1.0, each = share / sub_aperture_shading.z;
+  compose(entries, at, first_px, last_px, exists, centres[sub_aperture].xy);
+  if (exists) {
+    vec4 value = vec4(light + transmittance * background, 1.0 - transmittance);
+    samples[to] = before * samples[to] + each * value;
+#ifdef DEPTH
+    depths[to] = before * depths[to] + each * light_m;
+#endif
+  }
+#else
+  compose(entries, at, first_px, last_px, exists, vec2(0.0));
+  if (exists) {
+    samples[to] = vec4(light + transmittance * background, 1.0 - transmittance);
+#ifdef DEPTH
+    depths[to] = light_m;
+#endif
+  }
+#endif
+#ifdef LENS
+  if (sub_aperture_shading.z > 1.0 && exists && overlap && blur_px[index] > kSubAperturesFrom &&
+      overlapping[index] == 0u && atomicExchange(overlapping[index], 1u) == 0u) {
+    uint first = atomicAdd(work[2], uint(groups * groups));
+    for (uint k = 0u; k < uint(groups * groups) && first + k < uint(room.z); ++k) {
+      sub_work[2u * uint(room.z) + first + k] = index << 6 | k;
+    }
+    atomicMax(sweep_groups[2].x, min(first + uint(groups * groups), uint(room.z)));
+  }
+#endif
+  if (rounds > sweep_rounds) atomicMax(sweep_rounds, rounds);
+  barrier();
+  atomicAdd(fragments, counted);
+  barrier();
+  if (gl_LocalInvocationIndex != 0u) return;
+  uint sum = atomicAdd(fragments_low, fragments);
+  if (sum + fragments < sum) atomicAdd(fragments_high, 1u);
+}

@@ -1,0 +1,66 @@
+// Renders a scene on the GPU: LOD cut, projection, tiles, layers and sub-apertures, all as the CPU
+// does in render/lod and render/splat. Both give the same picture to rounding (docs/gpu.md).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "render/gl/scene.h"
+#include "render/image/frame.h"
+#include "render/lod/cut.h"
+#include "render/optics/defocus.h"
+#include "render/optics/view.h"
+
+namespace foci {
+
+struct GpuRequest {
+  View view;
+  Defocus defocus;
+  std::optional<CutSettings> cut;  ///< absent: every surfel, at full detail
+  glm::vec2 lens{0.0f};            ///< `Projection::lens`
+  float aperture = 1.0f;           ///< `Projection::aperture`
+  float shading = 0.0f;
+  glm::vec3 background{0.0f};
+  bool depth = false;
+  float low_pass_px = 0.0f;                     ///< of `SweepSettings`
+  std::vector<glm::vec2> sub_aperture_centres;  ///< lens radii; up to one: none
+};
+
+/// The stages of a frame, in their order.
+enum class GpuStage : std::uint8_t { cut, project, bin, sort, composite, present };
+inline constexpr std::array<std::string_view, 6> kGpuStages{"cut",  "project",   "bin",
+                                                            "sort", "composite", "present"};
+
+struct GpuStats {
+  std::uint64_t splats = 0, fragments = 0;
+  /// Of the device, by `GpuStage`, ms. `present` interpolates the samples to pixels; reading the
+  /// frame back is not in it.
+  std::array<double, kGpuStages.size()> stage_ms{};
+};
+
+/// Keeps its buffers between frames.
+class GpuSplats {
+ public:
+  explicit GpuSplats(std::shared_ptr<const GpuScene> scene);
+  ~GpuSplats();
+  GpuSplats(GpuSplats&&) noexcept;
+  GpuSplats& operator=(GpuSplats&&) noexcept;
+
+  /// Renders into `frame`, which has the view's size, and depth where the request asks for depth.
+  /// Throws GpuError where the GPU lacks memory. The same request gives the same bytes on one
+  /// device and driver.
+  GpuStats render(const GpuRequest& request, Frame& frame);
+
+  const std::shared_ptr<const GpuScene>& scene() const;
+
+ private:
+  class Pipeline;
+  std::unique_ptr<Pipeline> pipeline_;
+};
+
+}  // namespace foci
