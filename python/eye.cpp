@@ -70,6 +70,7 @@ SessionSettings settingsOf(const StillEye& eye, const Screen& screen,
   settings.observer.chromatic = eye.chromatic;
   settings.focus.accommodation.age_years = eye.age_years;
   settings.method = options.method;
+  settings.device = RenderDevice::cpu;  // a session in Python renders in the thread that asks
   settings.quality.tolerance = inRange("tolerance", options.tolerance, 0.1, 100.0);
   settings.output.size_px = options.size_px.value_or(screen.size_px);
   for (const int side : {settings.output.size_px.x, settings.output.size_px.y}) {

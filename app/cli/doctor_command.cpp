@@ -79,6 +79,7 @@ Json camerasJson() {
   return cameras;
 }
 
+#ifdef FOCI_PUPIL
 bool trackerAnswers(const std::string& place) {
   const NamedSource tracker = openLiveSource("pupil:" + place, Study{});
   std::vector<GazeSample> samples;
@@ -89,6 +90,7 @@ bool trackerAnswers(const std::string& place) {
   }
   return false;
 }
+#endif
 
 Json trackersJson(const std::string& place) {
 #ifdef FOCI_PUPIL
