@@ -2,7 +2,7 @@
 
     python3 examples/python/figure.py SCENE.ply DISTANCE_M OUT.png
 
-The eye stands DISTANCE_M in front of the middle of the scene.
+The scene is scaled to a height of half a metre. The eye stands DISTANCE_M in front of its middle, e.g. 0.8.
 """
 
 import sys
@@ -14,7 +14,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 path, distance_m, out = sys.argv[1], float(sys.argv[2]), sys.argv[3]
-scene = foci.Scene.open(path)
+low, high = foci.Scene.open(path).bounds_m
+scene = foci.Scene.open(path, scale_m=0.5 / (high[1] - low[1]))
 low, high = scene.bounds_m
 middle = [(a + b) / 2 for a, b in zip(low, high)]
 eye = foci.Eye(pupil_mm=6, position_m=(middle[0], middle[1], middle[2] + distance_m), look_at_m=middle)

@@ -55,7 +55,8 @@ class Window:
 path, distance_m = sys.argv[1], float(sys.argv[2])
 seconds = float(sys.argv[3]) if len(sys.argv) > 3 else 20.0
 screen = foci.Screen()
-scene = foci.Scene.open(path)
+low, high = foci.Scene.open(path).bounds_m
+scene = foci.Scene.open(path, scale_m=0.5 / (high[1] - low[1]))  # half a metre tall
 low, high = scene.bounds_m
 middle = [(a + b) / 2 for a, b in zip(low, high)]
 eye = foci.Eye(pupil_mm=6, position_m=(middle[0], middle[1], middle[2] + distance_m), look_at_m=middle)
