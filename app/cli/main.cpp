@@ -38,6 +38,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   const std::string command_line = commandLineOf(argc, argv);
   addReplayCommand(app, command_line);
+  addJoinCommand(app, command_line);
   addRenderCommand(app);
   addLiveCommand(app, command_line);
   addCalibrateCommand(app);

@@ -74,8 +74,8 @@ class Session {
   const Frame& render(const std::string& method, FrameRecord& record);
 
   /// Passes over a frame: the next frames are as if this one had been rendered. `record` gets no
-  /// method and no stats. Renders if the pupil follows luminance. Not for a method that goes on with
-  /// the frame before (`isIncremental`), nor under a frame-time budget.
+  /// method and no stats. Renders if the pupil follows luminance. Not for a method that goes on
+  /// with the frame before (`isIncremental`), nor under a frame-time budget.
   void pass(const std::string& method, FrameRecord& record);
 
   /// Whether a frame of the request at full quality has been adopted.

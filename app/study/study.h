@@ -125,6 +125,12 @@ void setKey(Study& study, std::string_view key, const std::string& toml, const s
 void overrideKey(Study& study, std::string_view key, const OptionValue& value,
                  const std::string& option);
 
+/// Sets a key as `--set KEY=VALUE` does. The value is TOML, or a plain text. A key replaces the
+/// keys that a study may not have beside it, as scene.builtin does scene.file. A file's name is
+/// relative to the current folder.
+/// @throws InputError
+void setKeyByOption(Study& study, const std::string& assignment);
+
 /// Checks what several keys decide together: that the scene has an eye pose, that the path is
 /// ordered, and so on. Called after the last override.
 /// @throws InputError
