@@ -16,6 +16,7 @@
 #include "app/live/sources.h"
 #include "app/platform/json_text.h"
 #include "app/platform/machine.h"
+#include "app/platform/version.h"
 #include "app/window/display.h"
 #include "base/text.h"
 #include "render/gl/device.h"
@@ -141,7 +142,7 @@ Json gpuJson() {
 Json examine(const std::string& pupil) {
   const Machine machine = describeMachine();
   return {
-      {"version", FOCI_VERSION},
+      {"version", versionText()},
       {"cpu", machine.cpu},
       {"cores", machine.cores},
       {"simd", machine.simd},

@@ -11,6 +11,7 @@
 #include "app/platform/json_text.h"
 #include "app/platform/progress.h"
 #include "app/platform/sha256.h"
+#include "app/platform/version.h"
 #include "app/replay/part_json.h"
 #include "app/replay/replayed_eye.h"
 #include "app/replay/run_writer.h"
@@ -65,7 +66,7 @@ Json headOf(const Study& study, const FrameSpan& span, std::size_t frames, unsig
     inputs.push_back({{"path", input.path.string()}, {"sha256", input.sha256}});
   }
   return {{"program", "foci"},
-          {"version", FOCI_VERSION},
+          {"version", versionText()},
           {"first", span.first},
           {"end", span.end},
           {"frames", frames},
