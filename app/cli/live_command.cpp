@@ -66,6 +66,9 @@ std::string liveSummaryText(const LiveSummary& summary) {
 
 void runLiveCommand(const LiveCommandOptions& options, const std::string& command_line) {
   LiveOptions live = options.live;
+  if (live.source.starts_with("socket") && live.socket.empty()) {
+    throw InputError("--source " + live.source, "expected --socket PORT, which brings the gaze");
+  }
   live.command = command_line;
   // The window, the tracker and the system share one thread. A machine with two threads gives up
   // a part of one.
@@ -98,8 +101,9 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
                          "Example: foci live configs/demo.toml --window, foci live scan.ply");
   addStudyOptions(*command, *options);
   command
-      ->add_option("--source", options->live.source,
-                   "gaze source: mouse, trace:FILE, pupil:HOST:PORT or webcam[:N|FILE]")
+      ->add_option(
+          "--source", options->live.source,
+          "gaze source: mouse, trace:FILE, pupil:HOST:PORT, socket[:RATE] or webcam[:N|FILE]")
       ->type_name("NAME");
   command->add_flag("--window", options->live.window, "a window instead of the full screen");
   command

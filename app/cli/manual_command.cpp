@@ -22,6 +22,7 @@ void runManual(const CLI::App& app, const ManualOptions& options) {
   const std::filesystem::path out = options.out;
   const std::vector<ManualFile> manual = manualOf(app);
   std::vector<std::filesystem::path> outputs;
+  outputs.reserve(manual.size());
   for (const auto& [name, text] : manual) outputs.push_back(out / name);
   checkOutputs(outputs, {}, options.overwrite);
   OutputFiles files;

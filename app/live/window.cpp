@@ -118,6 +118,7 @@ LiveWindow::LiveWindow(const Study& study, const LiveOptions& options,
     socket_.emplace(options.socket, [this](const std::string& command) {
       if (command == "leave") leaving_ = true;
       if (leaving_) return std::string("ok");
+      if (command.starts_with("gaze ")) return feed_->push(std::string_view(command).substr(5));
       return answerTo(command, *renderer_, clock_);
     });
     std::fprintf(stderr, "listening at port %d\n", socket_->port());

@@ -57,6 +57,7 @@ std::vector<std::string> folderNames(const std::vector<std::string>& traces) {
   for (const bool extension : {false, true}) {
     for (std::size_t parts = 1; parts <= depth; ++parts) {
       std::vector<std::string> names;
+      names.reserve(files.size());
       for (const auto& file : files) names.push_back(nameOf(file, parts, extension));
       if (differ(names)) return names;
     }
