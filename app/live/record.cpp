@@ -77,7 +77,7 @@ LiveRecord::LiveRecord(const fs::path& folder, const Study& study, const Screen&
       markers_(folder_ / "event_markers.tsv", std::ios::binary) {
   changes_ << changesHeader();
   timing_ << "frame\tsample_s\tstate_s\trender_start_s\trender_end_s\tswap_s\trepeats\tfull\t"
-             "landing_to_full_ms\n";
+             "landing_to_full_ms\tsync_level\n";
   markers_ << "time_s\tmarker\n";
   writeStudy(study_.output.fps);
   thread_ = std::thread([this] { run(); });
@@ -192,7 +192,8 @@ void LiveRecord::write(const LiveFrame& frame) {
           << '\t';
   const auto landed_ms =
       timing.swap_s ? landings_.add(frame.record, timing.in_full, *timing.swap_s) : std::nullopt;
-  timing_ << (landed_ms ? decimal(*landed_ms, 1) : "n/a") << '\n';
+  timing_ << (landed_ms ? decimal(*landed_ms, 1) : "n/a") << '\t'
+          << (timing.swap_s ? std::to_string(timing.sync_level) : "n/a") << '\n';
   hash_.add(frame.image->rgb);
   render_.add(frame.record.stats.ms);
   if (frame.record.rendered) rendered_.add(frame.record.stats.ms);

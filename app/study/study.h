@@ -88,6 +88,7 @@ struct Study {
     double fps = 30.0;
     std::optional<glm::dvec2> seconds;  ///< from, to, after the recording's first sample
     bool marker = false;
+    int sync_patch = 0;  ///< side of the patch for a photodiode in foci live, px; 0: none
     bool split = false;
     bool images = false;  ///< every frame as a PNG, too
     StereoView view = StereoView::mono;

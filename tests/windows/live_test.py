@@ -193,7 +193,8 @@ def lose_a_pupil_core(observer, foci, out, pupil):
 def push_gaze(observer, foci, out, seconds=6):
     """Gaze of another program at 1000 Hz, ten samples in a datagram: none is lost, and focus follows it."""
     record = out + "/pushed"
-    program, experiment = start(observer, foci, out + "/study.toml", "--source", "socket:1000", "--record", record)
+    program, experiment = start(observer, foci, out + "/study.toml", "--source", "socket:1000", "--record", record,
+                                "--set", "output.sync_patch=40")
     experiment.until(lambda s: s["record"], "recording")
     begin, sent = time.time(), 0
     while sent < 1000 * seconds:
@@ -204,6 +205,12 @@ def push_gaze(observer, foci, out, seconds=6):
         samples = ";".join(f"{7000 + (sent + i) / 1000:.3f} {place[0] * 1920} {place[1] * 1080} 3.5" for i in range(10))
         assert experiment.ask("gaze " + samples) == "ok 10"
         sent += 10
+    corner, begin = set(), time.time()
+    while len(corner) < 4 and time.time() - begin < 30:  # the patch takes each of its levels
+        corner.add(observer.pixels()[2][SIZE[1] - 5][3 * (SIZE[0] - 5)])
+        assert experiment.ask(f"gaze {7000 + sent / 1000:.3f} {FAR[0] * 1920 + sent % 2} {FAR[1] * 1080} 3.5") == "ok 1"
+        sent += 1
+    assert corner == {0, 85, 170, 255}, corner
     state = experiment.state()
     print("pushed", sent, state)
     assert abs(state["focus_D"] - 1 / state["surface_distance_m"]) < 0.1 and state["focus_D"] < 1, state
