@@ -24,6 +24,15 @@ class Foci:
         return answer[3:]
 
 
+    def push(self, samples):
+        """Pushes gaze to `foci live --source socket`: rows of (time_s, x_px, y_px) or (time_s, x_px, y_px, pupil_mm).
+
+        The time is on the tracker's clock. nan in x_px or y_px stands for data loss.
+        """
+        return int(self.ask("gaze " + ";".join(" ".join(f"{value:.9g}" if i else f"{value:.6f}"
+                                                        for i, value in enumerate(row)) for row in samples)))
+
+
 if __name__ == "__main__":
     foci = Foci(int(sys.argv[1]))
     foci.ask("record trial-1")

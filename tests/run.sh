@@ -17,7 +17,7 @@ fi
 step() { printf '\n== %s\n' "$*"; }
 
 step "style"
-find app base calibration examples gaze render tests -name '*.h' -o -name '*.cpp' |
+find app base calibration examples gaze python render tests -name '*.h' -o -name '*.cpp' |
   xargs clang-format --dry-run --Werror
 
 step "release: build and test"
@@ -39,6 +39,11 @@ lint() {
   grep -o '"file": "[^"]*"' build/asan/compile_commands.json | cut -d'"' -f4 | grep -v "/tests/" | sort -u |
     xargs -P 2 -n 2 clang-tidy -p build/asan --quiet
 }
+
+step "python: build and test"
+cmake --preset python >/dev/null
+cmake --build --preset python --target foci_python
+ctest --test-dir build/python --output-on-failure
 
 step "lint"
 cmake --preset asan -DFOCI_TESTS=ON >/dev/null

@@ -18,6 +18,7 @@ void addDoctorCommand(CLI::App& app);     ///< what this machine offers
 void addEventsCommand(CLI::App& app);     ///< eye movements of a recording
 void addInfoCommand(CLI::App& app);       ///< facts about a scene
 void addKeysCommand(CLI::App& app);       ///< the keys of a study file
+void addManualCommand(CLI::App& app);     ///< man pages and shell completions
 void addMethodsCommand(CLI::App& app);    ///< the depth-of-field methods
 void addPrepareCommand(CLI::App& app);    ///< points or a mesh to a scene file
 void addRenderCommand(CLI::App& app);     ///< one image
@@ -27,5 +28,6 @@ void addTraceCommand(CLI::App& app);      ///< facts about a recording, and its 
 /// @param command_line  as the user typed it; the manifest of the run states it
 void addLiveCommand(CLI::App& app, const std::string& command_line);
 void addReplayCommand(CLI::App& app, const std::string& command_line);
+void addJoinCommand(CLI::App& app, const std::string& command_line);  ///< parts of a replay
 
 }  // namespace foci

@@ -16,6 +16,7 @@
 #include "app/live/sources.h"
 #include "app/platform/json_text.h"
 #include "app/platform/machine.h"
+#include "app/platform/version.h"
 #include "app/window/display.h"
 #include "base/text.h"
 #include "render/gl/device.h"
@@ -79,6 +80,7 @@ Json camerasJson() {
   return cameras;
 }
 
+#ifdef FOCI_PUPIL
 bool trackerAnswers(const std::string& place) {
   const NamedSource tracker = openLiveSource("pupil:" + place, Study{});
   std::vector<GazeSample> samples;
@@ -89,6 +91,7 @@ bool trackerAnswers(const std::string& place) {
   }
   return false;
 }
+#endif
 
 Json trackersJson(const std::string& place) {
 #ifdef FOCI_PUPIL
@@ -139,7 +142,7 @@ Json gpuJson() {
 Json examine(const std::string& pupil) {
   const Machine machine = describeMachine();
   return {
-      {"version", FOCI_VERSION},
+      {"version", versionText()},
       {"cpu", machine.cpu},
       {"cores", machine.cores},
       {"simd", machine.simd},

@@ -22,6 +22,7 @@ constexpr double kLiveFrame_ms = 10.0;
 struct LiveCommandOptions : StudyOptions {
   LiveOptions live{};
   std::string record{};
+  bool latency = false;
 };
 
 std::string liveSummaryJson(const LiveSummary& summary) {
@@ -32,12 +33,29 @@ std::string liveSummaryJson(const LiveSummary& summary) {
       {"first_frame_s", summary.first_frame_s},
       {"sample_to_swap_ms_median", summary.sample_to_swap.quantile_ms(0.5)},
       {"sample_to_swap_ms_p95", summary.sample_to_swap.quantile_ms(0.95)},
+      {"sample_to_render_ms_median", summary.sample_to_render.quantile_ms(0.5)},
+      {"sample_to_render_ms_p95", summary.sample_to_render.quantile_ms(0.95)},
+      {"render_to_swap_ms_median", summary.render_to_swap.quantile_ms(0.5)},
+      {"render_to_swap_ms_p95", summary.render_to_swap.quantile_ms(0.95)},
       {"render_ms_median", summary.render.quantile_ms(0.5)},
       {"render_ms_p95", summary.render.quantile_ms(0.95)}};
   json.update(landingsJson(summary.landings));
   json["records"] = nlohmann::ordered_json::array();
   for (const auto& folder : summary.records) json["records"].push_back(folder.string());
   return jsonText(json);
+}
+
+/// The parts of the time from a sample to the screen, a line each.
+std::string latencyText(const LiveSummary& summary) {
+  const auto line = [](const char* what, const Durations& part) {
+    return "\n  " + std::string(what) + decimal(part.quantile_ms(0.5), 1) +
+           " ms (median; 95 %: " + decimal(part.quantile_ms(0.95), 1) + " ms)";
+  };
+  return "\ngaze to screen, " + std::to_string(summary.sample_to_swap.count()) + " frames:" +
+         line("tracker, from the sample to the start of rendering: ", summary.sample_to_render) +
+         line("foci, rendering:                                    ", summary.render) +
+         line("display, from there to the swap of the buffers:     ", summary.render_to_swap) +
+         line("all:                                                ", summary.sample_to_swap);
 }
 
 std::string liveSummaryText(const LiveSummary& summary) {
@@ -66,6 +84,9 @@ std::string liveSummaryText(const LiveSummary& summary) {
 
 void runLiveCommand(const LiveCommandOptions& options, const std::string& command_line) {
   LiveOptions live = options.live;
+  if (live.source.starts_with("socket") && live.socket.empty()) {
+    throw InputError("--source " + live.source, "expected --socket PORT, which brings the gaze");
+  }
   live.command = command_line;
   // The window, the tracker and the system share one thread. A machine with two threads gives up
   // a part of one.
@@ -85,7 +106,9 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
     study.eye.up = pose.up;
   }
   const LiveSummary summary = runLive(study, live, std::move(asked.scene));
-  std::puts((options.json ? liveSummaryJson(summary) : liveSummaryText(summary)).c_str());
+  std::string text = options.json ? liveSummaryJson(summary) : liveSummaryText(summary);
+  if (options.latency && !options.json) text += latencyText(summary);
+  std::puts(text.c_str());
 }
 
 }  // namespace
@@ -98,8 +121,9 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
                          "Example: foci live configs/demo.toml --window, foci live scan.ply");
   addStudyOptions(*command, *options);
   command
-      ->add_option("--source", options->live.source,
-                   "gaze source: mouse, trace:FILE, pupil:HOST:PORT or webcam[:N|FILE]")
+      ->add_option(
+          "--source", options->live.source,
+          "gaze source: mouse, trace:FILE, pupil:HOST:PORT, socket[:RATE] or webcam[:N|FILE]")
       ->type_name("NAME");
   command->add_flag("--window", options->live.window, "a window instead of the full screen");
   command
@@ -108,6 +132,8 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
       ->type_name("N");
   command->add_option("--record", options->record, "record from the start, to this folder")
       ->type_name("DIR");
+  command->add_flag("--latency", options->latency,
+                    "print the time from gaze to screen, of tracker, foci and display apart");
   command
       ->add_option("--socket", options->live.socket,
                    "port for an experiment's commands; default address: this machine")

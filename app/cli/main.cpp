@@ -8,6 +8,7 @@
 #include "app/cli/commands.h"
 #include "app/cli/usage_error.h"
 #include "app/platform/quiet_libraries.h"
+#include "app/platform/version.h"
 #include "base/input_error.h"
 
 namespace foci {
@@ -34,10 +35,11 @@ int run(int argc, char** argv) {
       "foci shows a scene as a human eye would focus it, following where the observer looks.\n"
       "Example: foci replay configs/demo.toml --out out/demo",
       "foci");
-  app.set_version_flag("--version", "foci " FOCI_VERSION);
+  app.set_version_flag("--version", "foci " + versionText());
   app.require_subcommand(1);
   const std::string command_line = commandLineOf(argc, argv);
   addReplayCommand(app, command_line);
+  addJoinCommand(app, command_line);
   addRenderCommand(app);
   addLiveCommand(app, command_line);
   addCalibrateCommand(app);
@@ -46,6 +48,7 @@ int run(int argc, char** argv) {
   addEventsCommand(app);
   addInfoCommand(app);
   addKeysCommand(app);
+  addManualCommand(app);
   addMethodsCommand(app);
   addPrepareCommand(app);
   addReproduceCommand(app);

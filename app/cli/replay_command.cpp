@@ -1,49 +1,149 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
+#include <limits>
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
 #include "app/cli/study_options.h"
+#include "app/cli/summary_text.h"
 #include "app/platform/output_files.h"
-#include "app/record/manifest.h"
+#include "app/replay/part.h"
+#include "app/replay/recordings.h"
 #include "app/replay/replay.h"
 #include "app/study/inputs.h"
+#include "base/input_error.h"
+#include "gaze/sources/line_reader.h"
 
 namespace foci {
 namespace {
 
 struct ReplayOptions : StudyOptions {
-  std::string out{};
+  std::vector<std::string> traces{};
+  std::string out{}, frames{};
   bool overwrite = false;
 };
 
-void runReplay(const ReplayOptions& options, const std::string& command_line) {
-  const unsigned threads = threadsOf(options.threads);
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-  const std::string out = options.out.empty() ? "out" : options.out;
-  StudyAsked asked = studyOf(options);
-  std::vector<std::filesystem::path> outputs = replayFiles(asked.study, out);
+/// A frame's number; `absent` for an empty text.
+std::size_t frameOf(const std::string& option, std::string_view text, std::size_t absent) {
+  constexpr double kMaxFrame = 1e9;  // far above what a replay renders
+  if (text.empty()) return absent;
+  const auto number = parseNumber(text);
+  if (!number || *number < 0 || *number > kMaxFrame || *number != std::floor(*number)) {
+    throw InputError("--frames " + option,
+                     "expected FIRST:END, e.g. 0:900; the part ends before frame END");
+  }
+  return static_cast<std::size_t>(*number);
+}
+
+FrameSpan spanOf(const std::string& text) {
+  const std::size_t at = text.find(':');
+  const std::string_view all = text;
+  const FrameSpan span{
+      .first = frameOf(text, at == text.npos ? "?" : all.substr(0, at), 0),
+      .end = frameOf(text, all.substr(at + 1), std::numeric_limits<std::size_t>::max())};
+  if (span.first >= span.end) {
+    throw InputError("--frames " + text, "expected FIRST before END");
+  }
+  return span;
+}
+
+/// `foci replay --trace A.tsv STUDY`: the study may come after the recordings.
+void takeStudyFromTraces(ReplayOptions& options) {
+  if (!options.study.empty()) return;
+  if (options.traces.size() < 2) throw InputError("STUDY is required (foci replay --help)");
+  options.study = options.traces.back();
+  options.traces.pop_back();
+}
+
+void runPart(const ReplayOptions& options, StudyAsked&& asked, unsigned threads) {
+  const FrameSpan span = spanOf(options.frames);
+  std::vector<std::filesystem::path> outputs = partFiles(options.out);
   outputs.emplace_back(options.write_study);
   checkOutputs(outputs, inputFiles(asked.study), options.overwrite);
-  const RunSummary summary =
-      replay(asked.study, out, command_line, threads, std::move(asked.scene));
+  ReplayedScene scene(std::move(asked.scene));
+  const FrameSpan rendered = replayPart(asked.study, span, options.out, threads, scene);
   saveStudy(options, asked);
   if (options.json) {
-    std::puts(summaryJson(summary).c_str());
-    return;
+    std::printf("{\"first\":%zu,\"end\":%zu}\n", rendered.first, rendered.end);
+  } else {
+    std::printf("frames %zu to %zu of the run: foci join makes one run of all parts\n",
+                rendered.first, rendered.end - 1);
   }
-  std::printf(
-      "%zu frames, %.2f s; %.0f %% of the gaze samples valid; %zu fixations, %zu saccades\n"
-      "%zu frames rendered, %.1f ms each (median; 95 %%: %.1f ms), %llu splats; the other frames "
-      "reuse the one before, %.1f ms over all frames (95 %%: %.1f ms)\nreport: %s\n",
-      summary.frames, summary.duration_s, 100.0 * summary.gaze_valid, summary.fixations,
-      summary.saccades, summary.frames_rendered, summary.rendered_ms_median,
-      summary.rendered_ms_p95, static_cast<unsigned long long>(summary.splats),
-      summary.render_ms_median, summary.render_ms_p95, (summary.out / "report.html").c_str());
+}
+
+void runOne(const ReplayOptions& options, StudyAsked&& asked, const std::string& command_line,
+            unsigned threads) {
+  std::vector<std::filesystem::path> outputs = RunWriter::files(asked.study, options.out);
+  outputs.emplace_back(options.write_study);
+  checkOutputs(outputs, inputFiles(asked.study), options.overwrite);
+  ReplayedScene scene(std::move(asked.scene));
+  const RunResult run = replay(asked.study, options.out, command_line, threads, scene);
+  saveStudy(options, asked);
+  std::puts((options.json ? summaryJson(run.summary) : summaryText(run.summary)).c_str());
+}
+
+/// @throws InputError once all are done, if a recording has no run
+void runBatch(const ReplayOptions& options, StudyAsked&& asked, const std::string& command_line,
+              unsigned threads) {
+  std::vector<BatchRecording> recordings;
+  const std::vector<std::string> names = folderNames(options.traces);
+  std::vector<std::filesystem::path> inputs;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    Study study = asked.study;
+    overrideKey(study, "gaze.source", options.traces[i], "--trace");
+    checkStudy(study);
+    for (auto& file : inputFiles(study)) inputs.push_back(std::move(file));
+    recordings.push_back({.trace = options.traces[i], .name = names[i], .study = std::move(study)});
+  }
+  std::vector<std::filesystem::path> outputs = batchFiles(recordings, options.out);
+  outputs.emplace_back(options.write_study);
+  checkOutputs(outputs, inputs, options.overwrite);
+  ReplayedScene scene(std::move(asked.scene));
+  const auto results = replayAll(recordings, options.out, command_line, threads, scene);
+  saveStudy(options, asked);
+  std::string failed;
+  for (const BatchResult& result : results) {
+    if (!result.problem.empty()) {
+      failed += (failed.empty() ? "" : ", ") + result.recording.trace;
+    } else if (options.json) {
+      std::puts(summaryJson(result.run.summary).c_str());
+    }
+  }
+  const std::filesystem::path out = options.out;
+  if (!options.json) {
+    std::printf("%zu recordings: %s\n", results.size(), (out / "index.html").c_str());
+  }
+  if (!failed.empty()) {
+    throw InputError("without a run", failed + " (" + (out / "recordings.tsv").string() + ")");
+  }
+}
+
+void runReplay(ReplayOptions options, const std::string& command_line) {
+  takeStudyFromTraces(options);
+  const unsigned threads = threadsOf(options.threads);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  if (options.out.empty()) options.out = "out";
+  const bool batch = options.traces.size() > 1;
+  if (batch && !options.frames.empty()) {
+    throw InputError("--frames " + options.frames, "expected one recording at a time");
+  }
+  if (!options.traces.empty()) options.trace = options.traces.front();
+  StudyAsked asked = studyOf(options);
+  if (batch) {
+    runBatch(options, std::move(asked), command_line, threads);
+  } else if (!options.frames.empty()) {
+    runPart(options, std::move(asked), threads);
+  } else {
+    runOne(options, std::move(asked), command_line, threads);
+  }
 }
 
 }  // namespace
@@ -55,16 +155,23 @@ void addReplayCommand(CLI::App& app, const std::string& command_line) {
       "Replay a gaze recording: write a video, tables and a report of what the eye saw.\n"
       "Example: foci replay scan.glb --trace gaze.tsv --out out/scan");
   addStudyOptions(*command, *options);
+  command->get_option("STUDY")->required(false);  // `takeStudyFromTraces` asks for it
   command
-      ->add_option("--trace", options->trace,
-                   "recording, or webcam:VIDEO, instead of the study's gaze source")
-      ->type_name("FILE");
+      ->add_option("--trace", options->traces,
+                   "recording, or webcam:VIDEO, instead of the study's gaze source; of several, "
+                   "each gets a folder in DIR, and index.html lists all")
+      ->type_name("FILE")
+      ->expected(1, -1);
   command->add_option("--out", options->out, "folder of the results; default: out")
       ->type_name("DIR");
   command
       ->add_option("--seconds", options->seconds,
                    "part of the recording, seconds after its first sample")
       ->type_name("FROM:TO");
+  command
+      ->add_option("--frames", options->frames,
+                   "render only frames FIRST to END - 1, for foci join")
+      ->type_name("FIRST:END");
   addMarkerOptions(*command, *options);
   addOverwriteFlag(*command, options->overwrite);
   command->callback([options, command, command_line] {

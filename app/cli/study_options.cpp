@@ -55,6 +55,11 @@ void addStudyOptions(CLI::App& command, StudyOptions& options) {
   add("--method", options.method, "NAME", "depth-of-field method; `foci methods` lists them");
   add("--device", options.device, "NAME", "auto, gpu or cpu: what renders");
   add("--view", options.view, "NAME", "mono, side-by-side, top-bottom or anaglyph");
+  command
+      .add_option("--set", options.set,
+                  "set any key of the study, e.g. --set focus.fixed_D=2; may be repeated")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
   addThreadsOption(command, options.threads,
                    "max number of threads; the frames do not depend on it");
   command.add_flag("--json", options.json, "print the summary as JSON");
@@ -119,6 +124,7 @@ StudyAsked studyOf(const StudyOptions& options) {
   override("output.view", options.view, "--view");
   if (options.marker) study.output.marker = true;
   if (options.split) study.output.split = true;
+  for (const std::string& assignment : options.set) setKeyByOption(study, assignment);
   std::string framing;
   std::optional<SceneFile> scene;
   if (is_scene) {
@@ -126,6 +132,8 @@ StudyAsked studyOf(const StudyOptions& options) {
     framing = frameScene(study, factsOf(*scene), look, up);
     std::fprintf(stderr, "foci: %s: %s%s\n", options.study.c_str(), framing.c_str(),
                  options.write_study.empty() ? "; --write-study FILE saves this" : "");
+    // The place of the eye that the user sets replaces the chosen one.
+    for (const std::string& assignment : options.set) setKeyByOption(study, assignment);
   }
   checkStudy(study);
   return {std::move(study), std::move(framing), std::move(scene)};

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/study/framing.h"
 #include "app/study/study.h"
@@ -18,6 +19,7 @@ namespace foci {
 struct StudyOptions {
   std::string study{}, scene{}, trace{}, screen{}, gaze_map{}, camera{}, size{}, seconds{},
       method{}, device{}, pupil{}, threads{}, view{}, look{}, up{}, write_study{};
+  std::vector<std::string> set{};  ///< KEY=VALUE each
   bool json = false, marker = false, split = false;
 };
 

@@ -105,4 +105,20 @@ std::vector<std::uint8_t> jpegOf(const Image& image) {
 
 std::vector<std::uint8_t> pngOf(const Image& image) { return encoded(image, ".png", {}); }
 
+Image imageOfPng(const std::vector<std::uint8_t>& bytes) {
+  if (bytes.empty()) return {};
+  cv::Mat decoded;
+  try {
+    decoded = cv::imdecode(bytes, cv::IMREAD_COLOR);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+  if (decoded.empty()) return {};
+  Image image{.size_px = {decoded.cols, decoded.rows}, .rgb = {}};
+  image.rgb.resize(3 * decoded.total());
+  cv::Mat to = matOf(image);
+  cv::cvtColor(decoded, to, cv::COLOR_BGR2RGB);
+  return image;
+}
+
 }  // namespace foci

@@ -38,4 +38,7 @@ std::vector<std::uint8_t> jpegOf(const Image& image);
 /// The bytes of a PNG file.
 std::vector<std::uint8_t> pngOf(const Image& image);
 
+/// The image of a PNG file's bytes; an empty one if they are none.
+Image imageOfPng(const std::vector<std::uint8_t>& bytes);
+
 }  // namespace foci

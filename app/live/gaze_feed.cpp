@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/input_error.h"
+
 namespace foci {
 namespace {
 
@@ -53,6 +55,15 @@ std::string GazeFeed::lookedAt(const glm::dvec2& point_px) {
   if (!source_.lookedAt) return "";
   return source_.lookedAt(point_px) ? "the webcam's map has learnt from the click"
                                     : "the webcam sees no eyes: the click is not used";
+}
+
+std::string GazeFeed::push(std::string_view samples) {
+  if (source_.pushed == nullptr) return "error gaze: expected foci live --source socket";
+  try {
+    return "ok " + std::to_string(source_.pushed->push(samples));
+  } catch (const InputError& error) {
+    return std::string("error ") + error.what();
+  }
 }
 
 void GazeFeed::take(std::vector<GazeSample>& samples) {

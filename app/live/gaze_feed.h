@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -25,6 +26,10 @@ class GazeFeed {
   /// webcam learns from it.
   /// @return a notice for the observer; "" if the source does not learn
   std::string lookedAt(const glm::dvec2& point_px);
+
+  /// Takes samples from the socket (`PushedSource::push`).
+  /// @return the answer: "ok N" or "error ..."
+  std::string push(std::string_view samples);
 
   /// Appends the samples since the last call, oldest first.
   void take(std::vector<GazeSample>& samples);

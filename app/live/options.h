@@ -30,6 +30,7 @@ struct LiveSummary {
   std::uint64_t dropped = 0;   ///< rendered, never shown
   double first_frame_s = 0.0;  ///< from the start of the program to the first buffer swap
   Durations sample_to_swap, render;
+  Durations sample_to_render, render_to_swap;  ///< the other parts of sample_to_swap
   Landings landings;
   std::vector<std::filesystem::path> records;
 };

@@ -261,4 +261,12 @@ void drawNotices(const PanelContent& content, const std::string& notice, bool fi
   if (first) noticeAt(x, area.y - 40.0f, kQuiet, "F1: panel    ?: keys    Escape: leave");
 }
 
+void drawSyncPatch(int side_px, int level) {
+  const ImVec2 area = ImGui::GetIO().DisplaySize;
+  const auto side = static_cast<float>(side_px);
+  const int code = 255 * level / (kSyncLevels - 1);
+  ImGui::GetForegroundDrawList()->AddRectFilled({area.x - side, area.y - side}, area,
+                                                IM_COL32(code, code, code, 255));
+}
+
 }  // namespace foci

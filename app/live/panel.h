@@ -54,4 +54,11 @@ void drawHelp(bool& open);
 /// @param first  also shows the most important keys, at the lower edge
 void drawNotices(const PanelContent& content, const std::string& notice, bool first);
 
+/// Draws the patch for a photodiode in the lower right corner.
+/// @param level  0 (black) to 3 (white)
+void drawSyncPatch(int side_px, int level);
+
+/// The levels of the patch. With four, a photodiode tells a frame that is missing or shown twice.
+inline constexpr int kSyncLevels = 4;
+
 }  // namespace foci

@@ -77,7 +77,7 @@ LiveRecord::LiveRecord(const fs::path& folder, const Study& study, const Screen&
       markers_(folder_ / "event_markers.tsv", std::ios::binary) {
   changes_ << changesHeader();
   timing_ << "frame\tsample_s\tstate_s\trender_start_s\trender_end_s\tswap_s\trepeats\tfull\t"
-             "landing_to_full_ms";
+             "landing_to_full_ms\tsync_level";
   for (const std::string_view stage : kGpuStages) timing_ << "\tgpu_" << stage << "_ms";
   timing_ << '\n';
   markers_ << "time_s\tmarker\n";
@@ -194,7 +194,8 @@ void LiveRecord::write(const LiveFrame& frame) {
           << '\t';
   const auto landed_ms =
       timing.swap_s ? landings_.add(frame.record, timing.in_full, *timing.swap_s) : std::nullopt;
-  timing_ << (landed_ms ? decimal(*landed_ms, 1) : "n/a");
+  timing_ << (landed_ms ? decimal(*landed_ms, 1) : "n/a") << '\t'
+          << (timing.swap_s ? std::to_string(timing.sync_level) : "n/a");
   for (std::size_t stage = 0; stage < kGpuStages.size(); ++stage) {
     const std::optional<GpuTimes>& gpu = frame.record.stats.gpu;
     timing_ << '\t' << (gpu ? decimal(gpu->stage_ms.at(stage), 3) : "n/a");

@@ -46,6 +46,7 @@ struct FrameTiming {
   double render_start_s = 0.0, render_end_s = 0.0;
   std::optional<double> swap_s;  ///< absent: never shown
   int repeats = 0;               ///< earlier refreshes of the screen that showed an older frame
+  int sync_level = 0;            ///< of the sync patch, 0 to 3
   bool in_full = false;          ///< at full quality: the frame-time budget took nothing away
 };
 

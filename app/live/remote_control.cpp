@@ -79,7 +79,7 @@ std::string answerTo(const std::string& command, LiveRenderer& renderer, const L
     return answerOf(renderer.change(rest.substr(0, key_end),
                                     std::string(trimmed(std::string_view(rest).substr(key_end)))));
   }
-  return "error " + shown(command) + ": expected mark, record, stop, set, state or leave";
+  return "error " + shown(command) + ": expected gaze, mark, record, stop, set, state or leave";
 }
 
 }  // namespace foci

@@ -14,6 +14,7 @@ namespace foci {
 ///   record [NAME]    begins a record in a new folder of that name
 ///   stop             ends the record
 ///   set KEY VALUE    sets a key of the study, as TOML: set observer.pupil_mm 6
+///   gaze TIME X Y    pushes a sample of the gaze; see `PushedSource::push`
 ///   state            answers "ok {...}": time, gaze and focus as JSON
 ///
 /// @return the answer: "ok ..." or "error ..."

@@ -17,8 +17,8 @@
 namespace foci {
 namespace {
 
-constexpr std::size_t kMaxBytes = 1024;
-constexpr int kPatience_ms = 100;  // between two looks at the stop token
+constexpr std::size_t kMaxBytes = 65536;  // the largest datagram
+constexpr int kPatience_ms = 100;         // between two looks at the stop token
 
 sockaddr_in addressOf(const std::string& text) {
   const std::size_t colon = text.rfind(':');

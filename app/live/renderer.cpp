@@ -339,7 +339,7 @@ std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
   frame->image = plain_;
   if (study_.output.marker) {
     auto marked = std::make_shared<Image>(*plain_);
-    drawGazeMarkers(*session_, frame->record, *marked);
+    drawGazeMarkers(session_->gazePoints_px(frame->record), frame->record, *marked);
     frame->image = std::move(marked);
   }
   timing.in_full = frame->record.stats.full_quality && last_method_ == study_.render.method;

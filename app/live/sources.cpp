@@ -16,7 +16,8 @@
 namespace foci {
 namespace {
 
-constexpr double kMouse_Hz = 250.0;  // as a common tracker
+constexpr double kMouse_Hz = 250.0;   // as a common tracker
+constexpr double kPushed_Hz = 500.0;  // between common trackers, 60 to 2000 Hz
 
 std::unique_ptr<LiveSource> openPupil(const std::string& name, const Screen& screen) {
   const std::size_t colon = name.rfind(':');
@@ -67,6 +68,35 @@ class MappedSource final : public LiveSource {
   Screen screen_;
 };
 
+/// Applies the study's gaze map, if there is one, to the samples of a tracker.
+void mapSource(const Study& study, NamedSource& named) {
+  if (!study.gaze.map) return;
+  const GazeCalibration calibration = readGazeCalibration(*study.gaze.map, /*webcam=*/false);
+  const auto* map = std::get_if<GazeMap>(&calibration);
+  if (!map) {
+    throw InputError(study.gaze.map->string(),
+                     "expected a map of foci calibrate gaze: live, both eyes are not corrected");
+  }
+  named.source = std::make_unique<MappedSource>(std::move(named.source), *map, named.screen);
+}
+
+/// `socket` or `socket:RATE`
+void openSocket(const std::string& name, NamedSource& named) {
+  constexpr double kMin_Hz = 5.0, kMax_Hz = 20000.0;  // as of recordings
+  double rate_Hz = kPushed_Hz;
+  if (name != "socket") {
+    const auto rate = parseNumber(name.substr(7));
+    if (!rate || *rate < kMin_Hz || *rate > kMax_Hz) {
+      throw InputError("--source " + shown(name),
+                       "expected socket:RATE, 5 to 20000 samples a second");
+    }
+    rate_Hz = *rate;
+  }
+  auto pushed = std::make_unique<PushedSource>(rate_Hz);
+  named.pushed = pushed.get();
+  named.source = std::move(pushed);
+}
+
 }  // namespace
 
 NamedSource openLiveSource(const std::string& name, const Study& study) {
@@ -84,21 +114,16 @@ NamedSource openLiveSource(const std::string& name, const Study& study) {
     named.source = std::make_unique<TraceSource>(std::move(trace));
   } else if (name.starts_with("pupil:")) {
     named.source = openPupil(name, named.screen);
-    if (study.gaze.map) {
-      const GazeCalibration calibration = readGazeCalibration(*study.gaze.map, /*webcam=*/false);
-      const auto* map = std::get_if<GazeMap>(&calibration);
-      if (!map) {
-        throw InputError(
-            study.gaze.map->string(),
-            "expected a map of foci calibrate gaze: live, both eyes are not corrected");
-      }
-      named.source = std::make_unique<MappedSource>(std::move(named.source), *map, named.screen);
-    }
+    mapSource(study, named);
+  } else if (name == "socket" || name.starts_with("socket:")) {
+    openSocket(name, named);
+    mapSource(study, named);
   } else if (const auto place = webcamPlaceOf(name)) {
     openWebcam(*place, study, named);
   } else {
-    throw InputError("--source " + shown(name),
-                     "expected mouse, trace:FILE, pupil:HOST:PORT or webcam[:N|FILE]");
+    throw InputError(
+        "--source " + shown(name),
+        "expected mouse, trace:FILE, pupil:HOST:PORT, socket[:RATE] or webcam[:N|FILE]");
   }
   return named;
 }

@@ -118,6 +118,7 @@ LiveWindow::LiveWindow(const Study& study, const LiveOptions& options,
     socket_.emplace(options.socket, [this](const std::string& command) {
       if (command == "leave") leaving_ = true;
       if (leaving_) return std::string("ok");
+      if (command.starts_with("gaze ")) return feed_->push(std::string_view(command).substr(5));
       return answerTo(command, *renderer_, clock_);
     });
     std::fprintf(stderr, "listening at port %d\n", socket_->port());
@@ -317,6 +318,10 @@ void LiveWindow::draw() {
   if (panel_) drawPanel(content, controls_, panel_);
   if (help_) drawHelp(help_);
   drawNotices(content, now_s - notice_since_s_ < kNotice_s ? notice_ : "", now_s < kFirst_s);
+  if (frame_ && state.study.output.sync_patch > 0) {
+    if (is_new_) frame_->timing.sync_level = static_cast<int>(summary_.frames % kSyncLevels);
+    drawSyncPatch(state.study.output.sync_patch, frame_->timing.sync_level);
+  }
   window_->end();
   last_swap_s_ = clock_.now_s();
   if (is_new_) shown();
@@ -339,9 +344,11 @@ void LiveWindow::shown() {
   const double render_ms = 1e3 * (timing.render_end_s - timing.render_start_s);
   const double sample_ms = 1e3 * (last_swap_s_ - timing.sample_s.value_or(last_swap_s_));
   summary_.render.add(render_ms);
+  summary_.render_to_swap.add(1e3 * (last_swap_s_ - timing.render_end_s));
   // A silent source has no sample whose age could be told.
   if (timing.sample_s && frame_->record.eye.state != GazeState::lost) {
     summary_.sample_to_swap.add(sample_ms);
+    summary_.sample_to_render.add(1e3 * (timing.render_start_s - *timing.sample_s));
   }
   summary_.landings.add(frame_->record, timing.in_full, last_swap_s_);
   graph_.add(sample_ms, render_ms, 1e3 * (last_swap_s_ - timing.render_end_s));

@@ -1,8 +1,11 @@
 // The ring that shows in an image where the observer looks.
 #pragma once
 
+#include <glm/glm.hpp>
+#include <vector>
+
 #include "app/graphics/image.h"
-#include "app/session/session.h"
+#include "app/session/frame_record.h"
 
 namespace foci {
 
@@ -10,6 +13,8 @@ namespace foci {
 bool isFixating(const FrameRecord& record);
 
 /// Draws a ring for each view of the image.
-void drawGazeMarkers(const Session& session, const FrameRecord& record, Image& image);
+/// @param points_px  `Session::gazePoints_px`
+void drawGazeMarkers(const std::vector<glm::dvec2>& points_px, const FrameRecord& record,
+                     Image& image);
 
 }  // namespace foci

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/platform/machine.h"
+#include "app/platform/version.h"
 #include "app/study/session_settings_of.h"
 
 namespace foci {
@@ -71,7 +72,7 @@ std::string manifestJson(const Study& study, const RunSummary& summary,
   const Machine machine = describeMachine();
   Json manifest = {
       {"program", "foci"},
-      {"version", FOCI_VERSION},
+      {"version", versionText()},
       {"command", facts.command},
       {"study", study.file.string()},
       {"inputs", inputs},

@@ -15,8 +15,8 @@ constexpr int kSheetWidth_px = 480;
 ContactSheet::ContactSheet(std::size_t frames)
     : frames_(frames), count_(std::min(frames, kSheetImages)) {}
 
-void ContactSheet::offer(std::size_t frame, const Session& session, const FrameRecord& record,
-                         const Image& image) {
+void ContactSheet::offer(std::size_t frame, const FrameRecord& record,
+                         const std::vector<glm::dvec2>& points_px, const Image& image) {
   fixating_ = record.eye.state == GazeState::fixation ? fixating_ + 1 : 0;
   const std::size_t stretch = frame * count_ / frames_;
   const bool is_new = stretch >= chosen_.size();
@@ -27,8 +27,7 @@ void ContactSheet::offer(std::size_t frame, const Session& session, const FrameR
   chosen_at_ = frame;
   if (is_new) chosen_.emplace_back();
   best_ = is_new ? 0 : fixating_;
-  chosen_.back() = {record, thumbnail(image, std::min(kSheetWidth_px, image.size_px.x)),
-                    session.gazePoints_px(record)};
+  chosen_.back() = {record, thumbnail(image, std::min(kSheetWidth_px, image.size_px.x)), points_px};
 }
 
 std::vector<SheetImage> ContactSheet::images(const glm::ivec2& image_px) const {

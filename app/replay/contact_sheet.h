@@ -3,11 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <optional>
 #include <vector>
 
 #include "app/graphics/image.h"
-#include "app/session/session.h"
+#include "app/session/frame_record.h"
 
 namespace foci {
 
@@ -26,8 +27,9 @@ class ContactSheet {
  public:
   explicit ContactSheet(std::size_t frames);
 
-  /// @param image  without marker
-  void offer(std::size_t frame, const Session& session, const FrameRecord& record,
+  /// @param points_px  of the gaze, one for each view in the image
+  /// @param image      without marker
+  void offer(std::size_t frame, const FrameRecord& record, const std::vector<glm::dvec2>& points_px,
              const Image& image);
 
   /// @param image_px  size of the offered images

@@ -1,29 +1,41 @@
 // `foci replay`: a recorded gaze goes in, what the eye would have seen comes out.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "app/record/run_summary.h"
+#include "app/replay/run_writer.h"
 #include "app/study/study.h"
-#include "render/scene/io/open_scene.h"
+#include "render/scene/surfel_cloud.h"
 
 namespace foci {
 
-/// The files in `out` that a replay of the study writes. Of images, the numbers are not known
-/// before the run: these are the images that are there already.
-std::vector<std::filesystem::path> replayFiles(const Study& study,
-                                               const std::filesystem::path& out);
+/// The scene of a study, read when it is first needed. The runs of one study share it.
+class ReplayedScene {
+ public:
+  /// @param file  the study's scene file, if it has been read
+  explicit ReplayedScene(std::optional<SceneFile> file = {}) : file_(std::move(file)) {}
+
+  /// @throws InputError
+  const SurfelCloud& of(const Study& study);
+
+ private:
+  std::optional<SceneFile> file_;
+  std::optional<SurfelCloud> cloud_{};
+};
 
 /// Replays the study and writes video.mp4, frames.tsv, events.tsv, manifest.json and report.html to
 /// `out`. If it throws, it leaves no file there, and removes the folder if that is new.
 /// @param command  as typed, for the manifest
 /// @param threads  in use, for the manifest
-/// @param scene    the study's scene file, if it has been read
 /// @throws InputError, std::runtime_error
-RunSummary replay(const Study& study, const std::filesystem::path& out, const std::string& command,
-                  unsigned threads, std::optional<SceneFile> scene = {});
+RunResult replay(const Study& study, const std::filesystem::path& out, const std::string& command,
+                 unsigned threads, ReplayedScene& scene);
+
+/// The same for a study whose scene nothing else needs.
+RunResult replay(const Study& study, const std::filesystem::path& out, const std::string& command,
+                 unsigned threads);
 
 }  // namespace foci

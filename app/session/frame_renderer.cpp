@@ -82,16 +82,39 @@ void FrameRenderer::prepare(const RenderRequest& request) {
   for (const auto& [eye, settings] : request.eyes) method.prepare(eye.view, settings);
 }
 
-void FrameRenderer::render(const RenderRequest& request, RenderedFrame& rendered) {
+void FrameRenderer::pass(const RenderRequest& request) {
+  if (request.eyes.empty()) return;
+  const auto& [eye, asked] = request.eyes.front();  // it decides the level of the others
+  RenderSettings settings = asked;
+  settings.quality.quality_level = qualityLevelFrom(request.method);
   try {
-    renderViews(request, rendered);
+    methodNamed(request.method).pass(eye.view, settings);
   } catch (const GpuError& error) {
     fallBack(error);
-    renderViews(request, rendered);
+    methodNamed(request.method).pass(eye.view, settings);
   }
 }
 
-void FrameRenderer::renderViews(const RenderRequest& request, RenderedFrame& rendered) {
+void FrameRenderer::render(const RenderRequest& request, RenderedFrame& rendered) {
+  renderOnAnyDevice(request, false, rendered);
+}
+
+void FrameRenderer::renderPassed(const RenderRequest& request, RenderedFrame& rendered) {
+  renderOnAnyDevice(request, true, rendered);
+}
+
+void FrameRenderer::renderOnAnyDevice(const RenderRequest& request, bool keep_level,
+                                      RenderedFrame& rendered) {
+  try {
+    renderViews(request, keep_level, rendered);
+  } catch (const GpuError& error) {
+    fallBack(error);
+    renderViews(request, keep_level, rendered);
+  }
+}
+
+void FrameRenderer::renderViews(const RenderRequest& request, bool keep_level,
+                                RenderedFrame& rendered) {
   const bool mono = request.stereo == StereoView::mono;
   const std::optional<QualityLevel> level = qualityLevelFrom(request.method);
   Method& method = methodNamed(request.method);
@@ -101,12 +124,11 @@ void FrameRenderer::renderViews(const RenderRequest& request, RenderedFrame& ren
   rendered.method = request.method;
   rendered.stats = {};
   const auto renders = static_cast<float>(request.eyes.size() * (request.split ? 2 : 1));
-  bool first = true;
   for (const auto& [eye, asked] : request.eyes) {
     RenderSettings settings = asked;
     settings.quality.quality_level = level;
     // Every view of a frame uses the same quality level, so that the log has one value per frame.
-    settings.quality.keep_level = !std::exchange(first, false);
+    settings.quality.keep_level = std::exchange(keep_level, true);
     if (settings.quality.frame_ms) *settings.quality.frame_ms /= renders;
     Frame& seen = mono ? frame : eye_frame_;
     const RenderStats stats = method.render(eye.view, settings, seen);

@@ -56,6 +56,12 @@ class FrameRenderer {
   /// Renders into `rendered.frame`, and fills the rest.
   void render(const RenderRequest& request, RenderedFrame& rendered);
 
+  /// Passes over the request: later frames are as if it had been rendered (`Method::pass`).
+  void pass(const RenderRequest& request);
+
+  /// Renders the request that `pass` was last called with. The renderer is then as after `pass`.
+  void renderPassed(const RenderRequest& request, RenderedFrame& rendered);
+
   /// Takes the time to compute what lets later requests of the same views keep a frame-time budget.
   /// Clones profit, too.
   void prepare(const RenderRequest& request);
@@ -78,7 +84,9 @@ class FrameRenderer {
  private:
   Method& made(const std::string& name);
   void fallBack(const GpuError& error);
-  void renderViews(const RenderRequest& request, RenderedFrame& rendered);
+  /// @param keep_level  the first view, too, is rendered at the level of the last render
+  void renderViews(const RenderRequest& request, bool keep_level, RenderedFrame& rendered);
+  void renderOnAnyDevice(const RenderRequest& request, bool keep_level, RenderedFrame& rendered);
 
   const SurfelCloud* cloud_;
   SharedGpu gpu_;

@@ -77,6 +77,7 @@ void Session::restart(double start_s) {
   pupil_ = ObserverPupil(settings_);
   renderer_ = renderer_.cloneSharingScene();  // methods may remember the frame before
   last_.request = {};
+  passed_ = false;
   rendered_eye_.reset();
 }
 
@@ -257,8 +258,24 @@ const Frame& Session::render(const std::string& method, FrameRecord& record) {
   return render(request, record);
 }
 
+void Session::pass(const std::string& method, FrameRecord& record) {
+  if (settings_.observer.pupil == PupilModel::luminance) {
+    render(method, record);
+    return;
+  }
+  const RenderRequest request = requestOf(method, record);
+  if (last_.request == request) return;
+  renderer_.pass(request);
+  last_.request = request;
+  full_quality_ = false;
+  passed_ = returned_ = true;
+}
+
 const Frame& Session::render(const RenderRequest& request, FrameRecord& record,
                              bool again_is_useless) {
+  if (std::exchange(passed_, false) && last_.request == request) {
+    renderer_.renderPassed(request, last_);
+  }
   const bool done =
       again_is_useless || full_quality_ || isUnseen(record) || !request.hasTimeBudget();
   if (done && last_.request == request && !isIncremental(request.method)) {
@@ -279,7 +296,7 @@ void Session::adopt(const RenderRequest& request, RenderedFrame&& rendered) {
   last_ = std::move(rendered);
   last_.request = request;
   full_quality_ = true;
-  returned_ = false;
+  returned_ = passed_ = false;
 }
 
 std::vector<glm::dvec2> Session::gazePoints_px(const FrameRecord& record) const {

@@ -73,6 +73,11 @@ class Session {
   /// does not move.
   const Frame& render(const std::string& method, FrameRecord& record);
 
+  /// Passes over a frame: the next frames are as if this one had been rendered. `record` gets no
+  /// method and no stats. Renders if the pupil follows luminance. Not for a method that goes on
+  /// with the frame before (`isIncremental`), nor under a frame-time budget.
+  void pass(const std::string& method, FrameRecord& record);
+
   /// Whether a frame of the request at full quality has been adopted.
   bool hasFullQuality(const RenderRequest& request) const {
     return full_quality_ && last_.request == request;
@@ -120,6 +125,7 @@ class Session {
   RenderedFrame last_;
   bool full_quality_ = false;  // of the last frame, which was adopted
   bool returned_ = false;      // the last frame was, by `render`
+  bool passed_ = false;        // the last request was: it has no frame yet
   Frame sharp_;                // what an eye sees whose pupil follows luminance
 };
 

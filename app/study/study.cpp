@@ -33,6 +33,10 @@ void takeMonitor(Study& study) {
 
 }  // namespace
 
+bool decidesAngles(std::string_view key) {
+  return key.starts_with("screen.") && key != "screen.gamma" && key != "screen.luminance_cd_m2";
+}
+
 Study readStudy(const std::filesystem::path& file) {
   const toml::value document = readToml(file);
   Study study;
@@ -71,11 +75,7 @@ Study readStudy(const std::filesystem::path& file) {
     resolve(trace, folder);
     study.gaze.source = trace.string();
   }
-  study.screen.is_default = std::none_of(given.begin(), given.end(), [](const std::string& name) {
-    // Only keys that decide angles count.
-    return name.starts_with("screen.") && name != "screen.gamma" &&
-           name != "screen.luminance_cd_m2";
-  });
+  study.screen.is_default = std::none_of(given.begin(), given.end(), decidesAngles);
   takeMonitor(study);
   return study;
 }

@@ -88,6 +88,7 @@ struct Study {
     double fps = 30.0;
     std::optional<glm::dvec2> seconds;  ///< from, to, after the recording's first sample
     bool marker = false;
+    int sync_patch = 0;  ///< side of the patch for a photodiode in foci live, px; 0: none
     bool split = false;
     bool images = false;  ///< every frame as a PNG, too
     StereoView view = StereoView::mono;
@@ -124,6 +125,12 @@ void setKey(Study& study, std::string_view key, const std::string& toml, const s
 /// @param option  for messages, e.g. "--pupil 40"
 void overrideKey(Study& study, std::string_view key, const OptionValue& value,
                  const std::string& option);
+
+/// Sets a key as `--set KEY=VALUE` does. The value is TOML, or a plain text. A key replaces the
+/// keys that a study may not have beside it, as scene.builtin does scene.file. A file's name is
+/// relative to the current folder.
+/// @throws InputError
+void setKeyByOption(Study& study, const std::string& assignment);
 
 /// Checks what several keys decide together: that the scene has an eye pose, that the path is
 /// ordered, and so on. Called after the last override.

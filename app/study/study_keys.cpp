@@ -199,6 +199,10 @@ const std::vector<Key<Study>>& studyKeys() {
                "begin and end, after the recording's first sample, s", {0, 1e6}),
       FOCI_KEY(output.marker, "output.marker", "shows where the observer looks"),
       FOCI_KEY(output.split, "output.split", "left half sharp, right half as the eye sees it"),
+      FOCI_KEY(output.sync_patch, "output.sync_patch",
+               "side of the patch in the lower right corner of foci live, px, whose brightness "
+               "follows the frame number, for a photodiode; 0: none",
+               {0, 1000}),
       FOCI_KEY(output.images, "output.images", "also saves every frame as a PNG"),
       FOCI_KEY(output.view, "output.view",
                "one eye in the middle, or both: left beside right, left above right, left red",

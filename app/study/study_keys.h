@@ -23,6 +23,9 @@ KeyNames setKeys(Study& study, const toml::table& table, const std::string& file
 /// Sets one key, which the table must have (asserted). @throws Expected
 void setKey(Study& study, std::string_view key, const toml::value& value);
 
+/// Whether a key of the screen decides angles: with it, the study names its screen.
+bool decidesAngles(std::string_view key);
+
 /// A text from outside, made printable and short for a message.
 std::string shownName(std::string_view name);
 

@@ -87,6 +87,12 @@ class AutoMethod final : public Method {
     return stats;
   }
 
+  void passFrame(const View& view, const RenderSettings& settings) override {
+    if (forced_ || settings.quality.quality_level || settings.quality.keep_level) return;
+    last_view_ = unblurred(view, settings);
+    last_level_ = choose(last_view_, settings, maxBlur_px(view, settings.defocus));
+  }
+
  private:
   /// A level's settings under the observer's acuity.
   static LodSettings lodOf(const LevelSettings& level, const Quality& quality) {

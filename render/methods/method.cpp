@@ -60,6 +60,24 @@ const MethodInfo& infoOf(std::string_view spec) {
   return choice.entry->info;
 }
 
+constexpr int kRed = 0, kGreen = 1, kBlue = 2;
+/// Blue is the most out of focus and decides the quality level of all channels.
+constexpr int kFirstChannel = kBlue;
+
+bool isColored(const Defocus& lens) {
+  return lens.chromatic_D != glm::vec3(0.0f) && lens.radius_px_per_D != glm::vec2(0.0f);
+}
+
+/// The settings of one colour channel of a lens with chromatic aberration.
+RenderSettings channelOf(const RenderSettings& settings, int channel) {
+  RenderSettings of_channel = settings;
+  of_channel.defocus.chromatic_D = glm::vec3(0.0f);
+  if (of_channel.quality.frame_ms) *of_channel.quality.frame_ms /= 3.0f;
+  of_channel.defocus.focus_D = settings.defocus.focus_D + settings.defocus.chromatic_D[channel];
+  of_channel.quality.keep_level = settings.quality.keep_level || channel != kFirstChannel;
+  return of_channel;
+}
+
 }  // namespace
 
 void RenderStats::add(const RenderStats& other) {
@@ -85,29 +103,25 @@ void RenderStats::add(const RenderStats& other) {
 RenderStats Method::render(const View& view, const RenderSettings& settings, Frame& frame) {
   const auto start = std::chrono::steady_clock::now();
   frame.resize(view.size_px, settings.depth);
-  const Defocus& lens = settings.defocus;
-  const bool colored =
-      lens.chromatic_D != glm::vec3(0.0f) && lens.radius_px_per_D != glm::vec2(0.0f);
-  RenderStats stats =
-      colored ? renderChannels(view, settings, frame) : renderFrame(view, settings, frame);
+  RenderStats stats = isColored(settings.defocus) ? renderChannels(view, settings, frame)
+                                                  : renderFrame(view, settings, frame);
   stats.ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return stats;
 }
 
+void Method::pass(const View& view, const RenderSettings& settings) {
+  RenderSettings first = settings;
+  if (isColored(settings.defocus)) first = channelOf(settings, kFirstChannel);
+  passFrame(view, first);
+}
+
 RenderStats Method::renderChannels(const View& view, const RenderSettings& settings, Frame& frame) {
-  constexpr int kRed = 0, kGreen = 1, kBlue = 2;
-  RenderSettings of_channel = settings;
-  of_channel.defocus.chromatic_D = glm::vec3(0.0f);
-  if (of_channel.quality.frame_ms) *of_channel.quality.frame_ms /= 3.0f;
   std::vector<glm::vec2> red_blue(frame.rgba.size());
   RenderStats all;
-  // Blue goes first: it is the most out of focus and decides the quality level of all channels.
   // Green goes last: it carries most of the light, so coverage and depth are those of green.
-  for (const int channel : {kBlue, kRed, kGreen}) {
-    of_channel.defocus.focus_D = settings.defocus.focus_D + settings.defocus.chromatic_D[channel];
-    of_channel.quality.keep_level = settings.quality.keep_level || channel != kBlue;
-    all.add(renderFrame(view, of_channel, frame));
+  for (const int channel : {kFirstChannel, kRed, kGreen}) {
+    all.add(renderFrame(view, channelOf(settings, channel), frame));
     if (channel == kGreen) break;
     for (std::size_t p = 0; p < red_blue.size(); ++p) {
       red_blue[p][channel == kRed ? 0 : 1] = frame.rgba[p][channel];

@@ -92,7 +92,14 @@ class Method {
   /// one (`Quality::frame_ms`). Clones profit too.
   virtual void prepare(const View& /*view*/, const RenderSettings& /*settings*/) {}
 
+  /// Passes over a frame: later frames are as if this one had been rendered. Not for a method that
+  /// goes on with the frame before (`MethodInfo::incremental`), nor under a frame-time budget.
+  void pass(const View& view, const RenderSettings& settings);
+
  private:
+  /// `pass` for a lens without chromatic aberration.
+  virtual void passFrame(const View& /*view*/, const RenderSettings& /*settings*/) {}
+
   RenderStats renderChannels(const View& view, const RenderSettings& settings, Frame& frame);
 
   /// Renders into `frame`, which already has the view's size, and depth where the settings ask for

@@ -190,6 +190,40 @@ def lose_a_pupil_core(observer, foci, out, pupil):
     leave(program, experiment)
 
 
+def push_gaze(observer, foci, out, seconds=6):
+    """Gaze of another program at 1000 Hz, ten samples in a datagram: none is lost, and focus follows it."""
+    record = out + "/pushed"
+    program, experiment = start(observer, foci, out + "/study.toml", "--source", "socket:1000", "--record", record,
+                                "--set", "output.sync_patch=40")
+    experiment.until(lambda s: s["record"], "recording")
+    begin, sent = time.time(), 0
+    while sent < 1000 * seconds:
+        if time.time() < begin + sent / 1000:
+            time.sleep(0.001)
+            continue
+        place = NEAR if sent < 500 * seconds else FAR
+        samples = ";".join(f"{7000 + (sent + i) / 1000:.3f} {place[0] * 1920} {place[1] * 1080} 3.5" for i in range(10))
+        assert experiment.ask("gaze " + samples) == "ok 10"
+        sent += 10
+    corner, begin = set(), time.time()
+    while len(corner) < 4 and time.time() - begin < 30:  # the patch takes each of its levels
+        corner.add(observer.pixels()[2][SIZE[1] - 5][3 * (SIZE[0] - 5)])
+        assert experiment.ask(f"gaze {7000 + sent / 1000:.3f} {FAR[0] * 1920 + sent % 2} {FAR[1] * 1080} 3.5") == "ok 1"
+        sent += 1
+    assert corner == {0, 85, 170, 255}, corner
+    state = experiment.state()
+    print("pushed", sent, state)
+    assert abs(state["focus_D"] - 1 / state["surface_distance_m"]) < 0.1 and state["focus_D"] < 1, state
+    assert experiment.ask("gaze 1 2").startswith("error gaze"), "a sample without y"
+    experiment.until(lambda s: s["gaze_state"] == "lost", "without gaze")
+    assert experiment.ask("stop") == "ok"
+    leave(program, experiment)
+    gaze = [float(row[0]) for row in table(record + "/gaze.tsv")[2:] if row[1] != "n/a"]  # below two lines of header
+    assert len(gaze) == sent, (len(gaze), sent)
+    steps = sorted(b - a for a, b in zip(gaze, gaze[1:]))
+    assert abs(steps[len(steps) // 2] - 0.001) < 1e-5, steps[len(steps) // 2]
+
+
 def kill_the_program(observer, foci, out):
     record = out + "/killed"
     program, experiment = start(observer, foci, out + "/plane.toml", "--record", record)
@@ -221,7 +255,7 @@ def main():
             observer.close()
 
     # Two observers play at the same time, each before a display of their own.
-    others = [(lose_the_tracker,), (kill_the_program,)]
+    others = [(lose_the_tracker,), (push_gaze,), (kill_the_program,)]
     if len(sys.argv) > 4:
         others.append((lose_a_pupil_core, sys.argv[4]))
     with concurrent.futures.ThreadPoolExecutor() as pool:

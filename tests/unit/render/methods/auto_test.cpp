@@ -197,6 +197,29 @@ TEST_F(AutoTest, DoesNotFlickerBetweenLevels) {
   EXPECT_GE(levels.size(), 2u);
 }
 
+// The level depends on the frames before: a level is left later than it is entered, and the squares
+// are kept for a while.
+TEST_F(AutoTest, APassedFrameCountsAsARenderedOne) {
+  const auto rendering = makeMethod("auto", cloud);
+  int fresh_differs = 0;
+  for (int step = 0; step < 24; ++step) {
+    const auto asked = [&](int at) {
+      return settings(4.0f * std::pow(1.15f, static_cast<float>(at < 12 ? at : 23 - at)));
+    };
+    Frame frame, after_passing, fresh_frame;
+    const RenderStats stats = rendering->render(view, asked(step), frame);
+    const auto passing = makeMethod("auto", cloud), fresh = makeMethod("auto", cloud);
+    for (int i = 0; i < step; ++i) passing->pass(view, asked(i));
+    const RenderStats passed = passing->render(view, asked(step), after_passing);
+    EXPECT_EQ(passed.quality_level, stats.quality_level) << step;
+    EXPECT_EQ(passed.tolerance_error, stats.tolerance_error) << step;
+    EXPECT_EQ(after_passing.rgba, frame.rgba) << step;
+    fresh_differs +=
+        fresh->render(view, asked(step), fresh_frame).tolerance_error != stats.tolerance_error;
+  }
+  EXPECT_GT(fresh_differs, 0);
+}
+
 TEST_F(AutoTest, IsSoftUnderAShortBudgetUntilTheViewIsPrepared) {
   const auto method = makeMethod("auto", cloud);
   RenderSettings hurried = settings(40.0f, 0.1f);

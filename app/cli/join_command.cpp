@@ -1,0 +1,60 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/cli/commands.h"
+#include "app/cli/option_values.h"
+#include "app/cli/summary_text.h"
+#include "app/platform/output_files.h"
+#include "app/record/manifest.h"
+#include "app/replay/join.h"
+
+namespace foci {
+namespace {
+
+struct JoinOptions {
+  std::vector<std::string> parts{};
+  std::string out{};
+  bool json = false, overwrite = false;
+};
+
+void runJoin(const JoinOptions& options, const std::string& command_line) {
+  std::vector<Part> parts;
+  for (const std::string& folder : options.parts) parts.push_back(readPart(folder));
+  parts = inOrder(std::move(parts));
+  const Study study = studyOf(parts.front());
+  std::vector<std::filesystem::path> inputs;
+  for (const Part& part : parts) {
+    for (auto& file : partFiles(part.folder)) inputs.push_back(std::move(file));
+    for (const InputFile& input : part.inputs) inputs.push_back(input.path);
+  }
+  checkOutputs(RunWriter::files(study, options.out), inputs, options.overwrite);
+  const RunResult run = join(parts, study, options.out, command_line);
+  std::puts((options.json ? summaryJson(run.summary) : summaryText(run.summary)).c_str());
+}
+
+}  // namespace
+
+void addJoinCommand(CLI::App& app, const std::string& command_line) {
+  const auto options = std::make_shared<JoinOptions>();
+  CLI::App* command =
+      app.add_subcommand("join",
+                         "Join the parts of a run: the same files as one replay writes.\n"
+                         "Example: foci join out/part-* --out out/run");
+  command
+      ->add_option("PARTS", options->parts, "folders that foci replay --frames wrote, in any order")
+      ->type_name("DIR")
+      ->required();
+  command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
+  command->add_flag("--json", options->json, "print the summary as JSON");
+  addOverwriteFlag(*command, options->overwrite);
+  command->callback([options, command, command_line] {
+    refuseEmptyValues(*command);
+    runJoin(*options, command_line);
+  });
+}
+
+}  // namespace foci

@@ -1,0 +1,189 @@
+#include "app/cli/manual.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+
+#include "app/platform/version.h"
+#include "app/study/study.h"
+
+namespace foci {
+namespace {
+
+std::vector<const CLI::App*> commandsByName(const CLI::App& app) {
+  std::vector<const CLI::App*> commands = app.get_subcommands([](const CLI::App*) { return true; });
+  std::ranges::sort(commands, {}, [](const CLI::App* command) { return command->get_name(); });
+  return commands;
+}
+
+/// A text for roff: `\` and `-` escaped, and no line that begins with a request.
+std::string roff(const std::string& text) {
+  std::string escaped;
+  bool line_start = true;
+  for (const char c : text) {
+    if (line_start && (c == '.' || c == '\'')) escaped += "\\&";
+    if (c == '\\') {
+      escaped += "\\e";
+    } else if (c == '-') {
+      escaped += "\\-";
+    } else {
+      escaped += c;
+    }
+    line_start = c == '\n';
+  }
+  return escaped;
+}
+
+/// The description without its examples, and the examples.
+struct Description {
+  std::string text, examples;
+};
+
+Description descriptionOf(const CLI::App& app) {
+  const std::string all = app.get_description();
+  const std::size_t at = all.find("\nExample: ");
+  if (at == std::string::npos) return {all, ""};
+  return {all.substr(0, at), all.substr(at + 10)};
+}
+
+bool takesValue(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
+
+std::string optionEntry(const CLI::Option& option) {
+  const bool positional = option.get_positional() && option.get_lnames().empty();
+  std::string names = positional ? option.get_name(true) : option.get_name(false, true);
+  std::string entry = ".TP\n\\fB" + roff(names) + "\\fR";
+  if (takesValue(option) && !positional) entry += " \\fI" + roff(option.get_type_name()) + "\\fR";
+  return entry + "\n" + roff(option.get_description()) + "\n";
+}
+
+std::string synopsis(const std::string& name, const CLI::App& app) {
+  std::string text = ".B " + roff(name) + "\n";
+  if (!commandsByName(app).empty()) text += "\\fICOMMAND\\fR\n";
+  bool options = false;
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_positional()) {
+      options = true;
+      continue;
+    }
+    text += "\\fI" + roff(option->get_name(true)) + "\\fR" +
+            (option->get_items_expected_max() > 1 ? "...\n" : "\n");
+  }
+  return text + (options ? "[\\fIOPTIONS\\fR]\n" : "");
+}
+
+/// @param name  "foci replay"
+std::string manPage(const std::string& name, const CLI::App& app) {
+  std::string title = name;
+  std::ranges::replace(title, ' ', '-');
+  std::string upper = title;
+  std::ranges::transform(upper, upper.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  const Description description = descriptionOf(app);
+  const std::string first = description.text.substr(0, description.text.find('\n'));
+  std::string page = ".TH \"" + roff(upper) + "\" 1 \"\" \"foci " + roff(versionText()) +
+                     "\" \"foci\"\n.SH NAME\n" + roff(title) + " \\- " + roff(first) +
+                     "\n.SH SYNOPSIS\n" + synopsis(name, app) + ".SH DESCRIPTION\n" +
+                     roff(description.text) + "\n";
+  const auto commands = commandsByName(app);
+  if (!commands.empty()) page += ".SH COMMANDS\n";
+  for (const CLI::App* command : commands) {
+    page += ".TP\n\\fB" + roff(title + "-" + command->get_name()) + "\\fR(1)\n" +
+            roff(descriptionOf(*command).text) + "\n";
+  }
+  page += ".SH OPTIONS\n";
+  for (const CLI::Option* option : app.get_options()) page += optionEntry(*option);
+  if (!description.examples.empty()) {
+    page += ".SH EXAMPLES\n.nf\n" + roff(description.examples) + "\n.fi\n";
+  }
+  page +=
+      ".SH EXIT STATUS\n0: done. 1: the run failed. 2: bad input; one line says what and what to "
+      "do.\n";
+  if (name != "foci") page += ".SH SEE ALSO\n\\fBfoci\\fR(1)\n";
+  return page;
+}
+
+void addPages(const std::string& name, const CLI::App& app, std::vector<ManualFile>& files) {
+  std::string title = name;
+  std::ranges::replace(title, ' ', '-');
+  files.emplace_back("man1/" + title + ".1", manPage(name, app));
+  for (const CLI::App* command : commandsByName(app)) {
+    addPages(name + " " + command->get_name(), *command, files);
+  }
+}
+
+/// The options of a command, then the names of its own commands.
+std::string wordsOf(const CLI::App& app) {
+  std::string words;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) words += " --" + name;
+  }
+  for (const CLI::App* command : commandsByName(app)) words += " " + command->get_name();
+  return words.empty() ? words : words.substr(1);
+}
+
+/// One line of a bash `case`: the words after these commands.
+void addCases(const std::string& name, const CLI::App& app, std::string& script) {
+  const auto commands = commandsByName(app);
+  script += "    \"" + name + "\") words=\"" + wordsOf(app) + "\"";
+  if (!commands.empty()) script += " group=yes";
+  script += " ;;\n";
+  for (const CLI::App* command : commands) {
+    addCases(name + " " + command->get_name(), *command, script);
+  }
+}
+
+void addNames(const std::string& name, const CLI::App& app, std::string& names) {
+  names += "|" + name;
+  for (const CLI::App* command : commandsByName(app)) {
+    addNames(name + " " + command->get_name(), *command, names);
+  }
+}
+
+/// Commands, options, and the keys after --set; other values are files.
+std::string bashCompletion(const CLI::App& app) {
+  std::string cases, names, keys;
+  addCases("foci", app, cases);
+  addNames("foci", app, names);
+  for (const ResolvedKey& key : resolvedKeys(Study{})) keys += " " + std::string(key.name) + "=";
+  return "# Completion of foci for bash, written by `foci manual`.\n"
+         "_foci() {\n"
+         "  local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}\n"
+         "  local name=foci words= group= word i\n"
+         "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
+         "    word=${COMP_WORDS[i]}\n"
+         "    case \"" +
+         names.substr(1) +
+         "|\" in *\"$name $word|\"*) name=\"$name $word\" ;; esac\n"
+         "  done\n"
+         "  COMPREPLY=()\n"
+         "  if [[ $before == --set ]]; then\n"
+         "    compopt -o nospace 2>/dev/null\n"
+         "    COMPREPLY=($(compgen -W \"" +
+         keys.substr(1) +
+         "\" -- \"$current\"))\n"
+         "    return\n"
+         "  fi\n"
+         "  case \"$name\" in\n" +
+         cases +
+         "  esac\n"
+         "  if [[ $current == -* || -n $group ]]; then\n"
+         "    COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
+         "  else\n"
+         "    local IFS=$'\\n'\n"
+         "    compopt -o filenames 2>/dev/null\n"
+         "    COMPREPLY=($(compgen -f -- \"$current\"))\n"
+         "  fi\n"
+         "}\n"
+         "complete -F _foci foci\n";
+}
+
+}  // namespace
+
+std::vector<ManualFile> manualOf(const CLI::App& app) {
+  std::vector<ManualFile> files;
+  addPages("foci", app, files);
+  files.emplace_back("completions/foci", bashCompletion(app));
+  return files;
+}
+
+}  // namespace foci

@@ -1,0 +1,12 @@
+// The summary of a run for people.
+#pragma once
+
+#include <string>
+
+#include "app/record/run_summary.h"
+
+namespace foci {
+
+std::string summaryText(const RunSummary& summary);
+
+}  // namespace foci

@@ -1,0 +1,119 @@
+#include "app/replay/join.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "app/platform/interrupt.h"
+#include "app/platform/progress.h"
+#include "app/replay/replay_inputs.h"
+#include "base/input_error.h"
+
+namespace foci {
+namespace {
+
+bool sameInputs(const Part& a, const Part& b) {
+  return std::ranges::equal(a.inputs, b.inputs, {}, &InputFile::sha256, &InputFile::sha256);
+}
+
+/// @throws InputError unless `part` belongs to the same run as `first`
+void requireSameRun(const Part& first, const Part& part) {
+  const std::string both = first.folder.string() + " and " + part.folder.string();
+  if (part.version != first.version) {
+    throw InputError(both, "rendered by foci " + first.version + " and " + part.version +
+                               "; expected one version");
+  }
+  if (part.configuration != first.configuration || part.frames != first.frames) {
+    throw InputError(both, "have different studies; expected parts of one run");
+  }
+  if (!sameInputs(first, part)) {
+    throw InputError(both, "have input files with different contents; expected parts of one run");
+  }
+}
+
+std::string framesText(std::size_t first, std::size_t end) {
+  return std::to_string(first) + ":" + std::to_string(end);
+}
+
+/// The devices of the parts, each once.
+std::string devicesOf(const std::vector<Part>& parts) {
+  std::vector<std::string> devices;
+  for (const Part& part : parts) {
+    if (std::ranges::find(devices, part.device) == devices.end()) devices.push_back(part.device);
+  }
+  std::string text;
+  for (const std::string& device : devices) {
+    if (!text.empty()) text += "; ";
+    text += device;
+  }
+  if (devices.size() > 1) {
+    std::fprintf(stderr, "foci: the parts were rendered on %s: they may differ in rounding\n",
+                 text.c_str());
+  }
+  return text;
+}
+
+/// Times on the recording's clock tell whether the recording is still the one that was rendered.
+void requireSameTimes(const Part& part, const Schedule& schedule) {
+  for (std::size_t i = 0; i < part.all.size(); ++i) {
+    const std::size_t frame = part.span.first + i;
+    if (frame < schedule.frames && part.all[i].seen.record.time_s == schedule.time_s(frame))
+      continue;
+    throw InputError(part.folder.string(),
+                     "has other times than the recording; render the part again");
+  }
+}
+
+}  // namespace
+
+std::vector<Part> inOrder(std::vector<Part> parts) {
+  std::ranges::sort(parts, {}, [](const Part& part) { return part.span.first; });
+  std::size_t next = 0;
+  for (const Part& part : parts) {
+    requireSameRun(parts.front(), part);
+    if (part.span.first > next) {
+      throw InputError("frames " + framesText(next, part.span.first), "are in none of the parts");
+    }
+    if (part.span.first < next) {
+      throw InputError(part.folder.string(),
+                       "frames " + framesText(part.span.first, std::min(next, part.span.end)) +
+                           " are in another part, too");
+    }
+    next = part.span.end;
+  }
+  if (next < parts.front().frames) {
+    throw InputError("frames " + framesText(next, parts.front().frames),
+                     "are in none of the parts");
+  }
+  return parts;
+}
+
+RunResult join(const std::vector<Part>& parts, const Study& study, const std::filesystem::path& out,
+               const std::string& command) {
+  const ReplayedGaze gaze = readReplayedGaze(study);
+  const Study stated = statedStudyOf(parts.front());
+  for (const Part& part : parts) requireSameTimes(part, gaze.schedule);
+  noteInterrupts();
+  RunWriter writer(stated, gaze, out);
+  Progress progress("joining", "frames", gaze.schedule.frames);
+  RunFacts facts{.command = command,
+                 .threads = parts.front().threads,
+                 .device = devicesOf(parts),
+                 .inputs = parts.front().inputs};
+  std::size_t frame = 0;
+  Image image;
+  for (const Part& part : parts) {
+    for (const PartFrame& each : part.all) {
+      throwIfInterrupted();
+      if (!each.image.empty()) image = imageOf(part, each);
+      if (image.size_px != study.imageSize_px()) {
+        throw InputError(part.folder.string(), "has images of another size than the study");
+      }
+      writer.add(frame++, each.seen, image);
+      progress.advance(frame);
+    }
+  }
+  return writer.finish(facts);
+}
+
+}  // namespace foci

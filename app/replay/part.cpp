@@ -1,0 +1,218 @@
+#include "app/replay/part.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "app/graphics/image.h"
+#include "app/platform/interrupt.h"
+#include "app/platform/json_text.h"
+#include "app/platform/progress.h"
+#include "app/platform/sha256.h"
+#include "app/platform/version.h"
+#include "app/replay/part_json.h"
+#include "app/replay/replayed_eye.h"
+#include "app/replay/run_writer.h"
+#include "app/study/study_text.h"
+#include "base/input_error.h"
+#include "gaze/webcam/webcam_frames.h"
+
+namespace foci {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char *kPart = "part.json", *kStudy = "study.toml";
+
+/// The keys that name files.
+constexpr const char* kFileKeys[] = {"scene.file",     "screen.monitor", "gaze.source",
+                                     "gaze.map",       "gaze.camera",    "record.frames",
+                                     "record.changes", "record.markers"};
+
+std::string spanText(const FrameSpan& span) {
+  return std::to_string(span.first) + ":" + std::to_string(span.end);
+}
+
+/// The configuration without what may differ between the parts of a run.
+std::string configurationOf(const Study& study) {
+  Json all = Json::object();
+  for (const ResolvedKey& key : resolvedKeys(study)) {
+    all[std::string(key.name)] = Json::parse(key.json, nullptr, false);
+  }
+  return jsonText(all);
+}
+
+/// A study that reads back in any folder.
+std::string portableToml(const Study& study) {
+  Study moved = study;
+  for (auto* path : {&moved.record.frames, &moved.record.changes, &moved.record.markers}) {
+    if (*path) **path = std::filesystem::absolute(**path);
+  }
+  std::error_code ignored;
+  const auto place = webcamPlaceOf(moved.gaze.source);
+  const std::filesystem::path file = place ? place->file : std::filesystem::path(moved.gaze.source);
+  if (std::filesystem::exists(file, ignored)) {
+    moved.gaze.source = (place ? "webcam:" : "") + std::filesystem::absolute(file).string();
+  }
+  return studyToml(moved);
+}
+
+Json headOf(const Study& study, const FrameSpan& span, std::size_t frames, unsigned threads,
+            const std::string& device) {
+  Json inputs = Json::array();
+  for (const InputFile& input : hashedInputs(study)) {
+    inputs.push_back({{"path", input.path.string()}, {"sha256", input.sha256}});
+  }
+  return {{"program", "foci"},
+          {"version", versionText()},
+          {"first", span.first},
+          {"end", span.end},
+          {"frames", frames},
+          {"study", study.file.string()},
+          {"screen_is_default", study.screen.is_default},
+          {"configuration", configurationOf(study)},
+          {"threads", threads},
+          {"device", device},
+          {"inputs", inputs}};
+}
+
+/// The part of the span that the run has.
+FrameSpan within(const FrameSpan& span, std::size_t frames) {
+  if (span.first >= frames) {
+    throw InputError("--frames " + spanText(span),
+                     "the run has frames 0 to " + std::to_string(frames - 1));
+  }
+  return {span.first, std::min(span.end, frames)};
+}
+
+/// Renders the frames of the span, and stages each new image.
+Json renderSpan(ReplayedEye& eye, const FrameSpan& span, OutputFolder& folder) {
+  Json frames = Json::array();
+  Progress progress("rendering", "frames", span.end);
+  for (std::size_t i = 0; i < span.end; ++i) {
+    throwIfInterrupted();
+    if (i < span.first) {
+      eye.pass(i);
+      continue;
+    }
+    PartFrame frame;
+    const Frame& seen = eye.see(i, frame.seen);
+    eye.requireParts(i);
+    if (frame.seen.record.rendered || i == span.first) {
+      const Image image = imageOf(seen, eye.study().screen.gamma);
+      const auto png = pngOf(image);
+      frame.image = imageFileName(i);
+      Sha256 hash;
+      hash.add(image.rgb);
+      frame.sha256 = hash.hex();
+      folder.write(frame.image, {png.begin(), png.end()});
+    }
+    frames.push_back(jsonOf(frame));
+    progress.advance(i + 1);
+  }
+  return frames;
+}
+
+std::string bytesOf(const std::filesystem::path& file) {
+  requireRegularFile(file);
+  std::ifstream in(file, std::ios::binary);
+  if (!in)
+    throw InputError(file.string(), "cannot be read; expected what foci replay --frames wrote");
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> partFiles(const std::filesystem::path& out) {
+  std::vector<std::filesystem::path> files = imagesIn(out);
+  files.push_back(out / kPart);
+  files.push_back(out / kStudy);
+  return files;
+}
+
+FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::filesystem::path& out,
+                     unsigned threads, ReplayedScene& scene) {
+  const ReplayedGaze gaze = readReplayedGaze(study);
+  const FrameSpan own = within(span, gaze.schedule.frames);
+  ReplayedEye eye(study, gaze, scene.of(study));
+  noteInterrupts();
+  OutputFolder folder(out);
+  eye.sayDevice();
+  Json frames = renderSpan(eye, own, folder);
+  Json part = headOf(study, own, gaze.schedule.frames, threads,
+                     eye.session().deviceOf(study.render.method));
+  part["frames_seen"] = std::move(frames);
+  folder.write(kStudy, portableToml(study));
+  folder.write(kPart, jsonText(part) + "\n");
+  folder.commit();
+  return own;
+}
+
+Part readPart(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / kPart;
+  const std::string text = bytesOf(file);
+  Part part;
+  part.folder = folder;
+  try {
+    const Json json = Json::parse(text);
+    part.version = json.at("version").get<std::string>();
+    part.configuration = json.at("configuration").get<std::string>();
+    part.span = {json.at("first").get<std::size_t>(), json.at("end").get<std::size_t>()};
+    part.frames = json.at("frames").get<std::size_t>();
+    part.screen_is_default = json.at("screen_is_default").get<bool>();
+    part.study_file = json.at("study").get<std::string>();
+    part.threads = json.at("threads").get<unsigned>();
+    part.device = json.at("device").get<std::string>();
+    for (const Json& input : json.at("inputs")) {
+      part.inputs.push_back(
+          {input.at("path").get<std::string>(), input.at("sha256").get<std::string>()});
+    }
+    for (const Json& frame : json.at("frames_seen")) part.all.push_back(partFrameOf(frame));
+    const Json configuration = Json::parse(part.configuration);
+    for (const char* key : kFileKeys) static_cast<void>(configuration.at(key));
+  } catch (const std::exception&) {
+    throw InputError(file.string(), "expected what foci replay --frames wrote");
+  }
+  const auto bad = [](const PartFrame& frame) {
+    return std::filesystem::path(frame.image).filename() != frame.image;
+  };
+  if (part.span.first >= part.span.end || part.span.end > part.frames ||
+      part.all.size() != part.span.end - part.span.first || part.all.front().image.empty() ||
+      std::any_of(part.all.begin(), part.all.end(), bad)) {
+    throw InputError(file.string(), "expected what foci replay --frames wrote");
+  }
+  return part;
+}
+
+Study studyOf(const Part& part) {
+  Study study = readStudy(part.folder / kStudy);
+  study.file = part.study_file;
+  study.screen.is_default = part.screen_is_default;
+  return study;
+}
+
+Study statedStudyOf(const Part& part) {
+  Study study = studyOf(part);
+  const Json configuration = Json::parse(part.configuration);
+  for (const char* key : kFileKeys) {
+    setKey(study, key, configuration.at(key).dump(), part.folder / kPart);
+  }
+  return study;
+}
+
+Image imageOf(const Part& part, const PartFrame& frame) {
+  const std::filesystem::path file = part.folder / frame.image;
+  const std::string bytes = bytesOf(file);
+  Image image = imageOfPng({bytes.begin(), bytes.end()});
+  Sha256 hash;
+  hash.add(image.rgb);
+  if (hash.hex() != frame.sha256) {
+    throw InputError(file.string(),
+                     "is not the image that the part rendered; render the part again");
+  }
+  return image;
+}
+
+}  // namespace foci

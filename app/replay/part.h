@@ -1,0 +1,70 @@
+// A part of a run: frames `first` to `end` - 1, rendered by one process. `foci join` makes one run
+// of all parts.
+//
+// The folder of a part holds the study, part.json, and each image that was rendered as PNG. A part
+// begins with an image, whether or not the run has rendered it there.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/graphics/video_writer.h"
+#include "app/replay/replay.h"
+#include "app/replay/seen_frame.h"
+#include "app/study/study.h"
+
+namespace foci {
+
+/// Frames `first` to `end` - 1 of a run.
+struct FrameSpan {
+  std::size_t first = 0, end = 0;
+  bool operator==(const FrameSpan&) const = default;
+};
+
+/// A frame of a part as its folder holds it.
+struct PartFrame {
+  SeenFrame seen;
+  std::string image;   ///< name of the PNG file; empty: that of the frame before
+  std::string sha256;  ///< of the image's pixels; empty with it
+};
+
+struct Part {
+  std::filesystem::path folder;
+  std::string version;        ///< of foci
+  std::string configuration;  ///< of the study, as JSON
+  FrameSpan span;
+  std::size_t frames = 0;  ///< of the whole run
+  bool screen_is_default = false;
+  std::filesystem::path study_file;  ///< of the run, which the folder's study comes from
+  unsigned threads = 0;
+  std::string device;
+  std::vector<InputFile> inputs;
+  std::vector<PartFrame> all;  ///< the frames of the span
+};
+
+/// The files that a part of the study writes, and images that an earlier part left.
+std::vector<std::filesystem::path> partFiles(const std::filesystem::path& out);
+
+/// Renders a part into `out`. The eye looks at the frames before, but they are not rendered.
+/// @param span  its end may lie behind that of the run
+/// @return the part's span
+/// @throws InputError as `replay`, and for a span or a study that has no parts
+FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::filesystem::path& out,
+                     unsigned threads, ReplayedScene& scene);
+
+/// @throws InputError
+Part readPart(const std::filesystem::path& folder);
+
+/// The study of a part, with absolute names of files.
+/// @throws InputError
+Study studyOf(const Part& part);
+
+/// The same with the names that the run was given. From another folder they lead nowhere.
+Study statedStudyOf(const Part& part);
+
+/// @throws InputError if the file is missing or holds another image than the part rendered
+Image imageOf(const Part& part, const PartFrame& frame);
+
+}  // namespace foci

@@ -1,0 +1,44 @@
+// `foci replay STUDY --trace A B C`: the same study for many recordings, with one page and one
+// table over all of them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/replay/replay.h"
+#include "app/study/study.h"
+
+namespace foci {
+
+/// A recording of a batch, and the folder of its run.
+struct BatchRecording {
+  std::string trace;  ///< as typed
+  std::string name;   ///< of the folder, without its parents
+  Study study{};      ///< of this recording, checked
+};
+
+/// Names a folder for each recording after its file. Files of one name get their folder's name
+/// before it: `sub-01-gaze`.
+/// @throws InputError if a recording is given twice
+std::vector<std::string> folderNames(const std::vector<std::string>& traces);
+
+/// The files that `replayAll` writes.
+std::vector<std::filesystem::path> batchFiles(const std::vector<BatchRecording>& recordings,
+                                              const std::filesystem::path& out);
+
+/// A recording and what came of it.
+struct BatchResult {
+  BatchRecording recording;
+  RunResult run{};
+  std::string problem{};  ///< why there is no run; empty: there is one
+};
+
+/// Replays each recording into a folder of its own, then writes index.html and recordings.tsv. A
+/// recording that fails does not stop the others; both name its problem.
+/// @throws std::runtime_error if interrupted
+std::vector<BatchResult> replayAll(const std::vector<BatchRecording>& recordings,
+                                   const std::filesystem::path& out, const std::string& command,
+                                   unsigned threads, ReplayedScene& scene);
+
+}  // namespace foci

@@ -1,0 +1,41 @@
+#include "app/replay/replay_inputs.h"
+
+#include <algorithm>
+#include <string>
+
+#include "app/platform/sha256.h"
+#include "app/study/inputs.h"
+#include "base/input_error.h"
+
+namespace foci {
+
+ReplayedGaze readReplayedGaze(const Study& study) {
+  const glm::ivec2 size_px = study.imageSize_px();
+  if (size_px.x % 2 != 0 || size_px.y % 2 != 0) {
+    throw InputError(study.file.string(), "images of " + std::to_string(size_px.x) + "x" +
+                                              std::to_string(size_px.y) +
+                                              " px: expected even numbers, as H.264 wants");
+  }
+  ReplayedGaze inputs{.trace = loadGaze(study), .schedule = {}, .changes = {}, .markers = {}};
+  const auto& samples = inputs.trace.samples;
+  const bool has_pupil = std::any_of(samples.begin(), samples.end(), [](const GazeSample& sample) {
+    return sample.pupil_mm.has_value();
+  });
+  if (study.observer.pupil == PupilModel::recording && !has_pupil && !study.record.frames) {
+    throw InputError(study.file.string(),
+                     "observer.pupil = \"recording\": the gaze has no pupil in millimetres; "
+                     "expected \"fixed\" or \"luminance\"");
+  }
+  inputs.schedule = scheduleOf(study, inputs.trace);
+  if (study.record.changes) inputs.changes = readChanges(*study.record.changes);
+  if (study.record.markers) inputs.markers = readEventMarkers(*study.record.markers);
+  return inputs;
+}
+
+std::vector<InputFile> hashedInputs(const Study& study) {
+  std::vector<InputFile> files;
+  for (const auto& file : inputFiles(study)) files.push_back({file, sha256OfFile(file)});
+  return files;
+}
+
+}  // namespace foci

@@ -1,0 +1,33 @@
+// What a replay reads. Reading it all refuses bad input before anything is written.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "app/record/manifest.h"
+#include "app/record/record_files.h"
+#include "app/replay/schedule.h"
+#include "app/study/live_change.h"
+#include "app/study/study.h"
+#include "gaze/geometry/gaze_sample.h"
+#include "render/scene/io/open_scene.h"
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+
+/// A recording and what happened during it.
+struct ReplayedGaze {
+  GazeTrace trace;
+  Schedule schedule;
+  std::vector<Change> changes;
+  std::vector<EventMarker> markers;
+};
+
+/// @throws InputError, also for images that H.264 does not take
+ReplayedGaze readReplayedGaze(const Study& study);
+
+/// The input files of a study with their hashes.
+std::vector<InputFile> hashedInputs(const Study& study);
+
+}  // namespace foci

@@ -1,0 +1,86 @@
+#include "app/replay/replayed_eye.h"
+
+#include <cstdio>
+
+#include "app/session/auto_method.h"
+#include "app/study/session_settings_of.h"
+#include "base/input_error.h"
+
+namespace foci {
+
+ReplayedEye::ReplayedEye(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud)
+    : study_(study),
+      gaze_(gaze),
+      session_(sessionSettingsOf(study), cloud, *gaze.trace.screen, gaze.trace.rate_Hz,
+               gaze.trace.samples.front().time_s) {
+  lookAtSkippedFrames();
+}
+
+FrameRecord ReplayedEye::look(double time_s) {
+  const std::vector<GazeSample>& samples = gaze_.trace.samples;
+  const std::vector<Change>& changes = gaze_.changes;
+  for (; change_ < changes.size() && changes[change_].time_s <= time_s; ++change_) {
+    changeLive(study_, session_, changes[change_].key, changes[change_].toml);
+  }
+  for (; sample_ < samples.size() && samples[sample_].time_s <= time_s; ++sample_) {
+    session_.push(samples[sample_]);
+  }
+  return session_.look(time_s);
+}
+
+const std::string& ReplayedEye::methodOf(std::size_t frame) const {
+  const Schedule& schedule = gaze_.schedule;
+  return schedule.recorded.empty() ? study_.render.method
+                                   : schedule.recorded[schedule.first + frame].method;
+}
+
+/// What the eye of a live run did before the first rendered frame counts, too.
+void ReplayedEye::lookAtSkippedFrames() {
+  const Schedule& schedule = gaze_.schedule;
+  for (std::size_t i = 0; i < schedule.first; ++i) {
+    FrameRecord record = look(schedule.recorded[i].time_s);
+    if (study_.observer.pupil == PupilModel::luminance) {
+      session_.render(schedule.recorded[i].method, record);
+    }
+  }
+}
+
+const Frame& ReplayedEye::see(std::size_t frame, SeenFrame& seen) {
+  seen.record = look(gaze_.schedule.time_s(frame));
+  const Frame& rendered = session_.render(methodOf(frame), seen.record);
+  seen.gaze_px = session_.gazePoints_px(seen.record);
+  seen.marker = study_.output.marker;
+  seen.tolerance = study_.quality.tolerance;
+  return rendered;
+}
+
+void ReplayedEye::pass(std::size_t frame) {
+  FrameRecord record = look(gaze_.schedule.time_s(frame));
+  requireParts(frame);
+  session_.pass(methodOf(frame), record);
+}
+
+void ReplayedEye::requireParts(std::size_t frame) const {
+  const std::string& method = methodOf(frame);
+  if (choosesQuality(method) && study_.quality.frame_ms) {
+    throw InputError("--frames",
+                     "the frames depend on the time that they take; expected a study without "
+                     "quality.frame_ms (--set quality.frame_ms=null)");
+  }
+  if (isIncremental(method)) {
+    throw InputError(
+        "--frames", "method " + method + " goes on with the frame before; expected another method");
+  }
+}
+
+void ReplayedEye::sayDevice() const {
+  const std::string device = session_.deviceOf(study_.render.method);
+  std::fprintf(stderr, "foci: renders on %s\n", device.c_str());
+  const std::string& recorded = study_.record.device;
+  if (recorded.empty() || recorded == device) return;
+  std::fprintf(stderr,
+               "foci: the run was rendered on %s: the frames may differ from it in rounding\n",
+               recorded.c_str());
+}
+
+}  // namespace foci

@@ -1,0 +1,52 @@
+// The observer of a replay: gives samples and changed keys to a session, frame after frame.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "app/replay/replay_inputs.h"
+#include "app/replay/seen_frame.h"
+#include "app/session/session.h"
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+
+class ReplayedEye {
+ public:
+  /// @param gaze, cloud  outlive it
+  /// @throws InputError
+  ReplayedEye(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud);
+
+  /// Looks at the frame of the schedule after the last one, and renders it.
+  /// @param seen  gets the frame's record
+  /// @return until the next call
+  const Frame& see(std::size_t frame, SeenFrame& seen);
+
+  /// Looks at a frame without rendering it. The frames after it are as if it had been rendered.
+  /// @throws InputError as `requireParts`
+  void pass(std::size_t frame);
+
+  /// @throws InputError if a frame depends on more than the requests before it: on the time that
+  /// they took, or on their pixels
+  void requireParts(std::size_t frame) const;
+
+  /// Says what renders, and whether a live run's record comes from another device.
+  void sayDevice() const;
+
+  const Session& session() const { return session_; }
+  /// With the changes so far.
+  const Study& study() const { return study_; }
+
+ private:
+  FrameRecord look(double time_s);
+  const std::string& methodOf(std::size_t frame) const;
+  void lookAtSkippedFrames();
+
+  Study study_;
+  const ReplayedGaze& gaze_;
+  Session session_;
+  std::size_t sample_ = 0, change_ = 0;  // next of each
+};
+
+}  // namespace foci

@@ -1,0 +1,144 @@
+#include "app/replay/run_writer.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "app/graphics/image.h"
+#include "app/record/gaze_marker.h"
+#include "app/record/manifest.h"
+#include "app/record/run_events.h"
+#include "app/replay/report.h"
+
+namespace foci {
+namespace {
+
+constexpr const char *kVideo = "video.mp4", *kFrames = "frames.tsv", *kEvents = "events.tsv",
+                     *kManifest = "manifest.json", *kReport = "report.html";
+constexpr const char *kImage = "frame-", *kImageEnd = ".png";  // the frame's number is between
+
+/// Counts the samples of the replayed time, and those without a gaze point.
+void countDataLoss(const GazeTrace& trace, const Schedule& schedule, ReportFacts& facts) {
+  const double end_s = schedule.end_s();
+  std::optional<double> absent_since_s;
+  for (const GazeSample& sample : trace.samples) {
+    if (sample.time_s < schedule.first_s || sample.time_s > end_s) continue;
+    ++facts.samples;
+    facts.samples_blink += sample.blink;
+    if (sample.point_px) {
+      absent_since_s.reset();
+      continue;
+    }
+    ++facts.samples_without_gaze;
+    if (!absent_since_s) absent_since_s = sample.time_s;
+    facts.longest_data_loss_s =
+        std::max(facts.longest_data_loss_s, sample.time_s - *absent_since_s);
+  }
+}
+
+/// The figures of the run, once its frames are rendered.
+RunSummary summaryOf(const Schedule& schedule, const std::vector<GazeEvent>& events,
+                     FrameStatistics& statistics, const ReportFacts& facts,
+                     const std::filesystem::path& out) {
+  RunSummary summary{.fixations = countOf(events, GazeState::fixation),
+                     .saccades = countOf(events, GazeState::saccade),
+                     .out = out};
+  statistics.fill(summary);
+  summary.duration_s = static_cast<double>(summary.frames) / schedule.fps;
+  if (facts.samples > 0) {
+    summary.gaze_valid =
+        1.0 - static_cast<double>(facts.samples_without_gaze) / static_cast<double>(facts.samples);
+  }
+  return summary;
+}
+
+}  // namespace
+
+std::string imageFileName(std::size_t frame) {
+  constexpr std::size_t kDigits = 6;
+  std::string number = std::to_string(frame);
+  number.insert(0, kDigits - std::min(kDigits, number.size()), '0');
+  return kImage + number + kImageEnd;
+}
+
+std::vector<std::filesystem::path> imagesIn(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> images;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(kImage) && name.ends_with(kImageEnd)) images.push_back(entry.path());
+  }
+  return images;
+}
+
+std::vector<std::filesystem::path> RunWriter::files(const Study& study,
+                                                    const std::filesystem::path& out) {
+  std::vector<std::filesystem::path> files;
+  if (study.output.images) files = imagesIn(out);
+  for (const char* name : {kVideo, kFrames, kEvents, kManifest, kReport}) {
+    files.push_back(out / name);
+  }
+  return files;
+}
+
+RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const std::filesystem::path& out)
+    : study_(study),
+      gaze_(gaze),
+      out_(out),
+      folder_(out),
+      video_file_(folder_.stage(kVideo)),
+      video_(video_file_, study.imageSize_px(), study.output.fps),
+      table_(folder_.stage(kFrames)),
+      sheet_(gaze.schedule.frames) {}
+
+void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image) {
+  sheet_.offer(frame, seen.record, seen.gaze_px, image);
+  Image shown = image;
+  if (seen.marker) drawGazeMarkers(seen.gaze_px, seen.record, shown);
+  table_.add(frame, seen.record);
+  statistics_.add(seen.record, seen.tolerance);
+  hash_.add(shown.rgb);
+  if (study_.output.images) {
+    const auto png = pngOf(shown);
+    folder_.write(imageFileName(frame), {png.begin(), png.end()});
+  }
+  video_.push(std::move(shown));
+}
+
+RunResult RunWriter::finish(const RunFacts& run) {
+  table_.finish();
+  video_.finish();
+  const Schedule& schedule = gaze_.schedule;
+  const std::vector<GazeEvent> events =
+      eventsOfRun(study_, gaze_.trace, schedule.first_s, schedule.end_s());
+  folder_.write(kEvents, eventTable(events));
+
+  ReportFacts facts;
+  facts.threads = run.threads;
+  facts.device = run.device;
+  countDataLoss(gaze_.trace, schedule, facts);
+  statistics_.fill(facts);
+  facts.summary = summaryOf(schedule, events, statistics_, facts, out_);
+  facts.sheet = sheet_.images(study_.imageSize_px());
+  facts.run = changesOfRun(study_, gaze_.changes, gaze_.markers, schedule.time_s(0),
+                           schedule.time_s(schedule.frames - 1));
+  if (const std::string warning = toleranceText(study_, facts); !warning.empty()) {
+    std::fprintf(stderr, "foci: %s\n", warning.c_str());
+  }
+  folder_.write(kManifest, manifestJson(study_, facts.summary,
+                                        {.command = run.command,
+                                         .threads = run.threads,
+                                         .device = run.device,
+                                         .gaze = factsOf(gaze_.trace),
+                                         .inputs = run.inputs,
+                                         .frames_sha256 = hash_.hex()}));
+  if (!writeReport(folder_.stage(kReport), video_file_, gaze_.trace, facts)) {
+    std::fputs(
+        "foci: the report has no charts: gnuplot is not installed (apt install gnuplot-nox)\n",
+        stderr);
+  }
+  folder_.commit();
+  return {.summary = facts.summary, .image = facts.sheet[facts.sheet.size() / 2]};
+}
+
+}  // namespace foci

@@ -1,0 +1,70 @@
+// The files of a run: video, tables, manifest, report.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/graphics/video_writer.h"
+#include "app/platform/output_folder.h"
+#include "app/platform/sha256.h"
+#include "app/record/run_summary.h"
+#include "app/record/tables.h"
+#include "app/replay/contact_sheet.h"
+#include "app/replay/frame_statistics.h"
+#include "app/replay/replay_inputs.h"
+#include "app/replay/seen_frame.h"
+
+namespace foci {
+
+/// What is stated about a run besides its frames.
+struct RunFacts {
+  std::string command;  ///< as typed
+  unsigned threads = 0;
+  std::string device;  ///< that rendered the frames
+  std::vector<InputFile> inputs;
+};
+
+/// A run, and an image of it.
+struct RunResult {
+  RunSummary summary;
+  SheetImage image;  ///< from the middle of the contact sheet
+};
+
+/// If `finish` is not called, no file stays, and a new folder is removed.
+class RunWriter {
+ public:
+  /// @param study, gaze  outlive it
+  RunWriter(const Study& study, const ReplayedGaze& gaze, const std::filesystem::path& out);
+
+  /// @param image  without marker
+  void add(std::size_t frame, const SeenFrame& seen, const Image& image);
+
+  /// Writes what sums up the run.
+  RunResult finish(const RunFacts& facts);
+
+  /// The folder's files that a run of the study writes. Of images, the numbers are not known before
+  /// the run: these are the images that are there already.
+  static std::vector<std::filesystem::path> files(const Study& study,
+                                                  const std::filesystem::path& out);
+
+ private:
+  const Study& study_;
+  const ReplayedGaze& gaze_;
+  std::filesystem::path out_;
+  OutputFolder folder_;
+  std::filesystem::path video_file_;
+  VideoWriter video_;
+  Sha256 hash_;
+  FrameTable table_;
+  ContactSheet sheet_;
+  FrameStatistics statistics_;
+};
+
+/// "frame-000012.png"
+std::string imageFileName(std::size_t frame);
+
+/// The images of frames that a folder holds.
+std::vector<std::filesystem::path> imagesIn(const std::filesystem::path& folder);
+
+}  // namespace foci

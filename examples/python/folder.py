@@ -1,0 +1,39 @@
+"""Fixations of every recording in a folder, one table over all.
+
+    python3 examples/python/folder.py FOLDER OUT.tsv
+
+Each cell below can be pasted into a notebook. A file that foci cannot read is named and left out.
+"""
+
+# %% The recordings
+import pathlib
+import sys
+
+import foci
+import numpy as np
+
+folder, out = pathlib.Path(sys.argv[1]), sys.argv[2]
+recordings = {}
+for file in sorted(path for path in folder.iterdir() if path.is_file()):
+    try:
+        recordings[file.name] = foci.Recording.open(file)
+    except foci.InputError as error:
+        print(f"left out: {error}", file=sys.stderr)
+
+# %% One row for each recording
+rows = []
+for name, recording in recordings.items():
+    events = recording.events()
+    fixations = events[events["kind"] == "fixation"]
+    saccades = events[events["kind"] == "saccade"]
+    rows.append((name, len(recording), recording.rate_Hz, len(fixations),
+                 1000 * np.median(fixations["duration_s"]) if fixations.size else np.nan,
+                 np.median(saccades["amplitude_deg"]) if saccades.size else np.nan))
+
+# %% The table
+with open(out, "w") as table:
+    print("recording", "samples", "rate_Hz", "fixations", "median_fixation_ms", "median_saccade_deg", sep="\t",
+          file=table)
+    for name, samples, rate_Hz, count, fixation_ms, saccade_deg in rows:
+        print(name, samples, f"{rate_Hz:.0f}", count, f"{fixation_ms:.0f}", f"{saccade_deg:.2f}", sep="\t", file=table)
+print(f"{len(rows)} recordings in {out}")

@@ -1,0 +1,126 @@
+#include "python/eye.h"
+
+#include "base/input_error.h"
+#include "python/bindings.h"
+#include "render/methods/method.h"
+
+namespace py = pybind11;
+
+namespace foci {
+namespace {
+
+// The ranges are those of the study's keys.
+constexpr double kFar_m = 1e6;
+
+glm::dvec3 checkedPoint(const char* argument, const Triple& point_m) {
+  for (const double coordinate : point_m) inRange(argument, coordinate, -kFar_m, kFar_m);
+  return vectorOf(point_m);
+}
+
+Screen makeScreen(const std::array<int, 2>& size_px, const Pair& size_m, double distance_m) {
+  for (const int side : size_px) inRange("size_px", side, 16, 16384);
+  for (const double side : size_m) inRange("size_m", side, 0.01, 20.0);
+  inRange("distance_m", distance_m, 0.01, 100.0);
+  return {
+      .size_px = {size_px[0], size_px[1]}, .size_m = vectorOf(size_m), .distance_m = distance_m};
+}
+
+StillEye makeEye(double pupil_mm, const Triple& position_m, const Triple& look_at_m,
+                 const Triple& up, const std::optional<double>& age_years, double sphere_D,
+                 double cylinder_D, double axis_deg, bool chromatic) {
+  StillEye eye{.position_m = checkedPoint("position_m", position_m),
+               .look_at_m = checkedPoint("look_at_m", look_at_m),
+               .up = checkedPoint("up", up),
+               .pupil_mm = inRange("pupil_mm", pupil_mm, 0.0, 12.0),
+               .age_years = age_years,
+               .prescription = {.sphere_D = inRange("sphere_D", sphere_D, -20.0, 20.0),
+                                .cylinder_D = inRange("cylinder_D", cylinder_D, -10.0, 10.0),
+                                .axis_deg = inRange("axis_deg", axis_deg, 0.0, 180.0)},
+               .chromatic = chromatic};
+  if (age_years) inRange("age_years", *age_years, 1.0, 120.0);
+  // A path that cannot be looked along is refused here, not at the first image.
+  EyePath({{.position_m = eye.position_m, .look_at_m = eye.look_at_m, .up = {}}}, eye.up, "Eye")
+      .eyeFromWorldAt(0.0);
+  return eye;
+}
+
+std::string textOf(const Screen& screen) {
+  return py::str("Screen(size_px=({}, {}), size_m=({:g}, {:g}), distance_m={:g})")
+      .format(screen.size_px.x, screen.size_px.y, screen.size_m.x, screen.size_m.y,
+              screen.distance_m);
+}
+
+std::string textOf(const StillEye& eye) {
+  return py::str("Eye(pupil_mm={:g}, position_m={}, look_at_m={})")
+      .format(eye.pupil_mm, py::cast(tripleOf(eye.position_m)), py::cast(tripleOf(eye.look_at_m)));
+}
+
+}  // namespace
+
+SessionSettings settingsOf(const StillEye& eye, const Screen& screen,
+                           const PictureOptions& options) {
+  SessionSettings settings;
+  settings.background = glm::vec3(options.background);
+  settings.shading = static_cast<float>(inRange("shading", options.shading, 0.0, 1.0));
+  settings.path = EyePath({{.position_m = eye.position_m, .look_at_m = eye.look_at_m, .up = {}}},
+                          eye.up, "Eye");
+  settings.screen = screen;
+  settings.observer.pupil_mm = eye.pupil_mm;
+  settings.observer.refraction = refractionOf(eye.prescription);
+  settings.observer.chromatic = eye.chromatic;
+  settings.focus.accommodation.age_years = eye.age_years;
+  settings.method = options.method;
+  settings.device = RenderDevice::cpu;  // a session in Python renders in the thread that asks
+  settings.quality.tolerance = inRange("tolerance", options.tolerance, 0.1, 100.0);
+  settings.output.size_px = options.size_px.value_or(screen.size_px);
+  for (const int side : {settings.output.size_px.x, settings.output.size_px.y}) {
+    inRange("size_px", side, 16, 8192);
+  }
+  if (const auto expected = expectedMethod(options.method)) {
+    throw InputError("method = " + options.method, "expected " + *expected);
+  }
+  return settings;
+}
+
+void bindScreenAndEye(py::module_& module) {
+  const Screen usual = defaultScreen();
+  py::class_<Screen>(module, "Screen",
+                     "A flat screen whose centre the eye faces.\n\n"
+                     "size_px: (width, height) in pixels. size_m: (width, height) in metres.\n"
+                     "distance_m: from the eye to the screen's centre, metres.")
+      .def(py::init(&makeScreen), py::arg("size_px") = std::array<int, 2>{1920, 1080},
+           py::arg("size_m") = pairOf(usual.size_m), py::arg("distance_m") = usual.distance_m)
+      .def_property_readonly(
+          "size_px", [](const Screen& s) { return py::make_tuple(s.size_px.x, s.size_px.y); })
+      .def_property_readonly("size_m",
+                             [](const Screen& s) { return py::make_tuple(s.size_m.x, s.size_m.y); })
+      .def_readonly("distance_m", &Screen::distance_m)
+      .def("__repr__", [](const Screen& s) { return textOf(s); });
+
+  py::class_<StillEye>(
+      module, "Eye",
+      "An eye at one place.\n\n"
+      "pupil_mm: diameter of the pupil, 0 to 12 mm; 0 is a pinhole. position_m, look_at_m: (x, y, "
+      "z)\n"
+      "in metres; the centre of the screen shows look_at_m. age_years limits how near the eye\n"
+      "focuses. sphere_D, cylinder_D, axis_deg: a prescription that is not worn, dioptres and\n"
+      "degrees. chromatic: each colour has its own focus.")
+      .def(py::init(&makeEye), py::arg("pupil_mm") = 4.0,
+           py::arg("position_m") = Triple{0.0, 0.0, 0.0},
+           py::arg("look_at_m") = Triple{0.0, 0.0, -1.0}, py::arg("up") = Triple{0.0, 1.0, 0.0},
+           py::arg("age_years") = py::none(), py::arg("sphere_D") = 0.0,
+           py::arg("cylinder_D") = 0.0, py::arg("axis_deg") = 0.0, py::arg("chromatic") = false)
+      .def_readonly("pupil_mm", &StillEye::pupil_mm)
+      .def_readonly("age_years", &StillEye::age_years)
+      .def_readonly("chromatic", &StillEye::chromatic)
+      .def_property_readonly(
+          "position_m",
+          [](const StillEye& e) { return py::tuple(py::cast(tripleOf(e.position_m))); })
+      .def_property_readonly(
+          "look_at_m", [](const StillEye& e) { return py::tuple(py::cast(tripleOf(e.look_at_m))); })
+      .def_property_readonly("up",
+                             [](const StillEye& e) { return py::tuple(py::cast(tripleOf(e.up))); })
+      .def("__repr__", [](const StillEye& e) { return textOf(e); });
+}
+
+}  // namespace foci

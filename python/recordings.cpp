@@ -1,0 +1,214 @@
+// Recordings and their events.
+#include <filesystem>
+#include <utility>
+
+#include "base/input_error.h"
+#include "gaze/events/gaze_events.h"
+#include "gaze/events/online_events.h"
+#include "gaze/geometry/default_screen.h"
+#include "gaze/sources/trace_reader.h"
+#include "gaze/sources/trace_summary.h"
+#include "python/samples.h"
+
+namespace py = pybind11;
+
+namespace foci {
+namespace {
+
+struct EventRow {
+  Word kind{};
+  double onset_s = 0.0, duration_s = 0.0, x_px = kNaN, y_px = kNaN, start_x_px = kNaN,
+         start_y_px = kNaN, amplitude_deg = kNaN, peak_velocity_deg_s = kNaN;
+};
+
+EventRow rowOf(const GazeEvent& event) {
+  EventRow row{
+      .kind = wordOf(nameOf(event.kind)), .onset_s = event.onset_s, .duration_s = event.duration_s};
+  if (event.position_px) {
+    row.x_px = event.position_px->x;
+    row.y_px = event.position_px->y;
+  }
+  if (event.start_px) {
+    row.start_x_px = event.start_px->x;
+    row.start_y_px = event.start_px->y;
+  }
+  if (event.kind == GazeState::saccade) {
+    row.amplitude_deg = event.amplitude_deg;
+    row.peak_velocity_deg_s = event.peak_velocity_deg_s;
+  }
+  return row;
+}
+
+std::vector<GazeState> labelsOf(const GazeTrace& trace, const EventSettings& settings,
+                                bool online) {
+  return online ? labelSamplesOnline(trace, *trace.screen, settings)
+                : labelSamples(trace, *trace.screen, settings);
+}
+
+py::array eventTable(const GazeTrace& trace, const EventSettings& settings, bool online) {
+  std::vector<EventRow> rows;
+  {
+    const py::gil_scoped_release released;
+    const std::vector<GazeState> labels = labelsOf(trace, settings, online);
+    for (const GazeEvent& event : eventsOf(labels, trace, *trace.screen, settings)) {
+      rows.push_back(rowOf(event));
+    }
+  }
+  return tableOfRows(rows, {"*kind", "onset_s", "duration_s", "x_px", "y_px", "start_x_px",
+                            "start_y_px", "amplitude_deg", "peak_velocity_deg_s"});
+}
+
+py::array labelColumn(const GazeTrace& trace, const EventSettings& settings, bool online) {
+  std::vector<Word> words;
+  {
+    const py::gil_scoped_release released;
+    for (const GazeState state : labelsOf(trace, settings, online)) {
+      words.push_back(wordOf(nameOf(state)));
+    }
+  }
+  return {py::dtype("U8"), static_cast<py::ssize_t>(words.size()), words.data()};
+}
+
+EventSettings eventSettings(double saccade_deg_s, double min_fixation_s, double max_blink_s,
+                            double delay_s) {
+  // The ranges are those of the study's keys.
+  return {.saccade_deg_s = inRange("saccade_deg_s", saccade_deg_s, 1.0, 1000.0),
+          .delay_s = inRange("delay_s", delay_s, 0.0, 0.2),
+          .max_blink_s = inRange("max_blink_s", max_blink_s, 0.0, 10.0),
+          .min_fixation_s = inRange("min_fixation_s", min_fixation_s, 0.0, 10.0)};
+}
+
+Recording recordingOf(const Numbers& t, const Numbers& x, const Numbers& y,
+                      const std::optional<Numbers>& pupil, const Screen& screen,
+                      const std::optional<double>& rate_Hz) {
+  const SampleColumns columns = columnsOf(t, x, y, pupil);
+  if (columns.rows < 2) throw InputError("t", "expected two samples or more");
+  auto trace = std::make_shared<GazeTrace>();
+  trace->format = "arrays";
+  trace->screen = screen;
+  TraceSummary summary;
+  trace->samples.reserve(static_cast<std::size_t>(columns.rows));
+  for (py::ssize_t row = 0; row < columns.rows; ++row) {
+    trace->samples.push_back(columns.at(row));
+    summary.add(trace->samples.back());
+  }
+  if (summary.present() == 0) throw InputError("x, y", "no sample has a position");
+  trace->rate_Hz = inRange("rate_Hz", rate_Hz.value_or(summary.rate_Hz()), 5.0, 20000.0);
+  return trace;
+}
+
+Recording openRecording(const std::filesystem::path& path, const std::optional<Screen>& screen,
+                        const std::optional<double>& rate_Hz) {
+  const py::gil_scoped_release released;
+  requireRegularFile(path);
+  return std::make_shared<GazeTrace>(
+      readTrace(path, {}, screen.value_or(defaultScreen()), rate_Hz));
+}
+
+/// A new array of one number for each sample.
+template <typename Function>
+py::array_t<double> column(const GazeTrace& trace, const Function& function) {
+  py::array_t<double> numbers(static_cast<py::ssize_t>(trace.samples.size()));
+  double* out = numbers.mutable_data();
+  for (const GazeSample& sample : trace.samples) *out++ = function(sample);
+  return numbers;
+}
+
+}  // namespace
+
+void requireLater(double time_s, double before_s) {
+  if (std::isfinite(time_s) && time_s > before_s) return;
+  const py::str text = py::str("{} after {}").format(time_s, before_s);
+  throw InputError("t", std::string(text) + ": expected times in seconds that increase");
+}
+
+GazeSample SampleColumns::at(py::ssize_t row) const {
+  GazeSample sample{.time_s = t[row], .point_px = pointOrAbsent(x[row], y[row])};
+  if (pupil != nullptr) sample.pupil_mm = numberOrAbsent(pupil[row]);
+  return sample;
+}
+
+SampleColumns columnsOf(const Numbers& t, const Numbers& x, const Numbers& y,
+                        const std::optional<Numbers>& pupil) {
+  if (t.ndim() != 1) throw InputError("t", "expected one dimension");
+  SampleColumns columns{.rows = t.shape(0), .t = t.data()};
+  columns.x = columnOf("x", x, columns.rows);
+  columns.y = columnOf("y", y, columns.rows);
+  if (pupil) columns.pupil = columnOf("pupil_mm", *pupil, columns.rows);
+  double before_s = -std::numeric_limits<double>::infinity();
+  for (py::ssize_t row = 0; row < columns.rows; ++row) {
+    requireLater(columns.t[row], before_s);
+    before_s = columns.t[row];
+  }
+  return columns;
+}
+
+void bindRecordings(py::module_& module) {
+  const EventSettings usual;
+  const auto saccade = py::arg("saccade_deg_s") = usual.saccade_deg_s;
+  const auto fixation = py::arg("min_fixation_s") = usual.min_fixation_s;
+  const auto blink = py::arg("max_blink_s") = usual.max_blink_s;
+  const auto delay = py::arg("delay_s") = usual.delay_s;
+
+  py::class_<GazeTrace, std::shared_ptr<GazeTrace>>(
+      module, "Recording", "Gaze samples on a screen. Times increase; NaN stands for data loss.")
+      .def_static("open", &openRecording, py::arg("path"), py::arg("screen") = py::none(),
+                  py::arg("rate_Hz") = py::none(),
+                  "Open an EyeLink ASC, Tobii, Pupil, SMI, GazeBase or BIDS file, or a table with "
+                  "named columns.\n\nscreen: used where the file states none. rate_Hz: None "
+                  "takes the median interval.")
+      .def(py::init(&recordingOf), py::arg("t"), py::arg("x"), py::arg("y"),
+           py::arg("pupil_mm") = py::none(), py::arg("screen") = defaultScreen(),
+           py::arg("rate_Hz") = py::none(),
+           "t: (N,), seconds. x, y: (N,), pixels of the screen, origin top-left. pupil_mm: (N,).")
+      .def_property_readonly(
+          "t", [](const GazeTrace& r) { return column(r, [](const auto& s) { return s.time_s; }); },
+          "Seconds, (N,).")
+      .def_property_readonly(
+          "x",
+          [](const GazeTrace& r) {
+            return column(r, [](const GazeSample& s) { return s.point_px ? s.point_px->x : kNaN; });
+          },
+          "Pixels from the screen's left edge, (N,); NaN in data loss.")
+      .def_property_readonly(
+          "y",
+          [](const GazeTrace& r) {
+            return column(r, [](const GazeSample& s) { return s.point_px ? s.point_px->y : kNaN; });
+          },
+          "Pixels from the screen's upper edge, (N,); NaN in data loss.")
+      .def_property_readonly(
+          "pupil_mm",
+          [](const GazeTrace& r) {
+            return column(r, [](const auto& s) { return orNaN(s.pupil_mm); });
+          },
+          "Diameter of the pupil, millimetres, (N,); NaN where unknown.")
+      .def_property_readonly("screen", [](const GazeTrace& r) { return *r.screen; })
+      .def_readonly("rate_Hz", &GazeTrace::rate_Hz)
+      .def_readonly("format", &GazeTrace::format)
+      .def_readonly("warnings", &GazeTrace::warnings)
+      .def("__len__", [](const GazeTrace& r) { return r.samples.size(); })
+      .def("__repr__",
+           [](const GazeTrace& r) {
+             return std::string(py::str("<foci.Recording of {} samples, {:.0f} Hz, {}>")
+                                    .format(r.samples.size(), r.rate_Hz, r.format));
+           })
+      .def(
+          "_events",
+          [](const GazeTrace& r, bool online, double saccade_deg_s, double min_fixation_s,
+             double max_blink_s, double delay_s) {
+            return eventTable(r, eventSettings(saccade_deg_s, min_fixation_s, max_blink_s, delay_s),
+                              online);
+          },
+          py::kw_only(), py::arg("online") = false, saccade, fixation, blink, delay)
+      .def(
+          "labels",
+          [](const GazeTrace& r, bool online, double saccade_deg_s, double min_fixation_s,
+             double max_blink_s, double delay_s) {
+            return labelColumn(
+                r, eventSettings(saccade_deg_s, min_fixation_s, max_blink_s, delay_s), online);
+          },
+          py::kw_only(), py::arg("online") = false, saccade, fixation, blink, delay,
+          "The state of each sample, (N,) words: fixation, saccade, pso, pursuit, blink, lost.");
+}
+
+}  // namespace foci

@@ -1,0 +1,179 @@
+#include "python/scene.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "base/input_error.h"
+#include "python/bindings.h"
+#include "python/eye.h"
+#include "render/scene/estimation/estimate.h"
+
+namespace py = pybind11;
+
+namespace foci {
+namespace {
+
+/// Of the session that looks, whose images nobody sees: it is the quickest to make, and it has no
+/// memory of earlier images.
+constexpr const char* kLookingMethod = "pinhole";
+
+std::vector<glm::vec3> vectorsOf(const char* argument, const Numbers& array, py::ssize_t rows,
+                                 double limit) {
+  const double* numbers = tableOf(argument, array, rows, 3);
+  std::vector<glm::vec3> vectors(static_cast<std::size_t>(array.shape(0)));
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const double number = numbers[3 * i + static_cast<std::size_t>(k)];
+      vectors[i][k] = static_cast<float>(inRange(argument, number, -limit, limit));
+    }
+  }
+  return vectors;
+}
+
+std::shared_ptr<Scene> openFile(const std::filesystem::path& path, double scale_m,
+                                const std::optional<Triple>& viewpoint_m) {
+  inRange("scale_m", scale_m, 1e-9, 1e9);
+  std::optional<glm::vec3> viewpoint;
+  if (viewpoint_m) viewpoint = glm::vec3(vectorOf(*viewpoint_m));
+  const py::gil_scoped_release released;
+  requireRegularFile(path);
+  return std::make_shared<Scene>(openScene(path, scale_m, viewpoint));
+}
+
+std::shared_ptr<Scene> fromPoints(const Numbers& position_m, const std::optional<Numbers>& color,
+                                  const std::optional<Numbers>& normal,
+                                  const std::optional<Numbers>& radius_m) {
+  PointCloud points;
+  points.position_m = vectorsOf("position_m", position_m, -1, kFarthest_m);
+  if (points.position_m.empty()) throw InputError("position_m", "has no points");
+  const auto rows = static_cast<py::ssize_t>(points.position_m.size());
+  constexpr float kMidGrey = 0.5f;
+  constexpr double kBrightest = 1e6;
+  points.color.assign(points.size(), glm::vec3(kMidGrey));
+  if (color) points.color = vectorsOf("color", *color, rows, kBrightest);
+  for (const glm::vec3& each : points.color) {
+    inRange("color", std::min({each.x, each.y, each.z}), 0.0, kBrightest);
+  }
+  if (normal) points.normal = vectorsOf("normal", *normal, rows, kFarthest_m);
+  for (glm::vec3& each : points.normal) {
+    const float length = glm::length(each);
+    if (length > 0.0f) each /= length;
+  }
+  if (radius_m) {
+    const double* radii = columnOf("radius_m", *radius_m, rows);
+    for (py::ssize_t i = 0; i < rows; ++i) {
+      points.radius_m.push_back(
+          static_cast<float>(inRange("radius_m", radii[i], 0.0, kFarthest_m)));
+    }
+  }
+  const py::gil_scoped_release released;
+  return std::make_shared<Scene>(OpenedScene{.cloud = surfelsFromPoints(std::move(points))});
+}
+
+py::tuple bounds(const Scene& scene) {
+  glm::dvec3 low(scene.cloud().position_m.front()), high = low;
+  for (const glm::vec3& position_m : scene.cloud().position_m) {
+    low = glm::min(low, glm::dvec3(position_m));
+    high = glm::max(high, glm::dvec3(position_m));
+  }
+  return py::make_tuple(py::tuple(py::cast(tripleOf(low))), py::tuple(py::cast(tripleOf(high))));
+}
+
+Image render(Scene& scene, const StillEye& eye, const Screen& screen,
+             const std::optional<double>& focus_m, const std::optional<Pair>& gaze_px,
+             const std::optional<std::array<int, 2>>& size_px, const std::string& method,
+             const Triple& background, double shading, double tolerance, bool depth) {
+  PictureOptions options{.method = method,
+                         .background = vectorOf(background),
+                         .shading = shading,
+                         .tolerance = tolerance};
+  for (const double channel : background) inRange("background", channel, 0.0, 1.0);
+  if (size_px) options.size_px = glm::ivec2((*size_px)[0], (*size_px)[1]);
+  SessionSettings settings = settingsOf(eye, screen, options);
+  if (focus_m && gaze_px) throw InputError("focus_m and gaze_px", "give one of them");
+  if (focus_m) {
+    constexpr double kNearest_m = 0.05;
+    inRange("focus_m", *focus_m, kNearest_m, std::numeric_limits<double>::infinity());
+    settings.focus.fixed_D = 1.0 / *focus_m;
+  }
+  glm::dvec2 point_px = 0.5 * glm::dvec2(screen.size_px);
+  if (gaze_px) {
+    inRange("gaze_px[0]", (*gaze_px)[0], 0.0, screen.size_px.x);
+    inRange("gaze_px[1]", (*gaze_px)[1], 0.0, screen.size_px.y);
+    point_px = vectorOf(*gaze_px);
+  }
+  const py::gil_scoped_release released;
+  return scene.render(settings, point_px, depth);
+}
+
+}  // namespace
+
+Scene::Scene(OpenedScene&& opened) : opened_(std::move(opened)), renderer_(opened_.cloud) {}
+
+void renderInto(FrameRenderer& renderer, const RenderRequest& request,
+                const std::shared_ptr<RenderedFrame>& frame, FrameRecord& record) {
+  renderer.render(request, *frame);
+  record.method = frame->method;
+  record.stats = frame->stats;
+  record.rendered = true;
+}
+
+Image Scene::render(const SessionSettings& settings, const glm::dvec2& gaze_px, bool depth) {
+  const std::lock_guard lock(mutex_);
+  SessionSettings looking = settings;
+  looking.method = kLookingMethod;
+  if (looking_) {
+    looking_->changeSettings(looking);
+  } else {
+    constexpr double kRate_Hz = 1000.0;  // of no samples
+    looking_.emplace(looking, opened_.cloud, settings.screen, kRate_Hz, 0.0);
+  }
+  FrameRecord record = looking_->lookSettled(0.0, gaze_px);
+  RenderRequest request = looking_->requestOf(settings.method, record);
+  for (RenderRequest::Eye& eye : request.eyes) eye.settings.depth = depth;
+  const std::shared_ptr<RenderedFrame> frame = frames_->take();
+  renderInto(renderer_, request, frame, record);
+  return {.rendered = frame, .record = std::move(record)};
+}
+
+void bindScene(py::module_& module) {
+  py::class_<Scene, std::shared_ptr<Scene>>(
+      module, "Scene", "Surfels in metres, right-handed, y up. Open a file, or pass points.")
+      .def_static("open", &openFile, py::arg("path"), py::arg("scale_m") = 1.0,
+                  py::arg("viewpoint_m") = py::none(),
+                  "Open a PLY, OBJ, glTF, STL, FBX, LAS, .foci or text file.\n\n"
+                  "scale_m: metres per unit of the file. viewpoint_m: (x, y, z); estimated normals "
+                  "point there.")
+      .def_static("from_points", &fromPoints, py::arg("position_m"), py::arg("color") = py::none(),
+                  py::arg("normal") = py::none(), py::arg("radius_m") = py::none(),
+                  "Surfels from points on a surface.\n\n"
+                  "position_m: (N, 3), metres. color: (N, 3), linear RGB; None: mid-grey. normal: "
+                  "(N, 3), any\nlength; None: estimated. radius_m: (N,), of discs that close the "
+                  "gaps; None: estimated.")
+      .def_property_readonly("bounds_m", &bounds,
+                             "((x, y, z), (x, y, z)): the lowest and the highest coordinates.")
+      .def_property_readonly(
+          "remarks", [](const Scene& s) { return s.opened().remarks; },
+          "What is worth knowing about the file, a sentence each.")
+      .def("__len__", [](const Scene& s) { return s.cloud().size(); })
+      .def("__repr__", [](const Scene& s) {
+        return "<foci.Scene of " + std::to_string(s.cloud().size()) + " surfels>";
+      });
+
+  module.def(
+      "render", &render, py::arg("scene"), py::arg("eye"), py::arg("screen") = defaultScreen(),
+      py::kw_only(), py::arg("focus_m") = py::none(), py::arg("gaze_px") = py::none(),
+      py::arg("size_px") = py::none(), py::arg("method") = "auto",
+      py::arg("background") = Triple{0.0, 0.0, 0.0}, py::arg("shading") = 0.0,
+      py::arg("tolerance") = 1.0, py::arg("depth") = true,
+      "Render what the eye sees through the screen.\n\n"
+      "focus_m: distance of focus, metres, 0.05 to inf. gaze_px: (x, y) on the screen; the eye "
+      "focuses the\nsurface there. Neither: the surface at the screen's centre. size_px: (width, "
+      "height) of the image;\nNone: the screen's. method: see foci.methods(). background: linear "
+      "RGB, 0 to 1. tolerance: error that\nmethod \"auto\" allows, just-noticeable differences. "
+      "depth: also make depth_m, defocus_D and blur_px.\nOther Python threads run meanwhile.\n\n"
+      "Returns an Image: float32 RGB of shape (height, width, 3), linear.\nRaises InputError.");
+}
+
+}  // namespace foci

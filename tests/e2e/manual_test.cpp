@@ -1,0 +1,90 @@
+// Man pages and completions say what --help says.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/e2e/binary.h"
+
+namespace foci::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Manual : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(runFoci({"manual", "--out", "manual"}, folder.path()).exit_code, 0);
+  }
+
+  /// What bash offers after these words.
+  std::set<std::string> completed(const std::vector<std::string>& words) {
+    std::string script = "cd '" + folder.path().string() + "'; source manual/completions/foci; " +
+                         "COMP_CWORD=" + std::to_string(words.size() - 1) + "; COMP_WORDS=(";
+    for (const std::string& word : words) script += "'" + word + "' ";
+    folder.write("complete.sh", script + "); _foci; printf '%s\\n' \"${COMPREPLY[@]}\"\n");
+    FILE* shell = popen(("bash '" + (folder.path() / "complete.sh").string() + "'").c_str(), "r");
+    std::set<std::string> offered;
+    char line[4096];
+    while (std::fgets(line, sizeof line, shell) != nullptr) {
+      offered.insert(std::string(line).substr(0, std::string(line).find('\n')));
+    }
+    pclose(shell);
+    return offered;
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(Manual, HasAPageForEachCommandOfTheHelp) {
+  const std::string help = runFoci({"--help"}, folder.path()).out;
+  const std::regex command("\n  ([a-z]+) ");
+  std::size_t commands = 0;
+  const std::string list = help.substr(help.find("Subcommands:"));
+  for (std::sregex_iterator it(list.begin(), list.end(), command), end; it != end; ++it) {
+    ++commands;
+    EXPECT_TRUE(fs::exists(folder.path() / ("manual/man1/foci-" + (*it)[1].str() + ".1")))
+        << (*it)[1];
+  }
+  EXPECT_GE(commands, 15u);
+  EXPECT_TRUE(fs::exists(folder.path() / "manual/man1/foci-calibrate-gaze.1"));
+}
+
+TEST_F(Manual, PagesHaveEveryOptionOfTheHelp) {
+  for (const std::string command : {"replay", "live", "render", "join", "prepare"}) {
+    std::string page = folder.read("manual/man1/foci-" + command + ".1");
+    page.erase(std::remove(page.begin(), page.end(), '\\'), page.end());
+    const std::string help = runFoci({command, "--help"}, folder.path()).out;
+    const std::regex option("--[a-z-]+");
+    std::size_t options = 0;
+    for (std::sregex_iterator it(help.begin(), help.end(), option), end; it != end; ++it) {
+      EXPECT_NE(page.find(it->str()), std::string::npos) << command << it->str();
+      ++options;
+    }
+    EXPECT_GE(options, 3u);
+  }
+}
+
+TEST_F(Manual, CompletesCommandsOptionsKeysAndFiles) {
+  EXPECT_EQ(completed({"foci", "repl"}), std::set<std::string>{"replay"});
+  EXPECT_EQ(completed({"foci", "replay", "--tra"}), std::set<std::string>{"--trace"});
+  EXPECT_EQ(completed({"foci", "calibrate", "gaz"}), std::set<std::string>{"gaze"});
+  EXPECT_EQ(completed({"foci", "render", "--set", "focus.fixed"}),
+            std::set<std::string>{"focus.fixed_D="});
+  folder.write("my study.toml", "");
+  EXPECT_EQ(completed({"foci", "replay", "my"}), std::set<std::string>{"my study.toml"});
+}
+
+TEST_F(Manual, TheVersionNamesTheCommit) {
+  const std::string version = runFoci({"--version"}, folder.path()).out;
+  EXPECT_TRUE(std::regex_match(version, std::regex(R"(foci \d+\.\d+\.\d+( \([0-9a-z.-]+\))?\n)")))
+      << version;
+}
+
+}  // namespace
+}  // namespace foci::e2e
