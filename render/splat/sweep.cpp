@@ -78,7 +78,7 @@ struct ListSurvey {
       far_m_[e] = splat.far_m;
       min_opacity = std::min(min_opacity, std::abs(splat.opacity));
     }
-    transparent = min_opacity < 0.9999f;  // a node rounds its opacity
+    transparent = min_opacity < 0.9999f;                        // a node rounds its opacity
     float farthest_m = std::numeric_limits<float>::infinity();  // no gap before the first entry
     for (std::size_t e = 0; e < list.size(); ++e) {
       gap[e] = nearest_m_[e] > farthest_m;

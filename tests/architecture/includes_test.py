@@ -12,11 +12,11 @@ import re
 import sys
 import tempfile
 
-ROOMS = ("base", "render", "gaze", "calibration", "app", "python")
+ROOMS = ("base", "render", "gaze", "calibration", "app")
 SOURCES = (".h", ".cpp", ".inc")
 MAX_FILES_AT_THE_ROOT_OF_APP = 3
 OURS = re.compile(r'\s*#\s*include\s*"([^"]+)"')
-POSIX = ("fcntl.h", "unistd.h")  # file descriptors
+POSIX = ("fcntl.h", "unistd.h", "sys/mman.h")  # file descriptors, pages of memory
 OTHERS = re.compile(r"\s*#\s*include\s*<([^>]+)>")
 
 
@@ -102,7 +102,7 @@ def violations(root):
             elif folder == "base" and (other := OTHERS.match(line)):
                 header = other.group(1)
                 if not header.startswith("tbb/") and header not in POSIX and not re.fullmatch(r"[a-z_]+", header):
-                    found.append(f"{where}: base includes <{header}>; allowed: the standard library, POSIX files and TBB")
+                    found.append(f"{where}: base includes <{header}>; allowed: the standard library, POSIX files and memory, and TBB")
     return found
 
 
