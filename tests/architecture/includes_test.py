@@ -12,7 +12,7 @@ import re
 import sys
 import tempfile
 
-ROOMS = ("base", "render", "gaze", "calibration", "app")
+ROOMS = ("base", "render", "gaze", "calibration", "app", "python")
 SOURCES = (".h", ".cpp", ".inc")
 MAX_FILES_AT_THE_ROOT_OF_APP = 3
 OURS = re.compile(r'\s*#\s*include\s*"([^"]+)"')
