@@ -39,7 +39,6 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   const std::string command_line = commandLineOf(argc, argv);
   addReplayCommand(app, command_line);
-  addJoinCommand(app, command_line);
   addRenderCommand(app);
   addLiveCommand(app, command_line);
   addCalibrateCommand(app);
@@ -47,6 +46,7 @@ int run(int argc, char** argv) {
   addDoctorCommand(app);
   addEventsCommand(app);
   addInfoCommand(app);
+  addJoinCommand(app, command_line);
   addKeysCommand(app);
   addManualCommand(app);
   addMethodsCommand(app);

@@ -1,0 +1,101 @@
+"""The Snakemake workflow of configs/batch: two workers, of which one is killed.
+
+    python3 tests/batch/workflow_test.py build/release/foci
+"""
+
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+STUDY = """[screen]
+size_px = [640, 480]
+size_m = [0.4, 0.3]
+distance_m = 0.5
+[output]
+size_px = [320, 240]
+seconds = [0, 2]
+"""
+
+
+def recording(foci, folder, subject):
+    """Three seconds of gaze at 100 Hz, with a saccade each half second."""
+    place = folder / "data" / subject / "beh"
+    place.mkdir(parents=True)
+    rows = [f"{0.01 * i:.2f}\t{150 if i // 50 % 2 else 400 + 10 * len(subject)}\t240" for i in range(310)]
+    raw = folder / f"{subject}.tsv"
+    raw.write_text("time_s\tx_px\ty_px\n" + "\n".join(rows) + "\n")
+    subprocess.run([foci, "trace", "convert", raw, "--out", place / f"{subject}_task-look_physio.tsv.gz",
+                    "--screen-px", "640x480", "--screen-m", "0.4x0.3", "--distance-m", "0.5"], check=True,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def replays():
+    """The processes that replay a recording of this test, by their number."""
+    found = {}
+    for process in pathlib.Path("/proc").iterdir():
+        try:
+            words = (process / "cmdline").read_bytes().split(b"\0")
+        except (OSError, ValueError):
+            continue
+        if len(words) > 3 and words[0].endswith(b"foci") and words[1] == b"replay":
+            found[int(process.name)] = words
+    return found
+
+
+def main():
+    if shutil.which("snakemake") is None:
+        print("snakemake is not installed: not tested")
+        sys.exit(77)  # skipped
+    foci = os.path.abspath(sys.argv[1])
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        subjects = ["sub-01", "sub-02", "sub-03"]
+        counting = folder / "counting"  # notes each replay that begins
+        counting.write_text(f'#!/bin/sh\n[ "$1" != replay ] || echo "$4" >> {folder}/begun\nexec {foci} "$@"\n')
+        counting.chmod(0o755)
+        for subject in subjects:
+            recording(foci, folder, subject)
+        (folder / "study.toml").write_text(STUDY)
+        command = ["snakemake", "-s", ROOT / "configs/batch/Snakefile", "--cores", "2", "--nolock", "--config",
+                   "bids=data", "study=study.toml", f"foci={counting}"]
+        environment = {**os.environ, "XDG_CACHE_HOME": name, "HOME": name}
+        workflow = subprocess.Popen(command, cwd=folder, env=environment, stdout=subprocess.PIPE,
+                                    stderr=subprocess.STDOUT, text=True)
+        killed = None
+        while killed is None and workflow.poll() is None:
+            mine = [pid for pid, words in replays().items() if os.readlink(f"/proc/{pid}/cwd") == str(folder)]
+            if mine:
+                time.sleep(0.2)
+                killed = mine[0]
+                os.kill(killed, signal.SIGKILL)
+            time.sleep(0.01)
+        output = workflow.communicate(timeout=300)[0]
+        assert killed is not None, output
+        assert workflow.returncode == 0, output
+
+        # Nothing is lost, and only the killed run was begun twice.
+        out = folder / "data/derivatives/foci"
+        rows = [line.split("\t") for line in (out / "recordings.tsv").read_text().splitlines()]
+        assert [row[0] for row in rows[1:]] == [f"{s}/beh/{s}_task-look" for s in subjects], rows
+        begun = (folder / "begun").read_text().split()
+        assert sorted(begun.count(trace) for trace in set(begun)) == [1, 1, 2], begun
+        for subject in subjects:
+            run = out / subject / "beh" / f"{subject}_task-look_foci"
+            assert (run / "video.mp4").stat().st_size > 0
+            assert not list(run.glob(".*.tmp*")), list(run.iterdir())
+            events = out / subject / "beh" / f"{subject}_task-look_physioevents.tsv"
+            assert "saccade" in events.read_text()
+
+        again = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
+        assert "Nothing to be done" in again.stdout + again.stderr, again.stderr
+    print("passed")
+
+
+if __name__ == "__main__":
+    main()
