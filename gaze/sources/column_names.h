@@ -49,6 +49,9 @@ class ColumnNames {
   /// @throws InputError that names the nearest column
   std::size_t named(const std::string& name) const;
 
+  /// @throws InputError if another column has the same name: nobody can tell which is meant
+  void refuseTwin(std::size_t column) const;
+
   enum class Meaning { time, x, y };
 
   /// The error for a column that was not found: it lists the columns that may be it, and says how

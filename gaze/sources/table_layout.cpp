@@ -32,7 +32,7 @@ constexpr std::string_view kYs[] = {"y",           "gazey", "ygaze", "gazepointy
 constexpr std::string_view kBestValid[] = {"bpogv"}, kFixationValid[] = {"fpogv"};
 constexpr std::string_view kGazepointXs[] = {"bpogx", "fpogx"}, kGazepointYs[] = {"bpogy", "fpogy"};
 // A position only if the name also says "norm" (Pupil Core); else they may be places in space.
-constexpr std::string_view kNormXs[] = {"posx"}, kNormYs[] = {"posy"};
+constexpr std::string_view kNormXs[] = {"posx", "gazeposx"}, kNormYs[] = {"posy", "gazeposy"};
 
 bool isLength(const std::string& unit) { return unit == "mm" || unit == "cm" || unit == "m"; }
 
@@ -64,7 +64,9 @@ class Recogniser {
     findPoint();
     findRest();
     recogniseFormat();
+    layout_.names = names_.size();
     for (std::size_t i = 0; i < names_.size(); ++i) {
+      if (isUsed(i) && !given_.x.starts_with('#')) names_.refuseTwin(i);
       if (isUsed(i)) layout_.columns = i + 1;
       for (const EyeColumns& eye : layout_.eyes) layout_.has_eyes |= isOf(eye, i);
     }
@@ -309,7 +311,8 @@ class Recogniser {
       layout_.time_scale_s = 1e-3;
       layout_.validity = find({"val"});
       layout_.validity_code = ValidityCode::zero;
-    } else if (layout_.x && names_.key(*layout_.x) == "posx") {
+    } else if (layout_.x && names_.unit(*layout_.x) == "norm" &&
+               names_.key(*layout_.x).ends_with("posx")) {
       layout_.y_up = true;  // Pupil Labs' norm_pos counts from the bottom
     }
   }
