@@ -25,7 +25,7 @@ constexpr double kStill_deg = 0.2;
 constexpr double kApart = 0.2;  // of the screen: eyes that look at one point are less apart
 constexpr double kLookedAround_s = 5.0;  // in this time gaze leaves the middle of a quarter
 constexpr double kMinUsualPupil_mm = 1.0, kMaxUsualPupil_mm = 9.5;  // of people
-constexpr double kMinRun = 1.8, kMaxRun = 20.0;           // rows of one position
+constexpr double kMinRun = 1.8, kMaxRun = 20.0;                     // rows of one position
 constexpr double kLongGap_s = 60.0;
 constexpr double kMinScreen_deg = 4.0, kMaxScreen_deg = 130.0;  // a telephone; a wall
 constexpr double kSquare = 1.2;  // pixels are as wide as high, to this factor
