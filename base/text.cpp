@@ -29,6 +29,13 @@ std::string exactText(double value) {
   return {text.begin(), end};
 }
 
+std::string significant(double value, int digits) {
+  std::array<char, 40> text;
+  const auto end =
+      std::to_chars(text.begin(), text.end(), value, std::chars_format::general, digits).ptr;
+  return {text.begin(), end};
+}
+
 std::string thousands(double value) {
   std::string digits = decimal(value, 0);
   for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, ",");

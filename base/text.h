@@ -15,6 +15,9 @@ std::string decimalOrInf(double value, int digits);
 /// The shortest decimal text that reads back as the same double; "inf", "-inf" or "nan".
 std::string exactText(double value);
 
+/// With up to `digits` significant digits.
+std::string significant(double value, int digits = 4);
+
 /// Rounded, with commas between groups of three digits: 12345.6 as "12,346".
 std::string thousands(double value);
 

@@ -144,13 +144,16 @@ void refuseContradictions(std::span<const Station> stations, const StationSoluti
                           GazeFit& fit) {
   const glm::dvec2 span = extents(stations, &Station::target);
   std::vector<double> misses;
+  std::size_t unweighted = 0;
   for (std::size_t i = 0; i < stations.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const Station& s = stations[i];
     misses.push_back(heldOut_deg(solution, row) / glm::length(span * s.deg_per_unit));
-    if (solution.weight[row] <= 0.0) fit.refused.push_back(s.target);
+    if (solution.weight[row] > 0.0) continue;
+    fit.refused.push_back(s.target);
+    ++unweighted;
   }
-  if (quantile(misses, 0.5) > kUnexplained || 2 * fit.refused.size() > stations.size()) {
+  if (quantile(misses, 0.5) > kUnexplained || 2 * unweighted > stations.size()) {
     refuseGazeCalibration("contradictory: gaze does not follow the targets");
   }
 }
@@ -248,11 +251,12 @@ GazeFit fitGazeMap(std::span<const GazePair> pairs, const GazeFrame& frame,
   const auto begin = std::chrono::steady_clock::now();
 
   // Reduce the samples of each target to one robust point.
-  const std::vector<Station> stations = stationsOf(pairs, frame);
+  GazeFit fit;
+  std::vector<Station> stations = stationsOf(pairs, frame);
+  fit.refused = dropBadTargets(stations);
   refuseUnusable(stations);
 
   // Fit every model that the targets allow, and choose one by cross-validation.
-  GazeFit fit;
   fit.map.frame = frame;
   normalise(stations, fit.map);
   std::vector<Candidate> candidates = fitCandidates(stations, fit.map, forced);

@@ -15,7 +15,8 @@ struct GazeFit {
   GazeMap map;
   /// Held-out error of each model tried, deg, from `offset` on; absent where targets are too few.
   std::array<std::optional<double>, 4> cross_validated_deg;
-  std::vector<glm::dvec2> refused;  ///< targets without weight: the observer looked elsewhere
+  std::vector<glm::dvec2> refused;  ///< targets left out: the observer looked elsewhere, or
+                                    ///< the samples lie as far apart as the targets
   double ms = 0.0;                  ///< time that the fit took
 };
 

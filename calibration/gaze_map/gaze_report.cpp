@@ -138,7 +138,8 @@ std::string gazeReportText(const GazeReport& report) {
                 modelOf(report).c_str(), shown(all.rms_s2s_deg).c_str(), shown(all.sd_deg).c_str(),
                 100.0 * lossShare(all), all.samples);
   text += line;
-  if (!report.fit.refused.empty()) text += "left out, not looked at: " + slippedText(report) + "\n";
+  if (!report.fit.refused.empty())
+    text += "left out, since the gaze there does not fit: " + slippedText(report) + "\n";
   text += "          target  accuracy  RMS-S2S     SD   loss\n";
   for (const TargetMeasures& t : report.accuracy.targets) {
     std::snprintf(line, sizeof line, "%16s %9s %8s %6s %5.1f%%\n", pointText(t.target).c_str(),
@@ -176,8 +177,8 @@ std::string gazeReportHtml(const GazeReport& report) {
                            : "") +
       ".</p>\n";
   if (!report.fit.refused.empty()) {
-    html += "<p>Targets that the observer did not look at, left out of the fit: " +
-            slippedText(report) + ".</p>\n";
+    html += "<p>Targets left out, since the gaze there does not fit: " + slippedText(report) +
+            ".</p>\n";
   }
   html += svgOf(report);
   html += "<table><tr><th>target (" + std::string(nameOf(report.fit.map.frame.units)) +

@@ -73,6 +73,43 @@ glm::dvec2 extents(std::span<const Station> stations, glm::dvec2 Station::*point
   return {std::sqrt(std::max(half - root, 0.0) / n), std::sqrt((half + root) / n)};
 }
 
+namespace {
+
+bool isScattered(const Station& station, double extent) {
+  return station.samples.size() > 1 && glm::length(station.gaze_sd) > kScattered * extent;
+}
+
+}  // namespace
+
+std::vector<glm::dvec2> dropBadTargets(std::vector<Station>& stations) {
+  // A wild target widens the extent of the gaze, and so hides others: judge again without it.
+  std::vector<Station> kept = stations, dropped;
+  const auto drop = [&](const auto& isBad) {
+    const auto end = std::stable_partition(kept.begin(), kept.end(),
+                                           [&](const Station& s) { return !isBad(s); });
+    const auto count = static_cast<std::size_t>(kept.end() - end);
+    dropped.insert(dropped.end(), end, kept.end());
+    kept.erase(end, kept.end());
+    return count;
+  };
+  while (!kept.empty()) {
+    const double extent = glm::length(extents(kept, &Station::gaze));
+    if (drop([&](const Station& s) { return isScattered(s, extent); }) == 0) break;
+  }
+  const std::vector<Station> all = kept;
+  drop([&](const Station& s) {
+    return std::any_of(all.begin(), all.end(), [&](const Station& other) {
+      return other.gaze == s.gaze && other.target != s.target;
+    });
+  });
+  if (kept.size() < kMinTargets || 2 * kept.size() < stations.size()) return {};
+  stations = std::move(kept);
+  std::vector<glm::dvec2> targets;
+  targets.reserve(dropped.size());
+  for (const Station& s : dropped) targets.push_back(s.target);
+  return targets;
+}
+
 void refuseUnusable(std::span<const Station> stations) {
   if (stations.size() < kMinTargets) {
     refuseGazeCalibration("too few targets: gaze at " + std::to_string(stations.size()) +
@@ -87,9 +124,10 @@ void refuseUnusable(std::span<const Station> stations) {
   if (gaze.x <= kCollinear * gaze.y)
     refuseGazeCalibration("gaze moves along a line only: is one axis lost?");
   for (const Station& s : stations) {
-    if (s.samples.size() > 1 && glm::length(s.gaze_sd) > kScattered * glm::length(gaze)) {
-      refuseGazeCalibration("contradictory: the samples of target " + pointText(s.target) +
-                            " lie as far apart as the targets do");
+    if (isScattered(s, glm::length(gaze))) {
+      refuseGazeCalibration(
+          "contradictory: the samples of target " + pointText(s.target) +
+          " lie as far apart as the targets do, and too few other targets remain");
     }
     for (const Station& other : stations) {
       if (&other == &s) break;

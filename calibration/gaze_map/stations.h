@@ -26,8 +26,15 @@ struct Station {
 /// @throws InputError where no sample has gaze, or targets are more than 10000
 std::vector<Station> stationsOf(std::span<const GazePair> pairs, const GazeFrame& frame);
 
+/// Takes away targets whose samples lie as far apart as the targets do, and targets with exactly
+/// the same gaze: the observer looked elsewhere, or the tracker was stuck. Keeps all if fewer than
+/// three would remain, or fewer than half.
+/// @return the targets taken away
+std::vector<glm::dvec2> dropBadTargets(std::vector<Station>& stations);
+
 /// @throws InputError where targets are fewer than 3 or collinear, where gaze does not move in two
-///   directions, or where targets contradict each other
+///   directions, or where targets contradict each other (which `dropBadTargets` leaves only if they
+///   are too many)
 void refuseUnusable(std::span<const Station> stations);
 
 /// Smaller and larger standard deviation of a cloud of points along its principal axes.

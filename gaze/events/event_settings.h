@@ -1,6 +1,8 @@
 // Settings of the event detection.
 #pragma once
 
+#include "gaze/events/saccade_rules.h"
+
 namespace foci {
 
 /// The velocity threshold is a minimum: in a noisy recording the detectors raise it with the noise.
@@ -18,6 +20,7 @@ struct EventSettings {
   double merge_gap_s = 0.075;   ///< two fixations become one if the time between them is shorter
   double merge_deg = 0.5;       ///< and the angle between them smaller
   double min_fixation_s = 0.06;  ///< shorter fixations are not reported as events
+  SaccadeRules rules{};
 };
 
 }  // namespace foci

@@ -7,11 +7,72 @@
 
 #include "gaze/events/online_events.h"
 #include "gaze/events/saccades.h"
+#include "gaze/events/sight_noise.h"
 #include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
 
 namespace {
+
+/// The noise of a recording, which changes with the observer's place and the eyelids. It is
+/// measured in blocks of a second, over the time around each.
+class LocalNoise {
+ public:
+  static constexpr double kBlock_s = 1.0;
+
+  LocalNoise(std::span<const TimedSight> sights, double rate_Hz, const EventSettings& settings)
+      : length_(std::max<std::size_t>(static_cast<std::size_t>(kBlock_s * rate_Hz), 1)) {
+    const auto reach = static_cast<std::size_t>(
+        0.5 * std::max(settings.rules.noise_span_s - kBlock_s, 0.0) * rate_Hz);
+    for (std::size_t first = 0; first < sights.size(); first += length_) {
+      // Beside an end of the recording the span stays as long.
+      const std::size_t span = std::min(length_ + 2 * reach, sights.size());
+      const std::size_t from = std::min(first - std::min(first, reach), sights.size() - span);
+      from_s_.push_back(sights[first].time_s);
+      blocks_.push_back(noiseOf(sights.subspan(from, span), rate_Hz, settings));
+    }
+  }
+
+  std::size_t blocks() const { return blocks_.size(); }
+  std::size_t first(std::size_t block) const { return block * length_; }
+  const SightNoise& of(std::size_t block) const { return blocks_[block]; }
+  const SightNoise& at(double time_s) const {
+    const auto after = std::upper_bound(from_s_.begin() + 1, from_s_.end(), time_s);
+    return blocks_[static_cast<std::size_t>(after - from_s_.begin()) - 1];
+  }
+
+ private:
+  std::size_t length_;
+  std::vector<double> from_s_{};
+  std::vector<SightNoise> blocks_{};
+};
+
+/// Labels each block with its own noise. The samples on both sides of it are labelled with it,
+/// since saccades and eyelids cross its ends. Removes the spikes of `sights`.
+std::vector<GazeState> labelInBlocks(std::vector<TimedSight>& sights,
+                                     const std::vector<bool>& blinks, const LocalNoise& noise,
+                                     double rate_Hz, const EventSettings& settings) {
+  constexpr double kContext_s = 0.5;  // holds the longest saccade, eyelid motion and window
+  const auto context = static_cast<std::size_t>((kContext_s + settings.max_gap_s) * rate_Hz) + 1;
+  const std::vector<TimedSight> raw = sights;
+  std::vector<GazeState> states(raw.size());
+  for (std::size_t block = 0; block < noise.blocks(); ++block) {
+    const std::size_t first = noise.first(block);
+    const std::size_t end = block + 1 < noise.blocks() ? noise.first(block + 1) : raw.size();
+    const std::size_t from = first - std::min(first, context);
+    const std::size_t until = std::min(end + context, raw.size());
+    const auto at = [](auto& list, std::size_t i) {
+      return list.begin() + static_cast<std::ptrdiff_t>(i);
+    };
+    const auto clean =
+        withoutSpikes(std::span(raw).subspan(from, until - from), rate_Hz, noise.of(block));
+    const auto labels = labelSaccades(clean, {at(blinks, from), at(blinks, until)}, rate_Hz,
+                                      noise.of(block), settings);
+    std::copy(at(clean, first - from), at(clean, end - from), at(sights, first));
+    std::copy(at(labels, first - from), at(labels, end - from), at(states, first));
+  }
+  return states;
+}
 
 /// Consecutive samples [first, end) with the same label.
 struct Stretch {
@@ -52,14 +113,15 @@ void gatherGaze(const std::vector<TimedSight>& sights, double rate_Hz,
 
 /// Whether the stable gaze at `place` is pursuit, with its neighbours up to 0.2 s away.
 bool isPursuitAmong(const std::vector<const StableGaze*>& stable, std::size_t place,
-                    const SightNoise& noise) {
+                    const LocalNoise& noise) {
   constexpr double kNear_s = 0.2;
   const StableGaze& gaze = *stable[place];
   const StableGaze* before = place > 0 ? stable[place - 1] : nullptr;
   const StableGaze* after = place + 1 < stable.size() ? stable[place + 1] : nullptr;
   if (before && gaze.first_s() - before->newest_s() > kNear_s) before = nullptr;
   if (after && after->first_s() - gaze.newest_s() > kNear_s) after = nullptr;
-  return gaze.isPursuit(noise.sample_deg, before, after);
+  return gaze.isPursuit(noise.at(0.5 * (gaze.first_s() + gaze.newest_s())).sample_deg, before,
+                        after);
 }
 
 }  // namespace
@@ -73,9 +135,8 @@ std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen
     sights.push_back(sightOf(sample, screen));
     blinks.push_back(sample.blink);
   }
-  const SightNoise noise = noiseOf(sights, trace.rate_Hz, settings);
-  sights = withoutSpikes(sights, trace.rate_Hz, noise);
-  auto states = labelSaccades(sights, blinks, trace.rate_Hz, noise, settings);
+  const LocalNoise noise(sights, trace.rate_Hz, settings);
+  auto states = labelInBlocks(sights, blinks, noise, trace.rate_Hz, settings);
 
   // Tell pursuit from fixation.
   std::vector<Stretch> stretches = stretchesOf(states, sights, trace);

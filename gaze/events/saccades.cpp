@@ -1,9 +1,9 @@
 // After Nystrom and Holmqvist (2010): the thresholds of peak and edge follow the noise, and a
 // glissade may follow a saccade.
 //
-// All constants without a source were fitted to the coders of 21 labelled recordings (Andersson et
-// al. 2017 and irf; `foci events --score` measures the agreement). The fit covered the recordings
-// as they are, and with added white noise of up to a degree at 30 to 1000 Hz.
+// `SaccadeRules` holds the constants that labelled recordings choose. The others without a source
+// were fitted once to the coders of 21 labelled recordings (Andersson et al. 2017 and irf), as they
+// are, and with added white noise of up to a degree at 30 to 1000 Hz.
 #include "gaze/events/saccades.h"
 
 #include <algorithm>
@@ -14,30 +14,20 @@ namespace {
 
 using Velocities = std::vector<std::optional<SightVelocity>>;
 
-// Narrow windows. Factors named ...Noise are standard deviations of the velocity noise.
-constexpr double kPeakNoise = 8.5;        // threshold of a saccade's peak
-constexpr double kEdge_deg_s = 22.0;      // minimum threshold of a saccade's edges
-constexpr double kEdgeNoise = 5.0;        // threshold of a saccade's edges
+// Narrow windows.
 constexpr double kMinSaccade_s = 0.0045;  // minimum time above the edges' threshold
-constexpr double kRestNoise = 4.0;        // faster motion after a saccade is oscillation
-constexpr double kRest_deg_s = 6.0;       // minimum of this threshold
-constexpr double kRest_s = 0.008;         // the oscillation ends after so much rest
-constexpr double kMaxOscillation_s = 0.02;
-// A motion so soon after a saccade, and so much smaller, is part of its oscillation.
+// A motion so soon after a saccade is part of its oscillation if it is smaller (`echo_ratio`).
 constexpr double kEcho_s = 0.02;
-constexpr double kEchoRatio = 0.6;
 
 // The choice of windows.
 constexpr double kWide_s = 0.022;            // a longer window is longer than most saccades
 constexpr double kBlurredPeak_deg_s = 90.0;  // a peak threshold that misses most small saccades
 constexpr double kClearPeak_deg_s = 95.0;    // the next window must reach a threshold below this
-constexpr double kHiddenNoise = 5.0;         // noise may hide saccades: try a wider window
 constexpr double kWhite = 1.4;               // tolerance for "the noise falls like white noise"
 constexpr double kWhiteAndSteps = 2.0;       // the same if each window may hold a saccade
 
 // Wide windows.
 constexpr double kWidePeak_deg_s = 20.0;     // minimum threshold of a peak
-constexpr double kWideNoise = 4.5;           // threshold of a peak
 constexpr double kApart = 0.2;               // of a window, from other saccades to a wide one
 constexpr double kWideOscillation_s = 0.02;  // duration of a typical oscillation
 constexpr double kDuration_s = 0.021, kDurationPerDegree_s = 0.0022;  // Carpenter (1988)
@@ -59,18 +49,20 @@ class SaccadeFinder {
         rate_Hz_(rate_Hz),
         noise_(noise),
         settings_(settings),
+        rules_(settings.rules),
         states_(sights.size(), GazeState::fixation) {}
 
   std::vector<GazeState> find(const std::vector<bool>& blinks) {
     const bool narrow = window_s(0) <= kWide_s;
     const std::size_t finest = narrow && noiseBlursNarrow() ? 1 : 0;
     if (narrow) findNarrow(finest);
-    bool hidden = narrow && kHiddenNoise * noise_.velocity_deg_s[finest] > settings_.saccade_deg_s;
+    bool hidden =
+        narrow && rules_.hidden_noise * noise_.velocity_deg_s[finest] > settings_.saccade_deg_s;
     for (std::size_t scale = narrow ? finest + 1 : 0; scale < kNoiseScales; ++scale) {
       if (scale > 0 && (!hidden || window_s(scale) > kMaxNoiseWindow_s || !isWhite(scale))) break;
       const double floor_deg_s = scale == 0 ? settings_.saccade_deg_s : kWidePeak_deg_s;
       findWide(scale, floor_deg_s);
-      hidden = kHiddenNoise * noise_.velocity_deg_s[scale] > kWidePeak_deg_s;
+      hidden = rules_.hidden_noise * noise_.velocity_deg_s[scale] > kWidePeak_deg_s;
     }
     markBlinks(blinks);
     return std::move(states_);
@@ -93,8 +85,8 @@ class SaccadeFinder {
   /// if the noise leaves them visible. True if the noise asks for the longer one.
   bool noiseBlursNarrow() const {
     return window_s(1) <= kWide_s + 1e-6 &&
-           kPeakNoise * noise_.velocity_deg_s[0] > kBlurredPeak_deg_s &&
-           kPeakNoise * noise_.velocity_deg_s[1] <= kClearPeak_deg_s;
+           rules_.peak_noise * noise_.velocity_deg_s[0] > kBlurredPeak_deg_s &&
+           rules_.peak_noise * noise_.velocity_deg_s[1] <= kClearPeak_deg_s;
   }
 
   void mark(std::size_t first, std::size_t last, GazeState state) {
@@ -105,9 +97,10 @@ class SaccadeFinder {
   /// Finds saccades with a window that is shorter than most of them, so that it shows their edges.
   void findNarrow(std::size_t scale) {
     const double sigma_deg_s = noise_.velocity_deg_s[scale];
-    const double peak_deg_s = std::max(settings_.saccade_deg_s, kPeakNoise * sigma_deg_s);
-    const double edge_deg_s = std::min(std::max(kEdge_deg_s, kEdgeNoise * sigma_deg_s), peak_deg_s);
-    const double rest_deg_s = std::max(kRest_deg_s, kRestNoise * sigma_deg_s);
+    const double peak_deg_s = std::max(settings_.saccade_deg_s, rules_.peak_noise * sigma_deg_s);
+    const double edge_deg_s =
+        std::min(std::max(rules_.edge_deg_s, rules_.edge_noise * sigma_deg_s), peak_deg_s);
+    const double rest_deg_s = std::max(rules_.rest_deg_s, rules_.rest_noise * sigma_deg_s);
     const auto min_samples = static_cast<std::size_t>(kMinSaccade_s * rate_Hz_);
     const Velocities velocities =
         velocitiesOfSight(sights_, window_s(scale), longestStep_s(rate_Hz_));
@@ -142,7 +135,7 @@ class SaccadeFinder {
       const double moved_deg =
           glm::degrees(glm::distance(*sights_[first].direction, *sights_[last].direction));
       if (end && time_s(first) - time_s(*end) <= kEcho_s &&
-          moved_deg < kEchoRatio * amplitude_deg) {
+          moved_deg < rules_.echo_ratio * amplitude_deg) {
         mark(*end + 1, last, GazeState::oscillation);
       } else if (last - first + 1 >= min_samples) {
         mark(first, last, GazeState::saccade);
@@ -156,7 +149,8 @@ class SaccadeFinder {
       end = last;
       for (std::size_t j = last + 1;
            j < sights_.size() && velocities[j] && speed_deg_s(j) <= peak_deg_s &&
-           time_s(j) - time_s(*end) <= kRest_s && time_s(j) - time_s(last) <= kMaxOscillation_s;
+           time_s(j) - time_s(*end) <= rules_.rest_s &&
+           time_s(j) - time_s(last) <= rules_.oscillation_s;
            ++j) {
         if (speed_deg_s(j) > rest_deg_s) end = j;
       }
@@ -173,7 +167,7 @@ class SaccadeFinder {
     std::vector<std::size_t> candidates;
     for (std::size_t i = 0; i < sights_.size(); ++i) {
       const auto& at = velocities[i];
-      if (at && at->speed_deg_s > std::max(floor_deg_s, kWideNoise * at->noise_gain *
+      if (at && at->speed_deg_s > std::max(floor_deg_s, rules_.wide_noise * at->noise_gain *
                                                             noise_.velocity_deg_s[scale])) {
         candidates.push_back(i);
       }
@@ -294,6 +288,7 @@ class SaccadeFinder {
   double rate_Hz_;
   const SightNoise& noise_;
   const EventSettings& settings_;
+  const SaccadeRules& rules_;
   std::vector<GazeState> states_;
 };
 

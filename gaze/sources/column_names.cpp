@@ -118,6 +118,15 @@ std::size_t ColumnNames::named(const std::string& name) const {
   throw lines_.error("no column " + shown(name) + ": " + nearestTo(name));
 }
 
+void ColumnNames::refuseTwin(std::size_t column) const {
+  if (texts_[column].empty() || std::count(texts_.begin(), texts_.end(), texts_[column]) == 1) {
+    return;
+  }
+  throw lines_.error("two columns " + shown(texts_[column]) +
+                     ": give the one that is meant by its number, such as gaze.x = \"#" +
+                     std::to_string(column + 1) + "\"");
+}
+
 bool ColumnNames::isPosition(std::size_t column) const {
   const std::string& unit = names_[column].unit;
   return !names_[column].of_media &&

@@ -32,6 +32,9 @@ class ColumnNames {
   /// "s", "ms", "us", "ns", "px", "deg", "norm", "mm", "cm", "m" or empty. A name that contains
   /// "norm" has the unit "norm".
   const std::string& unit(std::size_t column) const { return names_[column].unit; }
+  bool isLength(std::size_t column) const {
+    return unit(column) == "mm" || unit(column) == "cm" || unit(column) == "m";
+  }
   /// Whether the column counts from the presented media, not from the screen (Tobii's MCS).
   bool ofMedia(std::size_t column) const { return names_[column].of_media; }
 
@@ -48,6 +51,9 @@ class ColumnNames {
   /// The column with exactly this name, or with this number ("#1" is the first).
   /// @throws InputError that names the nearest column
   std::size_t named(const std::string& name) const;
+
+  /// @throws InputError if another column has the same name: nobody can tell which is meant
+  void refuseTwin(std::size_t column) const;
 
   enum class Meaning { time, x, y };
 

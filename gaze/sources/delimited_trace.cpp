@@ -101,6 +101,7 @@ class TableReader {
  private:
   void readLine(std::string_view line) {
     if (broken_) throw lines_.error("follows a line that is too short");
+    if (taken_ == 0 && !layout_.headless) refuseExtraFields(line);
     row_->split(line);
     // The last line may be cut off. `broken_` refuses any line behind it.
     if ((broken_ = !row_->isComplete() && taken_ > 1 && !layout_.rows.column)) return;
@@ -109,6 +110,17 @@ class TableReader {
     readResolution();
     readSample(sample_);
     passOn();
+  }
+
+  /// A row with more fields than the header has names: a comma is decimal, or not in quotes.
+  void refuseExtraFields(std::string_view line) const {
+    std::vector<std::string_view> fields;
+    splitRow(line, layout_.delimiter, fields);
+    while (!fields.empty() && trimmed(fields.back()).empty()) fields.pop_back();
+    if (fields.size() <= layout_.names) return;
+    throw lines_.error(std::to_string(fields.size()) + " fields where the header has " +
+                       std::to_string(layout_.names) +
+                       " names: are there decimal commas, or texts without quotes?");
   }
 
   void readHeader(const TraceColumns& columns, const std::string& given) {
@@ -231,6 +243,11 @@ class TableReader {
       header.assumed.push_back(
           "intervals: those of the tracker's own clock, since times are whole milliseconds");
     }
+    if (counts_rows_) {
+      header.warnings.push_back(
+          "times count by one: foci takes them for milliseconds, but they may be row numbers; give "
+          "gaze.time_scale_s (--time-scale-s) or gaze.rate_Hz");
+    }
     if (clock_guessed_) {
       header.assumed.push_back("unit of time: " + exactText(layout_.time_scale_s) +
                                " s, from the rate (--time-scale-s, gaze.time_scale_s)");
@@ -270,6 +287,7 @@ class TableReader {
     if (!clock_known_) {
       layout_.time_scale_s = likelyScale_s();
       clock_guessed_ = true;
+      counts_rows_ = layout_.time_scale_s == 1e-3 && countsByOne();
     }
     settled_ = true;
     if (first_repeat_) {
@@ -290,6 +308,14 @@ class TableReader {
     if (spread_) sample.time_s = spread_->time(sample.time_s);
     sample.time_s *= layout_.time_scale_s;
     take_(sample);
+  }
+
+  bool countsByOne() const {
+    const auto gap = std::adjacent_find(held_.begin(), held_.end(),
+                                        [](const GazeSample& before, const GazeSample& after) {
+                                          return after.time_s - before.time_s != 1.0;
+                                        });
+    return gap == held_.end() && held_.size() > 1 && held_.front().time_s <= 1.0;
   }
 
   /// The unit of time that gives the rate of an eye tracker.
@@ -321,7 +347,8 @@ class TableReader {
   bool units_stated_ = false;  // by the user, the file or its format
   bool mapped_later_ = false;
   bool nominal_ = false;  // `kNominalScreen` stands in
-  bool clock_known_ = false, clock_guessed_ = false, resolution_known_ = false;
+  bool clock_known_ = false, clock_guessed_ = false, counts_rows_ = false,
+       resolution_known_ = false;
   bool settled_ = false;                      // the unit of time; until then samples are held
   std::optional<InputError> first_repeat_{};  // of a time
   std::optional<WholeTimes> spread_{};        // times repeat

@@ -32,9 +32,7 @@ constexpr std::string_view kYs[] = {"y",           "gazey", "ygaze", "gazepointy
 constexpr std::string_view kBestValid[] = {"bpogv"}, kFixationValid[] = {"fpogv"};
 constexpr std::string_view kGazepointXs[] = {"bpogx", "fpogx"}, kGazepointYs[] = {"bpogy", "fpogy"};
 // A position only if the name also says "norm" (Pupil Core); else they may be places in space.
-constexpr std::string_view kNormXs[] = {"posx"}, kNormYs[] = {"posy"};
-
-bool isLength(const std::string& unit) { return unit == "mm" || unit == "cm" || unit == "m"; }
+constexpr std::string_view kNormXs[] = {"posx", "gazeposx"}, kNormYs[] = {"posy", "gazeposy"};
 
 double secondsPer(const std::string& unit) {
   return unit == "s" ? 1.0 : unit == "ms" ? 1e-3 : unit == "us" ? 1e-6 : unit == "ns" ? 1e-9 : 0.0;
@@ -54,6 +52,7 @@ class Recogniser {
         before_(before),
         names_(lines, header, delimiterOf(header)) {
     layout_.delimiter = delimiterOf(header);
+    layout_.names = names_.size();
     layout_.format = layout_.delimiter == '\t' ? "TSV" : layout_.delimiter == ' ' ? "text" : "CSV";
   }
 
@@ -65,8 +64,10 @@ class Recogniser {
     findRest();
     recogniseFormat();
     for (std::size_t i = 0; i < names_.size(); ++i) {
-      if (isUsed(i)) layout_.columns = i + 1;
       for (const EyeColumns& eye : layout_.eyes) layout_.has_eyes |= isOf(eye, i);
+      if (!isUsed(i)) continue;
+      if (!given_.x.starts_with('#')) names_.refuseTwin(i);
+      layout_.columns = i + 1;
     }
     return std::move(layout_);
   }
@@ -202,7 +203,7 @@ class Recogniser {
   void takeUnits(const std::optional<std::size_t>& column) {
     if (!column) return;
     const std::string& unit = names_.unit(*column);
-    if (isLength(unit) && !given_.units && !given_.mapped_later) {
+    if (names_.isLength(*column) && !given_.units && !given_.mapped_later) {
       throw lines_.error("column " + shown(names_.text(*column)) + " is in " + shown(unit) +
                          ": expected px, deg or fractions of the screen; gaze.scale converts it "
                          "to gaze.units");
@@ -309,7 +310,8 @@ class Recogniser {
       layout_.time_scale_s = 1e-3;
       layout_.validity = find({"val"});
       layout_.validity_code = ValidityCode::zero;
-    } else if (layout_.x && names_.key(*layout_.x) == "posx") {
+    } else if (layout_.x && names_.unit(*layout_.x) == "norm" &&
+               names_.key(*layout_.x).ends_with("posx")) {
       layout_.y_up = true;  // Pupil Labs' norm_pos counts from the bottom
     }
   }
@@ -333,8 +335,7 @@ class Recogniser {
           find(names_.key(*layout_.x) == "bpogx" ? Keys(kBestValid) : Keys(kFixationValid));
     }
     if (given_.time_scale_s) return;
-    const std::string& time = layout_.time ? names_.key(*layout_.time) : std::string();
-    if (time == "time") layout_.time_scale_s = 1.0;
+    if (layout_.time && names_.key(*layout_.time) == "time") layout_.time_scale_s = 1.0;
   }
 
   /// Version 1 and 2: times in ms, (0, 0) and (-width, -height) in data loss. Version 3: times in

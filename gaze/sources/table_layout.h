@@ -75,6 +75,7 @@ struct TableLayout {
   bool named_blink = false;          ///< `blink` holds the blink's number, or nothing (Neon)
   TableNumbers numbers{};
   bool headless = false;    ///< the first line is a row, not a header
+  std::size_t names = 0;    ///< number of columns in the header
   std::size_t columns = 0;  ///< number of columns up to the last one in use
 
   bool hasDirections() const { return eyes[0].direction[0] || eyes[1].direction[0]; }

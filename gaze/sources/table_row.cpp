@@ -16,6 +16,7 @@ namespace {
 constexpr double kMaxPoint_px = 1e5;
 constexpr double kMaxEccentricity_deg = 89.0;  // a flat screen ends before 90
 constexpr double kMaxPupil_mm = 15.0;
+constexpr double kMaxConfidence = 1.01;     // 1, rounded
 constexpr double kMinGazeConfidence = 0.6;  // as in Pupil Core's own software
 
 bool isWord(std::string_view text, std::string_view lower) {
@@ -60,7 +61,8 @@ std::optional<double> TableRow::coordinate(std::size_t column, std::string_view 
   const TableNumbers& numbers = layout_.numbers;
   if (number == numbers.missing) return std::nullopt;
   const double value = numbers.scale[axis] * *number + numbers.offset[axis];
-  if (std::abs(value) > limit) fail(column, "too far from any screen");
+  if (std::abs(value) > limit)
+    fail(column, "too far from any screen; is it gaze.missing, or gaze.units wrong?");
   return value;
 }
 
@@ -80,7 +82,7 @@ std::optional<double> TableRow::readPupil(std::size_t column) const {
   if (!pupil && isAbsent(field(column))) return std::nullopt;
   if (pupil && pupil == layout_.numbers.missing) return std::nullopt;
   if (!pupil || *pupil * layout_.numbers.pupil_scale_mm > kMaxPupil_mm) {
-    fail(column, "expected a diameter up to 15 mm");
+    fail(column, "expected a diameter up to 15 mm (gaze.pupil_scale_mm)");
   }
   if (!(*pupil > 0.0)) return std::nullopt;
   return *pupil * layout_.numbers.pupil_scale_mm;
@@ -95,7 +97,9 @@ std::optional<glm::dvec2> TableRow::readPoint(std::size_t x, std::size_t y) cons
 bool TableRow::isTrusted(GazeSample& sample) const {
   if (layout_.confidence && !isAbsent(field(*layout_.confidence))) {
     const auto confidence = number(*layout_.confidence);
-    if (!confidence) fail(*layout_.confidence, "expected a number");
+    if (!confidence || *confidence > kMaxConfidence) {
+      fail(*layout_.confidence, "expected a confidence of 0 to 1 (gaze.confidence)");
+    }
     sample.confidence = std::clamp(*confidence, 0.0, 1.0);
     if (*sample.confidence < kMinGazeConfidence) return false;
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "base/input_error.h"
 #include "base/text.h"
@@ -11,6 +10,7 @@
 #include "gaze/sources/eyelink_asc.h"
 #include "gaze/sources/file_kind.h"
 #include "gaze/sources/rounded_intervals.h"
+#include "gaze/sources/trace_doubts.h"
 
 namespace foci {
 namespace {
@@ -44,31 +44,32 @@ bool isEyeLinkAsc(const std::filesystem::path& file) {
   return false;
 }
 
-/// With up to six significant digits.
-std::string shortText(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
 }  // namespace
 
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
                         const Screen& fallback_screen, const TakeSample& take) {
   requireRegularFile(file);
   requireGazeText(file);
+  TraceDoubts doubts;
+  const TakeSample both = [&](const GazeSample& sample) {
+    doubts.add(sample);
+    take(sample);
+  };
   TraceHeader header;
   if (const auto sidecar = bidsSidecarOf(file)) {
-    header = readBids(file, *sidecar, fallback_screen, take);
+    header = readBids(file, *sidecar, fallback_screen, both);
   } else {
     const bool eyelink = isEyeLinkAsc(file);
     LineReader lines(file);
-    header = eyelink ? readEyeLinkAsc(lines, take)
-                     : readDelimitedTrace(lines, columns, fallback_screen, take);
+    header = eyelink ? readEyeLinkAsc(lines, both)
+                     : readDelimitedTrace(lines, columns, fallback_screen, both);
   }
   if (!header.screen) header.screen = fallback_screen;
   if (header.screen->size_m == glm::dvec2(0.0)) header.screen->size_m = fallback_screen.size_m;
   if (header.screen->distance_m == 0.0) header.screen->distance_m = fallback_screen.distance_m;
+  for (std::string& doubt : doubts.sentences(header, columns)) {
+    header.warnings.push_back(std::move(doubt));
+  }
   return header;
 }
 
@@ -87,18 +88,19 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
   }
   if (std::none_of(trace.samples.begin(), trace.samples.end(),
                    [](const GazeSample& sample) { return sample.point_px.has_value(); })) {
-    throw InputError(name, "no sample has a position: expected gaze");
+    throw InputError(name, "no sample has a position: expected gaze" +
+                               (trace.warnings.empty() ? "" : "; " + trace.warnings.front()));
   }
 
   trace.rate_Hz = rate_Hz ? *rate_Hz : medianRate_Hz(trace.samples);
   if (!(trace.rate_Hz >= kMinRate_Hz && trace.rate_Hz <= kMaxRate_Hz)) {
     throw InputError(name,
-                     shortText(trace.rate_Hz) +
+                     significant(trace.rate_Hz) +
                          " samples a second: expected 5 to 20000; is the unit of time right?");
   }
   const double span_s = trace.samples.back().time_s - trace.samples.front().time_s;
   if (!(span_s <= kMaxDuration_s)) {
-    throw InputError(name, "lasts " + shortText(span_s) + " s: expected at most a day");
+    throw InputError(name, "lasts " + significant(span_s) + " s: expected at most a day");
   }
   return trace;
 }

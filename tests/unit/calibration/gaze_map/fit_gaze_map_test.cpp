@@ -196,16 +196,41 @@ TEST(FitGazeMapping, RefusesContradictions) {
   EXPECT_NE(refusalOf(shuffled), "");
 
   auto twice = recordUser(user, targets, 50, random);
-  for (std::size_t i = 0; i < 50; i += 2) *twice[i].gaze += glm::dvec2(15.0, 10.0);
+  for (std::size_t i = 0; i < 5 * 50; i += 2) *twice[i].gaze += glm::dvec2(15.0, 10.0);
   EXPECT_NE(refusalOf(twice).find("contradictory"), std::string::npos);
 
   auto same = recordUser({}, targets, 1, random);
-  same[3].gaze = same[5].gaze;
+  for (const std::size_t i : {1, 3, 5, 7, 8}) same[i].gaze = same[0].gaze;
   EXPECT_NE(refusalOf(same).find("the same gaze at targets"), std::string::npos);
 
   auto stuck = recordUser({}, targets, 1, random);
   for (GazePair& pair : stuck) pair.gaze = glm::dvec2(1.0, 1.0);
   EXPECT_NE(refusalOf(stuck).find("contradictory"), std::string::npos);
+}
+
+TEST(FitGazeMapping, BadTargetsAreDroppedAndNamed) {
+  std::mt19937_64 random(14);
+  SimulatedUser user;
+  user.noise_deg = 0.3;
+  const auto targets = targetGrid(3, 12.0);
+  // Gaze wanders over the whole screen at each bad target.
+  std::uniform_real_distribution<double> anywhere(-15.0, 15.0);
+  for (std::size_t bad = 0; bad < 4; ++bad) {
+    auto pairs = recordUser(user, targets, 50, random);
+    for (std::size_t i = 0; i < bad * 50; ++i) {
+      pairs[i].gaze = glm::dvec2(anywhere(random), anywhere(random));
+    }
+    const GazeFit fit = fitGazeMap(pairs, kDegrees);
+    ASSERT_EQ(fit.refused.size(), bad);
+    for (std::size_t i = 0; i < bad; ++i) {
+      EXPECT_NE(std::find(fit.refused.begin(), fit.refused.end(), targets[i]), fit.refused.end());
+    }
+    EXPECT_LT(mapError_deg(user, fit.map), 0.5) << bad;
+  }
+
+  auto stuck = recordUser(user, targets, 50, random);
+  for (std::size_t i = 0; i < 100; ++i) stuck[i].gaze = glm::dvec2(1.0, 1.0);
+  EXPECT_EQ(fitGazeMap(stuck, kDegrees).refused.size(), 2u);
 }
 
 TEST(FitGazeMapping, DoesNotMindLostOrShuffledSamples) {

@@ -1,0 +1,315 @@
+// The limits are those of eyes and screens, chosen by hand so that no recording of ../shared/data
+// with its own screen raises a doubt that is not true; the test TraceDoubts bounds them.
+#include "gaze/sources/trace_doubts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "base/quantile.h"
+#include "base/text.h"
+#include "gaze/geometry/line_of_sight.h"
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kMaxKept = 8192;      // enough for a share exact to a hundredth
+constexpr std::size_t kMinPositions = 100;  // fewer show neither range nor shares
+
+constexpr double kManyLost = 0.5, kManyOff = 0.1;  // shares of samples
+// Of the same position, where no screen is or at its corner. Trackers lose a few per cent.
+constexpr double kCode = 0.02;
+constexpr double kStill = 0.005;  // of the screen: smaller than the fixation of one letter
+constexpr double kStill_deg = 0.2;
+constexpr double kApart = 0.2;  // of the screen: eyes that look at one point are less apart
+constexpr double kLookedAround_s = 5.0;  // in this time gaze leaves the middle of a quarter
+constexpr double kMinUsualPupil_mm = 1.0, kMaxUsualPupil_mm = 9.5;  // of people
+constexpr double kMinRun = 1.8, kMaxRun = 20.0;                     // rows of one position
+constexpr double kLongGap_s = 60.0;
+constexpr double kMinScreen_deg = 4.0, kMaxScreen_deg = 130.0;  // a telephone; a wall
+constexpr double kSquare = 1.2;  // pixels are as wide as high, to this factor
+
+std::string percent(double share) { return decimal(100.0 * share, 0) + " %"; }
+
+/// The positions of a recording, in the file's unit.
+struct Positions {
+  std::vector<double> x{}, y{};
+  const char* unit = "";
+  bool degrees = false;    // from the screen's centre; else from its corner
+  glm::dvec2 screen{0.0};  // its size in that unit; 0: unknown
+
+  glm::dvec2 low() const { return degrees ? -0.5 * screen : glm::dvec2(0.0); }
+  glm::dvec2 high() const { return low() + screen; }
+
+  bool hasScreen() const { return screen.x > 0.0 && screen.y > 0.0; }
+};
+
+/// The range without the outermost hundredths.
+glm::dvec2 rangeOf(std::vector<double> values) {
+  return {quantile(values, 0.01), quantile(values, 0.99)};
+}
+double widthOf(const glm::dvec2& range) { return range.y - range.x; }
+
+bool isMetric(const TraceHeader& header) {
+  const Screen& screen = *header.screen;
+  return !header.nominal_screen && screen.size_px.x > 0 && screen.size_px.y > 0 &&
+         screen.size_m.x > 0.0 && screen.size_m.y > 0.0 && screen.distance_m > 0.0;
+}
+
+std::optional<std::string> stillness(const Positions& at) {
+  const double x = widthOf(rangeOf(at.x)), y = widthOf(rangeOf(at.y));
+  const glm::dvec2 limit = at.hasScreen() ? kStill * at.screen : glm::dvec2(kStill_deg);
+  const std::string keys = "; is its unit right (gaze.units, gaze.scale), and its column?";
+  if (x <= limit.x && y <= limit.y) {
+    return "gaze hardly moves: 98 % of it lies within " + significant(x) + " x " + significant(y) +
+           at.unit + keys;
+  }
+  const auto stuck = [&](double still, double moving, const char* axis) -> std::string {
+    if (still > 0.01 * moving) return {};
+    return std::string("gaze does not move along ") + axis + keys.substr(0, keys.size() - 1) +
+           " (gaze." + axis + ")?";
+  };
+  if (const std::string text = stuck(x, y, "x"); !text.empty()) return text;
+  if (const std::string text = stuck(y, x, "y"); !text.empty()) return text;
+  return std::nullopt;
+}
+
+std::optional<std::string> sameColumn(const Positions& at) {
+  for (std::size_t i = 0; i < at.x.size(); ++i) {
+    if (std::abs(at.x[i] - at.y[i]) > 1e-9 * (1.0 + std::abs(at.x[i]))) return std::nullopt;
+  }
+  return "x and y are the same in every sample: name their columns with gaze.x and gaze.y";
+}
+
+double shareOff(const std::vector<double>& values, double low, double high) {
+  const auto off = std::count_if(values.begin(), values.end(),
+                                 [&](double value) { return value < low || value > high; });
+  return static_cast<double>(off) / static_cast<double>(values.size());
+}
+
+std::optional<std::string> offScreen(const Positions& at) {
+  const glm::dvec2 low = at.low(), high = at.high();
+  const double x = shareOff(at.x, low.x, high.x), y = shareOff(at.y, low.y, high.y);
+  if (std::max(x, y) < kManyOff) return std::nullopt;
+  std::string text = percent(std::max(x, y)) + " of the gaze lies off the screen along " +
+                     (x >= y ? "x" : "y") + ": ";
+  if (std::max(shareOff(at.x, low.y, high.y), shareOff(at.y, low.x, high.x)) < 0.02) {
+    return text + "are x and y exchanged (gaze.x, gaze.y)?";
+  }
+  const std::vector<double>& worse = x >= y ? at.x : at.y;
+  const double negative = shareOff(worse, 0.0, 1e300);
+  if (!at.degrees && negative > 0.5 * std::max(x, y)) {
+    return text + "is the origin the top-left corner, with y down (gaze.offset, gaze.scale)?";
+  }
+  return text +
+         "are its unit (gaze.units) and the screen (screen.size_px, screen.size_m, "
+         "screen.distance_m) right?";
+}
+
+/// All gaze in the quarter beside the origin: millimetres, per cent, or pixels of a smaller screen.
+std::optional<std::string> inOneQuarter(const Positions& at, double span_s) {
+  if (span_s < kLookedAround_s) return std::nullopt;
+  const glm::dvec2 x = rangeOf(at.x), y = rangeOf(at.y);
+  if (x.x < 0.0 || y.x < 0.0 || x.y > 0.5 * at.screen.x || y.y > 0.5 * at.screen.y) {
+    return std::nullopt;
+  }
+  return "all gaze lies in the upper left quarter of the screen: are its unit (gaze.units, "
+         "gaze.scale) and screen.size_px right?";
+}
+
+/// Radians or fractions read as degrees.
+std::optional<std::string> withinADegree(const Positions& at, double span_s) {
+  if (span_s < kLookedAround_s) return std::nullopt;
+  const glm::dvec2 x = rangeOf(at.x), y = rangeOf(at.y);
+  if (std::min(x.x, y.x) < -1.0 || std::max(x.y, y.y) > 1.0) return std::nullopt;
+  return "all gaze lies within a degree: is its unit right (gaze.units; gaze.scale = [57.3, 57.3] "
+         "for radians)?";
+}
+
+/// A position that cannot be looked at and comes often.
+std::optional<std::string> codeOfLoss(const Positions& at) {
+  const glm::dvec2 low = at.low(), high = at.high();
+  std::map<std::pair<double, double>, std::size_t> counts;
+  for (std::size_t i = 0; i < at.x.size(); ++i) {
+    const bool corner = !at.degrees && at.x[i] == 0.0 && at.y[i] == 0.0;
+    const bool off = at.hasScreen() &&
+                     (at.x[i] < low.x || at.y[i] < low.y || at.x[i] > high.x || at.y[i] > high.y);
+    const bool negative = !at.degrees && at.x[i] == at.y[i] && at.x[i] < 0.0;
+    if (corner || off || negative) ++counts[{at.x[i], at.y[i]}];
+  }
+  const auto most =
+      std::max_element(counts.begin(), counts.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (most == counts.end()) return std::nullopt;
+  const double share = static_cast<double>(most->second) / static_cast<double>(at.x.size());
+  if (share < kCode) return std::nullopt;
+  return "the position (" + significant(most->first.first) + ", " +
+         significant(most->first.second) + ") is in " + percent(share) +
+         " of the samples with gaze: if it means data loss, give "
+         "gaze.missing";
+}
+
+std::vector<std::string> screenDoubts(const TraceHeader& header) {
+  std::vector<std::string> doubts;
+  if (!isMetric(header)) return doubts;
+  const Screen& screen = *header.screen;
+  const glm::dvec2 pixel_m = screen.size_m / glm::dvec2(screen.size_px);
+  const double ratio = pixel_m.x / pixel_m.y;
+  if (ratio > kSquare || ratio < 1.0 / kSquare) {
+    doubts.push_back("pixels are " + significant(ratio) +
+                     " times as wide as high: are the screen's pixels and metres of one screen "
+                     "(screen.size_px, screen.size_m)?");
+  }
+  const double deg = glm::degrees(2.0 * std::atan(0.5 * screen.size_m.x / screen.distance_m));
+  if (deg < kMinScreen_deg || deg > kMaxScreen_deg) {
+    doubts.push_back("the screen is " + significant(deg) +
+                     " deg wide: are its metres right (screen.size_m, screen.distance_m)?");
+  }
+  return doubts;
+}
+
+Positions positionsOf(const std::vector<glm::dvec2>& points_px, const TraceHeader& header) {
+  const Screen& screen = *header.screen;
+  const bool fractions = header.units == GazeUnits::normalised;
+  const glm::dvec2 size_px(screen.size_px);
+  Positions at{.degrees = header.units == GazeUnits::deg};
+  at.unit = at.degrees ? " deg" : fractions ? " of the screen" : " px";
+  if (fractions) {
+    at.screen = glm::dvec2(1.0);
+  } else if (at.degrees && isMetric(header)) {
+    at.screen = 2.0 * glm::degrees(glm::atan(0.5 * screen.size_m / screen.distance_m));
+  } else if (!at.degrees && !header.nominal_screen) {
+    at.screen = size_px;
+  }
+  for (const glm::dvec2& point_px : points_px) {
+    const glm::dvec2 p = at.degrees  ? eccentricity_deg(screen, point_px)
+                         : fractions ? point_px / size_px
+                                     : point_px;
+    at.x.push_back(p.x);
+    at.y.push_back(p.y);
+  }
+  return at;
+}
+
+std::vector<std::string> positionDoubts(const Positions& at, double span_s) {
+  std::vector<std::string> doubts;
+  const auto note = [&](std::optional<std::string> doubt) {
+    if (doubt) doubts.push_back(std::move(*doubt));
+    return doubt.has_value();
+  };
+  note(codeOfLoss(at));
+  if (note(stillness(at)) || note(sameColumn(at))) return doubts;
+  if (at.degrees && note(withinADegree(at, span_s))) return doubts;
+  if (at.hasScreen() && !note(offScreen(at)) && !at.degrees) note(inOneQuarter(at, span_s));
+  return doubts;
+}
+
+}  // namespace
+
+void TraceDoubts::addClock(double time_s) {
+  if (samples_ == 0) first_s_ = last_s_ = time_s;
+  longest_gap_s_ = std::max(longest_gap_s_, time_s - last_s_);
+  last_s_ = time_s;
+}
+
+void TraceDoubts::addPoint(const GazeSample& sample) {
+  const glm::dvec2 point_px = *sample.point_px;
+  changes_ += present_ == 0 || point_px != last_px_;
+  last_px_ = point_px;
+  if (present_++ % stride_ != 0) return;
+  whole_px_ = whole_px_ && point_px == glm::floor(point_px);
+  kept_.push_back({point_px, {sample.eyes[0].point_px, sample.eyes[1].point_px}});
+  if (kept_.size() < kMaxKept) return;
+  for (std::size_t i = 0; 2 * i < kept_.size(); ++i) kept_[i] = kept_[2 * i];
+  kept_.resize(kMaxKept / 2);
+  stride_ *= 2;
+}
+
+void TraceDoubts::add(const GazeSample& sample) {
+  addClock(sample.time_s);
+  ++samples_;
+  if (sample.point_px) addPoint(sample);
+  away_ += !sample.point_px && (sample.eyes[0].direction || sample.eyes[1].direction);
+  if (!sample.pupil_mm || pupils_++ % pupil_stride_ != 0) return;
+  pupils_mm_.push_back(*sample.pupil_mm);
+  if (pupils_mm_.size() < kMaxKept) return;
+  for (std::size_t i = 0; 2 * i < pupils_mm_.size(); ++i) pupils_mm_[i] = pupils_mm_[2 * i];
+  pupils_mm_.resize(kMaxKept / 2);
+  pupil_stride_ *= 2;
+}
+
+/// Doubts about data loss, the clock and the pupil.
+std::vector<std::string> TraceDoubts::rowDoubts() const {
+  std::vector<std::string> doubts;
+  const auto shareOf = [&](std::size_t count) {
+    return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(samples_, 1));
+  };
+  const double lost = 1.0 - shareOf(present_);
+  if (shareOf(away_) > kManyOff) {
+    doubts.push_back(percent(shareOf(away_)) +
+                     " of the lines of sight lead away from the screen: are the axes x right, y "
+                     "up, and z towards the observer?");
+  } else if (samples_ >= kMinPositions && lost > kManyLost) {
+    doubts.push_back(percent(lost) +
+                     " of the samples have no gaze: are gaze.confidence, gaze.blink and "
+                     "gaze.missing right?");
+  }
+  if (longest_gap_s_ > kLongGap_s && 2.0 * longest_gap_s_ > last_s_ - first_s_) {
+    doubts.push_back("a gap of " + significant(longest_gap_s_) +
+                     " s: is the clock right (gaze.time, gaze.time_scale_s)?");
+  }
+  if (std::vector<double> pupils_mm = pupils_mm_; pupils_mm.size() >= kMinPositions) {
+    const double usual_mm = quantile(pupils_mm, 0.5);
+    if (usual_mm < kMinUsualPupil_mm || usual_mm > kMaxUsualPupil_mm) {
+      doubts.push_back("the pupil's usual diameter is " + significant(usual_mm) +
+                       " mm: is gaze.pupil_scale_mm right?");
+    }
+  }
+  return doubts;
+}
+
+/// Doubts about the eyes, and about rows that repeat.
+std::vector<std::string> TraceDoubts::eyeDoubts(const TraceHeader& header) const {
+  std::vector<std::string> doubts;
+  const glm::dvec2 size_px(header.screen->size_px);
+  std::vector<double> apart;
+  for (const Kept& kept : kept_) {
+    if (!kept.eyes_px[0] || !kept.eyes_px[1] || !(size_px.x > 0.0)) continue;
+    apart.push_back(glm::distance(*kept.eyes_px[0], *kept.eyes_px[1]) / size_px.x);
+  }
+  if (apart.size() >= kMinPositions && quantile(apart, 0.5) > kApart && !header.nominal_screen) {
+    doubts.push_back(
+        "the eyes look at points far apart: are the columns of the left and the right "
+        "eye right, and of one unit (gaze.left_x, left_y, right_x, right_y)?");
+  }
+  // A still eye, or whole pixels, give longer runs of equal positions.
+  const double run = static_cast<double>(present_) / static_cast<double>(changes_);
+  if (!whole_px_ && run > kMinRun && run < kMaxRun) {
+    doubts.push_back("each position comes " + significant(run) +
+                     " times in a row, so the tracker was slower than the rows, and velocities are "
+                     "wrong: keep one row of each (gaze.time names the column of the time)");
+  }
+  return doubts;
+}
+
+std::vector<std::string> TraceDoubts::sentences(const TraceHeader& header,
+                                                const TraceColumns& columns) const {
+  std::vector<std::string> doubts = screenDoubts(header);
+  const auto append = [&](std::vector<std::string> more) {
+    doubts.insert(doubts.end(), std::make_move_iterator(more.begin()),
+                  std::make_move_iterator(more.end()));
+  };
+  append(rowDoubts());
+  if (kept_.size() < kMinPositions || columns.mapped_later) return doubts;
+  std::vector<glm::dvec2> points_px;
+  points_px.reserve(kept_.size());
+  for (const Kept& kept : kept_) points_px.push_back(kept.point_px);
+  append(positionDoubts(positionsOf(points_px, header), last_s_ - first_s_));
+  append(eyeDoubts(header));
+  return doubts;
+}
+
+}  // namespace foci
