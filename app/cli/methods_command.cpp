@@ -11,9 +11,15 @@
 namespace foci {
 namespace {
 
-/// The name as users type it, with `:N` if the method takes a number.
+/// The name as users type it, with `:N` if the method takes a number, or its variants.
 std::string typed(const MethodInfo& method) {
-  return std::string(method.name) + (method.max_n > 0 ? ":N" : "");
+  std::string text(method.name);
+  if (method.max_n > 0) text += ":N";
+  for (const std::string_view variant : method.variants) {
+    text.append(text.size() == method.name.size() ? "[:" : "|").append(variant);
+  }
+  if (!method.variants.empty()) text += "]";
+  return text;
 }
 
 /// Four columns: name, whether a GPU renders it, summary, source.
@@ -41,6 +47,7 @@ void printMethodJson() {
       entry["default_n"] = method.default_n;
       entry["max_n"] = method.max_n;
     }
+    if (!method.variants.empty()) entry["variants"] = method.variants;
     list.push_back(entry);
   }
   std::puts(list.dump().c_str());

@@ -54,17 +54,25 @@ EvaluatedMethod methodOfSpec(const std::string& spec) {
     throw InputError("--method " + spec, "expected " + *expected);
   }
   const std::size_t colon = spec.find(':');
+  const std::string name = spec.substr(0, colon);
+  const auto info = std::find_if(methods().begin(), methods().end(),
+                                 [&](const MethodInfo& one) { return one.name == name; });
+  if (!info->variants.empty()) return {spec, std::nullopt};
   if (colon != std::string::npos) {
     int setting = 0;  // the registry has checked the number
     std::from_chars(spec.data() + colon + 1, spec.data() + spec.size(), setting);
-    return {spec.substr(0, colon), setting};
+    return {name, setting};
   }
-  const auto info = std::find_if(methods().begin(), methods().end(),
-                                 [&](const MethodInfo& one) { return one.name == spec; });
-  return {spec, standardSettingOf(*info)};
+  return {name, standardSettingOf(*info)};
 }
 
 }  // namespace
+
+std::string EvaluatedMethod::fileName() const {
+  std::string file = spec();
+  std::ranges::replace(file, ':', '-');
+  return file;
+}
 
 std::vector<EvaluatedMethod> evaluatedMethods(const std::vector<std::string>& specs,
                                               SettingRange range) {
@@ -89,7 +97,7 @@ const MethodFamily& familyOf(const std::string& method) {
       {"paper", 1},      {"paper-lod", 1}, {"rasanen", 2},  {"inflate", 2}, {"layered", 2},
       {"accumulate", 3}, {"raytrace", 3},  {"potmesil", 4}, {"rokita", 4},  {"matthews", 4},
       {"shinya", 4},     {"fearing", 4},   {"mulder", 4},   {"pinhole", 4}};
-  const auto found = families.find(method);
+  const auto found = families.find(std::string_view(method).substr(0, method.find(':')));
   return methodFamilies()[found == families.end() ? 0 : found->second];
 }
 

@@ -9,13 +9,13 @@ namespace foci {
 
 /// A method with the number that it is made with, if it takes one.
 struct EvaluatedMethod {
-  std::string name;
+  std::string name;  ///< with the variant, if it has one: "inflate:spark"
   std::optional<int> setting;
 
   /// As `makeMethod` takes it: "sweep", "accumulate:16".
   std::string spec() const { return name + (setting ? ":" + std::to_string(*setting) : ""); }
   /// A part of a file name: "sweep", "accumulate-16".
-  std::string fileName() const { return name + (setting ? "-" + std::to_string(*setting) : ""); }
+  std::string fileName() const;
 };
 
 /// How many settings an evaluation takes of a method whose number is worth varying.

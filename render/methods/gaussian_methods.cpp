@@ -1,6 +1,7 @@
 #include "render/methods/gaussian_methods.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -95,6 +96,18 @@ std::vector<LensDisc> subApertureDiscs(int n) {
     discs.push_back({std::sqrt(1.0f - share) * centre, std::sqrt(share)});
   }
   return discs;
+}
+
+float inflateWidening(int variant) {
+  // The square root of the variance over C^2.
+  const std::array sigma{std::sqrt(0.5f / std::log(4.0f)), 1.0f, 2.0f};
+  return sigma[static_cast<std::size_t>(variant)] / sigma[0];
+}
+
+std::unique_ptr<Method> gaussianInflate(const GaussianCloud& cloud, int n) {
+  // A disc of radius r has the variance r^2 / 4, so this one has 1 / (2 ln 4) times the widening.
+  const float radius = std::sqrt(2.0f / std::log(4.0f)) * inflateWidening(n);
+  return std::make_unique<DiscsMethod>(cloud, std::vector{LensDisc{glm::vec2(0.0f), radius}});
 }
 
 std::unique_ptr<Method> gaussianPinhole(const GaussianCloud& cloud, int /*n*/) {

@@ -2,9 +2,10 @@
 // for Real-Time Radiance Field Rendering, 2023; the blur as in Spark and in PlayCanvas'
 // splat-transform). Prefilter and blur are added to each splat's covariance, V' = V + I + a C^2 I.
 // The opacity is scaled by sqrt(det V / det V'), which preserves the splat's light. Splats are
-// composited one over the other, front to back. Public renderers disagree on a; here a is that of
-// Krivanek, Zara and Bouatouch 2003 (Eq. 11). Known failure: splats do not add up to surfaces. A
-// blurred opaque sheet transmits light from the surfaces behind it.
+// composited one over the other, front to back. `inflate` has a = 1 / (2 ln 4), from Krivanek, Zara
+// and Bouatouch 2003 (Eq. 11). `inflate:spark` has a = 1, and `inflate:splat-transform` a = 4. Known
+// failure: splats do not add up to surfaces. A blurred opaque sheet transmits light from the
+// surfaces behind it.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,6 +13,7 @@
 
 #include "base/parallel.h"
 #include "render/kernel/kernel.h"
+#include "render/methods/gaussian_methods.h"
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"
 
@@ -117,7 +119,8 @@ namespace {
 
 class InflateMethod final : public Method {
  public:
-  explicit InflateMethod(const SurfelCloud& cloud) : gaussians_(cloud) {
+  InflateMethod(const SurfelCloud& cloud, int variant)
+      : gaussians_(cloud), widening_(inflateWidening(variant)) {
     // A Gaussian has no area. With the product of its axes in place of the area, a splat's weights
     // sum to the root of the determinant of its projected covariance.
     for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -126,7 +129,9 @@ class InflateMethod final : public Method {
   }
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
-    scene_.project(gaussians_, view, settings, {.kernel = BlurKernel::gaussian});
+    RenderSettings widened = settings;
+    widened.defocus.radius_px_per_D *= widening_;
+    scene_.project(gaussians_, view, widened, {.kernel = BlurKernel::gaussian});
     std::vector<std::uint64_t> fragments(scene_.tileCount());
     parallelFor(fragments.size(),
                 [&](std::size_t tile) { fragments[tile] = renderTile(tile, settings, frame); });
@@ -193,6 +198,7 @@ class InflateMethod final : public Method {
   }
 
   SurfelCloud gaussians_;
+  float widening_;
   ViewSplats scene_;
 };
 
@@ -203,8 +209,10 @@ MethodEntry inflateMethod() {
       .info = {.name = "inflate",
                .summary =
                    "splats' covariance grown by the blur, opacity scaled down, composited in order",
-               .source = "Kerbl et al. 2023; Spark, PlayCanvas"},
-      .make = makeAs<InflateMethod>};
+               .source = "Kerbl et al. 2023; Spark, PlayCanvas",
+               .variants = {"spark", "splat-transform"}},
+      .make = makeAs<InflateMethod>,
+      .make_of_gaussians = gaussianInflate};
 }
 
 }  // namespace foci

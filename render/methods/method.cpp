@@ -4,6 +4,7 @@
 #include <cassert>
 #include <chrono>
 #include <limits>
+#include <utility>
 
 #include "base/input_error.h"
 #include "base/nearest.h"
@@ -48,6 +49,17 @@ Choice parse(std::string_view spec) {
   }
   const MethodEntry* entry = &*found;
   if (colon == std::string_view::npos) return {entry, entry->info.default_n, {}};
+  if (const auto& variants = entry->info.variants; !variants.empty()) {
+    const auto variant = std::ranges::find(variants, spec.substr(colon + 1));
+    if (variant != variants.end()) {
+      return {entry, static_cast<int>(variant - variants.begin()) + 1, {}};
+    }
+    std::string expected = name;
+    for (const std::string_view one : variants) {
+      expected.append(", ").append(name).append(":").append(one);
+    }
+    return {nullptr, 0, std::move(expected)};
+  }
   if (entry->info.max_n == 0) return {nullptr, 0, name + ", which takes no number"};
   const auto n = parseInteger<int>(spec.substr(colon + 1));
   if (n && *n >= 1 && *n <= entry->info.max_n) return {entry, *n, {}};

@@ -125,6 +125,8 @@ struct MethodInfo {
   bool gpu = false;  ///< renders on a GPU too
   /// Also renders scenes of Gaussians.
   bool gaussians = false;
+  /// Names V of `name:V`, in place of a number; N is then their place in this list, from 1.
+  std::vector<std::string_view> variants = {};
 };
 
 /// A method's own file defines its entry, in a function that every_method.inc lists.
@@ -154,8 +156,8 @@ std::unique_ptr<Method> makeAs(const SurfelCloud& cloud, int n, const SharedGpu&
 /// Every method, in the order of every_method.inc.
 const std::vector<MethodInfo>& methods();
 
-// A spec names a method: `name`, or `name:N` where the method takes a number. The functions below
-// except `expectedMethod` assert that the spec is valid.
+// A spec names a method: `name`, or `name:N` where the method takes a number or has variants. The
+// functions below except `expectedMethod` assert that the spec is valid.
 
 /// `MethodInfo::ellipses` of the method.
 bool rendersEllipses(std::string_view spec);

@@ -7,6 +7,7 @@ std::optional<GaussianFile> readGaussians(const std::filesystem::path& path) {
   if (isCompressedGaussianPly(path)) return readCompressedGaussianPly(path);
   if (isSpzFile(path)) return readSpzFile(path);
   if (isKsplatFile(path)) return readKsplatFile(path);
+  if (isSogFile(path)) return readSogFile(path);
   if (isSplatFile(path)) return readSplatFile(path);
   return std::nullopt;
 }

@@ -36,6 +36,10 @@ GaussianFile readSpzFile(const std::filesystem::path& path);
 bool isKsplatFile(const std::filesystem::path& path);
 GaussianFile readKsplatFile(const std::filesystem::path& path);
 
+/// PlayCanvas' `.sog`, version 2: a ZIP archive of meta.json and WebP images.
+bool isSogFile(const std::filesystem::path& path);
+GaussianFile readSogFile(const std::filesystem::path& path);
+
 /// Reads a file of any of these formats; nothing for another file.
 std::optional<GaussianFile> readGaussians(const std::filesystem::path& path);
 

@@ -39,7 +39,7 @@ constexpr std::array kConverters = {
     Converter{".dxf", kBlender},  Converter{".3mf", kCad},      Converter{".step", kCad},
     Converter{".stp", kCad},      Converter{".iges", kCad},     Converter{".igs", kCad},
     Converter{".vtk", kParaview}, Converter{".vtp", kParaview}, Converter{".vtu", kParaview},
-    Converter{".sog", kSplats},   Converter{".lcc", kSplats},
+    Converter{".lcc", kSplats},
 };
 
 /// @throws InputError for a format that is known and not read
@@ -54,9 +54,9 @@ void refuseUnread(const std::filesystem::path& path) {
 }
 
 bool hasSceneExtension(const std::filesystem::path& path) {
-  static constexpr std::array<std::string_view, 17> kRead = {
-      ".foci", ".ply", ".obj", ".gltf", ".glb", ".stl", ".fbx",   ".las",   ".laz",
-      ".xyz",  ".pts", ".asc", ".off",  ".pwn", ".spz", ".splat", ".ksplat"};
+  static constexpr std::array<std::string_view, 18> kRead = {
+      ".foci", ".ply", ".obj", ".gltf", ".glb", ".stl", ".fbx",   ".las",    ".laz",
+      ".xyz",  ".pts", ".asc", ".off",  ".pwn", ".spz", ".splat", ".ksplat", ".sog"};
   const std::string extension = lowerExtension(path);
   return std::find(kRead.begin(), kRead.end(), extension) != kRead.end() ||
          std::any_of(kConverters.begin(), kConverters.end(),

@@ -84,6 +84,18 @@ TEST_P(GaussianCaptures, SevenSubAperturesAreCloseToALens) {
   }
 }
 
+TEST_P(GaussianCaptures, SubAperturesAreCloserToALensThanInflatedGaussians) {
+  const Captured capture(GetParam(), kSize_px);
+  const RenderSettings settings = capture.settings(10.0f);
+  const Frame lens = render("accumulate:64", capture.scene, capture.view, settings);
+  double last_dB = psnr_dB(render("sweep:7", capture.scene, capture.view, settings), lens);
+  for (const char* method : {"sweep", "inflate", "inflate:spark", "inflate:splat-transform"}) {
+    const double inflated_dB = psnr_dB(render(method, capture.scene, capture.view, settings), lens);
+    EXPECT_LT(inflated_dB, last_dB) << method;
+    last_dB = inflated_dB;
+  }
+}
+
 TEST_P(GaussianCaptures, AutoKeepsItsPrediction) {
   const Captured capture(GetParam(), kSize_px);
   for (const float blur_px : {4.0f, 12.0f}) {

@@ -96,6 +96,25 @@ TEST(GaussianView, BlursByTheDiscsVarianceAndKeepsTheLight) {
   }
 }
 
+TEST(GaussianView, InflatesByTheVarianceOfEachRenderer) {
+  const Spread sharp = spreadOf(render("pinhole", oneGaussian(), kView, {}));
+  constexpr double kBlur_px = 5.0;
+  struct Inflated {
+    const char* method;
+    double variance;  // over C^2
+  };
+  for (const auto& [method, variance] : {Inflated{"inflate", 0.5 / std::log(4.0)},
+                                         {"inflate:spark", 1.0},
+                                         {"inflate:splat-transform", 4.0}}) {
+    const Spread spread = spreadOf(
+        render(method, oneGaussian(), kView, lens(static_cast<float>(2.0 * kBlur_px), 1.0f)));
+    const double added = cutShare(kOpacity) * variance * kBlur_px * kBlur_px;
+    EXPECT_NEAR(spread.xx - sharp.xx, added, 1.5 * kVarianceShare * added) << method;
+    EXPECT_NEAR(spread.yy - sharp.yy, added, 1.5 * kVarianceShare * added) << method;
+    EXPECT_NEAR(spread.mass, sharp.mass, kLightShare * sharp.mass) << method;
+  }
+}
+
 TEST(GaussianView, ProjectsASlantedGaussianAsItsPointsDo) {
   const float half_turn = 0.35f;
   const glm::vec4 rotation(0.6f * std::sin(half_turn), 0.8f * std::sin(half_turn), 0.0f,

@@ -2,6 +2,8 @@
 #include "render/scene/io/gaussian_formats.h"
 
 #include <gtest/gtest.h>
+#include <webp/encode.h>
+#include <webp/types.h>
 #include <zlib.h>
 #include <zstd.h>
 
@@ -10,6 +12,8 @@
 #include <cstring>
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/input_error.h"
 #include "render/scene/harmonics.h"
@@ -263,6 +267,125 @@ std::string ksplatFile(unsigned mode, int degree) {
   return file;
 }
 
+/// A lossless WebP image of one row for each of `rows`.
+std::string webp(const std::vector<std::string>& rows) {
+  std::string pixels;
+  for (const std::string& row : rows) pixels += row;
+  const int width = static_cast<int>(rows.front().size() / 4), stride = 4 * width;
+  std::uint8_t* packed = nullptr;
+  const std::size_t size =
+      WebPEncodeLosslessRGBA(reinterpret_cast<const std::uint8_t*>(pixels.data()), width,
+                             static_cast<int>(rows.size()), stride, &packed);
+  std::string file(reinterpret_cast<const char*>(packed), size);
+  WebPFree(packed);
+  return file;
+}
+
+std::string rgba(int r, int g, int b, int a = 255) {
+  std::string pixel;
+  for (const int value : {r, g, b, a}) putByte(pixel, value);
+  return pixel;
+}
+
+std::string deflated(const std::string& bytes) {
+  std::string packed(compressBound(bytes.size()), '\0');
+  z_stream stream{};
+  deflateInit2(&stream, 9, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return packed;
+}
+
+/// A ZIP archive; its first member is deflated, the others are stored.
+std::string zip(const std::vector<std::pair<std::string, std::string>>& members) {
+  std::string file, directory;
+  std::uint16_t method = 8;
+  for (const auto& [name, bytes] : members) {
+    const std::string packed = method == 8 ? deflated(bytes) : bytes;
+    std::string facts;
+    put(facts, std::uint16_t{20}, std::uint16_t{0}, method, std::uint32_t{0},
+        static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(bytes.data()),
+                                         static_cast<uInt>(bytes.size()))),
+        static_cast<std::uint32_t>(packed.size()), static_cast<std::uint32_t>(bytes.size()),
+        static_cast<std::uint16_t>(name.size()), std::uint16_t{0});
+    directory += "PK\x01\x02";
+    put(directory, std::uint16_t{20});
+    directory += facts;
+    put(directory, std::uint16_t{0}, std::uint16_t{0}, std::uint16_t{0}, std::uint32_t{0},
+        static_cast<std::uint32_t>(file.size()));
+    directory += name;
+    file.append("PK\x03\x04").append(facts).append(name).append(packed);
+    method = 0;
+  }
+  const auto at = static_cast<std::uint32_t>(file.size());
+  const auto count = static_cast<std::uint16_t>(members.size());
+  file += directory + "PK\x05\x06";
+  put(file, std::uint32_t{0}, count, count, static_cast<std::uint32_t>(directory.size()), at,
+      std::uint16_t{0});
+  return file;
+}
+
+std::string listOf(const std::vector<float>& numbers) {
+  std::string list;
+  for (const float number : numbers) list += (list.empty() ? "[" : ",") + std::to_string(number);
+  return list + "]";
+}
+
+std::string codebook(std::vector<float> numbers) {
+  numbers.resize(256);
+  return "\"codebook\":" + listOf(numbers);
+}
+
+std::string sogFile(int degree, int version = 2) {
+  const float high = std::log(1.0f + kPosition.z + 1.0f);
+  std::string meta =
+      "{\"version\":" + std::to_string(version) + ",\"count\":2,\"means\":{\"mins\":" +
+      listOf({0.0f, -std::log(1.0f - kPosition.y), std::log(1.0f + kPosition.z)}) +
+      ",\"maxs\":" + listOf({std::log(1.0f + kPosition.x), 0.0f, high}) +
+      ",\"files\":[\"l.webp\",\"u.webp\"]},\"scales\":{" +
+      codebook({std::log(kSigma.x), std::log(kSigma.y), std::log(kSigma.z)}) +
+      ",\"files\":[\"s.webp\"]},\"quats\":{\"files\":[\"q.webp\"]},\"sh0\":{" +
+      codebook({(kColor.r - 0.5f) / kHarmonic0, 0.0f, (kColor.b - 0.5f) / kHarmonic0}) +
+      ",\"files\":[\"c.webp\"]}";
+  // The component that is left out is w, or z: the others are 0 and 0.7071.
+  const std::string rotation =
+      degree % 2 == 0 ? rgba(128, 128, 255, 252) : rgba(255, 128, 128, 255);
+  const std::string means = rgba(255, 0, 0) + rgba(255, 0, 255), codes = rgba(0, 1, 2);
+  const std::string color = rgba(0, 1, 2, 204);
+  std::vector<std::pair<std::string, std::string>> members = {
+      {"l.webp", webp({means})},
+      {"u.webp", webp({means})},
+      {"s.webp", webp({codes + codes})},
+      {"q.webp", webp({rotation + rotation})},
+      {"c.webp", webp({color + color})}};
+  if (degree > 0) {
+    std::vector<float> steps(256);
+    for (int i = 0; i < 256; ++i)
+      steps[static_cast<std::size_t>(i)] = 0.03125f * static_cast<float>(i - 128);
+    meta += ",\"shN\":{\"count\":128,\"bands\":" + std::to_string(degree) + "," + codebook(steps) +
+            ",\"files\":[\"p.webp\",\"i.webp\"]}";
+    // The second Gaussian has entry 65: the second one in the second row.
+    std::vector<std::string> palette(2);
+    for (int entry = 0; entry < 128; ++entry) {
+      for (int k = 0; k < harmonicsOf(degree); ++k) {
+        const auto code = [&](int channel) {
+          return entry == 65 ? static_cast<int>(32.0f * coefficient(channel, k)) + 128 : 0;
+        };
+        palette[static_cast<std::size_t>(entry / 64)] += rgba(code(0), code(1), code(2));
+      }
+    }
+    members.emplace_back("p.webp", webp(palette));
+    members.emplace_back("i.webp", webp({rgba(0, 0, 0) + rgba(65, 0, 0)}));
+  }
+  members.insert(members.begin(), {"meta.json", meta + "}"});
+  return zip(members);
+}
+
 struct Format {
   const char* name;
   int degree;
@@ -287,6 +410,7 @@ std::vector<Format> formats() {
         {"SPZ", degree, gzipped(spzFile(3, degree)), 3e-4f, 0.04f, 2e-3f, 0.01f, 1.0f / 128.0f});
     all.push_back({"SPZ", degree, spz4File(degree), 3e-4f, 0.04f, 2e-3f, 0.01f, 1.0f / 128.0f});
     all.push_back({"KSPLAT", degree, ksplatFile(0, degree), kFine, kFine, kFine, kByte, kStep});
+    all.push_back({"SOG", degree, sogFile(degree), 2e-4f, kFine, 0.01f, kFine, kStep});
     for (const unsigned mode : {1u, 2u}) {
       all.push_back({"KSPLAT", degree, ksplatFile(mode, degree), 2e-4f, 1e-3f, 1e-3f, kByte,
                      mode == 1 ? 2.0f * kStep : 1.0f / 127.0f});
@@ -383,6 +507,16 @@ TEST(GaussianFormats, SayWhatIsWrong) {
       "or 18 properties)");
   EXPECT_EQ(refusalOf("NGSP" + std::string("\x05\0\0\0", 4) + std::string(60, '\0')),
             "is SPZ of version 5: expected version 1 to 4");
+  EXPECT_EQ(refusalOf(sogFile(0, 3)), "is SOG of version 3: expected version 2");
+  EXPECT_EQ(refusalOf(zip({{"meta.json", "{\"version\":2,\"count\":1e30}"}})),
+            "meta.json: expected a whole number");
+  EXPECT_EQ(refusalOf(zip({{"meta.json", "{\"version\":2,\"count\":9}"}})),
+            "meta.json: expected that of a SOG of version 2");
+  EXPECT_EQ(refusalOf(zip({{"model.usd", "another scene"}})), "another format");
+  std::string flipped = sogFile(0);
+  const std::size_t pixels = flipped.find("WEBPVP8L") + 24;
+  flipped[pixels] = static_cast<char>(flipped[pixels] ^ 0x55);
+  EXPECT_EQ(refusalOf(flipped), "is damaged: l.webp");
   std::string many = spzFile(2, 0);
   many[11] = '\x7f';
   EXPECT_NE(refusalOf(many).find("Gaussians in"), std::string::npos);

@@ -1,0 +1,214 @@
+// PlayCanvas' `.sog`, version 2 (developer.playcanvas.com, The SOG Format): a ZIP archive of
+// meta.json and lossless WebP images, in which a pixel is a Gaussian. Positions have 16 bits in two
+// images; deviations, colours and harmonics are places in codebooks of 256 values.
+#include <webp/decode.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <string_view>
+
+#include "base/input_error.h"
+#include "render/scene/harmonics.h"
+#include "render/scene/io/gaussian_formats.h"
+#include "render/scene/io/zip_archive.h"
+
+namespace foci {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* kMeta = "meta.json";
+constexpr std::size_t kCodes = 256, kPaletteColumns = 64;
+constexpr std::uint64_t kMaxMeta = 1u << 20u, kMaxImage = std::uint64_t{1} << 30u;
+
+/// The alpha of a quaternion is this plus the place of the component that is left out (w x y z).
+constexpr unsigned kFirstMode = 252;
+
+/// Pixels for each of the archive's bytes, at most: a lossless WebP of one colour has hardly any
+/// bytes. A palette may be an image as large as this, too.
+constexpr std::uint64_t kMaxPixelsPerByte = 256, kMaxPalette = 65536 * 15;
+
+/// RGBA, row by row.
+struct SogImage {
+  int width = 0, height = 0;
+  std::vector<unsigned char> rgba;
+
+  std::size_t pixels() const { return rgba.size() / 4; }
+  unsigned at(std::size_t pixel, std::size_t channel) const { return rgba[4 * pixel + channel]; }
+};
+
+class SogReader {
+ public:
+  explicit SogReader(const FileBytes& bytes) : bytes_(bytes), zip_(bytes) {
+    const std::vector<unsigned char> text = zip_.read(kMeta, kMaxMeta);
+    meta_ = Json::parse(text.begin(), text.end());
+    const std::int64_t version = meta_.contains("version") ? integer(meta_["version"]) : 1;
+    if (version != 2) {
+      throw InputError(bytes.name(),
+                       "is SOG of version " + std::to_string(version) + ": expected version 2");
+    }
+    const std::int64_t count = integer(meta_.at("count"));
+    if (count < 1 || static_cast<std::uint64_t>(count) > kMaxPixelsPerByte * bytes.size()) {
+      throw InputError(bytes.name(), "has " + std::to_string(count) + " Gaussians in " +
+                                         std::to_string(bytes.size()) + " bytes: damaged");
+    }
+    count_ = static_cast<std::size_t>(count);
+  }
+
+  GaussianFile read() {
+    GaussianFile file{.format = "SOG"};
+    file.cloud.preserves_light = meta_.value("antialias", false);
+    readImages();
+    const auto low = numbers<3>(meta_.at("means").at("mins"));
+    const auto high = numbers<3>(meta_.at("means").at("maxs"));
+    const auto sigmas = numbers<kCodes>(meta_.at("scales").at("codebook"));
+    const auto colors = numbers<kCodes>(meta_.at("sh0").at("codebook"));
+    GaussianCollector collector(file, count_, degree_);
+    std::vector<float> harmonics(3 * static_cast<std::size_t>(harmonicsOf(degree_)));
+    for (std::size_t i = 0; i < count_; ++i) {
+      RawGaussian raw{.rotation = rotationOf(i),
+                      .opacity = static_cast<float>(color_.at(i, 3)) / 255.0f};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const int at = static_cast<int>(axis);
+        const unsigned step = high_.at(i, axis) << 8u | low_.at(i, axis);
+        const float n = low[axis] + (high[axis] - low[axis]) * static_cast<float>(step) / 65535.0f;
+        raw.position[at] = std::copysign(std::expm1(std::abs(n)), n);
+        raw.sigma[at] = std::exp(sigmas[sigma_.at(i, axis)]);
+        raw.color[at] = 0.5f + kHarmonic0 * colors[color_.at(i, axis)];
+      }
+      readHarmonics(i, harmonics);
+      collector.append(raw, harmonics);
+    }
+    collector.finish(bytes_.name());
+    return file;
+  }
+
+ private:
+  std::int64_t integer(const Json& value) const {
+    if (value.is_number_integer()) return value.get<std::int64_t>();
+    throw InputError(bytes_.name(), std::string(kMeta) + ": expected a whole number");
+  }
+
+  template <std::size_t kCount>
+  std::array<float, kCount> numbers(const Json& list) const {
+    if (!list.is_array() || list.size() != kCount) {
+      throw InputError(bytes_.name(), std::string(kMeta) + ": expected lists of " +
+                                          std::to_string(kCount) + " numbers");
+    }
+    std::array<float, kCount> all{};
+    for (std::size_t i = 0; i < kCount; ++i) all[i] = list[i].get<float>();
+    return all;
+  }
+
+  void readImages() {
+    low_ = image("means", 0, count_);
+    high_ = image("means", 1, count_);
+    sigma_ = image("scales", 0, count_);
+    rotation_ = image("quats", 0, count_);
+    color_ = image("sh0", 0, count_);
+    if (!meta_.contains("shN")) return;
+    const std::int64_t degree = integer(meta_.at("shN").at("bands"));
+    if (degree < 1 || degree > kMaxHarmonicsDegree) {
+      throw InputError(bytes_.name(),
+                       "has harmonics of degree " + std::to_string(degree) + ": expected 1 to 3");
+    }
+    degree_ = static_cast<int>(degree);
+    palette_ = image("shN", 0, 0);
+    label_ = image("shN", 1, count_);
+    codes_ = numbers<kCodes>(meta_.at("shN").at("codebook"));
+  }
+
+  /// @param least  pixels that the image must have
+  SogImage image(const char* property, std::size_t which, std::size_t least) const {
+    const auto name = meta_.at(property).at("files").at(which).get<std::string>();
+    const std::vector<unsigned char> packed = zip_.read(name, kMaxImage);
+    SogImage image;
+    if (WebPGetInfo(packed.data(), packed.size(), &image.width, &image.height) == 0) {
+      throw InputError(bytes_.name(), name + ": expected a WebP image");
+    }
+    const std::uint64_t pixels =
+        static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height);
+    if (pixels < least || pixels > kMaxPalette + 2 * std::uint64_t{count_} + (1u << 16u)) {
+      throw InputError(bytes_.name(), name + " has " + std::to_string(pixels) + " pixels for " +
+                                          std::to_string(count_) + " Gaussians: damaged");
+    }
+    image.rgba.resize(4 * pixels);
+    if (WebPDecodeRGBAInto(packed.data(), packed.size(), image.rgba.data(), image.rgba.size(),
+                           4 * image.width) == nullptr) {
+      throw InputError(bytes_.name(), name + ": a damaged WebP image");
+    }
+    return image;
+  }
+
+  /// Three components in bytes; the largest, which is positive, follows from the length of 1.
+  glm::vec4 rotationOf(std::size_t i) const {
+    const unsigned left_out = rotation_.at(i, 3) - kFirstMode;
+    if (left_out > 3) {
+      throw InputError(
+          bytes_.name(),
+          "has a rotation of mode " + std::to_string(rotation_.at(i, 3)) + ": expected 252 to 255");
+    }
+    std::array<float, 4> wxyz{};
+    float rest = 1.0f;
+    for (std::size_t k = 0, channel = 0; k < 4; ++k) {
+      if (k == left_out) continue;
+      const float byte = static_cast<float>(rotation_.at(i, channel++)) / 255.0f;
+      wxyz[k] = (byte - 0.5f) * std::numbers::sqrt2_v<float>;
+      rest -= wxyz[k] * wxyz[k];
+    }
+    wxyz[left_out] = std::sqrt(std::max(rest, 0.0f));
+    return {wxyz[1], wxyz[2], wxyz[3], wxyz[0]};
+  }
+
+  void readHarmonics(std::size_t i, std::vector<float>& harmonics) const {
+    if (degree_ == 0) return;
+    const auto each = static_cast<std::size_t>(harmonicsOf(degree_));
+    const std::size_t label = label_.at(i, 1) << 8u | label_.at(i, 0);
+    const std::size_t row = label / kPaletteColumns, column = label % kPaletteColumns * each;
+    const auto width = static_cast<std::size_t>(palette_.width);
+    if (column + each > width || row >= static_cast<std::size_t>(palette_.height)) {
+      throw InputError(bytes_.name(), "has harmonics " + std::to_string(label) +
+                                          ", which are not in its palette: damaged");
+    }
+    for (std::size_t k = 0; k < each; ++k) {
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        harmonics[3 * k + channel] = codes_[palette_.at(row * width + column + k, channel)];
+      }
+    }
+  }
+
+  const FileBytes& bytes_;
+  ZipArchive zip_;
+  Json meta_;
+  std::size_t count_ = 0;
+  int degree_ = 0;
+  SogImage low_, high_, sigma_, rotation_, color_, palette_, label_;
+  std::array<float, kCodes> codes_{};
+};
+
+}  // namespace
+
+bool isSogFile(const std::filesystem::path& path) {
+  const std::vector<unsigned char> first = firstBytes(path, 4);
+  if (first != std::vector<unsigned char>{'P', 'K', 3, 4}) return false;
+  // Other scenes are ZIP archives, too. A damaged file has the name before one of its members.
+  const FileBytes bytes(path);
+  const std::string_view name = kMeta;
+  const auto all = bytes.all();
+  return std::search(all.begin(), all.end(), name.begin(), name.end()) != all.end();
+}
+
+GaussianFile readSogFile(const std::filesystem::path& path) {
+  const FileBytes bytes(path);
+  try {
+    return SogReader(bytes).read();
+  } catch (const Json::exception&) {
+    throw InputError(bytes.name(), std::string(kMeta) + ": expected that of a SOG of version 2");
+  }
+}
+
+}  // namespace foci

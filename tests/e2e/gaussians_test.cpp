@@ -1,0 +1,238 @@
+// Scenes of Gaussians, as users run them: a `.splat` file that the test writes, and captures where
+// they are here.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/e2e/binary.h"
+
+namespace foci::e2e {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kWidth = 240, kHeight = 180;
+constexpr float kWall_m = 2.0f, kBar_m = 0.4f;
+
+/// A linear image (PFM), top row first.
+struct Image {
+  int width = 0, height = 0, channels = 0;
+  std::vector<float> values;
+
+  explicit Image(const std::string& pfm) {
+    std::istringstream header(pfm);
+    std::string magic, scale;
+    header >> magic >> width >> height >> scale;
+    channels = magic == "PF" ? 3 : 1;
+    values.resize(static_cast<std::size_t>(width) * height * channels);
+    const std::size_t bytes = values.size() * sizeof(float);
+    if (pfm.size() < bytes) return;
+    std::memcpy(values.data(), pfm.data() + pfm.size() - bytes, bytes);
+  }
+
+  float at(int x, int y, int channel = 0) const {
+    return values[(static_cast<std::size_t>(height - 1 - y) * width + x) * channels + channel];
+  }
+
+  /// The largest step between neighbours in a row.
+  float steepestIn(int row) const {
+    float most = 0.0f;
+    for (int x = 1; x < width; ++x) {
+      most = std::max(most, std::abs(at(x, row) - at(x - 1, row)));
+    }
+    return most;
+  }
+
+  /// Largest difference of red and blue.
+  float fringe() const {
+    float most = 0.0f;
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) most = std::max(most, std::abs(at(x, y, 0) - at(x, y, 2)));
+    }
+    return most;
+  }
+
+  /// Column of the middle of what is brighter than `least`, among the columns `x0` to `x1`.
+  float brightColumn(int x0, int x1, int row, float least) const {
+    float sum = 0.0f, weights = 0.0f;
+    for (int x = x0; x < x1; ++x) {
+      if (at(x, row) < least) continue;
+      sum += at(x, row) * static_cast<float>(x - x0);
+      weights += at(x, row);
+    }
+    return weights > 0.0f ? sum / weights : -1.0f;
+  }
+};
+
+void appendSplat(std::string& file, const std::array<float, 3>& position_m, float sigma_m,
+                 unsigned char grey) {
+  const std::array<float, 6> numbers{position_m[0], position_m[1], position_m[2],
+                                     sigma_m,       sigma_m,       1e-4f};
+  const std::array<unsigned char, 8> bytes{grey, grey, grey, 255, 255, 128, 128, 128};
+  std::array<char, 32> record{};
+  std::memcpy(record.data(), numbers.data(), sizeof numbers);
+  std::memcpy(record.data() + sizeof numbers, bytes.data(), sizeof bytes);
+  file.append(record.data(), record.size());
+}
+
+/// A wall whose left half is dark, and in its upper half, a thin white bar near the eye.
+std::string wallAndBar() {
+  constexpr float kSpacing_m = 0.02f;
+  std::string file;
+  for (int y = -45; y < 45; ++y) {
+    for (int x = -60; x < 60; ++x) {
+      appendSplat(file,
+                  {(static_cast<float>(x) + 0.5f) * kSpacing_m,
+                   (static_cast<float>(y) + 0.5f) * kSpacing_m, -kWall_m},
+                  0.7f * kSpacing_m, x < 0 ? 30 : 150);
+    }
+  }
+  for (int i = 0; i < 40; ++i) {
+    appendSplat(file, {0.0f, 0.02f + 0.002f * static_cast<float>(i), -kBar_m}, 0.002f, 255);
+  }
+  return file;
+}
+
+class GaussianScenes : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder.write("scene.splat", wallAndBar());
+    folder.write("trace.tsv", steadyTrace());
+    writeStudy("study.toml", "");
+  }
+
+  void writeStudy(const std::string& name, const std::string& more) const {
+    std::string study = smallStudy();
+    study.replace(study.find("scene.ply"), 9, "scene.splat");
+    const std::string size = "[96, 72]";
+    study.replace(study.find(size), size.size(),
+                  "[" + std::to_string(kWidth) + ", " + std::to_string(kHeight) + "]");
+    folder.write(name, study + more);
+  }
+
+  Image rendered(const std::string& study, std::vector<std::string> options) const {
+    std::vector<std::string> arguments{"render",  study, "--out",   "image.pfm",
+                                       "--focus", "2",   "--pupil", "8"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Outcome outcome = runFoci(arguments, folder.path());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return Image(folder.read("image.pfm"));
+  }
+
+  TemporaryFolder folder;
+};
+
+constexpr int kWallRow = kHeight * 3 / 4, kBarRow = kHeight * 3 / 8;
+
+TEST_F(GaussianScenes, DepthIsTheDistanceOfEachSurface) {
+  rendered("study.toml", {"--method", "pinhole", "--depth", "depth.pfm"});
+  const Image depth(folder.read("depth.pfm"));
+  ASSERT_EQ(depth.width, kWidth);
+  // Along the axis, the distance of both definitions of distance is the same.
+  constexpr float kWithin = 0.03f;  // a pixel near the axis is off by cos(5 deg)
+  EXPECT_NEAR(depth.at(kWidth / 2, kHeight / 2 + 4), kWall_m, kWithin * kWall_m);
+  EXPECT_NEAR(depth.at(kWidth / 2, kBarRow), kBar_m, kWithin * kBar_m);
+}
+
+TEST_F(GaussianScenes, BothEyesSeeTheNearBarAtDifferentPlaces) {
+  const Image both = rendered("study.toml", {"--method", "pinhole", "--view", "side-by-side"});
+  constexpr float kWhite = 0.6f;
+  const int half = both.width / 2, row = both.height * 3 / 8;
+  const float left = both.brightColumn(0, half, row, kWhite);
+  const float right = both.brightColumn(half, both.width, row, kWhite);
+  ASSERT_GE(left, 0.0f);
+  ASSERT_GE(right, 0.0f);
+  // The bar is nearer than the screen: crossed disparity.
+  EXPECT_GT(left, right + 2.0f);
+}
+
+TEST_F(GaussianScenes, AnUncorrectedShortSightedEyeSeesTheWallBlurred) {
+  writeStudy("short.toml", "[observer]\nsphere_D = -10\ncorrected = false\n");
+  writeStudy("glasses.toml", "[observer]\nsphere_D = -10\ncorrected = true\n");
+  // The edge has a standard deviation of 2 px. The eye is 9.5 D out of focus, so 300 px per unit of
+  // tangent and a pupil of 8 mm blur by 11 px, a deviation of 5.7 px: 0.35 of the slope is left.
+  const float sharp = rendered("study.toml", {}).steepestIn(kWallRow);
+  EXPECT_LT(rendered("short.toml", {}).steepestIn(kWallRow), 0.5f * sharp);
+  EXPECT_GT(rendered("glasses.toml", {}).steepestIn(kWallRow), 0.8f * sharp);
+}
+
+TEST_F(GaussianScenes, ChromaticFocusGivesTheEdgesOfAGreyWallColours) {
+  writeStudy("chromatic.toml", "[observer]\nchromatic = true\n");
+  constexpr float kRounding = 1e-4f, kVisible = 0.01f;
+  EXPECT_LT(rendered("study.toml", {}).fringe(), kRounding);
+  EXPECT_GT(rendered("chromatic.toml", {}).fringe(), kVisible);
+}
+
+TEST_F(GaussianScenes, AReplayFocusesOnTheWallWithTheSameBytesAtAnyNumberOfThreads) {
+  for (const std::string threads : {"1", "2"}) {
+    const Outcome outcome = runFoci(
+        {"replay", "study.toml", "--threads", threads, "--out", "out" + threads}, folder.path());
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  const Json one = Json::parse(folder.read("out1/manifest.json"));
+  const Json two = Json::parse(folder.read("out2/manifest.json"));
+  EXPECT_EQ(one["frames_sha256"], two["frames_sha256"]);
+  const auto table = tableOf(folder.read("out1/frames.tsv"));
+  ASSERT_GT(table.size(), 2u);
+  const auto column = std::ranges::find(table[0], "focus_D") - table[0].begin();
+  ASSERT_LT(static_cast<std::size_t>(column), table[0].size());
+  // Accommodation starts elsewhere and approaches the wall.
+  EXPECT_NEAR(std::stod(table.back()[static_cast<std::size_t>(column)]), 1.0 / kWall_m, 0.1);
+}
+
+TEST_F(GaussianScenes, TheCpuRendersThemAndSaysSo) {
+  const Json doctor = Json::parse(runFoci({"doctor", "--json"}, folder.path()).out);
+  if (doctor["gpu"].contains("problem")) GTEST_SKIP() << doctor["gpu"]["problem"];
+  const Outcome outcome =
+      runFoci({"replay", "study.toml", "--device", "gpu", "--out", "out"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("method auto has no code for the GPU in this scene; the CPU renders"),
+            std::string::npos)
+      << outcome.err;
+  const Json manifest = Json::parse(folder.read("out/manifest.json"));
+  EXPECT_EQ(std::string(manifest["device"]).find("the CPU"), 0u) << manifest["device"];
+}
+
+/// A capture through the whole program.
+class GaussianCaptures : public testing::TestWithParam<const char*> {};
+
+TEST_P(GaussianCaptures, AreFramedAndReplayed) {
+  const auto data = dataFolder();
+  if (!data || !std::filesystem::exists(*data / "splats" / GetParam())) {
+    GTEST_SKIP() << "no " << GetParam();
+  }
+  const TemporaryFolder folder;
+  folder.write("trace.tsv", steadyTrace());
+  const Outcome framed =
+      runFoci({"render", (*data / "splats" / GetParam()).string(), "--size", "160x160", "--out",
+               "a.pfm", "--depth", "depth.pfm", "--write-study", "study.toml"},
+              folder.path());
+  ASSERT_EQ(framed.exit_code, 0) << framed.err;
+  const Image image(folder.read("a.pfm")), depth(folder.read("depth.pfm"));
+  const auto shown = std::ranges::count_if(image.values, [](float v) { return v > 0.01f; });
+  EXPECT_GT(shown, static_cast<std::ptrdiff_t>(image.values.size() / 50));
+  EXPECT_GT(std::ranges::max(depth.values), 0.1f);
+  const Outcome replayed =
+      runFoci({"replay", "study.toml", "--trace", "trace.tsv", "--size", "160x160", "--out", "out"},
+              folder.path());
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.err;
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, GaussianCaptures,
+                         testing::Values("guitar.compressed.ply", "biker.compressed.ply",
+                                         "biker.spz"),
+                         [](const auto& test) {
+                           std::string name(test.param);
+                           std::ranges::replace(name, '.', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace foci::e2e

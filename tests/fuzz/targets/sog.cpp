@@ -1,0 +1,12 @@
+// SOG files of Gaussians.
+#include "render/scene/io/gaussian_formats.h"
+#include "tests/fuzz/harness.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  const auto file = foci::fuzz::asFile("input.sog", bytes, size);
+  foci::fuzz::readWithinLimits(size, [&] {
+    foci::isSogFile(file);
+    foci::readSogFile(file);
+  });
+  return 0;
+}
