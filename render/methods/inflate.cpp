@@ -3,8 +3,8 @@
 // splat-transform). Prefilter and blur are added to each splat's covariance, V' = V + I + a C^2 I.
 // The opacity is scaled by sqrt(det V / det V'), which preserves the splat's light. Splats are
 // composited one over the other, front to back. `inflate` has a = 1 / (2 ln 4), from Krivanek, Zara
-// and Bouatouch 2003 (Eq. 11). `inflate:spark` has a = 1, and `inflate:splat-transform` a = 4. Known
-// failure: splats do not add up to surfaces. A blurred opaque sheet transmits light from the
+// and Bouatouch 2003 (Eq. 11). `inflate:spark` has a = 1, and `inflate:splat-transform` a = 4.
+// Known failure: splats do not add up to surfaces. A blurred opaque sheet transmits light from the
 // surfaces behind it.
 #include <algorithm>
 #include <cmath>
