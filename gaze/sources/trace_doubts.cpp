@@ -25,7 +25,7 @@ constexpr double kCode = 0.02;
 constexpr double kStill = 0.005;  // of the screen: smaller than the fixation of one letter
 constexpr double kStill_deg = 0.2;
 constexpr double kApart = 0.2;  // of the screen: eyes that look at one point are less apart
-constexpr double kLookedAround_s = 5.0;  // in this time gaze leaves the middle of a quarter
+constexpr double kLookedAround_s = 5.0;  // in this time gaze leaves a fixation, and a quarter
 constexpr double kMinUsualPupil_mm = 1.0, kMaxUsualPupil_mm = 9.5;  // of people
 constexpr double kMinRun = 1.8, kMaxRun = 20.0;                     // rows of one position
 constexpr double kLongGap_s = 60.0;
@@ -59,8 +59,12 @@ bool isMetric(const TraceHeader& header) {
          screen.size_m.x > 0.0 && screen.size_m.y > 0.0 && screen.distance_m > 0.0;
 }
 
-std::optional<std::string> stillness(const Positions& at) {
-  const double x = widthOf(rangeOf(at.x)), y = widthOf(rangeOf(at.y));
+/// A short recording may be one fixation, but not at the origin: metres or fractions lie there.
+std::optional<std::string> stillness(const Positions& at, double span_s) {
+  const glm::dvec2 all_x = rangeOf(at.x), all_y = rangeOf(at.y);
+  const double x = widthOf(all_x), y = widthOf(all_y);
+  const bool at_origin = std::min(all_x.x, all_y.x) >= -1.0 && std::max(all_x.y, all_y.y) <= 1.0;
+  if (span_s < kLookedAround_s && !at_origin) return std::nullopt;
   const glm::dvec2 limit = at.hasScreen() ? kStill * at.screen : glm::dvec2(kStill_deg);
   const std::string keys = "; is its unit right (gaze.units, gaze.scale), and its column?";
   if (x <= limit.x && y <= limit.y) {
@@ -201,7 +205,7 @@ std::vector<std::string> positionDoubts(const Positions& at, double span_s) {
     return doubt.has_value();
   };
   note(codeOfLoss(at));
-  if (note(stillness(at)) || note(sameColumn(at))) return doubts;
+  if (note(stillness(at, span_s)) || note(sameColumn(at))) return doubts;
   if (at.degrees && note(withinADegree(at, span_s))) return doubts;
   if (at.hasScreen() && !note(offScreen(at)) && !at.degrees) note(inOneQuarter(at, span_s));
   return doubts;

@@ -56,7 +56,7 @@ TEST(LabelSamples, TheEndsOfBlocksLeaveNoMark) {
   // A saccade of 60 ms across the border of each second is one event.
   GazeTrace trace;
   trace.rate_Hz = 500.0;
-  for (int i = 0; i < 5000; ++i) {
+  for (int i = 0; i < 4800; ++i) {
     const double phase_s = i / 500.0 - std::floor(i / 500.0 + 0.5);  // from the nearest second
     const int second = static_cast<int>(std::floor(i / 500.0 + 0.5));
     const double share = std::clamp(phase_s / 0.06 + 0.5, 0.0, 1.0);
