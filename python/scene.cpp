@@ -72,8 +72,9 @@ std::shared_ptr<Scene> fromPoints(const Numbers& position_m, const std::optional
 }
 
 py::tuple bounds(const Scene& scene) {
-  glm::dvec3 low(scene.cloud().position_m.front()), high = low;
-  for (const glm::vec3& position_m : scene.cloud().position_m) {
+  const std::vector<glm::vec3>& all_m = positionsOf(scene.cloud());
+  glm::dvec3 low(all_m.front()), high = low;
+  for (const glm::vec3& position_m : all_m) {
     low = glm::min(low, glm::dvec3(position_m));
     high = glm::max(high, glm::dvec3(position_m));
   }
@@ -156,9 +157,10 @@ void bindScene(py::module_& module) {
       .def_property_readonly(
           "remarks", [](const Scene& s) { return s.opened().remarks; },
           "What is worth knowing about the file, a sentence each.")
-      .def("__len__", [](const Scene& s) { return s.cloud().size(); })
+      .def("__len__", [](const Scene& s) { return positionsOf(s.cloud()).size(); })
       .def("__repr__", [](const Scene& s) {
-        return "<foci.Scene of " + std::to_string(s.cloud().size()) + " surfels>";
+        return "<foci.Scene of " + std::to_string(positionsOf(s.cloud()).size()) +
+               (s.cloud().gaussians ? " Gaussians>" : " surfels>");
       });
 
   module.def(

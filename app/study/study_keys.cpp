@@ -322,7 +322,10 @@ static std::string write(const std::vector<EyeKeyframe>& path) {
 
 std::string shownName(std::string_view name) {
   const std::string quoted = quotedText(name.substr(0, 60));
-  return quoted.substr(1, quoted.size() - 2);
+  std::string shown = quoted.substr(1, quoted.size() - 2);
+  // People read a quote without its escape.
+  for (std::size_t at = 0; (at = shown.find("\\\"", at)) != std::string::npos;) shown.erase(at, 1);
+  return shown;
 }
 
 KeyNames setKeys(Study& study, const toml::table& table, const std::string& file) {

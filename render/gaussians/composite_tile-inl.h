@@ -218,7 +218,7 @@ class TileCompositor {
   alignas(64) float distance_[kDepth ? kTilePixels : 1];
 };
 
-std::size_t compositeTileLanes(const CompositeJob& job, TileSums& sums) {
+inline std::size_t compositeTileLanes(const CompositeJob& job, TileSums& sums) {
   const auto run = [&]<bool kDepth>() {
     TileCompositor<kDepth> tile(job);
     const std::size_t fragments = tile.run();

@@ -151,6 +151,22 @@ class RenderTest(unittest.TestCase):
             self.assertEqual(foci.Scene.open(ply, scale_m=2.0).bounds_m[1], (2.0, 2.0, -2.0))
 
 
+class GaussiansTest(unittest.TestCase):
+    def test_a_capture_is_a_scene(self):
+        # One opaque Gaussian, 0.1 m wide, a metre before the eye, as .splat: place, size, colour, rotation.
+        record = np.array([0, 0, -1, 0.1, 0.1, 0.1], "<f4").tobytes() + bytes([255, 0, 0, 255, 255, 128, 128, 128])
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "one.splat"
+            path.write_bytes(4 * record)
+            scene = foci.Scene.open(path)
+        self.assertEqual((len(scene), repr(scene)), (4, "<foci.Scene of 4 Gaussians>"))
+        np.testing.assert_allclose(scene.bounds_m, [(0, 0, -1)] * 2)
+        image = foci.render(scene, foci.Eye(), SCREEN, size_px=SIZE, focus_m=1.0)
+        self.assertGreater(image.rgb[45, 80, 0], 0.9)
+        with self.assertRaisesRegex(foci.InputError, "Gaussians"):
+            foci.render(scene, foci.Eye(), SCREEN, size_px=SIZE, method="paper")
+
+
 class EventsTest(unittest.TestCase):
     def test_finds_two_fixations_and_the_saccade_between_them(self):
         table = foci.events(*fixations())
