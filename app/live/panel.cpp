@@ -171,11 +171,9 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, bool& 
   ImGui::SetNextWindowBgAlpha(0.9f);
   if (ImGui::Begin("foci live", &open, ImGuiWindowFlags_NoSavedSettings)) {
     ImGui::PushItemWidth(220.0f);
-    std::vector<std::string_view> names;
-    for (const MethodInfo& method : methods()) names.push_back(method.name);
     slide("pupil, mm", study.observer.pupil_mm, 1.0f, 8.0f, "observer.pupil_mm", controls);
     focusControls(content, controls);
-    combo("method", study.render.method, names, "render.method", controls);
+    combo("method", study.render.method, content.state.methods, "render.method", controls);
     combo("view", studyWord(study.output.view), studyWords<StereoView>(), "output.view", controls);
     if (study.output.view != StereoView::mono) {
       slide("interpupillary distance, mm", study.observer.ipd_mm, 50.0f, 75.0f, "observer.ipd_mm",

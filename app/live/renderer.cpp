@@ -183,6 +183,7 @@ void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& s
     {
       const std::lock_guard lock(mutex_);
       state_.scene_m = scene_m;
+      state_.methods = methodsFor(*cloud_);
     }
     session_start_s_ = clock_.now_s();
     session_ = std::make_unique<Session>(sessionSettingsOf(study_), *cloud_, feed_.screen(),

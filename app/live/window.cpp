@@ -23,7 +23,6 @@
 #include "app/study/study_words.h"
 #include "app/window/window.h"
 #include "base/file.h"
-#include "render/methods/method.h"
 
 namespace foci {
 namespace {
@@ -225,8 +224,6 @@ void LiveWindow::key(int key) {
   const LiveState state = renderer_->state();
   const Study& study = state.study;
   const double focus_D = study.focus.fixed_D.value_or(state.last.eye.focus_D);
-  std::vector<std::string_view> names;
-  for (const MethodInfo& method : methods()) names.push_back(method.name);
   if (key >= GLFW_KEY_1 && key <= GLFW_KEY_8) {
     change("observer.pupil_mm", std::to_string(key - GLFW_KEY_0));
     return;
@@ -259,7 +256,9 @@ void LiveWindow::key(int key) {
       change("output.view", nextOf(studyWords<StereoView>(), studyWord(study.output.view)));
       break;
     case GLFW_KEY_N:
-      change("render.method", nextOf(names, study.render.method));
+      if (!state.methods.empty()) {
+        change("render.method", nextOf(state.methods, study.render.method));
+      }
       break;
     case GLFW_KEY_R:
       toggleRecord();

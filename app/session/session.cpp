@@ -83,6 +83,7 @@ void Session::restart(double start_s) {
 
 void Session::changeSettings(const SessionSettings& settings) {
   checkSettings(settings);
+  renderer_.methodNamed(settings.method);  // refuses a method that cannot render the scene
   const bool moved = !(settings.path == settings_.path);
   settings_ = settings;
   pupil_.fix(settings_.observer.pupil_mm);

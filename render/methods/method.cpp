@@ -167,6 +167,14 @@ std::optional<std::string> expectedMethod(std::string_view spec) {
   return choice.entry ? std::nullopt : std::optional(choice.expected);
 }
 
+std::vector<std::string_view> methodsFor(const SurfelCloud& cloud) {
+  std::vector<std::string_view> names;
+  for (const MethodInfo& method : methods()) {
+    if (!cloud.gaussians || method.gaussians) names.push_back(method.name);
+  }
+  return names;
+}
+
 bool rendersOnGpu(std::string_view spec, const SurfelCloud& cloud) {
   return infoOf(spec).gpu && !cloud.gaussians;
 }
@@ -181,10 +189,9 @@ std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& clo
     return choice.entry->make_of_gaussians(*cloud.gaussians, choice.n);
   }
   std::string able;
-  for (const MethodInfo& method : methods()) {
-    if (!method.gaussians) continue;
+  for (const std::string_view name : methodsFor(cloud)) {
     able += able.empty() ? "" : ", ";
-    able += method.name;
+    able += name;
   }
   throw InputError("method " + std::string(spec),
                    "renders surfaces, and the scene holds Gaussians: expected one of " + able);

@@ -168,6 +168,9 @@ bool isIncremental(std::string_view spec);
 /// `MethodInfo::gpu` of the method, and the scene holds surfaces.
 bool rendersOnGpu(std::string_view spec, const SurfelCloud& cloud);
 
+/// Names of the methods that render the scene, in the order of `methods`.
+std::vector<std::string_view> methodsFor(const SurfelCloud& cloud);
+
 /// What was expected in place of an invalid `spec`; nullopt where `spec` is valid.
 std::optional<std::string> expectedMethod(std::string_view spec);
 

@@ -5,6 +5,7 @@
 #include "app/study/live_change.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
+#include "tests/unit/render/gaussian_scenes.h"
 
 namespace foci {
 namespace {
@@ -90,6 +91,21 @@ TEST(Session, FocusesOnTheSurfaceUnderGaze) {
   EXPECT_NEAR(*record.eye.surface_distance_m, 2.0, 2.0 * kCone);
   EXPECT_NEAR(record.eye.focus_D, 0.5, kCone);
   EXPECT_EQ(frame.size_px, study.output.size_px);
+}
+
+TEST(Session, RefusesAMethodThatCannotRenderTheScene) {
+  GaussianCloud gaussians;
+  addWall(gaussians, 2.0f, 1.2f, 20, 0.9f, glm::vec3(0.5f));
+  const SurfelCloud cloud = sceneOf(std::move(gaussians));
+  Study study = wallStudy();
+  const SessionSettings settings = sessionSettingsOf(study);
+  Session session(settings, cloud, settings.screen, 100.0, 0.0);
+  EXPECT_THROW(changeLive(study, session, "render.method", "\"paper\""), InputError);
+  EXPECT_EQ(study.render.method, settings.method);
+  FrameRecord record = session.look(0.0);
+  EXPECT_FALSE(session.render(study.render.method, record).rgba.empty());
+  changeLive(study, session, "render.method", "\"sweep\"");
+  EXPECT_EQ(study.render.method, "sweep");
 }
 
 TEST(Session, LooksSettledAsAfterALongFixation) {
