@@ -132,9 +132,10 @@ SceneInView statueInView(int size_px) {
 SceneInView scanInView(const ScanView& scan, int size_px) {
   OpenedScene opened = openScene(scan.file, 1.0, scan.pose.position_m);
   if (opened.cloud.gaussians) {
-    throw InputError(scan.file.string(),
-                     "holds Gaussians, and these measurements are of surfaces: expected points or a "
-                     "mesh (--scan)");
+    throw InputError(
+        scan.file.string(),
+        "holds Gaussians, and these measurements are of surfaces: expected points or a "
+        "mesh (--scan)");
   }
   std::string name = scan.file.stem().string();
   if (std::find(std::begin(kBuiltIn), std::end(kBuiltIn), name) != std::end(kBuiltIn)) {
