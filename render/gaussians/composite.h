@@ -1,4 +1,4 @@
-// Composites the Gaussians of a tile front to back, as one part of the lens sees them.
+// Composites the Gaussians of a tile front to back, as one sub-aperture sees them.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace foci {
 /// Pixels of a tile, row by row.
 inline constexpr std::size_t kTilePixels = std::size_t{kTile} * kTile;
 
-/// A tile's share of the frame: sums over lens parts, weighted.
+/// A tile's share of the frame: sums over sub-apertures, weighted.
 struct TileSums {
   alignas(64) float red[kTilePixels], green[kTilePixels], blue[kTilePixels];  ///< linear light
   alignas(64) float coverage[kTilePixels], distance_m[kTilePixels];  ///< distance times coverage
@@ -34,7 +34,7 @@ struct CompositeJob {
   LensDisc lens;
   glm::vec3 background{0.0f};  ///< display values
   bool depth = false;
-  float weight = 1.0f;  ///< of this part of the lens
+  float weight = 1.0f;  ///< of this sub-aperture
 };
 
 /// Composites in display values, as scenes are trained, and adds the result to the sums in linear

@@ -1,4 +1,4 @@
-// One tile, one part of the lens. Included once a SIMD target.
+// One tile, one sub-aperture. Included once a SIMD target.
 #if defined(FOCI_COMPOSITE_TILE_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FOCI_COMPOSITE_TILE_INL_H
 #undef FOCI_COMPOSITE_TILE_INL_H
@@ -20,7 +20,7 @@ namespace HWY_NAMESPACE {
 inline constexpr std::size_t kMaxLanes = 16;
 inline constexpr float kLast = kTile - 1;  // index of the last pixel of a row
 
-/// Gaussians of a block, one lane each, as the part of the lens sees them. At the offset (x, y)
+/// Gaussians of a block, one lane each, as the sub-aperture sees them. At the offset (x, y)
 /// from its centre a Gaussian has alpha = peak 2^-q, q = qa x^2 + qb x y + qc y^2, where q < cut.
 struct alignas(64) Block {
   float x[kMaxLanes], y[kMaxLanes];  // from the centre of the tile's first pixel

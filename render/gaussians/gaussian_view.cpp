@@ -13,17 +13,17 @@ namespace foci {
 void GaussianView::project(const View& view, const Defocus& defocus,
                            const std::vector<LensDisc>& discs) {
   defocus_ = defocus;
-  std::vector<LensPart> parts;
+  std::vector<SubApertureSize> sizes;
   for (const LensDisc& disc : discs) {
-    const LensPart part{glm::length(disc.centre), disc.radius};
+    const SubApertureSize each{glm::length(disc.centre), disc.radius};
     // Of discs of one size, the farthest from the middle bounds the others.
-    if (parts.empty() || parts.back().aperture != part.aperture) {
-      parts.push_back(part);
+    if (sizes.empty() || sizes.back().aperture != each.aperture) {
+      sizes.push_back(each);
     } else {
-      parts.back().max_radius = std::max(parts.back().max_radius, part.max_radius);
+      sizes.back().max_radius = std::max(sizes.back().max_radius, each.max_radius);
     }
   }
-  projectGaussians(*cloud_, view, defocus, parts, projected_);
+  projectGaussians(*cloud_, view, defocus, sizes, projected_);
   lists_.build(projected_.chunks, view.size_px);
 }
 

@@ -22,8 +22,8 @@ glm::vec3 times(const Covariance3& s, const glm::vec3& v) {
 class Projection {
  public:
   Projection(const GaussianCloud& cloud, const View& view, const Defocus& defocus,
-             const std::vector<LensPart>& parts)
-      : cloud_(cloud), view_(view), defocus_(defocus), parts_(parts) {
+             const std::vector<SubApertureSize>& sizes)
+      : cloud_(cloud), view_(view), defocus_(defocus), sizes_(sizes) {
     const glm::mat3 turn(view.eye_from_world);
     world_x_ = glm::transpose(turn)[0];
     world_y_ = glm::transpose(turn)[1];
@@ -92,11 +92,11 @@ class Projection {
     const glm::vec2 sharp = glm::sqrt(glm::vec2(g.vxx, g.vyy));
     const float vergence = std::sqrt(g.e);
     glm::vec2 half(0.0f);
-    for (const LensPart& part : parts_) {
-      const glm::vec2 sheared = sharp + vergence * part.max_radius * radius;
-      const glm::vec2 disc = kDiscVariancePerRadius2 * part.aperture * part.aperture *
+    for (const SubApertureSize& each : sizes_) {
+      const glm::vec2 sheared = sharp + vergence * each.max_radius * radius;
+      const glm::vec2 disc = kDiscVariancePerRadius2 * each.aperture * each.aperture *
                              (blur * blur + g.e * radius * radius);
-      half = glm::max(half, part.max_radius * blur + glm::sqrt(g.cut * (sheared * sheared + disc)));
+      half = glm::max(half, each.max_radius * blur + glm::sqrt(g.cut * (sheared * sheared + disc)));
     }
     const glm::vec2 low = glm::vec2(g.x_px, g.y_px) - half, high = low + 2.0f * half;
     const glm::vec2 size(view_.size_px);
@@ -118,7 +118,7 @@ class Projection {
   const GaussianCloud& cloud_;
   const View& view_;
   const Defocus& defocus_;
-  const std::vector<LensPart>& parts_;
+  const std::vector<SubApertureSize>& sizes_;
   glm::vec3 world_x_{0.0f}, world_y_{0.0f}, world_z_{0.0f}, eye_m_{0.0f};  // the eye's axes
   glm::vec2 low_{0.0f}, high_{0.0f};                                       // tangents
 };
@@ -126,7 +126,7 @@ class Projection {
 }  // namespace
 
 void projectGaussians(const GaussianCloud& cloud, const View& view, const Defocus& defocus,
-                      const std::vector<LensPart>& parts, ProjectedGaussians& out) {
+                      const std::vector<SubApertureSize>& sizes, ProjectedGaussians& out) {
   SplatChunks& chunks = out.chunks;
   const std::size_t size = chunkSize(cloud.size());
   const std::size_t count = (cloud.size() + size - 1) / size;
@@ -137,7 +137,7 @@ void projectGaussians(const GaussianCloud& cloud, const View& view, const Defocu
     chunks.keys = makeLargeArray<SplatKey>(chunks.capacity);
     out.gaussians.resize(chunks.capacity);
   }
-  const Projection projection(cloud, view, defocus, parts);
+  const Projection projection(cloud, view, defocus, sizes);
   parallelFor(count, [&](std::size_t c) {
     std::uint32_t kept = 0;
     for (std::size_t i = c * size; i < std::min((c + 1) * size, cloud.size()); ++i) {

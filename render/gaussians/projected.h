@@ -40,11 +40,10 @@ struct ProjectedGaussian {
 };
 static_assert(sizeof(ProjectedGaussian) == 60);
 
-/// The part of the lens that is rendered at once: all points `lens`, blurred by a disc of this part
-/// of the lens's radius.
-struct LensPart {
-  float max_radius = 0.0f;  ///< largest distance of a point from the middle, 0 to 1
-  float aperture = 0.0f;    ///< 0: a pinhole; 1: the whole lens
+/// Sub-apertures of one size, as splats need to know them. In lens radii.
+struct SubApertureSize {
+  float max_radius = 0.0f;  ///< largest distance of a centre from the middle of the lens
+  float aperture = 0.0f;    ///< radius of each; 0: pinholes
 };
 
 /// Gaussians on the image, in chunks as TileLists takes them.
@@ -55,9 +54,9 @@ struct ProjectedGaussians {
   std::size_t total() const { return chunks.total(); }
 };
 
-/// Projects all Gaussians that any of the `parts` may show. The order in a chunk is that of the
-/// scene.
+/// Projects all Gaussians that a sub-aperture of any of the `sizes` may show. The order in a chunk
+/// is that of the scene.
 void projectGaussians(const GaussianCloud& cloud, const View& view, const Defocus& defocus,
-                      const std::vector<LensPart>& parts, ProjectedGaussians& out);
+                      const std::vector<SubApertureSize>& sizes, ProjectedGaussians& out);
 
 }  // namespace foci

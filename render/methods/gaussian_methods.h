@@ -11,7 +11,7 @@
 
 namespace foci {
 
-/// The whole lens for `n` = 1; else `n` discs, which cover a part of the lens evenly. Centres and
+/// The whole lens for `n` = 1; else `n` sub-apertures, discs that lie evenly on it. Centres and
 /// discs together have the lens's variance.
 std::vector<LensDisc> subApertureDiscs(int n);
 
