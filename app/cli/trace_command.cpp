@@ -30,7 +30,7 @@ struct TraceOptions {
 TraceColumns columnsOf(const TraceOptions& options) {
   TraceColumns columns = options.columns;
   if (!options.study.empty()) {
-    columns = readStudy(options.study).gaze.columns;
+    columns = readStudy(options.study).columnsInForce();
     if (!options.columns.time.empty()) columns.time = options.columns.time;
     if (!options.columns.x.empty()) columns.x = options.columns.x;
     if (!options.columns.y.empty()) columns.y = options.columns.y;

@@ -42,6 +42,9 @@ struct QualitySettings {
   bool foveated = false;             ///< no finer than the eye resolves away from the gaze
 };
 
+/// What shows the frames: a screen at rest, or one that moves with the head.
+enum class DisplayKind { screen, headset };
+
 /// What renders the frames.
 enum class RenderDevice {
   automatic,  ///< a GPU, unless OpenGL is missing, older than 4.5, or in software

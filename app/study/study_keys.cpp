@@ -21,6 +21,11 @@ static std::string write(const std::vector<EyeKeyframe>& path);
 
 namespace {
 
+std::optional<std::string> expectedAxes(std::string_view axes) {
+  if (AxisConvention::named(axes)) return std::nullopt;
+  return std::string(kAxesExpected);
+}
+
 /// A key of the table T: Study, or EyeKeyframe within `eye.path`.
 template <class T>
 struct Key {
@@ -90,6 +95,17 @@ const std::vector<Key<Study>>& studyKeys() {
                "gamma of the display, light = code^gamma; absent: sRGB", {1, 4}),
       FOCI_KEY(screen.luminance_cd_m2, "screen.luminance_cd_m2", "luminance of white, cd/m^2",
                {1, 10000}),
+      FOCI_KEY(display.kind, "display.kind",
+               "a screen that stands still, or a headset, whose screen moves with the head and "
+               "replaces the sizes in [screen]; without a [screen], a recording with head poses "
+               "takes a headset",
+               {.words = studyWords<DisplayKind>()}),
+      FOCI_KEY(display.field_deg, "display.field_deg",
+               "what the left eye sees of a headset: to the left, right, up and down, deg; the "
+               "right eye sees the mirror image; absent: as the recording says, else 50 each",
+               {1, 80}),
+      FOCI_KEY(display.pixels_per_degree, "display.pixels_per_degree",
+               "resolution of a headset straight ahead, px/deg", {1, 100}),
       FOCI_KEY(observer.pupil, "observer.pupil",
                "fixed, from the recording, or from the luminance of the images",
                {.words = studyWords<PupilModel>()}),
@@ -130,6 +146,65 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.columns.eyes[1].y, "gaze.right_y", "column of the right eye's position"),
       FOCI_KEY(gaze.columns.eyes[1].pupil, "gaze.right_pupil",
                "column of the right pupil's diameter"),
+      FOCI_KEY(gaze.columns.space.both.direction, "gaze.direction",
+               "columns x, y, z of the line of sight, as a unit vector"),
+      FOCI_KEY(gaze.columns.space.both.angles, "gaze.angles",
+               "columns of the line of sight as angles: to the right, upwards"),
+      FOCI_KEY(gaze.columns.space.both.quaternion, "gaze.quaternion",
+               "columns x, y, z, w of the line of sight, as a rotation of straight ahead"),
+      FOCI_KEY(gaze.columns.space.both.point, "gaze.point",
+               "columns x, y, z of the point in space that the line of sight meets"),
+      FOCI_KEY(gaze.columns.space.both.origin, "gaze.origin",
+               "columns x, y, z of the point where the line of sight begins"),
+      FOCI_KEY(gaze.columns.space.eyes[0].direction, "gaze.left_direction",
+               "columns x, y, z of the left eye's line of sight, as a unit vector"),
+      FOCI_KEY(gaze.columns.space.eyes[0].angles, "gaze.left_angles",
+               "columns of the left eye's line of sight as angles: to the right, upwards"),
+      FOCI_KEY(
+          gaze.columns.space.eyes[0].quaternion, "gaze.left_quaternion",
+          "columns x, y, z, w of the left eye's line of sight, as a rotation of straight ahead"),
+      FOCI_KEY(gaze.columns.space.eyes[0].point, "gaze.left_point",
+               "columns x, y, z of the point in space that the left eye's line of sight meets"),
+      FOCI_KEY(gaze.columns.space.eyes[0].origin, "gaze.left_origin",
+               "columns x, y, z of the point where the left eye's line of sight begins"),
+      FOCI_KEY(gaze.columns.space.eyes[1].direction, "gaze.right_direction",
+               "columns x, y, z of the right eye's line of sight, as a unit vector"),
+      FOCI_KEY(gaze.columns.space.eyes[1].angles, "gaze.right_angles",
+               "columns of the right eye's line of sight as angles: to the right, upwards"),
+      FOCI_KEY(
+          gaze.columns.space.eyes[1].quaternion, "gaze.right_quaternion",
+          "columns x, y, z, w of the right eye's line of sight, as a rotation of straight ahead"),
+      FOCI_KEY(gaze.columns.space.eyes[1].point, "gaze.right_point",
+               "columns x, y, z of the point in space that the right eye's line of sight meets"),
+      FOCI_KEY(gaze.columns.space.eyes[1].origin, "gaze.right_origin",
+               "columns x, y, z of the point where the right eye's line of sight begins"),
+      FOCI_KEY(gaze.columns.space.head_position, "gaze.head_position",
+               "columns x, y, z of the head's place; the head then moves the eye"),
+      FOCI_KEY(gaze.columns.space.head_quaternion, "gaze.head_quaternion",
+               "columns x, y, z, w of the head's orientation"),
+      FOCI_KEY(gaze.columns.space.head_angles, "gaze.head_angles",
+               "columns of the head's turn to the right, upwards, and roll to the right, instead "
+               "of the quaternion"),
+      FOCI_KEY(gaze.columns.space.frame, "gaze.frame",
+               "frame of the gaze columns beside a head's pose",
+               {.words = studyWords<std::optional<SightFrame>>()}),
+      FOCI_KEY(gaze.columns.space.axes, "gaze.axes",
+               "where x, y and z of the recording point, e.g. right-up-back (OpenXR), "
+               "right-up-forward (Unity) or right-down-forward (OpenCV)",
+               {.expected = expectedAxes}),
+      FOCI_KEY(gaze.columns.space.angle_units, "gaze.angle_units", "unit of angles",
+               {.words = studyWords<AngleUnit>()}),
+      FOCI_KEY(gaze.columns.space.head_scale_m, "gaze.head_scale_m",
+               "metres per unit of the head's place", {1e-9, 1e6}),
+      FOCI_KEY(gaze.columns.space.origin_scale_m, "gaze.origin_scale_m",
+               "metres per unit of origins and points in space", {1e-9, 1e6}),
+      FOCI_KEY(gaze.alignment.rotation, "gaze.scene_rotation",
+               "quaternion x, y, z, w that turns the recording's world to the scene's axes",
+               {-1, 1}),
+      FOCI_KEY(gaze.alignment.scale, "gaze.scene_scale",
+               "scene's metres per metre of the recording", {1e-6, 1e6}),
+      FOCI_KEY(gaze.alignment.offset_m, "gaze.scene_offset_m",
+               "where the recording's origin lies in the scene, m", {-kFar_m, kFar_m}),
       FOCI_KEY(gaze.columns.missing, "gaze.missing", "number that means no position or no pupil",
                {-1e9, 1e9}),
       FOCI_KEY(gaze.columns.scale, "gaze.scale", "position in gaze.units = scale * column + offset",

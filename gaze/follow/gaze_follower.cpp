@@ -70,10 +70,11 @@ std::optional<double> GazeFollower::surfaceAround(double time_s, const glm::dvec
 
 void GazeFollower::look(double time_s) {
   const glm::dvec2 point_px = *now_.fixation_px;
+  const double pose_s = newest_->head ? now_.fixation_time_s : time_s;
   looked_ = {
       .time_s = time_s,
       .point_px = point_px,
-      .distance_m = surfaceAround(time_s, lineOfSight(screen_, point_px),
+      .distance_m = surfaceAround(pose_s, lineOfSight(screen_, point_px),
                                   glm::radians(std::max(settings_.cone_half_angle_deg,
                                                         newest_->uncertainty_deg.value_or(0.0))))};
   std::vector<DioptreEstimate> estimates;
@@ -102,6 +103,7 @@ EyeNow GazeFollower::at(double time_s) {
           .state = silent ? GazeState::lost : now_.state,
           .state_time_s = now_.state_time_s,
           .fixation_px = now_.fixation_px,
+          .fixation_time_s = now_.fixation_time_s,
           .surface_distance_m = stable ? looked_->distance_m : std::nullopt,
           .vergence = stable ? vergence_ : std::nullopt,
           .target_D = accommodation_.target_D(),

@@ -41,6 +41,8 @@ struct EyeNow {
   double state_time_s = 0.0;           ///< time of the sample that `state` belongs to
   /// Keeps its value through saccades, blinks and data loss. Absent before the first fixation.
   std::optional<glm::dvec2> fixation_px;
+  /// Time of the sample whose head sees the fixation there.
+  double fixation_time_s = 0.0;
   /// Along the fixation's line of sight; absent if the cone meets no surface.
   std::optional<double> surface_distance_m;
   /// Of the newest fixated sample; absent if switched off or with one eye.
@@ -52,6 +54,9 @@ struct EyeNow {
 
 /// Follows one recording or one live source. For each frame, push every sample up to the frame's
 /// time, then call `at`.
+///
+/// With head poses, a fixation rests in the world. The follower then asks for the surface at the
+/// time of the sample that has the fixation's point, because this point belongs to that pose.
 ///
 /// During a fixation the follower asks for the surface once a frame, because the eye itself may
 /// move. It also asks at the sample where the fixation begins, or has moved by half of the cone's
