@@ -55,7 +55,7 @@ void addStudyOptions(CLI::App& command, StudyOptions& options) {
       "pupil diameter in millimetres, or its source: recording or luminance");
   add("--method", options.method, "NAME", "depth-of-field method; `foci methods` lists them");
   add("--device", options.device, "NAME", "auto, gpu or cpu: what renders");
-  add("--view", options.view, "NAME", "mono, side-by-side, top-bottom or anaglyph");
+  add("--view", options.view, "NAME", "mono, side-by-side, top-bottom, anaglyph, left or right");
   command
       .add_option("--set", options.set,
                   "set any key of the study, e.g. --set focus.fixed_D=2; may be repeated")

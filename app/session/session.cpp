@@ -99,6 +99,11 @@ View Session::middleViewAt(double time_s) const {
 }
 
 std::vector<EyeView> Session::viewsAt(double time_s) const {
+  const OutputView& output = settings_.output;
+  if (settings_.headset && output.stereo != StereoView::mono) {
+    return headsetViews(output.stereo, settings_.path.eyeFromWorldAt(time_s - start_s_),
+                        *settings_.headset, output.size_px, settings_.observer.ipd_mm / 1000.0);
+  }
   return eyeViews(settings_.output.stereo, middleViewAt(time_s), settings_.observer.ipd_mm / 1000.0,
                   settings_.screen.distance_m);
 }

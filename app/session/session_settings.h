@@ -64,7 +64,9 @@ struct SessionSettings {
   float shading = 0.0f;        ///< 0 to 1: how much colour falls off with the angle of sight
   EyePath path{};
   Screen screen = defaultScreen();  ///< that the frames are shown on
-  double luminance_cd_m2 = 120.0;   ///< of the screen's white
+  /// The left eye's field of a headset. `screen` is then what both eyes see of its display.
+  std::optional<EyeField> headset{};
+  double luminance_cd_m2 = 120.0;  ///< of the screen's white
   ObserverSettings observer{};
   EventSettings events{};
   FocusSettings focus{};

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/quantile.h"
 #include "base/text.h"
 #include "gaze/geometry/head_frame.h"
 #include "gaze/webcam/webcam_frames.h"
@@ -28,6 +29,17 @@ std::vector<TrackedPose> posesOf(const GazeTrace& trace, const SceneAlignment& a
   return poses;
 }
 
+/// The median distance between the recorded origins of both eyes.
+std::optional<double> recordedIpd_mm(const GazeTrace& trace) {
+  std::vector<double> apart_mm;
+  for (const GazeSample& sample : trace.samples) {
+    const auto &left = sample.eyes[0].origin_m, &right = sample.eyes[1].origin_m;
+    if (sample.head && left && right) apart_mm.push_back(1000.0 * glm::distance(*left, *right));
+  }
+  if (apart_mm.empty()) return std::nullopt;
+  return quantile(apart_mm, 0.5);
+}
+
 }  // namespace
 
 bool recordsHead(const Study& study) {
@@ -49,6 +61,14 @@ Study withRecordedHead(Study study, const GazeTrace& trace) {
 
 std::vector<std::string> headRemarks(const Study& study, const GazeTrace& trace) {
   std::vector<std::string> remarks;
+  constexpr double kSameIpd_mm = 1.5;
+  const auto ipd_mm = recordedIpd_mm(trace);
+  if (ipd_mm && std::abs(*ipd_mm - study.observer.ipd_mm) > kSameIpd_mm &&
+      study.output.view != StereoView::mono) {
+    remarks.push_back("the recorded eyes are " + significant(*ipd_mm, 3) +
+                      " mm apart, and observer.ipd_mm = " + significant(study.observer.ipd_mm) +
+                      ": set observer.ipd_mm = " + significant(*ipd_mm, 3));
+  }
   if (!trace.scene_scale_m || !study.scene.file) return remarks;
   constexpr double kSame = 0.01;
   const double ratio = study.scene.scale_m / *trace.scene_scale_m;

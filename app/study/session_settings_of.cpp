@@ -43,6 +43,9 @@ SessionSettings sessionSettingsOf(const Study& study) {
           .shading = static_cast<float>(study.render.shading),
           .path = eyePathOf(study),
           .screen = study.screenInForce(),
+          .headset = study.display.kind == DisplayKind::headset
+                         ? std::optional(study.display.field())
+                         : std::nullopt,
           .luminance_cd_m2 = study.screen.luminance_cd_m2,
           .observer = {.pupil = study.observer.pupil,
                        .pupil_mm = study.observer.pupil_mm,

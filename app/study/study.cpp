@@ -223,6 +223,16 @@ TraceColumns Study::columnsInForce() const {
   return columns;
 }
 
+glm::ivec2 Study::imageSize_px() const {
+  if (output.size_px) return *output.size_px;
+  if (display.kind == DisplayKind::screen || output.view == StereoView::mono) {
+    return screenInForce().size_px;
+  }
+  const EyeField field =
+      output.view == StereoView::anaglyph ? fieldOfBothEyes(display.field()) : display.field();
+  return viewsAcross(output.view) * headsetScreen(field, display.pixels_per_degree).size_px;
+}
+
 Screen Study::screenInForce() const {
   if (display.kind == DisplayKind::headset) {
     return headsetScreen(fieldOfBothEyes(display.field()), display.pixels_per_degree);

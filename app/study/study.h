@@ -122,7 +122,8 @@ struct Study {
   /// The screen in force: that of the study, of its monitor file, the default one, or what both
   /// eyes see of a headset's display.
   Screen screenInForce() const;
-  glm::ivec2 imageSize_px() const { return output.size_px.value_or(screenInForce().size_px); }
+  /// Of all views of a frame together.
+  glm::ivec2 imageSize_px() const;
   /// How to read the recording.
   TraceColumns columnsInForce() const;
 };

@@ -279,9 +279,11 @@ const std::vector<Key<Study>>& studyKeys() {
                "follows the frame number, for a photodiode; 0: none",
                {0, 1000}),
       FOCI_KEY(output.images, "output.images", "also saves every frame as a PNG"),
-      FOCI_KEY(output.view, "output.view",
-               "one eye in the middle, or both: left beside right, left above right, left red",
-               {.words = studyWords<StereoView>()}),
+      FOCI_KEY(
+          output.view, "output.view",
+          "one eye in the middle, or both: left beside right, left above right, left red; or the "
+          "left or the right eye alone",
+          {.words = studyWords<StereoView>()}),
       FOCI_KEY(record.frames, "record.frames",
                "frames.tsv of a live run, with times and methods, instead of output.fps"),
       FOCI_KEY(record.changes, "record.changes", "changes.tsv of a live run"),

@@ -57,6 +57,8 @@ inline constexpr std::array kStudyWords<StereoView>{
     StudyWord{"side-by-side", StereoView::side_by_side},
     StudyWord{"top-bottom", StereoView::top_bottom},
     StudyWord{"anaglyph", StereoView::anaglyph},
+    StudyWord{"left", StereoView::left},
+    StudyWord{"right", StereoView::right},
 };
 
 template <>

@@ -93,6 +93,7 @@ class TableReader {
                        .screen = preamble_.screen,
                        .units = isInSpace() ? GazeUnits::deg : units_,
                        .field = field_,
+                       .columns = layout_.readings,
                        .gaze_in_world = layout_.space && layout_.space->in_world,
                        .nominal_screen = nominal_};
     if (eyes_seen_[0] && eyes_seen_[1]) header.format += ", binocular";

@@ -208,6 +208,7 @@ class EyeNavGsReader {
                        .screen = screen_,
                        .units = GazeUnits::deg,
                        .field = field_,
+                       .columns = readings(),
                        .gaze_in_world = true,
                        .world_y_up = !setting_ || isUpright(*setting_)};
     if (setting_) {
@@ -219,6 +220,19 @@ class EyeNavGsReader {
           "states it");
     }
     return header;
+  }
+
+  std::vector<ColumnReading> readings() const {
+    const std::string sure = "sure: EyeNavGS writes it so";
+    const std::string unit = ", a unit is " + exactText(scale_m_) + " m";
+    return {{"ViewIndex", "0 for the left eye, 1 for the right eye", sure},
+            {"FOV1 to FOV4", "limits of the eye's view to the left, right, down and up, rad", sure},
+            {"PositionX, Y, Z", "place of the eye in the scene" + unit,
+             setting_ ? "sure: scene_setting.csv has the unit" : "a guess: the unit"},
+            {"QuaternionX, Y, Z, W", "orientation of the head in the scene", sure},
+            {"GazePosX, Y, Z", "origin of gaze in the scene" + unit, sure},
+            {"GazeQX, Y, Z, W", "rotation of gaze in the scene, which looks along -z", sure},
+            {"Timestamp", "time, a unit is 0.001 s", sure}};
   }
 
   static bool isUpright(const SceneSetting& setting) {

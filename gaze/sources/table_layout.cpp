@@ -9,6 +9,7 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
+#include "gaze/sources/column_readings.h"
 
 namespace foci {
 namespace {
@@ -74,6 +75,7 @@ class Recogniser {
       layout_.columns = i + 1;
     }
     if (layout_.space) layout_.columns = std::max(layout_.columns, columnsOf(*layout_.space));
+    layout_.readings = readingsOf(names_, layout_, given_);
     return std::move(layout_);
   }
 

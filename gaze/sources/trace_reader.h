@@ -61,6 +61,13 @@ struct TraceColumns {
   }
 };
 
+/// How a column was understood, or several that belong together.
+struct ColumnReading {
+  std::string columns{};  ///< names, or numbers ("#1")
+  std::string meaning{};  ///< with unit and frame; "unused"
+  std::string why{};      ///< what makes it sure; empty for unused columns
+};
+
 /// The properties of a recording besides its samples.
 struct TraceHeader {
   std::string format{};             ///< as `GazeTrace::format`
@@ -69,6 +76,7 @@ struct TraceHeader {
   /// What the left eye sees of a headset's display: `screen` is that of both eyes
   /// (`headsetScreen`).
   std::optional<EyeField> field{};
+  std::vector<ColumnReading> columns{};  ///< of a table, in the file's order
   bool gaze_in_world = false;             ///< the frame of the file's directions; else the head's
   bool world_y_up = true;                 ///< of the recording's world; false: unknown
   std::optional<double> scene_scale_m{};  ///< as `GazeTrace::scene_scale_m`
