@@ -219,6 +219,7 @@ class TableReader {
                              sample.eyes[0].point_px, sample.eyes[1].point_px);
     }
     if (sample.blink) sample.point_px.reset();
+    head_seen_ |= sample.head.has_value();
     if (!units_stated_ && sample.point_px) plain_.add(*sample.point_px);
     for (std::size_t side : {0, 1}) {
       eyes_seen_[side] |= sample.eyes[side].point_px || sample.eyes[side].direction;
@@ -229,6 +230,13 @@ class TableReader {
     if (!field_assumed_) return;
     header.assumed.push_back("field of the headset: " + exactText(field_->left_deg) +
                              " deg to each side of straight ahead (display.field_deg)");
+  }
+
+  void requireHead() const {
+    if (!layout_.space || !layout_.space->hasHead() || head_seen_) return;
+    throw InputError(lines_.fileName(),
+                     "no sample has a head pose: all are absent or 0 (gaze.head_quaternion, "
+                     "gaze.head_angles, gaze.head_position)");
   }
 
   /// States what was assumed. @throws InputError if the positions contradict it
@@ -269,6 +277,7 @@ class TableReader {
       header.assumed.push_back("unit of time: " + exactText(layout_.time_scale_s) +
                                " s, from the rate (--time-scale-s, gaze.time_scale_s)");
     }
+    requireHead();
     stateField(header);
     if (nominal_) {
       header.assumed.push_back(
@@ -365,7 +374,7 @@ class TableReader {
   bool units_stated_ = false;  // by the user, the file or its format
   bool mapped_later_ = false;
   std::optional<EyeField> field_{};  // of a headset
-  bool field_assumed_ = false;
+  bool field_assumed_ = false, head_seen_ = false;
   bool nominal_ = false;  // `kNominalScreen` stands in
   bool clock_known_ = false, clock_guessed_ = false, counts_rows_ = false,
        resolution_known_ = false;

@@ -18,8 +18,9 @@ constexpr double kManyBehind = 0.02, kManyBeside = 0.2;  // shares of the gaze
 constexpr double kAhead = 0.85, kNotAhead = 0.75;        // mean cosines from the forward axis
 constexpr double kMinUp = 0.5;                           // cosine of the usual tilt of the head
 constexpr double kMaxUsualSpeed_m_s = 2.0;               // of a head; people stand or stroll
-constexpr double kMaxSpan_m = 100.0;                     // of tracked space
-constexpr double kTurned = 0.94, kStill_m = 0.002;       // cosine of 20 deg; a head is not a point
+constexpr double kMinHeight_m = -0.5;  // of a head above the floor, or about its first place
+constexpr double kMaxSpan_m = 100.0;   // of tracked space
+constexpr double kTurned = 0.94, kStill_m = 0.002;  // cosine of 20 deg; a head is not a point
 constexpr double kMinIpd_m = 0.045, kMaxIpd_m = 0.08;
 constexpr double kDivergence_deg = -3.0, kConvergence_deg = 25.0;  // between the eyes, usual
 
@@ -81,13 +82,14 @@ std::vector<std::string> SpaceDoubts::gazeDoubts(bool in_world) const {
 
 std::vector<std::string> SpaceDoubts::headDoubts(bool y_is_up) const {
   std::vector<std::string> doubts;
-  std::vector<double> up, speed_m_s;
+  std::vector<double> up, height_m, speed_m_s;
   glm::dvec3 low_m(INFINITY), high_m(-INFINITY), forward(0.0);
   const GazeSample* before = nullptr;
   for (const GazeSample& sample : kept_) {
     if (!sample.head) continue;
     const HeadInWorld& head = *sample.head;
     up.push_back((head.world_from_head * glm::dvec3(0.0, 1.0, 0.0)).y);
+    height_m.push_back(head.position_m.y);
     forward += head.world_from_head * kForward;
     low_m = glm::min(low_m, head.position_m);
     high_m = glm::max(high_m, head.position_m);
@@ -102,6 +104,11 @@ std::vector<std::string> SpaceDoubts::headDoubts(bool y_is_up) const {
     doubts.push_back(
         "the head is not upright: are gaze.axes and the order of the orientation's columns right "
         "(gaze.head_quaternion is x, y, z, w)?");
+  }
+  if (const double usual_m = median(height_m); y_is_up && usual_m < kMinHeight_m) {
+    doubts.push_back("the head is " + significant(-usual_m, 3) +
+                     " m below the recording's origin, which is usually the floor: does y point "
+                     "down (gaze.axes), and is gaze.head_scale_m right?");
   }
   const double span_m = glm::length(high_m - low_m);
   const double usual_m_s = median(speed_m_s);

@@ -102,9 +102,10 @@ std::optional<glm::dvec3> directionIn(const TableRow& row, const SightAt& at,
     const double length = d ? glm::length(*d) : 0.0;
     if (length == 0.0) return std::nullopt;
     if (std::abs(length - 1.0) > kUnitLength) {
-      row.fail((*at.direction)[0],
-               "with the next two columns expected a direction of length 1; name a point in space "
-               "with gaze.point");
+      row.fail(
+          (*at.direction)[0],
+          "with the next two columns expected a direction of length 1; gaze.point names a point "
+          "in space, and gaze.missing a code for data loss");
     }
     return layout.axes.vector(*d / length);
   }
