@@ -97,6 +97,7 @@ void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image
   if (seen.marker) drawGazeMarkers(seen.gaze_px, seen.record, shown);
   table_.add(frame, seen.record);
   statistics_.add(seen.record, seen.tolerance);
+  agreement_.add(seen.record);
   hash_.add(shown.rgb);
   if (study_.output.images) {
     const auto png = pngOf(shown);
@@ -124,6 +125,11 @@ RunResult RunWriter::finish(const RunFacts& run) {
                            schedule.time_s(schedule.frames - 1));
   if (const std::string warning = toleranceText(study_, facts); !warning.empty()) {
     std::fprintf(stderr, "foci: %s\n", warning.c_str());
+  }
+  if (study_.eye.recorded) {
+    for (const std::string& doubt : agreement_.doubts()) {
+      std::fprintf(stderr, "foci: %s: %s\n", study_.gaze.source.c_str(), doubt.c_str());
+    }
   }
   folder_.write(kManifest, manifestJson(study_, facts.summary,
                                         {.command = run.command,

@@ -14,6 +14,7 @@
 #include "app/replay/frame_statistics.h"
 #include "app/replay/replay_inputs.h"
 #include "app/replay/seen_frame.h"
+#include "app/replay/surface_agreement.h"
 
 namespace foci {
 
@@ -58,6 +59,7 @@ class RunWriter {
   Sha256 hash_;
   FrameTable table_;
   ContactSheet sheet_;
+  SurfaceAgreement agreement_{};
   FrameStatistics statistics_;
 };
 
