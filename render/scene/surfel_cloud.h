@@ -7,6 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "render/scene/closed_bodies.h"
+
 namespace foci {
 
 struct GaussianCloud;
@@ -31,6 +33,9 @@ struct SurfelCloud {
   /// Normals point out of the solid, or at least agree with their neighbours'. The renderer then
   /// distinguishes back-facing surfels from those that face the eye.
   bool oriented = false;
+
+  /// Which surfels lie on closed bodies; their normals point outwards.
+  ClosedBodies bodies = {};
 
   /// The mesh that the surfels were sampled from; null if they are all that is known.
   std::shared_ptr<const TriangleMesh> mesh = {};

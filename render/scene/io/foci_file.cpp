@@ -30,9 +30,11 @@ namespace {
 static_assert(std::endian::native == std::endian::little && sizeof(glm::vec3) == 12);
 
 constexpr std::array<unsigned char, 8> kMagic = {'F', 'O', 'C', 'I', '\r', '\n', 0x1a, '\n'};
-constexpr std::uint32_t kVersion = 1;
-constexpr std::uint32_t kOriented = 1, kWithOpacity = 2, kMesh = 4, kPlainColors = 8;
-constexpr std::uint32_t kUpAxisX = 16, kFlags = 63;  // an up axis is a multiple of kUpAxisX
+constexpr std::uint32_t kVersion = 2, kVersionOfBodies = 2;  // files without bodies are of 1
+constexpr std::uint32_t kOriented = 1, kWithOpacity = 2, kMesh = 4, kPlainColors = 8, kBodies = 64;
+constexpr std::uint32_t kUpAxisX = 16, kUpAxes = 48,
+                        kFlags = 127;  // an up axis is a multiple of kUpAxisX
+constexpr std::size_t kArrays = 6;     // of version 1, whose checksum counts an empty one, too
 constexpr std::size_t kBlock = 1 << 20;
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
 constexpr bool kChecksums = false;  // a fuzzer would never pass them
@@ -42,7 +44,7 @@ constexpr bool kChecksums = true;
 
 struct FociHeader {
   std::array<unsigned char, 8> magic = kMagic;
-  std::uint32_t version = kVersion;
+  std::uint32_t version = 1;
   std::uint32_t flags = 0;
   std::uint64_t surfels = 0;
   std::uint64_t file_bytes = 0;
@@ -101,18 +103,19 @@ std::uint32_t flagsOf(const PreparedScene& scene) {
   const SurfelOrigin& origin = scene.origin;
   return (scene.cloud.oriented ? kOriented : 0) | (scene.cloud.opacity.empty() ? 0 : kWithOpacity) |
          (origin.mesh ? kMesh : 0) | (origin.plain_colors ? kPlainColors : 0) |
+         (scene.cloud.bodies.of_surfel.empty() ? 0 : kBodies) |
          (origin.up_axis ? kUpAxisX * static_cast<std::uint32_t>(*origin.up_axis + 1) : 0);
 }
 
 SurfelOrigin originOf(std::uint32_t flags) {
   SurfelOrigin origin{.mesh = (flags & kMesh) != 0, .plain_colors = (flags & kPlainColors) != 0};
-  const int axis = static_cast<int>(flags / kUpAxisX);
+  const int axis = static_cast<int>((flags & kUpAxes) / kUpAxisX);
   if (axis > 0) origin.up_axis = axis - 1;
   return origin;
 }
 
 std::uint64_t bytesASurfel(std::uint32_t flags) {
-  return 4 * 12 + 4 + ((flags & kWithOpacity) != 0 ? 4 : 0);
+  return 4 * 12 + 4 + ((flags & kWithOpacity) != 0 ? 4 : 0) + ((flags & kBodies) != 0 ? 2 : 0);
 }
 
 /// A file's bytes, mapped for reading.
@@ -157,7 +160,8 @@ bool sound(const SurfelCloud& cloud, std::size_t i) {
          finite(color, std::numeric_limits<float>::max()) && color.x >= 0.0f && color.y >= 0.0f &&
          color.z >= 0.0f && cloud.area_m2[i] > 0.0f &&
          cloud.area_m2[i] <= std::numeric_limits<float>::max() &&
-         (cloud.opacity.empty() || (cloud.opacity[i] >= 0.0f && cloud.opacity[i] <= 1.0f));
+         (cloud.opacity.empty() || (cloud.opacity[i] >= 0.0f && cloud.opacity[i] <= 1.0f)) &&
+         (cloud.bodies.of_surfel.empty() || cloud.bodies.of_surfel[i] <= kMaxBodies);
 }
 
 }  // namespace
@@ -176,15 +180,19 @@ bool isSceneFile(const std::filesystem::path& path) {
 void writeSceneFile(const std::filesystem::path& path, const PreparedScene& scene) {
   const SurfelCloud& cloud = scene.cloud;
   assert(!cloud.empty());
-  const std::array arrays = {bytesOf(cloud.position_m), bytesOf(cloud.axis_u_m),
-                             bytesOf(cloud.axis_v_m),   bytesOf(cloud.color),
-                             bytesOf(cloud.area_m2),    bytesOf(cloud.opacity)};
+  const std::array arrays = {bytesOf(cloud.position_m),      bytesOf(cloud.axis_u_m),
+                             bytesOf(cloud.axis_v_m),        bytesOf(cloud.color),
+                             bytesOf(cloud.area_m2),         bytesOf(cloud.opacity),
+                             bytesOf(cloud.bodies.of_surfel)};
+  static_assert(arrays.size() == kArrays + 1);
   FociHeader header;
   header.flags = flagsOf(scene);
+  if ((header.flags & kBodies) != 0) header.version = kVersionOfBodies;
   header.surfels = cloud.size();
   header.file_bytes = sizeof(FociHeader) + cloud.size() * bytesASurfel(header.flags);
   Checksum content;
-  for (const auto& array : arrays) content.add(checksumOf(array));
+  for (std::size_t i = 0; i < kArrays; ++i) content.add(checksumOf(arrays.at(i)));
+  if (!arrays[kArrays].empty()) content.add(checksumOf(arrays[kArrays]));
   header.content_checksum = content.value();
   header.header_checksum = checksumOf(header);
 
@@ -222,7 +230,8 @@ PreparedScene readSceneFile(const std::filesystem::path& path) {
   }
   if (kChecksums && header.header_checksum != checksumOf(header))
     refuse("was altered: its header does not match");
-  if (header.version != kVersion || (header.flags & ~kFlags) != 0) {
+  const std::uint32_t version = (header.flags & kBodies) != 0 ? kVersionOfBodies : 1;
+  if (header.version != version || (header.flags & ~kFlags) != 0) {
     refuse("is not a .foci scene");
   }
   const std::uint64_t surfel_bytes = bytesASurfel(header.flags);
@@ -250,6 +259,7 @@ PreparedScene readSceneFile(const std::filesystem::path& path) {
                                            ? take(4)
                                            : std::span<const unsigned char>();
   if (opacity.empty()) content.add(checksumOf(opacity));
+  const auto body = (header.flags & kBodies) != 0 ? take(2) : std::span<const unsigned char>();
   if (kChecksums && content.value() != header.content_checksum)
     refuse("was altered: its checksum does not match");
 
@@ -264,10 +274,12 @@ PreparedScene readSceneFile(const std::filesystem::path& path) {
   fill(cloud.color, color);
   fill(cloud.area_m2, area);
   fill(cloud.opacity, opacity);
+  fill(cloud.bodies.of_surfel, body);
   cloud.oriented = (header.flags & kOriented) != 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (!sound(cloud, i)) refuse("surfel " + std::to_string(i) + " is not sound");
   }
+  completeBodies(cloud);
   return {std::move(cloud), originOf(header.flags)};
 }
 

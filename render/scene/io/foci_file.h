@@ -3,15 +3,16 @@
 // Little endian. A header of 64 bytes, then arrays without gaps. Each array has `surfels` entries.
 //
 //    0  8 bytes  "FOCI\r\n\x1a\n", which a transfer as text would alter
-//    8  uint32   version, 1
+//    8  uint32   version, 1; 2 with closed bodies
 //   12  uint32   flags: 1 oriented, 2 with opacity, 4 samples of a mesh, 8 plain colours,
-//                16 * (0 up axis unknown, 1 x, 2 y, 3 z); others 0
+//                16 * (0 up axis unknown, 1 x, 2 y, 3 z), 64 with closed bodies; others 0
 //   16  uint64   surfels
 //   24  uint64   bytes of the whole file
 //   32  uint64   checksum of the bytes after the header
 //   40  16 bytes of 0
 //   56  uint64   checksum of bytes 0 to 55
-//   64  position_m 3 x float, axis_u_m 3, axis_v_m 3, color 3, area_m2 1, with opacity: opacity 1
+//   64  position_m 3 x float, axis_u_m 3, axis_v_m 3, color 3, area_m2 1, with opacity: opacity 1;
+//      with closed bodies: uint16, the number of the surfel's closed body from 1, or 0
 #pragma once
 
 #include <filesystem>

@@ -79,6 +79,7 @@ SurfelCloud scaled(SurfelCloud&& cloud, float factor) {
     scale(*lengths_m, factor);
   }
   for (float& area_m2 : cloud.area_m2) area_m2 *= factor * factor;
+  completeBodies(cloud);
   return std::move(cloud);
 }
 
