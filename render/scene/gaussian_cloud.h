@@ -66,7 +66,7 @@ struct GaussianCloud {
 /// @param rotation  quaternion (x, y, z, w) of unit length
 Covariance3 covarianceOf(const glm::vec3& sigma, const glm::vec4& rotation);
 
-/// The scene enlarged by `factor`, > 0.
+/// The scene, with its tree, enlarged by `factor`, > 0.
 void scaleBy(GaussianCloud& cloud, float factor);
 
 }  // namespace foci

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "base/parallel.h"
 #include "render/scene/gaussian_merge.h"
@@ -37,111 +38,116 @@ void partition(Item* items, std::size_t begin, std::size_t middle, std::size_t e
       [axis](const Item& a, const Item& b) { return a.place_m[axis] < b.place_m[axis]; });
 }
 
-class Builder {
- public:
-  Builder(std::vector<Item>& items, int levels) : items_(items), levels_(levels) {}
+/// Sorts the items below a node.
+void sortBelow(std::vector<Item>& items, int level, std::size_t j, int last_level) {
+  if (level >= last_level) return;
+  const auto [begin, end] = gaussiansBelow(items.size(), level, j);
+  const std::size_t middle = gaussiansBelow(items.size(), level + 1, 2 * j).second;
+  partition(items.data(), begin, middle, end);
+  sortBelow(items, level + 1, 2 * j, last_level);
+  sortBelow(items, level + 1, 2 * j + 1, last_level);
+}
 
-  void sort() {
-    const int serial = std::min(kSerialLevels, levels_ - 1);
-    for (int level = 0; level < serial; ++level) {
-      parallelFor(std::size_t{1} << level, [&](std::size_t j) { sortBelow(level, j, level + 1); });
-    }
-    parallelFor(std::size_t{1} << serial,
-                [&](std::size_t j) { sortBelow(serial, j, levels_ - 1); });
+void sortItems(std::vector<Item>& items, int levels) {
+  const int serial = std::min(kSerialLevels, levels - 1);
+  for (int level = 0; level < serial; ++level) {
+    parallelFor(std::size_t{1} << level,
+                [&](std::size_t j) { sortBelow(items, level, j, level + 1); });
   }
+  parallelFor(std::size_t{1} << serial,
+              [&](std::size_t j) { sortBelow(items, serial, j, levels - 1); });
+}
 
-  void merge(const GaussianCloud& cloud, GaussianTree& tree) const {
-    const int serial = std::min(kSerialLevels, levels_ - 1);
+/// Makes the nodes of a tree whose levels and sizes are set.
+class Merger {
+ public:
+  /// @param cloud  in the tree's order
+  Merger(const GaussianCloud& cloud, GaussianTree& tree) : cloud_(cloud), tree_(tree) {}
+
+  void merge() {
+    const int serial = std::min(kSerialLevels, tree_.levels - 1);
     std::vector<GaussianMoments> moments(std::size_t{1} << serial);
-    parallelFor(moments.size(), [&](std::size_t j) { moments[j] = below(cloud, tree, serial, j); });
+    parallelFor(moments.size(), [&](std::size_t j) { moments[j] = below(serial, j); });
     for (int level = serial - 1; level >= 0; --level) {
       for (std::size_t j = 0; j < std::size_t{1} << level; ++j) {
         moments[j] = merged(moments[2 * j], moments[2 * j + 1]);
-        storeNode(moments[j], tree, (std::size_t{1} << level) + j);
+        storeNode(moments[j], (std::size_t{1} << level) + j);
       }
     }
   }
 
  private:
-  void sortBelow(int level, std::size_t j, int last_level) {
-    if (level >= last_level) return;
-    const auto [begin, end] = gaussiansBelow(items_.size(), level, j);
-    const std::size_t middle = gaussiansBelow(items_.size(), level + 1, 2 * j).second;
-    partition(items_.data(), begin, middle, end);
-    sortBelow(level + 1, 2 * j, last_level);
-    sortBelow(level + 1, 2 * j + 1, last_level);
-  }
-
   /// Makes the nodes of a subtree.
-  GaussianMoments below(const GaussianCloud& cloud, GaussianTree& tree, int level,
-                        std::size_t j) const {
-    const auto [begin, end] = gaussiansBelow(cloud.size(), level, j);
-    const GaussianMoments moments = level + 1 == levels_
-                                        ? ofRange(cloud, begin, end)
-                                        : merged(below(cloud, tree, level + 1, 2 * j),
-                                                 below(cloud, tree, level + 1, 2 * j + 1));
-    storeNode(moments, tree, (std::size_t{1} << level) + j);
+  GaussianMoments below(int level, std::size_t j) {
+    const auto [begin, end] = gaussiansBelow(cloud_.size(), level, j);
+    const GaussianMoments moments =
+        level + 1 == tree_.levels ? ofRange(begin, end)
+                                  : merged(below(level + 1, 2 * j), below(level + 1, 2 * j + 1));
+    storeNode(moments, (std::size_t{1} << level) + j);
     return moments;
   }
 
-  static GaussianMoments ofRange(const GaussianCloud& cloud, std::size_t begin, std::size_t end) {
-    if (end - begin == 1) return momentsOf(cloud, begin);
+  GaussianMoments ofRange(std::size_t begin, std::size_t end) const {
+    if (end - begin == 1) return momentsOf(cloud_, begin);
     const std::size_t middle = begin + (end - begin) / 2;
-    return merged(ofRange(cloud, begin, middle), ofRange(cloud, middle, end));
+    return merged(ofRange(begin, middle), ofRange(middle, end));
   }
 
-  static void storeNode(const GaussianMoments& moments, GaussianTree& tree, std::size_t node) {
-    store(moments, tree.nodes, node);
-    tree.radius_m[node] = static_cast<float>(moments.radius_m) * (1.0f + 1e-6f);
-    tree.spread_m2[node] = static_cast<float>(moments.spread_m2);
+  void storeNode(const GaussianMoments& moments, std::size_t node) {
+    store(moments, tree_.nodes, node);
+    tree_.radius_m[node] = static_cast<float>(moments.radius_m) * (1.0f + 1e-6f);
+    tree_.spread_m2[node] = static_cast<float>(moments.spread_m2);
     // That of points is infinite.
     constexpr double kMostGrowth_per_m2 = 1e12;
-    tree.growth_per_m2[node] =
+    tree_.growth_per_m2[node] =
         static_cast<float>(std::min(moments.growth / moments.alone_m2, kMostGrowth_per_m2));
   }
 
-  std::vector<Item>& items_;
-  int levels_;
+  const GaussianCloud& cloud_;
+  GaussianTree& tree_;
 };
 
-GaussianCloud inOrder(const GaussianCloud& cloud, const std::vector<Item>& items) {
-  GaussianCloud to;
-  to.degree = cloud.degree;
-  to.preserves_light = cloud.preserves_light;
-  const std::size_t n = items.size(), harmonics = cloud.harmonicsPerGaussian();
-  to.position_m.resize(n);
-  to.covariance_m2.resize(n);
-  to.opacity.resize(n);
-  to.color.resize(n);
-  to.harmonics.resize(n * harmonics);
-  parallelFor(n, [&](std::size_t i) {
-    const std::size_t from = items[i].gaussian;
-    to.position_m[i] = cloud.position_m[from];
-    to.covariance_m2[i] = cloud.covariance_m2[from];
-    to.opacity[i] = cloud.opacity[from];
-    to.color[i] = cloud.color[from];
-    std::copy_n(cloud.harmonics.begin() + static_cast<std::ptrdiff_t>(from * harmonics), harmonics,
-                to.harmonics.begin() + static_cast<std::ptrdiff_t>(i * harmonics));
-  });
-  return to;
+/// Entry i of each array is entry `items[i].gaussian` from then on. One array after the other, to
+/// save memory.
+void bringIntoOrder(GaussianCloud& cloud, const std::vector<Item>& items) {
+  const auto gather = [&](auto& values, std::size_t each) {
+    if (each == 0) return;
+    std::remove_reference_t<decltype(values)> sorted(values.size());
+    parallelFor(items.size(), [&](std::size_t i) {
+      const auto from =
+          values.begin() + static_cast<std::ptrdiff_t>(std::size_t{items[i].gaussian} * each);
+      std::copy_n(from, each, sorted.begin() + static_cast<std::ptrdiff_t>(i * each));
+    });
+    values = std::move(sorted);
+  };
+  gather(cloud.position_m, 1);
+  gather(cloud.covariance_m2, 1);
+  gather(cloud.opacity, 1);
+  gather(cloud.color, 1);
+  gather(cloud.harmonics, cloud.harmonicsPerGaussian());
 }
 
 }  // namespace
 
-GaussianCloud withTree(const GaussianCloud& cloud) {
+int gaussianTreeLevels(std::size_t n) {
+  return static_cast<int>(std::bit_width(std::max<std::size_t>(n / kMinCluster, 1)));
+}
+
+GaussianCloud withTree(GaussianCloud cloud) {
   const std::size_t n = cloud.size();
   assert(n > 0 && n < std::size_t{1} << 31);
-  std::vector<Item> items(n);
-  parallelFor(n, [&](std::size_t i) {
-    const Covariance3& v = cloud.covariance_m2[i];
-    items[i] = {glm::vec4(cloud.position_m[i], std::sqrt(v.xx + v.yy + v.zz)),
-                static_cast<std::uint32_t>(i)};
-  });
   const auto tree = std::make_shared<GaussianTree>();
-  tree->levels = static_cast<int>(std::bit_width(std::max<std::size_t>(n / kMinCluster, 1)));
-  Builder builder(items, tree->levels);
-  builder.sort();
-  GaussianCloud sorted = inOrder(cloud, items);
+  tree->levels = gaussianTreeLevels(n);
+  {
+    std::vector<Item> items(n);
+    parallelFor(n, [&](std::size_t i) {
+      const Covariance3& v = cloud.covariance_m2[i];
+      items[i] = {glm::vec4(cloud.position_m[i], std::sqrt(v.xx + v.yy + v.zz)),
+                  static_cast<std::uint32_t>(i)};
+    });
+    sortItems(items, tree->levels);
+    bringIntoOrder(cloud, items);
+  }
   const std::size_t nodes = std::size_t{1} << tree->levels;
   tree->nodes.degree = cloud.degree;
   tree->nodes.preserves_light = cloud.preserves_light;
@@ -153,9 +159,9 @@ GaussianCloud withTree(const GaussianCloud& cloud) {
   tree->radius_m.resize(nodes);
   tree->spread_m2.resize(nodes);
   tree->growth_per_m2.resize(nodes);
-  builder.merge(sorted, *tree);
-  sorted.tree = tree;
-  return sorted;
+  Merger(cloud, *tree).merge();
+  cloud.tree = tree;
+  return cloud;
 }
 
 std::shared_ptr<const GaussianCloud> sharedWithTree(const GaussianCloud& cloud) {

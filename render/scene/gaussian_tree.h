@@ -25,6 +25,9 @@ struct GaussianTree {
   bool isCluster(std::size_t node) const { return node >> (levels - 1) != 0; }
 };
 
+/// Levels of the tree of `n` Gaussians, n > 0. Its nodes, with the unused first, are 2^levels.
+int gaussianTreeLevels(std::size_t n);
+
 /// The Gaussians [first, second) below the `j`-th node of a level, out of `n`. The root's level
 /// is 0; j begins at 0.
 inline std::pair<std::size_t, std::size_t> gaussiansBelow(std::size_t n, int level, std::size_t j) {
@@ -33,7 +36,7 @@ inline std::pair<std::size_t, std::size_t> gaussiansBelow(std::size_t n, int lev
 
 /// The cloud in the order of its tree, with the tree. Deterministic at any number of threads.
 /// @param cloud  not empty, fewer than 2^31
-GaussianCloud withTree(const GaussianCloud& cloud);
+GaussianCloud withTree(GaussianCloud cloud);
 
 /// The cloud itself where it has a tree, which then must outlive the result; else a copy with one.
 std::shared_ptr<const GaussianCloud> sharedWithTree(const GaussianCloud& cloud);

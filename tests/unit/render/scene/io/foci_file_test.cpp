@@ -114,8 +114,8 @@ TEST_F(FociFileTest, RefusesSwappedBytes) {
 TEST_F(FociFileTest, SaysWhatIsWrong) {
   const std::string whole = written(few(true));
   std::string later = whole;
-  later[8] = 2;
-  EXPECT_EQ(refusal(later), ": is of version 2: this program reads version 1");
+  later[8] = 3;
+  EXPECT_EQ(refusal(later), ": is of version 3: this program reads versions 1 and 2");
   std::string as_text = whole;
   as_text.erase(4, 1);
   EXPECT_EQ(refusal(as_text), ": was altered, as by a transfer as text");
