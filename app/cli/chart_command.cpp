@@ -144,12 +144,11 @@ void addChartCommand(CLI::App& app) {
                                        "         foci chart --stability --out out/stability");
   chart->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
   chart->add_flag("--quick", options->choice.quick,
-                  "two minutes: smaller images, fewer settings and runs");
+                  "two minutes: fewer blurs, settings and runs, times with all threads only");
   chart->add_flag("--stability", options->stability,
                   "score the methods on scenes made to break them, each with a dial from harmless "
                   "to extreme");
-  chart
-      ->add_option("--size", options->choice.size_px, "width of the images; default 512, quick 256")
+  chart->add_option("--size", options->choice.size_px, "width of the images; default 640")
       ->type_name("PX");
   chart->add_option("--scene", options->choice.scenes, "only this scene; may be repeated")
       ->type_name("NAME");

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 // From the plan of --quick.
-constexpr std::size_t kBlurs = 2, kThreads = 2;
+constexpr std::size_t kBlurs = 2;
 
 /// Two squares at different depths, the nearer one smaller.
 std::string stepPly() {
@@ -50,7 +50,7 @@ void expectFrontiers(const std::vector<std::vector<std::string>>& csv) {
     panels[row[0] + " " + row[1] + " " + row[4]].push_back(
         {std::stod(row[5]), std::min(std::stod(row[7]), std::stod(row[11])), row[12] == "yes"});
   }
-  EXPECT_EQ(panels.size(), kBlurs * kThreads);
+  EXPECT_EQ(panels.size(), kBlurs);
   for (const auto& [panel, rows] : panels) {
     for (const Row& one : rows) {
       const bool beaten = std::any_of(rows.begin(), rows.end(), [&](const Row& other) {
@@ -128,7 +128,7 @@ TEST(Chart, ContinuesAfterAKill) {
   const Outcome rest = runFoci(few, folder.path());
   ASSERT_EQ(rest.exit_code, 0) << rest.err;
   const auto csv = csvOf(folder.read("out/chart.csv"));
-  EXPECT_EQ(csv.size() - 1, kBlurs * kThreads * 4);
+  EXPECT_EQ(csv.size() - 1, kBlurs * 4);
   expectFrontiers(csv);
   for (std::size_t i = 1; i < csv.size(); ++i) {
     if (csv[i][1] == "4" && csv[i][2] == "pinhole") {
