@@ -29,7 +29,7 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }
 
-  RunWriter writer(study, gaze, out);
+  RunWriter writer(study, gaze, cloud, out);
   eye.sayDevice();
   const std::size_t frames = gaze.schedule.frames;
   Progress progress("rendering", "frames", frames);

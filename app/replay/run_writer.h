@@ -35,8 +35,9 @@ struct RunResult {
 /// If `finish` is not called, no file stays, and a new folder is removed.
 class RunWriter {
  public:
-  /// @param study, gaze  outlive it
-  RunWriter(const Study& study, const ReplayedGaze& gaze, const std::filesystem::path& out);
+  /// @param study, gaze, cloud  outlive it
+  RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+            const std::filesystem::path& out);
 
   /// @param image  without marker
   void add(std::size_t frame, const SeenFrame& seen, const Image& image);
@@ -52,6 +53,7 @@ class RunWriter {
  private:
   const Study& study_;
   const ReplayedGaze& gaze_;
+  const SurfelCloud& cloud_;
   std::filesystem::path out_;
   OutputFolder folder_;
   std::filesystem::path video_file_;

@@ -21,6 +21,16 @@
 
 namespace foci {
 
+/// A part of the scene with a name: a box along the axes, or a sphere.
+struct NamedShape {
+  std::string name;
+  glm::dvec3 center_m{0.0};
+  std::optional<glm::dvec3> size_m;  ///< edges of a box
+  std::optional<double> radius_m;    ///< of a sphere; one of the two is there
+
+  bool holds(const glm::dvec3& point_m) const;
+};
+
 struct Study {
   std::filesystem::path file;
 
@@ -29,6 +39,7 @@ struct Study {
     std::string builtin = "gallery";  ///< shown if there is no file
     double scale_m = 1.0;             ///< metres per unit of the file
     glm::dvec3 background{0.0};       ///< linear RGB
+    std::vector<NamedShape> objects;  ///< what gaze meets within them is on them
   } scene;
 
   struct Eye {
