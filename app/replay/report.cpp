@@ -291,6 +291,21 @@ std::string objectsText(const std::vector<ObjectLooks>& objects) {
   return text;
 }
 
+void heatSection(std::ostream& out, const std::vector<HeatPicture>& pictures) {
+  if (pictures.empty()) return;
+  out << "<h2>Where gaze rested</h2>\n<div class=\"sheet\">\n";
+  for (const HeatPicture& picture : pictures) {
+    out << "<figure><img alt=\"heatmap " << escaped(picture.caption)
+        << "\" src=\"data:image/jpeg;base64,";
+    Base64 base64(out);
+    base64.add(picture.jpeg.data(), picture.jpeg.size());
+    base64.finish();
+    out << "\"><figcaption>" << escaped(picture.caption) << "</figcaption></figure>\n";
+  }
+  out << "</div>\n<p class=\"quiet\">Time of gaze per area of the surface, from violet to bright "
+         "yellow; grey was not looked at. The scale ends at what 1 % of the time exceeds.</p>\n";
+}
+
 }  // namespace
 
 bool writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
@@ -308,7 +323,9 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
          "fixation had lasted longest. The ring marks the gaze; broken, where the eye does not "
          "fixate.</p>\n";
   contactSheet(out, facts);
-  out << objectsText(facts.objects) << "<h2>Over time</h2>\n";
+  out << objectsText(facts.objects);
+  heatSection(out, facts.heat);
+  out << "<h2>Over time</h2>\n";
   if (charts) {
     out << legend(marks) << *charts;
   } else {

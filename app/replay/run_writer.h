@@ -24,6 +24,7 @@ struct RunFacts {
   unsigned threads = 0;
   std::string device;  ///< that rendered the frames
   std::vector<InputFile> inputs;
+  std::optional<std::filesystem::path> heatmap = {};  ///< PLY of the scene to write
 };
 
 /// A run, and an image of it.
@@ -40,7 +41,9 @@ class RunWriter {
             const std::filesystem::path& out);
 
   /// @param image  without marker
-  void add(std::size_t frame, const SeenFrame& seen, const Image& image);
+  /// @param rendered  the frame with its depth, if the study asks for maps
+  void add(std::size_t frame, const SeenFrame& seen, const Image& image,
+           const Frame* rendered = nullptr);
 
   /// Writes what sums up the run.
   RunResult finish(const RunFacts& facts);
@@ -68,7 +71,7 @@ class RunWriter {
 /// "frame-000012.png"
 std::string imageFileName(std::size_t frame);
 
-/// The images of frames that a folder holds.
+/// The images of frames, and their maps, that a folder holds.
 std::vector<std::filesystem::path> imagesIn(const std::filesystem::path& folder);
 
 }  // namespace foci

@@ -21,6 +21,13 @@
 
 namespace foci {
 
+/// What a map has at each pixel.
+enum class FrameMap {
+  depth,    ///< distance of the surface along the line of sight, metres; 0: no surface
+  defocus,  ///< reciprocal of that distance minus the focus, dioptres: above 0 the surface is
+            ///< nearer than the focus; NaN: no surface
+};
+
 /// A part of the scene with a name: a box along the axes, or a sphere.
 struct NamedShape {
   std::string name;
@@ -114,7 +121,8 @@ struct Study {
     bool marker = false;
     int sync_patch = 0;  ///< side of the patch for a photodiode in foci live, px; 0: none
     bool split = false;
-    bool images = false;  ///< every frame as a PNG, too
+    bool images = false;         ///< every frame as a PNG, too
+    std::vector<FrameMap> maps;  ///< of every frame, as EXR
     StereoView view = StereoView::mono;
   } output;
 

@@ -298,6 +298,10 @@ const std::vector<Key<Study>>& studyKeys() {
                "follows the frame number, for a photodiode; 0: none",
                {0, 1000}),
       FOCI_KEY(output.images, "output.images", "also saves every frame as a PNG"),
+      FOCI_KEY(output.maps, "output.maps",
+               "also saves maps of every frame of a replay as EXR: depth in metres, defocus in D, "
+               "above 0 where the surface is nearer than the focus; of one view only",
+               {.words = studyWords<FrameMap>()}),
       FOCI_KEY(
           output.view, "output.view",
           "one eye in the middle, or both: left beside right, left above right, left red; or the "

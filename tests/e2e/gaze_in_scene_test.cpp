@@ -3,8 +3,11 @@
 
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <glm/glm.hpp>
 #include <map>
+#include <opencv2/imgcodecs.hpp>
 #include <random>
 #include <sstream>
 #include <string>
@@ -183,7 +186,10 @@ TEST_F(GazeInScene, ShapesOfTheStudyNameParts) {
 
 TEST_F(GazeInScene, APreparedSceneKeepsItsObjects) {
   simulate();
-  ASSERT_EQ(runFoci({"prepare", "scene.obj", "--out", "scene.foci", "--points", "20000"}, folder.path()).exit_code, 0);
+  ASSERT_EQ(
+      runFoci({"prepare", "scene.obj", "--out", "scene.foci", "--points", "20000"}, folder.path())
+          .exit_code,
+      0);
   folder.write("prepared.toml", study("file = \"scene.foci\"\n"));
   for (const std::string name : {"study", "prepared"}) {
     ASSERT_EQ(runFoci({"replay", name + ".toml", "--out", name}, folder.path()).exit_code, 0);
@@ -226,6 +232,66 @@ TEST_F(GazeInScene, LabelsOfPointsAreObjectsAndBlinksMeetNothing) {
   EXPECT_EQ(rows.at(250).at("object"), "-2");
   EXPECT_NEAR(std::stod(rows.at(50).at("distance_m")),
               std::hypot(1.0, (700.0 - 960.0) / 1920.0 * kScreen_m.x / kDistance_m), 0.002);
+}
+
+TEST_F(GazeInScene, TheHeatmapHasTheTimeOfGaze) {
+  simulate();
+  const Outcome outcome =
+      runFoci({"replay", "study.toml", "--out", "out", "--heatmap", "heat.ply"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string ply = folder.read("heat.ply");
+  const std::string end = "property float attention_s\nend_header\n";
+  const std::size_t at = ply.find(end);
+  ASSERT_NE(at, ply.npos);
+  constexpr std::size_t kRecord = 6 * 4 + 3 + 4;  // position, normal, colour, attention
+  const std::size_t first = at + end.size();
+  ASSERT_EQ((ply.size() - first) % kRecord, 0u);
+  double sum_s = 0.0;
+  for (std::size_t i = first; i < ply.size(); i += kRecord) {
+    float attention_s = 0.0f;
+    std::memcpy(&attention_s, ply.data() + i + kRecord - 4, 4);
+    ASSERT_GE(attention_s, 0.0f);
+    sum_s += static_cast<double>(attention_s);
+  }
+  double met_s = 0.0;
+  for (const Row& row : table("out/gaze3d.tsv")) met_s += row.at("object") != "n/a" ? 0.005 : 0.0;
+  EXPECT_NEAR(sum_s, met_s, 0.01);
+  EXPECT_NE(folder.read("out/report.html").find("turned by 60 degrees"), std::string::npos);
+  EXPECT_EQ(runFoci({"render", "heat.ply", "--out", "heat.png"}, folder.path()).exit_code, 0);
+  EXPECT_EQ(
+      runFoci({"replay", "study.toml", "--out", "out", "--heatmap", "heat.txt"}, folder.path())
+          .exit_code,
+      2);
+}
+
+TEST_F(GazeInScene, MapsHaveDistanceAndDefocusOfEachPixel) {
+  simulate();
+  folder.write("study.toml", study("file = \"scene.obj\"\n") +
+                                 "maps = [\"depth\", \"defocus\"]\nseconds = [0, 0.3]\n");
+  const Outcome outcome = runFoci({"replay", "study.toml", "--out", "out"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  ::setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
+  const auto map = [&](const std::string& name) {
+    return cv::imread((folder.path() / "out" / name).string(), cv::IMREAD_UNCHANGED);
+  };
+  const cv::Mat depth_m = map("depth-000001.exr"), defocus_D = map("defocus-000001.exr");
+  ASSERT_EQ(depth_m.type(), CV_32FC1);
+  ASSERT_EQ(depth_m.size(), cv::Size(96, 54));
+  const double focus_D = std::stod(table("out/frames.tsv").at(1).at("focus_D"));
+  int seen = 0;
+  for (int y = 0; y < depth_m.rows; ++y) {
+    for (int x = 0; x < depth_m.cols; ++x) {
+      const float u = depth_m.at<float>(y, x), d = defocus_D.at<float>(y, x);
+      EXPECT_EQ(u == 0.0f, std::isnan(d));
+      if (u == 0.0f) continue;
+      ++seen;
+      EXPECT_NEAR(d, 1.0 / static_cast<double>(u) - focus_D, 1e-3);
+    }
+  }
+  EXPECT_GT(seen, 100);
+  EXPECT_EQ(runFoci({"replay", "study.toml", "--frames", "0:1", "--out", "part"}, folder.path())
+                .exit_code,
+            2);
 }
 
 TEST_F(GazeInScene, RefusesAShapeThatIsBothOrNeither) {
