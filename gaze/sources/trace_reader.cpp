@@ -10,6 +10,7 @@
 #include "gaze/sources/eyelink_asc.h"
 #include "gaze/sources/eyenavgs.h"
 #include "gaze/sources/file_kind.h"
+#include "gaze/sources/hololens.h"
 #include "gaze/sources/rounded_intervals.h"
 #include "gaze/sources/trace_doubts.h"
 
@@ -67,10 +68,11 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
   } else {
     const std::string first = firstLineOf(file);
     LineReader lines(file);
-    header = startsEyeLinkAsc(first) ? readEyeLinkAsc(lines, both)
-             : isEyeNavGs(first) && isUndescribed(columns)
-                 ? readEyeNavGs(lines, columns, both)
-                 : readDelimitedTrace(lines, columns, fallback_screen, both);
+    header = startsEyeLinkAsc(first)   ? readEyeLinkAsc(lines, both)
+             : !isUndescribed(columns) ? readDelimitedTrace(lines, columns, fallback_screen, both)
+             : isEyeNavGs(first)       ? readEyeNavGs(lines, columns, both)
+             : isHoloLens(first)       ? readHoloLens(lines, columns, both)
+                                       : readDelimitedTrace(lines, columns, fallback_screen, both);
   }
   if (!header.screen) header.screen = fallback_screen;
   if (header.screen->size_m == glm::dvec2(0.0)) header.screen->size_m = fallback_screen.size_m;
@@ -86,7 +88,10 @@ SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns&
   if (!std::filesystem::is_regular_file(file, unreadable)) return {};
   if (columns.space.hasHead()) return {.has_head = true};
   try {
-    if (!isUndescribed(columns) || !isEyeNavGs(firstLineOf(file))) return {};
+    if (!isUndescribed(columns)) return {};
+    const std::string first = firstLineOf(file);
+    if (isHoloLens(first)) return {.has_head = true};
+    if (!isEyeNavGs(first)) return {};
   } catch (const InputError&) {
     return {};  // whoever reads the file says why
   }

@@ -76,7 +76,7 @@ struct TraceHeader {
   /// What the left eye sees of a headset's display: `screen` is that of both eyes
   /// (`headsetScreen`).
   std::optional<EyeField> field{};
-  std::vector<ColumnReading> columns{};  ///< of a table, in the file's order
+  std::vector<ColumnReading> columns{};   ///< of a table, in the file's order
   bool gaze_in_world = false;             ///< the frame of the file's directions; else the head's
   bool world_y_up = true;                 ///< of the recording's world; false: unknown
   std::optional<double> scene_scale_m{};  ///< as `GazeTrace::scene_scale_m`
