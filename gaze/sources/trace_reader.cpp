@@ -13,6 +13,7 @@
 #include "gaze/sources/hololens.h"
 #include "gaze/sources/rounded_intervals.h"
 #include "gaze/sources/trace_doubts.h"
+#include "gaze/sources/xdf.h"
 
 namespace foci {
 namespace {
@@ -47,6 +48,18 @@ std::string firstLineOf(const std::filesystem::path& file) {
   return {};
 }
 
+TraceHeader readXdfTrace(const std::filesystem::path& file, const TraceColumns& columns,
+                         const Screen& fallback_screen, const TakeSample& take) {
+  const XdfTable table = readXdf(file, columns.stream);
+  LineReader lines(file.string(), table.text);
+  TraceHeader header = readDelimitedTrace(lines, columns, fallback_screen, take);
+  header.format = "XDF, stream " + shown(table.stream) + ", " + header.format;
+  if (table.clock_offsets == 0) {
+    header.assumed.push_back("clock: the stream's own, since the file has no clock offsets");
+  }
+  return header;
+}
+
 bool isUndescribed(const TraceColumns& columns) {
   return columns.time.empty() && columns.x.empty() && !columns.space.hasSight();
 }
@@ -65,6 +78,8 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
   TraceHeader header;
   if (const auto sidecar = bidsSidecarOf(file)) {
     header = readBids(file, *sidecar, fallback_screen, both);
+  } else if (isXdf(file)) {
+    header = readXdfTrace(file, columns, fallback_screen, both);
   } else {
     const std::string first = firstLineOf(file);
     LineReader lines(file);
@@ -88,7 +103,7 @@ SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns&
   if (!std::filesystem::is_regular_file(file, unreadable)) return {};
   if (columns.space.hasHead()) return {.has_head = true};
   try {
-    if (!isUndescribed(columns)) return {};
+    if (!isUndescribed(columns) || isXdf(file)) return {};
     const std::string first = firstLineOf(file);
     if (isHoloLens(first)) return {.has_head = true};
     if (!isEyeNavGs(first)) return {};

@@ -34,6 +34,7 @@ struct TraceColumns {
   std::string time{}, x{}, y{};
   std::string pupil{};       ///< diameter
   std::string blink{};       ///< 0 or false: open; 1 or true: the tracker reports a blink
+  std::string stream{};      ///< of an XDF file; empty: its only stream of gaze
   std::string confidence{};  ///< 0 to 1; a sample below 0.6 has no gaze
   /// Left, right. Without `x` and `y` the gaze is the `Cyclopean` point of the two.
   std::array<Eye, 2> eyes{};
@@ -100,6 +101,8 @@ using TakeSample = std::function<void(const GazeSample&)>;
 /// - GazeBase, GazeBaseVR.
 /// - Text of SMI's BeGaze and IDF Converter.
 /// - BIDS eye tracking (`*_physio.tsv.gz` beside its JSON).
+/// - EyeNavGS, HoloLens 2, SRanipal, Tobii Pro Glasses (gaze in space).
+/// - XDF (Lab Streaming Layer): the channels of its gaze stream are a table's columns.
 /// - Any TSV or CSV with named columns, with one point or two eyes.
 ///
 /// A table is delimited by tabs, commas, semicolons or blanks. Fields may be quoted, and files may
