@@ -192,6 +192,7 @@ std::vector<std::filesystem::path> inputFiles(const Study& study) {
     if (std::filesystem::is_regular_file(place->file, ignored)) files.push_back(place->file);
   } else if (!study.gazeIsSimulated()) {
     files.push_back(study.gaze.source);
+    for (auto& file : companionsOf(study.gaze.source)) files.push_back(std::move(file));
   }
   return files;
 }

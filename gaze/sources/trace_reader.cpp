@@ -77,7 +77,9 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
   };
   TraceHeader header;
   if (const auto sidecar = bidsSidecarOf(file)) {
-    header = readBids(file, *sidecar, fallback_screen, both);
+    const auto other_eye = bidsOtherEyeOf(file);
+    header = other_eye ? readBidsEyes(file, *other_eye, fallback_screen, both)
+                       : readBids(file, *sidecar, fallback_screen, both);
   } else if (isXdf(file)) {
     header = readXdfTrace(file, columns, fallback_screen, both);
   } else {
@@ -96,6 +98,23 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
     header.warnings.push_back(std::move(doubt));
   }
   return header;
+}
+
+std::vector<std::filesystem::path> companionsOf(const std::filesystem::path& file) {
+  std::vector<std::filesystem::path> companions;
+  const auto sidecar = bidsSidecarOf(file);
+  if (sidecar) companions.push_back(*sidecar);
+  if (const auto other = sidecar ? bidsOtherEyeOf(file) : std::nullopt) {
+    companions.push_back(*other);
+    companions.push_back(*bidsSidecarOf(*other));
+  }
+  std::error_code unreadable;
+  const std::filesystem::path setting = file.parent_path() / "scene_setting.csv";
+  if (!sidecar && std::filesystem::is_regular_file(file, unreadable) &&
+      std::filesystem::is_regular_file(setting, unreadable) && isEyeNavGs(firstLineOf(file))) {
+    companions.push_back(setting);
+  }
+  return companions;
 }
 
 SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns& columns) {

@@ -126,6 +126,9 @@ using TakeSample = std::function<void(const GazeSample&)>;
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
                         const Screen& fallback_screen, const TakeSample& take);
 
+/// The files beside a recording that are read with it: sidecars of BIDS, scene_setting.csv.
+std::vector<std::filesystem::path> companionsOf(const std::filesystem::path& file);
+
 /// What a file of gaze in space says before it is read.
 struct SpacePreview {
   bool has_head = false;                  ///< the samples have head poses
