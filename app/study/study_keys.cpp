@@ -128,7 +128,7 @@ const std::vector<Key<Study>>& studyKeys() {
           observer.chromatic, "observer.chromatic",
           "red, green and blue each have their own focus; rendering takes three times as long"),
       FOCI_KEY(gaze.source, "gaze.source",
-               "\"simulated\", a recording (TSV, CSV, ASC), or webcam:VIDEO"),
+               "\"simulated\", a recording (TSV, CSV, ASC, XDF), or webcam:VIDEO"),
       FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording or a webcam"),
       FOCI_KEY(gaze.camera, "gaze.camera", "camera of foci calibrate camera"),
       FOCI_KEY(gaze.columns.time, "gaze.time", "column of the time; its name, or #1 for the first"),

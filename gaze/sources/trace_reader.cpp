@@ -11,6 +11,7 @@
 #include "gaze/sources/eyenavgs.h"
 #include "gaze/sources/file_kind.h"
 #include "gaze/sources/hololens.h"
+#include "gaze/sources/neon_native.h"
 #include "gaze/sources/rounded_intervals.h"
 #include "gaze/sources/trace_doubts.h"
 #include "gaze/sources/xdf.h"
@@ -68,15 +69,23 @@ bool isUndescribed(const TraceColumns& columns) {
 
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
                         const Screen& fallback_screen, const TakeSample& take) {
-  requireRegularFile(file);
-  requireGazeText(file);
+  const bool neon = !neonNativeFiles(file).empty();
+  if (!neon) {
+    requireRegularFile(file);
+    requireGazeText(file);
+  }
   TraceDoubts doubts;
   const TakeSample both = [&](const GazeSample& sample) {
     doubts.add(sample);
     take(sample);
   };
   TraceHeader header;
-  if (const auto sidecar = bidsSidecarOf(file)) {
+  if (neon) {
+    const std::string table = neonNativeTable(file);
+    LineReader lines(file.string(), table);
+    header = readDelimitedTrace(lines, columns, fallback_screen, both);
+    header.format = "Neon, native recording";
+  } else if (const auto sidecar = bidsSidecarOf(file)) {
     const auto other_eye = bidsOtherEyeOf(file);
     header = other_eye ? readBidsEyes(file, *other_eye, fallback_screen, both)
                        : readBids(file, *sidecar, fallback_screen, both);
@@ -101,7 +110,11 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
 }
 
 std::vector<std::filesystem::path> companionsOf(const std::filesystem::path& file) {
-  std::vector<std::filesystem::path> companions;
+  std::vector<std::filesystem::path> companions = neonNativeFiles(file);
+  if (!companions.empty()) {
+    std::erase(companions, file);
+    return companions;
+  }
   const auto sidecar = bidsSidecarOf(file);
   if (sidecar) companions.push_back(*sidecar);
   if (const auto other = sidecar ? bidsOtherEyeOf(file) : std::nullopt) {

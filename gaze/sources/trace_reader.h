@@ -102,6 +102,7 @@ using TakeSample = std::function<void(const GazeSample&)>;
 /// - Text of SMI's BeGaze and IDF Converter.
 /// - BIDS eye tracking (`*_physio.tsv.gz` beside its JSON).
 /// - EyeNavGS, HoloLens 2, SRanipal, Tobii Pro Glasses (gaze in space).
+/// - Neon's native folder, or its `gaze ps1.raw`.
 /// - XDF (Lab Streaming Layer): the channels of its gaze stream are a table's columns.
 /// - Any TSV or CSV with named columns, with one point or two eyes.
 ///
