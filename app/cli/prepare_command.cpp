@@ -71,6 +71,8 @@ std::string prepareJson(const PrepareSummary& summary, const nlohmann::ordered_j
       {"report", summary.report.string()},
       {"input", input},
       {"surfels", summary.surfels},
+      {"gaussians", summary.gaussians},
+      {"nodes", summary.nodes},
       {"dropped", summary.dropped},
       {"oriented", summary.oriented},
       {"area_m2", summary.area_m2},
@@ -127,6 +129,12 @@ void runPrepare(const PrepareOptions& options) {
     return;
   }
   std::fputs(sceneText(facts, framing).c_str(), stdout);
+  if (summary.gaussians > 0) {
+    std::printf("%zu Gaussians, a tree of %zu nodes; %.1f s\nscene: %s\nreport: %s\n",
+                summary.gaussians, summary.nodes, summary.seconds, summary.out.c_str(),
+                summary.report.c_str());
+    return;
+  }
   const Normalisation& n = summary.normalisation.front();
   std::printf(
       "%zu surfels, %.4g m2, one every %.3g mm; %.1f s\n"
@@ -143,14 +151,17 @@ void addPrepareCommand(CLI::App& app) {
   const auto options = std::make_shared<PrepareOptions>();
   CLI::App* prepare =
       app.add_subcommand("prepare",
-                         "Turn points or a mesh into a scene file. foci solves "
+                         "Turn points, a mesh or Gaussians into a scene file. foci solves "
                          "sizes and weights of splats so that surfaces\n"
-                         "have neither holes nor seams. The report holds the surfels of a mesh "
+                         "have neither holes nor seams. Gaussians get their levels of detail. The "
+                         "report holds the surfels of a mesh "
                          "against its triangles.\n"
                          "Example: foci prepare lion.ply --out lion.foci");
   prepare
-      ->add_option("INPUT", options->input,
-                   "points (PLY, LAS, XYZ, PTS) or mesh (OBJ, glTF, STL, FBX, PLY)")
+      ->add_option(
+          "INPUT", options->input,
+          "points (PLY, LAS, XYZ, PTS), mesh (OBJ, glTF, STL, FBX, PLY) or Gaussians (PLY, SPZ, "
+          "SPLAT, KSPLAT, SOG)")
       ->type_name("FILE")
       ->required();
   prepare->add_option("--out", options->out, "scene; the report gets the same name with .html")

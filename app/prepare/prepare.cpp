@@ -15,6 +15,7 @@
 #include "render/lod/moment_tree.h"
 #include "render/normalisation/kernel_sums.h"
 #include "render/scene/estimation/estimate.h"
+#include "render/scene/gaussian_tree.h"
 #include "render/scene/io/foci_file.h"
 #include "render/scene/io/mesh_companions.h"
 #include "render/scene/io/open_scene.h"
@@ -125,18 +126,9 @@ SurfelCloud solved(PointCloud&& points) {
        }});
 }
 
-}  // namespace
-
-PrepareSummary prepareScene(const PrepareRequest& request) {
-  checkRequest(request);
-  const auto start = std::chrono::steady_clock::now();
-  std::filesystem::path folder = request.out.parent_path();
-  if (folder.empty()) folder = ".";
-  OutputFolder output(folder);  // before the work, so that a bad folder is reported at once
-  const std::filesystem::path scene_file = output.stage(request.out.filename().string());
-  SceneFile file = readScene(request.input);
-  PrepareSummary summary{
-      .out = request.out, .report = reportOf(request.out), .facts = factsOf(file)};
+/// Surfels of points or of a mesh, and how closely they keep its surface.
+PreparedScene preparedSurfels(const PrepareRequest& request, SceneFile&& file,
+                              PrepareSummary& summary) {
   OpenedPoints opened =
       openPoints(std::move(file), request.scale_m, MeshSampling{.points = request.points});
   PointCloud& points = opened.points;
@@ -162,7 +154,42 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
     if (summary.fidelity)
       summary.warnings = fidelityWarnings(*summary.fidelity, cloud.size(), *opened.mesh);
   }
+  return scene;
+}
 
+/// Gaussians with their tree.
+PreparedScene preparedGaussians(const PrepareRequest& request, GaussianFile&& file,
+                                PrepareSummary& summary) {
+  if (request.points) {
+    throw InputError("--points", "sets the samples of a mesh, and " + request.input.string() +
+                                     " holds Gaussians: leave it out");
+  }
+  scaleBy(file.cloud, static_cast<float>(request.scale_m));
+  const auto cloud = std::make_shared<const GaussianCloud>(withTree(std::move(file.cloud)));
+  summary.dropped = file.dropped;
+  summary.gaussians = cloud->size();
+  summary.nodes = cloud->tree->nodes.size() - 1;
+  PreparedScene scene;
+  scene.cloud.gaussians = cloud;
+  scene.origin.y_is_down = !file.y_is_up;
+  return scene;
+}
+
+}  // namespace
+
+PrepareSummary prepareScene(const PrepareRequest& request) {
+  checkRequest(request);
+  const auto start = std::chrono::steady_clock::now();
+  std::filesystem::path folder = request.out.parent_path();
+  if (folder.empty()) folder = ".";
+  OutputFolder output(folder);  // before the work, so that a bad folder is reported at once
+  const std::filesystem::path scene_file = output.stage(request.out.filename().string());
+  SceneFile file = readScene(request.input);
+  PrepareSummary summary{
+      .out = request.out, .report = reportOf(request.out), .facts = factsOf(file)};
+  auto* const gaussians = std::get_if<GaussianFile>(&file.content);
+  const PreparedScene scene = gaussians ? preparedGaussians(request, std::move(*gaussians), summary)
+                                        : preparedSurfels(request, std::move(file), summary);
   writeSceneFile(scene_file, scene);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   output.write(summary.report.filename().string(), prepareReport(request, summary));

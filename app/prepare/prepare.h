@@ -1,5 +1,6 @@
-// Turns points or a mesh into a scene file. Sizes and weights of the splats are solved so that
-// their kernels form a partition of unity; a report states how closely they do.
+// Turns points, a mesh or Gaussians into a scene file. Gaussians get their levels of detail. Sizes
+// and weights of the splats are solved so that their kernels form a partition of unity; a report
+// states how closely they do.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +16,7 @@
 namespace foci {
 
 struct PrepareRequest {
-  std::filesystem::path input;  ///< points (PLY) or a mesh
+  std::filesystem::path input;  ///< points, a mesh or Gaussians
   std::filesystem::path out;    ///< the scene, .foci; the report gets the same name with .html
   double scale_m = 1.0;         ///< length of a unit of the input, metres
   std::optional<std::size_t> points = {};  ///< about the number of samples of a mesh
@@ -47,7 +48,8 @@ struct PrepareSummary {
   std::filesystem::path out, report;
   SceneFacts facts{};  ///< of the input
   std::size_t surfels = 0;
-  std::size_t dropped = 0;  ///< points left out because their position is not finite
+  std::size_t gaussians = 0, nodes = 0;  ///< of a scene of Gaussians: nothing below describes it
+  std::size_t dropped = 0;  ///< points or Gaussians left out because a value is not finite
   bool oriented = false;
   double area_m2 = 0.0;
   double spacing_m = 0.0;  ///< median of sqrt(area)

@@ -18,7 +18,8 @@ namespace foci {
 namespace HWY_NAMESPACE {
 
 inline constexpr std::size_t kMaxLanes = 16;
-inline constexpr float kLast = kTile - 1;  // index of the last pixel of a row
+inline constexpr float kMaxExponent = 60.0f;  // of a peak, to base 2: finite
+inline constexpr float kLast = kTile - 1;     // index of the last pixel of a row
 
 /// Gaussians of a block, one lane each, as the sub-aperture sees them. At the offset (x, y)
 /// from its centre a Gaussian has alpha = peak 2^-q, q = qa x^2 + qb x y + qc y^2, where q < cut.
@@ -29,8 +30,8 @@ struct alignas(64) Block {
   float half_x[kMaxLanes], half_y[kMaxLanes];  // of the box of the footprint
 };
 
-/// 2^-q for 0 <= q <= 100, to 4e-6 of its value: the polynomial through 5 Chebyshev nodes for the
-/// fraction, and the exponent's bits.
+/// 2^-q for -100 <= q <= 100, to 4e-6 of its value: the polynomial through 5 Chebyshev nodes for
+/// the fraction, and the exponent's bits.
 HWY_INLINE V powerOfHalf(V q) {
   const D d;
   const hn::RebindToSigned<D> di;
@@ -108,8 +109,8 @@ class TileCompositor {
     alignas(64) float in[11][kMaxLanes] = {};
     for (std::size_t k = 0; k < n; ++k) {
       const ProjectedGaussian& g = job_.gaussians[job_.list[at + k]];
-      const float fields[] = {g.x_px, g.y_px, g.vxx,   g.vxy,  g.vyy, g.sx,
-                              g.sy,   g.e,    g.off_D, g.peak, g.cut};
+      const float fields[] = {g.x_px, g.y_px, g.vxx,   g.vxy,     g.vyy, g.sx,
+                              g.sy,   g.e,    g.off_D, g.opacity, g.cut};
       for (std::size_t i = 0; i < 11; ++i) in[i][k] = fields[i];
     }
     const D d;
@@ -149,7 +150,11 @@ class TileCompositor {
     hn::Store(hn::Mul(yy, scale), d, block_.qa);
     hn::Store(hn::Mul(hn::Mul(set(-2.0f), xy), scale), d, block_.qb);
     hn::Store(hn::Mul(xx, scale), d, block_.qc);
-    hn::Store(hn::Mul(load(9), hn::Sqrt(hn::Div(sharp, blurred))), d, block_.peak);
+    // The covered area stays; exp(opacity - 1) is the peak of a flat top (gaussian_merge.h).
+    const V opacity = hn::Mul(load(9), hn::Sqrt(hn::Div(sharp, blurred)));
+    const V above = hn::Mul(hn::Sub(opacity, set(1.0f)), set(std::numbers::log2e_v<float>));
+    const V flat = powerOfHalf(hn::Neg(hn::Clamp(above, hn::Zero(d), set(kMaxExponent))));
+    hn::Store(hn::IfThenElse(hn::Gt(above, hn::Zero(d)), flat, opacity), d, block_.peak);
     hn::Store(hn::Mul(cut, set(kHalfLog2E)), d, block_.cut);
     hn::Store(hn::Sqrt(hn::Mul(cut, xx)), d, block_.half_x);
     hn::Store(hn::Sqrt(hn::Mul(cut, yy)), d, block_.half_y);

@@ -11,7 +11,7 @@
 namespace foci {
 
 void GaussianView::project(const View& view, const Defocus& defocus,
-                           const std::vector<LensDisc>& discs) {
+                           const std::vector<LensDisc>& discs, const GaussianCutSettings* lod) {
   defocus_ = defocus;
   std::vector<SubApertureSize> sizes;
   for (const LensDisc& disc : discs) {
@@ -23,7 +23,8 @@ void GaussianView::project(const View& view, const Defocus& defocus,
       sizes.back().max_radius = std::max(sizes.back().max_radius, each.max_radius);
     }
   }
-  projectGaussians(*cloud_, view, defocus, sizes, projected_);
+  if (lod) selectCut(*cloud_, view, defocus, *lod, cut_);
+  projectGaussians(*cloud_, lod ? &cut_ : nullptr, view, defocus, sizes, projected_);
   lists_.build(projected_.chunks, view.size_px);
 }
 
@@ -32,7 +33,7 @@ float GaussianView::tileBlur_px(std::size_t tile) const {
   for (const std::uint32_t index : lists_.splats(tile)) {
     const double blur2 = double{projected_.chunks.keys[index].blur_px} *
                          double{projected_.chunks.keys[index].blur_px};
-    const double peak = projected_.gaussians[index].peak;
+    const double peak = std::min(projected_.gaussians[index].opacity, 1.0f);
     sum += peak * blur2 * blur2;
     weights += peak;
   }

@@ -22,7 +22,9 @@ class GaussianView {
   explicit GaussianView(const GaussianCloud& cloud) : cloud_(&cloud) {}
 
   /// Projects and sorts what any of the discs shows.
-  void project(const View& view, const Defocus& defocus, const std::vector<LensDisc>& discs);
+  /// @param lod  renders a cut of the scene's tree (asserted to exist); null: all Gaussians
+  void project(const View& view, const Defocus& defocus, const std::vector<LensDisc>& discs,
+               const GaussianCutSettings* lod = nullptr);
 
   /// Renders the projected view through discs that were projected: the mean over the discs, in
   /// linear light.
@@ -51,6 +53,7 @@ class GaussianView {
 
   const GaussianCloud* cloud_;
   Defocus defocus_;
+  GaussianCut cut_;
   ProjectedGaussians projected_;
   TileLists lists_;
 };

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "render/scene/gaussian_merge.h"
 #include "render/scene/harmonics.h"
 
 namespace foci {
@@ -21,9 +22,8 @@ glm::vec3 times(const Covariance3& s, const glm::vec3& v) {
 
 class Projection {
  public:
-  Projection(const GaussianCloud& cloud, const View& view, const Defocus& defocus,
-             const std::vector<SubApertureSize>& sizes)
-      : cloud_(cloud), view_(view), defocus_(defocus), sizes_(sizes) {
+  Projection(const View& view, const Defocus& defocus, const std::vector<SubApertureSize>& sizes)
+      : view_(view), defocus_(defocus), sizes_(sizes) {
     const glm::mat3 turn(view.eye_from_world);
     world_x_ = glm::transpose(turn)[0];
     world_y_ = glm::transpose(turn)[1];
@@ -34,10 +34,12 @@ class Projection {
     high_ = (size - view.principal_px + (kFieldMargin - 1.0f) * 0.5f * size) / view.focal_px;
   }
 
+  /// @param cloud  the scene's, or its tree's nodes
+  /// @param growth_per_m2  of a node (gaussian_tree.h); null: a Gaussian of the scene
   /// @return false if the Gaussian does not reach the image
-  bool project(std::size_t i, ProjectedGaussian& out, SplatKey& key) const {
-    if (!(cloud_.opacity[i] > kMinAlpha)) return false;
-    const glm::vec3& p_world = cloud_.position_m[i];
+  bool project(const GaussianCloud& cloud, std::size_t i, const float* growth_per_m2,
+               ProjectedGaussian& out, SplatKey& key) const {
+    const glm::vec3& p_world = cloud.position_m[i];
     const glm::vec3 p(view_.eye_from_world * glm::vec4(p_world, 1.0f));
     const float depth = -p.z;
     if (!(depth >= view_.near_m)) return false;
@@ -48,7 +50,7 @@ class Projection {
     const glm::vec2 at = glm::clamp(tangent, low_, high_);
     const glm::vec3 row_x = view_.focal_px.x * inverse * (world_x_ + at.x * world_z_);
     const glm::vec3 row_y = view_.focal_px.y * inverse * (at.y * world_z_ - world_y_);
-    const Covariance3& s = cloud_.covariance_m2[i];
+    const Covariance3& s = cloud.covariance_m2[i];
     const glm::vec3 sx = times(s, row_x), sy = times(s, row_y);
     const float xx = glm::dot(row_x, sx), xy = glm::dot(row_x, sy), yy = glm::dot(row_y, sy);
     out.x_px = view_.principal_px.x + view_.focal_px.x * tangent.x;
@@ -56,13 +58,19 @@ class Projection {
     out.vxx = xx + kLowPass_px2;
     out.vxy = xy;
     out.vyy = yy + kLowPass_px2;
-    out.peak = cloud_.opacity[i];
-    if (cloud_.preserves_light) {
-      out.peak *= std::sqrt(std::max(xx * yy - xy * xy, 0.0f) / (out.vxx * out.vyy - xy * xy));
+    out.opacity = cloud.opacity[i];
+    if (cloud.preserves_light || growth_per_m2) {
+      const float shrinkage =
+          std::sqrt(std::max(xx * yy - xy * xy, 0.0f) / (out.vxx * out.vyy - xy * xy));
+      const float pixel_m2 = depth * depth / (view_.focal_px.x * view_.focal_px.y);
+      out.opacity =
+          cloud.preserves_light
+              ? out.opacity * shrinkage
+              : opacityAfterLowPass(out.opacity, 1.0f + *growth_per_m2 * kLowPass_px2 * pixel_m2,
+                                    shrinkage);
     }
-
-    if (!(out.peak > kMinAlpha)) return false;
-    out.cut = 2.0f * std::log(out.peak / kMinAlpha);
+    if (!(out.opacity > kMinAlpha)) return false;
+    out.cut = 2.0f * std::log(peakOf(out.opacity) / kMinAlpha);
 
     // The vergence, its gradient in world axes, and the blur.
     const float length = glm::length(p);
@@ -76,7 +84,7 @@ class Projection {
     out.off_D = defocus_.focus_D - 1.0f / out.distance_m;
     if (!place(out, depth, key)) return false;
 
-    const glm::vec3 color = colorOf(cloud_, i, (p_world - eye_m_) / length);
+    const glm::vec3 color = colorOf(cloud, i, (p_world - eye_m_) / length);
     out.red = color.r;
     out.green = color.g;
     out.blue = color.b;
@@ -115,7 +123,6 @@ class Projection {
     return true;
   }
 
-  const GaussianCloud& cloud_;
   const View& view_;
   const Defocus& defocus_;
   const std::vector<SubApertureSize>& sizes_;
@@ -125,11 +132,13 @@ class Projection {
 
 }  // namespace
 
-void projectGaussians(const GaussianCloud& cloud, const View& view, const Defocus& defocus,
-                      const std::vector<SubApertureSize>& sizes, ProjectedGaussians& out) {
+void projectGaussians(const GaussianCloud& cloud, const GaussianCut* cut, const View& view,
+                      const Defocus& defocus, const std::vector<SubApertureSize>& sizes,
+                      ProjectedGaussians& out) {
   SplatChunks& chunks = out.chunks;
-  const std::size_t size = chunkSize(cloud.size());
-  const std::size_t count = (cloud.size() + size - 1) / size;
+  const std::size_t total = cut ? cut->size() : cloud.size();
+  const std::size_t size = chunkSize(total);
+  const std::size_t count = (total + size - 1) / size;
   chunks.chunk_size = size;
   chunks.count.assign(count, 0);
   if (chunks.capacity < count * size) {
@@ -137,12 +146,24 @@ void projectGaussians(const GaussianCloud& cloud, const View& view, const Defocu
     chunks.keys = makeLargeArray<SplatKey>(chunks.capacity);
     out.gaussians.resize(chunks.capacity);
   }
-  const Projection projection(cloud, view, defocus, sizes);
+  const Projection projection(view, defocus, sizes);
   parallelFor(count, [&](std::size_t c) {
     std::uint32_t kept = 0;
-    for (std::size_t i = c * size; i < std::min((c + 1) * size, cloud.size()); ++i) {
+    const auto add = [&](const GaussianCloud& from, std::size_t i,
+                         const float* growth_per_m2 = nullptr) {
       const std::size_t slot = c * size + kept;
-      if (projection.project(i, out.gaussians[slot], chunks.keys[slot])) ++kept;
+      if (projection.project(from, i, growth_per_m2, out.gaussians[slot], chunks.keys[slot]))
+        ++kept;
+    };
+    for (std::size_t i = c * size; i < std::min((c + 1) * size, total); ++i) {
+      if (!cut) {
+        add(cloud, i);
+      } else if (i < cut->nodes.size()) {
+        const std::uint32_t node = cut->nodes[i];
+        add(cloud.tree->nodes, node, &cloud.tree->growth_per_m2[node]);
+      } else {
+        add(cloud, cut->gaussians[i - cut->nodes.size()]);
+      }
     }
     chunks.count[c] = kept;
   });

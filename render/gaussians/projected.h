@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "render/gaussians/gaussian_cut.h"
 #include "render/optics/defocus.h"
 #include "render/optics/view.h"
 #include "render/scene/gaussian_cloud.h"
@@ -18,9 +19,9 @@ namespace foci {
 /// are trained with it (Kerbl et al. 2023).
 inline constexpr float kLowPass_px2 = 0.3f;
 
-/// Smallest and largest alpha of a Gaussian at a pixel, and the transmittance at which a pixel is
-/// opaque, of the rasteriser that scenes are trained with (Kerbl et al. 2023).
-inline constexpr float kMinAlpha = 1.0f / 255.0f, kMaxAlphaOfGaussian = 0.99f;
+/// Largest alpha of a Gaussian at a pixel, and the transmittance at which a pixel is opaque, of the
+/// rasteriser that scenes are trained with (Kerbl et al. 2023).
+inline constexpr float kMaxAlphaOfGaussian = 0.99f;
 inline constexpr float kOpaqueTransmittance = 1e-4f;
 
 /// From the lens point p, on the unit disc, a point at the vergence 1/U appears displaced by
@@ -33,7 +34,7 @@ struct ProjectedGaussian {
   float vxx, vxy, vyy;     ///< J S J' and the low-pass, px^2
   float sx, sy, e;         ///< px D, px D, D^2
   float off_D;             ///< F - 1/U, without astigmatism
-  float peak;              ///< opacity at the centre
+  float opacity;           ///< at the centre; above 1: a flat top (`peakOf`)
   float cut;               ///< squared standard deviations at which it falls to kMinAlpha
   float red, green, blue;  ///< display values
   float distance_m;        ///< U
@@ -56,7 +57,9 @@ struct ProjectedGaussians {
 
 /// Projects all Gaussians that a sub-aperture of any of the `sizes` may show. The order in a chunk
 /// is that of the scene.
-void projectGaussians(const GaussianCloud& cloud, const View& view, const Defocus& defocus,
-                      const std::vector<SubApertureSize>& sizes, ProjectedGaussians& out);
+/// @param cut  what stands for the scene, nodes first; null: all Gaussians
+void projectGaussians(const GaussianCloud& cloud, const GaussianCut* cut, const View& view,
+                      const Defocus& defocus, const std::vector<SubApertureSize>& sizes,
+                      ProjectedGaussians& out);
 
 }  // namespace foci

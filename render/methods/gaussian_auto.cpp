@@ -1,6 +1,7 @@
-// Method `auto` on scenes of Gaussians. Each tile is rendered through as few discs of the lens as
-// its blur allows under the tolerance. Source: our own. Known failure: the error was measured on
-// two captured objects; thin blurred parts before a bright background exceed it.
+// Method `auto` on scenes of Gaussians. It renders a LOD cut that the blur allows under the
+// tolerance, and each tile through as few discs of the lens. Source: our own. Known failure: the
+// error was measured on two captured objects; thin blurred parts before a bright background exceed
+// it.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -10,21 +11,28 @@
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/quality_level_table.h"
 #include "render/methods/time_budget.h"
+#include "render/scene/gaussian_tree.h"
 
 namespace foci {
 namespace {
 
 /// Numbers of discs that a tile may be rendered through. 4, 5 and 9 discs cover the lens less
 /// evenly: with them the bound below does not hold.
-constexpr std::array kDiscs{1, 3, 7, 13, 19, 37, 61};
+constexpr std::array kDiscs{1, 3, 7, 13, 19, 37, 61, 91};
 
 /// Error of 95 % of the pixels, in just-noticeable differences: kError (C / sqrt(N))^kPower for N
 /// discs and a blur radius of C px. An upper bound of the errors against 400 pinholes on two
 /// captures, at 256 and 384 px, C = 4, 10, 20 and N = 1, 3, 7, 19. GaussianCaptures holds it.
 constexpr float kError = 0.2f, kPower = 1.45f;
 
-float errorOf(int discs, float blur_px) {
-  return kError * std::pow(blur_px / std::sqrt(static_cast<float>(discs)), kPower);
+/// Variance that merging Gaussians may add, per C^2 and unit of tolerance, and a bound of the error
+/// that it adds, per C and unit of tolerance. Measured in the same way.
+constexpr float kPerBlur2 = 0.03f, kLodError = 0.02f;
+
+/// @param tolerance  of the LOD cut
+float errorOf(int discs, float blur_px, float tolerance) {
+  return kError * std::pow(blur_px / std::sqrt(static_cast<float>(discs)), kPower) +
+         kLodError * blur_px * tolerance;
 }
 
 /// Discs of a quality level that the whole frame shares; 0: a pinhole.
@@ -47,8 +55,9 @@ constexpr std::array kBudgetLevels{QualityLevel::fine, QualityLevel::sub_apertur
 
 class GaussianAuto final : public Method {
  public:
-  GaussianAuto(const GaussianCloud& cloud, std::optional<QualityLevel> forced)
-      : cloud_(cloud), view_(cloud), forced_(forced) {
+  /// @param cloud  with its tree
+  GaussianAuto(std::shared_ptr<const GaussianCloud> cloud, std::optional<QualityLevel> forced)
+      : cloud_(std::move(cloud)), view_(*cloud_), forced_(forced) {
     for (const int n : kDiscs) sets_.push_back(subApertureDiscs(n));
     // Together they bound what any set shows.
     for (const std::vector<LensDisc>& set : sets_) all_.insert(all_.end(), set.begin(), set.end());
@@ -83,11 +92,17 @@ class GaussianAuto final : public Method {
  private:
   RenderStats renderThrough(const std::vector<LensDisc>& discs, const View& view,
                             const RenderSettings& settings, Frame& frame) {
-    view_.project(view, settings.defocus, discs);
+    project(discs, view, settings);
     RenderStats stats;
     stats.splats = view_.count();
     stats.fragments = view_.render(discs, settings.background, frame);
     return stats;
+  }
+
+  void project(const std::vector<LensDisc>& discs, const View& view,
+               const RenderSettings& settings) {
+    const GaussianCutSettings lod{.per_blur2 = kPerBlur2 * settings.quality.tolerance};
+    view_.project(view, settings.defocus, discs, &lod);
   }
 
   RenderStats renderAt(QualityLevel level, const View& view, const RenderSettings& settings,
@@ -96,20 +111,18 @@ class GaussianAuto final : public Method {
     RenderStats stats =
         renderThrough(n == 0 ? pinhole_ : subApertureDiscs(n), view, settings, frame);
     stats.quality_level = level;
-    stats.tolerance_error = 0.0;
-    for (const float blur_px : view_.tileBlurs_px()) {
-      stats.tolerance_error =
-          std::max(*stats.tolerance_error, double{errorOf(std::max(n, 1), blur_px)});
-    }
+    stats.tolerance_error = largestError([&](float blur_px) {
+      return errorOf(std::max(n, 1), blur_px, settings.quality.tolerance);
+    });
     return stats;
   }
 
   RenderStats renderByTiles(const View& view, const RenderSettings& settings, Frame& frame) {
-    view_.project(view, settings.defocus, all_);
+    project(all_, view, settings);
     const float tolerance = settings.quality.tolerance;
     const auto setOf = [&](float blur_px) {
-      const auto enough =
-          std::ranges::find_if(kDiscs, [&](int n) { return errorOf(n, blur_px) <= tolerance; });
+      const auto enough = std::ranges::find_if(
+          kDiscs, [&](int n) { return errorOf(n, blur_px, tolerance) <= tolerance; });
       return static_cast<std::size_t>(std::min(enough, kDiscs.end() - 1) - kDiscs.begin());
     };
     RenderStats stats;
@@ -117,12 +130,19 @@ class GaussianAuto final : public Method {
     stats.fragments = view_.render(
         [&](float blur_px) -> const std::vector<LensDisc>& { return sets_[setOf(blur_px)]; },
         settings.background, frame);
-    stats.tolerance_error = 0.0;
-    for (const float blur_px : view_.tileBlurs_px()) {
-      stats.tolerance_error =
-          std::max(*stats.tolerance_error, double{errorOf(kDiscs[setOf(blur_px)], blur_px)});
-    }
+    stats.tolerance_error = largestError(
+        [&](float blur_px) { return errorOf(kDiscs[setOf(blur_px)], blur_px, tolerance); });
     return stats;
+  }
+
+  /// The largest of the tiles' errors.
+  template <typename ErrorOf>
+  double largestError(const ErrorOf& errorOfBlur) const {
+    double largest = 0.0;
+    for (const float blur_px : view_.tileBlurs_px()) {
+      largest = std::max(largest, double{errorOfBlur(blur_px)});
+    }
+    return largest;
   }
 
   QualityLevel levelWithin(float budget_ms) const {
@@ -132,7 +152,7 @@ class GaussianAuto final : public Method {
     return kBudgetLevels.back();
   }
 
-  const GaussianCloud& cloud_;
+  std::shared_ptr<const GaussianCloud> cloud_;
   GaussianView view_;
   std::optional<QualityLevel> forced_;
   std::vector<std::vector<LensDisc>> sets_;
@@ -145,7 +165,7 @@ class GaussianAuto final : public Method {
 }  // namespace
 
 std::unique_ptr<Method> gaussianAuto(const GaussianCloud& cloud, int n) {
-  return std::make_unique<GaussianAuto>(cloud, qualityLevelNumbered(n));
+  return std::make_unique<GaussianAuto>(sharedWithTree(cloud), qualityLevelNumbered(n));
 }
 
 }  // namespace foci

@@ -17,6 +17,7 @@ std::vector<LensDisc> subApertureDiscs(int n);
 
 std::unique_ptr<Method> gaussianPinhole(const GaussianCloud& cloud, int n);
 std::unique_ptr<Method> gaussianSweep(const GaussianCloud& cloud, int n);
+std::unique_ptr<Method> gaussianSweepLod(const GaussianCloud& cloud, int n);
 std::unique_ptr<Method> gaussianAccumulate(const GaussianCloud& cloud, int n);
 /// Factor on the blur radius with which the Gaussian blur C^2 / (2 ln 4) becomes that of the
 /// variant of `inflate`: C^2 for 1 (Spark), (2C)^2 for 2 (splat-transform); 1 for 0.

@@ -3,6 +3,7 @@
 // whole-aperture pass. Source: our own. Known failure: foliage needs more sub-apertures than
 // N, because the lens sees between and around surfaces in many places at once. Two surfaces closer
 // together than the width of a node join.
+#include "render/methods/gaussian_methods.h"
 #include "render/methods/lod_splats.h"
 #include "render/methods/method.h"
 
@@ -37,7 +38,8 @@ MethodEntry sweepLodMethod() {
            .max_n = 256,
            .default_n = 7,
            .gpu = true},
-      .make = makeAs<SweepLodMethod>};
+      .make = makeAs<SweepLodMethod>,
+      .make_of_gaussians = gaussianSweepLod};
 }
 
 }  // namespace foci

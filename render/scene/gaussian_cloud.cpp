@@ -1,6 +1,7 @@
 #include "render/scene/gaussian_cloud.h"
 
 #include "base/parallel.h"
+#include "render/scene/gaussian_tree.h"
 
 namespace foci {
 
@@ -29,6 +30,15 @@ void scaleBy(GaussianCloud& cloud, float factor) {
     Covariance3& v = cloud.covariance_m2[i];
     for (float* each : {&v.xx, &v.xy, &v.xz, &v.yy, &v.yz, &v.zz}) *each *= squared;
   });
+  if (!cloud.tree) return;
+  const auto tree = std::make_shared<GaussianTree>(*cloud.tree);
+  scaleBy(tree->nodes, factor);
+  parallelFor(tree->radius_m.size(), [&](std::size_t node) {
+    tree->radius_m[node] *= factor;
+    tree->spread_m2[node] *= squared;
+    tree->growth_per_m2[node] /= squared;
+  });
+  cloud.tree = tree;
 }
 
 }  // namespace foci

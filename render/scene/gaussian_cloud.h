@@ -7,9 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <vector>
 
 namespace foci {
+
+struct GaussianTree;
 
 /// A symmetric 3x3 matrix.
 struct Covariance3 {
@@ -26,6 +29,10 @@ constexpr int harmonicsOf(int degree) { return (degree + 1) * (degree + 1) - 1; 
 /// Coefficients of degree 1 and more are stored in steps of this size. The formats for sharing
 /// store them in 8 bits, with steps 16 times as large or more.
 inline constexpr float kHarmonicsStep = 1.0f / 4096.0f;
+
+/// Smallest alpha of a Gaussian at a pixel: the rasteriser that scenes are trained with ends a
+/// Gaussian where its alpha falls below (Kerbl et al. 2023).
+inline constexpr float kMinAlpha = 1.0f / 255.0f;
 
 /// Gaussians as a structure of arrays, all of the same length. The frame is that of the file: in
 /// metres, right-handed, any axis up.
@@ -46,6 +53,8 @@ struct GaussianCloud {
   /// Trained with a low-pass that preserves light (Yu et al., Mip-Splatting, 2024). If false, the
   /// low-pass of the renderer makes small Gaussians wider and not fainter (Kerbl et al. 2023).
   bool preserves_light = false;
+  /// Its level of detail. The Gaussians are then in the tree's order. Null: not made yet.
+  std::shared_ptr<const GaussianTree> tree = {};
 
   std::size_t size() const { return position_m.size(); }
   bool empty() const { return position_m.empty(); }
@@ -57,7 +66,7 @@ struct GaussianCloud {
 /// @param rotation  quaternion (x, y, z, w) of unit length
 Covariance3 covarianceOf(const glm::vec3& sigma, const glm::vec4& rotation);
 
-/// The scene enlarged by `factor`, > 0.
+/// The scene, with its tree, enlarged by `factor`, > 0.
 void scaleBy(GaussianCloud& cloud, float factor);
 
 }  // namespace foci

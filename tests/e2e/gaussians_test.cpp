@@ -187,6 +187,22 @@ TEST_F(GaussianScenes, AReplayFocusesOnTheWallWithTheSameBytesAtAnyNumberOfThrea
   EXPECT_NEAR(std::stod(table.back()[static_cast<std::size_t>(column)]), 1.0 / kWall_m, 0.1);
 }
 
+TEST_F(GaussianScenes, APreparedSceneLooksTheSame) {
+  const Outcome outcome = runFoci({"prepare", "scene.splat", "--out", "scene.foci"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("10840 Gaussians, a tree of "), std::string::npos) << outcome.out;
+  std::string study = folder.read("study.toml");
+  study.replace(study.find("scene.splat"), 11, "scene.foci");
+  folder.write("prepared.toml", study);
+  // `auto` makes the tree itself where the scene has none.
+  const std::vector<float> original = rendered("study.toml", {}).values;
+  EXPECT_EQ(rendered("prepared.toml", {}).values, original);
+  const Outcome replayed = runFoci({"replay", "prepared.toml", "--out", "prepared"}, folder.path());
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.err;
+  const Outcome info = runFoci({"info", "scene.foci"}, folder.path());
+  EXPECT_NE(info.out.find("10,840 Gaussians"), std::string::npos) << info.out;
+}
+
 TEST_F(GaussianScenes, TheCpuRendersThemAndSaysSo) {
   const Json doctor = Json::parse(runFoci({"doctor", "--json"}, folder.path()).out);
   if (doctor["gpu"].contains("problem")) GTEST_SKIP() << doctor["gpu"]["problem"];

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <variant>
 
+#include "render/scene/gaussian_cloud.h"
 #include "render/scene/io/las.h"
 #include "render/scene/io/off.h"
 #include "render/scene/io/open_scene.h"
@@ -23,8 +24,23 @@ glm::vec2 rangeOf(const std::vector<float>& opacity) {
   return {*least, *greatest};
 }
 
+SceneFacts factsOfGaussians(const GaussianCloud& cloud) {
+  return {.kind = SceneKind::gaussians,
+          .gaussians = cloud.size(),
+          .has_colors = true,
+          .opacity = rangeOf(cloud.opacity),
+          .harmonics_degree = cloud.degree,
+          .position = cloud.position_m};
+}
+
 SceneFacts factsOfContent(const PreparedScene& scene, const std::filesystem::path&) {
   const SurfelCloud& cloud = scene.cloud;
+  if (cloud.gaussians) {
+    SceneFacts facts = factsOfGaussians(*cloud.gaussians);
+    facts.unit_m = 1.0;
+    facts.y_is_down = scene.origin.y_is_down;
+    return facts;
+  }
   const bool is_plain = scene.origin.plain_colors;
   return {.kind = SceneKind::prepared,
           .surfels = cloud.size(),
@@ -66,15 +82,11 @@ SceneFacts factsOfContent(const PointCloud& points, const std::filesystem::path&
 }
 
 SceneFacts factsOfContent(const GaussianFile& file, const std::filesystem::path&) {
-  return {.kind = SceneKind::gaussians,
-          .gaussians = file.cloud.size(),
-          .has_colors = true,
-          .opacity = rangeOf(file.cloud.opacity),
-          .dropped = file.dropped,
-          .remarks = file.remarks,
-          .y_is_down = !file.y_is_up,
-          .harmonics_degree = file.cloud.degree,
-          .position = file.cloud.position_m};
+  SceneFacts facts = factsOfGaussians(file.cloud);
+  facts.dropped = file.dropped;
+  facts.remarks = file.remarks;
+  facts.y_is_down = !file.y_is_up;
+  return facts;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <string>
 
 #include "base/input_error.h"
+#include "render/scene/gaussian_tree.h"
 #include "render/scene/io/foci_file.h"
 #include "tests/temporary_folder.h"
 
@@ -62,6 +64,28 @@ TEST_F(PrepareScene, MakesASceneAndAReportOfAMesh) {
   EXPECT_NE(page.find("</html>"), std::string::npos);
   EXPECT_NE(page.find("<svg"), std::string::npos);
   EXPECT_EQ(files(), 4u);  // mesh, scene, report and .foci-outputs: no temporary file is left
+}
+
+TEST_F(PrepareScene, GivesGaussiansTheirLevelsOfDetail) {
+  // Records of a `.splat` file: place, standard deviations, then colour and rotation in bytes.
+  std::string records;
+  for (int i = 0; i < 10; ++i) {
+    const std::array<float, 6> numbers{0.1f * static_cast<float>(i), 0.0f, 1.0f, 0.1f, 0.1f, 0.1f};
+    records.append(reinterpret_cast<const char*>(numbers.data()), sizeof numbers);
+    records += "\x80\x80\x80\xff\xff\x80\x80\x80";
+  }
+  const auto input = file("g.splat", records);
+  const PrepareSummary summary = prepareScene({.input = input, .out = folder_ / "g.foci"});
+  const SurfelCloud cloud = readSceneFile(folder_ / "g.foci").cloud;
+  ASSERT_TRUE(cloud.gaussians && cloud.gaussians->tree);
+  EXPECT_EQ(summary.gaussians, 10u);
+  EXPECT_EQ(summary.nodes, cloud.gaussians->tree->nodes.size() - 1);
+  std::ifstream report(folder_ / "g.html");
+  const std::string page{std::istreambuf_iterator<char>(report), {}};
+  EXPECT_NE(page.find("10 Gaussians"), std::string::npos);
+  EXPECT_THROW(
+      prepareScene({.input = input, .out = folder_ / "g.foci", .points = 9, .overwrite = true}),
+      InputError);
 }
 
 TEST_F(PrepareScene, CountsThePointsLeftOut) {

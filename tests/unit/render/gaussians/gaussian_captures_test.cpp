@@ -96,6 +96,26 @@ TEST_P(GaussianCaptures, SubAperturesAreCloserToALensThanInflatedGaussians) {
   }
 }
 
+TEST_P(GaussianCaptures, LevelsOfDetailLeaveTheQualityOfSevenSubApertures) {
+  constexpr double kLoss_dB = 1.0;
+  const Captured capture(GetParam(), 384);
+  for (const float blur_px : {10.0f, 20.0f}) {
+    const RenderSettings settings = capture.settings(blur_px);
+    const Frame lens = render("accumulate:64", capture.scene, capture.view, settings);
+    const double all_dB = psnr_dB(render("sweep:7", capture.scene, capture.view, settings), lens);
+    Frame merged;
+    const RenderStats stats =
+        makeMethod("sweep-lod:7", capture.scene)->render(capture.view, settings, merged);
+    // At 10 px both are far above what shows.
+    if (blur_px > 10.0f) {
+      EXPECT_GT(psnr_dB(merged, lens), all_dB - kLoss_dB);
+      EXPECT_LT(stats.splats, capture.scene.gaussians->size() / 2);
+    } else {
+      EXPECT_GT(psnr_dB(merged, lens), 48.0);
+    }
+  }
+}
+
 TEST_P(GaussianCaptures, AutoKeepsItsPrediction) {
   const Captured capture(GetParam(), kSize_px);
   for (const float blur_px : {4.0f, 12.0f}) {

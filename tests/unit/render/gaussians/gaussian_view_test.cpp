@@ -82,7 +82,7 @@ TEST(GaussianView, BlursByTheDiscsVarianceAndKeepsTheLight) {
   for (const double blur_px : {4.0, 12.0}) {
     // Half a dioptre out of focus.
     const RenderSettings settings = lens(static_cast<float>(2.0 * blur_px), 1.0f);
-    for (const char* method : {"sweep", "sweep:7", "accumulate:100", "auto"}) {
+    for (const char* method : {"sweep", "sweep:7", "sweep-lod:7", "accumulate:100", "auto"}) {
       const Spread spread = spreadOf(render(method, oneGaussian(), kView, settings));
       // A whole-aperture pass cuts the blurred Gaussian, the others also unblurred ones.
       const double share = std::string(method) == "sweep" ? cutShare(kOpacity) : 1.0;
@@ -238,7 +238,7 @@ TEST(GaussianView, SameBytesAtAnyNumberOfThreads) {
   const SurfelCloud scene = sceneOf(randomGaussians(5000));
   RenderSettings settings = lens(20.0f, 1.0f);
   settings.depth = true;
-  for (const char* method : {"pinhole", "sweep:7", "accumulate:5", "auto"}) {
+  for (const char* method : {"pinhole", "sweep:7", "sweep-lod:7", "accumulate:5", "auto"}) {
     const auto renderedOn = [&](std::size_t threads) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
       return render(method, scene, squareView(110, 110.0f), settings);
@@ -253,7 +253,7 @@ TEST(GaussianView, SameBytesAtAnyNumberOfThreads) {
 TEST(GaussianView, StaysFiniteUnderAnyLens) {
   const SurfelCloud scene = sceneOf(randomGaussians(500));
   for (const float radius_px_per_D : {1e6f, std::numeric_limits<float>::infinity()}) {
-    for (const char* method : {"sweep", "sweep:7", "auto", "auto:5"}) {
+    for (const char* method : {"sweep", "sweep:7", "sweep-lod:7", "auto", "auto:5"}) {
       const Frame frame = render(method, scene, squareView(5, 5.0f), lens(radius_px_per_D, 0.5f));
       for (const glm::vec4& pixel : frame.rgba) {
         for (int channel = 0; channel < 4; ++channel) ASSERT_TRUE(std::isfinite(pixel[channel]));

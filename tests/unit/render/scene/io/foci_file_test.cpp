@@ -107,7 +107,7 @@ TEST_F(FociFileTest, KeepsClosedBodies) {
   cloud.bodies.of_surfel = {0, 2, 1};
   completeBodies(cloud);
   const std::string whole = written(cloud);
-  EXPECT_EQ(whole[8], 2);                   // the version
+  EXPECT_EQ(whole[8], 3);                   // the version
   EXPECT_EQ(written(few(false)).at(8), 1);  // earlier programs read it
   writeSceneFile(path_, {cloud});
   const SurfelCloud read = readSceneFile(path_).cloud;
@@ -133,8 +133,8 @@ TEST_F(FociFileTest, RefusesSwappedBytes) {
 TEST_F(FociFileTest, SaysWhatIsWrong) {
   const std::string whole = written(few(true));
   std::string later = whole;
-  later[8] = 3;
-  EXPECT_EQ(refusal(later), ": is of version 3: this program reads version 2");
+  later[8] = 4;
+  EXPECT_EQ(refusal(later), ": is of version 4: this program reads versions 1 to 3");
   std::string as_text = whole;
   as_text.erase(4, 1);
   EXPECT_EQ(refusal(as_text), ": was altered, as by a transfer as text");

@@ -1,0 +1,34 @@
+// The LOD cut of a captured scene: the nodes of its tree to render, as coarse as the blur allows.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "render/optics/defocus.h"
+#include "render/optics/view.h"
+#include "render/scene/gaussian_tree.h"
+
+namespace foci {
+
+/// A node may be rendered if the variance that merging added to it, on the image, is at most
+///   per_blur2 C^2 + per_pixel2,
+/// with the least blur radius C within the node.
+struct GaussianCutSettings {
+  float per_blur2;
+  float per_pixel2 = 0.03f;  ///< a tenth of the low-pass
+};
+
+/// Nodes and single Gaussians that together are the scene. Each Gaussian in view is in exactly one.
+struct GaussianCut {
+  std::vector<std::uint32_t> nodes, gaussians;
+  std::size_t size() const { return nodes.size() + gaussians.size(); }
+};
+
+/// Selects the cut. Leaves out nodes that cannot touch the image through any point of the lens. The
+/// result does not depend on the number of threads.
+/// @param cloud  with its tree (asserted)
+void selectCut(const GaussianCloud& cloud, const View& view, const Defocus& defocus,
+               const GaussianCutSettings& settings, GaussianCut& cut);
+
+}  // namespace foci

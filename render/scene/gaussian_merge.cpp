@@ -1,0 +1,192 @@
+#include "render/scene/gaussian_merge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+namespace foci {
+namespace {
+
+/// A direction, as two axes across it.
+struct Across {
+  glm::vec3 u, v;
+  float weight;
+};
+
+const std::array<Across, 7>& directions() {
+  static const auto all = [] {
+    constexpr float kAxis = 2.0f / 15.0f, kDiagonal = 3.0f / 20.0f;
+    std::array<Across, 7> list{};
+    const std::array<glm::vec3, 7> along{
+        glm::vec3(1, 0, 0),  glm::vec3(0, 1, 0),  glm::vec3(0, 0, 1), glm::vec3(1, 1, 1),
+        glm::vec3(1, 1, -1), glm::vec3(1, -1, 1), glm::vec3(-1, 1, 1)};
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      const glm::vec3 d = glm::normalize(along[k]);
+      const glm::vec3 helper = k == 0 ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+      const glm::vec3 u = glm::normalize(glm::cross(d, helper));
+      list[k] = {u, glm::cross(d, u), k < 3 ? kAxis : kDiagonal};
+    }
+    return list;
+  }();
+  return all;
+}
+
+/// A symmetric 2x2 matrix.
+struct Covariance2 {
+  float xx, xy, yy;
+  float determinant() const { return std::max(xx * yy - xy * xy, 0.0f); }
+};
+
+Covariance2 across(const Covariance3& s, const Across& d) {
+  const auto times = [&](const glm::vec3& v) {
+    return glm::vec3(s.xx * v.x + s.xy * v.y + s.xz * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
+                     s.xz * v.x + s.yz * v.y + s.zz * v.z);
+  };
+  const glm::vec3 su = times(d.u);
+  return {glm::dot(d.u, su), glm::dot(d.v, su), glm::dot(d.v, times(d.v))};
+}
+
+float traceOf(const Covariance3& v) { return v.xx + v.yy + v.zz; }
+
+/// Area that two Gaussians cover together.
+double coveredBy(const GaussianMoments& a, const GaussianMoments& b) {
+  constexpr float kTwoPi = 2.0f * std::numbers::pi_v<float>;
+  const auto alpha_a = static_cast<float>(std::min(a.opacity, 1.0));
+  const auto alpha_b = static_cast<float>(std::min(b.opacity, 1.0));
+  const auto wide_a = static_cast<float>(std::max(a.opacity, 1.0));
+  const auto wide_b = static_cast<float>(std::max(b.opacity, 1.0));
+  // Of two equal flat tops: opacity - 1/2, in place of opacity / 2.
+  const float flat = 2.0f - 1.0f / std::sqrt(wide_a * wide_b);
+  const glm::vec3 apart(b.mean_m - a.mean_m);
+  double sum = 0.0;
+  for (const Across& d : directions()) {
+    const auto widened = [](Covariance2 v, float by) {
+      return Covariance2{v.xx * by, v.xy * by, v.yy * by};
+    };
+    const Covariance2 va = widened(across(a.covariance_m2, d), wide_a);
+    const Covariance2 vb = widened(across(b.covariance_m2, d), wide_b);
+    const float det_a = va.determinant(), det_b = vb.determinant();
+    const float covered_a = alpha_a * kTwoPi * std::sqrt(det_a);
+    const float covered_b = alpha_b * kTwoPi * std::sqrt(det_b);
+    const Covariance2 s{va.xx + vb.xx, va.xy + vb.xy, va.yy + vb.yy};
+    const float det = s.determinant();
+    float overlap = 0.0f;
+    if (det > 0.0f) {
+      const float x = glm::dot(apart, d.u), y = glm::dot(apart, d.v);
+      const float q = (s.yy * x * x - 2.0f * s.xy * x * y + s.xx * y * y) / det;
+      overlap = flat * alpha_a * alpha_b * kTwoPi * std::sqrt(det_a / det) * std::sqrt(det_b) *
+                std::exp(-0.5f * q);
+      overlap = std::min({overlap, covered_a, covered_b});
+    }
+    sum += double{d.weight} * double{covered_a + covered_b - overlap};
+  }
+  return sum;
+}
+
+// sRGB (IEC 61966-2-1), continued beyond 0 and 1: harmonics may lead there.
+float linearOfDisplay(float s) {
+  return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f);
+}
+float displayOfLinear(float l) {
+  return l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1.0f / 2.4f) - 0.055f;
+}
+/// Change of the linear light by the display value.
+float slopeAt(float s) {
+  return s <= 0.04045f ? 1.0f / 12.92f : 2.4f / 1.055f * std::pow((s + 0.055f) / 1.055f, 1.4f);
+}
+glm::vec3 slopesAt(const glm::vec3& s) { return {slopeAt(s.r), slopeAt(s.g), slopeAt(s.b)}; }
+
+}  // namespace
+
+double meanArea_m2(const Covariance3& covariance_m2) {
+  double sum = 0.0;
+  for (const Across& d : directions()) {
+    sum += double{d.weight} * std::sqrt(double{across(covariance_m2, d).determinant()});
+  }
+  return 2.0 * std::numbers::pi * sum;
+}
+
+float peakOf(float opacity) { return opacity <= 1.0f ? opacity : std::exp(opacity - 1.0f); }
+
+float opacityAfterLowPass(float opacity, float growth, float shrinkage) {
+  return std::log1p(growth * shrinkage * std::expm1(opacity));
+}
+
+GaussianMoments momentsOf(const GaussianCloud& cloud, std::size_t i) {
+  GaussianMoments of;
+  of.mean_m = glm::dvec3(cloud.position_m[i]);
+  of.covariance_m2 = cloud.covariance_m2[i];
+  of.opacity = std::max(cloud.opacity[i] - kMinAlpha, 0.0f);
+  // Positive, so that means exist where nothing is visible.
+  constexpr double kFaintest = 1e-6;
+  of.covered_m2 = std::max(std::max(of.opacity, kFaintest) * meanArea_m2(of.covariance_m2),
+                           std::numeric_limits<double>::min());
+  of.alone_m2 = of.covered_m2;
+  of.growth = 2.0 * std::numbers::pi * of.opacity;
+  of.radius_m = 3.0 * std::sqrt(std::max(double{traceOf(of.covariance_m2)}, 0.0));
+  const glm::vec3& color = cloud.color[i];
+  of.linear = {linearOfDisplay(color.r), linearOfDisplay(color.g), linearOfDisplay(color.b)};
+  const std::size_t count = cloud.harmonicsPerGaussian();
+  if (count == 0) return of;
+  const glm::vec3 slope = kHarmonicsStep * slopesAt(color);
+  for (std::size_t k = 0; k < count; ++k) {
+    of.harmonics[k] = slope[static_cast<int>(k % 3)] * cloud.harmonics[i * count + k];
+  }
+  return of;
+}
+
+GaussianMoments merged(const GaussianMoments& a, const GaussianMoments& b) {
+  GaussianMoments sum;
+  const double fa = a.covered_m2 / (a.covered_m2 + b.covered_m2), fb = 1.0 - fa;
+  sum.mean_m = fa * a.mean_m + fb * b.mean_m;
+  const glm::dvec3 d = b.mean_m - a.mean_m;
+  const auto mean = [&](float of_a, float of_b, double between) {
+    return static_cast<float>(fa * of_a + fb * of_b + fa * fb * between);
+  };
+  const Covariance3 &va = a.covariance_m2, &vb = b.covariance_m2;
+  Covariance3& v = sum.covariance_m2;
+  v = {mean(va.xx, vb.xx, d.x * d.x), mean(va.xy, vb.xy, d.x * d.y), mean(va.xz, vb.xz, d.x * d.z),
+       mean(va.yy, vb.yy, d.y * d.y), mean(va.yz, vb.yz, d.y * d.z), mean(va.zz, vb.zz, d.z * d.z)};
+  sum.covered_m2 = std::max(coveredBy(a, b), std::numeric_limits<double>::min());
+  const double area_m2 = meanArea_m2(v);
+  sum.opacity = area_m2 > 0.0 ? sum.covered_m2 / area_m2 : fa * a.opacity + fb * b.opacity;
+
+  sum.alone_m2 = a.alone_m2 + b.alone_m2;
+  sum.growth = a.growth + b.growth;
+
+  sum.linear = static_cast<float>(fa) * a.linear + static_cast<float>(fb) * b.linear;
+  for (std::size_t k = 0; k < sum.harmonics.size(); ++k) {
+    sum.harmonics[k] =
+        static_cast<float>(fa) * a.harmonics[k] + static_cast<float>(fb) * b.harmonics[k];
+  }
+  const auto changeOf = [&](const GaussianMoments& one) {
+    const glm::dvec3 moved = one.mean_m - sum.mean_m;
+    const double widened = std::abs(double{traceOf(v)} - double{traceOf(one.covariance_m2)});
+    return one.spread_m2 + 0.5 * std::max(glm::dot(moved, moved), widened);
+  };
+  sum.spread_m2 = fa * changeOf(a) + fb * changeOf(b);
+  sum.radius_m = std::max(glm::length(a.mean_m - sum.mean_m) + a.radius_m,
+                          glm::length(b.mean_m - sum.mean_m) + b.radius_m);
+  return sum;
+}
+
+void store(const GaussianMoments& moments, GaussianCloud& cloud, std::size_t i) {
+  cloud.position_m[i] = glm::vec3(moments.mean_m);
+  cloud.covariance_m2[i] = moments.covariance_m2;
+  cloud.opacity[i] = static_cast<float>(moments.opacity) + kMinAlpha;
+  const glm::vec3& l = moments.linear;
+  const glm::vec3 color(displayOfLinear(l.r), displayOfLinear(l.g), displayOfLinear(l.b));
+  cloud.color[i] = color;
+  const std::size_t count = cloud.harmonicsPerGaussian();
+  if (count == 0) return;
+  const glm::vec3 slope = kHarmonicsStep * slopesAt(color);
+  for (std::size_t k = 0; k < count; ++k) {
+    const float steps = std::round(moments.harmonics[k] / slope[static_cast<int>(k % 3)]);
+    cloud.harmonics[i * count + k] =
+        static_cast<std::int16_t>(std::clamp(steps, -32767.0f, 32767.0f));
+  }
+}
+
+}  // namespace foci

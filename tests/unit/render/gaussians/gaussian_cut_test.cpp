@@ -1,0 +1,147 @@
+// Levels of detail of captured scenes: the tree, the cut, and what both leave of the image.
+#include "render/gaussians/gaussian_cut.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include "render/image/metrics.h"
+#include "render/image/srgb.h"
+#include "render/methods/method.h"
+#include "render/scene/gaussian_merge.h"
+#include "tests/unit/render/gaussian_scenes.h"
+#include "tests/unit/render/method_scenes.h"
+
+namespace foci {
+namespace {
+
+/// Small Gaussians in a ball 2 m before the eye.
+GaussianCloud ball(int n, float sigma_m = 0.01f, float opacity = 1.0f) {
+  std::mt19937 random(3);
+  const auto uniform = [&](float a, float b) {
+    return a + (b - a) * static_cast<float>(random() >> 8) / static_cast<float>(1 << 24);
+  };
+  GaussianCloud cloud;
+  while (cloud.size() < static_cast<std::size_t>(n)) {
+    const glm::vec3 p(uniform(-1.0f, 1.0f), uniform(-1.0f, 1.0f), uniform(-1.0f, 1.0f));
+    if (glm::length(p) > 1.0f) continue;
+    addGaussian(cloud, 0.5f * p - glm::vec3(0.0f, 0.0f, 2.0f),
+                sigma_m * glm::vec3(uniform(0.5f, 1.0f), uniform(0.5f, 1.0f), 0.3f),
+                opacity * uniform(0.3f, 1.0f),
+                {uniform(0.2f, 0.9f), uniform(0.2f, 0.9f), uniform(0.2f, 0.9f)},
+                glm::normalize(glm::vec4(uniform(-1.0f, 1.0f), uniform(-1.0f, 1.0f),
+                                         uniform(-1.0f, 1.0f), uniform(-1.0f, 1.0f))));
+  }
+  return cloud;
+}
+
+const View kView = squareView(128, 200.0f);
+
+/// How often the cut holds each Gaussian.
+std::vector<int> timesInCut(const GaussianCloud& cloud, const GaussianCut& cut) {
+  std::vector<int> times(cloud.size());
+  for (const std::uint32_t i : cut.gaussians) ++times[i];
+  for (const std::uint32_t node : cut.nodes) {
+    int level = 0;
+    while (node >> (level + 1) != 0) ++level;
+    const auto [begin, end] = gaussiansBelow(cloud.size(), level, node - (std::size_t{1} << level));
+    for (std::size_t i = begin; i < end; ++i) ++times[i];
+  }
+  return times;
+}
+
+TEST(GaussianCut, HoldsEachGaussianOnce) {
+  const GaussianCloud cloud = withTree(ball(3000));
+  for (const float radius_px_per_D : {0.0f, 30.0f, 1000.0f}) {
+    const RenderSettings settings = lens(radius_px_per_D, 3.0f);
+    GaussianCut cut;
+    selectCut(cloud, kView, settings.defocus, {.per_blur2 = 0.1f}, cut);
+    EXPECT_EQ(std::ranges::count(timesInCut(cloud, cut), 1), 3000) << radius_px_per_D;
+    if (radius_px_per_D > 100.0f) {
+      EXPECT_LT(cut.size(), 10u);
+    }
+  }
+}
+
+TEST(GaussianCut, ShrinksWithTheSquareOfTheBlur) {
+  // All of it is far from focus. Nodes are as wide as the blur, in three dimensions.
+  const GaussianCloud cloud = withTree(ball(20'000));
+  GaussianCut some, few;
+  selectCut(cloud, kView, lens(10.0f, 3.0f).defocus, {.per_blur2 = 0.02f}, some);
+  selectCut(cloud, kView, lens(40.0f, 3.0f).defocus, {.per_blur2 = 0.02f}, few);
+  EXPECT_LT(some.size(), 20'000u / 2);
+  EXPECT_LT(few.size(), some.size() / 8);
+}
+
+TEST(GaussianCut, NodesHoldTheirGaussians) {
+  const GaussianCloud cloud = withTree(ball(2000));
+  const GaussianTree& tree = *cloud.tree;
+  for (std::size_t node = 1; node < tree.radius_m.size(); ++node) {
+    int level = 0;
+    while (node >> (level + 1) != 0) ++level;
+    const auto [begin, end] = gaussiansBelow(cloud.size(), level, node - (std::size_t{1} << level));
+    for (std::size_t i = begin; i < end; ++i) {
+      const Covariance3& v = cloud.covariance_m2[i];
+      const float reach = 3.0f * std::sqrt(std::max({v.xx, v.yy, v.zz}));
+      ASSERT_LE(glm::distance(tree.nodes.position_m[node], cloud.position_m[i]) + reach,
+                tree.radius_m[node]);
+    }
+  }
+}
+
+TEST(GaussianCut, ALargeGaussianDoesNotJoinSmallOnes) {
+  GaussianCloud cloud = ball(1000, 0.002f);
+  addGaussian(cloud, {0.0f, 0.0f, -2.0f}, glm::vec3(0.5f), 0.5f, glm::vec3(0.5f));
+  cloud = withTree(cloud);
+  // One cluster, and its ancestors, spread by more than a tenth of its size.
+  const GaussianTree& tree = *cloud.tree;
+  int wide = 0;
+  for (std::size_t node = std::size_t{1} << (tree.levels - 1); node < tree.radius_m.size();
+       ++node) {
+    wide += tree.radius_m[node] > 1.0f;
+  }
+  EXPECT_EQ(wide, 1);
+}
+
+TEST(GaussianCut, WithoutMergingTheImageIsThatOfAllGaussians) {
+  const SurfelCloud scene = sceneOf(ball(3000));
+  const Frame all = render("pinhole", scene, kView, {});
+  const Frame cut = render("sweep-lod:7", scene, kView, {});
+  EXPECT_GT(psnr_dB(cut, all), 60.0);
+}
+
+TEST(GaussianCut, BlurredFogAndSolidsKeepTheirLight) {
+  // Opaque Gaussians hide each other, faint ones add up. Between them lies what is hidden by
+  // chance.
+  struct Ball {
+    float opacity, light_share;
+    double least_dB;
+  };
+  for (const auto& [opacity, light_share, least_dB] :
+       {Ball{1.0f, 0.1f, 37.0}, Ball{0.1f, 0.1f, 45.0}, Ball{0.02f, 0.2f, 65.0}}) {
+    const SurfelCloud scene = sceneOf(ball(20'000, 0.01f, opacity));
+    const RenderSettings settings = lens(60.0f, 1.5f);  // 30 px at its front to 48 px at its back
+    const Frame points = render("accumulate:64", scene, kView, settings);
+    const Frame merged = render("sweep-lod:19", scene, kView, settings);
+    const double light = meanLuminance(points);
+    EXPECT_NEAR(meanLuminance(merged), light, light_share * light) << opacity;
+    EXPECT_GT(psnr_dB(merged, points), least_dB) << opacity;
+  }
+}
+
+TEST(GaussianCut, TheUsualMethodsRenderFewerWhereBlurred) {
+  const SurfelCloud scene = sceneOf(ball(20'000));
+  for (const char* method : {"sweep-lod", "sweep-lod:1", "auto", "auto:5"}) {
+    Frame frame;
+    const auto renderer = makeMethod(method, scene);
+    const std::uint64_t sharp = renderer->render(kView, lens(0.0f, 1.5f), frame).splats;
+    const std::uint64_t blurred = renderer->render(kView, lens(60.0f, 1.5f), frame).splats;
+    EXPECT_GT(sharp, 15'000u) << method;
+    EXPECT_LT(blurred, sharp / 4) << method;
+  }
+}
+
+}  // namespace
+}  // namespace foci
