@@ -11,7 +11,9 @@ std::optional<ColumnList<N>> columnsOf(const ColumnNames& names, const std::stri
                                        std::string_view letters, const std::string& behind = {}) {
   ColumnList<N> list{};
   for (std::size_t i = 0; i < N; ++i) {
-    const std::string key = before + letters[i] + behind;
+    std::string key = before;
+    key += letters[i];
+    key += behind;
     const auto column = names.find({std::string_view(key)});
     if (!column) return std::nullopt;
     list[i] = names.text(*column);
