@@ -176,14 +176,21 @@ void convertTrace(const TraceOptions& options) {
   const std::filesystem::path work = aside.string() + "_physio.tsv.gz";
   TraceSummary summary;
   TraceHeader header;
+  std::size_t heads = 0;
   try {
     BidsWriter writer(work, true);
     header = streamTrace(options.file, columnsOf(options), screenOf(options.screen),
                          [&](const GazeSample& sample) {
                            summary.add(sample);
+                           heads += sample.head.has_value();
                            writer.add(sample);
                          });
     requireSamples(options, summary);
+    if (heads > 0) {
+      header.warnings.push_back(
+          "the head's poses and the directions are left out: BIDS has the points on the headset's "
+          "screen");
+    }
     writer.finish(header, summary.rate_Hz());
     std::filesystem::rename(work, staged);
     std::filesystem::rename(BidsWriter::sidecarFor(work), aside);

@@ -1,5 +1,6 @@
 #include "app/live/sources.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "app/study/gaze_calibration.h"
@@ -110,6 +111,12 @@ NamedSource openLiveSource(const std::string& name, const Study& study) {
     other.gaze.source = name.substr(6);
     if (other.gaze.source.empty()) throw InputError("--source trace:", "expected a file's name");
     GazeTrace trace = loadGaze(other);
+    const bool moves_head = std::any_of(trace.samples.begin(), trace.samples.end(),
+                                        [](const GazeSample& sample) { return sample.head; });
+    if (moves_head) {
+      throw InputError("--source " + shown(name),
+                       "records a head, which moves the eye in foci replay only");
+    }
     named.screen = *trace.screen;
     named.source = std::make_unique<TraceSource>(std::move(trace));
   } else if (name.starts_with("pupil:")) {

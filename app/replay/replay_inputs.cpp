@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <string>
-#include <utility>
 
 #include "app/platform/sha256.h"
 #include "app/study/inputs.h"
@@ -13,12 +12,9 @@
 namespace foci {
 
 ReplayedGaze readReplayedGaze(const Study& study) {
-  GazeTrace trace = loadGaze(study);
-  ReplayedGaze inputs{.study = withRecordedHead(study, trace),
-                      .trace = std::move(trace),
-                      .schedule = {},
-                      .changes = {},
-                      .markers = {}};
+  ReplayedGaze inputs{
+      .study = {}, .trace = loadGaze(study), .schedule = {}, .changes = {}, .markers = {}};
+  inputs.study = withRecordedHead(study, inputs.trace);
   const glm::ivec2 size_px = inputs.study.imageSize_px();
   if (size_px.x % 2 != 0 || size_px.y % 2 != 0) {
     throw InputError(study.file.string(), "images of " + std::to_string(size_px.x) + "x" +

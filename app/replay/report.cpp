@@ -81,7 +81,13 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
     html += "<p class=\"notice\">The recording: " + escaped(warning) + ".</p>\n";
   }
   const Screen screen = study.screenInForce();
-  if (study.screen.is_default) {
+  if (study.display.kind == DisplayKind::headset) {
+    const EyeField field = fieldOfBothEyes(study.display.field());
+    html += "<p>The display is a headset: both eyes see " +
+            decimal(field.left_deg + field.right_deg, 0) + " &times; " +
+            decimal(field.up_deg + field.down_deg, 0) + " deg of it, with " +
+            decimal(study.display.pixels_per_degree, 1) + " px a degree straight ahead.</p>\n";
+  } else if (study.screen.is_default) {
     html +=
         "<p class=\"notice\">The study names no screen. Angles and blur hold for the default "
         "one: " +

@@ -191,7 +191,10 @@ std::vector<std::filesystem::path> inputFiles(const Study& study) {
     std::error_code ignored;
     if (std::filesystem::is_regular_file(place->file, ignored)) files.push_back(place->file);
   } else if (!study.gazeIsSimulated()) {
-    files.push_back(study.gaze.source);
+    std::error_code unreadable;
+    const bool is_folder = std::filesystem::is_directory(study.gaze.source, unreadable);
+    if (!is_folder) files.push_back(study.gaze.source);
+    for (auto& file : companionsOf(study.gaze.source)) files.push_back(std::move(file));
   }
   return files;
 }

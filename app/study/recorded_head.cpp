@@ -49,8 +49,7 @@ bool recordsHead(const Study& study) {
 
 Study withRecordedHead(Study study, const GazeTrace& trace) {
   std::vector<TrackedPose> poses = posesOf(trace, study.gaze.alignment);
-  if (poses.empty()) return study;
-  study.eye.recorded = EyePath(std::move(poses));
+  if (!poses.empty()) study.eye.recorded = EyePath(std::move(poses));
   if (study.screen.is_default && trace.field) {
     study.display.kind = DisplayKind::headset;
     const EyeField& field = *trace.field;

@@ -14,7 +14,7 @@ bool recordsHead(const Study& study);
 
 /// The study with the eye on the head of the recording: midway between the recorded origins of the
 /// eyes, turned as the head is. `gaze.scene_*` aligns the recording's world with the scene. Unless
-/// the study has a [screen], the display is the recording's headset. A recording without head poses
+/// the study has a [screen], the display is the recording's headset. A recording on a screen
 /// changes nothing.
 Study withRecordedHead(Study study, const GazeTrace& trace);
 

@@ -8,6 +8,7 @@
 #include "gaze/events/online_events.h"
 #include "gaze/events/saccades.h"
 #include "gaze/events/sight_noise.h"
+#include "gaze/geometry/head_frame.h"
 #include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
@@ -216,13 +217,20 @@ class EventBuilder {
 
   double durationOf(const Run& run) const { return endOf(run) - trace_.samples[run.first].time_s; }
 
-  std::optional<glm::dvec2> meanOf_px(const Run& run) const {
+  /// The sample in the middle of a run. With head poses, its head sees the run's points.
+  const GazeSample& middleOf(const Run& run) const {
+    return trace_.samples[(run.first + run.last) / 2];
+  }
+
+  /// @param seer  whose head sees the points
+  std::optional<glm::dvec2> meanOf_px(const Run& run, const GazeSample& seer) const {
     glm::dvec2 mean{0.0};
     double count = 0.0;
     for (std::size_t i = run.first; i <= run.last; ++i) {
-      if (!trace_.samples[i].point_px) continue;
+      const auto point_px = pointSeenBy_px(seer, trace_.samples[i], screen_);
+      if (!point_px) continue;
       count += 1.0;
-      mean += (*trace_.samples[i].point_px - mean) / count;
+      mean += (*point_px - mean) / count;
     }
     return count > 0.0 ? std::optional(mean) : std::nullopt;
   }
@@ -236,7 +244,8 @@ class EventBuilder {
       if (isStable(run.state) && before) {
         const Run& fixation = merged[*before];
         const double gap_s = trace_.samples[run.first].time_s - endOf(fixation);
-        const auto a = meanOf_px(fixation), b = meanOf_px(run);
+        const GazeSample& seer = middleOf(fixation);
+        const auto a = meanOf_px(fixation, seer), b = meanOf_px(run, seer);
         if (run.state == fixation.state && gap_s < settings_.merge_gap_s && a && b &&
             angleBetween_deg(screen_, *a, *b) < settings_.merge_deg) {
           merged.resize(*before + 1);
@@ -253,7 +262,7 @@ class EventBuilder {
   GazeEvent eventOf(const Run& run, double duration_s) const {
     GazeEvent event{
         .kind = run.state, .onset_s = trace_.samples[run.first].time_s, .duration_s = duration_s};
-    if (isStable(run.state)) event.position_px = meanOf_px(run);
+    if (isStable(run.state)) event.position_px = meanOf_px(run, middleOf(run));
     if (run.state != GazeState::saccade) return event;
 
     // A saccade starts at the last sample before it.
@@ -264,7 +273,9 @@ class EventBuilder {
     event.start_px = trace_.samples[first].point_px;
     event.position_px = trace_.samples[last].point_px;
     if (event.start_px && event.position_px) {
-      event.amplitude_deg = angleBetween_deg(screen_, *event.start_px, *event.position_px);
+      const auto start_px = pointSeenBy_px(trace_.samples[last], trace_.samples[first], screen_);
+      event.amplitude_deg =
+          start_px ? angleBetween_deg(screen_, *start_px, *event.position_px) : 180.0;
     }
     event.peak_velocity_deg_s = peakSpeed_deg_s(first, last);
     return event;

@@ -6,9 +6,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <vector>
 
 #include "base/file.h"
 #include "base/text.h"
+#include "gaze/geometry/cyclopean.h"
 #include "gaze/sources/delimited_trace.h"
 
 namespace foci {
@@ -131,6 +133,101 @@ TraceHeader readBids(const fs::path& file, const fs::path& sidecar, const Screen
   result.format = "BIDS eye tracking" + result.format.substr(std::min<std::size_t>(
                                             result.format.find(','), result.format.size()));
   return result;
+}
+
+namespace {
+
+constexpr std::string_view kEyes[] = {"_recording-eye1_", "_recording-eye2_"};
+
+/// 0: left, 1: right.
+std::size_t recordedSide(const fs::path& file) {
+  const fs::path sidecar = *bidsSidecarOf(file);
+  const Json json = readJson(sidecar);
+  const auto eye = json.find("RecordedEye");
+  const std::string name = eye != json.end() && eye->is_string() ? eye->get<std::string>() : "";
+  if (name == "left") return 0;
+  if (name == "right") return 1;
+  throw InputError(sidecar.string(),
+                   "RecordedEye: expected left in one and right in the other of two eyes' files");
+}
+
+/// Finds the other eye's sample of a time.
+class OtherEye {
+ public:
+  OtherEye(const fs::path& file, const Screen& fallback_screen) {
+    header_ = readBids(file, *bidsSidecarOf(file), fallback_screen,
+                       [&](const GazeSample& sample) { samples_.push_back(sample); });
+    if (samples_.size() < 2) throw InputError(file.string(), "expected at least 2 samples");
+    const double span_s = samples_.back().time_s - samples_.front().time_s;
+    reach_s_ = 0.5 * span_s / static_cast<double>(samples_.size() - 1);
+  }
+
+  /// @param time_s  does not decrease
+  const GazeSample* at(double time_s) {
+    while (next_ < samples_.size() && samples_[next_].time_s < time_s - reach_s_) ++next_;
+    const bool near = next_ < samples_.size() && samples_[next_].time_s <= time_s + reach_s_;
+    return near ? &samples_[next_] : nullptr;
+  }
+
+ private:
+  TraceHeader header_{};
+  std::vector<GazeSample> samples_{};
+  double reach_s_ = 0.0;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+std::optional<fs::path> bidsOtherEyeOf(const fs::path& file) {
+  for (std::size_t i : {0, 1}) {
+    std::string name = file.filename().string();
+    const std::size_t at = name.find(kEyes[i]);
+    if (at == name.npos) continue;
+    const fs::path other = file.parent_path() / name.replace(at, kEyes[i].size(), kEyes[1 - i]);
+    std::error_code error;
+    if (fs::is_regular_file(other, error) && bidsSidecarOf(other)) return other;
+  }
+  return std::nullopt;
+}
+
+TraceHeader readBidsEyes(const fs::path& file, const fs::path& other, const Screen& fallback_screen,
+                         const TakeSample& take) {
+  const std::size_t side = recordedSide(file);
+  if (recordedSide(other) == side) {
+    throw InputError(other.string(), "RecordedEye is that of " + file.string() +
+                                         ": expected left in one and right in the other");
+  }
+  OtherEye other_eye(other, fallback_screen);
+  Cyclopean cyclopean;
+  std::size_t samples = 0, alone = 0;
+  TraceHeader header =
+      readBids(file, *bidsSidecarOf(file), fallback_screen, [&](const GazeSample& own) {
+        GazeSample sample = own;
+        const GazeSample* partner = other_eye.at(own.time_s);
+        ++samples;
+        alone += !partner;
+        sample.eyes[side] = {.point_px = own.point_px, .pupil_mm = own.pupil_mm};
+        sample.eyes[1 - side] = {};
+        if (partner) {
+          sample.eyes[1 - side] = {.point_px = partner->point_px, .pupil_mm = partner->pupil_mm};
+          sample.blink = own.blink && partner->blink;
+          if (own.pupil_mm && partner->pupil_mm) {
+            sample.pupil_mm = 0.5 * (*own.pupil_mm + *partner->pupil_mm);
+          }
+        }
+        sample.point_px =
+            cyclopean.combine(own.time_s, sample.eyes[0].point_px, sample.eyes[1].point_px);
+        take(sample);
+      });
+  header.format += ", binocular";
+  header.assumed.push_back("the other eye: " + other.filename().string());
+  constexpr double kMany = 0.05;
+  if (static_cast<double>(alone) > kMany * static_cast<double>(samples)) {
+    header.warnings.push_back(std::to_string(alone) +
+                              " samples have no sample of the other eye at their time: are the "
+                              "clocks of both files the same?");
+  }
+  return header;
 }
 
 struct BidsWriter::Output {

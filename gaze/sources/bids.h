@@ -20,6 +20,17 @@ std::optional<std::filesystem::path> bidsSidecarOf(const std::filesystem::path& 
 TraceHeader readBids(const std::filesystem::path& file, const std::filesystem::path& sidecar,
                      const Screen& fallback_screen, const TakeSample& take);
 
+/// The recording of the other eye: `recording-eye2` beside `recording-eye1`, or the reverse, if it
+/// has a sidecar.
+std::optional<std::filesystem::path> bidsOtherEyeOf(const std::filesystem::path& file);
+
+/// Reads a recording as `readBids`, and the other eye's beside it. A sample has both eyes if their
+/// times agree within half of an interval; its point is their `Cyclopean` point.
+/// @param other  as `bidsOtherEyeOf` finds it
+/// @throws InputError also unless the sidecars' RecordedEye are left and right
+TraceHeader readBidsEyes(const std::filesystem::path& file, const std::filesystem::path& other,
+                         const Screen& fallback_screen, const TakeSample& take);
+
 /// Writes a recording and its sidecar, sample by sample, in constant memory.
 class BidsWriter {
  public:

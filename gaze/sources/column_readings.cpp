@@ -102,10 +102,12 @@ class Meanings {
     add(eye.sight_point_mm, "point in space that the " + name + " looks at, mm");
     add(eye.origin_validity, "whether the origin of the " + name + " is valid");
     const char* parts = "xyz";
+    const std::string origin = "origin of the " + name + ", mm, ";
+    const std::string direction = "direction of the " + name + ", ";
     for (std::size_t axis : {0, 1, 2}) {
-      const std::string part = ", " + std::string(1, parts[axis]);
-      add(eye.origin_mm[axis], "origin of the " + name + ", mm" + part);
-      add(eye.direction[axis], "direction of the " + name + part);
+      const std::string part(1, parts[axis]);
+      add(eye.origin_mm[axis], origin + part);
+      add(eye.direction[axis], direction + part);
     }
   }
 

@@ -147,7 +147,7 @@ class TableReader {
     units_stated_ = columns.units || preamble_.units || layout_.units || layout_.hasDirections() ||
                     columns.mapped_later || layout_.space;
     Screen& screen = preamble_.screen;
-    if (layout_.space && layout_.space->hasHead()) {
+    if (layout_.space) {
       field_ = columns.field.value_or(EyeField{});
       field_assumed_ = !columns.field;
       screen = headsetScreen(fieldOfBothEyes(*field_), columns.pixels_per_degree);

@@ -34,8 +34,6 @@ constexpr Magic kMagics[] = {
      "export its table of samples as CSV, for example with h5dump or pandas"},
     {"MATLAB 5.0 MAT-file"sv, "a MATLAB file",
      "write its table of samples as CSV, in MATLAB with writetable"},
-    {"XDF:"sv, "an XDF file (Lab Streaming Layer)",
-     "export its gaze stream as CSV, for example with pyxdf"},
     {"SQLite format 3\0"sv, "an SQLite database", kExportTable},
     {"PAR1"sv, "a Parquet file", kExportTable},
     {"ARROW1"sv, "an Arrow file", kExportTable},

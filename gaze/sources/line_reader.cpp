@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include "base/text.h"
 #include "gaze/sources/swift_number.h"
@@ -44,6 +45,14 @@ LineReader::LineReader(const std::filesystem::path& file)
   in_->file = gzopen(name_.c_str(), "rb");
   if (!in_->file) throw InputError(name_, "cannot be read");
   gzbuffer(in_->file, static_cast<unsigned>(kBuffer_B / 2));
+}
+
+LineReader::LineReader(std::string name, std::string_view text)
+    : name_(std::move(name)),
+      in_(std::make_unique<Input>(Input{.done = true})),
+      buffer_(text.size() + kNumberPadding),
+      end_(text.size()) {
+  std::copy(text.begin(), text.end(), buffer_.begin());
 }
 
 LineReader::~LineReader() {

@@ -20,6 +20,9 @@ class LineReader {
  public:
   /// @throws InputError if the file cannot be read or is a folder
   explicit LineReader(const std::filesystem::path& file);
+  /// Reads a table that a reader of another format has made.
+  /// @param name  of the file, for errors
+  LineReader(std::string name, std::string_view text);
   ~LineReader();
   LineReader(const LineReader&) = delete;
   LineReader& operator=(const LineReader&) = delete;

@@ -68,10 +68,10 @@ std::optional<glm::dvec3> vectorIn(const TableRow& row, const ColumnsAt<3>& at) 
 }
 
 std::optional<glm::dvec3> placeIn(const TableRow& row, const ColumnsAt<3>& at,
-                                  const SpaceLayout& layout, double scale_m) {
+                                  const AxisConvention& axes, double scale_m) {
   const auto place = vectorIn(row, at);
   if (!place) return std::nullopt;
-  const glm::dvec3 place_m = scale_m * layout.axes.vector(*place);
+  const glm::dvec3 place_m = scale_m * axes.vector(*place);
   if (!(glm::length(place_m) <= kMaxPlaceInSpace_m)) {
     row.fail((*at)[0],
              "farther away than 1000 km: is its unit right (gaze.head_scale_m, "
@@ -81,7 +81,7 @@ std::optional<glm::dvec3> placeIn(const TableRow& row, const ColumnsAt<3>& at,
 }
 
 std::optional<glm::dquat> rotationIn(const TableRow& row, const ColumnsAt<4>& at,
-                                     const SpaceLayout& layout) {
+                                     const AxisConvention& axes) {
   const auto values = at ? numbersIn(row, *at) : std::nullopt;
   if (!values) return std::nullopt;
   const auto& [x, y, z, w] = *values;
@@ -91,7 +91,7 @@ std::optional<glm::dquat> rotationIn(const TableRow& row, const ColumnsAt<4>& at
   if (std::abs(length - 1.0) > kUnitLength) {
     row.fail((*at)[0], "with the next three columns expected a quaternion x, y, z, w of length 1");
   }
-  return layout.axes.rotation(q / length);
+  return axes.rotation(q / length);
 }
 
 std::optional<glm::dvec3> directionIn(const TableRow& row, const SightAt& at,
@@ -122,17 +122,18 @@ std::optional<glm::dvec3> directionIn(const TableRow& row, const SightAt& at,
                       -std::cos(turn.x) * std::cos(turn.y));
   }
   if (at.quaternion) {
-    const auto rotation = rotationIn(row, at.quaternion, layout);
+    const auto rotation = rotationIn(row, at.quaternion, layout.axes);
     if (!rotation) return std::nullopt;
     return *rotation * glm::dvec3(0.0, 0.0, -1.0);
   }
-  const auto point_m = placeIn(row, at.point, layout, layout.origin_scale_m);
+  const auto point_m = placeIn(row, at.point, layout.axes, layout.origin_scale_m);
   if (!point_m || !from_m || !(glm::distance(*point_m, *from_m) > 1e-6)) return std::nullopt;
   return glm::normalize(*point_m - *from_m);
 }
 
 std::optional<HeadInWorld> headIn(const TableRow& row, const SpaceLayout& layout) {
-  std::optional<glm::dquat> world_from_head = rotationIn(row, layout.head_quaternion, layout);
+  std::optional<glm::dquat> world_from_head =
+      rotationIn(row, layout.head_quaternion, layout.head_axes);
   if (layout.head_angles) {
     const auto angles = numbersIn(row, *layout.head_angles);
     if (!angles) return std::nullopt;
@@ -149,7 +150,8 @@ std::optional<HeadInWorld> headIn(const TableRow& row, const SpaceLayout& layout
   if (!world_from_head) return std::nullopt;
   HeadInWorld head{.world_from_head = *world_from_head};
   if (layout.head_position) {
-    const auto position_m = placeIn(row, layout.head_position, layout, layout.head_scale_m);
+    const auto position_m =
+        placeIn(row, layout.head_position, layout.head_axes, layout.head_scale_m);
     if (!position_m) return std::nullopt;
     head.position_m = *position_m;
   }
@@ -187,10 +189,14 @@ SpaceLayout spaceLayoutOf(const LineReader& lines, const ColumnNames& names,
   if (layout.in_world && !layout.hasHead()) {
     throw lines.error("gaze.frame = \"world\": expected gaze.head_quaternion or gaze.head_angles");
   }
+  layout.axes = layout.head_axes = axesOf(lines, columns);
+  return layout;
+}
+
+AxisConvention axesOf(const LineReader& lines, const SpaceColumns& columns) {
   const auto axes = AxisConvention::named(columns.axes.value_or(""));
   if (!axes) throw lines.error("gaze.axes: expected " + std::string(kAxesExpected));
-  layout.axes = *axes;
-  return layout;
+  return *axes;
 }
 
 std::size_t columnsOf(const SpaceLayout& layout) {
@@ -205,6 +211,7 @@ std::size_t columnsOf(const SpaceLayout& layout) {
     add(at->origin);
     add(at->angles);
     add(at->quaternion);
+    if (at->validity) end = std::max(end, *at->validity + 1);
   }
   add(layout.head_position);
   add(layout.head_quaternion);
@@ -230,14 +237,15 @@ void readSpace(const TableRow& row, const SpaceLayout& layout, GazeSample& sampl
   const glm::dvec3 rest_m = layout.in_world ? sample.head->position_m : glm::dvec3(0.0);
   for (std::size_t side : {0, 1}) {
     const SightAt& at = layout.eyes[side];
-    const auto origin_m = placeIn(row, at.origin, layout, layout.origin_scale_m);
+    const auto origin_m = placeIn(row, at.origin, layout.axes, layout.origin_scale_m);
     const auto direction = directionIn(row, at, layout, origin_m ? origin_m : rest_m);
     EyeSample& eye = sample.eyes[side];
+    if (at.validity && !row.isValid(*at.validity)) continue;
     if (direction) eye.direction = in_head(*direction);
     if (origin_m) eye.origin_m = in_head(*origin_m - rest_m);
   }
   if (layout.both.hasSight()) {
-    const auto origin_m = placeIn(row, layout.both.origin, layout, layout.origin_scale_m);
+    const auto origin_m = placeIn(row, layout.both.origin, layout.axes, layout.origin_scale_m);
     const auto direction = directionIn(row, layout.both, layout, origin_m ? origin_m : rest_m);
     if (direction) sample.direction = in_head(*direction);
   } else {

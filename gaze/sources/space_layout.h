@@ -23,6 +23,7 @@ struct SightAt {
   ColumnsAt<3> direction{}, point{}, origin{};
   ColumnsAt<2> angles{};
   ColumnsAt<4> quaternion{};
+  std::optional<std::size_t> validity{};
 
   bool hasSight() const { return direction || point || angles || quaternion; }
 };
@@ -33,8 +34,8 @@ struct SpaceLayout {
   ColumnsAt<3> head_position{};
   ColumnsAt<4> head_quaternion{};
   ColumnsAt<3> head_angles{};
-  AxisConvention axes{};
-  bool in_world = false;  ///< the frame of the gaze columns; else the head's
+  AxisConvention axes{}, head_axes{};  ///< of gaze, of the head; a study states one for both
+  bool in_world = false;               ///< the frame of the gaze columns; else the head's
   double origin_scale_m = 1.0, head_scale_m = 1.0;
   double angle_scale_rad = 1.0;
   glm::dvec2 scale{1.0}, offset{0.0};  ///< of angles, in their unit
@@ -48,6 +49,9 @@ struct SpaceLayout {
 ///   result depends on
 SpaceLayout spaceLayoutOf(const LineReader& lines, const ColumnNames& names,
                           const SpaceColumns& columns);
+
+/// @throws InputError if the study states none
+AxisConvention axesOf(const LineReader& lines, const SpaceColumns& columns);
 
 /// One more than the last column in use.
 std::size_t columnsOf(const SpaceLayout& layout);

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/column_readings.h"
+#include "gaze/sources/space_formats.h"
 
 namespace foci {
 namespace {
@@ -58,8 +59,13 @@ class Recogniser {
   }
 
   TableLayout recognise() {
-    findTime();
-    if (given_.space.hasSight() || given_.space.hasHead()) {
+    const auto known = given_.x.empty() && !given_.space.hasSight() && !given_.mapped_later
+                           ? spaceFormatOf(names_)
+                           : std::nullopt;
+    findTime(known);
+    if (known) {
+      takeFormat(*known);
+    } else if (given_.space.hasSight() || given_.space.hasHead()) {
       takeSpace();
     } else {
       findEyes();
@@ -225,10 +231,10 @@ class Recogniser {
       throw lines_.error(
           "gaze.x and gaze.y are positions on a screen: expected them, or gaze in space");
     }
-    layout_.space = spaceLayoutOf(lines_, names_, given_.space);
+    layout_.format += ", gaze in space";
+    takeSpace(given_.space);
     layout_.space->scale = given_.scale;
     layout_.space->offset = given_.offset;
-    layout_.format += ", gaze in space";
     for (std::size_t side : {0, 1}) {
       if (!given_.eyes[side].pupil.empty()) {
         layout_.eyes[side].pupil_mm = named(given_.eyes[side].pupil);
@@ -236,7 +242,42 @@ class Recogniser {
     }
   }
 
-  void findTime() {
+  void takeSpace(const SpaceColumns& columns) {
+    layout_.space = spaceLayoutOf(lines_, names_, columns);
+  }
+
+  /// A vendor's columns. The study's head and scales hold beside them.
+  void takeFormat(const SpaceFormat& format) {
+    layout_.format = format.name;
+    SpaceColumns columns = format.columns;
+    if (given_.space.hasHead()) {
+      columns.head_position = given_.space.head_position;
+      columns.head_quaternion = given_.space.head_quaternion;
+      columns.head_angles = given_.space.head_angles;
+      columns.head_scale_m = given_.space.head_scale_m;
+      columns.angle_units = given_.space.angle_units;
+      columns.frame = SightFrame::head;
+    }
+    takeSpace(columns);
+    if (given_.space.hasHead()) layout_.space->head_axes = axesOf(lines_, given_.space);
+    if (find({"sensor"})) layout_.rows = {.column = find({"sensor"}), .only = "Eye Tracker"};
+    layout_.validity_code = format.validity_code;
+    const auto columnNamed = [&](const std::string& name) {
+      return name.empty() ? std::nullopt : std::optional(names_.named(name));
+    };
+    for (std::size_t side : {0, 1}) {
+      layout_.space->eyes[side].validity = columnNamed(format.validity[side]);
+      layout_.eyes[side].pupil_mm = columnNamed(format.pupil_mm[side]);
+    }
+  }
+
+  void findTime(const std::optional<SpaceFormat>& known) {
+    if (known && given_.time.empty() && !known->time.empty()) {
+      layout_.time = names_.named(known->time);
+      layout_.time_scale_s = given_.time_scale_s.value_or(
+          known->time_scale_s.value_or(secondsPer(names_.unit(*layout_.time))));
+      return;
+    }
     const std::optional<double> rate_Hz = given_.rate_Hz ? given_.rate_Hz : before_.rate_Hz;
     const bool counted = given_.time.empty() && rate_Hz && (given_.rate_Hz || !find(Keys(kTimes)));
     if (counted) {

@@ -17,10 +17,11 @@ namespace foci {
 
 /// The value that marks an eye as seen.
 enum class ValidityCode {
-  one,       ///< 1 (Tobii Pro SDK)
-  zero,      ///< 0 (GazeBase)
-  not_zero,  ///< any number but 0 (Neon's and Pupil Invisible's `worn`)
-  below_two  ///< the word Valid, or 0 and 1 of Tobii Studio's 0 to 4
+  one,        ///< 1 (Tobii Pro SDK)
+  zero,       ///< 0 (GazeBase)
+  not_zero,   ///< any number but 0 (Neon's and Pupil Invisible's `worn`)
+  gaze_bits,  ///< a bit field: 1 for the origin and 2 for the direction (SRanipal)
+  below_two   ///< the word Valid, or 0 and 1 of Tobii Studio's 0 to 4
 };
 
 /// Columns of one eye, counted from 0.

@@ -235,6 +235,8 @@ bool TableRow::isValid(std::size_t column) const {
       return *value == 0.0;
     case ValidityCode::not_zero:
       return *value != 0.0;
+    case ValidityCode::gaze_bits:
+      return *value >= 0.0 && *value < 65536.0 && (static_cast<int>(*value) & 3) == 3;
     case ValidityCode::below_two:
       return *value >= 0.0 && *value < 2.0;
   }

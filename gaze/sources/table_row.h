@@ -45,6 +45,9 @@ class TableRow {
   /// @throws InputError that names the column
   void read(GazeSample& sample) const;
 
+  /// By the layout's validity code.
+  bool isValid(std::size_t column) const;
+
   [[noreturn]] void fail(std::size_t column, const char* expected) const;
   [[noreturn]] void failShort(std::size_t column) const;
 
@@ -55,7 +58,6 @@ class TableRow {
   std::optional<glm::dvec3> triple(const std::array<std::optional<std::size_t>, 3>& columns) const;
   std::optional<glm::dvec3> tripleIn(std::size_t column) const;
   std::optional<glm::dvec2> meanSight(const std::array<EyeSample, 2>& eyes) const;
-  bool isValid(std::size_t column) const;
   inline std::optional<double> readPupil(std::size_t column) const;
   inline std::optional<glm::dvec2> readPoint(std::size_t x, std::size_t y) const;
   std::optional<glm::dvec2> readTuple(std::size_t column) const;

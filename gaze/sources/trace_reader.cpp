@@ -10,8 +10,11 @@
 #include "gaze/sources/eyelink_asc.h"
 #include "gaze/sources/eyenavgs.h"
 #include "gaze/sources/file_kind.h"
+#include "gaze/sources/hololens.h"
+#include "gaze/sources/neon_native.h"
 #include "gaze/sources/rounded_intervals.h"
 #include "gaze/sources/trace_doubts.h"
+#include "gaze/sources/xdf.h"
 
 namespace foci {
 namespace {
@@ -46,6 +49,18 @@ std::string firstLineOf(const std::filesystem::path& file) {
   return {};
 }
 
+TraceHeader readXdfTrace(const std::filesystem::path& file, const TraceColumns& columns,
+                         const Screen& fallback_screen, const TakeSample& take) {
+  const XdfTable table = readXdf(file, columns.stream);
+  LineReader lines(file.string(), table.text);
+  TraceHeader header = readDelimitedTrace(lines, columns, fallback_screen, take);
+  header.format = "XDF, stream " + shown(table.stream) + ", " + header.format;
+  if (table.clock_offsets == 0) {
+    header.assumed.push_back("clock: the stream's own, since the file has no clock offsets");
+  }
+  return header;
+}
+
 bool isUndescribed(const TraceColumns& columns) {
   return columns.time.empty() && columns.x.empty() && !columns.space.hasSight();
 }
@@ -54,23 +69,36 @@ bool isUndescribed(const TraceColumns& columns) {
 
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
                         const Screen& fallback_screen, const TakeSample& take) {
-  requireRegularFile(file);
-  requireGazeText(file);
+  const bool neon = !neonNativeFiles(file).empty();
+  if (!neon) {
+    requireRegularFile(file);
+    requireGazeText(file);
+  }
   TraceDoubts doubts;
   const TakeSample both = [&](const GazeSample& sample) {
     doubts.add(sample);
     take(sample);
   };
   TraceHeader header;
-  if (const auto sidecar = bidsSidecarOf(file)) {
-    header = readBids(file, *sidecar, fallback_screen, both);
+  if (neon) {
+    const std::string table = neonNativeTable(file);
+    LineReader lines(file.string(), table);
+    header = readDelimitedTrace(lines, columns, fallback_screen, both);
+    header.format = "Neon, native recording";
+  } else if (const auto sidecar = bidsSidecarOf(file)) {
+    const auto other_eye = bidsOtherEyeOf(file);
+    header = other_eye ? readBidsEyes(file, *other_eye, fallback_screen, both)
+                       : readBids(file, *sidecar, fallback_screen, both);
+  } else if (isXdf(file)) {
+    header = readXdfTrace(file, columns, fallback_screen, both);
   } else {
     const std::string first = firstLineOf(file);
     LineReader lines(file);
-    header = startsEyeLinkAsc(first) ? readEyeLinkAsc(lines, both)
-             : isEyeNavGs(first) && isUndescribed(columns)
-                 ? readEyeNavGs(lines, columns, both)
-                 : readDelimitedTrace(lines, columns, fallback_screen, both);
+    header = startsEyeLinkAsc(first)   ? readEyeLinkAsc(lines, both)
+             : !isUndescribed(columns) ? readDelimitedTrace(lines, columns, fallback_screen, both)
+             : isEyeNavGs(first)       ? readEyeNavGs(lines, columns, both)
+             : isHoloLens(first)       ? readHoloLens(lines, columns, both)
+                                       : readDelimitedTrace(lines, columns, fallback_screen, both);
   }
   if (!header.screen) header.screen = fallback_screen;
   if (header.screen->size_m == glm::dvec2(0.0)) header.screen->size_m = fallback_screen.size_m;
@@ -81,12 +109,36 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
   return header;
 }
 
+std::vector<std::filesystem::path> companionsOf(const std::filesystem::path& file) {
+  std::vector<std::filesystem::path> companions = neonNativeFiles(file);
+  if (!companions.empty()) {
+    std::erase(companions, file);
+    return companions;
+  }
+  const auto sidecar = bidsSidecarOf(file);
+  if (sidecar) companions.push_back(*sidecar);
+  if (const auto other = sidecar ? bidsOtherEyeOf(file) : std::nullopt) {
+    companions.push_back(*other);
+    companions.push_back(*bidsSidecarOf(*other));
+  }
+  std::error_code unreadable;
+  const std::filesystem::path setting = file.parent_path() / "scene_setting.csv";
+  if (!sidecar && std::filesystem::is_regular_file(file, unreadable) &&
+      std::filesystem::is_regular_file(setting, unreadable) && isEyeNavGs(firstLineOf(file))) {
+    companions.push_back(setting);
+  }
+  return companions;
+}
+
 SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns& columns) {
   std::error_code unreadable;
   if (!std::filesystem::is_regular_file(file, unreadable)) return {};
   if (columns.space.hasHead()) return {.has_head = true};
   try {
-    if (!isUndescribed(columns) || !isEyeNavGs(firstLineOf(file))) return {};
+    if (!isUndescribed(columns) || isXdf(file)) return {};
+    const std::string first = firstLineOf(file);
+    if (isHoloLens(first)) return {.has_head = true};
+    if (!isEyeNavGs(first)) return {};
   } catch (const InputError&) {
     return {};  // whoever reads the file says why
   }

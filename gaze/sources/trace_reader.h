@@ -34,6 +34,7 @@ struct TraceColumns {
   std::string time{}, x{}, y{};
   std::string pupil{};       ///< diameter
   std::string blink{};       ///< 0 or false: open; 1 or true: the tracker reports a blink
+  std::string stream{};      ///< of an XDF file; empty: its only stream of gaze
   std::string confidence{};  ///< 0 to 1; a sample below 0.6 has no gaze
   /// Left, right. Without `x` and `y` the gaze is the `Cyclopean` point of the two.
   std::array<Eye, 2> eyes{};
@@ -76,7 +77,7 @@ struct TraceHeader {
   /// What the left eye sees of a headset's display: `screen` is that of both eyes
   /// (`headsetScreen`).
   std::optional<EyeField> field{};
-  std::vector<ColumnReading> columns{};  ///< of a table, in the file's order
+  std::vector<ColumnReading> columns{};   ///< of a table, in the file's order
   bool gaze_in_world = false;             ///< the frame of the file's directions; else the head's
   bool world_y_up = true;                 ///< of the recording's world; false: unknown
   std::optional<double> scene_scale_m{};  ///< as `GazeTrace::scene_scale_m`
@@ -100,6 +101,9 @@ using TakeSample = std::function<void(const GazeSample&)>;
 /// - GazeBase, GazeBaseVR.
 /// - Text of SMI's BeGaze and IDF Converter.
 /// - BIDS eye tracking (`*_physio.tsv.gz` beside its JSON).
+/// - EyeNavGS, HoloLens 2, SRanipal, Tobii Pro Glasses (gaze in space).
+/// - Neon's native folder, or its `gaze ps1.raw`.
+/// - XDF (Lab Streaming Layer): the channels of its gaze stream are a table's columns.
 /// - Any TSV or CSV with named columns, with one point or two eyes.
 ///
 /// A table is delimited by tabs, commas, semicolons or blanks. Fields may be quoted, and files may
@@ -122,6 +126,9 @@ using TakeSample = std::function<void(const GazeSample&)>;
 ///   numbers, time that does not increase, and lines over 64 KiB
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
                         const Screen& fallback_screen, const TakeSample& take);
+
+/// The files beside a recording that are read with it: sidecars of BIDS, scene_setting.csv.
+std::vector<std::filesystem::path> companionsOf(const std::filesystem::path& file);
 
 /// What a file of gaze in space says before it is read.
 struct SpacePreview {

@@ -23,7 +23,6 @@ TEST(FileKind, NamesTheFormatAndWhatToDo) {
                {"MATLAB 5.0 MAT-file, Platform"sv, "d.mat", "writetable"},
                {"PK\x03\x04zz"sv, "e.xlsx", "save the sheet as CSV"},
                {"\xff\xfeT\0i\0"sv, "f.tsv", "iconv -f UTF-16 -t UTF-8"},
-               {"XDF:\x05"sv, "g.xdf", "pyxdf"},
                {"\0\0\0\x18"
                 "ftypmp42"sv,
                 "h.mp4", "webcam:FILE"},

@@ -1,0 +1,27 @@
+// XDF files of the Lab Streaming Layer (github.com/sccn/xdf, specification 1.0).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace foci {
+
+/// Whether a file begins with XDF's magic bytes.
+bool isXdf(const std::filesystem::path& file);
+
+struct XdfTable {
+  std::string text;               ///< a table (TSV) of the gaze stream: time [s] and its channels
+  std::string stream;             ///< its name
+  std::size_t clock_offsets = 0;  ///< measured between the clocks of tracker and recorder
+};
+
+/// The gaze stream of a file as a table. Columns have the channels' labels and units. Times are on
+/// the recorder's clock: the line through the clock offsets, by least squares, is added to the
+/// stream's times. A sample without a time follows the one before by 1 / nominal rate.
+/// @param stream  a stream's name; empty: the only stream of numbers whose type or name has "gaze"
+///   or "eye" in it
+/// @throws InputError if the file is damaged, or if there is no such stream or more than one
+XdfTable readXdf(const std::filesystem::path& file, std::string_view stream);
+
+}  // namespace foci

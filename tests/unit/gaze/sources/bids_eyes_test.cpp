@@ -1,0 +1,95 @@
+// BIDS recordings of two eyes, each in a file of its own.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "base/input_error.h"
+#include "gaze/sources/bids.h"
+#include "gaze/sources/trace_reader.h"
+
+namespace foci {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Screen kScreen{.size_px = {1000, 500}, .size_m = {0.5, 0.25}, .distance_m = 0.6};
+
+class TwoEyes : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(folder_);
+    write("eye1", "left", 400.0, 0.0);
+    write("eye2", "right", 420.0, 0.0004);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path file(const std::string& eye) const {
+    return folder_ / ("sub-1_task-look_recording-" + eye + "_physio.tsv");
+  }
+
+  /// @param late_s  after the other eye's clock
+  void write(const std::string& eye, const std::string& name, double x_px, double late_s) const {
+    std::ofstream json(folder_ / ("sub-1_task-look_recording-" + eye + "_physio.json"));
+    json << R"({"PhysioType": "eyetrack", "SamplingFrequency": 500, "RecordedEye": ")" << name
+         << R"(", "Columns": ["timestamp", "x_coordinate", "y_coordinate"],
+                "timestamp": {"Units": "s"}, "x_coordinate": {"Units": "pixel"},
+                "y_coordinate": {"Units": "pixel"}})";
+    std::ofstream tsv(file(eye));
+    for (int i = 0; i < 300; ++i) {
+      const bool lost = eye == "eye2" && i >= 100 && i < 110;
+      tsv << i * 0.002 + late_s << '\t';
+      if (lost) {
+        tsv << "n/a\tn/a\n";
+      } else {
+        tsv << x_px + i << "\t250\n";
+      }
+    }
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("foci_eyes_" + std::to_string(getpid()));
+};
+
+TEST_F(TwoEyes, AreOneRecording) {
+  for (const char* eye : {"eye1", "eye2"}) {
+    const GazeTrace trace = readTrace(file(eye), {}, kScreen);
+    EXPECT_EQ(trace.format, "BIDS eye tracking, binocular");
+    ASSERT_EQ(trace.samples.size(), 300u);
+    EXPECT_TRUE(trace.warnings.empty()) << trace.warnings.front();
+    const GazeSample& sample = trace.samples[50];
+    ASSERT_TRUE(sample.eyes[0].point_px && sample.eyes[1].point_px && sample.point_px);
+    EXPECT_EQ(sample.eyes[0].point_px->x, 450.0) << eye;
+    EXPECT_EQ(sample.eyes[1].point_px->x, 470.0) << eye;
+    EXPECT_EQ(sample.point_px->x, 460.0) << eye;
+    // The point does not jump while one eye is lost.
+    ASSERT_TRUE(trace.samples[105].point_px);
+    EXPECT_FALSE(trace.samples[105].eyes[1].point_px);
+    EXPECT_NEAR(trace.samples[105].point_px->x, 515.0, 0.01) << eye;
+  }
+}
+
+TEST_F(TwoEyes, AreReadWithTheirCompanions) {
+  EXPECT_EQ(companionsOf(file("eye1")).size(), 3u);
+  fs::remove(file("eye2"));
+  EXPECT_EQ(companionsOf(file("eye1")).size(), 1u);
+  EXPECT_FALSE(readTrace(file("eye1"), {}, kScreen).samples[50].eyes[1].point_px);
+}
+
+TEST_F(TwoEyes, AreRefusedUnlessOneIsLeftAndOneRight) {
+  for (const char* name : {"left", "cyclopean"}) {
+    write("eye2", name, 420.0, 0.0);
+    EXPECT_THROW(readTrace(file("eye1"), {}, kScreen), InputError) << name;
+  }
+}
+
+TEST_F(TwoEyes, OfDifferentClocksRaiseADoubt) {
+  write("eye2", "right", 420.0, 100.0);
+  const GazeTrace trace = readTrace(file("eye1"), {}, kScreen);
+  ASSERT_FALSE(trace.warnings.empty());
+  EXPECT_NE(trace.warnings.front().find("clocks"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace foci
