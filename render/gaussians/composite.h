@@ -7,17 +7,18 @@
 #include <span>
 
 #include "render/gaussians/projected.h"
-#include "render/splat/splat.h"
+#include "render/splat/bin.h"
 
 namespace foci {
 
-/// Pixels of a tile, row by row.
-inline constexpr std::size_t kTilePixels = std::size_t{kTile} * kTile;
+/// Places of a tile's samples: rows of `rowOf` places, of which the first `samples` are used.
+inline constexpr std::size_t kTilePlaces = std::size_t{kTile + 2 * kApron} * 48;
+constexpr std::size_t rowOf(int samples) { return samples == kTile ? kTile : 48; }
 
 /// A tile's share of the frame: sums over sub-apertures, weighted.
 struct TileSums {
-  alignas(64) float red[kTilePixels], green[kTilePixels], blue[kTilePixels];  ///< linear light
-  alignas(64) float coverage[kTilePixels], distance_m[kTilePixels];  ///< distance times coverage
+  alignas(64) float red[kTilePlaces], green[kTilePlaces], blue[kTilePlaces];  ///< linear light
+  alignas(64) float coverage[kTilePlaces], distance_m[kTilePlaces];  ///< distance times coverage
 };
 
 /// A disc within the lens, in lens radii.
@@ -30,7 +31,9 @@ struct CompositeJob {
   const ProjectedGaussian* gaussians = nullptr;
   std::span<const std::uint32_t> list;  ///< of the tile, front to back
   const Defocus* defocus = nullptr;
-  glm::vec2 corner_px{0.0f};
+  glm::vec2 first_px{0.0f};  ///< the first sample
+  float step_px = 1.0f;      ///< from sample to sample
+  int samples = kTile;       ///< along a side: kTile, or with the apron
   LensDisc lens;
   glm::vec3 background{0.0f};  ///< display values
   bool depth = false;
@@ -39,7 +42,7 @@ struct CompositeJob {
 
 /// Composites in display values, as scenes are trained, and adds the result to the sums in linear
 /// light. Display values are clamped to 0 and 1 first.
-/// @return the number of pixels inside of the Gaussians' footprints
+/// @return the number of samples inside of the Gaussians' footprints
 std::size_t compositeTile(const CompositeJob& job, TileSums& sums);
 
 }  // namespace foci

@@ -24,7 +24,7 @@ inline constexpr float kLast = kTile - 1;     // index of the last pixel of a ro
 /// Gaussians of a block, one lane each, as the sub-aperture sees them. At the offset (x, y)
 /// from its centre a Gaussian has alpha = peak 2^-q, q = qa x^2 + qb x y + qc y^2, where q < cut.
 struct alignas(64) Block {
-  float x[kMaxLanes], y[kMaxLanes];  // from the centre of the tile's first pixel
+  float x[kMaxLanes], y[kMaxLanes];  // from the tile's first sample; in samples, as all below
   float qa[kMaxLanes], qb[kMaxLanes], qc[kMaxLanes];
   float peak[kMaxLanes], cut[kMaxLanes];
   float half_x[kMaxLanes], half_y[kMaxLanes];  // of the box of the footprint
@@ -62,10 +62,18 @@ HWY_INLINE V linearOf(V s) {
 template <bool kDepth>
 class TileCompositor {
  public:
-  explicit TileCompositor(const CompositeJob& job) : job_(job) {
-    std::fill_n(transmittance_, kTilePixels, 1.0f);
-    for (float* plane : {red_, green_, blue_}) std::fill_n(plane, kTilePixels, 0.0f);
-    if constexpr (kDepth) std::fill_n(distance_, kTilePixels, 0.0f);
+  explicit TileCompositor(const CompositeJob& job)
+      : job_(job),
+        row_(rowOf(job.samples)),
+        places_(row_ * static_cast<std::size_t>(job.samples)),
+        last_(static_cast<float>(job.samples - 1)) {
+    // Unused places are opaque.
+    std::fill_n(transmittance_, places_, 0.0f);
+    for (int y = 0; y < job.samples; ++y) {
+      std::fill_n(transmittance_ + static_cast<std::size_t>(y) * row_, job.samples, 1.0f);
+    }
+    for (float* plane : {red_, green_, blue_}) std::fill_n(plane, places_, 0.0f);
+    if constexpr (kDepth) std::fill_n(distance_, places_, 0.0f);
   }
 
   std::size_t run() {
@@ -83,7 +91,7 @@ class TileCompositor {
   void addTo(TileSums& sums) const {
     const D d;
     const V weight = hn::Set(d, job_.weight), one = hn::Set(d, 1.0f), zero = hn::Zero(d);
-    for (std::size_t p = 0; p < kTilePixels; p += hn::Lanes(d)) {
+    for (std::size_t p = 0; p < places_; p += hn::Lanes(d)) {
       const V through = hn::Load(d, transmittance_ + p);
       const auto channel = [&](const float* plane, float background, float* sum) {
         const V shown = hn::MulAdd(through, hn::Set(d, background), hn::Load(d, plane + p));
@@ -121,8 +129,12 @@ class TileCompositor {
     const glm::vec2 p = job_.lens.centre, a = radius * p;
     const V moved_x = hn::MulAdd(off, set(a.x), set(radius.x * (j.x * p.x + j.y * p.y)));
     const V moved_y = hn::MulAdd(off, set(a.y), set(radius.y * (j.y * p.x - j.x * p.y)));
-    hn::Store(hn::Add(load(0), hn::Add(moved_x, set(-0.5f - job_.corner_px.x))), d, block_.x);
-    hn::Store(hn::Add(load(1), hn::Add(moved_y, set(-0.5f - job_.corner_px.y))), d, block_.y);
+    const float per_step = 1.0f / job_.step_px;
+    const auto sampleOf = [&](V centre, V moved, float first_px) {
+      return hn::Mul(hn::Add(centre, hn::Add(moved, set(-first_px))), set(per_step));
+    };
+    hn::Store(sampleOf(load(0), moved_x, job_.first_px.x), d, block_.x);
+    hn::Store(sampleOf(load(1), moved_y, job_.first_px.y), d, block_.y);
 
     // The sheared Gaussian.
     V xx = hn::MulAdd(set(-2.0f * a.x), sx, hn::MulAdd(set(a.x * a.x), e, load(2)));
@@ -145,7 +157,7 @@ class TileCompositor {
     const V blurred = hn::Max(determinant(), least);
 
     constexpr float kHalfLog2E = 0.5f * std::numbers::log2e_v<float>;
-    const V scale = hn::Div(set(kHalfLog2E), blurred);
+    const V scale = hn::Div(set(kHalfLog2E * job_.step_px * job_.step_px), blurred);
     const V cut = load(10);
     hn::Store(hn::Mul(yy, scale), d, block_.qa);
     hn::Store(hn::Mul(hn::Mul(set(-2.0f), xy), scale), d, block_.qb);
@@ -156,21 +168,21 @@ class TileCompositor {
     const V flat = powerOfHalf(hn::Neg(hn::Clamp(above, hn::Zero(d), set(kMaxExponent))));
     hn::Store(hn::IfThenElse(hn::Gt(above, hn::Zero(d)), flat, opacity), d, block_.peak);
     hn::Store(hn::Mul(cut, set(kHalfLog2E)), d, block_.cut);
-    hn::Store(hn::Sqrt(hn::Mul(cut, xx)), d, block_.half_x);
-    hn::Store(hn::Sqrt(hn::Mul(cut, yy)), d, block_.half_y);
+    hn::Store(hn::Mul(hn::Sqrt(hn::Mul(cut, xx)), set(per_step)), d, block_.half_x);
+    hn::Store(hn::Mul(hn::Sqrt(hn::Mul(cut, yy)), set(per_step)), d, block_.half_y);
   }
 
-  /// Composites entry `k` of the block behind what the tile holds. @return pixels inside
+  /// Composites entry `k` of the block behind what the tile holds. @return samples inside
   std::size_t add(std::size_t k, const ProjectedGaussian& g) {
     const D d;
     const float x = block_.x[k], y = block_.y[k];
     const float left = x - block_.half_x[k], right = x + block_.half_x[k];
     const float top = y - block_.half_y[k], bottom = y + block_.half_y[k];
     // Also false for values that are not finite.
-    if (!(right >= 0.0f && bottom >= 0.0f && left <= kLast && top <= kLast)) return 0;
+    if (!(right >= 0.0f && bottom >= 0.0f && left <= last_ && top <= last_)) return 0;
     const std::size_t lanes = hn::Lanes(d);
-    const auto pixel = [](float px) {
-      return static_cast<std::size_t>(std::clamp(px, 0.0f, kLast));
+    const auto pixel = [this](float at) {
+      return static_cast<std::size_t>(std::clamp(at, 0.0f, last_));
     };
     const std::size_t x0 = pixel(left) / lanes * lanes, x1 = pixel(right);
     const std::size_t y0 = pixel(std::ceil(top)), y1 = pixel(bottom);
@@ -185,7 +197,7 @@ class TileCompositor {
       for (std::size_t column = x0; column <= x1; column += lanes) {
         const V dx = hn::Sub(hn::Iota(d, static_cast<float>(column)), hn::Set(d, x));
         const V q = hn::MulAdd(hn::MulAdd(qa, dx, slope), dx, rest);
-        const std::size_t at = row * kTile + column;
+        const std::size_t at = row * row_ + column;
         const V through = hn::Load(d, transmittance_ + at);
         const M in = hn::And(hn::Lt(q, cut), hn::Gt(through, opaque));
         if (hn::AllFalse(d, in)) continue;
@@ -210,17 +222,19 @@ class TileCompositor {
   bool isOpaque() const {
     const D d;
     V most = hn::Zero(d);
-    for (std::size_t p = 0; p < kTilePixels; p += hn::Lanes(d)) {
+    for (std::size_t p = 0; p < places_; p += hn::Lanes(d)) {
       most = hn::Max(most, hn::Load(d, transmittance_ + p));
     }
     return hn::AllTrue(d, hn::Le(most, hn::Set(d, kOpaqueTransmittance)));
   }
 
   const CompositeJob& job_;
+  std::size_t row_, places_;  // places in a row, and in all rows
+  float last_;                // index of the last sample of a row
   Block block_;
-  alignas(64) float transmittance_[kTilePixels];
-  alignas(64) float red_[kTilePixels], green_[kTilePixels], blue_[kTilePixels];
-  alignas(64) float distance_[kDepth ? kTilePixels : 1];
+  alignas(64) float transmittance_[kTilePlaces];
+  alignas(64) float red_[kTilePlaces], green_[kTilePlaces], blue_[kTilePlaces];
+  alignas(64) float distance_[kDepth ? kTilePlaces : 1];
 };
 
 inline std::size_t compositeTileLanes(const CompositeJob& job, TileSums& sums) {

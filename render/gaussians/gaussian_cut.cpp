@@ -75,7 +75,9 @@ class NodeSelector {
       return Seen::outside;
     }
     const float off_D = std::max(minDefocus_D(defocus_, 1.0f / distance) - range_D, 0.0f);
-    const float allowed_px2 = settings_.per_blur2 * blur2_ * off_D * off_D + settings_.per_pixel2;
+    const float allowed_px2 =
+        std::min(settings_.per_blur2 * blur2_ * off_D * off_D, settings_.max_px2) +
+        settings_.per_pixel2;
     const float spread_px2 = tree_.spread_m2[node] * focal2_ / (depth * depth);
     return spread_px2 <= allowed_px2 ? Seen::fine : Seen::coarse;
   }

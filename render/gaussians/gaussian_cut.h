@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "render/optics/defocus.h"
@@ -12,10 +13,11 @@
 namespace foci {
 
 /// A node may be rendered if the variance that merging added to it, on the image, is at most
-///   per_blur2 C^2 + per_pixel2,
+///   min(per_blur2 C^2, max_px2) + per_pixel2,
 /// with the least blur radius C within the node.
 struct GaussianCutSettings {
   float per_blur2;
+  float max_px2 = std::numeric_limits<float>::infinity();
   float per_pixel2 = 0.03f;  ///< a tenth of the low-pass
 };
 
