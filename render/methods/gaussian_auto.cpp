@@ -20,9 +20,10 @@ namespace {
 /// A number of discs that a tile may be rendered through, and the error of 95 % of the pixels that
 /// it leaves, in just-noticeable differences for each px of blur radius.
 ///
-/// With the error of merging, an upper bound of the errors against 150 pinholes on two captures, at
-/// 256 and 384 px and blur radii of 2 to 20 px, at the far side or everywhere. 4, 5 and 9 discs
-/// cover the lens less evenly. GaussianCaptures holds the bound.
+/// With the error of merging, an upper bound of the errors against 150 pinholes on two captures.
+/// Their blur radii reached 2 to 20 px at the far side, at 256 and 384 px, or 10 and 20 px
+/// everywhere, at 384 px. 4, 5 and 9 discs cover the lens less evenly. GaussianCaptures holds the
+/// bound.
 struct Discs {
   int count;
   float error_per_px;
