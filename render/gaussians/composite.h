@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
+#include <vector>
 
 #include "render/gaussians/projected.h"
 #include "render/splat/bin.h"
@@ -27,9 +28,54 @@ struct LensDisc {
   float radius = 0.0f;
 };
 
+/// A tile's Gaussians, front to back, as far as any sub-aperture has needed them. In blocks of
+/// kBlock entries: each of the numbers below is kBlock floats.
+class TileGaussians {
+ public:
+  static constexpr std::size_t kBlock = 16;
+  enum Number : std::size_t {
+    x_px,
+    y_px,
+    vxx,
+    vxy,
+    vyy,
+    sx,
+    sy,
+    e,
+    off_D,
+    opacity,
+    cut,
+    red,
+    green,
+    blue,
+    distance_m,
+    kNumbers
+  };
+
+  /// @param list  of the tile; both outlive the tile
+  void begin(const ProjectedGaussian* gaussians, std::span<const std::uint32_t> list);
+  std::size_t size() const { return list_.size(); }
+
+  /// Fetches the entries up to `end`, which are at most all.
+  void fetch(std::size_t end) {
+    while (fetched_ < end) fetchBlock();
+  }
+  /// A number of the fetched entries from `at` on, within a block.
+  const float* at(Number number, std::size_t at) const {
+    return values_.data() + (at / kBlock * kNumbers + number) * kBlock + at % kBlock;
+  }
+
+ private:
+  void fetchBlock();
+
+  const ProjectedGaussian* gaussians_ = nullptr;
+  std::span<const std::uint32_t> list_;
+  std::vector<float> values_;
+  std::size_t fetched_ = 0;  // a multiple of kBlock
+};
+
 struct CompositeJob {
-  const ProjectedGaussian* gaussians = nullptr;
-  std::span<const std::uint32_t> list;  ///< of the tile, front to back
+  TileGaussians* gaussians = nullptr;
   const Defocus* defocus = nullptr;
   glm::vec2 first_px{0.0f};  ///< the first sample
   float step_px = 1.0f;      ///< from sample to sample

@@ -80,10 +80,11 @@ std::uint64_t GaussianView::renderTiles(const DiscsOfTile& discs_of, const glm::
     const auto step_px = static_cast<float>(tile.step_px);
     const glm::vec2 first_px =
         glm::vec2(tile.x_px, tile.y_px) + step_px * (0.5f - static_cast<float>(tile.apron()));
+    thread_local TileGaussians gaussians;
+    gaussians.begin(projected_.gaussians.data(), lists_.splats(t));
     const std::vector<LensDisc>& discs = discs_of(t);
     for (const LensDisc& disc : discs) {
-      fragments[t] += compositeTile({.gaussians = projected_.gaussians.data(),
-                                     .list = lists_.splats(t),
+      fragments[t] += compositeTile({.gaussians = &gaussians,
                                      .defocus = &defocus_,
                                      .first_px = first_px,
                                      .step_px = step_px,
