@@ -16,8 +16,8 @@ namespace {
 constexpr float kFieldMargin = 1.3f;
 
 /// Standard deviation of a lens's mean view, as `TileLists` chooses samples by it, over the blur
-/// radius: samples are up to C / 2.3 apart. On two captures that are blurred everywhere, the images
-/// are then as close to 150 pinholes as with samples a pixel apart. A disc has 1/2.
+/// radius: samples are up to C / 2.3 apart. A disc has 1/2. On two captures that are blurred
+/// everywhere, the images are then as close to 150 pinholes as with samples a pixel apart.
 constexpr float kSigmaPerBlur = 0.3f;
 
 glm::vec3 times(const Covariance3& s, const glm::vec3& v) {

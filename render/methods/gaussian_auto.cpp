@@ -118,7 +118,8 @@ class GaussianAuto final : public Method {
   void project(const std::vector<LensDisc>& discs, const View& view,
                const RenderSettings& settings) {
     const GaussianCutSettings lod{.per_blur2 = kPerBlur2 * settings.quality.tolerance,
-                                  .max_px2 = kMaxSpread_px2 * settings.quality.tolerance};
+                                  .max_px2 = kMaxSpread_px2 * settings.quality.tolerance,
+                                  .acuity = settings.quality.acuity};
     view_.project(view, settings.defocus, discs, &lod);
   }
 
