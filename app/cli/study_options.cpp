@@ -10,6 +10,7 @@
 #include "app/platform/output_files.h"
 #include "app/study/scene_study.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "gaze/sources/line_reader.h"
 
 namespace foci {
@@ -54,7 +55,7 @@ void addStudyOptions(CLI::App& command, StudyOptions& options) {
       "pupil diameter in millimetres, or its source: recording or luminance");
   add("--method", options.method, "NAME", "depth-of-field method; `foci methods` lists them");
   add("--device", options.device, "NAME", "auto, gpu or cpu: what renders");
-  add("--view", options.view, "NAME", "mono, side-by-side, top-bottom or anaglyph");
+  add("--view", options.view, "NAME", "mono, side-by-side, top-bottom, anaglyph, left or right");
   command
       .add_option("--set", options.set,
                   "set any key of the study, e.g. --set focus.fixed_D=2; may be repeated")
@@ -69,6 +70,24 @@ void addMarkerOptions(CLI::App& command, StudyOptions& options) {
   command.add_flag("--marker", options.marker, "mark where the observer looks");
   command.add_flag("--split", options.split, "left half sharp, right half as the eye sees it");
 }
+
+namespace {
+
+/// The recording's head moves the eye, so there is nothing to frame.
+std::string placeHead(Study& study, const SceneFacts& facts, const SpacePreview& head,
+                      const StudyOptions& options) {
+  if (!options.look.empty() || !options.up.empty()) {
+    throw InputError(options.look.empty() ? "--up" : "--look",
+                     "expected a recording without a head, which moves the eye");
+  }
+  shadePlainScene(study, facts);
+  if (head.scene_scale_m) study.scene.scale_m = *head.scene_scale_m;
+  return "the recording's head moves the eye; a unit of the scene is " +
+         significant(study.scene.scale_m) + " m" +
+         (head.scene_scale_m ? ", as the recording says" : " (scene.scale_m)");
+}
+
+}  // namespace
 
 std::optional<Look> lookOf(const std::string& look) {
   constexpr std::array<std::pair<std::string_view, Look>, 3> kLooks = {
@@ -129,7 +148,11 @@ StudyAsked studyOf(const StudyOptions& options) {
   std::optional<SceneFile> scene;
   if (is_scene) {
     scene = readScene(options.study);
-    framing = frameScene(study, factsOf(*scene), look, up);
+    const SpacePreview head = study.gazeIsSimulated()
+                                  ? SpacePreview{}
+                                  : previewSpace(study.gaze.source, study.gaze.columns);
+    framing = head.has_head ? placeHead(study, factsOf(*scene), head, options)
+                            : frameScene(study, factsOf(*scene), look, up);
     std::fprintf(stderr, "foci: %s: %s%s\n", options.study.c_str(), framing.c_str(),
                  options.write_study.empty() ? "; --write-study FILE saves this" : "");
     // The place of the eye that the user sets replaces the chosen one.

@@ -30,7 +30,7 @@ struct TraceOptions {
 TraceColumns columnsOf(const TraceOptions& options) {
   TraceColumns columns = options.columns;
   if (!options.study.empty()) {
-    columns = readStudy(options.study).gaze.columns;
+    columns = readStudy(options.study).columnsInForce();
     if (!options.columns.time.empty()) columns.time = options.columns.time;
     if (!options.columns.x.empty()) columns.x = options.columns.x;
     if (!options.columns.y.empty()) columns.y = options.columns.y;
@@ -115,6 +115,10 @@ nlohmann::ordered_json factsOf(const TraceHeader& header, const TraceSummary& su
     if (screen.distance_m > 0.0) json["distance_m"] = rounded(screen.distance_m);
   }
   if (const auto unknown = unknownOf(header); !unknown.empty()) json["unknown"] = unknown;
+  for (const ColumnReading& reading : header.columns) {
+    json["columns"].push_back({{"columns", reading.columns}, {"meaning", reading.meaning}});
+    if (!reading.why.empty()) json["columns"].back()["why"] = reading.why;
+  }
   if (!header.assumed.empty()) json["assumed"] = header.assumed;
   if (!header.warnings.empty()) json["warnings"] = header.warnings;
   return json;
@@ -127,6 +131,7 @@ void printFacts(const TraceHeader& header, const TraceSummary& summary, bool jso
     return;
   }
   for (const auto& [key, value] : facts.items()) {
+    if (key == "columns") continue;
     if (key == "unknown" || key == "assumed" || key == "warnings") {
       for (const auto& line : value) {
         std::printf("%-15s %s\n", key.c_str(), line.get<std::string>().c_str());
@@ -135,6 +140,10 @@ void printFacts(const TraceHeader& header, const TraceSummary& summary, bool jso
     }
     const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
     std::printf("%-15s %s\n", key.c_str(), text.c_str());
+  }
+  for (const ColumnReading& reading : header.columns) {
+    std::printf("column          %s: %s%s\n", reading.columns.c_str(), reading.meaning.c_str(),
+                reading.why.empty() ? "" : (" (" + reading.why + ")").c_str());
   }
 }
 

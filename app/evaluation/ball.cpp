@@ -9,6 +9,7 @@
 
 #include "render/optics/defocus.h"
 #include "render/scene/estimation/estimate.h"
+#include "render/scene/mesh/orientation.h"
 #include "render/scene/mesh/sample_mesh.h"
 #include "render/scene/mesh/texture.h"
 
@@ -51,8 +52,10 @@ cv::Mat checks() {
 TriangleMesh makeBallMesh(float radius_m) {
   TriangleMesh mesh;
   const auto add = [&](const glm::ivec2& corner) {
-    const glm::vec2 uv = glm::vec2(corner) / glm::vec2(kColumns, kRows);
-    mesh.corners_m.push_back(radius_m * onBall(uv.x, uv.y));
+    const glm::vec2 size(kColumns, kRows), uv = glm::vec2(corner) / size;
+    // The seam's two sides and all corners of a pole lie in one place, so that the ball is closed.
+    const glm::ivec2 place(corner.y % kRows == 0 ? 0 : corner.x % kColumns, corner.y);
+    mesh.corners_m.push_back(radius_m * onBall(static_cast<float>(place.x) / size.x, uv.y));
     mesh.uv.emplace_back(uv.x, 1.0f - uv.y);
   };
   for (int i = 0; i < kColumns; ++i) {
@@ -67,6 +70,7 @@ TriangleMesh makeBallMesh(float radius_m) {
     }
   }
   mesh.material.resize(mesh.size(), 0);
+  orientOutwards(mesh);
   mesh.materials = {{.texture = std::make_shared<const MeshTexture>(checks())}};
   return mesh;
 }

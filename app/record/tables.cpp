@@ -21,12 +21,21 @@ std::string pointOrAbsent(const std::optional<glm::dvec2>& point_px) {
                   : "n/a\tn/a";
 }
 
+std::string vergenceFields(const EyeNow& eye) {
+  if (!eye.vergence) return "n/a\tn/a\tn/a";
+  const auto disagrees = vergenceDisagrees(eye);
+  return decimal(eye.vergence->value_D, kDioptreDigits) + '\t' +
+         decimal(eye.vergence->error_D, kDioptreDigits) + '\t' +
+         (disagrees ? *disagrees ? "1" : "0" : "n/a");
+}
+
 }  // namespace
 
 FrameTable::FrameTable(const std::filesystem::path& file)
     : file_(file.string()), out_(file, std::ios::binary) {
   out_ << "frame\ttime_s\tgaze_time_s\tgaze_x_px\tgaze_y_px\tgaze_state\tsurface_distance_m\t"
-          "target_D\tfocus_D\tpupil_mm\tmethod\tsplats\tfragments\ttolerance_error\trender_ms\n";
+          "target_D\tfocus_D\tpupil_mm\tmethod\tsplats\tfragments\ttolerance_error\tvergence_D\t"
+          "vergence_error_D\tvergence_disagrees\trender_ms\n";
 }
 
 void FrameTable::add(std::size_t frame, const FrameRecord& record) {
@@ -38,7 +47,8 @@ void FrameTable::add(std::size_t frame, const FrameRecord& record) {
        << orAbsent(eye.target_D, kDioptreDigits) << '\t' << decimal(eye.focus_D, kDioptreDigits)
        << '\t' << decimal(record.pupil_mm, 3) << '\t' << record.method << '\t'
        << record.stats.splats << '\t' << record.stats.fragments << '\t'
-       << orAbsent(record.stats.tolerance_error, 2) << '\t' << decimal(record.stats.ms, 3) << '\n';
+       << orAbsent(record.stats.tolerance_error, 2) << '\t' << vergenceFields(eye) << '\t'
+       << decimal(record.stats.ms, 3) << '\n';
   if (!out_) throw std::runtime_error("cannot write " + file_);
 }
 

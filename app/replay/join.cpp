@@ -7,6 +7,8 @@
 #include "app/platform/interrupt.h"
 #include "app/platform/progress.h"
 #include "app/replay/replay_inputs.h"
+#include "app/study/inputs.h"
+#include "app/study/recorded_head.h"
 #include "base/input_error.h"
 
 namespace foci {
@@ -91,10 +93,11 @@ std::vector<Part> inOrder(std::vector<Part> parts) {
 RunResult join(const std::vector<Part>& parts, const Study& study, const std::filesystem::path& out,
                const std::string& command) {
   const ReplayedGaze gaze = readReplayedGaze(study);
-  const Study stated = statedStudyOf(parts.front());
+  const Study stated = withRecordedHead(statedStudyOf(parts.front()), gaze.trace);
   for (const Part& part : parts) requireSameTimes(part, gaze.schedule);
   noteInterrupts();
-  RunWriter writer(stated, gaze, out);
+  const SurfelCloud cloud = loadScene(stated);
+  RunWriter writer(stated, gaze, cloud, out);
   Progress progress("joining", "frames", gaze.schedule.frames);
   RunFacts facts{.command = command,
                  .threads = parts.front().threads,
@@ -106,7 +109,7 @@ RunResult join(const std::vector<Part>& parts, const Study& study, const std::fi
     for (const PartFrame& each : part.all) {
       throwIfInterrupted();
       if (!each.image.empty()) image = imageOf(part, each);
-      if (image.size_px != study.imageSize_px()) {
+      if (image.size_px != stated.imageSize_px()) {
         throw InputError(part.folder.string(), "has images of another size than the study");
       }
       writer.add(frame++, each.seen, image);

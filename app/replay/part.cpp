@@ -136,7 +136,7 @@ FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::files
                      unsigned threads, ReplayedScene& scene) {
   const ReplayedGaze gaze = readReplayedGaze(study);
   const FrameSpan own = within(span, gaze.schedule.frames);
-  ReplayedEye eye(study, gaze, scene.of(study));
+  ReplayedEye eye(gaze.study, gaze, scene.of(gaze.study));
   noteInterrupts();
   OutputFolder folder(out);
   eye.sayDevice();

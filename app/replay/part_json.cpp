@@ -53,6 +53,8 @@ Json jsonOf(const PartFrame& frame) {
       {"fixation_px", jsonOf(record.fixation_px)},
       {"image_px", points},
       {"surface_distance_m", jsonOf(eye.surface_distance_m)},
+      {"vergence_D", eye.vergence ? Json(eye.vergence->value_D) : Json(nullptr)},
+      {"vergence_error_D", eye.vergence ? Json(eye.vergence->error_D) : Json(nullptr)},
       {"target_D", jsonOf(eye.target_D)},
       {"focus_D", eye.focus_D},
       {"pupil_mm", record.pupil_mm},
@@ -85,6 +87,9 @@ PartFrame partFrameOf(const Json& json) {
   record.fixation_px = pointOf(json.at("fixation_px"));
   for (const Json& point : json.at("image_px")) frame.seen.gaze_px.push_back(vectorOf(point));
   eye.surface_distance_m = numberOf(json.at("surface_distance_m"));
+  if (const auto vergence_D = numberOf(json.at("vergence_D"))) {
+    eye.vergence = {.value_D = *vergence_D, .error_D = json.at("vergence_error_D").get<double>()};
+  }
   eye.target_D = numberOf(json.at("target_D"));
   eye.focus_D = json.at("focus_D").get<double>();
   record.pupil_mm = json.at("pupil_mm").get<double>();

@@ -18,8 +18,12 @@ void checkRequest(const Study& study, const ImageRequest& request) {
   if (request.depth && request.depth->extension() != ".pfm") {
     throw InputError("--depth " + request.depth->string(), "expected a name that ends in .pfm");
   }
-  if (request.depth && study.output.view != StereoView::mono) {
-    throw InputError("--depth", "expected output.view = \"mono\": one eye has one distance");
+  const StereoView view = study.output.view;
+  const bool both =
+      view != StereoView::mono && view != StereoView::left && view != StereoView::right;
+  if (request.depth && both) {
+    throw InputError("--depth",
+                     "expected output.view = \"mono\", left or right: one eye has one distance");
   }
 }
 

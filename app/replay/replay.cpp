@@ -16,9 +16,10 @@ const SurfelCloud& ReplayedScene::of(const Study& study) {
   return *cloud_;
 }
 
-RunResult replay(const Study& study, const std::filesystem::path& out, const std::string& command,
+RunResult replay(const Study& asked, const std::filesystem::path& out, const std::string& command,
                  unsigned threads, ReplayedScene& scene) {
-  const ReplayedGaze gaze = readReplayedGaze(study);
+  const ReplayedGaze gaze = readReplayedGaze(asked);
+  const Study& study = gaze.study;
   const SurfelCloud& cloud = scene.of(study);
   RunFacts facts{
       .command = command, .threads = threads, .device = {}, .inputs = hashedInputs(study)};
@@ -28,7 +29,7 @@ RunResult replay(const Study& study, const std::filesystem::path& out, const std
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }
 
-  RunWriter writer(study, gaze, out);
+  RunWriter writer(study, gaze, cloud, out);
   eye.sayDevice();
   const std::size_t frames = gaze.schedule.frames;
   Progress progress("rendering", "frames", frames);

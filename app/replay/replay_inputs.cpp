@@ -1,22 +1,33 @@
 #include "app/replay/replay_inputs.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <string>
+#include <utility>
 
 #include "app/platform/sha256.h"
 #include "app/study/inputs.h"
+#include "app/study/recorded_head.h"
 #include "base/input_error.h"
 
 namespace foci {
 
 ReplayedGaze readReplayedGaze(const Study& study) {
-  const glm::ivec2 size_px = study.imageSize_px();
+  GazeTrace trace = loadGaze(study);
+  ReplayedGaze inputs{.study = withRecordedHead(study, trace),
+                      .trace = std::move(trace),
+                      .schedule = {},
+                      .changes = {},
+                      .markers = {}};
+  const glm::ivec2 size_px = inputs.study.imageSize_px();
   if (size_px.x % 2 != 0 || size_px.y % 2 != 0) {
     throw InputError(study.file.string(), "images of " + std::to_string(size_px.x) + "x" +
                                               std::to_string(size_px.y) +
                                               " px: expected even numbers, as H.264 wants");
   }
-  ReplayedGaze inputs{.trace = loadGaze(study), .schedule = {}, .changes = {}, .markers = {}};
+  for (const std::string& remark : headRemarks(inputs.study, inputs.trace)) {
+    std::fprintf(stderr, "foci: %s: %s\n", study.gaze.source.c_str(), remark.c_str());
+  }
   const auto& samples = inputs.trace.samples;
   const bool has_pupil = std::any_of(samples.begin(), samples.end(), [](const GazeSample& sample) {
     return sample.pupil_mm.has_value();

@@ -18,6 +18,7 @@ namespace foci {
 
 /// A recording and what happened during it.
 struct ReplayedGaze {
+  Study study;  ///< with the recording's head (`withRecordedHead`)
   GazeTrace trace;
   Schedule schedule;
   std::vector<Change> changes;

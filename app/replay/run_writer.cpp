@@ -8,13 +8,16 @@
 #include "app/record/gaze_marker.h"
 #include "app/record/manifest.h"
 #include "app/record/run_events.h"
+#include "app/replay/gaze_in_scene.h"
 #include "app/replay/report.h"
 
 namespace foci {
 namespace {
 
 constexpr const char *kVideo = "video.mp4", *kFrames = "frames.tsv", *kEvents = "events.tsv",
-                     *kManifest = "manifest.json", *kReport = "report.html";
+                     *kManifest = "manifest.json", *kReport = "report.html",
+                     *kSights = "gaze3d.tsv", *kSightFixations = "fixations3d.tsv",
+                     *kObjects = "objects.tsv";
 constexpr const char *kImage = "frame-", *kImageEnd = ".png";  // the frame's number is between
 
 /// Counts the samples of the replayed time, and those without a gaze point.
@@ -75,15 +78,18 @@ std::vector<std::filesystem::path> RunWriter::files(const Study& study,
                                                     const std::filesystem::path& out) {
   std::vector<std::filesystem::path> files;
   if (study.output.images) files = imagesIn(out);
-  for (const char* name : {kVideo, kFrames, kEvents, kManifest, kReport}) {
+  for (const char* name :
+       {kVideo, kFrames, kEvents, kSights, kSightFixations, kObjects, kManifest, kReport}) {
     files.push_back(out / name);
   }
   return files;
 }
 
-RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const std::filesystem::path& out)
+RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+                     const std::filesystem::path& out)
     : study_(study),
       gaze_(gaze),
+      cloud_(cloud),
       out_(out),
       folder_(out),
       video_file_(folder_.stage(kVideo)),
@@ -97,6 +103,7 @@ void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image
   if (seen.marker) drawGazeMarkers(seen.gaze_px, seen.record, shown);
   table_.add(frame, seen.record);
   statistics_.add(seen.record, seen.tolerance);
+  agreement_.add(seen.record);
   hash_.add(shown.rgb);
   if (study_.output.images) {
     const auto png = pngOf(shown);
@@ -112,6 +119,10 @@ RunResult RunWriter::finish(const RunFacts& run) {
   const std::vector<GazeEvent> events =
       eventsOfRun(study_, gaze_.trace, schedule.first_s, schedule.end_s());
   folder_.write(kEvents, eventTable(events));
+  const GazeInScene in_scene = lookIntoScene(study_, gaze_, cloud_, false);
+  folder_.write(kSights, sightTable(in_scene));
+  folder_.write(kSightFixations, sightFixationTable(in_scene));
+  folder_.write(kObjects, objectTable(in_scene));
 
   ReportFacts facts;
   facts.threads = run.threads;
@@ -119,11 +130,17 @@ RunResult RunWriter::finish(const RunFacts& run) {
   countDataLoss(gaze_.trace, schedule, facts);
   statistics_.fill(facts);
   facts.summary = summaryOf(schedule, events, statistics_, facts, out_);
+  facts.objects = in_scene.objects;
   facts.sheet = sheet_.images(study_.imageSize_px());
   facts.run = changesOfRun(study_, gaze_.changes, gaze_.markers, schedule.time_s(0),
                            schedule.time_s(schedule.frames - 1));
   if (const std::string warning = toleranceText(study_, facts); !warning.empty()) {
     std::fprintf(stderr, "foci: %s\n", warning.c_str());
+  }
+  if (study_.eye.recorded) {
+    for (const std::string& doubt : agreement_.doubts()) {
+      std::fprintf(stderr, "foci: %s: %s\n", study_.gaze.source.c_str(), doubt.c_str());
+    }
   }
   folder_.write(kManifest, manifestJson(study_, facts.summary,
                                         {.command = run.command,

@@ -14,6 +14,7 @@
 #include "app/replay/frame_statistics.h"
 #include "app/replay/replay_inputs.h"
 #include "app/replay/seen_frame.h"
+#include "app/replay/surface_agreement.h"
 
 namespace foci {
 
@@ -34,8 +35,9 @@ struct RunResult {
 /// If `finish` is not called, no file stays, and a new folder is removed.
 class RunWriter {
  public:
-  /// @param study, gaze  outlive it
-  RunWriter(const Study& study, const ReplayedGaze& gaze, const std::filesystem::path& out);
+  /// @param study, gaze, cloud  outlive it
+  RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+            const std::filesystem::path& out);
 
   /// @param image  without marker
   void add(std::size_t frame, const SeenFrame& seen, const Image& image);
@@ -51,6 +53,7 @@ class RunWriter {
  private:
   const Study& study_;
   const ReplayedGaze& gaze_;
+  const SurfelCloud& cloud_;
   std::filesystem::path out_;
   OutputFolder folder_;
   std::filesystem::path video_file_;
@@ -58,6 +61,7 @@ class RunWriter {
   Sha256 hash_;
   FrameTable table_;
   ContactSheet sheet_;
+  SurfaceAgreement agreement_{};
   FrameStatistics statistics_;
 };
 

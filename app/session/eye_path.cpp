@@ -1,6 +1,7 @@
 #include "app/session/eye_path.h"
 
 #include <algorithm>
+#include <cassert>
 #include <iterator>
 #include <utility>
 
@@ -16,7 +17,36 @@ EyePath::EyePath(std::vector<EyeKeyframe> keyframes, const glm::dvec3& up, std::
   if (keyframes_.empty()) throw InputError(source_, "expected at least one keyframe of the eye");
 }
 
+EyePath::EyePath(std::vector<TrackedPose> poses)
+    : poses_(std::make_shared<const std::vector<TrackedPose>>(std::move(poses))) {
+  assert(!poses_->empty());
+}
+
+bool EyePath::operator==(const EyePath& other) const {
+  const bool same_poses =
+      poses_ == other.poses_ || (poses_ && other.poses_ && *poses_ == *other.poses_);
+  return same_poses && keyframes_ == other.keyframes_ && up_ == other.up_ &&
+         source_ == other.source_;
+}
+
+glm::mat4 EyePath::headFromWorldAt(double time_s) const {
+  const auto after =
+      std::upper_bound(poses_->begin(), poses_->end(), time_s,
+                       [](double time, const TrackedPose& pose) { return time < pose.time_s; });
+  const TrackedPose& to = after == poses_->end() ? poses_->back() : *after;
+  const TrackedPose& from = after == poses_->begin() ? poses_->front() : *std::prev(after);
+  const double share =
+      &from == &to ? 0.0 : std::clamp((time_s - from.time_s) / (to.time_s - from.time_s), 0.0, 1.0);
+  const glm::dquat world_from_eye =
+      glm::normalize(glm::slerp(from.world_from_eye, to.world_from_eye, share));
+  const glm::dmat3 eye_from_world = glm::mat3_cast(glm::conjugate(world_from_eye));
+  glm::dmat4 rigid(eye_from_world);
+  rigid[3] = glm::dvec4(-(eye_from_world * glm::mix(from.position_m, to.position_m, share)), 1.0);
+  return glm::mat4(rigid);
+}
+
 glm::mat4 EyePath::eyeFromWorldAt(double time_s) const {
+  if (poses_) return headFromWorldAt(time_s);
   const auto after = std::find_if(keyframes_.begin(), keyframes_.end(),
                                   [&](const EyeKeyframe& frame) { return frame.time_s > time_s; });
   const EyeKeyframe& to = after == keyframes_.end() ? keyframes_.back() : *after;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,8 +19,17 @@ struct EyeKeyframe {
   bool operator==(const EyeKeyframe&) const = default;
 };
 
+/// A rigid pose of the eye, as a head tracker measures it.
+struct TrackedPose {
+  double time_s = 0.0;  ///< after the recording's first sample
+  glm::dvec3 position_m{0.0};
+  glm::dquat world_from_eye{1.0, 0.0, 0.0, 0.0};  ///< unit; the eye looks along -z, y is up
+  bool operator==(const TrackedPose&) const = default;
+};
+
 /// Between keyframes the pose is interpolated linearly. Outside them the eye has the
-/// pose of the nearest one.
+/// pose of the nearest one. Between the poses of a head tracker the position is interpolated
+/// linearly, and the orientation along the shortest arc (slerp, Shoemake 1985).
 class EyePath {
  public:
   /// At the origin, looking along -z.
@@ -30,17 +41,26 @@ class EyePath {
   explicit EyePath(std::vector<EyeKeyframe> keyframes, const glm::dvec3& up = {0.0, 1.0, 0.0},
                    std::string source = "eye path");
 
+  /// @param poses  at least one (asserted), by time
+  explicit EyePath(std::vector<TrackedPose> poses);
+
+  /// Whether a head tracker moves the eye: what rests in the world then moves in the view.
+  bool followsHead() const { return poses_ != nullptr; }
+
   /// @param time_s  after the recording's first sample
   /// @throws InputError where the line of sight has no length or runs along up, as between two
   ///   keyframes that lead the eye through the point it looks at
   glm::mat4 eyeFromWorldAt(double time_s) const;
 
-  bool operator==(const EyePath&) const = default;
+  bool operator==(const EyePath& other) const;
 
  private:
-  std::vector<EyeKeyframe> keyframes_;
-  glm::dvec3 up_;
-  std::string source_;
+  glm::mat4 headFromWorldAt(double time_s) const;
+
+  std::shared_ptr<const std::vector<TrackedPose>> poses_{};  // null: `keyframes_` hold
+  std::vector<EyeKeyframe> keyframes_{};
+  glm::dvec3 up_{0.0, 1.0, 0.0};
+  std::string source_{};
 };
 
 }  // namespace foci

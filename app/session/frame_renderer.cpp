@@ -115,7 +115,7 @@ void FrameRenderer::renderOnAnyDevice(const RenderRequest& request, bool keep_le
 
 void FrameRenderer::renderViews(const RenderRequest& request, bool keep_level,
                                 RenderedFrame& rendered) {
-  const bool mono = request.stereo == StereoView::mono;
+  const bool single = request.eyes.size() == 1;
   const std::optional<QualityLevel> level = qualityLevelFrom(request.method);
   Method& method = methodNamed(request.method);
   Frame& frame = rendered.frame;
@@ -130,7 +130,7 @@ void FrameRenderer::renderViews(const RenderRequest& request, bool keep_level,
     // Every view of a frame uses the same quality level, so that the log has one value per frame.
     settings.quality.keep_level = std::exchange(keep_level, true);
     if (settings.quality.frame_ms) *settings.quality.frame_ms /= renders;
-    Frame& seen = mono ? frame : eye_frame_;
+    Frame& seen = single ? frame : eye_frame_;
     const RenderStats stats = method.render(eye.view, settings, seen);
     rendered.stats.add(stats);
     // The budget makes the level depend on the machine, so the record names the level.
@@ -144,7 +144,7 @@ void FrameRenderer::renderViews(const RenderRequest& request, bool keep_level,
       method.render(eye.view, settings, sharp_);
       splitWithSharp(seen, sharp_);
     }
-    if (!mono) putEye(request.stereo, eye, seen, frame);
+    if (!single) putEye(request.stereo, eye, seen, frame);
   }
   rendered.request = request;
 }

@@ -95,10 +95,15 @@ void Session::changeSettings(const SessionSettings& settings) {
 View Session::middleViewAt(double time_s) const {
   return viewThroughScreen(settings_.path.eyeFromWorldAt(time_s - start_s_),
                            settings_.output.size_px, settings_.screen.size_m,
-                           settings_.screen.distance_m);
+                           settings_.screen.distance_m, settings_.screen.faced_m);
 }
 
 std::vector<EyeView> Session::viewsAt(double time_s) const {
+  const OutputView& output = settings_.output;
+  if (settings_.headset && output.stereo != StereoView::mono) {
+    return headsetViews(output.stereo, settings_.path.eyeFromWorldAt(time_s - start_s_),
+                        *settings_.headset, output.size_px, settings_.observer.ipd_mm / 1000.0);
+  }
   return eyeViews(settings_.output.stereo, middleViewAt(time_s), settings_.observer.ipd_mm / 1000.0,
                   settings_.screen.distance_m);
 }
@@ -112,6 +117,21 @@ std::optional<double> Session::surfaceDistance(double time_s, const glm::dvec3& 
                          settings_.focus.coverage);
 }
 
+/// Where the session's screen shows at `now_s` what gaze met at `then_s`. A head that turns in
+/// between takes the screen with it.
+std::optional<glm::dvec2> Session::onScreen_px(const glm::dvec2& point_px, double then_s,
+                                               double now_s) const {
+  if (!settings_.path.followsHead()) {
+    return onOtherScreen_px(gaze_screen_, settings_.screen, point_px);
+  }
+  const auto turnAt = [&](double time_s) {
+    return glm::dmat3(settings_.path.eyeFromWorldAt(time_s - start_s_));
+  };
+  const glm::dvec3 sight_world =
+      glm::transpose(turnAt(then_s)) * lineOfSight(gaze_screen_, point_px);
+  return pointOnScreen_px(settings_.screen, turnAt(now_s) * sight_world);
+}
+
 FrameRecord Session::look(double time_s) {
   FrameRecord record{.time_s = time_s,
                      .eye = follower_.at(time_s),
@@ -122,12 +142,14 @@ FrameRecord Session::look(double time_s) {
                      .stats = {}};
   // Rendering takes post-saccadic oscillation for a part of the saccade.
   if (record.eye.state == GazeState::oscillation) record.eye.state = GazeState::saccade;
-  const auto on_screen = [&](const std::optional<glm::dvec2>& point_px) {
-    return point_px ? onOtherScreen_px(gaze_screen_, settings_.screen, *point_px) : std::nullopt;
+  const auto on_screen = [&](const std::optional<glm::dvec2>& point_px, double at_s) {
+    return point_px ? onScreen_px(*point_px, at_s, time_s) : std::nullopt;
   };
   const bool seen = record.eye.state != GazeState::blink && record.eye.state != GazeState::lost;
-  if (record.eye.sample && seen) record.gaze_px = on_screen(record.eye.sample->point_px);
-  record.fixation_px = on_screen(record.eye.fixation_px);
+  if (record.eye.sample && seen) {
+    record.gaze_px = on_screen(record.eye.sample->point_px, record.eye.sample->time_s);
+  }
+  record.fixation_px = on_screen(record.eye.fixation_px, record.eye.fixation_time_s);
   finishLook(record);
   return record;
 }

@@ -107,6 +107,8 @@ class Session {
   bool isUnseen(const FrameRecord& record) const;
   RenderRequest requestWith(const std::string& method, const FrameRecord& record, double focus_D,
                             double pupil_mm) const;
+  std::optional<glm::dvec2> onScreen_px(const glm::dvec2& point_px, double then_s,
+                                        double now_s) const;
   View middleViewAt(double time_s) const;
   std::vector<EyeView> viewsAt(double time_s) const;
   std::optional<double> surfaceDistance(double time_s, const glm::dvec3& direction_eye,

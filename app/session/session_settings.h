@@ -42,6 +42,9 @@ struct QualitySettings {
   bool foveated = false;             ///< no finer than the eye resolves away from the gaze
 };
 
+/// What shows the frames: a screen at rest, or one that moves with the head.
+enum class DisplayKind { screen, headset };
+
 /// What renders the frames.
 enum class RenderDevice {
   automatic,  ///< a GPU, unless OpenGL is missing, older than 4.5, or in software
@@ -61,7 +64,9 @@ struct SessionSettings {
   float shading = 0.0f;        ///< 0 to 1: how much colour falls off with the angle of sight
   EyePath path{};
   Screen screen = defaultScreen();  ///< that the frames are shown on
-  double luminance_cd_m2 = 120.0;   ///< of the screen's white
+  /// The left eye's field of a headset. `screen` is then what both eyes see of its display.
+  std::optional<EyeField> headset{};
+  double luminance_cd_m2 = 120.0;  ///< of the screen's white
   ObserverSettings observer{};
   EventSettings events{};
   FocusSettings focus{};

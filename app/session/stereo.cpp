@@ -1,28 +1,73 @@
 #include "app/session/stereo.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <utility>
 
 #include "base/parallel.h"
+#include "gaze/geometry/headset.h"
 
 namespace foci {
+
+namespace {
+
+glm::mat4 shifted(const glm::mat4& middle_from_world, double offset_m) {
+  return glm::translate(glm::mat4(1.0f), {-static_cast<float>(offset_m), 0.0f, 0.0f}) *
+         middle_from_world;
+}
+
+/// 0: the left eye, 1: the right one.
+std::vector<int> sidesIn(StereoView stereo) {
+  if (stereo == StereoView::left) return {0};
+  if (stereo == StereoView::right) return {1};
+  return {0, 1};
+}
+
+}  // namespace
+
+glm::ivec2 viewsAcross(StereoView stereo) {
+  if (stereo == StereoView::side_by_side) return {2, 1};
+  if (stereo == StereoView::top_bottom) return {1, 2};
+  return {1, 1};
+}
 
 std::vector<EyeView> eyeViews(StereoView stereo, const View& middle, double ipd_m,
                               double distance_m) {
   if (stereo == StereoView::mono) return {{.view = middle}};
-  glm::ivec2 parts(1, 1);
-  if (stereo == StereoView::side_by_side) parts.x = 2;
-  if (stereo == StereoView::top_bottom) parts.y = 2;
+  const glm::ivec2 parts = viewsAcross(stereo);
   std::vector<EyeView> eyes;
-  for (const int side : {0, 1}) {
+  for (const int side : sidesIn(stereo)) {
     EyeView eye{.offset_m = (side == 0 ? -0.5 : 0.5) * ipd_m, .view = middle};
     const auto offset_m = static_cast<float>(eye.offset_m);
-    eye.view.eye_from_world =
-        glm::translate(glm::mat4(1.0f), {-offset_m, 0.0f, 0.0f}) * middle.eye_from_world;
+    eye.view.eye_from_world = shifted(middle.eye_from_world, eye.offset_m);
     eye.view.size_px = middle.size_px / parts;
     eye.view.focal_px = middle.focal_px / glm::vec2(parts);
     eye.view.principal_px = middle.principal_px / glm::vec2(parts);
     eye.view.principal_px.x += offset_m * eye.view.focal_px.x / static_cast<float>(distance_m);
+    eye.corner_px = side * (parts - 1) * eye.view.size_px;
+    eyes.push_back(eye);
+  }
+  return eyes;
+}
+
+std::vector<EyeView> headsetViews(StereoView stereo, const glm::mat4& middle_from_world,
+                                  const EyeField& left_eye, const glm::ivec2& size_px,
+                                  double ipd_m) {
+  const glm::ivec2 parts = viewsAcross(stereo);
+  const auto tangent = [](double deg) { return std::tan(glm::radians(deg)); };
+  std::vector<EyeView> eyes;
+  for (const int side : sidesIn(stereo)) {
+    EyeField field = stereo == StereoView::anaglyph ? fieldOfBothEyes(left_eye) : left_eye;
+    if (side == 1) std::swap(field.left_deg, field.right_deg);
+    const glm::dvec2 before(tangent(field.left_deg), tangent(field.up_deg));
+    const glm::dvec2 behind(tangent(field.right_deg), tangent(field.down_deg));
+    EyeView eye{.offset_m = (side == 0 ? -0.5 : 0.5) * ipd_m, .view = {}};
+    eye.view.eye_from_world = shifted(middle_from_world, eye.offset_m);
+    eye.view.size_px = size_px / parts;
+    const glm::dvec2 focal_px = glm::dvec2(eye.view.size_px) / (before + behind);
+    eye.view.focal_px = glm::vec2(focal_px);
+    eye.view.principal_px = glm::vec2(before * focal_px);
     eye.corner_px = side * (parts - 1) * eye.view.size_px;
     eyes.push_back(eye);
   }

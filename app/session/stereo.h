@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "gaze/geometry/gaze_sample.h"
 #include "render/image/frame.h"
 #include "render/optics/view.h"
 
@@ -15,7 +16,12 @@ namespace foci {
 ///                 the width, as stereo displays expect
 ///   top_bottom    left eye above, right eye below, squeezed likewise
 ///   anaglyph      red from the left eye, green and blue from the right
-enum class StereoView { mono, side_by_side, top_bottom, anaglyph };
+///   left, right   one eye where it is
+/// A headset's views are not squeezed: the image has room for both.
+enum class StereoView { mono, side_by_side, top_bottom, anaglyph, left, right };
+
+/// How many views an image has beside each other, and one above the other.
+glm::ivec2 viewsAcross(StereoView stereo);
 
 struct EyeView {
   double offset_m = 0.0;  ///< of the eye from the middle between both, to the right
@@ -35,8 +41,19 @@ struct EyeView {
 std::vector<EyeView> eyeViews(StereoView stereo, const View& middle, double ipd_m,
                               double distance_m);
 
+/// The views of a headset's image. The eyes look straight ahead, each through its own display,
+/// whose frustum is asymmetric:
+///   focal_px = size_px / (tan left + tan right, tan up + tan down)
+/// In an anaglyph, which overlays the views, each eye has the field of both.
+/// @param left_eye  the right eye's field is its mirror image
+/// @param stereo    not mono, which has the view of an eye in the middle
+/// @param size_px   of the image
+std::vector<EyeView> headsetViews(StereoView stereo, const glm::mat4& middle_from_world,
+                                  const EyeField& left_eye, const glm::ivec2& size_px,
+                                  double ipd_m);
+
 /// Copies the frame of one eye to its place in `image`, which has its size and no depth. Not for
-/// mono, where the frame is the image.
+/// an image of one view, where the frame is the image.
 void putEye(StereoView stereo, const EyeView& eye, const Frame& frame, Frame& image);
 
 /// Where `eye` has a point in the image.

@@ -32,8 +32,8 @@ std::vector<glm::dvec2> attractivePoints_px(const Study& study, const glm::mat4&
   const glm::dvec2 size_px(screen.size_px);
   std::vector<glm::dvec2> points_px;
   if (!study.scene.file && study.scene.builtin == "gallery") {
-    const View view =
-        viewThroughScreen(eye_from_world, screen.size_px, screen.size_m, screen.distance_m);
+    const View view = viewThroughScreen(eye_from_world, screen.size_px, screen.size_m,
+                                        screen.distance_m, screen.faced_m);
     for (const PointOfInterest& point : galleryPointsOfInterest()) {
       const glm::vec3 p_eye(eye_from_world * glm::vec4(point.p_world, 1.0f));
       if (p_eye.z > -view.near_m) continue;
@@ -142,7 +142,7 @@ SurfelCloud builtinScene(const Study& study) {
 SurfelCloud loadScene(const Study& study, std::optional<SceneFile> scene) {
   SurfelCloud cloud =
       study.scene.file ? loadSceneFile(study, std::move(scene)) : builtinScene(study);
-  if (study.scene.file || study.eye.position_m || !study.eye.path.empty()) {
+  if (study.scene.file || study.eye.position_m || !study.eye.path.empty() || study.eye.recorded) {
     for (const std::string& remark : viewRemarks(study, cloud)) {
       std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark.c_str());
     }
@@ -155,10 +155,8 @@ namespace {
 GazeTrace loadNamedGaze(const Study& study) {
   if (study.gazeIsSimulated()) return simulate(study);
   if (const auto place = webcamPlaceOf(study.gaze.source)) return traceOfWebcam(study, *place);
-  TraceColumns columns = study.gaze.columns;
-  columns.mapped_later = study.gaze.map.has_value();
-  GazeTrace trace =
-      readTrace(study.gaze.source, columns, study.screenInForce(), study.record.rate_Hz);
+  GazeTrace trace = readTrace(study.gaze.source, study.columnsInForce(), study.screenInForce(),
+                              study.record.rate_Hz);
   if (!study.gaze.map) return trace;
   const GazeCalibration calibration = readGazeCalibration(*study.gaze.map, /*webcam=*/false);
   if (const auto* both_eyes = std::get_if<BinocularCalibration>(&calibration)) {

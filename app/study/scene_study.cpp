@@ -32,8 +32,12 @@ std::string frameScene(Study& study, const SceneFacts& facts, const std::optiona
          ": shaded by render.shading = " + exactText(kPlainShading);
 }
 
-void frameScene(Study& study, const SceneFacts& facts, const Framing& framing) {
+void shadePlainScene(Study& study, const SceneFacts& facts) {
   if (isPlain(facts)) study.render.shading = kPlainShading;
+}
+
+void frameScene(Study& study, const SceneFacts& facts, const Framing& framing) {
+  shadePlainScene(study, facts);
   study.scene.scale_m = framing.scale_m;
   study.eye.position_m = framing.position_m;
   study.eye.look_at_m = framing.look_at_m;

@@ -23,6 +23,9 @@ std::string frameScene(Study& study, const SceneFacts& facts, const std::optiona
 /// shows.
 void frameScene(Study& study, const SceneFacts& facts, const Framing& framing);
 
+/// Shades a scene of one colour, as `frameScene` does.
+void shadePlainScene(Study& study, const SceneFacts& facts);
+
 /// A study that `readStudy` takes, with comments. Its paths are relative to the folder of `file`.
 /// @param about  more lines for its head; may be empty
 std::string writtenStudy(const std::filesystem::path& file, const Study& study,

@@ -1,6 +1,7 @@
 #include "app/study/session_settings_of.h"
 
 #include "app/study/inputs.h"
+#include "base/input_error.h"
 #include "render/methods/method.h"
 
 namespace foci {
@@ -18,11 +19,16 @@ Refraction refractionInForce(const Study::Observer& observer) {
 
 EyePath eyePathOf(const Study& study) {
   const std::string file = study.file.string();
+  if (study.eye.recorded) return *study.eye.recorded;
   if (!study.eye.path.empty()) return EyePath(study.eye.path, study.eye.up, file);
   EyeKeyframe pose{.up = study.eye.up};
   if (study.eye.position_m) {
     pose.position_m = *study.eye.position_m;
     pose.look_at_m = *study.eye.look_at_m;
+  } else if (study.scene.file) {
+    throw InputError(file,
+                     "eye.position_m: expected for a scene from a file, as is eye.look_at_m; a "
+                     "recording's head moves the eye in foci replay only");
   } else {
     const EyePose builtin = builtinPose(study);
     pose.position_m = builtin.position_m;
@@ -37,6 +43,9 @@ SessionSettings sessionSettingsOf(const Study& study) {
           .shading = static_cast<float>(study.render.shading),
           .path = eyePathOf(study),
           .screen = study.screenInForce(),
+          .headset = study.display.kind == DisplayKind::headset
+                         ? std::optional(study.display.field())
+                         : std::nullopt,
           .luminance_cd_m2 = study.screen.luminance_cd_m2,
           .observer = {.pupil = study.observer.pupil,
                        .pupil_mm = study.observer.pupil_mm,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "app/study/gaze_calibration.h"
+#include "app/study/recorded_head.h"
 #include "app/study/study_keys.h"
 #include "app/study/toml_values.h"
 #include "base/input_error.h"
@@ -136,6 +137,12 @@ void checkGaze(const Study& study) {
     }
   }
   if (study.gaze.camera) readCamera(*study.gaze.camera);
+  if (!(glm::length(study.gaze.alignment.rotation) > 1e-3)) {
+    refuse(study, "gaze.scene_rotation: expected a quaternion x, y, z, w that is not 0");
+  }
+  if (study.gaze.map && recordsHead(study)) {
+    refuse(study, "gaze.map: expected a recording on a screen, not one with head poses");
+  }
 }
 
 /// @param name  of the pose, for messages
@@ -153,6 +160,13 @@ void checkPose(const Study& study, const EyeKeyframe& pose, const std::string& n
 
 void checkEye(const Study& study) {
   const Study::Eye& eye = study.eye;
+  if (recordsHead(study)) {
+    if (eye.position_m || !eye.path.empty()) {
+      refuse(study, std::string(eye.path.empty() ? "eye.position_m" : "eye.path") +
+                        ": the head of the recording moves the eye; expected only one of them");
+    }
+    return;
+  }
   if (eye.position_m.has_value() != eye.look_at_m.has_value()) {
     refuse(study, "eye.position_m and eye.look_at_m: expected both or neither");
   }
@@ -193,7 +207,36 @@ void checkStudy(const Study& study) {
   checkOutput(study);
 }
 
+EyeField Study::Display::field() const {
+  if (!field_deg) return {};
+  return {.left_deg = field_deg->x,
+          .right_deg = field_deg->y,
+          .up_deg = field_deg->z,
+          .down_deg = field_deg->w};
+}
+
+TraceColumns Study::columnsInForce() const {
+  TraceColumns columns = gaze.columns;
+  columns.mapped_later = gaze.map.has_value();
+  if (display.field_deg) columns.field = display.field();
+  columns.pixels_per_degree = display.pixels_per_degree;
+  return columns;
+}
+
+glm::ivec2 Study::imageSize_px() const {
+  if (output.size_px) return *output.size_px;
+  if (display.kind == DisplayKind::screen || output.view == StereoView::mono) {
+    return screenInForce().size_px;
+  }
+  const EyeField field =
+      output.view == StereoView::anaglyph ? fieldOfBothEyes(display.field()) : display.field();
+  return viewsAcross(output.view) * headsetScreen(field, display.pixels_per_degree).size_px;
+}
+
 Screen Study::screenInForce() const {
+  if (display.kind == DisplayKind::headset) {
+    return headsetScreen(fieldOfBothEyes(display.field()), display.pixels_per_degree);
+  }
   return {.size_px = screen.size_px, .size_m = screen.size_m, .distance_m = screen.distance_m};
 }
 

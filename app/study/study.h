@@ -21,6 +21,16 @@
 
 namespace foci {
 
+/// A part of the scene with a name: a box along the axes, or a sphere.
+struct NamedShape {
+  std::string name;
+  glm::dvec3 center_m{0.0};
+  std::optional<glm::dvec3> size_m;  ///< edges of a box
+  std::optional<double> radius_m;    ///< of a sphere; one of the two is there
+
+  bool holds(const glm::dvec3& point_m) const;
+};
+
 struct Study {
   std::filesystem::path file;
 
@@ -29,6 +39,7 @@ struct Study {
     std::string builtin = "gallery";  ///< shown if there is no file
     double scale_m = 1.0;             ///< metres per unit of the file
     glm::dvec3 background{0.0};       ///< linear RGB
+    std::vector<NamedShape> objects;  ///< what gaze meets within them is on them
   } scene;
 
   struct Eye {
@@ -36,6 +47,8 @@ struct Study {
     std::optional<glm::dvec3> look_at_m;
     glm::dvec3 up{0.0, 1.0, 0.0};
     std::vector<EyeKeyframe> path;  ///< by time; empty: the eye stands still
+    /// The head of the recording, once it is read (recorded_head.h). No key sets it.
+    std::optional<EyePath> recorded;
   } eye;
 
   struct ScreenChoice {
@@ -47,6 +60,16 @@ struct Study {
     double luminance_cd_m2 = 120.0;  ///< of white
     bool is_default = true;          ///< the study says nothing about its screen
   } screen;
+
+  struct Display {
+    DisplayKind kind = DisplayKind::screen;
+    /// Left, right, up, down: what the left eye sees; the right eye's field is its mirror image.
+    /// Absent: the recording's, else `EyeField`.
+    std::optional<glm::dvec4> field_deg;
+    double pixels_per_degree = kHeadsetPixelsPerDegree;
+
+    EyeField field() const;
+  } display;
 
   struct Observer {
     PupilModel pupil = PupilModel::fixed;
@@ -61,6 +84,7 @@ struct Study {
   struct Gaze {
     std::string source = "simulated";  ///< or a file, as the study or the option names it
     TraceColumns columns;
+    SceneAlignment alignment;
     std::optional<std::filesystem::path> map;     ///< of foci calibrate gaze; applied to recordings
     std::optional<std::filesystem::path> camera;  ///< of foci calibrate camera
     /// Data loss up to 75 ms is filled, as in Tobii's I-VT filter, so that focus follows through.
@@ -106,9 +130,13 @@ struct Study {
   std::int64_t seed = 1;
 
   bool gazeIsSimulated() const { return gaze.source == "simulated"; }
-  /// The screen in force: that of the study, of its monitor file, or the default one.
+  /// The screen in force: that of the study, of its monitor file, the default one, or what both
+  /// eyes see of a headset's display.
   Screen screenInForce() const;
-  glm::ivec2 imageSize_px() const { return output.size_px.value_or(screen.size_px); }
+  /// Of all views of a frame together.
+  glm::ivec2 imageSize_px() const;
+  /// How to read the recording.
+  TraceColumns columnsInForce() const;
 };
 
 /// @throws InputError naming file, line, key and value where the table of keys forbids something

@@ -15,13 +15,20 @@
 
 namespace foci {
 
-// `eye.path` has a type of its own; toml_values.h has the others.
+// `eye.path` and `scene.object` have types of their own; toml_values.h has the others.
+static void read(const toml::value& from, const Allowed&, std::vector<NamedShape>& to);
+static std::string write(const std::vector<NamedShape>& shapes);
 static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
 static std::string write(const std::vector<EyeKeyframe>& path);
 
 namespace {
 
-/// A key of the table T: Study, or EyeKeyframe within `eye.path`.
+std::optional<std::string> expectedAxes(std::string_view axes) {
+  if (AxisConvention::named(axes)) return std::nullopt;
+  return std::string(kAxesExpected);
+}
+
+/// A key of the table T: Study, EyeKeyframe within `eye.path`, NamedShape within `scene.object`.
 template <class T>
 struct Key {
   std::string_view name;
@@ -53,6 +60,10 @@ Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}
   key < EyeKeyframe, [](auto& frame) -> auto& { return frame.member; } \
   > (__VA_ARGS__)
 
+#define FOCI_SHAPE_KEY(member, ...)                                   \
+  key < NamedShape, [](auto& shape) -> auto& { return shape.member; } \
+  > (__VA_ARGS__)
+
 constexpr double kFar_m = 1e6;  // a float there has steps of 6 cm
 
 const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
@@ -66,6 +77,16 @@ const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
   return keys;
 }
 
+const std::vector<Key<NamedShape>>& shapeKeys() {
+  static const std::vector<Key<NamedShape>> keys = {
+      FOCI_SHAPE_KEY(name, "name", "name of the object in the tables"),
+      FOCI_SHAPE_KEY(center_m, "center_m", "centre, m", {-kFar_m, kFar_m}),
+      FOCI_SHAPE_KEY(size_m, "size_m", "edges of a box along the axes, m", {1e-6, kFar_m}),
+      FOCI_SHAPE_KEY(radius_m, "radius_m", "radius of a sphere, m", {1e-6, kFar_m}),
+  };
+  return keys;
+}
+
 const std::vector<Key<Study>>& studyKeys() {
   static const std::vector<Key<Study>> keys = {
       FOCI_KEY(scene.file, "scene.file",
@@ -75,6 +96,9 @@ const std::vector<Key<Study>>& studyKeys() {
                {.words = {"gallery", "plane"}}),
       FOCI_KEY(scene.scale_m, "scene.scale_m", "metres per unit of the file", {1e-6, 1e6}),
       FOCI_KEY(scene.background, "scene.background", "linear RGB behind everything", {0, 1}),
+      FOCI_KEY(scene.objects, "scene.object",
+               "named boxes { name, center_m, size_m } and spheres { name, center_m, radius_m }: "
+               "gaze that meets a surface within one is on that object; the first one counts"),
       FOCI_KEY(eye.position_m, "eye.position_m", "where the eye is, m", {-kFar_m, kFar_m}),
       FOCI_KEY(eye.look_at_m, "eye.look_at_m", "point that the centre of the screen shows, m",
                {-kFar_m, kFar_m}),
@@ -90,6 +114,17 @@ const std::vector<Key<Study>>& studyKeys() {
                "gamma of the display, light = code^gamma; absent: sRGB", {1, 4}),
       FOCI_KEY(screen.luminance_cd_m2, "screen.luminance_cd_m2", "luminance of white, cd/m^2",
                {1, 10000}),
+      FOCI_KEY(display.kind, "display.kind",
+               "a screen that stands still, or a headset, whose screen moves with the head and "
+               "replaces the sizes in [screen]; without a [screen], a recording with head poses "
+               "takes a headset",
+               {.words = studyWords<DisplayKind>()}),
+      FOCI_KEY(display.field_deg, "display.field_deg",
+               "what the left eye sees of a headset: to the left, right, up and down, deg; the "
+               "right eye sees the mirror image; absent: as the recording says, else 50 each",
+               {1, 80}),
+      FOCI_KEY(display.pixels_per_degree, "display.pixels_per_degree",
+               "resolution of a headset straight ahead, px/deg", {1, 100}),
       FOCI_KEY(observer.pupil, "observer.pupil",
                "fixed, from the recording, or from the luminance of the images",
                {.words = studyWords<PupilModel>()}),
@@ -130,6 +165,65 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.columns.eyes[1].y, "gaze.right_y", "column of the right eye's position"),
       FOCI_KEY(gaze.columns.eyes[1].pupil, "gaze.right_pupil",
                "column of the right pupil's diameter"),
+      FOCI_KEY(gaze.columns.space.both.direction, "gaze.direction",
+               "columns x, y, z of the line of sight, as a unit vector"),
+      FOCI_KEY(gaze.columns.space.both.angles, "gaze.angles",
+               "columns of the line of sight as angles: to the right, upwards"),
+      FOCI_KEY(gaze.columns.space.both.quaternion, "gaze.quaternion",
+               "columns x, y, z, w of the line of sight, as a rotation of straight ahead"),
+      FOCI_KEY(gaze.columns.space.both.point, "gaze.point",
+               "columns x, y, z of the point in space that the line of sight meets"),
+      FOCI_KEY(gaze.columns.space.both.origin, "gaze.origin",
+               "columns x, y, z of the point where the line of sight begins"),
+      FOCI_KEY(gaze.columns.space.eyes[0].direction, "gaze.left_direction",
+               "columns x, y, z of the left eye's line of sight, as a unit vector"),
+      FOCI_KEY(gaze.columns.space.eyes[0].angles, "gaze.left_angles",
+               "columns of the left eye's line of sight as angles: to the right, upwards"),
+      FOCI_KEY(
+          gaze.columns.space.eyes[0].quaternion, "gaze.left_quaternion",
+          "columns x, y, z, w of the left eye's line of sight, as a rotation of straight ahead"),
+      FOCI_KEY(gaze.columns.space.eyes[0].point, "gaze.left_point",
+               "columns x, y, z of the point in space that the left eye's line of sight meets"),
+      FOCI_KEY(gaze.columns.space.eyes[0].origin, "gaze.left_origin",
+               "columns x, y, z of the point where the left eye's line of sight begins"),
+      FOCI_KEY(gaze.columns.space.eyes[1].direction, "gaze.right_direction",
+               "columns x, y, z of the right eye's line of sight, as a unit vector"),
+      FOCI_KEY(gaze.columns.space.eyes[1].angles, "gaze.right_angles",
+               "columns of the right eye's line of sight as angles: to the right, upwards"),
+      FOCI_KEY(
+          gaze.columns.space.eyes[1].quaternion, "gaze.right_quaternion",
+          "columns x, y, z, w of the right eye's line of sight, as a rotation of straight ahead"),
+      FOCI_KEY(gaze.columns.space.eyes[1].point, "gaze.right_point",
+               "columns x, y, z of the point in space that the right eye's line of sight meets"),
+      FOCI_KEY(gaze.columns.space.eyes[1].origin, "gaze.right_origin",
+               "columns x, y, z of the point where the right eye's line of sight begins"),
+      FOCI_KEY(gaze.columns.space.head_position, "gaze.head_position",
+               "columns x, y, z of the head's place; the head then moves the eye"),
+      FOCI_KEY(gaze.columns.space.head_quaternion, "gaze.head_quaternion",
+               "columns x, y, z, w of the head's orientation"),
+      FOCI_KEY(gaze.columns.space.head_angles, "gaze.head_angles",
+               "columns of the head's turn to the right, upwards, and roll to the right, instead "
+               "of the quaternion"),
+      FOCI_KEY(gaze.columns.space.frame, "gaze.frame",
+               "frame of the gaze columns beside a head's pose",
+               {.words = studyWords<std::optional<SightFrame>>()}),
+      FOCI_KEY(gaze.columns.space.axes, "gaze.axes",
+               "where x, y and z of the recording point, e.g. right-up-back (OpenXR), "
+               "right-up-forward (Unity) or right-down-forward (OpenCV)",
+               {.expected = expectedAxes}),
+      FOCI_KEY(gaze.columns.space.angle_units, "gaze.angle_units", "unit of angles",
+               {.words = studyWords<AngleUnit>()}),
+      FOCI_KEY(gaze.columns.space.head_scale_m, "gaze.head_scale_m",
+               "metres per unit of the head's place", {1e-9, 1e6}),
+      FOCI_KEY(gaze.columns.space.origin_scale_m, "gaze.origin_scale_m",
+               "metres per unit of origins and points in space", {1e-9, 1e6}),
+      FOCI_KEY(gaze.alignment.rotation, "gaze.scene_rotation",
+               "quaternion x, y, z, w that turns the recording's world to the scene's axes",
+               {-1, 1}),
+      FOCI_KEY(gaze.alignment.scale, "gaze.scene_scale",
+               "scene's metres per metre of the recording", {1e-6, 1e6}),
+      FOCI_KEY(gaze.alignment.offset_m, "gaze.scene_offset_m",
+               "where the recording's origin lies in the scene, m", {-kFar_m, kFar_m}),
       FOCI_KEY(gaze.columns.missing, "gaze.missing", "number that means no position or no pupil",
                {-1e9, 1e9}),
       FOCI_KEY(gaze.columns.scale, "gaze.scale", "position in gaze.units = scale * column + offset",
@@ -204,9 +298,11 @@ const std::vector<Key<Study>>& studyKeys() {
                "follows the frame number, for a photodiode; 0: none",
                {0, 1000}),
       FOCI_KEY(output.images, "output.images", "also saves every frame as a PNG"),
-      FOCI_KEY(output.view, "output.view",
-               "one eye in the middle, or both: left beside right, left above right, left red",
-               {.words = studyWords<StereoView>()}),
+      FOCI_KEY(
+          output.view, "output.view",
+          "one eye in the middle, or both: left beside right, left above right, left red; or the "
+          "left or the right eye alone",
+          {.words = studyWords<StereoView>()}),
       FOCI_KEY(record.frames, "record.frames",
                "frames.tsv of a live run, with times and methods, instead of output.fps"),
       FOCI_KEY(record.changes, "record.changes", "changes.tsv of a live run"),
@@ -224,6 +320,7 @@ const std::vector<Key<Study>>& studyKeys() {
 
 #undef FOCI_KEY
 #undef FOCI_KEYFRAME_KEY
+#undef FOCI_SHAPE_KEY
 
 std::string place(const std::string& file, const toml::value& value) {
   return file + ":" + std::to_string(value.location().line());
@@ -282,42 +379,75 @@ KeyNames apply(const std::vector<Key<T>>& keys, const toml::table& table, const 
 
 }  // namespace
 
-static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to) {
-  const std::string what = "a list of at most 10000 { time_s, position_m, look_at_m }";
+/// Reads a list of tables. @param what  it is, for messages @param each  one element is
+/// @param check  throws Expected for a table that lacks a key
+template <class T, class Check>
+static void readList(const toml::value& from, const std::vector<Key<T>>& keys,
+                     const std::string& what, const std::string& each, std::vector<T>& to,
+                     const Check& check) {
   if (!from.is_array() || from.as_array().empty() || from.as_array().size() > 10000) {
     throw Expected{what};
   }
   for (const toml::value& element : from.as_array()) {
     if (!element.is_table()) throw Expected{what};
-    EyeKeyframe frame;
+    T value;
     // The caller, who knows the name of the file, puts it before the message.
     KeyNames given;
     try {
-      given = apply(keyframeKeys(), element.as_table(), "", "", frame);
+      given = apply(keys, element.as_table(), "", "", value);
     } catch (const InputError& error) {
       const std::string_view text = error.what();
-      throw Expected{"a list of keyframes, but line " + std::string(text.substr(1))};
+      throw Expected{"a list of " + each + "s, but line " + std::string(text.substr(1))};
     }
-    for (const char* needed : {"time_s", "position_m", "look_at_m"}) {
-      if (!given.contains(needed)) {
-        throw Expected{std::string(needed) + " in each keyframe"};
-      }
-    }
-    to.push_back(frame);
+    check(given);
+    to.push_back(value);
   }
 }
 
-static std::string write(const std::vector<EyeKeyframe>& path) {
+/// A list of tables as JSON.
+template <class T>
+static std::string writeList(const std::vector<T>& values, const std::vector<Key<T>>& keys) {
   std::string text = "[";
-  for (const EyeKeyframe& frame : path) {
+  for (const T& value : values) {
     text += text.size() > 1 ? ", {" : "{";
-    for (const auto& key : keyframeKeys()) {
-      text += (key.name == "time_s" ? "\"" : ", \"") + std::string(key.name) +
-              "\": " + key.write(frame);
+    for (const auto& key : keys) {
+      text +=
+          (&key == keys.data() ? "\"" : ", \"") + std::string(key.name) + "\": " + key.write(value);
     }
     text += "}";
   }
   return text + "]";
+}
+
+static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to) {
+  readList(from, keyframeKeys(), "a list of at most 10000 { time_s, position_m, look_at_m }",
+           "keyframe", to, [](const KeyNames& given) {
+             for (const char* needed : {"time_s", "position_m", "look_at_m"}) {
+               if (!given.contains(needed)) {
+                 throw Expected{std::string(needed) + " in each keyframe"};
+               }
+             }
+           });
+}
+
+static std::string write(const std::vector<EyeKeyframe>& path) {
+  return writeList(path, keyframeKeys());
+}
+
+static void read(const toml::value& from, const Allowed&, std::vector<NamedShape>& to) {
+  readList(from, shapeKeys(), "a list of at most 10000 { name, center_m, size_m or radius_m }",
+           "shape", to, [](const KeyNames& given) {
+             for (const char* needed : {"name", "center_m"}) {
+               if (!given.contains(needed)) throw Expected{std::string(needed) + " in each shape"};
+             }
+             if (given.contains("size_m") == given.contains("radius_m")) {
+               throw Expected{"size_m for a box, or radius_m for a sphere, in each shape"};
+             }
+           });
+}
+
+static std::string write(const std::vector<NamedShape>& shapes) {
+  return writeList(shapes, shapeKeys());
 }
 
 std::string shownName(std::string_view name) {

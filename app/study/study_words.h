@@ -32,11 +32,33 @@ inline constexpr std::array kStudyWords<PupilModel>{
 };
 
 template <>
+inline constexpr std::array kStudyWords<DisplayKind>{
+    StudyWord{"screen", DisplayKind::screen},
+    StudyWord{"headset", DisplayKind::headset},
+};
+
+/// Absent: neither, which a recording with head poses refuses.
+template <>
+inline constexpr std::array kStudyWords<std::optional<SightFrame>>{
+    StudyWord<std::optional<SightFrame>>{"unknown", std::nullopt},
+    StudyWord<std::optional<SightFrame>>{"head", SightFrame::head},
+    StudyWord<std::optional<SightFrame>>{"world", SightFrame::world},
+};
+
+template <>
+inline constexpr std::array kStudyWords<AngleUnit>{
+    StudyWord{"deg", AngleUnit::deg},
+    StudyWord{"rad", AngleUnit::rad},
+};
+
+template <>
 inline constexpr std::array kStudyWords<StereoView>{
     StudyWord{"mono", StereoView::mono},
     StudyWord{"side-by-side", StereoView::side_by_side},
     StudyWord{"top-bottom", StereoView::top_bottom},
     StudyWord{"anaglyph", StereoView::anaglyph},
+    StudyWord{"left", StereoView::left},
+    StudyWord{"right", StereoView::right},
 };
 
 template <>

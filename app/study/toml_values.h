@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <concepts>
 #include <filesystem>
@@ -102,6 +103,20 @@ void read(const toml::value& from, const Allowed& allowed, glm::vec<N, Number>& 
   }
 }
 
+/// Names of columns.
+template <std::size_t N>
+void read(const toml::value& from, const Allowed&, std::array<std::string, N>& to) {
+  const std::string what = std::to_string(N) + " names of columns";
+  if (!from.is_array() || from.as_array().size() != N) throw Expected{what};
+  for (std::size_t i = 0; i < N; ++i) {
+    try {
+      read(from.as_array()[i], {}, to[i]);
+    } catch (const Expected&) {
+      throw Expected{what};
+    }
+  }
+}
+
 /// A value of an enum, by its word.
 template <HasStudyWords Enum>
 void read(const toml::value& from, const Allowed& allowed, Enum& to) {
@@ -129,6 +144,13 @@ template <int N, class Number>
 std::string write(const glm::vec<N, Number>& value) {
   std::string text = "[";
   for (int i = 0; i < N; ++i) text += (i ? ", " : "") + write(value[i]);
+  return text + "]";
+}
+template <std::size_t N>
+std::string write(const std::array<std::string, N>& names) {
+  if (names[0].empty()) return "null";
+  std::string text = "[";
+  for (std::size_t i = 0; i < N; ++i) text += (i ? ", " : "") + quotedText(names[i]);
   return text + "]";
 }
 template <HasStudyWords Enum>

@@ -124,7 +124,7 @@ std::string sizeRemark(const Study& study, const SceneBox& box) {
 bool isSceneInView(const Study& study, const SurfelCloud& cloud) {
   const Screen screen = study.screenInForce();
   return anyInView(viewThroughScreen(eyePathOf(study).eyeFromWorldAt(0.0), screen.size_px,
-                                     screen.size_m, screen.distance_m),
+                                     screen.size_m, screen.distance_m, screen.faced_m),
                    cloud);
 }
 

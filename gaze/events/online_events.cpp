@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gaze/events/saccades.h"
+#include "gaze/geometry/head_frame.h"
 #include "gaze/geometry/line_of_sight.h"
 
 namespace foci {
@@ -27,9 +28,7 @@ bool isStable(GazeState state) {
 }
 
 TimedSight sightOf(const GazeSample& sample, const Screen& screen) {
-  TimedSight sight{.time_s = sample.time_s};
-  if (sample.point_px) sight.direction = lineOfSight(screen, *sample.point_px);
-  return sight;
+  return {.time_s = sample.time_s, .direction = sightInWorld(sample, screen)};
 }
 
 OnlineEvents::OnlineEvents(const Screen& screen, double rate_Hz, const EventSettings& settings)
@@ -130,9 +129,11 @@ void OnlineEvents::fixate(const GazeSample& sample) {
   glm::dvec2 recent_px{0.0}, before_px{0.0};
   double recent = 0.0, before = 0.0;
   for (const GazeSample& each : fixation_) {
+    const auto point_px = pointSeenBy_px(sample, each, screen_);
+    if (!point_px) continue;
     const bool is_recent =
         sample.time_s - each.time_s <= settings_.position_s && each.time_s >= *landed_s_;
-    (is_recent ? recent_px : before_px) += *each.point_px;
+    (is_recent ? recent_px : before_px) += *point_px;
     (is_recent ? recent : before) += 1.0;
   }
   // Two means that differ by more than the noise belong to two fixations, even if noise has hidden
@@ -143,6 +144,7 @@ void OnlineEvents::fixate(const GazeSample& sample) {
     before_px = glm::dvec2(0.0);
     before = 0.0;
   }
+  now_.fixation_time_s = sample.time_s;
   now_.fixation_px = (recent_px + before_px) / (recent + before);
   now_.fixation_error_deg = noise_.sample_deg / std::sqrt(recent + before);
 }

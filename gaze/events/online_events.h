@@ -21,6 +21,8 @@ struct GazeNow {
   /// The point of fixation. During saccades, blinks and data loss it is the last fixation. Absent
   /// before the first one.
   std::optional<glm::dvec2> fixation_px{};
+  /// Time of the sample whose head sees the fixation at `fixation_px`.
+  double fixation_time_s = 0.0;
   double fixation_error_deg = 0.0;  ///< standard error of `fixation_px`, from the sample noise
 };
 
@@ -70,7 +72,8 @@ class OnlineEvents {
 /// True for fixation and pursuit, the states in which the retinal image is stable.
 bool isStable(GazeState state);
 
-/// A sample's point on the screen as a direction.
+/// A sample's point on the screen as a direction. In the world, if the recording has head poses: a
+/// fixation is stable in the world, while the head turns.
 TimedSight sightOf(const GazeSample& sample, const Screen& screen);
 
 /// The online detector's state for every sample of a trace, with the delay compensated.

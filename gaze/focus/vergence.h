@@ -39,6 +39,13 @@ std::optional<double> vergence_D(const EyeRay& left, const EyeRay& right);
 std::optional<DioptreEstimate> vergenceOf(const EyeRay& left, const EyeRay& right,
                                           double error_deg);
 
+/// How many standard errors apart two estimates disagree: one in 370 do so by chance.
+inline constexpr double kDisagreement = 3.0;
+
+/// Whether two independent estimates differ by more than `kDisagreement` standard errors of their
+/// difference.
+bool disagree(const DioptreEstimate& a, const DioptreEstimate& b);
+
 /// The two lines of sight of a sample. If the recording has points on the screen only, the eyes are
 /// `ipd_m` apart, side by side in front of the screen. Nothing if an eye is missing.
 std::optional<std::pair<EyeRay, EyeRay>> raysOf(const GazeSample& sample, const Screen& screen,

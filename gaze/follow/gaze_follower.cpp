@@ -37,11 +37,29 @@ void GazeFollower::push(const GazeSample& sample) {
   newest_ = sample;
   if (!isFixating()) {
     looked_.reset();
-  } else if (!was_stable || !looked_ ||
-             angleBetween_deg(screen_, looked_->point_px, *now_.fixation_px) >=
-                 0.5 * settings_.cone_half_angle_deg) {
+    vergence_.reset();
+    vergence_sum_D_ = 0.0;
+    vergence_count_ = 0;
+    return;
+  }
+  converge(sample);
+  if (!was_stable || !looked_ ||
+      angleBetween_deg(screen_, looked_->point_px, *now_.fixation_px) >=
+          0.5 * settings_.cone_half_angle_deg) {
     look(sample.time_s);
   }
+}
+
+void GazeFollower::converge(const GazeSample& sample) {
+  const bool directed = sample.eyes[0].direction && sample.eyes[1].direction;
+  const auto rays =
+      directed || settings_.vergence ? raysOf(sample, screen_, settings_.ipd_m) : std::nullopt;
+  const auto now =
+      rays ? vergenceOf(rays->first, rays->second, settings_.eye_error_deg) : std::nullopt;
+  if (!now) return;
+  vergence_sum_D_ += now->value_D;
+  ++vergence_count_;
+  vergence_ = {.value_D = vergence_sum_D_ / vergence_count_, .error_D = now->error_D};
 }
 
 std::optional<double> GazeFollower::surfaceAround(double time_s, const glm::dvec3& sight,
@@ -70,10 +88,11 @@ std::optional<double> GazeFollower::surfaceAround(double time_s, const glm::dvec
 
 void GazeFollower::look(double time_s) {
   const glm::dvec2 point_px = *now_.fixation_px;
+  const double pose_s = newest_->head ? now_.fixation_time_s : time_s;
   looked_ = {
       .time_s = time_s,
       .point_px = point_px,
-      .distance_m = surfaceAround(time_s, lineOfSight(screen_, point_px),
+      .distance_m = surfaceAround(pose_s, lineOfSight(screen_, point_px),
                                   glm::radians(std::max(settings_.cone_half_angle_deg,
                                                         newest_->uncertainty_deg.value_or(0.0))))};
   std::vector<DioptreEstimate> estimates;
@@ -82,15 +101,17 @@ void GazeFollower::look(double time_s) {
     surface_D_ = 1.0 / *looked_->distance_m;
     estimates.push_back({*surface_D_, settings_.surface_error_D});
   }
-  vergence_.reset();
-  const auto rays =
-      settings_.vergence && newest_ ? raysOf(*newest_, screen_, settings_.ipd_m) : std::nullopt;
-  if (rays) vergence_ = vergenceOf(rays->first, rays->second, settings_.eye_error_deg);
-  if (vergence_) estimates.push_back(*vergence_);
+  if (vergence_ && settings_.vergence) estimates.push_back(*vergence_);
   if (estimates.empty()) return;
   accommodation_.setTarget(time_s, estimates.size() == 1 && looked_->distance_m
                                        ? estimates[0].value_D
                                        : std::max(combined(estimates).value_D, 0.0));
+}
+
+std::optional<bool> vergenceDisagrees(const EyeNow& eye, double surface_error_D) {
+  if (!eye.vergence || !eye.surface_distance_m) return std::nullopt;
+  return disagree(*eye.vergence,
+                  {.value_D = 1.0 / *eye.surface_distance_m, .error_D = surface_error_D});
 }
 
 EyeNow GazeFollower::at(double time_s) {
@@ -102,6 +123,7 @@ EyeNow GazeFollower::at(double time_s) {
           .state = silent ? GazeState::lost : now_.state,
           .state_time_s = now_.state_time_s,
           .fixation_px = now_.fixation_px,
+          .fixation_time_s = now_.fixation_time_s,
           .surface_distance_m = stable ? looked_->distance_m : std::nullopt,
           .vergence = stable ? vergence_ : std::nullopt,
           .target_D = accommodation_.target_D(),

@@ -41,17 +41,28 @@ struct EyeNow {
   double state_time_s = 0.0;           ///< time of the sample that `state` belongs to
   /// Keeps its value through saccades, blinks and data loss. Absent before the first fixation.
   std::optional<glm::dvec2> fixation_px;
+  /// Time of the sample whose head sees the fixation there.
+  double fixation_time_s = 0.0;
   /// Along the fixation's line of sight; absent if the cone meets no surface.
   std::optional<double> surface_distance_m;
-  /// Of the newest fixated sample; absent if switched off or with one eye.
+  /// Mean over the samples of the fixation so far. Its error is that of the directions, which
+  /// calibration leaves: it does not shrink with the number of samples. Absent with one eye, and
+  /// for eyes without directions unless `FollowSettings::vergence`.
   std::optional<DioptreEstimate> vergence{};
   /// Keeps its value as `fixation_px` does, and where there is no surface. Absent before the first.
   std::optional<double> target_D{};
   double focus_D = 0.0;  ///< the resting focus before the first target
 };
 
+/// Whether the lines of sight of a fixation meet elsewhere than on its surface (`disagree`).
+/// @return nothing without vergence or surface
+std::optional<bool> vergenceDisagrees(const EyeNow& eye, double surface_error_D = 0.1);
+
 /// Follows one recording or one live source. For each frame, push every sample up to the frame's
 /// time, then call `at`.
+///
+/// With head poses, a fixation rests in the world. The follower then asks for the surface at the
+/// time of the sample that has the fixation's point, because this point belongs to that pose.
 ///
 /// During a fixation the follower asks for the surface once a frame, because the eye itself may
 /// move. It also asks at the sample where the fixation begins, or has moved by half of the cone's
@@ -89,6 +100,7 @@ class GazeFollower {
 
   bool isFixating() const;
   void look(double time_s);
+  void converge(const GazeSample& sample);
   std::optional<double> surfaceAround(double time_s, const glm::dvec3& sight,
                                       double half_angle_rad) const;
 
@@ -103,6 +115,8 @@ class GazeFollower {
   std::optional<Look> looked_{};
   std::optional<double> surface_D_{};  // of the latest look that met a surface
   std::optional<DioptreEstimate> vergence_{};
+  double vergence_sum_D_ = 0.0;
+  int vergence_count_ = 0;  // samples of the fixation
 };
 
 }  // namespace foci

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,11 +11,26 @@
 
 namespace foci {
 
-/// Screen geometry: a flat screen whose centre the eye faces. Each recording has one.
+/// Screen geometry: a flat screen in front of the eye. Each recording has one. A headset's screen
+/// moves with the head.
 struct Screen {
   glm::ivec2 size_px{0, 0};
   glm::dvec2 size_m{0.0};   ///< width, height of the visible area
-  double distance_m = 0.0;  ///< from the eye to the screen's centre
+  double distance_m = 0.0;  ///< from the eye to the screen's plane
+  /// From the screen's centre to the point that the eye faces; x right, y up. 0 on a desk.
+  glm::dvec2 faced_m{0.0};
+};
+
+/// Where the head is. Its frame is right-handed: x right, y up, looking along -z.
+struct HeadInWorld {
+  glm::dvec3 position_m{0.0};                      ///< in the recording's world
+  glm::dquat world_from_head{1.0, 0.0, 0.0, 0.0};  ///< unit
+};
+
+/// What one eye sees of a headset's display: degrees from straight ahead, each above 0.
+struct EyeField {
+  double left_deg = 50.0, right_deg = 50.0, up_deg = 50.0, down_deg = 50.0;
+  bool operator==(const EyeField&) const = default;
 };
 
 enum class GazeState {
@@ -31,8 +47,9 @@ std::string_view nameOf(GazeState state);
 
 /// One eye in a sample of a binocular recording.
 struct EyeSample {
-  std::optional<glm::dvec2> point_px{};   ///< on the trace's screen, as `GazeSample::point_px`
-  std::optional<glm::dvec3> origin_m{};   ///< the eye's centre; x right, y up, looking along -z
+  std::optional<glm::dvec2> point_px{};  ///< on the trace's screen, as `GazeSample::point_px`
+  /// The eye's centre; x right, y up, looking along -z. With a head pose: in the head's frame.
+  std::optional<glm::dvec3> origin_m{};
   std::optional<glm::dvec3> direction{};  ///< of the line of sight, unit, in the same frame
   std::optional<double> pupil_mm{};       ///< diameter
 };
@@ -46,6 +63,10 @@ struct GazeSample {
   std::optional<double> confidence{};  ///< 0 to 1, if the recording has one
   std::array<EyeSample, 2> eyes{};     ///< left, right; empty if the recording has no single eyes
   std::optional<double> uncertainty_deg{};  ///< from a calibration: 68 % of the errors are smaller
+  std::optional<HeadInWorld> head{};        ///< if the recording has one
+  /// Line of sight of both eyes, unit; with a head pose in the head's frame. Only in recordings of
+  /// directions.
+  std::optional<glm::dvec3> direction{};
 };
 
 struct GazeTrace {
@@ -54,6 +75,11 @@ struct GazeTrace {
   double rate_Hz = 0.0;               ///< sampling rate, nominal or median
   std::vector<GazeSample> samples{};  ///< times strictly increase
   bool simulated = false;
+  /// What the left eye sees of a headset's display; the right eye's field is its mirror image.
+  /// Absent: the screen stands still.
+  std::optional<EyeField> field{};
+  /// Metres per unit of the scene that the observer saw, if the recording states it.
+  std::optional<double> scene_scale_m{};
   std::vector<std::string> warnings{};  ///< what looks wrong in the positions, a sentence each
 };
 

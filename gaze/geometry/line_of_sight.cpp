@@ -7,7 +7,9 @@ namespace foci {
 namespace {
 
 glm::dvec2 pointAtOffset_px(const Screen& screen, const glm::dvec2& offset) {
-  return (glm::dvec2(offset.x, -offset.y) / screen.size_m + 0.5) * glm::dvec2(screen.size_px);
+  const glm::dvec2 from_centre = offset + screen.faced_m;
+  return (glm::dvec2(from_centre.x, -from_centre.y) / screen.size_m + 0.5) *
+         glm::dvec2(screen.size_px);
 }
 
 }  // namespace
@@ -16,7 +18,7 @@ glm::dvec2 offsetOnScreen_m(const Screen& screen, const glm::dvec2& point_px) {
   assert(screen.size_px.x > 0 && screen.size_px.y > 0 && screen.size_m.x > 0.0 &&
          screen.size_m.y > 0.0 && screen.distance_m > 0.0);
   const glm::dvec2 offset = (point_px / glm::dvec2(screen.size_px) - 0.5) * screen.size_m;
-  return {offset.x, -offset.y};
+  return glm::dvec2(offset.x, -offset.y) - screen.faced_m;
 }
 
 glm::dvec3 lineOfSight(const Screen& screen, const glm::dvec2& point_px) {

@@ -1,8 +1,8 @@
 // Conversions between points on a flat screen and lines of sight.
 //
 // The eye frame is right-handed: x to the right, y up, and the eye looks along -z at the screen's
-// centre. Screen points are pixels from the top-left corner, y down. Each screen must have a known
-// size and distance (asserted).
+// faced point, which is its centre on a desk. Screen points are pixels from the top-left corner, y
+// down. Each screen must have a known size and distance (asserted).
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,7 +12,7 @@
 
 namespace foci {
 
-/// Metres from the screen's centre to a point in the screen's plane, x to the right, y up.
+/// Metres from the faced point to a point in the screen's plane, x to the right, y up.
 glm::dvec2 offsetOnScreen_m(const Screen& screen, const glm::dvec2& point_px);
 
 /// Unit direction in the eye frame from the eye through a point in the screen's plane.

@@ -91,7 +91,10 @@ class TableReader {
     settleClock();
     TraceHeader header{.format = layout_.format,
                        .screen = preamble_.screen,
-                       .units = layout_.hasDirections() ? GazeUnits::deg : units_,
+                       .units = isInSpace() ? GazeUnits::deg : units_,
+                       .field = field_,
+                       .columns = layout_.readings,
+                       .gaze_in_world = layout_.space && layout_.space->in_world,
                        .nominal_screen = nominal_};
     if (eyes_seen_[0] && eyes_seen_[1]) header.format += ", binocular";
     state(header);
@@ -111,6 +114,9 @@ class TableReader {
     readSample(sample_);
     passOn();
   }
+
+  /// Lines of sight give the points.
+  bool isInSpace() const { return layout_.hasDirections() || layout_.space; }
 
   /// A row with more fields than the header has names: a comma is decimal, or not in quotes.
   void refuseExtraFields(std::string_view line) const {
@@ -139,9 +145,14 @@ class TableReader {
              : preamble_.units ? *preamble_.units
                                : layout_.units.value_or(GazeUnits::px);
     units_stated_ = columns.units || preamble_.units || layout_.units || layout_.hasDirections() ||
-                    columns.mapped_later;
+                    columns.mapped_later || layout_.space;
     Screen& screen = preamble_.screen;
-    if ((units_ == GazeUnits::deg || layout_.hasDirections()) && !isMetric(screen)) {
+    if (layout_.space && layout_.space->hasHead()) {
+      field_ = columns.field.value_or(EyeField{});
+      field_assumed_ = !columns.field;
+      screen = headsetScreen(fieldOfBothEyes(*field_), columns.pixels_per_degree);
+    }
+    if ((units_ == GazeUnits::deg || isInSpace()) && !isMetric(screen)) {
       screen = kNominalScreen;
       nominal_ = true;
     }
@@ -202,16 +213,30 @@ class TableReader {
   void readSample(GazeSample& sample) {
     row_->read(sample);
     sample.time_s = readTime();  // in the file's unit, until the unit of time is known
-    if (!layout_.x && !layout_.hasDirections()) {
+    if (!layout_.x && !isInSpace()) {
       sample.point_px =
           cyclopean_.combine(sample.time_s * (clock_known_ ? layout_.time_scale_s : 0.0),
                              sample.eyes[0].point_px, sample.eyes[1].point_px);
     }
     if (sample.blink) sample.point_px.reset();
+    head_seen_ |= sample.head.has_value();
     if (!units_stated_ && sample.point_px) plain_.add(*sample.point_px);
     for (std::size_t side : {0, 1}) {
       eyes_seen_[side] |= sample.eyes[side].point_px || sample.eyes[side].direction;
     }
+  }
+
+  void stateField(TraceHeader& header) const {
+    if (!field_assumed_) return;
+    header.assumed.push_back("field of the headset: " + exactText(field_->left_deg) +
+                             " deg to each side of straight ahead (display.field_deg)");
+  }
+
+  void requireHead() const {
+    if (!layout_.space || !layout_.space->hasHead() || head_seen_) return;
+    throw InputError(lines_.fileName(),
+                     "no sample has a head pose: all are absent or 0 (gaze.head_quaternion, "
+                     "gaze.head_angles, gaze.head_position)");
   }
 
   /// States what was assumed. @throws InputError if the positions contradict it
@@ -252,6 +277,8 @@ class TableReader {
       header.assumed.push_back("unit of time: " + exactText(layout_.time_scale_s) +
                                " s, from the rate (--time-scale-s, gaze.time_scale_s)");
     }
+    requireHead();
+    stateField(header);
     if (nominal_) {
       header.assumed.push_back(
           "screen: unknown (--screen-px, --screen-m, --distance-m); only the unit of the file is "
@@ -346,6 +373,8 @@ class TableReader {
   GazeUnits units_ = GazeUnits::px;
   bool units_stated_ = false;  // by the user, the file or its format
   bool mapped_later_ = false;
+  std::optional<EyeField> field_{};  // of a headset
+  bool field_assumed_ = false, head_seen_ = false;
   bool nominal_ = false;  // `kNominalScreen` stands in
   bool clock_known_ = false, clock_guessed_ = false, counts_rows_ = false,
        resolution_known_ = false;

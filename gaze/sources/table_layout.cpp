@@ -9,6 +9,7 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/sources/column_names.h"
+#include "gaze/sources/column_readings.h"
 
 namespace foci {
 namespace {
@@ -58,17 +59,23 @@ class Recogniser {
 
   TableLayout recognise() {
     findTime();
-    findEyes();
-    takeGivenEyes();
-    findPoint();
+    if (given_.space.hasSight() || given_.space.hasHead()) {
+      takeSpace();
+    } else {
+      findEyes();
+      takeGivenEyes();
+      findPoint();
+    }
     findRest();
-    recogniseFormat();
+    if (!layout_.space) recogniseFormat();
     for (std::size_t i = 0; i < names_.size(); ++i) {
       for (const EyeColumns& eye : layout_.eyes) layout_.has_eyes |= isOf(eye, i);
       if (!isUsed(i)) continue;
       if (!given_.x.starts_with('#')) names_.refuseTwin(i);
       layout_.columns = i + 1;
     }
+    if (layout_.space) layout_.columns = std::max(layout_.columns, columnsOf(*layout_.space));
+    layout_.readings = readingsOf(names_, layout_, given_);
     return std::move(layout_);
   }
 
@@ -209,6 +216,24 @@ class Recogniser {
                          "to gaze.units");
     }
     layout_.units = unitsNamed(unit);
+  }
+
+  /// Lines of sight and heads, as the study names them; of the rest, the pupils.
+  void takeSpace() {
+    if (!given_.x.empty() || !given_.y.empty() || !given_.eyes[0].x.empty() ||
+        !given_.eyes[1].x.empty()) {
+      throw lines_.error(
+          "gaze.x and gaze.y are positions on a screen: expected them, or gaze in space");
+    }
+    layout_.space = spaceLayoutOf(lines_, names_, given_.space);
+    layout_.space->scale = given_.scale;
+    layout_.space->offset = given_.offset;
+    layout_.format += ", gaze in space";
+    for (std::size_t side : {0, 1}) {
+      if (!given_.eyes[side].pupil.empty()) {
+        layout_.eyes[side].pupil_mm = named(given_.eyes[side].pupil);
+      }
+    }
   }
 
   void findTime() {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gaze/sources/line_reader.h"
+#include "gaze/sources/space_layout.h"
 #include "gaze/sources/table_preamble.h"
 #include "gaze/sources/trace_reader.h"
 
@@ -74,9 +75,11 @@ struct TableLayout {
   bool zero_is_absent = false;       ///< the point (0, 0) means data loss (SMI, Tobii Studio)
   bool named_blink = false;          ///< `blink` holds the blink's number, or nothing (Neon)
   TableNumbers numbers{};
-  bool headless = false;    ///< the first line is a row, not a header
-  std::size_t names = 0;    ///< number of columns in the header
-  std::size_t columns = 0;  ///< number of columns up to the last one in use
+  std::optional<SpaceLayout> space{};     ///< gaze in space; then there are no points
+  std::vector<ColumnReading> readings{};  ///< of every column
+  bool headless = false;                  ///< the first line is a row, not a header
+  std::size_t names = 0;                  ///< number of columns in the header
+  std::size_t columns = 0;                ///< number of columns up to the last one in use
 
   bool hasDirections() const { return eyes[0].direction[0] || eyes[1].direction[0]; }
 };

@@ -25,6 +25,12 @@ bool isWord(std::string_view text, std::string_view lower) {
   });
 }
 
+/// The head stays where it is.
+void loseGaze(GazeSample& sample) {
+  sample.direction.reset();
+  for (EyeSample& eye : sample.eyes) eye.direction.reset();
+}
+
 std::optional<double> meanPupil(const std::array<EyeSample, 2>& eyes) {
   if (eyes[0].pupil_mm && eyes[1].pupil_mm) return 0.5 * (*eyes[0].pupil_mm + *eyes[1].pupil_mm);
   return eyes[0].pupil_mm ? eyes[0].pupil_mm : eyes[1].pupil_mm;
@@ -111,8 +117,13 @@ void TableRow::read(GazeSample& sample) const {
   sample.confidence.reset();
   sample.uncertainty_deg.reset();
   sample.blink = false;
-  if (layout_.has_eyes) sample.eyes = {};
-  if (isTrusted(sample)) {
+  if (layout_.has_eyes || layout_.space) sample.eyes = {};
+  const bool trusted = isTrusted(sample);
+  if (layout_.space) {
+    readSpace(*this, *layout_.space, sample);
+    if (!trusted) loseGaze(sample);
+    if (sample.direction) sample.point_px = pointOnScreen_px(screen_, *sample.direction);
+  } else if (trusted) {
     if (layout_.has_eyes) {
       for (std::size_t side : {0, 1}) readEye(layout_.eyes[side], sample.eyes[side]);
     }
@@ -120,6 +131,13 @@ void TableRow::read(GazeSample& sample) const {
       sample.point_px = meanSight(sample.eyes);
     } else if (layout_.x) {
       sample.point_px = readPoint(*layout_.x, *layout_.y);
+    }
+  }
+  if (layout_.space && trusted) {
+    for (std::size_t side : {0, 1}) {
+      if (const auto& pupil = layout_.eyes[side].pupil_mm) {
+        sample.eyes[side].pupil_mm = readPupil(*pupil);
+      }
     }
   }
   sample.pupil_mm = layout_.pupil_mm ? readPupil(*layout_.pupil_mm) : meanPupil(sample.eyes);

@@ -30,6 +30,8 @@ class TableRow {
     failShort(column);
   }
   std::optional<double> number(std::size_t column) const;
+  /// Whether a number means data loss (gaze.missing).
+  bool isMissing(double number) const { return number == layout_.numbers.missing; }
 
   /// Whether the row is a sample: rows of messages may lie between the samples.
   bool isSample() const {

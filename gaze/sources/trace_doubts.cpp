@@ -236,7 +236,10 @@ void TraceDoubts::add(const GazeSample& sample) {
   addClock(sample.time_s);
   ++samples_;
   if (sample.point_px) addPoint(sample);
-  away_ += !sample.point_px && (sample.eyes[0].direction || sample.eyes[1].direction);
+  space_.add(sample);
+  outside_ += sample.direction && !sample.point_px;
+  away_ += !sample.point_px && !sample.direction &&
+           (sample.eyes[0].direction || sample.eyes[1].direction);
   if (!sample.pupil_mm || pupils_++ % pupil_stride_ != 0) return;
   pupils_mm_.push_back(*sample.pupil_mm);
   if (pupils_mm_.size() < kMaxKept) return;
@@ -251,7 +254,7 @@ std::vector<std::string> TraceDoubts::rowDoubts() const {
   const auto shareOf = [&](std::size_t count) {
     return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(samples_, 1));
   };
-  const double lost = 1.0 - shareOf(present_);
+  const double lost = 1.0 - shareOf(present_ + outside_);
   if (shareOf(away_) > kManyOff) {
     doubts.push_back(percent(shareOf(away_)) +
                      " of the lines of sight lead away from the screen: are the axes x right, y "
@@ -307,6 +310,7 @@ std::vector<std::string> TraceDoubts::sentences(const TraceHeader& header,
                   std::make_move_iterator(more.end()));
   };
   append(rowDoubts());
+  append(space_.sentences(header.gaze_in_world, header.world_y_up));
   if (kept_.size() < kMinPositions || columns.mapped_later) return doubts;
   std::vector<glm::dvec2> points_px;
   points_px.reserve(kept_.size());

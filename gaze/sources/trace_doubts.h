@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
+#include "gaze/sources/space_doubts.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
@@ -34,8 +35,10 @@ class TraceDoubts {
   std::vector<std::string> rowDoubts() const;
   std::vector<std::string> eyeDoubts(const TraceHeader& header) const;
 
+  SpaceDoubts space_{};
   std::size_t samples_ = 0, present_ = 0, changes_ = 0;
-  std::size_t away_ = 0;  // lines of sight that lead away from the screen
+  std::size_t outside_ = 0;  // gaze in space that meets no screen
+  std::size_t away_ = 0;     // lines of sight that lead away from the screen
   double first_s_ = 0.0, last_s_ = 0.0, longest_gap_s_ = 0.0;
   glm::dvec2 last_px_{0.0};
   bool whole_px_ = true;  // all positions

@@ -8,6 +8,7 @@
 #include "gaze/sources/bids.h"
 #include "gaze/sources/delimited_trace.h"
 #include "gaze/sources/eyelink_asc.h"
+#include "gaze/sources/eyenavgs.h"
 #include "gaze/sources/file_kind.h"
 #include "gaze/sources/rounded_intervals.h"
 #include "gaze/sources/trace_doubts.h"
@@ -35,13 +36,18 @@ double medianRate_Hz(const std::vector<GazeSample>& samples) {
   return std::round(1000.0 / *middle) / 1000.0;
 }
 
-bool isEyeLinkAsc(const std::filesystem::path& file) {
+/// The first line that is not empty.
+std::string firstLineOf(const std::filesystem::path& file) {
   LineReader lines(file);
   std::string_view line;
   while (lines.next(line)) {
-    if (!trimmed(line).empty()) return startsEyeLinkAsc(line);
+    if (!trimmed(line).empty()) return std::string(line);
   }
-  return false;
+  return {};
+}
+
+bool isUndescribed(const TraceColumns& columns) {
+  return columns.time.empty() && columns.x.empty() && !columns.space.hasSight();
 }
 
 }  // namespace
@@ -59,10 +65,12 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
   if (const auto sidecar = bidsSidecarOf(file)) {
     header = readBids(file, *sidecar, fallback_screen, both);
   } else {
-    const bool eyelink = isEyeLinkAsc(file);
+    const std::string first = firstLineOf(file);
     LineReader lines(file);
-    header = eyelink ? readEyeLinkAsc(lines, both)
-                     : readDelimitedTrace(lines, columns, fallback_screen, both);
+    header = startsEyeLinkAsc(first) ? readEyeLinkAsc(lines, both)
+             : isEyeNavGs(first) && isUndescribed(columns)
+                 ? readEyeNavGs(lines, columns, both)
+                 : readDelimitedTrace(lines, columns, fallback_screen, both);
   }
   if (!header.screen) header.screen = fallback_screen;
   if (header.screen->size_m == glm::dvec2(0.0)) header.screen->size_m = fallback_screen.size_m;
@@ -73,6 +81,18 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
   return header;
 }
 
+SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns& columns) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(file, unreadable)) return {};
+  if (columns.space.hasHead()) return {.has_head = true};
+  try {
+    if (!isUndescribed(columns) || !isEyeNavGs(firstLineOf(file))) return {};
+  } catch (const InputError&) {
+    return {};  // whoever reads the file says why
+  }
+  return {.has_head = true, .scene_scale_m = eyeNavGsSceneScale_m(file)};
+}
+
 GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& columns,
                     const Screen& fallback_screen, std::optional<double> rate_Hz) {
   GazeTrace trace;
@@ -81,6 +101,8 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
                   [&](const GazeSample& sample) { trace.samples.push_back(sample); });
   trace.format = header.format;
   trace.screen = header.screen;
+  trace.field = header.field;
+  trace.scene_scale_m = header.scene_scale_m;
   trace.warnings = header.warnings;
   const std::string name = file.string();
   if (trace.samples.size() < 2) {

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
+#include "gaze/geometry/headset.h"
+#include "gaze/sources/space_settings.h"
 
 namespace foci {
 
@@ -47,6 +49,10 @@ struct TraceColumns {
   /// Position in `units` = scale * column + offset.
   glm::dvec2 scale{1.0}, offset{0.0};
   double pupil_scale_mm = 1.0;  ///< millimetres per unit of the pupils' columns
+  SpaceColumns space{};         ///< gaze in space, instead of positions on a screen
+  /// Of a headset, for a recording with head poses. Absent: from the file, else a nominal one.
+  std::optional<EyeField> field{};
+  double pixels_per_degree = kHeadsetPixelsPerDegree;  ///< in the middle of a headset's display
   /// A gaze map turns the positions into pixels. Before that they may be of any kind.
   bool mapped_later = false;
 
@@ -55,11 +61,25 @@ struct TraceColumns {
   }
 };
 
+/// How a column was understood, or several that belong together.
+struct ColumnReading {
+  std::string columns{};  ///< names, or numbers ("#1")
+  std::string meaning{};  ///< with unit and frame; "unused"
+  std::string why{};      ///< what makes it sure; empty for unused columns
+};
+
 /// The properties of a recording besides its samples.
 struct TraceHeader {
   std::string format{};             ///< as `GazeTrace::format`
   std::optional<Screen> screen{};   ///< the fallback replaces missing quantities
   GazeUnits units = GazeUnits::px;  ///< of the file's positions
+  /// What the left eye sees of a headset's display: `screen` is that of both eyes
+  /// (`headsetScreen`).
+  std::optional<EyeField> field{};
+  std::vector<ColumnReading> columns{};  ///< of a table, in the file's order
+  bool gaze_in_world = false;             ///< the frame of the file's directions; else the head's
+  bool world_y_up = true;                 ///< of the recording's world; false: unknown
+  std::optional<double> scene_scale_m{};  ///< as `GazeTrace::scene_scale_m`
   /// Degrees, fractions or lines of sight are put on this screen, because nobody states the real
   /// one. Its quantities mean nothing.
   bool nominal_screen = false;
@@ -102,6 +122,15 @@ using TakeSample = std::function<void(const GazeSample&)>;
 ///   numbers, time that does not increase, and lines over 64 KiB
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
                         const Screen& fallback_screen, const TakeSample& take);
+
+/// What a file of gaze in space says before it is read.
+struct SpacePreview {
+  bool has_head = false;                  ///< the samples have head poses
+  std::optional<double> scene_scale_m{};  ///< as `GazeTrace::scene_scale_m`
+};
+
+/// Looks at the first line of a recording. A file that cannot be read has no head.
+SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns& columns);
 
 /// Reads a complete recording.
 /// @param rate_Hz  absent: from the median interval. Give the rate if the file has times of

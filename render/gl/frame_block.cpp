@@ -45,7 +45,8 @@ GpuFrameBlock frameBlockOf(const GpuRequest& request, const GpuScene& scene) {
   block.background_low_pass = {request.background, request.low_pass_px};
   block.meridian_oblong = {nearestMeridian(defocus), oblong, 1.0f / oblong};
   block.sub_aperture_shading = {number > 1 ? 1.0f / std::sqrt(static_cast<float>(number)) : 0.0f,
-                                request.shading, static_cast<float>(number), 0.0f};
+                                request.shading, static_cast<float>(number),
+                                lensRadius_m(view, defocus)};
   block.size = {view.size_px, coarse ? kApron * kMaxStep_px : 0, coarse};
   block.cells = {(view.size_px + kTile - 1) / kTile, blurred, scene.isOriented()};
   block.scene = {static_cast<int>(scene.surfelCount()), scene.levels(),

@@ -64,6 +64,8 @@ void GpuScene::uploadSurfels(const SurfelCloud& cloud) {
   surfels_ = cloud.size();
   oriented_ = cloud.oriented;
   transparent_ = !cloud.opacity.empty();
+  bodies_.boxes = cloud.bodies.boxes;
+  const std::vector<std::uint16_t>& body = cloud.bodies.of_surfel;
   upload(*device_, buffers_->surfels_a, surfels_, 2, "the surfels",
          [&](std::size_t i, glm::vec4* to) {
            to[0] = {cloud.position_m[i], transparent_ ? cloud.opacity[i] : 1.0f};
@@ -71,7 +73,7 @@ void GpuScene::uploadSurfels(const SurfelCloud& cloud) {
          });
   upload(*device_, buffers_->surfels_b, surfels_, 2, "the surfels",
          [&](std::size_t i, glm::vec4* to) {
-           to[0] = {cloud.axis_v_m[i], 0.0f};
+           to[0] = {cloud.axis_v_m[i], body.empty() ? 0.0f : static_cast<float>(body[i])};
            to[1] = {cloud.color[i], 0.0f};
          });
   upload(*device_, buffers_->shapes, kShapeSteps + 1, 1, "the kernels",
@@ -103,6 +105,11 @@ void GpuScene::uploadNodes(const MomentTree& tree) {
   buffers_->coarseness.reserve(*device_, std::max<std::size_t>(count, 1) * sizeof coarse[0],
                                "the nodes");
   if (count > 0) buffers_->coarseness.write(0, count * sizeof coarse[0], coarse.data());
+  const std::vector<Facing>& facing = tree.facing();
+  static_assert(sizeof facing[0] == sizeof(std::uint32_t));
+  if (facing.empty()) return;
+  buffers_->facing.reserve(*device_, count * sizeof facing[0], "the nodes");
+  buffers_->facing.write(0, count * sizeof facing[0], facing.data());
 }
 
 }  // namespace foci

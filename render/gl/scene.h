@@ -22,6 +22,8 @@ class GpuScene {
   int levels() const { return levels_; }  ///< of nodes; 0: surfels alone
   bool isOriented() const { return oriented_; }
   bool isTransparent() const { return transparent_; }
+  /// The boxes of the closed bodies.
+  const ClosedBodies& bodies() const { return bodies_; }
 
   struct Buffers;
   const Buffers& buffers() const { return *buffers_; }
@@ -35,6 +37,7 @@ class GpuScene {
   std::size_t surfels_ = 0;
   int levels_ = 0;
   bool oriented_ = false, transparent_ = false;
+  ClosedBodies bodies_;  // without `of_surfel`
 };
 
 }  // namespace foci

@@ -58,7 +58,7 @@ class GpuSplats::Pipeline {
 
  private:
   struct Buffers {
-    GpuBuffer frame, totals;
+    GpuBuffer frame, totals, outside;
     GpuBuffer own, passed, bounds, group_sums, entries;                            // of the cut
     GpuBuffer splats_a, splats_b, keys, lenses, sharper;                           // by entry
     GpuBuffer cells, tile_of_cell, tiles, blurs, cursors, ranges, overlaps, work;  // by tile
@@ -92,6 +92,7 @@ class GpuSplats::Pipeline {
   GpuFrameBlock block_;
   std::size_t entry_room_ = kFirstEntries, list_room_ = kFirstLists, tile_count_ = 0;
   bool cut_ = false, blurred_ = false, astigmatic_ = false, by_sub_apertures_ = false;
+  bool bodies_ = false;
   GLuint program_ = 0;
   std::array<GLuint, kGpuStages.size() + 1> clocks_{};
 };
@@ -141,6 +142,14 @@ void GpuSplats::Pipeline::start(const GpuRequest& request) {
     totals.project_groups.x = groupsOf(scene_->surfelCount(), 64);
   }
   own_.totals.write(0, sizeof totals, &totals);
+  const std::vector<std::uint8_t> outside =
+      bodiesFromOutside(scene_->bodies(), request.view, request.defocus);
+  bodies_ = !outside.empty();
+  if (bodies_) {
+    const std::vector<GLuint> wide(outside.begin(), outside.end());
+    own_.outside.reserve(device_, wide.size() * sizeof wide[0], "the bodies");
+    own_.outside.write(0, wide.size() * sizeof wide[0], wide.data());
+  }
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, own_.frame.id());
 }
 
@@ -199,7 +208,10 @@ void GpuSplats::Pipeline::makeRoom(const GpuRequest& request) {
 void GpuSplats::Pipeline::selectCut() {
   const GpuScene::Buffers& scene = scene_->buffers();
   for (int level = 0; level < scene_->levels(); ++level) {
-    bind("cut", {}, {&scene.node_places, &scene.coarseness, &own_.own, &own_.passed, &own_.bounds});
+    bind("cut", bodies_ ? "#define BODIES\n" : "",
+         {&scene.node_places, &scene.coarseness, &own_.own, &own_.passed, &own_.bounds,
+          bodies_ ? &scene.facing : nullptr, bodies_ ? &scene.nodes : nullptr, nullptr,
+          bodies_ ? &own_.outside : nullptr});
     glProgramUniform1i(program_, 0, level);
     dispatch(groupsOf(std::size_t{1} << level, 64));
   }
@@ -221,11 +233,13 @@ void GpuSplats::Pipeline::project() {
   if (blurred_) defines += "#define LENS\n";
   if (astigmatic_) defines += "#define ASTIGMATIC\n";
   if (by_sub_apertures_) defines += "#define SUB_APERTURES\n";
+  if (bodies_) defines += "#define BODIES\n";
   bind("project", defines,
        {cut_ ? &own_.entries : nullptr, cut_ ? &scene.node_places : nullptr,
         cut_ ? &scene.nodes : nullptr, &scene.surfels_a, &own_.splats_a, &own_.keys, &scene.shapes,
         nullptr, blurred_ ? &own_.lenses : nullptr, by_sub_apertures_ ? &own_.sharper : nullptr,
-        &scene.surfels_b, &own_.splats_b});
+        &scene.surfels_b, &own_.splats_b, bodies_ ? &own_.outside : nullptr,
+        bodies_ && cut_ ? &scene.facing : nullptr});
   dispatchIndirect(offsetof(GpuTotals, project_groups));
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "render/lod/back_faces.h"
 
 namespace foci {
 namespace {
@@ -29,12 +30,16 @@ class Selector {
     focal2_ = view.focal_px.x * view.focal_px.y;
     blur2_ = defocus.radius_px_per_D.x * defocus.radius_px_per_D.y;
     first_range_node_ = firstRangeNode(tree.surfels().size());
+    eye_m_ = -glm::transpose(glm::mat3(view.eye_from_world)) * glm::vec3(view.eye_from_world[3]);
+    lens_m_ = lensRadius_m(view, defocus);
+    outside_ = bodiesFromOutside(tree.surfels().bodies, view, defocus);
   }
 
   /// Bounds of size over coarseness, for all nodes below a node.
   struct Bounds {
     float min = 0.0f, max = std::numeric_limits<float>::infinity();
     bool in_view = false;  ///< all of their centres are on the image
+    bool seen = false;     ///< none of their surfels is a hidden back face
   };
 
   /// Selects nodes at and below `node`, which has the given weight. Nodes from `last_node` on are
@@ -46,12 +51,19 @@ class Selector {
       pending->push_back({node, weight});
       return;
     }
+    if (!outside_.empty() && !above.seen) {
+      const FacingSide side = sideOfNode(node);
+      if (side == FacingSide::backs) return;
+      above.seen = side == FacingSide::fronts;
+    }
+    const bool seen = above.seen;
     const MomentTree::Coarseness coarse = tree_.coarseness()[node];
     float size = coarse.now_m2 * above.min;
     const bool known = size >= 1.0f + kFade || coarse.now_m2 * above.max <= 1.0f;
     if (!above.in_view || !known) {
       size = sizeOf(node, above);
       if (size == kOutside) return;
+      above.seen = seen;
     }
     if (weight == 1.0f && node >= first_range_node_ && coarse.min_m2 * above.min >= 1.0f + kFade) {
       takeAll(node, cut);
@@ -79,6 +91,16 @@ class Selector {
   static constexpr float kOutside = -1.0f;
 
  private:
+  /// Surfels that are not on a body, or on one that the eye is inside of, count as fronts.
+  FacingSide sideOfNode(std::size_t index) const {
+    const Facing facing = tree_.facing()[index];
+    if (facing.body == Facing::kSeveral) return FacingSide::both;
+    if (outside_[facing.body] == 0) return FacingSide::fronts;
+    const LodNode& node = tree_.nodes()[index];
+    return sideOf(facing, unpackNormal(node.normal), node.position_m - eye_m_, node.radius_m,
+                  lens_m_);
+  }
+
   /// All surfels below a node.
   void takeAll(std::size_t node, Cut& cut) const {
     const int level = static_cast<int>(std::bit_width(node)) - 1;
@@ -166,6 +188,9 @@ class Selector {
   const CutSettings& settings_;
   float focal2_, blur2_;
   std::size_t first_range_node_;
+  glm::vec3 eye_m_;
+  float lens_m_;
+  std::vector<std::uint8_t> outside_;  // `bodiesFromOutside`
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "base/parallel.h"
 
@@ -202,6 +203,8 @@ MomentTree::MomentTree(const SurfelCloud& cloud) {
   gather(cloud.color, items, surfels_.color);
   gather(cloud.opacity, items, surfels_.opacity);
   gather(cloud.area_m2, items, surfels_.area_m2);
+  gather(cloud.bodies.of_surfel, items, surfels_.bodies.of_surfel);
+  surfels_.bodies.boxes = cloud.bodies.boxes;
 
   nodes_.resize(std::size_t{1} << levels_);
   const int serial = std::min(kSerialLevels, levels_ - 1);
@@ -225,6 +228,45 @@ MomentTree::MomentTree(const SurfelCloud& cloud) {
   for (std::size_t node = nodes_.size() / 2; node-- > 1;) {
     coarseness_[node].min_m2 =
         std::min(coarseness_[2 * node].min_m2, coarseness_[2 * node + 1].min_m2);
+  }
+  if (!surfels_.bodies.boxes.empty()) findFacing();
+}
+
+/// From the clusters up. The cone of a node holds those of its children.
+void MomentTree::findFacing() {
+  facing_.resize(nodes_.size());
+  std::vector<double> cone_rad(nodes_.size());
+  const auto angle = [](const glm::vec3& a, const glm::vec3& b) {
+    return std::acos(std::clamp(glm::dot(glm::dvec3(a), glm::dvec3(b)), -1.0, 1.0));
+  };
+  const auto put = [&](std::size_t node, std::uint16_t body, double rad) {
+    constexpr double kRounding_rad = 1e-3;  // of the angles
+    cone_rad[node] = rad;
+    const double cosine = std::cos(std::min(rad + kRounding_rad, std::numbers::pi));
+    facing_[node] = {body, static_cast<std::uint16_t>(std::max(std::floor(65535.0 * cosine), 0.0))};
+  };
+  const std::size_t clusters = nodes_.size() / 2;
+  parallelFor(clusters, [&](std::size_t j) {
+    const auto [begin, end] = range(levels_ - 1, j);
+    const glm::vec3 mean = unpackNormal(nodes_[clusters + j].normal);
+    std::uint16_t body = surfels_.bodies.of_surfel[begin];
+    double rad = 0.0;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (surfels_.bodies.of_surfel[i] != body) body = Facing::kSeveral;
+      const glm::dvec3 across =
+          glm::cross(glm::dvec3(surfels_.axis_u_m[i]), glm::dvec3(surfels_.axis_v_m[i]));
+      rad = std::max(rad, angle(mean, glm::vec3(glm::normalize(across))));
+    }
+    put(clusters + j, body, rad);
+  });
+  for (std::size_t node = clusters; node-- > 1;) {
+    const glm::vec3 mean = unpackNormal(nodes_[node].normal);
+    double rad = 0.0;
+    for (const std::size_t child : {2 * node, 2 * node + 1}) {
+      rad = std::max(rad, angle(mean, unpackNormal(nodes_[child].normal)) + cone_rad[child]);
+    }
+    const std::uint16_t body = facing_[2 * node].body;
+    put(node, body == facing_[2 * node + 1].body ? body : Facing::kSeveral, rad);
   }
 }
 

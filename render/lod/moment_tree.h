@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "render/lod/back_faces.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -71,6 +72,9 @@ class MomentTree {
   const std::vector<Coarseness>& coarseness() const { return coarseness_; }
   static constexpr float kThick = 30.0f;
 
+  /// By node; empty without closed bodies.
+  const std::vector<Facing>& facing() const { return facing_; }
+
   bool isCluster(std::size_t node) const { return node >> (levels_ - 1) != 0; }
 
   /// The surfels [first, second) below the `j`-th node of a level. The root's level is 0; j begins
@@ -85,9 +89,12 @@ class MomentTree {
   }
 
  private:
+  void findFacing();
+
   SurfelCloud surfels_;
   std::vector<LodNode> nodes_;
   std::vector<Coarseness> coarseness_;
+  std::vector<Facing> facing_;
   int levels_ = 0;
 };
 

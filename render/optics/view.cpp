@@ -13,11 +13,13 @@ glm::mat4 eyeFromWorld(const glm::vec3& position_m, const glm::vec3& target_m,
 }
 
 View viewThroughScreen(const glm::mat4& eye_from_world, const glm::ivec2& size_px,
-                       const glm::dvec2& screen_size_m, double distance_m) {
+                       const glm::dvec2& screen_size_m, double distance_m,
+                       const glm::dvec2& faced_m) {
+  const glm::dvec2 faced = glm::dvec2(faced_m.x, -faced_m.y) / screen_size_m;
   return {.eye_from_world = eye_from_world,
           .size_px = size_px,
           .focal_px = glm::vec2(distance_m * glm::dvec2(size_px) / screen_size_m),
-          .principal_px = 0.5f * glm::vec2(size_px)};
+          .principal_px = glm::vec2((faced + 0.5) * glm::dvec2(size_px))};
 }
 
 View viewOfCamera(const glm::mat4& eye_from_world, const glm::ivec2& size_px, double fov_y_rad) {

@@ -21,11 +21,13 @@ struct View {
 /// The three must not be collinear (asserted).
 glm::mat4 eyeFromWorld(const glm::vec3& position_m, const glm::vec3& target_m, const glm::vec3& up);
 
-/// View through a screen that the eye faces at its centre. The frustum is the screen's own:
+/// View through a screen that the eye faces. The frustum is the screen's own:
 /// focal_px = d_s R (docs/formulas.md, section 1). `size_px` is the size of the image, which may be
 /// coarser than the screen.
+/// @param faced_m  from the screen's centre to the point that the eye faces; x right, y up
 View viewThroughScreen(const glm::mat4& eye_from_world, const glm::ivec2& size_px,
-                       const glm::dvec2& screen_size_m, double distance_m);
+                       const glm::dvec2& screen_size_m, double distance_m,
+                       const glm::dvec2& faced_m = glm::dvec2(0.0));
 
 /// View of a pinhole camera with a vertical field of view, square pixels.
 View viewOfCamera(const glm::mat4& eye_from_world, const glm::ivec2& size_px, double fov_y_rad);

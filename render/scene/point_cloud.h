@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "render/scene/scene_objects.h"
 
 namespace foci {
 
@@ -21,7 +24,9 @@ struct PointCloud {
   std::vector<glm::vec3> color;   ///< linear RGB; mid-grey where the file has none
   /// Radius of a disc that closes the gaps to its neighbours, > 0; 0: to be estimated.
   std::vector<float> radius_m;
-  std::vector<float> opacity;  ///< 0 to 1
+  std::vector<float> opacity;            ///< 0 to 1
+  std::vector<std::uint16_t> body = {};  ///< see `ClosedBodies::of_surfel`
+  SceneObjects objects = {};             ///< by point
   /// Mean share of the surface's area, where it is known: all points are samples of a mesh.
   std::optional<float> area_m2 = {};
   std::size_t dropped = 0;  ///< points dropped because their position was not finite

@@ -7,6 +7,9 @@
 #include <memory>
 #include <vector>
 
+#include "render/scene/closed_bodies.h"
+#include "render/scene/scene_objects.h"
+
 namespace foci {
 
 struct GaussianCloud;
@@ -31,6 +34,11 @@ struct SurfelCloud {
   /// Normals point out of the solid, or at least agree with their neighbours'. The renderer then
   /// distinguishes back-facing surfels from those that face the eye.
   bool oriented = false;
+
+  /// Which surfels lie on closed bodies; their normals point outwards.
+  ClosedBodies bodies = {};
+
+  SceneObjects objects = {};  ///< by surfel
 
   /// The mesh that the surfels were sampled from; null if they are all that is known.
   std::shared_ptr<const TriangleMesh> mesh = {};

@@ -32,6 +32,13 @@ inline constexpr float kHighlight = 0.06f;
 /// factor farther apart. Chosen by hand: the errors are finer than the observer resolves.
 inline constexpr float kFiner = 0.6f, kCoarser = 1.4f;
 
+/// Kernels sum to one within a few per cent. Behind an open surface lies what the dips show. Behind
+/// the front of a closed body lies its back, which is not rendered, so the front alone must cover.
+/// Its kernels count by this much more where the lens's blur does not even them out.
+inline constexpr float kFrontCover = 0.05f;
+
+inline float frontCover(float blur_px) { return 1.0f + kFrontCover / (1.0f + blur_px * blur_px); }
+
 /// Where splats are written; all but the first two may be null.
 struct SplatsOut {
   Splat* splats;
@@ -59,6 +66,7 @@ HWY_INLINE float between(float value, float low, float high) {
 struct Appearance {
   const float* color;  // linear RGB
   float opacity, weight;
+  bool one_sided;  // the back of a closed body's surfel is hidden
 };
 
 /// Sets the kernel of lane `k` (kernel.h) to the variance `widen` V + `blur` V_C, the prefilter not
@@ -216,7 +224,11 @@ HWY_INLINE void finishLanes(const ProjectJob& job, const ProjectedLanes& lanes,
                             const SplatsOut& out, std::uint32_t& count) {
   for (std::size_t k = 0; k < lane_count; ++k) {
     if (lanes.visible[k] == 0.0f) continue;
-    const Appearance look = appearanceOf(k);
+    Appearance look = appearanceOf(k);
+    if (look.one_sided) {
+      if (lanes.behind_m[k] > job.lens_m) continue;
+      look.weight *= frontCover(job.lens_px_per_D * lanes.out_of_focus_D[k]);
+    }
     if (!finishSplat(job, lanes, k, look, out.splats[count])) continue;
     out.keys[count] = keyOf(job, lanes, k, out.splats[count]);
     if (out.lens_across) {

@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include <cstddef>
+#include <cstdint>
 
 #ifndef FOCI_FOOTPRINT_ONCE
 #define FOCI_FOOTPRINT_ONCE
@@ -22,7 +23,8 @@ struct SurfelArrays {
   const float* axis_v;
   const float* area;
   const float* color;
-  const float* opacity;  // null: all opaque
+  const float* opacity;       // null: all opaque
+  const std::uint16_t* body;  // `ClosedBodies::of_surfel`; null: there are no bodies
 };
 
 /// Up to 16 nodes of the level-of-detail tree, as a structure of arrays.

@@ -30,8 +30,19 @@ struct SurfelCopies {
     std::copy_n(from.axis_v + 3 * i, 3, axis_v + 3 * k);
     area[k] = from.area[i];
   }
-  SurfelArrays arrays() const { return {position, axis_u, axis_v, area, nullptr, nullptr}; }
+  SurfelArrays arrays() const {
+    return {position, axis_u, axis_v, area, nullptr, nullptr, nullptr};
+  }
 };
+
+bool isOneSided(const ProjectJob& job, const SurfelArrays& surfels, std::size_t i) {
+  return job.outside != nullptr && job.outside[surfels.body[i]] != 0;
+}
+
+bool isOneSided(const ProjectJob& job, const Facing* facing, std::size_t node) {
+  return job.outside != nullptr && facing[node].body != Facing::kSeveral &&
+         job.outside[facing[node].body] != 0;
+}
 
 /// Projects surfels [begin, end); returns the number of splats.
 std::uint32_t projectRange(const ProjectJob& job, const SurfelArrays& surfels, std::size_t begin,
@@ -42,7 +53,7 @@ std::uint32_t projectRange(const ProjectJob& job, const SurfelArrays& surfels, s
   std::size_t i = begin;
   const auto appearanceOf = [&](std::size_t k) {
     return Appearance{surfels.color + 3 * (i + k), surfels.opacity ? surfels.opacity[i + k] : 1.0f,
-                      1.0f};
+                      1.0f, isOneSided(job, surfels, i + k)};
   };
   for (; i + n <= end; i += n) {
     projectLanes(job, surfels, i, lanes);
@@ -71,7 +82,7 @@ std::uint32_t projectSome(const ProjectJob& job, const SurfelArrays& surfels,
     const auto appearanceOf = [&](std::size_t k) {
       const std::size_t i = entries[e + k].index;
       return Appearance{surfels.color + 3 * i, surfels.opacity ? surfels.opacity[i] : 1.0f,
-                        entries[e + k].weight};
+                        entries[e + k].weight, isOneSided(job, surfels, i)};
     };
     finishLanes(job, lanes, some, appearanceOf, out, count);
   }
@@ -79,8 +90,8 @@ std::uint32_t projectSome(const ProjectJob& job, const SurfelArrays& surfels,
 }
 
 /// Projects the nodes of cut entries; returns the number of splats.
-std::uint32_t projectNodes(const ProjectJob& job, const LodNode* nodes, const CutEntry* entries,
-                           std::size_t entry_count, const SplatsOut& out) {
+std::uint32_t projectNodes(const ProjectJob& job, const LodNode* nodes, const Facing* facing,
+                           const CutEntry* entries, std::size_t entry_count, const SplatsOut& out) {
   const std::size_t n = hn::Lanes(D());
   std::uint32_t count = 0;
   ProjectedLanes lanes;
@@ -100,7 +111,7 @@ std::uint32_t projectNodes(const ProjectJob& job, const LodNode* nodes, const Cu
     const auto appearanceOf = [&](std::size_t k) {
       const LodNode& node = nodes[entries[e + k].index];
       return Appearance{&node.color.x, static_cast<float>(node.opacity) * (1.0f / 65535.0f),
-                        entries[e + k].weight};
+                        entries[e + k].weight, isOneSided(job, facing, entries[e + k].index)};
     };
     finishLanes(job, lanes, some, appearanceOf, out, count);
   }
@@ -122,8 +133,9 @@ namespace {
 
 bool blurs(const ProjectJob& job) { return job.blur_x > 0.0f && job.blur_y > 0.0f; }
 
+/// @param outside  `bodiesFromOutside`
 ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
-                 const Projection& projection) {
+                 const Projection& projection, const std::vector<std::uint8_t>& outside) {
   ProjectJob job{};
   const glm::mat3 rotation(view.eye_from_world);
   const glm::vec3 eye = -glm::transpose(rotation) * glm::vec3(view.eye_from_world[3]);
@@ -162,14 +174,21 @@ ProjectJob jobOf(bool oriented, const View& view, const Defocus& defocus,
   job.oriented = oriented;
   job.shading = projection.shading;
   job.shapes = kernelShapes().data();
+  job.outside = outside.empty() ? nullptr : outside.data();
+  job.lens_m = lensRadius_m(view, defocus);
+  job.lens_px_per_D = std::sqrt(defocus.radius_px_per_D.x * defocus.radius_px_per_D.y);
   return job;
 }
 
 SurfelArrays arraysOf(const SurfelCloud& cloud) {
   if (cloud.empty()) return {};
-  return {&cloud.position_m[0].x, &cloud.axis_u_m[0].x,
-          &cloud.axis_v_m[0].x,   cloud.area_m2.data(),
-          &cloud.color[0].x,      cloud.opacity.empty() ? nullptr : cloud.opacity.data()};
+  return {&cloud.position_m[0].x,
+          &cloud.axis_u_m[0].x,
+          &cloud.axis_v_m[0].x,
+          cloud.area_m2.data(),
+          &cloud.color[0].x,
+          cloud.opacity.empty() ? nullptr : cloud.opacity.data(),
+          cloud.bodies.of_surfel.empty() ? nullptr : cloud.bodies.of_surfel.data()};
 }
 
 void makeRoom(SplatChunks& chunks, std::size_t splats, const ProjectJob& job) {
@@ -211,7 +230,8 @@ SplatsOut outOf(SplatChunks& chunks, std::size_t first) {
 
 void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& defocus,
                     const Projection& projection, SplatChunks& chunks) {
-  const ProjectJob job = jobOf(cloud.oriented, view, defocus, projection);
+  const std::vector<std::uint8_t> outside = bodiesFromOutside(cloud.bodies, view, defocus);
+  const ProjectJob job = jobOf(cloud.oriented, view, defocus, projection, outside);
   const SurfelArrays surfels = arraysOf(cloud);
   const std::size_t n = cloud.size();
   makeRoom(chunks, n, job);
@@ -227,7 +247,8 @@ void projectSurfels(const SurfelCloud& cloud, const View& view, const Defocus& d
 
 void projectCut(const MomentTree& tree, const Cut& cut, const View& view, const Defocus& defocus,
                 const Projection& projection, SplatChunks& chunks) {
-  const ProjectJob job = jobOf(tree.surfels().oriented, view, defocus, projection);
+  const std::vector<std::uint8_t> outside = bodiesFromOutside(tree.surfels().bodies, view, defocus);
+  const ProjectJob job = jobOf(tree.surfels().oriented, view, defocus, projection, outside);
   const SurfelArrays surfels = arraysOf(tree.surfels());
   const std::size_t size = chunkSize(cut.size());
   const std::size_t node_chunks = (cut.nodes.size() + size - 1) / size;
@@ -264,8 +285,8 @@ void projectCut(const MomentTree& tree, const Cut& cut, const View& view, const 
     const std::size_t count = std::min(size, entries.size() - begin);
     const SplatsOut out = outOf(chunks, c * size);
     chunks.count[c] =
-        node ? HWY_DYNAMIC_DISPATCH(projectNodes)(job, tree.nodes().data(), entries.data() + begin,
-                                                  count, out)
+        node ? HWY_DYNAMIC_DISPATCH(projectNodes)(job, tree.nodes().data(), tree.facing().data(),
+                                                  entries.data() + begin, count, out)
              : HWY_DYNAMIC_DISPATCH(projectSome)(job, surfels, entries.data() + begin, count, out);
   });
 }

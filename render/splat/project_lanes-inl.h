@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "render/kernel/kernel.h"
 #include "render/kernel/limits.h"
@@ -49,7 +50,10 @@ struct ProjectJob {
   bool gaussian;
   bool oriented;
   float shading;
-  const KernelShape* shapes;  // `kernelShapes()`
+  const KernelShape* shapes;    // `kernelShapes()`
+  const std::uint8_t* outside;  // `bodiesFromOutside`; null: there are no bodies
+  float lens_m;                 // `lensRadius_m`
+  float lens_px_per_D;          // blur radius of the whole lens
 };
 
 }  // namespace foci
@@ -83,8 +87,9 @@ struct ProjectedLanes {
   alignas(64) float area_px[kCapacity];
   alignas(64) float distance[kCapacity], reach[kCapacity];
   alignas(64) float shade[kCapacity];
-  alignas(64) float away[kCapacity];     // cosine of the normal to the sight; > 0: back-facing
-  alignas(64) float visible[kCapacity];  // 1: keep
+  alignas(64) float away[kCapacity];      // cosine of the normal to the sight; > 0: back-facing
+  alignas(64) float behind_m[kCapacity];  // how far the eye lies behind the surfel's plane
+  alignas(64) float visible[kCapacity];   // 1: keep
 };
 
 /// Variance of the blur along x and y, and the unblurred variance over the squared blur radius,
@@ -256,6 +261,7 @@ HWY_INLINE void storeSlant(const ProjectJob& job, const Centres& c, const V3& no
   hn::Store(hn::Mul(counts, tilt_y), d, out.tilt_y);
   hn::Store(shade, d, out.shade);
   hn::Store(away, d, out.away);
+  hn::Store(towards, d, out.behind_m);
 }
 
 /// Whether a splat renders anything: in front, on the image, with an area. NaN fails comparisons.

@@ -52,7 +52,7 @@ class OneCommand : public testing::Test {
     int top = image.rows, bottom = 0, left = image.cols, right = 0;
     for (int y = 0; y < image.rows; ++y) {
       for (int x = 0; x < image.cols; ++x) {
-        if (image.at<unsigned char>(y, x) < 40) continue;
+        if (image.at<unsigned char>(y, x) < 16) continue;
         top = std::min(top, y), bottom = std::max(bottom, y + 1);
         left = std::min(left, x), right = std::max(right, x + 1);
       }

@@ -60,7 +60,8 @@ TEST_F(Replay, TabulatesEveryFrame) {
   EXPECT_EQ(rows[0], (std::vector<std::string>{
                          "frame", "time_s", "gaze_time_s", "gaze_x_px", "gaze_y_px", "gaze_state",
                          "surface_distance_m", "target_D", "focus_D", "pupil_mm", "method",
-                         "splats", "fragments", "tolerance_error", "render_ms"}));
+                         "splats", "fragments", "tolerance_error", "vergence_D", "vergence_error_D",
+                         "vergence_disagrees", "render_ms"}));
   EXPECT_EQ(rows[3][0], "2");
   EXPECT_EQ(rows[3][1], "0.200000");
   EXPECT_EQ(rows[3][2], "0.200000");

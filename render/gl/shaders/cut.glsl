@@ -6,8 +6,14 @@ layout(std430, binding = 0) readonly buffer Places { vec4 place[]; };      // po
 layout(std430, binding = 1) readonly buffer Coarseness { vec2 coarse[]; };  // now, min; m^2
 layout(std430, binding = 2) writeonly buffer Own { float own[]; };         // weight that renders
 layout(std430, binding = 3) buffer Passed { float passed[]; };             // weight for children
-// Of size over coarseness, for all nodes below: min, max; whether their centres are on the image.
+// Of size over coarseness, for all nodes below: min, max; whether their centres are on the image;
+// whether none of their surfels is a hidden back face.
 layout(std430, binding = 4) buffer AllBounds { vec4 bounds[]; };
+#ifdef BODIES
+layout(std430, binding = 5) readonly buffer AllFacing { uint facing[]; };
+layout(std430, binding = 6) readonly buffer Nodes { uvec4 bits[]; };       // three a node
+layout(std430, binding = 8) readonly buffer Outside { uint outside[]; };  // by body
+#endif
 
 layout(location = 0) uniform int level;
 
@@ -68,6 +74,24 @@ float sizeOf(vec4 node, float coarseness, out vec4 below) {
   return now;
 }
 
+#ifdef BODIES
+// -1: all surfels below the node are hidden back faces; 1: none is; 0: some may be.
+int sideOf(uint i) {
+  uint body = facing[i] & 0xFFFFu;
+  if (body == kSeveral) return 0;
+  if (outside[body] == 0u) return 1;
+  float cos_cone = float(facing[i] >> 16) * (1.0 / 65535.0);
+  if (cos_cone == 0.0) return 0;
+  float sin_cone = sqrt(max(1.0 - cos_cone * cos_cone, 0.0));
+  vec3 p = place[i].xyz - vec3(right.w, up.w, back.w);
+  float along = dot(unpackNormal(bits[3u * i + 2u].w), p);
+  float across = sqrt(max(dot(p, p) - along * along, 0.0));
+  float reach = place[i].w + sub_aperture_shading.w;
+  if (along * cos_cone - across * sin_cone > reach) return -1;
+  return along * cos_cone + across * sin_cone < -reach ? 1 : 0;
+}
+#endif
+
 void main() {
   uint count = 1u << level;
   if (gl_GlobalInvocationID.x >= count) return;
@@ -78,12 +102,21 @@ void main() {
   passed[node] = weight == kWhole ? kWhole : 0.0;
   if (weight == 0.0 || weight == kWhole) return;
 
+#ifdef BODIES
+  if (above.w == 0.0) {
+    int side = sideOf(node);
+    if (side < 0) return;
+    above.w = float(side);
+  }
+#endif
+  float seen = above.w;
   vec2 coarseness = coarse[node];
   float now = coarseness.x * above.x;
   bool known = now >= 1.0 + kFade || coarseness.x * above.y <= 1.0;
   if (above.z == 0.0 || !known) {
     now = sizeOf(place[node], coarseness.x, above);
     if (now == kOutside) return;
+    above.w = seen;
   }
   if (weight == 1.0 && node >= uint(room.w) && coarseness.y * above.x >= 1.0 + kFade) {
     passed[node] = kWhole;

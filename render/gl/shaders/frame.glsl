@@ -10,7 +10,8 @@ layout(std140, binding = 0) uniform Frame {
   vec4 cut;                 // allowed variance per blur^2, per pixel^2, per acuity^2; near_m
   vec4 background_low_pass;    // linear RGB; standard deviation of the low-pass, px
   vec4 meridian_oblong;        // nearest meridian x, y; lens radii along the image's axes, x, y
-  vec4 sub_aperture_shading;   // radius of a sub-aperture, shading, number of sub-apertures, unused
+  vec4 sub_aperture_shading;   // radius of a sub-aperture, shading, number of sub-apertures;
+                               // the lens's radius, metres
   ivec4 size;                  // image width, height, margin, samples may be coarse
   ivec4 cells;                 // columns, rows of the smallest tiles; blurred, oriented
   ivec4 scene;                 // surfels, levels of nodes, distance along the axis, has opacity
@@ -24,7 +25,15 @@ const int kGroup = 8;                    // samples along the side of a work gro
 const int kGroupsASide = (kWidest + kGroup - 1) / kGroup;
 const float kHidden = 1.0 / 8192.0;
 const uint kNone = 0xFFFFFFFFu;
+const uint kSeveral = 65535u;  // bodies
 const float kWhole = 2.0;  // passed by a node whose surfels all render, at full weight
+
+vec3 unpackNormal(uint bits) {
+  vec2 p = vec2(bitfieldExtract(int(bits), 0, 16), bitfieldExtract(int(bits), 16, 16)) / 32767.0;
+  float z = 1.0 - abs(p.x) - abs(p.y), fold = max(-z, 0.0);
+  vec2 side = vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0);
+  return normalize(vec3(p - side * fold, z));
+}
 
 float square(float x) { return x * x; }
 

@@ -21,11 +21,18 @@ layout(std430, binding = 8) writeonly buffer Lenses { vec4 lenses[]; };  // ASTI
 #ifdef SUB_APERTURES
 layout(std430, binding = 9) writeonly buffer Sharper { vec4 sharper[]; };  // three a splat
 #endif
+#ifdef BODIES
+layout(std430, binding = 12) readonly buffer Outside { uint outside[]; };  // by body
+#ifdef CUT
+layout(std430, binding = 13) readonly buffer AllFacing { uint facing[]; };
+#endif
+#endif
 
 const float kReach2 = 5.0, kWidestSupport2 = 8.0, kLargest = 1e10;
 const float kDisc = 0.25;  // kDiscVariancePerRadius2
 const float kLongAxis = 0.6, kMinTilt = 0.01;
 const float kHighlight = 0.06, kFiner = 0.6, kCoarser = 1.4;
+const float kFrontCover = 0.05;
 const float kSigmasAStep = 0.7;
 
 struct Footprint {
@@ -47,13 +54,6 @@ struct Kernel {
 };
 
 #ifdef CUT
-vec3 unpackNormal(uint bits) {
-  vec2 p = vec2(bitfieldExtract(int(bits), 0, 16), bitfieldExtract(int(bits), 16, 16)) / 32767.0;
-  float z = 1.0 - abs(p.x) - abs(p.y), fold = max(-z, 0.0);
-  vec2 side = vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0);
-  return normalize(vec3(p - side * fold, z));
-}
-
 Footprint nodeFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
   vec4 a = uintBitsToFloat(node[3u * i]);
   vec3 b = uintBitsToFloat(node[3u * i + 1u].xyz);
@@ -229,6 +229,18 @@ void main() {
   }
 
   float towards = dot(f.normal, p);
+#ifdef BODIES
+#ifdef CUT
+  uint body = is_node ? facing[i] & 0xFFFFu : uint(surfel_b[2u * i].w);
+#else
+  uint body = uint(surfel_b[2u * i].w);
+#endif
+  bool one_sided = body != kSeveral && outside[body] != 0u;
+  if (one_sided) {
+    if (towards > sub_aperture_shading.w) return;
+    weight *= 1.0 + kFrontCover / (1.0 + view_px.z * view_px.w * square(lane.off_D));
+  }
+#endif
   lane.away = towards * inv_sight;
   float inv_towards = 1.0 / (towards < 0.0 ? min(towards, -1e-20) : max(towards, 1e-20));
   vec2 tilt = vec2(-blur_lens.x / focal.x * dot(right.xyz, f.normal),

@@ -96,9 +96,13 @@ void addForeground(GalleryStage& stage) {
   };
   const Material metal{.gloss = 0.5f, .hardness = 30.0f, .shadowed = false};
   const auto wire = [&](const glm::vec3& a, const glm::vec3& b, float radius) {
-    stage.add(
-        tube([=](float t) { return glm::mix(a, b, t); }, [=](float) { return radius; }, {0, 0, 1}),
-        brass, metal);
+    const float end = radius / glm::distance(a, b);  // rounds the ends
+    const auto radiusAt = [=](float t) {
+      const float in = std::min(1.0f, std::min(t, 1.0f - t) / end);
+      return radius * std::sqrt(std::max(in * (2.0f - in), 0.0f));
+    };
+    stage.addClosed(tube([=](float t) { return glm::mix(a, b, t); }, radiusAt, {0, 0, 1}), brass,
+                    metal);
   };
   const float left = 0.108f, right = 0.25f, low = 1.27f, high = 1.56f, depth = -0.46f;
   wire({left, low, depth}, {left, high, depth}, 0.0028f);
@@ -120,14 +124,15 @@ void addForeground(GalleryStage& stage) {
 
 void addTableExhibits(GalleryStage& stage) {
   stage.addOccluder(kBall, 0.042f);
-  stage.add(ball(kBall, 0.042f),
-            [](const SurfacePoint& at) {
-              const glm::vec2 p(at.uv.x * 16.0f, at.uv.y * 8.0f);
-              const glm::vec3 tint = checker(p) > 0.5f ? srgb(0xf2ead8) : srgb(0xb5352b);
-              return tint * (0.8f + 0.4f * fractalNoise(glm::vec2(at.uv.x * 2.0f, at.uv.y) * 90.0f,
-                                                        3, 91));
-            },
-            {.gloss = 0.45f, .hardness = 120.0f});
+  stage.addClosed(
+      ball(kBall, 0.042f),
+      [](const SurfacePoint& at) {
+        const glm::vec2 p(at.uv.x * 16.0f, at.uv.y * 8.0f);
+        const glm::vec3 tint = checker(p) > 0.5f ? srgb(0xf2ead8) : srgb(0xb5352b);
+        return tint *
+               (0.8f + 0.4f * fractalNoise(glm::vec2(at.uv.x * 2.0f, at.uv.y) * 90.0f, 3, 91));
+      },
+      {.gloss = 0.45f, .hardness = 120.0f});
   for (int i = 0; i < 7; ++i) {
     const float radius = 0.009f + 0.008f * hash01(i, 0, 97);
     const glm::vec3 center(-0.30f + 0.62f * hash01(i, 1, 97), kTable_m + radius,
@@ -136,43 +141,45 @@ void addTableExhibits(GalleryStage& stage) {
         glm::length(glm::vec2(center.x - kKnot.x, center.z - kKnot.z)) < 0.12f)
       continue;
     stage.addOccluder(center, radius);
-    stage.add(ball(center, radius),
-              [i](const SurfacePoint& at) {
-                const float swirl =
-                    std::sin(9.0f * at.uv.y + glm::two_pi<float>() * 2.0f * at.uv.x +
-                             5.0f * static_cast<float>(i));
-                return glm::mix(srgb(i % 2 == 0 ? 0x2a7f9e : 0x8e3b8a), srgb(0xf6e7c1),
-                                glm::smoothstep(0.1f, 0.4f, swirl));
-              },
-              {.gloss = 0.6f, .hardness = 150.0f});
+    stage.addClosed(ball(center, radius),
+                    [i](const SurfacePoint& at) {
+                      const float swirl =
+                          std::sin(9.0f * at.uv.y + glm::two_pi<float>() * 2.0f * at.uv.x +
+                                   5.0f * static_cast<float>(i));
+                      return glm::mix(srgb(i % 2 == 0 ? 0x2a7f9e : 0x8e3b8a), srgb(0xf6e7c1),
+                                      glm::smoothstep(0.1f, 0.4f, swirl));
+                    },
+                    {.gloss = 0.6f, .hardness = 150.0f});
   }
 
   // The knot on its plinth.
   const Curve knot = torusKnot(kKnot, 0.062f, 2, 3);
   for (int i = 0; i < 20; ++i) stage.addOccluder(knot(static_cast<float>(i) / 20.0f), 0.019f);
-  stage.add(tube(knot, [](float) { return 0.021f; }, {0, 0, 1}),
-            [](const SurfacePoint& at) {
-              const float spiral = at.uv.x * 3.0f + at.uv.y * 42.0f;
-              const float band = glm::smoothstep(
-                  0.40f, 0.46f, std::abs(spiral - std::floor(spiral) - 0.5f) * 2.0f);
-              const float fine = lines(at.uv.y * 336.0f, 0.12f);
-              const glm::vec3 blue = glm::mix(srgb(0x1d4e89), srgb(0x8fc1e3), 0.5f * fine);
-              return glm::mix(blue, srgb(0xf4a259), band) *
-                     (0.85f + 0.3f * fractalNoise({at.uv.x * 24.0f, at.uv.y * 500.0f}, 2, 101));
-            },
-            {.gloss = 0.4f, .hardness = 70.0f});
+  stage.addClosed(
+      tube(knot, [](float) { return 0.021f; }, {0, 0, 1}),
+      [](const SurfacePoint& at) {
+        const float spiral = at.uv.x * 3.0f + at.uv.y * 42.0f;
+        const float band =
+            glm::smoothstep(0.40f, 0.46f, std::abs(spiral - std::floor(spiral) - 0.5f) * 2.0f);
+        const float fine = lines(at.uv.y * 336.0f, 0.12f);
+        const glm::vec3 blue = glm::mix(srgb(0x1d4e89), srgb(0x8fc1e3), 0.5f * fine);
+        return glm::mix(blue, srgb(0xf4a259), band) *
+               (0.85f + 0.3f * fractalNoise({at.uv.x * 24.0f, at.uv.y * 500.0f}, 2, 101));
+      },
+      {.gloss = 0.4f, .hardness = 70.0f});
   const glm::vec3 plinth(kKnot.x, kTable_m, kKnot.z);
   stage.addOccluder(plinth + glm::vec3(0, 0.02f, 0), 0.05f);
-  stage.add(lathe(plinth, {{0.070f, 0.0f},
-                           {0.070f, 0.012f},
-                           {0.058f, 0.020f},
-                           {0.048f, 0.045f},
-                           {0.052f, 0.060f},
-                           {0.0f, 0.061f}}),
-            [](const SurfacePoint& at) {
-              return marble(at.p_world, srgb(0x2c2b2e), srgb(0xd8c9a8), 9.0f);
-            },
-            {.gloss = 0.25f, .hardness = 80.0f});
+  stage.addClosed(lathe(plinth, {{0.0f, 0.0f},
+                                 {0.070f, 0.0f},
+                                 {0.070f, 0.012f},
+                                 {0.058f, 0.020f},
+                                 {0.048f, 0.045f},
+                                 {0.052f, 0.060f},
+                                 {0.0f, 0.061f}}),
+                  [](const SurfacePoint& at) {
+                    return marble(at.p_world, srgb(0x2c2b2e), srgb(0xd8c9a8), 9.0f);
+                  },
+                  {.gloss = 0.25f, .hardness = 80.0f});
 }
 
 /// A bust, and the half-transparent mask before it.
@@ -184,9 +191,11 @@ void addFigure(GalleryStage& stage) {
   const Material polished{.gloss = 0.10f, .hardness = 35.0f};
   stage.addOccluder(kBust, 0.115f);
   stage.addOccluder(kBust + glm::vec3(0, -0.27f, 0), 0.13f);
-  stage.add(head(kBust, scale, {-glm::pi<float>(), glm::pi<float>()}, {-1.45f, 1.5707f}, true),
-            stone, polished);
-  const Shape trunk = lathe({0, 0, 0}, {{0.075f, 0.0f},
+  stage.addClosed(
+      head(kBust, scale, {-glm::pi<float>(), glm::pi<float>()}, {-1.5707f, 1.5707f}, true), stone,
+      polished);
+  const Shape trunk = lathe({0, 0, 0}, {{0.0f, 0.0f},
+                                        {0.075f, 0.0f},
                                         {0.078f, 0.012f},
                                         {0.05f, 0.024f},
                                         {0.042f, 0.045f},
@@ -196,8 +205,9 @@ void addFigure(GalleryStage& stage) {
                                         {0.138f, 0.18f},
                                         {0.098f, 0.203f},
                                         {0.066f, 0.225f},
-                                        {0.060f, 0.29f}});
-  stage.add(
+                                        {0.060f, 0.29f},
+                                        {0.0f, 0.29f}});
+  stage.addClosed(
       [trunk](glm::vec2 uv) {
         const glm::vec3 p = trunk(uv);
         const float wide =
@@ -234,11 +244,14 @@ void addFigure(GalleryStage& stage) {
   const glm::vec3 foot(kMask.x, kTable_m, kMask.z + 0.02f);
   const Paint brass = [](const SurfacePoint&) { return srgb(0xc79a4b); };
   stage.addOccluder(foot, 0.035f);
-  stage.add(
-      lathe(
-          foot,
-          {{0.040f, 0.0f}, {0.038f, 0.004f}, {0.012f, 0.010f}, {0.0035f, 0.02f}, {0.0025f, 0.10f}}),
-      brass, {.gloss = 0.4f, .hardness = 40.0f});
+  stage.addClosed(lathe(foot, {{0.0f, 0.0f},
+                               {0.040f, 0.0f},
+                               {0.038f, 0.004f},
+                               {0.012f, 0.010f},
+                               {0.0035f, 0.02f},
+                               {0.0025f, 0.10f},
+                               {0.0f, 0.10f}}),
+                  brass, {.gloss = 0.4f, .hardness = 40.0f});
 }
 
 /// On pedestals behind the table: a fluted vase, a pile of spheres.
@@ -249,21 +262,23 @@ void addPedestals(GalleryStage& stage) {
   };
   for (const glm::vec3& top : {kVase, kSpheres}) {
     stage.addOccluder(top - glm::vec3(0, 0.2f, 0), 0.2f);
-    stage.add(lathe({top.x, 0.0f, top.z},
-                    {{0.26f, 0.35f},
-                     {0.20f, 0.45f},
-                     {0.19f, top.y - 0.12f},
-                     {0.21f, top.y - 0.08f},
-                     {0.25f, top.y - 0.04f},
-                     {0.25f, top.y},
-                     {0.0f, top.y}},
-                    16, 0.08f),
-              plaster, {.gloss = 0.02f, .coarse = 2.0f});
+    stage.addClosed(lathe({top.x, 0.0f, top.z},
+                          {{0.0f, 0.35f},
+                           {0.26f, 0.35f},
+                           {0.20f, 0.45f},
+                           {0.19f, top.y - 0.12f},
+                           {0.21f, top.y - 0.08f},
+                           {0.25f, top.y - 0.04f},
+                           {0.25f, top.y},
+                           {0.0f, top.y}},
+                          16, 0.08f),
+                    plaster, {.gloss = 0.02f, .coarse = 2.0f});
   }
   stage.addOccluder(kVase + glm::vec3(0, 0.24f, 0), 0.16f);
   stage.addOccluder(kVase + glm::vec3(0, 0.45f, 0), 0.07f);
-  stage.add(
-      lathe(kVase, {{0.085f, 0.0f},
+  stage.addClosed(
+      lathe(kVase, {{0.0f, 0.0f},
+                    {0.085f, 0.0f},
                     {0.09f, 0.02f},
                     {0.06f, 0.05f},
                     {0.12f, 0.15f},
@@ -271,7 +286,8 @@ void addPedestals(GalleryStage& stage) {
                     {0.15f, 0.38f},
                     {0.065f, 0.46f},
                     {0.06f, 0.52f},
-                    {0.10f, 0.56f}}),
+                    {0.10f, 0.56f},
+                    {0.0f, 0.56f}}),
       [](const SurfacePoint& at) {
         const float y = at.p_world.y - kVase.y, turn = at.uv.x;
         const float meander = checker({turn * 48.0f + std::floor(y * 80.0f) * 0.5f, y * 80.0f});
@@ -295,14 +311,14 @@ void addPedestals(GalleryStage& stage) {
   for (std::size_t i = 0; i < pile.size(); ++i) {
     const glm::vec3 center = kSpheres + glm::vec3(pile[i]);
     stage.addOccluder(center, pile[i].w);
-    stage.add(ball(center, pile[i].w),
-              [tint = tints[i], i](const SurfacePoint& at) {
-                const float stripe =
-                    lines(at.uv.y * 14.0f + (i % 2 == 0 ? 0.0f : at.uv.x * 8.0f), 0.12f);
-                return glm::mix(tint, srgb(0x1d1d24), 0.75f * stripe) *
-                       (0.85f + 0.3f * fractalNoise({at.uv.x * 80.0f, at.uv.y * 40.0f}, 3, 113));
-              },
-              {.gloss = 0.35f, .hardness = 80.0f});
+    stage.addClosed(
+        ball(center, pile[i].w),
+        [tint = tints[i], i](const SurfacePoint& at) {
+          const float stripe = lines(at.uv.y * 14.0f + (i % 2 == 0 ? 0.0f : at.uv.x * 8.0f), 0.12f);
+          return glm::mix(tint, srgb(0x1d1d24), 0.75f * stripe) *
+                 (0.85f + 0.3f * fractalNoise({at.uv.x * 80.0f, at.uv.y * 40.0f}, 3, 113));
+        },
+        {.gloss = 0.35f, .hardness = 80.0f});
   }
 }
 

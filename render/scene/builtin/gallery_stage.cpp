@@ -18,4 +18,10 @@ void GalleryStage::add(Shape shape, Paint paint, const Material& material, float
   appendSurface(cloud_, surface, audience);
 }
 
+void GalleryStage::addClosed(Shape shape, Paint paint, const Material& material) {
+  cloud_.bodies.of_surfel.resize(cloud_.size(), 0);
+  add(std::move(shape), std::move(paint), material);
+  cloud_.bodies.of_surfel.resize(cloud_.size(), ++bodies_);
+}
+
 }  // namespace foci

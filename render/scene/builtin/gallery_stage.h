@@ -2,6 +2,7 @@
 // gallery.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
 #include <utility>
@@ -23,12 +24,17 @@ class GalleryStage {
     light_.addOccluder(center_m, radius_m);
   }
 
+  /// Adds an opaque shape without a hole, which is a closed body.
+  void addClosed(Shape shape, Paint paint, const Material& material);
+
   /// @param keep  whether there is surface at a point; default: everywhere
   void add(Shape shape, Paint paint, const Material& material, float opacity = 1.0f,
            std::function<bool(const SurfacePoint&)> keep = {});
 
   SurfelCloud take() {
     cloud_.oriented = true;
+    cloud_.bodies.of_surfel.resize(cloud_.size(), 0);
+    completeBodies(cloud_);
     return std::move(cloud_);
   }
 
@@ -36,6 +42,7 @@ class GalleryStage {
   SampledFor audience_;
   GalleryLight light_;
   SurfelCloud cloud_;
+  std::uint16_t bodies_ = 0;
 };
 
 /// Floor, walls and pictures behind the exhibits.

@@ -193,6 +193,7 @@ SurfelCloud makeStatue() {
   });
   points.position_m = std::move(samples.position_m);
   points.normal = std::move(samples.normal);
+  points.body.assign(points.size(), 1);  // the level set of a distance is closed
   SurfelCloud cloud = surfelsFromPoints(std::move(points));
   cloud.oriented = true;
   return cloud;

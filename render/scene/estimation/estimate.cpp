@@ -175,6 +175,9 @@ SurfelCloud assemble(PointCloud&& points, const std::vector<float>& sigma_m,
   const bool opaque = std::all_of(points.opacity.begin(), points.opacity.end(),
                                   [](float opacity) { return opacity == 1.0f; });
   if (!opaque) cloud.opacity = std::move(points.opacity);
+  cloud.bodies.of_surfel = std::move(points.body);
+  completeBodies(cloud);
+  cloud.objects = std::move(points.objects);
   points = {};
   return cloud;
 }
@@ -299,6 +302,8 @@ SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& setti
   reorder(points.color, order);
   reorder(points.radius_m, order);
   reorder(points.opacity, order);
+  reorder(points.body, order);
+  reorder(points.objects.of, order);
   return estimate(std::move(points), settings, Stacks::possible);
 }
 

@@ -79,6 +79,7 @@ SurfelCloud scaled(SurfelCloud&& cloud, float factor) {
     scale(*lengths_m, factor);
   }
   for (float& area_m2 : cloud.area_m2) area_m2 *= factor * factor;
+  completeBodies(cloud);
   if (cloud.gaussians && factor != 1.0f) {
     const auto gaussians = std::make_shared<GaussianCloud>(*cloud.gaussians);
     scaleBy(*gaussians, factor);

@@ -12,6 +12,7 @@
 
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
+#include "render/scene/closed_bodies.h"
 #include "render/scene/mesh/triangle_mesh.h"
 
 namespace foci {
@@ -73,13 +74,15 @@ class Surfaces {
   }
 
   /// Joins two neighbours. A surface with one side, such as a Moebius strip, keeps a seam.
-  void join(std::uint32_t a, std::uint32_t b, bool alike) {
+  /// @return whether there is no seam between them
+  bool join(std::uint32_t a, std::uint32_t b, bool alike) {
     const auto [root_a, turned_a] = find(a);
     const auto [root_b, turned_b] = find(b);
-    if (root_a == root_b) return;
+    if (root_a == root_b) return (turned_a == turned_b) == alike;
     const auto [first, second] = std::minmax(root_a, root_b);
     parent_[second] = first;
     turned_[second] = static_cast<std::uint8_t>(turned_a ^ turned_b ^ !alike);
+    return true;
   }
 
  private:
@@ -91,6 +94,7 @@ class Surfaces {
 struct Surface {
   std::array<double, 2> area_m2{};  // of those wound as the first one was, and of the others
   double open_m = 0.0;              // length of the open edges
+  bool closed = true;               // two triangles share each edge, without a seam
   glm::dvec3 normals_m2{0.0};       // sum of the normals, times the areas
   glm::dvec3 moment_m3{0.0};        // sum of the centres, times the areas
   double volume_m3 = 0.0;           // from the origin
@@ -128,13 +132,13 @@ bool turnsFirst(const Surface& surface, bool around_all) {
   return surface.ownVolume() < 0.0;
 }
 
-/// An edge of one triangle.
+/// A triangle's edge that joins it to no other.
 struct OpenEdge {
   std::uint32_t triangle;
-  double length_m;
+  double length_m;  // 0: the triangle is not alone, but it shares the edge with several, or a seam
 };
 
-/// Joins the triangles where two alone share an edge. Adds the edges that one has alone to `open`.
+/// Joins the triangles where two alone share an edge. Adds the other edges to `open`.
 Surfaces connected(const TriangleMesh& mesh, std::vector<OpenEdge>& open) {
   const std::vector<Edge> edges = sortedEdges(mesh);
   Surfaces surfaces(mesh.size());
@@ -142,9 +146,12 @@ Surfaces connected(const TriangleMesh& mesh, std::vector<OpenEdge>& open) {
     const Edge& edge = edges[i];
     while (end < edges.size() && edges[end].from == edge.from && edges[end].to == edge.to) ++end;
     if (end - i == 1) open.push_back({edge.triangle, glm::distance(edge.from, edge.to)});
+    for (std::size_t k = i; end - i > 2 && k < end; ++k) open.push_back({edges[k].triangle, 0.0});
     if (end - i != 2) continue;
     const Edge& other = edges[i + 1];
-    surfaces.join(edge.triangle, other.triangle, edge.forwards != other.forwards);
+    if (!surfaces.join(edge.triangle, other.triangle, edge.forwards != other.forwards)) {
+      open.push_back({edge.triangle, 0.0});
+    }
   }
   return surfaces;
 }
@@ -168,17 +175,25 @@ std::size_t orientOutwards(TriangleMesh& mesh) {
     }
   }
   for (const auto& [triangle, length_m] : open) {
-    all[number[surfaces.find(triangle).first]].open_m += length_m;
+    Surface& surface = all[number[surfaces.find(triangle).first]];
+    surface.open_m += length_m;
+    surface.closed = false;
   }
 
   const glm::vec3 margin = kAround * (whole.high_m - whole.low_m);
-  std::size_t count = 0;
+  std::size_t count = 0, bodies = 0;
+  mesh.body.assign(mesh.size(), 0);
   for (std::uint32_t t = 0; t < mesh.size(); ++t) {
     const auto [first, turned] = surfaces.find(t);
     const Surface& surface = all[number[first]];
     const bool around_all = all.size() > 1 &&
                             glm::all(glm::lessThanEqual(surface.low_m, whole.low_m + margin)) &&
                             glm::all(glm::greaterThanEqual(surface.high_m, whole.high_m - margin));
+    if (first != t) {
+      mesh.body[t] = mesh.body[first];
+    } else if (surface.closed && !around_all && bodies < kMaxBodies) {
+      mesh.body[t] = static_cast<std::uint16_t>(++bodies);
+    }
     if (turnsFirst(surface, around_all) == turned) continue;
     const std::size_t second = 3 * std::size_t{t} + 1, third = second + 1;
     std::swap(mesh.corners_m[second], mesh.corners_m[third]);

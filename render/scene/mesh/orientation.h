@@ -15,6 +15,8 @@ struct TriangleMesh;
 /// solid if its open edges could frame at most a tenth of its area. A solid around all other
 /// surfaces is a room, and stays as it was wound.
 ///
+/// Numbers the surfaces without a hole or a seam that bound a solid: `TriangleMesh::body`.
+///
 /// @return the number of triangles that were turned
 std::size_t orientOutwards(TriangleMesh& mesh);
 

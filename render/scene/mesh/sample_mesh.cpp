@@ -8,6 +8,7 @@
 
 #include "base/input_error.h"
 #include "base/parallel.h"
+#include "render/scene/closed_bodies.h"
 #include "render/scene/mesh/texture.h"
 
 namespace foci {
@@ -52,12 +53,29 @@ void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
     cloud.position_m[kept] = cloud.position_m[i];
     cloud.normal[kept] = cloud.normal[i];
     cloud.color[kept] = cloud.color[i];
-    cloud.opacity[kept++] = cloud.opacity[i];
+    cloud.opacity[kept] = cloud.opacity[i];
+    if (!cloud.body.empty()) cloud.body[kept] = cloud.body[i];
+    if (!cloud.objects.empty()) cloud.objects.of[kept] = cloud.objects.of[i];
+    ++kept;
   }
   cloud.position_m.resize(kept);
   cloud.normal.resize(kept);
   cloud.color.resize(kept);
   cloud.opacity.resize(kept);
+  if (!cloud.body.empty()) cloud.body.resize(kept);
+  if (!cloud.objects.empty()) cloud.objects.of.resize(kept);
+}
+
+/// Bodies that a texture cuts a hole in are open.
+void openCutBodies(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
+  if (cloud.body.empty()) return;
+  std::vector<std::uint8_t> cut(std::size_t{kMaxBodies} + 1, 0);
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i] == 0) cut[cloud.body[i]] = 1;
+  }
+  for (std::uint16_t& body : cloud.body) {
+    if (cut[body] != 0) body = 0;
+  }
 }
 
 }  // namespace
@@ -109,6 +127,9 @@ PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& nam
   cloud.normal.resize(points.size());
   cloud.color.resize(points.size());
   cloud.opacity.resize(points.size());
+  cloud.body.resize(mesh.body.empty() ? 0 : points.size());
+  cloud.objects.of.resize(mesh.objects.empty() ? 0 : points.size());
+  cloud.objects.names = mesh.objects.names;
   std::vector<std::uint8_t> keep(points.size());
   parallelFor(points.size(), [&](std::size_t i) {
     const MeshPoint& point = points[i];
@@ -122,10 +143,13 @@ PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& nam
     cloud.color[i] = color.color;
     cloud.opacity[i] = color.opacity;
     keep[i] = color.opacity > 0.0f;
+    if (!mesh.body.empty()) cloud.body[i] = mesh.body[point.triangle];
+    if (!mesh.objects.empty()) cloud.objects.of[i] = mesh.objects.of[point.triangle];
   });
   // Triangles narrower than the spacing hold more points, which must not take area from the others.
   const double share_m2 = mesh_m2 / static_cast<double>(points.size());
   cloud.area_m2 = static_cast<float>(std::max(share_m2, kPoissonArea * spacing_m * spacing_m));
+  openCutBodies(cloud, keep);
   keepMarked(cloud, keep);
   if (cloud.size() == 0) throw InputError(name.string(), "has no surface that is not cut out");
   return cloud;

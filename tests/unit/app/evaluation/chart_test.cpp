@@ -171,7 +171,7 @@ TEST(PlanChart, HoldsAMeshAgainstItsTrianglesAndOtherScenesAgainstTheirSurfels) 
     const bool ball = scene.id == "ball";
     EXPECT_EQ(scene.truth == ChartTruth::triangles, ball) << scene.id;
     const bool traced = ball && !expectedMethod("raytrace:1");
-    EXPECT_EQ(plan.reference(scene, 4.0), traced ? "raytrace:256" : "accumulate:64") << scene.id;
+    EXPECT_EQ(plan.reference(scene, 4.0), traced ? "raytrace:128" : "accumulate:64") << scene.id;
     if (!ball) continue;  // slow to make
     const SceneInView seen = scene.make();
     EXPECT_NE(seen.cloud.mesh, nullptr);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace foci {
 namespace {
 
@@ -83,6 +85,60 @@ TEST(Stereo, PutsEachEyeWhereItBelongs) {
   EXPECT_EQ(above.at(5, 1), left);
   EXPECT_EQ(above.at(5, 2), right);
   EXPECT_EQ(joined(StereoView::anaglyph).at(5, 2), glm::vec4(left.r, right.g, right.b, 1.0f));
+}
+
+const EyeField kLeftEye{.left_deg = 54.0, .right_deg = 40.0, .up_deg = 42.0, .down_deg = 53.0};
+
+/// Where an eye's view shows a direction.
+glm::dvec2 shownAt_px(const EyeView& eye, double right_deg, double up_deg) {
+  return project(eye.view,
+                 {std::tan(glm::radians(right_deg)), std::tan(glm::radians(up_deg)), -1.0});
+}
+
+TEST(HeadsetViews, EndWhereEachEyesFieldDoes) {
+  const auto eyes =
+      headsetViews(StereoView::side_by_side, glm::mat4(1.0f), kLeftEye, {1600, 700}, kBetween_m);
+  ASSERT_EQ(eyes.size(), 2u);
+  for (const int side : {0, 1}) {
+    EXPECT_EQ(eyes[side].view.size_px, glm::ivec2(800, 700));
+    EXPECT_EQ(eyes[side].corner_px, glm::ivec2(800 * side, 0));
+    const double left_deg = side == 0 ? 54.0 : 40.0, right_deg = 94.0 - left_deg;
+    EXPECT_NEAR(shownAt_px(eyes[side], -left_deg, 0.0).x, 0.0, kFloat_px);
+    EXPECT_NEAR(shownAt_px(eyes[side], right_deg, 0.0).x, 800.0, kFloat_px);
+    EXPECT_NEAR(shownAt_px(eyes[side], 0.0, 42.0).y, 0.0, kFloat_px);
+    EXPECT_NEAR(shownAt_px(eyes[side], 0.0, -53.0).y, 700.0, kFloat_px);
+  }
+}
+
+TEST(HeadsetViews, LookStraightAheadSideBySide) {
+  // A point at infinity lies in the same direction for both; a near one is ipd / distance apart.
+  const auto eyes =
+      headsetViews(StereoView::top_bottom, glm::mat4(1.0f), kLeftEye, {800, 1400}, kBetween_m);
+  const auto tangentOf = [&](int side, double distance_m) {
+    const EyeView& eye = eyes[side];
+    const glm::dvec2 at_px =
+        projectForEye(eye, {0.0, 0.0, -distance_m}) - glm::dvec2(eye.corner_px);
+    return (at_px.x - eye.view.principal_px.x) / eye.view.focal_px.x;
+  };
+  EXPECT_NEAR(tangentOf(0, 1e6) - tangentOf(1, 1e6), 0.0, 1e-6);
+  EXPECT_NEAR(tangentOf(0, 0.5) - tangentOf(1, 0.5), kBetween_m / 0.5, 1e-6);
+}
+
+TEST(HeadsetViews, ShareOneFieldInAnAnaglyph) {
+  const auto eyes =
+      headsetViews(StereoView::anaglyph, glm::mat4(1.0f), kLeftEye, {800, 700}, kBetween_m);
+  EXPECT_EQ(eyes[0].view.principal_px, eyes[1].view.principal_px);
+  EXPECT_EQ(eyes[0].view.focal_px, eyes[1].view.focal_px);
+}
+
+TEST(HeadsetViews, OfOneEyeAreThatEyes) {
+  const auto both =
+      headsetViews(StereoView::side_by_side, glm::mat4(1.0f), kLeftEye, {1600, 700}, kBetween_m);
+  const auto right =
+      headsetViews(StereoView::right, glm::mat4(1.0f), kLeftEye, {800, 700}, kBetween_m);
+  ASSERT_EQ(right.size(), 1u);
+  EXPECT_EQ(right[0].view, both[1].view);
+  EXPECT_EQ(right[0].corner_px, glm::ivec2(0));
 }
 
 }  // namespace

@@ -102,6 +102,25 @@ TEST_F(FociFileTest, RefusesEveryAlteredByte) {
   }
 }
 
+TEST_F(FociFileTest, KeepsClosedBodies) {
+  SurfelCloud cloud = few(false);
+  cloud.bodies.of_surfel = {0, 2, 1};
+  completeBodies(cloud);
+  const std::string whole = written(cloud);
+  EXPECT_EQ(whole[8], 3);                   // the version
+  EXPECT_EQ(written(few(false)).at(8), 1);  // earlier programs read it
+  writeSceneFile(path_, {cloud});
+  const SurfelCloud read = readSceneFile(path_).cloud;
+  EXPECT_EQ(read.bodies.of_surfel, cloud.bodies.of_surfel);
+  ASSERT_EQ(read.bodies.boxes.size(), 3u);
+  EXPECT_EQ(read.bodies.boxes[2].low_m, cloud.bodies.boxes[2].low_m);
+  for (std::size_t at = 8; at < whole.size(); ++at) {
+    std::string altered = whole;
+    altered[at] = static_cast<char>(altered[at] ^ (1 << at % 8));
+    EXPECT_NE(refusal(altered), "") << "byte " << at;
+  }
+}
+
 TEST_F(FociFileTest, RefusesSwappedBytes) {
   const std::string whole = written(few(true));
   for (std::size_t at = 64; at + 16 <= whole.size(); at += 4) {
@@ -114,8 +133,8 @@ TEST_F(FociFileTest, RefusesSwappedBytes) {
 TEST_F(FociFileTest, SaysWhatIsWrong) {
   const std::string whole = written(few(true));
   std::string later = whole;
-  later[8] = 3;
-  EXPECT_EQ(refusal(later), ": is of version 3: this program reads versions 1 and 2");
+  later[8] = 4;
+  EXPECT_EQ(refusal(later), ": is of version 4: this program reads versions 1 to 3");
   std::string as_text = whole;
   as_text.erase(4, 1);
   EXPECT_EQ(refusal(as_text), ": was altered, as by a transfer as text");

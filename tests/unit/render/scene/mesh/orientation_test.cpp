@@ -107,6 +107,36 @@ TEST(Orientation, ARoomKeepsItsInsideAndItsThingsFaceOutwards) {
   EXPECT_EQ(outwards(mesh, kCenter, 12, 24), 12u);
 }
 
+TEST(Orientation, NumbersClosedSurfacesAlone) {
+  TriangleMesh mesh;
+  addCube(mesh, kCenter, 2.0f);                       // closed
+  addCube(mesh, kCenter + glm::vec3(9.0f), 2.0f, 3);  // half a cube
+  addCube(mesh, kCenter - glm::vec3(9.0f), 1.0f);     // closed, inside out
+  for (std::size_t t = 18; t < mesh.size(); ++t) turn(mesh, t);
+  orientOutwards(mesh);
+  for (std::size_t t = 0; t < mesh.size(); ++t) {
+    EXPECT_EQ(mesh.body[t], t < 12 ? 1 : t < 18 ? 0 : 2) << t;
+  }
+}
+
+TEST(Orientation, ARoomIsNoClosedBodyAndItsThingsAre) {
+  TriangleMesh mesh;
+  addCube(mesh, kCenter, 4.0f);
+  addCube(mesh, kCenter, 0.5f);
+  orientOutwards(mesh);
+  EXPECT_EQ(mesh.body[0], 0);
+  EXPECT_EQ(mesh.body[12], 1);
+}
+
+TEST(Orientation, ASheetOnACubesEdgeOpensIt) {
+  TriangleMesh mesh;
+  addCube(mesh, {}, 2.0f);
+  const glm::vec3 a = mesh.corners_m[0], b = mesh.corners_m[1];
+  addTriangle(mesh, a, b, 3.0f * a);  // three triangles share the edge
+  orientOutwards(mesh);
+  EXPECT_EQ(mesh.body, std::vector<std::uint16_t>(13, 0));
+}
+
 TEST(Orientation, AMoebiusStripKeepsASeam) {
   TriangleMesh mesh;
   constexpr int kSteps = 40;

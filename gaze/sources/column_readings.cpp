@@ -1,0 +1,162 @@
+#include "gaze/sources/column_readings.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+/// What the study names a column for.
+bool isNamed(const ColumnNames& names, std::size_t column, const TraceColumns& given) {
+  const auto is = [&](const std::string& name) {
+    return !name.empty() &&
+           (name == names.text(column) || name == "#" + std::to_string(column + 1));
+  };
+  const auto any = [&](const auto& list) { return std::any_of(list.begin(), list.end(), is); };
+  const auto inSight = [&](const SightColumns& sight) {
+    return any(sight.direction) || any(sight.angles) || any(sight.quaternion) || any(sight.point) ||
+           any(sight.origin);
+  };
+  bool named = is(given.time) || is(given.x) || is(given.y) || is(given.pupil) || is(given.blink) ||
+               is(given.confidence) || inSight(given.space.both) ||
+               any(given.space.head_position) || any(given.space.head_quaternion) ||
+               any(given.space.head_angles);
+  for (std::size_t side : {0, 1}) {
+    const TraceColumns::Eye& eye = given.eyes[side];
+    named = named || is(eye.x) || is(eye.y) || is(eye.pupil) || inSight(given.space.eyes[side]);
+  }
+  return named;
+}
+
+/// The meanings of the columns in use.
+class Meanings {
+ public:
+  explicit Meanings(const TableLayout& layout, const TraceColumns& given)
+      : layout_(layout), given_(given) {
+    addTable();
+    for (std::size_t side : {0, 1}) addEye(layout.eyes[side], side == 0 ? "left eye" : "right eye");
+    if (layout.space) addSpace(*layout.space);
+  }
+
+  /// @return nullptr: unused
+  const std::string* of(std::size_t column) const {
+    const auto found = meanings_.find(column);
+    return found == meanings_.end() ? nullptr : &found->second;
+  }
+
+ private:
+  void add(const std::optional<std::size_t>& column, const std::string& meaning) {
+    if (column) meanings_.emplace(*column, meaning);
+  }
+
+  template <std::size_t N>
+  void add(const ColumnsAt<N>& columns, const std::string& meaning, const char* parts) {
+    for (std::size_t i = 0; columns && i < N; ++i) {
+      add((*columns)[i], meaning + ", " + std::string(1, parts[i]));
+    }
+  }
+
+  std::string unit() const {
+    switch (given_.units.value_or(layout_.units.value_or(GazeUnits::px))) {
+      case GazeUnits::deg:
+        return "deg";
+      case GazeUnits::normalised:
+        return layout_.y_up ? "fractions of the screen from its lower left corner"
+                            : "fractions of the screen";
+      case GazeUnits::px:
+        break;
+    }
+    return "px";
+  }
+
+  void addTable() {
+    add(layout_.time, layout_.time_scale_s > 0.0
+                          ? "time, a unit is " + exactText(layout_.time_scale_s) + " s"
+                          : "time; its unit follows from the rate");
+    add(layout_.fine_time, "time of the tracker, microseconds");
+    add(layout_.x, "horizontal position of gaze, " + unit());
+    add(layout_.y, "vertical position of gaze, " + unit());
+    add(layout_.pupil_mm, "diameter of the pupil, mm");
+    add(layout_.blink, "blink");
+    add(layout_.confidence, "confidence, 0 to 1");
+    add(layout_.validity, "whether gaze is valid");
+    add(layout_.uncertainty_deg, "uncertainty of gaze, deg");
+    add(layout_.width_px, "width of the screen, px");
+    add(layout_.height_px, "height of the screen, px");
+    add(layout_.resolution, "size of the screen, px");
+    add(layout_.rows.column, "which rows are samples");
+  }
+
+  void addEye(const EyeColumns& eye, const std::string& name) {
+    add(eye.x, "horizontal position of the " + name + ", " + unit());
+    add(eye.y, "vertical position of the " + name + ", " + unit());
+    add(eye.point, "position of the " + name + ", " + unit());
+    add(eye.validity, "whether the " + name + " is valid");
+    add(eye.pupil_mm, "diameter of the pupil of the " + name + ", mm");
+    add(eye.origin_point_mm, "origin of the " + name + ", mm");
+    add(eye.sight_point_mm, "point in space that the " + name + " looks at, mm");
+    add(eye.origin_validity, "whether the origin of the " + name + " is valid");
+    const char* parts = "xyz";
+    for (std::size_t axis : {0, 1, 2}) {
+      const std::string part = ", " + std::string(1, parts[axis]);
+      add(eye.origin_mm[axis], "origin of the " + name + ", mm" + part);
+      add(eye.direction[axis], "direction of the " + name + part);
+    }
+  }
+
+  void addSpace(const SpaceLayout& space) {
+    const std::string frame = space.in_world ? " in the world" : " in the head's frame";
+    const std::string length = ", a unit is " + exactText(space.origin_scale_m) + " m";
+    const std::string turn = given_.space.angle_units == AngleUnit::rad ? ", rad" : ", deg";
+    const auto sight = [&](const SightAt& at, const std::string& name) {
+      add(at.direction, "direction of " + name + frame, "xyz");
+      add(at.point, "point in space that " + name + " looks at" + frame + length, "xyz");
+      add(at.origin, "origin of " + name + frame + length, "xyz");
+      add(at.angles, "angle of " + name + frame + turn, "hv");
+      add(at.quaternion, "rotation of " + name + frame, "xyzw");
+    };
+    sight(space.both, "both eyes");
+    sight(space.eyes[0], "the left eye");
+    sight(space.eyes[1], "the right eye");
+    add(space.head_position, "place of the head, a unit is " + exactText(space.head_scale_m) + " m",
+        "xyz");
+    add(space.head_quaternion, "orientation of the head", "xyzw");
+    add(space.head_angles, "turn of the head" + turn, "hvr");
+  }
+
+  const TableLayout& layout_;
+  const TraceColumns& given_;
+  std::map<std::size_t, std::string> meanings_{};
+};
+
+}  // namespace
+
+std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayout& layout,
+                                      const TraceColumns& given) {
+  const Meanings meanings(layout, given);
+  const bool plain = layout.format.starts_with("TSV") || layout.format.starts_with("CSV") ||
+                     layout.format.starts_with("text");
+  std::vector<ColumnReading> readings;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    ColumnReading reading{.columns = layout.headless ? "#" + std::to_string(i + 1)
+                                                     : std::string(names.text(i))};
+    if (const std::string* meaning = meanings.of(i)) {
+      reading.meaning = *meaning;
+      reading.why = isNamed(names, i, given) ? "as the study says"
+                    : !plain                 ? "sure: " + layout.format + " writes it so"
+                    : names.unit(i).empty()  ? "a guess: its name has no unit"
+                                             : "likely: its name has its unit";
+    } else {
+      reading.meaning = "unused";
+    }
+    readings.push_back(std::move(reading));
+  }
+  return readings;
+}
+
+}  // namespace foci

@@ -1,0 +1,248 @@
+#include "gaze/sources/space_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/number.h"
+#include "base/text.h"
+#include "gaze/sources/column_names.h"
+#include "gaze/sources/table_row.h"
+
+namespace foci {
+namespace {
+
+constexpr double kUnitLength = 0.05;  // a unit vector with two decimals is within this of length 1
+constexpr double kMaxPlaceInSpace_m = 1e6;  // a float there has steps of 6 cm
+constexpr double kMaxAngle_rad = 7.0;       // more than a whole turn
+
+template <std::size_t N>
+ColumnsAt<N> placesOf(const LineReader& lines, const ColumnNames& names,
+                      const ColumnList<N>& list) {
+  if (list[0].empty()) return std::nullopt;
+  std::array<std::size_t, N> places{};
+  for (std::size_t i = 0; i < N; ++i) {
+    places[i] = names.named(list[i]);
+    if (std::find(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(i), places[i]) !=
+        places.begin() + static_cast<std::ptrdiff_t>(i)) {
+      throw lines.error("column " + shown(list[i]) + " is named twice in one list");
+    }
+  }
+  return places;
+}
+
+SightAt sightAt(const LineReader& lines, const ColumnNames& names, const SightColumns& columns) {
+  SightAt at{.direction = placesOf(lines, names, columns.direction),
+             .point = placesOf(lines, names, columns.point),
+             .origin = placesOf(lines, names, columns.origin),
+             .angles = placesOf(lines, names, columns.angles),
+             .quaternion = placesOf(lines, names, columns.quaternion)};
+  if (at.direction.has_value() + at.point.has_value() + at.angles.has_value() +
+          at.quaternion.has_value() >
+      1) {
+    throw lines.error(
+        "direction, angles, quaternion and point of one line of sight: expected only one of them");
+  }
+  return at;
+}
+
+/// Numbers of a row; nothing if one is absent.
+template <std::size_t N>
+std::optional<std::array<double, N>> numbersIn(const TableRow& row,
+                                               const std::array<std::size_t, N>& at) {
+  std::array<double, N> values{};
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto value = row.number(at[i]);
+    if (!value && isAbsent(row.field(at[i]))) return std::nullopt;
+    if (!value) row.fail(at[i], "expected a number");
+    if (row.isMissing(*value)) return std::nullopt;
+    values[i] = *value;
+  }
+  return values;
+}
+
+std::optional<glm::dvec3> vectorIn(const TableRow& row, const ColumnsAt<3>& at) {
+  const auto values = at ? numbersIn(row, *at) : std::nullopt;
+  if (!values) return std::nullopt;
+  return glm::dvec3((*values)[0], (*values)[1], (*values)[2]);
+}
+
+std::optional<glm::dvec3> placeIn(const TableRow& row, const ColumnsAt<3>& at,
+                                  const SpaceLayout& layout, double scale_m) {
+  const auto place = vectorIn(row, at);
+  if (!place) return std::nullopt;
+  const glm::dvec3 place_m = scale_m * layout.axes.vector(*place);
+  if (!(glm::length(place_m) <= kMaxPlaceInSpace_m)) {
+    row.fail((*at)[0],
+             "farther away than 1000 km: is its unit right (gaze.head_scale_m, "
+             "gaze.origin_scale_m)?");
+  }
+  return place_m;
+}
+
+std::optional<glm::dquat> rotationIn(const TableRow& row, const ColumnsAt<4>& at,
+                                     const SpaceLayout& layout) {
+  const auto values = at ? numbersIn(row, *at) : std::nullopt;
+  if (!values) return std::nullopt;
+  const auto& [x, y, z, w] = *values;
+  const glm::dquat q(w, x, y, z);
+  const double length = glm::length(q);
+  if (length == 0.0) return std::nullopt;
+  if (std::abs(length - 1.0) > kUnitLength) {
+    row.fail((*at)[0], "with the next three columns expected a quaternion x, y, z, w of length 1");
+  }
+  return layout.axes.rotation(q / length);
+}
+
+std::optional<glm::dvec3> directionIn(const TableRow& row, const SightAt& at,
+                                      const SpaceLayout& layout,
+                                      const std::optional<glm::dvec3>& from_m) {
+  if (at.direction) {
+    const auto d = vectorIn(row, at.direction);
+    const double length = d ? glm::length(*d) : 0.0;
+    if (length == 0.0) return std::nullopt;
+    if (std::abs(length - 1.0) > kUnitLength) {
+      row.fail(
+          (*at.direction)[0],
+          "with the next two columns expected a direction of length 1; gaze.point names a point "
+          "in space, and gaze.missing a code for data loss");
+    }
+    return layout.axes.vector(*d / length);
+  }
+  if (at.angles) {
+    const auto angles = numbersIn(row, *at.angles);
+    if (!angles) return std::nullopt;
+    glm::dvec2 turn{(*angles)[0], (*angles)[1]};
+    turn = layout.angle_scale_rad * (layout.scale * turn + layout.offset);
+    if (!(std::abs(turn.x) <= kMaxAngle_rad && std::abs(turn.y) <= 0.5 * kMaxAngle_rad)) {
+      row.fail((*at.angles)[std::abs(turn.x) <= kMaxAngle_rad],
+               "more than a turn: is gaze.angle_units right?");
+    }
+    return glm::dvec3(std::sin(turn.x) * std::cos(turn.y), std::sin(turn.y),
+                      -std::cos(turn.x) * std::cos(turn.y));
+  }
+  if (at.quaternion) {
+    const auto rotation = rotationIn(row, at.quaternion, layout);
+    if (!rotation) return std::nullopt;
+    return *rotation * glm::dvec3(0.0, 0.0, -1.0);
+  }
+  const auto point_m = placeIn(row, at.point, layout, layout.origin_scale_m);
+  if (!point_m || !from_m || !(glm::distance(*point_m, *from_m) > 1e-6)) return std::nullopt;
+  return glm::normalize(*point_m - *from_m);
+}
+
+std::optional<HeadInWorld> headIn(const TableRow& row, const SpaceLayout& layout) {
+  std::optional<glm::dquat> world_from_head = rotationIn(row, layout.head_quaternion, layout);
+  if (layout.head_angles) {
+    const auto angles = numbersIn(row, *layout.head_angles);
+    if (!angles) return std::nullopt;
+    const auto turn = [&](std::size_t i, const glm::dvec3& axis) {
+      const double turn_rad = layout.angle_scale_rad * (*angles)[i];
+      if (std::abs(turn_rad) > kMaxAngle_rad) {
+        row.fail((*layout.head_angles)[i], "more than a turn: is gaze.angle_units right?");
+      }
+      return glm::angleAxis(turn_rad, axis);
+    };
+    world_from_head =
+        turn(0, {0.0, -1.0, 0.0}) * turn(1, {1.0, 0.0, 0.0}) * turn(2, {0.0, 0.0, -1.0});
+  }
+  if (!world_from_head) return std::nullopt;
+  HeadInWorld head{.world_from_head = *world_from_head};
+  if (layout.head_position) {
+    const auto position_m = placeIn(row, layout.head_position, layout, layout.head_scale_m);
+    if (!position_m) return std::nullopt;
+    head.position_m = *position_m;
+  }
+  return head;
+}
+
+}  // namespace
+
+SpaceLayout spaceLayoutOf(const LineReader& lines, const ColumnNames& names,
+                          const SpaceColumns& columns) {
+  SpaceLayout layout{
+      .both = sightAt(lines, names, columns.both),
+      .head_position = placesOf(lines, names, columns.head_position),
+      .head_quaternion = placesOf(lines, names, columns.head_quaternion),
+      .head_angles = placesOf(lines, names, columns.head_angles),
+      .in_world = columns.frame == SightFrame::world,
+      .origin_scale_m = columns.origin_scale_m,
+      .head_scale_m = columns.head_scale_m,
+      .angle_scale_rad = columns.angle_units == AngleUnit::rad ? 1.0 : glm::radians(1.0)};
+  for (std::size_t side : {0, 1}) layout.eyes[side] = sightAt(lines, names, columns.eyes[side]);
+  if (!layout.hasSight()) {
+    throw lines.error("a head without gaze: expected gaze.direction, angles, quaternion or point");
+  }
+  if (layout.head_quaternion && layout.head_angles) {
+    throw lines.error("gaze.head_quaternion and gaze.head_angles: expected only one of them");
+  }
+  if (layout.head_position && !layout.hasHead()) {
+    throw lines.error(
+        "gaze.head_position: expected the head's orientation, too (gaze.head_quaternion or "
+        "gaze.head_angles)");
+  }
+  if (layout.hasHead() && !columns.frame) {
+    throw lines.error("gaze.frame: expected \"head\" or \"world\", the frame of the gaze columns");
+  }
+  if (layout.in_world && !layout.hasHead()) {
+    throw lines.error("gaze.frame = \"world\": expected gaze.head_quaternion or gaze.head_angles");
+  }
+  const auto axes = AxisConvention::named(columns.axes.value_or(""));
+  if (!axes) throw lines.error("gaze.axes: expected " + std::string(kAxesExpected));
+  layout.axes = *axes;
+  return layout;
+}
+
+std::size_t columnsOf(const SpaceLayout& layout) {
+  std::size_t end = 0;
+  const auto add = [&](const auto& places) {
+    if (!places) return;
+    for (const std::size_t place : *places) end = std::max(end, place + 1);
+  };
+  for (const SightAt* at : {&layout.both, &layout.eyes[0], &layout.eyes[1]}) {
+    add(at->direction);
+    add(at->point);
+    add(at->origin);
+    add(at->angles);
+    add(at->quaternion);
+  }
+  add(layout.head_position);
+  add(layout.head_quaternion);
+  add(layout.head_angles);
+  return end;
+}
+
+std::optional<glm::dvec3> meanDirection(const std::array<EyeSample, 2>& eyes) {
+  glm::dvec3 sum(0.0);
+  for (const EyeSample& eye : eyes) sum += eye.direction.value_or(glm::dvec3(0.0));
+  if (!(glm::length(sum) > 0.5)) return std::nullopt;
+  return glm::normalize(sum);
+}
+
+void readSpace(const TableRow& row, const SpaceLayout& layout, GazeSample& sample) {
+  sample.head = layout.hasHead() ? headIn(row, layout) : std::nullopt;
+  sample.direction.reset();
+  // Gaze in the world has no place in the head while the head is lost.
+  if (layout.in_world && !sample.head) return;
+  const auto in_head = [&](const glm::dvec3& v) {
+    return layout.in_world ? glm::conjugate(sample.head->world_from_head) * v : v;
+  };
+  const glm::dvec3 rest_m = layout.in_world ? sample.head->position_m : glm::dvec3(0.0);
+  for (std::size_t side : {0, 1}) {
+    const SightAt& at = layout.eyes[side];
+    const auto origin_m = placeIn(row, at.origin, layout, layout.origin_scale_m);
+    const auto direction = directionIn(row, at, layout, origin_m ? origin_m : rest_m);
+    EyeSample& eye = sample.eyes[side];
+    if (direction) eye.direction = in_head(*direction);
+    if (origin_m) eye.origin_m = in_head(*origin_m - rest_m);
+  }
+  if (layout.both.hasSight()) {
+    const auto origin_m = placeIn(row, layout.both.origin, layout, layout.origin_scale_m);
+    const auto direction = directionIn(row, layout.both, layout, origin_m ? origin_m : rest_m);
+    if (direction) sample.direction = in_head(*direction);
+  } else {
+    sample.direction = meanDirection(sample.eyes);
+  }
+}
+
+}  // namespace foci

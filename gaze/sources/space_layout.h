@@ -1,0 +1,65 @@
+// Gaze in space: the columns of a table that hold lines of sight and head poses, and the sample in
+// one of its rows.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "gaze/geometry/gaze_sample.h"
+#include "gaze/sources/space_settings.h"
+
+namespace foci {
+
+class ColumnNames;
+class LineReader;
+class TableRow;
+
+template <std::size_t N>
+using ColumnsAt = std::optional<std::array<std::size_t, N>>;
+
+/// Columns of one line of sight, counted from 0. See `SightColumns`.
+struct SightAt {
+  ColumnsAt<3> direction{}, point{}, origin{};
+  ColumnsAt<2> angles{};
+  ColumnsAt<4> quaternion{};
+
+  bool hasSight() const { return direction || point || angles || quaternion; }
+};
+
+struct SpaceLayout {
+  SightAt both{};
+  std::array<SightAt, 2> eyes{};  ///< left, right
+  ColumnsAt<3> head_position{};
+  ColumnsAt<4> head_quaternion{};
+  ColumnsAt<3> head_angles{};
+  AxisConvention axes{};
+  bool in_world = false;  ///< the frame of the gaze columns; else the head's
+  double origin_scale_m = 1.0, head_scale_m = 1.0;
+  double angle_scale_rad = 1.0;
+  glm::dvec2 scale{1.0}, offset{0.0};  ///< of angles, in their unit
+
+  bool hasSight() const { return both.hasSight() || eyes[0].hasSight() || eyes[1].hasSight(); }
+  bool hasHead() const { return head_quaternion || head_angles; }
+};
+
+/// Finds the columns that a study names.
+/// @throws InputError if one is missing, or if the study leaves open a frame or axes that the
+///   result depends on
+SpaceLayout spaceLayoutOf(const LineReader& lines, const ColumnNames& names,
+                          const SpaceColumns& columns);
+
+/// One more than the last column in use.
+std::size_t columnsOf(const SpaceLayout& layout);
+
+/// Reads head pose, origins and directions into a sample, in the head's frame. A vector or
+/// quaternion of zeros, or with an absent field, is absent. The sample's own direction is that of
+/// both eyes' column, else the mean of the eyes'.
+/// @throws InputError for text, a quaternion or direction whose length is not 1, or an angle that
+///   no eye has
+void readSpace(const TableRow& row, const SpaceLayout& layout, GazeSample& sample);
+
+/// The mean of the eyes' directions, or the one that there is.
+std::optional<glm::dvec3> meanDirection(const std::array<EyeSample, 2>& eyes);
+
+}  // namespace foci

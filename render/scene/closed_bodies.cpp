@@ -1,0 +1,33 @@
+#include "render/scene/closed_bodies.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+void completeBodies(SurfelCloud& cloud) {
+  constexpr float kExtent = 3.0f;  // standard deviations
+  ClosedBodies& bodies = cloud.bodies;
+  std::vector<std::uint16_t>& of = bodies.of_surfel;
+  const std::size_t count = of.empty() ? 0 : 1 + *std::max_element(of.begin(), of.end());
+  std::vector<std::uint8_t> opaque(count, 1);
+  for (std::size_t i = 0; i < of.size() && !cloud.opacity.empty(); ++i) {
+    if (cloud.opacity[i] < 1.0f) opaque[of[i]] = 0;
+  }
+  bodies.boxes.assign(count, {glm::vec3(std::numeric_limits<float>::max()),
+                              glm::vec3(std::numeric_limits<float>::lowest())});
+  bool any = false;
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    if (opaque[of[i]] == 0) of[i] = 0;
+    any = any || of[i] != 0;
+    const glm::vec3 reach =
+        kExtent * glm::max(glm::abs(cloud.axis_u_m[i]), glm::abs(cloud.axis_v_m[i]));
+    ClosedBodies::Box& box = bodies.boxes[of[i]];
+    box.low_m = glm::min(box.low_m, cloud.position_m[i] - reach);
+    box.high_m = glm::max(box.high_m, cloud.position_m[i] + reach);
+  }
+  if (!any) bodies = {};
+}
+
+}  // namespace foci

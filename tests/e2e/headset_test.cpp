@@ -1,0 +1,190 @@
+// Recordings of a headset, as users replay them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/e2e/binary.h"
+
+namespace foci::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kGaze_deg = 0.1;  // the rounding of EyeNavGS
+
+double angle_deg(const glm::dvec3& a, const glm::dvec3& b) {
+  return glm::degrees(std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+}
+
+/// What a pixel of a headset's image shows, at 12 px a degree straight ahead. The image has even
+/// numbers of pixels.
+/// @param side, up, down  tangents of the field's limits
+glm::dvec3 sightThrough(double side, double up, double down, double x_px, double y_px) {
+  const double focal_px = glm::degrees(12.0);
+  const auto half = [&](double tangents) {
+    return static_cast<double>(std::lround(0.5 * focal_px * tangents));
+  };
+  const double ahead_x_px = half(2.0 * side);
+  const double ahead_y_px = half(up + down) - 0.5 * focal_px * (down - up);
+  return glm::normalize(glm::dvec3(x_px - ahead_x_px, ahead_y_px - y_px, -focal_px));
+}
+
+double yawAt_deg(double time_s) { return 20.0 * std::sin(M_PI * time_s); }
+
+const glm::dvec3 kTarget_m(0.1, 0.0, -1.0);
+
+/// A head that turns by 63 deg/s while gaze rests on a point in the world. Unity's axes: the yaw is
+/// positive to the right, and z points forward.
+std::string turningHead() {
+  std::ostringstream text;
+  text.precision(9);
+  text << "time_s,hx,hy,hz,qx,qy,qz,qw,gx,gy,gz\n";
+  const glm::dvec3 sight = glm::normalize(kTarget_m);
+  for (int i = 0; i < 300; ++i) {
+    const double time_s = i / 100.0, half_rad = 0.5 * glm::radians(yawAt_deg(time_s));
+    text << time_s << ",0,0,0,0," << std::sin(half_rad) << ",0," << std::cos(half_rad) << ','
+         << sight.x << ',' << sight.y << ',' << -sight.z << '\n';
+  }
+  return text.str();
+}
+
+const char* const kUnityStudy = R"(
+[scene]
+file = "scene.ply"
+[gaze]
+source = "trace.csv"
+direction = ["gx", "gy", "gz"]
+head_position = ["hx", "hy", "hz"]
+head_quaternion = ["qx", "qy", "qz", "qw"]
+frame = "world"
+axes = "right-up-forward"
+[render]
+method = "pinhole"
+[output]
+fps = 17
+)";
+
+TEST(ReplayOfAHeadset, KeepsGazeOnAPointWhileTheHeadTurns) {
+  TemporaryFolder folder;
+  folder.write("scene.ply", squarePly(24, 1.0));
+  folder.write("trace.csv", turningHead());
+  folder.write("study.toml", kUnityStudy);
+  const Outcome outcome =
+      runFoci({"replay", "study.toml", "--size", "32x32", "--out", "out"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto rows = tableOf(folder.read("out/frames.tsv"));
+  ASSERT_EQ(rows.size(), 52u) << outcome.err;
+  const double distance_m = glm::length(kTarget_m), edge = std::tan(glm::radians(50.0));
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const double time_s = std::stod(rows[i][1]);
+    const glm::dquat world_from_head =
+        glm::angleAxis(-glm::radians(yawAt_deg(time_s)), glm::dvec3(0.0, 1.0, 0.0));
+    const glm::dvec3 sight = world_from_head * sightThrough(edge, edge, edge, std::stod(rows[i][3]),
+                                                            std::stod(rows[i][4]));
+    EXPECT_LT(angle_deg(sight, kTarget_m), kGaze_deg) << "frame " << i;
+    EXPECT_EQ(rows[i][5], "fixation") << "frame " << i;
+    if (i == 1) continue;  // the first sample is no fixation yet
+    EXPECT_NEAR(std::stod(rows[i][6]), distance_m, 0.01) << "frame " << i;
+  }
+}
+
+TEST(ReplayOfAHeadset, RefusesASecondPlaceForTheEye) {
+  TemporaryFolder folder;
+  folder.write("scene.ply", squarePly(24, 1.0));
+  folder.write("trace.csv", turningHead());
+  folder.write("study.toml",
+               kUnityStudy + std::string("[eye]\nposition_m = [0, 0, 1]\nlook_at_m = [0, 0, 0]\n"));
+  const Outcome outcome = runFoci({"replay", "study.toml", "--out", "out"}, folder.path());
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("eye.position_m: the head of the recording moves the eye"),
+            std::string::npos)
+      << outcome.err;
+}
+
+/// A row of EyeNavGS as numbers.
+std::vector<std::vector<double>> eyeNavGsRows(const fs::path& file) {
+  std::ifstream in(file);
+  std::string line, field;
+  std::vector<std::vector<double>> rows;
+  std::getline(in, line);
+  while (std::getline(in, line)) {
+    std::istringstream fields(line);
+    rows.emplace_back();
+    while (std::getline(fields, field, ',')) rows.back().push_back(std::stod(field));
+  }
+  return rows;
+}
+
+glm::dquat headOf(const std::vector<double>& row) {
+  return glm::normalize(glm::dquat(row[11], row[8], row[9], row[10]));
+}
+
+glm::dvec3 sightOf(const std::vector<double>& row) {
+  return glm::normalize(glm::dquat(row[18], row[15], row[16], row[17])) *
+         glm::dvec3(0.0, 0.0, -1.0);
+}
+
+/// Replays a recording of EyeNavGS, and compares the gaze of each frame with the file's rows: the
+/// latest gaze before the frame, in the head's view at the frame's time.
+void expectItsOwnGaze(const fs::path& file, const std::vector<std::vector<double>>& rows) {
+  TemporaryFolder folder;
+  folder.write("study.toml",
+               "scene.builtin = \"plane\"\nrender.method = \"pinhole\"\noutput.fps = 6\n");
+  const Outcome outcome =
+      runFoci({"replay", "study.toml", "--trace", file.string(), "--size", "32x32", "--out", "out"},
+              folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto frames = tableOf(folder.read("out/frames.tsv"));
+  ASSERT_GT(frames.size(), 200u);
+  const double side = std::tan(rows[1][2]), up = std::tan(rows[0][4]), down = -std::tan(rows[0][3]);
+  std::size_t row = 0, compared = 0;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const double time_ms = 1000.0 * std::stod(frames[i][1]);
+    while (row + 3 < rows.size() && rows[row + 2][19] <= time_ms) row += 2;
+    if (row + 3 >= rows.size() || frames[i][3] == "n/a") continue;
+    // At a row's very time, rounding decides whether the frame has it.
+    if (std::min(time_ms - rows[row][19], rows[row + 2][19] - time_ms) < 0.01) continue;
+    const double share = (time_ms - rows[row][19]) / (rows[row + 2][19] - rows[row][19]);
+    const glm::dquat head = glm::slerp(headOf(rows[row]), headOf(rows[row + 2]), share);
+    const glm::dvec3 world = glm::normalize(sightOf(rows[row]) + sightOf(rows[row + 1]));
+    const glm::dvec3 seen =
+        sightThrough(side, up, down, std::stod(frames[i][3]), std::stod(frames[i][4]));
+    EXPECT_LT(angle_deg(head * seen, world), kGaze_deg) << file << " frame " << i;
+    ++compared;
+  }
+  EXPECT_GT(compared, frames.size() * 9 / 10);
+}
+
+TEST(ReplayOfEyeNavGs, ReprojectsGazeIntoTheHeadsView) {
+  const auto data = dataFolder();
+  if (!data) GTEST_SKIP() << "no ../shared/data";
+  int with_gaze = 0;
+  for (const char* name :
+       {"user105_bicycle", "user107_playroom", "user111_london", "user118_drjohnson"}) {
+    const fs::path file = *data / "gaze/vr" / (std::string(name) + ".csv");
+    if (!fs::exists(file)) GTEST_SKIP() << "no " << file;
+    const auto rows = eyeNavGsRows(file);
+    // The eye tracker was off in three of the four.
+    if (rows[0][15] == 0.0 && rows[0][16] == 0.0 && rows[0][17] == 0.0) {
+      TemporaryFolder folder;
+      const Outcome outcome = runFoci({"trace", "info", file.string()}, folder.path());
+      EXPECT_EQ(outcome.exit_code, 2) << name;
+      EXPECT_NE(outcome.err.find("no gaze"), std::string::npos) << outcome.err;
+      continue;
+    }
+    ++with_gaze;
+    expectItsOwnGaze(file, rows);
+  }
+  EXPECT_EQ(with_gaze, 1);
+}
+
+}  // namespace
+}  // namespace foci::e2e
