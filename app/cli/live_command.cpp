@@ -97,6 +97,7 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
   checkOutputs({options.write_study}, inputFiles(asked.study), false);
   saveStudy(options, asked);
   Study study = asked.study;
+  study.output.maps.clear();  // a replay of the record writes them
   if (!study.quality.frame_ms) study.quality.frame_ms = kLiveFrame_ms;
   if (study.eye.path.empty() && !study.eye.position_m) {
     // The observer moves from the scene's own eye pose.

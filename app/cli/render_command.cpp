@@ -24,7 +24,7 @@ namespace {
 constexpr double kMinFocus_m = 0.01;  // nearer than any eye accommodates
 
 struct RenderOptions : StudyOptions {
-  std::string out{}, focus{}, gaze{}, depth{};
+  std::string out{}, focus{}, gaze{}, depth{}, defocus{};
   bool overwrite = false;
 };
 
@@ -66,10 +66,11 @@ void runRender(const RenderOptions& options) {
                                   threadsOf(options.threads));
   StudyAsked asked = studyOf(options);
   const Study& study = asked.study;
-  checkOutputs({options.out, options.depth, options.write_study}, inputFiles(study),
-               options.overwrite);
-  ImageRequest request{.out = options.out, .depth = {}, .focus_D = {}, .gaze_px = {}};
+  checkOutputs({options.out, options.depth, options.defocus, options.write_study},
+               inputFiles(study), options.overwrite);
+  ImageRequest request{.out = options.out, .focus_D = {}, .gaze_px = {}};
   if (!options.depth.empty()) request.depth = options.depth;
+  if (!options.defocus.empty()) request.defocus = options.defocus;
   if (!options.focus.empty()) request.focus_D = focusOf_D(options.focus);
   if (!options.gaze.empty()) request.gaze_px = gazeOf_px(options.gaze, study.screenInForce());
   const ImageSummary summary = renderImage(study, request, std::move(asked.scene));
@@ -107,7 +108,11 @@ void addRenderCommand(CLI::App& app) {
       ->excludes(focus);
   command
       ->add_option("--depth", options->depth,
-                   "also write the distance of each pixel, metres, as PFM")
+                   "also write the distance of each pixel, metres, as .pfm or .exr")
+      ->type_name("FILE");
+  command
+      ->add_option("--defocus", options->defocus,
+                   "also write how much nearer than the focus each pixel is, D, as .pfm or .exr")
       ->type_name("FILE");
   addOverwriteFlag(*command, options->overwrite);
   command->callback([options, command] {

@@ -27,7 +27,7 @@ namespace {
 
 struct ReplayOptions : StudyOptions {
   std::vector<std::string> traces{};
-  std::string out{}, frames{};
+  std::string out{}, frames{}, heatmap{};
   bool overwrite = false;
 };
 
@@ -83,9 +83,12 @@ void runOne(const ReplayOptions& options, StudyAsked&& asked, const std::string&
             unsigned threads) {
   std::vector<std::filesystem::path> outputs = RunWriter::files(asked.study, options.out);
   outputs.emplace_back(options.write_study);
+  outputs.emplace_back(options.heatmap);
   checkOutputs(outputs, inputFiles(asked.study), options.overwrite);
   ReplayedScene scene(std::move(asked.scene));
-  const RunResult run = replay(asked.study, options.out, command_line, threads, scene);
+  std::optional<std::filesystem::path> heatmap;
+  if (!options.heatmap.empty()) heatmap = options.heatmap;
+  const RunResult run = replay(asked.study, options.out, command_line, threads, scene, heatmap);
   saveStudy(options, asked);
   std::puts((options.json ? summaryJson(run.summary) : summaryText(run.summary)).c_str());
 }
@@ -135,6 +138,14 @@ void runReplay(ReplayOptions options, const std::string& command_line) {
   if (batch && !options.frames.empty()) {
     throw InputError("--frames " + options.frames, "expected one recording at a time");
   }
+  if (!options.heatmap.empty()) {
+    if (batch || !options.frames.empty()) {
+      throw InputError("--heatmap " + options.heatmap, "expected one recording, whole");
+    }
+    if (std::filesystem::path(options.heatmap).extension() != ".ply") {
+      throw InputError("--heatmap " + options.heatmap, "expected a name that ends in .ply");
+    }
+  }
   if (!options.traces.empty()) options.trace = options.traces.front();
   StudyAsked asked = studyOf(options);
   if (batch) {
@@ -172,6 +183,10 @@ void addReplayCommand(CLI::App& app, const std::string& command_line) {
       ->add_option("--frames", options->frames,
                    "render only frames FIRST to END - 1, for foci join")
       ->type_name("FIRST:END");
+  command
+      ->add_option("--heatmap", options->heatmap,
+                   "also write the scene's surfels with the time that gaze rested on each, .ply")
+      ->type_name("FILE");
   addMarkerOptions(*command, *options);
   addOverwriteFlag(*command, options->overwrite);
   command->callback([options, command, command_line] {

@@ -10,7 +10,8 @@
 namespace foci {
 namespace {
 
-constexpr int kTimeDigits = 6, kPointDigits = 2, kLengthDigits = 4, kDioptreDigits = 4;
+constexpr int kTimeDigits = 6, kPointDigits = 2, kLengthDigits = 4, kDioptreDigits = 4,
+              kTurnDigits = 6;
 
 std::string orAbsent(const std::optional<double>& value, int digits) {
   return value ? decimal(*value, digits) : "n/a";
@@ -29,13 +30,23 @@ std::string vergenceFields(const EyeNow& eye) {
          (disagrees ? *disagrees ? "1" : "0" : "n/a");
 }
 
+std::string poseFields(const FrameRecord& record) {
+  const glm::dvec3& p = record.eye_m;
+  const glm::dquat& q = record.world_from_eye;
+  std::string text;
+  for (const double value : {p.x, p.y, p.z}) text += decimal(value, kLengthDigits) + '\t';
+  for (const double value : {q.x, q.y, q.z}) text += decimal(value, kTurnDigits) + '\t';
+  return text + decimal(q.w, kTurnDigits);
+}
+
 }  // namespace
 
 FrameTable::FrameTable(const std::filesystem::path& file)
     : file_(file.string()), out_(file, std::ios::binary) {
   out_ << "frame\ttime_s\tgaze_time_s\tgaze_x_px\tgaze_y_px\tgaze_state\tsurface_distance_m\t"
           "target_D\tfocus_D\tpupil_mm\tmethod\tsplats\tfragments\ttolerance_error\tvergence_D\t"
-          "vergence_error_D\tvergence_disagrees\trender_ms\n";
+          "vergence_error_D\tvergence_disagrees\teye_x_m\teye_y_m\teye_z_m\teye_qx\t"
+          "eye_qy\teye_qz\teye_qw\trender_ms\n";
 }
 
 void FrameTable::add(std::size_t frame, const FrameRecord& record) {
@@ -48,7 +59,7 @@ void FrameTable::add(std::size_t frame, const FrameRecord& record) {
        << '\t' << decimal(record.pupil_mm, 3) << '\t' << record.method << '\t'
        << record.stats.splats << '\t' << record.stats.fragments << '\t'
        << orAbsent(record.stats.tolerance_error, 2) << '\t' << vergenceFields(eye) << '\t'
-       << decimal(record.stats.ms, 3) << '\n';
+       << poseFields(record) << '\t' << decimal(record.stats.ms, 3) << '\n';
   if (!out_) throw std::runtime_error("cannot write " + file_);
 }
 

@@ -7,6 +7,7 @@
 #include "app/platform/interrupt.h"
 #include "app/platform/progress.h"
 #include "app/replay/replay_inputs.h"
+#include "app/study/inputs.h"
 #include "app/study/recorded_head.h"
 #include "base/input_error.h"
 
@@ -95,7 +96,8 @@ RunResult join(const std::vector<Part>& parts, const Study& study, const std::fi
   const Study stated = withRecordedHead(statedStudyOf(parts.front()), gaze.trace);
   for (const Part& part : parts) requireSameTimes(part, gaze.schedule);
   noteInterrupts();
-  RunWriter writer(stated, gaze, out);
+  const SurfelCloud cloud = loadScene(stated);
+  RunWriter writer(stated, gaze, cloud, out);
   Progress progress("joining", "frames", gaze.schedule.frames);
   RunFacts facts{.command = command,
                  .threads = parts.front().threads,

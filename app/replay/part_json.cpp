@@ -47,6 +47,10 @@ Json jsonOf(const PartFrame& frame) {
   for (const glm::dvec2& point_px : frame.seen.gaze_px) points.push_back(jsonOf(point_px));
   Json json = {
       {"time_s", record.time_s},
+      {"eye_m", {record.eye_m.x, record.eye_m.y, record.eye_m.z}},
+      {"world_from_eye_xyzw",
+       {record.world_from_eye.x, record.world_from_eye.y, record.world_from_eye.z,
+        record.world_from_eye.w}},
       {"sample_time_s", eye.sample ? Json(eye.sample->time_s) : Json(nullptr)},
       {"state", std::string(nameOf(eye.state))},
       {"gaze_px", jsonOf(record.gaze_px)},
@@ -86,6 +90,11 @@ PartFrame partFrameOf(const Json& json) {
   record.gaze_px = pointOf(json.at("gaze_px"));
   record.fixation_px = pointOf(json.at("fixation_px"));
   for (const Json& point : json.at("image_px")) frame.seen.gaze_px.push_back(vectorOf(point));
+  const Json& at = json.at("eye_m");
+  record.eye_m = {at.at(0).get<double>(), at.at(1).get<double>(), at.at(2).get<double>()};
+  const Json& turn = json.at("world_from_eye_xyzw");
+  record.world_from_eye = {turn.at(3).get<double>(), turn.at(0).get<double>(),
+                           turn.at(1).get<double>(), turn.at(2).get<double>()};
   eye.surface_distance_m = numberOf(json.at("surface_distance_m"));
   if (const auto vergence_D = numberOf(json.at("vergence_D"))) {
     eye.vergence = {.value_D = *vergence_D, .error_D = json.at("vergence_error_D").get<double>()};

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "app/platform/output_files.h"
+#include "app/replay/frame_maps.h"
 #include "app/session/session.h"
 #include "app/study/inputs.h"
 #include "app/study/session_settings_of.h"
@@ -15,14 +16,17 @@ namespace {
 
 void checkRequest(const Study& study, const ImageRequest& request) {
   checkImageExtension(request.out);
-  if (request.depth && request.depth->extension() != ".pfm") {
-    throw InputError("--depth " + request.depth->string(), "expected a name that ends in .pfm");
+  for (const auto& [option, map] :
+       {std::pair("--depth ", &request.depth), std::pair("--defocus ", &request.defocus)}) {
+    if (*map && (*map)->extension() != ".pfm" && (*map)->extension() != ".exr") {
+      throw InputError(option + (*map)->string(), "expected a name that ends in .pfm or .exr");
+    }
   }
   const StereoView view = study.output.view;
   const bool both =
       view != StereoView::mono && view != StereoView::left && view != StereoView::right;
-  if (request.depth && both) {
-    throw InputError("--depth",
+  if ((request.depth || request.defocus) && both) {
+    throw InputError(request.depth ? "--depth" : "--defocus",
                      "expected output.view = \"mono\", left or right: one eye has one distance");
   }
 }
@@ -49,7 +53,7 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
       session.lookSettled(0.0, request.gaze_px.value_or(0.5 * glm::dvec2(settings.screen.size_px)));
   RenderRequest render_request = session.requestOf(settings.method, record);
   for (RenderRequest::Eye& eye : render_request.eyes) {
-    eye.settings.depth = request.depth.has_value();
+    eye.settings.depth = request.depth || request.defocus;
   }
   const Frame& frame = session.render(render_request, record);
   if (const std::string remark = session.deviceRemark(); !remark.empty()) {
@@ -59,7 +63,13 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
   using Path = std::filesystem::path;
   files.write(request.out, [&](const Path& to) { writeImage(to, frame, study.screen.gamma); });
   if (request.depth) {
-    files.write(*request.depth, [&](const Path& to) { writeDepthPfm(to, frame); });
+    files.write(*request.depth,
+                [&](const Path& to) { writeMap(to, frame.size_px, frame.depth_m); });
+  }
+  if (request.defocus) {
+    files.write(*request.defocus, [&](const Path& to) {
+      writeMap(to, frame.size_px, defocusMap_D(frame, record.eye.focus_D));
+    });
   }
   files.commit();
   return {.focus_D = record.eye.focus_D,

@@ -12,8 +12,8 @@
 namespace foci {
 
 struct ImageRequest {
-  std::filesystem::path out;                   ///< .png, .pfm or .exr
-  std::optional<std::filesystem::path> depth;  ///< .pfm
+  std::filesystem::path out;                                      ///< .png, .pfm or .exr
+  std::optional<std::filesystem::path> depth = {}, defocus = {};  ///< maps, .pfm or .exr
   /// Focus in dioptres (0: infinity); absent: the study's fixed focus, else the surface at the
   /// gaze. The eye focuses as near to it as its age and its refraction allow.
   std::optional<double> focus_D;

@@ -8,6 +8,7 @@
 #include "app/replay/replayed_eye.h"
 #include "app/study/inputs.h"
 #include "app/study/session_settings_of.h"
+#include "base/input_error.h"
 
 namespace foci {
 
@@ -17,19 +18,26 @@ const SurfelCloud& ReplayedScene::of(const Study& study) {
 }
 
 RunResult replay(const Study& asked, const std::filesystem::path& out, const std::string& command,
-                 unsigned threads, ReplayedScene& scene) {
+                 unsigned threads, ReplayedScene& scene,
+                 const std::optional<std::filesystem::path>& heatmap) {
   const ReplayedGaze gaze = readReplayedGaze(asked);
   const Study& study = gaze.study;
   const SurfelCloud& cloud = scene.of(study);
-  RunFacts facts{
-      .command = command, .threads = threads, .device = {}, .inputs = hashedInputs(study)};
+  if (heatmap && cloud.empty()) {
+    throw InputError("--heatmap", "expected a scene of surfaces: this one has no surfels");
+  }
+  RunFacts facts{.command = command,
+                 .threads = threads,
+                 .device = {},
+                 .inputs = hashedInputs(study),
+                 .heatmap = heatmap};
   ReplayedEye eye(study, gaze, cloud);
   noteInterrupts();
   if (const std::string remark = ellipseRemark(study); !remark.empty()) {
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }
 
-  RunWriter writer(study, gaze, out);
+  RunWriter writer(study, gaze, cloud, out);
   eye.sayDevice();
   const std::size_t frames = gaze.schedule.frames;
   Progress progress("rendering", "frames", frames);
@@ -41,7 +49,7 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
     if (seen.record.rendered || image.rgb.empty()) {
       image = imageOf(frame, eye.study().screen.gamma);
     }
-    writer.add(i, seen, image);
+    writer.add(i, seen, image, &frame);
     progress.advance(i + 1);
   }
   if (const std::string remark = eye.session().deviceRemark(); !remark.empty()) {

@@ -26,13 +26,15 @@ class ReplayedScene {
   std::optional<SurfelCloud> cloud_{};
 };
 
-/// Replays the study and writes video.mp4, frames.tsv, events.tsv, manifest.json and report.html to
-/// `out`. If it throws, it leaves no file there, and removes the folder if that is new.
+/// Replays the study and writes its files (`RunWriter::files`) to `out`. If it throws, it leaves no
+/// file there, and removes the folder if that is new.
 /// @param command  as typed, for the manifest
 /// @param threads  in use, for the manifest
+/// @param heatmap  PLY of the scene with attention to write, too
 /// @throws InputError, std::runtime_error
 RunResult replay(const Study& study, const std::filesystem::path& out, const std::string& command,
-                 unsigned threads, ReplayedScene& scene);
+                 unsigned threads, ReplayedScene& scene,
+                 const std::optional<std::filesystem::path>& heatmap = {});
 
 /// The same for a study whose scene nothing else needs.
 RunResult replay(const Study& study, const std::filesystem::path& out, const std::string& command,

@@ -1,7 +1,10 @@
 #include "app/replay/report.h"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
+#include <functional>
+#include <ranges>
 #include <stdexcept>
 
 #include "app/graphics/html.h"
@@ -263,6 +266,52 @@ void contactSheet(std::ostream& out, const ReportFacts& facts) {
   out << "</div>\n";
 }
 
+/// What was looked at for how long; "" for a scene without objects.
+std::string objectsText(const std::vector<ObjectLooks>& objects) {
+  if (objects.size() < 2) return "";
+  std::vector<const ObjectLooks*> seen;
+  for (std::size_t i = 1; i < objects.size(); ++i) {
+    if (objects[i].dwell_s > 0.0) seen.push_back(&objects[i]);
+  }
+  std::ranges::stable_sort(seen, std::ranges::greater(),
+                           [](const ObjectLooks* one) { return one->dwell_s; });
+  constexpr std::size_t kMost = 40;
+  std::string text =
+      "<h2>What the gaze met</h2>\n<div class=\"wide\"><table><tr><th>object</th><th>first look, "
+      "s</th><th>dwell time, s</th><th>fixations</th><th>visits</th><th>mean distance, "
+      "m</th></tr>\n";
+  for (std::size_t i = 0; i < std::min(seen.size(), kMost); ++i) {
+    const ObjectLooks& one = *seen[i];
+    text += "<tr><td>" + escaped(one.name) + "</td><td>" +
+            (one.first_look_s ? decimal(*one.first_look_s, 2) : "&ndash;") + "</td><td>" +
+            decimal(one.dwell_s, 2) + "</td><td>" + std::to_string(one.fixations) + "</td><td>" +
+            std::to_string(one.visits) + "</td><td>" + decimal(*one.mean_distance_m, 2) +
+            "</td></tr>\n";
+  }
+  text += "</table></div>\n<p class=\"quiet\">";
+  if (seen.size() > kMost) text += std::to_string(seen.size() - kMost) + " more in objects.tsv. ";
+  const std::size_t unseen = objects.size() - 1 - seen.size();
+  if (unseen > 0) text += std::to_string(unseen) + " objects were never looked at. ";
+  text += "On no object: " + decimal(objects[0].dwell_s, 2) +
+          " s. First look: onset of the first fixation, on the recording's clock.</p>\n";
+  return text;
+}
+
+void heatSection(std::ostream& out, const std::vector<HeatPicture>& pictures) {
+  if (pictures.empty()) return;
+  out << "<h2>Where gaze rested</h2>\n<div class=\"sheet\">\n";
+  for (const HeatPicture& picture : pictures) {
+    out << "<figure><img alt=\"heatmap " << escaped(picture.caption)
+        << "\" src=\"data:image/jpeg;base64,";
+    Base64 base64(out);
+    base64.add(picture.jpeg.data(), picture.jpeg.size());
+    base64.finish();
+    out << "\"><figcaption>" << escaped(picture.caption) << "</figcaption></figure>\n";
+  }
+  out << "</div>\n<p class=\"quiet\">Time of gaze per area of the surface, from violet to bright "
+         "yellow; grey was not looked at. The scale ends at what 1 % of the time exceeds.</p>\n";
+}
+
 }  // namespace
 
 bool writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
@@ -280,6 +329,8 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
          "fixation had lasted longest. The ring marks the gaze; broken, where the eye does not "
          "fixate.</p>\n";
   contactSheet(out, facts);
+  out << objectsText(facts.objects);
+  heatSection(out, facts.heat);
   out << "<h2>Over time</h2>\n";
   if (charts) {
     out << legend(marks) << *charts;

@@ -9,6 +9,8 @@
 
 #include "app/record/run_summary.h"
 #include "app/replay/contact_sheet.h"
+#include "app/replay/gaze_in_scene.h"
+#include "app/replay/heatmap.h"
 #include "app/replay/report_charts.h"
 #include "app/replay/run_changes.h"
 #include "app/study/study.h"
@@ -29,6 +31,8 @@ struct ReportFacts {
   double first_over_s = 0.0;    ///< time of the first such frame
   double worst_error = 0.0;     ///< largest predicted error, just-noticeable differences
   double pupil_min_mm = 0.0, pupil_max_mm = 0.0;
+  std::vector<ObjectLooks> objects;  ///< `GazeInScene::objects`
+  std::vector<HeatPicture> heat;     ///< none: no heatmap was asked for
   unsigned threads = 0;
   std::string device;  ///< that rendered the frames
   RunChanges run;      ///< the study in force, and what changed

@@ -1,20 +1,28 @@
 #include "app/replay/run_writer.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstdio>
 #include <utility>
 
 #include "app/graphics/image.h"
+#include "app/platform/output_files.h"
 #include "app/record/gaze_marker.h"
 #include "app/record/manifest.h"
 #include "app/record/run_events.h"
+#include "app/replay/frame_maps.h"
+#include "app/replay/gaze_in_scene.h"
+#include "app/replay/heatmap.h"
 #include "app/replay/report.h"
+#include "render/image/image_file.h"
 
 namespace foci {
 namespace {
 
 constexpr const char *kVideo = "video.mp4", *kFrames = "frames.tsv", *kEvents = "events.tsv",
-                     *kManifest = "manifest.json", *kReport = "report.html";
+                     *kManifest = "manifest.json", *kReport = "report.html",
+                     *kSights = "gaze3d.tsv", *kSightFixations = "fixations3d.tsv",
+                     *kObjects = "objects.tsv";
 constexpr const char *kImage = "frame-", *kImageEnd = ".png";  // the frame's number is between
 
 /// Counts the samples of the replayed time, and those without a gaze point.
@@ -66,7 +74,11 @@ std::vector<std::filesystem::path> imagesIn(const std::filesystem::path& folder)
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
-    if (name.starts_with(kImage) && name.ends_with(kImageEnd)) images.push_back(entry.path());
+    const bool map =
+        (name.starts_with("depth-") || name.starts_with("defocus-")) && name.ends_with(".exr");
+    if (map || (name.starts_with(kImage) && name.ends_with(kImageEnd))) {
+      images.push_back(entry.path());
+    }
   }
   return images;
 }
@@ -74,16 +86,19 @@ std::vector<std::filesystem::path> imagesIn(const std::filesystem::path& folder)
 std::vector<std::filesystem::path> RunWriter::files(const Study& study,
                                                     const std::filesystem::path& out) {
   std::vector<std::filesystem::path> files;
-  if (study.output.images) files = imagesIn(out);
-  for (const char* name : {kVideo, kFrames, kEvents, kManifest, kReport}) {
+  if (study.output.images || !study.output.maps.empty()) files = imagesIn(out);
+  for (const char* name :
+       {kVideo, kFrames, kEvents, kSights, kSightFixations, kObjects, kManifest, kReport}) {
     files.push_back(out / name);
   }
   return files;
 }
 
-RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const std::filesystem::path& out)
+RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+                     const std::filesystem::path& out)
     : study_(study),
       gaze_(gaze),
+      cloud_(cloud),
       out_(out),
       folder_(out),
       video_file_(folder_.stage(kVideo)),
@@ -91,7 +106,13 @@ RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const std::fi
       table_(folder_.stage(kFrames)),
       sheet_(gaze.schedule.frames) {}
 
-void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image) {
+void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image,
+                    const Frame* rendered) {
+  for (const FrameMap map : study_.output.maps) {
+    assert(rendered);
+    writeMap(folder_.stage(mapFileName(map, frame)), rendered->size_px,
+             mapOf(map, *rendered, seen.record.eye.focus_D));
+  }
   sheet_.offer(frame, seen.record, seen.gaze_px, image);
   Image shown = image;
   if (seen.marker) drawGazeMarkers(seen.gaze_px, seen.record, shown);
@@ -113,6 +134,10 @@ RunResult RunWriter::finish(const RunFacts& run) {
   const std::vector<GazeEvent> events =
       eventsOfRun(study_, gaze_.trace, schedule.first_s, schedule.end_s());
   folder_.write(kEvents, eventTable(events));
+  const GazeInScene in_scene = lookIntoScene(study_, gaze_, cloud_, run.heatmap.has_value());
+  folder_.write(kSights, sightTable(in_scene));
+  folder_.write(kSightFixations, sightFixationTable(in_scene));
+  folder_.write(kObjects, objectTable(in_scene));
 
   ReportFacts facts;
   facts.threads = run.threads;
@@ -120,6 +145,15 @@ RunResult RunWriter::finish(const RunFacts& run) {
   countDataLoss(gaze_.trace, schedule, facts);
   statistics_.fill(facts);
   facts.summary = summaryOf(schedule, events, statistics_, facts, out_);
+  facts.objects = in_scene.objects;
+  OutputFiles heatmap;
+  if (run.heatmap) {
+    const SurfelCloud heat = heatCloud(cloud_, in_scene.attention_s);
+    facts.heat = heatPictures(heat, in_scene);
+    heatmap.write(*run.heatmap, [&](const std::filesystem::path& to) {
+      writeHeatPly(to, heat, in_scene.attention_s);
+    });
+  }
   facts.sheet = sheet_.images(study_.imageSize_px());
   facts.run = changesOfRun(study_, gaze_.changes, gaze_.markers, schedule.time_s(0),
                            schedule.time_s(schedule.frames - 1));
@@ -144,6 +178,7 @@ RunResult RunWriter::finish(const RunFacts& run) {
         stderr);
   }
   folder_.commit();
+  heatmap.commit();
   return {.summary = facts.summary, .image = facts.sheet[facts.sheet.size() / 2]};
 }
 

@@ -24,6 +24,7 @@ struct RunFacts {
   unsigned threads = 0;
   std::string device;  ///< that rendered the frames
   std::vector<InputFile> inputs;
+  std::optional<std::filesystem::path> heatmap = {};  ///< PLY of the scene to write
 };
 
 /// A run, and an image of it.
@@ -35,11 +36,14 @@ struct RunResult {
 /// If `finish` is not called, no file stays, and a new folder is removed.
 class RunWriter {
  public:
-  /// @param study, gaze  outlive it
-  RunWriter(const Study& study, const ReplayedGaze& gaze, const std::filesystem::path& out);
+  /// @param study, gaze, cloud  outlive it
+  RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+            const std::filesystem::path& out);
 
   /// @param image  without marker
-  void add(std::size_t frame, const SeenFrame& seen, const Image& image);
+  /// @param rendered  the frame with its depth, if the study asks for maps
+  void add(std::size_t frame, const SeenFrame& seen, const Image& image,
+           const Frame* rendered = nullptr);
 
   /// Writes what sums up the run.
   RunResult finish(const RunFacts& facts);
@@ -52,6 +56,7 @@ class RunWriter {
  private:
   const Study& study_;
   const ReplayedGaze& gaze_;
+  const SurfelCloud& cloud_;
   std::filesystem::path out_;
   OutputFolder folder_;
   std::filesystem::path video_file_;
@@ -66,7 +71,7 @@ class RunWriter {
 /// "frame-000012.png"
 std::string imageFileName(std::size_t frame);
 
-/// The images of frames that a folder holds.
+/// The images of frames, and their maps, that a folder holds.
 std::vector<std::filesystem::path> imagesIn(const std::filesystem::path& folder);
 
 }  // namespace foci

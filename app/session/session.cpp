@@ -176,8 +176,13 @@ FrameRecord Session::lookSettled(double time_s, const glm::dvec2& point_px) {
   return record;
 }
 
-/// Fixed focus, the pupil, and what `auto` renders.
+/// The eye's pose, fixed focus, the pupil, and what `auto` renders.
 void Session::finishLook(FrameRecord& record) {
+  const glm::dmat4 world_from_eye =
+      glm::inverse(glm::dmat4(settings_.path.eyeFromWorldAt(record.time_s - start_s_)));
+  record.eye_m = glm::dvec3(world_from_eye[3]);
+  const glm::dquat turn = glm::normalize(glm::quat_cast(glm::dmat3(world_from_eye)));
+  record.world_from_eye = turn.w < 0.0 ? -turn : turn;
   if (settings_.focus.fixed_D) {
     record.eye.target_D = settings_.focus.fixed_D;
     record.eye.focus_D = reachableFocus_D(accommodationOf(settings_), *settings_.focus.fixed_D);
@@ -266,7 +271,8 @@ RenderRequest Session::requestWith(const std::string& method, const FrameRecord&
     RenderSettings settings{
         .defocus = defocusOfEye(settings_.observer, pupil_mm, eye.view.focal_px, focus_D),
         .background = settings_.background,
-        .shading = settings_.shading};
+        .shading = settings_.shading,
+        .depth = settings_.output.depth};
     if (usesQuality(method)) settings.quality = qualityOf(record, eye);
     // Without blur all colours are equally sharp.
     if (method == "pinhole") settings.defocus.chromatic_D = glm::vec3(0.0f);

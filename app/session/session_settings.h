@@ -57,6 +57,7 @@ struct OutputView {
   glm::ivec2 size_px{1920, 1080};
   StereoView stereo = StereoView::mono;
   bool split = false;  ///< the left half of each view without blur
+  bool depth = false;  ///< frames have distances, too; of one view only
 };
 
 struct SessionSettings {

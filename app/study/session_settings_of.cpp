@@ -63,7 +63,8 @@ SessionSettings sessionSettingsOf(const Study& study) {
           .quality = study.quality,
           .output = {.size_px = study.imageSize_px(),
                      .stereo = study.output.view,
-                     .split = study.output.split}};
+                     .split = study.output.split,
+                     .depth = !study.output.maps.empty()}};
 }
 
 std::string ellipseRemark(const Study& study) {

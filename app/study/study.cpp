@@ -197,6 +197,13 @@ void checkOutput(const Study& study) {
   if (study.output.seconds && !(study.output.seconds->y > study.output.seconds->x)) {
     refuse(study, "output.seconds = " + write(*study.output.seconds) + ": expected from before to");
   }
+  const bool both = view == StereoView::side_by_side || view == StereoView::top_bottom ||
+                    view == StereoView::anaglyph;
+  if (!study.output.maps.empty() && both) {
+    refuse(study,
+           "output.maps: expected output.view = \"mono\", \"left\" or \"right\": one eye has "
+           "one distance");
+  }
 }
 
 }  // namespace

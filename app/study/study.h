@@ -21,6 +21,23 @@
 
 namespace foci {
 
+/// What a map has at each pixel.
+enum class FrameMap {
+  depth,    ///< distance of the surface along the line of sight, metres; 0: no surface
+  defocus,  ///< reciprocal of that distance minus the focus, dioptres: above 0 the surface is
+            ///< nearer than the focus; NaN: no surface
+};
+
+/// A part of the scene with a name: a box along the axes, or a sphere.
+struct NamedShape {
+  std::string name;
+  glm::dvec3 center_m{0.0};
+  std::optional<glm::dvec3> size_m;  ///< edges of a box
+  std::optional<double> radius_m;    ///< of a sphere; one of the two is there
+
+  bool holds(const glm::dvec3& point_m) const;
+};
+
 struct Study {
   std::filesystem::path file;
 
@@ -29,6 +46,7 @@ struct Study {
     std::string builtin = "gallery";  ///< shown if there is no file
     double scale_m = 1.0;             ///< metres per unit of the file
     glm::dvec3 background{0.0};       ///< linear RGB
+    std::vector<NamedShape> objects;  ///< what gaze meets within them is on them
   } scene;
 
   struct Eye {
@@ -103,7 +121,8 @@ struct Study {
     bool marker = false;
     int sync_patch = 0;  ///< side of the patch for a photodiode in foci live, px; 0: none
     bool split = false;
-    bool images = false;  ///< every frame as a PNG, too
+    bool images = false;         ///< every frame as a PNG, too
+    std::vector<FrameMap> maps;  ///< of every frame, as EXR
     StereoView view = StereoView::mono;
   } output;
 

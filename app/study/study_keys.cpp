@@ -15,7 +15,9 @@
 
 namespace foci {
 
-// `eye.path` has a type of its own; toml_values.h has the others.
+// `eye.path` and `scene.object` have types of their own; toml_values.h has the others.
+static void read(const toml::value& from, const Allowed&, std::vector<NamedShape>& to);
+static std::string write(const std::vector<NamedShape>& shapes);
 static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
 static std::string write(const std::vector<EyeKeyframe>& path);
 
@@ -26,7 +28,7 @@ std::optional<std::string> expectedAxes(std::string_view axes) {
   return std::string(kAxesExpected);
 }
 
-/// A key of the table T: Study, or EyeKeyframe within `eye.path`.
+/// A key of the table T: Study, EyeKeyframe within `eye.path`, NamedShape within `scene.object`.
 template <class T>
 struct Key {
   std::string_view name;
@@ -58,6 +60,10 @@ Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}
   key < EyeKeyframe, [](auto& frame) -> auto& { return frame.member; } \
   > (__VA_ARGS__)
 
+#define FOCI_SHAPE_KEY(member, ...)                                   \
+  key < NamedShape, [](auto& shape) -> auto& { return shape.member; } \
+  > (__VA_ARGS__)
+
 constexpr double kFar_m = 1e6;  // a float there has steps of 6 cm
 
 const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
@@ -71,6 +77,16 @@ const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
   return keys;
 }
 
+const std::vector<Key<NamedShape>>& shapeKeys() {
+  static const std::vector<Key<NamedShape>> keys = {
+      FOCI_SHAPE_KEY(name, "name", "name of the object in the tables"),
+      FOCI_SHAPE_KEY(center_m, "center_m", "centre, m", {-kFar_m, kFar_m}),
+      FOCI_SHAPE_KEY(size_m, "size_m", "edges of a box along the axes, m", {1e-6, kFar_m}),
+      FOCI_SHAPE_KEY(radius_m, "radius_m", "radius of a sphere, m", {1e-6, kFar_m}),
+  };
+  return keys;
+}
+
 const std::vector<Key<Study>>& studyKeys() {
   static const std::vector<Key<Study>> keys = {
       FOCI_KEY(scene.file, "scene.file",
@@ -80,6 +96,9 @@ const std::vector<Key<Study>>& studyKeys() {
                {.words = {"gallery", "plane"}}),
       FOCI_KEY(scene.scale_m, "scene.scale_m", "metres per unit of the file", {1e-6, 1e6}),
       FOCI_KEY(scene.background, "scene.background", "linear RGB behind everything", {0, 1}),
+      FOCI_KEY(scene.objects, "scene.object",
+               "named boxes { name, center_m, size_m } and spheres { name, center_m, radius_m }: "
+               "gaze that meets a surface within one is on that object; the first one counts"),
       FOCI_KEY(eye.position_m, "eye.position_m", "where the eye is, m", {-kFar_m, kFar_m}),
       FOCI_KEY(eye.look_at_m, "eye.look_at_m", "point that the centre of the screen shows, m",
                {-kFar_m, kFar_m}),
@@ -281,6 +300,10 @@ const std::vector<Key<Study>>& studyKeys() {
                "follows the frame number, for a photodiode; 0: none",
                {0, 1000}),
       FOCI_KEY(output.images, "output.images", "also saves every frame as a PNG"),
+      FOCI_KEY(output.maps, "output.maps",
+               "also saves maps of every frame of a replay as EXR: depth in metres, defocus in D, "
+               "above 0 where the surface is nearer than the focus; of one view only",
+               {.words = studyWords<FrameMap>()}),
       FOCI_KEY(
           output.view, "output.view",
           "one eye in the middle, or both: left beside right, left above right, left red; or the "
@@ -303,6 +326,7 @@ const std::vector<Key<Study>>& studyKeys() {
 
 #undef FOCI_KEY
 #undef FOCI_KEYFRAME_KEY
+#undef FOCI_SHAPE_KEY
 
 std::string place(const std::string& file, const toml::value& value) {
   return file + ":" + std::to_string(value.location().line());
@@ -361,42 +385,75 @@ KeyNames apply(const std::vector<Key<T>>& keys, const toml::table& table, const 
 
 }  // namespace
 
-static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to) {
-  const std::string what = "a list of at most 10000 { time_s, position_m, look_at_m }";
+/// Reads a list of tables. @param what  it is, for messages @param each  one element is
+/// @param check  throws Expected for a table that lacks a key
+template <class T, class Check>
+static void readList(const toml::value& from, const std::vector<Key<T>>& keys,
+                     const std::string& what, const std::string& each, std::vector<T>& to,
+                     const Check& check) {
   if (!from.is_array() || from.as_array().empty() || from.as_array().size() > 10000) {
     throw Expected{what};
   }
   for (const toml::value& element : from.as_array()) {
     if (!element.is_table()) throw Expected{what};
-    EyeKeyframe frame;
+    T value;
     // The caller, who knows the name of the file, puts it before the message.
     KeyNames given;
     try {
-      given = apply(keyframeKeys(), element.as_table(), "", "", frame);
+      given = apply(keys, element.as_table(), "", "", value);
     } catch (const InputError& error) {
       const std::string_view text = error.what();
-      throw Expected{"a list of keyframes, but line " + std::string(text.substr(1))};
+      throw Expected{"a list of " + each + "s, but line " + std::string(text.substr(1))};
     }
-    for (const char* needed : {"time_s", "position_m", "look_at_m"}) {
-      if (!given.contains(needed)) {
-        throw Expected{std::string(needed) + " in each keyframe"};
-      }
-    }
-    to.push_back(frame);
+    check(given);
+    to.push_back(value);
   }
 }
 
-static std::string write(const std::vector<EyeKeyframe>& path) {
+/// A list of tables as JSON.
+template <class T>
+static std::string writeList(const std::vector<T>& values, const std::vector<Key<T>>& keys) {
   std::string text = "[";
-  for (const EyeKeyframe& frame : path) {
+  for (const T& value : values) {
     text += text.size() > 1 ? ", {" : "{";
-    for (const auto& key : keyframeKeys()) {
-      text += (key.name == "time_s" ? "\"" : ", \"") + std::string(key.name) +
-              "\": " + key.write(frame);
+    for (const auto& key : keys) {
+      text +=
+          (&key == keys.data() ? "\"" : ", \"") + std::string(key.name) + "\": " + key.write(value);
     }
     text += "}";
   }
   return text + "]";
+}
+
+static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to) {
+  readList(from, keyframeKeys(), "a list of at most 10000 { time_s, position_m, look_at_m }",
+           "keyframe", to, [](const KeyNames& given) {
+             for (const char* needed : {"time_s", "position_m", "look_at_m"}) {
+               if (!given.contains(needed)) {
+                 throw Expected{std::string(needed) + " in each keyframe"};
+               }
+             }
+           });
+}
+
+static std::string write(const std::vector<EyeKeyframe>& path) {
+  return writeList(path, keyframeKeys());
+}
+
+static void read(const toml::value& from, const Allowed&, std::vector<NamedShape>& to) {
+  readList(from, shapeKeys(), "a list of at most 10000 { name, center_m, size_m or radius_m }",
+           "shape", to, [](const KeyNames& given) {
+             for (const char* needed : {"name", "center_m"}) {
+               if (!given.contains(needed)) throw Expected{std::string(needed) + " in each shape"};
+             }
+             if (given.contains("size_m") == given.contains("radius_m")) {
+               throw Expected{"size_m for a box, or radius_m for a sphere, in each shape"};
+             }
+           });
+}
+
+static std::string write(const std::vector<NamedShape>& shapes) {
+  return writeList(shapes, shapeKeys());
 }
 
 std::string shownName(std::string_view name) {

@@ -52,6 +52,12 @@ inline constexpr std::array kStudyWords<AngleUnit>{
 };
 
 template <>
+inline constexpr std::array kStudyWords<FrameMap>{
+    StudyWord{"depth", FrameMap::depth},
+    StudyWord{"defocus", FrameMap::defocus},
+};
+
+template <>
 inline constexpr std::array kStudyWords<StereoView>{
     StudyWord{"mono", StereoView::mono},
     StudyWord{"side-by-side", StereoView::side_by_side},

@@ -127,6 +127,25 @@ void read(const toml::value& from, const Allowed& allowed, Enum& to) {
   }
 }
 
+/// A list of words of an enum, each once.
+template <HasStudyWords Enum>
+void read(const toml::value& from, const Allowed& allowed, std::vector<Enum>& to) {
+  std::string what = "a list of";
+  for (const auto word : allowed.words) what += " \"" + std::string(word) + "\"";
+  if (!from.is_array()) throw Expected{what};
+  to.clear();
+  for (const toml::value& element : from.as_array()) {
+    Enum value{};
+    try {
+      read(element, allowed, value);
+    } catch (const Expected&) {
+      throw Expected{what};
+    }
+    if (std::find(to.begin(), to.end(), value) != to.end()) throw Expected{what + ", each once"};
+    to.push_back(value);
+  }
+}
+
 template <class T>
 requires(!HasStudyWords<std::optional<T>>) void read(const toml::value& from,
                                                      const Allowed& allowed, std::optional<T>& to) {
@@ -156,6 +175,12 @@ std::string write(const std::array<std::string, N>& names) {
 template <HasStudyWords Enum>
 std::string write(const Enum& value) {
   return quotedText(std::string(studyWord(value)));
+}
+template <HasStudyWords Enum>
+std::string write(const std::vector<Enum>& values) {
+  std::string text = "[";
+  for (const Enum& value : values) text += (text.size() > 1 ? ", " : "") + write(value);
+  return text + "]";
 }
 template <class T>
 requires(!HasStudyWords<std::optional<T>>) std::string write(const std::optional<T>& value) {

@@ -17,14 +17,13 @@ HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
 
-inline constexpr std::size_t kMaxLanes = 16;
+inline constexpr std::size_t kMaxLanes = TileGaussians::kBlock;
 inline constexpr float kMaxExponent = 60.0f;  // of a peak, to base 2: finite
-inline constexpr float kLast = kTile - 1;     // index of the last pixel of a row
 
 /// Gaussians of a block, one lane each, as the sub-aperture sees them. At the offset (x, y)
 /// from its centre a Gaussian has alpha = peak 2^-q, q = qa x^2 + qb x y + qc y^2, where q < cut.
 struct alignas(64) Block {
-  float x[kMaxLanes], y[kMaxLanes];  // from the centre of the tile's first pixel
+  float x[kMaxLanes], y[kMaxLanes];  // from the tile's first sample; in samples, as all below
   float qa[kMaxLanes], qb[kMaxLanes], qc[kMaxLanes];
   float peak[kMaxLanes], cut[kMaxLanes];
   float half_x[kMaxLanes], half_y[kMaxLanes];  // of the box of the footprint
@@ -62,19 +61,29 @@ HWY_INLINE V linearOf(V s) {
 template <bool kDepth>
 class TileCompositor {
  public:
-  explicit TileCompositor(const CompositeJob& job) : job_(job) {
-    std::fill_n(transmittance_, kTilePixels, 1.0f);
-    for (float* plane : {red_, green_, blue_}) std::fill_n(plane, kTilePixels, 0.0f);
-    if constexpr (kDepth) std::fill_n(distance_, kTilePixels, 0.0f);
+  explicit TileCompositor(const CompositeJob& job)
+      : job_(job),
+        row_(rowOf(job.samples)),
+        places_(row_ * static_cast<std::size_t>(job.samples)),
+        last_(static_cast<float>(job.samples - 1)) {
+    // Unused places are opaque.
+    std::fill_n(transmittance_, places_, 0.0f);
+    for (int y = 0; y < job.samples; ++y) {
+      std::fill_n(transmittance_ + static_cast<std::size_t>(y) * row_, job.samples, 1.0f);
+    }
+    for (float* plane : {red_, green_, blue_}) std::fill_n(plane, places_, 0.0f);
+    if constexpr (kDepth) std::fill_n(distance_, places_, 0.0f);
   }
 
   std::size_t run() {
     const std::size_t lanes = hn::Lanes(D());
     std::size_t fragments = 0;
-    for (std::size_t at = 0; at < job_.list.size(); at += lanes) {
-      const std::size_t n = std::min(lanes, job_.list.size() - at);
-      see(at, n);
-      for (std::size_t k = 0; k < n; ++k) fragments += add(k, job_.gaussians[job_.list[at + k]]);
+    const std::size_t size = job_.gaussians->size();
+    for (std::size_t at = 0; at < size; at += lanes) {
+      const std::size_t n = std::min(lanes, size - at);
+      job_.gaussians->fetch(at + n);
+      see(at);
+      for (std::size_t k = 0; k < n; ++k) fragments += add(k, at + k);
       if (isOpaque()) break;
     }
     return fragments;
@@ -83,7 +92,7 @@ class TileCompositor {
   void addTo(TileSums& sums) const {
     const D d;
     const V weight = hn::Set(d, job_.weight), one = hn::Set(d, 1.0f), zero = hn::Zero(d);
-    for (std::size_t p = 0; p < kTilePixels; p += hn::Lanes(d)) {
+    for (std::size_t p = 0; p < places_; p += hn::Lanes(d)) {
       const V through = hn::Load(d, transmittance_ + p);
       const auto channel = [&](const float* plane, float background, float* sum) {
         const V shown = hn::MulAdd(through, hn::Set(d, background), hn::Load(d, plane + p));
@@ -104,30 +113,32 @@ class TileCompositor {
   }
 
  private:
-  /// Fills the block with entries [at, at + n) of the list (projected.h has the formulas).
-  void see(std::size_t at, std::size_t n) {
-    alignas(64) float in[11][kMaxLanes] = {};
-    for (std::size_t k = 0; k < n; ++k) {
-      const ProjectedGaussian& g = job_.gaussians[job_.list[at + k]];
-      const float fields[] = {g.x_px, g.y_px, g.vxx,   g.vxy,     g.vyy, g.sx,
-                              g.sy,   g.e,    g.off_D, g.opacity, g.cut};
-      for (std::size_t i = 0; i < 11; ++i) in[i][k] = fields[i];
-    }
+  /// Fills the block with the entries from `at` on (projected.h has the formulas).
+  void see(std::size_t at) {
     const D d;
-    const auto load = [&](std::size_t i) { return hn::Load(d, in[i]); };
+    const auto load = [&](TileGaussians::Number number) {
+      return hn::LoadU(d, job_.gaussians->at(number, at));
+    };
     const auto set = [&](float value) { return hn::Set(d, value); };
-    const V sx = load(5), sy = load(6), e = load(7), off = load(8);
+    const V sx = load(TileGaussians::sx), sy = load(TileGaussians::sy), e = load(TileGaussians::e),
+            off = load(TileGaussians::off_D);
     const glm::vec2 radius = job_.defocus->radius_px_per_D, j = job_.defocus->astigmatism_D;
     const glm::vec2 p = job_.lens.centre, a = radius * p;
     const V moved_x = hn::MulAdd(off, set(a.x), set(radius.x * (j.x * p.x + j.y * p.y)));
     const V moved_y = hn::MulAdd(off, set(a.y), set(radius.y * (j.y * p.x - j.x * p.y)));
-    hn::Store(hn::Add(load(0), hn::Add(moved_x, set(-0.5f - job_.corner_px.x))), d, block_.x);
-    hn::Store(hn::Add(load(1), hn::Add(moved_y, set(-0.5f - job_.corner_px.y))), d, block_.y);
+    const float per_step = 1.0f / job_.step_px;
+    const auto sampleOf = [&](V centre, V moved, float first_px) {
+      return hn::Mul(hn::Add(centre, hn::Add(moved, set(-first_px))), set(per_step));
+    };
+    hn::Store(sampleOf(load(TileGaussians::x_px), moved_x, job_.first_px.x), d, block_.x);
+    hn::Store(sampleOf(load(TileGaussians::y_px), moved_y, job_.first_px.y), d, block_.y);
 
     // The sheared Gaussian.
-    V xx = hn::MulAdd(set(-2.0f * a.x), sx, hn::MulAdd(set(a.x * a.x), e, load(2)));
-    V yy = hn::MulAdd(set(-2.0f * a.y), sy, hn::MulAdd(set(a.y * a.y), e, load(4)));
-    V xy = hn::MulAdd(set(-a.x), sy, hn::MulAdd(set(-a.y), sx, load(3)));
+    V xx =
+        hn::MulAdd(set(-2.0f * a.x), sx, hn::MulAdd(set(a.x * a.x), e, load(TileGaussians::vxx)));
+    V yy =
+        hn::MulAdd(set(-2.0f * a.y), sy, hn::MulAdd(set(a.y * a.y), e, load(TileGaussians::vyy)));
+    V xy = hn::MulAdd(set(-a.x), sy, hn::MulAdd(set(-a.y), sx, load(TileGaussians::vxy)));
     xy = hn::MulAdd(set(a.x * a.y), e, xy);
     const auto determinant = [&] { return hn::Sub(hn::Mul(xx, yy), hn::Mul(xy, xy)); };
     const V least = set(kLowPass_px2 * kLowPass_px2);  // that of a point
@@ -145,38 +156,43 @@ class TileCompositor {
     const V blurred = hn::Max(determinant(), least);
 
     constexpr float kHalfLog2E = 0.5f * std::numbers::log2e_v<float>;
-    const V scale = hn::Div(set(kHalfLog2E), blurred);
-    const V cut = load(10);
+    const V scale = hn::Div(set(kHalfLog2E * job_.step_px * job_.step_px), blurred);
+    const V cut = load(TileGaussians::cut);
     hn::Store(hn::Mul(yy, scale), d, block_.qa);
     hn::Store(hn::Mul(hn::Mul(set(-2.0f), xy), scale), d, block_.qb);
     hn::Store(hn::Mul(xx, scale), d, block_.qc);
     // The covered area stays; exp(opacity - 1) is the peak of a flat top (gaussian_merge.h).
-    const V opacity = hn::Mul(load(9), hn::Sqrt(hn::Div(sharp, blurred)));
+    const V opacity = hn::Mul(load(TileGaussians::opacity), hn::Sqrt(hn::Div(sharp, blurred)));
     const V above = hn::Mul(hn::Sub(opacity, set(1.0f)), set(std::numbers::log2e_v<float>));
     const V flat = powerOfHalf(hn::Neg(hn::Clamp(above, hn::Zero(d), set(kMaxExponent))));
     hn::Store(hn::IfThenElse(hn::Gt(above, hn::Zero(d)), flat, opacity), d, block_.peak);
     hn::Store(hn::Mul(cut, set(kHalfLog2E)), d, block_.cut);
-    hn::Store(hn::Sqrt(hn::Mul(cut, xx)), d, block_.half_x);
-    hn::Store(hn::Sqrt(hn::Mul(cut, yy)), d, block_.half_y);
+    hn::Store(hn::Mul(hn::Sqrt(hn::Mul(cut, xx)), set(per_step)), d, block_.half_x);
+    hn::Store(hn::Mul(hn::Sqrt(hn::Mul(cut, yy)), set(per_step)), d, block_.half_y);
   }
 
-  /// Composites entry `k` of the block behind what the tile holds. @return pixels inside
-  std::size_t add(std::size_t k, const ProjectedGaussian& g) {
+  /// Composites lane `k` of the block, an entry of the tile, behind what the tile holds. @return
+  /// samples inside
+  std::size_t add(std::size_t k, std::size_t entry) {
     const D d;
     const float x = block_.x[k], y = block_.y[k];
     const float left = x - block_.half_x[k], right = x + block_.half_x[k];
     const float top = y - block_.half_y[k], bottom = y + block_.half_y[k];
     // Also false for values that are not finite.
-    if (!(right >= 0.0f && bottom >= 0.0f && left <= kLast && top <= kLast)) return 0;
+    if (!(right >= 0.0f && bottom >= 0.0f && left <= last_ && top <= last_)) return 0;
     const std::size_t lanes = hn::Lanes(d);
-    const auto pixel = [](float px) {
-      return static_cast<std::size_t>(std::clamp(px, 0.0f, kLast));
+    const auto pixel = [this](float at) {
+      return static_cast<std::size_t>(std::clamp(at, 0.0f, last_));
     };
     const std::size_t x0 = pixel(left) / lanes * lanes, x1 = pixel(right);
     const std::size_t y0 = pixel(std::ceil(top)), y1 = pixel(bottom);
     const V qa = hn::Set(d, block_.qa[k]), cut = hn::Set(d, block_.cut[k]);
     const V peak = hn::Set(d, block_.peak[k]), most = hn::Set(d, kMaxAlphaOfGaussian);
-    const V red = hn::Set(d, g.red), green = hn::Set(d, g.green), blue = hn::Set(d, g.blue);
+    const auto number = [&](TileGaussians::Number which) {
+      return hn::Set(d, *job_.gaussians->at(which, entry));
+    };
+    const V red = number(TileGaussians::red), green = number(TileGaussians::green);
+    const V blue = number(TileGaussians::blue);
     const V opaque = hn::Set(d, kOpaqueTransmittance);
     std::size_t inside = 0;
     for (std::size_t row = y0; row <= y1; ++row) {
@@ -185,7 +201,7 @@ class TileCompositor {
       for (std::size_t column = x0; column <= x1; column += lanes) {
         const V dx = hn::Sub(hn::Iota(d, static_cast<float>(column)), hn::Set(d, x));
         const V q = hn::MulAdd(hn::MulAdd(qa, dx, slope), dx, rest);
-        const std::size_t at = row * kTile + column;
+        const std::size_t at = row * row_ + column;
         const V through = hn::Load(d, transmittance_ + at);
         const M in = hn::And(hn::Lt(q, cut), hn::Gt(through, opaque));
         if (hn::AllFalse(d, in)) continue;
@@ -199,8 +215,9 @@ class TileCompositor {
         hn::Store(hn::MulAdd(seen, green, hn::Load(d, green_ + at)), d, green_ + at);
         hn::Store(hn::MulAdd(seen, blue, hn::Load(d, blue_ + at)), d, blue_ + at);
         if constexpr (kDepth) {
-          hn::Store(hn::MulAdd(seen, hn::Set(d, g.distance_m), hn::Load(d, distance_ + at)), d,
-                    distance_ + at);
+          hn::Store(
+              hn::MulAdd(seen, number(TileGaussians::distance_m), hn::Load(d, distance_ + at)), d,
+              distance_ + at);
         }
       }
     }
@@ -210,17 +227,19 @@ class TileCompositor {
   bool isOpaque() const {
     const D d;
     V most = hn::Zero(d);
-    for (std::size_t p = 0; p < kTilePixels; p += hn::Lanes(d)) {
+    for (std::size_t p = 0; p < places_; p += hn::Lanes(d)) {
       most = hn::Max(most, hn::Load(d, transmittance_ + p));
     }
     return hn::AllTrue(d, hn::Le(most, hn::Set(d, kOpaqueTransmittance)));
   }
 
   const CompositeJob& job_;
+  std::size_t row_, places_;  // places in a row, and in all rows
+  float last_;                // index of the last sample of a row
   Block block_;
-  alignas(64) float transmittance_[kTilePixels];
-  alignas(64) float red_[kTilePixels], green_[kTilePixels], blue_[kTilePixels];
-  alignas(64) float distance_[kDepth ? kTilePixels : 1];
+  alignas(64) float transmittance_[kTilePlaces];
+  alignas(64) float red_[kTilePlaces], green_[kTilePlaces], blue_[kTilePlaces];
+  alignas(64) float distance_[kDepth ? kTilePlaces : 1];
 };
 
 inline std::size_t compositeTileLanes(const CompositeJob& job, TileSums& sums) {

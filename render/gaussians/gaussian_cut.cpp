@@ -75,7 +75,11 @@ class NodeSelector {
       return Seen::outside;
     }
     const float off_D = std::max(minDefocus_D(defocus_, 1.0f / distance) - range_D, 0.0f);
-    const float allowed_px2 = settings_.per_blur2 * blur2_ * off_D * off_D + settings_.per_pixel2;
+    const glm::vec2 from_gaze = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
+    const float finest_px = settings_.acuity.finest_px(glm::length(from_gaze));
+    const float allowed_px2 =
+        std::min(settings_.per_blur2 * blur2_ * off_D * off_D, settings_.max_px2) +
+        settings_.per_pixel2 + settings_.per_acuity2 * (finest_px * finest_px - 1.0f);
     const float spread_px2 = tree_.spread_m2[node] * focal2_ / (depth * depth);
     return spread_px2 <= allowed_px2 ? Seen::fine : Seen::coarse;
   }

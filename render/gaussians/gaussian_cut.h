@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
+#include "render/optics/acuity.h"
 #include "render/optics/defocus.h"
 #include "render/optics/view.h"
 #include "render/scene/gaussian_tree.h"
@@ -12,11 +14,15 @@
 namespace foci {
 
 /// A node may be rendered if the variance that merging added to it, on the image, is at most
-///   per_blur2 C^2 + per_pixel2,
-/// with the least blur radius C within the node.
+///   min(per_blur2 C^2, max_px2) + per_pixel2 + per_acuity2 (h^2 - 1),
+/// with the least blur radius C within the node. h is the acuity's least standard deviation, 1 px
+/// where detail is resolved in full.
 struct GaussianCutSettings {
   float per_blur2;
+  float max_px2 = std::numeric_limits<float>::infinity();
   float per_pixel2 = 0.03f;  ///< a tenth of the low-pass
+  float per_acuity2 = 0.2f;  ///< as for surfels (cut.h)
+  Acuity acuity = {};
 };
 
 /// Nodes and single Gaussians that together are the scene. Each Gaussian in view is in exactly one.

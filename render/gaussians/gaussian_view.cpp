@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "render/image/srgb.h"
+#include "render/splat/interpolate.h"
 
 namespace foci {
 
@@ -25,7 +26,7 @@ void GaussianView::project(const View& view, const Defocus& defocus,
   }
   if (lod) selectCut(*cloud_, view, defocus, *lod, cut_);
   projectGaussians(*cloud_, lod ? &cut_ : nullptr, view, defocus, sizes, projected_);
-  lists_.build(projected_.chunks, view.size_px);
+  lists_.build(projected_.chunks, view.size_px, lod != nullptr);
 }
 
 float GaussianView::tileBlur_px(std::size_t tile) const {
@@ -71,32 +72,41 @@ std::uint64_t GaussianView::renderTiles(const DiscsOfTile& discs_of, const glm::
   parallelFor(tiles.size(), [&](std::size_t t) {
     const Tile& tile = tiles[t];
     thread_local const auto sums = std::make_unique<TileSums>();
+    const int samples = tile.samplesWithApron();
+    const std::size_t row = rowOf(samples);
     for (float* plane : {sums->red, sums->green, sums->blue, sums->coverage, sums->distance_m}) {
-      std::fill_n(plane, kTilePixels, 0.0f);
+      std::fill_n(plane, row * static_cast<std::size_t>(samples), 0.0f);
     }
+    const auto step_px = static_cast<float>(tile.step_px);
+    const glm::vec2 first_px =
+        glm::vec2(tile.x_px, tile.y_px) + step_px * (0.5f - static_cast<float>(tile.apron()));
+    thread_local TileGaussians gaussians;
+    gaussians.begin(projected_.gaussians.data(), lists_.splats(t));
     const std::vector<LensDisc>& discs = discs_of(t);
     for (const LensDisc& disc : discs) {
-      fragments[t] += compositeTile({.gaussians = projected_.gaussians.data(),
-                                     .list = lists_.splats(t),
+      fragments[t] += compositeTile({.gaussians = &gaussians,
                                      .defocus = &defocus_,
-                                     .corner_px = {tile.x_px, tile.y_px},
+                                     .first_px = first_px,
+                                     .step_px = step_px,
+                                     .samples = samples,
                                      .lens = disc,
                                      .background = shown,
                                      .depth = depth,
                                      .weight = 1.0f / static_cast<float>(discs.size())},
                                     *sums);
     }
-    const int x1 = std::min(tile.x_px + kTile, frame.size_px.x);
-    const int y1 = std::min(tile.y_px + kTile, frame.size_px.y);
-    for (int y = tile.y_px; y < y1; ++y) {
-      for (int x = tile.x_px; x < x1; ++x) {
-        const std::size_t from = static_cast<std::size_t>(y - tile.y_px) * kTile + (x - tile.x_px);
-        const std::size_t to = static_cast<std::size_t>(y) * frame.size_px.x + x;
-        const float covered = sums->coverage[from];
-        frame.rgba[to] = {sums->red[from], sums->green[from], sums->blue[from], covered};
-        if (depth) frame.depth_m[to] = covered > 0.0f ? sums->distance_m[from] / covered : 0.0f;
+    constexpr std::size_t kMaxSamples = kTile + 2 * kApron;
+    glm::vec4 rgba[kMaxSamples * kMaxSamples];
+    float depth_m[kMaxSamples * kMaxSamples];
+    for (int y = 0; y < samples; ++y) {
+      for (int x = 0; x < samples; ++x) {
+        const std::size_t from = static_cast<std::size_t>(y) * row + static_cast<std::size_t>(x);
+        const int to = y * samples + x;
+        rgba[to] = {sums->red[from], sums->green[from], sums->blue[from], sums->coverage[from]};
+        depth_m[to] = sums->distance_m[from];
       }
     }
+    interpolateTile(tile, rgba, depth ? depth_m : nullptr, frame);
   });
   return std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});
 }

@@ -22,7 +22,8 @@ class GaussianView {
   explicit GaussianView(const GaussianCloud& cloud) : cloud_(&cloud) {}
 
   /// Projects and sorts what any of the discs shows.
-  /// @param lod  renders a cut of the scene's tree (asserted to exist); null: all Gaussians
+  /// @param lod  renders a cut of the scene's tree (asserted to exist), and fewer samples where all
+  ///             is blurred; null: all Gaussians, and each pixel
   void project(const View& view, const Defocus& defocus, const std::vector<LensDisc>& discs,
                const GaussianCutSettings* lod = nullptr);
 

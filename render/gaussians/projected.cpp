@@ -15,6 +15,11 @@ namespace {
 /// it is taken from there (Kerbl et al. 2023).
 constexpr float kFieldMargin = 1.3f;
 
+/// Standard deviation of a lens's mean view, as `TileLists` chooses samples by it, over the blur
+/// radius: samples are up to C / 2.3 apart. A disc has 1/2. On two captures that are blurred
+/// everywhere, the images are then as close to 150 pinholes as with samples a pixel apart.
+constexpr float kSigmaPerBlur = 0.3f;
+
 glm::vec3 times(const Covariance3& s, const glm::vec3& v) {
   return {s.xx * v.x + s.xy * v.y + s.xz * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
           s.xz * v.x + s.yz * v.y + s.zz * v.z};
@@ -30,6 +35,9 @@ class Projection {
     world_z_ = glm::transpose(turn)[2];
     eye_m_ = glm::vec3(glm::inverse(view.eye_from_world)[3]);
     const glm::vec2 size(view.size_px);
+    for (const SubApertureSize& each : sizes) {
+      blurs_ = blurs_ || each.max_radius > 0.0f || each.aperture > 0.0f;
+    }
     low_ = -(view.principal_px + (kFieldMargin - 1.0f) * 0.5f * size) / view.focal_px;
     high_ = (size - view.principal_px + (kFieldMargin - 1.0f) * 0.5f * size) / view.focal_px;
   }
@@ -114,7 +122,7 @@ class Projection {
       return static_cast<std::uint16_t>(std::clamp(px, 0.0f, below - 1.0f));
     };
     key = {.distance_m = depth,
-           .sigma_px = 0.0f,
+           .sigma_px = blurs_ ? kSigmaPerBlur * std::min(blur.x, blur.y) : 0.0f,
            .blur_px = std::max(blur.x, blur.y),
            .x0 = pixel(low.x, size.x),
            .x1 = pixel(high.x, size.x),
@@ -127,7 +135,8 @@ class Projection {
   const Defocus& defocus_;
   const std::vector<SubApertureSize>& sizes_;
   glm::vec3 world_x_{0.0f}, world_y_{0.0f}, world_z_{0.0f}, eye_m_{0.0f};  // the eye's axes
-  glm::vec2 low_{0.0f}, high_{0.0f};                                       // tangents
+  bool blurs_ = false;                // not through a pinhole alone
+  glm::vec2 low_{0.0f}, high_{0.0f};  // tangents
 };
 
 }  // namespace

@@ -58,9 +58,9 @@ void writeImage(const std::filesystem::path& file, const Frame& frame,
   }
 }
 
-void writeDepthPfm(const std::filesystem::path& file, const Frame& frame) {
-  writeAside(file, cv::Mat(frame.size_px.y, frame.size_px.x, CV_32FC1,
-                           const_cast<float*>(frame.depth_m.data())));
+void writeMap(const std::filesystem::path& file, const glm::ivec2& size_px,
+              const std::vector<float>& values) {
+  writeAside(file, cv::Mat(size_px.y, size_px.x, CV_32FC1, const_cast<float*>(values.data())));
 }
 
 }  // namespace foci

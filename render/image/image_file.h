@@ -15,8 +15,10 @@ namespace foci {
 void writeImage(const std::filesystem::path& file, const Frame& frame,
                 std::optional<double> gamma = std::nullopt);
 
-/// Writes `frame.depth_m` as a one-channel float PFM, metres, 0 where there is no surface.
-void writeDepthPfm(const std::filesystem::path& file, const Frame& frame);
+/// Writes one float a pixel, as PFM or EXR after the extension (`.pfm`, `.exr`).
+/// @param values  in rows from the top
+void writeMap(const std::filesystem::path& file, const glm::ivec2& size_px,
+              const std::vector<float>& values);
 
 /// Throws InputError unless `writeImage` knows the extension. Call it before rendering.
 void checkImageExtension(const std::filesystem::path& file);

@@ -1,9 +1,10 @@
 // Method `auto` on scenes of Gaussians. It renders a LOD cut that the blur allows under the
 // tolerance, and each tile through as few discs of the lens. Source: our own. Known failure: the
-// error was measured on two captured objects; thin blurred parts before a bright background exceed
-// it.
+// error was measured on two captured objects. Thin blurred parts before a bright background exceed
+// it, and so do dense captures on few pixels that are blurred everywhere.
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <chrono>
 #include <cmath>
 
@@ -16,23 +17,38 @@
 namespace foci {
 namespace {
 
-/// Numbers of discs that a tile may be rendered through. 4, 5 and 9 discs cover the lens less
-/// evenly: with them the bound below does not hold.
-constexpr std::array kDiscs{1, 3, 7, 13, 19, 37, 61, 91};
+/// A number of discs that a tile may be rendered through, and the error of 95 % of the pixels that
+/// it leaves, in just-noticeable differences for each px of blur radius.
+///
+/// With the error of merging, an upper bound of the errors against 150 pinholes on two captures.
+/// Their blur radii reached 2 to 20 px at the far side, at 256 and 384 px, or 10 and 20 px
+/// everywhere, at 384 px. 4, 5 and 9 discs cover the lens less evenly. GaussianCaptures holds the
+/// bound.
+struct Discs {
+  int count;
+  float error_per_px;
+};
+constexpr std::array kDiscs{Discs{1, 0.37f},   Discs{3, 0.2f},   Discs{7, 0.09f},
+                            Discs{13, 0.066f}, Discs{19, 0.05f}, Discs{37, 0.036f},
+                            Discs{61, 0.026f}, Discs{91, 0.02f}};
 
-/// Error of 95 % of the pixels, in just-noticeable differences: kError (C / sqrt(N))^kPower for N
-/// discs and a blur radius of C px. An upper bound of the errors against 400 pinholes on two
-/// captures, at 256 and 384 px, C = 4, 10, 20 and N = 1, 3, 7, 19. GaussianCaptures holds it.
-constexpr float kError = 0.2f, kPower = 1.45f;
-
-/// Variance that merging Gaussians may add, per C^2 and unit of tolerance, and a bound of the error
-/// that it adds, per C and unit of tolerance. Measured in the same way.
-constexpr float kPerBlur2 = 0.03f, kLodError = 0.02f;
+/// Variance that merging Gaussians may add: a share of C^2, and a largest one for each unit of
+/// tolerance. It adds an error of at most `kLodError_per_px` C and of `kMaxLodError`, for each unit
+/// of tolerance. Measured in the same way.
+constexpr float kPerBlur2 = 0.03f, kMaxSpread_px2 = 0.6f;
+constexpr float kLodError_per_px = 0.03f, kMaxLodError = 0.3f;
 
 /// @param tolerance  of the LOD cut
-float errorOf(int discs, float blur_px, float tolerance) {
-  return kError * std::pow(blur_px / std::sqrt(static_cast<float>(discs)), kPower) +
-         kLodError * blur_px * tolerance;
+float errorOf(const Discs& discs, float blur_px, float tolerance) {
+  return discs.error_per_px * blur_px +
+         std::min(kLodError_per_px * blur_px, kMaxLodError) * tolerance;
+}
+
+/// The same for a number of discs in `kDiscs`.
+float errorOf(int count, float blur_px, float tolerance) {
+  const auto* const discs = std::ranges::find(kDiscs, count, &Discs::count);
+  assert(discs != kDiscs.end());
+  return errorOf(*discs, blur_px, tolerance);
 }
 
 /// Discs of a quality level that the whole frame shares; 0: a pinhole.
@@ -58,7 +74,7 @@ class GaussianAuto final : public Method {
   /// @param cloud  with its tree
   GaussianAuto(std::shared_ptr<const GaussianCloud> cloud, std::optional<QualityLevel> forced)
       : cloud_(std::move(cloud)), view_(*cloud_), forced_(forced) {
-    for (const int n : kDiscs) sets_.push_back(subApertureDiscs(n));
+    for (const Discs& each : kDiscs) sets_.push_back(subApertureDiscs(each.count));
     // Together they bound what any set shows.
     for (const std::vector<LensDisc>& set : sets_) all_.insert(all_.end(), set.begin(), set.end());
   }
@@ -101,7 +117,9 @@ class GaussianAuto final : public Method {
 
   void project(const std::vector<LensDisc>& discs, const View& view,
                const RenderSettings& settings) {
-    const GaussianCutSettings lod{.per_blur2 = kPerBlur2 * settings.quality.tolerance};
+    const GaussianCutSettings lod{.per_blur2 = kPerBlur2 * settings.quality.tolerance,
+                                  .max_px2 = kMaxSpread_px2 * settings.quality.tolerance,
+                                  .acuity = settings.quality.acuity};
     view_.project(view, settings.defocus, discs, &lod);
   }
 
@@ -121,8 +139,9 @@ class GaussianAuto final : public Method {
     project(all_, view, settings);
     const float tolerance = settings.quality.tolerance;
     const auto setOf = [&](float blur_px) {
-      const auto enough = std::ranges::find_if(
-          kDiscs, [&](int n) { return errorOf(n, blur_px, tolerance) <= tolerance; });
+      const auto enough = std::ranges::find_if(kDiscs, [&](const Discs& each) {
+        return errorOf(each, blur_px, tolerance) <= tolerance;
+      });
       return static_cast<std::size_t>(std::min(enough, kDiscs.end() - 1) - kDiscs.begin());
     };
     RenderStats stats;

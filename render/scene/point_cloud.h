@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "render/scene/scene_objects.h"
+
 namespace foci {
 
 /// Limit of coordinates and lengths from files, metres. Their squares, and sums of these, stay
@@ -24,6 +26,7 @@ struct PointCloud {
   std::vector<float> radius_m;
   std::vector<float> opacity;            ///< 0 to 1
   std::vector<std::uint16_t> body = {};  ///< see `ClosedBodies::of_surfel`
+  SceneObjects objects = {};             ///< by point
   /// Mean share of the surface's area, where it is known: all points are samples of a mesh.
   std::optional<float> area_m2 = {};
   std::size_t dropped = 0;  ///< points dropped because their position was not finite

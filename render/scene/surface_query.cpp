@@ -246,7 +246,9 @@ struct SurfaceQuery::Impl {
     }
   }
 
-  std::optional<double> distanceToSurfels(const Cone& cone, double needed) const {
+  /// @param surface  gets the surfels of the surface with their coverage; null: not wanted
+  std::optional<double> distanceToSurfels(const Cone& cone, double needed,
+                                          std::vector<SurfelShare>* surface) const {
     // Surfels come in order of their near ends, so a layer is a running union of depth ranges.
     double covered = 0.0, vergence = 0.0;
     float layer_far_m = std::numeric_limits<float>::lowest();
@@ -258,6 +260,7 @@ struct SurfaceQuery::Impl {
       if (visit.near_m > layer_far_m) {
         if (covered >= needed) return false;
         covered = vergence = 0.0;
+        if (surface) surface->clear();
         layer_far_m = std::numeric_limits<float>::max();
       }
       if (!visit.surfel) return true;
@@ -266,6 +269,7 @@ struct SurfaceQuery::Impl {
       layer_far_m = opens ? share.far_m : std::max(layer_far_m, share.far_m);
       covered += share.coverage;
       vergence += share.coverage / static_cast<double>(share.depth_m);
+      if (surface) surface->push_back({visit.id, share.coverage});
       return true;
     });
     if (covered < needed) return std::nullopt;
@@ -309,7 +313,37 @@ std::optional<double> SurfaceQuery::distance(const glm::dvec3& origin_m,
   const Cone cone(origin_m, direction, half_angle_rad);
   const double needed = std::min(coverage, kFullCoverage);
   return impl_->cloud.gaussians ? impl_->distanceToGaussians(cone, needed)
-                                : impl_->distanceToSurfels(cone, needed);
+                                : impl_->distanceToSurfels(cone, needed, nullptr);
+}
+
+std::optional<SurfaceHit> SurfaceQuery::hit(const glm::dvec3& origin_m, const glm::dvec3& direction,
+                                            double half_angle_rad, double coverage) const {
+  const SurfelCloud& cloud = impl_->cloud;
+  SurfaceHit hit;
+  std::optional<double> distance_m;
+  if (cloud.gaussians) {
+    distance_m = distance(origin_m, direction, half_angle_rad, coverage);
+  } else {
+    assert(half_angle_rad > 0.0 && half_angle_rad < glm::quarter_pi<double>());
+    assert(coverage > 0.0 && coverage <= 1.0);
+    distance_m = impl_->distanceToSurfels(Cone(origin_m, direction, half_angle_rad),
+                                          std::min(coverage, kFullCoverage), &hit.surfels);
+  }
+  if (!distance_m) return std::nullopt;
+  hit.distance_m = *distance_m;
+  std::sort(hit.surfels.begin(), hit.surfels.end(),
+            [](const SurfelShare& a, const SurfelShare& b) { return a.surfel < b.surfel; });
+  double sum = 0.0;
+  for (const SurfelShare& each : hit.surfels) sum += each.share;
+  glm::dvec3 normal(0.0);
+  for (SurfelShare& each : hit.surfels) {
+    each.share /= sum;
+    const glm::dvec3 own = glm::normalize(glm::cross(glm::dvec3(cloud.axis_u_m[each.surfel]),
+                                                     glm::dvec3(cloud.axis_v_m[each.surfel])));
+    normal += (glm::dot(own, direction) > 0.0 ? -each.share : each.share) * own;
+  }
+  if (normal != glm::dvec3(0.0)) hit.normal = glm::normalize(normal);
+  return hit;
 }
 
 }  // namespace foci

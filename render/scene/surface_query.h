@@ -1,13 +1,28 @@
 // Distance to the nearest visible surface in a cone about the line of sight. The eye focuses there.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
+
+/// A surfel's share of the surface that a cone meets; the shares sum to one.
+struct SurfelShare {
+  std::uint32_t surfel;
+  double share;
+};
+
+/// What a cone meets first.
+struct SurfaceHit {
+  double distance_m = 0.0;             ///< `SurfaceQuery::distance`
+  glm::dvec3 normal{0.0};              ///< unit, towards the cone's origin; 0 for Gaussians
+  std::vector<SurfelShare> surfels{};  ///< by number; empty for Gaussians
+};
 
 /// Answers queries against a fixed cloud, which must outlive it. Thread-safe once built.
 class SurfaceQuery {
@@ -38,6 +53,10 @@ class SurfaceQuery {
   /// @return absent if no surface covers that much of the cone
   std::optional<double> distance(const glm::dvec3& origin_m, const glm::dvec3& direction,
                                  double half_angle_rad, double coverage) const;
+
+  /// The same with the surface itself.
+  std::optional<SurfaceHit> hit(const glm::dvec3& origin_m, const glm::dvec3& direction,
+                                double half_angle_rad, double coverage) const;
 
  private:
   struct Impl;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/scene/closed_bodies.h"
+#include "render/scene/scene_objects.h"
 
 namespace foci {
 
@@ -36,6 +37,8 @@ struct SurfelCloud {
 
   /// Which surfels lie on closed bodies; their normals point outwards.
   ClosedBodies bodies = {};
+
+  SceneObjects objects = {};  ///< by surfel
 
   /// The mesh that the surfels were sampled from; null if they are all that is known.
   std::shared_ptr<const TriangleMesh> mesh = {};

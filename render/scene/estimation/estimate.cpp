@@ -177,6 +177,7 @@ SurfelCloud assemble(PointCloud&& points, const std::vector<float>& sigma_m,
   if (!opaque) cloud.opacity = std::move(points.opacity);
   cloud.bodies.of_surfel = std::move(points.body);
   completeBodies(cloud);
+  cloud.objects = std::move(points.objects);
   points = {};
   return cloud;
 }
@@ -302,6 +303,7 @@ SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& setti
   reorder(points.radius_m, order);
   reorder(points.opacity, order);
   reorder(points.body, order);
+  reorder(points.objects.of, order);
   return estimate(std::move(points), settings, Stacks::possible);
 }
 

@@ -128,9 +128,9 @@ void FociContainer::readHeader() {
   }
   std::memcpy(&header_, at_, sizeof(header_));
   if (header_.magic != kFociMagic) refuse("was altered, as by a transfer as text");
-  if (header_.version > kFociBodies) {
+  if (header_.version > kFociMore) {
     refuse("is of version " + std::to_string(header_.version) + ": this program reads versions " +
-           std::to_string(kFociSurfels) + " to " + std::to_string(kFociBodies));
+           std::to_string(kFociSurfels) + " to " + std::to_string(kFociMore));
   }
   if (kChecksums && header_.header_checksum != checksumOf(header_))
     refuse("was altered: its header does not match");

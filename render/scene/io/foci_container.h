@@ -12,8 +12,8 @@
 
 namespace foci {
 
-/// Versions by content; kFociBodies are surfels with closed bodies.
-inline constexpr std::uint32_t kFociSurfels = 1, kFociGaussians = 2, kFociBodies = 3;
+/// Versions by content; kFociMore are surfels with closed bodies or objects.
+inline constexpr std::uint32_t kFociSurfels = 1, kFociGaussians = 2, kFociMore = 3;
 
 inline constexpr std::array<unsigned char, 8> kFociMagic = {'F',  'O',  'C',  'I',
                                                             '\r', '\n', 0x1a, '\n'};

@@ -3,7 +3,7 @@
 // Little endian. A header of 64 bytes, then arrays without gaps.
 //
 //    0  8 bytes  "FOCI\r\n\x1a\n", which a transfer as text would alter
-//    8  uint32   version: 1 surfels, 2 Gaussians, 3 surfels with closed bodies
+//    8  uint32   version: 1 surfels, 2 Gaussians, 3 surfels with bodies or objects
 //   12  uint32   flags; others 0
 //   16  uint64   surfels or Gaussians
 //   24  uint64   bytes of the whole file
@@ -12,9 +12,11 @@
 //   56  uint64   checksum of bytes 0 to 55
 //
 // Surfels. Flags: 1 oriented, 2 with opacity, 4 samples of a mesh, 8 plain colours,
-// 16 * (0 up axis unknown, 1 x, 2 y, 3 z), 64 with closed bodies. By surfel:
+// 16 * (0 up axis unknown, 1 x, 2 y, 3 z), 64 with closed bodies, 128 with objects. By surfel:
 //   64  position_m 3 x float, axis_u_m 3, axis_v_m 3, color 3, area_m2 1, with opacity: opacity 1,
-//       with closed bodies: 1 x uint16, the body's number from 1, or 0
+//       with closed bodies: 1 x uint16, the body's number from 1, or 0,
+//       with objects: 1 x uint16, the object's number from 1, or 0
+// With objects, then their names in UTF-8, each ended by a zero byte; the first is empty.
 //
 // Gaussians. Flags: 1 trained with a low-pass that preserves light, 2 y points down,
 // 4 * degree of the harmonics. By Gaussian, in the order of the tree:

@@ -23,6 +23,7 @@
 #include "render/scene/io/mesh_companions.h"
 #include "render/scene/io/mesh_facts.h"
 #include "render/scene/io/mesh_import.h"
+#include "render/scene/io/mesh_objects.h"
 #include "render/scene/io/mesh_textures.h"
 #include "render/scene/io/ply_header.h"
 #include "render/scene/io/texture_placement.h"
@@ -68,7 +69,12 @@ class Loader {
 
   MeshFile file() {
     TriangleMesh mesh;
-    for (unsigned m = 0; m < scene_.mNumMeshes; ++m) append(mesh, *scene_.mMeshes[m]);
+    SceneObjects objects = objectsOf(scene_);
+    for (unsigned m = 0; m < scene_.mNumMeshes; ++m) {
+      append(mesh, *scene_.mMeshes[m]);
+      if (!objects.empty()) mesh.objects.of.resize(mesh.size(), objects.of[m]);
+    }
+    mesh.objects.names = std::move(objects.names);
     if (!mesh.color.empty()) mesh.color.resize(mesh.corners_m.size(), glm::vec3(-1.0f));
     if (!(areaOf_m2(mesh.corners_m) > 0.0)) {
       throw InputError(path_.string(),

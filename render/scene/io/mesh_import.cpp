@@ -41,6 +41,7 @@ MeshImport::MeshImport(const std::filesystem::path& path) : path_(path) {
   if (!isGltf(path_) && isUtf16(path_)) {
     throw InputError(path_.string(), "is text in UTF-16: save it in UTF-8");
   }
+  importer_.SetPropertyBool(AI_CONFIG_PP_PTV_KEEP_HIERARCHY, true);  // nodes are objects
   importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                aiPrimitiveType_POINT | aiPrimitiveType_LINE);
 }

@@ -27,7 +27,9 @@ using ply::Scalar;
 constexpr float kRangeSlack = 1e-3f;  // tolerance of floats meant to be 0 or 1
 
 // The meaning of a vertex property. Other properties are skipped.
-enum Slot { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kRadius, kOpacity, kSlots };
+constexpr std::size_t kMaxLabels = 1000;
+
+enum Slot { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kRadius, kOpacity, kLabel, kSlots };
 using Vertex = std::array<double, kSlots>;
 
 float linearOfSrgb(double s) {
@@ -86,6 +88,8 @@ class Layout {
                  take({"diffuse_red", "diffuse_green", "diffuse_blue"}, kRed);
     has_radius_ = take({"radius"}, kRadius);
     has_opacity_ = take({"opacity"}, kOpacity) || take({"alpha"}, kOpacity);
+    has_label_ = take({"label"}, kLabel) || take({"class"}, kLabel) ||
+                 take({"object_id"}, kLabel) || take({"scalar_Label"}, kLabel);
     for (Column& column : columns_) {
       const bool unit = column.slot && (*column.slot == kOpacity ||
                                         (*column.slot >= kRed && *column.slot <= kBlue));
@@ -108,6 +112,7 @@ class Layout {
     if (has_normal_) points.normal.reserve(count);
     if (has_radius_) points.radius_m.reserve(count);
     if (has_opacity_) points.opacity.reserve(count);
+    if (has_label_) points.objects.of.reserve(count);
   }
 
   /// @param positions  appends to `points`
@@ -127,6 +132,7 @@ class Layout {
       points.radius_m.push_back(sized ? toFloat(v[kRadius]) : 0.0f);
     }
     if (has_opacity_) points.opacity.push_back(unitRange(v[kOpacity], "opacity", where));
+    if (has_label_) points.objects.of.push_back(objectOf(points.objects, v[kLabel], where));
   }
 
  private:
@@ -145,6 +151,28 @@ class Layout {
                                     ": expected 0 to 1, or an integer type of full range");
     }
     return std::clamp(toFloat(value), 0.0f, 1.0f);
+  }
+
+  /// The object of a label. Its name is the label.
+  template <typename Where>
+  static std::uint16_t objectOf(SceneObjects& objects, double label, const Where& where) {
+    if (!(std::abs(label) <= 1e9) || label != std::floor(label)) {
+      throw InputError(where(), "label " + decimal(label, 3) + ": expected an integer");
+    }
+    const std::string name = decimal(label, 0);
+    if (objects.names.empty()) objects.names.emplace_back();
+    // Points of one object often follow each other.
+    if (!objects.of.empty() && objects.names[objects.of.back()] == name) return objects.of.back();
+    const auto found = std::find(objects.names.begin() + 1, objects.names.end(), name);
+    if (found == objects.names.end()) {
+      if (objects.names.size() > kMaxLabels) {
+        throw InputError(where(), "has more than " + std::to_string(kMaxLabels) +
+                                      " labels: is the property one of instances?");
+      }
+      objects.names.push_back(name);
+      return static_cast<std::uint16_t>(objects.names.size() - 1);
+    }
+    return static_cast<std::uint16_t>(found - objects.names.begin());
   }
 
   template <typename Where>
@@ -180,7 +208,8 @@ class Layout {
   std::string file_;
   std::vector<Column> columns_;
   std::array<float, 256> srgb8_{};
-  bool has_normal_ = false, has_color_ = false, has_radius_ = false, has_opacity_ = false;
+  bool has_normal_ = false, has_color_ = false, has_radius_ = false, has_opacity_ = false,
+       has_label_ = false;
   bool fine_ = false;  // positions are doubles
   bool fixed_size_ = true;
   std::size_t record_bytes_ = 0;

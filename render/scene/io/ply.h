@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
+#include <string>
 
 #include "render/scene/point_cloud.h"
 
@@ -17,6 +19,7 @@ namespace foci {
 ///                                                  floats: sRGB, 0 to 1
 ///   radius                                         metres
 ///   opacity | alpha                                integers of the full range, floats 0 to 1
+///   label | class | object_id | scalar_Label       integers: the point's object
 ///
 /// The length is checked before memory is allocated.
 /// @throws InputError with file and line (header, ASCII) or byte (binary), if the file is no PLY,
@@ -24,9 +27,16 @@ namespace foci {
 ///         no points, or is shorter than its header says
 PointCloud readPly(const std::filesystem::path& path);
 
+/// A further property of the points.
+struct PlyProperty {
+  std::string name;
+  std::span<const float> values;  ///< by point; empty: no property
+};
+
 /// Writes binary little endian: float positions, the cloud's other arrays, and colours as 8-bit
 /// sRGB.
 /// @throws std::runtime_error if the file cannot be written
-void writePly(const std::filesystem::path& path, const PointCloud& points);
+void writePly(const std::filesystem::path& path, const PointCloud& points,
+              const PlyProperty& further = {});
 
 }  // namespace foci

@@ -18,7 +18,8 @@ constexpr std::size_t kWriteBlock = 1 << 20;  // bytes written together
 
 }  // namespace
 
-void writePly(const std::filesystem::path& path, const PointCloud& points) {
+void writePly(const std::filesystem::path& path, const PointCloud& points,
+              const PlyProperty& further) {
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
@@ -30,6 +31,7 @@ void writePly(const std::filesystem::path& path, const PointCloud& points) {
   out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   if (!points.radius_m.empty()) out += "property float radius\n";
   if (!points.opacity.empty()) out += "property float opacity\n";
+  if (!further.values.empty()) out += "property float " + further.name + "\n";
   out += "end_header\n";
 
   const auto put = [&out](float value) {
@@ -48,6 +50,7 @@ void writePly(const std::filesystem::path& path, const PointCloud& points) {
     }
     if (!points.radius_m.empty()) put(points.radius_m[i]);
     if (!points.opacity.empty()) put(points.opacity[i]);
+    if (!further.values.empty()) put(further.values[i]);
     if (out.size() >= kWriteBlock) {
       good = std::fwrite(out.data(), 1, out.size(), file.get()) == out.size();
       out.clear();

@@ -55,6 +55,7 @@ void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
     cloud.color[kept] = cloud.color[i];
     cloud.opacity[kept] = cloud.opacity[i];
     if (!cloud.body.empty()) cloud.body[kept] = cloud.body[i];
+    if (!cloud.objects.empty()) cloud.objects.of[kept] = cloud.objects.of[i];
     ++kept;
   }
   cloud.position_m.resize(kept);
@@ -62,6 +63,7 @@ void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
   cloud.color.resize(kept);
   cloud.opacity.resize(kept);
   if (!cloud.body.empty()) cloud.body.resize(kept);
+  if (!cloud.objects.empty()) cloud.objects.of.resize(kept);
 }
 
 /// Bodies that a texture cuts a hole in are open.
@@ -126,6 +128,8 @@ PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& nam
   cloud.color.resize(points.size());
   cloud.opacity.resize(points.size());
   cloud.body.resize(mesh.body.empty() ? 0 : points.size());
+  cloud.objects.of.resize(mesh.objects.empty() ? 0 : points.size());
+  cloud.objects.names = mesh.objects.names;
   std::vector<std::uint8_t> keep(points.size());
   parallelFor(points.size(), [&](std::size_t i) {
     const MeshPoint& point = points[i];
@@ -140,6 +144,7 @@ PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& nam
     cloud.opacity[i] = color.opacity;
     keep[i] = color.opacity > 0.0f;
     if (!mesh.body.empty()) cloud.body[i] = mesh.body[point.triangle];
+    if (!mesh.objects.empty()) cloud.objects.of[i] = mesh.objects.of[point.triangle];
   });
   // Triangles narrower than the spacing hold more points, which must not take area from the others.
   const double share_m2 = mesh_m2 / static_cast<double>(points.size());

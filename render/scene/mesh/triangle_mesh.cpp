@@ -70,6 +70,7 @@ std::size_t dropUseless(TriangleMesh& mesh) {
   keep(mesh.corners_m, 3);
   keep(mesh.uv, 3);
   keep(mesh.color, 3);
+  keep(mesh.objects.of, 1);
   keep(mesh.material, 1);
   return repeats;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/scene/sampling/poisson_disk.h"
+#include "render/scene/scene_objects.h"
 
 namespace foci {
 
@@ -29,6 +30,7 @@ struct TriangleMesh {
   std::vector<std::uint32_t> material;  ///< one a triangle
   /// One a triangle: number of the closed surface it belongs to, from 1; 0: none. Empty: unknown.
   std::vector<std::uint16_t> body = {};
+  SceneObjects objects = {};            ///< by triangle
   std::vector<std::string> remarks;     ///< see `PointCloud`
   std::vector<MeshMaterial> materials;  ///< a triangle may name one beyond the end: the default
 

@@ -131,13 +131,35 @@ TEST(GaussianCut, BlurredFogAndSolidsKeepTheirLight) {
   }
 }
 
+TEST(GaussianCut, FoveationMergesGaussiansBesideTheGaze) {
+  const SurfelCloud scene = sceneOf(ball(20'000));
+  const View view = squareView(256, 200.0f);
+  RenderSettings settings;
+  const auto method = makeMethod("auto", scene);
+  Frame all, foveated;
+  const std::uint64_t of_all = method->render(view, settings, all).splats;
+  // The ball is 100 px wide. At 100 px from the gaze the acuity's deviation is 11 px.
+  settings.quality.acuity = {.gaze_px = {80.0f, 128.0f}, .base_px = 1.0f, .per_px = 0.1f};
+  EXPECT_LT(method->render(view, settings, foveated).splats, of_all * 3 / 4);
+  double near = 0.0, far = 0.0;
+  for (int y = 100; y < 156; ++y) {
+    for (int x = 0; x < 8; ++x) {
+      near = std::max(near, double{std::abs(all.at(78 + x, y).g - foveated.at(78 + x, y).g)});
+      far = std::max(far, double{std::abs(all.at(168 + x, y).g - foveated.at(168 + x, y).g)});
+    }
+  }
+  EXPECT_LT(near, 0.05);
+  EXPECT_GT(far, 2.0 * near);
+}
+
 TEST(GaussianCut, TheUsualMethodsRenderFewerWhereBlurred) {
   const SurfelCloud scene = sceneOf(ball(20'000));
+  const View view = squareView(48, 40.0f);
   for (const char* method : {"sweep-lod", "sweep-lod:1", "auto", "auto:5"}) {
     Frame frame;
     const auto renderer = makeMethod(method, scene);
-    const std::uint64_t sharp = renderer->render(kView, lens(0.0f, 1.5f), frame).splats;
-    const std::uint64_t blurred = renderer->render(kView, lens(60.0f, 1.5f), frame).splats;
+    const std::uint64_t sharp = renderer->render(view, lens(0.0f, 1.5f), frame).splats;
+    const std::uint64_t blurred = renderer->render(view, lens(30.0f, 1.5f), frame).splats;
     EXPECT_GT(sharp, 15'000u) << method;
     EXPECT_LT(blurred, sharp / 4) << method;
   }

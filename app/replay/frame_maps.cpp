@@ -1,0 +1,31 @@
+#include "app/replay/frame_maps.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "app/study/study_words.h"
+
+namespace foci {
+
+std::vector<float> defocusMap_D(const Frame& frame, double focus_D) {
+  std::vector<float> map_D(frame.depth_m.size());
+  for (std::size_t p = 0; p < map_D.size(); ++p) {
+    map_D[p] = frame.depth_m[p] > 0.0f
+                   ? static_cast<float>(1.0 / static_cast<double>(frame.depth_m[p]) - focus_D)
+                   : std::numeric_limits<float>::quiet_NaN();
+  }
+  return map_D;
+}
+
+std::vector<float> mapOf(FrameMap map, const Frame& frame, double focus_D) {
+  return map == FrameMap::depth ? frame.depth_m : defocusMap_D(frame, focus_D);
+}
+
+std::string mapFileName(FrameMap map, std::size_t frame) {
+  constexpr std::size_t kDigits = 6;
+  std::string number = std::to_string(frame);
+  number.insert(0, kDigits - std::min(kDigits, number.size()), '0');
+  return std::string(studyWord(map)) + "-" + number + ".exr";
+}
+
+}  // namespace foci

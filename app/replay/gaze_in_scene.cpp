@@ -1,0 +1,280 @@
+#include "app/replay/gaze_in_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "app/session/eye_path.h"
+#include "app/study/session_settings_of.h"
+#include "base/parallel.h"
+#include "base/text.h"
+#include "gaze/geometry/line_of_sight.h"
+#include "render/scene/surface_query.h"
+
+namespace foci {
+namespace {
+
+constexpr double kMaxIntervals = 3.0;  // a sample stands for at most so many sampling intervals
+
+/// The eye's path from a time on.
+struct PathFrom {
+  double time_s;
+  EyePath path;
+};
+
+std::vector<PathFrom> pathsOf(const Study& study, const ReplayedGaze& gaze) {
+  std::vector<PathFrom> paths{{gaze.trace.samples.front().time_s, sessionSettingsOf(study).path}};
+  Study now = study;
+  for (const Change& change : gaze.changes) {
+    if (!change.key.starts_with("eye.")) continue;
+    setKey(now, change.key, change.toml, gaze.study.file.string());
+    paths.push_back({change.time_s, sessionSettingsOf(now).path});
+  }
+  return paths;
+}
+
+class Looker {
+ public:
+  Looker(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud)
+      : study_(study), gaze_(gaze), cloud_(cloud), query_(cloud), paths_(pathsOf(study, gaze)) {}
+
+  /// @param surface  gets what the sight meets; null: not wanted
+  void look(const GazeSample& from, SightSample& sample, std::vector<SurfelShare>* surface) const {
+    const double start_s = gaze_.trace.samples.front().time_s;
+    const auto later =
+        std::upper_bound(paths_.begin() + 1, paths_.end(), from.time_s,
+                         [](double time_s, const PathFrom& path) { return time_s < path.time_s; });
+    const glm::dmat4 world_from_eye =
+        glm::inverse(glm::dmat4(std::prev(later)->path.eyeFromWorldAt(from.time_s - start_s)));
+    sample.origin_m = glm::dvec3(world_from_eye[3]);
+    sample.valid = from.point_px && !from.blink;
+    if (!sample.valid) return;
+    sample.direction = glm::normalize(glm::dmat3(world_from_eye) *
+                                      lineOfSight(*gaze_.trace.screen, *from.point_px));
+    auto met = query_.hit(sample.origin_m, sample.direction, glm::radians(study_.focus.cone_deg),
+                          study_.focus.coverage);
+    if (!met) return;
+    SightHit hit{.point_m = sample.origin_m + met->distance_m * sample.direction,
+                 .distance_m = met->distance_m,
+                 .normal = met->normal};
+    hit.object = objectAt(hit.point_m, met->surfels);
+    sample.hit = hit;
+    if (surface) *surface = std::move(met->surfels);
+  }
+
+ private:
+  /// Number of the study's shape about the point, or of the object with the largest share.
+  std::size_t objectAt(const glm::dvec3& point_m, const std::vector<SurfelShare>& surface) const {
+    const std::vector<NamedShape>& shapes = study_.scene.objects;
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      if (shapes[i].holds(point_m)) return i + 1;
+    }
+    if (cloud_.objects.empty()) return 0;
+    std::vector<std::pair<std::uint16_t, double>> shares;
+    for (const SurfelShare& each : surface) {
+      const std::uint16_t object = cloud_.objects.of[each.surfel];
+      const auto found = std::find_if(shares.begin(), shares.end(),
+                                      [&](const auto& share) { return share.first == object; });
+      if (found == shares.end()) {
+        shares.emplace_back(object, each.share);
+      } else {
+        found->second += each.share;
+      }
+    }
+    if (shares.empty()) return 0;
+    const auto most =
+        std::max_element(shares.begin(), shares.end(), [](const auto& a, const auto& b) {
+          return a.second < b.second || (a.second == b.second && a.first > b.first);
+        });
+    return most->first == 0 ? 0 : shapes.size() + most->first;
+  }
+
+  const Study& study_;
+  const ReplayedGaze& gaze_;
+  const SurfelCloud& cloud_;
+  SurfaceQuery query_;
+  std::vector<PathFrom> paths_;
+};
+
+/// The samples of the replayed time, without what they meet; `source` gets their numbers.
+std::vector<SightSample> samplesOf(const Study& study, const ReplayedGaze& gaze,
+                                   std::vector<std::size_t>& source) {
+  const std::vector<GazeSample>& all = gaze.trace.samples;
+  const std::vector<GazeState> states =
+      labelSamples(gaze.trace, *gaze.trace.screen, study.gaze.events);
+  const double most_s = gaze.trace.rate_Hz > 0.0 ? kMaxIntervals / gaze.trace.rate_Hz : 0.0;
+  const double end_s = gaze.schedule.end_s();
+  std::vector<SightSample> samples;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].time_s < gaze.schedule.first_s || all[i].time_s > end_s) continue;
+    SightSample sample{.time_s = all[i].time_s, .state = states[i]};
+    sample.lasts_s = i + 1 < all.size() ? std::min(all[i + 1].time_s - all[i].time_s, most_s)
+                                        : most_s / kMaxIntervals;
+    samples.push_back(sample);
+    source.push_back(i);
+  }
+  return samples;
+}
+
+SightFixation fixationOf(const GazeEvent& event, const std::vector<SightSample>& samples,
+                         std::size_t objects) {
+  SightFixation fixation{.onset_s = event.onset_s, .duration_s = event.duration_s};
+  const auto from = std::lower_bound(
+      samples.begin(), samples.end(), event.onset_s,
+      [](const SightSample& sample, double time_s) { return sample.time_s < time_s; });
+  std::vector<double> on_object_s(objects, 0.0);
+  double gaze_s = 0.0, met_s = 0.0;
+  SightHit mean;
+  for (auto at = from; at != samples.end() && at->time_s < event.onset_s + event.duration_s; ++at) {
+    if (!at->valid) continue;
+    gaze_s += at->lasts_s;
+    if (!at->hit) continue;
+    met_s += at->lasts_s;
+    mean.point_m += at->lasts_s * at->hit->point_m;
+    mean.distance_m += at->lasts_s * at->hit->distance_m;
+    mean.normal += at->lasts_s * at->hit->normal;
+    on_object_s[at->hit->object] += at->lasts_s;
+  }
+  if (!(met_s > 0.0)) return fixation;
+  mean.point_m /= met_s;
+  mean.distance_m /= met_s;
+  if (mean.normal != glm::dvec3(0.0)) mean.normal = glm::normalize(mean.normal);
+  const auto most = std::max_element(on_object_s.begin(), on_object_s.end());
+  mean.object = static_cast<std::size_t>(most - on_object_s.begin());
+  fixation.share = *most / gaze_s;
+  fixation.hit = mean;
+  return fixation;
+}
+
+void addLooks(GazeInScene& gaze) {
+  std::vector<double> distance_s(gaze.objects.size(), 0.0);
+  for (const SightSample& sample : gaze.samples) {
+    if (!sample.hit) continue;
+    gaze.objects[sample.hit->object].dwell_s += sample.lasts_s;
+    distance_s[sample.hit->object] += sample.lasts_s * sample.hit->distance_m;
+  }
+  for (std::size_t i = 0; i < gaze.objects.size(); ++i) {
+    ObjectLooks& object = gaze.objects[i];
+    if (object.dwell_s > 0.0) object.mean_distance_m = distance_s[i] / object.dwell_s;
+  }
+  std::optional<std::size_t> last;
+  for (const SightFixation& fixation : gaze.fixations) {
+    if (!fixation.hit) {
+      last.reset();
+      continue;
+    }
+    ObjectLooks& object = gaze.objects[fixation.hit->object];
+    if (!object.first_look_s) object.first_look_s = fixation.onset_s;
+    ++object.fixations;
+    object.visits += last != fixation.hit->object;
+    last = fixation.hit->object;
+  }
+}
+
+std::string vectorText(const glm::dvec3& v, int digits) {
+  return decimal(v.x, digits) + '\t' + decimal(v.y, digits) + '\t' + decimal(v.z, digits);
+}
+
+std::string normalText(const glm::dvec3& normal) {
+  return normal == glm::dvec3(0.0) ? "n/a\tn/a\tn/a" : vectorText(normal, 4);
+}
+
+std::string nameText(const GazeInScene& gaze, const SightHit& hit) {
+  return hit.object == 0 ? "n/a" : gaze.objects[hit.object].name;
+}
+
+}  // namespace
+
+bool NamedShape::holds(const glm::dvec3& point_m) const {
+  if (radius_m) return glm::distance(point_m, center_m) <= *radius_m;
+  return glm::all(glm::lessThanEqual(glm::abs(point_m - center_m), 0.5 * *size_m));
+}
+
+GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+                          bool attention) {
+  GazeInScene found;
+  found.objects.push_back({.name = {}});
+  for (const NamedShape& shape : study.scene.objects) found.objects.push_back({.name = shape.name});
+  for (std::size_t i = 1; i < cloud.objects.names.size(); ++i) {
+    found.objects.push_back({.name = cloud.objects.names[i]});
+  }
+  std::vector<std::size_t> source;
+  found.samples = samplesOf(study, gaze, source);
+  const Looker looker(study, gaze, cloud);
+  if (attention) found.attention_s.assign(cloud.size(), 0.0);
+  // In blocks, so that the order of sums does not depend on the number of threads.
+  constexpr std::size_t kBlock = 4096;
+  std::vector<std::vector<SurfelShare>> surfaces(attention ? kBlock : 0);
+  for (std::size_t first = 0; first < source.size(); first += kBlock) {
+    const std::size_t some = std::min(kBlock, source.size() - first);
+    parallelFor(some, [&](std::size_t i) {
+      if (attention) surfaces[i].clear();
+      looker.look(gaze.trace.samples[source[first + i]], found.samples[first + i],
+                  attention ? &surfaces[i] : nullptr);
+    });
+    for (std::size_t i = 0; attention && i < some; ++i) {
+      for (const SurfelShare& each : surfaces[i]) {
+        found.attention_s[each.surfel] += each.share * found.samples[first + i].lasts_s;
+      }
+    }
+  }
+  const double end_s = gaze.schedule.end_s();
+  for (const GazeEvent& event : detectEvents(gaze.trace, *gaze.trace.screen, study.gaze.events)) {
+    if (event.kind != GazeState::fixation || event.onset_s >= end_s ||
+        event.onset_s + event.duration_s <= gaze.schedule.first_s) {
+      continue;
+    }
+    found.fixations.push_back(fixationOf(event, found.samples, found.objects.size()));
+  }
+  addLooks(found);
+  return found;
+}
+
+std::string sightTable(const GazeInScene& gaze) {
+  std::string table =
+      "time_s\tgaze_state\torigin_x_m\torigin_y_m\torigin_z_m\tdirection_x\tdirection_y\t"
+      "direction_z\tpoint_x_m\tpoint_y_m\tpoint_z_m\tdistance_m\tnormal_x\tnormal_y\tnormal_z\t"
+      "object\n";
+  for (const SightSample& sample : gaze.samples) {
+    table += decimal(sample.time_s, 6) + '\t' + std::string(nameOf(sample.state)) + '\t' +
+             vectorText(sample.origin_m, 4) + '\t' +
+             (sample.valid ? vectorText(sample.direction, 6) : "n/a\tn/a\tn/a") + '\t';
+    if (sample.hit) {
+      table += vectorText(sample.hit->point_m, 4) + '\t' + decimal(sample.hit->distance_m, 4) +
+               '\t' + normalText(sample.hit->normal) + '\t' + nameText(gaze, *sample.hit) + '\n';
+    } else {
+      table += "n/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\tn/a\n";
+    }
+  }
+  return table;
+}
+
+std::string sightFixationTable(const GazeInScene& gaze) {
+  std::string table =
+      "onset_s\tduration_s\tpoint_x_m\tpoint_y_m\tpoint_z_m\tdistance_m\tobject\tobject_share\n";
+  for (const SightFixation& fixation : gaze.fixations) {
+    table += decimal(fixation.onset_s, 6) + '\t' + decimal(fixation.duration_s, 6) + '\t';
+    if (fixation.hit) {
+      table += vectorText(fixation.hit->point_m, 4) + '\t' + decimal(fixation.hit->distance_m, 4) +
+               '\t' + nameText(gaze, *fixation.hit) + '\t' +
+               (fixation.hit->object == 0 ? "n/a" : decimal(fixation.share, 3)) + '\n';
+    } else {
+      table += "n/a\tn/a\tn/a\tn/a\tn/a\tn/a\n";
+    }
+  }
+  return table;
+}
+
+std::string objectTable(const GazeInScene& gaze) {
+  std::string table = "object\tfirst_look_s\tdwell_s\tfixations\tvisits\tmean_distance_m\n";
+  for (std::size_t i = 1; i < gaze.objects.size(); ++i) {
+    const ObjectLooks& object = gaze.objects[i];
+    table += object.name + '\t' + (object.first_look_s ? decimal(*object.first_look_s, 6) : "n/a") +
+             '\t' + decimal(object.dwell_s, 4) + '\t' + std::to_string(object.fixations) + '\t' +
+             std::to_string(object.visits) + '\t' +
+             (object.mean_distance_m ? decimal(*object.mean_distance_m, 4) : "n/a") + '\n';
+  }
+  return table;
+}
+
+}  // namespace foci

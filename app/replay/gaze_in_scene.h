@@ -1,0 +1,70 @@
+// Gaze in the scene: the line of sight of each sample, the surface it meets and the object there.
+#pragma once
+
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/replay/replay_inputs.h"
+#include "app/study/study.h"
+#include "gaze/events/gaze_events.h"
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+
+/// Where a line of sight meets the scene. The world frame is that of the scene, metres.
+struct SightHit {
+  glm::dvec3 point_m{0.0};
+  double distance_m = 0.0;
+  glm::dvec3 normal{0.0};  ///< unit, towards the eye; 0 where unknown (Gaussians)
+  std::size_t object = 0;  ///< number of the object; 0: none
+};
+
+struct SightSample {
+  double time_s = 0.0;   ///< on the recording's clock
+  double lasts_s = 0.0;  ///< until the next sample; after a gap, three sampling intervals
+  GazeState state = GazeState::lost;
+  bool valid = false;                        ///< there is gaze: no blink, no data loss
+  glm::dvec3 origin_m{0.0}, direction{0.0};  ///< of the eye; direction of unit length, if valid
+  std::optional<SightHit> hit = {};
+};
+
+/// A fixation in the scene.
+struct SightFixation {
+  double onset_s = 0.0, duration_s = 0.0;
+  std::optional<SightHit> hit = {};  ///< mean point and distance; the object with the most time
+  double share = 0.0;                ///< of the time with gaze, on that object
+};
+
+/// How an object was looked at.
+struct ObjectLooks {
+  std::string name;
+  std::optional<double> first_look_s = {};  ///< onset of the first fixation on it
+  double dwell_s = 0.0;                     ///< time of all samples on it
+  std::size_t fixations = 0;
+  std::size_t visits = 0;                      ///< runs of fixations on it, without one elsewhere
+  std::optional<double> mean_distance_m = {};  ///< over the time of the samples
+};
+
+struct GazeInScene {
+  std::vector<SightSample> samples;
+  std::vector<SightFixation> fixations;
+  std::vector<ObjectLooks> objects;      ///< by number; [0] is what is on no object
+  std::vector<double> attention_s = {};  ///< by surfel: time of gaze; empty unless asked for
+};
+
+/// Looks along each sample of the replayed time, within the study's cone about the line of sight,
+/// as the eye does to focus. Shapes of the study come before the scene's own objects. Keys of the
+/// eye that change during the run move it.
+/// @param attention  whether to share the time of each sample among the surfels that it meets
+GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+                          bool attention);
+
+/// gaze3d.tsv, fixations3d.tsv and objects.tsv; `n/a` where a value is absent.
+std::string sightTable(const GazeInScene& gaze);
+std::string sightFixationTable(const GazeInScene& gaze);
+std::string objectTable(const GazeInScene& gaze);
+
+}  // namespace foci

@@ -1,0 +1,310 @@
+// What gaze meets in the scene: gaze3d.tsv, fixations3d.tsv, objects.tsv.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <glm/glm.hpp>
+#include <map>
+#include <opencv2/imgcodecs.hpp>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/e2e/binary.h"
+#include "tests/temporary_folder.h"
+
+namespace foci::e2e {
+namespace {
+
+constexpr glm::dvec2 kScreen_px(1920.0, 1080.0), kScreen_m(0.5313, 0.2989);
+constexpr double kDistance_m = 0.6, kRate_Hz = 200.0;
+constexpr int kFixations = 40, kSamplesEach = 60;
+
+using Row = std::map<std::string, std::string>;
+
+std::vector<Row> rowsOf(const std::string& table) {
+  std::istringstream lines(table);
+  std::vector<std::string> header;
+  std::vector<Row> rows;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields(line);
+    std::vector<std::string> values;
+    for (std::string field; std::getline(fields, field, '\t');) values.push_back(field);
+    if (header.empty()) {
+      header = values;
+      continue;
+    }
+    Row row;
+    for (std::size_t i = 0; i < header.size(); ++i) row[header[i]] = values.at(i);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+struct Cube {
+  glm::dvec3 center_m;
+  double half_m;
+};
+
+/// Twelve cubes at four distances, each 5.7 deg wide, 8.5 deg apart.
+std::array<Cube, 12> cubes() {
+  std::array<Cube, 12> all{};
+  for (int i = 0; i < 12; ++i) {
+    const double away_m = 1.0 + 0.7 * (i % 4);
+    all[static_cast<std::size_t>(i)] = {
+        {(i / 3 - 1.5) * 0.16 * away_m, (i % 3 - 1.0) * 0.15 * away_m, -away_m}, 0.05 * away_m};
+  }
+  return all;
+}
+
+std::string cubesObj() {
+  std::ostringstream text;
+  int first = 1;
+  for (const auto& [center, half] : cubes()) {
+    text << "o cube_" << (first - 1) / 8 + 1 << '\n';
+    for (int k = 0; k < 8; ++k) {
+      const glm::dvec3 side((k & 4) != 0 ? 1 : -1, (k & 2) != 0 ? 1 : -1, (k & 1) != 0 ? 1 : -1);
+      const glm::dvec3 p = center + half * side;
+      text << "v " << p.x << ' ' << p.y << ' ' << p.z << '\n';
+    }
+    for (const auto& face : std::array<std::array<int, 4>, 6>{{{0, 1, 3, 2},
+                                                               {4, 6, 7, 5},
+                                                               {0, 4, 5, 1},
+                                                               {2, 3, 7, 6},
+                                                               {0, 2, 6, 4},
+                                                               {1, 5, 7, 3}}}) {
+      text << 'f';
+      for (const int corner : face) text << ' ' << first + corner;
+      text << '\n';
+    }
+    first += 8;
+  }
+  return text.str();
+}
+
+glm::dvec2 onScreen_px(const glm::dvec3& p) {
+  const glm::dvec2 at_m = kDistance_m / -p.z * glm::dvec2(p.x, -p.y);
+  return 0.5 * kScreen_px + at_m / kScreen_m * kScreen_px;
+}
+
+class GazeInScene : public testing::Test {
+ protected:
+  GazeInScene() {
+    folder.write("scene.obj", cubesObj());
+    folder.write("study.toml", study("file = \"scene.obj\"\n"));
+  }
+
+  static std::string study(const std::string& scene) {
+    return "[scene]\n" + scene +
+           "[eye]\nposition_m = [0, 0, 0]\nlook_at_m = [0, 0, -1]\n"
+           "[screen]\nsize_px = [1920, 1080]\nsize_m = [0.5313, 0.2989]\ndistance_m = 0.6\n"
+           "[gaze]\nsource = \"trace.tsv\"\n"
+           "[render]\nmethod = \"pinhole\"\n[output]\nsize_px = [96, 54]\nfps = 10\n";
+  }
+
+  /// Each fixation is off its cube by 0.5 deg (standard deviation along each axis).
+  void simulate() {
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal;
+    const double px_per_deg = kDistance_m * kScreen_px.x / kScreen_m.x * M_PI / 180.0;
+    std::string trace = "time_s\tx_px\ty_px\n";
+    for (int f = 0, i = 0; f < kFixations; ++f) {
+      looked.push_back(random() % 12);
+      const glm::dvec2 off(0.5 * normal(random), 0.5 * normal(random));
+      for (int k = 0; k < kSamplesEach; ++k, ++i) {
+        const glm::dvec2 jitter(0.05 * normal(random), 0.05 * normal(random));
+        const glm::dvec2 at =
+            onScreen_px(cubes()[looked.back()].center_m) + px_per_deg * (off + jitter);
+        trace += std::to_string(i / kRate_Hz) + '\t' + std::to_string(at.x) + '\t' +
+                 std::to_string(at.y) + '\n';
+      }
+    }
+    folder.write("trace.tsv", trace);
+  }
+
+  std::vector<Row> table(const std::string& name) const { return rowsOf(folder.read(name)); }
+
+  std::vector<std::size_t> looked;  // the cube of each fixation
+  TemporaryFolder folder;
+};
+
+TEST_F(GazeInScene, FixationsMeetTheObjectsThatWereLookedAt) {
+  simulate();
+  const Outcome outcome = runFoci({"replay", "study.toml", "--out", "out"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+
+  const std::vector<Row> fixations = table("out/fixations3d.tsv");
+  int right = 0;
+  for (int f = 0; f < kFixations; ++f) {
+    const double middle_s = (f + 0.5) * kSamplesEach / kRate_Hz;
+    for (const Row& row : fixations) {
+      const double since_s = middle_s - std::stod(row.at("onset_s"));
+      if (since_s < 0.0 || since_s > std::stod(row.at("duration_s"))) continue;
+      const std::size_t cube = looked[static_cast<std::size_t>(f)];
+      right += row.at("object") == "cube_" + std::to_string(cube + 1);
+    }
+  }
+  EXPECT_GE(right, 0.95 * kFixations);
+
+  // Each sample's point lies on its ray, in the plane of a cube's front.
+  for (const Row& row : table("out/gaze3d.tsv")) {
+    if (row.at("object") == "n/a" || row.at("normal_z") != "1.0000") continue;
+    const std::size_t cube = std::stoul(row.at("object").substr(5)) - 1;
+    const double front_m = cubes()[cube].center_m.z + cubes()[cube].half_m;
+    const double distance_m = std::stod(row.at("distance_m"));
+    EXPECT_NEAR(std::stod(row.at("point_z_m")), front_m, 0.003);
+    EXPECT_NEAR(distance_m * std::stod(row.at("direction_z")), std::stod(row.at("point_z_m")),
+                2e-4);
+  }
+
+  double dwell_s = 0.0, met_s = 0.0;
+  for (const Row& row : table("out/objects.tsv")) dwell_s += std::stod(row.at("dwell_s"));
+  for (const Row& row : table("out/gaze3d.tsv")) met_s += row.at("object") != "n/a" ? 0.005 : 0.0;
+  EXPECT_NEAR(dwell_s, met_s, 0.01);
+  EXPECT_NE(folder.read("out/report.html").find("<td>cube_1</td>"), std::string::npos);
+}
+
+TEST_F(GazeInScene, ShapesOfTheStudyNameParts) {
+  simulate();
+  folder.write("study.toml", study("file = \"scene.obj\"\n"
+                                   "[[scene.object]]\nname = \"near\"\ncenter_m = [0, 0, -1]\n"
+                                   "size_m = [4, 4, 0.3]\n"
+                                   "[[scene.object]]\nname = \"far\"\ncenter_m = [0, 0, -4]\n"
+                                   "radius_m = 2.6\n"));
+  const Outcome outcome = runFoci({"replay", "study.toml", "--out", "out"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const Row& row : table("out/gaze3d.tsv")) {
+    if (row.at("object") == "n/a") continue;
+    const double z = std::stod(row.at("point_z_m"));
+    const bool near = z > -1.15;
+    EXPECT_EQ(row.at("object") == "near", near) << z;
+  }
+}
+
+TEST_F(GazeInScene, APreparedSceneKeepsItsObjects) {
+  simulate();
+  ASSERT_EQ(
+      runFoci({"prepare", "scene.obj", "--out", "scene.foci", "--points", "20000"}, folder.path())
+          .exit_code,
+      0);
+  folder.write("prepared.toml", study("file = \"scene.foci\"\n"));
+  for (const std::string name : {"study", "prepared"}) {
+    ASSERT_EQ(runFoci({"replay", name + ".toml", "--out", name}, folder.path()).exit_code, 0);
+  }
+  const std::vector<Row> of_mesh = table("study/fixations3d.tsv");
+  const std::vector<Row> of_surfels = table("prepared/fixations3d.tsv");
+  ASSERT_EQ(of_mesh.size(), of_surfels.size());
+  for (std::size_t i = 0; i < of_mesh.size(); ++i) {
+    EXPECT_EQ(of_mesh[i].at("object"), of_surfels[i].at("object"));
+  }
+}
+
+TEST_F(GazeInScene, LabelsOfPointsAreObjectsAndBlinksMeetNothing) {
+  std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3600\nproperty float x\n"
+      "property float y\nproperty float z\nproperty int label\nend_header\n";
+  for (int i = 0; i < 3600; ++i) {  // a wall of two halves
+    const int column = i % 60;
+    ply += std::to_string((column - 29.5) * 0.02) + ' ' + std::to_string((i / 60 - 29.5) * 0.02) +
+           " -1 " + (column < 30 ? "7" : "-2") + '\n';
+  }
+  folder.write("wall.ply", ply);
+  folder.write("study.toml", study("file = \"wall.ply\"\n"));
+  std::string trace = "time_s\tx_px\ty_px\n";
+  for (int i = 0; i < 300; ++i) {
+    const bool blinks = i >= 100 && i < 130;
+    trace += std::to_string(i / kRate_Hz) + '\t' +
+             (blinks    ? "nan\tnan"
+              : i < 160 ? "700\t540"
+                        : "1200\t540") +
+             '\n';
+  }
+  folder.write("trace.tsv", trace);
+  const Outcome outcome = runFoci({"replay", "study.toml", "--out", "out"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::vector<Row> rows = table("out/gaze3d.tsv");
+  EXPECT_EQ(rows.at(50).at("object"), "7");
+  EXPECT_EQ(rows.at(110).at("object"), "n/a");
+  EXPECT_EQ(rows.at(110).at("direction_x"), "n/a");
+  EXPECT_EQ(rows.at(250).at("object"), "-2");
+  EXPECT_NEAR(std::stod(rows.at(50).at("distance_m")),
+              std::hypot(1.0, (700.0 - 960.0) / 1920.0 * kScreen_m.x / kDistance_m), 0.002);
+}
+
+TEST_F(GazeInScene, TheHeatmapHasTheTimeOfGaze) {
+  simulate();
+  const Outcome outcome =
+      runFoci({"replay", "study.toml", "--out", "out", "--heatmap", "heat.ply"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string ply = folder.read("heat.ply");
+  const std::string end = "property float attention_s\nend_header\n";
+  const std::size_t at = ply.find(end);
+  ASSERT_NE(at, ply.npos);
+  constexpr std::size_t kRecord = 6 * 4 + 3 + 4;  // position, normal, colour, attention
+  const std::size_t first = at + end.size();
+  ASSERT_EQ((ply.size() - first) % kRecord, 0u);
+  double sum_s = 0.0;
+  for (std::size_t i = first; i < ply.size(); i += kRecord) {
+    float attention_s = 0.0f;
+    std::memcpy(&attention_s, ply.data() + i + kRecord - 4, 4);
+    ASSERT_GE(attention_s, 0.0f);
+    sum_s += static_cast<double>(attention_s);
+  }
+  double met_s = 0.0;
+  for (const Row& row : table("out/gaze3d.tsv")) met_s += row.at("object") != "n/a" ? 0.005 : 0.0;
+  EXPECT_NEAR(sum_s, met_s, 0.01);
+  EXPECT_NE(folder.read("out/report.html").find("turned by 60 degrees"), std::string::npos);
+  EXPECT_EQ(runFoci({"render", "heat.ply", "--out", "heat.png"}, folder.path()).exit_code, 0);
+  EXPECT_EQ(
+      runFoci({"replay", "study.toml", "--out", "out", "--heatmap", "heat.txt"}, folder.path())
+          .exit_code,
+      2);
+}
+
+TEST_F(GazeInScene, MapsHaveDistanceAndDefocusOfEachPixel) {
+  simulate();
+  folder.write("study.toml", study("file = \"scene.obj\"\n") +
+                                 "maps = [\"depth\", \"defocus\"]\nseconds = [0, 0.3]\n");
+  const Outcome outcome = runFoci({"replay", "study.toml", "--out", "out"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  ::setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
+  const auto map = [&](const std::string& name) {
+    return cv::imread((folder.path() / "out" / name).string(), cv::IMREAD_UNCHANGED);
+  };
+  const cv::Mat depth_m = map("depth-000001.exr"), defocus_D = map("defocus-000001.exr");
+  ASSERT_EQ(depth_m.type(), CV_32FC1);
+  ASSERT_EQ(depth_m.size(), cv::Size(96, 54));
+  const double focus_D = std::stod(table("out/frames.tsv").at(1).at("focus_D"));
+  int seen = 0;
+  for (int y = 0; y < depth_m.rows; ++y) {
+    for (int x = 0; x < depth_m.cols; ++x) {
+      const float u = depth_m.at<float>(y, x), d = defocus_D.at<float>(y, x);
+      EXPECT_EQ(u == 0.0f, std::isnan(d));
+      if (u == 0.0f) continue;
+      ++seen;
+      EXPECT_NEAR(d, 1.0 / static_cast<double>(u) - focus_D, 1e-3);
+    }
+  }
+  EXPECT_GT(seen, 100);
+  EXPECT_EQ(runFoci({"replay", "study.toml", "--frames", "0:1", "--out", "part"}, folder.path())
+                .exit_code,
+            2);
+}
+
+TEST_F(GazeInScene, RefusesAShapeThatIsBothOrNeither) {
+  simulate();
+  for (const std::string shape : {"size_m = [1, 1, 1]\nradius_m = 1\n", "", "radius_m = -1\n"}) {
+    folder.write("study.toml", study("file = \"scene.obj\"\n[[scene.object]]\nname = \"a\"\n"
+                                     "center_m = [0, 0, 0]\n" +
+                                     shape));
+    const Outcome outcome = runFoci({"replay", "study.toml", "--out", "out"}, folder.path());
+    EXPECT_EQ(outcome.exit_code, 2) << shape;
+    EXPECT_NE(outcome.err.find("radius_m"), std::string::npos) << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace foci::e2e
