@@ -14,8 +14,8 @@
 namespace foci {
 namespace {
 
-constexpr const char *kTable = "compare.tsv", *kPage = "compare.html";
-constexpr int kPicture_px = 300;
+constexpr const char *kCompareTable = "compare.tsv", *kComparePage = "compare.html";
+constexpr int kComparePicture_px = 300;
 constexpr double kPlotWidth = 900.0, kPlotHeight = 220.0, kMargin = 34.0;
 
 /// Colours of the runs (Okabe and Ito 2008), readable on light and dark pages.
@@ -48,7 +48,7 @@ Image differenceFrom(const Image& first, const Image& other) {
 
 void embed(std::ostream& out, const Image& image, const std::string& caption) {
   out << "<figure><img alt=\"" << escaped(caption) << "\" src=\"data:image/jpeg;base64,";
-  const auto jpeg = jpegOf(thumbnail(image, std::min(kPicture_px, image.size_px.x)));
+  const auto jpeg = jpegOf(thumbnail(image, std::min(kComparePicture_px, image.size_px.x)));
   Base64 base64(out);
   base64.add(jpeg.data(), jpeg.size());
   base64.finish();
@@ -187,7 +187,7 @@ std::string comparePage(const std::vector<ComparedRun>& runs) {
 }
 
 std::vector<std::filesystem::path> compareFiles(const std::filesystem::path& out) {
-  return {out / kTable, out / kPage};
+  return {out / kCompareTable, out / kComparePage};
 }
 
 void compareRuns(const std::vector<std::filesystem::path>& folders,
@@ -195,8 +195,8 @@ void compareRuns(const std::vector<std::filesystem::path>& folders,
   std::vector<ComparedRun> runs;
   for (const std::filesystem::path& folder : folders) runs.push_back(readRun(folder));
   OutputFolder files(out);
-  files.write(kTable, compareTable(runs));
-  files.write(kPage, comparePage(runs));
+  files.write(kCompareTable, compareTable(runs));
+  files.write(kComparePage, comparePage(runs));
   files.commit();
 }
 

@@ -294,6 +294,33 @@ TEST_F(GazeInScene, MapsHaveDistanceAndDefocusOfEachPixel) {
             2);
 }
 
+TEST_F(GazeInScene, ComparedRunsShowBlurDwellTimesAndDifferences) {
+  simulate();
+  const std::string pupil = "[observer]\npupil_mm = ";
+  for (const std::string mm : {"3", "6"}) {
+    folder.write("study.toml", study("file = \"scene.obj\"\n") + pupil + mm + "\n");
+    ASSERT_EQ(runFoci({"replay", "study.toml", "--out", "run" + mm}, folder.path()).exit_code, 0);
+  }
+  const Outcome outcome = runFoci({"compare", "run3", "run6", "--out", "both"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::vector<Row> runs = table("both/compare.tsv");
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(runs[0].at("run"), "run3");
+  EXPECT_NEAR(std::stod(runs[1].at("mean_blur_arcmin")),
+              2.0 * std::stod(runs[0].at("mean_blur_arcmin")), 0.01);
+  double dwell_s = 0.0;
+  for (const Row& row : table("run3/objects.tsv")) dwell_s += std::stod(row.at("dwell_s"));
+  for (const auto& [column, value] : runs[0]) {
+    if (column.starts_with("dwell_s ")) dwell_s -= std::stod(value);
+  }
+  EXPECT_NEAR(dwell_s, 0.0, 1e-6);
+  EXPECT_NE(folder.read("both/compare.html").find("run6, difference"), std::string::npos);
+  EXPECT_EQ(runFoci({"compare", "run3", "--out", "one"}, folder.path()).exit_code, 2);
+  const Outcome none = runFoci({"compare", "run3", "nowhere", "--out", "one"}, folder.path());
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("nowhere"), std::string::npos) << none.err;
+}
+
 TEST_F(GazeInScene, RefusesAShapeThatIsBothOrNeither) {
   simulate();
   for (const std::string shape : {"size_m = [1, 1, 1]\nradius_m = 1\n", "", "radius_m = -1\n"}) {

@@ -47,8 +47,9 @@ TEST_F(Replay, WritesItsFilesAndNothingElse) {
   const Outcome outcome = replay("deep/out");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(filesIn(folder.path() / "deep/out"),
-            (std::set<std::string>{".foci-outputs", "events.tsv", "frames.tsv", "manifest.json",
-                                   "report.html", "video.mp4"}));
+            (std::set<std::string>{".foci-outputs", "events.tsv", "fixations3d.tsv", "frames.tsv",
+                                   "gaze3d.tsv", "manifest.json", "objects.tsv", "report.html",
+                                   "video.mp4"}));
   EXPECT_EQ(folder.read("deep/out/video.mp4").substr(4, 4), "ftyp");
   EXPECT_NE(folder.read("deep/out/video.mp4").find("avc1"), std::string::npos);
 }
@@ -57,11 +58,31 @@ TEST_F(Replay, TabulatesEveryFrame) {
   ASSERT_EQ(replay("out").exit_code, 0);
   const auto rows = tableOf(folder.read("out/frames.tsv"));
   ASSERT_EQ(rows.size(), 7u);  // 0.6 s at 10 a second
-  EXPECT_EQ(rows[0], (std::vector<std::string>{
-                         "frame", "time_s", "gaze_time_s", "gaze_x_px", "gaze_y_px", "gaze_state",
-                         "surface_distance_m", "target_D", "focus_D", "pupil_mm", "method",
-                         "splats", "fragments", "tolerance_error", "vergence_D", "vergence_error_D",
-                         "vergence_disagrees", "render_ms"}));
+  EXPECT_EQ(rows[0], (std::vector<std::string>{"frame",
+                                               "time_s",
+                                               "gaze_time_s",
+                                               "gaze_x_px",
+                                               "gaze_y_px",
+                                               "gaze_state",
+                                               "surface_distance_m",
+                                               "target_D",
+                                               "focus_D",
+                                               "pupil_mm",
+                                               "method",
+                                               "splats",
+                                               "fragments",
+                                               "tolerance_error",
+                                               "vergence_D",
+                                               "vergence_error_D",
+                                               "vergence_disagrees",
+                                               "eye_x_m",
+                                               "eye_y_m",
+                                               "eye_z_m",
+                                               "eye_qx",
+                                               "eye_qy",
+                                               "eye_qz",
+                                               "eye_qw",
+                                               "render_ms"}));
   EXPECT_EQ(rows[3][0], "2");
   EXPECT_EQ(rows[3][1], "0.200000");
   EXPECT_EQ(rows[3][2], "0.200000");
@@ -261,7 +282,7 @@ TEST_F(Replay, OverwritesOnlyItsOwnFiles) {
   EXPECT_EQ(folder.read("out/frames.tsv"), "mine");
   ASSERT_EQ(replay("out", {"--overwrite"}).exit_code, 0);
   EXPECT_EQ(tableOf(folder.read("out/frames.tsv")).size(), 7u);
-  EXPECT_EQ(filesIn(folder.path() / "out").size(), 7u);  // five, notes and .foci-outputs
+  EXPECT_EQ(filesIn(folder.path() / "out").size(), 10u);  // eight, notes and .foci-outputs
 }
 
 TEST_F(Replay, LeavesNothingWhenItCannotWrite) {
