@@ -28,6 +28,7 @@ void addTraceCommand(CLI::App& app);      ///< facts about a recording, and its 
 /// @param command_line  as the user typed it; the manifest of the run states it
 void addLiveCommand(CLI::App& app, const std::string& command_line);
 void addReplayCommand(CLI::App& app, const std::string& command_line);
+void addCompareCommand(CLI::App& app);                                ///< runs side by side
 void addJoinCommand(CLI::App& app, const std::string& command_line);  ///< parts of a replay
 
 }  // namespace foci

@@ -47,6 +47,7 @@ int run(int argc, char** argv) {
   addEventsCommand(app);
   addInfoCommand(app);
   addJoinCommand(app, command_line);
+  addCompareCommand(app);
   addKeysCommand(app);
   addManualCommand(app);
   addMethodsCommand(app);

@@ -191,7 +191,7 @@ bool NamedShape::holds(const glm::dvec3& point_m) const {
 }
 
 GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
-                          bool attention) {
+                          const std::vector<GazeEvent>& events, bool attention) {
   GazeInScene found;
   found.objects.push_back({.name = {}});
   for (const NamedShape& shape : study.scene.objects) found.objects.push_back({.name = shape.name});
@@ -218,12 +218,8 @@ GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Su
       }
     }
   }
-  const double end_s = gaze.schedule.end_s();
-  for (const GazeEvent& event : detectEvents(gaze.trace, *gaze.trace.screen, study.gaze.events)) {
-    if (event.kind != GazeState::fixation || event.onset_s >= end_s ||
-        event.onset_s + event.duration_s <= gaze.schedule.first_s) {
-      continue;
-    }
+  for (const GazeEvent& event : events) {
+    if (event.kind != GazeState::fixation) continue;
     found.fixations.push_back(fixationOf(event, found.samples, found.objects.size()));
   }
   addLooks(found);

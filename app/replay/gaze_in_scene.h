@@ -58,9 +58,10 @@ struct GazeInScene {
 /// Looks along each sample of the replayed time, within the study's cone about the line of sight,
 /// as the eye does to focus. Shapes of the study come before the scene's own objects. Keys of the
 /// eye that change during the run move it.
+/// @param events     of the run
 /// @param attention  whether to share the time of each sample among the surfels that it meets
 GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
-                          bool attention);
+                          const std::vector<GazeEvent>& events, bool attention);
 
 /// gaze3d.tsv, fixations3d.tsv and objects.tsv; `n/a` where a value is absent.
 std::string sightTable(const GazeInScene& gaze);

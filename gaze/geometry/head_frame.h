@@ -17,8 +17,8 @@ std::optional<glm::dvec3> sightInWorld(const GazeSample& sample, const Screen& s
 std::optional<glm::dvec2> pointSeenBy_px(const GazeSample& now, const GazeSample& sample,
                                          const Screen& screen);
 
-/// The middle between the eyes in the head's frame: the median over the samples that have both
-/// origins, or 0.
+/// Where an eye midway between both stands in the head's frame. The median over the samples that
+/// have both origins, or 0.
 glm::dvec3 middleOfEyes_m(const std::vector<GazeSample>& samples);
 
 }  // namespace foci

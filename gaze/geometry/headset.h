@@ -9,7 +9,7 @@ namespace foci {
 /// of a usual headset's, so that a replay is quick.
 inline constexpr double kHeadsetPixelsPerDegree = 12.0;
 
-/// The field of an eye in the middle between both eyes: it sees what either eye sees.
+/// The field of an eye midway between both, which sees what either eye sees.
 /// @param left_eye  the right eye's field is its mirror image
 EyeField fieldOfBothEyes(const EyeField& left_eye);
 

@@ -11,9 +11,10 @@ namespace foci {
 /// Whether a table without a header is one of Stream Recorder, by its 861 numbers a row.
 bool isHoloLens(std::string_view first_line);
 
-/// Reads the rows: time in 100 ns, the head's transform (4 x 4, row by row, to the world), for each
-/// hand a flag and 26 transforms, then a flag for gaze, its origin and direction (4 numbers each),
-/// and its distance. The world is right-handed with y up, in metres; gaze is in the world.
+/// Reads the rows. A row has the time in 100 ns and the head's transform to the world (4 x 4, row
+/// by row). For each hand a flag and 26 transforms follow. Then come a flag for gaze, its origin
+/// and direction (4 numbers each), and its distance. The world is right-handed with y up, in
+/// metres; gaze is in the world.
 TraceHeader readHoloLens(LineReader& lines, const TraceColumns& columns, const TakeSample& take);
 
 }  // namespace foci

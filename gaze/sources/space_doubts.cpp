@@ -1,6 +1,5 @@
-// The limits are those of heads and eyes, chosen by hand: eyes turn by 50 degrees at most, and
-// people who look around keep their gaze within 20 degrees of the head's forward axis nearly always
-// (Stahl 1999).
+// The limits are those of heads and eyes, chosen by hand. Eyes turn by 50 degrees at most. People
+// who look around seldom turn them by more than 20 degrees (Stahl 1999).
 #include "gaze/sources/space_doubts.h"
 
 #include <algorithm>

@@ -13,9 +13,9 @@
 
 namespace foci {
 
-/// A node may be rendered if the variance that merging added to it, on the image, is at most
-///   min(per_blur2 C^2, max_px2) + per_pixel2 + per_acuity2 (h^2 - 1),
-/// with the least blur radius C within the node. h is the acuity's least standard deviation, 1 px
+/// The limit of the variance that merging adds to a rendered node, on the image:
+///   min(per_blur2 C^2, max_px2) + per_pixel2 + per_acuity2 (h^2 - 1).
+/// C is the least blur radius within the node. h is the acuity's least standard deviation, 1 px
 /// where detail is resolved in full.
 struct GaussianCutSettings {
   float per_blur2;

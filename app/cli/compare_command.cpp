@@ -1,0 +1,60 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/cli/commands.h"
+#include "app/cli/option_values.h"
+#include "app/platform/output_files.h"
+#include "app/replay/compare.h"
+#include "base/input_error.h"
+
+namespace foci {
+namespace {
+
+struct CompareOptions {
+  std::vector<std::string> runs{};
+  std::string out{};
+  bool overwrite = false;
+};
+
+void runCompare(const CompareOptions& options) {
+  if (options.runs.size() < 2) {
+    throw InputError("foci compare", "expected two or more folders of runs");
+  }
+  std::vector<std::filesystem::path> folders(options.runs.begin(), options.runs.end());
+  std::vector<std::filesystem::path> inputs;
+  for (const std::filesystem::path& folder : folders) {
+    for (const char* name : {"frames.tsv", "events.tsv", "objects.tsv", "video.mp4"}) {
+      inputs.push_back(folder / name);
+    }
+  }
+  checkOutputs(compareFiles(options.out), inputs, options.overwrite);
+  compareRuns(folders, options.out);
+  std::printf("%zu runs: %s\n", folders.size(),
+              (std::filesystem::path(options.out) / "compare.html").c_str());
+}
+
+}  // namespace
+
+void addCompareCommand(CLI::App& app) {
+  const auto options = std::make_shared<CompareOptions>();
+  CLI::App* command =
+      app.add_subcommand("compare",
+                         "Compare runs: blur, focus, dwell times and pictures side by side.\n"
+                         "Example: foci compare out/old out/young --out out/both");
+  command
+      ->add_option("RUNS", options->runs,
+                   "folders that foci replay wrote; the first is what the others are compared with")
+      ->type_name("DIR")
+      ->required();
+  command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
+  addOverwriteFlag(*command, options->overwrite);
+  command->callback([options, command] {
+    refuseEmptyValues(*command);
+    runCompare(*options);
+  });
+}
+
+}  // namespace foci

@@ -1,0 +1,203 @@
+#include "app/replay/compare.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "app/graphics/html.h"
+#include "app/graphics/image.h"
+#include "app/platform/output_folder.h"
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+constexpr const char *kTable = "compare.tsv", *kPage = "compare.html";
+constexpr int kPicture_px = 300;
+constexpr double kPlotWidth = 900.0, kPlotHeight = 220.0, kMargin = 34.0;
+
+/// Colours of the runs (Okabe and Ito 2008), readable on light and dark pages.
+constexpr std::array<const char*, 7> kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                                "#e69f00", "#56b4e9", "#999999"};
+
+const char* colorOf(std::size_t run) { return kColors.at(run % kColors.size()); }
+
+/// A name as a field of a table.
+std::string inField(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+  return text;
+}
+
+std::string blurText(const ComparedRun& run, const char* absent) {
+  const auto blur = run.meanBlur_arcmin();
+  return blur ? decimal(*blur, 3) : absent;
+}
+
+Image differenceFrom(const Image& first, const Image& other) {
+  Image difference = first;
+  for (std::size_t i = 0; i < first.rgb.size(); ++i) {
+    const int apart = std::abs(int{first.rgb[i]} - int{other.rgb[i]});
+    difference.rgb[i] =
+        static_cast<std::uint8_t>(std::min(255, static_cast<int>(kDifferenceGain) * apart));
+  }
+  return difference;
+}
+
+void embed(std::ostream& out, const Image& image, const std::string& caption) {
+  out << "<figure><img alt=\"" << escaped(caption) << "\" src=\"data:image/jpeg;base64,";
+  const auto jpeg = jpegOf(thumbnail(image, std::min(kPicture_px, image.size_px.x)));
+  Base64 base64(out);
+  base64.add(jpeg.data(), jpeg.size());
+  base64.finish();
+  out << "\"><figcaption>" << escaped(caption) << "</figcaption></figure>\n";
+}
+
+void writeFigures(std::ostream& out, const std::vector<ComparedRun>& runs) {
+  out << "<table><tr><th>run</th><th>frames</th><th>duration, s</th><th>fixations</th><th>mean "
+         "focus, D</th><th>mean pupil, mm</th><th>mean blur, arcmin</th></tr>\n";
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const ComparedRun& run = runs[i];
+    out << "<tr><td><b style=\"color:" << colorOf(i) << "\">&#9632;</b> " << escaped(run.name)
+        << "</td><td>" << run.frames.size() << "</td><td>" << decimal(run.frames.back().time_s, 2)
+        << "</td><td>" << run.fixations << "</td><td>" << decimal(run.meanFocus_D(), 3)
+        << "</td><td>" << decimal(run.meanPupil_mm(), 2) << "</td><td>" << blurText(run, "&ndash;")
+        << "</td></tr>\n";
+  }
+  out << "</table>\n<p class=\"quiet\">Blur: diameter of the blur disc of the surface that is "
+         "looked at, pupil times |1 / distance - focus|.</p>\n";
+}
+
+void writeDwell(std::ostream& out, const std::vector<ComparedRun>& runs) {
+  std::set<std::string> objects;
+  for (const ComparedRun& run : runs) {
+    for (const auto& [object, dwell_s] : run.dwell_s) {
+      if (dwell_s > 0.0) objects.insert(object);
+    }
+  }
+  if (objects.empty()) return;
+  out << "<h2>Dwell time, s</h2>\n<table><tr><th>object</th>";
+  for (const ComparedRun& run : runs) out << "<th>" << escaped(run.name) << "</th>";
+  out << "</tr>\n";
+  for (const std::string& object : objects) {
+    out << "<tr><td>" << escaped(object) << "</td>";
+    for (const ComparedRun& run : runs) {
+      const auto found = run.dwell_s.find(object);
+      out << "<td>" << (found == run.dwell_s.end() ? "&ndash;" : decimal(found->second, 2))
+          << "</td>";
+    }
+    out << "</tr>\n";
+  }
+  out << "</table>\n";
+}
+
+void writeFocus(std::ostream& out, const std::vector<ComparedRun>& runs) {
+  double last_s = 0.0, most_D = 0.0, least_D = 0.0;
+  for (const ComparedRun& run : runs) {
+    last_s = std::max(last_s, run.frames.back().time_s);
+    for (const ComparedFrame& frame : run.frames) {
+      most_D = std::max(most_D, frame.focus_D);
+      least_D = std::min(least_D, frame.focus_D);
+    }
+  }
+  most_D = std::max(most_D, least_D + 0.1);
+  last_s = std::max(last_s, 1e-3);
+  const auto x = [&](double time_s) { return kMargin + (kPlotWidth - kMargin) * time_s / last_s; };
+  const auto y = [&](double focus_D) {
+    return 8.0 + (kPlotHeight - kMargin) * (most_D - focus_D) / (most_D - least_D);
+  };
+  out << "<h2>Focus over time, D</h2>\n<svg viewBox=\"0 0 " << decimal(kPlotWidth + 10.0, 0) << ' '
+      << decimal(kPlotHeight, 0)
+      << "\" role=\"img\" aria-label=\"focus of each run over time\" fill=\"none\" "
+         "stroke=\"currentColor\" font-size=\"12\">\n";
+  for (const double level : {least_D, 0.5 * (least_D + most_D), most_D}) {
+    out << "<path opacity=\".3\" d=\"M" << decimal(kMargin, 1) << ' ' << decimal(y(level), 1) << 'H'
+        << decimal(kPlotWidth, 1) << "\"/><text stroke=\"none\" fill=\"currentColor\" x=\"0\" y=\""
+        << decimal(y(level) + 4.0, 1) << "\">" << decimal(level, 2) << "</text>\n";
+  }
+  for (const double share : {0.0, 0.5, 1.0}) {
+    out << "<text stroke=\"none\" fill=\"currentColor\" text-anchor=\"middle\" x=\""
+        << decimal(std::min(x(share * last_s), kPlotWidth - 16.0), 1) << "\" y=\""
+        << decimal(kPlotHeight - 6.0, 1) << "\">" << decimal(share * last_s, 1) << " s</text>\n";
+  }
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    out << "<polyline stroke-width=\"1.5\" stroke=\"" << colorOf(i) << "\" points=\"";
+    for (const ComparedFrame& frame : runs[i].frames) {
+      out << decimal(x(frame.time_s), 1) << ',' << decimal(y(frame.focus_D), 1) << ' ';
+    }
+    out << "\"/>\n";
+  }
+  out << "</svg>\n";
+}
+
+void writePictures(std::ostream& out, const std::vector<ComparedRun>& runs) {
+  out << "<h2>Pictures</h2>\n<p class=\"quiet\">At " << kPictures
+      << " equal steps of each run, from its video. A difference is that from the first run, times "
+      << decimal(kDifferenceGain, 0) << ".</p>\n";
+  for (std::size_t k = 0; k < kPictures; ++k) {
+    out << "<div class=\"sheet\">\n";
+    for (const ComparedRun& run : runs) embed(out, run.pictures[k], run.name);
+    const Image& first = runs[0].pictures[k];
+    for (std::size_t i = 1; i < runs.size(); ++i) {
+      const Image& other = runs[i].pictures[k];
+      if (other.size_px != first.size_px) continue;
+      embed(out, differenceFrom(first, other), runs[i].name + ", difference");
+    }
+    out << "</div>\n";
+  }
+}
+
+}  // namespace
+
+std::string compareTable(const std::vector<ComparedRun>& runs) {
+  std::set<std::string> objects;
+  for (const ComparedRun& run : runs) {
+    for (const auto& [object, dwell_s] : run.dwell_s) objects.insert(object);
+  }
+  std::string table =
+      "run\tframes\tduration_s\tfixations\tmean_focus_D\tmean_pupil_mm\tmean_blur_arcmin";
+  for (const std::string& object : objects) table += "\tdwell_s " + object;
+  table += '\n';
+  for (const ComparedRun& run : runs) {
+    table += inField(run.folder.string()) + '\t' + std::to_string(run.frames.size()) + '\t' +
+             decimal(run.frames.back().time_s, 3) + '\t' + std::to_string(run.fixations) + '\t' +
+             decimal(run.meanFocus_D(), 4) + '\t' + decimal(run.meanPupil_mm(), 3) + '\t' +
+             blurText(run, "n/a");
+    for (const std::string& object : objects) {
+      const auto found = run.dwell_s.find(object);
+      table += '\t' + (found == run.dwell_s.end() ? "n/a" : decimal(found->second, 4));
+    }
+    table += '\n';
+  }
+  return table;
+}
+
+std::string comparePage(const std::vector<ComparedRun>& runs) {
+  std::ostringstream out;
+  out << pageStart(std::to_string(runs.size()) + " runs - foci compare", "") << "<h1>"
+      << runs.size() << " runs side by side</h1>\n";
+  writeFigures(out, runs);
+  writeDwell(out, runs);
+  writeFocus(out, runs);
+  writePictures(out, runs);
+  out << kPageEnd;
+  return out.str();
+}
+
+std::vector<std::filesystem::path> compareFiles(const std::filesystem::path& out) {
+  return {out / kTable, out / kPage};
+}
+
+void compareRuns(const std::vector<std::filesystem::path>& folders,
+                 const std::filesystem::path& out) {
+  std::vector<ComparedRun> runs;
+  for (const std::filesystem::path& folder : folders) runs.push_back(readRun(folder));
+  OutputFolder files(out);
+  files.write(kTable, compareTable(runs));
+  files.write(kPage, comparePage(runs));
+  files.commit();
+}
+
+}  // namespace foci
