@@ -18,6 +18,7 @@ namespace {
 constexpr double kHalfAngle_rad = 0.5 * glm::pi<double>() / 180.0;
 constexpr double kFlat = 1e-5;     // relative; float positions, depth weighted in dioptres
 constexpr double kSlanted = 2e-3;  // relative; the mean over the cone is not its middle
+constexpr double kCurved = 0.01;   // the normal turns by 0.05 rad across the cone
 const glm::dvec3 kEye(0.0);
 const glm::dvec3 kAhead(0.0, 0.0, -1.0);
 
@@ -59,6 +60,67 @@ TEST(SurfaceQuery, MeasuresAlongTheRay) {
   const auto found = ask(cloud, 0.5, {std::sin(angle), 0.0, -std::cos(angle)});
   ASSERT_TRUE(found);
   EXPECT_NEAR(*found * std::cos(angle), 1.0, kSlanted);
+}
+
+double sharesOf(const SurfaceHit& hit) {
+  double sum = 0.0;
+  for (const SurfelShare& each : hit.surfels) sum += each.share;
+  return sum;
+}
+
+TEST(SurfaceQuery, HitsAPlaneWithItsNormalTowardsTheEye) {
+  for (const float side : {1.0f, -1.0f}) {  // a surfel's own normal may point either way
+    const glm::vec3 normal = side * glm::normalize(glm::vec3(0.3f, -0.2f, 1.0f));
+    const glm::vec3 middle(0.0f, 0.0f, -1.5f);
+    const glm::vec3 u = glm::normalize(glm::cross(normal, glm::vec3(0.0f, 1.0f, 0.0f)));
+    const glm::vec3 v = glm::cross(normal, u);
+    constexpr float kStep_m = 0.005f;
+    SurfelCloud cloud;
+    for (int i = 0; i < 200 * 200; ++i) {
+      const glm::vec2 at = kStep_m * (glm::vec2(i % 200, i / 200) - 99.5f);
+      appendSurfel(cloud, middle + at.x * u + at.y * v, normal, kSigmaPerSpacing * kStep_m,
+                   kStep_m * kStep_m, glm::vec3(1.0f), 1.0f);
+    }
+    const glm::dvec3 direction = glm::normalize(glm::dvec3(0.1, 0.15, -1.0));
+    const auto hit = SurfaceQuery(cloud).hit(kEye, direction, kHalfAngle_rad, 0.5);
+    ASSERT_TRUE(hit);
+    const glm::dvec3 towards = static_cast<double>(side) * glm::dvec3(normal);
+    const double distance_m = glm::dot(glm::dvec3(middle), towards) / glm::dot(direction, towards);
+    EXPECT_NEAR(hit->distance_m / distance_m, 1.0, kSlanted);
+    EXPECT_NEAR(glm::distance(hit->normal, towards), 0.0, kFlat);
+    EXPECT_NEAR(sharesOf(*hit), 1.0, kFlat);
+  }
+}
+
+TEST(SurfaceQuery, HitsASphereWhereTheRayDoes) {
+  const glm::dvec3 middle(0.1, -0.05, -2.0);
+  constexpr double kRadius_m = 0.5;
+  constexpr int kSurfels = 100000;
+  constexpr double kArea_m2 = 4.0 * glm::pi<double>() * kRadius_m * kRadius_m / kSurfels;
+  SurfelCloud cloud;
+  for (int i = 0; i < kSurfels; ++i) {  // Fibonacci lattice
+    const double y = 1.0 - (2.0 * i + 1.0) / kSurfels;
+    const double turn = i * glm::pi<double>() * (3.0 - std::sqrt(5.0));
+    const double r = std::sqrt(1.0 - y * y);
+    const glm::dvec3 normal(r * std::cos(turn), y, r * std::sin(turn));
+    appendSurfel(cloud, glm::vec3(middle + kRadius_m * normal), glm::vec3(normal),
+                 kSigmaPerSpacing * static_cast<float>(std::sqrt(kArea_m2)),
+                 static_cast<float>(kArea_m2), glm::vec3(1.0f), 1.0f);
+  }
+  const SurfaceQuery query(cloud);
+  for (const glm::dvec2 aim : {glm::dvec2(0.05, -0.025), {0.1, 0.05}, {-0.05, -0.07}}) {
+    const glm::dvec3 direction = glm::normalize(glm::dvec3(aim, -1.0));
+    const auto hit = query.hit(kEye, direction, kHalfAngle_rad, 0.5);
+    ASSERT_TRUE(hit);
+    const double along_m = glm::dot(direction, middle);
+    const double distance_m =
+        along_m - std::sqrt(along_m * along_m - glm::dot(middle, middle) + kRadius_m * kRadius_m);
+    EXPECT_NEAR(hit->distance_m / distance_m, 1.0, kSlanted);
+    const glm::dvec3 normal = (distance_m * direction - middle) / kRadius_m;
+    EXPECT_NEAR(glm::distance(hit->normal, normal), 0.0, kCurved);
+    EXPECT_NEAR(sharesOf(*hit), 1.0, kFlat);
+  }
+  EXPECT_FALSE(query.hit(kEye, {0.0, 0.0, 1.0}, kHalfAngle_rad, 0.5));
 }
 
 TEST(SurfaceQuery, SeesAPlaneAtAGrazingAngleAsOneSurface) {
