@@ -97,7 +97,7 @@ RenderSettings SceneInView::settingsThrough(double aperture_m) const {
 
 std::vector<float> SceneInView::depthsInView_m() const {
   std::vector<float> depths_m;
-  for (const glm::vec3& p_world : cloud.position_m) {
+  for (const glm::vec3& p_world : positionsOf(cloud)) {
     const glm::vec3 p(view.eye_from_world * glm::vec4(p_world, 1.0f));
     if (!(-p.z >= view.near_m)) continue;
     const glm::vec2 at = project(view, p);
@@ -129,14 +129,26 @@ SceneInView statueInView(int size_px) {
   return lionInView("statue", makeStatue(), statueEyePose(), size_px, kStatueFov_rad);
 }
 
-SceneInView scanInView(const ScanView& scan, int size_px) {
-  OpenedScene opened = openScene(scan.file, 1.0, scan.pose.position_m);
-  if (opened.cloud.gaussians) {
+bool holdsGaussians(const std::filesystem::path& file) {
+  const SceneFile scene = readScene(file);
+  const auto* const prepared = std::get_if<PreparedScene>(&scene.content);
+  return std::holds_alternative<GaussianFile>(scene.content) ||
+         (prepared != nullptr && prepared->cloud.gaussians != nullptr);
+}
+
+SceneInView surfacesInView(const ScanView& scan, int size_px) {
+  SceneInView scene = scanInView(scan, size_px);
+  if (scene.cloud.gaussians) {
     throw InputError(
         scan.file.string(),
         "holds Gaussians, and these measurements are of surfaces: expected points or a "
         "mesh (--scan)");
   }
+  return scene;
+}
+
+SceneInView scanInView(const ScanView& scan, int size_px) {
+  OpenedScene opened = openScene(scan.file, 1.0, scan.pose.position_m);
   std::string name = scan.file.stem().string();
   if (std::find(std::begin(kBuiltIn), std::end(kBuiltIn), name) != std::end(kBuiltIn)) {
     name = "scanned " + name;

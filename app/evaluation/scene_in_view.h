@@ -52,6 +52,12 @@ SceneInView statueInView(int size_px);
 /// @throws InputError if the file cannot be read, or if fewer than a thousand points are in view
 SceneInView scanInView(const ScanView& scan, int size_px);
 
+/// The same. @throws InputError for a scene of Gaussians, too
+SceneInView surfacesInView(const ScanView& scan, int size_px);
+
+/// Whether a scene file holds Gaussians. @throws InputError
+bool holdsGaussians(const std::filesystem::path& file);
+
 /// The gallery from its own eye pose, with things from 0.25 to 6 m and the knot in focus.
 /// @param width_px  of an image of 16 : 9
 SceneInView galleryInView(int width_px);

@@ -193,6 +193,7 @@ std::vector<std::filesystem::path> compareFiles(const std::filesystem::path& out
 void compareRuns(const std::vector<std::filesystem::path>& folders,
                  const std::filesystem::path& out) {
   std::vector<ComparedRun> runs;
+  runs.reserve(folders.size());
   for (const std::filesystem::path& folder : folders) runs.push_back(readRun(folder));
   OutputFolder files(out);
   files.write(kCompareTable, compareTable(runs));

@@ -203,6 +203,25 @@ TEST_F(GaussianScenes, APreparedSceneLooksTheSame) {
   EXPECT_NE(info.out.find("10,840 Gaussians"), std::string::npos) << info.out;
 }
 
+TEST_F(GaussianScenes, TheChartHasTheMethodsThatRenderThem) {
+  const auto chart = [&](const std::string& out, const std::string& method) {
+    std::vector<std::string> arguments = {
+        "chart",     "--quick", "--scene", "scan",  "--scan", "scene.splat", "--eye", "0,0,0",
+        "--look-at", "0,0,-2",  "--up",    "0,1,0", "--size", "64",          "--out", out};
+    if (!method.empty()) arguments.insert(arguments.end(), {"--method", method});
+    return runFoci(arguments, folder.path());
+  };
+  const Outcome outcome = chart("chart", "");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string csv = folder.read("chart/chart.csv");
+  for (const char* method :
+       {"auto", "sweep-lod,7", "accumulate,16", "inflate:spark", "inflate:splat-transform"}) {
+    EXPECT_NE(csv.find(std::string("scan,4,") + method + ","), csv.npos) << method;
+  }
+  EXPECT_EQ(csv.find("potmesil"), csv.npos);
+  EXPECT_EQ(chart("none", "potmesil").exit_code, 2);
+}
+
 TEST_F(GaussianScenes, TheCpuRendersThemAndSaysSo) {
   const Json doctor = Json::parse(runFoci({"doctor", "--json"}, folder.path()).out);
   if (doctor["gpu"].contains("problem")) GTEST_SKIP() << doctor["gpu"]["problem"];

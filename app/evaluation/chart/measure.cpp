@@ -45,7 +45,7 @@ class ChartGroup {
         on_steps_(on_steps),
         key_(scene.id + " " + scene.input + "; " + std::to_string(plan.size_px) + " px; blur " +
              decimal(blur_px, 3) + " px; reference " + plan.reference(scene, blur_px) + "; ") {
-    for (const EvaluatedMethod& method : plan.methods) {
+    for (const EvaluatedMethod& method : scene.methods) {
       auto cell = cells.load(nameOf(method), keyOf(method));
       if (cell && haveImages(method)) found_[method.spec()] = *cell;
     }
@@ -54,7 +54,7 @@ class ChartGroup {
 
   /// True if every cell is measured: then the scene need not be made.
   bool isComplete() const {
-    return reference_ && std::all_of(plan_.methods.begin(), plan_.methods.end(),
+    return reference_ && std::all_of(scene_.methods.begin(), scene_.methods.end(),
                                      [&](const EvaluatedMethod& one) { return isDone(one); });
   }
 
@@ -65,7 +65,7 @@ class ChartGroup {
   }
 
   void addTo(ChartResult& result) const {
-    for (const EvaluatedMethod& method : plan_.methods) {
+    for (const EvaluatedMethod& method : scene_.methods) {
       const ChartCell& cell = found_.at(method.spec());
       for (const unsigned threads : plan_.threads) {
         const std::vector<double>& ms = cell.ms.at(threads);
@@ -124,7 +124,7 @@ class ChartGroup {
   /// Renders the reference, and the first frame of each method that has no cell yet.
   void measureErrors(const SceneInView& seen) {
     const RenderSettings settings = seen.settingsThrough(aperture_m_);
-    const bool missing = std::any_of(plan_.methods.begin(), plan_.methods.end(),
+    const bool missing = std::any_of(scene_.methods.begin(), scene_.methods.end(),
                                      [&](const auto& m) { return !found_.contains(m.spec()); });
     auto reference = cells_.loadReference(referenceName(), key_);
     if (missing && !reference) reference = renderReference(seen, settings);
@@ -138,7 +138,7 @@ class ChartGroup {
       makeMethod("pinhole", seen.cloud)->render(seen.view, sharp, pinhole);
       band = silhouetteBand(pinhole, settings.defocus);
     }
-    for (const EvaluatedMethod& method : plan_.methods) {
+    for (const EvaluatedMethod& method : scene_.methods) {
       if (!found_.contains(method.spec())) {
         measureFirstFrame(method, seen, settings, reference->frame, band);
       }
@@ -185,7 +185,7 @@ class ChartGroup {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Frame frame;
     std::vector<TimedRun> runs;
-    for (const EvaluatedMethod& method : plan_.methods) {
+    for (const EvaluatedMethod& method : scene_.methods) {
       ChartCell& cell = found_[method.spec()];
       const int missing = runsMissing(cell, threads);
       if (missing == 0) {
@@ -232,8 +232,11 @@ class ChartGroup {
 }  // namespace
 
 std::size_t stepsOf(const ChartPlan& plan) {
-  return plan.scenes.size() * plan.blurs_px.size() *
-         (1 + plan.methods.size() * (1 + plan.threads.size()));
+  std::size_t steps = 0;
+  for (const ChartScene& scene : plan.scenes) {
+    steps += plan.blurs_px.size() * (1 + scene.methods.size() * (1 + plan.threads.size()));
+  }
+  return steps;
 }
 
 ChartResult measureChart(const ChartPlan& plan, const fs::path& folder,
@@ -245,12 +248,12 @@ ChartResult measureChart(const ChartPlan& plan, const fs::path& folder,
     for (const double blur_px : plan.blurs_px) {
       ChartGroup group(plan, scene, blur_px, folder, cells, on_steps);
       const auto done = static_cast<std::size_t>(
-          std::count_if(plan.methods.begin(), plan.methods.end(),
+          std::count_if(scene.methods.begin(), scene.methods.end(),
                         [&](const auto& one) { return group.isDone(one); }));
       result.kept += done;
-      result.computed += plan.methods.size() - done;
+      result.computed += scene.methods.size() - done;
       if (group.isComplete()) {
-        on_steps(1 + plan.methods.size() * (1 + plan.threads.size()));
+        on_steps(1 + scene.methods.size() * (1 + plan.threads.size()));
       } else {
         if (!seen) seen = scene.make();
         fs::create_directories(folder / "cells");

@@ -6,6 +6,7 @@
 
 #include "app/evaluation/ball.h"
 #include "app/evaluation/timed_runs.h"
+#include "base/input_error.h"
 #include "render/methods/method.h"
 
 namespace foci {
@@ -61,6 +62,22 @@ std::vector<ChartScene> everyScene(int size_px, const std::optional<ScanView>& s
   return all;
 }
 
+/// The methods that render Gaussians. @param variants  adds what other renderers of Gaussians do
+std::vector<EvaluatedMethod> ofGaussians(const std::vector<EvaluatedMethod>& asked, bool variants) {
+  std::vector<EvaluatedMethod> able;
+  for (const EvaluatedMethod& method : asked) {
+    const auto info = std::ranges::find(methods(), method.name.substr(0, method.name.find(':')),
+                                        &MethodInfo::name);
+    if (info == methods().end() || !info->gaussians) continue;
+    able.push_back(method);
+    if (!variants) continue;
+    for (const std::string_view variant : info->variants) {
+      able.push_back({method.name + ":" + std::string(variant), std::nullopt});
+    }
+  }
+  return able;
+}
+
 }  // namespace
 
 int ChartPlan::views(double blur_px) const {
@@ -81,8 +98,16 @@ ChartPlan planChart(const EvaluationChoice& choice) {
   if (plan.quick) plan.threads.erase(plan.threads.begin(), plan.threads.end() - 1);
   plan.scenes = everyScene(plan.size_px, choice.scan);
   keepChosen(plan.scenes, choice, [](const ChartScene& scene) { return scene.id; });
-  plan.methods =
+  const std::vector<EvaluatedMethod> asked =
       evaluatedMethods(choice.methods, choice.quick ? SettingRange::quick : SettingRange::full);
+  for (ChartScene& scene : plan.scenes) {
+    const bool gaussians = !scene.input.empty() && holdsGaussians(choice.scan->file);
+    scene.methods = gaussians ? ofGaussians(asked, choice.methods.empty()) : asked;
+    if (scene.methods.empty()) {
+      throw InputError(choice.scan->file.string(),
+                       "holds Gaussians, which none of the chosen methods renders (foci methods)");
+    }
+  }
   return plan;
 }
 

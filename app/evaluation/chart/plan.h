@@ -23,14 +23,14 @@ struct ChartScene {
   std::string input;  ///< `scanKey` of a scan; empty for a built-in scene
   std::function<SceneInView()> make;
   ChartTruth truth = ChartTruth::surfels;
+  std::vector<EvaluatedMethod> methods = {};  ///< those of the plan that render the scene
 };
 
 struct ChartPlan {
   bool quick = false;
   int size_px = 0;  ///< width of the images
   std::vector<ChartScene> scenes = {};
-  std::vector<double> blurs_px = {};  ///< largest blur radius in view, rising
-  std::vector<EvaluatedMethod> methods = {};
+  std::vector<double> blurs_px = {};   ///< largest blur radius in view, rising
   std::vector<unsigned> threads = {};  ///< rising; the last entry is all threads
   int min_views = 0, max_views = 0;    ///< of the references
   int rays = 0;                        ///< a pixel, of the references that are traced

@@ -51,7 +51,9 @@ ReproduceScene planeScene(int samples) {
 
 ReproduceScene statueScene() { return lionScene(statueInView(kTable_px)); }
 
-ReproduceScene scanScene(const ScanView& scan) { return lionScene(scanInView(scan, kTable_px)); }
+ReproduceScene scanScene(const ScanView& scan) {
+  return lionScene(surfacesInView(scan, kTable_px));
+}
 
 void chooseApertures(ReproduceScene& scene, const std::function<void()>& on_frame) {
   const auto paper = makeMethod("paper", scene.cloud);

@@ -133,7 +133,7 @@ SurfelCloud thinned(const SurfelCloud& cloud, float share) {
 StabilitySetup thinnedSetup(const ScanView& scan, float share) {
   constexpr int kImage_px = 256;
   constexpr double kBlur_px = 8.0;
-  const auto seen = std::make_shared<const SceneInView>(scanInView(scan, kImage_px));
+  const auto seen = std::make_shared<const SceneInView>(surfacesInView(scan, kImage_px));
   const double aperture_m = kBlur_px / seen->largestBlurThrough_px(1.0);
   StabilitySetup setup{.view = seen->view,
                        .cloud = share < 1.0f ? thinned(seen->cloud, share) : seen->cloud,

@@ -134,7 +134,7 @@ TEST(PlanChart, HasEveryMethodWithSettingsThatItTakes) {
   for (const bool quick : {false, true}) {
     const ChartPlan plan = planChart({.quick = quick});
     std::set<std::string> planned, listed;
-    for (const EvaluatedMethod& method : plan.methods) {
+    for (const EvaluatedMethod& method : plan.scenes[0].methods) {
       EXPECT_EQ(expectedMethod(method.spec()), std::nullopt) << method.spec();
       planned.insert(method.name);
     }
@@ -149,10 +149,10 @@ TEST(PlanChart, TakesOnlyTheUsersChoiceAndRefusesUnknownNames) {
   const ChartPlan plan =
       planChart({.scenes = {"fence"}, .methods = {"sweep-lod", "accumulate:3", "pinhole"}});
   ASSERT_EQ(plan.scenes.size(), 1u);
-  ASSERT_EQ(plan.methods.size(), 3u);
-  EXPECT_EQ(plan.methods[0].spec(), "sweep-lod:7");
-  EXPECT_EQ(plan.methods[1].fileName(), "accumulate-3");
-  EXPECT_EQ(plan.methods[2].spec(), "pinhole");
+  ASSERT_EQ(plan.scenes[0].methods.size(), 3u);
+  EXPECT_EQ(plan.scenes[0].methods[0].spec(), "sweep-lod:7");
+  EXPECT_EQ(plan.scenes[0].methods[1].fileName(), "accumulate-3");
+  EXPECT_EQ(plan.scenes[0].methods[2].spec(), "pinhole");
   EXPECT_THROW(planChart({.scenes = {"statue", "cloud"}}), InputError);
   EXPECT_THROW(planChart({.methods = {"pinhole:2"}}), InputError);
   EXPECT_THROW(planChart({.scan = ScanView{"/nowhere/a.ply", {}}}), InputError);
