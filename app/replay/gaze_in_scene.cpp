@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "app/platform/interrupt.h"
+#include "app/platform/progress.h"
 #include "app/session/eye_path.h"
 #include "app/study/session_settings_of.h"
 #include "base/parallel.h"
@@ -14,6 +16,7 @@
 namespace foci {
 namespace {
 
+constexpr std::size_t kLong = 50'000;  // samples from which on progress shows: some seconds
 constexpr double kMaxIntervals = 3.0;  // a sample stands for at most so many sampling intervals
 
 /// The eye's path from a time on.
@@ -202,6 +205,8 @@ GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Su
   found.samples = samplesOf(study, gaze, source);
   const Looker looker(study, gaze, cloud);
   if (attention) found.attention_s.assign(cloud.size(), 0.0);
+  std::optional<Progress> progress;
+  if (source.size() >= kLong) progress.emplace("following the gaze", "samples", source.size());
   // In blocks, so that the order of sums does not depend on the number of threads.
   constexpr std::size_t kBlock = 4096;
   std::vector<std::vector<SurfelShare>> surfaces(attention ? kBlock : 0);
@@ -217,6 +222,8 @@ GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Su
         found.attention_s[each.surfel] += each.share * found.samples[first + i].lasts_s;
       }
     }
+    throwIfInterrupted();
+    if (progress) progress->advance(first + some);
   }
   for (const GazeEvent& event : events) {
     if (event.kind != GazeState::fixation) continue;
