@@ -16,6 +16,7 @@
 #include "render/scene/builtin/procedural.h"
 #include "render/scene/io/mesh_companions.h"
 #include "render/scene/io/open_scene.h"
+#include "render/scene/joined_scene.h"
 
 namespace foci {
 namespace {
@@ -118,19 +119,46 @@ EyePose builtinPose(const Study& study) {
 
 namespace {
 
-SurfelCloud loadSceneFile(const Study& study, std::optional<SceneFile>&& file) {
-  const glm::mat4 world_from_eye = glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0));
-  if (!file) file = readScene(*study.scene.file);
-  OpenedScene scene =
-      openScene(std::move(*file), study.scene.scale_m, glm::vec3(world_from_eye[3]));
+/// @param eye_m  in the frame of the file
+SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m) {
+  const std::filesystem::path path = file.path;
+  OpenedScene scene = openScene(std::move(file), scale_m, eye_m);
   if (scene.dropped > 0) {
-    std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n",
-                 study.scene.file->c_str(), scene.dropped);
+    std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n", path.c_str(),
+                 scene.dropped);
   }
   for (const std::string& remark : scene.remarks) {
-    std::fprintf(stderr, "foci: %s: %s\n", study.scene.file->c_str(), remark.c_str());
+    std::fprintf(stderr, "foci: %s: %s\n", path.c_str(), remark.c_str());
   }
   return std::move(scene.cloud);
+}
+
+glm::vec3 startOfEye_m(const Study& study) {
+  return glm::vec3(glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0))[3]);
+}
+
+SurfelCloud loadSceneFile(const Study& study, std::optional<SceneFile>&& file) {
+  if (!file) file = readScene(*study.scene.file);
+  return opened(std::move(*file), study.scene.scale_m, startOfEye_m(study));
+}
+
+SurfelCloud withParts(const Study& study, SurfelCloud scene) {
+  for (const ScenePart& part : study.scene.parts) {
+    const glm::dvec4 q = glm::normalize(part.rotation);
+    const Placement place{.position_m = glm::vec3(part.position_m),
+                          .rotation = glm::quat(static_cast<float>(q.w), static_cast<float>(q.x),
+                                                static_cast<float>(q.y), static_cast<float>(q.z))};
+    const glm::vec3 eye_m =
+        glm::conjugate(place.rotation) * (startOfEye_m(study) - place.position_m);
+    SurfelCloud cloud = opened(readScene(part.file), part.scale_m, eye_m);
+    if (!canPlace(cloud, place)) {
+      throw InputError(part.file.string(),
+                       "holds Gaussians whose colours depend on the direction, which cannot be "
+                       "turned: expected a scene.part without rotation");
+    }
+    scene = joined(std::move(scene), placed(std::move(cloud), place), part.file.stem().string());
+  }
+  return scene;
 }
 
 SurfelCloud builtinScene(const Study& study) {
@@ -140,8 +168,8 @@ SurfelCloud builtinScene(const Study& study) {
 }  // namespace
 
 SurfelCloud loadScene(const Study& study, std::optional<SceneFile> scene) {
-  SurfelCloud cloud =
-      study.scene.file ? loadSceneFile(study, std::move(scene)) : builtinScene(study);
+  SurfelCloud cloud = withParts(
+      study, study.scene.file ? loadSceneFile(study, std::move(scene)) : builtinScene(study));
   if (study.scene.file || study.eye.position_m || !study.eye.path.empty() || study.eye.recorded) {
     for (const std::string& remark : viewRemarks(study, cloud)) {
       std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark.c_str());
@@ -182,6 +210,10 @@ std::vector<std::filesystem::path> inputFiles(const Study& study) {
   if (study.scene.file) {
     if (*study.scene.file != study.file) files.push_back(*study.scene.file);
     for (auto& file : meshCompanions(*study.scene.file)) files.push_back(std::move(file));
+  }
+  for (const ScenePart& part : study.scene.parts) {
+    files.push_back(part.file);
+    for (auto& file : meshCompanions(part.file)) files.push_back(std::move(file));
   }
   for (const auto& file : {study.screen.monitor, study.gaze.map, study.gaze.camera,
                            study.record.frames, study.record.changes, study.record.markers}) {

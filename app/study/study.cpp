@@ -60,6 +60,7 @@ Study readStudy(const std::filesystem::path& file) {
 
   const std::filesystem::path folder = file.parent_path();
   if (study.scene.file) resolve(*study.scene.file, folder);
+  for (ScenePart& part : study.scene.parts) resolve(part.file, folder);
   if (study.screen.monitor) resolve(*study.screen.monitor, folder);
   if (study.gaze.map) resolve(*study.gaze.map, folder);
   if (study.gaze.camera) resolve(*study.gaze.camera, folder);

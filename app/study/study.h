@@ -38,6 +38,14 @@ struct NamedShape {
   bool holds(const glm::dvec3& point_m) const;
 };
 
+/// A further file of the scene, and where it stands: first scaled, then turned, then moved.
+struct ScenePart {
+  std::filesystem::path file;
+  glm::dvec3 position_m{0.0};
+  glm::dvec4 rotation{0.0, 0.0, 0.0, 1.0};  ///< quaternion x, y, z, w, of any length but 0
+  double scale_m = 1.0;                     ///< metres per unit of the file
+};
+
 struct Study {
   std::filesystem::path file;
 
@@ -47,6 +55,7 @@ struct Study {
     double scale_m = 1.0;             ///< metres per unit of the file
     glm::dvec3 background{0.0};       ///< linear RGB
     std::vector<NamedShape> objects;  ///< what gaze meets within them is on them
+    std::vector<ScenePart> parts;     ///< join the file or the built-in scene
   } scene;
 
   struct Eye {

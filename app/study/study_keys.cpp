@@ -15,7 +15,10 @@
 
 namespace foci {
 
-// `eye.path` and `scene.object` have types of their own; toml_values.h has the others.
+// `eye.path`, `scene.object` and `scene.part` have types of their own; toml_values.h has the
+// others.
+static void read(const toml::value& from, const Allowed&, std::vector<ScenePart>& to);
+static std::string write(const std::vector<ScenePart>& parts);
 static void read(const toml::value& from, const Allowed&, std::vector<NamedShape>& to);
 static std::string write(const std::vector<NamedShape>& shapes);
 static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
@@ -28,7 +31,8 @@ std::optional<std::string> expectedAxes(std::string_view axes) {
   return std::string(kAxesExpected);
 }
 
-/// A key of the table T: Study, EyeKeyframe within `eye.path`, NamedShape within `scene.object`.
+/// A key of the table T: Study, EyeKeyframe within `eye.path`, NamedShape within `scene.object`,
+/// ScenePart within `scene.part`.
 template <class T>
 struct Key {
   std::string_view name;
@@ -64,6 +68,10 @@ Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}
   key < NamedShape, [](auto& shape) -> auto& { return shape.member; } \
   > (__VA_ARGS__)
 
+#define FOCI_PART_KEY(member, ...)                                 \
+  key < ScenePart, [](auto& part) -> auto& { return part.member; } \
+  > (__VA_ARGS__)
+
 constexpr double kFar_m = 1e6;  // a float there has steps of 6 cm
 
 const std::vector<Key<EyeKeyframe>>& keyframeKeys() {
@@ -87,6 +95,16 @@ const std::vector<Key<NamedShape>>& shapeKeys() {
   return keys;
 }
 
+const std::vector<Key<ScenePart>>& partKeys() {
+  static const std::vector<Key<ScenePart>> keys = {
+      FOCI_PART_KEY(file, "file", "as scene.file"),
+      FOCI_PART_KEY(position_m, "position_m", "where the file's origin lies, m", {-kFar_m, kFar_m}),
+      FOCI_PART_KEY(rotation, "rotation", "quaternion x, y, z, w that turns it", {-1, 1}),
+      FOCI_PART_KEY(scale_m, "scale_m", "metres per unit of the file", {1e-6, 1e6}),
+  };
+  return keys;
+}
+
 const std::vector<Key<Study>>& studyKeys() {
   static const std::vector<Key<Study>> keys = {
       FOCI_KEY(scene.file, "scene.file",
@@ -99,6 +117,10 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(scene.objects, "scene.object",
                "named boxes { name, center_m, size_m } and spheres { name, center_m, radius_m }: "
                "gaze that meets a surface within one is on that object; the first one counts"),
+      FOCI_KEY(
+          scene.parts, "scene.part",
+          "further files in the scene, { file, position_m, rotation, scale_m }: points, meshes, "
+          "prepared scenes and Gaussians together"),
       FOCI_KEY(eye.position_m, "eye.position_m", "where the eye is, m", {-kFar_m, kFar_m}),
       FOCI_KEY(eye.look_at_m, "eye.look_at_m", "point that the centre of the screen shows, m",
                {-kFar_m, kFar_m}),
@@ -327,6 +349,7 @@ const std::vector<Key<Study>>& studyKeys() {
 #undef FOCI_KEY
 #undef FOCI_KEYFRAME_KEY
 #undef FOCI_SHAPE_KEY
+#undef FOCI_PART_KEY
 
 std::string place(const std::string& file, const toml::value& value) {
   return file + ":" + std::to_string(value.location().line());
@@ -450,6 +473,22 @@ static void read(const toml::value& from, const Allowed&, std::vector<NamedShape
                throw Expected{"size_m for a box, or radius_m for a sphere, in each shape"};
              }
            });
+}
+
+static void read(const toml::value& from, const Allowed&, std::vector<ScenePart>& to) {
+  readList(from, partKeys(), "a list of at most 10000 { file, position_m, rotation, scale_m }",
+           "part", to, [](const KeyNames& given) {
+             if (!given.contains("file")) throw Expected{"file in each part"};
+           });
+  for (const ScenePart& part : to) {
+    if (!(glm::length(part.rotation) > 1e-6)) {
+      throw Expected{"a rotation of each part that is not 0, 0, 0, 0"};
+    }
+  }
+}
+
+static std::string write(const std::vector<ScenePart>& parts) {
+  return writeList(parts, partKeys());
 }
 
 static std::string write(const std::vector<NamedShape>& shapes) {

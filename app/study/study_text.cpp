@@ -56,6 +56,7 @@ std::string annotatedStudyToml(const Study& study, const std::filesystem::path& 
                      &moved.record.changes}) {
     if (*path) **path = namedIn(folder, **path);
   }
+  for (ScenePart& part : moved.scene.parts) part.file = namedIn(folder, part.file);
   const std::filesystem::path source = moved.gaze.source;
   if (std::filesystem::exists(source)) moved.gaze.source = namedIn(folder, source).string();
   moved.screen.monitor.reset();
@@ -87,6 +88,7 @@ std::string studyToml(const Study& study) {
   for (auto* path : {&moved.scene.file, &moved.gaze.map, &moved.gaze.camera}) {
     if (*path) **path = std::filesystem::absolute(**path);
   }
+  for (ScenePart& part : moved.scene.parts) part.file = std::filesystem::absolute(part.file);
   moved.screen.monitor.reset();
   std::string above, text, section;
   for (const ResolvedKey& key : resolvedKeys(moved)) {

@@ -203,6 +203,46 @@ TEST_F(GaussianScenes, APreparedSceneLooksTheSame) {
   EXPECT_NE(info.out.find("10,840 Gaussians"), std::string::npos) << info.out;
 }
 
+// A red board joins the captured wall, once before and once behind it.
+TEST_F(GaussianScenes, APartOfTheSceneIsHiddenByTheWallAndHidesIt) {
+  std::string board =
+      "ply\nformat ascii 1.0\nelement vertex 600\nproperty float x\nproperty float y\n"
+      "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "end_header\n";
+  for (int i = 0; i < 600; ++i) {
+    board += std::to_string(0.01 * (i % 20) - 0.095) + ' ' + std::to_string(0.01 * (i / 20) - 0.4) +
+             " 0 230 0 0\n";
+  }
+  folder.write("board.ply", board);
+  const auto redness = [&](float z) {
+    writeStudy("joined.toml", "[[scene.part]]\nfile = \"board.ply\"\nposition_m = [0, 0, " +
+                                  std::to_string(z) + "]\n");
+    const Outcome outcome = runFoci(
+        {"render", "joined.toml", "--out", "j.pfm", "--write-study", "again.toml", "--overwrite"},
+        folder.path());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(
+        runFoci({"render", "again.toml", "--out", "k.pfm", "--overwrite"}, folder.path()).exit_code,
+        0);
+    EXPECT_EQ(folder.read("j.pfm"), folder.read("k.pfm"));
+    int red = 0;
+    const Image image(folder.read("j.pfm"));
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x)
+        red += image.at(x, y, 0) > 0.2f && image.at(x, y, 1) < 0.05f;
+    }
+    return red;
+  };
+  EXPECT_GT(redness(-kWall_m + 0.5f), 20);
+  EXPECT_EQ(redness(-kWall_m - 0.5f), 0);
+  const Outcome none = [&] {
+    writeStudy("joined.toml", "[[scene.part]]\nposition_m = [0, 0, 1]\n");
+    return runFoci({"render", "joined.toml", "--out", "n.png"}, folder.path());
+  }();
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("file in each part"), std::string::npos) << none.err;
+}
+
 TEST_F(GaussianScenes, TheChartHasTheMethodsThatRenderThem) {
   const auto chart = [&](const std::string& out, const std::string& method) {
     std::vector<std::string> arguments = {

@@ -1,0 +1,172 @@
+#include "render/scene/joined_scene.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "render/scene/gaussian_cloud.h"
+
+namespace foci {
+namespace {
+
+/// Thickness of a flat Gaussian over its width: it needs a volume.
+constexpr float kThickness = 0.02f;
+
+float displayOf(float linear) {
+  const float x = std::clamp(linear, 0.0f, 1.0f);
+  return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
+}
+
+void addOuter(Covariance3& v, const glm::vec3& a, float weight) {
+  v.xx += weight * a.x * a.x;
+  v.xy += weight * a.x * a.y;
+  v.xz += weight * a.x * a.z;
+  v.yy += weight * a.y * a.y;
+  v.yz += weight * a.y * a.z;
+  v.zz += weight * a.z * a.z;
+}
+
+Covariance3 turned(const Covariance3& v, const glm::mat3& rotation) {
+  const glm::mat3 matrix(v.xx, v.xy, v.xz, v.xy, v.yy, v.yz, v.xz, v.yz, v.zz);
+  const glm::mat3 out = rotation * matrix * glm::transpose(rotation);
+  return {out[0][0], out[0][1], out[0][2], out[1][1], out[1][2], out[2][2]};
+}
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+/// Gaussians of either kind of scene, without a tree.
+GaussianCloud asGaussians(const SurfelCloud& scene) {
+  if (!scene.gaussians) return gaussiansOf(scene);
+  GaussianCloud cloud = *scene.gaussians;
+  cloud.tree.reset();
+  return cloud;
+}
+
+/// Gives all Gaussians harmonics of the degree; new ones are 0.
+void raiseDegree(GaussianCloud& cloud, int degree) {
+  if (cloud.degree >= degree) return;
+  const std::size_t had = cloud.harmonicsPerGaussian(), count = cloud.size();
+  cloud.degree = degree;
+  const std::size_t has = cloud.harmonicsPerGaussian();
+  std::vector<std::int16_t> all(count * has, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::copy_n(cloud.harmonics.begin() + static_cast<std::ptrdiff_t>(i * had), had,
+                all.begin() + static_cast<std::ptrdiff_t>(i * has));
+  }
+  cloud.harmonics = std::move(all);
+}
+
+SurfelCloud joinedGaussians(const SurfelCloud& scene, const SurfelCloud& part) {
+  GaussianCloud all = asGaussians(scene), more = asGaussians(part);
+  // Surfaces are no captures: the captured scene says how small Gaussians are low-passed.
+  if (!scene.gaussians) all.preserves_light = more.preserves_light;
+  const int degree = std::max(all.degree, more.degree);
+  raiseDegree(all, degree);
+  raiseDegree(more, degree);
+  append(all.position_m, more.position_m);
+  append(all.covariance_m2, more.covariance_m2);
+  append(all.opacity, more.opacity);
+  append(all.color, more.color);
+  append(all.harmonics, more.harmonics);
+  SurfelCloud joined;
+  joined.gaussians = std::make_shared<const GaussianCloud>(std::move(all));
+  return joined;
+}
+
+/// Appends the part's numbers, raised by `offset`; 0 stays 0.
+void appendNumbers(std::vector<std::uint16_t>& to, std::size_t had,
+                   const std::vector<std::uint16_t>& from, std::size_t count, std::size_t offset,
+                   std::size_t most) {
+  to.resize(had, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t number = from.empty() || from[i] == 0 ? 0 : from[i] + offset;
+    to.push_back(number <= most ? static_cast<std::uint16_t>(number) : std::uint16_t{0});
+  }
+}
+
+}  // namespace
+
+bool canPlace(const SurfelCloud& part, const Placement& place) {
+  return !place.turns() || !part.gaussians || part.gaussians->degree == 0;
+}
+
+SurfelCloud placed(SurfelCloud part, const Placement& place) {
+  assert(canPlace(part, place));
+  const glm::mat3 rotation = glm::mat3_cast(place.rotation);
+  if (part.gaussians) {
+    GaussianCloud moved = *part.gaussians;
+    moved.tree.reset();
+    for (glm::vec3& p : moved.position_m) p = rotation * p + place.position_m;
+    if (place.turns()) {
+      for (Covariance3& v : moved.covariance_m2) v = turned(v, rotation);
+    }
+    part.gaussians = std::make_shared<const GaussianCloud>(std::move(moved));
+    return part;
+  }
+  for (glm::vec3& p : part.position_m) p = rotation * p + place.position_m;
+  for (auto* const axes : {&part.axis_u_m, &part.axis_v_m}) {
+    for (glm::vec3& axis : *axes) axis = rotation * axis;
+  }
+  part.mesh.reset();  // it stays where it was
+  completeBodies(part);
+  return part;
+}
+
+SurfelCloud joined(SurfelCloud scene, SurfelCloud part, const std::string& name) {
+  if (scene.gaussians || part.gaussians) return joinedGaussians(scene, part);
+  const std::size_t had = scene.size(), count = part.size();
+  SceneObjects& objects = scene.objects;
+  if (objects.names.empty()) objects.names = {""};
+  if (part.objects.empty()) {
+    part.objects.of.assign(count, 1);
+    part.objects.names = {"", name};
+  }
+  appendNumbers(objects.of, had, part.objects.of, count, objects.names.size() - 1, kMaxObjects);
+  objects.names.insert(objects.names.end(), part.objects.names.begin() + 1,
+                       part.objects.names.end());
+  if (!scene.bodies.of_surfel.empty() || !part.bodies.of_surfel.empty()) {
+    const std::size_t bodies = scene.bodies.boxes.empty() ? 0 : scene.bodies.boxes.size() - 1;
+    appendNumbers(scene.bodies.of_surfel, had, part.bodies.of_surfel, count, bodies, kMaxBodies);
+  }
+  if (!scene.opacity.empty() || !part.opacity.empty()) {
+    scene.opacity.resize(had, 1.0f);
+    part.opacity.resize(count, 1.0f);
+    append(scene.opacity, part.opacity);
+  }
+  append(scene.position_m, part.position_m);
+  append(scene.axis_u_m, part.axis_u_m);
+  append(scene.axis_v_m, part.axis_v_m);
+  append(scene.color, part.color);
+  append(scene.area_m2, part.area_m2);
+  scene.oriented = scene.oriented && part.oriented;
+  scene.mesh.reset();
+  completeBodies(scene);
+  return scene;
+}
+
+GaussianCloud gaussiansOf(const SurfelCloud& surfels) {
+  GaussianCloud cloud;
+  const std::size_t count = surfels.size();
+  cloud.position_m = surfels.position_m;
+  cloud.covariance_m2.resize(count);
+  cloud.opacity = surfels.opacity;
+  cloud.opacity.resize(count, 1.0f);
+  cloud.color.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::vec3 &u = surfels.axis_u_m[i], &v = surfels.axis_v_m[i];
+    addOuter(cloud.covariance_m2[i], u, kFlatWidening * kFlatWidening);
+    addOuter(cloud.covariance_m2[i], v, kFlatWidening * kFlatWidening);
+    const glm::vec3 normal = glm::normalize(glm::cross(glm::normalize(u), glm::normalize(v)));
+    const float thin = kThickness * std::min(glm::length(u), glm::length(v));
+    addOuter(cloud.covariance_m2[i], normal, thin * thin);
+    for (int c = 0; c < 3; ++c) cloud.color[i][c] = displayOf(surfels.color[i][c]);
+  }
+  return cloud;
+}
+
+}  // namespace foci

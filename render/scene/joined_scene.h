@@ -1,0 +1,37 @@
+// One scene of several: each part is placed in the world, then all are joined.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <string>
+
+#include "render/scene/surfel_cloud.h"
+
+namespace foci {
+
+/// Where a part stands: first turned, then moved.
+struct Placement {
+  glm::vec3 position_m{0.0f};
+  glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f};  ///< unit
+
+  bool turns() const { return rotation != glm::quat(1.0f, 0.0f, 0.0f, 0.0f); }
+};
+
+/// Whether `place` can turn the scene: the colours of Gaussians that depend on the direction (with
+/// harmonics) cannot be turned.
+bool canPlace(const SurfelCloud& part, const Placement& place);
+
+/// Moves a part. Needs `canPlace` (asserted).
+SurfelCloud placed(SurfelCloud part, const Placement& place);
+
+/// Both scenes in one. Where either holds Gaussians, surfels become flat Gaussians
+/// (`gaussiansOf`). The part is an object of that name, unless it has objects of its own.
+SurfelCloud joined(SurfelCloud scene, SurfelCloud part, const std::string& name);
+
+/// Flat Gaussians on the surfels. A surfel's kernel is widened by `kFlatWidening`, so that
+/// Gaussians composited front to back cover the surface: with samples on a grid less than 0.1 % of
+/// the light passes. Colours become display values.
+GaussianCloud gaussiansOf(const SurfelCloud& surfels);
+inline constexpr float kFlatWidening = 1.5f;
+
+}  // namespace foci

@@ -1,0 +1,123 @@
+#include "render/scene/joined_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "render/methods/method.h"
+#include "render/scene/gaussian_cloud.h"
+
+namespace foci {
+namespace {
+
+/// A square of the given half side before the eye, which looks along -z.
+SurfelCloud square(float z, float half, const glm::vec3& color) {
+  SurfelCloud cloud;
+  constexpr float kStep = 0.01f;
+  const int count = static_cast<int>(half / kStep);
+  for (int y = -count; y < count; ++y) {
+    for (int x = -count; x < count; ++x) {
+      appendSurfel(
+          cloud,
+          {(static_cast<float>(x) + 0.5f) * kStep, (static_cast<float>(y) + 0.5f) * kStep, z},
+          {0, 0, 1}, kSigmaPerSpacing * kStep, kStep * kStep, color);
+    }
+  }
+  cloud.oriented = true;
+  return cloud;
+}
+
+SurfelCloud asGaussianScene(const SurfelCloud& surfels) {
+  SurfelCloud scene;
+  scene.gaussians = std::make_shared<const GaussianCloud>(gaussiansOf(surfels));
+  return scene;
+}
+
+Frame render(const SurfelCloud& cloud, float blur_px_per_D) {
+  const View view = viewOfCamera(eyeFromWorld({0, 0, 0}, {0, 0, -1}, {0, 1, 0}), {80, 60}, 0.5);
+  RenderSettings settings;
+  settings.defocus = {.radius_px_per_D = glm::vec2(blur_px_per_D), .focus_D = 0.5f};
+  Frame frame;
+  makeMethod(blur_px_per_D > 0.0f ? "sweep" : "pinhole", cloud)->render(view, settings, frame);
+  return frame;
+}
+
+const glm::vec3 kRed(0.6f, 0.05f, 0.05f), kGreen(0.05f, 0.5f, 0.05f);
+
+TEST(JoinedScene, APartIsTurnedAndMoved) {
+  const glm::quat quarter = glm::angleAxis(glm::radians(90.0f), glm::vec3(0, 1, 0));
+  SurfelCloud surfels;
+  appendSurfel(surfels, {1, 2, 3}, {0, 0, 1}, 0.1f, 0.01f, kRed);
+  const SurfelCloud moved = placed(surfels, {.position_m = {10, 0, 0}, .rotation = quarter});
+  EXPECT_LT(glm::distance(moved.position_m[0], glm::vec3(13, 2, -1)), 1e-5f);
+  const glm::vec3 normal = glm::normalize(glm::cross(moved.axis_u_m[0], moved.axis_v_m[0]));
+  EXPECT_LT(glm::distance(normal, glm::vec3(1, 0, 0)), 1e-5f);
+
+  // A Gaussian scene of the same surfel moves alike.
+  const SurfelCloud volume =
+      placed(asGaussianScene(surfels), {.position_m = {10, 0, 0}, .rotation = quarter});
+  const GaussianCloud expected = gaussiansOf(moved);
+  EXPECT_LT(glm::distance(volume.gaussians->position_m[0], expected.position_m[0]), 1e-5f);
+  EXPECT_NEAR(volume.gaussians->covariance_m2[0].xx, expected.covariance_m2[0].xx, 1e-7);
+  EXPECT_NEAR(volume.gaussians->covariance_m2[0].yy, expected.covariance_m2[0].yy, 1e-7);
+}
+
+TEST(JoinedScene, GaussiansWithHarmonicsCannotBeTurned) {
+  auto gaussians = gaussiansOf(square(-1.0f, 0.1f, kRed));
+  gaussians.degree = 1;
+  gaussians.harmonics.assign(gaussians.size() * gaussians.harmonicsPerGaussian(), 0);
+  SurfelCloud scene;
+  scene.gaussians = std::make_shared<const GaussianCloud>(std::move(gaussians));
+  EXPECT_TRUE(canPlace(scene, {.position_m = {1, 0, 0}}));
+  EXPECT_FALSE(canPlace(scene, {.rotation = glm::angleAxis(1.0f, glm::vec3(0, 1, 0))}));
+  // Surfels that join it get harmonics of 0.
+  const SurfelCloud all = joined(scene, square(-2.0f, 0.1f, kGreen), "green");
+  EXPECT_EQ(all.gaussians->degree, 1);
+  EXPECT_EQ(all.gaussians->harmonics.size(),
+            all.gaussians->size() * all.gaussians->harmonicsPerGaussian());
+}
+
+TEST(JoinedScene, PartsAreObjectsAndBodiesKeepApart) {
+  SurfelCloud first = square(-1.0f, 0.1f, kRed), second = square(-2.0f, 0.1f, kGreen);
+  first.bodies.of_surfel.assign(first.size(), 1);
+  second.bodies.of_surfel.assign(second.size(), 1);
+  completeBodies(first);
+  completeBodies(second);
+  const std::size_t had = first.size();
+  const SurfelCloud all = joined(first, second, "green");
+  EXPECT_EQ(all.objects.names, (std::vector<std::string>{"", "green"}));
+  EXPECT_EQ(all.objects.of[had - 1], 0);
+  EXPECT_EQ(all.objects.of[had], 1);
+  EXPECT_EQ(all.bodies.of_surfel[had - 1], 1);
+  EXPECT_EQ(all.bodies.of_surfel[had], 2);
+  ASSERT_EQ(all.bodies.boxes.size(), 3u);
+  EXPECT_LT(all.bodies.boxes[2].high_m.z, -1.9f);
+}
+
+TEST(JoinedScene, FlatGaussiansCoverWhatTheirSurfelsCover) {
+  for (const float blur : {0.0f, 4.0f}) {
+    const Frame volume = render(asGaussianScene(square(-1.0f, 0.6f, kRed)), blur);
+    float least = 1.0f;
+    for (const glm::vec4& pixel : volume.rgba) {
+      least = std::min(least, pixel.a);
+      EXPECT_NEAR(pixel.r, kRed.r, 0.02f);
+    }
+    EXPECT_GT(least, 0.99f);
+  }
+}
+
+TEST(JoinedScene, AGaussianWallHidesAMeshBehindItAndNotOneBeforeIt) {
+  const SurfelCloud wall = asGaussianScene(square(-2.0f, 0.8f, kGreen));
+  for (const float blur : {0.0f, 3.0f}) {
+    const glm::vec4 before = render(joined(wall, square(-1.0f, 0.1f, kRed), "a"), blur).at(40, 30);
+    EXPECT_NEAR(before.r, kRed.r, 0.03f);
+    EXPECT_NEAR(before.g, kRed.g, 0.03f);
+    const glm::vec4 behind = render(joined(wall, square(-3.0f, 0.1f, kRed), "a"), blur).at(40, 30);
+    EXPECT_NEAR(behind.r, kGreen.r, 0.03f);
+    EXPECT_NEAR(behind.g, kGreen.g, 0.03f);
+  }
+}
+
+}  // namespace
+}  // namespace foci
