@@ -3,8 +3,11 @@
 // with a final name is ever incomplete.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -116,11 +119,16 @@ TEST_F(Faults, AKillAtAnyMomentLeavesOnlyCompleteFiles) {
   std::mt19937 random(1);
   for (const bool prepare : {false, true}) {
     const auto arguments = prepare ? prepareTo("out") : replayTo("out");
-    const auto start = std::chrono::steady_clock::now();
-    ASSERT_EQ(runFoci(arguments, folder.path()).exit_code, 0);
-    const auto took_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
-                             std::chrono::steady_clock::now() - start)
-                             .count();
+    // The shorter of two runs: on a busy machine one of them may be slow.
+    auto took_ms = std::numeric_limits<std::int64_t>::max();
+    for (int i = 0; i < 2; ++i) {
+      fs::remove_all(folder.path() / "out");
+      const auto start = std::chrono::steady_clock::now();
+      ASSERT_EQ(runFoci(arguments, folder.path()).exit_code, 0);
+      const auto took = std::chrono::duration_cast<std::chrono::milliseconds>(
+          std::chrono::steady_clock::now() - start);
+      took_ms = std::min(took_ms, std::int64_t{took.count()});
+    }
     const auto whole = filesIn("out");
     int killed = 0;
     for (int i = 0; i < kKills; ++i) {
