@@ -6,10 +6,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "app/study/key_suggestion.h"
-#include "app/study/toml_values.h"
+#include "app/study/key_table.h"
 #include "base/input_error.h"
-#include "base/nearest.h"
 #include "calibration/toml_file.h"
 #include "render/methods/method.h"
 
@@ -29,32 +27,6 @@ namespace {
 std::optional<std::string> expectedAxes(std::string_view axes) {
   if (AxisConvention::named(axes)) return std::nullopt;
   return std::string(kAxesExpected);
-}
-
-/// A key of the table T: Study, EyeKeyframe within `eye.path`, NamedShape within `scene.object`,
-/// ScenePart within `scene.part`.
-template <class T>
-struct Key {
-  std::string_view name;
-  std::string_view meaning;
-  Allowed allowed;
-  void (*read)(const toml::value&, const Allowed&, T&);
-  std::string (*write)(const T&);
-  void (*reset)(T&);
-};
-
-/// @param at  the member that the key sets
-template <class T, auto at>
-Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}) {
-  return {name,
-          meaning,
-          std::move(allowed),
-          [](const toml::value& from, const Allowed& a, T& to) { read(from, a, at(to)); },
-          [](const T& from) { return write(at(from)); },
-          [](T& to) {
-            T fresh;
-            at(to) = at(fresh);
-          }};
 }
 
 #define FOCI_KEY(member, ...)                                    \
@@ -351,102 +323,7 @@ const std::vector<Key<Study>>& studyKeys() {
 #undef FOCI_SHAPE_KEY
 #undef FOCI_PART_KEY
 
-std::string place(const std::string& file, const toml::value& value) {
-  return file + ":" + std::to_string(value.location().line());
-}
-
-InputError notAsExpected(const std::string& file, const std::string& key, const toml::value& value,
-                         const std::string& expected) {
-  return {place(file, value), key + " = " + shownValue(value) + ": expected " + expected};
-}
-
-/// @param value  a table makes the name that of a section
-InputError unknownKey(const std::string& where, const std::string& name, const toml::value& value,
-                      const std::vector<std::string>& known) {
-  const bool is_section = value.is_table() && name.find('.') == name.npos;
-  auto near = is_section ? nearWord(name, sectionsOf(known)) : suggestedKey(name, known);
-  if (!near && is_section && !value.as_table().empty()) {
-    near = suggestedKey(name + "." + value.as_table().begin()->first, known);
-  }
-  return {where, (is_section ? "unknown section " : "unknown key ") + shownName(name) +
-                     (near ? ": did you mean " + *near + "?" : "; foci keys lists the keys")};
-}
-
-/// Applies a TOML table of keys with the given prefix to `to`.
-/// @return the names of the keys set
-template <class T>
-KeyNames apply(const std::vector<Key<T>>& keys, const toml::table& table, const std::string& prefix,
-               const std::string& file, T& to) {
-  KeyNames given;
-  for (const auto& [name, value] : table) {
-    const std::string full = prefix + name;
-    const auto found =
-        std::find_if(keys.begin(), keys.end(), [&](const auto& key) { return key.name == full; });
-    const bool is_section = std::any_of(keys.begin(), keys.end(), [&](const auto& key) {
-      return key.name.starts_with(full + ".");
-    });
-    if (found != keys.end()) {
-      try {
-        found->read(value, found->allowed, to);
-      } catch (const Expected& expected) {
-        throw notAsExpected(file, full, value, expected.what);
-      }
-      given.insert(full);
-    } else if (is_section && value.is_table() && prefix.empty()) {
-      given.merge(apply(keys, value.as_table(), full + ".", file, to));
-    } else if (is_section) {
-      throw notAsExpected(file, full, value, "a section of keys");
-    } else {
-      std::vector<std::string> known;
-      std::transform(keys.begin(), keys.end(), std::back_inserter(known),
-                     [](const auto& key) { return std::string(key.name); });
-      throw unknownKey(place(file, value), full, value, known);
-    }
-  }
-  return given;
-}
-
 }  // namespace
-
-/// Reads a list of tables. @param what  it is, for messages @param each  one element is
-/// @param check  throws Expected for a table that lacks a key
-template <class T, class Check>
-static void readList(const toml::value& from, const std::vector<Key<T>>& keys,
-                     const std::string& what, const std::string& each, std::vector<T>& to,
-                     const Check& check) {
-  if (!from.is_array() || from.as_array().empty() || from.as_array().size() > 10000) {
-    throw Expected{what};
-  }
-  for (const toml::value& element : from.as_array()) {
-    if (!element.is_table()) throw Expected{what};
-    T value;
-    // The caller, who knows the name of the file, puts it before the message.
-    KeyNames given;
-    try {
-      given = apply(keys, element.as_table(), "", "", value);
-    } catch (const InputError& error) {
-      const std::string_view text = error.what();
-      throw Expected{"a list of " + each + "s, but line " + std::string(text.substr(1))};
-    }
-    check(given);
-    to.push_back(value);
-  }
-}
-
-/// A list of tables as JSON.
-template <class T>
-static std::string writeList(const std::vector<T>& values, const std::vector<Key<T>>& keys) {
-  std::string text = "[";
-  for (const T& value : values) {
-    text += text.size() > 1 ? ", {" : "{";
-    for (const auto& key : keys) {
-      text +=
-          (&key == keys.data() ? "\"" : ", \"") + std::string(key.name) + "\": " + key.write(value);
-    }
-    text += "}";
-  }
-  return text + "]";
-}
 
 static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to) {
   readList(from, keyframeKeys(), "a list of at most 10000 { time_s, position_m, look_at_m }",

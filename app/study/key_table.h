@@ -1,0 +1,141 @@
+// A table of keys: how each is read from TOML (toml11), checked and written. toml11 is heavy to
+// compile, so only study_keys.cpp includes this.
+#pragma once
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "app/study/key_suggestion.h"
+#include "app/study/study_keys.h"
+#include "app/study/toml_values.h"
+#include "base/input_error.h"
+#include "base/nearest.h"
+
+namespace foci {
+
+/// A key of T: of a study, or of an element of a list in it.
+template <class T>
+struct Key {
+  std::string_view name;
+  std::string_view meaning;
+  Allowed allowed;
+  void (*read)(const toml::value&, const Allowed&, T&);
+  std::string (*write)(const T&);
+  void (*reset)(T&);
+};
+
+/// @param at  the member that the key sets
+template <class T, auto at>
+Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}) {
+  return {name,
+          meaning,
+          std::move(allowed),
+          [](const toml::value& from, const Allowed& a, T& to) { read(from, a, at(to)); },
+          [](const T& from) { return write(at(from)); },
+          [](T& to) {
+            T fresh;
+            at(to) = at(fresh);
+          }};
+}
+
+inline std::string place(const std::string& file, const toml::value& value) {
+  return file + ":" + std::to_string(value.location().line());
+}
+
+inline InputError notAsExpected(const std::string& file, const std::string& key,
+                                const toml::value& value, const std::string& expected) {
+  return {place(file, value), key + " = " + shownValue(value) + ": expected " + expected};
+}
+
+/// @param value  a table makes the name that of a section
+inline InputError unknownKey(const std::string& where, const std::string& name,
+                             const toml::value& value, const std::vector<std::string>& known) {
+  const bool is_section = value.is_table() && name.find('.') == name.npos;
+  auto near = is_section ? nearWord(name, sectionsOf(known)) : suggestedKey(name, known);
+  if (!near && is_section && !value.as_table().empty()) {
+    near = suggestedKey(name + "." + value.as_table().begin()->first, known);
+  }
+  return {where, (is_section ? "unknown section " : "unknown key ") + shownName(name) +
+                     (near ? ": did you mean " + *near + "?" : "; foci keys lists the keys")};
+}
+
+/// Applies a TOML table of keys with the given prefix to `to`.
+/// @return the names of the keys set
+template <class T>
+KeyNames apply(const std::vector<Key<T>>& keys, const toml::table& table, const std::string& prefix,
+               const std::string& file, T& to) {
+  KeyNames given;
+  for (const auto& [name, value] : table) {
+    const std::string full = prefix + name;
+    const auto found =
+        std::find_if(keys.begin(), keys.end(), [&](const auto& key) { return key.name == full; });
+    const bool is_section = std::any_of(keys.begin(), keys.end(), [&](const auto& key) {
+      return key.name.starts_with(full + ".");
+    });
+    if (found != keys.end()) {
+      try {
+        found->read(value, found->allowed, to);
+      } catch (const Expected& expected) {
+        throw notAsExpected(file, full, value, expected.what);
+      }
+      given.insert(full);
+    } else if (is_section && value.is_table() && prefix.empty()) {
+      given.merge(apply(keys, value.as_table(), full + ".", file, to));
+    } else if (is_section) {
+      throw notAsExpected(file, full, value, "a section of keys");
+    } else {
+      std::vector<std::string> known;
+      std::transform(keys.begin(), keys.end(), std::back_inserter(known),
+                     [](const auto& key) { return std::string(key.name); });
+      throw unknownKey(place(file, value), full, value, known);
+    }
+  }
+  return given;
+}
+
+/// Reads a list of tables.
+/// @param what   it is, for messages
+/// @param each   one element is, for messages
+/// @param check  throws Expected for a table that lacks a key
+template <class T, class Check>
+void readList(const toml::value& from, const std::vector<Key<T>>& keys, const std::string& what,
+              const std::string& each, std::vector<T>& to, const Check& check) {
+  if (!from.is_array() || from.as_array().empty() || from.as_array().size() > 10000) {
+    throw Expected{what};
+  }
+  for (const toml::value& element : from.as_array()) {
+    if (!element.is_table()) throw Expected{what};
+    T value;
+    // The caller, who knows the name of the file, puts it before the message.
+    KeyNames given;
+    try {
+      given = apply(keys, element.as_table(), "", "", value);
+    } catch (const InputError& error) {
+      const std::string_view text = error.what();
+      throw Expected{"a list of " + each + "s, but line " + std::string(text.substr(1))};
+    }
+    check(given);
+    to.push_back(value);
+  }
+}
+
+/// A list of tables as JSON.
+template <class T>
+std::string writeList(const std::vector<T>& values, const std::vector<Key<T>>& keys) {
+  std::string text = "[";
+  for (const T& value : values) {
+    text += text.size() > 1 ? ", {" : "{";
+    for (const auto& key : keys) {
+      text +=
+          (&key == keys.data() ? "\"" : ", \"") + std::string(key.name) + "\": " + key.write(value);
+    }
+    text += "}";
+  }
+  return text + "]";
+}
+
+}  // namespace foci
