@@ -11,6 +11,7 @@
 #include <string>
 
 #include "base/input_error.h"
+#include "base/text.h"
 #include "render/scene/io/ply_header.h"
 #include "render/scene/io/scan_values.h"
 
