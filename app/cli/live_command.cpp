@@ -11,6 +11,7 @@
 #include "app/platform/output_files.h"
 #include "app/record/manifest.h"
 #include "app/study/inputs.h"
+#include "base/input_error.h"
 #include "base/text.h"
 
 namespace foci {
