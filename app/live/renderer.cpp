@@ -95,7 +95,7 @@ std::future<std::string> LiveRenderer::change(const std::string& key, const std:
   return post([this, key, toml] {
     changeLive(study_, *session_, key, toml);
     if (key.starts_with("eye.")) noteView();
-    if (const std::string remark = ellipseRemark(study_); !remark.empty()) tell(remark);
+    if (const std::string remark = eyeRemark(study_); !remark.empty()) tell(remark);
     // The next frame is the first with the new value. Its time is not before now.
     if (state_.record) {
       state_.record->add(Change{std::max(clock_.now_s(), last_frame_s_ + kTick_s), key, toml});

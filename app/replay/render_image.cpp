@@ -42,7 +42,7 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
   if (request.focus_D) settings.focus.fixed_D = request.focus_D;
   constexpr double kRate_Hz = 1000.0;  // of no samples
   Session session(settings, cloud, settings.screen, kRate_Hz, 0.0);
-  if (const std::string remark = ellipseRemark(study); !remark.empty()) {
+  if (const std::string remark = eyeRemark(study); !remark.empty()) {
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }
   if (const std::string device = session.deviceOf(settings.method);

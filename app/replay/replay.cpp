@@ -33,7 +33,7 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
                  .heatmap = heatmap};
   ReplayedEye eye(study, gaze, cloud);
   noteInterrupts();
-  if (const std::string remark = ellipseRemark(study); !remark.empty()) {
+  if (const std::string remark = eyeRemark(study); !remark.empty()) {
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }
 

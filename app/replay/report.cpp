@@ -139,7 +139,7 @@ std::string eyeText(const Study& study) {
         observer.corrected
             ? "; the observer wears it."
             : "; the observer does not wear it, and the focus is the mean over all meridians. " +
-                  escaped(ellipseRemark(study));
+                  escaped(eyeRemark(study));
   }
   if (observer.chromatic) text += " Red, green and blue each have their own focus.";
   return text;

@@ -270,6 +270,8 @@ RenderRequest Session::requestWith(const std::string& method, const FrameRecord&
   for (const EyeView& eye : viewsAt(record.time_s)) {
     RenderSettings settings{
         .defocus = defocusOfEye(settings_.observer, pupil_mm, eye.view.focal_px, focus_D),
+        .pupil = pupilOfEye(settings_.observer, eye.offset_m < 0.0, pupil_mm, eye.view.focal_px,
+                            focus_D),
         .background = settings_.background,
         .shading = settings_.shading,
         .depth = settings_.output.depth};

@@ -1,6 +1,7 @@
 // What a session shows, to whom, on which screen and how well.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "gaze/focus/accommodation.h"
 #include "gaze/geometry/default_screen.h"
 #include "render/optics/refraction.h"
+#include "render/optics/wavefront.h"
 
 namespace foci {
 
@@ -24,6 +26,14 @@ struct ObserverSettings {
   double ipd_mm = 63.0;
   Refraction refraction{};  ///< what glasses do not correct; default: none
   bool chromatic = false;   ///< red, green and blue each have their focus (refraction.h)
+  /// Of the left and the right eye, as measured; what `refraction` holds is left out.
+  std::array<Wavefront, 2> wavefronts{};
+  double spherical_um_per_D =
+      0.0;  ///< change of coefficient 12 with accommodation (observer_eye.h)
+  bool stiles_crawford = false;
+  glm::dvec2 stiles_crawford_center_m{0.0};  ///< towards the nose, upwards
+  glm::dvec2 pupil_offset_m{0.0};  ///< from the achromatic axis: towards the nose, upwards
+  bool diffraction = false;
 };
 
 struct FocusSettings {

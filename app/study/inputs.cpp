@@ -215,8 +215,9 @@ std::vector<std::filesystem::path> inputFiles(const Study& study) {
     files.push_back(part.file);
     for (auto& file : meshCompanions(part.file)) files.push_back(std::move(file));
   }
-  for (const auto& file : {study.screen.monitor, study.gaze.map, study.gaze.camera,
-                           study.record.frames, study.record.changes, study.record.markers}) {
+  for (const auto& file :
+       {study.screen.monitor, study.observer.wavefront.file, study.gaze.map, study.gaze.camera,
+        study.record.frames, study.record.changes, study.record.markers}) {
     if (file) files.push_back(*file);
   }
   if (const auto place = webcamPlaceOf(study.gaze.source)) {

@@ -11,11 +11,32 @@ namespace foci {
 namespace {
 
 constexpr std::string_view kLiveKeys[] = {
-    "eye.position_m",    "eye.look_at_m",      "observer.pupil_mm",  "observer.ipd_mm",
-    "focus.fixed_D",     "render.method",      "render.shading",     "scene.background",
-    "output.marker",     "output.split",       "output.view",        "quality.tolerance",
-    "quality.frame_ms",  "quality.foveated",   "observer.sphere_D",  "observer.cylinder_D",
-    "observer.axis_deg", "observer.corrected", "observer.chromatic",
+    "eye.position_m",
+    "eye.look_at_m",
+    "observer.pupil_mm",
+    "observer.ipd_mm",
+    "focus.fixed_D",
+    "render.method",
+    "render.shading",
+    "scene.background",
+    "output.marker",
+    "output.split",
+    "output.view",
+    "quality.tolerance",
+    "quality.frame_ms",
+    "quality.foveated",
+    "observer.sphere_D",
+    "observer.cylinder_D",
+    "observer.axis_deg",
+    "observer.corrected",
+    "observer.chromatic",
+    "observer.wavefront",
+    "observer.wavefront_pupil_mm",
+    "observer.spherical_um_per_D",
+    "observer.stiles_crawford",
+    "observer.stiles_crawford_center_mm",
+    "observer.pupil_offset_mm",
+    "observer.diffraction",
 };
 
 }  // namespace

@@ -1,18 +1,51 @@
 #include "app/study/session_settings_of.h"
 
+#include <array>
+#include <utility>
+
 #include "app/study/inputs.h"
+#include "app/study/wavefront_file.h"
 #include "base/input_error.h"
 #include "render/methods/method.h"
 
 namespace foci {
 namespace {
 
-/// What the prescription leaves uncorrected: nothing if it is worn.
-Refraction refractionInForce(const Study::Observer& observer) {
-  if (observer.corrected) return {};
-  return refractionOf({.sphere_D = observer.sphere_D,
-                       .cylinder_D = observer.cylinder_D,
-                       .axis_deg = observer.axis_deg});
+/// The observer's eyes, without what glasses correct.
+struct Eyes {
+  Refraction refraction{};
+  std::array<Wavefront, 2> wavefronts{};  ///< left, right
+};
+
+/// Without glasses, the second order that both wavefronts have in common is the refraction.
+Eyes eyesOf(const Study::Observer& observer) {
+  Eyes eyes;
+  if (!observer.corrected) {
+    eyes.refraction = refractionOf({.sphere_D = observer.sphere_D,
+                                    .cylinder_D = observer.cylinder_D,
+                                    .axis_deg = observer.axis_deg});
+  }
+  MeasuredEyes measured;
+  if (observer.wavefront.file) {
+    measured = readWavefronts(*observer.wavefront.file, observer.wavefront_pupil_mm);
+  } else if (!observer.wavefront.zernike_um.empty()) {
+    measured.left = measured.right = Wavefront{.zernike_um = observer.wavefront.zernike_um,
+                                               .pupil_m = *observer.wavefront_pupil_mm / 1000.0};
+  }
+  if (!measured.left && !measured.right) return eyes;
+  // One eye alone is the one that the view shows (`checkStudy`).
+  eyes.wavefronts = {measured.left ? *measured.left : *measured.right,
+                     measured.right ? *measured.right : *measured.left};
+  const glm::dvec3 common_D = 0.5 * (power_D(eyes.wavefronts[0]) + power_D(eyes.wavefronts[1]));
+  for (Wavefront& eye : eyes.wavefronts) {
+    eye = observer.corrected ? withoutRefraction(std::move(eye))
+                             : withPower(eye, power_D(eye) - common_D);
+  }
+  if (!observer.corrected) {
+    eyes.refraction.far_point_D += common_D.x;
+    eyes.refraction.astigmatism_D += glm::vec2(common_D.y, common_D.z);
+  }
+  return eyes;
 }
 
 }  // namespace
@@ -39,40 +72,64 @@ EyePath eyePathOf(const Study& study) {
 }
 
 SessionSettings sessionSettingsOf(const Study& study) {
-  return {.background = glm::vec3(study.scene.background),
-          .shading = static_cast<float>(study.render.shading),
-          .path = eyePathOf(study),
-          .screen = study.screenInForce(),
-          .headset = study.display.kind == DisplayKind::headset
-                         ? std::optional(study.display.field())
-                         : std::nullopt,
-          .luminance_cd_m2 = study.screen.luminance_cd_m2,
-          .observer = {.pupil = study.observer.pupil,
-                       .pupil_mm = study.observer.pupil_mm,
-                       .ipd_mm = study.observer.ipd_mm,
-                       .refraction = refractionInForce(study.observer),
-                       .chromatic = study.observer.chromatic},
-          .events = study.gaze.events,
-          .focus = {.cone_half_angle_deg = study.focus.cone_deg,
-                    .coverage = study.focus.coverage,
-                    .accommodation = study.focus.accommodation,
-                    .vergence = study.focus.vergence,
-                    .fixed_D = study.focus.fixed_D},
-          .method = study.render.method,
-          .device = study.render.device,
-          .quality = study.quality,
-          .output = {.size_px = study.imageSize_px(),
-                     .stereo = study.output.view,
-                     .split = study.output.split,
-                     .depth = !study.output.maps.empty()}};
+  const Eyes eyes = eyesOf(study.observer);
+  return {
+      .background = glm::vec3(study.scene.background),
+      .shading = static_cast<float>(study.render.shading),
+      .path = eyePathOf(study),
+      .screen = study.screenInForce(),
+      .headset = study.display.kind == DisplayKind::headset ? std::optional(study.display.field())
+                                                            : std::nullopt,
+      .luminance_cd_m2 = study.screen.luminance_cd_m2,
+      .observer = {.pupil = study.observer.pupil,
+                   .pupil_mm = study.observer.pupil_mm,
+                   .ipd_mm = study.observer.ipd_mm,
+                   .refraction = eyes.refraction,
+                   .chromatic = study.observer.chromatic,
+                   .wavefronts = eyes.wavefronts,
+                   .spherical_um_per_D = study.observer.spherical_um_per_D,
+                   .stiles_crawford = study.observer.stiles_crawford,
+                   .stiles_crawford_center_m = study.observer.stiles_crawford_center_mm / 1000.0,
+                   .pupil_offset_m = study.observer.pupil_offset_mm / 1000.0,
+                   .diffraction = study.observer.diffraction},
+      .events = study.gaze.events,
+      .focus = {.cone_half_angle_deg = study.focus.cone_deg,
+                .coverage = study.focus.coverage,
+                .accommodation = study.focus.accommodation,
+                .vergence = study.focus.vergence,
+                .fixed_D = study.focus.fixed_D},
+      .method = study.render.method,
+      .device = study.render.device,
+      .quality = study.quality,
+      .output = {.size_px = study.imageSize_px(),
+                 .stereo = study.output.view,
+                 .split = study.output.split,
+                 .depth = !study.output.maps.empty()}};
 }
 
-std::string ellipseRemark(const Study& study) {
+bool ellipsesAsCircles(const Study& study) {
+  return eyesOf(study.observer).refraction.astigmatism_D != glm::vec2(0.0f) &&
+         !rendersEllipses(study.render.method);
+}
+
+std::string eyeRemark(const Study& study) {
   const std::string& method = study.render.method;
-  const Refraction refraction = refractionInForce(study.observer);
-  if (refraction.astigmatism_D == glm::vec2(0.0f) || rendersEllipses(method)) return {};
-  return "method " + method +
-         " has one radius of blur: an astigmatic eye's ellipses are circles of the same variance.";
+  const Study::Observer& observer = study.observer;
+  const Eyes eyes = eyesOf(observer);
+  std::string remark;
+  if (ellipsesAsCircles(study)) {
+    remark =
+        "method " + method +
+        " has one radius of blur: an astigmatic eye's ellipses are circles of the same variance.";
+  }
+  const bool aberrations = eyes.wavefronts[0] || eyes.wavefronts[1] || observer.stiles_crawford ||
+                           observer.diffraction || observer.spherical_um_per_D != 0.0;
+  if (aberrations && !rendersAberrations(method)) {
+    remark += (remark.empty() ? "method " : " Method ") + method +
+              " leaves out the observer's aberrations, diffraction and the Stiles-Crawford effect; "
+              "auto, sweep:N, sweep-lod and accumulate:N render them.";
+  }
+  return remark;
 }
 
 }  // namespace foci

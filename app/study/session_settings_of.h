@@ -14,8 +14,11 @@ SessionSettings sessionSettingsOf(const Study& study);
 /// Where the eye of a study is over time. Its errors name the study's file.
 EyePath eyePathOf(const Study& study);
 
-/// If the study's method renders the ellipses of an astigmatic eye as circles, a sentence that says
-/// so; else "".
-std::string ellipseRemark(const Study& study);
+/// Whether the study's method renders the ellipses of an astigmatic eye as circles.
+bool ellipsesAsCircles(const Study& study);
+
+/// A sentence for each property of the observer's eyes that the study's method leaves out, or
+/// renders in a simpler way; else "".
+std::string eyeRemark(const Study& study);
 
 }  // namespace foci

@@ -8,6 +8,7 @@
 #include "app/study/recorded_head.h"
 #include "app/study/study_keys.h"
 #include "app/study/toml_values.h"
+#include "app/study/wavefront_file.h"
 #include "base/input_error.h"
 #include "calibration/camera/camera.h"
 #include "calibration/screen/screen_file.h"
@@ -62,6 +63,7 @@ Study readStudy(const std::filesystem::path& file) {
   if (study.scene.file) resolve(*study.scene.file, folder);
   for (ScenePart& part : study.scene.parts) resolve(part.file, folder);
   if (study.screen.monitor) resolve(*study.screen.monitor, folder);
+  if (study.observer.wavefront.file) resolve(*study.observer.wavefront.file, folder);
   if (study.gaze.map) resolve(*study.gaze.map, folder);
   if (study.gaze.camera) resolve(*study.gaze.camera, folder);
   if (study.record.frames) resolve(*study.record.frames, folder);
@@ -187,6 +189,45 @@ void checkEye(const Study& study) {
   }
 }
 
+bool wavefrontHasPower(const Study::Observer& observer) {
+  const auto has = [](const std::optional<Wavefront>& eye) {
+    return eye && power_D(*eye) != glm::dvec3(0.0);
+  };
+  if (!observer.wavefront.file) {
+    return has(Wavefront{.zernike_um = observer.wavefront.zernike_um, .pupil_m = 1e-3});
+  }
+  const MeasuredEyes eyes = readWavefronts(*observer.wavefront.file, observer.wavefront_pupil_mm);
+  return has(eyes.left) || has(eyes.right);
+}
+
+void checkObserver(const Study& study) {
+  const Study::Observer& observer = study.observer;
+  if (!observer.wavefront.zernike_um.empty() && !observer.wavefront_pupil_mm) {
+    refuse(study,
+           "observer.wavefront: expected observer.wavefront_pupil_mm, too, the pupil that the "
+           "coefficients hold for");
+  }
+  if (!observer.wavefront.zernike_um.empty() && observer.wavefront.zernike_um.size() < 4) {
+    refuse(study, "observer.wavefront: expected more than piston and tilt, indices 0 to 2");
+  }
+  if (!observer.corrected && (observer.sphere_D != 0.0 || observer.cylinder_D != 0.0) &&
+      wavefrontHasPower(observer)) {
+    refuse(study,
+           "observer.wavefront: its second order (indices 3 to 5) is the refraction; expected "
+           "neither sphere_D nor cylinder_D beside it");
+  }
+  if (!observer.wavefront.file) return;
+  const MeasuredEyes eyes = readWavefronts(*observer.wavefront.file, observer.wavefront_pupil_mm);
+  const StereoView view = study.output.view;
+  const bool left_seen = view != StereoView::mono && view != StereoView::right;
+  const bool right_seen = view != StereoView::mono && view != StereoView::left;
+  if ((left_seen && !eyes.left) || (right_seen && !eyes.right)) {
+    refuse(study, "observer.wavefront: the file has no " +
+                      std::string(eyes.left ? "right" : "left") +
+                      " eye, which output.view = " + write(view) + " shows");
+  }
+}
+
 void checkOutput(const Study& study) {
   const glm::ivec2 size_px = study.imageSize_px();
   const StereoView view = study.output.view;
@@ -212,6 +253,7 @@ void checkOutput(const Study& study) {
 void checkStudy(const Study& study) {
   checkGaze(study);
   checkEye(study);
+  checkObserver(study);
   checkOutput(study);
 }
 

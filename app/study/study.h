@@ -46,6 +46,12 @@ struct ScenePart {
   double scale_m = 1.0;                     ///< metres per unit of the file
 };
 
+/// The table of an aberrometer, or coefficients for both eyes; by default neither.
+struct WavefrontChoice {
+  std::optional<std::filesystem::path> file = {};
+  std::vector<double> zernike_um = {};
+};
+
 struct Study {
   std::filesystem::path file;
 
@@ -95,6 +101,13 @@ struct Study {
     double sphere_D = 0.0, cylinder_D = 0.0, axis_deg = 0.0;  ///< the prescription of both eyes
     bool corrected = true;                                    ///< the prescription is worn
     bool chromatic = false;                                   ///< see render/optics/refraction.h
+    WavefrontChoice wavefront;
+    std::optional<double> wavefront_pupil_mm;  ///< that its coefficients hold for
+    double spherical_um_per_D = 0.0;           ///< change of coefficient 12 with accommodation
+    bool stiles_crawford = false;
+    glm::dvec2 stiles_crawford_center_mm{0.0};  ///< towards the nose, upwards
+    glm::dvec2 pupil_offset_mm{0.0};            ///< from the achromatic axis; towards the nose, up
+    bool diffraction = false;
   } observer;
 
   struct Gaze {

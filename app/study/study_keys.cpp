@@ -13,14 +13,16 @@
 
 namespace foci {
 
-// `eye.path`, `scene.object` and `scene.part` have types of their own; toml_values.h has the
-// others.
+// `eye.path`, `scene.object`, `scene.part` and `observer.wavefront` have types of their own;
+// toml_values.h has the others.
 static void read(const toml::value& from, const Allowed&, std::vector<ScenePart>& to);
 static std::string write(const std::vector<ScenePart>& parts);
 static void read(const toml::value& from, const Allowed&, std::vector<NamedShape>& to);
 static std::string write(const std::vector<NamedShape>& shapes);
 static void read(const toml::value& from, const Allowed&, std::vector<EyeKeyframe>& to);
 static std::string write(const std::vector<EyeKeyframe>& path);
+static void read(const toml::value& from, const Allowed& allowed, WavefrontChoice& to);
+static std::string write(const WavefrontChoice& wavefront);
 
 namespace {
 
@@ -140,6 +142,27 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(
           observer.chromatic, "observer.chromatic",
           "red, green and blue each have their own focus; rendering takes three times as long"),
+      FOCI_KEY(
+          observer.wavefront, "observer.wavefront",
+          "Zernike coefficients of the eye, um, in the order of OSA and ANSI from index 0, for "
+          "both eyes; or the file of an aberrometer (CSV)",
+          {-50, 50}),
+      FOCI_KEY(observer.wavefront_pupil_mm, "observer.wavefront_pupil_mm",
+               "diameter of the pupil that the coefficients hold for, mm", {1, 12}),
+      FOCI_KEY(observer.spherical_um_per_D, "observer.spherical_um_per_D",
+               "change of the spherical aberration (coefficient 12, at a pupil of 5 mm) for each "
+               "dioptre of accommodation, um/D; young eyes: about -0.05",
+               {-0.5, 0.5}),
+      FOCI_KEY(observer.stiles_crawford, "observer.stiles_crawford",
+               "light near the rim of the pupil counts less (Stiles-Crawford effect)"),
+      FOCI_KEY(observer.stiles_crawford_center_mm, "observer.stiles_crawford_center_mm",
+               "where in the pupil light counts most: towards the nose, upwards, mm", {-3, 3}),
+      FOCI_KEY(observer.pupil_offset_mm, "observer.pupil_offset_mm",
+               "middle of the pupil from the achromatic axis: towards the nose, upwards, mm; with "
+               "observer.chromatic the colours shift",
+               {-3, 3}),
+      FOCI_KEY(observer.diffraction, "observer.diffraction",
+               "the blur of a small pupil, at 555 nm, where pixels are fine enough to show it"),
       FOCI_KEY(gaze.source, "gaze.source",
                "\"simulated\", a recording (TSV, CSV, ASC, XDF), or webcam:VIDEO"),
       FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording or a webcam"),
@@ -362,6 +385,30 @@ static void read(const toml::value& from, const Allowed&, std::vector<ScenePart>
       throw Expected{"a rotation of each part that is not 0, 0, 0, 0"};
     }
   }
+}
+
+static void read(const toml::value& from, const Allowed& allowed, WavefrontChoice& to) {
+  const std::string what =
+      "a file's name, or a list of at most 66 numbers, each " + rangeText(allowed);
+  to = {};
+  try {
+    if (from.is_array() && !from.as_array().empty() && from.as_array().size() <= 66) {
+      for (const toml::value& element : from.as_array()) {
+        read(element, allowed, to.zernike_um.emplace_back());
+      }
+    } else {
+      read(from, allowed, to.file);
+    }
+  } catch (const Expected&) {
+    throw Expected{what};
+  }
+}
+
+static std::string write(const WavefrontChoice& wavefront) {
+  if (wavefront.zernike_um.empty()) return write(wavefront.file);
+  std::string text = "[";
+  for (const double um : wavefront.zernike_um) text += (text.size() > 1 ? ", " : "") + write(um);
+  return text + "]";
 }
 
 static std::string write(const std::vector<ScenePart>& parts) {

@@ -19,7 +19,7 @@ bool mayBeCoarse(const GpuRequest& request) {
 GpuFrameBlock frameBlockOf(const GpuRequest& request, const GpuScene& scene) {
   const View& view = request.view;
   const Defocus& defocus = request.defocus;
-  const Acuity acuity = request.cut ? request.cut->acuity : Acuity{};
+  const Acuity acuity = request.cut ? request.cut->acuity : request.acuity;
   const glm::mat3 rotation(view.eye_from_world);
   const glm::mat3 rows = glm::transpose(rotation);
   const glm::vec3 eye = -rows * glm::vec3(view.eye_from_world[3]);

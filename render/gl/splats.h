@@ -21,6 +21,7 @@ struct GpuRequest {
   View view;
   Defocus defocus;
   std::optional<CutSettings> cut;  ///< absent: every surfel, at full detail
+  Acuity acuity = {};              ///< width of the prefilter without a cut, which has its own
   glm::vec2 lens{0.0f};            ///< `Projection::lens`
   float aperture = 1.0f;           ///< `Projection::aperture`
   float shading = 0.0f;

@@ -33,13 +33,18 @@ class AccumulateMethod final : public Method {
 
     // Sum even views in `frame` and odd views in `odd_`, to compare the two halves.
     RenderStats stats;
+    std::vector<glm::vec2> points;
+    points.reserve(static_cast<std::size_t>(views_));
+    for (int i = 0; i < views_; ++i) points.push_back(lensSample(i, views_));
+    const std::vector<LensPart> parts = lensPoints(settings.defocus, settings.pupil, points);
     for (int i = 0; i < views_; ++i) {
-      renderView(view, settings, lensSample(i, views_), stats);
+      renderView(view, settings, parts[static_cast<std::size_t>(i)], stats);
+      const float weight = parts[static_cast<std::size_t>(i)].weight * static_cast<float>(views_);
       Frame& half = i % 2 == 0 ? frame : odd_;
       parallelFor(static_cast<std::size_t>(view.size_px.y), [&](std::size_t y) {
         for (std::size_t p = y * width; p < (y + 1) * width; ++p) {
-          half.rgba[p] += view_.rgba[p];
-          if (settings.depth) half.depth_m[p] += view_.depth_m[p] * view_.rgba[p].a;
+          half.rgba[p] += weight * view_.rgba[p];
+          if (settings.depth) half.depth_m[p] += weight * view_.depth_m[p] * view_.rgba[p].a;
         }
       });
     }
@@ -65,16 +70,20 @@ class AccumulateMethod final : public Method {
 
  private:
   /// Renders the view from a point of the lens into `view_`.
-  void renderView(const View& view, const RenderSettings& settings, const glm::vec2& lens,
+  void renderView(const View& view, const RenderSettings& settings, const LensPart& part,
                   RenderStats& stats) {
+    const View seen = viewOfPart(view, part);
+    const Acuity acuity = widened({}, settings.pupil);
     if (gpu_) {
-      GpuRequest request = gpuRequestOf(view, settings);
-      request.lens = lens;
+      GpuRequest request = gpuRequestOf(seen, settings);
+      request.lens = part.centre;
       request.aperture = 0.0f;
+      request.acuity = acuity;
       stats.add(statsOf(gpu_->render(request, view_)));
       return;
     }
-    scene_.project(cloud_, view, settings, {.lens = lens, .aperture = 0.0f});
+    scene_.project(cloud_, seen, settings,
+                   {.lens = part.centre, .aperture = 0.0f, .acuity = acuity});
     stats.splats += scene_.count();
     stats.fragments += scene_.render(settings.background, settings.depth, view_);
   }
@@ -94,6 +103,7 @@ MethodEntry accumulateMethod() {
                    .source = "Haeberli and Akeley 1990",
                    .max_n = 100000,
                    .default_n = 200,
+                   .aberrations = true,
                    .gpu = true},
           .make = makeAs<AccumulateMethod>,
           .make_of_gaussians = gaussianAccumulate};

@@ -264,6 +264,7 @@ MethodEntry autoMethod() {
                           "frame-time budget, allows",
                .source = "our own",
                .max_n = static_cast<int>(kQualityLevels),
+               .aberrations = true,
                .gpu = true},
       .make = [](const SurfelCloud& cloud, int n, const SharedGpu& gpu) -> std::unique_ptr<Method> {
         return std::make_unique<AutoMethod>(cloud, qualityLevelNumbered(n), gpu);

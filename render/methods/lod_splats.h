@@ -11,13 +11,16 @@
 #include "render/lod/moment_tree.h"
 #include "render/methods/method.h"
 #include "render/splat/bin.h"
+#include "render/splat/project.h"
 #include "render/splat/splat.h"
 
 namespace foci {
 
 struct LodSettings {
   CutSettings cut;
-  int sub_apertures = 1;     ///< used where surfaces overlap; 1: a whole-aperture pass everywhere
+  /// Used where surfaces overlap; 1: a whole-aperture pass everywhere. A lens whose parts see
+  /// different images (`Pupil::hasParts`) takes this many, or more, over the whole image.
+  int sub_apertures = 1;
   float low_pass_px = 0.0f;  ///< standard deviation of the low-pass that `cut` is made for
 };
 
@@ -38,14 +41,22 @@ class LodSplats {
                      Frame& frame);
 
  private:
-  RenderStats renderOnGpu(const View& view, const RenderSettings& settings, const LodSettings& lod,
+  RenderStats renderLens(const View& view, const RenderSettings& settings, const LodSettings& lod,
+                         Frame& frame);
+  /// Each part of the lens in a whole-aperture pass of its own.
+  RenderStats renderParts(const View& view, const RenderSettings& settings, const LodSettings& lod,
                           Frame& frame);
+  GpuRequest gpuRequest(const View& view, const RenderSettings& settings,
+                        const LodSettings& lod) const;
+  void project(const View& view, const Defocus& defocus, const CutSettings& cut,
+               const Projection& projection);
 
   std::shared_ptr<const MomentTree> tree_;
   std::optional<GpuSplats> gpu_;
   Cut cut_;
   SplatChunks chunks_;
   TileLists lists_;
+  Frame part_;
 };
 
 }  // namespace foci

@@ -85,6 +85,7 @@ RenderSettings channelOf(const RenderSettings& settings, int channel) {
   RenderSettings of_channel = settings;
   of_channel.defocus.chromatic_D = glm::vec3(0.0f);
   if (of_channel.quality.frame_ms) *of_channel.quality.frame_ms /= 3.0f;
+  of_channel.pupil.offset_m = glm::dvec2(0.0);
   of_channel.defocus.focus_D = settings.defocus.focus_D + settings.defocus.chromatic_D[channel];
   of_channel.quality.keep_level = settings.quality.keep_level || channel != kFirstChannel;
   return of_channel;
@@ -133,7 +134,10 @@ RenderStats Method::renderChannels(const View& view, const RenderSettings& setti
   RenderStats all;
   // Green goes last: it carries most of the light, so coverage and depth are those of green.
   for (const int channel : {kFirstChannel, kRed, kGreen}) {
-    all.add(renderFrame(view, channelOf(settings, channel), frame));
+    View shifted = view;
+    shifted.principal_px +=
+        view.focal_px * settings.defocus.chromatic_D[channel] * glm::vec2(settings.pupil.offset_m);
+    all.add(renderFrame(shifted, channelOf(settings, channel), frame));
     if (channel == kGreen) break;
     for (std::size_t p = 0; p < red_blue.size(); ++p) {
       red_blue[p][channel == kRed ? 0 : 1] = frame.rgba[p][channel];
@@ -159,6 +163,8 @@ const std::vector<MethodInfo>& methods() {
 }
 
 bool rendersEllipses(std::string_view spec) { return infoOf(spec).ellipses; }
+
+bool rendersAberrations(std::string_view spec) { return infoOf(spec).aberrations; }
 
 bool isIncremental(std::string_view spec) { return infoOf(spec).incremental; }
 

@@ -15,6 +15,7 @@
 #include "render/methods/quality_level.h"
 #include "render/optics/acuity.h"
 #include "render/optics/defocus.h"
+#include "render/optics/pupil.h"
 #include "render/optics/view.h"
 #include "render/scene/gaussian_cloud.h"
 #include "render/scene/surfel_cloud.h"
@@ -41,6 +42,7 @@ struct Quality {
 
 struct RenderSettings {
   Defocus defocus;             ///< default: everything sharp
+  Pupil pupil = {};            ///< what else the pupil does (`MethodInfo::aberrations`)
   glm::vec3 background{0.0f};  ///< linear RGB behind everything
   /// Lambert's shading, 0 to 1: how much of the colour falls off with the cosine of the angle
   /// between the surfel's normal and the line of sight.
@@ -120,6 +122,9 @@ struct MethodInfo {
   /// False: the method renders an astigmatic lens as the round lens of the same blur strength
   /// (`roundDefocus_D`).
   bool ellipses = true;
+  /// Renders aberrations, the Stiles-Crawford effect and diffraction (`Pupil`); others leave them
+  /// out.
+  bool aberrations = false;
   /// Each render updates a part of the previous frame.
   bool incremental = false;
   bool gpu = false;  ///< renders on a GPU too
@@ -161,6 +166,9 @@ const std::vector<MethodInfo>& methods();
 
 /// `MethodInfo::ellipses` of the method.
 bool rendersEllipses(std::string_view spec);
+
+/// `MethodInfo::aberrations` of the method.
+bool rendersAberrations(std::string_view spec);
 
 /// `MethodInfo::incremental` of the method.
 bool isIncremental(std::string_view spec);

@@ -37,6 +37,7 @@ MethodEntry sweepLodMethod() {
            .source = "our own",
            .max_n = 256,
            .default_n = 7,
+           .aberrations = true,
            .gpu = true},
       .make = makeAs<SweepLodMethod>,
       .make_of_gaussians = gaussianSweepLod};

@@ -49,6 +49,7 @@ GpuRequest gpuRequestOf(const View& view, const RenderSettings& settings) {
   return {.view = view,
           .defocus = settings.defocus,
           .cut = {},
+          .acuity = {},
           .shading = settings.shading,
           .background = settings.background,
           .depth = settings.depth,
@@ -66,6 +67,7 @@ RenderStats statsOf(const GpuStats& rendered) {
 RenderStats PinholeCamera::render(const View& view, const RenderSettings& settings, Frame& frame) {
   RenderSettings unblurred = settings;
   unblurred.defocus.radius_px_per_D = glm::vec2(0.0f);
+  unblurred.pupil = {};
   unblurred.depth = true;
   return sweep_->render(view, unblurred, frame);
 }

@@ -95,6 +95,23 @@ Wavefront rescaled(const Wavefront& w, double pupil_m) {
   return result;
 }
 
+glm::dvec3 power_D(const Wavefront& w) {
+  const auto um = [&](std::size_t j) { return j < w.zernike_um.size() ? w.zernike_um[j] : 0.0; };
+  if (w.pupil_m <= 0.0) return glm::dvec3(0.0);
+  const double per_um = 1e-6 / (0.25 * w.pupil_m * w.pupil_m);
+  return per_um * glm::dvec3(4.0 * std::sqrt(3.0) * um(4), 2.0 * std::sqrt(6.0) * um(5),
+                             2.0 * std::sqrt(6.0) * um(3));
+}
+
+Wavefront withPower(Wavefront w, const glm::dvec3& power_D) {
+  const double per_D = 0.25 * w.pupil_m * w.pupil_m * 1e6;
+  w.zernike_um.resize(std::max<std::size_t>(w.zernike_um.size(), 6));
+  w.zernike_um[4] = per_D * power_D.x / (4.0 * std::sqrt(3.0));
+  w.zernike_um[5] = per_D * power_D.y / (2.0 * std::sqrt(6.0));
+  w.zernike_um[3] = per_D * power_D.z / (2.0 * std::sqrt(6.0));
+  return w;
+}
+
 Wavefront withoutRefraction(Wavefront w) {
   std::fill_n(w.zernike_um.begin(), std::min<std::size_t>(6, w.zernike_um.size()), 0.0);
   return w;

@@ -48,6 +48,12 @@ struct Wavefront {
 /// @param pupil_m  above 0. A pupil larger than the measured one extrapolates.
 Wavefront rescaled(const Wavefront& w, double pupil_m);
 
+/// The second order as a power vector (M, J0, J45), dioptres: how much stronger than ideal the eye
+/// is, M = 4 sqrt(3) c_4 / r^2, J0 = 2 sqrt(6) c_5 / r^2, J45 = 2 sqrt(6) c_3 / r^2. A prescription
+/// that corrects the eye has the opposite signs (Thibos, Hong, Bradley and Applegate, 2004).
+glm::dvec3 power_D(const Wavefront& w);
+Wavefront withPower(Wavefront w, const glm::dvec3& power_D);
+
 /// The same eye without the orders 0 to 2: what glasses do not correct.
 Wavefront withoutRefraction(Wavefront w);
 

@@ -1,4 +1,5 @@
-// Tables of labels, and tables of targets.
+// Tables of labels, of targets and of Zernike coefficients.
+#include "app/study/wavefront_file.h"
 #include "calibration/binocular/binocular_pairs.h"
 #include "calibration/gaze_map/gaze_pairs.h"
 #include "calibration/webcam/webcam_calibration.h"
@@ -13,5 +14,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   }
   foci::fuzz::readWithinLimits(size, [&] { foci::readShownTargets(file); });
   foci::fuzz::readWithinLimits(size, [&] { foci::readBinocularPairs(file); });
+  foci::fuzz::readWithinLimits(size, [&] { foci::readWavefronts(file, 6.0); });
   return 0;
 }

@@ -78,6 +78,20 @@ TEST_F(GpuPicture, IsTheSameOnEverySceneOfTheChart) {
   }
 }
 
+TEST_F(GpuPicture, IsTheSameThroughAnEyeWithAberrations) {
+  FOCI_NEEDS_GPU(gpu);
+  const SurfelCloud cloud = twoSheets();
+  RenderSettings settings = lens(12.0f, 1.0f);
+  settings.depth = true;
+  settings.pupil = {.diameter_m = 6e-3, .stiles_crawford_per_mm2 = kStilesCrawford_per_mm2};
+  settings.pupil.wavefront = {.zernike_um = {0, 0, 0, 0, 0, 0, -0.2, 0.4, 0, 0, 0, 0, 0.4},
+                              .pupil_m = 6e-3};
+  settings.pupil.diffraction_px = 0.5f;
+  for (const char* method : {"sweep:7", "sweep-lod:7", "accumulate:4"}) {
+    expectSamePicture(method, cloud, view, settings, gpu);
+  }
+}
+
 TEST_F(GpuPicture, IsTheSameByEveryMethodThatHasIt) {
   FOCI_NEEDS_GPU(gpu);
   const SurfelCloud cloud = twoSheets();

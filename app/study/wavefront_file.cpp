@@ -1,0 +1,406 @@
+#include "app/study/wavefront_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/input_error.h"
+#include "base/number.h"
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+constexpr double kLeastPupil_mm = 1.0, kMostPupil_mm = 12.0, kMost_um = 50.0;
+constexpr std::size_t kMostLines = 1000, kLongestCell = 60;
+
+struct Row {
+  int line = 0;
+  std::vector<std::string> cells;
+};
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return result;
+}
+
+std::string unquoted(std::string_view text) {
+  text = trimmed(text);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
+    text = text.substr(1, text.size() - 2);
+  }
+  return std::string(trimmed(text));
+}
+
+/// Cells of a line. A comma inside brackets or quotes does not separate: Z(2,-2).
+std::vector<std::string> cellsOf(std::string_view line, char separator) {
+  std::vector<std::string> cells(1);
+  int open = 0;
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') quoted = !quoted;
+    if (c == '(') ++open;
+    if (c == ')') --open;
+    const bool blank = separator == ' ' && (c == ' ' || c == '\t') && cells.back().empty();
+    if (blank) continue;
+    if (c == separator && open <= 0 && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  if (separator == ' ' && cells.back().empty()) cells.pop_back();
+  for (std::string& cell : cells) cell = unquoted(cell);
+  return cells;
+}
+
+/// The table, while it is read.
+class WavefrontTable {
+ public:
+  WavefrontTable(const std::filesystem::path& file, std::optional<double> pupil_mm)
+      : file_(file.string()), pupil_mm_(pupil_mm) {}
+
+  MeasuredEyes read() {
+    readRows();
+    takePupil();
+    if (rows_.empty()) fail(0, "no coefficients: expected a table of Zernike coefficients");
+    static const std::regex signed_name("[ZzCc]\\d+[+-]\\d+");
+    signed_names_ = std::any_of(rows_.begin(), rows_.end(), [](const Row& row) {
+      return std::any_of(row.cells.begin(), row.cells.end(), [](const std::string& cell) {
+        return std::regex_match(cell, signed_name);
+      });
+    });
+    const Row& head = rows_.front();
+    const auto terms = std::count_if(head.cells.begin(), head.cells.end(),
+                                     [&](const auto& cell) { return isNamed(cell); });
+    if (terms >= 2) {
+      readWide();
+    } else {
+      readLong();
+    }
+    if (!eyes_.left && !eyes_.right) fail(0, "no coefficients beyond the tilt (index 2)");
+    return eyes_;
+  }
+
+ private:
+  [[noreturn]] void fail(int line, const std::string& what) const {
+    throw InputError(line > 0 ? file_ + ":" + std::to_string(line) : file_, what);
+  }
+
+  void readRows() {
+    requireRegularFile(file_);
+    std::ifstream in(file_, std::ios::binary);
+    if (!in) throw InputError(file_, "cannot be read");
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(in, line);) {
+      if (lines.size() == kMostLines) {
+        fail(0,
+             "more than " + std::to_string(kMostLines) + " lines: expected one table of one eye");
+      }
+      if (lines.empty() && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+      lines.push_back(line);
+    }
+    const auto holds = [&](char c) {
+      return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
+        return !line.starts_with('#') && line.find(c) != line.npos;
+      });
+    };
+    const char separator = holds('\t') ? '\t' : holds(';') ? ';' : holds(',') ? ',' : ' ';
+    decimal_comma_ = separator != ',';
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const std::string text = lower(lines[i]);
+      const int line = static_cast<int>(i) + 1;
+      for (const char* other : {"noll", "fringe", "malacara"}) {
+        if (text.find(other) != text.npos) {
+          fail(line, std::string(other) + ": expected the order of OSA and ANSI Z80.28");
+        }
+      }
+      std::string_view content = trimmed(lines[i]);
+      if (content.starts_with('#')) {
+        // A comment may hold the pupil.
+        content = trimmed(content.substr(1));
+        if (!lower(content).starts_with("pupil")) continue;
+      }
+      if (content.empty()) continue;
+      rows_.push_back({line, cellsOf(content, separator)});
+      for (const std::string& cell : rows_.back().cells) {
+        if (cell.size() > kLongestCell) {
+          fail(line, shown(cell) + ": expected cells of at most 60 characters");
+        }
+      }
+      const auto blank = [](const std::string& cell) { return cell.empty(); };
+      while (!rows_.back().cells.empty() && blank(rows_.back().cells.back())) {
+        rows_.back().cells.pop_back();
+      }
+      if (rows_.back().cells.empty()) rows_.pop_back();
+    }
+  }
+
+  double number(const Row& row, const std::string& cell, const std::string& what) const {
+    std::string text = cell;
+    if (decimal_comma_) std::replace(text.begin(), text.end(), ',', '.');
+    const auto value = parseNumber(text);
+    if (!value) fail(row.line, what + " = " + shown(cell) + ": expected a number");
+    return *value;
+  }
+
+  double pupilOf(const Row& row, const std::string& cell) const {
+    const std::size_t end = cell.find_first_not_of("0123456789.,");
+    const std::string unit = end == cell.npos ? "" : std::string(trimmed(cell.substr(end)));
+    if (!unit.empty() && unit != "mm") {
+      fail(row.line, "pupil = " + shown(cell) + ": expected mm");
+    }
+    const double mm = number(row, cell.substr(0, end), "pupil");
+    if (!(mm >= kLeastPupil_mm && mm <= kMostPupil_mm)) {
+      fail(row.line, "pupil = " + shown(cell) + ": expected a diameter of 1 to 12 mm");
+    }
+    return mm;
+  }
+
+  static bool namesPupil(const std::string& cell) {
+    const std::string text = lower(cell);
+    return text.starts_with("pupil") || text.starts_with("diameter") ||
+           text.starts_with("analysis diameter") || text.starts_with("zone");
+  }
+
+  /// Takes rows such as `pupil_mm, 6` out of the table.
+  void takePupil() {
+    std::optional<double> named;
+    std::erase_if(rows_, [&](const Row& row) {
+      std::vector<std::string> cells = row.cells;
+      if (!namesPupil(cells[0])) return false;
+      if (cells.size() == 1) {
+        // "pupil_mm = 6" or "Pupil diameter: 6 mm"
+        const std::size_t at = cells[0].find_first_of("=:");
+        if (at == cells[0].npos) return false;
+        cells.emplace_back(trimmed(std::string_view(cells[0]).substr(at + 1)));
+      }
+      if (cells.size() > 3 || isNamed(cells[1]) || cells[1].empty() ||
+          std::isdigit(static_cast<unsigned char>(cells[1][0])) == 0) {
+        return false;
+      }
+      if (cells.size() == 3 && lower(cells[2]) == "mm") cells.pop_back();
+      if (cells.size() != 2) return false;
+      const double mm = pupilOf(row, cells[1]);
+      if (named && *named != mm) fail(row.line, "a second pupil: expected one for the table");
+      named = mm;
+      return true;
+    });
+    if (named) pupil_mm_ = named;
+  }
+
+  /// The single index of a term's name: Z5, Z(2,-2), Z2-2, C_4.
+  std::optional<int> indexOf(const std::string& cell) const {
+    std::smatch parts;
+    const auto index = [](const std::string& n, const std::string& m) -> std::optional<int> {
+      const int order = std::stoi(n), frequency = std::stoi(m);
+      if (std::abs(frequency) > order || (order - frequency) % 2 != 0) return std::nullopt;
+      return zernikeIndex({.n = order, .m = frequency});
+    };
+    static const std::regex pair(
+        "[ZzCc]?_?\\(?\\s*(\\d{1,2})\\s*[, _^]\\s*([+-]?\\d{1,2})\\s*\\)?");
+    static const std::regex joined("[ZzCc](\\d{1,2})([+-]\\d{1,2})"), digits("[ZzCc](\\d)(\\d)");
+    static const std::regex single("[ZzCc]_?\\[?(\\d{1,2})\\]?");
+    if (std::regex_match(cell, parts, pair)) return index(parts[1], parts[2]);
+    if (std::regex_match(cell, parts, joined)) return index(parts[1], parts[2]);
+    if (signed_names_ && std::regex_match(cell, parts, digits)) return index(parts[1], parts[2]);
+    if (std::regex_match(cell, parts, single)) return std::stoi(parts[1]);
+    return std::nullopt;
+  }
+  static std::string withoutUnit(const std::string& cell) {
+    static const std::regex unit("\\s*[\\[(_ ]*(um|µm|μm|nm|microns?)[\\])]*$");
+    return std::regex_replace(cell, unit, "");
+  }
+  bool isNamed(const std::string& cell) const {
+    return !parseNumber(cell) && indexOf(withoutUnit(cell)).has_value();
+  }
+
+  /// Micrometres of one of the unit that a heading names.
+  double unitOf(const Row& row, const std::string& heading) const {
+    const std::string text = lower(heading);
+    if (text.find("wave") != text.npos || text.find("lambda") != text.npos) {
+      fail(row.line, shown(heading) + ": expected micrometres, not waves");
+    }
+    static const std::regex nanometres("(^|[^a-z])nm($|[^a-z])");
+    return std::regex_search(text, nanometres) ? 1e-3 : 1.0;
+  }
+
+  void set(const Row& row, std::optional<Wavefront>& eye, int index, double um, double pupil_mm) {
+    if (index < 0 || index >= zernikeCount(kMaxZernikeOrder)) {
+      fail(row.line, "term " + std::to_string(index) + ": expected at most order " +
+                         std::to_string(kMaxZernikeOrder) + ", indices 0 to 65");
+    }
+    if (!(std::abs(um) <= kMost_um)) {
+      fail(row.line, "coefficient " + exactText(um) +
+                         " um: expected at most 50; a heading nm would make it nanometres");
+    }
+    if (!eye) eye = Wavefront{.zernike_um = {}, .pupil_m = pupil_mm / 1000.0};
+    const auto at = static_cast<std::size_t>(index);
+    if (eye->zernike_um.size() <= at) eye->zernike_um.resize(at + 1, 0.0);
+    eye->zernike_um[at] = um;
+  }
+
+  /// -1: left, 1: right.
+  int sideOf(const Row& row, const std::string& cell) const {
+    const std::string text = lower(cell);
+    if (text == "od" || text == "r" || text == "re" || text == "right") return 1;
+    if (text == "os" || text == "l" || text == "le" || text == "left") return -1;
+    fail(row.line, "eye = " + shown(cell) + ": expected right, OD, left or OS");
+  }
+
+  double pupilInForce() const {
+    if (!pupil_mm_) {
+      fail(0,
+           "no pupil: expected a row such as pupil_mm,6, a column pupil_mm, or the key "
+           "observer.wavefront_pupil_mm");
+    }
+    return *pupil_mm_;
+  }
+
+  void readWide() {
+    const Row& head = rows_.front();
+    int eye_column = -1, pupil_column = -1;
+    for (std::size_t c = 0; c < head.cells.size(); ++c) {
+      if (lower(head.cells[c]) == "eye") eye_column = static_cast<int>(c);
+      if (namesPupil(head.cells[c])) pupil_column = static_cast<int>(c);
+    }
+    if (rows_.size() < 2) fail(head.line, "a heading without a row of coefficients");
+    if (eye_column < 0 && rows_.size() > 2) {
+      fail(rows_[2].line, "a second row: expected a column eye, with one row for each eye");
+    }
+    for (std::size_t r = 1; r < rows_.size(); ++r) {
+      const Row& row = rows_[r];
+      if (row.cells.size() != head.cells.size()) {
+        fail(row.line, std::to_string(row.cells.size()) + " cells: expected " +
+                           std::to_string(head.cells.size()) + ", as in the heading");
+      }
+      const auto at = [&](int column) { return row.cells[static_cast<std::size_t>(column)]; };
+      const int side = eye_column < 0 ? 0 : sideOf(row, at(eye_column));
+      const double pupil_mm = pupil_column < 0 ? pupilInForce() : pupilOf(row, at(pupil_column));
+      std::optional<Wavefront> eye;
+      for (std::size_t c = 0; c < head.cells.size(); ++c) {
+        const auto index = indexOf(withoutUnit(head.cells[c]));
+        if (!index || parseNumber(head.cells[c])) continue;
+        const double um = unitOf(head, head.cells[c]) * number(row, row.cells[c], head.cells[c]);
+        set(row, eye, *index, um, pupil_mm);
+      }
+      keep(row, side, eye);
+    }
+  }
+
+  void keep(const Row& row, int side, const std::optional<Wavefront>& eye) {
+    for (const int one : {-1, 1}) {
+      if (side != 0 && side != one) continue;
+      std::optional<Wavefront>& kept = one < 0 ? eyes_.left : eyes_.right;
+      if (kept) fail(row.line, "a second row of one eye: expected one row for each eye");
+      kept = eye;
+    }
+  }
+
+  struct Columns {
+    int n = -1, m = -1, index = -1, name = -1;
+    int value = -1, right = -1, left = -1;
+  };
+
+  Columns columnsOf(const Row& head, bool& has_heading) const {
+    Columns columns;
+    for (std::size_t c = 0; c < head.cells.size(); ++c) {
+      const std::string text = lower(withoutUnit(head.cells[c]));
+      const int at = static_cast<int>(c);
+      const auto is = [&](std::initializer_list<const char*> words) {
+        return std::any_of(words.begin(), words.end(), [&](const char* w) { return text == w; });
+      };
+      if (is({"n"})) columns.n = at;
+      if (is({"m"})) columns.m = at;
+      if (is({"j", "index", "osa", "ansi", "i"})) columns.index = at;
+      if (is({"term", "mode", "name", "zernike"})) columns.name = at;
+      if (is({"value", "coefficient", "coeff", "c", "", "um", "µm", "nm", "zernike_um"})) {
+        columns.value = at;
+      }
+      if (is({"right", "od", "r", "re"})) columns.right = at;
+      if (is({"left", "os", "l", "le"})) columns.left = at;
+    }
+    has_heading = columns.value >= 0 || columns.right >= 0 || columns.left >= 0;
+    if (has_heading) return columns;
+    if (head.cells.size() == 2) return {.index = 0, .name = 0, .value = 1};
+    if (head.cells.size() == 3) return {.n = 0, .m = 1, .value = 2};
+    fail(head.line,
+         "expected a heading: n, m and um; or j and um; or terms such as Z3 and Z(2,-2)");
+  }
+
+  int termOf(const Row& row, const Columns& columns) const {
+    const auto at = [&](int column) { return row.cells[static_cast<std::size_t>(column)]; };
+    if (columns.n >= 0 && columns.m >= 0) {
+      const double n = number(row, at(columns.n), "n"), m = number(row, at(columns.m), "m");
+      if (n != std::floor(n) || m != std::floor(m) || n < 0.0 || n > kMaxZernikeOrder ||
+          std::abs(m) > n || std::fmod(n - m, 2.0) != 0.0) {
+        fail(row.line, "n, m = " + exactText(n) + ", " + exactText(m) +
+                           ": expected a term up to order 10, |m| at most n, n - m even");
+      }
+      return zernikeIndex({.n = static_cast<int>(n), .m = static_cast<int>(m)});
+    }
+    const int column = columns.name >= 0 ? columns.name : columns.index;
+    if (column < 0) fail(rows_.front().line, "expected the columns n and m, or j, or term");
+    if (const auto named = indexOf(at(column))) return *named;
+    const double index = number(row, at(column), "index");
+    if (index != std::floor(index))
+      fail(row.line, "index " + exactText(index) + ": expected 0 to 65");
+    return static_cast<int>(std::clamp(index, -1.0, 1000.0));
+  }
+
+  void readLong() {
+    bool has_heading = false;
+    const Row head = rows_.front();
+    const Columns columns = columnsOf(head, has_heading);
+    const double pupil_mm = pupilInForce();
+    const auto unit = [&](int column) {
+      return has_heading ? unitOf(head, head.cells[static_cast<std::size_t>(column)]) : 1.0;
+    };
+    std::vector<int> seen;
+    for (std::size_t r = has_heading ? 1 : 0; r < rows_.size(); ++r) {
+      const Row& row = rows_[r];
+      const int most = std::max({columns.n, columns.m, columns.index, columns.name, columns.value,
+                                 columns.right, columns.left});
+      if (static_cast<int>(row.cells.size()) <= most) {
+        fail(row.line, std::to_string(row.cells.size()) + " cells: expected at least " +
+                           std::to_string(most + 1));
+      }
+      const int term = termOf(row, columns);
+      if (std::find(seen.begin(), seen.end(), term) != seen.end()) {
+        fail(row.line, "term " + std::to_string(term) + " a second time: expected each term once");
+      }
+      seen.push_back(term);
+      const auto take = [&](int column, std::optional<Wavefront>& eye) {
+        if (column < 0) return;
+        const std::string& cell = row.cells[static_cast<std::size_t>(column)];
+        set(row, eye, term, unit(column) * number(row, cell, "coefficient"), pupil_mm);
+      };
+      take(columns.value, eyes_.left);
+      take(columns.value, eyes_.right);
+      take(columns.right, eyes_.right);
+      take(columns.left, eyes_.left);
+    }
+  }
+
+  std::string file_;
+  std::optional<double> pupil_mm_;
+  std::vector<Row> rows_;
+  bool decimal_comma_ = false;
+  bool signed_names_ = false;  ///< some names are such as Z3-1; Z40 is then n = 4, m = 0
+  MeasuredEyes eyes_;
+};
+
+}  // namespace
+
+MeasuredEyes readWavefronts(const std::filesystem::path& file, std::optional<double> pupil_mm) {
+  return WavefrontTable(file, pupil_mm).read();
+}
+
+}  // namespace foci

@@ -1,0 +1,43 @@
+#include "render/methods/mean_of_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace foci {
+
+float restOf_px(const std::vector<LensPart>& parts) {
+  float rest_px = 0.0f;
+  for (const LensPart& part : parts) rest_px = std::max(rest_px, part.rest_px);
+  return rest_px;
+}
+
+std::vector<LensPart> partsFor(const Defocus& defocus, const Pupil& pupil, int least) {
+  std::vector<LensPart> parts;
+  for (const int n : {least, 7, 19, 37, 61}) {
+    if (n < least) continue;
+    parts = lensParts(defocus, pupil, n);
+    if (restOf_px(parts) <= std::sqrt(2.0f) * kRest_px) break;
+  }
+  return parts;
+}
+
+void addPart(const Frame& part, float weight, bool first, Frame& sum) {
+  const bool depth = !sum.depth_m.empty();
+  parallelFor(sum.rgba.size(), [&](std::size_t p) {
+    const float coverage = part.rgba[p].a;
+    sum.rgba[p] = (first ? glm::vec4(0.0f) : sum.rgba[p]) + weight * part.rgba[p];
+    if (!depth) return;
+    sum.depth_m[p] = (first ? 0.0f : sum.depth_m[p]) + weight * coverage * part.depth_m[p];
+  });
+}
+
+void finishDepth(Frame& sum) {
+  if (sum.depth_m.empty()) return;
+  parallelFor(sum.rgba.size(), [&](std::size_t p) {
+    if (sum.rgba[p].a > 0.0f) sum.depth_m[p] /= sum.rgba[p].a;
+  });
+}
+
+}  // namespace foci

@@ -1,0 +1,79 @@
+// What the observer's pupil does to light besides defocus: aberrations, the Stiles-Crawford effect,
+// diffraction; and the lens in parts that are each simple enough to render.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "render/optics/acuity.h"
+#include "render/optics/defocus.h"
+#include "render/optics/view.h"
+#include "render/optics/wavefront.h"
+
+namespace foci {
+
+/// Directional sensitivity of the cones, per mm^2 of the pupil: light at r mm from the centre
+/// counts 10^(-rho r^2), with rho at 550 nm (Berendschot, van de Kraats and van Norren, JOSA A 18,
+/// 2001).
+inline constexpr double kStilesCrawford_per_mm2 = 0.041;
+
+/// Image axes (x right, y down) throughout.
+struct Pupil {
+  double diameter_m = 0.0;
+  /// At this diameter; its second order adds to the focus and astigmatism of `Defocus`.
+  Wavefront wavefront = {};
+  double stiles_crawford_per_mm2 = 0.0;  ///< 0: light counts alike everywhere
+  glm::dvec2 stiles_crawford_center_m{0.0};
+  /// Of the middle of the pupil from the achromatic axis. A colour focused E dioptres nearer
+  /// appears displaced by f E offset_m px (transverse chromatic aberration; Thibos, Bradley, Still,
+  /// Zhang and Howarth, Vision Research 30, 1990).
+  glm::dvec2 offset_m{0.0};
+  float diffraction_px = 0.0f;  ///< standard deviation of its Gaussian; 0: not shown
+
+  /// Whether parts of the lens see different images, besides defocus.
+  bool hasParts() const { return wavefront || stiles_crawford_per_mm2 > 0.0; }
+  bool operator==(const Pupil&) const = default;
+};
+
+/// Standard deviation, rad, of the Gaussian that has the Airy pattern's peak and light:
+///   sqrt(2) / pi  lambda / A = 0.450 lambda / A.
+double diffractionGaussian_rad(double pupil_m, double wavelength_m);
+
+/// A displacement of this root mean square along an axis adds 1/25 to the variance of the prefilter
+/// and 2 % to its width. That is below the change of blur that an observer sees, about a tenth
+/// (Watson and Ahumada, Blur clarified, Journal of Vision 11(5), 2011).
+inline constexpr float kRest_px = 0.2f;
+
+/// A round part of the lens, and what it sees. Over a small part the slope of the wavefront is
+/// nearly linear, s(p) = s0 + H (p - c). The part is then a lens of its own, with the focus F + H,
+/// whose image is displaced by a constant:
+///   B p + f s(p) = (A/2) f (F + H - D) p + f (s0 - (A/2) H c).
+/// Astigmatism of H that displaces by less than `kRest_px` within the part counts as rest: kernels
+/// stay round, and cost what defocus costs.
+struct LensPart {
+  glm::vec2 centre{0.0f};  ///< on the unit disc of the lens
+  float radius = 1.0f;     ///< over the lens's; 0: a point
+  float weight = 1.0f;     ///< share of the light; the weights sum to 1
+  glm::vec2 shift_px{0.0f};
+  Defocus defocus;
+  /// Root mean square over the part of what s0 and H leave of the displacement, along an axis.
+  float rest_px = 0.0f;
+};
+
+/// The lens in `n` compact parts. All parts together have the light, the mean and the variance of
+/// the lens, and of the wavefront's slope over it. Computed once for each `n`: the cells of a dense
+/// sampling of the disc nearest to `n` points, each of which is the mean of its cell (Lloyd, 1982).
+/// @param n  1 to 256
+std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int n);
+
+/// The lens in points of equal share.
+std::vector<LensPart> lensPoints(const Defocus& defocus, const Pupil& pupil,
+                                 const std::vector<glm::vec2>& points);
+
+/// The view that a part has.
+View viewOfPart(View view, const LensPart& part);
+
+/// The prefilter, widened by diffraction where it shows and by the part's own rest.
+Acuity widened(Acuity acuity, const Pupil& pupil, float rest_px = 0.0f);
+
+}  // namespace foci

@@ -1,0 +1,95 @@
+// Tables of aberrometers: the same eye in every layout, and what is refused.
+#include "app/study/wavefront_file.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/input_error.h"
+#include "tests/temporary_folder.h"
+
+namespace foci {
+namespace {
+
+MeasuredEyes read(const std::string& text, std::optional<double> pupil_mm = {}) {
+  const TemporaryFolder folder;
+  return readWavefronts(folder.write("eye.csv", text), pupil_mm);
+}
+
+std::string refusal(const std::string& text, std::optional<double> pupil_mm = {}) {
+  try {
+    read(text, pupil_mm);
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    return what.substr(what.find("eye.csv"));
+  }
+  return "read";
+}
+
+/// Terms 4 and 8: 0.5 and -0.25 um, for 6 mm.
+void expectTheEye(const std::optional<Wavefront>& eye) {
+  ASSERT_TRUE(eye);
+  EXPECT_DOUBLE_EQ(eye->pupil_m, 0.006);
+  ASSERT_EQ(eye->zernike_um.size(), 9u);
+  for (std::size_t j = 0; j < 9; ++j) {
+    EXPECT_DOUBLE_EQ(eye->zernike_um[j], j == 4 ? 0.5 : j == 8 ? -0.25 : 0.0) << j;
+  }
+}
+
+class Layouts : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(
+    Tables, Layouts,
+    testing::Values(
+        "pupil_mm,6\nn,m,um\n2,0,0.5\n3,1,-0.25\n", "# pupil_mm = 6\nj;um\n4;0,5\n8;-0,25\n",
+        "Pupil diameter: 6.0 mm\nindex\tvalue\n4\t0.5\n8\t-0.25\n",
+        "pupil 6 mm\nZ4 0.5\nZ8 -0.25\n", "pupil,6,mm\nterm,nm\nZ(2,0),500\nZ(3,1),-250\n",
+        "pupil_mm,6\nmode,OD,OS\nZ2+0,0.5,0.5\nZ3+1,-0.25,-0.25\n",
+        "pupil_mm,6\n2,0,0.5\n3,1,-0.25\n", "eye,pupil_mm,Z4,Z8\nOD,6,0.5,-0.25\nOS,6,0.5,-0.25\n",
+        "eye,pupil_mm,\"Z(2,0)\",\"Z(3,1)\",Z(3,-1)\nright,6,0.5,-0.25,0\nleft,6,0.5,-0.25,0\n",
+        "pupil_mm,Z20,Z3-1,Z3+1\n6,0.5,0,-0.25\n"));
+
+TEST_P(Layouts, HoldTheSameEye) {
+  const MeasuredEyes eyes = read(GetParam());
+  expectTheEye(eyes.left);
+  expectTheEye(eyes.right);
+}
+
+TEST(WavefrontFile, OneEyeMayBeMissing) {
+  const MeasuredEyes eyes = read("pupil_mm,6\nj,OS\n4,0.5\n8,-0.25\n");
+  EXPECT_FALSE(eyes.right);
+  expectTheEye(eyes.left);
+}
+
+TEST(WavefrontFile, ThePupilOfTheKeyCountsWhereTheFileHasNone) {
+  expectTheEye(read("j,um\n4,0.5\n8,-0.25\n", 6.0).right);
+  expectTheEye(read("pupil_mm,6\nj,um\n4,0.5\n8,-0.25\n", 5.0).right);
+}
+
+TEST(WavefrontFile, RefusesWhatCanBeMisread) {
+  EXPECT_EQ(refusal("j,um\n4,0.5\n"),
+            "eye.csv: no pupil: expected a row such as pupil_mm,6, a column pupil_mm, or the key "
+            "observer.wavefront_pupil_mm");
+  EXPECT_EQ(refusal("pupil_mm,6\nnoll,um\n4,0.5\n"),
+            "eye.csv:2: noll: expected the order of OSA and ANSI Z80.28");
+  EXPECT_EQ(refusal("pupil_mm,6\nj,waves\n4,0.5\n").substr(0, 10), "eye.csv:2:");
+  EXPECT_EQ(refusal("pupil_mm,6\nj,um\n4,0.5\n4,0.6\n"),
+            "eye.csv:4: term 4 a second time: expected each term once");
+  EXPECT_EQ(refusal("pupil_mm,6\nj,um\n66,0.5\n"),
+            "eye.csv:3: term 66: expected at most order 10, indices 0 to 65");
+  EXPECT_EQ(refusal("pupil_mm,6\nn,m,um\n3,0,0.5\n"),
+            "eye.csv:3: n, m = 3, 0: expected a term up to order 10, |m| at most n, n - m even");
+  EXPECT_EQ(refusal("pupil_mm,6\nj,um\n4,half\n"),
+            "eye.csv:3: coefficient = \"half\": expected a number");
+  EXPECT_EQ(refusal("pupil_mm,6\nj,um\n4,500\n"),
+            "eye.csv:3: coefficient 500 um: expected at most 50; a heading nm would make it "
+            "nanometres");
+  EXPECT_EQ(refusal("pupil_mm,60\nj,um\n4,0.5\n"),
+            "eye.csv:1: pupil = \"60\": expected a diameter of 1 to 12 mm");
+  EXPECT_EQ(refusal("eye,pupil_mm,Z4,Z5\nOD,6,0.5,0\nOD,6,0.6,0\n"),
+            "eye.csv:3: a second row of one eye: expected one row for each eye");
+  EXPECT_EQ(refusal("pupil_mm,6\nj,um\n4\n"), "eye.csv:3: 1 cells: expected at least 2");
+  EXPECT_EQ(refusal(""), "eye.csv: no coefficients: expected a table of Zernike coefficients");
+}
+
+}  // namespace
+}  // namespace foci
