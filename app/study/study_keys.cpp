@@ -398,6 +398,7 @@ static void read(const toml::value& from, const Allowed& allowed, WavefrontChoic
       }
     } else {
       read(from, allowed, to.file);
+      if (to.file->string().starts_with('[')) throw Expected{what};
     }
   } catch (const Expected&) {
     throw Expected{what};

@@ -63,7 +63,7 @@ class AutoMethod final : public Method {
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     const Quality& quality = settings.quality;
-    const float blur_px = maxBlur_px(view, settings.defocus);
+    const float blur_px = maxBlur_px(view, settings);
     const UnblurredView now = unblurred(view, settings);
     const bool moved = now != last_view_;
     if (!quality.keep_level) last_view_ = now;
@@ -90,7 +90,7 @@ class AutoMethod final : public Method {
   void passFrame(const View& view, const RenderSettings& settings) override {
     if (forced_ || settings.quality.quality_level || settings.quality.keep_level) return;
     last_view_ = unblurred(view, settings);
-    last_level_ = choose(last_view_, settings, maxBlur_px(view, settings.defocus));
+    last_level_ = choose(last_view_, settings, maxBlur_px(view, settings));
   }
 
  private:
@@ -136,13 +136,15 @@ class AutoMethod final : public Method {
     return sharp;
   }
 
-  /// The largest blur radius in view.
-  float maxBlur_px(const View& view, const Defocus& defocus) const {
+  /// The largest blur radius in view, with the aberrations.
+  float maxBlur_px(const View& view, const RenderSettings& settings) const {
+    const Defocus& defocus = settings.defocus;
     const auto distances = distancesInView(scene_.tree(), view, defocus);
     if (!distances) return 0.0f;
     const float max_D = std::max(maxDefocus_D(defocus, 1.0f / distances->first),
                                  maxDefocus_D(defocus, 1.0f / distances->second));
-    return max_D * std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y);
+    return max_D * std::max(defocus.radius_px_per_D.x, defocus.radius_px_per_D.y) +
+           aberrationRadius_px(defocus, settings.pupil);
   }
 
   QualityLevel choose(const UnblurredView& view, const RenderSettings& settings, float blur_px) {

@@ -7,18 +7,22 @@
 
 namespace foci {
 
-float restOf_px(const std::vector<LensPart>& parts) {
-  float rest_px = 0.0f;
-  for (const LensPart& part : parts) rest_px = std::max(rest_px, part.rest_px);
-  return rest_px;
+namespace {
+
+float nonlinearOf_px(const std::vector<LensPart>& parts) {
+  float squares = 0.0f;
+  for (const LensPart& part : parts) squares += part.weight * part.nonlinear_px * part.nonlinear_px;
+  return std::sqrt(squares);
 }
+
+}  // namespace
 
 std::vector<LensPart> partsFor(const Defocus& defocus, const Pupil& pupil, int least) {
   std::vector<LensPart> parts;
   for (const int n : {least, 7, 19, 37, 61}) {
     if (n < least) continue;
     parts = lensParts(defocus, pupil, n);
-    if (restOf_px(parts) <= std::sqrt(2.0f) * kRest_px) break;
+    if (nonlinearOf_px(parts) <= kNonlinear_px) break;
   }
   return parts;
 }

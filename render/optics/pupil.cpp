@@ -150,6 +150,9 @@ LensPart partOf(const Defocus& defocus, const Pupil& pupil, const PupilWavefront
   const double rest_rad = std::sqrt(std::max(fit.variance_rad2 - fitted_rad2, 0.0));
   part.shift_px = focal_px * shift_rad;
   part.rest_px = static_cast<float>(rest_rad * focal_mean_px);
+  const double linear_rad2 = per_D * per_D * sphere_D * sphere_D + stretch_rad * stretch_rad;
+  part.nonlinear_px =
+      static_cast<float>(std::sqrt(std::max(fit.variance_rad2 - linear_rad2, 0.0)) * focal_mean_px);
   return part;
 }
 
@@ -210,6 +213,13 @@ std::vector<LensPart> lensPoints(const Defocus& defocus, const Pupil& pupil,
   }
   weigh(parts, light);
   return parts;
+}
+
+float aberrationRadius_px(const Defocus& defocus, const Pupil& pupil) {
+  if (!pupil.wavefront) return 0.0f;
+  const SlopeFit fit = fitSlope(pupil, wavefrontOf(pupil), cells(1).front());
+  const glm::dvec2 focal_px = glm::dvec2(defocus.radius_px_per_D) / (0.5 * pupil.diameter_m);
+  return static_cast<float>(2.0 * std::sqrt(fit.variance_rad2 * focal_px.x * focal_px.y));
 }
 
 View viewOfPart(View view, const LensPart& part) {

@@ -58,6 +58,7 @@ struct LensPart {
   Defocus defocus;
   /// Root mean square over the part of what s0 and H leave of the displacement, along an axis.
   float rest_px = 0.0f;
+  float nonlinear_px = 0.0f;  ///< the share of `rest_px` that astigmatism would not take away
 };
 
 /// The lens in `n` compact parts. All parts together have the light, the mean and the variance of
@@ -69,6 +70,10 @@ std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int 
 /// The lens in points of equal share.
 std::vector<LensPart> lensPoints(const Defocus& defocus, const Pupil& pupil,
                                  const std::vector<glm::vec2>& points);
+
+/// Radius of the disc that spreads light as far as the wavefront alone does, px: twice the root
+/// mean square of the slopes along an axis.
+float aberrationRadius_px(const Defocus& defocus, const Pupil& pupil);
 
 /// The view that a part has.
 View viewOfPart(View view, const LensPart& part);

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <string>
 
+#include "app/evaluation/chart/plan.h"
+#include "base/quantile.h"
+#include "render/image/visible_difference.h"
 #include "render/methods/method.h"
 #include "render/optics/refraction.h"
 #include "tests/unit/render/method_scenes.h"
@@ -130,6 +133,25 @@ TEST(Pupil, DiffractionAddsItsVariance) {
     const double without = momentsOf(seen(method, settings)).variance_x_px2;
     settings.pupil.diffraction_px = 0.8f;
     EXPECT_NEAR(momentsOf(seen(method, settings)).variance_x_px2 - without, 0.64, 0.035) << method;
+  }
+}
+
+TEST(AutoOfAnEye, StaysWithinItsPrediction) {
+  for (const ChartScene& scene : planChart({.size_px = 160}).scenes) {
+    if (scene.id != "gallery" && scene.id != "ball") continue;
+    const SceneInView in_view = scene.make();
+    RenderSettings settings = in_view.settingsThrough(6e-3);
+    const double focal_px = settings.defocus.radius_px_per_D.x / 3e-3;
+    settings.pupil = eye(6e-3, 0.0, kTypical).pupil;
+    // A blur of as many pixels as on a fine screen.
+    for (double& um : settings.pupil.wavefront.zernike_um) um *= kFocal_px / focal_px;
+    Frame frame, reference;
+    const RenderStats stats =
+        makeMethod("auto", in_view.cloud)->render(in_view.view, settings, frame);
+    makeMethod("accumulate:100", in_view.cloud)->render(in_view.view, settings, reference);
+    auto differences = visibleDifference(frame, reference, kUsualPx_per_deg);
+    EXPECT_LE(quantile(differences, 0.95), *stats.tolerance_error) << scene.id;
+    EXPECT_NE(*stats.quality_level, QualityLevel::sharp) << scene.id;
   }
 }
 
