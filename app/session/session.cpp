@@ -171,7 +171,8 @@ FrameRecord Session::lookSettled(double time_s, const glm::dvec2& point_px) {
                                            glm::radians(settings_.focus.cone_half_angle_deg));
   const AccommodationSettings accommodation = accommodationOf(settings_);
   if (eye.surface_distance_m) eye.target_D = 1.0 / *eye.surface_distance_m;
-  eye.focus_D = reachableFocus_D(accommodation, eye.target_D.value_or(accommodation.resting_D));
+  eye.focus_D =
+      eye.target_D ? reachableFocus_D(accommodation, *eye.target_D) : restingFocus_D(accommodation);
   finishLook(record);
   return record;
 }

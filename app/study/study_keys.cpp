@@ -280,6 +280,8 @@ const std::vector<Key<Study>>& studyKeys() {
                "time constant towards a farther target, s; absent: the same", {0.001, 10}),
       FOCI_KEY(focus.accommodation.age_years, "focus.age_years",
                "age, which limits how near the eye focuses; absent: no limit", {1, 120}),
+      FOCI_KEY(focus.accommodation.lag, "focus.lag",
+               "focus lags behind near targets: by 0.35, 0.48 and 0.60 D at 3, 4 and 5 D"),
       FOCI_KEY(focus.vergence, "focus.vergence",
                "true: the distance at which both lines of sight meet counts, too"),
       FOCI_KEY(focus.accommodation.resting_D, "focus.resting_D",

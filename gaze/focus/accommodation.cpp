@@ -1,6 +1,7 @@
 #include "gaze/focus/accommodation.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -8,16 +9,35 @@ namespace foci {
 
 double accommodationAmplitude_D(double age_years) { return std::max(18.5 - 0.30 * age_years, 0.0); }
 
-double reachableFocus_D(const AccommodationSettings& settings, double target_D) {
+namespace {
+
+double inRange_D(const AccommodationSettings& settings, double focus_D) {
   const double amplitude_D =
       settings.age_years ? accommodationAmplitude_D(*settings.age_years) : INFINITY;
-  return std::clamp(target_D, settings.far_point_D, settings.far_point_D + amplitude_D);
+  return std::clamp(focus_D, settings.far_point_D, settings.far_point_D + amplitude_D);
 }
 
+}  // namespace
+
+double accommodationLag_D(double demand_D) {
+  constexpr std::array kDemands_D{0.0, 3.0, 4.0, 5.0}, kLags_D{0.0, 0.35, 0.48, 0.60};
+  if (demand_D <= 0.0) return 0.0;
+  std::size_t i = 1;
+  while (i + 1 < kDemands_D.size() && demand_D > kDemands_D[i]) ++i;
+  const double slope = (kLags_D[i] - kLags_D[i - 1]) / (kDemands_D[i] - kDemands_D[i - 1]);
+  return kLags_D[i - 1] + slope * (demand_D - kDemands_D[i - 1]);
+}
+
+double reachableFocus_D(const AccommodationSettings& settings, double target_D) {
+  const double lag_D = settings.lag ? accommodationLag_D(target_D - settings.far_point_D) : 0.0;
+  return inRange_D(settings, target_D - lag_D);
+}
+
+double restingFocus_D(const AccommodationSettings& settings) {
+  return inRange_D(settings, settings.resting_D);
+}
 Accommodation::Accommodation(const AccommodationSettings& settings)
-    : settings_(settings),
-      anchor_D_(reachableFocus_D(settings, settings.resting_D)),
-      drive_D_(anchor_D_) {
+    : settings_(settings), anchor_D_(restingFocus_D(settings)), drive_D_(anchor_D_) {
   assert(settings.latency_s >= 0.0 && settings.time_constant_s > 0.0 &&
          settings.far_time_constant_s.value_or(1.0) > 0.0);
 }
@@ -43,7 +63,8 @@ void Accommodation::setFarPoint(double far_point_D) {
   anchor_s_ = now_s_;
   settings_.far_point_D = far_point_D;
   if (!target_D_ || !settings_.on) {
-    anchor_D_ = drive_D_ = reachableFocus_D(settings_, target_D_.value_or(settings_.resting_D));
+    anchor_D_ = drive_D_ =
+        target_D_ ? reachableFocus_D(settings_, *target_D_) : restingFocus_D(settings_);
   } else {
     pending_.emplace_back(now_s_ + settings_.latency_s, *target_D_);
   }

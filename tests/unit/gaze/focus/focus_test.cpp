@@ -111,6 +111,18 @@ TEST(Accommodation, IsLimitedByAge) {
   EXPECT_EQ(old.target_D(), 4.0);
 }
 
+TEST(Accommodation, LagsBehindNearTargetsAsMeasured) {
+  for (const auto& [demand_D, lag_D] :
+       {std::pair{0.0, 0.0}, {1.5, 0.175}, {3.0, 0.35}, {4.0, 0.48}, {5.0, 0.60}, {6.0, 0.72}}) {
+    EXPECT_NEAR(accommodationLag_D(demand_D), lag_D, kRounding);
+    EXPECT_NEAR(reachableFocus_D({.lag = true}, demand_D), demand_D - lag_D, kRounding);
+    EXPECT_EQ(reachableFocus_D({}, demand_D), demand_D);
+  }
+  // A short-sighted eye accommodates less for the same target; at rest no eye lags.
+  EXPECT_NEAR(reachableFocus_D({.far_point_D = 2.0, .lag = true}, 5.0), 4.65, kRounding);
+  EXPECT_EQ(restingFocus_D({.resting_D = 1.0, .lag = true}), 1.0);
+}
+
 TEST(Accommodation, HasATimeConstantEachWay) {
   Accommodation eye({.latency_s = 0.0, .time_constant_s = 0.1, .far_time_constant_s = 0.4});
   eye.setTarget(0.0, 1.0);
