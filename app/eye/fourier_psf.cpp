@@ -1,0 +1,215 @@
+#include "app/eye/fourier_psf.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <opencv2/core.hpp>
+
+namespace foci {
+namespace {
+
+constexpr double kDeg_rad = std::numbers::pi / 180.0;
+
+/// Fine samples lie this many times denser than light of a coherent pupil needs, lambda / A.
+constexpr double kDenser = 2.5;
+
+/// Width of the field around geometric blur, in lambda / A; the pupil is as many cells wide.
+constexpr double kRings = 96.0;
+
+/// The intensity of `n` x `n` directions `step_rad` apart, with the axis at (n / 2, n / 2) and the
+/// sum 1; light beyond the field comes in again at the other side.
+/// @param peak  receives the peak over that of an equal pupil without aberrations
+cv::Mat intensity(const EyeOptics& eye, double step_rad, int n, double* peak = nullptr) {
+  const double radius_m = 0.5 * eye.pupil.diameter_m;
+  assert(radius_m > 0.0 && step_rad <= eye.wavelength_m / (2.0 * eye.pupil.diameter_m));
+  const double step_m = eye.wavelength_m / (n * step_rad);
+  const double per_m = 2.0 * std::numbers::pi / eye.wavelength_m;
+  const PupilWavefront wavefront(
+      eye.pupil.wavefront ? eye.pupil.wavefront
+                          : Wavefront{.zernike_um = {}, .pupil_m = eye.pupil.diameter_m});
+  cv::Mat field = cv::Mat::zeros(n, n, CV_64FC2);
+  double amplitudes = 0.0;
+  for (int row = 0; row < n; ++row) {
+    for (int column = 0; column < n; ++column) {
+      const double x = (column - n / 2) * step_m, y = (row - n / 2) * step_m;
+      if (std::hypot(x, y) > radius_m) continue;
+      const glm::dvec2 from_mm = 1000.0 * (glm::dvec2(x, y) - eye.pupil.stiles_crawford_center_m);
+      const double amplitude =
+          std::pow(10.0, -0.5 * eye.pupil.stiles_crawford_per_mm2 * glm::dot(from_mm, from_mm));
+      const double error_m =
+          wavefront.at(glm::dvec2(x, y) / radius_m).error_m + 0.5 * eye.defocus_D * (x * x + y * y);
+      field.at<cv::Vec2d>(row, column) = {amplitude * std::cos(per_m * error_m),
+                                          amplitude * std::sin(per_m * error_m)};
+      amplitudes += amplitude;
+    }
+  }
+  cv::dft(field, field);
+  cv::Mat light(n, n, CV_64F);
+  double sum = 0.0, highest = 0.0;
+  for (int row = 0; row < n; ++row) {
+    for (int column = 0; column < n; ++column) {
+      const cv::Vec2d& value = field.at<cv::Vec2d>((row + n - n / 2) % n, (column + n - n / 2) % n);
+      const double power = value[0] * value[0] + value[1] * value[1];
+      light.at<double>(row, column) = power;
+      sum += power;
+      highest = std::max(highest, power);
+    }
+  }
+  if (peak) *peak = highest / (amplitudes * amplitudes);
+  return light / sum;
+}
+
+/// Field that holds the light: geometric blur and the wings of diffraction.
+double fieldOf_rad(const EyeOptics& eye) {
+  const double radius_m = 0.5 * eye.pupil.diameter_m;
+  double slope_rad = 0.0;
+  if (eye.pupil.wavefront || eye.defocus_D != 0.0) {
+    const PupilWavefront wavefront(
+        eye.pupil.wavefront ? eye.pupil.wavefront
+                            : Wavefront{.zernike_um = {}, .pupil_m = eye.pupil.diameter_m});
+    for (int i = 0; i < 64; ++i) {
+      const double angle_rad = 2.0 * std::numbers::pi * i / 64.0;
+      for (const double r : {0.5, 0.75, 1.0}) {
+        const glm::dvec2 p = r * glm::dvec2(std::cos(angle_rad), std::sin(angle_rad));
+        slope_rad =
+            std::max(slope_rad, glm::length(wavefront.at(p).slope + eye.defocus_D * radius_m * p));
+      }
+    }
+  }
+  return 4.0 * slope_rad + kRings * eye.wavelength_m / eye.pupil.diameter_m;
+}
+
+/// Fine samples: their angle, and an even number of them along a side.
+struct Fine {
+  double step_rad;
+  int n;
+};
+Fine fineOf(const EyeOptics& eye) {
+  const double step_rad = eye.wavelength_m / (kDenser * eye.pupil.diameter_m);
+  const int wanted = static_cast<int>(std::ceil(0.5 * fieldOf_rad(eye) / step_rad));
+  return {step_rad, 2 * cv::getOptimalDFTSize(wanted)};
+}
+
+/// The OTF of the fine PSF, as the DFT of light around the origin; step 1 / (n step_rad).
+cv::Mat transferOf(const EyeOptics& eye, const Fine& fine) {
+  const cv::Mat light = intensity(eye, fine.step_rad, fine.n);
+  cv::Mat around(fine.n, fine.n, CV_64F);
+  for (int row = 0; row < fine.n; ++row) {
+    for (int column = 0; column < fine.n; ++column) {
+      around.at<double>(row, column) =
+          light.at<double>((row + fine.n / 2) % fine.n, (column + fine.n / 2) % fine.n);
+    }
+  }
+  cv::Mat transfer;
+  cv::dft(around, transfer, cv::DFT_COMPLEX_OUTPUT);
+  return transfer;
+}
+
+}  // namespace
+
+Psf fourierPsf(const EyeOptics& eye, double sample_rad, int size) {
+  assert(sample_rad > 0.0 && size > 0);
+  int finer =
+      static_cast<int>(std::ceil(sample_rad * kDenser * eye.pupil.diameter_m / eye.wavelength_m));
+  finer += 1 - finer % 2;  // odd: a fine sample in the middle
+  const double step_rad = sample_rad / finer;
+  const int least = static_cast<int>(std::ceil(fieldOf_rad(eye) / step_rad));
+  const int n = 2 * cv::getOptimalDFTSize((std::max(least, size * finer + finer) + 1) / 2);
+  const cv::Mat fine = intensity(eye, step_rad, n);
+  Psf psf{.light = cv::Mat::zeros(size, size, CV_64F), .sample_rad = sample_rad};
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const int x = n / 2 + (column - size / 2) * finer - finer / 2;
+      const int y = n / 2 + (row - size / 2) * finer - finer / 2;
+      psf.light.at<double>(row, column) = cv::sum(fine(cv::Rect(x, y, finer, finer)))[0];
+    }
+  }
+  return psf;
+}
+
+Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, int size) {
+  int finer =
+      static_cast<int>(std::ceil(pixel_rad * kDenser * eye.pupil.diameter_m / eye.wavelength_m));
+  finer += 1 - finer % 2;
+  const Psf fine = fourierPsf(eye, pixel_rad / finer, size * finer + 1 - (size * finer) % 2);
+  const double sigma = sigma_px * finer;
+  const int reach = static_cast<int>(std::ceil(6.0 * sigma));
+  std::vector<double> weights;
+  weights.reserve(static_cast<std::size_t>(2 * reach) + 1);
+  double sum = 0.0;
+  for (int i = -reach; i <= reach; ++i) {
+    weights.push_back(std::exp(-0.5 * i * i / (sigma * sigma)));
+    sum += weights.back();
+  }
+  Psf seen{.light = cv::Mat::zeros(size, size, CV_64F), .sample_rad = pixel_rad};
+  const int middle = fine.light.rows / 2;
+  // Rows first, at the columns of the pixels; then columns.
+  cv::Mat along = cv::Mat::zeros(fine.light.rows, size, CV_64F);
+  for (int row = 0; row < fine.light.rows; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const int at = middle + (column - size / 2) * finer;
+      double value = 0.0;
+      for (int i = std::max(-reach, -at); i <= std::min(reach, fine.light.cols - 1 - at); ++i) {
+        value += weights[static_cast<std::size_t>(i + reach)] * fine.light.at<double>(row, at + i);
+      }
+      along.at<double>(row, column) = value;
+    }
+  }
+  for (int row = 0; row < size; ++row) {
+    const int at = middle + (row - size / 2) * finer;
+    for (int column = 0; column < size; ++column) {
+      double value = 0.0;
+      for (int i = std::max(-reach, -at); i <= std::min(reach, along.rows - 1 - at); ++i) {
+        value += weights[static_cast<std::size_t>(i + reach)] * along.at<double>(at + i, column);
+      }
+      // Density of light, times the area of a pixel.
+      seen.light.at<double>(row, column) = value / (sum * sum) * finer * finer;
+    }
+  }
+  return seen;
+}
+
+std::vector<double> radialMtf(const EyeOptics& eye, std::span<const double> cycles_per_deg) {
+  const Fine fine = fineOf(eye);
+  const cv::Mat transfer = transferOf(eye, fine);
+  const auto modulus = [&](int row, int column) {
+    const cv::Vec2d& value = transfer.at<cv::Vec2d>((row % fine.n + fine.n) % fine.n,
+                                                    (column % fine.n + fine.n) % fine.n);
+    return std::hypot(value[0], value[1]);
+  };
+  constexpr int kOrientations = 72;  // over half a turn: the OTF of real light is symmetric
+  std::vector<double> mtf;
+  mtf.reserve(cycles_per_deg.size());
+  for (const double u : cycles_per_deg) {
+    const double radius = u / kDeg_rad * fine.n * fine.step_rad;
+    double sum = 0.0;
+    for (int i = 0; i < kOrientations; ++i) {
+      const double angle_rad = std::numbers::pi * (i + 0.5) / kOrientations;
+      const double x = radius * std::cos(angle_rad), y = radius * std::sin(angle_rad);
+      const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
+      const double fx = x - column, fy = y - row;
+      sum += (1 - fy) * ((1 - fx) * modulus(row, column) + fx * modulus(row, column + 1)) +
+             fy * ((1 - fx) * modulus(row + 1, column) + fx * modulus(row + 1, column + 1));
+    }
+    const bool beyond = radius > fine.n / 2;
+    mtf.push_back(beyond ? 0.0 : sum / kOrientations / modulus(0, 0));
+  }
+  return mtf;
+}
+
+double strehlRatio(const EyeOptics& eye) {
+  // The peak may lie between samples: half the step.
+  const Fine fine = fineOf(eye);
+  double peak = 0.0;
+  intensity(eye, 0.5 * fine.step_rad, 2 * fine.n, &peak);
+  return peak;
+}
+
+double diffractionMtf(double pupil_m, double wavelength_m, double cycles_per_deg) {
+  const double s = cycles_per_deg / kDeg_rad * wavelength_m / pupil_m;
+  if (s >= 1.0) return 0.0;
+  return 2.0 / std::numbers::pi * (std::acos(s) - s * std::sqrt(1.0 - s * s));
+}
+
+}  // namespace foci
