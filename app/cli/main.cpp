@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
   addPrepareCommand(app);
   addReproduceCommand(app);
   addTraceCommand(app);
+  addValidateCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

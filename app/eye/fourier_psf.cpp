@@ -1,10 +1,15 @@
 #include "app/eye/fourier_psf.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <complex>
 #include <numbers>
+#include <numeric>
 #include <opencv2/core.hpp>
+
+#include "render/optics/refraction.h"
 
 namespace foci {
 namespace {
@@ -15,7 +20,12 @@ constexpr double kDeg_rad = std::numbers::pi / 180.0;
 constexpr double kDenser = 2.5;
 
 /// Width of the field around geometric blur, in lambda / A; the pupil is as many cells wide.
-constexpr double kRings = 96.0;
+constexpr double kRings = 64.0;
+
+/// V(lambda) of CIE 1924, from 420 to 680 nm.
+constexpr double kFirstWave_m = 420e-9, kWaveStep_m = 20e-9;
+constexpr std::array kBrightness{0.004, 0.023, 0.060, 0.139, 0.323, 0.710, 0.954,
+                                 0.995, 0.870, 0.631, 0.381, 0.175, 0.061, 0.017};
 
 /// The intensity of `n` x `n` directions `step_rad` apart, with the axis at (n / 2, n / 2) and the
 /// sum 1; light beyond the field comes in again at the other side.
@@ -91,19 +101,66 @@ Fine fineOf(const EyeOptics& eye) {
   return {step_rad, 2 * cv::getOptimalDFTSize(wanted)};
 }
 
-/// The OTF of the fine PSF, as the DFT of light around the origin; step 1 / (n step_rad).
-cv::Mat transferOf(const EyeOptics& eye, const Fine& fine) {
-  const cv::Mat light = intensity(eye, fine.step_rad, fine.n);
-  cv::Mat around(fine.n, fine.n, CV_64F);
-  for (int row = 0; row < fine.n; ++row) {
-    for (int column = 0; column < fine.n; ++column) {
-      around.at<double>(row, column) =
-          light.at<double>((row + fine.n / 2) % fine.n, (column + fine.n / 2) % fine.n);
+/// The OTF of an eye: the DFT of its fine PSF around the origin.
+class Transfer {
+ public:
+  explicit Transfer(const EyeOptics& eye) {
+    const Fine fine = fineOf(eye);
+    n_ = fine.n;
+    per_cycle_deg_ = fine.n * fine.step_rad / kDeg_rad;
+    const cv::Mat light = intensity(eye, fine.step_rad, n_);
+    cv::Mat around(n_, n_, CV_64F);
+    for (int row = 0; row < n_; ++row) {
+      for (int column = 0; column < n_; ++column) {
+        around.at<double>(row, column) =
+            light.at<double>((row + n_ / 2) % n_, (column + n_ / 2) % n_);
+      }
     }
+    cv::dft(around, values_, cv::DFT_COMPLEX_OUTPUT);
   }
-  cv::Mat transfer;
-  cv::dft(around, transfer, cv::DFT_COMPLEX_OUTPUT);
-  return transfer;
+
+  /// At the frequency (x, y), cycles per degree; bilinear.
+  std::complex<double> at(double x, double y) const {
+    x *= per_cycle_deg_;
+    y *= per_cycle_deg_;
+    if (std::hypot(x, y) > n_ / 2) return 0.0;
+    const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
+    const double fx = x - column, fy = y - row;
+    return (1 - fy) * ((1 - fx) * value(row, column) + fx * value(row, column + 1)) +
+           fy * ((1 - fx) * value(row + 1, column) + fx * value(row + 1, column + 1));
+  }
+
+ private:
+  std::complex<double> value(int row, int column) const {
+    const cv::Vec2d& v = values_.at<cv::Vec2d>((row % n_ + n_) % n_, (column % n_ + n_) % n_);
+    return {v[0], v[1]};
+  }
+
+  int n_ = 0;
+  double per_cycle_deg_ = 0.0;  ///< steps for one cycle per degree
+  cv::Mat values_;
+};
+
+std::vector<double> mtfOf(const std::vector<Transfer>& transfers,
+                          const std::vector<double>& weights,
+                          std::span<const double> cycles_per_deg) {
+  constexpr int kOrientations = 72;  // over half a turn: the OTF of real light is symmetric
+  std::vector<double> mtf;
+  mtf.reserve(cycles_per_deg.size());
+  const double all = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (const double u : cycles_per_deg) {
+    double sum = 0.0;
+    for (int i = 0; i < kOrientations; ++i) {
+      const double angle_rad = std::numbers::pi * (i + 0.5) / kOrientations;
+      std::complex<double> transfer = 0.0;
+      for (std::size_t k = 0; k < transfers.size(); ++k) {
+        transfer += weights[k] * transfers[k].at(u * std::cos(angle_rad), u * std::sin(angle_rad));
+      }
+      sum += std::abs(transfer);
+    }
+    mtf.push_back(sum / kOrientations / all);
+  }
+  return mtf;
 }
 
 }  // namespace
@@ -171,31 +228,20 @@ Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, in
 }
 
 std::vector<double> radialMtf(const EyeOptics& eye, std::span<const double> cycles_per_deg) {
-  const Fine fine = fineOf(eye);
-  const cv::Mat transfer = transferOf(eye, fine);
-  const auto modulus = [&](int row, int column) {
-    const cv::Vec2d& value = transfer.at<cv::Vec2d>((row % fine.n + fine.n) % fine.n,
-                                                    (column % fine.n + fine.n) % fine.n);
-    return std::hypot(value[0], value[1]);
-  };
-  constexpr int kOrientations = 72;  // over half a turn: the OTF of real light is symmetric
-  std::vector<double> mtf;
-  mtf.reserve(cycles_per_deg.size());
-  for (const double u : cycles_per_deg) {
-    const double radius = u / kDeg_rad * fine.n * fine.step_rad;
-    double sum = 0.0;
-    for (int i = 0; i < kOrientations; ++i) {
-      const double angle_rad = std::numbers::pi * (i + 0.5) / kOrientations;
-      const double x = radius * std::cos(angle_rad), y = radius * std::sin(angle_rad);
-      const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
-      const double fx = x - column, fy = y - row;
-      sum += (1 - fy) * ((1 - fx) * modulus(row, column) + fx * modulus(row, column + 1)) +
-             fy * ((1 - fx) * modulus(row + 1, column) + fx * modulus(row + 1, column + 1));
-    }
-    const bool beyond = radius > fine.n / 2;
-    mtf.push_back(beyond ? 0.0 : sum / kOrientations / modulus(0, 0));
+  return mtfOf({Transfer(eye)}, {1.0}, cycles_per_deg);
+}
+
+std::vector<double> whiteMtf(const EyeOptics& eye, std::span<const double> cycles_per_deg) {
+  std::vector<Transfer> transfers;
+  transfers.reserve(kBrightness.size());
+  for (std::size_t i = 0; i < kBrightness.size(); ++i) {
+    EyeOptics colour = eye;
+    colour.wavelength_m = kFirstWave_m + static_cast<double>(i) * kWaveStep_m;
+    colour.defocus_D += chromaticDifference_D(1e6 * colour.wavelength_m) -
+                        chromaticDifference_D(1e6 * eye.wavelength_m);
+    transfers.emplace_back(colour);
   }
-  return mtf;
+  return mtfOf(transfers, {kBrightness.begin(), kBrightness.end()}, cycles_per_deg);
 }
 
 double strehlRatio(const EyeOptics& eye) {

@@ -38,6 +38,11 @@ Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, in
 /// Contrast that a grating keeps, the mean of the OTF's modulus over all orientations.
 std::vector<double> radialMtf(const EyeOptics& eye, std::span<const double> cycles_per_deg);
 
+/// The same in white light of equal energy, as bright as V(lambda) makes it (CIE 1924), in 14 steps
+/// of 20 nm. The eye focuses `wavelength_m`; the others are out of focus by
+/// `chromaticDifference_D`.
+std::vector<double> whiteMtf(const EyeOptics& eye, std::span<const double> cycles_per_deg);
+
 /// Peak of the PSF over that of the same pupil without aberrations and defocus.
 double strehlRatio(const EyeOptics& eye);
 

@@ -1,0 +1,55 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "app/cli/commands.h"
+#include "app/cli/option_values.h"
+#include "app/eye/validation.h"
+#include "app/platform/output_files.h"
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+struct ValidateOptions {
+  std::string out{};
+  bool overwrite = false;
+};
+
+void runValidate(const ValidateOptions& options) {
+  checkOutputs(validationFiles(options.out), {}, options.overwrite);
+  const std::vector<ValidationFigure> figures = validate(options.out);
+  std::size_t within = 0;
+  const ValidationFigure* first = nullptr;
+  for (const ValidationFigure& one : figures) {
+    within += one.inBounds() ? 1 : 0;
+    if (!one.inBounds() && !first) first = &one;
+  }
+  std::printf("%zu of %zu figures within their bounds: %s\n", within, figures.size(),
+              validationFiles(options.out).back().c_str());
+  if (!first) return;
+  throw std::runtime_error(
+      first->group + ", " + first->what + ": " + decimal(first->value, first->digits) + " where " +
+      decimal(first->expected, first->digits) + " +- " + significant(first->tolerance, 2) +
+      " was published (" + first->source + ")");
+}
+
+}  // namespace
+
+void addValidateCommand(CLI::App& app) {
+  const auto options = std::make_shared<ValidateOptions>();
+  CLI::App* command = app.add_subcommand(
+      "validate",
+      "Hold foci against published measurements of blur, pupil, focus and image quality.\n"
+      "Example: foci validate --out out/validation");
+  command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
+  addOverwriteFlag(*command, options->overwrite);
+  command->callback([options, command] {
+    refuseEmptyValues(*command);
+    runValidate(*options);
+  });
+}
+
+}  // namespace foci

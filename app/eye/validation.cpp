@@ -1,0 +1,213 @@
+#include "app/eye/validation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "app/eye/visual_quality.h"
+#include "app/platform/progress.h"
+#include "base/text.h"
+#include "gaze/focus/accommodation.h"
+#include "gaze/focus/pupil.h"
+#include "render/methods/method.h"
+#include "render/optics/refraction.h"
+
+namespace foci {
+namespace {
+
+constexpr double kArcmin_rad = std::numbers::pi / 180.0 / 60.0;
+
+using Figures = std::vector<ValidationFigure>;
+
+/// Diameter, arcmin, of the disc that spreads light as far as a rendered point of light: four times
+/// the standard deviation, beyond that of the sharp point.
+double renderedBlur_arcmin(double pupil_m, double defocus_D) {
+  constexpr int kSize_px = 129;
+  constexpr float kFocal_px = static_cast<float>(1.0 / kArcmin_rad);
+  SurfelCloud cloud;
+  appendSurfel(cloud, {0.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 1.0f}, 3e-5f, 4e-9f, glm::vec3(1.0f));
+  const View view{.size_px = {kSize_px, kSize_px},
+                  .focal_px = glm::vec2(kFocal_px),
+                  .principal_px = glm::vec2(0.5f * kSize_px)};
+  const auto method = makeMethod("sweep", cloud);
+  const auto variance_px2 = [&](double focus_D) {
+    RenderSettings settings;
+    settings.defocus = defocusOfLens(pupil_m, glm::vec2(kFocal_px), focus_D, DistanceAlong::sight);
+    Frame frame;
+    method->render(view, settings, frame);
+    double light = 0.0, squares = 0.0;
+    for (int y = 0; y < kSize_px; ++y) {
+      for (int x = 0; x < kSize_px; ++x) {
+        const glm::dvec2 from = glm::dvec2(x, y) + 0.5 - 0.5 * kSize_px;
+        light += frame.at(x, y).r;
+        squares += 0.5 * frame.at(x, y).r * glm::dot(from, from);
+      }
+    }
+    return squares / light;
+  };
+  return 4.0 * std::sqrt(variance_px2(1.0 + defocus_D) - variance_px2(1.0));
+}
+
+void addBlur(Figures& figures) {
+  for (const double pupil_mm : {2.0, 4.0, 6.0}) {
+    for (const double defocus_D : {0.5, 1.0, 2.0}) {
+      const double expected = pupil_mm * 1e-3 * defocus_D / kArcmin_rad;
+      figures.push_back(
+          {.group = "Blur disc of a rendered point of light",
+           .what = decimal(pupil_mm, 0) + " mm, " + decimal(defocus_D, 1) + " D",
+           .unit = "arcmin",
+           .source = "Smith 1982: pupil times defocus, 3.4377 arcmin for each mm and D",
+           .expected = expected,
+           .tolerance = 0.02 * expected,
+           .value = renderedBlur_arcmin(pupil_mm * 1e-3, defocus_D)});
+    }
+  }
+}
+
+void addChromatic(Figures& figures) {
+  figures.push_back({.group = "Chromatic difference of refraction",
+                     .what = "400 nm less 589 nm",
+                     .unit = "D",
+                     .source = "Thibos, Ye, Zhang and Bradley 1992, the Indiana eye",
+                     .expected = -1.72,
+                     .tolerance = 0.02,
+                     .value = chromaticDifference_D(0.589) - chromaticDifference_D(0.400)});
+  // The other published formula, of another eye model and other data.
+  for (const double nm : {450.0, 500.0, 650.0}) {
+    const auto atchison_D = [](double wave_nm) {
+      return 1.60911 - 6.70941e5 / (wave_nm * wave_nm) + 5.55334e10 / std::pow(wave_nm, 4) -
+             5.59998e15 / std::pow(wave_nm, 6);
+    };
+    figures.push_back({.group = "Chromatic difference of refraction",
+                       .what = decimal(nm, 0) + " nm less 589 nm",
+                       .unit = "D",
+                       .source = "Atchison and Smith 2005, Cauchy's equation for the eye",
+                       .expected = atchison_D(nm) - atchison_D(589.0),
+                       .tolerance = 0.1,
+                       .value = chromaticDifference_D(0.589) - chromaticDifference_D(1e-3 * nm)});
+  }
+}
+
+void addPupils(Figures& figures) {
+  const std::array luminances_cd_m2{0.01, 1.0, 10.0, 100.0, 1000.0};
+  const std::array expected_mm{7.05, 5.12, 3.83, 2.89, 2.38};
+  for (std::size_t i = 0; i < expected_mm.size(); ++i) {
+    figures.push_back({.group = "Pupil diameter, field of 60 deg, 30 years",
+                       .what = significant(luminances_cd_m2[i]) + " cd/m^2",
+                       .unit = "mm",
+                       .source = "Watson and Yellott 2012",
+                       .expected = expected_mm[i],
+                       .tolerance = 0.01,
+                       .value = pupilDiameter_mm({.luminance_cd_m2 = luminances_cd_m2[i],
+                                                  .area_deg2 = std::numbers::pi * 30.0 * 30.0})});
+  }
+}
+
+void addMtf(Figures& figures, Progress& progress, std::size_t& done) {
+  const std::array expected{0.657, 0.563, 0.427, 0.295, 0.205};
+  for (int mm = 2; mm <= 6; ++mm) {
+    figures.push_back({.group = "Mean MTF at 10 cycles/deg, the formula",
+                       .what = std::to_string(mm) + " mm",
+                       .unit = "",
+                       .source = "Watson 2013",
+                       .expected = expected[static_cast<std::size_t>(mm - 2)],
+                       .tolerance = 0.001,
+                       .value = meanMtf(mm, 10.0),
+                       .digits = 3});
+  }
+  for (int mm = 2; mm <= 6; ++mm) {
+    // A typical eye in focus, by Fourier optics in white light.
+    const ThroughFocus through = throughFocus(typicalPupil(mm * 1e-3), 0.3, 0.1);
+    figures.push_back({.group = "MTF at 10 cycles/deg of the typical eye, in focus, white light",
+                       .what = std::to_string(mm) + " mm",
+                       .unit = "",
+                       .source = "Watson 2013, mean of 200 eyes with the glasses that they had",
+                       .expected = expected[static_cast<std::size_t>(mm - 2)],
+                       .tolerance = 0.2,
+                       .value = *std::max_element(through.contrast.begin(), through.contrast.end()),
+                       .digits = 3});
+    progress.advance(++done);
+  }
+}
+
+void addDepthOfFocus(Figures& figures, Progress& progress, std::size_t& done) {
+  const std::array pupils_mm{2.0, 4.0, 6.0}, expected_D{0.86, 0.59, 0.55};
+  for (std::size_t i = 0; i < pupils_mm.size(); ++i) {
+    figures.push_back(
+        {.group = "Total depth of focus: contrast at 10 cycles/deg falls to 80 %",
+         .what = decimal(pupils_mm[i], 0) + " mm",
+         .unit = "D",
+         .source = "Atchison, Charman and Woods 1997",
+         .expected = expected_D[i],
+         .tolerance = 0.15,
+         .value =
+             depthOfFocus(throughFocus(typicalPupil(1e-3 * pupils_mm[i]), 0.8, 0.1)).total_D()});
+    progress.advance(++done);
+  }
+}
+
+/// Seconds from a step of the target until the response has made `share` of it.
+double responseTime_s(double from_D, double to_D, double share) {
+  Accommodation eye;
+  eye.setTarget(0.0, from_D);
+  eye.setTarget(1.0, to_D);
+  double time_s = 1.0;
+  while ((eye.focusAt_D(time_s) - from_D) / (to_D - from_D) < share) time_s += 1e-3;
+  return time_s - 1.0;
+}
+
+void addAccommodation(Figures& figures) {
+  const std::string source = "Campbell and Westheimer 1960";
+  for (const bool nearer : {true, false}) {
+    const double from_D = nearer ? 0.5 : 2.5, to_D = 3.0 - from_D;
+    const double latency_s = responseTime_s(from_D, to_D, 1e-6);
+    const std::string way = nearer ? "far to near" : "near to far";
+    figures.push_back({.group = "Accommodation to a step of 2 D",
+                       .what = "latency, " + way,
+                       .unit = "s",
+                       .source = source,
+                       .expected = nearer ? 0.36 : 0.38,
+                       .tolerance = 0.09,
+                       .value = latency_s});
+    figures.push_back({.group = "Accommodation to a step of 2 D",
+                       .what = "95 % of the response after its start, " + way,
+                       .unit = "s",
+                       .source = source,
+                       .expected = nearer ? 0.64 : 0.56,
+                       .tolerance = 0.15,
+                       .value = responseTime_s(from_D, to_D, 0.95) - latency_s});
+  }
+  const std::array lags_D{0.35, 0.48, 0.60};
+  for (std::size_t i = 0; i < lags_D.size(); ++i) {
+    const double target_D = 3.0 + static_cast<double>(i);
+    figures.push_back({.group = "Lag of accommodation, focus.lag = true",
+                       .what = decimal(target_D, 0) + " D",
+                       .unit = "D",
+                       .source = "Seidemann and Schaeffel 2003",
+                       .expected = lags_D[i],
+                       .tolerance = 0.005,
+                       .value = target_D - reachableFocus_D({.lag = true}, target_D)});
+  }
+}
+
+}  // namespace
+
+bool ValidationFigure::inBounds() const {
+  return std::abs(value - expected) <= tolerance;  // false for NaN
+}
+
+std::vector<ValidationFigure> validationFigures() {
+  Figures figures;
+  Progress progress("validating", "eyes", 8);
+  std::size_t done = 0;
+  addBlur(figures);
+  addChromatic(figures);
+  addPupils(figures);
+  addMtf(figures, progress, done);
+  addDepthOfFocus(figures, progress, done);
+  addAccommodation(figures);
+  return figures;
+}
+
+}  // namespace foci

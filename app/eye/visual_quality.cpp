@@ -1,0 +1,83 @@
+#include "app/eye/visual_quality.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace foci {
+
+Pupil typicalPupil(double pupil_m) {
+  constexpr double kComa_um = 0.14, kTrefoil_um = 0.11, kSpherical_um = 0.13, kAll_um = 0.33;
+  const double scale = kAll_um / std::sqrt(kComa_um * kComa_um + kTrefoil_um * kTrefoil_um +
+                                           kSpherical_um * kSpherical_um);
+  Wavefront w{.zernike_um = std::vector<double>(13), .pupil_m = 6e-3};
+  w.zernike_um[6] = -scale * kTrefoil_um;
+  w.zernike_um[7] = scale * kComa_um;
+  w.zernike_um[12] = scale * kSpherical_um;
+  Pupil pupil{.diameter_m = pupil_m};
+  pupil.wavefront = withoutRefraction(rescaled(w, pupil_m));
+  return pupil;
+}
+
+ThroughFocus throughFocus(const Pupil& pupil, double reach_D, double step_D) {
+  ThroughFocus through;
+  const int steps = static_cast<int>(std::ceil(reach_D / step_D));
+  through.defocus_D.reserve(2 * static_cast<std::size_t>(steps) + 1);
+  for (int i = -steps; i <= steps; ++i) through.defocus_D.push_back(i * step_D);
+  through.contrast.resize(through.defocus_D.size());
+  parallelFor(through.defocus_D.size(), [&](std::size_t i) {
+    const std::array at{kFocus_cycles_per_deg};
+    through.contrast[i] = whiteMtf({.pupil = pupil, .defocus_D = through.defocus_D[i]}, at).front();
+  });
+  return through;
+}
+
+DepthOfFocus depthOfFocus(const ThroughFocus& through) {
+  const std::vector<double>& contrast = through.contrast;
+  const auto best = static_cast<std::size_t>(std::max_element(contrast.begin(), contrast.end()) -
+                                             contrast.begin());
+  const double limit = kInFocusShare * contrast[best];
+  // Linear between the two steps that the limit lies between.
+  const auto edge = [&](int direction) {
+    auto i = static_cast<std::ptrdiff_t>(best);
+    const auto last = static_cast<std::ptrdiff_t>(contrast.size()) - 1;
+    while (i != (direction < 0 ? 0 : last)) {
+      const auto here = static_cast<std::size_t>(i);
+      const auto next = static_cast<std::size_t>(i + direction);
+      if (contrast[next] < limit) {
+        const double t = (contrast[here] - limit) / (contrast[here] - contrast[next]);
+        return through.defocus_D[here] + t * (through.defocus_D[next] - through.defocus_D[here]);
+      }
+      i += direction;
+    }
+    return through.defocus_D[static_cast<std::size_t>(i)];
+  };
+  return {.best_D = through.defocus_D[best], .nearest_D = edge(-1), .farthest_D = edge(1)};
+}
+
+double GratingAcuity::logMAR() const { return std::log10(30.0 / cycles_per_deg); }
+
+GratingAcuity acuityOf(const EyeOptics& eye) {
+  std::vector<double> u;
+  u.reserve(120);
+  for (int i = 1; i <= 120; ++i) u.push_back(i);
+  const std::vector<double> contrast = whiteMtf(eye, u);
+  std::size_t i = 0;
+  while (i + 1 < u.size() && contrast[i + 1] >= 0.05) ++i;
+  if (i + 1 == u.size()) return {.cycles_per_deg = u.back()};
+  const double t = (contrast[i] - 0.05) / (contrast[i] - contrast[i + 1]);
+  return {.cycles_per_deg = u[i] + std::clamp(t, 0.0, 1.0)};
+}
+
+double meanMtf(double pupil_mm, double cycles_per_deg) {
+  assert(pupil_mm >= 2.0 && pupil_mm <= 6.0);
+  const double u1 = 21.95 - 5.512 * pupil_mm + 0.3922 * pupil_mm * pupil_mm;
+  const double ratio = cycles_per_deg / u1;
+  return std::pow(1.0 + ratio * ratio, -0.62) *
+         std::sqrt(diffractionMtf(pupil_mm / 1000.0, 555e-9, cycles_per_deg));
+}
+
+}  // namespace foci

@@ -1,0 +1,47 @@
+// How well an eye sees: its depth of focus, its acuity, and what observers have on average.
+#pragma once
+
+#include <vector>
+
+#include "app/eye/fourier_psf.h"
+
+namespace foci {
+
+/// Coma, trefoil and spherical aberration in the proportions of 2560 normal eyes, with their mean
+/// higher-order root mean square of 0.33 um at 6 mm (Salmon and van de Pol, Journal of Cataract and
+/// Refractive Surgery 32, 2006: means of 0.14, 0.11 and 0.13 um), rescaled and without refraction.
+Pupil typicalPupil(double pupil_m);
+
+/// Frequency at which focus is judged, cycles per degree, and the share of the best contrast there
+/// that still counts as in focus. One criterion for all pupils: 80 % is what studies of image
+/// quality use (Yi, Iskander and Collins, Journal of Vision 10(4), 2010).
+inline constexpr double kFocus_cycles_per_deg = 10.0, kInFocusShare = 0.8;
+
+/// Contrast at `kFocus_cycles_per_deg` in white light by defocus.
+struct ThroughFocus {
+  std::vector<double> defocus_D, contrast;
+};
+/// @param reach_D  on both sides of 0
+ThroughFocus throughFocus(const Pupil& pupil, double reach_D, double step_D);
+
+struct DepthOfFocus {
+  double best_D = 0.0;                       ///< defocus of the largest contrast
+  double nearest_D = 0.0, farthest_D = 0.0;  ///< where the contrast falls to `kInFocusShare`
+  double total_D() const { return farthest_D - nearest_D; }
+};
+DepthOfFocus depthOfFocus(const ThroughFocus& through);
+
+/// The finest grating that keeps 5 % of its contrast in white light, cycles per degree, and the
+/// acuity log10(30 / u) that it stands for: a bar of the grating is a stroke of the letter.
+struct GratingAcuity {
+  double cycles_per_deg = 0.0;
+  double logMAR() const;
+};
+GratingAcuity acuityOf(const EyeOptics& eye);
+
+/// Mean MTF of 200 eyes in white light (Watson, Journal of Vision 13(6), 2013):
+///   M = (1 + (u / u1)^2)^-0.62 sqrt(D(u, d, 555 nm)),  u1 = 21.95 - 5.512 d + 0.3922 d^2.
+/// @param pupil_mm  2 to 6
+double meanMtf(double pupil_mm, double cycles_per_deg);
+
+}  // namespace foci
