@@ -57,7 +57,7 @@ cmake --build --preset asan --target foci foci_tests foci_e2e foci_stability_tes
 # Without the windows, whose time goes into the OpenGL library, and without the longest runs from end to end: unit tests
 # cover their parts.
 sanitized build/asan/foci_tests '-AutoOnTheChart.*'
-sanitized build/asan/foci_e2e '-Reproduce.WritesTheTable*:Webcam.CalibratedOnAFilmed*:OneCommand.A*:HostileInputs.AMeshHasLimits'
+sanitized build/asan/foci_e2e '-Reproduce.WritesTheTable*:Webcam.CalibratedOnAFilmed*:OneCommand.A*:HostileInputs.AMeshHasLimits:Eye.Validates*'
 sanitized build/asan/foci_stability_tests '*'
 
 step "tsan: build and test"

@@ -16,6 +16,7 @@ void addCalibrateCommand(CLI::App& app);  ///< the screen, a tracker, a webcam o
 void addChartCommand(CLI::App& app);      ///< time and error of every method
 void addDoctorCommand(CLI::App& app);     ///< what this machine offers
 void addEventsCommand(CLI::App& app);     ///< eye movements of a recording
+void addEyeCommand(CLI::App& app);        ///< the observer's eye itself
 void addInfoCommand(CLI::App& app);       ///< facts about a scene
 void addKeysCommand(CLI::App& app);       ///< the keys of a study file
 void addManualCommand(CLI::App& app);     ///< man pages and shell completions

@@ -45,6 +45,7 @@ int run(int argc, char** argv) {
   addChartCommand(app);
   addDoctorCommand(app);
   addEventsCommand(app);
+  addEyeCommand(app);
   addInfoCommand(app);
   addJoinCommand(app, command_line);
   addCompareCommand(app);

@@ -22,6 +22,15 @@ glm::dvec2 pairOf(const std::string& option, const std::string& text, char betwe
   return {*first, *second};
 }
 
+double vergenceOf_D(const std::string& option, const std::string& text) {
+  constexpr double kNearestFocus_m = 0.01;  // nearer than any eye accommodates
+  const auto distance_m = text == "inf" ? std::optional(HUGE_VAL) : parseNumber(text);
+  if (!distance_m || !(*distance_m >= kNearestFocus_m)) {
+    throw InputError(option + " " + text, "expected metres, 0.01 or more, or inf");
+  }
+  return 1.0 / *distance_m;
+}
+
 void refuseEmptyValues(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_type_size() == 0) continue;  // a flag

@@ -17,6 +17,9 @@ namespace foci {
 glm::dvec2 pairOf(const std::string& option, const std::string& text, char between,
                   const std::string& expected);
 
+/// A distance as dioptres: metres, 0.01 or more, or "inf". @throws InputError
+double vergenceOf_D(const std::string& option, const std::string& text);
+
 /// @throws InputError if the user gave an option of `command` an empty value
 void refuseEmptyValues(const CLI::App& command);
 

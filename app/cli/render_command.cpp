@@ -21,20 +21,10 @@
 namespace foci {
 namespace {
 
-constexpr double kMinFocus_m = 0.01;  // nearer than any eye accommodates
-
 struct RenderOptions : StudyOptions {
   std::string out{}, focus{}, gaze{}, depth{}, defocus{};
   bool overwrite = false;
 };
-
-double focusOf_D(const std::string& focus) {
-  const auto focus_m = focus == "inf" ? std::optional(HUGE_VAL) : parseNumber(focus);
-  if (!focus_m || !(*focus_m >= kMinFocus_m)) {
-    throw InputError("--focus " + focus, "expected metres, 0.01 or more, or inf");
-  }
-  return 1.0 / *focus_m;
-}
 
 glm::dvec2 gazeOf_px(const std::string& gaze, const Screen& screen) {
   const glm::dvec2 point_px = pairOf("--gaze", gaze, ',', "X,Y in px of the study's screen");
@@ -71,7 +61,7 @@ void runRender(const RenderOptions& options) {
   ImageRequest request{.out = options.out, .focus_D = {}, .gaze_px = {}};
   if (!options.depth.empty()) request.depth = options.depth;
   if (!options.defocus.empty()) request.defocus = options.defocus;
-  if (!options.focus.empty()) request.focus_D = focusOf_D(options.focus);
+  if (!options.focus.empty()) request.focus_D = vergenceOf_D("--focus", options.focus);
   if (!options.gaze.empty()) request.gaze_px = gazeOf_px(options.gaze, study.screenInForce());
   const ImageSummary summary = renderImage(study, request, std::move(asked.scene));
   saveStudy(options, asked);

@@ -174,12 +174,13 @@ Psf fourierPsf(const EyeOptics& eye, double sample_rad, int size) {
   const int least = static_cast<int>(std::ceil(fieldOf_rad(eye) / step_rad));
   const int n = 2 * cv::getOptimalDFTSize((std::max(least, size * finer + finer) + 1) / 2);
   const cv::Mat fine = intensity(eye, step_rad, n);
-  Psf psf{.light = cv::Mat::zeros(size, size, CV_64F), .sample_rad = sample_rad};
+  Psf psf{.size = size, .sample_rad = sample_rad};
+  psf.light.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
   for (int row = 0; row < size; ++row) {
     for (int column = 0; column < size; ++column) {
       const int x = n / 2 + (column - size / 2) * finer - finer / 2;
       const int y = n / 2 + (row - size / 2) * finer - finer / 2;
-      psf.light.at<double>(row, column) = cv::sum(fine(cv::Rect(x, y, finer, finer)))[0];
+      psf.light.push_back(cv::sum(fine(cv::Rect(x, y, finer, finer)))[0]);
     }
   }
   return psf;
@@ -199,16 +200,17 @@ Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, in
     weights.push_back(std::exp(-0.5 * i * i / (sigma * sigma)));
     sum += weights.back();
   }
-  Psf seen{.light = cv::Mat::zeros(size, size, CV_64F), .sample_rad = pixel_rad};
-  const int middle = fine.light.rows / 2;
+  Psf seen{.size = size, .sample_rad = pixel_rad};
+  seen.light.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+  const int middle = fine.size / 2;
   // Rows first, at the columns of the pixels; then columns.
-  cv::Mat along = cv::Mat::zeros(fine.light.rows, size, CV_64F);
-  for (int row = 0; row < fine.light.rows; ++row) {
+  cv::Mat along = cv::Mat::zeros(fine.size, size, CV_64F);
+  for (int row = 0; row < fine.size; ++row) {
     for (int column = 0; column < size; ++column) {
       const int at = middle + (column - size / 2) * finer;
       double value = 0.0;
-      for (int i = std::max(-reach, -at); i <= std::min(reach, fine.light.cols - 1 - at); ++i) {
-        value += weights[static_cast<std::size_t>(i + reach)] * fine.light.at<double>(row, at + i);
+      for (int i = std::max(-reach, -at); i <= std::min(reach, fine.size - 1 - at); ++i) {
+        value += weights[static_cast<std::size_t>(i + reach)] * fine.at(at + i, row);
       }
       along.at<double>(row, column) = value;
     }
@@ -221,7 +223,7 @@ Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, in
         value += weights[static_cast<std::size_t>(i + reach)] * along.at<double>(at + i, column);
       }
       // Density of light, times the area of a pixel.
-      seen.light.at<double>(row, column) = value / (sum * sum) * finer * finer;
+      seen.light.push_back(value / (sum * sum) * finer * finer);
     }
   }
   return seen;

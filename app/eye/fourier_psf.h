@@ -3,13 +3,15 @@
 // splatted images are held against.
 #pragma once
 
-#include <opencv2/core.hpp>
+#include <numbers>
 #include <span>
 #include <vector>
 
 #include "render/optics/pupil.h"
 
 namespace foci {
+
+inline constexpr double kArcmin_rad = std::numbers::pi / 180.0 / 60.0;
 
 /// An eye that looks at one point of light.
 struct EyeOptics {
@@ -21,8 +23,14 @@ struct EyeOptics {
 /// Light by visual angle. Rows run downwards and columns to the right, as the observer sees them.
 /// The direction of the point lies in the middle of the sample (size / 2, size / 2).
 struct Psf {
-  cv::Mat light;  ///< CV_64F, square; the light of a sample, of a total of 1
+  int size = 0;                    ///< samples along a side
+  std::vector<double> light = {};  ///< row-major, of a total of 1
   double sample_rad = 0.0;
+
+  double at(int column, int row) const {
+    return light[static_cast<std::size_t>(row) * static_cast<std::size_t>(size) +
+                 static_cast<std::size_t>(column)];
+  }
 };
 
 ///   PSF(t) = |sum over the pupil of a(x) exp(2 pi i / lambda (W(x) - t x))|^2,

@@ -16,8 +16,6 @@
 namespace foci {
 namespace {
 
-constexpr double kArcmin_rad = std::numbers::pi / 180.0 / 60.0;
-
 using Figures = std::vector<ValidationFigure>;
 
 /// Diameter, arcmin, of the disc that spreads light as far as a rendered point of light: four times

@@ -10,8 +10,8 @@
 namespace foci {
 namespace {
 
-constexpr const char* kTable = "validation.tsv";
-constexpr const char* kPage = "validation.html";
+constexpr const char* kValidationTable = "validation.tsv";
+constexpr const char* kValidationPage = "validation.html";
 
 constexpr const char* kValidationStyle = R"(
 td.value, th.value { text-align: right; } td svg { width: 132px; height: 16px; vertical-align: middle; }
@@ -84,14 +84,14 @@ std::string validationPage(const std::vector<ValidationFigure>& figures) {
 }
 
 std::vector<std::filesystem::path> validationFiles(const std::filesystem::path& out) {
-  return {out / kTable, out / kPage};
+  return {out / kValidationTable, out / kValidationPage};
 }
 
 std::vector<ValidationFigure> validate(const std::filesystem::path& out) {
   std::vector<ValidationFigure> figures = validationFigures();
   OutputFolder files(out);
-  files.write(kTable, validationTable(figures));
-  files.write(kPage, validationPage(figures));
+  files.write(kValidationTable, validationTable(figures));
+  files.write(kValidationPage, validationPage(figures));
   files.commit();
   return figures;
 }

@@ -19,7 +19,7 @@ inline constexpr double kFocus_cycles_per_deg = 10.0, kInFocusShare = 0.8;
 
 /// Contrast at `kFocus_cycles_per_deg` in white light by defocus.
 struct ThroughFocus {
-  std::vector<double> defocus_D, contrast;
+  std::vector<double> defocus_D = {}, contrast = {};
 };
 /// @param reach_D  on both sides of 0
 ThroughFocus throughFocus(const Pupil& pupil, double reach_D, double step_D);

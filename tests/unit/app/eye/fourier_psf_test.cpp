@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,7 +14,7 @@
 namespace foci {
 namespace {
 
-constexpr double kWave_m = 555e-9, kArcmin_rad = std::numbers::pi / 180.0 / 60.0;
+constexpr double kWave_m = 555e-9;
 
 EyeOptics eye(double pupil_m, double defocus_D = 0.0, std::vector<double> zernike_um = {}) {
   EyeOptics optics{.pupil = {.diameter_m = pupil_m}, .defocus_D = defocus_D};
@@ -29,16 +30,15 @@ struct Moments {
 
 /// Of the samples that hold at least `share` of the peak of `lit`. The rings of diffraction have no
 /// finite second moment: their light falls with the cube of the angle.
-Moments momentsOf(const Psf& psf, const cv::Mat& lit, double share) {
-  double peak = 0.0;
-  cv::minMaxLoc(lit, nullptr, &peak);
+Moments momentsOf(const Psf& psf, const std::vector<double>& lit, double share) {
+  const double peak = *std::max_element(lit.begin(), lit.end());
   Moments m;
   glm::dvec2 squares(0.0);
-  const int middle = psf.light.rows / 2;
-  for (int row = 0; row < psf.light.rows; ++row) {
-    for (int column = 0; column < psf.light.cols; ++column) {
-      if (lit.at<double>(row, column) < share * peak) continue;
-      const double light = psf.light.at<double>(row, column);
+  const int middle = psf.size / 2;
+  for (int row = 0; row < psf.size; ++row) {
+    for (int column = 0; column < psf.size; ++column) {
+      if (lit[static_cast<std::size_t>(row * psf.size + column)] < share * peak) continue;
+      const double light = psf.at(column, row);
       const glm::dvec2 at = psf.sample_rad * glm::dvec2(column - middle, row - middle);
       m.light += light;
       m.mean_rad += light * at;
@@ -61,7 +61,7 @@ TEST(FourierPsf, IsTheAiryPattern) {
     for (int column = 0; column < 201; ++column) {
       const double v = std::numbers::pi * pupil_m * std::abs(column - 100) * sample_rad / kWave_m;
       const double airy = v == 0.0 ? 1.0 : std::pow(2.0 * std::cyl_bessel_j(1.0, v) / v, 2);
-      EXPECT_NEAR(psf.light.at<double>(100, column) / peak, airy, 0.01) << pupil_m << ' ' << v;
+      EXPECT_NEAR(psf.at(column, 100) / peak, airy, 0.01) << pupil_m << ' ' << v;
     }
   }
 }
@@ -80,7 +80,7 @@ TEST(FourierPsf, FarOutOfFocusIsTheBlurDisc) {
   for (int row = 0; row < 121; ++row) {
     for (int column = 0; column < 121; ++column) {
       const double r_rad = std::hypot(column - 60, row - 60) * psf.sample_rad;
-      const double light = psf.light.at<double>(row, column);
+      const double light = psf.at(column, row);
       if (r_rad <= 1.1 * radius_rad) inside += light;
       if (r_rad <= 0.5 * radius_rad) middle += light;
     }
@@ -170,23 +170,23 @@ Comparison compareSplatted(double pupil_m, double defocus_D, const std::string& 
   makeMethod(method, cloud)->render(view, settings, frame);
   double light = 0.0;
   for (const glm::vec4& p : frame.rgba) light += p.r;
-  Psf splatted{.light = cv::Mat(kSize_px, kSize_px, CV_64F), .sample_rad = kArcmin_rad};
-  double peak = 0.0, squares = 0.0, lit_squares = 0.0;
+  Psf splatted{.size = kSize_px, .sample_rad = kArcmin_rad};
+  const double peak = *std::max_element(truth.light.begin(), truth.light.end());
+  double squares = 0.0, lit_squares = 0.0;
   int lit = 0;
-  cv::minMaxLoc(truth.light, nullptr, &peak);
   for (int row = 0; row < kSize_px; ++row) {
     for (int column = 0; column < kSize_px; ++column) {
       const double seen = frame.at(column, row).r / light;
-      splatted.light.at<double>(row, column) = seen;
-      const double expected = truth.light.at<double>(row, column), off = (seen - expected) / peak;
+      splatted.light.push_back(seen);
+      const double expected = truth.at(column, row), off = (seen - expected) / peak;
       squares += off * off;
       if (std::max(seen, expected) < 0.01 * peak) continue;
       lit_squares += off * off;
       ++lit;
     }
   }
-  cv::Mat either;
-  cv::max(splatted.light, truth.light, either);
+  std::vector<double> either = splatted.light;
+  for (std::size_t i = 0; i < either.size(); ++i) either[i] = std::max(either[i], truth.light[i]);
   const Moments a = momentsOf(splatted, either, 0.01), b = momentsOf(truth, either, 0.01);
   return {.light = momentsOf(truth).light,
           .variance_ratio = a.variance_rad2 / b.variance_rad2,

@@ -1,0 +1,73 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/cli/commands.h"
+#include "app/cli/option_values.h"
+#include "app/eye/eye_report.h"
+#include "app/platform/output_files.h"
+#include "app/study/inputs.h"
+#include "base/input_error.h"
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+struct EyeOptions {
+  std::string study{}, out{}, focus{};
+  std::vector<std::string> at{}, set{};
+  bool overwrite = false;
+};
+
+void runEye(const EyeOptions& options) {
+  Study study = readStudy(options.study);
+  for (const std::string& assignment : options.set) setKeyByOption(study, assignment);
+  checkStudy(study);
+  EyeRequest request;
+  if (!options.focus.empty()) request.focus_D = vergenceOf_D("--focus", options.focus);
+  for (const std::string& at : options.at) request.distances_D.push_back(vergenceOf_D("--at", at));
+  if (request.distances_D.size() > 12) {
+    throw InputError("--at", "expected at most 12 distances");
+  }
+  checkOutputs(eyeFiles(options.out), inputFiles(study), options.overwrite);
+  for (const EyeFigures& eye : reportEye(study, request, options.out)) {
+    std::printf("%s: pupil %.2f mm, focus %.2f D, depth of focus %.2f D, acuity %.2f logMAR\n",
+                eye.name.c_str(), 1000.0 * eye.pupil.diameter_m, eye.focus_D, eye.depth.total_D(),
+                eye.acuity.logMAR());
+  }
+  std::printf("%s\n", (std::filesystem::path(options.out) / "eye.html").c_str());
+}
+
+}  // namespace
+
+void addEyeCommand(CLI::App& app) {
+  const auto options = std::make_shared<EyeOptions>();
+  CLI::App* command = app.add_subcommand(
+      "eye",
+      "Show the observer's eye itself: its image of a point of light, contrast, depth of focus.\n"
+      "Example: foci eye study.toml --out out/eye");
+  command->add_option("STUDY", options->study, "study (TOML)")->type_name("FILE")->required();
+  command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
+  command
+      ->add_option("--focus", options->focus, "focal distance, metres, or inf; default: the screen")
+      ->type_name("METRES");
+  command
+      ->add_option(
+          "--at", options->at,
+          "distances of points of light, metres or inf, e.g. 0.5,1,inf; default: within 1 D "
+          "of the focus")
+      ->type_name("METRES,...")
+      ->delimiter(',');
+  command->add_option("--set", options->set, "set any key of the study; may be repeated")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  addOverwriteFlag(*command, options->overwrite);
+  command->callback([options, command] {
+    refuseEmptyValues(*command);
+    runEye(*options);
+  });
+}
+
+}  // namespace foci

@@ -1,0 +1,102 @@
+#include "app/eye/eye_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "app/platform/progress.h"
+#include "app/session/observer_eye.h"
+#include "app/study/session_settings_of.h"
+#include "base/parallel.h"
+
+namespace foci {
+namespace {
+
+/// A PSF's window: twice the blur's diameter, at least this many arcmin.
+constexpr double kLeastWindow_arcmin = 12.0, kMostWindow_arcmin = 240.0;
+constexpr int kSamples = 161;
+
+/// The eye's pupil with the refraction that glasses do not correct.
+Pupil pupilWithRefraction(const ObserverSettings& observer, bool left, double focus_D) {
+  Pupil pupil = pupilOfEye(observer, left, observer.pupil_mm, glm::vec2(1.0f), focus_D);
+  pupil.diffraction_px = 0.0f;  // Fourier optics has its own
+  const glm::vec2 j = observer.refraction.astigmatism_D;
+  if (j == glm::vec2(0.0f)) return pupil;
+  pupil.wavefront.pupil_m = pupil.diameter_m;
+  pupil.wavefront =
+      withPower(pupil.wavefront, power_D(pupil.wavefront) + glm::dvec3(0.0, j.x, j.y));
+  return pupil;
+}
+
+double windowOf_rad(const EyeOptics& eye) {
+  const PupilWavefront wavefront(
+      eye.pupil.wavefront ? eye.pupil.wavefront
+                          : Wavefront{.zernike_um = {}, .pupil_m = eye.pupil.diameter_m});
+  double reach_rad = 2.0 * eye.wavelength_m / eye.pupil.diameter_m;
+  for (int i = 0; i < 48; ++i) {
+    const double angle_rad = 2.0 * std::numbers::pi * i / 48.0;
+    for (const double r : {0.5, 0.8, 1.0}) {
+      const glm::dvec2 p = r * glm::dvec2(std::cos(angle_rad), std::sin(angle_rad));
+      reach_rad = std::max(reach_rad, glm::length(wavefront.at(p).slope +
+                                                  0.5 * eye.defocus_D * eye.pupil.diameter_m * p));
+    }
+  }
+  return std::clamp(2.4 * reach_rad, kLeastWindow_arcmin * kArcmin_rad,
+                    kMostWindow_arcmin * kArcmin_rad);
+}
+
+EyeFigures figuresOf(std::string name, const Pupil& pupil, double focus_D,
+                     const EyeRequest& request) {
+  EyeFigures eye{.name = std::move(name), .pupil = pupil, .focus_D = focus_D};
+  std::vector<double> vergences_D = request.distances_D;
+  if (vergences_D.empty()) {
+    for (const double off_D : {-1.0, -0.5, 0.0, 0.5, 1.0}) vergences_D.push_back(focus_D + off_D);
+  }
+  eye.points.resize(vergences_D.size());
+  double window_rad = 0.0;  // one for all points, so that their sizes compare
+  for (const double vergence_D : vergences_D) {
+    window_rad =
+        std::max(window_rad, windowOf_rad({.pupil = pupil, .defocus_D = focus_D - vergence_D}));
+  }
+  parallelFor(vergences_D.size(), [&](std::size_t i) {
+    const EyeOptics optics{.pupil = pupil, .defocus_D = focus_D - vergences_D[i]};
+    eye.points[i] = {.vergence_D = vergences_D[i],
+                     .strehl = strehlRatio(optics),
+                     .psf = fourierPsf(optics, window_rad / kSamples, kSamples)};
+  });
+  for (int u = 0; u <= 60; u += 2) eye.cycles_per_deg.push_back(u);
+  eye.white_mtf = whiteMtf({.pupil = pupil}, eye.cycles_per_deg);
+  eye.green_mtf = radialMtf({.pupil = pupil}, eye.cycles_per_deg);
+  eye.through = throughFocus(pupil, 1.2, 0.1);
+  eye.depth = depthOfFocus(eye.through);
+  eye.acuity = acuityOf({.pupil = pupil});
+  return eye;
+}
+
+}  // namespace
+
+std::vector<EyeFigures> eyeFiguresOf(const Study& study, const EyeRequest& request) {
+  const SessionSettings settings = sessionSettingsOf(study);
+  const AccommodationSettings accommodation = accommodationOf(settings);
+  const double target_D =
+      request.focus_D.value_or(settings.focus.fixed_D.value_or(1.0 / settings.screen.distance_m));
+  const double focus_D = reachableFocus_D(accommodation, target_D);
+  const Pupil left = pupilWithRefraction(settings.observer, true, focus_D);
+  const Pupil right = pupilWithRefraction(settings.observer, false, focus_D);
+  // The side of the nose does not matter to a single eye: compare what aberrates.
+  const bool equal = left.wavefront == right.wavefront &&
+                     left.stiles_crawford_center_m == right.stiles_crawford_center_m;
+  Progress progress("computing", "eyes", equal ? 1 : 2);
+  std::vector<EyeFigures> eyes;
+  if (equal) {
+    eyes.push_back(figuresOf("both eyes", right, focus_D, request));
+  } else {
+    eyes.push_back(figuresOf("left eye", left, focus_D, request));
+    progress.advance(1);
+    eyes.push_back(figuresOf("right eye", right, focus_D, request));
+  }
+  progress.advance(eyes.size());
+  return eyes;
+}
+
+}  // namespace foci
