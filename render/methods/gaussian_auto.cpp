@@ -10,6 +10,8 @@
 
 #include "render/gaussians/gaussian_view.h"
 #include "render/methods/gaussian_methods.h"
+#include "render/methods/gaussian_parts.h"
+#include "render/methods/mean_of_parts.h"
 #include "render/methods/quality_level_table.h"
 #include "render/methods/time_budget.h"
 #include "render/scene/gaussian_tree.h"
@@ -66,6 +68,8 @@ int discsOf(QualityLevel level) {
   }
 }
 
+constexpr int kFewestParts = 7;
+
 constexpr std::array kBudgetLevels{QualityLevel::fine, QualityLevel::sub_apertures,
                                    QualityLevel::whole_aperture, QualityLevel::sharp};
 
@@ -91,6 +95,7 @@ class GaussianAuto final : public Method {
     if (settings.defocus.radius_px_per_D == glm::vec2(0.0f)) {
       return renderThrough(pinhole_, view, settings, frame);
     }
+    if (settings.pupil.hasParts()) return renderByParts(view, settings, frame);
     if (const auto forced = forced_ ? forced_ : quality.quality_level) {
       return renderAt(*forced, view, settings, frame);
     }
@@ -117,10 +122,14 @@ class GaussianAuto final : public Method {
 
   void project(const std::vector<LensDisc>& discs, const View& view,
                const RenderSettings& settings) {
-    const GaussianCutSettings lod{.per_blur2 = kPerBlur2 * settings.quality.tolerance,
-                                  .max_px2 = kMaxSpread_px2 * settings.quality.tolerance,
-                                  .acuity = settings.quality.acuity};
+    const GaussianCutSettings lod = lodOf(settings);
     view_.project(view, settings.defocus, discs, &lod);
+  }
+
+  static GaussianCutSettings lodOf(const RenderSettings& settings) {
+    return {.per_blur2 = kPerBlur2 * settings.quality.tolerance,
+            .max_px2 = kMaxSpread_px2 * settings.quality.tolerance,
+            .acuity = settings.quality.acuity};
   }
 
   RenderStats renderAt(QualityLevel level, const View& view, const RenderSettings& settings,
@@ -131,6 +140,17 @@ class GaussianAuto final : public Method {
     stats.quality_level = level;
     stats.tolerance_error = largestError([&](float blur_px) {
       return errorOf(std::max(n, 1), blur_px, settings.quality.tolerance);
+    });
+    return stats;
+  }
+
+  /// At full quality, whatever the budget.
+  RenderStats renderByParts(const View& view, const RenderSettings& settings, Frame& frame) {
+    const GaussianCutSettings lod = lodOf(settings);
+    const std::vector<LensPart> parts = partsFor(settings.defocus, settings.pupil, kFewestParts);
+    RenderStats stats = parts_.render(view_, parts, view, settings, &lod, frame);
+    stats.tolerance_error = largestError([&](float blur_px) {
+      return errorOf(static_cast<int>(parts.size()), blur_px, settings.quality.tolerance);
     });
     return stats;
   }
@@ -173,6 +193,7 @@ class GaussianAuto final : public Method {
 
   std::shared_ptr<const GaussianCloud> cloud_;
   GaussianView view_;
+  GaussianParts parts_;
   std::optional<QualityLevel> forced_;
   std::vector<std::vector<LensDisc>> sets_;
   std::vector<LensDisc> all_, pinhole_ = {LensDisc{}};

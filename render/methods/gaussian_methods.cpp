@@ -8,7 +8,9 @@
 #include "base/parallel.h"
 #include "render/gaussians/gaussian_view.h"
 #include "render/image/metrics.h"
+#include "render/methods/gaussian_parts.h"
 #include "render/methods/lens_samples.h"
+#include "render/methods/mean_of_parts.h"
 #include "render/scene/gaussian_tree.h"
 
 namespace foci {
@@ -39,6 +41,11 @@ class DiscsMethod final : public Method {
       : view_(cloud), discs_(std::move(discs)) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
+    if (isBlurred(settings.defocus) && settings.pupil.hasParts()) {
+      return parts_.render(
+          view_, lensParts(settings.defocus, settings.pupil, static_cast<int>(discs_.size())), view,
+          settings, nullptr, frame);
+    }
     const std::vector<LensDisc>& discs = isBlurred(settings.defocus) ? discs_ : pinhole_;
     view_.project(view, settings.defocus, discs);
     RenderStats stats;
@@ -49,6 +56,7 @@ class DiscsMethod final : public Method {
 
  private:
   GaussianView view_;
+  GaussianParts parts_;
   std::vector<LensDisc> discs_, pinhole_ = {LensDisc{}};
 };
 
@@ -59,6 +67,11 @@ class LodDiscsMethod final : public Method {
       : cloud_(sharedWithTree(cloud)), view_(*cloud_), discs_(subApertureDiscs(n)) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
+    if (isBlurred(settings.defocus) && settings.pupil.hasParts()) {
+      return parts_.render(
+          view_, partsFor(settings.defocus, settings.pupil, static_cast<int>(discs_.size())), view,
+          settings, &kLod, frame);
+    }
     const std::vector<LensDisc>& discs = isBlurred(settings.defocus) ? discs_ : pinhole_;
     view_.project(view, settings.defocus, discs, &kLod);
     RenderStats stats;
@@ -73,6 +86,7 @@ class LodDiscsMethod final : public Method {
 
   std::shared_ptr<const GaussianCloud> cloud_;  // with its tree
   GaussianView view_;
+  GaussianParts parts_;
   std::vector<LensDisc> discs_, pinhole_ = {LensDisc{}};
 };
 
@@ -86,6 +100,13 @@ class AccumulatedPoints final : public Method {
   }
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
+    if (isBlurred(settings.defocus) && settings.pupil.hasParts()) {
+      std::vector<glm::vec2> points;
+      points.reserve(all_.size());
+      for (const LensDisc& point : all_) points.push_back(point.centre);
+      return parts_.render(view_, lensPoints(settings.defocus, settings.pupil, points), view,
+                           settings, nullptr, frame);
+    }
     view_.project(view, settings.defocus, all_);
     RenderStats stats;
     stats.splats = view_.count();
@@ -114,6 +135,7 @@ class AccumulatedPoints final : public Method {
   }
 
   GaussianView view_;
+  GaussianParts parts_;
   std::vector<LensDisc> halves_[2], all_;
   Frame odd_;
 };
@@ -130,6 +152,8 @@ std::vector<LensDisc> subApertureDiscs(int n) {
   }
   return discs;
 }
+
+float partDiscRadius(std::size_t n) { return n == 1 ? 1.0f : std::sqrt(kDiscShare); }
 
 float inflateWidening(int variant) {
   // The square root of the variance over C^2.

@@ -2,6 +2,7 @@
 // the method of the same name on surfels.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -14,6 +15,9 @@ namespace foci {
 /// The whole lens for `n` = 1; else `n` sub-apertures, discs that lie evenly on it. Centres and
 /// discs together have the lens's variance.
 std::vector<LensDisc> subApertureDiscs(int n);
+
+/// Radius of the disc of one of `n` parts of the lens, over the part's own.
+float partDiscRadius(std::size_t n);
 
 std::unique_ptr<Method> gaussianPinhole(const GaussianCloud& cloud, int n);
 std::unique_ptr<Method> gaussianSweep(const GaussianCloud& cloud, int n);

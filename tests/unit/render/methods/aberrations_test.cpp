@@ -7,9 +7,11 @@
 
 #include "app/evaluation/chart/plan.h"
 #include "base/quantile.h"
+#include "render/image/metrics.h"
 #include "render/image/visible_difference.h"
 #include "render/methods/method.h"
 #include "render/optics/refraction.h"
+#include "tests/unit/render/gaussian_scenes.h"
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
@@ -133,6 +135,25 @@ TEST(Pupil, DiffractionAddsItsVariance) {
     const double without = momentsOf(seen(method, settings)).variance_x_px2;
     settings.pupil.diffraction_px = 0.8f;
     EXPECT_NEAR(momentsOf(seen(method, settings)).variance_x_px2 - without, 0.64, 0.035) << method;
+  }
+}
+
+TEST(AberrationsOfGaussians, PartsShowWhatTheRaysShow) {
+  GaussianCloud cloud;
+  addWall(cloud, 2.0f, 0.06f, 40, 0.95f, {0.2f, 0.5f, 0.3f});
+  addWall(cloud, 1.0f, 0.008f, 16, 0.95f, {0.9f, 0.8f, 0.3f});
+  const SurfelCloud scene = sceneOf(std::move(cloud));
+  std::vector<double> strong = kTypical;
+  for (double& um : strong) um *= 3.0;
+  const RenderSettings settings = eye(6e-3, 0.5, strong);
+  RenderSettings plain = settings;
+  plain.pupil = {};
+  const View view = squareView(kSize_px, kFocal_px);
+  const Frame rays = render("accumulate:300", scene, view, settings);
+  for (const char* method : {"sweep:19", "sweep-lod:19", "auto"}) {
+    const double with_dB = psnr_dB(rays, render(method, scene, view, settings));
+    EXPECT_GT(with_dB, 36.0) << method;
+    EXPECT_GT(with_dB, 6.0 + psnr_dB(rays, render(method, scene, view, plain))) << method;
   }
 }
 

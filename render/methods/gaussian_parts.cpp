@@ -1,0 +1,22 @@
+#include "render/methods/gaussian_parts.h"
+
+#include "render/methods/gaussian_methods.h"
+#include "render/methods/mean_of_parts.h"
+
+namespace foci {
+
+RenderStats GaussianParts::render(GaussianView& scene, const std::vector<LensPart>& parts,
+                                  const View& view, const RenderSettings& settings,
+                                  const GaussianCutSettings* lod, Frame& frame) {
+  const float share = partDiscRadius(parts.size());
+  RenderStats stats;
+  meanOfParts(parts, part_, frame, [&](const LensPart& part, Frame& to) {
+    const std::vector<LensDisc> disc = {{part.centre, share * part.radius}};
+    scene.project(viewOfPart(view, part), part.defocus, disc, lod);
+    stats.splats += scene.count();
+    stats.fragments += scene.render(disc, settings.background, to);
+  });
+  return stats;
+}
+
+}  // namespace foci
