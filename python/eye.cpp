@@ -25,9 +25,28 @@ Screen makeScreen(const std::array<int, 2>& size_px, const Pair& size_m, double 
       .size_px = {size_px[0], size_px[1]}, .size_m = vectorOf(size_m), .distance_m = distance_m};
 }
 
+/// The second order belongs to sphere_D and cylinder_D, as in a study whose observer wears glasses.
+Wavefront wavefrontOf(const std::vector<double>& zernike_um,
+                      const std::optional<double>& pupil_mm) {
+  if (zernike_um.empty()) return {};
+  if (!pupil_mm) {
+    throw InputError("wavefront_um", "expected wavefront_pupil_mm, too, the pupil it holds for");
+  }
+  if (static_cast<int>(zernike_um.size()) > zernikeCount(kMaxZernikeOrder)) {
+    throw InputError("wavefront_um",
+                     "expected at most 66 coefficients, in the order of OSA and ANSI");
+  }
+  for (const double um : zernike_um) inRange("wavefront_um", um, -50.0, 50.0);
+  inRange("wavefront_pupil_mm", *pupil_mm, 1.0, 12.0);
+  return withoutRefraction({.zernike_um = zernike_um, .pupil_m = *pupil_mm / 1000.0});
+}
+
 StillEye makeEye(double pupil_mm, const Triple& position_m, const Triple& look_at_m,
                  const Triple& up, const std::optional<double>& age_years, double sphere_D,
-                 double cylinder_D, double axis_deg, bool chromatic) {
+                 double cylinder_D, double axis_deg, bool chromatic,
+                 const std::vector<double>& wavefront_um,
+                 const std::optional<double>& wavefront_pupil_mm, bool stiles_crawford,
+                 bool diffraction) {
   StillEye eye{.position_m = checkedPoint("position_m", position_m),
                .look_at_m = checkedPoint("look_at_m", look_at_m),
                .up = checkedPoint("up", up),
@@ -36,7 +55,10 @@ StillEye makeEye(double pupil_mm, const Triple& position_m, const Triple& look_a
                .prescription = {.sphere_D = inRange("sphere_D", sphere_D, -20.0, 20.0),
                                 .cylinder_D = inRange("cylinder_D", cylinder_D, -10.0, 10.0),
                                 .axis_deg = inRange("axis_deg", axis_deg, 0.0, 180.0)},
-               .chromatic = chromatic};
+               .chromatic = chromatic,
+               .wavefront = wavefrontOf(wavefront_um, wavefront_pupil_mm),
+               .stiles_crawford = stiles_crawford,
+               .diffraction = diffraction};
   if (age_years) inRange("age_years", *age_years, 1.0, 120.0);
   // A path that cannot be looked along is refused here, not at the first image.
   EyePath({{.position_m = eye.position_m, .look_at_m = eye.look_at_m, .up = {}}}, eye.up, "Eye")
@@ -68,6 +90,9 @@ SessionSettings settingsOf(const StillEye& eye, const Screen& screen,
   settings.observer.pupil_mm = eye.pupil_mm;
   settings.observer.refraction = refractionOf(eye.prescription);
   settings.observer.chromatic = eye.chromatic;
+  settings.observer.wavefronts = {eye.wavefront, eye.wavefront};
+  settings.observer.stiles_crawford = eye.stiles_crawford;
+  settings.observer.diffraction = eye.diffraction;
   settings.focus.accommodation.age_years = eye.age_years;
   settings.method = options.method;
   settings.device = RenderDevice::cpu;  // a session in Python renders in the thread that asks
@@ -104,12 +129,18 @@ void bindScreenAndEye(py::module_& module) {
       "z)\n"
       "in metres; the centre of the screen shows look_at_m. age_years limits how near the eye\n"
       "focuses. sphere_D, cylinder_D, axis_deg: a prescription that is not worn, dioptres and\n"
-      "degrees. chromatic: each colour has its own focus.")
+      "degrees. chromatic: each colour has its own focus. wavefront_um: Zernike coefficients from\n"
+      "index 0, um, in the order and signs of OSA and ANSI, for a pupil of wavefront_pupil_mm;\n"
+      "indices 0 to 5 have no effect. stiles_crawford: light near the rim of the pupil counts less.\n"
+      "diffraction: the blur of a small pupil, at 555 nm.")
       .def(py::init(&makeEye), py::arg("pupil_mm") = 4.0,
            py::arg("position_m") = Triple{0.0, 0.0, 0.0},
            py::arg("look_at_m") = Triple{0.0, 0.0, -1.0}, py::arg("up") = Triple{0.0, 1.0, 0.0},
            py::arg("age_years") = py::none(), py::arg("sphere_D") = 0.0,
-           py::arg("cylinder_D") = 0.0, py::arg("axis_deg") = 0.0, py::arg("chromatic") = false)
+           py::arg("cylinder_D") = 0.0, py::arg("axis_deg") = 0.0, py::arg("chromatic") = false,
+           py::arg("wavefront_um") = std::vector<double>(),
+           py::arg("wavefront_pupil_mm") = py::none(), py::arg("stiles_crawford") = false,
+           py::arg("diffraction") = false)
       .def_readonly("pupil_mm", &StillEye::pupil_mm)
       .def_readonly("age_years", &StillEye::age_years)
       .def_readonly("chromatic", &StillEye::chromatic)

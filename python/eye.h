@@ -16,6 +16,8 @@ struct StillEye {
   std::optional<double> age_years{};
   Prescription prescription{};
   bool chromatic = false;
+  Wavefront wavefront{};  ///< empty: no aberrations
+  bool stiles_crawford = false, diffraction = false;
 };
 
 /// What a picture is made with, besides eye and screen.

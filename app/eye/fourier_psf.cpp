@@ -200,6 +200,7 @@ Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, in
     weights.push_back(std::exp(-0.5 * i * i / (sigma * sigma)));
     sum += weights.back();
   }
+  const double* const gaussian = weights.data() + reach;
   Psf seen{.size = size, .sample_rad = pixel_rad};
   seen.light.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
   const int middle = fine.size / 2;
@@ -210,7 +211,7 @@ Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, in
       const int at = middle + (column - size / 2) * finer;
       double value = 0.0;
       for (int i = std::max(-reach, -at); i <= std::min(reach, fine.size - 1 - at); ++i) {
-        value += weights[static_cast<std::size_t>(i + reach)] * fine.at(at + i, row);
+        value += gaussian[i] * fine.at(at + i, row);
       }
       along.at<double>(row, column) = value;
     }
@@ -220,7 +221,7 @@ Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, in
     for (int column = 0; column < size; ++column) {
       double value = 0.0;
       for (int i = std::max(-reach, -at); i <= std::min(reach, along.rows - 1 - at); ++i) {
-        value += weights[static_cast<std::size_t>(i + reach)] * along.at<double>(at + i, column);
+        value += gaussian[i] * along.at<double>(at + i, column);
       }
       // Density of light, times the area of a pixel.
       seen.light.push_back(value / (sum * sum) * finer * finer);

@@ -23,6 +23,7 @@ Pupil pupilOfEye(const ObserverSettings& observer, bool left, double pupil_mm,
   // The nose is to the left of the right eye, in the image that it sees.
   const glm::dvec2 from_nasal(left ? 1.0 : -1.0, -1.0);
   Pupil pupil{.diameter_m = pupil_mm / 1000.0};
+  if (pupil_mm <= 0.0) return pupil;  // a pinhole
   if (observer.stiles_crawford) {
     pupil.stiles_crawford_per_mm2 = kStilesCrawford_per_mm2;
     pupil.stiles_crawford_center_m = from_nasal * observer.stiles_crawford_center_m;

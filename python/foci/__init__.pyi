@@ -24,7 +24,9 @@ class Screen:
 class Eye:
     def __init__(self, pupil_mm: float = 4.0, position_m: Triple = ..., look_at_m: Triple = ..., up: Triple = ...,
                  age_years: Optional[float] = None, sphere_D: float = 0.0, cylinder_D: float = 0.0,
-                 axis_deg: float = 0.0, chromatic: bool = False) -> None: ...
+                 axis_deg: float = 0.0, chromatic: bool = False, wavefront_um: Sequence[float] = ...,
+                 wavefront_pupil_mm: Optional[float] = None, stiles_crawford: bool = False,
+                 diffraction: bool = False) -> None: ...
     @property
     def pupil_mm(self) -> float: ...
     @property

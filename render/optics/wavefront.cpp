@@ -27,7 +27,8 @@ double radialCoefficient(const ZernikeOrder& order, int s) {
 }
 
 std::size_t monomial(int a, int b) {
-  return static_cast<std::size_t>(b + (a + b) * (a + b + 1) / 2);
+  const int at = b + (a + b) * (a + b + 1) / 2;
+  return static_cast<std::size_t>(at);
 }
 
 /// Adds `scale` times the polynomial to the coefficients of x^a y^b. The radial power r^(|m| + 2k)

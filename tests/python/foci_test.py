@@ -48,6 +48,22 @@ class RenderTest(unittest.TestCase):
         self.assertEqual((image.shape, image.dtype), ((90, 160, 3), np.float32))
         np.testing.assert_allclose(image[45, 80], 0.25, atol=0.01)
 
+    def test_aberrations_blur_what_is_in_focus(self):
+        typical = [0, 0, 0, 0, 0, 0, -0.11, 0.14, 0, 0, 0, 0, 0.13]
+        eye = foci.Eye(pupil_mm=6, wavefront_um=[3 * um for um in typical], wavefront_pupil_mm=6)
+        scene = foci.Scene.from_points(
+            np.array([[x, y, -1.0] for x in np.linspace(-0.1, 0.1, 81) for y in np.linspace(-0.1, 0.1, 81)]),
+            color=np.array([[x > 0] * 3 for x in np.linspace(-0.1, 0.1, 81) for _ in range(81)], dtype=float),
+            normal=np.tile((0, 0, 1), (81 * 81, 1)))
+
+        def contrast(of):
+            image = np.asarray(foci.render(scene, of, SCREEN, size_px=(1920, 1080), focus_m=1.0, method="sweep:7"))
+            return np.abs(np.diff(image[540, 900:1020, 1])).max()
+
+        self.assertLess(contrast(eye), 0.9 * contrast(foci.Eye(pupil_mm=6)))
+        with self.assertRaises(foci.InputError):
+            foci.Eye(wavefront_um=typical)
+
     def test_arrays_share_the_memory_of_the_image_and_outlive_it(self):
         image = self.render(focus_m=1.0)
         rgb = np.asarray(image)
