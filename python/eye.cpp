@@ -131,7 +131,8 @@ void bindScreenAndEye(py::module_& module) {
       "focuses. sphere_D, cylinder_D, axis_deg: a prescription that is not worn, dioptres and\n"
       "degrees. chromatic: each colour has its own focus. wavefront_um: Zernike coefficients from\n"
       "index 0, um, in the order and signs of OSA and ANSI, for a pupil of wavefront_pupil_mm;\n"
-      "indices 0 to 5 have no effect. stiles_crawford: light near the rim of the pupil counts less.\n"
+      "indices 0 to 5 have no effect. stiles_crawford: light near the rim of the pupil counts "
+      "less.\n"
       "diffraction: the blur of a small pupil, at 555 nm.")
       .def(py::init(&makeEye), py::arg("pupil_mm") = 4.0,
            py::arg("position_m") = Triple{0.0, 0.0, 0.0},
