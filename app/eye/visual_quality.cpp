@@ -6,19 +6,13 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "render/optics/typical_eye.h"
 
 namespace foci {
 
 Pupil typicalPupil(double pupil_m) {
-  constexpr double kComa_um = 0.14, kTrefoil_um = 0.11, kSpherical_um = 0.13, kAll_um = 0.33;
-  const double scale = kAll_um / std::sqrt(kComa_um * kComa_um + kTrefoil_um * kTrefoil_um +
-                                           kSpherical_um * kSpherical_um);
-  Wavefront w{.zernike_um = std::vector<double>(13), .pupil_m = 6e-3};
-  w.zernike_um[6] = -scale * kTrefoil_um;
-  w.zernike_um[7] = scale * kComa_um;
-  w.zernike_um[12] = scale * kSpherical_um;
   Pupil pupil{.diameter_m = pupil_m};
-  pupil.wavefront = withoutRefraction(rescaled(w, pupil_m));
+  pupil.wavefront = withoutRefraction(rescaled(typicalWavefront(), pupil_m));
   return pupil;
 }
 

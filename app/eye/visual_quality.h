@@ -7,9 +7,7 @@
 
 namespace foci {
 
-/// Coma, trefoil and spherical aberration in the proportions of 2560 normal eyes, with their mean
-/// higher-order root mean square of 0.33 um at 6 mm (Salmon and van de Pol, Journal of Cataract and
-/// Refractive Surgery 32, 2006: means of 0.14, 0.11 and 0.13 um), rescaled and without refraction.
+/// The typical eye's pupil (typical_eye.h), rescaled and without refraction.
 Pupil typicalPupil(double pupil_m);
 
 /// Frequency at which focus is judged, cycles per degree, and the share of the best contrast there

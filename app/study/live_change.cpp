@@ -32,6 +32,7 @@ constexpr std::string_view kLiveKeys[] = {
     "observer.chromatic",
     "observer.wavefront",
     "observer.wavefront_pupil_mm",
+    "observer.age_years",
     "observer.spherical_um_per_D",
     "observer.stiles_crawford",
     "observer.stiles_crawford_center_mm",

@@ -7,6 +7,7 @@
 #include "app/study/wavefront_file.h"
 #include "base/input_error.h"
 #include "render/methods/method.h"
+#include "render/optics/typical_eye.h"
 
 namespace foci {
 namespace {
@@ -31,6 +32,8 @@ Eyes eyesOf(const Study::Observer& observer) {
   } else if (!observer.wavefront.zernike_um.empty()) {
     measured.left = measured.right = Wavefront{.zernike_um = observer.wavefront.zernike_um,
                                                .pupil_m = *observer.wavefront_pupil_mm / 1000.0};
+  } else if (observer.age_years) {
+    measured.left = measured.right = typicalWavefront(*observer.age_years);
   }
   if (!measured.left && !measured.right) return eyes;
   // One eye alone is the one that the view shows (`checkStudy`).

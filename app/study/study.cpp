@@ -56,6 +56,7 @@ Study readStudy(const std::filesystem::path& file) {
   refuseBoth("screen.monitor", "screen.size_m");
   refuseBoth("screen.monitor", "screen.distance_m");
   refuseBoth("screen.monitor", "screen.gamma");
+  refuseBoth("observer.wavefront", "observer.age_years");
   refuseBoth("eye.path", "eye.position_m");
   refuseBoth("eye.path", "eye.look_at_m");
 

@@ -102,6 +102,7 @@ struct Study {
     bool corrected = true;                                    ///< the prescription is worn
     bool chromatic = false;                                   ///< see render/optics/refraction.h
     WavefrontChoice wavefront;
+    std::optional<double> age_years;           ///< typical aberrations; absent: none
     std::optional<double> wavefront_pupil_mm;  ///< that its coefficients hold for
     double spherical_um_per_D = 0.0;           ///< change of coefficient 12 with accommodation
     bool stiles_crawford = false;

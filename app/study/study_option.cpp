@@ -16,11 +16,17 @@ namespace {
 
 /// Keys of which a study has only one: setting the first removes the second.
 constexpr std::pair<std::string_view, std::string_view> kReplaced[] = {
-    {"scene.builtin", "scene.file"},     {"eye.position_m", "eye.path"},
-    {"eye.look_at_m", "eye.path"},       {"eye.path", "eye.position_m"},
-    {"eye.path", "eye.look_at_m"},       {"screen.size_px", "screen.monitor"},
-    {"screen.size_m", "screen.monitor"}, {"screen.distance_m", "screen.monitor"},
+    {"scene.builtin", "scene.file"},
+    {"eye.position_m", "eye.path"},
+    {"eye.look_at_m", "eye.path"},
+    {"eye.path", "eye.position_m"},
+    {"eye.path", "eye.look_at_m"},
+    {"screen.size_px", "screen.monitor"},
+    {"screen.size_m", "screen.monitor"},
+    {"screen.distance_m", "screen.monitor"},
     {"screen.gamma", "screen.monitor"},
+    {"observer.wavefront", "observer.age_years"},
+    {"observer.age_years", "observer.wavefront"},
 };
 
 /// @throws InputError with the known key that may have been meant

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/optics/typical_eye.h"
+
 namespace foci {
 namespace {
 
@@ -162,6 +164,14 @@ TEST(Wavefront, TiltHasNoEffect) {
   EXPECT_FALSE((Wavefront{.zernike_um = {1.0, 1.0, 1.0}, .pupil_m = kPupil_m}));
   EXPECT_TRUE(oneTerm(3, 0.1));
   EXPECT_EQ(PupilWavefront(oneTerm(2, 5.0)).at({0.5, 0.5}).slope, glm::dvec2(0.0));
+}
+
+TEST(TypicalWavefront, GrowsWithAgeAsMeasured) {
+  EXPECT_NEAR(rms_um(typicalWavefront(40.0), 3), 0.33, 1e-12);
+  const double young_um = rms_um(rescaled(typicalWavefront(30.0), 5e-3), 3);
+  const double old_um = rms_um(rescaled(typicalWavefront(70.0), 5e-3), 3);
+  EXPECT_NEAR(old_um - young_um, 40.0 * 0.0032, 1e-9);
+  EXPECT_GT(rms_um(typicalWavefront(18.0), 3), 0.15);
 }
 
 TEST(Wavefront, RootMeanSquareIsTheLengthOfTheCoefficients) {
