@@ -1,7 +1,6 @@
 #include "app/eye/fourier_psf.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <complex>
@@ -9,6 +8,7 @@
 #include <numeric>
 #include <opencv2/core.hpp>
 
+#include "render/optics/colours.h"
 #include "render/optics/refraction.h"
 
 namespace foci {
@@ -22,10 +22,9 @@ constexpr double kDenser = 2.5;
 /// Width of the field around geometric blur, in lambda / A; the pupil is as many cells wide.
 constexpr double kRings = 64.0;
 
-/// V(lambda) of CIE 1924, from 420 to 680 nm.
-constexpr double kFirstWave_m = 420e-9, kWaveStep_m = 20e-9;
-constexpr std::array kBrightness{0.004, 0.023, 0.060, 0.139, 0.323, 0.710, 0.954,
-                                 0.995, 0.870, 0.631, 0.381, 0.175, 0.061, 0.017};
+/// White light: from 420 to 680 nm.
+constexpr double kFirstWave_nm = 420.0, kWaveStep_nm = 20.0;
+constexpr int kWaves = 14;
 
 /// The intensity of `n` x `n` directions `step_rad` apart, with the axis at (n / 2, n / 2) and the
 /// sum 1; light beyond the field comes in again at the other side.
@@ -236,15 +235,19 @@ std::vector<double> radialMtf(const EyeOptics& eye, std::span<const double> cycl
 
 std::vector<double> whiteMtf(const EyeOptics& eye, std::span<const double> cycles_per_deg) {
   std::vector<Transfer> transfers;
-  transfers.reserve(kBrightness.size());
-  for (std::size_t i = 0; i < kBrightness.size(); ++i) {
+  std::vector<double> brightness;
+  transfers.reserve(kWaves);
+  brightness.reserve(kWaves);
+  for (int i = 0; i < kWaves; ++i) {
+    const double nm = kFirstWave_nm + i * kWaveStep_nm;
     EyeOptics colour = eye;
-    colour.wavelength_m = kFirstWave_m + static_cast<double>(i) * kWaveStep_m;
-    colour.defocus_D += chromaticDifference_D(1e6 * colour.wavelength_m) -
-                        chromaticDifference_D(1e6 * eye.wavelength_m);
+    colour.wavelength_m = 1e-9 * nm;
+    colour.defocus_D +=
+        chromaticDifference_D(1e-3 * nm) - chromaticDifference_D(1e6 * eye.wavelength_m);
     transfers.emplace_back(colour);
+    brightness.push_back(luminousEfficiency(nm));
   }
-  return mtfOf(transfers, {kBrightness.begin(), kBrightness.end()}, cycles_per_deg);
+  return mtfOf(transfers, brightness, cycles_per_deg);
 }
 
 double strehlRatio(const EyeOptics& eye) {

@@ -278,7 +278,9 @@ RenderRequest Session::requestWith(const std::string& method, const FrameRecord&
         .depth = settings_.output.depth};
     if (usesQuality(method)) settings.quality = qualityOf(record, eye);
     // Without blur all colours are equally sharp.
-    if (method == "pinhole") settings.defocus.chromatic_D = glm::vec3(0.0f);
+    if (settings_.observer.chromatic && method != "pinhole") {
+      settings.colours = settings_.colours.empty() ? coloursOfPrimaries() : settings_.colours;
+    }
     request.eyes.push_back({eye, settings});
   }
   return request;

@@ -5,12 +5,14 @@
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/session/eye_path.h"
 #include "app/session/stereo.h"
 #include "gaze/events/event_settings.h"
 #include "gaze/focus/accommodation.h"
 #include "gaze/geometry/default_screen.h"
+#include "render/optics/colours.h"
 #include "render/optics/refraction.h"
 #include "render/optics/wavefront.h"
 
@@ -78,6 +80,8 @@ struct SessionSettings {
   /// The left eye's field of a headset. `screen` is then what both eyes see of its display.
   std::optional<EyeField> headset{};
   double luminance_cd_m2 = 120.0;  ///< of the screen's white
+  /// Of the screen's light, where `ObserverSettings::chromatic`; empty: its primaries.
+  std::vector<Colour> colours{};
   ObserverSettings observer{};
   EventSettings events{};
   FocusSettings focus{};

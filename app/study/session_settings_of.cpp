@@ -2,8 +2,10 @@
 
 #include <array>
 #include <utility>
+#include <vector>
 
 #include "app/study/inputs.h"
+#include "app/study/spectra_file.h"
 #include "app/study/wavefront_file.h"
 #include "base/input_error.h"
 #include "render/methods/method.h"
@@ -76,6 +78,10 @@ EyePath eyePathOf(const Study& study) {
 
 SessionSettings sessionSettingsOf(const Study& study) {
   const Eyes eyes = eyesOf(study.observer);
+  std::vector<Colour> colours;
+  if (study.screen.spectra && study.observer.chromatic) {
+    colours = coloursOfSpectra(readSpectra(*study.screen.spectra), study.observer.wavelengths);
+  }
   return {
       .background = glm::vec3(study.scene.background),
       .shading = static_cast<float>(study.render.shading),
@@ -84,6 +90,7 @@ SessionSettings sessionSettingsOf(const Study& study) {
       .headset = study.display.kind == DisplayKind::headset ? std::optional(study.display.field())
                                                             : std::nullopt,
       .luminance_cd_m2 = study.screen.luminance_cd_m2,
+      .colours = std::move(colours),
       .observer = {.pupil = study.observer.pupil,
                    .pupil_mm = study.observer.pupil_mm,
                    .ipd_mm = study.observer.ipd_mm,

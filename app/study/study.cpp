@@ -6,6 +6,7 @@
 
 #include "app/study/gaze_calibration.h"
 #include "app/study/recorded_head.h"
+#include "app/study/spectra_file.h"
 #include "app/study/study_keys.h"
 #include "app/study/toml_values.h"
 #include "app/study/wavefront_file.h"
@@ -65,6 +66,7 @@ Study readStudy(const std::filesystem::path& file) {
   for (ScenePart& part : study.scene.parts) resolve(part.file, folder);
   if (study.screen.monitor) resolve(*study.screen.monitor, folder);
   if (study.observer.wavefront.file) resolve(*study.observer.wavefront.file, folder);
+  if (study.screen.spectra) resolve(*study.screen.spectra, folder);
   if (study.gaze.map) resolve(*study.gaze.map, folder);
   if (study.gaze.camera) resolve(*study.gaze.camera, folder);
   if (study.record.frames) resolve(*study.record.frames, folder);
@@ -203,6 +205,7 @@ bool wavefrontHasPower(const Study::Observer& observer) {
 
 void checkObserver(const Study& study) {
   const Study::Observer& observer = study.observer;
+  if (study.screen.spectra) readSpectra(*study.screen.spectra);
   if (!observer.wavefront.zernike_um.empty() && !observer.wavefront_pupil_mm) {
     refuse(study,
            "observer.wavefront: expected observer.wavefront_pupil_mm, too, the pupil that the "

@@ -80,7 +80,9 @@ struct Study {
     double distance_m = defaultScreen().distance_m;
     std::optional<double> gamma;     ///< light = code^gamma; absent: sRGB as displayed
     double luminance_cd_m2 = 120.0;  ///< of white
-    bool is_default = true;          ///< the study says nothing about its screen
+    std::optional<std::filesystem::path>
+        spectra;             ///< of the primaries; absent: sRGB's dominant light
+    bool is_default = true;  ///< the study says nothing about its screen
   } screen;
 
   struct Display {
@@ -101,6 +103,7 @@ struct Study {
     double sphere_D = 0.0, cylinder_D = 0.0, axis_deg = 0.0;  ///< the prescription of both eyes
     bool corrected = true;                                    ///< the prescription is worn
     bool chromatic = false;                                   ///< see render/optics/refraction.h
+    int wavelengths = 9;  ///< that the screen's spectra are rendered as
     WavefrontChoice wavefront;
     std::optional<double> age_years;           ///< typical aberrations; absent: none
     std::optional<double> wavefront_pupil_mm;  ///< that its coefficients hold for

@@ -110,6 +110,9 @@ const std::vector<Key<Study>>& studyKeys() {
                "gamma of the display, light = code^gamma; absent: sRGB", {1, 4}),
       FOCI_KEY(screen.luminance_cd_m2, "screen.luminance_cd_m2", "luminance of white, cd/m^2",
                {1, 10000}),
+      FOCI_KEY(screen.spectra, "screen.spectra",
+               "spectra of the primaries for observer.chromatic: a table of wavelength (nm), red, "
+               "green, blue; absent: each primary is light of one wavelength"),
       FOCI_KEY(display.kind, "display.kind",
                "a screen that stands still, or a headset, whose screen moves with the head and "
                "replaces the sizes in [screen]; without a [screen], a recording with head poses "
@@ -142,6 +145,9 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(
           observer.chromatic, "observer.chromatic",
           "red, green and blue each have their own focus; rendering takes three times as long"),
+      FOCI_KEY(observer.wavelengths, "observer.wavelengths",
+               "number of wavelengths that screen.spectra are rendered as; each takes a render",
+               {3, 31}),
       FOCI_KEY(
           observer.wavefront, "observer.wavefront",
           "Zernike coefficients of the eye, um, in the order of OSA and ANSI from index 0, for "

@@ -52,8 +52,9 @@ bool isPlace(std::string_view key) { return key == "scene.scale_m" || key.starts
 std::string annotatedStudyToml(const Study& study, const std::filesystem::path& folder,
                                const std::string& comment) {
   Study moved = study;
-  for (auto* path : {&moved.scene.file, &moved.observer.wavefront.file, &moved.gaze.map,
-                     &moved.gaze.camera, &moved.record.frames, &moved.record.changes}) {
+  for (auto* path :
+       {&moved.scene.file, &moved.screen.spectra, &moved.observer.wavefront.file, &moved.gaze.map,
+        &moved.gaze.camera, &moved.record.frames, &moved.record.changes}) {
     if (*path) **path = namedIn(folder, **path);
   }
   for (ScenePart& part : moved.scene.parts) part.file = namedIn(folder, part.file);
@@ -85,8 +86,8 @@ std::string annotatedStudyToml(const Study& study, const std::filesystem::path& 
 
 std::string studyToml(const Study& study) {
   Study moved = study;
-  for (auto* path :
-       {&moved.scene.file, &moved.observer.wavefront.file, &moved.gaze.map, &moved.gaze.camera}) {
+  for (auto* path : {&moved.scene.file, &moved.screen.spectra, &moved.observer.wavefront.file,
+                     &moved.gaze.map, &moved.gaze.camera}) {
     if (*path) **path = std::filesystem::absolute(**path);
   }
   for (ScenePart& part : moved.scene.parts) part.file = std::filesystem::absolute(part.file);

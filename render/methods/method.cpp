@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -72,23 +73,34 @@ const MethodInfo& infoOf(std::string_view spec) {
   return choice.entry->info;
 }
 
-constexpr int kRed = 0, kGreen = 1, kBlue = 2;
-/// Blue is the most out of focus and decides the quality level of all channels.
-constexpr int kFirstChannel = kBlue;
-
-bool isColored(const Defocus& lens) {
-  return lens.chromatic_D != glm::vec3(0.0f) && lens.radius_px_per_D != glm::vec2(0.0f);
+bool isColored(const RenderSettings& settings) {
+  return !settings.colours.empty() && settings.defocus.radius_px_per_D != glm::vec2(0.0f);
 }
 
-/// The settings of one colour channel of a lens with chromatic aberration.
-RenderSettings channelOf(const RenderSettings& settings, int channel) {
-  RenderSettings of_channel = settings;
-  of_channel.defocus.chromatic_D = glm::vec3(0.0f);
-  if (of_channel.quality.frame_ms) *of_channel.quality.frame_ms /= 3.0f;
-  of_channel.pupil.offset_m = glm::dvec2(0.0);
-  of_channel.defocus.focus_D = settings.defocus.focus_D + settings.defocus.chromatic_D[channel];
-  of_channel.quality.keep_level = settings.quality.keep_level || channel != kFirstChannel;
-  return of_channel;
+/// The colours in the order of rendering. The most out of focus goes first, and decides the quality
+/// level of all. The one with most of the green goes last: it carries most of the light, so depth
+/// is its own.
+std::vector<Colour> inOrder(std::vector<Colour> colours) {
+  const auto green =
+      std::ranges::max_element(colours, {}, [](const Colour& c) { return c.share.g; });
+  std::rotate(green, green + 1, colours.end());
+  std::stable_sort(colours.begin(), colours.end() - 1, [](const Colour& a, const Colour& b) {
+    return std::abs(a.nearer_D) > std::abs(b.nearer_D);
+  });
+  return colours;
+}
+
+/// The settings of one of several colours.
+RenderSettings settingsOf(const RenderSettings& settings, const Colour& colour, bool first) {
+  RenderSettings of_colour = settings;
+  of_colour.colours.clear();
+  if (of_colour.quality.frame_ms) {
+    *of_colour.quality.frame_ms /= static_cast<float>(settings.colours.size());
+  }
+  of_colour.pupil.offset_m = glm::dvec2(0.0);
+  of_colour.defocus.focus_D += colour.nearer_D;
+  of_colour.quality.keep_level = settings.quality.keep_level || !first;
+  return of_colour;
 }
 
 }  // namespace
@@ -116,37 +128,32 @@ void RenderStats::add(const RenderStats& other) {
 RenderStats Method::render(const View& view, const RenderSettings& settings, Frame& frame) {
   const auto start = std::chrono::steady_clock::now();
   frame.resize(view.size_px, settings.depth);
-  RenderStats stats = isColored(settings.defocus) ? renderChannels(view, settings, frame)
-                                                  : renderFrame(view, settings, frame);
+  RenderStats stats = isColored(settings) ? renderColours(view, settings, frame)
+                                          : renderFrame(view, settings, frame);
   stats.ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return stats;
 }
 
 void Method::pass(const View& view, const RenderSettings& settings) {
-  RenderSettings first = settings;
-  if (isColored(settings.defocus)) first = channelOf(settings, kFirstChannel);
-  passFrame(view, first);
+  passFrame(view, isColored(settings)
+                      ? settingsOf(settings, inOrder(settings.colours).front(), true)
+                      : settings);
 }
 
-RenderStats Method::renderChannels(const View& view, const RenderSettings& settings, Frame& frame) {
-  std::vector<glm::vec2> red_blue(frame.rgba.size());
+RenderStats Method::renderColours(const View& view, const RenderSettings& settings, Frame& frame) {
+  std::vector<glm::vec4> sum(frame.rgba.size(), glm::vec4(0.0f));
   RenderStats all;
-  // Green goes last: it carries most of the light, so coverage and depth are those of green.
-  for (const int channel : {kFirstChannel, kRed, kGreen}) {
-    View shifted = view;
-    shifted.principal_px +=
-        view.focal_px * settings.defocus.chromatic_D[channel] * glm::vec2(settings.pupil.offset_m);
-    all.add(renderFrame(shifted, channelOf(settings, channel), frame));
-    if (channel == kGreen) break;
-    for (std::size_t p = 0; p < red_blue.size(); ++p) {
-      red_blue[p][channel == kRed ? 0 : 1] = frame.rgba[p][channel];
-    }
+  bool first = true;
+  for (const Colour& colour : inOrder(settings.colours)) {
+    View seen = view;
+    seen.principal_px += view.focal_px * colour.nearer_D * glm::vec2(settings.pupil.offset_m);
+    all.add(renderFrame(seen, settingsOf(settings, colour, first), frame));
+    first = false;
+    const glm::vec4 share(colour.share, colour.share.g);
+    for (std::size_t p = 0; p < sum.size(); ++p) sum[p] += share * frame.rgba[p];
   }
-  for (std::size_t p = 0; p < red_blue.size(); ++p) {
-    frame.rgba[p].r = red_blue[p].x;
-    frame.rgba[p].b = red_blue[p].y;
-  }
+  frame.rgba = std::move(sum);
   return all;
 }
 

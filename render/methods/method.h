@@ -14,6 +14,7 @@
 #include "render/image/frame.h"
 #include "render/methods/quality_level.h"
 #include "render/optics/acuity.h"
+#include "render/optics/colours.h"
 #include "render/optics/defocus.h"
 #include "render/optics/pupil.h"
 #include "render/optics/view.h"
@@ -41,8 +42,10 @@ struct Quality {
 };
 
 struct RenderSettings {
-  Defocus defocus;             ///< default: everything sharp
-  Pupil pupil = {};            ///< what else the pupil does (`MethodInfo::aberrations`)
+  Defocus defocus;   ///< default: everything sharp
+  Pupil pupil = {};  ///< what else the pupil does (`MethodInfo::aberrations`)
+  /// If there are any, `Method::render` renders each of them by itself.
+  std::vector<Colour> colours = {};
   glm::vec3 background{0.0f};  ///< linear RGB behind everything
   /// Lambert's shading, 0 to 1: how much of the colour falls off with the cosine of the angle
   /// between the surfel's normal and the line of sight.
@@ -82,8 +85,7 @@ class Method {
   virtual ~Method() = default;
 
   /// Renders the scene. The same input gives the same bytes at any number of threads. `frame` is
-  /// resized as needed. A lens with chromatic aberration takes three renders, one for each colour
-  /// channel with its own focus.
+  /// resized as needed. Chromatic aberration takes one render for each colour, with its own focus.
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame);
 
   /// A clone of the same scene that renders the same frames and may render at the same time. The
@@ -102,7 +104,7 @@ class Method {
   /// `pass` for a lens without chromatic aberration.
   virtual void passFrame(const View& /*view*/, const RenderSettings& /*settings*/) {}
 
-  RenderStats renderChannels(const View& view, const RenderSettings& settings, Frame& frame);
+  RenderStats renderColours(const View& view, const RenderSettings& settings, Frame& frame);
 
   /// Renders into `frame`, which already has the view's size, and depth where the settings ask for
   /// depth. Fills every field of the stats except `ms`.

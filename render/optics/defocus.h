@@ -30,9 +30,6 @@ struct Defocus {
   float focus_D = 0.0f;             ///< for an astigmatic lens, the mean of all meridians
   DistanceAlong along = DistanceAlong::sight;
   glm::vec2 astigmatism_D{0.0f};  ///< (J0, J45); 0: a round lens
-  /// How much nearer than focus_D the red, green and blue primaries are in focus. If any is not 0,
-  /// `Method::render` renders each channel by itself.
-  glm::vec3 chromatic_D{0.0f};
   bool operator==(const Defocus&) const = default;
 };
 

@@ -1,4 +1,5 @@
 // Tables of labels, of targets and of Zernike coefficients.
+#include "app/study/spectra_file.h"
 #include "app/study/wavefront_file.h"
 #include "calibration/binocular/binocular_pairs.h"
 #include "calibration/gaze_map/gaze_pairs.h"
@@ -15,5 +16,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   foci::fuzz::readWithinLimits(size, [&] { foci::readShownTargets(file); });
   foci::fuzz::readWithinLimits(size, [&] { foci::readBinocularPairs(file); });
   foci::fuzz::readWithinLimits(size, [&] { foci::readWavefronts(file, 6.0); });
+  foci::fuzz::readWithinLimits(size, [&] { foci::readSpectra(file); });
   return 0;
 }

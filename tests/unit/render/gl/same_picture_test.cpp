@@ -133,7 +133,7 @@ TEST_F(GpuPicture, IsTheSameInThreeColoursAndFoveated) {
   FOCI_NEEDS_GPU(gpu);
   const SurfelCloud cloud = twoSheets();
   RenderSettings settings = lens(12.0f, 0.5f);
-  settings.defocus.chromatic_D = {-0.1f, 0.0f, 0.4f};
+  settings.colours = {{-0.1f, {1, 0, 0}}, {0.0f, {0, 1, 0}}, {0.4f, {0, 0, 1}}};
   settings.quality.acuity = acuityAround({20.0f, 30.0f}, 2.0f);
   expectSamePicture("auto", cloud, view, settings, gpu);
 }

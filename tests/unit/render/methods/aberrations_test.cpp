@@ -120,11 +120,11 @@ TEST_P(Aberrations, TheBlurOfSphericalAberrationDependsOnTheSignOfDefocus) {
 
 TEST(Pupil, ColoursShiftWithThePupilBesideTheAxis) {
   RenderSettings settings = eye(2e-3, 0.0, {});
-  settings.defocus.chromatic_D = chromaticDifferenceOfPrimaries_D();
+  settings.colours = coloursOfPrimaries();
   settings.pupil.offset_m = {0.5e-3, -0.25e-3};
   const Frame frame = seen("sweep", settings);
   const glm::dvec2 apart = centreOf(frame, 2) - centreOf(frame, 1);
-  const double difference_D = settings.defocus.chromatic_D.b - settings.defocus.chromatic_D.g;
+  const double difference_D = settings.colours[2].nearer_D - settings.colours[1].nearer_D;
   EXPECT_NEAR(apart.x, kFocal_px * difference_D * 0.5e-3, 0.02);
   EXPECT_NEAR(apart.y, -kFocal_px * difference_D * 0.25e-3, 0.02);
 }

@@ -262,7 +262,7 @@ TEST_F(AutoTest, MeetsTheToleranceUnderALongBudget) {
 // All colour channels share one level and the verdict on it.
 TEST_F(AutoTest, ColourChannelsAreOfFullQualityTogether) {
   RenderSettings chromatic = settings(40.0f, 0.1f);
-  chromatic.defocus.chromatic_D = {0.3f, 0.0f, -0.9f};
+  chromatic.colours = {{0.3f, {1, 0, 0}}, {0.0f, {0, 1, 0}}, {-0.9f, {0, 0, 1}}};
   const auto method = makeMethod("auto", cloud);
   Frame frame;
   EXPECT_TRUE(method->render(view, chromatic, frame).full_quality);

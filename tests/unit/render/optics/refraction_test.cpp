@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "render/image/metrics.h"
+#include "render/optics/colours.h"
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
@@ -257,18 +258,61 @@ TEST(Chromatic, EachPrimaryHasItsOwnFocus) {
   RenderSettings settings = lens(kRadius_px_per_D, 0.5f);
   const SurfelCloud point = pointOfLight({0.0f, 0.0f});
   const View view = squareView(64, kPointFocal_px);
-  settings.defocus.chromatic_D = {-0.1f, 0.2f, 0.8f};
+  const glm::vec3 nearer_D(-0.1f, 0.2f, 0.8f);
+  settings.colours = {{-0.1f, {1, 0, 0}}, {0.2f, {0, 1, 0}}, {0.8f, {0, 0, 1}}};
   for (const char* method : {"sweep", "auto", "accumulate:16", "potmesil"}) {
     const Frame colored = render(method, point, view, settings);
     for (int channel = 0; channel < 3; ++channel) {
       const Frame alone =
-          render(method, point, view,
-                 lens(kRadius_px_per_D, 0.5f + settings.defocus.chromatic_D[channel]));
+          render(method, point, view, lens(kRadius_px_per_D, 0.5f + nearer_D[channel]));
       for (std::size_t p = 0; p < alone.rgba.size(); ++p) {
         ASSERT_EQ(colored.rgba[p][channel], alone.rgba[p][channel]) << method << channel;
       }
     }
   }
+}
+
+TEST(Chromatic, SpectraBlurEachPrimaryByItsOwnMixture) {
+  // Two wavelengths in green, one in red and blue: green is the mean of two blurs.
+  RenderSettings settings = lens(kRadius_px_per_D, 0.5f);
+  settings.colours = {{-0.2f, {1.0f, 0.25f, 0.0f}}, {0.6f, {0.0f, 0.75f, 1.0f}}};
+  const SurfelCloud point = pointOfLight({0.0f, 0.0f});
+  const View view = squareView(64, kPointFocal_px);
+  const Frame colored = render("sweep", point, view, settings);
+  const Frame far = render("sweep", point, view, lens(kRadius_px_per_D, 0.3f));
+  const Frame near = render("sweep", point, view, lens(kRadius_px_per_D, 1.1f));
+  for (std::size_t p = 0; p < far.rgba.size(); ++p) {
+    ASSERT_EQ(colored.rgba[p].r, far.rgba[p].r);
+    ASSERT_NEAR(colored.rgba[p].g, 0.25f * far.rgba[p].g + 0.75f * near.rgba[p].g, 1e-6f);
+    ASSERT_EQ(colored.rgba[p].b, near.rgba[p].b);
+  }
+}
+
+TEST(Chromatic, TheEyeIsMostSensitiveAt555nm) {
+  EXPECT_NEAR(luminousEfficiency(555.0), 1.0, 0.006);
+  EXPECT_EQ(luminousEfficiency(560.0), 0.995);
+  EXPECT_NEAR(luminousEfficiency(455.0), 0.049, 1e-9);
+  EXPECT_EQ(luminousEfficiency(300.0), 0.0);
+  EXPECT_EQ(luminousEfficiency(900.0), 0.0);
+}
+
+TEST(Chromatic, NarrowSpectraAreLightOfOneWavelength) {
+  std::vector<SpectrumSample> spectra;
+  for (int nm = 400; nm <= 700; ++nm) {
+    const auto at = [&](int peak_nm) { return nm == peak_nm ? 1.0 : 0.0; };
+    spectra.push_back({static_cast<double>(nm), {at(611), at(549), at(464)}});
+  }
+  const std::vector<Colour> colours = coloursOfSpectra(spectra, 31);
+  glm::vec3 sum(0.0f), mean_D(0.0f);
+  for (const Colour& one : colours) {
+    sum += one.share;
+    mean_D += one.nearer_D * one.share;
+  }
+  for (int channel = 0; channel < 3; ++channel) {
+    EXPECT_NEAR(sum[channel], 1.0f, 1e-5f);
+    EXPECT_NEAR(mean_D[channel], chromaticDifferenceOfPrimaries_D()[channel], 0.05f);
+  }
+  EXPECT_LE(colours.size(), 6u);
 }
 
 }  // namespace
