@@ -4,17 +4,11 @@
 #include <algorithm>
 #include <cctype>
 
+#include "app/cli/completions.h"
 #include "app/platform/version.h"
-#include "app/study/study.h"
 
 namespace foci {
 namespace {
-
-std::vector<const CLI::App*> commandsByName(const CLI::App& app) {
-  std::vector<const CLI::App*> commands = app.get_subcommands([](const CLI::App*) { return true; });
-  std::ranges::sort(commands, {}, [](const CLI::App* command) { return command->get_name(); });
-  return commands;
-}
 
 /// A text for roff: `\` and `-` escaped, and no line that begins with a request.
 std::string roff(const std::string& text) {
@@ -111,78 +105,14 @@ void addPages(const std::string& name, const CLI::App& app, std::vector<ManualFi
   }
 }
 
-/// The options of a command, then the names of its own commands.
-std::string wordsOf(const CLI::App& app) {
-  std::string words;
-  for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) words += " --" + name;
-  }
-  for (const CLI::App* command : commandsByName(app)) words += " " + command->get_name();
-  return words.empty() ? words : words.substr(1);
-}
-
-/// One line of a bash `case`: the words after these commands.
-void addCases(const std::string& name, const CLI::App& app, std::string& script) {
-  const auto commands = commandsByName(app);
-  script += "    \"" + name + "\") words=\"" + wordsOf(app) + "\"";
-  if (!commands.empty()) script += " group=yes";
-  script += " ;;\n";
-  for (const CLI::App* command : commands) {
-    addCases(name + " " + command->get_name(), *command, script);
-  }
-}
-
-void addNames(const std::string& name, const CLI::App& app, std::string& names) {
-  names += "|" + name;
-  for (const CLI::App* command : commandsByName(app)) {
-    addNames(name + " " + command->get_name(), *command, names);
-  }
-}
-
-/// Commands, options, and the keys after --set; other values are files.
-std::string bashCompletion(const CLI::App& app) {
-  std::string cases, names, keys;
-  addCases("foci", app, cases);
-  addNames("foci", app, names);
-  for (const ResolvedKey& key : resolvedKeys(Study{})) keys += " " + std::string(key.name) + "=";
-  return "# Completion of foci for bash, written by `foci manual`.\n"
-         "_foci() {\n"
-         "  local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}\n"
-         "  local name=foci words= group= word i\n"
-         "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
-         "    word=${COMP_WORDS[i]}\n"
-         "    case \"" +
-         names.substr(1) +
-         "|\" in *\"$name $word|\"*) name=\"$name $word\" ;; esac\n"
-         "  done\n"
-         "  COMPREPLY=()\n"
-         "  if [[ $before == --set ]]; then\n"
-         "    compopt -o nospace 2>/dev/null\n"
-         "    COMPREPLY=($(compgen -W \"" +
-         keys.substr(1) +
-         "\" -- \"$current\"))\n"
-         "    return\n"
-         "  fi\n"
-         "  case \"$name\" in\n" +
-         cases +
-         "  esac\n"
-         "  if [[ $current == -* || -n $group ]]; then\n"
-         "    COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
-         "  else\n"
-         "    local IFS=$'\\n'\n"
-         "    compopt -o filenames 2>/dev/null\n"
-         "    COMPREPLY=($(compgen -f -- \"$current\"))\n"
-         "  fi\n"
-         "}\n"
-         "complete -F _foci foci\n";
-}
-
 }  // namespace
 
 std::vector<ManualFile> manualOf(const CLI::App& app) {
   std::vector<ManualFile> files;
   addPages("foci", app, files);
   files.emplace_back("completions/foci", bashCompletion(app));
+  files.emplace_back("completions/_foci", zshCompletion(app));
+  files.emplace_back("completions/foci.fish", fishCompletion(app));
   return files;
 }
 

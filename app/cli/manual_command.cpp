@@ -35,10 +35,10 @@ void runManual(const CLI::App& app, const ManualOptions& options) {
 
 void addManualCommand(CLI::App& app) {
   const auto options = std::make_shared<ManualOptions>();
-  CLI::App* command =
-      app.add_subcommand("manual",
-                         "Write a man page for each command, and completions for bash.\n"
-                         "Example: foci manual --out manual");
+  CLI::App* command = app.add_subcommand(
+      "manual",
+      "Write a man page for each command, and completions for bash, zsh and fish.\n"
+      "Example: foci manual --out manual");
   command->add_option("--out", options->out, "folder of the pages")->type_name("DIR")->required();
   addOverwriteFlag(*command, options->overwrite);
   command->callback([&app, options, command] {

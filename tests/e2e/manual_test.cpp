@@ -28,7 +28,11 @@ class Manual : public testing::Test {
                          "COMP_CWORD=" + std::to_string(words.size() - 1) + "; COMP_WORDS=(";
     for (const std::string& word : words) script += "'" + word + "' ";
     folder.write("complete.sh", script + "); _foci; printf '%s\\n' \"${COMPREPLY[@]}\"\n");
-    FILE* shell = popen(("bash '" + (folder.path() / "complete.sh").string() + "'").c_str(), "r");
+    return linesOf("bash '" + (folder.path() / "complete.sh").string() + "'");
+  }
+
+  static std::set<std::string> linesOf(const std::string& command) {
+    FILE* shell = popen(command.c_str(), "r");
     std::set<std::string> offered;
     char line[4096];
     while (std::fgets(line, sizeof line, shell) != nullptr) {
@@ -78,6 +82,35 @@ TEST_F(Manual, CompletesCommandsOptionsKeysAndFiles) {
             std::set<std::string>{"focus.fixed_D="});
   folder.write("my study.toml", "");
   EXPECT_EQ(completed({"foci", "replay", "my"}), std::set<std::string>{"my study.toml"});
+}
+
+TEST_F(Manual, CompletesInFish) {
+  if (std::system("command -v fish >/dev/null") != 0) GTEST_SKIP() << "fish is not installed";
+  const auto offered = [&](const std::string& typed) {
+    return linesOf("cd '" + folder.path().string() + "' && fish --no-config -c 'source " +
+                   "manual/completions/foci.fish; complete -C \"" + typed + "\"' | cut -f1");
+  };
+  EXPECT_EQ(offered("foci repl"), std::set<std::string>{"replay"});
+  EXPECT_EQ(offered("foci replay --tra"), std::set<std::string>{"--trace"});
+  EXPECT_EQ(offered("foci calibrate gaz"), std::set<std::string>{"gaze"});
+  EXPECT_EQ(offered("foci render --set focus.fixed"), std::set<std::string>{"focus.fixed_D="});
+}
+
+TEST_F(Manual, CompletesInZsh) {
+  if (std::system("command -v zsh >/dev/null") != 0) GTEST_SKIP() << "zsh is not installed";
+  // The completion system's own commands, so that what they are given shows.
+  const auto offered = [&](const std::string& words, int current, const std::string& prefix) {
+    return linesOf(
+        "cd '" + folder.path().string() + "' && zsh -f -c 'compadd() { print -l -- $@ }; " +
+        "_files() { print FILES }; words=(" + words + "); CURRENT=" + std::to_string(current) +
+        "; PREFIX=" + prefix + "; source manual/completions/_foci'");
+  };
+  EXPECT_TRUE(offered("foci repl", 2, "repl").contains("replay"));
+  EXPECT_TRUE(offered("foci replay --tra", 3, "--tra").contains("--trace"));
+  EXPECT_FALSE(offered("foci replay --tra", 3, "--tra").contains("--gaze"));
+  EXPECT_TRUE(offered("foci calibrate gaz", 3, "gaz").contains("gaze"));
+  EXPECT_TRUE(offered("foci render --set focus", 4, "focus").contains("focus.fixed_D="));
+  EXPECT_EQ(offered("foci replay my", 3, "my"), std::set<std::string>{"FILES"});
 }
 
 TEST_F(Manual, TheVersionNamesTheCommit) {
