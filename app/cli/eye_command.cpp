@@ -33,9 +33,11 @@ void runEye(const EyeOptions& options) {
   }
   checkOutputs(eyeFiles(options.out), inputFiles(study), options.overwrite);
   for (const EyeFigures& eye : reportEye(study, request, options.out)) {
-    std::printf("%s: pupil %.2f mm, focus %.2f D, depth of focus %.2f D, acuity %.2f logMAR\n",
-                eye.name.c_str(), 1000.0 * eye.pupil.diameter_m, eye.focus_D, eye.depth.total_D(),
-                eye.acuity.logMAR());
+    std::printf(
+        "%s: pupil %.2f mm, focus %.2f D, depth of focus %s%.2f D, acuity by optics alone %.2f "
+        "logMAR\n",
+        eye.name.c_str(), 1000.0 * eye.pupil.diameter_m, eye.focus_D,
+        eye.depth.complete ? "" : "more than ", eye.depth.total_D(), eye.acuity.logMAR());
   }
   std::printf("%s\n", (std::filesystem::path(options.out) / "eye.html").c_str());
 }

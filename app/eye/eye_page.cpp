@@ -21,6 +21,10 @@ constexpr const char* kEyeStyle = R"(
 
 std::string prefixOf(const EyeFigures& eye) { return eye.name.substr(0, eye.name.find(' ')) + "_"; }
 
+std::string depthText(const DepthOfFocus& depth) {
+  return (depth.complete ? "" : "more than ") + decimal(depth.total_D(), 2) + " D";
+}
+
 std::string distanceText(double vergence_D) {
   if (std::abs(vergence_D) < 1e-9) return "infinity";
   return vergence_D > 0.0 ? decimal(1.0 / vergence_D, 3) + " m" : "behind infinity";
@@ -37,7 +41,8 @@ std::string tableOf(const std::vector<EyeFigures>& eyes) {
     row(eye, "focus", "", "D", eye.focus_D);
     row(eye, "rms", "orders 3 and up", "um", rms_um(eye.pupil.wavefront, 3));
     row(eye, "vergence_in_best_focus", "white light", "D", eye.focus_D - eye.depth.best_D);
-    row(eye, "depth_of_focus", "80 % at 10 cycles/deg", "D", eye.depth.total_D());
+    row(eye, "depth_of_focus", eye.depth.complete ? "80 % at 10 cycles/deg" : "at least", "D",
+        eye.depth.total_D());
     row(eye, "acuity", "5 % contrast", "logMAR", eye.acuity.logMAR());
     row(eye, "acuity", "5 % contrast", "cycles/deg", eye.acuity.cycles_per_deg);
     for (const PointImage& point : eye.points) {
@@ -72,7 +77,7 @@ void writeEye(std::ostream& out, const EyeFigures& eye, OutputFolder& files) {
       << numberCell(decimal(rms_um(eye.pupil.wavefront, 3), 3) + " &micro;m",
                     "higher-order root mean square")
       << numberCell(decimal(in_focus, 3), "best Strehl ratio of the points below")
-      << numberCell(decimal(eye.depth.total_D(), 2) + " D", "depth of focus")
+      << numberCell(depthText(eye.depth), "depth of focus")
       << numberCell(decimal(eye.acuity.logMAR(), 2) + " logMAR",
                     "acuity, " + decimal(eye.acuity.cycles_per_deg, 0) + " cycles/deg")
       << "</div>\n<h3>A point of light, at 555 nm</h3>\n<div class=\"psfs\">\n";
@@ -93,7 +98,8 @@ void writeEye(std::ostream& out, const EyeFigures& eye, OutputFolder& files) {
       << "\" alt=\"wavefront\"><figcaption>As somebody who faces the eye sees it. Red: ahead, "
          "blue: "
          "behind, up to "
-      << decimal(most_um, 2) << " &micro;m; a line each 0.25 &micro;m.</figcaption></figure>\n"
+      << decimal(most_um, 2)
+      << " &micro;m; a line each 0.25 &micro;m, the darkest at 0.</figcaption></figure>\n"
       << "<h3>Contrast</h3>\n";
   const auto chart = [&](const std::string& name, const Plot& plot) {
     const Drawing drawing = layOut(plot);

@@ -79,7 +79,10 @@ std::vector<std::uint8_t> wavefrontPng(const Pupil& pupil, double* most_um) {
       const auto step = [](double value) { return std::floor(4.0 * value); };
       if ((std::isfinite(right) && step(right) != step(um)) ||
           (std::isfinite(below) && step(below) != step(um))) {
-        rgb *= 0.55;
+        const auto crosses = [&](double other) {
+          return std::isfinite(other) && other * um <= 0.0;
+        };
+        rgb *= crosses(right) || crosses(below) ? 0.1 : 0.6;
       }
       put(image, x, y, rgb);
     }
@@ -124,7 +127,11 @@ Plot throughFocusPlot(const EyeFigures& eye) {
                   .to = eye.through.defocus_D.back()},
             .y = linearAxis("contrast at 10 cycles/deg", contrast),
             .size_px = {640.0, 300.0}};
-  for (int i = -2; i <= 2; ++i) plot.x.ticks.push_back({0.5 * i, decimal(0.5 * i, 1)});
+  const double step_D = plot.x.to > 2.0 ? 1.0 : plot.x.to > 0.9 ? 0.5 : 0.2;
+  for (double at_D = 0.0; at_D <= plot.x.to + 1e-9; at_D += step_D) {
+    plot.x.ticks.push_back({at_D, decimal(at_D, 1)});
+    if (at_D > 0.0) plot.x.ticks.push_back({-at_D, decimal(-at_D, 1)});
+  }
   PlotSeries series{.name = "white light", .color = "#2f8f5b"};
   for (std::size_t i = 0; i < eye.through.defocus_D.size(); ++i) {
     series.points.push_back({.x = eye.through.defocus_D[i], .y = eye.through.contrast[i]});

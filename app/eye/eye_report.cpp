@@ -67,7 +67,8 @@ EyeFigures figuresOf(std::string name, const Pupil& pupil, double focus_D,
   for (int u = 0; u <= 60; u += 2) eye.cycles_per_deg.push_back(u);
   eye.white_mtf = whiteMtf({.pupil = pupil}, eye.cycles_per_deg);
   eye.green_mtf = radialMtf({.pupil = pupil}, eye.cycles_per_deg);
-  eye.through = throughFocus(pupil, 1.2, 0.1);
+  const double reach_D = focusReach_D(pupil.diameter_m);
+  eye.through = throughFocus(pupil, reach_D, reach_D / 16.0);
   eye.depth = depthOfFocus(eye.through);
   eye.acuity = acuityOf({.pupil = pupil});
   return eye;

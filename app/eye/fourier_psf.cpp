@@ -22,6 +22,10 @@ constexpr double kDenser = 2.5;
 /// Width of the field around geometric blur, in lambda / A; the pupil is as many cells wide.
 constexpr double kRings = 64.0;
 
+/// Samples along a side for an OTF and for a peak. A smaller field than the blur's only takes the
+/// OTF at fewer frequencies: a PSF that comes in again at the other side has the same values there.
+constexpr int kMostForTransfer = 1024, kMostForPeak = 2048;
+
 /// White light: from 420 to 680 nm.
 constexpr double kFirstWave_nm = 420.0, kWaveStep_nm = 20.0;
 constexpr int kWaves = 14;
@@ -104,7 +108,8 @@ Fine fineOf(const EyeOptics& eye) {
 class Transfer {
  public:
   explicit Transfer(const EyeOptics& eye) {
-    const Fine fine = fineOf(eye);
+    Fine fine = fineOf(eye);
+    fine.n = std::min(fine.n, kMostForTransfer);
     n_ = fine.n;
     per_cycle_deg_ = fine.n * fine.step_rad / kDeg_rad;
     const cv::Mat light = intensity(eye, fine.step_rad, n_);
@@ -254,7 +259,7 @@ double strehlRatio(const EyeOptics& eye) {
   // The peak may lie between samples: half the step.
   const Fine fine = fineOf(eye);
   double peak = 0.0;
-  intensity(eye, 0.5 * fine.step_rad, 2 * fine.n, &peak);
+  intensity(eye, 0.5 * fine.step_rad, std::min(2 * fine.n, kMostForPeak), &peak);
   return peak;
 }
 

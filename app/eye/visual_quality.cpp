@@ -29,7 +29,10 @@ ThroughFocus throughFocus(const Pupil& pupil, double reach_D, double step_D) {
   return through;
 }
 
+double focusReach_D(double pupil_m) { return std::clamp(5e-3 / pupil_m, 0.6, 5.0); }
+
 DepthOfFocus depthOfFocus(const ThroughFocus& through) {
+  bool complete = true;
   const std::vector<double>& contrast = through.contrast;
   const auto best = static_cast<std::size_t>(std::max_element(contrast.begin(), contrast.end()) -
                                              contrast.begin());
@@ -47,18 +50,23 @@ DepthOfFocus depthOfFocus(const ThroughFocus& through) {
       }
       i += direction;
     }
+    complete = false;
     return through.defocus_D[static_cast<std::size_t>(i)];
   };
-  return {.best_D = through.defocus_D[best], .nearest_D = edge(-1), .farthest_D = edge(1)};
+  DepthOfFocus depth{
+      .best_D = through.defocus_D[best], .nearest_D = edge(-1), .farthest_D = edge(1)};
+  depth.complete = complete;
+  return depth;
 }
 
 double GratingAcuity::logMAR() const { return std::log10(30.0 / cycles_per_deg); }
 
 GratingAcuity acuityOf(const EyeOptics& eye) {
+  constexpr int kMost_cycles_per_deg = 160;
   std::vector<double> u;
-  u.reserve(120);
-  for (int i = 1; i <= 120; ++i) u.push_back(i);
-  const std::vector<double> contrast = whiteMtf(eye, u);
+  u.reserve(kMost_cycles_per_deg + 1);
+  for (int i = 0; i <= kMost_cycles_per_deg; ++i) u.push_back(i);
+  const std::vector<double> contrast = whiteMtf(eye, u);  // 1 at 0 cycles
   std::size_t i = 0;
   while (i + 1 < u.size() && contrast[i + 1] >= 0.05) ++i;
   if (i + 1 == u.size()) return {.cycles_per_deg = u.back()};

@@ -22,9 +22,13 @@ struct ThroughFocus {
 /// @param reach_D  on both sides of 0
 ThroughFocus throughFocus(const Pupil& pupil, double reach_D, double step_D);
 
+/// The range of `throughFocus` for a pupil, dioptres on both sides of 0: the smaller, the deeper.
+double focusReach_D(double pupil_m);
+
 struct DepthOfFocus {
   double best_D = 0.0;                       ///< defocus of the largest contrast
   double nearest_D = 0.0, farthest_D = 0.0;  ///< where the contrast falls to `kInFocusShare`
+  bool complete = true;  ///< false: the contrast stays above the limit to an end of the curve
   double total_D() const { return farthest_D - nearest_D; }
 };
 DepthOfFocus depthOfFocus(const ThroughFocus& through);

@@ -56,6 +56,8 @@ TEST_F(Eye, ReportsBothEyesOfAnAberrometer) {
   EXPECT_NEAR(values.at("right eye/rms/orders 3 and up"), std::hypot(coma_um, right_um), 1e-5);
   EXPECT_GT(values.at("left eye/strehl/1 D"), 5.0 * values.at("left eye/strehl/0 D"));
   EXPECT_NEAR(values.at("left eye/mtf_white/0 cycles/deg"), 1.0, 1e-6);
+  EXPECT_NEAR(values.at("left eye/depth_of_focus/80 % at 10 cycles/deg"), 0.5, 0.2);
+  EXPECT_LT(values.at("left eye/acuity/5 % contrast"), 120.0);
   for (const char* name : {"left_psf_1.png", "left_psf_2.png", "right_wavefront.png", "eye.html"}) {
     EXPECT_TRUE(std::filesystem::exists(folder.path() / "eye" / name)) << name;
   }

@@ -22,6 +22,10 @@ TEST(DepthOfFocus, IsTheWidthOfTheCurveAtItsCriterion) {
   EXPECT_NEAR(depth.nearest_D, 0.0, 1e-9);
   EXPECT_NEAR(depth.farthest_D, 0.4, 1e-9);
   EXPECT_NEAR(depth.total_D(), 0.4, 1e-9);
+  EXPECT_TRUE(depth.complete);
+  // A curve that ends above the limit says so.
+  EXPECT_FALSE(
+      depthOfFocus({.defocus_D = {-1.0, 0.0, 1.0}, .contrast = {0.1, 0.5, 0.45}}).complete);
 }
 
 TEST(TypicalPupil, HasTheMeanHigherOrderRms) {
