@@ -151,11 +151,6 @@ SurfelCloud withParts(const Study& study, SurfelCloud scene) {
     const glm::vec3 eye_m =
         glm::conjugate(place.rotation) * (startOfEye_m(study) - place.position_m);
     SurfelCloud cloud = opened(readScene(part.file), part.scale_m, eye_m);
-    if (!canPlace(cloud, place)) {
-      throw InputError(part.file.string(),
-                       "holds Gaussians whose colours depend on the direction, which cannot be "
-                       "turned: expected a scene.part without rotation");
-    }
     scene = joined(std::move(scene), placed(std::move(cloud), place), part.file.stem().string());
   }
   return scene;

@@ -1,12 +1,12 @@
 #include "render/scene/joined_scene.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <memory>
 #include <utility>
 
 #include "render/scene/gaussian_cloud.h"
+#include "render/scene/harmonics_rotation.h"
 
 namespace foci {
 namespace {
@@ -91,12 +91,7 @@ void appendNumbers(std::vector<std::uint16_t>& to, std::size_t had,
 
 }  // namespace
 
-bool canPlace(const SurfelCloud& part, const Placement& place) {
-  return !place.turns() || !part.gaussians || part.gaussians->degree == 0;
-}
-
 SurfelCloud placed(SurfelCloud part, const Placement& place) {
-  assert(canPlace(part, place));
   const glm::mat3 rotation = glm::mat3_cast(place.rotation);
   if (part.gaussians) {
     GaussianCloud moved = *part.gaussians;
@@ -104,6 +99,11 @@ SurfelCloud placed(SurfelCloud part, const Placement& place) {
     for (glm::vec3& p : moved.position_m) p = rotation * p + place.position_m;
     if (place.turns()) {
       for (Covariance3& v : moved.covariance_m2) v = turned(v, rotation);
+      const HarmonicsRotation harmonics(rotation);
+      const std::size_t each = moved.harmonicsPerGaussian();
+      for (std::size_t i = 0; moved.degree > 0 && i < moved.size(); ++i) {
+        harmonics.turn(moved.harmonics.data() + i * each, moved.degree);
+      }
     }
     part.gaussians = std::make_shared<const GaussianCloud>(std::move(moved));
     return part;

@@ -17,11 +17,8 @@ struct Placement {
   bool turns() const { return rotation != glm::quat(1.0f, 0.0f, 0.0f, 0.0f); }
 };
 
-/// Whether `place` can turn the scene: the colours of Gaussians that depend on the direction (with
-/// harmonics) cannot be turned.
-bool canPlace(const SurfelCloud& part, const Placement& place);
-
-/// Moves a part. Needs `canPlace` (asserted).
+/// Moves a part. The colours of Gaussians that depend on the direction turn with it
+/// (harmonics_rotation.h).
 SurfelCloud placed(SurfelCloud part, const Placement& place);
 
 /// Both scenes in one. Where either holds Gaussians, surfels become flat Gaussians

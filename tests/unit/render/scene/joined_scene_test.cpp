@@ -7,6 +7,7 @@
 
 #include "render/methods/method.h"
 #include "render/scene/gaussian_cloud.h"
+#include "render/scene/harmonics.h"
 
 namespace foci {
 namespace {
@@ -63,14 +64,38 @@ TEST(JoinedScene, APartIsTurnedAndMoved) {
   EXPECT_NEAR(volume.gaussians->covariance_m2[0].yy, expected.covariance_m2[0].yy, 1e-7);
 }
 
-TEST(JoinedScene, GaussiansWithHarmonicsCannotBeTurned) {
+TEST(JoinedScene, ColoursThatDependOnTheDirectionTurn) {
+  auto gaussians = gaussiansOf(square(-1.0f, 0.1f, kRed));
+  gaussians.degree = kMaxHarmonicsDegree;
+  gaussians.harmonics.resize(gaussians.size() * gaussians.harmonicsPerGaussian());
+  for (std::size_t k = 0; k < gaussians.harmonics.size(); ++k) {
+    gaussians.harmonics[k] = static_cast<std::int16_t>(static_cast<int>(k * 7919 % 801) - 400);
+  }
+  for (glm::vec3& color : gaussians.color) color = glm::vec3(2.0f);  // above 0 in all directions
+  SurfelCloud scene;
+  scene.gaussians = std::make_shared<const GaussianCloud>(std::move(gaussians));
+  for (const float angle_rad : {0.3f, 1.5708f, 2.9f}) {
+    const Placement place{
+        .rotation = glm::angleAxis(angle_rad, glm::normalize(glm::vec3(0.3f, -0.8f, 0.5f)))};
+    const SurfelCloud turned = placed(scene, place);
+    for (const glm::vec3 along :
+         {glm::vec3(0, 0, -1), glm::vec3(1, 0, 0), glm::vec3(0.6f, -0.48f, 0.64f)}) {
+      for (const std::size_t i : {std::size_t{0}, scene.gaussians->size() - 1}) {
+        const glm::vec3 before = colorOf(*scene.gaussians, i, along);
+        const glm::vec3 after = colorOf(*turned.gaussians, i, place.rotation * along);
+        // Each coefficient is rounded by half a step of 1/4096.
+        EXPECT_LT(glm::distance(before, after), 1.5e-3f) << angle_rad;
+      }
+    }
+  }
+}
+
+TEST(JoinedScene, SurfelsThatJoinGaussiansGetHarmonics) {
   auto gaussians = gaussiansOf(square(-1.0f, 0.1f, kRed));
   gaussians.degree = 1;
   gaussians.harmonics.assign(gaussians.size() * gaussians.harmonicsPerGaussian(), 0);
   SurfelCloud scene;
   scene.gaussians = std::make_shared<const GaussianCloud>(std::move(gaussians));
-  EXPECT_TRUE(canPlace(scene, {.position_m = {1, 0, 0}}));
-  EXPECT_FALSE(canPlace(scene, {.rotation = glm::angleAxis(1.0f, glm::vec3(0, 1, 0))}));
   // Surfels that join it get harmonics of 0.
   const SurfelCloud all = joined(scene, square(-2.0f, 0.1f, kGreen), "green");
   EXPECT_EQ(all.gaussians->degree, 1);
