@@ -156,7 +156,8 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(observer.wavefront_pupil_mm, "observer.wavefront_pupil_mm",
                "diameter of the pupil that the coefficients hold for, mm", {1, 12}),
       FOCI_KEY(observer.age_years, "observer.age_years",
-               "aberrations of a typical eye of this age, where observer.wavefront is absent",
+               "aberrations of a typical eye of this age, where observer.wavefront is absent; "
+               "focus.age_years limits how near it focuses",
                {18, 90}),
       FOCI_KEY(observer.spherical_um_per_D, "observer.spherical_um_per_D",
                "change of the spherical aberration (coefficient 12, at a pupil of 5 mm) for each "

@@ -33,7 +33,7 @@ TEST(KeySuggestion, IsNearInSpellingOrMeaningOrAbsent) {
       {"focus.age", "focus.age_years"},
       {"scene.scale", "scene.scale_m"},
       // Another section.
-      {"observer.age_years", "focus.age_years"},
+      {"observer.age", "observer.age_years"},
       {"pupil_mm", "observer.pupil_mm"},
       {"render.tolerance", "quality.tolerance"},
       {"scene.look_at", "eye.look_at_m"},
