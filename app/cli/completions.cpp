@@ -48,7 +48,8 @@ void addNames(const std::string& name, const CLI::App& app, std::string& names) 
 /// The keys of a study, each with "=".
 std::string keysWithEquals() {
   std::string keys;
-  for (const ResolvedKey& key : resolvedKeys(Study{})) keys += " " + std::string(key.name) + "=";
+  for (const ResolvedKey& key : resolvedKeys(Study{}))
+    keys.append(" ").append(key.name).append("=");
   return keys.substr(1);
 }
 

@@ -35,7 +35,14 @@ ReplayedGaze readReplayedGaze(const Study& study) {
   }
   inputs.schedule = scheduleOf(study, inputs.trace);
   if (study.record.changes) inputs.changes = readChanges(*study.record.changes);
-  if (study.record.markers) inputs.markers = readEventMarkers(*study.record.markers);
+  if (study.record.markers) {
+    inputs.markers = readEventMarkers(*study.record.markers);
+  } else {
+    inputs.markers.reserve(inputs.trace.markers.size());
+    for (const TraceMarker& marker : inputs.trace.markers) {
+      inputs.markers.push_back({marker.time_s, marker.text});
+    }
+  }
   return inputs;
 }
 

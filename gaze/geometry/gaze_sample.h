@@ -69,6 +69,12 @@ struct GazeSample {
   std::optional<glm::dvec3> direction{};
 };
 
+/// What a recording says of a moment: an event marker.
+struct TraceMarker {
+  double time_s = 0.0;
+  std::string text;
+};
+
 struct GazeTrace {
   std::string format;                 ///< for reports: "EyeLink ASC, binocular", "TSV", ...
   std::optional<Screen> screen{};     ///< if the file describes one
@@ -80,6 +86,7 @@ struct GazeTrace {
   std::optional<EyeField> field{};
   /// Metres per unit of the scene that the observer saw, if the recording states it.
   std::optional<double> scene_scale_m{};
+  std::vector<TraceMarker> markers{};   ///< in order of time
   std::vector<std::string> warnings{};  ///< what looks wrong in the positions, a sentence each
 };
 

@@ -51,10 +51,11 @@ std::string firstLineOf(const std::filesystem::path& file) {
 
 TraceHeader readXdfTrace(const std::filesystem::path& file, const TraceColumns& columns,
                          const Screen& fallback_screen, const TakeSample& take) {
-  const XdfTable table = readXdf(file, columns.stream);
+  XdfTable table = readXdf(file, columns.stream);
   LineReader lines(file.string(), table.text);
   TraceHeader header = readDelimitedTrace(lines, columns, fallback_screen, take);
   header.format = "XDF, stream " + shown(table.stream) + ", " + header.format;
+  header.markers = std::move(table.markers);
   if (table.clock_offsets == 0) {
     header.assumed.push_back("clock: the stream's own, since the file has no clock offsets");
   }
@@ -155,6 +156,7 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
   trace.screen = header.screen;
   trace.field = header.field;
   trace.scene_scale_m = header.scene_scale_m;
+  trace.markers = header.markers;
   trace.warnings = header.warnings;
   const std::string name = file.string();
   if (trace.samples.size() < 2) {

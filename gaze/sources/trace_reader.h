@@ -84,6 +84,7 @@ struct TraceHeader {
   /// Degrees, fractions or lines of sight are put on this screen, because nobody states the real
   /// one. Its quantities mean nothing.
   bool nominal_screen = false;
+  std::vector<TraceMarker> markers{};  ///< as `GazeTrace::markers`
   /// What the file does not state and the reader assumed, a phrase each.
   std::vector<std::string> assumed{};
   /// What looks wrong in the positions, a sentence each.

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cctype>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -23,7 +24,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::string_view kXdfMagic = "XDF:";
-constexpr std::size_t kMaxChannels = 1024;
+constexpr std::size_t kMaxChannels = 1024, kLongestText = 200;
 enum Tag : std::uint16_t { kStreamHeader = 2, kSamples = 3, kClockOffset = 4 };
 
 /// Reads values in order. @throws InputError past the end
@@ -91,9 +92,11 @@ struct Stream {
   double rate_Hz = 0.0;
   std::string header{"time [s]"};  // of the table
   std::vector<double> times{};
-  std::vector<double> values{};     // channel by channel, sample after sample
-  std::vector<glm::dvec2> clock{};  // time of the stream, offset to the recorder
+  std::vector<double> values{};      // channel by channel, sample after sample
+  std::vector<std::string> texts{};  // of a stream of texts, one a sample
+  std::vector<glm::dvec2> clock{};   // time of the stream, offset to the recorder
 
+  bool hasTexts() const { return format == "string" && channels > 0; }
   bool hasNumbers() const { return format != "string" && channels > 0; }
   bool isGaze() const {
     std::string both = type + " " + name;
@@ -151,6 +154,19 @@ double valueIn(Bytes& bytes, const std::string& format, const std::string& file)
   throw InputError(file, "channel format " + shown(format) + ": expected one of XDF's");
 }
 
+/// The texts of all channels, each cut to `kLongestText`.
+std::string textIn(Bytes& bytes, std::size_t channels) {
+  std::string text;
+  for (std::size_t channel = 0; channel < channels; ++channel) {
+    const std::string_view one = trimmed(bytes.take(bytes.length()).substr(0, kLongestText));
+    if (!one.empty()) text.append(text.empty() ? "" : " ").append(one);
+  }
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  }
+  return text;
+}
+
 void readSamples(Bytes& bytes, Stream& stream, const std::string& file) {
   const std::uint64_t count = bytes.length();
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -162,7 +178,8 @@ void readSamples(Bytes& bytes, Stream& stream, const std::string& file) {
     } else {
       throw InputError(file, "stream " + shown(stream.name) + ": a sample without a time");
     }
-    for (std::size_t channel = 0; channel < stream.channels; ++channel) {
+    if (stream.hasTexts()) stream.texts.push_back(textIn(bytes, stream.channels));
+    for (std::size_t channel = 0; stream.hasNumbers() && channel < stream.channels; ++channel) {
       stream.values.push_back(valueIn(bytes, stream.format, file));
     }
   }
@@ -186,7 +203,7 @@ std::map<std::uint32_t, Stream> streamsIn(std::string_view all, const std::strin
     if (tag == kClockOffset) {
       const double collected_s = chunk.number<double>(), offset_s = chunk.number<double>();
       found->second.clock.push_back({collected_s - offset_s, offset_s});
-    } else if (found->second.hasNumbers()) {
+    } else if (found->second.hasNumbers() || found->second.hasTexts()) {
       readSamples(chunk, found->second, file);
     }
   }
@@ -205,6 +222,21 @@ glm::dvec2 clockLine(const std::vector<glm::dvec2>& clock) {
   }
   slope = spread > 0.0 ? slope / spread : 0.0;
   return {mean.y - slope * mean.x, slope};
+}
+
+std::vector<TraceMarker> markersOf(const std::map<std::uint32_t, Stream>& streams) {
+  std::vector<TraceMarker> markers;
+  for (const auto& [id, stream] : streams) {
+    const glm::dvec2 clock = clockLine(stream.clock);
+    for (std::size_t i = 0; i < stream.texts.size(); ++i) {
+      const double time_s = stream.times[i] + clock.x + clock.y * stream.times[i];
+      if (std::isfinite(time_s) && !stream.texts[i].empty()) {
+        markers.push_back({time_s, stream.texts[i]});
+      }
+    }
+  }
+  std::ranges::stable_sort(markers, {}, &TraceMarker::time_s);
+  return markers;
 }
 
 const Stream& gazeStream(const std::map<std::uint32_t, Stream>& streams, std::string_view wanted,
@@ -240,8 +272,10 @@ XdfTable readXdf(const std::filesystem::path& file, std::string_view wanted) {
   const auto streams = streamsIn(bytes, name);
   const Stream& stream = gazeStream(streams, wanted, name);
   const glm::dvec2 clock = clockLine(stream.clock);
-  XdfTable table{
-      .text = stream.header, .stream = stream.name, .clock_offsets = stream.clock.size()};
+  XdfTable table{.text = stream.header,
+                 .stream = stream.name,
+                 .markers = markersOf(streams),
+                 .clock_offsets = stream.clock.size()};
   table.text += '\n';
   for (std::size_t i = 0; i < stream.times.size(); ++i) {
     const double time_s = stream.times[i];

@@ -4,6 +4,9 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "gaze/geometry/gaze_sample.h"
 
 namespace foci {
 
@@ -11,8 +14,11 @@ namespace foci {
 bool isXdf(const std::filesystem::path& file);
 
 struct XdfTable {
-  std::string text;               ///< a table (TSV) of the gaze stream: time [s] and its channels
-  std::string stream;             ///< its name
+  std::string text;    ///< a table (TSV) of the gaze stream: time [s] and its channels
+  std::string stream;  ///< its name
+  /// Samples of the streams of texts, in order of time on the recorder's clock. The texts of
+  /// several channels are joined by blanks.
+  std::vector<TraceMarker> markers;
   std::size_t clock_offsets = 0;  ///< measured between the clocks of tracker and recorder
 };
 

@@ -78,6 +78,21 @@ TEST(Xdf, ReadsItsGazeStreamOnTheRecordersClock) {
   EXPECT_EQ(trace.format.substr(0, 21), "XDF, stream \"Tracker\"");
 }
 
+TEST(Xdf, TextsAreMarkersOnTheRecordersClock) {
+  std::string file = xdf();
+  // A second stream of texts, two channels a sample, whose clock is 10 s behind.
+  file += header(11, "Answers", "Markers", "string", "", 2);
+  file += chunk(4, bytesOfNumber(std::uint32_t{11}) + bytesOfNumber(10.5) + bytesOfNumber(10.0));
+  file += chunk(3, bytesOfNumber(std::uint32_t{11}) + "\x01\x01\x08" + bytesOfNumber(-9.5) +
+                       "\x01\x06" + "answer" + "\x01\x03" + "y\tn");
+  const GazeTrace trace = readTrace(ScratchFile(file).path(), {}, kScreen);
+  ASSERT_EQ(trace.markers.size(), 2u);
+  EXPECT_EQ(trace.markers[0].text, "answer y n");
+  EXPECT_NEAR(trace.markers[0].time_s, 0.5, 1e-9);
+  EXPECT_EQ(trace.markers[1].text, "start");
+  EXPECT_NEAR(trace.markers[1].time_s, 1.0, 1e-9);
+}
+
 TEST(Xdf, AsksWhichStreamOfTwo) {
   const ScratchFile file(xdf(true));
   try {
