@@ -67,7 +67,7 @@ void addFish(const std::string& name, const CLI::App& app, std::string& script) 
   const std::string when = "complete -c foci -n 'test (__foci_command) = \"" + name + "\"'";
   for (const CLI::Option* option : app.get_options()) {
     for (const std::string& word : option->get_lnames()) {
-      script += when + " -l " + word;
+      script.append(when).append(" -l ").append(word);
       if (word == "set") {
         script += " -x -a '" + keysWithEquals() + "'";
       } else if (option->get_items_expected_max() > 0) {
