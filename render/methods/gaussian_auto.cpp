@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "render/gaussians/gaussian_view.h"
+#include "render/methods/gaussian_eye_method.h"
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/gaussian_parts.h"
 #include "render/methods/mean_of_parts.h"
@@ -73,7 +74,7 @@ constexpr int kFewestParts = 7;
 constexpr std::array kBudgetLevels{QualityLevel::fine, QualityLevel::sub_apertures,
                                    QualityLevel::whole_aperture, QualityLevel::sharp};
 
-class GaussianAuto final : public Method {
+class GaussianAuto final : public GaussianEyeMethod {
  public:
   /// @param cloud  with its tree
   GaussianAuto(std::shared_ptr<const GaussianCloud> cloud, std::optional<QualityLevel> forced)
@@ -87,7 +88,8 @@ class GaussianAuto final : public Method {
     return std::make_unique<GaussianAuto>(cloud_, forced_);
   }
 
-  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderGeometry(const View& view, const RenderSettings& settings,
+                             Frame& frame) override {
     const Quality& quality = settings.quality;
     const bool budget = quality.frame_ms && !std::isinf(*quality.frame_ms);
     const bool moved = !(view == last_view_);

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "render/gaussians/gaussian_view.h"
 #include "render/image/metrics.h"
+#include "render/methods/gaussian_eye_method.h"
 #include "render/methods/gaussian_parts.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/mean_of_parts.h"
@@ -34,18 +35,13 @@ constexpr float kSweepLodPerBlur2 = 0.1f, kSweepLodMost_px2 = 3.0f;
 
 bool isBlurred(const Defocus& defocus) { return defocus.radius_px_per_D != glm::vec2(0.0f); }
 
-/// The mean of the frames through the given discs of the lens.
+/// The mean of the frames through the given discs of the lens, without aberrations.
 class DiscsMethod final : public Method {
  public:
   DiscsMethod(const GaussianCloud& cloud, std::vector<LensDisc> discs)
       : view_(cloud), discs_(std::move(discs)) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
-    if (isBlurred(settings.defocus) && settings.pupil.hasParts()) {
-      return parts_.render(
-          view_, lensParts(settings.defocus, settings.pupil, static_cast<int>(discs_.size())), view,
-          settings, nullptr, frame);
-    }
     const std::vector<LensDisc>& discs = isBlurred(settings.defocus) ? discs_ : pinhole_;
     view_.project(view, settings.defocus, discs);
     RenderStats stats;
@@ -56,24 +52,28 @@ class DiscsMethod final : public Method {
 
  private:
   GaussianView view_;
-  GaussianParts parts_;
   std::vector<LensDisc> discs_, pinhole_ = {LensDisc{}};
 };
 
-/// The same from nodes of the scene's tree, coarser where blurred.
-class LodDiscsMethod final : public Method {
+/// The mean of sub-apertures.
+class SubAperturesMethod final : public GaussianEyeMethod {
  public:
-  LodDiscsMethod(const GaussianCloud& cloud, int n)
-      : cloud_(sharedWithTree(cloud)), view_(*cloud_), discs_(subApertureDiscs(n)) {}
+  /// @param lod  renders nodes of the scene's tree, coarser where blurred; null: all Gaussians
+  SubAperturesMethod(std::shared_ptr<const GaussianCloud> cloud, int n,
+                     const GaussianCutSettings* lod)
+      : cloud_(std::move(cloud)), view_(*cloud_), discs_(subApertureDiscs(n)), lod_(lod) {}
 
-  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderGeometry(const View& view, const RenderSettings& settings,
+                             Frame& frame) override {
     if (isBlurred(settings.defocus) && settings.pupil.hasParts()) {
-      return parts_.render(
-          view_, partsFor(settings.defocus, settings.pupil, static_cast<int>(discs_.size())), view,
-          settings, &kLod, frame);
+      const int n = static_cast<int>(discs_.size());
+      return parts_.render(view_,
+                           lod_ ? partsFor(settings.defocus, settings.pupil, n)
+                                : lensParts(settings.defocus, settings.pupil, n),
+                           view, settings, lod_, frame);
     }
     const std::vector<LensDisc>& discs = isBlurred(settings.defocus) ? discs_ : pinhole_;
-    view_.project(view, settings.defocus, discs, &kLod);
+    view_.project(view, settings.defocus, discs, lod_);
     RenderStats stats;
     stats.splats = view_.count();
     stats.fragments = view_.render(discs, settings.background, frame);
@@ -81,17 +81,18 @@ class LodDiscsMethod final : public Method {
   }
 
  private:
-  static constexpr GaussianCutSettings kLod{.per_blur2 = kSweepLodPerBlur2,
-                                            .max_px2 = kSweepLodMost_px2};
-
-  std::shared_ptr<const GaussianCloud> cloud_;  // with its tree
+  std::shared_ptr<const GaussianCloud> cloud_;
   GaussianView view_;
   GaussianParts parts_;
   std::vector<LensDisc> discs_, pinhole_ = {LensDisc{}};
+  const GaussianCutSettings* lod_;
 };
 
+constexpr GaussianCutSettings kSweepLod{.per_blur2 = kSweepLodPerBlur2,
+                                        .max_px2 = kSweepLodMost_px2};
+
 /// The mean of pinhole views, with the error of its two halves.
-class AccumulatedPoints final : public Method {
+class AccumulatedPoints final : public GaussianEyeMethod {
  public:
   AccumulatedPoints(const GaussianCloud& cloud, int n) : view_(cloud) {
     for (int i = 0; i < n; ++i) halves_[i % 2].push_back({lensSample(i, n), 0.0f});
@@ -99,7 +100,8 @@ class AccumulatedPoints final : public Method {
     all_.insert(all_.end(), halves_[1].begin(), halves_[1].end());
   }
 
-  RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
+  RenderStats renderGeometry(const View& view, const RenderSettings& settings,
+                             Frame& frame) override {
     if (isBlurred(settings.defocus) && settings.pupil.hasParts()) {
       std::vector<glm::vec2> points;
       points.reserve(all_.size());
@@ -172,11 +174,12 @@ std::unique_ptr<Method> gaussianPinhole(const GaussianCloud& cloud, int /*n*/) {
 }
 
 std::unique_ptr<Method> gaussianSweep(const GaussianCloud& cloud, int n) {
-  return std::make_unique<DiscsMethod>(cloud, subApertureDiscs(n));
+  return std::make_unique<SubAperturesMethod>(
+      std::shared_ptr<const GaussianCloud>(std::shared_ptr<void>(), &cloud), n, nullptr);
 }
 
 std::unique_ptr<Method> gaussianSweepLod(const GaussianCloud& cloud, int n) {
-  return std::make_unique<LodDiscsMethod>(cloud, n);
+  return std::make_unique<SubAperturesMethod>(sharedWithTree(cloud), n, &kSweepLod);
 }
 
 std::unique_ptr<Method> gaussianAccumulate(const GaussianCloud& cloud, int n) {

@@ -227,9 +227,12 @@ View viewOfPart(View view, const LensPart& part) {
   return view;
 }
 
+float shownDiffraction_px(const Pupil& pupil) {
+  return pupil.diffraction_px * pupil.diffraction_px > kLeastShare ? pupil.diffraction_px : 0.0f;
+}
+
 Acuity widened(Acuity acuity, const Pupil& pupil, float rest_px) {
-  const float seen =
-      pupil.diffraction_px * pupil.diffraction_px > kLeastShare ? pupil.diffraction_px : 0.0f;
+  const float seen = shownDiffraction_px(pupil);
   if (seen > 0.0f || rest_px > 0.0f) {
     acuity.base_px = std::sqrt(std::max(acuity.base_px * acuity.base_px, 1.0f) + seen * seen +
                                rest_px * rest_px);

@@ -157,6 +157,39 @@ TEST(AberrationsOfGaussians, PartsShowWhatTheRaysShow) {
   }
 }
 
+TEST(AberrationsOfGaussians, DiffractionSpreadsTheImage) {
+  GaussianCloud cloud;
+  addWall(cloud, 1.0f, 0.0004f, 1, 0.9f, {0.9f, 0.8f, 0.3f});
+  const SurfelCloud scene = sceneOf(std::move(cloud));
+  const View view = squareView(kSize_px, kFocal_px);
+  for (const char* method : {"sweep", "sweep:7", "sweep-lod", "accumulate:7", "auto"}) {
+    RenderSettings settings = eye(2e-3, 0.0, {});
+    const Moments without = momentsOf(render(method, scene, view, settings));
+    for (const float sigma_px : {0.4f, 2.0f}) {
+      settings.pupil.diffraction_px = sigma_px;
+      const Moments with = momentsOf(render(method, scene, view, settings));
+      EXPECT_NEAR((with.variance_x_px2 - without.variance_x_px2) / (sigma_px * sigma_px), 1.0, 0.01)
+          << method;
+      EXPECT_NEAR(with.mass / without.mass, 1.0, 1e-4) << method;
+    }
+  }
+}
+
+TEST(AberrationsOfGaussians, MethodsWithoutThemLeaveThemOut) {
+  GaussianCloud cloud;
+  addWall(cloud, 1.0f, 0.008f, 16, 0.95f, {0.9f, 0.8f, 0.3f});
+  const SurfelCloud scene = sceneOf(std::move(cloud));
+  const View view = squareView(kSize_px, kFocal_px);
+  RenderSettings settings = eye(6e-3, 0.5, kTypical);
+  settings.pupil.diffraction_px = 1.0f;
+  RenderSettings plain = settings;
+  plain.pupil = {};
+  for (const char* method : {"pinhole", "inflate"}) {
+    EXPECT_EQ(render(method, scene, view, settings).rgba, render(method, scene, view, plain).rgba)
+        << method;
+  }
+}
+
 TEST(AutoOfAnEye, StaysWithinItsPrediction) {
   for (const ChartScene& scene : planChart({.size_px = 160}).scenes) {
     if (scene.id != "gallery" && scene.id != "ball") continue;
