@@ -6,6 +6,7 @@
 #include <vector>
 #else
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task.h>
 #endif
@@ -30,6 +31,15 @@ void parallelRanges(std::size_t n,
                       work(body, range.begin(), range.end());
                     });
   if (tbb::is_current_task_group_canceling()) throw Cancelled();
+#endif
+}
+
+unsigned maxThreads() {
+#ifdef FOCI_TSAN
+  return 4;
+#else
+  return static_cast<unsigned>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 #endif
 }
 

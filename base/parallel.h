@@ -32,4 +32,7 @@ void parallelFor(std::size_t n, const Body& body) {
       &body);
 }
 
+/// Number of threads that the enclosing tbb::global_control allows.
+unsigned maxThreads();
+
 }  // namespace foci

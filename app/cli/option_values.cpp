@@ -1,7 +1,5 @@
 #include "app/cli/option_values.h"
 
-#include <tbb/global_control.h>
-
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <optional>
@@ -9,6 +7,7 @@
 
 #include "base/input_error.h"
 #include "base/number.h"
+#include "base/parallel.h"
 
 namespace foci {
 
@@ -52,10 +51,7 @@ void addOverwriteFlag(CLI::App& command, bool& overwrite) {
 
 unsigned threadsOf(const std::string& threads) {
   constexpr unsigned kMaxThreads = 1024;  // chosen by eye: far above the cores of a workstation
-  if (threads.empty()) {
-    return static_cast<unsigned>(
-        tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-  }
+  if (threads.empty()) return maxThreads();
   const auto count = parseNumber(threads);
   if (!count || *count < 1 || *count > kMaxThreads || *count != std::floor(*count)) {
     throw InputError("--threads " + threads,

@@ -1,9 +1,9 @@
 #include "app/evaluation/timed_runs.h"
 
-#include <tbb/global_control.h>
-
 #include <algorithm>
 #include <cassert>
+
+#include "base/parallel.h"
 
 namespace foci {
 
@@ -25,8 +25,7 @@ double median(std::vector<double> values) {
 }
 
 std::vector<unsigned> threadCounts() {
-  const auto all = static_cast<unsigned>(
-      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  const unsigned all = maxThreads();
   return all > 1 ? std::vector<unsigned>{1, all} : std::vector<unsigned>{1};
 }
 

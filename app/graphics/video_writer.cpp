@@ -1,5 +1,7 @@
 #include "app/graphics/video_writer.h"
 
+#include <sched.h>
+
 #include <array>
 #include <condition_variable>
 #include <deque>
@@ -11,10 +13,39 @@
 #include <string_view>
 #include <thread>
 
+#include "base/parallel.h"
+
 namespace foci {
 namespace {
 
 constexpr std::size_t kMaxWaiting = 4;
+
+/// While it lives, the calling thread may run on one core only. libx264 takes as many threads as the
+/// thread that opens it has cores, and writes their number into the file; OpenCV passes it no other
+/// number.
+class OneCore {
+ public:
+  OneCore() {
+    if (sched_getaffinity(0, sizeof before_, &before_) != 0) return;
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    for (int core = 0; core < CPU_SETSIZE; ++core) {
+      if (!CPU_ISSET(core, &before_)) continue;
+      CPU_SET(core, &one);
+      break;
+    }
+    changed_ = sched_setaffinity(0, sizeof one, &one) == 0;
+  }
+  ~OneCore() {
+    if (changed_) sched_setaffinity(0, sizeof before_, &before_);
+  }
+  OneCore(const OneCore&) = delete;
+  OneCore& operator=(const OneCore&) = delete;
+
+ private:
+  cpu_set_t before_;
+  bool changed_ = false;
+};
 
 }  // namespace
 
@@ -26,10 +57,22 @@ struct VideoWriter::Worker {
   std::deque<Image> waiting;
   bool finished = false;
   bool failed = false;
-  std::thread thread;
+  std::thread thread;  ///< none: `push` encodes
+  cv::Mat bgr;
+
+  /// @return false if encoding fails
+  bool encode(Image& image) {
+    try {
+      cv::cvtColor(cv::Mat(image.size_px.y, image.size_px.x, CV_8UC3, image.rgb.data()), bgr,
+                   cv::COLOR_RGB2BGR);
+      writer.write(bgr);
+      return true;
+    } catch (const std::exception&) {
+      return false;
+    }
+  }
 
   void run() {
-    cv::Mat bgr;
     for (;;) {
       Image image;
       {
@@ -40,25 +83,21 @@ struct VideoWriter::Worker {
         waiting.pop_front();
       }
       changed.notify_all();
-      try {
-        cv::cvtColor(cv::Mat(image.size_px.y, image.size_px.x, CV_8UC3, image.rgb.data()), bgr,
-                     cv::COLOR_RGB2BGR);
-        writer.write(bgr);
-      } catch (const std::exception&) {
-        const std::lock_guard lock(mutex);
-        failed = true;
-      }
+      if (encode(image)) continue;
+      const std::lock_guard lock(mutex);
+      failed = true;
     }
   }
 
   void stop() {
-    if (!thread.joinable()) return;
-    {
-      const std::lock_guard lock(mutex);
-      finished = true;
+    if (thread.joinable()) {
+      {
+        const std::lock_guard lock(mutex);
+        finished = true;
+      }
+      changed.notify_all();
+      thread.join();
     }
-    changed.notify_all();
-    thread.join();
     writer.release();
   }
 
@@ -96,16 +135,26 @@ VideoWriter::VideoWriter(const std::filesystem::path& file, const glm::ivec2& si
     : worker_(std::make_unique<Worker>()) {
   worker_->file = file.string();
   const int h264 = cv::VideoWriter::fourcc('a', 'v', 'c', '1');
-  if (!worker_->writer.open(file.string(), cv::CAP_FFMPEG, h264, fps, {size_px.x, size_px.y})) {
+  const bool opened = [&] {
+    const OneCore one_core;
+    return worker_->writer.open(file.string(), cv::CAP_FFMPEG, h264, fps, {size_px.x, size_px.y});
+  }();
+  if (!opened) {
     throw std::runtime_error("cannot write H.264 video to " + file.string() +
                              ": OpenCV's ffmpeg has no encoder for it, or the folder is read-only");
   }
-  worker_->thread = std::thread([worker = worker_.get()] { worker->run(); });
+  if (maxThreads() > 1) {
+    worker_->thread = std::thread([worker = worker_.get()] { worker->run(); });
+  }
 }
 
 VideoWriter::~VideoWriter() { worker_->stop(); }
 
 void VideoWriter::push(Image&& image) {
+  if (!worker_->thread.joinable()) {
+    if (!worker_->encode(image)) worker_->fail();
+    return;
+  }
   {
     std::unique_lock lock(worker_->mutex);
     worker_->changed.wait(lock,

@@ -1,4 +1,4 @@
-// H.264 video, encoded in a thread of its own while foci renders.
+// H.264 video, encoded while foci renders.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,9 @@ struct Image {
   std::vector<std::uint8_t> rgb;
 };
 
-/// Keeps the order of the frames. At most a few frames wait for the encoder: then `push` blocks.
+/// Keeps the order of the frames. The encoder has a thread of its own, unless foci may use one thread
+/// only (`maxThreads`). At most a few frames wait for it: then `push` blocks. The file depends on the
+/// frames alone, not on the machine's cores.
 class VideoWriter {
  public:
   /// @param file  ends in .mp4; `size_px` even

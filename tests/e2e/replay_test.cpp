@@ -1,5 +1,6 @@
 // `foci replay` and `foci render`, as users run them.
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <cmath>
@@ -135,6 +136,22 @@ TEST_F(Replay, KeepsFocusDuringDataLoss) {
   EXPECT_EQ(last[4], "n/a");
   EXPECT_TRUE(last[5] == "lost" || last[5] == "blink") << last[5];
   EXPECT_NEAR(std::stod(last[8]), 1.0, 1e-3);
+}
+
+TEST_F(Replay, VideoDoesNotDependOnTheNumberOfCores) {
+  cpu_set_t all, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
+  if (CPU_COUNT(&all) < 2) GTEST_SKIP() << "one core";
+  CPU_ZERO(&one);
+  for (int core = 0; CPU_COUNT(&one) == 0; ++core) {
+    if (CPU_ISSET(core, &all)) CPU_SET(core, &one);
+  }
+  ASSERT_EQ(replay("many", {"--seconds", "0:0.5"}).exit_code, 0);
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);  // foci inherits it
+  const int alone = replay("alone", {"--seconds", "0:0.5"}).exit_code;
+  ASSERT_EQ(sched_setaffinity(0, sizeof all, &all), 0);
+  ASSERT_EQ(alone, 0);
+  EXPECT_TRUE(folder.read("many/video.mp4") == folder.read("alone/video.mp4"));
 }
 
 TEST_F(Replay, IsTheSameAtAnyNumberOfThreads) {
