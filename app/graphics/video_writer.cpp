@@ -20,9 +20,9 @@ namespace {
 
 constexpr std::size_t kMaxWaiting = 4;
 
-/// While it lives, the calling thread may run on one core only. libx264 takes as many threads as the
-/// thread that opens it has cores, and writes their number into the file; OpenCV passes it no other
-/// number.
+/// While it lives, the calling thread may run on one core only. libx264 takes as many threads as
+/// the thread that opens it has cores, and writes their number into the file; OpenCV passes it no
+/// other number.
 class OneCore {
  public:
   OneCore() {

@@ -15,9 +15,9 @@ struct Image {
   std::vector<std::uint8_t> rgb;
 };
 
-/// Keeps the order of the frames. The encoder has a thread of its own, unless foci may use one thread
-/// only (`maxThreads`). At most a few frames wait for it: then `push` blocks. The file depends on the
-/// frames alone, not on the machine's cores.
+/// Keeps the order of the frames. The encoder has a thread of its own, unless foci may use one
+/// thread only (`maxThreads`). At most a few frames wait for it: then `push` blocks. The file
+/// depends on the frames alone, not on the machine's cores.
 class VideoWriter {
  public:
   /// @param file  ends in .mp4; `size_px` even

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "app/study/study_words.h"
+#include "render/image/image_file.h"
 
 namespace foci {
 
@@ -26,6 +27,18 @@ std::string mapFileName(FrameMap map, std::size_t frame) {
   std::string number = std::to_string(frame);
   number.insert(0, kDigits - std::min(kDigits, number.size()), '0');
   return std::string(studyWord(map)) + "-" + number + ".exr";
+}
+
+std::vector<std::filesystem::path> stageMaps(const std::vector<FrameMap>& maps, std::size_t frame,
+                                             const Frame& rendered, double focus_D,
+                                             OutputFolder& folder) {
+  std::vector<std::filesystem::path> staged;
+  staged.reserve(maps.size());
+  for (const FrameMap map : maps) {
+    staged.push_back(folder.stage(mapFileName(map, frame)));
+    writeMap(staged.back(), rendered.size_px, mapOf(map, rendered, focus_D));
+  }
+  return staged;
 }
 
 }  // namespace foci

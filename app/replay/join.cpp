@@ -106,13 +106,17 @@ RunResult join(const std::vector<Part>& parts, const Study& study, const std::fi
   std::size_t frame = 0;
   Image image;
   for (const Part& part : parts) {
-    for (const PartFrame& each : part.all) {
+    for (std::size_t i = 0; i < part.all.size(); ++i) {
       throwIfInterrupted();
-      if (!each.image.empty()) image = imageOf(part, each);
+      if (!part.all[i].image.empty()) image = imageOf(part, part.all[i]);
       if (image.size_px != stated.imageSize_px()) {
         throw InputError(part.folder.string(), "has images of another size than the study");
       }
-      writer.add(frame++, each.seen, image);
+      writer.add(frame, part.all[i].seen, image);
+      const std::vector<FrameMap>& maps = stated.output.maps;
+      const std::vector<std::string> files = mapsOf(part, i, maps);
+      for (std::size_t k = 0; k < maps.size(); ++k) writer.addMap(maps[k], frame, files[k]);
+      ++frame;
       progress.advance(frame);
     }
   }

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
 #include "app/graphics/image.h"
@@ -12,6 +13,7 @@
 #include "app/platform/progress.h"
 #include "app/platform/sha256.h"
 #include "app/platform/version.h"
+#include "app/replay/frame_maps.h"
 #include "app/replay/part_json.h"
 #include "app/replay/replayed_eye.h"
 #include "app/replay/run_writer.h"
@@ -109,6 +111,10 @@ Json renderSpan(ReplayedEye& eye, const FrameSpan& span, OutputFolder& folder) {
       frame.sha256 = hash.hex();
       folder.write(frame.image, {png.begin(), png.end()});
     }
+    for (const auto& map : stageMaps(eye.study().output.maps, i, seen,
+                                     frame.seen.record.eye.focus_D, folder)) {
+      frame.maps_sha256.push_back(sha256OfFile(map));
+    }
     frames.push_back(jsonOf(frame));
     progress.advance(i + 1);
   }
@@ -121,6 +127,16 @@ std::string bytesOf(const std::filesystem::path& file) {
   if (!in)
     throw InputError(file.string(), "cannot be read; expected what foci replay --frames wrote");
   return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// @throws InputError unless the bytes are those that the part wrote
+void requireOwn(const std::filesystem::path& file, std::span<const unsigned char> bytes,
+                const std::string& sha256, const std::string& what) {
+  Sha256 hash;
+  hash.add(bytes);
+  if (hash.hex() == sha256) return;
+  throw InputError(file.string(),
+                   "is not the " + what + " that the part rendered; render the part again");
 }
 
 }  // namespace
@@ -206,13 +222,22 @@ Image imageOf(const Part& part, const PartFrame& frame) {
   const std::filesystem::path file = part.folder / frame.image;
   const std::string bytes = bytesOf(file);
   Image image = imageOfPng({bytes.begin(), bytes.end()});
-  Sha256 hash;
-  hash.add(image.rgb);
-  if (hash.hex() != frame.sha256) {
-    throw InputError(file.string(),
-                     "is not the image that the part rendered; render the part again");
-  }
+  requireOwn(file, image.rgb, frame.sha256, "image");
   return image;
+}
+
+std::vector<std::string> mapsOf(const Part& part, std::size_t i,
+                                const std::vector<FrameMap>& maps) {
+  std::vector<std::string> files;
+  files.reserve(maps.size());
+  for (std::size_t k = 0; k < maps.size(); ++k) {
+    const std::filesystem::path file = part.folder / mapFileName(maps[k], part.span.first + i);
+    files.push_back(bytesOf(file));
+    const auto* const bytes = reinterpret_cast<const unsigned char*>(files.back().data());
+    requireOwn(file, {bytes, files.back().size()},
+               k < part.all[i].maps_sha256.size() ? part.all[i].maps_sha256[k] : "", "map");
+  }
+  return files;
 }
 
 }  // namespace foci

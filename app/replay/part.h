@@ -1,7 +1,7 @@
 // A part of a run: frames `first` to `end` - 1, rendered by one process. `foci join` makes one run
 // of all parts.
 //
-// The folder of a part holds the study, part.json, and each image that was rendered as PNG. A part
+// The folder of a part holds the study, part.json, maps, and each image that was rendered as PNG. A part
 // begins with an image, whether or not the run has rendered it there.
 #pragma once
 
@@ -28,6 +28,7 @@ struct PartFrame {
   SeenFrame seen;
   std::string image;   ///< name of the PNG file; empty: that of the frame before
   std::string sha256;  ///< of the image's pixels; empty with it
+  std::vector<std::string> maps_sha256;  ///< of the files of its maps, in the order of output.maps
 };
 
 struct Part {
@@ -66,5 +67,10 @@ Study statedStudyOf(const Part& part);
 
 /// @throws InputError if the file is missing or holds another image than the part rendered
 Image imageOf(const Part& part, const PartFrame& frame);
+
+/// The bytes of the files of the maps of the part's `i`-th frame.
+/// @param maps  of the study
+/// @throws InputError as `imageOf`
+std::vector<std::string> mapsOf(const Part& part, std::size_t i, const std::vector<FrameMap>& maps);
 
 }  // namespace foci

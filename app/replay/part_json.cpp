@@ -75,6 +75,7 @@ Json jsonOf(const PartFrame& frame) {
     json["image"] = frame.image;
     json["sha256"] = frame.sha256;
   }
+  if (!frame.maps_sha256.empty()) json["maps_sha256"] = frame.maps_sha256;
   return json;
 }
 
@@ -112,6 +113,7 @@ PartFrame partFrameOf(const Json& json) {
   frame.seen.tolerance = json.at("tolerance").get<double>();
   frame.image = json.value("image", "");
   frame.sha256 = json.value("sha256", "");
+  frame.maps_sha256 = json.value("maps_sha256", std::vector<std::string>());
   return frame;
 }
 

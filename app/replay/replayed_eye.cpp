@@ -62,9 +62,6 @@ void ReplayedEye::pass(std::size_t frame) {
 
 void ReplayedEye::requireParts(std::size_t frame) const {
   const std::string& method = methodOf(frame);
-  if (!study_.output.maps.empty()) {
-    throw InputError("--frames", "parts have no maps; expected a study without output.maps");
-  }
   if (choosesQuality(method) && study_.quality.frame_ms) {
     throw InputError("--frames",
                      "the frames depend on the time that they take; expected a study without "

@@ -108,10 +108,8 @@ RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelC
 
 void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image,
                     const Frame* rendered) {
-  for (const FrameMap map : study_.output.maps) {
-    assert(rendered);
-    writeMap(folder_.stage(mapFileName(map, frame)), rendered->size_px,
-             mapOf(map, *rendered, seen.record.eye.focus_D));
+  if (rendered) {
+    stageMaps(study_.output.maps, frame, *rendered, seen.record.eye.focus_D, folder_);
   }
   sheet_.offer(frame, seen.record, seen.gaze_px, image);
   Image shown = image;
@@ -125,6 +123,10 @@ void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image
     folder_.write(imageFileName(frame), {png.begin(), png.end()});
   }
   video_.push(std::move(shown));
+}
+
+void RunWriter::addMap(FrameMap map, std::size_t frame, const std::string& bytes) {
+  folder_.write(mapFileName(map, frame), bytes);
 }
 
 RunResult RunWriter::finish(const RunFacts& run) {

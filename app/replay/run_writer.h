@@ -41,9 +41,12 @@ class RunWriter {
             const std::filesystem::path& out);
 
   /// @param image  without marker
-  /// @param rendered  the frame with its depth, if the study asks for maps
+  /// @param rendered  the frame with its depth, for maps; null: `addMap` adds them
   void add(std::size_t frame, const SeenFrame& seen, const Image& image,
            const Frame* rendered = nullptr);
+
+  /// @param bytes  of the map's file
+  void addMap(FrameMap map, std::size_t frame, const std::string& bytes);
 
   /// Writes what sums up the run.
   RunResult finish(const RunFacts& facts);

@@ -104,6 +104,19 @@ TEST_F(Batch, AnotherMethodHasParts) {
   EXPECT_EQ(folder.read("joined/frame-000003.png"), folder.read("whole/frame-000003.png"));
 }
 
+TEST_F(Batch, JoinedPartsHaveMaps) {
+  expectJoinedEqual({"--set", "output.maps=[\"depth\", \"defocus\"]", "--set", "output.fps=20"},
+                    {"0:7", "7:"});
+  for (const std::string map : {"depth-000003.exr", "defocus-000009.exr", "defocus-000007.exr"}) {
+    EXPECT_TRUE(folder.read("joined/" + map) == folder.read("whole/" + map)) << map;
+  }
+  folder.write("part1/depth-000003.exr", folder.read("part1/defocus-000000.exr"));
+  const Outcome outcome = foci({"join", "part1", "part2", "--out", "joined"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("is not the map that the part rendered"), std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(Batch, APartOfAnEyeAtRestBeginsWithAReusedFrame) {
   folder.write("trace.tsv", steadyTrace());
   expectJoinedEqual({"--set", "output.fps=40"}, {"0:20", "20:"});
