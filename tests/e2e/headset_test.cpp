@@ -96,6 +96,54 @@ TEST(ReplayOfAHeadset, KeepsGazeOnAPointWhileTheHeadTurns) {
   }
 }
 
+TEST(ReplayOfAHeadset, GazeMeetsThePointInTheSceneWhileTheHeadMoves) {
+  // The head goes 0.4 m to the side and 0.2 m forwards, turns and rolls. Gaze is in its frame.
+  const auto positionAt_m = [](double time_s) {
+    return glm::dvec3(0.2 * std::sin(2.0 * time_s), 0.0, 0.1 * std::cos(2.0 * time_s) - 0.1);
+  };
+  TemporaryFolder folder;
+  std::ostringstream text;
+  text.precision(9);
+  text << "time_s,hx,hy,hz,qx,qy,qz,qw,gx,gy,gz\n";
+  for (int i = 0; i < 300; ++i) {
+    const double time_s = i / 100.0;
+    const glm::dvec3 at_m = positionAt_m(time_s);
+    const glm::dquat head =
+        glm::angleAxis(-glm::radians(yawAt_deg(time_s)), glm::dvec3(0.0, 1.0, 0.0)) *
+        glm::angleAxis(0.3 * std::sin(time_s), glm::dvec3(0.0, 0.0, 1.0));
+    const glm::dvec3 sight = glm::inverse(head) * glm::normalize(kTarget_m - at_m);
+    // Unity's z points forward: the mirrored turn has -x and -y.
+    text << time_s << ',' << at_m.x << ',' << at_m.y << ',' << -at_m.z << ',' << -head.x << ','
+         << -head.y << ',' << head.z << ',' << head.w << ',' << sight.x << ',' << sight.y << ','
+         << -sight.z << '\n';
+  }
+  folder.write("scene.ply", squarePly(48, 1.0));
+  folder.write("trace.csv", text.str());
+  std::string study = kUnityStudy;
+  study.replace(study.find("\"world\""), 7, "\"head\"");
+  folder.write("study.toml", study);
+  const Outcome outcome =
+      runFoci({"replay", "study.toml", "--size", "32x32", "--out", "out"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto rows = tableOf(folder.read("out/gaze3d.tsv"));
+  ASSERT_GT(rows.size(), 290u);
+  const auto column = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::ranges::find(rows[0], name) - rows[0].begin());
+  };
+  const auto vectorAt = [&](std::size_t row, const std::string& name) {
+    const std::size_t x = column(name);
+    return glm::dvec3(std::stod(rows[row][x]), std::stod(rows[row][x + 1]),
+                      std::stod(rows[row][x + 2]));
+  };
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const glm::dvec3 at_m = positionAt_m(std::stod(rows[i][column("time_s")]));
+    EXPECT_LT(glm::distance(vectorAt(i, "origin_x_m"), at_m), 1e-3) << i;
+    EXPECT_LT(glm::distance(vectorAt(i, "point_x_m"), kTarget_m), 0.004) << i;
+    EXPECT_NEAR(std::stod(rows[i][column("distance_m")]), glm::distance(at_m, kTarget_m), 0.004)
+        << i;
+  }
+}
+
 TEST(ReplayOfAHeadset, RefusesASecondPlaceForTheEye) {
   TemporaryFolder folder;
   folder.write("scene.ply", squarePly(24, 1.0));
