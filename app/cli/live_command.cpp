@@ -123,9 +123,9 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
                          "Example: foci live configs/demo.toml --window, foci live scan.ply");
   addStudyOptions(*command, *options);
   command
-      ->add_option(
-          "--source", options->live.source,
-          "gaze source: mouse, trace:FILE, pupil:HOST:PORT, socket[:RATE] or webcam[:N|FILE]")
+      ->add_option("--source", options->live.source,
+                   "gaze source: mouse, trace:FILE, pupil:HOST:PORT, lsl[:NAME], socket[:RATE] or "
+                   "webcam[:N|FILE]")
       ->type_name("NAME");
   command->add_flag("--window", options->live.window, "a window instead of the full screen");
   command

@@ -9,6 +9,7 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "calibration/webcam/webcam_recalibration.h"
+#include "gaze/sources/lsl_source.h"
 #include "gaze/webcam/webcam_source.h"
 #ifdef FOCI_PUPIL
 #include "gaze/sources/pupil_source.h"
@@ -122,15 +123,19 @@ NamedSource openLiveSource(const std::string& name, const Study& study) {
   } else if (name.starts_with("pupil:")) {
     named.source = openPupil(name, named.screen);
     mapSource(study, named);
+  } else if (name == "lsl" || name.starts_with("lsl:")) {
+    const std::string stream = name == "lsl" ? "" : name.substr(4);
+    named.source = std::make_unique<LslSource>(stream, study.columnsInForce(), named.screen);
+    mapSource(study, named);
   } else if (name == "socket" || name.starts_with("socket:")) {
     openSocket(name, named);
     mapSource(study, named);
   } else if (const auto place = webcamPlaceOf(name)) {
     openWebcam(*place, study, named);
   } else {
-    throw InputError(
-        "--source " + shown(name),
-        "expected mouse, trace:FILE, pupil:HOST:PORT, socket[:RATE] or webcam[:N|FILE]");
+    throw InputError("--source " + shown(name),
+                     "expected mouse, trace:FILE, pupil:HOST:PORT, lsl[:NAME], socket[:RATE] or "
+                     "webcam[:N|FILE]");
   }
   return named;
 }

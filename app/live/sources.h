@@ -23,7 +23,7 @@ struct NamedSource {
   std::function<bool(const glm::dvec2& point_px)> lookedAt = {};
 };
 
-/// @param name  mouse; trace:FILE (or trace:simulated); pupil:HOST:PORT; socket[:RATE];
+/// @param name  mouse; trace:FILE (or trace:simulated); pupil:HOST:PORT; lsl[:NAME]; socket[:RATE];
 ///   webcam[:N|FILE]. A map of foci calibrate gaze in the study is applied to all but the mouse.
 /// @throws InputError for an unknown source
 NamedSource openLiveSource(const std::string& name, const Study& study);

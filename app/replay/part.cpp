@@ -111,8 +111,8 @@ Json renderSpan(ReplayedEye& eye, const FrameSpan& span, OutputFolder& folder) {
       frame.sha256 = hash.hex();
       folder.write(frame.image, {png.begin(), png.end()});
     }
-    for (const auto& map : stageMaps(eye.study().output.maps, i, seen,
-                                     frame.seen.record.eye.focus_D, folder)) {
+    for (const auto& map :
+         stageMaps(eye.study().output.maps, i, seen, frame.seen.record.eye.focus_D, folder)) {
       frame.maps_sha256.push_back(sha256OfFile(map));
     }
     frames.push_back(jsonOf(frame));

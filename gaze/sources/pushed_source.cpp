@@ -64,6 +64,11 @@ std::size_t PushedSource::push(std::string_view text) {
     if (one.empty() && !more && !news.empty()) break;  // the text ends in `;`
     news.push_back(sampleOf(one));
   }
+  push(news);
+  return news.size();
+}
+
+void PushedSource::push(const std::vector<GazeSample>& news) {
   const std::lock_guard lock(mutex_);
   std::optional<double> last_s = sent_s_;
   for (const GazeSample& sample : news) {
@@ -77,7 +82,6 @@ std::size_t PushedSource::push(std::string_view text) {
     waiting_.insert(waiting_.end(), news.begin(), news.end());
   }
   sent_s_ = last_s;
-  return news.size();
 }
 
 void PushedSource::poll(double now_s, std::vector<GazeSample>& samples) {
@@ -100,9 +104,13 @@ void PushedSource::poll(double now_s, std::vector<GazeSample>& samples) {
   waiting_.clear();
 }
 
-std::string PushedSource::status() const {
+bool PushedSource::isHeard() const {
   const std::lock_guard lock(mutex_);
-  return offset_s_ ? "gaze from the socket" : "gaze from the socket, none yet";
+  return offset_s_.has_value();
+}
+
+std::string PushedSource::status() const {
+  return isHeard() ? "gaze from the socket" : "gaze from the socket, none yet";
 }
 
 }  // namespace foci

@@ -24,6 +24,13 @@ class PushedSource : public LiveSource {
   /// @throws InputError if one is wrong, or not later than the one before; none is then taken
   std::size_t push(std::string_view samples);
 
+  /// The same for samples whose times are on the sender's clock.
+  /// @throws InputError if one is not later than the one before; none is then taken
+  void push(const std::vector<GazeSample>& samples);
+
+  /// Whether samples have come in the last two seconds.
+  bool isHeard() const;
+
   /// The first sample sets the offset between both clocks. The quickest sample since corrects it:
   /// the least delay of the way here counts as none. A pause of two seconds begins anew.
   void poll(double now_s, std::vector<GazeSample>& samples) override;

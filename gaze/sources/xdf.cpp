@@ -86,23 +86,11 @@ std::string plain(std::string_view text) {
   return name;
 }
 
-struct Stream {
-  std::string name{}, type{}, format{};
-  std::size_t channels = 0;
-  double rate_Hz = 0.0;
-  std::string header{"time [s]"};  // of the table
+struct Stream : LslStream {
   std::vector<double> times{};
   std::vector<double> values{};      // channel by channel, sample after sample
   std::vector<std::string> texts{};  // of a stream of texts, one a sample
   std::vector<glm::dvec2> clock{};   // time of the stream, offset to the recorder
-
-  bool hasTexts() const { return format == "string" && channels > 0; }
-  bool hasNumbers() const { return format != "string" && channels > 0; }
-  bool isGaze() const {
-    std::string both = type + " " + name;
-    for (char& c : both) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return hasNumbers() && (both.find("gaze") != both.npos || both.find("eye") != both.npos);
-  }
 };
 
 /// The label of a channel, else its eye and type, else its number; with its unit.
@@ -121,27 +109,6 @@ std::string channelName(std::string_view channel, std::size_t number) {
   if (const auto found = kShort.find(unit); found != kShort.end()) unit = found->second;
   if (unit.find_first_of("[]()") != unit.npos || name.find_first_of("[(") != name.npos) unit = {};
   return unit.empty() ? name : name + " [" + unit + "]";
-}
-
-Stream streamOf(std::string_view xml, const std::string& file) {
-  Stream stream{.name = plain(element(xml, "name")),
-                .type = plain(element(xml, "type")),
-                .format = plain(element(xml, "channel_format"))};
-  const auto channels = parseNumber(element(xml, "channel_count"));
-  if (!channels || *channels < 0.0 || *channels > static_cast<double>(kMaxChannels)) {
-    throw InputError(file, "stream " + shown(stream.name) + ": expected up to 1024 channels");
-  }
-  stream.channels = static_cast<std::size_t>(*channels);
-  stream.rate_Hz = parseNumber(element(xml, "nominal_srate")).value_or(0.0);
-  std::string_view rest = element(xml, "channels");
-  for (std::size_t i = 0; i < stream.channels; ++i) {
-    const std::string_view channel = element(rest, "channel");
-    stream.header += '\t' + channelName(channel, i);
-    if (!channel.empty()) {
-      rest.remove_prefix(static_cast<std::size_t>(channel.end() - rest.begin()));
-    }
-  }
-  return stream;
 }
 
 double valueIn(Bytes& bytes, const std::string& format, const std::string& file) {
@@ -195,7 +162,7 @@ std::map<std::uint32_t, Stream> streamsIn(std::string_view all, const std::strin
     if (tag != kStreamHeader && tag != kSamples && tag != kClockOffset) continue;
     const auto id = chunk.number<std::uint32_t>();
     if (tag == kStreamHeader) {
-      streams[id] = streamOf(chunk.rest(), file);
+      streams[id] = {lslStreamOf(chunk.rest(), file)};
       continue;
     }
     const auto found = streams.find(id);
@@ -258,6 +225,33 @@ const Stream& gazeStream(const std::map<std::uint32_t, Stream>& streams, std::st
 
 }  // namespace
 
+bool LslStream::isGaze() const {
+  std::string both = type + " " + name;
+  for (char& c : both) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return hasNumbers() && (both.find("gaze") != both.npos || both.find("eye") != both.npos);
+}
+
+LslStream lslStreamOf(std::string_view xml, const std::string& file) {
+  LslStream stream{.name = plain(element(xml, "name")),
+                   .type = plain(element(xml, "type")),
+                   .format = plain(element(xml, "channel_format"))};
+  const auto channels = parseNumber(element(xml, "channel_count"));
+  if (!channels || *channels < 0.0 || *channels > static_cast<double>(kMaxChannels)) {
+    throw InputError(file, "stream " + shown(stream.name) + ": expected up to 1024 channels");
+  }
+  stream.channels = static_cast<std::size_t>(*channels);
+  stream.rate_Hz = parseNumber(element(xml, "nominal_srate")).value_or(0.0);
+  std::string_view rest = element(xml, "channels");
+  for (std::size_t i = 0; i < stream.channels; ++i) {
+    const std::string_view channel = element(rest, "channel");
+    stream.columns += '\t' + channelName(channel, i);
+    if (!channel.empty()) {
+      rest.remove_prefix(static_cast<std::size_t>(channel.end() - rest.begin()));
+    }
+  }
+  return stream;
+}
+
 bool isXdf(const std::filesystem::path& file) {
   std::array<char, 4> magic{};
   std::ifstream in(file, std::ios::binary);
@@ -272,7 +266,7 @@ XdfTable readXdf(const std::filesystem::path& file, std::string_view wanted) {
   const auto streams = streamsIn(bytes, name);
   const Stream& stream = gazeStream(streams, wanted, name);
   const glm::dvec2 clock = clockLine(stream.clock);
-  XdfTable table{.text = stream.header,
+  XdfTable table{.text = stream.columns,
                  .stream = stream.name,
                  .markers = markersOf(streams),
                  .clock_offsets = stream.clock.size()};

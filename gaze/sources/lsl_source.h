@@ -1,0 +1,49 @@
+// Live gaze of the Lab Streaming Layer (github.com/sccn/liblsl): `lsl` or `lsl:NAME`.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "gaze/sources/live_source.h"
+#include "gaze/sources/pushed_source.h"
+#include "gaze/sources/trace_reader.h"
+
+namespace foci {
+
+/// The library is found when a source is made, so foci needs none where nobody streams.
+inline constexpr const char* kLslLibrary = "liblsl.so.2";
+
+/// A stream on the local network. Its channels have the meaning that the same labels and units have
+/// in an XDF file. A sender that stops may come back. The least delay of a sample counts as none
+/// (`PushedSource`).
+class LslSource final : public LiveSource {
+ public:
+  /// Seeks the stream for two seconds, and waits as long for its description.
+  /// @param stream   its name; empty: the only stream of gaze (`LslStream::isGaze`)
+  /// @param columns  as for a recording
+  /// @param screen   that points in fractions or degrees lie on
+  /// @throws InputError if liblsl is not installed, if there is no such stream or more than one, or
+  ///   if its channels cannot be read as gaze
+  LslSource(const std::string& stream, TraceColumns columns, const Screen& screen,
+            const std::string& library = kLslLibrary);
+  ~LslSource() override;
+
+  void poll(double now_s, std::vector<GazeSample>& samples) override {
+    pushed_.poll(now_s, samples);
+  }
+  double rate_Hz() const override { return pushed_.rate_Hz(); }
+  std::string status() const override;
+
+ private:
+  struct Inlet;
+  void run(const std::stop_token& stop);
+
+  TraceColumns columns_;
+  Screen screen_;
+  std::unique_ptr<Inlet> inlet_;
+  PushedSource pushed_;
+  std::jthread thread_;  // last: it uses the others
+};
+
+}  // namespace foci
