@@ -1,8 +1,8 @@
 // A part of a run: frames `first` to `end` - 1, rendered by one process. `foci join` makes one run
 // of all parts.
 //
-// The folder of a part holds the study, part.json, maps, and each image that was rendered as PNG. A part
-// begins with an image, whether or not the run has rendered it there.
+// The folder of a part holds the study, part.json, maps, and each image that was rendered as PNG. A
+// part begins with an image, whether or not the run has rendered it there.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +26,8 @@ struct FrameSpan {
 /// A frame of a part as its folder holds it.
 struct PartFrame {
   SeenFrame seen;
-  std::string image;   ///< name of the PNG file; empty: that of the frame before
-  std::string sha256;  ///< of the image's pixels; empty with it
+  std::string image;                     ///< name of the PNG file; empty: that of the frame before
+  std::string sha256;                    ///< of the image's pixels; empty with it
   std::vector<std::string> maps_sha256;  ///< of the files of its maps, in the order of output.maps
 };
 

@@ -78,7 +78,8 @@ float aberrationRadius_px(const Defocus& defocus, const Pupil& pupil);
 /// The view that a part has.
 View viewOfPart(View view, const LensPart& part);
 
-/// `diffraction_px`, or 0 where it adds less than 3 % to the variance of a pixel's prefilter, 1 px^2.
+/// `diffraction_px`, or 0 where it adds less than 3 % to the variance of a pixel's prefilter, 1
+/// px^2.
 float shownDiffraction_px(const Pupil& pupil);
 
 /// The prefilter, widened by diffraction where it shows and by the part's own rest.
