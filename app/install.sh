@@ -1,13 +1,15 @@
 #!/bin/sh
-# Installs the Debian packages that foci needs and that are missing: app/install.sh [--tests]
+# Installs the Debian packages that foci needs and that are missing: app/install.sh [--tests | --all]
+# --tests: also those of the tests; --all: also those of tests/run.sh --all.
 # Works as root or through sudo; says what is missing otherwise.
 set -eu
-list=$(dirname "$0")/packages.txt
-if [ "${1:-}" = --tests ]; then
-  wanted=$(grep -v -e '^#' -e '^---$' "$list")
-else
-  wanted=$(sed '/^---$/,$d' "$list" | grep -v '^#')
-fi
+case "${1:-}" in
+  "") parts=1 ;;
+  --tests) parts=2 ;;
+  --all) parts=3 ;;
+  *) echo "usage: app/install.sh [--tests | --all]" >&2; exit 2 ;;
+esac
+wanted=$(awk -v parts="$parts" '/^---$/ { part++ } /^[a-z]/ && part < parts' "$(dirname "$0")/packages.txt")
 
 missing=
 for package in $wanted; do

@@ -6,10 +6,10 @@ set -eu
 cd "$(dirname "$0")/.."
 case "${1:-}" in
   "") all= ;;
-  --all) all=yes ;;
+  --all) all=--all ;;
   *) echo "usage: tests/run.sh [--all]" >&2; exit 2 ;;
 esac
-sh app/install.sh --tests
+sh app/install.sh "${all:---tests}"
 if command -v ccache >/dev/null 2>&1; then
   export CMAKE_CXX_COMPILER_LAUNCHER=ccache
   export CCACHE_SLOPPINESS=pch_defines,time_macros  # or it would not cache what uses precompiled headers
