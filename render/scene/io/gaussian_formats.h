@@ -36,7 +36,8 @@ GaussianFile readSpzFile(const std::filesystem::path& path);
 bool isKsplatFile(const std::filesystem::path& path);
 GaussianFile readKsplatFile(const std::filesystem::path& path);
 
-/// PlayCanvas' `.sog`, version 2: a ZIP archive of meta.json and WebP images.
+/// PlayCanvas' SOG, versions 1 and 2: meta.json and WebP images, in a ZIP archive (`.sog`), or in a
+/// folder, of which meta.json is read.
 bool isSogFile(const std::filesystem::path& path);
 GaussianFile readSogFile(const std::filesystem::path& path);
 

@@ -94,7 +94,7 @@ bool isScene(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return hasSceneExtension(path);
   return hasSceneExtension(path) || isSceneFile(path) || isLasFile(path) ||
-         isTextPointsFile(path) || isSpzFile(path);
+         isTextPointsFile(path) || isSpzFile(path) || isSogFile(path);
 }
 
 SceneFile readScene(const std::filesystem::path& path) {

@@ -1,6 +1,8 @@
-// PlayCanvas' `.sog`, version 2 (developer.playcanvas.com, The SOG Format): a ZIP archive of
-// meta.json and lossless WebP images, in which a pixel is a Gaussian. Positions have 16 bits in two
-// images; deviations, colours and harmonics are places in codebooks of 256 values.
+// PlayCanvas' SOG: meta.json and lossless WebP images, in which a pixel is a Gaussian, as a ZIP
+// archive (`.sog`) or in a folder. Positions have 16 bits in two images; deviations, colours and
+// harmonics are bytes. In version 2 (developer.playcanvas.com, The SOG Format), a byte is a place
+// in a codebook of 256 values. In version 1 (playcanvas/sogs, sogs_compression.py), it is a step
+// between the least and the largest value of its channel, and an opacity is a logit.
 #include <webp/decode.h>
 
 #include <algorithm>
@@ -8,6 +10,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -41,20 +44,61 @@ struct SogImage {
   unsigned at(std::size_t pixel, std::size_t channel) const { return rgba[4 * pixel + channel]; }
 };
 
+/// meta.json and the images beside it.
+class SogMembers {
+ public:
+  explicit SogMembers(const std::filesystem::path& path)
+      : folder_(path.parent_path()), file_(path) {
+    if (isArchive(firstBytes(path, 4))) zip_.emplace(file_);
+  }
+
+  static bool isArchive(const std::vector<unsigned char>& first) {
+    return first == std::vector<unsigned char>{'P', 'K', 3, 4};
+  }
+
+  const std::string& name() const { return file_.name(); }
+
+  std::vector<unsigned char> meta() const {
+    if (zip_) return zip_->read(kMeta, kMaxMeta);
+    return {file_.all().begin(), file_.all().end()};
+  }
+
+  std::vector<unsigned char> image(const std::string& name) const {
+    if (zip_) return zip_->read(name, kMaxImage);
+    if (std::filesystem::path(name).filename() != name) {
+      throw InputError(file_.name(), "names the image " + name + ": expected one in its folder");
+    }
+    const FileBytes packed(folder_ / name);
+    return {packed.all().begin(), packed.all().end()};
+  }
+
+ private:
+  std::filesystem::path folder_;
+  FileBytes file_;
+  std::optional<ZipArchive> zip_;
+};
+
+/// Values of the bytes, for each channel.
+template <std::size_t kChannels>
+using Codes = std::array<std::array<float, kCodes>, kChannels>;
+
 class SogReader {
  public:
-  explicit SogReader(const FileBytes& bytes) : bytes_(bytes), zip_(bytes) {
-    const std::vector<unsigned char> text = zip_.read(kMeta, kMaxMeta);
+  explicit SogReader(const SogMembers& members) : members_(members) {
+    const std::vector<unsigned char> text = members.meta();
     meta_ = Json::parse(text.begin(), text.end());
     const std::int64_t version = meta_.contains("version") ? integer(meta_["version"]) : 1;
-    if (version != 2) {
-      throw InputError(bytes.name(),
-                       "is SOG of version " + std::to_string(version) + ": expected version 2");
+    if (version != 1 && version != 2) {
+      throw InputError(
+          name(), "is SOG of version " + std::to_string(version) + ": expected version 1 or 2");
     }
-    const std::int64_t count = integer(meta_.at("count"));
-    if (count < 1 || static_cast<std::uint64_t>(count) > kMaxPixelsPerByte * bytes.size()) {
-      throw InputError(bytes.name(), "has " + std::to_string(count) + " Gaussians in " +
-                                         std::to_string(bytes.size()) + " bytes: damaged");
+    has_codebooks_ = version == 2;
+    const std::int64_t count =
+        integer(has_codebooks_ ? meta_.at("count") : meta_.at("means").at("shape").at(0));
+    const std::vector<unsigned char> packed = packedImage("means", 0);
+    if (count < 1 || static_cast<std::uint64_t>(count) > kMaxPixelsPerByte * packed.size()) {
+      throw InputError(name(), "has " + std::to_string(count) + " Gaussians in images of " +
+                                   std::to_string(packed.size()) + " bytes: damaged");
     }
     count_ = static_cast<std::size_t>(count);
   }
@@ -65,42 +109,74 @@ class SogReader {
     readImages();
     const auto low = numbers<3>(meta_.at("means").at("mins"));
     const auto high = numbers<3>(meta_.at("means").at("maxs"));
-    const auto sigmas = numbers<kCodes>(meta_.at("scales").at("codebook"));
-    const auto colors = numbers<kCodes>(meta_.at("sh0").at("codebook"));
+    const auto sigmas = codes<3>(meta_.at("scales"));
+    const auto colors = colorCodes();
     GaussianCollector collector(file, count_, degree_);
     std::vector<float> harmonics(3 * static_cast<std::size_t>(harmonicsOf(degree_)));
     for (std::size_t i = 0; i < count_; ++i) {
-      RawGaussian raw{.rotation = rotationOf(i),
-                      .opacity = static_cast<float>(color_.at(i, 3)) / 255.0f};
+      RawGaussian raw{.rotation = rotationOf(i), .opacity = colors[3][color_.at(i, 3)]};
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const int at = static_cast<int>(axis);
         const unsigned step = high_.at(i, axis) << 8u | low_.at(i, axis);
         const float n = low[axis] + (high[axis] - low[axis]) * static_cast<float>(step) / 65535.0f;
         raw.position[at] = std::copysign(std::expm1(std::abs(n)), n);
-        raw.sigma[at] = std::exp(sigmas[sigma_.at(i, axis)]);
-        raw.color[at] = 0.5f + kHarmonic0 * colors[color_.at(i, axis)];
+        raw.sigma[at] = std::exp(sigmas[axis][sigma_.at(i, axis)]);
+        raw.color[at] = 0.5f + kHarmonic0 * colors[axis][color_.at(i, axis)];
       }
       readHarmonics(i, harmonics);
       collector.append(raw, harmonics);
     }
-    collector.finish(bytes_.name());
+    collector.finish(name());
     return file;
   }
 
  private:
   std::int64_t integer(const Json& value) const {
     if (value.is_number_integer()) return value.get<std::int64_t>();
-    throw InputError(bytes_.name(), std::string(kMeta) + ": expected a whole number");
+    throw InputError(name(), std::string(kMeta) + ": expected a whole number");
   }
 
   template <std::size_t kCount>
   std::array<float, kCount> numbers(const Json& list) const {
     if (!list.is_array() || list.size() != kCount) {
-      throw InputError(bytes_.name(), std::string(kMeta) + ": expected lists of " +
-                                          std::to_string(kCount) + " numbers");
+      throw InputError(name(), std::string(kMeta) + ": expected lists of " +
+                                   std::to_string(kCount) + " numbers");
     }
     std::array<float, kCount> all{};
     for (std::size_t i = 0; i < kCount; ++i) all[i] = list[i].get<float>();
+    return all;
+  }
+
+  /// A property's codebook, which all channels share; in version 1, steps for each channel.
+  template <std::size_t kChannels>
+  Codes<kChannels> codes(const Json& property) const {
+    Codes<kChannels> all{};
+    if (has_codebooks_) {
+      all.fill(numbers<kCodes>(property.at("codebook")));
+      return all;
+    }
+    const auto low = numbers<kChannels>(property.at("mins"));
+    const auto high = numbers<kChannels>(property.at("maxs"));
+    for (std::size_t k = 0; k < kChannels; ++k) all[k] = stepsBetween(low[k], high[k]);
+    return all;
+  }
+
+  static std::array<float, kCodes> stepsBetween(float low, float high) {
+    std::array<float, kCodes> steps{};
+    for (std::size_t i = 0; i < kCodes; ++i) {
+      steps[i] = low + (high - low) * static_cast<float>(i) / 255.0f;
+    }
+    return steps;
+  }
+
+  /// Coefficients of degree 0, and opacities.
+  Codes<4> colorCodes() const {
+    Codes<4> all = codes<4>(meta_.at("sh0"));
+    if (has_codebooks_) {
+      all[3] = stepsBetween(0.0f, 1.0f);
+    } else {
+      for (float& opacity : all[3]) opacity = sigmoid(opacity);
+    }
     return all;
   }
 
@@ -111,35 +187,53 @@ class SogReader {
     rotation_ = image("quats", 0, count_);
     color_ = image("sh0", 0, count_);
     if (!meta_.contains("shN")) return;
-    const std::int64_t degree = integer(meta_.at("shN").at("bands"));
-    if (degree < 1 || degree > kMaxHarmonicsDegree) {
-      throw InputError(bytes_.name(),
-                       "has harmonics of degree " + std::to_string(degree) + ": expected 1 to 3");
-    }
-    degree_ = static_cast<int>(degree);
+    const Json& rest = meta_.at("shN");
     palette_ = image("shN", 0, 0);
     label_ = image("shN", 1, count_);
-    codes_ = numbers<kCodes>(meta_.at("shN").at("codebook"));
+    degree_ = has_codebooks_ ? degreeNamed(integer(rest.at("bands"))) : degreeOfPalette();
+    codes_ = has_codebooks_
+                 ? numbers<kCodes>(rest.at("codebook"))
+                 : stepsBetween(rest.at("mins").get<float>(), rest.at("maxs").get<float>());
+  }
+
+  int degreeNamed(std::int64_t degree) const {
+    if (degree < 1 || degree > kMaxHarmonicsDegree) {
+      throw InputError(name(),
+                       "has harmonics of degree " + std::to_string(degree) + ": expected 1 to 3");
+    }
+    return static_cast<int>(degree);
+  }
+
+  int degreeOfPalette() const {
+    for (int degree = 1; degree <= kMaxHarmonicsDegree; ++degree) {
+      if (palette_.width == static_cast<int>(kPaletteColumns) * harmonicsOf(degree)) return degree;
+    }
+    throw InputError(name(), "has a palette of harmonics " + std::to_string(palette_.width) +
+                                 " pixels wide: expected 192, 512 or 960, for degree 1 to 3");
+  }
+
+  std::vector<unsigned char> packedImage(const char* property, std::size_t which) const {
+    return members_.image(meta_.at(property).at("files").at(which).get<std::string>());
   }
 
   /// @param least  pixels that the image must have
   SogImage image(const char* property, std::size_t which, std::size_t least) const {
-    const auto name = meta_.at(property).at("files").at(which).get<std::string>();
-    const std::vector<unsigned char> packed = zip_.read(name, kMaxImage);
+    const auto file = meta_.at(property).at("files").at(which).get<std::string>();
+    const std::vector<unsigned char> packed = members_.image(file);
     SogImage image;
     if (WebPGetInfo(packed.data(), packed.size(), &image.width, &image.height) == 0) {
-      throw InputError(bytes_.name(), name + ": expected a WebP image");
+      throw InputError(name(), file + ": expected a WebP image");
     }
     const std::uint64_t pixels =
         static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height);
     if (pixels < least || pixels > kMaxPalette + 2 * std::uint64_t{count_} + (1u << 16u)) {
-      throw InputError(bytes_.name(), name + " has " + std::to_string(pixels) + " pixels for " +
-                                          std::to_string(count_) + " Gaussians: damaged");
+      throw InputError(name(), file + " has " + std::to_string(pixels) + " pixels for " +
+                                   std::to_string(count_) + " Gaussians: damaged");
     }
     image.rgba.resize(4 * pixels);
     if (WebPDecodeRGBAInto(packed.data(), packed.size(), image.rgba.data(), image.rgba.size(),
                            4 * image.width) == nullptr) {
-      throw InputError(bytes_.name(), name + ": a damaged WebP image");
+      throw InputError(name(), file + ": a damaged WebP image");
     }
     return image;
   }
@@ -148,9 +242,8 @@ class SogReader {
   glm::vec4 rotationOf(std::size_t i) const {
     const unsigned left_out = rotation_.at(i, 3) - kFirstMode;
     if (left_out > 3) {
-      throw InputError(
-          bytes_.name(),
-          "has a rotation of mode " + std::to_string(rotation_.at(i, 3)) + ": expected 252 to 255");
+      throw InputError(name(), "has a rotation of mode " + std::to_string(rotation_.at(i, 3)) +
+                                   ": expected 252 to 255");
     }
     std::array<float, 4> wxyz{};
     float rest = 1.0f;
@@ -171,8 +264,8 @@ class SogReader {
     const std::size_t row = label / kPaletteColumns, column = label % kPaletteColumns * each;
     const auto width = static_cast<std::size_t>(palette_.width);
     if (column + each > width || row >= static_cast<std::size_t>(palette_.height)) {
-      throw InputError(bytes_.name(), "has harmonics " + std::to_string(label) +
-                                          ", which are not in its palette: damaged");
+      throw InputError(name(), "has harmonics " + std::to_string(label) +
+                                   ", which are not in its palette: damaged");
     }
     for (std::size_t k = 0; k < each; ++k) {
       for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -181,9 +274,11 @@ class SogReader {
     }
   }
 
-  const FileBytes& bytes_;
-  ZipArchive zip_;
+  const std::string& name() const { return members_.name(); }
+
+  const SogMembers& members_;
   Json meta_;
+  bool has_codebooks_ = true;  // version 2
   std::size_t count_ = 0;
   int degree_ = 0;
   SogImage low_, high_, sigma_, rotation_, color_, palette_, label_;
@@ -194,20 +289,30 @@ class SogReader {
 
 bool isSogFile(const std::filesystem::path& path) {
   const std::vector<unsigned char> first = firstBytes(path, 4);
-  if (first != std::vector<unsigned char>{'P', 'K', 3, 4}) return false;
-  // Other scenes are ZIP archives, too. A damaged file has the name before one of its members.
+  // Other scenes are ZIP archives or JSON, too. A damaged archive has the name before one of its
+  // members.
+  std::vector<std::string_view> words;
+  if (SogMembers::isArchive(first)) {
+    words = {kMeta};
+  } else if (!first.empty() && first[0] == '{') {
+    words = {"\"means\"", "\"quats\"", "\"sh0\""};
+  } else {
+    return false;
+  }
   const FileBytes bytes(path);
-  const std::string_view name = kMeta;
   const auto all = bytes.all();
-  return std::search(all.begin(), all.end(), name.begin(), name.end()) != all.end();
+  return std::ranges::all_of(words, [&](std::string_view word) {
+    return std::search(all.begin(), all.end(), word.begin(), word.end()) != all.end();
+  });
 }
 
 GaussianFile readSogFile(const std::filesystem::path& path) {
-  const FileBytes bytes(path);
+  const SogMembers members(path);
   try {
-    return SogReader(bytes).read();
+    return SogReader(members).read();
   } catch (const Json::exception&) {
-    throw InputError(bytes.name(), std::string(kMeta) + ": expected that of a SOG of version 2");
+    throw InputError(members.name(),
+                     std::string(kMeta) + ": expected that of a SOG of version 1 or 2");
   }
 }
 

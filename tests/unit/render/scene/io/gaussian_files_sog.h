@@ -90,49 +90,88 @@ inline std::string codebook(std::vector<float> numbers) {
   return "\"codebook\":" + listOf(numbers);
 }
 
-inline std::string sogFile(int degree, int version = 2) {
+using SogMembers = std::vector<std::pair<std::string, std::string>>;
+
+/// Positions, in every version.
+inline std::string sogMeans() {
   const float high = std::log(1.0f + kPosition.z + 1.0f);
-  std::string meta =
-      "{\"version\":" + std::to_string(version) + ",\"count\":2,\"means\":{\"mins\":" +
-      listOf({0.0f, -std::log(1.0f - kPosition.y), std::log(1.0f + kPosition.z)}) +
-      ",\"maxs\":" + listOf({std::log(1.0f + kPosition.x), 0.0f, high}) +
-      ",\"files\":[\"l.webp\",\"u.webp\"]},\"scales\":{" +
-      codebook({std::log(kSigma.x), std::log(kSigma.y), std::log(kSigma.z)}) +
-      ",\"files\":[\"s.webp\"]},\"quats\":{\"files\":[\"q.webp\"]},\"sh0\":{" +
-      codebook({(kColor.r - 0.5f) / kHarmonic0, 0.0f, (kColor.b - 0.5f) / kHarmonic0}) +
-      ",\"files\":[\"c.webp\"]}";
+  return "\"mins\":" + listOf({0.0f, -std::log(1.0f - kPosition.y), std::log(1.0f + kPosition.z)}) +
+         ",\"maxs\":" + listOf({std::log(1.0f + kPosition.x), 0.0f, high}) +
+         ",\"files\":[\"l.webp\",\"u.webp\"]";
+}
+
+/// Two Gaussians. @param scales, color  of the first
+inline SogMembers sogImages(int degree, const std::string& scales, const std::string& color) {
   // The component that is left out is w, or z: the others are 0 and 0.7071.
   const std::string rotation =
       degree % 2 == 0 ? rgba(128, 128, 255, 252) : rgba(255, 128, 128, 255);
-  const std::string means = rgba(255, 0, 0) + rgba(255, 0, 255), codes = rgba(0, 1, 2);
-  const std::string color = rgba(0, 1, 2, 204);
-  std::vector<std::pair<std::string, std::string>> members = {
-      {"l.webp", webp({means})},
-      {"u.webp", webp({means})},
-      {"s.webp", webp({codes + codes})},
-      {"q.webp", webp({rotation + rotation})},
-      {"c.webp", webp({color + color})}};
+  const std::string means = rgba(255, 0, 0) + rgba(255, 0, 255);
+  return {{"l.webp", webp({means})},
+          {"u.webp", webp({means})},
+          {"s.webp", webp({scales + rgba(0, 0, 0)})},
+          {"q.webp", webp({rotation + rotation})},
+          {"c.webp", webp({color + rgba(0, 0, 0)})}};
+}
+
+/// The second Gaussian has entry 65: the second one in the second row.
+inline void addSogHarmonics(SogMembers& members, int degree) {
+  std::vector<std::string> palette(2);
+  for (int entry = 0; entry < 128; ++entry) {
+    for (int k = 0; k < harmonicsOf(degree); ++k) {
+      const auto code = [&](int channel) {
+        return entry == 65 ? static_cast<int>(32.0f * coefficient(channel, k)) + 128 : 0;
+      };
+      palette[static_cast<std::size_t>(entry / 64)] += rgba(code(0), code(1), code(2));
+    }
+  }
+  members.emplace_back("p.webp", webp(palette));
+  members.emplace_back("i.webp", webp({rgba(0, 0, 0) + rgba(65, 0, 0)}));
+}
+
+inline std::string sogFile(int degree, int version = 2) {
+  std::string meta =
+      "{\"version\":" + std::to_string(version) + ",\"count\":2,\"means\":{" + sogMeans() +
+      "},\"scales\":{" + codebook({std::log(kSigma.x), std::log(kSigma.y), std::log(kSigma.z)}) +
+      ",\"files\":[\"s.webp\"]},\"quats\":{\"files\":[\"q.webp\"]},\"sh0\":{" +
+      codebook({(kColor.r - 0.5f) / kHarmonic0, 0.0f, (kColor.b - 0.5f) / kHarmonic0}) +
+      ",\"files\":[\"c.webp\"]}";
+  SogMembers members = sogImages(degree, rgba(0, 1, 2), rgba(0, 1, 2, 204));
   if (degree > 0) {
     std::vector<float> steps(256);
     for (int i = 0; i < 256; ++i)
       steps[static_cast<std::size_t>(i)] = 0.03125f * static_cast<float>(i - 128);
     meta += ",\"shN\":{\"count\":128,\"bands\":" + std::to_string(degree) + "," + codebook(steps) +
             ",\"files\":[\"p.webp\",\"i.webp\"]}";
-    // The second Gaussian has entry 65: the second one in the second row.
-    std::vector<std::string> palette(2);
-    for (int entry = 0; entry < 128; ++entry) {
-      for (int k = 0; k < harmonicsOf(degree); ++k) {
-        const auto code = [&](int channel) {
-          return entry == 65 ? static_cast<int>(32.0f * coefficient(channel, k)) + 128 : 0;
-        };
-        palette[static_cast<std::size_t>(entry / 64)] += rgba(code(0), code(1), code(2));
-      }
-    }
-    members.emplace_back("p.webp", webp(palette));
-    members.emplace_back("i.webp", webp({rgba(0, 0, 0) + rgba(65, 0, 0)}));
+    addSogHarmonics(members, degree);
   }
   members.insert(members.begin(), {"meta.json", meta + "}"});
   return zip(members);
+}
+
+/// Version 1, as playcanvas/sogs writes it: without `version`. A byte is a step from the least to
+/// the largest value of its channel.
+inline SogMembers sogFolder(int degree) {
+  const auto logit = [](float opacity) { return std::log(opacity / (1.0f - opacity)); };
+  std::string meta =
+      "{\"means\":{\"shape\":[2,3],\"dtype\":\"float32\"," + sogMeans() +
+      "},\"scales\":{\"shape\":[2,3],\"mins\":" +
+      listOf({std::log(kSigma.x), std::log(kSigma.y) - 1.0f, -9.0f}) +
+      ",\"maxs\":" + listOf({0.0f, std::log(kSigma.y) + 1.55f, std::log(kSigma.z)}) +
+      ",\"files\":[\"s.webp\"]},\"quats\":{\"shape\":[2,4],\"encoding\":\"quaternion_packed\","
+      "\"files\":[\"q.webp\"]},\"sh0\":{\"shape\":[2,1,4],\"mins\":" +
+      listOf({-1.0f, -1.0f, (kColor.b - 0.5f) / kHarmonic0, logit(kOpacity) - 1.0f}) +
+      ",\"maxs\":" +
+      listOf({(kColor.r - 0.5f) / kHarmonic0, 1.55f, 1.0f, logit(kOpacity) + 1.55f}) +
+      ",\"files\":[\"c.webp\"]}";
+  SogMembers members = sogImages(degree, rgba(0, 100, 255), rgba(255, 100, 0, 100));
+  if (degree > 0) {
+    meta += ",\"shN\":{\"shape\":[2," + std::to_string(3 * harmonicsOf(degree)) +
+            "],\"mins\":-4.0,\"maxs\":3.96875,\"quantization\":8,"
+            "\"files\":[\"p.webp\",\"i.webp\"]}";
+    addSogHarmonics(members, degree);
+  }
+  members.insert(members.begin(), {"meta.json", meta + "}"});
+  return members;
 }
 
 }  // namespace foci

@@ -42,7 +42,9 @@ std::vector<Format> formats() {
         {"SPZ", degree, gzipped(spzFile(3, degree)), 3e-4f, 0.04f, 2e-3f, 0.01f, 1.0f / 128.0f});
     all.push_back({"SPZ", degree, spz4File(degree), 3e-4f, 0.04f, 2e-3f, 0.01f, 1.0f / 128.0f});
     all.push_back({"KSPLAT", degree, ksplatFile(0, degree), kFine, kFine, kFine, kByte, kStep});
-    all.push_back({"SOG", degree, sogFile(degree), 2e-4f, kFine, 0.01f, kFine, kStep});
+    for (const std::string& sog : {sogFile(degree), zip(sogFolder(degree))}) {
+      all.push_back({"SOG", degree, sog, 2e-4f, kFine, 0.01f, kFine, kStep});
+    }
     for (const unsigned mode : {1u, 2u}) {
       all.push_back({"KSPLAT", degree, ksplatFile(mode, degree), 2e-4f, 1e-3f, 1e-3f, kByte,
                      mode == 1 ? 2.0f * kStep : 1.0f / 127.0f});
@@ -92,6 +94,19 @@ TEST(GaussianFormats, AreReadByTheirContent) {
   }
 }
 
+TEST(GaussianFormats, ReadAFolderOfSogByItsMeta) {
+  const TemporaryFolder folder;
+  for (const auto& [name, bytes] : sogFolder(3)) folder.write(name, bytes);
+  EXPECT_TRUE(isScene(folder.path() / "meta.json"));
+  const auto read = readGaussians(folder.path() / "meta.json");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->format, "SOG");
+  EXPECT_EQ(read->cloud.degree, 3);
+  EXPECT_NEAR(read->cloud.opacity[0], kOpacity, 1e-5f);
+  std::filesystem::remove(folder.path() / "u.webp");
+  EXPECT_THROW(readGaussians(folder.path() / "meta.json"), InputError);
+}
+
 TEST(GaussianFormats, RefuseEveryShorterFileInOneLine) {
   const TemporaryFolder folder;
   for (const Format& format : formats()) {
@@ -139,11 +154,14 @@ TEST(GaussianFormats, SayWhatIsWrong) {
       "or 18 properties)");
   EXPECT_EQ(refusalOf("NGSP" + std::string("\x05\0\0\0", 4) + std::string(60, '\0')),
             "is SPZ of version 5: expected version 1 to 4");
-  EXPECT_EQ(refusalOf(sogFile(0, 3)), "is SOG of version 3: expected version 2");
+  EXPECT_EQ(refusalOf(sogFile(0, 3)), "is SOG of version 3: expected version 1 or 2");
   EXPECT_EQ(refusalOf(zip({{"meta.json", "{\"version\":2,\"count\":1e30}"}})),
             "meta.json: expected a whole number");
   EXPECT_EQ(refusalOf(zip({{"meta.json", "{\"version\":2,\"count\":9}"}})),
-            "meta.json: expected that of a SOG of version 2");
+            "meta.json: expected that of a SOG of version 1 or 2");
+  EXPECT_EQ(
+      refusalOf("{\"means\":{\"shape\":[9,3],\"files\":[\"../l.webp\"]},\"quats\":0,\"sh0\":0}"),
+      "names the image ../l.webp: expected one in its folder");
   EXPECT_EQ(refusalOf(zip({{"model.usd", "another scene"}})), "another format");
   std::string flipped = sogFile(0);
   const std::size_t pixels = flipped.find("WEBPVP8L") + 24;
