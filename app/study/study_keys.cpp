@@ -31,6 +31,11 @@ std::optional<std::string> expectedAxes(std::string_view axes) {
   return std::string(kAxesExpected);
 }
 
+std::optional<std::string> expectedEulerOrder(std::string_view order) {
+  if (isEulerOrder(order)) return std::nullopt;
+  return "each of x, y and z once, such as \"yxz\"";
+}
+
 #define FOCI_KEY(member, ...)                                    \
   key < Study, [](auto& study) -> auto& { return study.member; } \
   > (__VA_ARGS__)
@@ -233,6 +238,14 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.columns.space.head_angles, "gaze.head_angles",
                "columns of the head's turn to the right, upwards, and roll to the right, instead "
                "of the quaternion"),
+      FOCI_KEY(gaze.columns.space.head_euler, "gaze.head_euler",
+               "columns of the head's turns about the recording's own x, y and z axes (Unity's "
+               "eulerAngles), instead of the quaternion"),
+      FOCI_KEY(gaze.columns.space.head_euler_order, "gaze.head_euler_order",
+               "order of those turns about the head's own axes; Unity's is yxz",
+               {.expected = expectedEulerOrder}),
+      FOCI_KEY(gaze.columns.space.from_head, "gaze.from_head",
+               "take the head's direction for gaze, in a recording without an eye tracker"),
       FOCI_KEY(gaze.columns.space.frame, "gaze.frame",
                "frame of the gaze columns beside a head's pose",
                {.words = studyWords<std::optional<SightFrame>>()}),

@@ -25,7 +25,7 @@ bool isNamed(const ColumnNames& names, std::size_t column, const TraceColumns& g
   bool named = is(given.time) || is(given.x) || is(given.y) || is(given.pupil) || is(given.blink) ||
                is(given.confidence) || inSight(given.space.both) ||
                any(given.space.head_position) || any(given.space.head_quaternion) ||
-               any(given.space.head_angles);
+               any(given.space.head_angles) || any(given.space.head_euler);
   for (std::size_t side : {0, 1}) {
     const TraceColumns::Eye& eye = given.eyes[side];
     named = named || is(eye.x) || is(eye.y) || is(eye.pupil) || inSight(given.space.eyes[side]);
@@ -129,6 +129,7 @@ class Meanings {
         "xyz");
     add(space.head_quaternion, "orientation of the head", "xyzw");
     add(space.head_angles, "turn of the head" + turn, "hvr");
+    add(space.head_euler, "turn of the head about an axis of the recording" + turn, "xyz");
   }
 
   const TableLayout& layout_;

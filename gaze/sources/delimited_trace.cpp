@@ -236,7 +236,7 @@ class TableReader {
     if (!layout_.space || !layout_.space->hasHead() || head_seen_) return;
     throw InputError(lines_.fileName(),
                      "no sample has a head pose: all are absent or 0 (gaze.head_quaternion, "
-                     "gaze.head_angles, gaze.head_position)");
+                     "gaze.head_angles, gaze.head_euler, gaze.head_position)");
   }
 
   /// States what was assumed. @throws InputError if the positions contradict it

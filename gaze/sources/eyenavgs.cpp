@@ -109,8 +109,9 @@ class EyeNavGsReader {
     if (rows_ > 0 && gazes_ == 0) {
       throw InputError(
           lines_.fileName(),
-          "no gaze: GazePos and GazeQ are 0, 0, 0 in every row, so the eye tracker was "
-          "off; expected a recording with gaze");
+          "no gaze: GazePos and GazeQ are 0, 0, 0 in every row, so the eye tracker was off; "
+          "expected a recording with gaze, or gaze.from_head = true, which takes the head's "
+          "direction for gaze");
     }
     return header();
   }
@@ -192,19 +193,24 @@ class EyeNavGsReader {
                               .world_from_head = row.head};
     const glm::dquat head_from_world = glm::conjugate(row.head);
     for (const EyeRow* each : {&row, other}) {
-      if (!each->hasGaze()) continue;
       EyeSample& eye = sample.eyes[each->side];
+      if (given_.space.from_head) {
+        eye.origin_m = head_from_world * (scale_m_ * each->position - sample.head->position_m);
+        continue;
+      }
+      if (!each->hasGaze()) continue;
       eye.origin_m = head_from_world * (scale_m_ * each->gaze_position - sample.head->position_m);
       eye.direction = head_from_world * (each->gaze * glm::dvec3(0.0, 0.0, -1.0));
     }
-    sample.direction = meanDirection(sample.eyes);
+    sample.direction = given_.space.from_head ? kStraightAhead : meanDirection(sample.eyes);
     if (sample.direction) sample.point_px = pointOnScreen_px(screen_, *sample.direction);
     gazes_ += sample.direction.has_value();
     take_(sample);
   }
 
   TraceHeader header() const {
-    TraceHeader header{.format = "EyeNavGS, binocular",
+    const bool eyes = !given_.space.from_head;
+    TraceHeader header{.format = eyes ? "EyeNavGS, binocular" : "EyeNavGS, the head alone",
                        .screen = screen_,
                        .units = GazeUnits::deg,
                        .field = field_,
@@ -224,15 +230,19 @@ class EyeNavGsReader {
 
   std::vector<ColumnReading> readings() const {
     const std::string sure = "sure: EyeNavGS writes it so";
-    const std::string unit = ", a unit is " + exactText(scale_m_) + " m";
-    return {{"ViewIndex", "0 for the left eye, 1 for the right eye", sure},
-            {"FOV1 to FOV4", "limits of the eye's view to the left, right, down and up, rad", sure},
-            {"PositionX, Y, Z", "place of the eye in the scene" + unit,
-             setting_ ? "sure: scene_setting.csv has the unit" : "a guess: the unit"},
-            {"QuaternionX, Y, Z, W", "orientation of the head in the scene", sure},
-            {"GazePosX, Y, Z", "origin of gaze in the scene" + unit, sure},
-            {"GazeQX, Y, Z, W", "rotation of gaze in the scene, which looks along -z", sure},
-            {"Timestamp", "time, a unit is 0.001 s", sure}};
+    const std::string unit = ", a unit is " + significant(scale_m_) + " m";
+    const bool eyes = !given_.space.from_head;
+    return {
+        {"ViewIndex", "0 for the left eye, 1 for the right eye", sure},
+        {"FOV1 to FOV4", "limits of the eye's view to the left, right, down and up, rad", sure},
+        {"PositionX, Y, Z", "place of the eye in the scene" + unit,
+         setting_ ? "sure: scene_setting.csv has the unit" : "a guess: the unit"},
+        {"QuaternionX, Y, Z, W", "orientation of the head in the scene", sure},
+        {"GazePosX, Y, Z", eyes ? "origin of gaze in the scene" + unit : "unused",
+         eyes ? sure : ""},
+        {"GazeQX, Y, Z, W", eyes ? "rotation of gaze in the scene, which looks along -z" : "unused",
+         eyes ? sure : ""},
+        {"Timestamp", "time, a unit is 0.001 s", sure}};
   }
 
   static bool isUpright(const SceneSetting& setting) {

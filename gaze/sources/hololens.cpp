@@ -24,6 +24,7 @@ class HoloLensReader {
   HoloLensReader(LineReader& lines, const TraceColumns& columns, const TakeSample& take)
       : lines_(lines),
         take_(take),
+        from_head_(columns.space.from_head),
         field_(columns.field.value_or(EyeField{})),
         field_assumed_(!columns.field),
         screen_(headsetScreen(fieldOfBothEyes(field_), columns.pixels_per_degree)) {}
@@ -96,7 +97,10 @@ class HoloLensReader {
     last_s_ = sample.time_s;
     sample.head = readHead();
     const glm::dvec3 direction = vector(kGazeAt + 5);
-    if (sample.head && number(kGazeAt) == 1.0 && glm::length(direction) > 0.0) {
+    if (sample.head && from_head_) {
+      sample.direction = kStraightAhead;
+      sample.point_px = pointOnScreen_px(screen_, kStraightAhead);
+    } else if (sample.head && number(kGazeAt) == 1.0 && glm::length(direction) > 0.0) {
       sample.direction = glm::conjugate(sample.head->world_from_head) * glm::normalize(direction);
       sample.point_px = pointOnScreen_px(screen_, *sample.direction);
     }
@@ -126,6 +130,7 @@ class HoloLensReader {
 
   LineReader& lines_;
   const TakeSample& take_;
+  bool from_head_;  // the head's direction stands for gaze
   EyeField field_;
   bool field_assumed_;
   Screen screen_;

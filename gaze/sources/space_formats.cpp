@@ -71,11 +71,28 @@ std::optional<SpaceFormat> tobiiGlasses(const ColumnNames& names) {
   return format;
 }
 
+std::optional<SpaceFormat> gazeBaseVr(const ColumnNames& names) {
+  if (!names.find({"n"}) || !names.find({"clx"})) return std::nullopt;
+  SpaceFormat format{.name = "GazeBaseVR", .time = columnOf(names, "n"), .time_scale_s = 1e-3};
+  format.columns.axes = "right-up-forward";
+  format.columns.both.angles = columnsOf<2>(names, "", "xy").value_or(ColumnList<2>{});
+  for (std::size_t side : {0, 1}) {
+    const std::string eye = side == 0 ? "l" : "r";
+    const auto angles = columnsOf<2>(names, eye, "xy");
+    const auto origin = columnsOf<3>(names, "c" + eye, "xyz");
+    if (!angles || !origin) return std::nullopt;
+    format.columns.eyes[side].angles = *angles;
+    format.columns.eyes[side].origin = *origin;
+  }
+  return format;
+}
+
 }  // namespace
 
 std::optional<SpaceFormat> spaceFormatOf(const ColumnNames& names) {
   if (auto format = sranipal(names)) return format;
-  return tobiiGlasses(names);
+  if (auto format = tobiiGlasses(names)) return format;
+  return gazeBaseVr(names);
 }
 
 }  // namespace foci

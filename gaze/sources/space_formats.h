@@ -25,6 +25,8 @@ struct SpaceFormat {
 ///   (SRanipal SDK). With Unity's `head.position.x`, `head.rotation.x` ... `.w` the head moves.
 /// - Tobii Pro Glasses, exported by Pro Lab: `Gaze direction left X [HUCS norm]`, `Pupil position
 ///   left X [HUCS mm]`. The head unit's axes are x left, y up, z forward.
+/// - GazeBaseVR (Lohr et al. 2023): angles `lx`, `ly`, `rx`, `ry` and `x`, `y` of both eyes, deg;
+///   eyes' centres `clx` ... `crz`, m, x right, y up, z forward.
 std::optional<SpaceFormat> spaceFormatOf(const ColumnNames& names);
 
 }  // namespace foci

@@ -131,22 +131,50 @@ std::optional<glm::dvec3> directionIn(const TableRow& row, const SightAt& at,
   return glm::normalize(*point_m - *from_m);
 }
 
-std::optional<HeadInWorld> headIn(const TableRow& row, const SpaceLayout& layout) {
-  std::optional<glm::dquat> world_from_head =
-      rotationIn(row, layout.head_quaternion, layout.head_axes);
-  if (layout.head_angles) {
-    const auto angles = numbersIn(row, *layout.head_angles);
-    if (!angles) return std::nullopt;
-    const auto turn = [&](std::size_t i, const glm::dvec3& axis) {
-      const double turn_rad = layout.angle_scale_rad * (*angles)[i];
-      if (std::abs(turn_rad) > kMaxAngle_rad) {
-        row.fail((*layout.head_angles)[i], "more than a turn: is gaze.angle_units right?");
-      }
-      return glm::angleAxis(turn_rad, axis);
-    };
-    world_from_head =
-        turn(0, {0.0, -1.0, 0.0}) * turn(1, {1.0, 0.0, 0.0}) * turn(2, {0.0, 0.0, -1.0});
+double headAngle_rad(const TableRow& row, const SpaceLayout& layout, std::size_t column,
+                     double angle) {
+  const double turn_rad = layout.angle_scale_rad * angle;
+  if (std::abs(turn_rad) > kMaxAngle_rad) {
+    row.fail(column, "more than a turn: is gaze.angle_units right?");
   }
+  return turn_rad;
+}
+
+/// To the right, upwards, and roll to the right.
+std::optional<glm::dquat> turnByAngles(const TableRow& row, const SpaceLayout& layout) {
+  const auto angles = numbersIn(row, *layout.head_angles);
+  if (!angles) return std::nullopt;
+  constexpr std::array<glm::dvec3, 3> kAxes = {
+      {{0.0, -1.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 0.0, -1.0}}};
+  glm::dquat turned(1.0, 0.0, 0.0, 0.0);
+  for (std::size_t i : {0, 1, 2}) {
+    turned =
+        turned * glm::angleAxis(headAngle_rad(row, layout, (*layout.head_angles)[i], (*angles)[i]),
+                                kAxes[i]);
+  }
+  return turned;
+}
+
+/// About the recording's own axes. The product has the same form in a left-handed frame.
+std::optional<glm::dquat> turnByEuler(const TableRow& row, const SpaceLayout& layout) {
+  const auto angles = numbersIn(row, *layout.head_euler);
+  if (!angles) return std::nullopt;
+  glm::dquat turned(1.0, 0.0, 0.0, 0.0);
+  for (const std::size_t axis : layout.euler_order) {
+    glm::dvec3 about(0.0);
+    about[static_cast<int>(axis)] = 1.0;
+    turned = turned *
+             glm::angleAxis(headAngle_rad(row, layout, (*layout.head_euler)[axis], (*angles)[axis]),
+                            about);
+  }
+  return layout.head_axes.rotation(turned);
+}
+
+std::optional<HeadInWorld> headIn(const TableRow& row, const SpaceLayout& layout) {
+  const std::optional<glm::dquat> world_from_head =
+      layout.head_angles  ? turnByAngles(row, layout)
+      : layout.head_euler ? turnByEuler(row, layout)
+                          : rotationIn(row, layout.head_quaternion, layout.head_axes);
   if (!world_from_head) return std::nullopt;
   HeadInWorld head{.world_from_head = *world_from_head};
   if (layout.head_position) {
@@ -160,6 +188,32 @@ std::optional<HeadInWorld> headIn(const TableRow& row, const SpaceLayout& layout
 
 }  // namespace
 
+bool isEulerOrder(std::string_view order) {
+  std::string letters(order);
+  std::sort(letters.begin(), letters.end());
+  return letters == "xyz";
+}
+
+namespace {
+
+void refuseWrongSight(const LineReader& lines, const SpaceLayout& layout) {
+  if (!layout.from_head && !layout.hasSight()) {
+    throw lines.error(
+        "a head without gaze: expected gaze.direction, angles, quaternion or point; with "
+        "gaze.from_head = true the head's direction stands for gaze");
+  }
+  if (layout.from_head && layout.hasSight()) {
+    throw lines.error("gaze.from_head = true: expected no columns of gaze");
+  }
+  if (layout.from_head && !layout.hasHead()) {
+    throw lines.error(
+        "gaze.from_head = true: expected gaze.head_quaternion, gaze.head_angles or "
+        "gaze.head_euler");
+  }
+}
+
+}  // namespace
+
 SpaceLayout spaceLayoutOf(const LineReader& lines, const ColumnNames& names,
                           const SpaceColumns& columns) {
   SpaceLayout layout{
@@ -167,27 +221,35 @@ SpaceLayout spaceLayoutOf(const LineReader& lines, const ColumnNames& names,
       .head_position = placesOf(lines, names, columns.head_position),
       .head_quaternion = placesOf(lines, names, columns.head_quaternion),
       .head_angles = placesOf(lines, names, columns.head_angles),
+      .head_euler = placesOf(lines, names, columns.head_euler),
+      .from_head = columns.from_head,
       .in_world = columns.frame == SightFrame::world,
       .origin_scale_m = columns.origin_scale_m,
       .head_scale_m = columns.head_scale_m,
       .angle_scale_rad = columns.angle_units == AngleUnit::rad ? 1.0 : glm::radians(1.0)};
   for (std::size_t side : {0, 1}) layout.eyes[side] = sightAt(lines, names, columns.eyes[side]);
-  if (!layout.hasSight()) {
-    throw lines.error("a head without gaze: expected gaze.direction, angles, quaternion or point");
-  }
-  if (layout.head_quaternion && layout.head_angles) {
-    throw lines.error("gaze.head_quaternion and gaze.head_angles: expected only one of them");
+  refuseWrongSight(lines, layout);
+  if (layout.head_quaternion.has_value() + layout.head_angles.has_value() +
+          layout.head_euler.has_value() >
+      1) {
+    throw lines.error(
+        "gaze.head_quaternion, gaze.head_angles and gaze.head_euler: expected only one of them");
   }
   if (layout.head_position && !layout.hasHead()) {
     throw lines.error(
-        "gaze.head_position: expected the head's orientation, too (gaze.head_quaternion or "
-        "gaze.head_angles)");
+        "gaze.head_position: expected the head's orientation, too (gaze.head_quaternion, "
+        "gaze.head_angles or gaze.head_euler)");
   }
-  if (layout.hasHead() && !columns.frame) {
+  if (layout.hasHead() && !layout.from_head && !columns.frame) {
     throw lines.error("gaze.frame: expected \"head\" or \"world\", the frame of the gaze columns");
   }
   if (layout.in_world && !layout.hasHead()) {
-    throw lines.error("gaze.frame = \"world\": expected gaze.head_quaternion or gaze.head_angles");
+    throw lines.error(
+        "gaze.frame = \"world\": expected gaze.head_quaternion, gaze.head_angles or "
+        "gaze.head_euler");
+  }
+  for (std::size_t i : {0, 1, 2}) {
+    layout.euler_order[i] = static_cast<std::size_t>(columns.head_euler_order[i] - 'x');
   }
   layout.axes = layout.head_axes = axesOf(lines, columns);
   return layout;
@@ -216,6 +278,7 @@ std::size_t columnsOf(const SpaceLayout& layout) {
   add(layout.head_position);
   add(layout.head_quaternion);
   add(layout.head_angles);
+  add(layout.head_euler);
   return end;
 }
 
@@ -229,6 +292,8 @@ std::optional<glm::dvec3> meanDirection(const std::array<EyeSample, 2>& eyes) {
 void readSpace(const TableRow& row, const SpaceLayout& layout, GazeSample& sample) {
   sample.head = layout.hasHead() ? headIn(row, layout) : std::nullopt;
   sample.direction.reset();
+  if (layout.from_head && sample.head) sample.direction = kStraightAhead;
+  if (layout.from_head) return;
   // Gaze in the world has no place in the head while the head is lost.
   if (layout.in_world && !sample.head) return;
   const auto in_head = [&](const glm::dvec3& v) {

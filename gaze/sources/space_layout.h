@@ -33,7 +33,9 @@ struct SpaceLayout {
   std::array<SightAt, 2> eyes{};  ///< left, right
   ColumnsAt<3> head_position{};
   ColumnsAt<4> head_quaternion{};
-  ColumnsAt<3> head_angles{};
+  ColumnsAt<3> head_angles{}, head_euler{};
+  std::array<std::size_t, 3> euler_order{1, 0, 2};  ///< axes in the order of their turns
+  bool from_head = false;                           ///< the head's direction stands for gaze
   AxisConvention axes{}, head_axes{};  ///< of gaze, of the head; a study states one for both
   bool in_world = false;               ///< the frame of the gaze columns; else the head's
   double origin_scale_m = 1.0, head_scale_m = 1.0;
@@ -41,7 +43,7 @@ struct SpaceLayout {
   glm::dvec2 scale{1.0}, offset{0.0};  ///< of angles, in their unit
 
   bool hasSight() const { return both.hasSight() || eyes[0].hasSight() || eyes[1].hasSight(); }
-  bool hasHead() const { return head_quaternion || head_angles; }
+  bool hasHead() const { return head_quaternion || head_angles || head_euler; }
 };
 
 /// Finds the columns that a study names.

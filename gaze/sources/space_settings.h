@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "gaze/geometry/axis_convention.h"
 
@@ -43,15 +44,27 @@ struct SpaceColumns {
   /// To the right, upwards, and clockwise for the observer, turned in this order: about the
   /// upward axis of the world, then about the head's own axes.
   ColumnList<3> head_angles{};
-  std::optional<SightFrame> frame{};  ///< needed with a head pose
-  std::optional<std::string> axes{};  ///< as `AxisConvention::named` takes it; needed
-  double origin_scale_m = 1.0;        ///< metres per unit of origins and points
-  double head_scale_m = 1.0;          ///< metres per unit of the head's position
+  /// About the recording's own x, y and z, in the sense of its axes, as Unity's `eulerAngles`.
+  ColumnList<3> head_euler{};
+  std::string head_euler_order = "yxz";  ///< of the turns about the head's own axes
+  bool from_head = false;                ///< the head's forward direction stands for gaze
+  std::optional<SightFrame> frame{};     ///< needed with a head pose
+  std::optional<std::string> axes{};     ///< as `AxisConvention::named` takes it; needed
+  double origin_scale_m = 1.0;           ///< metres per unit of origins and points
+  double head_scale_m = 1.0;             ///< metres per unit of the head's position
   AngleUnit angle_units = AngleUnit::deg;
 
-  bool hasHead() const { return !head_quaternion[0].empty() || !head_angles[0].empty(); }
+  bool hasHead() const {
+    return !head_quaternion[0].empty() || !head_angles[0].empty() || !head_euler[0].empty();
+  }
   bool hasSight() const { return both.hasSight() || eyes[0].hasSight() || eyes[1].hasSight(); }
 };
+
+/// Straight ahead of a head.
+inline constexpr glm::dvec3 kStraightAhead{0.0, 0.0, -1.0};
+
+/// Whether each of x, y and z is named once.
+bool isEulerOrder(std::string_view order);
 
 /// Turns the recording's world into the scene's: p_scene = offset + scale R p.
 struct SceneAlignment {

@@ -59,13 +59,14 @@ class Recogniser {
   }
 
   TableLayout recognise() {
-    const auto known = given_.x.empty() && !given_.space.hasSight() && !given_.mapped_later
+    const auto known = given_.x.empty() && !given_.space.hasSight() && !given_.space.from_head &&
+                               !given_.mapped_later
                            ? spaceFormatOf(names_)
                            : std::nullopt;
     findTime(known);
     if (known) {
       takeFormat(*known);
-    } else if (given_.space.hasSight() || given_.space.hasHead()) {
+    } else if (given_.space.hasSight() || given_.space.hasHead() || given_.space.from_head) {
       takeSpace();
     } else {
       findEyes();
@@ -254,6 +255,8 @@ class Recogniser {
       columns.head_position = given_.space.head_position;
       columns.head_quaternion = given_.space.head_quaternion;
       columns.head_angles = given_.space.head_angles;
+      columns.head_euler = given_.space.head_euler;
+      columns.head_euler_order = given_.space.head_euler_order;
       columns.head_scale_m = given_.space.head_scale_m;
       columns.angle_units = given_.space.angle_units;
       columns.frame = SightFrame::head;
@@ -366,10 +369,6 @@ class Recogniser {
       layout_.zero_is_absent = true;
       if (layout_.time_scale_s == 0.0) layout_.time_scale_s = 1e-6;
       recogniseSmiRows();
-    } else if (find({"n"}) && find({"clx"}) && find({"lx"})) {
-      set("GazeBaseVR");
-      layout_.units = GazeUnits::deg;
-      layout_.time_scale_s = 1e-3;
     } else if (find({"n"}) && find({"val"}) && find({"dp"})) {
       set("GazeBase");
       layout_.units = GazeUnits::deg;

@@ -311,7 +311,9 @@ std::vector<std::string> TraceDoubts::sentences(const TraceHeader& header,
   };
   append(rowDoubts());
   append(space_.sentences(header.gaze_in_world, header.world_y_up));
-  if (kept_.size() < kMinPositions || columns.mapped_later) return doubts;
+  if (kept_.size() < kMinPositions || columns.mapped_later || columns.space.from_head) {
+    return doubts;
+  }
   std::vector<glm::dvec2> points_px;
   points_px.reserve(kept_.size());
   for (const Kept& kept : kept_) points_px.push_back(kept.point_px);

@@ -101,6 +101,9 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
              : isHoloLens(first)       ? readHoloLens(lines, columns, both)
                                        : readDelimitedTrace(lines, columns, fallback_screen, both);
   }
+  if (columns.space.from_head) {
+    header.assumed.push_back("gaze: straight ahead of the head (gaze.from_head)");
+  }
   if (!header.screen) header.screen = fallback_screen;
   if (header.screen->size_m == glm::dvec2(0.0)) header.screen->size_m = fallback_screen.size_m;
   if (header.screen->distance_m == 0.0) header.screen->distance_m = fallback_screen.distance_m;

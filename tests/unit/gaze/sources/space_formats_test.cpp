@@ -131,6 +131,30 @@ TEST(SpaceFormats, ReadGlassesFromTobiiProLab) {
   EXPECT_EQ(trace.samples[0].eyes[0].pupil_mm, 3.1);
 }
 
+TEST(SpaceFormats, ReadGazeBaseVr) {
+  // Both eyes look at a point 0.5 m ahead of the middle between them, 0.05 m to the right of it.
+  const double left_deg = glm::degrees(std::atan2(0.05 + 0.032, 0.5));
+  const double right_deg = glm::degrees(std::atan2(0.05 - 0.032, 0.5));
+  std::string text = "n,x,y,lx,ly,rx,ry,xT,yT,zT,clx,cly,clz,crx,cry,crz\n";
+  for (int i = 0; i < 4; ++i) {
+    char row[200];
+    std::snprintf(row, sizeof row,
+                  "%d,5.7106,0,%.7f,0,%.7f,0,0.05,0,0.47,-0.032,0.003,-0.03,0.032,0.003,-0.03\n",
+                  4 * i, left_deg, right_deg);
+    text += row;
+  }
+  const GazeTrace trace = readTrace(ScratchFile(text).path(), {}, kScreen);
+  EXPECT_EQ(trace.format, "GazeBaseVR, binocular");
+  const GazeSample& sample = trace.samples[1];
+  EXPECT_NEAR(sample.time_s, 0.004, 1e-9);
+  ASSERT_TRUE(sample.eyes[0].direction && sample.eyes[1].direction && sample.direction);
+  for (const EyeSample& eye : sample.eyes) {
+    const glm::dvec3 at_m = *eye.origin_m + *eye.direction * (0.5 / -eye.direction->z);
+    EXPECT_LT(glm::distance(at_m, glm::dvec3(0.05, 0.003, -0.47)), kDigits);
+  }
+  EXPECT_NEAR(glm::degrees(std::atan(sample.direction->x / -sample.direction->z)), 5.7106, 1e-9);
+}
+
 /// A row of Stream Recorder: the head at (1, 2, 3), turned by 90 degrees to the right.
 std::string holoLensRow(int i, bool gaze) {
   std::string row = std::to_string(132500000000000000 + 333333LL * i);

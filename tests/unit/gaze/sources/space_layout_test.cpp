@@ -100,6 +100,47 @@ TEST(SpaceLayout, TurnsTheHeadByAngles) {
   EXPECT_LT((turn * glm::dvec3(1.0, 0.0, 0.0)).y, -0.1);
 }
 
+TEST(SpaceLayout, TurnsTheHeadAsUnitysEulerAngles) {
+  // Unity turns down about +x, to the right about +y, and lifts the right side about +z.
+  SpaceColumns space{.head_euler = {"ex", "ey", "ez"}, .axes = "right-up-forward"};
+  space.from_head = true;
+  const double cos30 = std::sqrt(0.75), sin30 = 0.5;
+  const double cos10 = std::cos(glm::radians(10.0)), sin10 = std::sin(glm::radians(10.0));
+  const auto turnOf = [&](const char* row) {
+    return sampleOf("ex,ey,ez", row, space).head->world_from_head;
+  };
+  const glm::dquat turn = turnOf("30,90,10");
+  EXPECT_LT(glm::distance(turn * glm::dvec3(0.0, 0.0, -1.0), glm::dvec3(cos30, -sin30, 0.0)),
+            kRounding);
+  EXPECT_LT(glm::distance(turn * glm::dvec3(1.0, 0.0, 0.0),
+                          glm::dvec3(sin10 * sin30, sin10 * cos30, cos10)),
+            kRounding);
+  // The same orientation as Unity writes it, 0 to 360.
+  EXPECT_GT(std::abs(glm::dot(turnOf("350,270,355"), turnOf("-10,-90,-5"))), 1.0 - kRounding);
+  // About z first: 90 to the left, so that "downwards" about the new x turns to the right.
+  space.head_euler_order = "zxy";
+  EXPECT_LT(
+      glm::distance(turnOf("30,0,90") * glm::dvec3(0.0, 0.0, -1.0), glm::dvec3(sin30, 0.0, -cos30)),
+      kRounding);
+}
+
+TEST(SpaceLayout, TakesTheHeadForGazeIfAsked) {
+  SpaceColumns space{
+      .head_position = kHeadPlace, .head_quaternion = kHead, .axes = "right-up-back"};
+  const std::string names = "hx,hy,hz,hi,hj,hk,hw", row = "1,2,3,0,0.70710678,0,0.70710678";
+  EXPECT_NE(refusalOf(names, row, space).find("gaze.from_head"), std::string::npos);
+  space.from_head = true;
+  const GazeSample sample = sampleOf(names, row, space);
+  ASSERT_TRUE(sample.head && sample.direction && sample.point_px);
+  EXPECT_EQ(*sample.direction, kStraightAhead);
+  space.both.direction = {"hx", "hy", "hz"};
+  EXPECT_NE(refusalOf(names, row, space).find("no columns of gaze"), std::string::npos);
+  space.both = {};
+  space.head_position = {};
+  space.head_quaternion = {};
+  EXPECT_NE(refusalOf(names, row, space).find("gaze.head_quaternion"), std::string::npos);
+}
+
 TEST(SpaceLayout, KeepsTheEyesApart) {
   SpaceColumns space{.axes = "right-up-back", .origin_scale_m = 1e-3};
   space.eyes[0] = {.direction = {"lx", "ly", "lz"}, .origin = {"ox", "oy", "oz"}};
