@@ -191,10 +191,10 @@ glm::dvec3 sightOf(const std::vector<double>& row) {
 /// latest gaze before the frame, in the head's view at the frame's time.
 void expectItsOwnGaze(const fs::path& file, const std::vector<std::vector<double>>& rows) {
   TemporaryFolder folder;
-  folder.write("study.toml",
-               std::string("scene.builtin = \"plane\"\nrender.method = \"pinhole\"\n") +
-                   (hasGaze(rows[0]) ? "output.fps = 6\n"
-                                     : "output.fps = 2\ngaze.from_head = true\n"));
+  folder.write(
+      "study.toml",
+      std::string("scene.builtin = \"plane\"\nrender.method = \"pinhole\"\n") +
+          (hasGaze(rows[0]) ? "output.fps = 6\n" : "output.fps = 2\ngaze.from_head = true\n"));
   const Outcome outcome =
       runFoci({"replay", "study.toml", "--trace", file.string(), "--size", "32x32", "--out", "out"},
               folder.path());
