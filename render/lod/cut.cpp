@@ -11,11 +11,13 @@
 namespace foci {
 namespace {
 
-constexpr float kFade = 0.3f;         // a node fades out over this share of the allowed variance
-constexpr int kSerialCutLevels = 8;   // below it one task a subtree; fixed, so results are, too
-constexpr int kMiddleLevel = 10;      // about a thousand nodes
-constexpr float kWidestReach = 3.0f;  // bounds a kernel's support, standard deviations
-constexpr int kRangeSurfels = 512;    // largest subtree that is taken as one range of surfels
+constexpr float kFade = 0.3f;            // a node fades out over this share of the allowed variance
+constexpr int kSerialCutLevels = 8;      // below it one task a subtree; fixed, so results are, too
+constexpr int kMiddleLevel = 10;         // about a thousand nodes
+constexpr float kWidestReach = 3.0f;     // bounds a kernel's support, standard deviations
+constexpr float kWidestSupport = 2.83f;  // the same, no wider than needed (kWidestSupport2)
+constexpr int kRangeSurfels = 512;       // largest subtree that is taken as one range of surfels
+constexpr int kBorderRanges = 8;  // parts of such a subtree where the image's border may cut it
 
 struct Pending {
   std::size_t node;
@@ -65,7 +67,9 @@ class Selector {
       if (size == kOutside) return;
       above.seen = seen;
     }
-    if (weight == 1.0f && node >= first_range_node_ && coarse.min_m2 * above.min >= 1.0f + kFade) {
+    const std::size_t first_range = first_range_node_ * (above.in_view ? 1 : kBorderRanges);
+    if (weight == 1.0f && (node >= first_range || tree_.isCluster(node)) &&
+        coarse.min_m2 * above.min >= 1.0f + kFade) {
       takeAll(node, cut);
       return;
     }
@@ -136,16 +140,17 @@ class Selector {
     const glm::vec2 offset = view_.focal_px * glm::vec2(p.x, -p.y) / depth;
     const glm::vec2 at = view_.principal_px + offset;
     const glm::vec2 spread = radius * inv_nearest * (view_.focal_px + glm::abs(offset));
+    const float finest_px = settings_.acuity.finest_px(glm::length(at - settings_.acuity.gaze_px));
     const glm::vec2 reach =
         kWidestReach *
         (0.5f * spread + 0.6f * (maxDefocus_D(defocus_, inv) + range_D) * defocus_.radius_px_per_D +
-         settings_.acuity.finest_px(glm::length(at - settings_.acuity.gaze_px)));
-    const glm::vec2 size(view_.size_px);
+         finest_px);
+    const glm::vec2 size(view_.size_px), outside = glm::max(-at, at - size);
     const auto margin = static_cast<float>(settings_.margin_px);
-    if (at.x + reach.x < -margin || at.y + reach.y < -margin || at.x - reach.x > size.x + margin ||
-        at.y - reach.y > size.y + margin) {
-      return kOutside;
-    }
+    const float widest_px = finest_px + settings_.acuity.per_px * std::max(spread.x, spread.y);
+    const glm::vec2 blur_px = (maxDefocus_D(defocus_, inv) + range_D) * defocus_.radius_px_per_D;
+    const glm::vec2 touches = spread + kWidestSupport * (0.5f * blur_px + widest_px);
+    if (outside.x > touches.x + margin || outside.y > touches.y + margin) return kOutside;
     const float now =
         tree_.coarseness()[index].now_m2 * perCoarseness(depth, min_px2(inv, range_D, at, reach));
 

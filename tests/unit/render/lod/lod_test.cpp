@@ -13,6 +13,7 @@
 #include "render/methods/lens_samples.h"
 #include "render/scene/builtin/procedural.h"
 #include "render/scene/estimation/estimate.h"
+#include "render/splat/project.h"
 #include "tests/unit/render/surfel_scenes.h"
 
 namespace foci {
@@ -173,6 +174,64 @@ TEST(Cut, LeavesOutNodesThatCannotTouchTheImage) {
   Cut cut;
   selectCut(tree, squareViewOf(64, 100.0f), {}, {.per_blur2 = 0.01f, .per_pixel2 = 0.1f}, cut);
   EXPECT_EQ(cut.size(), 0u);
+}
+
+/// The image's 32 px wide squares whose corners are a multiple of 48 px.
+std::vector<View> squaresOf(const View& view) {
+  std::vector<View> squares;
+  for (int y = 0; y + 32 <= view.size_px.y; y += 48) {
+    for (int x = 0; x + 32 <= view.size_px.x; x += 48) {
+      View square = view;
+      square.size_px = glm::ivec2(32);
+      square.principal_px -= glm::vec2(x, y);
+      squares.push_back(square);
+    }
+  }
+  return squares;
+}
+
+TEST(Cut, HasEverySplatThatTouchesTheImage) {
+  // A cut with a wide margin reaches far beyond the square, so it lacks nothing that touches it.
+  const MomentTree tree(ball(20000, 0.4f, {0, 0, -1.5f}));
+  const Defocus round{.radius_px_per_D = glm::vec2(40.0f), .focus_D = 1.5f};
+  Defocus astigmatic = round;
+  astigmatic.astigmatism_D = {0.2f, 0.1f};
+  const Acuity soft{.gaze_px = {40.0f, 60.0f}, .base_px = 1.0f, .per_px = 0.05f};
+  for (const Defocus& defocus : {Defocus{}, round, astigmatic}) {
+    for (const float coarser : {0.01f, 1.0f, 20.0f}) {
+      for (const Acuity& acuity : {Acuity{}, soft}) {
+        for (const View& square : squaresOf(squareViewOf(400, 600.0f))) {
+          const auto splatsOf = [&](int margin_px) {
+            CutSettings settings{.per_blur2 = coarser * kFaithfulCut.per_blur2,
+                                 .per_pixel2 = coarser * kFaithfulCut.per_pixel2,
+                                 .acuity = acuity,
+                                 .margin_px = margin_px};
+            Cut cut;
+            selectCut(tree, square, defocus, settings, cut);
+            SplatChunks chunks;
+            projectCut(tree, cut, square, defocus, {.acuity = acuity}, chunks);
+            return chunks.total();
+          };
+          EXPECT_EQ(splatsOf(0), splatsOf(1000));
+        }
+      }
+    }
+  }
+}
+
+TEST(Cut, OfASmallSquareTakesFewSurfelsBesideIt) {
+  const MomentTree tree(ball(200000, 0.4f, {0, 0, -1.5f}));
+  const CutSettings fine{.per_blur2 = 0.0f, .per_pixel2 = 1e-6f};
+  std::size_t taken = 0, within = 0;
+  for (const View& square : squaresOf(squareViewOf(400, 600.0f))) {
+    Cut cut;
+    selectCut(tree, square, {}, fine, cut);
+    SplatChunks chunks;
+    projectCut(tree, cut, square, {}, {}, chunks);
+    taken += cut.size();
+    within += chunks.total();
+  }
+  EXPECT_LT(taken, 3 * within);
 }
 
 TEST(SweepLod, TotalVarianceIsTheFormulasAtEveryLevel) {
