@@ -267,4 +267,27 @@ void drawSyncPatch(int side_px, int level) {
                                                 IM_COL32(code, code, code, 255));
 }
 
+void drawGazeRings(const std::vector<glm::dvec2>& points_px, bool broken,
+                   const glm::ivec2& image_px) {
+  const ImVec2 area = ImGui::GetIO().DisplaySize;
+  const glm::vec2 scale = glm::vec2(area.x, area.y) / glm::vec2(image_px);
+  const float radius = std::max(10.0f, static_cast<float>(image_px.y) / 36.0f) * scale.y;
+  const float width = std::max(2.0f, std::floor(static_cast<float>(image_px.y) / 360.0f)) * scale.y;
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const int arcs = broken ? 8 : 1;
+  constexpr float kTurn_rad = 6.2831853f;
+  const float arc_rad = broken ? kTurn_rad / 16.0f : kTurn_rad;
+  for (const glm::dvec2& point_px : points_px) {
+    const glm::vec2 at = glm::vec2(point_px) * scale;
+    for (const auto& [colour, wide] : {std::pair{IM_COL32(0, 0, 0, 255), 2.0f * width + 1.0f},
+                                       std::pair{IM_COL32(255, 214, 10, 255), width}}) {
+      for (int arc = 0; arc < arcs; ++arc) {
+        const float from_rad = kTurn_rad * static_cast<float>(arc) / static_cast<float>(arcs);
+        list.PathArcTo({at.x, at.y}, radius, from_rad, from_rad + arc_rad);
+        list.PathStroke(colour, 0, wide);
+      }
+    }
+  }
+}
+
 }  // namespace foci

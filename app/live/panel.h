@@ -54,6 +54,10 @@ void drawHelp(bool& open);
 /// @param first  also shows the most important keys, at the lower edge
 void drawNotices(const PanelContent& content, const std::string& notice, bool first);
 
+/// Draws gaze markers behind everything, as `drawGazeMarkers` does in an image.
+void drawGazeRings(const std::vector<glm::dvec2>& points_px, bool broken,
+                   const glm::ivec2& image_px);
+
 /// Draws the patch for a photodiode in the lower right corner.
 /// @param level  0 (black) to 3 (white)
 void drawSyncPatch(int side_px, int level);

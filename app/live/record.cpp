@@ -125,6 +125,10 @@ void LiveRecord::addMarker(double time_s, const std::string& text) {
   post([this, time_s, text] { markers_ << decimal(time_s, 6) << '\t' << text << '\n'; });
 }
 
+void LiveRecord::changeDevice(const std::string& device) {
+  post([this, device] { device_ += ", then " + device; });
+}
+
 void LiveRecord::add(std::shared_ptr<const LiveFrame> frame) {
   {
     const std::lock_guard lock(mutex_);
@@ -201,7 +205,7 @@ void LiveRecord::write(const LiveFrame& frame) {
     timing_ << '\t' << (gpu ? decimal(gpu->stage_ms.at(stage), 3) : "n/a");
   }
   timing_ << '\n';
-  hash_.add(frame.image->rgb);
+  hash_.add(frame.image.get()->rgb);
   render_.add(frame.record.stats.ms);
   if (frame.record.rendered) rendered_.add(frame.record.stats.ms);
   splats_ = frame.record.stats.splats;

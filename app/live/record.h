@@ -19,6 +19,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -34,6 +35,7 @@
 #include "app/record/tables.h"
 #include "app/session/session.h"
 #include "app/study/live_change.h"
+#include "render/gl/texture.h"
 
 namespace foci {
 
@@ -50,9 +52,16 @@ struct FrameTiming {
   bool in_full = false;          ///< at full quality: the frame-time budget took nothing away
 };
 
+/// The pixels of a frame that lies on the GPU come later. The first thread that calls `get` waits
+/// for them and makes the image.
+using LiveImage = std::shared_future<std::shared_ptr<const Image>>;
+
 struct LiveFrame {
   FrameRecord record;
-  std::shared_ptr<const Image> image;
+  std::shared_ptr<GpuTexture> texture;  ///< shows the frame; null: `image` does
+  LiveImage image;                      ///< invalid where only the texture is needed
+  std::vector<glm::dvec2> markers_px;   ///< gaze markers, which the image has and the texture lacks
+  std::shared_ptr<RenderedFrame> on_gpu;  ///< what the texture was made of, for the renderer alone
   FrameTiming timing;
   std::weak_ptr<LiveRecord> record_file;  ///< the record it belongs to, if any
 };
@@ -75,6 +84,8 @@ class LiveRecord {
   void add(const GazeSample& sample);
   void add(const Change& change);
   void addMarker(double time_s, const std::string& text);
+  /// Another device renders from now on.
+  void changeDevice(const std::string& device);
   /// In order of rendering.
   void add(std::shared_ptr<const LiveFrame> frame);
 
@@ -101,9 +112,9 @@ class LiveRecord {
   Study study_;
   std::string command_;
   unsigned threads_;
-  std::string device_;  // that renders the frames
 
   // Used by the thread alone.
+  std::string device_;  // that renders the frames; "A, then B" after a change
   GazeTable gaze_;
   FrameTable frames_;
   std::ofstream changes_, timing_, markers_;

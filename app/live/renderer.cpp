@@ -28,6 +28,25 @@ constexpr double kStill_D_s = 0.05;  // focus that moves no faster is at rest; c
 constexpr int kAlike = 2;
 constexpr std::size_t kMaxBacklog = 8;  // frames that wait for the disk: 50 MB at 1920 x 1080
 
+LiveImage readyImage(Image image) {
+  std::promise<std::shared_ptr<const Image>> promise;
+  promise.set_value(std::make_shared<const Image>(std::move(image)));
+  return promise.get_future().share();
+}
+
+/// The image with the frame's gaze markers, made where the image is.
+LiveImage marked(const LiveImage& plain, const LiveFrame& frame) {
+  if (frame.markers_px.empty()) return plain;
+  const auto draw = [plain, points_px = frame.markers_px, record = frame.record] {
+    auto image = std::make_shared<Image>(*plain.get());
+    drawGazeMarkers(points_px, record, *image);
+    return std::shared_ptr<const Image>(std::move(image));
+  };
+  LiveImage image = std::async(std::launch::deferred, draw).share();
+  if (!frame.texture) image.wait();
+  return image;
+}
+
 }  // namespace
 
 std::string methodOfFrame(const Study& study, const FrameRecord& record) {
@@ -37,7 +56,7 @@ std::string methodOfFrame(const Study& study, const FrameRecord& record) {
 
 LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock,
                            std::string command, unsigned threads, std::function<void()> ready,
-                           std::optional<SceneFile> scene)
+                           std::optional<SceneFile> scene, std::future<SharedGpu> gpu)
     : study_(study),
       feed_(feed),
       clock_(clock),
@@ -50,8 +69,9 @@ LiveRenderer::LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& 
              .record = nullptr,
              .scene_m = 0.0,
              .in_view = true},
-      thread_([this, scene = std::move(scene)](const std::stop_token& stop) mutable {
-        run(stop, std::move(scene));
+      thread_([this, scene = std::move(scene),
+               gpu = std::move(gpu)](const std::stop_token& stop) mutable {
+        run(stop, std::move(scene), std::move(gpu));
       }) {}
 
 LiveRenderer::~LiveRenderer() = default;
@@ -139,6 +159,21 @@ void LiveRenderer::closeRecord() {
   closing_.push_back(std::exchange(state_.record, nullptr));
 }
 
+std::future<LiveImage> LiveRenderer::pixelsOf(std::shared_ptr<const LiveFrame> frame) {
+  const auto answer = std::make_shared<std::promise<LiveImage>>();
+  auto image = answer->get_future();
+  post([this, answer, frame = std::move(frame)] {
+    if (frame->image.valid()) {
+      answer->set_value(frame->image);
+      return;
+    }
+    session_->renderer().read(*frame->on_gpu);
+    answer->set_value(
+        marked(readyImage(imageOf(frame->on_gpu->frame, study_.screen.gamma)), *frame));
+  });
+  return image;
+}
+
 double LiveRenderer::addMarker(const std::string& text) {
   const double time_s = clock_.now_s();
   const std::lock_guard lock(mutex_);
@@ -175,7 +210,8 @@ void LiveRenderer::noteView() {
   state_.in_view = in_view;
 }
 
-void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& scene) {
+void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& scene,
+                       std::future<SharedGpu>&& gpu) {
   try {
     cloud_ = loadScene(study_, std::move(scene));
     noteView();
@@ -185,15 +221,18 @@ void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& s
       state_.scene_m = scene_m;
       state_.methods = methodsFor(*cloud_);
     }
+    const SharedGpu window_gpu = gpu.valid() ? gpu.get() : nullptr;
     session_start_s_ = clock_.now_s();
     session_ = std::make_unique<Session>(sessionSettingsOf(study_), *cloud_, feed_.screen(),
-                                         feed_.rate_Hz(), session_start_s_);
+                                         feed_.rate_Hz(), session_start_s_, window_gpu);
+    shows_textures_ = window_gpu && session_->renderer().gpu() == window_gpu;
     std::fprintf(stderr, "foci: renders on %s\n", session_->deviceOf(study_.render.method).c_str());
     renderFrames(stop);
   } catch (...) {
     const std::lock_guard lock(mutex_);
     failure_ = std::current_exception();
   }
+  finishRead();
   closeRecord();
   ready_();
 }
@@ -208,6 +247,9 @@ void LiveRenderer::renderFrames(const std::stop_token& stop) {
       state_.last = frame->record;
       if (const std::string remark = session_->deviceRemark(); remark != device_remark_) {
         state_.notice = device_remark_ = remark;
+        if (state_.record) {
+          state_.record->changeDevice(session_->deviceOf(study_.render.method));
+        }
       }
       laid_ready_ = std::move(frame);
     }
@@ -234,8 +276,9 @@ bool LiveRenderer::waitForRoom(const std::stop_token& stop) {
         continue;
       }
       std::swap(commands, commands_);
-      if (commands.empty()) return !stop.stop_requested();
     }
+    finishRead();
+    if (commands.empty()) return !stop.stop_requested();
     for (const Command& command : commands) command();
     // A record is destroyed once it is written or has failed: its destructor would wait.
     std::erase_if(closing_, [](const auto& record) { return record->finished(); });
@@ -290,6 +333,10 @@ bool LiveRenderer::refine(const RenderRequest& request, const FrameRecord& recor
     refiner_.reset();
     return false;
   }
+  if (session_->renderer().gpu() && last_.stats.full_quality) {  // every frame is in full
+    if (refiner_) refiner_->want({});
+    return request == last_request_;
+  }
   if (!refiner_) {
     // It leaves one core to the frame loop, which would wait for its own work behind the refiner's.
     refiner_ = std::make_unique<Refiner>(session_->cloneRenderer(), std::max(threads_, 2u) - 1);
@@ -330,19 +377,12 @@ std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
   last_method_ = methodOfFrame(study_, frame->record);
   const RenderRequest request = session_->requestOf(last_method_, frame->record);
   const bool again = refine(request, frame->record);
-  const Frame& rendered = session_->render(request, frame->record, again);
+  RenderedFrame& rendered = session_->renderKept(request, frame->record, again);
+  if (!shows_textures_) session_->renderer().read(rendered);
   alike_ = request == last_request_ && frame->record.method == last_.method ? alike_ + 1 : 0;
-  if (frame->record.rendered) {
-    plain_ = std::make_shared<Image>(imageOf(rendered, study_.screen.gamma));
-  }
+  fill(*frame, rendered);
   last_request_ = request;
   last_ = frame->record;
-  frame->image = plain_;
-  if (study_.output.marker) {
-    auto marked = std::make_shared<Image>(*plain_);
-    drawGazeMarkers(session_->gazePoints_px(frame->record), frame->record, *marked);
-    frame->image = std::move(marked);
-  }
   timing.in_full = frame->record.stats.full_quality && last_method_ == study_.render.method;
   last_frame_s_ = time_s;
   frame->record_file = state_.record;
@@ -352,6 +392,53 @@ std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
     cost_s_[last_method_] = timing.render_end_s - timing.render_start_s;
   }
   return frame;
+}
+
+/// A texture, an image, or both: a record needs the image.
+void LiveRenderer::fill(LiveFrame& frame, RenderedFrame& rendered) {
+  const std::optional<double> gamma = study_.screen.gamma;
+  if (frame.record.rendered) {
+    texture_ = nullptr;
+    on_gpu_ = nullptr;
+    plain_ = {};
+  }
+  if (rendered.on_gpu && !texture_) {
+    texture_ = session_->renderer().textureOf(rendered, gamma);
+    if (texture_) on_gpu_ = std::make_shared<RenderedFrame>(cloneOnGpu(rendered));
+  }
+  if (!plain_.valid() && (!texture_ || state_.record)) {
+    plain_ = texture_ ? startRead() : readyImage(imageOf(rendered.frame, gamma));
+  }
+  frame.texture = texture_;
+  frame.on_gpu = on_gpu_;
+  if (study_.output.marker) frame.markers_px = session_->gazePoints_px(frame.record);
+  if (plain_.valid()) frame.image = marked(plain_, frame);
+}
+
+/// The image of `on_gpu_`, whose pixels come while the next frame is prepared.
+LiveImage LiveRenderer::startRead() {
+  session_->renderer().startRead(*on_gpu_);
+  reading_.emplace();
+  return std::async(
+             std::launch::deferred,
+             [done = reading_->get_future().share(), frame = on_gpu_, gamma = study_.screen.gamma] {
+               done.get();
+               compose(*frame);
+               return std::make_shared<const Image>(imageOf(frame->frame, gamma));
+             })
+      .share();
+}
+
+/// Waits for the pixels that are on their way, and gives them to the image.
+void LiveRenderer::finishRead() {
+  if (!reading_) return;
+  try {
+    session_->renderer().finishRead(*on_gpu_);
+    reading_->set_value();
+  } catch (...) {
+    reading_->set_exception(std::current_exception());
+  }
+  reading_.reset();
 }
 
 }  // namespace foci

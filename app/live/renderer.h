@@ -46,9 +46,12 @@ class LiveRenderer {
   /// @param ready    called from the thread when a frame lies ready, or the thread has failed
   /// @param threads  that render
   /// @param scene    the study's scene file, if it has been read
+  /// @param gpu      of the window, which shows textures; null: the window shows images. The thread
+  ///                 waits for it once the scene is loaded
   /// `clock` and `feed` must outlive the renderer.
   LiveRenderer(const Study& study, GazeFeed& feed, const LiveClock& clock, std::string command,
-               unsigned threads, std::function<void()> ready, std::optional<SceneFile> scene = {});
+               unsigned threads, std::function<void()> ready, std::optional<SceneFile> scene = {},
+               std::future<SharedGpu> gpu = {});
   ~LiveRenderer();
   LiveRenderer(const LiveRenderer&) = delete;
   LiveRenderer& operator=(const LiveRenderer&) = delete;
@@ -67,6 +70,9 @@ class LiveRenderer {
 
   LiveState state() const;
 
+  /// An image of the frame, also where it only lies on the GPU.
+  std::future<LiveImage> pixelsOf(std::shared_ptr<const LiveFrame> frame);
+
   /// Shows a notice.
   void tell(const std::string& notice);
 
@@ -77,12 +83,16 @@ class LiveRenderer {
   using Command = std::function<void()>;
 
   std::future<std::string> post(std::function<void()> action);
-  void run(const std::stop_token& stop, std::optional<SceneFile>&& scene);
+  void run(const std::stop_token& stop, std::optional<SceneFile>&& scene,
+           std::future<SharedGpu>&& gpu);
   void renderFrames(const std::stop_token& stop);
   bool waitForRoom(const std::stop_token& stop);
   void takeGaze();
   GazeSample asRecorded(GazeSample sample) const;
   std::shared_ptr<LiveFrame> renderFrame();
+  void fill(LiveFrame& frame, RenderedFrame& rendered);
+  LiveImage startRead();
+  void finishRead();
   bool refine(const RenderRequest& request, const FrameRecord& record);
   void publish();
   void noteView();
@@ -101,9 +111,14 @@ class LiveRenderer {
   std::unique_ptr<Refiner> refiner_;  // under a frame-time budget
   RenderRequest last_request_;
   FrameRecord last_;
-  int alike_ = 0;                       // renders of the last request at the same quality level
-  std::uint64_t refined_ = 0;           // steps of the refiner at the last frame
-  std::shared_ptr<const Image> plain_;  // the last frame without gaze marker
+  int alike_ = 0;              // renders of the last request at the same quality level
+  std::uint64_t refined_ = 0;  // steps of the refiner at the last frame
+  bool shows_textures_ = false;
+  // The last frame: `LiveFrame` without gaze markers.
+  std::shared_ptr<GpuTexture> texture_;
+  std::shared_ptr<RenderedFrame> on_gpu_;
+  LiveImage plain_;
+  std::optional<std::promise<void>> reading_;  // `on_gpu_` is on its way to the CPU
   std::vector<GazeSample> news_;
   std::optional<double> last_sample_s_;
   double last_frame_s_ = 0.0, session_start_s_ = 0.0;

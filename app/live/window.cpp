@@ -20,6 +20,7 @@
 #include "app/live/renderer.h"
 #include "app/platform/interrupt.h"
 #include "app/platform/output_folder.h"
+#include "app/record/gaze_marker.h"
 #include "app/study/study_words.h"
 #include "app/window/window.h"
 #include "base/file.h"
@@ -43,6 +44,17 @@ std::string nextOf(const Names& names, std::string_view now) {
   return quoted(names[0]);
 }
 
+/// The GPU that shows the window, if frames may be rendered on it.
+SharedGpu gpuOf(Window& window, RenderDevice device) {
+  if (device == RenderDevice::cpu) return nullptr;
+  try {
+    auto context = window.sharedContext();
+    return context ? std::make_shared<GpuDevice>(std::move(context)) : nullptr;
+  } catch (const GpuError&) {
+    return nullptr;
+  }
+}
+
 class LiveWindow {
  public:
   LiveWindow(const Study& study, const LiveOptions& options, std::optional<SceneFile>&& scene);
@@ -60,6 +72,7 @@ class LiveWindow {
   void turnEye();
   void sendPose();
   void draw();
+  void showFrame();
   void shown();
   void change(const std::string& name, const std::string& toml) { renderer_->change(name, toml); }
   void toggle(const char* name, bool now) { change(name, now ? "false" : "true"); }
@@ -77,6 +90,7 @@ class LiveWindow {
   std::optional<Texture> texture_;
   std::optional<GazeFeed> feed_;
   std::optional<LiveRenderer> renderer_;
+  std::promise<SharedGpu> gpu_;       // for the renderer, which waits for it; destroyed before it
   std::shared_ptr<LiveFrame> frame_;  // shown last
   bool is_new_ = false;               // not shown yet
   double period_s_ = 1.0 / 60.0, last_swap_s_ = 0.0, image_swap_s_ = 0.0;
@@ -105,11 +119,12 @@ LiveWindow::LiveWindow(const Study& study, const LiveOptions& options,
   const auto wake = [this] {
     if (open_) Window::wake();
   };
-  renderer_.emplace(study, *feed_, clock_, options.command, options.threads, wake,
-                    std::move(scene));
+  renderer_.emplace(study, *feed_, clock_, options.command, options.threads, wake, std::move(scene),
+                    gpu_.get_future());
   window_.emplace("foci live", options.window ? std::optional(study.imageSize_px()) : std::nullopt,
                   options.monitor);
   open_ = true;
+  gpu_.set_value(gpuOf(*window_, study.render.device));
   texture_.emplace();
   period_s_ = 1.0 / window_->refresh_Hz();
   if (options.record) renderer_->startRecord(*options.record);
@@ -289,20 +304,24 @@ void LiveWindow::screenshot() {
   }
   const std::filesystem::path file = unusedName(".png");
   renderer_->tell("image in " + file.string());
-  saving_ = std::async(std::launch::async, [this, frame = frame_, file] {
-    const auto bytes = pngOf(*frame->image);
-    try {
-      writeText(file, {bytes.begin(), bytes.end()});
-    } catch (const std::exception& error) {
-      renderer_->tell(error.what());
-    }
-  });
+  saving_ =
+      std::async(std::launch::async, [this, image = renderer_->pixelsOf(frame_), file]() mutable {
+        try {
+          const auto bytes = pngOf(*image.get().get());
+          writeText(file, {bytes.begin(), bytes.end()});
+        } catch (const std::exception& error) {
+          renderer_->tell(error.what());
+        }
+      });
 }
 
 void LiveWindow::draw() {
-  if (is_new_) texture_->set(frame_->image->size_px, frame_->image->rgb.data());
+  if (is_new_ && !frame_->texture) {
+    const Image& image = *frame_->image.get();
+    texture_->set(image.size_px, image.rgb.data());
+  }
   if (!window_->begin(glm::vec3(0.0f))) leaving_ = true;
-  if (frame_) texture_->fill(window_->frameBufferSize_px());
+  if (frame_) showFrame();
   const LiveState state = renderer_->state();
   const double now_s = clock_.now_s();
   if (state.notice != notice_) {
@@ -324,6 +343,18 @@ void LiveWindow::draw() {
   window_->end();
   last_swap_s_ = clock_.now_s();
   if (is_new_) shown();
+}
+
+void LiveWindow::showFrame() {
+  const glm::ivec2 size_px = window_->frameBufferSize_px();
+  if (!frame_->texture) {
+    texture_->fill(size_px);
+    return;
+  }
+  GpuTexture& on_gpu = *frame_->texture;
+  texture_->fillFrom(on_gpu.beginShow(), on_gpu.size_px(), size_px);
+  on_gpu.endShow();
+  drawGazeRings(frame_->markers_px, !isFixating(frame_->record), on_gpu.size_px());
 }
 
 /// Counts the frame that has just been shown, and gives it to the record.

@@ -1,6 +1,8 @@
 #include "app/replay/replay.h"
 
 #include <cstdio>
+#include <future>
+#include <memory>
 
 #include "app/graphics/image.h"
 #include "app/platform/interrupt.h"
@@ -41,17 +43,22 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   eye.sayDevice();
   const std::size_t frames = gaze.schedule.frames;
   Progress progress("rendering", "frames", frames);
-  Image image;  // without marker
+  std::shared_ptr<const Image> image;  // without marker
+  std::future<void> written;           // the frame before, while this one is rendered
   for (std::size_t i = 0; i < frames; ++i) {
     throwIfInterrupted();
     SeenFrame seen;
     const Frame& frame = eye.see(i, seen);
-    if (seen.record.rendered || image.rgb.empty()) {
-      image = imageOf(frame, eye.study().screen.gamma);
+    if (seen.record.rendered || !image) {
+      image = std::make_shared<const Image>(imageOf(frame, eye.study().screen.gamma));
     }
-    writer.add(i, seen, image, &frame);
+    if (written.valid()) written.get();
+    writer.addMaps(i, seen, frame);
+    written = std::async(maxThreads() > 1 ? std::launch::async : std::launch::deferred,
+                         [&writer, i, seen, image] { writer.add(i, seen, *image); });
     progress.advance(i + 1);
   }
+  if (written.valid()) written.get();
   if (const std::string remark = eye.session().deviceRemark(); !remark.empty()) {
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }

@@ -106,11 +106,11 @@ RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelC
       table_(folder_.stage(kFrames)),
       sheet_(gaze.schedule.frames) {}
 
-void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image,
-                    const Frame* rendered) {
-  if (rendered) {
-    stageMaps(study_.output.maps, frame, *rendered, seen.record.eye.focus_D, folder_);
-  }
+void RunWriter::addMaps(std::size_t frame, const SeenFrame& seen, const Frame& rendered) {
+  stageMaps(study_.output.maps, frame, rendered, seen.record.eye.focus_D, folder_);
+}
+
+void RunWriter::add(std::size_t frame, const SeenFrame& seen, const Image& image) {
   sheet_.offer(frame, seen.record, seen.gaze_px, image);
   Image shown = image;
   if (seen.marker) drawGazeMarkers(seen.gaze_px, seen.record, shown);

@@ -41,9 +41,11 @@ class RunWriter {
             const std::filesystem::path& out);
 
   /// @param image  without marker
-  /// @param rendered  the frame with its depth, for maps; null: `addMap` adds them
-  void add(std::size_t frame, const SeenFrame& seen, const Image& image,
-           const Frame* rendered = nullptr);
+  void add(std::size_t frame, const SeenFrame& seen, const Image& image);
+
+  /// Adds the maps of a frame.
+  /// @param rendered  with its depth
+  void addMaps(std::size_t frame, const SeenFrame& seen, const Frame& rendered);
 
   /// @param bytes  of the map's file
   void addMap(FrameMap map, std::size_t frame, const std::string& bytes);

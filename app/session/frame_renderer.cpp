@@ -21,7 +21,49 @@ void splitWithSharp(Frame& frame, const Frame& sharp) {
   }
 }
 
+/// Puts the layers' pixels together.
+void putTogether(RenderedFrame& rendered) {
+  const RenderRequest& request = rendered.request;
+  Frame& frame = rendered.frame;
+  const bool single = request.eyes.size() == 1;
+  if (!single) frame.resize(request.size_px);
+  for (auto layer = rendered.layers.begin(); layer != rendered.layers.end(); ++layer) {
+    Frame& seen = layer->frame;
+    const EyeView& eye = request.eyes.at(layer->eye).eye;
+    if (request.split) splitWithSharp(seen, (++layer)->frame);
+    if (single) {
+      std::swap(frame, seen);
+    } else {
+      putEye(request.stereo, eye, seen, frame);
+    }
+  }
+}
+
 }  // namespace
+
+void compose(RenderedFrame& rendered) {
+  if (!rendered.on_gpu) return;
+  for (auto& layer : rendered.layers) {
+    layer.frame.gpu->copyTo(layer.frame);
+    layer.frame.gpu.reset();
+  }
+  rendered.on_gpu = false;
+  putTogether(rendered);
+}
+
+RenderedFrame cloneOnGpu(const RenderedFrame& rendered) {
+  RenderedFrame clone{.request = rendered.request,
+                      .frame = {},
+                      .layers = {},
+                      .on_gpu = true,
+                      .method = rendered.method,
+                      .stats = rendered.stats};
+  for (const auto& [frame, eye, sharp] : rendered.layers) {
+    clone.layers.push_back(
+        {{.size_px = frame.size_px, .rgba = {}, .depth_m = {}, .gpu = frame.gpu}, eye, sharp});
+  }
+  return clone;
+}
 
 bool RenderRequest::hasTimeBudget() const {
   return choosesQuality(method) && !eyes.empty() && eyes.front().settings.quality.frame_ms &&
@@ -96,11 +138,80 @@ void FrameRenderer::pass(const RenderRequest& request) {
 }
 
 void FrameRenderer::render(const RenderRequest& request, RenderedFrame& rendered) {
+  renderKept(request, rendered);
+  read(rendered);
+}
+
+void FrameRenderer::renderKept(const RenderRequest& request, RenderedFrame& rendered) {
   renderOnAnyDevice(request, false, rendered);
 }
 
 void FrameRenderer::renderPassed(const RenderRequest& request, RenderedFrame& rendered) {
   renderOnAnyDevice(request, true, rendered);
+  read(rendered);
+}
+
+void FrameRenderer::startRead(RenderedFrame& rendered) {
+  if (!rendered.on_gpu) return;
+  try {
+    const GpuDevice::Use use(*rendered.layers.front().frame.gpu->device());
+    for (const RenderedFrame::Layer& layer : rendered.layers) layer.frame.gpu->startRead();
+  } catch (const GpuError& error) {
+    renderAgain(error, rendered);
+  }
+}
+
+void FrameRenderer::finishRead(RenderedFrame& rendered) {
+  if (!rendered.on_gpu) return;
+  try {
+    const GpuDevice::Use use(*rendered.layers.front().frame.gpu->device());
+    for (const RenderedFrame::Layer& layer : rendered.layers) layer.frame.gpu->finishRead();
+  } catch (const GpuError& error) {
+    renderAgain(error, rendered);
+  }
+}
+
+void FrameRenderer::read(RenderedFrame& rendered) {
+  startRead(rendered);
+  finishRead(rendered);
+  compose(rendered);
+}
+
+std::shared_ptr<GpuTexture> FrameRenderer::textureOf(RenderedFrame& rendered,
+                                                     std::optional<double> gamma) {
+  std::vector<GpuLayer> layers;
+  for (const auto& [frame, eye, sharp] : rendered.layers) {
+    const EyeView& view = rendered.request.eyes.at(eye).eye;
+    GpuLayer layer{.image = frame.gpu, .corner_px = view.corner_px, .columns = frame.size_px.x};
+    if (sharp) {
+      layer.white_column = frame.size_px.x / 2;
+      layer.columns = layer.white_column + 1;
+    }
+    if (rendered.request.stereo == StereoView::anaglyph && view.offset_m >= 0.0) {
+      layer.channels.r = false;  // of the left eye, which comes first
+    }
+    layers.push_back(std::move(layer));
+  }
+  try {
+    const auto& device = layers.front().image->device();
+    const GpuDevice::Use use(*device);
+    return std::make_shared<GpuTexture>(device, rendered.request.size_px, layers, gamma);
+  } catch (const GpuError& error) {
+    renderAgain(error, rendered);
+    return nullptr;
+  }
+}
+
+/// Renders on the CPU what the GPU lost. A level that was chosen stays.
+void FrameRenderer::renderAgain(const GpuError& error, RenderedFrame& rendered) {
+  fallBack(error);
+  const RenderRequest request = rendered.request;
+  const std::string method = rendered.method;
+  RenderRequest at_level = request;
+  if (rendered.stats.quality_level) at_level.method = textOf(*rendered.stats.quality_level);
+  renderViews(at_level, false, rendered);
+  rendered.request = request;
+  rendered.method = method;
 }
 
 void FrameRenderer::renderOnAnyDevice(const RenderRequest& request, bool keep_level,
@@ -115,23 +226,23 @@ void FrameRenderer::renderOnAnyDevice(const RenderRequest& request, bool keep_le
 
 void FrameRenderer::renderViews(const RenderRequest& request, bool keep_level,
                                 RenderedFrame& rendered) {
-  const bool single = request.eyes.size() == 1;
   const std::optional<QualityLevel> level = qualityLevelFrom(request.method);
   Method& method = methodNamed(request.method);
-  Frame& frame = rendered.frame;
-  frame.size_px = request.size_px;
-  frame.rgba.resize(static_cast<std::size_t>(request.size_px.x) * request.size_px.y);
   rendered.method = request.method;
   rendered.stats = {};
-  const auto renders = static_cast<float>(request.eyes.size() * (request.split ? 2 : 1));
-  for (const auto& [eye, asked] : request.eyes) {
+  const std::size_t renders = request.eyes.size() * (request.split ? 2 : 1);
+  rendered.layers.resize(renders);
+  auto layer = rendered.layers.begin();
+  for (std::size_t i = 0; i < request.eyes.size(); ++i) {
+    const auto& [eye, asked] = request.eyes[i];
     RenderSettings settings = asked;
     settings.quality.quality_level = level;
     // Every view of a frame uses the same quality level, so that the log has one value per frame.
     settings.quality.keep_level = std::exchange(keep_level, true);
-    if (settings.quality.frame_ms) *settings.quality.frame_ms /= renders;
-    Frame& seen = single ? frame : eye_frame_;
-    const RenderStats stats = method.render(eye.view, settings, seen);
+    if (settings.quality.frame_ms) *settings.quality.frame_ms /= static_cast<float>(renders);
+    layer->eye = i;
+    layer->sharp = false;
+    const RenderStats stats = method.renderKept(eye.view, settings, (layer++)->frame);
     rendered.stats.add(stats);
     // The budget makes the level depend on the machine, so the record names the level.
     if (stats.quality_level && asked.quality.frame_ms) {
@@ -141,12 +252,17 @@ void FrameRenderer::renderViews(const RenderRequest& request, bool keep_level,
       settings.defocus = {};
       settings.depth = false;
       settings.quality.keep_level = true;
-      method.render(eye.view, settings, sharp_);
-      splitWithSharp(seen, sharp_);
+      layer->eye = i;
+      layer->sharp = true;
+      method.renderKept(eye.view, settings, (layer++)->frame);
     }
-    if (!single) putEye(request.stereo, eye, seen, frame);
   }
   rendered.request = request;
+  rendered.on_gpu = std::ranges::all_of(
+      rendered.layers, [](const RenderedFrame::Layer& each) { return each.frame.gpu != nullptr; });
+  if (rendered.on_gpu) return;
+  for (RenderedFrame::Layer& each : rendered.layers) readFromGpu(each.frame);
+  putTogether(rendered);
 }
 
 }  // namespace foci

@@ -4,11 +4,13 @@
 #include <glm/glm.hpp>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "app/session/stereo.h"
+#include "render/gl/texture.h"
 #include "render/image/frame.h"
 #include "render/methods/method.h"
 #include "render/scene/surfel_cloud.h"
@@ -39,11 +41,25 @@ struct RenderRequest {
 };
 
 struct RenderedFrame {
+  /// A view of the frame.
+  struct Layer {
+    Frame frame;
+    std::size_t eye = 0;
+    bool sharp = false;  ///< shows in the left half (`RenderRequest::split`)
+  };
   RenderRequest request;
-  Frame frame;
-  std::string method;  ///< that renders the same frame again on any machine
-  RenderStats stats;   ///< of all views together
+  Frame frame;                ///< without meaning while `on_gpu`
+  std::vector<Layer> layers;  ///< in the order of rendering; without meaning unless `on_gpu`
+  bool on_gpu = false;        ///< the pixels of all layers lie there
+  std::string method;         ///< that renders the same frame again on any machine
+  RenderStats stats;          ///< of all views together
 };
+
+/// Puts the layers that have been read from the GPU together. Any thread may.
+void compose(RenderedFrame& rendered);
+
+/// Another frame with the same pixels on the GPU.
+RenderedFrame cloneOnGpu(const RenderedFrame& rendered);
 
 /// Renders requests, one at a time. Keeps a method of each name, with its buffers.
 class FrameRenderer {
@@ -56,6 +72,21 @@ class FrameRenderer {
   /// Renders into `rendered.frame`, and fills the rest.
   void render(const RenderRequest& request, RenderedFrame& rendered);
 
+  /// The same, but what the GPU renders stays there. Then `startRead`, `finishRead` and `compose`,
+  /// or `read`, bring the pixels to `rendered.frame`.
+  void renderKept(const RenderRequest& request, RenderedFrame& rendered);
+
+  /// Begins to copy the pixels, and does not wait.
+  void startRead(RenderedFrame& rendered);
+  /// Waits for them. Where the GPU fails, renders the frame on the CPU, at the same quality level.
+  void finishRead(RenderedFrame& rendered);
+  void read(RenderedFrame& rendered);
+
+  /// What a window shows of a frame on the GPU. Null where the GPU fails: the CPU then has rendered
+  /// the frame.
+  /// @param gamma  as `codesOf`
+  std::shared_ptr<GpuTexture> textureOf(RenderedFrame& rendered, std::optional<double> gamma);
+
   /// Passes over the request: later frames are as if it had been rendered (`Method::pass`).
   void pass(const RenderRequest& request);
 
@@ -65,6 +96,9 @@ class FrameRenderer {
   /// Takes the time to compute what lets later requests of the same views keep a frame-time budget.
   /// Clones profit, too.
   void prepare(const RenderRequest& request);
+
+  /// Null: the CPU renders.
+  const SharedGpu& gpu() const { return gpu_; }
 
   /// The method of that name, which must exist (asserted); `auto:N` is `auto`.
   Method& methodNamed(const std::string& spec);
@@ -87,12 +121,12 @@ class FrameRenderer {
   /// @param keep_level  the first view, too, is rendered at the level of the last render
   void renderViews(const RenderRequest& request, bool keep_level, RenderedFrame& rendered);
   void renderOnAnyDevice(const RenderRequest& request, bool keep_level, RenderedFrame& rendered);
+  void renderAgain(const GpuError& error, RenderedFrame& rendered);
 
   const SurfelCloud* cloud_;
   SharedGpu gpu_;
   std::string gpu_failure_;
   std::map<std::string, std::unique_ptr<Method>> methods_;
-  Frame eye_frame_, sharp_;  // of one eye; kept for their memory
 };
 
 }  // namespace foci

@@ -20,6 +20,9 @@ class ObserverPupil {
   /// A recorded diameter stays until the next one, through blinks and data loss.
   void push(const GazeSample& sample);
 
+  /// Whether the pupil depends on the frames that are shown.
+  bool followsFrames() const { return by_luminance_; }
+
   /// A frame was shown at `time_s`, not before the last one. The pupil adapts to it until the next.
   void show(double time_s, const Frame& frame);
 

@@ -15,8 +15,9 @@ namespace foci {
 namespace {
 
 /// The GPU that `device` asks for; null: the CPU.
-SharedGpu openDevice(RenderDevice device) {
+SharedGpu openDevice(RenderDevice device, const SharedGpu& window_gpu) {
   if (device == RenderDevice::cpu) return nullptr;
+  if (window_gpu && (device == RenderDevice::gpu || !window_gpu->isSoftware())) return window_gpu;
   try {
     return GpuDevice::open(device == RenderDevice::gpu ? GpuDevice::Kind::any
                                                        : GpuDevice::Kind::hardware);
@@ -39,13 +40,14 @@ std::optional<glm::dvec2> onOtherScreen_px(const Screen& from, const Screen& to,
 }
 
 Session::Session(const SessionSettings& settings, const SurfelCloud& cloud,
-                 const Screen& gaze_screen, double rate_Hz, double start_s)
+                 const Screen& gaze_screen, double rate_Hz, double start_s,
+                 const SharedGpu& window_gpu)
     : settings_(checked(settings)),
       gaze_screen_(gaze_screen),
       rate_Hz_(rate_Hz),
       start_s_(start_s),
       query_(cloud),
-      renderer_(cloud, openDevice(settings.device)),
+      renderer_(cloud, openDevice(settings.device, window_gpu)),
       follower_(newFollower()),
       pupil_(settings) {
   renderer_.methodNamed(settings.method);  // it may take seconds to make, so before the first frame
@@ -307,23 +309,33 @@ void Session::pass(const std::string& method, FrameRecord& record) {
 
 const Frame& Session::render(const RenderRequest& request, FrameRecord& record,
                              bool again_is_useless) {
+  renderer_.read(renderKept(request, record, again_is_useless));
+  return last_.frame;
+}
+
+RenderedFrame& Session::renderKept(const RenderRequest& request, FrameRecord& record,
+                                   bool again_is_useless) {
   if (std::exchange(passed_, false) && last_.request == request) {
     renderer_.renderPassed(request, last_);
   }
   const bool done =
       again_is_useless || full_quality_ || isUnseen(record) || !request.hasTimeBudget();
-  if (done && last_.request == request && !isIncremental(request.method)) {
+  const bool lost = last_.on_gpu && !renderer_.gpu();  // the GPU has failed since then
+  if (done && !lost && last_.request == request && !isIncremental(request.method)) {
     last_.stats.ms = 0.0;
     last_.stats.gpu.reset();
   } else {
-    renderer_.render(request, last_);
+    renderer_.renderKept(request, last_);
     full_quality_ = returned_ = false;
   }
   record.method = last_.method;
   record.stats = last_.stats;
   record.rendered = !std::exchange(returned_, true);
-  pupil_.show(record.time_s, last_.frame);
-  return last_.frame;
+  if (pupil_.followsFrames()) {
+    renderer_.read(last_);
+    pupil_.show(record.time_s, last_.frame);
+  }
+  return last_;
 }
 
 void Session::adopt(const RenderRequest& request, RenderedFrame&& rendered) {

@@ -27,9 +27,11 @@ class Session {
   /// @param gaze_screen  that the samples are on
   /// @param rate_Hz      of the samples, nominal
   /// @param start_s      time of the first sample: the path of the eye begins there
+  /// @param window_gpu   of the window that shows the frames; preferred to other GPUs, because its
+  ///                     frames can stay on it. Null: there is none
   /// @throws InputError as `checkSettings`
   Session(const SessionSettings& settings, const SurfelCloud& cloud, const Screen& gaze_screen,
-          double rate_Hz, double start_s);
+          double rate_Hz, double start_s, const SharedGpu& window_gpu = nullptr);
 
   /// As if it had just been made, at `start_s`, with the settings as they are now.
   void restart(double start_s);
@@ -69,6 +71,9 @@ class Session {
   /// @return until the next call
   const Frame& render(const RenderRequest& request, FrameRecord& record,
                       bool again_is_useless = false);
+  /// The same, but what the GPU renders may stay there (`RenderedFrame::on_gpu`).
+  RenderedFrame& renderKept(const RenderRequest& request, FrameRecord& record,
+                            bool again_is_useless = false);
   /// Renders `requestOf`, and takes the time to prepare for a frame-time budget while the eye
   /// does not move.
   const Frame& render(const std::string& method, FrameRecord& record);
@@ -88,6 +93,8 @@ class Session {
 
   /// A renderer of the session's scene, for another thread.
   FrameRenderer cloneRenderer() const { return renderer_.cloneSharingScene(); }
+  /// The session's own: it reads frames from the GPU.
+  FrameRenderer& renderer() { return renderer_; }
 
   /// Where the observer looks in the image: a point for each view in it.
   std::vector<glm::dvec2> gazePoints_px(const FrameRecord& record) const;

@@ -23,6 +23,22 @@ namespace foci {
 namespace {
 
 constexpr float kFont_px = 20.0f;
+/// The context of a window that stays hidden. Any thread may make it current.
+class HiddenContext final : public GpuContext {
+ public:
+  explicit HiddenContext(GLFWwindow* window) : window_(window) {}
+  bool makeCurrent() override {
+    before_ = glfwGetCurrentContext();
+    glfwMakeContextCurrent(window_);
+    return glfwGetCurrentContext() == window_;
+  }
+  void release() override { glfwMakeContextCurrent(before_); }
+
+ private:
+  GLFWwindow* window_;
+  GLFWwindow* before_ = nullptr;
+};
+
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
 }  // namespace
@@ -76,8 +92,20 @@ Window::~Window() {
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplGlfw_Shutdown();
   ImGui::DestroyContext();
+  if (hidden_) glfwDestroyWindow(hidden_);
   glfwDestroyWindow(window_);
   glfwTerminate();
+}
+
+std::unique_ptr<GpuContext> Window::sharedContext() {
+  if (!hidden_) {
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+    hidden_ = glfwCreateWindow(1, 1, "", nullptr, window_);
+    glfwDefaultWindowHints();
+  }
+  return hidden_ ? std::make_unique<HiddenContext>(hidden_) : nullptr;
 }
 
 void Window::listen() {
@@ -194,17 +222,18 @@ void Texture::set(const glm::ivec2& size_px, const unsigned char* rgb) {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, size_px.x, size_px.y, 0, kOrder, kType, bgra_.data());
-  if (frame_buffer_ == 0) glGenFramebuffers(1, &frame_buffer_);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, frame_buffer_);
-  glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, id_, 0);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }
 
-void Texture::fill(const glm::ivec2& size_px) const {
+void Texture::fill(const glm::ivec2& size_px) { fillFrom(id_, size_px_, size_px); }
+
+void Texture::fillFrom(unsigned texture, const glm::ivec2& texture_px, const glm::ivec2& size_px) {
+  if (frame_buffer_ == 0) glGenFramebuffers(1, &frame_buffer_);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, frame_buffer_);
+  // Attached anew each time: another context may have written it.
+  glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
   // Rows of the image start at the top, rows of the frame buffer at the bottom.
-  glBlitFramebuffer(0, 0, size_px_.x, size_px_.y, 0, size_px.y, size_px.x, 0, GL_COLOR_BUFFER_BIT,
-                    size_px == size_px_ ? GL_NEAREST : GL_LINEAR);
+  glBlitFramebuffer(0, 0, texture_px.x, texture_px.y, 0, size_px.y, size_px.x, 0,
+                    GL_COLOR_BUFFER_BIT, size_px == texture_px ? GL_NEAREST : GL_LINEAR);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }
 

@@ -3,9 +3,12 @@
 
 #include <chrono>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "render/gl/context.h"
 
 struct GLFWmonitor;
 struct GLFWwindow;
@@ -22,6 +25,10 @@ class Window {
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
+
+  /// A context with OpenGL 4.5 whose textures the window can show. Null where the driver has none.
+  /// The window outlives its use.
+  std::unique_ptr<GpuContext> sharedContext();
 
   /// Waits for input, for `wake`, or for `seconds`. @return false after the window was closed
   bool wait(double seconds);
@@ -56,6 +63,7 @@ class Window {
   void listen();
 
   GLFWwindow* window_ = nullptr;
+  GLFWwindow* hidden_ = nullptr;  // of the shared context
   std::vector<int> keys_;
   std::vector<unsigned> typed_;
   GLFWmonitor* monitor_ = nullptr;
@@ -76,7 +84,9 @@ class Texture {
 
   /// Fills the window with the image: faster than Dear ImGui, which blends.
   /// @param size_px  of the window's frame buffer
-  void fill(const glm::ivec2& size_px) const;
+  void fill(const glm::ivec2& size_px);
+  /// The same with another texture, 8 bits a channel, rows from the top.
+  void fillFrom(unsigned texture, const glm::ivec2& texture_px, const glm::ivec2& size_px);
 
  private:
   unsigned id_ = 0, frame_buffer_ = 0;

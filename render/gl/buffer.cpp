@@ -10,27 +10,47 @@
 namespace foci {
 
 GpuBuffer::~GpuBuffer() {
-  if (id_ != 0) glDeleteBuffers(1, &id_);
+  if (id_ == 0) return;
+  device_->later([id = id_] { glDeleteBuffers(1, &id); });
 }
 
 void GpuBuffer::reserve(GpuDevice& device, std::size_t bytes, const char* what) {
-  if (bytes <= bytes_) return;
+  if (bytes > bytes_) make(device, bytes, what, Kind::shader);
+}
+
+void GpuBuffer::reserveWindowed(GpuDevice& device, std::size_t bytes, const char* what) {
+  if (bytes > bytes_) make(device, bytes, what, Kind::windowed);
+}
+
+void GpuBuffer::reserveMapped(GpuDevice& device, std::size_t bytes, const char* what) {
+  if (bytes > bytes_) make(device, bytes, what, Kind::mapped);
+}
+
+void GpuBuffer::make(GpuDevice& device, std::size_t bytes, const char* what, Kind kind) {
   constexpr double kMiB = 1024.0 * 1024.0;
   const auto needs = [&] {
     return device.name() + ": " + what + " need" + " " +
            decimal(static_cast<double>(bytes) / kMiB, 0) + " MiB of its memory";
   };
-  if (bytes > device.maxBuffer_bytes()) {
+  if (kind == Kind::shader && bytes > device.maxBlock_bytes()) {
     throw GpuError(needs() + "; it allows " +
-                   decimal(static_cast<double>(device.maxBuffer_bytes()) / kMiB, 0) + " MiB");
+                   decimal(static_cast<double>(device.maxBlock_bytes()) / kMiB, 0) + " MiB");
   }
+  device_ = &device;
   if (id_ != 0) glDeleteBuffers(1, &id_);
+  bytes_ = 0;
+  mapped_ = nullptr;
   while (glGetError() != GL_NO_ERROR) {
   }
+  constexpr GLbitfield kMap = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
   glCreateBuffers(1, &id_);
-  glNamedBufferStorage(id_, static_cast<GLsizeiptr>(bytes), nullptr, GL_DYNAMIC_STORAGE_BIT);
-  if (glGetError() != GL_NO_ERROR) {
-    bytes_ = 0;
+  glNamedBufferStorage(
+      id_, static_cast<GLsizeiptr>(bytes), nullptr,
+      kind == Kind::mapped ? kMap | GL_CLIENT_STORAGE_BIT : GLbitfield{GL_DYNAMIC_STORAGE_BIT});
+  if (kind == Kind::mapped) {
+    mapped_ = glMapNamedBufferRange(id_, 0, static_cast<GLsizeiptr>(bytes), kMap);
+  }
+  if (glGetError() != GL_NO_ERROR || (kind == Kind::mapped && !mapped_)) {
     throw GpuError(needs() + ", which has no such room left");
   }
   bytes_ = bytes;

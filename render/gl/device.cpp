@@ -1,10 +1,9 @@
 #include "render/gl/device.h"
 
 #define GL_GLEXT_PROTOTYPES
-#include <EGL/egl.h>
-#include <EGL/eglext.h>
 #include <GL/glcorearb.h>
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <utility>
@@ -18,53 +17,6 @@ namespace {
 
 /// Storage blocks that one stage uses at most.
 constexpr int kStorageBlocks = 15;
-
-/// A device that does not render in software, or may not.
-bool mayBeHardware(EGLDeviceEXT device) {
-  const auto query = reinterpret_cast<PFNEGLQUERYDEVICESTRINGEXTPROC>(
-      eglGetProcAddress("eglQueryDeviceStringEXT"));
-  const char* extensions = query ? query(device, EGL_EXTENSIONS) : nullptr;
-  return !extensions ||
-         std::string_view(extensions).find("EGL_MESA_device_software") == std::string_view::npos;
-}
-
-/// The displays to try, in order.
-std::vector<EGLDisplay> displays(GpuDevice::Kind kind) {
-  std::vector<EGLDisplay> all;
-  const auto query =
-      reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
-  const auto open = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(
-      eglGetProcAddress("eglGetPlatformDisplayEXT"));
-  if (query && open) {
-    std::array<EGLDeviceEXT, 16> devices{};
-    EGLint count = 0;
-    if (query(static_cast<EGLint>(devices.size()), devices.data(), &count)) {
-      for (EGLint i = 0; i < count; ++i) {
-        const EGLDeviceEXT device = devices.at(static_cast<std::size_t>(i));
-        if (kind == GpuDevice::Kind::any || mayBeHardware(device)) {
-          all.push_back(open(EGL_PLATFORM_DEVICE_EXT, device, nullptr));
-        }
-      }
-    }
-  }
-  if (open && kind == GpuDevice::Kind::any) {
-    all.push_back(open(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr));
-  }
-  return all;
-}
-
-EGLContext contextOf(EGLDisplay display) {
-  if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr)) return nullptr;
-  constexpr std::array<EGLint, 7> kAttributes{EGL_CONTEXT_MAJOR_VERSION,
-                                              4,
-                                              EGL_CONTEXT_MINOR_VERSION,
-                                              5,
-                                              EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                              EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                              EGL_NONE};
-  if (!eglBindAPI(EGL_OPENGL_API)) return nullptr;
-  return eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, kAttributes.data());
-}
 
 std::string textOf(GLenum what) {
   const GLubyte* text = glGetString(what);
@@ -84,26 +36,16 @@ std::string firstLineOf(const std::string& text) { return text.substr(0, text.fi
 
 std::shared_ptr<GpuDevice> GpuDevice::open(Kind kind) {
   std::shared_ptr<GpuDevice> best;
-  for (const EGLDisplay display : displays(kind)) {
-    const EGLContext context = contextOf(display);
-    if (!context) continue;
-    const std::shared_ptr<GpuDevice> device(new GpuDevice);
-    device->display_ = display;
-    device->context_ = context;
-    if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) continue;
-    device->name_ = textOf(GL_RENDERER);
-    device->driver_ = textOf(GL_VERSION);
-    device->software_ = isSoftwareRenderer(device->name_);
-    GLint64 bytes = 0;
-    GLint blocks = 0;
-    glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
-    glGetIntegerv(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, &blocks);
-    device->max_buffer_bytes_ = static_cast<std::size_t>(bytes);
-    eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    if (blocks < kStorageBlocks || (kind == Kind::hardware && device->software_)) continue;
-    if (!best || (best->software_ && !device->software_)) best = device;
-    if (!best->software_) break;
-  }
+  openEglContexts(kind == Kind::any, [&](std::unique_ptr<GpuContext>& context) {
+    try {
+      auto device = std::make_shared<GpuDevice>(std::move(context));
+      if (kind == Kind::hardware && device->isSoftware()) return true;
+      if (!best || !device->isSoftware()) best = std::move(device);
+    } catch (const GpuError&) {
+      return true;
+    }
+    return best->isSoftware();
+  });
   if (!best) {
     throw GpuError(kind == Kind::hardware
                        ? "no GPU with OpenGL 4.5"
@@ -112,19 +54,56 @@ std::shared_ptr<GpuDevice> GpuDevice::open(Kind kind) {
   return best;
 }
 
-GpuDevice::~GpuDevice() {
-  if (context_) eglDestroyContext(display_, context_);
-}
-
-GpuDevice::Use::Use(GpuDevice& device) : device_(device), lock_(device.in_use_) {
-  if (!eglBindAPI(EGL_OPENGL_API) ||
-      !eglMakeCurrent(device_.display_, EGL_NO_SURFACE, EGL_NO_SURFACE, device_.context_)) {
-    throw GpuError(device_.name_ + ": its OpenGL context is lost, or this thread has another one");
+GpuDevice::GpuDevice(std::unique_ptr<GpuContext> context) : context_(std::move(context)) {
+  const Use use(*this);
+  name_ = textOf(GL_RENDERER);
+  driver_ = textOf(GL_VERSION);
+  software_ = isSoftwareRenderer(name_);
+  GLint major = 0, minor = 0, blocks = 0, alignment = 1;
+  glGetIntegerv(GL_MAJOR_VERSION, &major);
+  glGetIntegerv(GL_MINOR_VERSION, &minor);
+  if (10 * major + minor < 45) throw GpuError(name_ + " has no OpenGL 4.5");
+  GLint64 bytes = 0;
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
+  glGetIntegerv(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, &blocks);
+  glGetIntegerv(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT, &alignment);
+  max_block_bytes_ = static_cast<std::size_t>(bytes);
+  block_alignment_bytes_ = static_cast<std::size_t>(std::max(alignment, 1));
+  if (blocks < kStorageBlocks) {
+    throw GpuError(name_ + " has " + std::to_string(blocks) + " storage blocks a shader, too few");
   }
 }
 
-GpuDevice::Use::~Use() {
-  eglMakeCurrent(device_.display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+GpuDevice::~GpuDevice() = default;
+
+GpuDevice::Use::Use(GpuDevice& device) : device_(device), lock_(device.in_use_) {
+  if (!device_.context_->makeCurrent()) {
+    throw GpuError(device_.name_ + ": its OpenGL context is lost, or this thread has another one");
+  }
+  std::vector<std::function<void()>> actions;
+  {
+    const std::lock_guard lock(device_.later_mutex_);
+    actions.swap(device_.later_);
+  }
+  for (const auto& action : actions) action();
+}
+
+GpuDevice::Use::~Use() { device_.context_->release(); }
+
+void GpuDevice::later(std::function<void()> action) {
+  const std::lock_guard lock(later_mutex_);
+  later_.push_back(std::move(action));
+}
+
+void GpuDevice::check() const {
+  if (glGetGraphicsResetStatus() != GL_NO_ERROR) {
+    throw GpuError(name_ + ": its OpenGL context was lost");
+  }
+  const GLenum error = glGetError();
+  if (error == GL_NO_ERROR) return;
+  if (error == GL_OUT_OF_MEMORY) throw GpuError(name_ + ": its memory is full");
+  if (error == GL_CONTEXT_LOST) throw GpuError(name_ + ": its OpenGL context was lost");
+  throw GpuError(name_ + ": its driver failed (OpenGL error " + std::to_string(error) + ")");
 }
 
 unsigned GpuDevice::program(const std::string& stage, const std::string& defines) {
@@ -134,7 +113,11 @@ unsigned GpuDevice::program(const std::string& stage, const std::string& defines
 
   const std::string head = "#version 450 core\n" + defines +
                            "const float kOverlap = " + std::to_string(kOverlap) + ";\n";
-  std::vector<std::string> parts{head, shaderSource("frame"), shaderSource("totals")};
+  std::vector<std::string> parts{head};
+  if (stage != "sum" && stage != "encode") {  // the stages of a frame
+    parts.push_back(shaderSource("frame"));
+    parts.push_back(shaderSource("totals"));
+  }
   if (stage == "sweep") parts.push_back(shaderSource("layers"));
   parts.push_back(shaderSource(stage));
   std::vector<const char*> texts;

@@ -1,13 +1,22 @@
-// The GPU: an OpenGL 4.5 context without a window, and its programs.
+// The GPU: an OpenGL 4.5 context, and its programs.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <vector>
+
+#include "render/gl/context.h"
 
 namespace foci {
+
+struct GpuImageBuffers;
+struct GpuTextureStorage;
 
 /// The GPU cannot render this; the text is one line and names what is missing.
 class GpuError : public std::runtime_error {
@@ -15,15 +24,16 @@ class GpuError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// One OpenGL context, opened through EGL, so that it needs neither a display nor a window. Any
-/// thread may use it, one at a time (`Use`).
+/// One OpenGL context. Any thread may use it, one at a time (`Use`).
 class GpuDevice {
  public:
   enum class Kind { hardware, any };
-  /// Opens the first hardware device that has OpenGL 4.5; for `any`, or else the software driver,
-  /// which renders on the CPU and far slower than the CPU's own code. Throws GpuError if there is
-  /// none.
+  /// Opens the first hardware device that has OpenGL 4.5, through EGL; for `any`, or else the
+  /// software driver, which renders on the CPU and far slower than the CPU's own code. Throws
+  /// GpuError if there is none.
   static std::shared_ptr<GpuDevice> open(Kind kind);
+  /// A device that renders in this context. Throws GpuError where it cannot.
+  explicit GpuDevice(std::unique_ptr<GpuContext> context);
   ~GpuDevice();
   GpuDevice(const GpuDevice&) = delete;
   GpuDevice& operator=(const GpuDevice&) = delete;
@@ -33,7 +43,12 @@ class GpuDevice {
   const std::string& name() const { return name_; }      ///< as the driver calls the GPU
   const std::string& driver() const { return driver_; }  ///< the driver's version
   bool isSoftware() const { return software_; }          ///< the driver renders on the CPU
-  std::size_t maxBuffer_bytes() const { return max_buffer_bytes_; }
+  /// Bytes that a shader sees of a buffer at once.
+  std::size_t maxBlock_bytes() const { return max_block_bytes_; }
+  /// Where such a window may begin: at multiples of this.
+  std::size_t blockAlignment_bytes() const { return block_alignment_bytes_; }
+  /// Allows less than the driver does.
+  void limitBlocks(std::size_t bytes) { max_block_bytes_ = std::min(max_block_bytes_, bytes); }
 
   /// Makes the context current in this thread while it lives, and keeps other threads out.
   class Use {
@@ -53,16 +68,27 @@ class GpuDevice {
   /// @param defines  lines that choose its variant
   unsigned program(const std::string& stage, const std::string& defines = {});
 
- private:
-  GpuDevice() = default;
+  /// Throws GpuError where the driver reports an error or a lost context. Needs a `Use`.
+  void check() const;
 
-  void* display_ = nullptr;
-  void* context_ = nullptr;
+  /// Does `action` at the next `Use`: destructors, which have none, free memory so. Never waits.
+  void later(std::function<void()> action);
+
+ private:
+  std::unique_ptr<GpuContext> context_;
   std::string name_, driver_;
   bool software_ = false;
-  std::size_t max_buffer_bytes_ = 0;
+  std::size_t max_block_bytes_ = 0, block_alignment_bytes_ = 1;
   std::mutex in_use_;
   std::map<std::string, unsigned> programs_;
+  std::mutex later_mutex_;
+  std::vector<std::function<void()>> later_;
+
+ public:
+  // What image.cpp and texture.cpp keep to use again. Last: their destructors call `later`.
+  std::mutex pool_mutex;
+  std::vector<std::shared_ptr<GpuImageBuffers>> image_pool;
+  std::vector<std::shared_ptr<GpuTextureStorage>> texture_pool;
 };
 
 }  // namespace foci

@@ -16,8 +16,10 @@ class GpuScene {
   GpuScene(std::shared_ptr<GpuDevice> device, const SurfelCloud& cloud);
   GpuScene(std::shared_ptr<GpuDevice> device, const MomentTree& tree);
   ~GpuScene();
+  GpuScene(const GpuScene&) = delete;
+  GpuScene& operator=(const GpuScene&) = delete;
 
-  GpuDevice& device() const { return *device_; }
+  const std::shared_ptr<GpuDevice>& device() const { return device_; }
   std::size_t surfelCount() const { return surfels_; }
   int levels() const { return levels_; }  ///< of nodes; 0: surfels alone
   bool isOriented() const { return oriented_; }
@@ -25,16 +27,27 @@ class GpuScene {
   /// The boxes of the closed bodies.
   const ClosedBodies& bodies() const { return bodies_; }
 
+  /// Shaders see so many elements of the arrays of nodes and of surfels at once.
+  struct Window {
+    std::size_t first = 0, count = 0;
+  };
+  static constexpr std::size_t kNode_bytes = 48, kSurfel_bytes = 32;
+  std::size_t windows() const;  ///< until all of both have been seen
+  Window nodeWindow(std::size_t i) const { return windowOf(i, kNode_bytes, nodes_); }
+  Window surfelWindow(std::size_t i) const { return windowOf(i, kSurfel_bytes, surfels_); }
+
   struct Buffers;
   const Buffers& buffers() const { return *buffers_; }
 
  private:
   void uploadSurfels(const SurfelCloud& cloud);
   void uploadNodes(const MomentTree& tree);
+  std::size_t windowSize(std::size_t each_bytes) const;
+  Window windowOf(std::size_t i, std::size_t each_bytes, std::size_t all) const;
 
   std::shared_ptr<GpuDevice> device_;
   std::unique_ptr<Buffers> buffers_;
-  std::size_t surfels_ = 0;
+  std::size_t surfels_ = 0, nodes_ = 0;
   int levels_ = 0;
   bool oriented_ = false, transparent_ = false;
   ClosedBodies bodies_;  // without `of_surfel`

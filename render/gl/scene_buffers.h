@@ -11,8 +11,8 @@ struct GpuScene::Buffers {
   GpuBuffer node_places;           // (position, radius)
   GpuBuffer nodes;  // variance xx xy xz yy, (yz, zz, density, own|opacity), (colour, normal)
   GpuBuffer coarseness;
-  GpuBuffer facing;  // body | cos_cone, where there are bodies
-  GpuBuffer shapes;  // the table of kernel.h: k0, k1, k2, support2
+  GpuBuffer facing, normals;  // body | cos_cone, packed normal, where there are bodies
+  GpuBuffer shapes;           // the table of kernel.h: k0, k1, k2, support2
 };
 
 }  // namespace foci

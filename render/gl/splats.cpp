@@ -32,6 +32,11 @@ constexpr std::size_t kFirstEntries = std::size_t{1} << 16, kFirstLists = std::s
 /// sort of a list of kSoftwareList splats stays below that.
 constexpr std::uint32_t kSoftwareRounds = 65000, kSoftwareList = 100000;
 
+/// A stage writes what the next one reads, also as the size of its dispatch, and what the host
+/// clears and copies.
+constexpr GLbitfield kBarriers =
+    GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT;
+
 /// A room grows by this factor over what a frame needed.
 constexpr double kSpare = 1.25;
 
@@ -46,14 +51,15 @@ class GpuSplats::Pipeline {
   explicit Pipeline(std::shared_ptr<const GpuScene> scene)
       : scene_(std::move(scene)), device_(scene_->device()) {}
   ~Pipeline() {
-    const GpuDevice::Use use(device_);
-    own_ = {};
-    if (clocks_[0] != 0) glDeleteQueries(static_cast<GLsizei>(clocks_.size()), clocks_.data());
+    if (clocks_[0] == 0) return;
+    device_->later([clocks = clocks_] {
+      glDeleteQueries(static_cast<GLsizei>(clocks.size()), clocks.data());
+    });
   }
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  GpuStats render(const GpuRequest& request, Frame& frame);
+  GpuStats render(const GpuRequest& request, std::shared_ptr<GpuImage>& image);
   const std::shared_ptr<const GpuScene>& scene() const { return scene_; }
 
  private:
@@ -63,7 +69,7 @@ class GpuSplats::Pipeline {
     GpuBuffer splats_a, splats_b, keys, lenses, sharper;                           // by entry
     GpuBuffer cells, tile_of_cell, tiles, blurs, cursors, ranges, overlaps, work;  // by tile
     GpuBuffer lists, scratch;
-    GpuBuffer centres, samples, depths, image, depth_image;
+    GpuBuffer centres, samples, depths;
   };
 
   void start(const GpuRequest& request);
@@ -74,7 +80,7 @@ class GpuSplats::Pipeline {
   void listSplats();
   void sortLists();
   void sweep(const GpuRequest& request);
-  void interpolate(bool depth);
+  void interpolate(const GpuImage& image);
   bool grew(const GpuTotals& totals);
   /// Notes the time at which `stage` is done; without one, at which the first begins.
   void note(std::optional<GpuStage> stage = {});
@@ -85,9 +91,11 @@ class GpuSplats::Pipeline {
             std::initializer_list<const GpuBuffer*> buffers);
   void dispatch(GLuint x, GLuint y = 1);
   void dispatchIndirect(std::size_t offset);
+  void bindWindow(GLuint binding, const GpuBuffer& buffer, const GpuScene::Window& window,
+                  std::size_t each_bytes);
 
   std::shared_ptr<const GpuScene> scene_;
-  GpuDevice& device_;
+  std::shared_ptr<GpuDevice> device_;
   Buffers own_;
   GpuFrameBlock block_;
   std::size_t entry_room_ = kFirstEntries, list_room_ = kFirstLists, tile_count_ = 0;
@@ -100,7 +108,7 @@ class GpuSplats::Pipeline {
 void GpuSplats::Pipeline::bind(const std::string& stage, const std::string& defines,
                                std::initializer_list<const GpuBuffer*> buffers) {
   constexpr GLuint kTotalsBinding = 7;
-  program_ = device_.program(
+  program_ = device_->program(
       stage, "#define TOTALS_BINDING " + std::to_string(kTotalsBinding) + "\n" + defines);
   glUseProgram(program_);
   GLuint binding = 0;
@@ -113,13 +121,21 @@ void GpuSplats::Pipeline::bind(const std::string& stage, const std::string& defi
 
 void GpuSplats::Pipeline::dispatch(GLuint x, GLuint y) {
   glDispatchCompute(x, y, 1);
-  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  glMemoryBarrier(kBarriers);
 }
 
 void GpuSplats::Pipeline::dispatchIndirect(std::size_t offset) {
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, own_.totals.id());
   glDispatchComputeIndirect(static_cast<GLintptr>(offset));
-  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  glMemoryBarrier(kBarriers);
+}
+
+void GpuSplats::Pipeline::bindWindow(GLuint binding, const GpuBuffer& buffer,
+                                     const GpuScene::Window& window, std::size_t each_bytes) {
+  if (window.count == 0) return;
+  glBindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, buffer.id(),
+                    static_cast<GLintptr>(window.first * each_bytes),
+                    static_cast<GLsizeiptr>(window.count * each_bytes));
 }
 
 void GpuSplats::Pipeline::start(const GpuRequest& request) {
@@ -147,7 +163,7 @@ void GpuSplats::Pipeline::start(const GpuRequest& request) {
   bodies_ = !outside.empty();
   if (bodies_) {
     const std::vector<GLuint> wide(outside.begin(), outside.end());
-    own_.outside.reserve(device_, wide.size() * sizeof wide[0], "the bodies");
+    own_.outside.reserve(*device_, wide.size() * sizeof wide[0], "the bodies");
     own_.outside.write(0, wide.size() * sizeof wide[0], wide.data());
   }
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, own_.frame.id());
@@ -155,10 +171,8 @@ void GpuSplats::Pipeline::start(const GpuRequest& request) {
 
 void GpuSplats::Pipeline::makeRoom(const GpuRequest& request) {
   const auto room = [&](GpuBuffer& buffer, std::size_t bytes, const char* what) {
-    buffer.reserve(device_, bytes, what);
+    buffer.reserve(*device_, bytes, what);
   };
-  const std::size_t pixels = static_cast<std::size_t>(request.view.size_px.x) *
-                             static_cast<std::size_t>(request.view.size_px.y);
   room(own_.frame, sizeof(GpuFrameBlock), "a frame's parameters");
   room(own_.totals, sizeof(GpuTotals), "a frame's counts");
   if (cut_) {
@@ -198,10 +212,8 @@ void GpuSplats::Pipeline::makeRoom(const GpuRequest& request) {
   room(own_.lists, list_room_ * sizeof(glm::uvec2), "the tiles' lists");
   room(own_.scratch, list_room_ * sizeof(glm::uvec2), "the tiles' lists");
   room(own_.samples, tile_count_ * kSamplesATile * kVector_bytes, "the samples");
-  room(own_.image, pixels * kVector_bytes, "the image");
   if (request.depth) {
     room(own_.depths, tile_count_ * kSamplesATile * sizeof(float), "the samples' depths");
-    room(own_.depth_image, pixels * sizeof(float), "the depths");
   }
 }
 
@@ -210,7 +222,7 @@ void GpuSplats::Pipeline::selectCut() {
   for (int level = 0; level < scene_->levels(); ++level) {
     bind("cut", bodies_ ? "#define BODIES\n" : "",
          {&scene.node_places, &scene.coarseness, &own_.own, &own_.passed, &own_.bounds,
-          bodies_ ? &scene.facing : nullptr, bodies_ ? &scene.nodes : nullptr, nullptr,
+          bodies_ ? &scene.facing : nullptr, bodies_ ? &scene.normals : nullptr, nullptr,
           bodies_ ? &own_.outside : nullptr});
     glProgramUniform1i(program_, 0, level);
     dispatch(groupsOf(std::size_t{1} << level, 64));
@@ -235,12 +247,21 @@ void GpuSplats::Pipeline::project() {
   if (by_sub_apertures_) defines += "#define SUB_APERTURES\n";
   if (bodies_) defines += "#define BODIES\n";
   bind("project", defines,
-       {cut_ ? &own_.entries : nullptr, cut_ ? &scene.node_places : nullptr,
-        cut_ ? &scene.nodes : nullptr, &scene.surfels_a, &own_.splats_a, &own_.keys, &scene.shapes,
-        nullptr, blurred_ ? &own_.lenses : nullptr, by_sub_apertures_ ? &own_.sharper : nullptr,
-        &scene.surfels_b, &own_.splats_b, bodies_ ? &own_.outside : nullptr,
-        bodies_ && cut_ ? &scene.facing : nullptr});
-  dispatchIndirect(offsetof(GpuTotals, project_groups));
+       {cut_ ? &own_.entries : nullptr, cut_ ? &scene.node_places : nullptr, nullptr, nullptr,
+        &own_.splats_a, &own_.keys, &scene.shapes, nullptr, blurred_ ? &own_.lenses : nullptr,
+        by_sub_apertures_ ? &own_.sharper : nullptr, nullptr, &own_.splats_b,
+        bodies_ ? &own_.outside : nullptr, bodies_ && cut_ ? &scene.facing : nullptr});
+  // Of large arrays a shader sees a window at a time: one pass for each.
+  for (std::size_t pass = 0; pass < scene_->windows(); ++pass) {
+    const GpuScene::Window nodes = scene_->nodeWindow(pass), surfels = scene_->surfelWindow(pass);
+    if (cut_) bindWindow(2, scene.nodes, nodes, GpuScene::kNode_bytes);
+    bindWindow(3, scene.surfels_a, surfels, GpuScene::kSurfel_bytes);
+    bindWindow(10, scene.surfels_b, surfels, GpuScene::kSurfel_bytes);
+    glProgramUniform4ui(program_, 0, static_cast<GLuint>(nodes.first),
+                        static_cast<GLuint>(nodes.count), static_cast<GLuint>(surfels.first),
+                        static_cast<GLuint>(surfels.count));
+    dispatchIndirect(offsetof(GpuTotals, project_groups));
+  }
 }
 
 void GpuSplats::Pipeline::divideIntoTiles() {
@@ -299,10 +320,11 @@ void GpuSplats::Pipeline::sweep(const GpuRequest& request) {
   }
 }
 
-void GpuSplats::Pipeline::interpolate(bool depth) {
+void GpuSplats::Pipeline::interpolate(const GpuImage& image) {
+  const bool depth = image.hasDepth();
   bind("interpolate", depth ? "#define DEPTH\n" : "",
-       {&own_.tile_of_cell, &own_.tiles, &own_.samples, &own_.image, depth ? &own_.depths : nullptr,
-        depth ? &own_.depth_image : nullptr});
+       {&own_.tile_of_cell, &own_.tiles, &own_.samples, &image.buffers().pixels,
+        depth ? &own_.depths : nullptr, depth ? &image.buffers().depths : nullptr});
   dispatch(groupsOf(static_cast<std::size_t>(block_.size.x), 16),
            groupsOf(static_cast<std::size_t>(block_.size.y), 16));
 }
@@ -338,8 +360,10 @@ GpuTimes GpuSplats::Pipeline::times() const {
   return times;
 }
 
-GpuStats GpuSplats::Pipeline::render(const GpuRequest& request, Frame& frame) {
-  const GpuDevice::Use use(device_);
+GpuStats GpuSplats::Pipeline::render(const GpuRequest& request, std::shared_ptr<GpuImage>& image) {
+  const GpuDevice::Use use(*device_);
+  image = nullptr;  // its buffers can be used again
+  image = std::make_shared<GpuImage>(device_, request.view.size_px, request.depth);
   GpuTotals totals;
   do {
     start(request);
@@ -355,23 +379,15 @@ GpuStats GpuSplats::Pipeline::render(const GpuRequest& request, Frame& frame) {
     note(GpuStage::sort);
     sweep(request);
     note(GpuStage::composite);
-    interpolate(request.depth);
+    interpolate(*image);
     note(GpuStage::present);
     own_.totals.read(0, sizeof totals, &totals);
-
+    device_->check();
   } while (grew(totals));
-  if (device_.isSoftware() &&
+  if (device_->isSoftware() &&
       (totals.longest_list > kSoftwareList || totals.sweep_rounds > kSoftwareRounds)) {
-    throw GpuError(device_.name() + ": this software driver ends long loops, and a tile has " +
+    throw GpuError(device_->name() + ": this software driver ends long loops, and a tile has " +
                    std::to_string(totals.longest_list) + " splats");
-  }
-  own_.image.read(0, frame.rgba.size() * kVector_bytes, frame.rgba.data());
-  if (request.depth) {
-    own_.depth_image.read(0, frame.depth_m.size() * sizeof(float), frame.depth_m.data());
-  }
-  if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
-    throw GpuError(device_.name() + ": its driver failed (OpenGL error " + std::to_string(error) +
-                   ")");
   }
   return {.splats = totals.splats,
           .fragments = std::uint64_t{totals.fragments_high} << 32 | totals.fragments_low,
@@ -384,8 +400,8 @@ GpuSplats::~GpuSplats() = default;
 GpuSplats::GpuSplats(GpuSplats&&) noexcept = default;
 GpuSplats& GpuSplats::operator=(GpuSplats&&) noexcept = default;
 
-GpuStats GpuSplats::render(const GpuRequest& request, Frame& frame) {
-  return pipeline_->render(request, frame);
+GpuStats GpuSplats::render(const GpuRequest& request, std::shared_ptr<GpuImage>& image) {
+  return pipeline_->render(request, image);
 }
 
 const std::shared_ptr<const GpuScene>& GpuSplats::scene() const { return pipeline_->scene(); }

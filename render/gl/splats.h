@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "render/gl/image.h"
 #include "render/gl/scene.h"
 #include "render/gl/stages.h"
 #include "render/image/frame.h"
@@ -44,10 +45,9 @@ class GpuSplats {
   GpuSplats(GpuSplats&&) noexcept;
   GpuSplats& operator=(GpuSplats&&) noexcept;
 
-  /// Renders into `frame`, which has the view's size, and depth where the request asks for depth.
-  /// Throws GpuError where the GPU lacks memory. The same request gives the same bytes on one
-  /// device and driver.
-  GpuStats render(const GpuRequest& request, Frame& frame);
+  /// Renders into `image`, a new one. Throws GpuError where the GPU fails or lacks memory. The same
+  /// request gives the same bytes on one device and driver.
+  GpuStats render(const GpuRequest& request, std::shared_ptr<GpuImage>& image);
 
   const std::shared_ptr<const GpuScene>& scene() const;
 

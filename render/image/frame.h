@@ -2,9 +2,12 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <memory>
 #include <vector>
 
 namespace foci {
+
+class GpuImage;
 
 /// Row-major, top row first. `rgba` holds linear RGB, composited over the background, and the
 /// coverage, 0 to 1.
@@ -14,6 +17,9 @@ struct Frame {
   /// Distance of the visible surfaces, coverage-weighted; 0 where there is none. Empty unless asked
   /// for.
   std::vector<float> depth_m;
+  /// The pixels are on the GPU, and those above have no meaning. Null except where a function says
+  /// that it leaves pixels there (render/gl/image.h).
+  std::shared_ptr<GpuImage> gpu = nullptr;
 
   /// @param depth  whether the frame has depth
   void resize(const glm::ivec2& to_px, bool depth = false) {

@@ -79,7 +79,8 @@ class AccumulateMethod final : public Method {
       request.lens = part.centre;
       request.aperture = 0.0f;
       request.acuity = acuity;
-      stats.add(statsOf(gpu_->render(request, view_)));
+      stats.add(statsOf(gpu_->render(request, view_.gpu)));
+      readFromGpu(view_);
       return;
     }
     scene_.project(cloud_, seen, settings,

@@ -130,6 +130,7 @@ class AutoMethod final : public Method {
                                   .shading = asked.shading,
                                   .depth = true},
                                  {.cut = kFaithfulCut}, frame);
+    readFromGpu(frame);
     sharp->pyramid.set(std::move(frame), asked.view.focal_px);
     sharp->view = asked;
     sharp_views_->add(sharp);
@@ -253,7 +254,7 @@ class AutoMethod final : public Method {
   QualityLevel last_level_ = QualityLevel::sharp;  // of the previous render
   std::optional<QualityLevel> wanted_;             // by the tolerance alone
   std::optional<Checked> checked_;
-  TimeBudget time_{relativeTimes()};
+  TimeBudget time_{relativeTimes(), scene_.isOnGpu()};
   UnblurredView last_view_;  // of the previous render
 };
 

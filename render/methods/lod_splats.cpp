@@ -44,7 +44,7 @@ RenderStats LodSplats::renderParts(const View& view, const RenderSettings& setti
       GpuRequest request = gpuRequest(seen, of_part, detail);
       request.lens = part.centre;
       request.aperture = part.radius;
-      stats.add(statsOf(gpu_->render(request, to)));
+      stats.add(statsOf(gpu_->render(request, to.gpu)));
       return;
     }
     project(seen, part.defocus, detail.cut,
@@ -87,7 +87,7 @@ void LodSplats::project(const View& view, const Defocus& defocus, const CutSetti
 
 RenderStats LodSplats::renderLens(const View& view, const RenderSettings& settings,
                                   const LodSettings& lod, Frame& frame) {
-  if (gpu_) return statsOf(gpu_->render(gpuRequest(view, settings, lod), frame));
+  if (gpu_) return statsOf(gpu_->render(gpuRequest(view, settings, lod), frame.gpu));
   const glm::vec2 radius_px_per_D = settings.defocus.radius_px_per_D;
   const bool by_sub_apertures =
       lod.sub_apertures > 1 && radius_px_per_D.x * radius_px_per_D.y > 0.0f;

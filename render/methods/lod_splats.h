@@ -35,6 +35,7 @@ class LodSplats {
   const MomentTree& tree() const { return *tree_; }
   bool isOnGpu() const { return gpu_.has_value(); }
 
+  /// Leaves the pixels on the GPU, if it renders.
   /// @param frame  has the view's size, and depth where the settings ask for depth
   /// @return the stats without the time
   RenderStats render(const View& view, const RenderSettings& settings, const LodSettings& lod,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "render/gl/image.h"
 
 namespace foci {
 
@@ -27,8 +28,13 @@ std::vector<LensPart> partsFor(const Defocus& defocus, const Pupil& pupil, int l
   return parts;
 }
 
-void addPart(const Frame& part, float weight, bool first, Frame& sum) {
+void addPart(Frame& part, float weight, bool first, Frame& sum) {
   const bool depth = !sum.depth_m.empty();
+  if (part.gpu && !depth) {
+    addOnGpu(part, glm::vec4(weight), first, sum);
+    return;
+  }
+  readFromGpu(part);
   parallelFor(sum.rgba.size(), [&](std::size_t p) {
     const float coverage = part.rgba[p].a;
     sum.rgba[p] = (first ? glm::vec4(0.0f) : sum.rgba[p]) + weight * part.rgba[p];

@@ -16,9 +16,10 @@ std::vector<LensPart> partsFor(const Defocus& defocus, const Pupil& pupil, int l
 /// just-noticeable differences, and 19 parts of less than 0.1 px by 0.7, as without aberrations.
 inline constexpr float kNonlinear_px = 0.1f;
 
-/// Adds `weight` times a part's frame to the sum. Distances count by their coverage.
+/// Adds `weight` times a part's frame to the sum. Distances count by their coverage. Adds on the
+/// GPU where the part lies there and has no distances, which it first reads otherwise.
 /// @param first  replaces the sum
-void addPart(const Frame& part, float weight, bool first, Frame& sum);
+void addPart(Frame& part, float weight, bool first, Frame& sum);
 
 /// Divides the sums of distances by the coverage.
 void finishDepth(Frame& sum);
@@ -37,7 +38,7 @@ void meanOfParts(const std::vector<LensPart>& parts, Frame& part, Frame& mean,
     render(each, part);
     addPart(part, each.weight, &each == parts.data(), mean);
   }
-  finishDepth(mean);
+  if (!mean.gpu) finishDepth(mean);
 }
 
 }  // namespace foci

@@ -10,6 +10,7 @@
 #include "base/input_error.h"
 #include "base/nearest.h"
 #include "base/number.h"
+#include "render/gl/image.h"
 
 namespace foci {
 
@@ -127,6 +128,16 @@ void RenderStats::add(const RenderStats& other) {
 
 RenderStats Method::render(const View& view, const RenderSettings& settings, Frame& frame) {
   const auto start = std::chrono::steady_clock::now();
+  RenderStats stats = renderKept(view, settings, frame);
+  readFromGpu(frame);
+  stats.ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return stats;
+}
+
+RenderStats Method::renderKept(const View& view, const RenderSettings& settings, Frame& frame) {
+  const auto start = std::chrono::steady_clock::now();
+  frame.gpu.reset();
   frame.resize(view.size_px, settings.depth);
   RenderStats stats = isColored(settings) ? renderColours(view, settings, frame)
                                           : renderFrame(view, settings, frame);
@@ -142,18 +153,31 @@ void Method::pass(const View& view, const RenderSettings& settings) {
 }
 
 RenderStats Method::renderColours(const View& view, const RenderSettings& settings, Frame& frame) {
-  std::vector<glm::vec4> sum(frame.rgba.size(), glm::vec4(0.0f));
+  Frame sum;
   RenderStats all;
   bool first = true;
   for (const Colour& colour : inOrder(settings.colours)) {
     View seen = view;
     seen.principal_px += view.focal_px * colour.nearer_D * glm::vec2(settings.pupil.offset_m);
     all.add(renderFrame(seen, settingsOf(settings, colour, first), frame));
-    first = false;
     const glm::vec4 share(colour.share, colour.share.g);
-    for (std::size_t p = 0; p < sum.size(); ++p) sum[p] += share * frame.rgba[p];
+    if (settings.depth && frame.gpu) {
+      Frame pixels{
+          .size_px = frame.size_px, .rgba = {}, .depth_m = {}, .gpu = std::move(frame.gpu)};
+      readFromGpu(pixels);
+      frame.rgba = std::move(pixels.rgba);
+      if (first) frame.depth_m = std::move(pixels.depth_m);
+    }
+    if (frame.gpu) {
+      addOnGpu(frame, share, first, sum);
+    } else {
+      sum.rgba.resize(frame.rgba.size(), glm::vec4(0.0f));
+      for (std::size_t p = 0; p < sum.rgba.size(); ++p) sum.rgba[p] += share * frame.rgba[p];
+    }
+    first = false;
   }
-  frame.rgba = std::move(sum);
+  frame.gpu = std::move(sum.gpu);
+  if (!frame.gpu) frame.rgba = std::move(sum.rgba);
   return all;
 }
 

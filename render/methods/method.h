@@ -88,6 +88,9 @@ class Method {
   /// resized as needed. Chromatic aberration takes one render for each colour, with its own focus.
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame);
 
+  /// The same, but pixels that a GPU renders stay there (`Frame::gpu`).
+  RenderStats renderKept(const View& view, const RenderSettings& settings, Frame& frame);
+
   /// A clone of the same scene that renders the same frames and may render at the same time. The
   /// two share large data that does not change. Null where a method has nothing to share.
   virtual std::unique_ptr<Method> cloneSharingScene() const { return nullptr; }
@@ -107,7 +110,7 @@ class Method {
   RenderStats renderColours(const View& view, const RenderSettings& settings, Frame& frame);
 
   /// Renders into `frame`, which already has the view's size, and depth where the settings ask for
-  /// depth. Fills every field of the stats except `ms`.
+  /// depth. Leaves the pixels on the GPU where it can. Fills every field of the stats except `ms`.
   virtual RenderStats renderFrame(const View& view, const RenderSettings& settings,
                                   Frame& frame) = 0;
 };

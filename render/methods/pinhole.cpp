@@ -11,16 +11,15 @@ namespace {
 
 class PinholeMethod final : public Method {
  public:
-  PinholeMethod(const SurfelCloud& cloud, const SharedGpu& gpu) : camera_(cloud, gpu) {}
+  PinholeMethod(const SurfelCloud& cloud, const SharedGpu& gpu)
+      : sweep_(makeMethod("sweep", cloud, gpu)) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
-    RenderStats stats = camera_.render(view, settings, frame);
-    if (!settings.depth) frame.depth_m.clear();
-    return stats;
+    return sweep_->renderKept(view, withoutBlur(settings), frame);
   }
 
  private:
-  PinholeCamera camera_;
+  std::unique_ptr<Method> sweep_;
 };
 
 }  // namespace

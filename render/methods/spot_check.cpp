@@ -63,6 +63,7 @@ Frame SpotCheck::render(const Square& square, const LodSettings& lod) {
   frame.resize(view.size_px);
   auto splats = idleSplats();
   splats->render(view, settings_, moved, frame);
+  readFromGpu(frame);
   const std::lock_guard lock(mutex_);
   idle_.push_back(std::move(splats));
   return frame;

@@ -45,7 +45,7 @@ class SweepMethod final : public Method {
       request.lens = part.centre;
       request.aperture = part.radius;
       request.acuity = acuity;
-      stats.add(statsOf(gpu_->render(request, frame)));
+      stats.add(statsOf(gpu_->render(request, frame.gpu)));
       return;
     }
     scene_.project(cloud_, seen, of_part,

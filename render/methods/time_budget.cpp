@@ -22,13 +22,14 @@ constexpr float kDecay = 0.9998f, kDecayMoved = 0.98f;
 
 }  // namespace
 
-TimeBudget::TimeBudget(std::span<const float> relative) {
+TimeBudget::TimeBudget(std::span<const float> relative, bool hopeful) : hopeful_(hopeful) {
   for (const float each : relative) timings_.push_back({.relative = each});
 }
 
 float TimeBudget::expected_ms(QualityLevel level) const {
   const Timing& asked = of(level);
   if (asked.ms > 0.0f) return asked.ms;
+  if (!last_ && hopeful_) return 0.0f;
   // Scale the time of the timed level that is most alike.
   float expected_ms = std::numeric_limits<float>::infinity(), apart = expected_ms;
   for (const Timing& known : timings_) {

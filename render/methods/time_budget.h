@@ -13,9 +13,11 @@ namespace foci {
 class TimeBudget {
  public:
   /// @param relative  times of the levels in any unit: the first guess of one from another
-  explicit TimeBudget(std::span<const float> relative);
+  /// @param hopeful   while nothing has been timed, every level is expected to fit: a GPU is fast
+  explicit TimeBudget(std::span<const float> relative, bool hopeful = false);
 
-  /// The time that a level is expected to take; infinite while nothing has been timed.
+  /// The time that a level is expected to take. While nothing has been timed, infinite, or 0 for
+  /// the hopeful.
   float expected_ms(QualityLevel level) const;
 
   /// Whether the level is expected to meet the budget. The level of the last frame may use all of
@@ -36,6 +38,7 @@ class TimeBudget {
 
   std::vector<Timing> timings_;
   std::optional<QualityLevel> last_;
+  bool hopeful_;
 };
 
 }  // namespace foci

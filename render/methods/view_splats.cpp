@@ -64,12 +64,17 @@ RenderStats statsOf(const GpuStats& rendered) {
   return stats;
 }
 
+RenderSettings withoutBlur(const RenderSettings& settings) {
+  RenderSettings without = settings;
+  without.defocus.radius_px_per_D = glm::vec2(0.0f);
+  without.pupil = {};
+  return without;
+}
+
 RenderStats PinholeCamera::render(const View& view, const RenderSettings& settings, Frame& frame) {
-  RenderSettings unblurred = settings;
-  unblurred.defocus.radius_px_per_D = glm::vec2(0.0f);
-  unblurred.pupil = {};
-  unblurred.depth = true;
-  return sweep_->render(view, unblurred, frame);
+  RenderSettings with_depth = withoutBlur(settings);
+  with_depth.depth = true;
+  return sweep_->render(view, with_depth, frame);
 }
 
 }  // namespace foci

@@ -62,13 +62,14 @@ class ViewSplats {
 GpuRequest gpuRequestOf(const View& view, const RenderSettings& settings);
 RenderStats statsOf(const GpuStats& rendered);
 
+/// The settings without blur.
+RenderSettings withoutBlur(const RenderSettings& settings);
+
 /// Renders the scene through a pinhole in the middle of the lens: the sharp image that a
 /// post-filter starts from.
 class PinholeCamera {
  public:
-  /// @param gpu  renders; null: the CPU does
-  explicit PinholeCamera(const SurfelCloud& cloud, const SharedGpu& gpu = nullptr)
-      : sweep_(makeMethod("sweep", cloud, gpu)) {}
+  explicit PinholeCamera(const SurfelCloud& cloud) : sweep_(makeMethod("sweep", cloud)) {}
 
   /// Renders with depth and without blur, whatever the settings say of either.
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame);

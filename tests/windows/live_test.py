@@ -236,6 +236,41 @@ def kill_the_program(observer, foci, out):
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
+def render_on_the_gpu(observer, foci, out):
+    """Frames that stay on the GPU are shown as the CPU's are, and the record replays to the same bytes."""
+    doctor = subprocess.run([foci, "doctor", "--json"], check=True, capture_output=True, text=True)
+    gpu = json.loads(doctor.stdout)["gpu"]
+    if "problem" in gpu:
+        print("not tested on a GPU:", gpu["problem"])
+        return
+    with open(out + "/gpu.toml", "w") as file:
+        file.write("[scene]\nbuiltin = \"plane\"\n[focus]\nfixed_D = 1.0\n[output]\nview = \"side-by-side\"\n"
+                   "[render]\nmethod = \"sweep-lod\"\n")
+    shown, hashes = {}, {}
+    for device in "cpu", "gpu":
+        record = f"{out}/on-{device}"
+        program, experiment = start(observer, foci, out + "/gpu.toml", "--record", record, "--set", f"render.device={device}")
+        experiment.until(lambda s: s["record"], "recording")
+        experiment.rendered(1.0)
+        observer.screenshot(f"{out}/live-on-{device}.png")
+        shown[device] = observer.pixels()[2][60:130]  # between the notices
+        leave(program, experiment)
+        replay = subprocess.run([foci, "replay", record + "/study.toml", "--device", "gpu", "--out", record + "-replay"],
+                                check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        warns = "the run was rendered on the CPU" in replay.stderr
+        assert warns == (device == "cpu"), replay.stderr
+        for folder in record, record + "-replay":
+            with open(folder + "/manifest.json") as file:
+                manifest = json.load(file)
+            assert manifest["device"].startswith("the CPU" if folder.endswith("on-cpu") else gpu["name"]), manifest
+            hashes.setdefault(device, []).append(manifest["frames_sha256"])
+    assert hashes["gpu"][0] == hashes["gpu"][1], hashes
+    pixels = [b"".join(shown[device]) for device in ("cpu", "gpu")]
+    assert len(set(pixels[0])) > 20, "nothing is in view"
+    worst = max(abs(a - b) for a, b in zip(*pixels))
+    assert worst <= 2, worst
+
+
 def main():
     foci, out = sys.argv[1], os.path.abspath(sys.argv[2]) + "/live"
     shutil.rmtree(out, ignore_errors=True)
@@ -255,7 +290,7 @@ def main():
             observer.close()
 
     # Two observers play at the same time, each before a display of their own.
-    others = [(lose_the_tracker,), (push_gaze,), (kill_the_program,)]
+    others = [(lose_the_tracker,), (push_gaze,), (kill_the_program,), (render_on_the_gpu,)]
     if len(sys.argv) > 4:
         others.append((lose_a_pupil_core, sys.argv[4]))
     with concurrent.futures.ThreadPoolExecutor() as pool:

@@ -11,7 +11,7 @@ layout(std430, binding = 3) buffer Passed { float passed[]; };             // we
 layout(std430, binding = 4) buffer AllBounds { vec4 bounds[]; };
 #ifdef BODIES
 layout(std430, binding = 5) readonly buffer AllFacing { uint facing[]; };
-layout(std430, binding = 6) readonly buffer Nodes { uvec4 bits[]; };       // three a node
+layout(std430, binding = 6) readonly buffer Normals { uint normals[]; };   // packed
 layout(std430, binding = 8) readonly buffer Outside { uint outside[]; };  // by body
 #endif
 
@@ -84,7 +84,7 @@ int sideOf(uint i) {
   if (cos_cone == 0.0) return 0;
   float sin_cone = sqrt(max(1.0 - cos_cone * cos_cone, 0.0));
   vec3 p = place[i].xyz - vec3(right.w, up.w, back.w);
-  float along = dot(unpackNormal(bits[3u * i + 2u].w), p);
+  float along = dot(unpackNormal(normals[i]), p);
   float across = sqrt(max(dot(p, p) - along * along, 0.0));
   float reach = place[i].w + sub_aperture_shading.w;
   if (along * cos_cone - across * sin_cone > reach) return -1;

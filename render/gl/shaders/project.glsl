@@ -28,6 +28,12 @@ layout(std430, binding = 13) readonly buffer AllFacing { uint facing[]; };
 #endif
 #endif
 
+// Of `node` and the surfels the shader sees a window: first node, number, first surfel, number.
+layout(location = 0) uniform uvec4 window;
+
+// Of the work group: bits of the splats' distances, and how many there are.
+shared uint near_bits, far_bits, splat_count;
+
 const float kReach2 = 5.0, kWidestSupport2 = 8.0, kLargest = 1e10;
 const float kDisc = 0.25;  // kDiscVariancePerRadius2
 const float kLongAxis = 0.6, kMinTilt = 0.01;
@@ -54,6 +60,7 @@ struct Kernel {
 };
 
 #ifdef CUT
+// @param i  within the window
 Footprint nodeFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
   vec4 a = uintBitsToFloat(node[3u * i]);
   vec3 b = uintBitsToFloat(node[3u * i + 1u].xyz);
@@ -72,6 +79,7 @@ Footprint nodeFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
 }
 #endif
 
+// @param i  within the window
 Footprint surfelFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
   vec4 b = surfel_a[2u * i + 1u], c = surfel_b[2u * i];
   vec3 u = b.xyz, v = c.xyz;
@@ -171,18 +179,22 @@ uint stepOf(Lane lane, Kernel kernel, vec3 colour) {
   return log2_step;
 }
 
-void main() {
-  uint slot = gl_GlobalInvocationID.x;
-  if (slot >= min(cut_entries, uint(room.x))) return;
-  keys[slot] = uvec4(0u, 1u, 0u, 0u);  // x0 > x1: nothing to render
+void projectEntry(uint slot) {
 #ifdef CUT
-  uint i = entries[slot].x;
+  uint index = entries[slot].x;
   float weight = uintBitsToFloat(entries[slot].y);
   bool is_node = slot < cut_nodes;
-  vec3 p = is_node ? node_place[i].xyz : surfel_a[2u * i].xyz;
 #else
-  uint i = slot;
+  uint index = slot;
   float weight = 1.0;
+  const bool is_node = false;
+#endif
+  uint i = index - (is_node ? window.x : window.z);  // wraps around before the window
+  if (i >= (is_node ? window.y : window.w)) return;
+  keys[slot] = uvec4(0u, 1u, 0u, 0u);  // x0 > x1: nothing to render
+#ifdef CUT
+  vec3 p = is_node ? node_place[index].xyz : surfel_a[2u * i].xyz;
+#else
   vec3 p = surfel_a[2u * i].xyz;
 #endif
   bool along_axis = scene.z != 0;
@@ -231,7 +243,7 @@ void main() {
   float towards = dot(f.normal, p);
 #ifdef BODIES
 #ifdef CUT
-  uint body = is_node ? facing[i] & 0xFFFFu : uint(surfel_b[2u * i].w);
+  uint body = is_node ? facing[index] & 0xFFFFu : uint(surfel_b[2u * i].w);
 #else
   uint body = uint(surfel_b[2u * i].w);
 #endif
@@ -270,9 +282,9 @@ void main() {
   uint bits = floatBitsToUint(lane.distance_m);
   keys[slot] = uvec4(bits, low.x | high.x << 15 | stepOf(lane, kernel, colour) << 30,
                      low.y | high.y << 15, floatBitsToUint(lane.radius));
-  if (bits < nearest) atomicMin(nearest, bits);
-  if (bits > farthest) atomicMax(farthest, bits);
-  atomicAdd(splats, 1u);
+  atomicMin(near_bits, bits);
+  atomicMax(far_bits, bits);
+  atomicAdd(splat_count, 1u);
 
 #ifdef LENS
 #ifdef ASTIGMATIC
@@ -302,4 +314,19 @@ void main() {
   sharper[3u * slot + 1u] = vec4(sub.k.yz, sub.extent);
   sharper[3u * slot + 2u] = vec4(off_D, lane.tilt);
 #endif
+}
+
+void main() {
+  if (gl_LocalInvocationIndex == 0u) {
+    near_bits = kNone;
+    far_bits = splat_count = 0u;
+  }
+  barrier();
+  uint slot = gl_GlobalInvocationID.x;
+  if (slot < min(cut_entries, uint(room.x))) projectEntry(slot);
+  barrier();
+  if (gl_LocalInvocationIndex != 0u || splat_count == 0u) return;
+  if (near_bits < nearest) atomicMin(nearest, near_bits);
+  if (far_bits > farthest) atomicMax(farthest, far_bits);
+  atomicAdd(splats, splat_count);
 }

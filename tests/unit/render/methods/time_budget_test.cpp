@@ -20,6 +20,14 @@ TEST(TimeBudget, PredictsALevelFromTheOthers) {
   EXPECT_FLOAT_EQ(budget.expected_ms(kSlow), 24.0f);  // from the medium level, which is most alike
 }
 
+TEST(TimeBudget, TheHopefulBeginWithTheBestLevel) {
+  TimeBudget budget(kRelative, true);
+  EXPECT_TRUE(budget.fits(kSlow, 1.0f));
+  budget.took(kSlow, 20.0f, false);
+  EXPECT_FALSE(budget.fits(kSlow, 10.0f));
+  EXPECT_TRUE(budget.fits(kMedium, 10.0f));
+}
+
 TEST(TimeBudget, AnotherLevelNeedsAReserve) {
   TimeBudget budget(kRelative);
   budget.took(kMedium, 9.9f, false);
