@@ -243,20 +243,26 @@ def render_on_the_gpu(observer, foci, out):
     if "problem" in gpu:
         print("not tested on a GPU:", gpu["problem"])
         return
+    with open(out + "/few.ply", "w") as file:  # a wall of few points: the software driver is slow
+        file.write("ply\nformat ascii 1.0\nelement vertex 600\nproperty float x\nproperty float y\nproperty float z\n"
+                   "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n")
+        for i in range(600):
+            x, y = i % 30, i // 30
+            file.write(f"{0.05 * (x - 14.5)} {0.05 * (y - 9.5)} {-1 - 0.02 * x} {8 * x} {12 * y} {255 * (i % 7 == 0)}\n")
     with open(out + "/gpu.toml", "w") as file:
-        file.write("[scene]\nbuiltin = \"plane\"\n[focus]\nfixed_D = 1.0\n[output]\nview = \"side-by-side\"\n"
-                   "[render]\nmethod = \"sweep-lod\"\n")
+        file.write("[scene]\nfile = \"few.ply\"\n[eye]\nposition_m = [0, 0, 0]\nlook_at_m = [0, 0, -1]\n"
+                   "[focus]\nfixed_D = 1.0\n[output]\nview = \"side-by-side\"\n[render]\nmethod = \"sweep-lod\"\n")
     shown, hashes = {}, {}
     for device in "cpu", "gpu":
         record = f"{out}/on-{device}"
-        program, experiment = start(observer, foci, out + "/gpu.toml", "--record", record, "--set", f"render.device={device}")
-        experiment.until(lambda s: s["record"], "recording")
+        program, experiment = start(observer, foci, out + "/gpu.toml", "--record", record, "--device", device)
+        experiment.until(lambda s: s["record"] and s["method"], "recording")
         experiment.rendered(1.0)
         observer.screenshot(f"{out}/live-on-{device}.png")
         shown[device] = observer.pixels()[2][60:130]  # between the notices
         leave(program, experiment)
-        replay = subprocess.run([foci, "replay", record + "/study.toml", "--device", "gpu", "--out", record + "-replay"],
-                                check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        command = [foci, "replay", record + "/study.toml", "--device", "gpu", "--out", record + "-replay"]
+        replay = subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         warns = "the run was rendered on the CPU" in replay.stderr
         assert warns == (device == "cpu"), replay.stderr
         for folder in record, record + "-replay":

@@ -24,7 +24,7 @@ TEST(GpuDevice, NamesItselfAndItsDriver) {
   EXPECT_FALSE(device->name().empty());
   EXPECT_NE(device->driver().find("4."), std::string::npos) << device->driver();
   EXPECT_EQ(device->text(), device->name() + ", driver " + device->driver());
-  EXPECT_GE(device->maxBuffer_bytes(), std::size_t{1} << 27);
+  EXPECT_GE(device->maxBlock_bytes(), std::size_t{1} << 27);
 }
 
 TEST(GpuDevice, OneLineNamesAShaderThatDoesNotCompile) {
@@ -40,7 +40,7 @@ TEST(GpuDevice, OneLineSaysHowMuchMemoryIsMissing) {
   const GpuDevice::Use use(*device);
   GpuBuffer buffer;
   const std::string message =
-      messageOf([&] { buffer.reserve(*device, device->maxBuffer_bytes() + 1, "the surfels"); });
+      messageOf([&] { buffer.reserve(*device, device->maxBlock_bytes() + 1, "the surfels"); });
   EXPECT_NE(message.find("the surfels need"), std::string::npos) << message;
   EXPECT_NE(message.find("MiB"), std::string::npos) << message;
 }
