@@ -11,6 +11,7 @@
 #include "app/study/inputs.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
+#include "base/parallel.h"
 
 namespace foci {
 
