@@ -16,7 +16,7 @@ constexpr std::size_t kMostPoints = 12;
 
 constexpr const char* kEyeStyle = R"(
 .psfs { display: grid; grid-template-columns: repeat(auto-fill, minmax(170px, 1fr)); gap: .9rem; }
-.wavefront { max-width: 320px; } figure img { background: #000; }
+.wavefront { max-width: 320px; } .wavefront img { border-radius: 50%; } figure img { background: #000; }
 )";
 
 std::string prefixOf(const EyeFigures& eye) { return eye.name.substr(0, eye.name.find(' ')) + "_"; }
@@ -28,6 +28,12 @@ std::string depthText(const DepthOfFocus& depth) {
 std::string distanceText(double vergence_D) {
   if (std::abs(vergence_D) < 1e-9) return "infinity";
   return vergence_D > 0.0 ? decimal(1.0 / vergence_D, 3) + " m" : "behind infinity";
+}
+
+std::string fromFocusText(double nearer_D) {
+  if (std::abs(nearer_D) < 0.005) return "in focus";
+  return decimal(std::abs(nearer_D), 2) +
+         (nearer_D > 0.0 ? " D nearer than the focus" : " D beyond the focus");
 }
 
 std::string tableOf(const std::vector<EyeFigures>& eyes) {
@@ -88,18 +94,17 @@ void writeEye(std::ostream& out, const EyeFigures& eye, OutputFolder& files) {
                                   psfPng(point.psf, &bar_arcmin));
     out << "<figure><img src=\"" << name << "\" alt=\"image of a point at "
         << distanceText(point.vergence_D) << "\"><figcaption>" << distanceText(point.vergence_D)
-        << ", " << decimal(point.vergence_D - eye.focus_D, 2) << " D from focus. Strehl "
+        << ": " << fromFocusText(point.vergence_D - eye.focus_D) << ". Strehl ratio "
         << decimal(point.strehl, 3) << "; bar " << significant(bar_arcmin)
         << " arcmin</figcaption></figure>\n";
   }
   double most_um = 0.0;
   const std::string map = save(prefixOf(eye) + "wavefront.png", wavefrontPng(eye.pupil, &most_um));
   out << "</div>\n<h3>Wavefront</h3>\n<figure class=\"wavefront\"><img src=\"" << map
-      << "\" alt=\"wavefront\"><figcaption>As somebody who faces the eye sees it. Red: ahead, "
-         "blue: "
-         "behind, up to "
+      << "\" alt=\"wavefront\"><figcaption>As somebody who faces the eye sees it. The wavefront is "
+         "ahead where red and behind where blue, by up to "
       << decimal(most_um, 2)
-      << " &micro;m; a line each 0.25 &micro;m, the darkest at 0.</figcaption></figure>\n"
+      << " &micro;m. Lines are 0.25 &micro;m apart, the darkest at 0.</figcaption></figure>\n"
       << "<h3>Contrast</h3>\n";
   const auto chart = [&](const std::string& name, const Plot& plot) {
     const Drawing drawing = layOut(plot);
@@ -133,19 +138,20 @@ std::vector<EyeFigures> reportEye(const Study& study, const EyeRequest& request,
   std::vector<EyeFigures> eyes = eyeFiguresOf(study, request);
   OutputFolder files(out);
   std::ostringstream page;
-  page
-      << pageStart("foci eye", kEyeStyle) << "<h1>The eye of " << escaped(study.file.string())
-      << "</h1>\n<p>By Fourier optics, from the observer's pupil, focus, refraction and wavefront. "
-         "Each picture is scaled to its own peak and shown to the power 1/2.2.</p>\n";
+  page << pageStart("foci eye", kEyeStyle) << "<h1>The eye of " << escaped(study.file.string())
+       << "</h1>\n<p>This page shows the eye along its line of sight, by Fourier optics from the "
+          "observer's pupil, focus, refraction and wavefront. Each image of a point is scaled to "
+          "its "
+          "own peak. Its brightness is the light to the power 1/2.2, so that faint light "
+          "shows.</p>\n";
   for (const EyeFigures& eye : eyes) writeEye(page, eye, files);
-  page << "<p class=\"quiet\">Depth of focus: contrast at 10 cycles/deg in white light stays above "
-          "80 "
-          "% of its best. Acuity: the finest grating with 5 % contrast, u cycles/deg, stands for "
-          "log10(30 / u); no noise or sampling of the retina counts. White light has equal energy "
-          "and "
-          "the brightness V(&lambda;) of CIE 1924. Mean of 200 eyes: Watson 2013. The wavefront is "
-          "the "
-          "same at all field angles, because it was measured at one.</p>\n"
+  page << "<p class=\"quiet\">Depth of focus is the range in which contrast at 10 cycles/deg, in "
+          "white light, stays above 80 % of its best. Acuity is an estimate from optics alone: the "
+          "finest grating with 5 % contrast has u cycles/deg, and the estimate is log10(30 / u). "
+          "People see less, because noise and the retina's sampling limit them. White light has "
+          "equal energy and the brightness V(&lambda;) of CIE 1924. The dashed mean of 200 eyes is "
+          "that of Watson 2013, behind the glasses of a refraction. The wavefront is the same at "
+          "all field angles.</p>\n"
        << kPageEnd;
   files.write(kEyeTable, tableOf(eyes));
   files.write(kEyePage, page.str());

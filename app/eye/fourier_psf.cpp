@@ -19,6 +19,9 @@ constexpr double kDeg_rad = std::numbers::pi / 180.0;
 /// Fine samples lie this many times denser than light of a coherent pupil needs, lambda / A.
 constexpr double kDenser = 2.5;
 
+/// Samples of a bell's standard deviation.
+constexpr double kPerPixel = 5.0;
+
 /// Width of the field around geometric blur, in lambda / A; the pupil is as many cells wide.
 constexpr double kRings = 64.0;
 
@@ -191,44 +194,31 @@ Psf fourierPsf(const EyeOptics& eye, double sample_rad, int size) {
 }
 
 Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, int size) {
+  const double radius_px = std::sqrt(8.0) * sigma_px;
   int finer =
       static_cast<int>(std::ceil(pixel_rad * kDenser * eye.pupil.diameter_m / eye.wavelength_m));
+  finer = std::max(finer, static_cast<int>(std::ceil(kPerPixel / sigma_px)));
   finer += 1 - finer % 2;
-  const Psf fine = fourierPsf(eye, pixel_rad / finer, size * finer + 1 - (size * finer) % 2);
-  const double sigma = sigma_px * finer;
-  const int reach = static_cast<int>(std::ceil(6.0 * sigma));
-  std::vector<double> weights;
-  weights.reserve(static_cast<std::size_t>(2 * reach) + 1);
-  double sum = 0.0;
-  for (int i = -reach; i <= reach; ++i) {
-    weights.push_back(std::exp(-0.5 * i * i / (sigma * sigma)));
-    sum += weights.back();
-  }
-  const double* const gaussian = weights.data() + reach;
-  Psf seen{.size = size, .sample_rad = pixel_rad};
-  seen.light.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
-  const int middle = fine.size / 2;
-  // Rows first, at the columns of the pixels; then columns.
-  cv::Mat along = cv::Mat::zeros(fine.size, size, CV_64F);
-  for (int row = 0; row < fine.size; ++row) {
-    for (int column = 0; column < size; ++column) {
-      const int at = middle + (column - size / 2) * finer;
-      double value = 0.0;
-      for (int i = std::max(-reach, -at); i <= std::min(reach, fine.size - 1 - at); ++i) {
-        value += gaussian[i] * fine.at(at + i, row);
-      }
-      along.at<double>(row, column) = value;
+  const int reach = static_cast<int>(std::ceil(radius_px * finer));
+  const int margin = 2 * ((reach + finer - 1) / finer);
+  const Psf fine = fourierPsf(eye, pixel_rad / finer, (size + margin) * finer);
+  cv::Mat bell = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_64F);
+  for (int y = -reach; y <= reach; ++y) {
+    for (int x = -reach; x <= reach; ++x) {
+      const double t = 1.0 - (x * x + y * y) / std::pow(radius_px * finer, 2);
+      if (t > 0.0) bell.at<double>(y + reach, x + reach) = t * t;
     }
   }
+  bell *= static_cast<double>(finer) * finer /
+          cv::sum(bell)[0];  // density of light, times the pixel's area
+  const cv::Mat light(fine.size, fine.size, CV_64F, const_cast<double*>(fine.light.data()));
+  Psf seen{.size = size, .sample_rad = pixel_rad};
+  seen.light.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
   for (int row = 0; row < size; ++row) {
-    const int at = middle + (row - size / 2) * finer;
     for (int column = 0; column < size; ++column) {
-      double value = 0.0;
-      for (int i = std::max(-reach, -at); i <= std::min(reach, along.rows - 1 - at); ++i) {
-        value += gaussian[i] * along.at<double>(at + i, column);
-      }
-      // Density of light, times the area of a pixel.
-      seen.light.push_back(value / (sum * sum) * finer * finer);
+      const int x = fine.size / 2 + (column - size / 2) * finer - reach;
+      const int y = fine.size / 2 + (row - size / 2) * finer - reach;
+      seen.light.push_back(light(cv::Rect(x, y, bell.cols, bell.rows)).dot(bell));
     }
   }
   return seen;

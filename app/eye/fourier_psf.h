@@ -39,8 +39,9 @@ struct Psf {
 /// @param size        samples along a side; light beyond them is lost
 Psf fourierPsf(const EyeOptics& eye, double sample_rad, int size);
 
-/// The same as seen through pixels: spread by a Gaussian of the standard deviation `sigma_px`
-/// before it is taken at the middles of pixels of `pixel_rad`.
+/// The same as seen through the pixels of foci: spread by the bell (1 - r^2 / (8 sigma^2))^2, of
+/// the standard deviation `sigma_px` along each axis (docs/formulas.md, section 3), and taken at
+/// the middles of pixels of `pixel_rad`.
 Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, int size);
 
 /// Contrast that a grating keeps, the mean of the OTF's modulus over all orientations.

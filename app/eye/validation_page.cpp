@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "app/eye/validation.h"
+#include "app/eye/visual_quality.h"
 #include "app/graphics/html.h"
 #include "app/platform/output_folder.h"
 #include "base/text.h"
@@ -71,14 +72,12 @@ std::string validationPage(const std::vector<ValidationFigure>& figures) {
          << (one.inBounds() ? "" : " out") << "\">" << decimal(one.value, one.digits) << unit
          << "</td><td>" << dotOf(one) << "</td><td>" << escaped(one.source) << "</td></tr>\n";
   }
-  page << "</table>\n<p class=\"quiet\">The typical eye has coma, trefoil and spherical aberration "
-          "in "
-          "the proportions, and with the root mean square, of 2560 normal eyes (Salmon and van de "
-          "Pol "
-          "2006). Its depth of focus takes one criterion for all pupils, chosen beforehand. It "
-          "keeps "
-          "more contrast than the mean of Watson's eyes, which wore the glasses that they had and "
-          "were not all in focus; the wide tolerance says so.</p>\n"
+  page << "</table>\n<p class=\"quiet\">The typical eye has coma, trefoil and spherical "
+          "aberration in the proportions, and with the root mean square, of 2560 normal eyes "
+          "(Salmon and van de Pol 2006). Glasses leave errors with a standard deviation of "
+       << decimal(kRefractionLeft_D, 2)
+       << " D of sphere and of cylinder (Thibos and others 2004). "
+          "Depth of focus takes one criterion for all pupils, chosen beforehand.</p>\n"
        << kPageEnd;
   return page.str();
 }

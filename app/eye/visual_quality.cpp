@@ -4,6 +4,8 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "base/parallel.h"
 #include "render/optics/typical_eye.h"
@@ -72,6 +74,29 @@ GratingAcuity acuityOf(const EyeOptics& eye) {
   if (i + 1 == u.size()) return {.cycles_per_deg = u.back()};
   const double t = (contrast[i] - 0.05) / (contrast[i] - contrast[i + 1]);
   return {.cycles_per_deg = u[i] + std::clamp(t, 0.0, 1.0)};
+}
+
+double refractedContrast(double pupil_m, double cycles_per_deg) {
+  struct Error {
+    glm::dvec3 power_D;
+    double weight;
+  };
+  std::vector<Error> errors;
+  const double sphere_D = std::sqrt(3.0) * kRefractionLeft_D;
+  const double cylinder_D = std::sqrt(2.0) * kCylinderLeft_D;
+  for (const auto& [m, weight] : {std::pair{-1.0, 1.0 / 6.0}, {0.0, 2.0 / 3.0}, {1.0, 1.0 / 6.0}}) {
+    for (const glm::dvec2 j : {glm::dvec2(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+      errors.push_back({glm::dvec3(m * sphere_D, cylinder_D * j), 0.25 * weight});
+    }
+  }
+  std::vector<double> contrast(errors.size());
+  parallelFor(errors.size(), [&](std::size_t i) {
+    Pupil pupil = typicalPupil(pupil_m);
+    pupil.wavefront = withPower(pupil.wavefront, errors[i].power_D);
+    const std::array at{cycles_per_deg};
+    contrast[i] = errors[i].weight * whiteMtf({.pupil = pupil}, at).front();
+  });
+  return std::accumulate(contrast.begin(), contrast.end(), 0.0);
 }
 
 double meanMtf(double pupil_mm, double cycles_per_deg) {

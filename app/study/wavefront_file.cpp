@@ -151,13 +151,15 @@ class WavefrontTable {
     return *value;
   }
 
-  double pupilOf(const Row& row, const std::string& cell) const {
+  /// @param name  what names the cell: a radius counts twice
+  double pupilOf(const Row& row, const std::string& name, const std::string& cell) const {
     const std::size_t end = cell.find_first_not_of("0123456789.,");
     const std::string unit = end == cell.npos ? "" : std::string(trimmed(cell.substr(end)));
     if (!unit.empty() && unit != "mm") {
       fail(row.line, "pupil = " + shown(cell) + ": expected mm");
     }
-    const double mm = number(row, cell.substr(0, end), "pupil");
+    const bool radius = lower(name).find("radius") != name.npos;
+    const double mm = (radius ? 2.0 : 1.0) * number(row, cell.substr(0, end), "pupil");
     if (!(mm >= kLeastPupil_mm && mm <= kMostPupil_mm)) {
       fail(row.line, "pupil = " + shown(cell) + ": expected a diameter of 1 to 12 mm");
     }
@@ -188,7 +190,7 @@ class WavefrontTable {
       }
       if (cells.size() == 3 && lower(cells[2]) == "mm") cells.pop_back();
       if (cells.size() != 2) return false;
-      const double mm = pupilOf(row, cells[1]);
+      const double mm = pupilOf(row, cells[0], cells[1]);
       if (named && *named != mm) fail(row.line, "a second pupil: expected one for the table");
       named = mm;
       return true;
@@ -250,8 +252,12 @@ class WavefrontTable {
   /// -1: left, 1: right.
   int sideOf(const Row& row, const std::string& cell) const {
     const std::string text = lower(cell);
-    if (text == "od" || text == "r" || text == "re" || text == "right") return 1;
-    if (text == "os" || text == "l" || text == "le" || text == "left") return -1;
+    if (text == "od" || text == "r" || text == "re" || text == "right" || text == "right eye") {
+      return 1;
+    }
+    if (text == "os" || text == "l" || text == "le" || text == "left" || text == "left eye") {
+      return -1;
+    }
     fail(row.line, "eye = " + shown(cell) + ": expected right, OD, left or OS");
   }
 
@@ -283,7 +289,10 @@ class WavefrontTable {
       }
       const auto at = [&](int column) { return row.cells[static_cast<std::size_t>(column)]; };
       const int side = eye_column < 0 ? 0 : sideOf(row, at(eye_column));
-      const double pupil_mm = pupil_column < 0 ? pupilInForce() : pupilOf(row, at(pupil_column));
+      const double pupil_mm =
+          pupil_column < 0
+              ? pupilInForce()
+              : pupilOf(row, head.cells[static_cast<std::size_t>(pupil_column)], at(pupil_column));
       std::optional<Wavefront> eye;
       for (std::size_t c = 0; c < head.cells.size(); ++c) {
         const auto index = indexOf(withoutUnit(head.cells[c]));
@@ -306,7 +315,7 @@ class WavefrontTable {
 
   struct Columns {
     int n = -1, m = -1, index = -1, name = -1;
-    int value = -1, right = -1, left = -1;
+    int value = -1, right = -1, left = -1, pupil = -1;
   };
 
   Columns columnsOf(const Row& head, bool& has_heading) const {
@@ -324,8 +333,9 @@ class WavefrontTable {
       if (is({"value", "coefficient", "coeff", "c", "", "um", "µm", "nm", "zernike_um"})) {
         columns.value = at;
       }
-      if (is({"right", "od", "r", "re"})) columns.right = at;
-      if (is({"left", "os", "l", "le"})) columns.left = at;
+      if (namesPupil(text)) columns.pupil = at;
+      if (is({"right", "right eye", "od", "r", "re"})) columns.right = at;
+      if (is({"left", "left eye", "os", "l", "le"})) columns.left = at;
     }
     has_heading = columns.value >= 0 || columns.right >= 0 || columns.left >= 0;
     if (has_heading) return columns;
@@ -355,11 +365,28 @@ class WavefrontTable {
     return static_cast<int>(std::clamp(index, -1.0, 1000.0));
   }
 
+  /// The diameter that every row of a long table repeats.
+  double pupilOfColumn(const Row& head, int column) const {
+    const auto at = static_cast<std::size_t>(column);
+    std::optional<double> pupil_mm;
+    for (std::size_t r = 1; r < rows_.size(); ++r) {
+      const Row& row = rows_[r];
+      if (row.cells.size() <= at) fail(row.line, "no pupil: expected one in each row");
+      const double mm = pupilOf(row, head.cells[at], row.cells[at]);
+      if (pupil_mm && *pupil_mm != mm) {
+        fail(row.line, "a second pupil: expected one for the table");
+      }
+      pupil_mm = mm;
+    }
+    return pupil_mm ? *pupil_mm : pupilInForce();
+  }
+
   void readLong() {
     bool has_heading = false;
     const Row head = rows_.front();
     const Columns columns = columnsOf(head, has_heading);
-    const double pupil_mm = pupilInForce();
+    const double pupil_mm =
+        has_heading && columns.pupil >= 0 ? pupilOfColumn(head, columns.pupil) : pupilInForce();
     const auto unit = [&](int column) {
       return has_heading ? unitOf(head, head.cells[static_cast<std::size_t>(column)]) : 1.0;
     };

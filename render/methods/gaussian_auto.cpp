@@ -149,7 +149,8 @@ class GaussianAuto final : public GaussianEyeMethod {
   /// At full quality, whatever the budget.
   RenderStats renderByParts(const View& view, const RenderSettings& settings, Frame& frame) {
     const GaussianCutSettings lod = lodOf(settings);
-    const std::vector<LensPart> parts = partsFor(settings.defocus, settings.pupil, kFewestParts);
+    const std::vector<LensPart> parts =
+        partsFor(settings.defocus, withoutDiffraction(settings.pupil), kFewestParts);
     RenderStats stats = parts_.render(view_, parts, view, settings, &lod, frame);
     stats.tolerance_error = largestError([&](float blur_px) {
       return errorOf(static_cast<int>(parts.size()), blur_px, settings.quality.tolerance);

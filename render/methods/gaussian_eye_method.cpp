@@ -11,7 +11,7 @@ namespace foci {
 RenderStats GaussianEyeMethod::renderFrame(const View& view, const RenderSettings& settings,
                                            Frame& frame) {
   const RenderStats stats = renderGeometry(view, settings, frame);
-  const double sigma_px = shownDiffraction_px(settings.pupil);
+  const double sigma_px = diffractionThroughPixel_px(settings.pupil.diffraction_px);
   if (sigma_px > 0.0) spreadLight(frame, sigma_px * sigma_px);
   return stats;
 }

@@ -67,10 +67,11 @@ class SubAperturesMethod final : public GaussianEyeMethod {
                              Frame& frame) override {
     if (isBlurred(settings.defocus) && settings.pupil.hasParts()) {
       const int n = static_cast<int>(discs_.size());
-      return parts_.render(view_,
-                           lod_ ? partsFor(settings.defocus, settings.pupil, n)
-                                : lensParts(settings.defocus, settings.pupil, n),
-                           view, settings, lod_, frame);
+      const Pupil pupil = withoutDiffraction(settings.pupil);
+      return parts_.render(
+          view_,
+          lod_ ? partsFor(settings.defocus, pupil, n) : lensParts(settings.defocus, pupil, n), view,
+          settings, lod_, frame);
     }
     const std::vector<LensDisc>& discs = isBlurred(settings.defocus) ? discs_ : pinhole_;
     view_.project(view, settings.defocus, discs, lod_);

@@ -37,7 +37,7 @@ RenderStats LodSplats::renderParts(const View& view, const RenderSettings& setti
     RenderSettings of_part = settings;
     of_part.defocus = part.defocus;
     LodSettings detail = lod;
-    detail.cut.acuity = widened(lod.cut.acuity, settings.pupil, part.rest_px);
+    detail.cut.acuity = widened(lod.cut.acuity, part);
     detail.cut.per_blur2 *= part.radius * part.radius;
     detail.sub_apertures = 1;
     if (gpu_) {

@@ -39,7 +39,7 @@ class SweepMethod final : public Method {
     RenderSettings of_part = settings;
     of_part.defocus = part.defocus;
     const View seen = viewOfPart(view, part);
-    const Acuity acuity = widened({}, settings.pupil, part.rest_px);
+    const Acuity acuity = widened({}, part);
     if (gpu_) {
       GpuRequest request = gpuRequestOf(seen, of_part);
       request.lens = part.centre;

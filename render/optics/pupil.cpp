@@ -12,9 +12,6 @@
 namespace foci {
 namespace {
 
-/// Diffraction below this share of the prefilter's variance is left out.
-constexpr float kLeastShare = 0.03f;
-
 constexpr int kSamplesOfCell = 48, kFewestSamples = 1600, kMostParts = 256, kRounds = 24;
 
 /// Sample `i` of `n` on the unit disc (Vogel, 1979).
@@ -27,9 +24,27 @@ glm::dvec2 discSample(int i, int n) {
 /// A cell of the lens: its samples, their mean, and the radius of the disc of their variance.
 struct Cell {
   std::vector<glm::dvec2> samples;
+  std::vector<double> light = {};  ///< of each sample; all samples of the lens have the mean 1
   glm::dvec2 centre{0.0};
   double radius = 1.0;
+  double all_light = 0.0;
 };
+
+/// Takes the mean and the radius from the light of the samples.
+void centre(Cell& cell) {
+  cell.centre = glm::dvec2(0.0);
+  cell.all_light = std::accumulate(cell.light.begin(), cell.light.end(), 0.0);
+  for (std::size_t i = 0; i < cell.samples.size(); ++i) {
+    cell.centre += cell.light[i] / cell.all_light * cell.samples[i];
+  }
+  double squares = 0.0;
+  for (std::size_t i = 0; i < cell.samples.size(); ++i) {
+    const glm::dvec2 from = cell.samples[i] - cell.centre;
+    squares += cell.light[i] / cell.all_light * glm::dot(from, from);
+  }
+  // A disc of radius a has the variance a^2 / 4 along each of two axes.
+  cell.radius = std::sqrt(2.0 * squares);
+}
 
 std::vector<Cell> cellsOf(int n) {
   const int count = std::max(n * kSamplesOfCell, kFewestSamples);
@@ -61,10 +76,8 @@ std::vector<Cell> cellsOf(int n) {
     }
   }
   for (Cell& cell : cells) {
-    double squares = 0.0;
-    for (const glm::dvec2& p : cell.samples) squares += glm::dot(p - cell.centre, p - cell.centre);
-    // A disc of radius a has the variance a^2 / 4 along each of two axes.
-    cell.radius = std::sqrt(2.0 * squares / static_cast<double>(cell.samples.size()));
+    cell.light.assign(cell.samples.size(), 1.0);
+    centre(cell);
   }
   return cells;
 }
@@ -90,37 +103,40 @@ double sensitivityAt(const Pupil& pupil, const glm::dvec2& p) {
   return std::pow(10.0, -pupil.stiles_crawford_per_mm2 * glm::dot(from_mm, from_mm));
 }
 
-double sensitivityOver(const Pupil& pupil, const Cell& cell) {
-  double sum = 0.0;
-  for (const glm::dvec2& p : cell.samples) sum += sensitivityAt(pupil, p);
-  return sum;
-}
-
 SlopeFit fitSlope(const Pupil& pupil, const PupilWavefront& wavefront, const Cell& cell) {
   // s = mean + H (p - centre), H symmetric: three unknowns from xx, xy, yy and the products.
-  const auto n = static_cast<double>(cell.samples.size());
   SlopeFit fit;
   std::vector<glm::dvec2> slopes;
   slopes.reserve(cell.samples.size());
-  for (const glm::dvec2& p : cell.samples) {
-    slopes.push_back(wavefront.at(p).slope);
-    fit.slope += slopes.back() / n;
+  for (std::size_t i = 0; i < cell.samples.size(); ++i) {
+    slopes.push_back(wavefront.at(cell.samples[i]).slope);
+    fit.slope += cell.light[i] / cell.all_light * slopes.back();
   }
   glm::dmat3 normal(0.0);
   glm::dvec3 right(0.0);
   for (std::size_t i = 0; i < slopes.size(); ++i) {
+    const double light = cell.light[i];
     const glm::dvec2 p = cell.samples[i] - cell.centre, s = slopes[i] - fit.slope;
-    normal += glm::dmat3(p.x * p.x, p.x * p.y, 0.0, p.x * p.y, glm::dot(p, p), p.x * p.y, 0.0,
-                         p.x * p.y, p.y * p.y);
-    right += glm::dvec3(p.x * s.x, p.x * s.y + p.y * s.x, p.y * s.y);
+    normal += light * glm::dmat3(p.x * p.x, p.x * p.y, 0.0, p.x * p.y, glm::dot(p, p), p.x * p.y,
+                                 0.0, p.x * p.y, p.y * p.y);
+    right += light * glm::dvec3(p.x * s.x, p.x * s.y + p.y * s.x, p.y * s.y);
+    fit.variance_rad2 += light / cell.all_light * glm::dot(s, s) / 2.0;
   }
   const glm::dvec3 h = glm::inverse(normal) * right;
   const glm::dmat2 per_disc(h.x, h.y, h.y, h.z);
-  for (const glm::dvec2& slope : slopes) {
-    fit.variance_rad2 += glm::dot(slope - fit.slope, slope - fit.slope) / (2.0 * n);
-  }
   fit.curvature_D = per_disc / (0.5 * pupil.diameter_m);
   return fit;
+}
+
+/// The cell with the light that the cones count and that diffraction leaves in the core.
+Cell lit(const Pupil& pupil, const LightInCore* core, Cell cell) {
+  if (pupil.stiles_crawford_per_mm2 == 0.0 && !core) return cell;
+  for (std::size_t i = 0; i < cell.samples.size(); ++i) {
+    cell.light[i] =
+        sensitivityAt(pupil, cell.samples[i]) * (core ? core->at(glm::length(cell.samples[i])) : 1);
+  }
+  centre(cell);
+  return cell;
 }
 
 /// The part of a cell, but for its weight.
@@ -169,27 +185,37 @@ void weigh(std::vector<LensPart>& parts, const std::vector<double>& light) {
 
 }  // namespace
 
-double diffractionGaussian_rad(double pupil_m, double wavelength_m) {
-  return std::numbers::sqrt2 / std::numbers::pi * wavelength_m / pupil_m;
-}
-
 std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int n) {
   std::vector<LensPart> parts;
   std::vector<double> light;
-  parts.reserve(static_cast<std::size_t>(n));
-  light.reserve(static_cast<std::size_t>(n));
-  const bool plain = !pupil.hasParts();
+  parts.reserve(static_cast<std::size_t>(n) + 1);
+  light.reserve(static_cast<std::size_t>(n) + 1);
   std::optional<PupilWavefront> wavefront;
-  if (!plain) wavefront = wavefrontOf(pupil);
-  for (const Cell& cell : cells(n)) {
-    light.push_back(plain ? static_cast<double>(cell.samples.size())
-                          : sensitivityOver(pupil, cell));
-    parts.push_back(plain ? LensPart{.centre = cell.centre,
-                                     .radius = static_cast<float>(cell.radius),
-                                     .defocus = defocus}
-                          : partOf(defocus, pupil, *wavefront, cell));
+  if (pupil.hasParts()) wavefront = wavefrontOf(pupil);
+  const auto add = [&](const Cell& cell, float diffraction_px) {
+    light.push_back(cell.all_light);
+    parts.push_back(wavefront ? partOf(defocus, pupil, *wavefront, cell)
+                              : LensPart{.centre = cell.centre,
+                                         .radius = static_cast<float>(cell.radius),
+                                         .defocus = defocus});
+    parts.back().diffraction_px = diffraction_px;
+  };
+  if (n == 1) {
+    add(lit(pupil, nullptr, cells(1).front()), diffractionThroughPixel_px(pupil.diffraction_px));
+    parts[0].centre = glm::vec2(0.0f), parts[0].radius = 1.0f;
+    parts[0].weight = 1.0f;
+    return parts;
   }
-  if (n == 1) parts[0].centre = glm::vec2(0.0f), parts[0].radius = 1.0f;
+  const DiffractionHalo halo = diffractionHalo(pupil.diffraction_px);
+  std::optional<LightInCore> core;
+  if (halo.halo_share > 0.0f) core.emplace(pupil.diffraction_px, halo.halo_share);
+  for (const Cell& cell : cells(n)) add(lit(pupil, core ? &*core : nullptr, cell), halo.core_px);
+  if (core) {
+    const double in_core = std::accumulate(light.begin(), light.end(), 0.0);
+    add(lit(pupil, nullptr, cells(1).front()), halo.halo_px);
+    light.back() = in_core * halo.halo_share / (1.0 - halo.halo_share);
+    parts.back().nonlinear_px = 0.0f;  // too small to see in so wide a blur
+  }
   weigh(parts, light);
   return parts;
 }
@@ -227,17 +253,17 @@ View viewOfPart(View view, const LensPart& part) {
   return view;
 }
 
-float shownDiffraction_px(const Pupil& pupil) {
-  return pupil.diffraction_px * pupil.diffraction_px > kLeastShare ? pupil.diffraction_px : 0.0f;
+Acuity widened(const Acuity& acuity, const Pupil& pupil) {
+  return widened(acuity,
+                 LensPart{.diffraction_px = diffractionThroughPixel_px(pupil.diffraction_px)});
 }
 
-Acuity widened(Acuity acuity, const Pupil& pupil, float rest_px) {
-  const float seen = shownDiffraction_px(pupil);
-  if (seen > 0.0f || rest_px > 0.0f) {
-    acuity.base_px = std::sqrt(std::max(acuity.base_px * acuity.base_px, 1.0f) + seen * seen +
-                               rest_px * rest_px);
-  }
-  return acuity;
+Acuity widened(const Acuity& acuity, const LensPart& part) {
+  if (part.diffraction_px == 0.0f && part.rest_px == 0.0f) return acuity;
+  Acuity wide = acuity;
+  wide.base_px = std::sqrt(std::max(acuity.base_px * acuity.base_px, 1.0f) +
+                           part.diffraction_px * part.diffraction_px + part.rest_px * part.rest_px);
+  return wide;
 }
 
 }  // namespace foci

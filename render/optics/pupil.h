@@ -7,6 +7,7 @@
 
 #include "render/optics/acuity.h"
 #include "render/optics/defocus.h"
+#include "render/optics/diffraction.h"
 #include "render/optics/view.h"
 #include "render/optics/wavefront.h"
 
@@ -28,16 +29,12 @@ struct Pupil {
   /// appears displaced by f E offset_m px (transverse chromatic aberration; Thibos, Bradley, Still,
   /// Zhang and Howarth, Vision Research 30, 1990).
   glm::dvec2 offset_m{0.0};
-  float diffraction_px = 0.0f;  ///< standard deviation of its Gaussian; 0: not shown
+  float diffraction_px = 0.0f;  ///< `diffractionGaussian_rad` on the image; 0: not shown
 
   /// Whether parts of the lens see different images, besides defocus.
   bool hasParts() const { return wavefront || stiles_crawford_per_mm2 > 0.0; }
   bool operator==(const Pupil&) const = default;
 };
-
-/// Standard deviation, rad, of the Gaussian that has the Airy pattern's peak and light:
-///   sqrt(2) / pi  lambda / A = 0.450 lambda / A.
-double diffractionGaussian_rad(double pupil_m, double wavelength_m);
 
 /// A displacement of this root mean square along an axis adds 1/25 to the variance of the prefilter
 /// and 2 % to its width. That is below the change of blur that an observer sees, about a tenth
@@ -55,16 +52,19 @@ struct LensPart {
   float radius = 1.0f;     ///< over the lens's; 0: a point
   float weight = 1.0f;     ///< share of the light; the weights sum to 1
   glm::vec2 shift_px{0.0f};
-  Defocus defocus;
+  Defocus defocus = {};
   /// Root mean square over the part of what s0 and H leave of the displacement, along an axis.
   float rest_px = 0.0f;
-  float nonlinear_px = 0.0f;  ///< the share of `rest_px` that astigmatism would not take away
+  float diffraction_px = 0.0f;  ///< standard deviation of the Gaussian of diffraction
+  float nonlinear_px = 0.0f;    ///< the share of `rest_px` that astigmatism would not take away
 };
 
 /// The lens in `n` compact parts. All parts together have the light, the mean and the variance of
 /// the lens, and of the wavefront's slope over it. Computed once for each `n`: the cells of a dense
 /// sampling of the disc nearest to `n` points, each of which is the mean of its cell (Lloyd, 1982).
-/// @param n  1 to 256
+/// Where diffraction shows, a last part is its halo: the whole lens, blurred widely. The other
+/// parts then have the light that stays in the core, which is less near the rim (diffraction.h).
+/// @param n  1 to 256; 1 has no halo
 std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int n);
 
 /// The lens in points of equal share.
@@ -75,14 +75,18 @@ std::vector<LensPart> lensPoints(const Defocus& defocus, const Pupil& pupil,
 /// mean square of the slopes along an axis.
 float aberrationRadius_px(const Defocus& defocus, const Pupil& pupil);
 
+/// For images that diffraction spreads once they are finished.
+inline Pupil withoutDiffraction(Pupil pupil) {
+  pupil.diffraction_px = 0.0f;
+  return pupil;
+}
+
 /// The view that a part has.
 View viewOfPart(View view, const LensPart& part);
 
-/// `diffraction_px`, or 0 where it adds less than 3 % to the variance of a pixel's prefilter, 1
-/// px^2.
-float shownDiffraction_px(const Pupil& pupil);
-
-/// The prefilter, widened by diffraction where it shows and by the part's own rest.
-Acuity widened(Acuity acuity, const Pupil& pupil, float rest_px = 0.0f);
+/// The prefilter, widened by the diffraction of the whole pupil where it shows, or by that and the
+/// rest of a part.
+Acuity widened(const Acuity& acuity, const Pupil& pupil);
+Acuity widened(const Acuity& acuity, const LensPart& part);
 
 }  // namespace foci

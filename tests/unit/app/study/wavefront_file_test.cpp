@@ -46,7 +46,10 @@ INSTANTIATE_TEST_SUITE_P(
         "pupil_mm,6\nmode,OD,OS\nZ2+0,0.5,0.5\nZ3+1,-0.25,-0.25\n",
         "pupil_mm,6\n2,0,0.5\n3,1,-0.25\n", "eye,pupil_mm,Z4,Z8\nOD,6,0.5,-0.25\nOS,6,0.5,-0.25\n",
         "eye,pupil_mm,\"Z(2,0)\",\"Z(3,1)\",Z(3,-1)\nright,6,0.5,-0.25,0\nleft,6,0.5,-0.25,0\n",
-        "pupil_mm,Z20,Z3-1,Z3+1\n6,0.5,0,-0.25\n"));
+        "pupil_mm,Z20,Z3-1,Z3+1\n6,0.5,0,-0.25\n",
+        "j,coefficient_um,pupil_mm\n4,0.5,6\n8,-0.25,6\n",
+        "Pupil radius (mm),3\nj,um\n4,0.5\n8,-0.25\n", "pupil_radius_mm,Z4,Z8\n3,0.5,-0.25\n",
+        "pupil_mm,6\n\"n\",\"m\",\"Right Eye\",\"Left Eye\"\n2,0,0.5,0.5\n3,1,-0.25,-0.25\n"));
 
 TEST_P(Layouts, HoldTheSameEye) {
   const MeasuredEyes eyes = read(GetParam());
@@ -87,6 +90,8 @@ TEST(WavefrontFile, RefusesWhatCanBeMisread) {
             "eye.csv:1: pupil = \"60\": expected a diameter of 1 to 12 mm");
   EXPECT_EQ(refusal("eye,pupil_mm,Z4,Z5\nOD,6,0.5,0\nOD,6,0.6,0\n"),
             "eye.csv:3: a second row of one eye: expected one row for each eye");
+  EXPECT_EQ(refusal("j,um,pupil_mm\n4,0.5,6\n8,0.5,5\n"),
+            "eye.csv:3: a second pupil: expected one for the table");
   EXPECT_EQ(refusal("pupil_mm,6\nj,um\n4\n"), "eye.csv:3: 1 cells: expected at least 2");
   EXPECT_EQ(refusal(""), "eye.csv: no coefficients: expected a table of Zernike coefficients");
 }

@@ -130,11 +130,19 @@ TEST(Pupil, ColoursShiftWithThePupilBesideTheAxis) {
 }
 
 TEST(Pupil, DiffractionAddsItsVariance) {
+  constexpr float kDiffraction_px = 0.8f;
+  const float one_px = diffractionThroughPixel_px(kDiffraction_px);
+  const DiffractionHalo halo = diffractionHalo(kDiffraction_px);
+  const double both_px2 = (1.0 - halo.halo_share) * halo.core_px * halo.core_px +
+                          halo.halo_share * halo.halo_px * halo.halo_px;
   for (const std::string method : {"sweep", "sweep:7", "sweep-lod", "accumulate:7", "auto"}) {
     RenderSettings settings = eye(2e-3, 0.0, {});
     const double without = momentsOf(seen(method, settings)).variance_x_px2;
-    settings.pupil.diffraction_px = 0.8f;
-    EXPECT_NEAR(momentsOf(seen(method, settings)).variance_x_px2 - without, 0.64, 0.035) << method;
+    settings.pupil.diffraction_px = kDiffraction_px;
+    const double expected = method == "sweep:7" ? both_px2 : one_px * one_px;
+    EXPECT_NEAR(momentsOf(seen(method, settings)).variance_x_px2 - without, expected,
+                0.05 * expected)
+        << method;
   }
 }
 
@@ -167,8 +175,9 @@ TEST(AberrationsOfGaussians, DiffractionSpreadsTheImage) {
     const Moments without = momentsOf(render(method, scene, view, settings));
     for (const float sigma_px : {0.4f, 2.0f}) {
       settings.pupil.diffraction_px = sigma_px;
+      const double expected_px2 = std::pow(diffractionThroughPixel_px(sigma_px), 2);
       const Moments with = momentsOf(render(method, scene, view, settings));
-      EXPECT_NEAR((with.variance_x_px2 - without.variance_x_px2) / (sigma_px * sigma_px), 1.0, 0.01)
+      EXPECT_NEAR((with.variance_x_px2 - without.variance_x_px2) / expected_px2, 1.0, 0.01)
           << method;
       EXPECT_NEAR(with.mass / without.mass, 1.0, 1e-4) << method;
     }

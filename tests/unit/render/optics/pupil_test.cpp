@@ -130,16 +130,23 @@ TEST(LensParts, StilesCrawfordWeighsTheRimLess) {
   EXPECT_NEAR(parts[0].weight, parts[1].weight, 1e-6);
 }
 
-TEST(Diffraction, TheGaussianHasThePeakAndTheLightOfTheAiryPattern) {
-  // The Airy pattern's peak is pi A^2 / (4 lambda^2) for light of 1; a Gaussian's 1 / (2 pi s^2).
-  const double sigma_rad = diffractionGaussian_rad(3e-3, 555e-9);
-  const double airy = std::numbers::pi * 3e-3 * 3e-3 / (4.0 * 555e-9 * 555e-9);
-  EXPECT_NEAR(1.0 / (2.0 * std::numbers::pi * sigma_rad * sigma_rad) / airy, 1.0, 1e-12);
-}
-
-TEST(Diffraction, WidensThePrefilterOnlyWhereItShows) {
-  EXPECT_EQ(widened({}, {.diffraction_px = 0.1f}), Acuity{});
-  EXPECT_NEAR(widened({}, {.diffraction_px = 0.75f}).base_px, 1.25f, 1e-6f);
+TEST(LensParts, DiffractionTakesLightFromTheRimIntoAHalo) {
+  Pupil pupil{.diameter_m = kPupil_m, .diffraction_px = 0.3f};
+  const DiffractionHalo halo = diffractionHalo(pupil.diffraction_px);
+  const std::vector<LensPart> parts = lensParts(lensOf(pupil, 0.0), pupil, 19);
+  ASSERT_EQ(parts.size(), 20u);
+  float light = 0.0f, middle = 0.0f, rim = 0.0f;
+  for (const LensPart& part : parts) {
+    light += part.weight;
+    if (part.radius > 0.9f) continue;
+    EXPECT_EQ(part.diffraction_px, halo.core_px);
+    (glm::length(part.centre) < 0.6f ? middle : rim) += part.weight;
+  }
+  EXPECT_NEAR(light, 1.0f, 1e-5f);
+  EXPECT_NEAR(parts.back().weight, halo.halo_share, 1e-6f);
+  EXPECT_EQ(parts.back().diffraction_px, halo.halo_px);
+  EXPECT_LT(rim / 12.0f, 0.97f * middle / 7.0f);
+  EXPECT_EQ(lensParts(lensOf(pupil, 0.0), withoutDiffraction(pupil), 19).size(), 19u);
 }
 
 }  // namespace

@@ -1,0 +1,93 @@
+#include "render/optics/diffraction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace foci {
+namespace {
+
+/// Diffraction below this share of the prefilter's variance is left out.
+constexpr double kLeastShare = 0.03;
+
+/// Standard deviation, in lens radii and along an axis, of the distances that go with the
+/// frequencies of a Gaussian of `blur_px`: lambda / (2 pi blur) = diffraction / (sqrt(2) blur).
+double shiftOf(double diffraction_px, double blur_px) {
+  return diffraction_px / (std::numbers::sqrt2 * blur_px);
+}
+
+}  // namespace
+
+double diffractionGaussian_rad(double pupil_m, double wavelength_m) {
+  return std::numbers::sqrt2 / std::numbers::pi * wavelength_m / pupil_m;
+}
+
+double peakLostToDiffraction(double diffraction_px, double blur_px) {
+  // Distances of a Gaussian in two dimensions: quantiles of Rayleigh's distribution.
+  constexpr int kQuantiles = 128;
+  const double shift = shiftOf(diffraction_px, blur_px);
+  double lost = 0.0;
+  for (int i = 0; i < kQuantiles; ++i) {
+    const double s = 0.5 * shift * std::sqrt(-2.0 * std::log(1.0 - (i + 0.5) / kQuantiles));
+    const double mtf =
+        s >= 1.0 ? 0.0 : 2.0 / std::numbers::pi * (std::acos(s) - s * std::sqrt(1.0 - s * s));
+    lost += (1.0 - mtf) / kQuantiles;
+  }
+  return lost;
+}
+
+float diffractionThroughPixel_px(float diffraction_px) {
+  // A Gaussian of variance v takes v / (1 + v) of the peak.
+  const double lost = peakLostToDiffraction(diffraction_px, 1.0);
+  const double variance_px2 = lost / (1.0 - lost);
+  return variance_px2 < kLeastShare ? 0.0f : static_cast<float>(std::sqrt(variance_px2));
+}
+
+DiffractionHalo diffractionHalo(float diffraction_px) {
+  if (diffractionThroughPixel_px(diffraction_px) == 0.0f) return {};
+  const double d2 = double{diffraction_px} * diffraction_px;
+  // Three pixels, or three times the Airy pattern's Gaussian where that is wider than a pixel.
+  const double halo_px = 3.0 * std::sqrt(1.0 + d2), halo2 = halo_px * halo_px;
+  const double near_lost = peakLostToDiffraction(diffraction_px, 1.0);
+  const double far_lost = peakLostToDiffraction(diffraction_px, halo_px);
+  const double halo_near = halo2 / (1.0 + halo2);  // what the halo takes of its own peak
+  const auto coreVariance = [&](double share) {
+    const double core = near_lost - share * halo_near;
+    return core / (1.0 - share - core);
+  };
+  double low = 0.0, high = near_lost / halo_near;
+  for (int i = 0; i < 40; ++i) {
+    const double share = 0.5 * (low + high), core2 = coreVariance(share);
+    const double lost = 0.5 * share + (1.0 - share) * core2 / (halo2 + core2);
+    (lost < far_lost ? low : high) = share;
+  }
+  return {.core_px = static_cast<float>(std::sqrt(std::max(coreVariance(low), 0.0))),
+          .halo_px = static_cast<float>(halo_px),
+          .halo_share = static_cast<float>(low)};
+}
+
+LightInCore::LightInCore(float diffraction_px, float halo_share) {
+  constexpr int kDirections = 32;  // over a quarter turn
+  const double shift = shiftOf(diffraction_px, 1.0);
+  const double scale = halo_share / peakLostToDiffraction(diffraction_px, 1.0);
+  for (int i = 0; i <= kSteps; ++i) {
+    const double r = static_cast<double>(i) / kSteps;
+    double lost = 0.0;
+    for (int k = 0; k < kDirections; ++k) {
+      const double angle_rad = 0.5 * std::numbers::pi * (k + 0.5) / kDirections;
+      const double across = r * std::sin(angle_rad);
+      const double to_rim = std::sqrt(1.0 - across * across) - r * std::cos(angle_rad);
+      lost += std::exp(-2.0 * to_rim * to_rim / (shift * shift)) / kDirections;
+    }
+    by_radius_[static_cast<std::size_t>(i)] = std::max(1.0 - scale * lost, 0.0);
+  }
+}
+
+double LightInCore::at(double radius) const {
+  const double place = std::clamp(radius, 0.0, 1.0) * kSteps;
+  const auto below = std::min(static_cast<std::size_t>(place), std::size_t{kSteps - 1});
+  const double t = place - static_cast<double>(below);
+  return (1.0 - t) * by_radius_[below] + t * by_radius_[below + 1];
+}
+
+}  // namespace foci

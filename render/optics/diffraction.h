@@ -1,0 +1,46 @@
+// Diffraction at the pupil as Gaussians that have the peak of the Airy pattern as a pixel sees it.
+#pragma once
+
+#include <array>
+
+namespace foci {
+
+/// Standard deviation, rad, of the Gaussian that has the Airy pattern's peak and light:
+///   sqrt(2) / pi  lambda / A = 0.450 lambda / A.
+double diffractionGaussian_rad(double pupil_m, double wavelength_m);
+
+/// The share of a point's peak that diffraction takes, seen through a Gaussian of `blur_px`:
+/// 1 less the mean of the MTF of a round pupil over the frequencies that the Gaussian keeps.
+/// @param diffraction_px  `diffractionGaussian_rad` on the image
+double peakLostToDiffraction(double diffraction_px, double blur_px);
+
+/// Standard deviation, px, of the one Gaussian that takes as much of the peak through a pixel of
+/// 1 px as diffraction does; 0 where it adds less than 3 % to the pixel's variance.
+float diffractionThroughPixel_px(float diffraction_px);
+
+/// Diffraction as a core and a halo. Light near the rim of the pupil spreads most: the halo.
+/// Together they take as much of the peak as diffraction does, through a pixel and through a blur
+/// as wide as the halo.
+struct DiffractionHalo {
+  float core_px = 0.0f;  ///< standard deviation
+  float halo_px = 0.0f;
+  float halo_share = 0.0f;  ///< of the light; 0: diffraction does not show
+};
+DiffractionHalo diffractionHalo(float diffraction_px);
+
+/// The share of its light that a part of the pupil keeps in the core. Waves have contrast at a
+/// frequency only from pairs of points of the pupil whose distance s goes with the frequency
+/// (Goodman 2005, section 6.3). A point of the pupil contributes while both ends of s, of which it
+/// is the middle, lie in the pupil.
+class LightInCore {
+ public:
+  LightInCore(float diffraction_px, float halo_share);
+  /// @param radius  distance from the middle of the unit disc of the lens
+  double at(double radius) const;
+
+ private:
+  static constexpr int kSteps = 64;
+  std::array<double, kSteps + 1> by_radius_{};
+};
+
+}  // namespace foci
