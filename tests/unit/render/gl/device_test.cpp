@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "render/gl/buffer.h"
+#include "tests/unit/render/gl/lost_context.h"
 #include "tests/unit/render/gl/test_device.h"
 
 namespace foci {
@@ -43,6 +44,36 @@ TEST(GpuDevice, OneLineSaysHowMuchMemoryIsMissing) {
       messageOf([&] { buffer.reserve(*device, device->maxBlock_bytes() + 1, "the surfels"); });
   EXPECT_NE(message.find("the surfels need"), std::string::npos) << message;
   EXPECT_NE(message.find("MiB"), std::string::npos) << message;
+}
+
+TEST(GpuDevice, OneLineSaysThatItsMemoryIsFullAndTheDeviceGoesOn) {
+  FOCI_NEEDS_GPU(device);
+  const GpuDevice::Use use(*device);
+  GpuBuffer buffer;
+  const std::string message =
+      messageOf([&] { buffer.reserveWindowed(*device, std::size_t{1} << 44, "the surfels"); });
+  EXPECT_NE(message.find("the surfels need 16777216 MiB"), std::string::npos) << message;
+  EXPECT_NE(message.find("no such room left"), std::string::npos) << message;
+  buffer.reserve(*device, sizeof(unsigned), "a number");
+  buffer.fill(7, sizeof(unsigned));
+  unsigned read = 0;
+  buffer.read(0, sizeof read, &read);
+  EXPECT_EQ(read, 7u);
+  EXPECT_NO_THROW(device->check());
+}
+
+TEST(GpuDevice, ALostContextIsAnErrorForEveryUse) {
+  const LosableDevice device = losableDevice();
+  if (!device.gpu) GTEST_SKIP() << "no OpenGL 4.5 on this machine";
+  auto buffer = std::make_unique<GpuBuffer>();
+  {
+    const GpuDevice::Use use(*device.gpu);
+    buffer->reserve(*device.gpu, 16, "a number");
+  }
+  *device.lost = true;
+  const std::string message = messageOf([&] { const GpuDevice::Use use(*device.gpu); });
+  EXPECT_NE(message.find("its OpenGL context is lost"), std::string::npos) << message;
+  buffer.reset();  // frees nothing, and throws nothing
 }
 
 TEST(GpuDevice, AnyThreadMayUseItOneAtATime) {
