@@ -24,7 +24,8 @@ constexpr double kPlaneFov_rad = 0.782;
 constexpr double kPlaneFocus_m = 5.742;  // the middle of the plane, along the axis
 
 // Names that no scan may take.
-constexpr const char* kBuiltIn[] = {"plane", "gallery", "mask", "fence", "ball", "statue"};
+constexpr const char* kBuiltIn[] = {"plane",  "gallery", "mask",  "fence",
+                                    "garden", "ball",    "statue"};
 
 // Fields of view, chosen by eye unless a comment says otherwise.
 constexpr double kStatueFov_rad = 0.56;
@@ -32,6 +33,8 @@ constexpr double kScanFov_rad = 0.6;
 constexpr double kGalleryFov_rad = 0.46;  // the gallery is sampled for this image height
 constexpr double kFenceFov_rad = 0.5;
 constexpr double kMaskFov_rad = 0.44;
+constexpr double kGardenFov_rad = 0.5;
+constexpr double kGardenFocus_m = 0.95;
 
 constexpr std::size_t kMinInView = 1000;    // points; with fewer, no surface can be told
 constexpr double kFocusCone_rad = 0.00873;  // half a degree, as for a gaze in app/study
@@ -191,6 +194,13 @@ SceneInView fenceInView(int size_px) {
           .cloud = makeFence(),
           .view = viewFrom(pose, size_px, kFenceFov_rad),
           .settings = settingsFor(glm::distance(pose.position_m, pose.target_m), glm::vec3(0.05f))};
+}
+
+SceneInView gardenInView(int width_px) {
+  return {.name = "garden",
+          .cloud = makeGarden(),
+          .view = viewFrom(gardenEyePose(), {width_px, width_px * 9 / 16}, kGardenFov_rad),
+          .settings = settingsFor(kGardenFocus_m, glm::vec3(0.05f))};
 }
 
 double galleryDepth_m(const View& view, const std::string& place) {

@@ -71,6 +71,10 @@ View maskView(int size_px);
 /// A fence before a wall. The wall is in focus.
 SceneInView fenceInView(int size_px);
 
+/// The garden of Gaussians. The blades are in focus.
+/// @param width_px  of an image of 16 : 9
+SceneInView gardenInView(int width_px);
+
 /// Distance along the axis of one of `galleryPointsOfInterest()`.
 /// @param place  its name (asserted)
 double galleryDepth_m(const View& view, const std::string& place);

@@ -29,7 +29,7 @@ void GaussianView::project(const View& view, const Defocus& defocus,
   lists_.build(projected_.chunks, view.size_px, lod != nullptr);
 }
 
-float GaussianView::tileBlur_px(std::size_t tile) const {
+TileBlur GaussianView::tileBlur(std::size_t tile) const {
   double sum = 0.0, weights = 0.0;
   for (const std::uint32_t index : lists_.splats(tile)) {
     const double blur2 = double{projected_.chunks.keys[index].blur_px} *
@@ -38,12 +38,14 @@ float GaussianView::tileBlur_px(std::size_t tile) const {
     sum += peak * blur2 * blur2;
     weights += peak;
   }
-  return weights > 0.0 ? static_cast<float>(std::sqrt(std::sqrt(sum / weights))) : 0.0f;
+  return {
+      .radius_px = weights > 0.0 ? static_cast<float>(std::sqrt(std::sqrt(sum / weights))) : 0.0f,
+      .everywhere = lists_.tiles()[tile].step_px > 1};
 }
 
-std::vector<float> GaussianView::tileBlurs_px() const {
-  std::vector<float> blurs(lists_.tiles().size());
-  parallelFor(blurs.size(), [&](std::size_t t) { blurs[t] = tileBlur_px(t); });
+std::vector<TileBlur> GaussianView::tileBlurs() const {
+  std::vector<TileBlur> blurs(lists_.tiles().size());
+  parallelFor(blurs.size(), [&](std::size_t t) { blurs[t] = tileBlur(t); });
   return blurs;
 }
 
@@ -54,10 +56,10 @@ std::uint64_t GaussianView::render(const std::vector<LensDisc>& discs, const glm
 }
 
 std::uint64_t GaussianView::render(
-    const std::function<const std::vector<LensDisc>&(float blur_px)>& discs_of,
+    const std::function<const std::vector<LensDisc>&(const TileBlur&)>& discs_of,
     const glm::vec3& background, Frame& frame) {
   return renderTiles(
-      [&](std::size_t t) -> const std::vector<LensDisc>& { return discs_of(tileBlur_px(t)); },
+      [&](std::size_t t) -> const std::vector<LensDisc>& { return discs_of(tileBlur(t)); },
       background, frame);
 }
 

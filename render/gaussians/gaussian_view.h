@@ -15,6 +15,14 @@
 
 namespace foci {
 
+/// How blurred a tile is.
+struct TileBlur {
+  /// The blur radius of its Gaussians: the mean of their fourth powers, weighted by opacity, so
+  /// that few blurred ones count more than many sharp ones, and a single faint one does not.
+  float radius_px = 0.0f;
+  bool everywhere = false;  ///< nothing in it is sharp: its samples are more than a pixel apart
+};
+
 /// Keeps its buffers between frames.
 class GaussianView {
  public:
@@ -36,19 +44,16 @@ class GaussianView {
                        Frame& frame);
 
   /// The same with discs that each tile chooses.
-  /// @param discs_of  the discs for a tile of this blur radius (`tileBlurs_px`); called by several
-  ///                  threads
-  std::uint64_t render(const std::function<const std::vector<LensDisc>&(float blur_px)>& discs_of,
+  /// @param discs_of  called by several threads
+  std::uint64_t render(const std::function<const std::vector<LensDisc>&(const TileBlur&)>& discs_of,
                        const glm::vec3& background, Frame& frame);
 
-  /// The blur radius of each tile's Gaussians: their mean of fourth powers, weighted by opacity, so
-  /// that few blurred ones count more than many sharp ones, and a single faint one does not.
-  std::vector<float> tileBlurs_px() const;
+  std::vector<TileBlur> tileBlurs() const;
 
   std::size_t count() const { return projected_.total(); }
 
  private:
-  float tileBlur_px(std::size_t tile) const;
+  TileBlur tileBlur(std::size_t tile) const;
   template <typename DiscsOfTile>
   std::uint64_t renderTiles(const DiscsOfTile& discs_of, const glm::vec3& background, Frame& frame);
 

@@ -43,8 +43,11 @@ std::vector<ChartScene> everyScene(int size_px, const std::optional<ScanView>& s
   constexpr int kPlaneSamples = 512;  // along a side, as in the 2003 paper
   std::vector<ChartScene> all;
   if (scan) {  // first, so that a bad scan is reported at once
-    all.push_back({"scan", scan->file.filename().string(), scanKey(*scan),
-                   [=, view = *scan] { return scanInView(view, size_px); }});
+    all.push_back({.id = "scan",
+                   .title = scan->file.filename().string(),
+                   .input = scanKey(*scan),
+                   .make = [=, view = *scan] { return scanInView(view, size_px); },
+                   .gaussians = holdsGaussians(scan->file)});
   }
   all.push_back({"plane", "a textured plane, tilted", "",
                  [=] { return planeInView(kPlaneSamples, size_px); }});
@@ -56,6 +59,10 @@ std::vector<ChartScene> everyScene(int size_px, const std::optional<ScanView>& s
       {"fence", "thin wires before a wall in focus", "", [=] { return fenceInView(size_px); }});
   all.push_back({"ball", "a textured mesh before a light background", "",
                  [=] { return ballInView(size_px); }, ChartTruth::triangles});
+  all.push_back({.id = "garden",
+                 .title = "3D Gaussians: a ball, blades, a veil, boards",
+                 .make = [=] { return gardenInView(size_px); },
+                 .gaussians = true});
   if (!scan) {
     all.push_back({"statue", "a stone lion", "", [=] { return statueInView(size_px); }});
   }
@@ -101,13 +108,13 @@ ChartPlan planChart(const EvaluationChoice& choice) {
   const std::vector<EvaluatedMethod> asked =
       evaluatedMethods(choice.methods, choice.quick ? SettingRange::quick : SettingRange::full);
   for (ChartScene& scene : plan.scenes) {
-    const bool gaussians = !scene.input.empty() && holdsGaussians(choice.scan->file);
-    scene.methods = gaussians ? ofGaussians(asked, choice.methods.empty()) : asked;
-    if (scene.methods.empty()) {
-      throw InputError(choice.scan->file.string(),
-                       "holds Gaussians, which none of the chosen methods renders (foci methods)");
-    }
+    scene.methods = scene.gaussians ? ofGaussians(asked, choice.methods.empty()) : asked;
+    if (!scene.methods.empty()) continue;
+    if (scene.input.empty() && choice.scenes.empty()) continue;
+    throw InputError(scene.input.empty() ? "--scene " + scene.id : choice.scan->file.string(),
+                     "holds Gaussians, which none of the chosen methods renders (foci methods)");
   }
+  std::erase_if(plan.scenes, [](const ChartScene& scene) { return scene.methods.empty(); });
   return plan;
 }
 

@@ -18,11 +18,12 @@ enum class ChartTruth {
 };
 
 struct ChartScene {
-  std::string id;     ///< in file names and in chart.csv
-  std::string title;  ///< for people
-  std::string input;  ///< `scanKey` of a scan; empty for a built-in scene
+  std::string id;          ///< in file names and in chart.csv
+  std::string title;       ///< for people
+  std::string input = {};  ///< `scanKey` of a scan; empty for a built-in scene
   std::function<SceneInView()> make;
   ChartTruth truth = ChartTruth::surfels;
+  bool gaussians = false;                     ///< a scene of Gaussians, which fewer methods render
   std::vector<EvaluatedMethod> methods = {};  ///< those of the plan that render the scene
 };
 

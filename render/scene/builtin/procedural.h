@@ -49,6 +49,13 @@ SurfelCloud makeFence();
 /// The eye at the origin, looking at the wall's middle along -z.
 EyePose fenceEyePose();
 
+/// A scene of Gaussians in place of surfels: wall, ground, ball and boards, blades thinner than a
+/// pixel, a veil and floaters, from 0.65 to 3 m from the eye.
+SurfelCloud makeGarden();
+
+/// The eye looks past the veil and the blades at the ball.
+EyePose gardenEyePose();
+
 struct PointOfInterest {
   std::string name;   ///< "lattice", "bust", ...
   glm::vec3 p_world;  ///< on a surface that is visible from `galleryEyePose()`

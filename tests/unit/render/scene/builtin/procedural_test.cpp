@@ -9,6 +9,7 @@
 
 #include "render/normalisation/kernel_sums.h"
 #include "render/optics/view.h"
+#include "render/scene/gaussian_cloud.h"
 #include "render/scene/sampling/implicit_surface.h"
 #include "render/scene/sampling/sample_surface.h"
 #include "render/scene/surface_query.h"
@@ -36,6 +37,25 @@ TEST(MakeFence, HidesSomeOfAWallThatFillsTheViewBehindIt) {
   EXPECT_NEAR(far_m2, 1.44, 1e-4);  // float sums
   // 12 wires of 0.5, 1, 2 and 4 mm, 0.4 m long and a little more where they lean, and a slat.
   EXPECT_NEAR(near_m2, 0.4 * (3 * 0.0075 + 0.003), 1e-4);
+}
+
+TEST(MakeGarden, IsASoundSceneOfGaussiansAtSeveralDepths) {
+  const SurfelCloud garden = makeGarden();
+  ASSERT_TRUE(garden.gaussians && garden.empty());
+  const GaussianCloud& g = *garden.gaussians;
+  EXPECT_LT(g.size(), 200'000u);  // small enough to chart
+  EXPECT_EQ(g.harmonics.size(), g.size() * g.harmonicsPerGaussian());
+  std::size_t veil = 0, thin = 0;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    const Covariance3& v = g.covariance_m2[i];
+    const float trace = v.xx + v.yy + v.zz;
+    ASSERT_TRUE(std::isfinite(trace) && v.xx > 0.0f && v.yy > 0.0f && v.zz > 0.0f) << i;
+    ASSERT_TRUE(g.opacity[i] > 0.0f && g.opacity[i] < 1.0f) << i;
+    veil += g.opacity[i] < 0.1f;
+    thin += g.position_m[i].z > -1.2f && g.opacity[i] == 0.9f;
+  }
+  EXPECT_GT(veil, 100u);
+  EXPECT_GT(thin, 1000u);
 }
 
 class GalleryTest : public testing::Test {
