@@ -266,7 +266,8 @@ def eye(args):
         figures = list(csv.DictReader(file, delimiter="\t"))
     return "\n\n".join([
         "**Time of an eye with aberrations**: the gallery by `sweep:19` at 960 x 540 px, a typical eye of 40 years against one "
-        "without aberrations. Each time is the shortest of four runs; the runs alternate.",
+        "without aberrations. Each time is the shortest of four runs; the runs alternate. The ratio is largest where the eye "
+        "without aberrations sees most of the scene sharp.",
         table(["pupil, mm", "focus, m", "without, ms", "with, ms", "ratio"], times),
         "**A rendered point of light against Fourier optics**, typical eye, `sweep:19` with diffraction, pixels of 1 arcmin. "
         "The root mean square is a share of the peak: over a window of 65 arcmin, and over the pixels that hold at least 1 % "
