@@ -31,6 +31,7 @@
 #include "app/platform/sha256.h"
 #include "app/record/durations.h"
 #include "app/record/landing.h"
+#include "app/record/later_image.h"
 #include "app/record/record_files.h"
 #include "app/record/tables.h"
 #include "app/session/session.h"
@@ -52,14 +53,10 @@ struct FrameTiming {
   bool in_full = false;          ///< at full quality: the frame-time budget took nothing away
 };
 
-/// The pixels of a frame that lies on the GPU come later. The first thread that calls `get` waits
-/// for them and makes the image.
-using LiveImage = std::shared_future<std::shared_ptr<const Image>>;
-
 struct LiveFrame {
   FrameRecord record;
   std::shared_ptr<GpuTexture> texture;  ///< shows the frame; null: `image` does
-  LiveImage image;                      ///< invalid where only the texture is needed
+  LaterImage image;                     ///< invalid where only the texture is needed
   std::vector<glm::dvec2> markers_px;   ///< gaze markers, which the image has and the texture lacks
   std::shared_ptr<RenderedFrame> on_gpu;  ///< what the texture was made of, for the renderer alone
   FrameTiming timing;

@@ -28,21 +28,15 @@ constexpr double kStill_D_s = 0.05;  // focus that moves no faster is at rest; c
 constexpr int kAlike = 2;
 constexpr std::size_t kMaxBacklog = 8;  // frames that wait for the disk: 50 MB at 1920 x 1080
 
-LiveImage readyImage(Image image) {
-  std::promise<std::shared_ptr<const Image>> promise;
-  promise.set_value(std::make_shared<const Image>(std::move(image)));
-  return promise.get_future().share();
-}
-
 /// The image with the frame's gaze markers, made where the image is.
-LiveImage marked(const LiveImage& plain, const LiveFrame& frame) {
+LaterImage marked(const LaterImage& plain, const LiveFrame& frame) {
   if (frame.markers_px.empty()) return plain;
   const auto draw = [plain, points_px = frame.markers_px, record = frame.record] {
     auto image = std::make_shared<Image>(*plain.get());
     drawGazeMarkers(points_px, record, *image);
     return std::shared_ptr<const Image>(std::move(image));
   };
-  LiveImage image = std::async(std::launch::deferred, draw).share();
+  LaterImage image = std::async(std::launch::deferred, draw).share();
   if (!frame.texture) image.wait();
   return image;
 }
@@ -159,8 +153,8 @@ void LiveRenderer::closeRecord() {
   closing_.push_back(std::exchange(state_.record, nullptr));
 }
 
-std::future<LiveImage> LiveRenderer::pixelsOf(std::shared_ptr<const LiveFrame> frame) {
-  const auto answer = std::make_shared<std::promise<LiveImage>>();
+std::future<LaterImage> LiveRenderer::pixelsOf(std::shared_ptr<const LiveFrame> frame) {
+  const auto answer = std::make_shared<std::promise<LaterImage>>();
   auto image = answer->get_future();
   post([this, answer, frame = std::move(frame)] {
     if (frame->image.valid()) {
@@ -232,7 +226,7 @@ void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& s
     const std::lock_guard lock(mutex_);
     failure_ = std::current_exception();
   }
-  finishRead();
+  if (session_) reading_.finish(session_->renderer());
   closeRecord();
   ready_();
 }
@@ -277,7 +271,7 @@ bool LiveRenderer::waitForRoom(const std::stop_token& stop) {
       }
       std::swap(commands, commands_);
     }
-    finishRead();
+    reading_.finish(session_->renderer());
     if (commands.empty()) return !stop.stop_requested();
     for (const Command& command : commands) command();
     // A record is destroyed once it is written or has failed: its destructor would wait.
@@ -407,38 +401,13 @@ void LiveRenderer::fill(LiveFrame& frame, RenderedFrame& rendered) {
     if (texture_) on_gpu_ = std::make_shared<RenderedFrame>(cloneOnGpu(rendered));
   }
   if (!plain_.valid() && (!texture_ || state_.record)) {
-    plain_ = texture_ ? startRead() : readyImage(imageOf(rendered.frame, gamma));
+    plain_ = texture_ ? reading_.start(session_->renderer(), on_gpu_, gamma)
+                      : readyImage(imageOf(rendered.frame, gamma));
   }
   frame.texture = texture_;
   frame.on_gpu = on_gpu_;
   if (study_.output.marker) frame.markers_px = session_->gazePoints_px(frame.record);
   if (plain_.valid()) frame.image = marked(plain_, frame);
-}
-
-/// The image of `on_gpu_`, whose pixels come while the next frame is prepared.
-LiveImage LiveRenderer::startRead() {
-  session_->renderer().startRead(*on_gpu_);
-  reading_.emplace();
-  return std::async(
-             std::launch::deferred,
-             [done = reading_->get_future().share(), frame = on_gpu_, gamma = study_.screen.gamma] {
-               done.get();
-               compose(*frame);
-               return std::make_shared<const Image>(imageOf(frame->frame, gamma));
-             })
-      .share();
-}
-
-/// Waits for the pixels that are on their way, and gives them to the image.
-void LiveRenderer::finishRead() {
-  if (!reading_) return;
-  try {
-    session_->renderer().finishRead(*on_gpu_);
-    reading_->set_value();
-  } catch (...) {
-    reading_->set_exception(std::current_exception());
-  }
-  reading_.reset();
 }
 
 }  // namespace foci

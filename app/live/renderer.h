@@ -71,7 +71,7 @@ class LiveRenderer {
   LiveState state() const;
 
   /// An image of the frame, also where it only lies on the GPU.
-  std::future<LiveImage> pixelsOf(std::shared_ptr<const LiveFrame> frame);
+  std::future<LaterImage> pixelsOf(std::shared_ptr<const LiveFrame> frame);
 
   /// Shows a notice.
   void tell(const std::string& notice);
@@ -91,8 +91,6 @@ class LiveRenderer {
   GazeSample asRecorded(GazeSample sample) const;
   std::shared_ptr<LiveFrame> renderFrame();
   void fill(LiveFrame& frame, RenderedFrame& rendered);
-  LiveImage startRead();
-  void finishRead();
   bool refine(const RenderRequest& request, const FrameRecord& record);
   void publish();
   void noteView();
@@ -117,8 +115,8 @@ class LiveRenderer {
   // The last frame: `LiveFrame` without gaze markers.
   std::shared_ptr<GpuTexture> texture_;
   std::shared_ptr<RenderedFrame> on_gpu_;
-  LiveImage plain_;
-  std::optional<std::promise<void>> reading_;  // `on_gpu_` is on its way to the CPU
+  LaterImage plain_;
+  FrameReading reading_;
   std::vector<GazeSample> news_;
   std::optional<double> last_sample_s_;
   double last_frame_s_ = 0.0, session_start_s_ = 0.0;

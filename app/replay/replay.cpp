@@ -7,6 +7,7 @@
 #include "app/graphics/image.h"
 #include "app/platform/interrupt.h"
 #include "app/platform/progress.h"
+#include "app/record/later_image.h"
 #include "app/replay/replayed_eye.h"
 #include "app/study/inputs.h"
 #include "app/study/session_settings_of.h"
@@ -44,21 +45,32 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   eye.sayDevice();
   const std::size_t frames = gaze.schedule.frames;
   Progress progress("rendering", "frames", frames);
-  std::shared_ptr<const Image> image;  // without marker
-  std::future<void> written;           // the frame before, while this one is rendered
+  LaterImage image;           // without marker
+  std::future<void> written;  // the frame before, while this one is rendered
+  FrameReading reading;       // destroyed before `written`, which waits for it
+  FrameRenderer& renderer = eye.renderer();
   for (std::size_t i = 0; i < frames; ++i) {
     throwIfInterrupted();
     SeenFrame seen;
-    const Frame& frame = eye.see(i, seen);
-    if (seen.record.rendered || !image) {
-      image = std::make_shared<const Image>(imageOf(frame, eye.study().screen.gamma));
-    }
+    RenderedFrame& rendered = eye.seeKept(i, seen);
+    reading.finish(renderer);
     if (written.valid()) written.get();
-    writer.addMaps(i, seen, frame);
+    const std::optional<double> gamma = eye.study().screen.gamma;
+    if (!study.output.maps.empty()) {
+      renderer.read(rendered);
+      writer.addMaps(i, seen, rendered.frame);
+    }
+    if (seen.record.rendered || !image.valid()) {
+      image = rendered.on_gpu
+                  ? reading.start(renderer, std::make_shared<RenderedFrame>(cloneOnGpu(rendered)),
+                                  gamma)
+                  : readyImage(imageOf(rendered.frame, gamma));
+    }
     written = std::async(maxThreads() > 1 ? std::launch::async : std::launch::deferred,
-                         [&writer, i, seen, image] { writer.add(i, seen, *image); });
+                         [&writer, i, seen, image] { writer.add(i, seen, *image.get()); });
     progress.advance(i + 1);
   }
+  reading.finish(renderer);
   if (written.valid()) written.get();
   if (const std::string remark = eye.session().deviceRemark(); !remark.empty()) {
     std::fprintf(stderr, "foci: %s\n", remark.c_str());

@@ -46,8 +46,14 @@ void ReplayedEye::lookAtSkippedFrames() {
 }
 
 const Frame& ReplayedEye::see(std::size_t frame, SeenFrame& seen) {
+  RenderedFrame& rendered = seeKept(frame, seen);
+  session_.renderer().read(rendered);
+  return rendered.frame;
+}
+
+RenderedFrame& ReplayedEye::seeKept(std::size_t frame, SeenFrame& seen) {
   seen.record = look(gaze_.schedule.time_s(frame));
-  const Frame& rendered = session_.render(methodOf(frame), seen.record);
+  RenderedFrame& rendered = session_.renderKept(methodOf(frame), seen.record);
   seen.gaze_px = session_.gazePoints_px(seen.record);
   seen.marker = study_.output.marker;
   seen.tolerance = study_.quality.tolerance;

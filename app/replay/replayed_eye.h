@@ -22,6 +22,8 @@ class ReplayedEye {
   /// @param seen  gets the frame's record
   /// @return until the next call
   const Frame& see(std::size_t frame, SeenFrame& seen);
+  /// The same, but what the GPU renders may stay there.
+  RenderedFrame& seeKept(std::size_t frame, SeenFrame& seen);
 
   /// Looks at a frame without rendering it. The frames after it are as if it had been rendered.
   /// @throws InputError as `requireParts`
@@ -35,6 +37,7 @@ class ReplayedEye {
   void sayDevice() const;
 
   const Session& session() const { return session_; }
+  FrameRenderer& renderer() { return session_.renderer(); }
   /// With the changes so far.
   const Study& study() const { return study_; }
 

@@ -289,9 +289,14 @@ RenderRequest Session::requestWith(const std::string& method, const FrameRecord&
 }
 
 const Frame& Session::render(const std::string& method, FrameRecord& record) {
+  renderer_.read(renderKept(method, record));
+  return last_.frame;
+}
+
+RenderedFrame& Session::renderKept(const std::string& method, FrameRecord& record) {
   const RenderRequest request = requestOf(method, record);
   if (request.hasTimeBudget() && request.sameViews(last_.request)) renderer_.prepare(request);
-  return render(request, record);
+  return renderKept(request, record);
 }
 
 void Session::pass(const std::string& method, FrameRecord& record) {

@@ -77,6 +77,7 @@ class Session {
   /// Renders `requestOf`, and takes the time to prepare for a frame-time budget while the eye
   /// does not move.
   const Frame& render(const std::string& method, FrameRecord& record);
+  RenderedFrame& renderKept(const std::string& method, FrameRecord& record);
 
   /// Passes over a frame: the next frames are as if this one had been rendered. `record` gets no
   /// method and no stats. Renders if the pupil follows luminance. Not for a method that goes on
