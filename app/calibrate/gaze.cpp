@@ -44,7 +44,8 @@ GazeReport fromFiles(const CalibrateGazeOptions& options, const GazeFrame& frame
     throw InputError(options.pairs.string(), error.what());
   }
   report.validated = !other.empty();
-  report.accuracy = measureAccuracy(report.validated ? other : pairs, frame, &report.fit.map);
+  if (!report.validated) other = keptPairs(pairs, report.fit);
+  report.accuracy = measureAccuracy(other, frame, &report.fit.map);
   return report;
 }
 

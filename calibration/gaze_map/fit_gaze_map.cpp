@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 
 #include "base/quantile.h"
 #include "calibration/gaze_map/station_fit.h"
@@ -270,6 +271,14 @@ GazeFit fitGazeMap(std::span<const GazePair> pairs, const GazeFrame& frame,
   fit.ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return fit;
+}
+
+std::vector<GazePair> keptPairs(std::span<const GazePair> pairs, const GazeFit& fit) {
+  std::vector<GazePair> kept;
+  std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(kept), [&](const GazePair& pair) {
+    return std::find(fit.refused.begin(), fit.refused.end(), pair.target) == fit.refused.end();
+  });
+  return kept;
 }
 
 }  // namespace foci

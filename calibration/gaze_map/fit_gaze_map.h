@@ -30,4 +30,7 @@ struct GazeFit {
 GazeFit fitGazeMap(std::span<const GazePair> pairs, const GazeFrame& frame,
                    std::optional<GazeModel> forced = std::nullopt);
 
+/// The samples of the targets that the fit did not leave out.
+std::vector<GazePair> keptPairs(std::span<const GazePair> pairs, const GazeFit& fit);
+
 }  // namespace foci

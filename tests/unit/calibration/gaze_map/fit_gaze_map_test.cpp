@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "base/input_error.h"
 #include "calibration/gaze_map/accuracy.h"
 #include "tests/unit/calibration/simulated_user.h"
@@ -231,6 +233,65 @@ TEST(FitGazeMapping, BadTargetsAreDroppedAndNamed) {
   auto stuck = recordUser(user, targets, 50, random);
   for (std::size_t i = 0; i < 100; ++i) stuck[i].gaze = glm::dvec2(1.0, 1.0);
   EXPECT_EQ(fitGazeMap(stuck, kDegrees).refused.size(), 2u);
+}
+
+/// What an observer did at a target: which sample of how many, and where the gaze was then.
+using Lapse = std::function<std::optional<glm::dvec2>(int sample, const glm::dvec2& target)>;
+
+TEST(FitGazeMapping, ALapseAtTwoTargetsCostsNoCalibration) {
+  constexpr int kSamples = 60;
+  const glm::dvec2 elsewhere(12.0, 8.4);
+  const struct {
+    const char* what;
+    bool is_named;  // the target tells nothing; else the fit uses its good samples
+    Lapse gaze;
+  } lapses[] = {
+      {"looked at another target", true, [&](int, const glm::dvec2&) { return elsewhere; }},
+      {"came late", true,
+       [&](int i, const glm::dvec2& target) { return i < 36 ? elsewhere : target; }},
+      {"looked to and fro", true,
+       [&](int i, const glm::dvec2& target) { return i % 2 ? elsewhere : target; }},
+      {"blinked", false,
+       [&](int i, const glm::dvec2& target) {
+         const bool lid = (10 <= i && i < 15) || (45 <= i && i < 50);
+         if (15 <= i && i < 45) return std::optional<glm::dvec2>();
+         return std::optional(lid ? target - glm::dvec2(0.0, 10.0) : target);
+       }},
+      {"closed the eyes", false, [&](int, const glm::dvec2&) { return std::nullopt; }},
+  };
+  std::mt19937_64 random(15);
+  std::normal_distribution<double> gauss;
+  const auto targets = targetGrid(3, 12.0);
+  for (const auto& [what, is_named, gaze] : lapses) {
+    double sum_deg = 0.0;
+    for (int person = 0; person < 10; ++person) {
+      SimulatedUser user = curvedUser(random);
+      user.noise_deg = 0.3;
+      user.target_sd_deg = 0.2;
+      auto pairs = recordUser(user, targets, kSamples, random);
+      const std::size_t bad[] = {static_cast<std::size_t>(person) % 4,
+                                 4 + static_cast<std::size_t>(person) % 4};
+      for (const std::size_t target : bad) {
+        for (int i = 0; i < kSamples; ++i) {
+          auto& pair = pairs[target * kSamples + static_cast<std::size_t>(i)];
+          pair.gaze = gaze(i, targets[target]);
+          const glm::dvec2 noise = user.noise_deg * glm::dvec2(gauss(random), gauss(random));
+          if (pair.gaze) pair.gaze = user.tracked(*pair.gaze + noise);
+        }
+      }
+      const GazeFit fit = fitGazeMap(pairs, kDegrees);
+      sum_deg += mapError_deg(user, fit.map);
+      for (const std::size_t target : bad) {
+        const bool named =
+            std::find(fit.refused.begin(), fit.refused.end(), targets[target]) != fit.refused.end();
+        EXPECT_EQ(named, is_named) << what << ", person " << person << ", target " << target;
+      }
+      // Its own samples tell the error of the map, not how far away the observer looked.
+      const auto kept = measureAccuracy(keptPairs(pairs, fit), kDegrees, &fit.map);
+      EXPECT_LT(*kept.overall.accuracy_deg, 1.5) << what << ", person " << person;
+    }
+    EXPECT_LT(sum_deg / 10.0, 0.7) << what;
+  }
 }
 
 TEST(FitGazeMapping, DoesNotMindLostOrShuffledSamples) {
