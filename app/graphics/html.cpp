@@ -11,12 +11,13 @@ main { max-width: 1080px; margin: 0 auto; padding: 2rem 1.25rem 4rem; }
 h1 { font-size: 1.5rem; margin: 0 0 .25rem; } h2 { font-size: 1.1rem; margin: 2.5rem 0 .75rem; }
 p { margin: .5rem 0; max-width: 72ch; } .quiet { color: var(--quiet); }
 .notice { border-left: 3px solid #d9822b; padding: .1rem .8rem; margin: .8rem 0; }
-.numbers { display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: 1px;
+.numbers { display: flex; flex-wrap: wrap; gap: 1px;
   background: var(--line); border: 1px solid var(--line); border-radius: 6px; overflow: hidden; margin: 1.25rem 0; }
-.numbers div { background: var(--card); padding: .7rem .9rem; }
+.numbers div { background: var(--card); padding: .7rem .9rem; flex: 1 1 120px; }
 .numbers b { display: block; font-size: 1.25rem; font-weight: 600; font-variant-numeric: tabular-nums; }
 .numbers span { color: var(--quiet); font-size: .85rem; }
 video { width: 100%; border-radius: 6px; background: #000; display: block; }
+.pair { display: grid; grid-template-columns: repeat(auto-fill, minmax(420px, 1fr)); gap: .9rem; }
 .sheet { display: grid; grid-template-columns: repeat(auto-fill, minmax(300px, 1fr)); gap: .9rem; }
 figure { margin: 0; } figure img { width: 100%; border-radius: 4px; display: block; }
 figcaption { font-size: .85rem; color: var(--quiet); font-variant-numeric: tabular-nums; margin-top: .25rem; }

@@ -15,9 +15,9 @@
 namespace foci {
 namespace {
 
-constexpr glm::ivec2 kPicture_px{480, 320};
+constexpr glm::ivec2 kPicture_px{720, 480};
 constexpr double kFov_rad = 0.9, kTurn_rad = glm::pi<double>() / 3.0;
-constexpr float kDim = 0.25f;       // of the scene under the heat
+constexpr float kDim = 0.45f;       // of the scene under the heat
 constexpr float kShading = 0.6f;    // shows the form of plain surfaces
 constexpr double kExceeded = 0.01;  // share of the time beyond the end of the scale
 const glm::vec3 kLuminance(0.2126f, 0.7152f, 0.0722f);  // of the sRGB primaries

@@ -299,7 +299,7 @@ std::string objectsText(const std::vector<ObjectLooks>& objects) {
 
 void heatSection(std::ostream& out, const std::vector<HeatPicture>& pictures) {
   if (pictures.empty()) return;
-  out << "<h2>Where gaze rested</h2>\n<div class=\"sheet\">\n";
+  out << "<h2>Where gaze rested</h2>\n<div class=\"pair\">\n";
   for (const HeatPicture& picture : pictures) {
     out << "<figure><img alt=\"heatmap " << escaped(picture.caption)
         << "\" src=\"data:image/jpeg;base64,";
