@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 #include <utility>
 
 #include "base/input_error.h"
@@ -72,7 +73,7 @@ std::shared_ptr<Scene> fromPoints(const Numbers& position_m, const std::optional
 }
 
 py::tuple bounds(const Scene& scene) {
-  const std::vector<glm::vec3>& all_m = positionsOf(scene.cloud());
+  const std::span<const glm::vec3> all_m = positionsOf(scene.cloud());
   glm::dvec3 low(all_m.front()), high = low;
   for (const glm::vec3& position_m : all_m) {
     low = glm::min(low, glm::dvec3(position_m));

@@ -34,7 +34,7 @@ void runInfo(const InfoOptions& options) {
     throw InputError("--thumbnail " + options.thumbnail, "expected a name that ends in .png");
   }
   checkOutputs({options.thumbnail}, inputFiles(study), options.overwrite);
-  SceneFile scene = readScene(options.scene);
+  SceneFile scene = readScene(options.scene, kCheckAll_B);
   const SceneFacts facts = factsOf(scene);
   const Framing framing =
       framingOf(facts, {.screen = study.screenInForce(), .look = look, .up = up});

@@ -10,6 +10,7 @@
 #include "app/platform/quiet_libraries.h"
 #include "app/platform/version.h"
 #include "base/input_error.h"
+#include "base/mapped_file.h"
 
 namespace foci {
 namespace {
@@ -71,6 +72,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   foci::quietLibraries();
+  foci::endOnLostPages();
   try {
     return foci::run(argc, argv);
   } catch (const foci::InputError& error) {

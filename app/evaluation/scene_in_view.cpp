@@ -8,8 +8,8 @@
 #include "app/platform/sha256.h"
 #include "base/input_error.h"
 #include "base/text.h"
+#include "render/lod/surface_query.h"
 #include "render/scene/io/open_scene.h"
-#include "render/scene/surface_query.h"
 
 namespace foci {
 namespace {

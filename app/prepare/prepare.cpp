@@ -75,9 +75,8 @@ std::vector<Normalisation> normalisationOf(const SurfelCloud& cloud) {
 }
 
 /// Levels of at least `kMinNodes` nodes. Coarser levels consist of border only.
-std::vector<LevelNormalisation> normalisationOfLevels(const SurfelCloud& cloud) {
+std::vector<LevelNormalisation> normalisationOfLevels(const MomentTree& tree) {
   std::vector<LevelNormalisation> levels;
-  const MomentTree tree(cloud);
   for (int level = tree.levels() - 1; level >= 0 && 1 << level >= kMinNodes; --level) {
     const LevelKernels kernels = levelKernels(tree, level);
     const auto as = [&](const SeenAs& seen) {
@@ -92,7 +91,7 @@ std::vector<LevelNormalisation> normalisationOfLevels(const SurfelCloud& cloud) 
 }
 
 double medianSpacing_m(const SurfelCloud& cloud) {
-  std::vector<float> area_m2 = cloud.area_m2;
+  std::vector<float> area_m2(cloud.area_m2.begin(), cloud.area_m2.end());
   const auto middle = area_m2.begin() + static_cast<std::ptrdiff_t>(area_m2.size() / 2);
   std::nth_element(area_m2.begin(), middle, area_m2.end());
   return std::sqrt(static_cast<double>(*middle));
@@ -126,7 +125,7 @@ SurfelCloud solved(PointCloud&& points) {
        }});
 }
 
-/// Surfels of points or of a mesh, and how closely they keep its surface.
+/// Surfels of points or of a mesh with their tree, and how closely they keep its surface.
 PreparedScene preparedSurfels(const PrepareRequest& request, SceneFile&& file,
                               PrepareSummary& summary) {
   OpenedPoints opened =
@@ -146,7 +145,6 @@ PreparedScene preparedSurfels(const PrepareRequest& request, SceneFile&& file,
   summary.spacing_m = medianSpacing_m(cloud);
   for (const float area_m2 : cloud.area_m2) summary.area_m2 += area_m2;
   summary.normalisation = normalisationOf(cloud);
-  summary.levels = normalisationOfLevels(cloud);
 
   summary.of_mesh = opened.mesh != nullptr;
   if (opened.mesh) {
@@ -154,6 +152,8 @@ PreparedScene preparedSurfels(const PrepareRequest& request, SceneFile&& file,
     if (summary.fidelity)
       summary.warnings = fidelityWarnings(*summary.fidelity, cloud.size(), *opened.mesh);
   }
+  scene.cloud = withTree(std::move(scene.cloud));
+  summary.levels = normalisationOfLevels(*scene.cloud.tree);
   return scene;
 }
 

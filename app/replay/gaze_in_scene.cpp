@@ -11,7 +11,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "render/scene/surface_query.h"
+#include "render/lod/surface_query.h"
 
 namespace foci {
 namespace {

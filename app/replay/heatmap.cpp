@@ -111,8 +111,8 @@ std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene
 void writeHeatPly(const std::filesystem::path& file, const SurfelCloud& heat,
                   const std::vector<double>& attention_s) {
   PointCloud points;
-  points.position_m = heat.position_m;
-  points.color = heat.color;
+  points.position_m.assign(heat.position_m.begin(), heat.position_m.end());
+  points.color.assign(heat.color.begin(), heat.color.end());
   points.normal.resize(heat.size());
   for (std::size_t i = 0; i < heat.size(); ++i) {
     points.normal[i] = glm::normalize(

@@ -15,8 +15,8 @@
 #include "gaze/follow/gaze_follower.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "render/image/frame.h"
+#include "render/lod/surface_query.h"
 #include "render/methods/method.h"
-#include "render/scene/surface_query.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -124,10 +124,18 @@ class Session {
   Quality qualityOf(const FrameRecord& record, const EyeView& eye) const;
   GazeFollower newFollower();
 
+  /// What the scene answered along a line of sight.
+  struct SurfaceAnswer {
+    glm::dvec3 eye_m, direction;  // in the world
+    double half_angle_rad, coverage;
+    std::optional<double> distance_m;
+  };
+
   SessionSettings settings_;
   Screen gaze_screen_;
   double rate_Hz_, start_s_;
   SurfaceQuery query_;
+  mutable std::optional<SurfaceAnswer> answer_;  // the last one
   FrameRenderer renderer_;
   GazeFollower follower_;
   ObserverPupil pupil_;

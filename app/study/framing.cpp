@@ -98,7 +98,7 @@ void chooseScale(const SceneFacts& facts, double distance, Framing& framing) {
   framing.scale_m = stated;
   framing.why_scale = source;
   const double stated_m = stated * distance;
-  if (stated_m >= kNearest_m && stated_m <= kMostDistant_m) return;
+  if (facts.large || (stated_m >= kNearest_m && stated_m <= kMostDistant_m)) return;
   const double middle_m = std::sqrt(0.5 * 5.0);
   const double power = std::round(std::log10(middle_m / stated_m));
   const double ten = std::pow(10.0, std::abs(power));

@@ -81,7 +81,7 @@ struct Framing {
 ///
 /// The scale is what the file states, or a metre a unit. If the eye would then be nearer than
 /// kNearest_m or farther away than kMostDistant_m, it is multiplied by the power of ten that brings
-/// the distance to 0.5 to 5 m.
+/// the distance to 0.5 to 5 m. A large scene keeps its scale.
 Framing framingOf(const SceneFacts& facts, const FramingRequest& request);
 
 /// What was chosen and why, in one line, without the name of the file.

@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "app/study/framing.h"
 #include "app/study/session_settings_of.h"
 #include "base/text.h"
+#include "render/lod/outline.h"
 #include "render/optics/view.h"
 #include "render/scene/gaussian_cloud.h"
 
@@ -31,7 +33,7 @@ float sigmaOf(const SurfelCloud& cloud, std::size_t i) {
 bool anyInView(const View& view, const SurfelCloud& cloud) {
   const glm::vec2 tangent = 0.5f * glm::vec2(view.size_px) / view.focal_px;
   const glm::vec2 across = glm::sqrt(1.0f + tangent * tangent);
-  const std::vector<glm::vec3>& position_m = positionsOf(cloud);
+  const std::span<const glm::vec3> position_m = positionsOf(cloud);
   for (std::size_t i = 0; i < position_m.size(); ++i) {
     const glm::vec3 p(view.eye_from_world * glm::vec4(position_m[i], 1.0f));
     const float reach = kReach * sigmaOf(cloud, i);
@@ -48,7 +50,7 @@ class Surroundings {
  public:
   Surroundings(const glm::vec3& eye_m, const SurfelCloud& cloud) {
     distance_m_.fill(std::numeric_limits<float>::infinity());
-    const std::vector<glm::vec3>& position_m = positionsOf(cloud);
+    const std::span<const glm::vec3> position_m = positionsOf(cloud);
     for (std::size_t i = 0; i < position_m.size(); ++i) {
       const glm::vec3 to = position_m[i] - eye_m;
       const float distance = glm::length(to);
@@ -128,7 +130,9 @@ bool isSceneInView(const Study& study, const SurfelCloud& cloud) {
                    cloud);
 }
 
-std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& cloud) {
+std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& scene) {
+  const SurfelCloud outline = outlineOf(scene);
+  const SurfelCloud& cloud = outline.empty() ? scene : outline;
   const glm::vec3 eye_m(glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0))[3]);
   const SceneBox box = boxWithoutStrays(positionsOf(cloud));
   std::vector<std::string> remarks;

@@ -85,7 +85,7 @@ void GpuScene::uploadSurfels(const SurfelCloud& cloud) {
   oriented_ = cloud.oriented;
   transparent_ = !cloud.opacity.empty();
   bodies_.boxes = cloud.bodies.boxes;
-  const std::vector<std::uint16_t>& body = cloud.bodies.of_surfel;
+  const MappedVector<std::uint16_t>& body = cloud.bodies.of_surfel;
   upload(*device_, buffers_->surfels_a, surfels_, 2, "the surfels", true,
          [&](std::size_t i, glm::vec4* to) {
            to[0] = {cloud.position_m[i], transparent_ ? cloud.opacity[i] : 1.0f};
@@ -121,12 +121,12 @@ void GpuScene::uploadNodes(const MomentTree& tree) {
         to[2] = bitsOf(node.color, packed(static_cast<std::uint16_t>(node.normal[0]),
                                           static_cast<std::uint16_t>(node.normal[1])));
       });
-  const std::vector<MomentTree::Coarseness>& coarse = tree.coarseness();
+  const std::span<const Coarseness> coarse = tree.coarseness();
   static_assert(sizeof coarse[0] == 2 * sizeof(float));
   buffers_->coarseness.reserve(*device_, std::max<std::size_t>(count, 1) * sizeof coarse[0],
                                "the nodes");
   if (count > 0) buffers_->coarseness.write(0, count * sizeof coarse[0], coarse.data());
-  const std::vector<Facing>& facing = tree.facing();
+  const std::span<const Facing> facing = tree.facing();
   static_assert(sizeof facing[0] == sizeof(std::uint32_t));
   if (facing.empty()) return;
   buffers_->facing.reserve(*device_, count * sizeof facing[0], "the nodes");

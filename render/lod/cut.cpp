@@ -59,7 +59,7 @@ class Selector {
       above.seen = side == FacingSide::fronts;
     }
     const bool seen = above.seen;
-    const MomentTree::Coarseness coarse = tree_.coarseness()[node];
+    const Coarseness coarse = tree_.coarseness()[node];
     float size = coarse.now_m2 * above.min;
     const bool known = size >= 1.0f + kFade || coarse.now_m2 * above.max <= 1.0f;
     if (!above.in_view || !known) {

@@ -35,16 +35,7 @@ void partition(Item* items, std::size_t begin, std::size_t middle, std::size_t e
       [axis](const Item& a, const Item& b) { return a.position_m[axis] < b.position_m[axis]; });
 }
 
-/// Sums over the surfels of a node.
-struct Sums {
-  double area = 0.0, weight = 0.0, opaque_area = 0.0;
-  glm::dvec3 mean{0.0};
-  double variance[6] = {};
-  double own_trace = 0.0;
-  glm::dvec3 color{0.0};
-  glm::dvec3 normal{0.0};
-  double radius = 0.0;  // about the mean
-};
+using Sums = NodeSums;
 
 Sums sumsOf(const SurfelCloud& cloud, std::size_t i) {
   Sums sums;
@@ -153,14 +144,21 @@ class Builder {
 };
 
 template <typename T>
-void gather(const std::vector<T>& from, const std::vector<Item>& items, std::vector<T>& to) {
+void gather(const MappedVector<T>& from, const std::vector<Item>& items, MappedVector<T>& into) {
   if (from.empty()) return;
+  std::vector<T>& to = into.own();
   to.resize(items.size());
   constexpr std::size_t kBlock = 1 << 16;
   parallelFor((items.size() + kBlock - 1) / kBlock, [&](std::size_t b) {
     const std::size_t end = std::min(items.size(), (b + 1) * kBlock);
     for (std::size_t i = b * kBlock; i < end; ++i) to[i] = from[items[i].surfel];
   });
+}
+
+Coarseness coarsenessOf(const LodNode& node) {
+  const glm::vec3 normal = unpackNormal(node.normal);
+  const float coarse_m2 = node.added_m2() + MomentTree::kThick * node.covariance_m2(normal, normal);
+  return {coarse_m2, coarse_m2};
 }
 
 }  // namespace
@@ -184,12 +182,15 @@ glm::vec3 unpackNormal(const std::int16_t packed[2]) {
   return glm::normalize(glm::vec3(x - std::copysign(fold, x), y - std::copysign(fold, y), z));
 }
 
-MomentTree::MomentTree(const SurfelCloud& cloud) {
+int MomentTree::levelsOf(std::size_t n) {
+  return n == 0 ? 0 : static_cast<int>(std::bit_width(std::max<std::size_t>(n / kMinCluster, 1)));
+}
+
+MomentTree::MomentTree(const SurfelCloud& cloud) : levels_(levelsOf(cloud.size())) {
   const std::size_t n = cloud.size();
   assert(n < std::size_t{1} << 31);
   surfels_.oriented = cloud.oriented;
   if (n == 0) return;
-  levels_ = static_cast<int>(std::bit_width(std::max<std::size_t>(n / kMinCluster, 1)));
 
   std::vector<Item> items(n);
   parallelFor(n, [&](std::size_t i) {
@@ -205,6 +206,8 @@ MomentTree::MomentTree(const SurfelCloud& cloud) {
   gather(cloud.area_m2, items, surfels_.area_m2);
   gather(cloud.bodies.of_surfel, items, surfels_.bodies.of_surfel);
   surfels_.bodies.boxes = cloud.bodies.boxes;
+  gather(cloud.objects.of, items, surfels_.objects.of);
+  surfels_.objects.names = cloud.objects.names;
 
   nodes_.resize(std::size_t{1} << levels_);
   const int serial = std::min(kSerialLevels, levels_ - 1);
@@ -218,18 +221,57 @@ MomentTree::MomentTree(const SurfelCloud& cloud) {
     }
   }
 
+  sums_ = sums[0];
+
   coarseness_.resize(nodes_.size());
-  parallelFor(nodes_.size(), [&](std::size_t i) {
-    const LodNode& node = nodes_[i];
-    const glm::vec3 normal = unpackNormal(node.normal);
-    const float coarse_m2 = node.added_m2() + kThick * node.covariance_m2(normal, normal);
-    coarseness_[i] = {coarse_m2, coarse_m2};
-  });
+  parallelFor(nodes_.size(), [&](std::size_t i) { coarseness_[i] = coarsenessOf(nodes_[i]); });
   for (std::size_t node = nodes_.size() / 2; node-- > 1;) {
     coarseness_[node].min_m2 =
         std::min(coarseness_[2 * node].min_m2, coarseness_[2 * node + 1].min_m2);
   }
-  if (!surfels_.bodies.boxes.empty()) findFacing();
+  view_ = {nodes_, coarseness_, {}};
+  if (surfels_.bodies.boxes.empty()) return;
+  findFacing();
+  view_.facing = facing_;
+}
+
+MomentTree::MomentTree(SurfelCloud surfels, const TreeNodes& nodes,
+                       std::shared_ptr<const void> keep)
+    : surfels_(std::move(surfels)),
+      keep_(std::move(keep)),
+      view_(nodes),
+      levels_(levelsOf(surfels_.size())) {
+  assert(view_.nodes.size() == std::size_t{1} << levels_);
+}
+
+TreeTop topOf(std::span<const TreeRoot> roots) {
+  assert(std::has_single_bit(roots.size()));
+  TreeTop top{std::vector<LodNode>(roots.size()), std::vector<Coarseness>(roots.size())};
+  std::vector<TreeRoot> below(roots.begin(), roots.end());
+  for (std::size_t count = roots.size() / 2; count > 0; count /= 2) {
+    for (std::size_t j = 0; j < count; ++j) {
+      const TreeRoot &a = below[2 * j], &b = below[2 * j + 1];
+      const Sums sums = merged(a.sums, b.sums);
+      top.nodes[count + j] = nodeOf(sums);
+      Coarseness& coarse = top.coarseness[count + j] = coarsenessOf(top.nodes[count + j]);
+      coarse.min_m2 = std::min(a.min_m2, b.min_m2);
+      below[j] = {sums, coarse.min_m2};
+    }
+  }
+  return top;
+}
+
+SurfelCloud withTree(SurfelCloud cloud) {
+  if (cloud.tree) return cloud;
+  const auto tree = std::make_shared<const MomentTree>(cloud);
+  SurfelCloud sorted = tree->surfels();
+  sorted.mesh = std::move(cloud.mesh);
+  sorted.tree = tree;
+  return sorted;
+}
+
+std::shared_ptr<const MomentTree> treeOf(const SurfelCloud& cloud) {
+  return cloud.tree ? cloud.tree : std::make_shared<const MomentTree>(cloud);
 }
 
 /// From the clusters up. The cone of a node holds those of its children.

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -49,6 +51,33 @@ static_assert(sizeof(LodNode) == 64);
 void packNormal(const glm::vec3& normal, std::int16_t packed[2]);
 glm::vec3 unpackNormal(const std::int16_t packed[2]);
 
+/// Sums over the surfels below a node.
+struct NodeSums {
+  double area = 0.0, weight = 0.0, opaque_area = 0.0;
+  glm::dvec3 mean{0.0};
+  double variance[6] = {};
+  double own_trace = 0.0;
+  glm::dvec3 color{0.0};
+  glm::dvec3 normal{0.0};
+  double radius = 0.0;  ///< about the mean
+};
+
+/// By node, the variance that merging added, with the variance along the mean normal counted
+/// kThick times. A flat node has none along its normal. A node of two surfaces has a quarter of
+/// their squared distance, or the variance that their angle makes. Such a node must be divided,
+/// because the lens sees the two surfaces apart. kThick was chosen by hand.
+struct Coarseness {
+  float now_m2;  ///< of the node itself
+  float min_m2;  ///< smallest of the clusters below the node, or the cluster itself
+};
+
+/// The nodes of a tree; the first of each array is unused. `facing` is empty without closed bodies.
+struct TreeNodes {
+  std::span<const LodNode> nodes;
+  std::span<const Coarseness> coarseness;
+  std::span<const Facing> facing;
+};
+
 /// A perfect binary tree over clusters of 3 to 6 surfels, or fewer in a tiny scene. Node i has the
 /// children 2 i and 2 i + 1; the root is 1. Each split is at the median along the longest extent of
 /// the positions. The tree takes less than 100 bytes a surfel, the surfels included.
@@ -56,24 +85,23 @@ class MomentTree {
  public:
   /// Deterministic at any number of threads. @param cloud  sound, fewer than 2^31 surfels
   explicit MomentTree(const SurfelCloud& cloud);
+  /// A tree that was made before.
+  /// @param surfels  in the tree's order
+  /// @param nodes    2^`levelsOf(surfels.size())`, which `keep` keeps valid
+  MomentTree(SurfelCloud surfels, const TreeNodes& nodes, std::shared_ptr<const void> keep);
+  MomentTree(const MomentTree&) = delete;
+  MomentTree& operator=(const MomentTree&) = delete;
 
-  const SurfelCloud& surfels() const { return surfels_; }       ///< in the tree's own order
-  const std::vector<LodNode>& nodes() const { return nodes_; }  ///< nodes()[0] is unused
-  int levels() const { return levels_; }  ///< of nodes, >= 1; 0: an empty scene
+  const SurfelCloud& surfels() const { return surfels_; }         ///< in the tree's own order
+  std::span<const LodNode> nodes() const { return view_.nodes; }  ///< [0] is unused
+  int levels() const { return levels_; }          ///< of nodes, >= 1; 0: an empty scene
+  const NodeSums& sums() const { return sums_; }  ///< of the root, if the tree was made here
 
-  /// By node, the variance that merging added, with the variance along the mean normal counted
-  /// kThick times. A flat node has none along its normal. A node of two surfaces has a quarter of
-  /// their squared distance, or the variance that their angle makes. Such a node must be divided,
-  /// because the lens sees the two surfaces apart. kThick was chosen by hand.
-  struct Coarseness {
-    float now_m2;  ///< of the node itself
-    float min_m2;  ///< smallest of the clusters below the node, or the cluster itself
-  };
-  const std::vector<Coarseness>& coarseness() const { return coarseness_; }
+  std::span<const Coarseness> coarseness() const { return view_.coarseness; }  ///< by node
   static constexpr float kThick = 30.0f;
 
   /// By node; empty without closed bodies.
-  const std::vector<Facing>& facing() const { return facing_; }
+  std::span<const Facing> facing() const { return view_.facing; }
 
   bool isCluster(std::size_t node) const { return node >> (levels_ - 1) != 0; }
 
@@ -88,6 +116,9 @@ class MomentTree {
     return {n * j >> level, n * (j + 1) >> level};
   }
 
+  /// Levels of the tree of `n` surfels.
+  static int levelsOf(std::size_t n);
+
  private:
   void findFacing();
 
@@ -95,7 +126,28 @@ class MomentTree {
   std::vector<LodNode> nodes_;
   std::vector<Coarseness> coarseness_;
   std::vector<Facing> facing_;
+  std::shared_ptr<const void> keep_;
+  TreeNodes view_;
+  NodeSums sums_;
   int levels_ = 0;
 };
+
+/// The nodes above the roots of 2^k trees, which lie side by side: node i has the children 2 i and
+/// 2 i + 1, and the roots follow the last node.
+struct TreeTop {
+  std::vector<LodNode> nodes;  ///< 2^k; [0] is unused
+  std::vector<Coarseness> coarseness;
+};
+struct TreeRoot {
+  NodeSums sums;
+  float min_m2;  ///< coarseness
+};
+TreeTop topOf(std::span<const TreeRoot> roots);
+
+/// The cloud in the order of its tree, with the tree. The cloud itself where it has one.
+SurfelCloud withTree(SurfelCloud cloud);
+
+/// The cloud's tree, or a new one.
+std::shared_ptr<const MomentTree> treeOf(const SurfelCloud& cloud);
 
 }  // namespace foci

@@ -9,8 +9,7 @@
 
 namespace foci {
 
-LodSplats::LodSplats(const SurfelCloud& cloud, const SharedGpu& gpu)
-    : tree_(std::make_shared<MomentTree>(cloud)) {
+LodSplats::LodSplats(const SurfelCloud& cloud, const SharedGpu& gpu) : tree_(treeOf(cloud)) {
   if (gpu) gpu_.emplace(std::make_shared<GpuScene>(gpu, *tree_));
 }
 

@@ -9,8 +9,12 @@ namespace foci {
 void completeBodies(SurfelCloud& cloud) {
   constexpr float kExtent = 3.0f;  // standard deviations
   ClosedBodies& bodies = cloud.bodies;
-  std::vector<std::uint16_t>& of = bodies.of_surfel;
-  const std::size_t count = of.empty() ? 0 : 1 + *std::max_element(of.begin(), of.end());
+  if (bodies.of_surfel.empty()) {
+    bodies = {};
+    return;
+  }
+  std::vector<std::uint16_t>& of = bodies.of_surfel.own();
+  const std::size_t count = 1 + *std::max_element(of.begin(), of.end());
   std::vector<std::uint8_t> opaque(count, 1);
   for (std::size_t i = 0; i < of.size() && !cloud.opacity.empty(); ++i) {
     if (cloud.opacity[i] < 1.0f) opaque[of[i]] = 0;

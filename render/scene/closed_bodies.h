@@ -6,6 +6,8 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "base/mapped_vector.h"
+
 namespace foci {
 
 struct SurfelCloud;
@@ -15,8 +17,8 @@ struct ClosedBodies {
   struct Box {
     glm::vec3 low_m, high_m;
   };
-  std::vector<std::uint16_t> of_surfel;  ///< 0: none. Empty: no surfel is on a closed body
-  std::vector<Box> boxes;                ///< by number; [0] is unused. Empty where `of_surfel` is
+  MappedVector<std::uint16_t> of_surfel;  ///< 0: none. Empty: no surfel is on a closed body
+  std::vector<Box> boxes;                 ///< by number; [0] is unused. Empty where `of_surfel` is
 };
 
 /// Largest number of a body. Further surfaces count as open.

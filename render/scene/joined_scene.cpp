@@ -79,8 +79,8 @@ SurfelCloud joinedGaussians(const SurfelCloud& scene, const SurfelCloud& part) {
 }
 
 /// Appends the part's numbers, raised by `offset`; 0 stays 0.
-void appendNumbers(std::vector<std::uint16_t>& to, std::size_t had,
-                   const std::vector<std::uint16_t>& from, std::size_t count, std::size_t offset,
+void appendNumbers(MappedVector<std::uint16_t>& to, std::size_t had,
+                   const MappedVector<std::uint16_t>& from, std::size_t count, std::size_t offset,
                    std::size_t most) {
   to.resize(had, 0);
   for (std::size_t i = 0; i < count; ++i) {
@@ -113,6 +113,7 @@ SurfelCloud placed(SurfelCloud part, const Placement& place) {
     for (glm::vec3& axis : *axes) axis = rotation * axis;
   }
   part.mesh.reset();  // it stays where it was
+  part.tree.reset();
   completeBodies(part);
   return part;
 }
@@ -136,15 +137,16 @@ SurfelCloud joined(SurfelCloud scene, SurfelCloud part, const std::string& name)
   if (!scene.opacity.empty() || !part.opacity.empty()) {
     scene.opacity.resize(had, 1.0f);
     part.opacity.resize(count, 1.0f);
-    append(scene.opacity, part.opacity);
+    scene.opacity.append(part.opacity);
   }
-  append(scene.position_m, part.position_m);
-  append(scene.axis_u_m, part.axis_u_m);
-  append(scene.axis_v_m, part.axis_v_m);
-  append(scene.color, part.color);
-  append(scene.area_m2, part.area_m2);
+  scene.position_m.append(part.position_m);
+  scene.axis_u_m.append(part.axis_u_m);
+  scene.axis_v_m.append(part.axis_v_m);
+  scene.color.append(part.color);
+  scene.area_m2.append(part.area_m2);
   scene.oriented = scene.oriented && part.oriented;
   scene.mesh.reset();
+  scene.tree.reset();
   completeBodies(scene);
   return scene;
 }
@@ -152,9 +154,9 @@ SurfelCloud joined(SurfelCloud scene, SurfelCloud part, const std::string& name)
 GaussianCloud gaussiansOf(const SurfelCloud& surfels) {
   GaussianCloud cloud;
   const std::size_t count = surfels.size();
-  cloud.position_m = surfels.position_m;
+  cloud.position_m.assign(surfels.position_m.begin(), surfels.position_m.end());
   cloud.covariance_m2.resize(count);
-  cloud.opacity = surfels.opacity;
+  cloud.opacity.assign(surfels.opacity.begin(), surfels.opacity.end());
   cloud.opacity.resize(count, 1.0f);
   cloud.color.resize(count);
   for (std::size_t i = 0; i < count; ++i) {

@@ -24,7 +24,7 @@ std::uint64_t spread(std::uint64_t x) {
 
 }  // namespace
 
-std::vector<std::uint32_t> mortonOrder(const std::vector<glm::vec3>& position_m) {
+std::vector<std::uint32_t> mortonOrder(std::span<const glm::vec3> position_m) {
   glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
   for (const glm::vec3& p : position_m) {
     low = glm::min(low, p);

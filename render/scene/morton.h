@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 namespace foci {
@@ -11,7 +12,7 @@ namespace foci {
 /// Indices of the points along a Morton curve with 21 bits for each axis of their bounding cube.
 /// Points in one cell keep their order. The result does not depend on the number of threads. Fewer
 /// than 2^32 points, all finite.
-std::vector<std::uint32_t> mortonOrder(const std::vector<glm::vec3>& position_m);
+std::vector<std::uint32_t> mortonOrder(std::span<const glm::vec3> position_m);
 
 /// Moves `values[order[i]]` to i. An empty vector stays empty.
 template <typename T>

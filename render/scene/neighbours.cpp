@@ -13,7 +13,7 @@ namespace foci {
 namespace {
 
 struct Positions {
-  const std::vector<glm::vec3>& position_m;
+  std::span<const glm::vec3> position_m;
 
   std::size_t kdtree_get_point_count() const { return position_m.size(); }
   float kdtree_get_pt(std::size_t i, std::size_t axis) const {
@@ -89,7 +89,7 @@ class Within {
 
 }  // namespace
 
-Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t wanted) {
+Neighbours findNeighbours(std::span<const glm::vec3> position_m, std::size_t wanted) {
   assert(wanted <= kMaxNeighbours);
   assert(position_m.size() < std::numeric_limits<std::uint32_t>::max());
   Neighbours found;
@@ -110,9 +110,9 @@ Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t 
   return found;
 }
 
-std::vector<std::vector<std::uint32_t>> findWithin(const std::vector<glm::vec3>& position_m,
-                                                   const std::vector<glm::vec3>& centers_m,
-                                                   const std::vector<float>& radius_m,
+std::vector<std::vector<std::uint32_t>> findWithin(std::span<const glm::vec3> position_m,
+                                                   std::span<const glm::vec3> centers_m,
+                                                   std::span<const float> radius_m,
                                                    std::size_t max_points) {
   std::vector<std::vector<std::uint32_t>> found(centers_m.size());
   if (position_m.empty()) return found;

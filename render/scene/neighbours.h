@@ -23,13 +23,13 @@ struct Neighbours {
 /// Finds the `wanted` nearest neighbours of each point, at most kMaxNeighbours (asserted). Exact;
 /// the result does not depend on the number of threads. Fewer than 2^32 points (asserted), all
 /// finite.
-Neighbours findNeighbours(const std::vector<glm::vec3>& position_m, std::size_t wanted);
+Neighbours findNeighbours(std::span<const glm::vec3> position_m, std::size_t wanted);
 
 /// Finds the points within each center's radius, at most `max_points` of them. Their order does not
 /// depend on the number of threads. All points finite.
-std::vector<std::vector<std::uint32_t>> findWithin(const std::vector<glm::vec3>& position_m,
-                                                   const std::vector<glm::vec3>& centers_m,
-                                                   const std::vector<float>& radius_m,
+std::vector<std::vector<std::uint32_t>> findWithin(std::span<const glm::vec3> position_m,
+                                                   std::span<const glm::vec3> centers_m,
+                                                   std::span<const float> radius_m,
                                                    std::size_t max_points);
 
 }  // namespace foci

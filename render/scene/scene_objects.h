@@ -5,11 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "base/mapped_vector.h"
+
 namespace foci {
 
 /// Objects are numbered from 1; 0 is no object. Both are empty where the scene has no objects.
 struct SceneObjects {
-  std::vector<std::uint16_t> of;   ///< by triangle, point or surfel
+  MappedVector<std::uint16_t> of;  ///< by triangle, point or surfel
   std::vector<std::string> names;  ///< by number; [0] is ""
 
   bool empty() const { return of.empty(); }

@@ -4,8 +4,9 @@
 
 namespace foci {
 
-const std::vector<glm::vec3>& positionsOf(const SurfelCloud& cloud) {
-  return cloud.gaussians ? cloud.gaussians->position_m : cloud.position_m;
+std::span<const glm::vec3> positionsOf(const SurfelCloud& cloud) {
+  if (cloud.gaussians) return cloud.gaussians->position_m;
+  return cloud.position_m;
 }
 
 void appendSurfel(SurfelCloud& cloud, const glm::vec3& position_m, const glm::vec3& normal,

@@ -5,13 +5,15 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <memory>
-#include <vector>
+#include <span>
 
+#include "base/mapped_vector.h"
 #include "render/scene/closed_bodies.h"
 #include "render/scene/scene_objects.h"
 
 namespace foci {
 
+class MomentTree;
 struct GaussianCloud;
 struct TriangleMesh;
 
@@ -24,12 +26,12 @@ struct TriangleMesh;
 /// area. With these weights the kernels of a well-sampled surface sum to one at every pixel
 /// (docs/formulas.md, section 2).
 struct SurfelCloud {
-  std::vector<glm::vec3> position_m;
-  std::vector<glm::vec3> axis_u_m;
-  std::vector<glm::vec3> axis_v_m;
-  std::vector<glm::vec3> color;  ///< linear RGB, >= 0
-  std::vector<float> opacity;    ///< 0 to 1; empty: all 1
-  std::vector<float> area_m2;    ///< > 0
+  MappedVector<glm::vec3> position_m;
+  MappedVector<glm::vec3> axis_u_m;
+  MappedVector<glm::vec3> axis_v_m;
+  MappedVector<glm::vec3> color;  ///< linear RGB, >= 0
+  MappedVector<float> opacity;    ///< 0 to 1; empty: all 1
+  MappedVector<float> area_m2;    ///< > 0
 
   /// Normals point out of the solid, or at least agree with their neighbours'. The renderer then
   /// distinguishes back-facing surfels from those that face the eye.
@@ -39,6 +41,10 @@ struct SurfelCloud {
   ClosedBodies bodies = {};
 
   SceneObjects objects = {};  ///< by surfel
+
+  /// The tree over the surfels, which are in its order; null: not there yet (`treeOf`). Whoever
+  /// changes the surfels resets it.
+  std::shared_ptr<const MomentTree> tree = {};
 
   /// The mesh that the surfels were sampled from; null if they are all that is known.
   std::shared_ptr<const TriangleMesh> mesh = {};
@@ -52,7 +58,7 @@ struct SurfelCloud {
 };
 
 /// Places of all surfels, or of all Gaussians.
-const std::vector<glm::vec3>& positionsOf(const SurfelCloud& cloud);
+std::span<const glm::vec3> positionsOf(const SurfelCloud& cloud);
 
 /// Standard deviation of a surfel's basis over the local spacing of samples, sqrt(area of one
 /// sample). On the paper's plane, with one surfel a pixel, it gives the paper's sqrt|V| = 1.38 px^2

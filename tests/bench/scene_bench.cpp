@@ -8,11 +8,11 @@
 #include <glm/gtc/constants.hpp>
 #include <random>
 
+#include "render/lod/surface_query.h"
 #include "render/scene/builtin/procedural.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/io/ply.h"
 #include "render/scene/mesh/sample_mesh.h"
-#include "render/scene/surface_query.h"
 
 namespace foci {
 namespace {

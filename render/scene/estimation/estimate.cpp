@@ -303,7 +303,7 @@ SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& setti
   reorder(points.radius_m, order);
   reorder(points.opacity, order);
   reorder(points.body, order);
-  reorder(points.objects.of, order);
+  reorder(points.objects.of.own(), order);
   return estimate(std::move(points), settings, Stacks::possible);
 }
 

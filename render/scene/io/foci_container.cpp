@@ -1,15 +1,13 @@
 #include "render/scene/io/foci_container.h"
 
 #include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <bit>
-#include <cstdio>
+#include <cassert>
+#include <cerrno>
 #include <cstring>
-#include <memory>
 #include <stdexcept>
 
 #include "base/input_error.h"
@@ -54,13 +52,16 @@ std::uint64_t checksumOf(const FociHeader& header) {
   return sum.value();
 }
 
-/// The checksum of an array: that of its blocks' checksums, which are computed in parallel.
+/// The checksum of an array of a mapped file: that of its blocks' checksums, which are computed in
+/// parallel. Releases the pages.
 std::uint64_t checksumOf(std::span<const unsigned char> bytes) {
   std::vector<std::uint64_t> blocks((bytes.size() + kBlock - 1) / kBlock);
   parallelFor(blocks.size(), [&](std::size_t i) {
+    const ByteSpan block = bytes.subspan(i * kBlock, std::min(kBlock, bytes.size() - i * kBlock));
     Checksum sum;
-    sum.add(bytes.subspan(i * kBlock, std::min(kBlock, bytes.size() - i * kBlock)));
+    sum.add(block);
     blocks[i] = sum.value();
+    releasePages(block);
   });
   Checksum sum;
   for (const std::uint64_t block : blocks) sum.add(block);
@@ -69,103 +70,112 @@ std::uint64_t checksumOf(std::span<const unsigned char> bytes) {
 
 }  // namespace
 
-void writeFoci(const std::filesystem::path& path, FociHeader header,
-               const std::vector<ByteSpan>& arrays) {
+FociWriter::FociWriter(const std::filesystem::path& path, const FociHeader& header,
+                       const std::vector<std::uint64_t>& sizes, std::uint64_t align)
+    : path_(path), header_(header) {
+  std::uint64_t at = sizeof(FociHeader);
+  for (const std::uint64_t size : sizes) {
+    begin_.push_back(at);
+    at += aligned(size, align);
+  }
+  begin_.push_back(at);
+  header_.file_bytes = at;
+  file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (file_ < 0 || ::ftruncate(file_, static_cast<off_t>(at)) != 0) {
+    if (file_ >= 0) ::close(file_);
+    throw std::runtime_error(path.string() + ": cannot be written");
+  }
+}
+
+FociWriter::~FociWriter() { ::close(file_); }
+
+void FociWriter::put(std::uint64_t at, ByteSpan bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(at));
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) throw std::runtime_error(path_.string() + ": cannot be written");
+    at += static_cast<std::uint64_t>(put);
+    bytes = bytes.subspan(static_cast<std::size_t>(put));
+  }
+}
+
+void FociWriter::write(std::size_t array, std::uint64_t at, ByteSpan bytes) {
+  assert(begin_[array] + at + bytes.size() <= begin_[array + 1]);
+  put(begin_[array] + at, bytes);
+}
+
+void FociWriter::finish() {
+  const MappedFile written(path_);
   Checksum content;
-  header.file_bytes = sizeof(FociHeader);
-  for (const ByteSpan& array : arrays) {
-    content.add(checksumOf(array));
-    header.file_bytes += array.size();
+  for (std::size_t i = 0; i + 1 < begin_.size(); ++i) {
+    content.add(checksumOf(written.bytes().subspan(begin_[i], begin_[i + 1] - begin_[i])));
   }
-  header.content_checksum = content.value();
-  header.header_checksum = checksumOf(header);
-
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "wb"));
-  bool good = file && std::fwrite(&header, sizeof(header), 1, file.get()) == 1;
-  for (const ByteSpan& array : arrays) {
-    good = good && (array.empty() ||
-                    std::fwrite(array.data(), 1, array.size(), file.get()) == array.size());
-  }
-  good = good && std::fflush(file.get()) == 0;
-  if (!good) throw std::runtime_error(path.string() + ": cannot be written");
+  header_.content_checksum = content.value();
+  header_.header_checksum = checksumOf(header_);
+  put(0, {reinterpret_cast<const unsigned char*>(&header_), sizeof(header_)});
 }
 
-FociContainer::FociContainer(const std::filesystem::path& path) : name_(path.string()) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  struct stat status {};
-  if (file < 0 || ::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
-    if (file >= 0) ::close(file);
-    refuse("cannot be read");
-  }
-  size_ = static_cast<std::size_t>(status.st_size);
-  if (size_ > 0) at_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
-  ::close(file);
-  if (at_ == MAP_FAILED) refuse("cannot be read");
-  try {
-    readHeader();
-  } catch (...) {
-    if (at_ != nullptr) ::munmap(at_, size_);
-    throw;
-  }
+void writeFoci(const std::filesystem::path& path, const FociHeader& header,
+               const std::vector<ByteSpan>& arrays) {
+  std::vector<std::uint64_t> sizes;
+  for (const ByteSpan& array : arrays) sizes.push_back(array.size());
+  FociWriter writer(path, header, sizes);
+  for (std::size_t i = 0; i < arrays.size(); ++i) writer.write(i, 0, arrays[i]);
+  writer.finish();
 }
 
-FociContainer::~FociContainer() {
-  if (at_ != nullptr) ::munmap(at_, size_);
+FociContainer::FociContainer(const std::filesystem::path& path, std::uint64_t checked_B)
+    : file_(path), checked_(file_.bytes().size() <= checked_B) {
+  readHeader();
+  checked_ = checked_ || header_.version != kFociTree;  // which are read into memory anyway
 }
 
-void FociContainer::refuse(const std::string& why) const { throw InputError(name_, why); }
+void FociContainer::refuse(const std::string& why) const { throw InputError(file_.name(), why); }
 
 void FociContainer::readHeader() {
-  const std::size_t start = std::min(size_, kFociMagic.size());
-  if (start == 0 || std::memcmp(at_, kFociMagic.data(), std::min<std::size_t>(start, 4)) != 0) {
+  const ByteSpan bytes = file_.bytes();
+  const std::size_t start = std::min(bytes.size(), kFociMagic.size());
+  if (start == 0 ||
+      std::memcmp(bytes.data(), kFociMagic.data(), std::min<std::size_t>(start, 4)) != 0) {
     refuse("is not a .foci scene");
   }
-  if (size_ < sizeof(FociHeader)) {
-    refuse("is cut short: " + std::to_string(size_) + " bytes, a header has 64");
+  if (bytes.size() < sizeof(FociHeader)) {
+    refuse("is cut short: " + std::to_string(bytes.size()) + " bytes, a header has 64");
   }
-  std::memcpy(&header_, at_, sizeof(header_));
+  std::memcpy(&header_, bytes.data(), sizeof(header_));
   if (header_.magic != kFociMagic) refuse("was altered, as by a transfer as text");
-  if (header_.version > kFociMore) {
+  if (header_.version > kFociTree) {
     refuse("is of version " + std::to_string(header_.version) + ": this program reads versions " +
-           std::to_string(kFociSurfels) + " to " + std::to_string(kFociMore));
+           std::to_string(kFociSurfels) + " to " + std::to_string(kFociTree));
   }
   if (kChecksums && header_.header_checksum != checksumOf(header_))
     refuse("was altered: its header does not match");
   if (header_.version == 0) refuse("is not a .foci scene");
 }
 
-void FociContainer::release(ByteSpan array) {
-  static const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
-  const auto begin = reinterpret_cast<std::uintptr_t>(array.data());
-  const std::uintptr_t first = (begin + page - 1) / page * page - begin;  // whole pages only
-  const std::uintptr_t end = (begin + array.size()) / page * page - begin;
-  if (begin + end <= begin + first) return;
-  ::madvise(const_cast<unsigned char*>(array.data()) + first, end - first, MADV_DONTNEED);
-}
-
-std::vector<ByteSpan> FociContainer::arrays(const std::vector<std::uint64_t>& bytes) const {
+std::vector<ByteSpan> FociContainer::arrays(const std::vector<std::uint64_t>& bytes,
+                                            std::uint64_t align) const {
+  const std::uint64_t size = file_.bytes().size();
   std::uint64_t expected = sizeof(FociHeader);
-  for (const std::uint64_t each : bytes) expected += each;
+  for (const std::uint64_t each : bytes) expected += aligned(each, align);
   if (header_.file_bytes != expected) {
     refuse("is not a .foci scene: its sizes contradict each other");
   }
-  if (size_ != expected) {
-    refuse(std::string(size_ < expected ? "is cut short" : "is too long") + ": " +
-           std::to_string(size_) + " bytes of " + std::to_string(expected));
+  if (size != expected) {
+    refuse(std::string(size < expected ? "is cut short" : "is too long") + ": " +
+           std::to_string(size) + " bytes of " + std::to_string(expected));
   }
   std::vector<ByteSpan> all;
   std::size_t at = sizeof(FociHeader);
   Checksum content;
   for (const std::uint64_t each : bytes) {
-    all.push_back(this->bytes().subspan(at, each));
-    at += each;
-    content.add(checksumOf(all.back()));
-    release(all.back());
+    const ByteSpan padded = file_.bytes().subspan(at, aligned(each, align));
+    all.push_back(padded.first(each));
+    at += padded.size();
+    if (!checked_) continue;
+    content.add(checksumOf(padded));
   }
-  if (kChecksums && content.value() != header_.content_checksum)
+  if (checked_ && kChecksums && content.value() != header_.content_checksum)
     refuse("was altered: its checksum does not match");
   return all;
 }

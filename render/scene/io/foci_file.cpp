@@ -9,11 +9,12 @@
 #include <cstring>
 #include <limits>
 #include <memory>
-#include <numeric>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 
-#include "render/scene/io/foci_container.h"
+#include "base/parallel.h"
 #include "render/scene/io/foci_gaussians.h"
 #include "render/scene/point_cloud.h"
 
@@ -27,12 +28,10 @@ constexpr std::uint32_t kOriented = 1, kWithOpacity = 2, kMesh = 4, kPlainColors
 constexpr std::uint32_t kUpAxisX = 16, kUpAxes = 48,
                         kFlags = 255;  // an up axis is a multiple of kUpAxisX
 
-std::uint32_t flagsOf(const PreparedScene& scene) {
-  const SurfelOrigin& origin = scene.origin;
-  return (scene.cloud.oriented ? kOriented : 0) | (scene.cloud.opacity.empty() ? 0 : kWithOpacity) |
+std::uint32_t flagsOf(const SurfelCloud& cloud, const SurfelOrigin& origin) {
+  return (cloud.oriented ? kOriented : 0) | (cloud.opacity.empty() ? 0 : kWithOpacity) |
          (origin.mesh ? kMesh : 0) | (origin.plain_colors ? kPlainColors : 0) |
-         (scene.cloud.bodies.of_surfel.empty() ? 0 : kBodies) |
-         (scene.cloud.objects.empty() ? 0 : kObjects) |
+         (cloud.bodies.of_surfel.empty() ? 0 : kBodies) | (cloud.objects.empty() ? 0 : kObjects) |
          (origin.up_axis ? kUpAxisX * static_cast<std::uint32_t>(*origin.up_axis + 1) : 0);
 }
 
@@ -44,9 +43,10 @@ SurfelOrigin originOf(std::uint32_t flags) {
 }
 
 /// Names, each ended by a zero.
-std::vector<char> joined(const std::vector<std::string>& names) {
+std::vector<char> joined(const SceneObjects& objects) {
   std::vector<char> all;
-  for (const std::string& name : names) {
+  if (objects.empty()) return all;
+  for (const std::string& name : objects.names) {
     all.insert(all.end(), name.begin(), name.end());
     all.push_back('\0');
   }
@@ -82,51 +82,168 @@ bool sound(const SurfelCloud& cloud, std::size_t i) {
          (cloud.bodies.of_surfel.empty() || cloud.bodies.of_surfel[i] <= kMaxBodies);
 }
 
-/// @param file  of version kFociSurfels or kFociMore. @throws InputError
-PreparedScene readFociSurfels(const FociContainer& file) {
-  const FociHeader& header = file.header();
-  const bool bodies = (header.flags & kBodies) != 0, objects = (header.flags & kObjects) != 0;
-  if ((header.flags & ~kFlags) != 0 || (header.version == kFociMore) != (bodies || objects))
-    file.refuse("is not a .foci scene");
-  if (header.count == 0) file.refuse("has no surfels");
-  if (header.count > std::numeric_limits<std::uint32_t>::max() - 1) {
-    file.refuse("is not a .foci scene: its sizes contradict each other");
-  }
-  const std::uint64_t n = header.count;
-  std::vector<std::uint64_t> sizes = {
-      12 * n, 12 * n, 12 * n, 12 * n, 4 * n, (header.flags & kWithOpacity) != 0 ? 4 * n : 0};
-  if (bodies) sizes.push_back(2 * n);
-  if (objects) {
-    sizes.push_back(2 * n);
-    const std::uint64_t so_far = std::accumulate(sizes.begin(), sizes.end(), sizeof(FociHeader));
-    sizes.push_back(header.file_bytes > so_far ? header.file_bytes - so_far : 0);  // the names
-  }
-  const std::vector<ByteSpan> arrays = file.arrays(sizes);
+/// The first of `count` that is not sound; `count`: all are.
+template <typename IsSound>
+std::size_t firstUnsound(std::size_t count, const IsSound& isSound) {
+  constexpr std::size_t kAtOnce = 1 << 16;
+  std::vector<std::size_t> first((count + kAtOnce - 1) / kAtOnce, count);
+  parallelFor(first.size(), [&](std::size_t b) {
+    const std::size_t end = std::min(count, (b + 1) * kAtOnce);
+    for (std::size_t i = b * kAtOnce; i < end && first[b] == count; ++i) {
+      if (!isSound(i)) first[b] = i;
+    }
+  });
+  return first.empty() ? count : *std::ranges::min_element(first);
+}
 
-  SurfelCloud cloud;
-  const auto fill = [](auto& values, ByteSpan array) {
-    values.resize(array.size() / sizeof(values[0]));
-    if (!array.empty()) std::memcpy(static_cast<void*>(values.data()), array.data(), array.size());
-  };
-  fill(cloud.position_m, arrays[0]);
-  fill(cloud.axis_u_m, arrays[1]);
-  fill(cloud.axis_v_m, arrays[2]);
-  fill(cloud.color, arrays[3]);
-  fill(cloud.area_m2, arrays[4]);
-  fill(cloud.opacity, arrays[5]);
-  if (bodies) fill(cloud.bodies.of_surfel, arrays[6]);
-  if (objects) {
-    fill(cloud.objects.of, arrays[arrays.size() - 2]);
-    cloud.objects.names = namesIn(arrays.back());
-  }
-  cloud.oriented = (header.flags & kOriented) != 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!sound(cloud, i)) file.refuse("surfel " + std::to_string(i) + " is not sound");
-  }
+void requireSound(const FociContainer& file, const SurfelCloud& cloud) {
+  const std::size_t unsound =
+      firstUnsound(cloud.size(), [&](std::size_t i) { return sound(cloud, i); });
+  if (unsound < cloud.size()) file.refuse("surfel " + std::to_string(unsound) + " is not sound");
   for (const std::uint16_t object : cloud.objects.of) {
     if (object >= cloud.objects.names.size()) file.refuse("has a surfel of an unknown object");
   }
+}
+
+bool sound(const TreeNodes& tree, std::size_t node, std::size_t bodies) {
+  constexpr float kMost = std::numeric_limits<float>::max();
+  const LodNode& of = tree.nodes[node];
+  const Coarseness& coarse = tree.coarseness[node];
+  return finite(of.position_m, kFarthest_m) && finite(of.color, kMost) &&
+         std::ranges::all_of(of.variance_m2, [](float v) { return std::abs(v) <= kMost; }) &&
+         of.density >= 0.0f && of.density <= kMost && of.radius_m >= 0.0f && of.radius_m <= kMost &&
+         std::abs(coarse.now_m2) <= kMost && std::abs(coarse.min_m2) <= kMost &&
+         (tree.facing.empty() || tree.facing[node].body < bodies ||
+          tree.facing[node].body == Facing::kSeveral);
+}
+
+/// What is alike in all versions. @throws InputError
+void requireFlags(const FociContainer& file, bool more) {
+  const FociHeader& header = file.header();
+  const bool bodies = (header.flags & kBodies) != 0, objects = (header.flags & kObjects) != 0;
+  if ((header.flags & ~kFlags) != 0 || (!more && (bodies || objects)))
+    file.refuse("is not a .foci scene");
+  if (header.count == 0) file.refuse("has no surfels");
+}
+
+/// Numbers of bytes by surfel, in the order of the arrays; 0: there is no such array.
+std::vector<std::uint64_t> bytesBySurfel(std::uint32_t flags) {
+  const bool opacity = (flags & kWithOpacity) != 0, bodies = (flags & kBodies) != 0,
+             objects = (flags & kObjects) != 0;
+  return {12, 12, 12, 12, 4, opacity ? 4u : 0u, bodies ? 2u : 0u, objects ? 2u : 0u};
+}
+
+/// Calls `each(array, values)` with the number of an array and the vector of its values.
+template <typename Cloud, typename Each>
+void forArrays(Cloud& cloud, const Each& each) {
+  each(0, cloud.position_m);
+  each(1, cloud.axis_u_m);
+  each(2, cloud.axis_v_m);
+  each(3, cloud.color);
+  each(4, cloud.area_m2);
+  each(5, cloud.opacity);
+  each(6, cloud.bodies.of_surfel);
+  each(7, cloud.objects.of);
+}
+constexpr std::size_t kSurfelArrays = 8;
+
+/// The versions without a tree. @throws InputError
+PreparedScene readWithoutTree(const FociContainer& file) {
+  const FociHeader& header = file.header();
+  requireFlags(file, header.version == kFociMore);
+  const bool more = (header.flags & (kBodies | kObjects)) != 0;
+  if ((header.version == kFociMore) != more) file.refuse("is not a .foci scene");
+  const std::uint64_t n = header.count;
+  if (n > std::numeric_limits<std::uint32_t>::max() - 1) {
+    file.refuse("is not a .foci scene: its sizes contradict each other");
+  }
+  std::vector<std::uint64_t> sizes;
+  std::uint64_t so_far = sizeof(FociHeader);
+  for (const std::uint64_t bytes : bytesBySurfel(header.flags)) {
+    sizes.push_back(bytes * n);
+    so_far += sizes.back();
+  }
+  const bool objects = (header.flags & kObjects) != 0;
+  sizes.push_back(objects && header.file_bytes > so_far ? header.file_bytes - so_far : 0);
+  const std::vector<ByteSpan> arrays = file.arrays(sizes);
+
+  SurfelCloud cloud;
+  forArrays(cloud, [&](std::size_t array, auto& values) {
+    const ByteSpan bytes = arrays[array];
+    values.own().resize(bytes.size() / sizeof(values[0]));
+    if (!bytes.empty()) std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
+  });
+  if (objects) cloud.objects.names = namesIn(arrays.back());
+  cloud.oriented = (header.flags & kOriented) != 0;
+  requireSound(file, cloud);
   completeBodies(cloud);
+  return {std::move(cloud), originOf(header.flags)};
+}
+
+constexpr std::uint64_t kAlign = 64;
+static_assert(sizeof(Coarseness) == 8 && sizeof(Facing) == 4 && sizeof(ClosedBodies::Box) == 24);
+
+/// Numbers of bytes of the arrays of a scene with a tree. `nodes_at` is the array of the nodes.
+std::vector<std::uint64_t> sizesWithTree(const FociHeader& header, std::size_t& nodes_at) {
+  std::vector<std::uint64_t> sizes;
+  for (const std::uint64_t bytes : bytesBySurfel(header.flags)) {
+    sizes.push_back(bytes * header.count);
+  }
+  const std::uint64_t nodes = std::uint64_t{1} << MomentTree::levelsOf(header.count);
+  const bool bodies = (header.flags & kBodies) != 0;
+  nodes_at = sizes.size();
+  sizes.insert(sizes.end(), {sizeof(LodNode) * nodes, sizeof(Coarseness) * nodes,
+                             bodies ? sizeof(Facing) * nodes : 0,
+                             sizeof(ClosedBodies::Box) * header.more[0], header.more[1]});
+  return sizes;
+}
+
+template <typename T>
+std::span<const T> as(ByteSpan bytes) {
+  return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
+}
+
+/// The scene stays in the file. @throws InputError
+PreparedScene readWithTree(const std::shared_ptr<const FociContainer>& file) {
+  const FociHeader& header = file->header();
+  requireFlags(*file, true);
+  const bool bodies = (header.flags & kBodies) != 0, objects = (header.flags & kObjects) != 0;
+  if (header.count >= std::uint64_t{1} << 31 || header.more[0] > kMaxBodies + std::uint64_t{1} ||
+      header.more[1] > header.file_bytes || (header.more[0] > 1) != bodies ||
+      (header.more[1] > 0) != objects) {
+    file->refuse("is not a .foci scene: its sizes contradict each other");
+  }
+  std::size_t nodes_at = 0;
+  const std::vector<std::uint64_t> sizes = sizesWithTree(header, nodes_at);
+  const std::vector<ByteSpan> arrays = file->arrays(sizes, kAlign);
+
+  SurfelCloud cloud;
+  forArrays(cloud, [&](std::size_t array, auto& values) {
+    using Value = typename std::remove_reference_t<decltype(values)>::value_type;
+    values = {as<Value>(arrays[array]), file};
+  });
+  const TreeNodes nodes{as<LodNode>(arrays[nodes_at]), as<Coarseness>(arrays[nodes_at + 1]),
+                        as<Facing>(arrays[nodes_at + 2])};
+  const auto boxes = as<ClosedBodies::Box>(arrays[nodes_at + 3]);
+  cloud.bodies.boxes.assign(boxes.begin(), boxes.end());
+  if (objects) cloud.objects.names = namesIn(arrays[nodes_at + 4]);
+  cloud.oriented = (header.flags & kOriented) != 0;
+  if (file->isChecked()) {
+    requireSound(*file, cloud);
+    const std::size_t unsound = firstUnsound(
+        nodes.nodes.size() - 1, [&](std::size_t i) { return sound(nodes, i + 1, boxes.size()); });
+    if (unsound + 1 < nodes.nodes.size()) {
+      file->refuse("node " + std::to_string(unsound + 1) + " is not sound");
+    }
+    for (const std::uint16_t body : std::as_const(cloud).bodies.of_surfel) {
+      if (body >= boxes.size()) file->refuse("has a surfel of an unknown body");
+    }
+  } else if (bodies) {
+    // So that each number that the file may hold is one of a box.
+    cloud.bodies.boxes.resize(std::size_t{Facing::kSeveral} + 1);
+  }
+  auto tree = std::make_shared<const MomentTree>(cloud, nodes, file);
+  cloud.tree = std::move(tree);
   return {std::move(cloud), originOf(header.flags)};
 }
 
@@ -143,6 +260,64 @@ bool isSceneFile(const std::filesystem::path& path) {
          std::equal(start.begin(), start.end(), kFociMagic.begin());
 }
 
+SurfelFileWriter::SurfelFileWriter(const std::filesystem::path& path, std::uint64_t count,
+                                   int part_level, const SurfelCloud& like,
+                                   const SurfelOrigin& origin)
+    : count_(count),
+      part_level_(part_level),
+      roots_(std::size_t{1} << part_level),
+      layout_(like, origin, count),
+      writer_(path, layout_.header, layout_.sizes, kAlign) {
+  assert(count % roots_.size() == 0 && (part_level == 0 || like.bodies.boxes.empty()));
+  const std::vector<char> names = joined(like.objects);
+  writer_.write(layout_.nodes_at + 3, 0, bytesOf(like.bodies.boxes));
+  writer_.write(layout_.nodes_at + 4, 0, bytesOf(names));
+}
+
+SurfelFileWriter::Layout::Layout(const SurfelCloud& like, const SurfelOrigin& origin,
+                                 std::uint64_t count)
+    : header{.flags = flagsOf(like, origin), .count = count} {
+  header.more = {like.bodies.boxes.size(), joined(like.objects).size()};
+  sizes = sizesWithTree(header, nodes_at);
+}
+
+/// @param first  the level's first node, of `count`, in the file, and `from` the same in `nodes`
+void SurfelFileWriter::writeNodes(std::size_t first, const TreeNodes& nodes, std::size_t from,
+                                  std::size_t count) {
+  const auto put = [&](std::size_t array, auto values) {
+    if (values.empty()) return;
+    writer_.write(layout_.nodes_at + array, first * sizeof(values[0]),
+                  bytesOf(values.subspan(from, count)));
+  };
+  put(0, nodes.nodes);
+  put(1, nodes.coarseness);
+  put(2, nodes.facing);
+}
+
+void SurfelFileWriter::add(std::size_t part, const MomentTree& tree) {
+  const SurfelCloud& surfels = tree.surfels();
+  const std::uint64_t first = MomentTree::rangeOf(count_, part_level_, part).first;
+  assert(surfels.size() * roots_.size() == count_);
+  assert(tree.levels() + part_level_ == MomentTree::levelsOf(count_));
+  forArrays(surfels, [&](std::size_t array, const auto& values) {
+    if (!values.empty()) writer_.write(array, first * sizeof(values[0]), bytesOf(values));
+  });
+  for (int level = 0; level < tree.levels(); ++level) {
+    const std::size_t count = std::size_t{1} << level;
+    writeNodes((count << part_level_) + part * count,
+               {tree.nodes(), tree.coarseness(), tree.facing()}, count, count);
+  }
+  roots_[part] = {tree.sums(), tree.coarseness()[1].min_m2};
+}
+
+void SurfelFileWriter::finish() {
+  if (part_level_ > 0) {
+    const TreeTop top = topOf(roots_);
+    writeNodes(1, {top.nodes, top.coarseness, {}}, 1, top.nodes.size() - 1);
+  }
+  writer_.finish();
+}
+
 void writeSceneFile(const std::filesystem::path& path, const PreparedScene& scene) {
   const SurfelCloud& cloud = scene.cloud;
   if (cloud.gaussians) {
@@ -150,26 +325,21 @@ void writeSceneFile(const std::filesystem::path& path, const PreparedScene& scen
     return;
   }
   assert(!cloud.empty());
-  const std::vector<std::uint16_t>& bodies = cloud.bodies.of_surfel;
-  std::vector<ByteSpan> arrays = {bytesOf(cloud.position_m), bytesOf(cloud.axis_u_m),
-                                  bytesOf(cloud.axis_v_m),   bytesOf(cloud.color),
-                                  bytesOf(cloud.area_m2),    bytesOf(cloud.opacity)};
-  if (!bodies.empty()) arrays.push_back(bytesOf(bodies));
-  const std::vector<char> names = joined(cloud.objects.names);
-  if (!cloud.objects.empty()) {
-    arrays.push_back(bytesOf(cloud.objects.of));
-    arrays.push_back(bytesOf(names));
-  }
-  writeFoci(path,
-            {.version = bodies.empty() && cloud.objects.empty() ? kFociSurfels : kFociMore,
-             .flags = flagsOf(scene),
-             .count = cloud.size()},
-            arrays);
+  SurfelFileWriter writer(path, cloud.size(), 0, cloud, scene.origin);
+  writer.add(0, *treeOf(cloud));
+  writer.finish();
 }
 
-PreparedScene readSceneFile(const std::filesystem::path& path) {
-  const FociContainer file(path);
-  return file.header().version == kFociGaussians ? readFociGaussians(file) : readFociSurfels(file);
+PreparedScene readSceneFile(const std::filesystem::path& path, std::uint64_t checked_B) {
+  const auto file = std::make_shared<const FociContainer>(path, checked_B);
+  switch (file->header().version) {
+    case kFociGaussians:
+      return readFociGaussians(*file);
+    case kFociTree:
+      return readWithTree(file);
+    default:
+      return readWithoutTree(*file);
+  }
 }
 
 }  // namespace foci

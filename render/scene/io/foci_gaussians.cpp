@@ -37,7 +37,7 @@ template <typename T>
 void fill(std::vector<T>& values, ByteSpan bytes) {
   values.resize(bytes.size() / sizeof(T));
   if (!bytes.empty()) std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
-  FociContainer::release(bytes);
+  releasePages(bytes);
 }
 
 /// @param arrays  the five of `appendArrays`

@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/input_error.h"
+#include "render/lod/outline.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/io/foci_file.h"
 #include "render/scene/io/gaussian_formats.h"
@@ -75,12 +76,14 @@ void scale(std::vector<glm::vec3>& lengths_m, float scale) {
 }
 
 SurfelCloud scaled(SurfelCloud&& cloud, float factor) {
+  if (factor == 1.0f) return std::move(cloud);
   for (auto* lengths_m : {&cloud.position_m, &cloud.axis_u_m, &cloud.axis_v_m}) {
-    scale(*lengths_m, factor);
+    scale(lengths_m->own(), factor);
   }
   for (float& area_m2 : cloud.area_m2) area_m2 *= factor * factor;
+  cloud.tree.reset();
   completeBodies(cloud);
-  if (cloud.gaussians && factor != 1.0f) {
+  if (cloud.gaussians) {
     const auto gaussians = std::make_shared<GaussianCloud>(*cloud.gaussians);
     scaleBy(*gaussians, factor);
     cloud.gaussians = gaussians;
@@ -97,11 +100,11 @@ bool isScene(const std::filesystem::path& path) {
          isTextPointsFile(path) || isSpzFile(path) || isSogFile(path);
 }
 
-SceneFile readScene(const std::filesystem::path& path) {
+SceneFile readScene(const std::filesystem::path& path, std::uint64_t checked_B) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) throw InputError(path.string(), "no such file");
   requireRegularFile(path);
-  if (isSceneFile(path)) return {path, readSceneFile(path)};
+  if (isSceneFile(path)) return {path, readSceneFile(path, checked_B)};
   if (isOffFile(path)) {
     return std::visit([&](auto read) { return SceneFile{path, std::move(read)}; }, readOff(path));
   }
@@ -134,6 +137,10 @@ OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sa
 OpenedScene openScene(SceneFile&& file, double scale_m,
                       const std::optional<glm::vec3>& viewpoint_m) {
   if (auto* const prepared = std::get_if<PreparedScene>(&file.content)) {
+    if (scale_m != 1.0 && prepared->cloud.tree && prepared->cloud.size() > kLargeScene) {
+      throw InputError(file.path.string(), "stays in its file, in metres, because it is large: "
+                                           "expected scene.scale_m = 1");
+    }
     return {scaled(std::move(prepared->cloud), static_cast<float>(scale_m))};
   }
   if (auto* const gaussians = std::get_if<GaussianFile>(&file.content)) {

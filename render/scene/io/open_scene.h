@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
 #include <memory>
@@ -34,7 +35,8 @@ struct SceneFile {
 /// other file, a PLY point cloud.
 /// @throws InputError, see `readSceneFile`, `readPly`, `readLas`, `readTextPoints` and `readMesh`.
 ///         For a format that foci does not read, it names a converter.
-SceneFile readScene(const std::filesystem::path& path);
+/// @param checked_B  see `readSceneFile`
+SceneFile readScene(const std::filesystem::path& path, std::uint64_t checked_B = kCheckedFile_B);
 
 struct OpenedPoints {
   PointCloud points;

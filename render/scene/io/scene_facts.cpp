@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 #include <variant>
 
+#include "render/lod/outline.h"
 #include "render/scene/gaussian_cloud.h"
 #include "render/scene/io/las.h"
 #include "render/scene/io/off.h"
@@ -13,12 +15,12 @@
 namespace foci {
 namespace {
 
-bool differ(const std::vector<glm::vec3>& colors) {
+bool differ(std::span<const glm::vec3> colors) {
   return std::any_of(colors.begin(), colors.end(),
                      [&](const glm::vec3& color) { return color != colors.front(); });
 }
 
-glm::vec2 rangeOf(const std::vector<float>& opacity) {
+glm::vec2 rangeOf(std::span<const float> opacity) {
   if (opacity.empty()) return glm::vec2(1.0f);
   const auto [least, greatest] = std::minmax_element(opacity.begin(), opacity.end());
   return {*least, *greatest};
@@ -34,16 +36,17 @@ SceneFacts factsOfGaussians(const GaussianCloud& cloud) {
 }
 
 SceneFacts factsOfContent(const PreparedScene& scene, const std::filesystem::path&) {
-  const SurfelCloud& cloud = scene.cloud;
-  if (cloud.gaussians) {
-    SceneFacts facts = factsOfGaussians(*cloud.gaussians);
+  if (scene.cloud.gaussians) {
+    SceneFacts facts = factsOfGaussians(*scene.cloud.gaussians);
     facts.unit_m = 1.0;
     facts.y_is_down = scene.origin.y_is_down;
     return facts;
   }
+  const SurfelCloud outline = outlineOf(scene.cloud);
+  const SurfelCloud& cloud = outline.empty() ? scene.cloud : outline;
   const bool is_plain = scene.origin.plain_colors;
   return {.kind = SceneKind::prepared,
-          .surfels = cloud.size(),
+          .surfels = scene.cloud.size(),
           .has_normals = cloud.oriented,
           .has_colors = !is_plain,
           .material_colors = is_plain && differ(cloud.color),
@@ -51,7 +54,8 @@ SceneFacts factsOfContent(const PreparedScene& scene, const std::filesystem::pat
           .samples_of_mesh = scene.origin.mesh,
           .unit_m = 1.0,
           .up_axis = scene.origin.up_axis,
-          .position = cloud.position_m};
+          .large = !outline.empty(),
+          .position = {cloud.position_m.begin(), cloud.position_m.end()}};
 }
 
 SceneFacts factsOfContent(const MeshFile& file, const std::filesystem::path&) {

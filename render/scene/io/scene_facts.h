@@ -53,6 +53,7 @@ struct SceneFacts {
   std::optional<int> up_axis{};
   bool y_is_down = false;    ///< the convention of cameras, which captured scenes share
   int harmonics_degree = 0;  ///< of Gaussians
+  bool large = false;        ///< stays in its file, in metres: `position` is its outline's
 
   /// Where the scene is, units of the file: its points, its surfels, or the corners of its
   /// triangles. Not empty.

@@ -113,10 +113,6 @@ void appendCell(SurfelCloud& cloud, const ParametricSurface& surface, const glm:
   cloud.opacity.push_back(surface.opacity);
 }
 
-void append(std::vector<glm::vec3>& to, const std::vector<glm::vec3>& from) {
-  to.insert(to.end(), from.begin(), from.end());
-}
-
 }  // namespace
 
 void appendSurface(SurfelCloud& cloud, const ParametricSurface& surface,
@@ -153,12 +149,12 @@ void appendSurface(SurfelCloud& cloud, const ParametricSurface& surface,
     }
   });
   for (const SurfelCloud& part : parts) {
-    append(cloud.position_m, part.position_m);
-    append(cloud.axis_u_m, part.axis_u_m);
-    append(cloud.axis_v_m, part.axis_v_m);
-    append(cloud.color, part.color);
-    cloud.area_m2.insert(cloud.area_m2.end(), part.area_m2.begin(), part.area_m2.end());
-    cloud.opacity.insert(cloud.opacity.end(), part.opacity.begin(), part.opacity.end());
+    cloud.position_m.append(part.position_m);
+    cloud.axis_u_m.append(part.axis_u_m);
+    cloud.axis_v_m.append(part.axis_v_m);
+    cloud.color.append(part.color);
+    cloud.area_m2.append(part.area_m2);
+    cloud.opacity.append(part.opacity);
   }
 }
 

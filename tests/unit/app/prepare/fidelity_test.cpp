@@ -88,7 +88,7 @@ struct Prepared {
 
 Prepared prepared(const TriangleMesh& mesh, const MeshSampling& sampling) {
   SurfelCloud cloud = surfelsFromPoints(sampleMesh(mesh, "mesh", sampling));
-  std::vector<float> area_m2 = cloud.area_m2;
+  std::vector<float> area_m2(cloud.area_m2.begin(), cloud.area_m2.end());
   const double spacing_m = std::sqrt(double{quantile(area_m2, 0.5)});
   return {std::move(cloud), spacing_m};
 }

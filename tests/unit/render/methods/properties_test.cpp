@@ -42,7 +42,7 @@ const char* anyMethod() {
 }
 
 template <class T>
-void permute(std::vector<T>& values, const std::vector<std::size_t>& order) {
+void permute(MappedVector<T>& values, const std::vector<std::size_t>& order) {
   if (values.empty()) return;
   std::vector<T> permuted;
   for (const std::size_t i : order) permuted.push_back(values[i]);

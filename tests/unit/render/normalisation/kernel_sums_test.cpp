@@ -132,7 +132,7 @@ TEST(LevelKernels, SumToTheSurfelsAreaAtEveryLevel) {
   const double area = std::accumulate(cloud.area_m2.begin(), cloud.area_m2.end(), 0.0);
   const MomentTree tree(cloud);
   for (int level = 0; level < tree.levels(); ++level) {
-    const std::vector<float> of_nodes = levelKernels(tree, level).surfels.area_m2;
+    const MappedVector<float> of_nodes = levelKernels(tree, level).surfels.area_m2;
     EXPECT_NEAR(std::accumulate(of_nodes.begin(), of_nodes.end(), 0.0) / area, 1.0, 1e-3) << level;
   }
 }

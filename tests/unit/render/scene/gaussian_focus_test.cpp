@@ -1,7 +1,7 @@
 // Where the eye focuses in a scene of Gaussians.
 #include <gtest/gtest.h>
 
-#include "render/scene/surface_query.h"
+#include "render/lod/surface_query.h"
 #include "tests/unit/render/gaussian_scenes.h"
 
 namespace foci {

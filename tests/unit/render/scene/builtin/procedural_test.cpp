@@ -7,12 +7,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "render/lod/surface_query.h"
 #include "render/normalisation/kernel_sums.h"
 #include "render/optics/view.h"
 #include "render/scene/gaussian_cloud.h"
 #include "render/scene/sampling/implicit_surface.h"
 #include "render/scene/sampling/sample_surface.h"
-#include "render/scene/surface_query.h"
 
 namespace foci {
 namespace {

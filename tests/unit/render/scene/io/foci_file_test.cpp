@@ -5,13 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "base/input_error.h"
+#include "tests/temporary_folder.h"
 
 namespace foci {
 namespace {
@@ -102,23 +107,136 @@ TEST_F(FociFileTest, RefusesEveryAlteredByte) {
   }
 }
 
-TEST_F(FociFileTest, KeepsClosedBodies) {
-  SurfelCloud cloud = few(false);
-  cloud.bodies.of_surfel = {0, 2, 1};
+/// A hundred surfels on a wave, of two bodies and three objects.
+SurfelCloud wave() {
+  SurfelCloud cloud;
+  for (int i = 0; i < 100; ++i) {
+    const float x = 0.01f * static_cast<float>(i * 37 % 100);
+    appendSurfel(cloud, {x, 0.1f * std::sin(9.0f * x), -1.0f - x * x}, {0.6f, 0.0f, 0.8f}, 0.006f,
+                 1e-4f, {x, 0.5f, 1.0f - x});
+    cloud.bodies.of_surfel.push_back(i % 3 == 0 ? 2 : 1);
+    cloud.objects.of.push_back(static_cast<std::uint16_t>(i % 4));
+  }
+  cloud.oriented = true;
+  cloud.objects.names = {"", "a", "b", "c"};
   completeBodies(cloud);
-  const std::string whole = written(cloud);
-  EXPECT_EQ(whole[8], 3);                   // the version
-  EXPECT_EQ(written(few(false)).at(8), 1);  // earlier programs read it
-  writeSceneFile(path_, {cloud});
+  return cloud;
+}
+
+template <typename T>
+bool sameBytes(std::span<const T> a, std::span<const T> b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+}
+
+TEST_F(FociFileTest, BringsBackTheTreeWithBodiesAndObjects) {
+  const SurfelCloud sorted = withTree(wave());
+  const std::string whole = written(wave());
+  EXPECT_EQ(whole[8], 4);  // the version
   const SurfelCloud read = readSceneFile(path_).cloud;
-  EXPECT_EQ(read.bodies.of_surfel, cloud.bodies.of_surfel);
+  EXPECT_EQ(read.position_m, sorted.position_m);
+  EXPECT_EQ(read.bodies.of_surfel, sorted.bodies.of_surfel);
   ASSERT_EQ(read.bodies.boxes.size(), 3u);
-  EXPECT_EQ(read.bodies.boxes[2].low_m, cloud.bodies.boxes[2].low_m);
-  for (std::size_t at = 8; at < whole.size(); ++at) {
+  EXPECT_EQ(read.bodies.boxes[2].low_m, sorted.bodies.boxes[2].low_m);
+  EXPECT_EQ(read.objects.of, sorted.objects.of);
+  EXPECT_EQ(read.objects.names, sorted.objects.names);
+  ASSERT_TRUE(read.tree);
+  EXPECT_EQ(read.tree->levels(), sorted.tree->levels());
+  EXPECT_TRUE(sameBytes(read.tree->nodes(), sorted.tree->nodes()));
+  EXPECT_TRUE(sameBytes(read.tree->coarseness(), sorted.tree->coarseness()));
+  EXPECT_TRUE(sameBytes(read.tree->facing(), sorted.tree->facing()));
+  EXPECT_EQ(read.tree->surfels().color, sorted.color);
+  for (std::size_t at = 8; at < whole.size(); at += 7) {
     std::string altered = whole;
     altered[at] = static_cast<char>(altered[at] ^ (1 << at % 8));
     EXPECT_NE(refusal(altered), "") << "byte " << at;
   }
+}
+
+TEST_F(FociFileTest, ASceneFromAFileIsWrittenAgainAsItWas) {
+  const std::string first = written(wave());
+  const PreparedScene read = readSceneFile(path_);
+  const TemporaryFolder folder;
+  writeSceneFile(folder.path() / "again.foci", read);
+  EXPECT_EQ(folder.read("again.foci"), first);
+}
+
+TEST_F(FociFileTest, ReadsSurfelsWithoutATree) {
+  SurfelCloud cloud = wave();
+  const std::string names{"\0a\0b\0c\0", 7};
+  const std::vector<ByteSpan> arrays = {bytesOf(cloud.position_m),
+                                        bytesOf(cloud.axis_u_m),
+                                        bytesOf(cloud.axis_v_m),
+                                        bytesOf(cloud.color),
+                                        bytesOf(cloud.area_m2),
+                                        {},
+                                        bytesOf(cloud.bodies.of_surfel),
+                                        bytesOf(cloud.objects.of),
+                                        bytesOf(names)};
+  writeFoci(path_, {.version = kFociMore, .flags = 1 | 64 | 128, .count = cloud.size()}, arrays);
+  const SurfelCloud read = readSceneFile(path_).cloud;
+  EXPECT_FALSE(read.tree);
+  EXPECT_EQ(read.position_m, cloud.position_m);
+  EXPECT_EQ(read.bodies.of_surfel, cloud.bodies.of_surfel);
+  EXPECT_EQ(read.objects.names, cloud.objects.names);
+
+  writeFoci(path_, {.version = kFociSurfels, .flags = 0, .count = cloud.size()},
+            {arrays.begin(), arrays.begin() + 6});
+  EXPECT_EQ(readSceneFile(path_).cloud.color, cloud.color);
+  writeFoci(path_, {.version = kFociSurfels, .flags = 64, .count = cloud.size()},
+            {arrays.begin(), arrays.begin() + 7});
+  EXPECT_THROW(readSceneFile(path_), InputError);
+}
+
+/// Held against the surfels below each node.
+void expectTreeOf(const SurfelCloud& cloud) {
+  const MomentTree& tree = *cloud.tree;
+  for (int level = 0; level < tree.levels(); ++level) {
+    for (std::size_t j = 0; j < std::size_t{1} << level; ++j) {
+      const LodNode& node = tree.nodes()[(std::size_t{1} << level) + j];
+      const auto [begin, end] = tree.range(level, j);
+      glm::dvec3 mean(0.0);
+      double area = 0.0;
+      for (std::size_t i = begin; i < end; ++i) {
+        mean += double{cloud.area_m2[i]} * glm::dvec3(cloud.position_m[i]);
+        area += cloud.area_m2[i];
+        EXPECT_LE(glm::distance(node.position_m, cloud.position_m[i]), node.radius_m);
+      }
+      EXPECT_LT(glm::distance(glm::dvec3(node.position_m), mean / area), 1e-6);
+    }
+  }
+}
+
+TEST_F(FociFileTest, PartsMakeOneTree) {
+  constexpr int kLevel = 3;
+  constexpr std::size_t kPart = 50;
+  const auto part = [](std::size_t j) {
+    SurfelCloud cloud;
+    for (std::size_t i = 0; i < kPart; ++i) {
+      const float x = static_cast<float>(j) + static_cast<float>(i * 17 % kPart) / kPart;
+      appendSurfel(cloud, {x, 0.2f * std::sin(3.0f * x), -2.0f}, {0.0f, 0.0f, 1.0f}, 0.01f, 4e-4f,
+                   {0.5f, 0.1f * x, 0.2f});
+    }
+    return cloud;
+  };
+  SurfelFileWriter writer(path_, kPart << kLevel, kLevel, {}, {.up_axis = 1});
+  for (const std::size_t j : {3, 0, 1, 2, 7, 6, 5, 4}) writer.add(j, MomentTree(part(j)));
+  writer.finish();
+  const PreparedScene read = readSceneFile(path_);
+  EXPECT_EQ(read.origin.up_axis, 1);
+  ASSERT_EQ(read.cloud.size(), kPart << kLevel);
+  expectTreeOf(read.cloud);
+}
+
+TEST_F(FociFileTest, ALargeSceneIsCheckedOnRequestOnly) {
+  std::string altered = written(wave());
+  altered[100] = static_cast<char>(altered[100] ^ 1);
+  std::ofstream(path_, std::ios::binary) << altered;
+  EXPECT_THROW(readSceneFile(path_), InputError);
+  EXPECT_THROW(readSceneFile(path_, kCheckAll_B), InputError);
+  const SurfelCloud read = readSceneFile(path_, 100).cloud;
+  EXPECT_EQ(read.size(), 100u);
+  // No number that the file may hold leads beyond the boxes.
+  EXPECT_EQ(read.bodies.boxes.size(), 65536u);
 }
 
 TEST_F(FociFileTest, RefusesSwappedBytes) {
@@ -133,8 +251,8 @@ TEST_F(FociFileTest, RefusesSwappedBytes) {
 TEST_F(FociFileTest, SaysWhatIsWrong) {
   const std::string whole = written(few(true));
   std::string later = whole;
-  later[8] = 4;
-  EXPECT_EQ(refusal(later), ": is of version 4: this program reads versions 1 to 3");
+  later[8] = 5;
+  EXPECT_EQ(refusal(later), ": is of version 5: this program reads versions 1 to 4");
   std::string as_text = whole;
   as_text.erase(4, 1);
   EXPECT_EQ(refusal(as_text), ": was altered, as by a transfer as text");
@@ -152,7 +270,10 @@ TEST_F(FociFileTest, RefusesSurfelsThatAreNotSoundThoughTheChecksumIs) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const auto refused = [&](const auto& spoil) {
     SurfelCloud cloud = few(true);
+    const MomentTree tree(cloud);
     spoil(cloud);
+    cloud.tree = std::make_shared<const MomentTree>(
+        cloud, TreeNodes{tree.nodes(), tree.coarseness(), tree.facing()}, nullptr);
     return refusal(written(cloud));
   };
   EXPECT_EQ(refused([&](SurfelCloud& c) { c.position_m[2].y = nan; }), ": surfel 2 is not sound");

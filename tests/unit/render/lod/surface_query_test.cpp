@@ -1,4 +1,4 @@
-#include "render/scene/surface_query.h"
+#include "render/lod/surface_query.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <glm/gtc/constants.hpp>
 
+#include "render/lod/moment_tree.h"
 #include "render/scene/builtin/procedural.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/io/ply.h"
@@ -227,6 +228,28 @@ TEST(SurfaceQuery, FindsTheLion) {
       SurfaceQuery(lion).distance(eye, glm::normalize(target - eye), kHalfAngle_rad, 0.5);
   ASSERT_TRUE(found);
   EXPECT_NEAR(*found, 4.6, 0.6);  // data/README.md: focus at 4.6
+}
+
+TEST(SurfaceQuery, TheSceneOwnTreeGivesTheSameDistances) {
+  const SurfelCloud cloud = makeGallery();
+  const SurfelCloud sorted = withTree(cloud);
+  const SurfaceQuery by_order(cloud), by_tree(sorted);
+  const EyePose pose = galleryEyePose();
+  const glm::dvec3 eye_m(pose.position_m);
+  int hits = 0;
+  for (const PointOfInterest& point : galleryPointsOfInterest()) {
+    for (const double aside : {-0.1, 0.0, 0.1}) {
+      const glm::dvec3 to = glm::dvec3(point.p_world) - eye_m;
+      const glm::dvec3 direction = glm::normalize(to + glm::dvec3(aside, 0.5 * aside, 0.0));
+      const auto a = by_order.distance(eye_m, direction, kHalfAngle_rad, 0.5);
+      const auto b = by_tree.distance(eye_m, direction, kHalfAngle_rad, 0.5);
+      ASSERT_EQ(a.has_value(), b.has_value());
+      if (!a) continue;
+      EXPECT_NEAR(*b / *a, 1.0, 1e-3);  // kernels beyond three sigma count or not, by the spheres
+      ++hits;
+    }
+  }
+  EXPECT_GT(hits, 10);
 }
 
 }  // namespace

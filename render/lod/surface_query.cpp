@@ -1,5 +1,6 @@
-// A bounding hierarchy over surfels in Morton order, walked front to back along a cone.
-#include "render/scene/surface_query.h"
+// A bounding hierarchy, walked front to back along a cone: the scene's tree where it has one, or
+// one over surfels in Morton order.
+#include "render/lod/surface_query.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,10 +9,12 @@
 #include <cstdint>
 #include <glm/gtc/constants.hpp>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "base/parallel.h"
+#include "render/lod/moment_tree.h"
 #include "render/scene/gaussian_cloud.h"
 #include "render/scene/morton.h"
 
@@ -176,30 +179,35 @@ struct Cone {
 
 }  // namespace
 
-/// A complete binary tree. Node k has the children 2k + 1 and 2k + 2. The last level are the
-/// leaves, each with kLeafSurfels consecutive entries of `order`.
+/// A complete binary tree. Node k has the children 2k and 2k + 1; the root is 1. The nodes of the
+/// last level, from `leaves` on, hold surfels.
 struct SurfaceQuery::Impl {
-  explicit Impl(const SurfelCloud& surfels)
-      : cloud(surfels), order(mortonOrder(positionsOf(surfels))) {
+  explicit Impl(const SurfelCloud& surfels) : cloud(surfels), tree(surfels.tree) {
+    if (tree) {
+      leaves = tree->nodes().size() / 2;
+      return;
+    }
+    order = mortonOrder(positionsOf(surfels));
     buildNodes();
   }
 
   void buildNodes() {
     leaves =
         std::bit_ceil(std::max<std::size_t>((order.size() + kLeafSurfels - 1) / kLeafSurfels, 1));
-    std::vector<Box> boxes(2 * leaves - 1);
+    std::vector<Box> boxes(2 * leaves);
+    const std::span<const glm::vec3> position_m = positionsOf(cloud);
     parallelFor(leaves, [&](std::size_t leaf) {
-      Box& box = boxes[leaves - 1 + leaf];
+      Box& box = boxes[leaves + leaf];
       const std::size_t end = std::min((leaf + 1) * kLeafSurfels, order.size());
       for (std::size_t at = leaf * kLeafSurfels; at < end; ++at) {
-        const glm::vec3 p = positionsOf(cloud)[order[at]];
+        const glm::vec3 p = position_m[order[at]];
         const glm::vec3 reach(kReach * largestSigma(cloud, order[at]));
         box.add(p - reach, p + reach);
       }
     });
-    for (std::size_t i = leaves - 1; i-- > 0;) {
+    for (std::size_t i = leaves; i-- > 1;) {
+      boxes[i].add(boxes[2 * i].low, boxes[2 * i].high);
       boxes[i].add(boxes[2 * i + 1].low, boxes[2 * i + 1].high);
-      boxes[i].add(boxes[2 * i + 2].low, boxes[2 * i + 2].high);
     }
     nodes.resize(boxes.size());
     parallelFor(boxes.size(), [&](std::size_t i) {
@@ -208,6 +216,19 @@ struct SurfaceQuery::Impl {
         nodes[i] = {0.5f * (box.low + box.high), 0.5f * glm::length(box.high - box.low)};
       }
     });
+  }
+
+  Sphere sphereOf(std::size_t node) const {
+    if (!tree) return nodes[node];
+    const LodNode& of = tree->nodes()[node];
+    return {of.position_m, of.radius_m};
+  }
+
+  /// The surfels of a leaf, as places in `order`, or by their numbers where the scene has a tree.
+  std::pair<std::size_t, std::size_t> rangeOf(std::size_t node) const {
+    if (tree) return tree->range(tree->levels() - 1, node - leaves);
+    const std::size_t begin = (node - leaves) * kLeafSurfels;
+    return {begin, std::min(begin + kLeafSurfels, order.size())};
   }
 
   /// Walks the tree in order of distance. `nearOf(i)` is where surfel i begins, absent if it is
@@ -222,26 +243,26 @@ struct SurfaceQuery::Impl {
       std::push_heap(heap.begin(), heap.end(), std::greater<>());
     };
     const auto pushNode = [&](std::size_t node) {
-      if (const auto near_m = cone.nearestIn(nodes[node])) {
+      if (const auto near_m = cone.nearestIn(sphereOf(node))) {
         push({*near_m, static_cast<std::uint32_t>(node), false});
       }
     };
-    pushNode(0);
+    pushNode(1);
     while (!heap.empty()) {
       std::pop_heap(heap.begin(), heap.end(), std::greater<>());
       const Visit visit = heap.back();
       heap.pop_back();
       if (!take(visit)) return;
       if (visit.surfel) continue;
-      if (visit.id + 1 < leaves) {
+      if (visit.id < leaves) {
+        pushNode(2 * std::size_t{visit.id});
         pushNode(2 * std::size_t{visit.id} + 1);
-        pushNode(2 * std::size_t{visit.id} + 2);
         continue;
       }
-      const std::size_t begin = (visit.id + 1 - leaves) * kLeafSurfels;
-      const std::size_t end = std::min(begin + kLeafSurfels, order.size());
+      const auto [begin, end] = rangeOf(visit.id);
       for (std::size_t at = begin; at < end; ++at) {
-        if (const auto near_m = nearOf(order[at])) push({*near_m, order[at], true});
+        const std::uint32_t i = tree ? static_cast<std::uint32_t>(at) : order[at];
+        if (const auto near_m = nearOf(i)) push({*near_m, i, true});
       }
     }
   }
@@ -295,6 +316,7 @@ struct SurfaceQuery::Impl {
   }
 
   const SurfelCloud& cloud;
+  std::shared_ptr<const MomentTree> tree;  // null: `order` and `nodes` replace it
   std::vector<std::uint32_t> order;
   std::size_t leaves = 1;
   std::vector<Sphere> nodes;
