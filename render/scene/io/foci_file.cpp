@@ -145,7 +145,6 @@ void forArrays(Cloud& cloud, const Each& each) {
   each(6, cloud.bodies.of_surfel);
   each(7, cloud.objects.of);
 }
-constexpr std::size_t kSurfelArrays = 8;
 
 /// The versions without a tree. @throws InputError
 PreparedScene readWithoutTree(const FociContainer& file) {
@@ -157,21 +156,26 @@ PreparedScene readWithoutTree(const FociContainer& file) {
   if (n > std::numeric_limits<std::uint32_t>::max() - 1) {
     file.refuse("is not a .foci scene: its sizes contradict each other");
   }
-  std::vector<std::uint64_t> sizes;
-  std::uint64_t so_far = sizeof(FociHeader);
-  for (const std::uint64_t bytes : bytesBySurfel(header.flags)) {
-    sizes.push_back(bytes * n);
-    so_far += sizes.back();
-  }
   const bool objects = (header.flags & kObjects) != 0;
-  sizes.push_back(objects && header.file_bytes > so_far ? header.file_bytes - so_far : 0);
+  constexpr std::size_t kAlways = 6;  // arrays, of which opacity may be empty; others are left out
+  std::vector<std::uint64_t> sizes;
+  std::vector<std::size_t> place;  // by array
+  std::uint64_t so_far = sizeof(FociHeader);
+  const std::vector<std::uint64_t> by_surfel = bytesBySurfel(header.flags);
+  for (const std::uint64_t bytes : by_surfel) {
+    place.push_back(sizes.size());
+    if (bytes > 0 || place.size() <= kAlways) sizes.push_back(bytes * n);
+    so_far += bytes * n;
+  }
+  if (objects) sizes.push_back(header.file_bytes > so_far ? header.file_bytes - so_far : 0);
   const std::vector<ByteSpan> arrays = file.arrays(sizes);
 
   SurfelCloud cloud;
   forArrays(cloud, [&](std::size_t array, auto& values) {
-    const ByteSpan bytes = arrays[array];
-    values.own().resize(bytes.size() / sizeof(values[0]));
-    if (!bytes.empty()) std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
+    if (by_surfel[array] == 0) return;
+    const ByteSpan bytes = arrays[place[array]];
+    values.resize(bytes.size() / sizeof(values[0]));
+    std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
   });
   if (objects) cloud.objects.names = namesIn(arrays.back());
   cloud.oriented = (header.flags & kOriented) != 0;

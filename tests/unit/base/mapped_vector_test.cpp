@@ -10,12 +10,12 @@ namespace {
 
 TEST(MappedVector, ReadsTheMappedValuesInPlace) {
   const auto values = std::make_shared<const std::array<int, 3>>(std::array{1, 2, 3});
-  const MappedVector<int> mapped(*values, values);
+  const MappedVector<int> mapped(*values, values), copy = mapped;
   EXPECT_EQ(mapped.data(), values->data());
   EXPECT_EQ(mapped.size(), 3u);
   EXPECT_EQ(mapped, (MappedVector<int>{1, 2, 3}));
-  EXPECT_EQ(MappedVector<int>(mapped).data(), values->data());
-  EXPECT_EQ(values.use_count(), 2);
+  EXPECT_EQ(copy.data(), values->data());
+  EXPECT_EQ(values.use_count(), 3);
 }
 
 TEST(MappedVector, CopiesBeforeTheFirstChange) {
