@@ -2,21 +2,34 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "render/lod/moment_tree.h"
-#include "render/scene/builtin/procedural.h"
 
 namespace foci {
 namespace {
 
+SurfelCloud helix() {
+  SurfelCloud cloud;
+  for (int i = 0; i < 500; ++i) {
+    const float turn = 0.05f * static_cast<float>(i);
+    appendSurfel(cloud, {std::cos(turn), 0.1f * turn, std::sin(turn)}, {0.0f, 1.0f, 0.0f}, 0.02f,
+                 1e-3f, glm::vec3(0.5f));
+  }
+  cloud.oriented = true;
+  return cloud;
+}
+
 TEST(Outline, OnlyOfALargeSceneWithATree) {
-  const SurfelCloud gallery = makeGallery();
-  EXPECT_TRUE(outlineOf(gallery, 1).empty());
-  EXPECT_TRUE(outlineOf(withTree(gallery)).empty());
-  EXPECT_FALSE(outlineOf(withTree(gallery), 1).empty());
+  const SurfelCloud scene = helix();
+  EXPECT_TRUE(outlineOf(scene, 1).empty());
+  EXPECT_TRUE(outlineOf(withTree(scene)).empty());
+  EXPECT_FALSE(outlineOf(withTree(scene), 1).empty());
 }
 
 TEST(Outline, CoversTheScene) {
-  const SurfelCloud scene = withTree(makeGallery());
+  const SurfelCloud scene = withTree(helix());
   const SurfelCloud outline = outlineOf(scene, 1);
   const int level = std::min(16, scene.tree->levels() - 1);
   ASSERT_EQ(outline.size(), std::size_t{1} << level);
