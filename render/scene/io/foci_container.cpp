@@ -117,8 +117,8 @@ void FociWriter::finish() {
 
 void writeFoci(const std::filesystem::path& path, const FociHeader& header,
                const std::vector<ByteSpan>& arrays) {
-  std::vector<std::uint64_t> sizes;
-  for (const ByteSpan& array : arrays) sizes.push_back(array.size());
+  std::vector<std::uint64_t> sizes(arrays.size());
+  std::ranges::transform(arrays, sizes.begin(), [](const ByteSpan& array) { return array.size(); });
   FociWriter writer(path, header, sizes);
   for (std::size_t i = 0; i < arrays.size(); ++i) writer.write(i, 0, arrays[i]);
   writer.finish();
