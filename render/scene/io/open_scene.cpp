@@ -138,8 +138,9 @@ OpenedScene openScene(SceneFile&& file, double scale_m,
                       const std::optional<glm::vec3>& viewpoint_m) {
   if (auto* const prepared = std::get_if<PreparedScene>(&file.content)) {
     if (scale_m != 1.0 && prepared->cloud.tree && prepared->cloud.size() > kLargeScene) {
-      throw InputError(file.path.string(), "stays in its file, in metres, because it is large: "
-                                           "expected scene.scale_m = 1");
+      throw InputError(file.path.string(),
+                       "stays in its file, in metres, because it is large: "
+                       "expected scene.scale_m = 1");
     }
     return {scaled(std::move(prepared->cloud), static_cast<float>(scale_m))};
   }
