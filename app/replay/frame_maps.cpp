@@ -18,9 +18,20 @@ std::vector<float> defocusMap_D(const Frame& frame, double focus_D) {
   return map_D;
 }
 
-std::vector<float> mapOf(FrameMap map, const Frame& frame, double focus_D) {
-  return map == FrameMap::depth ? frame.depth_m : defocusMap_D(frame, focus_D);
+namespace {
+
+void write(const std::filesystem::path& file, FrameMap map, const Frame& frame, double focus_D) {
+  switch (map) {
+    case FrameMap::light:
+      return writeImage(file, frame);
+    case FrameMap::depth:
+      return writeMap(file, frame.size_px, frame.depth_m);
+    case FrameMap::defocus:
+      return writeMap(file, frame.size_px, defocusMap_D(frame, focus_D));
+  }
 }
+
+}  // namespace
 
 std::string mapFileName(FrameMap map, std::size_t frame) {
   constexpr std::size_t kDigits = 6;
@@ -36,7 +47,7 @@ std::vector<std::filesystem::path> stageMaps(const std::vector<FrameMap>& maps, 
   staged.reserve(maps.size());
   for (const FrameMap map : maps) {
     staged.push_back(folder.stage(mapFileName(map, frame)));
-    writeMap(staged.back(), rendered.size_px, mapOf(map, rendered, focus_D));
+    write(staged.back(), map, rendered, focus_D);
   }
   return staged;
 }

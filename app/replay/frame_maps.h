@@ -1,4 +1,4 @@
-// Maps of a frame: what each pixel's surface is to the eye.
+// Maps of a frame: its light, and what each pixel's surface is to the eye.
 #pragma once
 
 #include <filesystem>
@@ -13,9 +13,6 @@ namespace foci {
 
 /// `FrameMap::defocus` by pixel. @param frame  with depth along the line of sight
 std::vector<float> defocusMap_D(const Frame& frame, double focus_D);
-
-/// The map by pixel.
-std::vector<float> mapOf(FrameMap map, const Frame& frame, double focus_D);
 
 /// "depth-000012.exr"
 std::string mapFileName(FrameMap map, std::size_t frame);

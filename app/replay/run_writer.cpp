@@ -14,6 +14,7 @@
 #include "app/replay/gaze_in_scene.h"
 #include "app/replay/heatmap.h"
 #include "app/replay/report.h"
+#include "app/study/study_words.h"
 #include "render/image/image_file.h"
 
 namespace foci {
@@ -74,9 +75,12 @@ std::vector<std::filesystem::path> imagesIn(const std::filesystem::path& folder)
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
-    const bool map =
-        (name.starts_with("depth-") || name.starts_with("defocus-")) && name.ends_with(".exr");
-    if (map || (name.starts_with(kImage) && name.ends_with(kImageEnd))) {
+    const bool is_map =
+        name.ends_with(".exr") &&
+        std::ranges::any_of(kStudyWords<FrameMap>, [&](const StudyWord<FrameMap>& map) {
+          return name.starts_with(std::string(map.text) + "-");
+        });
+    if (is_map || (name.starts_with(kImage) && name.ends_with(kImageEnd))) {
       images.push_back(entry.path());
     }
   }

@@ -1,5 +1,6 @@
 #include "app/study/session_settings_of.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -114,7 +115,8 @@ SessionSettings sessionSettingsOf(const Study& study) {
       .output = {.size_px = study.imageSize_px(),
                  .stereo = study.output.view,
                  .split = study.output.split,
-                 .depth = !study.output.maps.empty()}};
+                 .depth = std::ranges::any_of(
+                     study.output.maps, [](FrameMap map) { return map != FrameMap::light; })}};
 }
 
 bool ellipsesAsCircles(const Study& study) {

@@ -23,6 +23,7 @@ namespace foci {
 
 /// What a map has at each pixel.
 enum class FrameMap {
+  light,    ///< linear RGB, without the gaze marker
   depth,    ///< distance of the surface along the line of sight, metres; 0: no surface
   defocus,  ///< reciprocal of that distance minus the focus, dioptres: above 0 the surface is
             ///< nearer than the focus; NaN: no surface

@@ -343,8 +343,9 @@ const std::vector<Key<Study>>& studyKeys() {
                {0, 1000}),
       FOCI_KEY(output.images, "output.images", "also saves every frame as a PNG"),
       FOCI_KEY(output.maps, "output.maps",
-               "also saves maps of every frame of a replay as EXR: depth in metres, defocus in D, "
-               "above 0 where the surface is nearer than the focus; of one view only",
+               "also saves maps of every frame of a replay as EXR: linear light as RGB, depth in "
+               "metres, defocus in D, above 0 where the surface is nearer than the focus; of one "
+               "view only",
                {.words = studyWords<FrameMap>()}),
       FOCI_KEY(
           output.view, "output.view",

@@ -53,6 +53,7 @@ inline constexpr std::array kStudyWords<AngleUnit>{
 
 template <>
 inline constexpr std::array kStudyWords<FrameMap>{
+    StudyWord{"light", FrameMap::light},
     StudyWord{"depth", FrameMap::depth},
     StudyWord{"defocus", FrameMap::defocus},
 };

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "render/image/srgb.h"
 #include "tests/e2e/binary.h"
 #include "tests/temporary_folder.h"
 
@@ -291,8 +292,9 @@ TEST_F(GazeInScene, TheHeatmapHasTheTimeOfGaze) {
 
 TEST_F(GazeInScene, MapsHaveDistanceAndDefocusOfEachPixel) {
   simulate();
-  folder.write("study.toml",
-               study(kPoints) + "maps = [\"depth\", \"defocus\"]\nseconds = [0, 0.3]\n");
+  folder.write("study.toml", study(kPoints) +
+                                 "maps = [\"light\", \"depth\", \"defocus\"]\nimages = "
+                                 "true\nmarker = false\nseconds = [0, 0.3]\n");
   const Outcome outcome = runFoci({"replay", "study.toml", "--out", "out"}, folder.path());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   ::setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
@@ -314,6 +316,17 @@ TEST_F(GazeInScene, MapsHaveDistanceAndDefocusOfEachPixel) {
     }
   }
   EXPECT_GT(seen, 100);
+
+  // The light of each pixel, as the screen's code, is the frame's image.
+  const cv::Mat light = map("light-000001.exr"), image = map("frame-000001.png");
+  ASSERT_EQ(light.type(), CV_32FC3);
+  ASSERT_EQ(image.type(), CV_8UC3);
+  for (int i = 0; i < 96 * 54; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const float code = 255.0f * srgbFromLinear(light.at<cv::Vec3f>(i)[c]);
+      ASSERT_NEAR(code, image.at<cv::Vec3b>(i)[c], 0.51f);
+    }
+  }
 }
 
 TEST_F(GazeInScene, ComparedRunsShowBlurDwellTimesAndDifferences) {
