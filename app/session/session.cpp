@@ -27,11 +27,6 @@ SharedGpu openDevice(RenderDevice device, const SharedGpu& window_gpu) {
   }
 }
 
-/// Lines of sight that differ by less than this share of the cone's half-angle meet the same
-/// surface. At 0.025 degrees, a surface 80 degrees from head-on is 0.25 % nearer or farther, which
-/// is 0.01 D at 0.25 m: a tenth of `FollowSettings::surface_error_D`.
-constexpr double kSameSight = 0.05;
-
 SessionSettings checked(const SessionSettings& settings) {
   checkSettings(settings);
   return settings;
@@ -86,7 +81,6 @@ void Session::restart(double start_s) {
   last_.request = {};
   passed_ = false;
   rendered_eye_.reset();
-  answer_.reset();
 }
 
 void Session::changeSettings(const SessionSettings& settings) {
@@ -120,17 +114,9 @@ std::optional<double> Session::surfaceDistance(double time_s, const glm::dvec3& 
                                                double half_angle_rad) const {
   const glm::dmat4 world_from_eye =
       glm::inverse(glm::dmat4(settings_.path.eyeFromWorldAt(time_s - start_s_)));
-  const glm::dvec3 eye_m(world_from_eye[3]);
-  const glm::dvec3 direction = glm::normalize(glm::dmat3(world_from_eye) * direction_eye);
-  const double coverage = settings_.focus.coverage;
-  if (answer_ && answer_->eye_m == eye_m && answer_->half_angle_rad == half_angle_rad &&
-      answer_->coverage == coverage &&
-      glm::distance(answer_->direction, direction) <= kSameSight * half_angle_rad) {
-    return answer_->distance_m;
-  }
-  answer_ = {eye_m, direction, half_angle_rad, coverage,
-             query_.distance(eye_m, direction, half_angle_rad, coverage)};
-  return answer_->distance_m;
+  return query_.distance(glm::dvec3(world_from_eye[3]),
+                         glm::normalize(glm::dmat3(world_from_eye) * direction_eye), half_angle_rad,
+                         settings_.focus.coverage);
 }
 
 /// Where the session's screen shows at `now_s` what gaze met at `then_s`. A head that turns in

@@ -124,18 +124,10 @@ class Session {
   Quality qualityOf(const FrameRecord& record, const EyeView& eye) const;
   GazeFollower newFollower();
 
-  /// What the scene answered along a line of sight.
-  struct SurfaceAnswer {
-    glm::dvec3 eye_m, direction;  // in the world
-    double half_angle_rad, coverage;
-    std::optional<double> distance_m;
-  };
-
   SessionSettings settings_;
   Screen gaze_screen_;
   double rate_Hz_, start_s_;
   SurfaceQuery query_;
-  mutable std::optional<SurfaceAnswer> answer_;  // the last one
   FrameRenderer renderer_;
   GazeFollower follower_;
   ObserverPupil pupil_;
