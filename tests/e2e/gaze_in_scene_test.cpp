@@ -327,7 +327,7 @@ TEST_F(GazeInScene, MapsHaveDistanceAndDefocusOfEachPixel) {
       const double code =
           255.0 * (linear <= 0.0031308 ? 12.92 * linear  // IEC 61966-2-1
                                        : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055);
-      ASSERT_NEAR(code, image.at<cv::Vec3b>(i)[c], 0.51);
+      ASSERT_NEAR(code, image.at<cv::Vec3b>(i)[c], 0.55);  // rounded, by a table
     }
   }
 }
