@@ -254,13 +254,15 @@ def render_on_the_gpu(observer, foci, out):
                    "[focus]\nfixed_D = 1.0\n[output]\nview = \"side-by-side\"\n[render]\nmethod = \"sweep-lod\"\n")
     shown, hashes = {}, {}
     for device in "cpu", "gpu":
-        record = f"{out}/on-{device}"
-        program, experiment = start(observer, foci, out + "/gpu.toml", "--record", record, "--device", device)
+        same = out + "/on-a-device"  # the notices name it, alike on both devices
+        program, experiment = start(observer, foci, out + "/gpu.toml", "--record", same, "--device", device)
         experiment.until(lambda s: s["record"] and s["method"], "recording")
         experiment.rendered(1.0)
         observer.screenshot(f"{out}/live-on-{device}.png")
-        shown[device] = observer.pixels()[2][60:130]  # between the notices
+        shown[device] = observer.pixels()[2]
         leave(program, experiment)
+        record = f"{out}/on-{device}"
+        os.rename(same, record)
         command = [foci, "replay", record + "/study.toml", "--device", "gpu", "--out", record + "-replay"]
         replay = subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         warns = "the run was rendered on the CPU" in replay.stderr
