@@ -317,7 +317,9 @@ TEST_F(GazeInScene, MapsHaveDistanceAndDefocusOfEachPixel) {
   }
   EXPECT_GT(seen, 100);
 
-  // The light of each pixel, as the screen's code, is the frame's image.
+  // The light of each pixel, as the screen's code, is the frame's image: half a code, and half a
+  // step of the table (1/65536) where the code is steepest, 12.92 x 255.
+  constexpr double kRounding = 0.5 + 0.5 / 65536.0 * 12.92 * 255.0 + 1e-3;
   const cv::Mat light = map("light-000001.exr"), image = map("frame-000001.png");
   ASSERT_EQ(light.type(), CV_32FC3);
   ASSERT_EQ(image.type(), CV_8UC3);
@@ -327,7 +329,7 @@ TEST_F(GazeInScene, MapsHaveDistanceAndDefocusOfEachPixel) {
       const double code =
           255.0 * (linear <= 0.0031308 ? 12.92 * linear  // IEC 61966-2-1
                                        : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055);
-      ASSERT_NEAR(code, image.at<cv::Vec3b>(i)[c], 0.55);  // rounded, by a table
+      ASSERT_NEAR(code, image.at<cv::Vec3b>(i)[c], kRounding);
     }
   }
 }
