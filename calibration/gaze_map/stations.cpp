@@ -1,9 +1,11 @@
 #include "calibration/gaze_map/stations.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
 
 #include "base/input_error.h"
 #include "base/quantile.h"
@@ -16,6 +18,9 @@ constexpr std::size_t kMinTargets = 3, kMaxTargets = 10'000;
 // Chosen by hand; the tests FitGazeMapping.Refuses... bound them.
 constexpr double kCollinear = 0.02;  // smaller over larger extent of the targets or of the gaze
 constexpr double kScattered = 0.35;  // deviation at one target over the extent of the gaze
+/// Gaze at two targets lies as near as this share of what the tracker's usual gain makes of their
+/// distance: one gaze at two targets.
+constexpr double kTwins = 0.15;
 
 std::string pointText(const glm::dvec2& point) {
   char text[64];
@@ -79,6 +84,57 @@ bool isScattered(const Station& station, double extent) {
   return station.samples.size() > 1 && glm::length(station.gaze_sd) > kScattered * extent;
 }
 
+/// Units of gaze for one unit between targets, along the axis where the tracker gains less.
+double gainOf(std::span<const Station> stations) {
+  const glm::dvec2 gaze = extents(stations, &Station::gaze);
+  const glm::dvec2 targets = extents(stations, &Station::target);
+  return targets.x > 0.0 ? std::min(gaze.x / targets.x, gaze.y / targets.y) : 0.0;
+}
+
+bool areTwins(const Station& a, const Station& b, double gain) {
+  return a.target != b.target &&
+         glm::distance(a.gaze, b.gaze) <= kTwins * gain * glm::distance(a.target, b.target);
+}
+
+/// Where an affine map through the stations puts `gaze`; absent where they do not determine one.
+std::optional<glm::dvec2> affineTarget(std::span<const Station> stations, const glm::dvec2& gaze) {
+  const auto n = static_cast<Eigen::Index>(stations.size());
+  Eigen::MatrixXd design(n, 3), goal(n, 2);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Station& s = stations[static_cast<std::size_t>(i)];
+    design.row(i) << 1.0, s.gaze.x, s.gaze.y;
+    goal.row(i) << s.target.x, s.target.y;
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(design);
+  if (factor.rank() < 3) return std::nullopt;
+  const Eigen::RowVector2d point = Eigen::RowVector3d(1.0, gaze.x, gaze.y) * factor.solve(goal);
+  return glm::dvec2(point[0], point[1]);
+}
+
+/// The stations that share their gaze with another one, but for the one that was looked at: the
+/// nearest to where the other stations put this gaze.
+std::vector<const Station*> falseTwins(std::span<const Station> stations) {
+  const double gain = gainOf(stations);
+  const auto isTwin = [&](const Station& s) {
+    return std::any_of(stations.begin(), stations.end(),
+                       [&](const Station& other) { return areTwins(s, other, gain); });
+  };
+  std::vector<Station> others;
+  for (const Station& s : stations) {
+    if (!isTwin(s)) others.push_back(s);
+  }
+  std::vector<const Station*> twins;
+  for (const Station& s : stations) {
+    const auto seen = affineTarget(others, s.gaze);
+    const bool is_false = std::any_of(stations.begin(), stations.end(), [&](const Station& other) {
+      return areTwins(s, other, gain) &&
+             !(seen && glm::distance(s.target, *seen) < glm::distance(other.target, *seen));
+    });
+    if (is_false) twins.push_back(&s);
+  }
+  return twins;
+}
+
 }  // namespace
 
 std::vector<glm::dvec2> dropBadTargets(std::vector<Station>& stations) {
@@ -97,10 +153,10 @@ std::vector<glm::dvec2> dropBadTargets(std::vector<Station>& stations) {
     if (drop([&](const Station& s) { return isScattered(s, extent); }) == 0) break;
   }
   const std::vector<Station> all = kept;
+  const std::vector<const Station*> twins = falseTwins(all);
   drop([&](const Station& s) {
-    return std::any_of(all.begin(), all.end(), [&](const Station& other) {
-      return other.gaze == s.gaze && other.target != s.target;
-    });
+    return std::any_of(twins.begin(), twins.end(),
+                       [&](const Station* twin) { return twin->target == s.target; });
   });
   if (kept.size() < kMinTargets || 2 * kept.size() < stations.size()) return {};
   stations = std::move(kept);

@@ -46,14 +46,14 @@ inline std::vector<GazePair> recordUser(const SimulatedUser& user,
   std::vector<GazePair> pairs;
   for (std::size_t t = 0; t < targets.size(); ++t) {
     glm::dvec2 looked_at =
-        targets[t] + user.target_sd_deg * glm::dvec2(gauss(random), gauss(random));
+        targets[t] + user.target_sd_deg * glm::dvec2{gauss(random), gauss(random)};
     if (static_cast<int>(t) == slipped) looked_at += slip_deg;
     for (int i = 0; i < samples; ++i) {
       GazePair pair;
       pair.target = targets[t];
-      glm::dvec2 gaze = looked_at + user.noise_deg * glm::dvec2(gauss(random), gauss(random));
+      glm::dvec2 gaze = looked_at + user.noise_deg * glm::dvec2{gauss(random), gauss(random)};
       if (0.5 * (uniform(random) + 1.0) < user.outliers) {
-        gaze = targets[t] + 10.0 * glm::dvec2(uniform(random), uniform(random));
+        gaze = targets[t] + 10.0 * glm::dvec2{uniform(random), uniform(random)};
       }
       pair.gaze = user.tracked(gaze);
       pairs.push_back(pair);

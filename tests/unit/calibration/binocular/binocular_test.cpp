@@ -49,7 +49,7 @@ std::vector<BinocularSample> record(const Tracker& t, int per_target, std::mt199
       BinocularSample sample;
       sample.target_m = {0.2 * (target % 3 - 1), 0.11 * (target / 3 - 1)};
       const glm::dvec3 head =
-          t.head_m * glm::dvec3(uniform(random), uniform(random), uniform(random));
+          t.head_m * glm::dvec3{uniform(random), uniform(random), uniform(random)};
       const glm::dvec3 p =
           t.truth.rotation * glm::dvec3(sample.target_m, 0.0) + t.truth.translation_m;
       const bool outlier = 0.5 * (uniform(random) + 1.0) < t.outliers;
@@ -58,8 +58,8 @@ std::vector<BinocularSample> record(const Tracker& t, int per_target, std::mt199
         const glm::dvec3 d = glm::normalize(p - centre);
         BinocularMap against;
         against.kappa_rad[0] = -t.truth.kappa_rad[eye] +
-                               glm::radians(t.noise_deg) * glm::dvec2(gauss(random), gauss(random));
-        if (outlier) against.kappa_rad[0] += 0.2 * glm::dvec2(uniform(random), uniform(random));
+                               glm::radians(t.noise_deg) * glm::dvec2{gauss(random), gauss(random)};
+        if (outlier) against.kappa_rad[0] += 0.2 * glm::dvec2{uniform(random), uniform(random)};
         sample.eyes[eye] = {centre, correctedDirection(against, 0, d)};
       }
       samples.push_back(sample);

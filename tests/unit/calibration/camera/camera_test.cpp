@@ -40,7 +40,7 @@ std::vector<BoardView> viewsOf(int count, double noise_px, bool tilted, std::mt1
         const glm::dvec3 p(pose * glm::dvec4(board.x - 0.1, board.y - 0.0625, 0.0, 1.0));
         view.board_m.push_back(board);
         view.image_px.push_back(projectByCamera(kTruth, p) +
-                                noise_px * glm::dvec2(gauss(random), gauss(random)));
+                                noise_px * glm::dvec2{gauss(random), gauss(random)});
       }
     }
     views.push_back(std::move(view));

@@ -220,7 +220,7 @@ TEST(FitGazeMapping, BadTargetsAreDroppedAndNamed) {
   for (std::size_t bad = 0; bad < 4; ++bad) {
     auto pairs = recordUser(user, targets, 50, random);
     for (std::size_t i = 0; i < bad * 50; ++i) {
-      pairs[i].gaze = glm::dvec2(anywhere(random), anywhere(random));
+      pairs[i].gaze = glm::dvec2{anywhere(random), anywhere(random)};
     }
     const GazeFit fit = fitGazeMap(pairs, kDegrees);
     ASSERT_EQ(fit.refused.size(), bad);
@@ -275,7 +275,7 @@ TEST(FitGazeMapping, ALapseAtTwoTargetsCostsNoCalibration) {
         for (int i = 0; i < kSamples; ++i) {
           auto& pair = pairs[target * kSamples + static_cast<std::size_t>(i)];
           pair.gaze = gaze(i, targets[target]);
-          const glm::dvec2 noise = user.noise_deg * glm::dvec2(gauss(random), gauss(random));
+          const glm::dvec2 noise = user.noise_deg * glm::dvec2{gauss(random), gauss(random)};
           if (pair.gaze) pair.gaze = user.tracked(*pair.gaze + noise);
         }
       }

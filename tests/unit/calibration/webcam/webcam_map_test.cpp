@@ -27,15 +27,15 @@ std::vector<WebcamSample> watch(const Observer& o, int count, std::mt19937_64& r
     WebcamSample s;
     s.target_m = {0.24 * uniform(random), 0.14 * uniform(random)};
     s.view.head_m = glm::dvec3(0.0, -0.15, 0.6) +
-                    o.head_m * glm::dvec3(uniform(random), uniform(random), uniform(random));
-    s.view.head_rad = o.head_rad * glm::dvec2(uniform(random), uniform(random));
+                    o.head_m * glm::dvec3{uniform(random), uniform(random), uniform(random)};
+    s.view.head_rad = o.head_rad * glm::dvec2{uniform(random), uniform(random)};
     s.view.roll_rad = o.roll_rad * uniform(random);
     const glm::dvec2 aside = s.target_m - glm::dvec2(s.view.head_m) - o.camera_m;
     const glm::dvec2 turn = glm::atan(aside / s.view.head_m.z) - s.view.head_rad;
     const glm::dvec2 eye = o.width_per_rad * glm::sin(turn + glm::dvec2(0.05, -0.08));
     const double c = std::cos(s.view.roll_rad), n = std::sin(s.view.roll_rad);
     s.view.eye = glm::dvec2(c * eye.x - n * eye.y, n * eye.x + c * eye.y) +
-                 o.noise * glm::dvec2(gauss(random), gauss(random));
+                 o.noise * glm::dvec2{gauss(random), gauss(random)};
     samples.push_back(s);
   }
   return samples;

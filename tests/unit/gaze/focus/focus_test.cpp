@@ -59,8 +59,8 @@ TEST(VergenceOf, ErrorIsTheScatterOfNoisyDirections) {
   for (int i = 0; i < kTrials; ++i) {
     const glm::dvec3 target(0, 0, -0.7);
     EyeRay a = rayTo(left, target), b = rayTo(right, target);
-    a.direction = glm::normalize(a.direction + glm::dvec3(normal(bits), normal(bits), 0));
-    b.direction = glm::normalize(b.direction + glm::dvec3(normal(bits), normal(bits), 0));
+    a.direction = glm::normalize(a.direction + glm::dvec3{normal(bits), normal(bits), 0});
+    b.direction = glm::normalize(b.direction + glm::dvec3{normal(bits), normal(bits), 0});
     const auto vergence = vergenceOf(a, b, 0.5);
     squares += std::pow(vergence->value_D - 1.0 / 0.7, 2);
     error_D = vergence->error_D;

@@ -23,7 +23,7 @@ GazeSample lookAt(double time_s, const glm::dvec3& target_m, const Screen& scree
     EyeSample& eye = sample.eyes[side];
     eye.origin_m = glm::dvec3(side == 0 ? -0.5 * kIpd_m : 0.5 * kIpd_m, 0.0, 0.0);
     glm::dvec3 sight = glm::normalize(target_m - *eye.origin_m);
-    if (noise_deg > 0.0) sight += glm::dvec3(noise(random), noise(random), 0.0);
+    if (noise_deg > 0.0) sight += glm::dvec3{noise(random), noise(random), 0.0};
     eye.direction = glm::normalize(sight);
   }
   sample.direction = meanDirection(sample.eyes);

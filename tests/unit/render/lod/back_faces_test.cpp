@@ -98,7 +98,7 @@ TEST(BackFaces, ANodesSideHoldsForItsSurfels) {
   std::size_t backs = 0, fronts = 0;
   for (int trial = 0; trial < 20; ++trial) {
     const glm::vec3 eye_m =
-        0.6f * glm::normalize(glm::vec3(unit(random), unit(random), unit(random)));
+        0.6f * glm::normalize(glm::vec3{unit(random), unit(random), unit(random)});
     for (int level = 4; level < tree.levels(); ++level) {
       for (std::size_t j = 0; j < std::size_t{1} << level; ++j) {
         const std::size_t i = (std::size_t{1} << level) + j;

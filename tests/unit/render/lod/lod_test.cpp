@@ -111,7 +111,7 @@ TEST(MomentTree, NormalsAreKeptToAHundredthOfADegree) {
   std::mt19937 random(4);
   std::normal_distribution<float> normal;
   for (int i = 0; i < 1000; ++i) {
-    const glm::vec3 n = glm::normalize(glm::vec3(normal(random), normal(random), normal(random)));
+    const glm::vec3 n = glm::normalize(glm::vec3{normal(random), normal(random), normal(random)});
     std::int16_t packed[2];
     packNormal(n, packed);
     EXPECT_LT(glm::degrees(glm::distance(unpackNormal(packed), n)), 0.01f);

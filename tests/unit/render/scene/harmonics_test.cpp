@@ -35,7 +35,7 @@ double harmonic(int l, int m, const glm::dvec3& d) {
 
 glm::dvec3 directionOf(std::mt19937& random) {
   std::normal_distribution<double> normal;
-  return glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+  return glm::normalize(glm::dvec3{normal(random), normal(random), normal(random)});
 }
 
 TEST(Harmonics, EqualTheirDefinition) {
