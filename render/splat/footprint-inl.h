@@ -73,6 +73,7 @@ struct Footprint {
   V area;           // on the image, px^2
   V along2;         // variance along the distance, m^2
   V thick2;         // lower bound of that variance, m^2
+  V widest2;        // upper bound of the rendered variance along any direction, m^2
   V own;            // share of the variance that is rendered (`LodNode::own`)
   V3 normal;        // unit length
 };
@@ -102,6 +103,7 @@ HWY_INLINE Footprint footprintOf(const SurfelArrays& surfels, std::size_t i, con
   // A surfel counts as at least as thick as it is wide, because samples of a scanned surface
   // scatter about the surface.
   f.thick2 = hn::Max(uu, vv);
+  f.widest2 = f.thick2;
   f.own = hn::Set(d, 1.0f);
   f.normal = {hn::Mul(normal.x, inv_parallelogram), hn::Mul(normal.y, inv_parallelogram),
               hn::Mul(normal.z, inv_parallelogram)};
@@ -146,7 +148,8 @@ HWY_INLINE Footprint footprintOf(const NodeArrays& nodes, std::size_t, const Gra
   f.area = hn::Mul(hn::Load(d, nodes.density), hn::Sqrt(hn::Max(det, hn::Zero(d))));
   f.along2 = dot(to.distance, times(to.distance));
   const V own = hn::Load(d, nodes.own);
-  f.thick2 = hn::Mul(hn::Mul(hn::Set(d, 0.5f), own), hn::Add(xx, hn::Add(yy, zz)));
+  f.widest2 = hn::Mul(own, hn::Add(xx, hn::Add(yy, zz)));
+  f.thick2 = hn::Mul(hn::Set(d, 0.5f), f.widest2);
   f.own = own;
   f.normal = unpackNormals(nodes);
   return f;

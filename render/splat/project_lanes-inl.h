@@ -150,12 +150,14 @@ HWY_INLINE BlurVariance blurEllipse(const ProjectJob& job, V out_of_focus_D, V s
 
 /// The centres of a step's surfels or nodes, as the aperture's centre sees them.
 struct Centres {
-  V3 p;                  // from the eye, in the world's directions, metres
-  V x_px, y_px;          // on the image
-  V inv_sight;           // 1 / distance along the line of sight
-  V distance;            // along the line of sight or the axis
-  V out_of_focus_D;      // focus_D - 1/U
-  hn::Mask<D> too_near;  // nearer than job.near_m
+  V3 p;                    // from the eye, in the world's directions, metres
+  V x_px, y_px;            // on the image
+  V axis_x_px, axis_y_px;  // of the view's axis, as the aperture's centre sees it
+  V inv_depth;             // 1 / depth along the axis
+  V inv_sight;             // 1 / distance along the line of sight
+  V distance;              // along the line of sight or the axis
+  V out_of_focus_D;        // focus_D - 1/U
+  hn::Mask<D> too_near;    // nearer than job.near_m
   Gradients to;
 };
 
@@ -174,9 +176,8 @@ HWY_INLINE Centres projectCentres(const ProjectJob& job, const Source& source, s
   const V depth = hn::Neg(dot(back, p));
   c.too_near = hn::Lt(depth, set(job.near_m));
   const V inv_depth = hn::Div(one, hn::Max(depth, set(job.near_m)));
+  c.inv_depth = inv_depth;
   const V tx = hn::Mul(dot(right, p), inv_depth), ty = hn::Mul(dot(up, p), inv_depth);
-  c.x_px = hn::MulAdd(set(job.focal_x), tx, set(job.principal_x));
-  c.y_px = hn::NegMulAdd(set(job.focal_y), ty, set(job.principal_y));
   const V sx = hn::Mul(set(job.focal_x), inv_depth), sy = hn::Mul(set(-job.focal_y), inv_depth);
 
   // Distance along the line of sight or along the axis.
@@ -187,8 +188,10 @@ HWY_INLINE Centres projectCentres(const ProjectJob& job, const Source& source, s
 
   // From the aperture's centre the image moves with the vergence, and so does the Jacobian.
   c.out_of_focus_D = hn::Sub(set(job.focus_D), inv_distance);
-  c.x_px = hn::MulAdd(set(job.lens_x), c.out_of_focus_D, c.x_px);
-  c.y_px = hn::MulAdd(set(job.lens_y), c.out_of_focus_D, c.y_px);
+  c.axis_x_px = hn::MulAdd(set(job.lens_x), c.out_of_focus_D, set(job.principal_x));
+  c.axis_y_px = hn::MulAdd(set(job.lens_y), c.out_of_focus_D, set(job.principal_y));
+  c.x_px = hn::MulAdd(set(job.focal_x), tx, c.axis_x_px);
+  c.y_px = hn::NegMulAdd(set(job.focal_y), ty, c.axis_y_px);
   const V slope = hn::Mul(inv_distance, inv_distance);
   const V slope_x = hn::Mul(set(job.lens_x), slope), slope_y = hn::Mul(set(job.lens_y), slope);
   const auto gradients = [&](V p_axis, V right_axis, V up_axis, V back_axis, V& x, V& y, V& along) {
@@ -264,6 +267,32 @@ HWY_INLINE void storeSlant(const ProjectJob& job, const Centres& c, const V3& no
   hn::Store(towards, d, out.behind_m);
 }
 
+/// Whether a sphere about a surfel's support reaches the image once blur and prefilter have moved
+/// the image's edges outwards. The Jacobian at its centre would enlarge a surfel beside the eye
+/// over the whole image. A sphere of radius r at the depth d meets the plane through the eye and an
+/// edge of the image, e pixels from the axis, if its centre is within (r / d) sqrt(f^2 + e^2)
+/// pixels of that edge.
+/// @param widest2  `Footprint::widest2`
+/// @param soft_x   variance of blur and prefilter
+HWY_INLINE hn::Mask<D> reachesImage(const ProjectJob& job, const Centres& c, V widest2, V soft_x,
+                                    V soft_y) {
+  const D d;
+  const auto set = [&](float value) { return hn::Set(d, value); };
+  const V margin = set(job.margin);
+  const V reach = hn::Mul(hn::Sqrt(hn::Mul(set(kWidestSupport2), widest2)), c.inv_depth);
+  const auto alongAxis = [&](V at, V axis, float focal, float size, V soft) {
+    const V beyond = hn::Add(margin, hn::Sqrt(hn::Mul(set(kWidestSupport2), soft)));
+    const V before = hn::Add(axis, beyond), after = hn::Add(hn::Sub(set(size), axis), beyond);
+    const V edge = hn::Max(hn::Abs(before), hn::Abs(after));
+    const V reach_px =
+        hn::MulAdd(reach, hn::Sqrt(hn::MulAdd(edge, edge, set(focal * focal))), beyond);
+    return hn::And(hn::Gt(hn::Add(at, reach_px), hn::Zero(d)),
+                   hn::Lt(hn::Sub(at, reach_px), set(size)));
+  };
+  return hn::And(alongAxis(c.x_px, c.axis_x_px, job.focal_x, job.width, soft_x),
+                 alongAxis(c.y_px, c.axis_y_px, job.focal_y, job.height, soft_y));
+}
+
 /// Whether a splat renders anything: in front, on the image, with an area. NaN fails comparisons.
 HWY_INLINE hn::Mask<D> isVisible(const ProjectJob& job, const Centres& c, V variance_x,
                                  V variance_y, V area) {
@@ -297,7 +326,9 @@ HWY_INLINE void projectLanes(const ProjectJob& job, const Source& source, std::s
   const V vyy = hn::MulAdd(f.own, f.vyy, prefilter);
   const V vxy = hn::Mul(f.own, f.vxy);
   const V added = hn::Mul(hn::Mul(hn::Set(d, 0.5f), hn::Sub(one, f.own)), hn::Add(f.vxx, f.vyy));
-  const auto visible = isVisible(job, c, hn::Add(vxx, blur.x2), hn::Add(vyy, blur.y2), f.area);
+  auto visible = isVisible(job, c, hn::Add(vxx, blur.x2), hn::Add(vyy, blur.y2), f.area);
+  visible = hn::And(visible, reachesImage(job, c, f.widest2, hn::Add(prefilter, blur.x2),
+                                          hn::Add(prefilter, blur.y2)));
 
   storeSlant(job, c, f.normal, out);
   hn::Store(c.x_px, d, out.x);

@@ -42,7 +42,7 @@ const float kFrontCover = 0.05;
 const float kSigmasAStep = 0.7;
 
 struct Footprint {
-  float vxx, vxy, vyy, area, along2, thick2, own;
+  float vxx, vxy, vyy, area, along2, thick2, widest2, own;
   vec3 normal;
 };
 struct Lane {
@@ -73,7 +73,8 @@ Footprint nodeFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
   f.area = b.z * sqrt(max(f.vxx * f.vyy - f.vxy * f.vxy, 0.0));
   f.along2 = dot(to_distance, v * to_distance);
   f.own = float(node[3u * i + 1u].w >> 16) * (1.0 / 65535.0);
-  f.thick2 = 0.5 * f.own * (a.x + a.w + b.y);
+  f.widest2 = f.own * (a.x + a.w + b.y);
+  f.thick2 = 0.5 * f.widest2;
   f.normal = unpackNormal(node[3u * i + 2u].w);
   return f;
 }
@@ -91,7 +92,7 @@ Footprint surfelFootprint(uint i, vec3 to_x, vec3 to_y, vec3 to_distance) {
   f.vxy = ux * uy + vx * vy;
   f.area = b.w * abs(ux * vy - uy * vx) * inv;
   f.along2 = square(dot(to_distance, u)) + square(dot(to_distance, v));
-  f.thick2 = max(dot(u, u), dot(v, v));
+  f.thick2 = f.widest2 = max(dot(u, u), dot(v, v));
   f.own = 1.0;
   f.normal = cross(u, v) * inv;
   return f;
@@ -157,6 +158,17 @@ bool touches(vec2 at, vec2 reach) {
          all(lessThan(at - reach, vec2(size.xy) + margin));
 }
 
+// `reachesImage` of project_lanes-inl.h.
+// @param axis   of the view on the image, as the aperture's centre sees it
+// @param reach  of the surfel, over its depth
+bool reachesImage(vec2 at, vec2 axis, float reach, vec2 soft) {
+  vec2 beyond = float(size.z) + sqrt(kWidestSupport2 * soft);
+  vec2 edge = max(abs(axis + beyond), abs(vec2(size.xy) - axis + beyond));
+  vec2 focal = focal_principal_px.xy;
+  vec2 reach_px = reach * sqrt(edge * edge + focal * focal) + beyond;
+  return all(greaterThan(at + reach_px, vec2(0.0))) && all(lessThan(at - reach_px, vec2(size.xy)));
+}
+
 #ifdef LENS
 vec4 lensOf(Lane lane, float radius, float variance, float off_D) {
   float blur = kDisc * radius * radius;
@@ -210,7 +222,8 @@ void projectEntry(uint slot) {
   lane.distance_m = along_axis ? depth : sight2 * inv_sight;
   float inv_distance = along_axis ? 1.0 / depth : inv_sight;
   lane.off_D = focus.x - inv_distance;
-  lane.at = focal_principal_px.zw + vec2(focal.x, -focal.y) * tangent + blur_lens.zw * lane.off_D;
+  vec2 axis = focal_principal_px.zw + blur_lens.zw * lane.off_D;
+  lane.at = axis + vec2(focal.x, -focal.y) * tangent;
   vec3 along = along_axis ? -back.xyz : p * inv_sight;
   vec2 slope = blur_lens.zw * (inv_distance * inv_distance);
   vec3 to_x = slope.x * along + focal.x * inv_depth * (back.xyz * tangent.x + right.xyz);
@@ -239,6 +252,8 @@ void projectEntry(uint slot) {
         variance.x < kLargest && variance.y < kLargest)) {
     return;
   }
+  float reach = sqrt(kWidestSupport2 * f.widest2) * inv_depth;
+  if (!reachesImage(lane.at, axis, reach, lane.prefilter + lane.blur2)) return;
 
   float towards = dot(f.normal, p);
 #ifdef BODIES
