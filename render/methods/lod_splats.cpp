@@ -1,13 +1,40 @@
 #include "render/methods/lod_splats.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "render/methods/lens_samples.h"
 #include "render/methods/mean_of_parts.h"
 #include "render/methods/view_splats.h"
-#include "render/splat/sweep.h"
 
 namespace foci {
+namespace {
+
+/// A multiple of the widest tile, so that strips have the tiles of the whole frame.
+constexpr int kStrip_px = kTile * kMaxStep_px;
+
+/// The lens is the caller's.
+SweepSettings sweepSettings(const RenderSettings& settings, const LodSettings& lod) {
+  return {.background = settings.background,
+          .defocus = {},
+          .low_pass_px = lod.low_pass_px,
+          .depth = settings.depth};
+}
+
+/// Copies a frame into another one of the same height, from the column `x_px` on.
+void copyColumns(const Frame& from, int x_px, Frame& to) {
+  for (int y = 0; y < from.size_px.y; ++y) {
+    const auto row = static_cast<std::ptrdiff_t>(y) * from.size_px.x;
+    const auto at = static_cast<std::ptrdiff_t>(y) * to.size_px.x + x_px;
+    std::copy_n(from.rgba.begin() + row, from.size_px.x, to.rgba.begin() + at);
+    if (!from.depth_m.empty()) {
+      std::copy_n(from.depth_m.begin() + row, from.size_px.x, to.depth_m.begin() + at);
+    }
+  }
+}
+
+}  // namespace
 
 LodSplats::LodSplats(const SurfelCloud& cloud, const SharedGpu& gpu) : tree_(treeOf(cloud)) {
   if (gpu) gpu_.emplace(std::make_shared<GpuScene>(gpu, *tree_));
@@ -46,15 +73,10 @@ RenderStats LodSplats::renderParts(const View& view, const RenderSettings& setti
       stats.add(statsOf(gpu_->render(request, to.gpu)));
       return;
     }
-    project(seen, part.defocus, detail.cut,
-            {.lens = part.centre, .aperture = part.radius, .shading = settings.shading});
-    stats.splats += chunks_.total();
-    stats.fragments += sweep(chunks_, lists_,
-                             {.background = settings.background,
-                              .defocus = part.defocus,
-                              .low_pass_px = lod.low_pass_px,
-                              .depth = settings.depth},
-                             to);
+    stats.add(
+        renderSplats(seen, part.defocus, detail,
+                     {.lens = part.centre, .aperture = part.radius, .shading = settings.shading},
+                     sweepSettings(of_part, lod), to));
   });
   return stats;
 }
@@ -68,45 +90,62 @@ GpuRequest LodSplats::gpuRequest(const View& view, const RenderSettings& setting
   return request;
 }
 
-void LodSplats::project(const View& view, const Defocus& defocus, const CutSettings& cut,
-                        const Projection& projection) {
-  const glm::vec2 radius_px_per_D = defocus.radius_px_per_D * projection.aperture;
-  const bool coarse = radius_px_per_D.x * radius_px_per_D.y > 0.0f || cut.acuity.base_px > 1.0f ||
-                      cut.acuity.per_px > 0.0f;
-  const int margin_px = coarse ? kApron * kMaxStep_px : 0;  // for the aprons of coarse tiles
-  CutSettings with_margin = cut;
-  with_margin.margin_px = margin_px;
-  selectCut(*tree_, view, defocus, with_margin, cut_);
-  Projection with_acuity = projection;
-  with_acuity.acuity = cut.acuity;
-  with_acuity.margin_px = margin_px;
-  projectCut(*tree_, cut_, view, defocus, with_acuity, chunks_);
-  lists_.build(chunks_, view.size_px, coarse);
-}
-
 RenderStats LodSplats::renderLens(const View& view, const RenderSettings& settings,
                                   const LodSettings& lod, Frame& frame) {
   if (gpu_) return statsOf(gpu_->render(gpuRequest(view, settings, lod), frame.gpu));
   const glm::vec2 radius_px_per_D = settings.defocus.radius_px_per_D;
   const bool by_sub_apertures =
       lod.sub_apertures > 1 && radius_px_per_D.x * radius_px_per_D.y > 0.0f;
-  project(view, settings.defocus, lod.cut,
-          {.sub_aperture =
-               by_sub_apertures ? 1.0f / std::sqrt(static_cast<float>(lod.sub_apertures)) : 0.0f,
-           .shading = settings.shading});
-  const SubApertures sub_apertures{.splats = chunks_.sub_aperture_splats.get(),
-                                   .out_of_focus_D = chunks_.out_of_focus_D.get(),
-                                   .out_across_D = chunks_.out_across_D.get(),
-                                   .centres = subApertureCentres(lod.sub_apertures)};
+  return renderSplats(
+      view, settings.defocus, lod,
+      {.sub_aperture =
+           by_sub_apertures ? 1.0f / std::sqrt(static_cast<float>(lod.sub_apertures)) : 0.0f,
+       .shading = settings.shading},
+      sweepSettings(settings, lod), frame);
+}
+
+RenderStats LodSplats::renderSplats(const View& view, const Defocus& defocus,
+                                    const LodSettings& lod, Projection projection,
+                                    SweepSettings settings, Frame& frame) {
+  const glm::vec2 radius_px_per_D = defocus.radius_px_per_D * projection.aperture;
+  const bool coarse = radius_px_per_D.x * radius_px_per_D.y > 0.0f ||
+                      lod.cut.acuity.base_px > 1.0f || lod.cut.acuity.per_px > 0.0f;
+  CutSettings cut = lod.cut;
+  cut.margin_px = coarse ? kApron * kMaxStep_px : 0;  // for the aprons of coarse tiles
+  settings.defocus = defocus;
+  projection.acuity = cut.acuity;
+  projection.margin_px = cut.margin_px;
+  const auto sweepCut = [&](const View& seen, Frame& to) {
+    projectCut(*tree_, cut_, seen, defocus, projection, chunks_);
+    lists_.build(chunks_, seen.size_px, coarse);
+    SubApertures sub_apertures{.splats = chunks_.sub_aperture_splats.get(),
+                               .out_of_focus_D = chunks_.out_of_focus_D.get(),
+                               .out_across_D = chunks_.out_across_D.get(),
+                               .centres = {}};
+    if (projection.sub_aperture > 0.0f) {
+      sub_apertures.centres = subApertureCentres(lod.sub_apertures);
+      settings.sub_apertures = &sub_apertures;
+    }
+    RenderStats stats;
+    stats.splats = chunks_.total();
+    stats.fragments = sweep(chunks_, lists_, settings, to);
+    return stats;
+  };
+  selectCut(*tree_, view, defocus, cut, cut_);
+  if (cut_.size() <= lod.max_splats || view.size_px.x <= kStrip_px) return sweepCut(view, frame);
+
   RenderStats stats;
-  stats.splats = chunks_.total();
-  stats.fragments = sweep(chunks_, lists_,
-                          {.background = settings.background,
-                           .defocus = settings.defocus,
-                           .low_pass_px = lod.low_pass_px,
-                           .depth = settings.depth,
-                           .sub_apertures = by_sub_apertures ? &sub_apertures : nullptr},
-                          frame);
+  const glm::vec2 gaze_px = cut.acuity.gaze_px;
+  for (int x_px = 0; x_px < view.size_px.x; x_px += kStrip_px) {
+    View strip = view;
+    strip.size_px.x = std::min(kStrip_px, view.size_px.x - x_px);
+    strip.principal_px.x -= static_cast<float>(x_px);
+    cut.acuity.gaze_px.x = projection.acuity.gaze_px.x = gaze_px.x - static_cast<float>(x_px);
+    selectCut(*tree_, strip, defocus, cut, cut_);
+    strip_.resize(strip.size_px, settings.depth);
+    stats.add(sweepCut(strip, strip_));
+    copyColumns(strip_, x_px, frame);
+  }
   return stats;
 }
 

@@ -13,6 +13,7 @@
 #include "render/splat/bin.h"
 #include "render/splat/project.h"
 #include "render/splat/splat.h"
+#include "render/splat/sweep.h"
 
 namespace foci {
 
@@ -22,6 +23,9 @@ struct LodSettings {
   /// different images (`Pupil::hasParts`) takes this many, or more, over the whole image.
   int sub_apertures = 1;
   float low_pass_px = 0.0f;  ///< standard deviation of the low-pass that `cut` is made for
+  /// On the CPU a larger cut is rendered strip by strip, each of its own cut: a splat takes about
+  /// 150 bytes.
+  std::size_t max_splats = std::size_t{4} << 20;
 };
 
 /// Keeps its buffers between frames.
@@ -49,15 +53,16 @@ class LodSplats {
                           Frame& frame);
   GpuRequest gpuRequest(const View& view, const RenderSettings& settings,
                         const LodSettings& lod) const;
-  void project(const View& view, const Defocus& defocus, const CutSettings& cut,
-               const Projection& projection);
+  /// On the CPU. @param projection, settings  without acuity, margin, lens and sub-apertures
+  RenderStats renderSplats(const View& view, const Defocus& defocus, const LodSettings& lod,
+                           Projection projection, SweepSettings settings, Frame& frame);
 
   std::shared_ptr<const MomentTree> tree_;
   std::optional<GpuSplats> gpu_;
   Cut cut_;
   SplatChunks chunks_;
   TileLists lists_;
-  Frame part_;
+  Frame part_, strip_;
 };
 
 }  // namespace foci
