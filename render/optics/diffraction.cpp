@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/glm.hpp>
 #include <numbers>
 
 namespace foci {
@@ -9,6 +10,10 @@ namespace {
 
 /// Diffraction below this share of the prefilter's variance is left out.
 constexpr double kLeastShare = 0.03;
+
+/// Widths of the halos, in pixels, or in Gaussians of the Airy pattern where these are wider. Of 2,
+/// 2.5 and 3 by 6 to 12, these come nearest to the Airy pattern's moments within 4 to 8 px.
+constexpr std::array<double, 2> kHalo_px{2.0, 8.0};
 
 /// Standard deviation, in lens radii and along an axis, of the distances that go with the
 /// frequencies of a Gaussian of `blur_px`: lambda / (2 pi blur) = diffraction / (sqrt(2) blur).
@@ -46,24 +51,34 @@ float diffractionThroughPixel_px(float diffraction_px) {
 DiffractionHalo diffractionHalo(float diffraction_px) {
   if (diffractionThroughPixel_px(diffraction_px) == 0.0f) return {};
   const double d2 = double{diffraction_px} * diffraction_px;
-  // Three pixels, or three times the Airy pattern's Gaussian where that is wider than a pixel.
-  const double halo_px = 3.0 * std::sqrt(1.0 + d2), halo2 = halo_px * halo_px;
-  const double near_lost = peakLostToDiffraction(diffraction_px, 1.0);
-  const double far_lost = peakLostToDiffraction(diffraction_px, halo_px);
-  const double halo_near = halo2 / (1.0 + halo2);  // what the halo takes of its own peak
-  const auto coreVariance = [&](double share) {
-    const double core = near_lost - share * halo_near;
-    return core / (1.0 - share - core);
-  };
-  double low = 0.0, high = near_lost / halo_near;
-  for (int i = 0; i < 40; ++i) {
-    const double share = 0.5 * (low + high), core2 = coreVariance(share);
-    const double lost = 0.5 * share + (1.0 - share) * core2 / (halo2 + core2);
-    (lost < far_lost ? low : high) = share;
+  std::array<double, 2> blur2{}, lost{};  // of and through each halo
+  for (std::size_t i = 0; i < 2; ++i) {
+    blur2[i] = kHalo_px[i] * kHalo_px[i] * (1.0 + d2);
+    lost[i] = peakLostToDiffraction(diffraction_px, std::sqrt(blur2[i]));
   }
-  return {.core_px = static_cast<float>(std::sqrt(std::max(coreVariance(low), 0.0))),
-          .halo_px = static_cast<float>(halo_px),
-          .halo_share = static_cast<float>(low)};
+  // A Gaussian of variance v takes v / (v + b) of its peak through a blur of variance b. So the
+  // shares follow from the core's variance by two linear equations.
+  const auto taken = [](double v, double b) { return v / (v + b); };
+  const auto sharesOf = [&](double core2) {
+    const double near = taken(core2, blur2[0]), far = taken(core2, blur2[1]);
+    const glm::dmat2 halos(0.5 - near, taken(blur2[0], blur2[1]) - far,
+                           taken(blur2[1], blur2[0]) - near, 0.5 - far);
+    return glm::inverse(halos) * glm::dvec2(lost[0] - near, lost[1] - far);
+  };
+  const double lost_near = peakLostToDiffraction(diffraction_px, 1.0);
+  double low = 0.0, high = lost_near / (1.0 - lost_near);
+  for (int i = 0; i < 40; ++i) {
+    const double core2 = 0.5 * (low + high);
+    const glm::dvec2 share = sharesOf(core2);
+    const double sum = (1.0 - share.x - share.y) * taken(core2, 1.0) +
+                       share.x * taken(blur2[0], 1.0) + share.y * taken(blur2[1], 1.0);
+    (sum < lost_near ? low : high) = core2;
+  }
+  const glm::dvec2 share = sharesOf(low);
+  return {
+      .core_px = static_cast<float>(std::sqrt(low)),
+      .halo_px = {static_cast<float>(std::sqrt(blur2[0])), static_cast<float>(std::sqrt(blur2[1]))},
+      .halo_share = {static_cast<float>(share.x), static_cast<float>(share.y)}};
 }
 
 LightInCore::LightInCore(float diffraction_px, float halo_share) {

@@ -18,13 +18,16 @@ double peakLostToDiffraction(double diffraction_px, double blur_px);
 /// 1 px as diffraction does; 0 where it adds less than 3 % to the pixel's variance.
 float diffractionThroughPixel_px(float diffraction_px);
 
-/// Diffraction as a core and a halo. Light near the rim of the pupil spreads most: the halo.
+/// Diffraction as a core and two halos. Light near the rim of the pupil spreads most: the halos.
 /// Together they take as much of the peak as diffraction does, through a pixel and through a blur
-/// as wide as the halo.
+/// as wide as each halo. The Airy pattern has no finite variance. Within a disc of 4 to 8 px, core
+/// and halos have its second moment within 3 % for pixels of 1 arcmin and pupils of 2 to 6 mm.
 struct DiffractionHalo {
   float core_px = 0.0f;  ///< standard deviation
-  float halo_px = 0.0f;
-  float halo_share = 0.0f;  ///< of the light; 0: diffraction does not show
+  std::array<float, 2> halo_px{};
+  std::array<float, 2> halo_share{};  ///< of the light; 0: diffraction does not show
+
+  float inHalos() const { return halo_share[0] + halo_share[1]; }
 };
 DiffractionHalo diffractionHalo(float diffraction_px);
 

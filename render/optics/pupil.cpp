@@ -91,7 +91,9 @@ const std::vector<Cell>& cells(int n) {
   return all[at];
 }
 
-/// The linear fit of the wavefront's slope over a part, by least squares.
+/// The linear fit of the wavefront's slope over a part: s = mean + H (p - centre), H symmetric. H
+/// has the covariance of slope and place over the part, on the disc that is rendered for the part.
+/// So defocus and slope together have their variance at every distance, summed over both axes.
 struct SlopeFit {
   glm::dvec2 slope{0.0};  ///< at the part's centre, rad
   glm::dmat2 curvature_D{0.0};
@@ -104,7 +106,6 @@ double sensitivityAt(const Pupil& pupil, const glm::dvec2& p) {
 }
 
 SlopeFit fitSlope(const Pupil& pupil, const PupilWavefront& wavefront, const Cell& cell) {
-  // s = mean + H (p - centre), H symmetric: three unknowns from xx, xy, yy and the products.
   SlopeFit fit;
   std::vector<glm::dvec2> slopes;
   slopes.reserve(cell.samples.size());
@@ -112,19 +113,21 @@ SlopeFit fitSlope(const Pupil& pupil, const PupilWavefront& wavefront, const Cel
     slopes.push_back(wavefront.at(cell.samples[i]).slope);
     fit.slope += cell.light[i] / cell.all_light * slopes.back();
   }
-  glm::dmat3 normal(0.0);
-  glm::dvec3 right(0.0);
+  // The second order is a lens itself, whatever the samples.
+  const double radius_m = 0.5 * pupil.diameter_m;
+  const glm::dvec3 power = power_D(pupil.wavefront);
+  const glm::dmat2 lens_D(power.x + power.y, power.z, power.z, power.x - power.y);
+  glm::dmat2 together(0.0);  // covariance of the rest of the slope and place
   for (std::size_t i = 0; i < slopes.size(); ++i) {
-    const double light = cell.light[i];
+    const double share = cell.light[i] / cell.all_light;
     const glm::dvec2 p = cell.samples[i] - cell.centre, s = slopes[i] - fit.slope;
-    normal += light * glm::dmat3(p.x * p.x, p.x * p.y, 0.0, p.x * p.y, glm::dot(p, p), p.x * p.y,
-                                 0.0, p.x * p.y, p.y * p.y);
-    right += light * glm::dvec3(p.x * s.x, p.x * s.y + p.y * s.x, p.y * s.y);
-    fit.variance_rad2 += light / cell.all_light * glm::dot(s, s) / 2.0;
+    together += share * glm::outerProduct(s - radius_m * (lens_D * p), p);
+    fit.variance_rad2 += 0.5 * share * glm::dot(s, s);
   }
-  const glm::dvec3 h = glm::inverse(normal) * right;
-  const glm::dmat2 per_disc(h.x, h.y, h.y, h.z);
-  fit.curvature_D = per_disc / (0.5 * pupil.diameter_m);
+  // The disc has the variance a^2 / 4 along each axis.
+  const glm::dmat2 per_disc =
+      2.0 * (together + glm::transpose(together)) / (cell.radius * cell.radius);
+  fit.curvature_D = lens_D + per_disc / radius_m;
   return fit;
 }
 
@@ -188,8 +191,8 @@ void weigh(std::vector<LensPart>& parts, const std::vector<double>& light) {
 std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int n) {
   std::vector<LensPart> parts;
   std::vector<double> light;
-  parts.reserve(static_cast<std::size_t>(n) + 1);
-  light.reserve(static_cast<std::size_t>(n) + 1);
+  parts.reserve(static_cast<std::size_t>(n) + 2);
+  light.reserve(static_cast<std::size_t>(n) + 2);
   std::optional<PupilWavefront> wavefront;
   if (pupil.hasParts()) wavefront = wavefrontOf(pupil);
   const auto add = [&](const Cell& cell, float diffraction_px) {
@@ -208,13 +211,15 @@ std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int 
   }
   const DiffractionHalo halo = diffractionHalo(pupil.diffraction_px);
   std::optional<LightInCore> core;
-  if (halo.halo_share > 0.0f) core.emplace(pupil.diffraction_px, halo.halo_share);
+  if (halo.inHalos() > 0.0f) core.emplace(pupil.diffraction_px, halo.inHalos());
   for (const Cell& cell : cells(n)) add(lit(pupil, core ? &*core : nullptr, cell), halo.core_px);
   if (core) {
     const double in_core = std::accumulate(light.begin(), light.end(), 0.0);
-    add(lit(pupil, nullptr, cells(1).front()), halo.halo_px);
-    light.back() = in_core * halo.halo_share / (1.0 - halo.halo_share);
-    parts.back().nonlinear_px = 0.0f;  // too small to see in so wide a blur
+    for (std::size_t i = 0; i < halo.halo_px.size(); ++i) {
+      add(lit(pupil, nullptr, cells(1).front()), halo.halo_px[i]);
+      light.back() = in_core * halo.halo_share[i] / (1.0 - halo.inHalos());
+      parts.back().nonlinear_px = 0.0f;  // too small to see in so wide a blur
+    }
   }
   weigh(parts, light);
   return parts;

@@ -133,8 +133,10 @@ TEST(Pupil, DiffractionAddsItsVariance) {
   constexpr float kDiffraction_px = 0.8f;
   const float one_px = diffractionThroughPixel_px(kDiffraction_px);
   const DiffractionHalo halo = diffractionHalo(kDiffraction_px);
-  const double both_px2 = (1.0 - halo.halo_share) * halo.core_px * halo.core_px +
-                          halo.halo_share * halo.halo_px * halo.halo_px;
+  double both_px2 = (1.0 - halo.inHalos()) * halo.core_px * halo.core_px;
+  for (std::size_t i = 0; i < 2; ++i) {
+    both_px2 += halo.halo_share[i] * halo.halo_px[i] * halo.halo_px[i];
+  }
   for (const std::string method : {"sweep", "sweep:7", "sweep-lod", "accumulate:7", "auto"}) {
     RenderSettings settings = eye(2e-3, 0.0, {});
     const double without = momentsOf(seen(method, settings)).variance_x_px2;

@@ -51,25 +51,77 @@ TEST(Diffraction, OneGaussianTakesAsMuchOfThePeak) {
   EXPECT_EQ(diffractionThroughPixel_px(0.0f), 0.0f);
 }
 
-TEST(Diffraction, CoreAndHaloTakeAsMuchThroughAPixelAndThroughTheHalo) {
+TEST(Diffraction, CoreAndHalosTakeAsMuchThroughAPixelAndThroughEachHalo) {
   for (const float diffraction_px : {0.1f, 0.15f, 0.3f, 1.0f, 3.0f, 10.0f}) {
     const DiffractionHalo halo = diffractionHalo(diffraction_px);
-    const double core2 = std::pow(halo.core_px, 2), halo2 = std::pow(halo.halo_px, 2);
-    for (const double blur2 : {1.0, halo2}) {
-      const double peak = (1.0 - halo.halo_share) * blur2 / (blur2 + core2) +
-                          halo.halo_share * blur2 / (blur2 + halo2);
+    const auto peakOf = [](double variance, double blur2) { return blur2 / (blur2 + variance); };
+    for (const double blur2 : {1.0, std::pow(halo.halo_px[0], 2), std::pow(halo.halo_px[1], 2)}) {
+      double peak = (1.0 - halo.inHalos()) * peakOf(std::pow(halo.core_px, 2), blur2);
+      for (std::size_t i = 0; i < 2; ++i) {
+        peak += halo.halo_share[i] * peakOf(std::pow(halo.halo_px[i], 2), blur2);
+      }
       EXPECT_NEAR(peak, 1.0 - peakLostToDiffraction(diffraction_px, std::sqrt(blur2)), 1e-5)
           << diffraction_px << ' ' << blur2;
     }
-    EXPECT_GT(halo.halo_share, 0.0f);
-    EXPECT_LT(halo.halo_share, 0.3f);
+    EXPECT_GT(halo.halo_share[0], 0.0f) << diffraction_px;
+    EXPECT_GT(halo.halo_share[1], 0.0f) << diffraction_px;
+    EXPECT_LT(halo.inHalos(), 0.35f) << diffraction_px;
   }
-  EXPECT_EQ(diffractionHalo(0.0f).halo_share, 0.0f);
+  EXPECT_EQ(diffractionHalo(0.0f).inHalos(), 0.0f);
+}
+
+/// Light and variance along an axis, within a disc, of what a density spreads through a pixel: a
+/// Gaussian of 1 px.
+double varianceWithin(double radius_px, double diffraction_px, bool airy) {
+  const DiffractionHalo halo = diffractionHalo(static_cast<float>(diffraction_px));
+  const auto gaussian = [](double variance, double r_px) {
+    return std::exp(-0.5 * r_px * r_px / variance) / (2.0 * std::numbers::pi * variance);
+  };
+  // Through the pixel by Hankel's transform: MTF of the pupil times that of the pixel.
+  const auto density = [&](double r_px) {
+    if (!airy) {
+      double sum = (1.0 - halo.inHalos()) * gaussian(1.0 + std::pow(halo.core_px, 2), r_px);
+      for (std::size_t i = 0; i < 2; ++i) {
+        sum += halo.halo_share[i] * gaussian(1.0 + std::pow(halo.halo_px[i], 2), r_px);
+      }
+      return sum;
+    }
+    // s: frequency over the pupil's cutoff, sqrt(2) / (pi diffraction_px) cycles a pixel.
+    const double cutoff = std::numbers::sqrt2 / (std::numbers::pi * diffraction_px);
+    const double end = std::min(1.0, 1.0 / cutoff), step = end / 600;
+    double sum = 0.0;
+    for (double s = 0.5 * step; s < end; s += step) {
+      const double u = 2.0 * std::numbers::pi * s * cutoff;  // rad a pixel
+      const double mtf = 2.0 / std::numbers::pi * (std::acos(s) - s * std::sqrt(1.0 - s * s));
+      sum += mtf * std::exp(-0.5 * u * u) * std::cyl_bessel_j(0.0, u * r_px) * s * step;
+    }
+    return 2.0 * std::numbers::pi * cutoff * cutoff * sum;
+  };
+  double light = 0.0, squares = 0.0;
+  constexpr double kStep_px = 0.05;
+  for (double r_px = 0.5 * kStep_px; r_px < radius_px; r_px += kStep_px) {
+    const double ring = density(r_px) * r_px * kStep_px;
+    light += ring;
+    squares += 0.5 * ring * r_px * r_px;
+  }
+  return squares / light;
+}
+
+// Pixels of 1 arcmin, pupils of 2, 3 and 6 mm.
+TEST(Diffraction, CoreAndHalosHaveTheMomentsOfTheAiryPatternWithinADisc) {
+  for (const double diffraction_px : {0.43, 0.286, 0.143}) {
+    for (const double radius_px : {4.0, 5.0, 6.0, 8.0}) {
+      EXPECT_NEAR(varianceWithin(radius_px, diffraction_px, false) /
+                      varianceWithin(radius_px, diffraction_px, true),
+                  1.0, 0.03)
+          << diffraction_px << ' ' << radius_px;
+    }
+  }
 }
 
 TEST(Diffraction, TheRimLosesTheLightOfTheHalo) {
   for (const float diffraction_px : {0.1f, 0.3f, 0.8f}) {
-    const float share = diffractionHalo(diffraction_px).halo_share;
+    const float share = diffractionHalo(diffraction_px).inHalos();
     const LightInCore core(diffraction_px, share);
     double mean = 0.0;
     constexpr int kSteps = 2000;
