@@ -51,6 +51,7 @@ GpuFrameBlock frameBlockOf(const GpuRequest& request, const GpuScene& scene) {
   block.cells = {(view.size_px + kTile - 1) / kTile, blurred, scene.isOriented()};
   block.scene = {static_cast<int>(scene.surfelCount()), scene.levels(),
                  defocus.along == DistanceAlong::axis, scene.isTransparent()};
+  block.cut_switches.x = cut.foreshortened;
   return block;
 }
 

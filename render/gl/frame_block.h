@@ -12,9 +12,9 @@ struct GpuFrameBlock {
   glm::vec4 focal_principal_px{0.0f}, view_px{0.0f}, blur_lens{0.0f}, focus{0.0f}, acuity{0.0f};
   glm::vec4 cut{0.0f}, background_low_pass{0.0f}, meridian_oblong{0.0f};
   glm::vec4 sub_aperture_shading{0.0f};
-  glm::ivec4 size{0}, cells{0}, scene{0}, room{0};
+  glm::ivec4 size{0}, cells{0}, scene{0}, room{0}, cut_switches{0};
 };
-static_assert(sizeof(GpuFrameBlock) == 16 * sizeof(glm::vec4));
+static_assert(sizeof(GpuFrameBlock) == 17 * sizeof(glm::vec4));
 
 /// What the GPU reads and counts: shaders/totals.glsl (std430).
 struct GpuTotals {

@@ -37,6 +37,11 @@ std::uint32_t packed(std::uint16_t low, std::uint16_t high) {
   return std::uint32_t{low} | std::uint32_t{high} << 16;
 }
 
+std::uint32_t packedNormal(const LodNode& node) {
+  return packed(static_cast<std::uint16_t>(node.normal[0]),
+                static_cast<std::uint16_t>(node.normal[1]));
+}
+
 glm::uvec4 bitsOf(const glm::vec3& floats, std::uint32_t last) {
   return {glm::floatBitsToUint(floats), last};
 }
@@ -112,33 +117,26 @@ void GpuScene::uploadNodes(const MomentTree& tree) {
            to[0] = {tree.nodes()[i].position_m, tree.nodes()[i].radius_m};
          });
   // As bits: a float would lose what is packed where its bits are a denormal number.
+  upload<glm::uvec4>(*device_, buffers_->nodes, count, 3, "the nodes", true,
+                     [&](std::size_t i, glm::uvec4* to) {
+                       const LodNode& node = tree.nodes()[i];
+                       const float* v = node.variance_m2;
+                       to[0] = glm::floatBitsToUint(glm::vec4(v[0], v[1], v[2], v[3]));
+                       to[1] = bitsOf({v[4], v[5], node.density}, packed(node.opacity, node.own));
+                       to[2] = bitsOf(node.color, packedNormal(node));
+                     });
   upload<glm::uvec4>(
-      *device_, buffers_->nodes, count, 3, "the nodes", true, [&](std::size_t i, glm::uvec4* to) {
+      *device_, buffers_->coarseness, count, 1, "the nodes", false,
+      [&](std::size_t i, glm::uvec4* to) {
         const LodNode& node = tree.nodes()[i];
-        const float* v = node.variance_m2;
-        to[0] = glm::floatBitsToUint(glm::vec4(v[0], v[1], v[2], v[3]));
-        to[1] = bitsOf({v[4], v[5], node.density}, packed(node.opacity, node.own));
-        to[2] = bitsOf(node.color, packed(static_cast<std::uint16_t>(node.normal[0]),
-                                          static_cast<std::uint16_t>(node.normal[1])));
+        const Coarseness& coarse = tree.coarseness()[i];
+        to[0] = bitsOf({coarse.now_m2, coarse.min_m2, node.added_m2()}, packedNormal(node));
       });
-  const std::span<const Coarseness> coarse = tree.coarseness();
-  static_assert(sizeof coarse[0] == 2 * sizeof(float));
-  buffers_->coarseness.reserve(*device_, std::max<std::size_t>(count, 1) * sizeof coarse[0],
-                               "the nodes");
-  if (count > 0) buffers_->coarseness.write(0, count * sizeof coarse[0], coarse.data());
   const std::span<const Facing> facing = tree.facing();
   static_assert(sizeof facing[0] == sizeof(std::uint32_t));
   if (facing.empty()) return;
   buffers_->facing.reserve(*device_, count * sizeof facing[0], "the nodes");
   buffers_->facing.write(0, count * sizeof facing[0], facing.data());
-  std::vector<std::uint32_t> normals;
-  normals.reserve(count);
-  for (const LodNode& node : tree.nodes()) {
-    normals.push_back(packed(static_cast<std::uint16_t>(node.normal[0]),
-                             static_cast<std::uint16_t>(node.normal[1])));
-  }
-  buffers_->normals.reserve(*device_, count * sizeof normals[0], "the nodes");
-  buffers_->normals.write(0, count * sizeof normals[0], normals.data());
 }
 
 }  // namespace foci

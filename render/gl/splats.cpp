@@ -222,8 +222,7 @@ void GpuSplats::Pipeline::selectCut() {
   for (int level = 0; level < scene_->levels(); ++level) {
     bind("cut", bodies_ ? "#define BODIES\n" : "",
          {&scene.node_places, &scene.coarseness, &own_.own, &own_.passed, &own_.bounds,
-          bodies_ ? &scene.facing : nullptr, bodies_ ? &scene.normals : nullptr, nullptr,
-          bodies_ ? &own_.outside : nullptr});
+          bodies_ ? &scene.facing : nullptr, nullptr, nullptr, bodies_ ? &own_.outside : nullptr});
     glProgramUniform1i(program_, 0, level);
     dispatch(groupsOf(std::size_t{1} << level, 64));
   }

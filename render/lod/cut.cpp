@@ -17,6 +17,7 @@ constexpr int kMiddleLevel = 10;         // about a thousand nodes
 constexpr float kWidestReach = 3.0f;     // bounds a kernel's support, standard deviations
 constexpr float kWidestSupport = 2.83f;  // the same, no wider than needed (kWidestSupport2)
 constexpr int kRangeSurfels = 512;       // largest subtree that is taken as one range of surfels
+constexpr float kEdgeOn = 0.612f;        // smallest `coarsenessInView` over the coarseness
 constexpr int kBorderRanges = 8;  // parts of such a subtree where the image's border may cut it
 
 struct Pending {
@@ -151,19 +152,38 @@ class Selector {
     const glm::vec2 blur_px = (maxDefocus_D(defocus_, inv) + range_D) * defocus_.radius_px_per_D;
     const glm::vec2 touches = spread + kWidestSupport * (0.5f * blur_px + widest_px);
     if (outside.x > touches.x + margin || outside.y > touches.y + margin) return kOutside;
-    const float now =
-        tree_.coarseness()[index].now_m2 * perCoarseness(depth, min_px2(inv, range_D, at, reach));
+    const float allowed = min_px2(inv, range_D, at, reach);
+    const float blurred = blurred_px2(minOff_D(inv, range_D));
+    const float coarseness = settings_.foreshortened
+                                 ? coarsenessInView(index, 1.0f - blurred / allowed)
+                                 : tree_.coarseness()[index].now_m2;
+    const float now = coarseness * perCoarseness(depth, allowed);
 
     // A descendant's centre lies within the radius, and the descendant's radius is at most twice
     // it.
     const float around = 3.0f * radius;
     if (depth - around < view_.near_m) return now;
     const float around_D = around * inv / std::max(distance - around, view_.near_m);
-    below = {.min = perCoarseness(depth + around, max_px2(inv, around_D, at, 3.0f * reach)),
+    const float shows = settings_.foreshortened ? kEdgeOn : 1.0f;
+    below = {.min = shows * perCoarseness(depth + around, max_px2(inv, around_D, at, 3.0f * reach)),
              .max = perCoarseness(depth - around, min_px2(inv, around_D, at, 3.0f * reach)),
              .in_view = at.x > spread.x && at.y > spread.y && at.x + spread.x < size.x &&
                         at.y + spread.y < size.y};
     return now;
+  }
+
+  /// A node's coarseness on the image. Seen at the cosine c to its normal, a flat node adds the
+  /// variance 1 across the tilt and c^2 along it. A low-pass of the variances a and b changes an
+  /// image of an isotropic spectrum by sqrt((3 a^2 + 3 b^2 + 2 a b) / 8) of what a = b = 1 changes.
+  /// A lens sees depth, too, so in the share that blur allows a node counts as if it faced the eye.
+  /// @param sharp  share of the allowed variance that blur does not allow
+  float coarsenessInView(std::size_t index, float sharp) const {
+    const LodNode& node = tree_.nodes()[index];
+    const glm::vec3 from_eye = node.position_m - eye_m_;
+    const float along = glm::dot(unpackNormal(node.normal), from_eye);
+    const float cos2 = along * along / glm::dot(from_eye, from_eye);
+    const float shows = std::sqrt((3.0f + cos2 * (2.0f + 3.0f * cos2)) * (1.0f / 8.0f));
+    return tree_.coarseness()[index].now_m2 - sharp * (1.0f - shows) * node.added_m2();
   }
 
   float perCoarseness(float depth, float allowed_px2) const {
@@ -173,17 +193,22 @@ class Selector {
   /// Smallest and largest allowed variance within a range of dioptres and pixels. finest_px grows
   /// with the distance from the gaze.
   float min_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
-    const float min_D = std::max(minDefocus_D(defocus_, inv) - range_D, 0.0f);
     const glm::vec2 from_px = glm::max(glm::abs(at - settings_.acuity.gaze_px) - reach, 0.0f);
-    return allowed_px2(min_D, settings_.acuity.finest_px(glm::length(from_px)));
+    return allowed_px2(minOff_D(inv, range_D), settings_.acuity.finest_px(glm::length(from_px)));
   }
   float max_px2(float inv, float range_D, const glm::vec2& at, const glm::vec2& reach) const {
     const float max_D = maxDefocus_D(defocus_, inv) + range_D;
     const glm::vec2 from_px = glm::abs(at - settings_.acuity.gaze_px) + reach;
     return allowed_px2(max_D, settings_.acuity.finest_px(glm::length(from_px)));
   }
+  float minOff_D(float inv, float range_D) const {
+    return std::max(minDefocus_D(defocus_, inv) - range_D, 0.0f);
+  }
+  float blurred_px2(float defocus_D) const {
+    return settings_.per_blur2 * blur2_ * defocus_D * defocus_D;
+  }
   float allowed_px2(float defocus_D, float finest_px) const {
-    return settings_.per_blur2 * blur2_ * defocus_D * defocus_D + settings_.per_pixel2 +
+    return blurred_px2(defocus_D) + settings_.per_pixel2 +
            settings_.per_acuity2 * (finest_px * finest_px - 1.0f);
   }
 

@@ -17,12 +17,15 @@ namespace foci {
 /// variance, on the image and as the mean of both axes, is at most
 ///   per_blur2 C^2 + per_pixel2 + per_acuity2 (h^2 - 1).
 /// C is the node's blur radius in pixels. h is the prefilter's standard deviation, 1 px at full
-/// acuity. Variance along the node's mean normal counts `kThick` times (moment_tree.h). A node
-/// of two surfaces is then divided, because the lens sees the two surfaces apart.
+/// acuity. Variance along the node's mean normal counts `kThick` times (moment_tree.h). A node of
+/// two surfaces is then divided, because the lens sees the two surfaces apart.
 struct CutSettings {
   float per_blur2;
   float per_pixel2;
   float per_acuity2 = 0.2f;  ///< nodes up to 1.5 h wide; their Gaussians sum to one within 0.1 %
+  /// Variance along the line of sight, which does not show, hardly counts against the last two
+  /// terms. False: every node counts as if it faced the eye.
+  bool foreshortened = false;
   Acuity acuity = {};
   int margin_px = 0;  ///< keeps nodes that touch the image or this margin about it
 };
@@ -30,7 +33,8 @@ struct CutSettings {
 /// Merging adds at most 3 % to the variance of blur and pixel. A square node's spread is side^2 /
 /// 12, so a node is at most a quarter of the blur radius wide, or 0.6 px in focus. `SweepLod` and
 /// `LevelKernels` tests bound the errors.
-inline constexpr CutSettings kFaithfulCut{.per_blur2 = 0.0055f, .per_pixel2 = 0.03f};
+inline constexpr CutSettings kFaithfulCut{
+    .per_blur2 = 0.0055f, .per_pixel2 = 0.03f, .foreshortened = true};
 
 struct CutEntry {
   std::uint32_t index;

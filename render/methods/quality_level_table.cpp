@@ -20,6 +20,13 @@ CutSettings coarserBy(float factor) {
           .per_acuity2 = std::min(factor, kMaxAcuityFactor) * kFaithfulCut.per_acuity2};
 }
 
+/// The finest levels have the reserve for it; others would let light through at outlines
+/// (`ClosedSurfaces`).
+CutSettings foreshortened(CutSettings cut) {
+  cut.foreshortened = true;
+  return cut;
+}
+
 /// The same under a low-pass of standard deviation `low_pass_px`, in a whole-aperture pass.
 LodSettings softerBy(float factor, float low_pass_px) {
   CutSettings cut = coarserBy(factor);
@@ -37,11 +44,12 @@ LodSettings softerBy(float factor, float low_pass_px) {
 /// tilted plane of AutoTest, whose outline grows in a large share of its image. Blur beyond 40 px,
 /// and blur wider than a fifth of the image, may exceed the bound.
 const std::array<LevelSettings, kQualityLevels> kLevels{
-    LevelSettings{{coarserBy(2.0f), 1}, {0.4f, 0.8f, 6.0f, 12.0f, 13.0f, 16.0f}, true},
+    LevelSettings{
+        {foreshortened(coarserBy(2.0f)), 1}, {0.4f, 0.8f, 6.0f, 12.0f, 13.0f, 16.0f}, true},
     LevelSettings{{coarserBy(10.0f), 1}, {1.9f, 2.3f, 1.9f, 1.9f, 2.2f, 3.2f}},
     LevelSettings{{coarserBy(3.0f), 1}, {0.8f, 0.8f, 0.8f, 1.8f, 2.1f, 2.6f}},
     LevelSettings{{coarserBy(3.0f), 7}, {0.8f, 0.8f, 0.7f, 0.75f, 1.0f, 1.5f}},
-    LevelSettings{{coarserBy(1.0f), 7}, {0.2f, 0.3f, 0.5f, 0.65f, 0.8f, 1.2f}},
+    LevelSettings{{foreshortened(coarserBy(1.0f)), 7}, {0.2f, 0.3f, 0.5f, 0.65f, 0.8f, 1.2f}},
     LevelSettings{{coarserBy(1.0f), 1}, {0.5f, 0.5f, 4.0f, 5.7f, 5.8f, 6.2f}},
     LevelSettings{softerBy(30.0f, 6.0f), {19.0f, 19.0f, 13.2f, 12.8f, 12.7f, 12.7f}},
     LevelSettings{softerBy(30.0f, 12.0f), {26.0f, 26.0f, 21.5f, 14.5f, 13.1f, 13.0f}}};

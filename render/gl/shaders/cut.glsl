@@ -3,7 +3,8 @@
 layout(local_size_x = 64) in;
 
 layout(std430, binding = 0) readonly buffer Places { vec4 place[]; };      // position, radius; m
-layout(std430, binding = 1) readonly buffer Coarseness { vec2 coarse[]; };  // now, min; m^2
+// As bits: now, min, the variance that merging added, m^2; packed normal.
+layout(std430, binding = 1) readonly buffer Coarseness { uvec4 coarse[]; };
 layout(std430, binding = 2) writeonly buffer Own { float own[]; };         // weight that renders
 layout(std430, binding = 3) buffer Passed { float passed[]; };             // weight for children
 // Of size over coarseness, for all nodes below: min, max; whether their centres are on the image;
@@ -11,26 +12,29 @@ layout(std430, binding = 3) buffer Passed { float passed[]; };             // we
 layout(std430, binding = 4) buffer AllBounds { vec4 bounds[]; };
 #ifdef BODIES
 layout(std430, binding = 5) readonly buffer AllFacing { uint facing[]; };
-layout(std430, binding = 6) readonly buffer Normals { uint normals[]; };   // packed
 layout(std430, binding = 8) readonly buffer Outside { uint outside[]; };  // by body
 #endif
 
 layout(location = 0) uniform int level;
 
-const float kFade = 0.3, kWidestReach = 3.0, kOutside = -1.0, kRefine = 1e30;
+const float kFade = 0.3, kWidestReach = 3.0, kOutside = -1.0, kRefine = 1e30, kEdgeOn = 0.612;
 const vec4 kNoBounds = vec4(0.0, kRefine, 0.0, 0.0);
 
 float finest(float from_gaze) { return max(acuity.z + acuity.w * from_gaze, 1.0); }
 
+float blurred(float defocus_D) {
+  return cut.x * view_px.z * view_px.w * defocus_D * defocus_D;
+}
+
 float allowed(float defocus_D, float detail) {
-  return cut.x * view_px.z * view_px.w * defocus_D * defocus_D + cut.y +
-         cut.z * (detail * detail - 1.0);
+  return blurred(defocus_D) + cut.y + cut.z * (detail * detail - 1.0);
 }
 
 // Bounds of the allowed variance within a range of dioptres and pixels.
+float minOff(float off_D, float range_D) { return max(abs(off_D - focus.w) - range_D, 0.0); }
 float minAllowed(float off_D, float range_D, vec2 at, vec2 reach) {
   float detail = finest(length(max(abs(at - acuity.xy) - reach, 0.0)));
-  return allowed(max(abs(off_D - focus.w) - range_D, 0.0), detail);
+  return allowed(minOff(off_D, range_D), detail);
 }
 float maxAllowed(float off_D, float range_D, vec2 at, vec2 reach) {
   return allowed(off_D + focus.w + range_D, finest(length(abs(at - acuity.xy) + reach)));
@@ -40,7 +44,15 @@ float perCoarseness(float depth, float allowed_px2) {
   return focal_principal_px.x * focal_principal_px.y / (depth * depth * allowed_px2);
 }
 
-float sizeOf(vec4 node, float coarseness, out vec4 below) {
+// `coarsenessInView` of render/lod/cut.cpp.
+float coarsenessInView(vec3 from_eye, uvec4 coarseness, float sharp) {
+  float along = dot(unpackNormal(coarseness.w), from_eye);
+  float cos2 = along * along / dot(from_eye, from_eye);
+  float shows = sqrt((3.0 + cos2 * (2.0 + 3.0 * cos2)) / 8.0);
+  return uintBitsToFloat(coarseness.x) - sharp * (1.0 - shows) * uintBitsToFloat(coarseness.z);
+}
+
+float sizeOf(vec4 node, uvec4 coarseness, out vec4 below) {
   below = kNoBounds;
   vec3 from_eye = node.xyz - vec3(right.w, up.w, back.w);
   vec3 p = vec3(dot(right.xyz, from_eye), dot(up.xyz, from_eye), dot(back.xyz, from_eye));
@@ -63,12 +75,17 @@ float sizeOf(vec4 node, float coarseness, out vec4 below) {
       any(greaterThan(at - reach, vec2(size.xy) + margin))) {
     return kOutside;
   }
-  float now = coarseness * perCoarseness(depth, minAllowed(off_D, range_D, at, reach));
+  float allows = minAllowed(off_D, range_D, at, reach);
+  float sharp = 1.0 - blurred(minOff(off_D, range_D)) / allows;
+  bool foreshortened = cut_switches.x != 0;
+  float now = (foreshortened ? coarsenessInView(from_eye, coarseness, sharp)
+                             : uintBitsToFloat(coarseness.x)) * perCoarseness(depth, allows);
   float around = 3.0 * radius;
   if (depth - around < near_m) return now;
   float around_D = around * inv / max(distance_m - around, near_m);
   bool in_view = all(greaterThan(at, spread)) && all(lessThan(at + spread, vec2(size.xy)));
-  below = vec4(perCoarseness(depth + around, maxAllowed(off_D, around_D, at, 3.0 * reach)),
+  float shows = foreshortened ? kEdgeOn : 1.0;
+  below = vec4(shows * perCoarseness(depth + around, maxAllowed(off_D, around_D, at, 3.0 * reach)),
                perCoarseness(depth - around, minAllowed(off_D, around_D, at, 3.0 * reach)),
                in_view ? 1.0 : 0.0, 0.0);
   return now;
@@ -84,7 +101,7 @@ int sideOf(uint i) {
   if (cos_cone == 0.0) return 0;
   float sin_cone = sqrt(max(1.0 - cos_cone * cos_cone, 0.0));
   vec3 p = place[i].xyz - vec3(right.w, up.w, back.w);
-  float along = dot(unpackNormal(normals[i]), p);
+  float along = dot(unpackNormal(coarse[i].w), p);
   float across = sqrt(max(dot(p, p) - along * along, 0.0));
   float reach = place[i].w + sub_aperture_shading.w;
   if (along * cos_cone - across * sin_cone > reach) return -1;
@@ -110,15 +127,16 @@ void main() {
   }
 #endif
   float seen = above.w;
-  vec2 coarseness = coarse[node];
-  float now = coarseness.x * above.x;
-  bool known = now >= 1.0 + kFade || coarseness.x * above.y <= 1.0;
+  uvec4 coarseness = coarse[node];
+  float plain = uintBitsToFloat(coarseness.x);
+  float now = plain * above.x;
+  bool known = now >= 1.0 + kFade || plain * above.y <= 1.0;
   if (above.z == 0.0 || !known) {
-    now = sizeOf(place[node], coarseness.x, above);
+    now = sizeOf(place[node], coarseness, above);
     if (now == kOutside) return;
     above.w = seen;
   }
-  if (weight == 1.0 && node >= uint(room.w) && coarseness.y * above.x >= 1.0 + kFade) {
+  if (weight == 1.0 && node >= uint(room.w) && uintBitsToFloat(coarseness.y) * above.x >= 1.0 + kFade) {
     passed[node] = kWhole;
     return;
   }

@@ -17,6 +17,7 @@ layout(std140, binding = 0) uniform Frame {
   ivec4 scene;                 // surfels, levels of nodes, distance along the axis, has opacity
   ivec4 room;                  // entries of the cut, of the tile lists, work items;
                                // first node of which all surfels may be taken together
+  ivec4 cut_switches;          // `CutSettings::foreshortened`
 };
 
 const int kTile = 32, kApron = 2, kMaxStep = 8;

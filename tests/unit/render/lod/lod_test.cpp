@@ -124,7 +124,7 @@ TEST(Cut, WeightsSumToOneAboveEverySurfel) {
   for (const float focus_D : {0.0f, 0.4f, 0.5f, 0.6f}) {
     Cut cut;
     selectCut(tree, view, {.radius_px_per_D = glm::vec2(100.0f), .focus_D = focus_D},
-              {.per_blur2 = 0.01f, .per_pixel2 = 0.1f}, cut);
+              {.per_blur2 = 0.01f, .per_pixel2 = 0.1f, .foreshortened = true}, cut);
     std::vector<float> sum(tree.surfels().size(), 0.0f);
     for (const CutEntry& entry : cut.surfels) sum[entry.index] += entry.weight;
     for (const CutRange& range : cut.ranges) {
@@ -152,6 +152,54 @@ TEST(Cut, IsCoarserWhereBlurIsLarger) {
     before = cut.size();
   }
   EXPECT_LT(before, 2000u);
+}
+
+/// A sheet 20 m away, 4 m wide, whose normal makes the given angle with the line of sight.
+SurfelCloud sheetAtAngle(float angle_deg) {
+  SurfelCloud cloud;
+  const float angle = glm::radians(angle_deg);
+  addSheetOf(cloud, {.center_m = {0, 0, -20},
+                     .up = {0.0f, std::cos(angle), -std::sin(angle)},
+                     .side_m = 4.0f,
+                     .samples = 500});
+  std::mt19937 random(5);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud.color[i] = glm::vec3(static_cast<float>(random() >> 8) / (1 << 24));
+  }
+  return cloud;
+}
+
+TEST(Cut, TakesFewerNodesOfASurfaceThatIsSeenEdgeOn) {
+  // The low-pass of an edge-on node may be wider by sqrt(8 / 3), so that nodes are fewer by that.
+  const auto ratioAt = [](float angle_deg) {
+    const MomentTree tree(sheetAtAngle(angle_deg));
+    double sizes[2];
+    for (const bool foreshortened : {false, true}) {
+      CutSettings settings = kFaithfulCut;
+      settings.foreshortened = foreshortened;
+      Cut cut;
+      double sum = 0.0;
+      for (int step = 0; step < 8; ++step) {  // over one level of the tree
+        const float focal_px = 300.0f * std::exp2(static_cast<float>(step) / 16.0f);
+        selectCut(tree, squareViewOf(400, focal_px), {}, settings, cut);
+        sum += static_cast<double>(cut.size());
+      }
+      sizes[foreshortened] = sum;
+    }
+    return sizes[false] / sizes[true];
+  };
+  EXPECT_NEAR(ratioAt(0.0f), 1.0, 0.02);  // the corners are seen at 8 degrees
+  EXPECT_NEAR(ratioAt(85.0f), std::sqrt(8.0 / 3.0), 0.25);
+}
+
+TEST(SweepLod, LooksAsEverySurfelWhereASurfaceIsSeenEdgeOn) {
+  for (const float angle_deg : {70.0f, 85.0f}) {
+    const SurfelCloud cloud = sheetAtAngle(angle_deg);
+    const View view = squareViewOf(200, 500.0f);
+    const Frame every = renderedBy("sweep", cloud, view, {});
+    EXPECT_GE(psnr_dB(renderedBy("sweep-lod:1", cloud, view, {}), every), 50.0) << angle_deg;
+    EXPECT_GE(psnr_dB(renderedBy("auto:1", cloud, view, {}), every), 45.0) << angle_deg;
+  }
 }
 
 TEST(Cut, TakesSurfelsAsTheyLieWhereNoNodeIsCoarseEnough) {
