@@ -56,7 +56,8 @@ void onLostPage(int signal, siginfo_t* info, void* /*context*/) {
     say(": was cut short, or cannot be read any more, while foci used it\n");
     ::_exit(1);
   }
-  ::signal(signal, SIG_DFL);  // not ours: the instruction is tried again, and ends the program
+  ::signal(signal, SIG_DFL);  // not ours: the signal ends the program once this function returns
+  ::raise(signal);
 }
 
 }  // namespace
@@ -95,6 +96,12 @@ void endOnLostPages() {
   action.sa_sigaction = onLostPage;
   action.sa_flags = SA_SIGINFO;
   ::sigaction(SIGBUS, &action, nullptr);
+}
+
+void endOnLostPagesUnlessHandled() {
+  struct sigaction now {};
+  if (::sigaction(SIGBUS, nullptr, &now) != 0) return;
+  if ((now.sa_flags & SA_SIGINFO) == 0 && now.sa_handler == SIG_DFL) endOnLostPages();
 }
 
 }  // namespace foci

@@ -32,7 +32,11 @@ void releasePages(std::span<const unsigned char> bytes);
 
 /// From now on, a mapped file that shrinks, or cannot be read, ends the program with one line on
 /// standard error and the exit code 1. Otherwise the program ends by the signal SIGBUS when it
-/// touches a page that is gone.
+/// touches a page that is gone. Any other cause of that signal ends the program as ever.
 void endOnLostPages();
+
+/// The same in a program of others: changes nothing where that program, or one of its libraries,
+/// handles SIGBUS itself.
+void endOnLostPagesUnlessHandled();
 
 }  // namespace foci

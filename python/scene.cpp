@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/input_error.h"
+#include "base/mapped_file.h"
 #include "python/bindings.h"
 #include "python/eye.h"
 #include "render/scene/estimation/estimate.h"
@@ -39,6 +40,7 @@ std::shared_ptr<Scene> openFile(const std::filesystem::path& path, double scale_
   if (viewpoint_m) viewpoint = glm::vec3(vectorOf(*viewpoint_m));
   const py::gil_scoped_release released;
   requireRegularFile(path);
+  endOnLostPagesUnlessHandled();
   return std::make_shared<Scene>(openScene(path, scale_m, viewpoint));
 }
 

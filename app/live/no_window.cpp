@@ -10,6 +10,10 @@ LiveSummary runLive(const Study&, const LiveOptions&, std::optional<SceneFile>) 
   throw std::runtime_error("built without windows: foci live needs one");
 }
 
-DisplayFacts describeDisplay() { return {.problem = "built without windows (FOCI_WINDOW=OFF)"}; }
+DisplayFacts describeDisplay() {
+  DisplayFacts facts;
+  facts.problem = "built without windows (FOCI_WINDOW=OFF)";
+  return facts;
+}
 
 }  // namespace foci

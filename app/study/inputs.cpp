@@ -170,6 +170,9 @@ SurfelCloud loadScene(const Study& study, std::optional<SceneFile> scene) {
       std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark.c_str());
     }
   }
+  if (const std::string remark = memoryRemark(study, cloud); !remark.empty()) {
+    std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark.c_str());
+  }
   return cloud;
 }
 

@@ -9,7 +9,7 @@
 #include "app/study/framing.h"
 #include "app/study/session_settings_of.h"
 #include "base/text.h"
-#include "render/lod/outline.h"
+#include "render/methods/method.h"
 #include "render/optics/view.h"
 #include "render/scene/gaussian_cloud.h"
 
@@ -155,6 +155,18 @@ std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& scen
                       pointText(box.low) + " to " + pointText(box.high));
   }
   return remarks;
+}
+
+std::string memoryRemark(const Study& study, const SurfelCloud& cloud, std::size_t large) {
+  // Of `sweep`, its surfels and splats; measured with 20 million surfels, of which half are in
+  // view.
+  constexpr double kBytesASurfel = 130.0;
+  const auto count = static_cast<double>(cloud.size());
+  if (cloud.size() <= large || rendersByLevels(study.render.method)) return "";
+  return "render.method = \"" + study.render.method + "\" renders each of " +
+         decimal(count / 1e6, 1) + " million surfels and takes about " +
+         decimal(count * kBytesASurfel / 1e9, 1) +
+         " GB of memory: \"auto\" and \"sweep-lod\" take memory for what the frame shows";
 }
 
 }  // namespace foci

@@ -1,11 +1,13 @@
 // What is wrong with the place of an eye in a scene: nothing in view, an eye inside a solid, a
-// scene of a size that no eye can focus in.
+// scene of a size that no eye can focus in, or one too large for the method.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "app/study/study.h"
+#include "render/lod/outline.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
@@ -21,5 +23,10 @@ bool isSceneInView(const Study& study, const SurfelCloud& cloud);
 /// pose at the beginning, or the scene's own pose. The eye stands inside a solid if it sees the
 /// backs of oriented surfels in nearly all directions, or any surfels nearer than 2 cm.
 std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& cloud);
+
+/// How much memory the study's method takes, and which methods take less; empty for a scene that is
+/// not large, and for a method with level of detail.
+std::string memoryRemark(const Study& study, const SurfelCloud& cloud,
+                         std::size_t large = kLargeScene);
 
 }  // namespace foci

@@ -268,7 +268,8 @@ MethodEntry autoMethod() {
                .source = "our own",
                .max_n = static_cast<int>(kQualityLevels),
                .aberrations = true,
-               .gpu = true},
+               .gpu = true,
+               .lod = true},
       .make = [](const SurfelCloud& cloud, int n, const SharedGpu& gpu) -> std::unique_ptr<Method> {
         return std::make_unique<AutoMethod>(cloud, qualityLevelNumbered(n), gpu);
       },

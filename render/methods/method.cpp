@@ -199,6 +199,8 @@ bool rendersAberrations(std::string_view spec) { return infoOf(spec).aberrations
 
 bool isIncremental(std::string_view spec) { return infoOf(spec).incremental; }
 
+bool rendersByLevels(std::string_view spec) { return infoOf(spec).lod; }
+
 std::optional<std::string> expectedMethod(std::string_view spec) {
   const Choice choice = parse(spec);
   return choice.entry ? std::nullopt : std::optional(choice.expected);

@@ -133,6 +133,9 @@ struct MethodInfo {
   /// Each render updates a part of the previous frame.
   bool incremental = false;
   bool gpu = false;  ///< renders on a GPU too
+  /// Takes nodes of the tree in place of surfels (lod_splats.h), so that a frame takes memory for
+  /// what it shows.
+  bool lod = false;
   /// Also renders scenes of Gaussians.
   bool gaussians = false;
   /// Names V of `name:V`, in place of a number; N is then their place in this list, from 1.
@@ -177,6 +180,9 @@ bool rendersAberrations(std::string_view spec);
 
 /// `MethodInfo::incremental` of the method.
 bool isIncremental(std::string_view spec);
+
+/// `MethodInfo::lod` of the method.
+bool rendersByLevels(std::string_view spec);
 
 /// `MethodInfo::gpu` of the method, and the scene holds surfaces.
 bool rendersOnGpu(std::string_view spec, const SurfelCloud& cloud);

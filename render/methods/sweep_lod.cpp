@@ -38,7 +38,8 @@ MethodEntry sweepLodMethod() {
            .max_n = 256,
            .default_n = 7,
            .aberrations = true,
-           .gpu = true},
+           .gpu = true,
+           .lod = true},
       .make = makeAs<SweepLodMethod>,
       .make_of_gaussians = gaussianSweepLod};
 }

@@ -5,6 +5,9 @@
 
 import math
 import pathlib
+import signal
+import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -165,6 +168,24 @@ class RenderTest(unittest.TestCase):
                            "property float z\nend_header\n0 0 -1\n1 0 -1\n0 1 -1\n1 1 -1\n")
             self.assertEqual(len(foci.Scene.open(ply, scale_m=2.0)), 4)
             self.assertEqual(foci.Scene.open(ply, scale_m=2.0).bounds_m[1], (2.0, 2.0, -2.0))
+
+    def test_a_lost_page_ends_the_program_unless_it_has_its_own_handler(self):
+        with tempfile.TemporaryDirectory() as folder:
+            ply = pathlib.Path(folder, "points.ply")
+            ply.write_text("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                           "property float z\nend_header\n0 0 -1\n1 0 -1\n0 1 -1\n1 1 -1\n")
+
+            def handles_bus_error(before):
+                code = (f"import faulthandler, foci, os, signal\n{before}\nfoci.Scene.open({str(ply)!r})\n"
+                        "caught = next(line for line in open('/proc/self/status') if line.startswith('SigCgt'))\n"
+                        "print(int(caught.split()[1], 16) >> (signal.SIGBUS - 1) & 1)\n"
+                        "os.kill(os.getpid(), signal.SIGBUS)\n")
+                return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+
+            foci_handles, own_handler = handles_bus_error(""), handles_bus_error("faulthandler.enable()")
+            self.assertEqual((foci_handles.stdout, foci_handles.stderr), ("1\n", ""))
+            self.assertEqual(foci_handles.returncode, -signal.SIGBUS)
+            self.assertIn("Fatal Python error: Bus error", own_handler.stderr)
 
 
 class GaussiansTest(unittest.TestCase):

@@ -4,6 +4,8 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <string>
 
 #include "base/input_error.h"
@@ -46,9 +48,23 @@ TEST(MappedFileDeathTest, AnotherFaultStaysASignal) {
   const auto fault = [] {
     endOnLostPages();
     std::raise(SIGBUS);
-    std::raise(SIGBUS);
   };
   EXPECT_EXIT(fault(), testing::KilledBySignal(SIGBUS), "");
+}
+
+TEST(MappedFileDeathTest, AProgramsOwnHandlerIsKept) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("scene", std::string(100'000, 'x'));
+  const auto readAfterShrinking = [&](void (*own)(int)) {
+    std::signal(SIGBUS, own);
+    endOnLostPagesUnlessHandled();
+    const MappedFile file(path);
+    std::filesystem::resize_file(path, 10'000);
+    lastByte(file);
+  };
+  EXPECT_EXIT(readAfterShrinking([](int) { std::_Exit(7); }), testing::ExitedWithCode(7), "^$");
+  std::filesystem::resize_file(path, 100'000);
+  EXPECT_EXIT(readAfterShrinking(SIG_DFL), testing::ExitedWithCode(1), "was cut short");
 }
 
 }  // namespace

@@ -78,5 +78,22 @@ TEST(ViewRemarks, ScenesThatAreTooWideOrTooNarrowAreSaid) {
   EXPECT_TRUE(has(narrow, "too small") && has(narrow, "scene.scale_m")) << narrow;
 }
 
+TEST(MemoryRemark, NamesTheMethodItsMemoryAndTheMethodsThatTakeLess) {
+  Study study = studyFrom({0, 0, 4}, {0, 0, 0});
+  const SurfelCloud cloud = sphere(1.0f);
+  for (const char* within : {"auto", "auto:3", "sweep-lod", "sweep-lod:19"}) {
+    study.render.method = within;
+    EXPECT_EQ(memoryRemark(study, cloud, cloud.size() - 1), "") << within;
+  }
+  for (const char* beyond : {"sweep", "pinhole", "accumulate:64", "paper-lod"}) {
+    study.render.method = beyond;
+    EXPECT_EQ(memoryRemark(study, cloud, cloud.size()), "") << beyond;
+    const std::string remark = memoryRemark(study, cloud, cloud.size() - 1);
+    EXPECT_TRUE(has(remark, std::string("render.method = \"") + beyond + "\"")) << remark;
+    EXPECT_TRUE(has(remark, "GB")) << remark;
+    EXPECT_TRUE(has(remark, "\"auto\"")) << remark;
+  }
+}
+
 }  // namespace
 }  // namespace foci
