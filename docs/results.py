@@ -5,6 +5,8 @@
     python3 docs/results.py --full                 the full chart, stability suite and reproduction
     python3 docs/results.py --only bench,chart     some sections; the page keeps the others as they are
     python3 docs/results.py --labelled DIR/*.tsv   agreement with human coders, on recordings with columns coder_NAME
+    python3 docs/results.py --large SCENE.foci [--cgroup DIR]
+                                                   a landscape of foci_large_scene, in a memory cgroup with a limit
 
 Expects a release build with tests (cmake --preset release && cmake --build --preset release). The section "live" needs
 a display or xvfb-run. The measurements stay in out/results; `foci chart` continues from them.
@@ -25,7 +27,7 @@ import time
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 GPU_STAGES = ("cut", "project", "bin", "sort", "composite", "present")
 PAGE = os.path.join(ROOT, "docs", "results.md")
-SECTIONS = ("bench", "events", "event_rules", "live", "chart", "stability", "reproduce", "eye")
+SECTIONS = ("bench", "events", "event_rules", "live", "chart", "stability", "reproduce", "eye", "large")
 
 
 def run(*command):
@@ -278,10 +280,60 @@ def eye(args):
               [[one["figure"], one["condition"], short(one["expected"]), short(one["value"]), one["unit"]] for one in figures])])
 
 
+# The eye's place and the point that it looks at, metres. The ground is about 1.6 m high in the middle.
+LARGE_VIEWS = (("the whole landscape", (0, 150, 200), (0, 0, 0)), ("from 40 m above", (0, 42, 0), (0, 0, -40)),
+               ("the ground in front", (0, 3.2, 0), (0, 1.6, -3)),
+               ("along the ground to the horizon, from a hill", (20, 6.8, 48), (10, 4, -60)))
+
+
+def large(args):
+    """First frames, later frames and memory of each view."""
+    if not args.large:
+        return None
+
+    def measured(*command):
+        """Seconds and the peak of resident memory, GB."""
+        enter = (lambda: open(os.path.join(args.cgroup, "cgroup.procs"), "w").write(str(os.getpid()))) if args.cgroup else None
+        start = time.monotonic()
+        process = subprocess.Popen(command, cwd=args.out, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=enter)
+        _, status, usage = os.wait4(process.pid, 0)
+        if status:
+            sys.exit(f"{' '.join(command)}: ended with {os.waitstatus_to_exitcode(status)}")
+        return time.monotonic() - start, usage.ru_maxrss * 1024 / 1e9
+
+    rows = []
+    for name, eye, at in LARGE_VIEWS:
+        study, folder = os.path.join(args.out, "large.toml"), os.path.join(args.out, "large")
+        with open(study, "w", encoding="utf-8") as file:
+            keyframes = [f"{{ time_s = {time_s}, position_m = {[eye[0], eye[1], eye[2] - time_s]}, look_at_m = {list(at)} }}"
+                         for time_s in (0, 1)]  # forwards by a metre a second
+            file.write(f'[scene]\nfile = "{args.large}"\n[eye]\nup = [0, 1, 0]\npath = [{", ".join(keyframes)}]\n[render]\ndevice = "cpu"\n[output]\nsize_px = [1920, 1080]\nfps = 10\nseconds = [0, 1]\n')
+        first = (args.foci, "render", study, "--gaze", "960,700", "--out", "large.png", "--overwrite")
+        with open(args.large, "rb") as file:
+            os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+        cold, warm = measured(*first), measured(*first)
+        rows.append([name, short(cold[0], 2), short(warm[0], 2), short(max(cold[1], warm[1]), 2)])
+    _, gigabytes = measured(args.foci, "replay", study, "--out", folder, "--overwrite")
+    with open(os.path.join(folder, "frames.tsv"), newline="", encoding="utf-8") as file:
+        frames = [float(frame["render_ms"]) for frame in csv.DictReader(file, delimiter="\t")]
+    times = sorted([ms for ms in frames if ms > 0.0][1:])  # without the first; a reused frame takes no time
+    limit = "without a limit of memory"
+    if args.cgroup:
+        limits = [os.path.join(args.cgroup, limit) for limit in ("memory.max", "memory.limit_in_bytes")]
+        text = open(next(path for path in limits if os.path.exists(path)), encoding="utf-8").read()
+        limit = f"in a memory cgroup limited to {int(text) / 2**30:.3g} GiB, pages of the file included"
+    text = (f"A landscape of `foci_large_scene` in a file of {os.path.getsize(args.large) / 1e9:.1f} GB, 1920 x 1080 px, method "
+            f"`auto` at full quality on the CPU, {limit}. First frames are whole runs of `foci render`: cold, with none of the file "
+            "in memory, and again. Memory is the peak of resident memory, with the pages of the mapped file.")
+    later = (f"Later frames of the last view, where the eye moves forwards by 1 m/s under a simulated gaze (`foci replay`): median "
+             f"{times[len(times) // 2] / 1000:.2f} s, {gigabytes:.2g} GB.")
+    return "\n\n".join([text, table(["view", "first frame, cold, s", "again, s", "memory, GB"], rows), later])
+
+
 TITLES = {"bench": "Benchmarks", "events": "Event detection",
           "event_rules": "Event detection on recordings that its constants have not seen", "live": "Live", "chart": "Time against accuracy",
           "stability": "Stability", "reproduce": "The paper's Table 1",
-          "eye": "The eye"}
+          "eye": "The eye", "large": "Scenes larger than memory"}
 
 
 def old_sections():
@@ -297,6 +349,8 @@ def main():
     parser.add_argument("--full", action="store_true", help="full runs instead of --quick")
     parser.add_argument("--only", default=",".join(SECTIONS), help="sections, by commas: " + ", ".join(SECTIONS))
     parser.add_argument("--labelled", nargs="*", default=[], help="recordings with the labels of human coders")
+    parser.add_argument("--large", help="a landscape of 200 million surfels: foci_large_scene OUT.foci 200")
+    parser.add_argument("--cgroup", help="folder of the memory cgroup that foci runs in for --large")
     parser.add_argument("--build", default=os.path.join(ROOT, "build", "release"), help="folder of foci and foci_bench")
     parser.add_argument("--out", default=os.path.join(ROOT, "out", "results"), help="folder of the measurements")
     parser.add_argument("--bench-filter", default=".")
@@ -307,6 +361,7 @@ def main():
     args = parser.parse_args()
     args.foci, args.bench = os.path.join(args.build, "foci"), os.path.join(args.build, "foci_bench")
     args.out = os.path.abspath(args.out)
+    args.large = args.large and os.path.abspath(args.large)
     args.labelled = [os.path.abspath(path) for path in args.labelled]
     args.quick = [] if args.full else ["--quick"]
     args.chart_options, args.stability_options = args.chart_options.split(), args.stability_options.split()
