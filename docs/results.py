@@ -307,7 +307,8 @@ def large(args):
         with open(study, "w", encoding="utf-8") as file:
             keyframes = [f"{{ time_s = {time_s}, position_m = {[eye[0], eye[1], eye[2] - time_s]}, look_at_m = {list(at)} }}"
                          for time_s in (0, 1)]  # forwards by a metre a second
-            file.write(f'[scene]\nfile = "{args.large}"\n[eye]\nup = [0, 1, 0]\npath = [{", ".join(keyframes)}]\n[render]\ndevice = "cpu"\n[output]\nsize_px = [1920, 1080]\nfps = 10\nseconds = [0, 1]\n')
+            file.write(f'[scene]\nfile = "{args.large}"\n[eye]\nup = [0, 1, 0]\npath = [{", ".join(keyframes)}]\n'
+                       '[render]\ndevice = "cpu"\n[output]\nsize_px = [1920, 1080]\nfps = 10\nseconds = [0, 1]\n')
         first = (args.foci, "render", study, "--gaze", "960,700", "--out", "large.png", "--overwrite")
         with open(args.large, "rb") as file:
             os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
