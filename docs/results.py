@@ -273,7 +273,7 @@ def eye(args):
         table(["pupil, mm", "focus, m", "without, ms", "with, ms", "ratio"], times),
         "**A rendered point of light against Fourier optics**, typical eye, `sweep:19` with diffraction, pixels of 1 arcmin. "
         "The root mean square is a share of the peak: over a window of 65 arcmin, and over the pixels that hold at least 1 % "
-        "of the peak. The variances are of these pixels too.",
+        "of the peak. The variances are those within the disc that holds all rays and, around them, the pixel's bell.",
         table(["pupil and defocus", "RMS, window, %", "RMS, lit pixels, %", "variance along x, %", "along y, %"], images),
         "**Against published measurements**, `foci validate`.",
         table(["figure", "condition", "published", "here", "unit"],

@@ -1,15 +1,19 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
 #include "app/eye/eye_report.h"
+#include "app/eye/wide_angle_eye.h"
 #include "app/platform/output_files.h"
 #include "app/study/inputs.h"
 #include "base/input_error.h"
+#include "base/number.h"
 #include "base/text.h"
 
 namespace foci {
@@ -17,9 +21,17 @@ namespace {
 
 struct EyeOptions {
   std::string study{}, out{}, focus{};
-  std::vector<std::string> at{}, set{};
+  std::vector<std::string> at{}, field{}, set{};
   bool overwrite = false;
 };
+
+double fieldOf_deg(const std::string& text) {
+  const std::optional<double> deg = parseNumber(text);
+  if (!deg || !(std::abs(*deg) <= kMostField_deg)) {
+    throw InputError("--field " + text, "expected degrees from -60 to 60");
+  }
+  return *deg;
+}
 
 void runEye(const EyeOptions& options) {
   Study study = readStudy(options.study);
@@ -31,6 +43,8 @@ void runEye(const EyeOptions& options) {
   if (request.distances_D.size() > 12) {
     throw InputError("--at", "expected at most 12 distances");
   }
+  for (const std::string& field : options.field) request.fields_deg.push_back(fieldOf_deg(field));
+  if (request.fields_deg.size() > 6) throw InputError("--field", "expected at most 6 angles");
   checkOutputs(eyeFiles(options.out), inputFiles(study), options.overwrite);
   for (const EyeFigures& eye : reportEye(study, request, options.out)) {
     std::printf(
@@ -61,6 +75,12 @@ void addEyeCommand(CLI::App& app) {
           "distances of points of light, metres or inf, e.g. 0.5,1,inf; default: within 1 D "
           "of the focus")
       ->type_name("METRES,...")
+      ->delimiter(',');
+  command
+      ->add_option("--field", options->field,
+                   "angles to the right of the line of sight, degrees, e.g. 0,10,20; below 0 to "
+                   "the left; default: none")
+      ->type_name("DEG,...")
       ->delimiter(',');
   command->add_option("--set", options->set, "set any key of the study; may be repeated")
       ->type_name("KEY=VALUE")

@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kEyeTable = "eye.tsv";
 constexpr const char* kEyePage = "eye.html";
-constexpr std::size_t kMostPoints = 12;
+constexpr std::size_t kMostPoints = 12, kMostFields = 6;
 
 constexpr const char* kEyeStyle = R"(
 .psfs { display: grid; grid-template-columns: repeat(auto-fill, minmax(170px, 1fr)); gap: .9rem; }
@@ -34,6 +34,12 @@ std::string fromFocusText(double nearer_D) {
   if (std::abs(nearer_D) < 0.005) return "in focus";
   return decimal(std::abs(nearer_D), 2) +
          (nearer_D > 0.0 ? " D nearer than the focus" : " D beyond the focus");
+}
+
+std::string sideText(double field_deg) {
+  if (field_deg == 0.0) return "On the line of sight";
+  return decimal(std::abs(field_deg), 1) + " degrees to the " +
+         (field_deg > 0.0 ? "right" : "left");
 }
 
 std::string tableOf(const std::vector<EyeFigures>& eyes) {
@@ -58,6 +64,20 @@ std::string tableOf(const std::vector<EyeFigures>& eyes) {
       const std::string at = decimal(eye.cycles_per_deg[i], 0) + " cycles/deg";
       row(eye, "mtf_white", at, "", eye.white_mtf[i]);
       row(eye, "mtf_555nm", at, "", eye.green_mtf[i]);
+    }
+    for (const FieldFigures& field : eye.fields) {
+      const std::string at = significant(field.field_deg, 6) + " deg";
+      row(eye, "field_M", at, "D", field.power_D.x);
+      row(eye, "field_J0", at, "D", field.power_D.y);
+      row(eye, "field_pupil_aspect", at, "", field.aspect);
+      for (const PointImage& point : field.points) {
+        row(eye, "strehl", at + ", " + significant(point.vergence_D, 6) + " D", "", point.strehl);
+      }
+      for (std::size_t i = 0; i < eye.cycles_per_deg.size(); ++i) {
+        const std::string u = at + ", " + decimal(eye.cycles_per_deg[i], 0) + " cycles/deg";
+        row(eye, "mtf_white", u, "", field.white_mtf[i]);
+        row(eye, "mtf_555nm", u, "", field.green_mtf[i]);
+      }
     }
     for (std::size_t i = 0; i < eye.through.defocus_D.size(); ++i) {
       row(eye, "through_focus", decimal(eye.through.defocus_D[i], 2) + " D", "",
@@ -87,17 +107,20 @@ void writeEye(std::ostream& out, const EyeFigures& eye, OutputFolder& files) {
       << numberCell(decimal(eye.acuity.logMAR(), 2) + " logMAR",
                     "acuity, " + decimal(eye.acuity.cycles_per_deg, 0) + " cycles/deg")
       << "</div>\n<h3>A point of light, at 555 nm</h3>\n<div class=\"psfs\">\n";
-  for (std::size_t i = 0; i < eye.points.size(); ++i) {
-    const PointImage& point = eye.points[i];
-    double bar_arcmin = 0.0;
-    const std::string name = save(prefixOf(eye) + "psf_" + std::to_string(i + 1) + ".png",
-                                  psfPng(point.psf, &bar_arcmin));
-    out << "<figure><img src=\"" << name << "\" alt=\"image of a point at "
-        << distanceText(point.vergence_D) << "\"><figcaption>" << distanceText(point.vergence_D)
-        << ": " << fromFocusText(point.vergence_D - eye.focus_D) << ". Strehl ratio "
-        << decimal(point.strehl, 3) << "; bar " << significant(bar_arcmin)
-        << " arcmin</figcaption></figure>\n";
-  }
+  const auto showPoints = [&](const std::vector<PointImage>& points, const std::string& prefix) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const PointImage& point = points[i];
+      double bar_arcmin = 0.0;
+      const std::string name =
+          save(prefix + std::to_string(i + 1) + ".png", psfPng(point.psf, &bar_arcmin));
+      out << "<figure><img src=\"" << name << "\" alt=\"image of a point at "
+          << distanceText(point.vergence_D) << "\"><figcaption>" << distanceText(point.vergence_D)
+          << ": " << fromFocusText(point.vergence_D - eye.focus_D) << ". Strehl ratio "
+          << decimal(point.strehl, 3) << "; bar " << significant(bar_arcmin)
+          << " arcmin</figcaption></figure>\n";
+    }
+  };
+  showPoints(eye.points, prefixOf(eye) + "psf_");
   double most_um = 0.0;
   const std::string map = save(prefixOf(eye) + "wavefront.png", wavefrontPng(eye.pupil, &most_um));
   out << "</div>\n<h3>Wavefront</h3>\n<figure class=\"wavefront\"><img src=\"" << map
@@ -116,6 +139,19 @@ void writeEye(std::ostream& out, const EyeFigures& eye, OutputFolder& files) {
   chart(prefixOf(eye) + "through_focus.png", throughFocusPlot(eye));
   out << "<p>Depth of focus: " << decimal(eye.depth.nearest_D, 2) << " to "
       << decimal(eye.depth.farthest_D, 2) << " D about the focus.</p>\n";
+  if (eye.fields.empty()) return;
+  out << "<h3>Beside the line of sight</h3>\n";
+  for (std::size_t k = 0; k < eye.fields.size(); ++k) {
+    const FieldFigures& field = eye.fields[k];
+    out << "<p>" << sideText(field.field_deg) << ": the eye is " << decimal(field.power_D.x, 2)
+        << " D stronger than on its line of sight in the mean of all meridians, and "
+        << decimal(2.0 * field.power_D.y, 2)
+        << " D stronger along the horizontal than along the vertical. The pupil is "
+        << decimal(field.aspect, 2) << " times as wide as high.</p>\n<div class=\"psfs\">\n";
+    showPoints(field.points, prefixOf(eye) + "field_" + std::to_string(k + 1) + "_psf_");
+    out << "</div>\n";
+  }
+  chart(prefixOf(eye) + "field_mtf.png", fieldMtfPlot(eye));
 }
 
 }  // namespace
@@ -123,11 +159,15 @@ void writeEye(std::ostream& out, const EyeFigures& eye, OutputFolder& files) {
 std::vector<std::filesystem::path> eyeFiles(const std::filesystem::path& out) {
   std::vector<std::filesystem::path> files = {out / kEyeTable, out / kEyePage};
   for (const std::string side : {"both_", "left_", "right_"}) {
-    for (const char* name : {"wavefront.png", "mtf.png", "through_focus.png"}) {
+    for (const char* name : {"wavefront.png", "mtf.png", "through_focus.png", "field_mtf.png"}) {
       files.push_back(out / (side + name));
     }
     for (std::size_t i = 1; i <= kMostPoints; ++i) {
       files.push_back(out / (side + "psf_" + std::to_string(i) + ".png"));
+      for (std::size_t k = 1; k <= kMostFields; ++k) {
+        files.push_back(
+            out / (side + "field_" + std::to_string(k) + "_psf_" + std::to_string(i) + ".png"));
+      }
     }
   }
   return files;
@@ -139,7 +179,7 @@ std::vector<EyeFigures> reportEye(const Study& study, const EyeRequest& request,
   OutputFolder files(out);
   std::ostringstream page;
   page << pageStart("foci eye", kEyeStyle) << "<h1>The eye of " << escaped(study.file.string())
-       << "</h1>\n<p>This page shows the eye along its line of sight, by Fourier optics from the "
+       << "</h1>\n<p>This page shows the eye by Fourier optics from the "
           "observer's pupil, focus, refraction and wavefront. Each image of a point is scaled to "
           "its "
           "own peak. Its brightness is the light to the power 1/2.2, so that faint light "
@@ -150,8 +190,9 @@ std::vector<EyeFigures> reportEye(const Study& study, const EyeRequest& request,
           "finest grating with 5 % contrast has u cycles/deg, and the estimate is log10(30 / u). "
           "People see less, because noise and the retina's sampling limit them. White light has "
           "equal energy and the brightness V(&lambda;) of CIE 1924. The dashed mean of 200 eyes is "
-          "that of Watson 2013, behind the glasses of a refraction. The wavefront is the same at "
-          "all field angles.</p>\n"
+          "that of Watson 2013, behind the glasses of a refraction. Beside the line of sight, the "
+          "page adds what the schematic eye of Escudero-Sanz and Navarro 1999 has more than on "
+          "its axis.</p>\n"
        << kPageEnd;
   files.write(kEyeTable, tableOf(eyes));
   files.write(kEyePage, page.str());

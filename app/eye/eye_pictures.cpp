@@ -1,6 +1,7 @@
 #include "app/eye/eye_pictures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "app/graphics/image.h"
@@ -90,7 +91,9 @@ std::vector<std::uint8_t> wavefrontPng(const Pupil& pupil, double* most_um) {
   return pngOf(image);
 }
 
-Plot mtfPlot(const EyeFigures& eye) {
+namespace {
+
+Plot emptyMtfPlot() {
   Plot plot{.name = "contrast by spatial frequency",
             .x = {.title = "cycles per degree", .from = 0.0, .to = 60.0},
             .y = {.title = "contrast", .from = 0.0, .to = 1.0},
@@ -98,6 +101,29 @@ Plot mtfPlot(const EyeFigures& eye) {
             .size_px = {640.0, 340.0}};
   for (int u = 0; u <= 60; u += 10) plot.x.ticks.push_back({double(u), std::to_string(u)});
   for (int c = 0; c <= 10; c += 2) plot.y.ticks.push_back({c / 10.0, decimal(c / 10.0, 1)});
+  return plot;
+}
+
+}  // namespace
+
+Plot fieldMtfPlot(const EyeFigures& eye) {
+  constexpr std::array kColors{"#2f8f5b", "#3a78c2", "#d9822b", "#a23b72", "#7a8190", "#5b4b9a"};
+  Plot plot = emptyMtfPlot();
+  plot.name = "contrast beside the line of sight";
+  for (std::size_t k = 0; k < eye.fields.size(); ++k) {
+    PlotSeries series{.name = decimal(eye.fields[k].field_deg, 0) + " deg",
+                      .color = kColors[k % kColors.size()],
+                      .discs = false};
+    for (std::size_t i = 0; i < eye.cycles_per_deg.size(); ++i) {
+      series.points.push_back({.x = eye.cycles_per_deg[i], .y = eye.fields[k].white_mtf[i]});
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+Plot mtfPlot(const EyeFigures& eye) {
+  Plot plot = emptyMtfPlot();
   const auto add = [&](const char* name, const char* color, bool dashed, const auto& contrastAt) {
     PlotSeries series{.name = name, .color = color, .discs = false, .dashed = dashed};
     for (std::size_t i = 0; i < eye.cycles_per_deg.size(); ++i) {

@@ -18,6 +18,8 @@ std::vector<std::uint8_t> psfPng(const Psf& psf, double* bar_arcmin);
 std::vector<std::uint8_t> wavefrontPng(const Pupil& pupil, double* most_um);
 
 Plot mtfPlot(const EyeFigures& eye);
+/// White light, a curve for each field angle.
+Plot fieldMtfPlot(const EyeFigures& eye);
 Plot throughFocusPlot(const EyeFigures& eye);
 
 }  // namespace foci

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/eye/wide_angle_eye.h"
 #include "app/platform/progress.h"
 #include "app/session/observer_eye.h"
 #include "app/study/session_settings_of.h"
@@ -45,6 +46,58 @@ double windowOf_rad(const EyeOptics& eye) {
                     kMostWindow_arcmin * kArcmin_rad);
 }
 
+std::vector<PointImage> pointsOf(const EyeOptics& eye, double focus_D,
+                                 const std::vector<double>& vergences_D, double window_rad) {
+  std::vector<PointImage> points(vergences_D.size());
+  parallelFor(points.size(), [&](std::size_t i) {
+    EyeOptics optics = eye;
+    optics.defocus_D = focus_D - vergences_D[i];
+    points[i] = {.vergence_D = vergences_D[i],
+                 .strehl = strehlRatio(optics),
+                 .psf = fourierPsf(optics, window_rad / kSamples, kSamples)};
+  });
+  return points;
+}
+
+/// A window for all points, so that their sizes compare.
+double windowOfAll_rad(const std::vector<EyeOptics>& eyes, double focus_D,
+                       const std::vector<double>& vergences_D) {
+  double window_rad = 0.0;
+  for (EyeOptics eye : eyes) {
+    for (const double vergence_D : vergences_D) {
+      eye.defocus_D = focus_D - vergence_D;
+      window_rad = std::max(window_rad, windowOf_rad(eye));
+    }
+  }
+  return window_rad;
+}
+
+/// The study's eye with what the schematic eye adds beside the line of sight.
+std::vector<FieldFigures> fieldsOf(const EyeFigures& eye, const std::vector<double>& vergences_D,
+                                   const std::vector<double>& fields_deg) {
+  std::vector<FieldFigures> fields;
+  std::vector<EyeOptics> optics;
+  for (const double field_deg : fields_deg) {
+    const Wavefront added = fieldWavefront(field_deg, eye.pupil.diameter_m);
+    EyeOptics beside{.pupil = eye.pupil,
+                     .pupil_aspect = pupilAspect(field_deg, eye.pupil.diameter_m)};
+    std::vector<double>& um = beside.pupil.wavefront.zernike_um;
+    um.resize(std::max(um.size(), added.zernike_um.size()));
+    for (std::size_t j = 0; j < added.zernike_um.size(); ++j) um[j] += added.zernike_um[j];
+    beside.pupil.wavefront.pupil_m = eye.pupil.diameter_m;
+    fields.push_back(
+        {.field_deg = field_deg, .aspect = beside.pupil_aspect, .power_D = power_D(added)});
+    optics.push_back(std::move(beside));
+  }
+  const double window_rad = windowOfAll_rad(optics, eye.focus_D, vergences_D);
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    fields[i].points = pointsOf(optics[i], eye.focus_D, vergences_D, window_rad);
+    fields[i].white_mtf = whiteMtf(optics[i], eye.cycles_per_deg);
+    fields[i].green_mtf = radialMtf(optics[i], eye.cycles_per_deg);
+  }
+  return fields;
+}
+
 EyeFigures figuresOf(std::string name, const Pupil& pupil, double focus_D,
                      const EyeRequest& request) {
   EyeFigures eye{.name = std::move(name), .pupil = pupil, .focus_D = focus_D};
@@ -52,18 +105,8 @@ EyeFigures figuresOf(std::string name, const Pupil& pupil, double focus_D,
   if (vergences_D.empty()) {
     for (const double off_D : {-1.0, -0.5, 0.0, 0.5, 1.0}) vergences_D.push_back(focus_D + off_D);
   }
-  eye.points.resize(vergences_D.size());
-  double window_rad = 0.0;  // one for all points, so that their sizes compare
-  for (const double vergence_D : vergences_D) {
-    window_rad =
-        std::max(window_rad, windowOf_rad({.pupil = pupil, .defocus_D = focus_D - vergence_D}));
-  }
-  parallelFor(vergences_D.size(), [&](std::size_t i) {
-    const EyeOptics optics{.pupil = pupil, .defocus_D = focus_D - vergences_D[i]};
-    eye.points[i] = {.vergence_D = vergences_D[i],
-                     .strehl = strehlRatio(optics),
-                     .psf = fourierPsf(optics, window_rad / kSamples, kSamples)};
-  });
+  eye.points = pointsOf({.pupil = pupil}, focus_D, vergences_D,
+                        windowOfAll_rad({{.pupil = pupil}}, focus_D, vergences_D));
   for (int u = 0; u <= 60; u += 2) eye.cycles_per_deg.push_back(u);
   eye.white_mtf = whiteMtf({.pupil = pupil}, eye.cycles_per_deg);
   eye.green_mtf = radialMtf({.pupil = pupil}, eye.cycles_per_deg);
@@ -71,6 +114,7 @@ EyeFigures figuresOf(std::string name, const Pupil& pupil, double focus_D,
   eye.through = throughFocus(pupil, reach_D, reach_D / 16.0);
   eye.depth = depthOfFocus(eye.through);
   eye.acuity = acuityOf({.pupil = pupil});
+  eye.fields = fieldsOf(eye, vergences_D, request.fields_deg);
   return eye;
 }
 

@@ -14,6 +14,7 @@ namespace foci {
 struct EyeRequest {
   std::optional<double> focus_D = {};    ///< target; absent: the screen
   std::vector<double> distances_D = {};  ///< of points of light, 1 / m; empty: within 1 D of focus
+  std::vector<double> fields_deg = {};   ///< to the right of the line of sight; see fieldWavefront
 };
 
 /// The image of a point of light.
@@ -21,6 +22,15 @@ struct PointImage {
   double vergence_D = 0.0;  ///< of the point; below 0 behind infinity
   double strehl = 0.0;      ///< at 555 nm
   Psf psf;                  ///< at 555 nm
+};
+
+/// The eye beside its line of sight.
+struct FieldFigures {
+  double field_deg = 0.0;
+  double aspect = 1.0;      ///< of the pupil, see pupilAspect
+  glm::dvec3 power_D{0.0};  ///< M, J0, J45: how much stronger the eye is than on the line of sight
+  std::vector<PointImage> points = {};
+  std::vector<double> white_mtf = {}, green_mtf = {};
 };
 
 /// An eye at one focus.
@@ -33,6 +43,7 @@ struct EyeFigures {
   ThroughFocus through = {};
   DepthOfFocus depth = {};
   GratingAcuity acuity = {};
+  std::vector<FieldFigures> fields = {};
 };
 
 /// One eye, or two where they differ. Progress on standard error.

@@ -49,7 +49,7 @@ cv::Mat intensity(const EyeOptics& eye, double step_rad, int n, double* peak = n
   for (int row = 0; row < n; ++row) {
     for (int column = 0; column < n; ++column) {
       const double x = (column - n / 2) * step_m, y = (row - n / 2) * step_m;
-      if (std::hypot(x, y) > radius_m) continue;
+      if (std::hypot(x / eye.pupil_aspect, y) > radius_m) continue;
       const glm::dvec2 from_mm = 1000.0 * (glm::dvec2(x, y) - eye.pupil.stiles_crawford_center_m);
       const double amplitude =
           std::pow(10.0, -0.5 * eye.pupil.stiles_crawford_per_mm2 * glm::dot(from_mm, from_mm));

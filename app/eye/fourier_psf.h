@@ -18,6 +18,7 @@ struct EyeOptics {
   Pupil pupil;             ///< diffraction_px and offset_m are not used
   double defocus_D = 0.0;  ///< focus less the vergence of the point
   double wavelength_m = 555e-9;
+  double pupil_aspect = 1.0;  ///< width over height of an elliptical pupil as high as `pupil`
 };
 
 /// Light by visual angle. Rows run downwards and columns to the right, as the observer sees them.

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "app/eye/visual_quality.h"
+#include "app/eye/wide_angle_eye.h"
 #include "app/platform/progress.h"
 #include "base/text.h"
 #include "gaze/focus/accommodation.h"
@@ -99,6 +100,24 @@ void addPupils(Figures& figures) {
                        .tolerance = 0.01,
                        .value = pupilDiameter_mm({.luminance_cd_m2 = luminances_cd_m2[i],
                                                   .area_deg2 = std::numbers::pi * 30.0 * 30.0})});
+  }
+}
+
+/// The pupil as seen from the side: the schematic eye against photographs of 30 eyes, the mean of
+/// both sides of their function 0.99 cos((angle + 5.3 deg) / 1.121).
+void addPupilShapes(Figures& figures) {
+  for (const double field_deg : {20.0, 40.0, 60.0}) {
+    const auto side = [&](double deg) {
+      return 0.5 * 0.99 * std::cos((deg + 5.3) / 1.121 * std::numbers::pi / 180.0);
+    };
+    figures.push_back({.group = "Width over height of the pupil beside the line of sight",
+                       .what = decimal(field_deg, 0) + " deg",
+                       .unit = "",
+                       .source = "Mathur, Gehrmann and Atchison 2013, mean of 30 eyes",
+                       .expected = side(field_deg) + side(-field_deg),
+                       .tolerance = 0.05,
+                       .value = pupilAspect(field_deg, 4e-3),
+                       .digits = 3});
   }
 }
 
@@ -201,6 +220,7 @@ std::vector<ValidationFigure> validationFigures() {
   addBlur(figures);
   addChromatic(figures);
   addPupils(figures);
+  addPupilShapes(figures);
   addMtf(figures, progress, done);
   addDepthOfFocus(figures, progress, done);
   addAccommodation(figures);

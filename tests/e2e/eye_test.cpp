@@ -73,6 +73,26 @@ TEST_F(Eye, AnEqualPairIsOneEye) {
   EXPECT_NEAR(figures("eye/eye.tsv").at("both eyes/rms/orders 3 and up"), 0.0, 1e-9);
 }
 
+TEST_F(Eye, ShowsFieldAngles) {
+  folder.write("plain.toml", study("pupil_mm = 3\n"));
+  const Outcome outcome = runFoci(
+      {"eye", "plain.toml", "--out", "eye", "--at", "0.5,1", "--field", "0,-20,30"}, folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto values = figures("eye/eye.tsv");
+  EXPECT_NEAR(values.at("both eyes/mtf_white/0 deg, 10 cycles/deg"),
+              values.at("both eyes/mtf_white/10 cycles/deg"), 1e-3);
+  EXPECT_GT(values.at("both eyes/mtf_white/0 deg, 10 cycles/deg"),
+            2.0 * values.at("both eyes/mtf_white/30 deg, 10 cycles/deg"));
+  EXPECT_GT(values.at("both eyes/field_J0/30 deg"), 2.0 * values.at("both eyes/field_J0/-20 deg"));
+  for (const char* name : {"both_field_1_psf_2.png", "both_field_3_psf_1.png"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "eye" / name)) << name;
+  }
+  const Outcome refused =
+      runFoci({"eye", "plain.toml", "--out", "eye", "--overwrite", "--field", "61"}, folder.path());
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("--field 61"), std::string::npos) << refused.err;
+}
+
 TEST_F(Eye, RefusesWhatItCannotShow) {
   for (const std::string at : {"0", "-1", "near"}) {
     const Outcome outcome =
