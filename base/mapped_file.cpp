@@ -91,6 +91,12 @@ void releasePages(std::span<const unsigned char> bytes) {
   ::madvise(const_cast<unsigned char*>(bytes.data()) + first, end - first, MADV_DONTNEED);
 }
 
+void readAhead(std::span<const unsigned char> bytes) {
+  static const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const std::uintptr_t into = reinterpret_cast<std::uintptr_t>(bytes.data()) % page;
+  ::madvise(const_cast<unsigned char*>(bytes.data()) - into, bytes.size() + into, MADV_WILLNEED);
+}
+
 void endOnLostPages() {
   struct sigaction action {};
   action.sa_sigaction = onLostPage;

@@ -30,6 +30,9 @@ class MappedFile {
 /// Frees the memory of a part of a mapped file, which can still be read.
 void releasePages(std::span<const unsigned char> bytes);
 
+/// Begins to read a part of a mapped file, all at once.
+void readAhead(std::span<const unsigned char> bytes);
+
 /// From now on, a mapped file that shrinks, or cannot be read, ends the program with one line on
 /// standard error and the exit code 1. Otherwise the program ends by the signal SIGBUS when it
 /// touches a page that is gone. Any other cause of that signal ends the program as ever.

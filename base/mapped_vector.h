@@ -30,6 +30,7 @@ class MappedVector {
 
   std::size_t size() const { return keep_ ? mapped_.size() : own_.size(); }
   bool empty() const { return size() == 0; }
+  bool isMapped() const { return keep_ != nullptr; }
   const T* data() const { return keep_ ? mapped_.data() : own_.data(); }
   const T* begin() const { return data(); }
   const T* end() const { return data() + size(); }

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
+#include "base/mapped_file.h"
+#include "base/parallel.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/mean_of_parts.h"
 #include "render/methods/view_splats.h"
@@ -20,6 +24,35 @@ SweepSettings sweepSettings(const RenderSettings& settings, const LodSettings& l
           .defocus = {},
           .low_pass_px = lod.low_pass_px,
           .depth = settings.depth};
+}
+
+/// Begins to read a cut's surfels from their file, in parts much longer than those that a page
+/// fault reads. Parts that are apart by less than a part's length are joined.
+void readSurfelsAhead(const SurfelCloud& surfels, const Cut& cut) {
+  constexpr std::uint32_t kJoined = 1 << 14;
+  if (!surfels.position_m.isMapped()) return;
+  std::vector<CutRange> parts;
+  const auto add = [&](std::uint32_t begin, std::uint32_t end) {
+    if (!parts.empty() && begin >= parts.back().begin && begin <= parts.back().end + kJoined) {
+      parts.back().end = std::max(parts.back().end, end);
+    } else {
+      parts.push_back({begin, end});
+    }
+  };
+  for (const CutRange& range : cut.ranges) add(range.begin, range.end);
+  for (const CutEntry& entry : cut.surfels) add(entry.index, entry.index + 1);
+  parallelFor(parts.size(), [&](std::size_t i) {
+    const auto read = [&](const auto& values) {
+      readAhead({reinterpret_cast<const unsigned char*>(values.data() + parts[i].begin),
+                 (parts[i].end - parts[i].begin) * sizeof(values[0])});
+    };
+    read(surfels.position_m);
+    read(surfels.axis_u_m);
+    read(surfels.axis_v_m);
+    read(surfels.area_m2);
+    read(surfels.color);
+    if (!surfels.opacity.empty()) read(surfels.opacity);
+  });
 }
 
 /// Copies a frame into another one of the same height, from the column `x_px` on.
@@ -116,6 +149,7 @@ RenderStats LodSplats::renderSplats(const View& view, const Defocus& defocus,
   projection.acuity = cut.acuity;
   projection.margin_px = cut.margin_px;
   const auto sweepCut = [&](const View& seen, Frame& to) {
+    readSurfelsAhead(tree_->surfels(), cut_);
     projectCut(*tree_, cut_, seen, defocus, projection, chunks_);
     lists_.build(chunks_, seen.size_px, coarse);
     SubApertures sub_apertures{.splats = chunks_.sub_aperture_splats.get(),

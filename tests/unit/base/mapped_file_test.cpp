@@ -23,6 +23,7 @@ TEST(MappedFile, HoldsTheBytesOfTheFile) {
   const TemporaryFolder folder;
   const MappedFile file(folder.write("a", "seven b"));
   EXPECT_EQ(std::string(file.bytes().begin(), file.bytes().end()), "seven b");
+  readAhead(file.bytes());
   releasePages(file.bytes());
   EXPECT_EQ(lastByte(file), 'b');
   EXPECT_TRUE(MappedFile(folder.write("empty", "")).bytes().empty());
