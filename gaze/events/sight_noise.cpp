@@ -52,11 +52,17 @@ std::vector<TimedSight> withoutSpikes(std::span<const TimedSight> sights, double
   std::vector<TimedSight> result(sights.begin(), sights.end());
   if (rate_Hz < kMinRate_Hz) return result;
   const double min_deg = std::max(kMinSpike_deg, kMinSpikeNoise * noise.sample_deg);
+  // From its neighbour before, a spike is at least this part of its own size away.
+  const double min_step_deg = (1.0 - 0.5 / kReturns) * min_deg;
   for (std::size_t i = 1; i < result.size(); ++i) {
+    if (!result[i].direction || !result[i - 1].direction ||
+        angle_deg(*result[i].direction, *result[i - 1].direction) <= min_step_deg) {
+      continue;
+    }
     for (std::size_t length : {1, 2, 3}) {
       const std::size_t next = i + length;
       if (next >= result.size() || static_cast<double>(length + 1) > kMaxSpike_s * rate_Hz) break;
-      if (!result[i - 1].direction || !result[next].direction) continue;
+      if (!result[next].direction) continue;
       const glm::dvec3 from = *result[i - 1].direction, to = *result[next].direction;
       double out_deg = 180.0;
       for (std::size_t j = i; j < next; ++j) {

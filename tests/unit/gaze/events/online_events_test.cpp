@@ -51,6 +51,45 @@ TEST(VelocityOfSight, IsExactForASteadyTurnAndSkipsAbsentSamples) {
   EXPECT_FALSE(velocityOfSight_deg_s(std::span(sights).subspan(3, 2)));
 }
 
+// `velocitiesOfSight` keeps sums while its window moves; the slope of each window alone must agree.
+TEST(VelocityOfSight, OfMovingWindowsIsThatOfEachWindowAlone) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0.0, 1e-3);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  constexpr double kStep_s = 0.002, kLongest_s = 2.5 * kStep_s;
+  std::vector<TimedSight> sights;
+  double time_s = 3e4;
+  for (int i = 0; i < 2000; ++i) {
+    time_s += kStep_s * (share(random) < 0.01 ? 4.0 : 0.7 + 0.6 * share(random));
+    sights.push_back({.time_s = time_s});
+    if (share(random) < 0.02) continue;
+    const double angle = 0.4 * std::sin(2.0 * time_s);
+    sights.back().direction =
+        glm::normalize(glm::dvec3{std::sin(angle), noise(random), -std::cos(angle)});
+  }
+  for (const double window_s : {0.004, 0.011, 0.044, 0.176}) {
+    const auto velocities = velocitiesOfSight(sights, window_s, kLongest_s);
+    const auto isJoined = [&](std::size_t i) {
+      return sights[i].direction && sights[i - 1].direction &&
+             sights[i].time_s - sights[i - 1].time_s <= kLongest_s;
+    };
+    const auto isNear = [&](std::size_t i, std::size_t j) {
+      return std::abs(sights[i].time_s - sights[j].time_s) <= 0.5 * window_s + 1e-6;
+    };
+    for (std::size_t i = 0; i < sights.size(); ++i) {
+      std::size_t first = i, last = i;
+      while (first > 0 && isJoined(first) && (first == i || isNear(i, first - 1))) --first;
+      while (last + 1 < sights.size() && isJoined(last + 1) && (last == i || isNear(i, last + 1))) {
+        ++last;
+      }
+      const auto alone = velocityOfSight_deg_s(std::span(sights).subspan(first, last - first + 1));
+      ASSERT_EQ(velocities[i].has_value(), sights[i].direction && alone) << i;
+      if (!velocities[i]) continue;
+      EXPECT_LT(glm::distance(velocities[i]->deg_s, *alone), 1e-7) << window_s << ", sample " << i;
+    }
+  }
+}
+
 TEST(OnlineEvents, StatesADelayOfNoMoreThanAsked) {
   for (double rate_Hz : {25.0, 60.0, 125.0, 250.0, 500.0, 1000.0, 2000.0}) {
     OnlineEvents events(kScreen, rate_Hz);
