@@ -125,7 +125,8 @@ def event_rules(args):
     return ("`foci_event_rules` chooses the constants of `SaccadeRules` on all labelled recordings but one, and labels that one. "
             "The lines *held out* pool these labels by kind of recording: Cohen's kappa, mean over the coders. The constants "
             "outside `SaccadeRules`, such as those of pursuit, were fitted on all recordings. The search begins at the "
-            "defaults: if these were chosen on the same recordings, the held-out lines are upper bounds.\n\n"
+            "defaults, which an earlier search chose on the same recordings, so the held-out lines are upper bounds. The "
+            "defaults measure the noise over 3 s, which the online detector needs, even where the search takes 2 s.\n\n"
             "```\n" + run(program, data).rstrip("\n") + "\n```")
 
 

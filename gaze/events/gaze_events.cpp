@@ -16,21 +16,21 @@ namespace foci {
 namespace {
 
 /// The noise of a recording, which changes with the observer's place and the eyelids. It is
-/// measured in blocks of a second, over the time around each.
+/// measured in blocks of a second. As in the online detector, the noise of a block is that of the
+/// time up to its end, so that later saccades and eyelids do not hide its own.
 class LocalNoise {
  public:
   static constexpr double kBlock_s = 1.0;
 
   LocalNoise(std::span<const TimedSight> sights, double rate_Hz, const EventSettings& settings)
       : length_(std::max<std::size_t>(static_cast<std::size_t>(kBlock_s * rate_Hz), 1)) {
-    const auto reach = static_cast<std::size_t>(
-        0.5 * std::max(settings.rules.noise_span_s - kBlock_s, 0.0) * rate_Hz);
+    // At the begin of the recording the span stays as long.
+    const auto samples = static_cast<std::size_t>(settings.rules.noise_span_s * rate_Hz);
+    const std::size_t span = std::min(std::max(samples, length_), sights.size());
     for (std::size_t first = 0; first < sights.size(); first += length_) {
-      // Beside an end of the recording the span stays as long.
-      const std::size_t span = std::min(length_ + 2 * reach, sights.size());
-      const std::size_t from = std::min(first - std::min(first, reach), sights.size() - span);
+      const std::size_t end = std::clamp(first + length_, span, sights.size());
       from_s_.push_back(sights[first].time_s);
-      blocks_.push_back(noiseOf(sights.subspan(from, span), rate_Hz, settings));
+      blocks_.push_back(noiseOf(sights.subspan(end - span, span), rate_Hz, settings));
     }
   }
 

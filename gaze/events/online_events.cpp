@@ -12,7 +12,6 @@ namespace foci {
 namespace {
 
 constexpr double kContext_s = 0.4;        // holds the longest saccade, lid motion and window
-constexpr double kHistory_s = 3.0;        // for the noise; long enough that fixations prevail
 constexpr double kMeasureAgain_s = 0.25;  // the noise changes slowly
 // Fixations in noise. These three were chosen by the share of time with a wrong focus beside an
 // edge, in simulated noise of 1 and 2 deg at 60 and 250 Hz (see gaze_follower_test.cpp).
@@ -62,7 +61,8 @@ GazeNow OnlineEvents::push(const GazeSample& sample) {
   ++settled_;
 
   // Remove the older half in one step, so that the mean cost per sample stays constant.
-  const auto history = static_cast<std::size_t>(kHistory_s * rate_Hz_) + 2 * delay_ + 2;
+  const auto history =
+      static_cast<std::size_t>(settings_.rules.noise_span_s * rate_Hz_) + 2 * delay_ + 2;
   if (samples_.size() > 2 * history) {
     const auto old = static_cast<std::ptrdiff_t>(samples_.size() - history);
     samples_.erase(samples_.begin(), samples_.begin() + old);
@@ -80,7 +80,7 @@ void OnlineEvents::measure() {
   const double since_s = std::min(kMeasureAgain_s, 0.3 * (time_s - begin_s_));
   if (!noise_.velocity_deg_s.empty() && time_s - measured_s_ < since_s) return;
   measured_s_ = time_s;
-  const auto history = static_cast<std::size_t>(kHistory_s * rate_Hz_);
+  const auto history = static_cast<std::size_t>(settings_.rules.noise_span_s * rate_Hz_);
   noise_ = noiseOf(std::span(sights_).last(std::min(history, sights_.size())), rate_Hz_, settings_);
 }
 

@@ -17,7 +17,7 @@ struct SaccadeRules {
   double echo_ratio = 0.6;      ///< a smaller motion so soon after a saccade is its oscillation
   double hidden_noise = 5.0;    ///< noise may hide saccades: a wider window follows
   double wide_noise = 4.5;      ///< threshold of a peak in a wide window
-  double noise_span_s = 2.0;    ///< the noise around a sample is that of so long a time
+  double noise_span_s = 3.0;    ///< the noise at a sample is that of so long a time before it
 };
 
 }  // namespace foci

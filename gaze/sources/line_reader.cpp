@@ -98,8 +98,11 @@ bool LineReader::next(std::string_view& line) {
   ++number_;
   const std::size_t length =
       newline ? static_cast<std::size_t>(newline - buffer_.data()) - begin_ : end_ - begin_;
-  if (length > kMaxLine_B) throw error("a line over 64 KiB: expected lines of text");
   line = {buffer_.data() + begin_, length};
+  const std::size_t text_end = line.find_last_not_of('\r');
+  if (number_ == 1 && text_end != std::string_view::npos && line.find('\r') < text_end)
+    throw error("lines end in CR: expected LF or CRLF; convert with tr '\\r' '\\n' <OLD >NEW");
+  if (length > kMaxLine_B) throw error("a line over 64 KiB: expected lines of text");
   begin_ += length + (newline ? 1 : 0);
   if (std::memchr(line.data(), '\0', line.size()))
     throw error("binary: expected UTF-8 text; export the recording as TSV, CSV or ASC");

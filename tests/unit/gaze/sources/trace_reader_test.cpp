@@ -198,6 +198,7 @@ TEST(ReadTable, RefusesBinaryAndEndlessLines) {
   expectRefusal(std::string_view("time,x,y\n0,1,1\n0.01,\0,1\n", 25), ":3: binary");
   expectRefusal(std::string(1 << 20, 'a'), "over 64 KiB");
   expectRefusal("time,x,y\n" + std::string(1 << 20, '1'), ":2: a line over 64 KiB");
+  expectRefusal("time,x,y\r0,1,2\r1,2,3\r", ":1: lines end in CR: expected LF or CRLF");
   expectRefusal("time\x1b,x\ry,y\n", "no column");
 }
 
