@@ -1,5 +1,6 @@
 #include "app/live/gaze_feed.h"
 
+#include <chrono>
 #include <stdexcept>
 #include <utility>
 
@@ -26,9 +27,10 @@ void GazeFeed::run(const std::stop_token& stop) {
   for (double due_s = clock_.now_s(); !stop.stop_requested(); due_s += period_s) {
     due_s = std::max(due_s, clock_.now_s() - period_s);  // no burst of polls after a stall
     std::this_thread::sleep_until(clock_.at(due_s));
-    if (source_.mouse) {
+    {
       const std::lock_guard lock(mutex_);
-      source_.mouse->moveTo(pointer_px_);
+      ++polls_begun_;
+      if (source_.mouse) source_.mouse->moveTo(pointer_px_);
     }
     news.clear();
     std::string status;
@@ -43,6 +45,8 @@ void GazeFeed::run(const std::stop_token& stop) {
       waiting_.insert(waiting_.end(), news.begin(), news.end());
     }
     status_ = std::move(status);
+    polls_ended_ = polls_begun_;
+    polled_.notify_all();
   }
 }
 
@@ -70,6 +74,12 @@ void GazeFeed::take(std::vector<GazeSample>& samples) {
   const std::lock_guard lock(mutex_);
   samples.insert(samples.end(), waiting_.begin(), waiting_.end());
   waiting_.clear();
+}
+
+void GazeFeed::waitForPoll() {
+  std::unique_lock lock(mutex_);
+  polled_.wait_for(lock, std::chrono::seconds(1),
+                   [this, next = polls_begun_ + 1] { return polls_ended_ >= next; });
 }
 
 std::string GazeFeed::status() const {

@@ -2,6 +2,7 @@
 // tracker.
 #pragma once
 
+#include <condition_variable>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -34,6 +35,10 @@ class GazeFeed {
   /// Appends the samples since the last call, oldest first.
   void take(std::vector<GazeSample>& samples);
 
+  /// Waits, for a second at most, until the source has been polled anew: `take` then has every
+  /// sample that had arrived before.
+  void waitForPoll();
+
   const Screen& screen() const { return source_.screen; }
   double rate_Hz() const { return rate_Hz_; }
   std::string status() const;
@@ -48,6 +53,8 @@ class GazeFeed {
   std::vector<GazeSample> waiting_;
   std::optional<glm::dvec2> pointer_px_;
   std::string status_;
+  std::size_t polls_begun_ = 0, polls_ended_ = 0;
+  std::condition_variable polled_;
   std::jthread thread_;  // last: it uses the others
 };
 

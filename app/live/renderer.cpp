@@ -147,8 +147,11 @@ std::future<std::string> LiveRenderer::stopRecord() {
 }
 
 void LiveRenderer::closeRecord() {
-  const std::lock_guard lock(mutex_);
   if (!state_.record) return;
+  // The record holds every sample that arrived before its end.
+  feed_.waitForPoll();
+  takeGaze();
+  const std::lock_guard lock(mutex_);
   state_.notice = "record in " + state_.record->folder().string();
   closing_.push_back(std::exchange(state_.record, nullptr));
 }

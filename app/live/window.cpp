@@ -101,7 +101,7 @@ class LiveWindow {
   glm::dvec2 cursor_px_{0.0};
   bool clicked_ = false;  // the left button was down
   std::future<void> saving_;
-  std::optional<RemoteSocket> socket_;  // last: its thread calls the others
+  std::optional<RemoteSocket> socket_;  // last: its threads call the others
 };
 
 LiveWindow::LiveWindow(const Study& study, const LiveOptions& options,
@@ -129,12 +129,16 @@ LiveWindow::LiveWindow(const Study& study, const LiveOptions& options,
   period_s_ = 1.0 / window_->refresh_Hz();
   if (options.record) renderer_->startRecord(*options.record);
   if (!options.socket.empty()) {
-    socket_.emplace(options.socket, [this](const std::string& command) {
-      if (command == "leave") leaving_ = true;
-      if (leaving_) return std::string("ok");
-      if (command.starts_with("gaze ")) return feed_->push(std::string_view(command).substr(5));
-      return answerTo(command, *renderer_, clock_);
-    });
+    socket_.emplace(
+        options.socket,
+        [this](const std::string& command) -> std::optional<std::string> {
+          if (command.starts_with("gaze ")) return feed_->push(std::string_view(command).substr(5));
+          return std::nullopt;
+        },
+        [this](const std::string& command) {
+          if (command == "leave") leaving_ = true;
+          return leaving_ ? "ok" : answerTo(command, *renderer_, clock_);
+        });
     std::fprintf(stderr, "listening at port %d\n", socket_->port());
   }
 }

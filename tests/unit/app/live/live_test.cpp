@@ -157,6 +157,27 @@ TEST_F(Live, RecordReplaysToTheSameImagesAndEvents) {
   EXPECT_EQ(untimed(textOf(folder / "frames.tsv")), untimed(textOf(out / "frames.tsv")));
 }
 
+TEST_F(Live, ARecordHoldsEverySampleThatWasPushedBeforeItsEnd) {
+  const fs::path folder = scratch.path() / "record";
+  constexpr int kSamples = 500;
+  {
+    const LiveClock clock;
+    GazeFeed feed(openLiveSource("socket:1000", study), clock);
+    LiveRenderer renderer(study, feed, clock, "foci live", 1, [] {});
+    auto begun = renderer.startRecord(folder);
+    watch(renderer, clock, 0.2);
+    ASSERT_EQ(begun.get(), "");
+    std::string samples;
+    for (int i = 0; i < kSamples; ++i) samples += std::to_string(5.0 + 0.001 * i) + " 500 400;";
+    EXPECT_EQ(feed.push(samples), "ok 500");
+    EXPECT_EQ(renderer.stopRecord().get(), "");
+  }
+  const std::string table = textOf(folder / "gaze.tsv");
+  int points = 0;
+  for (std::size_t at = 0; (at = table.find("\t500\t400", at)) != std::string::npos; ++at) ++points;
+  EXPECT_EQ(points, kSamples);
+}
+
 TEST_F(Live, RecordUnderABudgetReplaysToTheSameImages) {
   study.quality.frame_ms = 1.0;
   study.observer.pupil_mm = 7.0;
