@@ -99,8 +99,7 @@ bool LineReader::next(std::string_view& line) {
   const std::size_t length =
       newline ? static_cast<std::size_t>(newline - buffer_.data()) - begin_ : end_ - begin_;
   line = {buffer_.data() + begin_, length};
-  const std::size_t text_end = line.find_last_not_of('\r');
-  if (number_ == 1 && text_end != std::string_view::npos && line.find('\r') < text_end)
+  if (number_ == 1 && !newline && line.find('\r') < line.find_last_not_of('\r') + 1)
     throw error("lines end in CR: expected LF or CRLF; convert with tr '\\r' '\\n' <OLD >NEW");
   if (length > kMaxLine_B) throw error("a line over 64 KiB: expected lines of text");
   begin_ += length + (newline ? 1 : 0);
