@@ -16,7 +16,7 @@ namespace foci {
 /// discs together have the lens's variance.
 std::vector<LensDisc> subApertureDiscs(int n);
 
-/// Radius of the disc of one of `n` parts of the lens, over the part's own.
+/// Radius of the disc that renders one of `n` sub-apertures, over the radius of that sub-aperture.
 float partDiscRadius(std::size_t n);
 
 std::unique_ptr<Method> gaussianPinhole(const GaussianCloud& cloud, int n);

@@ -48,7 +48,7 @@ class LodSplats {
  private:
   RenderStats renderLens(const View& view, const RenderSettings& settings, const LodSettings& lod,
                          Frame& frame);
-  /// Each part of the lens in a whole-aperture pass of its own.
+  /// Each sub-aperture in a whole-aperture pass of its own.
   RenderStats renderParts(const View& view, const RenderSettings& settings, const LodSettings& lod,
                           Frame& frame);
   GpuRequest gpuRequest(const View& view, const RenderSettings& settings,

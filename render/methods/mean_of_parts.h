@@ -1,4 +1,4 @@
-// The mean of the frames that the parts of the lens see.
+// The mean of the frames that the sub-apertures see.
 #pragma once
 
 #include <vector>

@@ -31,7 +31,7 @@ struct Pupil {
   glm::dvec2 offset_m{0.0};
   float diffraction_px = 0.0f;  ///< `diffractionGaussian_rad` on the image; 0: not shown
 
-  /// Whether parts of the lens see different images, besides defocus.
+  /// Whether sub-apertures see different images, besides defocus.
   bool hasParts() const { return wavefront || stiles_crawford_per_mm2 > 0.0; }
   bool operator==(const Pupil&) const = default;
 };
@@ -41,9 +41,9 @@ struct Pupil {
 /// (Watson and Ahumada, Blur clarified, Journal of Vision 11(5), 2011).
 inline constexpr float kRest_px = 0.2f;
 
-/// A round part of the lens, and what it sees. Over a small part the slope of the wavefront is
-/// nearly linear, s(p) = s0 + H (p - c). The part is then a lens of its own, with the focus F + H,
-/// whose image is displaced by a constant:
+/// A round sub-aperture, and what it sees. Over a small one the slope of the wavefront is nearly
+/// linear, s(p) = s0 + H (p - c). It is then a lens of its own, with the focus F + H, whose image
+/// is displaced by a constant:
 ///   B p + f s(p) = (A/2) f (F + H - D) p + f (s0 - (A/2) H c).
 /// Astigmatism of H that displaces by less than `kRest_px` within the part counts as rest: kernels
 /// stay round, and cost what defocus costs.
