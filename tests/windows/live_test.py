@@ -205,13 +205,24 @@ def push_gaze(observer, foci, out, seconds=6):
         samples = ";".join(f"{7000 + (sent + i) / 1000:.3f} {place[0] * 1920} {place[1] * 1080} 3.5" for i in range(10))
         assert experiment.ask("gaze " + samples) == "ok 10"
         sent += 10
-    corner, begin = set(), time.time()
-    while len(corner) < 4 and time.time() - begin < 30:  # the patch takes each of its levels
-        corner.add(observer.pixels()[2][SIZE[1] - 5][3 * (SIZE[0] - 5)])
-        assert experiment.ask(f"gaze {7000 + sent / 1000:.3f} {FAR[0] * 1920 + sent % 2} {FAR[1] * 1080} 3.5") == "ok 1"
+    corner, latest, end = set(), sent / 1000, time.time() + 30
+
+    def push_one():
+        """A sample of now: the tracker's clock goes on while the screenshots take their time."""
+        nonlocal latest, sent
+        latest = max(latest + 0.001, time.time() - begin)
+        sample = f"{7000 + latest:.4f} {FAR[0] * 1920 + sent % 2} {FAR[1] * 1080} 3.5"
+        assert experiment.ask("gaze " + sample) == "ok 1"
         sent += 1
+
+    while len(corner) < 4 and time.time() < end:  # the patch takes each of its levels
+        corner.add(observer.pixels()[2][SIZE[1] - 5][3 * (SIZE[0] - 5)])
+        push_one()
     assert corner == {0, 85, 170, 255}, corner
     state = experiment.state()
+    while state["gaze_state"] != "fixation" and time.time() < end:  # a late screenshot is a gap in gaze
+        push_one()
+        state = experiment.state()
     print("pushed", sent, state)
     assert abs(state["focus_D"] - 1 / state["surface_distance_m"]) < 0.1 and state["focus_D"] < 1, state
     assert experiment.ask("gaze 1 2").startswith("error gaze"), "a sample without y"
