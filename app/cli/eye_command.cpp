@@ -40,11 +40,13 @@ void runEye(const EyeOptions& options) {
   EyeRequest request;
   if (!options.focus.empty()) request.focus_D = vergenceOf_D("--focus", options.focus);
   for (const std::string& at : options.at) request.distances_D.push_back(vergenceOf_D("--at", at));
-  if (request.distances_D.size() > 12) {
-    throw InputError("--at", "expected at most 12 distances");
+  if (request.distances_D.size() > kMostDistances) {
+    throw InputError("--at", "expected at most " + std::to_string(kMostDistances) + " distances");
   }
   for (const std::string& field : options.field) request.fields_deg.push_back(fieldOf_deg(field));
-  if (request.fields_deg.size() > 6) throw InputError("--field", "expected at most 6 angles");
+  if (request.fields_deg.size() > kMostFields) {
+    throw InputError("--field", "expected at most " + std::to_string(kMostFields) + " angles");
+  }
   checkOutputs(eyeFiles(options.out), inputFiles(study), options.overwrite);
   for (const EyeFigures& eye : reportEye(study, request, options.out)) {
     std::printf(

@@ -12,7 +12,6 @@ namespace {
 
 constexpr const char* kEyeTable = "eye.tsv";
 constexpr const char* kEyePage = "eye.html";
-constexpr std::size_t kMostPoints = 12, kMostFields = 6;
 
 constexpr const char* kEyeStyle = R"(
 .psfs { display: grid; grid-template-columns: repeat(auto-fill, minmax(170px, 1fr)); gap: .9rem; }
@@ -162,7 +161,7 @@ std::vector<std::filesystem::path> eyeFiles(const std::filesystem::path& out) {
     for (const char* name : {"wavefront.png", "mtf.png", "through_focus.png", "field_mtf.png"}) {
       files.push_back(out / (side + name));
     }
-    for (std::size_t i = 1; i <= kMostPoints; ++i) {
+    for (std::size_t i = 1; i <= kMostDistances; ++i) {
       files.push_back(out / (side + "psf_" + std::to_string(i) + ".png"));
       for (std::size_t k = 1; k <= kMostFields; ++k) {
         files.push_back(

@@ -11,6 +11,8 @@
 
 namespace foci {
 
+inline constexpr std::size_t kMostDistances = 12, kMostFields = 6;  ///< of a request
+
 struct EyeRequest {
   std::optional<double> focus_D = {};    ///< target; absent: the screen
   std::vector<double> distances_D = {};  ///< of points of light, 1 / m; empty: within 1 D of focus

@@ -100,7 +100,8 @@ void RemoteSocket::receive(const std::stop_token& stop) {
 void RemoteSocket::answerLater(const std::stop_token& stop) {
   while (true) {
     std::unique_lock lock(mutex_);
-    if (!arrived_.wait(lock, stop, [this] { return !waiting_.empty(); })) return;
+    arrived_.wait(lock, stop, [this] { return !waiting_.empty(); });
+    if (stop.stop_requested()) return;  // as with commands that have not arrived yet
     const Command command = std::move(waiting_.front());
     waiting_.pop_front();
     lock.unlock();

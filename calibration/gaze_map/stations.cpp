@@ -96,8 +96,9 @@ bool areTwins(const Station& a, const Station& b, double gain) {
          glm::distance(a.gaze, b.gaze) <= kTwins * gain * glm::distance(a.target, b.target);
 }
 
-/// Where an affine map through the stations puts `gaze`; absent where they do not determine one.
-std::optional<glm::dvec2> affineTarget(std::span<const Station> stations, const glm::dvec2& gaze) {
+/// An affine map from (1, gaze) to targets, through the stations; absent where they do not
+/// determine one.
+std::optional<Eigen::Matrix<double, 3, 2>> affineThrough(std::span<const Station> stations) {
   const auto n = static_cast<Eigen::Index>(stations.size());
   Eigen::MatrixXd design(n, 3), goal(n, 2);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -107,32 +108,33 @@ std::optional<glm::dvec2> affineTarget(std::span<const Station> stations, const 
   }
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(design);
   if (factor.rank() < 3) return std::nullopt;
-  const Eigen::RowVector2d point = Eigen::RowVector3d(1.0, gaze.x, gaze.y) * factor.solve(goal);
-  return glm::dvec2(point[0], point[1]);
+  return factor.solve(goal);
 }
 
-/// The stations that share their gaze with another one, but for the one that was looked at: the
+/// The targets that share their gaze with another one, but for the one that was looked at: the
 /// nearest to where the other stations put this gaze.
-std::vector<const Station*> falseTwins(std::span<const Station> stations) {
+std::vector<glm::dvec2> falseTwins(std::span<const Station> stations) {
   const double gain = gainOf(stations);
-  const auto isTwin = [&](const Station& s) {
-    return std::any_of(stations.begin(), stations.end(),
-                       [&](const Station& other) { return areTwins(s, other, gain); });
-  };
-  std::vector<Station> others;
+  std::vector<Station> twins, others;
   for (const Station& s : stations) {
-    if (!isTwin(s)) others.push_back(s);
-  }
-  std::vector<const Station*> twins;
-  for (const Station& s : stations) {
-    const auto seen = affineTarget(others, s.gaze);
-    const bool is_false = std::any_of(stations.begin(), stations.end(), [&](const Station& other) {
-      return areTwins(s, other, gain) &&
-             !(seen && glm::distance(s.target, *seen) < glm::distance(other.target, *seen));
+    const bool is_twin = std::any_of(stations.begin(), stations.end(), [&](const Station& other) {
+      return areTwins(s, other, gain);
     });
-    if (is_false) twins.push_back(&s);
+    (is_twin ? twins : others).push_back(s);
   }
-  return twins;
+  const auto map = twins.empty() ? std::nullopt : affineThrough(others);
+  std::vector<glm::dvec2> targets;
+  for (const Station& s : twins) {
+    const auto missed = [&](const Station& station) {
+      const Eigen::RowVector2d seen = Eigen::RowVector3d(1.0, s.gaze.x, s.gaze.y) * *map;
+      return glm::distance(station.target, glm::dvec2(seen[0], seen[1]));
+    };
+    const bool is_false = std::any_of(twins.begin(), twins.end(), [&](const Station& other) {
+      return areTwins(s, other, gain) && !(map && missed(s) < missed(other));
+    });
+    if (is_false) targets.push_back(s.target);
+  }
+  return targets;
 }
 
 }  // namespace
@@ -152,11 +154,9 @@ std::vector<glm::dvec2> dropBadTargets(std::vector<Station>& stations) {
     const double extent = glm::length(extents(kept, &Station::gaze));
     if (drop([&](const Station& s) { return isScattered(s, extent); }) == 0) break;
   }
-  const std::vector<Station> all = kept;
-  const std::vector<const Station*> twins = falseTwins(all);
+  const std::vector<glm::dvec2> twins = falseTwins(kept);
   drop([&](const Station& s) {
-    return std::any_of(twins.begin(), twins.end(),
-                       [&](const Station* twin) { return twin->target == s.target; });
+    return std::find(twins.begin(), twins.end(), s.target) != twins.end();
   });
   if (kept.size() < kMinTargets || 2 * kept.size() < stations.size()) return {};
   stations = std::move(kept);

@@ -195,30 +195,37 @@ std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int 
   light.reserve(static_cast<std::size_t>(n) + 2);
   std::optional<PupilWavefront> wavefront;
   if (pupil.hasParts()) wavefront = wavefrontOf(pupil);
-  const auto add = [&](const Cell& cell, float diffraction_px) {
-    light.push_back(cell.all_light);
-    parts.push_back(wavefront ? partOf(defocus, pupil, *wavefront, cell)
+  const auto partBy = [&](const Cell& cell, float diffraction_px) {
+    LensPart part = wavefront ? partOf(defocus, pupil, *wavefront, cell)
                               : LensPart{.centre = cell.centre,
                                          .radius = static_cast<float>(cell.radius),
-                                         .defocus = defocus});
-    parts.back().diffraction_px = diffraction_px;
+                                         .defocus = defocus};
+    part.diffraction_px = diffraction_px;
+    return part;
   };
+  const auto lens = [&] { return lit(pupil, nullptr, cells(1).front()); };
   if (n == 1) {
-    add(lit(pupil, nullptr, cells(1).front()), diffractionThroughPixel_px(pupil.diffraction_px));
-    parts[0].centre = glm::vec2(0.0f), parts[0].radius = 1.0f;
-    parts[0].weight = 1.0f;
-    return parts;
+    LensPart part = partBy(lens(), diffractionThroughPixel_px(pupil.diffraction_px));
+    part.centre = glm::vec2(0.0f), part.radius = 1.0f;
+    part.weight = 1.0f;
+    return {part};
   }
   const DiffractionHalo halo = diffractionHalo(pupil.diffraction_px);
   std::optional<LightInCore> core;
   if (halo.inHalos() > 0.0f) core.emplace(pupil.diffraction_px, halo.inHalos());
-  for (const Cell& cell : cells(n)) add(lit(pupil, core ? &*core : nullptr, cell), halo.core_px);
+  for (const Cell& cell : cells(n)) {
+    const Cell in_core = lit(pupil, core ? &*core : nullptr, cell);
+    parts.push_back(partBy(in_core, halo.core_px));
+    light.push_back(in_core.all_light);
+  }
   if (core) {
     const double in_core = std::accumulate(light.begin(), light.end(), 0.0);
+    LensPart whole = partBy(lens(), 0.0f);
+    whole.nonlinear_px = 0.0f;  // too small to see in so wide a blur
     for (std::size_t i = 0; i < halo.halo_px.size(); ++i) {
-      add(lit(pupil, nullptr, cells(1).front()), halo.halo_px[i]);
-      light.back() = in_core * halo.halo_share[i] / (1.0 - halo.inHalos());
-      parts.back().nonlinear_px = 0.0f;  // too small to see in so wide a blur
+      whole.diffraction_px = halo.halo_px[i];
+      parts.push_back(whole);
+      light.push_back(in_core * halo.halo_share[i] / (1.0 - halo.inHalos()));
     }
   }
   weigh(parts, light);
