@@ -16,7 +16,7 @@ namespace foci {
 inline constexpr std::size_t kTilePlaces = std::size_t{kTile + 2 * kApron} * 48;
 constexpr std::size_t rowOf(int samples) { return samples == kTile ? kTile : 48; }
 
-/// A tile's share of the frame: sums over sub-apertures, weighted.
+/// A tile's share of the frame: sums over sub-apertures.
 struct TileSums {
   alignas(64) float red[kTilePlaces], green[kTilePlaces], blue[kTilePlaces];  ///< linear light
   alignas(64) float coverage[kTilePlaces], distance_m[kTilePlaces];  ///< distance times coverage
@@ -83,7 +83,6 @@ struct CompositeJob {
   LensDisc lens;
   glm::vec3 background{0.0f};  ///< display values
   bool depth = false;
-  float weight = 1.0f;  ///< of this sub-aperture
 };
 
 /// Composites in display values, as scenes are trained, and adds the result to the sums in linear

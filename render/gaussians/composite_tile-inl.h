@@ -7,7 +7,9 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "render/gaussians/composite.h"
@@ -27,6 +29,7 @@ struct alignas(64) Block {
   float qa[kMaxLanes], qb[kMaxLanes], qc[kMaxLanes];
   float peak[kMaxLanes], cut[kMaxLanes];
   float half_x[kMaxLanes], half_y[kMaxLanes];  // of the box of the footprint
+  std::uint64_t reach;                         // bits of the lanes whose box holds a sample
 };
 
 /// 2^-q for -100 <= q <= 100, to 4e-6 of its value: the polynomial through 5 Chebyshev nodes for
@@ -83,7 +86,11 @@ class TileCompositor {
       const std::size_t n = std::min(lanes, size - at);
       job_.gaussians->fetch(at + n);
       see(at);
-      for (std::size_t k = 0; k < n; ++k) fragments += add(k, at + k);
+      std::uint64_t reach = block_.reach & ((std::uint64_t{1} << n) - 1);
+      for (; reach != 0; reach &= reach - 1) {
+        const auto k = static_cast<std::size_t>(std::countr_zero(reach));
+        fragments += add(k, at + k);
+      }
       if (isOpaque()) break;
     }
     return fragments;
@@ -91,23 +98,22 @@ class TileCompositor {
 
   void addTo(TileSums& sums) const {
     const D d;
-    const V weight = hn::Set(d, job_.weight), one = hn::Set(d, 1.0f), zero = hn::Zero(d);
+    const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
     for (std::size_t p = 0; p < places_; p += hn::Lanes(d)) {
       const V through = hn::Load(d, transmittance_ + p);
       const auto channel = [&](const float* plane, float background, float* sum) {
         const V shown = hn::MulAdd(through, hn::Set(d, background), hn::Load(d, plane + p));
         const V linear = linearOf(hn::Min(hn::Max(shown, zero), one));
-        hn::Store(hn::MulAdd(weight, linear, hn::Load(d, sum + p)), d, sum + p);
+        hn::Store(hn::Add(linear, hn::Load(d, sum + p)), d, sum + p);
       };
       channel(red_, job_.background.r, sums.red);
       channel(green_, job_.background.g, sums.green);
       channel(blue_, job_.background.b, sums.blue);
       const V covered = hn::Sub(one, through);
-      hn::Store(hn::MulAdd(weight, covered, hn::Load(d, sums.coverage + p)), d, sums.coverage + p);
+      hn::Store(hn::Add(covered, hn::Load(d, sums.coverage + p)), d, sums.coverage + p);
       if constexpr (kDepth) {
         const V far = hn::Load(d, distance_ + p);
-        hn::Store(hn::MulAdd(weight, far, hn::Load(d, sums.distance_m + p)), d,
-                  sums.distance_m + p);
+        hn::Store(hn::Add(far, hn::Load(d, sums.distance_m + p)), d, sums.distance_m + p);
       }
     }
   }
@@ -130,8 +136,10 @@ class TileCompositor {
     const auto sampleOf = [&](V centre, V moved, float first_px) {
       return hn::Mul(hn::Add(centre, hn::Add(moved, set(-first_px))), set(per_step));
     };
-    hn::Store(sampleOf(load(TileGaussians::x_px), moved_x, job_.first_px.x), d, block_.x);
-    hn::Store(sampleOf(load(TileGaussians::y_px), moved_y, job_.first_px.y), d, block_.y);
+    const V x = sampleOf(load(TileGaussians::x_px), moved_x, job_.first_px.x);
+    const V y = sampleOf(load(TileGaussians::y_px), moved_y, job_.first_px.y);
+    hn::Store(x, d, block_.x);
+    hn::Store(y, d, block_.y);
 
     // The sheared Gaussian.
     V xx =
@@ -167,8 +175,19 @@ class TileCompositor {
     const V flat = powerOfHalf(hn::Neg(hn::Clamp(above, hn::Zero(d), set(kMaxExponent))));
     hn::Store(hn::IfThenElse(hn::Gt(above, hn::Zero(d)), flat, opacity), d, block_.peak);
     hn::Store(hn::Mul(cut, set(kHalfLog2E)), d, block_.cut);
-    hn::Store(hn::Mul(hn::Sqrt(hn::Mul(cut, xx)), set(per_step)), d, block_.half_x);
-    hn::Store(hn::Mul(hn::Sqrt(hn::Mul(cut, yy)), set(per_step)), d, block_.half_y);
+    const V half_x = hn::Mul(hn::Sqrt(hn::Mul(cut, xx)), set(per_step));
+    const V half_y = hn::Mul(hn::Sqrt(hn::Mul(cut, yy)), set(per_step));
+    hn::Store(half_x, d, block_.half_x);
+    hn::Store(half_y, d, block_.half_y);
+    // False for values that are not finite.
+    const auto holdsSample = [&](V centre, V half) {
+      const V low = hn::Sub(centre, half), high = hn::Add(centre, half);
+      const M within = hn::And(hn::Ge(high, hn::Zero(d)), hn::Le(low, set(last_)));
+      return hn::And(within, hn::Le(hn::Ceil(low), hn::Floor(high)));
+    };
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, hn::And(holdsSample(x, half_x), holdsSample(y, half_y)), bits);
+    std::memcpy(&block_.reach, bits, sizeof(block_.reach));
   }
 
   /// Composites lane `k` of the block, an entry of the tile, behind what the tile holds. @return
@@ -178,8 +197,6 @@ class TileCompositor {
     const float x = block_.x[k], y = block_.y[k];
     const float left = x - block_.half_x[k], right = x + block_.half_x[k];
     const float top = y - block_.half_y[k], bottom = y + block_.half_y[k];
-    // Also false for values that are not finite.
-    if (!(right >= 0.0f && bottom >= 0.0f && left <= last_ && top <= last_)) return 0;
     const std::size_t lanes = hn::Lanes(d);
     const auto pixel = [this](float at) {
       return static_cast<std::size_t>(std::clamp(at, 0.0f, last_));
@@ -224,18 +241,21 @@ class TileCompositor {
     return inside;
   }
 
-  bool isOpaque() const {
+  /// Whether all places are opaque, which they stay. So each call goes on where the last one ended.
+  bool isOpaque() {
     const D d;
-    V most = hn::Zero(d);
-    for (std::size_t p = 0; p < places_; p += hn::Lanes(d)) {
-      most = hn::Max(most, hn::Load(d, transmittance_ + p));
+    const V opaque = hn::Set(d, kOpaqueTransmittance);
+    while (opaque_places_ < places_ &&
+           hn::AllTrue(d, hn::Le(hn::Load(d, transmittance_ + opaque_places_), opaque))) {
+      opaque_places_ += hn::Lanes(d);
     }
-    return hn::AllTrue(d, hn::Le(most, hn::Set(d, kOpaqueTransmittance)));
+    return opaque_places_ >= places_;
   }
 
   const CompositeJob& job_;
-  std::size_t row_, places_;  // places in a row, and in all rows
-  float last_;                // index of the last sample of a row
+  std::size_t row_, places_;       // places in a row, and in all rows
+  float last_;                     // index of the last sample of a row
+  std::size_t opaque_places_ = 0;  // all places before it are opaque
   Block block_;
   alignas(64) float transmittance_[kTilePlaces];
   alignas(64) float red_[kTilePlaces], green_[kTilePlaces], blue_[kTilePlaces];

@@ -51,27 +51,25 @@ std::vector<TileBlur> GaussianView::tileBlurs() const {
 
 std::uint64_t GaussianView::render(const std::vector<LensDisc>& discs, const glm::vec3& background,
                                    Frame& frame) {
-  return renderTiles([&](std::size_t) -> const std::vector<LensDisc>& { return discs; }, background,
-                     frame);
+  return renderTiles([&](std::size_t) { return &discs; }, background, frame, nullptr);
 }
 
-std::uint64_t GaussianView::render(
-    const std::function<const std::vector<LensDisc>&(const TileBlur&)>& discs_of,
-    const glm::vec3& background, Frame& frame) {
-  return renderTiles(
-      [&](std::size_t t) -> const std::vector<LensDisc>& { return discs_of(tileBlur(t)); },
-      background, frame);
+std::uint64_t GaussianView::render(const DiscsOfTile& discs_of, const glm::vec3& background,
+                                   Frame& frame, std::vector<SampledErrors>& errors) {
+  errors.resize(lists_.tiles().size());
+  return renderTiles(discs_of, background, frame, &errors);
 }
 
-template <typename DiscsOfTile>
 std::uint64_t GaussianView::renderTiles(const DiscsOfTile& discs_of, const glm::vec3& background,
-                                        Frame& frame) {
+                                        Frame& frame, std::vector<SampledErrors>* errors) {
   const bool depth = !frame.depth_m.empty();
   const glm::vec3 shown(srgbFromLinear(background.r), srgbFromLinear(background.g),
                         srgbFromLinear(background.b));
   const std::vector<Tile>& tiles = lists_.tiles();
   std::vector<std::uint64_t> fragments(tiles.size());
   parallelFor(tiles.size(), [&](std::size_t t) {
+    const std::vector<LensDisc>* const discs = discs_of(t);
+    if (!discs) return;
     const Tile& tile = tiles[t];
     thread_local const auto sums = std::make_unique<TileSums>();
     const int samples = tile.samplesWithApron();
@@ -84,8 +82,9 @@ std::uint64_t GaussianView::renderTiles(const DiscsOfTile& discs_of, const glm::
         glm::vec2(tile.x_px, tile.y_px) + step_px * (0.5f - static_cast<float>(tile.apron()));
     thread_local TileGaussians gaussians;
     gaussians.begin(projected_.gaussians.data(), lists_.splats(t));
-    const std::vector<LensDisc>& discs = discs_of(t);
-    for (const LensDisc& disc : discs) {
+    thread_local ViewSpread spread;
+    if (errors) spread.begin(samples, tile.apron());
+    for (const LensDisc& disc : *discs) {
       fragments[t] += compositeTile({.gaussians = &gaussians,
                                      .defocus = &defocus_,
                                      .first_px = first_px,
@@ -93,10 +92,12 @@ std::uint64_t GaussianView::renderTiles(const DiscsOfTile& discs_of, const glm::
                                      .samples = samples,
                                      .lens = disc,
                                      .background = shown,
-                                     .depth = depth,
-                                     .weight = 1.0f / static_cast<float>(discs.size())},
+                                     .depth = depth},
                                     *sums);
+      if (errors) spread.add(*sums);
     }
+    if (errors && discs->size() > 1) (*errors)[t] = spread.standardErrors();
+    const float weight = 1.0f / static_cast<float>(discs->size());
     constexpr std::size_t kMaxSamples = kTile + 2 * kApron;
     glm::vec4 rgba[kMaxSamples * kMaxSamples];
     float depth_m[kMaxSamples * kMaxSamples];
@@ -104,8 +105,9 @@ std::uint64_t GaussianView::renderTiles(const DiscsOfTile& discs_of, const glm::
       for (int x = 0; x < samples; ++x) {
         const std::size_t from = static_cast<std::size_t>(y) * row + static_cast<std::size_t>(x);
         const int to = y * samples + x;
-        rgba[to] = {sums->red[from], sums->green[from], sums->blue[from], sums->coverage[from]};
-        depth_m[to] = sums->distance_m[from];
+        rgba[to] = weight * glm::vec4(sums->red[from], sums->green[from], sums->blue[from],
+                                      sums->coverage[from]);
+        depth_m[to] = weight * sums->distance_m[from];
       }
     }
     interpolateTile(tile, rgba, depth ? depth_m : nullptr, frame);

@@ -9,6 +9,7 @@
 
 #include "render/gaussians/composite.h"
 #include "render/gaussians/projected.h"
+#include "render/gaussians/view_spread.h"
 #include "render/image/frame.h"
 #include "render/optics/view.h"
 #include "render/splat/bin.h"
@@ -22,6 +23,10 @@ struct TileBlur {
   float radius_px = 0.0f;
   bool everywhere = false;  ///< nothing in it is sharp: its samples are more than a pixel apart
 };
+
+/// The discs that a tile is rendered through; null: the frame keeps the tile as it is. Called by
+/// several threads.
+using DiscsOfTile = std::function<const std::vector<LensDisc>*(std::size_t tile)>;
 
 /// Keeps its buffers between frames.
 class GaussianView {
@@ -44,18 +49,20 @@ class GaussianView {
                        Frame& frame);
 
   /// The same with discs that each tile chooses.
-  /// @param discs_of  called by several threads
-  std::uint64_t render(const std::function<const std::vector<LensDisc>&(const TileBlur&)>& discs_of,
-                       const glm::vec3& background, Frame& frame);
+  /// @param errors  of the tiles that are rendered through more than one disc
+  std::uint64_t render(const DiscsOfTile& discs_of, const glm::vec3& background, Frame& frame,
+                       std::vector<SampledErrors>& errors);
 
+  const std::vector<Tile>& tiles() const { return lists_.tiles(); }
   std::vector<TileBlur> tileBlurs() const;
 
   std::size_t count() const { return projected_.total(); }
 
  private:
   TileBlur tileBlur(std::size_t tile) const;
-  template <typename DiscsOfTile>
-  std::uint64_t renderTiles(const DiscsOfTile& discs_of, const glm::vec3& background, Frame& frame);
+  /// @param errors  null: not wanted
+  std::uint64_t renderTiles(const DiscsOfTile& discs_of, const glm::vec3& background, Frame& frame,
+                            std::vector<SampledErrors>* errors);
 
   const GaussianCloud* cloud_;
   Defocus defocus_;

@@ -46,16 +46,23 @@ glm::vec3 filtered(const std::vector<float>& weights, int i, int count, const At
   return sum;
 }
 
-/// CIE 1976 L*a*b* of linear RGB with the primaries of sRGB. White is D65.
+/// Linear RGB with the primaries of sRGB to CIE XYZ, in units of the white D65.
+const glm::mat3 kXyzOfWhite =
+    glm::transpose(glm::mat3(glm::vec3(0.412453f, 0.357580f, 0.180423f) / 0.950456f,
+                             glm::vec3(0.212671f, 0.715160f, 0.072169f),
+                             glm::vec3(0.019334f, 0.119193f, 0.950227f) / 1.088754f));
+/// L*a*b* is this times the curve of XYZ, but for L* = -16 at 0.
+const glm::mat3 kLabOfCurve(0.0f, 500.0f, 0.0f, 116.0f, -500.0f, 200.0f, 0.0f, 0.0f, -200.0f);
+constexpr float kLinearBelow = 0.008856f, kLinearSlope = 7.787f;
+
+/// CIE 1976 L*a*b* of linear RGB.
 glm::vec3 labOf(const glm::vec3& rgb) {
-  constexpr float kLinearBelow = 0.008856f;
   const auto curve = [](float t) {
-    return t > kLinearBelow ? std::cbrt(t) : 7.787f * t + 16.0f / 116.0f;
+    return t > kLinearBelow ? std::cbrt(t) : kLinearSlope * t + 16.0f / 116.0f;
   };
-  const float x = curve(glm::dot(rgb, glm::vec3(0.412453f, 0.357580f, 0.180423f)) / 0.950456f);
-  const float y = curve(glm::dot(rgb, glm::vec3(0.212671f, 0.715160f, 0.072169f)));
-  const float z = curve(glm::dot(rgb, glm::vec3(0.019334f, 0.119193f, 0.950227f)) / 1.088754f);
-  return {116.0f * y - 16.0f, 500.0f * (x - y), 200.0f * (y - z)};
+  const glm::vec3 xyz = kXyzOfWhite * rgb;
+  return kLabOfCurve * glm::vec3(curve(xyz.x), curve(xyz.y), curve(xyz.z)) -
+         glm::vec3(16.0f, 0.0f, 0.0f);
 }
 
 /// The frame's L*a*b* behind the blur of the eye, row by row.
@@ -96,6 +103,19 @@ std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_p
     difference[i] = glm::distance(lab_a[i], lab_b[i]) / kJustNoticeable;
   }
   return difference;
+}
+
+glm::mat3 visibleDifferencePerLight(const glm::vec3& rgb) {
+  const auto slope = [](float t) {
+    const float root = std::cbrt(t);
+    return t > kLinearBelow ? 1.0f / (3.0f * root * root) : kLinearSlope;
+  };
+  const glm::vec3 xyz = kXyzOfWhite * glm::clamp(rgb, 0.0f, 1.0f);
+  glm::mat3 per_light = kXyzOfWhite;
+  for (int i = 0; i < 3; ++i) {
+    per_light[i] *= glm::vec3(slope(xyz.x), slope(xyz.y), slope(xyz.z)) / kJustNoticeable;
+  }
+  return kLabOfCurve * per_light;
 }
 
 }  // namespace foci

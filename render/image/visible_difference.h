@@ -1,6 +1,7 @@
 // The visible difference of two frames, in just-noticeable differences (JND).
 #pragma once
 
+#include <glm/glm.hpp>
 #include <vector>
 
 #include "render/image/frame.h"
@@ -17,5 +18,9 @@ inline constexpr double kUsualPx_per_deg = 40.0;
 /// @param px_per_deg  resolution at the middle of the display; positive (asserted)
 /// @return row-major, one for each pixel. Both frames have the same size (asserted).
 std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg);
+
+/// The Jacobian of L*a*b* at a colour in linear light, in JND for each unit: a small change of
+/// light d shows as |J d|. Colours are clamped as above.
+glm::mat3 visibleDifferencePerLight(const glm::vec3& rgb);
 
 }  // namespace foci

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "render/gaussians/gaussian_view.h"
+#include "render/methods/discs_of_tiles.h"
 #include "render/methods/gaussian_eye_method.h"
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/gaussian_parts.h"
@@ -20,22 +21,6 @@
 namespace foci {
 namespace {
 
-/// A number of discs that a tile may be rendered through, and the error of 95 % of the pixels that
-/// it leaves, in just-noticeable differences for each px of blur radius.
-///
-/// With the error of merging, an upper bound of the errors against 100 pinholes on two captures and
-/// on the garden (builtin/garden.cpp). Their blur radii reached 2 to 20 px at the far side, or 4 to
-/// 20 px everywhere, at 384 and 640 px. GaussianCaptures and AutoOnTheChart hold the bound.
-struct Discs {
-  int count;
-  float error_per_px;             ///< of a tile that holds sharp Gaussians, too
-  float error_everywhere_per_px;  ///< of a tile that is blurred everywhere
-};
-constexpr std::array kDiscs{Discs{1, 0.5f, 0.9f},      Discs{3, 0.24f, 0.45f},
-                            Discs{7, 0.09f, 0.22f},    Discs{13, 0.055f, 0.13f},
-                            Discs{19, 0.038f, 0.08f},  Discs{37, 0.024f, 0.045f},
-                            Discs{61, 0.017f, 0.032f}, Discs{91, 0.013f, 0.024f}};
-
 /// Variance that merging Gaussians may add: a share of C^2, and a largest one for each unit of
 /// tolerance. It adds an error of at most `kLodError_per_px` C and of `kMaxLodError`, for each unit
 /// of tolerance. Measured in the same way.
@@ -43,17 +28,15 @@ constexpr float kPerBlur2 = 0.015f, kMaxSpread_px2 = 0.3f;
 constexpr float kLodError_per_px = 0.03f, kMaxLodError = 0.3f;
 
 /// @param tolerance  of the LOD cut
-float errorOf(const Discs& discs, const TileBlur& blur, float tolerance) {
-  const float per_px = blur.everywhere ? discs.error_everywhere_per_px : discs.error_per_px;
-  return per_px * blur.radius_px +
-         std::min(kLodError_per_px * blur.radius_px, kMaxLodError) * tolerance;
+float mergingError(const TileBlur& blur, float tolerance) {
+  return std::min(kLodError_per_px * blur.radius_px, kMaxLodError) * tolerance;
 }
 
-/// The same for a number of discs in `kDiscs`.
+/// The bound by the blur radius, with merging, for a number of discs in `kDiscs`.
 float errorOf(int count, const TileBlur& blur, float tolerance) {
   const auto* const discs = std::ranges::find(kDiscs, count, &Discs::count);
   assert(discs != kDiscs.end());
-  return errorOf(*discs, blur, tolerance);
+  return errorOf(*discs, blur) + mergingError(blur, tolerance);
 }
 
 /// Discs of a quality level that the whole frame shares; 0: a pinhole.
@@ -163,18 +146,21 @@ class GaussianAuto final : public GaussianEyeMethod {
   RenderStats renderByTiles(const View& view, const RenderSettings& settings, Frame& frame) {
     project(all_, view, settings);
     const float tolerance = settings.quality.tolerance;
-    const auto setOf = [&](const TileBlur& blur) {
-      const auto enough = std::ranges::find_if(
-          kDiscs, [&](const Discs& each) { return errorOf(each, blur, tolerance) <= tolerance; });
-      return static_cast<std::size_t>(std::min(enough, kDiscs.end() - 1) - kDiscs.begin());
-    };
+    const std::vector<TileBlur> blurs = view_.tileBlurs();
+    std::vector<float> merging;
+    merging.reserve(blurs.size());
+    for (const TileBlur& blur : blurs) merging.push_back(mergingError(blur, tolerance));
+    tiles_.choose(view_.tiles(), view.size_px, blurs, merging, tolerance);
     RenderStats stats;
     stats.splats = view_.count();
-    stats.fragments = view_.render(
-        [&](const TileBlur& blur) -> const std::vector<LensDisc>& { return sets_[setOf(blur)]; },
-        settings.background, frame);
-    stats.tolerance_error = largestError(
-        [&](const TileBlur& blur) { return errorOf(kDiscs[setOf(blur)], blur, tolerance); });
+    do {
+      stats.fragments += view_.render(
+          [&](std::size_t tile) {
+            return tiles_.isNext(tile) ? &sets_[tiles_.indexOf(tile)] : nullptr;
+          },
+          settings.background, frame, errors_);
+    } while (tiles_.refine(errors_));
+    stats.tolerance_error = tiles_.error();
     return stats;
   }
 
@@ -199,7 +185,9 @@ class GaussianAuto final : public GaussianEyeMethod {
   GaussianView view_;
   GaussianParts parts_;
   std::optional<QualityLevel> forced_;
-  std::vector<std::vector<LensDisc>> sets_;
+  std::vector<std::vector<LensDisc>> sets_;  // by kDiscs
+  DiscsOfTiles tiles_;
+  std::vector<SampledErrors> errors_;
   std::vector<LensDisc> all_, pinhole_ = {LensDisc{}};
   QualityLevel last_level_ = QualityLevel::sharp;  // of the previous render
   View last_view_;

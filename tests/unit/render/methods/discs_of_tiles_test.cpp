@@ -1,0 +1,110 @@
+#include "render/methods/discs_of_tiles.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace foci {
+namespace {
+
+/// 10 x 10 tiles with this blur, whose views err alike in the first `detailed` of them.
+class Tiles {
+ public:
+  explicit Tiles(float blur_px, float tolerance = 1.0f) {
+    std::vector<Tile> tiles;
+    for (int i = 0; i < kTiles; ++i) {
+      tiles.push_back({.x_px = i % 10 * kTile, .y_px = i / 10 * kTile});
+    }
+    discs.choose(tiles, glm::ivec2(10 * kTile), std::vector<TileBlur>(kTiles, {blur_px, false}),
+                 std::vector<float>(kTiles, 0.0f), tolerance);
+  }
+
+  /// The standard error falls as that of random views. @return rounds
+  int render(int detailed, float standard_error_of_one) {
+    int rounds = 0;
+    std::vector<SampledErrors> errors(kTiles);
+    do {
+      for (int t = 0; t < kTiles; ++t) {
+        SampledErrors& each = errors[static_cast<std::size_t>(t)];
+        const auto views =
+            static_cast<float>(kDiscs[discs.indexOf(static_cast<std::size_t>(t))].count);
+        each.count = SampledErrors::kMost;
+        each.jnd.fill(t < detailed ? standard_error_of_one / std::sqrt(views) : 0.0f);
+      }
+      ++rounds;
+    } while (discs.refine(errors));
+    return rounds;
+  }
+
+  int countOf(int tile) const {
+    return kDiscs[discs.indexOf(static_cast<std::size_t>(tile))].count;
+  }
+
+  static constexpr int kTiles = 100;
+  DiscsOfTiles discs;
+};
+
+TEST(DiscsOfTiles, TakesOneDiscWhereTheBlurIsSmall) {
+  Tiles tiles(1.0f);
+  EXPECT_EQ(tiles.countOf(0), 1);
+  EXPECT_EQ(tiles.render(0, 0.0f), 1);
+  EXPECT_NEAR(tiles.discs.error(), 0.5f, 0.02f);
+}
+
+TEST(DiscsOfTiles, TakesThreeWhereNothingShowsTheBlur) {
+  Tiles tiles(20.0f);
+  EXPECT_EQ(tiles.render(0, 0.0f), 1);
+  EXPECT_EQ(tiles.countOf(0), 3);
+  EXPECT_LT(tiles.discs.error(), 0.02f);
+}
+
+TEST(DiscsOfTiles, LeavesAFewTilesBeyondTheTolerance) {
+  Tiles tiles(20.0f);
+  EXPECT_EQ(tiles.render(4, 2.5f), 1);
+  EXPECT_EQ(tiles.countOf(0), 3);
+  EXPECT_LE(tiles.discs.error(), 1.0f);
+}
+
+TEST(DiscsOfTiles, LeavesNoTileFarBeyondTheTolerance) {
+  Tiles tiles(20.0f);
+  EXPECT_GT(tiles.render(4, 20.0f), 1);
+  EXPECT_GT(tiles.countOf(0), 3);
+  EXPECT_EQ(tiles.countOf(99), 3);
+}
+
+TEST(DiscsOfTiles, GivesMoreDiscsToDetailOnly) {
+  Tiles tiles(20.0f);
+  EXPECT_GT(tiles.render(10, 20.0f), 1);
+  EXPECT_GT(tiles.countOf(0), 3);
+  EXPECT_EQ(tiles.countOf(99), 3);
+  EXPECT_LE(tiles.discs.error(), 1.0f);
+}
+
+// The blur radius bounds the error, whatever the views say.
+TEST(DiscsOfTiles, NeedsNoMoreThanTheBlurRadiusAsksFor) {
+  for (const float blur_px : {3.0f, 5.0f, 10.0f, 20.0f}) {
+    Tiles tiles(blur_px);
+    tiles.render(Tiles::kTiles, 1000.0f);
+    const auto enough = std::ranges::find_if(kDiscs, [&](const Discs& each) {
+      return errorOf(each, {blur_px, false}) <= 1.0f;
+    });
+    EXPECT_LE(tiles.countOf(0), enough->count) << blur_px;
+    EXPECT_LE(tiles.discs.error(), 1.0f) << blur_px;
+  }
+}
+
+TEST(DiscsOfTiles, ASmallerToleranceTakesMoreDiscs) {
+  int last = 0;
+  for (const float tolerance : {4.0f, 1.0f, 0.4f}) {
+    Tiles tiles(20.0f, tolerance);
+    tiles.render(Tiles::kTiles, 10.0f);
+    EXPECT_GT(tiles.countOf(0), last) << tolerance;
+    EXPECT_LE(tiles.discs.error(), tolerance);
+    last = tiles.countOf(0);
+  }
+}
+
+}  // namespace
+}  // namespace foci
