@@ -15,43 +15,42 @@ namespace foci {
 
 namespace {
 
-/// The noise of a recording, which changes with the observer's place and the eyelids. It is
-/// measured in blocks of a second. As in the online detector, the noise of a block is that of the
-/// time up to its end, so that later saccades and eyelids do not hide its own.
-class LocalNoise {
+/// The noise that the online detector has measured when it labels each sample. It stays the same
+/// over blocks of samples.
+class BlockNoise {
  public:
-  static constexpr double kBlock_s = 1.0;
-
-  LocalNoise(std::span<const TimedSight> sights, double rate_Hz, const EventSettings& settings)
-      : length_(std::max<std::size_t>(static_cast<std::size_t>(kBlock_s * rate_Hz), 1)) {
-    // At the begin of the recording the span stays as long.
-    const auto samples = static_cast<std::size_t>(settings.rules.noise_span_s * rate_Hz);
-    const std::size_t span = std::min(std::max(samples, length_), sights.size());
-    for (std::size_t first = 0; first < sights.size(); first += length_) {
-      const std::size_t end = std::clamp(first + length_, span, sights.size());
-      from_s_.push_back(sights[first].time_s);
-      blocks_.push_back(noiseOf(sights.subspan(end - span, span), rate_Hz, settings));
+  BlockNoise(std::span<const TimedSight> sights, double rate_Hz, const EventSettings& settings) {
+    const Lookahead ahead(rate_Hz, settings);
+    RecentNoise noise(rate_Hz, settings);
+    bool is_new = false;
+    for (std::size_t i = 0; i < sights.size(); ++i) {
+      is_new |= noise.update(sights.first(std::min(i + ahead.delay + 1, sights.size())));
+      if (!is_new || i % ahead.hop != 0) continue;
+      is_new = false;
+      first_.push_back(i);
+      from_s_.push_back(sights[i].time_s);
+      noise_.push_back(noise.value());
     }
   }
 
-  std::size_t blocks() const { return blocks_.size(); }
-  std::size_t first(std::size_t block) const { return block * length_; }
-  const SightNoise& of(std::size_t block) const { return blocks_[block]; }
+  std::size_t blocks() const { return noise_.size(); }
+  std::size_t first(std::size_t block) const { return first_[block]; }
+  const SightNoise& of(std::size_t block) const { return noise_[block]; }
   const SightNoise& at(double time_s) const {
     const auto after = std::upper_bound(from_s_.begin() + 1, from_s_.end(), time_s);
-    return blocks_[static_cast<std::size_t>(after - from_s_.begin()) - 1];
+    return noise_[static_cast<std::size_t>(after - from_s_.begin()) - 1];
   }
 
  private:
-  std::size_t length_;
+  std::vector<std::size_t> first_{};
   std::vector<double> from_s_{};
-  std::vector<SightNoise> blocks_{};
+  std::vector<SightNoise> noise_{};
 };
 
 /// Labels each block with its own noise. The samples on both sides of it are labelled with it,
 /// since saccades and eyelids cross its ends. Removes the spikes of `sights`.
 std::vector<GazeState> labelInBlocks(std::vector<TimedSight>& sights,
-                                     const std::vector<bool>& blinks, const LocalNoise& noise,
+                                     const std::vector<bool>& blinks, const BlockNoise& noise,
                                      double rate_Hz, const EventSettings& settings) {
   constexpr double kContext_s = 0.5;  // holds the longest saccade, eyelid motion and window
   const auto context = static_cast<std::size_t>((kContext_s + settings.max_gap_s) * rate_Hz) + 1;
@@ -114,7 +113,7 @@ void gatherGaze(const std::vector<TimedSight>& sights, double rate_Hz,
 
 /// Whether the stable gaze at `place` is pursuit, with its neighbours up to 0.2 s away.
 bool isPursuitAmong(const std::vector<const StableGaze*>& stable, std::size_t place,
-                    const LocalNoise& noise) {
+                    const BlockNoise& noise) {
   constexpr double kNear_s = 0.2;
   const StableGaze& gaze = *stable[place];
   const StableGaze* before = place > 0 ? stable[place - 1] : nullptr;
@@ -136,7 +135,7 @@ std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen
     sights.push_back(sightOf(sample, screen));
     blinks.push_back(sample.blink);
   }
-  const LocalNoise noise(sights, trace.rate_Hz, settings);
+  const BlockNoise noise(sights, trace.rate_Hz, settings);
   auto states = labelInBlocks(sights, blinks, noise, trace.rate_Hz, settings);
 
   // Tell pursuit from fixation.

@@ -11,13 +11,13 @@
 namespace foci {
 namespace {
 
-constexpr double kContext_s = 0.4;        // holds the longest saccade, lid motion and window
-constexpr double kMeasureAgain_s = 0.25;  // the noise changes slowly
+constexpr double kContext_s = 0.4;  // holds the longest saccade, lid motion and window
 // Fixations in noise. These three were chosen by the share of time with a wrong focus beside an
 // edge, in simulated noise of 1 and 2 deg at 60 and 250 Hz (see gaze_follower_test.cpp).
 constexpr double kFixationError_deg = 0.1;  // a fixation is averaged until its error is as small
 constexpr double kMaxMean_s = 1.0;          // but not for longer, because gaze drifts
-constexpr double kMoved = 4.0;  // standard errors between two means that belong to two fixations
+constexpr double kMoved = 4.0;    // standard errors between two means that belong to two fixations
+constexpr double kCalm_s = 0.03;  // holds an oscillation and half of a narrow window
 constexpr double kMaxLabelings_Hz = 250.0;  // a higher rate gains nothing
 
 }  // namespace
@@ -30,68 +30,82 @@ TimedSight sightOf(const GazeSample& sample, const Screen& screen) {
   return {.time_s = sample.time_s, .direction = sightInWorld(sample, screen)};
 }
 
-OnlineEvents::OnlineEvents(const Screen& screen, double rate_Hz, const EventSettings& settings)
-    : screen_(screen), rate_Hz_(rate_Hz), settings_(settings) {
+Lookahead::Lookahead(double rate_Hz, const EventSettings& settings) {
   assert(rate_Hz > 0.0);
   constexpr double kRounding = 1e-6;  // samples; keeps a delay of n intervals at n samples
-  delay_ = static_cast<std::size_t>(settings.delay_s * rate_Hz + kRounding);
-  hop_ = std::min(std::max<std::size_t>(static_cast<std::size_t>(rate_Hz / kMaxLabelings_Hz), 1),
-                  delay_ + 1);
+  delay = static_cast<std::size_t>(settings.delay_s * rate_Hz + kRounding);
+  hop = std::min(std::max<std::size_t>(static_cast<std::size_t>(rate_Hz / kMaxLabelings_Hz), 1),
+                 delay + 1);
 }
 
+OnlineEvents::OnlineEvents(const Screen& screen, double rate_Hz, const EventSettings& settings)
+    : screen_(screen),
+      rate_Hz_(rate_Hz),
+      settings_(settings),
+      ahead_(rate_Hz, settings),
+      noise_(rate_Hz, settings) {}
+
 GazeNow OnlineEvents::push(const GazeSample& sample) {
-  if (samples_.empty()) begin_s_ = measured_s_ = sample.time_s;
   samples_.push_back(sample);
   sights_.push_back(sightOf(sample, screen_));
   blinks_.push_back(sample.blink);
 
   // Until the delay has passed, each sample with a position counts as a fixation.
-  if (samples_.size() <= delay_) {
+  if (sights_.size() <= ahead_.delay) {
     now_.state = sample.point_px ? GazeState::fixation : GazeState::lost;
-    now_.state_time_s = samples_.front().time_s;
+    now_.state_time_s = sights_.front().time_s;
     if (sample.point_px) fixate(sample);
     return now_;
   }
-  measure();
+  noise_.update(sights_);
   if (labels_.empty()) labelNext();
-  const GazeSample& subject = samples_[settled_];
+  const GazeSample& subject = samples_.front();
+  noteCalm(labels_.front());
   now_.state = settle(subject, sights_[settled_], labels_.front());
   now_.state_time_s = subject.time_s;
   labels_.pop_front();
+  samples_.pop_front();
   ++settled_;
 
   // Remove the older half in one step, so that the mean cost per sample stays constant.
   const auto history =
-      static_cast<std::size_t>(settings_.rules.noise_span_s * rate_Hz_) + 2 * delay_ + 2;
-  if (samples_.size() > 2 * history) {
-    const auto old = static_cast<std::ptrdiff_t>(samples_.size() - history);
-    samples_.erase(samples_.begin(), samples_.begin() + old);
-    sights_.erase(sights_.begin(), sights_.begin() + old);
-    blinks_.erase(blinks_.begin(), blinks_.begin() + old);
-    settled_ -= static_cast<std::size_t>(old);
+      static_cast<std::size_t>(settings_.rules.noise_span_s * rate_Hz_) + 2 * ahead_.delay + 2;
+  if (sights_.size() > 2 * history) {
+    const std::size_t old = sights_.size() - history;
+    sights_.erase(sights_.begin(), sights_.begin() + static_cast<std::ptrdiff_t>(old));
+    blinks_.erase(blinks_.begin(), blinks_.begin() + static_cast<std::ptrdiff_t>(old));
+    settled_ -= old;
+    calm_from_ -= std::min(calm_from_, old);
+    context_from_ -= std::min(context_from_, old);
   }
   return now_;
 }
 
-/// Measures the noise of the last seconds. In the first second the samples are still few, so it
-/// measures more often.
-void OnlineEvents::measure() {
-  const double time_s = samples_.back().time_s;
-  const double since_s = std::min(kMeasureAgain_s, 0.3 * (time_s - begin_s_));
-  if (!noise_.velocity_deg_s.empty() && time_s - measured_s_ < since_s) return;
-  measured_s_ = time_s;
-  const auto history = static_cast<std::size_t>(settings_.rules.noise_span_s * rate_Hz_);
-  noise_ = noiseOf(std::span(sights_).last(std::min(history, sights_.size())), rate_Hz_, settings_);
+/// Calm gaze for longer than the rest of an eyelid, an oscillation and half a window separates what
+/// was before from what comes. Unless windows are wide, the context of the next labels begins
+/// there.
+void OnlineEvents::noteCalm(GazeState label) {
+  const auto calm = static_cast<std::size_t>((settings_.rules.lid_rest_s + kCalm_s) * rate_Hz_) + 1;
+  const bool joined = settled_ == 0 || sights_[settled_].time_s - sights_[settled_ - 1].time_s <=
+                                           longestStep_s(rate_Hz_);
+  if (label != GazeState::fixation || !sights_[settled_].direction) {
+    calm_from_ = settled_ + 1;
+  } else if (!joined) {
+    calm_from_ = settled_;
+  }
+  if (settled_ + 1 >= calm_from_ + calm) context_from_ = settled_ + 1 - calm;
 }
 
 void OnlineEvents::labelNext() {
-  const auto context = static_cast<std::size_t>(kContext_s * rate_Hz_) + delay_ + 1;
-  const std::size_t count = std::min(context, sights_.size());
-  const auto sights = withoutSpikes(std::span(sights_).last(count), rate_Hz_, noise_);
+  const auto context = static_cast<std::size_t>(kContext_s * rate_Hz_) + ahead_.delay + 1;
+  const bool narrow = scaleWindow_s(0, rate_Hz_, settings_) <= kWide_s &&
+                      !mayHideSaccades(noise_.value().velocity_deg_s[0], 0, rate_Hz_, settings_);
+  const std::size_t count = std::min(context, sights_.size() - (narrow ? context_from_ : 0));
+  const auto sights = withoutSpikes(std::span(sights_).last(count), rate_Hz_, noise_.value());
   const std::vector<bool> blinks(blinks_.end() - static_cast<std::ptrdiff_t>(count), blinks_.end());
-  const auto states = labelSaccades(sights, blinks, rate_Hz_, noise_, settings_);
+  const auto states = labelSaccades(sights, blinks, rate_Hz_, noise_.value(), settings_);
   const std::size_t first = settled_ - (sights_.size() - count);
-  for (std::size_t i = first; i < std::min(first + hop_, states.size()); ++i) {
+  for (std::size_t i = first; i < std::min(first + ahead_.hop, states.size()); ++i) {
     labels_.push_back(states[i]);
   }
 }
@@ -112,11 +126,11 @@ GazeState OnlineEvents::settle(const GazeSample& sample, const TimedSight& sight
   if (sample.time_s - stable_.newest_s() > longestStep_s(rate_Hz_)) stable_.clear();
   fixate(sample);
   stable_.add(sample.time_s, *sight.direction);
-  return stable_.isPursuit(noise_.sample_deg) ? GazeState::pursuit : GazeState::fixation;
+  return stable_.isPursuit(noise_.value().sample_deg) ? GazeState::pursuit : GazeState::fixation;
 }
 
 void OnlineEvents::fixate(const GazeSample& sample) {
-  const double ratio = noise_.sample_deg / kFixationError_deg;
+  const double ratio = noise_.value().sample_deg / kFixationError_deg;
   const double enough = std::max(ratio * ratio, 1.0);
   fixation_.push_back(sample);
   if (!landed_s_) landed_s_ = sample.time_s;
@@ -138,15 +152,16 @@ void OnlineEvents::fixate(const GazeSample& sample) {
   }
   // Two means that differ by more than the noise belong to two fixations, even if noise has hidden
   // the saccade between them. If they agree, a "saccade" between them was noise alone.
-  if (before > 0.0 && angleBetween_deg(screen_, recent_px / recent, before_px / before) >
-                          kMoved * noise_.sample_deg * std::sqrt(1.0 / recent + 1.0 / before)) {
+  if (before > 0.0 &&
+      angleBetween_deg(screen_, recent_px / recent, before_px / before) >
+          kMoved * noise_.value().sample_deg * std::sqrt(1.0 / recent + 1.0 / before)) {
     fixation_.erase(fixation_.begin(), fixation_.begin() + static_cast<std::ptrdiff_t>(before));
     before_px = glm::dvec2(0.0);
     before = 0.0;
   }
   now_.fixation_time_s = sample.time_s;
   now_.fixation_px = (recent_px + before_px) / (recent + before);
-  now_.fixation_error_deg = noise_.sample_deg / std::sqrt(recent + before);
+  now_.fixation_error_deg = noise_.value().sample_deg / std::sqrt(recent + before);
 }
 
 std::vector<GazeState> labelSamplesOnline(const GazeTrace& trace, const Screen& screen,

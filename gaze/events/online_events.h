@@ -26,9 +26,17 @@ struct GazeNow {
   double fixation_error_deg = 0.0;  ///< standard error of `fixation_px`, from the sample noise
 };
 
+/// How far the online detector looks ahead, in samples.
+struct Lookahead {
+  Lookahead(double rate_Hz, const EventSettings& settings);
+
+  std::size_t delay = 0;  ///< from a sample to the newest one, when it gets its label
+  std::size_t hop = 1;    ///< so many samples are labelled in one step
+};
+
 /// A causal detector for rates from 25 to 2000 Hz. It labels each sample as the offline detector
-/// would if the recording began 0.4 s before the sample and ended `delay_s` after it. It measures
-/// the noise over the last seconds. The time per sample and the memory do not grow.
+/// would if the recording began 0.4 s before the sample and ended `delay_s` after it. Both use the
+/// same noise. The time per sample and the memory do not grow.
 class OnlineEvents {
  public:
   /// @param screen   the screen of the samples, with known size and distance
@@ -40,28 +48,28 @@ class OnlineEvents {
 
   /// Number of samples from the one that `GazeNow::state` belongs to, to the newest. It is 0 at low
   /// rates.
-  std::size_t delaySamples() const { return delay_; }
+  std::size_t delaySamples() const { return ahead_.delay; }
   /// The same in seconds at the nominal rate. Never above `EventSettings::delay_s`.
-  double delay_s() const { return static_cast<double>(delay_) / rate_Hz_; }
+  double delay_s() const { return static_cast<double>(ahead_.delay) / rate_Hz_; }
 
  private:
-  void measure();
   void labelNext();
+  void noteCalm(GazeState label);
   GazeState settle(const GazeSample& sample, const TimedSight& sight, GazeState label);
   void fixate(const GazeSample& sample);
 
   Screen screen_;
   double rate_Hz_;
   EventSettings settings_;
-  std::size_t delay_ = 0;
-  std::size_t hop_ = 1;  // samples labelled in one step
-  std::vector<GazeSample> samples_{};
-  std::vector<TimedSight> sights_{};
-  std::vector<bool> blinks_{};
-  std::size_t settled_ = 0;         // samples_[0] to samples_[settled_ - 1] have their state
-  std::deque<GazeState> labels_{};  // labels of the samples from `settled_` on
-  SightNoise noise_{};
-  double measured_s_ = 0.0, begin_s_ = 0.0;
+  Lookahead ahead_;
+  std::deque<GazeSample> samples_{};  // those that wait for their state
+  std::vector<TimedSight> sights_{};  // the last seconds
+  std::vector<bool> blinks_{};        // of `sights_`
+  std::size_t settled_ = 0;           // sights_[0] to sights_[settled_ - 1] have their state
+  std::deque<GazeState> labels_{};    // labels of the samples from `settled_` on
+  std::size_t calm_from_ = 0;         // since this sample, gaze is stable and present
+  std::size_t context_from_ = 0;      // what happened before does not change the next labels
+  RecentNoise noise_;
   std::optional<double> last_present_s_{};
   GazeNow now_{};
   StableGaze stable_{};

@@ -20,21 +20,17 @@ constexpr double kMinSaccade_s = 0.0045;  // minimum time above the edges' thres
 constexpr double kEcho_s = 0.02;
 
 // The choice of windows.
-constexpr double kWide_s = 0.022;            // a longer window is longer than most saccades
-constexpr double kBlurredPeak_deg_s = 90.0;  // a peak threshold that misses most small saccades
-constexpr double kClearPeak_deg_s = 95.0;    // the next window must reach a threshold below this
-constexpr double kWhite = 1.4;               // tolerance for "the noise falls like white noise"
-constexpr double kWhiteAndSteps = 2.0;       // the same if each window may hold a saccade
+constexpr double kClearPeak_deg_s = 95.0;  // the next window must reach a threshold below this
+constexpr double kWhite = 1.4;             // tolerance for "the noise falls like white noise"
+constexpr double kWhiteAndSteps = 2.0;     // the same if each window may hold a saccade
 
 // Wide windows.
-constexpr double kWidePeak_deg_s = 20.0;     // minimum threshold of a peak
 constexpr double kApart = 0.2;               // of a window, from other saccades to a wide one
 constexpr double kWideOscillation_s = 0.02;  // duration of a typical oscillation
 constexpr double kDuration_s = 0.021, kDurationPerDegree_s = 0.0022;  // Carpenter (1988)
 
 // Blinks.
 constexpr double kLidReach_s = 0.3;  // motion this close to data loss may be the eyelid's
-constexpr double kLidRest_s = 0.04;  // unless gaze rests for so long in between
 
 /// Number of samples in a window of this length.
 double samplesIn(double window_s, double rate_Hz) {
@@ -266,13 +262,13 @@ class SaccadeFinder {
       const double from_s = time_s(first), to_s = time_s(last);
       for (std::size_t j = first; j-- > 0 && states_[j] != GazeState::blink &&
                                   from_s - time_s(j) <= kLidReach_s &&
-                                  time_s(first) - time_s(j) <= kLidRest_s;) {
+                                  time_s(first) - time_s(j) <= rules_.lid_rest_s;) {
         if (moves(j)) first = j;
       }
       std::size_t end = last;
       for (std::size_t j = last + 1;
            j < sights_.size() && !isLost(j) && time_s(j) - to_s <= kLidReach_s &&
-           time_s(j) - time_s(end) <= kLidRest_s;
+           time_s(j) - time_s(end) <= rules_.lid_rest_s;
            ++j) {
         if (moves(j)) end = j;
       }

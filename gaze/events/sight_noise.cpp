@@ -24,22 +24,47 @@ double scaleWindow_s(std::size_t scale, double rate_Hz, const EventSettings& set
   return std::max(settings.window_s, 2.0 / rate_Hz) * std::exp2(static_cast<double>(scale));
 }
 
+bool mayHideSaccades(double noise_deg_s, std::size_t scale, double rate_Hz,
+                     const EventSettings& settings) {
+  const SaccadeRules& rules = settings.rules;
+  const bool narrow = scale == 0 && scaleWindow_s(0, rate_Hz, settings) <= kWide_s;
+  return rules.hidden_noise * noise_deg_s > (narrow ? settings.saccade_deg_s : kWidePeak_deg_s) ||
+         (narrow && rules.peak_noise * noise_deg_s > kBlurredPeak_deg_s);
+}
+
 SightNoise noiseOf(std::span<const TimedSight> sights, double rate_Hz,
                    const EventSettings& settings) {
   SightNoise noise;
-  const auto measured_deg_s = [&](double window_s) {
+  const auto measured_deg_s = [&](double window_s, double errors) {
     return velocityNoise_deg_s(velocitiesOfSight(sights, window_s, longestStep_s(rate_Hz)),
-                               stepOf(window_s, rate_Hz));
+                               stepOf(window_s, rate_Hz), errors);
   };
   // The slope over three samples is half the difference of the outer two, divided by the interval.
-  noise.sample_deg = measured_deg_s(2.0 / rate_Hz) * std::sqrt(2.0) / rate_Hz;
+  noise.sample_deg = measured_deg_s(2.0 / rate_Hz, 0.0) * std::sqrt(2.0) / rate_Hz;
+  bool wider = true;
   for (std::size_t scale = 0; scale < kNoiseScales; ++scale) {
     const double window_s = scaleWindow_s(scale, rate_Hz, settings);
-    noise.velocity_deg_s.push_back(scale == 0 || window_s <= kMaxNoiseWindow_s
-                                       ? measured_deg_s(window_s)
-                                       : noise.velocity_deg_s.back());
+    wider = wider && (scale == 0 ||
+                      (window_s <= kMaxNoiseWindow_s &&
+                       mayHideSaccades(noise.velocity_deg_s.back(), scale - 1, rate_Hz, settings)));
+    noise.velocity_deg_s.push_back(wider ? measured_deg_s(window_s, settings.rules.noise_errors)
+                                         : noise.velocity_deg_s.back());
   }
   return noise;
+}
+
+bool RecentNoise::update(std::span<const TimedSight> sights) {
+  constexpr double kAgain_s = 0.25;  // the noise changes slowly
+  const double time_s = sights.back().time_s;
+  if (noise_.velocity_deg_s.empty()) {
+    begin_s_ = sights.front().time_s;
+  } else if (time_s - measured_s_ < std::min(kAgain_s, 0.3 * (time_s - begin_s_))) {
+    return false;
+  }
+  measured_s_ = time_s;
+  const auto span = static_cast<std::size_t>(settings_.rules.noise_span_s * rate_Hz_);
+  noise_ = noiseOf(sights.last(std::min(span, sights.size())), rate_Hz_, settings_);
+  return true;
 }
 
 std::vector<TimedSight> withoutSpikes(std::span<const TimedSight> sights, double rate_Hz,

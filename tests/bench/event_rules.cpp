@@ -152,6 +152,8 @@ const std::vector<Choice>& choices() {
       {"oscillation_s", &SaccadeRules::oscillation_s, {0.012, 0.02, 0.03}},
       {"echo_ratio", &SaccadeRules::echo_ratio, {0.4, 0.6, 0.8}},
       {"hidden_noise", &SaccadeRules::hidden_noise, {4.0, 5.0, 6.5}},
+      {"noise_errors", &SaccadeRules::noise_errors, {0.0, 1.0, 1.64, 2.33}},
+      {"lid_rest_s", &SaccadeRules::lid_rest_s, {0.02, 0.03, 0.04}},
       {"wide_noise", &SaccadeRules::wide_noise, {3.5, 4.5, 5.5}},
   };
   return kChoices;
