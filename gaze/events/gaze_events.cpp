@@ -23,14 +23,22 @@ class BlockNoise {
     const Lookahead ahead(rate_Hz, settings);
     RecentNoise noise(rate_Hz, settings);
     bool is_new = false;
+    std::size_t pushed = 0;
     for (std::size_t i = 0; i < sights.size(); ++i) {
-      is_new |= noise.update(sights.first(std::min(i + ahead.delay + 1, sights.size())));
+      for (; pushed < std::min(i + ahead.delay + 1, sights.size()); ++pushed) {
+        noise.push(sights[pushed]);
+      }
+      is_new |= noise.update();
       if (!is_new || i % ahead.hop != 0) continue;
       is_new = false;
       first_.push_back(i);
       from_s_.push_back(sights[i].time_s);
       noise_.push_back(noise.value());
     }
+    // The first samples tell no noise. Unlike the online detector, we know the next ones.
+    const auto isKnown = [](const SightNoise& each) { return each.velocity_deg_s[0] > 0.0; };
+    const auto known = std::find_if(noise_.begin(), noise_.end(), isKnown);
+    if (known != noise_.end()) std::fill(noise_.begin(), known, *known);
   }
 
   std::size_t blocks() const { return noise_.size(); }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace foci {
 namespace {
@@ -106,28 +105,6 @@ std::vector<std::optional<SightVelocity>> velocitiesOfSight(std::span<const Time
     begin = end;
   }
   return velocities;
-}
-
-double velocityNoise_deg_s(std::span<const std::optional<SightVelocity>> velocities,
-                           std::size_t step, double errors) {
-  constexpr std::size_t kMinChanges = 8;
-  std::vector<double> changes_deg_s;
-  for (std::size_t i = 0; i + step < velocities.size(); ++i) {
-    if (velocities[i] && velocities[i + step]) {
-      changes_deg_s.push_back(glm::length(velocities[i + step]->deg_s - velocities[i]->deg_s));
-    }
-  }
-  if (changes_deg_s.size() < kMinChanges) return 0.0;
-  const auto middle = changes_deg_s.begin() + static_cast<std::ptrdiff_t>(changes_deg_s.size() / 2);
-  std::nth_element(changes_deg_s.begin(), middle, changes_deg_s.end());
-  // The standard error of the median of n values of a Rayleigh distribution is 0.72 / sqrt(n) of
-  // it. Only windows that do not overlap are independent.
-  constexpr double kErrorOfMedian = 0.72;
-  const double windows = static_cast<double>(changes_deg_s.size()) / static_cast<double>(step);
-  const double upper = 1.0 + errors * kErrorOfMedian / std::sqrt(std::max(windows, 1.0));
-  // The median of a Rayleigh distribution is sqrt(2 ln 2) times sigma. A difference of two
-  // velocities has twice the variance.
-  return upper * *middle / (std::sqrt(2.0 * std::numbers::ln2) * std::numbers::sqrt2);
 }
 
 }  // namespace foci

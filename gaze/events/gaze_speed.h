@@ -35,13 +35,4 @@ struct SightVelocity {
 std::vector<std::optional<SightVelocity>> velocitiesOfSight(std::span<const TimedSight> samples,
                                                             double window_s, double longest_step_s);
 
-/// Standard deviation of the velocity noise along each axis, from the median change of velocity
-/// between neighbouring windows. Steady pursuit does not raise it, and saccades hardly do.
-/// @param step  samples between two windows that do not overlap, >= 1
-/// @param errors  how many standard errors of the estimate are added to it. Short recordings tell
-///   the noise less exactly, and a threshold must not depend on that luck.
-/// @return 0 with fewer than eight changes
-double velocityNoise_deg_s(std::span<const std::optional<SightVelocity>> velocities,
-                           std::size_t step, double errors = 0.0);
-
 }  // namespace foci

@@ -48,16 +48,17 @@ OnlineEvents::OnlineEvents(const Screen& screen, double rate_Hz, const EventSett
 GazeNow OnlineEvents::push(const GazeSample& sample) {
   samples_.push_back(sample);
   sights_.push_back(sightOf(sample, screen_));
+  noise_.push(sights_.back());
   blinks_.push_back(sample.blink);
 
   // Until the delay has passed, each sample with a position counts as a fixation.
   if (sights_.size() <= ahead_.delay) {
     now_.state = sample.point_px ? GazeState::fixation : GazeState::lost;
     now_.state_time_s = sights_.front().time_s;
-    if (sample.point_px) fixate(sample);
+    if (sample.point_px) fixate(sample, sights_.back());
     return now_;
   }
-  noise_.update(sights_);
+  noise_.update();
   if (labels_.empty()) labelNext();
   const GazeSample& subject = samples_.front();
   noteCalm(labels_.front());
@@ -68,8 +69,8 @@ GazeNow OnlineEvents::push(const GazeSample& sample) {
   ++settled_;
 
   // Remove the older half in one step, so that the mean cost per sample stays constant.
-  const auto history =
-      static_cast<std::size_t>(settings_.rules.noise_span_s * rate_Hz_) + 2 * ahead_.delay + 2;
+  const std::size_t history =
+      static_cast<std::size_t>(kContext_s * rate_Hz_) + 2 * ahead_.delay + 2;
   if (sights_.size() > 2 * history) {
     const std::size_t old = sights_.size() - history;
     sights_.erase(sights_.begin(), sights_.begin() + static_cast<std::ptrdiff_t>(old));
@@ -124,44 +125,55 @@ GazeState OnlineEvents::settle(const GazeSample& sample, const TimedSight& sight
   }
   if (!sample.point_px) return now_.state;
   if (sample.time_s - stable_.newest_s() > longestStep_s(rate_Hz_)) stable_.clear();
-  fixate(sample);
+  fixate(sample, sight);
   stable_.add(sample.time_s, *sight.direction);
   return stable_.isPursuit(noise_.value().sample_deg) ? GazeState::pursuit : GazeState::fixation;
 }
 
-void OnlineEvents::fixate(const GazeSample& sample) {
+void OnlineEvents::fixate(const GazeSample& sample, const TimedSight& sight) {
+  if (fixation_.empty()) before_ = recent_ = {};
   const double ratio = noise_.value().sample_deg / kFixationError_deg;
   const double enough = std::max(ratio * ratio, 1.0);
-  fixation_.push_back(sample);
+  fixation_.push_back({sample.time_s, *sample.point_px, *sight.direction});
+  recent_.add(*sample.point_px);
   if (!landed_s_) landed_s_ = sample.time_s;
+  const auto isRecent = [&](const Point& point) {
+    return sample.time_s - point.time_s <= settings_.position_s && point.time_s >= *landed_s_;
+  };
+  for (auto i = static_cast<std::size_t>(before_.count); !isRecent(fixation_[i]); ++i) {
+    recent_.add(fixation_[i].point_px, -1.0);
+    before_.add(fixation_[i].point_px);
+  }
   const auto age_s = [&] { return sample.time_s - fixation_.front().time_s; };
   while (age_s() > settings_.position_s &&
          (static_cast<double>(fixation_.size()) > enough || age_s() > kMaxMean_s)) {
+    before_.add(fixation_.front().point_px, -1.0);
     fixation_.pop_front();
   }
 
-  glm::dvec2 recent_px{0.0}, before_px{0.0};
-  double recent = 0.0, before = 0.0;
-  for (const GazeSample& each : fixation_) {
-    const auto point_px = pointSeenBy_px(sample, each, screen_);
-    if (!point_px) continue;
-    const bool is_recent =
-        sample.time_s - each.time_s <= settings_.position_s && each.time_s >= *landed_s_;
-    (is_recent ? recent_px : before_px) += *point_px;
-    (is_recent ? recent : before) += 1.0;
+  // While the head turns, the points move on the screen.
+  Sum before = before_, recent = recent_;
+  if (sample.head) {
+    before = recent = {};
+    for (const Point& point : fixation_) {
+      const auto point_px =
+          pointOnScreen_px(screen_, glm::conjugate(sample.head->world_from_head) * point.sight);
+      if (point_px) (isRecent(point) ? recent : before).add(*point_px);
+    }
   }
   // Two means that differ by more than the noise belong to two fixations, even if noise has hidden
   // the saccade between them. If they agree, a "saccade" between them was noise alone.
-  if (before > 0.0 &&
-      angleBetween_deg(screen_, recent_px / recent, before_px / before) >
-          kMoved * noise_.value().sample_deg * std::sqrt(1.0 / recent + 1.0 / before)) {
-    fixation_.erase(fixation_.begin(), fixation_.begin() + static_cast<std::ptrdiff_t>(before));
-    before_px = glm::dvec2(0.0);
-    before = 0.0;
+  if (before.count > 0.0 &&
+      angleBetween_deg(screen_, recent.mean_px(), before.mean_px()) >
+          kMoved * noise_.value().sample_deg * std::sqrt(1.0 / recent.count + 1.0 / before.count)) {
+    fixation_.erase(fixation_.begin(),
+                    fixation_.begin() + static_cast<std::ptrdiff_t>(before_.count));
+    before = before_ = {};
   }
+  const double count = before.count + recent.count;
   now_.fixation_time_s = sample.time_s;
-  now_.fixation_px = (recent_px + before_px) / (recent + before);
-  now_.fixation_error_deg = noise_.value().sample_deg / std::sqrt(recent + before);
+  now_.fixation_px = (before.points_px + recent.points_px) / count;
+  now_.fixation_error_deg = noise_.value().sample_deg / std::sqrt(count);
 }
 
 std::vector<GazeState> labelSamplesOnline(const GazeTrace& trace, const Screen& screen,

@@ -56,14 +56,14 @@ class OnlineEvents {
   void labelNext();
   void noteCalm(GazeState label);
   GazeState settle(const GazeSample& sample, const TimedSight& sight, GazeState label);
-  void fixate(const GazeSample& sample);
+  void fixate(const GazeSample& sample, const TimedSight& sight);
 
   Screen screen_;
   double rate_Hz_;
   EventSettings settings_;
   Lookahead ahead_;
   std::deque<GazeSample> samples_{};  // those that wait for their state
-  std::vector<TimedSight> sights_{};  // the last seconds
+  std::vector<TimedSight> sights_{};  // the newest
   std::vector<bool> blinks_{};        // of `sights_`
   std::size_t settled_ = 0;           // sights_[0] to sights_[settled_ - 1] have their state
   std::deque<GazeState> labels_{};    // labels of the samples from `settled_` on
@@ -73,8 +73,25 @@ class OnlineEvents {
   std::optional<double> last_present_s_{};
   GazeNow now_{};
   StableGaze stable_{};
-  std::deque<GazeSample> fixation_{};  // `fixation_px` is the mean of these
-  std::optional<double> landed_s_{};   // time of the first sample after the last saccade
+  /// Samples of the fixation, whose mean is `fixation_px`, and the sums of their points: of those
+  /// before the last `position_s` or the last saccade, and of the others.
+  struct Point {
+    double time_s = 0.0;
+    glm::dvec2 point_px{0.0};
+    glm::dvec3 sight{0.0};
+  };
+  struct Sum {
+    glm::dvec2 points_px{0.0};
+    double count = 0.0;
+    void add(const glm::dvec2& point_px, double sign = 1.0) {
+      points_px += sign * point_px;
+      count += sign;
+    }
+    glm::dvec2 mean_px() const { return points_px / count; }
+  };
+  std::deque<Point> fixation_{};
+  Sum before_{}, recent_{};
+  std::optional<double> landed_s_{};  // time of the first sample after the last saccade
 };
 
 /// True for fixation and pursuit, the states in which the retinal image is stable.

@@ -7,7 +7,7 @@ namespace foci {
 /// labelled recordings of Andersson et al. (2017) and irf. Factors named ..._noise are standard
 /// deviations of the velocity noise, so noise and sampling rate set the threshold.
 struct SaccadeRules {
-  double peak_noise = 10.0;     ///< threshold of a saccade's peak
+  double peak_noise = 9.0;      ///< threshold of a saccade's peak
   double edge_deg_s = 22.0;     ///< minimum threshold of a saccade's edges
   double edge_noise = 4.0;      ///< threshold of a saccade's edges
   double rest_deg_s = 6.0;      ///< minimum of the next threshold
@@ -17,7 +17,8 @@ struct SaccadeRules {
   double echo_ratio = 0.6;      ///< a smaller motion so soon after a saccade is its oscillation
   double hidden_noise = 5.0;    ///< noise may hide saccades: a wider window follows
   double wide_noise = 4.5;      ///< threshold of a peak in a wide window
-  double noise_errors = 2.33;   ///< standard errors that are added to a measured velocity noise
+  double noise_errors = 3.0;    ///< standard errors that are added to a measured velocity noise;
+                                ///< fixed by convention, not by the search
   double lid_rest_s = 0.03;     ///< an eyelid that rests for so long is open or closed
   double noise_span_s = 3.0;    ///< the noise at a sample is that of so long a time before it
 };

@@ -107,7 +107,11 @@ class SaccadeFinder {
     std::optional<std::size_t> end;  // last sample of the latest saccade with its oscillation
     double amplitude_deg = 0.0;      // of the latest saccade
     for (std::size_t i = 0; i < sights_.size(); ++i) {
-      if (speed_deg_s(i) <= peak_deg_s) continue;
+      // A window that is cut by data loss or by the newest sample has more noise.
+      if (speed_deg_s(i) <= peak_deg_s ||
+          speed_deg_s(i) <= rules_.peak_noise * sigma_deg_s * velocities[i]->noise_gain) {
+        continue;
+      }
       // Find the peak of speed, as long as the direction stays the same.
       std::size_t peak = i;
       for (std::size_t j = i + 1; j < sights_.size() && speed_deg_s(j) > edge_deg_s; ++j) {

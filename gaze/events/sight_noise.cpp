@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numbers>
 
 namespace foci {
 namespace {
@@ -32,39 +34,104 @@ bool mayHideSaccades(double noise_deg_s, std::size_t scale, double rate_Hz,
          (narrow && rules.peak_noise * noise_deg_s > kBlurredPeak_deg_s);
 }
 
-SightNoise noiseOf(std::span<const TimedSight> sights, double rate_Hz,
-                   const EventSettings& settings) {
-  SightNoise noise;
-  const auto measured_deg_s = [&](double window_s, double errors) {
-    return velocityNoise_deg_s(velocitiesOfSight(sights, window_s, longestStep_s(rate_Hz)),
-                               stepOf(window_s, rate_Hz), errors);
+RecentNoise::RecentNoise(double rate_Hz, const EventSettings& settings)
+    : rate_Hz_(rate_Hz),
+      settings_(settings),
+      span_(std::max<std::size_t>(static_cast<std::size_t>(settings.rules.noise_span_s * rate_Hz),
+                                  1)) {
+  const auto changesOver = [&](double window_s) {
+    return Changes{.window_s = window_s, .step = stepOf(window_s, rate_Hz)};
   };
-  // The slope over three samples is half the difference of the outer two, divided by the interval.
-  noise.sample_deg = measured_deg_s(2.0 / rate_Hz, 0.0) * std::sqrt(2.0) / rate_Hz;
-  bool wider = true;
+  of_samples_ = changesOver(2.0 / rate_Hz);
   for (std::size_t scale = 0; scale < kNoiseScales; ++scale) {
-    const double window_s = scaleWindow_s(scale, rate_Hz, settings);
-    wider = wider && (scale == 0 ||
-                      (window_s <= kMaxNoiseWindow_s &&
-                       mayHideSaccades(noise.velocity_deg_s.back(), scale - 1, rate_Hz, settings)));
-    noise.velocity_deg_s.push_back(wider ? measured_deg_s(window_s, settings.rules.noise_errors)
-                                         : noise.velocity_deg_s.back());
+    of_scales_.push_back(changesOver(scaleWindow_s(scale, rate_Hz, settings)));
   }
-  return noise;
 }
 
-bool RecentNoise::update(std::span<const TimedSight> sights) {
+void RecentNoise::push(const TimedSight& sight) {
+  if (sights_.empty()) begin_s_ = sight.time_s;
+  // Remove the older half in one step, so that the mean cost per sample stays constant.
+  const std::size_t kept = span_ + static_cast<std::size_t>(3.0 * kMaxNoiseWindow_s * rate_Hz_) + 8;
+  if (sights_.size() >= 2 * kept) {
+    sights_.erase(sights_.begin(), sights_.end() - static_cast<std::ptrdiff_t>(kept));
+    dropped_ += kept;
+  }
+  sights_.push_back(sight);
+}
+
+bool RecentNoise::update() {
   constexpr double kAgain_s = 0.25;  // the noise changes slowly
-  const double time_s = sights.back().time_s;
-  if (noise_.velocity_deg_s.empty()) {
-    begin_s_ = sights.front().time_s;
-  } else if (time_s - measured_s_ < std::min(kAgain_s, 0.3 * (time_s - begin_s_))) {
+  const double time_s = sights_.back().time_s;
+  const bool is_first = noise_.velocity_deg_s.empty();
+  if (!is_first && time_s - measured_s_ < std::min(kAgain_s, 0.3 * (time_s - begin_s_))) {
     return false;
   }
   measured_s_ = time_s;
-  const auto span = static_cast<std::size_t>(settings_.rules.noise_span_s * rate_Hz_);
-  noise_ = noiseOf(sights.last(std::min(span, sights.size())), rate_Hz_, settings_);
+  // The slope over three samples is half the difference of the outer two, divided by the interval.
+  noise_ = {.sample_deg = measured_deg_s(of_samples_, 0.0) * std::sqrt(2.0) / rate_Hz_};
+  bool wider = true;
+  for (std::size_t scale = 0; scale < kNoiseScales; ++scale) {
+    Changes& changes = of_scales_[scale];
+    wider = wider && (scale == 0 || (changes.window_s <= kMaxNoiseWindow_s &&
+                                     mayHideSaccades(noise_.velocity_deg_s.back(), scale - 1,
+                                                     rate_Hz_, settings_)));
+    noise_.velocity_deg_s.push_back(wider ? measured_deg_s(changes, settings_.rules.noise_errors)
+                                          : noise_.velocity_deg_s.back());
+  }
   return true;
+}
+
+/// Adds the samples whose windows are complete by now.
+void RecentNoise::extend(Changes& changes) {
+  const double reach_s = 0.5 * changes.window_s;
+  std::size_t end = sights_.size();  // index in `sights_`, as all below
+  while (end > 0 && sights_.back().time_s - sights_[end - 1].time_s < reach_s) --end;
+  if (changes.end < dropped_) {
+    changes.end = dropped_;
+    changes.deg_s.clear();
+  }
+  const std::size_t begin = changes.end - dropped_;
+  if (begin >= end) return;
+  const std::size_t before = begin - std::min(begin, changes.step);
+  std::size_t from = before;
+  while (from > 0 && sights_[before].time_s - sights_[from].time_s <= reach_s) --from;
+  const auto velocities = velocitiesOfSight(std::span(sights_).subspan(from), changes.window_s,
+                                            longestStep_s(rate_Hz_));
+  if (changes.deg_s.size() >= 2 * span_) {
+    changes.deg_s.erase(changes.deg_s.begin(),
+                        changes.deg_s.end() - static_cast<std::ptrdiff_t>(span_));
+  }
+  for (std::size_t i = begin; i < end; ++i) {
+    const bool known =
+        i >= from + changes.step && velocities[i - from] && velocities[i - from - changes.step];
+    changes.deg_s.push_back(
+        known ? static_cast<float>(glm::distance(velocities[i - from]->deg_s,
+                                                 velocities[i - from - changes.step]->deg_s))
+              : -1.0F);
+  }
+  changes.end = dropped_ + end;
+}
+
+double RecentNoise::measured_deg_s(Changes& changes, double errors) {
+  constexpr std::size_t kMinChanges = 8;
+  extend(changes);
+  sorted_.clear();
+  const std::size_t count = std::min(span_, changes.deg_s.size());
+  std::copy_if(changes.deg_s.end() - static_cast<std::ptrdiff_t>(count), changes.deg_s.end(),
+               std::back_inserter(sorted_),
+               [](float change_deg_s) { return change_deg_s >= 0.0F; });
+  if (sorted_.size() < kMinChanges) return 0.0;
+  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  // The standard error of the median of n values of a Rayleigh distribution is 0.72 / sqrt(n) of
+  // it. Only windows that do not overlap are independent.
+  constexpr double kErrorOfMedian = 0.72;
+  const double windows = static_cast<double>(sorted_.size()) / static_cast<double>(changes.step);
+  const double upper = 1.0 + errors * kErrorOfMedian / std::sqrt(std::max(windows, 1.0));
+  // The median of a Rayleigh distribution is sqrt(2 ln 2) times sigma. A difference of two
+  // velocities has twice the variance.
+  return upper * static_cast<double>(*middle) /
+         (std::sqrt(2.0 * std::numbers::ln2) * std::numbers::sqrt2);
 }
 
 std::vector<TimedSight> withoutSpikes(std::span<const TimedSight> sights, double rate_Hz,

@@ -44,29 +44,45 @@ double scaleWindow_s(std::size_t scale, double rate_Hz, const EventSettings& set
 bool mayHideSaccades(double noise_deg_s, std::size_t scale, double rate_Hz,
                      const EventSettings& settings);
 
-/// @param sights   a second or more, so that fixations prevail
-/// @param rate_Hz  nominal sampling rate, > 0
-SightNoise noiseOf(std::span<const TimedSight> sights, double rate_Hz,
-                   const EventSettings& settings);
-
 /// The noise while samples arrive: of the last `noise_span_s`, measured anew four times a second.
 /// In the first second it is measured more often. Online and offline detector share it, so that
 /// their labels differ only where the online detector has not yet seen the samples that decide.
+///
+/// The standard deviation of a velocity is that of the median change between neighbouring windows.
+/// Steady pursuit does not raise it, and saccades hardly do. `noise_errors` standard errors of this
+/// estimate are added: a short beginning tells the noise less exactly, and a threshold must not lie
+/// too low by chance. The noise is 0 before eight changes.
 class RecentNoise {
  public:
-  RecentNoise(double rate_Hz, const EventSettings& settings)
-      : rate_Hz_(rate_Hz), settings_(settings) {}
+  /// @param rate_Hz  nominal sampling rate, > 0
+  RecentNoise(double rate_Hz, const EventSettings& settings);
 
-  /// Takes notice of new samples.
-  /// @param sights  the samples until now, of which those before `noise_span_s` may be missing
-  /// @return whether the noise was measured
-  bool update(std::span<const TimedSight> sights);
-
+  void push(const TimedSight& sight);
+  /// Measures the noise if it is time.
+  /// @return whether it was
+  bool update();
   const SightNoise& value() const { return noise_; }
 
  private:
+  /// Changes of velocity over windows of one length.
+  struct Changes {
+    double window_s = 0.0;
+    std::size_t step = 1;        ///< samples from a window to the next that does not overlap it
+    std::size_t end = 0;         ///< number of the first sample that is not yet in `deg_s`
+    std::vector<float> deg_s{};  ///< one for each sample before `end`; below 0 if unknown
+  };
+
+  void extend(Changes& changes);
+  double measured_deg_s(Changes& changes, double errors);
+
   double rate_Hz_;
   EventSettings settings_;
+  std::size_t span_;                  // samples
+  std::vector<TimedSight> sights_{};  // the newest, at least `span_`
+  std::size_t dropped_ = 0;           // number of the first of them
+  Changes of_samples_{};
+  std::vector<Changes> of_scales_{};
+  std::vector<float> sorted_{};
   SightNoise noise_{};
   double begin_s_ = 0.0, measured_s_ = 0.0;
 };

@@ -143,7 +143,7 @@ struct Choice {
 const std::vector<Choice>& choices() {
   static const std::vector<Choice> kChoices = {
       {"noise_span_s", &SaccadeRules::noise_span_s, {2.0, 3.0, 4.0, 6.0, 1000.0}},
-      {"peak_noise", &SaccadeRules::peak_noise, {5.0, 6.0, 7.0, 8.5, 10.0}},
+      {"peak_noise", &SaccadeRules::peak_noise, {6.0, 7.0, 8.0, 9.0, 10.0, 11.0}},
       {"edge_deg_s", &SaccadeRules::edge_deg_s, {14.0, 18.0, 22.0, 26.0}},
       {"edge_noise", &SaccadeRules::edge_noise, {3.0, 4.0, 5.0, 6.0}},
       {"rest_deg_s", &SaccadeRules::rest_deg_s, {6.0, 9.0, 12.0}},
@@ -152,7 +152,6 @@ const std::vector<Choice>& choices() {
       {"oscillation_s", &SaccadeRules::oscillation_s, {0.012, 0.02, 0.03}},
       {"echo_ratio", &SaccadeRules::echo_ratio, {0.4, 0.6, 0.8}},
       {"hidden_noise", &SaccadeRules::hidden_noise, {4.0, 5.0, 6.5}},
-      {"noise_errors", &SaccadeRules::noise_errors, {0.0, 1.0, 1.64, 2.33}},
       {"lid_rest_s", &SaccadeRules::lid_rest_s, {0.02, 0.03, 0.04}},
       {"wide_noise", &SaccadeRules::wide_noise, {3.5, 4.5, 5.5}},
   };

@@ -262,14 +262,15 @@ TEST(LabelSamples, TellsPursuitFromFixationAtAnySpeedOfTheTarget) {
   }
 }
 
-TEST(NoiseOf, IsTheNoiseOfTheSamplesDuringEyeMovements) {
+TEST(RecentNoise, IsTheNoiseOfTheSamplesDuringEyeMovements) {
   for (const double noise_deg : {0.1, 0.5}) {
     const SimulatedGaze gaze =
         simulateGaze(walk(), kScreen, 500, 4, {.tremor_deg = 0.0, .noise_deg = noise_deg});
-    std::vector<TimedSight> sights;
-    for (const GazeSample& sample : gaze.trace.samples) sights.push_back(sightOf(sample, kScreen));
+    RecentNoise noise(500, {});
+    for (const GazeSample& sample : gaze.trace.samples) noise.push(sightOf(sample, kScreen));
+    EXPECT_TRUE(noise.update());
     constexpr double kStatistical = 0.08;
-    EXPECT_NEAR(noiseOf(sights, 500, {}).sample_deg / noise_deg, 1.0, kStatistical);
+    EXPECT_NEAR(noise.value().sample_deg / noise_deg, 1.0, kStatistical);
   }
 }
 

@@ -1,0 +1,48 @@
+// The detectors on recordings that human coders have labelled. They are absent on most machines.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "gaze/events/agreement.h"
+#include "gaze/events/gaze_events.h"
+#include "gaze/events/online_events.h"
+#include "gaze/sources/labelled.h"
+#include "tests/unit/gaze/scratch.h"
+
+namespace foci {
+namespace {
+
+/// Cohen's kappa of stable gaze, mean over two coders at most.
+double kappaOf(const std::vector<GazeState>& states, const std::vector<Coder>& coders) {
+  const std::size_t count = std::min<std::size_t>(coders.size(), 2);
+  double sum = 0.0;
+  for (std::size_t c = 0; c < count; ++c) {
+    CohensKappa stable;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const auto& label = coders[c].labels[i];
+      if (label) stable.add(isStable(states[i]), isStable(*label));
+    }
+    sum += stable.value().value_or(1.0);
+  }
+  return sum / static_cast<double>(count);
+}
+
+// The offline detector sees all that the online detector sees, and more.
+TEST(LabelSamples, AreNotWorseThanOnlineOnAnyLabelledRecording) {
+  const Screen nominal{.size_px = {1000, 1000}, .size_m = {1.0, 1.0}, .distance_m = 1.0};
+  for (const char* folder : {"andersson2017", "irf"}) {
+    const auto recordings = gazeData() / "labelled" / folder;
+    if (!std::filesystem::exists(recordings)) GTEST_SKIP() << recordings << " is absent";
+    for (const auto& entry : std::filesystem::directory_iterator(recordings)) {
+      const LabelledTrace labelled = readLabelledTrace(entry.path(), nominal);
+      const GazeTrace& trace = labelled.trace;
+      EXPECT_GE(kappaOf(labelSamples(trace, *trace.screen), labelled.coders),
+                kappaOf(labelSamplesOnline(trace, *trace.screen), labelled.coders))
+          << entry.path().filename();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace foci
