@@ -58,7 +58,7 @@ GazeNow OnlineEvents::push(const GazeSample& sample) {
     if (sample.point_px) fixate(sample, sights_.back());
     return now_;
   }
-  noise_.update();
+  if (noise_.update()) calm_from_ = settled_;  // by the new noise, it may not have been calm
   if (labels_.empty()) labelNext();
   const GazeSample& subject = samples_.front();
   noteCalm(labels_.front());
@@ -82,6 +82,17 @@ GazeNow OnlineEvents::push(const GazeSample& sample) {
   return now_;
 }
 
+/// Whether the samples are present and too slow for any saccade. Those before `from` are context.
+bool isSlow(std::span<const TimedSight> sights, std::size_t from, double rate_Hz,
+            const SightNoise& noise, const EventSettings& settings) {
+  const double peak_deg_s =
+      std::max(settings.saccade_deg_s, settings.rules.peak_noise * noise.velocity_deg_s[0]);
+  const auto velocities =
+      velocitiesOfSight(sights, scaleWindow_s(0, rate_Hz, settings), longestStep_s(rate_Hz));
+  return std::all_of(velocities.begin() + static_cast<std::ptrdiff_t>(from), velocities.end(),
+                     [&](const auto& at) { return at && at->speed_deg_s <= peak_deg_s; });
+}
+
 /// Calm gaze for longer than the rest of an eyelid, an oscillation and half a window separates what
 /// was before from what comes. Unless windows are wide, the context of the next labels begins
 /// there.
@@ -101,6 +112,17 @@ void OnlineEvents::labelNext() {
   const auto context = static_cast<std::size_t>(kContext_s * rate_Hz_) + ahead_.delay + 1;
   const bool narrow = scaleWindow_s(0, rate_Hz_, settings_) <= kWide_s &&
                       !mayHideSaccades(noise_.value().velocity_deg_s[0], 0, rate_Hz_, settings_);
+  // Most of the time gaze rests, and goes on to rest.
+  const auto reach =
+      static_cast<std::size_t>(0.5 * scaleWindow_s(0, rate_Hz_, settings_) * rate_Hz_) + 1;
+  if (narrow && context_from_ > calm_from_ && settled_ >= calm_from_ + 2 * reach &&
+      std::find(blinks_.begin() + static_cast<std::ptrdiff_t>(settled_), blinks_.end(), true) ==
+          blinks_.end() &&
+      isSlow(std::span(sights_).subspan(settled_ - 2 * reach), reach, rate_Hz_, noise_.value(),
+             settings_)) {
+    labels_.resize(std::min(ahead_.hop, sights_.size() - settled_), GazeState::fixation);
+    return;
+  }
   const std::size_t count = std::min(context, sights_.size() - (narrow ? context_from_ : 0));
   const auto sights = withoutSpikes(std::span(sights_).last(count), rate_Hz_, noise_.value());
   const std::vector<bool> blinks(blinks_.end() - static_cast<std::ptrdiff_t>(count), blinks_.end());
