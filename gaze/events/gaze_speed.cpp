@@ -22,8 +22,8 @@ class MovingSlope {
     }
     for (; end_ <= last; ++end_) count(end_, 1.0);
     for (; first_ < first; ++first_) count(first_, -1.0);
-    return glm::degrees((products_ - time_s_ * moved_ / count_) /
-                        (squares_s2_ - time_s_ * time_s_ / count_));
+    return glm::degrees(1.0) / (count_ * squares_s2_ - time_s_ * time_s_) *
+           (count_ * products_ - time_s_ * moved_);
   }
 
  private:
@@ -100,7 +100,7 @@ std::vector<std::optional<SightVelocity>> velocitiesOfSight(std::span<const Time
       const double share = static_cast<double>(last - first + 1) / complete;
       velocities[i] = {.deg_s = deg_s,
                        .speed_deg_s = glm::length(deg_s),
-                       .noise_gain = 1.0 / (share * std::sqrt(share))};
+                       .noise_gain = share == 1.0 ? 1.0 : 1.0 / (share * std::sqrt(share))};
     }
     begin = end;
   }
