@@ -20,6 +20,17 @@ constexpr double kMoved = 4.0;    // standard errors between two means that belo
 constexpr double kCalm_s = 0.03;  // holds an oscillation and half of a narrow window
 constexpr double kMaxLabelings_Hz = 250.0;  // a higher rate gains nothing
 
+/// Whether the samples are present and too slow for any saccade. Those before `from` are context.
+bool isSlow(std::span<const TimedSight> sights, std::size_t from, double rate_Hz,
+            const SightNoise& noise, const EventSettings& settings) {
+  const double peak_deg_s =
+      std::max(settings.saccade_deg_s, settings.rules.peak_noise * noise.velocity_deg_s[0]);
+  const auto velocities =
+      velocitiesOfSight(sights, scaleWindow_s(0, rate_Hz, settings), longestStep_s(rate_Hz));
+  return std::all_of(velocities.begin() + static_cast<std::ptrdiff_t>(from), velocities.end(),
+                     [&](const auto& at) { return at && at->speed_deg_s <= peak_deg_s; });
+}
+
 }  // namespace
 
 bool isStable(GazeState state) {
@@ -80,17 +91,6 @@ GazeNow OnlineEvents::push(const GazeSample& sample) {
     context_from_ -= std::min(context_from_, old);
   }
   return now_;
-}
-
-/// Whether the samples are present and too slow for any saccade. Those before `from` are context.
-bool isSlow(std::span<const TimedSight> sights, std::size_t from, double rate_Hz,
-            const SightNoise& noise, const EventSettings& settings) {
-  const double peak_deg_s =
-      std::max(settings.saccade_deg_s, settings.rules.peak_noise * noise.velocity_deg_s[0]);
-  const auto velocities =
-      velocitiesOfSight(sights, scaleWindow_s(0, rate_Hz, settings), longestStep_s(rate_Hz));
-  return std::all_of(velocities.begin() + static_cast<std::ptrdiff_t>(from), velocities.end(),
-                     [&](const auto& at) { return at && at->speed_deg_s <= peak_deg_s; });
 }
 
 /// Calm gaze for longer than the rest of an eyelid, an oscillation and half a window separates what

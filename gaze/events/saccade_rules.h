@@ -18,7 +18,7 @@ struct SaccadeRules {
   double hidden_noise = 5.0;    ///< noise may hide saccades: a wider window follows
   double wide_noise = 4.5;      ///< threshold of a peak in a wide window
   double noise_errors = 3.0;    ///< standard errors that are added to a measured velocity noise;
-                                ///< fixed by convention, not by the search
+                                ///< not in the search (docs/results.md)
   double lid_rest_s = 0.03;     ///< an eyelid that rests for so long is open or closed
   double noise_span_s = 3.0;    ///< the noise at a sample is that of so long a time before it
 };
