@@ -78,9 +78,8 @@ std::vector<FieldFigures> fieldsOf(const EyeFigures& eye, const std::vector<doub
   std::vector<FieldFigures> fields;
   std::vector<EyeOptics> optics;
   for (const double field_deg : fields_deg) {
-    const Wavefront added = fieldWavefront(field_deg, eye.pupil.diameter_m);
-    EyeOptics beside{.pupil = eye.pupil,
-                     .pupil_aspect = pupilAspect(field_deg, eye.pupil.diameter_m)};
+    const auto [added, pupil_aspect] = fieldOfEye(field_deg, eye.pupil.diameter_m);
+    EyeOptics beside{.pupil = eye.pupil, .pupil_aspect = pupil_aspect};
     std::vector<double>& um = beside.pupil.wavefront.zernike_um;
     um.resize(std::max(um.size(), added.zernike_um.size()));
     for (std::size_t j = 0; j < added.zernike_um.size(); ++j) um[j] += added.zernike_um[j];

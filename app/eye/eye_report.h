@@ -16,7 +16,7 @@ inline constexpr std::size_t kMostDistances = 12, kMostFields = 6;  ///< of a re
 struct EyeRequest {
   std::optional<double> focus_D = {};    ///< target; absent: the screen
   std::vector<double> distances_D = {};  ///< of points of light, 1 / m; empty: within 1 D of focus
-  std::vector<double> fields_deg = {};   ///< to the right of the line of sight; see fieldWavefront
+  std::vector<double> fields_deg = {};   ///< to the right of the line of sight; see `fieldOfEye`
 };
 
 /// The image of a point of light.
@@ -29,7 +29,7 @@ struct PointImage {
 /// The eye beside its line of sight.
 struct FieldFigures {
   double field_deg = 0.0;
-  double aspect = 1.0;      ///< of the pupil, see pupilAspect
+  double aspect = 1.0;      ///< of the pupil, see `FieldOfEye`
   glm::dvec3 power_D{0.0};  ///< M, J0, J45: how much stronger the eye is than on the line of sight
   std::vector<PointImage> points = {};
   std::vector<double> white_mtf = {}, green_mtf = {};

@@ -46,9 +46,13 @@ cv::Mat intensity(const EyeOptics& eye, double step_rad, int n, double* peak = n
                           : Wavefront{.zernike_um = {}, .pupil_m = eye.pupil.diameter_m});
   cv::Mat field = cv::Mat::zeros(n, n, CV_64FC2);
   double amplitudes = 0.0;
-  for (int row = 0; row < n; ++row) {
+  // The pupil fills the first rows: a shifted pupil has the same intensity, and cv::dft then skips
+  // the rows without light.
+  const int middle = std::min(static_cast<int>(radius_m / step_m), n / 2);
+  const int rows = std::min(2 * middle + 1, n);
+  for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < n; ++column) {
-      const double x = (column - n / 2) * step_m, y = (row - n / 2) * step_m;
+      const double x = (column - n / 2) * step_m, y = (row - middle) * step_m;
       if (std::hypot(x / eye.pupil_aspect, y) > radius_m) continue;
       const glm::dvec2 from_mm = 1000.0 * (glm::dvec2(x, y) - eye.pupil.stiles_crawford_center_m);
       const double amplitude =
@@ -60,7 +64,7 @@ cv::Mat intensity(const EyeOptics& eye, double step_rad, int n, double* peak = n
       amplitudes += amplitude;
     }
   }
-  cv::dft(field, field);
+  cv::dft(field, field, 0, rows);
   cv::Mat light(n, n, CV_64F);
   double sum = 0.0, highest = 0.0;
   for (int row = 0; row < n; ++row) {

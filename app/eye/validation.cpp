@@ -116,7 +116,7 @@ void addPupilShapes(Figures& figures) {
                        .source = "Mathur, Gehrmann and Atchison 2013, mean of 30 eyes",
                        .expected = side(field_deg) + side(-field_deg),
                        .tolerance = 0.05,
-                       .value = pupilAspect(field_deg, 4e-3),
+                       .value = fieldOfEye(field_deg, 4e-3).pupil_aspect,
                        .digits = 3});
   }
 }

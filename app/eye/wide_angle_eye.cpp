@@ -147,26 +147,22 @@ std::vector<Sample> samplesOf(double field_deg, double pupil_m) {
   return samples;
 }
 
-/// Of those, the rays through the stop that appears as a pupil of that diameter on the axis.
-std::vector<Sample> samplesOfPupil(double field_deg, double pupil_m) {
+/// Radius of the stop that appears as a pupil of that diameter on the axis, from rays on the axis.
+double stopRadius_mm(const std::vector<Sample>& on_axis, double pupil_m) {
   double ratios = 0.0;
   int count = 0;
-  for (const Sample& sample : samplesOf(0.0, pupil_m)) {
+  for (const Sample& sample : on_axis) {
     const double share = glm::length(sample.at_mm) / (0.5e3 * pupil_m);
     if (share < 0.9 || share > 1.1) continue;
     ratios += sample.in_stop_mm / glm::length(sample.at_mm);
     ++count;
   }
-  const double stop_mm = 0.5e3 * pupil_m * ratios / count;
-  std::vector<Sample> samples = samplesOf(field_deg, pupil_m);
-  std::erase_if(samples, [&](const Sample& sample) { return sample.in_stop_mm > stop_mm; });
-  return samples;
+  return 0.5e3 * pupil_m * ratios / count;
 }
 
 /// Wavefront of orders 2 to 4 whose slopes are nearest to the rays'.
-Wavefront fit(double field_deg, double pupil_m) {
+Wavefront fit(const std::vector<Sample>& samples, double pupil_m) {
   constexpr int kCoefficients = 15, kTilts = 2, kFirst = 3;
-  const std::vector<Sample> samples = samplesOfPupil(field_deg, pupil_m);
   const double radius_mm = 0.5e3 * pupil_m;
   cv::Mat basis =
       cv::Mat::zeros(2 * static_cast<int>(samples.size()), kCoefficients - kFirst + kTilts, CV_64F);
@@ -201,21 +197,24 @@ Wavefront fit(double field_deg, double pupil_m) {
 
 }  // namespace
 
-Wavefront fieldWavefront(double field_deg, double pupil_m) {
+FieldOfEye fieldOfEye(double field_deg, double pupil_m) {
   assert(std::abs(field_deg) <= kMostField_deg && pupil_m > 0.0);
-  Wavefront w = fit(field_deg, pupil_m);
-  const Wavefront axis = fit(0.0, pupil_m);
-  for (std::size_t j = 0; j < w.zernike_um.size(); ++j) w.zernike_um[j] -= axis.zernike_um[j];
-  return w;
-}
-
-double pupilAspect(double field_deg, double pupil_m) {
+  std::vector<Sample> on_axis = samplesOf(0.0, pupil_m), beside = samplesOf(field_deg, pupil_m);
+  const double stop_mm = stopRadius_mm(on_axis, pupil_m);
+  const auto isOutside = [&](const Sample& sample) { return sample.in_stop_mm > stop_mm; };
+  std::erase_if(on_axis, isOutside);
+  std::erase_if(beside, isOutside);
+  FieldOfEye field{.added = fit(beside, pupil_m)};
+  const Wavefront axis = fit(on_axis, pupil_m);
+  for (std::size_t j = 0; j < axis.zernike_um.size(); ++j)
+    field.added.zernike_um[j] -= axis.zernike_um[j];
   double wide = 0.0, high = 0.0;
-  for (const Sample& sample : samplesOfPupil(field_deg, pupil_m)) {
+  for (const Sample& sample : beside) {
     wide += sample.at_mm.x * sample.at_mm.x;
     high += sample.at_mm.y * sample.at_mm.y;
   }
-  return std::sqrt(wide / high);
+  field.pupil_aspect = std::sqrt(wide / high);
+  return field;
 }
 
 }  // namespace foci

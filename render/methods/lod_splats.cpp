@@ -8,6 +8,7 @@
 
 #include "base/mapped_file.h"
 #include "base/parallel.h"
+#include "render/methods/halos.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/mean_of_parts.h"
 #include "render/methods/view_splats.h"
@@ -111,6 +112,7 @@ RenderStats LodSplats::renderParts(const View& view, const RenderSettings& setti
                      {.lens = part.centre, .aperture = part.radius, .shading = settings.shading},
                      sweepSettings(of_part, lod), to));
   });
+  if (parts.size() > 1) spreadIntoHalos(settings.pupil.diffraction_px, frame);
   return stats;
 }
 

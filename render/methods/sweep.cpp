@@ -10,6 +10,7 @@
 
 #include "render/gl/splats.h"
 #include "render/methods/gaussian_methods.h"
+#include "render/methods/halos.h"
 #include "render/methods/mean_of_parts.h"
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"
@@ -30,6 +31,7 @@ class SweepMethod final : public Method {
     meanOfParts(
         lensParts(settings.defocus, settings.pupil, parts_), part_, frame,
         [&](const LensPart& part, Frame& to) { renderPart(part, view, settings, to, stats); });
+    if (parts_ > 1) spreadIntoHalos(settings.pupil.diffraction_px, frame);
     return stats;
   }
 

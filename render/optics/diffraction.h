@@ -20,7 +20,7 @@ float diffractionThroughPixel_px(float diffraction_px);
 
 /// Diffraction as a core and two halos. Light near the rim of the pupil spreads most: the halos.
 /// Together they take as much of the peak as diffraction does, through a pixel and through a blur
-/// as wide as each halo. The Airy pattern has no finite variance. Within a disc of 4 to 8 px, core
+/// as wide as each halo. The Airy pattern has no finite variance. Within a disc of 4 to 12 px, core
 /// and halos have its second moment within 3 % for pixels of 1 arcmin and pupils of 2 to 6 mm.
 struct DiffractionHalo {
   float core_px = 0.0f;  ///< standard deviation
@@ -28,6 +28,11 @@ struct DiffractionHalo {
   std::array<float, 2> halo_share{};  ///< of the light; 0: diffraction does not show
 
   float inHalos() const { return halo_share[0] + halo_share[1]; }
+
+  /// Standard deviation of the core of a part of the pupil, px. Core and halos of the part lose
+  /// light in the same proportion; what the core loses goes with its variance.
+  /// @param in_halos  share of the part's light in the halos, below 1
+  float coreOfPart_px(double in_halos) const;
 };
 DiffractionHalo diffractionHalo(float diffraction_px);
 

@@ -191,8 +191,8 @@ void weigh(std::vector<LensPart>& parts, const std::vector<double>& light) {
 std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int n) {
   std::vector<LensPart> parts;
   std::vector<double> light;
-  parts.reserve(static_cast<std::size_t>(n) + 2);
-  light.reserve(static_cast<std::size_t>(n) + 2);
+  parts.reserve(static_cast<std::size_t>(n));
+  light.reserve(static_cast<std::size_t>(n));
   std::optional<PupilWavefront> wavefront;
   if (pupil.hasParts()) wavefront = wavefrontOf(pupil);
   const auto partBy = [&](const Cell& cell, float diffraction_px) {
@@ -203,9 +203,9 @@ std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int 
     part.diffraction_px = diffraction_px;
     return part;
   };
-  const auto lens = [&] { return lit(pupil, nullptr, cells(1).front()); };
   if (n == 1) {
-    LensPart part = partBy(lens(), diffractionThroughPixel_px(pupil.diffraction_px));
+    LensPart part = partBy(lit(pupil, nullptr, cells(1).front()),
+                           diffractionThroughPixel_px(pupil.diffraction_px));
     part.centre = glm::vec2(0.0f), part.radius = 1.0f;
     part.weight = 1.0f;
     return {part};
@@ -214,19 +214,11 @@ std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int 
   std::optional<LightInCore> core;
   if (halo.inHalos() > 0.0f) core.emplace(pupil.diffraction_px, halo.inHalos());
   for (const Cell& cell : cells(n)) {
+    const double seen = lit(pupil, nullptr, cell).all_light;
     const Cell in_core = lit(pupil, core ? &*core : nullptr, cell);
-    parts.push_back(partBy(in_core, halo.core_px));
+    const double in_halos = 1.0 - in_core.all_light / seen;
+    parts.push_back(partBy(in_core, core ? halo.coreOfPart_px(in_halos) : 0.0f));
     light.push_back(in_core.all_light);
-  }
-  if (core) {
-    const double in_core = std::accumulate(light.begin(), light.end(), 0.0);
-    LensPart whole = partBy(lens(), 0.0f);
-    whole.nonlinear_px = 0.0f;  // too small to see in so wide a blur
-    for (std::size_t i = 0; i < halo.halo_px.size(); ++i) {
-      whole.diffraction_px = halo.halo_px[i];
-      parts.push_back(whole);
-      light.push_back(in_core * halo.halo_share[i] / (1.0 - halo.inHalos()));
-    }
   }
   weigh(parts, light);
   return parts;

@@ -62,10 +62,9 @@ struct LensPart {
 /// The lens in `n` compact parts. All parts together have the light, the mean and the variance of
 /// the lens, and of the wavefront's slope over it. Computed once for each `n`: the cells of a dense
 /// sampling of the disc nearest to `n` points, each of which is the mean of its cell (Lloyd, 1982).
-/// Where diffraction shows, the last two parts are its halos: the whole lens, blurred widely. The
-/// other parts then have the light that stays in the core, which is less near the rim
-/// (diffraction.h).
-/// @param n  1 to 256; 1 has no halos
+/// Where diffraction shows, the parts have the light of its core, which is less near the rim
+/// (diffraction.h); their mean has yet to be spread into the halos (`spreadIntoHalos`).
+/// @param n  1 to 256; 1 has no core and halos
 std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int n);
 
 /// The lens in points of equal share.

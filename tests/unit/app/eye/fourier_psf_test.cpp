@@ -219,10 +219,10 @@ TEST(SplattedPsf, IsThatOfFourierOptics) {
                          decimal(100.0 * (c.variance_ratio.x - 1.0), 1) + " " +
                          decimal(100.0 * (c.variance_ratio.y - 1.0), 1));
       EXPECT_NEAR(c.light, 1.0, 3e-3) << where;  // of the truth, in the window
-      EXPECT_LT(c.rms, 0.012) << where;
-      EXPECT_LT(c.rms_lit, 0.034) << where;
-      EXPECT_NEAR(c.variance_ratio.x, 1.0, 0.036) << where;
-      EXPECT_NEAR(c.variance_ratio.y, 1.0, 0.036) << where;
+      EXPECT_LT(c.rms, 0.011) << where;
+      EXPECT_LT(c.rms_lit, 0.033) << where;
+      EXPECT_NEAR(c.variance_ratio.x, 1.0, 0.032) << where;
+      EXPECT_NEAR(c.variance_ratio.y, 1.0, 0.032) << where;
     }
   }
 }

@@ -96,7 +96,7 @@ TEST(FieldWavefront, OfASmallPupilIsThatOfCoddington) {
   EXPECT_NEAR(axis.along_D, axis.across_D, 1e-4);
   for (const double inside_rad : {0.15, 0.3, 0.5}) {
     const Oblique expected = coddington(inside_rad);
-    const glm::dvec3 power = power_D(fieldWavefront(expected.field_deg, 0.5e-3));
+    const glm::dvec3 power = power_D(fieldOfEye(expected.field_deg, 0.5e-3).added);
     EXPECT_NEAR(power.x, 0.5 * (expected.along_D + expected.across_D) - axis.along_D, 0.02)
         << expected.field_deg;
     EXPECT_NEAR(power.y, 0.5 * (expected.along_D - expected.across_D), 0.02) << expected.field_deg;
@@ -106,7 +106,7 @@ TEST(FieldWavefront, OfASmallPupilIsThatOfCoddington) {
 }
 
 TEST(FieldWavefront, IsMirroredOnTheOtherSide) {
-  const Wavefront right = fieldWavefront(25.0, 4e-3), left = fieldWavefront(-25.0, 4e-3);
+  const Wavefront right = fieldOfEye(25.0, 4e-3).added, left = fieldOfEye(-25.0, 4e-3).added;
   ASSERT_EQ(right.zernike_um.size(), left.zernike_um.size());
   for (int j = 3; j < static_cast<int>(right.zernike_um.size()); ++j) {
     const auto [n, m] = zernikeOrder(j);
@@ -119,18 +119,18 @@ TEST(FieldWavefront, IsMirroredOnTheOtherSide) {
 }
 
 TEST(FieldWavefront, IsNothingOnTheAxis) {
-  for (const double um : fieldWavefront(0.0, 4e-3).zernike_um) EXPECT_NEAR(um, 0.0, 1e-9);
-  EXPECT_NEAR(pupilAspect(0.0, 4e-3), 1.0, 1e-3);
+  for (const double um : fieldOfEye(0.0, 4e-3).added.zernike_um) EXPECT_NEAR(um, 0.0, 1e-9);
+  EXPECT_NEAR(fieldOfEye(0.0, 4e-3).pupil_aspect, 1.0, 1e-3);
 }
 
 // A pupil seen from the side is wider than its foreshortened disc: the cornea turns it (Mathur,
 // Gehrmann and Atchison 2013).
 TEST(PupilAspect, LiesBetweenTheCosineAndOne) {
   for (const double field_deg : {20.0, 40.0, 60.0}) {
-    const double aspect = pupilAspect(field_deg, 4e-3);
+    const double aspect = fieldOfEye(field_deg, 4e-3).pupil_aspect;
     EXPECT_GT(aspect, std::cos(field_deg * std::numbers::pi / 180.0));
     EXPECT_LT(aspect, 1.0);
-    EXPECT_NEAR(aspect, pupilAspect(-field_deg, 4e-3), 1e-6);
+    EXPECT_NEAR(aspect, fieldOfEye(-field_deg, 4e-3).pupil_aspect, 1e-6);
   }
 }
 

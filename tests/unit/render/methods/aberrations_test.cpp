@@ -18,7 +18,7 @@ namespace foci {
 namespace {
 
 constexpr float kFocal_px = 3438.0f;  // 60 px for each degree
-constexpr int kSize_px = 65;
+constexpr int kSize_px = 129;
 
 SurfelCloud light() {
   SurfelCloud cloud;
