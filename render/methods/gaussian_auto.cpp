@@ -23,7 +23,7 @@ namespace {
 
 /// Variance that merging Gaussians may add: a share of C^2, and a largest one for each unit of
 /// tolerance. It adds an error of at most `kLodError_per_px` C and of `kMaxLodError`, for each unit
-/// of tolerance. Measured in the same way.
+/// of tolerance. Measured as the bounds of `kDiscs`.
 constexpr float kPerBlur2 = 0.015f, kMaxSpread_px2 = 0.3f;
 constexpr float kLodError_per_px = 0.03f, kMaxLodError = 0.3f;
 
