@@ -12,7 +12,8 @@ void ViewSpread::begin(int samples, int apron) {
   places_.clear();
   const int inside = samples - 2 * apron, along = std::min(inside, kAlong);
   const auto placeOf = [&](int i) {
-    return static_cast<std::size_t>(apron + (2 * i + 1) * inside / (2 * along));
+    const int place = apron + (2 * i + 1) * inside / (2 * along);
+    return static_cast<std::size_t>(place);
   };
   for (int y = 0; y < along; ++y) {
     for (int x = 0; x < along; ++x) places_.push_back(placeOf(y) * rowOf(samples) + placeOf(x));
