@@ -26,6 +26,9 @@ constexpr int kHalvings = 12;
 constexpr float kLargest_JND = 64.0f;
 constexpr float kNoLimit = std::numeric_limits<float>::infinity();
 
+/// The share of an error that the limit leaves.
+float shareOf(float limit, float error) { return error > limit ? limit / error : 1.0f; }
+
 /// The largest value up to which `tooLarge` is false, by bisection.
 template <typename TooLarge>
 float largestThat(const TooLarge& tooLarge) {
@@ -43,14 +46,14 @@ void DiscsOfTiles::choose(std::span<const Tile> tiles, const glm::ivec2& size_px
                           std::span<const TileBlur> blurs, std::span<const float> merging,
                           float tolerance) {
   tolerance_ = tolerance;
-  area_px_ = 0.0f;
+  area_px2_ = 0.0f;
   tiles_.assign(tiles.size(), {});
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     TileState& tile = tiles_[t];
     const glm::ivec2 seen_px =
         glm::min(glm::ivec2(tiles[t].side_px), size_px - glm::ivec2(tiles[t].x_px, tiles[t].y_px));
-    tile.area_px = static_cast<float>(seen_px.x * seen_px.y);
-    area_px_ += tile.area_px;
+    tile.area_px2 = static_cast<float>(seen_px.x * seen_px.y);
+    area_px2_ += tile.area_px2;
     tile.blur = blurs[t];
     tile.merging = merging[t];
     const auto enough = std::ranges::find_if(kDiscs, [&](const Discs& each) {
@@ -70,21 +73,21 @@ std::size_t DiscsOfTiles::indexFor(const TileState& tile, float share) const {
   return index;
 }
 
-float DiscsOfTiles::areaBeyond_px(float error, float limit) const {
-  float sum_px = 0.0f;
+float DiscsOfTiles::areaBeyond_px2(float error, float limit) const {
+  float sum_px2 = 0.0f;
   for (const TileState& tile : tiles_) {
     const float highest = error - tile.merging;
-    const float scale = std::min(1.0f, limit / std::max(tile.typical, 1e-6f));
+    const float scale = shareOf(limit, tile.typical);
     const std::size_t index = indexFor(tile, scale);
     if (index == 0 || (index > tile.index && index == tile.last)) {
-      if (errorOf(kDiscs[index], tile.blur) > highest) sum_px += tile.area_px;
+      if (errorOf(kDiscs[index], tile.blur) > highest) sum_px2 += tile.area_px2;
       continue;
     }
     const auto beyond = std::ranges::count_if(tile.errors.all(),
                                               [&](float each) { return scale * each > highest; });
-    sum_px += tile.area_px * static_cast<float>(beyond) / static_cast<float>(tile.errors.count);
+    sum_px2 += tile.area_px2 * static_cast<float>(beyond) / static_cast<float>(tile.errors.count);
   }
-  return sum_px;
+  return sum_px2;
 }
 
 bool DiscsOfTiles::refine(const std::vector<SampledErrors>& standard_errors) {
@@ -102,15 +105,16 @@ bool DiscsOfTiles::refine(const std::vector<SampledErrors>& standard_errors) {
     tile.most = std::ranges::max(tile.errors.all());
     tile.typical = std::sqrt(squares / static_cast<float>(tile.errors.count));
   }
-  const float allowed_px = kShareBeyond * area_px_;
+  const float allowed_px2 = kShareBeyond * area_px2_;
   const float limit =
-      areaBeyond_px(tolerance_, kNoLimit) <= allowed_px
+      areaBeyond_px2(tolerance_, kNoLimit) <= allowed_px2
           ? kNoLimit
-          : largestThat([&](float each) { return areaBeyond_px(tolerance_, each) > allowed_px; });
+          : largestThat([&](float each) { return areaBeyond_px2(tolerance_, each) > allowed_px2; });
   bool any = false;
   for (TileState& tile : tiles_) {
     if (tile.index == tile.last) continue;
-    const float share = std::min(limit / tile.typical, kMostOverTolerance * tolerance_ / tile.most);
+    const float share =
+        std::min(shareOf(limit, tile.typical), shareOf(kMostOverTolerance * tolerance_, tile.most));
     const std::size_t index = indexFor(tile, share);
     tile.is_next = index != tile.index;
     tile.index = index;
@@ -121,7 +125,7 @@ bool DiscsOfTiles::refine(const std::vector<SampledErrors>& standard_errors) {
 
 float DiscsOfTiles::error() const {
   return largestThat(
-      [&](float each) { return areaBeyond_px(each, kNoLimit) <= kShareBeyond * area_px_; });
+      [&](float each) { return areaBeyond_px2(each, kNoLimit) <= kShareBeyond * area_px2_; });
 }
 
 }  // namespace foci

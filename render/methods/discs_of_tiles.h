@@ -25,7 +25,7 @@ struct Discs {
   float error_everywhere_per_px;  ///< of a tile that is blurred everywhere
   /// Over the standard error (`SampledErrors`). Views that lie evenly on the lens err less than
   /// random ones: an edge across the lens leaves 0.36, 0.27, 0.24 and 0.17 with 3, 7, 19 and 61
-  /// views. The scenes leave more, up to 2.4 times as much with 3 and 7 views.
+  /// views. The scenes leave more, so the bound is up to 2.5 times as high.
   float error_share;
 };
 inline constexpr std::array kDiscs{
@@ -62,7 +62,7 @@ class DiscsOfTiles {
 
  private:
   struct TileState {
-    float area_px = 0.0f;
+    float area_px2 = 0.0f;
     TileBlur blur;
     float merging = 0.0f;
     std::size_t index = 0;
@@ -75,10 +75,10 @@ class DiscsOfTiles {
   /// The index with which errors fall to this share; that of the tile for at least 1.
   std::size_t indexFor(const TileState& tile, float share) const;
   /// The area with an error beyond `error`, if each typical error becomes at most the limit.
-  float areaBeyond_px(float error, float limit) const;
+  float areaBeyond_px2(float error, float limit) const;
 
   std::vector<TileState> tiles_;
-  float tolerance_ = 1.0f, area_px_ = 0.0f;
+  float tolerance_ = 1.0f, area_px2_ = 0.0f;
 };
 
 }  // namespace foci
