@@ -96,7 +96,8 @@ TEST(ViewSpread, FollowsSamplesInsideOfTheApron) {
     }
     spread.add(*sums);
   }
-  for (const float each : spread.standardErrors().all()) EXPECT_EQ(each, 0.0f);
+  const SampledErrors errors = spread.standardErrors();
+  for (const float each : errors.all()) EXPECT_EQ(each, 0.0f);
 }
 
 }  // namespace
