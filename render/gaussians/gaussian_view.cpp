@@ -54,13 +54,13 @@ std::uint64_t GaussianView::render(const std::vector<LensDisc>& discs, const glm
   return renderTiles([&](std::size_t) { return &discs; }, background, frame, nullptr);
 }
 
-std::uint64_t GaussianView::render(const DiscsOfTile& discs_of, const glm::vec3& background,
+std::uint64_t GaussianView::render(const ChooseDiscs& discs_of, const glm::vec3& background,
                                    Frame& frame, std::vector<SampledErrors>& errors) {
   errors.resize(lists_.tiles().size());
   return renderTiles(discs_of, background, frame, &errors);
 }
 
-std::uint64_t GaussianView::renderTiles(const DiscsOfTile& discs_of, const glm::vec3& background,
+std::uint64_t GaussianView::renderTiles(const ChooseDiscs& discs_of, const glm::vec3& background,
                                         Frame& frame, std::vector<SampledErrors>* errors) {
   const bool depth = !frame.depth_m.empty();
   const glm::vec3 shown(srgbFromLinear(background.r), srgbFromLinear(background.g),

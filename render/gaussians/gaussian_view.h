@@ -26,7 +26,7 @@ struct TileBlur {
 
 /// The discs that a tile is rendered through; null: the frame keeps the tile as it is. Called by
 /// several threads.
-using DiscsOfTile = std::function<const std::vector<LensDisc>*(std::size_t tile)>;
+using ChooseDiscs = std::function<const std::vector<LensDisc>*(std::size_t tile)>;
 
 /// Keeps its buffers between frames.
 class GaussianView {
@@ -50,7 +50,7 @@ class GaussianView {
 
   /// The same with discs that each tile chooses.
   /// @param errors  of the tiles that are rendered through more than one disc
-  std::uint64_t render(const DiscsOfTile& discs_of, const glm::vec3& background, Frame& frame,
+  std::uint64_t render(const ChooseDiscs& discs_of, const glm::vec3& background, Frame& frame,
                        std::vector<SampledErrors>& errors);
 
   const std::vector<Tile>& tiles() const { return lists_.tiles(); }
@@ -61,7 +61,7 @@ class GaussianView {
  private:
   TileBlur tileBlur(std::size_t tile) const;
   /// @param errors  null: not wanted
-  std::uint64_t renderTiles(const DiscsOfTile& discs_of, const glm::vec3& background, Frame& frame,
+  std::uint64_t renderTiles(const ChooseDiscs& discs_of, const glm::vec3& background, Frame& frame,
                             std::vector<SampledErrors>* errors);
 
   const GaussianCloud* cloud_;

@@ -20,7 +20,6 @@ void ViewSpread::begin(int samples, int apron) {
   }
   values_.clear();
   sums_.assign(places_.size(), glm::vec3(0.0f));
-  views_ = 0;
 }
 
 void ViewSpread::add(const TileSums& sums) {
@@ -30,12 +29,12 @@ void ViewSpread::add(const TileSums& sums) {
     values_.push_back(sum - sums_[i]);
     sums_[i] = sum;
   }
-  ++views_;
 }
 
 SampledErrors ViewSpread::standardErrors() const {
-  assert(views_ >= 2);
-  const auto n = static_cast<float>(views_);
+  const std::size_t views = values_.size() / places_.size();
+  assert(views >= 2);
+  const auto n = static_cast<float>(views);
   SampledErrors errors{.count = places_.size()};
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const glm::vec3 mean = sums_[i] / n;

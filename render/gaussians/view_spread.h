@@ -43,7 +43,6 @@ class ViewSpread {
   std::vector<std::size_t> places_;  // in the sums
   std::vector<glm::vec3> values_;    // of the views, one after the other: linear light
   std::vector<glm::vec3> sums_;      // so far
-  std::size_t views_ = 0;
 };
 
 }  // namespace foci

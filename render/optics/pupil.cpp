@@ -214,11 +214,14 @@ std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int 
   std::optional<LightInCore> core;
   if (halo.inHalos() > 0.0f) core.emplace(pupil.diffraction_px, halo.inHalos());
   for (const Cell& cell : cells(n)) {
-    const double seen = lit(pupil, nullptr, cell).all_light;
-    const Cell in_core = lit(pupil, core ? &*core : nullptr, cell);
-    const double in_halos = 1.0 - in_core.all_light / seen;
-    parts.push_back(partBy(in_core, core ? halo.coreOfPart_px(in_halos) : 0.0f));
-    light.push_back(in_core.all_light);
+    const Cell seen = lit(pupil, core ? &*core : nullptr, cell);
+    float core_px = 0.0f;
+    if (core) {
+      const double in_core_and_halos = lit(pupil, nullptr, cell).all_light;
+      core_px = halo.coreOfPart_px(1.0 - seen.all_light / in_core_and_halos);
+    }
+    parts.push_back(partBy(seen, core_px));
+    light.push_back(seen.all_light);
   }
   weigh(parts, light);
   return parts;
