@@ -1,7 +1,7 @@
 // Settings of the event detection.
 #pragma once
 
-#include "gaze/events/saccade_rules.h"
+#include "gaze/events/event_rules.h"
 
 namespace foci {
 
@@ -20,7 +20,7 @@ struct EventSettings {
   double merge_gap_s = 0.075;   ///< two fixations become one if the time between them is shorter
   double merge_deg = 0.5;       ///< and the angle between them smaller
   double min_fixation_s = 0.06;  ///< shorter fixations are not reported as events
-  SaccadeRules rules{};
+  EventRules rules{};
 };
 
 }  // namespace foci

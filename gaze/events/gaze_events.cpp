@@ -121,15 +121,15 @@ void gatherGaze(const std::vector<TimedSight>& sights, double rate_Hz,
 
 /// Whether the stable gaze at `place` is pursuit, with its neighbours up to 0.2 s away.
 bool isPursuitAmong(const std::vector<const StableGaze*>& stable, std::size_t place,
-                    const BlockNoise& noise) {
+                    const BlockNoise& noise, const EventRules& rules) {
   constexpr double kNear_s = 0.2;
   const StableGaze& gaze = *stable[place];
   const StableGaze* before = place > 0 ? stable[place - 1] : nullptr;
   const StableGaze* after = place + 1 < stable.size() ? stable[place + 1] : nullptr;
   if (before && gaze.first_s() - before->newest_s() > kNear_s) before = nullptr;
   if (after && after->first_s() - gaze.newest_s() > kNear_s) after = nullptr;
-  return gaze.isPursuit(noise.at(0.5 * (gaze.first_s() + gaze.newest_s())).sample_deg, before,
-                        after);
+  return gaze.isPursuit(noise.at(0.5 * (gaze.first_s() + gaze.newest_s())).sample_deg, rules,
+                        before, after);
 }
 
 }  // namespace
@@ -159,7 +159,7 @@ std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen
   for (const Stretch& stretch : stretches) {
     GazeState state = states[stretch.first];
     if (place < stable.size() && stable[place] == &stretch.gaze) {
-      if (isPursuitAmong(stable, place, noise)) state = GazeState::pursuit;
+      if (isPursuitAmong(stable, place, noise, settings.rules)) state = GazeState::pursuit;
       ++place;
     }
     // Tell data loss from blinks.

@@ -149,7 +149,8 @@ GazeState OnlineEvents::settle(const GazeSample& sample, const TimedSight& sight
   if (sample.time_s - stable_.newest_s() > longestStep_s(rate_Hz_)) stable_.clear();
   fixate(sample, sight);
   stable_.add(sample.time_s, *sight.direction);
-  return stable_.isPursuit(noise_.value().sample_deg) ? GazeState::pursuit : GazeState::fixation;
+  return stable_.isPursuit(noise_.value().sample_deg, settings_.rules) ? GazeState::pursuit
+                                                                       : GazeState::fixation;
 }
 
 void OnlineEvents::fixate(const GazeSample& sample, const TimedSight& sight) {

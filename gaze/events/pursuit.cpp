@@ -22,7 +22,7 @@ void StableGaze::add(double time_s, const glm::dvec3& direction) {
   squares_ += glm::dot(before, direction - mean_);
 }
 
-double StableGaze::evidence(double noise_deg) const {
+double StableGaze::evidence(double noise_deg, const EventRules& rules) const {
   constexpr double kMinDuration_s = 0.03;  // too short to tell
   const double duration_s = newest_s_ - first_s_;
   if (duration_s < kMinDuration_s) return -1.0;
@@ -39,8 +39,9 @@ double StableGaze::evidence(double noise_deg) const {
       std::sqrt(std::max(distance_deg * distance_deg - kDistance95 * 2.0 * noise_deg2, 0.0));
   const double spread =
       std::sqrt(std::max(spread_deg2 - (kNoiseMargin + 2.0 / std::sqrt(count_)) * noise_deg2, 0.0));
-  return 0.37 - 0.39 * std::log(duration_s) + 1.59 * std::log(distance + 0.1) +
-         1.20 * std::log(spread + 0.05);
+  return rules.pursuit_bias + rules.pursuit_duration * std::log(duration_s) +
+         rules.pursuit_distance * std::log(distance + 0.1) +
+         rules.pursuit_spread * std::log(spread + 0.05);
 }
 
 glm::dvec3 StableGaze::velocity_deg_s() const {
@@ -51,19 +52,18 @@ double StableGaze::variance_deg2_s2(double noise_deg) const {
   return squares_s2_ > 0.0 ? noise_deg * noise_deg / squares_s2_ : 0.0;
 }
 
-double StableGaze::agreement(const StableGaze& other, double noise_deg) const {
-  constexpr double kStill_deg_s = 3.0;  // slower than this, the direction of motion tells little
+double StableGaze::agreement(const StableGaze& other, double noise_deg, double still_deg_s) const {
   const glm::dvec3 u = velocity_deg_s(), v = other.velocity_deg_s();
-  return glm::dot(u, v) / (glm::length(u) * glm::length(v) + kStill_deg_s * kStill_deg_s +
+  return glm::dot(u, v) / (glm::length(u) * glm::length(v) + still_deg_s * still_deg_s +
                            variance_deg2_s2(noise_deg) + other.variance_deg2_s2(noise_deg));
 }
 
-bool StableGaze::isPursuit(double noise_deg, const StableGaze* before,
+bool StableGaze::isPursuit(double noise_deg, const EventRules& rules, const StableGaze* before,
                            const StableGaze* after) const {
-  constexpr double kWeight = 1.5;
-  double sum = evidence(noise_deg);
+  double sum = evidence(noise_deg, rules);
   for (const StableGaze* neighbour : {before, after}) {
-    if (neighbour) sum += kWeight * agreement(*neighbour, noise_deg);
+    if (!neighbour) continue;
+    sum += rules.pursuit_neighbour * agreement(*neighbour, noise_deg, rules.pursuit_still_deg_s);
   }
   return sum > 0.0;
 }

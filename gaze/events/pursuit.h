@@ -3,6 +3,8 @@
 
 #include <glm/glm.hpp>
 
+#include "gaze/events/event_rules.h"
+
 namespace foci {
 
 /// Statistics of gaze between two saccades, gathered sample by sample.
@@ -11,35 +13,31 @@ class StableGaze {
   void add(double time_s, const glm::dvec3& direction);
   void clear() { *this = {}; }
 
-  /// Whether gaze moved too far for a fixation. The rule is
+  /// Whether gaze moved too far for a fixation. With the default rules this is
   ///   0.37 - 0.39 ln T + 1.59 ln(D + 0.1) + 1.20 ln(S + 0.05) > 0.
   /// T is the duration in seconds. D is the distance from the first sample to the newest, and S the
   /// standard deviation of the samples, both in degrees. Within a second, a steady drift of about
   /// 0.9 degrees is pursuit.
   ///
-  /// The coefficients were fitted to the labels of two coders in 18 recordings of Andersson et al.
-  /// (2017). They hardly change if one observer is left out.
+  /// Pursuit goes on after a catch-up saccade. So each neighbour of velocity u adds to the left
+  /// side, for this interval's velocity v,
+  ///   1.5 u.v / (|u| |v| + (3 deg/s)^2 + var(u) + var(v)).
   /// @param noise_deg  standard deviation of a sample's error along each axis, >= 0. The rule
   ///   subtracts from D and S the share that noise alone explains.
-  bool isPursuit(double noise_deg) const { return evidence(noise_deg) > 0.0; }
-
-  /// The same with the neighbours known: pursuit goes on after a catch-up saccade. Each neighbour
-  /// of velocity u adds to the left side, for this interval's velocity v,
-  ///   1.5 u.v / (|u| |v| + (3 deg/s)^2 + var(u) + var(v)).
-  /// The constants 1.5 and 3 were fitted on the same recordings, with the coefficients above fixed.
-  /// @param before, after  null if there is no neighbour within 0.2 s
-  bool isPursuit(double noise_deg, const StableGaze* before, const StableGaze* after) const;
+  /// @param before, after  null if there is no neighbour within 0.2 s, or if it is not known yet
+  bool isPursuit(double noise_deg, const EventRules& rules, const StableGaze* before = nullptr,
+                 const StableGaze* after = nullptr) const;
 
   double newest_s() const { return newest_s_; }
   double first_s() const { return first_s_; }
   double count() const { return count_; }
 
  private:
-  double evidence(double noise_deg) const;
+  double evidence(double noise_deg, const EventRules& rules) const;
   /// Least-squares slope of the directions over time, and its variance along each axis.
   glm::dvec3 velocity_deg_s() const;
   double variance_deg2_s2(double noise_deg) const;
-  double agreement(const StableGaze& other, double noise_deg) const;
+  double agreement(const StableGaze& other, double noise_deg, double still_deg_s) const;
 
   double count_ = 0.0;
   double first_s_ = 0.0, newest_s_ = 0.0;

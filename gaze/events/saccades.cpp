@@ -1,7 +1,7 @@
 // After Nystrom and Holmqvist (2010): the thresholds of peak and edge follow the noise, and a
 // glissade may follow a saccade.
 //
-// `SaccadeRules` holds the constants that labelled recordings choose. The others without a source
+// `EventRules` holds the constants that labelled recordings choose. The others without a source
 // were fitted once to the coders of 21 labelled recordings (Andersson et al. 2017 and irf), as they
 // are, and with added white noise of up to a degree at 30 to 1000 Hz.
 #include "gaze/events/saccades.h"
@@ -288,7 +288,7 @@ class SaccadeFinder {
   double rate_Hz_;
   const SightNoise& noise_;
   const EventSettings& settings_;
-  const SaccadeRules& rules_;
+  const EventRules& rules_;
   std::vector<GazeState> states_;
 };
 

@@ -28,7 +28,7 @@ double scaleWindow_s(std::size_t scale, double rate_Hz, const EventSettings& set
 
 bool mayHideSaccades(double noise_deg_s, std::size_t scale, double rate_Hz,
                      const EventSettings& settings) {
-  const SaccadeRules& rules = settings.rules;
+  const EventRules& rules = settings.rules;
   const bool narrow = scale == 0 && scaleWindow_s(0, rate_Hz, settings) <= kWide_s;
   return rules.hidden_noise * noise_deg_s > (narrow ? settings.saccade_deg_s : kWidePeak_deg_s) ||
          (narrow && rules.peak_noise * noise_deg_s > kBlurredPeak_deg_s);

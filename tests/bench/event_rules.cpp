@@ -2,10 +2,10 @@
 //
 //   foci_event_rules [SHARED_DATA]
 //
-// For each labelled recording, the constants of `SaccadeRules` are chosen on all others (coordinate
-// search), and the recording is labelled with them. The table pools those held-out labels by kind
-// of recording. Beside it stand the constants that all recordings together choose, and the
-// defaults.
+// For each labelled recording, the constants of `EventRules` are chosen on all others (coordinate
+// search; first those of saccades, then those of pursuit), and the recording is labelled with them.
+// The table pools those held-out labels by kind of recording. Beside it stand the constants that
+// all recordings together choose, and the defaults.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -48,14 +48,15 @@ struct Counts {
   }
 };
 
-/// Against the first and the second coder: stable gaze, saccades.
+/// Against the first and the second coder: stable gaze, saccades, pursuit.
 struct Score {
-  std::array<Counts, 2> stable{}, saccade{};
+  std::array<Counts, 2> stable{}, saccade{}, pursuit{};
 
   Score& operator+=(const Score& other) {
     for (std::size_t i : {0, 1}) {
       stable[i] += other.stable[i];
       saccade[i] += other.saccade[i];
+      pursuit[i] += other.pursuit[i];
     }
     return *this;
   }
@@ -115,7 +116,7 @@ Recording noisier(const Recording& recording) {
   return other;
 }
 
-Score scoreOf(const LabelledTrace& labelled, const SaccadeRules& rules, bool online) {
+Score scoreOf(const LabelledTrace& labelled, const EventRules& rules, bool online) {
   EventSettings settings;
   settings.rules = rules;
   const GazeTrace& trace = labelled.trace;
@@ -128,6 +129,7 @@ Score scoreOf(const LabelledTrace& labelled, const SaccadeRules& rules, bool onl
       if (!label) continue;
       score.stable[c].add(isStable(states[i]), isStable(*label));
       score.saccade[c].add(states[i] == GazeState::saccade, *label == GazeState::saccade);
+      score.pursuit[c].add(states[i] == GazeState::pursuit, *label == GazeState::pursuit);
     }
   }
   return score;
@@ -136,33 +138,46 @@ Score scoreOf(const LabelledTrace& labelled, const SaccadeRules& rules, bool onl
 /// A constant and the values that the search tries.
 struct Choice {
   const char* name;
-  double SaccadeRules::*member;
+  double EventRules::*member;
   std::vector<double> values;
 };
 
-const std::vector<Choice>& choices() {
+const std::vector<Choice>& saccadeChoices() {
   static const std::vector<Choice> kChoices = {
-      {"noise_span_s", &SaccadeRules::noise_span_s, {2.0, 3.0, 4.0, 6.0, 1000.0}},
-      {"peak_noise", &SaccadeRules::peak_noise, {6.0, 7.0, 8.0, 9.0, 10.0, 11.0}},
-      {"edge_deg_s", &SaccadeRules::edge_deg_s, {14.0, 18.0, 22.0, 26.0}},
-      {"edge_noise", &SaccadeRules::edge_noise, {3.0, 4.0, 5.0, 6.0}},
-      {"rest_deg_s", &SaccadeRules::rest_deg_s, {6.0, 9.0, 12.0}},
-      {"rest_noise", &SaccadeRules::rest_noise, {3.0, 4.0, 5.0}},
-      {"rest_s", &SaccadeRules::rest_s, {0.004, 0.008, 0.012}},
-      {"oscillation_s", &SaccadeRules::oscillation_s, {0.012, 0.02, 0.03}},
-      {"echo_ratio", &SaccadeRules::echo_ratio, {0.4, 0.6, 0.8}},
-      {"hidden_noise", &SaccadeRules::hidden_noise, {4.0, 5.0, 6.5}},
-      {"lid_rest_s", &SaccadeRules::lid_rest_s, {0.02, 0.03, 0.04}},
-      {"wide_noise", &SaccadeRules::wide_noise, {3.5, 4.5, 5.5}},
+      {"noise_span_s", &EventRules::noise_span_s, {2.0, 3.0, 4.0, 6.0, 1000.0}},
+      {"peak_noise", &EventRules::peak_noise, {6.0, 7.0, 8.0, 9.0, 10.0, 11.0}},
+      {"edge_deg_s", &EventRules::edge_deg_s, {14.0, 18.0, 22.0, 26.0}},
+      {"edge_noise", &EventRules::edge_noise, {3.0, 4.0, 5.0, 6.0}},
+      {"rest_deg_s", &EventRules::rest_deg_s, {6.0, 9.0, 12.0}},
+      {"rest_noise", &EventRules::rest_noise, {3.0, 4.0, 5.0}},
+      {"rest_s", &EventRules::rest_s, {0.004, 0.008, 0.012}},
+      {"oscillation_s", &EventRules::oscillation_s, {0.012, 0.02, 0.03}},
+      {"echo_ratio", &EventRules::echo_ratio, {0.4, 0.6, 0.8}},
+      {"hidden_noise", &EventRules::hidden_noise, {4.0, 5.0, 6.5}},
+      {"lid_rest_s", &EventRules::lid_rest_s, {0.02, 0.03, 0.04}},
+      {"wide_noise", &EventRules::wide_noise, {3.5, 4.5, 5.5}},
+  };
+  return kChoices;
+}
+
+const std::vector<Choice>& pursuitChoices() {
+  static const std::vector<Choice> kChoices = {
+      {"pursuit_bias", &EventRules::pursuit_bias, {-0.4, -0.2, 0.0, 0.2, 0.4, 0.6, 0.8}},
+      {"pursuit_duration", &EventRules::pursuit_duration, {-1.0, -0.7, -0.4, -0.1}},
+      {"pursuit_distance", &EventRules::pursuit_distance, {0.8, 1.2, 1.6, 2.0}},
+      {"pursuit_spread", &EventRules::pursuit_spread, {0.4, 0.8, 1.2, 1.6}},
+      {"pursuit_neighbour", &EventRules::pursuit_neighbour, {0.5, 1.0, 1.5, 2.0}},
+      {"pursuit_still_deg_s", &EventRules::pursuit_still_deg_s, {1.5, 3.0, 6.0}},
   };
   return kChoices;
 }
 
 using Key = std::vector<double>;
 
-Key keyOf(const SaccadeRules& rules) {
+Key keyOf(const EventRules& rules) {
   Key key;
-  for (const Choice& choice : choices()) key.push_back(rules.*choice.member);
+  for (const Choice& choice : saccadeChoices()) key.push_back(rules.*choice.member);
+  for (const Choice& choice : pursuitChoices()) key.push_back(rules.*choice.member);
   return key;
 }
 
@@ -175,16 +190,44 @@ class Search {
   const std::vector<Recording>& recordings() const { return recordings_; }
 
   /// The best rules for all recordings but one, by coordinate search from the defaults.
-  SaccadeRules choose(std::size_t held_out) {
-    SaccadeRules best;
-    double best_value = value(best, held_out);
+  EventRules choose(std::size_t held_out) {
+    EventRules best;
+    improve(best, saccadeChoices(), held_out, saccadeValue);
+    improve(best, pursuitChoices(), held_out, pursuitValue);
+    return best;
+  }
+
+ private:
+  static constexpr double kWorthwhile = 5e-4;  // smaller gains are chance
+
+  using Kinds = std::array<Score, kKinds.size()>;
+
+  /// Mean over the kinds of the pooled kappas: stable gaze, and saccades at a third of its weight.
+  static double saccadeValue(const Kinds& kinds) {
+    double sum = 0.0;
+    for (const Score& kind : kinds) {
+      sum += (Score::mean(kind.stable) + Score::mean(kind.saccade) / 3.0);
+    }
+    return sum / 8.0;
+  }
+
+  /// Pooled over all recordings, since pictures hold little pursuit.
+  static double pursuitValue(const Kinds& kinds) {
+    Score all;
+    for (const Score& kind : kinds) all += kind;
+    return Score::mean(all.pursuit);
+  }
+
+  void improve(EventRules& best, const std::vector<Choice>& choices, std::size_t held_out,
+               double (*valueOf)(const Kinds&)) {
+    double best_value = value(best, held_out, valueOf);
     for (bool better = true; better;) {
       better = false;
-      for (const Choice& choice : choices()) {
+      for (const Choice& choice : choices) {
         for (const double candidate : choice.values) {
-          SaccadeRules rules = best;
+          EventRules rules = best;
           rules.*choice.member = candidate;
-          const double found = value(rules, held_out);
+          const double found = value(rules, held_out, valueOf);
           if (found <= best_value + kWorthwhile) continue;
           best = rules;
           best_value = found;
@@ -192,31 +235,23 @@ class Search {
         }
       }
     }
-    return best;
   }
 
- private:
-  static constexpr double kWorthwhile = 5e-4;  // smaller gains are chance
-
-  /// Mean over the kinds of the pooled kappas: stable gaze, and saccades at a third of its weight;
-  /// as recorded, and noisier at half of that.
-  double value(const SaccadeRules& rules, std::size_t held_out) {
+  /// As recorded, and noisier at half of that weight.
+  double value(const EventRules& rules, std::size_t held_out, double (*valueOf)(const Kinds&)) {
     const auto& scores = scoresOf(rules);
     double sum = 0.0;
     for (std::size_t version : {0, 1}) {
-      std::array<Score, kKinds.size()> kinds{};
+      Kinds kinds{};
       for (std::size_t i = 0; i < recordings_.size(); ++i) {
         if (i != held_out) kinds[recordings_[i].kind] += scores[version][i];
       }
-      for (const Score& kind : kinds) {
-        sum += (version == 0 ? 1.0 : 0.5) *
-               (Score::mean(kind.stable) + Score::mean(kind.saccade) / 3.0);
-      }
+      sum += (version == 0 ? 1.0 : 0.5) * valueOf(kinds);
     }
-    return sum / 8.0;
+    return sum;
   }
 
-  const std::array<std::vector<Score>, 2>& scoresOf(const SaccadeRules& rules) {
+  const std::array<std::vector<Score>, 2>& scoresOf(const EventRules& rules) {
     auto [at, is_new] = cache_.try_emplace(keyOf(rules));
     if (!is_new) return at->second;
     for (std::size_t i = 0; i < recordings_.size(); ++i) {
@@ -234,7 +269,9 @@ void print(const char* title, const std::array<Score, kKinds.size()>& kinds) {
   std::printf("%-34s", title);
   for (const Score& kind : kinds) std::printf("  %.3f", Score::mean(kind.stable));
   for (const Score& kind : kinds) std::printf("  %.3f", Score::mean(kind.saccade));
-  std::printf("\n");
+  Score all;
+  for (const Score& kind : kinds) all += kind;
+  std::printf("  %.3f\n", Score::mean(all.pursuit));
 }
 
 }  // namespace
@@ -244,10 +281,12 @@ int main(int count, char** words) {
   using namespace foci;
   Search search(readAll(count > 1 ? words[1] : "../shared/data"));
   const auto& recordings = search.recordings();
-  std::printf("kappa                               stable gaze                 saccades\n%-34s",
-              "");
+  std::printf(
+      "kappa                               stable gaze                 saccades                    "
+      "pursuit\n%-34s",
+      "");
   for (int i = 0; i < 2; ++i) std::printf("  images dots   video  irf  ");
-  std::printf("\n");
+  std::printf("  all\n");
   for (const bool online : {false, true}) {
     std::array<Score, kKinds.size()> kinds{};
     for (const Recording& r : recordings) {
@@ -258,18 +297,20 @@ int main(int count, char** words) {
     print(online ? "defaults, online" : "defaults, offline", kinds);
   }
   if (count > 2) return 0;
-  const auto show = [](const char* who, const SaccadeRules& rules) {
+  const auto show = [](const char* who, const EventRules& rules) {
     std::printf("%-34s", who);
-    for (const Choice& choice : choices()) std::printf(" %g", rules.*choice.member);
+    for (const double constant : keyOf(rules)) std::printf(" %g", constant);
     std::printf("\n");
   };
   std::printf("\nrules chosen without");
-  for (const Choice& choice : choices()) std::printf(" %s", choice.name);
+  for (const auto* choices : {&saccadeChoices(), &pursuitChoices()}) {
+    for (const Choice& choice : *choices) std::printf(" %s", choice.name);
+  }
   std::printf("\n");
   show("none", search.choose(recordings.size()));
   std::array<Score, kKinds.size()> offline{}, online{};
   for (std::size_t i = 0; i < recordings.size(); ++i) {
-    const SaccadeRules rules = search.choose(i);
+    const EventRules rules = search.choose(i);
     show(recordings[i].name.c_str(), rules);
     offline[recordings[i].kind] += scoreOf(recordings[i].labelled, rules, false);
     online[recordings[i].kind] += scoreOf(recordings[i].labelled, rules, true);

@@ -25,22 +25,21 @@ StableGaze drift(double from_s, double speed_deg_s, double noise_deg = 0.0, unsi
 TEST(StableGaze, PursuitGoesOnAcrossASaccade) {
   // 0.9 deg in 0.3 s have a sum of -0.57. Each neighbour in the same direction adds 0.75.
   const StableGaze before = drift(0.0, 3.0), gaze = drift(0.35, 3.0), after = drift(0.7, 3.0);
-  EXPECT_FALSE(gaze.isPursuit(0.01));
-  EXPECT_FALSE(gaze.isPursuit(0.01, nullptr, nullptr));
-  EXPECT_TRUE(gaze.isPursuit(0.01, &before, nullptr));
-  EXPECT_TRUE(gaze.isPursuit(0.01, &before, &after));
+  EXPECT_FALSE(gaze.isPursuit(0.01, {}));
+  EXPECT_TRUE(gaze.isPursuit(0.01, {}, &before, nullptr));
+  EXPECT_TRUE(gaze.isPursuit(0.01, {}, &before, &after));
   const StableGaze back = drift(0.7, -3.0), still = drift(0.7, 0.0);
-  EXPECT_FALSE(gaze.isPursuit(0.01, &before, &back));
-  EXPECT_TRUE(gaze.isPursuit(0.01, &before, &still));
-  EXPECT_FALSE(gaze.isPursuit(0.01, &back, &still));
+  EXPECT_FALSE(gaze.isPursuit(0.01, {}, &before, &back));
+  EXPECT_TRUE(gaze.isPursuit(0.01, {}, &before, &still));
+  EXPECT_FALSE(gaze.isPursuit(0.01, {}, &back, &still));
 }
 
 TEST(StableGaze, NoiseIsNoPursuitAndHidesNoFastPursuit) {
   constexpr double kNoise_deg = 0.5;
   int pursuits = 0;
   for (unsigned seed = 1; seed <= 100; ++seed) {
-    pursuits += drift(0.0, 0.0, kNoise_deg, seed).isPursuit(kNoise_deg);
-    EXPECT_TRUE(drift(0.0, 20.0, kNoise_deg, seed).isPursuit(kNoise_deg)) << seed;
+    pursuits += drift(0.0, 0.0, kNoise_deg, seed).isPursuit(kNoise_deg, {});
+    EXPECT_TRUE(drift(0.0, 20.0, kNoise_deg, seed).isPursuit(kNoise_deg, {})) << seed;
   }
   EXPECT_LE(pursuits, 10);  // of 100; the distance alone passes in 5
 }

@@ -1,4 +1,4 @@
-// The constants of saccade detection that labelled recordings choose.
+// The constants of event detection that labelled recordings choose.
 #pragma once
 
 namespace foci {
@@ -6,7 +6,7 @@ namespace foci {
 /// `foci_event_rules` (tests/bench/event_rules.cpp) measures them by leave-one-recording-out on the
 /// labelled recordings of Andersson et al. (2017) and irf. Factors named ..._noise are standard
 /// deviations of the velocity noise, so noise and sampling rate set the threshold.
-struct SaccadeRules {
+struct EventRules {
   double peak_noise = 9.0;      ///< threshold of a saccade's peak
   double edge_deg_s = 22.0;     ///< minimum threshold of a saccade's edges
   double edge_noise = 4.0;      ///< threshold of a saccade's edges
@@ -21,6 +21,14 @@ struct SaccadeRules {
                                 ///< not in the search (docs/results.md)
   double lid_rest_s = 0.03;     ///< an eyelid that rests for so long is open or closed
   double noise_span_s = 3.0;    ///< the noise at a sample is that of so long a time before it
+
+  // Pursuit (`StableGaze`): the terms of its evidence.
+  double pursuit_bias = 0.37;
+  double pursuit_duration = -0.39;   ///< per unit of ln(duration)
+  double pursuit_distance = 1.59;    ///< per unit of ln(distance)
+  double pursuit_spread = 1.20;      ///< per unit of ln(standard deviation)
+  double pursuit_neighbour = 1.5;    ///< a neighbour that moves in the same direction
+  double pursuit_still_deg_s = 3.0;  ///< slower than this, the direction of motion tells little
 };
 
 }  // namespace foci
