@@ -161,22 +161,22 @@ class Recogniser {
         findPupil({"rightpupildiameter", "pupildiameterright", "pupilright", "rmappeddiameter",
                    "rpupildiameter", "rightpupilsize", "rightpupil", "rpmm"});
     // Tobii's user coordinate system: x right, y up, z towards the user.
+    const std::string axes = "xyz";
     for (std::size_t side : {0, 1}) {
       EyeColumns& eye = layout_.eyes[side];
       const std::string name = side == 0 ? "left" : "right";
       eye.origin_point_mm = find({name + "gazeorigininusercoordinatesystem"});
       eye.sight_point_mm = find({name + "gazepointinusercoordinatesystem"});
       eye.origin_validity = find({name + "gazeoriginvalidity"});
+      for (std::size_t axis : {0, 1, 2}) {
+        const std::string letter = axes.substr(axis, 1);
+        eye.origin_mm[axis] =
+            find({name + "origin" + letter, name + "gazeorigininusercoordinatesystem" + letter});
+        eye.sight_mm[axis] = find({name + "gazepointinusercoordinatesystem" + letter});
+        eye.direction[axis] = find({name + "direction" + letter});
+      }
     }
-    const std::string axes = "xyz";
-    for (std::size_t axis : {0, 1, 2}) {
-      const std::string letter = axes.substr(axis, 1);
-      left.origin_mm[axis] = find({"leftorigin" + letter});
-      right.origin_mm[axis] = find({"rightorigin" + letter});
-      left.direction[axis] = find({"leftdirection" + letter});
-      right.direction[axis] = find({"rightdirection" + letter});
-    }
-    if (left.direction[0] || right.direction[0]) return;
+    if (!find({"gazenormal0x", "gazenormal1x"})) return;
     // In Pupil Core the right eye is number 0.
     layout_.camera_axes = true;
     for (std::size_t axis : {0, 1, 2}) {
@@ -432,7 +432,8 @@ class Recogniser {
     return is(eye.x) || is(eye.y) || is(eye.point) || is(eye.validity) || is(eye.pupil_mm) ||
            is(eye.origin_point_mm) || is(eye.sight_point_mm) || is(eye.origin_validity) ||
            std::any_of(eye.origin_mm.begin(), eye.origin_mm.end(), is) ||
-           std::any_of(eye.direction.begin(), eye.direction.end(), is);
+           std::any_of(eye.direction.begin(), eye.direction.end(), is) ||
+           std::any_of(eye.sight_mm.begin(), eye.sight_mm.end(), is);
   }
 
   bool isUsed(std::size_t column) const {

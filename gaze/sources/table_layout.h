@@ -29,8 +29,8 @@ struct EyeColumns {
   std::optional<std::size_t> x{}, y{};  ///< of the point
   std::optional<std::size_t> point{};   ///< or both coordinates in one field, "(x, y)"
   std::optional<std::size_t> validity{}, pupil_mm{};
-  std::array<std::optional<std::size_t>, 3> origin_mm{}, direction{};  ///< x, y, z
-  std::optional<std::size_t> origin_point_mm{}, sight_point_mm{};  ///< "(x, y, z)" (Tobii Pro SDK)
+  std::array<std::optional<std::size_t>, 3> origin_mm{}, direction{}, sight_mm{};  ///< x, y, z
+  std::optional<std::size_t> origin_point_mm{}, sight_point_mm{};  ///< or in one field, "(x, y, z)"
   std::optional<std::size_t> origin_validity{};
 };
 

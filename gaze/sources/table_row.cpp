@@ -203,16 +203,15 @@ void TableRow::readEye(const EyeColumns& columns, EyeSample& eye) const {
     const double low = layout_.camera_axes ? 0.5 : 1e-6, high = layout_.camera_axes ? 2.0 : 1e6;
     if (length > low && length < high) eye.direction = *direction / length;
   }
-  if (columns.origin_point_mm && columns.sight_point_mm &&
-      (!columns.origin_validity || isValid(*columns.origin_validity))) {
-    const auto from_mm = tripleIn(*columns.origin_point_mm);
-    const auto to_mm = tripleIn(*columns.sight_point_mm);
-    if (from_mm && to_mm && glm::distance(*from_mm, *to_mm) > 1.0) {
-      eye.origin_m = 1e-3 * *from_mm;
-      eye.direction = glm::normalize(*to_mm - *from_mm);
-    }
-  }
-  if (const auto origin_mm = triple(columns.origin_mm)) eye.origin_m = 1e-3 * *origin_mm;
+  if (columns.origin_validity && !isValid(*columns.origin_validity)) return;
+  const auto origin_mm =
+      columns.origin_point_mm ? tripleIn(*columns.origin_point_mm) : triple(columns.origin_mm);
+  const auto sight_mm =
+      columns.sight_point_mm ? tripleIn(*columns.sight_point_mm) : triple(columns.sight_mm);
+  if (!origin_mm) return;
+  eye.origin_m = 1e-3 * *origin_mm;
+  if (sight_mm && glm::distance(*origin_mm, *sight_mm) > 1.0)
+    eye.direction = glm::normalize(*sight_mm - *origin_mm);
 }
 
 std::optional<glm::dvec2> TableRow::meanSight(const std::array<EyeSample, 2>& eyes) const {

@@ -85,6 +85,35 @@ TEST(ReadTobii, SdkTuplesAreFractionsOfTheScreen) {
                InputError);
 }
 
+TEST(ReadTobii, SdkColumnsInSpaceAreTheTuplesInSpace) {
+  // In millimetres of the user coordinate system; 3D columns of an invalid origin do not count.
+  const GazeTrace tuples = read(
+      "device_time_stamp,left_gaze_point_on_display_area,"
+      "left_gaze_point_in_user_coordinate_system,left_gaze_point_validity,"
+      "left_gaze_origin_in_user_coordinate_system,left_gaze_origin_validity\n"
+      "1000,\"(0.5, 0.5)\",\"(0, 150, 0)\",1,\"(-30, 150, 640)\",1\n"
+      "12111,\"(0.5, 0.4)\",\"(0, 180, 0)\",1,\"(-30, 150, 640)\",0\n");
+  const GazeTrace columns = read(
+      "device_time_stamp,left_gaze_point_on_display_area_x,left_gaze_point_on_display_area_y,"
+      "left_gaze_point_in_user_coordinate_system_x,left_gaze_point_in_user_coordinate_system_y,"
+      "left_gaze_point_in_user_coordinate_system_z,left_gaze_point_validity,"
+      "left_gaze_origin_in_user_coordinate_system_x,left_gaze_origin_in_user_coordinate_system_y,"
+      "left_gaze_origin_in_user_coordinate_system_z,left_gaze_origin_validity\n"
+      "1000,0.5,0.5,0,150,0,1,-30,150,640,1\n"
+      "12111,0.5,0.4,0,180,0,1,-30,150,640,0\n");
+  EXPECT_EQ(columns.format, tuples.format);
+  for (std::size_t i : {0, 1}) {
+    const EyeSample &a = tuples.samples[i].eyes[0], &b = columns.samples[i].eyes[0];
+    EXPECT_EQ(a.point_px, b.point_px);
+    EXPECT_EQ(a.origin_m, b.origin_m);
+    EXPECT_EQ(a.direction, b.direction);
+  }
+  const EyeSample& eye = columns.samples[0].eyes[0];
+  EXPECT_EQ(*eye.origin_m, glm::dvec3(-0.03, 0.15, 0.64));
+  EXPECT_NEAR(glm::distance(*eye.direction, glm::normalize(glm::dvec3(30, 0, -640))), 0.0, 1e-12);
+  EXPECT_FALSE(columns.samples[1].eyes[0].origin_m);
+}
+
 TEST(ReadPupil, LinesOfSightBecomePointsAndLowConfidenceIsDataLoss) {
   std::string text =
       "gaze_timestamp,world_index,confidence,norm_pos_x,norm_pos_y,base_data,gaze_normal0_x,"
