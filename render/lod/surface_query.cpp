@@ -52,14 +52,16 @@ float largestSigma(const SurfelCloud& cloud, std::size_t i) {
   return std::sqrt(std::max(glm::dot(u, u), glm::dot(v, v)));
 }
 
+constexpr std::uint32_t kNode = ~std::uint32_t{0};
+
 /// A node or a surfel that the walk has yet to visit, nearest first.
 struct Visit {
   float near_m;
   std::uint32_t id;
-  bool surfel;
+  std::uint32_t met;  ///< a surfel's place among those that the walk has met, or kNode
 
   bool operator>(const Visit& other) const {
-    return std::pair(near_m, id) > std::pair(other.near_m, other.id);
+    return near_m != other.near_m ? near_m > other.near_m : id > other.id;
   }
 };
 
@@ -69,9 +71,9 @@ struct Share {
   double coverage;
 };
 
-/// What a Gaussian blocks of the cone, and where.
+/// What a Gaussian blocks of the cone, and where: it begins there.
 struct Blocking {
-  float depth_m, alpha;
+  float near_m, alpha;
 };
 
 /// The cone's frame. The ray is its z axis; offsets are tangents of angles.
@@ -231,20 +233,22 @@ struct SurfaceQuery::Impl {
     return {begin, std::min(begin + kLeafSurfels, order.size())};
   }
 
-  /// Walks the tree in order of distance. `nearOf(i)` is where surfel i begins, absent if it is
-  /// not in the cone. `take(visit)` sees every node and surfel on the way, and stops the walk by
-  /// false.
-  template <typename NearOf, typename Take>
-  void walk(const Cone& cone, const NearOf& nearOf, const Take& take) const {
+  /// Walks the tree in order of distance. `meet(i)` is what the cone meets of surfel i, beginning
+  /// at `near_m`; absent if it is not in the cone. `take(visit, met)` sees every node and surfel on
+  /// the way, with what `meet` has returned, null for a node. It stops the walk by false.
+  template <typename Met, typename Meet, typename Take>
+  void walk(const Cone& cone, const Meet& meet, const Take& take) const {
     thread_local std::vector<Visit> heap;
+    thread_local std::vector<Met> met;
     heap.clear();
+    met.clear();
     const auto push = [&](const Visit& visit) {
       heap.push_back(visit);
       std::push_heap(heap.begin(), heap.end(), std::greater<>());
     };
     const auto pushNode = [&](std::size_t node) {
       if (const auto near_m = cone.nearestIn(sphereOf(node))) {
-        push({*near_m, static_cast<std::uint32_t>(node), false});
+        push({*near_m, static_cast<std::uint32_t>(node), kNode});
       }
     };
     pushNode(1);
@@ -252,8 +256,9 @@ struct SurfaceQuery::Impl {
       std::pop_heap(heap.begin(), heap.end(), std::greater<>());
       const Visit visit = heap.back();
       heap.pop_back();
-      if (!take(visit)) return;
-      if (visit.surfel) continue;
+      const bool is_surfel = visit.met != kNode;
+      if (!take(visit, is_surfel ? &met[visit.met] : nullptr)) return;
+      if (is_surfel) continue;
       if (visit.id < leaves) {
         pushNode(2 * std::size_t{visit.id});
         pushNode(2 * std::size_t{visit.id} + 1);
@@ -262,7 +267,10 @@ struct SurfaceQuery::Impl {
       const auto [begin, end] = rangeOf(visit.id);
       for (std::size_t at = begin; at < end; ++at) {
         const std::uint32_t i = tree ? static_cast<std::uint32_t>(at) : order[at];
-        if (const auto near_m = nearOf(i)) push({*near_m, i, true});
+        if (const auto each = meet(i)) {
+          push({each->near_m, i, static_cast<std::uint32_t>(met.size())});
+          met.push_back(*each);
+        }
       }
     }
   }
@@ -273,24 +281,24 @@ struct SurfaceQuery::Impl {
     // Surfels come in order of their near ends, so a layer is a running union of depth ranges.
     double covered = 0.0, vergence = 0.0;
     float layer_far_m = std::numeric_limits<float>::lowest();
-    const auto nearOf = [&](std::size_t i) -> std::optional<float> {
-      const auto share = cone.shareOf(cloud, i);
-      return share && share->coverage > 0.0 ? std::optional(share->near_m) : std::nullopt;
+    const auto meet = [&](std::size_t i) {
+      auto share = cone.shareOf(cloud, i);
+      if (share && !(share->coverage > 0.0)) share.reset();
+      return share;
     };
-    walk(cone, nearOf, [&](const Visit& visit) {
+    walk<Share>(cone, meet, [&](const Visit& visit, const Share* share) {
       if (visit.near_m > layer_far_m) {
         if (covered >= needed) return false;
         covered = vergence = 0.0;
         if (surface) surface->clear();
         layer_far_m = std::numeric_limits<float>::max();
       }
-      if (!visit.surfel) return true;
-      const Share share = *cone.shareOf(cloud, visit.id);
+      if (!share) return true;
       const bool opens = layer_far_m == std::numeric_limits<float>::max();
-      layer_far_m = opens ? share.far_m : std::max(layer_far_m, share.far_m);
-      covered += share.coverage;
-      vergence += share.coverage / static_cast<double>(share.depth_m);
-      if (surface) surface->push_back({visit.id, share.coverage});
+      layer_far_m = opens ? share->far_m : std::max(layer_far_m, share->far_m);
+      covered += share->coverage;
+      vergence += share->coverage / static_cast<double>(share->depth_m);
+      if (surface) surface->push_back({visit.id, share->coverage});
       return true;
     });
     if (covered < needed) return std::nullopt;
@@ -301,13 +309,14 @@ struct SurfaceQuery::Impl {
   std::optional<double> distanceToGaussians(const Cone& cone, double needed) const {
     double through = 1.0;
     std::optional<double> distance_m;
-    const auto nearOf = [&](std::size_t i) -> std::optional<float> {
-      const auto blocking = cone.blockingOf(*cloud.gaussians, i);
-      return blocking && blocking->alpha > 0.0f ? std::optional(blocking->depth_m) : std::nullopt;
+    const auto meet = [&](std::size_t i) {
+      auto blocking = cone.blockingOf(*cloud.gaussians, i);
+      if (blocking && !(blocking->alpha > 0.0f)) blocking.reset();
+      return blocking;
     };
-    walk(cone, nearOf, [&](const Visit& visit) {
-      if (!visit.surfel) return true;
-      through *= 1.0 - static_cast<double>(cone.blockingOf(*cloud.gaussians, visit.id)->alpha);
+    walk<Blocking>(cone, meet, [&](const Visit& visit, const Blocking* blocking) {
+      if (!blocking) return true;
+      through *= 1.0 - static_cast<double>(blocking->alpha);
       if (1.0 - through < needed) return true;
       distance_m = static_cast<double>(visit.near_m);
       return false;
