@@ -70,7 +70,7 @@ class LiveSession {
       rows.reserve(static_cast<std::size_t>(columns.rows));
       for (py::ssize_t row = 0; row < columns.rows; ++row) {
         pushLocked(columns.at(row));
-        rows.push_back(rowOf(lookLocked(columns.t[row])));
+        rows.push_back(rowOf(stateLocked(columns.t[row])));
       }
     }
     return tableOfRows(
@@ -80,7 +80,7 @@ class LiveSession {
 
   FrameRecord state(double time_s) {
     const auto lock = lockOutsideInterpreter(mutex_);
-    return lookLocked(time_s);
+    return stateLocked(time_s);
   }
 
   Image frame(double time_s) {
@@ -90,7 +90,8 @@ class LiveSession {
     RenderRequest request;
     {
       const std::lock_guard lock(mutex_);
-      record = lookLocked(time_s);
+      note(time_s);
+      record = session_.look(time_s);
       request = session_.requestOf(session_.settings().method, record);
     }
     for (RenderRequest::Eye& eye : request.eyes) eye.settings.depth = depth_;
@@ -131,14 +132,19 @@ class LiveSession {
     newest_s_ = sample.time_s;
   }
 
-  FrameRecord lookLocked(double time_s) {
+  FrameRecord stateLocked(double time_s) {
+    note(time_s);
+    return session_.state(time_s);
+  }
+
+  /// The time of a state or frame.
+  void note(double time_s) {
     const double earliest_s = std::max(newest_s_, looked_s_);
     if (!(std::isfinite(time_s) && time_s >= earliest_s)) {
       throw InputError("time_s = " + std::to_string(time_s),
                        "expected a time not before the newest sample or state");
     }
     looked_s_ = time_s;
-    return session_.look(time_s);
   }
 
   std::shared_ptr<Scene> scene_;
@@ -270,7 +276,9 @@ void bindSession(py::module_& module) {
           "Push columns of samples, (N,) each, and read the state at each: a structured array, "
           "(N,).")
       .def("state", &LiveSession::state, py::arg("time_s"),
-           "The eye at time_s, which is not before the newest sample.")
+           "The eye at time_s, which is not before the newest sample. Its surface is sought again "
+           "once gaze "
+           "or the\neye has moved by more than noise; a frame always seeks it.")
       .def("frame", &LiveSession::frame, py::arg("time_s"),
            "What the eye sees at time_s: an Image. A frame that would look the same is returned "
            "again.")

@@ -44,6 +44,8 @@ class EyePath {
   /// @param poses  at least one (asserted), by time
   explicit EyePath(std::vector<TrackedPose> poses);
 
+  bool isStill() const { return !poses_ && keyframes_.size() == 1; }
+
   /// Whether a head tracker moves the eye: what rests in the world then moves in the view.
   bool followsHead() const { return poses_ != nullptr; }
 

@@ -91,7 +91,11 @@ void Session::changeSettings(const SessionSettings& settings) {
   pupil_.fix(settings_.observer.pupil_mm);
   follower_.setFarPoint(settings_.observer.refraction.far_point_D);
   // The place of the eye is never taken in steps. Any other change, however small, must show.
-  if (!moved) rendered_eye_.reset();
+  if (moved) {
+    follower_.noteEyeMoved();
+  } else {
+    rendered_eye_.reset();
+  }
 }
 
 View Session::middleViewAt(double time_s) const {
@@ -135,8 +139,18 @@ std::optional<glm::dvec2> Session::onScreen_px(const glm::dvec2& point_px, doubl
 }
 
 FrameRecord Session::look(double time_s) {
+  FrameRecord record = recordAt(time_s, AskSurface::always);
+  if (choosesQuality(settings_.method)) followEye(record);
+  return record;
+}
+
+FrameRecord Session::state(double time_s) {
+  return recordAt(time_s, settings_.path.isStill() ? AskSurface::whenMoved : AskSurface::always);
+}
+
+FrameRecord Session::recordAt(double time_s, AskSurface ask) {
   FrameRecord record{.time_s = time_s,
-                     .eye = follower_.at(time_s),
+                     .eye = follower_.at(time_s, ask),
                      .gaze_px = {},
                      .fixation_px = {},
                      .pupil_mm = 0.0,
@@ -176,10 +190,11 @@ FrameRecord Session::lookSettled(double time_s, const glm::dvec2& point_px) {
   eye.focus_D =
       eye.target_D ? reachableFocus_D(accommodation, *eye.target_D) : restingFocus_D(accommodation);
   finishLook(record);
+  if (choosesQuality(settings_.method)) followEye(record);
   return record;
 }
 
-/// The eye's pose, fixed focus, the pupil, and what `auto` renders.
+/// The eye's pose, fixed focus and the pupil.
 void Session::finishLook(FrameRecord& record) {
   const glm::dmat4 world_from_eye =
       glm::inverse(glm::dmat4(settings_.path.eyeFromWorldAt(record.time_s - start_s_)));
@@ -192,7 +207,6 @@ void Session::finishLook(FrameRecord& record) {
   }
   if (pupil_.needsFrame()) showSharpFrame(record.time_s);
   record.pupil_mm = pupil_.at_mm(record.time_s);
-  if (choosesQuality(settings_.method)) followEye(record);
 }
 
 /// Shows a pupil that follows luminance its first frame. Blur does not change the mean luminance.

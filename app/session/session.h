@@ -50,14 +50,18 @@ class Session {
   /// been pushed, and none after it.
   FrameRecord look(double time_s);
 
+  /// The same for a reader of states, between frames and at any rate. While the eye and gaze rest,
+  /// the surface of the last question holds (`AskSurface::whenMoved`). Frames do not follow it.
+  FrameRecord state(double time_s);
+
   /// The eye after a long fixation of a point, without samples: focus has come to rest.
   /// @param point_px  on the session's screen
   FrameRecord lookSettled(double time_s, const glm::dvec2& point_px);
 
-  /// What the eye of the last `look` sees, to be rendered by `method`. If the session's method
-  /// chooses its quality (`auto`), focus, pupil and gaze change in steps too small to see, so that
-  /// an eye at rest has equal requests. With foveation nothing changes in saccades and blinks,
-  /// either. Other methods render the record as it is.
+  /// What the eye of the last `look` or `lookSettled` sees, to be rendered by `method`. If the
+  /// session's method chooses its quality (`auto`), focus, pupil and gaze change in steps too small
+  /// to see, so that an eye at rest has equal requests. With foveation nothing changes in saccades
+  /// and blinks, either. Other methods render the record as it is.
   RenderRequest requestOf(const std::string& method, const FrameRecord& record) const;
 
   /// What the eye will see once its focus has come to rest, should nothing else change.
@@ -109,6 +113,7 @@ class Session {
   std::string deviceRemark() const;
 
  private:
+  FrameRecord recordAt(double time_s, AskSurface ask);
   void finishLook(FrameRecord& record);
   void showSharpFrame(double time_s);
   void followEye(const FrameRecord& record);

@@ -18,6 +18,8 @@ constexpr double kRingRadius = 1.0;  // standard errors of the fixation
 constexpr int kRingDirections = 8;
 constexpr double kMinRingRadius = 0.1;  // of the cone's half-angle; a smaller ring changes nothing
 
+constexpr double kMoved = 0.1;  // of the cone's half-angle; the surface is then sought again
+
 }  // namespace
 
 GazeFollower::GazeFollower(const Screen& screen, double rate_Hz, SurfaceDistance surface,
@@ -86,7 +88,15 @@ std::optional<double> GazeFollower::surfaceAround(double time_s, const glm::dvec
   return changeOf_D(nearest_m) <= settings_.surface_error_D ? nearest_m : ahead_m;
 }
 
+/// Whether the last answer may differ from that to a question now by more than noise.
+bool GazeFollower::hasMoved() const {
+  return eye_moved_ || settings_.vergence || newest_->head || newest_->uncertainty_deg ||
+         angleBetween_deg(screen_, looked_->point_px, *now_.fixation_px) >=
+             kMoved * settings_.cone_half_angle_deg;
+}
+
 void GazeFollower::look(double time_s) {
+  eye_moved_ = false;
   const glm::dvec2 point_px = *now_.fixation_px;
   const double pose_s = newest_->head ? now_.fixation_time_s : time_s;
   looked_ = {
@@ -114,10 +124,12 @@ std::optional<bool> vergenceDisagrees(const EyeNow& eye, double surface_error_D)
                   {.value_D = 1.0 / *eye.surface_distance_m, .error_D = surface_error_D});
 }
 
-EyeNow GazeFollower::at(double time_s) {
+EyeNow GazeFollower::at(double time_s, AskSurface ask) {
   const bool silent = !newest_ || time_s - newest_->time_s > longest_silence_s_;
   const bool stable = !silent && isFixating();
-  if (stable && looked_->time_s != time_s) look(time_s);
+  if (stable && looked_->time_s != time_s && (ask == AskSurface::always || hasMoved())) {
+    look(time_s);
+  }
   return {.time_s = time_s,
           .sample = newest_,
           .state = silent ? GazeState::lost : now_.state,

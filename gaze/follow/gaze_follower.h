@@ -54,6 +54,12 @@ struct EyeNow {
   double focus_D = 0.0;  ///< the resting focus before the first target
 };
 
+/// When the follower asks for the surface during a fixation.
+enum class AskSurface {
+  always,     ///< as a frame needs it
+  whenMoved,  ///< gaze, or the eye, has moved by more than noise since the last question
+};
+
 /// Whether the lines of sight of a fixation meet elsewhere than on its surface (`disagree`).
 /// @return nothing without vergence or surface
 std::optional<bool> vergenceDisagrees(const EyeNow& eye, double surface_error_D = 0.1);
@@ -65,9 +71,10 @@ std::optional<bool> vergenceDisagrees(const EyeNow& eye, double surface_error_D 
 /// time of the sample that has the fixation's point, because this point belongs to that pose.
 ///
 /// During a fixation the follower asks for the surface once a frame, because the eye itself may
-/// move. It also asks at the sample where the fixation begins, or has moved by half of the cone's
-/// half-angle. So the latency of accommodation starts at this sample and not at the next frame.
-/// During saccades, blinks and data loss the target keeps its value.
+/// move. `AskSurface::whenMoved` spares the question while gaze rests. It also asks at the sample
+/// where the fixation begins, or has moved by half of the cone's half-angle. So the latency of
+/// accommodation starts at this sample and not at the next frame. During saccades, blinks and data
+/// loss the target keeps its value.
 ///
 /// Noise does not make the focus jump at an edge. If the cone meets another surface than before, by
 /// more than `surface_error_D`, the follower also asks in a ring around the fixation. The ring's
@@ -86,9 +93,12 @@ class GazeFollower {
   /// See `Accommodation::setFarPoint`.
   void setFarPoint(double far_point_D) { accommodation_.setFarPoint(far_point_D); }
 
+  /// The eye itself has moved, so that the next `at` asks for the surface.
+  void noteEyeMoved() { eye_moved_ = true; }
+
   /// The eye's state at the time of a frame.
   /// @param time_s  not before the newest sample or the last frame
-  EyeNow at(double time_s);
+  EyeNow at(double time_s, AskSurface ask = AskSurface::always);
 
  private:
   /// The last question to the surface, in the current fixation.
@@ -99,6 +109,7 @@ class GazeFollower {
   };
 
   bool isFixating() const;
+  bool hasMoved() const;
   void look(double time_s);
   void converge(const GazeSample& sample);
   std::optional<double> surfaceAround(double time_s, const glm::dvec3& sight,
@@ -113,6 +124,7 @@ class GazeFollower {
   std::optional<GazeSample> newest_{};
   GazeNow now_{};
   std::optional<Look> looked_{};
+  bool eye_moved_ = false;             // since then
   std::optional<double> surface_D_{};  // of the latest look that met a surface
   std::optional<DioptreEstimate> vergence_{};
   double vergence_sum_D_ = 0.0;

@@ -93,6 +93,46 @@ TEST(Session, FocusesOnTheSurfaceUnderGaze) {
   EXPECT_EQ(frame.size_px, study.output.size_px);
 }
 
+/// Reading a state at each sample, as `foci live` does not, but Python may.
+TEST(Session, StatesHoldTheSurfaceOfAFrameWithinAHundredthOfADioptre) {
+  const SurfelCloud cloud = wall();
+  Study study = wallStudy();
+  study.eye.look_at_m = glm::dvec3(-0.4, 0.0, -2.0);
+  const SessionSettings settings = sessionSettingsOf(study);
+  Session reader(settings, cloud, settings.screen, 1000.0, 0.0);
+  Session renderer(settings, cloud, settings.screen, 1000.0, 0.0);
+  int held = 0;
+  double before_m = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    const double time_s = 0.001 * i;
+    const double jitter_px = i % 3 - 1.0;
+    const GazeSample sample{.time_s = time_s,
+                            .point_px = glm::dvec2(settings.screen.size_px) * 0.5 +
+                                        glm::dvec2(0.05 * i + jitter_px, jitter_px)};
+    reader.push(sample);
+    renderer.push(sample);
+    const FrameRecord state = reader.state(time_s), frame = renderer.look(time_s);
+    ASSERT_EQ(state.eye.surface_distance_m.has_value(), frame.eye.surface_distance_m.has_value());
+    EXPECT_EQ(state.fixation_px, frame.fixation_px);
+    EXPECT_EQ(state.pupil_mm, frame.pupil_mm);
+    EXPECT_EQ(state.eye_m, frame.eye_m);
+    EXPECT_NEAR(state.eye.focus_D, frame.eye.focus_D, 0.01);
+    if (!state.eye.surface_distance_m) continue;
+    EXPECT_NEAR(1.0 / *state.eye.surface_distance_m, 1.0 / *frame.eye.surface_distance_m, 0.01);
+    if (*state.eye.surface_distance_m == before_m) ++held;
+    before_m = *state.eye.surface_distance_m;
+  }
+  EXPECT_GE(held, 300);
+
+  // The next frame is exact, and a moved eye is noticed.
+  EXPECT_EQ(reader.look(0.4).eye.surface_distance_m, renderer.look(0.4).eye.surface_distance_m);
+  SessionSettings nearer = settings;
+  nearer.path =
+      EyePath({{.position_m = {0.0, 0.0, -1.0}, .look_at_m = {-0.4, 0.0, -2.0}, .up = {}}});
+  reader.changeSettings(nearer);
+  EXPECT_LT(*reader.state(0.401).eye.surface_distance_m, 1.5);
+}
+
 TEST(Session, RefusesAMethodThatCannotRenderTheScene) {
   GaussianCloud gaussians;
   addWall(gaussians, 2.0f, 1.2f, 20, 0.9f, glm::vec3(0.5f));

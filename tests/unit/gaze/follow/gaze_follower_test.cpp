@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/simulator.h"
 
@@ -165,6 +167,38 @@ TEST(GazeFollower, AsksTheSurfaceOnceAFrameAndNotAtEverySample) {
   }
   EXPECT_EQ(asked, 31);  // once when the fixation began
   EXPECT_TRUE(std::is_sorted(times_s.begin(), times_s.end()));
+}
+
+TEST(GazeFollower, AReaderOfStatesAsksOnlyOnceGazeOrTheEyeHasMoved) {
+  int asked = 0;
+  const auto count = [&](double, const glm::dvec3&, double) {
+    ++asked;
+    return std::optional(1.0);
+  };
+  GazeFollower follower(kScreen, 500, count, instant());
+  // 0.5 px of noise; the cone's half-angle is 13 px.
+  auto samples = still(0.0, 1.0, kLeft_px);
+  for (std::size_t i = 0; i < samples.size(); i += 2) samples[i].point_px->x += 0.5;
+  const auto readAll = [&] {
+    for (const GazeSample& sample : samples) {
+      follower.push(sample);
+      EXPECT_EQ(follower.at(sample.time_s, AskSurface::whenMoved).surface_distance_m, 1.0);
+    }
+    return std::exchange(asked, 0);
+  };
+  EXPECT_EQ(readAll(), 1);  // as the fixation began
+
+  samples = still(1.0, 2.0, kLeft_px + glm::dvec2(5.0, 0.0));
+  const int drifting = readAll();
+  EXPECT_GE(drifting, 1);
+  EXPECT_LE(drifting, 10);
+
+  follower.noteEyeMoved();
+  follower.at(2.0, AskSurface::whenMoved);
+  follower.at(2.001, AskSurface::whenMoved);
+  EXPECT_EQ(std::exchange(asked, 0), 1);
+  follower.at(2.002);
+  EXPECT_EQ(asked, 1);  // for a frame, always
 }
 
 /// An observer looks steadily at a point, `off_deg` to the right of the edge between two surfaces.
