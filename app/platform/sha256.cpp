@@ -1,9 +1,11 @@
 #include "app/platform/sha256.h"
 
+#include <fcntl.h>
 #include <openssl/evp.h>
 
 #include <array>
-#include <fstream>
+#include <cstdint>
+#include <cstdio>
 #include <new>
 #include <vector>
 
@@ -39,16 +41,31 @@ std::string Sha256::hex() {
   return text;
 }
 
-std::string sha256OfFile(const std::filesystem::path& path) {
+std::string sha256OfFile(const std::filesystem::path& path,
+                         const std::function<void()>& before_block) {
   requireRegularFile(path);
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path.string(), "cannot be read");
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
+                                                             &std::fclose);
+  if (!file) throw InputError(path.string(), "cannot be read");
+  std::setvbuf(file.get(), nullptr, _IONBF, 0);
+  // The pages of a file that may be larger than memory make room at once. Pages that are mapped,
+  // as those of a scene, stay.
+  constexpr std::uintmax_t kKept_B = std::uintmax_t{1} << 30;
+  const bool releases = std::filesystem::file_size(path) > kKept_B;
   Sha256 hash;
-  std::vector<char> block(1 << 20);
-  while (in.read(block.data(), static_cast<std::streamsize>(block.size())), in.gcount() > 0) {
-    hash.add({reinterpret_cast<const unsigned char*>(block.data()),
-              static_cast<std::size_t>(in.gcount())});
+  std::vector<unsigned char> block(1 << 20);
+  off_t done = 0;
+  while (true) {
+    if (before_block) before_block();
+    const std::size_t got = std::fread(block.data(), 1, block.size(), file.get());
+    if (got == 0) break;
+    hash.add({block.data(), got});
+    if (releases) {
+      ::posix_fadvise(::fileno(file.get()), done, static_cast<off_t>(got), POSIX_FADV_DONTNEED);
+    }
+    done += static_cast<off_t>(got);
   }
+  if (std::ferror(file.get()) != 0) throw InputError(path.string(), "cannot be read");
   return hash.hex();
 }
 

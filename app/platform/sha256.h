@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -21,7 +22,9 @@ class Sha256 {
   std::unique_ptr<State> state_;
 };
 
+/// @param before_block  called before each MiB is read; it stops the work by throwing
 /// @throws InputError if the file cannot be read
-std::string sha256OfFile(const std::filesystem::path& path);
+std::string sha256OfFile(const std::filesystem::path& path,
+                         const std::function<void()>& before_block = {});
 
 }  // namespace foci

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
@@ -34,7 +35,8 @@ constexpr const char* kFileKeys[] = {"scene.file",     "screen.monitor", "gaze.s
                                      "record.changes", "record.markers"};
 
 std::string spanText(const FrameSpan& span) {
-  return std::to_string(span.first) + ":" + std::to_string(span.end);
+  const bool open = span.end == std::numeric_limits<std::size_t>::max();
+  return std::to_string(span.first) + ":" + (open ? "" : std::to_string(span.end));
 }
 
 /// The configuration without what may differ between the parts of a run.
@@ -62,9 +64,9 @@ std::string portableToml(const Study& study) {
 }
 
 Json headOf(const Study& study, const FrameSpan& span, std::size_t frames, unsigned threads,
-            const std::string& device) {
+            const std::string& device, const std::vector<InputFile>& files) {
   Json inputs = Json::array();
-  for (const InputFile& input : hashedInputs(study)) {
+  for (const InputFile& input : files) {
     inputs.push_back({{"path", input.path.string()}, {"sha256", input.sha256}});
   }
   return {{"program", "foci"},
@@ -154,11 +156,12 @@ FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::files
   const FrameSpan own = within(span, gaze.schedule.frames);
   ReplayedEye eye(gaze.study, gaze, scene.of(gaze.study));
   noteInterrupts();
+  InputHashes hashes(study, scene.hashed);
   OutputFolder folder(out);
   eye.sayDevice();
   Json frames = renderSpan(eye, own, folder);
   Json part = headOf(study, own, gaze.schedule.frames, threads,
-                     eye.session().deviceOf(study.render.method));
+                     eye.session().deviceOf(study.render.method), hashes.get());
   part["frames_seen"] = std::move(frames);
   folder.write(kStudy, portableToml(study));
   folder.write(kPart, jsonText(part) + "\n");

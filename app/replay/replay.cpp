@@ -30,13 +30,11 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   if (heatmap && cloud.empty()) {
     throw InputError("--heatmap", "expected a scene of surfaces: this one has no surfels");
   }
-  RunFacts facts{.command = command,
-                 .threads = threads,
-                 .device = {},
-                 .inputs = hashedInputs(study),
-                 .heatmap = heatmap};
+  RunFacts facts{
+      .command = command, .threads = threads, .device = {}, .inputs = {}, .heatmap = heatmap};
   ReplayedEye eye(study, gaze, cloud);
   noteInterrupts();
+  InputHashes hashes(study, scene.hashed);
   if (const std::string remark = eyeRemark(study); !remark.empty()) {
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }
@@ -75,6 +73,7 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   if (const std::string remark = eye.session().deviceRemark(); !remark.empty()) {
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }
+  facts.inputs = scene.hashed = hashes.get();
   facts.device = eye.session().deviceOf(study.render.method);
   return writer.finish(facts);
 }

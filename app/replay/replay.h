@@ -5,7 +5,10 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "app/record/manifest.h"
 #include "app/replay/run_writer.h"
 #include "app/study/study.h"
 #include "render/scene/surfel_cloud.h"
@@ -20,6 +23,9 @@ class ReplayedScene {
 
   /// @throws InputError
   const SurfelCloud& of(const Study& study);
+
+  /// Files that runs have read, with their hashes: the next run need not hash them again.
+  std::vector<InputFile> hashed{};
 
  private:
   std::optional<SceneFile> file_;

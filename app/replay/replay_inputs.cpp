@@ -1,13 +1,18 @@
 #include "app/replay/replay_inputs.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
+#include "app/platform/interrupt.h"
 #include "app/platform/sha256.h"
 #include "app/study/inputs.h"
 #include "app/study/recorded_head.h"
 #include "base/input_error.h"
+#include "base/parallel.h"
 
 namespace foci {
 
@@ -46,10 +51,29 @@ ReplayedGaze readReplayedGaze(const Study& study) {
   return inputs;
 }
 
-std::vector<InputFile> hashedInputs(const Study& study) {
-  std::vector<InputFile> files;
-  for (const auto& file : inputFiles(study)) files.push_back({file, sha256OfFile(file)});
-  return files;
+InputHashes::InputHashes(const Study& study, std::vector<InputFile> known)
+    : files_(std::async(
+          maxThreads() > 1 ? std::launch::async : std::launch::deferred,
+          [this, paths = inputFiles(study), known = std::move(known)] {
+            const auto goOn = [this] {
+              throwIfInterrupted();
+              if (stop_) throw std::runtime_error("stopped");
+            };
+            std::vector<InputFile> files;
+            for (const std::filesystem::path& path : paths) {
+              const auto of = std::ranges::find(known, path, &InputFile::path);
+              files.push_back({path, of != known.end() ? of->sha256 : sha256OfFile(path, goOn)});
+            }
+            return files;
+          })) {}
+
+InputHashes::~InputHashes() { stop_ = true; }
+
+std::vector<InputFile> InputHashes::get() {
+  if (files_.wait_for(std::chrono::seconds(1)) == std::future_status::timeout) {
+    std::fputs("foci: computing the hashes of the input files, for the manifest\n", stderr);
+  }
+  return files_.get();
 }
 
 }  // namespace foci

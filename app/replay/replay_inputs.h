@@ -1,7 +1,9 @@
 // What a replay reads. Reading it all refuses bad input before anything is written.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
+#include <future>
 #include <optional>
 #include <vector>
 
@@ -28,7 +30,24 @@ struct ReplayedGaze {
 /// @throws InputError, also for images that H.264 does not take
 ReplayedGaze readReplayedGaze(const Study& study);
 
-/// The input files of a study with their hashes.
-std::vector<InputFile> hashedInputs(const Study& study);
+/// The input files of a study with their hashes, which are computed while the frames are rendered:
+/// a large scene takes longer than its first frame.
+class InputHashes {
+ public:
+  /// @param known  files whose hashes are known
+  explicit InputHashes(const Study& study, std::vector<InputFile> known = {});
+  /// Stops the work.
+  ~InputHashes();
+  InputHashes(const InputHashes&) = delete;
+  InputHashes& operator=(const InputHashes&) = delete;
+
+  /// Waits for them. Call it once.
+  /// @throws InputError, std::runtime_error after a signal
+  std::vector<InputFile> get();
+
+ private:
+  std::atomic<bool> stop_ = false;
+  std::future<std::vector<InputFile>> files_{};
+};
 
 }  // namespace foci

@@ -206,8 +206,9 @@ TEST_F(Batch, ReplaysManyRecordings) {
   // Each is as if it were alone.
   ASSERT_EQ(foci({"replay", "study.toml", "--trace", "sub-02/gaze.tsv", "--out", "one"}).exit_code,
             0);
-  EXPECT_EQ(json("one/manifest.json")["frames_sha256"],
-            json("all/sub-02-gaze/manifest.json")["frames_sha256"]);
+  const Json alone = json("one/manifest.json"), among = json("all/sub-02-gaze/manifest.json");
+  EXPECT_EQ(alone["frames_sha256"], among["frames_sha256"]);
+  EXPECT_EQ(alone["inputs"], among["inputs"]);
   EXPECT_EQ(framesOf("one"), framesOf("all/sub-02-gaze"));
 }
 
