@@ -159,9 +159,14 @@ void bindCalibration(py::module_& module) {
            "(N,) in degrees: 68 % of the errors are\nsmaller). NaN stays NaN.")
       .def("accuracy", &accuracy, py::arg("gaze"), py::arg("target"), py::arg("units") = "px",
            "Accuracy and precision on samples at known targets, a dict; degrees.")
-      .def_property_readonly("model", [](const GazeMap& m) { return nameOf(m.model); })
-      .def_property_readonly("units", [](const GazeMap& m) { return nameOf(m.frame.units); })
-      .def_property_readonly("screen", [](const GazeMap& m) { return m.frame.screen; })
+      .def_property_readonly(
+          "model", [](const GazeMap& m) { return nameOf(m.model); },
+          "offset, affine, second or third.")
+      .def_property_readonly(
+          "units", [](const GazeMap& m) { return nameOf(m.frame.units); },
+          "Of the gaze that the map takes: px, deg, norm or direction.")
+      .def_property_readonly(
+          "screen", [](const GazeMap& m) { return m.frame.screen; }, "That the map was fitted on.")
       .def("__repr__", [](const GazeMap& map) {
         return "<foci.GazeMap, " + std::string(nameOf(map.model)) + ", in " +
                std::string(nameOf(map.frame.units)) + ">";

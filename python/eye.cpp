@@ -116,10 +116,12 @@ void bindScreenAndEye(py::module_& module) {
       .def(py::init(&makeScreen), py::arg("size_px") = std::array<int, 2>{1920, 1080},
            py::arg("size_m") = pairOf(usual.size_m), py::arg("distance_m") = usual.distance_m)
       .def_property_readonly(
-          "size_px", [](const Screen& s) { return py::make_tuple(s.size_px.x, s.size_px.y); })
-      .def_property_readonly("size_m",
-                             [](const Screen& s) { return py::make_tuple(s.size_m.x, s.size_m.y); })
-      .def_readonly("distance_m", &Screen::distance_m)
+          "size_px", [](const Screen& s) { return py::make_tuple(s.size_px.x, s.size_px.y); },
+          "(width, height), pixels.")
+      .def_property_readonly(
+          "size_m", [](const Screen& s) { return py::make_tuple(s.size_m.x, s.size_m.y); },
+          "(width, height) of the visible area, metres.")
+      .def_readonly("distance_m", &Screen::distance_m, "From the eye to the screen, metres.")
       .def("__repr__", [](const Screen& s) { return textOf(s); });
 
   py::class_<StillEye>(
@@ -142,16 +144,20 @@ void bindScreenAndEye(py::module_& module) {
            py::arg("wavefront_um") = std::vector<double>(),
            py::arg("wavefront_pupil_mm") = py::none(), py::arg("stiles_crawford") = false,
            py::arg("diffraction") = false)
-      .def_readonly("pupil_mm", &StillEye::pupil_mm)
-      .def_readonly("age_years", &StillEye::age_years)
-      .def_readonly("chromatic", &StillEye::chromatic)
+      .def_readonly("pupil_mm", &StillEye::pupil_mm, "Diameter of the pupil, millimetres.")
+      .def_readonly("age_years", &StillEye::age_years, "Limits accommodation; None: no limit.")
+      .def_readonly("chromatic", &StillEye::chromatic,
+                    "Whether colours focus at different distances.")
       .def_property_readonly(
           "position_m",
-          [](const StillEye& e) { return py::tuple(py::cast(tripleOf(e.position_m))); })
+          [](const StillEye& e) { return py::tuple(py::cast(tripleOf(e.position_m))); },
+          "(x, y, z), metres in the scene.")
       .def_property_readonly(
-          "look_at_m", [](const StillEye& e) { return py::tuple(py::cast(tripleOf(e.look_at_m))); })
-      .def_property_readonly("up",
-                             [](const StillEye& e) { return py::tuple(py::cast(tripleOf(e.up))); })
+          "look_at_m", [](const StillEye& e) { return py::tuple(py::cast(tripleOf(e.look_at_m))); },
+          "(x, y, z) that the screen's centre shows, metres.")
+      .def_property_readonly(
+          "up", [](const StillEye& e) { return py::tuple(py::cast(tripleOf(e.up))); },
+          "(x, y, z), roughly upwards.")
       .def("__repr__", [](const StillEye& e) { return textOf(e); });
 }
 

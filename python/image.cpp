@@ -156,18 +156,22 @@ void bindImage(py::module_& module) {
           "4;\nNone: sRGB.")
       .def("save", &save, py::arg("path"),
            "Write a .png (8 bits, sRGB), or a .pfm or .exr (linear float).")
-      .def_property_readonly("shape",
-                             [](const Image& image) {
-                               const glm::ivec2& size_px = image.rendered->frame.size_px;
-                               return py::make_tuple(size_px.y, size_px.x, 3);
-                             })
+      .def_property_readonly(
+          "shape",
+          [](const Image& image) {
+            const glm::ivec2& size_px = image.rendered->frame.size_px;
+            return py::make_tuple(size_px.y, size_px.x, 3);
+          },
+          "(height, width, 3).")
       .def_property_readonly(
           "focus_D", [](const Image& i) { return i.record.eye.focus_D; },
           "Focus of the eye, dioptres.")
       .def_property_readonly(
           "surface_distance_m", [](const Image& i) { return i.record.eye.surface_distance_m; },
           "Distance of the surface at the gaze, metres; None if there is none.")
-      .def_property_readonly("pupil_mm", [](const Image& i) { return i.record.pupil_mm; })
+      .def_property_readonly(
+          "pupil_mm", [](const Image& i) { return i.record.pupil_mm; },
+          "Diameter of the pupil, millimetres.")
       .def_property_readonly(
           "time_s", [](const Image& i) { return i.record.time_s; },
           "Of a session's frame, seconds on the clock of its samples.")
@@ -181,7 +185,9 @@ void bindImage(py::module_& module) {
           "render_ms", [](const Image& i) { return i.record.stats.ms; },
           "Time that the renderer took, milliseconds; 0 for a frame that was "
           "reused.")
-      .def_property_readonly("splats", [](const Image& i) { return i.record.stats.splats; })
+      .def_property_readonly(
+          "splats", [](const Image& i) { return i.record.stats.splats; },
+          "Number of splats that were rendered.")
       .def_property_readonly(
           "method", [](const Image& i) { return i.record.method; },
           "The method that renders the same image again.")

@@ -21,7 +21,7 @@ std::string shapeOf(const Numbers& array) {
     if (i > 0) text += ", ";
     text += std::to_string(array.shape(i));
   }
-  text += ")";
+  text += array.ndim() == 1 ? ",)" : ")";
   return text;
 }
 
@@ -75,7 +75,8 @@ Word wordOf(std::string_view word) {
 
 PYBIND11_MODULE(_foci, module) {
   module.doc() = "The compiled part of foci. Import `foci` instead.";
-  py::register_exception<foci::InputError>(module, "InputError", PyExc_ValueError);
+  py::register_exception<foci::InputError>(module, "InputError", PyExc_ValueError).doc() =
+      "Bad input: one line with the argument, its value and what is expected.";
   foci::bindScreenAndEye(module);
   foci::bindImage(module);
   foci::bindScene(module);

@@ -182,10 +182,12 @@ void bindRecordings(py::module_& module) {
             return column(r, [](const auto& s) { return orNaN(s.pupil_mm); });
           },
           "Diameter of the pupil, millimetres, (N,); NaN where unknown.")
-      .def_property_readonly("screen", [](const GazeTrace& r) { return *r.screen; })
-      .def_readonly("rate_Hz", &GazeTrace::rate_Hz)
-      .def_readonly("format", &GazeTrace::format)
-      .def_readonly("warnings", &GazeTrace::warnings)
+      .def_property_readonly(
+          "screen", [](const GazeTrace& r) { return *r.screen; }, "That x and y lie on.")
+      .def_readonly("rate_Hz", &GazeTrace::rate_Hz, "Sampling rate, nominal or median, hertz.")
+      .def_readonly("format", &GazeTrace::format, "Of the file, for people.")
+      .def_readonly("warnings", &GazeTrace::warnings,
+                    "What is worth knowing about the file, a sentence each.")
       .def("__len__", [](const GazeTrace& r) { return r.samples.size(); })
       .def("__repr__",
            [](const GazeTrace& r) {

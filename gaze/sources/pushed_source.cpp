@@ -14,7 +14,8 @@ namespace {
 constexpr double kPause_s = 2.0;            // as with Pupil Core: the sender may have a new clock
 constexpr std::size_t kMaxWaiting = 65536;  // bounds memory if nobody polls
 constexpr double kStep_s = 1e-6;            // between samples that a smaller offset brings together
-constexpr const char* kExpected = "expected TIME X Y [PUPIL], e.g. 12.0345 960 540 3.1";
+constexpr const char* kExpected =
+    "expected TIME X Y [PUPIL], e.g. 12.0345 960 540 3.1, and ; before the next sample";
 
 /// The numbers of one sample; `nan` is none.
 std::vector<std::optional<double>> numbersOf(std::string_view text) {

@@ -295,6 +295,19 @@ class CalibrationTest(unittest.TestCase):
             foci.GazeMap.fit(self.gaze, self.target, units="furlong")
 
 
+class DocumentationTest(unittest.TestCase):
+    def test_every_public_name_has_a_docstring(self):
+        names = [name for name in dir(foci) if not name.startswith("_")]
+        self.assertIn("Session", names)
+        for name in names:
+            thing = getattr(foci, name)
+            self.assertTrue(thing.__doc__, name)
+            if isinstance(thing, type) and not issubclass(thing, Exception):
+                for member in dir(thing):
+                    if not member.startswith("_"):
+                        self.assertTrue(getattr(thing, member).__doc__, f"{name}.{member}")
+
+
 class SessionTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -320,6 +333,18 @@ class SessionTest(unittest.TestCase):
             one.push(t[i], x[i], y[i])
             state = one.state(t[i])
             self.assertEqual((state.state, state.focus_D), (table["state"][i], table["focus_D"][i]))
+
+    def test_a_state_holds_the_surface_while_gaze_rests(self):
+        session = self.session()
+        t = np.arange(0.0, 1.0, 0.004)
+        noise_px = np.random.default_rng(1).normal(0.0, 0.3, t.size)
+        table = session.track(t, 1500.0 + noise_px, np.full_like(t, 540.0))
+        distances_m = table["surface_distance_m"][100:]
+        self.assertLess(np.unique(distances_m).size, 10)
+        frame = session.frame(t[-1])
+        self.assertAlmostEqual(1.0 / frame.surface_distance_m, 1.0 / distances_m[-1], delta=0.01)
+        session.move(foci.Eye(position_m=(0, 0, 1), look_at_m=(0, 0, 0)))
+        self.assertGreater(session.state(1.0).surface_distance_m, distances_m[-1] + 0.5)
 
     def test_an_eye_at_rest_gets_its_frame_again(self):
         session = self.session()
