@@ -1,6 +1,7 @@
 #include "gaze/sources/column_names.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <utility>
@@ -11,6 +12,13 @@
 
 namespace foci {
 namespace {
+
+/// Parts of the names of directions in space.
+constexpr std::array<std::string_view, 4> kDirections = {"gazedirect", "gazevector", "gazedir",
+                                                         "gvec"};
+/// Names of angles whose unit is not told.
+constexpr std::array<std::string_view, 8> kAngles = {
+    "yaw", "pitch", "gazeyaw", "gazepitch", "azimuth", "elevation", "gazeazimuth", "gazeelevation"};
 
 /// The short form of a unit as vendors write it; empty for any other word.
 std::string unitOf(std::string_view word) {
@@ -195,9 +203,23 @@ std::string ColumnNames::otherKind() const {
   if (find({"fixationx", "fixationpointx"}) || find({"starttimestamp"})) {
     return "the rows are fixations or events: export the samples of gaze";
   }
-  if (any({"gazedirect", "gazevector", "gazedir", "gvec"})) {
-    return "the columns are directions in space: write a position in degrees from straight ahead, "
-           "atan(x / z) and atan(y / z), as columns x_deg and y_deg";
+  const auto isDirection = [&](std::size_t i) {
+    const std::string& key = names_[i].key;
+    return std::any_of(kDirections.begin(), kDirections.end(),
+                       [&](std::string_view part) { return key.find(part) != std::string::npos; });
+  };
+  if (const std::string directions = listed(isDirection); !directions.empty()) {
+    return "the columns " + directions +
+           " are directions in space: name x, y and z in a study with gaze.direction = [...], and "
+           "set gaze.axes and gaze.frame";
+  }
+  const auto isAngle = [&](std::size_t i) {
+    return std::find(kAngles.begin(), kAngles.end(), names_[i].key) != kAngles.end();
+  };
+  if (const std::string angles = listed(isAngle); !angles.empty()) {
+    return "the columns " + angles +
+           " are angles: name them in a study with gaze.angles = [to the right, upwards], or with "
+           "gaze.x, gaze.y and gaze.units = \"deg\" for an eye before a screen";
   }
   return "";
 }

@@ -347,7 +347,6 @@ class TableReader {
 
   /// The unit of time that gives the rate of an eye tracker.
   double likelyScale_s() const {
-    constexpr double kMinRate_Hz = 5.0, kMaxRate_Hz = 20'000.0;
     std::vector<double> intervals;
     for (std::size_t i = 1; i < held_.size(); ++i) {
       intervals.push_back(held_[i].time_s - held_[i - 1].time_s);

@@ -264,6 +264,11 @@ std::vector<std::string> TraceDoubts::rowDoubts() const {
                      " of the samples have no gaze: are gaze.confidence, gaze.blink and "
                      "gaze.missing right?");
   }
+  const double rate_Hz = static_cast<double>(samples_ - 1) / (last_s_ - first_s_);
+  if (samples_ >= kMinPositions && (rate_Hz < kMinRate_Hz || rate_Hz > kMaxRate_Hz)) {
+    doubts.push_back(significant(rate_Hz) +
+                     " samples a second: is the unit of time right (gaze.time_scale_s)?");
+  }
   if (longest_gap_s_ > kLongGap_s && 2.0 * longest_gap_s_ > last_s_ - first_s_) {
     doubts.push_back("a gap of " + significant(longest_gap_s_) +
                      " s: is the clock right (gaze.time, gaze.time_scale_s)?");

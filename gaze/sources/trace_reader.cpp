@@ -20,7 +20,6 @@ namespace foci {
 namespace {
 
 // No tracker has a rate outside these limits: the unit of time must be wrong.
-constexpr double kMinRate_Hz = 5.0, kMaxRate_Hz = 20'000.0;
 constexpr double kMaxDuration_s = 86'400.0;  // a day; a longer recording has a broken clock
 
 /// Rate from the median interval, or from the mean of rounded ones, rounded to a thousandth.

@@ -14,6 +14,9 @@
 
 namespace foci {
 
+/// The rates of eye trackers.
+inline constexpr double kMinRate_Hz = 5.0, kMaxRate_Hz = 20'000.0;
+
 /// Unit of the two columns of a position.
 enum class GazeUnits {
   px,   ///< pixels from the screen's top-left corner, y down

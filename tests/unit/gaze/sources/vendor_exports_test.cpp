@@ -287,7 +287,8 @@ TEST(VendorExport, TablesOfOtherThingsAreNamed) {
   };
   says("rt,trial_type,webgazer_data\n5,a,\"[]\"\n", "JSON");
   says("fixation id,start timestamp [ns],fixation x [px],fixation y [px]\n1,2,3,4\n", "fixations");
-  says("time(s),gaze_direct_L.x,gaze_direct_L.y,gaze_direct_L.z\n0,0,0,1\n", "directions in space");
+  says("time(s),gaze_direct_L.x,gaze_direct_L.y,gaze_direct_L.z\n0,0,0,1\n", "gaze.direction");
+  says("time_s,yaw,pitch,head_x\n0,0.1,0.2,1\n", "gaze.angles");
   says("Time,X,Y\n10:22:00,3,4\n", "--time");
 }
 
