@@ -10,7 +10,7 @@ RenderStats GaussianParts::render(GaussianView& scene, const std::vector<LensPar
                                   const GaussianCutSettings* lod, Frame& frame) {
   const float share = partDiscRadius(parts.size());
   RenderStats stats;
-  meanOfParts(parts, part_, frame, [&](const LensPart& part, Frame& to) {
+  meanOfParts(parts, 0.0f, part_, frame, [&](const LensPart& part, Frame& to) {
     const std::vector<LensDisc> disc = {{part.centre, share * part.radius}};
     scene.project(viewOfPart(view, part), part.defocus, disc, lod);
     stats.splats += scene.count();

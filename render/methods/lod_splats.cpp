@@ -8,7 +8,6 @@
 
 #include "base/mapped_file.h"
 #include "base/parallel.h"
-#include "render/methods/halos.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/mean_of_parts.h"
 #include "render/methods/view_splats.h"
@@ -92,27 +91,27 @@ RenderStats LodSplats::renderParts(const View& view, const RenderSettings& setti
                                    const LodSettings& lod, Frame& frame) {
   const std::vector<LensPart> parts = partsFor(settings.defocus, settings.pupil, lod.sub_apertures);
   RenderStats stats;
-  meanOfParts(parts, part_, frame, [&](const LensPart& part, Frame& to) {
-    const View seen = viewOfPart(view, part);
-    RenderSettings of_part = settings;
-    of_part.defocus = part.defocus;
-    LodSettings detail = lod;
-    detail.cut.acuity = widened(lod.cut.acuity, part);
-    detail.cut.per_blur2 *= part.radius * part.radius;
-    detail.sub_apertures = 1;
-    if (gpu_) {
-      GpuRequest request = gpuRequest(seen, of_part, detail);
-      request.lens = part.centre;
-      request.aperture = part.radius;
-      stats.add(statsOf(gpu_->render(request, to.gpu)));
-      return;
-    }
-    stats.add(
-        renderSplats(seen, part.defocus, detail,
-                     {.lens = part.centre, .aperture = part.radius, .shading = settings.shading},
-                     sweepSettings(of_part, lod), to));
-  });
-  if (parts.size() > 1) spreadIntoHalos(settings.pupil.diffraction_px, frame);
+  meanOfParts(parts, settings.pupil.diffraction_px, part_, frame,
+              [&](const LensPart& part, Frame& to) {
+                const View seen = viewOfPart(view, part);
+                RenderSettings of_part = settings;
+                of_part.defocus = part.defocus;
+                LodSettings detail = lod;
+                detail.cut.acuity = widened(lod.cut.acuity, part);
+                detail.cut.per_blur2 *= part.radius * part.radius;
+                detail.sub_apertures = 1;
+                if (gpu_) {
+                  GpuRequest request = gpuRequest(seen, of_part, detail);
+                  request.lens = part.centre;
+                  request.aperture = part.radius;
+                  stats.add(statsOf(gpu_->render(request, to.gpu)));
+                  return;
+                }
+                stats.add(renderSplats(
+                    seen, part.defocus, detail,
+                    {.lens = part.centre, .aperture = part.radius, .shading = settings.shading},
+                    sweepSettings(of_part, lod), to));
+              });
   return stats;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/image/frame.h"
+#include "render/methods/halos.h"
 #include "render/optics/pupil.h"
 
 namespace foci {
@@ -24,21 +25,26 @@ void addPart(Frame& part, float weight, bool first, Frame& sum);
 /// Divides the sums of distances by the coverage.
 void finishDepth(Frame& sum);
 
-/// @param part    keeps the buffers of one part's frame
-/// @param render  (const LensPart&, Frame&) renders one part
+/// With the halos of diffraction, where the parts have cores and diffraction shows.
+/// @param diffraction_px  that of `lensParts`; 0: no halos
+/// @param part            keeps the buffers of one part's frame
+/// @param render          (const LensPart&, Frame&) renders one part
 template <typename Render>
-void meanOfParts(const std::vector<LensPart>& parts, Frame& part, Frame& mean,
+void meanOfParts(std::vector<LensPart> parts, float diffraction_px, Frame& part, Frame& mean,
                  const Render& render) {
   if (parts.size() == 1) {
     render(parts.front(), mean);
     return;
   }
+  Halos halos(diffraction_px, parts);
   part.resize(mean.size_px, !mean.depth_m.empty());
   for (const LensPart& each : parts) {
     render(each, part);
     addPart(part, each.weight, &each == parts.data(), mean);
+    if (halos) halos.add(each, part);
   }
   if (!mean.gpu) finishDepth(mean);
+  if (halos) halos.spreadInto(mean);
 }
 
 }  // namespace foci

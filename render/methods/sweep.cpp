@@ -10,7 +10,6 @@
 
 #include "render/gl/splats.h"
 #include "render/methods/gaussian_methods.h"
-#include "render/methods/halos.h"
 #include "render/methods/mean_of_parts.h"
 #include "render/methods/method.h"
 #include "render/methods/view_splats.h"
@@ -28,10 +27,10 @@ class SweepMethod final : public Method {
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats;
-    meanOfParts(
-        lensParts(settings.defocus, settings.pupil, parts_), part_, frame,
-        [&](const LensPart& part, Frame& to) { renderPart(part, view, settings, to, stats); });
-    if (parts_ > 1) spreadIntoHalos(settings.pupil.diffraction_px, frame);
+    meanOfParts(lensParts(settings.defocus, settings.pupil, parts_), settings.pupil.diffraction_px,
+                part_, frame, [&](const LensPart& part, Frame& to) {
+                  renderPart(part, view, settings, to, stats);
+                });
     return stats;
   }
 

@@ -12,9 +12,9 @@ namespace {
 constexpr double kLeastShare = 0.03;
 
 /// Widths of the halos, in pixels, or in Gaussians of the Airy pattern where these are wider. Of
-/// the pairs from 2 to 4 px by 8 to 16 px, (2, 10) and (2.5, 10) keep the Airy pattern's moments to
-/// 3 % in discs of 4 to 12 px. Out of focus, the second is nearer to Fourier optics.
-constexpr std::array<double, 2> kHalo_px{2.5, 10.0};
+/// the pairs from 2 to 3 px by 10 to 18 px, (2.5, 14) and (2.75, 15) keep the Airy pattern's
+/// moments to 3 % in discs of 4 to 12 px. Out of focus, the first is nearer to Fourier optics.
+constexpr std::array<double, 2> kHalo_px{2.5, 14.0};
 
 /// Standard deviation, in lens radii and along an axis, of the distances that go with the
 /// frequencies of a Gaussian of `blur_px`: lambda / (2 pi blur) = diffraction / (sqrt(2) blur).
@@ -57,22 +57,24 @@ DiffractionHalo diffractionHalo(float diffraction_px) {
     blur2[i] = kHalo_px[i] * kHalo_px[i] * (1.0 + d2);
     lost[i] = peakLostToDiffraction(diffraction_px, std::sqrt(blur2[i]));
   }
-  // A Gaussian of variance v takes v / (v + b) of its peak through a blur of variance b. So the
-  // shares follow from the core's variance by two linear equations.
-  const auto taken = [](double v, double b) { return v / (v + b); };
+  // What a Gaussian takes of its peak through a round blur of variance b: of the core, which is
+  // round, and of a halo, which is a line. So the shares follow from the core's variance by two
+  // linear equations.
+  const auto round = [](double v, double b) { return v / (v + b); };
+  const auto line = [](double v, double b) { return 1.0 - 1.0 / std::sqrt(1.0 + v / b); };
   const auto sharesOf = [&](double core2) {
-    const double near = taken(core2, blur2[0]), far = taken(core2, blur2[1]);
-    const glm::dmat2 halos(0.5 - near, taken(blur2[0], blur2[1]) - far,
-                           taken(blur2[1], blur2[0]) - near, 0.5 - far);
+    const double near = round(core2, blur2[0]), far = round(core2, blur2[1]);
+    const glm::dmat2 halos(line(blur2[0], blur2[0]) - near, line(blur2[0], blur2[1]) - far,
+                           line(blur2[1], blur2[0]) - near, line(blur2[1], blur2[1]) - far);
     return glm::inverse(halos) * glm::dvec2(lost[0] - near, lost[1] - far);
   };
   const double lost_near = peakLostToDiffraction(diffraction_px, 1.0);
-  double low = 0.0, high = lost_near / (1.0 - lost_near);
+  double low = 0.0, high = 4.0 * lost_near / (1.0 - lost_near);
   for (int i = 0; i < 40; ++i) {
     const double core2 = 0.5 * (low + high);
     const glm::dvec2 share = sharesOf(core2);
-    const double sum = (1.0 - share.x - share.y) * taken(core2, 1.0) +
-                       share.x * taken(blur2[0], 1.0) + share.y * taken(blur2[1], 1.0);
+    const double sum = (1.0 - share.x - share.y) * round(core2, 1.0) +
+                       share.x * line(blur2[0], 1.0) + share.y * line(blur2[1], 1.0);
     (sum < lost_near ? low : high) = core2;
   }
   const glm::dvec2 share = sharesOf(low);
@@ -82,16 +84,14 @@ DiffractionHalo diffractionHalo(float diffraction_px) {
       .halo_share = {static_cast<float>(share.x), static_cast<float>(share.y)}};
 }
 
-float DiffractionHalo::coreOfPart_px(double in_halos) const {
-  const double all = inHalos();
-  const double in_core = (in_halos / (1.0 - in_halos)) / (all / (1.0 - all));
-  return static_cast<float>(core_px * std::sqrt(in_core));
+float DiffractionHalo::coreOfPart_px(double lost) const {
+  return static_cast<float>(core_px * std::sqrt(lost));
 }
 
-LightInCore::LightInCore(float diffraction_px, float halo_share) {
+LightInCore::LightInCore(float diffraction_px, const DiffractionHalo& halo)
+    : lost_(peakLostToDiffraction(diffraction_px, halo.halo_px[0])) {
   constexpr int kDirections = 32;  // over a quarter turn
-  const double shift = shiftOf(diffraction_px, 1.0);
-  const double scale = halo_share / peakLostToDiffraction(diffraction_px, 1.0);
+  const double shift = shiftOf(diffraction_px, halo.halo_px[0]);
   for (int i = 0; i <= kSteps; ++i) {
     const double r = static_cast<double>(i) / kSteps;
     double lost = 0.0;
@@ -101,7 +101,7 @@ LightInCore::LightInCore(float diffraction_px, float halo_share) {
       const double to_rim = std::sqrt(1.0 - across * across) - r * std::cos(angle_rad);
       lost += std::exp(-2.0 * to_rim * to_rim / (shift * shift)) / kDirections;
     }
-    by_radius_[static_cast<std::size_t>(i)] = std::max(1.0 - scale * lost, 0.0);
+    by_radius_[static_cast<std::size_t>(i)] = 1.0 - lost;
   }
 }
 

@@ -212,13 +212,13 @@ std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int 
   }
   const DiffractionHalo halo = diffractionHalo(pupil.diffraction_px);
   std::optional<LightInCore> core;
-  if (halo.inHalos() > 0.0f) core.emplace(pupil.diffraction_px, halo.inHalos());
+  if (halo.inHalos() > 0.0f) core.emplace(pupil.diffraction_px, halo);
   for (const Cell& cell : cells(n)) {
     const Cell seen = lit(pupil, core ? &*core : nullptr, cell);
     float core_px = 0.0f;
     if (core) {
-      const double in_core_and_halos = lit(pupil, nullptr, cell).all_light;
-      core_px = halo.coreOfPart_px(1.0 - seen.all_light / in_core_and_halos);
+      const double all_light = lit(pupil, nullptr, cell).all_light;
+      core_px = halo.coreOfPart_px((1.0 - seen.all_light / all_light) / core->lost());
     }
     parts.push_back(partBy(seen, core_px));
     light.push_back(seen.all_light);

@@ -36,10 +36,11 @@ struct Pupil {
   bool operator==(const Pupil&) const = default;
 };
 
-/// A displacement of this root mean square along an axis adds 1/25 to the variance of the prefilter
-/// and 2 % to its width. That is below the change of blur that an observer sees, about a tenth
-/// (Watson and Ahumada, Blur clarified, Journal of Vision 11(5), 2011).
-inline constexpr float kRest_px = 0.2f;
+/// A displacement of this root mean square along an axis adds 1/100 to the variance of the
+/// prefilter and 0.5 % to its width. That is below the change of blur that an observer sees, about
+/// a tenth (Watson and Ahumada, Blur clarified, Journal of Vision 11(5), 2011). Parts of 0.2 px,
+/// each invisible, leave points of light 0.2 % of the peak farther from Fourier optics.
+inline constexpr float kRest_px = 0.1f;
 
 /// A round sub-aperture, and what it sees. Over a small one the slope of the wavefront is nearly
 /// linear, s(p) = s0 + H (p - c). It is then a lens of its own, with the focus F + H, whose image
@@ -63,7 +64,7 @@ struct LensPart {
 /// the lens, and of the wavefront's slope over it. Computed once for each `n`: the cells of a dense
 /// sampling of the disc nearest to `n` points, each of which is the mean of its cell (Lloyd, 1982).
 /// Where diffraction shows, the parts have the light of its core, which is less near the rim
-/// (diffraction.h); their mean has yet to be spread into the halos (`spreadIntoHalos`).
+/// (diffraction.h); their mean has yet to be spread into the halos (render/methods/halos.h).
 /// @param n  1 to 256; 1 has no core and halos
 std::vector<LensPart> lensParts(const Defocus& defocus, const Pupil& pupil, int n);
 

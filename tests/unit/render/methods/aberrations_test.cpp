@@ -135,7 +135,8 @@ TEST(Pupil, DiffractionAddsItsVariance) {
   const DiffractionHalo halo = diffractionHalo(kDiffraction_px);
   double both_px2 = (1.0 - halo.inHalos()) * halo.core_px * halo.core_px;
   for (std::size_t i = 0; i < 2; ++i) {
-    both_px2 += halo.halo_share[i] * halo.halo_px[i] * halo.halo_px[i];
+    // Lines in all directions: half of their variance is along each axis.
+    both_px2 += 0.5 * halo.halo_share[i] * halo.halo_px[i] * halo.halo_px[i];
   }
   for (const std::string method : {"sweep", "sweep:7", "sweep-lod", "accumulate:7", "auto"}) {
     RenderSettings settings = eye(2e-3, 0.0, {});

@@ -54,11 +54,12 @@ TEST(Diffraction, OneGaussianTakesAsMuchOfThePeak) {
 TEST(Diffraction, CoreAndHalosTakeAsMuchThroughAPixelAndThroughEachHalo) {
   for (const float diffraction_px : {0.1f, 0.15f, 0.3f, 1.0f, 3.0f, 10.0f}) {
     const DiffractionHalo halo = diffractionHalo(diffraction_px);
-    const auto peakOf = [](double variance, double blur2) { return blur2 / (blur2 + variance); };
+    const auto round = [](double variance, double blur2) { return blur2 / (blur2 + variance); };
+    const auto line = [&](double variance, double b) { return std::sqrt(round(variance, b)); };
     for (const double blur2 : {1.0, std::pow(halo.halo_px[0], 2), std::pow(halo.halo_px[1], 2)}) {
-      double peak = (1.0 - halo.inHalos()) * peakOf(std::pow(halo.core_px, 2), blur2);
+      double peak = (1.0 - halo.inHalos()) * round(std::pow(halo.core_px, 2), blur2);
       for (std::size_t i = 0; i < 2; ++i) {
-        peak += halo.halo_share[i] * peakOf(std::pow(halo.halo_px[i], 2), blur2);
+        peak += halo.halo_share[i] * line(std::pow(halo.halo_px[i], 2), blur2);
       }
       EXPECT_NEAR(peak, 1.0 - peakLostToDiffraction(diffraction_px, std::sqrt(blur2)), 1e-5)
           << diffraction_px << ' ' << blur2;
@@ -74,15 +75,19 @@ TEST(Diffraction, CoreAndHalosTakeAsMuchThroughAPixelAndThroughEachHalo) {
 /// Gaussian of 1 px.
 double varianceWithin(double radius_px, double diffraction_px, bool airy) {
   const DiffractionHalo halo = diffractionHalo(static_cast<float>(diffraction_px));
-  const auto gaussian = [](double variance, double r_px) {
-    return std::exp(-0.5 * r_px * r_px / variance) / (2.0 * std::numbers::pi * variance);
+  // The mean over all directions of a Gaussian with these variances along and across a line.
+  const auto gaussian = [](double along, double across, double r_px) {
+    const double square = 0.25 * r_px * r_px, sum = 1.0 / along + 1.0 / across;
+    return std::exp(-square * sum) * std::cyl_bessel_i(0.0, square * (1.0 / across - 1.0 / along)) /
+           (2.0 * std::numbers::pi * std::sqrt(along * across));
   };
   // Through the pixel by Hankel's transform: MTF of the pupil times that of the pixel.
   const auto density = [&](double r_px) {
     if (!airy) {
-      double sum = (1.0 - halo.inHalos()) * gaussian(1.0 + std::pow(halo.core_px, 2), r_px);
+      const double core = 1.0 + std::pow(halo.core_px, 2);
+      double sum = (1.0 - halo.inHalos()) * gaussian(core, core, r_px);
       for (std::size_t i = 0; i < 2; ++i) {
-        sum += halo.halo_share[i] * gaussian(1.0 + std::pow(halo.halo_px[i], 2), r_px);
+        sum += halo.halo_share[i] * gaussian(1.0 + std::pow(halo.halo_px[i], 2), 1.0, r_px);
       }
       return sum;
     }
@@ -121,12 +126,11 @@ TEST(Diffraction, CoreAndHalosHaveTheMomentsOfTheAiryPatternWithinADisc) {
 
 TEST(Diffraction, TheRimLosesTheLightOfTheHalo) {
   for (const float diffraction_px : {0.1f, 0.3f, 0.8f}) {
-    const float share = diffractionHalo(diffraction_px).inHalos();
-    const LightInCore core(diffraction_px, share);
+    const LightInCore core(diffraction_px, diffractionHalo(diffraction_px));
     double mean = 0.0;
     constexpr int kSteps = 2000;
     for (int i = 0; i < kSteps; ++i) mean += core.at(std::sqrt((i + 0.5) / kSteps)) / kSteps;
-    EXPECT_NEAR(mean, 1.0 - share, 0.003) << diffraction_px;
+    EXPECT_NEAR(mean, 1.0 - core.lost(), 0.003) << diffraction_px;
     EXPECT_LT(core.at(1.0), core.at(0.9));
     EXPECT_GE(core.at(0.0), core.at(0.9));
   }
