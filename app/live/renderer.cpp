@@ -15,6 +15,7 @@
 #include "app/study/view_remarks.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
+#include "render/lod/outline.h"
 
 namespace foci {
 namespace {
@@ -202,7 +203,7 @@ void LiveRenderer::publish() {
 /// Notes whether the eye sees the scene, after a change of its place. An eye on a path finds its
 /// own way.
 void LiveRenderer::noteView() {
-  const bool in_view = !study_.eye.path.empty() || isSceneInView(study_, *cloud_);
+  const bool in_view = !study_.eye.path.empty() || isSceneInView(study_, outlined());
   const std::lock_guard lock(mutex_);
   state_.in_view = in_view;
 }
@@ -211,8 +212,9 @@ void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& s
                        std::future<SharedGpu>&& gpu) {
   try {
     cloud_ = loadScene(study_, std::move(scene));
+    outline_ = outlineOf(*cloud_);
     noteView();
-    const double scene_m = boxWithoutStrays(positionsOf(*cloud_)).longest();
+    const double scene_m = boxWithoutStrays(positionsOf(outlined())).longest();
     {
       const std::lock_guard lock(mutex_);
       state_.scene_m = scene_m;

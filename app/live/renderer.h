@@ -94,6 +94,7 @@ class LiveRenderer {
   bool refine(const RenderRequest& request, const FrameRecord& record);
   void publish();
   void noteView();
+  const SurfelCloud& outlined() const { return outline_.empty() ? *cloud_ : outline_; }
   void closeRecord();
 
   Study study_;
@@ -105,6 +106,7 @@ class LiveRenderer {
 
   // Used by the thread alone.
   std::optional<SurfelCloud> cloud_;
+  SurfelCloud outline_;  // of a large scene, instead of all its surfels; else empty
   std::unique_ptr<Session> session_;
   std::unique_ptr<Refiner> refiner_;  // under a frame-time budget
   RenderRequest last_request_;
