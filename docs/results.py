@@ -341,7 +341,7 @@ def large(args):
     if shutil.which("xvfb-run"):
         forget()
         live = ["xvfb-run", "-a", "-s", "-screen 0 1920x1080x24", "timeout", "--foreground", "-s", "INT", "20", args.foci, "live",
-                study, "--window", "--source", "trace:simulated", "--json"]
+                study, "--window", "--source", "trace:simulated", "--set", "output.seconds=null", "--json"]
         seen = json.loads(subprocess.run(live, cwd=args.out, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
                                          preexec_fn=enter).stdout)
         parts.append(f"`foci live` on that view, under the same gaze for 20 s, with none of the file in memory at the start: first "
