@@ -336,7 +336,8 @@ def large(args):
             f"`auto` at full quality on the CPU, {limit}. First frames are whole runs of `foci render`: cold, with none of the file "
             "in memory, and again. Memory is the peak of resident memory, with the pages of the mapped file.")
     later = (f"Later frames of the last view, where the eye moves forwards by 1 m/s under a simulated gaze (`foci replay`): median "
-             f"{times[len(times) // 2] / 1000:.2f} s, {gigabytes:.2g} GB.")
+             f"{times[len(times) // 2] / 1000:.2f} s, {gigabytes:.2g} GB. "
+             "The hash of the file takes one of the threads meanwhile.")
     parts = [text, table(["view", "first frame, cold, s", "again, s", "memory, GB"], rows), later]
     if shutil.which("xvfb-run"):
         forget()
