@@ -4,9 +4,11 @@
 #include <cassert>
 #include <cmath>
 #include <complex>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <opencv2/core.hpp>
+#include <utility>
 
 #include "render/optics/colours.h"
 #include "render/optics/refraction.h"
@@ -33,10 +35,13 @@ constexpr int kMostForTransfer = 1024, kMostForPeak = 2048;
 constexpr double kFirstWave_nm = 420.0, kWaveStep_nm = 20.0;
 constexpr int kWaves = 14;
 
-/// The intensity of `n` x `n` directions `step_rad` apart, with the axis at (n / 2, n / 2) and the
-/// sum 1; light beyond the field comes in again at the other side.
-/// @param peak  receives the peak over that of an equal pupil without aberrations
-cv::Mat intensity(const EyeOptics& eye, double step_rad, int n, double* peak = nullptr) {
+/// The amplitude of light over a pupil, for `n` x `n` directions.
+struct PupilField {
+  cv::Mat field;            ///< complex numbers; the centre of the pupil is in the middle
+  double amplitudes = 0.0;  ///< sum of the moduli
+};
+
+PupilField pupilField(const EyeOptics& eye, double step_rad, int n) {
   const double radius_m = 0.5 * eye.pupil.diameter_m;
   assert(radius_m > 0.0 && step_rad <= eye.wavelength_m / (2.0 * eye.pupil.diameter_m));
   const double step_m = eye.wavelength_m / (n * step_rad);
@@ -44,27 +49,35 @@ cv::Mat intensity(const EyeOptics& eye, double step_rad, int n, double* peak = n
   const PupilWavefront wavefront(
       eye.pupil.wavefront ? eye.pupil.wavefront
                           : Wavefront{.zernike_um = {}, .pupil_m = eye.pupil.diameter_m});
-  cv::Mat field = cv::Mat::zeros(n, n, CV_64FC2);
-  double amplitudes = 0.0;
-  // The pupil fills the first rows: a shifted pupil has the same intensity, and cv::dft then skips
-  // the rows without light.
-  const int middle = std::min(static_cast<int>(radius_m / step_m), n / 2);
-  const int rows = std::min(2 * middle + 1, n);
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < n; ++column) {
-      const double x = (column - n / 2) * step_m, y = (row - middle) * step_m;
+  const int up = std::min(static_cast<int>(radius_m / step_m), n / 2 - 1);
+  const int across = std::min(static_cast<int>(eye.pupil_aspect * radius_m / step_m), n / 2 - 1);
+  PupilField pupil{.field = cv::Mat::zeros(2 * up + 1, 2 * across + 1, CV_64FC2)};
+  for (int row = 0; row < pupil.field.rows; ++row) {
+    for (int column = 0; column < pupil.field.cols; ++column) {
+      const double x = (column - across) * step_m, y = (row - up) * step_m;
       if (std::hypot(x / eye.pupil_aspect, y) > radius_m) continue;
       const glm::dvec2 from_mm = 1000.0 * (glm::dvec2(x, y) - eye.pupil.stiles_crawford_center_m);
       const double amplitude =
           std::pow(10.0, -0.5 * eye.pupil.stiles_crawford_per_mm2 * glm::dot(from_mm, from_mm));
       const double error_m =
           wavefront.at(glm::dvec2(x, y) / radius_m).error_m + 0.5 * eye.defocus_D * (x * x + y * y);
-      field.at<cv::Vec2d>(row, column) = {amplitude * std::cos(per_m * error_m),
-                                          amplitude * std::sin(per_m * error_m)};
-      amplitudes += amplitude;
+      pupil.field.at<cv::Vec2d>(row, column) = {amplitude * std::cos(per_m * error_m),
+                                                amplitude * std::sin(per_m * error_m)};
+      pupil.amplitudes += amplitude;
     }
   }
-  cv::dft(field, field, 0, rows);
+  return pupil;
+}
+
+/// The intensity of `n` x `n` directions `step_rad` apart, with the axis at (n / 2, n / 2) and the
+/// sum 1; light beyond the field comes in again at the other side.
+/// @param peak  receives the peak over that of an equal pupil without aberrations
+cv::Mat intensity(const EyeOptics& eye, double step_rad, int n, double* peak = nullptr) {
+  const PupilField pupil = pupilField(eye, step_rad, n);
+  // A shifted pupil has the same intensity, and cv::dft skips the rows without light.
+  cv::Mat field = cv::Mat::zeros(n, n, CV_64FC2);
+  pupil.field.copyTo(field(cv::Rect(0, 0, pupil.field.cols, pupil.field.rows)));
+  cv::dft(field, field, 0, pupil.field.rows);
   cv::Mat light(n, n, CV_64F);
   double sum = 0.0, highest = 0.0;
   for (int row = 0; row < n; ++row) {
@@ -76,7 +89,7 @@ cv::Mat intensity(const EyeOptics& eye, double step_rad, int n, double* peak = n
       highest = std::max(highest, power);
     }
   }
-  if (peak) *peak = highest / (amplitudes * amplitudes);
+  if (peak) *peak = highest / (pupil.amplitudes * pupil.amplitudes);
   return light / sum;
 }
 
@@ -111,27 +124,42 @@ Fine fineOf(const EyeOptics& eye) {
   return {step_rad, 2 * cv::getOptimalDFTSize(wanted)};
 }
 
-/// The OTF of an eye: the DFT of its fine PSF around the origin.
+/// The OTF of an eye: the autocorrelation of its pupil. It is summed for each frequency that is
+/// asked for, which is quicker than a DFT for a circle of them, or taken for all by DFT.
 class Transfer {
  public:
-  explicit Transfer(const EyeOptics& eye) {
+  enum class By { sum, dft };
+
+  Transfer(const EyeOptics& eye, By by) {
     Fine fine = fineOf(eye);
     fine.n = std::min(fine.n, kMostForTransfer);
     n_ = fine.n;
     per_cycle_deg_ = fine.n * fine.step_rad / kDeg_rad;
-    const cv::Mat light = intensity(eye, fine.step_rad, n_);
-    cv::Mat around(n_, n_, CV_64F);
-    for (int row = 0; row < n_; ++row) {
-      for (int column = 0; column < n_; ++column) {
-        around.at<double>(row, column) =
-            light.at<double>((row + n_ / 2) % n_, (column + n_ / 2) % n_);
+    if (by == By::dft) {
+      const cv::Mat light = intensity(eye, fine.step_rad, n_);
+      cv::Mat around(n_, n_, CV_64F);
+      for (int row = 0; row < n_; ++row) {
+        for (int column = 0; column < n_; ++column) {
+          around.at<double>(row, column) =
+              light.at<double>((row + n_ / 2) % n_, (column + n_ / 2) % n_);
+        }
+      }
+      cv::dft(around, values_, cv::DFT_COMPLEX_OUTPUT);
+      return;
+    }
+    pupilField(eye, fine.step_rad, n_).field.convertTo(field_, CV_32F);
+    turned_.create(field_.size(), CV_32FC2);
+    for (int row = 0; row < field_.rows; ++row) {
+      for (int column = 0; column < field_.cols; ++column) {
+        const cv::Vec2f& v = field_.at<cv::Vec2f>(row, column);
+        turned_.at<cv::Vec2f>(row, column) = {v[1], -v[0]};
       }
     }
-    cv::dft(around, values_, cv::DFT_COMPLEX_OUTPUT);
+    light_ = field_.dot(field_);
   }
 
   /// At the frequency (x, y), cycles per degree; bilinear.
-  std::complex<double> at(double x, double y) const {
+  std::complex<double> at(double x, double y) {
     x *= per_cycle_deg_;
     y *= per_cycle_deg_;
     if (std::hypot(x, y) > n_ / 2) return 0.0;
@@ -142,18 +170,40 @@ class Transfer {
   }
 
  private:
-  std::complex<double> value(int row, int column) const {
+  std::complex<double> value(int row, int column) {
+    if (values_.empty()) {
+      const auto [known, is_new] = sums_.try_emplace({row, column});
+      if (is_new) known->second = correlation(row, column);
+      return known->second;
+    }
     const cv::Vec2d& v = values_.at<cv::Vec2d>((row % n_ + n_) % n_, (column % n_ + n_) % n_);
     return {v[0], v[1]};
   }
 
+  /// sum P(x) conj(P(x + lag)) / sum |P|^2.
+  std::complex<double> correlation(int row, int column) const {
+    const cv::Size overlap(field_.cols - std::abs(column), field_.rows - std::abs(row));
+    if (overlap.width <= 0 || overlap.height <= 0) return 0.0;
+    const cv::Rect here({std::max(-column, 0), std::max(-row, 0)}, overlap);
+    const cv::Mat there = field_(cv::Rect({std::max(column, 0), std::max(row, 0)}, overlap));
+    return {field_(here).dot(there) / light_, turned_(here).dot(there) / light_};
+  }
+
   int n_ = 0;
   double per_cycle_deg_ = 0.0;  ///< steps for one cycle per degree
-  cv::Mat values_;
+  cv::Mat values_{};            ///< by DFT
+  cv::Mat field_{}, turned_{};  ///< P and -i P
+  double light_ = 0.0;
+  std::map<std::pair<int, int>, std::complex<double>> sums_{};
 };
 
-std::vector<double> mtfOf(const std::vector<Transfer>& transfers,
-                          const std::vector<double>& weights,
+/// What is quicker for so many frequencies.
+Transfer::By quickerFor(std::span<const double> cycles_per_deg) {
+  constexpr std::size_t kFew = 2;
+  return cycles_per_deg.size() <= kFew ? Transfer::By::sum : Transfer::By::dft;
+}
+
+std::vector<double> mtfOf(std::vector<Transfer> transfers, const std::vector<double>& weights,
                           std::span<const double> cycles_per_deg) {
   constexpr int kOrientations = 72;  // over half a turn: the OTF of real light is symmetric
   std::vector<double> mtf;
@@ -229,7 +279,7 @@ Psf psfThroughPixels(const EyeOptics& eye, double pixel_rad, double sigma_px, in
 }
 
 std::vector<double> radialMtf(const EyeOptics& eye, std::span<const double> cycles_per_deg) {
-  return mtfOf({Transfer(eye)}, {1.0}, cycles_per_deg);
+  return mtfOf({Transfer(eye, quickerFor(cycles_per_deg))}, {1.0}, cycles_per_deg);
 }
 
 std::vector<double> whiteMtf(const EyeOptics& eye, std::span<const double> cycles_per_deg) {
@@ -243,10 +293,10 @@ std::vector<double> whiteMtf(const EyeOptics& eye, std::span<const double> cycle
     colour.wavelength_m = 1e-9 * nm;
     colour.defocus_D +=
         chromaticDifference_D(1e-3 * nm) - chromaticDifference_D(1e6 * eye.wavelength_m);
-    transfers.emplace_back(colour);
+    transfers.emplace_back(colour, quickerFor(cycles_per_deg));
     brightness.push_back(luminousEfficiency(nm));
   }
-  return mtfOf(transfers, brightness, cycles_per_deg);
+  return mtfOf(std::move(transfers), brightness, cycles_per_deg);
 }
 
 double strehlRatio(const EyeOptics& eye) {
