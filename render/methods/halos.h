@@ -24,9 +24,8 @@ class Halos {
   /// Call it for each part, in the order of the parts.
   void add(const LensPart& part, Frame& frame);
 
-  /// @param mean  of the parts' frames, which have the core's light (`lensParts`). Read from the
-  /// GPU
-  ///              if it lies there.
+  /// @param mean  of the parts' frames, which have the core's light (`lensParts`). The light is
+  ///              read from the GPU if it lies there.
   void spreadInto(Frame& mean);
 
  private:
