@@ -2,11 +2,11 @@
 
 #include <fcntl.h>
 #include <openssl/evp.h>
+#include <sys/stat.h>
 
 #include <array>
-#include <cstdint>
-#include <cstdio>
 #include <new>
+#include <utility>
 #include <vector>
 
 #include "base/input_error.h"
@@ -41,32 +41,38 @@ std::string Sha256::hex() {
   return text;
 }
 
-std::string sha256OfFile(const std::filesystem::path& path,
-                         const std::function<void()>& before_block) {
-  requireRegularFile(path);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
-                                                             &std::fclose);
-  if (!file) throw InputError(path.string(), "cannot be read");
-  std::setvbuf(file.get(), nullptr, _IONBF, 0);
+FileToHash::FileToHash(std::filesystem::path path)
+    : path_(std::move(path)), file_(nullptr, &std::fclose) {
+  requireRegularFile(path_);
+  file_.reset(std::fopen(path_.c_str(), "rb"));
+  if (!file_) throw InputError(path_.string(), "cannot be read");
+  std::setvbuf(file_.get(), nullptr, _IONBF, 0);
+}
+
+std::string FileToHash::sha256(const std::function<void()>& before_block) {
   // The pages of a file that may be larger than memory make room at once. Pages that are mapped,
   // as those of a scene, stay.
-  constexpr std::uintmax_t kKept_B = std::uintmax_t{1} << 30;
-  const bool releases = std::filesystem::file_size(path) > kKept_B;
+  constexpr off_t kKept_B = off_t{1} << 30;
+  struct stat facts {};
+  const int descriptor = ::fileno(file_.get());
+  const bool releases = ::fstat(descriptor, &facts) == 0 && facts.st_size > kKept_B;
   Sha256 hash;
   std::vector<unsigned char> block(1 << 20);
   off_t done = 0;
   while (true) {
     if (before_block) before_block();
-    const std::size_t got = std::fread(block.data(), 1, block.size(), file.get());
+    const std::size_t got = std::fread(block.data(), 1, block.size(), file_.get());
     if (got == 0) break;
     hash.add({block.data(), got});
     if (releases) {
-      ::posix_fadvise(::fileno(file.get()), done, static_cast<off_t>(got), POSIX_FADV_DONTNEED);
+      ::posix_fadvise(descriptor, done, static_cast<off_t>(got), POSIX_FADV_DONTNEED);
     }
     done += static_cast<off_t>(got);
   }
-  if (std::ferror(file.get()) != 0) throw InputError(path.string(), "cannot be read");
+  if (std::ferror(file_.get()) != 0) throw InputError(path_.string(), "cannot be read");
   return hash.hex();
 }
+
+std::string sha256OfFile(const std::filesystem::path& path) { return FileToHash(path).sha256(); }
 
 }  // namespace foci

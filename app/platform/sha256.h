@@ -1,6 +1,7 @@
 // SHA-256 of inputs and frames, for the manifest (OpenSSL's libcrypto).
 #pragma once
 
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -22,9 +23,24 @@ class Sha256 {
   std::unique_ptr<State> state_;
 };
 
-/// @param before_block  called before each MiB is read; it stops the work by throwing
+/// A file that is open to be hashed: its name may vanish meanwhile.
+class FileToHash {
+ public:
+  /// @throws InputError if the file cannot be read
+  explicit FileToHash(std::filesystem::path path);
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Call it once.
+  /// @param before_block  called before each MiB is read; it stops the work by throwing
+  /// @throws InputError if the file cannot be read
+  std::string sha256(const std::function<void()>& before_block = {});
+
+ private:
+  std::filesystem::path path_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+};
+
 /// @throws InputError if the file cannot be read
-std::string sha256OfFile(const std::filesystem::path& path,
-                         const std::function<void()>& before_block = {});
+std::string sha256OfFile(const std::filesystem::path& path);
 
 }  // namespace foci

@@ -51,18 +51,28 @@ ReplayedGaze readReplayedGaze(const Study& study) {
   return inputs;
 }
 
+namespace {
+
+std::vector<FileToHash> opened(const Study& study) {
+  std::vector<FileToHash> files;
+  for (const std::filesystem::path& path : inputFiles(study)) files.emplace_back(path);
+  return files;
+}
+
+}  // namespace
+
 InputHashes::InputHashes(const Study& study, std::vector<InputFile> known)
     : files_(std::async(
           maxThreads() > 1 ? std::launch::async : std::launch::deferred,
-          [this, paths = inputFiles(study), known = std::move(known)] {
+          [this, inputs = opened(study), known = std::move(known)]() mutable {
             const auto goOn = [this] {
               throwIfInterrupted();
               if (stop_) throw std::runtime_error("stopped");
             };
             std::vector<InputFile> files;
-            for (const std::filesystem::path& path : paths) {
-              const auto of = std::ranges::find(known, path, &InputFile::path);
-              files.push_back({path, of != known.end() ? of->sha256 : sha256OfFile(path, goOn)});
+            for (FileToHash& input : inputs) {
+              const auto of = std::ranges::find(known, input.path(), &InputFile::path);
+              files.push_back({input.path(), of != known.end() ? of->sha256 : input.sha256(goOn)});
             }
             return files;
           })) {}

@@ -31,10 +31,12 @@ struct ReplayedGaze {
 ReplayedGaze readReplayedGaze(const Study& study);
 
 /// The input files of a study with their hashes, which are computed while the frames are rendered:
-/// a large scene takes longer than its first frame.
+/// a large scene takes longer than its first frame. The files are opened at once, so that their
+/// names may vanish meanwhile.
 class InputHashes {
  public:
   /// @param known  files whose hashes are known
+  /// @throws InputError if a file cannot be read
   explicit InputHashes(const Study& study, std::vector<InputFile> known = {});
   /// Stops the work.
   ~InputHashes();

@@ -20,17 +20,27 @@ TEST(Sha256, OfAFileIsThatOfItsBytes) {
   EXPECT_THROW(sha256OfFile(folder.path()), InputError);
 }
 
+TEST(Sha256, OfAFileThatVanishesOnceItIsOpen) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "abc";
+  std::ofstream(file) << "abc";
+  FileToHash opened(file);
+  const std::string whole = sha256OfFile(file);
+  std::filesystem::remove(file);
+  EXPECT_EQ(opened.sha256(), whole);
+}
+
 TEST(Sha256, OfAFileStopsBetweenBlocks) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "zeros";
   std::ofstream(file) << std::string(std::size_t{3} << 20, '\0');
   int blocks = 0;
-  sha256OfFile(file, [&] { ++blocks; });
+  FileToHash(file).sha256([&] { ++blocks; });
   EXPECT_EQ(blocks, 4);  // the last one finds the end
   const auto stop = [&] {
     if (--blocks == 2) throw std::runtime_error("stopped");
   };
-  EXPECT_THROW(sha256OfFile(file, stop), std::runtime_error);
+  EXPECT_THROW(FileToHash(file).sha256(stop), std::runtime_error);
   EXPECT_EQ(blocks, 2);
 }
 
