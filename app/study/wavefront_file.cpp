@@ -5,8 +5,10 @@
 #include <cmath>
 #include <fstream>
 #include <regex>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/input_error.h"
@@ -315,7 +317,7 @@ class WavefrontTable {
 
   struct Columns {
     int n = -1, m = -1, index = -1, name = -1;
-    int value = -1, right = -1, left = -1, pupil = -1;
+    int value = -1, right = -1, left = -1, eye = -1, pupil = -1;
   };
 
   Columns columnsOf(const Row& head, bool& has_heading) const {
@@ -334,11 +336,13 @@ class WavefrontTable {
         columns.value = at;
       }
       if (namesPupil(text)) columns.pupil = at;
+      if (is({"eye"})) columns.eye = at;
       if (is({"right", "right eye", "od", "r", "re"})) columns.right = at;
       if (is({"left", "left eye", "os", "l", "le"})) columns.left = at;
     }
     has_heading = columns.value >= 0 || columns.right >= 0 || columns.left >= 0;
     if (has_heading) return columns;
+    for (const std::string& cell : head.cells) unitOf(head, cell);  // refuses waves
     if (head.cells.size() == 2) return {.index = 0, .name = 0, .value = 1};
     if (head.cells.size() == 3) return {.n = 0, .m = 1, .value = 2};
     fail(head.line,
@@ -390,27 +394,28 @@ class WavefrontTable {
     const auto unit = [&](int column) {
       return has_heading ? unitOf(head, head.cells[static_cast<std::size_t>(column)]) : 1.0;
     };
-    std::vector<int> seen;
+    std::set<std::pair<int, int>> seen;  // term and side
     for (std::size_t r = has_heading ? 1 : 0; r < rows_.size(); ++r) {
       const Row& row = rows_[r];
       const int most = std::max({columns.n, columns.m, columns.index, columns.name, columns.value,
-                                 columns.right, columns.left});
+                                 columns.right, columns.left, columns.eye});
       if (static_cast<int>(row.cells.size()) <= most) {
         fail(row.line, std::to_string(row.cells.size()) + " cells: expected at least " +
                            std::to_string(most + 1));
       }
       const int term = termOf(row, columns);
-      if (std::find(seen.begin(), seen.end(), term) != seen.end()) {
+      const int side =
+          columns.eye < 0 ? 0 : sideOf(row, row.cells[static_cast<std::size_t>(columns.eye)]);
+      if (!seen.emplace(term, side).second) {
         fail(row.line, "term " + std::to_string(term) + " a second time: expected each term once");
       }
-      seen.push_back(term);
       const auto take = [&](int column, std::optional<Wavefront>& eye) {
         if (column < 0) return;
         const std::string& cell = row.cells[static_cast<std::size_t>(column)];
         set(row, eye, term, unit(column) * number(row, cell, "coefficient"), pupil_mm);
       };
-      take(columns.value, eyes_.left);
-      take(columns.value, eyes_.right);
+      if (side <= 0) take(columns.value, eyes_.left);
+      if (side >= 0) take(columns.value, eyes_.right);
       take(columns.right, eyes_.right);
       take(columns.left, eyes_.left);
     }

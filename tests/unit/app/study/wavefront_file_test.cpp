@@ -49,6 +49,7 @@ INSTANTIATE_TEST_SUITE_P(
         "pupil_mm,Z20,Z3-1,Z3+1\n6,0.5,0,-0.25\n",
         "j,coefficient_um,pupil_mm\n4,0.5,6\n8,-0.25,6\n",
         "Pupil radius (mm),3\nj,um\n4,0.5\n8,-0.25\n", "pupil_radius_mm,Z4,Z8\n3,0.5,-0.25\n",
+        "eye,n,m,um,pupil_mm\nOD,2,0,0.5,6\nOD,3,1,-0.25,6\nOS,2,0,0.5,6\nOS,3,1,-0.25,6\n",
         "pupil_mm,6\n\"n\",\"m\",\"Right Eye\",\"Left Eye\"\n2,0,0.5,0.5\n3,1,-0.25,-0.25\n"));
 
 TEST_P(Layouts, HoldTheSameEye) {
@@ -61,6 +62,9 @@ TEST(WavefrontFile, OneEyeMayBeMissing) {
   const MeasuredEyes eyes = read("pupil_mm,6\nj,OS\n4,0.5\n8,-0.25\n");
   EXPECT_FALSE(eyes.right);
   expectTheEye(eyes.left);
+  const MeasuredEyes other = read("pupil_mm,6\neye,j,um\nright,4,0.5\nright,8,-0.25\n");
+  EXPECT_FALSE(other.left);
+  expectTheEye(other.right);
 }
 
 TEST(WavefrontFile, ThePupilOfTheKeyCountsWhereTheFileHasNone) {
@@ -74,7 +78,10 @@ TEST(WavefrontFile, RefusesWhatCanBeMisread) {
             "observer.wavefront_pupil_mm");
   EXPECT_EQ(refusal("pupil_mm,6\nnoll,um\n4,0.5\n"),
             "eye.csv:2: noll: expected the order of OSA and ANSI Z80.28");
-  EXPECT_EQ(refusal("pupil_mm,6\nj,waves\n4,0.5\n").substr(0, 10), "eye.csv:2:");
+  for (const char* heading : {"j,waves", "n,m,waves"}) {
+    EXPECT_EQ(refusal("pupil_mm,6\n" + std::string(heading) + "\n4,0,0.5\n"),
+              "eye.csv:2: \"waves\": expected micrometres, not waves");
+  }
   EXPECT_EQ(refusal("pupil_mm,6\nj,um\n4,0.5\n4,0.6\n"),
             "eye.csv:4: term 4 a second time: expected each term once");
   EXPECT_EQ(refusal("pupil_mm,6\nj,um\n66,0.5\n"),
