@@ -47,27 +47,41 @@ struct Tap {
   float weight;
 };
 
-/// A Gaussian along a line: samples along the nearer axis, linear between two across it.
-std::vector<Tap> lineOf(int direction, double sigma) {
+/// Adds a Gaussian along a line: samples along the nearer axis, linear between two across it.
+void addLine(double direction, double sigma, double share, std::vector<Tap>& taps) {
   const double angle_rad = std::numbers::pi * direction / kDirections;
   const double x = std::cos(angle_rad), y = std::sin(angle_rad);
   const bool steep = std::abs(y) > std::abs(x);
   const double slope = steep ? x / y : y / x, length = std::hypot(1.0, slope);
   const int reach = static_cast<int>(std::ceil(3.5 * sigma / length));
-  std::vector<Tap> taps;
+  const std::size_t first = taps.size();
   double sum = 0.0;
   for (int along = -reach; along <= reach; ++along) {
     const double weight = std::exp(-0.5 * std::pow(along * length / sigma, 2));
     sum += weight;
     const int below = static_cast<int>(std::floor(along * slope + 1e-6));
     const double above = std::max(along * slope - below, 0.0);
-    for (const auto& [across, share] : {std::pair{below, 1.0 - above}, {below + 1, above}}) {
-      if (share < 1e-6) continue;
+    for (const auto& [across, part] : {std::pair{below, 1.0 - above}, {below + 1, above}}) {
+      if (part < 1e-6) continue;
       taps.push_back(
-          {steep ? across : along, steep ? along : across, static_cast<float>(weight * share)});
+          {steep ? across : along, steep ? along : across, static_cast<float>(weight * part)});
     }
   }
-  for (Tap& tap : taps) tap.weight /= static_cast<float>(sum);
+  for (std::size_t i = first; i < taps.size(); ++i) {
+    taps[i].weight *= static_cast<float>(share / sum);
+  }
+}
+
+/// The halo of one direction. Long lines fan out, or a point of light would be a star.
+std::vector<Tap> lineOf(int direction, double sigma, bool fans) {
+  std::vector<Tap> taps;
+  if (!fans) {
+    addLine(direction, sigma, 1.0, taps);
+    return taps;
+  }
+  for (const double aside : {-1.0 / 3.0, 0.0, 1.0 / 3.0}) {
+    addLine(direction + aside, sigma, 1.0 / 3.0, taps);
+  }
   return taps;
 }
 
@@ -132,8 +146,12 @@ void Halos::spreadGroup() {
   const cv::Mat image = imageOf(group_);
   for (Halo& halo : halos_) {
     const cv::Mat small = shrunk(image, halo.step_px);
-    if (halo.light.empty()) halo.light = cv::Mat::zeros(small.size(), CV_32FC4);
-    addSpread(small, lineOf(direction_, halo.sigma_px), halo.share, halo.light);
+    if (halo.light.rgba.empty()) {
+      halo.light.resize({small.cols, small.rows});
+      std::ranges::fill(halo.light.rgba, glm::vec4(0.0f));
+    }
+    cv::Mat light = imageOf(halo.light);
+    addSpread(small, lineOf(direction_, halo.sigma_px, halo.step_px > 1), halo.share, light);
   }
 }
 
@@ -144,13 +162,14 @@ void Halos::spreadInto(Frame& mean) {
   float in_core = 1.0f;
   for (const Halo& halo : halos_) in_core -= halo.share;
   light *= in_core;
-  for (const Halo& halo : halos_) {
+  for (Halo& halo : halos_) {
+    const cv::Mat spread = imageOf(halo.light);
     if (halo.step_px == 1) {
-      light += halo.light;
+      light += spread;
       continue;
     }
     cv::Mat wide;
-    cv::resize(halo.light, wide, halo.light.size() * halo.step_px, 0.0, 0.0, cv::INTER_LINEAR);
+    cv::resize(spread, wide, spread.size() * halo.step_px, 0.0, 0.0, cv::INTER_LINEAR);
     light += wide(cv::Rect(0, 0, light.cols, light.rows));
   }
 }

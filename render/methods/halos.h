@@ -2,7 +2,6 @@
 // across the rim, which is along the radius.
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <vector>
 
 #include "render/image/frame.h"
@@ -33,7 +32,7 @@ class Halos {
     float share = 0.0f;
     double sigma_px = 0.0;  ///< in pixels of `light`
     int step_px = 1;        ///< width of these
-    cv::Mat light = {};
+    Frame light = {};
   };
   void spreadGroup();
 
