@@ -169,11 +169,15 @@ class Recogniser {
       eye.sight_point_mm = find({name + "gazepointinusercoordinatesystem"});
       eye.origin_validity = find({name + "gazeoriginvalidity"});
       for (std::size_t axis : {0, 1, 2}) {
-        const std::string letter = axes.substr(axis, 1);
-        eye.origin_mm[axis] =
-            find({name + "origin" + letter, name + "gazeorigininusercoordinatesystem" + letter});
-        eye.sight_mm[axis] = find({name + "gazepointinusercoordinatesystem" + letter});
-        eye.direction[axis] = find({name + "direction" + letter});
+        const auto along = [&](const char* what) {
+          std::string column = name;
+          column += what;
+          column += axes[axis];
+          return column;
+        };
+        eye.origin_mm[axis] = find({along("origin"), along("gazeorigininusercoordinatesystem")});
+        eye.sight_mm[axis] = find({along("gazepointinusercoordinatesystem")});
+        eye.direction[axis] = find({along("direction")});
       }
     }
     if (!find({"gazenormal0x", "gazenormal1x"})) return;

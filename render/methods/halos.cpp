@@ -94,16 +94,17 @@ void addSpread(const cv::Mat& image, const std::vector<Tap>& taps, float share, 
   parallelFor(static_cast<std::size_t>(image.rows), [&](std::size_t row) {
     constexpr int kBlock = 4;  // pixels whose sums stay in registers
     const int y = static_cast<int>(row);
-    auto* to = sum.ptr<cv::Vec4f>(y);
+    auto* to = sum.ptr<float>(y);
     for (int x = 0; x < image.cols; x += kBlock) {
       const int first = std::min(x, std::max(image.cols - kBlock, 0));
       const int count = std::min(kBlock, image.cols);
       float block[4 * kBlock] = {};
       for (const Tap& tap : taps) {
-        const float* from = wide.ptr<cv::Vec4f>(y + reach + tap.y)[first + reach + tap.x].val;
+        const float* from = wide.ptr<float>(y + reach + tap.y) +
+                            4 * static_cast<std::ptrdiff_t>(first + reach + tap.x);
         for (int i = 0; i < 4 * count; ++i) block[i] += tap.weight * from[i];
       }
-      for (int i = 4 * (x - first); i < 4 * count; ++i) to[first].val[i] += share * block[i];
+      for (int i = 4 * (x - first); i < 4 * count; ++i) to[4 * first + i] += share * block[i];
     }
   });
 }
