@@ -13,9 +13,6 @@
 namespace foci {
 namespace {
 
-/// Parts of the names of directions in space.
-constexpr std::array<std::string_view, 4> kDirections = {"gazedirect", "gazevector", "gazedir",
-                                                         "gvec"};
 /// Names of angles whose unit is not told.
 constexpr std::array<std::string_view, 8> kAngles = {
     "yaw", "pitch", "gazeyaw", "gazepitch", "azimuth", "elevation", "gazeazimuth", "gazeelevation"};
@@ -189,26 +186,22 @@ std::string ColumnNames::listed(const Wanted& wanted) const {
 
 /// What a table is that has no samples of gaze as its rows; empty if that cannot be told.
 std::string ColumnNames::otherKind() const {
-  const auto any = [&](std::initializer_list<std::string_view> parts) {
-    return std::any_of(names_.begin(), names_.end(), [&](const Name& name) {
+  const auto namesWith = [&](std::initializer_list<std::string_view> parts) {
+    return listed([&](std::size_t i) {
       return std::any_of(parts.begin(), parts.end(), [&](std::string_view part) {
-        return name.key.find(part) != std::string::npos;
+        return names_[i].key.find(part) != std::string::npos;
       });
     });
   };
-  if (any({"webgazerdata"})) {
+  if (!namesWith({"webgazerdata"}).empty()) {
     return "the column webgazer_data holds the samples of a trial as JSON: write them as a table, "
            "t, x and y of a sample in each row";
   }
   if (find({"fixationx", "fixationpointx"}) || find({"starttimestamp"})) {
     return "the rows are fixations or events: export the samples of gaze";
   }
-  const auto isDirection = [&](std::size_t i) {
-    const std::string& key = names_[i].key;
-    return std::any_of(kDirections.begin(), kDirections.end(),
-                       [&](std::string_view part) { return key.find(part) != std::string::npos; });
-  };
-  if (const std::string directions = listed(isDirection); !directions.empty()) {
+  if (const std::string directions = namesWith({"gazedirect", "gazevector", "gazedir", "gvec"});
+      !directions.empty()) {
     return "the columns " + directions +
            " are directions in space: name x, y and z in a study with gaze.direction = [...], and "
            "set gaze.axes and gaze.frame";
