@@ -11,11 +11,14 @@
 #include <hwy/highway.h>
 // After foreach_target.h:
 #include "render/gaussians/composite_tile-inl.h"
+#include "render/gaussians/interpolate_behind-inl.h"
 
 #if HWY_ONCE
 namespace foci {
 
 HWY_EXPORT(compositeTileLanes);
+HWY_EXPORT(compositeBehindLanes);
+HWY_EXPORT(interpolateBehindLanes);
 
 void TileGaussians::begin(const ProjectedGaussian* gaussians, std::span<const std::uint32_t> list) {
   gaussians_ = gaussians;
@@ -39,8 +42,19 @@ void TileGaussians::fetchBlock() {
   fetched_ += kBlock;
 }
 
-std::size_t compositeTile(const CompositeJob& job, TileSums& sums) {
-  return HWY_DYNAMIC_DISPATCH(compositeTileLanes)(job, sums);
+std::size_t compositeTile(const CompositeJob& job, TileSums& sums,
+                          std::span<const std::size_t> followed, std::span<SeenLight> seen) {
+  return HWY_DYNAMIC_DISPATCH(compositeTileLanes)(job, sums, followed, seen);
+}
+
+std::size_t compositeBehind(const CompositeJob& job, std::span<const float> weights,
+                            std::span<BehindPlanes> views, std::span<const std::size_t> followed,
+                            std::span<SeenLight> seen) {
+  return HWY_DYNAMIC_DISPATCH(compositeBehindLanes)(job, weights, views, followed, seen);
+}
+
+void interpolateBehind(const Resampling& resampling, BehindPlanes& from, BehindPlanes& to) {
+  HWY_DYNAMIC_DISPATCH(interpolateBehindLanes)(resampling, from, to);
 }
 
 }  // namespace foci

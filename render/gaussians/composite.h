@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
@@ -13,13 +14,35 @@
 namespace foci {
 
 /// Places of a tile's samples: rows of `rowOf` places, of which the first `samples` are used.
-inline constexpr std::size_t kTilePlaces = std::size_t{kTile + 2 * kApron} * 48;
-constexpr std::size_t rowOf(int samples) { return samples == kTile ? kTile : 48; }
+constexpr std::size_t rowOf(int samples) {
+  return (static_cast<std::size_t>(samples) + 15) / 16 * 16;
+}
+constexpr std::size_t placesOf(int samples) {
+  return rowOf(samples) * static_cast<std::size_t>(samples);
+}
+inline constexpr std::size_t kTilePlaces = placesOf(kTile + 2 * kApron);
 
 /// A tile's share of the frame: sums over sub-apertures.
 struct TileSums {
   alignas(64) float red[kTilePlaces], green[kTilePlaces], blue[kTilePlaces];  ///< linear light
   alignas(64) float coverage[kTilePlaces], distance_m[kTilePlaces];  ///< distance times coverage
+};
+
+/// What lies behind Gaussians, as one sub-aperture sees it through the lens around it. Of each:
+/// planes of places.
+struct BehindPlanes {
+  enum Plane : std::size_t {
+    red,  ///< mean display values
+    green,
+    blue,
+    light_red,  ///< mean linear light, less that of the mean display values
+    light_green,
+    light_blue,
+    coverage,
+    distance_m,  ///< times coverage
+    kPlanes
+  };
+  alignas(64) float planes[kPlanes][kTilePlaces];
 };
 
 /// A disc within the lens, in lens radii.
@@ -79,15 +102,42 @@ struct CompositeJob {
   const Defocus* defocus = nullptr;
   glm::vec2 first_px{0.0f};  ///< the first sample
   float step_px = 1.0f;      ///< from sample to sample
-  int samples = kTile;       ///< along a side: kTile, or with the apron
+  int samples = kTile;       ///< along a side, aprons included
   LensDisc lens;
   glm::vec3 background{0.0f};  ///< display values
+  /// What lies behind instead of the background, at the same samples. Called where it shows.
+  std::function<const BehindPlanes&()> behind;
   bool depth = false;
 };
 
+/// Light on its way to the lens: of a tile's Gaussians in display values, and the transmittance.
+using SeenLight = glm::vec4;
+
 /// Composites in display values, as scenes are trained, and adds the result to the sums in linear
-/// light. Display values are clamped to 0 and 1 first.
+/// light. Display values are clamped to 0 and 1 first. Over what lies behind, of mean display
+/// values d and mean linear light l, Gaussians of value c and transmittance t show
+///   f(c + t d) + t^2 (l - f(d)),   f: linear light of a display value.
+/// This is exact for t = 0, for c = 0 and t = 1, and if f were a parabola.
+/// @param followed  places
+/// @param seen      what is seen of the Gaussians at these places
 /// @return the number of samples inside of the Gaussians' footprints
-std::size_t compositeTile(const CompositeJob& job, TileSums& sums);
+std::size_t compositeTile(const CompositeJob& job, TileSums& sums,
+                          std::span<const std::size_t> followed, std::span<SeenLight> seen);
+
+/// Composites the same way, and adds the result to each of `views` times its weight. Their light is
+/// not yet less that of the display values.
+std::size_t compositeBehind(const CompositeJob& job, std::span<const float> weights,
+                            std::span<BehindPlanes> views, std::span<const std::size_t> followed,
+                            std::span<SeenLight> seen);
+
+/// Samples along a side, from edge to edge of a square, and where the samples that are interpolated
+/// from them lie: the first, and the distance between them, in units of the former.
+struct Resampling {
+  int from_samples = 0, to_samples = 0;
+  float first = 0.0f, step = 1.0f;
+};
+
+/// Takes the light of the display values off `from`, and interpolates it.
+void interpolateBehind(const Resampling& resampling, BehindPlanes& from, BehindPlanes& to);
 
 }  // namespace foci

@@ -61,13 +61,19 @@ HWY_INLINE V linearOf(V s) {
   return hn::IfThenElse(hn::Le(s, hn::Set(d, 0.04045f)), hn::Mul(s, hn::Set(d, 1.0f / 12.92f)), p);
 }
 
+/// Linear light of a display value, clamped to 0 and 1.
+HWY_INLINE V lightOf(V display) {
+  const D d;
+  return linearOf(hn::Min(hn::Max(display, hn::Zero(d)), hn::Set(d, 1.0f)));
+}
+
 template <bool kDepth>
 class TileCompositor {
  public:
   explicit TileCompositor(const CompositeJob& job)
       : job_(job),
         row_(rowOf(job.samples)),
-        places_(row_ * static_cast<std::size_t>(job.samples)),
+        places_(placesOf(job.samples)),
         last_(static_cast<float>(job.samples - 1)) {
     // Unused places are opaque.
     std::fill_n(transmittance_, places_, 0.0f);
@@ -91,6 +97,7 @@ class TileCompositor {
         const auto k = static_cast<std::size_t>(std::countr_zero(reach));
         fragments += add(k, at + k);
       }
+      becomeOpaque();
       if (isOpaque()) break;
     }
     return fragments;
@@ -98,27 +105,86 @@ class TileCompositor {
 
   void addTo(TileSums& sums) const {
     const D d;
-    const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
-    for (std::size_t p = 0; p < places_; p += hn::Lanes(d)) {
-      const V through = hn::Load(d, transmittance_ + p);
-      const auto channel = [&](const float* plane, float background, float* sum) {
-        const V shown = hn::MulAdd(through, hn::Set(d, background), hn::Load(d, plane + p));
-        const V linear = linearOf(hn::Min(hn::Max(shown, zero), one));
-        hn::Store(hn::Add(linear, hn::Load(d, sum + p)), d, sum + p);
+    show([&](std::size_t p, const Shown& shown) {
+      const auto add = [&](V value, float* sum) {
+        hn::Store(hn::Add(value, hn::Load(d, sum + p)), d, sum + p);
       };
-      channel(red_, job_.background.r, sums.red);
-      channel(green_, job_.background.g, sums.green);
-      channel(blue_, job_.background.b, sums.blue);
-      const V covered = hn::Sub(one, through);
-      hn::Store(hn::Add(covered, hn::Load(d, sums.coverage + p)), d, sums.coverage + p);
-      if constexpr (kDepth) {
-        const V far = hn::Load(d, distance_ + p);
-        hn::Store(hn::Add(far, hn::Load(d, sums.distance_m + p)), d, sums.distance_m + p);
+      add(shown.light[0], sums.red);
+      add(shown.light[1], sums.green);
+      add(shown.light[2], sums.blue);
+      add(shown.coverage, sums.coverage);
+      if constexpr (kDepth) add(shown.distance_m, sums.distance_m);
+    });
+  }
+
+  /// Adds the view to each of `views`, times its weight.
+  void addTo(std::span<BehindPlanes> views, std::span<const float> weights) const {
+    const D d;
+    show([&](std::size_t p, const Shown& shown) {
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        const V weight = hn::Set(d, weights[i]);
+        const auto add = [&](V value, std::size_t plane) {
+          float* const sum = views[i].planes[plane] + p;
+          hn::Store(hn::MulAdd(weight, value, hn::Load(d, sum)), d, sum);
+        };
+        for (std::size_t c = 0; c < 3; ++c) {
+          add(shown.display[c], BehindPlanes::red + c);
+          add(shown.light[c], BehindPlanes::light_red + c);
+        }
+        add(shown.coverage, BehindPlanes::coverage);
+        if constexpr (kDepth) add(shown.distance_m, BehindPlanes::distance_m);
       }
+    });
+  }
+
+  void follow(std::span<const std::size_t> places, std::span<SeenLight> seen) const {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const std::size_t at = places[i];
+      seen[i] = {red_[at], green_[at], blue_[at], transmittance_[at]};
     }
   }
 
  private:
+  struct Shown {
+    V display[3], light[3], coverage, distance_m;
+  };
+
+  /// Calls `take(place, shown)` for each vector of places, over what lies behind.
+  template <typename Take>
+  void show(const Take& take) const {
+    const D d;
+    const V one = hn::Set(d, 1.0f);
+    const BehindPlanes* const behind = job_.behind && !isOpaque() ? &job_.behind() : nullptr;
+    const float* const planes[3] = {red_, green_, blue_};
+    for (std::size_t p = 0; p < places_; p += hn::Lanes(d)) {
+      const V through = hn::Load(d, transmittance_ + p);
+      const auto back = [&](std::size_t plane) { return hn::Load(d, behind->planes[plane] + p); };
+      Shown shown;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const V display =
+            behind ? back(BehindPlanes::red + c) : hn::Set(d, job_.background[static_cast<int>(c)]);
+        shown.display[c] = hn::MulAdd(through, display, hn::Load(d, planes[c] + p));
+        shown.light[c] = lightOf(shown.display[c]);
+        if (behind) {
+          const V more = back(BehindPlanes::light_red + c);
+          shown.light[c] = hn::MulAdd(hn::Mul(through, through), more, shown.light[c]);
+        }
+      }
+      shown.coverage = hn::Sub(one, through);
+      if (behind) {
+        shown.coverage = hn::MulAdd(through, back(BehindPlanes::coverage), shown.coverage);
+      }
+      shown.distance_m = hn::Zero(d);
+      if constexpr (kDepth) {
+        shown.distance_m = hn::Load(d, distance_ + p);
+        if (behind) {
+          shown.distance_m = hn::MulAdd(through, back(BehindPlanes::distance_m), shown.distance_m);
+        }
+      }
+      take(p, shown);
+    }
+  }
+
   /// Fills the block with the entries from `at` on (projected.h has the formulas).
   void see(std::size_t at) {
     const D d;
@@ -241,16 +307,16 @@ class TileCompositor {
     return inside;
   }
 
-  /// Whether all places are opaque, which they stay. So each call goes on where the last one ended.
-  bool isOpaque() {
+  /// Places that are opaque stay so. Each call goes on where the last one ended.
+  void becomeOpaque() {
     const D d;
     const V opaque = hn::Set(d, kOpaqueTransmittance);
-    while (opaque_places_ < places_ &&
+    while (!isOpaque() &&
            hn::AllTrue(d, hn::Le(hn::Load(d, transmittance_ + opaque_places_), opaque))) {
       opaque_places_ += hn::Lanes(d);
     }
-    return opaque_places_ >= places_;
   }
+  bool isOpaque() const { return opaque_places_ >= places_; }
 
   const CompositeJob& job_;
   std::size_t row_, places_;       // places in a row, and in all rows
@@ -262,14 +328,34 @@ class TileCompositor {
   alignas(64) float distance_[kDepth ? kTilePlaces : 1];
 };
 
-inline std::size_t compositeTileLanes(const CompositeJob& job, TileSums& sums) {
+template <typename Add>
+std::size_t composite(const CompositeJob& job, const Add& add) {
   const auto run = [&]<bool kDepth>() {
     TileCompositor<kDepth> tile(job);
     const std::size_t fragments = tile.run();
-    tile.addTo(sums);
+    add(tile);
     return fragments;
   };
   return job.depth ? run.template operator()<true>() : run.template operator()<false>();
+}
+
+inline std::size_t compositeTileLanes(const CompositeJob& job, TileSums& sums,
+                                      std::span<const std::size_t> followed,
+                                      std::span<SeenLight> seen) {
+  return composite(job, [&](const auto& tile) {
+    tile.addTo(sums);
+    tile.follow(followed, seen);
+  });
+}
+
+inline std::size_t compositeBehindLanes(const CompositeJob& job, std::span<const float> weights,
+                                        std::span<BehindPlanes> views,
+                                        std::span<const std::size_t> followed,
+                                        std::span<SeenLight> seen) {
+  return composite(job, [&](const auto& tile) {
+    tile.addTo(views, weights);
+    tile.follow(followed, seen);
+  });
 }
 
 }  // namespace HWY_NAMESPACE

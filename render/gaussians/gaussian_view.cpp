@@ -1,7 +1,7 @@
 #include "render/gaussians/gaussian_view.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <memory>
 #include <numeric>
 
@@ -14,6 +14,8 @@ namespace foci {
 void GaussianView::project(const View& view, const Defocus& defocus,
                            const std::vector<LensDisc>& discs, const GaussianCutSettings* lod) {
   defocus_ = defocus;
+  size_px_ = view.size_px;
+  layers_.clear();
   std::vector<SubApertureSize> sizes;
   for (const LensDisc& disc : discs) {
     const SubApertureSize each{glm::length(disc.centre), disc.radius};
@@ -29,90 +31,93 @@ void GaussianView::project(const View& view, const Defocus& defocus,
   lists_.build(projected_.chunks, view.size_px, lod != nullptr);
 }
 
-TileBlur GaussianView::tileBlur(std::size_t tile) const {
-  double sum = 0.0, weights = 0.0;
-  for (const std::uint32_t index : lists_.splats(tile)) {
-    const double blur2 = double{projected_.chunks.keys[index].blur_px} *
-                         double{projected_.chunks.keys[index].blur_px};
-    const double peak = std::min(projected_.gaussians[index].opacity, 1.0f);
-    sum += peak * blur2 * blur2;
-    weights += peak;
-  }
-  return {
-      .radius_px = weights > 0.0 ? static_cast<float>(std::sqrt(std::sqrt(sum / weights))) : 0.0f,
-      .everywhere = lists_.tiles()[tile].step_px > 1};
+std::vector<TileBlur> GaussianView::tileBlurs() const {
+  std::vector<TileBlur> blurs(tiles().size());
+  parallelFor(blurs.size(),
+              [&](std::size_t t) { blurs[t] = blurOf(tiles()[t], lists_.splats(t), projected_); });
+  return blurs;
 }
 
-std::vector<TileBlur> GaussianView::tileBlurs() const {
-  std::vector<TileBlur> blurs(lists_.tiles().size());
-  parallelFor(blurs.size(), [&](std::size_t t) { blurs[t] = tileBlur(t); });
-  return blurs;
+const std::vector<TileLayers>& GaussianView::divide(bool several) {
+  layers_.resize(tiles().size());
+  parallelFor(layers_.size(), [&](std::size_t t) {
+    const Tile& tile = tiles()[t];
+    const std::span<const std::uint32_t> list = lists_.splats(t);
+    if (several && tile.step_px == 1) {
+      layers_[t] = layersOf(tile, list, projected_, size_px_);
+    } else {
+      layers_[t] = oneLayer(tile, list.size());
+      layers_[t].layers[0].blur = blurOf(tile, list, projected_);
+    }
+  });
+  return layers_;
 }
 
 std::uint64_t GaussianView::render(const std::vector<LensDisc>& discs, const glm::vec3& background,
                                    Frame& frame) {
-  return renderTiles([&](std::size_t) { return &discs; }, background, frame, nullptr);
+  return renderTiles([&](std::size_t) { return TileLens{.discs = &discs}; }, background, frame,
+                     nullptr);
 }
 
-std::uint64_t GaussianView::render(const ChooseDiscs& discs_of, const glm::vec3& background,
+std::uint64_t GaussianView::render(const ChooseLens& lens_of, const glm::vec3& background,
                                    Frame& frame, std::vector<SampledErrors>& errors) {
-  errors.resize(lists_.tiles().size());
-  return renderTiles(discs_of, background, frame, &errors);
+  errors.resize(tiles().size());
+  return renderTiles(lens_of, background, frame, &errors);
 }
 
-std::uint64_t GaussianView::renderTiles(const ChooseDiscs& discs_of, const glm::vec3& background,
+std::uint64_t GaussianView::renderTiles(const ChooseLens& lens_of, const glm::vec3& background,
                                         Frame& frame, std::vector<SampledErrors>* errors) {
-  const bool depth = !frame.depth_m.empty();
   const glm::vec3 shown(srgbFromLinear(background.r), srgbFromLinear(background.g),
                         srgbFromLinear(background.b));
-  const std::vector<Tile>& tiles = lists_.tiles();
-  std::vector<std::uint64_t> fragments(tiles.size());
-  parallelFor(tiles.size(), [&](std::size_t t) {
-    const std::vector<LensDisc>* const discs = discs_of(t);
-    if (!discs) return;
-    const Tile& tile = tiles[t];
-    thread_local const auto sums = std::make_unique<TileSums>();
+  std::vector<std::uint64_t> fragments(tiles().size());
+  parallelFor(tiles().size(), [&](std::size_t t) {
+    const TileLens lens = lens_of(t);
+    if (!lens.discs) return;
+    const Tile& tile = tiles()[t];
     const int samples = tile.samplesWithApron();
-    const std::size_t row = rowOf(samples);
+    thread_local const auto sums = std::make_unique<TileSums>();
     for (float* plane : {sums->red, sums->green, sums->blue, sums->coverage, sums->distance_m}) {
-      std::fill_n(plane, row * static_cast<std::size_t>(samples), 0.0f);
+      std::fill_n(plane, placesOf(samples), 0.0f);
     }
     const auto step_px = static_cast<float>(tile.step_px);
-    const glm::vec2 first_px =
-        glm::vec2(tile.x_px, tile.y_px) + step_px * (0.5f - static_cast<float>(tile.apron()));
-    thread_local TileGaussians gaussians;
-    gaussians.begin(projected_.gaussians.data(), lists_.splats(t));
-    thread_local ViewSpread spread;
-    if (errors) spread.begin(samples, tile.apron());
-    for (const LensDisc& disc : *discs) {
-      fragments[t] += compositeTile({.gaussians = &gaussians,
-                                     .defocus = &defocus_,
-                                     .first_px = first_px,
-                                     .step_px = step_px,
-                                     .samples = samples,
-                                     .lens = disc,
-                                     .background = shown,
-                                     .depth = depth},
-                                    *sums);
-      if (errors) spread.add(*sums);
-    }
-    if (errors && discs->size() > 1) (*errors)[t] = spread.standardErrors();
-    const float weight = 1.0f / static_cast<float>(discs->size());
-    constexpr std::size_t kMaxSamples = kTile + 2 * kApron;
-    glm::vec4 rgba[kMaxSamples * kMaxSamples];
-    float depth_m[kMaxSamples * kMaxSamples];
-    for (int y = 0; y < samples; ++y) {
-      for (int x = 0; x < samples; ++x) {
-        const std::size_t from = static_cast<std::size_t>(y) * row + static_cast<std::size_t>(x);
-        const int to = y * samples + x;
-        rgba[to] = weight * glm::vec4(sums->red[from], sums->green[from], sums->blue[from],
-                                      sums->coverage[from]);
-        depth_m[to] = weight * sums->distance_m[from];
-      }
-    }
-    interpolateTile(tile, rgba, depth ? depth_m : nullptr, frame);
+    const auto apron = static_cast<float>(tile.apron());
+    const CompositeJob job{.gaussians = nullptr,
+                           .defocus = &defocus_,
+                           .first_px = glm::vec2(tile.x_px, tile.y_px) + step_px * (0.5f - apron),
+                           .step_px = step_px,
+                           .samples = samples,
+                           .lens = {},
+                           .background = shown,
+                           .behind = nullptr,
+                           .depth = !frame.depth_m.empty()};
+    const std::span<const std::uint32_t> list = lists_.splats(t);
+    thread_local LayerStack stack;
+    fragments[t] = stack.render(projected_.gaussians.data(), list,
+                                layers_.empty() ? oneLayer(tile, list.size()) : layers_[t],
+                                tile.apron(), lens, job, *sums, errors ? &(*errors)[t] : nullptr);
+    writeTile(tile, *sums, lens, frame);
   });
   return std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});
+}
+
+void GaussianView::writeTile(const Tile& tile, const TileSums& sums, const TileLens& lens,
+                             Frame& frame) {
+  const float share = 1.0f / static_cast<float>(lens.discs->size());
+  const int samples = tile.samplesWithApron();
+  constexpr std::size_t kMaxSamples = kTile + 2 * kApron;
+  glm::vec4 rgba[kMaxSamples * kMaxSamples];
+  float depth_m[kMaxSamples * kMaxSamples];
+  for (int y = 0; y < samples; ++y) {
+    for (int x = 0; x < samples; ++x) {
+      const std::size_t from =
+          static_cast<std::size_t>(y) * rowOf(samples) + static_cast<std::size_t>(x);
+      const int to = y * samples + x;
+      rgba[to] =
+          share * glm::vec4(sums.red[from], sums.green[from], sums.blue[from], sums.coverage[from]);
+      depth_m[to] = share * sums.distance_m[from];
+    }
+  }
+  interpolateTile(tile, rgba, frame.depth_m.empty() ? nullptr : depth_m, lens.weight, frame);
 }
 
 }  // namespace foci

@@ -7,8 +7,9 @@
 #include <functional>
 #include <vector>
 
-#include "render/gaussians/composite.h"
+#include "render/gaussians/layer_stack.h"
 #include "render/gaussians/projected.h"
+#include "render/gaussians/tile_layers.h"
 #include "render/gaussians/view_spread.h"
 #include "render/image/frame.h"
 #include "render/optics/view.h"
@@ -16,17 +17,9 @@
 
 namespace foci {
 
-/// How blurred a tile is.
-struct TileBlur {
-  /// The blur radius of its Gaussians: the mean of their fourth powers, weighted by opacity, so
-  /// that few blurred ones count more than many sharp ones, and a single faint one does not.
-  float radius_px = 0.0f;
-  bool everywhere = false;  ///< nothing in it is sharp: its samples are more than a pixel apart
-};
-
-/// The discs that a tile is rendered through; null: the frame keeps the tile as it is. Called by
+/// What a tile is rendered through; without discs, the frame keeps the tile as it is. Called by
 /// several threads.
-using ChooseDiscs = std::function<const std::vector<LensDisc>*(std::size_t tile)>;
+using ChooseLens = std::function<TileLens(std::size_t tile)>;
 
 /// Keeps its buffers between frames.
 class GaussianView {
@@ -48,27 +41,32 @@ class GaussianView {
   std::uint64_t render(const std::vector<LensDisc>& discs, const glm::vec3& background,
                        Frame& frame);
 
-  /// The same with discs that each tile chooses.
+  /// The same with discs that each tile chooses for the layers that `divide` gave it.
   /// @param errors  of the tiles that are rendered through more than one disc
-  std::uint64_t render(const ChooseDiscs& discs_of, const glm::vec3& background, Frame& frame,
+  std::uint64_t render(const ChooseLens& lens_of, const glm::vec3& background, Frame& frame,
                        std::vector<SampledErrors>& errors);
 
   const std::vector<Tile>& tiles() const { return lists_.tiles(); }
   std::vector<TileBlur> tileBlurs() const;
+  /// Divides each tile into layers, until the next projection.
+  /// @param several  false: one layer each
+  const std::vector<TileLayers>& divide(bool several);
 
   std::size_t count() const { return projected_.total(); }
 
  private:
-  TileBlur tileBlur(std::size_t tile) const;
   /// @param errors  null: not wanted
-  std::uint64_t renderTiles(const ChooseDiscs& discs_of, const glm::vec3& background, Frame& frame,
+  std::uint64_t renderTiles(const ChooseLens& lens_of, const glm::vec3& background, Frame& frame,
                             std::vector<SampledErrors>* errors);
+  static void writeTile(const Tile& tile, const TileSums& sums, const TileLens& lens, Frame& frame);
 
   const GaussianCloud* cloud_;
   Defocus defocus_;
+  glm::ivec2 size_px_{0};
   GaussianCut cut_;
   ProjectedGaussians projected_;
   TileLists lists_;
+  std::vector<TileLayers> layers_;  // empty: not divided
 };
 
 }  // namespace foci

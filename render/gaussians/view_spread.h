@@ -9,19 +9,25 @@
 #include <vector>
 
 #include "render/gaussians/composite.h"
+#include "render/gaussians/tile_layers.h"
 
 namespace foci {
 
-/// Errors at the samples that are followed, in just-noticeable differences.
+/// Standard errors at the samples that are followed, in just-noticeable differences.
 struct SampledErrors {
   static constexpr std::size_t kMost = 16;
-  std::array<float, kMost> jnd{};
+  /// By layer of the tile; those behind the first as far as they show.
+  std::array<std::array<float, kMost>, TileLayers::kMost> layers_jnd{};
   std::size_t count = 0;
-
-  std::span<const float> all() const { return {jnd.data(), count}; }
 };
 
-/// Follows a tile's sums at up to kAlong x kAlong of its samples, evenly spread.
+/// What lies behind a sample, the same for all views.
+struct BehindSample {
+  glm::vec3 display{0.0f};  ///< display value
+  glm::vec3 light{0.0f};    ///< mean linear light, less that of the display value
+};
+
+/// Follows a tile at up to kAlong x kAlong of its samples, evenly spread.
 class ViewSpread {
  public:
   static constexpr int kAlong = 4;
@@ -30,19 +36,32 @@ class ViewSpread {
   /// @param samples  of the tile along a side
   /// @param apron    of these, on each side; not followed
   void begin(int samples, int apron);
+  /// Follows the samples of another layer of the tile that are nearest to those of its first layer.
+  void beginBehind(const ViewSpread& first, const TileLayer& first_layer, const TileLayer& layer);
 
-  /// Takes what the last view, of weight 1, has added to the sums.
-  void add(const TileSums& sums);
+  /// The places that are followed.
+  std::span<const std::size_t> places() const { return places_; }
+  /// Room for what the next view sees there.
+  std::span<SeenLight> next();
 
   /// The standard error of the mean of the views, at least two, if they were drawn at random:
   ///   sqrt(sum |J (v - m)|^2 / (n (n - 1))),
   /// with the n views v, their mean m in linear light, and the Jacobian J of L*a*b* at m.
-  SampledErrors standardErrors() const;
+  /// @param behind  by place
+  /// @return by place
+  std::array<float, SampledErrors::kMost> standardErrors(
+      std::span<const BehindSample> behind) const;
+
+  /// The mean transmittance of the views at a place.
+  float transmittance(std::size_t place) const;
 
  private:
-  std::vector<std::size_t> places_;  // in the sums
-  std::vector<glm::vec3> values_;    // of the views, one after the other: linear light
-  std::vector<glm::vec3> sums_;      // so far
+  void followSquare(int samples);
+  std::size_t views() const { return seen_.size() / places_.size(); }
+
+  std::vector<std::size_t> along_;  // samples along a side
+  std::vector<std::size_t> places_;
+  std::vector<SeenLight> seen_;  // of the views, one after the other
 };
 
 }  // namespace foci

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace foci {
@@ -11,9 +12,9 @@ namespace {
 /// Share of the frame that may be beyond the tolerance.
 constexpr float kShareBeyond = 0.05f;
 
-/// No sample's error is this many times the tolerance. Otherwise the few that may be beyond it
-/// would show single views, and change as the eye moves.
-constexpr float kMostOverTolerance = 1.5f;
+/// No sample's error is this many times the tolerance: the few that may be beyond it would show
+/// single views.
+constexpr float kMostOverTolerance = 3.0f;
 
 /// The error of the mean of n views of an edge falls as n to this power (a fit from 3 to 91).
 constexpr float kEdgeOrder = -0.77f;
@@ -21,13 +22,20 @@ constexpr float kEdgeOrder = -0.77f;
 /// A tile's next number of discs is chosen for this share of its limit, since errors vary.
 constexpr float kAim = 0.9f;
 
+/// A tile with more discs counts in full where its error was this share beyond the limit.
+constexpr float kTransition = 0.25f;
+
 /// Halvings of the range up to the largest error that is told from others.
 constexpr int kHalvings = 12;
 constexpr float kLargest_JND = 64.0f;
 constexpr float kNoLimit = std::numeric_limits<float>::infinity();
 
-/// The share of an error that the limit leaves.
-float shareOf(float limit, float error) { return error > limit ? limit / error : 1.0f; }
+/// The first of kDiscs whose bound by the blur radius is within the tolerance, or the last.
+std::size_t discsWithin(const TileBlur& blur, float tolerance) {
+  const auto enough = std::ranges::find_if(
+      kDiscs, [&](const Discs& discs) { return errorOf(discs, blur) <= tolerance; });
+  return static_cast<std::size_t>(std::min(enough, kDiscs.end() - 1) - kDiscs.begin());
+}
 
 /// The largest value up to which `tooLarge` is false, by bisection.
 template <typename TooLarge>
@@ -43,10 +51,11 @@ float largestThat(const TooLarge& tooLarge) {
 }  // namespace
 
 void DiscsOfTiles::choose(std::span<const Tile> tiles, const glm::ivec2& size_px,
-                          std::span<const TileBlur> blurs, std::span<const float> merging,
+                          std::span<const TileLayers> layers, std::span<const float> merging,
                           float tolerance) {
   tolerance_ = tolerance;
   area_px2_ = 0.0f;
+  rounds_ = 0;
   tiles_.assign(tiles.size(), {});
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     TileState& tile = tiles_[t];
@@ -54,56 +63,117 @@ void DiscsOfTiles::choose(std::span<const Tile> tiles, const glm::ivec2& size_px
         glm::min(glm::ivec2(tiles[t].side_px), size_px - glm::ivec2(tiles[t].x_px, tiles[t].y_px));
     tile.area_px2 = static_cast<float>(seen_px.x * seen_px.y);
     area_px2_ += tile.area_px2;
-    tile.blur = blurs[t];
     tile.merging = merging[t];
-    const auto enough = std::ranges::find_if(kDiscs, [&](const Discs& each) {
-      return errorOf(each, tile.blur) + tile.merging <= tolerance;
-    });
-    tile.last = static_cast<std::size_t>(std::min(enough, kDiscs.end() - 1) - kDiscs.begin());
-    tile.index = std::min<std::size_t>(tile.last, 1);
+    const std::size_t count = layers[t].count;
+    // Errors of layers add as squares.
+    const float share = 1.0f / std::sqrt(static_cast<float>(count));
+    for (std::size_t k = 0; k < count; ++k) {
+      LayerState& layer = tile.layers[k];
+      layer.blur = layers[t].layers[k].blur;
+      layer.time = layers[t].layers[k].time;
+      layer.last = discsWithin(layer.blur, share * tolerance - tile.merging);
+      const std::size_t first = count == 1 ? 1 : discsWithin(layer.blur, tolerance);
+      tile.indices[k] = std::min(first, layer.last);
+    }
   }
 }
 
-std::size_t DiscsOfTiles::indexFor(const TileState& tile, float share) const {
-  if (tile.index == tile.last || share >= 1.0f) return tile.index;
-  const float views =
-      static_cast<float>(kDiscs[tile.index].count) * std::pow(kAim * share, 1.0f / kEdgeOrder);
-  std::size_t index = tile.index + 1;
-  while (index < tile.last && static_cast<float>(kDiscs[index].count) < views) ++index;
-  return index;
+float DiscsOfTiles::layerErrorWith(const LayerState& layer, float error, std::size_t from,
+                                   std::size_t to) {
+  const float bound = errorOf(kDiscs[to], layer.blur);
+  // One disc has no spread to judge by.
+  if (from == 0) return bound;
+  const float more = static_cast<float>(kDiscs[to].count) / static_cast<float>(kDiscs[from].count);
+  return std::min(bound, error * std::pow(more, kEdgeOrder));
+}
+
+template <typename ErrorOf>
+float DiscsOfTiles::errorWith(const TileState& tile, const Indices& indices,
+                              const ErrorOf& error_of) {
+  float squares = 0.0f;
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const float error =
+        layerErrorWith(tile.layers[k], error_of(tile.layers[k]), tile.indices[k], indices[k]);
+    squares += error * error;
+  }
+  return std::sqrt(squares);
+}
+
+DiscsOfTiles::Next DiscsOfTiles::nextWithin(const TileState& tile, float limit) const {
+  Next next{.indices = tile.indices};
+  // Over what they may be.
+  const auto excess = [&] {
+    const float typical =
+        errorWith(tile, next.indices, [](const LayerState& layer) { return layer.typical; });
+    const float most =
+        errorWith(tile, next.indices, [](const LayerState& layer) { return layer.most; });
+    return std::max(typical / limit, most / (kMostOverTolerance * tolerance_));
+  };
+  const float now = excess();
+  if (now <= 1.0f) return next;
+  // Once only, or rounds would follow that change little.
+  next.weight = rounds_ == 1 ? std::min((now - 1.0f) / kTransition, 1.0f) : 1.0f;
+  while (excess() > kAim) {
+    // The time is least where squared errors are in proportion to times.
+    std::optional<std::size_t> best;
+    float largest = -1.0f;
+    for (std::size_t k = 0; k < next.indices.size(); ++k) {
+      const LayerState& layer = tile.layers[k];
+      if (next.indices[k] == layer.last) continue;
+      const float error = layerErrorWith(layer, layer.typical, tile.indices[k], next.indices[k]);
+      const float worth =
+          error * error / (layer.time * static_cast<float>(kDiscs[next.indices[k]].count));
+      if (worth > largest) {
+        largest = worth;
+        best = k;
+      }
+    }
+    if (!best) break;
+    ++next.indices[*best];
+  }
+  if (next.indices == tile.indices) next.weight = 0.0f;
+  return next;
 }
 
 float DiscsOfTiles::areaBeyond_px2(float error, float limit) const {
   float sum_px2 = 0.0f;
   for (const TileState& tile : tiles_) {
     const float highest = error - tile.merging;
-    const float scale = shareOf(limit, tile.typical);
-    const std::size_t index = indexFor(tile, scale);
-    if (index == 0 || (index > tile.index && index == tile.last)) {
-      if (errorOf(kDiscs[index], tile.blur) > highest) sum_px2 += tile.area_px2;
-      continue;
+    const Next next = nextWithin(tile, limit);
+    std::size_t beyond = 0;
+    for (std::size_t i = 0; i < tile.samples; ++i) {
+      const auto sample = [&](const LayerState& layer) { return layer.errors[i]; };
+      const float now = errorWith(tile, tile.indices, sample);
+      const float then = errorWith(tile, next.indices, sample);
+      beyond += glm::mix(now, then, next.weight) > highest;
     }
-    const auto beyond = std::ranges::count_if(tile.errors.all(),
-                                              [&](float each) { return scale * each > highest; });
-    sum_px2 += tile.area_px2 * static_cast<float>(beyond) / static_cast<float>(tile.errors.count);
+    sum_px2 += tile.area_px2 * static_cast<float>(beyond) / static_cast<float>(tile.samples);
   }
   return sum_px2;
 }
 
-bool DiscsOfTiles::refine(const std::vector<SampledErrors>& standard_errors) {
-  for (std::size_t t = 0; t < tiles_.size(); ++t) {
-    TileState& tile = tiles_[t];
-    if (!std::exchange(tile.is_next, false) || tile.index == 0) continue;
-    const Discs& discs = kDiscs[tile.index];
-    const float bound = errorOf(discs, tile.blur);
-    tile.errors = standard_errors[t];
+void DiscsOfTiles::take(const SampledErrors& sampled, TileState& tile) {
+  tile.samples = sampled.count;
+  for (std::size_t k = 0; k < tile.layers.size(); ++k) {
+    LayerState& layer = tile.layers[k];
+    const Discs& discs = kDiscs[tile.indices[k]];
+    const float bound = errorOf(discs, layer.blur);
     float squares = 0.0f;
-    for (float& each : std::span(tile.errors.jnd).first(tile.errors.count)) {
-      each = std::min(discs.error_share * each, bound);
-      squares += each * each;
+    layer.most = 0.0f;
+    for (std::size_t i = 0; i < tile.samples; ++i) {
+      const float error = std::min(discs.error_share * sampled.layers_jnd[k][i], bound);
+      layer.errors[i] = glm::mix(layer.errors[i], error, tile.weight);
+      squares += layer.errors[i] * layer.errors[i];
+      layer.most = std::max(layer.most, layer.errors[i]);
     }
-    tile.most = std::ranges::max(tile.errors.all());
-    tile.typical = std::sqrt(squares / static_cast<float>(tile.errors.count));
+    layer.typical = std::sqrt(squares / static_cast<float>(tile.samples));
+  }
+}
+
+bool DiscsOfTiles::refine(const std::vector<SampledErrors>& standard_errors) {
+  ++rounds_;
+  for (std::size_t t = 0; t < tiles_.size(); ++t) {
+    if (std::exchange(tiles_[t].is_next, false)) take(standard_errors[t], tiles_[t]);
   }
   const float allowed_px2 = kShareBeyond * area_px2_;
   const float limit =
@@ -112,13 +182,12 @@ bool DiscsOfTiles::refine(const std::vector<SampledErrors>& standard_errors) {
           : largestThat([&](float each) { return areaBeyond_px2(tolerance_, each) > allowed_px2; });
   bool any = false;
   for (TileState& tile : tiles_) {
-    if (tile.index == tile.last) continue;
-    const float share =
-        std::min(shareOf(limit, tile.typical), shareOf(kMostOverTolerance * tolerance_, tile.most));
-    const std::size_t index = indexFor(tile, share);
-    tile.is_next = index != tile.index;
-    tile.index = index;
-    any = any || tile.is_next;
+    const Next next = nextWithin(tile, limit);
+    tile.is_next = next.weight > 0.0f;
+    if (!tile.is_next) continue;
+    tile.indices = next.indices;
+    tile.weight = next.weight;
+    any = true;
   }
   return any;
 }

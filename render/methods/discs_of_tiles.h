@@ -8,7 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "render/gaussians/gaussian_view.h"
+#include "render/gaussians/tile_layers.h"
+#include "render/gaussians/view_spread.h"
 
 namespace foci {
 
@@ -43,17 +44,25 @@ inline float errorOf(const Discs& discs, const TileBlur& blur) {
 /// returns false.
 class DiscsOfTiles {
  public:
-  /// Gives each tile one disc where its error is within the tolerance, else three.
+  /// Gives a tile of one layer one disc where its error is small, else three, and each of several
+  /// layers what its blur radius asks for: a layer behind takes little time, and single views of it
+  /// show far apart.
   /// @param merging  error of a tile's merged Gaussians, in just-noticeable differences
   void choose(std::span<const Tile> tiles, const glm::ivec2& size_px,
-              std::span<const TileBlur> blurs, std::span<const float> merging, float tolerance);
+              std::span<const TileLayers> layers, std::span<const float> merging, float tolerance);
 
   bool isNext(std::size_t tile) const { return tiles_[tile].is_next; }
-  std::size_t indexOf(std::size_t tile) const { return tiles_[tile].index; }  ///< in kDiscs
+  std::size_t indexOf(std::size_t tile, std::size_t layer) const {  ///< in kDiscs
+    return tiles_[tile].indices[layer];
+  }
+
+  /// What the tile next rendered weighs over what the frame holds of it: less than 1 where an error
+  /// is little beyond its limit, so that a tile does not change at once as the eye moves.
+  float weightOf(std::size_t tile) const { return tiles_[tile].weight; }
 
   /// Gives more discs to the worst tiles, if more than 5 % of the frame's area is beyond the
   /// tolerance, and to tiles that are far beyond it anywhere.
-  /// @param standard_errors  of the tiles rendered last, through more than one disc
+  /// @param standard_errors  of the tiles rendered last
   /// @return whether tiles are next
   bool refine(const std::vector<SampledErrors>& standard_errors);
 
@@ -61,24 +70,45 @@ class DiscsOfTiles {
   float error() const;
 
  private:
+  using Indices = std::array<std::size_t, TileLayers::kMost>;  ///< in kDiscs, by layer
+  struct LayerState {
+    TileBlur blur;
+    float time = 0.0f;     ///< of a disc, in a unit of its own; 0: there is no such layer
+    std::size_t last = 0;  ///< no more discs are needed, by the blur radius
+    std::array<float, SampledErrors::kMost> errors{};  ///< with the tile's indices
+    float typical = 0.0f;                              ///< their root mean square
+    float most = 0.0f;                                 ///< the largest of them
+  };
   struct TileState {
     float area_px2 = 0.0f;
-    TileBlur blur;
     float merging = 0.0f;
-    std::size_t index = 0;
-    std::size_t last = 0;  ///< no more discs are needed, by the blur radius
+    std::array<LayerState, TileLayers::kMost> layers;
+    Indices indices{};
+    std::size_t samples = 0;  ///< that have errors
     bool is_next = true;
-    SampledErrors errors;  ///< without merging
-    float typical = 0.0f;  ///< their root mean square
-    float most = 0.0f;     ///< the largest of them
+    float weight = 1.0f;  ///< of what is next
   };
-  /// The index with which errors fall to this share; that of the tile for at least 1.
-  std::size_t indexFor(const TileState& tile, float share) const;
+  void take(const SampledErrors& sampled, TileState& tile);
+  /// An error with the discs `from` in kDiscs, with those `to`.
+  static float layerErrorWith(const LayerState& layer, float error, std::size_t from,
+                              std::size_t to);
+  /// Of all layers together, with other numbers of discs.
+  /// @param error_of  the error of a layer with the tile's indices
+  template <typename ErrorOf>
+  static float errorWith(const TileState& tile, const Indices& indices, const ErrorOf& error_of);
+  struct Next {
+    Indices indices;
+    float weight = 0.0f;  ///< 0: the tile stays as it is
+  };
+  /// Nothing while the tile's typical error is within the limit, and no error is far beyond the
+  /// tolerance; else the discs with the least time with which they are.
+  Next nextWithin(const TileState& tile, float limit) const;
   /// The area with an error beyond `error`, if each typical error becomes at most the limit.
   float areaBeyond_px2(float error, float limit) const;
 
   std::vector<TileState> tiles_;
   float tolerance_ = 1.0f, area_px2_ = 0.0f;
+  int rounds_ = 0;  // rendered
 };
 
 }  // namespace foci

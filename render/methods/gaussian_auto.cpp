@@ -27,6 +27,10 @@ namespace {
 constexpr float kPerBlur2 = 0.015f, kMaxSpread_px2 = 0.3f;
 constexpr float kLodError_per_px = 0.03f, kMaxLodError = 0.3f;
 
+/// Several layers leave an error of up to 0.6 JND on small Gaussians, through however many discs
+/// (tests of TileLayers). A smaller tolerance than this does without.
+constexpr float kLayersFrom_JND = 1.0f;
+
 /// @param tolerance  of the LOD cut
 float mergingError(const TileBlur& blur, float tolerance) {
   return std::min(kLodError_per_px * blur.radius_px, kMaxLodError) * tolerance;
@@ -66,7 +70,12 @@ class GaussianAuto final : public GaussianEyeMethod {
       : cloud_(std::move(cloud)), view_(*cloud_), forced_(forced) {
     for (const Discs& each : kDiscs) sets_.push_back(subApertureDiscs(each.count));
     // Together they bound what any set shows.
-    for (const std::vector<LensDisc>& set : sets_) all_.insert(all_.end(), set.begin(), set.end());
+    for (std::size_t i = 0; i < kDiscs.size(); ++i) {
+      all_.insert(all_.end(), sets_[i].begin(), sets_[i].end());
+      for (std::size_t behind = 0; behind < kDiscs.size(); ++behind) {
+        pairs_[i][behind] = pairLensDiscs(sets_[i], sets_[behind]);
+      }
+    }
   }
 
   std::unique_ptr<Method> cloneSharingScene() const override {
@@ -146,17 +155,30 @@ class GaussianAuto final : public GaussianEyeMethod {
   RenderStats renderByTiles(const View& view, const RenderSettings& settings, Frame& frame) {
     project(all_, view, settings);
     const float tolerance = settings.quality.tolerance;
-    const std::vector<TileBlur> blurs = view_.tileBlurs();
+    const std::vector<TileLayers>& layers = view_.divide(tolerance >= kLayersFrom_JND);
     std::vector<float> merging;
-    merging.reserve(blurs.size());
-    for (const TileBlur& blur : blurs) merging.push_back(mergingError(blur, tolerance));
-    tiles_.choose(view_.tiles(), view.size_px, blurs, merging, tolerance);
+    merging.reserve(layers.size());
+    for (const TileLayers& tile : layers) {
+      float most = 0.0f;
+      for (const TileLayer& layer : tile.all()) {
+        most = std::max(most, mergingError(layer.blur, tolerance));
+      }
+      merging.push_back(most);
+    }
+    tiles_.choose(view_.tiles(), view.size_px, layers, merging, tolerance);
     RenderStats stats;
     stats.splats = view_.count();
     do {
       stats.fragments += view_.render(
           [&](std::size_t tile) {
-            return tiles_.isNext(tile) ? &sets_[tiles_.indexOf(tile)] : nullptr;
+            TileLens lens;
+            if (!tiles_.isNext(tile)) return lens;
+            lens.discs = &sets_[tiles_.indexOf(tile, 0)];
+            lens.weight = tiles_.weightOf(tile);
+            for (std::size_t k = 1; k < layers[tile].count; ++k) {
+              lens.pairs[k - 1] = &pairs_[tiles_.indexOf(tile, k - 1)][tiles_.indexOf(tile, k)];
+            }
+            return lens;
           },
           settings.background, frame, errors_);
     } while (tiles_.refine(errors_));
@@ -185,7 +207,8 @@ class GaussianAuto final : public GaussianEyeMethod {
   GaussianView view_;
   GaussianParts parts_;
   std::optional<QualityLevel> forced_;
-  std::vector<std::vector<LensDisc>> sets_;  // by kDiscs
+  std::vector<std::vector<LensDisc>> sets_;                                // by kDiscs
+  std::array<std::array<LensPairs, kDiscs.size()>, kDiscs.size()> pairs_;  // front, behind
   DiscsOfTiles tiles_;
   std::vector<SampledErrors> errors_;
   std::vector<LensDisc> all_, pinhole_ = {LensDisc{}};

@@ -16,12 +16,6 @@ namespace {
 /// distance exceeds a pixel. Chosen by hand; `SweepLod` tests bound its errors.
 constexpr float kSigmasAStep = 0.7f;
 
-int stepFor(float sigma_px) {
-  int step_px = kMaxStep_px;
-  while (step_px > 1 && !(sigma_px >= kSigmasAStep * static_cast<float>(step_px))) step_px /= 2;
-  return step_px;
-}
-
 /// Bits of the distance that splats are sorted by: two digits.
 constexpr int kKeyBits = 18;
 
@@ -61,6 +55,12 @@ void sortByKey(std::span<std::uint64_t> pairs, std::uint32_t* splats,
 }
 
 }  // namespace
+
+int stepFor(float sigma_px) {
+  int step_px = kMaxStep_px;
+  while (step_px > 1 && !(sigma_px >= kSigmasAStep * static_cast<float>(step_px))) step_px /= 2;
+  return step_px;
+}
 
 std::vector<TileLists::Blur> TileLists::blurOfCells(const SplatChunks& chunks) const {
   // A pixel is interpolated from samples up to one and a half steps away. A splat that needs finer

@@ -27,6 +27,9 @@ struct Tile {
   int samplesWithApron() const { return side_px / step_px + 2 * apron(); }
 };
 
+/// Largest distance of samples for kernels of at least this standard deviation: a power of two.
+int stepFor(float sigma_px);
+
 /// Splat indices of each tile, in order of distance. Distances that agree to about one part in 10^5
 /// are equal, and their splats come in order of surfel. The order does not depend on the number of
 /// threads.

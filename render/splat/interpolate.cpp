@@ -9,11 +9,6 @@ namespace {
 constexpr int kWidest = kTile + 2 * kApron;
 using Taps = std::array<float, 4>;
 
-Taps catmullRom(float t) {
-  return {0.5f * t * (-1.0f + t * (2.0f - t)), 0.5f * (2.0f + t * t * (-5.0f + 3.0f * t)),
-          0.5f * t * (1.0f + t * (4.0f - 3.0f * t)), 0.5f * t * t * (t - 1.0f)};
-}
-
 /// A pixel's place among the samples: the first of four samples, and their taps.
 struct Place {
   int first;
@@ -33,22 +28,30 @@ std::array<Place, kTile * kMaxStep_px> placesOf(const Tile& tile) {
 
 }  // namespace
 
-void interpolateTile(const Tile& tile, const glm::vec4* rgba, const float* depth_m, Frame& frame) {
+void interpolateTile(const Tile& tile, const glm::vec4* rgba, const float* depth_m, float weight,
+                     Frame& frame) {
   const int width = std::min(tile.side_px, frame.size_px.x - tile.x_px);
   const int height = std::min(tile.side_px, frame.size_px.y - tile.y_px);
   const int samples = tile.samplesWithApron();
+  // Takes a pixel, and its depth times coverage.
+  const auto put = [&](std::size_t pixel, glm::vec4 value, float weighted_m) {
+    glm::vec4& to = frame.rgba[pixel];
+    if (depth_m) {
+      float& far_m = frame.depth_m[pixel];
+      if (weight < 1.0f) weighted_m = glm::mix(far_m * to.a, weighted_m, weight);
+      const float coverage = weight < 1.0f ? glm::mix(to.a, value.a, weight) : value.a;
+      far_m = coverage > 0.0f ? std::max(weighted_m / coverage, 0.0f) : 0.0f;
+    }
+    to = weight < 1.0f ? glm::mix(to, value, weight) : value;
+  };
   const auto rowOf = [&](int y) {
     return static_cast<std::size_t>(tile.y_px + y) * frame.size_px.x + tile.x_px;
   };
-  const auto depthOf = [](float weighted_m, float coverage) {
-    return coverage > 0.0f ? std::max(weighted_m / coverage, 0.0f) : 0.0f;
-  };
   if (tile.step_px == 1) {
     for (int y = 0; y < height; ++y) {
-      std::copy_n(rgba + y * samples, width, frame.rgba.data() + rowOf(y));
-      if (!depth_m) continue;
       for (int x = 0; x < width; ++x) {
-        frame.depth_m[rowOf(y) + x] = depthOf(depth_m[y * samples + x], rgba[y * samples + x].a);
+        const int from = y * samples + x;
+        put(rowOf(y) + x, rgba[from], depth_m ? depth_m[from] : 0.0f);
       }
     }
     return;
@@ -56,34 +59,27 @@ void interpolateTile(const Tile& tile, const glm::vec4* rgba, const float* depth
 
   const auto places = placesOf(tile);
   std::array<glm::vec4, kWidest> row;
-  std::array<float, kWidest> depth_row;
+  std::array<float, kWidest> depth_row{};
   for (int y = 0; y < height; ++y) {
     const auto& [first_y, ty] = places[y];
-    const glm::vec4* from = rgba + first_y * samples;
+    const auto down = [&, &first_y = first_y, &ty = ty](const auto* from, int x) {
+      from += first_y * samples + x;
+      return ty[0] * from[0] + ty[1] * from[samples] + ty[2] * from[2 * samples] +
+             ty[3] * from[3 * samples];
+    };
     for (int x = 0; x < samples; ++x) {
-      row[x] = ty[0] * from[x] + ty[1] * from[samples + x] + ty[2] * from[2 * samples + x] +
-               ty[3] * from[3 * samples + x];
+      row[x] = down(rgba, x);
+      if (depth_m) depth_row[x] = down(depth_m, x);
     }
-    glm::vec4* to = frame.rgba.data() + rowOf(y);
     for (int x = 0; x < width; ++x) {
       const auto& [first, t] = places[x];
-      glm::vec4 value =
-          t[0] * row[first] + t[1] * row[first + 1] + t[2] * row[first + 2] + t[3] * row[first + 3];
+      const auto across = [&, &first = first, &t = t](const auto& from) {
+        return t[0] * from[first] + t[1] * from[first + 1] + t[2] * from[first + 2] +
+               t[3] * from[first + 3];
+      };
+      glm::vec4 value = across(row);
       value.a = std::clamp(value.a, 0.0f, 1.0f);
-      to[x] = value;
-    }
-    if (!depth_m) continue;
-    const float* depth_from = depth_m + first_y * samples;
-    for (int x = 0; x < samples; ++x) {
-      depth_row[x] = ty[0] * depth_from[x] + ty[1] * depth_from[samples + x] +
-                     ty[2] * depth_from[2 * samples + x] + ty[3] * depth_from[3 * samples + x];
-    }
-    for (int x = 0; x < width; ++x) {
-      const auto& [first, t] = places[x];
-      frame.depth_m[rowOf(y) + x] =
-          depthOf(t[0] * depth_row[first] + t[1] * depth_row[first + 1] +
-                      t[2] * depth_row[first + 2] + t[3] * depth_row[first + 3],
-                  to[x].a);
+      put(rowOf(y) + x, value, depth_m ? across(depth_row) : 0.0f);
     }
   }
 }

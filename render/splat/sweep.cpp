@@ -132,7 +132,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
         .rgba = rgba,
         .depth_m = settings.depth ? depth_m : nullptr};
     fragments[t] = HWY_DYNAMIC_DISPATCH(sweepTile)(job, survey.transparent);
-    interpolateTile(tile, rgba, job.depth_m, frame);
+    interpolateTile(tile, rgba, job.depth_m, 1.0f, frame);
   });
   return std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});
 }

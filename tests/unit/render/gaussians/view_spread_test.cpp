@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <random>
+#include <vector>
 
+#include "render/image/srgb.h"
 #include "render/image/visible_difference.h"
 
 namespace foci {
@@ -33,27 +34,25 @@ TEST(VisibleDifferencePerLight, IsTheDifferenceOfASmallChange) {
   }
 }
 
+const std::vector<BehindSample> kBlack(SampledErrors::kMost);
+
 class Views {
  public:
   Views() { spread.begin(kTile, 0); }
+  /// A view of opaque Gaussians.
   void add(const glm::vec3& light) {
-    for (std::size_t p = 0; p < kTilePlaces; ++p) {
-      sums->red[p] += light.r;
-      sums->green[p] += light.g;
-      sums->blue[p] += light.b;
-    }
-    spread.add(*sums);
+    const SeenLight seen(srgbFromLinear(light.r), srgbFromLinear(light.g), srgbFromLinear(light.b),
+                         0.0f);
+    std::ranges::fill(spread.next(), seen);
   }
-  std::unique_ptr<TileSums> sums = std::make_unique<TileSums>();
   ViewSpread spread;
 };
 
 TEST(ViewSpread, IsZeroForEqualViews) {
   Views views;
   for (int i = 0; i < 3; ++i) views.add(glm::vec3(0.25f, 0.5f, 0.125f));
-  const SampledErrors errors = views.spread.standardErrors();
-  EXPECT_EQ(errors.count, SampledErrors::kMost);
-  for (const float each : errors.all()) EXPECT_LT(each, 1e-3f);
+  EXPECT_EQ(views.spread.places().size(), SampledErrors::kMost);
+  for (const float each : views.spread.standardErrors(kBlack)) EXPECT_LT(each, 1e-3f);
 }
 
 // Means of random views differ from the true mean by the standard error: root mean squares of many
@@ -74,30 +73,54 @@ TEST(ViewSpread, IsTheErrorOfTheMeanOfRandomViews) {
       sum += light;
     }
     const float error = glm::length(jnd * glm::vec3(sum / kViews - kMean));
-    const float predicted = views.spread.standardErrors().jnd[0];
+    const float predicted = views.spread.standardErrors(kBlack)[0];
     errors2 += double{error} * double{error};
     predicted2 += double{predicted} * double{predicted};
   }
   EXPECT_NEAR(std::sqrt(predicted2 / errors2), 1.0, 0.1);
 }
 
+// What lies behind counts where the Gaussians let it through.
+TEST(ViewSpread, SeesWhatLiesBehind) {
+  ViewSpread spread;
+  spread.begin(kTile, 0);
+  std::ranges::fill(spread.next(), SeenLight(0.0f, 0.0f, 0.0f, 1.0f));
+  std::ranges::fill(spread.next(), SeenLight(0.0f, 0.0f, 0.0f, 0.0f));
+  EXPECT_FLOAT_EQ(spread.transmittance(0), 0.5f);
+  EXPECT_LT(spread.standardErrors(kBlack)[0], 1e-3f);
+  const std::vector<BehindSample> grey(SampledErrors::kMost, {.display = glm::vec3(0.5f)});
+  EXPECT_GT(spread.standardErrors(grey)[0], 1.0f);
+}
+
 TEST(ViewSpread, FollowsSamplesInsideOfTheApron) {
   constexpr int kSamples = 8, kAprons = kSamples + 2 * kApron;
-  auto sums = std::make_unique<TileSums>();
   ViewSpread spread;
   spread.begin(kAprons, kApron);
-  for (int view = 0; view < 2; ++view) {
-    for (int y = 0; y < kAprons; ++y) {
-      for (int x = 0; x < kAprons; ++x) {
-        const bool inside = std::min(x, y) >= kApron && std::max(x, y) < kAprons - kApron;
-        sums->red[static_cast<std::size_t>(y) * rowOf(kAprons) + static_cast<std::size_t>(x)] +=
-            inside ? 0.5f : static_cast<float>(view);
-      }
-    }
-    spread.add(*sums);
+  for (const std::size_t place : spread.places()) {
+    const auto x = static_cast<int>(place % rowOf(kAprons));
+    const auto y = static_cast<int>(place / rowOf(kAprons));
+    EXPECT_GE(std::min(x, y), kApron);
+    EXPECT_LT(std::max(x, y), kAprons - kApron);
   }
-  const SampledErrors errors = spread.standardErrors();
-  for (const float each : errors.all()) EXPECT_EQ(each, 0.0f);
+}
+
+// A pixel's centre is half a pixel from its corner, where the samples of layers behind begin.
+TEST(ViewSpread, FollowsTheNearestSamplesOfALayerBehind) {
+  ViewSpread first;
+  first.begin(kTile, 0);
+  const TileLayer front{.samples = kTile};
+  for (const int step_px : {2, 4, 8}) {
+    const TileLayer layer{.step_px = step_px, .samples = kTile / step_px + 1};
+    ViewSpread behind;
+    behind.beginBehind(first, front, layer);
+    ASSERT_EQ(behind.places().size(), first.places().size());
+    for (std::size_t i = 0; i < first.places().size(); ++i) {
+      const auto at_px = static_cast<float>(first.places()[i] % rowOf(kTile)) + 0.5f;
+      const auto sample = static_cast<int>(behind.places()[i] % rowOf(layer.samples));
+      const auto step = static_cast<float>(step_px);
+      EXPECT_LE(std::abs(static_cast<float>(sample) * step - at_px), 0.5f * step);
+    }
+  }
 }
 
 }  // namespace

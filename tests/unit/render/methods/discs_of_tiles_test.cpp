@@ -9,37 +9,43 @@
 namespace foci {
 namespace {
 
-/// 10 x 10 tiles with this blur, whose views err alike in the first `detailed` of them.
+TileLayers oneLayer(float blur_px) {
+  TileLayers layers;
+  layers.layers[0] = {.size = 1, .samples = kTile, .blur = {blur_px, false}, .time = 1.0f};
+  return layers;
+}
+
+/// 10 x 10 tiles with these layers, whose views err alike in the first `detailed` of them.
 class Tiles {
  public:
-  explicit Tiles(float blur_px, float tolerance = 1.0f) {
+  explicit Tiles(float blur_px, float tolerance = 1.0f) : Tiles(oneLayer(blur_px), tolerance) {}
+  explicit Tiles(const TileLayers& layers, float tolerance = 1.0f) {
     std::vector<Tile> tiles;
     for (int i = 0; i < kTiles; ++i) {
       tiles.push_back({.x_px = i % 10 * kTile, .y_px = i / 10 * kTile});
     }
-    discs.choose(tiles, glm::ivec2(10 * kTile), std::vector<TileBlur>(kTiles, {blur_px, false}),
+    discs.choose(tiles, glm::ivec2(10 * kTile), std::vector<TileLayers>(kTiles, layers),
                  std::vector<float>(kTiles, 0.0f), tolerance);
   }
 
   /// The standard error falls as that of random views. @return rounds
-  int render(int detailed, float standard_error_of_one) {
+  int render(int detailed, float standard_error_of_one, std::size_t layer = 0) {
     int rounds = 0;
     std::vector<SampledErrors> errors(kTiles);
     do {
       for (int t = 0; t < kTiles; ++t) {
         SampledErrors& each = errors[static_cast<std::size_t>(t)];
-        const auto views =
-            static_cast<float>(kDiscs[discs.indexOf(static_cast<std::size_t>(t))].count);
+        const auto views = static_cast<float>(countOf(t, layer));
         each.count = SampledErrors::kMost;
-        each.jnd.fill(t < detailed ? standard_error_of_one / std::sqrt(views) : 0.0f);
+        each.layers_jnd[layer].fill(t < detailed ? standard_error_of_one / std::sqrt(views) : 0.0f);
       }
       ++rounds;
     } while (discs.refine(errors));
     return rounds;
   }
 
-  int countOf(int tile) const {
-    return kDiscs[discs.indexOf(static_cast<std::size_t>(tile))].count;
+  int countOf(int tile, std::size_t layer = 0) const {
+    return kDiscs[discs.indexOf(static_cast<std::size_t>(tile), layer)].count;
   }
 
   static constexpr int kTiles = 100;
@@ -104,6 +110,53 @@ TEST(DiscsOfTiles, ASmallerToleranceTakesMoreDiscs) {
     EXPECT_LE(tiles.discs.error(), tolerance);
     last = tiles.countOf(0);
   }
+}
+
+/// A sharp layer before two blurred ones.
+TileLayers threeLayers() {
+  TileLayers layers{.layers = {}, .count = 3};
+  layers.layers[0] = {.size = 1, .samples = kTile, .blur = {0.5f, false}, .time = 1.0f};
+  layers.layers[1] = {.size = 1, .step_px = 2, .samples = 17, .blur = {6.0f, false}, .time = 0.3f};
+  layers.layers[2] = {.size = 1, .step_px = 4, .samples = 9, .blur = {16.0f, false}, .time = 0.1f};
+  return layers;
+}
+
+TEST(DiscsOfTiles, TheMoreBlurredALayerTheMoreDiscsItHas) {
+  const Tiles tiles(threeLayers());
+  EXPECT_EQ(tiles.countOf(0, 0), 1);
+  EXPECT_EQ(tiles.countOf(0, 1), 7);
+  EXPECT_EQ(tiles.countOf(0, 2), 13);
+}
+
+TEST(DiscsOfTiles, GivesMoreDiscsToTheLayerThatErrs) {
+  Tiles tiles(threeLayers(), 0.9f);
+  tiles.render(10, 40.0f, 2);
+  EXPECT_EQ(tiles.countOf(0, 0), 1);
+  EXPECT_EQ(tiles.countOf(0, 1), 7);
+  EXPECT_GT(tiles.countOf(0, 2), 13);
+  EXPECT_LE(tiles.discs.error(), 0.9f);
+}
+
+// An error a little beyond the limit changes a tile a little.
+TEST(DiscsOfTiles, MoreDiscsWeighMoreTheLargerTheErrorIs) {
+  std::vector<float> weights;
+  for (const float worse : {0.0f, 0.1f, 2.0f}) {
+    Tiles tiles(20.0f);
+    std::vector<SampledErrors> errors(Tiles::kTiles);
+    // Those of six tiles are beyond the tolerance; one more than may be.
+    for (int t = 0; t < 6; ++t) {
+      SampledErrors& each = errors[static_cast<std::size_t>(t)];
+      each.layers_jnd[0].fill(1.5f + (t == 0 ? worse : 0.0f));
+    }
+    for (SampledErrors& each : errors) each.count = SampledErrors::kMost;
+    EXPECT_TRUE(tiles.discs.refine(errors));
+    weights.push_back(tiles.discs.weightOf(0));
+    EXPECT_EQ(tiles.discs.weightOf(99), 1.0f);  // not rendered again
+    EXPECT_FALSE(tiles.discs.isNext(99));
+  }
+  EXPECT_LT(weights[0], weights[1]);
+  EXPECT_LT(weights[1], weights[2]);
+  EXPECT_EQ(weights[2], 1.0f);
 }
 
 }  // namespace

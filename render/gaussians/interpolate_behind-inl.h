@@ -1,0 +1,90 @@
+// Interpolates what lies behind a layer to the layer's samples. Included once a SIMD target.
+#if defined(FOCI_INTERPOLATE_BEHIND_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FOCI_INTERPOLATE_BEHIND_INL_H
+#undef FOCI_INTERPOLATE_BEHIND_INL_H
+#else
+#define FOCI_INTERPOLATE_BEHIND_INL_H
+#endif
+
+#include <algorithm>
+#include <array>
+
+#include "render/gaussians/composite.h"
+#include "render/gaussians/composite_tile-inl.h"
+#include "render/splat/interpolate.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace foci {
+namespace HWY_NAMESPACE {
+
+inline constexpr int kMostSamples = kTile + 2 * kApron;
+
+/// A sample among those that it is interpolated from: the first of four, and their taps.
+struct Taps {
+  std::size_t first = 0;
+  std::array<float, 4> weights{};
+};
+
+/// Cubics (Catmull and Rom 1974). Beyond the edges, the parabola through the last three samples
+/// goes on.
+inline std::array<Taps, kMostSamples> tapsOf(const Resampling& resampling) {
+  const int last = resampling.from_samples - 1;
+  std::array<Taps, kMostSamples> taps;
+  for (int i = 0; i < resampling.to_samples; ++i) {
+    const float at = resampling.first + resampling.step * static_cast<float>(i);
+    const int below = std::min(static_cast<int>(at), last - 1);
+    const auto w = catmullRom(at - static_cast<float>(below));
+    Taps& each = taps[static_cast<std::size_t>(i)];
+    if (below == 0) {
+      each = {0, {w[1] + 3.0f * w[0], w[2] - 3.0f * w[0], w[3] + w[0], 0.0f}};
+    } else if (below == last - 1) {
+      each = {static_cast<std::size_t>(last - 3),
+              {0.0f, w[0] + w[3], w[1] - 3.0f * w[3], w[2] + 3.0f * w[3]}};
+    } else {
+      each = {static_cast<std::size_t>(below - 1), w};
+    }
+  }
+  return taps;
+}
+
+inline void interpolateBehindLanes(const Resampling& resampling, BehindPlanes& from,
+                                   BehindPlanes& to) {
+  const D d;
+  const std::size_t from_row = rowOf(resampling.from_samples), row = rowOf(resampling.to_samples);
+  for (std::size_t p = 0; p < placesOf(resampling.from_samples); p += hn::Lanes(d)) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      float* const light = from.planes[BehindPlanes::light_red + c] + p;
+      const V display = hn::Load(d, from.planes[BehindPlanes::red + c] + p);
+      hn::Store(hn::Sub(hn::Load(d, light), lightOf(display)), d, light);
+    }
+  }
+  const auto taps = tapsOf(resampling);
+  const auto samples = static_cast<std::size_t>(resampling.to_samples);
+  alignas(64) float rows[kMostSamples][rowOf(kMostSamples)] = {};
+  for (std::size_t plane = 0; plane < BehindPlanes::kPlanes; ++plane) {
+    for (std::size_t y = 0; y < static_cast<std::size_t>(resampling.from_samples); ++y) {
+      const float* const in = from.planes[plane] + y * from_row;
+      for (std::size_t x = 0; x < samples; ++x) {
+        const auto& [first, w] = taps[x];
+        rows[y][x] =
+            w[0] * in[first] + w[1] * in[first + 1] + w[2] * in[first + 2] + w[3] * in[first + 3];
+      }
+    }
+    for (std::size_t y = 0; y < samples; ++y) {
+      const auto& [first, w] = taps[y];
+      for (std::size_t x = 0; x < row; x += hn::Lanes(d)) {
+        V sum = hn::Mul(hn::Set(d, w[0]), hn::Load(d, rows[first] + x));
+        for (std::size_t k = 1; k < w.size(); ++k) {
+          sum = hn::MulAdd(hn::Set(d, w[k]), hn::Load(d, rows[first + k] + x), sum);
+        }
+        hn::Store(sum, d, to.planes[plane] + y * row + x);
+      }
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace foci
+HWY_AFTER_NAMESPACE();
+
+#endif  // FOCI_INTERPOLATE_BEHIND_INL_H

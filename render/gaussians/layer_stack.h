@@ -1,0 +1,68 @@
+// Composites a tile's layers (tile_layers.h). Each layer has views through its own parts of the
+// lens. What lies behind one of them is the mean of the next layer's views through the lens nearby.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "render/gaussians/composite.h"
+#include "render/gaussians/tile_layers.h"
+#include "render/gaussians/view_spread.h"
+
+namespace foci {
+
+/// Parts of the lens that a layer and the one behind it are seen through.
+struct LensPairs {
+  std::vector<LensDisc> front, behind;
+  /// What each view of the layer behind weighs in what lies behind each front view: a row for each
+  /// of the former. They weigh 1 in all for each front view, and all alike for all front views.
+  std::vector<float> weights;
+};
+
+/// Nearby views weigh more, such that the sums hold (Sinkhorn and Knopp 1967).
+LensPairs pairLensDiscs(std::vector<LensDisc> front, std::vector<LensDisc> behind);
+
+/// What a tile is rendered through.
+struct TileLens {
+  const std::vector<LensDisc>* discs = nullptr;  ///< of its first layer
+  /// Of each layer with the next.
+  std::array<const LensPairs*, TileLayers::kMost - 1> pairs{};
+  float weight = 1.0f;  ///< over what the frame holds of the tile
+};
+
+/// Keeps its buffers between tiles.
+class LayerStack {
+ public:
+  /// @param job     of the first layer: its samples
+  /// @param errors  null: not wanted
+  /// @return kernel evaluations inside of footprints
+  std::uint64_t render(const ProjectedGaussian* gaussians, std::span<const std::uint32_t> list,
+                       const TileLayers& layers, int apron, const TileLens& lens,
+                       const CompositeJob& job, TileSums& sums, SampledErrors* errors);
+
+ private:
+  struct Layer {
+    TileGaussians gaussians;
+    CompositeJob job;
+    const std::vector<LensDisc>* discs = nullptr;
+    ViewSpread spread;
+    bool is_seen = false;
+    std::vector<BehindPlanes> samples;  // as each view of the layer before sees it
+    std::vector<BehindPlanes> behind;   // the same, at that layer's samples
+  };
+  const BehindPlanes& behind(std::size_t layer, std::size_t view);
+  void composite(std::size_t layer);
+  std::function<const BehindPlanes&()> behindOf(std::size_t layer, std::size_t view);
+  SampledErrors errors() const;
+  BehindSample meanBehind(std::size_t layer, std::size_t place) const;
+
+  TileLayers layers_;
+  TileLens lens_;
+  std::array<Layer, TileLayers::kMost> stack_;
+  std::uint64_t fragments_ = 0;
+};
+
+}  // namespace foci
