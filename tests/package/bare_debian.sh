@@ -27,6 +27,10 @@ env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin unshare --mount sh -euc '
   foci replay /usr/share/foci/configs/demo.toml --size 320x180 --seconds 0:1 --out demo
   test -s first.png && test -s demo/video.mp4 && grep -q "<svg" demo/report.html
 
+  for deb in *.deb; do
+    test -s "/usr/share/doc/$(dpkg-deb -f "$deb" Package)/copyright" || fail "$deb: no licence"
+  done
+
   commands=$(foci --help | sed -n "/^Subcommands/,\$s/^  \([a-z][a-z]*\) .*/\1/p")
   for command in $commands; do
     test -s "/usr/share/man/man1/foci-$command.1" || fail "no man page of foci $command"
