@@ -23,7 +23,6 @@ class Foci:
             raise RuntimeError(answer)
         return answer[3:]
 
-
     def push(self, samples):
         """Pushes gaze to `foci live --source socket`: rows of (time_s, x_px, y_px) or (time_s, x_px, y_px, pupil_mm).
 
@@ -33,11 +32,22 @@ class Foci:
                                                         for i, value in enumerate(row)) for row in samples)))
 
 
+def main():
+    if len(sys.argv) != 2 or not sys.argv[1].isdigit():
+        sys.exit("usage: python3 experiment.py PORT")
+    try:
+        foci = Foci(int(sys.argv[1]))
+        foci.ask("record trial-1")
+        for pupil_mm in (2, 4, 8):
+            foci.ask(f"set observer.pupil_mm {pupil_mm}")
+            print("began at", foci.ask(f"mark pupil {pupil_mm}"), "s")
+            time.sleep(2)
+        foci.ask("stop")
+    except (OSError, OverflowError) as error:
+        sys.exit(f"no answer at port {sys.argv[1]}: {error}; first: foci live STUDY --socket {sys.argv[1]}")
+    except RuntimeError as error:
+        sys.exit(f"foci answers: {error}")
+
+
 if __name__ == "__main__":
-    foci = Foci(int(sys.argv[1]))
-    foci.ask("record trial-1")
-    for pupil_mm in (2, 4, 8):
-        foci.ask(f"set observer.pupil_mm {pupil_mm}")
-        print("began at", foci.ask(f"mark pupil {pupil_mm}"), "s")
-        time.sleep(2)
-    foci.ask("stop")
+    main()

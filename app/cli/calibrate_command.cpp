@@ -24,7 +24,7 @@ void addOverwrite(CLI::App& command, bool& overwrite) {
 void addScreen(CLI::App& calibrate) {
   const auto options = std::make_shared<CalibrateScreenOptions>();
   CLI::App* screen =
-      calibrate.add_subcommand("screen", "Measure the screen: size, distance, gamma");
+      calibrate.add_subcommand("screen", "Measure the screen: size, distance, gamma.");
   CalibrateScreenOptions& o = *options;
   screen->add_flag("--headless", o.headless, "No window: the options give every measure");
   screen->add_flag("--window", o.window, "Use a window instead of the full screen");
@@ -55,7 +55,7 @@ void addScreen(CLI::App& calibrate) {
 void addGaze(CLI::App& calibrate) {
   const auto options = std::make_shared<CalibrateGazeOptions>();
   CLI::App* gaze =
-      calibrate.add_subcommand("gaze", "Map the tracker's gaze to the screen, with its accuracy");
+      calibrate.add_subcommand("gaze", "Map the tracker's gaze to the screen, with its accuracy.");
   CalibrateGazeOptions& o = *options;
   gaze->add_option("--pairs", o.pairs, "Samples to fit: a table with x y x_target y_target");
   gaze->add_option("--validate", o.validate, "Samples of other targets, to measure accuracy on");
@@ -83,7 +83,7 @@ void addGaze(CLI::App& calibrate) {
 void addBinocular(CLI::App& calibrate) {
   const auto options = std::make_shared<CalibrateBinocularOptions>();
   CLI::App* binocular = calibrate.add_subcommand(
-      "binocular", "Find the display's pose and each eye's kappa in a binocular tracker's frame");
+      "binocular", "Find the display's pose and each eye's kappa in a binocular tracker's frame.");
   CalibrateBinocularOptions& o = *options;
   binocular
       ->add_option("--pairs", o.pairs, "Eyes and targets to fit, a table (docs/calibration.md)")
@@ -102,7 +102,7 @@ void addBinocular(CLI::App& calibrate) {
 void addCamera(CLI::App& calibrate) {
   const auto options = std::make_shared<CalibrateCameraOptions>();
   CLI::App* camera =
-      calibrate.add_subcommand("camera", "Measure a camera's focal length and distortion");
+      calibrate.add_subcommand("camera", "Measure a camera's focal length and distortion.");
   CalibrateCameraOptions& o = *options;
   camera->add_option("--images", o.images, "Images of the board");
   camera->add_option("--video", o.video, "Video of the board");

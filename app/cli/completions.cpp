@@ -13,6 +13,12 @@ std::vector<const CLI::App*> commandsByName(const CLI::App& app) {
   return commands;
 }
 
+std::string firstSentence(const std::string& description) {
+  const std::string line = description.substr(0, description.find('\n'));
+  const std::size_t stop = line.find(". ");
+  return stop == std::string::npos ? line : line.substr(0, stop + 1);
+}
+
 namespace {
 
 /// The options of a command, then the names of its own commands.
@@ -53,10 +59,9 @@ std::string keysWithEquals() {
   return keys.substr(1);
 }
 
-/// The first line of a description, within single quotes.
-std::string quotedLine(const std::string& description) {
+std::string inSingleQuotes(const std::string& text) {
   std::string quoted;
-  for (const char c : description.substr(0, description.find('\n'))) {
+  for (const char c : text) {
     if (c == '\'' || c == '\\') quoted += '\\';
     quoted += c;
   }
@@ -73,12 +78,12 @@ void addFish(const std::string& name, const CLI::App& app, std::string& script) 
       } else if (option->get_items_expected_max() > 0) {
         script += " -r";
       }
-      script += " -d " + quotedLine(option->get_description()) + "\n";
+      script += " -d " + inSingleQuotes(option->get_description()) + "\n";
     }
   }
   for (const CLI::App* command : commandsByName(app)) {
     script += when + " -f -a " + command->get_name() + " -d " +
-              quotedLine(command->get_description()) + "\n";
+              inSingleQuotes(firstSentence(command->get_description())) + "\n";
     addFish(name + " " + command->get_name(), *command, script);
   }
 }

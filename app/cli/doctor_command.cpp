@@ -103,9 +103,22 @@ Json trackersJson(const std::string& place) {
 #endif
 }
 
+/// Whether this program came with the Debian package `foci`. Debian then has installed all that it
+/// needs, and nothing that only a build needs is missing.
+bool cameWithPackage() {
+  std::error_code unknown;
+  const std::string program = fs::read_symlink("/proc/self/exe", unknown).string();
+  std::ifstream files("/var/lib/dpkg/info/foci.list");
+  for (std::string file; std::getline(files, file);) {
+    if (file == program) return true;
+  }
+  return false;
+}
+
 /// The packages of packages.txt that Debian does not list as installed.
 Json packagesJson() {
   Json json = {{"missing", Json::array()}, {"install", nullptr}};
+  if (cameWithPackage()) return json;
   std::ifstream status("/var/lib/dpkg/status");
   if (!status) {
     json["problem"] =

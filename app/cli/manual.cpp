@@ -73,11 +73,10 @@ std::string manPage(const std::string& name, const CLI::App& app) {
   std::ranges::transform(upper, upper.begin(),
                          [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   const Description description = descriptionOf(app);
-  const std::string first = description.text.substr(0, description.text.find('\n'));
   std::string page = ".TH \"" + roff(upper) + "\" 1 \"\" \"foci " + roff(versionText()) +
-                     "\" \"foci\"\n.SH NAME\n" + roff(title) + " \\- " + roff(first) +
-                     "\n.SH SYNOPSIS\n" + synopsis(name, app) + ".SH DESCRIPTION\n" +
-                     roff(description.text) + "\n";
+                     "\" \"foci\"\n.SH NAME\n" + roff(title) + " \\- " +
+                     roff(firstSentence(description.text)) + "\n.SH SYNOPSIS\n" +
+                     synopsis(name, app) + ".SH DESCRIPTION\n" + roff(description.text) + "\n";
   const auto commands = commandsByName(app);
   if (!commands.empty()) page += ".SH COMMANDS\n";
   for (const CLI::App* command : commands) {

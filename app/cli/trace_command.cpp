@@ -231,12 +231,12 @@ void addTraceCommand(CLI::App& app) {
       trace
           ->add_subcommand(
               "info",
-              "Show format, rate, duration, eyes, data loss and clock jumps, and what was assumed")
+              "Show format, rate, duration, eyes, data loss and clock jumps, and what was assumed.")
           ->alias("INFO");
   addTraceOptions(*facts, *options);
   facts->callback([options] { showTrace(*options); });
-  CLI::App* conversion =
-      trace->add_subcommand("convert", "Write the recording as BIDS: a table and its JSON sidecar");
+  CLI::App* conversion = trace->add_subcommand(
+      "convert", "Write the recording as BIDS: a table and its JSON sidecar.");
   addTraceOptions(*conversion, *options);
   conversion->add_option("--out", options->out, "table; foci writes the JSON sidecar beside it")
       ->type_name("FILE_physio.tsv.gz")

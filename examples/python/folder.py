@@ -1,4 +1,4 @@
-"""Fixations of every recording in a folder, one table over all.
+"""Fixations of every recording in a folder and its subfolders, one table over all.
 
     python3 examples/python/folder.py FOLDER OUT.tsv
 
@@ -12,13 +12,23 @@ import sys
 import foci
 import numpy as np
 
-folder, out = pathlib.Path(sys.argv[1]), sys.argv[2]
+if len(sys.argv) != 3:
+    sys.exit("usage: python3 examples/python/folder.py FOLDER OUT.tsv")
+folder, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+for needed in (folder, out.parent):
+    if not needed.is_dir():
+        sys.exit(f"{needed}: is not a folder")
+if out.is_dir():
+    sys.exit(f"{out}: is a folder; expected a file")
+
 recordings = {}
-for file in sorted(path for path in folder.iterdir() if path.is_file()):
+for file in sorted(path for path in folder.rglob("*") if path.is_file()):
     try:
-        recordings[file.name] = foci.Recording.open(file)
+        recordings[file.relative_to(folder)] = foci.Recording.open(file)
     except foci.InputError as error:
         print(f"left out: {error}", file=sys.stderr)
+if not recordings:
+    sys.exit(f"{folder}: no recording that foci reads")
 
 # %% One row for each recording
 rows = []
@@ -36,4 +46,4 @@ with open(out, "w") as table:
           file=table)
     for name, samples, rate_Hz, count, fixation_ms, saccade_deg in rows:
         print(name, samples, f"{rate_Hz:.0f}", count, f"{fixation_ms:.0f}", f"{saccade_deg:.2f}", sep="\t", file=table)
-print(f"{len(rows)} recordings in {out}")
+print(f"recordings: {len(rows)}; table: {out}")

@@ -15,6 +15,10 @@ from ._foci import (Eye, GazeMap, Image, InputError, Recording, Scene, Screen, S
 __all__ = ["Eye", "GazeMap", "Image", "InputError", "Recording", "Scene", "Screen", "Session", "State", "events",
            "methods", "render", "set_threads"]
 
+for _type in (Eye, GazeMap, Image, InputError, Recording, Scene, Screen, Session, State):
+    _type.__module__ = "foci"  # what users import, and read in errors
+del _type
+
 
 def _recording_events(self, *, as_frame=False, **settings):
     """Fixations, saccades, pursuit, blinks and data loss, in order of time.

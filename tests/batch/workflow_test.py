@@ -92,6 +92,10 @@ def main():
             events = out / subject / "beh" / f"{subject}_task-look_physioevents.tsv"
             assert "saccade" in events.read_text()
 
+        keyless = [*command[:command.index("--config") + 1], "bids=data"]
+        refused = subprocess.run(keyless, cwd=folder, env=environment, capture_output=True, text=True)
+        assert refused.returncode == 1 and "expected --config study=" in refused.stderr, refused.stderr
+
         again = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
         assert "Nothing to be done" in again.stdout + again.stderr, again.stderr
     print("passed")

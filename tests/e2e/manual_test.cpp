@@ -74,6 +74,22 @@ TEST_F(Manual, PagesHaveEveryOptionOfTheHelp) {
   }
 }
 
+TEST_F(Manual, NamesEachCommandWithAWholeSentence) {
+  const std::regex name("\n\\.SH NAME\n[a-z\\\\-]+ \\\\- ([^\n]+)\n");
+  std::size_t pages = 0;
+  for (const auto& file : fs::directory_iterator(folder.path() / "manual/man1")) {
+    if (file.path().extension() != ".1") continue;
+    const std::string page = folder.read(fs::relative(file.path(), folder.path()).string());
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(page, found, name)) << file.path();
+    const std::string sentence = found[1];
+    EXPECT_EQ(sentence.back(), '.') << file.path() << ": " << sentence;
+    EXPECT_EQ(sentence.find(". "), std::string::npos) << file.path() << ": " << sentence;
+    ++pages;
+  }
+  EXPECT_GE(pages, 20u);
+}
+
 TEST_F(Manual, CompletesCommandsOptionsKeysAndFiles) {
   EXPECT_EQ(completed({"foci", "repl"}), std::set<std::string>{"replay"});
   EXPECT_EQ(completed({"foci", "replay", "--tra"}), std::set<std::string>{"--trace"});

@@ -37,6 +37,13 @@ def fixations(rate_Hz=250.0, noise_px=1.0):
     return t, x + noise[0], 500.0 + noise[1]
 
 
+class NameTest(unittest.TestCase):
+    def test_types_are_named_as_users_import_them(self):
+        types = [getattr(foci, name) for name in foci.__all__ if isinstance(getattr(foci, name), type)]
+        self.assertGreater(len(types), 8)
+        self.assertEqual({each.__module__ for each in types}, {"foci"})
+
+
 class RenderTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
