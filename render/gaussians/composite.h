@@ -28,14 +28,15 @@ struct TileSums {
   alignas(64) float coverage[kTilePlaces], distance_m[kTilePlaces];  ///< distance times coverage
 };
 
-/// What lies behind Gaussians, as one sub-aperture sees it through the lens around it. Of each:
-/// planes of places.
+/// What lies behind Gaussians: the mean over views through the lens near one sub-aperture. Planes
+/// of places.
 struct BehindPlanes {
   enum Plane : std::size_t {
     red,  ///< mean display values
     green,
     blue,
-    light_red,  ///< mean linear light, less that of the mean display values
+    /// Mean linear light; where it is used, less the linear light of the mean display values.
+    light_red,
     light_green,
     light_blue,
     coverage,
@@ -124,8 +125,8 @@ using SeenLight = glm::vec4;
 std::size_t compositeTile(const CompositeJob& job, TileSums& sums,
                           std::span<const std::size_t> followed, std::span<SeenLight> seen);
 
-/// Composites the same way, and adds the result to each of `views` times its weight. Their light is
-/// not yet less that of the display values.
+/// Composites in the same way, and adds display values and linear light to each of `views`, times
+/// its weight.
 std::size_t compositeBehind(const CompositeJob& job, std::span<const float> weights,
                             std::span<BehindPlanes> views, std::span<const std::size_t> followed,
                             std::span<SeenLight> seen);
@@ -137,7 +138,7 @@ struct Resampling {
   float first = 0.0f, step = 1.0f;
 };
 
-/// Takes the light of the display values off `from`, and interpolates it.
+/// Subtracts the linear light of the display values from the light of `from`, and interpolates it.
 void interpolateBehind(const Resampling& resampling, BehindPlanes& from, BehindPlanes& to);
 
 }  // namespace foci

@@ -8,8 +8,7 @@ namespace foci {
 
 LensPairs pairLensDiscs(std::vector<LensDisc> front, std::vector<LensDisc> behind) {
   const std::size_t n = front.size(), m = behind.size();
-  // The weights fall off as a Gaussian as wide as the parts of the lens that the fewer views stand
-  // for.
+  // The weights fall off as a Gaussian that is about as wide as a sub-aperture of the fewer views.
   const auto fewer = static_cast<double>(std::min(n, m));
   std::vector<double> weights(n * m);
   for (std::size_t i = 0; i < m; ++i) {

@@ -1,5 +1,5 @@
-// Composites a tile's layers (tile_layers.h). Each layer has views through its own parts of the
-// lens. What lies behind one of them is the mean of the next layer's views through the lens nearby.
+// Composites a tile's layers (tile_layers.h). Each layer has views through discs of its own. What
+// lies behind a view is the mean of the next layer's views through nearby discs.
 #pragma once
 
 #include <array>
@@ -14,15 +14,15 @@
 
 namespace foci {
 
-/// Parts of the lens that a layer and the one behind it are seen through.
+/// Discs that a layer and the one behind it are seen through.
 struct LensPairs {
   std::vector<LensDisc> front, behind;
-  /// What each view of the layer behind weighs in what lies behind each front view: a row for each
-  /// of the former. They weigh 1 in all for each front view, and all alike for all front views.
+  /// Weights of the views behind, in the mean that lies behind each front view: a row for each view
+  /// behind. The weights for a front view sum to 1. All views behind have the same sum.
   std::vector<float> weights;
 };
 
-/// Nearby views weigh more, such that the sums hold (Sinkhorn and Knopp 1967).
+/// Nearby views weigh more. The sums are those of `LensPairs` (Sinkhorn and Knopp 1967).
 LensPairs pairLensDiscs(std::vector<LensDisc> front, std::vector<LensDisc> behind);
 
 /// What a tile is rendered through.
@@ -30,7 +30,7 @@ struct TileLens {
   const std::vector<LensDisc>* discs = nullptr;  ///< of its first layer
   /// Of each layer with the next.
   std::array<const LensPairs*, TileLayers::kMost - 1> pairs{};
-  float weight = 1.0f;  ///< over what the frame holds of the tile
+  float weight = 1.0f;  ///< of the new image of the tile; that of the frame's is the rest
 };
 
 /// Keeps its buffers between tiles.
