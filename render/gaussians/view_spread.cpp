@@ -21,12 +21,12 @@ glm::vec3 lightOver(const SeenLight& seen, const BehindSample& behind) {
 }  // namespace
 
 void ViewSpread::begin(int samples, int apron) {
-  const int inside = samples - 2 * apron, along = std::min(inside, kAlong);
+  const int apart = apron > 0 ? 2 : 4;
   along_.clear();
-  for (int i = 0; i < along; ++i) {
-    // The middle of each part.
-    along_.push_back(static_cast<std::size_t>(apron + (2 * i + 1) * inside / (2 * along)));
+  for (int i = apron + apart / 2; i < samples - apron; i += apart) {
+    along_.push_back(static_cast<std::size_t>(i));
   }
+  assert(along_.size() * along_.size() <= SampledErrors::kMost);
   followSquare(samples);
 }
 

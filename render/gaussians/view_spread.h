@@ -15,7 +15,7 @@ namespace foci {
 
 /// Standard errors at the samples that are followed, in just-noticeable differences.
 struct SampledErrors {
-  static constexpr std::size_t kMost = 16;
+  static constexpr std::size_t kMost = 256;
   /// By layer of the tile; those behind the first as far as they show.
   std::array<std::array<float, kMost>, TileLayers::kMost> layers_jnd{};
   std::size_t count = 0;
@@ -27,14 +27,13 @@ struct BehindSample {
   glm::vec3 light{0.0f};    ///< mean linear light, less that of the display value
 };
 
-/// Follows a tile at up to kAlong x kAlong of its samples, evenly spread.
+/// Follows a tile at evenly spread samples: along a side, every fourth of them, or every second one
+/// where they are more than a pixel apart. What it misses is smaller than the blur, or a few
+/// pixels.
 class ViewSpread {
  public:
-  static constexpr int kAlong = 4;
-  static_assert(kAlong * kAlong <= SampledErrors::kMost);
-
   /// @param samples  of the tile along a side
-  /// @param apron    of these, on each side; not followed
+  /// @param apron    of these, on each side, not followed; 0: the samples are a pixel apart
   void begin(int samples, int apron);
   /// Follows the samples of another layer of the tile that are nearest to those of its first layer.
   void beginBehind(const ViewSpread& first, const TileLayer& first_layer, const TileLayer& layer);

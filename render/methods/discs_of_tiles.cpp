@@ -78,22 +78,27 @@ void DiscsOfTiles::choose(std::span<const Tile> tiles, const glm::ivec2& size_px
   }
 }
 
-float DiscsOfTiles::layerErrorWith(const LayerState& layer, float error, std::size_t from,
-                                   std::size_t to) {
-  const float bound = errorOf(kDiscs[to], layer.blur);
-  // One disc has no spread to judge by.
-  if (from == 0) return bound;
-  const float more = static_cast<float>(kDiscs[to].count) / static_cast<float>(kDiscs[from].count);
-  return std::min(bound, error * std::pow(more, kEdgeOrder));
+DiscsOfTiles::Change DiscsOfTiles::changeOf(const TileState& tile, std::size_t layer,
+                                            std::size_t index) {
+  const float bound = errorOf(kDiscs[index], tile.layers[layer].blur);
+  if (tile.indices[layer] == 0) return {std::nullopt, bound};
+  const float more = static_cast<float>(kDiscs[index].count) /
+                     static_cast<float>(kDiscs[tile.indices[layer]].count);
+  return {std::pow(more, kEdgeOrder), bound};
+}
+
+DiscsOfTiles::Changes DiscsOfTiles::changesOf(const TileState& tile, const Indices& indices) {
+  Changes changes;
+  for (std::size_t k = 0; k < indices.size(); ++k) changes[k] = changeOf(tile, k, indices[k]);
+  return changes;
 }
 
 template <typename ErrorOf>
-float DiscsOfTiles::errorWith(const TileState& tile, const Indices& indices,
-                              const ErrorOf& error_of) {
+float DiscsOfTiles::errorAfter(const Changes& changes, const TileState& tile,
+                               const ErrorOf& error_of) {
   float squares = 0.0f;
-  for (std::size_t k = 0; k < indices.size(); ++k) {
-    const float error =
-        layerErrorWith(tile.layers[k], error_of(tile.layers[k]), tile.indices[k], indices[k]);
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    const float error = changes[k].of(error_of(tile.layers[k]));
     squares += error * error;
   }
   return std::sqrt(squares);
@@ -103,10 +108,11 @@ DiscsOfTiles::Next DiscsOfTiles::nextWithin(const TileState& tile, float limit) 
   Next next{.indices = tile.indices};
   // Over what they may be.
   const auto excess = [&] {
+    const Changes changes = changesOf(tile, next.indices);
     const float typical =
-        errorWith(tile, next.indices, [](const LayerState& layer) { return layer.typical; });
+        errorAfter(changes, tile, [](const LayerState& layer) { return layer.typical; });
     const float most =
-        errorWith(tile, next.indices, [](const LayerState& layer) { return layer.most; });
+        errorAfter(changes, tile, [](const LayerState& layer) { return layer.most; });
     return std::max(typical / limit, most / (kMostOverTolerance * tolerance_));
   };
   const float now = excess();
@@ -120,7 +126,7 @@ DiscsOfTiles::Next DiscsOfTiles::nextWithin(const TileState& tile, float limit) 
     for (std::size_t k = 0; k < next.indices.size(); ++k) {
       const LayerState& layer = tile.layers[k];
       if (next.indices[k] == layer.last) continue;
-      const float error = layerErrorWith(layer, layer.typical, tile.indices[k], next.indices[k]);
+      const float error = changeOf(tile, k, next.indices[k]).of(layer.typical);
       const float worth =
           error * error / (layer.time * static_cast<float>(kDiscs[next.indices[k]].count));
       if (worth > largest) {
@@ -140,12 +146,17 @@ float DiscsOfTiles::areaBeyond_px2(float error, float limit) const {
   for (const TileState& tile : tiles_) {
     const float highest = error - tile.merging;
     const Next next = nextWithin(tile, limit);
+    const Changes none = changesOf(tile, tile.indices), more = changesOf(tile, next.indices);
+    const float most = errorAfter(none, tile, [](const LayerState& layer) { return layer.most; });
+    if (most <= highest) continue;
     std::size_t beyond = 0;
     for (std::size_t i = 0; i < tile.samples; ++i) {
       const auto sample = [&](const LayerState& layer) { return layer.errors[i]; };
-      const float now = errorWith(tile, tile.indices, sample);
-      const float then = errorWith(tile, next.indices, sample);
-      beyond += glm::mix(now, then, next.weight) > highest;
+      float after = errorAfter(none, tile, sample);
+      if (next.weight > 0.0f) {
+        after = glm::mix(after, errorAfter(more, tile, sample), next.weight);
+      }
+      beyond += after > highest;
     }
     sum_px2 += tile.area_px2 * static_cast<float>(beyond) / static_cast<float>(tile.samples);
   }

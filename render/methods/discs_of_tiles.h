@@ -2,9 +2,11 @@
 // frame's pixels below the tolerance.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -89,13 +91,19 @@ class DiscsOfTiles {
     float weight = 1.0f;  ///< of what is next
   };
   void take(const SampledErrors& sampled, TileState& tile);
-  /// An error with the discs `from` in kDiscs, with those `to`.
-  static float layerErrorWith(const LayerState& layer, float error, std::size_t from,
-                              std::size_t to);
-  /// Of all layers together, with other numbers of discs.
+  /// What errors of a layer become with other discs.
+  struct Change {
+    std::optional<float> factor;  ///< none: the layer has one disc, and so no spread to judge by
+    float bound = 0.0f;
+    float of(float error) const { return factor ? std::min(*factor * error, bound) : bound; }
+  };
+  using Changes = std::array<Change, TileLayers::kMost>;
+  static Change changeOf(const TileState& tile, std::size_t layer, std::size_t index);
+  static Changes changesOf(const TileState& tile, const Indices& indices);
+  /// Of all layers together.
   /// @param error_of  the error of a layer with the tile's indices
   template <typename ErrorOf>
-  static float errorWith(const TileState& tile, const Indices& indices, const ErrorOf& error_of);
+  static float errorAfter(const Changes& changes, const TileState& tile, const ErrorOf& error_of);
   struct Next {
     Indices indices;
     float weight = 0.0f;  ///< 0: the tile stays as it is

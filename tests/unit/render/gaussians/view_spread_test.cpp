@@ -34,7 +34,8 @@ TEST(VisibleDifferencePerLight, IsTheDifferenceOfASmallChange) {
   }
 }
 
-const std::vector<BehindSample> kBlack(SampledErrors::kMost);
+constexpr std::size_t kFollowed = 64;  // of a tile whose samples are a pixel apart
+const std::vector<BehindSample> kBlack(kFollowed);
 
 class Views {
  public:
@@ -51,8 +52,9 @@ class Views {
 TEST(ViewSpread, IsZeroForEqualViews) {
   Views views;
   for (int i = 0; i < 3; ++i) views.add(glm::vec3(0.25f, 0.5f, 0.125f));
-  EXPECT_EQ(views.spread.places().size(), SampledErrors::kMost);
-  for (const float each : views.spread.standardErrors(kBlack)) EXPECT_LT(each, 1e-3f);
+  EXPECT_EQ(views.spread.places().size(), kFollowed);
+  const auto errors = views.spread.standardErrors(kBlack);
+  for (std::size_t i = 0; i < kFollowed; ++i) EXPECT_LT(errors[i], 1e-3f);
 }
 
 // Means of random views differ from the true mean by the standard error: root mean squares of many
@@ -88,7 +90,7 @@ TEST(ViewSpread, SeesWhatLiesBehind) {
   std::ranges::fill(spread.next(), SeenLight(0.0f, 0.0f, 0.0f, 0.0f));
   EXPECT_FLOAT_EQ(spread.transmittance(0), 0.5f);
   EXPECT_LT(spread.standardErrors(kBlack)[0], 1e-3f);
-  const std::vector<BehindSample> grey(SampledErrors::kMost, {.display = glm::vec3(0.5f)});
+  const std::vector<BehindSample> grey(kFollowed, {.display = glm::vec3(0.5f)});
   EXPECT_GT(spread.standardErrors(grey)[0], 1.0f);
 }
 
@@ -102,6 +104,13 @@ TEST(ViewSpread, FollowsSamplesInsideOfTheApron) {
     EXPECT_GE(std::min(x, y), kApron);
     EXPECT_LT(std::max(x, y), kAprons - kApron);
   }
+}
+
+// A part of a coarse tile that is smaller than four samples is not missed.
+TEST(ViewSpread, FollowsEverySecondSampleOfACoarseTile) {
+  ViewSpread spread;
+  spread.begin(kTile + 2 * kApron, kApron);
+  EXPECT_EQ(spread.places().size(), std::size_t{kTile} * kTile / 4);
 }
 
 // A pixel's centre is half a pixel from its corner, where the samples of layers behind begin.
