@@ -37,6 +37,12 @@ std::size_t discsWithin(const TileBlur& blur, float tolerance) {
   return static_cast<std::size_t>(std::min(enough, kDiscs.end() - 1) - kDiscs.begin());
 }
 
+/// Three, or more where the blur is large: no view may reach the rim of a disc of blur, and then
+/// none shows an error.
+std::size_t firstDiscs(const TileBlur& blur, float tolerance) {
+  return std::max<std::size_t>(discsWithin({blur.radius_px, false}, 2.0f * tolerance), 1);
+}
+
 /// The largest value up to which `tooLarge` is false, by bisection.
 template <typename TooLarge>
 float largestThat(const TooLarge& tooLarge) {
@@ -72,7 +78,8 @@ void DiscsOfTiles::choose(std::span<const Tile> tiles, const glm::ivec2& size_px
       layer.blur = layers[t].layers[k].blur;
       layer.time = layers[t].layers[k].time;
       layer.last = discsWithin(layer.blur, share * tolerance - tile.merging);
-      const std::size_t first = count == 1 ? 1 : discsWithin(layer.blur, tolerance);
+      const std::size_t first =
+          count == 1 ? firstDiscs(layer.blur, tolerance) : discsWithin(layer.blur, tolerance);
       tile.indices[k] = std::min(first, layer.last);
     }
   }

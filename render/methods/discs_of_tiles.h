@@ -46,9 +46,9 @@ inline float errorOf(const Discs& discs, const TileBlur& blur) {
 /// returns false.
 class DiscsOfTiles {
  public:
-  /// Gives a tile of one layer one disc where its error is small, else three, and each of several
-  /// layers what its blur radius asks for: a layer behind takes little time, and single views of it
-  /// show far apart.
+  /// Gives a tile of one layer one disc where its error is small, else three or more. Each of
+  /// several layers gets as many as its blur radius needs: a layer behind takes little time, and
+  /// its single views lie far apart.
   /// @param merging  error of a tile's merged Gaussians, in just-noticeable differences
   void choose(std::span<const Tile> tiles, const glm::ivec2& size_px,
               std::span<const TileLayers> layers, std::span<const float> merging, float tolerance);

@@ -9,6 +9,9 @@
 namespace foci {
 namespace {
 
+/// Discs that a tile of one layer with 20 px of blur begins with.
+constexpr int kFirst = 7;
+
 TileLayers oneLayer(float blur_px) {
   TileLayers layers;
   layers.layers[0] = {.size = 1, .samples = kTile, .blur = {blur_px, false}, .time = 1.0f};
@@ -59,32 +62,36 @@ TEST(DiscsOfTiles, TakesOneDiscWhereTheBlurIsSmall) {
   EXPECT_NEAR(tiles.discs.error(), 0.5f, 0.02f);
 }
 
-TEST(DiscsOfTiles, TakesThreeWhereNothingShowsTheBlur) {
+TEST(DiscsOfTiles, BeginsWithThreeWhereTheBlurIsModerate) { EXPECT_EQ(Tiles(5.0f).countOf(0), 3); }
+
+TEST(DiscsOfTiles, TakesFewWhereNothingShowsTheBlur) {
   Tiles tiles(20.0f);
   EXPECT_EQ(tiles.render(0, 0.0f), 1);
-  EXPECT_EQ(tiles.countOf(0), 3);
+  EXPECT_EQ(tiles.countOf(0), kFirst);
   EXPECT_LT(tiles.discs.error(), 0.02f);
 }
 
 TEST(DiscsOfTiles, LeavesAFewTilesBeyondTheTolerance) {
   Tiles tiles(20.0f);
   EXPECT_EQ(tiles.render(4, 2.5f), 1);
-  EXPECT_EQ(tiles.countOf(0), 3);
+  EXPECT_EQ(tiles.countOf(0), kFirst);
   EXPECT_LE(tiles.discs.error(), 1.0f);
 }
 
 TEST(DiscsOfTiles, LeavesNoTileFarBeyondTheTolerance) {
-  Tiles tiles(20.0f);
+  TileLayers layers = oneLayer(20.0f);
+  layers.layers[0].blur.everywhere = true;  // so that the bound by the blur radius is high
+  Tiles tiles(layers);
   EXPECT_GT(tiles.render(4, 20.0f), 1);
-  EXPECT_GT(tiles.countOf(0), 3);
-  EXPECT_EQ(tiles.countOf(99), 3);
+  EXPECT_GT(tiles.countOf(0), kFirst);
+  EXPECT_EQ(tiles.countOf(99), kFirst);
 }
 
 TEST(DiscsOfTiles, GivesMoreDiscsToDetailOnly) {
   Tiles tiles(20.0f);
   EXPECT_GT(tiles.render(10, 20.0f), 1);
-  EXPECT_GT(tiles.countOf(0), 3);
-  EXPECT_EQ(tiles.countOf(99), 3);
+  EXPECT_GT(tiles.countOf(0), kFirst);
+  EXPECT_EQ(tiles.countOf(99), kFirst);
   EXPECT_LE(tiles.discs.error(), 1.0f);
 }
 
@@ -146,7 +153,7 @@ TEST(DiscsOfTiles, MoreDiscsWeighMoreTheLargerTheErrorIs) {
     // Those of six tiles are beyond the tolerance; one more than may be.
     for (int t = 0; t < 6; ++t) {
       SampledErrors& each = errors[static_cast<std::size_t>(t)];
-      each.layers_jnd[0].fill(1.5f + (t == 0 ? worse : 0.0f));
+      each.layers_jnd[0].fill(1.6f + (t == 0 ? worse : 0.0f));
     }
     for (SampledErrors& each : errors) each.count = SampledErrors::kMost;
     EXPECT_TRUE(tiles.discs.refine(errors));
