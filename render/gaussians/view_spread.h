@@ -1,5 +1,5 @@
-// How far the views of a tile through parts of the lens lie apart: what the error of their mean is
-// judged by.
+// How far the views of a tile through sub-apertures lie apart. `auto` judges the error of their
+// mean by it.
 #pragma once
 
 #include <array>

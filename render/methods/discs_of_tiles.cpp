@@ -22,7 +22,7 @@ constexpr float kEdgeOrder = -0.77f;
 /// A tile's next number of discs is chosen for this share of its limit, since errors vary.
 constexpr float kAim = 0.9f;
 
-/// A tile with more discs counts in full where its error was this share beyond the limit.
+/// A tile's next image has the weight 1 where its error was at least this share beyond the limit.
 constexpr float kTransition = 0.25f;
 
 /// Halvings of the range up to the largest error that is told from others.

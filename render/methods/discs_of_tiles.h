@@ -58,8 +58,9 @@ class DiscsOfTiles {
     return tiles_[tile].indices[layer];
   }
 
-  /// What the tile next rendered weighs over what the frame holds of it: less than 1 where an error
-  /// is little beyond its limit, so that a tile does not change at once as the eye moves.
+  /// Weight of the tile's next image; that of the frame's present image is the rest. It is less
+  /// than 1 where an error is little beyond its limit. So a tile does not change abruptly while the
+  /// eye moves.
   float weightOf(std::size_t tile) const { return tiles_[tile].weight; }
 
   /// Gives more discs to the worst tiles, if more than 5 % of the frame's area is beyond the
