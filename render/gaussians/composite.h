@@ -20,7 +20,7 @@ constexpr std::size_t rowOf(int samples) {
 constexpr std::size_t placesOf(int samples) {
   return rowOf(samples) * static_cast<std::size_t>(samples);
 }
-inline constexpr std::size_t kTilePlaces = placesOf(kTile + 2 * kApron);
+inline constexpr std::size_t kTilePlaces = placesOf(kMostSamples);
 
 /// A tile's share of the frame: sums over sub-apertures.
 struct TileSums {

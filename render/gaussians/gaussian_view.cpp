@@ -31,13 +31,6 @@ void GaussianView::project(const View& view, const Defocus& defocus,
   lists_.build(projected_.chunks, view.size_px, lod != nullptr);
 }
 
-std::vector<TileBlur> GaussianView::tileBlurs() const {
-  std::vector<TileBlur> blurs(tiles().size());
-  parallelFor(blurs.size(),
-              [&](std::size_t t) { blurs[t] = blurOf(tiles()[t], lists_.splats(t), projected_); });
-  return blurs;
-}
-
 const std::vector<TileLayers>& GaussianView::divide(bool several) {
   layers_.resize(tiles().size());
   parallelFor(layers_.size(), [&](std::size_t t) {
@@ -104,9 +97,8 @@ void GaussianView::writeTile(const Tile& tile, const TileSums& sums, const TileL
                              Frame& frame) {
   const float share = 1.0f / static_cast<float>(lens.discs->size());
   const int samples = tile.samplesWithApron();
-  constexpr std::size_t kMaxSamples = kTile + 2 * kApron;
-  glm::vec4 rgba[kMaxSamples * kMaxSamples];
-  float depth_m[kMaxSamples * kMaxSamples];
+  glm::vec4 rgba[kMostSamples * kMostSamples];
+  float depth_m[kMostSamples * kMostSamples];
   for (int y = 0; y < samples; ++y) {
     for (int x = 0; x < samples; ++x) {
       const std::size_t from =

@@ -47,7 +47,6 @@ class GaussianView {
                        std::vector<SampledErrors>& errors);
 
   const std::vector<Tile>& tiles() const { return lists_.tiles(); }
-  std::vector<TileBlur> tileBlurs() const;
   /// Divides each tile into layers, until the next projection.
   /// @param several  false: one layer each
   const std::vector<TileLayers>& divide(bool several);

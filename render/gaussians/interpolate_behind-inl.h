@@ -17,8 +17,6 @@ HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
 
-inline constexpr int kMostSamples = kTile + 2 * kApron;
-
 /// A sample among those that it is interpolated from: the first of four, and their taps.
 struct Taps {
   std::size_t first = 0;

@@ -6,7 +6,7 @@
 
 namespace foci {
 
-LensPairs pairLensDiscs(std::vector<LensDisc> front, std::vector<LensDisc> behind) {
+LensPairs pairLensDiscs(const std::vector<LensDisc>& front, std::vector<LensDisc> behind) {
   const std::size_t n = front.size(), m = behind.size();
   // The weights fall off as a Gaussian that is about as wide as a sub-aperture of the fewer views.
   const auto fewer = static_cast<double>(std::min(n, m));
@@ -31,7 +31,7 @@ LensPairs pairLensDiscs(std::vector<LensDisc> front, std::vector<LensDisc> behin
       for (std::size_t i = 0; i < m; ++i) weights[i * n + j] /= sum;
     }
   }
-  return {std::move(front), std::move(behind), {weights.begin(), weights.end()}};
+  return {std::move(behind), {weights.begin(), weights.end()}};
 }
 
 std::uint64_t LayerStack::render(const ProjectedGaussian* gaussians,
@@ -54,12 +54,17 @@ std::uint64_t LayerStack::render(const ProjectedGaussian* gaussians,
     layer.is_seen = k == 0;
     if (k == 0) {
       layer.discs = lens.discs;
-      layer.spread.begin(front.samples, apron);
     } else {
       layer.discs = &lens.pairs[k - 1]->behind;
       layer.job.first_px = corner_px;
       layer.job.step_px = static_cast<float>(own.step_px);
       layer.job.samples = own.samples;
+    }
+    if (!errors) {
+      layer.spread.beginNone();
+    } else if (k == 0) {
+      layer.spread.begin(front.samples, apron);
+    } else {
       layer.spread.beginBehind(stack_[0].spread, front, own);
     }
   }
@@ -138,10 +143,12 @@ SampledErrors LayerStack::errors() const {
   through.fill(1.0f);
   for (std::size_t k = 0; k < layers_.count && stack_[k].is_seen; ++k) {
     const ViewSpread& spread = stack_[k].spread;
-    std::array<BehindSample, SampledErrors::kMost> behind;
-    for (std::size_t i = 0; i < count; ++i) behind[i] = meanBehind(k, spread.places()[i]);
     auto& own = errors.layers_jnd[k];
-    if (stack_[k].discs->size() > 1) own = spread.standardErrors(std::span(behind).first(count));
+    if (stack_[k].discs->size() > 1) {
+      std::array<BehindSample, SampledErrors::kMost> behind;
+      for (std::size_t i = 0; i < count; ++i) behind[i] = meanBehind(k, spread.places()[i]);
+      own = spread.standardErrors(std::span(behind).first(count));
+    }
     for (std::size_t i = 0; i < count; ++i) {
       own[i] *= through[i];
       through[i] *= spread.transmittance(i);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -14,16 +15,16 @@
 
 namespace foci {
 
-/// Discs that a layer and the one behind it are seen through.
+/// Discs that a layer behind another one is seen through.
 struct LensPairs {
-  std::vector<LensDisc> front, behind;
+  std::vector<LensDisc> behind;
   /// Weights of the views behind, in the mean that lies behind each front view: a row for each view
   /// behind. The weights for a front view sum to 1. All views behind have the same sum.
   std::vector<float> weights;
 };
 
 /// Nearby views weigh more. The sums are those of `LensPairs` (Sinkhorn and Knopp 1967).
-LensPairs pairLensDiscs(std::vector<LensDisc> front, std::vector<LensDisc> behind);
+LensPairs pairLensDiscs(const std::vector<LensDisc>& front, std::vector<LensDisc> behind);
 
 /// What a tile is rendered through.
 struct TileLens {

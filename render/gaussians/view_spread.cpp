@@ -39,6 +39,11 @@ void ViewSpread::beginBehind(const ViewSpread& first, const TileLayer& first_lay
   followSquare(layer.samples);
 }
 
+void ViewSpread::beginNone() {
+  along_.clear();
+  followSquare(0);
+}
+
 void ViewSpread::followSquare(int samples) {
   places_.clear();
   for (const std::size_t y : along_) {

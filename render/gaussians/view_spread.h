@@ -38,6 +38,9 @@ class ViewSpread {
   /// Follows the samples of another layer of the tile that are nearest to those of its first layer.
   void beginBehind(const ViewSpread& first, const TileLayer& first_layer, const TileLayer& layer);
 
+  /// Follows no samples.
+  void beginNone();
+
   /// The places that are followed.
   std::span<const std::size_t> places() const { return places_; }
   /// Room for what the next view sees there.

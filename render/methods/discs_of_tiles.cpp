@@ -152,10 +152,11 @@ float DiscsOfTiles::areaBeyond_px2(float error, float limit) const {
   float sum_px2 = 0.0f;
   for (const TileState& tile : tiles_) {
     const float highest = error - tile.merging;
-    const Next next = nextWithin(tile, limit);
-    const Changes none = changesOf(tile, tile.indices), more = changesOf(tile, next.indices);
+    const Changes none = changesOf(tile, tile.indices);
     const float most = errorAfter(none, tile, [](const LayerState& layer) { return layer.most; });
     if (most <= highest) continue;
+    const Next next = nextWithin(tile, limit);
+    const Changes more = changesOf(tile, next.indices);
     std::size_t beyond = 0;
     for (std::size_t i = 0; i < tile.samples; ++i) {
       const auto sample = [&](const LayerState& layer) { return layer.errors[i]; };

@@ -27,8 +27,8 @@ namespace {
 constexpr float kPerBlur2 = 0.015f, kMaxSpread_px2 = 0.3f;
 constexpr float kLodError_per_px = 0.03f, kMaxLodError = 0.3f;
 
-/// Several layers leave an error of up to 0.6 JND on small Gaussians, through however many discs
-/// (tests of TileLayers). A smaller tolerance than this does without.
+/// Several layers leave an error of up to 0.6 JND on small Gaussians, with any number of discs
+/// (tests of TileLayers). A tolerance below this has one layer.
 constexpr float kLayersFrom_JND = 1.0f;
 
 /// @param tolerance  of the LOD cut
@@ -63,6 +63,24 @@ constexpr int kFewestParts = 7;
 constexpr std::array kBudgetLevels{QualityLevel::fine, QualityLevel::sub_apertures,
                                    QualityLevel::whole_aperture, QualityLevel::sharp};
 
+/// By the discs in front and behind, in kDiscs.
+using PairTable = std::array<std::array<LensPairs, kDiscs.size()>, kDiscs.size()>;
+
+/// Made once for all, since it depends on `kDiscs` alone.
+const PairTable& pairTable() {
+  static const PairTable table = [] {
+    PairTable made;
+    for (std::size_t front = 0; front < kDiscs.size(); ++front) {
+      const std::vector<LensDisc> discs = subApertureDiscs(kDiscs[front].count);
+      for (std::size_t behind = 0; behind < kDiscs.size(); ++behind) {
+        made[front][behind] = pairLensDiscs(discs, subApertureDiscs(kDiscs[behind].count));
+      }
+    }
+    return made;
+  }();
+  return table;
+}
+
 class GaussianAuto final : public GaussianEyeMethod {
  public:
   /// @param cloud  with its tree
@@ -70,12 +88,7 @@ class GaussianAuto final : public GaussianEyeMethod {
       : cloud_(std::move(cloud)), view_(*cloud_), forced_(forced) {
     for (const Discs& each : kDiscs) sets_.push_back(subApertureDiscs(each.count));
     // Together they bound what any set shows.
-    for (std::size_t i = 0; i < kDiscs.size(); ++i) {
-      all_.insert(all_.end(), sets_[i].begin(), sets_[i].end());
-      for (std::size_t behind = 0; behind < kDiscs.size(); ++behind) {
-        pairs_[i][behind] = pairLensDiscs(sets_[i], sets_[behind]);
-      }
-    }
+    for (const std::vector<LensDisc>& set : sets_) all_.insert(all_.end(), set.begin(), set.end());
   }
 
   std::unique_ptr<Method> cloneSharingScene() const override {
@@ -166,6 +179,7 @@ class GaussianAuto final : public GaussianEyeMethod {
       merging.push_back(most);
     }
     tiles_.choose(view_.tiles(), view.size_px, layers, merging, tolerance);
+    const PairTable& pairs = pairTable();
     RenderStats stats;
     stats.splats = view_.count();
     do {
@@ -176,7 +190,7 @@ class GaussianAuto final : public GaussianEyeMethod {
             lens.discs = &sets_[tiles_.indexOf(tile, 0)];
             lens.weight = tiles_.weightOf(tile);
             for (std::size_t k = 1; k < layers[tile].count; ++k) {
-              lens.pairs[k - 1] = &pairs_[tiles_.indexOf(tile, k - 1)][tiles_.indexOf(tile, k)];
+              lens.pairs[k - 1] = &pairs[tiles_.indexOf(tile, k - 1)][tiles_.indexOf(tile, k)];
             }
             return lens;
           },
@@ -188,10 +202,10 @@ class GaussianAuto final : public GaussianEyeMethod {
 
   /// The largest of the tiles' errors.
   template <typename ErrorOf>
-  double largestError(const ErrorOf& errorOfBlur) const {
+  double largestError(const ErrorOf& errorOfBlur) {
     double largest = 0.0;
-    for (const TileBlur& blur : view_.tileBlurs()) {
-      largest = std::max(largest, double{errorOfBlur(blur)});
+    for (const TileLayers& tile : view_.divide(false)) {
+      largest = std::max(largest, double{errorOfBlur(tile.layers[0].blur)});
     }
     return largest;
   }
@@ -207,8 +221,7 @@ class GaussianAuto final : public GaussianEyeMethod {
   GaussianView view_;
   GaussianParts parts_;
   std::optional<QualityLevel> forced_;
-  std::vector<std::vector<LensDisc>> sets_;                                // by kDiscs
-  std::array<std::array<LensPairs, kDiscs.size()>, kDiscs.size()> pairs_;  // front, behind
+  std::vector<std::vector<LensDisc>> sets_;  // by kDiscs
   DiscsOfTiles tiles_;
   std::vector<SampledErrors> errors_;
   std::vector<LensDisc> all_, pinhole_ = {LensDisc{}};

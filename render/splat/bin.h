@@ -14,6 +14,9 @@ namespace foci {
 /// Samples of an apron: cubic interpolation needs two beyond the tile's edge.
 inline constexpr int kApron = 2;
 
+/// Samples along a side of a tile with aprons.
+inline constexpr int kMostSamples = kTile + 2 * kApron;
+
 /// A square of the image and its samples: at most kTile along a side, `step_px` apart. Where
 /// samples are more than a pixel apart, an apron of kApron samples on each side lets the tile
 /// interpolate.

@@ -6,7 +6,6 @@
 namespace foci {
 namespace {
 
-constexpr int kWidest = kTile + 2 * kApron;
 using Taps = std::array<float, 4>;
 
 /// A pixel's place among the samples: the first of four samples, and their taps.
@@ -58,8 +57,8 @@ void interpolateTile(const Tile& tile, const glm::vec4* rgba, const float* depth
   }
 
   const auto places = placesOf(tile);
-  std::array<glm::vec4, kWidest> row;
-  std::array<float, kWidest> depth_row{};
+  std::array<glm::vec4, kMostSamples> row;
+  std::array<float, kMostSamples> depth_row{};
   for (int y = 0; y < height; ++y) {
     const auto& [first_y, ty] = places[y];
     const auto down = [&, &first_y = first_y, &ty = ty](const auto* from, int x) {

@@ -101,9 +101,8 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
     const auto list = lists.splats(t);
     static thread_local ListSurvey survey;
     survey.read(chunks.splats.get(), list);
-    constexpr int kMaxSamples = kTile + 2 * kApron;
-    alignas(64) glm::vec4 rgba[kMaxSamples * kMaxSamples]{};
-    float depth_m[kMaxSamples * kMaxSamples]{};
+    alignas(64) glm::vec4 rgba[kMostSamples * kMostSamples]{};
+    float depth_m[kMostSamples * kMostSamples]{};
     const auto step_px = static_cast<float>(tile.step_px);
     const float first_px = step_px * (0.5f - static_cast<float>(tile.apron()));
     const glm::vec2 radius = settings.defocus.radius_px_per_D;
