@@ -12,6 +12,7 @@
 #include "base/input_error.h"
 #include "gaze/sources/simulator.h"
 #include "gaze/sources/trace_reader.h"
+#include "render/lod/moment_tree.h"
 #include "render/optics/view.h"
 #include "render/scene/builtin/procedural.h"
 #include "render/scene/io/mesh_companions.h"
@@ -173,7 +174,7 @@ SurfelCloud loadScene(const Study& study, std::optional<SceneFile> scene) {
   if (const std::string remark = memoryRemark(study, cloud); !remark.empty()) {
     std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark.c_str());
   }
-  return cloud;
+  return cloud.gaussians ? cloud : withTree(std::move(cloud));
 }
 
 namespace {

@@ -17,6 +17,7 @@
 #include "base/text.h"
 #include "render/image/metrics.h"
 #include "render/image/visible_difference.h"
+#include "render/lod/moment_tree.h"
 
 namespace foci {
 namespace {
@@ -58,7 +59,11 @@ class ChartGroup {
                                      [&](const EvaluatedMethod& one) { return isDone(one); });
   }
 
-  void measure(const SceneInView& seen) {
+  /// @param shared  the scene's surfels, with the tree that all methods share. The reference
+  /// renders
+  ///                `seen` itself, so that it does not depend on the tree's order.
+  void measure(const SceneInView& seen, const SurfelCloud& shared) {
+    shared_ = &shared;
     aperture_m_ = blur_px_ / seen.largestBlurThrough_px(1.0);
     measureErrors(seen);
     for (const unsigned threads : plan_.threads) measureTimes(seen, threads);
@@ -135,7 +140,7 @@ class ChartGroup {
       Frame pinhole;
       RenderSettings sharp = seen.settings;
       sharp.depth = true;
-      makeMethod("pinhole", seen.cloud)->render(seen.view, sharp, pinhole);
+      makeMethod("pinhole", *shared_)->render(seen.view, sharp, pinhole);
       band = silhouetteBand(pinhole, settings.defocus);
     }
     for (const EvaluatedMethod& method : scene_.methods) {
@@ -163,7 +168,7 @@ class ChartGroup {
                          const std::vector<std::uint8_t>& band) {
     constexpr double kShareOfPixels = 0.95;  // as `Quality::tolerance` counts errors
     Frame frame;
-    const RenderStats stats = methodOf(method, seen).render(seen.view, settings, frame);
+    const RenderStats stats = methodOf(method).render(seen.view, settings, frame);
     auto visible = visibleDifference(frame, reference, kUsualPx_per_deg);
     ChartCell cell{.psnr_dB = psnr_dB(frame, reference),
                    .ssim = ssim(frame, reference),
@@ -198,7 +203,7 @@ class ChartGroup {
                  std::vector<double>& ms = cell.ms[threads];
                  const double off = ms.size() % 2 == 0 ? kAperturesApart : 0.0;
                  ms.push_back(
-                     methodOf(method, seen)
+                     methodOf(method)
                          .render(seen.view, seen.settingsThrough(aperture_m_ * (1.0 + off)), frame)
                          .ms);
                  cells_.store(nameOf(method), keyOf(method), cell);
@@ -210,9 +215,9 @@ class ChartGroup {
     runInTurn(runs);
   }
 
-  Method& methodOf(const EvaluatedMethod& method, const SceneInView& seen) {
+  Method& methodOf(const EvaluatedMethod& method) {
     auto& made = made_[method.spec()];
-    if (!made) made = makeMethod(method.spec(), seen.cloud);
+    if (!made) made = makeMethod(method.spec(), *shared_);
     return *made;
   }
 
@@ -226,6 +231,7 @@ class ChartGroup {
   double aperture_m_ = 0.0;
   std::optional<ChartReference> reference_;  // without its frame
   std::map<std::string, ChartCell> found_;   // by spec
+  const SurfelCloud* shared_ = nullptr;
   std::map<std::string, std::unique_ptr<Method>> made_;
 };
 
@@ -245,6 +251,7 @@ ChartResult measureChart(const ChartPlan& plan, const fs::path& folder,
   ChartResult result;
   for (const ChartScene& scene : plan.scenes) {
     std::optional<SceneInView> seen;
+    SurfelCloud shared;
     for (const double blur_px : plan.blurs_px) {
       ChartGroup group(plan, scene, blur_px, folder, cells, on_steps);
       const auto done = static_cast<std::size_t>(
@@ -255,10 +262,13 @@ ChartResult measureChart(const ChartPlan& plan, const fs::path& folder,
       if (group.isComplete()) {
         on_steps(1 + scene.methods.size() * (1 + plan.threads.size()));
       } else {
-        if (!seen) seen = scene.make();
+        if (!seen) {
+          seen = scene.make();
+          shared = scene.gaussians ? seen->cloud : withTree(seen->cloud);
+        }
         fs::create_directories(folder / "cells");
         fs::create_directories(folder / "images");
-        group.measure(*seen);
+        group.measure(*seen, shared);
       }
       group.addTo(result);
     }
