@@ -12,9 +12,7 @@ namespace foci {
 namespace {
 
 /// The settings of a method whose number is worth varying, or whose standard number takes long.
-/// Chosen by eye: each list spans the method from fast to accurate. The quick range is without the
-/// methods that tell least for their time: few rays are noise, and a first frame of `fearing` is
-/// one of `potmesil`.
+/// Chosen by eye: each list spans the method from fast to accurate.
 struct MethodSettings {
   std::string_view method;
   std::vector<int> full, quick, one;
@@ -25,13 +23,10 @@ struct MethodSettings {
 };
 
 const std::vector<MethodSettings>& variedMethods() {
-  static const std::vector<MethodSettings> all = {{"accumulate", {16, 64, 200}, {16}, {64}},
-                                                  {"raytrace", {1, 4}, {}, {16}},
-                                                  {"sweep-lod", {1, 7, 19}, {1, 7}, {7}},
-                                                  {"layered", {4, 8, 32}, {8}, {8}},
-                                                  {"rasanen", {4, 16, 64}, {16}, {16}},
-                                                  {"shinya", {16, 64}, {16}, {16}},
-                                                  {"fearing", {100}, {}, {100}}};
+  static const std::vector<MethodSettings> all = {
+      {"accumulate", {16, 64, 200}, {16}, {64}}, {"raytrace", {1, 4}, {1}, {16}},
+      {"sweep-lod", {1, 7, 19}, {1, 7}, {7}},    {"layered", {4, 8, 32}, {8}, {8}},
+      {"rasanen", {4, 16, 64}, {16}, {16}},      {"shinya", {16, 64}, {16}, {16}}};
   return all;
 }
 

@@ -15,6 +15,7 @@
 #include "render/lod/moment_tree.h"
 #include "render/optics/view.h"
 #include "render/scene/builtin/procedural.h"
+#include "render/scene/gaussian_tree.h"
 #include "render/scene/io/mesh_companions.h"
 #include "render/scene/io/open_scene.h"
 #include "render/scene/joined_scene.h"
@@ -161,6 +162,16 @@ SurfelCloud builtinScene(const Study& study) {
   return study.scene.builtin == "plane" ? makePlane() : makeGallery();
 }
 
+/// The scene in the order of its tree, which all methods and the gaze's distance then share.
+SurfelCloud sorted(SurfelCloud scene) {
+  if (!scene.gaussians) return withTree(std::move(scene));
+  if (scene.gaussians->tree) return scene;
+  GaussianCloud cloud = *scene.gaussians;
+  scene.gaussians.reset();  // the unsorted scene takes as much memory as the sorted one
+  scene.gaussians = std::make_shared<const GaussianCloud>(withTree(std::move(cloud)));
+  return scene;
+}
+
 }  // namespace
 
 SurfelCloud loadScene(const Study& study, std::optional<SceneFile> scene) {
@@ -174,7 +185,7 @@ SurfelCloud loadScene(const Study& study, std::optional<SceneFile> scene) {
   if (const std::string remark = memoryRemark(study, cloud); !remark.empty()) {
     std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark.c_str());
   }
-  return cloud.gaussians ? cloud : withTree(std::move(cloud));
+  return sorted(std::move(cloud));
 }
 
 namespace {

@@ -95,9 +95,19 @@ std::vector<glm::vec3> seenBy(const std::vector<float>& eye, const Frame& frame)
 }  // namespace
 
 std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg) {
-  assert(a.size_px == b.size_px && px_per_deg > 0.0);
-  const std::vector<float> eye = gaussianFromMiddle(kEye_deg * px_per_deg);
-  const std::vector<glm::vec3> lab_a = seenBy(eye, a), lab_b = seenBy(eye, b);
+  assert(a.size_px == b.size_px);
+  return visibleDifference(a, labOf(b, px_per_deg), px_per_deg);
+}
+
+std::vector<glm::vec3> labOf(const Frame& frame, double px_per_deg) {
+  assert(px_per_deg > 0.0);
+  return seenBy(gaussianFromMiddle(kEye_deg * px_per_deg), frame);
+}
+
+std::vector<float> visibleDifference(const Frame& a, const std::vector<glm::vec3>& lab_b,
+                                     double px_per_deg) {
+  assert(a.rgba.size() == lab_b.size());
+  const std::vector<glm::vec3> lab_a = labOf(a, px_per_deg);
   std::vector<float> difference(a.rgba.size());
   for (std::size_t i = 0; i < difference.size(); ++i) {
     difference[i] = glm::distance(lab_a[i], lab_b[i]) / kJustNoticeable;

@@ -19,6 +19,13 @@ inline constexpr double kUsualPx_per_deg = 40.0;
 /// @return row-major, one for each pixel. Both frames have the same size (asserted).
 std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg);
 
+/// A frame as this eye sees it, row-major: for one that many others are compared with.
+std::vector<glm::vec3> labOf(const Frame& frame, double px_per_deg);
+
+/// The same difference, of a frame from one of the same size as the eye sees it (asserted).
+std::vector<float> visibleDifference(const Frame& a, const std::vector<glm::vec3>& lab_b,
+                                     double px_per_deg);
+
 /// The Jacobian of L*a*b* at a colour in linear light, in JND for each unit: a small change of
 /// light d shows as |J d|. Colours are clamped as above.
 glm::mat3 visibleDifferencePerLight(const glm::vec3& rgb);

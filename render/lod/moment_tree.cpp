@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <type_traits>
 
 #include "base/parallel.h"
 
@@ -264,10 +265,22 @@ TreeTop topOf(std::span<const TreeRoot> roots) {
 SurfelCloud withTree(SurfelCloud cloud) {
   if (cloud.tree) return cloud;
   const auto tree = std::make_shared<const MomentTree>(cloud);
-  SurfelCloud sorted = tree->surfels();
-  sorted.mesh = std::move(cloud.mesh);
-  sorted.tree = tree;
-  return sorted;
+  const SurfelCloud& surfels = tree->surfels();
+  const auto shared = [&tree](const auto& values) {
+    using Values = std::remove_cvref_t<decltype(values)>;
+    return values.empty() ? Values{} : Values({values.data(), values.size()}, tree);
+  };
+  return {.position_m = shared(surfels.position_m),
+          .axis_u_m = shared(surfels.axis_u_m),
+          .axis_v_m = shared(surfels.axis_v_m),
+          .color = shared(surfels.color),
+          .opacity = shared(surfels.opacity),
+          .area_m2 = shared(surfels.area_m2),
+          .oriented = surfels.oriented,
+          .bodies = {.of_surfel = shared(surfels.bodies.of_surfel), .boxes = surfels.bodies.boxes},
+          .objects = {.of = shared(surfels.objects.of), .names = surfels.objects.names},
+          .tree = tree,
+          .mesh = std::move(cloud.mesh)};
 }
 
 std::shared_ptr<const MomentTree> treeOf(const SurfelCloud& cloud) {

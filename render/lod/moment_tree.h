@@ -144,7 +144,8 @@ struct TreeRoot {
 };
 TreeTop topOf(std::span<const TreeRoot> roots);
 
-/// The cloud in the order of its tree, with the tree. The cloud itself where it has one.
+/// The cloud in the order of its tree, with the tree, which keeps the surfels of both. The cloud
+/// itself where it has one.
 SurfelCloud withTree(SurfelCloud cloud);
 
 /// The cloud's tree, or a new one.

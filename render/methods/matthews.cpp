@@ -46,6 +46,7 @@ class MatthewsMethod final : public Method {
     discs_.forEachDiscOn(
         tile, [&](int x, int y, int row, int first, int last, const float* weights) {
           const float source_D = discs_.defocus_D(x, y);
+          const float per_weight = 1.0f / discs_.weightSum(source_D);
           const glm::vec4& light = discs_.rgba(x, y);
           Arrivals* arrival = arrivals.data() + (row - begin.y) * kTile_px - begin.x;
           for (int i = first; i <= last; ++i) {
@@ -62,7 +63,7 @@ class MatthewsMethod final : public Method {
               const float n = glm::length(glm::vec2(i - x, row - y) / outer_px);
               const float open = (1.0f - n) * std::min(outer_px.x, outer_px.y);
               if (open <= 0.0f) continue;
-              weight = std::min(weight, open / discs_.weightSum(source_D));
+              weight = std::min(weight, open * per_weight);
             }
             arrival[i].rest += weight * light;
             arrival[i].rest_weight += weight;

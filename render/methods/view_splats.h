@@ -69,7 +69,7 @@ RenderSettings withoutBlur(const RenderSettings& settings);
 /// post-filter starts from.
 class PinholeCamera {
  public:
-  explicit PinholeCamera(const SurfelCloud& cloud) : sweep_(makeMethod("sweep-lod:1", cloud)) {}
+  explicit PinholeCamera(const SurfelCloud& cloud) : sweep_(makeMethod("sweep", cloud)) {}
 
   /// Renders with depth and without blur, whatever the settings say of either.
   RenderStats render(const View& view, const RenderSettings& settings, Frame& frame);

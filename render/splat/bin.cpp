@@ -141,8 +141,11 @@ void TileLists::chooseTiles(const SplatChunks& chunks, bool coarse) {
     }
     tiles_.push_back({x0 * kTile, y0 * kTile, side * kTile, blur.step_px, blur.radius_px});
   };
-  for (int y = 0; y < cells_.y; y += kMaxStep_px) {
-    for (int x = 0; x < cells_.x; x += kMaxStep_px) divide(divide, x, y, kMaxStep_px);
+  // No tile is much larger than the image: the squares of `SpotCheck` are one cell.
+  const auto longest = static_cast<unsigned>(std::max(cells_.x, cells_.y));
+  const int largest = std::min(kMaxStep_px, static_cast<int>(std::bit_ceil(longest)));
+  for (int y = 0; y < cells_.y; y += largest) {
+    for (int x = 0; x < cells_.x; x += largest) divide(divide, x, y, largest);
   }
   max_apron_px_ = 0;
   for (const Tile& tile : tiles_) {

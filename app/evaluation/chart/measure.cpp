@@ -3,7 +3,9 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,6 +15,7 @@
 #include "app/evaluation/timed_runs.h"
 #include "app/graphics/image.h"
 #include "base/file.h"
+#include "base/parallel.h"
 #include "base/quantile.h"
 #include "base/text.h"
 #include "render/image/metrics.h"
@@ -31,7 +34,7 @@ constexpr double kAperturesApart = 1e-3;
 /// The first frame of a method finds cold buffers, so its time does not count. It counts if it
 /// takes this many times as long as all timed frames may. Chosen by eye: such a method is timed
 /// once.
-constexpr double kSlow = 15.0;
+constexpr double kSlow = 4.0;
 
 /// All cells of one scene at one blur.
 class ChartGroup {
@@ -136,7 +139,9 @@ class ChartGroup {
     on_steps_(1);
 
     std::vector<std::uint8_t> band;
+    std::vector<glm::vec3> reference_lab;
     if (missing) {
+      reference_lab = labOf(reference->frame, kUsualPx_per_deg);
       Frame pinhole;
       RenderSettings sharp = seen.settings;
       sharp.depth = true;
@@ -145,7 +150,7 @@ class ChartGroup {
     }
     for (const EvaluatedMethod& method : scene_.methods) {
       if (!found_.contains(method.spec())) {
-        measureFirstFrame(method, seen, settings, reference->frame, band);
+        measureFirstFrame(method, seen, settings, {reference->frame, reference_lab, band});
       }
       on_steps_(1);
     }
@@ -162,25 +167,38 @@ class ChartGroup {
     return reference;
   }
 
-  /// @param band  the silhouettes
+  /// What frames are compared with.
+  struct Compared {
+    const Frame& frame;
+    const std::vector<glm::vec3>& lab;      // `labOf` the frame
+    const std::vector<std::uint8_t>& band;  // the silhouettes
+  };
+
   void measureFirstFrame(const EvaluatedMethod& method, const SceneInView& seen,
-                         const RenderSettings& settings, const Frame& reference,
-                         const std::vector<std::uint8_t>& band) {
+                         const RenderSettings& settings, const Compared& reference) {
     constexpr double kShareOfPixels = 0.95;  // as `Quality::tolerance` counts errors
     Frame frame;
     const RenderStats stats = methodOf(method).render(seen.view, settings, frame);
-    auto visible = visibleDifference(frame, reference, kUsualPx_per_deg);
-    ChartCell cell{.psnr_dB = psnr_dB(frame, reference),
-                   .ssim = ssim(frame, reference),
-                   .silhouette_psnr_dB = silhouettePsnr_dB(frame, reference, band),
-                   .coverage_error = coverageError(frame, reference),
-                   .visible_error = quantile(visible, kShareOfPixels),
-                   .expected_error = stats.tolerance_error,
-                   .first_ms = stats.ms};
+    ChartCell cell{.expected_error = stats.tolerance_error, .first_ms = stats.ms};
     if (stats.ms > kSlow * plan_.timing_ms) cell.ms[plan_.threads.back()] = {stats.ms};
     const std::string image = imageFile(scene_.id, blur_px_, method);
-    writeImage(image, imageOf(frame));
-    writeImage(differenceFileOf(image), differenceOf(frame, reference, kDifferenceGain));
+    const std::array<std::function<void()>, 5> tasks{
+        [&] {
+          auto visible = visibleDifference(frame, reference.lab, kUsualPx_per_deg);
+          cell.visible_error = quantile(visible, kShareOfPixels);
+        },
+        [&] { cell.ssim = ssim(frame, reference.frame); },
+        [&] {
+          cell.psnr_dB = psnr_dB(frame, reference.frame);
+          cell.silhouette_psnr_dB = silhouettePsnr_dB(frame, reference.frame, reference.band);
+          cell.coverage_error = coverageError(frame, reference.frame);
+        },
+        [&] { writeImage(image, imageOf(frame)); },
+        [&] {
+          writeImage(differenceFileOf(image),
+                     differenceOf(frame, reference.frame, kDifferenceGain));
+        }};
+    parallelFor(tasks.size(), [&](std::size_t i) { tasks.at(i)(); });
     cells_.store(nameOf(method), keyOf(method), cell);
     found_[method.spec()] = cell;
   }

@@ -22,7 +22,7 @@ std::size_t stepsOf(const ChartPlan& plan);
 /// Compares the first frame of each method with the reference. Then times the methods, which take
 /// turns, so that other load on the machine slows all of them alike. Consecutive timed frames
 /// differ in aperture by a thousandth, so that no method can reuse its previous frame. A method
-/// that takes fifteen times `plan.timing_ms` is timed by its first frame.
+/// that takes four times `plan.timing_ms` is timed by its first frame.
 /// @param folder    of the chart: cells go to `cells`, images to `images`
 /// @param on_steps  called with the number of steps done since the last call
 ChartResult measureChart(const ChartPlan& plan, const std::filesystem::path& folder,
