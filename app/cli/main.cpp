@@ -25,6 +25,20 @@ std::string oneLine(std::string text) {
   return text;
 }
 
+/// The error, with the words that ask for the help of the command that was named.
+std::string withHint(const CLI::App& app, std::string error) {
+  std::string command = "foci";
+  const CLI::App* named = &app;
+  while (!named->get_subcommands().empty()) {
+    named = named->get_subcommands().front();
+    command += " " + named->get_name();
+  }
+  if (error == "STUDY is required" && named->get_option_no_throw("--scene") != nullptr) {
+    error += ": a study (TOML), or a scene, which needs no --scene";
+  }
+  return error + " (" + command + " --help)";
+}
+
 std::string commandLineOf(int argc, char** argv) {
   std::string text = "foci";
   for (int i = 1; i < argc; ++i) text += std::string(" ") + argv[i];
@@ -62,7 +76,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     if (const auto unknown = unknownWord(app, argc, argv)) throw InputError(*unknown);
-    throw InputError(oneLine(error.what()) + " (foci --help)");
+    throw InputError(withHint(app, oneLine(error.what())));
   }
   return kDone;
 }

@@ -33,6 +33,9 @@ TEST(Words, MistypedCommandsAndOptionsNameTheNearest) {
                 folder);
   expectRefusal({"replay", "a.toml", "--ot", "b"},
                 "unknown option \"--ot\": did you mean --out? (foci replay --help)", folder);
+  expectRefusal({"render", "--scene", "a.ply", "--out", "a.png"},
+                "a scene, which needs no --scene (foci render --help)", folder);
+  expectRefusal({"trace", "info"}, "required (foci trace info --help)", folder);
   expectRefusal({"replay", "a.toml", "--banana=3"}, "unknown option \"--banana\" (foci replay",
                 folder);
 }
