@@ -36,6 +36,11 @@ struct CutSettings {
 inline constexpr CutSettings kFaithfulCut{
     .per_blur2 = 0.0055f, .per_pixel2 = 0.03f, .foreshortened = true};
 
+/// The same where splats are blurred one by one: no node is coarser than pixels allow.
+inline constexpr CutSettings kPixelCut{.per_blur2 = 0.0f,
+                                       .per_pixel2 = kFaithfulCut.per_pixel2,
+                                       .foreshortened = kFaithfulCut.foreshortened};
+
 struct CutEntry {
   std::uint32_t index;
   float weight;  ///< in (0, 1]

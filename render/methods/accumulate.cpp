@@ -18,9 +18,7 @@ namespace {
 class AccumulateMethod final : public Method {
  public:
   AccumulateMethod(const SurfelCloud& cloud, int views, const SharedGpu& gpu)
-      : cloud_(cloud), views_(views) {
-    if (gpu) gpu_.emplace(std::make_shared<GpuScene>(gpu, cloud));
-  }
+      : cloud_(cloud), views_(views), gpu_(gpuSplatsOf(cloud, gpu)) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     const std::size_t pixels = static_cast<std::size_t>(view.size_px.x) * view.size_px.y;
@@ -79,20 +77,21 @@ class AccumulateMethod final : public Method {
       request.lens = part.centre;
       request.aperture = 0.0f;
       request.acuity = acuity;
+      request.cut = pixelCutOf(cloud_, acuity);
       stats.add(statsOf(gpu_->render(request, view_.gpu)));
       readFromGpu(view_);
       return;
     }
-    scene_.project(cloud_, seen, settings,
-                   {.lens = part.centre, .aperture = 0.0f, .acuity = acuity});
+    scene_.projectMerged(cloud_, seen, settings,
+                         {.lens = part.centre, .aperture = 0.0f, .acuity = acuity});
     stats.splats += scene_.count();
     stats.fragments += scene_.render(settings.background, settings.depth, view_);
   }
 
   const SurfelCloud& cloud_;
   int views_;
-  ViewSplats scene_;
   std::optional<GpuSplats> gpu_;
+  ViewSplats scene_;
   Frame odd_, view_;
 };
 

@@ -12,7 +12,7 @@ namespace {
 class PinholeMethod final : public Method {
  public:
   PinholeMethod(const SurfelCloud& cloud, const SharedGpu& gpu)
-      : sweep_(makeMethod("sweep-lod:1", cloud, gpu)) {}
+      : sweep_(makeMethod("sweep", cloud, gpu)) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     return sweep_->renderKept(view, withoutBlur(settings), frame);

@@ -1,9 +1,9 @@
-// Our renderer without level of detail: EWA surface splatting that blurs each splat before the
-// image is formed (Krivanek, Zara and Bouatouch, Fast Depth of Field Rendering with Surface
-// Splatting, 2003). It streams the splats over tiles and keeps no lists of fragments. Known
-// failure: each pixel has one open layer at a time, so surfaces closer together than the width of a
-// surfel join. Blurred layers in front cover the lens up to one straight edge, although several of
-// them can leave a more complex shape open.
+// Our renderer without level of detail for blur: EWA surface splatting that blurs each splat before
+// the image is formed (Krivanek, Zara and Bouatouch, Fast Depth of Field Rendering with Surface
+// Splatting, 2003). Only surfels much finer than a pixel are merged. It streams the splats over
+// tiles and keeps no lists of fragments. Known failure: each pixel has one open layer at a time, so
+// surfaces closer together than the width of a surfel join. Blurred layers in front cover the lens
+// up to one straight edge, although several of them can leave a more complex shape open.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -21,9 +21,7 @@ class SweepMethod final : public Method {
  public:
   /// @param sub_apertures  0 and 1: the whole aperture
   SweepMethod(const SurfelCloud& cloud, int sub_apertures, const SharedGpu& gpu)
-      : cloud_(cloud), parts_(std::max(sub_apertures, 1)) {
-    if (gpu) gpu_.emplace(std::make_shared<GpuScene>(gpu, cloud));
-  }
+      : cloud_(cloud), parts_(std::max(sub_apertures, 1)), gpu_(gpuSplatsOf(cloud, gpu)) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     RenderStats stats;
@@ -46,19 +44,20 @@ class SweepMethod final : public Method {
       request.lens = part.centre;
       request.aperture = part.radius;
       request.acuity = acuity;
+      request.cut = pixelCutOf(cloud_, acuity);
       stats.add(statsOf(gpu_->render(request, frame.gpu)));
       return;
     }
-    scene_.project(cloud_, seen, of_part,
-                   {.lens = part.centre, .aperture = part.radius, .acuity = acuity});
+    scene_.projectMerged(cloud_, seen, of_part,
+                         {.lens = part.centre, .aperture = part.radius, .acuity = acuity});
     stats.splats += scene_.count();
     stats.fragments += scene_.render(settings.background, settings.depth, frame);
   }
 
   const SurfelCloud& cloud_;
   int parts_;
-  ViewSplats scene_;
   std::optional<GpuSplats> gpu_;
+  ViewSplats scene_;
   Frame part_;
 };
 

@@ -14,6 +14,21 @@ void ViewSplats::project(const SurfelCloud& cloud, const View& view, const Rende
   lists_.build(chunks_, size_px_);
 }
 
+void ViewSplats::projectMerged(const SurfelCloud& cloud, const View& view,
+                               const RenderSettings& settings, Projection projection) {
+  const auto pixel_cut = pixelCutOf(cloud, projection.acuity);
+  if (!pixel_cut) {
+    project(cloud, view, settings, projection);
+    return;
+  }
+  projection.shading = settings.shading;
+  size_px_ = view.size_px;
+  defocus_ = settings.defocus;
+  selectCut(*cloud.tree, view, settings.defocus, *pixel_cut, cut_);
+  projectCut(*cloud.tree, cut_, view, settings.defocus, projection, chunks_);
+  lists_.build(chunks_, size_px_);
+}
+
 void ViewSplats::select(const ViewSplats& all, const std::function<bool(const Splat&)>& belongs) {
   const SplatChunks& from = all.chunks_;
   size_px_ = all.size_px_;
@@ -43,6 +58,19 @@ std::uint64_t ViewSplats::render(const glm::vec3& background, bool depth, Frame&
   frame.resize(size_px_, depth);
   return sweep(chunks_, lists_, {.background = background, .defocus = defocus_, .depth = depth},
                frame);
+}
+
+std::optional<CutSettings> pixelCutOf(const SurfelCloud& cloud, const Acuity& acuity) {
+  if (!cloud.tree) return std::nullopt;
+  CutSettings cut = kPixelCut;
+  cut.acuity = acuity;
+  return cut;
+}
+
+std::optional<GpuSplats> gpuSplatsOf(const SurfelCloud& cloud, const SharedGpu& gpu) {
+  if (!gpu) return std::nullopt;
+  return GpuSplats(cloud.tree ? std::make_shared<GpuScene>(gpu, *cloud.tree)
+                              : std::make_shared<GpuScene>(gpu, cloud));
 }
 
 GpuRequest gpuRequestOf(const View& view, const RenderSettings& settings) {

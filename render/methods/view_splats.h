@@ -5,15 +5,21 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "render/gl/splats.h"
+#include "render/lod/cut.h"
 #include "render/methods/method.h"
 #include "render/splat/bin.h"
 #include "render/splat/project.h"
 #include "render/splat/splat.h"
 
 namespace foci {
+
+/// What a scene with a tree is rendered from at full detail: surfels, and merged ones where they
+/// are much finer than pixels. Absent without a tree: every surfel.
+std::optional<CutSettings> pixelCutOf(const SurfelCloud& cloud, const Acuity& acuity);
 
 /// Splats of a view by tile, front to back. Keeps its buffers between frames.
 class ViewSplats {
@@ -22,6 +28,10 @@ class ViewSplats {
   /// enters a splat. `settings.shading` replaces the projection's.
   void project(const SurfelCloud& cloud, const View& view, const RenderSettings& settings,
                Projection projection);
+
+  /// The same for the surfels of `pixelCutOf`.
+  void projectMerged(const SurfelCloud& cloud, const View& view, const RenderSettings& settings,
+                     Projection projection);
 
   /// Copies the splats of `all` that `belongs` accepts. Several threads call `belongs`.
   void select(const ViewSplats& all, const std::function<bool(const Splat&)>& belongs);
@@ -52,11 +62,15 @@ class ViewSplats {
   }
 
  private:
+  Cut cut_;
   SplatChunks chunks_;
   TileLists lists_;
   glm::ivec2 size_px_{0};
   Defocus defocus_;
 };
+
+/// The scene on the GPU, with its tree if it has one; absent without a GPU.
+std::optional<GpuSplats> gpuSplatsOf(const SurfelCloud& cloud, const SharedGpu& gpu);
 
 /// A request for all surfels, with the settings' lens.
 GpuRequest gpuRequestOf(const View& view, const RenderSettings& settings);

@@ -5,6 +5,7 @@
 #include "app/evaluation/chart/plan.h"
 #include "render/image/metrics.h"
 #include "render/image/srgb.h"
+#include "render/lod/moment_tree.h"
 #include "tests/unit/render/gl/test_device.h"
 #include "tests/unit/render/method_scenes.h"
 
@@ -108,6 +109,17 @@ TEST_F(GpuPicture, IsTheSameByEveryMethodThatHasIt) {
       settings.depth = true;
       expectSamePicture(spec, cloud, view, settings, gpu);
     }
+  }
+}
+
+TEST_F(GpuPicture, IsTheSameOfMergedSurfels) {
+  FOCI_NEEDS_GPU(gpu);
+  SurfelCloud cloud;
+  addSheet(cloud, 2.0f, 2.4f, 320, {0.2f, 0.7f, 0.4f});
+  addSheet(cloud, 1.0f, 0.5f, 160, {0.9f, 0.3f, 0.2f}, 0.1f);
+  cloud = withTree(std::move(cloud));
+  for (const char* method : {"pinhole", "sweep", "accumulate:4"}) {
+    expectSamePicture(method, cloud, squareView(48, 48.0f), lens(6.0f, 1.0f), gpu);
   }
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "render/image/metrics.h"
 #include "tests/unit/render/method_scenes.h"
 
 namespace foci {
@@ -61,21 +60,8 @@ TEST(Pinhole, IsTheSweepThroughAPinhole) {
   RenderSettings settings = EdgeScene::nearInFocus();
   const Frame pinhole = render("pinhole", scene.cloud, scene.view, settings);
   settings.defocus.radius_px_per_D = glm::vec2(0.0f);
-  // It merges surfels that are much finer than a pixel.
-  EXPECT_GE(psnr_dB(pinhole, render("sweep", scene.cloud, scene.view, settings)), 70.0);
+  EXPECT_TRUE(sameBytes(pinhole, render("sweep", scene.cloud, scene.view, settings)));
   EXPECT_TRUE(pinhole.depth_m.empty());
-}
-
-TEST(Pinhole, RendersFewSplatsWhereSurfelsAreMuchFinerThanPixels) {
-  SurfelCloud cloud;
-  addSheet(cloud, 1.0f, 1.4f, 600, glm::vec3(0.5f));  // about 50 surfels a pixel
-  const View view = squareView(48, 65.0f);
-  const RenderSettings settings = lens(0.0f, 0.0f);
-  Frame pinhole, sweep;
-  const RenderStats merged = makeMethod("pinhole", cloud)->render(view, settings, pinhole);
-  const RenderStats all = makeMethod("sweep", cloud)->render(view, settings, sweep);
-  EXPECT_LT(3 * merged.splats, all.splats);
-  EXPECT_GE(psnr_dB(pinhole, sweep), 60.0);
 }
 
 TEST(Pinhole, FailureNothingIsBlurred) {
