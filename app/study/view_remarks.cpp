@@ -158,8 +158,7 @@ std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& scen
 }
 
 std::string memoryRemark(const Study& study, const SurfelCloud& cloud, std::size_t large) {
-  // Of `sweep`, its surfels and splats; measured with 20 million surfels, of which half are in
-  // view.
+  // Surfels and splats; measured with 20 million surfels, of which half are in view.
   constexpr double kBytesASurfel = 130.0;
   const auto count = static_cast<double>(cloud.size());
   if (cloud.size() <= large || rendersByLevels(study.render.method)) return "";

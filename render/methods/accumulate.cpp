@@ -104,7 +104,8 @@ MethodEntry accumulateMethod() {
                    .max_n = 100000,
                    .default_n = 200,
                    .aberrations = true,
-                   .gpu = true},
+                   .gpu = true,
+                   .lod = true},
           .make = makeAs<AccumulateMethod>,
           .make_of_gaussians = gaussianAccumulate};
 }

@@ -110,7 +110,8 @@ MethodEntry fearingMethod() {
                    .max_n = 100,
                    .default_n = 100,
                    .ellipses = false,
-                   .incremental = true},
+                   .incremental = true,
+                   .lod = true},
           .make = makeAs<FearingMethod>};
 }
 

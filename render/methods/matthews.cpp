@@ -92,7 +92,8 @@ MethodEntry matthewsMethod() {
   return {.info = {.name = "matthews",
                    .summary = "potmesil without leakage over sharper surfaces in front, normalised",
                    .source = "after Matthews 1998",
-                   .ellipses = false},
+                   .ellipses = false,
+                   .lod = true},
           .make = makeAs<MatthewsMethod>};
 }
 

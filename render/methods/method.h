@@ -133,8 +133,8 @@ struct MethodInfo {
   /// Each render updates a part of the previous frame.
   bool incremental = false;
   bool gpu = false;  ///< renders on a GPU too
-  /// Takes nodes of the tree in place of surfels (lod_splats.h), so that a frame takes memory for
-  /// what it shows.
+  /// Takes nodes of the tree in place of surfels (lod_splats.h, `pixelCutOf`), so that a frame
+  /// takes memory for what it shows.
   bool lod = false;
   /// Also renders scenes of Gaussians.
   bool gaussians = false;

@@ -137,7 +137,8 @@ MethodEntry mulderMethod() {
   return {.info = {.name = "mulder",
                    .summary = "potmesil around the gaze, a pyramid of blurred images elsewhere",
                    .source = "Mulder and van Liere 2000",
-                   .ellipses = false},
+                   .ellipses = false,
+                   .lod = true},
           .make = makeAs<MulderMethod>};
 }
 

@@ -28,7 +28,8 @@ MethodEntry pinholeMethod() {
   return {.info = {.name = "pinhole",
                    .summary = "no depth of field",
                    .source = "the traditional camera",
-                   .gpu = true},
+                   .gpu = true,
+                   .lod = true},
           .make = makeAs<PinholeMethod>,
           .make_of_gaussians = gaussianPinhole};
 }

@@ -40,7 +40,8 @@ MethodEntry potmesilMethod() {
                    .summary =
                        "each pixel of the pinhole image spread evenly over its circle of confusion",
                    .source = "Potmesil and Chakravarty 1981; Chen 1988",
-                   .ellipses = false},
+                   .ellipses = false,
+                   .lod = true},
           .make = makeAs<PotmesilMethod>};
 }
 

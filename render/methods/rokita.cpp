@@ -105,7 +105,8 @@ MethodEntry rokitaMethod() {
       .info = {.name = "rokita",
                .summary = "3 x 3 convolutions of the pinhole image, repeated as the blur asks for",
                .source = "Rokita 1993",
-               .ellipses = false},
+               .ellipses = false,
+               .lod = true},
       .make = makeAs<RokitaMethod>};
 }
 

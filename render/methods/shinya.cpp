@@ -111,7 +111,8 @@ MethodEntry shinyaMethod() {
                .source = "Shinya 1994",
                .max_n = 4096,
                .default_n = 64,
-               .ellipses = false},
+               .ellipses = false,
+               .lod = true},
       .make = makeAs<ShinyaMethod>};
 }
 

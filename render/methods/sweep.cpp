@@ -70,7 +70,8 @@ MethodEntry sweepMethod() {
                    .source = "Krivanek, Zara and Bouatouch 2003, and our own",
                    .max_n = 100,
                    .aberrations = true,
-                   .gpu = true},
+                   .gpu = true,
+                   .lod = true},
           .make = makeAs<SweepMethod>,
           .make_of_gaussians = gaussianSweep};
 }

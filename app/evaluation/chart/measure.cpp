@@ -63,9 +63,8 @@ class ChartGroup {
                                      [&](const EvaluatedMethod& one) { return isDone(one); });
   }
 
-  /// @param shared  the scene's surfels, with the tree that all methods share. The reference
-  /// renders
-  ///                `seen` itself, so that it does not depend on the tree's order.
+  /// The reference renders `seen`, every surfel, so that it does not depend on the tree's order.
+  /// @param shared  its surfels with the tree that all methods share
   void measure(const SceneInView& seen, const SurfelCloud& shared) {
     shared_ = &shared;
     aperture_m_ = blur_px_ / seen.largestBlurThrough_px(1.0);

@@ -81,11 +81,12 @@ TEST(ViewRemarks, ScenesThatAreTooWideOrTooNarrowAreSaid) {
 TEST(MemoryRemark, NamesTheMethodItsMemoryAndTheMethodsThatTakeLess) {
   Study study = studyFrom({0, 0, 4}, {0, 0, 0});
   const SurfelCloud cloud = sphere(1.0f);
-  for (const char* within : {"auto", "auto:3", "sweep-lod", "sweep-lod:19"}) {
+  for (const char* within :
+       {"auto", "auto:3", "sweep-lod:19", "pinhole", "sweep", "accumulate:64"}) {
     study.render.method = within;
     EXPECT_EQ(memoryRemark(study, cloud, cloud.size() - 1), "") << within;
   }
-  for (const char* beyond : {"sweep", "pinhole", "accumulate:64", "paper-lod"}) {
+  for (const char* beyond : {"paper", "paper-lod", "inflate", "layered:8"}) {
     study.render.method = beyond;
     EXPECT_EQ(memoryRemark(study, cloud, cloud.size()), "") << beyond;
     const std::string remark = memoryRemark(study, cloud, cloud.size() - 1);
