@@ -48,18 +48,12 @@ const std::vector<TileLayers>& GaussianView::divide(bool several) {
 
 std::uint64_t GaussianView::render(const std::vector<LensDisc>& discs, const glm::vec3& background,
                                    Frame& frame) {
-  return renderTiles([&](std::size_t) { return TileLens{.discs = &discs}; }, background, frame,
-                     nullptr);
+  return render([&](std::size_t) { return TileLens{.discs = &discs}; }, background, frame);
 }
 
 std::uint64_t GaussianView::render(const ChooseLens& lens_of, const glm::vec3& background,
-                                   Frame& frame, std::vector<SampledErrors>& errors) {
-  errors.resize(tiles().size());
-  return renderTiles(lens_of, background, frame, &errors);
-}
-
-std::uint64_t GaussianView::renderTiles(const ChooseLens& lens_of, const glm::vec3& background,
-                                        Frame& frame, std::vector<SampledErrors>* errors) {
+                                   Frame& frame, std::vector<SampledErrors>* errors) {
+  if (errors) errors->resize(tiles().size());
   const glm::vec3 shown(srgbFromLinear(background.r), srgbFromLinear(background.g),
                         srgbFromLinear(background.b));
   std::vector<std::uint64_t> fragments(tiles().size());

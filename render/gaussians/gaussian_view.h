@@ -42,9 +42,9 @@ class GaussianView {
                        Frame& frame);
 
   /// The same with discs that each tile chooses for the layers that `divide` gave it.
-  /// @param errors  of the tiles that are rendered through more than one disc
+  /// @param errors  of the tiles that are rendered through more than one disc; null: not wanted
   std::uint64_t render(const ChooseLens& lens_of, const glm::vec3& background, Frame& frame,
-                       std::vector<SampledErrors>& errors);
+                       std::vector<SampledErrors>* errors = nullptr);
 
   const std::vector<Tile>& tiles() const { return lists_.tiles(); }
   /// Divides each tile into layers, until the next projection.
@@ -54,9 +54,6 @@ class GaussianView {
   std::size_t count() const { return projected_.total(); }
 
  private:
-  /// @param errors  null: not wanted
-  std::uint64_t renderTiles(const ChooseLens& lens_of, const glm::vec3& background, Frame& frame,
-                            std::vector<SampledErrors>* errors);
   static void writeTile(const Tile& tile, const TileSums& sums, const TileLens& lens, Frame& frame);
 
   const GaussianCloud* cloud_;

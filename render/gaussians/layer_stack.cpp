@@ -34,6 +34,13 @@ LensPairs pairLensDiscs(const std::vector<LensDisc>& front, std::vector<LensDisc
   return {std::move(behind), {weights.begin(), weights.end()}};
 }
 
+LensPairs eachWithItself(std::vector<LensDisc> discs) {
+  const std::size_t n = discs.size();
+  std::vector<float> weights(n * n, 0.0f);
+  for (std::size_t i = 0; i < n; ++i) weights[i * n + i] = 1.0f;
+  return {std::move(discs), std::move(weights)};
+}
+
 std::uint64_t LayerStack::render(const ProjectedGaussian* gaussians,
                                  std::span<const std::uint32_t> list, const TileLayers& layers,
                                  int apron, const TileLens& lens, const CompositeJob& job,

@@ -26,6 +26,9 @@ struct LensPairs {
 /// Nearby views weigh more. The sums are those of `LensPairs` (Sinkhorn and Knopp 1967).
 LensPairs pairLensDiscs(const std::vector<LensDisc>& front, std::vector<LensDisc> behind);
 
+/// Behind the view through a disc lies the view through the same disc.
+LensPairs eachWithItself(std::vector<LensDisc> discs);
+
 /// What a tile is rendered through.
 struct TileLens {
   const std::vector<LensDisc>* discs = nullptr;  ///< of its first layer

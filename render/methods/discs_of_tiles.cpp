@@ -25,6 +25,10 @@ constexpr float kAim = 0.9f;
 /// A tile's next image has the weight 1 where its error was at least this share beyond the limit.
 constexpr float kTransition = 0.25f;
 
+/// The first discs of a layer behind another one, in kDiscs: seven. Its samples are few, so that
+/// views take little time, and few views would tell little of the error.
+constexpr std::size_t kFirstBehind = 2;
+
 /// Halvings of the range up to the largest error that is told from others.
 constexpr int kHalvings = 12;
 constexpr float kLargest_JND = 64.0f;
@@ -61,7 +65,6 @@ void DiscsOfTiles::choose(std::span<const Tile> tiles, const glm::ivec2& size_px
                           float tolerance) {
   tolerance_ = tolerance;
   area_px2_ = 0.0f;
-  rounds_ = 0;
   tiles_.assign(tiles.size(), {});
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     TileState& tile = tiles_[t];
@@ -78,9 +81,8 @@ void DiscsOfTiles::choose(std::span<const Tile> tiles, const glm::ivec2& size_px
       layer.blur = layers[t].layers[k].blur;
       layer.time = layers[t].layers[k].time;
       layer.last = discsWithin(layer.blur, share * tolerance - tile.merging);
-      const std::size_t first =
-          count == 1 ? firstDiscs(layer.blur, tolerance) : discsWithin(layer.blur, tolerance);
-      tile.indices[k] = std::min(first, layer.last);
+      const std::size_t first = firstDiscs(layer.blur, tolerance);
+      tile.indices[k] = std::min(k == 0 ? first : std::max(first, kFirstBehind), layer.last);
     }
   }
 }
@@ -125,7 +127,7 @@ DiscsOfTiles::Next DiscsOfTiles::nextWithin(const TileState& tile, float limit) 
   const float now = excess();
   if (now <= 1.0f) return next;
   // Once only, or rounds would follow that change little.
-  next.weight = rounds_ == 1 ? std::min((now - 1.0f) / kTransition, 1.0f) : 1.0f;
+  next.weight = tile.refined ? 1.0f : std::min((now - 1.0f) / kTransition, 1.0f);
   while (excess() > kAim) {
     // The time is least where squared errors are in proportion to times.
     std::optional<std::size_t> best;
@@ -190,7 +192,6 @@ void DiscsOfTiles::take(const SampledErrors& sampled, TileState& tile) {
 }
 
 bool DiscsOfTiles::refine(const std::vector<SampledErrors>& standard_errors) {
-  ++rounds_;
   for (std::size_t t = 0; t < tiles_.size(); ++t) {
     if (std::exchange(tiles_[t].is_next, false)) take(standard_errors[t], tiles_[t]);
   }
@@ -206,6 +207,7 @@ bool DiscsOfTiles::refine(const std::vector<SampledErrors>& standard_errors) {
     if (!tile.is_next) continue;
     tile.indices = next.indices;
     tile.weight = next.weight;
+    tile.refined = true;
     any = true;
   }
   return any;

@@ -90,6 +90,7 @@ class DiscsOfTiles {
     std::size_t samples = 0;  ///< that have errors
     bool is_next = true;
     float weight = 1.0f;  ///< of what is next
+    bool refined = false;
   };
   void take(const SampledErrors& sampled, TileState& tile);
   /// What errors of a layer become with other discs.
@@ -117,7 +118,6 @@ class DiscsOfTiles {
 
   std::vector<TileState> tiles_;
   float tolerance_ = 1.0f, area_px2_ = 0.0f;
-  int rounds_ = 0;  // rendered
 };
 
 }  // namespace foci

@@ -194,7 +194,7 @@ class GaussianAuto final : public GaussianEyeMethod {
             }
             return lens;
           },
-          settings.background, frame, errors_);
+          settings.background, frame, &errors_);
     } while (tiles_.refine(errors_));
     stats.tolerance_error = tiles_.error();
     return stats;

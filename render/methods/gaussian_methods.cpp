@@ -61,7 +61,11 @@ class SubAperturesMethod final : public GaussianEyeMethod {
   /// @param lod  renders nodes of the scene's tree, coarser where blurred; null: all Gaussians
   SubAperturesMethod(std::shared_ptr<const GaussianCloud> cloud, int n,
                      const GaussianCutSettings* lod)
-      : cloud_(std::move(cloud)), view_(*cloud_), discs_(subApertureDiscs(n)), lod_(lod) {}
+      : cloud_(std::move(cloud)),
+        view_(*cloud_),
+        discs_(subApertureDiscs(n)),
+        itself_(eachWithItself(discs_)),
+        lod_(lod) {}
 
   RenderStats renderGeometry(const View& view, const RenderSettings& settings,
                              Frame& frame) override {
@@ -73,11 +77,14 @@ class SubAperturesMethod final : public GaussianEyeMethod {
           lod_ ? partsFor(settings.defocus, pupil, n) : lensParts(settings.defocus, pupil, n), view,
           settings, lod_, frame);
     }
-    const std::vector<LensDisc>& discs = isBlurred(settings.defocus) ? discs_ : pinhole_;
+    const bool blurred = isBlurred(settings.defocus);
+    const std::vector<LensDisc>& discs = blurred ? discs_ : pinhole_;
     view_.project(view, settings.defocus, discs, lod_);
+    if (lod_ && blurred) view_.divide(true);
     RenderStats stats;
     stats.splats = view_.count();
-    stats.fragments = view_.render(discs, settings.background, frame);
+    const TileLens lens{.discs = &discs, .pairs = {&itself_, &itself_}};
+    stats.fragments = view_.render([&](std::size_t) { return lens; }, settings.background, frame);
     return stats;
   }
 
@@ -86,6 +93,7 @@ class SubAperturesMethod final : public GaussianEyeMethod {
   GaussianView view_;
   GaussianParts parts_;
   std::vector<LensDisc> discs_, pinhole_ = {LensDisc{}};
+  LensPairs itself_;  // what lies behind a view is seen through the same disc
   const GaussianCutSettings* lod_;
 };
 

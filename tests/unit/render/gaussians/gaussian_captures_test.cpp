@@ -156,7 +156,7 @@ TEST_P(GaussianCaptures, AutoKeepsItsPrediction) {
 TEST_P(GaussianCaptures, PopsLittleWhileTheEyeMoves) {
   constexpr double kGoal = 0.01;
   constexpr float kStep_m = 5e-4f;
-  constexpr int kFrames = 5;
+  constexpr int kFrames = 12;
   const Captured capture(GetParam(), kSize_px);
   const RenderSettings settings = capture.settings(10.0f);
   const auto tested = makeMethod("auto", capture.scene);

@@ -139,7 +139,7 @@ class Layered {
           if (layered) lens.pairs.fill(&pairs_);
           return lens;
         },
-        settings_.background, frame, errors);
+        settings_.background, frame, &errors);
     return frame;
   }
   const std::vector<TileLayers>& layers() const { return layers_; }

@@ -128,11 +128,11 @@ TileLayers threeLayers() {
   return layers;
 }
 
-TEST(DiscsOfTiles, TheMoreBlurredALayerTheMoreDiscsItHas) {
+TEST(DiscsOfTiles, BlurredLayersBeginWithMoreDiscsThanASharpOne) {
   const Tiles tiles(threeLayers());
   EXPECT_EQ(tiles.countOf(0, 0), 1);
   EXPECT_EQ(tiles.countOf(0, 1), 7);
-  EXPECT_EQ(tiles.countOf(0, 2), 13);
+  EXPECT_EQ(tiles.countOf(0, 2), 7);
 }
 
 TEST(DiscsOfTiles, GivesMoreDiscsToTheLayerThatErrs) {
