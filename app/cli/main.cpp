@@ -17,28 +17,6 @@ namespace {
 
 constexpr int kDone = 0, kFailed = 1, kBadInput = 2;
 
-/// CLI11's message without line breaks.
-std::string oneLine(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-  }
-  return text;
-}
-
-/// The error, with the words that ask for the help of the command that was named.
-std::string withHint(const CLI::App& app, std::string error) {
-  std::string command = "foci";
-  const CLI::App* named = &app;
-  while (!named->get_subcommands().empty()) {
-    named = named->get_subcommands().front();
-    command += " " + named->get_name();
-  }
-  if (error == "STUDY is required" && named->get_option_no_throw("--scene") != nullptr) {
-    error += ": a study (TOML), or a scene, which needs no --scene";
-  }
-  return error + " (" + command + " --help)";
-}
-
 std::string commandLineOf(int argc, char** argv) {
   std::string text = "foci";
   for (int i = 1; i < argc; ++i) text += std::string(" ") + argv[i];
@@ -75,8 +53,7 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    if (const auto unknown = unknownWord(app, argc, argv)) throw InputError(*unknown);
-    throw InputError(withHint(app, oneLine(error.what())));
+    throw InputError(usageError(app, argc, argv, error.what()));
   }
   return kDone;
 }

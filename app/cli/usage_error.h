@@ -1,7 +1,6 @@
-// Mistyped commands and options: one line that names the nearest.
+// What is wrong with a command line, in one line.
 #pragma once
 
-#include <optional>
 #include <string>
 
 namespace CLI {
@@ -10,8 +9,8 @@ class App;
 
 namespace foci {
 
-/// The first unknown command or option of a command line that CLI11 refused, with the nearest known
-/// one; nothing if all are known.
-std::optional<std::string> unknownWord(const CLI::App& app, int argc, char** argv);
+/// Of a command line that CLI11 refused: the first unknown command or option, with the nearest
+/// known one, or CLI11's message if all are known. With the words that ask for the command's help.
+std::string usageError(const CLI::App& app, int argc, char** argv, std::string message);
 
 }  // namespace foci

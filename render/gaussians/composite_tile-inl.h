@@ -122,6 +122,7 @@ class TileCompositor {
     const D d;
     show([&](std::size_t p, const Shown& shown) {
       for (std::size_t i = 0; i < views.size(); ++i) {
+        if (weights[i] == 0.0f) continue;
         const V weight = hn::Set(d, weights[i]);
         const auto add = [&](V value, std::size_t plane) {
           float* const sum = views[i].planes[plane] + p;

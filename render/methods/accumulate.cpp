@@ -82,8 +82,9 @@ class AccumulateMethod final : public Method {
       readFromGpu(view_);
       return;
     }
-    scene_.projectMerged(cloud_, seen, settings,
-                         {.lens = part.centre, .aperture = 0.0f, .acuity = acuity});
+    scene_.project(cloud_, seen, settings,
+                   {.lens = part.centre, .aperture = 0.0f, .acuity = acuity},
+                   pixelCutOf(cloud_, acuity));
     stats.splats += scene_.count();
     stats.fragments += scene_.render(settings.background, settings.depth, view_);
   }

@@ -48,8 +48,9 @@ class SweepMethod final : public Method {
       stats.add(statsOf(gpu_->render(request, frame.gpu)));
       return;
     }
-    scene_.projectMerged(cloud_, seen, of_part,
-                         {.lens = part.centre, .aperture = part.radius, .acuity = acuity});
+    scene_.project(cloud_, seen, of_part,
+                   {.lens = part.centre, .aperture = part.radius, .acuity = acuity},
+                   pixelCutOf(cloud_, acuity));
     stats.splats += scene_.count();
     stats.fragments += scene_.render(settings.background, settings.depth, frame);
   }

@@ -6,26 +6,16 @@
 namespace foci {
 
 void ViewSplats::project(const SurfelCloud& cloud, const View& view, const RenderSettings& settings,
-                         Projection projection) {
+                         Projection projection, const std::optional<CutSettings>& cut) {
   projection.shading = settings.shading;
   size_px_ = view.size_px;
   defocus_ = settings.defocus;
-  projectSurfels(cloud, view, settings.defocus, projection, chunks_);
-  lists_.build(chunks_, size_px_);
-}
-
-void ViewSplats::projectMerged(const SurfelCloud& cloud, const View& view,
-                               const RenderSettings& settings, Projection projection) {
-  const auto pixel_cut = pixelCutOf(cloud, projection.acuity);
-  if (!pixel_cut) {
-    project(cloud, view, settings, projection);
-    return;
+  if (cut) {
+    selectCut(*cloud.tree, view, settings.defocus, *cut, cut_);
+    projectCut(*cloud.tree, cut_, view, settings.defocus, projection, chunks_);
+  } else {
+    projectSurfels(cloud, view, settings.defocus, projection, chunks_);
   }
-  projection.shading = settings.shading;
-  size_px_ = view.size_px;
-  defocus_ = settings.defocus;
-  selectCut(*cloud.tree, view, settings.defocus, *pixel_cut, cut_);
-  projectCut(*cloud.tree, cut_, view, settings.defocus, projection, chunks_);
   lists_.build(chunks_, size_px_);
 }
 

@@ -1,5 +1,5 @@
-// The scene as splats for one view. Every method that renders all surfels goes through this class
-// to projection, binning and the sweep.
+// The scene as splats for one view. Every method that renders all surfels, or all but those finer
+// than pixels, goes through this class to projection, binning and the sweep.
 #pragma once
 
 #include <cstdint>
@@ -24,14 +24,11 @@ std::optional<CutSettings> pixelCutOf(const SurfelCloud& cloud, const Acuity& ac
 /// Splats of a view by tile, front to back. Keeps its buffers between frames.
 class ViewSplats {
  public:
-  /// Projects every surfel. The blur is that of `settings.defocus`; `projection` says how the blur
+  /// Projects the scene. The blur is that of `settings.defocus`; `projection` says how the blur
   /// enters a splat. `settings.shading` replaces the projection's.
+  /// @param cut  of the scene's tree, e.g. `pixelCutOf`; absent: every surfel
   void project(const SurfelCloud& cloud, const View& view, const RenderSettings& settings,
-               Projection projection);
-
-  /// The same for the surfels of `pixelCutOf`.
-  void projectMerged(const SurfelCloud& cloud, const View& view, const RenderSettings& settings,
-                     Projection projection);
+               Projection projection, const std::optional<CutSettings>& cut = std::nullopt);
 
   /// Copies the splats of `all` that `belongs` accepts. Several threads call `belongs`.
   void select(const ViewSplats& all, const std::function<bool(const Splat&)>& belongs);

@@ -49,7 +49,8 @@ TEST(MergedSurfels, AreCoarserWhereThePrefilterIsWider) {
     ViewSplats splats;
     Projection projection;
     projection.acuity.base_px = base_px;
-    splats.projectMerged(scene.with_tree, scene.view, lens(0.0f, 1.0f), projection);
+    splats.project(scene.with_tree, scene.view, lens(0.0f, 1.0f), projection,
+                   pixelCutOf(scene.with_tree, projection.acuity));
     return splats.count();
   };
   EXPECT_LT(2 * splatsAt(3.0f), splatsAt(1.0f));
