@@ -13,12 +13,19 @@
 
 namespace foci {
 
-/// Places of a tile's samples: rows of `rowOf` places, of which the first `samples` are used.
-constexpr std::size_t rowOf(int samples) {
-  return (static_cast<std::size_t>(samples) + 15) / 16 * 16;
+/// Places of a tile's samples: rows of squares of kSquare x kSquare places, so that one SIMD vector
+/// holds most of a small footprint. Places beyond the last sample of a row or column are unused.
+inline constexpr std::size_t kSquare = 4, kSquarePlaces = kSquare * kSquare;
+constexpr std::size_t squaresOf(int samples) {  ///< along a side
+  return (static_cast<std::size_t>(samples) + kSquare - 1) / kSquare;
 }
 constexpr std::size_t placesOf(int samples) {
-  return rowOf(samples) * static_cast<std::size_t>(samples);
+  return squaresOf(samples) * squaresOf(samples) * kSquarePlaces;
+}
+/// @param x, y  of the sample
+constexpr std::size_t placeOf(int samples, std::size_t x, std::size_t y) {
+  return (y / kSquare * squaresOf(samples) + x / kSquare) * kSquarePlaces + y % kSquare * kSquare +
+         x % kSquare;
 }
 inline constexpr std::size_t kTilePlaces = placesOf(kMostSamples);
 

@@ -28,9 +28,26 @@ struct alignas(64) Block {
   float x[kMaxLanes], y[kMaxLanes];  // from the tile's first sample; in samples, as all below
   float qa[kMaxLanes], qb[kMaxLanes], qc[kMaxLanes];
   float peak[kMaxLanes], cut[kMaxLanes];
-  float half_x[kMaxLanes], half_y[kMaxLanes];  // of the box of the footprint
-  std::uint64_t reach;                         // bits of the lanes whose box holds a sample
+  // Samples within the box of the footprint: the first and the last column and row.
+  std::uint32_t left[kMaxLanes], right[kMaxLanes], top[kMaxLanes], bottom[kMaxLanes];
+  std::uint64_t reach;  // bits of the lanes whose box holds a sample
 };
+
+/// Columns and rows of the samples of squares, by place.
+struct Squares {
+  static constexpr std::size_t kMost = squaresOf(kMostSamples);
+  alignas(64) float x[kMost][kSquarePlaces], y[kMost][kSquarePlaces];
+};
+inline constexpr Squares kSquares = [] {
+  Squares squares{};
+  for (std::size_t i = 0; i < Squares::kMost; ++i) {
+    for (std::size_t place = 0; place < kSquarePlaces; ++place) {
+      squares.x[i][place] = static_cast<float>(i * kSquare + place % kSquare);
+      squares.y[i][place] = static_cast<float>(i * kSquare + place / kSquare);
+    }
+  }
+  return squares;
+}();
 
 /// 2^-q for -100 <= q <= 100, to 4e-6 of its value: the polynomial through 5 Chebyshev nodes for
 /// the fraction, and the exponent's bits.
@@ -72,14 +89,11 @@ class TileCompositor {
  public:
   explicit TileCompositor(const CompositeJob& job)
       : job_(job),
-        row_(rowOf(job.samples)),
+        squares_(squaresOf(job.samples)),
         places_(placesOf(job.samples)),
         last_(static_cast<float>(job.samples - 1)) {
-    // Unused places are opaque.
-    std::fill_n(transmittance_, places_, 0.0f);
-    for (int y = 0; y < job.samples; ++y) {
-      std::fill_n(transmittance_ + static_cast<std::size_t>(y) * row_, job.samples, 1.0f);
-    }
+    std::fill_n(transmittance_, places_, 1.0f);
+    makeUnusedOpaque();
     for (float* plane : {red_, green_, blue_}) std::fill_n(plane, places_, 0.0f);
     if constexpr (kDepth) std::fill_n(distance_, places_, 0.0f);
   }
@@ -242,18 +256,24 @@ class TileCompositor {
     const V flat = powerOfHalf(hn::Neg(hn::Clamp(above, hn::Zero(d), set(kMaxExponent))));
     hn::Store(hn::IfThenElse(hn::Gt(above, hn::Zero(d)), flat, opacity), d, block_.peak);
     hn::Store(hn::Mul(cut, set(kHalfLog2E)), d, block_.cut);
-    const V half_x = hn::Mul(hn::Sqrt(hn::Mul(cut, xx)), set(per_step));
-    const V half_y = hn::Mul(hn::Sqrt(hn::Mul(cut, yy)), set(per_step));
-    hn::Store(half_x, d, block_.half_x);
-    hn::Store(half_y, d, block_.half_y);
-    // False for values that are not finite.
-    const auto holdsSample = [&](V centre, V half) {
-      const V low = hn::Sub(centre, half), high = hn::Add(centre, half);
-      const M within = hn::And(hn::Ge(high, hn::Zero(d)), hn::Le(low, set(last_)));
-      return hn::And(within, hn::Le(hn::Ceil(low), hn::Floor(high)));
+    const auto boxOf = [&](V centre, V variance, std::uint32_t* first, std::uint32_t* last) {
+      const V half = hn::Mul(hn::Sqrt(hn::Mul(cut, variance)), set(per_step));
+      const V low = hn::Ceil(hn::Sub(centre, half)), high = hn::Floor(hn::Add(centre, half));
+      const V from = hn::Max(low, hn::Zero(d)), to = hn::Min(high, set(last_));
+      const M holds_sample = hn::Le(from, to);  // false for values that are not finite
+      const hn::RebindToSigned<D> di;
+      const hn::RebindToUnsigned<D> du;
+      const auto store = [&](V sample, std::uint32_t* stored) {
+        hn::Store(hn::BitCast(du, hn::ConvertTo(di, hn::IfThenElseZero(holds_sample, sample))), du, stored);
+      };
+      store(from, first);
+      store(to, last);
+      return holds_sample;
     };
+    const M in_columns = boxOf(x, xx, block_.left, block_.right);
+    const M in_rows = boxOf(y, yy, block_.top, block_.bottom);
     std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, hn::And(holdsSample(x, half_x), holdsSample(y, half_y)), bits);
+    hn::StoreMaskBits(d, hn::And(in_columns, in_rows), bits);
     std::memcpy(&block_.reach, bits, sizeof(block_.reach));
   }
 
@@ -261,16 +281,13 @@ class TileCompositor {
   /// samples inside
   std::size_t add(std::size_t k, std::size_t entry) {
     const D d;
-    const float x = block_.x[k], y = block_.y[k];
-    const float left = x - block_.half_x[k], right = x + block_.half_x[k];
-    const float top = y - block_.half_y[k], bottom = y + block_.half_y[k];
-    const std::size_t lanes = hn::Lanes(d);
-    const auto pixel = [this](float at) {
-      return static_cast<std::size_t>(std::clamp(at, 0.0f, last_));
-    };
-    const std::size_t x0 = pixel(left) / lanes * lanes, x1 = pixel(right);
-    const std::size_t y0 = pixel(std::ceil(top)), y1 = pixel(bottom);
-    const V qa = hn::Set(d, block_.qa[k]), cut = hn::Set(d, block_.cut[k]);
+    // A vector of places is a strip of a square: kSquare columns, and `rows` rows.
+    const std::size_t rows = hn::Lanes(d) / kSquare, strips = kSquare / rows;
+    const std::size_t left = block_.left[k] / kSquare, right = block_.right[k] / kSquare;
+    const std::size_t first = block_.top[k] / rows, last = block_.bottom[k] / rows;
+    const V x = hn::Set(d, block_.x[k]), y = hn::Set(d, block_.y[k]);
+    const V qa = hn::Set(d, block_.qa[k]), qb = hn::Set(d, block_.qb[k]);
+    const V qc = hn::Set(d, block_.qc[k]), cut = hn::Set(d, block_.cut[k]);
     const V peak = hn::Set(d, block_.peak[k]), most = hn::Set(d, kMaxAlphaOfGaussian);
     const auto number = [&](TileGaussians::Number which) {
       return hn::Set(d, *job_.gaussians->at(which, entry));
@@ -279,13 +296,15 @@ class TileCompositor {
     const V blue = number(TileGaussians::blue);
     const V opaque = hn::Set(d, kOpaqueTransmittance);
     std::size_t inside = 0;
-    for (std::size_t row = y0; row <= y1; ++row) {
-      const float dy = static_cast<float>(row) - y;
-      const V slope = hn::Set(d, block_.qb[k] * dy), rest = hn::Set(d, block_.qc[k] * dy * dy);
-      for (std::size_t column = x0; column <= x1; column += lanes) {
-        const V dx = hn::Sub(hn::Iota(d, static_cast<float>(column)), hn::Set(d, x));
+    for (std::size_t strip = first; strip <= last; ++strip) {
+      const std::size_t in_square = strip % strips * hn::Lanes(d);
+      const V dy = hn::Sub(hn::Load(d, kSquares.y[strip / strips] + in_square), y);
+      const V slope = hn::Mul(qb, dy), rest = hn::Mul(hn::Mul(qc, dy), dy);
+      const std::size_t start = strip / strips * squares_ * kSquarePlaces + in_square;
+      for (std::size_t square = left; square <= right; ++square) {
+        const V dx = hn::Sub(hn::Load(d, kSquares.x[square] + in_square), x);
         const V q = hn::MulAdd(hn::MulAdd(qa, dx, slope), dx, rest);
-        const std::size_t at = row * row_ + column;
+        const std::size_t at = start + square * kSquarePlaces;
         const V through = hn::Load(d, transmittance_ + at);
         const M in = hn::And(hn::Lt(q, cut), hn::Gt(through, opaque));
         if (hn::AllFalse(d, in)) continue;
@@ -308,6 +327,16 @@ class TileCompositor {
     return inside;
   }
 
+  void makeUnusedOpaque() {
+    const auto samples = static_cast<std::size_t>(job_.samples), end = squares_ * kSquare;
+    for (std::size_t i = samples; i < end; ++i) {
+      for (std::size_t j = 0; j < end; ++j) {
+        transmittance_[placeOf(job_.samples, i, j)] = 0.0f;
+        transmittance_[placeOf(job_.samples, j, i)] = 0.0f;
+      }
+    }
+  }
+
   /// Places that are opaque stay so. Each call goes on where the last one ended.
   void becomeOpaque() {
     const D d;
@@ -320,7 +349,7 @@ class TileCompositor {
   bool isOpaque() const { return opaque_places_ >= places_; }
 
   const CompositeJob& job_;
-  std::size_t row_, places_;       // places in a row, and in all rows
+  std::size_t squares_, places_;   // along a side; in all
   float last_;                     // index of the last sample of a row
   std::size_t opaque_places_ = 0;  // all places before it are opaque
   Block block_;

@@ -96,7 +96,7 @@ void GaussianView::writeTile(const Tile& tile, const TileSums& sums, const TileL
   for (int y = 0; y < samples; ++y) {
     for (int x = 0; x < samples; ++x) {
       const std::size_t from =
-          static_cast<std::size_t>(y) * rowOf(samples) + static_cast<std::size_t>(x);
+          placeOf(samples, static_cast<std::size_t>(x), static_cast<std::size_t>(y));
       const int to = y * samples + x;
       rgba[to] =
           share * glm::vec4(sums.red[from], sums.green[from], sums.blue[from], sums.coverage[from]);

@@ -17,6 +17,9 @@ HWY_BEFORE_NAMESPACE();
 namespace foci {
 namespace HWY_NAMESPACE {
 
+/// Room for a row of samples, in whole vectors.
+inline constexpr std::size_t kRow = (kMostSamples + 15) / 16 * 16;
+
 /// A sample among those that it is interpolated from: the first of four, and their taps.
 struct Taps {
   std::size_t first = 0;
@@ -48,7 +51,6 @@ inline std::array<Taps, kMostSamples> tapsOf(const Resampling& resampling) {
 inline void interpolateBehindLanes(const Resampling& resampling, BehindPlanes& from,
                                    BehindPlanes& to) {
   const D d;
-  const std::size_t from_row = rowOf(resampling.from_samples), row = rowOf(resampling.to_samples);
   for (std::size_t p = 0; p < placesOf(resampling.from_samples); p += hn::Lanes(d)) {
     for (std::size_t c = 0; c < 3; ++c) {
       float* const light = from.planes[BehindPlanes::light_red + c] + p;
@@ -58,24 +60,30 @@ inline void interpolateBehindLanes(const Resampling& resampling, BehindPlanes& f
   }
   const auto taps = tapsOf(resampling);
   const auto samples = static_cast<std::size_t>(resampling.to_samples);
-  alignas(64) float rows[kMostSamples][rowOf(kMostSamples)] = {};
+  alignas(64) float rows[kMostSamples][kRow] = {};
+  alignas(64) float row[kRow];
   for (std::size_t plane = 0; plane < BehindPlanes::kPlanes; ++plane) {
     for (std::size_t y = 0; y < static_cast<std::size_t>(resampling.from_samples); ++y) {
-      const float* const in = from.planes[plane] + y * from_row;
+      for (std::size_t x = 0; x < static_cast<std::size_t>(resampling.from_samples); ++x) {
+        row[x] = from.planes[plane][placeOf(resampling.from_samples, x, y)];
+      }
       for (std::size_t x = 0; x < samples; ++x) {
         const auto& [first, w] = taps[x];
         rows[y][x] =
-            w[0] * in[first] + w[1] * in[first + 1] + w[2] * in[first + 2] + w[3] * in[first + 3];
+            w[0] * row[first] + w[1] * row[first + 1] + w[2] * row[first + 2] + w[3] * row[first + 3];
       }
     }
     for (std::size_t y = 0; y < samples; ++y) {
       const auto& [first, w] = taps[y];
-      for (std::size_t x = 0; x < row; x += hn::Lanes(d)) {
+      for (std::size_t x = 0; x < samples; x += hn::Lanes(d)) {
         V sum = hn::Mul(hn::Set(d, w[0]), hn::Load(d, rows[first] + x));
         for (std::size_t k = 1; k < w.size(); ++k) {
           sum = hn::MulAdd(hn::Set(d, w[k]), hn::Load(d, rows[first + k] + x), sum);
         }
-        hn::Store(sum, d, to.planes[plane] + y * row + x);
+        hn::Store(sum, d, row + x);
+      }
+      for (std::size_t x = 0; x < samples; x += kSquare) {
+        std::copy_n(row + x, kSquare, to.planes[plane] + placeOf(resampling.to_samples, x, y));
       }
     }
   }

@@ -47,7 +47,7 @@ void ViewSpread::beginNone() {
 void ViewSpread::followSquare(int samples) {
   places_.clear();
   for (const std::size_t y : along_) {
-    for (const std::size_t x : along_) places_.push_back(y * rowOf(samples) + x);
+    for (const std::size_t x : along_) places_.push_back(placeOf(samples, x, y));
   }
   seen_.clear();
 }

@@ -58,16 +58,16 @@ TEST(InterpolateBehind, ReproducesParabolas) {
     for (int y = 0; y < samples; ++y) {
       for (int x = 0; x < samples; ++x) {
         from->planes[BehindPlanes::coverage]
-                    [static_cast<std::size_t>(y) * rowOf(samples) + static_cast<std::size_t>(x)] =
+                    [placeOf(samples, static_cast<std::size_t>(x), static_cast<std::size_t>(y))] =
             parabola(step * static_cast<float>(x), step * static_cast<float>(y));
       }
     }
     interpolateBehind(
         {.from_samples = samples, .to_samples = kTile, .first = 0.5f / step, .step = 1.0f / step},
         *from, *to);
-    for (int y = 0; y < kTile; ++y) {
-      for (int x = 0; x < kTile; ++x) {
-        EXPECT_NEAR(to->planes[BehindPlanes::coverage][y * kTile + x],
+    for (std::size_t y = 0; y < kTile; ++y) {
+      for (std::size_t x = 0; x < kTile; ++x) {
+        EXPECT_NEAR(to->planes[BehindPlanes::coverage][placeOf(kTile, x, y)],
                     parabola(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f), 2e-4f)
             << step_px << ": " << x << " " << y;
       }
