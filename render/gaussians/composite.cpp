@@ -32,6 +32,11 @@ void TileGaussians::fetchBlock() {
   float* const block = values_.data() + fetched_ * kNumbers;
   const std::size_t n = std::min(kBlock, list_.size() - fetched_);
   std::fill_n(block, kBlock * kNumbers, 0.0f);
+  // They lie scattered in memory.
+  const std::size_t next = std::min(fetched_ + kBlock, list_.size());
+  for (const std::uint32_t i : list_.subspan(next, std::min(kBlock, list_.size() - next))) {
+    __builtin_prefetch(gaussians_ + i);
+  }
   for (std::size_t k = 0; k < n; ++k) {
     const ProjectedGaussian& g = gaussians_[list_[fetched_ + k]];
     const std::array<float, kNumbers> numbers{g.x_px, g.y_px, g.vxx,   g.vxy,   g.vyy,

@@ -46,8 +46,7 @@ float viewsFor(float radius_px) {
 /// The last Gaussians whose samples may be `step_px` apart.
 struct Suffix {
   int step_px;
-  bool ends = false;
-  BlurSum sum = {};
+  std::optional<BlurSum> sum = {};  ///< none yet
 };
 
 /// @param samples  along a side
@@ -90,16 +89,18 @@ TileLayers layersOf(const Tile& tile, std::span<const std::uint32_t> list,
     const ProjectedGaussian& gaussian = projected.gaussians[list[k]];
     const int step_px = gaussian.off_D > 0.0f ? stepFor(key.sigma_px) : 1;
     for (Suffix& each : suffixes) {
-      each.ends = each.ends || step_px < each.step_px;
-      if (!each.ends) each.sum.add(key.blur_px, gaussian.opacity);
+      if (!each.sum && step_px < each.step_px) each.sum = all;
     }
     all.add(key.blur_px, gaussian.opacity);
+  }
+  for (Suffix& each : suffixes) {
+    if (!each.sum) each.sum = all;
   }
   // Samples lie from edge to edge, but not beyond the frame's edge: they would miss what is there.
   const glm::ivec2 seen_px =
       glm::min(glm::ivec2(kTile), size_px - glm::ivec2(tile.x_px, tile.y_px));
   const auto fits = [&](const Suffix& suffix) {
-    return suffix.sum.count() > 0 && seen_px.x % suffix.step_px == 0 &&
+    return suffix.sum->count() > 0 && seen_px.x % suffix.step_px == 0 &&
            seen_px.y % suffix.step_px == 0;
   };
   TileLayers best;
@@ -112,9 +113,9 @@ TileLayers layersOf(const Tile& tile, std::span<const std::uint32_t> list,
       const Suffix* const next = k < behind.size() ? behind[k] : nullptr;
       const int step_px = k == 0 ? 1 : behind[k - 1]->step_px;
       const int samples = k == 0 ? kTile : kTile / step_px + 1;
-      layers.layers[k] = layerOf(step_px, samples, next ? rest.without(next->sum) : rest);
+      layers.layers[k] = layerOf(step_px, samples, next ? rest.without(*next->sum) : rest);
       if (k > 0 && layers.layers[k].size == 0) return;
-      if (next) rest = next->sum;
+      if (next) rest = *next->sum;
       time += layers.layers[k].time * viewsFor(layers.layers[k].blur.radius_px);
       if (k > 0) worthwhile *= kWorthwhile;
     }
