@@ -264,7 +264,8 @@ class TileCompositor {
       const hn::RebindToSigned<D> di;
       const hn::RebindToUnsigned<D> du;
       const auto store = [&](V sample, std::uint32_t* stored) {
-        hn::Store(hn::BitCast(du, hn::ConvertTo(di, hn::IfThenElseZero(holds_sample, sample))), du, stored);
+        hn::Store(hn::BitCast(du, hn::ConvertTo(di, hn::IfThenElseZero(holds_sample, sample))), du,
+                  stored);
       };
       store(from, first);
       store(to, last);

@@ -69,8 +69,8 @@ inline void interpolateBehindLanes(const Resampling& resampling, BehindPlanes& f
       }
       for (std::size_t x = 0; x < samples; ++x) {
         const auto& [first, w] = taps[x];
-        rows[y][x] =
-            w[0] * row[first] + w[1] * row[first + 1] + w[2] * row[first + 2] + w[3] * row[first + 3];
+        rows[y][x] = w[0] * row[first] + w[1] * row[first + 1] + w[2] * row[first + 2] +
+                     w[3] * row[first + 3];
       }
     }
     for (std::size_t y = 0; y < samples; ++y) {

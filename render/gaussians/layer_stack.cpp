@@ -154,7 +154,8 @@ SampledErrors LayerStack::errors() const {
     if (stack_[k].discs->size() > 1) {
       std::array<BehindSample, SampledErrors::kMost> behind;
       for (std::size_t i = 0; i < count; ++i) behind[i] = meanBehind(k, spread.places()[i]);
-      own = spread.standardErrors(std::span(behind).first(count));
+      own = spread.errorsOfMean(*stack_[k].discs, layers_.layers[k].blur.radius_px,
+                                std::span(behind).first(count));
     }
     for (std::size_t i = 0; i < count; ++i) {
       own[i] *= through[i];

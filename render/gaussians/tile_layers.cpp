@@ -36,11 +36,12 @@ class BlurSum {
   std::size_t count_ = 0;
 };
 
-/// About as many views as `kDiscs` asks for at most (methods/discs_of_tiles.h): an edge's error
-/// grows with the blur, and falls as the number of views to the power of -0.77.
+constexpr float kError_per_px = 0.5f, kErrorEverywhere_per_px = 0.9f;
+
+/// Views that leave an error of 1 JND, and three at least.
 float viewsFor(float radius_px) {
-  constexpr float kFewest = 3.0f, kAtOnePixel = 0.26f;
-  return std::max(kFewest, kAtOnePixel * std::pow(radius_px, 1.3f));
+  constexpr float kFewest = 3.0f;
+  return std::max(kFewest, std::pow(kError_per_px * radius_px, -1.0f / kErrorOrder));
 }
 
 /// The last Gaussians whose samples may be `step_px` apart.
@@ -60,6 +61,11 @@ TileLayer layerOf(int step_px, int samples, const BlurSum& sum) {
 }
 
 }  // namespace
+
+float errorByBlur(int discs, const TileBlur& blur) {
+  return (blur.everywhere ? kErrorEverywhere_per_px : kError_per_px) * blur.radius_px *
+         std::pow(static_cast<float>(discs), kErrorOrder);
+}
 
 TileBlur blurOf(const Tile& tile, std::span<const std::uint32_t> list,
                 const ProjectedGaussians& projected) {

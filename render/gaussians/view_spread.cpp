@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "render/image/srgb.h"
 #include "render/image/visible_difference.h"
@@ -16,6 +18,37 @@ glm::vec3 lightOver(const SeenLight& seen, const BehindSample& behind) {
       glm::clamp(glm::vec3(seen) + seen.a * behind.display, glm::vec3(0.0f), glm::vec3(1.0f));
   const glm::vec3 light(linearFromSrgb(shown.r), linearFromSrgb(shown.g), linearFromSrgb(shown.b));
   return light + seen.a * seen.a * behind.light;
+}
+
+/// The polynomials of degree one and two in the discs' centres, orthonormal over the discs and to
+/// the constant: as many as the discs tell apart. By polynomial, then disc.
+std::vector<std::vector<float>> polynomialsOver(std::span<const LensDisc> discs) {
+  using Polynomial = float (*)(const glm::vec2&);
+  constexpr std::array<Polynomial, 6> kPolynomials{
+      [](const glm::vec2&) { return 1.0f; },        [](const glm::vec2& p) { return p.x; },
+      [](const glm::vec2& p) { return p.y; },       [](const glm::vec2& p) { return p.x * p.x; },
+      [](const glm::vec2& p) { return p.x * p.y; }, [](const glm::vec2& p) { return p.y * p.y; }};
+  std::vector<std::vector<float>> basis;
+  for (const Polynomial& polynomial : kPolynomials) {
+    std::vector<float> values;
+    values.reserve(discs.size());
+    for (const LensDisc& disc : discs) values.push_back(polynomial(disc.centre));
+    const auto dot = [&](const std::vector<float>& a) {
+      return std::inner_product(a.begin(), a.end(), values.begin(), 0.0f);
+    };
+    const float before = dot(values);
+    for (const std::vector<float>& other : basis) {
+      const float along = dot(other);
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] -= along * other[i];
+    }
+    constexpr float kRounding = 1e-6f;
+    const float rest = dot(values);
+    if (rest <= kRounding * before) continue;
+    for (float& value : values) value /= std::sqrt(rest);
+    basis.push_back(std::move(values));
+  }
+  basis.erase(basis.begin());
+  return basis;
 }
 
 }  // namespace
@@ -57,25 +90,45 @@ std::span<SeenLight> ViewSpread::next() {
   return std::span(seen_).last(places_.size());
 }
 
-std::array<float, SampledErrors::kMost> ViewSpread::standardErrors(
-    std::span<const BehindSample> behind) const {
-  assert(views() >= 2 && behind.size() == places_.size());
+std::array<float, SampledErrors::kMost> ViewSpread::errorsOfMean(
+    std::span<const LensDisc> discs, float radius_px, std::span<const BehindSample> behind) const {
+  assert(views() >= 3 && discs.size() == views() && behind.size() == places_.size());
   const auto n = static_cast<float>(views());
-  std::array<float, SampledErrors::kMost> errors{};
-  std::vector<glm::vec3> lights(views());
+  const std::vector<std::vector<float>> basis = polynomialsOver(discs);
+  const float free = n - 1.0f - static_cast<float>(basis.size());
+  std::array<float, SampledErrors::kMost> spread2{}, rest2{};
+  std::vector<glm::vec3> apart(views());
   for (std::size_t i = 0; i < places_.size(); ++i) {
     glm::vec3 mean(0.0f);
-    for (std::size_t view = 0; view < lights.size(); ++view) {
-      lights[view] = lightOver(seen_[view * places_.size() + i], behind[i]);
-      mean += lights[view] / n;
+    for (std::size_t view = 0; view < apart.size(); ++view) {
+      apart[view] = lightOver(seen_[view * places_.size() + i], behind[i]);
+      mean += apart[view] / n;
     }
     const glm::mat3 jnd = visibleDifferencePerLight(mean);
-    float sum = 0.0f;
-    for (const glm::vec3& light : lights) {
-      const glm::vec3 apart = jnd * (light - mean);
-      sum += glm::dot(apart, apart);
+    float all2 = 0.0f, smooth2 = 0.0f;
+    for (glm::vec3& each : apart) {
+      each = jnd * (each - mean);
+      all2 += glm::dot(each, each);
     }
-    errors[i] = std::sqrt(sum / (n * (n - 1.0f)));
+    for (const std::vector<float>& polynomial : basis) {
+      glm::vec3 along(0.0f);
+      for (std::size_t view = 0; view < apart.size(); ++view) {
+        along += polynomial[view] * apart[view];
+      }
+      smooth2 += glm::dot(along, along);
+    }
+    spread2[i] = all2 / (n * (n - 1.0f));
+    if (free > 0.0f) rest2[i] = std::max(all2 - smooth2, 0.0f) / (n * free);
+  }
+  constexpr float kOfThree = 1.3f, kSmooth_px = 3.4f;
+  const float spread = std::accumulate(spread2.begin(), spread2.end(), 0.0f);
+  const float rest = std::accumulate(rest2.begin(), rest2.end(), 0.0f);
+  const float share = free > 0.0f ? 1.08f * std::min(std::pow(n / 19.0f, -0.18f), 1.0f) *
+                                        std::pow(rest / std::max(spread, 1e-20f), 0.75f)
+                                  : kOfThree * radius_px / (radius_px + kSmooth_px);
+  std::array<float, SampledErrors::kMost> errors{};
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    errors[i] = share * std::sqrt(free > 0.0f ? rest2[i] : spread2[i]);
   }
   return errors;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 
 namespace foci {
@@ -12,15 +11,15 @@ namespace {
 /// Share of the frame that may be beyond the tolerance.
 constexpr float kShareBeyond = 0.05f;
 
-/// No sample's error is this many times the tolerance: the few that may be beyond it would show
-/// single views.
+/// No tile's typical error is this many times the tolerance: the few that may be beyond it would
+/// show single views.
 constexpr float kMostOverTolerance = 3.0f;
 
-/// The error of the mean of n views of an edge falls as n to this power (a fit from 3 to 91).
-constexpr float kEdgeOrder = -0.77f;
+/// More than three views do not miss cubes.
+constexpr float kBeyondThree = 0.75f;
 
-/// A tile's next number of discs is chosen for this share of its limit, since errors vary.
-constexpr float kAim = 0.9f;
+/// The first round aims at this share of the tolerance, so that few need another one.
+constexpr float kFirstGoal = 0.93f;
 
 /// A tile's next image has the weight 1 where its error was at least this share beyond the limit.
 constexpr float kTransition = 0.25f;
@@ -34,17 +33,21 @@ constexpr int kHalvings = 12;
 constexpr float kLargest_JND = 64.0f;
 constexpr float kNoLimit = std::numeric_limits<float>::infinity();
 
-/// The first of kDiscs whose bound by the blur radius is within the tolerance, or the last.
-std::size_t discsWithin(const TileBlur& blur, float tolerance) {
-  const auto enough = std::ranges::find_if(
-      kDiscs, [&](const Discs& discs) { return errorOf(discs, blur) <= tolerance; });
-  return static_cast<std::size_t>(std::min(enough, kDiscs.end() - 1) - kDiscs.begin());
-}
+constexpr std::size_t kLast = kDiscs.size() - 1;
 
 /// Three, or more where the blur is large: no view may reach the rim of a disc of blur, and then
 /// none shows an error.
 std::size_t firstDiscs(const TileBlur& blur, float tolerance) {
-  return std::max<std::size_t>(discsWithin({blur.radius_px, false}, 2.0f * tolerance), 1);
+  std::size_t first = 1;
+  while (first < kLast && errorByBlur(kDiscs[first], {blur.radius_px, false}) > 2.0f * tolerance) {
+    ++first;
+  }
+  return first;
+}
+
+/// What is left of an error for others, which add as squares.
+float without(float error, float all) {
+  return std::sqrt(std::max(all * all - error * error, 0.0f));
 }
 
 /// The largest value up to which `tooLarge` is false, by bisection.
@@ -65,6 +68,7 @@ void DiscsOfTiles::choose(std::span<const Tile> tiles, const glm::ivec2& size_px
                           float tolerance) {
   tolerance_ = tolerance;
   area_px2_ = 0.0f;
+  is_first_ = true;
   tiles_.assign(tiles.size(), {});
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     TileState& tile = tiles_[t];
@@ -79,21 +83,23 @@ void DiscsOfTiles::choose(std::span<const Tile> tiles, const glm::ivec2& size_px
     for (std::size_t k = 0; k < count; ++k) {
       LayerState& layer = tile.layers[k];
       layer.blur = layers[t].layers[k].blur;
-      layer.time = layers[t].layers[k].time;
-      layer.last = discsWithin(layer.blur, share * tolerance - tile.merging);
+      if (errorByBlur(1, layer.blur) + tile.merging <= share * tolerance) continue;  // one disc
       const std::size_t first = firstDiscs(layer.blur, tolerance);
-      tile.indices[k] = std::min(k == 0 ? first : std::max(first, kFirstBehind), layer.last);
+      tile.indices[k] = k == 0 ? first : std::max(first, kFirstBehind);
     }
   }
 }
 
 DiscsOfTiles::Change DiscsOfTiles::changeOf(const TileState& tile, std::size_t layer,
                                             std::size_t index) {
-  const float bound = errorOf(kDiscs[index], tile.layers[layer].blur);
-  if (tile.indices[layer] == 0) return {std::nullopt, bound};
-  const float more = static_cast<float>(kDiscs[index].count) /
-                     static_cast<float>(kDiscs[tile.indices[layer]].count);
-  return {std::pow(more, kEdgeOrder), bound};
+  const TileBlur& blur = tile.layers[layer].blur;
+  if (blur.radius_px == 0.0f) return {};
+  const int now = kDiscs[tile.indices[layer]], next = kDiscs[index];
+  // The bound of a single disc holds with merging added to it.
+  if (now == 1) return {.factor = 0.0f, .added = errorByBlur(1, blur) + tile.merging};
+  if (now == next) return {.factor = 1.0f};
+  return {.factor = (now == 3 ? kBeyondThree : 1.0f) *
+                    std::pow(static_cast<float>(next) / static_cast<float>(now), kErrorOrder)};
 }
 
 DiscsOfTiles::Changes DiscsOfTiles::changesOf(const TileState& tile, const Indices& indices) {
@@ -115,36 +121,14 @@ float DiscsOfTiles::errorAfter(const Changes& changes, const TileState& tile,
 
 DiscsOfTiles::Next DiscsOfTiles::nextWithin(const TileState& tile, float limit) const {
   Next next{.indices = tile.indices};
-  // Over what they may be.
-  const auto excess = [&] {
-    const Changes changes = changesOf(tile, next.indices);
-    const float typical =
-        errorAfter(changes, tile, [](const LayerState& layer) { return layer.typical; });
-    const float most =
-        errorAfter(changes, tile, [](const LayerState& layer) { return layer.most; });
-    return std::max(typical / limit, most / (kMostOverTolerance * tolerance_));
-  };
-  const float now = excess();
+  const float typical = errorAfter(changesOf(tile, tile.indices), tile,
+                                   [](const LayerState& layer) { return layer.typical; });
+  const float now = typical / std::min(limit, kMostOverTolerance * tolerance_);
   if (now <= 1.0f) return next;
-  // Once only, or rounds would follow that change little.
-  next.weight = tile.refined ? 1.0f : std::min((now - 1.0f) / kTransition, 1.0f);
-  while (excess() > kAim) {
-    // The time is least where squared errors are in proportion to times.
-    std::optional<std::size_t> best;
-    float largest = -1.0f;
-    for (std::size_t k = 0; k < next.indices.size(); ++k) {
-      const LayerState& layer = tile.layers[k];
-      if (next.indices[k] == layer.last) continue;
-      const float error = changeOf(tile, k, next.indices[k]).of(layer.typical);
-      const float worth =
-          error * error / (layer.time * static_cast<float>(kDiscs[next.indices[k]].count));
-      if (worth > largest) {
-        largest = worth;
-        best = k;
-      }
-    }
-    if (!best) break;
-    ++next.indices[*best];
+  next.weight = std::min((now - 1.0f) / kTransition, 1.0f);
+  // One step for all layers: a choice among them would change the tile at once where it changes.
+  for (std::size_t& index : next.indices) {
+    if (index > 0 && index < kLast) ++index;
   }
   if (next.indices == tile.indices) next.weight = 0.0f;
   return next;
@@ -153,7 +137,7 @@ DiscsOfTiles::Next DiscsOfTiles::nextWithin(const TileState& tile, float limit) 
 float DiscsOfTiles::areaBeyond_px2(float error, float limit) const {
   float sum_px2 = 0.0f;
   for (const TileState& tile : tiles_) {
-    const float highest = error - tile.merging;
+    const float highest = without(tile.merging, error);
     const Changes none = changesOf(tile, tile.indices);
     const float most = errorAfter(none, tile, [](const LayerState& layer) { return layer.most; });
     if (most <= highest) continue;
@@ -177,13 +161,10 @@ void DiscsOfTiles::take(const SampledErrors& sampled, TileState& tile) {
   tile.samples = sampled.count;
   for (std::size_t k = 0; k < tile.layers.size(); ++k) {
     LayerState& layer = tile.layers[k];
-    const Discs& discs = kDiscs[tile.indices[k]];
-    const float bound = errorOf(discs, layer.blur);
     float squares = 0.0f;
     layer.most = 0.0f;
     for (std::size_t i = 0; i < tile.samples; ++i) {
-      const float error = std::min(discs.error_share * sampled.layers_jnd[k][i], bound);
-      layer.errors[i] = glm::mix(layer.errors[i], error, tile.weight);
+      layer.errors[i] = glm::mix(layer.errors[i], sampled.layers_jnd[k][i], tile.weight);
       squares += layer.errors[i] * layer.errors[i];
       layer.most = std::max(layer.most, layer.errors[i]);
     }
@@ -191,15 +172,16 @@ void DiscsOfTiles::take(const SampledErrors& sampled, TileState& tile) {
   }
 }
 
-bool DiscsOfTiles::refine(const std::vector<SampledErrors>& standard_errors) {
+bool DiscsOfTiles::refine(const std::vector<SampledErrors>& errors) {
   for (std::size_t t = 0; t < tiles_.size(); ++t) {
-    if (std::exchange(tiles_[t].is_next, false)) take(standard_errors[t], tiles_[t]);
+    if (std::exchange(tiles_[t].is_next, false)) take(errors[t], tiles_[t]);
   }
   const float allowed_px2 = kShareBeyond * area_px2_;
+  const float goal = (std::exchange(is_first_, false) ? kFirstGoal : 1.0f) * tolerance_;
   const float limit =
-      areaBeyond_px2(tolerance_, kNoLimit) <= allowed_px2
+      areaBeyond_px2(goal, kNoLimit) <= allowed_px2
           ? kNoLimit
-          : largestThat([&](float each) { return areaBeyond_px2(tolerance_, each) > allowed_px2; });
+          : largestThat([&](float each) { return areaBeyond_px2(goal, each) > allowed_px2; });
   bool any = false;
   for (TileState& tile : tiles_) {
     const Next next = nextWithin(tile, limit);
@@ -207,7 +189,6 @@ bool DiscsOfTiles::refine(const std::vector<SampledErrors>& standard_errors) {
     if (!tile.is_next) continue;
     tile.indices = next.indices;
     tile.weight = next.weight;
-    tile.refined = true;
     any = true;
   }
   return any;

@@ -23,7 +23,7 @@ namespace {
 
 /// Variance that merging Gaussians may add: a share of C^2, and a largest one for each unit of
 /// tolerance. It adds an error of at most `kLodError_per_px` C and of `kMaxLodError`, for each unit
-/// of tolerance. Measured as the bounds of `kDiscs`.
+/// of tolerance. Measured on two captures and on the garden (builtin/garden.cpp).
 constexpr float kPerBlur2 = 0.015f, kMaxSpread_px2 = 0.3f;
 constexpr float kLodError_per_px = 0.03f, kMaxLodError = 0.3f;
 
@@ -36,11 +36,9 @@ float mergingError(const TileBlur& blur, float tolerance) {
   return std::min(kLodError_per_px * blur.radius_px, kMaxLodError) * tolerance;
 }
 
-/// The bound by the blur radius, with merging, for a number of discs in `kDiscs`.
-float errorOf(int count, const TileBlur& blur, float tolerance) {
-  const auto* const discs = std::ranges::find(kDiscs, count, &Discs::count);
-  assert(discs != kDiscs.end());
-  return errorOf(*discs, blur) + mergingError(blur, tolerance);
+/// By the blur radius, with merging.
+float errorOf(int discs, const TileBlur& blur, float tolerance) {
+  return std::hypot(errorByBlur(discs, blur), mergingError(blur, tolerance));
 }
 
 /// Discs of a quality level that the whole frame shares; 0: a pinhole.
@@ -71,9 +69,9 @@ const PairTable& pairTable() {
   static const PairTable table = [] {
     PairTable made;
     for (std::size_t front = 0; front < kDiscs.size(); ++front) {
-      const std::vector<LensDisc> discs = subApertureDiscs(kDiscs[front].count);
+      const std::vector<LensDisc> discs = subApertureDiscs(kDiscs[front]);
       for (std::size_t behind = 0; behind < kDiscs.size(); ++behind) {
-        made[front][behind] = pairLensDiscs(discs, subApertureDiscs(kDiscs[behind].count));
+        made[front][behind] = pairLensDiscs(discs, subApertureDiscs(kDiscs[behind]));
       }
     }
     return made;
@@ -86,7 +84,7 @@ class GaussianAuto final : public GaussianEyeMethod {
   /// @param cloud  with its tree
   GaussianAuto(std::shared_ptr<const GaussianCloud> cloud, std::optional<QualityLevel> forced)
       : cloud_(std::move(cloud)), view_(*cloud_), forced_(forced) {
-    for (const Discs& each : kDiscs) sets_.push_back(subApertureDiscs(each.count));
+    for (const int count : kDiscs) sets_.push_back(subApertureDiscs(count));
     // Together they bound what any set shows.
     for (const std::vector<LensDisc>& set : sets_) all_.insert(all_.end(), set.begin(), set.end());
   }

@@ -1,6 +1,7 @@
 // Points and sub-apertures of the lens, on the unit disc.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <numbers>
@@ -32,37 +33,39 @@ inline glm::vec2 lensSampleOfPixel(int i, int n, float shift, float turn) {
           static_cast<float>(radius * std::sin(angle_rad))};
 }
 
-/// Point `i` of `n` on the unit circle.
-inline glm::vec2 ring(int i, int n) {
-  const double angle_rad = 2.0 * std::numbers::pi * i / n;
+/// Point of the unit circle, `turns` from the x axis.
+inline glm::vec2 onCircle(double turns) {
+  const double angle_rad = 2.0 * std::numbers::pi * turns;
   return {static_cast<float>(std::cos(angle_rad)), static_cast<float>(std::sin(angle_rad))};
 }
 
 /// Centres of `n` sub-apertures of the unit disc. Their mean is exactly the disc's centre. Their
 /// variance is exactly the disc's, 1/4 along every axis (from n = 3 on). So the average of the
 /// sub-apertures' views is neither shifted nor wider than the view through the full aperture.
+///
+/// They lie on rings, in numbers as their circumferences, around one in the middle (from n = 7 on).
+/// Each stands for the same area. Edges across the lens err less than with a sunflower's points by
+/// 3 to 6 %, and smooth light by half (`SubApertures` tests).
 inline std::vector<glm::vec2> subApertureCentres(int n) {
-  std::vector<glm::vec2> centres;
-  glm::vec2 mean(0.0f);
-  for (int i = 0; i < n; ++i) {
-    // The densest packing of seven equal discs in a disc: one in the middle and six around it.
-    centres.push_back(n == 7 ? (i == 0 ? glm::vec2(0.0f) : ring(i - 1, 6)) : lensSample(i, n));
-    mean += centres.back() / static_cast<float>(n);
+  if (n == 1) return {glm::vec2(0.0f)};
+  const int middle = n < 7 ? 0 : 1, around = n - middle;
+  // 3 K (K + 1) around the middle have K rings of 6, 12, 18, ...
+  const int rings = std::max(static_cast<int>(std::sqrt(around / 3.0 + 0.25) + 0.15), 1);
+  std::vector<glm::vec2> centres(static_cast<std::size_t>(middle), glm::vec2(0.0f));
+  double variance = 0.0;
+  for (int k = 1, before = 0; k <= rings; ++k) {
+    const int end = static_cast<int>(std::lround(around * k * (k + 1.0) / (rings * (rings + 1.0))));
+    const int count = end - before;
+    // In the middle of its share of the area.
+    const double radius2 = (middle + before + 0.5 * count) / n;
+    const double turn = k % 2 == 0 ? 0.5 : 0.0;
+    for (int i = 0; i < count; ++i) {
+      centres.push_back(static_cast<float>(std::sqrt(radius2)) * onCircle((i + turn) / count));
+    }
+    variance += 0.5 * radius2 * count / n;
+    before = end;
   }
-  float xx = 0.0f, xy = 0.0f, yy = 0.0f;
-  for (glm::vec2& each : centres) {
-    each -= mean;
-    xx += each.x * each.x / static_cast<float>(n);
-    xy += each.x * each.y / static_cast<float>(n);
-    yy += each.y * each.y / static_cast<float>(n);
-  }
-  if (n < 3) return centres;
-  // Cholesky, variance = L L': L^-1 makes the variance 1, and half of each centre makes it 1/4.
-  const float lx = std::sqrt(xx), l = xy / lx, ly = std::sqrt(yy - l * l);
-  for (glm::vec2& each : centres) {
-    const float x = each.x / lx;
-    each = 0.5f * glm::vec2(x, (each.y - l * x) / ly);
-  }
+  for (glm::vec2& each : centres) each *= static_cast<float>(0.5 / std::sqrt(variance));
   return centres;
 }
 

@@ -3,12 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "render/image/srgb.h"
 #include "render/image/visible_difference.h"
+#include "render/methods/gaussian_methods.h"
+#include "render/methods/lens_samples.h"
 
 namespace foci {
 namespace {
@@ -49,37 +54,74 @@ class Views {
   ViewSpread spread;
 };
 
+constexpr float kBlur_px = 10.0f;
+
 TEST(ViewSpread, IsZeroForEqualViews) {
-  Views views;
-  for (int i = 0; i < 3; ++i) views.add(glm::vec3(0.25f, 0.5f, 0.125f));
-  EXPECT_EQ(views.spread.places().size(), kFollowed);
-  const auto errors = views.spread.standardErrors(kBlack);
-  for (std::size_t i = 0; i < kFollowed; ++i) EXPECT_LT(errors[i], 1e-3f);
+  for (const int n : {3, 7}) {
+    Views views;
+    for (int i = 0; i < n; ++i) views.add(glm::vec3(0.25f, 0.5f, 0.125f));
+    EXPECT_EQ(views.spread.places().size(), kFollowed);
+    const auto errors = views.spread.errorsOfMean(subApertureDiscs(n), kBlur_px, kBlack);
+    for (std::size_t i = 0; i < kFollowed; ++i) EXPECT_LT(errors[i], 1e-3f) << n;
+  }
 }
 
-// Means of random views differ from the true mean by the standard error: root mean squares of many
-// draws.
-TEST(ViewSpread, IsTheErrorOfTheMeanOfRandomViews) {
-  constexpr int kDraws = 400, kViews = 5;
-  constexpr float kMean = 0.3f, kDeviation = 0.02f;
-  std::mt19937 random(3);
-  std::normal_distribution<float> normal(kMean, kDeviation);
-  double errors2 = 0.0, predicted2 = 0.0;
-  const glm::mat3 jnd = visibleDifferencePerLight(glm::vec3(kMean));
-  for (int draw = 0; draw < kDraws; ++draw) {
+// The discs integrate quadrics over the lens without error, however far the views lie apart.
+TEST(ViewSpread, IsZeroForQuadrics) {
+  for (const int n : {7, 13, 37}) {
+    const std::vector<LensDisc> discs = subApertureDiscs(n);
     Views views;
-    float sum = 0.0f;
-    for (int i = 0; i < kViews; ++i) {
-      const float light = normal(random);
-      views.add(glm::vec3(light));
-      sum += light;
+    for (const LensDisc& disc : discs) {
+      const glm::vec2 p = disc.centre;
+      views.add(glm::vec3(0.4f + 0.1f * p.x - 0.05f * p.y + 0.08f * p.x * p.x - 0.06f * p.x * p.y));
     }
-    const float error = glm::length(jnd * glm::vec3(sum / kViews - kMean));
-    const float predicted = views.spread.standardErrors(kBlack)[0];
-    errors2 += double{error} * double{error};
-    predicted2 += double{predicted} * double{predicted};
+    EXPECT_LT(views.spread.errorsOfMean(discs, kBlur_px, kBlack)[0], 0.02f) << n;
   }
-  EXPECT_NEAR(std::sqrt(predicted2 / errors2), 1.0, 0.1);
+}
+
+/// Share of the unit disc beyond a chord at this distance from the centre.
+double areaBeyond(double at) {
+  return (std::acos(at) - at * std::sqrt(1.0 - at * at)) / std::numbers::pi;
+}
+
+// A tile that sees an edge at another place of the lens at each of its samples.
+TEST(ViewSpread, TellsTheErrorOfEdges) {
+  constexpr int kTiles = 20;
+  constexpr float kDark = 0.3f, kBright = 0.32f, kLarge_px = 30.0f;
+  const float jnd = glm::length(visibleDifferencePerLight(glm::vec3(kDark)) * glm::vec3(1.0f));
+  for (const int n : {3, 7, 19, 61, 127}) {
+    const std::vector<LensDisc> discs = subApertureDiscs(n);
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+    double errors2 = 0.0, predicted2 = 0.0;
+    for (int tile = 0; tile < kTiles; ++tile) {
+      std::array<glm::vec2, kFollowed> normals;
+      std::array<float, kFollowed> at, bright{};
+      for (std::size_t i = 0; i < kFollowed; ++i) {
+        normals[i] = onCircle(unit(random));
+        at[i] = 2.0f * unit(random) - 1.0f;
+      }
+      Views views;
+      for (const LensDisc& disc : discs) {
+        const std::span<SeenLight> seen = views.spread.next();
+        for (std::size_t i = 0; i < kFollowed; ++i) {
+          const bool beyond = glm::dot(disc.centre, normals[i]) > at[i];
+          const float shown = srgbFromLinear(beyond ? kBright : kDark);
+          seen[i] = {shown, shown, shown, 0.0f};
+          bright[i] += beyond ? 1.0f / static_cast<float>(n) : 0.0f;
+        }
+      }
+      const auto predicted = views.spread.errorsOfMean(discs, kLarge_px, kBlack);
+      for (std::size_t i = 0; i < kFollowed; ++i) {
+        const double error = jnd * (kBright - kDark) * (bright[i] - areaBeyond(at[i]));
+        errors2 += error * error;
+        predicted2 += double{predicted[i]} * double{predicted[i]};
+      }
+    }
+    const double ratio = std::sqrt(predicted2 / errors2);
+    EXPECT_GE(ratio, n == 3 ? 2.0 : 0.7) << n;
+    EXPECT_LE(ratio, n == 3 ? 3.0 : 0.9) << n;
+  }
 }
 
 // What lies behind counts where the Gaussians let it through.
@@ -87,11 +129,20 @@ TEST(ViewSpread, SeesWhatLiesBehind) {
   ViewSpread spread;
   spread.begin(kTile, 0);
   std::ranges::fill(spread.next(), SeenLight(0.0f, 0.0f, 0.0f, 1.0f));
-  std::ranges::fill(spread.next(), SeenLight(0.0f, 0.0f, 0.0f, 0.0f));
-  EXPECT_FLOAT_EQ(spread.transmittance(0), 0.5f);
-  EXPECT_LT(spread.standardErrors(kBlack)[0], 1e-3f);
+  for (int i = 0; i < 2; ++i) std::ranges::fill(spread.next(), SeenLight(0.0f));
+  EXPECT_FLOAT_EQ(spread.transmittance(0), 1.0f / 3.0f);
+  const std::vector<LensDisc> discs = subApertureDiscs(3);
+  EXPECT_LT(spread.errorsOfMean(discs, kBlur_px, kBlack)[0], 1e-3f);
   const std::vector<BehindSample> grey(kFollowed, {.display = glm::vec3(0.5f)});
-  EXPECT_GT(spread.standardErrors(grey)[0], 1.0f);
+  EXPECT_GT(spread.errorsOfMean(discs, kBlur_px, grey)[0], 1.0f);
+}
+
+/// Column and row of the sample at a place.
+glm::ivec2 sampleAt(std::size_t place, int samples) {
+  const std::size_t square = place / kSquarePlaces, in_square = place % kSquarePlaces;
+  const std::size_t squares = squaresOf(samples);
+  return {static_cast<int>(square % squares * kSquare + in_square % kSquare),
+          static_cast<int>(square / squares * kSquare + in_square / kSquare)};
 }
 
 TEST(ViewSpread, FollowsSamplesInsideOfTheApron) {
@@ -99,10 +150,9 @@ TEST(ViewSpread, FollowsSamplesInsideOfTheApron) {
   ViewSpread spread;
   spread.begin(kAprons, kApron);
   for (const std::size_t place : spread.places()) {
-    const auto x = static_cast<int>(place % rowOf(kAprons));
-    const auto y = static_cast<int>(place / rowOf(kAprons));
-    EXPECT_GE(std::min(x, y), kApron);
-    EXPECT_LT(std::max(x, y), kAprons - kApron);
+    const glm::ivec2 sample = sampleAt(place, kAprons);
+    EXPECT_GE(std::min(sample.x, sample.y), kApron);
+    EXPECT_LT(std::max(sample.x, sample.y), kAprons - kApron);
   }
 }
 
@@ -124,8 +174,8 @@ TEST(ViewSpread, FollowsTheNearestSamplesOfALayerBehind) {
     behind.beginBehind(first, front, layer);
     ASSERT_EQ(behind.places().size(), first.places().size());
     for (std::size_t i = 0; i < first.places().size(); ++i) {
-      const auto at_px = static_cast<float>(first.places()[i] % rowOf(kTile)) + 0.5f;
-      const auto sample = static_cast<int>(behind.places()[i] % rowOf(layer.samples));
+      const auto at_px = static_cast<float>(sampleAt(first.places()[i], kTile).x) + 0.5f;
+      const auto sample = sampleAt(behind.places()[i], layer.samples).x;
       const auto step = static_cast<float>(step_px);
       EXPECT_LE(std::abs(static_cast<float>(sample) * step - at_px), 0.5f * step);
     }
