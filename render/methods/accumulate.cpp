@@ -106,7 +106,8 @@ MethodEntry accumulateMethod() {
                    .default_n = 200,
                    .aberrations = true,
                    .gpu = true,
-                   .lod = true},
+                   .lod = true,
+                   .gpu_of_gaussians = true},
           .make = makeAs<AccumulateMethod>,
           .make_of_gaussians = gaussianAccumulate};
 }

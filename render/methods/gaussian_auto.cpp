@@ -13,6 +13,7 @@
 #include "render/methods/gaussian_eye_method.h"
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/gaussian_parts.h"
+#include "render/methods/lens_gaussians.h"
 #include "render/methods/mean_of_parts.h"
 #include "render/methods/quality_level_table.h"
 #include "render/methods/time_budget.h"
@@ -85,7 +86,7 @@ class GaussianAuto final : public GaussianEyeMethod {
  public:
   /// @param cloud  with its tree
   GaussianAuto(std::shared_ptr<const GaussianCloud> cloud, std::optional<QualityLevel> forced)
-      : cloud_(std::move(cloud)), view_(*cloud_), forced_(forced) {
+      : cloud_(std::move(cloud)), scene_(cloud_, nullptr), view_(scene_.onCpu()), forced_(forced) {
     for (const Discs& each : kDiscs) sets_.push_back(subApertureDiscs(each.count));
     // Together they bound what any set shows.
     for (const std::vector<LensDisc>& set : sets_) all_.insert(all_.end(), set.begin(), set.end());
@@ -158,7 +159,7 @@ class GaussianAuto final : public GaussianEyeMethod {
     const GaussianCutSettings lod = lodOf(settings);
     const std::vector<LensPart> parts =
         partsFor(settings.defocus, withoutDiffraction(settings.pupil), kFewestParts);
-    RenderStats stats = parts_.render(view_, parts, view, settings, &lod, frame);
+    RenderStats stats = parts_.render(scene_, parts, view, settings, &lod, frame);
     stats.tolerance_error = largestError([&](const TileBlur& blur) {
       return errorOf(static_cast<int>(parts.size()), blur, settings.quality.tolerance);
     });
@@ -218,7 +219,8 @@ class GaussianAuto final : public GaussianEyeMethod {
   }
 
   std::shared_ptr<const GaussianCloud> cloud_;
-  GaussianView view_;
+  LensGaussians scene_;
+  GaussianView& view_;
   GaussianParts parts_;
   std::optional<QualityLevel> forced_;
   std::vector<std::vector<LensDisc>> sets_;  // by kDiscs
@@ -232,7 +234,7 @@ class GaussianAuto final : public GaussianEyeMethod {
 
 }  // namespace
 
-std::unique_ptr<Method> gaussianAuto(const GaussianCloud& cloud, int n) {
+std::unique_ptr<Method> gaussianAuto(const GaussianCloud& cloud, int n, const SharedGpu& /*gpu*/) {
   return std::make_unique<GaussianAuto>(sharedWithTree(cloud), qualityLevelNumbered(n));
 }
 

@@ -29,7 +29,8 @@ MethodEntry pinholeMethod() {
                    .summary = "no depth of field",
                    .source = "the traditional camera",
                    .gpu = true,
-                   .lod = true},
+                   .lod = true,
+                   .gpu_of_gaussians = true},
           .make = makeAs<PinholeMethod>,
           .make_of_gaussians = gaussianPinhole};
 }

@@ -72,7 +72,8 @@ MethodEntry sweepMethod() {
                    .max_n = 100,
                    .aberrations = true,
                    .gpu = true,
-                   .lod = true},
+                   .lod = true,
+                   .gpu_of_gaussians = true},
           .make = makeAs<SweepMethod>,
           .make_of_gaussians = gaussianSweep};
 }

@@ -39,7 +39,8 @@ MethodEntry sweepLodMethod() {
            .default_n = 7,
            .aberrations = true,
            .gpu = true,
-           .lod = true},
+           .lod = true,
+           .gpu_of_gaussians = true},
       .make = makeAs<SweepLodMethod>,
       .make_of_gaussians = gaussianSweepLod};
 }

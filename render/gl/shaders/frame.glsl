@@ -25,6 +25,7 @@ const int kWidest = kTile + 2 * kApron;  // samples along a tile's side, with th
 const int kGroup = 8;                    // samples along the side of a work group
 const int kGroupsASide = (kWidest + kGroup - 1) / kGroup;
 const float kHidden = 1.0 / 8192.0;
+const uint kFollowed = 256u;  // samples of a tile at most: `SampledErrors::kMost`
 const uint kNone = 0xFFFFFFFFu;
 const uint kSeveral = 65535u;  // bodies
 const float kWhole = 2.0;  // passed by a node whose surfels all render, at full weight

@@ -94,15 +94,21 @@ TEST(ViewSpread, SeesWhatLiesBehind) {
   EXPECT_GT(spread.standardErrors(grey)[0], 1.0f);
 }
 
+/// The sample at a place (`placeOf`).
+glm::ivec2 sampleAt(int samples, std::size_t place) {
+  const std::size_t square = place / kSquarePlaces, in_square = place % kSquarePlaces;
+  return {square % squaresOf(samples) * kSquare + in_square % kSquare,
+          square / squaresOf(samples) * kSquare + in_square / kSquare};
+}
+
 TEST(ViewSpread, FollowsSamplesInsideOfTheApron) {
   constexpr int kSamples = 8, kAprons = kSamples + 2 * kApron;
   ViewSpread spread;
   spread.begin(kAprons, kApron);
   for (const std::size_t place : spread.places()) {
-    const auto x = static_cast<int>(place % rowOf(kAprons));
-    const auto y = static_cast<int>(place / rowOf(kAprons));
-    EXPECT_GE(std::min(x, y), kApron);
-    EXPECT_LT(std::max(x, y), kAprons - kApron);
+    const glm::ivec2 sample = sampleAt(kAprons, place);
+    EXPECT_GE(std::min(sample.x, sample.y), kApron);
+    EXPECT_LT(std::max(sample.x, sample.y), kAprons - kApron);
   }
 }
 
@@ -124,8 +130,8 @@ TEST(ViewSpread, FollowsTheNearestSamplesOfALayerBehind) {
     behind.beginBehind(first, front, layer);
     ASSERT_EQ(behind.places().size(), first.places().size());
     for (std::size_t i = 0; i < first.places().size(); ++i) {
-      const auto at_px = static_cast<float>(first.places()[i] % rowOf(kTile)) + 0.5f;
-      const auto sample = static_cast<int>(behind.places()[i] % rowOf(layer.samples));
+      const auto at_px = static_cast<float>(sampleAt(kTile, first.places()[i]).x) + 0.5f;
+      const int sample = sampleAt(layer.samples, behind.places()[i]).x;
       const auto step = static_cast<float>(step_px);
       EXPECT_LE(std::abs(static_cast<float>(sample) * step - at_px), 0.5f * step);
     }
