@@ -106,8 +106,7 @@ MethodEntry accumulateMethod() {
                    .default_n = 200,
                    .aberrations = true,
                    .gpu = true,
-                   .lod = true,
-                   .gpu_of_gaussians = true},
+                   .lod = true},
           .make = makeAs<AccumulateMethod>,
           .make_of_gaussians = gaussianAccumulate};
 }

@@ -84,11 +84,9 @@ class SubAperturesMethod final : public GaussianEyeMethod {
     const std::vector<LensDisc>& discs = blurred ? discs_ : pinhole_;
     RenderStats stats = scene_.project(view, settings.defocus, discs, lod_);
     if (lod_ && blurred && !scene_.isOnGpu()) {
-      GaussianView& gaussians = scene_.onCpu();
-      gaussians.divide(true);
+      scene_.divide(true);
       const TileLens lens{.discs = &discs, .pairs = {&itself_, &itself_}};
-      stats.fragments =
-          gaussians.render([&](std::size_t) { return lens; }, settings.background, frame);
+      stats.add(scene_.render([&](std::size_t) { return lens; }, settings.background, frame));
     } else {
       stats.add(scene_.render(discs, settings.background, frame));
     }

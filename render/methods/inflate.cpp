@@ -210,7 +210,6 @@ MethodEntry inflateMethod() {
                .summary =
                    "splats' covariance grown by the blur, opacity scaled down, composited in order",
                .source = "Kerbl et al. 2023; Spark, PlayCanvas",
-               .gpu_of_gaussians = true,
                .variants = {"spark", "splat-transform"}},
       .make = makeAs<InflateMethod>,
       .make_of_gaussians = gaussianInflate};

@@ -2,6 +2,7 @@
 // Gaussians goes through this class.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -31,13 +32,25 @@ class LensGaussians {
   /// @return its stats
   RenderStats render(const std::vector<LensDisc>& discs, const glm::vec3& background, Frame& frame);
 
-  /// The Gaussians that `isOnGpu` leaves to the CPU (asserted).
-  GaussianView& onCpu();
+  /// The same with discs that each tile chooses for its layers (`GaussianView::render`). Goes on
+  /// with what the frame holds, on the GPU if it renders. `divide` comes before it.
+  RenderStats render(const ChooseLens& lens_of, const glm::vec3& background, Frame& frame,
+                     std::vector<SampledErrors>* errors = nullptr);
+
+  const std::vector<Tile>& tiles();
+  /// `GaussianView::divide`. On a GPU each tile has one layer.
+  const std::vector<TileLayers>& divide(bool several);
 
  private:
+  std::uint32_t firstOf(const std::vector<LensDisc>& discs);
+
   std::shared_ptr<const GaussianCloud> cloud_;
   GaussianView view_;
   std::optional<GpuGaussians> gpu_;
+  // Of the last render on the GPU: sets of discs, and all of them in a row.
+  std::vector<const std::vector<LensDisc>*> sets_;
+  std::vector<LensDisc> discs_;
+  std::vector<GpuGaussians::TileDiscs> of_tiles_;
 };
 
 }  // namespace foci

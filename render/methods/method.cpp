@@ -215,8 +215,9 @@ std::vector<std::string_view> methodsFor(const SurfelCloud& cloud) {
 }
 
 bool rendersOnGpu(std::string_view spec, const SurfelCloud& cloud) {
-  const MethodInfo& info = infoOf(spec);
-  return cloud.gaussians ? info.gpu_of_gaussians : info.gpu;
+  const Choice choice = parse(spec);
+  assert(choice.entry);
+  return cloud.gaussians ? choice.entry->make_of_gaussians != nullptr : choice.entry->info.gpu;
 }
 
 std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud,

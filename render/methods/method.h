@@ -132,13 +132,12 @@ struct MethodInfo {
   bool aberrations = false;
   /// Each render updates a part of the previous frame.
   bool incremental = false;
-  bool gpu = false;  ///< renders on a GPU too
+  bool gpu = false;  ///< renders surfaces on a GPU too
   /// Takes nodes of the tree in place of surfels (lod_splats.h, `pixelCutOf`), so that a frame
   /// takes memory for what it shows.
   bool lod = false;
-  /// Also renders scenes of Gaussians.
+  /// Also renders scenes of Gaussians, these also on a GPU.
   bool gaussians = false;
-  bool gpu_of_gaussians = false;  ///< renders these on a GPU too
   /// Names V of `name:V`, in place of a number; N is then their place in this list, from 1.
   std::vector<std::string_view> variants = {};
 };
@@ -186,7 +185,8 @@ bool isIncremental(std::string_view spec);
 /// `MethodInfo::lod` of the method.
 bool rendersByLevels(std::string_view spec);
 
-/// Whether a GPU can render the method in this scene: `MethodInfo::gpu` or `gpu_of_gaussians`.
+/// Whether a GPU can render the scene by the method: `MethodInfo::gpu`, or `gaussians` for a scene
+/// of these.
 bool rendersOnGpu(std::string_view spec, const SurfelCloud& cloud);
 
 /// Names of the methods that render the scene, in the order of `methods`.

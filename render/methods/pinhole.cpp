@@ -29,8 +29,7 @@ MethodEntry pinholeMethod() {
                    .summary = "no depth of field",
                    .source = "the traditional camera",
                    .gpu = true,
-                   .lod = true,
-                   .gpu_of_gaussians = true},
+                   .lod = true},
           .make = makeAs<PinholeMethod>,
           .make_of_gaussians = gaussianPinhole};
 }

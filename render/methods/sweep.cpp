@@ -72,8 +72,7 @@ MethodEntry sweepMethod() {
                    .max_n = 100,
                    .aberrations = true,
                    .gpu = true,
-                   .lod = true,
-                   .gpu_of_gaussians = true},
+                   .lod = true},
           .make = makeAs<SweepMethod>,
           .make_of_gaussians = gaussianSweep};
 }

@@ -39,8 +39,7 @@ MethodEntry sweepLodMethod() {
            .default_n = 7,
            .aberrations = true,
            .gpu = true,
-           .lod = true,
-           .gpu_of_gaussians = true},
+           .lod = true},
       .make = makeAs<SweepLodMethod>,
       .make_of_gaussians = gaussianSweepLod};
 }

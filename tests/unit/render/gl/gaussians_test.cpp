@@ -32,19 +32,26 @@ View middleOf(View view, int size_px) {
   return view;
 }
 
+/// A tolerance with which `auto` has one layer on the CPU, too.
+constexpr float kOneLayer_JND = 0.8f;
+
 TEST_F(GpuGaussianPicture, IsTheSameOnTheChart) {
   FOCI_NEEDS_GPU(gpu);
   bool any = false;
   for (const ChartScene& scene : planChart({.size_px = 384}).scenes) {
+    if (scene.id != "garden") continue;
     const SceneInView seen = scene.make();
-    if (!seen.cloud.gaussians) continue;
+    ASSERT_TRUE(seen.cloud.gaussians);
     any = true;
+    const View middle = middleOf(seen.view, 96);
     const double px_per_m = seen.largestBlurThrough_px(1e-3) / 1e-3;
     for (const double blur_px : {0.0, 4.0, 16.0}) {
-      SCOPED_TRACE(scene.id + ", " + std::to_string(blur_px) + " px");
-      for (const char* method : {"pinhole", "sweep:7", "accumulate:7"}) {
-        expectSamePicture(method, seen.cloud, middleOf(seen.view, 128),
-                          seen.settingsThrough(blur_px / px_per_m), gpu);
+      SCOPED_TRACE(blur_px);
+      RenderSettings settings = seen.settingsThrough(blur_px / px_per_m);
+      settings.quality.tolerance = kOneLayer_JND;
+      for (const char* method : {"pinhole", "sweep:7", "accumulate:7", "auto"}) {
+        if (blur_px != 4.0 && method != std::string("auto")) continue;
+        expectSamePicture(method, seen.cloud, middle, settings, gpu);
       }
     }
   }
@@ -59,12 +66,14 @@ TEST_P(GpuCapture, IsTheSame) {
     GTEST_SKIP() << "no " << captureNamed(GetParam()) << ": set FOCI_DATA";
   }
   const Captured capture(GetParam(), 256);
-  const View view = middleOf(capture.view, 128);
+  const View view = middleOf(capture.view, 96);
   for (const float blur_px : {4.0f, 12.0f}) {
     SCOPED_TRACE(blur_px);
     RenderSettings settings = capture.settings(blur_px);
     settings.depth = true;
-    for (const char* method : {"pinhole", "sweep:7", "accumulate:7"}) {
+    settings.quality.tolerance = kOneLayer_JND;
+    for (const char* method : {"pinhole", "sweep:7", "accumulate:7", "auto"}) {
+      if (blur_px == 12.0f && method != std::string("auto")) continue;
       expectSamePicture(method, capture.scene, view, settings, gpu);
     }
   }
@@ -126,17 +135,64 @@ TEST_F(GpuGaussianPicture, IsTheSameOfMergedGaussians) {
   }
 }
 
+TEST_F(GpuGaussianPicture, IsTheSameAtEveryQualityLevel) {
+  FOCI_NEEDS_GPU(gpu);
+  const SurfelCloud scene = sceneOf(walls());
+  for (std::size_t level = 1; level <= kQualityLevels; ++level) {
+    expectSamePicture("auto:" + std::to_string(level), scene, view, lens(16.0f, 0.5f), gpu);
+  }
+}
+
+// The views of a tile tell its error on the GPU, too. Rounds replace parts of the first image.
+TEST_F(GpuGaussianPicture, AutoPredictsTheSameError) {
+  FOCI_NEEDS_GPU(gpu);
+  const SurfelCloud scene = sceneOf(walls(24));
+  for (const float focus_D : {0.5f, 0.8f, 3.0f}) {
+    for (const float tolerance : {0.1f, kOneLayer_JND}) {
+      SCOPED_TRACE(focus_D);
+      RenderSettings settings = lens(16.0f, focus_D);
+      settings.depth = true;
+      settings.quality.tolerance = tolerance;
+      expectSamePicture("auto", scene, view, settings, gpu);
+      Frame by_cpu, by_gpu;
+      const RenderStats cpu = makeMethod("auto", scene)->render(view, settings, by_cpu);
+      const RenderStats its = makeMethod("auto", scene, gpu)->render(view, settings, by_gpu);
+      ASSERT_TRUE(cpu.tolerance_error && its.tolerance_error);
+      EXPECT_GT(*cpu.tolerance_error, 0.0);
+      EXPECT_NEAR(*its.tolerance_error, *cpu.tolerance_error, 0.02 * *cpu.tolerance_error);
+    }
+  }
+}
+
 TEST_F(GpuGaussianPicture, HasTheSameBytesEachTime) {
   FOCI_NEEDS_GPU(gpu);
   const SurfelCloud scene = sceneOf(walls());
-  const auto method = makeMethod("sweep-lod:7", scene, gpu);
-  Frame first, second, another;
-  method->render(view, lens(12.0f, 0.5f), first);
-  method->render(view, lens(3.0f, 1.0f), second);  // leaves other content in the buffers
-  method->render(view, lens(12.0f, 0.5f), second);
-  makeMethod("sweep-lod:7", scene, gpu)->render(view, lens(12.0f, 0.5f), another);
-  EXPECT_EQ(first.rgba, second.rgba);
-  EXPECT_EQ(first.rgba, another.rgba);
+  for (const char* spec : {"sweep-lod:7", "auto"}) {
+    const auto method = makeMethod(spec, scene, gpu);
+    Frame first, second, another;
+    method->render(view, lens(12.0f, 0.5f), first);
+    method->render(view, lens(3.0f, 1.0f), second);  // leaves other content in the buffers
+    method->render(view, lens(12.0f, 0.5f), second);
+    makeMethod(spec, scene, gpu)->render(view, lens(12.0f, 0.5f), another);
+    EXPECT_EQ(first.rgba, second.rgba) << spec;
+    EXPECT_EQ(first.rgba, another.rgba) << spec;
+    const auto clone = method->cloneSharingScene();
+    if (!clone) continue;
+    clone->render(view, lens(12.0f, 0.5f), another);
+    EXPECT_EQ(first.rgba, another.rgba) << spec;
+  }
+}
+
+TEST_F(GpuGaussianPicture, OfAnEmptySceneIsTheBackground) {
+  FOCI_NEEDS_GPU(gpu);
+  const SurfelCloud nothing = sceneOf({});
+  RenderSettings settings = lens(12.0f, 0.5f);
+  settings.background = glm::vec3(0.25f, 0.5f, 0.75f);
+  Frame frame;
+  makeMethod("sweep:7", nothing, gpu)->render(view, settings, frame);
+  for (const glm::vec4& pixel : frame.rgba) {
+    ASSERT_LT(glm::length(pixel - glm::vec4(0.25f, 0.5f, 0.75f, 0.0f)), 1e-5f);
+  }
 }
 
 TEST_F(GpuGaussianPicture, OfLargerArraysHasTheSameBytes) {
