@@ -15,6 +15,16 @@
 #include "render/image/srgb.h"
 
 namespace foci {
+namespace {
+
+template <typename T>
+std::vector<T> readArray(const GpuBuffer& buffer, std::size_t count) {
+  std::vector<T> values(count);
+  buffer.read(0, count * sizeof(T), values.data());
+  return values;
+}
+
+}  // namespace
 
 class GpuGaussians::Pipeline {
  public:
@@ -156,15 +166,10 @@ const GpuGaussians::Tiles& GpuGaussians::Pipeline::tiles() {
   stages_.bind("gaussian_blurs", {},
                {&common.lists, &common.ranges, &common.keys, &own_.projected_b, &own_.radii});
   GpuFrameStages::dispatch(count);
-  const auto read = [&]<typename T>(const GpuBuffer& buffer, std::vector<T> values) {
-    values.resize(count);
-    buffer.read(0, count * sizeof(T), values.data());
-    return values;
-  };
-  const auto squares = read(common.tiles, std::vector<glm::ivec4>{});
-  const auto largest = read(common.blurs, std::vector<float>{});
-  const auto radii = read(own_.radii, std::vector<float>{});
-  const auto ranges = read(common.ranges, std::vector<glm::uvec2>{});
+  const auto squares = readArray<glm::ivec4>(common.tiles, count);
+  const auto largest = readArray<float>(common.blurs, count);
+  const auto radii = readArray<float>(own_.radii, count);
+  const auto ranges = readArray<glm::uvec2>(common.ranges, count);
   device_->check();
   tiles_.emplace();
   cells_.clear();
@@ -274,8 +279,7 @@ GpuStats GpuGaussians::Pipeline::render(std::span<const LensDisc> discs,
 
 void GpuGaussians::Pipeline::readErrors(std::span<const TileDiscs> tiles,
                                         std::vector<SampledErrors>& errors) {
-  std::vector<float> of_cells(stages_.tileCount() * SampledErrors::kMost);
-  own_.errors.read(0, of_cells.size() * sizeof(float), of_cells.data());
+  const auto of_cells = readArray<float>(own_.errors, stages_.tileCount() * SampledErrors::kMost);
   device_->check();
   errors.resize(tiles.size());
   ViewSpread spread;

@@ -40,19 +40,21 @@ class GpuGaussians {
   GpuStats render(std::span<const LensDisc> discs, const glm::vec3& background, bool depth,
                   std::shared_ptr<GpuImage>& image);
 
-  /// The tiles of the projected view, each as one layer with its blur. By the tile, of those below.
+  /// The tiles of a projected view, each as one layer with its blur.
   struct Tiles {
     std::vector<Tile> tiles;
-    std::vector<TileLayers> layers;
+    std::vector<TileLayers> layers;  ///< by tile
   };
+  /// Of the view that was projected last. Reads them from the GPU once.
   const Tiles& tiles();
 
-  /// Renders tiles through discs of their own, `first` to `first + count`, in the same way. A tile
-  /// keeps its image for `count` = 0. `weight` is that of the new image over what `image` holds.
+  /// What a tile is rendered through.
   struct TileDiscs {
-    std::uint32_t first = 0, count = 0;
-    float weight = 1.0f;
+    std::uint32_t first = 0, count = 0;  ///< of all discs; none: the image keeps the tile as it is
+    float weight = 1.0f;  ///< of the tile's new image; that of the present is the rest
   };
+  /// Renders each tile through discs of its own. `tiles()` comes before it.
+  /// @param tiles   by tile
   /// @param image   null: a new one
   /// @param errors  of the tiles that are rendered through more than one disc; null: not wanted
   GpuStats render(std::span<const LensDisc> discs, std::span<const TileDiscs> tiles,

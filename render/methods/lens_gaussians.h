@@ -2,6 +2,7 @@
 // Gaussians goes through this class.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>

@@ -4,6 +4,7 @@
 #include "app/evaluation/chart/plan.h"
 #include "render/gl/gaussian_scene.h"
 #include "render/scene/gaussian_tree.h"
+#include "render/scene/joined_scene.h"
 #include "tests/unit/render/captured_scenes.h"
 #include "tests/unit/render/gl/same_picture.h"
 #include "tests/unit/render/gl/test_device.h"
@@ -122,6 +123,20 @@ TEST_F(GpuGaussianPicture, IsTheSameThroughAnEyeWithAberrationsInThreeColours) {
   }
 }
 
+TEST_F(GpuGaussianPicture, IsTheSameOfSurfacesAndGaussiansTogether) {
+  FOCI_NEEDS_GPU(gpu);
+  SurfelCloud sheet;
+  addSheet(sheet, 1.4f, 0.8f, 20, {0.7f, 0.7f, 0.1f}, 0.2f);
+  const SurfelCloud scene = joined(sceneOf(walls()), std::move(sheet), "sheet");
+  ASSERT_TRUE(scene.gaussians);
+  ASSERT_GT(scene.gaussians->size(), walls().size());
+  for (const char* method : {"sweep:7", "auto"}) {
+    RenderSettings settings = lens(12.0f, 0.8f);
+    settings.quality.tolerance = kOneLayer_JND;
+    expectSamePicture(method, scene, view, settings, gpu);
+  }
+}
+
 // A cut of merged Gaussians, with fewer samples where all is blurred. A scene that is blurred
 // everywhere has one layer on the CPU, too.
 TEST_F(GpuGaussianPicture, IsTheSameOfMergedGaussians) {
@@ -153,11 +168,9 @@ TEST_F(GpuGaussianPicture, AutoPredictsTheSameError) {
       RenderSettings settings = lens(16.0f, focus_D);
       settings.depth = true;
       settings.quality.tolerance = tolerance;
-      expectSamePicture("auto", scene, view, settings, gpu);
-      Frame by_cpu, by_gpu;
-      const RenderStats cpu = makeMethod("auto", scene)->render(view, settings, by_cpu);
-      const RenderStats its = makeMethod("auto", scene, gpu)->render(view, settings, by_gpu);
-      ASSERT_TRUE(cpu.tolerance_error && its.tolerance_error);
+      const auto [cpu, its] = expectSamePicture("auto", scene, view, settings, gpu);
+      ASSERT_TRUE(cpu.tolerance_error.has_value());
+      ASSERT_TRUE(its.tolerance_error.has_value());
       EXPECT_GT(*cpu.tolerance_error, 0.0);
       EXPECT_NEAR(*its.tolerance_error, *cpu.tolerance_error, 0.02 * *cpu.tolerance_error);
     }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -30,8 +31,13 @@ inline double shareAlike(const Frame& a, const Frame& b) {
   return static_cast<double>(alike) / static_cast<double>(a.rgba.size());
 }
 
-inline void expectSamePicture(const std::string& method, const SurfelCloud& cloud, const View& view,
-                              const RenderSettings& settings, const SharedGpu& gpu) {
+struct SamePicture {
+  RenderStats cpu, gpu;
+};
+
+inline SamePicture expectSamePicture(const std::string& method, const SurfelCloud& cloud,
+                                     const View& view, const RenderSettings& settings,
+                                     const SharedGpu& gpu) {
   Frame by_cpu, by_gpu;
   const RenderStats cpu = makeMethod(method, cloud)->render(view, settings, by_cpu);
   const RenderStats gpu_stats = makeMethod(method, cloud, gpu)->render(view, settings, by_gpu);
@@ -40,16 +46,19 @@ inline void expectSamePicture(const std::string& method, const SurfelCloud& clou
   EXPECT_EQ(cpu.quality_level, gpu_stats.quality_level) << method;
   EXPECT_GT(gpu_stats.fragments, 0u) << method;
   EXPECT_FALSE(cpu.gpu) << method;
-  ASSERT_TRUE(gpu_stats.gpu) << method;
-  EXPECT_GT(gpu_stats.gpu->stage_ms.at(static_cast<std::size_t>(GpuStage::composite)), 0.0);
-  ASSERT_EQ(by_gpu.depth_m.size(), by_cpu.depth_m.size());
+  EXPECT_TRUE(gpu_stats.gpu) << method;
+  EXPECT_GT(
+      gpu_stats.gpu.value_or(GpuTimes{}).stage_ms.at(static_cast<std::size_t>(GpuStage::composite)),
+      0.0);
+  EXPECT_EQ(by_gpu.depth_m.size(), by_cpu.depth_m.size());
   std::size_t apart = 0;
-  for (std::size_t p = 0; p < by_cpu.depth_m.size(); ++p) {
+  for (std::size_t p = 0; p < std::min(by_cpu.depth_m.size(), by_gpu.depth_m.size()); ++p) {
     apart += std::abs(by_cpu.depth_m[p] - by_gpu.depth_m[p]) > 0.01f * by_cpu.depth_m[p] + 1e-4f;
   }
   EXPECT_LE(static_cast<double>(apart),
             (1.0 - kShare) * static_cast<double>(by_cpu.depth_m.size()) + 1.0)
       << method;
+  return {cpu, gpu_stats};
 }
 
 }  // namespace foci
