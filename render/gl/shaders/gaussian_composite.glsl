@@ -1,20 +1,9 @@
 // Composites the Gaussians of a tile front to back, as one disc of the lens sees them, one thread a
-// sample: what render/gaussians/composite_tile-inl.h does. A work group is a square of
-// kGroup x kGroup samples. It takes the tile's Gaussians in batches and keeps those that touch its
-// samples. One dispatch adds the `disc`-th disc of each tile to the tile's mean.
-layout(local_size_x = kGroup, local_size_y = kGroup) in;
+// sample: what render/gaussians/composite_tile-inl.h does. One dispatch adds the `disc`-th disc of each tile to the tile's mean.
 
-layout(std430, binding = 0) readonly buffer Work { uint work_items[]; };
-layout(std430, binding = 1) readonly buffer Tiles { ivec4 tiles[]; };
 layout(std430, binding = 2) readonly buffer Lenses { uvec2 lens_of[]; };  // by tile: first disc, number
-layout(std430, binding = 3) readonly buffer Ranges { uvec2 range[]; };
-layout(std430, binding = 4) readonly buffer Lists { uvec2 list[]; };
 layout(std430, binding = 5) readonly buffer ProjectedA { vec4 projected_a[]; };
 layout(std430, binding = 6) readonly buffer ProjectedB { vec4 projected_b[]; };
-layout(std430, binding = 8) buffer Samples { vec4 samples[]; };
-#ifdef DEPTH
-layout(std430, binding = 9) buffer Depths { float depths[]; };
-#endif
 layout(std430, binding = 10) readonly buffer Discs { vec4 discs[]; };  // centre, radius; lens radii
 #ifdef FOLLOW
 // Three vectors each: light of the first view, then of all views less that the sums and the sums of
@@ -25,13 +14,10 @@ layout(std430, binding = 11) buffer Follows { vec4 followed[]; };
 layout(location = 0) uniform uint disc;
 layout(location = 1) uniform vec3 background;  // display values
 
-const uint kBatch = uint(kGroup * kGroup);
 const float kDisc = 0.25;  // kDiscVariancePerRadius2
 const float kLowPass_px2 = 0.3, kMaxAlpha = 0.99, kOpaque = 1e-4;
 const float kLog2E = 1.44269504, kMaxExponent = 60.0;
 
-shared uint touching[2];
-shared uint translucent, fragments;
 // By Gaussian of the batch: centre, qa, qb; qc, end, peak, distance; colour.
 shared vec4 form[kBatch], shape[kBatch];
 shared vec3 look[kBatch];
@@ -100,57 +86,35 @@ void follow(uint index, ivec2 here, int side, int apron, vec3 light) {
 #endif
 
 void main() {
-  uint item = work_items[gl_WorkGroupID.x];
-  uint index = item >> 6, part = item & 63u;
-  uvec2 lens_range = lens_of[index];
-  if (disc >= lens_range.y) return;
-  vec3 lens = discs[lens_range.x + disc].xyz;
-  ivec4 tile = tiles[index];
-  int side = samplesOf(tile), groups = (side + kGroup - 1) / kGroup;
-  ivec2 corner = kGroup * ivec2(int(part) % groups, int(part) / groups);
-  ivec2 here = corner + ivec2(gl_LocalInvocationID.xy);
-  bool exists = all(lessThan(here, ivec2(side)));
-  float step_px = float(tile.w), apron = tile.w > 1 ? float(kApron) : 0.0;
-  vec2 origin = vec2(tile.xy) + step_px * (0.5 - apron);
-  vec2 at = origin + step_px * vec2(here), first_px = origin + step_px * vec2(corner);
-  vec2 last_px = origin + step_px * vec2(min(corner + kGroup, ivec2(side)) - 1);
-  uvec2 entries = min(range[index], uvec2(room.y));
-
-  uint me = gl_LocalInvocationIndex, counted = 0u, rounds = 0u;
-  float through = exists ? 1.0 : 0.0;
+  Square group = squareOf(work_items[gl_WorkGroupID.x]);
+  uvec2 lenses = lens_of[group.tile];
+  if (disc >= lenses.y) return;
+  vec3 lens = discs[lenses.x + disc].xyz;
+  float through = group.exists ? 1.0 : 0.0, weighted_m = 0.0;
   vec3 display = vec3(0.0);
-  float weighted_m = 0.0;
-  if (me == 0u) fragments = 0u;
-  for (uint e = entries.x; e < entries.y; e += kBatch) {
-    barrier();
-    if (me < 2u) touching[me] = 0u;
-    if (me == 0u) translucent = 0u;
-    barrier();
-    bool mine = e + me < entries.y;
-    uint slot = 0u;
+  for (uint e = group.entries.x; e < group.entries.y; e += kBatch) {
+    beginBatch();
+    uint entry = e + gl_LocalInvocationIndex, slot = 0u;
+    bool mine = entry < group.entries.y;
     Seen seen;
     if (mine) {
-      slot = list[e + me].y;
+      slot = list[entry].y;
       seen = see(slot, lens);
-      mine = all(greaterThanEqual(seen.form.xy + seen.reach_px, first_px)) &&
-             all(lessThanEqual(seen.form.xy - seen.reach_px, last_px));
+      mine = all(greaterThanEqual(seen.form.xy + seen.reach_px, group.first_px)) &&
+             all(lessThanEqual(seen.form.xy - seen.reach_px, group.last_px));
     }
-    if (mine) atomicOr(touching[me >> 5], 1u << (me & 31u));
-    if (through > kOpaque) atomicAdd(translucent, 1u);
-    barrier();
-    if (translucent == 0u) break;
+    if (!markBatch(mine, through > kOpaque)) break;
     if (mine) {
-      uint below = touching[me >> 5] & ((1u << (me & 31u)) - 1u);
-      uint n = uint(bitCount(below)) + (me >= 32u ? uint(bitCount(touching[0])) : 0u);
+      uint n = placeInBatch();
       form[n] = seen.form;
       shape[n] = seen.shape;
       look[n] = projected_b[2u * slot + 1u].rgb;
     }
     barrier();
-    uint count = uint(bitCount(touching[0]) + bitCount(touching[1])), n = 0u;
+    uint count = batchSize(), n = 0u;
     for (; n < count && through > kOpaque; ++n) {
       vec4 a = form[n], k = shape[n];
-      vec2 d = at - a.xy;
+      vec2 d = group.at_px - a.xy;
       float q = (a.z * d.x + a.w * d.y) * d.x + k.x * d.y * d.y;
       if (!(q < k.y)) continue;
       ++counted;
@@ -162,24 +126,18 @@ void main() {
     rounds += n + 1u;
   }
 
-  if (exists) {
-    uint to = index * uint(kWidest * kWidest) + uint(here.y * kWidest + here.x);
-    float share = 1.0 / float(lens_range.y);
+  if (group.exists) {
+    float share = 1.0 / float(lenses.y);
     vec3 light = linearOf(display + through * background);
     vec4 value = share * vec4(light, 1.0 - through);
+    uint to = group.to;
     samples[to] = disc == 0u ? value : samples[to] + value;
 #ifdef DEPTH
     depths[to] = disc == 0u ? share * weighted_m : depths[to] + share * weighted_m;
 #endif
 #ifdef FOLLOW
-    follow(index, here, side, tile.w > 1 ? kApron : 0, light);
+    follow(group.tile, group.here, group.side, tiles[group.tile].w > 1 ? kApron : 0, light);
 #endif
   }
-  if (rounds > sweep_rounds) atomicMax(sweep_rounds, rounds);
-  barrier();
-  atomicAdd(fragments, counted);
-  barrier();
-  if (me != 0u) return;
-  uint sum = atomicAdd(fragments_low, fragments);
-  if (sum + fragments < sum) atomicAdd(fragments_high, 1u);
+  finishSquare();
 }

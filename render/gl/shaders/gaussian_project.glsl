@@ -1,6 +1,5 @@
 // Projects Gaussians and nodes of the cut: what render/gaussians/projected.cpp does, which has the
 // formulas. One thread an entry. DEGREE is that of the harmonics.
-layout(local_size_x = 64) in;
 
 #ifdef CUT
 layout(std430, binding = 0) readonly buffer Entries { uvec2 entries[]; };
@@ -19,19 +18,13 @@ layout(std430, binding = 6) readonly buffer NodeHarmonics { uint node_harmonics[
 // Two vectors each: (x, y, vxx, vxy), (vyy, sx, sy, e); (off_D, opacity, cut, distance), (colour, 0).
 layout(std430, binding = 4) writeonly buffer ProjectedA { vec4 projected_a[]; };
 layout(std430, binding = 8) writeonly buffer ProjectedB { vec4 projected_b[]; };
-layout(std430, binding = 5) writeonly buffer Keys { uvec4 keys[]; };
 layout(std430, binding = 9) readonly buffer Sizes { vec2 sizes[]; };  // max_radius, aperture
 
 // Of both arrays the shader sees a window: first node, number, first Gaussian, number.
 layout(location = 0) uniform uvec4 window;
 layout(location = 1) uniform int size_count;
 
-// Of the work group: bits of the depths, and how many Gaussians there are.
-shared uint near_bits, far_bits, splat_count;
-
 const float kFieldMargin = 1.3, kSigmaPerBlur = 0.3, kLowPass_px2 = 0.3, kMinAlpha = 1.0 / 255.0;
-const float kDisc = 0.25;  // kDiscVariancePerRadius2
-const float kSigmasAStep = 0.7;
 
 struct Gaussian {
   vec3 position, colour;
@@ -104,12 +97,6 @@ vec2 blurRadius_px(float off_D) {
                            length(vec2(off_D + focus.y, focus.z)));
 }
 
-uint stepOf(float sigma_px) {
-  uint log2_step = 3u;
-  while (log2_step > 0u && !(sigma_px >= kSigmasAStep * float(1u << log2_step))) --log2_step;
-  return log2_step;
-}
-
 void projectEntry(uint slot) {
 #ifdef CUT
   uint index = entries[slot].x;
@@ -120,7 +107,7 @@ void projectEntry(uint slot) {
 #endif
   uint i = index - (is_node ? window.x : window.z);  // wraps around before the window
   if (i >= (is_node ? window.y : window.w)) return;
-  keys[slot] = uvec4(0u, 1u, 0u, 0u);  // x0 > x1: nothing to render
+  writeNoKey(slot);
   Gaussian g;
 #ifdef CUT
   if (is_node) g = GAUSSIAN_OF(node, 4u * i);
@@ -175,10 +162,8 @@ void projectEntry(uint slot) {
   if (!(all(greaterThanEqual(high, vec2(0.0))) && all(lessThan(low, image)))) return;
   uvec2 first = uvec2(clamp(low, vec2(0.0), image - 1.0));
   uvec2 last = uvec2(clamp(high, vec2(0.0), image - 1.0));
-  uint log2_step = stepOf(blurs ? kSigmaPerBlur * min(blur.x, blur.y) : 0.0);
-  uint bits = floatBitsToUint(depth);
-  keys[slot] = uvec4(bits, first.x | last.x << 15 | log2_step << 30, first.y | last.y << 15,
-                     floatBitsToUint(max(blur.x, blur.y)));
+  writeKey(slot, depth, first, last,
+           log2StepFor(blurs ? kSigmaPerBlur * min(blur.x, blur.y) : 0.0), max(blur.x, blur.y));
 
   vec3 colour = g.colour;
 #if DEGREE > 0
@@ -188,22 +173,4 @@ void projectEntry(uint slot) {
   projected_a[2u * slot + 1u] = vec4(vyy, dot(sx, gradient), dot(sy, gradient), e);
   projected_b[2u * slot] = vec4(focus.x - 1.0 / distance_m, opacity, end, distance_m);
   projected_b[2u * slot + 1u] = vec4(max(colour, 0.0), 0.0);
-  atomicMin(near_bits, bits);
-  atomicMax(far_bits, bits);
-  atomicAdd(splat_count, 1u);
-}
-
-void main() {
-  if (gl_LocalInvocationIndex == 0u) {
-    near_bits = kNone;
-    far_bits = splat_count = 0u;
-  }
-  barrier();
-  uint slot = gl_GlobalInvocationID.x;
-  if (slot < min(cut_entries, uint(room.x))) projectEntry(slot);
-  barrier();
-  if (gl_LocalInvocationIndex != 0u || splat_count == 0u) return;
-  if (near_bits < nearest) atomicMin(nearest, near_bits);
-  if (far_bits > farthest) atomicMax(farthest, far_bits);
-  atomicAdd(splats, splat_count);
 }
