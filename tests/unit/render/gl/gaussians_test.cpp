@@ -141,12 +141,15 @@ TEST_F(GpuGaussianPicture, IsTheSameOfSurfacesAndGaussiansTogether) {
 // everywhere has one layer on the CPU, too.
 TEST_F(GpuGaussianPicture, IsTheSameOfMergedGaussians) {
   FOCI_NEEDS_GPU(gpu);
-  GaussianCloud cloud = withTree(walls(48));
-  cloud.degree = 0;
+  const SurfelCloud scene = sceneOf(withTree(walls(96)));
   RenderSettings settings = lens(30.0f, 3.0f);
   settings.depth = true;
   for (const char* method : {"sweep-lod", "sweep-lod:7"}) {
-    expectSamePicture(method, sceneOf(cloud), squareView(160, 160.0f), settings, gpu);
+    const auto [cpu, its] =
+        expectSamePicture(method, scene, squareView(160, 160.0f), settings, gpu);
+    EXPECT_LT(its.splats, scene.gaussians->size() / 2);
+    EXPECT_NEAR(static_cast<double>(its.splats), static_cast<double>(cpu.splats),
+                0.01 * static_cast<double>(cpu.splats));
   }
 }
 
