@@ -22,7 +22,7 @@ std::string typed(const MethodInfo& method) {
   return text;
 }
 
-/// Four columns: name, whether a GPU renders it, summary, source.
+/// Four columns: name, whether a GPU renders surfaces by it, summary, source.
 void printMethodTable() {
   std::size_t name_width = 0, summary_width = 0;
   for (const MethodInfo& method : methods()) {
@@ -56,9 +56,9 @@ void printMethodJson() {
 }  // namespace
 
 void addMethodsCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "methods",
-      "List the depth-of-field methods, each with its source; GPU: a GPU renders it, too.");
+  CLI::App* command = app.add_subcommand("methods",
+                                         "List the depth-of-field methods, each with its source; "
+                                         "GPU: a GPU renders surfaces by it, too.");
   const auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "print the list as JSON");
   command->callback([json] { *json ? printMethodJson() : printMethodTable(); });

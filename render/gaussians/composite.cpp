@@ -20,6 +20,20 @@ HWY_EXPORT(compositeTileLanes);
 HWY_EXPORT(compositeBehindLanes);
 HWY_EXPORT(interpolateBehindLanes);
 
+std::vector<SubApertureSize> subApertureSizes(const std::vector<LensDisc>& discs) {
+  std::vector<SubApertureSize> sizes;
+  for (const LensDisc& disc : discs) {
+    const SubApertureSize each{glm::length(disc.centre), disc.radius};
+    // Of discs of one size, the farthest from the middle bounds the others.
+    if (sizes.empty() || sizes.back().aperture != each.aperture) {
+      sizes.push_back(each);
+    } else {
+      sizes.back().max_radius = std::max(sizes.back().max_radius, each.max_radius);
+    }
+  }
+  return sizes;
+}
+
 void TileGaussians::begin(const ProjectedGaussian* gaussians, std::span<const std::uint32_t> list) {
   gaussians_ = gaussians;
   list_ = list;

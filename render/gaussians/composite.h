@@ -59,6 +59,9 @@ struct LensDisc {
   float radius = 0.0f;
 };
 
+/// Bounds of the discs.
+std::vector<SubApertureSize> subApertureSizes(const std::vector<LensDisc>& discs);
+
 /// A tile's Gaussians, front to back, as far as any sub-aperture has needed them. In blocks of
 /// kBlock entries: each of the numbers below is kBlock floats.
 class TileGaussians {

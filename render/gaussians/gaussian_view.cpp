@@ -16,18 +16,9 @@ void GaussianView::project(const View& view, const Defocus& defocus,
   defocus_ = defocus;
   size_px_ = view.size_px;
   layers_.clear();
-  std::vector<SubApertureSize> sizes;
-  for (const LensDisc& disc : discs) {
-    const SubApertureSize each{glm::length(disc.centre), disc.radius};
-    // Of discs of one size, the farthest from the middle bounds the others.
-    if (sizes.empty() || sizes.back().aperture != each.aperture) {
-      sizes.push_back(each);
-    } else {
-      sizes.back().max_radius = std::max(sizes.back().max_radius, each.max_radius);
-    }
-  }
   if (lod) selectCut(*cloud_, view, defocus, *lod, cut_);
-  projectGaussians(*cloud_, lod ? &cut_ : nullptr, view, defocus, sizes, projected_);
+  projectGaussians(*cloud_, lod ? &cut_ : nullptr, view, defocus, subApertureSizes(discs),
+                   projected_);
   lists_.build(projected_.chunks, view.size_px, lod != nullptr);
 }
 

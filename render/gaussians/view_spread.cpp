@@ -20,8 +20,8 @@ glm::vec3 lightOver(const SeenLight& seen, const BehindSample& behind) {
   return light + seen.a * seen.a * behind.light;
 }
 
-/// The polynomials of degree one and two in the discs' centres, orthonormal over the discs and to
-/// the constant: as many as the discs tell apart. By polynomial, then disc.
+}  // namespace
+
 std::vector<std::vector<float>> polynomialsOver(std::span<const LensDisc> discs) {
   using Polynomial = float (*)(const glm::vec2&);
   constexpr std::array<Polynomial, 6> kPolynomials{
@@ -51,7 +51,34 @@ std::vector<std::vector<float>> polynomialsOver(std::span<const LensDisc> discs)
   return basis;
 }
 
-}  // namespace
+std::array<float, SampledErrors::kMost> errorsOfMean(std::span<const SpreadSquares> samples,
+                                                     std::size_t discs, std::size_t polynomials,
+                                                     float radius_px) {
+  assert(discs >= 3 && samples.size() <= SampledErrors::kMost);
+  const auto n = static_cast<float>(discs);
+  const float free = n - 1.0f - static_cast<float>(polynomials);
+  float all = 0.0f, rest = 0.0f;
+  for (const SpreadSquares& each : samples) {
+    all += each.all;
+    rest += each.rest;
+  }
+  std::array<float, SampledErrors::kMost> errors{};
+  if (free == 0.0f) {
+    constexpr float kOfThree = 1.3f, kSmooth_px = 3.4f;
+    const float share = kOfThree * radius_px / (radius_px + kSmooth_px);
+    std::ranges::transform(samples, errors.begin(), [&](const SpreadSquares& each) {
+      return share * std::sqrt(each.all / (n * (n - 1.0f)));
+    });
+    return errors;
+  }
+  // (R / S)^2 of the tile.
+  const float rough = rest / free * (n - 1.0f) / std::max(all, 1e-20f);
+  const float share = 1.08f * std::min(std::pow(n / 19.0f, -0.18f), 1.0f) * std::pow(rough, 0.75f);
+  std::ranges::transform(samples, errors.begin(), [&](const SpreadSquares& each) {
+    return share * std::sqrt(each.rest / (n * free));
+  });
+  return errors;
+}
 
 void ViewSpread::begin(int samples, int apron) {
   const int apart = apron > 0 ? 2 : 4;
@@ -93,44 +120,32 @@ std::span<SeenLight> ViewSpread::next() {
 std::array<float, SampledErrors::kMost> ViewSpread::errorsOfMean(
     std::span<const LensDisc> discs, float radius_px, std::span<const BehindSample> behind) const {
   assert(views() >= 3 && discs.size() == views() && behind.size() == places_.size());
-  const auto n = static_cast<float>(views());
   const std::vector<std::vector<float>> basis = polynomialsOver(discs);
-  const float free = n - 1.0f - static_cast<float>(basis.size());
-  std::array<float, SampledErrors::kMost> spread2{}, rest2{};
+  std::array<SpreadSquares, SampledErrors::kMost> samples;
   std::vector<glm::vec3> apart(views());
   for (std::size_t i = 0; i < places_.size(); ++i) {
     glm::vec3 mean(0.0f);
     for (std::size_t view = 0; view < apart.size(); ++view) {
       apart[view] = lightOver(seen_[view * places_.size() + i], behind[i]);
-      mean += apart[view] / n;
+      mean += apart[view] / static_cast<float>(views());
     }
     const glm::mat3 jnd = visibleDifferencePerLight(mean);
-    float all2 = 0.0f, smooth2 = 0.0f;
     for (glm::vec3& each : apart) {
       each = jnd * (each - mean);
-      all2 += glm::dot(each, each);
+      samples[i].all += glm::dot(each, each);
     }
+    float smooth = 0.0f;
     for (const std::vector<float>& polynomial : basis) {
       glm::vec3 along(0.0f);
       for (std::size_t view = 0; view < apart.size(); ++view) {
         along += polynomial[view] * apart[view];
       }
-      smooth2 += glm::dot(along, along);
+      smooth += glm::dot(along, along);
     }
-    spread2[i] = all2 / (n * (n - 1.0f));
-    if (free > 0.0f) rest2[i] = std::max(all2 - smooth2, 0.0f) / (n * free);
+    samples[i].rest = std::max(samples[i].all - smooth, 0.0f);
   }
-  constexpr float kOfThree = 1.3f, kSmooth_px = 3.4f;
-  const float spread = std::accumulate(spread2.begin(), spread2.end(), 0.0f);
-  const float rest = std::accumulate(rest2.begin(), rest2.end(), 0.0f);
-  const float share = free > 0.0f ? 1.08f * std::min(std::pow(n / 19.0f, -0.18f), 1.0f) *
-                                        std::pow(rest / std::max(spread, 1e-20f), 0.75f)
-                                  : kOfThree * radius_px / (radius_px + kSmooth_px);
-  std::array<float, SampledErrors::kMost> errors{};
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    errors[i] = share * std::sqrt(free > 0.0f ? rest2[i] : spread2[i]);
-  }
-  return errors;
+  return foci::errorsOfMean(std::span(samples).first(places_.size()), views(), basis.size(),
+                            radius_px);
 }
 
 float ViewSpread::transmittance(std::size_t place) const {

@@ -21,6 +21,23 @@ struct SampledErrors {
   std::size_t count = 0;
 };
 
+/// The polynomials of degree one and two in the discs' centres, orthonormal over the discs and to
+/// the constant: as many as the discs tell apart, at most five. By polynomial, then disc.
+std::vector<std::vector<float>> polynomialsOver(std::span<const LensDisc> discs);
+
+/// Of the views at a sample, in just-noticeable differences from their mean.
+struct SpreadSquares {
+  float all = 0.0f;   ///< sum of squares
+  float rest = 0.0f;  ///< the same without what is polynomial
+};
+
+/// The error of the mean of views (`ViewSpread::errorsOfMean`), by sample.
+/// @param discs        at least three (asserted)
+/// @param polynomials  that they tell apart
+std::array<float, SampledErrors::kMost> errorsOfMean(std::span<const SpreadSquares> samples,
+                                                     std::size_t discs, std::size_t polynomials,
+                                                     float radius_px);
+
 /// What lies behind a sample, the same for all views.
 struct BehindSample {
   glm::vec3 display{0.0f};  ///< display value

@@ -118,6 +118,8 @@ unsigned GpuDevice::program(const std::string& stage, const std::string& defines
     parts.push_back(shaderSource("frame"));
     parts.push_back(shaderSource("totals"));
   }
+  if (stage == "project" || stage == "gaussian_project") parts.push_back(shaderSource("keys"));
+  if (stage == "sweep" || stage == "gaussian_composite") parts.push_back(shaderSource("batches"));
   if (stage == "sweep") parts.push_back(shaderSource("layers"));
   parts.push_back(shaderSource(stage));
   std::vector<const char*> texts;

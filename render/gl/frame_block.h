@@ -1,6 +1,7 @@
 // The parameters of a frame, as shaders/frame.glsl lays them out (std140).
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 
 #include "render/gl/splats.h"
@@ -29,6 +30,13 @@ struct GpuTotals {
   glm::uvec4 sweep_groups[3] = {{0, 1, 1, 0}, {0, 1, 1, 0}, {0, 1, 1, 0}};
 };
 static_assert(sizeof(GpuTotals) == 128);
+
+inline std::uint64_t fragmentsOf(const GpuTotals& totals) {
+  return std::uint64_t{totals.fragments_high} << 32 | totals.fragments_low;
+}
+
+/// What surfels and Gaussians have in common: the view, the lens without its aperture, and acuity.
+GpuFrameBlock viewBlockOf(const View& view, const Defocus& defocus, const Acuity& acuity);
 
 /// Whether the request blurs.
 bool blurs(const GpuRequest& request);

@@ -1,41 +1,16 @@
 #include "render/gl/scene.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <utility>
-#include <vector>
 
-#include "base/parallel.h"
 #include "render/gl/scene_buffers.h"
+#include "render/gl/upload.h"
 #include "render/kernel/kernel.h"
 
 namespace foci {
 namespace {
-
-/// Fills a buffer in pieces, so that a copy of the whole never lies in memory. `make(i, to)` writes
-/// the `width` vectors of element i.
-template <typename Vector = glm::vec4, typename Make>
-void upload(GpuDevice& device, GpuBuffer& buffer, std::size_t count, std::size_t width,
-            const char* what, bool windowed, const Make& make) {
-  constexpr std::size_t kPiece = 1 << 16;
-  const std::size_t each_bytes = width * sizeof(Vector);
-  const std::size_t bytes = std::max<std::size_t>(count, 1) * each_bytes;
-  if (windowed) {
-    buffer.reserveWindowed(device, bytes, what);
-  } else {
-    buffer.reserve(device, bytes, what);
-  }
-  std::vector<Vector> piece(kPiece * width);
-  for (std::size_t first = 0; first < count; first += kPiece) {
-    const std::size_t some = std::min(kPiece, count - first);
-    for (std::size_t i = 0; i < some; ++i) make(first + i, piece.data() + width * i);
-    buffer.write(first * each_bytes, some * each_bytes, piece.data());
-  }
-}
-
-std::uint32_t packed(std::uint16_t low, std::uint16_t high) {
-  return std::uint32_t{low} | std::uint32_t{high} << 16;
-}
 
 std::uint32_t packedNormal(const LodNode& node) {
   return packed(static_cast<std::uint16_t>(node.normal[0]),
@@ -66,22 +41,17 @@ GpuScene::GpuScene(std::shared_ptr<GpuDevice> device, const MomentTree& tree)
 
 GpuScene::~GpuScene() = default;
 
-std::size_t GpuScene::windowSize(std::size_t each_bytes) const {
-  const std::size_t step = device_->blockAlignment_bytes();
-  return std::max(device_->maxBlock_bytes() / each_bytes / step, std::size_t{1}) * step;
-}
-
-GpuScene::Window GpuScene::windowOf(std::size_t i, std::size_t each_bytes, std::size_t all) const {
-  const std::size_t size = windowSize(each_bytes), first = std::min(i * size, all);
-  return {first, std::min(size, all - first)};
-}
-
 std::size_t GpuScene::windows() const {
-  const auto needed = [&](std::size_t all, std::size_t each_bytes) {
-    const std::size_t size = windowSize(each_bytes);
-    return (all + size - 1) / size;
-  };
-  return std::max({needed(nodes_, kNode_bytes), needed(surfels_, kSurfel_bytes), std::size_t{1}});
+  return std::max({windowsOver(*device_, kNode_bytes, nodes_),
+                   windowsOver(*device_, kSurfel_bytes, surfels_), std::size_t{1}});
+}
+
+GpuWindow GpuScene::nodeWindow(std::size_t i) const {
+  return windowOf(*device_, i, kNode_bytes, nodes_);
+}
+
+GpuWindow GpuScene::surfelWindow(std::size_t i) const {
+  return windowOf(*device_, i, kSurfel_bytes, surfels_);
 }
 
 void GpuScene::uploadSurfels(const SurfelCloud& cloud) {

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "render/gl/device.h"
+#include "render/gl/windows.h"
 #include "render/lod/moment_tree.h"
 #include "render/scene/surfel_cloud.h"
 
@@ -27,14 +28,10 @@ class GpuScene {
   /// The boxes of the closed bodies.
   const ClosedBodies& bodies() const { return bodies_; }
 
-  /// Shaders see so many elements of the arrays of nodes and of surfels at once.
-  struct Window {
-    std::size_t first = 0, count = 0;
-  };
   static constexpr std::size_t kNode_bytes = 48, kSurfel_bytes = 32;
-  std::size_t windows() const;  ///< until all of both have been seen
-  Window nodeWindow(std::size_t i) const { return windowOf(i, kNode_bytes, nodes_); }
-  Window surfelWindow(std::size_t i) const { return windowOf(i, kSurfel_bytes, surfels_); }
+  std::size_t windows() const;  ///< until all nodes and surfels have been seen
+  GpuWindow nodeWindow(std::size_t i) const;
+  GpuWindow surfelWindow(std::size_t i) const;
 
   struct Buffers;
   const Buffers& buffers() const { return *buffers_; }
@@ -42,8 +39,6 @@ class GpuScene {
  private:
   void uploadSurfels(const SurfelCloud& cloud);
   void uploadNodes(const MomentTree& tree);
-  std::size_t windowSize(std::size_t each_bytes) const;
-  Window windowOf(std::size_t i, std::size_t each_bytes, std::size_t all) const;
 
   std::shared_ptr<GpuDevice> device_;
   std::unique_ptr<Buffers> buffers_;

@@ -13,6 +13,7 @@
 #include "render/methods/gaussian_eye_method.h"
 #include "render/methods/gaussian_methods.h"
 #include "render/methods/gaussian_parts.h"
+#include "render/methods/lens_gaussians.h"
 #include "render/methods/mean_of_parts.h"
 #include "render/methods/quality_level_table.h"
 #include "render/methods/time_budget.h"
@@ -82,15 +83,19 @@ const PairTable& pairTable() {
 class GaussianAuto final : public GaussianEyeMethod {
  public:
   /// @param cloud  with its tree
-  GaussianAuto(std::shared_ptr<const GaussianCloud> cloud, std::optional<QualityLevel> forced)
-      : cloud_(std::move(cloud)), view_(*cloud_), forced_(forced) {
+  GaussianAuto(std::shared_ptr<const GaussianCloud> cloud, std::optional<QualityLevel> forced,
+               const SharedGpu& gpu)
+      : GaussianAuto(LensGaussians(std::move(cloud), gpu), forced) {}
+
+  GaussianAuto(LensGaussians scene, std::optional<QualityLevel> forced)
+      : scene_(std::move(scene)), forced_(forced) {
     for (const int count : kDiscs) sets_.push_back(subApertureDiscs(count));
     // Together they bound what any set shows.
     for (const std::vector<LensDisc>& set : sets_) all_.insert(all_.end(), set.begin(), set.end());
   }
 
   std::unique_ptr<Method> cloneSharingScene() const override {
-    return std::make_unique<GaussianAuto>(cloud_, forced_);
+    return std::make_unique<GaussianAuto>(LensGaussians(scene_, nullptr), forced_);
   }
 
   RenderStats renderGeometry(const View& view, const RenderSettings& settings,
@@ -120,17 +125,15 @@ class GaussianAuto final : public GaussianEyeMethod {
  private:
   RenderStats renderThrough(const std::vector<LensDisc>& discs, const View& view,
                             const RenderSettings& settings, Frame& frame) {
-    project(discs, view, settings);
-    RenderStats stats;
-    stats.splats = view_.count();
-    stats.fragments = view_.render(discs, settings.background, frame);
+    RenderStats stats = project(discs, view, settings);
+    stats.add(scene_.render(discs, settings.background, frame));
     return stats;
   }
 
-  void project(const std::vector<LensDisc>& discs, const View& view,
-               const RenderSettings& settings) {
+  RenderStats project(const std::vector<LensDisc>& discs, const View& view,
+                      const RenderSettings& settings) {
     const GaussianCutSettings lod = lodOf(settings);
-    view_.project(view, settings.defocus, discs, &lod);
+    return scene_.project(view, settings.defocus, discs, &lod);
   }
 
   static GaussianCutSettings lodOf(const RenderSettings& settings) {
@@ -156,7 +159,7 @@ class GaussianAuto final : public GaussianEyeMethod {
     const GaussianCutSettings lod = lodOf(settings);
     const std::vector<LensPart> parts =
         partsFor(settings.defocus, withoutDiffraction(settings.pupil), kFewestParts);
-    RenderStats stats = parts_.render(view_, parts, view, settings, &lod, frame);
+    RenderStats stats = parts_.render(scene_, parts, view, settings, &lod, frame);
     stats.tolerance_error = largestError([&](const TileBlur& blur) {
       return errorOf(static_cast<int>(parts.size()), blur, settings.quality.tolerance);
     });
@@ -164,9 +167,9 @@ class GaussianAuto final : public GaussianEyeMethod {
   }
 
   RenderStats renderByTiles(const View& view, const RenderSettings& settings, Frame& frame) {
-    project(all_, view, settings);
+    RenderStats stats = project(all_, view, settings);
     const float tolerance = settings.quality.tolerance;
-    const std::vector<TileLayers>& layers = view_.divide(tolerance >= kLayersFrom_JND);
+    const std::vector<TileLayers>& layers = scene_.divide(tolerance >= kLayersFrom_JND);
     std::vector<float> merging;
     merging.reserve(layers.size());
     for (const TileLayers& tile : layers) {
@@ -176,12 +179,10 @@ class GaussianAuto final : public GaussianEyeMethod {
       }
       merging.push_back(most);
     }
-    tiles_.choose(view_.tiles(), view.size_px, layers, merging, tolerance);
+    tiles_.choose(scene_.tiles(), view.size_px, layers, merging, tolerance);
     const PairTable& pairs = pairTable();
-    RenderStats stats;
-    stats.splats = view_.count();
     do {
-      stats.fragments += view_.render(
+      stats.add(scene_.render(
           [&](std::size_t tile) {
             TileLens lens;
             if (!tiles_.isNext(tile)) return lens;
@@ -192,7 +193,7 @@ class GaussianAuto final : public GaussianEyeMethod {
             }
             return lens;
           },
-          settings.background, frame, &errors_);
+          settings.background, frame, &errors_));
     } while (tiles_.refine(errors_));
     stats.tolerance_error = tiles_.error();
     return stats;
@@ -202,7 +203,7 @@ class GaussianAuto final : public GaussianEyeMethod {
   template <typename ErrorOf>
   double largestError(const ErrorOf& errorOfBlur) {
     double largest = 0.0;
-    for (const TileLayers& tile : view_.divide(false)) {
+    for (const TileLayers& tile : scene_.divide(false)) {
       largest = std::max(largest, double{errorOfBlur(tile.layers[0].blur)});
     }
     return largest;
@@ -215,8 +216,7 @@ class GaussianAuto final : public GaussianEyeMethod {
     return kBudgetLevels.back();
   }
 
-  std::shared_ptr<const GaussianCloud> cloud_;
-  GaussianView view_;
+  LensGaussians scene_;
   GaussianParts parts_;
   std::optional<QualityLevel> forced_;
   std::vector<std::vector<LensDisc>> sets_;  // by kDiscs
@@ -225,13 +225,13 @@ class GaussianAuto final : public GaussianEyeMethod {
   std::vector<LensDisc> all_, pinhole_ = {LensDisc{}};
   QualityLevel last_level_ = QualityLevel::sharp;  // of the previous render
   View last_view_;
-  TimeBudget time_{relativeTimes()};
+  TimeBudget time_{relativeTimes(), scene_.isOnGpu()};
 };
 
 }  // namespace
 
-std::unique_ptr<Method> gaussianAuto(const GaussianCloud& cloud, int n) {
-  return std::make_unique<GaussianAuto>(sharedWithTree(cloud), qualityLevelNumbered(n));
+std::unique_ptr<Method> gaussianAuto(const GaussianCloud& cloud, int n, const SharedGpu& gpu) {
+  return std::make_unique<GaussianAuto>(sharedWithTree(cloud), qualityLevelNumbered(n), gpu);
 }
 
 }  // namespace foci

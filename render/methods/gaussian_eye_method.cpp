@@ -6,13 +6,18 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "render/gl/image.h"
+
 namespace foci {
 
 RenderStats GaussianEyeMethod::renderFrame(const View& view, const RenderSettings& settings,
                                            Frame& frame) {
   const RenderStats stats = renderGeometry(view, settings, frame);
   const double sigma_px = diffractionThroughPixel_px(settings.pupil.diffraction_px);
-  if (sigma_px > 0.0) spreadLight(frame, sigma_px * sigma_px);
+  if (sigma_px > 0.0) {
+    readFromGpu(frame);
+    spreadLight(frame, sigma_px * sigma_px);
+  }
   return stats;
 }
 

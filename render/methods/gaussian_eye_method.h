@@ -6,7 +6,8 @@
 namespace foci {
 
 /// Diffraction spreads all light alike, whatever its distance. So the frame is spread as a whole,
-/// in linear light: Gaussians spread one by one would let light through surfaces.
+/// in linear light: Gaussians spread one by one would let light through surfaces. The CPU spreads
+/// it, also where a GPU renders.
 class GaussianEyeMethod : public Method {
  private:
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) final;

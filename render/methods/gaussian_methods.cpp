@@ -6,10 +6,11 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "render/gaussians/gaussian_view.h"
+#include "render/gl/image.h"
 #include "render/image/metrics.h"
 #include "render/methods/gaussian_eye_method.h"
 #include "render/methods/gaussian_parts.h"
+#include "render/methods/lens_gaussians.h"
 #include "render/methods/lens_samples.h"
 #include "render/methods/mean_of_parts.h"
 #include "render/scene/gaussian_tree.h"
@@ -33,25 +34,28 @@ constexpr float kDiscShare = 0.15f;
 ///   biker    39.0   44.2  42.8  42.8
 constexpr float kSweepLodPerBlur2 = 0.1f, kSweepLodMost_px2 = 3.0f;
 
+/// A pointer that does not own the scene.
+std::shared_ptr<const GaussianCloud> borrowed(const GaussianCloud& cloud) {
+  return {std::shared_ptr<void>(), &cloud};
+}
+
 bool isBlurred(const Defocus& defocus) { return defocus.radius_px_per_D != glm::vec2(0.0f); }
 
 /// The mean of the frames through the given discs of the lens, without aberrations.
 class DiscsMethod final : public Method {
  public:
-  DiscsMethod(const GaussianCloud& cloud, std::vector<LensDisc> discs)
-      : view_(cloud), discs_(std::move(discs)) {}
+  DiscsMethod(const GaussianCloud& cloud, std::vector<LensDisc> discs, const SharedGpu& gpu)
+      : scene_(borrowed(cloud), gpu), discs_(std::move(discs)) {}
 
   RenderStats renderFrame(const View& view, const RenderSettings& settings, Frame& frame) override {
     const std::vector<LensDisc>& discs = isBlurred(settings.defocus) ? discs_ : pinhole_;
-    view_.project(view, settings.defocus, discs);
-    RenderStats stats;
-    stats.splats = view_.count();
-    stats.fragments = view_.render(discs, settings.background, frame);
+    RenderStats stats = scene_.project(view, settings.defocus, discs);
+    stats.add(scene_.render(discs, settings.background, frame));
     return stats;
   }
 
  private:
-  GaussianView view_;
+  LensGaussians scene_;
   std::vector<LensDisc> discs_, pinhole_ = {LensDisc{}};
 };
 
@@ -60,9 +64,8 @@ class SubAperturesMethod final : public GaussianEyeMethod {
  public:
   /// @param lod  renders nodes of the scene's tree, coarser where blurred; null: all Gaussians
   SubAperturesMethod(std::shared_ptr<const GaussianCloud> cloud, int n,
-                     const GaussianCutSettings* lod)
-      : cloud_(std::move(cloud)),
-        view_(*cloud_),
+                     const GaussianCutSettings* lod, const SharedGpu& gpu)
+      : scene_(std::move(cloud), gpu),
         discs_(subApertureDiscs(n)),
         itself_(eachWithItself(discs_)),
         lod_(lod) {}
@@ -73,24 +76,25 @@ class SubAperturesMethod final : public GaussianEyeMethod {
       const int n = static_cast<int>(discs_.size());
       const Pupil pupil = withoutDiffraction(settings.pupil);
       return parts_.render(
-          view_,
+          scene_,
           lod_ ? partsFor(settings.defocus, pupil, n) : lensParts(settings.defocus, pupil, n), view,
           settings, lod_, frame);
     }
     const bool blurred = isBlurred(settings.defocus);
     const std::vector<LensDisc>& discs = blurred ? discs_ : pinhole_;
-    view_.project(view, settings.defocus, discs, lod_);
-    if (lod_ && blurred) view_.divide(true);
-    RenderStats stats;
-    stats.splats = view_.count();
-    const TileLens lens{.discs = &discs, .pairs = {&itself_, &itself_}};
-    stats.fragments = view_.render([&](std::size_t) { return lens; }, settings.background, frame);
+    RenderStats stats = scene_.project(view, settings.defocus, discs, lod_);
+    if (lod_ && blurred && !scene_.isOnGpu()) {
+      scene_.divide(true);
+      const TileLens lens{.discs = &discs, .pairs = {&itself_, &itself_}};
+      stats.add(scene_.render([&](std::size_t) { return lens; }, settings.background, frame));
+    } else {
+      stats.add(scene_.render(discs, settings.background, frame));
+    }
     return stats;
   }
 
  private:
-  std::shared_ptr<const GaussianCloud> cloud_;
-  GaussianView view_;
+  LensGaussians scene_;
   GaussianParts parts_;
   std::vector<LensDisc> discs_, pinhole_ = {LensDisc{}};
   LensPairs itself_;  // what lies behind a view is seen through the same disc
@@ -103,7 +107,8 @@ constexpr GaussianCutSettings kSweepLod{.per_blur2 = kSweepLodPerBlur2,
 /// The mean of pinhole views, with the error of its two halves.
 class AccumulatedPoints final : public GaussianEyeMethod {
  public:
-  AccumulatedPoints(const GaussianCloud& cloud, int n) : view_(cloud) {
+  AccumulatedPoints(const GaussianCloud& cloud, int n, const SharedGpu& gpu)
+      : scene_(borrowed(cloud), gpu) {
     for (int i = 0; i < n; ++i) halves_[i % 2].push_back({lensSample(i, n), 0.0f});
     all_ = halves_[0];
     all_.insert(all_.end(), halves_[1].begin(), halves_[1].end());
@@ -115,16 +120,16 @@ class AccumulatedPoints final : public GaussianEyeMethod {
       std::vector<glm::vec2> points;
       points.reserve(all_.size());
       for (const LensDisc& point : all_) points.push_back(point.centre);
-      return parts_.render(view_, lensPoints(settings.defocus, settings.pupil, points), view,
+      return parts_.render(scene_, lensPoints(settings.defocus, settings.pupil, points), view,
                            settings, nullptr, frame);
     }
-    view_.project(view, settings.defocus, all_);
-    RenderStats stats;
-    stats.splats = view_.count();
-    stats.fragments = view_.render(halves_[0], settings.background, frame);
+    RenderStats stats = scene_.project(view, settings.defocus, all_);
+    stats.add(scene_.render(halves_[0], settings.background, frame));
     if (halves_[1].empty()) return stats;
+    readFromGpu(frame);
     odd_.resize(view.size_px, settings.depth);
-    stats.fragments += view_.render(halves_[1], settings.background, odd_);
+    stats.add(scene_.render(halves_[1], settings.background, odd_));
+    readFromGpu(odd_);
     stats.split_half_psnr_dB = psnr_dB(frame, odd_);
     addOdd(frame);
     return stats;
@@ -145,7 +150,7 @@ class AccumulatedPoints final : public GaussianEyeMethod {
     });
   }
 
-  GaussianView view_;
+  LensGaussians scene_;
   GaussianParts parts_;
   std::vector<LensDisc> halves_[2], all_;
   Frame odd_;
@@ -172,27 +177,28 @@ float inflateWidening(int variant) {
   return sigma[static_cast<std::size_t>(variant)] / sigma[0];
 }
 
-std::unique_ptr<Method> gaussianInflate(const GaussianCloud& cloud, int n) {
+std::unique_ptr<Method> gaussianInflate(const GaussianCloud& cloud, int n, const SharedGpu& gpu) {
   // A disc of radius r has the variance r^2 / 4, so this one has 1 / (2 ln 4) times the widening.
   const float radius = std::sqrt(2.0f / std::log(4.0f)) * inflateWidening(n);
-  return std::make_unique<DiscsMethod>(cloud, std::vector{LensDisc{glm::vec2(0.0f), radius}});
+  return std::make_unique<DiscsMethod>(cloud, std::vector{LensDisc{glm::vec2(0.0f), radius}}, gpu);
 }
 
-std::unique_ptr<Method> gaussianPinhole(const GaussianCloud& cloud, int /*n*/) {
-  return std::make_unique<DiscsMethod>(cloud, std::vector<LensDisc>{LensDisc{}});
+std::unique_ptr<Method> gaussianPinhole(const GaussianCloud& cloud, int /*n*/,
+                                        const SharedGpu& gpu) {
+  return std::make_unique<DiscsMethod>(cloud, std::vector<LensDisc>{LensDisc{}}, gpu);
 }
 
-std::unique_ptr<Method> gaussianSweep(const GaussianCloud& cloud, int n) {
-  return std::make_unique<SubAperturesMethod>(
-      std::shared_ptr<const GaussianCloud>(std::shared_ptr<void>(), &cloud), n, nullptr);
+std::unique_ptr<Method> gaussianSweep(const GaussianCloud& cloud, int n, const SharedGpu& gpu) {
+  return std::make_unique<SubAperturesMethod>(borrowed(cloud), n, nullptr, gpu);
 }
 
-std::unique_ptr<Method> gaussianSweepLod(const GaussianCloud& cloud, int n) {
-  return std::make_unique<SubAperturesMethod>(sharedWithTree(cloud), n, &kSweepLod);
+std::unique_ptr<Method> gaussianSweepLod(const GaussianCloud& cloud, int n, const SharedGpu& gpu) {
+  return std::make_unique<SubAperturesMethod>(sharedWithTree(cloud), n, &kSweepLod, gpu);
 }
 
-std::unique_ptr<Method> gaussianAccumulate(const GaussianCloud& cloud, int n) {
-  return std::make_unique<AccumulatedPoints>(cloud, n);
+std::unique_ptr<Method> gaussianAccumulate(const GaussianCloud& cloud, int n,
+                                           const SharedGpu& gpu) {
+  return std::make_unique<AccumulatedPoints>(cloud, n, gpu);
 }
 
 }  // namespace foci

@@ -19,16 +19,16 @@ std::vector<LensDisc> subApertureDiscs(int n);
 /// Radius of the disc that renders one of `n` sub-apertures, over the radius of that sub-aperture.
 float partDiscRadius(std::size_t n);
 
-std::unique_ptr<Method> gaussianPinhole(const GaussianCloud& cloud, int n);
-std::unique_ptr<Method> gaussianSweep(const GaussianCloud& cloud, int n);
-std::unique_ptr<Method> gaussianSweepLod(const GaussianCloud& cloud, int n);
-std::unique_ptr<Method> gaussianAccumulate(const GaussianCloud& cloud, int n);
+std::unique_ptr<Method> gaussianPinhole(const GaussianCloud& cloud, int n, const SharedGpu& gpu);
+std::unique_ptr<Method> gaussianSweep(const GaussianCloud& cloud, int n, const SharedGpu& gpu);
+std::unique_ptr<Method> gaussianSweepLod(const GaussianCloud& cloud, int n, const SharedGpu& gpu);
+std::unique_ptr<Method> gaussianAccumulate(const GaussianCloud& cloud, int n, const SharedGpu& gpu);
 /// Factor on the blur radius with which the Gaussian blur C^2 / (2 ln 4) becomes that of the
 /// variant of `inflate`: C^2 for 1 (Spark), (2C)^2 for 2 (splat-transform); 1 for 0.
 float inflateWidening(int variant);
 
 /// @param n  variant of `inflate`
-std::unique_ptr<Method> gaussianInflate(const GaussianCloud& cloud, int n);
-std::unique_ptr<Method> gaussianAuto(const GaussianCloud& cloud, int n);
+std::unique_ptr<Method> gaussianInflate(const GaussianCloud& cloud, int n, const SharedGpu& gpu);
+std::unique_ptr<Method> gaussianAuto(const GaussianCloud& cloud, int n, const SharedGpu& gpu);
 
 }  // namespace foci

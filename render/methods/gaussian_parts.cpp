@@ -5,16 +5,15 @@
 
 namespace foci {
 
-RenderStats GaussianParts::render(GaussianView& scene, const std::vector<LensPart>& parts,
+RenderStats GaussianParts::render(LensGaussians& scene, const std::vector<LensPart>& parts,
                                   const View& view, const RenderSettings& settings,
                                   const GaussianCutSettings* lod, Frame& frame) {
   const float share = partDiscRadius(parts.size());
   RenderStats stats;
   meanOfParts(parts, 0.0f, part_, frame, [&](const LensPart& part, Frame& to) {
     const std::vector<LensDisc> disc = {{part.centre, share * part.radius}};
-    scene.project(viewOfPart(view, part), part.defocus, disc, lod);
-    stats.splats += scene.count();
-    stats.fragments += scene.render(disc, settings.background, to);
+    stats.add(scene.project(viewOfPart(view, part), part.defocus, disc, lod));
+    stats.add(scene.render(disc, settings.background, to));
   });
   return stats;
 }

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "render/gaussians/gaussian_view.h"
+#include "render/methods/lens_gaussians.h"
 #include "render/methods/method.h"
 
 namespace foci {
@@ -14,7 +14,7 @@ class GaussianParts {
  public:
   /// Renders the mean of the parts. Points stay points; other parts are rendered through the
   /// smaller discs of `subApertureDiscs`.
-  RenderStats render(GaussianView& scene, const std::vector<LensPart>& parts, const View& view,
+  RenderStats render(LensGaussians& scene, const std::vector<LensPart>& parts, const View& view,
                      const RenderSettings& settings, const GaussianCutSettings* lod, Frame& frame);
 
  private:

@@ -215,17 +215,19 @@ std::vector<std::string_view> methodsFor(const SurfelCloud& cloud) {
 }
 
 bool rendersOnGpu(std::string_view spec, const SurfelCloud& cloud) {
-  return infoOf(spec).gpu && !cloud.gaussians;
+  const Choice choice = parse(spec);
+  assert(choice.entry);
+  return cloud.gaussians ? choice.entry->make_of_gaussians != nullptr : choice.entry->info.gpu;
 }
 
 std::unique_ptr<Method> makeMethod(std::string_view spec, const SurfelCloud& cloud,
                                    const SharedGpu& gpu) {
   const Choice choice = parse(spec);
   assert(choice.entry);
-  if (!cloud.gaussians)
-    return choice.entry->make(cloud, choice.n, choice.entry->info.gpu ? gpu : nullptr);
+  const SharedGpu its_gpu = rendersOnGpu(spec, cloud) ? gpu : nullptr;
+  if (!cloud.gaussians) return choice.entry->make(cloud, choice.n, its_gpu);
   if (choice.entry->make_of_gaussians != nullptr) {
-    return choice.entry->make_of_gaussians(*cloud.gaussians, choice.n);
+    return choice.entry->make_of_gaussians(*cloud.gaussians, choice.n, its_gpu);
   }
   std::string able;
   for (const std::string_view name : methodsFor(cloud)) {

@@ -132,11 +132,11 @@ struct MethodInfo {
   bool aberrations = false;
   /// Each render updates a part of the previous frame.
   bool incremental = false;
-  bool gpu = false;  ///< renders on a GPU too
+  bool gpu = false;  ///< renders surfaces on a GPU too
   /// Takes nodes of the tree in place of surfels (lod_splats.h, `pixelCutOf`), so that a frame
   /// takes memory for what it shows.
   bool lod = false;
-  /// Also renders scenes of Gaussians.
+  /// Also renders scenes of Gaussians, these also on a GPU.
   bool gaussians = false;
   /// Names V of `name:V`, in place of a number; N is then their place in this list, from 1.
   std::vector<std::string_view> variants = {};
@@ -146,10 +146,11 @@ struct MethodInfo {
 struct MethodEntry {
   MethodInfo info;
   /// @param n  1 to `info.max_n`, or `info.default_n`; ignored where `max_n` is 0
-  /// @param gpu  renders; null, or ignored unless `info.gpu`: the CPU renders
+  /// @param gpu  renders; null, or ignored unless `rendersOnGpu`: the CPU renders
   std::unique_ptr<Method> (*make)(const SurfelCloud& cloud, int n, const SharedGpu& gpu);
   /// The same for a scene of Gaussians; null: the method renders surfaces only.
-  std::unique_ptr<Method> (*make_of_gaussians)(const GaussianCloud& cloud, int n) = nullptr;
+  std::unique_ptr<Method> (*make_of_gaussians)(const GaussianCloud& cloud, int n,
+                                               const SharedGpu& gpu) = nullptr;
 };
 
 /// Makes an `M` from the scene, and from N and the GPU where the constructor takes them.
@@ -184,7 +185,8 @@ bool isIncremental(std::string_view spec);
 /// `MethodInfo::lod` of the method.
 bool rendersByLevels(std::string_view spec);
 
-/// `MethodInfo::gpu` of the method, and the scene holds surfaces.
+/// Whether a GPU can render the scene by the method: `MethodInfo::gpu`, or `gaussians` for a scene
+/// of these.
 bool rendersOnGpu(std::string_view spec, const SurfelCloud& cloud);
 
 /// Names of the methods that render the scene, in the order of `methods`.

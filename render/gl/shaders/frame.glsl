@@ -14,7 +14,8 @@ layout(std140, binding = 0) uniform Frame {
                                // the lens's radius, metres
   ivec4 size;                  // image width, height, margin, samples may be coarse
   ivec4 cells;                 // columns, rows of the smallest tiles; blurred, oriented
-  ivec4 scene;                 // surfels, levels of nodes, distance along the axis, has opacity
+  ivec4 scene;                 // surfels or Gaussians, levels of nodes, distance along the axis,
+                               // has opacity; of Gaussians: low-pass preserves light
   ivec4 room;                  // entries of the cut, of the tile lists, work items;
                                // first node of which all surfels may be taken together
   ivec4 cut_switches;          // `CutSettings::foreshortened`

@@ -4,10 +4,13 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(std430, binding = 0) readonly buffer TileOfCell { uint tile_of_cell[]; };
 layout(std430, binding = 1) readonly buffer Tiles { ivec4 tiles[]; };
 layout(std430, binding = 2) readonly buffer Samples { vec4 samples[]; };
-layout(std430, binding = 3) writeonly buffer Image { vec4 pixels[]; };
+layout(std430, binding = 3) buffer Image { vec4 pixels[]; };
 #ifdef DEPTH
 layout(std430, binding = 4) readonly buffer Depths { float depths[]; };
-layout(std430, binding = 5) writeonly buffer DepthImage { float pixel_depths[]; };
+layout(std430, binding = 5) buffer DepthImage { float pixel_depths[]; };
+#endif
+#ifdef WEIGHTS
+layout(std430, binding = 6) readonly buffer Weights { float weights[]; };  // by tile
 #endif
 
 vec4 catmullRom(float t) {
@@ -17,6 +20,25 @@ vec4 catmullRom(float t) {
 
 float depthOf(float weighted_m, float share) {
   return share > 0.0 ? max(weighted_m / share, 0.0) : 0.0;
+}
+
+// With WEIGHTS, over what the image holds.
+void put(uint tile, int to, vec4 value, float weighted_m) {
+#ifdef WEIGHTS
+  float weight = weights[tile];
+  if (weight == 0.0) return;
+  if (weight < 1.0) {
+    vec4 before = pixels[to];
+    value = mix(before, value, weight);
+#ifdef DEPTH
+    weighted_m = mix(pixel_depths[to] * before.a, weighted_m, weight);
+#endif
+  }
+#endif
+  pixels[to] = value;
+#ifdef DEPTH
+  pixel_depths[to] = depthOf(weighted_m, value.a);
+#endif
 }
 
 void main() {
@@ -29,10 +51,10 @@ void main() {
   ivec2 inside = at - tile.xy;
   if (tile.w == 1) {
     uint from = first + uint(inside.y * kWidest + inside.x);
-    vec4 value = samples[from];
-    pixels[to] = value;
 #ifdef DEPTH
-    pixel_depths[to] = depthOf(depths[from], value.a);
+    put(index, to, samples[from], depths[from]);
+#else
+    put(index, to, samples[from], 0.0);
 #endif
     return;
   }
@@ -51,8 +73,5 @@ void main() {
     }
   }
   value.a = clamp(value.a, 0.0, 1.0);
-  pixels[to] = value;
-#ifdef DEPTH
-  pixel_depths[to] = depthOf(weighted_m, value.a);
-#endif
+  put(index, to, value, weighted_m);
 }

@@ -1,6 +1,5 @@
 // Projects the surfels and nodes of the cut to splats: what render/splat/project_lanes-inl.h and
 // finish_splats-inl.h do. One thread an entry.
-layout(local_size_x = 64) in;
 
 layout(std430, binding = 0) readonly buffer Entries { uvec2 entries[]; };
 #ifdef CUT
@@ -13,7 +12,6 @@ layout(std430, binding = 3) readonly buffer SurfelsA { vec4 surfel_a[]; };
 layout(std430, binding = 10) readonly buffer SurfelsB { vec4 surfel_b[]; };
 layout(std430, binding = 4) writeonly buffer SplatsA { vec4 splat_a[]; };
 layout(std430, binding = 11) writeonly buffer SplatsB { vec4 splat_b[]; };
-layout(std430, binding = 5) writeonly buffer Keys { uvec4 keys[]; };
 layout(std430, binding = 6) readonly buffer Shapes { vec4 shapes[]; };
 #ifdef LENS
 layout(std430, binding = 8) writeonly buffer Lenses { vec4 lenses[]; };  // ASTIGMATIC: two a splat
@@ -31,15 +29,10 @@ layout(std430, binding = 13) readonly buffer AllFacing { uint facing[]; };
 // Of `node` and the surfels the shader sees a window: first node, number, first surfel, number.
 layout(location = 0) uniform uvec4 window;
 
-// Of the work group: bits of the splats' distances, and how many there are.
-shared uint near_bits, far_bits, splat_count;
-
 const float kReach2 = 5.0, kWidestSupport2 = 8.0, kLargest = 1e10;
-const float kDisc = 0.25;  // kDiscVariancePerRadius2
 const float kLongAxis = 0.6, kMinTilt = 0.01;
 const float kHighlight = 0.06, kFiner = 0.6, kCoarser = 1.4;
 const float kFrontCover = 0.05;
-const float kSigmasAStep = 0.7;
 
 struct Footprint {
   float vxx, vxy, vyy, area, along2, thick2, widest2, own;
@@ -186,9 +179,7 @@ uint stepOf(Lane lane, Kernel kernel, vec3 colour) {
   float all2 = lane.prefilter + lane.blur_min2, by_acuity = (lane.prefilter - 1.0) / all2;
   float sharpness = 1.0 - kFiner * highlight;
   float sigma = sqrt(all2) * (sharpness + by_acuity * (kCoarser - sharpness));
-  uint log2_step = 3u;
-  while (log2_step > 0u && !(sigma >= kSigmasAStep * float(1u << log2_step))) --log2_step;
-  return log2_step;
+  return log2StepFor(sigma);
 }
 
 void projectEntry(uint slot) {
@@ -203,7 +194,7 @@ void projectEntry(uint slot) {
 #endif
   uint i = index - (is_node ? window.x : window.z);  // wraps around before the window
   if (i >= (is_node ? window.y : window.w)) return;
-  keys[slot] = uvec4(0u, 1u, 0u, 0u);  // x0 > x1: nothing to render
+  writeNoKey(slot);
 #ifdef CUT
   vec3 p = is_node ? node_place[index].xyz : surfel_a[2u * i].xyz;
 #else
@@ -294,12 +285,7 @@ void projectEntry(uint slot) {
                                lane.distance_m + lane.reach, kernel.extent);
   uvec2 low = uvec2(clamp(lane.at - kernel.extent - 0.5, vec2(0.0), vec2(size.xy) - 1.0));
   uvec2 high = uvec2(clamp(lane.at + kernel.extent - 0.5, vec2(0.0), vec2(size.xy) - 1.0));
-  uint bits = floatBitsToUint(lane.distance_m);
-  keys[slot] = uvec4(bits, low.x | high.x << 15 | stepOf(lane, kernel, colour) << 30,
-                     low.y | high.y << 15, floatBitsToUint(lane.radius));
-  atomicMin(near_bits, bits);
-  atomicMax(far_bits, bits);
-  atomicAdd(splat_count, 1u);
+  writeKey(slot, lane.distance_m, low, high, stepOf(lane, kernel, colour), lane.radius);
 
 #ifdef LENS
 #ifdef ASTIGMATIC
@@ -329,19 +315,4 @@ void projectEntry(uint slot) {
   sharper[3u * slot + 1u] = vec4(sub.k.yz, sub.extent);
   sharper[3u * slot + 2u] = vec4(off_D, lane.tilt);
 #endif
-}
-
-void main() {
-  if (gl_LocalInvocationIndex == 0u) {
-    near_bits = kNone;
-    far_bits = splat_count = 0u;
-  }
-  barrier();
-  uint slot = gl_GlobalInvocationID.x;
-  if (slot < min(cut_entries, uint(room.x))) projectEntry(slot);
-  barrier();
-  if (gl_LocalInvocationIndex != 0u || splat_count == 0u) return;
-  if (near_bits < nearest) atomicMin(nearest, near_bits);
-  if (far_bits > farthest) atomicMax(farthest, far_bits);
-  atomicAdd(splats, splat_count);
 }

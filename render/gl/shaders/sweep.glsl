@@ -1,22 +1,12 @@
 // Composites the splats of a tile front to back, one thread a sample: what
-// render/splat/sweep_tile-inl.h does. A work group is a square of kGroup x kGroup samples. It takes
-// the tile's splats in batches and keeps those that touch its samples.
+// render/splat/sweep_tile-inl.h does.
 //
 // LENS: through the whole aperture, with lens points. SUB_APERTURES: through one sub-aperture, in
 // tiles where layers cover each other in part. Neither: without blur.
-layout(local_size_x = kGroup, local_size_y = kGroup) in;
 
-layout(std430, binding = 0) readonly buffer Work { uint work_items[]; };
-layout(std430, binding = 1) readonly buffer Tiles { ivec4 tiles[]; };
 layout(std430, binding = 2) readonly buffer Blurs { float blur_px[]; };
-layout(std430, binding = 3) readonly buffer Ranges { uvec2 range[]; };
-layout(std430, binding = 4) readonly buffer Lists { uvec2 list[]; };
 layout(std430, binding = 5) readonly buffer SplatsA { vec4 splat_a[]; };
 layout(std430, binding = 6) readonly buffer SplatsB { vec4 splat_b[]; };
-layout(std430, binding = 8) buffer Samples { vec4 samples[]; };
-#ifdef DEPTH
-layout(std430, binding = 9) buffer Depths { float depths[]; };
-#endif
 #ifdef LENS
 layout(std430, binding = 10) readonly buffer Lenses { vec4 lenses[]; };
 layout(std430, binding = 12) buffer Overlaps { uint overlapping[]; };  // by tile
@@ -30,10 +20,7 @@ layout(location = 0) uniform int sub_aperture;  // one a dispatch
 
 // Blur radii between which sub-apertures replace the whole aperture, pixels (sweep.cpp).
 const float kSubAperturesFrom = 2.0, kSubAperturesOnly = 4.0;
-const uint kBatch = uint(kGroup * kGroup);
 
-shared uint touching[2];
-shared uint translucent, fragments;
 #ifdef TRANSPARENT
 shared uint see_through;
 #endif
@@ -47,7 +34,6 @@ shared vec4 across_of[kBatch];
 #endif
 
 float coverage;
-uint counted, rounds;
 
 float upToOpaque(float sum) { return max(kOpaqueWeight - sum, 0.0); }
 
@@ -168,10 +154,7 @@ void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, v
 #endif
 #endif
   for (uint e = entries.x; e < entries.y; e += kBatch) {
-    barrier();
-    if (me < 2u) touching[me] = 0u;
-    if (me == 0u) translucent = 0u;
-    barrier();
+    beginBatch();
     bool mine = e + me < entries.y;
     uint slot = 0u;
     vec4 a, z;
@@ -189,13 +172,9 @@ void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, v
 #endif
       mine = all(greaterThanEqual(a.xy + z.zw, first_px)) && all(lessThanEqual(a.xy - z.zw, last_px));
     }
-    if (mine) atomicOr(touching[me >> 5], 1u << (me & 31u));
-    if (exists && transmittance >= kHidden) atomicAdd(translucent, 1u);
-    barrier();
-    if (translucent == 0u) break;
+    if (!markBatch(mine, exists && transmittance >= kHidden)) break;
     if (mine) {
-      uint below = touching[me >> 5] & ((1u << (me & 31u)) - 1u);
-      uint n = uint(bitCount(below)) + (me >= 32u ? uint(bitCount(touching[0])) : 0u);
+      uint n = placeInBatch();
       vec4 b = splat_a[2u * slot + 1u];
       float inv_radius = 1.0 / min(z.z, z.w);
 #ifdef SUB_APERTURES
@@ -219,7 +198,7 @@ void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, v
 #endif
     }
     barrier();
-    uint count = uint(bitCount(touching[0]) + bitCount(touching[1]));
+    uint count = batchSize();
     if (!exists) continue;
     uint n = 0u;
     for (; n < count && transmittance >= kHidden; ++n) add(n, at);
@@ -229,34 +208,23 @@ void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, v
 }
 
 void main() {
-  uint item = work_items[WORK_KIND * uint(room.z) + gl_WorkGroupID.x];
-  uint index = item >> 6, part = item & 63u;
-  ivec4 tile = tiles[index];
-  int side = samplesOf(tile), groups = (side + kGroup - 1) / kGroup;
-  ivec2 corner = kGroup * ivec2(int(part) % groups, int(part) / groups);
-  ivec2 here = corner + ivec2(gl_LocalInvocationID.xy);
-  bool exists = all(lessThan(here, ivec2(side)));
-  float step_px = float(tile.w), apron = tile.w > 1 ? float(kApron) : 0.0;
-  vec2 origin = vec2(tile.xy) + step_px * (0.5 - apron);
-  vec2 at = origin + step_px * vec2(here), first_px = origin + step_px * vec2(corner);
-  vec2 last_px = origin + step_px * vec2(min(corner + kGroup, ivec2(side)) - 1);
-  uvec2 entries = min(range[index], uvec2(room.y));
+  Square group = squareOf(work_items[WORK_KIND * uint(room.z) + gl_WorkGroupID.x]);
+  uint index = group.tile, to = group.to;
+  bool exists = group.exists;
   coverage = closingFactor(blur_px[index]);
-  counted = rounds = 0u;
-  if (gl_LocalInvocationIndex == 0u) fragments = 0u;
 #ifdef LENS
   overlap = false;
 #endif
 #ifdef TRANSPARENT
-  transparent = anyTransparent(entries);
+  transparent = anyTransparent(group.entries);
 #endif
-  uint to = index * uint(kWidest * kWidest) + uint(here.y * kWidest + here.x);
   vec3 background = background_low_pass.rgb;
 #ifdef SUB_APERTURES
   float share = clamp((blur_px[index] - kSubAperturesFrom) / (kSubAperturesOnly - kSubAperturesFrom),
                       0.0, 1.0);
   float before = sub_aperture == 0 ? 1.0 - share : 1.0, each = share / sub_aperture_shading.z;
-  compose(entries, at, first_px, last_px, exists, centres[sub_aperture].xy);
+  compose(group.entries, group.at_px, group.first_px, group.last_px, exists,
+          centres[sub_aperture].xy);
   if (exists) {
     vec4 value = vec4(light + transmittance * background, 1.0 - transmittance);
     samples[to] = before * samples[to] + each * value;
@@ -265,7 +233,8 @@ void main() {
 #endif
   }
 #else
-  compose(entries, at, first_px, last_px, exists, vec2(0.0));
+  compose(group.entries, group.at_px, group.first_px, group.last_px, exists,
+          vec2(0.0));
   if (exists) {
     samples[to] = vec4(light + transmittance * background, 1.0 - transmittance);
 #ifdef DEPTH
@@ -276,6 +245,7 @@ void main() {
 #ifdef LENS
   if (sub_aperture_shading.z > 1.0 && exists && overlap && blur_px[index] > kSubAperturesFrom &&
       overlapping[index] == 0u && atomicExchange(overlapping[index], 1u) == 0u) {
+    int groups = group.groups;
     uint first = atomicAdd(work[2], uint(groups * groups));
     for (uint k = 0u; k < uint(groups * groups) && first + k < uint(room.z); ++k) {
       sub_work[2u * uint(room.z) + first + k] = index << 6 | k;
@@ -283,11 +253,5 @@ void main() {
     atomicMax(sweep_groups[2].x, min(first + uint(groups * groups), uint(room.z)));
   }
 #endif
-  if (rounds > sweep_rounds) atomicMax(sweep_rounds, rounds);
-  barrier();
-  atomicAdd(fragments, counted);
-  barrier();
-  if (gl_LocalInvocationIndex != 0u) return;
-  uint sum = atomicAdd(fragments_low, fragments);
-  if (sum + fragments < sum) atomicAdd(fragments_high, 1u);
+  finishSquare();
 }

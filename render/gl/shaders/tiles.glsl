@@ -16,7 +16,10 @@ void main() {
   blurs[gl_LocalInvocationIndex] = exists ? of_cell[cell].y : 0u;
   barrier();
   if (!exists) return;
-  for (int side = size.w != 0 ? kMaxStep : 1;; side /= 2) {
+  int side = 1;
+  // No tile is much larger than the image.
+  while (size.w != 0 && side < min(kMaxStep, max(cells.x, cells.y))) side *= 2;
+  for (;; side /= 2) {
     ivec2 corner = here / side * side;
     uint finest = size.w != 0 ? 3u : 0u, blur = 0u;
     for (int y = corner.y; y < corner.y + side; ++y) {

@@ -1,0 +1,231 @@
+#include "render/gl/frame_stages.h"
+
+#define GL_GLEXT_PROTOTYPES
+#include <GL/glcorearb.h>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kNodesAGroup = 256 * 8;  // of gather.glsl
+
+/// Mesa's software driver ends the loops of a thread after 65,536 rounds, without an error. The
+/// sort of a list of kSoftwareList splats stays below that.
+constexpr std::uint32_t kSoftwareRounds = 65000, kSoftwareList = 100000;
+
+/// A stage writes what the next one reads, also as the size of its dispatch, and what the host
+/// clears and copies.
+constexpr GLbitfield kBarriers =
+    GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT;
+
+/// A room grows by this factor over what a frame needed.
+constexpr double kSpare = 1.25;
+
+}  // namespace
+
+GpuFrameStages::~GpuFrameStages() {
+  if (clocks_[0] == 0) return;
+  device_->later(
+      [clocks = clocks_] { glDeleteQueries(static_cast<GLsizei>(clocks.size()), clocks.data()); });
+}
+
+unsigned GpuFrameStages::bind(const std::string& stage, const std::string& defines,
+                              std::initializer_list<const GpuBuffer*> buffers) {
+  constexpr GLuint kTotalsBinding = 7;
+  const GLuint program = device_->program(
+      stage, "#define TOTALS_BINDING " + std::to_string(kTotalsBinding) + "\n" + defines);
+  glUseProgram(program);
+  GLuint binding = 0;
+  for (const GpuBuffer* buffer : buffers) {
+    if (buffer) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer->id());
+    ++binding;
+  }
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kTotalsBinding, own_.totals.id());
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, own_.frame.id());
+  return program;
+}
+
+void GpuFrameStages::dispatch(std::size_t x, std::size_t y) {
+  glDispatchCompute(static_cast<GLuint>(x), static_cast<GLuint>(y), 1);
+  glMemoryBarrier(kBarriers);
+}
+
+void GpuFrameStages::dispatchIndirect(std::size_t offset) const {
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, own_.totals.id());
+  glDispatchComputeIndirect(static_cast<GLintptr>(offset));
+  glMemoryBarrier(kBarriers);
+}
+
+void GpuFrameStages::bindWindow(unsigned binding, const GpuBuffer& buffer, const GpuWindow& window,
+                                std::size_t each_bytes) {
+  if (window.count == 0) return;
+  glBindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, buffer.id(),
+                    static_cast<GLintptr>(window.first * each_bytes),
+                    static_cast<GLsizeiptr>(window.count * each_bytes));
+}
+
+void GpuFrameStages::start(const GpuFrameBlock& block, bool cut) {
+  block_ = block;
+  tile_count_ = static_cast<std::size_t>(block_.cells.x) * static_cast<std::size_t>(block_.cells.y);
+  const auto elements = static_cast<std::size_t>(block_.scene.x);
+  if (!cut) entry_room_ = std::max<std::size_t>(elements, 1);
+  makeRoom(cut);
+  block_.room.x = static_cast<int>(entry_room_);
+  block_.room.y = static_cast<int>(list_room_);
+  block_.room.z = static_cast<int>(tile_count_ * kGroupsATile);
+  own_.frame.write(0, sizeof block_, &block_);
+  GpuTotals totals;
+  if (!cut) {
+    totals.cut_entries = static_cast<std::uint32_t>(elements);
+    totals.project_groups.x = static_cast<std::uint32_t>(groupsOf(elements, 64));
+  }
+  own_.totals.write(0, sizeof totals, &totals);
+}
+
+void GpuFrameStages::makeRoom(bool cut) {
+  const auto room = [&](GpuBuffer& buffer, std::size_t bytes, const char* what) {
+    buffer.reserve(*device_, bytes, what);
+  };
+  room(own_.frame, sizeof(GpuFrameBlock), "a frame's parameters");
+  room(own_.totals, sizeof(GpuTotals), "a frame's counts");
+  if (cut) {
+    const std::size_t nodes = std::size_t{1} << block_.scene.y;
+    room(own_.own, nodes * sizeof(float), "the cut's weights");
+    room(own_.passed, nodes * sizeof(float), "the cut's weights");
+    room(own_.group_sums, groupsOf(nodes, kNodesAGroup) * sizeof(glm::uvec4), "the cut's sums");
+    room(own_.entries, entry_room_ * sizeof(glm::uvec2), "the cut's entries");
+  }
+  room(own_.keys, entry_room_ * kVector_bytes, "the splats");
+  const auto each_tile = [&](GpuBuffer& buffer, std::size_t bytes) {
+    room(buffer, tile_count_ * bytes, "the tiles");
+  };
+  each_tile(own_.cells, sizeof(glm::uvec2));
+  each_tile(own_.tile_of_cell, sizeof(GLuint));
+  each_tile(own_.tiles, sizeof(glm::ivec4));
+  each_tile(own_.blurs, sizeof(GLfloat));
+  each_tile(own_.cursors, sizeof(GLuint));
+  each_tile(own_.ranges, sizeof(glm::uvec2));
+  each_tile(own_.work, 3 * kGroupsATile * sizeof(GLuint));
+  room(own_.lists, list_room_ * sizeof(glm::uvec2), "the tiles' lists");
+  room(own_.scratch, list_room_ * sizeof(glm::uvec2), "the tiles' lists");
+  room(own_.samples, tile_count_ * kSamplesATile * kVector_bytes, "the samples");
+}
+
+void GpuFrameStages::makeDepthRoom() {
+  own_.depths.reserve(*device_, tile_count_ * kSamplesATile * sizeof(float), "the samples' depths");
+}
+
+void GpuFrameStages::gatherCut() {
+  const std::size_t groups = groupsOf(std::size_t{1} << block_.scene.y, kNodesAGroup);
+  bind("gather", {}, {&own_.own, &own_.passed, &own_.group_sums, nullptr, &own_.entries});
+  dispatch(groups);
+  const GLuint prefix = bind("prefix_cut", {}, {nullptr, nullptr, &own_.group_sums});
+  glProgramUniform1ui(prefix, 0, static_cast<GLuint>(groups));
+  dispatch(1);
+  bind("gather", "#define FILL\n",
+       {&own_.own, &own_.passed, &own_.group_sums, nullptr, &own_.entries});
+  dispatch(groups);
+}
+
+void GpuFrameStages::divideIntoTiles() {
+  const glm::uvec2 nothing(3u, 0u);  // the largest step, no blur
+  glClearNamedBufferSubData(own_.cells.id(), GL_RG32UI, 0,
+                            static_cast<GLsizeiptr>(tile_count_ * sizeof nothing), GL_RG_INTEGER,
+                            GL_UNSIGNED_INT, &nothing);
+  own_.cursors.fill(0, tile_count_ * sizeof(GLuint));
+  if (block_.cells.z != 0 || block_.size.w != 0) {
+    bind("blur_cells", {}, {&own_.keys, &own_.cells});
+    dispatchIndirect(offsetof(GpuTotals, project_groups));
+  }
+  bind("tiles", {}, {&own_.cells, &own_.tile_of_cell, &own_.tiles, &own_.blurs});
+  dispatch(groupsOf(static_cast<std::size_t>(block_.cells.x), kMaxStep_px),
+           groupsOf(static_cast<std::size_t>(block_.cells.y), kMaxStep_px));
+}
+
+void GpuFrameStages::listSplats() {
+  const auto visit = [&](const char* defines) {
+    bind("lists", defines,
+         {&own_.keys, &own_.tile_of_cell, &own_.tiles, &own_.cursors, &own_.lists});
+    dispatchIndirect(offsetof(GpuTotals, project_groups));
+  };
+  visit("");
+  bind("prefix_lists", {}, {&own_.cursors, &own_.ranges, &own_.tiles, &own_.blurs, &own_.work});
+  dispatch(1);
+  visit("#define FILL\n");
+}
+
+void GpuFrameStages::sortLists() {
+  bind("sort", {}, {&own_.lists, &own_.scratch, &own_.ranges});
+  dispatch(tile_count_);
+}
+
+void GpuFrameStages::interpolate(const GpuImage& image, const GpuBuffer* weights) {
+  const bool depth = image.hasDepth();
+  bind("interpolate",
+       std::string(depth ? "#define DEPTH\n" : "") + (weights ? "#define WEIGHTS\n" : ""),
+       {&own_.tile_of_cell, &own_.tiles, &own_.samples, &image.buffers().pixels,
+        depth ? &own_.depths : nullptr, depth ? &image.buffers().depths : nullptr, weights});
+  dispatch(groupsOf(static_cast<std::size_t>(block_.size.x), 16),
+           groupsOf(static_cast<std::size_t>(block_.size.y), 16));
+}
+
+void GpuFrameStages::clearFragments() {
+  const std::uint32_t none[2] = {};
+  own_.totals.write(offsetof(GpuTotals, fragments_low), sizeof none, none);
+}
+
+GpuTotals GpuFrameStages::totals() const {
+  GpuTotals totals;
+  own_.totals.read(0, sizeof totals, &totals);
+  device_->check();
+  return totals;
+}
+
+bool GpuFrameStages::grew(const GpuTotals& totals) {
+  const auto more = [](std::size_t& room, std::uint32_t needed) {
+    if (needed <= room) return false;
+    room = static_cast<std::size_t>(kSpare * needed);
+    return true;
+  };
+  const bool entries = more(entry_room_, totals.cut_entries);
+  return more(list_room_, totals.list_entries) || entries;
+}
+
+void GpuFrameStages::checkLoops(const GpuTotals& totals) const {
+  if (!device_->isSoftware()) return;
+  if (totals.longest_list <= kSoftwareList && totals.sweep_rounds <= kSoftwareRounds) return;
+  throw GpuError(device_->name() + ": this software driver ends long loops, and a tile has " +
+                 std::to_string(totals.longest_list) + " splats");
+}
+
+void GpuFrameStages::beginTimes() {
+  if (clocks_[0] == 0) {
+    glCreateQueries(GL_TIMESTAMP, static_cast<GLsizei>(clocks_.size()), clocks_.data());
+  }
+  noted_.clear();
+  glQueryCounter(clocks_[0], GL_TIMESTAMP);
+}
+
+void GpuFrameStages::note(GpuStage stage) {
+  noted_.push_back(stage);
+  glQueryCounter(clocks_.at(noted_.size()), GL_TIMESTAMP);
+}
+
+GpuTimes GpuFrameStages::times() const {
+  constexpr double kMsANanosecond = 1e-6;
+  GpuTimes times;
+  GLuint64 before = 0;
+  glGetQueryObjectui64v(clocks_[0], GL_QUERY_RESULT, &before);
+  for (std::size_t i = 0; i < noted_.size(); ++i) {
+    GLuint64 after = 0;
+    glGetQueryObjectui64v(clocks_.at(i + 1), GL_QUERY_RESULT, &after);
+    times.stage_ms.at(static_cast<std::size_t>(noted_[i])) =
+        kMsANanosecond * static_cast<double>(after - before);
+    before = after;
+  }
+  return times;
+}
+
+}  // namespace foci

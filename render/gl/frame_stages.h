@@ -1,0 +1,109 @@
+// The stages of a frame that surfels and Gaussians share: the entries of an LOD cut, tiles, their
+// sorted lists, and pixels. They know splats by their keys alone.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/gl/buffer.h"
+#include "render/gl/frame_block.h"
+#include "render/gl/image.h"
+#include "render/gl/stages.h"
+#include "render/gl/windows.h"
+#include "render/splat/bin.h"
+
+namespace foci {
+
+/// Keeps its buffers between frames. Needs a `GpuDevice::Use`, but for its destructor.
+class GpuFrameStages {
+ public:
+  struct Buffers {
+    GpuBuffer frame, totals;
+    GpuBuffer own, passed, group_sums, entries;                          // of the cut
+    GpuBuffer keys;                                                      // by entry
+    GpuBuffer cells, tile_of_cell, tiles, blurs, cursors, ranges, work;  // by tile
+    GpuBuffer lists, scratch;
+    GpuBuffer samples, depths;
+  };
+
+  explicit GpuFrameStages(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
+  ~GpuFrameStages();
+  GpuFrameStages(const GpuFrameStages&) = delete;
+  GpuFrameStages& operator=(const GpuFrameStages&) = delete;
+
+  /// Makes room, and sets the frame's parameters and counts.
+  /// @param block  all but the first three numbers of `room`; of the scene the elements and levels
+  /// @param cut    the entries are those of a cut; else all elements
+  void start(const GpuFrameBlock& block, bool cut);
+  /// Rooms of a frame that has depth.
+  void makeDepthRoom();
+
+  /// Lists the entries of the cut that `own` and `passed` hold.
+  void gatherCut();
+  void divideIntoTiles();
+  void listSplats();
+  void sortLists();
+  /// @param weights  by tile, of its new image over what `image` holds; null: all 1
+  void interpolate(const GpuImage& image, const GpuBuffer* weights = nullptr);
+
+  /// Counts fragments anew.
+  void clearFragments();
+  GpuTotals totals() const;
+  /// Whether the frame needed more room; then it must be rendered again.
+  bool grew(const GpuTotals& totals);
+  /// Throws GpuError where a software driver has ended a loop too early.
+  void checkLoops(const GpuTotals& totals) const;
+
+  void beginTimes();
+  /// Notes the time at which `stage` is done.
+  void note(GpuStage stage);
+  /// Of the stages since `beginTimes`.
+  GpuTimes times() const;
+
+  /// Runs a stage on the buffers, in the order of its bindings; null leaves one out.
+  /// @return the program
+  unsigned bind(const std::string& stage, const std::string& defines,
+                std::initializer_list<const GpuBuffer*> buffers);
+  static void dispatch(std::size_t x, std::size_t y = 1);
+  void dispatchIndirect(std::size_t offset) const;
+  static void bindWindow(unsigned binding, const GpuBuffer& buffer, const GpuWindow& window,
+                         std::size_t each_bytes);
+
+  const Buffers& buffers() const { return own_; }
+  const GpuFrameBlock& block() const { return block_; }
+  std::size_t entryRoom() const { return entry_room_; }
+  std::size_t tileCount() const { return tile_count_; }
+
+ private:
+  /// Rooms at the start; a frame that needs more is rendered again with more.
+  static constexpr std::size_t kFirstEntries = std::size_t{1} << 16;
+  static constexpr std::size_t kFirstLists = std::size_t{1} << 18;
+
+  void makeRoom(bool cut);
+
+  std::shared_ptr<GpuDevice> device_;
+  Buffers own_;
+  GpuFrameBlock block_;
+  std::size_t entry_room_ = kFirstEntries, list_room_ = kFirstLists, tile_count_ = 0;
+  std::array<unsigned, kGpuStages.size() + 1> clocks_{};
+  std::vector<GpuStage> noted_;
+};
+
+/// Work groups of a tile's samples.
+inline constexpr std::size_t kGroupSide = 8;  ///< kGroup of shaders/frame.glsl
+inline constexpr std::size_t kGroupsATile =
+    ((kMostSamples + kGroupSide - 1) / kGroupSide) * ((kMostSamples + kGroupSide - 1) / kGroupSide);
+/// Room for a tile's samples.
+inline constexpr std::size_t kSamplesATile = std::size_t{kMostSamples} * kMostSamples;
+inline constexpr std::size_t kVector_bytes = sizeof(glm::vec4);
+
+inline std::size_t groupsOf(std::size_t count, std::size_t each) {
+  return (count + each - 1) / each;
+}
+
+}  // namespace foci

@@ -1,0 +1,45 @@
+// The spread of each tile's views at the samples that gaussian_composite.glsl follows:
+// `SpreadSquares` of render/gaussians/view_spread.h. One thread a sample.
+layout(local_size_x = 64) in;
+layout(std430, binding = 0) readonly buffer Counts { uint count_of[]; };  // by sample: discs
+layout(std430, binding = 1) readonly buffer Follows { vec4 followed[]; };
+layout(std430, binding = 2) writeonly buffer Squares { vec2 squares[]; };
+layout(location = 0) uniform uint sample_count;
+
+// `visibleDifferencePerLight` of render/image/visible_difference.cpp.
+const float kJustNoticeable = 2.3, kLinearBelow = 0.008856, kLinearSlope = 7.787;
+const mat3 kXyzOfWhite = mat3(0.412453 / 0.950456, 0.212671, 0.019334 / 1.088754,
+                              0.357580 / 0.950456, 0.715160, 0.119193 / 1.088754,
+                              0.180423 / 0.950456, 0.072169, 0.950227 / 1.088754);
+const mat3 kLabOfCurve = mat3(0.0, 500.0, 0.0, 116.0, -500.0, 200.0, 0.0, 0.0, -200.0);
+
+float slopeOf(float t) {
+  return t > kLinearBelow ? pow(t, -2.0 / 3.0) / 3.0 : kLinearSlope;
+}
+
+mat3 jndPerLight(vec3 light) {
+  vec3 xyz = kXyzOfWhite * clamp(light, 0.0, 1.0);
+  vec3 slope = vec3(slopeOf(xyz.x), slopeOf(xyz.y), slopeOf(xyz.z)) / kJustNoticeable;
+  return kLabOfCurve * mat3(slope * kXyzOfWhite[0], slope * kXyzOfWhite[1], slope * kXyzOfWhite[2]);
+}
+
+float squareOf(vec3 v) { return dot(v, v); }
+
+void main() {
+  uint at = gl_GlobalInvocationID.x;
+  if (at >= sample_count) return;
+  vec4 f[7];
+  for (uint i = 0u; i < 7u; ++i) f[i] = followed[7u * at + i];
+  float n = float(count_of[at]);
+  // Of the light less that of the first view: sums, and sums of products.
+  vec3 sum = vec3(f[0].w, f[1].xy);
+  mat3 products = mat3(f[1].z, f[1].w, f[2].x, f[1].w, f[2].y, f[2].z, f[2].x, f[2].z, f[2].w);
+  mat3 apart = products - outerProduct(sum, sum) / n;
+  mat3 jnd = jndPerLight(f[0].xyz + sum / n);
+  mat3 shown = jnd * apart * transpose(jnd);
+  float all = max(shown[0][0] + shown[1][1] + shown[2][2], 0.0);
+  float smooth_ = squareOf(jnd * f[3].xyz) + squareOf(jnd * vec3(f[3].w, f[4].xy)) +
+                  squareOf(jnd * vec3(f[4].zw, f[5].x)) + squareOf(jnd * f[5].yzw) +
+                  squareOf(jnd * f[6].xyz);
+  squares[at] = vec2(all, max(all - smooth_, 0.0));
+}
