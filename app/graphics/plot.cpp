@@ -77,14 +77,16 @@ void placeLabel(const glm::dvec2& at, const PlotPoint& point, const std::string&
     glm::dvec2 off;  // from the point to the start of the baseline
     double before;   // share of the width that lies left of that start
   };
-  const std::array<Place, 8> places = {{{{-out, -out + 2.0}, 1.0},
-                                        {{out, 4.0}, 0.0},
-                                        {{-out, 4.0}, 1.0},
-                                        {{0.0, -out - 1.0}, 0.5},
-                                        {{0.0, out + 8.0}, 0.5},
-                                        {{out, -out + 2.0}, 0.0},
-                                        {{out, out + 6.0}, 0.0},
-                                        {{-out, out + 6.0}, 1.0}}};
+  const std::array<Place, 10> places = {{{{-out, -out + 2.0}, 1.0},
+                                         {{out, 4.0}, 0.0},
+                                         {{-out, 4.0}, 1.0},
+                                         {{0.0, -out - 1.0}, 0.5},
+                                         {{0.0, out + 8.0}, 0.5},
+                                         {{out, -out + 2.0}, 0.0},
+                                         {{out, out + 6.0}, 0.0},
+                                         {{-out, out + 6.0}, 1.0},
+                                         {{out, out + 18.0}, 0.0},
+                                         {{-out, out + 18.0}, 1.0}}};
   for (const Place& place : places) {
     const glm::dvec2 start = at + place.off - glm::dvec2(place.before * width, 0.0);
     const Box box{start - glm::dvec2(0.0, kLabel_px - 1.0), start + glm::dvec2(width, 2.0)};
