@@ -52,12 +52,16 @@ struct Suffix {
 
 /// @param samples  along a side
 TileLayer layerOf(int step_px, int samples, const BlurSum& sum) {
-  const float share = static_cast<float>(samples) / static_cast<float>(kTile);
   return {.size = sum.count(),
           .step_px = step_px,
           .samples = samples,
-          .blur = {sum.radius_px(), false},
-          .time = share * share * static_cast<float>(sum.count())};
+          .blur = {sum.radius_px(), false}};
+}
+
+/// In a unit of its own.
+float timeOf(const TileLayer& layer) {
+  const float share = static_cast<float>(layer.samples) / static_cast<float>(kTile);
+  return share * share * static_cast<float>(layer.size) * viewsFor(layer.blur.radius_px);
 }
 
 }  // namespace
@@ -81,7 +85,6 @@ TileLayers oneLayer(const Tile& tile, std::size_t size) {
   layers.layers[0].size = size;
   layers.layers[0].step_px = tile.step_px;
   layers.layers[0].samples = tile.samplesWithApron();
-  layers.layers[0].time = static_cast<float>(size);
   return layers;
 }
 
@@ -122,7 +125,7 @@ TileLayers layersOf(const Tile& tile, std::span<const std::uint32_t> list,
       layers.layers[k] = layerOf(step_px, samples, next ? rest.without(*next->sum) : rest);
       if (k > 0 && layers.layers[k].size == 0) return;
       if (next) rest = *next->sum;
-      time += layers.layers[k].time * viewsFor(layers.layers[k].blur.radius_px);
+      time += timeOf(layers.layers[k]);
       if (k > 0) worthwhile *= kWorthwhile;
     }
     if (least && !(time < worthwhile * *least)) return;

@@ -35,7 +35,6 @@ struct TileLayer {
   int step_px = 1;       ///< from sample to sample
   int samples = 0;       ///< along a side: those of the tile; of others, from edge to edge
   TileBlur blur = {};
-  float time = 0.0f;  ///< of a view, in a unit of its own
 };
 
 /// Front to back, as the tile's list is. The first has the tile's samples.

@@ -66,6 +66,14 @@ void GpuFrameStages::bindWindow(unsigned binding, const GpuBuffer& buffer, const
                     static_cast<GLsizeiptr>(window.count * each_bytes));
 }
 
+void GpuFrameStages::projectWindows(unsigned program, const GpuWindow& nodes,
+                                    const GpuWindow& elements) const {
+  glProgramUniform4ui(program, 0, static_cast<GLuint>(nodes.first),
+                      static_cast<GLuint>(nodes.count), static_cast<GLuint>(elements.first),
+                      static_cast<GLuint>(elements.count));
+  dispatchIndirect(offsetof(GpuTotals, project_groups));
+}
+
 void GpuFrameStages::start(const GpuFrameBlock& block, bool cut) {
   block_ = block;
   tile_count_ = static_cast<std::size_t>(block_.cells.x) * static_cast<std::size_t>(block_.cells.y);
@@ -156,9 +164,13 @@ void GpuFrameStages::listSplats() {
   visit("#define FILL\n");
 }
 
-void GpuFrameStages::sortLists() {
+void GpuFrameStages::sortIntoTiles() {
+  divideIntoTiles();
+  listSplats();
+  note(GpuStage::bin);
   bind("sort", {}, {&own_.lists, &own_.scratch, &own_.ranges});
   dispatch(tile_count_);
+  note(GpuStage::sort);
 }
 
 void GpuFrameStages::interpolate(const GpuImage& image, const GpuBuffer* weights) {

@@ -45,9 +45,8 @@ class GpuFrameStages {
 
   /// Lists the entries of the cut that `own` and `passed` hold.
   void gatherCut();
-  void divideIntoTiles();
-  void listSplats();
-  void sortLists();
+  /// Divides the image into tiles, and lists and sorts the splats of each. Notes both stages.
+  void sortIntoTiles();
   /// @param weights  by tile, of its new image over what `image` holds; null: all 1
   void interpolate(const GpuImage& image, const GpuBuffer* weights = nullptr);
 
@@ -71,6 +70,8 @@ class GpuFrameStages {
                 std::initializer_list<const GpuBuffer*> buffers);
   static void dispatch(std::size_t x, std::size_t y = 1);
   void dispatchIndirect(std::size_t offset) const;
+  /// Projects the entries that lie within two windows: of nodes, and of what they stand for.
+  void projectWindows(unsigned program, const GpuWindow& nodes, const GpuWindow& elements) const;
   static void bindWindow(unsigned binding, const GpuBuffer& buffer, const GpuWindow& window,
                          std::size_t each_bytes);
 
@@ -85,6 +86,8 @@ class GpuFrameStages {
   static constexpr std::size_t kFirstLists = std::size_t{1} << 18;
 
   void makeRoom(bool cut);
+  void divideIntoTiles();
+  void listSplats();
 
   std::shared_ptr<GpuDevice> device_;
   Buffers own_;

@@ -47,8 +47,8 @@ class GpuGaussians::Pipeline {
     GpuBuffer sizes;
     GpuBuffer projected_a, projected_b;  // by entry
     GpuBuffer discs;
-    GpuBuffer lenses, weights, radii;     // by tile
-    GpuBuffer counts, followed, squares;  // by sample that is followed
+    GpuBuffer lenses, weights, radii;  // by tile
+    GpuBuffer followed, squares;       // by sample that is followed
   };
 
   GpuFrameBlock blockOf(const View& view, const Defocus& defocus,
@@ -60,9 +60,8 @@ class GpuGaussians::Pipeline {
                   std::span<const glm::uvec4> of_cells);
   void composite(std::size_t discs, const glm::vec3& background, bool depth, bool follow);
   GpuStats show(const GpuImage& image, const GpuBuffer* weights);
-  void measureSpread(std::span<const TileDiscs> tiles);
-  void readErrors(std::span<const LensDisc> discs, std::span<const TileDiscs> tiles,
-                  std::vector<SampledErrors>& errors);
+  void measureSpread();
+  void readErrors(std::span<const TileDiscs> tiles, std::vector<SampledErrors>& errors);
 
   std::shared_ptr<const GpuGaussianScene> scene_;
   std::shared_ptr<GpuDevice> device_;
@@ -70,7 +69,8 @@ class GpuGaussians::Pipeline {
   Buffers own_;
   std::optional<Tiles> tiles_;      // read since the last projection
   std::vector<std::size_t> cells_;  // by tile, its first cell: its place in the GPU's arrays
-  std::vector<std::uint32_t> first_followed_;  // by tile, and their number
+  std::map<std::uint32_t, std::size_t> polynomials_;  // their number, by the first disc of a set
+  std::vector<std::uint32_t> first_followed_;         // by tile, and their number
 };
 
 GpuFrameBlock GpuGaussians::Pipeline::blockOf(const View& view, const Defocus& defocus,
@@ -129,10 +129,7 @@ void GpuGaussians::Pipeline::projectEntries(bool cut, std::size_t sizes) {
     const GpuWindow nodes = scene_->nodeWindow(pass), gaussians = scene_->gaussianWindow(pass);
     bindArray(1, 2, scene.gaussians, gaussians);
     if (cut) bindArray(3, 6, scene.nodes, nodes);
-    glProgramUniform4ui(program, 0, static_cast<GLuint>(nodes.first),
-                        static_cast<GLuint>(nodes.count), static_cast<GLuint>(gaussians.first),
-                        static_cast<GLuint>(gaussians.count));
-    stages_.dispatchIndirect(offsetof(GpuTotals, project_groups));
+    stages_.projectWindows(program, nodes, gaussians);
   }
 }
 
@@ -152,11 +149,7 @@ GpuStats GpuGaussians::Pipeline::project(const View& view, const Defocus& defocu
     stages_.note(GpuStage::cut);
     projectEntries(cut, sizes.size());
     stages_.note(GpuStage::project);
-    stages_.divideIntoTiles();
-    stages_.listSplats();
-    stages_.note(GpuStage::bin);
-    stages_.sortLists();
-    stages_.note(GpuStage::sort);
+    stages_.sortIntoTiles();
     totals = stages_.totals();
   } while (stages_.grew(totals));
   stages_.checkLoops(totals);
@@ -206,11 +199,11 @@ void GpuGaussians::Pipeline::takeLenses(std::span<const LensDisc> discs,
     all.insert(all.end(),
                {each.centre.x, each.centre.y, each.radius, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f});
   }
-  std::vector<bool> done(discs.size(), false);
+  polynomials_.clear();
   for (const TileDiscs& set : sets) {
-    if (set.count < 3 || done[set.first]) continue;
-    done[set.first] = true;
+    if (set.count < 3 || polynomials_.contains(set.first)) continue;
     const auto polynomials = polynomialsOver(discs.subspan(set.first, set.count));
+    polynomials_[set.first] = polynomials.size();
     for (std::size_t k = 0; k < polynomials.size(); ++k) {
       for (std::size_t i = 0; i < set.count; ++i) {
         all[8 * (set.first + i) + 3 + k] = polynomials[k][i];
@@ -294,35 +287,26 @@ GpuStats GpuGaussians::Pipeline::render(std::span<const LensDisc> discs,
   stages_.clearFragments();
   stages_.beginTimes();
   composite(most, background, depth, errors != nullptr);
-  if (errors) measureSpread(tiles);
+  if (errors) measureSpread();
   const GpuStats stats = show(*image, &own_.weights);
-  if (errors) readErrors(discs, tiles, *errors);
+  if (errors) readErrors(tiles, *errors);
   return stats;
 }
 
-void GpuGaussians::Pipeline::measureSpread(std::span<const TileDiscs> tiles) {
-  std::vector<std::uint32_t> counts(first_followed_.back());
-  for (std::size_t t = 0; t < tiles.size(); ++t) {
-    std::fill(counts.begin() + first_followed_[t], counts.begin() + first_followed_[t + 1],
-              std::max(tiles[t].count, 1u));
-  }
-  own_.counts.reserve(*device_, counts.size() * sizeof counts[0], "the samples that are followed");
-  own_.counts.write(0, counts.size() * sizeof counts[0], counts.data());
-  own_.squares.reserve(*device_, counts.size() * sizeof(SpreadSquares), "the samples' errors");
-  const GLuint program =
-      stages_.bind("gaussian_errors", {}, {&own_.counts, &own_.followed, &own_.squares});
-  glProgramUniform1ui(program, 0, first_followed_.back());
-  GpuFrameStages::dispatch(groupsOf(counts.size(), 64));
+void GpuGaussians::Pipeline::measureSpread() {
+  const std::uint32_t samples = first_followed_.back();
+  own_.squares.reserve(*device_, samples * sizeof(SpreadSquares), "the samples' errors");
+  const GLuint program = stages_.bind("gaussian_errors", {}, {&own_.followed, &own_.squares});
+  glProgramUniform1ui(program, 0, samples);
+  GpuFrameStages::dispatch(groupsOf(samples, 64));
 }
 
-void GpuGaussians::Pipeline::readErrors(std::span<const LensDisc> discs,
-                                        std::span<const TileDiscs> tiles,
+void GpuGaussians::Pipeline::readErrors(std::span<const TileDiscs> tiles,
                                         std::vector<SampledErrors>& errors) {
   static_assert(sizeof(SpreadSquares) == sizeof(glm::vec2));
   const auto squares = readArray<SpreadSquares>(own_.squares, first_followed_.back());
   device_->check();
   errors.resize(tiles.size());
-  std::map<std::uint32_t, std::size_t> polynomials;  // by the first disc of a set
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     const auto& [first, count, weight] = tiles[t];
     if (count == 0) continue;
@@ -330,10 +314,7 @@ void GpuGaussians::Pipeline::readErrors(std::span<const LensDisc> discs,
         std::span(squares).subspan(first_followed_[t], first_followed_[t + 1] - first_followed_[t]);
     errors[t] = {.layers_jnd = {}, .count = samples.size()};
     if (count == 1) continue;
-    if (!polynomials.contains(first)) {
-      polynomials[first] = polynomialsOver(discs.subspan(first, count)).size();
-    }
-    errors[t].layers_jnd[0] = errorsOfMean(samples, count, polynomials[first],
+    errors[t].layers_jnd[0] = errorsOfMean(samples, count, polynomials_.at(first),
                                            tiles_->layers[t].layers[0].blur.radius_px);
   }
 }

@@ -128,10 +128,7 @@ void GpuSplats::Pipeline::project() {
     if (cut_) GpuFrameStages::bindWindow(2, scene.nodes, nodes, GpuScene::kNode_bytes);
     GpuFrameStages::bindWindow(3, scene.surfels_a, surfels, GpuScene::kSurfel_bytes);
     GpuFrameStages::bindWindow(10, scene.surfels_b, surfels, GpuScene::kSurfel_bytes);
-    glProgramUniform4ui(program, 0, static_cast<GLuint>(nodes.first),
-                        static_cast<GLuint>(nodes.count), static_cast<GLuint>(surfels.first),
-                        static_cast<GLuint>(surfels.count));
-    stages_.dispatchIndirect(offsetof(GpuTotals, project_groups));
+    stages_.projectWindows(program, nodes, surfels);
   }
 }
 
@@ -173,11 +170,7 @@ GpuStats GpuSplats::Pipeline::render(const GpuRequest& request, std::shared_ptr<
     stages_.note(GpuStage::cut);
     project();
     stages_.note(GpuStage::project);
-    stages_.divideIntoTiles();
-    stages_.listSplats();
-    stages_.note(GpuStage::bin);
-    stages_.sortLists();
-    stages_.note(GpuStage::sort);
+    stages_.sortIntoTiles();
     sweep(request);
     stages_.note(GpuStage::composite);
     stages_.interpolate(*image);

@@ -109,11 +109,10 @@ DiscsOfTiles::Changes DiscsOfTiles::changesOf(const TileState& tile, const Indic
 }
 
 template <typename ErrorOf>
-float DiscsOfTiles::errorAfter(const Changes& changes, const TileState& tile,
-                               const ErrorOf& error_of) {
+float DiscsOfTiles::errorAfter(const Changes& changes, const ErrorOf& error_of) {
   float squares = 0.0f;
   for (std::size_t k = 0; k < changes.size(); ++k) {
-    const float error = changes[k].of(error_of(tile.layers[k]));
+    const float error = changes[k].of(error_of(k));
     squares += error * error;
   }
   return std::sqrt(squares);
@@ -121,9 +120,7 @@ float DiscsOfTiles::errorAfter(const Changes& changes, const TileState& tile,
 
 DiscsOfTiles::Next DiscsOfTiles::nextWithin(const TileState& tile, float limit) const {
   Next next{.indices = tile.indices};
-  const float typical = errorAfter(changesOf(tile, tile.indices), tile,
-                                   [](const LayerState& layer) { return layer.typical; });
-  const float now = typical / std::min(limit, kMostOverTolerance * tolerance_);
+  const float now = tile.typical / std::min(limit, kMostOverTolerance * tolerance_);
   if (now <= 1.0f) return next;
   next.weight = std::min((now - 1.0f) / kTransition, 1.0f);
   // One step for all layers: a choice among them would change the tile at once where it changes.
@@ -138,17 +135,16 @@ float DiscsOfTiles::areaBeyond_px2(float error, float limit) const {
   float sum_px2 = 0.0f;
   for (const TileState& tile : tiles_) {
     const float highest = without(tile.merging, error);
-    const Changes none = changesOf(tile, tile.indices);
-    const float most = errorAfter(none, tile, [](const LayerState& layer) { return layer.most; });
-    if (most <= highest) continue;
+    if (tile.most <= highest) continue;
     const Next next = nextWithin(tile, limit);
+    const Changes none = changesOf(tile, tile.indices);
     const Changes more = changesOf(tile, next.indices);
     std::size_t beyond = 0;
     for (std::size_t i = 0; i < tile.samples; ++i) {
-      const auto sample = [&](const LayerState& layer) { return layer.errors[i]; };
-      float after = errorAfter(none, tile, sample);
+      const auto sample = [&](std::size_t k) { return tile.layers[k].errors[i]; };
+      float after = errorAfter(none, sample);
       if (next.weight > 0.0f) {
-        after = glm::mix(after, errorAfter(more, tile, sample), next.weight);
+        after = glm::mix(after, errorAfter(more, sample), next.weight);
       }
       beyond += after > highest;
     }
@@ -159,17 +155,20 @@ float DiscsOfTiles::areaBeyond_px2(float error, float limit) const {
 
 void DiscsOfTiles::take(const SampledErrors& sampled, TileState& tile) {
   tile.samples = sampled.count;
+  std::array<float, TileLayers::kMost> typical{}, most{};
   for (std::size_t k = 0; k < tile.layers.size(); ++k) {
-    LayerState& layer = tile.layers[k];
     float squares = 0.0f;
-    layer.most = 0.0f;
     for (std::size_t i = 0; i < tile.samples; ++i) {
-      layer.errors[i] = glm::mix(layer.errors[i], sampled.layers_jnd[k][i], tile.weight);
-      squares += layer.errors[i] * layer.errors[i];
-      layer.most = std::max(layer.most, layer.errors[i]);
+      float& error = tile.layers[k].errors[i];
+      error = glm::mix(error, sampled.layers_jnd[k][i], tile.weight);
+      squares += error * error;
+      most[k] = std::max(most[k], error);
     }
-    layer.typical = std::sqrt(squares / static_cast<float>(tile.samples));
+    typical[k] = std::sqrt(squares / static_cast<float>(tile.samples));
   }
+  const Changes none = changesOf(tile, tile.indices);
+  tile.typical = errorAfter(none, [&](std::size_t k) { return typical[k]; });
+  tile.most = errorAfter(none, [&](std::size_t k) { return most[k]; });
 }
 
 bool DiscsOfTiles::refine(const std::vector<SampledErrors>& errors) {

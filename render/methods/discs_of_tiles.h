@@ -52,8 +52,6 @@ class DiscsOfTiles {
   struct LayerState {
     TileBlur blur;
     std::array<float, SampledErrors::kMost> errors{};  ///< with the tile's indices
-    float typical = 0.0f;                              ///< their root mean square
-    float most = 0.0f;                                 ///< the largest of them
   };
   struct TileState {
     float area_px2 = 0.0f;
@@ -61,6 +59,8 @@ class DiscsOfTiles {
     std::array<LayerState, TileLayers::kMost> layers;
     Indices indices{};
     std::size_t samples = 0;  ///< that have errors
+    float typical = 0.0f;     ///< root mean square of all layers' errors
+    float most = 0.0f;        ///< no sample's error is larger
     bool is_next = true;
     float weight = 1.0f;  ///< of what is next
   };
@@ -75,9 +75,9 @@ class DiscsOfTiles {
   static Change changeOf(const TileState& tile, std::size_t layer, std::size_t index);
   static Changes changesOf(const TileState& tile, const Indices& indices);
   /// Of all layers together.
-  /// @param error_of  the error of a layer with the tile's indices
+  /// @param error_of  the error of the k-th layer with the tile's indices
   template <typename ErrorOf>
-  static float errorAfter(const Changes& changes, const TileState& tile, const ErrorOf& error_of);
+  static float errorAfter(const Changes& changes, const ErrorOf& error_of);
   struct Next {
     Indices indices;
     float weight = 0.0f;  ///< 0: the tile stays as it is

@@ -65,7 +65,7 @@ constexpr std::array kBudgetLevels{QualityLevel::fine, QualityLevel::sub_apertur
 /// By the discs in front and behind, in kDiscs.
 using PairTable = std::array<std::array<LensPairs, kDiscs.size()>, kDiscs.size()>;
 
-/// Made once for all, since it depends on `kDiscs` alone.
+/// Made once for all, since it depends on `kDiscs` alone; not before a tile has several layers.
 const PairTable& pairTable() {
   static const PairTable table = [] {
     PairTable made;
@@ -95,7 +95,7 @@ class GaussianAuto final : public GaussianEyeMethod {
   }
 
   std::unique_ptr<Method> cloneSharingScene() const override {
-    return std::make_unique<GaussianAuto>(LensGaussians(scene_, nullptr), forced_);
+    return std::make_unique<GaussianAuto>(scene_.sharingScene(), forced_);
   }
 
   RenderStats renderGeometry(const View& view, const RenderSettings& settings,
@@ -180,7 +180,6 @@ class GaussianAuto final : public GaussianEyeMethod {
       merging.push_back(most);
     }
     tiles_.choose(scene_.tiles(), view.size_px, layers, merging, tolerance);
-    const PairTable& pairs = pairTable();
     do {
       stats.add(scene_.render(
           [&](std::size_t tile) {
@@ -189,7 +188,8 @@ class GaussianAuto final : public GaussianEyeMethod {
             lens.discs = &sets_[tiles_.indexOf(tile, 0)];
             lens.weight = tiles_.weightOf(tile);
             for (std::size_t k = 1; k < layers[tile].count; ++k) {
-              lens.pairs[k - 1] = &pairs[tiles_.indexOf(tile, k - 1)][tiles_.indexOf(tile, k)];
+              lens.pairs[k - 1] =
+                  &pairTable()[tiles_.indexOf(tile, k - 1)][tiles_.indexOf(tile, k)];
             }
             return lens;
           },

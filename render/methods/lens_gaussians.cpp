@@ -11,9 +11,10 @@ LensGaussians::LensGaussians(std::shared_ptr<const GaussianCloud> cloud, const S
   if (gpu) gpu_.emplace(std::make_shared<GpuGaussianScene>(gpu, *cloud_));
 }
 
-LensGaussians::LensGaussians(const LensGaussians& other, std::nullptr_t)
-    : cloud_(other.cloud_), view_(*cloud_) {
-  if (other.gpu_) gpu_.emplace(other.gpu_->scene());
+LensGaussians LensGaussians::sharingScene() const {
+  LensGaussians other(cloud_, nullptr);
+  if (gpu_) other.gpu_.emplace(gpu_->scene());
+  return other;
 }
 
 RenderStats LensGaussians::project(const View& view, const Defocus& defocus,

@@ -2,7 +2,6 @@
 // Gaussians goes through this class.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -19,8 +18,8 @@ class LensGaussians {
  public:
   /// @param gpu  renders; null: the CPU does
   LensGaussians(std::shared_ptr<const GaussianCloud> cloud, const SharedGpu& gpu);
-  /// Shares the other's scene.
-  LensGaussians(const LensGaussians& other, std::nullptr_t);
+  /// Another one of the same scene.
+  LensGaussians sharingScene() const;
 
   bool isOnGpu() const { return gpu_.has_value(); }
 

@@ -20,8 +20,6 @@ layout(location = 0) uniform int level;
 const float kFade = 0.3, kWidestReach = 3.0, kOutside = -1.0, kRefine = 1e30, kEdgeOn = 0.612;
 const vec4 kNoBounds = vec4(0.0, kRefine, 0.0, 0.0);
 
-float finest(float from_gaze) { return max(acuity.z + acuity.w * from_gaze, 1.0); }
-
 float blurred(float defocus_D) {
   return cut.x * view_px.z * view_px.w * defocus_D * defocus_D;
 }
@@ -54,8 +52,8 @@ float coarsenessInView(vec3 from_eye, uvec4 coarseness, float sharp) {
 
 float sizeOf(vec4 node, uvec4 coarseness, out vec4 below) {
   below = kNoBounds;
-  vec3 from_eye = node.xyz - vec3(right.w, up.w, back.w);
-  vec3 p = vec3(dot(right.xyz, from_eye), dot(up.xyz, from_eye), dot(back.xyz, from_eye));
+  vec3 from_eye = fromEye(node.xyz);
+  vec3 p = inEyeAxes(from_eye);
   float radius = node.w, depth = -p.z, near_m = cut.w;
   if (depth + radius < near_m) return kOutside;
   float nearest = depth - radius;

@@ -26,6 +26,8 @@ const int kWidest = kTile + 2 * kApron;  // samples along a tile's side, with th
 const int kGroup = 8;                    // samples along the side of a work group
 const int kGroupsASide = (kWidest + kGroup - 1) / kGroup;
 const float kHidden = 1.0 / 8192.0;
+const float kDisc = 0.25;        // kDiscVariancePerRadius2
+const float kLowPass_px2 = 0.3;  // of Gaussians
 const uint kNone = 0xFFFFFFFFu;
 const uint kSeveral = 65535u;  // bodies
 const float kWhole = 2.0;  // passed by a node whose surfels all render, at full weight
@@ -38,5 +40,11 @@ vec3 unpackNormal(uint bits) {
 }
 
 float square(float x) { return x * x; }
+
+vec3 fromEye(vec3 place) { return place - vec3(right.w, up.w, back.w); }
+vec3 inEyeAxes(vec3 v) { return vec3(dot(right.xyz, v), dot(up.xyz, v), dot(back.xyz, v)); }
+
+// `Acuity::finest_px` of render/optics/acuity.h.
+float finest(float from_gaze) { return max(acuity.z + acuity.w * from_gaze, 1.0); }
 
 int samplesOf(ivec4 tile) { return tile.z / tile.w + (tile.w > 1 ? 2 * kApron : 0); }

@@ -9,15 +9,14 @@ layout(std430, binding = 6) readonly buffer ProjectedB { vec4 projected_b[]; };
 layout(std430, binding = 10) readonly buffer Discs { vec4 discs[]; };
 #ifdef FOLLOW
 // Seven vectors each: light of the first view, then of all views less that the sums and the sums of
-// products: red; green, blue, rr, rg; rb, gg, gb, bb; and the sums times each polynomial.
+// products: red; green, blue, rr, rg; rb, gg, gb, bb; the sums times each polynomial; the number.
 layout(std430, binding = 11) buffer Follows { vec4 followed[]; };
 #endif
 
 layout(location = 0) uniform uint disc;
 layout(location = 1) uniform vec3 background;  // display values
 
-const float kDisc = 0.25;  // kDiscVariancePerRadius2
-const float kLowPass_px2 = 0.3, kMaxAlpha = 0.99, kOpaque = 1e-4;
+const float kMaxAlpha = 0.99, kOpaque = 1e-4;
 const float kLog2E = 1.44269504, kMaxExponent = 60.0;
 
 // By Gaussian of the batch: centre, qa, qb; qc, end, peak, distance; colour.
@@ -67,7 +66,7 @@ vec3 linearOf(vec3 display) {
 #ifdef FOLLOW
 // The samples that `ViewSpread::begin` follows.
 // @param own  the disc's vectors
-void follow(uint from, ivec2 here, int side, int apron, vec4 own[2], vec3 light) {
+void follow(uint from, ivec2 here, int side, int apron, uint views, vec4 own[2], vec3 light) {
   int apart = apron > 0 ? 2 : 4, first = apron + apart / 2;
   ivec2 step_ = (here - first) / apart;
   if (any(lessThan(here, ivec2(first))) || any(greaterThanEqual(here, ivec2(side - apron))) ||
@@ -78,7 +77,8 @@ void follow(uint from, ivec2 here, int side, int apron, vec4 own[2], vec3 light)
   uint at = 7u * (from + uint(step_.y * along + step_.x));
   if (disc == 0u) {
     followed[at] = vec4(light, 0.0);
-    for (uint i = 1u; i < 7u; ++i) followed[at + i] = vec4(0.0);
+    for (uint i = 1u; i < 6u; ++i) followed[at + i] = vec4(0.0);
+    followed[at + 6u] = vec4(0.0, 0.0, 0.0, float(views));
     return;
   }
   vec3 d = light - followed[at].rgb;
@@ -145,7 +145,7 @@ void main() {
     depths[to] = disc == 0u ? share * weighted_m : depths[to] + share * weighted_m;
 #endif
 #ifdef FOLLOW
-    follow(lenses.z, group.here, group.side, tiles[group.tile].w > 1 ? kApron : 0, own, light);
+    follow(lenses.z, group.here, group.side, tiles[group.tile].w > 1 ? kApron : 0, lenses.y, own, light);
 #endif
   }
   finishSquare();

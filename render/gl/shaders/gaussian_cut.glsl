@@ -14,8 +14,7 @@ const int kOutside = 0, kFine = 1, kCoarse = 2;
 const float kLowPassReach_px = 4.0;
 
 int see(uint node) {
-  vec3 from_eye = place[node].xyz - vec3(right.w, up.w, back.w);
-  vec3 p = vec3(dot(right.xyz, from_eye), dot(up.xyz, from_eye), dot(back.xyz, from_eye));
+  vec3 p = inEyeAxes(fromEye(place[node].xyz));
   float radius = place[node].w, depth = -p.z, near_m = cut.w;
   if (depth + radius < near_m) return kOutside;
   float nearest_m = depth - radius;
@@ -31,8 +30,7 @@ int see(uint node) {
     return kOutside;
   }
   float off_D = max(abs(from_focus_D - focus.w) - range_D, 0.0);
-  vec2 from_gaze = max(abs(at - acuity.xy) - reach, 0.0);
-  float finest_px = max(acuity.z + acuity.w * length(from_gaze), 1.0);
+  float finest_px = finest(length(max(abs(at - acuity.xy) - reach, 0.0)));
   float allowed_px2 = min(cut.x * view_px.z * view_px.w * off_D * off_D, max_px2) + cut.y +
                       cut.z * (finest_px * finest_px - 1.0);
   float spread_px2 =

@@ -1,9 +1,8 @@
 // The spread of each tile's views at the samples that gaussian_composite.glsl follows:
 // `SpreadSquares` of render/gaussians/view_spread.h. One thread a sample.
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Counts { uint count_of[]; };  // by sample: discs
-layout(std430, binding = 1) readonly buffer Follows { vec4 followed[]; };
-layout(std430, binding = 2) writeonly buffer Squares { vec2 squares[]; };
+layout(std430, binding = 0) readonly buffer Follows { vec4 followed[]; };
+layout(std430, binding = 1) writeonly buffer Squares { vec2 squares[]; };
 layout(location = 0) uniform uint sample_count;
 
 // `visibleDifferencePerLight` of render/image/visible_difference.cpp.
@@ -30,7 +29,7 @@ void main() {
   if (at >= sample_count) return;
   vec4 f[7];
   for (uint i = 0u; i < 7u; ++i) f[i] = followed[7u * at + i];
-  float n = float(count_of[at]);
+  float n = f[6].w;
   // Of the light less that of the first view: sums, and sums of products.
   vec3 sum = vec3(f[0].w, f[1].xy);
   mat3 products = mat3(f[1].z, f[1].w, f[2].x, f[1].w, f[2].y, f[2].z, f[2].x, f[2].z, f[2].w);

@@ -24,7 +24,7 @@ layout(std430, binding = 9) readonly buffer Sizes { vec2 sizes[]; };  // max_rad
 layout(location = 0) uniform uvec4 window;
 layout(location = 1) uniform int size_count;
 
-const float kFieldMargin = 1.3, kSigmaPerBlur = 0.3, kLowPass_px2 = 0.3, kMinAlpha = 1.0 / 255.0;
+const float kFieldMargin = 1.3, kSigmaPerBlur = 0.3, kMinAlpha = 1.0 / 255.0;
 
 struct Gaussian {
   vec3 position, colour;
@@ -115,8 +115,8 @@ void projectEntry(uint slot) {
 #endif
   g = GAUSSIAN_OF(gaussian, 4u * i);
 
-  vec3 from_eye = g.position - vec3(right.w, up.w, back.w);
-  vec3 p = vec3(dot(right.xyz, from_eye), dot(up.xyz, from_eye), dot(back.xyz, from_eye));
+  vec3 from_eye = fromEye(g.position);
+  vec3 p = inEyeAxes(from_eye);
   float depth = -p.z;
   if (!(depth >= cut.w)) return;
   float inverse_ = 1.0 / depth;

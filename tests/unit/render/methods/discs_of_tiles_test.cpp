@@ -15,7 +15,7 @@ constexpr float kBlur_px = 15.0f;
 
 TileLayers oneLayer(float blur_px) {
   TileLayers layers;
-  layers.layers[0] = {.size = 1, .samples = kTile, .blur = {blur_px, false}, .time = 1.0f};
+  layers.layers[0] = {.size = 1, .samples = kTile, .blur = {blur_px, false}};
   return layers;
 }
 
@@ -108,9 +108,9 @@ TEST(DiscsOfTiles, ASmallerToleranceTakesMoreDiscs) {
 /// A sharp layer before two blurred ones.
 TileLayers threeLayers() {
   TileLayers layers{.layers = {}, .count = 3};
-  layers.layers[0] = {.size = 1, .samples = kTile, .blur = {0.5f, false}, .time = 1.0f};
-  layers.layers[1] = {.size = 1, .step_px = 2, .samples = 17, .blur = {6.0f, false}, .time = 0.3f};
-  layers.layers[2] = {.size = 1, .step_px = 4, .samples = 9, .blur = {16.0f, false}, .time = 0.1f};
+  layers.layers[0] = {.size = 1, .samples = kTile, .blur = {0.5f, false}};
+  layers.layers[1] = {.size = 1, .step_px = 2, .samples = 17, .blur = {6.0f, false}};
+  layers.layers[2] = {.size = 1, .step_px = 4, .samples = 9, .blur = {16.0f, false}};
   return layers;
 }
 
