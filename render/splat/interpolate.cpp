@@ -2,11 +2,21 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 namespace foci {
 namespace {
 
 using Taps = std::array<float, 4>;
+
+/// The channels of a pixel: one vector of the processor.
+using Channels [[gnu::vector_size(4 * sizeof(float))]] = float;
+
+Channels channelsOf(const glm::vec4& value) {
+  Channels channels;
+  std::memcpy(&channels, &value, sizeof channels);
+  return channels;
+}
 
 /// A pixel's place among the samples: the first of four samples, and their taps.
 struct Place {
@@ -57,28 +67,25 @@ void interpolateTile(const Tile& tile, const glm::vec4* rgba, const float* depth
   }
 
   const auto places = placesOf(tile);
-  std::array<glm::vec4, kMostSamples> row;
+  std::array<Channels, kMostSamples> row;
   std::array<float, kMostSamples> depth_row{};
+  const auto mix = [](const Taps& taps, const auto& sample) {
+    return taps[0] * sample(0) + taps[1] * sample(1) + taps[2] * sample(2) + taps[3] * sample(3);
+  };
   for (int y = 0; y < height; ++y) {
-    const auto& [first_y, ty] = places[y];
-    const auto down = [&, &first_y = first_y, &ty = ty](const auto* from, int x) {
-      from += first_y * samples + x;
-      return ty[0] * from[0] + ty[1] * from[samples] + ty[2] * from[2 * samples] +
-             ty[3] * from[3 * samples];
-    };
+    const Place& down = places[y];
     for (int x = 0; x < samples; ++x) {
-      row[x] = down(rgba, x);
-      if (depth_m) depth_row[x] = down(depth_m, x);
+      const int first = down.first * samples + x;
+      row[x] = mix(down.taps, [&](int k) { return channelsOf(rgba[first + k * samples]); });
+      if (!depth_m) continue;
+      depth_row[x] = mix(down.taps, [&](int k) { return depth_m[first + k * samples]; });
     }
     for (int x = 0; x < width; ++x) {
-      const auto& [first, t] = places[x];
-      const auto across = [&, &first = first, &t = t](const auto& from) {
-        return t[0] * from[first] + t[1] * from[first + 1] + t[2] * from[first + 2] +
-               t[3] * from[first + 3];
-      };
-      glm::vec4 value = across(row);
-      value.a = std::clamp(value.a, 0.0f, 1.0f);
-      put(rowOf(y) + x, value, depth_m ? across(depth_row) : 0.0f);
+      const Place& across = places[x];
+      const Channels value = mix(across.taps, [&](int k) { return row[across.first + k]; });
+      float far_m = 0.0f;
+      if (depth_m) far_m = mix(across.taps, [&](int k) { return depth_row[across.first + k]; });
+      put(rowOf(y) + x, {value[0], value[1], value[2], std::clamp(value[3], 0.0f, 1.0f)}, far_m);
     }
   }
 }
