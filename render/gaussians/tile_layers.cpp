@@ -94,6 +94,11 @@ TileLayers layersOf(const Tile& tile, std::span<const std::uint32_t> list,
   std::array suffixes{Suffix{.step_px = 2}, Suffix{.step_px = 4}, Suffix{.step_px = 8}};
   BlurSum all;
   for (std::size_t k = list.size(); k-- > 0;) {
+    constexpr std::size_t kAhead = 16;  // entries lie scattered in memory
+    if (k >= kAhead) {
+      __builtin_prefetch(&projected.chunks.keys[list[k - kAhead]]);
+      __builtin_prefetch(&projected.gaussians[list[k - kAhead]]);
+    }
     const SplatKey& key = projected.chunks.keys[list[k]];
     const ProjectedGaussian& gaussian = projected.gaussians[list[k]];
     const int step_px = gaussian.off_D > 0.0f ? stepFor(key.sigma_px) : 1;
