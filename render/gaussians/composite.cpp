@@ -17,6 +17,7 @@
 namespace foci {
 
 HWY_EXPORT(compositeTileLanes);
+HWY_EXPORT(seeTileLanes);
 HWY_EXPORT(compositeBehindLanes);
 HWY_EXPORT(interpolateBehindLanes);
 
@@ -64,6 +65,11 @@ void TileGaussians::fetchBlock() {
 std::size_t compositeTile(const CompositeJob& job, TileSums& sums,
                           std::span<const std::size_t> followed, std::span<SeenLight> seen) {
   return HWY_DYNAMIC_DISPATCH(compositeTileLanes)(job, sums, followed, seen);
+}
+
+std::size_t seeTile(const CompositeJob& job, std::span<const std::size_t> followed,
+                    std::span<SeenLight> seen) {
+  return HWY_DYNAMIC_DISPATCH(seeTileLanes)(job, followed, seen);
 }
 
 std::size_t compositeBehind(const CompositeJob& job, std::span<const float> weights,

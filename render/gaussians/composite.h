@@ -135,6 +135,10 @@ using SeenLight = glm::vec4;
 std::size_t compositeTile(const CompositeJob& job, TileSums& sums,
                           std::span<const std::size_t> followed, std::span<SeenLight> seen);
 
+/// Composites in the same way, and keeps nothing but what is seen.
+std::size_t seeTile(const CompositeJob& job, std::span<const std::size_t> followed,
+                    std::span<SeenLight> seen);
+
 /// Composites in the same way, and adds display values and linear light to each of `views`, times
 /// its weight.
 std::size_t compositeBehind(const CompositeJob& job, std::span<const float> weights,

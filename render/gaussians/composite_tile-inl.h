@@ -379,6 +379,11 @@ inline std::size_t compositeTileLanes(const CompositeJob& job, TileSums& sums,
   });
 }
 
+inline std::size_t seeTileLanes(const CompositeJob& job, std::span<const std::size_t> followed,
+                                std::span<SeenLight> seen) {
+  return composite(job, [&](const auto& tile) { tile.follow(followed, seen); });
+}
+
 inline std::size_t compositeBehindLanes(const CompositeJob& job, std::span<const float> weights,
                                         std::span<BehindPlanes> views,
                                         std::span<const std::size_t> followed,

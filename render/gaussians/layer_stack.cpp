@@ -81,8 +81,24 @@ std::uint64_t LayerStack::render(const ProjectedGaussian* gaussians,
     first.job.behind = behindOf(0, view);
     fragments_ += compositeTile(first.job, sums, first.spread.places(), first.spread.next());
   }
-  if (errors) *errors = this->errors();
+  if (errors) {
+    if (lens.judges && first.discs->size() == 1) judge();
+    *errors = this->errors();
+  }
   return fragments_;
+}
+
+void LayerStack::judge() {
+  const Layer& first = stack_[0];
+  CompositeJob job = first.job;
+  const auto [from, apart] = judging_.beginBeside(first.spread);
+  job.first_px += static_cast<float>(from) * job.step_px;
+  job.step_px *= static_cast<float>(apart);
+  job.samples = judging_.along();
+  for (const LensDisc& disc : *lens_.judges) {
+    job.lens = disc;
+    fragments_ += seeTile(job, judging_.places(), judging_.next());
+  }
 }
 
 std::function<const BehindPlanes&()> LayerStack::behindOf(std::size_t layer, std::size_t view) {
@@ -151,11 +167,14 @@ SampledErrors LayerStack::errors() const {
   for (std::size_t k = 0; k < layers_.count && stack_[k].is_seen; ++k) {
     const ViewSpread& spread = stack_[k].spread;
     auto& own = errors.layers_jnd[k];
+    const float radius_px = layers_.layers[k].blur.radius_px;
+    std::array<BehindSample, SampledErrors::kMost> samples;
+    for (std::size_t i = 0; i < count; ++i) samples[i] = meanBehind(k, spread.places()[i]);
+    const auto behind = std::span(samples).first(count);
     if (stack_[k].discs->size() > 1) {
-      std::array<BehindSample, SampledErrors::kMost> behind;
-      for (std::size_t i = 0; i < count; ++i) behind[i] = meanBehind(k, spread.places()[i]);
-      own = spread.errorsOfMean(*stack_[k].discs, layers_.layers[k].blur.radius_px,
-                                std::span(behind).first(count));
+      own = spread.errorsOfMean(*stack_[k].discs, radius_px, behind);
+    } else if (lens_.judges && k == 0) {
+      own = spread.errorsOfOne(judging_, behind);
     }
     for (std::size_t i = 0; i < count; ++i) {
       own[i] *= through[i];

@@ -34,6 +34,8 @@ struct TileLens {
   const std::vector<LensDisc>* discs = nullptr;  ///< of its first layer
   /// Of each layer with the next.
   std::array<const LensPairs*, TileLayers::kMost - 1> pairs{};
+  /// At least three, which tell the error of a first layer with one disc; null: not wanted.
+  const std::vector<LensDisc>* judges = nullptr;
   float weight = 1.0f;  ///< of the new image of the tile; that of the frame's is the rest
 };
 
@@ -60,12 +62,14 @@ class LayerStack {
   const BehindPlanes& behind(std::size_t layer, std::size_t view);
   void composite(std::size_t layer);
   std::function<const BehindPlanes&()> behindOf(std::size_t layer, std::size_t view);
+  void judge();
   SampledErrors errors() const;
   BehindSample meanBehind(std::size_t layer, std::size_t place) const;
 
   TileLayers layers_;
   TileLens lens_;
   std::array<Layer, TileLayers::kMost> stack_;
+  ViewSpread judging_;  // of the first layer, if it has one disc
   std::uint64_t fragments_ = 0;
 };
 

@@ -99,6 +99,13 @@ void ViewSpread::beginBehind(const ViewSpread& first, const TileLayer& first_lay
   followSquare(layer.samples);
 }
 
+std::pair<std::size_t, std::size_t> ViewSpread::beginBeside(const ViewSpread& other) {
+  along_.resize(other.along_.size());
+  std::iota(along_.begin(), along_.end(), std::size_t{0});
+  followSquare(along());
+  return {other.along_[0], other.along_[1] - other.along_[0]};
+}
+
 void ViewSpread::beginNone() {
   along_.clear();
   followSquare(0);
@@ -117,6 +124,11 @@ std::span<SeenLight> ViewSpread::next() {
   return std::span(seen_).last(places_.size());
 }
 
+glm::vec3 ViewSpread::lightOf(std::size_t view, std::size_t place,
+                              const BehindSample& behind) const {
+  return lightOver(seen_[view * places_.size() + place], behind);
+}
+
 std::array<float, SampledErrors::kMost> ViewSpread::errorsOfMean(
     std::span<const LensDisc> discs, float radius_px, std::span<const BehindSample> behind) const {
   assert(views() >= 3 && discs.size() == views() && behind.size() == places_.size());
@@ -126,7 +138,7 @@ std::array<float, SampledErrors::kMost> ViewSpread::errorsOfMean(
   for (std::size_t i = 0; i < places_.size(); ++i) {
     glm::vec3 mean(0.0f);
     for (std::size_t view = 0; view < apart.size(); ++view) {
-      apart[view] = lightOver(seen_[view * places_.size() + i], behind[i]);
+      apart[view] = lightOf(view, i, behind[i]);
       mean += apart[view] / static_cast<float>(views());
     }
     const glm::mat3 jnd = visibleDifferencePerLight(mean);
@@ -146,6 +158,21 @@ std::array<float, SampledErrors::kMost> ViewSpread::errorsOfMean(
   }
   return foci::errorsOfMean(std::span(samples).first(places_.size()), views(), basis.size(),
                             radius_px);
+}
+
+std::array<float, SampledErrors::kMost> ViewSpread::errorsOfOne(
+    const ViewSpread& judges, std::span<const BehindSample> behind) const {
+  assert(views() == 1 && judges.places_.size() == places_.size());
+  std::array<float, SampledErrors::kMost> errors{};
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    glm::vec3 mean(0.0f);
+    for (std::size_t view = 0; view < judges.views(); ++view) {
+      mean += judges.lightOf(view, i, behind[i]) / static_cast<float>(judges.views());
+    }
+    const glm::vec3 apart = visibleDifferencePerLight(mean) * (lightOf(0, i, behind[i]) - mean);
+    errors[i] = glm::length(apart);
+  }
+  return errors;
 }
 
 float ViewSpread::transmittance(std::size_t place) const {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "render/gaussians/composite.h"
@@ -55,8 +56,14 @@ class ViewSpread {
   /// Follows the samples of another layer of the tile that are nearest to those of its first layer.
   void beginBehind(const ViewSpread& first, const TileLayer& first_layer, const TileLayer& layer);
 
+  /// Follows the samples of `other` in a tile that has no others.
+  /// @return the first of them along a side of the tile, and the number from one to the next
+  std::pair<std::size_t, std::size_t> beginBeside(const ViewSpread& other);
+
   /// Follows no samples.
   void beginNone();
+
+  int along() const { return static_cast<int>(along_.size()); }  ///< samples along a side
 
   /// The places that are followed.
   std::span<const std::size_t> places() const { return places_; }
@@ -82,12 +89,19 @@ class ViewSpread {
                                                        float radius_px,
                                                        std::span<const BehindSample> behind) const;
 
+  /// The error of one view, by place: its distance from the mean of `judges`, the views of the same
+  /// samples through three discs. On tiles of captures, of the garden and of scattered Gaussians,
+  /// with blur of up to 9 px, the error is 0.6 to 1.1 of it.
+  std::array<float, SampledErrors::kMost> errorsOfOne(const ViewSpread& judges,
+                                                      std::span<const BehindSample> behind) const;
+
   /// The mean transmittance of the views at a place.
   float transmittance(std::size_t place) const;
 
  private:
   void followSquare(int samples);
   std::size_t views() const { return seen_.size() / places_.size(); }
+  glm::vec3 lightOf(std::size_t view, std::size_t place, const BehindSample& behind) const;
 
   std::vector<std::size_t> along_;  // samples along a side
   std::vector<std::size_t> places_;

@@ -28,6 +28,17 @@ constexpr float kTransition = 0.25f;
 /// views take little time, and few views would tell little of the error.
 constexpr std::size_t kFirstBehind = 2;
 
+/// A first layer begins with one disc where this is up to so many times the tolerance
+/// (`errorByBlur`): most are good enough then, and the others are told by their error.
+constexpr float kTryOne = 1.5f;
+
+/// A single disc whose blur errs by less than this share of the tolerance (`errorByBlur`) is not
+/// judged.
+constexpr float kUnjudged = 0.1f;
+
+/// One disc remains where its error is at most this share of the tile's.
+constexpr float kLittle = 0.5f;
+
 /// Halvings of the range up to the largest error that is told from others.
 constexpr int kHalvings = 12;
 constexpr float kLargest_JND = 64.0f;
@@ -77,42 +88,35 @@ void DiscsOfTiles::choose(std::span<const Tile> tiles, const glm::ivec2& size_px
     tile.area_px2 = static_cast<float>(seen_px.x * seen_px.y);
     area_px2_ += tile.area_px2;
     tile.merging = merging[t];
-    const std::size_t count = layers[t].count;
-    // Errors of layers add as squares.
-    const float share = 1.0f / std::sqrt(static_cast<float>(count));
-    for (std::size_t k = 0; k < count; ++k) {
-      LayerState& layer = tile.layers[k];
-      layer.blur = layers[t].layers[k].blur;
-      if (errorByBlur(1, layer.blur) + tile.merging <= share * tolerance) continue;  // one disc
-      const std::size_t first = firstDiscs(layer.blur, tolerance);
+    for (std::size_t k = 0; k < layers[t].count; ++k) {
+      const std::size_t first = firstDiscs(layers[t].layers[k].blur, tolerance);
       tile.indices[k] = k == 0 ? first : std::max(first, kFirstBehind);
     }
+    const float one = errorByBlur(1, layers[t].layers[0].blur);
+    // Errors of layers add as squares.
+    const float share = tolerance / std::sqrt(static_cast<float>(layers[t].count));
+    if (one <= kTryOne * share) tile.indices[0] = 0;
+    tile.is_judged = one > kUnjudged * tolerance;
+    if (!tile.is_judged) tile.unjudged = one;
   }
-}
-
-DiscsOfTiles::Change DiscsOfTiles::changeOf(const TileState& tile, std::size_t layer,
-                                            std::size_t index) {
-  const TileBlur& blur = tile.layers[layer].blur;
-  if (blur.radius_px == 0.0f) return {};
-  const int now = kDiscs[tile.indices[layer]], next = kDiscs[index];
-  // The bound of a single disc holds with merging added to it.
-  if (now == 1) return {.factor = 0.0f, .added = errorByBlur(1, blur) + tile.merging};
-  if (now == next) return {.factor = 1.0f};
-  return {.factor = (now == 3 ? kBeyondThree : 1.0f) *
-                    std::pow(static_cast<float>(next) / static_cast<float>(now), kErrorOrder)};
 }
 
 DiscsOfTiles::Changes DiscsOfTiles::changesOf(const TileState& tile, const Indices& indices) {
   Changes changes;
-  for (std::size_t k = 0; k < indices.size(); ++k) changes[k] = changeOf(tile, k, indices[k]);
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const int now = kDiscs[tile.indices[k]], next = kDiscs[indices[k]];
+    changes[k] = std::pow(static_cast<float>(next) / static_cast<float>(now), kErrorOrder);
+    if (now == 3 && next > 3) changes[k] *= kBeyondThree;
+  }
   return changes;
 }
 
 template <typename ErrorOf>
-float DiscsOfTiles::errorAfter(const Changes& changes, const ErrorOf& error_of) {
-  float squares = 0.0f;
+float DiscsOfTiles::errorAfter(const TileState& tile, const Changes& changes,
+                               const ErrorOf& error_of) {
+  float squares = tile.unjudged * tile.unjudged;
   for (std::size_t k = 0; k < changes.size(); ++k) {
-    const float error = changes[k].of(error_of(k));
+    const float error = changes[k] * error_of(k);
     squares += error * error;
   }
   return std::sqrt(squares);
@@ -120,12 +124,16 @@ float DiscsOfTiles::errorAfter(const Changes& changes, const ErrorOf& error_of) 
 
 DiscsOfTiles::Next DiscsOfTiles::nextWithin(const TileState& tile, float limit) const {
   Next next{.indices = tile.indices};
-  const float now = tile.typical / std::min(limit, kMostOverTolerance * tolerance_);
+  float now = tile.typical / std::min(limit, kMostOverTolerance * tolerance_);
+  if (tile.indices[0] == 0) now = std::max(now, tile.layers[0].typical / tolerance_);
   if (now <= 1.0f) return next;
   next.weight = std::min((now - 1.0f) / kTransition, 1.0f);
   // One step for all layers: a choice among them would change the tile at once where it changes.
-  for (std::size_t& index : next.indices) {
-    if (index > 0 && index < kLast) ++index;
+  // One disc of little error remains: more would change little, and take three times as long.
+  for (std::size_t k = 0; k < next.indices.size(); ++k) {
+    std::size_t& index = next.indices[k];
+    const bool errs = index > 0 || tile.layers[k].typical > kLittle * tile.typical;
+    if (errs && index < kLast) ++index;
   }
   if (next.indices == tile.indices) next.weight = 0.0f;
   return next;
@@ -142,9 +150,9 @@ float DiscsOfTiles::areaBeyond_px2(float error, float limit) const {
     std::size_t beyond = 0;
     for (std::size_t i = 0; i < tile.samples; ++i) {
       const auto sample = [&](std::size_t k) { return tile.layers[k].errors[i]; };
-      float after = errorAfter(none, sample);
+      float after = errorAfter(tile, none, sample);
       if (next.weight > 0.0f) {
-        after = glm::mix(after, errorAfter(more, sample), next.weight);
+        after = glm::mix(after, errorAfter(tile, more, sample), next.weight);
       }
       beyond += after > highest;
     }
@@ -155,20 +163,24 @@ float DiscsOfTiles::areaBeyond_px2(float error, float limit) const {
 
 void DiscsOfTiles::take(const SampledErrors& sampled, TileState& tile) {
   tile.samples = sampled.count;
-  std::array<float, TileLayers::kMost> typical{}, most{};
+  if (tile.indices[0] == 0) tile.of_one = sampled.layers_jnd[0];
+  const float left = std::pow(static_cast<float>(kDiscs[tile.indices[0]]), kErrorOrder);
+  std::array<float, TileLayers::kMost> most{};
   for (std::size_t k = 0; k < tile.layers.size(); ++k) {
     float squares = 0.0f;
     for (std::size_t i = 0; i < tile.samples; ++i) {
+      float now = sampled.layers_jnd[k][i];
+      if (k == 0) now = std::max(now, left * tile.of_one[i]);
       float& error = tile.layers[k].errors[i];
-      error = glm::mix(error, sampled.layers_jnd[k][i], tile.weight);
+      error = glm::mix(error, now, tile.weight);
       squares += error * error;
       most[k] = std::max(most[k], error);
     }
-    typical[k] = std::sqrt(squares / static_cast<float>(tile.samples));
+    tile.layers[k].typical = std::sqrt(squares / static_cast<float>(tile.samples));
   }
   const Changes none = changesOf(tile, tile.indices);
-  tile.typical = errorAfter(none, [&](std::size_t k) { return typical[k]; });
-  tile.most = errorAfter(none, [&](std::size_t k) { return most[k]; });
+  tile.typical = errorAfter(tile, none, [&](std::size_t k) { return tile.layers[k].typical; });
+  tile.most = errorAfter(tile, none, [&](std::size_t k) { return most[k]; });
 }
 
 bool DiscsOfTiles::refine(const std::vector<SampledErrors>& errors) {

@@ -22,7 +22,7 @@ inline constexpr std::array kDiscs{1, 3, 7, 19, 61, 127};
 /// returns false.
 class DiscsOfTiles {
  public:
-  /// Gives a layer one disc where its error is small, else three or more; one behind another layer
+  /// Gives a layer one disc where the blur is small, else three or more; one behind another layer
   /// seven or more: its views take little time, and lie far apart.
   /// @param merging  error of a tile's merged Gaussians, in just-noticeable differences
   void choose(std::span<const Tile> tiles, const glm::ivec2& size_px,
@@ -31,6 +31,12 @@ class DiscsOfTiles {
   bool isNext(std::size_t tile) const { return tiles_[tile].is_next; }
   std::size_t indexOf(std::size_t tile, std::size_t layer) const {  ///< in kDiscs
     return tiles_[tile].indices[layer];
+  }
+
+  /// Whether the error of the first layer with its one disc is to be judged by other views
+  /// (`TileLens::judges`). It is not where hardly any blur is.
+  bool isJudged(std::size_t tile) const {
+    return tiles_[tile].indices[0] == 0 && tiles_[tile].is_judged;
   }
 
   /// Weight of the tile's next image; that of the frame's present image is the rest. It is less
@@ -50,34 +56,31 @@ class DiscsOfTiles {
  private:
   using Indices = std::array<std::size_t, TileLayers::kMost>;  ///< in kDiscs, by layer
   struct LayerState {
-    TileBlur blur;
     std::array<float, SampledErrors::kMost> errors{};  ///< with the tile's indices
+    float typical = 0.0f;                              ///< their root mean square
   };
   struct TileState {
     float area_px2 = 0.0f;
     float merging = 0.0f;
+    bool is_judged = true;
+    float unjudged = 0.0f;  ///< error of a disc that is not judged
     std::array<LayerState, TileLayers::kMost> layers;
     Indices indices{};
-    std::size_t samples = 0;  ///< that have errors
-    float typical = 0.0f;     ///< root mean square of all layers' errors
-    float most = 0.0f;        ///< no sample's error is larger
+    std::array<float, SampledErrors::kMost> of_one{};  ///< errors of a judged disc
+    std::size_t samples = 0;                           ///< that have errors
+    float typical = 0.0f;                              ///< root mean square of all layers' errors
+    float most = 0.0f;                                 ///< no sample's error is larger
     bool is_next = true;
     float weight = 1.0f;  ///< of what is next
   };
   void take(const SampledErrors& sampled, TileState& tile);
-  /// What errors of a layer become with other discs.
-  struct Change {
-    float factor = 0.0f;
-    float added = 0.0f;  ///< of a layer with one disc, which has no spread to judge by
-    float of(float error) const { return factor * error + added; }
-  };
-  using Changes = std::array<Change, TileLayers::kMost>;
-  static Change changeOf(const TileState& tile, std::size_t layer, std::size_t index);
+  /// What errors of the layers become with other discs, in these.
+  using Changes = std::array<float, TileLayers::kMost>;
   static Changes changesOf(const TileState& tile, const Indices& indices);
   /// Of all layers together.
   /// @param error_of  the error of the k-th layer with the tile's indices
   template <typename ErrorOf>
-  static float errorAfter(const Changes& changes, const ErrorOf& error_of);
+  static float errorAfter(const TileState& tile, const Changes& changes, const ErrorOf& error_of);
   struct Next {
     Indices indices;
     float weight = 0.0f;  ///< 0: the tile stays as it is

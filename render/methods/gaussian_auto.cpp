@@ -59,6 +59,9 @@ int discsOf(QualityLevel level) {
 
 constexpr int kFewestParts = 7;
 
+/// The discs that tell the error of a single one, in kDiscs: three.
+constexpr std::size_t kJudges = 1;
+
 constexpr std::array kBudgetLevels{QualityLevel::fine, QualityLevel::sub_apertures,
                                    QualityLevel::whole_aperture, QualityLevel::sharp};
 
@@ -187,6 +190,7 @@ class GaussianAuto final : public GaussianEyeMethod {
             if (!tiles_.isNext(tile)) return lens;
             lens.discs = &sets_[tiles_.indexOf(tile, 0)];
             lens.weight = tiles_.weightOf(tile);
+            if (tiles_.isJudged(tile)) lens.judges = &sets_[kJudges];
             for (std::size_t k = 1; k < layers[tile].count; ++k) {
               lens.pairs[k - 1] =
                   &pairTable()[tiles_.indexOf(tile, k - 1)][tiles_.indexOf(tile, k)];

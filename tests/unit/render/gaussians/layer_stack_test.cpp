@@ -152,6 +152,38 @@ class Layered {
   std::vector<TileLayers> layers_;
 };
 
+TEST(LayerStack, TellsTheErrorOfOneDisc) {
+  for (const float blur_px : {2.0f, 4.0f}) {
+    const SurfelCloud scene = leavesBeforeAWall(1);
+    const RenderSettings settings = blurBehind(blur_px);
+    const std::vector<LensDisc> one = subApertureDiscs(1), three = subApertureDiscs(3);
+    GaussianView view(*scene.gaussians);
+    std::vector<LensDisc> all = one;
+    all.insert(all.end(), three.begin(), three.end());
+    view.project(kView, settings.defocus, all);
+    Frame frame;
+    frame.resize(kView.size_px, false);
+    std::vector<SampledErrors> told;
+    view.render([&](std::size_t) { return TileLens{.discs = &one, .judges = &three}; },
+                settings.background, frame, &told);
+    double told2 = 0.0, samples = 0.0;
+    for (const SampledErrors& tile : told) {
+      for (std::size_t i = 0; i < tile.count; ++i) {
+        told2 += double{tile.layers_jnd[0][i]} * double{tile.layers_jnd[0][i]};
+      }
+      samples += static_cast<double>(tile.count);
+    }
+    double errors2 = 0.0;
+    const auto errors = visibleDifference(frame, render("accumulate:200", scene, kView, settings),
+                                          kUsualPx_per_deg);
+    for (const float each : errors) errors2 += double{each} * double{each};
+    const double ratio =
+        std::sqrt(told2 / samples) / std::sqrt(errors2 / static_cast<double>(errors.size()));
+    EXPECT_GE(ratio, 1.0) << blur_px;
+    EXPECT_LE(ratio, 1.4) << blur_px;
+  }
+}
+
 TEST(TileLayers, AreSeveralWhereTheSceneBehindIsBlurred) {
   const auto several = [](const std::vector<TileLayers>& layers) {
     return std::ranges::count_if(layers, [](const TileLayers& each) { return each.count > 1; });

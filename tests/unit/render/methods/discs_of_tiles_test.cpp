@@ -59,8 +59,41 @@ class Tiles {
 TEST(DiscsOfTiles, TakesOneDiscWhereTheBlurIsSmall) {
   Tiles tiles(1.0f);
   EXPECT_EQ(tiles.countOf(0), 1);
+  EXPECT_TRUE(tiles.discs.isJudged(0));
+  EXPECT_EQ(tiles.render(Tiles::kTiles, 0.7f), 1);
+  EXPECT_EQ(tiles.countOf(0), 1);
+  EXPECT_NEAR(tiles.discs.error(), 0.7f, 0.02f);
+}
+
+TEST(DiscsOfTiles, DoesNotJudgeOneDiscOfHardlyAnyBlur) {
+  Tiles tiles(0.1f);
+  EXPECT_FALSE(tiles.discs.isJudged(0));
   EXPECT_EQ(tiles.render(0, 0.0f), 1);
-  EXPECT_NEAR(tiles.discs.error(), 0.5f, 0.02f);
+  EXPECT_NEAR(tiles.discs.error(), 0.05f, 0.02f);
+}
+
+// However few they are.
+TEST(DiscsOfTiles, GivesMoreWhereOneDiscErrsBeyondTheTolerance) {
+  Tiles tiles(1.0f);
+  EXPECT_EQ(tiles.render(4, 2.0f), 2);
+  EXPECT_EQ(tiles.countOf(0), 3);
+  EXPECT_FALSE(tiles.discs.isJudged(0));
+  EXPECT_EQ(tiles.countOf(99), 1);
+}
+
+// Views may agree and err alike: each disc blurs by itself, as the one did.
+TEST(DiscsOfTiles, RemembersTheErrorOfOneDisc) {
+  Tiles tiles(1.0f);
+  std::vector<SampledErrors> errors(Tiles::kTiles);
+  for (SampledErrors& each : errors) {
+    each.count = SampledErrors::kMost;
+    each.layers_jnd[0].fill(2.0f);
+  }
+  ASSERT_TRUE(tiles.discs.refine(errors));
+  EXPECT_EQ(tiles.countOf(0), 3);
+  for (SampledErrors& each : errors) each.layers_jnd[0].fill(0.0f);
+  EXPECT_FALSE(tiles.discs.refine(errors));
+  EXPECT_NEAR(tiles.discs.error(), 2.0f * std::pow(3.0f, -0.8f), 0.02f);
 }
 
 TEST(DiscsOfTiles, BeginsWithThreeWhereTheBlurIsModerate) { EXPECT_EQ(Tiles(5.0f).countOf(0), 3); }
