@@ -1,5 +1,6 @@
-// The time of a frame of the gallery and of the statue, by method, size of the image, focus and
-// pupil. Fixed scenes and steps. The screen is the demo's, 0.53 m wide and 0.6 m away.
+// The time of a frame of the gallery, of the statue and of the garden, which is a scene of
+// Gaussians, by method, size of the image, focus and pupil. Fixed scenes and steps. The screen is
+// the demo's, 0.53 m wide and 0.6 m away.
 //     foci_bench --benchmark_filter='Frame'
 // prints the time of frames after the first, `BM_GpuFrame` the same on a GPU, and `BM_FirstFrame`
 // the time of the first frame of a new method. The counter `cpu_ms` is the median of the time of
@@ -9,6 +10,7 @@
 #include <array>
 #include <chrono>
 #include <ctime>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,31 +23,38 @@
 namespace foci {
 namespace {
 
+struct BenchScene {
+  const char* name;
+  SurfelCloud (*make)();
+  EyePose (*eye)();
+};
+
+constexpr BenchScene kGallery{"gallery", [] { return makeGallery(); }, galleryEyePose};
+constexpr BenchScene kStatue{"statue", makeStatue, statueEyePose};
+constexpr BenchScene kGarden{"garden", makeGarden, gardenEyePose};
+
 /// One frame: width of the image, focus and pupil.
 struct Case {
   const char* method;
   int width_px;
   float focus_m, pupil_mm;
-  bool statue = false;
+  const BenchScene& scene = kGallery;
 };
 
 constexpr glm::dvec2 kScreen_m(0.5313, 0.2989);
 constexpr double kDistance_m = 0.6;
 
-const SurfelCloud& gallery() {
-  static const SurfelCloud cloud = makeGallery();
-  return cloud;
-}
-
-const SurfelCloud& statue() {
-  static const SurfelCloud cloud = makeStatue();
-  return cloud;
+/// Made once.
+const SurfelCloud& cloudOf(const BenchScene& scene) {
+  static std::map<const BenchScene*, SurfelCloud> clouds;
+  const auto found = clouds.find(&scene);
+  return found != clouds.end() ? found->second : clouds.emplace(&scene, scene.make()).first->second;
 }
 
 class FrameOf {
  public:
-  explicit FrameOf(const Case& of) : cloud_(of.statue ? statue() : gallery()) {
-    const EyePose pose = of.statue ? statueEyePose() : galleryEyePose();
+  explicit FrameOf(const Case& of) : cloud_(cloudOf(of.scene)) {
+    const EyePose pose = of.scene.eye();
     const glm::ivec2 size_px(of.width_px, of.width_px * 9 / 16);
     view_ = viewThroughScreen(eyeFromWorld(pose.position_m, pose.target_m, pose.up), size_px,
                               kScreen_m, kDistance_m);
@@ -141,16 +150,25 @@ void BM_FirstFrame(benchmark::State& state, const Case& of) {
   frame.count(state);
 }
 
-const std::vector<Case> kCases{
-    {"pinhole", 256, 0.5f, 4.0f},        {"pinhole", 1280, 0.5f, 4.0f},
-    {"auto", 1280, 0.5f, 4.0f},          {"auto", 1280, 0.5f, 8.0f},
-    {"sweep-lod", 1280, 0.5f, 4.0f},     {"sweep-lod", 1920, 0.5f, 4.0f},
-    {"pinhole", 1280, 0.25f, 8.0f},      {"sweep-lod", 1280, 0.25f, 8.0f},
-    {"pinhole", 1280, 0.5f, 8.0f, true}, {"sweep-lod", 1280, 0.5f, 8.0f, true}};
+const std::vector<Case> kCases{{"pinhole", 256, 0.5f, 4.0f},
+                               {"pinhole", 1280, 0.5f, 4.0f},
+                               {"auto", 1280, 0.5f, 4.0f},
+                               {"auto", 1280, 0.5f, 8.0f},
+                               {"sweep-lod", 1280, 0.5f, 4.0f},
+                               {"sweep-lod", 1920, 0.5f, 4.0f},
+                               {"pinhole", 1280, 0.25f, 8.0f},
+                               {"sweep-lod", 1280, 0.25f, 8.0f},
+                               {"pinhole", 1280, 0.5f, 8.0f, kStatue},
+                               {"sweep-lod", 1280, 0.5f, 8.0f, kStatue},
+                               {"pinhole", 1280, 0.95f, 4.0f, kGarden},
+
+                               {"sweep-lod", 1280, 0.95f, 4.0f, kGarden},
+                               {"auto", 1280, 0.95f, 4.0f, kGarden},
+                               {"auto", 1280, 0.95f, 8.0f, kGarden}};
 
 void add(const char* name, void (*run)(benchmark::State&, const Case&), const Case& of) {
   benchmark::RegisterBenchmark(
-      (std::string(name) + '/' + (of.statue ? "statue/" : "gallery/") + of.method + '/' +
+      (std::string(name) + '/' + of.scene.name + '/' + of.method + '/' +
        std::to_string(of.width_px) + "px/" + std::to_string(static_cast<int>(100 * of.focus_m)) +
        "cm/" + std::to_string(static_cast<int>(of.pupil_mm)) + "mm")
           .c_str(),
