@@ -161,7 +161,6 @@ const std::vector<Case> kCases{{"pinhole", 256, 0.5f, 4.0f},
                                {"pinhole", 1280, 0.5f, 8.0f, kStatue},
                                {"sweep-lod", 1280, 0.5f, 8.0f, kStatue},
                                {"pinhole", 1280, 0.95f, 4.0f, kGarden},
-
                                {"sweep-lod", 1280, 0.95f, 4.0f, kGarden},
                                {"auto", 1280, 0.95f, 4.0f, kGarden},
                                {"auto", 1280, 0.95f, 8.0f, kGarden}};
