@@ -1,8 +1,12 @@
 #include "base/file.h"
 
+#include <unistd.h>
+
 #include <cctype>
+#include <cerrno>
 #include <fstream>
 #include <stdexcept>
+#include <system_error>
 
 namespace foci {
 namespace fs = std::filesystem;
@@ -11,6 +15,20 @@ std::string lowerExtension(const fs::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return extension;
+}
+
+std::string cannotWrite(const fs::path& path) {
+  const std::string text = "cannot write " + path.string();
+  std::error_code error;
+  fs::path folder = path;
+  if (!fs::is_directory(folder, error)) {
+    folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  }
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    return text + ": " + std::generic_category().message(errno);
+  }
+  const fs::space_info space = fs::space(folder, error);
+  return !error && space.available == 0 ? text + ": the disk is full" : text;
 }
 
 void replaceFile(const fs::path& path, const std::string& bytes) {
@@ -29,7 +47,7 @@ void writeText(const fs::path& path, const std::string& text) {
   std::ofstream out(path, std::ios::binary);
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
   out.close();
-  if (!out) throw std::runtime_error("cannot write " + path.string());
+  if (!out) throw std::runtime_error(cannotWrite(path));
 }
 
 }  // namespace foci

@@ -9,6 +9,10 @@ namespace foci {
 /// The extension of a name in lower case, with its dot.
 std::string lowerExtension(const std::filesystem::path& path);
 
+/// "cannot write PATH" and the reason, as far as its folder tells it: no right to write, or a full
+/// disk. Of a folder: why nothing can be written to it.
+std::string cannotWrite(const std::filesystem::path& path);
+
 /// Replaces a file by `bytes`: writes a hidden file beside it, then renames that file. If anything
 /// fails, the hidden file is removed and the old file stays as it was.
 /// @throws std::runtime_error

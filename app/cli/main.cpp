@@ -1,9 +1,13 @@
 // `foci`: the command line (CLI11), and errors as one line with an exit code.
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <iostream>
 #include <new>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "app/cli/commands.h"
 #include "app/cli/usage_error.h"
@@ -58,6 +62,15 @@ int run(int argc, char** argv) {
   return kDone;
 }
 
+/// @throws std::runtime_error if standard output took less than was printed
+void finishOutput() {
+  std::cout.flush();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout) {
+    throw std::runtime_error("standard output cannot be written: " +
+                             std::generic_category().message(errno));
+  }
+}
+
 }  // namespace
 }  // namespace foci
 
@@ -65,7 +78,9 @@ int main(int argc, char** argv) {
   foci::quietLibraries();
   foci::endOnLostPages();
   try {
-    return foci::run(argc, argv);
+    const int code = foci::run(argc, argv);
+    foci::finishOutput();
+    return code;
   } catch (const foci::InputError& error) {
     std::fprintf(stderr, "foci: %s\n", error.what());
     return foci::kBadInput;

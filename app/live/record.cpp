@@ -218,7 +218,7 @@ void LiveRecord::write(const LiveFrame& frame) {
     for (std::ofstream* out : {&changes_, &timing_, &markers_}) out->flush();
   }
   if (!changes_ || !timing_ || !markers_) {
-    throw std::runtime_error("cannot write to " + folder_.string());
+    throw std::runtime_error(cannotWrite(folder_));
   }
   const std::lock_guard lock(mutex_);
   --frames_waiting_;

@@ -1,9 +1,10 @@
-// Ctrl-C and termination end a run like an error: no half-written file stays.
+// Ctrl-C, termination and a closed terminal end a run like an error: no half-written file stays.
 #pragma once
 
 namespace foci {
 
-/// From now on the first SIGINT or SIGTERM only sets a flag. A second signal ends the process.
+/// From now on the first SIGINT, SIGTERM or SIGHUP only sets a flag. Another one, two seconds later
+/// or more, ends the process.
 void noteInterrupts();
 
 bool isInterrupted();

@@ -53,6 +53,9 @@ void OutputFiles::makeFolder(const fs::path& folder) {
     }
     made_.push_back(part);
   }
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw std::runtime_error(cannotWrite(folder));
+  }
 }
 
 void OutputFiles::removeLeftovers(const fs::path& folder, const std::string& before,
@@ -91,7 +94,7 @@ void OutputFiles::write(const fs::path& file,
   try {
     write_to(temporary);
   } catch (const std::runtime_error&) {
-    throw std::runtime_error("cannot write " + file.string());
+    throw std::runtime_error(cannotWrite(file));
   }
 }
 

@@ -28,7 +28,7 @@ class OutputFiles {
   OutputFiles& operator=(const OutputFiles&) = delete;
 
   /// Makes a folder and its missing parents.
-  /// @throws std::runtime_error
+  /// @throws std::runtime_error if it cannot be made, or nothing can be written to it
   void makeFolder(const std::filesystem::path& folder);
 
   /// The temporary path of `file`, with the same extension. Makes its folder, and removes temporary

@@ -16,6 +16,11 @@ void OutputFolder::write(const std::string& name, const std::string& bytes) {
   files_.write(folder_ / name, bytes);
 }
 
+void OutputFolder::write(const std::string& name,
+                         const std::function<void(const std::filesystem::path&)>& write_to) {
+  files_.write(folder_ / name, write_to);
+}
+
 void OutputFolder::commit() { files_.commit(); }
 
 }  // namespace foci

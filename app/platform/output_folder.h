@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "app/platform/output_files.h"
@@ -11,7 +12,7 @@ namespace foci {
 class OutputFolder {
  public:
   /// Makes the folder and its missing parents.
-  /// @throws std::runtime_error if a folder cannot be made
+  /// @throws std::runtime_error if a folder cannot be made, or nothing can be written to it
   explicit OutputFolder(std::filesystem::path folder);
 
   /// The temporary path of `name`, with the same extension. Also removes temporary files of `name`
@@ -20,6 +21,10 @@ class OutputFolder {
 
   /// Stages a file with this content. @throws std::runtime_error
   void write(const std::string& name, const std::string& bytes);
+
+  /// Stages a file that `write_to` writes. @throws std::runtime_error
+  void write(const std::string& name,
+             const std::function<void(const std::filesystem::path&)>& write_to);
 
   /// Gives every staged file its final name, or none.
   /// @throws std::runtime_error

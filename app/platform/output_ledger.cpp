@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/file.h"
+
 namespace foci {
 namespace fs = std::filesystem;
 namespace {
@@ -67,7 +69,7 @@ OutputLedger::OutputLedger(fs::path folder) : folder_(std::move(folder)) {
   struct stat status {};
   if (file_ < 0 || ::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
     if (file_ >= 0) ::close(file_);
-    throw std::runtime_error("cannot write " + ledger.string());
+    throw std::runtime_error(cannotWrite(ledger));
   }
   ::flock(file_, LOCK_EX);  // where a file system has no locks, the list works without
   lines_ = linesOf(ledger);
@@ -96,7 +98,7 @@ void OutputLedger::save() {
   const bool written =
       ::pwrite(file_, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size()) &&
       ::ftruncate(file_, static_cast<off_t>(text.size())) == 0;
-  if (!written) throw std::runtime_error("cannot write " + (folder_ / kLedger).string());
+  if (!written) throw std::runtime_error(cannotWrite(folder_ / kLedger));
 }
 
 void OutputLedger::giveUp() noexcept {

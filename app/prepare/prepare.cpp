@@ -183,14 +183,14 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
   std::filesystem::path folder = request.out.parent_path();
   if (folder.empty()) folder = ".";
   OutputFolder output(folder);  // before the work, so that a bad folder is reported at once
-  const std::filesystem::path scene_file = output.stage(request.out.filename().string());
   SceneFile file = readScene(request.input);
   PrepareSummary summary{
       .out = request.out, .report = reportOf(request.out), .facts = factsOf(file)};
   auto* const gaussians = std::get_if<GaussianFile>(&file.content);
   const PreparedScene scene = gaussians ? preparedGaussians(request, std::move(*gaussians), summary)
                                         : preparedSurfels(request, std::move(file), summary);
-  writeSceneFile(scene_file, scene);
+  output.write(request.out.filename().string(),
+               [&](const std::filesystem::path& to) { writeSceneFile(to, scene); });
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   output.write(summary.report.filename().string(), prepareReport(request, summary));
   output.commit();

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "app/record/tables.h"
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/sources/line_reader.h"
@@ -68,7 +69,7 @@ void GazeTable::add(const GazeSample& sample) {
        << '\t' << exactly(sample.pupil_mm) << '\t' << exactly(sample.uncertainty_deg);
   for (const EyeSample& eye : sample.eyes) out_ << '\t' << exactly(eye.point_px);
   out_ << '\n';
-  if (!out_) throw std::runtime_error("cannot write " + file_);
+  if (!out_) throw std::runtime_error(cannotWrite(file_));
 }
 
 void GazeTable::flush() { out_.flush(); }

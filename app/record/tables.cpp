@@ -1,4 +1,5 @@
 #include "app/record/tables.h"
+#include "base/file.h"
 #include "base/text.h"
 
 #include <array>
@@ -60,12 +61,12 @@ void FrameTable::add(std::size_t frame, const FrameRecord& record) {
        << record.stats.splats << '\t' << record.stats.fragments << '\t'
        << orAbsent(record.stats.tolerance_error, 2) << '\t' << vergenceFields(eye) << '\t'
        << poseFields(record) << '\t' << decimal(record.stats.ms, 3) << '\n';
-  if (!out_) throw std::runtime_error("cannot write " + file_);
+  if (!out_) throw std::runtime_error(cannotWrite(file_));
 }
 
 void FrameTable::finish() {
   out_.close();
-  if (!out_) throw std::runtime_error("cannot write " + file_);
+  if (!out_) throw std::runtime_error(cannotWrite(file_));
 }
 
 std::string eventTable(const std::vector<GazeEvent>& events) {

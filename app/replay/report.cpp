@@ -10,6 +10,7 @@
 #include "app/graphics/html.h"
 #include "app/record/tables.h"
 #include "app/study/session_settings_of.h"
+#include "base/file.h"
 #include "base/text.h"
 #include "gaze/focus/pupil.h"
 #include "render/optics/defocus.h"
@@ -347,7 +348,7 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
       << ". Machine, hashes of every input and the frames' own are in manifest.json.</p>\n"
       << kPageEnd;
   out.close();
-  if (!out) throw std::runtime_error("cannot write " + file.string());
+  if (!out) throw std::runtime_error(cannotWrite(file));
   return charts.has_value();
 }
 

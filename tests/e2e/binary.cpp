@@ -62,7 +62,7 @@ Outcome runFociUnder(const Fault& fault, const std::vector<std::string>& argumen
     if (!seen) usleep(1000);
   }
   if (seen) {
-    if (fault.appears && fault.vanish.empty()) kill(child, SIGTERM);
+    for (const int signal : fault.signals) kill(child, signal);
     for (const fs::path& file : fault.vanish) fs::remove(file);
     waitpid(child, &status, 0);
   }
@@ -77,8 +77,8 @@ Outcome runFoci(const std::vector<std::string>& arguments, const fs::path& folde
 }
 
 Outcome terminateFoci(const std::vector<std::string>& arguments, const fs::path& folder,
-                      const fs::path& appears) {
-  return runFociUnder({.appears = appears}, arguments, folder);
+                      const fs::path& appears, const std::vector<int>& signals) {
+  return runFociUnder({.appears = appears, .signals = signals}, arguments, folder);
 }
 
 std::optional<fs::path> dataFolder() {

@@ -1,6 +1,7 @@
 // Runs the real binary and collects its outputs.
 #pragma once
 
+#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -21,9 +22,10 @@ struct Outcome {
 Outcome runFoci(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                 const std::vector<std::string>& environment = {});
 
-/// Runs `foci` and sends SIGTERM as soon as the file `appears` exists.
+/// Runs `foci` and sends the signals as soon as the file `appears` exists.
 Outcome terminateFoci(const std::vector<std::string>& arguments,
-                      const std::filesystem::path& folder, const std::filesystem::path& appears);
+                      const std::filesystem::path& folder, const std::filesystem::path& appears,
+                      const std::vector<int>& signals = {SIGTERM});
 
 /// A fault from outside the process.
 struct Fault {
@@ -32,7 +34,8 @@ struct Fault {
   std::optional<std::size_t> max_file_bytes{};     ///< longer files fail, as on a full disk
   bool as_nobody = false;                          ///< drops the rights of root
   std::optional<std::filesystem::path> appears{};  ///< as soon as this file exists,
-  std::vector<std::filesystem::path> vanish{};     ///< these files are removed
+  std::vector<std::filesystem::path> vanish{};     ///< these files are removed,
+  std::vector<int> signals{};                      ///< and these signals are sent
   std::vector<std::string> environment{};          ///< variables to set, "NAME=value"
 };
 

@@ -87,9 +87,19 @@ TEST_F(Faults, AFolderWithoutRightsIsReported) {
   fs::permissions(folder.path() / "shut", fs::perms(0555));
   const Fault nobody{.as_nobody = true};
   for (const std::string out : {"shut", "shut/deeper"}) {
-    expectRefused(runFociUnder(nobody, replayTo(out), folder.path()), out);
-    expectRefused(runFociUnder(nobody, prepareTo(out), folder.path()), out);
+    for (const auto& command : {replayTo(out), prepareTo(out)}) {
+      const Outcome outcome = runFociUnder(nobody, command, folder.path());
+      expectRefused(outcome, out);
+      EXPECT_NE(outcome.err.find("Permission denied"), std::string::npos) << outcome.err;
+    }
   }
+}
+
+TEST_F(Faults, AFullStandardOutputIsReported) {
+  const Outcome outcome = runFociUnder({.max_file_bytes = 200}, {"methods"}, folder.path());
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("standard output cannot be written"), std::string::npos)
+      << outcome.err;
 }
 
 TEST_F(Faults, AMissingEncoderIsReported) {
