@@ -72,7 +72,8 @@ Sums merged(const Sums& a, const Sums& b) {
   }
   sums.own_trace = fa * a.own_trace + fb * b.own_trace;
   sums.color = fa * a.color + fb * b.color;
-  sums.normal = a.normal + b.normal;
+  // Both sides of a thin body: their axis counts, not their signs.
+  sums.normal = glm::dot(a.normal, b.normal) < 0.0 ? a.normal - b.normal : a.normal + b.normal;
   sums.radius = std::max(glm::length(sums.mean - a.mean) + a.radius,
                          glm::length(sums.mean - b.mean) + b.radius);
   return sums;

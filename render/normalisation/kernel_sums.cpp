@@ -18,7 +18,7 @@ namespace {
 // kernel on the image, with prefilter and blur.
 constexpr float kReach = 4.0f;              // radius in which surfels are summed, rendered
 constexpr std::size_t kMaxSurfels = 2048;   // within reach
-constexpr float kSameSheetCosine = 0.5f;    // of normals, signs apart
+constexpr float kSameSheetCosine = 0.5f;    // of normals; signs apart but for closed bodies
 constexpr float kSameSheetOffPlane = 3.0f;  // widths of the surfel at the probe
 constexpr float kSmoothReach = 3.0f;        // rendered: a whole kernel
 constexpr float kSmoothCosine = 0.9f;
@@ -137,6 +137,9 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, 
   }
   const auto around = findWithin(cloud.position_m, centers_m, radius_m, kMaxSurfels);
 
+  const auto onBody = [&](std::size_t i) {
+    return !cloud.bodies.of_surfel.empty() && cloud.bodies.of_surfel[i] != 0;
+  };
   std::vector<KernelSum> sums(at.size(), {0.0f, false});
   parallelFor(at.size(), [&](std::size_t k) {
     const glm::vec3 normal = normalOf(cloud, at[k].beside);
@@ -150,7 +153,8 @@ std::vector<KernelSum> kernelSums(const SurfelCloud& cloud, std::size_t probes, 
     for (const std::uint32_t j : around[k]) {
       const glm::vec3 d = cloud.position_m[j] - at[k].p_world;
       const float off_plane = std::abs(glm::dot(d, normal));
-      const float cosine = std::abs(glm::dot(normalOf(cloud, j), normal));
+      float cosine = glm::dot(normalOf(cloud, j), normal);
+      if (!onBody(at[k].beside) || !onBody(j)) cosine = std::abs(cosine);
       if (glm::dot(d, d) < kSmoothReach * kSmoothReach * rendered * rendered) {
         smooth = smooth && cosine >= kSmoothCosine && off_plane <= kSmoothOffPlane * rendered;
       }

@@ -190,7 +190,15 @@ class Solver {
       centroid += problem_.position_m[j] - problem_.position_m[i];
       seen += 1.0f;
     });
-    return seen < kMinSheet * static_cast<float>(problem_.near.k) ||
+    // The other side of a thin body takes the place of neighbours, and is no gap.
+    std::uint64_t bits = problem_.sheet[i];
+    float around = 0.0f;
+    for (const std::uint32_t j : problem_.near.of(i)) {
+      const bool own = (bits & 1u) != 0;
+      around += own || glm::dot(problem_.normal[i], problem_.normal[j]) > -kFlat ? 1.0f : 0.0f;
+      bits >>= 1;
+    }
+    return seen < kMinSheet * around ||
            glm::length(centroid) > kBorderOffset * seen * problem_.near.reach_m[i];
   }
 

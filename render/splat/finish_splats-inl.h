@@ -66,7 +66,8 @@ HWY_INLINE float between(float value, float low, float high) {
 struct Appearance {
   const float* color;  // linear RGB
   float opacity, weight;
-  bool one_sided;  // the back of a closed body's surfel is hidden
+  bool one_sided;           // the back of a closed body's surfel is hidden
+  bool both_sides = false;  // counts as a front: the mean of its normals may face away
 };
 
 /// Sets the kernel of lane `k` (kernel.h) to the variance `widen` V + `blur` V_C, the prefilter not
@@ -117,7 +118,7 @@ HWY_INLINE bool finishSplat(const ProjectJob& job, const ProjectedLanes& lanes, 
   splat.red = scale * look.color[0];
   splat.green = scale * look.color[1];
   splat.blue = scale * look.color[2];
-  if (job.oriented && lanes.away[k] > 0.0f) splat.opacity = -splat.opacity;
+  if (job.oriented && lanes.away[k] > 0.0f && !look.both_sides) splat.opacity = -splat.opacity;
   splat.near_m = std::max(lanes.distance[k] - lanes.reach[k], 0.0f);
   splat.far_m = lanes.distance[k] + lanes.reach[k];
   return true;

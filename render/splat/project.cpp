@@ -41,7 +41,13 @@ bool isOneSided(const ProjectJob& job, const SurfelArrays& surfels, std::size_t 
 
 bool isOneSided(const ProjectJob& job, const Facing* facing, std::size_t node) {
   return job.outside != nullptr && facing[node].body != Facing::kSeveral &&
-         job.outside[facing[node].body] != 0;
+         facing[node].cos_cone != 0 && job.outside[facing[node].body] != 0;
+}
+
+/// Whether a node holds both sides of a body that the whole lens sees from outside.
+bool holdsBothSides(const ProjectJob& job, const Facing* facing, std::size_t node) {
+  return job.outside != nullptr && facing[node].body != Facing::kSeveral &&
+         facing[node].cos_cone == 0 && job.outside[facing[node].body] != 0;
 }
 
 /// Projects surfels [begin, end); returns the number of splats.
@@ -111,7 +117,8 @@ std::uint32_t projectNodes(const ProjectJob& job, const LodNode* nodes, const Fa
     const auto appearanceOf = [&](std::size_t k) {
       const LodNode& node = nodes[entries[e + k].index];
       return Appearance{&node.color.x, static_cast<float>(node.opacity) * (1.0f / 65535.0f),
-                        entries[e + k].weight, isOneSided(job, facing, entries[e + k].index)};
+                        entries[e + k].weight, isOneSided(job, facing, entries[e + k].index),
+                        holdsBothSides(job, facing, entries[e + k].index)};
     };
     finishLanes(job, lanes, some, appearanceOf, out, count);
   }

@@ -250,16 +250,22 @@ void projectEntry(uint slot) {
 #ifdef BODIES
 #ifdef CUT
   uint body = is_node ? facing[index] & 0xFFFFu : uint(surfel_b[2u * i].w);
+  bool both_sides = is_node && facing[index] >> 16 == 0u;
 #else
   uint body = uint(surfel_b[2u * i].w);
+  const bool both_sides = false;
 #endif
-  bool one_sided = body != kSeveral && outside[body] != 0u;
-  if (one_sided) {
+  bool from_outside = body != kSeveral && outside[body] != 0u;
+  if (from_outside && !both_sides) {
     if (towards > sub_aperture_shading.w) return;
     weight *= 1.0 + kFrontCover / (1.0 + view_px.z * view_px.w * square(lane.off_D));
   }
 #endif
   lane.away = towards * inv_sight;
+#ifdef BODIES
+  // A node that holds both sides counts as a front: the mean of its normals may face away.
+  if (from_outside && both_sides) lane.away = -abs(lane.away);
+#endif
   float inv_towards = 1.0 / (towards < 0.0 ? min(towards, -1e-20) : max(towards, 1e-20));
   vec2 tilt = vec2(-blur_lens.x / focal.x * dot(right.xyz, f.normal),
                    blur_lens.y / focal.y * dot(up.xyz, f.normal)) * inv_towards;

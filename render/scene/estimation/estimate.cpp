@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kNeighbours = 16;
 constexpr std::size_t kSolveNeighbours = 64;  // four spacings: all that a grown kernel meets
 constexpr std::uint8_t kStacked = 4;          // neighbours that coincide with a point
-constexpr float kSameSheetCosine = 0.5f;      // of normals, signs apart
+constexpr float kSameSheetCosine = 0.5f;      // of normals
 constexpr float kSameSheetReach = 0.5f;       // off the tangent plane, over the k-th distance
 constexpr float kMaxLocalSpacings = 2.0f;     // neighbours' medians: strays beside a surface
 constexpr float kMaxSpacings = 5.0f;          // medians of the cloud: strays far from everything
@@ -88,20 +88,21 @@ void estimateNormals(const std::vector<glm::vec3>& position_m, const Neighbours&
   });
 }
 
-/// By point, one bit for each neighbour: whether both lie on the same sheet of surface.
-std::vector<std::uint64_t> sameSheet(const std::vector<glm::vec3>& position_m,
-                                     const std::vector<glm::vec3>& normal, const Neighbours& near) {
+/// By point, one bit for each neighbour: whether both lie on the same sheet of surface. The two
+/// sides of a thin closed body are two sheets: an eye outside of it sees one of them.
+std::vector<std::uint64_t> sameSheet(const PointCloud& points, const Neighbours& near) {
   static_assert(kMaxNeighbours <= 64);  // bits
+  const std::vector<glm::vec3>&position_m = points.position_m, &normal = points.normal;
+  const auto onBody = [&](std::size_t i) { return !points.body.empty() && points.body[i] != 0; };
   std::vector<std::uint64_t> sheet(position_m.size(), 0);
   if (near.k == 0) return sheet;
   parallelFor(position_m.size(), [&](std::size_t i) {
     std::uint64_t bits = 0, bit = 1;
     for (const std::uint32_t j : near.of(i)) {
       const float off_plane = std::abs(glm::dot(position_m[j] - position_m[i], normal[i]));
-      if (off_plane <= kSameSheetReach * near.reach_m[i] &&
-          std::abs(glm::dot(normal[i], normal[j])) >= kSameSheetCosine) {
-        bits |= bit;
-      }
+      float cosine = glm::dot(normal[i], normal[j]);
+      if (!onBody(i) || !onBody(j)) cosine = std::abs(cosine);
+      if (off_plane <= kSameSheetReach * near.reach_m[i] && cosine >= kSameSheetCosine) bits |= bit;
       bit <<= 1;
     }
     sheet[i] = bits;
@@ -265,7 +266,7 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
 
   const bool given_normals = !points.normal.empty();
   estimateNormals(points.position_m, near, settings.viewpoint_m, points.normal);
-  std::vector<std::uint64_t> sheet = sameSheet(points.position_m, points.normal, near);
+  std::vector<std::uint64_t> sheet = sameSheet(points, near);
   const bool oriented = given_normals && agree(points.normal, near, sheet);
   const bool areas_known = points.area_m2.has_value();
   const std::vector<float> spacing =
@@ -281,7 +282,7 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
   if (settings.solve == KernelSolve::thorough) {
     near = {};
     near = findNeighbours(points.position_m, kSolveNeighbours);
-    sheet = sameSheet(points.position_m, points.normal, near);
+    sheet = sameSheet(points, near);
   }
   std::vector<float> weight =
       solveKernels({points.position_m, points.normal, near, sheet, spacing, areas_known},

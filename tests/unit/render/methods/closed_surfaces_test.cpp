@@ -13,6 +13,7 @@
 
 #include "render/methods/method.h"
 #include "render/scene/estimation/estimate.h"
+#include "render/scene/mesh/orientation.h"
 #include "render/scene/mesh/sample_mesh.h"
 
 namespace foci {
@@ -160,6 +161,37 @@ TEST(ClosedSurfaces, LeakNoBackgroundAtAnyLevelAndBlur) {
                       {-0.25f, 0.2f, 0.35f, 1.2f}, {0.0f, 3.0f});
   }
   EXPECT_GE(images, 100u);
+}
+
+/// A closed box, 1.6 m wide and high.
+TriangleMesh plateOf(float thick_m) {
+  constexpr float kHalf_m = 0.8f;
+  TriangleMesh mesh;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float side : {-1.0f, 1.0f}) {
+      const auto corner = [&](float u, float v) {
+        glm::vec3 p(0.0f);
+        p[axis] = side;
+        p[(axis + 1) % 3] = side * u;
+        p[(axis + 2) % 3] = v;
+        return p * glm::vec3(kHalf_m, kHalf_m, 0.5f * thick_m);
+      };
+      const glm::vec3 a = corner(-1, -1), b = corner(1, -1), c = corner(1, 1), d = corner(-1, 1);
+      for (const glm::vec3& each : {a, b, c, a, c, d}) mesh.corners_m.push_back(each);
+    }
+  }
+  mesh.uv.resize(mesh.corners_m.size());
+  mesh.material.resize(mesh.size(), 0);
+  mesh.materials = {{.texture = {}, .factor = glm::vec3(0.0f)}};
+  orientOutwards(mesh);
+  return mesh;
+}
+
+/// The far side is near enough to be taken for the same sheet, and is not rendered.
+TEST(ClosedSurfaces, LeakNoBackgroundWhereABodyIsThin) {
+  for (const float thick_m : {0.03f, 0.01f, 0.003f, 0.0001f}) {
+    expectNoLeaks({"plate", plateOf(thick_m)}, {"sweep", "auto:4"}, {0.2f, 0.35f}, {0.0f, 3.0f});
+  }
 }
 
 /// The turns of a coil cover each other's outlines. The blurred levels of the whole aperture leak
