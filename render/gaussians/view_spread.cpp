@@ -80,12 +80,15 @@ std::array<float, SampledErrors::kMost> errorsOfMean(std::span<const SpreadSquar
   return errors;
 }
 
+FollowedAlong followedAlong(int samples, int apron) {
+  const int apart = apron > 0 ? 2 : 4, first = apron + apart / 2;
+  return {first, apart, (samples - apron - first + apart - 1) / apart};
+}
+
 void ViewSpread::begin(int samples, int apron) {
-  const int apart = apron > 0 ? 2 : 4;
+  const auto [first, apart, count] = followedAlong(samples, apron);
   along_.clear();
-  for (int i = apron + apart / 2; i < samples - apron; i += apart) {
-    along_.push_back(static_cast<std::size_t>(i));
-  }
+  for (int i = 0; i < count; ++i) along_.push_back(static_cast<std::size_t>(first + i * apart));
   assert(along_.size() * along_.size() <= SampledErrors::kMost);
   followSquare(samples);
 }

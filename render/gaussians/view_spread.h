@@ -45,13 +45,20 @@ struct BehindSample {
   glm::vec3 light{0.0f};    ///< mean linear light, less that of the display value
 };
 
-/// Follows a tile at evenly spread samples: along a side, every fourth of them, or every second one
-/// where they are more than a pixel apart. What it misses is smaller than the blur, or a few
-/// pixels.
+/// Samples along a side of a tile that are followed.
+struct FollowedAlong {
+  int first = 0, apart = 1, count = 0;
+};
+
+/// Evenly spread samples: every fourth of them, or every second one where they are more than a
+/// pixel apart. What they miss is smaller than the blur, or a few pixels.
+/// @param samples  of the tile along a side
+/// @param apron    of these, on each side, not followed; 0: the samples are a pixel apart
+FollowedAlong followedAlong(int samples, int apron);
+
+/// Follows a tile at the samples of `followedAlong`.
 class ViewSpread {
  public:
-  /// @param samples  of the tile along a side
-  /// @param apron    of these, on each side, not followed; 0: the samples are a pixel apart
   void begin(int samples, int apron);
   /// Follows the samples of another layer of the tile that are nearest to those of its first layer.
   void beginBehind(const ViewSpread& first, const TileLayer& first_layer, const TileLayer& layer);

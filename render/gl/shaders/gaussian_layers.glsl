@@ -1,0 +1,155 @@
+// The layers of a tile (render/gaussians/layer_stack.h), for gaussian_composite.glsl. A job is one
+// layer. Behind each of its views lies the mean of the next layer's views through nearby discs. The
+// views of the layer before, as its discs see this layer, are planes at this layer's samples.
+
+// `GpuJob` of render/gl/gaussian_jobs.h.
+struct Job {
+  vec2 first_px;
+  float step_px;
+  int side;                         // samples
+  uvec2 entries, discs;             // in the lists; first, number
+  uint to, fronts, weights;         // of its first sample, or of its planes; views of the layer before
+  uint behind;                      // planes of the next layer; kNone: the background
+  int behind_side;                  // samples of the next layer
+  float behind_first, behind_step;  // the samples of this layer among them
+  uint followed;                    // the first of its samples that are followed
+  int along, follow_first, follow_apart;  // of these along a side: number, samples of the tile
+  int follow_ratio;                 // 0: the job has the tile's samples; else its step over theirs
+};
+layout(std430, binding = 2) readonly buffer Jobs { Job jobs[]; };
+// Two vectors a sample: display values, coverage; linear light, distance times coverage. View after
+// view, then their mean. Where they are read, the light is less that of the display values.
+layout(std430, binding = 12) buffer Planes { vec4 planes[]; };
+// Of the views of a layer in those of the layer before (`LensPairs`).
+layout(std430, binding = 13) readonly buffer Weights { float weights[]; };
+
+struct Light {
+  vec4 display, light;
+};
+
+vec3 linearOf(vec3 display) {
+  vec3 s = clamp(display, 0.0, 1.0);
+  return mix(pow((s + 0.055) / 1.055, vec3(2.4)), s / 12.92, lessThanEqual(s, vec3(0.04045)));
+}
+
+struct Taps {
+  int first;
+  vec4 weights;
+};
+
+// As `interpolateBehind` of render/gaussians: beyond the edges, the parabola through the last three
+// samples goes on.
+Taps tapsAt(float at, int last) {
+  int below = min(int(at), last - 1);
+  vec4 w = catmullRom(at - float(below));
+  if (below == 0) return Taps(0, vec4(w.y + 3.0 * w.x, w.z - 3.0 * w.x, w.w + w.x, 0.0));
+  if (below == last - 1) {
+    return Taps(last - 3, vec4(0.0, w.x + w.w, w.y - 3.0 * w.w, w.z + 3.0 * w.w));
+  }
+  return Taps(below - 1, w);
+}
+
+// What lies behind a sample of a view; the view after the last one is their mean.
+Light lightBehind(Job job, ivec2 here, uint view) {
+  int side = job.behind_side;
+  vec2 at = job.behind_first + job.behind_step * vec2(here);
+  Taps across = tapsAt(at.x, side - 1), down = tapsAt(at.y, side - 1);
+  uint plane = job.behind + 2u * view * uint(side * side);
+  Light sum = Light(vec4(0.0), vec4(0.0));
+  for (int y = 0; y < 4; ++y) {
+    uint from = plane + 2u * uint((down.first + y) * side + across.first);
+    for (int x = 0; x < 4; ++x) {
+      float weight = down.weights[y] * across.weights[x];
+      sum.display += weight * planes[from + 2u * uint(x)];
+      sum.light += weight * planes[from + 2u * uint(x) + 1u];
+    }
+  }
+  rounds += 20u;
+  return sum;
+}
+
+// Adds a view to those of the layer before, times its weights, as `compositeBehind` does. The last
+// view completes them.
+void addToFronts(Job job, ivec2 here, uint view, Light shown) {
+  uint at = job.to + 2u * uint(here.y * job.side + here.x);
+  uint plane = 2u * uint(job.side * job.side), row = job.weights + view * job.fronts;
+  bool first = view == 0u, last = view + 1u == job.discs.y;
+  Light sum = Light(vec4(0.0), vec4(0.0));
+  for (uint j = 0u; j < job.fronts; ++j, at += plane) {
+    float weight = weights[row + j];
+    if (weight == 0.0 && !first && !last) continue;
+    vec4 display = weight * shown.display, light = weight * shown.light;
+    if (!first) {
+      display += planes[at];
+      light += planes[at + 1u];
+    }
+    if (last) {
+      light.rgb -= linearOf(display.rgb);
+      sum.display += display;
+      sum.light += light;
+    }
+    planes[at] = display;
+    planes[at + 1u] = light;
+  }
+  rounds += job.fronts;
+  if (!last) return;
+  planes[at] = sum.display / float(job.fronts);
+  planes[at + 1u] = sum.light / float(job.fronts);
+}
+
+#ifdef FOLLOW
+// Eight vectors each: light of the first view, then of all views less that the sums and the sums of
+// products: red; green, blue, rr, rg; rb, gg, gb, bb; the sums times each polynomial; of the views,
+// the number and the sum of the transmittances.
+layout(std430, binding = 11) buffer Follows { vec4 followed[]; };
+
+// The sample of this job that is nearest to the i-th that is followed along a side (`ViewSpread`).
+int followedAt(Job job, int i) {
+  int place = job.follow_first + job.follow_apart * i, ratio = job.follow_ratio;
+  return ratio == 0 ? place : (2 * place + 1 + ratio) / (2 * ratio);
+}
+
+void followAt(uint at, uint view, uint views, vec4 own[2], vec3 light, float through) {
+  if (view == 0u) {
+    followed[at] = vec4(light, 0.0);
+    for (uint i = 1u; i < 7u; ++i) followed[at + i] = vec4(0.0);
+    followed[at + 7u] = vec4(float(views), through, 0.0, 0.0);
+    return;
+  }
+  vec3 d = light - followed[at].rgb;
+  followed[at].w += d.r;
+  followed[at + 1u] += vec4(d.g, d.b, d.r * d.r, d.r * d.g);
+  followed[at + 2u] += vec4(d.r * d.b, d.g * d.g, d.g * d.b, d.b * d.b);
+  vec4 p = own[1];
+  followed[at + 3u] += vec4(own[0].w * d, p.x * d.r);
+  followed[at + 4u] += vec4(p.x * d.gb, p.y * d.rg);
+  followed[at + 5u] += vec4(p.y * d.b, p.z * d);
+  followed[at + 6u] += vec4(p.w * d, 0.0);
+  followed[at + 7u].y += through;
+}
+
+// @param own   the disc's vectors
+// @param seen  of the Gaussians: display values, transmittance
+void follow(Job job, ivec2 here, uint view, vec4 own[2], vec4 seen, vec3 background) {
+  // Which of those that are followed are here: from `begin` on, before `end`.
+  ivec2 begin = ivec2(0), end = ivec2(0);
+  for (int i = 0; i < job.along; ++i) {
+    int place = followedAt(job, i);
+    begin += ivec2(lessThan(ivec2(place), here));
+    end += ivec2(lessThanEqual(ivec2(place), here));
+  }
+  rounds += uint(job.along);
+  if (any(equal(begin, end))) return;
+  // Over the mean of the views behind, as `ViewSpread::errorsOfMean`.
+  Light behind = Light(vec4(background, 0.0), vec4(0.0));
+  if (job.behind != kNone) behind = lightBehind(job, here, job.discs.y);
+  vec3 light = linearOf(seen.rgb + seen.a * behind.display.rgb) + seen.a * seen.a * behind.light.rgb;
+  for (int y = begin.y; y < end.y; ++y) {
+    for (int x = begin.x; x < end.x; ++x) {
+      uint at = 8u * (job.followed + uint(y * job.along + x));
+      followAt(at, view, job.discs.y, own, light, seen.a);
+    }
+  }
+  rounds += 16u;
+}
+#endif
