@@ -23,7 +23,8 @@ struct FollowedSample {
 static_assert(sizeof(FollowedSample) == kVector_bytes);
 
 template <typename T>
-void upload(GpuDevice& device, GpuBuffer& buffer, const std::vector<T>& values, const char* what) {
+void writeAll(GpuDevice& device, GpuBuffer& buffer, const std::vector<T>& values,
+              const char* what) {
   buffer.reserve(device, std::max<std::size_t>(values.size(), 1) * sizeof(T), what);
   if (!values.empty()) buffer.write(0, values.size() * sizeof(T), values.data());
 }
@@ -53,20 +54,19 @@ void GpuGaussianLayers::takeLenses(const GpuLenses& lenses, std::span<const Foll
       }
     }
   }
-  upload(*device_, own_.discs, all, "the sub-apertures");
-  upload(*device_, own_.weights, lenses.weights(), "the sub-apertures");
+  writeAll(*device_, own_.discs, all, "the sub-apertures");
+  writeAll(*device_, own_.weights, lenses.weights(), "the sub-apertures");
 }
 
 unsigned GpuGaussianLayers::bind(GpuFrameStages& stages, const GpuProjected& projected,
                                  const GpuBuffer& work, const std::string& defines,
                                  const GpuCompositing& how) {
   const GpuFrameStages::Buffers& common = stages.buffers();
-  const auto existing = [](const GpuBuffer& buffer) { return buffer.id() ? &buffer : nullptr; };
-  const GLuint program = stages.bind(
-      "gaussian_composite", (how.depth ? "#define DEPTH\n" : "") + defines,
-      {&work, &common.tiles, existing(own_.jobs), &common.ranges, &common.lists, &projected.a,
-       &projected.b, nullptr, &common.samples, how.depth ? &common.depths : nullptr, &own_.discs,
-       existing(own_.followed), existing(own_.planes), existing(own_.weights)});
+  const GLuint program =
+      stages.bind("gaussian_composite", (how.depth ? "#define DEPTH\n" : "") + defines,
+                  {&work, &common.tiles, &own_.jobs, &common.ranges, &common.lists, &projected.a,
+                   &projected.b, nullptr, &common.samples, how.depth ? &common.depths : nullptr,
+                   &own_.discs, &own_.followed, &own_.planes, &own_.weights});
   glProgramUniform3f(program, 1, srgbFromLinear(how.background.r), srgbFromLinear(how.background.g),
                      srgbFromLinear(how.background.b));
   return program;
@@ -89,7 +89,7 @@ void GpuGaussianLayers::composite(GpuFrameStages& stages, const GpuProjected& pr
 void GpuGaussianLayers::composite(GpuFrameStages& stages, const GpuProjected& projected,
                                   const GpuJobs& jobs, const GpuCompositing& how, bool follows) {
   takeLenses(jobs.lenses, jobs.followed);
-  std::size_t planes = 0, followed = 0, all_followed = 1;
+  std::size_t planes = 1, followed = 1, all_followed = 1;
   for (const GpuJobBatch& batch : jobs.batches) {
     planes = std::max(planes, batch.planes);
     followed = std::max<std::size_t>(followed, batch.followed);
@@ -114,8 +114,8 @@ void GpuGaussianLayers::compositeBatch(GpuFrameStages& stages, const GpuProjecte
     first.at(k) = work.size();
     work.insert(work.end(), batch.work.at(k).begin(), batch.work.at(k).end());
   }
-  upload(*device_, own_.jobs, batch.jobs, "the layers of tiles");
-  upload(*device_, own_.work, work, "the layers of tiles");
+  writeAll(*device_, own_.jobs, batch.jobs, "the layers of tiles");
+  writeAll(*device_, own_.work, work, "the layers of tiles");
   const std::string defines = std::string("#define JOBS\n") + (follows ? "#define FOLLOW\n" : "");
   for (std::size_t k = batch.work.size(); k-- > 0;) {
     if (batch.work.at(k).empty()) continue;
