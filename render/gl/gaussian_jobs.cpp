@@ -11,7 +11,8 @@ namespace {
 /// Work groups of a dispatch that OpenGL allows everywhere.
 constexpr std::size_t kMostGroups = 65535;
 
-/// The jobs of a tile, front to back. Places of planes and followed samples begin at 0.
+/// The jobs of a tile, front to back, then its judge. Places of planes and followed samples begin
+/// at 0.
 class TileJobs {
  public:
   TileJobs(const GpuTile& tile, const TileLayers& layers, const TileLens& lens, bool follows,
@@ -25,9 +26,12 @@ class TileJobs {
       jobs_.at(k).entries[1] = begin;
     }
     for (std::size_t k = 1; k < layers.count; ++k) layBehind(jobs_.at(k - 1), jobs_.at(k), k == 1);
+    count_ = layers.count;
+    if (follows && lens.judges && lens.discs->size() == 1) jobs_.at(count_++) = judge(lenses);
   }
 
-  std::span<const GpuJob> jobs() const { return {jobs_.data(), layers_.count}; }
+  std::span<const GpuJob> jobs() const { return {jobs_.data(), count_}; }
+  std::size_t passOf(std::size_t i) const { return i < layers_.count ? i : GpuJobBatch::kJudges; }
   std::size_t planes() const { return planes_; }
   std::size_t followed() const { return followed_; }
 
@@ -74,40 +78,68 @@ class TileJobs {
     const auto side = static_cast<std::size_t>(job.side);
     planes_ += (std::size_t{job.fronts} + 1) * side * side * GpuJobs::kPlaneVectors;
     before.behind = job.to;
+    before.mean = static_cast<std::uint32_t>(planes_ - side * side * GpuJobs::kPlaneVectors);
     before.behind_side = job.side;
     before.behind_step = before.step_px / job.step_px;
     // Those of the first layer lie in the middle of its pixels.
     before.behind_first = second ? 0.5f * before.behind_step : 0.0f;
   }
 
+  /// Views of the first layer's followed samples alone (`LayerStack::judge`).
+  GpuJob judge(GpuLenses& lenses) {
+    GpuJob job = jobs_[0];
+    const auto from = static_cast<float>(job.follow_first);
+    const auto apart = static_cast<float>(job.follow_apart);
+    job.first_px += from * job.step_px;
+    job.step_px *= apart;
+    job.side = job.along;
+    job.behind_first += from * job.behind_step;
+    job.behind_step *= apart;
+    job.behind = GpuJob::kNone;
+    job.discs[0] = lenses.firstOf(*lens_.judges);
+    job.discs[1] = static_cast<std::uint32_t>(lens_.judges->size());
+    job.judged = std::exchange(job.followed, static_cast<std::uint32_t>(followed_));
+    job.follow_first = 0;
+    job.follow_apart = 1;
+    followed_ += static_cast<std::size_t>(job.along) * static_cast<std::size_t>(job.along);
+    return job;
+  }
+
   const GpuTile& tile_;
   const TileLayers& layers_;
   const TileLens& lens_;
   bool follows_;
-  std::array<GpuJob, TileLayers::kMost> jobs_;
-  std::size_t planes_ = 0, followed_ = 0;
+  std::array<GpuJob, GpuJobBatch::kPasses> jobs_;
+  std::size_t count_ = 0, planes_ = 0, followed_ = 0;
 };
 
 bool fits(const GpuJobBatch& batch, const TileJobs& tile, std::size_t room) {
   if (batch.planes + tile.planes() > room) return false;
   if ((batch.followed + tile.followed()) * GpuJobs::kFollowVectors > room) return false;
-  for (std::size_t k = 0; k < tile.jobs().size(); ++k) {
-    if (batch.work.at(k).size() + TileJobs::squaresOf(tile.jobs()[k]) > kMostGroups) return false;
+  for (std::size_t i = 0; i < tile.jobs().size(); ++i) {
+    const std::size_t before = batch.work.at(tile.passOf(i)).size();
+    if (before + TileJobs::squaresOf(tile.jobs()[i]) > kMostGroups) return false;
   }
   return true;
 }
 
 void add(const TileJobs& tile, GpuJobBatch& batch) {
-  for (std::size_t k = 0; k < tile.jobs().size(); ++k) {
-    GpuJob job = tile.jobs()[k];
-    if (k > 0) job.to += static_cast<std::uint32_t>(batch.planes);
-    if (job.behind != GpuJob::kNone) job.behind += static_cast<std::uint32_t>(batch.planes);
-    job.followed += batch.followed;
+  const auto moveBy = [](std::uint32_t& place, std::size_t by) {
+    if (place != GpuJob::kNone) place += static_cast<std::uint32_t>(by);
+  };
+  for (std::size_t i = 0; i < tile.jobs().size(); ++i) {
+    GpuJob job = tile.jobs()[i];
+    const std::size_t pass = tile.passOf(i);
+    if (job.fronts > 0) moveBy(job.to, batch.planes);
+    moveBy(job.behind, batch.planes);
+    moveBy(job.mean, batch.planes);
+    moveBy(job.followed, batch.followed);
+    moveBy(job.judged, batch.followed);
     const auto index = static_cast<std::uint32_t>(batch.jobs.size());
     for (std::uint32_t part = 0; part < TileJobs::squaresOf(job); ++part) {
-      batch.work.at(k).push_back(index << 6 | part);
+      batch.work.at(pass).push_back(index << 6 | part);
     }
-    batch.discs.at(k) = std::max(batch.discs.at(k), job.discs[1]);
+    batch.discs.at(pass) = std::max(batch.discs.at(pass), job.discs[1]);
     batch.jobs.push_back(job);
   }
   batch.planes += tile.planes();
@@ -143,10 +175,10 @@ GpuJobs jobsOf(std::span<const GpuTile> tiles, std::span<const TileLayers> layer
       jobs.batches.emplace_back().first_followed = before;
     }
     GpuJobBatch& batch = jobs.batches.back();
-    for (std::size_t k = 0; follows && k < tile.jobs().size(); ++k) {
-      const GpuJob& job = tile.jobs()[k];
+    for (std::size_t i = 0; follows && i < tile.jobs().size(); ++i) {
+      const GpuJob& job = tile.jobs()[i];
       jobs.followed.push_back({.tile = t,
-                               .layer = k,
+                               .pass = tile.passOf(i),
                                .first = batch.first_followed + batch.followed + job.followed,
                                .count = static_cast<std::uint32_t>(job.along * job.along),
                                .first_disc = job.discs[0],

@@ -28,12 +28,14 @@ struct GpuJob {
   std::uint32_t fronts = 0;       ///< views of the layer before it; 0: the first layer
   std::uint32_t weights = 0;      ///< of its views in those, the first
   std::uint32_t behind = kNone;   ///< planes of the next layer
+  std::uint32_t mean = kNone;     ///< the same, of the mean of its views
   std::int32_t behind_side = 0;   ///< samples of the next layer
   float behind_first = 0.0f, behind_step = 0.0f;
-  std::uint32_t followed = 0;  ///< the first of its samples that are followed
+  std::uint32_t followed = 0;    ///< the first of its samples that are followed
+  std::uint32_t judged = kNone;  ///< of a judge: the first of the followed samples that it judges
   std::int32_t along = 0, follow_first = 0, follow_apart = 1, follow_ratio = 0;
 };
-static_assert(sizeof(GpuJob) == 80);
+static_assert(sizeof(GpuJob) == 88);
 
 /// A tile on the GPU.
 struct GpuTile {
@@ -60,19 +62,21 @@ class GpuLenses {
 
 /// Samples of a job that are followed.
 struct FollowedJob {
-  std::size_t tile = 0, layer = 0;
+  std::size_t tile = 0, pass = 0;
   std::uint32_t first = 0, count = 0;  ///< of all of the frame
   std::uint32_t first_disc = 0, discs = 0;
 };
 
-/// Jobs that are composited together, layer by layer from the last one.
+/// Jobs that are composited together, in passes: layer by layer from the last one, then the judges
+/// of first layers.
 struct GpuJobBatch {
+  static constexpr std::size_t kJudges = TileLayers::kMost, kPasses = kJudges + 1;
   std::vector<GpuJob> jobs;
-  /// By layer: a work group each, job << 6 | square of the samples.
-  std::array<std::vector<std::uint32_t>, TileLayers::kMost> work;
-  std::array<std::uint32_t, TileLayers::kMost> discs{};  ///< by layer, the most of a job
-  std::size_t planes = 0;                                ///< vectors
-  std::uint32_t first_followed = 0, followed = 0;        ///< samples, of all of the frame
+  /// By pass: a work group each, job << 6 | square of the samples.
+  std::array<std::vector<std::uint32_t>, kPasses> work;
+  std::array<std::uint32_t, kPasses> discs{};      ///< by pass, the most of a job
+  std::size_t planes = 0;                          ///< vectors
+  std::uint32_t first_followed = 0, followed = 0;  ///< samples, of all of the frame
 };
 
 struct GpuJobs {

@@ -18,7 +18,8 @@ constexpr std::size_t kMostRoom_bytes = std::size_t{64} << 20;
 /// What shaders/gaussian_errors.glsl writes.
 struct FollowedSample {
   SpreadSquares squares;
-  float transmittance = 0.0f, unused = 0.0f;
+  float transmittance = 0.0f;
+  float judged_jnd = 0.0f;  ///< of a judge: from the mean of its views to the view that it judges
 };
 static_assert(sizeof(FollowedSample) == kVector_bytes);
 
@@ -109,7 +110,7 @@ void GpuGaussianLayers::compositeBatch(GpuFrameStages& stages, const GpuProjecte
                                        const GpuJobBatch& batch, const GpuCompositing& how,
                                        bool follows) {
   std::vector<std::uint32_t> work;
-  std::array<std::size_t, TileLayers::kMost> first{};
+  std::array<std::size_t, GpuJobBatch::kPasses> first{};
   for (std::size_t k = 0; k < batch.work.size(); ++k) {
     first.at(k) = work.size();
     work.insert(work.end(), batch.work.at(k).begin(), batch.work.at(k).end());
@@ -117,16 +118,18 @@ void GpuGaussianLayers::compositeBatch(GpuFrameStages& stages, const GpuProjecte
   writeAll(*device_, own_.jobs, batch.jobs, "the layers of tiles");
   writeAll(*device_, own_.work, work, "the layers of tiles");
   const std::string defines = std::string("#define JOBS\n") + (follows ? "#define FOLLOW\n" : "");
-  for (std::size_t k = batch.work.size(); k-- > 0;) {
-    if (batch.work.at(k).empty()) continue;
-    const GLuint program =
-        bind(stages, projected, own_.work, defines + (k > 0 ? "#define BEHIND\n" : ""), how);
-    glProgramUniform1ui(program, 2, static_cast<GLuint>(first.at(k)));
-    for (std::uint32_t i = 0; i < batch.discs.at(k); ++i) {
+  const auto run = [&](std::size_t pass, const char* variant) {
+    if (batch.work.at(pass).empty()) return;
+    const GLuint program = bind(stages, projected, own_.work, defines + variant, how);
+    glProgramUniform1ui(program, 2, static_cast<GLuint>(first.at(pass)));
+    for (std::uint32_t i = 0; i < batch.discs.at(pass); ++i) {
       glProgramUniform1ui(program, 0, i);
-      GpuFrameStages::dispatch(batch.work.at(k).size());
+      GpuFrameStages::dispatch(batch.work.at(pass).size());
     }
-  }
+  };
+  for (std::size_t k = TileLayers::kMost; k-- > 1;) run(k, "#define BEHIND\n");
+  run(0, "");
+  run(GpuJobBatch::kJudges, "#define JUDGE\n");
 }
 
 void GpuGaussianLayers::measureSpread(GpuFrameStages& stages, const GpuJobBatch& batch) {
@@ -147,18 +150,23 @@ void GpuGaussianLayers::readErrors(const GpuJobs& jobs, std::span<const TileLaye
   errors.resize(layers.size());
   std::array<float, SampledErrors::kMost> through;
   for (const FollowedJob& job : jobs.followed) {
-    if (job.layer == 0) {
+    if (job.pass == 0) {
       through.fill(1.0f);
       errors[job.tile] = {.layers_jnd = {}, .count = job.count};
     }
     const auto seen = std::span(samples).subspan(job.first, job.count);
-    auto& own = errors[job.tile].layers_jnd.at(job.layer);
+    if (job.pass == GpuJobBatch::kJudges) {  // as `ViewSpread::errorsOfOne`
+      std::ranges::transform(seen, errors[job.tile].layers_jnd[0].begin(),
+                             &FollowedSample::judged_jnd);
+      continue;
+    }
+    auto& own = errors[job.tile].layers_jnd.at(job.pass);
     if (job.discs > 1) {
       std::array<SpreadSquares, SampledErrors::kMost> squares;
       std::ranges::transform(seen, squares.begin(), &FollowedSample::squares);
       own = errorsOfMean(std::span(squares).first(job.count), job.discs,
                          polynomials_.at(job.first_disc),
-                         layers[job.tile].layers.at(job.layer).blur.radius_px);
+                         layers[job.tile].layers.at(job.pass).blur.radius_px);
     }
     for (std::size_t i = 0; i < seen.size(); ++i) {
       own.at(i) *= through.at(i);

@@ -1,7 +1,7 @@
 // Composites the Gaussians of a tile front to back, as one disc of the lens sees them, one thread a
 // sample: what render/gaussians/composite_tile-inl.h does. One dispatch adds the `disc`-th disc of
 // each tile to the tile's mean. With JOBS, each job has discs of its own, and may be one of several
-// layers; with BEHIND, one behind another.
+// layers; with BEHIND, one behind another. With JUDGE, samples are followed, and not shown.
 
 layout(std430, binding = 5) readonly buffer ProjectedA { vec4 projected_a[]; };
 layout(std430, binding = 6) readonly buffer ProjectedB { vec4 projected_b[]; };
@@ -109,12 +109,16 @@ void main() {
   if (group.exists) {
     Light behind = Light(vec4(background, 0.0), vec4(0.0));
 #ifdef JOBS
-    if (job.behind != kNone && through > kOpaque) behind = lightBehind(job, group.here, disc);
+    if (job.behind != kNone && through > kOpaque) {
+      uint plane = 2u * uint(job.behind_side * job.behind_side);
+      behind = lightBehind(job, group.here, job.behind + disc * plane);
+    }
 #endif
 #ifdef FOLLOW
     follow(job, group.here, disc, vec4[2](discs[own], discs[own + 1u]), vec4(display, through),
            background);
 #endif
+#ifndef JUDGE
     display += through * behind.display.rgb;
     vec3 light = linearOf(display) + through * through * behind.light.rgb;
     float covered = 1.0 - through + through * behind.display.a;
@@ -132,6 +136,7 @@ void main() {
     samples[to] = disc == 0u ? value : samples[to] + value;
 #ifdef DEPTH
     depths[to] = disc == 0u ? share * weighted_m : depths[to] + share * weighted_m;
+#endif
 #endif
 #endif
   }

@@ -9,10 +9,12 @@ struct Job {
   int side;                         // samples
   uvec2 entries, discs;             // in the lists; first, number
   uint to, fronts, weights;         // of its first sample, or of its planes; views of the layer before
-  uint behind;                      // planes of the next layer; kNone: the background
+  uint behind, mean;                // planes of the next layer, of the mean of its views; kNone: the
+                                    // background
   int behind_side;                  // samples of the next layer
   float behind_first, behind_step;  // the samples of this layer among them
   uint followed;                    // the first of its samples that are followed
+  uint judged;                      // of a judge: the first of those that it judges
   int along, follow_first, follow_apart;  // of these along a side: number, samples of the tile
   int follow_ratio;                 // 0: the job has the tile's samples; else its step over theirs
 };
@@ -49,12 +51,12 @@ Taps tapsAt(float at, int last) {
   return Taps(below - 1, w);
 }
 
-// What lies behind a sample of a view; the view after the last one is their mean.
-Light lightBehind(Job job, ivec2 here, uint view) {
+// What lies behind a sample.
+// @param plane  of the next layer
+Light lightBehind(Job job, ivec2 here, uint plane) {
   int side = job.behind_side;
   vec2 at = job.behind_first + job.behind_step * vec2(here);
   Taps across = tapsAt(at.x, side - 1), down = tapsAt(at.y, side - 1);
-  uint plane = job.behind + 2u * view * uint(side * side);
   Light sum = Light(vec4(0.0), vec4(0.0));
   for (int y = 0; y < 4; ++y) {
     uint from = plane + 2u * uint((down.first + y) * side + across.first);
@@ -98,8 +100,8 @@ void addToFronts(Job job, ivec2 here, uint view, Light shown) {
 }
 
 #ifdef FOLLOW
-// Eight vectors each: light of the first view, then of all views less that the sums and the sums of
-// products: red; green, blue, rr, rg; rb, gg, gb, bb; the sums times each polynomial; of the views,
+// Eight vectors each: light of the first view, or of the view that is judged, then of all views less
+// that the sums and the sums of products: red; green, blue, rr, rg; rb, gg, gb, bb; the sums times each polynomial; of the views,
 // the number and the sum of the transmittances.
 layout(std430, binding = 11) buffer Follows { vec4 followed[]; };
 
@@ -109,12 +111,12 @@ int followedAt(Job job, int i) {
   return ratio == 0 ? place : (2 * place + 1 + ratio) / (2 * ratio);
 }
 
-void followAt(uint at, uint view, uint views, vec4 own[2], vec3 light, float through) {
+// @param base  light that the sums are less
+void followAt(uint at, uint view, uint views, vec4 own[2], vec3 light, float through, vec3 base) {
   if (view == 0u) {
-    followed[at] = vec4(light, 0.0);
+    followed[at] = vec4(base, 0.0);
     for (uint i = 1u; i < 7u; ++i) followed[at + i] = vec4(0.0);
-    followed[at + 7u] = vec4(float(views), through, 0.0, 0.0);
-    return;
+    followed[at + 7u] = vec4(float(views), 0.0, 0.0, 0.0);
   }
   vec3 d = light - followed[at].rgb;
   followed[at].w += d.r;
@@ -142,12 +144,13 @@ void follow(Job job, ivec2 here, uint view, vec4 own[2], vec4 seen, vec3 backgro
   if (any(equal(begin, end))) return;
   // Over the mean of the views behind, as `ViewSpread::errorsOfMean`.
   Light behind = Light(vec4(background, 0.0), vec4(0.0));
-  if (job.behind != kNone) behind = lightBehind(job, here, job.discs.y);
+  if (job.mean != kNone) behind = lightBehind(job, here, job.mean);
   vec3 light = linearOf(seen.rgb + seen.a * behind.display.rgb) + seen.a * seen.a * behind.light.rgb;
   for (int y = begin.y; y < end.y; ++y) {
     for (int x = begin.x; x < end.x; ++x) {
-      uint at = 8u * (job.followed + uint(y * job.along + x));
-      followAt(at, view, job.discs.y, own, light, seen.a);
+      uint i = uint(y * job.along + x);
+      vec3 base = job.judged == kNone ? light : followed[8u * (job.judged + i)].rgb;
+      followAt(8u * (job.followed + i), view, job.discs.y, own, light, seen.a, base);
     }
   }
   rounds += 16u;

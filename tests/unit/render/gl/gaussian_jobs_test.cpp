@@ -96,7 +96,7 @@ TEST(GpuJobs, FollowEachSampleOnce) {
   for (std::size_t i = 0; i < row.jobs.followed.size(); ++i) {
     const FollowedJob& job = row.jobs.followed[i];
     EXPECT_EQ(job.tile, 1 + i / 3);
-    EXPECT_EQ(job.layer, i % 3);
+    EXPECT_EQ(job.pass, i % 3);
     EXPECT_EQ(job.first, end);
     EXPECT_EQ(job.count, 64u);
     end += job.count;
