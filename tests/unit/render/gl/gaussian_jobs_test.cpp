@@ -103,5 +103,38 @@ TEST(GpuJobs, FollowEachSampleOnce) {
   }
 }
 
+// A single disc of the first layer is judged at the samples that are followed, over the mean of the
+// views behind.
+TEST(GpuJobs, JudgeTheFollowedSamples) {
+  const std::vector<LensDisc> one = subApertureDiscs(1), judges = subApertureDiscs(3);
+  const LensPairs pairs = pairLensDiscs(one, subApertureDiscs(7));
+  const GpuTile tile{.tile = {.x_px = 64, .y_px = 32}, .cell = 5, .begin = 100, .end = 130};
+  const TileLayers layers{.layers = {TileLayer{.size = 10, .step_px = 1, .samples = 32},
+                                     TileLayer{.size = 20, .step_px = 4, .samples = 9}},
+                          .count = 2};
+  const TileLens lens{.discs = &one, .pairs = {&pairs, nullptr}, .judges = &judges};
+  const GpuJobs jobs = jobsOf({&tile, 1}, {&layers, 1}, {&lens, 1}, true, std::size_t{1} << 22);
+  const GpuJobBatch& batch = jobs.batches.at(0);
+  ASSERT_EQ(batch.jobs.size(), 3u);
+  const GpuJob &first = batch.jobs[0], &second = batch.jobs[1], &judge = batch.jobs[2];
+  EXPECT_EQ(judge.first_px, glm::vec2(66.5f, 34.5f));  // the third sample
+  EXPECT_EQ(judge.step_px, 4.0f);
+  EXPECT_EQ(judge.side, 8);
+  EXPECT_EQ(judge.entries[1], 110u);
+  EXPECT_EQ(judge.discs[1], 3u);
+  EXPECT_EQ(judge.judged, first.followed);
+  EXPECT_EQ(judge.followed, 2u * 64);
+  EXPECT_EQ(judge.mean, first.mean);
+  EXPECT_EQ(judge.mean, second.to + 2 * 9 * 9);
+  EXPECT_EQ(judge.behind_first, 0.625f);
+  EXPECT_EQ(judge.behind_step, 1.0f);
+  EXPECT_EQ(batch.work[GpuJobBatch::kJudges].size(), 1u);
+  EXPECT_EQ(jobs.followed.back().pass, GpuJobBatch::kJudges);
+  EXPECT_EQ(jobsOf({&tile, 1}, {&layers, 1}, {&lens, 1}, false, std::size_t{1} << 22)
+                .batches.at(0)
+                .jobs.size(),
+            2u);
+}
+
 }  // namespace
 }  // namespace foci
