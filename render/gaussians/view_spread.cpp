@@ -166,7 +166,6 @@ std::array<float, SampledErrors::kMost> ViewSpread::errorsOfMean(
 std::array<float, SampledErrors::kMost> ViewSpread::errorsOfOne(
     const ViewSpread& judges, std::span<const BehindSample> behind) const {
   assert(views() == 1 && judges.places_.size() == places_.size());
-  constexpr float kOfDistance = 1.1f;
   std::array<float, SampledErrors::kMost> errors{};
   for (std::size_t i = 0; i < places_.size(); ++i) {
     glm::vec3 mean(0.0f);
@@ -174,7 +173,7 @@ std::array<float, SampledErrors::kMost> ViewSpread::errorsOfOne(
       mean += judges.lightOf(view, i, behind[i]) / static_cast<float>(judges.views());
     }
     const glm::vec3 apart = visibleDifferencePerLight(mean) * (lightOf(0, i, behind[i]) - mean);
-    errors[i] = kOfDistance * glm::length(apart);
+    errors[i] = errorOfOne(glm::length(apart));
   }
   return errors;
 }

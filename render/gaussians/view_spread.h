@@ -39,6 +39,13 @@ std::array<float, SampledErrors::kMost> errorsOfMean(std::span<const SpreadSquar
                                                      std::size_t discs, std::size_t polynomials,
                                                      float radius_px);
 
+/// The error of one view: 1.1 times its distance from the mean of its judges, the views of the same
+/// samples through three discs. On tiles of two captures with blur of up to 9 px, the error is 0.8
+/// to 1.07 of the distance. The garden (0.9 to 1.05) and scattered Gaussians (0.6 to 0.9) took no
+/// part.
+/// @param distance_jnd  in just-noticeable differences
+inline float errorOfOne(float distance_jnd) { return 1.1f * distance_jnd; }
+
 /// What lies behind a sample, the same for all views.
 struct BehindSample {
   glm::vec3 display{0.0f};  ///< display value
@@ -96,10 +103,8 @@ class ViewSpread {
                                                        float radius_px,
                                                        std::span<const BehindSample> behind) const;
 
-  /// The error of one view, by place: 1.1 times its distance from the mean of `judges`, the views of
-  /// the same samples through three discs. On tiles of two captures with blur of up to 9 px, the
-  /// error is 0.8 to 1.07 of the distance. The garden (0.9 to 1.05) and scattered Gaussians (0.6 to
-  /// 0.9) took no part.
+  /// The error of one view (`errorOfOne`), by place.
+  /// @param judges  the views of the same samples through three discs
   std::array<float, SampledErrors::kMost> errorsOfOne(const ViewSpread& judges,
                                                       std::span<const BehindSample> behind) const;
 

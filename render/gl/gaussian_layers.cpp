@@ -155,9 +155,10 @@ void GpuGaussianLayers::readErrors(const GpuJobs& jobs, std::span<const TileLaye
       errors[job.tile] = {.layers_jnd = {}, .count = job.count};
     }
     const auto seen = std::span(samples).subspan(job.first, job.count);
-    if (job.pass == GpuJobBatch::kJudges) {  // as `ViewSpread::errorsOfOne`
-      std::ranges::transform(seen, errors[job.tile].layers_jnd[0].begin(),
-                             &FollowedSample::judged_jnd);
+    if (job.pass == GpuJobBatch::kJudges) {
+      std::ranges::transform(
+          seen, errors[job.tile].layers_jnd[0].begin(),
+          [](const FollowedSample& each) { return errorOfOne(each.judged_jnd); });
       continue;
     }
     auto& own = errors[job.tile].layers_jnd.at(job.pass);
