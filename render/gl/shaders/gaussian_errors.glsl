@@ -1,11 +1,11 @@
 // The spread of a layer's views at the samples that gaussian_composite.glsl follows:
-// `SpreadSquares` of render/gaussians/view_spread.h, their mean transmittance, and how far their mean
-// is from the view that is judged. One thread a sample.
+// `SpreadSquares` of render/gaussians/view_spread.h, their mean transmittance, and how far their
+// mean is from the view that is judged. One thread a sample.
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Follows { vec4 followed[]; };
 layout(std430, binding = 1) writeonly buffer Squares { vec4 squares[]; };
 layout(location = 0) uniform uint sample_count;
-layout(location = 1) uniform uint first_square;
+layout(location = 1) uniform uint first_square;  // of the batch
 
 // `visibleDifferencePerLight` of render/image/visible_difference.cpp.
 const float kJustNoticeable = 2.3, kLinearBelow = 0.008856, kLinearSlope = 7.787;
@@ -42,5 +42,6 @@ void main() {
   float smooth_ = squareOf(jnd * f[3].xyz) + squareOf(jnd * vec3(f[3].w, f[4].xy)) +
                   squareOf(jnd * vec3(f[4].zw, f[5].x)) + squareOf(jnd * f[5].yzw) +
                   squareOf(jnd * f[6].xyz);
-  squares[first_square + at] = vec4(all, max(all - smooth_, 0.0), f[7].y / n, length(jnd * sum / n));
+  squares[first_square + at] =
+      vec4(all, max(all - smooth_, 0.0), f[7].y / n, length(jnd * sum / n));
 }
