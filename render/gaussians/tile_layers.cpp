@@ -88,24 +88,20 @@ TileLayers oneLayer(const Tile& tile, std::size_t size) {
   return layers;
 }
 
-TileLayers layersOf(const Tile& tile, std::span<const std::uint32_t> list,
-                    const ProjectedGaussians& projected, const glm::ivec2& size_px) {
+namespace {
+
+/// @param at  the k-th of the tile's `size` Gaussians; called from the last one on
+template <typename At>
+TileLayers divide(const Tile& tile, std::size_t size, const At& at, const glm::ivec2& size_px) {
   static_assert(kMaxStep_px == 8);
   std::array suffixes{Suffix{.step_px = 2}, Suffix{.step_px = 4}, Suffix{.step_px = 8}};
   BlurSum all;
-  for (std::size_t k = list.size(); k-- > 0;) {
-    constexpr std::size_t kAhead = 16;  // entries lie scattered in memory
-    if (k >= kAhead) {
-      __builtin_prefetch(&projected.chunks.keys[list[k - kAhead]]);
-      __builtin_prefetch(&projected.gaussians[list[k - kAhead]]);
-    }
-    const SplatKey& key = projected.chunks.keys[list[k]];
-    const ProjectedGaussian& gaussian = projected.gaussians[list[k]];
-    const int step_px = gaussian.off_D > 0.0f ? stepFor(key.sigma_px) : 1;
+  for (std::size_t k = size; k-- > 0;) {
+    const ListedGaussian gaussian = at(k);
     for (Suffix& each : suffixes) {
-      if (!each.sum && step_px < each.step_px) each.sum = all;
+      if (!each.sum && gaussian.step_px < each.step_px) each.sum = all;
     }
-    all.add(key.blur_px, gaussian.opacity);
+    all.add(gaussian.blur_px, gaussian.opacity);
   }
   for (Suffix& each : suffixes) {
     if (!each.sum) each.sum = all;
@@ -146,6 +142,33 @@ TileLayers layersOf(const Tile& tile, std::span<const std::uint32_t> list,
     }
   }
   return best;
+}
+
+}  // namespace
+
+TileLayers layersOf(const Tile& tile, std::span<const std::uint32_t> list,
+                    const ProjectedGaussians& projected, const glm::ivec2& size_px) {
+  return divide(
+      tile, list.size(),
+      [&](std::size_t k) {
+        constexpr std::size_t kAhead = 16;  // entries lie scattered in memory; the last come first
+        if (k >= kAhead) {
+          __builtin_prefetch(&projected.chunks.keys[list[k - kAhead]]);
+          __builtin_prefetch(&projected.gaussians[list[k - kAhead]]);
+        }
+        const SplatKey& key = projected.chunks.keys[list[k]];
+        const ProjectedGaussian& gaussian = projected.gaussians[list[k]];
+        return ListedGaussian{.blur_px = key.blur_px,
+                              .opacity = gaussian.opacity,
+                              .step_px = gaussian.off_D > 0.0f ? stepFor(key.sigma_px) : 1};
+      },
+      size_px);
+}
+
+TileLayers layersOf(const Tile& tile, std::span<const ListedGaussian> list,
+                    const glm::ivec2& size_px) {
+  return divide(
+      tile, list.size(), [&](std::size_t k) { return list[k]; }, size_px);
 }
 
 }  // namespace foci

@@ -54,6 +54,17 @@ struct TileLayers {
 TileLayers layersOf(const Tile& tile, std::span<const std::uint32_t> list,
                     const ProjectedGaussians& projected, const glm::ivec2& size_px);
 
+/// What dividing a tile needs of a Gaussian.
+struct ListedGaussian {
+  float blur_px = 0.0f;
+  float opacity = 0.0f;
+  int step_px = 1;  ///< largest distance of samples; 1 nearer than the focus
+};
+
+/// The same from the tile's list itself.
+TileLayers layersOf(const Tile& tile, std::span<const ListedGaussian> list,
+                    const glm::ivec2& size_px);
+
 TileLayers oneLayer(const Tile& tile, std::size_t size);
 TileBlur blurOf(const Tile& tile, std::span<const std::uint32_t> list,
                 const ProjectedGaussians& projected);

@@ -80,12 +80,15 @@ std::array<float, SampledErrors::kMost> errorsOfMean(std::span<const SpreadSquar
   return errors;
 }
 
+FollowedAlong followedAlong(int samples, int apron) {
+  const int apart = apron > 0 ? 2 : 4, first = apron + apart / 2;
+  return {first, apart, (samples - apron - first + apart - 1) / apart};
+}
+
 void ViewSpread::begin(int samples, int apron) {
-  const int apart = apron > 0 ? 2 : 4;
+  const auto [first, apart, count] = followedAlong(samples, apron);
   along_.clear();
-  for (int i = apron + apart / 2; i < samples - apron; i += apart) {
-    along_.push_back(static_cast<std::size_t>(i));
-  }
+  for (int i = 0; i < count; ++i) along_.push_back(static_cast<std::size_t>(first + i * apart));
   assert(along_.size() * along_.size() <= SampledErrors::kMost);
   followSquare(samples);
 }
@@ -163,7 +166,6 @@ std::array<float, SampledErrors::kMost> ViewSpread::errorsOfMean(
 std::array<float, SampledErrors::kMost> ViewSpread::errorsOfOne(
     const ViewSpread& judges, std::span<const BehindSample> behind) const {
   assert(views() == 1 && judges.places_.size() == places_.size());
-  constexpr float kOfDistance = 1.1f;
   std::array<float, SampledErrors::kMost> errors{};
   for (std::size_t i = 0; i < places_.size(); ++i) {
     glm::vec3 mean(0.0f);
@@ -171,7 +173,7 @@ std::array<float, SampledErrors::kMost> ViewSpread::errorsOfOne(
       mean += judges.lightOf(view, i, behind[i]) / static_cast<float>(judges.views());
     }
     const glm::vec3 apart = visibleDifferencePerLight(mean) * (lightOf(0, i, behind[i]) - mean);
-    errors[i] = kOfDistance * glm::length(apart);
+    errors[i] = errorOfOne(glm::length(apart));
   }
   return errors;
 }

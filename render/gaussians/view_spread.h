@@ -39,19 +39,33 @@ std::array<float, SampledErrors::kMost> errorsOfMean(std::span<const SpreadSquar
                                                      std::size_t discs, std::size_t polynomials,
                                                      float radius_px);
 
+/// The error of one view: 1.1 times its distance from the mean of its judges, the views of the same
+/// samples through three discs. On tiles of two captures with blur of up to 9 px, the error is 0.8
+/// to 1.07 of the distance. The garden (0.9 to 1.05) and scattered Gaussians (0.6 to 0.9) took no
+/// part.
+/// @param distance_jnd  in just-noticeable differences
+inline float errorOfOne(float distance_jnd) { return 1.1f * distance_jnd; }
+
 /// What lies behind a sample, the same for all views.
 struct BehindSample {
   glm::vec3 display{0.0f};  ///< display value
   glm::vec3 light{0.0f};    ///< mean linear light, less that of the display value
 };
 
-/// Follows a tile at evenly spread samples: along a side, every fourth of them, or every second one
-/// where they are more than a pixel apart. What it misses is smaller than the blur, or a few
-/// pixels.
+/// Samples along a side of a tile that are followed.
+struct FollowedAlong {
+  int first = 0, apart = 1, count = 0;
+};
+
+/// Evenly spread samples: every fourth of them, or every second one where they are more than a
+/// pixel apart. What they miss is smaller than the blur, or a few pixels.
+/// @param samples  of the tile along a side
+/// @param apron    of these, on each side, not followed; 0: the samples are a pixel apart
+FollowedAlong followedAlong(int samples, int apron);
+
+/// Follows a tile at the samples of `followedAlong`.
 class ViewSpread {
  public:
-  /// @param samples  of the tile along a side
-  /// @param apron    of these, on each side, not followed; 0: the samples are a pixel apart
   void begin(int samples, int apron);
   /// Follows the samples of another layer of the tile that are nearest to those of its first layer.
   void beginBehind(const ViewSpread& first, const TileLayer& first_layer, const TileLayer& layer);
@@ -89,10 +103,8 @@ class ViewSpread {
                                                        float radius_px,
                                                        std::span<const BehindSample> behind) const;
 
-  /// The error of one view, by place: 1.1 times its distance from the mean of `judges`, the views of
-  /// the same samples through three discs. On tiles of two captures with blur of up to 9 px, the
-  /// error is 0.8 to 1.07 of the distance. The garden (0.9 to 1.05) and scattered Gaussians (0.6 to
-  /// 0.9) took no part.
+  /// The error of one view (`errorOfOne`), by place.
+  /// @param judges  the views of the same samples through three discs
   std::array<float, SampledErrors::kMost> errorsOfOne(const ViewSpread& judges,
                                                       std::span<const BehindSample> behind) const;
 

@@ -120,7 +120,14 @@ unsigned GpuDevice::program(const std::string& stage, const std::string& defines
   }
   if (stage == "project" || stage == "gaussian_project") parts.push_back(shaderSource("keys"));
   if (stage == "sweep" || stage == "gaussian_composite") parts.push_back(shaderSource("batches"));
+  if (stage == "interpolate" || stage == "gaussian_composite") {
+    parts.push_back(shaderSource("cubic"));
+  }
   if (stage == "sweep") parts.push_back(shaderSource("layers"));
+  if (stage == "gaussian_composite") {
+    parts.push_back(shaderSource("gaussian_layers"));
+    parts.push_back(shaderSource("gaussian_follow"));
+  }
   parts.push_back(shaderSource(stage));
   std::vector<const char*> texts;
   texts.reserve(parts.size());

@@ -4,16 +4,15 @@
 #include <GL/glcorearb.h>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cstddef>
 #include <limits>
-#include <map>
-#include <optional>
 #include <string>
 #include <utility>
 
+#include "base/parallel.h"
 #include "render/gl/frame_stages.h"
-#include "render/image/srgb.h"
 
 namespace foci {
 namespace {
@@ -25,6 +24,19 @@ std::vector<T> readArray(const GpuBuffer& buffer, std::size_t count) {
   return values;
 }
 
+/// What shaders/gaussian_blurs.glsl lists.
+std::vector<ListedGaussian> gaussiansOf(std::span<const glm::uvec2> listed) {
+  constexpr std::uint32_t kStepBits = 3;
+  std::vector<ListedGaussian> gaussians;
+  gaussians.reserve(listed.size());
+  for (const glm::uvec2& each : listed) {
+    gaussians.push_back({.blur_px = std::bit_cast<float>(each.x),
+                         .opacity = std::bit_cast<float>(each.y & ~kStepBits),
+                         .step_px = 1 << (each.y & kStepBits)});
+  }
+  return gaussians;
+}
+
 }  // namespace
 
 class GpuGaussians::Pipeline {
@@ -34,21 +46,19 @@ class GpuGaussians::Pipeline {
 
   GpuStats project(const View& view, const Defocus& defocus,
                    const std::vector<SubApertureSize>& sizes, const GaussianCutSettings* lod);
-  GpuStats render(std::span<const LensDisc> discs, const glm::vec3& background, bool depth,
+  GpuStats render(const std::vector<LensDisc>& discs, const GpuCompositing& how,
                   std::shared_ptr<GpuImage>& image);
-  const Tiles& tiles();
-  GpuStats render(std::span<const LensDisc> discs, std::span<const TileDiscs> tiles,
-                  const glm::vec3& background, bool depth, std::shared_ptr<GpuImage>& image,
-                  std::vector<SampledErrors>* errors);
+  const std::vector<Tile>& tiles();
+  const std::vector<TileLayers>& divide(bool several);
+  GpuStats render(std::span<const TileLens> lenses, const GpuCompositing& how,
+                  std::shared_ptr<GpuImage>& image, std::vector<SampledErrors>* errors);
   const std::shared_ptr<const GpuGaussianScene>& scene() const { return scene_; }
 
  private:
   struct Buffers {
     GpuBuffer sizes;
-    GpuBuffer projected_a, projected_b;  // by entry
-    GpuBuffer discs;
-    GpuBuffer lenses, weights, radii;  // by tile
-    GpuBuffer followed, squares;       // by sample that is followed
+    GpuProjected projected;    // by entry
+    GpuBuffer weights, radii;  // by tile
   };
 
   GpuFrameBlock blockOf(const View& view, const Defocus& defocus,
@@ -56,21 +66,18 @@ class GpuGaussians::Pipeline {
   void start(const GpuFrameBlock& block, bool cut, const std::vector<SubApertureSize>& sizes);
   void selectCut(float max_px2);
   void projectEntries(bool cut, std::size_t sizes);
-  void takeLenses(std::span<const LensDisc> discs, std::span<const TileDiscs> sets,
-                  std::span<const glm::uvec4> of_cells);
-  void composite(std::size_t discs, const glm::vec3& background, bool depth, bool follow);
+  void readTiles();
   GpuStats show(const GpuImage& image, const GpuBuffer* weights);
-  void measureSpread();
-  void readErrors(std::span<const TileDiscs> tiles, std::vector<SampledErrors>& errors);
 
   std::shared_ptr<const GpuGaussianScene> scene_;
   std::shared_ptr<GpuDevice> device_;
   GpuFrameStages stages_;
   Buffers own_;
-  std::optional<Tiles> tiles_;      // read since the last projection
-  std::vector<std::size_t> cells_;  // by tile, its first cell: its place in the GPU's arrays
-  std::map<std::uint32_t, std::size_t> polynomials_;  // their number, by the first disc of a set
-  std::vector<std::uint32_t> first_followed_;         // by tile, and their number
+  GpuGaussianLayers layers_{device_};
+  // Of the last projection; empty: not read, not divided.
+  std::vector<GpuTile> on_gpu_;
+  std::vector<Tile> tiles_;
+  std::vector<TileLayers> divided_;
 };
 
 GpuFrameBlock GpuGaussians::Pipeline::blockOf(const View& view, const Defocus& defocus,
@@ -87,8 +94,8 @@ void GpuGaussians::Pipeline::start(const GpuFrameBlock& block, bool cut,
                                    const std::vector<SubApertureSize>& sizes) {
   stages_.start(block, cut);
   const std::size_t entries = stages_.entryRoom();
-  own_.projected_a.reserve(*device_, entries * 2 * kVector_bytes, "the projected Gaussians");
-  own_.projected_b.reserve(*device_, entries * 2 * kVector_bytes, "the projected Gaussians");
+  own_.projected.a.reserve(*device_, entries * 2 * kVector_bytes, "the projected Gaussians");
+  own_.projected.b.reserve(*device_, entries * 2 * kVector_bytes, "the projected Gaussians");
   static_assert(sizeof(SubApertureSize) == sizeof(glm::vec2));
   own_.sizes.reserve(*device_, sizes.size() * sizeof(SubApertureSize), "the sub-apertures");
   own_.sizes.write(0, sizes.size() * sizeof(SubApertureSize), sizes.data());
@@ -114,8 +121,8 @@ void GpuGaussians::Pipeline::projectEntries(bool cut, std::size_t sizes) {
   const GLuint program = stages_.bind(
       "gaussian_project",
       "#define DEGREE " + std::to_string(scene_->degree()) + (cut ? "\n#define CUT\n" : "\n"),
-      {cut ? &common.entries : nullptr, nullptr, nullptr, nullptr, &own_.projected_a, &common.keys,
-       nullptr, nullptr, &own_.projected_b, &own_.sizes});
+      {cut ? &common.entries : nullptr, nullptr, nullptr, nullptr, &own_.projected.a, &common.keys,
+       nullptr, nullptr, &own_.projected.b, &own_.sizes});
   glProgramUniform1i(program, 1, static_cast<GLint>(sizes));
   const auto bindArray = [&](GLuint gaussians, GLuint its_harmonics,
                              const GpuGaussianScene::Array& array, const GpuWindow& window) {
@@ -138,7 +145,8 @@ GpuStats GpuGaussians::Pipeline::project(const View& view, const Defocus& defocu
                                          const GaussianCutSettings* lod) {
   assert(!lod || scene_->levels() > 0);
   const GpuDevice::Use use(*device_);
-  tiles_.reset();
+  tiles_.clear();
+  divided_.clear();
   const bool cut = lod != nullptr;
   const GpuFrameBlock block = blockOf(view, defocus, lod);
   GpuTotals totals;
@@ -156,82 +164,59 @@ GpuStats GpuGaussians::Pipeline::project(const View& view, const Defocus& defocu
   return {.splats = totals.splats, .times = stages_.times()};
 }
 
-const GpuGaussians::Tiles& GpuGaussians::Pipeline::tiles() {
-  if (tiles_) return *tiles_;
+void GpuGaussians::Pipeline::readTiles() {
+  if (!tiles_.empty()) return;
+  const GpuDevice::Use use(*device_);
+  const GpuFrameStages::Buffers& common = stages_.buffers();
+  const std::size_t count = stages_.tileCount();
+  const auto squares = readArray<glm::ivec4>(common.tiles, count);
+  const auto largest = readArray<float>(common.blurs, count);
+  const auto ranges = readArray<glm::uvec2>(common.ranges, count);
+  device_->check();
+  on_gpu_.clear();
+  for (std::size_t cell = 0; cell < count; ++cell) {
+    const glm::ivec4& square = squares[cell];
+    if (square.z == 0) continue;
+    tiles_.push_back({square.x, square.y, square.z, square.w, largest[cell]});
+    on_gpu_.push_back(
+        {tiles_.back(), static_cast<std::uint32_t>(cell), ranges[cell].x, ranges[cell].y});
+  }
+}
+
+const std::vector<Tile>& GpuGaussians::Pipeline::tiles() {
+  readTiles();
+  return tiles_;
+}
+
+const std::vector<TileLayers>& GpuGaussians::Pipeline::divide(bool several) {
+  readTiles();
   const GpuDevice::Use use(*device_);
   const GpuFrameStages::Buffers& common = stages_.buffers();
   const std::size_t count = stages_.tileCount();
   own_.radii.reserve(*device_, count * sizeof(float), "the tiles");
-  stages_.bind("gaussian_blurs", {},
-               {&common.lists, &common.ranges, &common.keys, &own_.projected_b, &own_.radii});
+  stages_.bind("gaussian_blurs", several ? "#define LISTED\n" : "",
+               {&common.lists, &common.ranges, &common.keys, &own_.projected.b, &own_.radii,
+                several ? &common.scratch : nullptr});  // its room is free after the sort
   GpuFrameStages::dispatch(count);
-  const auto squares = readArray<glm::ivec4>(common.tiles, count);
-  const auto largest = readArray<float>(common.blurs, count);
   const auto radii = readArray<float>(own_.radii, count);
-  const auto ranges = readArray<glm::uvec2>(common.ranges, count);
+  std::size_t entries = 0;
+  if (several) {
+    for (const GpuTile& tile : on_gpu_) entries = std::max<std::size_t>(entries, tile.end);
+  }
+  const auto listed = readArray<glm::uvec2>(common.scratch, entries);
   device_->check();
-  tiles_.emplace();
-  cells_.clear();
-  first_followed_.assign(1, 0);
-  ViewSpread spread;
-  for (std::size_t cell = 0; cell < count; ++cell) {
-    const glm::ivec4& square = squares[cell];
-    if (square.z == 0) continue;
-    const Tile tile{square.x, square.y, square.z, square.w, largest[cell]};
-    TileLayers layers = oneLayer(tile, ranges[cell].y - ranges[cell].x);
-    layers.layers[0].blur = {.radius_px = radii[cell], .everywhere = tile.step_px > 1};
-    tiles_->tiles.push_back(tile);
-    tiles_->layers.push_back(layers);
-    cells_.push_back(cell);
-    spread.begin(tile.samplesWithApron(), tile.apron());
-    first_followed_.push_back(first_followed_.back() +
-                              static_cast<std::uint32_t>(spread.places().size()));
-  }
-  return *tiles_;
-}
-
-void GpuGaussians::Pipeline::takeLenses(std::span<const LensDisc> discs,
-                                        std::span<const TileDiscs> sets,
-                                        std::span<const glm::uvec4> of_cells) {
-  // Two vectors a disc: gaussian_composite.glsl.
-  std::vector<float> all;
-  for (const LensDisc& each : discs) {
-    all.insert(all.end(),
-               {each.centre.x, each.centre.y, each.radius, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f});
-  }
-  polynomials_.clear();
-  for (const TileDiscs& set : sets) {
-    if (set.count < 3 || polynomials_.contains(set.first)) continue;
-    const auto polynomials = polynomialsOver(discs.subspan(set.first, set.count));
-    polynomials_[set.first] = polynomials.size();
-    for (std::size_t k = 0; k < polynomials.size(); ++k) {
-      for (std::size_t i = 0; i < set.count; ++i) {
-        all[8 * (set.first + i) + 3 + k] = polynomials[k][i];
-      }
+  divided_.resize(on_gpu_.size());
+  parallelFor(on_gpu_.size(), [&](std::size_t t) {
+    const auto& [tile, cell, begin, end] = on_gpu_[t];
+    if (several && tile.step_px == 1) {
+      divided_[t] = layersOf(tile, gaussiansOf(std::span(listed).subspan(begin, end - begin)),
+                             glm::ivec2(stages_.block().size));
+    } else {
+      divided_[t] = oneLayer(tile, end - begin);
+      divided_[t].layers[0].blur = {.radius_px = radii[cell], .everywhere = tile.step_px > 1};
     }
-  }
-  own_.discs.reserve(*device_, all.size() * sizeof all[0], "the sub-apertures");
-  own_.discs.write(0, all.size() * sizeof all[0], all.data());
-  own_.lenses.reserve(*device_, of_cells.size_bytes(), "the tiles");
-  own_.lenses.write(0, of_cells.size_bytes(), of_cells.data());
-}
-
-void GpuGaussians::Pipeline::composite(std::size_t discs, const glm::vec3& background, bool depth,
-                                       bool follow) {
-  const GpuFrameStages::Buffers& common = stages_.buffers();
-  const GLuint program = stages_.bind(
-      "gaussian_composite",
-      std::string(depth ? "#define DEPTH\n" : "") + (follow ? "#define FOLLOW\n" : ""),
-      {&common.work, &common.tiles, &own_.lenses, &common.ranges, &common.lists, &own_.projected_a,
-       &own_.projected_b, nullptr, &common.samples, depth ? &common.depths : nullptr, &own_.discs,
-       follow ? &own_.followed : nullptr});
-  glProgramUniform3f(program, 1, srgbFromLinear(background.r), srgbFromLinear(background.g),
-                     srgbFromLinear(background.b));
-  // One dispatch a disc, so that none takes long: drivers end those that do.
-  for (std::size_t i = 0; i < discs; ++i) {
-    glProgramUniform1ui(program, 0, static_cast<GLuint>(i));
-    stages_.dispatchIndirect(offsetof(GpuTotals, sweep_groups));
-  }
+  });
+  return divided_;
 }
 
 GpuStats GpuGaussians::Pipeline::show(const GpuImage& image, const GpuBuffer* weights) {
@@ -243,80 +228,42 @@ GpuStats GpuGaussians::Pipeline::show(const GpuImage& image, const GpuBuffer* we
   return {.fragments = fragmentsOf(totals), .times = stages_.times()};
 }
 
-GpuStats GpuGaussians::Pipeline::render(std::span<const LensDisc> discs,
-                                        const glm::vec3& background, bool depth,
+GpuStats GpuGaussians::Pipeline::render(const std::vector<LensDisc>& discs,
+                                        const GpuCompositing& how,
                                         std::shared_ptr<GpuImage>& image) {
   const GpuDevice::Use use(*device_);
   image = nullptr;  // its buffers can be used again
-  image = std::make_shared<GpuImage>(device_, glm::ivec2(stages_.block().size), depth);
-  if (depth) stages_.makeDepthRoom();
-  takeLenses(discs, {}, std::vector(stages_.tileCount(), glm::uvec4(0, discs.size(), 0, 0)));
+  image = std::make_shared<GpuImage>(device_, glm::ivec2(stages_.block().size), how.depth);
+  if (how.depth) stages_.makeDepthRoom();
   stages_.clearFragments();
   stages_.beginTimes();
-  composite(discs.size(), background, depth, false);
+  layers_.composite(stages_, own_.projected, discs, how);
   return show(*image, nullptr);
 }
 
-GpuStats GpuGaussians::Pipeline::render(std::span<const LensDisc> discs,
-                                        std::span<const TileDiscs> tiles,
-                                        const glm::vec3& background, bool depth,
+GpuStats GpuGaussians::Pipeline::render(std::span<const TileLens> lenses, const GpuCompositing& how,
                                         std::shared_ptr<GpuImage>& image,
                                         std::vector<SampledErrors>* errors) {
-  assert(tiles_ && tiles.size() == tiles_->tiles.size());
+  assert(lenses.size() == divided_.size());
   const GpuDevice::Use use(*device_);
-  if (!image) image = std::make_shared<GpuImage>(device_, glm::ivec2(stages_.block().size), depth);
-  if (depth) stages_.makeDepthRoom();
-  const std::size_t cells = stages_.tileCount();
-  std::vector<glm::uvec4> lenses(cells, glm::uvec4(0));
-  std::vector<float> weights(cells, 0.0f);
-  std::uint32_t most = 0;
-  for (std::size_t t = 0; t < tiles.size(); ++t) {
-    if (tiles[t].count == 0) continue;
-    lenses[cells_[t]] = {tiles[t].first, tiles[t].count, first_followed_[t], 0};
-    weights[cells_[t]] = tiles[t].weight;
-    most = std::max(most, tiles[t].count);
+  if (!image) {
+    image = std::make_shared<GpuImage>(device_, glm::ivec2(stages_.block().size), how.depth);
   }
-  takeLenses(discs, errors ? tiles : std::span<const TileDiscs>(), lenses);
-  own_.weights.reserve(*device_, cells * sizeof(float), "the tiles");
-  own_.weights.write(0, cells * sizeof(float), weights.data());
-  if (errors) {
-    constexpr std::size_t kVectorsASample = 7;  // of gaussian_composite.glsl
-    own_.followed.reserve(*device_, first_followed_.back() * kVectorsASample * kVector_bytes,
-                          "the samples that are followed");
+  if (how.depth) stages_.makeDepthRoom();
+  const bool follows = errors != nullptr;
+  const GpuJobs jobs = jobsOf(on_gpu_, divided_, lenses, follows, layers_.room());
+  std::vector<float> weights(stages_.tileCount(), 0.0f);
+  for (std::size_t t = 0; t < lenses.size(); ++t) {
+    if (lenses[t].discs) weights[on_gpu_[t].cell] = lenses[t].weight;
   }
+  own_.weights.reserve(*device_, weights.size() * sizeof(float), "the tiles");
+  own_.weights.write(0, weights.size() * sizeof(float), weights.data());
   stages_.clearFragments();
   stages_.beginTimes();
-  composite(most, background, depth, errors != nullptr);
-  if (errors) measureSpread();
+  layers_.composite(stages_, own_.projected, jobs, how, follows);
   const GpuStats stats = show(*image, &own_.weights);
-  if (errors) readErrors(tiles, *errors);
+  if (errors) layers_.readErrors(jobs, divided_, *errors);
   return stats;
-}
-
-void GpuGaussians::Pipeline::measureSpread() {
-  const std::uint32_t samples = first_followed_.back();
-  own_.squares.reserve(*device_, samples * sizeof(SpreadSquares), "the samples' errors");
-  const GLuint program = stages_.bind("gaussian_errors", {}, {&own_.followed, &own_.squares});
-  glProgramUniform1ui(program, 0, samples);
-  GpuFrameStages::dispatch(groupsOf(samples, 64));
-}
-
-void GpuGaussians::Pipeline::readErrors(std::span<const TileDiscs> tiles,
-                                        std::vector<SampledErrors>& errors) {
-  static_assert(sizeof(SpreadSquares) == sizeof(glm::vec2));
-  const auto squares = readArray<SpreadSquares>(own_.squares, first_followed_.back());
-  device_->check();
-  errors.resize(tiles.size());
-  for (std::size_t t = 0; t < tiles.size(); ++t) {
-    const auto& [first, count, weight] = tiles[t];
-    if (count == 0) continue;
-    const auto samples =
-        std::span(squares).subspan(first_followed_[t], first_followed_[t + 1] - first_followed_[t]);
-    errors[t] = {.layers_jnd = {}, .count = samples.size()};
-    if (count == 1) continue;
-    errors[t].layers_jnd[0] = errorsOfMean(samples, count, polynomials_.at(first),
-                                           tiles_->layers[t].layers[0].blur.radius_px);
-  }
 }
 
 GpuGaussians::GpuGaussians(std::shared_ptr<const GpuGaussianScene> scene)
@@ -331,18 +278,21 @@ GpuStats GpuGaussians::project(const View& view, const Defocus& defocus,
   return pipeline_->project(view, defocus, sizes, lod);
 }
 
-GpuStats GpuGaussians::render(std::span<const LensDisc> discs, const glm::vec3& background,
-                              bool depth, std::shared_ptr<GpuImage>& image) {
-  return pipeline_->render(discs, background, depth, image);
+GpuStats GpuGaussians::render(const std::vector<LensDisc>& discs, const GpuCompositing& how,
+                              std::shared_ptr<GpuImage>& image) {
+  return pipeline_->render(discs, how, image);
 }
 
-const GpuGaussians::Tiles& GpuGaussians::tiles() { return pipeline_->tiles(); }
+const std::vector<Tile>& GpuGaussians::tiles() { return pipeline_->tiles(); }
 
-GpuStats GpuGaussians::render(std::span<const LensDisc> discs, std::span<const TileDiscs> tiles,
-                              const glm::vec3& background, bool depth,
+const std::vector<TileLayers>& GpuGaussians::divide(bool several) {
+  return pipeline_->divide(several);
+}
+
+GpuStats GpuGaussians::render(std::span<const TileLens> lenses, const GpuCompositing& how,
                               std::shared_ptr<GpuImage>& image,
                               std::vector<SampledErrors>* errors) {
-  return pipeline_->render(discs, tiles, background, depth, image, errors);
+  return pipeline_->render(lenses, how, image, errors);
 }
 
 const std::shared_ptr<const GpuGaussianScene>& GpuGaussians::scene() const {

@@ -1,5 +1,5 @@
 // Renders a scene of Gaussians through the lens on the GPU: LOD cut, projection, tiles and
-// compositing, all as the CPU does in render/gaussians. Each tile is one layer.
+// compositing, all as the CPU does in render/gaussians.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "render/gaussians/composite.h"
 #include "render/gaussians/gaussian_cut.h"
-#include "render/gaussians/tile_layers.h"
-#include "render/gaussians/view_spread.h"
+#include "render/gaussians/layer_stack.h"
+#include "render/gl/gaussian_layers.h"
 #include "render/gl/gaussian_scene.h"
 #include "render/gl/image.h"
 #include "render/gl/splats.h"
@@ -35,31 +34,22 @@ class GpuGaussians {
 
   /// Renders the projected view through discs into `image`, a new one: the mean over the discs, in
   /// linear light. The same request gives the same bytes on one device and driver.
-  /// @param background  linear RGB
   /// @return the stats without splats
-  GpuStats render(std::span<const LensDisc> discs, const glm::vec3& background, bool depth,
+  GpuStats render(const std::vector<LensDisc>& discs, const GpuCompositing& how,
                   std::shared_ptr<GpuImage>& image);
 
-  /// The tiles of a projected view, each as one layer with its blur.
-  struct Tiles {
-    std::vector<Tile> tiles;
-    std::vector<TileLayers> layers;  ///< by tile
-  };
   /// Of the view that was projected last. Reads them from the GPU once.
-  const Tiles& tiles();
+  const std::vector<Tile>& tiles();
+  /// Divides each tile into layers, until the next projection. Reads from the GPU how blurred each
+  /// tile is, and with `several` layers each of its Gaussians.
+  const std::vector<TileLayers>& divide(bool several);
 
-  /// What a tile is rendered through.
-  struct TileDiscs {
-    std::uint32_t first = 0, count = 0;  ///< of all discs; none: the image keeps the tile as it is
-    float weight = 1.0f;  ///< of the tile's new image; that of the present is the rest
-  };
-  /// Renders each tile through discs of its own. `tiles()` comes before it.
-  /// @param tiles   by tile
+  /// Renders each tile through discs of its own. `divide` comes before it.
+  /// @param lenses  by tile; without discs, the image keeps the tile as it is
   /// @param image   null: a new one
-  /// @param errors  of the tiles that are rendered through more than one disc; null: not wanted
-  GpuStats render(std::span<const LensDisc> discs, std::span<const TileDiscs> tiles,
-                  const glm::vec3& background, bool depth, std::shared_ptr<GpuImage>& image,
-                  std::vector<SampledErrors>* errors);
+  /// @param errors  of the tiles that are rendered; null: not wanted
+  GpuStats render(std::span<const TileLens> lenses, const GpuCompositing& how,
+                  std::shared_ptr<GpuImage>& image, std::vector<SampledErrors>* errors);
 
   const std::shared_ptr<const GpuGaussianScene>& scene() const;
 

@@ -83,7 +83,7 @@ class SubAperturesMethod final : public GaussianEyeMethod {
     const bool blurred = isBlurred(settings.defocus);
     const std::vector<LensDisc>& discs = blurred ? discs_ : pinhole_;
     RenderStats stats = scene_.project(view, settings.defocus, discs, lod_);
-    if (lod_ && blurred && !scene_.isOnGpu()) {
+    if (lod_ && blurred) {
       scene_.divide(true);
       const TileLens lens{.discs = &discs, .pairs = {&itself_, &itself_}};
       stats.add(scene_.render([&](std::size_t) { return lens; }, settings.background, frame));

@@ -2,7 +2,6 @@
 // Gaussians goes through this class.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -38,19 +37,14 @@ class LensGaussians {
                      std::vector<SampledErrors>* errors = nullptr);
 
   const std::vector<Tile>& tiles();
-  /// `GaussianView::divide`. On a GPU each tile has one layer.
+  /// `GaussianView::divide`.
   const std::vector<TileLayers>& divide(bool several);
 
  private:
-  std::uint32_t firstOf(const std::vector<LensDisc>& discs);
-
   std::shared_ptr<const GaussianCloud> cloud_;
   GaussianView view_;
   std::optional<GpuGaussians> gpu_;
-  // Of the last render on the GPU: sets of discs, and all of them in a row.
-  std::vector<const std::vector<LensDisc>*> sets_;
-  std::vector<LensDisc> discs_;
-  std::vector<GpuGaussians::TileDiscs> of_tiles_;
+  std::vector<TileLens> lenses_;  // of the last render on the GPU
 };
 
 }  // namespace foci

@@ -19,32 +19,44 @@ shared uint translucent, fragments;
 
 uint counted, rounds;  // of this sample
 
-// The work group's square of a tile, and this thread's sample.
-struct Square {
-  uint tile;
-  uvec2 entries;                  // of the tile, in the lists
-  int side, groups;               // samples and work groups along the tile's side
-  ivec2 here;                     // this sample
-  bool exists;                    // it lies in the tile
-  vec2 at_px, first_px, last_px;  // this sample; the first and the last of the square
-  uint to;                        // this sample's place
+// Samples of a tile or of one of its layers, and what they show.
+struct Grid {
+  vec2 first_px;
+  float step_px;
+  int side;       // samples
+  uvec2 entries;  // in the lists
 };
 
-Square squareOf(uint item) {
-  uint index = item >> 6, part = item & 63u;
+Grid gridOf(uint index) {
   ivec4 tile = tiles[index];
-  int side = samplesOf(tile), groups = (side + kGroup - 1) / kGroup;
+  float step_px = float(tile.w), apron = tile.w > 1 ? float(kApron) : 0.0;
+  return Grid(vec2(tile.xy) + step_px * (0.5 - apron), step_px, samplesOf(tile),
+              min(range[index], uvec2(room.y)));
+}
+
+// The work group's square of a grid, and this thread's sample.
+struct Square {
+  int groups;                     // work groups along the grid's side
+  ivec2 here;                     // this sample
+  bool exists;                    // it lies in the grid
+  vec2 at_px, first_px, last_px;  // this sample; the first and the last of the square
+};
+
+Square squareOf(Grid grid, uint part) {
+  int groups = (grid.side + kGroup - 1) / kGroup;
   ivec2 corner = kGroup * ivec2(int(part) % groups, int(part) / groups);
   ivec2 here = corner + ivec2(gl_LocalInvocationID.xy);
-  float step_px = float(tile.w), apron = tile.w > 1 ? float(kApron) : 0.0;
-  vec2 origin = vec2(tile.xy) + step_px * (0.5 - apron);
   counted = rounds = 0u;
   if (gl_LocalInvocationIndex == 0u) fragments = 0u;
-  return Square(index, min(range[index], uvec2(room.y)), side, groups, here,
-                all(lessThan(here, ivec2(side))), origin + step_px * vec2(here),
-                origin + step_px * vec2(corner),
-                origin + step_px * vec2(min(corner + kGroup, ivec2(side)) - 1),
-                index * uint(kWidest * kWidest) + uint(here.y * kWidest + here.x));
+  return Square(groups, here, all(lessThan(here, ivec2(grid.side))),
+                grid.first_px + grid.step_px * vec2(here),
+                grid.first_px + grid.step_px * vec2(corner),
+                grid.first_px + grid.step_px * vec2(min(corner + kGroup, ivec2(grid.side)) - 1));
+}
+
+// A tile's sample.
+uint placeOf(uint tile, ivec2 here) {
+  return tile * uint(kWidest * kWidest) + uint(here.y * kWidest + here.x);
 }
 
 void beginBatch() {

@@ -1,20 +1,19 @@
 // Composites the Gaussians of a tile front to back, as one disc of the lens sees them, one thread a
-// sample: what render/gaussians/composite_tile-inl.h does. One dispatch adds the `disc`-th disc of each tile to the tile's mean.
+// sample: what render/gaussians/composite_tile-inl.h does. One dispatch adds the `disc`-th disc of
+// each tile to the tile's mean. With JOBS, each job has discs of its own, and may be one of several
+// layers; with BEHIND, one behind another. With JUDGE, samples are followed, and not shown.
 
-// By tile: first disc, number, first of its samples that are followed.
-layout(std430, binding = 2) readonly buffer Lenses { uvec4 lens_of[]; };
 layout(std430, binding = 5) readonly buffer ProjectedA { vec4 projected_a[]; };
 layout(std430, binding = 6) readonly buffer ProjectedB { vec4 projected_b[]; };
 // Two vectors each: centre and radius, lens radii, and five polynomials (`polynomialsOver`).
 layout(std430, binding = 10) readonly buffer Discs { vec4 discs[]; };
-#ifdef FOLLOW
-// Seven vectors each: light of the first view, then of all views less that the sums and the sums of
-// products: red; green, blue, rr, rg; rb, gg, gb, bb; the sums times each polynomial; the number.
-layout(std430, binding = 11) buffer Follows { vec4 followed[]; };
-#endif
-
 layout(location = 0) uniform uint disc;
 layout(location = 1) uniform vec3 background;  // display values
+#ifdef JOBS
+layout(location = 2) uniform uint first_item;
+#else
+layout(location = 2) uniform uint disc_count;
+#endif
 
 const float kMaxAlpha = 0.99, kOpaque = 1e-4;
 const float kLog2E = 1.44269504, kMaxExponent = 60.0;
@@ -58,53 +57,25 @@ Seen see(uint slot, vec3 lens) {
               vec4(xx * scale, 0.5 * kLog2E * c.z, peak, c.w), sqrt(c.z * vec2(xx, yy)));
 }
 
-vec3 linearOf(vec3 display) {
-  vec3 s = clamp(display, 0.0, 1.0);
-  return mix(pow((s + 0.055) / 1.055, vec3(2.4)), s / 12.92, lessThanEqual(s, vec3(0.04045)));
-}
-
-#ifdef FOLLOW
-// The samples that `ViewSpread::begin` follows.
-// @param own  the disc's vectors
-void follow(uint from, ivec2 here, int side, int apron, uint views, vec4 own[2], vec3 light) {
-  int apart = apron > 0 ? 2 : 4, first = apron + apart / 2;
-  ivec2 step_ = (here - first) / apart;
-  if (any(lessThan(here, ivec2(first))) || any(greaterThanEqual(here, ivec2(side - apron))) ||
-      first + step_ * apart != here) {
-    return;
-  }
-  int along = (side - apron - first + apart - 1) / apart;
-  uint at = 7u * (from + uint(step_.y * along + step_.x));
-  if (disc == 0u) {
-    followed[at] = vec4(light, 0.0);
-    for (uint i = 1u; i < 6u; ++i) followed[at + i] = vec4(0.0);
-    followed[at + 6u] = vec4(0.0, 0.0, 0.0, float(views));
-    return;
-  }
-  vec3 d = light - followed[at].rgb;
-  followed[at].w += d.r;
-  followed[at + 1u] += vec4(d.g, d.b, d.r * d.r, d.r * d.g);
-  followed[at + 2u] += vec4(d.r * d.b, d.g * d.g, d.g * d.b, d.b * d.b);
-  vec4 p = own[1];
-  followed[at + 3u] += vec4(own[0].w * d, p.x * d.r);
-  followed[at + 4u] += vec4(p.x * d.gb, p.y * d.rg);
-  followed[at + 5u] += vec4(p.y * d.b, p.z * d);
-  followed[at + 6u] += vec4(p.w * d, 0.0);
-}
-#endif
-
 void main() {
-  Square group = squareOf(work_items[gl_WorkGroupID.x]);
-  uvec4 lenses = lens_of[group.tile];
-  if (disc >= lenses.y) return;
-  vec4 own[2] = vec4[2](discs[2u * (lenses.x + disc)], discs[2u * (lenses.x + disc) + 1u]);
-  vec3 lens = own[0].xyz;
+#ifdef JOBS
+  uint item = work_items[first_item + gl_WorkGroupID.x];
+  Job job = jobs[item >> 6];
+  if (disc >= job.discs.y) return;
+  Grid grid = Grid(job.first_px, job.step_px, job.side, job.entries);
+  uint own = 2u * (job.discs.x + disc), disc_count = job.discs.y;
+#else
+  uint item = work_items[gl_WorkGroupID.x], own = 2u * disc;
+  Grid grid = gridOf(item >> 6);
+#endif
+  Square group = squareOf(grid, item & 63u);
+  vec3 lens = discs[own].xyz;
   float through = group.exists ? 1.0 : 0.0, weighted_m = 0.0;
   vec3 display = vec3(0.0);
-  for (uint e = group.entries.x; e < group.entries.y; e += kBatch) {
+  for (uint e = grid.entries.x; e < grid.entries.y; e += kBatch) {
     beginBatch();
     uint entry = e + gl_LocalInvocationIndex, slot = 0u;
-    bool mine = entry < group.entries.y;
+    bool mine = entry < grid.entries.y;
     Seen seen;
     if (mine) {
       slot = list[entry].y;
@@ -136,16 +107,37 @@ void main() {
   }
 
   if (group.exists) {
-    float share = 1.0 / float(lenses.y);
-    vec3 light = linearOf(display + through * background);
-    vec4 value = share * vec4(light, 1.0 - through);
-    uint to = group.to;
+    Light behind = Light(vec4(background, 0.0), vec4(0.0));
+#ifdef JOBS
+    if (job.behind != kNone && through > kOpaque) {
+      uint plane = 2u * uint(job.behind_side * job.behind_side);
+      behind = lightBehind(job, group.here, job.behind + disc * plane);
+    }
+#endif
+#ifdef FOLLOW
+    follow(job, group.here, disc, vec4[2](discs[own], discs[own + 1u]), vec4(display, through),
+           background);
+#endif
+#ifndef JUDGE
+    display += through * behind.display.rgb;
+    vec3 light = linearOf(display) + through * through * behind.light.rgb;
+    float covered = 1.0 - through + through * behind.display.a;
+    weighted_m += through * behind.light.a;
+#ifdef BEHIND
+    addToFronts(job, group.here, disc, Light(vec4(display, covered), vec4(light, weighted_m)));
+#else
+    float share = 1.0 / float(disc_count);
+#ifdef JOBS
+    uint to = job.to + uint(group.here.y * kWidest + group.here.x);
+#else
+    uint to = placeOf(item >> 6, group.here);
+#endif
+    vec4 value = share * vec4(light, covered);
     samples[to] = disc == 0u ? value : samples[to] + value;
 #ifdef DEPTH
     depths[to] = disc == 0u ? share * weighted_m : depths[to] + share * weighted_m;
 #endif
-#ifdef FOLLOW
-    follow(lenses.z, group.here, group.side, tiles[group.tile].w > 1 ? kApron : 0, lenses.y, own, light);
+#endif
 #endif
   }
   finishSquare();

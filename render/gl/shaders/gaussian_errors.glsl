@@ -1,9 +1,11 @@
-// The spread of each tile's views at the samples that gaussian_composite.glsl follows:
-// `SpreadSquares` of render/gaussians/view_spread.h. One thread a sample.
+// The spread of a layer's views at the samples that gaussian_composite.glsl follows:
+// `SpreadSquares` of render/gaussians/view_spread.h, their mean transmittance, and how far their
+// mean is from the view that is judged. One thread a sample.
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Follows { vec4 followed[]; };
-layout(std430, binding = 1) writeonly buffer Squares { vec2 squares[]; };
+layout(std430, binding = 1) writeonly buffer Squares { vec4 squares[]; };
 layout(location = 0) uniform uint sample_count;
+layout(location = 1) uniform uint first_square;  // of the batch
 
 // `visibleDifferencePerLight` of render/image/visible_difference.cpp.
 const float kJustNoticeable = 2.3, kLinearBelow = 0.008856, kLinearSlope = 7.787;
@@ -27,9 +29,9 @@ float squareOf(vec3 v) { return dot(v, v); }
 void main() {
   uint at = gl_GlobalInvocationID.x;
   if (at >= sample_count) return;
-  vec4 f[7];
-  for (uint i = 0u; i < 7u; ++i) f[i] = followed[7u * at + i];
-  float n = f[6].w;
+  vec4 f[8];
+  for (uint i = 0u; i < 8u; ++i) f[i] = followed[8u * at + i];
+  float n = f[7].x;
   // Of the light less that of the first view: sums, and sums of products.
   vec3 sum = vec3(f[0].w, f[1].xy);
   mat3 products = mat3(f[1].z, f[1].w, f[2].x, f[1].w, f[2].y, f[2].z, f[2].x, f[2].z, f[2].w);
@@ -40,5 +42,6 @@ void main() {
   float smooth_ = squareOf(jnd * f[3].xyz) + squareOf(jnd * vec3(f[3].w, f[4].xy)) +
                   squareOf(jnd * vec3(f[4].zw, f[5].x)) + squareOf(jnd * f[5].yzw) +
                   squareOf(jnd * f[6].xyz);
-  squares[at] = vec2(all, max(all - smooth_, 0.0));
+  squares[first_square + at] =
+      vec4(all, max(all - smooth_, 0.0), f[7].y / n, length(jnd * sum / n));
 }

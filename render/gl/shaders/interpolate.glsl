@@ -13,11 +13,6 @@ layout(std430, binding = 5) buffer DepthImage { float pixel_depths[]; };
 layout(std430, binding = 6) readonly buffer Weights { float weights[]; };  // by tile
 #endif
 
-vec4 catmullRom(float t) {
-  return 0.5 * vec4(t * (-1.0 + t * (2.0 - t)), 2.0 + t * t * (-5.0 + 3.0 * t),
-                    t * (1.0 + t * (4.0 - 3.0 * t)), t * t * (t - 1.0));
-}
-
 float depthOf(float weighted_m, float share) {
   return share > 0.0 ? max(weighted_m / share, 0.0) : 0.0;
 }

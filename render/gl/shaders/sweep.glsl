@@ -208,22 +208,24 @@ void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, v
 }
 
 void main() {
-  Square group = squareOf(work_items[WORK_KIND * uint(room.z) + gl_WorkGroupID.x]);
-  uint index = group.tile, to = group.to;
+  uint item = work_items[WORK_KIND * uint(room.z) + gl_WorkGroupID.x], index = item >> 6;
+  Grid grid = gridOf(index);
+  Square group = squareOf(grid, item & 63u);
+  uint to = placeOf(index, group.here);
   bool exists = group.exists;
   coverage = closingFactor(blur_px[index]);
 #ifdef LENS
   overlap = false;
 #endif
 #ifdef TRANSPARENT
-  transparent = anyTransparent(group.entries);
+  transparent = anyTransparent(grid.entries);
 #endif
   vec3 background = background_low_pass.rgb;
 #ifdef SUB_APERTURES
   float share = clamp((blur_px[index] - kSubAperturesFrom) / (kSubAperturesOnly - kSubAperturesFrom),
                       0.0, 1.0);
   float before = sub_aperture == 0 ? 1.0 - share : 1.0, each = share / sub_aperture_shading.z;
-  compose(group.entries, group.at_px, group.first_px, group.last_px, exists,
+  compose(grid.entries, group.at_px, group.first_px, group.last_px, exists,
           centres[sub_aperture].xy);
   if (exists) {
     vec4 value = vec4(light + transmittance * background, 1.0 - transmittance);
@@ -233,7 +235,7 @@ void main() {
 #endif
   }
 #else
-  compose(group.entries, group.at_px, group.first_px, group.last_px, exists,
+  compose(grid.entries, group.at_px, group.first_px, group.last_px, exists,
           vec2(0.0));
   if (exists) {
     samples[to] = vec4(light + transmittance * background, 1.0 - transmittance);

@@ -3,6 +3,8 @@
 
 #include "app/evaluation/chart/plan.h"
 #include "render/gl/gaussian_scene.h"
+#include "render/methods/gaussian_methods.h"
+#include "render/methods/lens_gaussians.h"
 #include "render/scene/gaussian_tree.h"
 #include "render/scene/joined_scene.h"
 #include "tests/unit/render/captured_scenes.h"
@@ -33,30 +35,55 @@ View middleOf(View view, int size_px) {
   return view;
 }
 
-/// A tolerance with which `auto` has one layer on the CPU, too.
-constexpr float kOneLayer_JND = 0.8f;
+/// The other eye, 63 mm beside it.
+View otherEye(View view) {
+  view.eye_from_world[3].x -= 0.063f;
+  return view;
+}
+
+/// With several layers, and with one (`kLayersFrom_JND` of gaussian_auto.cpp).
+constexpr float kLayers_JND = 1.0f, kOneLayer_JND = 0.8f;
+
+SceneInView gardenOfTheChart(int size_px) {
+  for (const ChartScene& scene : planChart({.size_px = size_px}).scenes) {
+    if (scene.id == "garden") return scene.make();
+  }
+  return {};
+}
 
 TEST_F(GpuGaussianPicture, IsTheSameOnTheChart) {
   FOCI_NEEDS_GPU(gpu);
-  bool any = false;
-  for (const ChartScene& scene : planChart({.size_px = 384}).scenes) {
-    if (scene.id != "garden") continue;
-    const SceneInView seen = scene.make();
-    ASSERT_TRUE(seen.cloud.gaussians);
-    any = true;
-    const View middle = middleOf(seen.view, 96);
-    const double px_per_m = seen.largestBlurThrough_px(1e-3) / 1e-3;
-    for (const double blur_px : {0.0, 4.0, 16.0}) {
-      SCOPED_TRACE(blur_px);
-      RenderSettings settings = seen.settingsThrough(blur_px / px_per_m);
-      settings.quality.tolerance = kOneLayer_JND;
-      for (const char* method : {"pinhole", "sweep:7", "accumulate:7", "auto"}) {
-        if (blur_px != 4.0 && method != std::string("auto")) continue;
-        expectSamePicture(method, seen.cloud, middle, settings, gpu);
-      }
+  const SceneInView seen = gardenOfTheChart(384);
+  ASSERT_TRUE(seen.cloud.gaussians);
+  const View middle = middleOf(seen.view, 96);
+  const double px_per_m = seen.largestBlurThrough_px(1e-3) / 1e-3;
+  for (const double blur_px : {0.0, 4.0, 16.0}) {
+    SCOPED_TRACE(blur_px);
+    RenderSettings settings = seen.settingsThrough(blur_px / px_per_m);
+    settings.quality.tolerance = kOneLayer_JND;
+    for (const char* method : {"pinhole", "sweep:7", "accumulate:7", "auto"}) {
+      if (blur_px != 4.0 && method != std::string("auto")) continue;
+      expectSamePicture(method, seen.cloud, middle, settings, gpu);
     }
   }
-  EXPECT_TRUE(any);
+}
+
+// Both eyes, at three blurs, with and without depth.
+TEST_F(GpuGaussianPicture, IsTheSameOfLayersOnTheChart) {
+  FOCI_NEEDS_GPU(gpu);
+  const SceneInView seen = gardenOfTheChart(384);
+  const double px_per_m = seen.largestBlurThrough_px(1e-3) / 1e-3;
+  for (const double blur_px : {4.0, 8.0, 16.0}) {
+    for (const bool other : {false, true}) {
+      SCOPED_TRACE(std::to_string(blur_px) + (other ? " px, other eye" : " px"));
+      RenderSettings settings = seen.settingsThrough(blur_px / px_per_m);
+      settings.quality.tolerance = kLayers_JND;
+      settings.depth = other != (blur_px == 8.0);
+      const View eye = other ? otherEye(seen.view) : seen.view;
+      expectSamePicture("sweep-lod:7", seen.cloud, eye, settings, gpu);
+      expectSamePicture("auto", seen.cloud, middleOf(eye, 96), settings, gpu);
+    }
+  }
 }
 
 class GpuCapture : public ::testing::TestWithParam<const char*> {};
@@ -75,6 +102,10 @@ TEST_P(GpuCapture, IsTheSame) {
     settings.quality.tolerance = kOneLayer_JND;
     for (const char* method : {"pinhole", "sweep:7", "accumulate:7", "auto"}) {
       if (blur_px == 12.0f && method != std::string("auto")) continue;
+      expectSamePicture(method, capture.scene, view, settings, gpu);
+    }
+    settings.quality.tolerance = kLayers_JND;
+    for (const char* method : {"auto", "sweep-lod:7"}) {
       expectSamePicture(method, capture.scene, view, settings, gpu);
     }
   }
@@ -130,15 +161,12 @@ TEST_F(GpuGaussianPicture, IsTheSameOfSurfacesAndGaussiansTogether) {
   const SurfelCloud scene = joined(sceneOf(walls()), std::move(sheet), "sheet");
   ASSERT_TRUE(scene.gaussians);
   ASSERT_GT(scene.gaussians->size(), walls().size());
-  for (const char* method : {"sweep:7", "auto"}) {
-    RenderSettings settings = lens(12.0f, 0.8f);
-    settings.quality.tolerance = kOneLayer_JND;
-    expectSamePicture(method, scene, view, settings, gpu);
+  for (const char* method : {"sweep:7", "sweep-lod:7", "auto"}) {
+    expectSamePicture(method, scene, view, lens(12.0f, 0.8f), gpu);
   }
 }
 
-// A cut of merged Gaussians, with fewer samples where all is blurred. A scene that is blurred
-// everywhere has one layer on the CPU, too.
+// A cut of merged Gaussians, with fewer samples where all is blurred.
 TEST_F(GpuGaussianPicture, IsTheSameOfMergedGaussians) {
   FOCI_NEEDS_GPU(gpu);
   const SurfelCloud scene = sceneOf(withTree(walls(96)));
@@ -166,7 +194,7 @@ TEST_F(GpuGaussianPicture, AutoPredictsTheSameError) {
   FOCI_NEEDS_GPU(gpu);
   const SurfelCloud scene = sceneOf(walls(24));
   for (const float focus_D : {0.5f, 0.8f, 3.0f}) {
-    for (const float tolerance : {0.1f, kOneLayer_JND}) {
+    for (const float tolerance : {0.1f, kOneLayer_JND, kLayers_JND, 2.0f}) {
       SCOPED_TRACE(focus_D);
       RenderSettings settings = lens(16.0f, focus_D);
       settings.depth = true;
@@ -196,6 +224,32 @@ TEST_F(GpuGaussianPicture, HasTheSameBytesEachTime) {
     if (!clone) continue;
     clone->render(view, lens(12.0f, 0.5f), another);
     EXPECT_EQ(first.rgba, another.rgba) << spec;
+  }
+}
+
+TEST_F(GpuGaussianPicture, OfLayersHasTheSameBytesEachTimeAndInLittleMemory) {
+  FOCI_NEEDS_GPU(gpu);
+  const SurfelCloud scene = sceneOf(withTree(walls(24)));
+  const View wide = squareView(256, 256.0f);
+  const RenderSettings settings = lens(24.0f, 1.0f);  // in focus at the nearer wall
+  LensGaussians divided(scene.gaussians, gpu);
+  const GaussianCutSettings lod{.per_blur2 = 0.1f, .max_px2 = 3.0f};
+  divided.project(wide, settings.defocus, subApertureDiscs(61), &lod);
+  EXPECT_GT(std::ranges::count_if(divided.divide(true),
+                                  [](const TileLayers& tile) { return tile.count > 1; }),
+            20);
+  // Room for the layers of a part of the tiles. The rooms at the start fit.
+  const auto narrow = GpuDevice::open(GpuDevice::Kind::any);
+  narrow->limitBlocks(std::size_t{3} << 20);
+  for (const char* spec : {"sweep-lod:61", "auto"}) {
+    const auto method = makeMethod(spec, scene, gpu);
+    Frame first, second, in_batches;
+    method->render(wide, settings, first);
+    method->render(otherEye(wide), settings, second);  // leaves other content in the buffers
+    method->render(wide, settings, second);
+    makeMethod(spec, scene, narrow)->render(wide, settings, in_batches);
+    EXPECT_EQ(first.rgba, second.rgba) << spec;
+    EXPECT_EQ(first.rgba, in_batches.rgba) << spec;
   }
 }
 
