@@ -8,6 +8,7 @@
 
 #include "app/study/framing.h"
 #include "app/study/session_settings_of.h"
+#include "base/quantile.h"
 #include "base/text.h"
 #include "render/methods/method.h"
 #include "render/optics/view.h"
@@ -121,13 +122,46 @@ std::string sizeRemark(const Study& study, const SceneBox& box) {
   return "";
 }
 
+View firstViewOf(const Study& study) {
+  const Screen screen = study.screenInForce();
+  return viewThroughScreen(eyePathOf(study).eyeFromWorldAt(0.0), screen.size_px, screen.size_m,
+                           screen.distance_m, screen.faced_m);
+}
+
+/// The median distance of neighbouring surfels in view, in pixels; 0 if none is in view.
+double spacingInView_px(const View& view, const SurfelCloud& cloud) {
+  constexpr std::size_t kMost = 200'000;  // of all surfels, evenly spread
+  std::vector<float> spacings_px;
+  const std::size_t step = cloud.size() / kMost + 1;
+  for (std::size_t i = 0; i < cloud.size(); i += step) {
+    const glm::vec3 p(view.eye_from_world * glm::vec4(cloud.position_m[i], 1.0f));
+    const float depth_m = -p.z;
+    if (depth_m < view.near_m) continue;
+    const glm::vec2 at = view.principal_px + view.focal_px * glm::vec2(p.x, -p.y) / depth_m;
+    const glm::vec2 size(view.size_px);
+    if (at.x < 0.0f || at.y < 0.0f || at.x > size.x || at.y > size.y) continue;
+    spacings_px.push_back(std::sqrt(cloud.area_m2[i]) * view.focal_px.x / depth_m);
+  }
+  return spacings_px.empty() ? 0.0 : double{quantile(spacings_px, 0.5)};
+}
+
+/// Parts that are hardly wider than the distance of the surfels dissolve.
+std::string densityRemark(const Study& study, const SurfelCloud& cloud) {
+  constexpr double kCoarse_px = 3.0, kMostPoints = 1e8;
+  if (!cloud.mesh) return "";
+  const double spacing_px = spacingInView_px(firstViewOf(study), cloud);
+  if (spacing_px <= kCoarse_px) return "";
+  const double needed = static_cast<double>(cloud.size()) * spacing_px * spacing_px;
+  const double millions = std::ceil(std::min(needed, kMostPoints) / 1e6);
+  return "surfels of the mesh are " + decimal(spacing_px, 0) +
+         " px apart in view, and smaller parts dissolve: foci prepare --points " +
+         decimal(1e6 * millions, 0) + " makes more of them";
+}
+
 }  // namespace
 
 bool isSceneInView(const Study& study, const SurfelCloud& cloud) {
-  const Screen screen = study.screenInForce();
-  return anyInView(viewThroughScreen(eyePathOf(study).eyeFromWorldAt(0.0), screen.size_px,
-                                     screen.size_m, screen.distance_m, screen.faced_m),
-                   cloud);
+  return anyInView(firstViewOf(study), cloud);
 }
 
 std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& scene) {
@@ -145,6 +179,8 @@ std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& scen
                       " from the eye: set eye.look_at_m or eye.position_m");
     return remarks;
   }
+  if (std::string remark = densityRemark(study, scene); !remark.empty())
+    remarks.push_back(std::move(remark));
   const Surroundings around(eye_m, cloud);
   if (around.shareNearer(kTooNear_m) > kAround) {
     remarks.push_back(

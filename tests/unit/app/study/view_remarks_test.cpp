@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <string>
+
+#include "render/scene/mesh/triangle_mesh.h"
 
 namespace foci {
 namespace {
@@ -45,6 +48,16 @@ TEST(ViewRemarks, AnOrdinaryViewHasNone) {
   EXPECT_EQ(remarkOn(studyFrom({0, 0, 4}, {0, 0, 0}), sphere(1.0f)), "");
   EXPECT_EQ(remarkOn(studyFrom({0, 0, 1.05}, {0, 0, 0}), sphere(1.0f)), "");      // close by
   EXPECT_EQ(remarkOn(studyFrom({0, 0, 0}, {0, 0, 1}), sphere(2.0f, false)), "");  // in a room
+}
+
+TEST(ViewRemarks, SurfelsOfAMeshThatAreFarApartNameTheCommand) {
+  SurfelCloud cloud = sphere(1.0f);
+  cloud.mesh = std::make_shared<const TriangleMesh>();
+  // 40 mm apart, at a distance where a pixel is about 1 mm.
+  const std::string remark = remarkOn(studyFrom({0, 0, 4}, {0, 0, 0}), cloud);
+  EXPECT_TRUE(has(remark, "px apart in view")) << remark;
+  EXPECT_TRUE(has(remark, "foci prepare --points ")) << remark;
+  EXPECT_EQ(remarkOn(studyFrom({0, 0, 80}, {0, 0, 0}), cloud), "");
 }
 
 TEST(ViewRemarks, NothingInViewNamesTheKeyAndThePlace) {
