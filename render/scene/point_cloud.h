@@ -27,8 +27,9 @@ struct PointCloud {
   std::vector<float> opacity;            ///< 0 to 1
   std::vector<std::uint16_t> body = {};  ///< see `ClosedBodies::of_surfel`
   SceneObjects objects = {};             ///< by point
-  /// Mean share of the surface's area, where it is known: all points are samples of a mesh.
-  std::optional<float> area_m2 = {};
+  /// Mean share of the surface's area around a point. Empty: unknown, since the points are not
+  /// samples of a mesh.
+  std::vector<float> area_m2 = {};
   std::size_t dropped = 0;  ///< points dropped because their position was not finite
   /// What the user should know of the file: a texture that is missing, an origin that was moved.
   /// One sentence each, without the name of the file.

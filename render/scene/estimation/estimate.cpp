@@ -268,10 +268,13 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
   estimateNormals(points.position_m, near, settings.viewpoint_m, points.normal);
   std::vector<std::uint64_t> sheet = sameSheet(points, near);
   const bool oriented = given_normals && agree(points.normal, near, sheet);
-  const bool areas_known = points.area_m2.has_value();
-  const std::vector<float> spacing =
-      areas_known ? std::vector<float>(points.size(), std::sqrt(*points.area_m2))
-                  : spacings(near, sheet, settings.lone_spacing_m);
+  const bool areas_known = !points.area_m2.empty();
+  std::vector<float> spacing = std::move(points.area_m2);
+  if (areas_known) {
+    for (float& each : spacing) each = std::sqrt(each);
+  } else {
+    spacing = spacings(near, sheet, settings.lone_spacing_m);
+  }
 
   std::vector<float> sigma(points.size());
   for (std::size_t i = 0; i < sigma.size(); ++i) {
@@ -304,6 +307,7 @@ SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& setti
   reorder(points.radius_m, order);
   reorder(points.opacity, order);
   reorder(points.body, order);
+  reorder(points.area_m2, order);
   reorder(points.objects.of.own(), order);
   return estimate(std::move(points), settings, Stacks::possible);
 }

@@ -183,9 +183,11 @@ std::size_t orientOutwards(TriangleMesh& mesh) {
   const glm::vec3 margin = kAround * (whole.high_m - whole.low_m);
   std::size_t count = 0, bodies = 0;
   mesh.body.assign(mesh.size(), 0);
+  mesh.surface.resize(mesh.size());
   for (std::uint32_t t = 0; t < mesh.size(); ++t) {
     const auto [first, turned] = surfaces.find(t);
     const Surface& surface = all[number[first]];
+    mesh.surface[t] = number[first];
     const bool around_all = all.size() > 1 &&
                             glm::all(glm::lessThanEqual(surface.low_m, whole.low_m + margin)) &&
                             glm::all(glm::greaterThanEqual(surface.high_m, whole.high_m - margin));

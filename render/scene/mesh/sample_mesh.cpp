@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,12 @@
 
 namespace foci {
 namespace {
+
+/// Each connected part has a point a pixel where it fills so many rows of a screen.
+constexpr double kPartRows = 200.0;
+
+/// With its finer parts, a mesh has at most so many times the points that it has without.
+constexpr double kMostForParts = 4.0;
 
 struct TriangleSize {
   double area_m2, least_height_m;
@@ -45,6 +52,103 @@ float largestCoordinate(const TriangleMesh& mesh) {
   return largest_m;
 }
 
+/// Triangles that are sampled at one spacing.
+struct Level {
+  double spacing_m = 0.0;
+  std::vector<std::uint32_t> triangles;
+};
+
+/// A connected surface of the mesh.
+struct Part {
+  glm::vec3 low_m{std::numeric_limits<float>::infinity()},
+      high_m{-std::numeric_limits<float>::infinity()};
+  double area_m2 = 0.0;
+};
+
+std::vector<Part> partsOf(const TriangleMesh& mesh) {
+  std::vector<Part> parts;
+  for (std::size_t t = 0; t < mesh.size(); ++t) {
+    if (mesh.surface[t] >= parts.size()) parts.resize(mesh.surface[t] + 1);
+    Part& part = parts[mesh.surface[t]];
+    for (std::size_t k = 0; k < 3; ++k) {
+      part.low_m = glm::min(part.low_m, mesh.corners_m[3 * t + k]);
+      part.high_m = glm::max(part.high_m, mesh.corners_m[3 * t + k]);
+    }
+    part.area_m2 += sizeOf(mesh, t).area_m2;
+  }
+  return parts;
+}
+
+/// How often the mesh's spacing is halved for each part, so that the part has a point a pixel where
+/// it fills so many rows of a screen.
+std::vector<int> halvingsOf(const std::vector<Part>& parts, double spacing_m, double rows,
+                            double least_m) {
+  std::vector<int> halvings(parts.size());
+  const int most = std::max(static_cast<int>(std::log2(spacing_m / least_m)), 0);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const double extent_m = glm::length(glm::dvec3(parts[i].high_m) - glm::dvec3(parts[i].low_m));
+    const double finer = std::ceil(std::log2(spacing_m * rows / std::max(extent_m, least_m)));
+    halvings[i] = static_cast<int>(std::clamp(finer, 0.0, static_cast<double>(most)));
+  }
+  return halvings;
+}
+
+/// @param spacing_m  of the whole mesh
+/// @param least_m    no spacing is smaller
+std::vector<Level> levelsOf(const TriangleMesh& mesh, double spacing_m, double least_m,
+                            double most_points) {
+  std::vector<int> halvings;
+  if (!mesh.surface.empty()) {
+    const std::vector<Part> parts = partsOf(mesh);
+    for (double rows = kPartRows; rows >= 1.0; rows *= 0.5) {
+      halvings = halvingsOf(parts, spacing_m, rows, least_m);
+      double points = 0.0;
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        points += std::ldexp(parts[i].area_m2 / (spacing_m * spacing_m), 2 * halvings[i]);
+      }
+      if (points <= most_points) break;
+      halvings.assign(parts.size(), 0);
+    }
+  }
+  std::map<int, Level> levels;
+  for (std::size_t t = 0; t < mesh.size(); ++t) {
+    const int halved = halvings.empty() ? 0 : halvings[mesh.surface[t]];
+    levels[halved].triangles.push_back(static_cast<std::uint32_t>(t));
+  }
+  std::vector<Level> all;
+  for (auto& [halved, level] : levels) {
+    level.spacing_m = std::ldexp(spacing_m, -halved);
+    all.push_back(std::move(level));
+  }
+  return all;
+}
+
+/// Points of a mesh, with the spacing and the mean share of the area of each.
+struct Samples {
+  std::vector<MeshPoint> points;
+  std::vector<float> spacing_m, area_m2;
+};
+
+void sampleLevel(const TriangleMesh& mesh, const Level& level, Samples& samples) {
+  std::vector<glm::vec3> corners_m;
+  corners_m.reserve(3 * level.triangles.size());
+  for (const std::uint32_t t : level.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners_m.push_back(mesh.corners_m[3 * std::size_t{t} + k]);
+    }
+  }
+  const std::vector<MeshPoint> points = poissonDisk(corners_m, level.spacing_m);
+  // Triangles narrower than the spacing hold more points, which must not take area from the others.
+  const double share_m2 = areaOf_m2(corners_m) / static_cast<double>(points.size());
+  const double area_m2 = std::max(share_m2, kPoissonArea * level.spacing_m * level.spacing_m);
+  for (MeshPoint point : points) {
+    point.triangle = level.triangles[point.triangle];
+    samples.points.push_back(point);
+  }
+  samples.spacing_m.resize(samples.points.size(), static_cast<float>(level.spacing_m));
+  samples.area_m2.resize(samples.points.size(), static_cast<float>(area_m2));
+}
+
 /// Keeps the points whose mark is set.
 void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
   std::size_t kept = 0;
@@ -54,6 +158,7 @@ void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
     cloud.normal[kept] = cloud.normal[i];
     cloud.color[kept] = cloud.color[i];
     cloud.opacity[kept] = cloud.opacity[i];
+    cloud.area_m2[kept] = cloud.area_m2[i];
     if (!cloud.body.empty()) cloud.body[kept] = cloud.body[i];
     if (!cloud.objects.empty()) cloud.objects.of[kept] = cloud.objects.of[i];
     ++kept;
@@ -62,6 +167,7 @@ void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
   cloud.normal.resize(kept);
   cloud.color.resize(kept);
   cloud.opacity.resize(kept);
+  cloud.area_m2.resize(kept);
   if (!cloud.body.empty()) cloud.body.resize(kept);
   if (!cloud.objects.empty()) cloud.objects.of.resize(kept);
 }
@@ -112,16 +218,26 @@ PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& nam
   const std::size_t wanted = sampling.points.value_or(defaultPoints(mesh));
   const double mesh_m2 = areaOf_m2(mesh.corners_m);
   const double spacing_m = std::sqrt(mesh_m2 / static_cast<double>(wanted));
-  if (spacing_m < double{largestCoordinate(mesh)} * std::numeric_limits<float>::epsilon()) {
+  const double least_m =
+      double{largestCoordinate(mesh)} * double{std::numeric_limits<float>::epsilon()};
+  if (spacing_m < least_m) {
     throw InputError(name.string(),
                      "is so far from the origin, or has so little area for its extent, that " +
                          std::to_string(wanted) +
                          " points would fall on each other: move it to the origin, e.g. with "
                          "CloudCompare");
   }
-  const std::vector<MeshPoint> points = poissonDisk(mesh.corners_m, spacing_m);
+  const double most_points =
+      sampling.points ? 0.0
+                      : std::min(kMostForParts * static_cast<double>(wanted), double{kMaxPoints});
+  Samples samples;
+  for (const Level& level : levelsOf(mesh, spacing_m, std::max(least_m, 1e-30), most_points)) {
+    sampleLevel(mesh, level, samples);
+  }
+  const std::vector<MeshPoint>& points = samples.points;
 
   PointCloud cloud;
+  cloud.area_m2 = std::move(samples.area_m2);
   cloud.remarks = mesh.remarks;
   cloud.position_m.resize(points.size());
   cloud.normal.resize(points.size());
@@ -139,16 +255,13 @@ PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& nam
     cloud.position_m[i] =
         glm::vec3(a + double{point.weights.x} * ab + double{point.weights.y} * ac);
     cloud.normal[i] = glm::vec3(glm::normalize(glm::cross(ab, ac)));
-    const MeshColor color = colorAt(mesh, point, static_cast<float>(spacing_m));
+    const MeshColor color = colorAt(mesh, point, samples.spacing_m[i]);
     cloud.color[i] = color.color;
     cloud.opacity[i] = color.opacity;
     keep[i] = color.opacity > 0.0f;
     if (!mesh.body.empty()) cloud.body[i] = mesh.body[point.triangle];
     if (!mesh.objects.empty()) cloud.objects.of[i] = mesh.objects.of[point.triangle];
   });
-  // Triangles narrower than the spacing hold more points, which must not take area from the others.
-  const double share_m2 = mesh_m2 / static_cast<double>(points.size());
-  cloud.area_m2 = static_cast<float>(std::max(share_m2, kPoissonArea * spacing_m * spacing_m));
   openCutBodies(cloud, keep);
   keepMarked(cloud, keep);
   if (cloud.size() == 0) throw InputError(name.string(), "has no surface that is not cut out");

@@ -25,7 +25,8 @@ std::size_t defaultPoints(const TriangleMesh& mesh);
 inline constexpr std::size_t kMinPoints = 500'000, kMaxPoints = 8'000'000;
 inline constexpr double kScreenRows = 1080.0;
 
-/// Samples points (poisson_disk.h). Normals are the triangles'. Colours are averaged over the
+/// Samples points (poisson_disk.h). Without a wanted number, connected parts that are small beside
+/// the mesh have more points than `defaultPoints`: a part is looked at from nearby. Normals are the triangles'. Colours are averaged over the
 /// point's surroundings. There are no points where a texture cuts a hole.
 /// @param name  of the mesh, for messages
 /// @throws InputError if the mesh has too little area for its extent, or is cut out everywhere

@@ -30,6 +30,8 @@ struct TriangleMesh {
   std::vector<std::uint32_t> material;  ///< one a triangle
   /// One a triangle: number of the closed surface it belongs to, from 1; 0: none. Empty: unknown.
   std::vector<std::uint16_t> body = {};
+  /// One a triangle: number of the connected surface it belongs to, from 0. Empty: unknown.
+  std::vector<std::uint32_t> surface = {};
   SceneObjects objects = {};            ///< by triangle
   std::vector<std::string> remarks;     ///< see `PointCloud`
   std::vector<MeshMaterial> materials;  ///< a triangle may name one beyond the end: the default
