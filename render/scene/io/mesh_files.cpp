@@ -16,14 +16,24 @@ constexpr std::array<std::string_view, 3> kCompressions = {
 
 }  // namespace
 
+std::string MeshFiles::fileOf(const char* name) const {
+  std::error_code ignored;
+  if (mesh_.empty() || !isGltf(mesh_) || std::filesystem::exists(name, ignored)) return name;
+  const std::string text = name, folder = mesh_.parent_path().string();
+  const std::size_t start = text.starts_with(folder) ? folder.size() : 0;
+  return text.substr(0, start) + percentDecoded(std::string_view(text).substr(start));
+}
+
 bool MeshFiles::Exists(const char* name) const {
   std::error_code ignored;
-  return std::filesystem::exists(name, ignored);
+  return std::filesystem::exists(fileOf(name), ignored);
 }
 
 Assimp::IOStream* MeshFiles::Open(const char* name, const char* mode) {
-  if (Exists(name)) requireRegularFile(name);
-  Assimp::IOStream* stream = Exists(name) ? Assimp::DefaultIOSystem::Open(name, mode) : nullptr;
+  const std::string file = fileOf(name);
+  if (Exists(name)) requireRegularFile(file);
+  Assimp::IOStream* stream =
+      Exists(name) ? Assimp::DefaultIOSystem::Open(file.c_str(), mode) : nullptr;
   if (mesh_.empty()) mesh_ = name;
   if (stream == nullptr) {
     const std::filesystem::path path = name;

@@ -22,6 +22,9 @@ class MeshFiles : public Assimp::DefaultIOSystem {
   std::vector<std::string> missing() const;
 
  private:
+  /// The file that a name means: of a glTF, whose names are URIs, decoded if no file has the name.
+  std::string fileOf(const char* name) const;
+
   std::filesystem::path mesh_;  // opened first
   std::vector<std::string> missing_;
 };

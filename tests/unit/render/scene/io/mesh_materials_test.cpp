@@ -153,6 +153,23 @@ TEST_F(MeshMaterials, TextureTransformOfGltfScalesThenTurnsThenMoves) {
             kByte);
 }
 
+TEST_F(MeshMaterials, NamesInAGltfMayBePercentEncoded) {
+  writeQuarters(folder_.path() / "a tü.png");
+  const float data[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
+  write("my bü.bin", std::string(reinterpret_cast<const char*>(data), sizeof(data)));
+  std::string text = gltf("");
+  text.replace(text.find("t.png"), 5, "a%20t%C3%BC.png");
+  text.replace(text.find("b.bin"), 5, "my%20b%c3%bc.bin");
+  const MeshFile encoded = readMesh(write("m.gltf", text));
+  EXPECT_TRUE(encoded.mesh.remarks.empty());
+  EXPECT_LT(glm::distance(colorOf(encoded), glm::vec3(1, 0, 0)), kByte);
+  ASSERT_EQ(encoded.facts.materials.size(), 1u);
+  EXPECT_TRUE(encoded.facts.materials[0].textures.at(0).found);
+  // A file of the very name comes first.
+  write("my%20b%c3%bc.bin", std::string(60, '\0'));
+  EXPECT_NE(refusal(folder_.path() / "m.gltf"), "");
+}
+
 TEST_F(MeshMaterials, RepeatsAndFlatTrianglesAreLeftOut) {
   const std::string repeated = kTriangle + "f 2/2 3/3 1/1\nf 3/3 2/2 1/1\nv 9 9 9\nf 4/1 4/1 4/1\n";
   const MeshFile file = readMesh(write("m.obj", repeated));
