@@ -84,8 +84,14 @@ class Loader {
       mesh.materials.push_back(materialOf(*scene_.mMaterials[i]));
     }
     mesh.remarks = textures_.remarks();
-    for (std::string& remark : import_.missing()) mesh.remarks.push_back(std::move(remark));
+    for (std::string& remark : import_.remarks()) mesh.remarks.push_back(std::move(remark));
     remarkUndefined(mesh);
+    if (unusable_ > 0) {
+      mesh.remarks.push_back(
+          thousands(static_cast<double>(unusable_)) +
+          (unusable_ == 1 ? " triangle has" : " triangles have") +
+          " a corner that is not finite, or farther than 1e9 units from the origin: left out");
+    }
     SceneFacts facts = meshFacts(scene_, path_);
     finishTriangles(mesh, facts);
     return {std::move(mesh), std::move(facts)};
@@ -120,7 +126,7 @@ class Loader {
     }
   }
 
-  void append(TriangleMesh& all, const aiMesh& mesh) const {
+  void append(TriangleMesh& all, const aiMesh& mesh) {
     const TexturePlacement placement = placementOf(mesh.mMaterialIndex);
     const bool has_uv = mesh.HasTextureCoords(placement.set), has_color = mesh.HasVertexColors(0);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
@@ -133,7 +139,10 @@ class Loader {
         return std::abs(p.x) <= kFarthest_m && std::abs(p.y) <= kFarthest_m &&
                std::abs(p.z) <= kFarthest_m;  // false for NaN
       });
-      if (!usable) continue;
+      if (!usable) {
+        ++unusable_;
+        continue;
+      }
       if (mesh.HasNormals()) {
         const glm::vec3 a = vec3Of(mesh.mVertices[index[0]]), b = vec3Of(mesh.mVertices[index[1]]),
                         c = vec3Of(mesh.mVertices[index[2]]);
@@ -211,6 +220,7 @@ class Loader {
   MeshImport import_;
   const aiScene& scene_;  // of the import
   MeshTextures textures_;
+  std::size_t unusable_ = 0;  // triangles
 };
 
 }  // namespace

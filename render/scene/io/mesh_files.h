@@ -33,6 +33,10 @@ class MeshFiles : public Assimp::DefaultIOSystem {
 /// none, or for another file. @throws InputError if the file cannot be read
 std::string compressionOf(const std::filesystem::path& path);
 
+/// @throws InputError for a glTF that requires an extension which changes what it shows, and which
+/// is not read
+void refuseUnknownExtensions(const std::filesystem::path& path);
+
 /// Assimp reads no meshopt compression, and Draco's only where it was built with it.
 bool mayBeRead(const std::string& compression);
 
