@@ -327,6 +327,13 @@ PointCloud readPly(const std::filesystem::path& path) {
       points.color.assign(points.size(), glm::vec3(kUncolouredLight));
       points.remarks.push_back("all colours are 0: shown in grey");
     }
+    remarkDark(points);
+    if (!points.opacity.empty() && std::all_of(points.opacity.begin(), points.opacity.end(),
+                                               [](float opacity) { return opacity == 0.0f; })) {
+      points.remarks.push_back(
+          "the opacity of all points is 0, so none is seen: leave out the property alpha or "
+          "opacity to see them");
+    }
     return points;
   }
   throw InputError(input.name(), "has no element vertex");

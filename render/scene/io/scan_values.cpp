@@ -53,6 +53,16 @@ void ScanPositions::finish() const {
   if (auto remark = originRemark(*origin_)) points_.remarks.push_back(std::move(*remark));
 }
 
+void remarkDark(PointCloud& points) {
+  constexpr float kDark = 0.125f;  // of the range, in sRGB code values; chosen by hand
+  float brightest = 0.0f;
+  for (const glm::vec3& c : points.color) brightest = std::max({brightest, c.x, c.y, c.z});
+  if (brightest <= 0.0f || brightest >= linearFromSrgb(kDark)) return;
+  points.remarks.emplace_back(
+      "its colours use less than an eighth of their range, so the scene is nearly black: if the "
+      "range is another, scale them");
+}
+
 std::vector<glm::vec3> greyOf(const std::vector<float>& intensity) {
   std::vector<glm::vec3> grey(intensity.size(), glm::vec3(kUncolouredLight));
   if (intensity.empty()) return grey;

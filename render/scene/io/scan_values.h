@@ -41,6 +41,9 @@ class ScanPositions {
   std::optional<glm::dvec3> origin_;
 };
 
+/// Adds a remark if the colours use a small part of their range only, and so are nearly black.
+void remarkDark(PointCloud& points);
+
 /// Shows intensities as grey. The 1 % quantile becomes black and the 99 % quantile white, in sRGB
 /// code values. Equal intensities become the colour of points without one.
 std::vector<glm::vec3> greyOf(const std::vector<float>& intensity);

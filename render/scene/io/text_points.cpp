@@ -275,6 +275,7 @@ class TextPointsReader {
       c = {linearFromSrgb(c.x / white), linearFromSrgb(c.y / white), linearFromSrgb(c.z / white)};
     }
     points_.color = std::move(triple.values);
+    remarkDark(points_);
   }
 
   ply::Input input_;

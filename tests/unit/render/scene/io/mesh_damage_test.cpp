@@ -78,6 +78,12 @@ TEST_F(MeshDamage, ColoursOfPlyFacesGetARemark) {
                   "the colours of its faces are not shown"));
 }
 
+TEST_F(MeshDamage, ColoursOfVerticesAboveOneAreRefused) {
+  EXPECT_TRUE(has(said("a.obj", "v 0 0 0 200 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"),
+                  "colour 200.000 of a vertex: expected 0 to 1"));
+  EXPECT_EQ(said("b.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"), "");
+}
+
 TEST_F(MeshDamage, CornersThatAreNotFiniteAreCounted) {
   EXPECT_TRUE(has(said("a.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 1 3 4\n"),
                   "1 triangle has a corner that is not finite"));

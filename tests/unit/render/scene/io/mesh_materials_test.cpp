@@ -200,6 +200,29 @@ TEST_F(MeshMaterials, ExtensionsMayHaveAnyCase) {
   EXPECT_EQ(meshCompanions(write("m.Obj", "mtllib m.mtl\n")).size(), 1u);
 }
 
+TEST_F(MeshMaterials, BlackMaterialsThatEmitLightHaveItsColour) {
+  write("m.mtl", "newmtl m\nKd 0 0 0\nKe 0 1 0\n");
+  const MeshFile green = readMesh(write("m.obj", "mtllib m.mtl\n" + kTriangle));
+  EXPECT_LT(glm::distance(colorOf(green), glm::vec3(0, 1, 0)), kByte);
+  EXPECT_TRUE(remarks(green, "light nothing else"));
+  write("m.mtl", "newmtl m\nKd 1 0 0\nKe 0 1 0\n");
+  const MeshFile red = readMesh(write("n.obj", "mtllib m.mtl\n" + kTriangle));
+  EXPECT_LT(glm::distance(colorOf(red), glm::vec3(1, 0, 0)), kByte);
+  EXPECT_TRUE(red.mesh.remarks.empty());
+
+  writeQuarters(folder_.path() / "t.png");
+  const float data[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
+  write("b.bin", std::string(reinterpret_cast<const char*>(data), sizeof(data)));
+  std::string text = gltf("");
+  const std::string base = R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}})";
+  text.replace(text.find(base), base.size(),
+               R"("pbrMetallicRoughness":{"baseColorFactor":[0,0,0,1]},"emissiveFactor":[1,1,1],)"
+               R"("emissiveTexture":{"index":0})");
+  const MeshFile textured = readMesh(write("m.gltf", text));
+  EXPECT_LT(glm::distance(colorOf(textured), glm::vec3(1, 0, 0)), kByte);
+  EXPECT_TRUE(textured.facts.has_colors);
+}
+
 TEST_F(MeshMaterials, ZerosBesidePointsAreNoColour) {
   const PointCloud text = readTextPoints(write("p.xyz", "0 0 0 0 0 0\n1 0 0 0 0 0\n"));
   EXPECT_GT(text.color[0].x, 0.1f);

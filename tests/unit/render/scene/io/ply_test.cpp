@@ -119,6 +119,20 @@ TEST_F(PlyTest, ReadsShuffledAscii) {
       "65535 4e0 1 9 -2 51 0 0 2 0 2.25 .125 0\r\n  65535 5 2 9 9 -3 51\t0 0 +2 0 2.25 0.125 0 "));
 }
 
+TEST_F(PlyTest, RemarksPointsThatAreNotSeen) {
+  const std::string start =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty "
+      "float z\n";
+  const std::string color = "property ushort red\nproperty ushort green\nproperty ushort blue\n";
+  const PointCloud dark = read(start + color + "end_header\n0 0 0 200 0 0\n1 0 0 0 50 0\n");
+  ASSERT_EQ(dark.remarks.size(), 1u);
+  EXPECT_NE(dark.remarks[0].find("nearly black"), std::string::npos);
+  const PointCloud clear = read(start + "property uchar alpha\nend_header\n0 0 0 0\n1 0 0 0\n");
+  ASSERT_EQ(clear.remarks.size(), 1u);
+  EXPECT_NE(clear.remarks[0].find("opacity of all points is 0"), std::string::npos);
+  EXPECT_TRUE(read(start + "property uchar alpha\nend_header\n0 0 0 0\n1 0 0 9\n").remarks.empty());
+}
+
 TEST_F(PlyTest, FollowsTheStandardOfColours) {
   const PointCloud points = read(
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float "

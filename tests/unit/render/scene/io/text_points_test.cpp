@@ -49,6 +49,13 @@ TEST_F(TextPoints, ColoursHaveTheRangeOfTheWholeFile) {
   EXPECT_FLOAT_EQ(read("0 0 0 65535 0 0\n1 0 0 0 1 0\n").color[0].x, 1.0f);
 }
 
+TEST_F(TextPoints, ColoursOfASmallPartOfTheirRangeGetARemark) {
+  const PointCloud ten_bits = read("0 0 0 1023 0 0\n1 0 0 0 1 0\n");
+  ASSERT_EQ(ten_bits.remarks.size(), 1u);
+  EXPECT_TRUE(has(ten_bits.remarks[0], "nearly black"));
+  EXPECT_TRUE(read("0 0 0 9000 0 0\n1 0 0 0 1 0\n").remarks.empty());
+}
+
 TEST_F(TextPoints, TriplesOfLengthOneAreNormals) {
   const PointCloud points = read("0 0 0 0 0.6 0.8\n1 0 0 0 0 -1\n2 0 0 0 0 0\n");
   ASSERT_EQ(points.normal.size(), 3u);
