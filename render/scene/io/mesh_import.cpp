@@ -22,6 +22,17 @@ bool isUtf16(const std::filesystem::path& path) {
   return (first == 0xfe && second == 0xff) || (first == 0xff && second == 0xfe);
 }
 
+/// Errors of Assimp about what is inside of it, in our words.
+std::string inWords(const std::string& why) {
+  const auto says = [&](const char* text) { return why.find(text) != std::string::npos; };
+  if (says("scene-graph is nullptr")) return "it has no scene with nodes";
+  if (says("mIndices") && says("out of range")) return "a face names a vertex that is not there";
+  if (says("mNumMeshes is 0")) return "it has no faces";
+  if (says("Cannot parse string")) return "it has another text where a number was expected";
+  if (says("Validation failed")) return "its parts contradict each other";
+  return why;
+}
+
 /// What to do about an error of Assimp.
 std::string adviceFor(const std::string& why) {
   const auto says = [&](const char* text) { return why.find(text) != std::string::npos; };
@@ -69,7 +80,7 @@ void MeshImport::refuse(std::string why) const {
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
   }
   while (why.ends_with('.') || why.ends_with(' ')) why.pop_back();
-  throw InputError(path_.string(), "is no mesh that can be read: " + why.substr(0, 200) +
+  throw InputError(path_.string(), "is no mesh that can be read: " + inWords(why).substr(0, 200) +
                                        compressionRemark(compression_) + adviceFor(why));
 }
 

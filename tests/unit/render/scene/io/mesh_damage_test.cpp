@@ -114,6 +114,11 @@ TEST_F(MeshDamage, GltfTrianglesThatAssimpLeavesOutAreCounted) {
   EXPECT_TRUE(has(said("b.gltf", gltf(77)), "1 triangle names a vertex that is not there"));
 }
 
+TEST_F(MeshDamage, ErrorsOfAssimpAreInOurWords) {
+  EXPECT_TRUE(has(said("a.gltf", R"({"asset":{"version":"1.0"}})"), "has no scene with nodes"));
+  EXPECT_TRUE(has(said("a.foci", "junk"), "is no prepared scene"));
+}
+
 TEST_F(MeshDamage, ExtensionsThatAGltfRequiresMustBeKnown) {
   EXPECT_TRUE(has(said("a.gltf", gltf(3, R"(,"extensionsRequired":["KHR_foo"])")),
                   "requires the glTF extension \"KHR_foo\""));

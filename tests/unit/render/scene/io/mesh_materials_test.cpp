@@ -163,8 +163,7 @@ TEST_F(MeshMaterials, NamesInAGltfMayBePercentEncoded) {
   const MeshFile encoded = readMesh(write("m.gltf", text));
   EXPECT_TRUE(encoded.mesh.remarks.empty());
   EXPECT_LT(glm::distance(colorOf(encoded), glm::vec3(1, 0, 0)), kByte);
-  ASSERT_EQ(encoded.facts.materials.size(), 1u);
-  EXPECT_TRUE(encoded.facts.materials[0].textures.at(0).found);
+  EXPECT_TRUE(encoded.facts.materials.at(0).textures.at(0).found);
   // A file of the very name comes first.
   write("my%20b%c3%bc.bin", std::string(60, '\0'));
   EXPECT_NE(refusal(folder_.path() / "m.gltf"), "");
