@@ -103,6 +103,7 @@ class Layout {
 
   const std::vector<Column>& columns() const { return columns_; }
   bool fixedSize() const { return fixed_size_; }
+  bool hasFloats() const { return !fine_; }  // positions
   std::size_t recordBytes() const { return record_bytes_; }
 
   void reserve(PointCloud& points, std::size_t count) const {
@@ -322,6 +323,11 @@ PointCloud readPly(const std::filesystem::path& path) {
                                                " points has a finite position");
     }
     positions.finish();
+    if (layout.hasFloats() && points.size() > 1 && losesDetail(points.position_m)) {
+      points.remarks.emplace_back(
+          "the points are so far from the origin that floats lose their detail: save them with "
+          "coordinates in doubles, or nearer to the origin");
+    }
     if (std::all_of(points.color.begin(), points.color.end(),
                     [](const glm::vec3& color) { return color == glm::vec3(0.0f); })) {
       points.color.assign(points.size(), glm::vec3(kUncolouredLight));

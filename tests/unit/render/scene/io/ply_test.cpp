@@ -133,6 +133,18 @@ TEST_F(PlyTest, RemarksPointsThatAreNotSeen) {
   EXPECT_TRUE(read(start + "property uchar alpha\nend_header\n0 0 0 0\n1 0 0 9\n").remarks.empty());
 }
 
+TEST_F(PlyTest, RemarksDetailThatFloatsLose) {
+  const auto remarks = [&](const std::string& type, const std::string& east) {
+    std::string text = "ply\nformat ascii 1.0\nelement vertex 2\n";
+    for (const char* axis : {"x", "y", "z"}) text += "property " + type + " " + axis + "\n";
+    return read(text + "end_header\n" + east + "00 0 0\n" + east + "02 0 0\n").remarks;
+  };
+  ASSERT_EQ(remarks("float", "54123").size(), 1u);
+  EXPECT_NE(remarks("float", "54123")[0].find("floats lose their detail"), std::string::npos);
+  EXPECT_TRUE(remarks("float", "").empty());
+  EXPECT_EQ(remarks("double", "54123")[0].find("floats lose"), std::string::npos);
+}
+
 TEST_F(PlyTest, FollowsTheStandardOfColours) {
   const PointCloud points = read(
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float "
