@@ -42,10 +42,6 @@ std::string thousands(double value) {
   return digits;
 }
 
-std::string counted(std::size_t count, const std::string& one) {
-  return thousands(static_cast<double>(count)) + " " + one + (count == 1 ? "" : "s");
-}
-
 std::string milliseconds(double ms) { return decimal(ms, ms < 10.0 ? 2 : ms < 100.0 ? 1 : 0); }
 
 std::string_view trimmed(std::string_view text) {

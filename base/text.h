@@ -1,7 +1,6 @@
 // Numbers and quoted strings as text, the same in every locale.
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -21,9 +20,6 @@ std::string significant(double value, int digits = 4);
 
 /// Rounded, with commas between groups of three digits: 12345.6 as "12,346".
 std::string thousands(double value);
-
-/// "1 point", "2,000 points".
-std::string counted(std::size_t count, const std::string& one);
 
 /// Milliseconds with about three significant digits.
 std::string milliseconds(double ms);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/study/gaze_calibration.h"
+#include "app/study/scene_text.h"
 #include "app/study/session_settings_of.h"
 #include "app/study/view_remarks.h"
 #include "base/input_error.h"

@@ -52,6 +52,10 @@ nlohmann::ordered_json jsonOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 
 }  // namespace
 
+std::string counted(std::size_t count, const std::string& one) {
+  return thousands(static_cast<double>(count)) + " " + one + (count == 1 ? "" : "s");
+}
+
 std::string sceneText(const SceneFacts& facts, const Framing& framing) {
   std::string text;
   const auto line = [&](const std::string& name, const std::string& value) {

@@ -15,11 +15,6 @@ TEST(Decimal, NeverHasANegativeZero) {
   EXPECT_EQ(decimalOrInf(HUGE_VAL, 1), "inf");
 }
 
-TEST(Counted, IsOneOrMany) {
-  EXPECT_EQ(counted(1, "point"), "1 point");
-  EXPECT_EQ(counted(2000, "point"), "2,000 points");
-}
-
 TEST(ExactText, ReadsBackAsTheSameNumber) {
   for (const double value : {0.1, 1.0 / 3.0, -1e300, 5e-324}) {
     EXPECT_EQ(parseNumber(exactText(value)), value);
