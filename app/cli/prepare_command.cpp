@@ -12,6 +12,7 @@
 #include "app/prepare/prepare.h"
 #include "app/study/scene_text.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "gaze/geometry/default_screen.h"
 #include "render/scene/io/open_scene.h"
 
@@ -96,13 +97,13 @@ struct PrepareOptions {
 
 void runPrepare(const PrepareOptions& options) {
   if (!(options.scale_m >= 1e-6 && options.scale_m <= 1e6)) {
-    throw InputError("--scale " + std::to_string(options.scale_m),
+    throw InputError("--scale " + exactText(options.scale_m),
                      "expected metres per unit of the input, 1e-6 to 1e6");
   }
   std::optional<std::size_t> points;
   if (options.points) {
     if (!(*options.points >= 1.0 && *options.points <= 1e8)) {
-      throw InputError("--points " + std::to_string(*options.points), "expected 1 to 1e8");
+      throw InputError("--points " + exactText(*options.points), "expected 1 to 1e8");
     }
     points = static_cast<std::size_t>(*options.points);
   }
@@ -118,8 +119,10 @@ void runPrepare(const PrepareOptions& options) {
   const SceneFacts& facts = summary.facts;
   const Framing framing = framingOf(facts, {.screen = defaultScreen()});
   if (summary.dropped > 0) {
-    std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n",
-                 options.input.c_str(), summary.dropped);
+    std::fprintf(stderr,
+                 "foci: %s: %s left out: not finite, or farther than 1e9 units from the origin\n",
+                 options.input.c_str(),
+                 counted(summary.dropped, facts.gaussians > 0 ? "Gaussian" : "point").c_str());
   }
   for (const std::string& warning : summary.warnings) {
     std::fprintf(stderr, "warning: %s: %s\n", options.input.c_str(), warning.c_str());

@@ -7,9 +7,11 @@
 #include <utility>
 
 #include "app/study/gaze_calibration.h"
+#include "app/study/scene_text.h"
 #include "app/study/session_settings_of.h"
 #include "app/study/view_remarks.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "gaze/sources/simulator.h"
 #include "gaze/sources/trace_reader.h"
 #include "render/lod/moment_tree.h"
@@ -126,8 +128,9 @@ SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m) {
   const std::filesystem::path path = file.path;
   OpenedScene scene = openScene(std::move(file), scale_m, eye_m);
   if (scene.dropped > 0) {
-    std::fprintf(stderr, "%s: %zu points left out: their position is not finite\n", path.c_str(),
-                 scene.dropped);
+    std::fprintf(
+        stderr, "foci: %s: %s left out: not finite, or farther than 1e9 units from the origin\n",
+        path.c_str(), counted(scene.dropped, scene.cloud.gaussians ? "Gaussian" : "point").c_str());
   }
   for (const std::string& remark : scene.remarks) {
     std::fprintf(stderr, "foci: %s: %s\n", path.c_str(), remark.c_str());
@@ -145,7 +148,14 @@ SurfelCloud loadSceneFile(const Study& study, std::optional<SceneFile>&& file) {
 }
 
 SurfelCloud withParts(const Study& study, SurfelCloud scene) {
-  for (const ScenePart& part : study.scene.parts) {
+  for (std::size_t i = 0; i < study.scene.parts.size(); ++i) {
+    const ScenePart& part = study.scene.parts[i];
+    std::error_code ignored;
+    if (!std::filesystem::exists(part.file, ignored)) {
+      throw InputError(study.file.string(), "scene.part, entry " + std::to_string(i + 1) +
+                                                ": file = " + quotedText(part.file.string()) +
+                                                ": no such file");
+    }
     const glm::dvec4 q = glm::normalize(part.rotation);
     const Placement place{.position_m = glm::vec3(part.position_m),
                           .rotation = glm::quat(static_cast<float>(q.w), static_cast<float>(q.x),

@@ -18,15 +18,17 @@ std::string numbers(const glm::dvec3& p, const char* between) {
 
 std::string countsText(const SceneFacts& facts) {
   std::string text;
-  const auto add = [&](std::size_t count, const char* what) {
-    if (count == 0) return;
-    text += (text.empty() ? "" : ", ") + thousands(static_cast<double>(count)) + " " + what;
+  const auto add = [&](std::size_t count, const char* one) {
+    if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, one);
   };
-  add(facts.points, "points");
-  add(facts.triangles, "triangles");
-  add(facts.surfels, "surfels");
-  add(facts.gaussians, "Gaussians");
-  add(facts.dropped, "points without a finite position");
+  add(facts.points, "point");
+  add(facts.triangles, "triangle");
+  add(facts.surfels, "surfel");
+  add(facts.gaussians, "Gaussian");
+  if (facts.dropped > 0) {
+    text += ", " + thousands(static_cast<double>(facts.dropped)) +
+            " left out (not finite, or over " + "1e9 units from the origin)";
+  }
   return text;
 }
 
@@ -49,6 +51,10 @@ std::string unitText(const SceneFacts& facts, const Framing& framing) {
 nlohmann::ordered_json jsonOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 
 }  // namespace
+
+std::string counted(std::size_t count, const std::string& one) {
+  return thousands(static_cast<double>(count)) + " " + one + (count == 1 ? "" : "s");
+}
 
 std::string sceneText(const SceneFacts& facts, const Framing& framing) {
   std::string text;

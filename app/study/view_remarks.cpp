@@ -107,17 +107,27 @@ std::string pointText(const glm::dvec3& p) {
   return "[" + decimal(p.x, 3) + ", " + decimal(p.y, 3) + ", " + decimal(p.z, 3) + "]";
 }
 
+/// How to make the scene's unit longer or shorter.
+std::string scaleAdvice(const Study& study, bool longer) {
+  constexpr double kMinScale = 1e-6, kMaxScale = 1e6;  // of scene.scale_m
+  const double scale_m = study.scene.scale_m;
+  if (longer ? scale_m >= kMaxScale : scale_m <= kMinScale) {
+    return "scene.scale_m is at its limit, so write the file in other units, e.g. with Blender";
+  }
+  return std::string("if a unit of the file is ") + (longer ? "more" : "less") + " than " +
+         exactText(scale_m) + " m, set scene.scale_m";
+}
+
 std::string sizeRemark(const Study& study, const SceneBox& box) {
   const double width_m = box.longest();
   if (width_m > kWidestScene_m) {
     return "the scene is " + lengthText(width_m) +
-           " wide, and blur differs within some metres only: if a unit of the file is less than " +
-           exactText(study.scene.scale_m) + " m, set scene.scale_m";
+           " wide, and blur differs within some metres only: " +
+           scaleAdvice(study, /*longer=*/false);
   }
   if (width_m > 0.0 && width_m < kNarrowestScene_m) {
     return "the scene is " + lengthText(width_m) +
-           " wide, too small for an eye: if a unit of the file is more than " +
-           exactText(study.scene.scale_m) + " m, set scene.scale_m";
+           " wide, too small for an eye: " + scaleAdvice(study, /*longer=*/true);
   }
   return "";
 }
@@ -173,6 +183,7 @@ std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& scen
   if (std::string remark = sizeRemark(study, box); !remark.empty())
     remarks.push_back(std::move(remark));
   if (!isSceneInView(study, cloud)) {
+    if (!remarks.empty() && box.longest() < kNarrowestScene_m) return remarks;  // that is why
     remarks.push_back("nothing is in view: the middle of the scene is at " +
                       pointText(box.middle()) + ", " +
                       lengthText(std::max(glm::distance(box.middle(), glm::dvec3(eye_m)), 1e-9)) +

@@ -241,6 +241,11 @@ TEST_F(GaussianScenes, APartOfTheSceneIsHiddenByTheWallAndHidesIt) {
   }();
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_NE(none.err.find("file in each part"), std::string::npos) << none.err;
+  writeStudy("joined.toml", "[[scene.part]]\nfile = \"absent.ply\"\n");
+  const Outcome absent = runFoci({"render", "joined.toml", "--out", "n.png"}, folder.path());
+  EXPECT_EQ(absent.exit_code, 2);
+  EXPECT_NE(absent.err.find("joined.toml: scene.part, entry 1: file = "), std::string::npos)
+      << absent.err;
 }
 
 TEST_F(GaussianScenes, TheChartHasTheMethodsThatRenderThem) {

@@ -41,7 +41,8 @@ GaussianFile readKsplatFile(const std::filesystem::path& path);
 bool isSogFile(const std::filesystem::path& path);
 GaussianFile readSogFile(const std::filesystem::path& path);
 
-/// Reads a file of any of these formats; nothing for another file.
+/// Reads a file of any of these formats, also one that is damaged and has the extension `.splat`,
+/// `.spz` or `.ksplat`. Nothing for another file.
 std::optional<GaussianFile> readGaussians(const std::filesystem::path& path);
 
 }  // namespace foci

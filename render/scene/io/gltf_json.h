@@ -14,6 +14,9 @@ bool isGltf(const std::filesystem::path& path);
 /// @throws InputError if the file cannot be read, or is binary glTF of version 1
 std::string gltfJson(const std::filesystem::path& path);
 
+/// A URI as the name of a file: "%20" becomes a blank (RFC 3986).
+std::string percentDecoded(std::string_view uri);
+
 /// How deep the brackets of a JSON text nest, whether or not it is well formed.
 int jsonDepth(std::string_view json);
 

@@ -165,6 +165,7 @@ PointCloud readLas(const std::filesystem::path& path) {
     const float white = brightest > 255 ? 65535.0f : 255.0f;
     points.color.reserve(codes.size());
     for (const auto& code : codes) points.color.push_back(linearOfCodes(code, white));
+    remarkDark(points);
   } else if (has_color) {
     points.color.assign(points.size(), glm::vec3(kUncolouredLight));
     points.remarks.emplace_back("all colours are 0: shown in grey");

@@ -84,8 +84,19 @@ class Loader {
       mesh.materials.push_back(materialOf(*scene_.mMaterials[i]));
     }
     mesh.remarks = textures_.remarks();
-    for (std::string& remark : import_.missing()) mesh.remarks.push_back(std::move(remark));
+    if (glowing_) {
+      mesh.remarks.emplace_back(
+          "materials that are black but emit light have the colour of that light; they light "
+          "nothing else");
+    }
+    for (std::string& remark : import_.remarks()) mesh.remarks.push_back(std::move(remark));
     remarkUndefined(mesh);
+    if (unusable_ > 0) {
+      mesh.remarks.push_back(
+          thousands(static_cast<double>(unusable_)) +
+          (unusable_ == 1 ? " triangle has" : " triangles have") +
+          " a corner that is not finite, or farther than 1e9 units from the origin: left out");
+    }
     SceneFacts facts = meshFacts(scene_, path_);
     finishTriangles(mesh, facts);
     return {std::move(mesh), std::move(facts)};
@@ -120,7 +131,7 @@ class Loader {
     }
   }
 
-  void append(TriangleMesh& all, const aiMesh& mesh) const {
+  void append(TriangleMesh& all, const aiMesh& mesh) {
     const TexturePlacement placement = placementOf(mesh.mMaterialIndex);
     const bool has_uv = mesh.HasTextureCoords(placement.set), has_color = mesh.HasVertexColors(0);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
@@ -133,7 +144,10 @@ class Loader {
         return std::abs(p.x) <= kFarthest_m && std::abs(p.y) <= kFarthest_m &&
                std::abs(p.z) <= kFarthest_m;  // false for NaN
       });
-      if (!usable) continue;
+      if (!usable) {
+        ++unusable_;
+        continue;
+      }
       if (mesh.HasNormals()) {
         const glm::vec3 a = vec3Of(mesh.mVertices[index[0]]), b = vec3Of(mesh.mVertices[index[1]]),
                         c = vec3Of(mesh.mVertices[index[2]]);
@@ -152,6 +166,7 @@ class Loader {
         all.uv.push_back(placed ? uv : glm::vec2(0.0f));
         if (!has_color) continue;
         const aiColor4D& c = mesh.mColors[0][i];
+        refuseBytes({c.r, c.g, c.b});
         const glm::vec3 color = unitColor({c.r, c.g, c.b});
         all.color.resize(all.corners_m.size() - 1, glm::vec3(-1.0f));
         all.color.push_back(gltf_ ? color : linearOf(color));
@@ -160,8 +175,35 @@ class Loader {
     }
   }
 
+  /// Colours of 0 to 255 would all become white. Light of a glTF may be above 1.
+  void refuseBytes(const glm::vec3& color) const {
+    constexpr float kSlack = 1e-3f;
+    const float brightest = std::max({color.x, color.y, color.z});
+    if (gltf_ || !(brightest > 1.0f + kSlack)) return;
+    throw InputError(path_.string(), "colour " + decimal(double{brightest}, 3) +
+                                         " of a vertex: expected 0 to 1; divide colours of 0 to "
+                                         "255 by 255");
+  }
+
+  /// Whether a material is black but for the light that it emits.
+  bool glows(const aiMaterial& material) const {
+    aiColor4D color(1.0f);
+    if (!(gltf_ && material.Get(AI_MATKEY_BASE_COLOR, color) == aiReturn_SUCCESS) &&
+        material.Get(AI_MATKEY_COLOR_DIFFUSE, color) != aiReturn_SUCCESS) {
+      return false;
+    }
+    aiColor4D light(0.0f);
+    return color.r == 0.0f && color.g == 0.0f && color.b == 0.0f &&
+           material.Get(AI_MATKEY_COLOR_EMISSIVE, light) == aiReturn_SUCCESS &&
+           (light.r > 0.0f || light.g > 0.0f || light.b > 0.0f);
+  }
+
   /// The texture of a material's colour.
-  static std::optional<aiTextureType> colorTexture(const aiMaterial& material) {
+  std::optional<aiTextureType> colorTexture(const aiMaterial& material) const {
+    if (glows(material)) {
+      if (material.GetTextureCount(aiTextureType_EMISSIVE) == 0) return std::nullopt;
+      return aiTextureType_EMISSIVE;
+    }
     for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
       if (material.GetTextureCount(type) > 0) return type;
     }
@@ -188,6 +230,11 @@ class Loader {
     const bool colored = (gltf_ && from.Get(AI_MATKEY_BASE_COLOR, color) == aiReturn_SUCCESS) ||
                          from.Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS;
     if (isUncoloured(from)) color = grey;
+    if (glows(from)) {
+      from.Get(AI_MATKEY_COLOR_EMISSIVE, color);
+      color.a = 1.0f;
+      glowing_ = true;
+    }
     material.factor = unitColor({color.r, color.g, color.b});
     if (!gltf_) material.factor = linearOf(material.factor);
     float opacity = gltf_ ? color.a : 1.0f;
@@ -211,6 +258,8 @@ class Loader {
   MeshImport import_;
   const aiScene& scene_;  // of the import
   MeshTextures textures_;
+  std::size_t unusable_ = 0;  // triangles
+  bool glowing_ = false;      // a material
 };
 
 }  // namespace

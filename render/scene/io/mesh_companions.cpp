@@ -2,7 +2,6 @@
 #include "render/scene/io/mesh_companions.h"
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -72,7 +71,7 @@ class Companions {
         const std::string uri = entry.at("uri").get<std::string>();
         if (uri.starts_with("data:")) continue;
         add(uri);
-        add(withoutPercents(uri));
+        add(percentDecoded(uri));
       }
     }
   }
@@ -80,22 +79,6 @@ class Companions {
   std::vector<fs::path> files() && { return std::move(files_); }
 
  private:
-  /// "%20" becomes a blank (RFC 3986).
-  static std::string withoutPercents(const std::string& uri) {
-    std::string text;
-    for (std::size_t i = 0; i < uri.size(); ++i) {
-      unsigned code = 0;
-      const char* const end = uri.data() + std::min(i + 3, uri.size());
-      if (uri[i] == '%' && std::from_chars(uri.data() + i + 1, end, code, 16).ptr == end) {
-        text += static_cast<char>(code);
-        i += 2;
-      } else {
-        text += uri[i];
-      }
-    }
-    return text;
-  }
-
   fs::path folder_;
   std::vector<fs::path> files_;
 };

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -16,6 +15,7 @@
 #include "base/text.h"
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/mesh_textures.h"
+#include "render/scene/io/scan_values.h"
 #include "render/scene/mesh/orientation.h"
 
 namespace foci {
@@ -82,22 +82,6 @@ void takeMetadata(const aiMetadata& metadata, SceneFacts& facts) {
   if (metadata.Get("UpAxis", axis) && axis >= 0 && axis <= 2) facts.up_axis = axis;
 }
 
-/// Coordinates are floats. Far from the origin, their steps are wider than what a screen shows.
-void remarkLostDetail(TriangleMesh& mesh) {
-  constexpr float kStepsShown = 1 << 13;  // across the mesh; a screen has fewer columns
-  glm::vec3 low(mesh.corners_m[0]), high(low);
-  for (const glm::vec3& corner : mesh.corners_m) {
-    low = glm::min(low, corner);
-    high = glm::max(high, corner);
-  }
-  const glm::vec3 far = glm::max(glm::abs(low), glm::abs(high)), size = high - low;
-  const float step = std::max({far.x, far.y, far.z}) * std::numeric_limits<float>::epsilon();
-  if (step * kStepsShown <= std::max({size.x, size.y, size.z})) return;
-  mesh.remarks.push_back(
-      "the mesh is so far from the origin that its detail is lost: move it to the origin, e.g. "
-      "with CloudCompare");
-}
-
 /// Where the colours of the triangles come from.
 void takeColors(const TriangleMesh& mesh, SceneFacts& facts) {
   std::optional<glm::vec3> flat, vertex;
@@ -136,7 +120,11 @@ void finishTriangles(TriangleMesh& mesh, SceneFacts& facts) {
   orientOutwards(mesh);
   facts.triangles = mesh.size();
   takeColors(mesh, facts);
-  remarkLostDetail(mesh);
+  if (losesDetail(mesh.corners_m)) {
+    mesh.remarks.emplace_back(
+        "the mesh is so far from the origin that its detail is lost: move it to the origin, e.g. "
+        "with CloudCompare");
+  }
 }
 
 SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path) {

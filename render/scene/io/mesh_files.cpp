@@ -16,14 +16,24 @@ constexpr std::array<std::string_view, 3> kCompressions = {
 
 }  // namespace
 
+std::string MeshFiles::fileOf(const char* name) const {
+  std::error_code ignored;
+  if (mesh_.empty() || !isGltf(mesh_) || std::filesystem::exists(name, ignored)) return name;
+  const std::string text = name, folder = mesh_.parent_path().string();
+  const std::size_t start = text.starts_with(folder) ? folder.size() : 0;
+  return text.substr(0, start) + percentDecoded(std::string_view(text).substr(start));
+}
+
 bool MeshFiles::Exists(const char* name) const {
   std::error_code ignored;
-  return std::filesystem::exists(name, ignored);
+  return std::filesystem::exists(fileOf(name), ignored);
 }
 
 Assimp::IOStream* MeshFiles::Open(const char* name, const char* mode) {
-  if (Exists(name)) requireRegularFile(name);
-  Assimp::IOStream* stream = Exists(name) ? Assimp::DefaultIOSystem::Open(name, mode) : nullptr;
+  const std::string file = fileOf(name);
+  if (Exists(name)) requireRegularFile(file);
+  Assimp::IOStream* stream =
+      Exists(name) ? Assimp::DefaultIOSystem::Open(file.c_str(), mode) : nullptr;
   if (mesh_.empty()) mesh_ = name;
   if (stream == nullptr) {
     const std::filesystem::path path = name;
@@ -43,17 +53,51 @@ std::vector<std::string> MeshFiles::missing() const {
   return names;
 }
 
-std::string compressionOf(const std::filesystem::path& path) {
-  if (!isGltf(path)) return "";
+namespace {
+
+/// The names in the list "extensionsRequired" of a glTF.
+std::vector<std::string> requiredExtensions(const std::filesystem::path& path) {
+  std::vector<std::string> names;
+  if (!isGltf(path)) return names;
   const std::string text = gltfJson(path);
-  const std::size_t at = text.find("\"extensionsRequired\"");
-  if (at == std::string::npos) return "";
-  const std::string required = text.substr(at, text.find(']', at) - at);
-  const auto* found =
-      std::find_if(kCompressions.begin(), kCompressions.end(), [&](std::string_view name) {
-        return required.find('"' + std::string(name) + '"') != std::string::npos;
-      });
-  return found == kCompressions.end() ? "" : std::string(*found);
+  std::size_t at = text.find("\"extensionsRequired\"");
+  if (at == std::string::npos) return names;
+  at = text.find('[', at);
+  const std::size_t end = text.find(']', at);
+  while (end != std::string::npos && (at = text.find('"', at)) < end) {
+    const std::size_t close = std::min(text.find('"', at + 1), end);
+    names.push_back(text.substr(at + 1, close - at - 1));
+    at = close + 1;
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string compressionOf(const std::filesystem::path& path) {
+  for (const std::string& name : requiredExtensions(path)) {
+    if (std::find(kCompressions.begin(), kCompressions.end(), name) != kCompressions.end()) {
+      return name;
+    }
+  }
+  return "";
+}
+
+void refuseUnknownExtensions(const std::filesystem::path& path) {
+  // Extensions that Assimp reads, or that add to a picture which is right without them.
+  constexpr std::array<std::string_view, 6> kRead = {
+      "KHR_texture_transform", "KHR_mesh_quantization", "KHR_lights_punctual",
+      "KHR_xmp_json_ld",       "EXT_texture_webp",      "KHR_texture_basisu"};
+  for (const std::string& name : requiredExtensions(path)) {
+    const auto is = [&](std::string_view known) { return name == known; };
+    if (name.starts_with("KHR_materials_") || std::any_of(kRead.begin(), kRead.end(), is) ||
+        std::any_of(kCompressions.begin(), kCompressions.end(), is)) {
+      continue;
+    }
+    throw InputError(path.string(), "requires the glTF extension " + shown(name) +
+                                        ", which foci cannot read: export it without, e.g. from "
+                                        "Blender");
+  }
 }
 
 bool mayBeRead(const std::string& compression) {

@@ -22,6 +22,9 @@ class MeshFiles : public Assimp::DefaultIOSystem {
   std::vector<std::string> missing() const;
 
  private:
+  /// The file that a name means: of a glTF, whose names are URIs, decoded if no file has the name.
+  std::string fileOf(const char* name) const;
+
   std::filesystem::path mesh_;  // opened first
   std::vector<std::string> missing_;
 };
@@ -29,6 +32,10 @@ class MeshFiles : public Assimp::DefaultIOSystem {
 /// The compression that a glTF file requires, e.g. "EXT_meshopt_compression"; "" if it requires
 /// none, or for another file. @throws InputError if the file cannot be read
 std::string compressionOf(const std::filesystem::path& path);
+
+/// @throws InputError for a glTF that requires an extension which changes what it shows, and which
+/// is not read
+void refuseUnknownExtensions(const std::filesystem::path& path);
 
 /// Assimp reads no meshopt compression, and Draco's only where it was built with it.
 bool mayBeRead(const std::string& compression);

@@ -6,9 +6,11 @@
 
 #include <fstream>
 
+#include "base/file.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "render/scene/io/gltf_json.h"
-#include "render/scene/io/mesh_limits.h"
+#include "render/scene/io/ply_faces.h"
 
 namespace foci {
 namespace {
@@ -18,6 +20,17 @@ bool isUtf16(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   const int first = in.get(), second = in.get();
   return (first == 0xfe && second == 0xff) || (first == 0xff && second == 0xfe);
+}
+
+/// Errors of Assimp about what is inside of it, in our words.
+std::string inWords(const std::string& why) {
+  const auto says = [&](const char* text) { return why.find(text) != std::string::npos; };
+  if (says("scene-graph is nullptr")) return "it has no scene with nodes";
+  if (says("mIndices") && says("out of range")) return "a face names a vertex that is not there";
+  if (says("mNumMeshes is 0")) return "it has no faces";
+  if (says("Cannot parse string")) return "it has another text where a number was expected";
+  if (says("Validation failed")) return "its parts contradict each other";
+  return why;
 }
 
 /// What to do about an error of Assimp.
@@ -35,9 +48,11 @@ std::string adviceFor(const std::string& why) {
 
 MeshImport::MeshImport(const std::filesystem::path& path) : path_(path) {
   importer_.SetIOHandler(files_);
-  refuseHostileMesh(path);
+  stated_ = refuseHostileMesh(path);
   compression_ = compressionOf(path);
   if (!mayBeRead(compression_)) throw InputError(path.string(), compressionRefusal(compression_));
+  refuseUnknownExtensions(path);
+  if (lowerExtension(path) == ".ply") remarks_ = checkPlyFaces(path);
   if (!isGltf(path_) && isUtf16(path_)) {
     throw InputError(path_.string(), "is text in UTF-16: save it in UTF-8");
   }
@@ -47,7 +62,17 @@ MeshImport::MeshImport(const std::filesystem::path& path) : path_(path) {
 }
 
 bool MeshImport::readFile() {
-  return importer_.ReadFile(path_.string(), aiProcess_ValidateDataStructure) != nullptr;
+  if (importer_.ReadFile(path_.string(), aiProcess_ValidateDataStructure) == nullptr) return false;
+  const aiScene& scene = *importer_.GetScene();
+  std::uint64_t faces = 0;
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) faces += scene.mMeshes[m]->mNumFaces;
+  if (stated_ && stated_->parts == scene.mNumMeshes && faces < stated_->triangles) {
+    const std::uint64_t lost = stated_->triangles - faces;
+    remarks_.push_back(thousands(static_cast<double>(lost)) +
+                       (lost == 1 ? " triangle names a vertex that is not there: it is left out"
+                                  : " triangles name vertices that are not there: left out"));
+  }
+  return true;
 }
 
 void MeshImport::refuse(std::string why) const {
@@ -55,12 +80,12 @@ void MeshImport::refuse(std::string why) const {
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
   }
   while (why.ends_with('.') || why.ends_with(' ')) why.pop_back();
-  throw InputError(path_.string(), "is no mesh that can be read: " + why.substr(0, 200) +
+  throw InputError(path_.string(), "is no mesh that can be read: " + inWords(why).substr(0, 200) +
                                        compressionRemark(compression_) + adviceFor(why));
 }
 
-std::vector<std::string> MeshImport::missing() const {
-  std::vector<std::string> remarks;
+std::vector<std::string> MeshImport::remarks() const {
+  std::vector<std::string> remarks = remarks_;
   for (const std::string& name : files_->missing()) {
     remarks.push_back("the file " + name + " cannot be read: its materials are shown in grey");
   }

@@ -3,11 +3,14 @@
 #pragma once
 
 #include <assimp/Importer.hpp>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "render/scene/io/mesh_files.h"
+#include "render/scene/io/mesh_limits.h"
 
 struct aiScene;
 
@@ -37,8 +40,8 @@ class MeshImport {
     return *scene;
   }
 
-  /// A sentence for each file that was asked for and is missing.
-  std::vector<std::string> missing() const;
+  /// A sentence for each file that was asked for and is missing, and for what was left out.
+  std::vector<std::string> remarks() const;
 
  private:
   bool readFile();
@@ -46,6 +49,8 @@ class MeshImport {
 
   std::filesystem::path path_;
   std::string compression_;
+  std::optional<StatedTriangles> stated_;
+  std::vector<std::string> remarks_;
   Assimp::Importer importer_;
   MeshFiles* files_ = new MeshFiles;  // belongs to the importer
 };

@@ -25,6 +25,8 @@ constexpr int kMaxNodeDepth = 500;
 constexpr double kMaxInstances = 1 << 18;
 constexpr double kMaxCorners = 1 << 26;
 
+constexpr int kTriangles = 4;  // mode of a primitive; 5 and 6 are strips and fans
+
 /// The parts of a glTF that decide how large its scene becomes.
 class SceneGraph {
  public:
@@ -61,6 +63,26 @@ class SceneGraph {
       refuseAbove(instances, kMaxInstances, "instances of nodes");
       refuseAbove(corners, kMaxCorners, "corners of triangles");
     }
+  }
+
+  /// Absent if a part consists of points or lines.
+  std::optional<StatedTriangles> statedTriangles() const {
+    StatedTriangles stated;
+    for (const auto& [key, mesh] : items("meshes")) {
+      if (!mesh->is_object() || !mesh->contains("primitives")) continue;
+      for (const Json& primitive : mesh->at("primitives")) {
+        if (!primitive.is_object() || !primitive.contains("attributes")) return std::nullopt;
+        const Json mode = primitive.value("mode", Json(kTriangles));
+        if (!mode.is_number_integer() || mode < kTriangles) return std::nullopt;
+        const auto corners = static_cast<std::uint64_t>(
+            primitive.contains("indices") ? countOf(primitive, "indices")
+                                          : countOf(primitive.at("attributes"), "POSITION"));
+        stated.triangles +=
+            mode == kTriangles ? corners / 3 : std::max<std::uint64_t>(corners, 2) - 2;
+        ++stated.parts;
+      }
+    }
+    return stated;
   }
 
  private:
@@ -193,18 +215,20 @@ class SceneGraph {
 
 }  // namespace
 
-void refuseHostileMesh(const std::filesystem::path& path) {
+std::optional<StatedTriangles> refuseHostileMesh(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) {
     throw InputError(path.string(), "cannot be read");
   }
-  if (!isGltf(path)) return;
+  if (!isGltf(path)) return std::nullopt;
   std::string text = gltfJson(path);
   if (const int depth = jsonDepth(text); depth > kMaxJsonDepth) {
     throw InputError(path.string(), "its JSON nests " + std::to_string(depth) +
                                         " deep: expected at most " + std::to_string(kMaxJsonDepth));
   }
-  SceneGraph(path, std::move(text)).refuseTooLarge();
+  SceneGraph graph(path, std::move(text));
+  graph.refuseTooLarge();
+  return graph.statedTriangles();
 }
 
 }  // namespace foci

@@ -15,6 +15,7 @@
 #include "base/input_error.h"
 #include "base/quiet_stderr.h"
 #include "base/text.h"
+#include "render/scene/io/gltf_json.h"
 #include "render/scene/io/image_header.h"
 
 namespace foci {
@@ -78,6 +79,9 @@ std::optional<fs::path> textureFile(const fs::path& mesh, std::string name) {
   const fs::path folder = mesh.parent_path(), stated = folder / name;
   std::error_code ignored;
   if (fs::exists(stated, ignored) && !fs::is_directory(stated, ignored)) return stated;
+  if (isGltf(mesh)) {  // names are URIs
+    if (std::string plain = percentDecoded(name); plain != name) return textureFile(mesh, plain);
+  }
   const std::string bare = lower(fs::path(name).filename().string());
   if (bare.empty()) return std::nullopt;
   if (auto beside = entryOf(folder, bare)) return beside;

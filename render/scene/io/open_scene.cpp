@@ -105,6 +105,11 @@ SceneFile readScene(const std::filesystem::path& path, std::uint64_t checked_B) 
   if (!std::filesystem::exists(path, ignored)) throw InputError(path.string(), "no such file");
   requireRegularFile(path);
   if (isSceneFile(path)) return {path, readSceneFile(path, checked_B)};
+  if (lowerExtension(path) == ".foci") {
+    throw InputError(path.string(),
+                     "is no prepared scene: expected FOCI in its first bytes; foci prepare makes "
+                     "one");
+  }
   if (isOffFile(path)) {
     return std::visit([&](auto read) { return SceneFile{path, std::move(read)}; }, readOff(path));
   }

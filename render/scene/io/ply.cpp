@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <string>
@@ -105,6 +103,7 @@ class Layout {
 
   const std::vector<Column>& columns() const { return columns_; }
   bool fixedSize() const { return fixed_size_; }
+  bool hasFloats() const { return !fine_; }  // positions
   std::size_t recordBytes() const { return record_bytes_; }
 
   void reserve(PointCloud& points, std::size_t count) const {
@@ -216,70 +215,6 @@ class Layout {
   std::size_t record_bytes_ = 0;
 };
 
-template <typename T>
-double load(const unsigned char* bytes, bool swap) {
-  std::array<unsigned char, sizeof(T)> raw;
-  std::memcpy(raw.data(), bytes, sizeof(T));
-  if (swap) std::reverse(raw.begin(), raw.end());
-  return static_cast<double>(std::bit_cast<T>(raw));
-}
-
-double loadScalar(const unsigned char* bytes, Scalar type, bool swap) {
-  switch (type) {
-    case Scalar::int8:
-      return load<std::int8_t>(bytes, false);
-    case Scalar::uint8:
-      return load<std::uint8_t>(bytes, false);
-    case Scalar::int16:
-      return load<std::int16_t>(bytes, swap);
-    case Scalar::uint16:
-      return load<std::uint16_t>(bytes, swap);
-    case Scalar::int32:
-      return load<std::int32_t>(bytes, swap);
-    case Scalar::uint32:
-      return load<std::uint32_t>(bytes, swap);
-    case Scalar::float32:
-      return load<float>(bytes, swap);
-    case Scalar::float64:
-      return load<double>(bytes, swap);
-  }
-  return 0.0;
-}
-
-bool mustSwap(Format format) {
-  return (format == Format::big) == (std::endian::native == std::endian::little);
-}
-
-void skipList(Input& input, const Property& property, bool swap) {
-  const double items =
-      loadScalar(input.take(ply::sizeOf(property.count_type)), property.count_type, swap);
-  const double bytes = items * static_cast<double>(ply::sizeOf(property.type));
-  if (items < 0.0 || bytes > static_cast<double>(input.remaining())) {
-    throw InputError(input.name(), "byte " + std::to_string(input.offset()) + ": list " +
-                                       property.name + " has " +
-                                       std::to_string(static_cast<std::int64_t>(items)) +
-                                       " items, more than the file has room for");
-  }
-  input.skip(static_cast<std::uint64_t>(bytes));
-}
-
-void skipElement(Input& input, const Element& element, Header& header) {
-  for (std::uint64_t i = 0; i < element.count; ++i) {
-    if (header.format == Format::ascii) {
-      ++header.lines;
-      input.line();
-      continue;
-    }
-    for (const Property& property : element.properties) {
-      if (property.list) {
-        skipList(input, property, mustSwap(header.format));
-      } else {
-        input.skip(ply::sizeOf(property.type));
-      }
-    }
-  }
-}
-
 void readBinary(Input& input, const Layout& layout, std::uint64_t count, bool swap,
                 PointCloud& points, ScanPositions& positions) {
   Vertex vertex{};
@@ -291,12 +226,12 @@ void readBinary(Input& input, const Layout& layout, std::uint64_t count, bool sw
     for (const Column& column : layout.columns()) {
       const std::size_t size = ply::sizeOf(column.property.type);
       if (column.property.list) {
-        skipList(input, column.property, swap);
+        ply::skipList(input, column.property, swap);
         continue;
       }
       if (!layout.fixedSize()) bytes = input.take(size);
       if (column.slot) {
-        vertex[*column.slot] = loadScalar(bytes, column.property.type, swap) * column.scale;
+        vertex[*column.slot] = ply::scalarAt(bytes, column.property.type, swap) * column.scale;
       }
       bytes += size;
     }
@@ -362,8 +297,15 @@ PointCloud readPly(const std::filesystem::path& path) {
   Header header = ply::readHeader(input);
   PointCloud points;
   for (const Element& element : header.elements) {
+    if (element.name.starts_with("tristrip") && element.count > 0) {
+      throw InputError(input.name(),
+                       "has triangle strips, which foci does not read: MeshLab can save it with "
+                       "faces");
+    }
+  }
+  for (const Element& element : header.elements) {
     if (element.name != "vertex") {
-      skipElement(input, element, header);
+      ply::skipElement(input, element, header);
       continue;
     }
     const Layout layout(element, input.name());
@@ -372,7 +314,7 @@ PointCloud readPly(const std::filesystem::path& path) {
     if (header.format == Format::ascii) {
       readAscii(input, layout, element.count, header, points, positions);
     } else {
-      readBinary(input, layout, element.count, mustSwap(header.format), points, positions);
+      readBinary(input, layout, element.count, ply::mustSwap(header.format), points, positions);
     }
     if (points.size() == 0) {
       throw InputError(input.name(), points.dropped == 0
@@ -381,10 +323,22 @@ PointCloud readPly(const std::filesystem::path& path) {
                                                " points has a finite position");
     }
     positions.finish();
+    if (layout.hasFloats() && points.size() > 1 && losesDetail(points.position_m)) {
+      points.remarks.emplace_back(
+          "the points are so far from the origin that floats lose their detail: save them with "
+          "coordinates in doubles, or nearer to the origin");
+    }
     if (std::all_of(points.color.begin(), points.color.end(),
                     [](const glm::vec3& color) { return color == glm::vec3(0.0f); })) {
       points.color.assign(points.size(), glm::vec3(kUncolouredLight));
       points.remarks.push_back("all colours are 0: shown in grey");
+    }
+    remarkDark(points);
+    if (!points.opacity.empty() && std::all_of(points.opacity.begin(), points.opacity.end(),
+                                               [](float opacity) { return opacity == 0.0f; })) {
+      points.remarks.push_back(
+          "the opacity of all points is 0, so none is seen: leave out the property alpha or "
+          "opacity to see them");
     }
     return points;
   }

@@ -1,6 +1,7 @@
 #include "render/scene/io/ply_header.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <optional>
 
@@ -94,6 +95,14 @@ void checkCounts(const Header& header, const Input& input) {
   }
 }
 
+template <typename T>
+double load(const unsigned char* bytes, bool swap) {
+  std::array<unsigned char, sizeof(T)> raw;
+  std::memcpy(raw.data(), bytes, sizeof(T));
+  if (swap) std::reverse(raw.begin(), raw.end());
+  return static_cast<double>(std::bit_cast<T>(raw));
+}
+
 }  // namespace
 
 std::size_t sizeOf(Scalar type) {
@@ -158,6 +167,61 @@ std::string_view Input::line() {
   std::string_view text(reinterpret_cast<const char*>(data), length);
   if (text.ends_with('\r')) text.remove_suffix(1);
   return text;
+}
+
+double scalarAt(const unsigned char* bytes, Scalar type, bool swap) {
+  switch (type) {
+    case Scalar::int8:
+      return load<std::int8_t>(bytes, false);
+    case Scalar::uint8:
+      return load<std::uint8_t>(bytes, false);
+    case Scalar::int16:
+      return load<std::int16_t>(bytes, swap);
+    case Scalar::uint16:
+      return load<std::uint16_t>(bytes, swap);
+    case Scalar::int32:
+      return load<std::int32_t>(bytes, swap);
+    case Scalar::uint32:
+      return load<std::uint32_t>(bytes, swap);
+    case Scalar::float32:
+      return load<float>(bytes, swap);
+    case Scalar::float64:
+      return load<double>(bytes, swap);
+  }
+  return 0.0;
+}
+
+bool mustSwap(Format format) {
+  return (format == Format::big) == (std::endian::native == std::endian::little);
+}
+
+void skipList(Input& input, const Property& property, bool swap) {
+  const double items = scalarAt(input.take(sizeOf(property.count_type)), property.count_type, swap);
+  const double bytes = items * static_cast<double>(sizeOf(property.type));
+  if (items < 0.0 || bytes > static_cast<double>(input.remaining())) {
+    throw InputError(input.name(), "byte " + std::to_string(input.offset()) + ": list " +
+                                       property.name + " has " +
+                                       std::to_string(static_cast<std::int64_t>(items)) +
+                                       " items, more than the file has room for");
+  }
+  input.skip(static_cast<std::uint64_t>(bytes));
+}
+
+void skipElement(Input& input, const Element& element, Header& header) {
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    if (header.format == Format::ascii) {
+      ++header.lines;
+      input.line();
+      continue;
+    }
+    for (const Property& property : element.properties) {
+      if (property.list) {
+        skipList(input, property, mustSwap(header.format));
+      } else {
+        input.skip(sizeOf(property.type));
+      }
+    }
+  }
 }
 
 Header readHeader(Input& input) {

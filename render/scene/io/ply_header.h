@@ -77,4 +77,14 @@ class Input {
 /// @throws InputError with file and line
 Header readHeader(Input& input);
 
+/// Whether the bytes of values are in the other order than this machine's.
+bool mustSwap(Format format);
+double scalarAt(const unsigned char* bytes, Scalar type, bool swap);
+
+/// Moves behind a list of a binary file. @throws InputError if the file has no room for it
+void skipList(Input& input, const Property& property, bool swap);
+
+/// Moves behind an element. Counts the lines of an ASCII file.
+void skipElement(Input& input, const Element& element, Header& header);
+
 }  // namespace foci::ply

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/quantile.h"
@@ -51,6 +52,28 @@ bool ScanPositions::appendInPlace(const glm::dvec3& p) {
 void ScanPositions::finish() const {
   if (!origin_) return;
   if (auto remark = originRemark(*origin_)) points_.remarks.push_back(std::move(*remark));
+}
+
+bool losesDetail(std::span<const glm::vec3> position) {
+  constexpr float kStepsShown = 1 << 13;  // across the scene; a screen has fewer columns
+  glm::vec3 low(position[0]), high(low);
+  for (const glm::vec3& p : position) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const glm::vec3 far = glm::max(glm::abs(low), glm::abs(high)), size = high - low;
+  const float step = std::max({far.x, far.y, far.z}) * std::numeric_limits<float>::epsilon();
+  return step * kStepsShown > std::max({size.x, size.y, size.z});
+}
+
+void remarkDark(PointCloud& points) {
+  constexpr float kDark = 0.125f;  // of the range, in sRGB code values; chosen by hand
+  float brightest = 0.0f;
+  for (const glm::vec3& c : points.color) brightest = std::max({brightest, c.x, c.y, c.z});
+  if (brightest <= 0.0f || brightest >= linearFromSrgb(kDark)) return;
+  points.remarks.emplace_back(
+      "its colours use less than an eighth of their range, so the scene is nearly black: if the "
+      "range is another, scale them");
 }
 
 std::vector<glm::vec3> greyOf(const std::vector<float>& intensity) {

@@ -4,6 +4,7 @@
 
 #include <glm/glm.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,13 @@ class ScanPositions {
   PointCloud& points_;
   std::optional<glm::dvec3> origin_;
 };
+
+/// Whether places, not empty, are so far from the origin that the steps between floats there are
+/// wider than what a screen shows of them.
+bool losesDetail(std::span<const glm::vec3> position);
+
+/// Adds a remark if the colours use a small part of their range only, and so are nearly black.
+void remarkDark(PointCloud& points);
 
 /// Shows intensities as grey. The 1 % quantile becomes black and the 99 % quantile white, in sRGB
 /// code values. Equal intensities become the colour of points without one.

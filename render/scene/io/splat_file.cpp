@@ -67,8 +67,19 @@ bool isSplatFile(const std::filesystem::path& path) {
 
 GaussianFile readSplatFile(const std::filesystem::path& path) {
   const FileBytes bytes(path);
+  const std::size_t looked_at = std::min(bytes.size() / kRecord, kRecordsLookedAt);
+  std::size_t sound = 0;
+  for (std::size_t i = 0; i < looked_at; ++i) {
+    sound += isSound(gaussianOf(bytes.part(i * kRecord, kRecord))) ? 1 : 0;
+  }
+  const bool is_text = std::all_of(bytes.all().begin(), bytes.all().end(), isText);
+  if (2 * sound <= looked_at || is_text) {  // of a damaged file, most records are sound
+    throw InputError(bytes.name(),
+                     "is no .splat file: expected records of 32 bytes, each with a rotation of "
+                     "length 1");
+  }
   if (bytes.size() % kRecord != 0) {
-    throw InputError(bytes.name(), "is no .splat file: " + std::to_string(bytes.size()) +
+    throw InputError(bytes.name(), "is cut off: " + std::to_string(bytes.size()) +
                                        " bytes: expected a multiple of 32");
   }
   GaussianFile file{.format = "splat"};

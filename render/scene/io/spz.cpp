@@ -100,7 +100,8 @@ class Gunzip {
       const int result = inflate(&stream_, Z_NO_FLUSH);
       done += part - stream_.avail_out;
       const bool stuck = stream_.avail_out == part;
-      if (result == Z_STREAM_END ? done < count : result != Z_OK || stuck) throw damaged();
+      if (result == Z_BUF_ERROR || (result == Z_OK && stuck)) throw cutOff();
+      if (result == Z_STREAM_END ? done < count : result != Z_OK) throw damaged();
     }
     return bytes;
   }
@@ -114,13 +115,17 @@ class Gunzip {
       stream_.avail_out = static_cast<uInt>(block.size());
       const int result = inflate(&stream_, Z_NO_FLUSH);
       if (result == Z_STREAM_END) return;
+      if (result == Z_BUF_ERROR) throw cutOff();
       if (result != Z_OK || stream_.avail_out == block.size()) throw damaged();
     }
   }
 
  private:
   InputError damaged() const {
-    return {file_.name(), "is damaged: its gzip stream ends early or is no gzip stream"};
+    return {file_.name(), "is damaged: its gzip stream is broken, or shorter than its header says"};
+  }
+  InputError cutOff() const {
+    return {file_.name(), "is damaged: the file ends before its gzip stream does"};
   }
   const FileBytes& file_;
   z_stream stream_{};

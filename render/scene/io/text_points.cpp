@@ -50,6 +50,31 @@ void splitInto(TextWords& words, std::string_view line) {
   }
 }
 
+std::string_view withoutByteOrderMark(std::string_view line) {
+  constexpr std::string_view kUtf8 = "\xef\xbb\xbf";
+  if (line.starts_with(kUtf8)) line.remove_prefix(kUtf8.size());
+  return line;
+}
+
+/// The first word between blanks or semicolons with one comma between two digits, as 0,5; empty if
+/// there is none, or if commas alone separate the columns.
+std::string_view decimalComma(std::string_view line) {
+  constexpr std::string_view kBetween = " \t;";
+  const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
+  if (line.find_first_of(kBetween) == std::string_view::npos) return {};
+  for (std::size_t at = 0; (at = line.find_first_not_of(kBetween, at)) != std::string_view::npos;) {
+    const std::size_t end = std::min(line.find_first_of(kBetween, at), line.size());
+    const std::string_view word = line.substr(at, end - at);
+    const std::size_t comma = word.find(',');
+    if (comma != std::string_view::npos && comma == word.rfind(',') && comma > 0 &&
+        comma + 1 < word.size() && isDigit(word[comma - 1]) && isDigit(word[comma + 1])) {
+      return word;
+    }
+    at = end;
+  }
+  return {};
+}
+
 /// A number, "nan" and "inf" among them.
 std::optional<double> numberOf(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
@@ -93,7 +118,7 @@ std::optional<TextColumns> columnsNamed(const TextWords& words) {
 /// The columns of a file without names, by their number.
 TextColumns columnsOf(std::size_t count, bool counted) {
   TextColumns columns{.count = count};
-  if (count == 4 || count == 5 || (count == 7 && counted)) columns.intensity = 3;
+  if (count == 4 || (count == 7 && counted)) columns.intensity = 3;
   if (count >= 6) columns.triples[0] = {3, 4, 5};
   if (count == 7 && counted) columns.triples[0] = {4, 5, 6};
   if (count >= 9) columns.triples[1] = {6, 7, 8};
@@ -125,7 +150,8 @@ class TextPointsReader {
     if (input_.remaining() == 0) throw InputError(input_.name(), "is empty");
     while (input_.remaining() > 0) {
       ++line_;
-      takeLine(trimmed(input_.line()));
+      const std::string_view line = input_.line();
+      takeLine(trimmed(line_ == 1 ? withoutByteOrderMark(line) : line));
     }
     if (counted_ && rows_ < *counted_) {
       throw InputError(where(), "ends after " + std::to_string(rows_) + " of " +
@@ -161,6 +187,12 @@ class TextPointsReader {
         return;
       }
     }
+    if (const std::string_view word = decimalComma(line); !word.empty()) {
+      throw InputError(where(),
+                       shown(word) +
+                           " is a number with a decimal comma, or two columns: write "
+                           "decimal points (sed 's/,/./g'), or separate all columns alike");
+    }
     takeRow();
   }
 
@@ -173,7 +205,16 @@ class TextPointsReader {
     }
     if (!columns_) {
       if (row_.size() < 3) throw InputError(where(), "expected x y z, a point in each line");
+      if (row_.size() == 5) {
+        throw InputError(where(),
+                         "has 5 columns without names: put a line of names before the points, e.g. "
+                         "x y z intensity class");
+      }
       columns_ = columnsOf(row_.size(), counted_.has_value());
+      if (const std::size_t used = row_.size() < 9 ? 6 : 9; row_.size() > 7 && row_.size() > used) {
+        points_.remarks.push_back("the columns after the first " + std::to_string(used) +
+                                  " have no names: left out");
+      }
     }
     if (row_.size() != columns_->count) {
       throw InputError(where(), "has " + std::to_string(row_.size()) + " numbers: expected " +
@@ -234,6 +275,7 @@ class TextPointsReader {
       c = {linearFromSrgb(c.x / white), linearFromSrgb(c.y / white), linearFromSrgb(c.z / white)};
     }
     points_.color = std::move(triple.values);
+    remarkDark(points_);
   }
 
   ply::Input input_;
@@ -252,8 +294,9 @@ class TextPointsReader {
 bool startsWithPoints(const std::filesystem::path& path) {
   ply::Input input(path);
   TextWords words;
-  while (input.remaining() > 0) {
-    const std::string_view line = trimmed(input.line());
+  for (bool first = true; input.remaining() > 0; first = false) {
+    std::string_view line = input.line();
+    line = trimmed(first ? withoutByteOrderMark(line) : line);
     if (line.empty() || isComment(line)) continue;
     splitInto(words, line);
     return !words.empty() && (numberOf(words[0]) || columnsNamed(words));

@@ -88,7 +88,12 @@ TEST(ViewRemarks, ScenesThatAreTooWideOrTooNarrowAreSaid) {
   const std::string wide = remarkOn(studyFrom({0, 0, 4000}, {0, 0, 0}), sphere(800.0f));
   EXPECT_TRUE(has(wide, "1600 m wide") && has(wide, "scene.scale_m")) << wide;
   const std::string narrow = remarkOn(studyFrom({0, 0, 0.1}, {0, 0, 0}), sphere(2e-6f));
-  EXPECT_TRUE(has(narrow, "too small") && has(narrow, "scene.scale_m")) << narrow;
+  EXPECT_TRUE(has(narrow, "too small") && has(narrow, "set scene.scale_m")) << narrow;
+  // foci itself stands this near, and the image begins behind the scene.
+  Study tiny = studyFrom({0, 0, 2e-6}, {0, 0, 0});
+  tiny.scene.scale_m = 1e6;
+  const std::string smallest = remarkOn(tiny, sphere(2e-7f));
+  EXPECT_TRUE(has(smallest, "scene.scale_m is at its limit")) << smallest;
 }
 
 TEST(MemoryRemark, NamesTheMethodItsMemoryAndTheMethodsThatTakeLess) {

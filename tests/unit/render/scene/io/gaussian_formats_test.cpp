@@ -178,6 +178,36 @@ TEST(GaussianFormats, SayWhatIsWrong) {
   EXPECT_NE(refusalOf(packed.substr(0, packed.size() - 20)).find("is damaged"), std::string::npos);
 }
 
+TEST(GaussianFormats, SayWhatIsWrongWithADamagedFileOfTheirExtension) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const char* name, const std::string& bytes) -> std::string {
+    try {
+      readGaussians(folder.write(name, bytes));
+      return "read";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  std::string record(32, '\0');
+  record[28] = static_cast<char>(255);  // a rotation of length 1: w, 0, 0, 0
+  for (const std::size_t at : {29u, 30u, 31u}) record[at] = static_cast<char>(128);
+  const std::string four = record + record + record + record;
+  EXPECT_EQ(refusal("a.splat", four), "read");
+  EXPECT_TRUE(has(refusal("a.splat", four + "cut"), "is cut off: 131 bytes"));
+  std::string one_bad = four;
+  one_bad[28] = static_cast<char>(128);
+  EXPECT_EQ(refusal("a.splat", one_bad), "read");
+  EXPECT_TRUE(has(refusal("a.splat", std::string(96, 'x')), "is no .splat file"));
+  EXPECT_TRUE(has(refusal("a.splat", ""), "is no .splat file"));
+  EXPECT_TRUE(has(refusal("a.spz", std::string(99, 'x')), "is no SPZ file: expected NGSP"));
+  EXPECT_TRUE(has(refusal("a.ksplat", std::string(9999, 'x')), "is no .ksplat file"));
+  const std::string packed = gzipped(spzFile(3, 1));
+  EXPECT_TRUE(has(refusal("a.spz", packed.substr(0, packed.size() - 20)), "the file ends before"));
+}
+
 TEST(GaussianFormats, LeaveOutGaussiansThatAreNotFinite) {
   std::string file = gaussianPly(0);
   const float nan = std::numeric_limits<float>::quiet_NaN();

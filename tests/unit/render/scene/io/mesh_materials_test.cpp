@@ -153,6 +153,22 @@ TEST_F(MeshMaterials, TextureTransformOfGltfScalesThenTurnsThenMoves) {
             kByte);
 }
 
+TEST_F(MeshMaterials, NamesInAGltfMayBePercentEncoded) {
+  writeQuarters(folder_.path() / "a tü.png");
+  const float data[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
+  write("my bü.bin", std::string(reinterpret_cast<const char*>(data), sizeof(data)));
+  std::string text = gltf("");
+  text.replace(text.find("t.png"), 5, "a%20t%C3%BC.png");
+  text.replace(text.find("b.bin"), 5, "my%20b%c3%bc.bin");
+  const MeshFile encoded = readMesh(write("m.gltf", text));
+  EXPECT_TRUE(encoded.mesh.remarks.empty());
+  EXPECT_LT(glm::distance(colorOf(encoded), glm::vec3(1, 0, 0)), kByte);
+  EXPECT_TRUE(encoded.facts.materials.at(0).textures.at(0).found);
+  // A file of the very name comes first.
+  write("my%20b%c3%bc.bin", std::string(60, '\0'));
+  EXPECT_NE(refusal(folder_.path() / "m.gltf"), "");
+}
+
 TEST_F(MeshMaterials, RepeatsAndFlatTrianglesAreLeftOut) {
   const std::string repeated = kTriangle + "f 2/2 3/3 1/1\nf 3/3 2/2 1/1\nv 9 9 9\nf 4/1 4/1 4/1\n";
   const MeshFile file = readMesh(write("m.obj", repeated));
@@ -181,6 +197,29 @@ TEST_F(MeshMaterials, DetailThatFloatsLoseIsNamed) {
 TEST_F(MeshMaterials, ExtensionsMayHaveAnyCase) {
   write("m.mtl", "newmtl m\n");
   EXPECT_EQ(meshCompanions(write("m.Obj", "mtllib m.mtl\n")).size(), 1u);
+}
+
+TEST_F(MeshMaterials, BlackMaterialsThatEmitLightHaveItsColour) {
+  write("m.mtl", "newmtl m\nKd 0 0 0\nKe 0 1 0\n");
+  const MeshFile green = readMesh(write("m.obj", "mtllib m.mtl\n" + kTriangle));
+  EXPECT_LT(glm::distance(colorOf(green), glm::vec3(0, 1, 0)), kByte);
+  EXPECT_TRUE(remarks(green, "light nothing else"));
+  write("m.mtl", "newmtl m\nKd 1 0 0\nKe 0 1 0\n");
+  const MeshFile red = readMesh(write("n.obj", "mtllib m.mtl\n" + kTriangle));
+  EXPECT_LT(glm::distance(colorOf(red), glm::vec3(1, 0, 0)), kByte);
+  EXPECT_TRUE(red.mesh.remarks.empty());
+
+  writeQuarters(folder_.path() / "t.png");
+  const float data[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
+  write("b.bin", std::string(reinterpret_cast<const char*>(data), sizeof(data)));
+  std::string text = gltf("");
+  const std::string base = R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}})";
+  text.replace(text.find(base), base.size(),
+               R"("pbrMetallicRoughness":{"baseColorFactor":[0,0,0,1]},"emissiveFactor":[1,1,1],)"
+               R"("emissiveTexture":{"index":0})");
+  const MeshFile textured = readMesh(write("m.gltf", text));
+  EXPECT_LT(glm::distance(colorOf(textured), glm::vec3(1, 0, 0)), kByte);
+  EXPECT_TRUE(textured.facts.has_colors);
 }
 
 TEST_F(MeshMaterials, ZerosBesidePointsAreNoColour) {

@@ -119,6 +119,32 @@ TEST_F(PlyTest, ReadsShuffledAscii) {
       "65535 4e0 1 9 -2 51 0 0 2 0 2.25 .125 0\r\n  65535 5 2 9 9 -3 51\t0 0 +2 0 2.25 0.125 0 "));
 }
 
+TEST_F(PlyTest, RemarksPointsThatAreNotSeen) {
+  const std::string start =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty "
+      "float z\n";
+  const std::string color = "property ushort red\nproperty ushort green\nproperty ushort blue\n";
+  const PointCloud dark = read(start + color + "end_header\n0 0 0 200 0 0\n1 0 0 0 50 0\n");
+  ASSERT_EQ(dark.remarks.size(), 1u);
+  EXPECT_NE(dark.remarks[0].find("nearly black"), std::string::npos);
+  const PointCloud clear = read(start + "property uchar alpha\nend_header\n0 0 0 0\n1 0 0 0\n");
+  ASSERT_EQ(clear.remarks.size(), 1u);
+  EXPECT_NE(clear.remarks[0].find("opacity of all points is 0"), std::string::npos);
+  EXPECT_TRUE(read(start + "property uchar alpha\nend_header\n0 0 0 0\n1 0 0 9\n").remarks.empty());
+}
+
+TEST_F(PlyTest, RemarksDetailThatFloatsLose) {
+  const auto remarks = [&](const std::string& type, const std::string& east) {
+    std::string text = "ply\nformat ascii 1.0\nelement vertex 2\n";
+    for (const char* axis : {"x", "y", "z"}) text += "property " + type + " " + axis + "\n";
+    return read(text + "end_header\n" + east + "00 0 0\n" + east + "02 0 0\n").remarks;
+  };
+  ASSERT_EQ(remarks("float", "54123").size(), 1u);
+  EXPECT_NE(remarks("float", "54123")[0].find("floats lose their detail"), std::string::npos);
+  EXPECT_TRUE(remarks("float", "").empty());
+  EXPECT_EQ(remarks("double", "54123")[0].find("floats lose"), std::string::npos);
+}
+
 TEST_F(PlyTest, FollowsTheStandardOfColours) {
   const PointCloud points = read(
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float "

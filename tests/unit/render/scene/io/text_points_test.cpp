@@ -49,6 +49,13 @@ TEST_F(TextPoints, ColoursHaveTheRangeOfTheWholeFile) {
   EXPECT_FLOAT_EQ(read("0 0 0 65535 0 0\n1 0 0 0 1 0\n").color[0].x, 1.0f);
 }
 
+TEST_F(TextPoints, ColoursOfASmallPartOfTheirRangeGetARemark) {
+  const PointCloud ten_bits = read("0 0 0 1023 0 0\n1 0 0 0 1 0\n");
+  ASSERT_EQ(ten_bits.remarks.size(), 1u);
+  EXPECT_TRUE(has(ten_bits.remarks[0], "nearly black"));
+  EXPECT_TRUE(read("0 0 0 9000 0 0\n1 0 0 0 1 0\n").remarks.empty());
+}
+
 TEST_F(TextPoints, TriplesOfLengthOneAreNormals) {
   const PointCloud points = read("0 0 0 0 0.6 0.8\n1 0 0 0 0 -1\n2 0 0 0 0 0\n");
   ASSERT_EQ(points.normal.size(), 3u);
@@ -114,6 +121,35 @@ TEST_F(TextPoints, RefusesBadLinesByNumber) {
                       return many;
                     }()),
             "");
+}
+
+TEST_F(TextPoints, RefusesDecimalCommas) {
+  for (const char* text : {"0,5 1,5 2,5\n", "0,5\t1,5\t2,5\t200\t100\t50\n", "0,5;1,5;2\n"}) {
+    EXPECT_TRUE(has(refusal(text), ":1: \"0,5\" is a number with a decimal comma")) << text;
+  }
+  for (const char* text : {"1,2,3\n", "1, 2, 3\n", "1,2,3 \n", "1 , 2 , 3\n", "1;2;3\n"}) {
+    EXPECT_EQ(read(text).position_m.at(0), glm::vec3(1, 2, 3)) << text;
+  }
+}
+
+TEST_F(TextPoints, AByteOrderMarkIsNoColumn) {
+  EXPECT_EQ(read("\xef\xbb\xbf"
+                 "1 2 3\n")
+                .position_m.at(0),
+            glm::vec3(1, 2, 3));
+  const auto named = scratch.write("p.txt", "\xef\xbb\xbfx z y\n1 2 3\n");
+  EXPECT_TRUE(isScene(named));
+  EXPECT_EQ(readTextPoints(named).position_m.at(0), glm::vec3(1, 3, 2));
+}
+
+TEST_F(TextPoints, ColumnsWithoutNamesAreNotGuessed) {
+  EXPECT_TRUE(has(refusal("0 0 0 3 4\n"), "5 columns without names"));
+  EXPECT_EQ(read("x y z i class\n0 0 0 3 4\n").size(), 1u);
+  const PointCloud eight = read("0 0 0 255 0 0 7 8\n");
+  ASSERT_EQ(eight.remarks.size(), 1u);
+  EXPECT_TRUE(has(eight.remarks[0], "after the first 6"));
+  EXPECT_TRUE(read("0 0 0 255 0 0 7\n").remarks.empty());
+  EXPECT_TRUE(read("0 0 0 255 0 0 0 0 1\n").remarks.empty());
 }
 
 TEST_F(TextPoints, ATxtFileIsASceneIfItBeginsWithPoints) {

@@ -1,0 +1,140 @@
+#include "render/scene/io/ply_faces.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "base/input_error.h"
+#include "base/text.h"
+#include "render/scene/io/ply_header.h"
+
+namespace foci {
+namespace {
+
+using ply::Element;
+using ply::Property;
+
+bool isCorners(const Property& property) {
+  return property.list && (property.name == "vertex_indices" || property.name == "vertex_index");
+}
+
+bool hasColor(const Element& element) {
+  return std::any_of(element.properties.begin(), element.properties.end(),
+                     [](const Property& p) { return p.name == "red" || p.name == "r"; });
+}
+
+class FaceCheck {
+ public:
+  explicit FaceCheck(const std::filesystem::path& path)
+      : input_(path), header_(ply::readHeader(input_)) {}
+
+  std::vector<std::string> remarks() {
+    bool vertex_colors = false, face_colors = false;
+    for (const Element& element : header_.elements) {
+      if (element.name == "vertex") {
+        vertices_ = element.count;
+        vertex_colors = hasColor(element);
+      }
+      if (element.name == "face") face_colors = hasColor(element);
+    }
+    for (const Element& element : header_.elements) {
+      if (header_.format == ply::Format::ascii) {
+        checkText(element);
+      } else if (element.name == "face") {
+        checkBinary(element);
+      } else {
+        ply::skipElement(input_, element, header_);
+      }
+    }
+    if (!face_colors || vertex_colors) return {};
+    return {"the colours of its faces are not shown: MeshLab can transfer them to the vertices"};
+  }
+
+ private:
+  void refuseCorner(const std::string& where, double corner) const {
+    if (corner >= 0.0 && corner < static_cast<double>(vertices_)) return;
+    throw InputError(where, "a face names vertex " + decimal(corner, 0) + ": expected 0 to " +
+                                std::to_string(vertices_ - 1) + "; is the file cut off?");
+  }
+
+  void checkText(const Element& element) {
+    const auto where = [&] { return input_.name() + ":" + std::to_string(header_.lines); };
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      std::string_view line;
+      while (line.empty()) {
+        if (input_.remaining() == 0) {
+          throw InputError(input_.name(), "ends after " + std::to_string(i) + " of " +
+                                              std::to_string(element.count) + " items of element " +
+                                              shown(element.name));
+        }
+        ++header_.lines;
+        line = trimmed(input_.line());
+      }
+      if (element.name != "face") continue;
+      const auto next = [&] {
+        const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
+        std::string_view word = line.substr(0, end);
+        line = trimmed(line.substr(end));
+        double value = 0.0;
+        const auto [last, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+        if (word.empty()) throw InputError(where(), "too few values for a face");
+        if (error != std::errc() || last != word.data() + word.size()) {
+          throw InputError(where(), "expected a number, found " + shown(word));
+        }
+        return value;
+      };
+      for (const Property& property : element.properties) {
+        const double count = property.list ? next() : 1.0;
+        for (double k = 0.0; k < count; ++k) {
+          const double value = next();
+          if (isCorners(property)) refuseCorner(where(), value);
+        }
+      }
+    }
+  }
+
+  void checkBinary(const Element& element) {
+    const bool swap = ply::mustSwap(header_.format);
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      for (const Property& property : element.properties) {
+        if (property.list && !isCorners(property)) {
+          ply::skipList(input_, property, swap);
+          continue;
+        }
+        std::uint64_t count = 1;
+        if (property.list) {
+          const double stated = ply::scalarAt(input_.take(ply::sizeOf(property.count_type)),
+                                              property.count_type, swap);
+          if (stated < 0.0 || stated > static_cast<double>(input_.remaining())) {
+            throw InputError(where(i), "has " + decimal(stated, 0) +
+                                           " corners, more than the file has room for");
+          }
+          count = static_cast<std::uint64_t>(stated);
+        }
+        for (std::uint64_t k = 0; k < count; ++k) {
+          const double value =
+              ply::scalarAt(input_.take(ply::sizeOf(property.type)), property.type, swap);
+          if (isCorners(property)) refuseCorner(where(i), value);
+        }
+      }
+    }
+  }
+
+  std::string where(std::uint64_t face) const {
+    return input_.name() + ": face " + std::to_string(face + 1);
+  }
+
+  ply::Input input_;
+  ply::Header header_;
+  std::uint64_t vertices_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::string> checkPlyFaces(const std::filesystem::path& path) {
+  return FaceCheck(path).remarks();
+}
+
+}  // namespace foci

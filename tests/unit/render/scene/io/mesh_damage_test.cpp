@@ -1,0 +1,130 @@
+// Meshes of which a part is damaged: refused, or shown with a remark that counts what is left out.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "base/input_error.h"
+#include "render/scene/io/mesh.h"
+#include "render/scene/io/open_scene.h"
+#include "tests/temporary_folder.h"
+
+namespace foci {
+namespace {
+
+class MeshDamage : public testing::Test {
+ protected:
+  /// The message, or the remarks of a mesh that is read.
+  std::string said(const std::string& name, const std::string& text) {
+    try {
+      const SceneFile file = readScene(folder_.write(name, text));
+      std::string all;
+      if (const auto* mesh = std::get_if<MeshFile>(&file.content)) {
+        for (const std::string& remark : mesh->mesh.remarks) all += remark + "\n";
+      }
+      return all;
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  }
+  static bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+  }
+
+  const TemporaryFolder folder_;
+};
+
+std::string ply(const std::string& faces, const std::string& more = "") {
+  return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 2\nproperty list uchar int vertex_indices\n" +
+         more + "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n" + faces;
+}
+
+TEST_F(MeshDamage, PlyFacesThatAreCutOffAreRefused) {
+  EXPECT_EQ(said("a.ply", ply("3 0 1 2\n\n3 0 2 3\n")), "");
+  EXPECT_TRUE(has(said("a.ply", ply("3 0 1 2\n3 0 2")), "a.ply:15: too few values for a face"));
+  EXPECT_TRUE(has(said("a.ply", ply("3 0 1 2\n\n\n\n\n")), "ends after 1 of 2 items"));
+  EXPECT_TRUE(has(said("a.ply", ply("3 0 1 2\n3 0 2 4\n")),
+                  ":15: a face names vertex 4: expected "
+                  "0 to 3"));
+  EXPECT_TRUE(has(said("a.ply", ply("3 0 1 2\n3 0 2 -1\n")), "names vertex -1"));
+  EXPECT_TRUE(has(said("a.ply", ply("3 0 1 2\n3 0 2 x\n")), "expected a number, found \"x\""));
+}
+
+TEST_F(MeshDamage, BinaryPlyFacesAreChecked) {
+  const auto binary = [](int corner) {
+    const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const int index[] = {0, 1, corner};
+    return "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n"
+           "property float y\nproperty float z\nelement face 1\n"
+           "property list uchar int vertex_indices\nend_header\n" +
+           std::string(reinterpret_cast<const char*>(corners), sizeof(corners)) + '\3' +
+           std::string(reinterpret_cast<const char*>(index), sizeof(index));
+  };
+  EXPECT_EQ(said("a.ply", binary(2)), "");
+  EXPECT_TRUE(has(said("a.ply", binary(3)), "face 1: a face names vertex 3"));
+  EXPECT_TRUE(has(said("a.ply", binary(2).substr(0, binary(2).size() - 2)), "ends at byte"));
+}
+
+TEST_F(MeshDamage, PlyStripsAreRefused) {
+  std::string strips = ply("3 0 1 2\n3 0 2 3\n");
+  strips.replace(strips.find("element face"), 12, "element tristrips");
+  EXPECT_TRUE(has(said("a.ply", strips), "triangle strips"));
+}
+
+TEST_F(MeshDamage, ColoursOfPlyFacesGetARemark) {
+  const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  EXPECT_TRUE(has(said("a.ply", ply("3 0 1 2 9 9 9\n3 0 2 3 9 9 9\n", colors)),
+                  "the colours of its faces are not shown"));
+}
+
+TEST_F(MeshDamage, ColoursOfVerticesAboveOneAreRefused) {
+  EXPECT_TRUE(has(said("a.obj", "v 0 0 0 200 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"),
+                  "colour 200.000 of a vertex: expected 0 to 1"));
+  EXPECT_EQ(said("b.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"), "");
+}
+
+TEST_F(MeshDamage, CornersThatAreNotFiniteAreCounted) {
+  EXPECT_TRUE(has(said("a.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 1 3 4\n"),
+                  "1 triangle has a corner that is not finite"));
+  // Assimp reads decimal commas.
+  EXPECT_EQ(readMesh(folder_.write("c.obj", "v 0,5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"))
+                .mesh.corners_m.at(0)
+                .x,
+            0.5f);
+}
+
+/// Two triangles, the second with this corner.
+std::string gltf(int corner, const std::string& more = "") {
+  static constexpr const char* kIndex[] = {"AAABAAIAAAACAAMA", "AAABAAIAAAACAE0A"};
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+         R"("accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3",)"
+         R"("min":[0,0,0],"max":[1,1,0]},)"
+         R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":48},{"buffer":1,"byteLength":12}],)"
+         R"("buffers":[{"byteLength":48,"uri":"data:application/octet-stream;base64,)"
+         R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAA"},)"
+         R"({"byteLength":12,"uri":"data:application/octet-stream;base64,)" +
+         std::string(kIndex[corner == 3 ? 0 : 1]) + "\"}]" + more + "}";
+}
+
+TEST_F(MeshDamage, GltfTrianglesThatAssimpLeavesOutAreCounted) {
+  EXPECT_EQ(said("a.gltf", gltf(3)), "");
+  EXPECT_TRUE(has(said("b.gltf", gltf(77)), "1 triangle names a vertex that is not there"));
+}
+
+TEST_F(MeshDamage, ErrorsOfAssimpAreInOurWords) {
+  EXPECT_TRUE(has(said("a.gltf", R"({"asset":{"version":"1.0"}})"), "has no scene with nodes"));
+  EXPECT_TRUE(has(said("a.foci", "junk"), "is no prepared scene"));
+}
+
+TEST_F(MeshDamage, ExtensionsThatAGltfRequiresMustBeKnown) {
+  EXPECT_TRUE(has(said("a.gltf", gltf(3, R"(,"extensionsRequired":["KHR_foo"])")),
+                  "requires the glTF extension \"KHR_foo\""));
+  EXPECT_EQ(said("b.gltf", gltf(3, R"(,"extensionsRequired":["KHR_materials_unlit"])")), "");
+  EXPECT_EQ(said("c.gltf", gltf(3, R"(,"extensionsUsed":["KHR_foo"])")), "");
+}
+
+}  // namespace
+}  // namespace foci
