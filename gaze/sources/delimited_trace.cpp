@@ -268,6 +268,11 @@ class TableReader {
       header.assumed.push_back(
           "intervals: those of the tracker's own clock, since times are whole milliseconds");
     }
+    if (const std::string& column = layout_.unused_validity; !column.empty()) {
+      header.warnings.push_back("column " + shown(column) +
+                                " is unused: if it marks data loss, name it with gaze.confidence "
+                                "(1 is good) or gaze.blink (0 is good)");
+    }
     if (counts_rows_) {
       header.warnings.push_back(
           "times count by one: foci takes them for milliseconds, but they may be row numbers; give "

@@ -102,7 +102,10 @@ std::optional<glm::dvec2> TableRow::readPoint(std::size_t x, std::size_t y) cons
 
 bool TableRow::isTrusted(GazeSample& sample) const {
   if (layout_.confidence && !isAbsent(field(*layout_.confidence))) {
-    const auto confidence = number(*layout_.confidence);
+    const std::string_view text = field(*layout_.confidence);
+    const auto confidence = isWord(text, "true")    ? std::optional(1.0)
+                            : isWord(text, "false") ? std::optional(0.0)
+                                                    : number(*layout_.confidence);
     if (!confidence || *confidence > kMaxConfidence) {
       fail(*layout_.confidence, "expected a confidence of 0 to 1 (gaze.confidence)");
     }

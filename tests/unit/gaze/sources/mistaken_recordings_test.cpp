@@ -243,6 +243,8 @@ std::vector<Mistake> lossesAndText() {
        "gaze.missing = 0"},
       {"1e8 for loss", saidAbout(table(kXy, coded(1e8))), "gaze.missing"},
       {"all lost", saidAbout(lost), "no sample has a position"},
+      {"a column of validity", saidAbout(table(kXy + ",valid", with(1.0))), "gaze.confidence"},
+      {"a column of codes", saidAbout(table(kXy + ",validity", with(0.0))), "gaze.blink"},
       {"confidence in per cent", saidAbout(table(kXy + ",confidence", with(95.0))),
        "gaze.confidence"},
       {"confidence 0", saidAbout(table(kXy + ",confidence", with(0.0))), "gaze.confidence"},
@@ -266,6 +268,16 @@ TEST(MistakenRecordings, TheGoodOneRaisesNoDoubt) {
   EXPECT_EQ(saidAbout(table("time_s,x_norm,y_norm", mapped(fractions))), "");
   EXPECT_EQ(saidAbout(table("time_s,gaze_norm_pos_x,gaze_norm_pos_y", mapped(fractions))), "");
   EXPECT_EQ(saidAbout(table("time_s,x_deg,y_deg", mapped(degrees))), "");
+}
+
+TEST(MistakenRecordings, AColumnOfValidityIsReadIfTheStudyNamesIt) {
+  const std::string text = kXy + ",valid\n0,1,2,True\n0.01,1,2,False\n0.02,1,2,true\n";
+  TraceColumns columns;
+  columns.confidence = "valid";
+  const GazeTrace trace = readTrace(ScratchFile(text).path(), columns, kScreen);
+  EXPECT_EQ(trace.warnings, std::vector<std::string>{});
+  EXPECT_TRUE(trace.samples[0].point_px && trace.samples[2].point_px);
+  EXPECT_FALSE(trace.samples[1].point_px);
 }
 
 TEST(MistakenRecordings, NoneIsSilentAndEachNamesWhatToDo) {
