@@ -70,6 +70,11 @@ class WholeTimes {
   std::optional<double> last_{};
 };
 
+std::string pointed(std::string text) {
+  std::replace(text.begin(), text.end(), ',', '.');
+  return text;
+}
+
 bool isMetric(const Screen& screen) {
   return screen.size_px.x > 0 && screen.size_px.y > 0 && screen.size_m.x > 0.0 &&
          screen.size_m.y > 0.0 && screen.distance_m > 0.0;
@@ -253,6 +258,9 @@ class TableReader {
             "a quarter of the positions or more are negative, so they may be degrees, or pixels "
             "from the middle of the screen: give gaze.units (--units) or gaze.offset");
       }
+    }
+    if (const std::string& text = row_->decimalComma(); !text.empty()) {
+      header.assumed.push_back("decimal comma: " + shown(text) + " is " + pointed(text));
     }
     if (spread_) {
       header.warnings.push_back(

@@ -270,6 +270,21 @@ TEST(MistakenRecordings, TheGoodOneRaisesNoDoubt) {
   EXPECT_EQ(saidAbout(table("time_s,x_deg,y_deg", mapped(degrees))), "");
 }
 
+TEST(MistakenRecordings, ACommaIsDecimalUnlessItMaySeparateThousands) {
+  const auto read = [](const std::string& rows) {
+    std::vector<std::string> assumed;
+    const ScratchFile file("time_s\tx_px\ty_px\n" + rows);
+    assumed = streamTrace(file.path(), {}, kScreen, [](const GazeSample&) {}).assumed;
+    return assumed.empty() ? "" : assumed[0];
+  };
+  EXPECT_EQ(read("0,00\t410,492\t365,1\n0,01\t411\t365\n"), "decimal comma: \"0,00\" is 0.00");
+  EXPECT_EQ(read("0\t410,492\t365,100\n1\t0\t0\n2\t1,271\t365,000\n"),
+            "decimal comma: \"410,492\" is 410.492");
+  EXPECT_EQ(read("0\t410\t365\n1\t411\t366\n"), "");
+  EXPECT_THROW(read("0\t954\t365\n1\t1,271\t366\n"), InputError);
+  EXPECT_THROW(read("0\t1,271\t365\n1\t954\t366\n"), InputError);
+}
+
 TEST(MistakenRecordings, AColumnOfValidityIsReadIfTheStudyNamesIt) {
   const std::string text = kXy + ",valid\n0,1,2,True\n0.01,1,2,False\n0.02,1,2,true\n";
   TraceColumns columns;
