@@ -40,6 +40,28 @@ class PlainPositions {
   std::size_t count_ = 0, tiny_ = 0, negative_ = 0;
 };
 
+/// The decimals of each row's last number. A writer with a fixed number of them writes fewer only
+/// where the file is cut off.
+class LastDecimals {
+ public:
+  void add(std::string_view text) {
+    if (isAbsent(text)) return;
+    const std::size_t point = text.find_first_of(".,");
+    fixed_ = fixed_ && latest_ == usual_;
+    latest_ = point == text.npos ? 0 : text.size() - point - 1;
+    if (rows_++ == 0) usual_ = latest_;
+  }
+
+  /// In the latest row, if all rows before have the same number.
+  bool areFewer() const { return rows_ > kEnough && fixed_ && latest_ < usual_; }
+
+ private:
+  static constexpr std::size_t kEnough = 64;  // rows that end in no 0 by chance: a thousandth
+
+  std::size_t rows_ = 0, usual_ = 0, latest_ = 0;
+  bool fixed_ = true;
+};
+
 /// Tells samples apart whose times are whole units, faster than one a unit: each follows the one
 /// before by an even interval, within its unit. A control loop (proportional and integral,
 /// critically damped) keeps the times in the middle of their units.
@@ -108,11 +130,15 @@ class TableReader {
 
  private:
   void readLine(std::string_view line) {
-    if (broken_) throw lines_.error("follows a line that is too short");
+    if (broken_) throw *broken_;
     if (taken_ == 0 && !layout_.headless) refuseExtraFields(line);
     row_->split(line);
     // The last line may be cut off. `broken_` refuses any line behind it.
-    if ((broken_ = !row_->isComplete() && taken_ > 1 && !layout_.rows.column)) return;
+    if (!row_->isComplete() && taken_ > 1 && !layout_.rows.column) {
+      broken_ = row_->tooShort(layout_.columns - 1);
+      return;
+    }
+    if (row_->isComplete()) last_decimals_.add(row_->lastField());
     ++taken_;
     if (!row_->isSample()) return;
     readResolution();
@@ -259,6 +285,13 @@ class TableReader {
             "from the middle of the screen: give gaze.units (--units) or gaze.offset");
       }
     }
+    if (broken_) {
+      header.warnings.push_back("the last line is cut off and left out: is the file complete?");
+    } else if (!lines_.isEnded() && last_decimals_.areFewer()) {
+      header.warnings.push_back(
+          "the last line has no end and fewer decimals than the others, so it may be cut off: is "
+          "the file complete?");
+    }
     if (const std::string& text = row_->decimalComma(); !text.empty()) {
       header.assumed.push_back("decimal comma: " + shown(text) + " is " + pointed(text));
     }
@@ -305,9 +338,15 @@ class TableReader {
     const bool repeats =
         last_time_ && sample.time_s == *last_time_ && sample.time_s == std::floor(sample.time_s);
     if (last_time_ && sample.time_s <= *last_time_) {
-      const InputError error = lines_.error("time " + shown(row_->field(*layout_.time)) +
-                                            " is not after the sample before");
-      if (!repeats || (settled_ && !spread_)) throw error;
+      const bool equal = sample.time_s == *last_time_;
+      const InputError error = lines_.error(
+          "time " + shown(row_->field(*layout_.time)) + " is not after the sample before: " +
+          (equal ? "remove one of the two rows, or name a finer clock with gaze.time"
+                 : "if the clock starts anew in each trial, write a file for each, or name a clock "
+                   "that runs on with gaze.time"));
+      if (!repeats || (settled_ && !spread_)) {
+        throw equal && first_repeat_ && !spread_ ? *first_repeat_ : error;
+      }
       if (!first_repeat_) first_repeat_ = error;
     }
     last_time_ = sample.time_s;
@@ -396,7 +435,8 @@ class TableReader {
   std::optional<double> last_time_{}, clock_offset_ms_{};
   std::vector<GazeSample> held_{};
   std::size_t taken_ = 0, counted_ = 0;
-  bool broken_ = false;  // the previous line had too few fields
+  std::optional<InputError> broken_{};  // the latest line has too few fields
+  LastDecimals last_decimals_{};
   std::array<bool, 2> eyes_seen_{};
 };
 

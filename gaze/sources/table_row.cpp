@@ -77,7 +77,7 @@ std::optional<double> TableRow::number(std::size_t column) const { return parse(
 void TableRow::noteComma(std::size_t column, std::string_view text, std::size_t axis,
                          double number) const {
   constexpr double kPlain = 100.0;  // above codes for data loss; 0 and -1 stand beside "410,492"
-  if (layout_.delimiter == ',' || (commas_.plain[axis] && commas_.thousands[axis])) return;
+  if (commas_.plain[axis] && (commas_.example.empty() || commas_.thousands[axis])) return;
   if (text.find(',') == std::string_view::npos) {
     commas_.plain[axis] |= number >= kPlain;
   } else if (!commas_.thousands[axis] && mayBeThousands(text)) {
@@ -303,9 +303,11 @@ bool TableRow::readFlag(std::size_t column) const {
   return *value != 0.0;
 }
 
-void TableRow::failShort(std::size_t column) const {
-  throw lines_.error(std::to_string(fields_.size()) + " fields: expected " +
-                     std::to_string(column + 1) + " at least");
+void TableRow::failShort(std::size_t column) const { throw tooShort(column); }
+
+InputError TableRow::tooShort(std::size_t column) const {
+  return lines_.error(std::to_string(fields_.size()) + " fields: expected " +
+                      std::to_string(column + 1) + " at least");
 }
 
 void TableRow::fail(std::size_t column, const char* expected) const {

@@ -57,6 +57,9 @@ class TableRow {
   /// @throws InputError that names the column
   void read(GazeSample& sample) const;
 
+  /// The last field in use.
+  std::string_view lastField() const { return field(layout_.columns - 1); }
+
   /// Of all rows so far.
   /// @throws InputError if the commas may separate thousands
   const std::string& decimalComma() const;
@@ -66,6 +69,7 @@ class TableRow {
 
   [[noreturn]] void fail(std::size_t column, const char* expected) const;
   [[noreturn]] void failShort(std::size_t column) const;
+  InputError tooShort(std::size_t column) const;
 
  private:
   // `inline` makes reading faster: these are called for millions of rows, in one file only.
