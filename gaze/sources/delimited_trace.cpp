@@ -221,7 +221,7 @@ class TableReader {
     const auto time = row_->number(*layout_.time);
     if (!time || std::abs(*time) * std::max(layout_.time_scale_s, 1e-9) > kMaxTime_s) {
       row_->fail(*layout_.time,
-                 "expected a time in numbers; another column can be named with gaze.time (--time)");
+                 "expected a time in numbers; another column can be named with gaze.time");
     }
     return layout_.fine_time ? fineTime(*time) : *time;
   }
@@ -276,13 +276,13 @@ class TableReader {
       if (plain_.areFractions()) {
         throw InputError(lines_.fileName(),
                          "positions such as fractions: half of them lie within 2 px of the corner; "
-                         "give their unit: --units normalised or deg (gaze.units)");
+                         "give their unit: gaze.units = \"normalised\" or \"deg\"");
       }
-      header.assumed.push_back("unit of the positions: px (--units, gaze.units)");
+      header.assumed.push_back("unit of the positions: px (gaze.units)");
       if (plain_.areAroundZero()) {
         header.warnings.push_back(
             "a quarter of the positions or more are negative, so they may be degrees, or pixels "
-            "from the middle of the screen: give gaze.units (--units) or gaze.offset");
+            "from the middle of the screen: give gaze.units or gaze.offset");
       }
     }
     if (broken_) {
@@ -317,11 +317,11 @@ class TableReader {
     if (counts_rows_) {
       header.warnings.push_back(
           "times count by one: foci takes them for milliseconds, but they may be row numbers; give "
-          "gaze.time_scale_s (--time-scale-s) or gaze.rate_Hz");
+          "gaze.time_scale_s or gaze.rate_Hz");
     }
     if (clock_guessed_) {
       header.assumed.push_back("unit of time: " + exactText(layout_.time_scale_s) +
-                               " s, from the rate (--time-scale-s, gaze.time_scale_s)");
+                               " s, from the rate (gaze.time_scale_s)");
     }
     requireHead();
     stateField(header);

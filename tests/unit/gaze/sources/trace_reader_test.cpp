@@ -5,6 +5,7 @@
 #include <random>
 
 #include "base/input_error.h"
+#include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "tests/unit/gaze/scratch.h"
 
@@ -165,7 +166,7 @@ TEST(ReadTable, RefusesMissingFilesColumnsAndPositions) {
   expectRefusal("time,x,y\n0,,\n0.01,NaN,nan\n", "no sample has a position");
   expectRefusal(
       "time,xx,y\n0,1,1\n",
-      ":1: no column \"x\": name it with gaze.x (--x); the columns are \"time\", \"xx\", \"y\"");
+      ":1: no column \"x\": name it with gaze.x; the columns are \"time\", \"xx\", \"y\"");
   expectRefusal("a,gaze_lx,b\n", "no column \"gaze_rx\": the nearest is \"gaze_lx\"",
                 {.time = "a", .x = "gaze_rx"});
   expectRefusal("0.0,1,2\n0.1,1,2\n", "no column \"time\"");
