@@ -152,8 +152,8 @@ std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& scen
   const Surroundings around(eye_m, cloud);
   const std::string place = study.eye.recorded ? "gaze.scene_offset_m" : "eye.position_m";
   if (around.shareNearer(kTooNear_m) > kAround) {
-    remarks.push_back(
-        "surfaces are nearer than 2 cm all around the eye: set " + place + ", or scene.scale_m");
+    remarks.push_back("surfaces are nearer than 2 cm all around the eye: set " + place +
+                      ", or scene.scale_m");
   } else if (cloud.oriented && around.shareOfBacks() > kAround) {
     remarks.push_back("the eye stands inside a solid: set " + place + ", with the eye outside of " +
                       pointText(box.low) + " to " + pointText(box.high));

@@ -151,7 +151,7 @@ std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayou
     if (const std::string* meaning = meanings.of(i)) {
       reading.meaning = *meaning;
       reading.why = isNamed(names, i, given) ? "as the study says"
-                    : !layout.isPlain()               ? "sure: " + layout.format + " writes it so"
+                    : !layout.isPlain()      ? "sure: " + layout.format + " writes it so"
                     : names.unit(i).empty()  ? "a guess: its name has no unit"
                                              : "likely: its name has its unit";
     } else {

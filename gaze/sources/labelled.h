@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
+#include "gaze/sources/trace_reader.h"
 
 namespace foci {
 

@@ -204,9 +204,8 @@ TEST(VendorExport, TheHeaderStatesWhatWasAssumed) {
 
 TEST(VendorExport, MissingColumnsListTheirCandidates) {
   const std::string message = refusal("TIMETICK,LSPOTX,LSPOTY,stimulus\n1,2,3,4\n");
-  EXPECT_NE(
-      message.find("no column \"time\": name it with gaze.time; it may be \"TIMETICK\""),
-      std::string::npos)
+  EXPECT_NE(message.find("no column \"time\": name it with gaze.time; it may be \"TIMETICK\""),
+            std::string::npos)
       << message;
   const std::string x =
       refusal("TIMETICK,LSPOTX,LSPOTY,RSPOTX,RSPOTY\n1,2,3,4,5\n", {.time = "TIMETICK"});
