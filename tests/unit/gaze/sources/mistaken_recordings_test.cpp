@@ -277,7 +277,8 @@ TEST(MistakenRecordings, ACommaIsDecimalUnlessItMaySeparateThousands) {
     assumed = streamTrace(file.path(), {}, kScreen, [](const GazeSample&) {}).assumed;
     return assumed.empty() ? "" : assumed[0];
   };
-  EXPECT_EQ(read("0,00\t410,492\t365,1\n0,01\t411\t365\n"), "decimal comma: \"0,00\" is 0.00");
+  EXPECT_EQ(read("0,00\t410,492\t365,1\n0,01\t411\t365\n"),
+            "decimal comma: \"410,492\" is 410.492");
   EXPECT_EQ(read("0\t410,492\t365,100\n1\t0\t0\n2\t1,271\t365,000\n"),
             "decimal comma: \"410,492\" is 410.492");
   EXPECT_EQ(read("0\t410\t365\n1\t411\t366\n"), "");
