@@ -6,7 +6,7 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
-#include "app/cli/screen_options.h"
+#include "app/cli/trace_options.h"
 #include "app/platform/output_files.h"
 #include "app/record/tables.h"
 #include "base/input_error.h"
@@ -24,10 +24,9 @@ namespace {
 constexpr GazeState kStates[] = {GazeState::fixation, GazeState::saccade, GazeState::oscillation,
                                  GazeState::pursuit,  GazeState::blink,   GazeState::lost};
 
-struct EventsOptions {
+struct EventsOptions : TraceOptions {
   std::vector<std::string> traces{};
   std::string out{}, samples{}, physioevents{};
-  ScreenOptions screen{};
   bool online = false, score = false, json = false, overwrite = false;
 };
 
@@ -99,13 +98,25 @@ void checkFiles(const EventsOptions& options) {
   const std::string& trace = options.traces[0];
   checkOutputs(
       {options.out, options.samples, options.physioevents, sidecarOf(options.physioevents)},
-      {trace, bidsSidecarOf(trace).value_or("")}, options.overwrite);
+      {trace, bidsSidecarOf(trace).value_or(""), options.study}, options.overwrite);
+}
+
+TraceDescription unmappedDescriptionOf(const EventsOptions& options) {
+  TraceDescription description = descriptionOf(options);
+  if (description.columns.mapped_later) {
+    throw InputError(options.study, "gaze.map: foci events applies no gaze map; expected none");
+  }
+  return description;
 }
 
 void detectEvents(const EventsOptions& options) {
   checkFiles(options);
-  const GazeTrace trace = readTrace(options.traces[0], {}, screenOf(options.screen));
+  const TraceDescription description = unmappedDescriptionOf(options);
+  const GazeTrace trace = readTrace(options.traces[0], description.columns, description.screen);
   requireWholeScreen(*trace.screen, options.traces[0]);
+  for (const std::string& assumption : trace.assumed) {
+    std::fprintf(stderr, "foci: %s: assumed: %s\n", options.traces[0].c_str(), assumption.c_str());
+  }
   for (const std::string& warning : trace.warnings) {
     std::fprintf(stderr, "foci: %s: %s\n", options.traces[0].c_str(), warning.c_str());
   }
@@ -216,9 +227,10 @@ std::string shareTable(const Scores& scores, nlohmann::ordered_json& json) {
 }
 
 void scoreEvents(const EventsOptions& options) {
+  const TraceDescription description = unmappedDescriptionOf(options);
   Scores scores;
   for (const std::string& file : options.traces) {
-    const LabelledTrace labelled = readLabelledTrace(file, screenOf(options.screen));
+    const LabelledTrace labelled = readLabelledTrace(file, description.screen, description.columns);
     requireWholeScreen(*labelled.trace.screen, file);
     scores.add(labelled, labelsOf(labelled.trace, options.online));
   }
@@ -260,14 +272,15 @@ void addEventsCommand(CLI::App& app) {
       ->type_name("FILE_physioevents.tsv");
   events->add_flag("--score", o.score,
                    "agreement (Cohen's kappa) with the human coders in the columns coder_NAME");
-  addScreenOptions(*events, o.screen);
+  addTraceOptions(*events, o);
   addOverwriteFlag(*events, o.overwrite);
   events->add_flag("--json", o.json, "print the summary as JSON");
   events->callback([options, events] {
     refuseEmptyValues(*events);
-    if (options->score) return scoreEvents(*options);
-    if (options->traces.size() > 1) throw InputError("TRACE: expected one recording, or --score");
-    detectEvents(*options);
+    if (!options->score && options->traces.size() > 1) {
+      throw InputError("TRACE: expected one recording, or --score");
+    }
+    withTraceHints([&] { options->score ? scoreEvents(*options) : detectEvents(*options); });
   });
 }
 

@@ -6,7 +6,7 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
-#include "app/cli/screen_options.h"
+#include "app/cli/trace_options.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/study/inputs.h"
@@ -19,39 +19,10 @@
 namespace foci {
 namespace {
 
-struct TraceOptions {
-  std::string file{}, out{}, units{}, study{};
-  TraceColumns columns{};
-  ScreenOptions screen{};
-  double time_scale_s = 0.0;
+struct Options : TraceOptions {
+  std::string file{}, out{};
   bool json = false, overwrite = false;
 };
-
-TraceColumns columnsOf(const TraceOptions& options) {
-  TraceColumns columns = options.columns;
-  if (!options.study.empty()) {
-    columns = readStudy(options.study).columnsInForce();
-    if (!options.columns.time.empty()) columns.time = options.columns.time;
-    if (!options.columns.x.empty()) columns.x = options.columns.x;
-    if (!options.columns.y.empty()) columns.y = options.columns.y;
-  }
-  if (options.time_scale_s != 0.0) {
-    if (!(options.time_scale_s >= 1e-12 && options.time_scale_s <= 1.0)) {
-      throw InputError("--time-scale-s", "expected seconds per unit of time, 1e-12 to 1");
-    }
-    columns.time_scale_s = options.time_scale_s;
-  }
-  if (options.units == "px") {
-    columns.units = GazeUnits::px;
-  } else if (options.units == "deg") {
-    columns.units = GazeUnits::deg;
-  } else if (options.units == "normalised") {
-    columns.units = GazeUnits::normalised;
-  } else if (!options.units.empty()) {
-    throw InputError("--units " + options.units, "expected px, deg or normalised");
-  }
-  return columns;
-}
 
 /// Without the last digits, which come from arithmetic on doubles.
 double rounded(double value) { return std::round(value * 1e9) / 1e9; }
@@ -147,27 +118,29 @@ void printFacts(const TraceHeader& header, const TraceSummary& summary, bool jso
   }
 }
 
-void requireSamples(const TraceOptions& options, const TraceSummary& summary) {
+void requireSamples(const Options& options, const TraceSummary& summary) {
   if (summary.samples() < 2) {
     throw InputError(options.file,
                      std::to_string(summary.samples()) + " samples: expected at least 2");
   }
 }
 
-void showTrace(const TraceOptions& options) {
+void showTrace(const Options& options) {
   TraceSummary summary;
-  const TraceHeader header = streamTrace(options.file, columnsOf(options), screenOf(options.screen),
+  const TraceDescription description = descriptionOf(options);
+  const TraceHeader header = streamTrace(options.file, description.columns, description.screen,
                                          [&](const GazeSample& sample) { summary.add(sample); });
   requireSamples(options, summary);
   printFacts(header, summary, options.json);
 }
 
-void convertTrace(const TraceOptions& options) {
+void convertTrace(const Options& options) {
   const std::filesystem::path out(options.out);
   const std::filesystem::path sidecar = BidsWriter::sidecarFor(out);
   checkOutputs({out, sidecar},
                {options.file, bidsSidecarOf(options.file).value_or(""), options.study},
                options.overwrite);
+  const TraceDescription description = descriptionOf(options);
   OutputFiles files;
   // BidsWriter derives the sidecar's name from the table's: both files first get temporary names
   // that match.
@@ -179,7 +152,7 @@ void convertTrace(const TraceOptions& options) {
   std::size_t heads = 0;
   try {
     BidsWriter writer(work, true);
-    header = streamTrace(options.file, columnsOf(options), screenOf(options.screen),
+    header = streamTrace(options.file, description.columns, description.screen,
                          [&](const GazeSample& sample) {
                            summary.add(sample);
                            heads += sample.head.has_value();
@@ -204,19 +177,10 @@ void convertTrace(const TraceOptions& options) {
   printFacts(header, summary, options.json);
 }
 
-void addTraceOptions(CLI::App& command, TraceOptions& o) {
-  command.add_option("FILE", o.file, "gaze recording")->required();
-  command.add_option("--time", o.columns.time, "name of the time column")->type_name("NAME");
-  command.add_option("--x", o.columns.x, "name of the column of horizontal positions")
-      ->type_name("NAME");
-  command.add_option("--y", o.columns.y, "name of the column of vertical positions")
-      ->type_name("NAME");
-  command.add_option("--units", o.units, "unit of the positions")->type_name("px|deg|normalised");
-  command.add_option("--time-scale-s", o.time_scale_s, "length of a unit of time, seconds")
-      ->type_name("S");
-  command.add_option("--study", o.study, "study whose [gaze] names the columns")->type_name("FILE");
-  addScreenOptions(command, o.screen);
-  command.add_flag("--json", o.json, "print the facts as JSON");
+void addOptions(CLI::App& command, Options& options) {
+  command.add_option("FILE", options.file, "gaze recording")->required();
+  addTraceOptions(command, options);
+  command.add_flag("--json", options.json, "print the facts as JSON");
 }
 
 }  // namespace
@@ -226,23 +190,23 @@ void addTraceCommand(CLI::App& app) {
                                        "Show facts about a gaze recording, or convert it to BIDS.\n"
                                        "Example: foci trace info gaze.asc")
                         ->require_subcommand(1);
-  const auto options = std::make_shared<TraceOptions>();
+  const auto options = std::make_shared<Options>();
   CLI::App* facts =
       trace
           ->add_subcommand(
               "info",
               "Show format, rate, duration, eyes, data loss and clock jumps, and what was assumed.")
           ->alias("INFO");
-  addTraceOptions(*facts, *options);
-  facts->callback([options] { showTrace(*options); });
+  addOptions(*facts, *options);
+  facts->callback([options] { withTraceHints([&] { showTrace(*options); }); });
   CLI::App* conversion = trace->add_subcommand(
       "convert", "Write the recording as BIDS: a table and its JSON sidecar.");
-  addTraceOptions(*conversion, *options);
+  addOptions(*conversion, *options);
   conversion->add_option("--out", options->out, "table; foci writes the JSON sidecar beside it")
       ->type_name("FILE_physio.tsv.gz")
       ->required();
   addOverwriteFlag(*conversion, options->overwrite);
-  conversion->callback([options] { convertTrace(*options); });
+  conversion->callback([options] { withTraceHints([&] { convertTrace(*options); }); });
 }
 
 }  // namespace foci

@@ -49,7 +49,8 @@ GazeFacts factsOf(const GazeTrace& trace) {
   return {.format = trace.format,
           .simulated = trace.simulated,
           .rate_Hz = trace.rate_Hz,
-          .samples = trace.samples.size()};
+          .samples = trace.samples.size(),
+          .assumed = trace.assumed};
 }
 
 std::string manifestJson(const Study& study, const RunSummary& summary,
@@ -83,7 +84,8 @@ std::string manifestJson(const Study& study, const RunSummary& summary,
        {{"format", facts.gaze.format},
         {"simulated", facts.gaze.simulated},
         {"rate_Hz", facts.gaze.rate_Hz},
-        {"samples", facts.gaze.samples}}},
+        {"samples", facts.gaze.samples},
+        {"assumed", facts.gaze.assumed}}},
       {"seed", study.seed},
       {"threads", facts.threads},
       {"device", facts.device},

@@ -24,6 +24,7 @@ struct GazeFacts {
   bool simulated = false;
   double rate_Hz = 0.0;
   std::size_t samples = 0;
+  std::vector<std::string> assumed{};  ///< as `GazeTrace::assumed`
 };
 
 struct ManifestFacts {

@@ -78,6 +78,10 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
             escaped(changesText(facts.run.changes)) +
             ". Sentences below about the eye and the method hold for the first frame.</p>\n";
   }
+  for (const std::string& assumption : trace.assumed) {
+    html += "<p class=\"quiet\">The recording does not state all, so foci assumed: " +
+            escaped(assumption) + ".</p>\n";
+  }
   for (const std::string& warning : trace.warnings) {
     html += "<p class=\"notice\">The recording: " + escaped(warning) + ".</p>\n";
   }

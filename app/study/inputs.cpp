@@ -218,6 +218,9 @@ GazeTrace loadNamedGaze(const Study& study) {
 
 GazeTrace loadGaze(const Study& study) {
   GazeTrace trace = loadNamedGaze(study);
+  for (const std::string& assumption : trace.assumed) {
+    std::fprintf(stderr, "foci: %s: assumed: %s\n", study.gaze.source.c_str(), assumption.c_str());
+  }
   for (const std::string& warning : trace.warnings) {
     std::fprintf(stderr, "foci: %s: %s\n", study.gaze.source.c_str(), warning.c_str());
   }

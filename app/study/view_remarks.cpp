@@ -187,18 +187,22 @@ std::vector<std::string> viewRemarks(const Study& study, const SurfelCloud& scen
     remarks.push_back("nothing is in view: the middle of the scene is at " +
                       pointText(box.middle()) + ", " +
                       lengthText(std::max(glm::distance(box.middle(), glm::dvec3(eye_m)), 1e-9)) +
-                      " from the eye: set eye.look_at_m or eye.position_m");
+                      " from the eye: set " +
+                      (study.eye.recorded ? "gaze.scene_offset_m, gaze.scene_rotation or "
+                                            "scene.scale_m, since the recording's head moves the "
+                                            "eye"
+                                          : "eye.look_at_m or eye.position_m"));
     return remarks;
   }
   if (std::string remark = densityRemark(study, scene); !remark.empty())
     remarks.push_back(std::move(remark));
   const Surroundings around(eye_m, cloud);
+  const std::string place = study.eye.recorded ? "gaze.scene_offset_m" : "eye.position_m";
   if (around.shareNearer(kTooNear_m) > kAround) {
-    remarks.push_back(
-        "surfaces are nearer than 2 cm all around the eye: set eye.position_m, or "
-        "scene.scale_m");
+    remarks.push_back("surfaces are nearer than 2 cm all around the eye: set " + place +
+                      ", or scene.scale_m");
   } else if (cloud.oriented && around.shareOfBacks() > kAround) {
-    remarks.push_back("the eye stands inside a solid: set eye.position_m outside of " +
+    remarks.push_back("the eye stands inside a solid: set " + place + ", with the eye outside of " +
                       pointText(box.low) + " to " + pointText(box.high));
   }
   return remarks;

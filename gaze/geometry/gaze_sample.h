@@ -87,6 +87,7 @@ struct GazeTrace {
   /// Metres per unit of the scene that the observer saw, if the recording states it.
   std::optional<double> scene_scale_m{};
   std::vector<TraceMarker> markers{};   ///< in order of time
+  std::vector<std::string> assumed{};   ///< what the file does not state, a phrase each
   std::vector<std::string> warnings{};  ///< what looks wrong in the positions, a sentence each
 };
 

@@ -291,7 +291,8 @@ void BidsWriter::finish(const TraceHeader& header, double rate_Hz) {
                {"SampleCoordinateSystem", "gaze-on-screen"},
                {"Columns", {"timestamp", "x_coordinate", "y_coordinate", "pupil_size", "blink"}},
                {"timestamp", {{"Description", "The recording's own clock"}, {"Units", "s"}}},
-               {"Manufacturer", header.format}};
+               {"Description", "Converted by foci from " + header.format}};
+  if (!header.assumed.empty()) json["FociAssumed"] = header.assumed;
   const auto describe = [&](const std::string& eye) {
     json[eye + "x_coordinate"] = {{"Units", "pixel"}};
     json[eye + "y_coordinate"] = {{"Units", "pixel"}};

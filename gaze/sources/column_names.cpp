@@ -222,7 +222,7 @@ InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
   const std::string what = "no column " + shown(keys[0]) + ": ";
   if (!texts_.empty() && parseNumber(texts_[0])) {
     return lines_.error(what + "the first line has numbers, not names; give columns by number: " +
-                        "gaze.time = \"#1\", gaze.x = \"#2\", or --time, --x, --y");
+                        "gaze.time = \"#1\", gaze.x = \"#2\", gaze.y = \"#3\"");
   }
   if (const auto wrong = find(keys); wrong && meaning != Meaning::time) {
     const std::string column = "column " + shown(texts_[*wrong]);
@@ -231,14 +231,14 @@ InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
             ? column +
                   " counts from the presented media: expected positions on the screen (DACS "
                   "px, ADCSpx); export them, or name the column with gaze." +
-                  option + " (--" + option + ")"
+                  option
             : column + " is in " + shown(names_[*wrong].unit) +
                   ": expected px, deg or fractions of the screen; gaze.scale converts it, with "
                   "gaze.units and gaze." +
                   option);
   }
   if (const std::string other = otherKind(); !other.empty()) return lines_.error(other);
-  const std::string how = "name it with gaze." + option + " (--" + option + "); ";
+  const std::string how = "name it with gaze." + option + "; ";
   const std::string candidates = listed([&](std::size_t i) { return mayBe(meaning, i); });
   const std::string all = listed([](std::size_t) { return true; });
   return lines_.error(what + how +

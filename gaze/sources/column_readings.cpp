@@ -144,8 +144,6 @@ class Meanings {
 std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayout& layout,
                                       const TraceColumns& given) {
   const Meanings meanings(layout, given);
-  const bool plain = layout.format.starts_with("TSV") || layout.format.starts_with("CSV") ||
-                     layout.format.starts_with("text");
   std::vector<ColumnReading> readings;
   for (std::size_t i = 0; i < names.size(); ++i) {
     ColumnReading reading{.columns = layout.headless ? "#" + std::to_string(i + 1)
@@ -153,7 +151,7 @@ std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayou
     if (const std::string* meaning = meanings.of(i)) {
       reading.meaning = *meaning;
       reading.why = isNamed(names, i, given) ? "as the study says"
-                    : !plain                 ? "sure: " + layout.format + " writes it so"
+                    : !layout.isPlain()      ? "sure: " + layout.format + " writes it so"
                     : names.unit(i).empty()  ? "a guess: its name has no unit"
                                              : "likely: its name has its unit";
     } else {

@@ -7,6 +7,7 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
+#include "gaze/sources/rows_seen.h"
 #include "gaze/sources/table_layout.h"
 #include "gaze/sources/table_preamble.h"
 #include "gaze/sources/table_row.h"
@@ -22,53 +23,10 @@ constexpr double kMaxTime_s = 1e11;  // up to here a double resolves 20 us
 // Degrees and fractions keep their meaning on any screen. This one stands in for an unknown screen.
 const Screen kNominalScreen{.size_px = {1000, 1000}, .size_m = {1.0, 1.0}, .distance_m = 1.0};
 
-/// Judges positions whose unit nobody states.
-class PlainPositions {
- public:
-  void add(const glm::dvec2& point_px) {
-    ++count_;
-    const bool whole = point_px == glm::floor(point_px);
-    tiny_ += !whole && glm::all(glm::lessThan(glm::abs(point_px), glm::dvec2(2.0)));
-    negative_ += point_px.x < 0.0 || point_px.y < 0.0;
-  }
-
-  /// No tracker looks at the corner pixel for half of a recording.
-  bool areFractions() const { return tiny_ >= 2 && 2 * tiny_ >= count_; }
-  bool areAroundZero() const { return count_ >= 20 && 4 * negative_ >= count_; }
-
- private:
-  std::size_t count_ = 0, tiny_ = 0, negative_ = 0;
-};
-
-/// Tells samples apart whose times are whole units, faster than one a unit: each follows the one
-/// before by an even interval, within its unit. A control loop (proportional and integral,
-/// critically damped) keeps the times in the middle of their units.
-class WholeTimes {
- public:
-  explicit WholeTimes(double interval) : interval_(interval) {}
-
-  double interval() const { return interval_; }
-
-  /// Increases strictly. @param whole  does not decrease
-  double time(double whole) {
-    constexpr double kGain = 0.01;  // settles within a few hundred samples
-    const double end = whole + 1.0;
-    double at = last_ ? *last_ + interval_ : whole;
-    const double error = whole + 0.5 - at;
-    if (std::abs(error) <= 1.0) {
-      at += kGain * error;
-      interval_ += 0.25 * kGain * kGain * error;
-    }
-    at = std::max(at, whole);
-    if (at >= end) at = 0.5 * (*last_ + end);
-    last_ = at;
-    return at;
-  }
-
- private:
-  double interval_;
-  std::optional<double> last_{};
-};
+std::string pointed(std::string text) {
+  std::replace(text.begin(), text.end(), ',', '.');
+  return text;
+}
 
 bool isMetric(const Screen& screen) {
   return screen.size_px.x > 0 && screen.size_px.y > 0 && screen.size_m.x > 0.0 &&
@@ -103,11 +61,15 @@ class TableReader {
 
  private:
   void readLine(std::string_view line) {
-    if (broken_) throw lines_.error("follows a line that is too short");
+    if (broken_) throw *broken_;
     if (taken_ == 0 && !layout_.headless) refuseExtraFields(line);
     row_->split(line);
     // The last line may be cut off. `broken_` refuses any line behind it.
-    if ((broken_ = !row_->isComplete() && taken_ > 1 && !layout_.rows.column)) return;
+    if (!row_->isComplete() && taken_ > 1 && !layout_.rows.column) {
+      broken_ = row_->tooShort(layout_.columns - 1);
+      return;
+    }
+    if (row_->isComplete()) last_decimals_.add(row_->lastField());
     ++taken_;
     if (!row_->isSample()) return;
     readResolution();
@@ -190,7 +152,7 @@ class TableReader {
     const auto time = row_->number(*layout_.time);
     if (!time || std::abs(*time) * std::max(layout_.time_scale_s, 1e-9) > kMaxTime_s) {
       row_->fail(*layout_.time,
-                 "expected a time in numbers; another column can be named with gaze.time (--time)");
+                 "expected a time in numbers; another column can be named with gaze.time");
     }
     return layout_.fine_time ? fineTime(*time) : *time;
   }
@@ -245,14 +207,24 @@ class TableReader {
       if (plain_.areFractions()) {
         throw InputError(lines_.fileName(),
                          "positions such as fractions: half of them lie within 2 px of the corner; "
-                         "give their unit: --units normalised or deg (gaze.units)");
+                         "give their unit: gaze.units = \"normalised\" or \"deg\"");
       }
-      header.assumed.push_back("unit of the positions: px (--units, gaze.units)");
+      header.assumed.push_back("unit of the positions: px (gaze.units)");
       if (plain_.areAroundZero()) {
         header.warnings.push_back(
             "a quarter of the positions or more are negative, so they may be degrees, or pixels "
-            "from the middle of the screen: give gaze.units (--units) or gaze.offset");
+            "from the middle of the screen: give gaze.units or gaze.offset");
       }
+    }
+    if (broken_) {
+      header.warnings.push_back("the last line is cut off and left out: is the file complete?");
+    } else if (!lines_.isEnded() && last_decimals_.areFewer()) {
+      header.warnings.push_back(
+          "the last line has no end and fewer decimals than the others, so it may be cut off: is "
+          "the file complete?");
+    }
+    if (const std::string& text = row_->decimalComma(); !text.empty()) {
+      header.assumed.push_back("decimal comma: " + shown(text) + " is " + pointed(text));
     }
     if (spread_) {
       header.warnings.push_back(
@@ -268,14 +240,19 @@ class TableReader {
       header.assumed.push_back(
           "intervals: those of the tracker's own clock, since times are whole milliseconds");
     }
+    if (const std::string& column = layout_.unused_validity; !column.empty()) {
+      header.warnings.push_back("column " + shown(column) +
+                                " is unused: if it marks data loss, name it with gaze.confidence "
+                                "(1 is good) or gaze.blink (0 is good)");
+    }
     if (counts_rows_) {
       header.warnings.push_back(
           "times count by one: foci takes them for milliseconds, but they may be row numbers; give "
-          "gaze.time_scale_s (--time-scale-s) or gaze.rate_Hz");
+          "gaze.time_scale_s or gaze.rate_Hz");
     }
     if (clock_guessed_) {
       header.assumed.push_back("unit of time: " + exactText(layout_.time_scale_s) +
-                               " s, from the rate (--time-scale-s, gaze.time_scale_s)");
+                               " s, from the rate (gaze.time_scale_s)");
     }
     requireHead();
     stateField(header);
@@ -292,9 +269,15 @@ class TableReader {
     const bool repeats =
         last_time_ && sample.time_s == *last_time_ && sample.time_s == std::floor(sample.time_s);
     if (last_time_ && sample.time_s <= *last_time_) {
-      const InputError error = lines_.error("time " + shown(row_->field(*layout_.time)) +
-                                            " is not after the sample before");
-      if (!repeats || (settled_ && !spread_)) throw error;
+      const bool equal = sample.time_s == *last_time_;
+      const InputError error = lines_.error(
+          "time " + shown(row_->field(*layout_.time)) + " is not after the sample before: " +
+          (equal ? "remove one of the two rows, or name a finer clock with gaze.time"
+                 : "if the clock starts anew in each trial, write a file for each, or name a clock "
+                   "that runs on with gaze.time"));
+      if (!repeats || (settled_ && !spread_)) {
+        throw equal && first_repeat_ && !spread_ ? *first_repeat_ : error;
+      }
       if (!first_repeat_) first_repeat_ = error;
     }
     last_time_ = sample.time_s;
@@ -383,7 +366,8 @@ class TableReader {
   std::optional<double> last_time_{}, clock_offset_ms_{};
   std::vector<GazeSample> held_{};
   std::size_t taken_ = 0, counted_ = 0;
-  bool broken_ = false;  // the previous line had too few fields
+  std::optional<InputError> broken_{};  // the latest line has too few fields
+  LastDecimals last_decimals_{};
   std::array<bool, 2> eyes_seen_{};
 };
 

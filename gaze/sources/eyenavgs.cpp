@@ -90,11 +90,13 @@ class EyeNavGsReader {
     std::string_view line;
     while (lines_.next(line)) {
       if (trimmed(line).empty()) continue;
-      if (cut_) throw lines_.error("follows a line that is too short");
+      if (cut_) throw *cut_;
       splitFields(line, ',', fields_);
       // The last line may be cut off.
-      cut_ = fields_.size() < kColumns && rows_ > 1;
-      if (cut_) continue;
+      if (fields_.size() < kColumns && rows_ > 1) {
+        cut_ = tooShort();
+        continue;
+      }
       const EyeRow row = readRow();
       if (rows_++ == 0) setField(row);
       if (first_ && row.side != first_->side) {
@@ -144,10 +146,12 @@ class EyeNavGsReader {
     return glm::normalize(q);
   }
 
+  InputError tooShort() const {
+    return lines_.error(std::to_string(fields_.size()) + " fields: expected 20");
+  }
+
   EyeRow readRow() const {
-    if (fields_.size() < kColumns) {
-      throw lines_.error(std::to_string(fields_.size()) + " fields: expected 20");
-    }
+    if (fields_.size() < kColumns) throw tooShort();
     const double side = number(0, 1.0);
     if (side != 0.0 && side != 1.0) {
       throw lines_.error("ViewIndex = " + shown(fields_[0]) + ": expected 0 (left) or 1 (right)");
@@ -183,7 +187,8 @@ class EyeNavGsReader {
     GazeSample sample{.time_s = row.time_s};
     if (last_s_ && !(sample.time_s > *last_s_)) {
       throw lines_.error("time " + exactText(1e3 * sample.time_s) +
-                         " is not after the sample before");
+                         " is not after the sample before: was the recording started twice? "
+                         "Write a file for each");
     }
     last_s_ = sample.time_s;
     // The eyes are half of the distance between them away from the middle, which is the head's
@@ -225,6 +230,9 @@ class EyeNavGsReader {
           " m a unit of the scene (gaze.head_scale_m); scene_setting.csv beside the recording "
           "states it");
     }
+    if (cut_) {
+      header.warnings.push_back("the last line is cut off and left out: is the file complete?");
+    }
     return header;
   }
 
@@ -261,7 +269,7 @@ class EyeNavGsReader {
   std::optional<EyeRow> first_{};  // waits for the other eye
   std::optional<double> last_s_{};
   std::size_t rows_ = 0, gazes_ = 0;
-  bool cut_ = false;  // the previous line had too few fields
+  std::optional<InputError> cut_{};  // the latest line has too few fields
 };
 
 }  // namespace

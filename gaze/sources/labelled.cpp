@@ -17,8 +17,9 @@ std::optional<GazeState> stateNamed(std::string_view name) {
 
 }  // namespace
 
-LabelledTrace readLabelledTrace(const std::filesystem::path& file, const Screen& fallback_screen) {
-  LabelledTrace labelled{.trace = readTrace(file, {}, fallback_screen), .coders = {}};
+LabelledTrace readLabelledTrace(const std::filesystem::path& file, const Screen& fallback_screen,
+                                const TraceColumns& described) {
+  LabelledTrace labelled{.trace = readTrace(file, described, fallback_screen), .coders = {}};
   LineReader lines(file);
   std::string_view line;
   std::vector<std::string_view> fields;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
+#include "gaze/sources/trace_reader.h"
 
 namespace foci {
 
@@ -24,6 +25,7 @@ struct LabelledTrace {
 /// Reads a TSV or CSV as `readTrace` does, with one column of labels for each coder. Such a column
 /// is called coder, coder_NAME or label, and holds the words of `nameOf`.
 /// @throws InputError as `readTrace`, and if there is no column of labels
-LabelledTrace readLabelledTrace(const std::filesystem::path& file, const Screen& fallback_screen);
+LabelledTrace readLabelledTrace(const std::filesystem::path& file, const Screen& fallback_screen,
+                                const TraceColumns& described = {});
 
 }  // namespace foci

@@ -96,6 +96,7 @@ bool LineReader::next(std::string_view& line) {
   }
   if (!newline && searched == 0) return false;
   ++number_;
+  ended_ = newline != nullptr;
   const std::size_t length =
       newline ? static_cast<std::size_t>(newline - buffer_.data()) - begin_ : end_ - begin_;
   line = {buffer_.data() + begin_, length};

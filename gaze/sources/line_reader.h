@@ -32,6 +32,9 @@ class LineReader {
   /// @throws InputError on a NUL byte (binary, or UTF-16) and on a line over 64 KiB
   bool next(std::string_view& line);
 
+  /// Whether the latest line has its line end; the last line of a cut file has none.
+  bool isEnded() const { return ended_; }
+
   /// An error at the latest line.
   InputError error(const std::string& what) const;
   const std::string& fileName() const { return name_; }
@@ -45,6 +48,7 @@ class LineReader {
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;
   std::size_t number_ = 0;
+  bool ended_ = true;
 };
 
 /// Whether a field means "no value": an empty field, ".", "-", NaN, NA, n/a, null or

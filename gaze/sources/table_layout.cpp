@@ -83,6 +83,7 @@ class Recogniser {
     }
     if (layout_.space) layout_.columns = std::max(layout_.columns, columnsOf(*layout_.space));
     layout_.readings = readingsOf(names_, layout_, given_);
+    findUnusedValidity();
     return std::move(layout_);
   }
 
@@ -332,6 +333,19 @@ class Recogniser {
                        .scale = given_.scale,
                        .offset = given_.offset,
                        .pupil_scale_mm = given_.pupil_scale_mm};
+  }
+
+  /// Of a plain table: vendors' columns are known. Some write 1 for good gaze, others 0.
+  void findUnusedValidity() {
+    if (!layout_.isPlain() || layout_.validity || layout_.confidence || !given_.blink.empty()) {
+      return;
+    }
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      const bool unused = layout_.readings[i].meaning == "unused";
+      if (!unused || names_.key(i).find("valid") == std::string::npos) continue;
+      layout_.unused_validity = names_.text(i);
+      return;
+    }
   }
 
   void recogniseFormat() {

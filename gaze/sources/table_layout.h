@@ -78,10 +78,15 @@ struct TableLayout {
   TableNumbers numbers{};
   std::optional<SpaceLayout> space{};     ///< gaze in space; then there are no points
   std::vector<ColumnReading> readings{};  ///< of every column
+  std::string unused_validity{};          ///< a column that seems to mark data loss; empty: none
   bool headless = false;                  ///< the first line is a row, not a header
   std::size_t names = 0;                  ///< number of columns in the header
   std::size_t columns = 0;                ///< number of columns up to the last one in use
 
+  /// No vendor's format.
+  bool isPlain() const {
+    return format.starts_with("TSV") || format.starts_with("CSV") || format.starts_with("text");
+  }
   bool hasDirections() const { return eyes[0].direction[0] || eyes[1].direction[0]; }
 };
 

@@ -25,6 +25,13 @@ bool isWord(std::string_view text, std::string_view lower) {
   });
 }
 
+/// "1,271": a separator of thousands, or a decimal comma.
+bool mayBeThousands(std::string_view text) {
+  if (text.starts_with('-')) text.remove_prefix(1);
+  const std::size_t comma = text.find(',');
+  return comma >= 1 && comma <= 3 && text.size() == comma + 4 && text[0] != '0';
+}
+
 /// The head stays where it is.
 void loseGaze(GazeSample& sample) {
   sample.direction.reset();
@@ -50,10 +57,36 @@ std::optional<double> TableRow::parse(std::string_view text) const {
   }
   std::string pointed(text.substr(0, 64));
   std::replace(pointed.begin(), pointed.end(), ',', '.');
-  return parseNumber(pointed);
+  const auto number = parseNumber(pointed);
+  if (number && commas_.example.empty()) commas_.example = text;
+  if (number) commas_.decimal |= !mayBeThousands(text);
+  return number;
+}
+
+const std::string& TableRow::decimalComma() const {
+  for (const std::size_t axis : {0, 1}) {
+    if (commas_.thousands[axis] && commas_.plain[axis] && !commas_.decimal) {
+      throw *commas_.thousands[axis];
+    }
+  }
+  return commas_.example;
 }
 
 std::optional<double> TableRow::number(std::size_t column) const { return parse(field(column)); }
+
+void TableRow::noteComma(std::size_t column, std::string_view text, std::size_t axis,
+                         double number) const {
+  constexpr double kPlain = 100.0;  // above codes for data loss; 0 and -1 stand beside "410,492"
+  if (commas_.plain[axis] && (commas_.example.empty() || commas_.thousands[axis])) return;
+  if (text.find(',') == std::string_view::npos) {
+    commas_.plain[axis] |= number >= kPlain;
+  } else if (!commas_.thousands[axis] && mayBeThousands(text)) {
+    commas_.thousands[axis] = lines_.error(
+        "column " + std::to_string(column + 1) + " = " + shown(text) +
+        ": a decimal comma, or a separator of thousands? Other numbers of the column have no "
+        "comma: write them without separators of thousands");
+  }
+}
 
 std::optional<double> TableRow::coordinate(std::size_t column, std::string_view text,
                                            int axis) const {
@@ -64,6 +97,7 @@ std::optional<double> TableRow::coordinate(std::size_t column, std::string_view 
   const auto number = parse(text);
   if (!number && isAbsent(text)) return std::nullopt;
   if (!number) fail(column, "expected a number");
+  noteComma(column, text, static_cast<std::size_t>(axis), *number);
   const TableNumbers& numbers = layout_.numbers;
   if (number == numbers.missing) return std::nullopt;
   const double value = numbers.scale[axis] * *number + numbers.offset[axis];
@@ -102,7 +136,10 @@ std::optional<glm::dvec2> TableRow::readPoint(std::size_t x, std::size_t y) cons
 
 bool TableRow::isTrusted(GazeSample& sample) const {
   if (layout_.confidence && !isAbsent(field(*layout_.confidence))) {
-    const auto confidence = number(*layout_.confidence);
+    const std::string_view text = field(*layout_.confidence);
+    const auto confidence = isWord(text, "true")    ? std::optional(1.0)
+                            : isWord(text, "false") ? std::optional(0.0)
+                                                    : number(*layout_.confidence);
     if (!confidence || *confidence > kMaxConfidence) {
       fail(*layout_.confidence, "expected a confidence of 0 to 1 (gaze.confidence)");
     }
@@ -266,9 +303,11 @@ bool TableRow::readFlag(std::size_t column) const {
   return *value != 0.0;
 }
 
-void TableRow::failShort(std::size_t column) const {
-  throw lines_.error(std::to_string(fields_.size()) + " fields: expected " +
-                     std::to_string(column + 1) + " at least");
+void TableRow::failShort(std::size_t column) const { throw tooShort(column); }
+
+InputError TableRow::tooShort(std::size_t column) const {
+  return lines_.error(std::to_string(fields_.size()) + " fields: expected " +
+                      std::to_string(column + 1) + " at least");
 }
 
 void TableRow::fail(std::size_t column, const char* expected) const {

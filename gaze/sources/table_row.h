@@ -1,15 +1,27 @@
 // One row of a table of gaze as a sample.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/input_error.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/table_layout.h"
 
 namespace foci {
+
+/// The commas in the numbers of a table: decimal ones, or separators of thousands.
+struct CommaNumbers {
+  std::string example{};  ///< the first number with a comma
+  bool decimal = false;   ///< a comma that cannot separate thousands
+  /// Along x and y: the first number such as "1,271", and whether others reach 100 without a comma.
+  std::array<std::optional<InputError>, 2> thousands{};
+  std::array<bool, 2> plain{};
+};
 
 class TableRow {
  public:
@@ -45,11 +57,19 @@ class TableRow {
   /// @throws InputError that names the column
   void read(GazeSample& sample) const;
 
+  /// The last field in use.
+  std::string_view lastField() const { return field(layout_.columns - 1); }
+
+  /// Of all rows so far.
+  /// @throws InputError if the commas may separate thousands
+  const std::string& decimalComma() const;
+
   /// By the layout's validity code.
   bool isValid(std::size_t column) const;
 
   [[noreturn]] void fail(std::size_t column, const char* expected) const;
   [[noreturn]] void failShort(std::size_t column) const;
+  InputError tooShort(std::size_t column) const;
 
  private:
   // `inline` makes reading faster: these are called for millions of rows, in one file only.
@@ -64,6 +84,8 @@ class TableRow {
   inline std::optional<double> coordinate(std::size_t column, std::string_view text,
                                           int axis) const;
   inline std::optional<glm::dvec2> pointOf(double x, double y) const;
+  inline void noteComma(std::size_t column, std::string_view text, std::size_t axis,
+                        double number) const;
   bool readFlag(std::size_t column) const;
   inline std::optional<double> parse(std::string_view text) const;
 
@@ -72,6 +94,7 @@ class TableRow {
   const Screen& screen_;
   GazeUnits units_;
   std::vector<std::string_view> fields_{};
+  mutable CommaNumbers commas_{};  // gathered while numbers are parsed
 };
 
 }  // namespace foci

@@ -21,7 +21,7 @@ constexpr std::size_t kMinPositions = 100;  // fewer show neither range nor shar
 
 constexpr double kManyLost = 0.5, kManyOff = 0.1;  // shares of samples
 // Of the same position, where no screen is or at its corner. Trackers lose a few per cent.
-constexpr double kCode = 0.02;
+constexpr double kCode = 0.01;
 constexpr double kStill = 0.005;  // of the screen: smaller than the fixation of one letter
 constexpr double kStill_deg = 0.2;
 constexpr double kApart = 0.2;  // of the screen: eyes that look at one point are less apart
@@ -134,7 +134,8 @@ std::optional<std::string> withinADegree(const Positions& at, double span_s) {
 }
 
 /// A position that cannot be looked at and comes often.
-std::optional<std::string> codeOfLoss(const Positions& at) {
+/// @param whose  "", or " of the left eye"
+std::optional<std::string> codeOfLoss(const Positions& at, const std::string& whose = "") {
   const glm::dvec2 low = at.low(), high = at.high();
   std::map<std::pair<double, double>, std::size_t> counts;
   for (std::size_t i = 0; i < at.x.size(); ++i) {
@@ -150,10 +151,10 @@ std::optional<std::string> codeOfLoss(const Positions& at) {
   if (most == counts.end()) return std::nullopt;
   const double share = static_cast<double>(most->second) / static_cast<double>(at.x.size());
   if (share < kCode) return std::nullopt;
-  return "the position (" + significant(most->first.first) + ", " +
-         significant(most->first.second) + ") is in " + percent(share) +
-         " of the samples with gaze: if it means data loss, give "
-         "gaze.missing";
+  const auto [x, y] = most->first;
+  return "the position (" + significant(x) + ", " + significant(y) + ")" + whose + " is in " +
+         percent(share) + " of the samples with gaze: if it means data loss, give gaze.missing" +
+         (x == y ? " = " + significant(x) : "");
 }
 
 std::vector<std::string> screenDoubts(const TraceHeader& header) {
@@ -204,7 +205,6 @@ std::vector<std::string> positionDoubts(const Positions& at, double span_s) {
     if (doubt) doubts.push_back(std::move(*doubt));
     return doubt.has_value();
   };
-  note(codeOfLoss(at));
   if (note(stillness(at, span_s)) || note(sameColumn(at))) return doubts;
   if (at.degrees && note(withinADegree(at, span_s))) return doubts;
   if (at.hasScreen() && !note(offScreen(at)) && !at.degrees) note(inOneQuarter(at, span_s));
@@ -283,6 +283,25 @@ std::vector<std::string> TraceDoubts::rowDoubts() const {
   return doubts;
 }
 
+/// A code for data loss: of the gaze, else of one eye, whose code the mean with the other hides.
+std::vector<std::string> TraceDoubts::lossDoubts(const TraceHeader& header) const {
+  std::vector<glm::dvec2> points_px;
+  for (const Kept& kept : kept_) points_px.push_back(kept.point_px);
+  if (auto doubt = codeOfLoss(positionsOf(points_px, header))) return {std::move(*doubt)};
+  std::vector<std::string> doubts;
+  for (std::size_t side : {0, 1}) {
+    points_px.clear();
+    for (const Kept& kept : kept_) {
+      if (kept.eyes_px[side]) points_px.push_back(*kept.eyes_px[side]);
+    }
+    if (points_px.size() < kMinPositions) continue;
+    auto doubt = codeOfLoss(positionsOf(points_px, header),
+                            side == 0 ? " of the left eye" : " of the right eye");
+    if (doubt) doubts.push_back(std::move(*doubt));
+  }
+  return doubts;
+}
+
 /// Doubts about the eyes, and about rows that repeat.
 std::vector<std::string> TraceDoubts::eyeDoubts(const TraceHeader& header) const {
   std::vector<std::string> doubts;
@@ -322,6 +341,7 @@ std::vector<std::string> TraceDoubts::sentences(const TraceHeader& header,
   std::vector<glm::dvec2> points_px;
   points_px.reserve(kept_.size());
   for (const Kept& kept : kept_) points_px.push_back(kept.point_px);
+  append(lossDoubts(header));
   append(positionDoubts(positionsOf(points_px, header), last_s_ - first_s_));
   append(eyeDoubts(header));
   return doubts;

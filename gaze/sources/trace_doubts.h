@@ -33,6 +33,7 @@ class TraceDoubts {
   void addClock(double time_s);
   void addPoint(const GazeSample& sample);
   std::vector<std::string> rowDoubts() const;
+  std::vector<std::string> lossDoubts(const TraceHeader& header) const;
   std::vector<std::string> eyeDoubts(const TraceHeader& header) const;
 
   SpaceDoubts space_{};

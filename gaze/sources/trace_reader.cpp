@@ -159,6 +159,7 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
   trace.field = header.field;
   trace.scene_scale_m = header.scene_scale_m;
   trace.markers = header.markers;
+  trace.assumed = header.assumed;
   trace.warnings = header.warnings;
   const std::string name = file.string();
   if (trace.samples.size() < 2) {

@@ -219,6 +219,7 @@ const Stream& gazeStream(const std::map<std::uint32_t, Stream>& streams, std::st
     ++count;
   }
   if (count == 1) return *found;
+  if (names.empty()) throw InputError(file, "no streams: expected a recording of gaze");
   throw InputError(file, (count == 0 ? "no stream of gaze" : "more than one stream of gaze") +
                              (": expected gaze.stream, the name of one of " + names));
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "app/study/session_settings_of.h"
 #include "render/scene/mesh/triangle_mesh.h"
 
 namespace foci {
@@ -75,6 +76,14 @@ TEST(ViewRemarks, NothingInViewNamesTheKeyAndThePlace) {
   for (glm::vec3& p : away.position_m) p.z += 4.0f;  // 14.5 degrees to each side
   EXPECT_TRUE(isSceneInView(turned(37.0), away));
   EXPECT_FALSE(isSceneInView(turned(41.0), away));
+}
+
+TEST(ViewRemarks, WhereTheHeadMovesTheEyeTheKeysOfItsPlaceAreNamed) {
+  Study study = studyFrom({0, 0, 4}, {0, 0, 8});
+  study.eye.recorded = eyePathOf(study);
+  const std::string remark = remarkOn(study, sphere(1.0f));
+  EXPECT_TRUE(has(remark, "gaze.scene_offset_m") && has(remark, "scene.scale_m")) << remark;
+  EXPECT_FALSE(has(remark, "eye.look_at_m")) << remark;
 }
 
 TEST(ViewRemarks, AnEyeInsideASolidIsSaid) {

@@ -205,6 +205,15 @@ std::vector<Mistake> lossesAndText() {
       return row.number % 10 < 2 ? glm::dvec2(code) : glm::dvec2(row.x, row.y);
     });
   };
+  // One eye is lost. The mean of both eyes is nowhere twice.
+  const auto oneEye = [](double code, int of_100) {
+    return [code, of_100](const Row& row) {
+      const bool lost = row.number % 100 < of_100;
+      return std::vector<double>{row.time_s, lost ? code : row.x, lost ? code : row.y, row.x,
+                                 row.y};
+    };
+  };
+  const std::string eyes = "time_s,left_x_px,left_y_px,right_x_px,right_y_px";
   const auto with = [](double good) {
     return [good](const Row& row) { return std::vector<double>{row.time_s, row.x, row.y, good}; };
   };
@@ -228,8 +237,14 @@ std::vector<Mistake> lossesAndText() {
       {"(0, 0) for loss", saidAbout(table(kXy, coded(0.0))), "gaze.missing"},
       {"-1 for loss", saidAbout(table(kXy, coded(-1.0))), "gaze.missing"},
       {"-32768 for loss", saidAbout(table(kXy, coded(-32768.0))), "gaze.missing"},
+      {"-1 for the left eye", saidAbout(table(eyes, oneEye(-1.0, 20))), "gaze.missing = -1"},
+      {"(0, 0) for the left eye", saidAbout(table(eyes, oneEye(0.0, 20))), "of the left eye"},
+      {"(0, 0) for the left eye at times", saidAbout(table(eyes, oneEye(0.0, 2))),
+       "gaze.missing = 0"},
       {"1e8 for loss", saidAbout(table(kXy, coded(1e8))), "gaze.missing"},
       {"all lost", saidAbout(lost), "no sample has a position"},
+      {"a column of validity", saidAbout(table(kXy + ",valid", with(1.0))), "gaze.confidence"},
+      {"a column of codes", saidAbout(table(kXy + ",validity", with(0.0))), "gaze.blink"},
       {"confidence in per cent", saidAbout(table(kXy + ",confidence", with(95.0))),
        "gaze.confidence"},
       {"confidence 0", saidAbout(table(kXy + ",confidence", with(0.0))), "gaze.confidence"},
@@ -246,9 +261,39 @@ std::vector<Mistake> lossesAndText() {
 TEST(MistakenRecordings, TheGoodOneRaisesNoDoubt) {
   const auto good = mapped([](const Row& row) { return glm::dvec2(row.x, row.y); });
   EXPECT_EQ(saidAbout(table(kXy, good)), "");
+  const auto eyes = [](const Row& row) {
+    return std::vector<double>{row.time_s, row.x - 4.0, row.y, row.x + 4.0, row.y};
+  };
+  EXPECT_EQ(saidAbout(table("time_s,left_x_px,left_y_px,right_x_px,right_y_px", eyes)), "");
   EXPECT_EQ(saidAbout(table("time_s,x_norm,y_norm", mapped(fractions))), "");
   EXPECT_EQ(saidAbout(table("time_s,gaze_norm_pos_x,gaze_norm_pos_y", mapped(fractions))), "");
   EXPECT_EQ(saidAbout(table("time_s,x_deg,y_deg", mapped(degrees))), "");
+}
+
+TEST(MistakenRecordings, ACommaIsDecimalUnlessItMaySeparateThousands) {
+  const auto read = [](const std::string& rows) {
+    std::vector<std::string> assumed;
+    const ScratchFile file("time_s\tx_px\ty_px\n" + rows);
+    assumed = streamTrace(file.path(), {}, kScreen, [](const GazeSample&) {}).assumed;
+    return assumed.empty() ? "" : assumed[0];
+  };
+  EXPECT_EQ(read("0,00\t410,492\t365,1\n0,01\t411\t365\n"),
+            "decimal comma: \"410,492\" is 410.492");
+  EXPECT_EQ(read("0\t410,492\t365,100\n1\t0\t0\n2\t1,271\t365,000\n"),
+            "decimal comma: \"410,492\" is 410.492");
+  EXPECT_EQ(read("0\t410\t365\n1\t411\t366\n"), "");
+  EXPECT_THROW(read("0\t954\t365\n1\t1,271\t366\n"), InputError);
+  EXPECT_THROW(read("0\t1,271\t365\n1\t954\t366\n"), InputError);
+}
+
+TEST(MistakenRecordings, AColumnOfValidityIsReadIfTheStudyNamesIt) {
+  const std::string text = kXy + ",valid\n0,1,2,True\n0.01,1,2,False\n0.02,1,2,true\n";
+  TraceColumns columns;
+  columns.confidence = "valid";
+  const GazeTrace trace = readTrace(ScratchFile(text).path(), columns, kScreen);
+  EXPECT_EQ(trace.warnings, std::vector<std::string>{});
+  EXPECT_TRUE(trace.samples[0].point_px && trace.samples[2].point_px);
+  EXPECT_FALSE(trace.samples[1].point_px);
 }
 
 TEST(MistakenRecordings, NoneIsSilentAndEachNamesWhatToDo) {

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "base/input_error.h"
+#include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "tests/unit/gaze/scratch.h"
 
@@ -165,7 +166,7 @@ TEST(ReadTable, RefusesMissingFilesColumnsAndPositions) {
   expectRefusal("time,x,y\n0,,\n0.01,NaN,nan\n", "no sample has a position");
   expectRefusal(
       "time,xx,y\n0,1,1\n",
-      ":1: no column \"x\": name it with gaze.x (--x); the columns are \"time\", \"xx\", \"y\"");
+      ":1: no column \"x\": name it with gaze.x; the columns are \"time\", \"xx\", \"y\"");
   expectRefusal("a,gaze_lx,b\n", "no column \"gaze_rx\": the nearest is \"gaze_lx\"",
                 {.time = "a", .x = "gaze_rx"});
   expectRefusal("0.0,1,2\n0.1,1,2\n", "no column \"time\"");
@@ -176,6 +177,11 @@ TEST(ReadTable, RefusesMissingFilesColumnsAndPositions) {
 TEST(ReadTable, RefusesValuesThatNoRecordingHas) {
   expectRefusal("time,x,y\n0,1,1\n0.01,1,1\n0.01,1,1\n", ":4: time \"0.01\" is not after");
   expectRefusal("time,x,y\n0,1,1\n-0.01,1,1\n", "is not after");
+  // The first of the repeated times, with what to do.
+  expectRefusal("time,x,y\n0.0,1,1\n0.0,1,1\n0.01,1,1\n0.01,1,1\n", ":3: time \"0.0\"");
+  expectRefusal("time,x,y\n0.0,1,1\n0.0,1,1\n0.01,1,1\n", "remove one of the two rows");
+  expectRefusal("time,x,y\n0.01,1,1\n0.02,1,1\n0.01,1,1\n", ":4: time \"0.01\" is not after");
+  expectRefusal("time,x,y\n0,1,1\n0.01,1,1\n0.02,1\n0.03,1,1\n", ":4: 2 fields: expected 3");
   expectRefusal("time,x,y\n0,abc,1\n", ":2: column 2 = \"abc\": expected a number");
   expectRefusal("time,x,y\n0,1e999,1\n", "expected a number");
   expectRefusal("time,x,y\n0,inf,1\n", "expected a number");
@@ -192,6 +198,25 @@ TEST(ReadTable, RefusesValuesThatNoRecordingHas) {
   expectRefusal("time,x_px,y_deg\n0,1,1\n", "different units");
   expectRefusal("# units=furlongs\ntime,x,y\n0,1,1\n", "expected px, deg or normalised");
   expectRefusal("# screen_width_px=1e9\ntime,x,y\n", ":1: screen_width_px = \"1e9\"");
+}
+
+TEST(ReadTable, WarnsOfALastLineThatIsCutOff) {
+  std::string text = "time_s,x_px,y_px\n";
+  for (int i = 0; i < 80; ++i) {
+    const double time_s = 0.01 * i;
+    text += decimal(time_s, 2) + "," + decimal(400 + 3 * (i % 7), 1) + "," +
+            decimal(300 + 2 * (i % 5), 1) + "\n";
+  }
+  const auto warnings = [](const std::string& all) { return read(all).warnings; };
+  EXPECT_EQ(warnings(text).size(), 0u);
+  EXPECT_EQ(warnings(text + "0.80,402.0,301.5").size(), 0u) << "no line end alone means nothing";
+  EXPECT_EQ(warnings(text + "0.80,402.0,nan").size(), 0u);
+  EXPECT_EQ(warnings(text + "0.80,402.0,30\n").size(), 0u);
+  for (const char* cut : {"0.80,402.0,30", "0.80,402.0", "0.8"}) {
+    const auto said = warnings(text + cut);
+    ASSERT_EQ(said.size(), 1u) << cut;
+    EXPECT_NE(said[0].find("cut off"), std::string::npos) << said[0];
+  }
 }
 
 TEST(ReadTable, RefusesBinaryAndEndlessLines) {

@@ -158,7 +158,7 @@ TEST(VendorExport, FractionsAndMetresWithoutAUnitAreRefused) {
     fractions += time + ",0.5" + std::to_string(i) + ",0.4\n";
     metres += time + ",0.031,0.002,0.64\n";
   }
-  EXPECT_NE(refusal(fractions).find("give their unit: --units normalised or deg"),
+  EXPECT_NE(refusal(fractions).find("give their unit: gaze.units = \"normalised\" or \"deg\""),
             std::string::npos)
       << refusal(fractions);
   EXPECT_NE(refusal(metres).find("it may be \"eye_x\""), std::string::npos) << refusal(metres);
@@ -204,9 +204,8 @@ TEST(VendorExport, TheHeaderStatesWhatWasAssumed) {
 
 TEST(VendorExport, MissingColumnsListTheirCandidates) {
   const std::string message = refusal("TIMETICK,LSPOTX,LSPOTY,stimulus\n1,2,3,4\n");
-  EXPECT_NE(
-      message.find("no column \"time\": name it with gaze.time (--time); it may be \"TIMETICK\""),
-      std::string::npos)
+  EXPECT_NE(message.find("no column \"time\": name it with gaze.time; it may be \"TIMETICK\""),
+            std::string::npos)
       << message;
   const std::string x =
       refusal("TIMETICK,LSPOTX,LSPOTY,RSPOTX,RSPOTY\n1,2,3,4,5\n", {.time = "TIMETICK"});
@@ -289,7 +288,7 @@ TEST(VendorExport, TablesOfOtherThingsAreNamed) {
   says("fixation id,start timestamp [ns],fixation x [px],fixation y [px]\n1,2,3,4\n", "fixations");
   says("time(s),gaze_direct_L.x,gaze_direct_L.y,gaze_direct_L.z\n0,0,0,1\n", "gaze.direction");
   says("time_s,yaw,pitch,head_x\n0,0.1,0.2,1\n", "gaze.angles");
-  says("Time,X,Y\n10:22:00,3,4\n", "--time");
+  says("Time,X,Y\n10:22:00,3,4\n", "gaze.time");
 }
 
 TEST(VendorExport, GlassesThatAreNotWornHaveNoGaze) {

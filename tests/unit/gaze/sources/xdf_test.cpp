@@ -109,6 +109,15 @@ TEST(Xdf, AsksWhichStreamOfTwo) {
   EXPECT_THROW(readTrace(file.path(), columns, kScreen), InputError);
 }
 
+TEST(Xdf, SaysThatAFileHasNoStreams) {
+  try {
+    readTrace(ScratchFile("XDF:").path(), {}, kScreen);
+    FAIL() << "expected a refusal";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("no streams"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Xdf, RefusesEveryFileThatIsCutOffInAChunk) {
   const std::string whole = xdf();
   for (std::size_t size = 5; size < whole.size(); size += 37) {

@@ -1,0 +1,87 @@
+#include "app/cli/trace_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "app/study/study.h"
+#include "base/input_error.h"
+
+namespace foci {
+namespace {
+
+TraceDescription studysDescription(const std::string& file) {
+  if (file.empty()) return {};
+  const Study study = readStudy(file);
+  TraceDescription description{.columns = study.columnsInForce()};
+  if (!study.screen.is_default) description.screen = study.screenInForce();
+  return description;
+}
+
+GazeUnits unitsOf(const std::string& name) {
+  if (name == "px") return GazeUnits::px;
+  if (name == "deg") return GazeUnits::deg;
+  if (name == "normalised") return GazeUnits::normalised;
+  throw InputError("--units " + name, "expected px, deg or normalised");
+}
+
+}  // namespace
+
+void addTraceOptions(CLI::App& command, TraceOptions& o) {
+  command.add_option("--time", o.columns.time, "name of the time column (gaze.time)")
+      ->type_name("NAME");
+  command.add_option("--x", o.columns.x, "name of the column of horizontal positions (gaze.x)")
+      ->type_name("NAME");
+  command.add_option("--y", o.columns.y, "name of the column of vertical positions (gaze.y)")
+      ->type_name("NAME");
+  command.add_option("--units", o.units, "unit of the positions (gaze.units)")
+      ->type_name("px|deg|normalised");
+  command
+      .add_option("--time-scale-s", o.time_scale_s,
+                  "length of a unit of time, seconds (gaze.time_scale_s)")
+      ->type_name("S");
+  command
+      .add_option("--study", o.study,
+                  "study whose [gaze] describes the columns, and whose [screen] is used if the "
+                  "recording states none")
+      ->type_name("FILE");
+  addScreenOptions(command, o.screen);
+}
+
+TraceDescription descriptionOf(const TraceOptions& options) {
+  TraceDescription description = studysDescription(options.study);
+  TraceColumns& columns = description.columns;
+  if (!options.columns.time.empty()) columns.time = options.columns.time;
+  if (!options.columns.x.empty()) columns.x = options.columns.x;
+  if (!options.columns.y.empty()) columns.y = options.columns.y;
+  if (columns.rate_Hz && !columns.time.empty()) {
+    throw InputError(options.study,
+                     "gaze.rate_Hz and gaze.time (--time): expected only one of them; for a column "
+                     "of row numbers give gaze.time_scale_s = 1 / rate");
+  }
+  if (options.time_scale_s != 0.0) {
+    if (!(options.time_scale_s >= 1e-12 && options.time_scale_s <= 1.0)) {
+      throw InputError("--time-scale-s", "expected seconds per unit of time, 1e-12 to 1");
+    }
+    columns.time_scale_s = options.time_scale_s;
+  }
+  if (!options.units.empty()) columns.units = unitsOf(options.units);
+  const Screen given = screenOf(options.screen);
+  Screen& screen = description.screen;
+  if (given.size_px.x > 0) screen.size_px = given.size_px;
+  if (given.size_m.x > 0.0) screen.size_m = given.size_m;
+  if (given.distance_m > 0.0) screen.distance_m = given.distance_m;
+  return description;
+}
+
+void withTraceHints(const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    if (what.find("gaze.") == what.npos || what.find("--") != what.npos) throw;
+    throw InputError(what +
+                     " (a study's keys: give --study FILE, or --time, --x, --y, --units, "
+                     "--time-scale-s)");
+  }
+}
+
+}  // namespace foci
