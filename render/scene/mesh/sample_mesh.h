@@ -26,8 +26,9 @@ inline constexpr std::size_t kMinPoints = 500'000, kMaxPoints = 8'000'000;
 inline constexpr double kScreenRows = 1080.0;
 
 /// Samples points (poisson_disk.h). Without a wanted number, connected parts that are small beside
-/// the mesh have more points than `defaultPoints`: a part is looked at from nearby. Normals are the triangles'. Colours are averaged over the
-/// point's surroundings. There are no points where a texture cuts a hole.
+/// the mesh have more points than `defaultPoints`: a part is looked at from nearby. Normals are the
+/// triangles'. Colours are averaged over the point's surroundings. There are no points where a
+/// texture cuts a hole.
 /// @param name  of the mesh, for messages
 /// @throws InputError if the mesh has too little area for its extent, or is cut out everywhere
 PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& name,

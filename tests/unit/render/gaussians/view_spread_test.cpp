@@ -130,7 +130,8 @@ TEST(ViewSpread, AViewErrsByItsDistanceFromItsJudges) {
   for (const float light : {0.1f, 0.2f, 0.3f}) three.add(glm::vec3(light));
   const glm::vec3 apart = visibleDifferencePerLight(glm::vec3(0.2f)) * glm::vec3(0.05f);
   const auto errors = one.spread.errorsOfOne(three.spread, kBlack);
-  for (std::size_t i = 0; i < kFollowed; ++i) EXPECT_NEAR(errors[i], 1.1f * glm::length(apart), 1e-3f);
+  for (std::size_t i = 0; i < kFollowed; ++i)
+    EXPECT_NEAR(errors[i], 1.1f * glm::length(apart), 1e-3f);
 }
 
 // What lies behind counts where the Gaussians let it through.
