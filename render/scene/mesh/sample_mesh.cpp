@@ -65,8 +65,10 @@ struct Part {
   double area_m2 = 0.0;
 };
 
+/// None where they are unknown.
 std::vector<Part> partsOf(const TriangleMesh& mesh) {
   std::vector<Part> parts;
+  if (mesh.surface.empty()) return parts;
   for (std::size_t t = 0; t < mesh.size(); ++t) {
     if (mesh.surface[t] >= parts.size()) parts.resize(mesh.surface[t] + 1);
     Part& part = parts[mesh.surface[t]];
@@ -93,33 +95,57 @@ std::vector<int> halvingsOf(const std::vector<Part>& parts, double spacing_m, do
   return halvings;
 }
 
-/// @param spacing_m  of the whole mesh
-/// @param least_m    no spacing is smaller
-std::vector<Level> levelsOf(const TriangleMesh& mesh, double spacing_m, double least_m,
-                            double most_points) {
+/// The spacing of a mesh, and how often it is halved for each part. None: one spacing for all.
+struct Plan {
+  double spacing_m = 0.0;
   std::vector<int> halvings;
-  if (!mesh.surface.empty()) {
-    const std::vector<Part> parts = partsOf(mesh);
-    for (double rows = kPartRows; rows >= 1.0; rows *= 0.5) {
-      halvings = halvingsOf(parts, spacing_m, rows, least_m);
-      double points = 0.0;
-      for (std::size_t i = 0; i < parts.size(); ++i) {
-        points += std::ldexp(parts[i].area_m2 / (spacing_m * spacing_m), 2 * halvings[i]);
-      }
-      if (points <= most_points) break;
-      halvings.assign(parts.size(), 0);
-    }
+};
+
+double pointsOf(const Plan& plan, const std::vector<Part>& parts) {
+  double points = 0.0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const double even = parts[i].area_m2 / (plan.spacing_m * plan.spacing_m);
+    points += std::ldexp(even, 2 * plan.halvings[i]);
   }
+  return points;
+}
+
+/// @param wanted   points that are spread evenly, at most
+/// @param fewest   the same, at least
+/// @param most     points with those of finer parts
+/// @param least_m  no spacing is smaller
+Plan planOf(const std::vector<Part>& parts, double area_m2, double wanted, double fewest,
+            double most, double least_m) {
+  const auto planFor = [&](double even, double rows) {
+    const double spacing_m = std::sqrt(area_m2 / even);
+    return Plan{spacing_m, halvingsOf(parts, spacing_m, rows, least_m)};
+  };
+  for (double rows = kPartRows; parts.size() > 1 && rows >= 1.0; rows *= 0.5) {
+    if (pointsOf(planFor(fewest, rows), parts) > most) continue;
+    // As many as fit, by bisection.
+    double fits = fewest, even = wanted;
+    for (int i = 0; i < 12; ++i) {
+      Plan plan = planFor(even, rows);
+      const bool fit = pointsOf(plan, parts) <= most;
+      if (fit) fits = even;
+      if (fit && even >= wanted) break;
+      even = fit ? 0.5 * (even + wanted) : 0.5 * (fits + even);
+    }
+    return planFor(fits, rows);
+  }
+  return {std::sqrt(area_m2 / wanted), {}};
+}
+
+std::vector<Level> levelsOf(const TriangleMesh& mesh, const Plan& plan) {
   std::map<int, Level> levels;
   for (std::size_t t = 0; t < mesh.size(); ++t) {
-    const int halved = halvings.empty() ? 0 : halvings[mesh.surface[t]];
-    levels[halved].triangles.push_back(static_cast<std::uint32_t>(t));
+    const int halved = plan.halvings.empty() ? 0 : plan.halvings[mesh.surface[t]];
+    Level& level = levels[halved];
+    level.spacing_m = std::ldexp(plan.spacing_m, -halved);
+    level.triangles.push_back(static_cast<std::uint32_t>(t));
   }
   std::vector<Level> all;
-  for (auto& [halved, level] : levels) {
-    level.spacing_m = std::ldexp(spacing_m, -halved);
-    all.push_back(std::move(level));
-  }
+  for (auto& [halved, level] : levels) all.push_back(std::move(level));
   return all;
 }
 
@@ -227,13 +253,14 @@ PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& nam
                          " points would fall on each other: move it to the origin, e.g. with "
                          "CloudCompare");
   }
-  const double most_points =
-      sampling.points ? 0.0
-                      : std::min(kMostForParts * static_cast<double>(wanted), double{kMaxPoints});
+  // A wanted number counts finer parts.
+  const auto even = static_cast<double>(wanted);
+  const double fewest = sampling.points ? even / kMostForParts : even;
+  const double most =
+      sampling.points ? even : std::min(kMostForParts * even, static_cast<double>(kMaxPoints));
+  const Plan plan = planOf(partsOf(mesh), mesh_m2, even, fewest, most, std::max(least_m, 1e-30));
   Samples samples;
-  for (const Level& level : levelsOf(mesh, spacing_m, std::max(least_m, 1e-30), most_points)) {
-    sampleLevel(mesh, level, samples);
-  }
+  for (const Level& level : levelsOf(mesh, plan)) sampleLevel(mesh, level, samples);
   const std::vector<MeshPoint>& points = samples.points;
 
   PointCloud cloud;

@@ -25,10 +25,10 @@ std::size_t defaultPoints(const TriangleMesh& mesh);
 inline constexpr std::size_t kMinPoints = 500'000, kMaxPoints = 8'000'000;
 inline constexpr double kScreenRows = 1080.0;
 
-/// Samples points (poisson_disk.h). Without a wanted number, connected parts that are small beside
-/// the mesh have more points than `defaultPoints`: a part is looked at from nearby. Normals are the
-/// triangles'. Colours are averaged over the point's surroundings. There are no points where a
-/// texture cuts a hole.
+/// Samples points (poisson_disk.h). A small connected part is looked at from nearby: it has at
+/// least a point a pixel where it fills 200 rows of a screen, as far as the wanted number or four
+/// times the default allow. Normals are the triangles'. Colours are averaged over the point's
+/// surroundings. There are no points where a texture cuts a hole.
 /// @param name  of the mesh, for messages
 /// @throws InputError if the mesh has too little area for its extent, or is cut out everywhere
 PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& name,

@@ -72,10 +72,14 @@ TEST(PartsOfAMesh, AMeshOfOnePartHasOneSpacing) {
   for (const float each : points.area_m2) EXPECT_EQ(each, points.area_m2[0]);
 }
 
-TEST(PartsOfAMesh, AWantedNumberIsSpreadEvenly) {
-  const PointCloud points = sampleMesh(boxes(1, 0.5f), "boxes", {.points = 100'000});
-  const Spacings seen = spacingsOf(points, 1, 0.5f);
-  EXPECT_NEAR(seen.small_m / seen.large_m, 1.0, 0.05);
+TEST(PartsOfAMesh, AWantedNumberCountsThePointsOfSmallParts) {
+  for (const std::size_t wanted : {20'000u, 100'000u, 700'000u}) {
+    const PointCloud points = sampleMesh(boxes(1, 0.5f), "boxes", {.points = wanted});
+    EXPECT_GE(points.size(), wanted / 2);
+    EXPECT_LE(points.size(), wanted * 11 / 10);
+    const Spacings seen = spacingsOf(points, 1, 0.5f);
+    EXPECT_LT(seen.small_m, 0.6 * seen.large_m) << wanted;
+  }
 }
 
 // Parts get fewer points each, the more there are.
