@@ -134,8 +134,8 @@ std::string sizeRemark(const Study& study, const SceneBox& box) {
 
 View firstViewOf(const Study& study) {
   const Screen screen = study.screenInForce();
-  return viewThroughScreen(eyePathOf(study).eyeFromWorldAt(0.0), screen.size_px, screen.size_m,
-                           screen.distance_m, screen.faced_m);
+  return viewThroughScreen(eyePathOf(study).eyeFromWorldAt(0.0), study.imageSize_px(),
+                           screen.size_m, screen.distance_m, screen.faced_m);
 }
 
 /// The median distance of neighbouring surfels in view, in pixels; 0 if none is in view.
