@@ -150,7 +150,7 @@ double spacingInView_px(const View& view, const SurfelCloud& cloud) {
     const glm::vec2 at = view.principal_px + view.focal_px * glm::vec2(p.x, -p.y) / depth_m;
     const glm::vec2 size(view.size_px);
     if (at.x < 0.0f || at.y < 0.0f || at.x > size.x || at.y > size.y) continue;
-    spacings_px.push_back(std::sqrt(cloud.area_m2[i]) * view.focal_px.x / depth_m);
+    spacings_px.push_back(std::sqrt(cloud.area_m2[i]) * view.focal_px.y / depth_m);
   }
   return spacings_px.empty() ? 0.0 : double{quantile(spacings_px, 0.5)};
 }
