@@ -145,6 +145,7 @@ std::vector<Level> levelsOf(const TriangleMesh& mesh, const Plan& plan) {
     level.triangles.push_back(static_cast<std::uint32_t>(t));
   }
   std::vector<Level> all;
+  all.reserve(levels.size());
   for (auto& [halved, level] : levels) all.push_back(std::move(level));
   return all;
 }
