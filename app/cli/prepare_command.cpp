@@ -11,6 +11,7 @@
 #include "app/prepare/fidelity_section.h"
 #include "app/prepare/prepare.h"
 #include "app/study/scene_text.h"
+#include "app/study/study.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/geometry/default_screen.h"
@@ -96,7 +97,7 @@ struct PrepareOptions {
 };
 
 void runPrepare(const PrepareOptions& options) {
-  if (!(options.scale_m >= 1e-6 && options.scale_m <= 1e6)) {
+  if (!(options.scale_m >= kMinScale_m && options.scale_m <= kMaxScale_m)) {
     throw InputError("--scale " + exactText(options.scale_m),
                      "expected metres per unit of the input, 1e-6 to 1e6");
   }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/study/study.h"
 #include "base/quantile.h"
 #include "base/text.h"
 
@@ -102,7 +103,7 @@ void chooseScale(const SceneFacts& facts, double distance, Framing& framing) {
   const double middle_m = std::sqrt(0.5 * 5.0);
   const double power = std::round(std::log10(middle_m / stated_m));
   const double ten = std::pow(10.0, std::abs(power));
-  framing.scale_m = std::clamp(power < 0.0 ? stated / ten : stated * ten, 1e-6, 1e6);
+  framing.scale_m = std::clamp(power < 0.0 ? stated / ten : stated * ten, kMinScale_m, kMaxScale_m);
   framing.why_scale = "with " + exactText(stated) + " the eye would be " +
                       exactText(rounded(stated_m, stated_m, 2)) + " m away";
 }

@@ -27,7 +27,7 @@ std::string countsText(const SceneFacts& facts) {
   add(facts.gaussians, "Gaussian");
   if (facts.dropped > 0) {
     text += ", " + thousands(static_cast<double>(facts.dropped)) +
-            " left out (not finite, or over " + "1e9 units from the origin)";
+            " left out (not finite, or over 1e9 units from the origin)";
   }
   return text;
 }

@@ -39,6 +39,9 @@ struct NamedShape {
   bool holds(const glm::dvec3& point_m) const;
 };
 
+/// Least and most metres per unit of a file.
+inline constexpr double kMinScale_m = 1e-6, kMaxScale_m = 1e6;
+
 /// A further file of the scene, and where it stands: first scaled, then turned, then moved.
 struct ScenePart {
   std::filesystem::path file;

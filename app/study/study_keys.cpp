@@ -79,7 +79,7 @@ const std::vector<Key<ScenePart>>& partKeys() {
       FOCI_PART_KEY(file, "file", "as scene.file"),
       FOCI_PART_KEY(position_m, "position_m", "where the file's origin lies, m", {-kFar_m, kFar_m}),
       FOCI_PART_KEY(rotation, "rotation", "quaternion x, y, z, w that turns it", {-1, 1}),
-      FOCI_PART_KEY(scale_m, "scale_m", "metres per unit of the file", {1e-6, 1e6}),
+      FOCI_PART_KEY(scale_m, "scale_m", "metres per unit of the file", {kMinScale_m, kMaxScale_m}),
   };
   return keys;
 }
@@ -91,7 +91,8 @@ const std::vector<Key<Study>>& studyKeys() {
                "(.foci)"),
       FOCI_KEY(scene.builtin, "scene.builtin", "built-in scene, if there is no file",
                {.words = {"gallery", "plane"}}),
-      FOCI_KEY(scene.scale_m, "scene.scale_m", "metres per unit of the file", {1e-6, 1e6}),
+      FOCI_KEY(scene.scale_m, "scene.scale_m", "metres per unit of the file",
+               {kMinScale_m, kMaxScale_m}),
       FOCI_KEY(scene.background, "scene.background", "linear RGB behind everything", {0, 1}),
       FOCI_KEY(scene.objects, "scene.object",
                "named boxes { name, center_m, size_m } and spheres { name, center_m, radius_m }: "

@@ -109,9 +109,8 @@ std::string pointText(const glm::dvec3& p) {
 
 /// How to make the scene's unit longer or shorter.
 std::string scaleAdvice(const Study& study, bool longer) {
-  constexpr double kMinScale = 1e-6, kMaxScale = 1e6;  // of scene.scale_m
   const double scale_m = study.scene.scale_m;
-  if (longer ? scale_m >= kMaxScale : scale_m <= kMinScale) {
+  if (longer ? scale_m >= kMaxScale_m : scale_m <= kMinScale_m) {
     return "scene.scale_m is at its limit, so write the file in other units, e.g. with Blender";
   }
   return std::string("if a unit of the file is ") + (longer ? "more" : "less") + " than " +

@@ -61,6 +61,7 @@ std::string_view withoutByteOrderMark(std::string_view line) {
 std::string_view decimalComma(std::string_view line) {
   constexpr std::string_view kBetween = " \t;";
   const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
+  if (line.find(',') == std::string_view::npos) return {};  // as in most files
   if (line.find_first_of(kBetween) == std::string_view::npos) return {};
   for (std::size_t at = 0; (at = line.find_first_not_of(kBetween, at)) != std::string_view::npos;) {
     const std::size_t end = std::min(line.find_first_of(kBetween, at), line.size());

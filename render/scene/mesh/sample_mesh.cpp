@@ -121,17 +121,17 @@ Plan planOf(const std::vector<Part>& parts, double area_m2, double wanted, doubl
     return Plan{spacing_m, halvingsOf(parts, spacing_m, rows, least_m)};
   };
   for (double rows = kPartRows; parts.size() > 1 && rows >= 1.0; rows *= 0.5) {
-    if (pointsOf(planFor(fewest, rows), parts) > most) continue;
+    const auto fits = [&](double even) { return pointsOf(planFor(even, rows), parts) <= most; };
+    if (!fits(fewest)) continue;
+    if (fewest < wanted && fits(wanted)) return planFor(wanted, rows);
     // As many as fit, by bisection.
-    double fits = fewest, even = wanted;
-    for (int i = 0; i < 12; ++i) {
-      Plan plan = planFor(even, rows);
-      const bool fit = pointsOf(plan, parts) <= most;
-      if (fit) fits = even;
-      if (fit && even >= wanted) break;
-      even = fit ? 0.5 * (even + wanted) : 0.5 * (fits + even);
+    double low = fewest, high = wanted;
+    constexpr int kHalvings = 12;
+    for (int i = 0; i < kHalvings && low < high; ++i) {
+      const double even = 0.5 * (low + high);
+      (fits(even) ? low : high) = even;
     }
-    return planFor(fits, rows);
+    return planFor(low, rows);
   }
   return {std::sqrt(area_m2 / wanted), {}};
 }
@@ -156,14 +156,23 @@ struct Samples {
   std::vector<float> spacing_m, area_m2;
 };
 
-void sampleLevel(const TriangleMesh& mesh, const Level& level, Samples& samples) {
+/// The corners of some triangles.
+std::vector<glm::vec3> cornersOf(const TriangleMesh& mesh,
+                                 const std::vector<std::uint32_t>& triangles) {
   std::vector<glm::vec3> corners_m;
-  corners_m.reserve(3 * level.triangles.size());
-  for (const std::uint32_t t : level.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      corners_m.push_back(mesh.corners_m[3 * std::size_t{t} + k]);
-    }
+  corners_m.reserve(3 * triangles.size());
+  for (const std::uint32_t t : triangles) {
+    const auto first = mesh.corners_m.begin() + 3 * static_cast<std::ptrdiff_t>(t);
+    corners_m.insert(corners_m.end(), first, first + 3);
   }
+  return corners_m;
+}
+
+void sampleLevel(const TriangleMesh& mesh, const Level& level, Samples& samples) {
+  const bool all = level.triangles.size() == mesh.size();  // a large scan is not copied
+  const std::vector<glm::vec3> some_m =
+      all ? std::vector<glm::vec3>() : cornersOf(mesh, level.triangles);
+  const std::vector<glm::vec3>& corners_m = all ? mesh.corners_m : some_m;
   const std::vector<MeshPoint> points = poissonDisk(corners_m, level.spacing_m);
   // Triangles narrower than the spacing hold more points, which must not take area from the others.
   const double share_m2 = areaOf_m2(corners_m) / static_cast<double>(points.size());

@@ -4,13 +4,14 @@
 
 #include <memory>
 #include <random>
+#include <utility>
 
 #include "render/image/metrics.h"
 #include "render/lod/moment_tree.h"
 #include "render/methods/method.h"
 #include "render/scene/estimation/estimate.h"
-#include "render/scene/mesh/orientation.h"
 #include "render/scene/mesh/sample_mesh.h"
+#include "tests/unit/render/mesh_shapes.h"
 
 namespace foci {
 namespace {
@@ -34,11 +35,8 @@ SurfelCloud torus() {
       for (const glm::vec3& each : {a, b, c, a, c, d}) mesh.corners_m.push_back(each);
     }
   }
-  mesh.uv.resize(mesh.corners_m.size());
-  mesh.material.resize(mesh.size(), 0);
-  mesh.materials = {{.texture = nullptr, .factor = {0.6f, 0.4f, 0.2f}}};
-  orientOutwards(mesh);
-  return surfelsFromPoints(sampleMesh(mesh, "torus", {.points = 40'000}));
+  return surfelsFromPoints(
+      sampleMesh(finishedMesh(std::move(mesh), {0.6f, 0.4f, 0.2f}), "torus", {.points = 40'000}));
 }
 
 const SurfelCloud& theTorus() {

@@ -9,12 +9,13 @@
 #include <glm/gtc/constants.hpp>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/methods/method.h"
 #include "render/scene/estimation/estimate.h"
-#include "render/scene/mesh/orientation.h"
 #include "render/scene/mesh/sample_mesh.h"
+#include "tests/unit/render/mesh_shapes.h"
 
 namespace foci {
 namespace {
@@ -163,28 +164,11 @@ TEST(ClosedSurfaces, LeakNoBackgroundAtAnyLevelAndBlur) {
   EXPECT_GE(images, 100u);
 }
 
-/// A closed box, 1.6 m wide and high.
+/// 1.6 m wide and high.
 TriangleMesh plateOf(float thick_m) {
-  constexpr float kHalf_m = 0.8f;
   TriangleMesh mesh;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const float side : {-1.0f, 1.0f}) {
-      const auto corner = [&](float u, float v) {
-        glm::vec3 p(0.0f);
-        p[axis] = side;
-        p[(axis + 1) % 3] = side * u;
-        p[(axis + 2) % 3] = v;
-        return p * glm::vec3(kHalf_m, kHalf_m, 0.5f * thick_m);
-      };
-      const glm::vec3 a = corner(-1, -1), b = corner(1, -1), c = corner(1, 1), d = corner(-1, 1);
-      for (const glm::vec3& each : {a, b, c, a, c, d}) mesh.corners_m.push_back(each);
-    }
-  }
-  mesh.uv.resize(mesh.corners_m.size());
-  mesh.material.resize(mesh.size(), 0);
-  mesh.materials = {{.texture = {}, .factor = glm::vec3(0.0f)}};
-  orientOutwards(mesh);
-  return mesh;
+  addBox(mesh, glm::vec3(0.0f), {1.6f, 1.6f, thick_m});
+  return finishedMesh(std::move(mesh), glm::vec3(0.0f));
 }
 
 /// The far side is near enough to be taken for the same sheet, and is not rendered.

@@ -4,43 +4,19 @@
 #include <cmath>
 #include <vector>
 
-#include "render/scene/mesh/orientation.h"
 #include "render/scene/mesh/sample_mesh.h"
+#include "tests/unit/render/mesh_shapes.h"
 
 namespace foci {
 namespace {
 
-void addBox(TriangleMesh& mesh, const glm::vec3& middle_m, float side_m) {
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const float side : {-1.0f, 1.0f}) {
-      const auto corner = [&](float u, float v) {
-        glm::vec3 p(0.0f);
-        p[axis] = side;
-        p[(axis + 1) % 3] = side * u;
-        p[(axis + 2) % 3] = v;
-        return middle_m + 0.5f * side_m * p;
-      };
-      const glm::vec3 a = corner(-1, -1), b = corner(1, -1), c = corner(1, 1), d = corner(-1, 1);
-      for (const glm::vec3& each : {a, b, c, a, c, d}) mesh.corners_m.push_back(each);
-    }
-  }
-}
-
-TriangleMesh finished(TriangleMesh mesh) {
-  mesh.uv.resize(mesh.corners_m.size());
-  mesh.material.resize(mesh.size(), 0);
-  mesh.materials = {{.texture = nullptr, .factor = {0.6f, 0.4f, 0.2f}}};
-  orientOutwards(mesh);
-  return mesh;
-}
-
 TriangleMesh boxes(std::size_t small_ones, float small_m) {
   TriangleMesh mesh;
-  addBox(mesh, glm::vec3(0.0f), 4.0f);
+  addBox(mesh, glm::vec3(0.0f), glm::vec3(4.0f));
   for (std::size_t i = 0; i < small_ones; ++i) {
-    addBox(mesh, {3.0f, 0.0f, 2.0f * small_m * static_cast<float>(i)}, small_m);
+    addBox(mesh, {3.0f, 0.0f, 2.0f * small_m * static_cast<float>(i)}, glm::vec3(small_m));
   }
-  return finished(std::move(mesh));
+  return finishedMesh(std::move(mesh), {0.6f, 0.4f, 0.2f});
 }
 
 /// Mean distance of the points of the large box, and of the others.
