@@ -201,7 +201,12 @@ struct Sweep : Layers<kTransparent, kDepth, isWholeAperture(kBlur)> {
     clear();
     const auto done = [&] { return translucent == 0 || (until_overlap && overlap); };
     for (std::size_t e = 0; e < job.count; ++e) {
-      if (e + kAhead < job.count) hwy::Prefetch(&job.splats[job.entries[e + kAhead]]);
+      if (e + kAhead < job.count) {
+        const std::uint32_t later = job.entries[e + kAhead];
+        hwy::Prefetch(&job.splats[later]);
+        if constexpr (kLens) hwy::Prefetch(&job.lens[later]);
+        if constexpr (kAstigmatic) hwy::Prefetch(&job.lens_across[later]);
+      }
       const Splat& splat = job.splats[job.entries[e]];
 
       // A gap in depth across the whole tile closes every layer.
