@@ -18,7 +18,7 @@ void refuseEmpty(const CLI::App& command) {
 }
 
 void addOverwrite(CLI::App& command, bool& overwrite) {
-  command.add_flag("--overwrite", overwrite, "Replace files that foci did not make, too");
+  command.add_flag("--overwrite", overwrite, "Also replace files that foci did not make");
 }
 
 void addScreen(CLI::App& calibrate) {

@@ -42,11 +42,11 @@ void addCompareCommand(CLI::App& app) {
   const auto options = std::make_shared<CompareOptions>();
   CLI::App* command =
       app.add_subcommand("compare",
-                         "Compare runs: blur, focus, dwell times and pictures side by side.\n"
+                         "Compare runs: blur, focus, dwell times and images side by side.\n"
                          "Example: foci compare out/old out/young --out out/both");
   command
       ->add_option("RUNS", options->runs,
-                   "folders that foci replay wrote; the first is what the others are compared with")
+                   "folders that foci replay wrote; the others are compared with the first")
       ->type_name("DIR")
       ->required();
   command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();

@@ -62,7 +62,7 @@ void addInfoCommand(CLI::App& app) {
                                          "Say what a scene file holds: bounds, units, counts, "
                                          "materials; and show it in a small image.\n"
                                          "Example: foci info cow.obj --thumbnail cow.png");
-  command->add_option("SCENE", options->scene, "points, mesh or prepared scene")
+  command->add_option("SCENE", options->scene, "points, mesh, Gaussians or prepared scene")
       ->type_name("FILE")
       ->required();
   command->add_option("--thumbnail", options->thumbnail, "also render the scene, 480x270 px")

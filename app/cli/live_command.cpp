@@ -135,7 +135,7 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
   command->add_option("--record", options->record, "record from the start, to this folder")
       ->type_name("DIR");
   command->add_flag("--latency", options->latency,
-                    "print the time from gaze to screen, of tracker, foci and display apart");
+                    "print the time from gaze to screen, in its parts: tracker, foci and display");
   command
       ->add_option("--socket", options->live.socket,
                    "port for an experiment's commands; default address: this machine")

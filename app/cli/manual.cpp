@@ -89,8 +89,8 @@ std::string manPage(const std::string& name, const CLI::App& app) {
     page += ".SH EXAMPLES\n.nf\n" + roff(description.examples) + "\n.fi\n";
   }
   page +=
-      ".SH EXIT STATUS\n0: done. 1: the run failed. 2: bad input; one line says what and what to "
-      "do.\n";
+      ".SH EXIT STATUS\n0: done. 1: the run failed. 2: bad input; one line says what is wrong and "
+      "what to do.\n";
   if (name != "foci") page += ".SH SEE ALSO\n\\fBfoci\\fR(1)\n";
   return page;
 }

@@ -58,7 +58,7 @@ void printMethodJson() {
 void addMethodsCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("methods",
                                          "List the depth-of-field methods, each with its source; "
-                                         "GPU: a GPU renders surfaces by it, too.");
+                                         "GPU: a GPU can render surfaces, too.");
   const auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "print the list as JSON");
   command->callback([json] { *json ? printMethodJson() : printMethodTable(); });

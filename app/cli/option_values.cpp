@@ -46,7 +46,7 @@ void addThreadsOption(CLI::App& command, std::string& threads, const char* help)
 }
 
 void addOverwriteFlag(CLI::App& command, bool& overwrite) {
-  command.add_flag("--overwrite", overwrite, "replace files that foci did not make, too");
+  command.add_flag("--overwrite", overwrite, "also replace files that foci did not make");
 }
 
 unsigned threadsOf(const std::string& threads) {

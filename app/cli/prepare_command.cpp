@@ -158,14 +158,14 @@ void addPrepareCommand(CLI::App& app) {
                          "Turn points, a mesh or Gaussians into a scene file. foci solves "
                          "sizes and weights of splats so that surfaces\n"
                          "have neither holes nor seams. Gaussians get their levels of detail. The "
-                         "report holds the surfels of a mesh "
-                         "against its triangles.\n"
+                         "report compares the surfels of a mesh "
+                         "with its triangles.\n"
                          "Example: foci prepare lion.ply --out lion.foci");
   prepare
       ->add_option(
           "INPUT", options->input,
-          "points (PLY, LAS, XYZ, PTS), mesh (OBJ, glTF, STL, FBX, PLY) or Gaussians (PLY, SPZ, "
-          "SPLAT, KSPLAT, SOG)")
+          "points (PLY, LAS, XYZ, PTS), mesh (OBJ, glTF, STL, FBX, PLY, OFF) or Gaussians (PLY, "
+          "SPZ, SPLAT, KSPLAT, SOG)")
       ->type_name("FILE")
       ->required();
   prepare->add_option("--out", options->out, "scene; the report gets the same name with .html")

@@ -37,10 +37,10 @@ void addStudyOptions(CLI::App& command, StudyOptions& options) {
     return command.add_option(name, value, help)->type_name(type);
   };
   add("STUDY", options.study, "FILE",
-      "study (TOML), or a scene: points, mesh or prepared scene, which foci then frames")
+      "study (TOML), or a scene: points, mesh, Gaussians or prepared scene, which foci then frames")
       ->required();
   add("--scene", options.scene, "FILE",
-      "points, mesh or prepared scene instead of the study's scene");
+      "points, mesh, Gaussians or prepared scene instead of the study's scene");
   add("--look", options.look, "FROM", "for a scene: look from front, left or above");
   add("--up", options.up, "AXIS", "for a scene: its upward axis, x, y or z, or -x, -y or -z");
   add("--write-study", options.write_study, "FILE.toml",

@@ -42,7 +42,7 @@ void addValidateCommand(CLI::App& app) {
   const auto options = std::make_shared<ValidateOptions>();
   CLI::App* command = app.add_subcommand(
       "validate",
-      "Hold foci against published measurements of blur, pupil, focus and image quality.\n"
+      "Compare foci with published measurements of blur, pupil, focus and image quality.\n"
       "Example: foci validate --out out/validation");
   command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();
   addOverwriteFlag(*command, options->overwrite);

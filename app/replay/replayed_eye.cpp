@@ -74,8 +74,8 @@ void ReplayedEye::requireParts(std::size_t frame) const {
                      "quality.frame_ms (--set quality.frame_ms=null)");
   }
   if (isIncremental(method)) {
-    throw InputError(
-        "--frames", "method " + method + " goes on with the frame before; expected another method");
+    throw InputError("--frames",
+                     "method " + method + " needs the previous frame; expected another method");
   }
 }
 

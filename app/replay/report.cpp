@@ -79,7 +79,7 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
             ". Sentences below about the eye and the method hold for the first frame.</p>\n";
   }
   for (const std::string& assumption : trace.assumed) {
-    html += "<p class=\"quiet\">The recording does not state all, so foci assumed: " +
+    html += "<p class=\"quiet\">The recording does not state this, so foci assumed: " +
             escaped(assumption) + ".</p>\n";
   }
   for (const std::string& warning : trace.warnings) {

@@ -86,9 +86,10 @@ const std::vector<Key<ScenePart>>& partKeys() {
 
 const std::vector<Key<Study>>& studyKeys() {
   static const std::vector<Key<Study>> keys = {
-      FOCI_KEY(scene.file, "scene.file",
-               "points (PLY, LAS, XYZ, PTS), a mesh (OBJ, glTF, STL, FBX, PLY) or a prepared scene "
-               "(.foci)"),
+      FOCI_KEY(
+          scene.file, "scene.file",
+          "points (PLY, LAS, XYZ, PTS), a mesh (OBJ, glTF, STL, FBX, PLY, OFF), Gaussians (PLY, "
+          "SPZ, SPLAT, KSPLAT, SOG) or a prepared scene (.foci)"),
       FOCI_KEY(scene.builtin, "scene.builtin", "built-in scene, if there is no file",
                {.words = {"gallery", "plane"}}),
       FOCI_KEY(scene.scale_m, "scene.scale_m", "metres per unit of the file",
@@ -120,7 +121,7 @@ const std::vector<Key<Study>>& studyKeys() {
                "spectra of the primaries for observer.chromatic: a table of wavelength (nm), red, "
                "green, blue; absent: each primary is light of one wavelength"),
       FOCI_KEY(display.kind, "display.kind",
-               "a screen that stands still, or a headset, whose screen moves with the head and "
+               "a screen at a fixed place, or a headset, whose screen moves with the head and "
                "replaces the sizes in [screen]; without a [screen], a recording with head poses "
                "takes a headset",
                {.words = studyWords<DisplayKind>()}),
@@ -152,7 +153,7 @@ const std::vector<Key<Study>>& studyKeys() {
           observer.chromatic, "observer.chromatic",
           "red, green and blue each have their own focus; rendering takes three times as long"),
       FOCI_KEY(observer.wavelengths, "observer.wavelengths",
-               "number of wavelengths that screen.spectra are rendered as; each takes a render",
+               "number of wavelengths that screen.spectra is rendered as; each takes one rendering",
                {3, 31}),
       FOCI_KEY(
           observer.wavefront, "observer.wavefront",
@@ -192,12 +193,15 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.columns.blink, "gaze.blink", "column that marks blinks"),
       FOCI_KEY(gaze.columns.confidence, "gaze.confidence",
                "column of the confidence, 0 to 1; a sample below 0.6 has no gaze"),
-      FOCI_KEY(gaze.columns.eyes[0].x, "gaze.left_x", "column of the left eye's position"),
-      FOCI_KEY(gaze.columns.eyes[0].y, "gaze.left_y", "column of the left eye's position"),
+      FOCI_KEY(gaze.columns.eyes[0].x, "gaze.left_x",
+               "column of the left eye's horizontal position"),
+      FOCI_KEY(gaze.columns.eyes[0].y, "gaze.left_y", "column of the left eye's vertical position"),
       FOCI_KEY(gaze.columns.eyes[0].pupil, "gaze.left_pupil",
                "column of the left pupil's diameter"),
-      FOCI_KEY(gaze.columns.eyes[1].x, "gaze.right_x", "column of the right eye's position"),
-      FOCI_KEY(gaze.columns.eyes[1].y, "gaze.right_y", "column of the right eye's position"),
+      FOCI_KEY(gaze.columns.eyes[1].x, "gaze.right_x",
+               "column of the right eye's horizontal position"),
+      FOCI_KEY(gaze.columns.eyes[1].y, "gaze.right_y",
+               "column of the right eye's vertical position"),
       FOCI_KEY(gaze.columns.eyes[1].pupil, "gaze.right_pupil",
                "column of the right pupil's diameter"),
       FOCI_KEY(gaze.columns.space.both.direction, "gaze.direction",
@@ -335,7 +339,7 @@ const std::vector<Key<Study>>& studyKeys() {
                "width and height of the images, px; absent: those of the screen", {16, 8192}),
       FOCI_KEY(output.fps, "output.fps", "frames per second", {1, 1000}),
       FOCI_KEY(output.seconds, "output.seconds",
-               "begin and end, after the recording's first sample, s", {0, 1e6}),
+               "start and end, after the recording's first sample, s", {0, 1e6}),
       FOCI_KEY(output.marker, "output.marker", "shows where the observer looks"),
       FOCI_KEY(output.split, "output.split", "left half sharp, right half as the eye sees it"),
       FOCI_KEY(output.sync_patch, "output.sync_patch",

@@ -1,5 +1,5 @@
 // Renders a scene on the GPU: LOD cut, projection, tiles, layers and sub-apertures, all as the CPU
-// does in render/lod and render/splat. Both give the same picture to rounding (docs/gpu.md).
+// does in render/lod and render/splat. Both give the same image to rounding (docs/gpu.md).
 #pragma once
 
 #include <cstdint>
