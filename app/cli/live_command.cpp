@@ -1,12 +1,14 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <stdexcept>
 #include <utility>
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
 #include "app/cli/study_options.h"
 #include "app/live/options.h"
+#include "app/live/record.h"
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/record/manifest.h"
@@ -96,6 +98,7 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
   if (!options.record.empty()) live.record = options.record;
   StudyAsked asked = studyOf(options);
   checkOutputs({options.write_study}, inputFiles(asked.study), false);
+  if (live.record) makeRecordFolder(*live.record);
   saveStudy(options, asked);
   Study study = asked.study;
   study.output.maps.clear();  // a replay of the record writes them
@@ -111,6 +114,13 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
   std::string text = options.json ? liveSummaryJson(summary) : liveSummaryText(summary);
   if (options.latency && !options.json) text += latencyText(summary);
   std::puts(text.c_str());
+  if (!summary.failed_records.empty()) {
+    std::string lines = summary.failed_records.front();
+    for (std::size_t i = 1; i < summary.failed_records.size(); ++i) {
+      lines += "\nfoci: " + summary.failed_records[i];
+    }
+    throw std::runtime_error(lines);
+  }
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ struct LiveSummary {
   Durations sample_to_render, render_to_swap;  ///< the other parts of sample_to_swap
   Landings landings;
   std::vector<std::filesystem::path> records;
+  std::vector<std::string> failed_records;  ///< a line each: the folder, and why
 };
 
 /// Shows the study until the observer leaves.

@@ -31,17 +31,7 @@ Study studyOfRecord(Study study, double rate_Hz) {
 }
 
 fs::path madeEmpty(const fs::path& folder) {
-  std::error_code error;
-  for (const char* name : {"study.toml", "gaze.tsv", "frames.tsv", "changes.tsv", "timing.tsv",
-                           "event_markers.tsv", "events.tsv", "manifest.json"}) {
-    if (!fs::exists(fs::symlink_status(folder / name, error))) continue;
-    throw InputError(folder.string(), std::string("has a ") + name +
-                                          " already, as records have: expected another folder");
-  }
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) {
-    throw std::runtime_error("cannot make the folder " + folder.string());
-  }
+  makeRecordFolder(folder);
   return folder;
 }
 
@@ -62,6 +52,24 @@ int medianOf(const std::map<int, std::size_t>& counts) {
 }
 
 }  // namespace
+
+void makeRecordFolder(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    throw InputError(folder.string(), "is a file: expected a folder for the record");
+  }
+  for (const char* name : {"study.toml", "gaze.tsv", "frames.tsv", "changes.tsv", "timing.tsv",
+                           "event_markers.tsv", "events.tsv", "manifest.json"}) {
+    if (!fs::exists(fs::symlink_status(folder / name, error))) continue;
+    throw InputError(folder.string(), std::string("has a ") + name +
+                                          " already, as records have: expected another folder");
+  }
+  fs::create_directories(folder, error);
+  if (error || !fs::is_directory(folder)) {
+    throw std::runtime_error("cannot make the folder " + folder.string() +
+                             (error ? ": " + error.message() : ""));
+  }
+}
 
 LiveRecord::LiveRecord(const fs::path& folder, const Study& study, const Screen& screen,
                        double rate_Hz, std::string command, unsigned threads, std::string device)
@@ -85,9 +93,12 @@ LiveRecord::LiveRecord(const fs::path& folder, const Study& study, const Screen&
   thread_ = std::thread([this] { run(); });
 }
 
-LiveRecord::~LiveRecord() {
+LiveRecord::~LiveRecord() { end(); }
+
+std::optional<std::string> LiveRecord::end() {
   close();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
+  return failure();
 }
 
 void LiveRecord::writeStudy(double fps) const {

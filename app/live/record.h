@@ -63,7 +63,11 @@ struct LiveFrame {
   std::weak_ptr<LiveRecord> record_file;  ///< the record it belongs to, if any
 };
 
-/// All functions are called from any thread and do not wait for the disk.
+/// Makes the folder of a record.
+/// @throws InputError where it is a file, or holds a record; std::runtime_error
+void makeRecordFolder(const std::filesystem::path& folder);
+
+/// All functions are called from any thread and, but for `end`, do not wait for the disk.
 class LiveRecord {
  public:
   /// @param folder   is made if missing; must not hold a record yet
@@ -88,6 +92,9 @@ class LiveRecord {
 
   /// Ends the record. What waits is still written.
   void close();
+  /// Closes it, and waits until everything is written or has failed.
+  /// @return as `failure`
+  std::optional<std::string> end();
 
   /// Frames that wait to be written.
   std::size_t backlog() const;

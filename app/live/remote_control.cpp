@@ -33,10 +33,14 @@ std::string stateOf(const LiveState& state, double now_s) {
                                  {"focus_D", last.eye.focus_D},
                                  {"pupil_mm", last.pupil_mm},
                                  {"method", last.method},
-                                 {"record", nullptr}};
+                                 {"record", nullptr},
+                                 {"record_failure", nullptr}};
   if (last.gaze_px) json["gaze_px"] = {last.gaze_px->x, last.gaze_px->y};
   if (last.eye.surface_distance_m) json["surface_distance_m"] = *last.eye.surface_distance_m;
-  if (state.record) json["record"] = state.record->folder().string();
+  if (state.record) {
+    json["record"] = state.record->folder().string();
+    if (const auto failure = state.record->failure()) json["record_failure"] = *failure;
+  }
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

@@ -136,14 +136,15 @@ std::future<std::string> LiveRenderer::startRecord(const std::filesystem::path& 
     const std::lock_guard lock(mutex_);
     state_.record = std::move(record);
     state_.notice = "recording to " + folder.string();
-    records_.push_back(folder);
   });
 }
 
 std::future<std::string> LiveRenderer::stopRecord() {
   return post([this] {
     if (!state_.record) throw std::runtime_error("no record is running");
+    const auto failure = state_.record->failure();
     closeRecord();
+    if (failure) throw std::runtime_error(*failure);
   });
 }
 
@@ -190,9 +191,22 @@ void LiveRenderer::tell(const std::string& notice) {
   state_.notice = notice;
 }
 
-std::vector<std::filesystem::path> LiveRenderer::records() const {
-  const std::lock_guard lock(mutex_);
-  return records_;
+void LiveRenderer::noteEnd(LiveRecord& record) {
+  if (const auto failure = record.end()) {
+    failed_records_.push_back("the record in " + record.folder().string() +
+                              " is incomplete: " + *failure);
+  } else {
+    records_.push_back(record.folder());
+  }
+}
+
+void LiveRenderer::finish(std::vector<std::filesystem::path>& records,
+                          std::vector<std::string>& failed) {
+  thread_.request_stop();
+  thread_.join();
+  for (const auto& record : closing_) noteEnd(*record);
+  records = records_;
+  failed = failed_records_;
 }
 
 void LiveRenderer::publish() {
@@ -280,7 +294,11 @@ bool LiveRenderer::waitForRoom(const std::stop_token& stop) {
     if (commands.empty()) return !stop.stop_requested();
     for (const Command& command : commands) command();
     // A record is destroyed once it is written or has failed: its destructor would wait.
-    std::erase_if(closing_, [](const auto& record) { return record->finished(); });
+    std::erase_if(closing_, [this](const auto& record) {
+      if (!record->finished()) return false;
+      noteEnd(*record);
+      return true;
+    });
   }
   return false;
 }
@@ -307,9 +325,8 @@ GazeSample LiveRenderer::asRecorded(GazeSample sample) const {
     plausible(eye.point_px);
     eye = {.point_px = eye.point_px};
   }
-  // A sample that is older than the last frame comes too late for it: its time moves behind.
-  const double after_s = std::max(last_sample_s_.value_or(0.0), last_frame_s_);
-  sample.time_s = wholeMicroseconds(std::max(sample.time_s, after_s + kTick_s));
+  sample.time_s =
+      wholeMicroseconds(std::max(sample.time_s, last_sample_s_.value_or(0.0) + kTick_s));
   return sample;
 }
 
@@ -317,6 +334,7 @@ void LiveRenderer::takeGaze() {
   news_.clear();
   feed_.take(news_);
   for (const GazeSample& each : news_) {
+    if (each.time_s < session_start_s_) continue;  // measured before the record began
     const GazeSample sample = asRecorded(each);
     session_->push(sample);
     if (state_.record) state_.record->add(sample);

@@ -76,8 +76,10 @@ class LiveRenderer {
   /// Shows a notice.
   void tell(const std::string& notice);
 
-  /// Folders of all records so far.
-  std::vector<std::filesystem::path> records() const;
+  /// Ends the thread, and waits until all records are written.
+  /// @param records  gets the folders of those that are complete
+  /// @param failed   gets a line for each that is not: the folder, and why
+  void finish(std::vector<std::filesystem::path>& records, std::vector<std::string>& failed);
 
  private:
   using Command = std::function<void()>;
@@ -96,6 +98,7 @@ class LiveRenderer {
   void noteView();
   const SurfelCloud& outlined() const { return outline_.empty() ? *cloud_ : outline_; }
   void closeRecord();
+  void noteEnd(LiveRecord& record);
 
   Study study_;
   GazeFeed& feed_;
@@ -132,7 +135,8 @@ class LiveRenderer {
   std::deque<Command> commands_;
   std::shared_ptr<LiveFrame> laid_ready_;
   double next_swap_s_ = 0.0;
-  std::vector<std::filesystem::path> records_;
+  std::vector<std::filesystem::path> records_;  // that are complete
+  std::vector<std::string> failed_records_;
   LiveState state_;
   std::exception_ptr failure_;
   std::jthread thread_;  // last: it uses the others

@@ -11,10 +11,12 @@
 #include <ctime>
 #include <future>
 #include <memory>
+#include <stdexcept>
 
 #include "app/live/options.h"
 #include "app/live/panel.h"
 #include "app/live/pose.h"
+#include "app/live/record.h"
 #include "app/live/remote_control.h"
 #include "app/live/remote_socket.h"
 #include "app/live/renderer.h"
@@ -65,6 +67,7 @@ class LiveWindow {
   LiveSummary run();
 
  private:
+  void requireRecord();
   void point();
   bool keys();
   void key(int key);
@@ -90,9 +93,11 @@ class LiveWindow {
   std::optional<Texture> texture_;
   std::optional<GazeFeed> feed_;
   std::optional<LiveRenderer> renderer_;
-  std::promise<SharedGpu> gpu_;       // for the renderer, which waits for it; destroyed before it
-  std::shared_ptr<LiveFrame> frame_;  // shown last
-  bool is_new_ = false;               // not shown yet
+  std::promise<SharedGpu> gpu_;         // for the renderer, which waits for it; destroyed before it
+  std::shared_ptr<LiveFrame> frame_;    // shown last
+  std::shared_ptr<LiveRecord> record_;  // of that frame
+  std::future<std::string> starting_;   // the record of `--record`
+  bool is_new_ = false;                 // not shown yet
   double period_s_ = 1.0 / 60.0, last_swap_s_ = 0.0, image_swap_s_ = 0.0;
   std::string notice_;
   double notice_since_s_ = -kNotice_s;
@@ -127,7 +132,7 @@ LiveWindow::LiveWindow(const Study& study, const LiveOptions& options,
   gpu_.set_value(gpuOf(*window_, study.render.device));
   texture_.emplace();
   period_s_ = 1.0 / window_->refresh_Hz();
-  if (options.record) renderer_->startRecord(*options.record);
+  if (options.record) starting_ = renderer_->startRecord(*options.record);
   if (!options.socket.empty()) {
     socket_.emplace(
         options.socket,
@@ -149,6 +154,7 @@ LiveSummary LiveWindow::run() {
   while (!leaving_ && !isInterrupted()) {
     const double wait_s = panel_ || help_ ? kPanel_s : kIdle_s;
     if (!window_->wait(std::min(last_swap_s_ + wait_s - clock_.now_s(), 0.1))) break;
+    requireRecord();
     point();
     const bool pressed = keys();
     if (auto next = renderer_->take(clock_.now_s() + period_s_)) {
@@ -159,9 +165,21 @@ LiveSummary LiveWindow::run() {
   }
   socket_.reset();
   if (renderer_->take(clock_.now_s())) ++summary_.dropped;
-  summary_.records = renderer_->records();
+  record_ = nullptr;
+  renderer_->finish(summary_.records, summary_.failed_records);
   if (saving_.valid()) saving_.wait();
   return summary_;
+}
+
+/// Ends the run if the record of `--record` could not begin.
+void LiveWindow::requireRecord() {
+  if (!starting_.valid() ||
+      starting_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+    return;
+  }
+  if (const std::string failure = starting_.get(); !failure.empty()) {
+    throw std::runtime_error(failure);
+  }
 }
 
 /// Tells the gaze source where the mouse is, and where it clicks.
@@ -386,7 +404,11 @@ void LiveWindow::shown() {
   }
   summary_.landings.add(frame_->record, timing.in_full, last_swap_s_);
   graph_.add(sample_ms, render_ms, 1e3 * (last_swap_s_ - timing.render_end_s));
-  if (const auto record = frame_->record_file.lock()) record->add(frame_);
+  // The first frame after a record closes it.
+  const auto record = frame_->record_file.lock();
+  if (record_ && record_ != record) record_->close();
+  record_ = record;
+  if (record_) record_->add(frame_);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "app/record/tables.h"
@@ -85,6 +86,7 @@ std::vector<RecordedFrame> readFrames(const std::filesystem::path& file) {
     return static_cast<std::size_t>(at - names.begin());
   };
   const std::size_t time = column("time_s"), method = column("method");
+  const auto gaze = std::find(names.begin(), names.end(), "gaze_time_s");
   std::vector<RecordedFrame> frames;
   for (bool broken = false; lines.next(line);) {
     if (line.empty()) continue;
@@ -96,7 +98,15 @@ std::vector<RecordedFrame> readFrames(const std::filesystem::path& file) {
     if (const auto expected = expectedMethod(fields[method])) {
       throw lines.error("method " + shown(fields[method]) + ": expected " + *expected);
     }
-    frames.push_back({timeIn(lines, fields[time], after_s), fields[method]});
+    const double time_s = timeIn(lines, fields[time], after_s);
+    double known_s = time_s;
+    if (gaze != names.end()) {
+      const std::string& field = fields[static_cast<std::size_t>(gaze - names.begin())];
+      known_s = field == "n/a"
+                    ? -std::numeric_limits<double>::infinity()
+                    : timeIn(lines, field, frames.empty() ? -1e12 : frames.back().known_s);
+    }
+    frames.push_back({time_s, fields[method], known_s});
   }
   if (frames.empty()) throw InputError(file.string(), "no frames: expected at least one");
   return frames;

@@ -35,9 +35,12 @@ class GazeTable {
 struct RecordedFrame {
   double time_s = 0.0;
   std::string method;
+  /// Time of the newest sample that the frame knew; -infinity: none. Samples that were measured
+  /// before a frame may arrive after it.
+  double known_s = 0.0;
 };
 
-/// Times and methods of a frames.tsv.
+/// Frames of a frames.tsv. Without a column gaze_time_s each frame knows all samples before it.
 /// @return not empty; times increase
 /// @throws InputError
 std::vector<RecordedFrame> readFrames(const std::filesystem::path& file);

@@ -6,6 +6,7 @@
 
 #include "app/platform/interrupt.h"
 #include "app/platform/progress.h"
+#include "app/replay/moving_observer.h"
 #include "app/session/eye_path.h"
 #include "app/study/session_settings_of.h"
 #include "base/parallel.h"
@@ -194,7 +195,7 @@ bool NamedShape::holds(const glm::dvec3& point_m) const {
 }
 
 GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
-                          const std::vector<GazeEvent>& events, bool attention) {
+                          std::vector<GazeEvent>& events, bool attention) {
   GazeInScene found;
   found.objects.push_back({.name = {}});
   for (const NamedShape& shape : study.scene.objects) found.objects.push_back({.name = shape.name});
@@ -224,6 +225,9 @@ GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Su
     }
     throwIfInterrupted();
     if (progress) progress->advance(first + some);
+  }
+  if (gaze.trace.samples.front().head) {
+    fixateRestingPoints(events, found.samples, study.gaze.events.rules);
   }
   for (const GazeEvent& event : events) {
     if (event.kind != GazeState::fixation) continue;

@@ -16,13 +16,14 @@ ReplayedEye::ReplayedEye(const Study& study, const ReplayedGaze& gaze, const Sur
   lookAtSkippedFrames();
 }
 
-FrameRecord ReplayedEye::look(double time_s) {
+/// @param known_s  the frame knows the samples up to this time
+FrameRecord ReplayedEye::look(double time_s, double known_s) {
   const std::vector<GazeSample>& samples = gaze_.trace.samples;
   const std::vector<Change>& changes = gaze_.changes;
   for (; change_ < changes.size() && changes[change_].time_s <= time_s; ++change_) {
     changeLive(study_, session_, changes[change_].key, changes[change_].toml);
   }
-  for (; sample_ < samples.size() && samples[sample_].time_s <= time_s; ++sample_) {
+  for (; sample_ < samples.size() && samples[sample_].time_s <= known_s; ++sample_) {
     session_.push(samples[sample_]);
   }
   return session_.look(time_s);
@@ -38,7 +39,7 @@ const std::string& ReplayedEye::methodOf(std::size_t frame) const {
 void ReplayedEye::lookAtSkippedFrames() {
   const Schedule& schedule = gaze_.schedule;
   for (std::size_t i = 0; i < schedule.first; ++i) {
-    FrameRecord record = look(schedule.recorded[i].time_s);
+    FrameRecord record = look(schedule.recorded[i].time_s, schedule.recorded[i].known_s);
     if (study_.observer.pupil == PupilModel::luminance) {
       session_.render(schedule.recorded[i].method, record);
     }
@@ -52,7 +53,7 @@ const Frame& ReplayedEye::see(std::size_t frame, SeenFrame& seen) {
 }
 
 RenderedFrame& ReplayedEye::seeKept(std::size_t frame, SeenFrame& seen) {
-  seen.record = look(gaze_.schedule.time_s(frame));
+  seen.record = look(gaze_.schedule.time_s(frame), gaze_.schedule.known_s(frame));
   RenderedFrame& rendered = session_.renderKept(methodOf(frame), seen.record);
   seen.gaze_px = session_.gazePoints_px(seen.record);
   seen.marker = study_.output.marker;
@@ -61,7 +62,7 @@ RenderedFrame& ReplayedEye::seeKept(std::size_t frame, SeenFrame& seen) {
 }
 
 void ReplayedEye::pass(std::size_t frame) {
-  FrameRecord record = look(gaze_.schedule.time_s(frame));
+  FrameRecord record = look(gaze_.schedule.time_s(frame), gaze_.schedule.known_s(frame));
   requireParts(frame);
   session_.pass(methodOf(frame), record);
 }

@@ -42,7 +42,7 @@ class ReplayedEye {
   const Study& study() const { return study_; }
 
  private:
-  FrameRecord look(double time_s);
+  FrameRecord look(double time_s, double known_s);
   const std::string& methodOf(std::size_t frame) const;
   void lookAtSkippedFrames();
 

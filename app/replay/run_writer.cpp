@@ -137,11 +137,11 @@ RunResult RunWriter::finish(const RunFacts& run) {
   table_.finish();
   video_.finish();
   const Schedule& schedule = gaze_.schedule;
-  const std::vector<GazeEvent> events =
+  std::vector<GazeEvent> events =
       eventsOfRun(study_, gaze_.trace, schedule.first_s, schedule.end_s());
-  folder_.write(kEvents, eventTable(events));
   const GazeInScene in_scene =
       lookIntoScene(study_, gaze_, cloud_, events, run.heatmap.has_value());
+  folder_.write(kEvents, eventTable(events));
   folder_.write(kSights, sightTable(in_scene));
   folder_.write(kSightFixations, sightFixationTable(in_scene));
   folder_.write(kObjects, objectTable(in_scene));

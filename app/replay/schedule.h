@@ -22,6 +22,10 @@ struct Schedule {
     return recorded.empty() ? first_s + static_cast<double>(frame) / fps
                             : recorded[first + frame].time_s;
   }
+  /// The frame knows the samples up to this time.
+  double known_s(std::size_t frame) const {
+    return recorded.empty() ? time_s(frame) : recorded[first + frame].known_s;
+  }
   double end_s() const {
     return recorded.empty() ? time_s(frames) : time_s(frames - 1) + 1.0 / fps;
   }

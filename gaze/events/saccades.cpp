@@ -164,13 +164,13 @@ class SaccadeFinder {
   void findWide(std::size_t scale, double floor_deg_s) {
     const double width_s = window_s(scale);
     const Velocities velocities = velocitiesOfSight(sights_, width_s, longestStep_s(rate_Hz_));
+    const auto thresholdAt = [&](std::size_t i) {
+      return std::max(floor_deg_s,
+                      rules_.wide_noise * velocities[i]->noise_gain * noise_.velocity_deg_s[scale]);
+    };
     std::vector<std::size_t> candidates;
     for (std::size_t i = 0; i < sights_.size(); ++i) {
-      const auto& at = velocities[i];
-      if (at && at->speed_deg_s > std::max(floor_deg_s, rules_.wide_noise * at->noise_gain *
-                                                            noise_.velocity_deg_s[scale])) {
-        candidates.push_back(i);
-      }
+      if (velocities[i] && velocities[i]->speed_deg_s > thresholdAt(i)) candidates.push_back(i);
     }
     std::sort(candidates.begin(), candidates.end(), [&](std::size_t a, std::size_t b) {
       const double fast_a = velocities[a]->speed_deg_s, fast_b = velocities[b]->speed_deg_s;
@@ -192,14 +192,17 @@ class SaccadeFinder {
     for (const std::size_t peak : candidates) {
       if (taken[peak]) continue;
       take(peak, width_s);
-      markTypical(peak, width_s, velocities, scale == 0);
+      markTypical(peak, width_s, velocities, scale == 0, thresholdAt(peak));
     }
   }
 
   /// Marks a saccade with the duration that is typical of its amplitude (Carpenter 1988). The slope
   /// over a window T peaks at 1.5 A / T for a step of amplitude A.
-  /// @param few  the window holds few samples
-  void markTypical(std::size_t peak, double width_s, const Velocities& velocities, bool few) {
+  /// @param few  the window holds few samples. The saccade then ends with its last fast step, and
+  ///             no sample shows an oscillation
+  /// @param fast_deg_s  a step is fast from here on
+  void markTypical(std::size_t peak, double width_s, const Velocities& velocities, bool few,
+                   double fast_deg_s) {
     const double amplitude_deg = velocities[peak]->speed_deg_s * width_s / 1.5;
     const double half_s = 0.5 * (kDuration_s + kDurationPerDegree_s * amplitude_deg);
     const double centre_s = few ? centreOfSteps_s(peak, width_s, velocities[peak]->deg_s)
@@ -209,8 +212,22 @@ class SaccadeFinder {
     while (i > 0 && time_s(i - 1) >= from_s) --i;
     for (; i < sights_.size() && time_s(i) <= until_s + kWideOscillation_s; ++i) {
       if (time_s(i) < from_s || states_[i] != GazeState::fixation) continue;
-      states_[i] = time_s(i) > until_s ? GazeState::oscillation : GazeState::saccade;
+      if (time_s(i) <= until_s || (few && isFastStep(i, velocities[peak]->deg_s, fast_deg_s))) {
+        states_[i] = GazeState::saccade;
+      } else if (few) {
+        break;
+      } else {
+        states_[i] = GazeState::oscillation;
+      }
     }
+  }
+
+  /// Whether gaze moves fast along `velocity_deg_s` from the sample before to this one.
+  bool isFastStep(std::size_t i, const glm::dvec3& velocity_deg_s, double fast_deg_s) const {
+    if (i == 0 || !sights_[i].direction || !sights_[i - 1].direction) return false;
+    const glm::dvec3 step = *sights_[i].direction - *sights_[i - 1].direction;
+    return glm::degrees(glm::dot(step, glm::normalize(velocity_deg_s))) >
+           fast_deg_s * (time_s(i) - time_s(i - 1));
   }
 
   /// The centre of gravity of the peak's upper half.

@@ -48,7 +48,7 @@ void GazeFollower::push(const GazeSample& sample) {
   if (!was_stable || !looked_ ||
       angleBetween_deg(screen_, looked_->point_px, *now_.fixation_px) >=
           0.5 * settings_.cone_half_angle_deg) {
-    look(sample.time_s);
+    look(std::max(sample.time_s, last_asked_s_));
   }
 }
 
@@ -125,6 +125,7 @@ std::optional<bool> vergenceDisagrees(const EyeNow& eye, double surface_error_D)
 }
 
 EyeNow GazeFollower::at(double time_s, AskSurface ask) {
+  last_asked_s_ = time_s;
   const bool silent = !newest_ || time_s - newest_->time_s > longest_silence_s_;
   const bool stable = !silent && isFixating();
   if (stable && looked_->time_s != time_s && (ask == AskSurface::always || hasMoved())) {

@@ -87,7 +87,8 @@ class GazeFollower {
   GazeFollower(const Screen& screen, double rate_Hz, SurfaceDistance surface,
                const FollowSettings& settings = {});
 
-  /// @param sample  later than the previous sample, and not before the last frame's time
+  /// @param sample  later than the previous sample. It may be older than the last frame, which did
+  ///                not know it yet: focus then answers from that frame on
   void push(const GazeSample& sample);
 
   /// See `Accommodation::setFarPoint`.
@@ -124,6 +125,7 @@ class GazeFollower {
   std::optional<GazeSample> newest_{};
   GazeNow now_{};
   std::optional<Look> looked_{};
+  double last_asked_s_ = 0.0;          // by `at`
   bool eye_moved_ = false;             // since then
   std::optional<double> surface_D_{};  // of the latest look that met a surface
   std::optional<DioptreEstimate> vergence_{};

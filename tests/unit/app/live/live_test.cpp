@@ -30,11 +30,13 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A gaze that jumps between two places on the screen every 150 ms, at 100 Hz. After `until_s` it
-/// falls silent.
+/// falls silent. Its samples arrive in batches of `batch_s`.
 class Jumping final : public LiveSource {
  public:
-  Jumping(const Screen& screen, double until_s) : screen_(screen), until_s_(until_s) {}
+  Jumping(const Screen& screen, double until_s, double batch_s)
+      : screen_(screen), until_s_(until_s), batch_s_(batch_s) {}
   void poll(double now_s, std::vector<GazeSample>& samples) override {
+    if (now_s < next_s_ + batch_s_) return;
     for (; next_s_ <= std::min(now_s, until_s_); next_s_ += 0.01) {
       const bool right = std::fmod(next_s_, 0.3) > 0.15;
       samples.push_back({.time_s = next_s_,
@@ -47,7 +49,7 @@ class Jumping final : public LiveSource {
 
  private:
   Screen screen_;
-  double until_s_, next_s_ = 0.0;
+  double until_s_, batch_s_, next_s_ = 0.0;
 };
 
 class Live : public testing::Test {
@@ -70,9 +72,9 @@ class Live : public testing::Test {
     study.output.marker = true;
   }
 
-  NamedSource jumping(double until_s) const {
+  NamedSource jumping(double until_s, double batch_s = 0.0) const {
     const Screen screen = study.screenInForce();
-    return {.source = std::make_unique<Jumping>(screen, until_s), .screen = screen};
+    return {.source = std::make_unique<Jumping>(screen, until_s, batch_s), .screen = screen};
   }
 
   /// Takes frames as a window would. @return the record of the last one
@@ -161,6 +163,61 @@ TEST_F(Live, RecordReplaysToTheSameImagesAndEvents) {
   EXPECT_EQ(untimed(textOf(folder / "frames.tsv")), untimed(textOf(out / "frames.tsv")));
 }
 
+/// A frame does not know a sample that was measured before it and arrives after it. The record
+/// keeps the time of the tracker all the same, and the replay shows each frame what it knew.
+TEST_F(Live, ARecordKeepsTheTimesOfSamplesThatArriveLate) {
+  const fs::path folder = scratch.path() / "record", out = scratch.path() / "replay";
+  const LiveClock clock;
+  {
+    GazeFeed feed(jumping(100.0, 0.06), clock);
+    LiveRenderer renderer(study, feed, clock, "foci live", 1, [] {});
+    auto begun = renderer.startRecord(folder);
+    watch(renderer, clock, 1.5);
+    EXPECT_EQ(begun.get(), "");
+    renderer.stopRecord();
+    watch(renderer, clock, 0.05);
+  }
+  const auto samples = loadGaze(readStudy(folder / "study.toml")).samples;
+  ASSERT_GT(samples.size(), 50u);
+  for (std::size_t i = 3; i < samples.size(); ++i) {  // the first marks the record's begin
+    ASSERT_NEAR(samples[i].time_s - samples[i - 1].time_s, 0.01, 1e-5) << i;
+  }
+  int late = 0;
+  for (const RecordedFrame& frame : readFrames(folder / "frames.tsv")) {
+    late += std::ranges::any_of(samples, [&](const GazeSample& sample) {
+      return sample.time_s > frame.known_s && sample.time_s <= frame.time_s;
+    });
+  }
+  EXPECT_GT(late, 10);
+  replay(readStudy(folder / "study.toml"), out, "", 1);
+  EXPECT_EQ(nlohmann::json::parse(textOf(folder / "manifest.json"))["frames_sha256"],
+            nlohmann::json::parse(textOf(out / "manifest.json"))["frames_sha256"]);
+}
+
+TEST_F(Live, ARecordThatCannotBeginOrEndSaysWhy) {
+  const LiveClock clock;
+  GazeFeed feed(jumping(100.0), clock);
+  LiveRenderer renderer(study, feed, clock, "foci live", 1, [] {});
+  std::ofstream(scratch.path() / "file") << "";
+  EXPECT_THROW(makeRecordFolder(scratch.path() / "file"), InputError);
+  auto begun = renderer.startRecord(scratch.path() / "file");
+  watch(renderer, clock, 0.3);
+  EXPECT_NE(begun.get().find("expected a folder"), std::string::npos);
+
+  EXPECT_EQ(renderer.startRecord(scratch.path() / "good").get(), "");
+  watch(renderer, clock, 0.2);
+  EXPECT_EQ(renderer.stopRecord().get(), "");
+  EXPECT_EQ(renderer.startRecord(scratch.path() / "bad").get(), "");
+  watch(renderer, clock, 0.2);
+  fs::remove_all(scratch.path() / "bad");  // events.tsv cannot be written there
+  std::vector<fs::path> records;
+  std::vector<std::string> failed;
+  renderer.finish(records, failed);
+  EXPECT_EQ(records, std::vector{scratch.path() / "good"});
+  ASSERT_EQ(failed.size(), 1u);
+  EXPECT_NE(failed[0].find("bad is incomplete: "), std::string::npos) << failed[0];
+}
+
 TEST_F(Live, ARecordHoldsEverySampleThatWasPushedBeforeItsEnd) {
   const fs::path folder = scratch.path() / "record";
   constexpr int kSamples = 500;
@@ -169,7 +226,7 @@ TEST_F(Live, ARecordHoldsEverySampleThatWasPushedBeforeItsEnd) {
     GazeFeed feed(openLiveSource("socket:1000", study), clock);
     LiveRenderer renderer(study, feed, clock, "foci live", 1, [] {});
     auto begun = renderer.startRecord(folder);
-    watch(renderer, clock, 0.2);
+    watch(renderer, clock, 0.6);  // samples from before the record do not count
     ASSERT_EQ(begun.get(), "");
     std::string samples;
     for (int i = 0; i < kSamples; ++i) samples += std::to_string(5.0 + 0.001 * i) + " 500 400;";

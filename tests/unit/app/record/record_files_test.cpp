@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <vector>
 
 #include "base/input_error.h"
@@ -47,6 +48,20 @@ TEST(RecordFiles, GazeComesBackToTheLastBit) {
     EXPECT_EQ(trace.samples[i].uncertainty_deg, samples[i].uncertainty_deg);
     EXPECT_EQ(trace.samples[i].eyes[1].point_px, samples[i].eyes[1].point_px);
   }
+}
+
+TEST(RecordFiles, AFrameSaysWhichSamplesItKnew) {
+  const TemporaryFolder scratch;
+  const fs::path file = scratch.path() / "frames.tsv";
+  std::ofstream(file, std::ios::binary)
+      << "time_s\tgaze_time_s\tmethod\n1\tn/a\tsweep\n2\t1.5\tsweep\n3\t1.5\tsweep\n";
+  const auto frames = readFrames(file);
+  ASSERT_EQ(frames.size(), 3u);
+  EXPECT_EQ(frames[0].known_s, -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(frames[1].known_s, 1.5);
+  EXPECT_EQ(frames[2].known_s, 1.5);
+  std::ofstream(file, std::ios::binary) << "time_s\tmethod\n1\tsweep\n";
+  EXPECT_EQ(readFrames(file)[0].known_s, 1.0);
 }
 
 TEST(RecordFiles, RefusesTablesThatAreNone) {

@@ -77,6 +77,21 @@ TEST(GazeFollower, FocusesWhatIsFixated) {
   EXPECT_EQ(eye.focus_D, 2.0);
 }
 
+/// Samples of a tracker that sends batches arrive after a frame that is later than they are.
+TEST(GazeFollower, TakesSamplesThatAreOlderThanTheLastFrame) {
+  GazeFollower follower(kScreen, 500.0, twoSurfaces);
+  const auto samples = still(0.0, 2.0, kLeft_px);
+  for (std::size_t i = 0; i < 500; ++i) follower.push(samples[i]);
+  EXPECT_NEAR(*follower.at(1.4).target_D, 2.0, kRounding);
+  for (std::size_t i = 500; i < samples.size(); ++i) {
+    GazeSample sample = samples[i];
+    sample.point_px = kRight_px;
+    follower.push(sample);
+  }
+  EXPECT_NEAR(*follower.at(2.0).target_D, 0.5, kRounding);
+  EXPECT_NEAR(follower.at(6.0).focus_D, 0.5, 1e-3);
+}
+
 TEST(GazeFollower, KeepsItsTargetThroughBlinksDataLossAndMisses) {
   auto samples = still(0.0, 0.5, kLeft_px);
   append(samples, still(0.5, 1.5, std::nullopt));
