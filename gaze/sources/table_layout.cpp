@@ -335,14 +335,18 @@ class Recogniser {
                        .pupil_scale_mm = given_.pupil_scale_mm};
   }
 
-  /// Of a plain table: vendors' columns are known. Some write 1 for good gaze, others 0.
+  /// Of a plain table: vendors' columns are known. Some write 1 for good gaze, others 0. A
+  /// confidence may be that of one eye ("LeftEyeConfidence").
   void findUnusedValidity() {
     if (!layout_.isPlain() || layout_.validity || layout_.confidence || !given_.blink.empty()) {
       return;
     }
     for (std::size_t i = 0; i < names_.size(); ++i) {
       const bool unused = layout_.readings[i].meaning == "unused";
-      if (!unused || names_.key(i).find("valid") == std::string::npos) continue;
+      const auto has = [&](const char* part) {
+        return names_.key(i).find(part) != std::string::npos;
+      };
+      if (!unused || !(has("valid") || has("confidence"))) continue;
       layout_.unused_validity = names_.text(i);
       return;
     }
