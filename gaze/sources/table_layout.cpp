@@ -40,7 +40,8 @@ double secondsPer(const std::string& unit) {
   return unit == "s" ? 1.0 : unit == "ms" ? 1e-3 : unit == "us" ? 1e-6 : unit == "ns" ? 1e-9 : 0.0;
 }
 
-char delimiterOf(std::string_view header) {
+char delimiterOf(std::string_view header, const TablePreamble& before) {
+  if (before.separator) return *before.separator;
   const auto has = [&](char c) { return header.find(c) != std::string_view::npos; };
   return has('\t') ? '\t' : has(';') ? ';' : has(',') ? ',' : ' ';
 }
@@ -52,8 +53,8 @@ class Recogniser {
       : lines_(lines),
         given_(columns),
         before_(before),
-        names_(lines, header, delimiterOf(header)) {
-    layout_.delimiter = delimiterOf(header);
+        names_(lines, header, delimiterOf(header, before)) {
+    layout_.delimiter = delimiterOf(header, before);
     layout_.names = names_.size();
     layout_.format = layout_.delimiter == '\t' ? "TSV" : layout_.delimiter == ' ' ? "text" : "CSV";
   }
@@ -222,6 +223,7 @@ class Recogniser {
   void takeUnits(const std::optional<std::size_t>& column) {
     if (!column) return;
     const std::string& unit = names_.unit(*column);
+    if (unit == "rad" && !given_.units && !given_.mapped_later) throw names_.inRadians(*column);
     if (names_.isLength(*column) && !given_.units && !given_.mapped_later) {
       throw lines_.error("column " + shown(names_.text(*column)) + " is in " + shown(unit) +
                          ": expected px, deg or fractions of the screen; gaze.scale converts it "
