@@ -47,6 +47,13 @@ void checkName(const fs::path& output) {
 
 void checkPlace(const fs::path& output, WrittenFiles& written, bool overwrite) {
   std::error_code ignored;
+  for (fs::path folder = output.parent_path(); !folder.empty(); folder = folder.parent_path()) {
+    const fs::file_status status = fs::status(folder, ignored);
+    if (fs::is_directory(status)) break;
+    if (fs::exists(status)) {
+      throw InputError(folder.string(), "is a file: expected a folder");
+    }
+  }
   const fs::file_status target = fs::status(output, ignored);
   if (fs::is_directory(target)) throw InputError(output.string(), "is a folder: expected a file");
   if (fs::exists(target)) requireRegularFile(output);

@@ -34,6 +34,16 @@ void takeMonitor(Study& study) {
   study.screen.is_default = false;
 }
 
+[[noreturn]] void refuse(const Study& study, const std::string& what) {
+  throw InputError(study.file.string(), what);
+}
+
+void checkAlignment(const Study& study) {
+  if (!(glm::length(study.gaze.alignment.rotation) > 1e-3)) {
+    refuse(study, "gaze.scene_rotation: expected a quaternion x, y, z, w that is not 0");
+  }
+}
+
 }  // namespace
 
 bool decidesAngles(std::string_view key) {
@@ -83,6 +93,7 @@ Study readStudy(const std::filesystem::path& file) {
     study.gaze.source = trace.string();
   }
   study.screen.is_default = std::none_of(given.begin(), given.end(), decidesAngles);
+  checkAlignment(study);
   takeMonitor(study);
   return study;
 }
@@ -117,10 +128,6 @@ void overrideKey(Study& study, std::string_view key, const OptionValue& value,
 
 namespace {
 
-[[noreturn]] void refuse(const Study& study, const std::string& what) {
-  throw InputError(study.file.string(), what);
-}
-
 void checkGaze(const Study& study) {
   if (study.gaze.map && study.gazeIsSimulated()) {
     refuse(study, "gaze.map: expected a recording to map, not simulated gaze");
@@ -143,9 +150,7 @@ void checkGaze(const Study& study) {
     }
   }
   if (study.gaze.camera) readCamera(*study.gaze.camera);
-  if (!(glm::length(study.gaze.alignment.rotation) > 1e-3)) {
-    refuse(study, "gaze.scene_rotation: expected a quaternion x, y, z, w that is not 0");
-  }
+  checkAlignment(study);
   if (study.gaze.map && recordsHead(study)) {
     refuse(study, "gaze.map: expected a recording on a screen, not one with head poses");
   }

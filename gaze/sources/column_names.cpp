@@ -20,12 +20,13 @@ constexpr std::array<std::string_view, 8> kAngles = {
 /// The short form of a unit as vendors write it; empty for any other word.
 std::string unitOf(std::string_view word) {
   static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
-      {"s", "s"},         {"sec", "s"},           {"seconds", "s"},      {"ms", "ms"},
-      {"msec", "ms"},     {"milliseconds", "ms"}, {"us", "us"},          {"usec", "us"},
-      {"ns", "ns"},       {"px", "px"},           {"pix", "px"},         {"pixel", "px"},
-      {"pixels", "px"},   {"deg", "deg"},         {"dva", "deg"},        {"degree", "deg"},
-      {"degrees", "deg"}, {"norm", "norm"},       {"mm", "mm"},          {"cm", "cm"},
-      {"m", "m"},         {"normalised", "norm"}, {"normalized", "norm"}};
+      {"s", "s"},         {"sec", "s"},           {"seconds", "s"},       {"ms", "ms"},
+      {"msec", "ms"},     {"milliseconds", "ms"}, {"us", "us"},           {"usec", "us"},
+      {"ns", "ns"},       {"px", "px"},           {"pix", "px"},          {"pixel", "px"},
+      {"pixels", "px"},   {"deg", "deg"},         {"dva", "deg"},         {"degree", "deg"},
+      {"degrees", "deg"}, {"norm", "norm"},       {"mm", "mm"},           {"cm", "cm"},
+      {"m", "m"},         {"normalised", "norm"}, {"normalized", "norm"}, {"rad", "rad"},
+      {"radians", "rad"}};
   for (const auto& [text, unit] : kUnits) {
     if (word == text) return std::string(unit);
   }
@@ -225,6 +226,7 @@ InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
                         "gaze.time = \"#1\", gaze.x = \"#2\", gaze.y = \"#3\"");
   }
   if (const auto wrong = find(keys); wrong && meaning != Meaning::time) {
+    if (unit(*wrong) == "rad") return inRadians(*wrong);
     const std::string column = "column " + shown(texts_[*wrong]);
     return lines_.error(
         names_[*wrong].of_media
@@ -243,6 +245,12 @@ InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
   const std::string all = listed([](std::size_t) { return true; });
   return lines_.error(what + how +
                       (candidates.empty() ? "the columns are " + all : "it may be " + candidates));
+}
+
+InputError ColumnNames::inRadians(std::size_t column) const {
+  return lines_.error("column " + shown(texts_[column]) +
+                      " is in radians: name x and y with gaze.x and gaze.y, and give gaze.units = "
+                      "\"deg\" with gaze.scale = [57.29578, 57.29578]");
 }
 
 std::string ColumnNames::nearestTo(std::string_view wanted) const {

@@ -29,8 +29,8 @@ class ColumnNames {
   std::string_view text(std::size_t column) const { return texts_[column]; }
   /// Lower-case letters and digits alone, without the unit.
   const std::string& key(std::size_t column) const { return names_[column].key; }
-  /// "s", "ms", "us", "ns", "px", "deg", "norm", "mm", "cm", "m" or empty. A name that contains
-  /// "norm" has the unit "norm".
+  /// "s", "ms", "us", "ns", "px", "deg", "rad", "norm", "mm", "cm", "m" or empty. A name that
+  /// contains "norm" has the unit "norm".
   const std::string& unit(std::size_t column) const { return names_[column].unit; }
   bool isLength(std::size_t column) const {
     return unit(column) == "mm" || unit(column) == "cm" || unit(column) == "m";
@@ -61,6 +61,8 @@ class ColumnNames {
   /// to name one.
   /// @param keys  the usual ones
   InputError missing(Meaning meaning, Keys keys) const;
+  /// The error for a position in radians: it says how to convert them.
+  InputError inRadians(std::size_t column) const;
 
  private:
   struct Name {

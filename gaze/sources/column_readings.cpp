@@ -123,6 +123,7 @@ class Meanings {
       add(at.origin, "origin of " + name + frame + length, "xyz");
       add(at.angles, "angle of " + name + frame + turn, "hv");
       add(at.quaternion, "rotation of " + name + frame, "xyzw");
+      add(at.validity, "whether " + name + " is valid");
     };
     sight(space.both, "both eyes");
     sight(space.eyes[0], "the left eye");

@@ -7,6 +7,7 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
+#include "gaze/sources/clock_times.h"
 #include "gaze/sources/rows_seen.h"
 #include "gaze/sources/table_layout.h"
 #include "gaze/sources/table_preamble.h"
@@ -15,9 +16,6 @@
 namespace foci {
 namespace {
 
-// Between the clocks of computer and tracker: whole milliseconds are within 1 of the truth, and
-// quartz drifts by less than 1 ms in ten seconds. A thousandth a sample follows in a few seconds.
-constexpr double kJump_ms = 20.0, kFollow = 1e-3;
 constexpr double kMaxTime_s = 1e11;  // up to here a double resolves 20 us
 
 // Degrees and fractions keep their meaning on any screen. This one stands in for an unknown screen.
@@ -95,6 +93,7 @@ class TableReader {
     std::string_view line = given;
     bool found = !given.empty();
     while (!found && lines_.next(line)) {
+      if (readSeparatorLine(line, preamble_)) continue;
       preamble_.tobii_studio |= startsTobiiStudio(line);
       if (preamble_.tobii_studio && readTobiiStudioLine(lines_, line, preamble_)) continue;
       if (line.starts_with('#')) readPreambleLine(lines_, line, preamble_);
@@ -103,6 +102,7 @@ class TableReader {
     if (!found) throw InputError(lines_.fileName(), "empty: expected a header line and samples");
     layout_ = recogniseTable(lines_, line, columns, preamble_);
     mapped_later_ = columns.mapped_later;
+    scale_given_ = columns.time_scale_s.has_value();
     units_ = columns.units     ? *columns.units
              : preamble_.units ? *preamble_.units
                                : layout_.units.value_or(GazeUnits::px);
@@ -149,27 +149,45 @@ class TableReader {
 
   double readTime() {
     if (!layout_.time) return static_cast<double>(counted_++) / layout_.rate_Hz;
+    if (clock_times_) return readClockTime();
     const auto time = row_->number(*layout_.time);
+    if (!time && !last_time_ && ClockTimes().seconds(row_->field(*layout_.time))) {
+      startClockTimes();
+      return readClockTime();
+    }
     if (!time || std::abs(*time) * std::max(layout_.time_scale_s, 1e-9) > kMaxTime_s) {
       row_->fail(*layout_.time,
-                 "expected a time in numbers; another column can be named with gaze.time");
+                 "expected a time in numbers, as 2026-11-26T10:00:00.123 or as 10:00:00.123; "
+                 "another column can be named with gaze.time");
     }
-    return layout_.fine_time ? fineTime(*time) : *time;
+    const auto fine_us = layout_.fine_time ? row_->number(*layout_.fine_time) : std::nullopt;
+    return fine_us ? fine_clock_.time_ms(*time, 1e-3 * *fine_us) : *time;
   }
 
-  /// A time in whole milliseconds, with the steps of the tracker's clock. The offset between the
-  /// clocks follows their drift, and starts anew after a jump of either.
-  double fineTime(double time_ms) {
-    const auto fine_us = row_->number(*layout_.fine_time);
-    if (!fine_us) return time_ms;
-    const double fine_ms = 1e-3 * *fine_us;
-    const double ahead_ms = clock_offset_ms_ ? time_ms - fine_ms - *clock_offset_ms_ : kJump_ms;
-    if (std::abs(ahead_ms) >= kJump_ms) {
-      clock_offset_ms_ = time_ms - fine_ms;
-    } else {
-      *clock_offset_ms_ += kFollow * ahead_ms;
+  /// The first time is a date, or a time of day.
+  void startClockTimes() {
+    if (scale_given_) {
+      row_->fail(*layout_.time, "a clock's time is in seconds: expected no gaze.time_scale_s");
     }
-    return fine_ms + *clock_offset_ms_;
+    clock_times_.emplace();
+    clock_known_ = true;
+    layout_.time_scale_s = 1.0;
+  }
+
+  double readClockTime() {
+    const auto time_s = clock_times_->seconds(row_->field(*layout_.time));
+    if (!time_s) row_->fail(*layout_.time, "expected a time of the same form as the first");
+    return *time_s;
+  }
+
+  void stateClockTimes(TraceHeader& header) const {
+    if (!clock_times_) return;
+    ColumnReading& reading = header.columns[*layout_.time];
+    reading.meaning = clock_times_->hasDates() ? "time, a date and a time of day" : "time of day";
+    reading.why = "sure: its fields are written so";
+    if (clock_times_->passesMidnight()) {
+      header.assumed.push_back("clock: passes midnight where it steps back by over half a day");
+    }
   }
 
   void readSample(GazeSample& sample) {
@@ -207,7 +225,8 @@ class TableReader {
       if (plain_.areFractions()) {
         throw InputError(lines_.fileName(),
                          "positions such as fractions: half of them lie within 2 px of the corner; "
-                         "give their unit: gaze.units = \"normalised\" or \"deg\"");
+                         "give their unit: gaze.units = \"normalised\" or \"deg\" (radians: "
+                         "\"deg\" with gaze.scale = [57.29578, 57.29578])");
       }
       header.assumed.push_back("unit of the positions: px (gaze.units)");
       if (plain_.areAroundZero()) {
@@ -236,7 +255,7 @@ class TableReader {
           "positions are those of a scene camera on the head: foci takes its view for the screen, "
           "which holds only for a head at rest; a gaze map (foci calibrate gaze) corrects this");
     }
-    if (clock_offset_ms_) {
+    if (fine_clock_.isUsed()) {
       header.assumed.push_back(
           "intervals: those of the tracker's own clock, since times are whole milliseconds");
     }
@@ -245,6 +264,7 @@ class TableReader {
                                 " is unused: if it marks data loss, name it with gaze.confidence "
                                 "(1 is good) or gaze.blink (0 is good)");
     }
+    stateClockTimes(header);
     if (counts_rows_) {
       header.warnings.push_back(
           "times count by one: foci takes them for milliseconds, but they may be row numbers; give "
@@ -358,12 +378,14 @@ class TableReader {
   std::optional<EyeField> field_{};  // of a headset
   bool field_assumed_ = false, head_seen_ = false;
   bool nominal_ = false;  // `kNominalScreen` stands in
-  bool clock_known_ = false, clock_guessed_ = false, counts_rows_ = false,
+  FineClock fine_clock_{};
+  std::optional<ClockTimes> clock_times_{};  // the times are texts
+  bool clock_known_ = false, clock_guessed_ = false, counts_rows_ = false, scale_given_ = false,
        resolution_known_ = false;
   bool settled_ = false;                      // the unit of time; until then samples are held
   std::optional<InputError> first_repeat_{};  // of a time
   std::optional<WholeTimes> spread_{};        // times repeat
-  std::optional<double> last_time_{}, clock_offset_ms_{};
+  std::optional<double> last_time_{};
   std::vector<GazeSample> held_{};
   std::size_t taken_ = 0, counted_ = 0;
   std::optional<InputError> broken_{};  // the latest line has too few fields

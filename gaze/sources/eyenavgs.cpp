@@ -29,12 +29,14 @@ struct EyeRow {
   std::size_t side = 0;
   std::array<double, 4> fov_rad{};
   glm::dvec3 position{0.0}, gaze_position{0.0};
-  glm::dquat head{}, gaze{};
+  glm::dquat head{};
+  std::optional<glm::dquat> gaze{};  // absent: of length 0, as in a blink
   double time_s = 0.0;
 
+  /// The eye tracker was off if the pose is that of no turn at the origin.
   bool hasGaze() const {
-    return gaze_position != glm::dvec3(0.0) ||
-           glm::dvec3(gaze.x, gaze.y, gaze.z) != glm::dvec3(0.0);
+    return gaze && (gaze_position != glm::dvec3(0.0) ||
+                    glm::dvec3(gaze->x, gaze->y, gaze->z) != glm::dvec3(0.0));
   }
 };
 
@@ -135,15 +137,21 @@ class EyeNavGsReader {
             number(column + 2, kMaxPlace)};
   }
 
-  glm::dquat rotation(std::size_t column) const {
+  /// @return nothing for a quaternion of zeros
+  std::optional<glm::dquat> rotation(std::size_t column) const {
     const glm::dquat q(number(column + 3, 1.1), number(column, 1.1), number(column + 1, 1.1),
                        number(column + 2, 1.1));
+    if (glm::length(q) == 0.0) return std::nullopt;
     if (std::abs(glm::length(q) - 1.0) > kUnitQuaternion) {
-      throw lines_.error("columns " + std::to_string(column + 1) + " to " +
-                         std::to_string(column + 4) +
-                         ": expected a quaternion x, y, z, w of length 1");
+      throw notUnit(column);
     }
     return glm::normalize(q);
+  }
+
+  InputError notUnit(std::size_t column) const {
+    return lines_.error("columns " + std::to_string(column + 1) + " to " +
+                        std::to_string(column + 4) +
+                        ": expected a quaternion x, y, z, w of length 1");
   }
 
   InputError tooShort() const {
@@ -159,7 +167,9 @@ class EyeNavGsReader {
     EyeRow row{.side = static_cast<std::size_t>(side)};
     for (std::size_t i = 0; i < 4; ++i) row.fov_rad[i] = number(1 + i, 1.5);
     row.position = place(5);
-    row.head = rotation(8);
+    const auto head = rotation(8);
+    if (!head) throw notUnit(8);
+    row.head = *head;
     row.gaze_position = place(12);
     row.gaze = rotation(15);
     row.time_s = 1e-3 * number(19, 1e3 * kMaxStamp_s);
@@ -205,7 +215,7 @@ class EyeNavGsReader {
       }
       if (!each->hasGaze()) continue;
       eye.origin_m = head_from_world * (scale_m_ * each->gaze_position - sample.head->position_m);
-      eye.direction = head_from_world * (each->gaze * glm::dvec3(0.0, 0.0, -1.0));
+      eye.direction = head_from_world * (*each->gaze * glm::dvec3(0.0, 0.0, -1.0));
     }
     sample.direction = given_.space.from_head ? kStraightAhead : meanDirection(sample.eyes);
     if (sample.direction) sample.point_px = pointOnScreen_px(screen_, *sample.direction);

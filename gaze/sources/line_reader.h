@@ -35,6 +35,9 @@ class LineReader {
   /// Whether the latest line has its line end; the last line of a cut file has none.
   bool isEnded() const { return ended_; }
 
+  /// Of the latest line; the first is 1.
+  std::size_t number() const { return number_; }
+
   /// An error at the latest line.
   InputError error(const std::string& what) const;
   const std::string& fileName() const { return name_; }

@@ -52,6 +52,30 @@ class LastDecimals {
   bool fixed_ = true;
 };
 
+/// Gives times in whole milliseconds the steps of the tracker's own clock. The offset between the
+/// clocks of computer and tracker follows their drift, and starts anew after a jump of either.
+class FineClock {
+ public:
+  bool isUsed() const { return offset_ms_.has_value(); }
+
+  double time_ms(double whole_ms, double fine_ms) {
+    const double ahead_ms = offset_ms_ ? whole_ms - fine_ms - *offset_ms_ : kJump_ms;
+    if (std::abs(ahead_ms) >= kJump_ms) {
+      offset_ms_ = whole_ms - fine_ms;
+    } else {
+      *offset_ms_ += kFollow * ahead_ms;
+    }
+    return fine_ms + *offset_ms_;
+  }
+
+ private:
+  // Whole milliseconds are within 1 of the truth, and quartz drifts by less than 1 ms in ten
+  // seconds. A thousandth a sample follows in a few seconds.
+  static constexpr double kJump_ms = 20.0, kFollow = 1e-3;
+
+  std::optional<double> offset_ms_{};
+};
+
 /// Tells samples apart whose times are whole units, faster than one a unit: each follows the one
 /// before by an even interval, within its unit. A control loop (proportional and integral,
 /// critically damped) keeps the times in the middle of their units.

@@ -15,6 +15,7 @@ namespace {
 constexpr double kUnitLength = 0.05;  // a unit vector with two decimals is within this of length 1
 constexpr double kMaxPlaceInSpace_m = 1e6;  // a float there has steps of 6 cm
 constexpr double kMaxAngle_rad = 7.0;       // more than a whole turn
+constexpr double kMaxVertical_rad = glm::half_pi<double>() + 1e-4;  // 90 degrees, rounded
 
 template <std::size_t N>
 ColumnsAt<N> placesOf(const LineReader& lines, const ColumnNames& names,
@@ -114,9 +115,16 @@ std::optional<glm::dvec3> directionIn(const TableRow& row, const SightAt& at,
     if (!angles) return std::nullopt;
     glm::dvec2 turn{(*angles)[0], (*angles)[1]};
     turn = layout.angle_scale_rad * (layout.scale * turn + layout.offset);
-    if (!(std::abs(turn.x) <= kMaxAngle_rad && std::abs(turn.y) <= 0.5 * kMaxAngle_rad)) {
-      row.fail((*at.angles)[std::abs(turn.x) <= kMaxAngle_rad],
+    for (int axis : {0, 1}) {
+      if (std::abs(turn[axis]) <= kMaxAngle_rad) continue;
+      row.fail((*at.angles)[static_cast<std::size_t>(axis)],
                "more than a turn: is gaze.angle_units right?");
+    }
+    // Some programs count from 0 to 360 degrees.
+    if (std::abs(std::remainder(turn.y, glm::two_pi<double>())) > kMaxVertical_rad) {
+      row.fail((*at.angles)[1],
+               "a vertical angle of more than a quarter turn: is the order of gaze.angles to the "
+               "right, upwards, and gaze.angle_units right?");
     }
     return glm::dvec3(std::sin(turn.x) * std::cos(turn.y), std::sin(turn.y),
                       -std::cos(turn.x) * std::cos(turn.y));

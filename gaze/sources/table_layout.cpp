@@ -40,7 +40,8 @@ double secondsPer(const std::string& unit) {
   return unit == "s" ? 1.0 : unit == "ms" ? 1e-3 : unit == "us" ? 1e-6 : unit == "ns" ? 1e-9 : 0.0;
 }
 
-char delimiterOf(std::string_view header) {
+char delimiterOf(std::string_view header, const TablePreamble& before) {
+  if (before.separator) return *before.separator;
   const auto has = [&](char c) { return header.find(c) != std::string_view::npos; };
   return has('\t') ? '\t' : has(';') ? ';' : has(',') ? ',' : ' ';
 }
@@ -52,8 +53,8 @@ class Recogniser {
       : lines_(lines),
         given_(columns),
         before_(before),
-        names_(lines, header, delimiterOf(header)) {
-    layout_.delimiter = delimiterOf(header);
+        names_(lines, header, delimiterOf(header, before)) {
+    layout_.delimiter = delimiterOf(header, before);
     layout_.names = names_.size();
     layout_.format = layout_.delimiter == '\t' ? "TSV" : layout_.delimiter == ' ' ? "text" : "CSV";
   }
@@ -222,6 +223,7 @@ class Recogniser {
   void takeUnits(const std::optional<std::size_t>& column) {
     if (!column) return;
     const std::string& unit = names_.unit(*column);
+    if (unit == "rad" && !given_.units && !given_.mapped_later) throw names_.inRadians(*column);
     if (names_.isLength(*column) && !given_.units && !given_.mapped_later) {
       throw lines_.error("column " + shown(names_.text(*column)) + " is in " + shown(unit) +
                          ": expected px, deg or fractions of the screen; gaze.scale converts it "
@@ -335,14 +337,18 @@ class Recogniser {
                        .pupil_scale_mm = given_.pupil_scale_mm};
   }
 
-  /// Of a plain table: vendors' columns are known. Some write 1 for good gaze, others 0.
+  /// Of a plain table: vendors' columns are known. Some write 1 for good gaze, others 0. A
+  /// confidence may be that of one eye ("LeftEyeConfidence").
   void findUnusedValidity() {
     if (!layout_.isPlain() || layout_.validity || layout_.confidence || !given_.blink.empty()) {
       return;
     }
     for (std::size_t i = 0; i < names_.size(); ++i) {
       const bool unused = layout_.readings[i].meaning == "unused";
-      if (!unused || names_.key(i).find("valid") == std::string::npos) continue;
+      const auto has = [&](const char* part) {
+        return names_.key(i).find(part) != std::string::npos;
+      };
+      if (!unused || !(has("valid") || has("confidence"))) continue;
       layout_.unused_validity = names_.text(i);
       return;
     }

@@ -93,6 +93,13 @@ void readPreambleLine(const LineReader& lines, std::string_view line, TablePream
   }
 }
 
+bool readSeparatorLine(std::string_view line, TablePreamble& preamble) {
+  constexpr std::string_view kKey = "sep=";
+  if (!line.starts_with(kKey) || line.size() != kKey.size() + 1) return false;
+  preamble.separator = line.back();
+  return true;
+}
+
 bool startsTobiiStudio(std::string_view line) { return line.starts_with("System Properties:"); }
 
 std::optional<glm::ivec2> resolutionIn(const LineReader& lines, std::string_view text) {

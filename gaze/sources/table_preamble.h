@@ -14,8 +14,9 @@ struct TablePreamble {
   Screen screen{};
   std::optional<GazeUnits> units{};
   std::optional<double> rate_Hz{};
-  bool smi = false;           ///< the file begins like those of SMI's BeGaze or IDF Converter
-  bool tobii_studio = false;  ///< the file begins like those of Tobii Studio 1 and 2
+  bool smi = false;                 ///< the file begins like those of SMI's BeGaze or IDF Converter
+  std::optional<char> separator{};  ///< between fields, as a first line `sep=;` states it
+  bool tobii_studio = false;        ///< the file begins like those of Tobii Studio 1 and 2
 };
 
 /// "px", "deg", "normalised" and their usual synonyms.
@@ -25,6 +26,9 @@ std::optional<GazeUnits> unitsNamed(std::string_view name);
 /// `## Calibration Area:<tab>1680<tab>1050`. Unknown keys are ignored.
 /// @throws InputError if a value is out of range
 void readPreambleLine(const LineReader& lines, std::string_view line, TablePreamble& preamble);
+
+/// Reads a line `sep=;`, as Excel understands it. @return false at any other line
+bool readSeparatorLine(std::string_view line, TablePreamble& preamble);
 
 /// Reads a line of `KEY:<tab>VALUE` as Tobii Studio 1 and 2 write before the header.
 /// @return false at the header line itself

@@ -32,6 +32,10 @@ bool mayBeThousands(std::string_view text) {
   return comma >= 1 && comma <= 3 && text.size() == comma + 4 && text[0] != '0';
 }
 
+bool hasOpenQuote(std::string_view line) {
+  return line.find('"') != line.npos && std::count(line.begin(), line.end(), '"') % 2 != 0;
+}
+
 /// The head stays where it is.
 void loseGaze(GazeSample& sample) {
   sample.direction.reset();
@@ -47,6 +51,8 @@ std::optional<double> meanPupil(const std::array<EyeSample, 2>& eyes) {
 
 void TableRow::split(std::string_view line) {
   splitRow(line, layout_.delimiter, fields_, layout_.columns);
+  open_before_ = open_here_;
+  open_here_ = hasOpenQuote(line) ? lines_.number() : 0;
 }
 
 /// Some vendors write a decimal comma, as is usual in the user's country.
@@ -307,12 +313,20 @@ void TableRow::failShort(std::size_t column) const { throw tooShort(column); }
 
 InputError TableRow::tooShort(std::size_t column) const {
   return lines_.error(std::to_string(fields_.size()) + " fields: expected " +
-                      std::to_string(column + 1) + " at least");
+                      std::to_string(column + 1) + " at least" + openQuote());
+}
+
+/// A likely cause of a row that makes no sense, for its error; empty if there is none.
+std::string TableRow::openQuote() const {
+  const std::size_t line = open_before_ != 0 ? open_before_ : open_here_;
+  if (line == 0) return {};
+  return "; a quote is left open at line " + std::to_string(line) +
+         ": line breaks inside quotes are not read, so write each row in one line";
 }
 
 void TableRow::fail(std::size_t column, const char* expected) const {
   throw lines_.error("column " + std::to_string(column + 1) + " = " + shown(field(column)) + ": " +
-                     expected);
+                     expected + openQuote());
 }
 
 }  // namespace foci

@@ -88,12 +88,15 @@ class TableRow {
                         double number) const;
   bool readFlag(std::size_t column) const;
   inline std::optional<double> parse(std::string_view text) const;
+  std::string openQuote() const;
 
   const LineReader& lines_;
   const TableLayout& layout_;
   const Screen& screen_;
   GazeUnits units_;
   std::vector<std::string_view> fields_{};
+  // The numbers of the line before and of this one, if a quote is left open there; else 0.
+  std::size_t open_before_ = 0, open_here_ = 0;
   mutable CommaNumbers commas_{};  // gathered while numbers are parsed
 };
 

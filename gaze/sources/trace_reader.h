@@ -113,7 +113,8 @@ using TakeSample = std::function<void(const GazeSample&)>;
 /// A table is delimited by tabs, commas, semicolons or blanks. Fields may be quoted, and files may
 /// be gzipped. A first line `# key=value ...` may contain screen_width_px screen_height_px
 /// screen_width_m screen_height_m viewing_distance_m sampling_Hz units. Absent values are an empty
-/// field, ".", "-", NaN, NA, N/A, null and none.
+/// field, ".", "-", NaN, NA, N/A, null and none. Times are numbers, or dates and times of day
+/// (`ClockTimes`). A first line `sep=;` states the separator.
 ///
 /// `GazeSample::point_px` is the recording's own point for both eyes, else the `Cyclopean` point.
 /// Degrees without a known screen are put on a nominal screen.

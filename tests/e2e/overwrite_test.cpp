@@ -171,7 +171,8 @@ TEST_F(Overwrite, NamesThatCannotBeFilesAreRefused) {
 }
 
 TEST_F(Overwrite, OutputsAppearTogetherOrNotAtAll) {
-  folder.write("file", "a file where a folder should be");
+  // No folder can be made there, which shows only when the outputs are written.
+  std::filesystem::create_symlink("nowhere", folder.path() / "file");
   const auto before = files();
   const std::vector<Arguments> failing = {
       {"events", "trace.tsv", "--out", "a.tsv", "--samples", "file/b.tsv"},
@@ -185,6 +186,17 @@ TEST_F(Overwrite, OutputsAppearTogetherOrNotAtAll) {
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     EXPECT_NE(outcome.err.find("cannot"), std::string::npos) << outcome.err;
     EXPECT_EQ(files(), before) << arguments.front();
+  }
+}
+
+TEST_F(Overwrite, AFileForAFolderIsBadInput) {
+  folder.write("file", "a file where a folder should be");
+  for (const Arguments& arguments :
+       {Arguments{"replay", "study.toml", "--out", "file"},
+        Arguments{"events", "trace.tsv", "--out", "a.tsv", "--samples", "file/b.tsv"}}) {
+    const Outcome outcome = runFoci(arguments, folder.path());
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_NE(outcome.err.find("is a file: expected a folder"), std::string::npos) << outcome.err;
   }
 }
 

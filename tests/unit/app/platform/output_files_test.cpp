@@ -145,6 +145,9 @@ TEST_F(OutputFilesTest, ChecksRefuseInputsFoldersAndForeignFiles) {
               std::string::npos);
   }
   EXPECT_NE(refusal(root_, root_ / "in.txt", true).find("is a folder"), std::string::npos);
+  EXPECT_NE(refusal(root_ / "in.txt/out.txt", {}).find("in.txt: is a file: expected a folder"),
+            std::string::npos);
+  EXPECT_NE(refusal(root_ / "in.txt/a/out.txt", {}).find("is a file"), std::string::npos);
   temporary_.write("foreign", "mine");
   fs::create_symlink("nowhere", root_ / "dangling");
   for (const char* name : {"foreign", "dangling"}) {

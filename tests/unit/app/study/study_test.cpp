@@ -79,6 +79,12 @@ TEST_F(StudyFile, RefusesByLineKeyAndValue) {
             "2: unknown key output.size: did you mean output.size_px?");
 }
 
+TEST_F(StudyFile, RefusesARotationOfLengthZero) {
+  EXPECT_NE(refusal("[gaze]\nscene_rotation = [0, 0, 0, 0]\n").find("gaze.scene_rotation"),
+            std::string::npos);
+  EXPECT_EQ(refusal("[gaze]\nscene_rotation = [0, 0, 0, 0.5]\n"), "accepted");
+}
+
 TEST_F(StudyFile, TakesEveryKeyThatTheTableResolves) {
   // What `resolvedKeys` prints of a study reads back as the same study: JSON's values are TOML's.
   const Study before = study("[eye]\nposition_m = [1, 2, 3]\nlook_at_m = [0, 0.1, 0]\n");

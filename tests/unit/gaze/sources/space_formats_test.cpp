@@ -61,6 +61,39 @@ TEST(SpaceFormats, ReadSRanipal) {
   EXPECT_FALSE(trace.samples[0].head);
 }
 
+TEST(SpaceFormats, StateThatSRanipalsValidityIsUsed) {
+  const TraceHeader header =
+      streamTrace(ScratchFile(sranipal(31)).path(), {}, kScreen, [](const GazeSample&) {});
+  EXPECT_EQ(header.columns.at(3).columns, "eye_valid_L");
+  EXPECT_EQ(header.columns[3].meaning, "whether the left eye is valid");
+  EXPECT_EQ(header.columns[4].meaning, "whether the right eye is valid");
+}
+
+// The gaze pose of the second moment is 0, rotation included, as in a blink.
+TEST(SpaceFormats, ABlinkOfEyeNavGsIsDataLoss) {
+  const auto text = [](const std::string& head) {
+    std::string rows =
+        "ViewIndex,FOV1,FOV2,FOV3,FOV4,PositionX,PositionY,PositionZ,QuaternionX,QuaternionY,"
+        "QuaternionZ,QuaternionW,GazePosX,GazePosY,GazePosZ,GazeQX,GazeQY,GazeQZ,GazeQW,"
+        "Timestamp\n";
+    for (int i = 0; i < 4; ++i) {
+      for (const char* side : {"0", "1"}) {
+        rows += std::string(side) + ",-0.8,0.8,-0.8,0.8,0,1.6,0," + (i == 1 ? head : "0,0,0,1") +
+                (i == 1 ? ",0,0,0,0,0,0,0," : ",0,1.6,0,0,0.01,0,1,") + std::to_string(20 * i) +
+                "\n";
+      }
+    }
+    return rows;
+  };
+  const GazeTrace trace = readTrace(ScratchFile(text("0,0,0,1")).path(), {}, kScreen);
+  ASSERT_EQ(trace.samples.size(), 4u);
+  EXPECT_FALSE(trace.samples[1].direction || trace.samples[1].eyes[0].direction);
+  EXPECT_TRUE(trace.samples[1].head);
+  EXPECT_TRUE(trace.samples[2].direction);
+  EXPECT_THROW(readTrace(ScratchFile(text("0,0,0,0")).path(), {}, kScreen), InputError)
+      << "a head without orientation";
+}
+
 TEST(SpaceFormats, TakeTheHeadOfUnityBesideSRanipal) {
   std::string text = sranipal(31), with_head;
   for (std::size_t at = 0, row = 0; at < text.size(); ++row) {

@@ -180,6 +180,38 @@ TEST(SpaceLayout, RefusesWhatItWouldHaveToGuess) {
   refused(good, "hq");
 }
 
+TEST(SpaceLayout, ReadsAnglesFromZeroToAWholeTurn) {
+  const SpaceColumns angles{.both = {.angles = {"h", "v"}}, .axes = "right-up-forward"};
+  const GazeSample signed_turn = sampleOf("h,v", "-20,-10", angles);
+  const GazeSample whole_turn = sampleOf("h,v", "340,350", angles);
+  ASSERT_TRUE(signed_turn.direction && whole_turn.direction);
+  EXPECT_LT(glm::distance(*signed_turn.direction, *whole_turn.direction), kRounding);
+  EXPECT_TRUE(sampleOf("h,v", "0,89", angles).direction);
+  EXPECT_NE(refusalOf("h,v", "0,91", angles).find("a quarter turn"), std::string::npos);
+  EXPECT_NE(refusalOf("h,v", "0,269", angles).find("a quarter turn"), std::string::npos);
+  EXPECT_NE(refusalOf("h,v", "0,420", angles).find("more than a turn"), std::string::npos);
+  EXPECT_NE(refusalOf("h,v", "420,0", angles).find("more than a turn"), std::string::npos);
+
+  const SpaceColumns head{
+      .head_euler = {"hx", "hy", "hz"}, .from_head = true, .axes = "right-up-forward"};
+  const GazeSample turned = sampleOf("hx,hy,hz", "-10,-20,-1", head);
+  const GazeSample wrapped = sampleOf("hx,hy,hz", "350,340,359", head);
+  ASSERT_TRUE(turned.head && wrapped.head);
+  EXPECT_LT(glm::distance(turned.head->world_from_head * kStraightAhead,
+                          wrapped.head->world_from_head * kStraightAhead),
+            kRounding);
+}
+
+TEST(SpaceLayout, WarnsOfAnUnusedConfidence) {
+  TraceColumns columns;
+  columns.space = directions("right-up-back");
+  const std::string text = "time_s,x,y,z,LeftEyeConfidence\n0,0,0,-1,1\n0.01,0,0.1,-0.99,0\n";
+  const TraceHeader header =
+      streamTrace(ScratchFile(text).path(), columns, kScreen, [](const GazeSample&) {});
+  ASSERT_FALSE(header.warnings.empty());
+  EXPECT_NE(header.warnings[0].find("\"LeftEyeConfidence\" is unused"), std::string::npos);
+}
+
 TEST(SpaceLayout, TakesZerosAndAbsentFieldsForDataLoss) {
   const std::string text =
       "time_s,x,y,z\n0,0,0,-1\n0.01,0,0,0\n0.02,,,\n0.03,nan,nan,nan\n0.04,0,0,-1\n";

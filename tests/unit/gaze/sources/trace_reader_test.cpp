@@ -264,6 +264,39 @@ TEST(ReadTrace, ThrowsNothingButInputErrorsOnDamagedFiles) {
   }
 }
 
+TEST(ReadTable, AFirstLineMayStateTheSeparator) {
+  for (const std::string separator : {";", ",", "|", "\t"}) {
+    std::string text = "sep=,\r\ntime_s,x,y\r\n0,500,501\r\n0.01,502,503\r\n";
+    for (std::size_t at = 0; (at = text.find(',', at)) != text.npos; ++at) {
+      text.replace(at, 1, separator);
+    }
+    const GazeTrace trace = readTrace(ScratchFile(text).path(), {}, kScreen);
+    ASSERT_EQ(trace.samples.size(), 2u);
+    EXPECT_EQ(*trace.samples[1].point_px, glm::dvec2(502.0, 503.0));
+  }
+}
+
+TEST(ReadTable, ALineBreakInQuotesIsNamed) {
+  const std::string row = "0,500,500,\"a\"\n", cause = "a quote is left open at line 3";
+  expectRefusal("time_s,x,y,note\n" + row + "0.01,500,500,\"two\nlines\"\n" + row, cause);
+  expectRefusal("time_s,x,y,note\n" + row + "0.01,500,500,\"two\nlines, a, b, c\"\n", cause);
+  expectRefusal("note,time_s,x,y\n\"a\",0,1,1\n\"two\nlines\",0.01,1,1\n\"a\",0.02,1,1\n", cause);
+  EXPECT_EQ(refusal("time_s,x,y\n0,1\n").find("quote"), std::string::npos);
+}
+
+TEST(ReadTable, RadiansNeedAScale) {
+  const std::string rows = "\n0,0.1,0.1\n0.01,0.1,0.2\n",
+                    way_out = "gaze.scale = [57.29578, 57.29578]";
+  expectRefusal("time_s,x_rad,y_rad" + rows, way_out);
+  expectRefusal("time_s,a_rad,b_rad" + rows, way_out, {.x = "a_rad", .y = "b_rad"});
+  expectRefusal("time_s,x,y" + rows, way_out);
+  const TraceColumns columns{.units = GazeUnits::deg, .scale = glm::dvec2(57.29578)};
+  const GazeTrace trace =
+      readTrace(ScratchFile("time_s,x_rad,y_rad" + rows).path(), columns, kScreen);
+  const glm::dvec2 second_deg = eccentricity_deg(kScreen, *trace.samples[1].point_px);
+  EXPECT_LT(glm::distance(second_deg, glm::degrees(glm::dvec2(0.1, 0.2))), 1e-6);
+}
+
 TEST(ReadTrace, ReadsTheLabelledRecordings) {
   const auto folder = gazeData() / "labelled";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
