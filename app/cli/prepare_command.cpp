@@ -118,7 +118,7 @@ void runPrepare(const PrepareOptions& options) {
        .up_axis = [](const SceneFacts& facts) { return upAxisOf(facts, boxOf(facts)).axis; },
        .overwrite = options.overwrite});
   const SceneFacts& facts = summary.facts;
-  const Framing framing = framingOf(facts, {.screen = defaultScreen()});
+  const Framing framing = framingOf(facts, {.screen = defaultScreen(), .scale_m = options.scale_m});
   if (summary.dropped > 0) {
     std::fprintf(stderr,
                  "foci: %s: %s left out: not finite, or farther than 1e9 units from the origin\n",
@@ -134,8 +134,9 @@ void runPrepare(const PrepareOptions& options) {
   }
   std::fputs(sceneText(facts, framing).c_str(), stdout);
   if (summary.gaussians > 0) {
-    std::printf("%zu Gaussians, a tree of %zu nodes; %.1f s\nscene: %s\nreport: %s\n",
-                summary.gaussians, summary.nodes, summary.seconds, summary.out.c_str(),
+    std::printf("%s, a tree of %s; %.1f s\nscene: %s\nreport: %s\n",
+                counted(summary.gaussians, "Gaussian").c_str(),
+                counted(summary.nodes, "node").c_str(), summary.seconds, summary.out.c_str(),
                 summary.report.c_str());
     return;
   }

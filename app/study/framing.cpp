@@ -67,18 +67,32 @@ bool isIn(const SceneBox& box, const glm::dvec3& p) {
   return glm::all(glm::greaterThanEqual(p, box.low)) && glm::all(glm::lessThanEqual(p, box.high));
 }
 
+glm::dvec3 reachOf(std::span<const glm::vec3> reach, std::size_t i) {
+  return reach.empty() ? glm::dvec3(0.0) : glm::dvec3(reach[i]);
+}
+
 /// Distance from the middle of the box, units of the file. A point at (x, y, z) in the eye's axes
 /// from the middle, z towards the eye, has the tangents x / (d - z) and y / (d - z).
+/// A Gaussian reaches farther along a direction, as if its axes were those of the file.
 double distanceOf(const SceneFacts& facts, const SceneBox& box, const glm::dmat3& eye_from_scene,
                   const Screen& screen) {
   const glm::dvec2 tangent = kFilledShare * 0.5 * screen.size_m / screen.distance_m;
   double distance = 0.0;
-  for (const glm::vec3& point : facts.position) {
-    const glm::dvec3 p_scene = glm::dvec3(point);
+  const glm::dmat3 scene_from_eye = glm::transpose(eye_from_scene);
+  for (std::size_t i = 0; i < facts.position.size(); ++i) {
+    const glm::dvec3 p_scene = glm::dvec3(facts.position[i]);
     if (!isIn(box, p_scene)) continue;
     const glm::dvec3 p = eye_from_scene * (p_scene - box.middle());
-    distance =
-        std::max({distance, p.z + std::abs(p.x) / tangent.x, p.z + std::abs(p.y) / tangent.y});
+    glm::dvec3 reach = reachOf(facts.reach, i);
+    if (!isIn(box, p_scene - reach) || !isIn(box, p_scene + reach)) reach = glm::dvec3(0.0);
+    for (const auto& [axis, t] : {std::pair(0, tangent.x), std::pair(1, tangent.y)}) {
+      for (const double side : {-1.0, 1.0}) {
+        glm::dvec3 along(0.0, 0.0, 1.0);
+        along[axis] = side / t;
+        distance =
+            std::max(distance, glm::dot(along, p) + glm::length(reach * (scene_from_eye * along)));
+      }
+    }
   }
   const double one_point = 1.0;  // a scene of a single point has no size
   return distance > 0.0 ? distance : one_point;
@@ -94,7 +108,7 @@ std::string sizeText(const glm::dvec3& size) {
 void chooseScale(const SceneFacts& facts, double distance, Framing& framing) {
   const double stated = facts.unit_m.value_or(1.0);
   const std::string source = facts.unit_m
-                                 ? "as the " + nameOf(facts.kind) + " states"
+                                 ? "as the " + nameOf(statesUnit(facts)) + " states"
                                  : "a unit is taken for a metre, since the file states none";
   framing.scale_m = stated;
   framing.why_scale = source;
@@ -115,35 +129,45 @@ double SceneBox::longest() const {
   return std::max({sides.x, sides.y, sides.z});
 }
 
-SceneBox boxWithoutStrays(std::span<const glm::vec3> points) {
-  assert(!points.empty());
+SceneBox boxWithoutStrays(std::span<const glm::vec3> points, std::span<const glm::vec3> reach) {
+  assert(!points.empty() && (reach.empty() || reach.size() == points.size()));
   SceneBox core, dense;
   std::vector<float> along(points.size());
   for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < points.size(); ++i) along[i] = points[i][axis];
+    const auto fill = [&](double side) {
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        along[i] = static_cast<float>(points[i][axis] + side * reachOf(reach, i)[axis]);
+      }
+    };
+    fill(-1.0);
     core.low[axis] = quantile(along, kStraysShare);
-    core.high[axis] = quantile(along, 1.0 - kStraysShare);
     dense.low[axis] = quantile(along, kMostStrays);
+    fill(1.0);
+    core.high[axis] = quantile(along, 1.0 - kStraysShare);
     dense.high[axis] = quantile(along, 1.0 - kMostStrays);
   }
   if (dense.longest() < kDenseCore * core.longest()) core = dense;
   const glm::dvec3 margin(kStrayDistance * core.longest());
   const SceneBox wide{core.low - margin, core.high + margin};
   SceneBox box = core;
-  for (const glm::vec3& point : points) {
-    const glm::dvec3 p(point);
-    if (isIn(wide, p)) {
-      box.low = glm::min(box.low, p);
-      box.high = glm::max(box.high, p);
-    } else {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const glm::dvec3 p(points[i]);
+    if (!isIn(wide, p)) {
       ++box.strays;
+      continue;
     }
+    glm::dvec3 low = p - reachOf(reach, i), high = p + reachOf(reach, i);
+    if (!isIn(wide, low) || !isIn(wide, high)) low = high = p;
+    box.low = glm::min(box.low, low);
+    box.high = glm::max(box.high, high);
   }
   return box;
 }
 
 SceneBox boxOf(const SceneFacts& facts) {
-  if (!facts.isMesh() && !facts.samples_of_mesh) return boxWithoutStrays(facts.position);
+  if (!facts.isMesh() && !facts.samples_of_mesh) {
+    return boxWithoutStrays(facts.position, facts.reach);
+  }
   SceneBox box{facts.position.front(), facts.position.front()};
   for (const glm::vec3& p : facts.position) {
     box.low = glm::min(box.low, glm::dvec3(p));
@@ -203,7 +227,12 @@ Framing framingOf(const SceneFacts& facts, const FramingRequest& request) {
   const glm::dmat3 eye_from_scene =
       glm::transpose(glm::dmat3(right, glm::cross(to_eye, right), to_eye));
   const double distance = distanceOf(facts, framing.box, eye_from_scene, request.screen);
-  chooseScale(facts, distance, framing);
+  if (request.scale_m) {
+    framing.scale_m = *request.scale_m;
+    framing.why_scale = "as --scale says (default: 1)";
+  } else {
+    chooseScale(facts, distance, framing);
+  }
   const double distance_m = framing.scale_m * distance;
   const glm::dvec3 middle_m = framing.scale_m * framing.box.middle();
   framing.look_at_m = rounded(middle_m, distance_m, 4);

@@ -33,12 +33,14 @@ struct SceneBox {
   double longest() const;
 };
 
-/// The box of all points that are not strays. Strays lie farther from the core, the box of the
-/// middle 98 % of each axis, than a quarter of its longest side. If the box of the middle 94 % is
-/// less than a third as long, this box is the core: islands of a map and birds in a scan are more
-/// than 2 % of some files.
+/// The box of all points, as far as they reach, that are not strays. Strays lie farther from the
+/// core, the box of the middle 98 % of each axis, than a quarter of its longest side. If the box of
+/// the middle 94 % is less than a third as long, this box is the core: islands of a map and birds
+/// in a scan are more than 2 % of some files.
 /// @param points  not empty (asserted)
-SceneBox boxWithoutStrays(std::span<const glm::vec3> points);
+/// @param reach   of each point along the axes, both ways: `SceneFacts::reach`. A point that
+///                reaches into where strays lie counts without its reach.
+SceneBox boxWithoutStrays(std::span<const glm::vec3> points, std::span<const glm::vec3> reach = {});
 
 /// The box of a scene: of all corners of a mesh, or of points without strays.
 SceneBox boxOf(const SceneFacts& facts);
@@ -63,6 +65,8 @@ struct FramingRequest {
   Screen screen{};
   std::optional<Look> look{};  ///< absent: front; left for a scene that is seen edge-on from there
   std::optional<UpAxis> up{};  ///< absent: `upAxisOf`
+  /// Metres a unit, as --scale says; absent: see `framingOf`.
+  std::optional<double> scale_m{};
 };
 
 struct Framing {

@@ -148,6 +148,8 @@ SurfelCloud loadSceneFile(const Study& study, std::optional<SceneFile>&& file) {
 }
 
 SurfelCloud withParts(const Study& study, SurfelCloud scene) {
+  // The file of the first Gaussians: they say how small ones are low-passed.
+  std::string captured = study.scene.file ? study.scene.file->string() : study.scene.builtin;
   for (std::size_t i = 0; i < study.scene.parts.size(); ++i) {
     const ScenePart& part = study.scene.parts[i];
     std::error_code ignored;
@@ -163,6 +165,10 @@ SurfelCloud withParts(const Study& study, SurfelCloud scene) {
     const glm::vec3 eye_m =
         glm::conjugate(place.rotation) * (startOfEye_m(study) - place.position_m);
     SurfelCloud cloud = opened(readScene(part.file), part.scale_m, eye_m);
+    if (!scene.gaussians) captured = part.file.string();
+    if (const auto remark = lowPassRemark(scene, captured, cloud, part.file.string())) {
+      std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark->c_str());
+    }
     scene = joined(std::move(scene), placed(std::move(cloud), place), part.file.stem().string());
   }
   return scene;

@@ -42,9 +42,9 @@ std::string materialText(const MaterialFacts& material) {
 }
 
 std::string unitText(const SceneFacts& facts, const Framing& framing) {
-  const std::string stated =
-      facts.unit_m ? "a unit is " + exactText(*facts.unit_m) + " m (" + nameOf(facts.kind) + ")"
-                   : "the file states none";
+  const std::string stated = facts.unit_m ? "a unit is " + exactText(*facts.unit_m) + " m (" +
+                                                nameOf(statesUnit(facts)) + ")"
+                                          : "the file states none";
   return stated + "; foci shows " + exactText(framing.scale_m) + " m a unit: " + framing.why_scale;
 }
 

@@ -151,6 +151,20 @@ SurfelCloud joined(SurfelCloud scene, SurfelCloud part, const std::string& name)
   return scene;
 }
 
+std::optional<std::string> lowPassRemark(const SurfelCloud& scene, const std::string& scene_name,
+                                         const SurfelCloud& part, const std::string& part_name) {
+  if (!scene.gaussians || !part.gaussians ||
+      scene.gaussians->preserves_light == part.gaussians->preserves_light) {
+    return std::nullopt;
+  }
+  const bool preserves = scene.gaussians->preserves_light;
+  return scene_name + " and " + part_name +
+         " were trained with different low-passes: both are rendered with that of " + scene_name +
+         (preserves ? ", which preserves light" : ", which does not preserve light") +
+         ", so small Gaussians of " + part_name + " look " + (preserves ? "fainter" : "stronger") +
+         " than alone";
+}
+
 GaussianCloud gaussiansOf(const SurfelCloud& surfels) {
   GaussianCloud cloud;
   const std::size_t count = surfels.size();

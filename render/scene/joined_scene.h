@@ -3,6 +3,7 @@
 
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <optional>
 #include <string>
 
 #include "render/scene/surfel_cloud.h"
@@ -24,6 +25,12 @@ SurfelCloud placed(SurfelCloud part, const Placement& place);
 /// Both scenes in one. Where either holds Gaussians, surfels become flat Gaussians
 /// (`gaussiansOf`). The part is an object of that name, unless it has objects of its own.
 SurfelCloud joined(SurfelCloud scene, SurfelCloud part, const std::string& name);
+
+/// What the user should know where captured scenes, which are then joined, were trained with
+/// different low-passes: `joined` keeps that of the first. Nothing where they agree, or one has
+/// surfels only.
+std::optional<std::string> lowPassRemark(const SurfelCloud& scene, const std::string& scene_name,
+                                         const SurfelCloud& part, const std::string& part_name);
 
 /// Flat Gaussians on the surfels. A surfel's kernel is widened by `kFlatWidening`, so that
 /// Gaussians composited front to back cover the surface: with samples on a grid less than 0.1 % of

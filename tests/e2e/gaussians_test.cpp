@@ -190,7 +190,7 @@ TEST_F(GaussianScenes, AReplayFocusesOnTheWallWithTheSameBytesAtAnyNumberOfThrea
 TEST_F(GaussianScenes, APreparedSceneLooksTheSame) {
   const Outcome outcome = runFoci({"prepare", "scene.splat", "--out", "scene.foci"}, folder.path());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("10840 Gaussians, a tree of "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("10,840 Gaussians, a tree of "), std::string::npos) << outcome.out;
   std::string study = folder.read("study.toml");
   study.replace(study.find("scene.splat"), 11, "scene.foci");
   folder.write("prepared.toml", study);

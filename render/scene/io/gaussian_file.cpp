@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "base/input_error.h"
+#include "render/scene/io/scan_values.h"
 #include "render/scene/point_cloud.h"
 
 namespace foci {
@@ -82,9 +83,17 @@ void GaussianCollector::append(const RawGaussian& raw, std::span<const float> ha
   }
 }
 
-void GaussianCollector::finish(const std::string& path) const {
-  if (!file_.cloud.empty()) return;
-  throw InputError(path, file_.dropped == 0 ? "has no Gaussians"
+void GaussianCollector::finish(const std::string& path, bool fine) const {
+  if (!file_.cloud.empty()) {
+    if (!fine && file_.cloud.size() > 1 && losesDetail(file_.cloud.position_m)) {
+      file_.remarks.emplace_back(
+          "the Gaussians are so far from the origin that floats lose their detail: save them "
+          "nearer to the origin, or as a PLY with coordinates in doubles");
+    }
+    return;
+  }
+  if (file_.dropped == 0) throw InputError(path, "has no Gaussians");
+  throw InputError(path, file_.dropped == 1 ? "its only Gaussian has a value that is not finite"
                                             : "none of its " + std::to_string(file_.dropped) +
                                                   " Gaussians has finite values");
 }

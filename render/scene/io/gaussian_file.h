@@ -42,8 +42,10 @@ class GaussianCollector {
   ///                   many as the degree has
   void append(const RawGaussian& raw, std::span<const float> harmonics);
 
+  /// Adds a remark if floats lose the positions' detail.
+  /// @param fine  positions were doubles, taken relative to an origin nearby
   /// @throws InputError if no Gaussian is left
-  void finish(const std::string& path) const;
+  void finish(const std::string& path, bool fine = false) const;
 
  private:
   GaussianFile& file_;

@@ -16,6 +16,7 @@ std::optional<GaussianFile> readGaussians(const std::filesystem::path& path) {
   if (extension == ".splat") return readSplatFile(path);
   if (extension == ".spz") return readSpzFile(path);
   if (extension == ".ksplat") return readKsplatFile(path);
+  if (extension == ".sog") return readSogFile(path);
   return std::nullopt;
 }
 

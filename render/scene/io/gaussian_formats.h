@@ -10,10 +10,11 @@
 
 namespace foci {
 
-/// The PLY of the original implementation (graphdeco-inria/gaussian-splatting): binary little
-/// endian, element vertex with x y z, f_dc_0 to 2, opacity (logit), scale_0 to 2 (natural
+/// The PLY of the original implementation (graphdeco-inria/gaussian-splatting), in any of a PLY's
+/// formats: element vertex with x y z, f_dc_0 to 2, opacity (logit), scale_0 to 2 (natural
 /// logarithm), rot_0 to 3 (w x y z), and f_rest_0 to 8, 23 or 44 for harmonics of degree 1 to 3 (by
-/// channel). Other properties and elements are skipped.
+/// channel). Other properties and elements are skipped. Positions in doubles may be as large as
+/// those of a map projection (`originNear`).
 bool isGaussianPly(const std::filesystem::path& path);
 GaussianFile readGaussianPly(const std::filesystem::path& path);
 
@@ -42,7 +43,7 @@ bool isSogFile(const std::filesystem::path& path);
 GaussianFile readSogFile(const std::filesystem::path& path);
 
 /// Reads a file of any of these formats, also one that is damaged and has the extension `.splat`,
-/// `.spz` or `.ksplat`. Nothing for another file.
+/// `.spz`, `.ksplat` or `.sog`. Nothing for another file.
 std::optional<GaussianFile> readGaussians(const std::filesystem::path& path);
 
 }  // namespace foci

@@ -97,7 +97,15 @@ class SectionReader {
         partial_(file.part(at, 4 * std::uint64_t{section.partial})),
         centres_(file.part(at + partial_.size(), section.bucket_bytes * section.buckets)),
         records_(file.part(at + partial_.size() + centres_.size(),
-                           section.record_bytes * section.room)) {}
+                           section.record_bytes * section.room)) {
+    if (header.mode == 0) return;  // without buckets
+    std::uint64_t held = std::uint64_t{section.full} * section.bucket_size;
+    for (std::uint32_t i = 0; i < section.partial; ++i) held += u32At(partial_, 4 * i);
+    if (held != section.count) {
+      throw InputError(name_, "a section is damaged: " + std::to_string(section.count) +
+                                  " Gaussians, and " + std::to_string(held) + " in its buckets");
+    }
+  }
 
   void appendTo(GaussianCollector& collector, int degree) {
     const auto own = 3 * static_cast<std::size_t>(harmonicsOf(section_.degree));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -239,28 +238,6 @@ void readBinary(Input& input, const Layout& layout, std::uint64_t count, bool sw
   }
 }
 
-/// Parses the next number of a line and moves `at` behind it.
-double parseNumber(std::string_view line, std::size_t& at, const std::string& file,
-                   std::uint64_t line_number) {
-  at = std::min(line.find_first_not_of(" \t", at), line.size());
-  const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
-  std::string_view word = line.substr(at, end - at);
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0.0;
-  const auto [last, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  // from_chars does not say whether the value is too large or too small; strtod does.
-  if (error == std::errc::result_out_of_range)
-    value = std::strtod(std::string(word).c_str(), nullptr);
-  if (error == std::errc::invalid_argument || last != word.data() + word.size()) {
-    throw InputError(file + ":" + std::to_string(line_number),
-                     word.empty()
-                         ? "too few values for a vertex"
-                         : "expected a number, found \"" + std::string(word.substr(0, 20)) + "\"");
-  }
-  at = end;
-  return value;
-}
-
 void readAscii(Input& input, const Layout& layout, std::uint64_t count, Header& header,
                PointCloud& points, ScanPositions& positions) {
   Vertex vertex{};
@@ -274,10 +251,10 @@ void readAscii(Input& input, const Layout& layout, std::uint64_t count, Header& 
     const std::string_view line = input.line();
     std::size_t at = 0;
     for (const Column& column : layout.columns()) {
-      const double value = parseNumber(line, at, input.name(), header.lines);
+      const double value = ply::numberAt(line, at, input.name(), header.lines);
       if (column.property.list) {
         for (double item = 0.0; item < value; ++item) {
-          parseNumber(line, at, input.name(), header.lines);
+          ply::numberAt(line, at, input.name(), header.lines);
         }
       } else if (column.slot) {
         vertex[*column.slot] = value * column.scale;

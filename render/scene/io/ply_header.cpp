@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
+#include <cstdlib>
 #include <cstring>
 #include <optional>
 
@@ -189,6 +191,27 @@ double scalarAt(const unsigned char* bytes, Scalar type, bool swap) {
       return load<double>(bytes, swap);
   }
   return 0.0;
+}
+
+double numberAt(std::string_view line, std::size_t& at, const std::string& file,
+                std::uint64_t line_number) {
+  at = std::min(line.find_first_not_of(" \t", at), line.size());
+  const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
+  std::string_view word = line.substr(at, end - at);
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0.0;
+  const auto [last, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  // from_chars does not say whether the value is too large or too small; strtod does.
+  if (error == std::errc::result_out_of_range)
+    value = std::strtod(std::string(word).c_str(), nullptr);
+  if (error == std::errc::invalid_argument || last != word.data() + word.size()) {
+    throw InputError(file + ":" + std::to_string(line_number),
+                     word.empty()
+                         ? "too few values for a vertex"
+                         : "expected a number, found \"" + std::string(word.substr(0, 20)) + "\"");
+  }
+  at = end;
+  return value;
 }
 
 bool mustSwap(Format format) {

@@ -11,15 +11,11 @@
 
 namespace foci {
 
-namespace {
-
 bool isNearEnough(const glm::dvec3& p) {
   const double farthest = kFarthest_m;
   return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest &&
          std::abs(p.z) <= farthest;  // false for NaN
 }
-
-}  // namespace
 
 glm::dvec3 originNear(const glm::dvec3& p) {
   constexpr double kFar = 1e4, kStep = 1e3;

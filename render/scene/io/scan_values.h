@@ -15,6 +15,9 @@ namespace foci {
 /// Light of a point without a colour: sRGB 0.5.
 inline constexpr float kUncolouredLight = 0.2140f;
 
+/// Whether a place is finite and no farther out than kFarthest_m.
+bool isNearEnough(const glm::dvec3& p);
+
 /// The origin for points near `p`: in whole thousands on each axis where `p` is 10,000 or farther
 /// out, since a float at 10,000 has steps of 1 mm; 0 on others.
 glm::dvec3 originNear(const glm::dvec3& p);

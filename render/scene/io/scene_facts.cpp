@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <span>
+#include <utility>
 #include <variant>
 
 #include "render/lod/outline.h"
@@ -27,12 +28,18 @@ glm::vec2 rangeOf(std::span<const float> opacity) {
 }
 
 SceneFacts factsOfGaussians(const GaussianCloud& cloud) {
+  std::vector<glm::vec3> reach;
+  reach.reserve(cloud.size());
+  for (const Covariance3& v : cloud.covariance_m2) {
+    reach.push_back(glm::sqrt(glm::max(glm::vec3(v.xx, v.yy, v.zz), 0.0f)));
+  }
   return {.kind = SceneKind::gaussians,
           .gaussians = cloud.size(),
           .has_colors = true,
           .opacity = rangeOf(cloud.opacity),
           .harmonics_degree = cloud.degree,
-          .position = cloud.position_m};
+          .position = cloud.position_m,
+          .reach = std::move(reach)};
 }
 
 SceneFacts factsOfContent(const PreparedScene& scene, const std::filesystem::path&) {
@@ -123,6 +130,10 @@ std::string nameOf(SceneKind kind) {
       return "3D Gaussians";
   }
   return "";
+}
+
+SceneKind statesUnit(const SceneFacts& facts) {
+  return facts.kind == SceneKind::gaussians ? SceneKind::prepared : facts.kind;
 }
 
 SceneFacts factsOf(const SceneFile& file) {

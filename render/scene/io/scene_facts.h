@@ -58,12 +58,18 @@ struct SceneFacts {
   /// Where the scene is, units of the file: its points, its surfels, or the corners of its
   /// triangles. Not empty.
   std::vector<glm::vec3> position{};
+  /// How far each Gaussian reaches from its position along the axes: a standard deviation. Empty
+  /// for others.
+  std::vector<glm::vec3> reach{};
 
   bool isMesh() const { return triangles > 0; }
 };
 
 /// "glTF mesh", "LAS scan", ...
 std::string nameOf(SceneKind kind);
+
+/// The kind of file that states `unit_m`: Gaussians have a unit in a prepared scene only.
+SceneKind statesUnit(const SceneFacts& facts);
 
 struct SceneFile;
 

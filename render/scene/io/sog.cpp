@@ -26,6 +26,7 @@ using Json = nlohmann::json;
 
 constexpr const char* kMeta = "meta.json";
 constexpr std::size_t kCodes = 256, kPaletteColumns = 64;
+constexpr std::size_t kMaxFound = 40;  // bytes of a value in a message
 constexpr std::uint64_t kMaxMeta = 1u << 20u, kMaxImage = std::uint64_t{1} << 30u;
 
 /// The alpha of a quaternion is this plus the place of the component that is left out (w x y z).
@@ -87,14 +88,13 @@ class SogReader {
   explicit SogReader(const SogMembers& members) : members_(members) {
     const std::vector<unsigned char> text = members.meta();
     meta_ = Json::parse(text.begin(), text.end());
-    const std::int64_t version = meta_.contains("version") ? integer(meta_["version"]) : 1;
+    const std::int64_t version = has("version") ? integer("version") : 1;
     if (version != 1 && version != 2) {
       throw InputError(
           name(), "is SOG of version " + std::to_string(version) + ": expected version 1 or 2");
     }
     has_codebooks_ = version == 2;
-    const std::int64_t count =
-        integer(has_codebooks_ ? meta_.at("count") : meta_.at("means").at("shape").at(0));
+    const std::int64_t count = integer(has_codebooks_ ? "count" : "means/shape/0");
     const std::vector<unsigned char> packed = packedImage("means", 0);
     if (count < 1 || static_cast<std::uint64_t>(count) > kMaxPixelsPerByte * packed.size()) {
       throw InputError(name(), "has " + std::to_string(count) + " Gaussians in images of " +
@@ -105,11 +105,11 @@ class SogReader {
 
   GaussianFile read() {
     GaussianFile file{.format = "SOG"};
-    file.cloud.preserves_light = meta_.value("antialias", false);
+    if (has("antialias")) file.cloud.preserves_light = truth("antialias");
     readImages();
-    const auto low = numbers<3>(meta_.at("means").at("mins"));
-    const auto high = numbers<3>(meta_.at("means").at("maxs"));
-    const auto sigmas = codes<3>(meta_.at("scales"));
+    const auto low = numbers<3>("means/mins");
+    const auto high = numbers<3>("means/maxs");
+    const auto sigmas = codes<3>("scales");
     const auto colors = colorCodes();
     GaussianCollector collector(file, count_, degree_);
     std::vector<float> harmonics(3 * static_cast<std::size_t>(harmonicsOf(degree_)));
@@ -131,17 +131,57 @@ class SogReader {
   }
 
  private:
-  std::int64_t integer(const Json& value) const {
-    if (value.is_number_integer()) return value.get<std::int64_t>();
-    throw InputError(name(), std::string(kMeta) + ": expected a whole number");
+  /// Keys of meta.json are paths, as `means/files/0`.
+  bool has(const std::string& path) const { return meta_.contains(Json::json_pointer("/" + path)); }
+
+  Json valueAt(const std::string& path) const {
+    return has(path) ? meta_.at(Json::json_pointer("/" + path)) : Json();
+  }
+
+  InputError unexpected(const std::string& path, const std::string& expected) const {
+    std::string found = "nothing";
+    if (has(path)) {
+      const Json value = valueAt(path);
+      found = value.dump(-1, ' ', /*ensure_ascii=*/true);
+      if (found.size() > kMaxFound) found = found.substr(0, kMaxFound) + "...";
+      if (value.is_array()) found = "a list of " + std::to_string(value.size()) + ": " + found;
+    }
+    return {name(),
+            std::string(kMeta) + ": " + path + ": expected " + expected + ", found " + found};
+  }
+
+  std::int64_t integer(const std::string& path) const {
+    const Json value = valueAt(path);
+    if (!value.is_number_integer()) throw unexpected(path, "a whole number");
+    return value.get<std::int64_t>();
+  }
+
+  float number(const std::string& path) const {
+    const Json value = valueAt(path);
+    if (!value.is_number()) throw unexpected(path, "a number");
+    return value.get<float>();
+  }
+
+  bool truth(const std::string& path) const {
+    const Json value = valueAt(path);
+    if (!value.is_boolean()) throw unexpected(path, "true or false");
+    return value.get<bool>();
+  }
+
+  /// The name of an image.
+  std::string fileOf(const std::string& property, std::size_t which) const {
+    const std::string path = property + "/files/" + std::to_string(which);
+    const Json value = valueAt(path);
+    if (!value.is_string()) throw unexpected(path, "the name of an image");
+    return value.get<std::string>();
   }
 
   template <std::size_t kCount>
-  std::array<float, kCount> numbers(const Json& list) const {
-    if (!list.is_array() || list.size() != kCount) {
-      throw InputError(name(), std::string(kMeta) + ": expected lists of " +
-                                   std::to_string(kCount) + " numbers");
-    }
+  std::array<float, kCount> numbers(const std::string& path) const {
+    const Json list = valueAt(path);
+    const bool sound = list.is_array() && list.size() == kCount &&
+                       std::ranges::all_of(list, [](const Json& x) { return x.is_number(); });
+    if (!sound) throw unexpected(path, "a list of " + std::to_string(kCount) + " numbers");
     std::array<float, kCount> all{};
     for (std::size_t i = 0; i < kCount; ++i) all[i] = list[i].get<float>();
     return all;
@@ -149,14 +189,14 @@ class SogReader {
 
   /// A property's codebook, which all channels share; in version 1, steps for each channel.
   template <std::size_t kChannels>
-  Codes<kChannels> codes(const Json& property) const {
+  Codes<kChannels> codes(const std::string& property) const {
     Codes<kChannels> all{};
     if (has_codebooks_) {
-      all.fill(numbers<kCodes>(property.at("codebook")));
+      all.fill(numbers<kCodes>(property + "/codebook"));
       return all;
     }
-    const auto low = numbers<kChannels>(property.at("mins"));
-    const auto high = numbers<kChannels>(property.at("maxs"));
+    const auto low = numbers<kChannels>(property + "/mins");
+    const auto high = numbers<kChannels>(property + "/maxs");
     for (std::size_t k = 0; k < kChannels; ++k) all[k] = stepsBetween(low[k], high[k]);
     return all;
   }
@@ -171,7 +211,7 @@ class SogReader {
 
   /// Coefficients of degree 0, and opacities.
   Codes<4> colorCodes() const {
-    Codes<4> all = codes<4>(meta_.at("sh0"));
+    Codes<4> all = codes<4>("sh0");
     if (has_codebooks_) {
       all[3] = stepsBetween(0.0f, 1.0f);
     } else {
@@ -186,14 +226,12 @@ class SogReader {
     sigma_ = image("scales", 0, count_);
     rotation_ = image("quats", 0, count_);
     color_ = image("sh0", 0, count_);
-    if (!meta_.contains("shN")) return;
-    const Json& rest = meta_.at("shN");
+    if (!has("shN")) return;
     palette_ = image("shN", 0, 0);
     label_ = image("shN", 1, count_);
-    degree_ = has_codebooks_ ? degreeNamed(integer(rest.at("bands"))) : degreeOfPalette();
-    codes_ = has_codebooks_
-                 ? numbers<kCodes>(rest.at("codebook"))
-                 : stepsBetween(rest.at("mins").get<float>(), rest.at("maxs").get<float>());
+    degree_ = has_codebooks_ ? degreeNamed(integer("shN/bands")) : degreeOfPalette();
+    codes_ = has_codebooks_ ? numbers<kCodes>("shN/codebook")
+                            : stepsBetween(number("shN/mins"), number("shN/maxs"));
   }
 
   int degreeNamed(std::int64_t degree) const {
@@ -213,12 +251,12 @@ class SogReader {
   }
 
   std::vector<unsigned char> packedImage(const char* property, std::size_t which) const {
-    return members_.image(meta_.at(property).at("files").at(which).get<std::string>());
+    return members_.image(fileOf(property, which));
   }
 
   /// @param least  pixels that the image must have
   SogImage image(const char* property, std::size_t which, std::size_t least) const {
-    const auto file = meta_.at(property).at("files").at(which).get<std::string>();
+    const std::string file = fileOf(property, which);
     const std::vector<unsigned char> packed = members_.image(file);
     SogImage image;
     if (WebPGetInfo(packed.data(), packed.size(), &image.width, &image.height) == 0) {
@@ -312,7 +350,7 @@ GaussianFile readSogFile(const std::filesystem::path& path) {
     return SogReader(members).read();
   } catch (const Json::exception&) {
     throw InputError(members.name(),
-                     std::string(kMeta) + ": expected that of a SOG of version 1 or 2");
+                     std::string(kMeta) + ": expected the JSON of a SOG of version 1 or 2");
   }
 }
 

@@ -175,6 +175,41 @@ TEST(Framing, ASinglePointHasAnEyeToo) {
   EXPECT_EQ(framing.look_at_m, framing.scale_m * glm::dvec3(1, 2, 3));
 }
 
+SceneFacts gaussiansOf(std::vector<glm::vec3> positions, const glm::vec3& reach) {
+  SceneFacts facts = cloudOf(std::move(positions));
+  facts.kind = SceneKind::gaussians;
+  facts.reach.assign(facts.position.size(), reach);
+  return facts;
+}
+
+TEST(Framing, GaussiansReachBeyondTheirPositions) {
+  const SceneFacts one = gaussiansOf({{1.0f, 2.0f, 3.0f}}, {0.1f, 0.2f, 0.4f});
+  EXPECT_LT(glm::distance(boxOf(one).size(), glm::dvec3(0.2, 0.4, 0.8)), 1e-6);
+  // As far away as the ball of the positions that is as large.
+  constexpr double kGaps = 1e-3;  // between 20,000 points
+  const Framing framing = framed(gaussiansOf(sphere(0.4f), glm::vec3(0.1f)));
+  EXPECT_NEAR(framing.distance_m() / framed(cloudOf(sphere(0.5f))).distance_m(), 1.0, kGaps);
+  // One that reaches far, as a sky, is there without its reach.
+  SceneFacts sky = gaussiansOf(sphere(0.4f), glm::vec3(0.1f));
+  sky.position.emplace_back(0.0f);
+  sky.reach.emplace_back(300.0f);
+  EXPECT_EQ(framed(sky).position_m, framing.position_m);
+  EXPECT_EQ(framed(sky).box.strays, 0u);
+}
+
+TEST(Framing, TakesTheScaleOfThePreparedScene) {
+  const Framing framing = framingOf(
+      cloudOf(sphere(100.0f)), {.screen = defaultScreen(), .look = {}, .up = {}, .scale_m = 0.5});
+  EXPECT_EQ(framing.scale_m, 0.5);
+  EXPECT_NE(framing.why_scale.find("--scale"), std::string::npos);
+}
+
+TEST(Framing, OfAPreparedSceneOfGaussiansNamesWhatStatesTheUnit) {
+  SceneFacts facts = gaussiansOf(sphere(0.5f), glm::vec3(0.01f));
+  facts.unit_m = 1.0;
+  EXPECT_EQ(framed(facts).why_scale, "as the prepared scene states");
+}
+
 TEST(UpAxis, FollowsConventionUnlessAScanIsFlat) {
   const auto upOf = [](SceneFacts facts) { return nameOf(upAxisOf(facts, boxOf(facts))); };
   std::vector<glm::vec3> flat_y = cube(1.0f), flat_z = cube(1.0f), flat_x = cube(1.0f);

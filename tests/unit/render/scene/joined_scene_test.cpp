@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "render/methods/method.h"
 #include "render/scene/gaussian_cloud.h"
@@ -101,6 +102,26 @@ TEST(JoinedScene, SurfelsThatJoinGaussiansGetHarmonics) {
   EXPECT_EQ(all.gaussians->degree, 1);
   EXPECT_EQ(all.gaussians->harmonics.size(),
             all.gaussians->size() * all.gaussians->harmonicsPerGaussian());
+}
+
+TEST(JoinedScene, SaysWhereCapturesDisagreeAboutTheLowPass) {
+  const SurfelCloud surfels = square(-1.0f, 0.1f, kRed), usual = asGaussianScene(surfels);
+  GaussianCloud gaussians = gaussiansOf(surfels);
+  gaussians.preserves_light = true;
+  SurfelCloud preserving;
+  preserving.gaussians = std::make_shared<const GaussianCloud>(std::move(gaussians));
+  EXPECT_FALSE(lowPassRemark(usual, "a", usual, "b"));
+  EXPECT_FALSE(lowPassRemark(surfels, "a", preserving, "b"));
+  EXPECT_FALSE(lowPassRemark(preserving, "a", surfels, "b"));
+  EXPECT_EQ(lowPassRemark(preserving, "a.spz", usual, "b.ply"),
+            "a.spz and b.ply were trained with different low-passes: both are rendered with that "
+            "of a.spz, which preserves light, so small Gaussians of b.ply look fainter than alone");
+  EXPECT_TRUE(joined(preserving, usual, "b").gaussians->preserves_light);
+  EXPECT_NE(lowPassRemark(usual, "a", preserving, "b")
+                ->find("does not preserve light, so small "
+                       "Gaussians of b look stronger"),
+            std::string::npos);
+  EXPECT_FALSE(joined(usual, preserving, "b").gaussians->preserves_light);
 }
 
 TEST(JoinedScene, PartsAreObjectsAndBodiesKeepApart) {

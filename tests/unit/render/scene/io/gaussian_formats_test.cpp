@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "base/input_error.h"
+#include "base/text.h"
 #include "render/scene/harmonics.h"
 #include "render/scene/io/open_scene.h"
 #include "tests/temporary_folder.h"
@@ -146,8 +149,10 @@ TEST(GaussianFormats, SayWhatIsWrong) {
             "element vertex: expected the property scale_2 of a Gaussian");
   EXPECT_EQ(refusalOf(replaced(gaussianPly(1), "f_rest_8", "f_other8")),
             "element vertex: has 8 properties f_rest: expected 0, 9, 24 or 45, for degree 0 to 3");
-  EXPECT_EQ(refusalOf(replaced(gaussianPly(0), "binary_little_endian", "ascii")),
-            "Gaussians: expected format binary_little_endian");
+  for (const char* telling : {"f_dc_0", "scale_0", "rot_0"}) {
+    EXPECT_EQ(refusalOf(replaced(gaussianPly(0), telling, "other")),
+              std::string("element vertex: expected the property ") + telling + " of a Gaussian");
+  }
   EXPECT_EQ(
       refusalOf(replaced(compressedPly(0, true), "property float max_b", "property float max_c")),
       "compressed PLY of Gaussians: expected an element chunk of float min_x, min_y, ... (12 "
@@ -156,9 +161,11 @@ TEST(GaussianFormats, SayWhatIsWrong) {
             "is SPZ of version 5: expected version 1 to 4");
   EXPECT_EQ(refusalOf(sogFile(0, 3)), "is SOG of version 3: expected version 1 or 2");
   EXPECT_EQ(refusalOf(zip({{"meta.json", "{\"version\":2,\"count\":1e30}"}})),
-            "meta.json: expected a whole number");
+            "meta.json: count: expected a whole number, found 1e+30");
   EXPECT_EQ(refusalOf(zip({{"meta.json", "{\"version\":2,\"count\":9}"}})),
-            "meta.json: expected that of a SOG of version 1 or 2");
+            "meta.json: means/files/0: expected the name of an image, found nothing");
+  EXPECT_EQ(refusalOf(zip({{"meta.json", "[{"}})),
+            "meta.json: expected the JSON of a SOG of version 1 or 2");
   EXPECT_EQ(
       refusalOf("{\"means\":{\"shape\":[9,3],\"files\":[\"../l.webp\"]},\"quats\":0,\"sh0\":0}"),
       "names the image ../l.webp: expected one in its folder");
@@ -176,6 +183,32 @@ TEST(GaussianFormats, SayWhatIsWrong) {
   EXPECT_NE(refusalOf(damaged), "another format");
   std::string packed = gzipped(spzFile(3, 1));
   EXPECT_NE(refusalOf(packed.substr(0, packed.size() - 20)).find("is damaged"), std::string::npos);
+}
+
+TEST(GaussianFormats, NameTheKeyOfASogThatIsWrong) {
+  const auto refusal = [](const char* what, const char* by) {
+    SogMembers members = sogFolder(1);
+    members[0].second = replaced(members[0].second, what, by);
+    return refusalOf(zip(members));
+  };
+  EXPECT_EQ(refusal("\"scales\":{\"shape\":[2,3],\"mins\"", "\"scales\":{\"least\""),
+            "meta.json: scales/mins: expected a list of 3 numbers, found nothing");
+  EXPECT_EQ(refusal("\"mins\":[0.000000", "\"mins\":[null"),
+            "meta.json: means/mins: expected a list of 3 numbers, found a list of 3: "
+            "[null,-1.098612,1.386294]");
+  EXPECT_EQ(refusal("\"q.webp\"", "7"),
+            "meta.json: quats/files/0: expected the name of an image, found 7");
+  EXPECT_EQ(refusal("-4.0", "true"), "meta.json: shN/mins: expected a number, found true");
+  EXPECT_EQ(refusal("{\"means\"", "{\"antialias\":1,\"means\""),
+            "meta.json: antialias: expected true or false, found 1");
+}
+
+TEST(GaussianFormats, BucketsOfAKsplatHoldItsGaussians) {
+  for (const unsigned mode : {1u, 2u}) {
+    std::string file = ksplatFile(mode, 0);
+    file[4096 + 36] = '\0';  // partly filled buckets
+    EXPECT_EQ(refusalOf(file), "a section is damaged: 2 Gaussians, and 0 in its buckets");
+  }
 }
 
 TEST(GaussianFormats, SayWhatIsWrongWithADamagedFileOfTheirExtension) {
@@ -205,7 +238,91 @@ TEST(GaussianFormats, SayWhatIsWrongWithADamagedFileOfTheirExtension) {
   EXPECT_TRUE(has(refusal("a.spz", std::string(99, 'x')), "is no SPZ file: expected NGSP"));
   EXPECT_TRUE(has(refusal("a.ksplat", std::string(9999, 'x')), "is no .ksplat file"));
   const std::string packed = gzipped(spzFile(3, 1));
+  EXPECT_TRUE(has(refusal("a.sog", sogFile(1).substr(0, 40)), "a.sog: "));
   EXPECT_TRUE(has(refusal("a.spz", packed.substr(0, packed.size() - 20)), "the file ends before"));
+}
+
+/// The file with one Gaussian more for each of `further`, which have this property and are else as
+/// the first. All are of this type and in this format.
+std::string plyOf(const std::string& format, const std::string& type, const std::string& property,
+                  const std::vector<double>& further) {
+  const std::string little = gaussianPly(1);
+  const std::size_t end = little.find("end_header\n") + 11;
+  std::string header = replaced(little.substr(0, end), "binary_little_endian", format);
+  header = replaced(header, "vertex 2", "vertex " + std::to_string(2 + further.size()));
+  std::vector<std::string> names;
+  for (std::size_t at = 0; (at = header.find("property float ", at)) != std::string::npos;) {
+    header.replace(at + 9, 5, type);
+    at += 10 + type.size();
+    names.push_back(header.substr(at, header.find('\n', at) - at));
+  }
+  std::string file = header;
+  for (std::size_t i = 0; i < 2 + further.size(); ++i) {
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      float stored = 0.0f;
+      std::memcpy(&stored, little.data() + end + 4 * (k + (i == 1 ? names.size() : 0)), 4);
+      double value = stored;
+      if (i >= 2 && names[k] == property) value = further[i - 2];
+      std::string bytes;
+      if (type == "double") {
+        put(bytes, value);
+      } else {
+        put(bytes, static_cast<float>(value));
+      }
+      if (format == "binary_big_endian") std::reverse(bytes.begin(), bytes.end());
+      file += format == "ascii" ? exactText(value) + " " : bytes;
+    }
+    if (format == "ascii") file += "\n";
+  }
+  return file;
+}
+
+TEST(GaussianFormats, PlyIsReadInEveryFormat) {
+  const TemporaryFolder folder;
+  const auto expected = readGaussians(folder.write("a.ply", gaussianPly(1)));
+  for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+    for (const char* type : {"float", "double"}) {
+      const auto read = readGaussians(folder.write("b.ply", plyOf(format, type, "", {})));
+      ASSERT_TRUE(read) << format;
+      EXPECT_EQ(read->cloud.position_m, expected->cloud.position_m) << format << type;
+      EXPECT_EQ(read->cloud.covariance_m2, expected->cloud.covariance_m2) << format << type;
+      EXPECT_EQ(read->cloud.harmonics, expected->cloud.harmonics) << format << type;
+    }
+  }
+  const std::string ascii = plyOf("ascii", "float", "", {});
+  EXPECT_NE(refusalOf(ascii.substr(0, ascii.size() - 5) + "x\n").find("expected a number, found"),
+            std::string::npos);
+}
+
+TEST(GaussianFormats, InfinityInDoublesIsNotFinite) {
+  const double inf = std::numeric_limits<double>::infinity();
+  const TemporaryFolder folder;
+  for (const char* property : {"x", "f_dc_1", "f_rest_4", "scale_2"}) {
+    const auto read = readGaussians(
+        folder.write("inf.ply", plyOf("binary_little_endian", "double", property, {inf, 0.5})));
+    EXPECT_EQ(read->cloud.size(), 3u) << property;
+    EXPECT_EQ(read->dropped, 1u) << property;
+  }
+}
+
+TEST(GaussianFormats, CoordinatesOfAMapKeepTheirDetail) {
+  const TemporaryFolder folder;
+  const std::vector<double> places = {500000.001, 500000.002};
+  const auto read = [&](const char* type) {
+    // Without the two Gaussians near the origin.
+    std::string file = plyOf("ascii", type, "x", places);
+    file = replaced(file, "vertex 4", "vertex 2");
+    const std::size_t end = file.find("end_header\n") + 11;
+    const std::size_t third = file.find('\n', file.find('\n', end) + 1) + 1;
+    return *readGaussians(folder.write("map.ply", file.erase(end, third - end)));
+  };
+  const GaussianFile fine = read("double"), coarse = read("float");
+  EXPECT_NEAR(fine.cloud.position_m[0].x, 0.001f, 1e-7f);
+  EXPECT_NEAR(fine.cloud.position_m[1].x, 0.002f, 1e-7f);
+  EXPECT_EQ(fine.remarks, (std::vector<std::string>{"positions are relative to 5e+05 0 0 of the "
+                                                    "file, to keep their millimetres"}));
+  ASSERT_EQ(coarse.remarks.size(), 1u);
+  EXPECT_NE(coarse.remarks[0].find("floats lose their detail"), std::string::npos);
 }
 
 TEST(GaussianFormats, LeaveOutGaussiansThatAreNotFinite) {
