@@ -13,6 +13,8 @@
 #include <numbers>
 
 #include "render/gaussians/composite.h"
+#include "render/gaussians/lane_functions-inl.h"
+#include "render/gaussians/vergences-inl.h"
 #include "render/splat/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -48,41 +50,6 @@ inline constexpr Squares kSquares = [] {
   }
   return squares;
 }();
-
-/// 2^-q for -100 <= q <= 100, to 4e-6 of its value: the polynomial through 5 Chebyshev nodes for
-/// the fraction, and the exponent's bits.
-HWY_INLINE V powerOfHalf(V q) {
-  const D d;
-  const hn::RebindToSigned<D> di;
-  const V x = hn::Neg(q);
-  const V whole = hn::Floor(x);
-  const V f = hn::Sub(x, whole);
-  V p = hn::MulAdd(hn::Set(d, 0.0136703095f), f, hn::Set(d, 0.0517449978f));
-  p = hn::MulAdd(p, f, hn::Set(d, 0.2416043573f));
-  p = hn::MulAdd(p, f, hn::Set(d, 0.6929729222f));
-  p = hn::MulAdd(p, f, hn::Set(d, 1.0000034929f));
-  const auto exponent = hn::ShiftLeft<23>(hn::ConvertTo(di, whole));
-  return hn::BitCast(d, hn::Add(hn::BitCast(di, p), exponent));
-}
-
-/// Linear light of an sRGB value from 0 to 1 (IEC 61966-2-1), to 1e-5: the polynomial through 7
-/// Chebyshev nodes for the power.
-HWY_INLINE V linearOf(V s) {
-  const D d;
-  V p = hn::MulAdd(hn::Set(d, -0.0471605818f), s, hn::Set(d, 0.2031365960f));
-  p = hn::MulAdd(p, s, hn::Set(d, -0.4062709499f));
-  p = hn::MulAdd(p, s, hn::Set(d, 0.7008707547f));
-  p = hn::MulAdd(p, s, hn::Set(d, 0.5158576898f));
-  p = hn::MulAdd(p, s, hn::Set(d, 0.0326325297f));
-  p = hn::MulAdd(p, s, hn::Set(d, 0.0009311454f));
-  return hn::IfThenElse(hn::Le(s, hn::Set(d, 0.04045f)), hn::Mul(s, hn::Set(d, 1.0f / 12.92f)), p);
-}
-
-/// Linear light of a display value, clamped to 0 and 1.
-HWY_INLINE V lightOf(V display) {
-  const D d;
-  return linearOf(hn::Min(hn::Max(display, hn::Zero(d)), hn::Set(d, 1.0f)));
-}
 
 template <bool kDepth>
 class TileCompositor {
@@ -243,6 +210,13 @@ class TileCompositor {
                     yy);
     xy = hn::MulAdd(set(2.0f * disc * radius.x * radius.y * j.y), off, xy);
     const V blurred = hn::Max(determinant(), least);
+    if constexpr (kDepth) {
+      const V per_variance = hn::Div(set(job_.step_px), blurred);
+      const V tx = hn::NegMulAdd(set(a.x), e, sx), ty = hn::NegMulAdd(set(a.y), e, sy);
+      vergences_.see(load(TileGaussians::distance_m), e,
+                     hn::Mul(hn::Sub(hn::Mul(yy, tx), hn::Mul(xy, ty)), per_variance),
+                     hn::Mul(hn::Sub(hn::Mul(xx, ty), hn::Mul(xy, tx)), per_variance));
+    }
 
     constexpr float kHalfLog2E = 0.5f * std::numbers::log2e_v<float>;
     const V scale = hn::Div(set(kHalfLog2E * job_.step_px * job_.step_px), blurred);
@@ -319,9 +293,9 @@ class TileCompositor {
         hn::Store(hn::MulAdd(seen, green, hn::Load(d, green_ + at)), d, green_ + at);
         hn::Store(hn::MulAdd(seen, blue, hn::Load(d, blue_ + at)), d, blue_ + at);
         if constexpr (kDepth) {
-          hn::Store(
-              hn::MulAdd(seen, number(TileGaussians::distance_m), hn::Load(d, distance_ + at)), d,
-              distance_ + at);
+          const V vergence = vergences_.ofSamples(k, dx, dy);
+          hn::Store(hn::Add(hn::Div(seen, vergence), hn::Load(d, distance_ + at)), d,
+                    distance_ + at);
         }
       }
     }
@@ -354,6 +328,7 @@ class TileCompositor {
   float last_;                     // index of the last sample of a row
   std::size_t opaque_places_ = 0;  // all places before it are opaque
   Block block_;
+  Vergences vergences_;  // with kDepth
   alignas(64) float transmittance_[kTilePlaces];
   alignas(64) float red_[kTilePlaces], green_[kTilePlaces], blue_[kTilePlaces];
   alignas(64) float distance_[kDepth ? kTilePlaces : 1];

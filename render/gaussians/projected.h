@@ -29,6 +29,7 @@ inline constexpr float kOpaqueTransmittance = 1e-4f;
 /// The displacement varies within a Gaussian that is deep. To first order this shears it: with the
 /// gradient h of the vergence, the Jacobian J of the projection, and the covariance S,
 ///   V_p = J S J' - a s' - s a' + e a a',   a = R o p,  s = J S h,  e = h' S h.
+/// At the offset d on the image, the mean vergence is 1/U + d' V_p^-1 (s - e a).
 struct ProjectedGaussian {
   float x_px, y_px;        ///< centre, from the middle of the lens
   float vxx, vxy, vyy;     ///< J S J' and the low-pass, px^2

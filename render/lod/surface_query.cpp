@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "render/lod/gaussian_in_cone.h"
 #include "render/lod/moment_tree.h"
 #include "render/scene/gaussian_cloud.h"
 #include "render/scene/morton.h"
@@ -71,27 +72,13 @@ struct Share {
   double coverage;
 };
 
-/// What a Gaussian blocks of the cone, and where: it begins there.
-struct Blocking {
-  float near_m, alpha;
-};
-
-/// The cone's frame. The ray is its z axis; offsets are tangents of angles.
-struct Cone {
-  glm::dvec3 origin_m;
-  glm::vec3 x, y, z;
-  float radius;  // tangent of the half angle
+struct Cone : ConeFrame {
   float cos_half, sin_half;
 
   Cone(const glm::dvec3& origin, const glm::dvec3& direction, double half_angle_rad)
-      : origin_m(origin),
-        z(direction),
-        radius(static_cast<float>(std::tan(half_angle_rad))),
+      : ConeFrame(origin, direction, half_angle_rad),
         cos_half(static_cast<float>(std::cos(half_angle_rad))),
-        sin_half(static_cast<float>(std::sin(half_angle_rad))) {
-    x = tangentTo(z);
-    y = glm::cross(z, x);
-  }
+        sin_half(static_cast<float>(std::sin(half_angle_rad))) {}
 
   /// Nearest depth at which the sphere may meet the cone; absent if they do not meet.
   std::optional<float> nearestIn(const Sphere& sphere) const {
@@ -144,38 +131,6 @@ struct Cone {
     const float opacity = cloud.opacity.empty() ? 1.0f : cloud.opacity[i];
     return Share{depth, depth - half_range, depth + half_range,
                  static_cast<double>(opacity * area * kernel)};
-  }
-
-  /// The mean opacity of a Gaussian over the cone, and its mean depth on the cone's axis: that of
-  /// its normal distribution, given the place in the image, and at most two standard deviations
-  /// from its centre.
-  std::optional<Blocking> blockingOf(const GaussianCloud& cloud, std::size_t i) const {
-    const glm::vec3 d(glm::dvec3(cloud.position_m[i]) - origin_m);
-    const float depth = glm::dot(d, z);
-    if (!(depth >= kNearest_m)) return std::nullopt;
-    const Covariance3& s = cloud.covariance_m2[i];
-    const auto times = [&](const glm::vec3& v) {
-      return glm::vec3(s.xx * v.x + s.xy * v.y + s.xz * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
-                       s.xz * v.x + s.yz * v.y + s.zz * v.z);
-    };
-    const float inverse = 1.0f / depth;
-    const glm::vec2 m(glm::dot(d, x) * inverse, glm::dot(d, y) * inverse);
-    const glm::vec3 a = (x - m.x * z) * inverse, b = (y - m.y * z) * inverse;  // to tangents
-    const glm::vec3 va = times(a), vb = times(b);
-    const float xx = glm::dot(a, va), xy = glm::dot(a, vb), yy = glm::dot(b, vb);
-    const float window = 0.25f * radius * radius;
-    const float wxx = xx + window, wyy = yy + window;
-    const float det = wxx * wyy - xy * xy;
-    const glm::vec2 solved = glm::vec2(wyy * m.x - xy * m.y, wxx * m.y - xy * m.x) / det;
-    const float mahalanobis = glm::dot(m, solved);
-    if (!(mahalanobis < kReach * kReach)) return std::nullopt;
-    const float sharp_det = std::max(xx * yy - xy * xy, 0.0f);
-    const float alpha =
-        cloud.opacity[i] * std::sqrt(sharp_det / det) * std::exp(-0.5f * mahalanobis);
-    const float sigma = std::sqrt(glm::dot(z, times(z)));
-    const float toward = -(glm::dot(z, va) * solved.x + glm::dot(z, vb) * solved.y);
-    const float reach = kDepthReach * sigma;
-    return Blocking{std::max(depth + std::clamp(toward, -reach, reach), kNearest_m), alpha};
   }
 };
 
@@ -307,17 +262,15 @@ struct SurfaceQuery::Impl {
 
   /// Where the opacity of what lies in front reaches `needed`.
   std::optional<double> distanceToGaussians(const Cone& cone, double needed) const {
-    double through = 1.0;
+    ConeOpacity opacity(cone.radius);
     std::optional<double> distance_m;
     const auto meet = [&](std::size_t i) {
-      auto blocking = cone.blockingOf(*cloud.gaussians, i);
-      if (blocking && !(blocking->alpha > 0.0f)) blocking.reset();
-      return blocking;
+      return gaussianInCone(cone, *cloud.gaussians, i, kNearest_m);
     };
-    walk<Blocking>(cone, meet, [&](const Visit& visit, const Blocking* blocking) {
-      if (!blocking) return true;
-      through *= 1.0 - static_cast<double>(blocking->alpha);
-      if (1.0 - through < needed) return true;
+    walk<GaussianInCone>(cone, meet, [&](const Visit& visit, const GaussianInCone* gaussian) {
+      if (!gaussian) return true;
+      opacity.add(*gaussian);
+      if (opacity.mean() < needed) return true;
       distance_m = static_cast<double>(visit.near_m);
       return false;
     });

@@ -42,7 +42,8 @@ class SurfaceQuery {
   /// counts as full coverage, and a larger `coverage` asks for 0.9.
   ///
   /// In a scene of Gaussians, the distance is where the opacity of all that lies in front reaches
-  /// `coverage`, averaged over the cone. So fainter floaters do not catch the focus.
+  /// `coverage`, averaged over rays through the cone. So fainter floaters do not catch the focus. A
+  /// Gaussian lies where its density along the ray is largest (gaussian_in_cone.h).
   ///
   /// The depth range of a surfel is two standard deviations along the ray to either side, and at
   /// least one sigma (its longer axis). Ranges that overlap form one surface. A surfel whose range

@@ -21,11 +21,15 @@ const float kLog2E = 1.44269504, kMaxExponent = 60.0;
 // By Gaussian of the batch: centre, qa, qb; qc, end, peak, distance; colour.
 shared vec4 form[kBatch], shape[kBatch];
 shared vec3 look[kBatch];
+#ifdef DEPTH
+shared vec4 vergences[kBatch];  // slope, low, high: `Vergences` of render/gaussians/vergences-inl.h
+const float kReach = 3.0;
+#endif
 
 // As the disc sees a Gaussian. At the offset d from its centre, pixels,
 //   alpha = peak 2^-q,  q = qa dx^2 + qb dx dy + qc dy^2,  where q < end.
 struct Seen {
-  vec4 form, shape;
+  vec4 form, shape, vergence;
   vec2 reach_px;
 };
 
@@ -50,11 +54,19 @@ Seen see(uint slot, vec3 lens) {
   xy += 2.0 * variance * radius.x * radius.y * j.y * off;
   float blurred = max(xx * yy - xy * xy, least);
 
+  vec4 vergence = vec4(0.0);
+#ifdef DEPTH
+  vec2 t = s - e * shear;
+  float middle = 1.0 / c.w, high = middle + kReach * sqrt(e);
+  vergence = vec4(vec2(yy * t.x - xy * t.y, xx * t.y - xy * t.x) / blurred,
+               middle * middle / high, high);
+#endif
+
   float scale = 0.5 * kLog2E / blurred;
   float opacity = c.y * sqrt(sharp / blurred), above = (opacity - 1.0) * kLog2E;
   float peak = above > 0.0 ? exp2(min(above, kMaxExponent)) : opacity;
   return Seen(vec4(at, yy * scale, -2.0 * xy * scale),
-              vec4(xx * scale, 0.5 * kLog2E * c.z, peak, c.w), sqrt(c.z * vec2(xx, yy)));
+              vec4(xx * scale, 0.5 * kLog2E * c.z, peak, c.w), vergence, sqrt(c.z * vec2(xx, yy)));
 }
 
 void main() {
@@ -89,6 +101,9 @@ void main() {
       form[n] = seen.form;
       shape[n] = seen.shape;
       look[n] = projected_b[2u * slot + 1u].rgb;
+#ifdef DEPTH
+      vergences[n] = seen.vergence;
+#endif
     }
     barrier();
     uint count = batchSize(), n = 0u;
@@ -101,7 +116,10 @@ void main() {
       float taken = through * min(k.z * exp2(-max(q, 0.0)), kMaxAlpha);
       through -= taken;
       display += taken * look[n];
-      weighted_m += taken * k.w;
+#ifdef DEPTH
+      vec4 v = vergences[n];
+      weighted_m += taken / clamp(1.0 / k.w + dot(v.xy, d), v.z, v.w);
+#endif
     }
     rounds += n + 1u;
   }

@@ -217,6 +217,38 @@ TEST(GaussianView, AWallLooksLikeAWallOfSurfels) {
   EXPECT_NEAR(a.at(10, 10).a, 0.0f, 1e-3f);
 }
 
+// One flat Gaussian that is tilted by 50 degrees about x: its depth differs from pixel to pixel.
+TEST(GaussianView, DepthIsThatOfTheSurfaceAtThePixel) {
+  const float tilt = glm::radians(50.0f);
+  GaussianCloud cloud;
+  addGaussian(cloud, {0.1f, 0.0f, -2.0f}, {1.0f, 1.0f, 1e-4f}, 0.95f, glm::vec3(0.5f),
+              {std::sin(0.5f * tilt), 0.0f, 0.0f, std::cos(0.5f * tilt)});
+  const SurfelCloud scene = sceneOf(std::move(cloud));
+  const glm::dvec3 normal(0.0, -std::sin(tilt), std::cos(tilt));
+  const View view = squareView(96, 200.0f);
+  for (const DistanceAlong along : {DistanceAlong::axis, DistanceAlong::sight}) {
+    RenderSettings settings = lens(6.0f, 0.5f);
+    settings.depth = true;
+    settings.defocus.along = along;
+    for (const char* method : {"pinhole", "sweep", "sweep:7", "accumulate:7"}) {
+      const Frame frame = render(method, scene, view, settings);
+      for (const int y : {8, 28, 48, 68, 88}) {
+        for (const int x : {8, 48, 88}) {
+          const glm::dvec3 ray((x + 0.5 - 48.0) / 200.0, (48.0 - y - 0.5) / 200.0, -1.0);
+          const double depth_m = -2.0 * normal.z / glm::dot(ray, normal);
+          const bool by_sight = along == DistanceAlong::sight;
+          const double expected_m = by_sight ? depth_m * glm::length(ray) : depth_m;
+          // By sight, squares of the offset from the centre are left out.
+          const glm::dvec2 offset = glm::dvec2(ray) - glm::dvec2(0.05, 0.0);
+          const double slack = 0.005 + (by_sight ? glm::dot(offset, offset) : 0.0);
+          EXPECT_NEAR(frame.depth_m[y * 96 + x], expected_m, slack * expected_m)
+              << method << " " << x << " " << y;
+        }
+      }
+    }
+  }
+}
+
 GaussianCloud randomGaussians(int n) {
   std::mt19937 random(9);
   const auto uniform = [&](float a, float b) {
