@@ -4,6 +4,8 @@
 #include <exception>
 #include <fstream>
 #include <iostream>
+#include <stdexcept>
+#include <string>
 
 #include "calibration/gaze_map/fit_gaze_map.h"
 #include "calibration/gaze_map/gaze_map_file.h"
@@ -16,7 +18,10 @@ int main(int argc, char** argv) try {
   const foci::GazeFrame frame{foci::MapUnits::deg, {{1920, 1080}, {0.531, 0.299}, 0.6}};
   const auto pairs = foci::readGazePairs(argv[1], frame.units);
   const foci::GazeFit fit = foci::fitGazeMap(pairs, frame);
-  std::ofstream(argv[2]) << foci::gazeMapToml(fit.map);
+  std::ofstream out(argv[2]);
+  out << foci::gazeMapToml(fit.map);
+  out.close();
+  if (!out) throw std::runtime_error(std::string("cannot write ") + argv[2]);
 
   const foci::GazeEstimate ahead = foci::estimateGaze(fit.map, {0.0, 0.0});
   std::cout << "model " << foci::nameOf(fit.map.model) << "; straight ahead: " << ahead.point.x

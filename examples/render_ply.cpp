@@ -1,9 +1,9 @@
 // Renders a PLY point cloud from 2 m in front of its origin, through a 4 mm pupil focused at a
 // given distance:
 //   render_ply SCENE.ply FOCUS_METRES OUT.png
+#include <cstdlib>
 #include <exception>
 #include <iostream>
-#include <string>
 
 #include "render/image/image_file.h"
 #include "render/methods/method.h"
@@ -14,15 +14,20 @@ int main(int argc, char** argv) try {
     std::cerr << "usage: render_ply SCENE.ply FOCUS_METRES OUT.png\n";
     return 2;
   }
+  char* end = nullptr;
+  const double focus_m = std::strtod(argv[2], &end);
+  if (*end != '\0' || !(focus_m > 0.0)) {
+    std::cerr << "FOCUS_METRES " << argv[2] << ": expected metres above 0, or inf\n";
+    return 2;
+  }
   const glm::vec3 eye_m{0.0f, 0.0f, 2.0f};
   const foci::OpenedScene scene = foci::openScene(argv[1], 1.0, eye_m);
-
   const glm::mat4 eye_from_world =
       foci::eyeFromWorld(eye_m, glm::vec3{0.0f}, glm::vec3{0.0f, 1.0f, 0.0f});
   const foci::View view = foci::viewOfCamera(eye_from_world, {640, 480}, glm::radians(40.0));
   foci::RenderSettings settings;
-  settings.defocus = foci::defocusOfLens(0.004, view.focal_px, 1.0 / std::stod(argv[2]),
-                                         foci::DistanceAlong::sight);
+  settings.defocus =
+      foci::defocusOfLens(0.004, view.focal_px, 1.0 / focus_m, foci::DistanceAlong::sight);
 
   foci::Frame frame;
   const auto method = foci::makeMethod("auto", scene.cloud);

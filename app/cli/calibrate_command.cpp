@@ -60,7 +60,8 @@ void addGaze(CLI::App& calibrate) {
   gaze->add_option("--pairs", o.pairs, "Samples to fit: a table with x y x_target y_target");
   gaze->add_option("--validate", o.validate, "Samples of other targets, to measure accuracy on");
   gaze->add_option("--drift", o.drift, "Correct this map; --pairs has samples of one target");
-  gaze->add_option("--units", o.units, "deg, norm or direction (the plane z = 1)");
+  gaze->add_option("--units", o.units, "Unit of the pairs; direction: the plane z = 1")
+      ->type_name("deg|norm|direction");
   gaze->add_option("--model", o.model, "auto, offset, affine, second or third");
   gaze->add_option("--screen", o.screen, "Calibrated screen");
   gaze->add_option("--out", o.out, "Write the map as TOML, and its report beside it");

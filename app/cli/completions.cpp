@@ -2,8 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <map>
 
 #include "app/study/study.h"
+#include "render/methods/method.h"
 
 namespace foci {
 
@@ -51,6 +53,48 @@ void addNames(const std::string& name, const CLI::App& app, std::string& names) 
   }
 }
 
+/// The values of an option that takes few, between blanks: the type of such an option is "A|B|C".
+std::string valuesOf(const CLI::Option& option) {
+  std::string values;
+  if (option.check_lname("method")) {
+    for (const MethodInfo& method : methods()) values.append(" ").append(method.name);
+    return values.substr(1);
+  }
+  values = option.get_type_name();
+  if (values.find('|') == values.npos) return "";
+  std::ranges::replace(values, '|', ' ');
+  return values;
+}
+
+/// The options with values, by their values: a pattern of `case` such as "foci replay --view".
+using ValuedOptions = std::map<std::string, std::string>;
+
+void addValued(const std::string& name, const CLI::App& app, ValuedOptions& valued) {
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string values = valuesOf(*option);
+    if (values.empty()) continue;
+    for (const std::string& word : option->get_lnames()) {
+      std::string& pattern = valued[values];
+      if (!pattern.empty()) pattern += "|";
+      pattern.append("\"").append(name).append(" --").append(word).append("\"");
+    }
+  }
+  for (const CLI::App* command : commandsByName(app)) {
+    addValued(name + " " + command->get_name(), *command, valued);
+  }
+}
+
+/// @param quotes  around the values
+std::string valueCases(const CLI::App& app, const char* quotes) {
+  ValuedOptions valued;
+  addValued("foci", app, valued);
+  std::string cases;
+  for (const auto& [values, pattern] : valued) {
+    cases += "    " + pattern + ") values=" + quotes[0] + values + quotes[1] + " ;;\n";
+  }
+  return cases;
+}
+
 /// The keys of a study, each with "=".
 std::string keysWithEquals() {
   std::string keys;
@@ -75,6 +119,8 @@ void addFish(const std::string& name, const CLI::App& app, std::string& script) 
       script.append(when).append(" -l ").append(word);
       if (word == "set") {
         script += " -x -a '" + keysWithEquals() + "'";
+      } else if (const std::string values = valuesOf(*option); !values.empty()) {
+        script += " -x -a '" + values + "'";
       } else if (option->get_items_expected_max() > 0) {
         script += " -r";
       }
@@ -98,7 +144,7 @@ std::string bashCompletion(const CLI::App& app) {
   return "# Completion of foci for bash, written by `foci manual`.\n"
          "_foci() {\n"
          "  local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}\n"
-         "  local name=foci offers= group= word i\n"
+         "  local name=foci offers= values= group= word i\n"
          "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
          "    word=${COMP_WORDS[i]}\n"
          "    case \"" +
@@ -111,6 +157,13 @@ std::string bashCompletion(const CLI::App& app) {
          "    COMPREPLY=($(compgen -W \"" +
          keys +
          "\" -- \"$current\"))\n"
+         "    return\n"
+         "  fi\n"
+         "  case \"$name $before\" in\n" +
+         valueCases(app, "\"\"") +
+         "  esac\n"
+         "  if [[ -n $values ]]; then\n"
+         "    COMPREPLY=($(compgen -W \"$values\" -- \"$current\"))\n"
          "    return\n"
          "  fi\n"
          "  case \"$name\" in\n" +
@@ -135,7 +188,7 @@ std::string zshCompletion(const CLI::App& app) {
          "# Completion of foci for zsh, written by `foci manual`.\n"
          "_foci() {\n"
          "  local name=foci group= word i\n"
-         "  local -a offers=()\n"
+         "  local -a offers=() values=()\n"
          "  for ((i = 2; i < CURRENT; ++i)); do\n"
          "    word=$words[i]\n"
          "    case \"" +
@@ -146,6 +199,13 @@ std::string zshCompletion(const CLI::App& app) {
          "    compadd -S '' -- " +
          keysWithEquals() +
          "\n"
+         "    return\n"
+         "  fi\n"
+         "  case \"$name $words[CURRENT-1]\" in\n" +
+         valueCases(app, "()") +
+         "  esac\n"
+         "  if (( $#values )); then\n"
+         "    compadd -- $values\n"
          "    return\n"
          "  fi\n"
          "  case \"$name\" in\n" +

@@ -29,7 +29,7 @@ void runJoin(const JoinOptions& options, const std::string& command_line) {
   std::vector<std::filesystem::path> inputs;
   for (const Part& part : parts) {
     for (auto& file : partFiles(part.folder)) inputs.push_back(std::move(file));
-    for (const InputFile& input : part.inputs) inputs.push_back(input.path);
+    inputs.insert(inputs.end(), part.input_places.begin(), part.input_places.end());
   }
   checkOutputs(RunWriter::files(study, options.out), inputs, options.overwrite);
   const RunResult run = join(parts, study, options.out, command_line);

@@ -12,6 +12,7 @@
 #include "app/cli/commands.h"
 #include "app/cli/usage_error.h"
 #include "app/platform/quiet_libraries.h"
+#include "app/platform/shell_word.h"
 #include "app/platform/version.h"
 #include "base/input_error.h"
 #include "base/mapped_file.h"
@@ -23,7 +24,7 @@ constexpr int kDone = 0, kFailed = 1, kBadInput = 2;
 
 std::string commandLineOf(int argc, char** argv) {
   std::string text = "foci";
-  for (int i = 1; i < argc; ++i) text += std::string(" ") + argv[i];
+  for (int i = 1; i < argc; ++i) text += " " + shellWord(argv[i]);
   return text;
 }
 

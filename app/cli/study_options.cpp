@@ -54,8 +54,9 @@ void addStudyOptions(CLI::App& command, StudyOptions& options) {
   add("--pupil", options.pupil, "MM",
       "pupil diameter in millimetres, or its source: recording or luminance");
   add("--method", options.method, "NAME", "depth-of-field method; `foci methods` lists them");
-  add("--device", options.device, "NAME", "auto, gpu or cpu: what renders");
-  add("--view", options.view, "NAME", "mono, side-by-side, top-bottom, anaglyph, left or right");
+  add("--device", options.device, "auto|gpu|cpu", "what renders");
+  add("--view", options.view, "mono|side-by-side|top-bottom|anaglyph|left|right",
+      "one eye in the middle, both eyes, or one of them");
   command
       .add_option("--set", options.set,
                   "set any key of the study, e.g. --set focus.fixed_D=2; may be repeated")

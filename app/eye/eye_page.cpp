@@ -174,6 +174,7 @@ std::vector<std::filesystem::path> eyeFiles(const std::filesystem::path& out) {
 
 std::vector<EyeFigures> reportEye(const Study& study, const EyeRequest& request,
                                   const std::filesystem::path& out) {
+  static_cast<void>(OutputFolder(out));  // throws before the long computation, leaves no folder
   std::vector<EyeFigures> eyes = eyeFiguresOf(study, request);
   OutputFolder files(out);
   std::ostringstream page;

@@ -87,6 +87,7 @@ std::vector<std::filesystem::path> validationFiles(const std::filesystem::path& 
 }
 
 std::vector<ValidationFigure> validate(const std::filesystem::path& out) {
+  static_cast<void>(OutputFolder(out));  // throws before the long computation, leaves no folder
   std::vector<ValidationFigure> figures = validationFigures();
   OutputFolder files(out);
   files.write(kValidationTable, validationTable(figures));

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <thread>
 
+#include "base/file.h"
 #include "base/parallel.h"
 
 namespace foci {
@@ -46,6 +47,22 @@ class OneCore {
   cpu_set_t before_;
   bool changed_ = false;
 };
+
+/// Why ffmpeg did not open the file, which it does not say. It writes the head of the file at once,
+/// so a small write meets a full disk, too.
+std::string whyNotOpened(const std::filesystem::path& file) {
+  constexpr std::size_t kProbe_B = 64 << 10;
+  std::string why =
+      "cannot write H.264 video to " + file.string() + ": OpenCV's ffmpeg has no encoder for it";
+  try {
+    writeText(file, std::string(kProbe_B, '\0'));
+  } catch (const std::runtime_error& error) {
+    why = error.what();
+  }
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);
+  return why;
+}
 
 }  // namespace
 
@@ -139,10 +156,7 @@ VideoWriter::VideoWriter(const std::filesystem::path& file, const glm::ivec2& si
     const OneCore one_core;
     return worker_->writer.open(file.string(), cv::CAP_FFMPEG, h264, fps, {size_px.x, size_px.y});
   }();
-  if (!opened) {
-    throw std::runtime_error("cannot write H.264 video to " + file.string() +
-                             ": OpenCV's ffmpeg has no encoder for it, or the folder is read-only");
-  }
+  if (!opened) throw std::runtime_error(whyNotOpened(file));
   if (maxThreads() > 1) {
     worker_->thread = std::thread([worker = worker_.get()] { worker->run(); });
   }

@@ -6,6 +6,7 @@
 
 #include "app/platform/interrupt.h"
 #include "app/platform/progress.h"
+#include "app/platform/sha256.h"
 #include "app/replay/replay_inputs.h"
 #include "app/study/inputs.h"
 #include "app/study/recorded_head.h"
@@ -55,6 +56,21 @@ std::string devicesOf(const std::vector<Part>& parts) {
   return text;
 }
 
+/// Compares hashes. The part's own study.toml replaces two inputs: the run's study and the file of
+/// its monitor. Neither needs to be as it was.
+/// @throws InputError unless the parts were rendered from the files that the join reads
+void requireSameFiles(const Part& part, const Study& study, const Study& stated) {
+  for (std::size_t i = 0; i < part.inputs.size(); ++i) {
+    const auto& [path, sha256] = part.inputs[i];
+    const std::filesystem::path& place = part.input_places[i];
+    const bool replaced = path == part.study_file || path == stated.screen.monitor;
+    if (replaced && place != study.scene.file) continue;
+    if (FileToHash(place).sha256(throwIfInterrupted) == sha256) continue;
+    throw InputError(path.string(),
+                     "is not the file that the parts were rendered from; render the parts again");
+  }
+}
+
 /// Times on the recording's clock tell whether the recording is still the one that was rendered.
 void requireSameTimes(const Part& part, const Schedule& schedule) {
   for (std::size_t i = 0; i < part.all.size(); ++i) {
@@ -92,11 +108,14 @@ std::vector<Part> inOrder(std::vector<Part> parts) {
 
 RunResult join(const std::vector<Part>& parts, const Study& study, const std::filesystem::path& out,
                const std::string& command) {
-  const ReplayedGaze gaze = readReplayedGaze(study);
-  const Study stated = withRecordedHead(statedStudyOf(parts.front()), gaze.trace);
-  for (const Part& part : parts) requireSameTimes(part, gaze.schedule);
   noteInterrupts();
-  const SurfelCloud cloud = loadScene(stated);
+  Study stated = statedStudyOf(parts.front());
+  requireSameFiles(parts.front(), study, stated);
+  const ReplayedGaze gaze = readReplayedGaze(study);
+  stated = withRecordedHead(stated, gaze.trace);
+  stated.output.fps = gaze.study.output.fps;
+  for (const Part& part : parts) requireSameTimes(part, gaze.schedule);
+  const SurfelCloud cloud = loadScene(gaze.study);
   RunWriter writer(stated, gaze, cloud, out);
   Progress progress("joining", "frames", gaze.schedule.frames);
   RunFacts facts{.command = command,

@@ -67,7 +67,9 @@ Json headOf(const Study& study, const FrameSpan& span, std::size_t frames, unsig
             const std::string& device, const std::vector<InputFile>& files) {
   Json inputs = Json::array();
   for (const InputFile& input : files) {
-    inputs.push_back({{"path", input.path.string()}, {"sha256", input.sha256}});
+    inputs.push_back({{"path", input.path.string()},
+                      {"absolute", std::filesystem::absolute(input.path).string()},
+                      {"sha256", input.sha256}});
   }
   return {{"program", "foci"},
           {"version", versionText()},
@@ -187,6 +189,7 @@ Part readPart(const std::filesystem::path& folder) {
     for (const Json& input : json.at("inputs")) {
       part.inputs.push_back(
           {input.at("path").get<std::string>(), input.at("sha256").get<std::string>()});
+      part.input_places.emplace_back(input.at("absolute").get<std::string>());
     }
     for (const Json& frame : json.at("frames_seen")) part.all.push_back(partFrameOf(frame));
     const Json configuration = Json::parse(part.configuration);

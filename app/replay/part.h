@@ -41,8 +41,9 @@ struct Part {
   std::filesystem::path study_file;  ///< of the run, which the folder's study comes from
   unsigned threads = 0;
   std::string device;
-  std::vector<InputFile> inputs;
-  std::vector<PartFrame> all;  ///< the frames of the span
+  std::vector<InputFile> inputs;                    ///< by the names that the run was given
+  std::vector<std::filesystem::path> input_places;  ///< of the inputs, absolute
+  std::vector<PartFrame> all;                       ///< the frames of the span
 };
 
 /// The files that a part of the study writes, and images that an earlier part left.
@@ -62,7 +63,8 @@ Part readPart(const std::filesystem::path& folder);
 /// @throws InputError
 Study studyOf(const Part& part);
 
-/// The same with the names that the run was given. From another folder they lead nowhere.
+/// The same with the names that the run was given, for the manifest. From another folder they lead
+/// nowhere.
 Study statedStudyOf(const Part& part);
 
 /// @throws InputError if the file is missing or holds another image than the part rendered

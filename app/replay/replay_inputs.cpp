@@ -39,6 +39,7 @@ ReplayedGaze readReplayedGaze(const Study& study) {
                      "expected \"fixed\" or \"luminance\"");
   }
   inputs.schedule = scheduleOf(study, inputs.trace);
+  inputs.study.output.fps = inputs.schedule.fps;
   if (study.record.changes) inputs.changes = readChanges(*study.record.changes);
   if (study.record.markers) {
     inputs.markers = readEventMarkers(*study.record.markers);

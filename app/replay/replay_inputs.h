@@ -20,7 +20,7 @@ namespace foci {
 
 /// A recording and what happened during it.
 struct ReplayedGaze {
-  Study study;  ///< with the recording's head (`withRecordedHead`)
+  Study study;  ///< with the recording's head (`withRecordedHead`) and the schedule's rate
   GazeTrace trace;
   Schedule schedule;
   std::vector<Change> changes;

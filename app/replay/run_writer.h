@@ -20,7 +20,7 @@ namespace foci {
 
 /// What is stated about a run besides its frames.
 struct RunFacts {
-  std::string command;  ///< as typed
+  std::string command;  ///< as typed, quoted for a shell
   unsigned threads = 0;
   std::string device;  ///< that rendered the frames
   std::vector<InputFile> inputs;

@@ -31,7 +31,8 @@ struct Schedule {
   }
 };
 
-/// Frames within `output.seconds`: those of a recorded live run, else `output.fps` a second.
+/// Frames within `output.seconds`: those of a recorded live run at its mean rate, else `output.fps`
+/// a second.
 /// @throws InputError where there are none, or too many
 Schedule scheduleOf(const Study& study, const GazeTrace& trace);
 

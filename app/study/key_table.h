@@ -63,6 +63,13 @@ inline InputError unknownKey(const std::string& where, const std::string& name,
                      (near ? ": did you mean " + *near + "?" : "; foci keys lists the keys")};
 }
 
+template <class T>
+std::vector<std::string> namesOf(const std::vector<Key<T>>& keys) {
+  std::vector<std::string> names;
+  for (const Key<T>& key : keys) names.emplace_back(key.name);
+  return names;
+}
+
 /// Applies a TOML table of keys with the given prefix to `to`.
 /// @return the names of the keys set
 template <class T>
@@ -88,10 +95,7 @@ KeyNames apply(const std::vector<Key<T>>& keys, const toml::table& table, const 
     } else if (is_section) {
       throw notAsExpected(file, full, value, "a section of keys");
     } else {
-      std::vector<std::string> known;
-      std::transform(keys.begin(), keys.end(), std::back_inserter(known),
-                     [](const auto& key) { return std::string(key.name); });
-      throw unknownKey(place(file, value), full, value, known);
+      throw unknownKey(place(file, value), full, value, namesOf(keys));
     }
   }
   return given;

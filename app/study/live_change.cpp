@@ -47,11 +47,9 @@ bool changesLive(std::string_view key) {
 }
 
 void changeLive(Study& study, Session& session, const std::string& key, const std::string& toml) {
-  if (!changesLive(key)) {
-    throw InputError(key.substr(0, 60), "does not change while foci runs");
-  }
   Study changed = study;
-  setKey(changed, key, toml, "change");
+  setKey(changed, key, changesLive(key) ? toml : "null", "change");  // refuses an unknown key
+  if (!changesLive(key)) throw InputError(key, "does not change while foci runs");
   checkStudy(changed);
   session.changeSettings(sessionSettingsOf(changed));
   study = std::move(changed);

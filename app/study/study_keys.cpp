@@ -473,7 +473,7 @@ void setKey(Study& study, std::string_view key, const toml::value& value) {
 void setKey(Study& study, std::string_view key, const std::string& text, const std::string& where) {
   const auto& keys = studyKeys();
   const auto found = std::find_if(keys.begin(), keys.end(), [&](auto& k) { return k.name == key; });
-  if (found == keys.end()) throw InputError(where, "unknown key " + shownName(key));
+  if (found == keys.end()) throw unknownKey(where, std::string(key), {}, namesOf(keys));
   if (text == "null") {
     found->reset(study);
     return;

@@ -1,10 +1,7 @@
 // `--set KEY=VALUE`: any key of a study from the command line.
-#include <algorithm>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include "app/study/key_suggestion.h"
 #include "app/study/study.h"
 #include "app/study/study_keys.h"
 #include "base/input_error.h"
@@ -28,16 +25,6 @@ constexpr std::pair<std::string_view, std::string_view> kReplaced[] = {
     {"observer.wavefront", "observer.age_years"},
     {"observer.age_years", "observer.wavefront"},
 };
-
-/// @throws InputError with the known key that may have been meant
-void requireKey(const std::string& key, const std::string& where) {
-  std::vector<std::string> known;
-  for (const ResolvedKey& each : resolvedKeys(Study{})) known.emplace_back(each.name);
-  if (std::find(known.begin(), known.end(), key) != known.end()) return;
-  const auto near = suggestedKey(key, known);
-  throw InputError(where, "unknown key " + shownName(key) +
-                              (near ? ": did you mean " + *near + "?" : "; foci keys lists them"));
-}
 
 /// Whether the text is one TOML value.
 bool isTomlValue(const std::string& text) {
@@ -76,7 +63,6 @@ void setKeyByOption(Study& study, const std::string& assignment) {
                      "expected KEY=VALUE, e.g. observer.pupil_mm=3");
   }
   const std::string key = assignment.substr(0, at), where = "--set";
-  requireKey(key, where);
   setToText(study, key, assignment.substr(at + 1), where);
   for (const auto& [set, removed] : kReplaced) {
     if (key == set) setKey(study, removed, "null", where);

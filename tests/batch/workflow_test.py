@@ -3,6 +3,7 @@
     python3 tests/batch/workflow_test.py build/release/foci
 """
 
+import json
 import os
 import pathlib
 import shutil
@@ -96,8 +97,20 @@ def main():
         refused = subprocess.run(keyless, cwd=folder, env=environment, capture_output=True, text=True)
         assert refused.returncode == 1 and "expected --config study=" in refused.stderr, refused.stderr
 
+        def started(*words):
+            """Recordings whose replay begins when the workflow is started with these words more."""
+            (folder / "begun").write_text("")
+            subprocess.run([*command, *words], cwd=folder, env=environment, capture_output=True, text=True, check=True)
+            return len((folder / "begun").read_text().split())
+
         again = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
         assert "Nothing to be done" in again.stdout + again.stderr, again.stderr
+        shutil.rmtree(out / "sub-02" / "beh" / "sub-02_task-look_foci")
+        assert started() == 1
+        assert started("options=--set observer.pupil_mm=3") == len(subjects)
+        for subject in subjects:
+            manifest = json.loads((out / subject / "beh" / f"{subject}_task-look_foci" / "manifest.json").read_text())
+            assert manifest["configuration"]["observer"]["pupil_mm"] == 3, subject
     print("passed")
 
 

@@ -161,6 +161,50 @@ TEST_F(Batch, RefusesAnImageThatIsNotThePartsOwn) {
   EXPECT_FALSE(fs::exists(folder.path() / "joined"));
 }
 
+TEST_F(Batch, RefusesFilesThatThePartsWereNotRenderedFrom) {
+  ASSERT_EQ(foci({"replay", "study.toml", "--out", "a", "--frames", "0:"}).exit_code, 0);
+  folder.write("study.toml", smallStudy() + "# another experiment\n");  // the part keeps its study
+  const auto expectRefused = [&](const std::string& file) {
+    const Outcome outcome = foci({"join", "a", "--out", "joined"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(outcome.err, "foci: " + file +
+                               ": is not the file that the parts were rendered from; render the "
+                               "parts again\n");
+    EXPECT_FALSE(fs::exists(folder.path() / "joined"));
+  };
+  const std::string scene = folder.read("scene.ply"), trace = folder.read("trace.tsv");
+  folder.write("trace.tsv", jumpingTrace(501.0));
+  expectRefused("trace.tsv");
+  folder.write("trace.tsv", trace);
+  folder.write("scene.ply", reliefPly([](int x, int) { return x < 31 ? 0.6 : 2.0; }));
+  expectRefused("scene.ply");
+  folder.write("scene.ply", scene);
+  EXPECT_EQ(foci({"join", "a", "--out", "joined"}).exit_code, 0);
+}
+
+TEST_F(Batch, JoinsFromAnotherFolder) {
+  for (const std::string span : {"", "0:3", "3:"}) {
+    std::vector<std::string> replay = {"replay", "study.toml", "--out", "run" + span.substr(0, 1)};
+    if (!span.empty()) replay.insert(replay.end(), {"--frames", span});
+    ASSERT_EQ(foci(replay).exit_code, 0);
+  }
+  fs::create_directory(folder.path() / "elsewhere");
+  const Outcome joined =
+      runFoci({"join", "../run0", "../run3", "--out", "joined"}, folder.path() / "elsewhere");
+  ASSERT_EQ(joined.exit_code, 0) << joined.err;
+  const Json a = json("elsewhere/joined/manifest.json"), b = json("run/manifest.json");
+  EXPECT_EQ(a["frames_sha256"], b["frames_sha256"]);
+  EXPECT_EQ(a["inputs"], b["inputs"]);
+  EXPECT_EQ(a["configuration"], b["configuration"]);
+}
+
+TEST_F(Batch, TheManifestsCommandPastesBackIntoAShell) {
+  folder.write("the gaze.tsv", jumpingTrace());
+  ASSERT_EQ(foci({"replay", "study.toml", "--trace", "the gaze.tsv", "--out", "a"}).exit_code, 0);
+  EXPECT_EQ(json("a/manifest.json")["command"],
+            "foci replay study.toml --trace 'the gaze.tsv' --out a");
+}
+
 TEST_F(Batch, RefusesPartsThatDependOnTimeOrOnTheFrameBefore) {
   const auto expectRefused = [&](const std::vector<std::string>& more, const std::string& says) {
     std::vector<std::string> arguments = {"replay", "study.toml", "--out", "a"};

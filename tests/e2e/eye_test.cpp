@@ -135,5 +135,14 @@ TEST_F(Eye, ValidatesAgainstPublishedFigures) {
             std::string::npos);
 }
 
+TEST_F(Eye, ValidateRefusesAFolderThatCannotBeMadeBeforeItComputes) {
+  folder.write("file", "no folder");
+  const Fault impatient{.max_s = 5};  // the computation takes longer
+  const Outcome outcome =
+      runFociUnder(impatient, {"validate", "--out", "file/validation"}, folder.path());
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("cannot make the folder"), std::string::npos) << outcome.err;
+}
+
 }  // namespace
 }  // namespace foci::e2e

@@ -96,6 +96,11 @@ TEST_F(Manual, CompletesCommandsOptionsKeysAndFiles) {
   EXPECT_EQ(completed({"foci", "calibrate", "gaz"}), std::set<std::string>{"gaze"});
   EXPECT_EQ(completed({"foci", "render", "--set", "focus.fixed"}),
             std::set<std::string>{"focus.fixed_D="});
+  EXPECT_EQ(completed({"foci", "render", "--view", "top"}), std::set<std::string>{"top-bottom"});
+  EXPECT_EQ(completed({"foci", "live", "--method", "pin"}), std::set<std::string>{"pinhole"});
+  EXPECT_EQ(completed({"foci", "replay", "--device", ""}),
+            (std::set<std::string>{"auto", "cpu", "gpu"}));
+  EXPECT_EQ(completed({"foci", "events", "--units", "d"}), std::set<std::string>{"deg"});
   folder.write("my study.toml", "");
   EXPECT_EQ(completed({"foci", "replay", "my"}), std::set<std::string>{"my study.toml"});
 }
@@ -110,6 +115,7 @@ TEST_F(Manual, CompletesInFish) {
   EXPECT_EQ(offered("foci replay --tra"), std::set<std::string>{"--trace"});
   EXPECT_EQ(offered("foci calibrate gaz"), std::set<std::string>{"gaze"});
   EXPECT_EQ(offered("foci render --set focus.fixed"), std::set<std::string>{"focus.fixed_D="});
+  EXPECT_EQ(offered("foci render --view top"), std::set<std::string>{"top-bottom"});
 }
 
 TEST_F(Manual, CompletesInZsh) {
@@ -126,6 +132,8 @@ TEST_F(Manual, CompletesInZsh) {
   EXPECT_FALSE(offered("foci replay --tra", 3, "--tra").contains("--gaze"));
   EXPECT_TRUE(offered("foci calibrate gaz", 3, "gaz").contains("gaze"));
   EXPECT_TRUE(offered("foci render --set focus", 4, "focus").contains("focus.fixed_D="));
+  EXPECT_TRUE(offered("foci render --view top", 4, "top").contains("top-bottom"));
+  EXPECT_FALSE(offered("foci render --view top", 4, "top").contains("FILES"));
   EXPECT_EQ(offered("foci replay my", 3, "my"), std::set<std::string>{"FILES"});
 }
 

@@ -29,6 +29,25 @@ def expect(condition, message):
         sys.exit(message)
 
 
+def refused(*command, says, **options):
+    """A command that must fail, and say this."""
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True, **options)
+    expect(done.returncode != 0 and says in done.stderr and not done.stdout.startswith("model"),
+           f"{' '.join(map(str, command))}\nexited with {done.returncode}:\n{done.stdout}{done.stderr}")
+
+
+def check_components(cmake, prefix, cxx, folder):
+    """find_package takes the components by the names of the targets, and says which one it does not know."""
+    folder.mkdir()
+    (folder / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.25)\nproject(components LANGUAGES CXX)\n"
+        "find_package(foci REQUIRED COMPONENTS ${asked})\n")
+    configure = [cmake, "-S", folder, "-B", folder / "build", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
+                 f"-DCMAKE_CXX_COMPILER={cxx}"]
+    run(*configure, "-Dasked=base;render;gaze;calibration;eye")
+    refused(*configure, "-Dasked=render;sound", says="unknown component sound: expected one of base, render, gaze")
+
+
 def check_headers(include, cxx):
     headers = sorted(include.rglob("*.h"))
     expect(len(headers) > 50, f"only {len(headers)} headers in {include}")
@@ -77,13 +96,18 @@ def main():
         run(cmake, "--build", programs)
         expect("-Werror" not in (programs / "build.ninja").read_text(), "the flags of foci leak to its users")
 
+        check_components(cmake, prefix, cxx, folder / "components")
         write_inputs(folder)
         out = run(programs / "render_ply", "square.ply", "2", "square.png", cwd=folder)
         expect("441 surfels" in out and (folder / "square.png").read_bytes().startswith(b"\x89PNG"), out)
+        for focus in ("0", "-1", "near", "2m"):
+            refused(programs / "render_ply", "square.ply", focus, "no.png", says=f"FOCUS_METRES {focus}: ", cwd=folder)
+        expect(not (folder / "no.png").exists(), "an image for a focus that is none")
         out = run(programs / "detect_fixations", "recording.tsv", cwd=folder).splitlines()
         expect(len(out) == 3 and abs(float(out[2].split("\t")[2]) - 1300) < 5, f"not two fixations: {out}")
         out = run(programs / "fit_gaze_map", "pairs.tsv", "map.toml", cwd=folder)
         expect(re.search(r"straight ahead: -(1\.0|0\.9)", out) and (folder / "map.toml").exists(), out)
+        refused(programs / "fit_gaze_map", "pairs.tsv", "none/map.toml", says="cannot write none/map.toml", cwd=folder)
         (folder / "frames").mkdir()
         run(programs / "replay_recording", "square.ply", "recording.tsv", "frames", cwd=folder)
         frames = list((folder / "frames").iterdir())

@@ -455,6 +455,8 @@ TEST_F(Live, RefusesAChangeAndGoesOn) {
   LiveRenderer renderer(study, feed, clock, "", 1, [] {});
   EXPECT_NE(answerTo("set output.size_px [8, 8]", renderer, clock).find("does not change"),
             std::string::npos);
+  EXPECT_EQ(answerTo("set observer.pupl 3", renderer, clock),
+            "error change: unknown key observer.pupl: did you mean observer.pupil?");
   EXPECT_NE(answerTo("set observer.pupil_mm 99", renderer, clock).find("0.5 to 12"),
             std::string::npos);
   EXPECT_EQ(answerTo("set observer.pupil_mm 6", renderer, clock), "ok");

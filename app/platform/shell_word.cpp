@@ -1,0 +1,25 @@
+#include "app/platform/shell_word.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace foci {
+
+std::string shellWord(std::string_view text) {
+  const auto is_plain = [](unsigned char c) {
+    constexpr std::string_view kPlain = "%+,-./:=@_";
+    return (c < 0x80 && std::isalnum(c)) || kPlain.find(static_cast<char>(c)) != kPlain.npos;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), is_plain)) return std::string(text);
+  std::string quoted = "'";
+  for (const char c : text) {
+    if (c == '\'') {
+      quoted += "'\\''";
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + '\'';
+}
+
+}  // namespace foci

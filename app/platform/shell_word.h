@@ -1,0 +1,12 @@
+// Command lines that paste back into a shell.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace foci {
+
+/// `text` as one word of a POSIX shell: in single quotes where a shell would read it otherwise.
+std::string shellWord(std::string_view text);
+
+}  // namespace foci
