@@ -6,7 +6,8 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kMinFrames = 10;
-constexpr double kMostWithout = 0.5, kOftenApart = 0.2;  // shares of the frames, chosen by hand
+// Shares of the frames, chosen by hand.
+constexpr double kMostWithout = 0.5, kOftenApart = 0.2, kOftenDiverge = 0.5;
 
 std::string percentOf(std::size_t part, std::size_t all) {
   return decimal(100.0 * static_cast<double>(part) / static_cast<double>(all), 0) + " %";
@@ -25,6 +26,8 @@ void SurfaceAgreement::add(const FrameRecord& record) {
   const auto disagrees = vergenceDisagrees(record.eye);
   compared_ += disagrees.has_value();
   disagree_ += disagrees.value_or(false);
+  // Eyes may err, but not look apart on average.
+  diverge_ += disagrees && record.eye.vergence->value_D < -record.eye.vergence->error_D;
 }
 
 std::vector<std::string> SurfaceAgreement::doubts() const {
@@ -35,7 +38,13 @@ std::vector<std::string> SurfaceAgreement::doubts() const {
                      "(scene.scale_m, gaze.scene_rotation, gaze.scene_scale, "
                      "gaze.scene_offset_m)?");
   }
-  if (exceeds(disagree_, compared_, kOftenApart)) {
+  if (exceeds(diverge_, compared_, kOftenDiverge)) {
+    doubts.push_back("the lines of sight of both eyes diverge in " +
+                     percentOf(diverge_, compared_) +
+                     " of the fixated frames: are the columns of the left and the right eye "
+                     "exchanged (gaze.left_direction, gaze.right_direction, gaze.left_angles, "
+                     "gaze.right_angles)?");
+  } else if (exceeds(disagree_, compared_, kOftenApart)) {
     doubts.push_back("the lines of sight of both eyes do not meet on the surface in " +
                      percentOf(disagree_, compared_) +
                      " of the fixated frames (vergence_disagrees in frames.tsv): is the recording "

@@ -18,7 +18,7 @@ class SurfaceAgreement {
   std::vector<std::string> doubts() const;
 
  private:
-  std::size_t fixated_ = 0, without_surface_ = 0, compared_ = 0, disagree_ = 0;
+  std::size_t fixated_ = 0, without_surface_ = 0, compared_ = 0, disagree_ = 0, diverge_ = 0;
 };
 
 }  // namespace foci

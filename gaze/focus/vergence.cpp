@@ -53,12 +53,14 @@ std::optional<std::pair<EyeRay, EyeRay>> raysOf(const GazeSample& sample, const 
   for (std::size_t side : {0, 1}) {
     const EyeSample& eye = sample.eyes[side];
     EyeRay& ray = side == 0 ? rays.first : rays.second;
+    const glm::dvec3 usual_m(side == 0 ? -0.5 * ipd_m : 0.5 * ipd_m, 0.0, 0.0);
     if (eye.origin_m && eye.direction) {
       ray = {.origin_m = *eye.origin_m, .direction = *eye.direction};
     } else if (eye.point_px) {
       const glm::dvec3 target_m(offsetOnScreen_m(screen, *eye.point_px), -screen.distance_m);
-      ray.origin_m = {side == 0 ? -0.5 * ipd_m : 0.5 * ipd_m, 0.0, 0.0};
-      ray.direction = glm::normalize(target_m - ray.origin_m);
+      ray = {.origin_m = usual_m, .direction = glm::normalize(target_m - usual_m)};
+    } else if (eye.direction) {
+      ray = {.origin_m = usual_m, .direction = *eye.direction};
     } else {
       return std::nullopt;
     }

@@ -41,6 +41,12 @@ TEST(SurfaceAgreement, DoubtsASurfaceWhereTheEyesDoNotMeet) {
   EXPECT_NE(said.find("vergence_disagrees"), std::string::npos) << said;
 }
 
+TEST(SurfaceAgreement, EyesThatDivergeMayBeExchanged) {
+  const std::string said = doubtsOf(frame(2.0, 0.4), frame(2.0, -0.6), 70);
+  EXPECT_NE(said.find("70 %"), std::string::npos) << said;
+  EXPECT_NE(said.find("exchanged"), std::string::npos) << said;
+}
+
 TEST(SurfaceAgreement, LeavesOutSaccades) {
   FrameRecord saccade = frame(std::nullopt, std::nullopt);
   saccade.eye.state = GazeState::saccade;
