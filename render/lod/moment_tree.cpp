@@ -14,6 +14,10 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kMinCluster = 3;
+
+/// That of a disc. No flat shape has a larger area over the root of its variance's determinant, so
+/// surfels above this density hide each other.
+constexpr double kMaxDensity = 4.0 * std::numbers::pi;
 constexpr int kSerialLevels = 6;  // below it one task a subtree; fixed, so results are, too
 
 /// A surfel while the tree is sorted.
@@ -54,6 +58,10 @@ Sums sumsOf(const SurfelCloud& cloud, std::size_t i) {
   sums.color = glm::dvec3(cloud.color[i]);
   const glm::dvec3 normal = glm::cross(u, v);
   sums.normal = normal * (sums.area / std::max(glm::length(normal), 1e-300));
+  if (!cloud.bodies.of_surfel.empty() && cloud.bodies.of_surfel[i] != 0) {
+    sums.closed_area = sums.area;
+    sums.closed_facing = sums.normal;
+  }
   sums.radius = 3.0 * std::sqrt(std::max(glm::dot(u, u), glm::dot(v, v)));
   return sums;
 }
@@ -74,6 +82,8 @@ Sums merged(const Sums& a, const Sums& b) {
   sums.color = fa * a.color + fb * b.color;
   // Both sides of a thin body: their axis counts, not their signs.
   sums.normal = glm::dot(a.normal, b.normal) < 0.0 ? a.normal - b.normal : a.normal + b.normal;
+  sums.closed_area = a.closed_area + b.closed_area;
+  sums.closed_facing = a.closed_facing + b.closed_facing;
   sums.radius = std::max(glm::length(sums.mean - a.mean) + a.radius,
                          glm::length(sums.mean - b.mean) + b.radius);
   return sums;
@@ -87,7 +97,8 @@ LodNode nodeOf(const Sums& sums) {
   const double minors = std::max(0.0, v[0] * v[3] - v[1] * v[1]) +
                         std::max(0.0, v[0] * v[5] - v[2] * v[2]) +
                         std::max(0.0, v[3] * v[5] - v[4] * v[4]);
-  node.density = static_cast<float>(sums.area / std::sqrt(std::max(minors, 1e-300)));
+  node.density = static_cast<float>(
+      std::min(seenArea_m2(sums) / std::sqrt(std::max(minors, 1e-300)), kMaxDensity));
   node.color = glm::vec3(sums.color);
   node.radius_m = static_cast<float>(sums.radius) * (1.0f + 1e-6f);
   packNormal(glm::vec3(sums.normal / std::max(glm::length(sums.normal), 1e-300)), node.normal);
@@ -164,6 +175,11 @@ Coarseness coarsenessOf(const LodNode& node) {
 }
 
 }  // namespace
+
+double seenArea_m2(const NodeSums& sums) {
+  return sums.area - sums.closed_area +
+         std::max(0.5 * sums.closed_area, glm::length(sums.closed_facing));
+}
 
 void packNormal(const glm::vec3& normal, std::int16_t packed[2]) {
   const float sum = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);

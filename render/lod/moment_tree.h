@@ -25,7 +25,7 @@ struct alignas(64) LodNode {
   glm::vec3 position_m;
   float variance_m2[6];    ///< xx, xy, xz, yy, yz, zz
   glm::vec3 color;         ///< linear RGB, mean weighted by w
-  float density;           ///< sum of the areas over sqrt(trace adj(V))
+  float density;           ///< the area that is seen (`seenArea_m2`) over sqrt(trace adj(V))
   float radius_m;          ///< of a sphere about the position that holds all surfels to 3 sigma
   std::int16_t normal[2];  ///< mean normal, see `unpackNormal`
   std::uint16_t opacity;   ///< mean by area, in 65535ths
@@ -59,8 +59,16 @@ struct NodeSums {
   double own_trace = 0.0;
   glm::dvec3 color{0.0};
   glm::dvec3 normal{0.0};
+  /// Of the surfels of closed bodies: their area, and the vector sum of areas times outer normals.
+  double closed_area = 0.0;
+  glm::dvec3 closed_facing{0.0};
   double radius = 0.0;  ///< about the mean
 };
+
+/// The area of the surfels, less that of the sides of closed bodies which hide behind others: half
+/// of it where both sides are in the node, none where one is. Of nodes with a few surfels more of
+/// one side, half is right on average: as many have a few more of the other.
+double seenArea_m2(const NodeSums& sums);
 
 /// By node, the variance that merging added, with the variance along the mean normal counted
 /// kThick times. A flat node has none along its normal. A node of two surfaces has a quarter of

@@ -157,15 +157,19 @@ class AutoMethod final : public Method {
       check(view, settings, blur_px);
     }
     const float allowed = allowedError(quality, blur_px);
-    const QualityLevel cheapest = cheapestWithin(allowed, blur_px);
-    wanted_ = wanted_ ? std::clamp(*wanted_, cheapest, cheapestWithin(kReserve * allowed, blur_px))
-                      : cheapest;
+    const auto within = [&](float error) {
+      return cheapestWithin(error, quality.tolerance, blur_px);
+    };
+    const QualityLevel cheapest = within(allowed);
+    wanted_ = wanted_ ? std::clamp(*wanted_, cheapest, within(kReserve * allowed)) : cheapest;
     return budget ? levelWithin(*quality.frame_ms, view) : *wanted_;
   }
 
-  QualityLevel cheapestWithin(float error, float blur_px) const {
+  /// @param tolerance  of the study: no relaxed error allows a frame without blur
+  QualityLevel cheapestWithin(float error, float tolerance, float blur_px) const {
     return *std::ranges::find_if(kToleranceLevels, [&](QualityLevel level) {
-      return level == kToleranceLevels.back() || expectedError(level, blur_px) <= error;
+      const float most = level == QualityLevel::sharp ? std::min(error, tolerance) : error;
+      return level == kToleranceLevels.back() || expectedError(level, blur_px) <= most;
     });
   }
 

@@ -138,10 +138,15 @@ TEST_F(Eye, ValidatesAgainstPublishedFigures) {
 TEST_F(Eye, ValidateRefusesAFolderThatCannotBeMadeBeforeItComputes) {
   folder.write("file", "no folder");
   const Fault impatient{.max_s = 5};  // the computation takes longer
-  const Outcome outcome =
-      runFociUnder(impatient, {"validate", "--out", "file/validation"}, folder.path());
-  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
-  EXPECT_NE(outcome.err.find("cannot make the folder"), std::string::npos) << outcome.err;
+  const auto validate = [&](const std::string& out) {
+    return runFociUnder(impatient, {"validate", "--out", out}, folder.path());
+  };
+  const Outcome in_file = validate("file/validation");
+  EXPECT_EQ(in_file.exit_code, 2) << in_file.err;
+  EXPECT_NE(in_file.err.find("is a file: expected a folder"), std::string::npos) << in_file.err;
+  const Outcome refused = validate("/proc/none/validation");
+  EXPECT_EQ(refused.exit_code, 1) << refused.err;
+  EXPECT_NE(refused.err.find("cannot make the folder"), std::string::npos) << refused.err;
 }
 
 }  // namespace

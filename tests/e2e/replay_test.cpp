@@ -305,7 +305,7 @@ TEST_F(Replay, OverwritesOnlyItsOwnFiles) {
 TEST_F(Replay, LeavesNothingWhenItCannotWrite) {
   folder.write("out", "a file stands where the folder should");
   const Outcome outcome = replay("out");
-  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   EXPECT_EQ(folder.read("out"), "a file stands where the folder should");
 }

@@ -178,6 +178,36 @@ TEST(ClosedSurfaces, LeakNoBackgroundWhereABodyIsThin) {
   }
 }
 
+double coverageOf_px(const Frame& frame) {
+  double sum = 0.0;
+  for (const glm::vec4& pixel : frame.rgba) sum += static_cast<double>(pixel.a);
+  return sum;
+}
+
+/// A board of a few pixels under a large blur: nodes hold all of its sides, and the front shows.
+/// Half of their area is 1.125 times the front.
+TEST(ClosedSurfaces, ABoardOfAFewPixelsKeepsItsLight) {
+  constexpr double kError = 0.25;
+  for (const float wide_m : {0.02f, 0.04f}) {
+    TriangleMesh board;
+    addBox(board, glm::vec3(0.0f), {wide_m, 1.2f, 0.125f * wide_m});
+    const auto mesh =
+        std::make_shared<const TriangleMesh>(finishedMesh(std::move(board), glm::vec3(0.0f)));
+    SurfelCloud cloud = surfelsFromPoints(sampleMesh(*mesh, "board", {.points = kPoints}));
+    cloud.mesh = mesh;
+    RenderSettings settings;
+    settings.background = glm::vec3(1.0f);
+    settings.defocus.radius_px_per_D = glm::vec2(5.0f * 18.0f);  // focus at infinity
+    Frame truth, frame;
+    makeMethod("raytrace:64", cloud)->render(viewFrom(0.0f, 0.1f), settings, truth);
+    const double expected_px = coverageOf_px(truth);
+    for (const char* method : {"sweep-lod", "auto"}) {
+      makeMethod(method, cloud)->render(viewFrom(0.0f, 0.1f), settings, frame);
+      EXPECT_NEAR(coverageOf_px(frame) / expected_px, 1.0, kError) << method << ", " << wide_m;
+    }
+  }
+}
+
 /// The turns of a coil cover each other's outlines. The blurred levels of the whole aperture leak
 /// there (docs/methods.md).
 TEST(ClosedSurfaces, LeakNoBackgroundWhereOutlinesMeet) {
