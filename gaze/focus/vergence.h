@@ -46,8 +46,9 @@ inline constexpr double kDisagreement = 3.0;
 /// difference.
 bool disagree(const DioptreEstimate& a, const DioptreEstimate& b);
 
-/// The two lines of sight of a sample. If the recording has points on the screen only, or directions
-/// without origins, the eyes are `ipd_m` apart, side by side. Nothing if an eye is missing.
+/// The two lines of sight of a sample. If the recording has points on the screen only, or
+/// directions without origins, the eyes are `ipd_m` apart, side by side. Nothing if an eye is
+/// missing.
 std::optional<std::pair<EyeRay, EyeRay>> raysOf(const GazeSample& sample, const Screen& screen,
                                                 double ipd_m);
 

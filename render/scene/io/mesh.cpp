@@ -89,6 +89,15 @@ class Loader {
           "materials that are black but emit light have the colour of that light; they light "
           "nothing else");
     }
+    if (masked_) {
+      mesh.remarks.emplace_back(
+          "materials with a mask of opacity (map_d) are shown without it; a texture with alpha "
+          "cuts "
+          "holes");
+    }
+    if (fading_) {
+      mesh.remarks.emplace_back("the alpha of the corners' colours is left out");
+    }
     for (std::string& remark : import_.remarks()) mesh.remarks.push_back(std::move(remark));
     remarkUndefined(mesh);
     if (unusable_ > 0) {
@@ -168,6 +177,7 @@ class Loader {
         const aiColor4D& c = mesh.mColors[0][i];
         refuseBytes({c.r, c.g, c.b});
         const glm::vec3 color = unitColor({c.r, c.g, c.b});
+        fading_ = fading_ || (gltf_ && c.a < 1.0f);
         all.color.resize(all.corners_m.size() - 1, glm::vec3(-1.0f));
         all.color.push_back(gltf_ ? color : linearOf(color));
       }
@@ -250,6 +260,9 @@ class Loader {
       material.texture = textures_.read(name.C_Str());
       if ((!gltf_ || !colored) && material.texture) material.factor = glm::vec3(1.0f);
     }
+    material.tinted =
+        gltf_ && !glows(from) && (material.texture || (colored && !isUncoloured(from)));
+    masked_ = masked_ || (!gltf_ && from.GetTextureCount(aiTextureType_OPACITY) > 0);
     return material;
   }
 
@@ -258,8 +271,9 @@ class Loader {
   MeshImport import_;
   const aiScene& scene_;  // of the import
   MeshTextures textures_;
-  std::size_t unusable_ = 0;  // triangles
-  bool glowing_ = false;      // a material
+  std::size_t unusable_ = 0;               // triangles
+  bool glowing_ = false, masked_ = false;  // a material
+  bool fading_ = false;                    // the colour of a corner
 };
 
 }  // namespace

@@ -1,7 +1,12 @@
 #include "render/scene/io/mesh_files.h"
 
+#include <assimp/MemoryIOWrapper.h>
+
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
 #include <string_view>
 
 #include "base/input_error.h"
@@ -13,6 +18,30 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kCompressions = {
     "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"};
+
+/// The text of an OBJ with 0.5 in place of .5 in its vertices: Assimp takes a word that begins with
+/// a point for none. Empty if there is none to mend.
+std::string withLeadingZeros(const std::string& obj) {
+  std::ifstream in(obj, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(in), {});
+  const auto isBlank = [](char c) { return c == ' ' || c == '\t'; };
+  const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
+  std::string mended;
+  std::size_t kept = 0;
+  bool vertex = false;
+  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+    const bool begins = i == 0 || text[i - 1] == '\n' || text[i - 1] == '\r';
+    if (begins) vertex = text[i] == 'v';
+    if (!vertex || text[i] != '.' || begins || !isBlank(text[i - 1]) || !isDigit(text[i + 1])) {
+      continue;
+    }
+    mended.append(text, kept, i - kept);
+    mended += '0';
+    kept = i;
+  }
+  if (!mended.empty()) mended.append(text, kept);
+  return mended;
+}
 
 }  // namespace
 
@@ -34,6 +63,14 @@ Assimp::IOStream* MeshFiles::Open(const char* name, const char* mode) {
   if (Exists(name)) requireRegularFile(file);
   Assimp::IOStream* stream =
       Exists(name) ? Assimp::DefaultIOSystem::Open(file.c_str(), mode) : nullptr;
+  if (stream != nullptr && mesh_.empty() && lowerExtension(name) == ".obj") {
+    if (const std::string text = withLeadingZeros(file); !text.empty()) {
+      Close(stream);
+      auto* bytes = new std::uint8_t[text.size()];  // the stream's own
+      std::copy(text.begin(), text.end(), bytes);
+      stream = new Assimp::MemoryIOStream(bytes, text.size(), true);
+    }
+  }
   if (mesh_.empty()) mesh_ = name;
   if (stream == nullptr) {
     const std::filesystem::path path = name;

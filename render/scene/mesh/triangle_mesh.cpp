@@ -84,6 +84,8 @@ MeshColor colorAt(const TriangleMesh& mesh, const MeshPoint& point, float footpr
     return values[first] + point.weights.x * (values[first + 1] - values[first]) +
            point.weights.y * (values[first + 2] - values[first]);
   };
+  const bool has_color = !mesh.color.empty() && mesh.color[first].x >= 0.0f;
+  const glm::vec3 tint = has_color && material.tinted ? blend(mesh.color) : glm::vec3(1.0f);
   if (material.texture) {
     const glm::vec2 a = (mesh.uv[first + 1] - mesh.uv[first]) * material.texture->size_px();
     const glm::vec2 b = (mesh.uv[first + 2] - mesh.uv[first]) * material.texture->size_px();
@@ -94,12 +96,10 @@ MeshColor colorAt(const TriangleMesh& mesh, const MeshPoint& point, float footpr
     const glm::vec4 texel =
         material.texture->at(blend(mesh.uv), footprint_m * std::sqrt(area_px / area_m2));
     const bool cut = material.cut_out && texel.w < kMinAlpha;
-    return {glm::vec3(texel) * material.factor, cut ? 0.0f : material.opacity};
+    return {glm::vec3(texel) * material.factor * tint, cut ? 0.0f : material.opacity};
   }
-  if (!mesh.color.empty() && mesh.color[first].x >= 0.0f) {
-    return {blend(mesh.color), material.opacity};
-  }
-  return {material.factor, material.opacity};
+  if (has_color && !material.tinted) return {blend(mesh.color), material.opacity};
+  return {material.factor * tint, material.opacity};
 }
 
 }  // namespace foci

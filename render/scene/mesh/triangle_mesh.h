@@ -20,6 +20,9 @@ struct MeshMaterial {
   glm::vec3 factor{1.0f};  ///< times the texture; the colour itself if there is no texture
   float opacity = 1.0f;
   bool cut_out = true;  ///< whether the texture's alpha cuts holes
+  /// Whether colours of corners multiply this colour, as in glTF. Otherwise a texture replaces
+  /// them, and they replace the colour of a material without one.
+  bool tinted = false;
 };
 
 /// The world frame is in metres, or in the units of the file where the reader says so.

@@ -153,6 +153,25 @@ TEST_F(MeshMaterials, TextureTransformOfGltfScalesThenTurnsThenMoves) {
             kByte);
 }
 
+TEST_F(MeshMaterials, AMaskOfOpacityIsNamed) {
+  write("m.mtl", "newmtl m\nKd 1 0 0\nmap_d leaf.png\n");
+  writeQuarters(folder_.path() / "leaf.png");
+  EXPECT_TRUE(remarks(readMesh(write("a.obj", "mtllib m.mtl\n" + kTriangle)), "map_d"));
+}
+
+/// Assimp alone loses a word that begins with a point.
+TEST_F(MeshMaterials, NumbersOfAnObjMayBeginWithAPoint) {
+  const MeshFile file =
+      readMesh(write("a.obj",
+                     "v 0 0 .5 .5 .25 .75\nv\t.75 0 0 .5 .25 .75\nv 0 -.5 0 .5 .25 .75\nvt .1 .1\n"
+                     "f 1/1 2/1 3/1\n"));
+  ASSERT_EQ(file.mesh.size(), 1u);
+  EXPECT_EQ(file.mesh.corners_m[0], glm::vec3(0.0f, 0.0f, 0.5f));
+  EXPECT_EQ(file.mesh.corners_m[1], glm::vec3(0.75f, 0.0f, 0.0f));
+  EXPECT_EQ(file.mesh.corners_m[2], glm::vec3(0.0f, -0.5f, 0.0f));
+  EXPECT_NEAR(file.mesh.color.at(0).y, linearOf(0.25f), 1e-3f);
+}
+
 TEST_F(MeshMaterials, NamesInAGltfMayBePercentEncoded) {
   writeQuarters(folder_.path() / "a tü.png");
   const float data[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
