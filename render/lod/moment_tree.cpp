@@ -14,10 +14,6 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kMinCluster = 3;
-
-/// That of a disc. No flat shape has a larger area over the root of its variance's determinant, so
-/// surfels above this density hide each other.
-constexpr double kMaxDensity = 4.0 * std::numbers::pi;
 constexpr int kSerialLevels = 6;  // below it one task a subtree; fixed, so results are, too
 
 /// A surfel while the tree is sorted.
@@ -97,8 +93,7 @@ LodNode nodeOf(const Sums& sums) {
   const double minors = std::max(0.0, v[0] * v[3] - v[1] * v[1]) +
                         std::max(0.0, v[0] * v[5] - v[2] * v[2]) +
                         std::max(0.0, v[3] * v[5] - v[4] * v[4]);
-  node.density = static_cast<float>(
-      std::min(seenArea_m2(sums) / std::sqrt(std::max(minors, 1e-300)), kMaxDensity));
+  node.density = static_cast<float>(seenArea_m2(sums) / std::sqrt(std::max(minors, 1e-300)));
   node.color = glm::vec3(sums.color);
   node.radius_m = static_cast<float>(sums.radius) * (1.0f + 1e-6f);
   packNormal(glm::vec3(sums.normal / std::max(glm::length(sums.normal), 1e-300)), node.normal);
@@ -177,8 +172,7 @@ Coarseness coarsenessOf(const LodNode& node) {
 }  // namespace
 
 double seenArea_m2(const NodeSums& sums) {
-  return sums.area - sums.closed_area +
-         std::max(0.5 * sums.closed_area, glm::length(sums.closed_facing));
+  return sums.area - 0.5 * (sums.closed_area - glm::length(sums.closed_facing));
 }
 
 void packNormal(const glm::vec3& normal, std::int16_t packed[2]) {

@@ -65,9 +65,9 @@ struct NodeSums {
   double radius = 0.0;  ///< about the mean
 };
 
-/// The area of the surfels, less that of the sides of closed bodies which hide behind others: half
-/// of it where both sides are in the node, none where one is. Of nodes with a few surfels more of
-/// one side, half is right on average: as many have a few more of the other.
+/// The area of the surfels, less that of the sides of closed bodies which hide behind others. Let A
+/// be a surfel's area and n its normal. A closed body shows (sum A + |sum A n|) / 2: all of it
+/// where the node has one side, half where it has both, never less than its larger side.
 double seenArea_m2(const NodeSums& sums);
 
 /// By node, the variance that merging added, with the variance along the mean normal counted

@@ -63,7 +63,7 @@ Assimp::IOStream* MeshFiles::Open(const char* name, const char* mode) {
   if (Exists(name)) requireRegularFile(file);
   Assimp::IOStream* stream =
       Exists(name) ? Assimp::DefaultIOSystem::Open(file.c_str(), mode) : nullptr;
-  if (stream != nullptr && mesh_.empty() && lowerExtension(name) == ".obj") {
+  if (stream != nullptr && (mesh_.empty() || mesh_ == name) && lowerExtension(name) == ".obj") {
     if (const std::string text = withLeadingZeros(file); !text.empty()) {
       Close(stream);
       auto* bytes = new std::uint8_t[text.size()];  // the stream's own
