@@ -90,7 +90,8 @@ std::string valueCases(const CLI::App& app, const char* quotes) {
   addValued("foci", app, valued);
   std::string cases;
   for (const auto& [values, pattern] : valued) {
-    cases += "    " + pattern + ") values=" + quotes[0] + values + quotes[1] + " ;;\n";
+    cases.append("    ").append(pattern).append(") values=").append(1, quotes[0]);
+    cases.append(values).append(1, quotes[1]).append(" ;;\n");
   }
   return cases;
 }

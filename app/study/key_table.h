@@ -66,6 +66,7 @@ inline InputError unknownKey(const std::string& where, const std::string& name,
 template <class T>
 std::vector<std::string> namesOf(const std::vector<Key<T>>& keys) {
   std::vector<std::string> names;
+  names.reserve(keys.size());
   for (const Key<T>& key : keys) names.emplace_back(key.name);
   return names;
 }
