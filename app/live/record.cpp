@@ -239,11 +239,7 @@ void LiveRecord::finish() {
   gaze_.flush();
   frames_.finish();
   for (std::ofstream* out : {&changes_, &timing_, &markers_}) out->close();
-  const double span_s = last_s_ - first_s_;
-  const double fps = frame_count_ > 1 && span_s > 0.0
-                         ? std::round(1e3 * static_cast<double>(frame_count_ - 1) / span_s) / 1e3
-                         : study_.output.fps;
-  writeStudy(fps);
+  writeStudy(meanRate_Hz(frame_count_, last_s_ - first_s_, study_.output.fps));
   // The rest is computed from the files, as a replay would.
   const Study study = readStudy(folder_ / "study.toml");
   std::vector<GazeEvent> events;

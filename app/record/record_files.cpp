@@ -112,6 +112,12 @@ std::vector<RecordedFrame> readFrames(const std::filesystem::path& file) {
   return frames;
 }
 
+double meanRate_Hz(std::size_t frames, double span_s, double otherwise) {
+  if (frames < 2 || !(span_s > 0.0)) return otherwise;
+  const double rate_Hz = std::round(1e3 * static_cast<double>(frames - 1) / span_s) / 1e3;
+  return std::clamp(rate_Hz, 1.0, 1000.0);
+}
+
 std::string changesHeader() { return "time_s\tkey\tvalue\n"; }
 
 std::string changeRow(const Change& change) {

@@ -45,6 +45,11 @@ struct RecordedFrame {
 /// @throws InputError
 std::vector<RecordedFrame> readFrames(const std::filesystem::path& file);
 
+/// Frames per second of a live run, to a thousandth and from 1 to 1000.
+/// @param span_s     from the first frame to the last
+/// @param otherwise  if they do not tell
+double meanRate_Hz(std::size_t frames, double span_s, double otherwise);
+
 /// changes.tsv: one line for each change.
 std::string changesHeader();
 std::string changeRow(const Change& change);

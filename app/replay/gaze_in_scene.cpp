@@ -120,24 +120,21 @@ std::vector<SightSample> samplesOf(const Study& study, const ReplayedGaze& gaze,
   return samples;
 }
 
-SightFixation fixationOf(const GazeEvent& event, const std::vector<SightSample>& samples,
+SightFixation fixationOf(const GazeEvent& event, std::span<SightSample> samples,
                          std::size_t objects) {
   SightFixation fixation{.onset_s = event.onset_s, .duration_s = event.duration_s};
-  const auto from = std::lower_bound(
-      samples.begin(), samples.end(), event.onset_s,
-      [](const SightSample& sample, double time_s) { return sample.time_s < time_s; });
   std::vector<double> on_object_s(objects, 0.0);
   double gaze_s = 0.0, met_s = 0.0;
   SightHit mean;
-  for (auto at = from; at != samples.end() && at->time_s < event.onset_s + event.duration_s; ++at) {
-    if (!at->valid) continue;
-    gaze_s += at->lasts_s;
-    if (!at->hit) continue;
-    met_s += at->lasts_s;
-    mean.point_m += at->lasts_s * at->hit->point_m;
-    mean.distance_m += at->lasts_s * at->hit->distance_m;
-    mean.normal += at->lasts_s * at->hit->normal;
-    on_object_s[at->hit->object] += at->lasts_s;
+  for (const SightSample& sample : samplesDuring(event, samples)) {
+    if (!sample.valid) continue;
+    gaze_s += sample.lasts_s;
+    if (!sample.hit) continue;
+    met_s += sample.lasts_s;
+    mean.point_m += sample.lasts_s * sample.hit->point_m;
+    mean.distance_m += sample.lasts_s * sample.hit->distance_m;
+    mean.normal += sample.lasts_s * sample.hit->normal;
+    on_object_s[sample.hit->object] += sample.lasts_s;
   }
   if (!(met_s > 0.0)) return fixation;
   mean.point_m /= met_s;
@@ -192,6 +189,15 @@ std::string nameText(const GazeInScene& gaze, const SightHit& hit) {
 bool NamedShape::holds(const glm::dvec3& point_m) const {
   if (radius_m) return glm::distance(point_m, center_m) <= *radius_m;
   return glm::all(glm::lessThanEqual(glm::abs(point_m - center_m), 0.5 * *size_m));
+}
+
+std::span<SightSample> samplesDuring(const GazeEvent& event, std::span<SightSample> samples) {
+  const auto byTime = [](const SightSample& sample, double time_s) {
+    return sample.time_s < time_s;
+  };
+  const auto first = std::lower_bound(samples.begin(), samples.end(), event.onset_s, byTime);
+  const auto end = std::lower_bound(first, samples.end(), event.onset_s + event.duration_s, byTime);
+  return {first, end};
 }
 
 GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,

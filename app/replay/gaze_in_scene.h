@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,10 @@ struct GazeInScene {
   std::vector<ObjectLooks> objects;      ///< by number; [0] is what is on no object
   std::vector<double> attention_s = {};  ///< by surfel: time of gaze; empty unless asked for
 };
+
+/// The samples of an event.
+/// @param samples  in order of time
+std::span<SightSample> samplesDuring(const GazeEvent& event, std::span<SightSample> samples);
 
 /// Looks along each sample of the replayed time, within the study's cone about the line of sight,
 /// as the eye does to focus. Shapes of the study come before the scene's own objects. Keys of the

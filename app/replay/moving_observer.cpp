@@ -4,20 +4,11 @@
 #include <cmath>
 #include <cstddef>
 
+#include "base/quantile.h"
 #include "gaze/events/pursuit.h"
 
 namespace foci {
 namespace {
-
-/// The samples of an event.
-std::span<SightSample> samplesOf(const GazeEvent& event, std::span<SightSample> samples) {
-  const auto byTime = [](const SightSample& sample, double time_s) {
-    return sample.time_s < time_s;
-  };
-  const auto first = std::lower_bound(samples.begin(), samples.end(), event.onset_s, byTime);
-  const auto end = std::lower_bound(first, samples.end(), event.onset_s + event.duration_s, byTime);
-  return {first, end};
-}
 
 /// By axis.
 std::optional<glm::dvec3> medianPoint_m(std::span<const SightSample> samples) {
@@ -29,9 +20,7 @@ std::optional<glm::dvec3> medianPoint_m(std::span<const SightSample> samples) {
       if (sample.hit) axis.push_back(sample.hit->point_m[k]);
     }
     if (axis.empty()) return std::nullopt;
-    const auto middle = axis.begin() + static_cast<std::ptrdiff_t>(axis.size() / 2);
-    std::nth_element(axis.begin(), middle, axis.end());
-    median[k] = *middle;
+    median[k] = quantile(axis, 0.5);
   }
   return median;
 }
@@ -74,7 +63,7 @@ void fixateRestingPoints(std::vector<GazeEvent>& events, std::span<SightSample> 
                          const EventRules& rules) {
   for (GazeEvent& event : events) {
     if (event.kind != GazeState::pursuit) continue;
-    const std::span<SightSample> during = samplesOf(event, samples);
+    const std::span<SightSample> during = samplesDuring(event, samples);
     if (!restsOnAPoint(during, rules)) continue;
     event.kind = GazeState::fixation;
     for (SightSample& sample : during) {

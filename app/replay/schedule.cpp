@@ -11,20 +11,12 @@ namespace {
 
 constexpr double kMaxFrames = 1e7;  // more is a slip of the keyboard: 11 hours at 240 Hz
 
-/// Frames per second of a live run, as `LiveRecord` writes it into the study when it is closed. The
-/// study of a killed run has the rate that was asked for instead.
-/// @return `fps` if the frames do not tell
-double meanRate(const std::vector<RecordedFrame>& frames, double fps) {
-  const double span_s = frames.back().time_s - frames.front().time_s;
-  if (!(span_s > 0.0)) return fps;
-  const double mean = std::round(1e3 * static_cast<double>(frames.size() - 1) / span_s) / 1e3;
-  return std::clamp(mean, 1.0, 1000.0);
-}
-
 /// The frames of a live run within `output.seconds`.
 Schedule recordedSchedule(const Study& study, double start_s) {
   Schedule schedule{.recorded = readFrames(*study.record.frames)};
-  schedule.fps = meanRate(schedule.recorded, study.output.fps);
+  const auto& frames = schedule.recorded;
+  schedule.fps = meanRate_Hz(frames.size(), frames.back().time_s - frames.front().time_s,
+                             study.output.fps);  // a killed run's study has no mean rate
   const glm::dvec2 seconds = study.output.seconds.value_or(glm::dvec2(-1e12, 1e12));
   const auto within = [&](const RecordedFrame& frame) {
     return frame.time_s >= start_s + seconds.x && frame.time_s <= start_s + seconds.y;
