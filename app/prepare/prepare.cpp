@@ -25,8 +25,9 @@ namespace {
 
 // Chosen by eye.
 constexpr std::size_t kMaxProbes = 20'000, kProbesASurfel = 10;
-constexpr int kMinNodes = 1000;            // of a level that the report lists
-constexpr float kPixels[] = {1.0f, 0.5f};  // widths of a pixel, in spacings of the surfels
+constexpr int kMinNodes = 1000;  // of a level that the report lists
+/// Widths of a pixel, in spacings of the surfels. 0: a view that magnifies them.
+constexpr float kPixels[] = {1.0f, 0.5f, 0.0f};
 
 std::vector<std::size_t> histogramOf(const std::vector<KernelSum>& sums, bool smooth_only) {
   std::vector<std::size_t> histogram(kHistogramBins, 0);

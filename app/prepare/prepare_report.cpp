@@ -135,7 +135,10 @@ std::string prepareReport(const PrepareRequest& request, const PrepareSummary& s
       "within the reach of a kernel.</p>\n";
   for (std::size_t i = 0; i < summary.normalisation.size(); ++i) {
     const Normalisation &before = summary.before[i], &after = summary.normalisation[i];
-    page += format("<h2>A pixel of %g times the surfels' spacing</h2>\n", after.pixel_spacings);
+    page +=
+        after.pixel_spacings > 0.0f
+            ? format("<h2>A pixel of %g times the surfels' spacing</h2>\n", after.pixel_spacings)
+            : "<h2>Magnified: pixels much smaller than the surfels' spacing</h2>\n";
     page += "<p class=\"quiet\">before foci solved weights and sizes</p>\n" + histogramSvg(before) +
             "<p class=\"quiet\">after</p>\n" + histogramSvg(after) + kTableHead +
             tableRows(", before", before) + tableRows(", after", after) + "</table>\n";

@@ -46,16 +46,17 @@ class Solver {
     aimAtMeansOf([&](std::size_t i) { return sumsAt(i).covered; });
   }
   void aimAtMeansAsRendered() {
-    aimAtMeansOf([&](std::size_t i) { return renderedAt(i); });
+    aimAtMeansOf([&](std::size_t i) { return renderedAt(i, 0.0f); });
   }
 
   void iterateWeights() {
     iterate([&](std::size_t i) { return sumsAt(i).covered; });
   }
 
-  void iterateWeightsAsRendered() {
+  /// @param pixel2  squared side of the prefilter's pixel over spacing^2
+  void iterateWeightsAsRendered(float pixel2) {
     // A pixel at a border is covered in part, as it should be.
-    iterate([&](std::size_t i) { return atBorder(i) ? target_[i] : renderedAt(i); });
+    iterate([&](std::size_t i) { return atBorder(i) ? target_[i] : renderedAt(i, pixel2); });
   }
 
   /// @param given_m  sigma before the first step
@@ -161,9 +162,9 @@ class Solver {
   }
 
   /// `sumsAt` for rendered kernels, prefiltered by a pixel.
-  float renderedAt(std::size_t i) const {
+  float renderedAt(std::size_t i, float pixel2) const {
     const KernelOverlap& overlap = KernelOverlap::table();
-    const float prefilter = kPixel2 * problem_.spacing_m[i] * problem_.spacing_m[i];
+    const float prefilter = pixel2 * problem_.spacing_m[i] * problem_.spacing_m[i];
     const float own = sigma_m_[i] * sigma_m_[i] + prefilter;
     float sum = weight_[i] / (2.0f * own) * overlap.of(0.0f, 1.0f);
     float variance_sum = 2.0f * own, seen = 1.0f;
@@ -229,7 +230,7 @@ std::vector<float> solveKernels(const KernelProblem& problem, const KernelEffort
     as_rendered ? solver.aimAtMeansAsRendered() : solver.aimAtMeans();
     for (int i = 0; i < effort.weight_iterations && !as_rendered; ++i) solver.iterateWeights();
     for (int i = 0; i < effort.rendered_iterations; ++i) {
-      solver.iterateWeightsAsRendered();
+      solver.iterateWeightsAsRendered(0.0f);
       tick(1);
     }
     tick(total - done);
@@ -246,7 +247,7 @@ std::vector<float> solveKernels(const KernelProblem& problem, const KernelEffort
     tick(1);
   }
   for (int i = 0; i < effort.rendered_iterations; ++i) {
-    solver.iterateWeightsAsRendered();
+    solver.iterateWeightsAsRendered(2 * i < effort.rendered_iterations ? 0.0f : kPixel2);
     tick(1);
   }
   return solver.take();

@@ -41,9 +41,13 @@ struct KernelEffort {
 /// Small steps of log v_i go against this gradient, within a factor of 1.6 of the given sigma. At
 /// the border of a surface sizes stay; they would grow into the empty space beyond.
 ///
-/// The `rendered_iterations` use the rendered kernels instead of Gaussians: of compact support,
-/// prefiltered by a pixel of 0.63 of the spacing (kernel_overlap.h). The kernel mass outside the
-/// k-th neighbour's distance is added, since neighbours beyond it are not known.
+/// The `rendered_iterations` use the rendered kernels instead of Gaussians: of compact support
+/// (kernel_overlap.h). The kernel mass outside the k-th neighbour's distance is added, since
+/// neighbours beyond it are not known. A sum that is even without a pixel's prefilter, as in a
+/// magnified view, is even with it, but not the other way round. So the weights of a mesh are
+/// solved without one. Those of points are solved first without one, then with a pixel of 0.63 of
+/// the spacing: where points are missing, no weights make the sum even without it.
+///
 /// Sums. Where areas are known, the kernels sum to the mean of the initial sums around each surfel
 /// instead of to one: neighbours on other sheets, borders and folds then take no area away. At a
 /// strongly curved place the neighbours are no single sheet in any direction, and a sum of one

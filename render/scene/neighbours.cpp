@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <nanoflann.hpp>
+#include <numeric>
 
 #include "base/parallel.h"
 
@@ -106,6 +107,44 @@ Neighbours findNeighbours(std::span<const glm::vec3> position_m, std::size_t wan
     Nearest nearest(found.k, i);
     tree.findNeighbors(nearest, &position_m[i].x, nanoflann::SearchParams());
     nearest.copyTo(&found.index[i * found.k], found.reach_m[i]);
+  });
+  return found;
+}
+
+Neighbours findNeighbours(std::span<const glm::vec3> position_m,
+                          std::span<const std::uint32_t> group, std::size_t wanted) {
+  std::vector<std::uint32_t> order(group.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return group[i]; });
+  std::vector<std::span<const std::uint32_t>> members;
+  const std::span<const std::uint32_t> all(order);
+  for (std::size_t from = 0, to = 1; to <= order.size(); ++to) {
+    const bool last = to == order.size();
+    if (!last && (group[order[to]] == group[order[to - 1]] || to - from <= wanted)) continue;
+    if (to - from <= wanted && !members.empty()) {
+      from -= members.back().size();
+      members.pop_back();
+    }
+    members.push_back(all.subspan(from, to - from));
+    from = to;
+  }
+  if (members.size() < 2) return findNeighbours(position_m, wanted);
+
+  Neighbours found;
+  found.k = wanted;
+  found.index.resize(position_m.size() * wanted);
+  found.reach_m.resize(position_m.size());
+  parallelFor(members.size(), [&](std::size_t m) {
+    std::vector<glm::vec3> some_m;
+    some_m.reserve(members[m].size());
+    for (const std::uint32_t i : members[m]) some_m.push_back(position_m[i]);
+    const Neighbours among = findNeighbours(some_m, wanted);
+    for (std::size_t n = 0; n < some_m.size(); ++n) {
+      const std::size_t i = members[m][n];
+      std::ranges::transform(among.of(n), &found.index[i * wanted],
+                             [&](std::uint32_t j) { return members[m][j]; });
+      found.reach_m[i] = among.reach_m[n];
+    }
   });
   return found;
 }

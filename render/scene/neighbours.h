@@ -25,6 +25,11 @@ struct Neighbours {
 /// finite.
 Neighbours findNeighbours(std::span<const glm::vec3> position_m, std::size_t wanted);
 
+/// The same, but a point's neighbours are of its own group.
+/// @param group  by point, or empty: one group; a group of up to `wanted` points joins the next one
+Neighbours findNeighbours(std::span<const glm::vec3> position_m,
+                          std::span<const std::uint32_t> group, std::size_t wanted);
+
 /// Finds the points within each center's radius, at most `max_points` of them. Their order does not
 /// depend on the number of threads. All points finite.
 std::vector<std::vector<std::uint32_t>> findWithin(std::span<const glm::vec3> position_m,

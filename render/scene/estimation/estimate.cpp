@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/gtc/constants.hpp>
+#include <map>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -88,12 +89,30 @@ void estimateNormals(const std::vector<glm::vec3>& position_m, const Neighbours&
   });
 }
 
-/// By point, one bit for each neighbour: whether both lie on the same sheet of surface. The two
-/// sides of a thin closed body are two sheets: an eye outside of it sees one of them.
+/// By point of a mesh, a number for its closed body and how densely that is sampled, the densest
+/// first: an object on the ground holds none of the ground's neighbours. Empty for other points.
+std::vector<std::uint32_t> surfacesOf(const PointCloud& points) {
+  using Surface = std::pair<float, std::uint16_t>;
+  const auto surfaceOf = [&](std::size_t i) {
+    return Surface(points.area_m2[i], points.body.empty() ? 0 : points.body[i]);
+  };
+  if (points.area_m2.empty()) return {};
+  std::map<Surface, std::uint32_t> number;
+  for (std::size_t i = 0; i < points.size(); ++i) number[surfaceOf(i)];
+  std::uint32_t next = 0;
+  for (auto& [surface, value] : number) value = next++;
+  std::vector<std::uint32_t> of(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) of[i] = number[surfaceOf(i)];
+  return of;
+}
+
+/// By point, one bit for each neighbour: whether both lie on the same sheet of surface. A closed
+/// body has sheets of its own: the ground goes on under it. The two sides of a thin one are two
+/// sheets: an eye outside of it sees one of them.
 std::vector<std::uint64_t> sameSheet(const PointCloud& points, const Neighbours& near) {
   static_assert(kMaxNeighbours <= 64);  // bits
   const std::vector<glm::vec3>&position_m = points.position_m, &normal = points.normal;
-  const auto onBody = [&](std::size_t i) { return !points.body.empty() && points.body[i] != 0; };
+  const auto bodyOf = [&](std::size_t i) { return points.body.empty() ? 0 : points.body[i]; };
   std::vector<std::uint64_t> sheet(position_m.size(), 0);
   if (near.k == 0) return sheet;
   parallelFor(position_m.size(), [&](std::size_t i) {
@@ -101,8 +120,11 @@ std::vector<std::uint64_t> sameSheet(const PointCloud& points, const Neighbours&
     for (const std::uint32_t j : near.of(i)) {
       const float off_plane = std::abs(glm::dot(position_m[j] - position_m[i], normal[i]));
       float cosine = glm::dot(normal[i], normal[j]);
-      if (!onBody(i) || !onBody(j)) cosine = std::abs(cosine);
-      if (off_plane <= kSameSheetReach * near.reach_m[i] && cosine >= kSameSheetCosine) bits |= bit;
+      if (bodyOf(i) == 0) cosine = std::abs(cosine);
+      if (bodyOf(i) == bodyOf(j) && off_plane <= kSameSheetReach * near.reach_m[i] &&
+          cosine >= kSameSheetCosine) {
+        bits |= bit;
+      }
       bit <<= 1;
     }
     sheet[i] = bits;
@@ -258,7 +280,8 @@ SurfelCloud surfelsOfStacks(PointCloud&& points, const EstimateSettings& setting
 }
 
 SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stacks stacks) {
-  Neighbours near = findNeighbours(points.position_m, kNeighbours);
+  const std::vector<std::uint32_t> surface = surfacesOf(points);
+  Neighbours near = findNeighbours(points.position_m, surface, kNeighbours);
   if (stacks == Stacks::possible && anyStack(points.position_m, near)) {
     near = {};
     return surfelsOfStacks(std::move(points), settings);
@@ -284,7 +307,7 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
   }
   if (settings.solve == KernelSolve::thorough) {
     near = {};
-    near = findNeighbours(points.position_m, kSolveNeighbours);
+    near = findNeighbours(points.position_m, surface, kSolveNeighbours);
     sheet = sameSheet(points, near);
   }
   std::vector<float> weight =

@@ -8,8 +8,10 @@
 #include <cstdint>
 #include <glm/gtc/constants.hpp>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace foci {
@@ -131,6 +133,44 @@ TEST(SurfelsFromPoints, HaveKernelsThatSumToOne) {
     }
     EXPECT_NEAR(sum / probes, 0.0, c.mean) << "jitter " << c.jitter;
     EXPECT_LT(std::sqrt(squares / probes), c.deviation) << "jitter " << c.jitter;
+  }
+}
+
+/// The surface of an open mesh goes on under a body that stands on it: neither the body's
+/// downward face nor its denser sampling takes area from the ground around it.
+TEST(SurfelsFromPoints, OfTheGroundHaveTheSameAreaUnderABody) {
+  for (const KernelSolve solve : {KernelSolve::quick, KernelSolve::thorough}) {
+    for (const float spacing_m : {1.0f, 0.25f}) {
+      PointCloud ground = coloured(plane(40, 0.8f));
+      const std::size_t of_ground = ground.size();
+      ground.normal.assign(of_ground, glm::vec3(0.0f, 1.0f, 0.0f));
+      ground.area_m2.assign(of_ground, 1.0f);
+      ground.body.assign(of_ground, 0);
+      PointCloud both = ground;
+      for (const glm::vec3& p : plane(static_cast<int>(10.0f / spacing_m), 0.8f)) {
+        both.position_m.push_back(glm::vec3(15.0f, 0.0f, 15.0f) + spacing_m * p);
+        both.normal.emplace_back(0.0f, -1.0f, 0.0f);
+        both.color.emplace_back(0.5f);
+        both.area_m2.push_back(spacing_m * spacing_m);
+        both.body.push_back(1);
+      }
+      const SurfelCloud alone = surfelsFromPoints(std::move(ground), {.solve = solve});
+      const SurfelCloud beside = surfelsFromPoints(std::move(both), {.solve = solve});
+      std::map<std::pair<float, float>, float> area_m2;
+      for (std::size_t i = 0; i < alone.size(); ++i) {
+        area_m2[{alone.position_m[i].x, alone.position_m[i].z}] = alone.area_m2[i];
+      }
+      double worst = 0.0;
+      std::size_t found = 0;
+      for (std::size_t i = 0; i < beside.size(); ++i) {
+        const auto same = area_m2.find({beside.position_m[i].x, beside.position_m[i].z});
+        if (same == area_m2.end()) continue;
+        ++found;
+        worst = std::max(worst, std::abs(std::log(double{beside.area_m2[i] / same->second})));
+      }
+      EXPECT_EQ(found, of_ground);
+      EXPECT_LT(worst, 1e-3) << spacing_m;
+    }
   }
 }
 
