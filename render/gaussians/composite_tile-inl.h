@@ -271,32 +271,32 @@ class TileCompositor {
     const V blue = number(TileGaussians::blue);
     const V opaque = hn::Set(d, kOpaqueTransmittance);
     std::size_t inside = 0;
-    for (std::size_t strip = first; strip <= last; ++strip) {
+    // One loop over all strips of squares, whose end alone is hard to foretell.
+    std::size_t strip = first, square = left;
+    for (std::size_t n = (last - first + 1) * (right - left + 1); n > 0; --n) {
       const std::size_t in_square = strip % strips * hn::Lanes(d);
       const V dy = hn::Sub(hn::Load(d, kSquares.y[strip / strips] + in_square), y);
+      const V dx = hn::Sub(hn::Load(d, kSquares.x[square] + in_square), x);
       const V slope = hn::Mul(qb, dy), rest = hn::Mul(hn::Mul(qc, dy), dy);
-      const std::size_t start = strip / strips * squares_ * kSquarePlaces + in_square;
-      for (std::size_t square = left; square <= right; ++square) {
-        const V dx = hn::Sub(hn::Load(d, kSquares.x[square] + in_square), x);
-        const V q = hn::MulAdd(hn::MulAdd(qa, dx, slope), dx, rest);
-        const std::size_t at = start + square * kSquarePlaces;
-        const V through = hn::Load(d, transmittance_ + at);
-        const M in = hn::And(hn::Lt(q, cut), hn::Gt(through, opaque));
-        if (hn::AllFalse(d, in)) continue;
-        inside += hn::CountTrue(d, in);
-        // The limits keep lanes outside from denormal numbers, which cost 100 times as much.
-        const V within = hn::Min(hn::Max(q, hn::Zero(d)), cut);
-        const V alpha = hn::IfThenElseZero(in, hn::Min(hn::Mul(peak, powerOfHalf(within)), most));
-        const V seen = hn::Mul(through, alpha);
-        hn::Store(hn::Sub(through, seen), d, transmittance_ + at);
-        hn::Store(hn::MulAdd(seen, red, hn::Load(d, red_ + at)), d, red_ + at);
-        hn::Store(hn::MulAdd(seen, green, hn::Load(d, green_ + at)), d, green_ + at);
-        hn::Store(hn::MulAdd(seen, blue, hn::Load(d, blue_ + at)), d, blue_ + at);
-        if constexpr (kDepth) {
-          const V vergence = vergences_.ofSamples(k, dx, dy);
-          hn::Store(hn::Add(hn::Div(seen, vergence), hn::Load(d, distance_ + at)), d,
-                    distance_ + at);
-        }
+      const V q = hn::MulAdd(hn::MulAdd(qa, dx, slope), dx, rest);
+      const std::size_t at = (strip / strips * squares_ + square) * kSquarePlaces + in_square;
+      const bool row_ends = square == right;
+      square = row_ends ? left : square + 1;
+      strip += row_ends;
+      const V through = hn::Load(d, transmittance_ + at);
+      const M in = hn::And(hn::Lt(q, cut), hn::Gt(through, opaque));
+      inside += hn::CountTrue(d, in);
+      // The limits keep lanes outside from denormal numbers, which cost 100 times as much.
+      const V within = hn::Min(hn::Max(q, hn::Zero(d)), cut);
+      const V alpha = hn::IfThenElseZero(in, hn::Min(hn::Mul(peak, powerOfHalf(within)), most));
+      const V seen = hn::Mul(through, alpha);
+      hn::Store(hn::Sub(through, seen), d, transmittance_ + at);
+      hn::Store(hn::MulAdd(seen, red, hn::Load(d, red_ + at)), d, red_ + at);
+      hn::Store(hn::MulAdd(seen, green, hn::Load(d, green_ + at)), d, green_ + at);
+      hn::Store(hn::MulAdd(seen, blue, hn::Load(d, blue_ + at)), d, blue_ + at);
+      if constexpr (kDepth) {
+        const V vergence = vergences_.ofSamples(k, dx, dy);
+        hn::Store(hn::Add(hn::Div(seen, vergence), hn::Load(d, distance_ + at)), d, distance_ + at);
       }
     }
     return inside;

@@ -10,6 +10,44 @@
 #include "render/splat/interpolate.h"
 
 namespace foci {
+namespace {
+
+/// Linear light as the compositor computes it, so that tiles with and without Gaussians agree.
+glm::vec3 lightOfDisplay(const glm::vec3& shown) {
+  TileGaussians none;
+  none.begin(nullptr, {});
+  const CompositeJob job{.gaussians = &none,
+                         .defocus = nullptr,
+                         .first_px = {},
+                         .samples = 1,
+                         .lens = {},
+                         .background = shown,
+                         .behind = nullptr};
+  const auto sums = std::make_unique<TileSums>();
+  compositeTile(job, *sums, {}, {});
+  return {sums->red[0], sums->green[0], sums->blue[0]};
+}
+
+/// A tile without Gaussians.
+void fillTile(const Tile& tile, const glm::vec3& light, Frame& frame) {
+  const glm::ivec2 end_px =
+      glm::min(glm::ivec2(tile.x_px, tile.y_px) + tile.side_px, frame.size_px);
+  for (int y = tile.y_px; y < end_px.y; ++y) {
+    const auto row = static_cast<std::ptrdiff_t>(y) * frame.size_px.x + tile.x_px;
+    std::fill_n(frame.rgba.begin() + row, end_px.x - tile.x_px, glm::vec4(light, 0.0f));
+    if (!frame.depth_m.empty()) {
+      std::fill_n(frame.depth_m.begin() + row, end_px.x - tile.x_px, 0.0f);
+    }
+  }
+}
+
+SampledErrors noErrors(const Tile& tile) {
+  const auto along =
+      static_cast<std::size_t>(followedAlong(tile.samplesWithApron(), tile.apron()).count);
+  return {.layers_jnd = {}, .count = along * along};
+}
+
+}  // namespace
 
 void GaussianView::project(const View& view, const Defocus& defocus,
                            const std::vector<LensDisc>& discs, const GaussianCutSettings* lod) {
@@ -47,11 +85,18 @@ std::uint64_t GaussianView::render(const ChooseLens& lens_of, const glm::vec3& b
   if (errors) errors->resize(tiles().size());
   const glm::vec3 shown(srgbFromLinear(background.r), srgbFromLinear(background.g),
                         srgbFromLinear(background.b));
+  const glm::vec3 light = lightOfDisplay(shown);
   std::vector<std::uint64_t> fragments(tiles().size());
   parallelFor(tiles().size(), [&](std::size_t t) {
     const TileLens lens = lens_of(t);
     if (!lens.discs) return;
     const Tile& tile = tiles()[t];
+    const std::span<const std::uint32_t> list = lists_.splats(t);
+    if (list.empty() && lens.weight == 1.0f) {
+      fillTile(tile, light, frame);
+      if (errors) (*errors)[t] = noErrors(tile);
+      return;
+    }
     const int samples = tile.samplesWithApron();
     thread_local const auto sums = std::make_unique<TileSums>();
     for (float* plane : {sums->red, sums->green, sums->blue, sums->coverage, sums->distance_m}) {
@@ -68,7 +113,6 @@ std::uint64_t GaussianView::render(const ChooseLens& lens_of, const glm::vec3& b
                            .background = shown,
                            .behind = nullptr,
                            .depth = !frame.depth_m.empty()};
-    const std::span<const std::uint32_t> list = lists_.splats(t);
     thread_local LayerStack stack;
     fragments[t] = stack.render(projected_.gaussians.data(), list,
                                 layers_.empty() ? oneLayer(tile, list.size()) : layers_[t],

@@ -18,8 +18,13 @@ constexpr float kMostOverTolerance = 3.0f;
 /// More than three views do not miss cubes.
 constexpr float kBeyondThree = 0.75f;
 
-/// The first round aims at this share of the tolerance, so that few need another one.
+/// The first round aims at this share of the tolerance, so that few need another one. It begins
+/// with three discs where their blur errs by at most this (`errorByBlur`).
 constexpr float kFirstGoal = 0.93f;
+
+/// Seven discs or more begin where the blur errs by less than this many times the tolerance: most
+/// blurred tiles show little detail, and the others are told by their error.
+constexpr float kFirstOfMany = 2.0f;
 
 /// A tile's next image has the weight 1 where its error was at least this share beyond the limit.
 constexpr float kTransition = 0.25f;
@@ -49,10 +54,11 @@ constexpr std::size_t kLast = kDiscs.size() - 1;
 /// Three, or more where the blur is large: no view may reach the rim of a disc of blur, and then
 /// none shows an error.
 std::size_t firstDiscs(const TileBlur& blur, float tolerance) {
-  std::size_t first = 1;
-  while (first < kLast && errorByBlur(kDiscs[first], {blur.radius_px, false}) > 2.0f * tolerance) {
-    ++first;
-  }
+  const auto error = [&](std::size_t index) {
+    return errorByBlur(kDiscs[index], {blur.radius_px, false});
+  };
+  std::size_t first = error(1) <= kFirstGoal * tolerance ? 1 : 2;
+  while (first < kLast && error(first) > kFirstOfMany * tolerance) ++first;
   return first;
 }
 
@@ -122,9 +128,21 @@ float DiscsOfTiles::errorAfter(const TileState& tile, const Changes& changes,
   return std::sqrt(squares);
 }
 
+float DiscsOfTiles::discsThatErr(const TileState& tile) {
+  float squares = 0.0f, discs = 0.0f;
+  for (std::size_t k = 0; k < tile.layers.size(); ++k) {
+    const float square = tile.layers[k].typical * tile.layers[k].typical;
+    squares += square;
+    discs += square * static_cast<float>(kDiscs[tile.indices[k]]);
+  }
+  return squares > 0.0f ? discs / squares : 1.0f;
+}
+
 DiscsOfTiles::Next DiscsOfTiles::nextWithin(const TileState& tile, float limit) const {
   Next next{.indices = tile.indices};
-  float now = tile.typical / std::min(limit, kMostOverTolerance * tolerance_);
+  const float limit_jnd =
+      std::min(limit * std::sqrt(discsThatErr(tile)), kMostOverTolerance * tolerance_);
+  float now = tile.typical / limit_jnd;
   if (tile.indices[0] == 0) now = std::max(now, tile.layers[0].typical / tolerance_);
   if (now <= 1.0f) return next;
   next.weight = std::min((now - 1.0f) / kTransition, 1.0f);

@@ -85,10 +85,14 @@ class DiscsOfTiles {
     Indices indices;
     float weight = 0.0f;  ///< 0: the tile stays as it is
   };
+  /// The mean of the layers' discs, weighted by the squares of their errors.
+  static float discsThatErr(const TileState& tile);
   /// Nothing while the tile's typical error is within the limit, and not far beyond the tolerance;
-  /// else more discs.
+  /// else more discs. More discs take time in proportion to their number n, and remove a share of
+  /// the squared error e^2. So the tiles of the largest e^2 / n come first.
+  /// @param limit  of e / sqrt(n), in just-noticeable differences
   Next nextWithin(const TileState& tile, float limit) const;
-  /// The area with an error beyond `error`, if each typical error becomes at most the limit.
+  /// The area with an error beyond `error`, after the steps of `nextWithin`.
   float areaBeyond_px2(float error, float limit) const;
 
   std::vector<TileState> tiles_;

@@ -101,6 +101,21 @@ TEST_P(GaussianCaptures, AutoKeepsItsPrediction) {
 
 // The eye moves sideways by 0.5 mm a frame. 99.9 % of the pixels change by less than this beyond
 // the change of the mean of pinholes, in linear light: the goal for `auto`.
+// The promise for the frame leaves most of a small object to the choice of its tiles.
+TEST_P(GaussianCaptures, AutoRendersASmallObjectWithLessWorkThanNineteenSubApertures) {
+  Captured capture(GetParam(), 360);
+  capture.view.principal_px.x += 140.0f;
+  capture.view.size_px.x = 640;
+  const RenderSettings settings = capture.settings(20.0f);
+  Frame frame;
+  const RenderStats tested =
+      makeMethod("auto", capture.scene)->render(capture.view, settings, frame);
+  const RenderStats whole =
+      makeMethod("sweep-lod:19", capture.scene)->render(capture.view, settings, frame);
+  EXPECT_LT(tested.fragments, whole.fragments);
+  EXPECT_LE(*tested.tolerance_error, settings.quality.tolerance);
+}
+
 TEST_P(GaussianCaptures, PopsLittleWhileTheEyeMoves) {
   constexpr double kGoal = 0.01;
   constexpr float kStep_m = 5e-4f;

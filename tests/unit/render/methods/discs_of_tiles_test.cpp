@@ -96,7 +96,11 @@ TEST(DiscsOfTiles, RemembersTheErrorOfOneDisc) {
   EXPECT_NEAR(tiles.discs.error(), 2.0f * std::pow(3.0f, -0.8f), 0.02f);
 }
 
-TEST(DiscsOfTiles, BeginsWithThreeWhereTheBlurIsModerate) { EXPECT_EQ(Tiles(5.0f).countOf(0), 3); }
+TEST(DiscsOfTiles, BeginsWithThreeWhereTheBlurIsModerate) {
+  EXPECT_EQ(Tiles(2.9f).countOf(0), 1);
+  EXPECT_EQ(Tiles(4.0f).countOf(0), 3);
+  EXPECT_EQ(Tiles(5.0f).countOf(0), 7);
+}
 
 TEST(DiscsOfTiles, TakesFewWhereNothingShowsTheBlur) {
   Tiles tiles(kBlur_px);
@@ -161,6 +165,29 @@ TEST(DiscsOfTiles, GivesMoreDiscsToBlurredLayersWhereOneErrs) {
   EXPECT_GT(tiles.countOf(0, 1), 7);
   EXPECT_GT(tiles.countOf(0, 2), 7);
   EXPECT_LE(tiles.discs.error(), 0.9f);
+}
+
+// More discs take less time there.
+TEST(DiscsOfTiles, GivesMoreFirstToTilesOfFewDiscs) {
+  constexpr std::size_t kOfFew = 8, kOfMany = 4;  // tiles; five may stay beyond the tolerance
+  std::vector<Tile> tiles;
+  std::vector<TileLayers> layers;
+  for (int i = 0; i < Tiles::kTiles; ++i) {
+    tiles.push_back({.x_px = i % 10 * kTile, .y_px = i / 10 * kTile});
+    layers.push_back(oneLayer(
+        layers.size() < kOfFew + kOfMany && layers.size() >= kOfFew ? 2.0f * kBlur_px : kBlur_px));
+  }
+  DiscsOfTiles discs;
+  discs.choose(tiles, glm::ivec2(10 * kTile), layers, std::vector<float>(tiles.size(), 0.0f), 1.0f);
+  ASSERT_EQ(kDiscs[discs.indexOf(0, 0)], kFirst);
+  ASSERT_EQ(kDiscs[discs.indexOf(kOfFew, 0)], 19);
+  std::vector<SampledErrors> errors(tiles.size());
+  for (SampledErrors& each : errors) each.count = SampledErrors::kMost;
+  for (std::size_t t = 0; t < kOfFew; ++t) errors[t].layers_jnd[0].fill(1.5f);
+  for (std::size_t t = kOfFew; t < kOfFew + kOfMany; ++t) errors[t].layers_jnd[0].fill(1.8f);
+  ASSERT_TRUE(discs.refine(errors));
+  EXPECT_TRUE(discs.isNext(0));
+  EXPECT_FALSE(discs.isNext(kOfFew));
 }
 
 // An error a little beyond the limit changes a tile a little.
