@@ -128,24 +128,57 @@ class Solver {
     }
   }
 
-  /// The weight of a neighbour as the normal at `i` sees it: foreshortened.
-  float weightSeen(std::size_t i, std::uint32_t j) const {
-    return weight_[j] * std::abs(glm::dot(problem_.normal[i], problem_.normal[j]));
+  /// A surfel as the eye sees it along the direction `along`: the variance of its kernel on the
+  /// plane across that direction is sigma^2 (I - tilt tilt').
+  struct Seen {
+    float variance;  ///< sigma^2 and the prefilter's
+    glm::vec3 tilt;
+    float weight;
+  };
+  Seen seenAlong(const glm::vec3& along, std::size_t j, float prefilter) const {
+    const float cosine = glm::dot(problem_.normal[j], along);
+    return {sigma_m_[j] * sigma_m_[j] + prefilter, problem_.normal[j] - cosine * along,
+            weight_[j] * std::abs(cosine)};
+  }
+
+  /// The overlap of two kernels: x' V^-1 x of their distance x, and |V|^-1/2, for the sum V of
+  /// their variances.
+  struct Overlap {
+    float q, per_area;
+  };
+  static Overlap overlapOf(const Seen& a, const Seen& b, const glm::vec3& x) {
+    const float sum = a.variance + b.variance;
+    const float less =
+        a.variance * glm::dot(a.tilt, a.tilt) + b.variance * glm::dot(b.tilt, b.tilt);
+    if (less < 1e-5f * sum) return {glm::dot(x, x) / sum, 1.0f / sum};
+    const glm::vec3 across = glm::cross(a.tilt, b.tilt);
+    const float det = sum * (sum - less) + a.variance * b.variance * glm::dot(across, across);
+    const float along_a = glm::dot(a.tilt, x), along_b = glm::dot(b.tilt, x);
+    const float q = (sum - less) * glm::dot(x, x) + a.variance * along_a * along_a +
+                    b.variance * along_b * along_b;
+    return {std::max(q, 0.0f) / det, 1.0f / std::sqrt(det)};
+  }
+
+  /// Calls body(neighbour as seen, overlap) for each neighbour on the sheet, and for `i` itself.
+  template <typename Body>
+  void forOverlaps(std::size_t i, float prefilter, const Body& body) const {
+    const glm::vec3& along = problem_.seen_along[i];
+    const Seen own = seenAlong(along, i, prefilter);
+    body(own, own, overlapOf(own, own, glm::vec3(0.0f)));
+    forSheet(i, [&](std::uint32_t j) {
+      const glm::vec3 d = problem_.position_m[j] - problem_.position_m[i];
+      const Seen other = seenAlong(along, j, prefilter);
+      body(own, other, overlapOf(own, other, d - glm::dot(d, along) * along));
+    });
   }
 
   LocalSums sumsAt(std::size_t i) const {
-    const float own = sigma_m_[i] * sigma_m_[i];
-    float sum = weight_[i] / (2.0f * own);
-    float slope = -sum / (2.0f * own);
-    float variance_sum = 2.0f * own, seen = 1.0f;
-    forSheet(i, [&](std::uint32_t j) {
-      const glm::vec3 d = problem_.position_m[j] - problem_.position_m[i];
-      const float off_plane = glm::dot(d, problem_.normal[i]);
-      const float variance = own + sigma_m_[j] * sigma_m_[j];
-      const float q = 0.5f * std::max(glm::dot(d, d) - off_plane * off_plane, 0.0f) / variance;
-      const float kernel = weightSeen(i, j) / variance * std::exp(-q);
+    float sum = 0.0f, slope = 0.0f, variance_sum = 0.0f, seen = 0.0f;
+    forOverlaps(i, 0.0f, [&](const Seen& own, const Seen& other, const Overlap& overlap) {
+      const float variance = own.variance + other.variance;
+      const float kernel = other.weight * overlap.per_area * std::exp(-0.5f * overlap.q);
       sum += kernel;
-      slope += kernel * (q - 1.0f) / variance;
+      slope += kernel * (0.5f * overlap.q - 1.0f) / variance;
       variance_sum += variance;
       seen += 1.0f;
     });
@@ -163,32 +196,29 @@ class Solver {
 
   /// `sumsAt` for rendered kernels, prefiltered by a pixel.
   float renderedAt(std::size_t i, float pixel2) const {
-    const KernelOverlap& overlap = KernelOverlap::table();
+    const KernelOverlap& table = KernelOverlap::table();
     const float prefilter = pixel2 * problem_.spacing_m[i] * problem_.spacing_m[i];
-    const float own = sigma_m_[i] * sigma_m_[i] + prefilter;
-    float sum = weight_[i] / (2.0f * own) * overlap.of(0.0f, 1.0f);
-    float variance_sum = 2.0f * own, seen = 1.0f;
-    forSheet(i, [&](std::uint32_t j) {
-      const glm::vec3 d = problem_.position_m[j] - problem_.position_m[i];
-      const float off_plane = glm::dot(d, problem_.normal[i]);
-      const float other = sigma_m_[j] * sigma_m_[j] + prefilter, variance = own + other;
-      const float q = std::max(glm::dot(d, d) - off_plane * off_plane, 0.0f) / (16.0f * variance);
-      const float ratio = std::sqrt(std::min(own, other) / std::max(own, other));
-      sum += weightSeen(i, j) / variance * overlap.of(q, ratio);
-      variance_sum += variance;
+    float sum = 0.0f, variance_sum = 0.0f, seen = 0.0f;
+    forOverlaps(i, prefilter, [&](const Seen& own, const Seen& other, const Overlap& overlap) {
+      const float ratio = std::sqrt(std::min(own.variance, other.variance) /
+                                    std::max(own.variance, other.variance));
+      sum += other.weight * overlap.per_area * table.of(overlap.q / 16.0f, ratio);
+      variance_sum += own.variance + other.variance;
       seen += 1.0f;
     });
     if (problem_.near.k + 1 == count()) return sum;
     const float reach2 = problem_.near.reach_m[i] * problem_.near.reach_m[i];
-    const float outside = overlap.beyond(reach2 * seen / (16.0f * variance_sum));
+    const float outside = table.beyond(reach2 * seen / (16.0f * variance_sum));
     return sum / std::max(1.0f - outside, 0.05f);
   }
 
   bool atBorder(std::size_t i) const {
+    const glm::vec3& along = problem_.seen_along[i];
     glm::vec3 centroid(0.0f);
     float seen = 1.0f;
     forSheet(i, [&](std::uint32_t j) {
-      centroid += problem_.position_m[j] - problem_.position_m[i];
+      const glm::vec3 d = problem_.position_m[j] - problem_.position_m[i];
+      centroid += d - glm::dot(d, along) * along;
       seen += 1.0f;
     });
     // The other side of a thin body takes the place of neighbours, and is no gap.

@@ -15,6 +15,7 @@ namespace foci {
 struct KernelProblem {
   const std::vector<glm::vec3>& position_m;
   const std::vector<glm::vec3>& normal;
+  const std::vector<glm::vec3>& seen_along;  ///< unit length: the kernels are summed across it
   const Neighbours& near;
   const std::vector<std::uint64_t>& sheet;  ///< bit b: the b-th neighbour lies on the same surface
   const std::vector<float>& spacing_m;      ///< > 0
@@ -35,6 +36,9 @@ struct KernelEffort {
 ///
 /// Weights. dE/dw_i = 0 asks for sum_j w_j G_{v_i + v_j}(x_i - x_j) = 1. Each iteration divides w_i
 /// by that sum (ISRA, Daube-Witherspoon and Muehllehner 1986).
+///
+/// The sum is taken across the direction `seen_along`, which need not be the normal: the kernels
+/// are foreshortened, their variances too.
 ///
 /// Sizes. With v = v_i + v_j and d the distance,
 ///   dE/dv_i = 2 w_i sum_j w_j dG/dv,  dG/dv = G (d^2 / (2 v^2) - 1/v).

@@ -26,7 +26,9 @@ struct PointCloud {
   std::vector<float> radius_m;
   std::vector<float> opacity;            ///< 0 to 1
   std::vector<std::uint16_t> body = {};  ///< see `ClosedBodies::of_surfel`
-  SceneObjects objects = {};             ///< by point
+  /// Number of the connected surface of a mesh; its normals are on one side. Empty: unknown.
+  std::vector<std::uint32_t> surface = {};
+  SceneObjects objects = {};  ///< by point
   /// Mean share of the surface's area around a point. Empty: unknown, since the points are not
   /// samples of a mesh.
   std::vector<float> area_m2 = {};

@@ -24,6 +24,8 @@ constexpr std::size_t kNeighbours = 16;
 constexpr std::size_t kSolveNeighbours = 64;  // four spacings: all that a grown kernel meets
 constexpr std::uint8_t kStacked = 4;          // neighbours that coincide with a point
 constexpr float kSameSheetCosine = 0.5f;      // of normals
+constexpr float kCreaseCosine = -0.25f;       // of the normals of two faces that meet in a crease
+constexpr float kSeenCosine = 0.1f;           // of a normal to the line of sight
 constexpr float kSameSheetReach = 0.5f;       // off the tangent plane, over the k-th distance
 constexpr float kMaxLocalSpacings = 2.0f;     // neighbours' medians: strays beside a surface
 constexpr float kMaxSpacings = 5.0f;          // medians of the cloud: strays far from everything
@@ -106,25 +108,56 @@ std::vector<std::uint32_t> surfacesOf(const PointCloud& points) {
   return of;
 }
 
-/// By point, one bit for each neighbour: whether both lie on the same sheet of surface. A closed
-/// body has sheets of its own: the ground goes on under it. The two sides of a thin one are two
-/// sheets: an eye outside of it sees one of them.
-std::vector<std::uint64_t> sameSheet(const PointCloud& points, const Neighbours& near) {
+std::uint16_t bodyOf(const PointCloud& points, std::size_t i) {
+  return points.body.empty() ? std::uint16_t{0} : points.body[i];
+}
+
+/// Whether two points lie on faces of one surface that an eye can see at once.
+bool meet(const PointCloud& points, std::size_t i, std::size_t j) {
+  return !points.surface.empty() && points.surface[i] == points.surface[j] &&
+         glm::dot(points.normal[i], points.normal[j]) >= kCreaseCosine;
+}
+
+/// By point, the direction along which its kernels are summed: its normal. Beside a crease of a
+/// mesh, the mean normal around: along it the eye sees both faces, which tile what it sees.
+std::vector<glm::vec3> directionsOf(const PointCloud& points, const Neighbours& near) {
+  std::vector<glm::vec3> along = points.normal;
+  if (points.surface.empty() || near.k == 0) return along;
+  parallelFor(points.size(), [&](std::size_t i) {
+    glm::vec3 sum = points.normal[i];
+    for (const std::uint32_t j : near.of(i)) {
+      if (meet(points, i, j)) sum += points.normal[j];
+    }
+    const float length = glm::length(sum);
+    // At the tip of a spike no direction sees all sides.
+    if (glm::dot(sum, points.normal[i]) > kSeenCosine * length) along[i] = sum / length;
+  });
+  return along;
+}
+
+/// By point, one bit for each neighbour: whether both lie on the same sheet of surface, seen along
+/// the point's direction. A closed body has sheets of its own: the ground goes on under it. The two
+/// sides of a thin one are two sheets: an eye outside of it sees one of them.
+std::vector<std::uint64_t> sameSheet(const PointCloud& points, const std::vector<glm::vec3>& along,
+                                     const Neighbours& near) {
   static_assert(kMaxNeighbours <= 64);  // bits
   const std::vector<glm::vec3>&position_m = points.position_m, &normal = points.normal;
-  const auto bodyOf = [&](std::size_t i) { return points.body.empty() ? 0 : points.body[i]; };
   std::vector<std::uint64_t> sheet(position_m.size(), 0);
   if (near.k == 0) return sheet;
+  const auto same = [&](std::size_t i, std::size_t j) {
+    if (bodyOf(points, i) != bodyOf(points, j)) return false;
+    float cosine = glm::dot(normal[i], normal[j]);
+    if (cosine < kSameSheetCosine && meet(points, i, j)) {
+      return glm::dot(along[i], normal[j]) >= kSeenCosine;
+    }
+    if (bodyOf(points, i) == 0) cosine = std::abs(cosine);
+    const float off_plane = std::abs(glm::dot(position_m[j] - position_m[i], normal[i]));
+    return off_plane <= kSameSheetReach * near.reach_m[i] && cosine >= kSameSheetCosine;
+  };
   parallelFor(position_m.size(), [&](std::size_t i) {
     std::uint64_t bits = 0, bit = 1;
     for (const std::uint32_t j : near.of(i)) {
-      const float off_plane = std::abs(glm::dot(position_m[j] - position_m[i], normal[i]));
-      float cosine = glm::dot(normal[i], normal[j]);
-      if (bodyOf(i) == 0) cosine = std::abs(cosine);
-      if (bodyOf(i) == bodyOf(j) && off_plane <= kSameSheetReach * near.reach_m[i] &&
-          cosine >= kSameSheetCosine) {
-        bits |= bit;
-      }
+      if (same(i, j)) bits |= bit;
       bit <<= 1;
     }
     sheet[i] = bits;
@@ -289,7 +322,8 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
 
   const bool given_normals = !points.normal.empty();
   estimateNormals(points.position_m, near, settings.viewpoint_m, points.normal);
-  std::vector<std::uint64_t> sheet = sameSheet(points, near);
+  std::vector<glm::vec3> along = directionsOf(points, near);
+  std::vector<std::uint64_t> sheet = sameSheet(points, along, near);
   const bool oriented = given_normals && agree(points.normal, near, sheet);
   const bool areas_known = !points.area_m2.empty();
   std::vector<float> spacing = std::move(points.area_m2);
@@ -308,10 +342,11 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
   if (settings.solve == KernelSolve::thorough) {
     near = {};
     near = findNeighbours(points.position_m, surface, kSolveNeighbours);
-    sheet = sameSheet(points, near);
+    along = directionsOf(points, near);
+    sheet = sameSheet(points, along, near);
   }
   std::vector<float> weight =
-      solveKernels({points.position_m, points.normal, near, sheet, spacing, areas_known},
+      solveKernels({points.position_m, points.normal, along, near, sheet, spacing, areas_known},
                    effortOf(settings), sigma);
   near = {};
   SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));
@@ -330,6 +365,7 @@ SurfelCloud surfelsFromPoints(PointCloud&& points, const EstimateSettings& setti
   reorder(points.radius_m, order);
   reorder(points.opacity, order);
   reorder(points.body, order);
+  reorder(points.surface, order);
   reorder(points.area_m2, order);
   reorder(points.objects.of.own(), order);
   return estimate(std::move(points), settings, Stacks::possible);

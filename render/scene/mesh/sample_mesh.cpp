@@ -196,6 +196,7 @@ void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
     cloud.opacity[kept] = cloud.opacity[i];
     cloud.area_m2[kept] = cloud.area_m2[i];
     if (!cloud.body.empty()) cloud.body[kept] = cloud.body[i];
+    if (!cloud.surface.empty()) cloud.surface[kept] = cloud.surface[i];
     if (!cloud.objects.empty()) cloud.objects.of[kept] = cloud.objects.of[i];
     ++kept;
   }
@@ -205,6 +206,7 @@ void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
   cloud.opacity.resize(kept);
   cloud.area_m2.resize(kept);
   if (!cloud.body.empty()) cloud.body.resize(kept);
+  if (!cloud.surface.empty()) cloud.surface.resize(kept);
   if (!cloud.objects.empty()) cloud.objects.of.resize(kept);
 }
 
@@ -281,6 +283,7 @@ PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& nam
   cloud.color.resize(points.size());
   cloud.opacity.resize(points.size());
   cloud.body.resize(mesh.body.empty() ? 0 : points.size());
+  cloud.surface.resize(mesh.surface.empty() ? 0 : points.size());
   cloud.objects.of.resize(mesh.objects.empty() ? 0 : points.size());
   cloud.objects.names = mesh.objects.names;
   std::vector<std::uint8_t> keep(points.size());
@@ -297,6 +300,7 @@ PointCloud sampleMesh(const TriangleMesh& mesh, const std::filesystem::path& nam
     cloud.opacity[i] = color.opacity;
     keep[i] = color.opacity > 0.0f;
     if (!mesh.body.empty()) cloud.body[i] = mesh.body[point.triangle];
+    if (!mesh.surface.empty()) cloud.surface[i] = mesh.surface[point.triangle];
     if (!mesh.objects.empty()) cloud.objects.of[i] = mesh.objects.of[point.triangle];
   });
   openCutBodies(cloud, keep);

@@ -16,6 +16,7 @@
 #include "base/quantile.h"
 #include "render/methods/method.h"
 #include "render/scene/estimation/estimate.h"
+#include "render/scene/mesh/orientation.h"
 #include "render/scene/mesh/sample_mesh.h"
 #ifdef FOCI_RAYTRACE
 #include "render/methods/raytrace/mesh_rays.h"
@@ -223,6 +224,35 @@ TEST(Fidelity, ALumpyBallOfDefaultPointsMeetsTheGoals) {
   EXPECT_LT(report->all.color_mean.value(), 5.0);
   EXPECT_LT(report->all.outline_px.value(), 1.0);
   EXPECT_TRUE(fidelityWarnings(*report, ball.cloud.size(), mesh).empty());
+}
+
+/// The edges of a cube once leaked in 0.09 % of the pixels, by up to 36 %: each face was solved as
+/// if its surface ended there.
+TEST(Fidelity, ACubeLeaksLittleAtItsCreases) {
+  TriangleMesh mesh;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float side : {-0.5f, 0.5f}) {
+      const auto corner = [&](float u, float v) {
+        glm::vec3 at;
+        at[axis] = side;
+        at[(axis + 1) % 3] = side * u;
+        at[(axis + 2) % 3] = v;
+        return at;
+      };
+      const glm::vec3 a = corner(-1, -0.5f), b = corner(1, -0.5f), c = corner(1, 0.5f),
+                      d = corner(-1, 0.5f);
+      mesh.corners_m.insert(mesh.corners_m.end(), {a, b, c, a, c, d});
+    }
+  }
+  mesh.uv.resize(mesh.corners_m.size());
+  mesh.material.assign(mesh.size(), 0);
+  EXPECT_EQ(orientOutwards(mesh), 0u);
+  const Prepared cube = prepared(mesh, {});
+  const auto report = measureFidelity(cube.cloud, mesh, cube.spacing_m, 2 * kViews);
+  ASSERT_TRUE(report);
+  EXPECT_GT(report->all.interior, 100'000u);
+  EXPECT_LE(report->all.leakShare(), 2.0 * kMaxLeakShare);
+  EXPECT_LE(report->all.largest_leak, 0.2f);
 }
 
 TEST(Fidelity, WarnsOfABallWithFarTooFewPointsAndIsTheSameEveryTime) {

@@ -53,7 +53,7 @@ TEST_F(PrepareScene, MakesASceneAndAReportOfAMesh) {
   const SurfelCloud cloud = readSceneFile(folder_ / "s.foci").cloud;
   EXPECT_EQ(cloud.size(), summary.surfels);
   EXPECT_NEAR(summary.area_m2, 4.0, 0.4);  // surfels at the border reach beyond it
-  ASSERT_EQ(summary.normalisation.size(), 2u);
+  ASSERT_EQ(summary.normalisation.size(), 3u);
   EXPECT_GT(summary.normalisation[0].smooth_within_10, 0.95);
   std::size_t counted = 0;
   for (const std::size_t bin : summary.normalisation[0].histogram) counted += bin;

@@ -99,8 +99,6 @@ TEST_P(GaussianCaptures, AutoKeepsItsPrediction) {
   }
 }
 
-// The eye moves sideways by 0.5 mm a frame. 99.9 % of the pixels change by less than this beyond
-// the change of the mean of pinholes, in linear light: the goal for `auto`.
 // The promise for the frame leaves most of a small object to the choice of its tiles.
 TEST_P(GaussianCaptures, AutoRendersASmallObjectWithLessWorkThanNineteenSubApertures) {
   Captured capture(GetParam(), 360);
@@ -116,6 +114,8 @@ TEST_P(GaussianCaptures, AutoRendersASmallObjectWithLessWorkThanNineteenSubApert
   EXPECT_LE(*tested.tolerance_error, settings.quality.tolerance);
 }
 
+// The eye moves sideways by 0.5 mm a frame. 99.9 % of the pixels change by less than this beyond
+// the change of the mean of pinholes, in linear light: the goal for `auto`.
 TEST_P(GaussianCaptures, PopsLittleWhileTheEyeMoves) {
   constexpr double kGoal = 0.01;
   constexpr float kStep_m = 5e-4f;
