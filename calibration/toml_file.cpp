@@ -113,7 +113,8 @@ toml::value readToml(const std::filesystem::path& path) {
   std::string text(kMaxFile_bytes + 1, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > kMaxFile_bytes) throw InputError(file, "over 4 MiB, expected TOML");
+  if (text.size() > kMaxFile_bytes)
+    throw InputError(file, "over 4 MiB: expected a smaller TOML file");
   return parseToml(text, file);
 }
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures foci and writes docs/results.md: every measured figure of the documentation, with machine, date and commit.
+"""Measures foci and writes docs/results.md, with machine, date and commit of each section.
 
     python3 docs/results.py                        short runs of everything, on an idle machine
     python3 docs/results.py --full                 the full chart, stability suite and reproduction
@@ -419,8 +419,8 @@ def main():
             else:
                 texts[name] = f"## {TITLES[name]}\n\n{stamped}\n\n{text}"
     with open(PAGE, "w", encoding="utf-8") as page:
-        page.write("# Results\n\nEvery measured figure of the documentation stands on this page. `docs/results.py` writes it: do not "
-                   "edit it.\nEach section states machine, date and commit. Times vary between runs; compare ratios.\n")
+        page.write("# Results\n\n`docs/results.py` measures foci and writes this page: do not edit it.\n"
+                   "[gaussian-scenes.md](gaussian-scenes.md), [gpu.md](gpu.md) and [batch.md](batch.md) have figures of their own.\nEach section states machine, date and commit. Times vary between runs; compare ratios.\n")
         for name in SECTIONS:
             text = texts.get(name, f"## {TITLES[name]}\n\nNot measured yet: `python3 docs/results.py --only {name}`.")
             page.write(f"\n<!-- section {name} -->\n{text}\n")

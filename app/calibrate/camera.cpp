@@ -62,7 +62,8 @@ Views viewsInImages(const std::vector<std::string>& files, const Board& board) {
     if (image.empty()) throw InputError(file, "not an image that can be read");
     const glm::ivec2 size_px{image.cols, image.rows};
     if (found.size_px.x != 0 && size_px != found.size_px) {
-      throw InputError(file, "another size than the images before: one camera, one setting");
+      throw InputError(file,
+                       "not of the size of the images before: expected one camera and one setting");
     }
     found.size_px = size_px;
     ++found.images;

@@ -57,8 +57,8 @@ void printMethodJson() {
 
 void addMethodsCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("methods",
-                                         "List the depth-of-field methods, each with its source; "
-                                         "GPU: a GPU can render surfaces, too.");
+                                         "List the depth-of-field methods, each with its source.\n"
+                                         "GPU marks those that also render surfaces on a GPU.");
   const auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "print the list as JSON");
   command->callback([json] { *json ? printMethodJson() : printMethodTable(); });

@@ -156,11 +156,11 @@ void addPrepareCommand(CLI::App& app) {
   const auto options = std::make_shared<PrepareOptions>();
   CLI::App* prepare =
       app.add_subcommand("prepare",
-                         "Turn points, a mesh or Gaussians into a scene file. foci solves "
-                         "sizes and weights of splats so that surfaces\n"
-                         "have neither holes nor seams. Gaussians get their levels of detail. The "
-                         "report compares the surfels of a mesh "
-                         "with its triangles.\n"
+                         "Turn points, a mesh or Gaussians into a scene file.\n"
+                         "foci solves sizes and weights of splats so that surfaces have neither "
+                         "holes nor seams.\n"
+                         "Gaussians get their levels of detail. The report compares the surfels "
+                         "of a mesh with its triangles.\n"
                          "Example: foci prepare lion.ply --out lion.foci");
   prepare
       ->add_option(
@@ -178,7 +178,7 @@ void addPrepareCommand(CLI::App& app) {
   prepare
       ->add_option(
           "--points", options->points,
-          "about the number of samples of a mesh; default: from its detail, 500000 or more")
+          "approximate number of samples of a mesh; default: from its detail, 500000 or more")
       ->type_name("N");
   addThreadsOption(*prepare, options->threads,
                    "max number of threads; the scene does not depend on it");

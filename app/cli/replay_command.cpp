@@ -140,7 +140,7 @@ void runReplay(ReplayOptions options, const std::string& command_line) {
   }
   if (!options.heatmap.empty()) {
     if (batch || !options.frames.empty()) {
-      throw InputError("--heatmap " + options.heatmap, "expected one recording, whole");
+      throw InputError("--heatmap " + options.heatmap, "expected one recording, without --frames");
     }
     if (std::filesystem::path(options.heatmap).extension() != ".ply") {
       throw InputError("--heatmap " + options.heatmap, "expected a name that ends in .ply");

@@ -16,7 +16,8 @@ glm::vec3 vectorOf(const std::vector<double>& xyz) {
 }  // namespace
 
 void addScanOptions(CLI::App& command, ScanOptions& options) {
-  command.add_option("--scan", options.scan, "points, mesh or scene instead of the statue")
+  command
+      .add_option("--scan", options.scan, "points, mesh or prepared scene instead of the statue")
       ->type_name("FILE");
   const auto pose = [&](const char* name, std::vector<double>& xyz, const char* help) {
     command.add_option(name, xyz, help)->type_name("X,Y,Z")->delimiter(',')->expected(3);

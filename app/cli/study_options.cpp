@@ -79,7 +79,7 @@ std::string placeHead(Study& study, const SceneFacts& facts, const SpacePreview&
                       const StudyOptions& options) {
   if (!options.look.empty() || !options.up.empty()) {
     throw InputError(options.look.empty() ? "--up" : "--look",
-                     "expected a recording without a head, which moves the eye");
+                     "expected a recording without a head: this recording's head moves the eye");
   }
   shadePlainScene(study, facts);
   if (head.scene_scale_m) study.scene.scale_m = *head.scene_scale_m;

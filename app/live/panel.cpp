@@ -185,7 +185,7 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, bool& 
     eyeControls(study.observer, controls);
     qualityControls(study.quality, controls);
     ImGui::PopItemWidth();
-    if (ImGui::Button(content.state.record ? "End the recording" : "Record")) {
+    if (ImGui::Button(content.state.record ? "End the record" : "Record")) {
       controls.toggle_record();
     }
     ImGui::SameLine();
@@ -252,7 +252,7 @@ void drawNotices(const PanelContent& content, const std::string& notice, bool fi
   }
   if (content.state.record) {
     const auto failure = content.state.record->failure();
-    if (failure) y = noticeAt(x, y, kWarning, "The recording has failed: " + *failure);
+    if (failure) y = noticeAt(x, y, kWarning, "The record has failed: " + *failure);
     ImGui::GetForegroundDrawList()->AddCircleFilled({area.x - 24.0f, 24.0f}, 9.0f, kRecording);
   }
   if (!notice.empty()) noticeAt(x, y, kQuiet, notice);

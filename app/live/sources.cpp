@@ -77,7 +77,7 @@ void mapSource(const Study& study, NamedSource& named) {
   const auto* map = std::get_if<GazeMap>(&calibration);
   if (!map) {
     throw InputError(study.gaze.map->string(),
-                     "expected a map of foci calibrate gaze: live, both eyes are not corrected");
+                     "expected a map of foci calibrate gaze: foci live takes no binocular map");
   }
   named.source = std::make_unique<MappedSource>(std::move(named.source), *map, named.screen);
 }

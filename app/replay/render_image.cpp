@@ -27,7 +27,8 @@ void checkRequest(const Study& study, const ImageRequest& request) {
       view != StereoView::mono && view != StereoView::left && view != StereoView::right;
   if ((request.depth || request.defocus) && both) {
     throw InputError(request.depth ? "--depth" : "--defocus",
-                     "expected output.view = \"mono\", left or right: one eye has one distance");
+                     "expected output.view = \"mono\", \"left\" or \"right\": one eye has one "
+                     "distance");
   }
 }
 
