@@ -277,7 +277,7 @@ std::vector<float> solveKernels(const KernelProblem& problem, const KernelEffort
     tick(1);
   }
   for (int i = 0; i < effort.rendered_iterations; ++i) {
-    solver.iterateWeightsAsRendered(2 * i < effort.rendered_iterations ? 0.0f : kPixel2);
+    solver.iterateWeightsAsRendered(4 * i < effort.rendered_iterations ? 0.0f : kPixel2);
     tick(1);
   }
   return solver.take();

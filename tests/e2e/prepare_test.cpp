@@ -68,7 +68,7 @@ TEST(Prepare, PointsBecomeASceneWithAReportOfItsSumsAtEveryLevel) {
   // Histograms before and after the solve, by size of the pixels, and of each level.
   std::vector<Json> sums;
   for (const char* when : {"normalisation_before", "normalisation"}) {
-    ASSERT_EQ(summary.at(when).size(), 2u) << when;
+    ASSERT_EQ(summary.at(when).size(), 3u) << when;
     for (const Json& n : summary.at(when)) sums.push_back(n);
   }
   ASSERT_FALSE(summary.at("normalisation_of_levels").empty());
