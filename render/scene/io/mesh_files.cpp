@@ -9,6 +9,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/gltf_json.h"
