@@ -21,6 +21,7 @@ constexpr float kMinSheet = 0.5f;     // share of the neighbours; a stray or a s
 constexpr float kReserve = 1.06f;     // where curved kernels ripple: below 0.9 the background shows
 constexpr int kMeanPasses = 3;        // over the neighbours
 constexpr float kCurved = 0.9f, kFlat = 0.98f;  // mean cosines of the neighbours' normals
+constexpr float kFacing = 0.995f;  // cosine from which a kernel is not foreshortened: 1 % at most
 constexpr float kBorderOffset = 0.3f;  // share of the reach; a half-disc's centroid lies at 0.42
 
 /// Sums over the surfel's own sheet, the surfel included.
@@ -128,16 +129,17 @@ class Solver {
     }
   }
 
-  /// A surfel as the eye sees it along the direction `along`: the variance of its kernel on the
-  /// plane across that direction is sigma^2 (I - tilt tilt').
+  /// A surfel as the eye sees it along a unit vector. The variance of its kernel on the plane
+  /// across the vector is `variance` (I - t t'), where t is the normal's part on that plane.
   struct Seen {
+    glm::vec3 normal;
+    float cosine;    ///< of the normal to the vector
     float variance;  ///< sigma^2 and the prefilter's
-    glm::vec3 tilt;
-    float weight;
+    float weight;    ///< foreshortened
   };
   Seen seenAlong(const glm::vec3& along, std::size_t j, float prefilter) const {
     const float cosine = glm::dot(problem_.normal[j], along);
-    return {sigma_m_[j] * sigma_m_[j] + prefilter, problem_.normal[j] - cosine * along,
+    return {problem_.normal[j], cosine, sigma_m_[j] * sigma_m_[j] + prefilter,
             weight_[j] * std::abs(cosine)};
   }
 
@@ -146,29 +148,31 @@ class Solver {
   struct Overlap {
     float q, per_area;
   };
-  static Overlap overlapOf(const Seen& a, const Seen& b, const glm::vec3& x) {
-    const float sum = a.variance + b.variance;
-    const float less =
-        a.variance * glm::dot(a.tilt, a.tilt) + b.variance * glm::dot(b.tilt, b.tilt);
-    if (less < 1e-5f * sum) return {glm::dot(x, x) / sum, 1.0f / sum};
-    const glm::vec3 across = glm::cross(a.tilt, b.tilt);
-    const float det = sum * (sum - less) + a.variance * b.variance * glm::dot(across, across);
-    const float along_a = glm::dot(a.tilt, x), along_b = glm::dot(b.tilt, x);
-    const float q = (sum - less) * glm::dot(x, x) + a.variance * along_a * along_a +
-                    b.variance * along_b * along_b;
-    return {std::max(q, 0.0f) / det, 1.0f / std::sqrt(det)};
+  /// @param d_m  from one to the other
+  static Overlap overlapOf(const Seen& a, const Seen& b, const glm::vec3& along,
+                           const glm::vec3& d_m) {
+    const float sum = a.variance + b.variance, off_plane = glm::dot(d_m, along);
+    const float x2 = std::max(glm::dot(d_m, d_m) - off_plane * off_plane, 0.0f);
+    if (std::min(std::abs(a.cosine), std::abs(b.cosine)) > kFacing) return {x2 / sum, 1.0f / sum};
+    const float tilt_a = 1.0f - a.cosine * a.cosine, tilt_b = 1.0f - b.cosine * b.cosine;
+    const float common = glm::dot(a.normal, b.normal) - a.cosine * b.cosine;
+    const float along_a = glm::dot(a.normal, d_m) - a.cosine * off_plane;
+    const float along_b = glm::dot(b.normal, d_m) - b.cosine * off_plane;
+    const float rest = sum - a.variance * tilt_a - b.variance * tilt_b;
+    const float det = sum * rest + a.variance * b.variance * (tilt_a * tilt_b - common * common);
+    const float q = rest * x2 + a.variance * along_a * along_a + b.variance * along_b * along_b;
+    return {q / det, 1.0f / std::sqrt(det)};
   }
 
-  /// Calls body(neighbour as seen, overlap) for each neighbour on the sheet, and for `i` itself.
+  /// Calls body(own, neighbour, overlap) for each neighbour on the sheet, and for `i` itself.
   template <typename Body>
   void forOverlaps(std::size_t i, float prefilter, const Body& body) const {
-    const glm::vec3& along = problem_.seen_along[i];
+    const glm::vec3 along = problem_.seen_along[i], at_m = problem_.position_m[i];
     const Seen own = seenAlong(along, i, prefilter);
-    body(own, own, overlapOf(own, own, glm::vec3(0.0f)));
+    body(own, own, overlapOf(own, own, along, glm::vec3(0.0f)));
     forSheet(i, [&](std::uint32_t j) {
-      const glm::vec3 d = problem_.position_m[j] - problem_.position_m[i];
       const Seen other = seenAlong(along, j, prefilter);
-      body(own, other, overlapOf(own, other, d - glm::dot(d, along) * along));
+      body(own, other, overlapOf(own, other, along, problem_.position_m[j] - at_m));
     });
   }
 
