@@ -280,8 +280,9 @@ std::vector<float> solveKernels(const KernelProblem& problem, const KernelEffort
     solver.iterateWeights();
     tick(1);
   }
+  const int without_pixel = (effort.rendered_iterations + 3) / 4;
   for (int i = 0; i < effort.rendered_iterations; ++i) {
-    solver.iterateWeightsAsRendered(4 * i < effort.rendered_iterations ? 0.0f : kPixel2);
+    solver.iterateWeightsAsRendered(i < without_pixel ? 0.0f : kPixel2);
     tick(1);
   }
   return solver.take();

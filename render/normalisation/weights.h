@@ -49,8 +49,9 @@ struct KernelEffort {
 /// (kernel_overlap.h). The kernel mass outside the k-th neighbour's distance is added, since
 /// neighbours beyond it are not known. A sum that is even without a pixel's prefilter, as in a
 /// magnified view, is even with it, but not the other way round. So the weights of a mesh are
-/// solved without one. Those of points are solved first without one, then with a pixel of 0.63 of
-/// the spacing: where points are missing, no weights make the sum even without it.
+/// solved without one. Those of points are solved without one for a quarter of the iterations, then
+/// with a pixel of 0.63 of the spacing: where points are missing, no weights make the sum even
+/// without it.
 ///
 /// Sums. Where areas are known, the kernels sum to the mean of the initial sums around each surfel
 /// instead of to one: neighbours on other sheets, borders and folds then take no area away. At a

@@ -91,25 +91,24 @@ void estimateNormals(const std::vector<glm::vec3>& position_m, const Neighbours&
   });
 }
 
-/// By point of a mesh, a number for its closed body and how densely that is sampled, the densest
-/// first: an object on the ground holds none of the ground's neighbours. Empty for other points.
-std::vector<std::uint32_t> surfacesOf(const PointCloud& points) {
-  using Surface = std::pair<float, std::uint16_t>;
-  const auto surfaceOf = [&](std::size_t i) {
-    return Surface(points.area_m2[i], points.body.empty() ? 0 : points.body[i]);
-  };
-  if (points.area_m2.empty()) return {};
-  std::map<Surface, std::uint32_t> number;
-  for (std::size_t i = 0; i < points.size(); ++i) number[surfaceOf(i)];
-  std::uint32_t next = 0;
-  for (auto& [surface, value] : number) value = next++;
-  std::vector<std::uint32_t> of(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) of[i] = number[surfaceOf(i)];
-  return of;
-}
-
 std::uint16_t bodyOf(const PointCloud& points, std::size_t i) {
   return points.body.empty() ? std::uint16_t{0} : points.body[i];
+}
+
+/// By point of a mesh, a number for its closed body and how densely that is sampled, the densest
+/// first: an object on the ground holds none of the ground's neighbours. Empty for other points.
+std::vector<std::uint32_t> groupsOf(const PointCloud& points) {
+  using Group = std::pair<float, std::uint16_t>;
+  if (points.area_m2.empty()) return {};
+  std::map<Group, std::uint32_t> number;
+  for (std::size_t i = 0; i < points.size(); ++i) number[{points.area_m2[i], bodyOf(points, i)}];
+  std::uint32_t next = 0;
+  for (auto& [group, value] : number) value = next++;
+  std::vector<std::uint32_t> of(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    of[i] = number[{points.area_m2[i], bodyOf(points, i)}];
+  }
+  return of;
 }
 
 /// Whether two points lie on faces of one surface that an eye can see at once.
@@ -118,11 +117,12 @@ bool meet(const PointCloud& points, std::size_t i, std::size_t j) {
          glm::dot(points.normal[i], points.normal[j]) >= kCreaseCosine;
 }
 
-/// By point, the direction along which its kernels are summed: its normal. Beside a crease of a
-/// mesh, the mean normal around: along it the eye sees both faces, which tile what it sees.
+/// By point of a mesh, the direction along which its kernels are summed: its normal, and beside a
+/// crease the mean normal around. Along that the eye sees both faces, which tile what it sees.
+/// Empty for other points, whose surfaces are unknown.
 std::vector<glm::vec3> directionsOf(const PointCloud& points, const Neighbours& near) {
+  if (points.surface.empty()) return {};
   std::vector<glm::vec3> along = points.normal;
-  if (points.surface.empty() || near.k == 0) return along;
   parallelFor(points.size(), [&](std::size_t i) {
     glm::vec3 sum = points.normal[i];
     for (const std::uint32_t j : near.of(i)) {
@@ -136,8 +136,8 @@ std::vector<glm::vec3> directionsOf(const PointCloud& points, const Neighbours& 
 }
 
 /// By point, one bit for each neighbour: whether both lie on the same sheet of surface, seen along
-/// the point's direction. A closed body has sheets of its own: the ground goes on under it. The two
-/// sides of a thin one are two sheets: an eye outside of it sees one of them.
+/// the point's direction (`directionsOf`). A closed body has sheets of its own: the ground goes on
+/// under it. The two sides of a thin one are two sheets: an eye outside of it sees one of them.
 std::vector<std::uint64_t> sameSheet(const PointCloud& points, const std::vector<glm::vec3>& along,
                                      const Neighbours& near) {
   static_assert(kMaxNeighbours <= 64);  // bits
@@ -313,8 +313,8 @@ SurfelCloud surfelsOfStacks(PointCloud&& points, const EstimateSettings& setting
 }
 
 SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stacks stacks) {
-  const std::vector<std::uint32_t> surface = surfacesOf(points);
-  Neighbours near = findNeighbours(points.position_m, surface, kNeighbours);
+  const std::vector<std::uint32_t> group = groupsOf(points);
+  Neighbours near = findNeighbours(points.position_m, group, kNeighbours);
   if (stacks == Stacks::possible && anyStack(points.position_m, near)) {
     near = {};
     return surfelsOfStacks(std::move(points), settings);
@@ -341,12 +341,13 @@ SurfelCloud estimate(PointCloud&& points, const EstimateSettings& settings, Stac
   }
   if (settings.solve == KernelSolve::thorough) {
     near = {};
-    near = findNeighbours(points.position_m, surface, kSolveNeighbours);
+    near = findNeighbours(points.position_m, group, kSolveNeighbours);
     along = directionsOf(points, near);
     sheet = sameSheet(points, along, near);
   }
   std::vector<float> weight =
-      solveKernels({points.position_m, points.normal, along, near, sheet, spacing, areas_known},
+      solveKernels({points.position_m, points.normal, along.empty() ? points.normal : along, near,
+                    sheet, spacing, areas_known},
                    effortOf(settings), sigma);
   near = {};
   SurfelCloud cloud = assemble(std::move(points), sigma, std::move(weight));

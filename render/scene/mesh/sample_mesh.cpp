@@ -185,29 +185,26 @@ void sampleLevel(const TriangleMesh& mesh, const Level& level, Samples& samples)
   samples.area_m2.resize(samples.points.size(), static_cast<float>(area_m2));
 }
 
-/// Keeps the points whose mark is set.
-void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
+/// Keeps the values whose mark is set; nothing to do if there are none.
+template <class T>
+void keepMarked(std::vector<T>& values, const std::vector<std::uint8_t>& keep) {
+  if (values.empty()) return;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < keep.size(); ++i) {
-    if (keep[i] == 0) continue;
-    cloud.position_m[kept] = cloud.position_m[i];
-    cloud.normal[kept] = cloud.normal[i];
-    cloud.color[kept] = cloud.color[i];
-    cloud.opacity[kept] = cloud.opacity[i];
-    cloud.area_m2[kept] = cloud.area_m2[i];
-    if (!cloud.body.empty()) cloud.body[kept] = cloud.body[i];
-    if (!cloud.surface.empty()) cloud.surface[kept] = cloud.surface[i];
-    if (!cloud.objects.empty()) cloud.objects.of[kept] = cloud.objects.of[i];
-    ++kept;
+    if (keep[i] != 0) values[kept++] = values[i];
   }
-  cloud.position_m.resize(kept);
-  cloud.normal.resize(kept);
-  cloud.color.resize(kept);
-  cloud.opacity.resize(kept);
-  cloud.area_m2.resize(kept);
-  if (!cloud.body.empty()) cloud.body.resize(kept);
-  if (!cloud.surface.empty()) cloud.surface.resize(kept);
-  if (!cloud.objects.empty()) cloud.objects.of.resize(kept);
+  values.resize(kept);
+}
+
+void keepMarked(PointCloud& cloud, const std::vector<std::uint8_t>& keep) {
+  keepMarked(cloud.position_m, keep);
+  keepMarked(cloud.normal, keep);
+  keepMarked(cloud.color, keep);
+  keepMarked(cloud.opacity, keep);
+  keepMarked(cloud.area_m2, keep);
+  keepMarked(cloud.body, keep);
+  keepMarked(cloud.surface, keep);
+  keepMarked(cloud.objects.of.own(), keep);
 }
 
 /// Bodies that a texture cuts a hole in are open.

@@ -22,6 +22,7 @@
 #include "render/methods/raytrace/mesh_rays.h"
 #include "render/methods/raytrace/triangle_view.h"
 #endif
+#include "tests/cube_mesh.h"
 
 namespace foci {
 namespace {
@@ -87,8 +88,9 @@ struct Prepared {
   double spacing_m;
 };
 
-Prepared prepared(const TriangleMesh& mesh, const MeshSampling& sampling) {
-  SurfelCloud cloud = surfelsFromPoints(sampleMesh(mesh, "mesh", sampling));
+Prepared prepared(const TriangleMesh& mesh, const MeshSampling& sampling,
+                  KernelSolve solve = KernelSolve::quick) {
+  SurfelCloud cloud = surfelsFromPoints(sampleMesh(mesh, "mesh", sampling), {.solve = solve});
   std::vector<float> area_m2(cloud.area_m2.begin(), cloud.area_m2.end());
   const double spacing_m = std::sqrt(double{quantile(area_m2, 0.5)});
   return {std::move(cloud), spacing_m};
@@ -230,24 +232,9 @@ TEST(Fidelity, ALumpyBallOfDefaultPointsMeetsTheGoals) {
 /// if its surface ended there.
 TEST(Fidelity, ACubeLeaksLittleAtItsCreases) {
   TriangleMesh mesh;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const float side : {-0.5f, 0.5f}) {
-      const auto corner = [&](float u, float v) {
-        glm::vec3 at;
-        at[axis] = side;
-        at[(axis + 1) % 3] = side * u;
-        at[(axis + 2) % 3] = v;
-        return at;
-      };
-      const glm::vec3 a = corner(-1, -0.5f), b = corner(1, -0.5f), c = corner(1, 0.5f),
-                      d = corner(-1, 0.5f);
-      mesh.corners_m.insert(mesh.corners_m.end(), {a, b, c, a, c, d});
-    }
-  }
-  mesh.uv.resize(mesh.corners_m.size());
-  mesh.material.assign(mesh.size(), 0);
+  addCube(mesh, {}, 1.0f);
   EXPECT_EQ(orientOutwards(mesh), 0u);
-  const Prepared cube = prepared(mesh, {});
+  const Prepared cube = prepared(mesh, {}, KernelSolve::thorough);
   const auto report = measureFidelity(cube.cloud, mesh, cube.spacing_m, 2 * kViews);
   ASSERT_TRUE(report);
   EXPECT_GT(report->all.interior, 100'000u);
