@@ -98,6 +98,16 @@ float slopeAt(float s) {
 }
 glm::vec3 slopesAt(const glm::vec3& s) { return {slopeAt(s.r), slopeAt(s.g), slopeAt(s.b)}; }
 
+/// @param weight  of `a`; that of `b` is the rest
+MeanColor mean(const MeanColor& a, const MeanColor& b, double weight) {
+  const auto of_a = static_cast<float>(weight);
+  MeanColor sum{.color = glm::mix(b.color, a.color, of_a)};
+  for (std::size_t k = 0; k < sum.harmonics.size(); ++k) {
+    sum.harmonics[k] = glm::mix(b.harmonics[k], a.harmonics[k], of_a);
+  }
+  return sum;
+}
+
 }  // namespace
 
 double meanArea_m2(const Covariance3& covariance_m2) {
@@ -111,7 +121,7 @@ double meanArea_m2(const Covariance3& covariance_m2) {
 float peakOf(float opacity) { return opacity <= 1.0f ? opacity : std::exp(opacity - 1.0f); }
 
 float opacityAfterLowPass(float opacity, float growth, float shrinkage) {
-  return std::log1p(growth * shrinkage * std::expm1(opacity));
+  return kMinAlpha + std::log1p(growth * shrinkage * std::expm1(opacity - kMinAlpha));
 }
 
 GaussianMoments momentsOf(const GaussianCloud& cloud, std::size_t i) {
@@ -124,15 +134,19 @@ GaussianMoments momentsOf(const GaussianCloud& cloud, std::size_t i) {
   of.covered_m2 = std::max(std::max(of.opacity, kFaintest) * meanArea_m2(of.covariance_m2),
                            std::numeric_limits<double>::min());
   of.alone_m2 = of.covered_m2;
+  of.opaque_m2 = of.covered_m2 * of.opacity;
   of.growth = 2.0 * std::numbers::pi * of.opacity;
   of.radius_m = 3.0 * std::sqrt(std::max(double{traceOf(of.covariance_m2)}, 0.0));
   const glm::vec3& color = cloud.color[i];
-  of.linear = {linearOfDisplay(color.r), linearOfDisplay(color.g), linearOfDisplay(color.b)};
+  of.blended.color = color;
+  of.side_by_side.color = {linearOfDisplay(color.r), linearOfDisplay(color.g),
+                           linearOfDisplay(color.b)};
   const std::size_t count = cloud.harmonicsPerGaussian();
   if (count == 0) return of;
-  const glm::vec3 slope = kHarmonicsStep * slopesAt(color);
+  const glm::vec3 slope = slopesAt(color);
   for (std::size_t k = 0; k < count; ++k) {
-    of.harmonics[k] = slope[static_cast<int>(k % 3)] * cloud.harmonics[i * count + k];
+    of.blended.harmonics[k] = kHarmonicsStep * cloud.harmonics[i * count + k];
+    of.side_by_side.harmonics[k] = slope[static_cast<int>(k % 3)] * of.blended.harmonics[k];
   }
   return of;
 }
@@ -142,25 +156,24 @@ GaussianMoments merged(const GaussianMoments& a, const GaussianMoments& b) {
   const double fa = a.covered_m2 / (a.covered_m2 + b.covered_m2), fb = 1.0 - fa;
   sum.mean_m = fa * a.mean_m + fb * b.mean_m;
   const glm::dvec3 d = b.mean_m - a.mean_m;
-  const auto mean = [&](float of_a, float of_b, double between) {
+  const auto moment = [&](float of_a, float of_b, double between) {
     return static_cast<float>(fa * of_a + fb * of_b + fa * fb * between);
   };
   const Covariance3 &va = a.covariance_m2, &vb = b.covariance_m2;
   Covariance3& v = sum.covariance_m2;
-  v = {mean(va.xx, vb.xx, d.x * d.x), mean(va.xy, vb.xy, d.x * d.y), mean(va.xz, vb.xz, d.x * d.z),
-       mean(va.yy, vb.yy, d.y * d.y), mean(va.yz, vb.yz, d.y * d.z), mean(va.zz, vb.zz, d.z * d.z)};
+  v = {moment(va.xx, vb.xx, d.x * d.x), moment(va.xy, vb.xy, d.x * d.y),
+       moment(va.xz, vb.xz, d.x * d.z), moment(va.yy, vb.yy, d.y * d.y),
+       moment(va.yz, vb.yz, d.y * d.z), moment(va.zz, vb.zz, d.z * d.z)};
   sum.covered_m2 = std::max(coveredBy(a, b), std::numeric_limits<double>::min());
   const double area_m2 = meanArea_m2(v);
   sum.opacity = area_m2 > 0.0 ? sum.covered_m2 / area_m2 : fa * a.opacity + fb * b.opacity;
 
   sum.alone_m2 = a.alone_m2 + b.alone_m2;
+  sum.opaque_m2 = a.opaque_m2 + b.opaque_m2;
   sum.growth = a.growth + b.growth;
+  sum.side_by_side = mean(a.side_by_side, b.side_by_side, fa);
+  sum.blended = mean(a.blended, b.blended, sum.growth > 0.0 ? a.growth / sum.growth : fa);
 
-  sum.linear = static_cast<float>(fa) * a.linear + static_cast<float>(fb) * b.linear;
-  for (std::size_t k = 0; k < sum.harmonics.size(); ++k) {
-    sum.harmonics[k] =
-        static_cast<float>(fa) * a.harmonics[k] + static_cast<float>(fb) * b.harmonics[k];
-  }
   const auto changeOf = [&](const GaussianMoments& one) {
     const glm::dvec3 moved = one.mean_m - sum.mean_m;
     const double widened = std::abs(double{traceOf(v)} - double{traceOf(one.covariance_m2)});
@@ -176,16 +189,21 @@ void store(const GaussianMoments& moments, GaussianCloud& cloud, std::size_t i) 
   cloud.position_m[i] = glm::vec3(moments.mean_m);
   cloud.covariance_m2[i] = moments.covariance_m2;
   cloud.opacity[i] = static_cast<float>(moments.opacity) + kMinAlpha;
-  const glm::vec3& l = moments.linear;
+  const double with_low_pass_m2 = moments.alone_m2 + moments.spread_m2 * moments.growth;
+  const auto apart = static_cast<float>(moments.opaque_m2 / moments.alone_m2 *
+                                        std::min(moments.covered_m2 / with_low_pass_m2, 1.0));
+  const glm::vec3& l = moments.side_by_side.color;
   const glm::vec3 color(displayOfLinear(l.r), displayOfLinear(l.g), displayOfLinear(l.b));
-  cloud.color[i] = color;
+  cloud.color[i] = glm::mix(moments.blended.color, color, apart);
   const std::size_t count = cloud.harmonicsPerGaussian();
   if (count == 0) return;
-  const glm::vec3 slope = kHarmonicsStep * slopesAt(color);
+  const glm::vec3 slope = slopesAt(color);
   for (std::size_t k = 0; k < count; ++k) {
-    const float steps = std::round(moments.harmonics[k] / slope[static_cast<int>(k % 3)]);
-    cloud.harmonics[i * count + k] =
-        static_cast<std::int16_t>(std::clamp(steps, -32767.0f, 32767.0f));
+    const float value =
+        glm::mix(moments.blended.harmonics[k],
+                 moments.side_by_side.harmonics[k] / slope[static_cast<int>(k % 3)], apart);
+    cloud.harmonics[i * count + k] = static_cast<std::int16_t>(
+        std::clamp(std::round(value / kHarmonicsStep), -32767.0f, 32767.0f));
   }
 }
 

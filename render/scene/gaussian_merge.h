@@ -23,9 +23,17 @@ float peakOf(float opacity);
 /// `opacity` of merged Gaussians after a low-pass that keeps the opacities of the single ones, so
 /// that each of them, alone, covers `growth` times its area.
 /// @param shrinkage  sqrt(|V| / |V + low-pass|) of the merged Gaussian: its area grows, too
-/// @return log(1 + growth shrinkage (exp(opacity) - 1)): proportional where they cover little, and
-///         the same opacity for a single Gaussian, with growth = 1 / shrinkage
+/// @return with o = opacity - kMinAlpha, kMinAlpha + log(1 + growth shrinkage (exp(o) - 1)): areas
+///         add where little is covered, and a single Gaussian, with growth = 1 / shrinkage, keeps
+///         its opacity
 float opacityAfterLowPass(float opacity, float growth, float shrinkage);
+
+/// The mean colour of Gaussians.
+struct MeanColor {
+  glm::vec3 color{0.0f};  ///< of degree 0
+  /// Of degree 1 and more, as in GaussianCloud, in units of `color`: to first order around it.
+  std::array<float, 3 * std::size_t{harmonicsOf(kMaxHarmonicsDegree)}> harmonics{};
+};
 
 /// Moments of one or more Gaussians.
 ///
@@ -36,20 +44,21 @@ float opacityAfterLowPass(float opacity, float growth, float shrinkage);
 /// over directions. Where a top is flat (opacity > 1), the Gaussian of opacity 1 and of the same
 /// area stands for it; the overlap of two equal ones is exact.
 ///
-/// Position, covariance and colour are means weighted by covered area. Colours are averaged in
-/// linear light, as a lens does; harmonics to first order around the colour of degree 0.
+/// Position and covariance are means weighted by covered area. Colours have two means, because a
+/// lens averages linear light, and a renderer composites display values. Opaque Gaussians side by
+/// side show linear light, weighted by covered area. Faint ones, and those that overlap or share a
+/// pixel, show display values, weighted by opacity.
 struct GaussianMoments {
   double covered_m2 = 0.0;  ///< area, mean over directions
   /// Covered area over `meanArea_m2`: kMinAlpha less than the Gaussian's; above 1: a flat top.
   double opacity = 0.0;
-  /// Sums over the Gaussians alone: their covered areas, and how these grow by the variance of a
-  /// low-pass that keeps opacities, 2 pi opacity.
-  double alone_m2 = 0.0, growth = 0.0;
+  /// Sums over the Gaussians alone: their covered areas, the same times their opacities, and how
+  /// the areas grow by the variance of a low-pass that keeps opacities, 2 pi opacity.
+  double alone_m2 = 0.0, opaque_m2 = 0.0, growth = 0.0;
   glm::dvec3 mean_m{0.0};
   Covariance3 covariance_m2{};
-  glm::vec3 linear{0.0f};  ///< light of degree 0
-  /// Of degree 1 and more, as in GaussianCloud, in linear light.
-  std::array<float, 3 * std::size_t{harmonicsOf(kMaxHarmonicsDegree)}> harmonics{};
+  MeanColor side_by_side;  ///< in linear light
+  MeanColor blended;       ///< in display values
   /// Mean variance along an axis by which merging displaced or widened the Gaussians, m^2.
   double spread_m2 = 0.0;
   double radius_m = 0.0;  ///< about the mean: holds all Gaussians to 3 sigma
@@ -60,7 +69,12 @@ GaussianMoments momentsOf(const GaussianCloud& cloud, std::size_t i);
 
 GaussianMoments merged(const GaussianMoments& a, const GaussianMoments& b);
 
-/// Writes a merged Gaussian. @param i  exists in the cloud
+/// Writes a merged Gaussian. Let A be the covered areas of its Gaussians, G their growth, M what
+/// they cover together, and o their mean opacity. The share o M / (A + s G) of its colour is that
+/// of Gaussians side by side: of a light and a dark crowd, the merged light is then that of the
+/// crowd within 5 % (GaussianCut tests). The low-pass s is that of the pixel. Here it is
+/// `spread_m2`: LOD cuts render nodes whose spread is 0.1 to 10 times it (gaussian_cut.h).
+/// @param i  exists in the cloud
 void store(const GaussianMoments& moments, GaussianCloud& cloud, std::size_t i);
 
 }  // namespace foci

@@ -136,8 +136,9 @@ void projectEntry(uint slot) {
   if (preserves_light || is_node) {
     float shrinkage = sqrt(max(xx * yy - xy * xy, 0.0) / (vxx * vyy - xy * xy));
     float growth = 1.0 + g.growth_per_m2 * kLowPass_px2 * depth * depth / (focal.x * focal.y);
-    opacity = preserves_light ? opacity * shrinkage
-                              : log(1.0 + growth * shrinkage * (exp(opacity) - 1.0));
+    opacity = preserves_light
+                  ? opacity * shrinkage
+                  : kMinAlpha + log(1.0 + growth * shrinkage * (exp(opacity - kMinAlpha) - 1.0));
   }
   if (!(opacity > kMinAlpha)) return;
   float end = 2.0 * log(peakOf(opacity) / kMinAlpha);

@@ -130,27 +130,62 @@ TEST(GaussianMerge, PositionAndCovarianceAreThoseOfTheMixture) {
   EXPECT_GE(both.radius_m, glm::distance(both.mean_m, b.mean_m) + 3.0 * 0.06);
 }
 
-TEST(GaussianMerge, ColoursMixInLinearLightInEveryDirection) {
+/// A dark and a light Gaussian of harmonics, in one place.
+GaussianCloud darkAndLight(float opacity) {
   GaussianCloud cloud;
   for (const float display : {0.2f, 0.8f}) {
-    addGaussian(cloud, glm::vec3(0.0f), glm::vec3(0.1f), 1.0f, glm::vec3(display, 0.5f, display));
+    addGaussian(cloud, glm::vec3(0.0f), glm::vec3(0.1f), opacity,
+                glm::vec3(display, 0.5f, display));
   }
   cloud.degree = 3;
   cloud.harmonics.resize(2 * cloud.harmonicsPerGaussian());
   for (std::size_t k = 0; k < cloud.harmonics.size(); ++k) {
     cloud.harmonics[k] = static_cast<std::int16_t>(static_cast<int>(k * 37 % 21) - 10);
   }
-  GaussianCloud node = cloud;
-  store(merged(momentsOf(cloud, 0), momentsOf(cloud, 1)), node, 0);
-  for (const glm::vec3 towards : {glm::vec3(0.0f, 0.0f, 1.0f), glm::vec3(1.0f, -2.0f, 0.5f)}) {
-    const glm::vec3 d = glm::normalize(towards);
-    const glm::vec3 a = colorOf(cloud, 0, d), b = colorOf(cloud, 1, d), c = colorOf(node, 0, d);
-    for (int channel = 0; channel < 3; ++channel) {
-      const float mean = 0.5f * (linearFromSrgb(a[channel]) + linearFromSrgb(b[channel]));
-      // Harmonics of a few hundredths, to first order.
-      EXPECT_NEAR(linearFromSrgb(c[channel]), mean, 5e-4f) << channel;
+  return cloud;
+}
+
+TEST(GaussianMerge, ColoursMixInEveryDirection) {
+  for (const float opacity : {0.1f, 1.0f}) {
+    const GaussianCloud cloud = darkAndLight(opacity);
+    GaussianCloud node = cloud;
+    store(merged(momentsOf(cloud, 0), momentsOf(cloud, 1)), node, 0);
+    // Alone, each covers o of its area; both cover 2 o - o^2 / 2. The opaque share o shows them
+    // side by side, where they do not overlap.
+    const float o = opacity - kMinAlpha, apart = o * (1.0f - o / 4.0f);
+    for (const glm::vec3 towards : {glm::vec3(0.0f, 0.0f, 1.0f), glm::vec3(1.0f, -2.0f, 0.5f)}) {
+      const glm::vec3 d = glm::normalize(towards);
+      const glm::vec3 a = colorOf(cloud, 0, d), b = colorOf(cloud, 1, d), c = colorOf(node, 0, d);
+      for (int channel = 0; channel < 3; ++channel) {
+        const float light = 0.5f * (linearFromSrgb(a[channel]) + linearFromSrgb(b[channel]));
+        const float blended = 0.5f * (a[channel] + b[channel]);
+        // Harmonics of a few hundredths, to first order.
+        EXPECT_NEAR(c[channel], glm::mix(blended, srgbFromLinear(light), apart), 1e-3f) << channel;
+      }
     }
   }
+}
+
+TEST(GaussianMerge, SmallGaussiansFarApartBlendByTheirOpacity) {
+  // A low-pass as wide as their distance makes each of them fill it.
+  GaussianCloud cloud;
+  addGaussian(cloud, glm::vec3(0.0f), glm::vec3(1e-3f), 0.9f + kMinAlpha, glm::vec3(0.2f));
+  addGaussian(cloud, glm::vec3(1.0f, 0.0f, 0.0f), glm::vec3(4e-3f), 0.3f + kMinAlpha,
+              glm::vec3(0.8f));
+  GaussianCloud node = cloud;
+  store(merged(momentsOf(cloud, 0), momentsOf(cloud, 1)), node, 0);
+  EXPECT_NEAR(node.color[0].r, (0.9f * 0.2f + 0.3f * 0.8f) / 1.2f, 1e-4f);
+}
+
+TEST(GaussianMerge, ALowPassKeepsASingleGaussianAndAddsFaintAreas) {
+  for (const float opacity : {0.01f, 0.3f, 1.0f}) {
+    EXPECT_NEAR(opacityAfterLowPass(opacity, 100.0f, 0.01f), opacity, kRounding);
+  }
+  // Eight points of alpha 0.004 above its limit, each widened to 50 times its area, within one of
+  // 1000 times its area.
+  constexpr float kAlpha = 0.004f, kShare = 8.0f / 1000.0f;
+  EXPECT_NEAR(opacityAfterLowPass(kMinAlpha + kAlpha * kShare, 50.0f, 1.0f) - kMinAlpha,
+              50.0f * kAlpha * kShare, 1e-5f);
 }
 
 }  // namespace
