@@ -9,6 +9,9 @@
 namespace foci {
 namespace {
 
+/// Variance of a pixel's low-pass, 0.3 px^2, over a node's spread where that is 1 px^2.
+constexpr double kLowPassPerSpread = 0.3;
+
 /// A direction, as two axes across it.
 struct Across {
   glm::vec3 u, v;
@@ -189,7 +192,8 @@ void store(const GaussianMoments& moments, GaussianCloud& cloud, std::size_t i) 
   cloud.position_m[i] = glm::vec3(moments.mean_m);
   cloud.covariance_m2[i] = moments.covariance_m2;
   cloud.opacity[i] = static_cast<float>(moments.opacity) + kMinAlpha;
-  const double with_low_pass_m2 = moments.alone_m2 + moments.spread_m2 * moments.growth;
+  const double with_low_pass_m2 =
+      moments.alone_m2 + kLowPassPerSpread * moments.spread_m2 * moments.growth;
   const auto apart = static_cast<float>(moments.opaque_m2 / moments.alone_m2 *
                                         std::min(moments.covered_m2 / with_low_pass_m2, 1.0));
   const glm::vec3& l = moments.side_by_side.color;

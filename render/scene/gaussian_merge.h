@@ -71,9 +71,9 @@ GaussianMoments merged(const GaussianMoments& a, const GaussianMoments& b);
 
 /// Writes a merged Gaussian. Let A be the covered areas of its Gaussians, G their growth, M what
 /// they cover together, and o their mean opacity. The share o M / (A + s G) of its colour is that
-/// of Gaussians side by side: of a light and a dark crowd, the merged light is then that of the
-/// crowd within 5 % (GaussianCut tests). The low-pass s is that of the pixel. Here it is
-/// `spread_m2`: LOD cuts render nodes whose spread is 0.1 to 10 times it (gaussian_cut.h).
+/// of Gaussians side by side: a light and a dark crowd then keep their light within 5 %
+/// (GaussianCut tests). Here s is the variance of the low-pass where `spread_m2` is 1 px^2, which
+/// is between the limits of `auto` and `sweep-lod`.
 /// @param i  exists in the cloud
 void store(const GaussianMoments& moments, GaussianCloud& cloud, std::size_t i);
 

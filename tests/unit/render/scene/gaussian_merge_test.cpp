@@ -167,7 +167,7 @@ TEST(GaussianMerge, ColoursMixInEveryDirection) {
 }
 
 TEST(GaussianMerge, SmallGaussiansFarApartBlendByTheirOpacity) {
-  // A low-pass as wide as their distance makes each of them fill it.
+  // The low-pass of a pixel as wide as their distance makes each of them fill it.
   GaussianCloud cloud;
   addGaussian(cloud, glm::vec3(0.0f), glm::vec3(1e-3f), 0.9f + kMinAlpha, glm::vec3(0.2f));
   addGaussian(cloud, glm::vec3(1.0f, 0.0f, 0.0f), glm::vec3(4e-3f), 0.3f + kMinAlpha,
