@@ -8,7 +8,9 @@
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/sources/clock_times.h"
+#include "gaze/sources/empty_directions.h"
 #include "gaze/sources/rows_seen.h"
+#include "gaze/sources/swift_number.h"
 #include "gaze/sources/table_layout.h"
 #include "gaze/sources/table_preamble.h"
 #include "gaze/sources/table_row.h"
@@ -101,6 +103,11 @@ class TableReader {
     }
     if (!found) throw InputError(lines_.fileName(), "empty: expected a header line and samples");
     layout_ = recogniseTable(lines_, line, columns, preamble_);
+    std::string first_row;
+    if (layout_.camera_axes) {
+      first_row = nextRow();
+      leaveOutEmptyDirections(layout_, first_row);
+    }
     mapped_later_ = columns.mapped_later;
     scale_given_ = columns.time_scale_s.has_value();
     units_ = columns.units     ? *columns.units
@@ -125,6 +132,18 @@ class TableReader {
     clock_known_ = layout_.time_scale_s > 0.0;
     row_.emplace(lines_, layout_, screen, units_);
     if (layout_.headless) readLine(line);
+    if (!trimmed(first_row).empty()) {
+      readLine(std::string_view(first_row).substr(0, first_row.size() - kNumberPadding));
+    }
+  }
+
+  /// A copy of the next line that is not blank, with the bytes behind it that `swiftNumber` reads;
+  /// blanks at the end of the file.
+  std::string nextRow() {
+    std::string row;
+    std::string_view line;
+    while (trimmed(row).empty() && lines_.next(line)) row = line;
+    return row.append(kNumberPadding, ' ');
   }
 
   void readResolution() {

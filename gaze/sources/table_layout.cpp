@@ -381,6 +381,12 @@ class Recogniser {
       layout_.units = GazeUnits::normalised;
       layout_.y_up = layout_.of_scene_camera = true;
       layout_.time_scale_s = 1.0;
+    } else if (find({"onsurf", "onsrf"}) && layout_.x && names_.key(*layout_.x) == "x" &&
+               names_.unit(*layout_.x) == "norm") {
+      set("Pupil Core surface");
+      layout_.units = GazeUnits::normalised;
+      layout_.y_up = true;
+      layout_.time_scale_s = 1.0;
     } else if (find({"sectionid"}) && find({"gazex"}) && find({"recordingid"})) {
       set("Neon export");
       layout_.of_scene_camera = true;
