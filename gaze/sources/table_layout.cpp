@@ -40,12 +40,6 @@ double secondsPer(const std::string& unit) {
   return unit == "s" ? 1.0 : unit == "ms" ? 1e-3 : unit == "us" ? 1e-6 : unit == "ns" ? 1e-9 : 0.0;
 }
 
-char delimiterOf(std::string_view header, const TablePreamble& before) {
-  if (before.separator) return *before.separator;
-  const auto has = [&](char c) { return header.find(c) != std::string_view::npos; };
-  return has('\t') ? '\t' : has(';') ? ';' : has(',') ? ',' : ' ';
-}
-
 class Recogniser {
  public:
   Recogniser(const LineReader& lines, std::string_view header, const TraceColumns& columns,
