@@ -72,12 +72,13 @@ TraceDescription descriptionOf(const TraceOptions& options) {
   return description;
 }
 
-void withTraceHints(const std::function<void()>& read) {
+void withTraceHints(const TraceOptions& options, const std::function<void()>& read) {
   try {
     read();
   } catch (const InputError& error) {
     const std::string what = error.what();
-    if (what.find("gaze.") == what.npos || what.find("--") != what.npos) throw;
+    const bool names_a_key = what.find("gaze.") != what.npos;
+    if (!names_a_key || !options.study.empty() || what.find("--") != what.npos) throw;
     throw InputError(what +
                      " (a study's keys: give --study FILE, or --time, --x, --y, --units, "
                      "--time-scale-s)");

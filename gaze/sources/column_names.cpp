@@ -201,7 +201,8 @@ std::string ColumnNames::otherKind() const {
   if (find({"fixationx", "fixationpointx"}) || find({"starttimestamp"})) {
     return "the rows are fixations or events: export the samples of gaze";
   }
-  if (const std::string directions = namesWith({"gazedirect", "gazevector", "gazedir", "gvec"});
+  if (const std::string directions =
+          namesWith({"gazedirect", "gazevector", "gazedir", "gvec", "raydirection", "gazeforward"});
       !directions.empty()) {
     return "the columns " + directions +
            " are directions in space: name x, y and z in a study with gaze.direction = [...], and "
@@ -240,6 +241,11 @@ InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
                   option);
   }
   if (const std::string other = otherKind(); !other.empty()) return lines_.error(other);
+  if (texts_.size() == 1 && texts_[0].find('|') != std::string_view::npos) {
+    return lines_.error(
+        "fields separated by \"|\": expected tabs, semicolons, commas or blanks; or "
+        "begin the file with the line sep=|");
+  }
   const std::string how = "name it with gaze." + option + "; ";
   const std::string candidates = listed([&](std::size_t i) { return mayBe(meaning, i); });
   const std::string all = listed([](std::size_t) { return true; });

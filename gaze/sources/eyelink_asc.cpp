@@ -87,7 +87,9 @@ class AscReader {
       setEyes();
       remote_ |= std::find(words_.begin(), words_.end(), "HTARGET") != words_.end();
       if (words_.size() > 1 && (words_[1] == "HREF" || words_[1] == "PUPIL")) {
-        throw lines_.error("samples in " + shown(words_[1]) + " coordinates: expected GAZE");
+        throw lines_.error("samples in " + shown(words_[1]) +
+                           " coordinates: expected GAZE; convert the EDF file again with "
+                           "edf2asc -sg");
       }
     } else if (kind == "SBLINK" && block_.open) {
       const int side = eye();
