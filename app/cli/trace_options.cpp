@@ -58,8 +58,8 @@ TraceDescription descriptionOf(const TraceOptions& options) {
                      "of row numbers give gaze.time_scale_s = 1 / rate");
   }
   if (options.time_scale_s != 0.0) {
-    if (!(options.time_scale_s >= 1e-12 && options.time_scale_s <= 1.0)) {
-      throw InputError("--time-scale-s", "expected seconds per unit of time, 1e-12 to 1");
+    if (!(options.time_scale_s >= 1e-12 && options.time_scale_s <= 3600.0)) {
+      throw InputError("--time-scale-s", "expected seconds per unit of time, 1e-12 to 3600");
     }
     columns.time_scale_s = options.time_scale_s;
   }

@@ -19,14 +19,34 @@ constexpr std::array<std::string_view, 8> kAngles = {
 
 /// The short form of a unit as vendors write it; empty for any other word.
 std::string unitOf(std::string_view word) {
-  static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
-      {"s", "s"},         {"sec", "s"},           {"seconds", "s"},       {"ms", "ms"},
-      {"msec", "ms"},     {"milliseconds", "ms"}, {"us", "us"},           {"usec", "us"},
-      {"ns", "ns"},       {"px", "px"},           {"pix", "px"},          {"pixel", "px"},
-      {"pixels", "px"},   {"deg", "deg"},         {"dva", "deg"},         {"degree", "deg"},
-      {"degrees", "deg"}, {"norm", "norm"},       {"mm", "mm"},           {"cm", "cm"},
-      {"m", "m"},         {"normalised", "norm"}, {"normalized", "norm"}, {"rad", "rad"},
-      {"radians", "rad"}};
+  static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {{"s", "s"},
+                                                                             {"sec", "s"},
+                                                                             {"seconds", "s"},
+                                                                             {"ms", "ms"},
+                                                                             {"msec", "ms"},
+                                                                             {"milliseconds", "ms"},
+                                                                             {"us", "us"},
+                                                                             {"usec", "us"},
+                                                                             {"ns", "ns"},
+                                                                             {"px", "px"},
+                                                                             {"pix", "px"},
+                                                                             {"pixel", "px"},
+                                                                             {"pixels", "px"},
+                                                                             {"deg", "deg"},
+                                                                             {"dva", "deg"},
+                                                                             {"degree", "deg"},
+                                                                             {"degrees", "deg"},
+                                                                             {"norm", "norm"},
+                                                                             {"mm", "mm"},
+                                                                             {"cm", "cm"},
+                                                                             {"m", "m"},
+                                                                             {"normalised", "norm"},
+                                                                             {"normalized", "norm"},
+                                                                             {"rad", "rad"},
+                                                                             {"radians", "rad"},
+                                                                             {"%", "%"},
+                                                                             {"percent", "%"},
+                                                                             {"pct", "%"}};
   for (const auto& [text, unit] : kUnits) {
     if (word == text) return std::string(unit);
   }
@@ -38,6 +58,9 @@ std::string unitIn(std::string_view inside) {
   const std::size_t blank = inside.rfind(' ');
   const std::string_view last = blank == std::string_view::npos ? inside : inside.substr(blank + 1);
   if (std::string unit = unitOf(last); !unit.empty()) return unit;
+  // Only in brackets: "x_min" is a minimum.
+  if (last == "min" || last == "minutes") return "min";
+  if (last == "h" || last == "hours") return "h";
   for (const std::string_view unit : {"px", "norm", "mm"}) {
     if (last.ends_with(unit)) return std::string(unit);
   }

@@ -37,6 +37,8 @@ constexpr std::string_view kGazepointXs[] = {"bpogx", "fpogx"}, kGazepointYs[] =
 constexpr std::string_view kNormXs[] = {"posx", "gazeposx"}, kNormYs[] = {"posy", "gazeposy"};
 
 double secondsPer(const std::string& unit) {
+  if (unit == "min") return 60.0;
+  if (unit == "h") return 3600.0;
   return unit == "s" ? 1.0 : unit == "ms" ? 1e-3 : unit == "us" ? 1e-6 : unit == "ns" ? 1e-9 : 0.0;
 }
 
@@ -134,20 +136,20 @@ class Recogniser {
     right.point = find({"rightgazepointondisplayarea"});
     left.x = findPosition({"lx", "leftx", "xleft", "leftgazex", "gazeleftx", "gazexleft",
                            "gazepointleftx", "gazepointxleft", "leftgazepointx", "lporx",
-                           "pointofregardleftx", "leftxcoordinate", "xl", "lpogx",
+                           "etgazeleftx", "pointofregardleftx", "leftxcoordinate", "xl", "lpogx",
                            "leftgazepointondisplayareax"});
     left.y = findPosition({"ly", "lefty", "yleft", "leftgazey", "gazelefty", "gazeyleft",
                            "gazepointlefty", "gazepointyleft", "leftgazepointy", "lpory",
-                           "pointofregardlefty", "leftycoordinate", "yl", "lpogy",
+                           "etgazelefty", "pointofregardlefty", "leftycoordinate", "yl", "lpogy",
                            "leftgazepointondisplayareay"});
     right.x = findPosition({"rx", "rightx", "xright", "rightgazex", "gazerightx", "gazexright",
                             "gazepointrightx", "gazepointxright", "rightgazepointx", "rporx",
-                            "pointofregardrightx", "rightxcoordinate", "xr", "rpogx",
-                            "rightgazepointondisplayareax"});
+                            "etgazerightx", "pointofregardrightx", "rightxcoordinate", "xr",
+                            "rpogx", "rightgazepointondisplayareax"});
     right.y = findPosition({"ry", "righty", "yright", "rightgazey", "gazerighty", "gazeyright",
                             "gazepointrighty", "gazepointyright", "rightgazepointy", "rpory",
-                            "pointofregardrighty", "rightycoordinate", "yr", "rpogy",
-                            "rightgazepointondisplayareay"});
+                            "etgazerighty", "pointofregardrighty", "rightycoordinate", "yr",
+                            "rpogy", "rightgazepointondisplayareay"});
     left.validity = find({"leftgazepointvalidity", "validityleft", "leftvalidity", "lpogv"});
     right.validity = find({"rightgazepointvalidity", "validityright", "rightvalidity", "rpogv"});
     left.pupil_mm =
@@ -218,7 +220,7 @@ class Recogniser {
     if (!column) return;
     const std::string& unit = names_.unit(*column);
     if (unit == "rad" && !given_.units && !given_.mapped_later) throw names_.inRadians(*column);
-    if (names_.isLength(*column) && !given_.units && !given_.mapped_later) {
+    if (names_.needsScale(*column) && !given_.units && !given_.mapped_later) {
       throw lines_.error("column " + shown(names_.text(*column)) + " is in " + shown(unit) +
                          ": expected px, deg or fractions of the screen; gaze.scale converts it "
                          "to gaze.units");

@@ -294,55 +294,6 @@ TEST(VendorExport, TablesOfOtherThingsAreNamed) {
   says("Time,X,Y\n10:22:00,3,4\n10:22:00,3,4\n", "a finer clock with gaze.time");
 }
 
-TEST(VendorExport, PupilCoresSurfacesCountFromTheLowerEdge) {
-  const GazeTrace trace =
-      readTrace(ScratchFile("world_timestamp,world_index,gaze_timestamp,x_norm,y_norm,x_scaled,"
-                            "y_scaled,on_surf,confidence\n"
-                            "10.0,0,10.001,0.5,0.25,0.1,0.05,True,0.9\n"
-                            "10.0,0,10.006,1.25,0.25,0.25,0.05,False,0.9\n"
-                            "10.0,0,10.011,0.5,0.25,0.1,0.05,True,0.2\n")
-                    .path(),
-                {}, {.size_px = {1000, 800}});
-  EXPECT_EQ(trace.format, "Pupil Core surface");
-  EXPECT_TRUE(trace.assumed.empty());
-  EXPECT_DOUBLE_EQ(trace.samples[0].time_s, 10.001);
-  expectPoint(trace.samples[0].point_px, 500, 600);
-  expectPoint(trace.samples[1].point_px, 1250, 600);  // beside the surface
-  EXPECT_FALSE(trace.samples[2].point_px);            // not confident
-}
-
-TEST(VendorExport, PupilCoreIn2dHasEmptyDirections) {
-  const std::string header =
-      "gaze_timestamp,world_index,confidence,norm_pos_x,norm_pos_y,base_data,eye_center0_3d_x,"
-      "eye_center0_3d_y,eye_center0_3d_z,gaze_normal0_x,gaze_normal0_y,gaze_normal0_z,"
-      "gaze_normal1_x,gaze_normal1_y,gaze_normal1_z\n";
-  const ScratchFile file(header +
-                         "\n10,0,0.9,0.5,0.25,a,,,,,,,,,\n10.01,0,0.9,0.25,0.75,a,,,,,,,,,\n");
-  const GazeTrace trace = readTrace(file.path(), {}, {.size_px = {1000, 800}});
-  EXPECT_EQ(trace.format, "Pupil Core export");
-  ASSERT_EQ(trace.samples.size(), 2u);
-  expectPoint(trace.samples[0].point_px, 500, 600);
-  expectPoint(trace.samples[1].point_px, 250, 200);
-  const TraceHeader read = streamTrace(file.path(), {}, {}, [](const GazeSample&) {});
-  EXPECT_EQ(read.units, GazeUnits::normalised);
-  EXPECT_EQ(read.columns[3].meaning,
-            "horizontal position of gaze, fractions of the screen from its lower left corner");
-  for (std::size_t column = 6; column < 15; ++column) {
-    EXPECT_EQ(read.columns[column].meaning, "unused") << column;
-  }
-  EXPECT_NE(refusal(header).find("0 samples"), std::string::npos) << refusal(header);
-}
-
-TEST(VendorExport, NaNAsWindowsPrintsItIsDataLoss) {
-  for (const std::string word : {"-nan", "-nan(ind)", "nan(IND)", "1.#QNAN", "-1.#IND", "NULL"}) {
-    const GazeTrace trace = readTrace(
-        ScratchFile("time_s,x_px,y_px\n0,1,2\n0.01," + word + "," + word + "\n").path(), {}, {});
-    EXPECT_FALSE(trace.samples[1].point_px) << word;
-  }
-  EXPECT_NE(refusal("time_s,x_px,y_px\n0,1,2\n0.01,inf,inf\n").find("expected a number"),
-            std::string::npos);
-}
-
 TEST(VendorExport, GlassesThatAreNotWornHaveNoGaze) {
   const GazeTrace trace =
       readTrace(ScratchFile("section id,recording id,timestamp [ns],gaze x [px],gaze y [px],worn\n"
