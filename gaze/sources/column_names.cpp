@@ -244,7 +244,7 @@ std::string ColumnNames::otherKind() const {
 
 InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
   const std::string option = meaning == Meaning::time ? "time" : meaning == Meaning::x ? "x" : "y";
-  const std::string what = "no column " + shown(keys[0]) + ": ";
+  const std::string what = "no column " + shown(option) + ": ";
   if (!texts_.empty() && parseNumber(texts_[0])) {
     return lines_.error(what + "the first line has numbers, not names; give columns by number: " +
                         "gaze.time = \"#1\", gaze.x = \"#2\", gaze.y = \"#3\"");

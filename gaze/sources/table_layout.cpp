@@ -26,10 +26,11 @@ constexpr std::string_view kTimes[] = {"time",
                                        "devicetimestamp",
                                        "recordingtime",
                                        "n"};
-constexpr std::string_view kXs[] = {"x",           "gazex", "xgaze", "gazepointx",
-                                    "xcoordinate", "porx",  "bporx", "pointofregardbinocularx"};
-constexpr std::string_view kYs[] = {"y",           "gazey", "ygaze", "gazepointy",
-                                    "ycoordinate", "pory",  "bpory", "pointofregardbinoculary"};
+// A plain "x" is last: beside "gaze_x" it is the place of something else.
+constexpr std::string_view kXs[] = {
+    "gazex", "xgaze", "gazepointx", "xcoordinate", "porx", "bporx", "pointofregardbinocularx", "x"};
+constexpr std::string_view kYs[] = {
+    "gazey", "ygaze", "gazepointy", "ycoordinate", "pory", "bpory", "pointofregardbinoculary", "y"};
 // Gazepoint: the best point of both eyes, else the one filtered to fixations.
 constexpr std::string_view kBestValid[] = {"bpogv"}, kFixationValid[] = {"fpogv"};
 constexpr std::string_view kGazepointXs[] = {"bpogx", "fpogx"}, kGazepointYs[] = {"bpogy", "fpogy"};

@@ -120,6 +120,12 @@ TEST(ScriptTable, IMotionsHasBothEyesBelowItsPreamble) {
   EXPECT_DOUBLE_EQ(trace.samples[1].time_s, 1.01);
 }
 
+TEST(ScriptTable, AColumnNamedGazeComesBeforeAPlainOne) {
+  const ScratchFile file("time_s,x,y,gaze_x,gaze_y\n0,1,2,3,4\n0.01,1,2,3,4\n");
+  expectPoint(readTrace(file.path(), {}, {}).samples[0].point_px, 3, 4);
+  expectPoint(readTrace(file.path(), {.x = "x", .y = "y"}, {}).samples[0].point_px, 1, 2);
+}
+
 TEST(ScriptTable, NaNAsWindowsPrintsItIsDataLoss) {
   for (const std::string word : {"-nan", "-nan(ind)", "nan(IND)", "1.#QNAN", "-1.#IND", "NULL"}) {
     const GazeTrace trace = readTrace(
