@@ -1,5 +1,5 @@
 // The names come from exports and documentation of Tobii Pro Lab, Tobii Studio, Tobii Pro SDK,
-// Gazepoint, Pupil Core, Neon, SMI BeGaze, GazeBase, GazeBaseVR, JuDo1000 and BIDS.
+// Gazepoint, Pupil Core, Neon, SMI BeGaze, iMotions, GazeBase, GazeBaseVR, JuDo1000 and BIDS.
 #include "gaze/sources/table_layout.h"
 
 #include <algorithm>
