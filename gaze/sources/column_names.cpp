@@ -271,9 +271,15 @@ InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
   }
   const std::string how = "name it with gaze." + option + "; ";
   const std::string candidates = listed([&](std::size_t i) { return mayBe(meaning, i); });
+  if (!candidates.empty()) return lines_.error(what + how + "it may be " + candidates);
   const std::string all = listed([](std::size_t) { return true; });
-  return lines_.error(what + how +
-                      (candidates.empty() ? "the columns are " + all : "it may be " + candidates));
+  const std::string known = listed([&](std::size_t i) {
+    return mayBe(Meaning::time, i) || mayBe(Meaning::x, i) || mayBe(Meaning::y, i);
+  });
+  return lines_.error(what + how + "the columns are " + all +
+                      (known.empty() ? "; if the names are in a later line, remove the lines "
+                                       "before it, or begin them with #"
+                                     : ""));
 }
 
 InputError ColumnNames::inRadians(std::size_t column) const {

@@ -120,6 +120,13 @@ TEST(ScriptTable, IMotionsHasBothEyesBelowItsPreamble) {
   EXPECT_DOUBLE_EQ(trace.samples[1].time_s, 1.01);
 }
 
+TEST(ScriptTable, NamesInALaterLineAreHintedAt) {
+  EXPECT_NE(refusal("Recording of P01\n\ntime_s,x_px,y_px\n0,1,2\n").find("begin them with #"),
+            std::string::npos);
+  EXPECT_EQ(refusal("# Recording of P01\n\ntime_s,x_px,y_px\n0,1,2\n0.01,1,2\n"), "not refused");
+  EXPECT_EQ(refusal("frame,x,y\n0,1,2\n").find("a later line"), std::string::npos);
+}
+
 TEST(ScriptTable, AColumnNamedGazeComesBeforeAPlainOne) {
   const ScratchFile file("time_s,x,y,gaze_x,gaze_y\n0,1,2,3,4\n0.01,1,2,3,4\n");
   expectPoint(readTrace(file.path(), {}, {}).samples[0].point_px, 3, 4);
