@@ -105,7 +105,7 @@ class TableReader {
     if (!found) throw InputError(lines_.fileName(), "empty: expected a header line and samples");
     layout_ = recogniseTable(lines_, line, columns, preamble_);
     std::string first_row;
-    if (layout_.camera_axes) {
+    if (layout_.camera_axes && !layout_.headless) {
       first_row = nextRow();
       leaveOutEmptyDirections(layout_, first_row);
     }
