@@ -109,17 +109,21 @@ TraceDescription unmappedDescriptionOf(const EventsOptions& options) {
   return description;
 }
 
+void printDoubts(const std::string& file, const GazeTrace& trace) {
+  for (const std::string& assumption : trace.assumed) {
+    std::fprintf(stderr, "foci: %s: assumed: %s\n", file.c_str(), assumption.c_str());
+  }
+  for (const std::string& warning : trace.warnings) {
+    std::fprintf(stderr, "foci: %s: %s\n", file.c_str(), warning.c_str());
+  }
+}
+
 void detectEvents(const EventsOptions& options) {
   checkFiles(options);
   const TraceDescription description = unmappedDescriptionOf(options);
   const GazeTrace trace = readTrace(options.traces[0], description.columns, description.screen);
   requireWholeScreen(*trace.screen, options.traces[0]);
-  for (const std::string& assumption : trace.assumed) {
-    std::fprintf(stderr, "foci: %s: assumed: %s\n", options.traces[0].c_str(), assumption.c_str());
-  }
-  for (const std::string& warning : trace.warnings) {
-    std::fprintf(stderr, "foci: %s: %s\n", options.traces[0].c_str(), warning.c_str());
-  }
+  printDoubts(options.traces[0], trace);
   const auto states = labelsOf(trace, options.online);
   const auto events = eventsOf(states, trace, *trace.screen);
   OutputFiles files;
@@ -232,6 +236,7 @@ void scoreEvents(const EventsOptions& options) {
   for (const std::string& file : options.traces) {
     const LabelledTrace labelled = readLabelledTrace(file, description.screen, description.columns);
     requireWholeScreen(*labelled.trace.screen, file);
+    printDoubts(file, labelled.trace);
     scores.add(labelled, labelsOf(labelled.trace, options.online));
   }
   nlohmann::ordered_json json = {{"recordings", options.traces.size()},
@@ -280,7 +285,8 @@ void addEventsCommand(CLI::App& app) {
     if (!options->score && options->traces.size() > 1) {
       throw InputError("TRACE: expected one recording, or --score");
     }
-    withTraceHints([&] { options->score ? scoreEvents(*options) : detectEvents(*options); });
+    withTraceHints(*options,
+                   [&] { options->score ? scoreEvents(*options) : detectEvents(*options); });
   });
 }
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -107,8 +108,20 @@ std::optional<UpAxis> upOf(const std::string& up) {
   return axis;
 }
 
+/// A recording in the study's place reads as broken TOML: its name says what it is.
+void refuseRecording(const std::string& study) {
+  const std::string ending = std::filesystem::path(study).extension().string();
+  for (const char* of_recordings : {".csv", ".tsv", ".asc", ".xdf", ".gz", ".txt"}) {
+    if (ending != of_recordings) continue;
+    throw InputError(study,
+                     "is not a study: expected a study (TOML) or a scene; foci replay takes a "
+                     "recording with --trace FILE, foci live with --source trace:FILE");
+  }
+}
+
 StudyAsked studyOf(const StudyOptions& options) {
   const bool is_scene = isScene(options.study);
+  if (!is_scene) refuseRecording(options.study);
   const std::optional<Look> look = lookOf(options.look);
   const std::optional<UpAxis> up = upOf(options.up);
   if (!is_scene && !(options.look.empty() && options.up.empty())) {

@@ -198,7 +198,7 @@ void addTraceCommand(CLI::App& app) {
               "Show format, rate, duration, eyes, data loss and clock jumps, and what was assumed.")
           ->alias("INFO");
   addOptions(*facts, *options);
-  facts->callback([options] { withTraceHints([&] { showTrace(*options); }); });
+  facts->callback([options] { withTraceHints(*options, [&] { showTrace(*options); }); });
   CLI::App* conversion = trace->add_subcommand(
       "convert", "Write the recording as BIDS: a table and its JSON sidecar.");
   addOptions(*conversion, *options);
@@ -206,7 +206,7 @@ void addTraceCommand(CLI::App& app) {
       ->type_name("FILE_physio.tsv.gz")
       ->required();
   addOverwriteFlag(*conversion, options->overwrite);
-  conversion->callback([options] { withTraceHints([&] { convertTrace(*options); }); });
+  conversion->callback([options] { withTraceHints(*options, [&] { convertTrace(*options); }); });
 }
 
 }  // namespace foci

@@ -58,8 +58,8 @@ TraceDescription descriptionOf(const TraceOptions& options) {
                      "of row numbers give gaze.time_scale_s = 1 / rate");
   }
   if (options.time_scale_s != 0.0) {
-    if (!(options.time_scale_s >= 1e-12 && options.time_scale_s <= 1.0)) {
-      throw InputError("--time-scale-s", "expected seconds per unit of time, 1e-12 to 1");
+    if (!(options.time_scale_s >= 1e-12 && options.time_scale_s <= 3600.0)) {
+      throw InputError("--time-scale-s", "expected seconds per unit of time, 1e-12 to 3600");
     }
     columns.time_scale_s = options.time_scale_s;
   }
@@ -72,12 +72,13 @@ TraceDescription descriptionOf(const TraceOptions& options) {
   return description;
 }
 
-void withTraceHints(const std::function<void()>& read) {
+void withTraceHints(const TraceOptions& options, const std::function<void()>& read) {
   try {
     read();
   } catch (const InputError& error) {
     const std::string what = error.what();
-    if (what.find("gaze.") == what.npos || what.find("--") != what.npos) throw;
+    const bool names_a_key = what.find("gaze.") != what.npos;
+    if (!names_a_key || !options.study.empty() || what.find("--") != what.npos) throw;
     throw InputError(what +
                      " (a study's keys: give --study FILE, or --time, --x, --y, --units, "
                      "--time-scale-s)");

@@ -32,7 +32,8 @@ void addTraceOptions(CLI::App& command, TraceOptions& options);
 /// @throws InputError
 TraceDescription descriptionOf(const TraceOptions& options);
 
-/// Runs `read`. A refusal that names a key of a study also says where to give it.
-void withTraceHints(const std::function<void()>& read);
+/// Runs `read`. A refusal that names a key of a study also says where to give it, if the user gave
+/// no study.
+void withTraceHints(const TraceOptions& options, const std::function<void()>& read);
 
 }  // namespace foci

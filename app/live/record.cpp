@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/platform/output_files.h"
 #include "app/platform/output_folder.h"
 #include "app/record/manifest.h"
 #include "app/record/run_events.h"
@@ -54,10 +55,8 @@ int medianOf(const std::map<int, std::size_t>& counts) {
 }  // namespace
 
 void makeRecordFolder(const fs::path& folder) {
+  requireFolderOrNothing(folder);
   std::error_code error;
-  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
-    throw InputError(folder.string(), "is a file: expected a folder for the record");
-  }
   for (const char* name : {"study.toml", "gaze.tsv", "frames.tsv", "changes.tsv", "timing.tsv",
                            "event_markers.tsv", "events.tsv", "manifest.json"}) {
     if (!fs::exists(fs::symlink_status(folder / name, error))) continue;

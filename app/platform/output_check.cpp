@@ -46,14 +46,8 @@ void checkName(const fs::path& output) {
 }
 
 void checkPlace(const fs::path& output, WrittenFiles& written, bool overwrite) {
+  requireFolderOrNothing(output.parent_path());
   std::error_code ignored;
-  for (fs::path folder = output.parent_path(); !folder.empty(); folder = folder.parent_path()) {
-    const fs::file_status status = fs::status(folder, ignored);
-    if (fs::is_directory(status)) break;
-    if (fs::exists(status)) {
-      throw InputError(folder.string(), "is a file: expected a folder");
-    }
-  }
   const fs::file_status target = fs::status(output, ignored);
   if (fs::is_directory(target)) throw InputError(output.string(), "is a folder: expected a file");
   if (fs::exists(target)) requireRegularFile(output);
@@ -66,6 +60,15 @@ void checkPlace(const fs::path& output, WrittenFiles& written, bool overwrite) {
 }
 
 }  // namespace
+
+void requireFolderOrNothing(const fs::path& folder) {
+  std::error_code ignored;
+  for (fs::path part = folder; !part.empty(); part = part.parent_path()) {
+    const fs::file_status status = fs::status(part, ignored);
+    if (fs::is_directory(status)) return;
+    if (fs::exists(status)) throw InputError(part.string(), "is a file: expected a folder");
+  }
+}
 
 void checkOutputs(const std::vector<fs::path>& outputs, const std::vector<fs::path>& inputs,
                   bool overwrite) {

@@ -9,6 +9,11 @@
 
 namespace foci {
 
+/// Refuses a folder that cannot be made because it, or a folder above it, is a file.
+/// @param folder  may not exist yet
+/// @throws InputError
+void requireFolderOrNothing(const std::filesystem::path& folder);
+
 /// Refuses outputs that a command must not write. Call it before the command reads anything. It
 /// refuses an output that is also an input. Device and inode tell, so links count, too. It refuses
 /// two outputs in one file, folders, pipes, devices, and names that are too long. Without

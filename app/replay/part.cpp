@@ -30,8 +30,9 @@ using Json = nlohmann::ordered_json;
 constexpr const char *kPart = "part.json", *kStudy = "study.toml";
 
 /// The keys that name files.
-constexpr const char* kFileKeys[] = {"scene.file",     "screen.monitor", "gaze.source",
-                                     "gaze.map",       "gaze.camera",    "record.frames",
+constexpr const char* kFileKeys[] = {"scene.file",     "scene.part",         "screen.monitor",
+                                     "screen.spectra", "observer.wavefront", "gaze.source",
+                                     "gaze.map",       "gaze.camera",        "record.frames",
                                      "record.changes", "record.markers"};
 
 std::string spanText(const FrameSpan& span) {
@@ -219,7 +220,11 @@ Study statedStudyOf(const Part& part) {
   Study study = studyOf(part);
   const Json configuration = Json::parse(part.configuration);
   for (const char* key : kFileKeys) {
-    setKey(study, key, configuration.at(key).dump(), part.folder / kPart);
+    const Json& value = configuration.at(key);
+    const std::string file = part.folder / kPart;
+    setKey(study, key, "null", file);
+    if (value.is_null() || value.empty()) continue;
+    setKey(study, key, tomlOfJson(value.dump()), file);
   }
   return study;
 }

@@ -13,6 +13,9 @@ namespace foci {
 /// record) keep their names.
 std::string studyToml(const Study& study);
 
+/// A value of `ResolvedKey::json` as TOML on one line.
+std::string tomlOfJson(const std::string& json);
+
 /// The keys that differ from their defaults, and scale and eye, each with its meaning as a comment.
 /// Files in `folder` or below it are named relative to it, others absolutely.
 /// @param folder   of the file that the text is for

@@ -8,6 +8,7 @@
 
 #include "base/input_error.h"
 #include "gaze/sources/line_reader.h"
+#include "gaze/sources/table_preamble.h"
 
 namespace foci {
 namespace {
@@ -26,21 +27,17 @@ struct Columns {
   std::array<std::size_t, 2> target{};
 };
 
-char delimiterOf(std::string_view header) {
-  for (const char c : {'\t', ';', ','}) {
-    if (header.find(c) != header.npos) return c;
-  }
-  return ' ';
-}
-
 class PairsReader {
  public:
   explicit PairsReader(const std::filesystem::path& file) : lines_(file) {}
 
   std::vector<BinocularSample> read() {
     std::string_view line;
-    if (!lines_.next(line)) throw InputError(lines_.fileName(), "empty: expected a header row");
-    delimiter_ = delimiterOf(line);
+    TablePreamble preamble;
+    bool found = lines_.next(line);
+    if (found && readSeparatorLine(line, preamble)) found = lines_.next(line);
+    if (!found) throw InputError(lines_.fileName(), "empty: expected a header row");
+    delimiter_ = delimiterOf(line, preamble);
     readHeader(line);
     std::vector<BinocularSample> samples;
     while (lines_.next(line)) {

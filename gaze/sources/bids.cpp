@@ -3,6 +3,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -89,6 +90,40 @@ std::string unitOf(const Json& json, const std::string& column) {
   return unit.size() <= 16 ? unit : std::string();
 }
 
+/// Turns positions that count from the lower left corner of the screen. The study's own gaze.scale
+/// and gaze.offset replace this.
+/// @param header  names and units of the columns
+/// @throws InputError for another origin than a left corner
+TraceColumns fromUpperLeft(TraceColumns columns, const Json& json, const fs::path& sidecar,
+                           const std::string& header, const Screen& screen) {
+  const auto stimulus = json.find("StimulusPresentation");
+  if (stimulus == json.end() || !stimulus->is_object()) return columns;
+  const auto origin = stimulus->find("ScreenOrigin");
+  const bool converts = columns.scale != glm::dvec2(1.0) || columns.offset != glm::dvec2(0.0);
+  const bool degrees = columns.units.value_or(GazeUnits::px) == GazeUnits::deg ||
+                       header.find(" [deg]") != header.npos;
+  if (origin == stimulus->end() || converts || degrees || columns.mapped_later) return columns;
+  const auto has = [&](const char* word) {
+    return origin->is_array() && origin->size() == 2 &&
+           std::find(origin->begin(), origin->end(), Json(word)) != origin->end();
+  };
+  if (has("top") && has("left")) return columns;
+  if (!has("bottom") || !has("left")) {
+    throw InputError(sidecar.string(),
+                     "ScreenOrigin: expected [\"top\", \"left\"] or [\"bottom\", \"left\"]; a "
+                     "study converts other positions with gaze.scale and gaze.offset");
+  }
+  const bool fractions = columns.units.value_or(GazeUnits::px) == GazeUnits::normalised ||
+                         header.find(" [norm") != header.npos;
+  if (!fractions && screen.size_px.y <= 0) {
+    throw InputError(sidecar.string(),
+                     "ScreenOrigin is at the bottom: expected ScreenResolution, too");
+  }
+  columns.scale.y = -1.0;
+  columns.offset.y = fractions ? 1.0 : screen.size_px.y;
+  return columns;
+}
+
 constexpr const char* kNominalText =
     "The recording states no screen: StimulusPresentation is a nominal screen of foci, which "
     "keeps the recording's own degrees or fractions";
@@ -111,8 +146,8 @@ std::optional<fs::path> bidsSidecarOf(const fs::path& file) {
   return sidecar && fs::is_regular_file(*sidecar, error) ? sidecar : std::nullopt;
 }
 
-TraceHeader readBids(const fs::path& file, const fs::path& sidecar, const Screen& fallback_screen,
-                     const TakeSample& take) {
+TraceHeader readBids(const fs::path& file, const fs::path& sidecar, const TraceColumns& described,
+                     const Screen& fallback_screen, const TakeSample& take) {
   const Json json = readJson(sidecar);
   const auto columns = json.find("Columns");
   if (columns == json.end() || !columns->is_array() || columns->empty()) {
@@ -129,7 +164,9 @@ TraceHeader readBids(const fs::path& file, const fs::path& sidecar, const Screen
     header += (header.empty() ? "" : "\t") + name + (unit.empty() ? "" : " [" + unit + "]");
   }
   LineReader lines(file);
-  TraceHeader result = readDelimitedTrace(lines, {}, screenIn(json, fallback_screen), take, header);
+  const Screen screen = screenIn(json, fallback_screen);
+  TraceHeader result = readDelimitedTrace(
+      lines, fromUpperLeft(described, json, sidecar, header, screen), screen, take, header);
   result.format = "BIDS eye tracking" + result.format.substr(std::min<std::size_t>(
                                             result.format.find(','), result.format.size()));
   return result;
@@ -154,8 +191,8 @@ std::size_t recordedSide(const fs::path& file) {
 /// Finds the other eye's sample of a time.
 class OtherEye {
  public:
-  OtherEye(const fs::path& file, const Screen& fallback_screen) {
-    header_ = readBids(file, *bidsSidecarOf(file), fallback_screen,
+  OtherEye(const fs::path& file, const TraceColumns& described, const Screen& fallback_screen) {
+    header_ = readBids(file, *bidsSidecarOf(file), described, fallback_screen,
                        [&](const GazeSample& sample) { samples_.push_back(sample); });
     if (samples_.size() < 2) throw InputError(file.string(), "expected at least 2 samples");
     const double span_s = samples_.back().time_s - samples_.front().time_s;
@@ -190,18 +227,18 @@ std::optional<fs::path> bidsOtherEyeOf(const fs::path& file) {
   return std::nullopt;
 }
 
-TraceHeader readBidsEyes(const fs::path& file, const fs::path& other, const Screen& fallback_screen,
-                         const TakeSample& take) {
+TraceHeader readBidsEyes(const fs::path& file, const fs::path& other, const TraceColumns& described,
+                         const Screen& fallback_screen, const TakeSample& take) {
   const std::size_t side = recordedSide(file);
   if (recordedSide(other) == side) {
     throw InputError(other.string(), "RecordedEye is that of " + file.string() +
                                          ": expected left in one and right in the other");
   }
-  OtherEye other_eye(other, fallback_screen);
+  OtherEye other_eye(other, described, fallback_screen);
   Cyclopean cyclopean;
   std::size_t samples = 0, alone = 0;
   TraceHeader header =
-      readBids(file, *bidsSidecarOf(file), fallback_screen, [&](const GazeSample& own) {
+      readBids(file, *bidsSidecarOf(file), described, fallback_screen, [&](const GazeSample& own) {
         GazeSample sample = own;
         const GazeSample* partner = other_eye.at(own.time_s);
         ++samples;

@@ -15,10 +15,13 @@ std::optional<std::filesystem::path> bidsSidecarOf(const std::filesystem::path& 
 
 /// Reads the columns timestamp, x_coordinate, y_coordinate, pupil_size and blink, with the
 /// sidecar's units. Names that begin with left_ or right_ belong to one eye. A pupil that is not in
-/// millimetres is ignored. The screen geometry comes from StimulusPresentation.
+/// millimetres is ignored. The screen geometry comes from StimulusPresentation, and so does the
+/// corner that positions count from: the upper left or the lower left one.
+/// @param described  as in `streamTrace`
 /// @throws InputError
 TraceHeader readBids(const std::filesystem::path& file, const std::filesystem::path& sidecar,
-                     const Screen& fallback_screen, const TakeSample& take);
+                     const TraceColumns& described, const Screen& fallback_screen,
+                     const TakeSample& take);
 
 /// The recording of the other eye: `recording-eye2` beside `recording-eye1`, or the reverse, if it
 /// has a sidecar.
@@ -29,7 +32,8 @@ std::optional<std::filesystem::path> bidsOtherEyeOf(const std::filesystem::path&
 /// @param other  as `bidsOtherEyeOf` finds it
 /// @throws InputError also unless the sidecars' RecordedEye are left and right
 TraceHeader readBidsEyes(const std::filesystem::path& file, const std::filesystem::path& other,
-                         const Screen& fallback_screen, const TakeSample& take);
+                         const TraceColumns& described, const Screen& fallback_screen,
+                         const TakeSample& take);
 
 /// Writes a recording and its sidecar, sample by sample, in constant memory.
 class BidsWriter {

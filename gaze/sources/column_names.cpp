@@ -19,14 +19,34 @@ constexpr std::array<std::string_view, 8> kAngles = {
 
 /// The short form of a unit as vendors write it; empty for any other word.
 std::string unitOf(std::string_view word) {
-  static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
-      {"s", "s"},         {"sec", "s"},           {"seconds", "s"},       {"ms", "ms"},
-      {"msec", "ms"},     {"milliseconds", "ms"}, {"us", "us"},           {"usec", "us"},
-      {"ns", "ns"},       {"px", "px"},           {"pix", "px"},          {"pixel", "px"},
-      {"pixels", "px"},   {"deg", "deg"},         {"dva", "deg"},         {"degree", "deg"},
-      {"degrees", "deg"}, {"norm", "norm"},       {"mm", "mm"},           {"cm", "cm"},
-      {"m", "m"},         {"normalised", "norm"}, {"normalized", "norm"}, {"rad", "rad"},
-      {"radians", "rad"}};
+  static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {{"s", "s"},
+                                                                             {"sec", "s"},
+                                                                             {"seconds", "s"},
+                                                                             {"ms", "ms"},
+                                                                             {"msec", "ms"},
+                                                                             {"milliseconds", "ms"},
+                                                                             {"us", "us"},
+                                                                             {"usec", "us"},
+                                                                             {"ns", "ns"},
+                                                                             {"px", "px"},
+                                                                             {"pix", "px"},
+                                                                             {"pixel", "px"},
+                                                                             {"pixels", "px"},
+                                                                             {"deg", "deg"},
+                                                                             {"dva", "deg"},
+                                                                             {"degree", "deg"},
+                                                                             {"degrees", "deg"},
+                                                                             {"norm", "norm"},
+                                                                             {"mm", "mm"},
+                                                                             {"cm", "cm"},
+                                                                             {"m", "m"},
+                                                                             {"normalised", "norm"},
+                                                                             {"normalized", "norm"},
+                                                                             {"rad", "rad"},
+                                                                             {"radians", "rad"},
+                                                                             {"%", "%"},
+                                                                             {"percent", "%"},
+                                                                             {"pct", "%"}};
   for (const auto& [text, unit] : kUnits) {
     if (word == text) return std::string(unit);
   }
@@ -38,6 +58,9 @@ std::string unitIn(std::string_view inside) {
   const std::size_t blank = inside.rfind(' ');
   const std::string_view last = blank == std::string_view::npos ? inside : inside.substr(blank + 1);
   if (std::string unit = unitOf(last); !unit.empty()) return unit;
+  // Only in brackets: "x_min" is a minimum.
+  if (last == "min" || last == "minutes") return "min";
+  if (last == "h" || last == "hours") return "h";
   for (const std::string_view unit : {"px", "norm", "mm"}) {
     if (last.ends_with(unit)) return std::string(unit);
   }
@@ -201,7 +224,8 @@ std::string ColumnNames::otherKind() const {
   if (find({"fixationx", "fixationpointx"}) || find({"starttimestamp"})) {
     return "the rows are fixations or events: export the samples of gaze";
   }
-  if (const std::string directions = namesWith({"gazedirect", "gazevector", "gazedir", "gvec"});
+  if (const std::string directions =
+          namesWith({"gazedirect", "gazevector", "gazedir", "gvec", "raydirection", "gazeforward"});
       !directions.empty()) {
     return "the columns " + directions +
            " are directions in space: name x, y and z in a study with gaze.direction = [...], and "
@@ -220,7 +244,7 @@ std::string ColumnNames::otherKind() const {
 
 InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
   const std::string option = meaning == Meaning::time ? "time" : meaning == Meaning::x ? "x" : "y";
-  const std::string what = "no column " + shown(keys[0]) + ": ";
+  const std::string what = "no column " + shown(option) + ": ";
   if (!texts_.empty() && parseNumber(texts_[0])) {
     return lines_.error(what + "the first line has numbers, not names; give columns by number: " +
                         "gaze.time = \"#1\", gaze.x = \"#2\", gaze.y = \"#3\"");
@@ -240,11 +264,22 @@ InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
                   option);
   }
   if (const std::string other = otherKind(); !other.empty()) return lines_.error(other);
+  if (texts_.size() == 1 && texts_[0].find('|') != std::string_view::npos) {
+    return lines_.error(
+        "fields separated by \"|\": expected tabs, semicolons, commas or blanks; or "
+        "begin the file with the line sep=|");
+  }
   const std::string how = "name it with gaze." + option + "; ";
   const std::string candidates = listed([&](std::size_t i) { return mayBe(meaning, i); });
+  if (!candidates.empty()) return lines_.error(what + how + "it may be " + candidates);
   const std::string all = listed([](std::size_t) { return true; });
-  return lines_.error(what + how +
-                      (candidates.empty() ? "the columns are " + all : "it may be " + candidates));
+  const std::string known = listed([&](std::size_t i) {
+    return mayBe(Meaning::time, i) || mayBe(Meaning::x, i) || mayBe(Meaning::y, i);
+  });
+  return lines_.error(what + how + "the columns are " + all +
+                      (known.empty() ? "; if the names are in a later line, remove the lines "
+                                       "before it, or begin them with #"
+                                     : ""));
 }
 
 InputError ColumnNames::inRadians(std::size_t column) const {

@@ -29,11 +29,13 @@ class ColumnNames {
   std::string_view text(std::size_t column) const { return texts_[column]; }
   /// Lower-case letters and digits alone, without the unit.
   const std::string& key(std::size_t column) const { return names_[column].key; }
-  /// "s", "ms", "us", "ns", "px", "deg", "rad", "norm", "mm", "cm", "m" or empty. A name that
-  /// contains "norm" has the unit "norm".
+  /// "s", "ms", "us", "ns", "min", "h", "px", "deg", "rad", "norm", "%", "mm", "cm", "m" or empty.
+  /// A name that contains "norm" has the unit "norm".
   const std::string& unit(std::size_t column) const { return names_[column].unit; }
-  bool isLength(std::size_t column) const {
-    return unit(column) == "mm" || unit(column) == "cm" || unit(column) == "m";
+  /// Whether positions are lengths or per cent, which only gaze.scale converts.
+  bool needsScale(std::size_t column) const {
+    return unit(column) == "mm" || unit(column) == "cm" || unit(column) == "m" ||
+           unit(column) == "%";
   }
   /// Whether the column counts from the presented media, not from the screen (Tobii's MCS).
   bool ofMedia(std::size_t column) const { return names_[column].of_media; }

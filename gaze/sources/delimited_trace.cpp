@@ -7,8 +7,11 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
+#include "gaze/sources/clock_guess.h"
 #include "gaze/sources/clock_times.h"
+#include "gaze/sources/empty_directions.h"
 #include "gaze/sources/rows_seen.h"
+#include "gaze/sources/swift_number.h"
 #include "gaze/sources/table_layout.h"
 #include "gaze/sources/table_preamble.h"
 #include "gaze/sources/table_row.h"
@@ -101,6 +104,11 @@ class TableReader {
     }
     if (!found) throw InputError(lines_.fileName(), "empty: expected a header line and samples");
     layout_ = recogniseTable(lines_, line, columns, preamble_);
+    std::string first_row;
+    if (layout_.camera_axes && !layout_.headless) {
+      first_row = nextRow();
+      leaveOutEmptyDirections(layout_, first_row);
+    }
     mapped_later_ = columns.mapped_later;
     scale_given_ = columns.time_scale_s.has_value();
     units_ = columns.units     ? *columns.units
@@ -125,6 +133,18 @@ class TableReader {
     clock_known_ = layout_.time_scale_s > 0.0;
     row_.emplace(lines_, layout_, screen, units_);
     if (layout_.headless) readLine(line);
+    if (!trimmed(first_row).empty()) {
+      readLine(std::string_view(first_row).substr(0, first_row.size() - kNumberPadding));
+    }
+  }
+
+  /// A copy of the next line that is not blank, with the bytes behind it that `swiftNumber` reads;
+  /// blanks at the end of the file.
+  std::string nextRow() {
+    std::string row;
+    std::string_view line;
+    while (trimmed(row).empty() && lines_.next(line)) row = line;
+    return row.append(kNumberPadding, ' ');
   }
 
   void readResolution() {
@@ -155,7 +175,11 @@ class TableReader {
       startClockTimes();
       return readClockTime();
     }
-    if (!time || std::abs(*time) * std::max(layout_.time_scale_s, 1e-9) > kMaxTime_s) {
+    if (time && std::abs(*time) * std::max(layout_.time_scale_s, 1e-9) > kMaxTime_s) {
+      row_->fail(*layout_.time,
+                 "too large a time: is its unit right (gaze.time_scale_s; 1e-7 for .NET's ticks)?");
+    }
+    if (!time) {
       row_->fail(*layout_.time,
                  "expected a time in numbers, as 2026-11-26T10:00:00.123 or as 10:00:00.123; "
                  "another column can be named with gaze.time");
@@ -265,15 +289,7 @@ class TableReader {
                                 "(1 is good) or gaze.blink (0 is good)");
     }
     stateClockTimes(header);
-    if (counts_rows_) {
-      header.warnings.push_back(
-          "times count by one: foci takes them for milliseconds, but they may be row numbers; give "
-          "gaze.time_scale_s or gaze.rate_Hz");
-    }
-    if (clock_guessed_) {
-      header.assumed.push_back("unit of time: " + exactText(layout_.time_scale_s) +
-                               " s, from the rate (gaze.time_scale_s)");
-    }
+    if (clock_guess_) stateClockGuess(*clock_guess_, header);
     requireHead();
     stateField(header);
     if (nominal_) {
@@ -315,9 +331,8 @@ class TableReader {
   void settleClock() {
     if (settled_) return;
     if (!clock_known_) {
-      layout_.time_scale_s = likelyScale_s();
-      clock_guessed_ = true;
-      counts_rows_ = layout_.time_scale_s == 1e-3 && countsByOne();
+      clock_guess_ = guessClock(held_);
+      layout_.time_scale_s = clock_guess_->scale_s;
     }
     settled_ = true;
     if (first_repeat_) {
@@ -340,30 +355,6 @@ class TableReader {
     take_(sample);
   }
 
-  bool countsByOne() const {
-    const auto gap = std::adjacent_find(held_.begin(), held_.end(),
-                                        [](const GazeSample& before, const GazeSample& after) {
-                                          return after.time_s - before.time_s != 1.0;
-                                        });
-    return gap == held_.end() && held_.size() > 1 && held_.front().time_s <= 1.0;
-  }
-
-  /// The unit of time that gives the rate of an eye tracker.
-  double likelyScale_s() const {
-    std::vector<double> intervals;
-    for (std::size_t i = 1; i < held_.size(); ++i) {
-      intervals.push_back(held_[i].time_s - held_[i - 1].time_s);
-    }
-    if (intervals.empty()) return 1.0;
-    const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-    std::nth_element(intervals.begin(), middle, intervals.end());
-    for (const double scale_s : {1.0, 1e-3, 1e-6, 1e-9}) {
-      const double rate_Hz = 1.0 / (*middle * scale_s);
-      if (rate_Hz >= kMinRate_Hz && rate_Hz <= kMaxRate_Hz) return scale_s;
-    }
-    return 1.0;
-  }
-
   LineReader& lines_;
   const TakeSample& take_;
   TablePreamble preamble_;
@@ -380,8 +371,8 @@ class TableReader {
   bool nominal_ = false;  // `kNominalScreen` stands in
   FineClock fine_clock_{};
   std::optional<ClockTimes> clock_times_{};  // the times are texts
-  bool clock_known_ = false, clock_guessed_ = false, counts_rows_ = false, scale_given_ = false,
-       resolution_known_ = false;
+  bool clock_known_ = false, scale_given_ = false, resolution_known_ = false;
+  std::optional<ClockGuess> clock_guess_{};
   bool settled_ = false;                      // the unit of time; until then samples are held
   std::optional<InputError> first_repeat_{};  // of a time
   std::optional<WholeTimes> spread_{};        // times repeat

@@ -37,7 +37,8 @@ struct Block {
 
 class AscReader {
  public:
-  AscReader(LineReader& lines, const TakeSample& take) : lines_(lines), take_(take) {}
+  AscReader(LineReader& lines, const TraceColumns& columns, const TakeSample& take)
+      : lines_(lines), columns_(columns), take_(take) {}
 
   TraceHeader read() {
     std::string_view line;
@@ -87,7 +88,9 @@ class AscReader {
       setEyes();
       remote_ |= std::find(words_.begin(), words_.end(), "HTARGET") != words_.end();
       if (words_.size() > 1 && (words_[1] == "HREF" || words_[1] == "PUPIL")) {
-        throw lines_.error("samples in " + shown(words_[1]) + " coordinates: expected GAZE");
+        throw lines_.error("samples in " + shown(words_[1]) +
+                           " coordinates: expected GAZE; convert the EDF file again with "
+                           "edf2asc -sg");
       }
     } else if (kind == "SBLINK" && block_.open) {
       const int side = eye();
@@ -154,7 +157,11 @@ class AscReader {
     for (std::size_t side : {0, 1}) {
       if (!block_.recorded[side]) continue;
       if (!isAbsent(words_[at]) && !isAbsent(words_[at + 1])) {
-        sample.eyes[side].point_px = glm::dvec2(number(at), number(at + 1)) - origin_px_;
+        const glm::dvec2 point(number(at), number(at + 1));
+        const bool missing = point.x == columns_.missing || point.y == columns_.missing;
+        if (!missing) {
+          sample.eyes[side].point_px = columns_.scale * point + columns_.offset - origin_px_;
+        }
       }
       at += 3;
     }
@@ -200,6 +207,7 @@ class AscReader {
   }
 
   LineReader& lines_;
+  const TraceColumns& columns_;
   const TakeSample& take_;
   std::vector<std::string_view> words_{};
   TraceHeader header_{};
@@ -218,8 +226,8 @@ bool startsEyeLinkAsc(std::string_view line) {
   return line.starts_with("** ") || line.starts_with("MSG\t") || line.starts_with("START\t");
 }
 
-TraceHeader readEyeLinkAsc(LineReader& lines, const TakeSample& take) {
-  return AscReader(lines, take).read();
+TraceHeader readEyeLinkAsc(LineReader& lines, const TraceColumns& columns, const TakeSample& take) {
+  return AscReader(lines, columns, take).read();
 }
 
 }  // namespace foci

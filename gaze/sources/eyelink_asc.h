@@ -15,7 +15,8 @@ bool startsEyeLinkAsc(std::string_view line);
 /// Reads the samples of all recording blocks. They are passed on a good second late, because the
 /// end of a blink decides whether it is one. The file gives the screen's size in pixels only, from
 /// GAZE_COORDS or else DISPLAY_COORDS.
+/// @param columns  only `missing`, `scale` and `offset` count
 /// @throws InputError
-TraceHeader readEyeLinkAsc(LineReader& lines, const TakeSample& take);
+TraceHeader readEyeLinkAsc(LineReader& lines, const TraceColumns& columns, const TakeSample& take);
 
 }  // namespace foci

@@ -92,6 +92,10 @@ std::optional<std::string> otherFileKind(std::string_view start,
     return kindText("a Python pickle", "write its table of samples as CSV");
   }
   const std::size_t first = start.find_first_not_of(" \t\r\n");
+  if (first != std::string_view::npos && start[first] == '[' && start.find('{') != start.npos) {
+    return kindText("a JSON list (WebGazer, jsPsych)",
+                    "write its samples as a table, with t, x and y of a sample in each row");
+  }
   if (first != std::string_view::npos && start[first] == '{') {
     return kindText("a JSON file", "expected a table; from Tobii Pro Glasses export it in Pro Lab");
   }

@@ -22,9 +22,10 @@ struct LabelledTrace {
   std::vector<Coder> coders;  ///< one or more
 };
 
-/// Reads a TSV or CSV as `readTrace` does, with one column of labels for each coder. Such a column
-/// is called coder, coder_NAME or label, and holds the words of `nameOf`.
-/// @throws InputError as `readTrace`, and if there is no column of labels
+/// Reads a table as `readTrace` does, with one column of labels for each coder. Such a column is
+/// called coder, coder_NAME or label, and holds the words of `nameOf`.
+/// @throws InputError as `readTrace`, and if there is no column of labels, or if a column has none
+///   of those words
 LabelledTrace readLabelledTrace(const std::filesystem::path& file, const Screen& fallback_screen,
                                 const TraceColumns& described = {});
 

@@ -117,8 +117,13 @@ InputError LineReader::error(const std::string& what) const {
 
 bool isAbsent(std::string_view field) {
   if (field.empty() || field == "." || field == "-") return true;
-  if (field.size() > 4 || std::tolower(static_cast<unsigned char>(field[0])) != 'n') return false;
-  for (std::string_view word : {"nan", "na", "n/a", "null", "none"}) {
+  constexpr std::size_t kLongest = 9;
+  if (field.size() > kLongest || std::isdigit(static_cast<unsigned char>(field.back()))) {
+    return false;
+  }
+  // Those with brackets or a number sign are what programs on Windows print for NaN.
+  for (std::string_view word : {"nan", "na", "n/a", "null", "none", "-nan", "nan(ind)", "-nan(ind)",
+                                "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan"}) {
     if (equalsIgnoringCase(field, word)) return true;
   }
   return false;

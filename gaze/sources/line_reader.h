@@ -54,8 +54,8 @@ class LineReader {
   bool ended_ = true;
 };
 
-/// Whether a field means "no value": an empty field, ".", "-", NaN, NA, n/a, null or
-/// none.
+/// Whether a field means "no value": an empty field, ".", "-", NA, n/a, null, none, or NaN, also as
+/// programs on Windows print it ("-nan(ind)", "1.#QNAN").
 bool isAbsent(std::string_view field);
 
 inline constexpr std::size_t kAllFields = static_cast<std::size_t>(-1);

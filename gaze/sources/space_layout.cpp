@@ -246,7 +246,7 @@ SpaceLayout spaceLayoutOf(const LineReader& lines, const ColumnNames& names,
   if (layout.head_position && !layout.hasHead()) {
     throw lines.error(
         "gaze.head_position: expected the head's orientation, too (gaze.head_quaternion, "
-        "gaze.head_angles or gaze.head_euler)");
+        "gaze.head_angles or gaze.head_euler); foci turns the display with the head");
   }
   if (layout.hasHead() && !layout.from_head && !columns.frame) {
     throw lines.error("gaze.frame: expected \"head\" or \"world\", the frame of the gaze columns");
@@ -254,7 +254,8 @@ SpaceLayout spaceLayoutOf(const LineReader& lines, const ColumnNames& names,
   if (layout.in_world && !layout.hasHead()) {
     throw lines.error(
         "gaze.frame = \"world\": expected gaze.head_quaternion, gaze.head_angles or "
-        "gaze.head_euler");
+        "gaze.head_euler; without the head's orientation, gaze.frame = \"head\" shows the lines of "
+        "sight before a head that does not move, where [eye] places it");
   }
   for (std::size_t i : {0, 1, 2}) {
     layout.euler_order[i] = static_cast<std::size_t>(columns.head_euler_order[i] - 'x');

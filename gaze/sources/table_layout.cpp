@@ -1,5 +1,5 @@
 // The names come from exports and documentation of Tobii Pro Lab, Tobii Studio, Tobii Pro SDK,
-// Gazepoint, Pupil Core, Neon, SMI BeGaze, GazeBase, GazeBaseVR, JuDo1000 and BIDS.
+// Gazepoint, Pupil Core, Neon, SMI BeGaze, iMotions, GazeBase, GazeBaseVR, JuDo1000 and BIDS.
 #include "gaze/sources/table_layout.h"
 
 #include <algorithm>
@@ -26,10 +26,11 @@ constexpr std::string_view kTimes[] = {"time",
                                        "devicetimestamp",
                                        "recordingtime",
                                        "n"};
-constexpr std::string_view kXs[] = {"x",           "gazex", "xgaze", "gazepointx",
-                                    "xcoordinate", "porx",  "bporx", "pointofregardbinocularx"};
-constexpr std::string_view kYs[] = {"y",           "gazey", "ygaze", "gazepointy",
-                                    "ycoordinate", "pory",  "bpory", "pointofregardbinoculary"};
+// A plain "x" is last: beside "gaze_x" it is the place of something else.
+constexpr std::string_view kXs[] = {
+    "gazex", "xgaze", "gazepointx", "xcoordinate", "porx", "bporx", "pointofregardbinocularx", "x"};
+constexpr std::string_view kYs[] = {
+    "gazey", "ygaze", "gazepointy", "ycoordinate", "pory", "bpory", "pointofregardbinoculary", "y"};
 // Gazepoint: the best point of both eyes, else the one filtered to fixations.
 constexpr std::string_view kBestValid[] = {"bpogv"}, kFixationValid[] = {"fpogv"};
 constexpr std::string_view kGazepointXs[] = {"bpogx", "fpogx"}, kGazepointYs[] = {"bpogy", "fpogy"};
@@ -37,13 +38,9 @@ constexpr std::string_view kGazepointXs[] = {"bpogx", "fpogx"}, kGazepointYs[] =
 constexpr std::string_view kNormXs[] = {"posx", "gazeposx"}, kNormYs[] = {"posy", "gazeposy"};
 
 double secondsPer(const std::string& unit) {
+  if (unit == "min") return 60.0;
+  if (unit == "h") return 3600.0;
   return unit == "s" ? 1.0 : unit == "ms" ? 1e-3 : unit == "us" ? 1e-6 : unit == "ns" ? 1e-9 : 0.0;
-}
-
-char delimiterOf(std::string_view header, const TablePreamble& before) {
-  if (before.separator) return *before.separator;
-  const auto has = [&](char c) { return header.find(c) != std::string_view::npos; };
-  return has('\t') ? '\t' : has(';') ? ';' : has(',') ? ',' : ' ';
 }
 
 class Recogniser {
@@ -140,20 +137,20 @@ class Recogniser {
     right.point = find({"rightgazepointondisplayarea"});
     left.x = findPosition({"lx", "leftx", "xleft", "leftgazex", "gazeleftx", "gazexleft",
                            "gazepointleftx", "gazepointxleft", "leftgazepointx", "lporx",
-                           "pointofregardleftx", "leftxcoordinate", "xl", "lpogx",
+                           "etgazeleftx", "pointofregardleftx", "leftxcoordinate", "xl", "lpogx",
                            "leftgazepointondisplayareax"});
     left.y = findPosition({"ly", "lefty", "yleft", "leftgazey", "gazelefty", "gazeyleft",
                            "gazepointlefty", "gazepointyleft", "leftgazepointy", "lpory",
-                           "pointofregardlefty", "leftycoordinate", "yl", "lpogy",
+                           "etgazelefty", "pointofregardlefty", "leftycoordinate", "yl", "lpogy",
                            "leftgazepointondisplayareay"});
     right.x = findPosition({"rx", "rightx", "xright", "rightgazex", "gazerightx", "gazexright",
                             "gazepointrightx", "gazepointxright", "rightgazepointx", "rporx",
-                            "pointofregardrightx", "rightxcoordinate", "xr", "rpogx",
-                            "rightgazepointondisplayareax"});
+                            "etgazerightx", "pointofregardrightx", "rightxcoordinate", "xr",
+                            "rpogx", "rightgazepointondisplayareax"});
     right.y = findPosition({"ry", "righty", "yright", "rightgazey", "gazerighty", "gazeyright",
                             "gazepointrighty", "gazepointyright", "rightgazepointy", "rpory",
-                            "pointofregardrighty", "rightycoordinate", "yr", "rpogy",
-                            "rightgazepointondisplayareay"});
+                            "etgazerighty", "pointofregardrighty", "rightycoordinate", "yr",
+                            "rpogy", "rightgazepointondisplayareay"});
     left.validity = find({"leftgazepointvalidity", "validityleft", "leftvalidity", "lpogv"});
     right.validity = find({"rightgazepointvalidity", "validityright", "rightvalidity", "rpogv"});
     left.pupil_mm =
@@ -224,7 +221,7 @@ class Recogniser {
     if (!column) return;
     const std::string& unit = names_.unit(*column);
     if (unit == "rad" && !given_.units && !given_.mapped_later) throw names_.inRadians(*column);
-    if (names_.isLength(*column) && !given_.units && !given_.mapped_later) {
+    if (names_.needsScale(*column) && !given_.units && !given_.mapped_later) {
       throw lines_.error("column " + shown(names_.text(*column)) + " is in " + shown(unit) +
                          ": expected px, deg or fractions of the screen; gaze.scale converts it "
                          "to gaze.units");
@@ -380,6 +377,12 @@ class Recogniser {
       set("Pupil Core export");
       layout_.units = GazeUnits::normalised;
       layout_.y_up = layout_.of_scene_camera = true;
+      layout_.time_scale_s = 1.0;
+    } else if (find({"onsurf", "onsrf"}) && layout_.x && names_.key(*layout_.x) == "x" &&
+               names_.unit(*layout_.x) == "norm") {
+      set("Pupil Core surface");
+      layout_.units = GazeUnits::normalised;
+      layout_.y_up = true;
       layout_.time_scale_s = 1.0;
     } else if (find({"sectionid"}) && find({"gazex"}) && find({"recordingid"})) {
       set("Neon export");

@@ -100,6 +100,12 @@ bool readSeparatorLine(std::string_view line, TablePreamble& preamble) {
   return true;
 }
 
+char delimiterOf(std::string_view header, const TablePreamble& before) {
+  if (before.separator) return *before.separator;
+  const auto has = [&](char c) { return header.find(c) != std::string_view::npos; };
+  return has('\t') ? '\t' : has(';') ? ';' : has(',') ? ',' : ' ';
+}
+
 bool startsTobiiStudio(std::string_view line) { return line.starts_with("System Properties:"); }
 
 std::optional<glm::ivec2> resolutionIn(const LineReader& lines, std::string_view text) {

@@ -30,6 +30,10 @@ void readPreambleLine(const LineReader& lines, std::string_view line, TablePream
 /// Reads a line `sep=;`, as Excel understands it. @return false at any other line
 bool readSeparatorLine(std::string_view line, TablePreamble& preamble);
 
+/// The character between the fields of a table: of the line `sep=;`, else the first of tab,
+/// semicolon and comma that the header line has, else a blank.
+char delimiterOf(std::string_view header, const TablePreamble& before);
+
 /// Reads a line of `KEY:<tab>VALUE` as Tobii Studio 1 and 2 write before the header.
 /// @return false at the header line itself
 /// @throws InputError if the resolution is out of range

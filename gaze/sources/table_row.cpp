@@ -147,7 +147,8 @@ bool TableRow::isTrusted(GazeSample& sample) const {
                             : isWord(text, "false") ? std::optional(0.0)
                                                     : number(*layout_.confidence);
     if (!confidence || *confidence > kMaxConfidence) {
-      fail(*layout_.confidence, "expected a confidence of 0 to 1 (gaze.confidence)");
+      fail(*layout_.confidence,
+           "expected a confidence of 0 to 1 (gaze.confidence); divide per cent by 100");
     }
     sample.confidence = std::clamp(*confidence, 0.0, 1.0);
     if (*sample.confidence < kMinGazeConfidence) return false;

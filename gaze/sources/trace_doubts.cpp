@@ -151,10 +151,12 @@ std::optional<std::string> codeOfLoss(const Positions& at, const std::string& wh
   if (most == counts.end()) return std::nullopt;
   const double share = static_cast<double>(most->second) / static_cast<double>(at.x.size());
   if (share < kCode) return std::nullopt;
-  const auto [x, y] = most->first;
-  return "the position (" + significant(x) + ", " + significant(y) + ")" + whose + " is in " +
-         percent(share) + " of the samples with gaze: if it means data loss, give gaze.missing" +
-         (x == y ? " = " + significant(x) : "");
+  constexpr int kDigits = 9;  // the code as the file has it: -32768, and not -3.277e+04
+  const std::string x = significant(most->first.first, kDigits);
+  const std::string y = significant(most->first.second, kDigits);
+  return "the position (" + x + ", " + y + ")" + whose + " is in " + percent(share) +
+         " of the samples with gaze: if it means data loss, give gaze.missing" +
+         (x == y ? " = " + x : "");
 }
 
 std::vector<std::string> screenDoubts(const TraceHeader& header) {

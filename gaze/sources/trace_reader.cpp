@@ -87,14 +87,14 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
     header.format = "Neon, native recording";
   } else if (const auto sidecar = bidsSidecarOf(file)) {
     const auto other_eye = bidsOtherEyeOf(file);
-    header = other_eye ? readBidsEyes(file, *other_eye, fallback_screen, both)
-                       : readBids(file, *sidecar, fallback_screen, both);
+    header = other_eye ? readBidsEyes(file, *other_eye, columns, fallback_screen, both)
+                       : readBids(file, *sidecar, columns, fallback_screen, both);
   } else if (isXdf(file)) {
     header = readXdfTrace(file, columns, fallback_screen, both);
   } else {
     const std::string first = firstLineOf(file);
     LineReader lines(file);
-    header = startsEyeLinkAsc(first)   ? readEyeLinkAsc(lines, both)
+    header = startsEyeLinkAsc(first)   ? readEyeLinkAsc(lines, columns, both)
              : !isUndescribed(columns) ? readDelimitedTrace(lines, columns, fallback_screen, both)
              : isEyeNavGs(first)       ? readEyeNavGs(lines, columns, both)
              : isHoloLens(first)       ? readHoloLens(lines, columns, both)

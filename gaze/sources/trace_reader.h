@@ -101,7 +101,7 @@ using TakeSample = std::function<void(const GazeSample&)>;
 /// It recognises the format from the content. Formats:
 /// - EyeLink ASC.
 /// - Tobii Pro Lab TSV, Tobii Studio TSV, Tobii Pro SDK CSV.
-/// - Pupil Core (gaze_positions.csv), Neon (gaze.csv).
+/// - Pupil Core (gaze_positions.csv, gaze_positions_on_surface_NAME.csv), Neon (gaze.csv).
 /// - GazeBase, GazeBaseVR.
 /// - Text of SMI's BeGaze and IDF Converter.
 /// - BIDS eye tracking (`*_physio.tsv.gz` beside its JSON).

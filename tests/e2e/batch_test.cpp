@@ -104,6 +104,20 @@ TEST_F(Batch, AnotherMethodHasParts) {
   EXPECT_EQ(folder.read("joined/frame-000003.png"), folder.read("whole/frame-000003.png"));
 }
 
+TEST_F(Batch, JoinedPartsNameTheFilesOfTheStudyAsItDoes) {
+  folder.write("eye.csv", "n,m,um\n4,0,0.1\npupil_mm,6\n");
+  folder.write("primaries.csv",
+               "wavelength,red,green,blue\n400,0,0,0.2\n440,0,0,1\n480,0,0.1,1\n520,0,1,0.2\n"
+               "560,0.1,1,0\n600,1,0.2,0\n640,1,0,0\n680,0.2,0,0\n");
+  folder.write("more.ply", folder.read("scene.ply"));
+  folder.write("study.toml", smallStudy() +
+                                 "[observer]\nwavefront = \"eye.csv\"\nchromatic = true\n"
+                                 "wavelengths = 3\n[[scene.part]]\nfile = \"more.ply\"\n");
+  expectJoinedEqual({"--set", "output.fps=10", "--set", "screen.spectra=primaries.csv"},
+                    {"0:4", "4:"});
+  EXPECT_EQ(json("joined/manifest.json")["configuration"]["observer"]["wavefront"], "eye.csv");
+}
+
 TEST_F(Batch, JoinedPartsHaveMaps) {
   expectJoinedEqual({"--set", "output.maps=[\"depth\", \"defocus\"]", "--set", "output.fps=20"},
                     {"0:7", "7:"});

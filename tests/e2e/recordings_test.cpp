@@ -61,6 +61,42 @@ TEST(Recordings, EventsTakeTheDescriptionThatTraceInfoTakes) {
   EXPECT_EQ(facts["distance_m"], 0.6);
 }
 
+TEST(Recordings, ARecordingInTheStudysPlaceIsNamed) {
+  TemporaryFolder folder;
+  folder.write("gaze.csv", table("time_s,x_px,y_px\n"));
+  for (const std::string command : {"replay", "render", "live"}) {
+    const Outcome refused = command == "live"
+                                ? runFoci({command, "gaze.csv"}, folder.path())
+                                : runFoci({command, "gaze.csv", "--out", "out.png"}, folder.path());
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_TRUE(has(refused.err, "gaze.csv: is not a study") && has(refused.err, "--trace"))
+        << refused.err;
+  }
+}
+
+TEST(Recordings, AHintToAStudyComesOnlyWithoutOne) {
+  TemporaryFolder folder;
+  folder.write("gaze.csv", table("frame,x_px,y_px\n"));
+  folder.write("study.toml", "[gaze]\nx = \"x_px\"\n");
+  const Outcome without = runFoci({"trace", "info", "gaze.csv"}, folder.path());
+  EXPECT_TRUE(has(without.err, "gaze.time") && has(without.err, "--study")) << without.err;
+  const Outcome with =
+      runFoci({"trace", "info", "gaze.csv", "--study", "study.toml"}, folder.path());
+  EXPECT_TRUE(has(with.err, "gaze.time") && !has(with.err, "--study")) << with.err;
+}
+
+TEST(Recordings, AScoreSaysWhatItAssumed) {
+  TemporaryFolder folder;
+  std::string text = "time;x;y;coder_A\n";
+  for (int i = 0; i < 200; ++i) {
+    text += std::to_string(10 * i) + ";" + std::to_string(100 + i % 7) + ";200;fixation\n";
+  }
+  folder.write("coded.csv", text);
+  const Outcome score = runFoci(with({"events", "coded.csv", "--score"}, kScreen), folder.path());
+  EXPECT_EQ(score.exit_code, 0) << score.err;
+  EXPECT_TRUE(has(score.err, "assumed: unit of the positions: px (gaze.units)")) << score.err;
+}
+
 TEST(Recordings, ARateBesideATimeColumnIsRefused) {
   TemporaryFolder folder;
   folder.write("frames.csv", table("frame,x_px,y_px\n"));

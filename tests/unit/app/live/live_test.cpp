@@ -199,6 +199,7 @@ TEST_F(Live, ARecordThatCannotBeginOrEndSaysWhy) {
   LiveRenderer renderer(study, feed, clock, "foci live", 1, [] {});
   std::ofstream(scratch.path() / "file") << "";
   EXPECT_THROW(makeRecordFolder(scratch.path() / "file"), InputError);
+  EXPECT_THROW(makeRecordFolder(scratch.path() / "file/below/record"), InputError);
   auto begun = renderer.startRecord(scratch.path() / "file");
   watch(renderer, clock, 0.3);
   EXPECT_NE(begun.get().find("expected a folder"), std::string::npos);

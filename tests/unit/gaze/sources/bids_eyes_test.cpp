@@ -52,6 +52,48 @@ class TwoEyes : public testing::Test {
   fs::path folder_ = fs::temp_directory_path() / ("foci_eyes_" + std::to_string(getpid()));
 };
 
+/// A recording of two samples at (0.25, 0.125), in `unit`.
+class Origin : public TwoEyes {
+ protected:
+  fs::path recording(const std::string& origin, const std::string& unit = "pixel",
+                     const std::string& resolution = "[1000, 500]") const {
+    std::ofstream json(folder_ / "sub-2_physio.json");
+    json
+        << R"({"Columns": ["timestamp", "x_coordinate", "y_coordinate"], "x_coordinate": {"Units": ")"
+        << unit << R"("}, "y_coordinate": {"Units": ")" << unit
+        << R"("}, "timestamp": {"Units": "s"}, "StimulusPresentation": {"ScreenOrigin": )" << origin
+        << R"(, "ScreenResolution": )" << resolution << "}}";
+    std::ofstream(folder_ / "sub-2_physio.tsv") << "0\t0.25\t0.125\n0.01\t0.25\t0.125\n";
+    return folder_ / "sub-2_physio.tsv";
+  }
+
+  static std::string refusal(const fs::path& file) {
+    try {
+      readTrace(file, {}, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "not refused";
+  }
+};
+
+TEST_F(Origin, IsALeftCornerOfTheScreen) {
+  const auto point = [&](const fs::path& file, const TraceColumns& columns = {}) {
+    return *readTrace(file, columns, {}).samples[0].point_px;
+  };
+  EXPECT_EQ(point(recording(R"(["top", "left"])")), glm::dvec2(0.25, 0.125));
+  EXPECT_EQ(point(recording(R"(["bottom", "left"])")), glm::dvec2(0.25, 499.875));
+  EXPECT_EQ(point(recording(R"(["bottom", "left"])", "normalized")), glm::dvec2(250, 437.5));
+  EXPECT_EQ(refusal(recording(R"(["bottom", "left"])", "degree")), "not refused");
+  const fs::path centre = recording(R"(["center", "center"])");
+  EXPECT_NE(refusal(centre).find("gaze.scale and gaze.offset"), std::string::npos)
+      << refusal(centre);
+  EXPECT_EQ(point(centre, {.scale = {1, -1}, .offset = {500, 250}}), glm::dvec2(500.25, 249.875));
+  EXPECT_NE(refusal(recording(R"(["bottom", "left"])", "pixel", "[0, 0]")).find("ScreenResolution"),
+            std::string::npos);
+  EXPECT_NE(refusal(recording("3")).find("ScreenOrigin"), std::string::npos);
+}
+
 TEST_F(TwoEyes, AreOneRecording) {
   for (const char* eye : {"eye1", "eye2"}) {
     const GazeTrace trace = readTrace(file(eye), {}, kScreen);

@@ -42,6 +42,17 @@ TEST(EyeLinkAsc, TakesTheMeanOfTheEyesAndDoesNotJumpToOne) {
   EXPECT_EQ(trace.screen->size_px, glm::ivec2(100, 50));
 }
 
+TEST(EyeLinkAsc, TakesTheStudysMissingScaleAndOffset) {
+  const ScratchFile file(kHead +
+                         "START\t10 \tLEFT\n10\t5\t20\t1\t...\n11\t-32768\t-32768\t0\t...\n"
+                         "12\t5\t-32768\t0\t...\nEND\t12\n");
+  const GazeTrace trace =
+      readTrace(file.path(), {.missing = -32768.0, .scale = {2, -1}, .offset = {1, 40}}, {});
+  EXPECT_EQ(*trace.samples[0].point_px, glm::dvec2(11, 20));
+  EXPECT_FALSE(trace.samples[1].point_px);
+  EXPECT_FALSE(trace.samples[2].point_px);
+}
+
 TEST(EyeLinkAsc, PutsTheSecondOfTwoEqualTimeStampsHalfAMillisecondLater) {
   const GazeTrace trace = read(kHead +
                                "START\t10 \tRIGHT\n10\t1\t1\t1\t...\n10\t2\t2\t1\t...\n"

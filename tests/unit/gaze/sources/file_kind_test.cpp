@@ -27,6 +27,7 @@ TEST(FileKind, NamesTheFormatAndWhatToDo) {
                 "ftypmp42"sv,
                 "h.mp4", "webcam:FILE"},
                {"{\"type\":\"gaze\"}"sv, "gazedata", "JSON"},
+               {"[\n  {\"x\": 958, \"y\": 542}"sv, "webgazer.json", "WebGazer"},
                {"\x01\x02\0\x03"sv, "i.idf", "SMI's IDF Converter"},
                {"\x82\xa5topic"sv, "gaze.pldata", "Pupil Player"},
                {"ply\nformat ascii 1.0"sv, "lion.ply", "scene"}};

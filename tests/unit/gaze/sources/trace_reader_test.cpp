@@ -188,7 +188,7 @@ TEST(ReadTable, RefusesValuesThatNoRecordingHas) {
   expectRefusal("time,x,y\n0,1e30,1\n", "too far from any screen");
   expectRefusal("time,x_deg,y_deg\n0,90,1\n", "too far from any screen");
   expectRefusal("time,x,y\nNaN,1,1\n", "expected a time");
-  expectRefusal("time,x,y\n1e300,1,1\n", "expected a time");
+  expectRefusal("time,x,y\n1e300,1,1\n", "too large a time");
   expectRefusal("time,x,y\n0,1\n", ":2: 2 fields: expected 3 at least");
   expectRefusal("time_s,x,y\n0,1,1\n4,1,1\n8,1,1\n", "is the unit of time right?");
   expectRefusal("time,x,y\n0,1,1\n0.000001,1,1\n", "is the unit of time right?");

@@ -288,6 +288,8 @@ TEST(VendorExport, TablesOfOtherThingsAreNamed) {
   says("fixation id,start timestamp [ns],fixation x [px],fixation y [px]\n1,2,3,4\n", "fixations");
   says("time(s),gaze_direct_L.x,gaze_direct_L.y,gaze_direct_L.z\n0,0,0,1\n", "gaze.direction");
   says("time_s,yaw,pitch,head_x\n0,0.1,0.2,1\n", "gaze.angles");
+  says("t;GazeRay.Direction.x;GazeRay.Direction.y;GazeRay.Direction.z\n0;0;0;1\n", "directions");
+  says("time|x|y\n0|1|2\n", "sep=|");
   says("Time,X,Y\n22.11. 10:22,3,4\n", "gaze.time");
   says("Time,X,Y\n10:22:00,3,4\n10:22:00,3,4\n", "a finer clock with gaze.time");
 }
