@@ -153,12 +153,6 @@ TEST_F(MeshMaterials, TextureTransformOfGltfScalesThenTurnsThenMoves) {
             kByte);
 }
 
-TEST_F(MeshMaterials, AMaskOfOpacityIsNamed) {
-  write("m.mtl", "newmtl m\nKd 1 0 0\nmap_d leaf.png\n");
-  writeQuarters(folder_.path() / "leaf.png");
-  EXPECT_TRUE(remarks(readMesh(write("a.obj", "mtllib m.mtl\n" + kTriangle)), "map_d"));
-}
-
 /// Assimp alone loses a word that begins with a point.
 TEST_F(MeshMaterials, NumbersOfAnObjMayBeginWithAPoint) {
   const MeshFile file =
