@@ -40,6 +40,14 @@ TEST(Words, MistypedCommandsAndOptionsNameTheNearest) {
                 folder);
 }
 
+TEST(Words, FilesThatAreNeitherSceneNorStudyAreRefused) {
+  const TemporaryFolder folder;
+  folder.write("a.usd2", "#usda 1.0\n");
+  expectRefusal({"render", "a.usd2", "--out", "a.png"}, "is no scene that foci reads", folder);
+  folder.write("b.jpg", "\xff\xd8");
+  expectRefusal({"render", "b.jpg", "--out", "b.png"}, "is no scene that foci reads", folder);
+}
+
 TEST(Words, KeysThatAreFarFromEveryKeySuggestNothing) {
   const TemporaryFolder folder;
   folder.write("far.toml", "[output]\ncodec = \"h264\"\n");
