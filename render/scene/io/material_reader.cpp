@@ -31,6 +31,12 @@ TextureWrap wrapOf(const aiMaterial& material, const char* key, aiTextureType ty
   return clamp ? TextureWrap::clamp : TextureWrap::repeat;
 }
 
+bool emits(const aiMaterial& material) {
+  aiColor4D light(0.0f);
+  return material.Get(AI_MATKEY_COLOR_EMISSIVE, light) == aiReturn_SUCCESS &&
+         (light.r > 0.0f || light.g > 0.0f || light.b > 0.0f);
+}
+
 }  // namespace
 
 MaterialReader::MaterialReader(const std::filesystem::path& mesh, const aiScene& scene)
@@ -49,10 +55,7 @@ bool MaterialReader::glows(const aiMaterial& material) const {
       material.Get(AI_MATKEY_COLOR_DIFFUSE, color) != aiReturn_SUCCESS) {
     return false;
   }
-  aiColor4D light(0.0f);
-  return color.r == 0.0f && color.g == 0.0f && color.b == 0.0f &&
-         material.Get(AI_MATKEY_COLOR_EMISSIVE, light) == aiReturn_SUCCESS &&
-         (light.r > 0.0f || light.g > 0.0f || light.b > 0.0f);
+  return color.r == 0.0f && color.g == 0.0f && color.b == 0.0f && emits(material);
 }
 
 /// The texture of a material's colour.
@@ -96,6 +99,8 @@ MeshMaterial MaterialReader::read(unsigned number) {
     from.Get(AI_MATKEY_COLOR_EMISSIVE, color);
     color.a = 1.0f;
     glowing_ = true;
+  } else if (emits(from)) {
+    dimmed_ = true;
   }
   material.factor = linearColor(color, !gltf_);
   readAlpha(from, color.a, material);
@@ -153,6 +158,10 @@ std::vector<std::string> MaterialReader::remarks() const {
     remarks.emplace_back(
         "materials that are black but emit light have the colour of that light; they light nothing "
         "else");
+  }
+  if (dimmed_) {
+    remarks.emplace_back(
+        "materials that emit light and have a colour are shown in that colour, without the light");
   }
   if (masked_) {
     remarks.emplace_back(

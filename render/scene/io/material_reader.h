@@ -43,7 +43,7 @@ class MaterialReader {
   bool gltf_, obj_;
   MeshTextures textures_;
   std::map<std::string, MtlTexture> placed_;  // of an OBJ: Assimp may lose their names
-  bool glowing_ = false, masked_ = false;     // a material
+  bool glowing_ = false, dimmed_ = false, masked_ = false;  // a material
 };
 
 }  // namespace foci
