@@ -1,15 +1,21 @@
 #include "app/cli/study_options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "app/cli/option_values.h"
 #include "app/platform/output_files.h"
 #include "app/study/scene_study.h"
+#include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/sources/line_reader.h"
@@ -29,6 +35,29 @@ void overridePupil(Study& study, const std::string& pupil) {
   }
   overrideKey(study, "observer.pupil", named ? pupil : "fixed", "--pupil");
   if (pupil_mm) overrideKey(study, "observer.pupil_mm", *pupil_mm, "--pupil " + pupil);
+}
+
+/// Reads a file that is no scene. If its name does not say that it is a study, the message covers
+/// both.
+Study readStudyFile(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (lowerExtension(file) == ".toml" || !std::filesystem::is_regular_file(file, ignored)) {
+    return readStudy(file);
+  }
+  try {
+    Study study = readStudy(file);
+    std::ifstream in(file, std::ios::binary);
+    const bool has_keys =
+        std::find(std::istreambuf_iterator<char>(in), {}, '=') != std::istreambuf_iterator<char>();
+    if (has_keys) return study;
+  } catch (const InputError& error) {
+    throw InputError(
+        file.string(),
+        std::string("is no scene that foci reads; as a study (TOML): ") + error.what());
+  }
+  throw InputError(file.string(),
+                   "is no scene that foci reads, and a study (TOML) without a key: docs/scenes.md "
+                   "lists the formats of scenes");
 }
 
 }  // namespace
@@ -132,7 +161,7 @@ StudyAsked studyOf(const StudyOptions& options) {
     throw InputError("--scene " + options.scene,
                      "expected a study, not the scene " + options.study + ", before it");
   }
-  Study study = is_scene ? studyOfScene(options.study) : readStudy(options.study);
+  Study study = is_scene ? studyOfScene(options.study) : readStudyFile(options.study);
   const auto override = [&](const char* key, const std::string& value, const std::string& where) {
     if (!value.empty()) overrideKey(study, key, value, where);
   };

@@ -164,6 +164,12 @@ SceneInView scanInView(const ScanView& scan, int size_px) {
                      std::to_string(in_view) + " points in view, expected at least " +
                          std::to_string(kMinInView) + " (--eye, --look-at, --up)");
   }
+  const double focus_m = 1.0 / double{scene.settings.defocus.focus_D};
+  if (!(scene.largestBlurThrough_px(focus_m) > 1.0)) {
+    throw InputError(scan.file.string(),
+                     "all its points in view are in focus, so there is no blur to measure: look at "
+                     "it from the side (--eye, --look-at)");
+  }
   return scene;
 }
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <numeric>
 #include <random>
+#include <set>
 #include <utility>
 
 #include "app/study/gaze_calibration.h"
@@ -123,10 +125,14 @@ EyePose builtinPose(const Study& study) {
 
 namespace {
 
+/// Files whose remarks are printed: a file may be many parts of a scene.
+using ToldFiles = std::set<std::filesystem::path>;
+
 /// @param eye_m  in the frame of the file
-SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m) {
+SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, ToldFiles& told) {
   const std::filesystem::path path = file.path;
   OpenedScene scene = openScene(std::move(file), scale_m, eye_m);
+  if (!told.insert(path).second) return std::move(scene.cloud);
   if (scene.dropped > 0) {
     std::fprintf(
         stderr, "foci: %s: %s left out: not finite, or farther than 1e9 units from the origin\n",
@@ -142,12 +148,12 @@ glm::vec3 startOfEye_m(const Study& study) {
   return glm::vec3(glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0))[3]);
 }
 
-SurfelCloud loadSceneFile(const Study& study, std::optional<SceneFile>&& file) {
+SurfelCloud loadSceneFile(const Study& study, std::optional<SceneFile>&& file, ToldFiles& told) {
   if (!file) file = readScene(*study.scene.file);
-  return opened(std::move(*file), study.scene.scale_m, startOfEye_m(study));
+  return opened(std::move(*file), study.scene.scale_m, startOfEye_m(study), told);
 }
 
-SurfelCloud withParts(const Study& study, SurfelCloud scene) {
+SurfelCloud withParts(const Study& study, SurfelCloud scene, ToldFiles& told) {
   // The file of the first Gaussians: they say how small ones are low-passed.
   std::string captured = study.scene.file ? study.scene.file->string() : study.scene.builtin;
   for (std::size_t i = 0; i < study.scene.parts.size(); ++i) {
@@ -164,7 +170,7 @@ SurfelCloud withParts(const Study& study, SurfelCloud scene) {
                                                 static_cast<float>(q.y), static_cast<float>(q.z))};
     const glm::vec3 eye_m =
         glm::conjugate(place.rotation) * (startOfEye_m(study) - place.position_m);
-    SurfelCloud cloud = opened(readScene(part.file), part.scale_m, eye_m);
+    SurfelCloud cloud = opened(readScene(part.file), part.scale_m, eye_m, told);
     if (!scene.gaussians) captured = part.file.string();
     if (const auto remark = lowPassRemark(scene, captured, cloud, part.file.string())) {
       std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark->c_str());
@@ -191,8 +197,10 @@ SurfelCloud sorted(SurfelCloud scene) {
 }  // namespace
 
 SurfelCloud loadScene(const Study& study, std::optional<SceneFile> scene) {
-  SurfelCloud cloud = withParts(
-      study, study.scene.file ? loadSceneFile(study, std::move(scene)) : builtinScene(study));
+  ToldFiles told;
+  SurfelCloud first =
+      study.scene.file ? loadSceneFile(study, std::move(scene), told) : builtinScene(study);
+  SurfelCloud cloud = withParts(study, std::move(first), told);
   if (study.scene.file || study.eye.position_m || !study.eye.path.empty() || study.eye.recorded) {
     for (const std::string& remark : viewRemarks(study, cloud)) {
       std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark.c_str());

@@ -40,6 +40,36 @@ TEST(Words, MistypedCommandsAndOptionsNameTheNearest) {
                 folder);
 }
 
+TEST(Words, FilesThatAreNeitherSceneNorStudyAreRefused) {
+  const TemporaryFolder folder;
+  folder.write("a.usd2", "#usda 1.0\n");
+  expectRefusal({"render", "a.usd2", "--out", "a.png"}, "is no scene that foci reads", folder);
+  folder.write("b.jpg", "\xff\xd8");
+  expectRefusal({"render", "b.jpg", "--out", "b.png"}, "is no scene that foci reads", folder);
+}
+
+TEST(Words, AFileOfManyPartsIsRemarkedOnOnce) {
+  const TemporaryFolder folder;
+  folder.write("a.obj", "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+  const std::string part = "[[scene.part]]\nfile = \"a.obj\"\nposition_m = [1, 0, 0]\n";
+  folder.write("study.toml", "[scene]\nfile = \"a.obj\"\n" + part + part +
+                                 "[eye]\nposition_m = [1, 0, 4]\nlook_at_m = [1, 0, 0]\n");
+  const Outcome outcome =
+      runFoci({"render", "study.toml", "--size", "64x36", "--out", "a.png"}, folder.path());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::size_t first = outcome.err.find("gone.mtl");
+  ASSERT_NE(first, std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("gone.mtl", first + 1), std::string::npos) << outcome.err;
+}
+
+TEST(Words, AFlatSceneInFocusHasNoChart) {
+  const TemporaryFolder folder;
+  folder.write("a.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+  expectRefusal({"chart", "--quick", "--scene", "scan", "--scan", "a.obj", "--eye", "0,0,3",
+                 "--look-at", "0,0,0", "--up", "0,1,0", "--out", "chart"},
+                "no blur to measure", folder);
+}
+
 TEST(Words, KeysThatAreFarFromEveryKeySuggestNothing) {
   const TemporaryFolder folder;
   folder.write("far.toml", "[output]\ncodec = \"h264\"\n");

@@ -90,6 +90,12 @@ void GaussianCollector::finish(const std::string& path, bool fine) const {
           "the Gaussians are so far from the origin that floats lose their detail: save them "
           "nearer to the origin, or as a PLY with coordinates in doubles");
     }
+    if (std::all_of(file_.cloud.opacity.begin(), file_.cloud.opacity.end(),
+                    [](float opacity) { return opacity <= kMinAlpha; })) {
+      file_.remarks.emplace_back(
+          "the opacity of all Gaussians is below 1/255, so none is seen: in a PLY, opacity is a "
+          "logit");
+    }
     return;
   }
   if (file_.dropped == 0) throw InputError(path, "has no Gaussians");

@@ -1,6 +1,5 @@
 #include "render/scene/io/mesh.h"
 
-#include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -9,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -20,11 +18,11 @@
 #include "base/text.h"
 #include "render/image/srgb.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/material_reader.h"
 #include "render/scene/io/mesh_companions.h"
 #include "render/scene/io/mesh_facts.h"
 #include "render/scene/io/mesh_import.h"
 #include "render/scene/io/mesh_objects.h"
-#include "render/scene/io/mesh_textures.h"
 #include "render/scene/io/ply_header.h"
 #include "render/scene/io/texture_placement.h"
 #include "render/scene/point_cloud.h"
@@ -42,6 +40,15 @@ glm::vec3 unitColor(const glm::vec3& c) {
 
 glm::vec3 linearOf(const glm::vec3& srgb) {
   return {linearFromSrgb(srgb.x), linearFromSrgb(srgb.y), linearFromSrgb(srgb.z)};
+}
+
+/// Whether colours of corners have an alpha that matters. Assimp gives the alpha 0 to all corners
+/// of a mesh whose colours have none.
+bool hasAlpha(const aiMesh& mesh) {
+  const aiColor4D* const first = mesh.mColors[0];
+  const aiColor4D* const end = first + mesh.mNumVertices;
+  return std::any_of(first, end, [](const aiColor4D& c) { return c.a > 0.0f; }) &&
+         std::any_of(first, end, [](const aiColor4D& c) { return c.a < 1.0f; });
 }
 
 /// Removes faces without corners. Assimp marks their mesh as one with polygons, and its
@@ -65,7 +72,7 @@ class Loader {
         gltf_(isGltf(path)),
         import_(path),
         scene_(read(import_)),
-        textures_(path, scene_) {}
+        materials_(path, scene_) {}
 
   MeshFile file() {
     TriangleMesh mesh;
@@ -76,28 +83,15 @@ class Loader {
     }
     mesh.objects.names = std::move(objects.names);
     if (!mesh.color.empty()) mesh.color.resize(mesh.corners_m.size(), glm::vec3(-1.0f));
+    if (!mesh.alpha.empty()) mesh.alpha.resize(mesh.corners_m.size(), 1.0f);
     if (!(areaOf_m2(mesh.corners_m) > 0.0)) {
       throw InputError(path_.string(),
                        "has no triangle with an area within 1e9 units of the origin");
     }
     for (unsigned i = 0; i < scene_.mNumMaterials; ++i) {
-      mesh.materials.push_back(materialOf(*scene_.mMaterials[i]));
+      mesh.materials.push_back(materials_.read(i));
     }
-    mesh.remarks = textures_.remarks();
-    if (glowing_) {
-      mesh.remarks.emplace_back(
-          "materials that are black but emit light have the colour of that light; they light "
-          "nothing else");
-    }
-    if (masked_) {
-      mesh.remarks.emplace_back(
-          "materials with a mask of opacity (map_d) are shown without it; a texture with alpha "
-          "cuts "
-          "holes");
-    }
-    if (fading_) {
-      mesh.remarks.emplace_back("the alpha of the corners' colours is left out");
-    }
+    mesh.remarks = materials_.remarks();
     for (std::string& remark : import_.remarks()) mesh.remarks.push_back(std::move(remark));
     remarkUndefined(mesh);
     if (unusable_ > 0) {
@@ -141,8 +135,9 @@ class Loader {
   }
 
   void append(TriangleMesh& all, const aiMesh& mesh) {
-    const TexturePlacement placement = placementOf(mesh.mMaterialIndex);
+    const TexturePlacement placement = materials_.placementOf(mesh.mMaterialIndex);
     const bool has_uv = mesh.HasTextureCoords(placement.set), has_color = mesh.HasVertexColors(0);
+    const bool has_alpha = gltf_ && has_color && hasAlpha(mesh);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
       if (face.mNumIndices != 3) continue;
@@ -177,7 +172,10 @@ class Loader {
         const aiColor4D& c = mesh.mColors[0][i];
         refuseBytes({c.r, c.g, c.b});
         const glm::vec3 color = unitColor({c.r, c.g, c.b});
-        fading_ = fading_ || (gltf_ && c.a < 1.0f);
+        if (has_alpha) {
+          all.alpha.resize(all.corners_m.size() - 1, 1.0f);
+          all.alpha.push_back(unitColor({c.a, 0.0f, 0.0f}).x);
+        }
         all.color.resize(all.corners_m.size() - 1, glm::vec3(-1.0f));
         all.color.push_back(gltf_ ? color : linearOf(color));
       }
@@ -195,85 +193,12 @@ class Loader {
                                          "255 by 255");
   }
 
-  /// Whether a material is black but for the light that it emits.
-  bool glows(const aiMaterial& material) const {
-    aiColor4D color(1.0f);
-    if (!(gltf_ && material.Get(AI_MATKEY_BASE_COLOR, color) == aiReturn_SUCCESS) &&
-        material.Get(AI_MATKEY_COLOR_DIFFUSE, color) != aiReturn_SUCCESS) {
-      return false;
-    }
-    aiColor4D light(0.0f);
-    return color.r == 0.0f && color.g == 0.0f && color.b == 0.0f &&
-           material.Get(AI_MATKEY_COLOR_EMISSIVE, light) == aiReturn_SUCCESS &&
-           (light.r > 0.0f || light.g > 0.0f || light.b > 0.0f);
-  }
-
-  /// The texture of a material's colour.
-  std::optional<aiTextureType> colorTexture(const aiMaterial& material) const {
-    if (glows(material)) {
-      if (material.GetTextureCount(aiTextureType_EMISSIVE) == 0) return std::nullopt;
-      return aiTextureType_EMISSIVE;
-    }
-    for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
-      if (material.GetTextureCount(type) > 0) return type;
-    }
-    return std::nullopt;
-  }
-
-  TexturePlacement placementOf(unsigned material) const {
-    if (material >= scene_.mNumMaterials) return {};
-    const std::optional<aiTextureType> type = colorTexture(*scene_.mMaterials[material]);
-    return type ? texturePlacement(*scene_.mMaterials[material], *type, gltf_) : TexturePlacement{};
-  }
-
-  /// Whether Assimp gave this material, which is white, to the triangles of a file without one.
-  bool isUncoloured(const aiMaterial& material) const {
-    const aiString name = material.GetName();
-    return name == aiString(AI_DEFAULT_MATERIAL_NAME) ||
-           (name.length == 0 && lowerExtension(path_) == ".ply");
-  }
-
-  MeshMaterial materialOf(const aiMaterial& from) {
-    MeshMaterial material;
-    const aiColor4D grey(0.6f, 0.6f, 0.6f, 1.0f);
-    aiColor4D color = grey;
-    const bool colored = (gltf_ && from.Get(AI_MATKEY_BASE_COLOR, color) == aiReturn_SUCCESS) ||
-                         from.Get(AI_MATKEY_COLOR_DIFFUSE, color) == aiReturn_SUCCESS;
-    if (isUncoloured(from)) color = grey;
-    if (glows(from)) {
-      from.Get(AI_MATKEY_COLOR_EMISSIVE, color);
-      color.a = 1.0f;
-      glowing_ = true;
-    }
-    material.factor = unitColor({color.r, color.g, color.b});
-    if (!gltf_) material.factor = linearOf(material.factor);
-    float opacity = gltf_ ? color.a : 1.0f;
-    if (!gltf_) from.Get(AI_MATKEY_OPACITY, opacity);
-    aiString mode;
-    const bool opaque = gltf_ && (from.Get(AI_MATKEY_GLTF_ALPHAMODE, mode) != aiReturn_SUCCESS ||
-                                  std::string(mode.C_Str()) == "OPAQUE");
-    material.opacity = opaque || !(opacity >= 0.0f) ? 1.0f : std::min(opacity, 1.0f);
-    material.cut_out = !opaque;
-    aiString name;
-    const std::optional<aiTextureType> type = colorTexture(from);
-    if (type && from.GetTexture(*type, 0, &name) == aiReturn_SUCCESS) {
-      material.texture = textures_.read(name.C_Str());
-      if ((!gltf_ || !colored) && material.texture) material.factor = glm::vec3(1.0f);
-    }
-    material.tinted =
-        gltf_ && !glows(from) && (material.texture || (colored && !isUncoloured(from)));
-    masked_ = masked_ || (!gltf_ && from.GetTextureCount(aiTextureType_OPACITY) > 0);
-    return material;
-  }
-
   std::filesystem::path path_;
   bool gltf_;
   MeshImport import_;
   const aiScene& scene_;  // of the import
-  MeshTextures textures_;
-  std::size_t unusable_ = 0;               // triangles
-  bool glowing_ = false, masked_ = false;  // a material
-  bool fading_ = false;                    // the colour of a corner
+  MaterialReader materials_;
+  std::size_t unusable_ = 0;  // triangles
 };
 
 }  // namespace

@@ -2,8 +2,10 @@
 #include "render/scene/io/mesh_companions.h"
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -83,6 +85,49 @@ class Companions {
   std::vector<fs::path> files_;
 };
 
+/// Calls `take` as `Companions::eachLine`, for the MTL files of an OBJ.
+template <class Take>
+void eachMaterialLine(const fs::path& obj, const Take& take) {
+  for (const fs::path& file : meshCompanions(obj)) {
+    if (lowerExtension(file) == ".mtl") Companions::eachLine(file, take);
+  }
+}
+
+std::string_view firstWord(std::string_view& rest) {
+  rest = trimmed(rest);
+  const std::string_view word = rest.substr(0, rest.find_first_of(" \t"));
+  rest.remove_prefix(word.size());
+  return word;
+}
+
+std::optional<float> mtlNumber(std::string_view word) {
+  float number = 0.0f;
+  const char* const end = word.data() + word.size();
+  const auto [read, error] = std::from_chars(word.data(), end, number);
+  if (error != std::errc() || read != end) return std::nullopt;
+  return number;
+}
+
+/// A texture in an MTL file: options, then its name, which may have blanks.
+MtlTexture mtlTextureOf(std::string_view rest) {
+  MtlTexture texture;
+  while (rest.starts_with('-')) {
+    const std::string_view option = firstWord(rest);
+    const bool scales = option == "-s", moves = option == "-o";
+    int numbers = 0;
+    for (std::string_view after = rest; numbers < 3; ++numbers, rest = after) {
+      const auto number = mtlNumber(firstWord(after));
+      if (!number) break;
+      if (scales && numbers < 2) texture.scale[numbers] = *number;
+      if (moves && numbers < 2) texture.offset[numbers] = *number;
+    }
+    if (numbers == 0) firstWord(rest);  // on, off or another word
+    rest = trimmed(rest);
+  }
+  texture.name = rest;
+  return texture;
+}
+
 }  // namespace
 
 std::vector<fs::path> meshCompanions(const fs::path& mesh) {
@@ -102,13 +147,24 @@ std::vector<fs::path> meshCompanions(const fs::path& mesh) {
 
 std::vector<std::string> definedMaterials(const fs::path& obj) {
   std::vector<std::string> names;
-  for (const fs::path& file : meshCompanions(obj)) {
-    if (lowerExtension(file) != ".mtl") continue;
-    Companions::eachLine(file, [&](std::string_view word, std::string_view rest) {
-      if (word == "newmtl") names.emplace_back(rest);
-    });
-  }
+  eachMaterialLine(obj, [&](std::string_view word, std::string_view rest) {
+    if (word == "newmtl") names.emplace_back(rest);
+  });
   return names;
+}
+
+std::map<std::string, MtlTexture> placedTextures(const fs::path& obj) {
+  std::map<std::string, MtlTexture> textures;
+  std::string material;
+  eachMaterialLine(obj, [&](std::string_view word, std::string_view rest) {
+    if (word == "newmtl") material = rest;
+    if (word != "map_Kd") return;
+    MtlTexture texture = mtlTextureOf(rest);
+    if (texture.scale != glm::vec2(1.0f) || texture.offset != glm::vec2(0.0f)) {
+      textures[material] = std::move(texture);
+    }
+  });
+  return textures;
 }
 
 }  // namespace foci

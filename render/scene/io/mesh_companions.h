@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/glm.hpp>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,5 +15,15 @@ std::vector<std::filesystem::path> meshCompanions(const std::filesystem::path& m
 
 /// The names of the materials that the MTL files of an OBJ define. Empty if no file is there.
 std::vector<std::string> definedMaterials(const std::filesystem::path& obj);
+
+/// A texture with the options -s and -o: coordinates are multiplied by the scale, then moved.
+struct MtlTexture {
+  std::string name;
+  glm::vec2 scale{1.0f}, offset{0.0f};
+};
+
+/// The textures of the colour (map_Kd) that the MTL files of an OBJ scale or move, by the name of
+/// their material.
+std::map<std::string, MtlTexture> placedTextures(const std::filesystem::path& obj);
 
 }  // namespace foci

@@ -57,7 +57,7 @@ MaterialFacts factsOf(const aiMaterial& material, const aiScene& scene,
   }
   const bool gltf = kindOfMesh(path) == SceneKind::gltf;
   if (gltf && (material.Get(AI_MATKEY_GLTF_ALPHAMODE, name) != aiReturn_SUCCESS ||
-               std::string(name.C_Str()) == "OPAQUE")) {
+               name != aiString("BLEND"))) {
     facts.opacity = 1.0f;
   }
   for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {

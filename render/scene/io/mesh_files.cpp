@@ -5,44 +5,21 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/gltf_plain.h"
+#include "render/scene/io/obj_text.h"
+#include "render/scene/io/stl_bytes.h"
 
 namespace foci {
 namespace {
 
 constexpr std::array<std::string_view, 3> kCompressions = {
     "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"};
-
-/// The text of an OBJ with 0.5 in place of .5 in its vertices: Assimp takes a word that begins with
-/// a point for none. Empty if there is none to mend.
-std::string withLeadingZeros(const std::string& obj) {
-  std::ifstream in(obj, std::ios::binary);
-  std::string text(std::istreambuf_iterator<char>(in), {});
-  const auto isBlank = [](char c) { return c == ' ' || c == '\t'; };
-  const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
-  std::string mended;
-  std::size_t kept = 0;
-  bool vertex = false;
-  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
-    const bool begins = i == 0 || text[i - 1] == '\n' || text[i - 1] == '\r';
-    if (begins) vertex = text[i] == 'v';
-    if (!vertex || text[i] != '.' || begins || !isBlank(text[i - 1]) || !isDigit(text[i + 1])) {
-      continue;
-    }
-    mended.append(text, kept, i - kept);
-    mended += '0';
-    kept = i;
-  }
-  if (!mended.empty()) mended.append(text, kept);
-  return mended;
-}
 
 }  // namespace
 
@@ -64,12 +41,11 @@ Assimp::IOStream* MeshFiles::Open(const char* name, const char* mode) {
   if (Exists(name)) requireRegularFile(file);
   Assimp::IOStream* stream =
       Exists(name) ? Assimp::DefaultIOSystem::Open(file.c_str(), mode) : nullptr;
-  if (stream != nullptr && (mesh_.empty() || mesh_ == name) && lowerExtension(name) == ".obj") {
-    if (const std::string text = withLeadingZeros(file); !text.empty()) {
+  if (stream != nullptr && (mesh_.empty() || mesh_ == name)) {
+    if (!mended_.text.empty()) {
       Close(stream);
-      auto* bytes = new std::uint8_t[text.size()];  // the stream's own
-      std::copy(text.begin(), text.end(), bytes);
-      stream = new Assimp::MemoryIOStream(bytes, text.size(), true);
+      stream = new Assimp::MemoryIOStream(
+          reinterpret_cast<const std::uint8_t*>(mended_.text.data()), mended_.text.size());
     }
   }
   if (mesh_.empty()) mesh_ = name;
@@ -82,6 +58,12 @@ Assimp::IOStream* MeshFiles::Open(const char* name, const char* mode) {
     if (!second && !known) missing_.push_back(bare);
   }
   return stream;
+}
+
+void MeshFiles::mend(const std::filesystem::path& mesh) {
+  if (lowerExtension(mesh) == ".obj") mended_ = readableObj(mesh);
+  if (lowerExtension(mesh) == ".stl") mended_.text = readableStl(mesh);
+  if (isGltf(mesh)) mended_.text = plainGltf(mesh);
 }
 
 std::vector<std::string> MeshFiles::missing() const {
@@ -122,10 +104,11 @@ std::string compressionOf(const std::filesystem::path& path) {
 }
 
 void refuseUnknownExtensions(const std::filesystem::path& path) {
-  // Extensions that Assimp reads, or that add to a picture which is right without them.
+  // Extensions that Assimp or gltf_plain.h reads, or that add to a picture which is right without
+  // them.
   constexpr std::array<std::string_view, 6> kRead = {
       "KHR_texture_transform", "KHR_mesh_quantization", "KHR_lights_punctual",
-      "KHR_xmp_json_ld",       "EXT_texture_webp",      "KHR_texture_basisu"};
+      "KHR_xmp_json_ld",       "EXT_texture_webp",      "EXT_mesh_gpu_instancing"};
   for (const std::string& name : requiredExtensions(path)) {
     const auto is = [&](std::string_view known) { return name == known; };
     if (name.starts_with("KHR_materials_") || std::any_of(kRead.begin(), kRead.end(), is) ||

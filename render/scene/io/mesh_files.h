@@ -8,11 +8,17 @@
 #include <string>
 #include <vector>
 
+#include "render/scene/io/obj_text.h"
+
 namespace foci {
 
 /// Opens files for Assimp, and keeps the names of those that cannot be read.
 class MeshFiles : public Assimp::DefaultIOSystem {
  public:
+  /// Has the mesh, which Assimp opens next, read in the words that Assimp knows.
+  /// @throws InputError if a part of it is not as it states
+  void mend(const std::filesystem::path& mesh);
+
   bool Exists(const char* name) const override;
   /// @throws InputError for a pipe or a device: opening it could take for ever
   Assimp::IOStream* Open(const char* name, const char* mode) override;
@@ -21,11 +27,15 @@ class MeshFiles : public Assimp::DefaultIOSystem {
   /// of materials that is missing, Assimp tries a second name: this name does not count.
   std::vector<std::string> missing() const;
 
+  /// What the user should know of the mesh that was opened; empty: nothing.
+  const std::string& remark() const { return mended_.remark; }
+
  private:
   /// The file that a name means: of a glTF, whose names are URIs, decoded if no file has the name.
   std::string fileOf(const char* name) const;
 
   std::filesystem::path mesh_;  // opened first
+  ObjText mended_;              // its content, if Assimp would misread it; outlives streams
   std::vector<std::string> missing_;
 };
 

@@ -10,6 +10,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/gltf_unshown.h"
 #include "render/scene/io/ply_faces.h"
 
 namespace foci {
@@ -52,10 +53,11 @@ MeshImport::MeshImport(const std::filesystem::path& path) : path_(path) {
   compression_ = compressionOf(path);
   if (!mayBeRead(compression_)) throw InputError(path.string(), compressionRefusal(compression_));
   refuseUnknownExtensions(path);
-  if (lowerExtension(path) == ".ply") remarks_ = checkPlyFaces(path);
+  remarks_ = lowerExtension(path) == ".ply" ? checkPlyFaces(path) : gltfUnshown(path);
   if (!isGltf(path_) && isUtf16(path_)) {
     throw InputError(path_.string(), "is text in UTF-16: save it in UTF-8");
   }
+  files_->mend(path);
   importer_.SetPropertyBool(AI_CONFIG_PP_PTV_KEEP_HIERARCHY, true);  // nodes are objects
   importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -86,6 +88,7 @@ void MeshImport::refuse(std::string why) const {
 
 std::vector<std::string> MeshImport::remarks() const {
   std::vector<std::string> remarks = remarks_;
+  if (!files_->remark().empty()) remarks.push_back(files_->remark());
   for (const std::string& name : files_->missing()) {
     remarks.push_back("the file " + name + " cannot be read: its materials are shown in grey");
   }

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <span>
 #include <system_error>
 #include <utility>
@@ -72,6 +73,26 @@ cv::Mat imageOf(const fs::path& file) {
   return bytes.empty() ? cv::Mat() : decoded(bytes);
 }
 
+/// See `MeshTextures::readMask`.
+cv::Mat maskOf(const cv::Mat& image) {
+  cv::Mat alpha;
+  if (image.channels() == 4) {
+    cv::extractChannel(image, alpha, 3);
+    double least = 0.0, greatest = 0.0;
+    cv::minMaxLoc(alpha, &least, &greatest);
+    if (least == greatest) cv::cvtColor(image, alpha, cv::COLOR_BGRA2GRAY);
+  } else if (image.channels() == 3) {
+    cv::cvtColor(image, alpha, cv::COLOR_BGR2GRAY);
+  } else {
+    alpha = image;
+  }
+  const cv::Mat white(image.size(), alpha.type(),
+                      cv::Scalar(image.depth() == CV_16U ? 65535.0 : 255.0));
+  cv::Mat mask;
+  cv::merge(std::vector<cv::Mat>{white, white, white, alpha}, mask);
+  return mask;
+}
+
 }  // namespace
 
 std::optional<fs::path> textureFile(const fs::path& mesh, std::string name) {
@@ -89,10 +110,23 @@ std::optional<fs::path> textureFile(const fs::path& mesh, std::string name) {
   return textures ? entryOf(*textures, bare) : std::nullopt;
 }
 
-std::shared_ptr<const MeshTexture> MeshTextures::read(std::string name) {
+std::shared_ptr<const MeshTexture> MeshTextures::read(const std::string& name) {
   const auto [at, is_new] = textures_.try_emplace(name);
-  std::shared_ptr<const MeshTexture>& texture = at->second;
-  if (!is_new) return texture;
+  if (!is_new) return at->second;
+  const cv::Mat read = image(name, "the colour of its material is shown");
+  if (!read.empty()) at->second = std::make_shared<const MeshTexture>(read);
+  return at->second;
+}
+
+std::shared_ptr<const MeshTexture> MeshTextures::readMask(const std::string& name) {
+  const auto [at, is_new] = masks_.try_emplace(name);
+  if (!is_new) return at->second;
+  const cv::Mat read = image(name, "its material is shown without holes");
+  if (!read.empty()) at->second = std::make_shared<const MeshTexture>(maskOf(read));
+  return at->second;
+}
+
+cv::Mat MeshTextures::image(std::string name, const char* instead) {
   const aiTexture* const embedded = scene_.GetEmbeddedTexture(name.c_str());
   const auto file = embedded != nullptr ? std::nullopt : textureFile(mesh_, name);
   cv::Mat image;
@@ -108,18 +142,14 @@ std::shared_ptr<const MeshTexture> MeshTextures::read(std::string name) {
   }
   const bool usable = !image.empty() && image.total() <= kMaxTexturePixels &&
                       (image.depth() == CV_8U || image.depth() == CV_16U) && image.channels() != 2;
-  if (usable) {
-    texture = std::make_shared<const MeshTexture>(image);
-  } else {
-    const bool absent = embedded == nullptr && !file;
-    std::replace(name.begin(), name.end(), '\\', '/');
-    remarks_.push_back("texture " + shown(fs::path(name).filename().string()) +
-                       (absent
-                            ? " is missing: put it beside the mesh; "
-                            : " cannot be read: make it a PNG or JPEG of at most 8192 x 8192; ") +
-                       "the colour of its material is shown");
-  }
-  return texture;
+  if (usable) return image;
+  const bool absent = embedded == nullptr && !file;
+  std::replace(name.begin(), name.end(), '\\', '/');
+  remarks_.push_back("texture " + shown(fs::path(name).filename().string()) +
+                     (absent ? " is missing: put it beside the mesh; "
+                             : " cannot be read: make it a PNG or JPEG of at most 8192 x 8192; ") +
+                     instead);
+  return {};
 }
 
 }  // namespace foci

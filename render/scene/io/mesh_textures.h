@@ -31,15 +31,22 @@ class MeshTextures {
 
   /// Null, with a remark, if it cannot be read or has more than kMaxTexturePixels.
   /// @throws InputError if the file is a pipe or a device
-  std::shared_ptr<const MeshTexture> read(std::string name);
+  std::shared_ptr<const MeshTexture> read(const std::string& name);
+
+  /// A mask of opacity: white, with an alpha. This is the image's own alpha if it has one that
+  /// varies, as exporters name the texture of the colour twice; else its grey value. As `read`.
+  std::shared_ptr<const MeshTexture> readMask(const std::string& name);
 
   const std::vector<std::string>& remarks() const { return remarks_; }
 
  private:
+  /// Empty, with a remark that ends with `instead`, as `read`.
+  cv::Mat image(std::string name, const char* instead);
+
   std::filesystem::path mesh_;
   const aiScene& scene_;
   std::vector<std::string> remarks_;
-  std::map<std::string, std::shared_ptr<const MeshTexture>> textures_;
+  std::map<std::string, std::shared_ptr<const MeshTexture>> textures_, masks_;
 };
 
 }  // namespace foci

@@ -40,7 +40,8 @@ constexpr std::array kConverters = {
     Converter{".dxf", kBlender},  Converter{".3mf", kCad},      Converter{".step", kCad},
     Converter{".stp", kCad},      Converter{".iges", kCad},     Converter{".igs", kCad},
     Converter{".vtk", kParaview}, Converter{".vtp", kParaview}, Converter{".vtu", kParaview},
-    Converter{".lcc", kSplats},
+    Converter{".lcc", kSplats},   Converter{".usda", kBlender}, Converter{".abc", kBlender},
+    Converter{".3dm", kCad},      Converter{".amf", kCad},      Converter{".drc", kBlender},
 };
 
 /// @throws InputError for a format that is known and not read

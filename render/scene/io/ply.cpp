@@ -27,7 +27,22 @@ constexpr float kRangeSlack = 1e-3f;  // tolerance of floats meant to be 0 or 1
 // The meaning of a vertex property. Other properties are skipped.
 constexpr std::size_t kMaxLabels = 1000;
 
-enum Slot { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kRadius, kOpacity, kLabel, kSlots };
+enum Slot {
+  kX,
+  kY,
+  kZ,
+  kNx,
+  kNy,
+  kNz,
+  kRed,
+  kGreen,
+  kBlue,
+  kIntensity,
+  kRadius,
+  kOpacity,
+  kLabel,
+  kSlots
+};
 using Vertex = std::array<double, kSlots>;
 
 float linearOfSrgb(double s) {
@@ -84,6 +99,10 @@ class Layout {
     has_normal_ = take({"nx", "ny", "nz"}, kNx);
     has_color_ = take({"red", "green", "blue"}, kRed) || take({"r", "g", "b"}, kRed) ||
                  take({"diffuse_red", "diffuse_green", "diffuse_blue"}, kRed);
+    has_intensity_ =
+        !has_color_ &&
+        (take({"intensity"}, kIntensity) || take({"Intensity"}, kIntensity) ||
+         take({"scalar_Intensity"}, kIntensity) || take({"scalar_intensity"}, kIntensity));
     has_radius_ = take({"radius"}, kRadius);
     has_opacity_ = take({"opacity"}, kOpacity) || take({"alpha"}, kOpacity);
     has_label_ = take({"label"}, kLabel) || take({"class"}, kLabel) ||
@@ -104,6 +123,7 @@ class Layout {
   bool fixedSize() const { return fixed_size_; }
   bool hasFloats() const { return !fine_; }  // positions
   std::size_t recordBytes() const { return record_bytes_; }
+  const std::vector<float>& intensity() const { return intensity_; }  // empty with colours
 
   void reserve(PointCloud& points, std::size_t count) const {
     points.position_m.reserve(count);
@@ -117,14 +137,15 @@ class Layout {
   /// @param positions  appends to `points`
   /// @param where      names the vertex; called for messages only
   template <typename Where>
-  void append(PointCloud& points, ScanPositions& positions, const Vertex& v,
-              const Where& where) const {
+  void append(PointCloud& points, ScanPositions& positions, const Vertex& v, const Where& where) {
     // A float has lost what an origin nearby would keep.
     const glm::dvec3 p(v[kX], v[kY], v[kZ]);
     if (!(fine_ ? positions.append(p) : positions.appendInPlace(p))) return;
     points.color.push_back(has_color_ ? glm::vec3(linear(v[kRed], where), linear(v[kGreen], where),
                                                   linear(v[kBlue], where))
                                       : glm::vec3(kUncolouredLight));
+    if (has_intensity_)
+      intensity_.push_back(std::isfinite(v[kIntensity]) ? toFloat(v[kIntensity]) : 0.0f);
     if (has_normal_) points.normal.push_back(normalOf({v[kNx], v[kNy], v[kNz]}));
     if (has_radius_) {
       const bool sized = v[kRadius] > 0.0 && v[kRadius] <= kFarthest_m;
@@ -207,15 +228,16 @@ class Layout {
   std::string file_;
   std::vector<Column> columns_;
   std::array<float, 256> srgb8_{};
-  bool has_normal_ = false, has_color_ = false, has_radius_ = false, has_opacity_ = false,
-       has_label_ = false;
+  std::vector<float> intensity_;
+  bool has_normal_ = false, has_color_ = false, has_intensity_ = false, has_radius_ = false,
+       has_opacity_ = false, has_label_ = false;
   bool fine_ = false;  // positions are doubles
   bool fixed_size_ = true;
   std::size_t record_bytes_ = 0;
 };
 
-void readBinary(Input& input, const Layout& layout, std::uint64_t count, bool swap,
-                PointCloud& points, ScanPositions& positions) {
+void readBinary(Input& input, Layout& layout, std::uint64_t count, bool swap, PointCloud& points,
+                ScanPositions& positions) {
   Vertex vertex{};
   const auto where = [&] {
     return input.name() + ": before byte " + std::to_string(input.offset());
@@ -238,7 +260,7 @@ void readBinary(Input& input, const Layout& layout, std::uint64_t count, bool sw
   }
 }
 
-void readAscii(Input& input, const Layout& layout, std::uint64_t count, Header& header,
+void readAscii(Input& input, Layout& layout, std::uint64_t count, Header& header,
                PointCloud& points, ScanPositions& positions) {
   Vertex vertex{};
   const auto where = [&] { return input.name() + ":" + std::to_string(header.lines); };
@@ -285,7 +307,7 @@ PointCloud readPly(const std::filesystem::path& path) {
       ply::skipElement(input, element, header);
       continue;
     }
-    const Layout layout(element, input.name());
+    Layout layout(element, input.name());
     layout.reserve(points, element.count);
     ScanPositions positions(points);
     if (header.format == Format::ascii) {
@@ -305,6 +327,7 @@ PointCloud readPly(const std::filesystem::path& path) {
           "the points are so far from the origin that floats lose their detail: save them with "
           "coordinates in doubles, or nearer to the origin");
     }
+    if (!layout.intensity().empty()) points.color = greyOf(layout.intensity());
     if (std::all_of(points.color.begin(), points.color.end(),
                     [](const glm::vec3& color) { return color == glm::vec3(0.0f); })) {
       points.color.assign(points.size(), glm::vec3(kUncolouredLight));

@@ -312,7 +312,7 @@ bool isTextPointsFile(const std::filesystem::path& path) {
   if (extension == ".xyz" || extension == ".pts" || extension == ".asc" || extension == ".pwn") {
     return true;
   }
-  if (extension != ".txt") return false;
+  if (extension != ".txt" && extension != ".csv") return false;
   try {
     return startsWithPoints(path);
   } catch (const InputError&) {

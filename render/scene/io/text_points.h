@@ -8,8 +8,9 @@
 
 namespace foci {
 
-/// Whether a file holds points as text: .xyz, .pts, .pwn and .asc by their extension; .txt if its
-/// first line without a comment starts with a number. False for a .txt file that cannot be read.
+/// Whether a file holds points as text: .xyz, .pts, .pwn and .asc by their extension; .txt and .csv
+/// if their first line without a comment starts with a number or names x, y and z. False for one of
+/// these that cannot be read.
 bool isTextPointsFile(const std::filesystem::path& path);
 
 /// Reads points. Empty lines and those after `#` or `//` are skipped. A line with a single whole

@@ -47,6 +47,10 @@ glm::mat3 gltfTransform(const aiUVTransform& t) {
 
 }  // namespace
 
+TexturePlacement shiftedPlacement(const glm::vec2& scale, const glm::vec2& offset) {
+  return {.set = 0, .transform = moved(offset) * scaled(scale)};
+}
+
 TexturePlacement texturePlacement(const aiMaterial& material, aiTextureType type, bool gltf) {
   TexturePlacement placement;
   int set = 0;

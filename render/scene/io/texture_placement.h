@@ -15,6 +15,9 @@ struct TexturePlacement {
   glm::vec2 of(const glm::vec2& uv) const { return glm::vec2(transform * glm::vec3(uv, 1.0f)); }
 };
 
+/// Coordinates are multiplied by the scale, then moved.
+TexturePlacement shiftedPlacement(const glm::vec2& scale, const glm::vec2& offset);
+
 /// Of the first texture of this type.
 /// @param gltf  whether the material comes from a glTF file
 TexturePlacement texturePlacement(const aiMaterial& material, aiTextureType type, bool gltf);

@@ -201,6 +201,7 @@ std::size_t orientOutwards(TriangleMesh& mesh) {
     std::swap(mesh.corners_m[second], mesh.corners_m[third]);
     std::swap(mesh.uv[second], mesh.uv[third]);
     if (!mesh.color.empty()) std::swap(mesh.color[second], mesh.color[third]);
+    if (!mesh.alpha.empty()) std::swap(mesh.alpha[second], mesh.alpha[third]);
     ++count;
   }
   return count;

@@ -14,6 +14,18 @@ namespace {
 
 using Pixel = cv::Vec<std::uint16_t, 4>;
 
+/// The place inside the texture that is shown at `x`, 0 to 1.
+float inside(float x, TextureWrap wrap) {
+  if (wrap == TextureWrap::clamp) return std::clamp(x, 0.0f, 1.0f);
+  if (wrap == TextureWrap::mirror) return 1.0f - std::abs(2.0f * glm::fract(0.5f * x) - 1.0f);
+  return glm::fract(x);
+}
+
+/// The pixel that is shown for one beside the edge, which is one too far at most.
+int wrapped(int pixel, int count, TextureWrap wrap) {
+  return wrap == TextureWrap::repeat ? (pixel + count) % count : std::clamp(pixel, 0, count - 1);
+}
+
 }  // namespace
 
 MeshTexture::MeshTexture(const cv::Mat& image) {
@@ -61,17 +73,18 @@ glm::vec2 MeshTexture::size_px() const {
   return {static_cast<float>(levels_[0].columns), static_cast<float>(levels_[0].rows)};
 }
 
-glm::vec4 MeshTexture::at(const glm::vec2& uv, float footprint_px) const {
+glm::vec4 MeshTexture::at(const glm::vec2& uv, float footprint_px,
+                          const std::array<TextureWrap, 2>& wrap) const {
   const float level = std::clamp(std::round(std::log2(std::max(footprint_px, 1.0f))), 0.0f,
                                  static_cast<float>(levels_.size() - 1));
   const Level& image = levels_[static_cast<std::size_t>(level)];
-  const glm::vec2 inside = glm::fract(glm::vec2(uv.x, 1.0f - uv.y));
+  const glm::vec2 place(inside(uv.x, wrap[0]), inside(1.0f - uv.y, wrap[1]));
   const glm::vec2 p =
-      inside * glm::vec2(static_cast<float>(image.columns), static_cast<float>(image.rows)) - 0.5f;
+      place * glm::vec2(static_cast<float>(image.columns), static_cast<float>(image.rows)) - 0.5f;
   const glm::vec2 low = glm::floor(p), share = p - low;
   const auto pixel = [&](int dx, int dy) {
-    const int x = (static_cast<int>(low.x) + dx + image.columns) % image.columns;
-    const int y = (static_cast<int>(low.y) + dy + image.rows) % image.rows;
+    const int x = wrapped(static_cast<int>(low.x) + dx, image.columns, wrap[0]);
+    const int y = wrapped(static_cast<int>(low.y) + dy, image.rows, wrap[1]);
     const auto& raw = image.pixels[static_cast<std::size_t>(y) * image.columns + x];
     return glm::vec4(raw[0], raw[1], raw[2], raw[3]) / 65535.0f;
   };

@@ -13,6 +13,9 @@ class Mat;
 
 namespace foci {
 
+/// What a texture shows beyond its edges, for coordinates outside 0 to 1.
+enum class TextureWrap : std::uint8_t { repeat, clamp, mirror };
+
 class MeshTexture {
  public:
   /// @param image  8 or 16 bits, 1, 3 or 4 channels in OpenCV's order (BGRA), sRGB; not empty
@@ -20,10 +23,11 @@ class MeshTexture {
 
   glm::vec2 size_px() const;
 
-  /// Linear RGB and alpha at `uv`. The texture repeats outside 0 to 1; the origin is its lower
-  /// left.
+  /// Linear RGB and alpha at `uv`; the origin is the lower left.
   /// @param footprint_px  side of the square to average over, in pixels of the image
-  glm::vec4 at(const glm::vec2& uv, float footprint_px) const;
+  /// @param wrap          across u and v
+  glm::vec4 at(const glm::vec2& uv, float footprint_px,
+               const std::array<TextureWrap, 2>& wrap = {}) const;
 
  private:
   struct Level {

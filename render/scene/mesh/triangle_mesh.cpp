@@ -12,7 +12,7 @@
 namespace foci {
 namespace {
 
-constexpr float kMinAlpha = 0.5f;  // glTF's default alphaCutoff
+constexpr float kInvisible = 0.5f / 255.0f;  // below half a step of 8 bits
 
 /// The corners of a triangle, the least one first, in their winding.
 std::array<glm::vec3, 3> turnedCorners(const TriangleMesh& mesh, std::uint32_t triangle) {
@@ -21,6 +21,21 @@ std::array<glm::vec3, 3> turnedCorners(const TriangleMesh& mesh, std::uint32_t t
   std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end(), precedes),
               corners.end());
   return corners;
+}
+
+/// @param alpha  product of the alphas of texture, mask and corners
+float opacityOf(const MeshMaterial& material, float alpha) {
+  switch (material.alpha) {
+    case AlphaUse::cut:
+      return alpha < material.cutoff ? 0.0f : material.opacity;
+    case AlphaUse::blend: {
+      const float opacity = alpha * material.opacity;
+      return opacity < kInvisible ? 0.0f : opacity;
+    }
+    case AlphaUse::none:
+      break;
+  }
+  return material.opacity;
 }
 
 }  // namespace
@@ -70,6 +85,7 @@ std::size_t dropUseless(TriangleMesh& mesh) {
   keep(mesh.corners_m, 3);
   keep(mesh.uv, 3);
   keep(mesh.color, 3);
+  keep(mesh.alpha, 3);
   keep(mesh.objects.of, 1);
   keep(mesh.material, 1);
   return repeats;
@@ -86,20 +102,24 @@ MeshColor colorAt(const TriangleMesh& mesh, const MeshPoint& point, float footpr
   };
   const bool has_color = !mesh.color.empty() && mesh.color[first].x >= 0.0f;
   const glm::vec3 tint = has_color && material.tinted ? blend(mesh.color) : glm::vec3(1.0f);
-  if (material.texture) {
-    const glm::vec2 a = (mesh.uv[first + 1] - mesh.uv[first]) * material.texture->size_px();
-    const glm::vec2 b = (mesh.uv[first + 2] - mesh.uv[first]) * material.texture->size_px();
+  float alpha = mesh.alpha.empty() ? 1.0f : blend(mesh.alpha);
+  const auto texelOf = [&](const MeshTexture& texture) {
+    const glm::vec2 a = (mesh.uv[first + 1] - mesh.uv[first]) * texture.size_px();
+    const glm::vec2 b = (mesh.uv[first + 2] - mesh.uv[first]) * texture.size_px();
     const float area_px = std::abs(a.x * b.y - a.y * b.x);
     const float area_m2 =
         glm::length(glm::cross(mesh.corners_m[first + 1] - mesh.corners_m[first],
                                mesh.corners_m[first + 2] - mesh.corners_m[first]));
-    const glm::vec4 texel =
-        material.texture->at(blend(mesh.uv), footprint_m * std::sqrt(area_px / area_m2));
-    const bool cut = material.cut_out && texel.w < kMinAlpha;
-    return {glm::vec3(texel) * material.factor * tint, cut ? 0.0f : material.opacity};
+    return texture.at(blend(mesh.uv), footprint_m * std::sqrt(area_px / area_m2), material.wrap);
+  };
+  if (material.mask) alpha *= texelOf(*material.mask).w;
+  if (material.texture) {
+    const glm::vec4 texel = texelOf(*material.texture);
+    return {glm::vec3(texel) * material.factor * tint, opacityOf(material, alpha * texel.w)};
   }
-  if (has_color && !material.tinted) return {blend(mesh.color), material.opacity};
-  return {material.factor * tint, material.opacity};
+  const float opacity = opacityOf(material, alpha);
+  if (has_color && !material.tinted) return {blend(mesh.color), opacity};
+  return {material.factor * tint, opacity};
 }
 
 }  // namespace foci

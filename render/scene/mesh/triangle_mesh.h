@@ -1,6 +1,7 @@
 // The triangles of a mesh, with the colour and opacity of every place on them.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -8,18 +9,27 @@
 #include <string>
 #include <vector>
 
+#include "render/scene/mesh/texture.h"
 #include "render/scene/sampling/poisson_disk.h"
 #include "render/scene/scene_objects.h"
 
 namespace foci {
 
-class MeshTexture;
+/// What the alpha of the texture, of the mask and of the corners does. It is their product.
+enum class AlphaUse : std::uint8_t {
+  cut,    ///< less than `cutoff` is a hole, the rest has the material's opacity
+  blend,  ///< multiplies the material's opacity
+  none,
+};
 
 struct MeshMaterial {
-  std::shared_ptr<const MeshTexture> texture;  ///< null: none
+  std::shared_ptr<const MeshTexture> texture = {};  ///< null: none
+  std::shared_ptr<const MeshTexture> mask = {};     ///< its alpha, placed as `texture`; null: none
   glm::vec3 factor{1.0f};  ///< times the texture; the colour itself if there is no texture
   float opacity = 1.0f;
-  bool cut_out = true;  ///< whether the texture's alpha cuts holes
+  AlphaUse alpha = AlphaUse::cut;
+  float cutoff = 0.5f;                   ///< glTF's default alphaCutoff
+  std::array<TextureWrap, 2> wrap = {};  ///< of `texture` and `mask` across u and v
   /// Whether colours of corners multiply this colour, as in glTF. Otherwise a texture replaces
   /// them, and they replace the colour of a material without one.
   bool tinted = false;
@@ -30,6 +40,7 @@ struct TriangleMesh {
   std::vector<glm::vec3> corners_m;     ///< three a triangle, counter-clockwise from outside
   std::vector<glm::vec2> uv;            ///< one a corner
   std::vector<glm::vec3> color;         ///< one a corner, linear RGB; negative: none; empty: none
+  std::vector<float> alpha = {};        ///< one a corner, 0 to 1; empty: 1
   std::vector<std::uint32_t> material;  ///< one a triangle
   /// One a triangle: number of the closed surface it belongs to, from 1; 0: none. Empty: unknown.
   std::vector<std::uint16_t> body = {};
@@ -52,7 +63,7 @@ std::size_t dropUseless(TriangleMesh& mesh);
 
 struct MeshColor {
   glm::vec3 color;  ///< linear RGB
-  float opacity;    ///< 0 to 1; 0 where the texture cuts a hole
+  float opacity;    ///< 0 to 1; 0 in a hole
 };
 
 /// The linear colour comes from the first of these that the triangle has: the texture (times the

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
@@ -95,6 +97,21 @@ TEST(GaussianFormats, AreReadByTheirContent) {
       }
     }
   }
+}
+
+TEST(GaussianFormats, ALineSaysThatNoneIsSeen) {
+  const TemporaryFolder folder;
+  std::string ply = gaussianPly(0);
+  const float invisible = -20.0f;  // a logit
+  const std::size_t record = 15 * sizeof(float), opacity = 7 * sizeof(float);
+  for (std::size_t end : {ply.size() - record, ply.size()}) {
+    std::memcpy(ply.data() + end - record + opacity, &invisible, sizeof(float));
+  }
+  const auto file = readGaussians(folder.write("scene.ply", ply));
+  ASSERT_TRUE(file);
+  ASSERT_EQ(file->remarks.size(), 1u);
+  EXPECT_NE(file->remarks[0].find("below 1/255"), std::string::npos);
+  EXPECT_TRUE(readGaussians(folder.write("seen.ply", gaussianPly(0)))->remarks.empty());
 }
 
 TEST(GaussianFormats, ReadAFolderOfSogByItsMeta) {

@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
 
 #include "base/input_error.h"
 #include "render/scene/io/mesh.h"
 #include "render/scene/io/open_scene.h"
+#include "render/scene/mesh/triangle_mesh.h"
 #include "tests/temporary_folder.h"
 
 namespace foci {
@@ -124,6 +126,52 @@ TEST_F(MeshDamage, ExtensionsThatAGltfRequiresMustBeKnown) {
                   "requires the glTF extension \"KHR_foo\""));
   EXPECT_EQ(said("b.gltf", gltf(3, R"(,"extensionsRequired":["KHR_materials_unlit"])")), "");
   EXPECT_EQ(said("c.gltf", gltf(3, R"(,"extensionsUsed":["KHR_foo"])")), "");
+}
+
+/// A tetrahedron's corner: three triangles, each with this colour.
+std::string stl(std::string header, unsigned color, unsigned stated = 3) {
+  header.resize(80, ' ');
+  const auto append = [&](const auto& value) {
+    header.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  };
+  append(static_cast<std::uint32_t>(stated));
+  for (int i = 0; i < 3; ++i) {
+    for (int number = 0; number < 12; ++number) {
+      const bool one = (number == 6 + i) || (number == 9 + (i + 1) % 3);
+      append(one ? 1.0f : 0.0f);
+    }
+    append(static_cast<std::uint16_t>(color));
+  }
+  return header;
+}
+
+TEST_F(MeshDamage, AStlThatIsCutOffStatesBothSizes) {
+  EXPECT_EQ(said("a.stl", stl("binary", 0)), "");
+  EXPECT_TRUE(has(said("b.stl", stl("binary", 0, 20)),
+                  "is cut off: states 20 triangles in 1,084 bytes, and has 234"));
+}
+
+TEST_F(MeshDamage, AStlOfMagicsHasTheColourOfItsHeaderWhereMarked) {
+  const std::string header = std::string("COLOR=") + "\xff" + std::string(2, '\0') + "\xff";
+  const auto color = [&](unsigned bits) {
+    const MeshFile file = readMesh(folder_.write("a.stl", stl(header, bits)));
+    return colorAt(file.mesh, {0, glm::vec2(0.25f)}, 0.0f).color;
+  };
+  EXPECT_LT(glm::distance(color(0x8000), glm::vec3(1, 0, 0)), 0.01f);
+  EXPECT_LT(glm::distance(color(31), glm::vec3(1, 0, 0)), 0.01f);  // its own: red in the low bits
+  EXPECT_LT(glm::distance(color(31 << 10), glm::vec3(0, 0, 1)), 0.01f);
+}
+
+TEST_F(MeshDamage, PartsOfAGltfThatAreNotShownAreNamed) {
+  std::string skinned = gltf(3), morphed = skinned;
+  skinned.replace(skinned.find(R"({"mesh":0})"), 10, R"({"mesh":0,"skin":0},{})");
+  skinned.insert(skinned.size() - 1, R"(,"skins":[{"joints":[1]}])");
+  EXPECT_TRUE(has(said("a.gltf", skinned), "without its pose"));
+  morphed.replace(morphed.find(R"({"mesh":0})"), 10, R"({"mesh":0,"weights":[0.5]})");
+  EXPECT_TRUE(has(said("b.gltf", morphed), "morph targets are left out"));
+  const std::string texture =
+      R"(,"textures":[{"extensions":{"KHR_texture_basisu":{"source":0}}}],"images":[{"uri":"t.ktx2"}])";
+  EXPECT_TRUE(has(said("c.gltf", gltf(3, texture)), "KTX2"));
 }
 
 }  // namespace

@@ -153,12 +153,6 @@ TEST_F(MeshMaterials, TextureTransformOfGltfScalesThenTurnsThenMoves) {
             kByte);
 }
 
-TEST_F(MeshMaterials, AMaskOfOpacityIsNamed) {
-  write("m.mtl", "newmtl m\nKd 1 0 0\nmap_d leaf.png\n");
-  writeQuarters(folder_.path() / "leaf.png");
-  EXPECT_TRUE(remarks(readMesh(write("a.obj", "mtllib m.mtl\n" + kTriangle)), "map_d"));
-}
-
 /// Assimp alone loses a word that begins with a point.
 TEST_F(MeshMaterials, NumbersOfAnObjMayBeginWithAPoint) {
   const MeshFile file =
@@ -207,10 +201,34 @@ TEST_F(MeshMaterials, RefusalsSayWhatToDo) {
 }
 
 TEST_F(MeshMaterials, DetailThatFloatsLoseIsNamed) {
-  const MeshFile far =
-      readMesh(write("far.obj", "v 1e7 1e7 0\nv 10000100 1e7 0\nv 1e7 10000100 0\nf 1 2 3\n"));
+  const MeshFile far = readMesh(write("far.ply",
+                                      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                                      "property float y\nproperty float z\nelement face 1\n"
+                                      "property list uchar int vertex_indices\nend_header\n"
+                                      "1e7 1e7 0\n10000100 1e7 0\n1e7 10000100 0\n3 0 1 2\n"));
   EXPECT_TRUE(remarks(far, "far from the origin"));
   EXPECT_FALSE(remarks(readMesh(write("m.obj", kTriangle)), "far from the origin"));
+}
+
+TEST_F(MeshMaterials, AnObjOfAMapProjectionKeepsItsMillimetres) {
+  const MeshFile far = readMesh(write("far.obj",
+                                      "# UTM\nv 432123.001 5412345.002 12.5 1 0 0\n"
+                                      "v 432124.003 5412345.002 12.5 1 0 0\r\n"
+                                      "v\t432123.001  5412346.5 .25 1 0 0\nf 1 2 3\n"));
+  EXPECT_TRUE(remarks(far, "relative to 432000 5412000 0"));
+  EXPECT_FALSE(remarks(far, "far from the origin"));
+  constexpr float kMillimetre = 1e-3f;
+  const auto& corners = far.mesh.corners_m;
+  ASSERT_EQ(corners.size(), 3u);
+  EXPECT_LT(glm::distance(corners[0], glm::vec3(123.001f, 345.002f, 12.5f)), 0.1f * kMillimetre);
+  EXPECT_LT(glm::distance(corners[1], glm::vec3(124.003f, 345.002f, 12.5f)), 0.1f * kMillimetre);
+  EXPECT_LT(glm::distance(corners[2], glm::vec3(123.001f, 346.5f, 0.25f)), 0.1f * kMillimetre);
+  EXPECT_LT(glm::distance(colorOf(far), glm::vec3(1, 0, 0)), kByte);
+  // Where floats keep the detail, the file's own origin stays.
+  const MeshFile near =
+      readMesh(write("near.obj", "v 12000 0 0\nv 13000 0 0\nv 12000 1000 0\nf 1 2 3\n"));
+  EXPECT_EQ(near.mesh.corners_m[0].x, 12000.0f);
+  EXPECT_TRUE(near.mesh.remarks.empty());
 }
 
 TEST_F(MeshMaterials, ExtensionsMayHaveAnyCase) {
@@ -226,7 +244,7 @@ TEST_F(MeshMaterials, BlackMaterialsThatEmitLightHaveItsColour) {
   write("m.mtl", "newmtl m\nKd 1 0 0\nKe 0 1 0\n");
   const MeshFile red = readMesh(write("n.obj", "mtllib m.mtl\n" + kTriangle));
   EXPECT_LT(glm::distance(colorOf(red), glm::vec3(1, 0, 0)), kByte);
-  EXPECT_TRUE(red.mesh.remarks.empty());
+  EXPECT_TRUE(remarks(red, "without the light"));
 
   writeQuarters(folder_.path() / "t.png");
   const float data[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};

@@ -256,6 +256,25 @@ TEST_F(PlyTest, RefusesTruncationAnywhere) {
   }
 }
 
+TEST_F(PlyTest, IntensityIsGreyWithoutColours) {
+  std::string points;
+  for (int i = 0; i <= 100; ++i) points += std::to_string(i) + " 0 0 " + std::to_string(i) + "\n";
+  const auto header = [](const char* name) {
+    return std::string(
+               "ply\nformat ascii 1.0\nelement vertex 101\nproperty float x\n"
+               "property float y\nproperty float z\nproperty float ") +
+           name + "\nend_header\n";
+  };
+  for (const char* name : {"intensity", "scalar_Intensity"}) {
+    const PointCloud cloud = read(header(name) + points);
+    // From 1 to 99 as sRGB code values: 50 is the code 0.5.
+    EXPECT_EQ(cloud.color[0], glm::vec3(0.0f));
+    EXPECT_EQ(cloud.color[100], glm::vec3(1.0f));
+    EXPECT_NEAR(cloud.color[50].x, 0.2140f, kSrgbByte);
+  }
+  EXPECT_NEAR(read(header("quality") + points).color[100].x, 0.2140f, kSrgbByte);
+}
+
 TEST(ReadPly, ReadsTheLion) {
   const char* folder = std::getenv("FOCI_DATA");
   const std::filesystem::path data = folder != nullptr ? folder : FOCI_SOURCE_DIR "/../shared/data";

@@ -172,8 +172,13 @@ TEST_F(TextPoints, OpensAsASceneAtItsScale) {
   EXPECT_FLOAT_EQ(scene.cloud.color[0].x, 1.0f);
 }
 
+TEST_F(TextPoints, CsvFilesWithPointsAreScenes) {
+  EXPECT_TRUE(isScene(scratch.write("a.csv", "X,Y,Z,R,G,B\n0,0,0,255,0,0\n")));
+  EXPECT_FALSE(isScene(scratch.write("b.csv", "time,gaze_x,gaze_y\n0,960,540\n")));
+}
+
 TEST_F(TextPoints, FormatsThatAreNotReadNameAConverter) {
-  for (const char* name : {"scan.e57", "scan.pcd", "model.blend"}) {
+  for (const char* name : {"scan.e57", "scan.pcd", "model.blend", "stage.usda"}) {
     try {
       readScene(scratch.write(name, "ASTM-E57 and more"));
       FAIL() << name;

@@ -1,0 +1,22 @@
+// glTF in the words that Assimp 5.2 reads. Private to the readers of meshes.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace foci {
+
+/// The file (.gltf or .glb) with
+///
+///   floats in place of the integers of positions, normals, tangents and texture coordinates (core
+///   glTF, KHR_mesh_quantization), which Assimp takes for the bytes of floats;
+///   a node for each instance of EXT_mesh_gpu_instancing;
+///   the image of EXT_texture_webp as the image of a texture that has no other;
+///   no skins, whose pose is not shown: Assimp crashes on those without inverse bind matrices.
+///
+/// Empty if nothing has to change, and for a file that is no JSON or lacks a buffer: Assimp says
+/// so.
+/// @throws InputError if an accessor reaches beyond its buffer, or a node has too many instances
+std::string plainGltf(const std::filesystem::path& path);
+
+}  // namespace foci

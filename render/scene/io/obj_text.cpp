@@ -1,0 +1,123 @@
+// Wavefront's OBJ, vertices.
+#include "render/scene/io/obj_text.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstddef>
+#include <fstream>
+#include <glm/glm.hpp>
+#include <iterator>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "render/scene/io/scan_values.h"
+
+namespace foci {
+namespace {
+
+bool isBlank(char c) { return c == ' ' || c == '\t'; }
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
+/// Empty if there is none to mend.
+std::string withLeadingZeros(const std::string& text) {
+  std::string mended;
+  std::size_t kept = 0;
+  bool vertex = false;
+  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+    const bool begins = i == 0 || text[i - 1] == '\n' || text[i - 1] == '\r';
+    if (begins) vertex = text[i] == 'v';
+    if (!vertex || text[i] != '.' || begins || !isBlank(text[i - 1]) || !isDigit(text[i + 1])) {
+      continue;
+    }
+    mended.append(text, kept, i - kept);
+    mended += '0';
+    kept = i;
+  }
+  if (kept > 0) mended.append(text, kept);
+  return mended;
+}
+
+/// A vertex, and the part of the text that states its place.
+struct ObjVertex {
+  glm::dvec3 place;
+  std::size_t begin, end;
+};
+
+/// The vertex of the line that begins at `at`.
+std::optional<ObjVertex> objVertexAt(std::string_view text, std::size_t at) {
+  if (at + 1 >= text.size() || text[at] != 'v' || !isBlank(text[at + 1])) return std::nullopt;
+  ++at;
+  const std::size_t begin = at;
+  ObjVertex vertex{{}, begin, begin};
+  for (int axis = 0; axis < 3; ++axis) {
+    while (at < text.size() && isBlank(text[at])) ++at;
+    const auto [end, error] =
+        std::from_chars(text.data() + at, text.data() + text.size(), vertex.place[axis]);
+    if (error != std::errc()) return std::nullopt;
+    at = static_cast<std::size_t>(end - text.data());
+    if (at < text.size() && !isBlank(text[at]) && text[at] != '\n' && text[at] != '\r') {
+      return std::nullopt;  // such as a decimal comma
+    }
+  }
+  vertex.end = at;
+  return vertex;
+}
+
+/// Calls `take` with each vertex in turn.
+template <class Take>
+void eachObjVertex(std::string_view text, const Take& take) {
+  for (std::size_t at = 0; at < text.size();) {
+    if (const auto vertex = objVertexAt(text, at)) take(*vertex);
+    at = std::min(text.find('\n', at), text.size() - 1) + 1;
+  }
+}
+
+/// The text with vertices relative to an origin.
+std::string movedText(std::string_view text, const glm::dvec3& origin) {
+  std::string moved;
+  moved.reserve(text.size());
+  std::size_t kept = 0;
+  eachObjVertex(text, [&](const ObjVertex& vertex) {
+    moved.append(text, kept, vertex.begin - kept);
+    for (int axis = 0; axis < 3; ++axis) {
+      // Fixed, as Assimp reads no exponents of all kinds. No float far out is finer than 1e-6.
+      std::array<char, 400> number{};
+      const auto [end, error] =
+          std::to_chars(number.data(), number.data() + number.size(),
+                        vertex.place[axis] - origin[axis], std::chars_format::fixed, 6);
+      moved += ' ';
+      moved.append(number.data(), end);
+    }
+    kept = vertex.end;
+  });
+  moved.append(text, kept);
+  return moved;
+}
+
+}  // namespace
+
+ObjText readableObj(const std::filesystem::path& obj) {
+  std::ifstream in(obj, std::ios::binary);
+  const std::string original(std::istreambuf_iterator<char>(in), {});
+  ObjText readable{.text = withLeadingZeros(original), .remark = {}};
+  const std::string& text = readable.text.empty() ? original : readable.text;
+  std::vector<glm::vec3> places;
+  std::optional<glm::dvec3> first;
+  eachObjVertex(text, [&](const ObjVertex& vertex) {
+    if (!isNearEnough(vertex.place)) return;
+    if (!first) first = vertex.place;
+    places.emplace_back(vertex.place);
+  });
+  if (!first || !losesDetail(places)) return readable;
+  const glm::dvec3 origin = originNear(*first);
+  if (const auto remark = originRemark(origin)) {
+    readable.text = movedText(text, origin);
+    readable.remark = *remark;
+  }
+  return readable;
+}
+
+}  // namespace foci

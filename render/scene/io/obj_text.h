@@ -1,0 +1,19 @@
+// The text of an OBJ in the words that Assimp 5.2 reads. Private to the readers of meshes.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace foci {
+
+struct ObjText {
+  std::string text;    ///< the file as Assimp has to read it; empty: as it is
+  std::string remark;  ///< what the user should know; empty: nothing
+};
+
+/// With 0.5 in place of .5 in its vertices, since Assimp takes a word that begins with a point for
+/// none. If floats would lose the detail of the vertices, the origin is moved near the first one
+/// (scan_values.h), as Assimp keeps floats.
+ObjText readableObj(const std::filesystem::path& obj);
+
+}  // namespace foci
