@@ -100,7 +100,7 @@ TEST(Reproduce, RefusesInOneLineAndLeavesNothing) {
       {"missing.ply", {"--scan", "missing.ply"}},
       {"none.ply", {"--scan", "none.ply"}},
       {"16 points in view", seenAlong("0,1,0", {"--scan", "few.ply"})},
-      {"no aperture", seenAlong("0,1,0", {"--scan", "flat.ply"})},
+      {"all its points in view are in focus", seenAlong("0,1,0", {"--scan", "flat.ply"})},
       {"--look-at", seenAlong("0,0,1", {"--scan", "flat.ply"})},
       {"--eye", {"--eye", "1,2"}},
       {"1 to 1024", {"--threads", "0"}},

@@ -153,7 +153,7 @@ TEST_P(CrowdOfGaussians, OfTwoColoursKeepsItsLight) {
   const Frame all = render("sweep:19", scene, kView, settings);
   const Frame merged = render("sweep-lod:19", scene, kView, settings);
   const double light = meanLuminance(all);
-  constexpr double kShare = 0.06, kLeast_dB = 37.0;
+  constexpr double kShare = 0.08, kLeast_dB = 37.0;
   EXPECT_NEAR(meanLuminance(merged), light, kShare * light);
   EXPECT_GT(psnr_dB(merged, all), kLeast_dB);
 }
