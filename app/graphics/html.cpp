@@ -66,33 +66,6 @@ std::string escaped(const std::string& text) {
   return html;
 }
 
-void Base64::add(const std::uint8_t* bytes, std::size_t count) {
-  std::string text;
-  text.reserve(count / 3 * 4 + 8);
-  for (std::size_t i = 0; i < count; ++i) {
-    bits_ = bits_ << 8 | bytes[i];
-    if (++held_ == 3) put(text, 4);
-  }
-  out_ << text;
-}
-
-void Base64::finish() {
-  if (held_ == 0) return;
-  const int digits = held_ + 1;
-  bits_ <<= 8 * (3 - held_);
-  std::string text;
-  put(text, digits);
-  out_ << text.append(static_cast<std::size_t>(4 - digits), '=');
-}
-
-void Base64::put(std::string& text, int digits) {
-  static constexpr char kDigits[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (int i = 0; i < digits; ++i) text += kDigits[bits_ >> (18 - 6 * i) & 63];
-  bits_ = 0;
-  held_ = 0;
-}
-
 std::string numberCell(const std::string& value, const std::string& what) {
   return "<div><b>" + value + "</b><span>" + what + "</span></div>\n";
 }

@@ -1,10 +1,7 @@
 // What the program's pages share: one style, and text quoted for HTML.
 #pragma once
 
-#include <cstdint>
-#include <ostream>
 #include <string>
-#include <vector>
 
 namespace foci {
 
@@ -21,22 +18,6 @@ extern const char* const kPageEnd;
 
 /// Plain text as the text or an attribute of an HTML element.
 std::string escaped(const std::string& text);
-
-/// Writes a stream of bytes as Base64 (RFC 4648), in constant memory.
-class Base64 {
- public:
-  explicit Base64(std::ostream& out) : out_(out) {}
-
-  void add(const std::uint8_t* bytes, std::size_t count);
-  void finish();
-
- private:
-  void put(std::string& text, int digits);
-
-  std::ostream& out_;
-  std::uint32_t bits_ = 0;
-  int held_ = 0;
-};
 
 /// A number and its name, as a cell of a `numbers` block. Both are HTML.
 std::string numberCell(const std::string& value, const std::string& what);

@@ -10,6 +10,7 @@
 
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
+#include "base/base64.h"
 #include "base/text.h"
 
 namespace foci {

@@ -9,6 +9,7 @@
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
 #include "app/platform/output_folder.h"
+#include "base/base64.h"
 #include "base/text.h"
 
 namespace foci {

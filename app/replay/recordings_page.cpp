@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "app/graphics/html.h"
+#include "base/base64.h"
 #include "base/text.h"
 
 namespace foci {

@@ -10,6 +10,7 @@
 #include "app/graphics/html.h"
 #include "app/record/tables.h"
 #include "app/study/session_settings_of.h"
+#include "base/base64.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "gaze/focus/pupil.h"

@@ -34,9 +34,9 @@ class PairsReader {
   std::vector<BinocularSample> read() {
     std::string_view line;
     TablePreamble preamble;
-    bool found = lines_.next(line);
-    if (found && readSeparatorLine(line, preamble)) found = lines_.next(line);
-    if (!found) throw InputError(lines_.fileName(), "empty: expected a header row");
+    if (!nextHeaderLine(lines_, line, preamble)) {
+      throw InputError(lines_.fileName(), "empty: expected a header row");
+    }
     delimiter_ = delimiterOf(line, preamble);
     readHeader(line);
     std::vector<BinocularSample> samples;

@@ -46,9 +46,7 @@ std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits 
   // Find the named columns.
   std::vector<std::string_view> fields;
   TablePreamble preamble;
-  bool found = lines.next(line);
-  if (found && readSeparatorLine(line, preamble)) found = lines.next(line);
-  if (!found) {
+  if (!nextHeaderLine(lines, line, preamble)) {
     throw InputError(lines.fileName(), "empty: expected a header row x y x_target y_target");
   }
   const char delimiter = delimiterOf(line, preamble);

@@ -100,6 +100,10 @@ bool readSeparatorLine(std::string_view line, TablePreamble& preamble) {
   return true;
 }
 
+bool nextHeaderLine(LineReader& lines, std::string_view& line, TablePreamble& preamble) {
+  return lines.next(line) && (!readSeparatorLine(line, preamble) || lines.next(line));
+}
+
 char delimiterOf(std::string_view header, const TablePreamble& before) {
   if (before.separator) return *before.separator;
   const auto has = [&](char c) { return header.find(c) != std::string_view::npos; };

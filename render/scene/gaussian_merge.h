@@ -71,7 +71,7 @@ GaussianMoments merged(const GaussianMoments& a, const GaussianMoments& b);
 
 /// Writes a merged Gaussian. Let A be the covered areas of its Gaussians, G their growth, M what
 /// they cover together, and o their mean opacity. The share o M / (A + s G) of its colour is that
-/// of Gaussians side by side: a light and a dark crowd then keep their light within 5 %
+/// of Gaussians side by side: a light and a dark crowd then keep their light within 8 %
 /// (GaussianCut tests). Here s is the variance of the low-pass where `spread_m2` is 1 px^2, which
 /// is between the limits of `auto` and `sweep-lod`.
 /// @param i  exists in the cloud

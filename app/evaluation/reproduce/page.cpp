@@ -8,6 +8,7 @@
 #include "app/evaluation/reproduce/chart.h"
 #include "app/graphics/html.h"
 #include "app/platform/machine.h"
+#include "base/base64.h"
 #include "base/text.h"
 
 namespace foci {

@@ -11,54 +11,25 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <sstream>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/base64.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/gaussian_file.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/mesh_limits.h"
 
 namespace foci {
 namespace {
 
 using JsonValue = nlohmann::json;
 
-constexpr std::size_t kMaxRepeats = 1 << 18;  // as in mesh_limits.cpp
 constexpr int kFloat = 5126;
 constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;
-constexpr std::string_view kAlphabet =
-    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-std::string base64Of(std::span<const unsigned char> bytes) {
-  std::string text;
-  text.reserve(4 * (bytes.size() / 3 + 1));
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t three = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      three = 256 * three + (i + k < bytes.size() ? bytes[i + k] : 0u);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += i + k <= bytes.size() ? kAlphabet[three >> (18 - 6 * k) & 63] : '=';
-    }
-  }
-  return text;
-}
-
-std::vector<unsigned char> bytesOfBase64(std::string_view text) {
-  std::vector<unsigned char> bytes;
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const char c : text) {
-    const std::size_t value = kAlphabet.find(c);
-    if (value == std::string_view::npos) continue;
-    bits = bits << 6 | static_cast<std::uint32_t>(value);
-    count += 6;
-    if (count >= 8) bytes.push_back(static_cast<unsigned char>(bits >> (count -= 8)));
-  }
-  return bytes;
-}
 
 /// A whole number of a JSON object; `otherwise` if it has none.
 std::size_t numberIn(const JsonValue& object, const char* key, std::size_t otherwise) {
@@ -125,11 +96,13 @@ class PlainGltf {
       floats_.insert(floats_.end(), values->begin(), values->end());
     }
     if (!floats_.empty()) {
-      const std::span<const unsigned char> bytes(
-          reinterpret_cast<const unsigned char*>(floats_.data()), floats_.size() * sizeof(float));
-      json_["buffers"].push_back(
-          {{"byteLength", bytes.size()},
-           {"uri", "data:application/octet-stream;base64," + base64Of(bytes)}});
+      const std::size_t bytes = floats_.size() * sizeof(float);
+      std::ostringstream uri;
+      uri << "data:application/octet-stream;base64,";
+      Base64 base64(uri);
+      base64.add(reinterpret_cast<const std::uint8_t*>(floats_.data()), bytes);
+      base64.finish();
+      json_["buffers"].push_back({{"byteLength", bytes}, {"uri", uri.str()}});
     }
     const std::optional<bool> instances = addInstances();
     if (!instances) return std::nullopt;
@@ -235,7 +208,7 @@ class PlainGltf {
   /// A node below each node that repeats its mesh, for each instance.
   std::optional<bool> addInstances() {
     bool changed = false;
-    std::size_t instances = 0;
+    double instances = 0.0;
     if (!json_.contains("nodes") || !json_["nodes"].is_array()) return false;
     const std::size_t nodes = json_["nodes"].size();
     for (std::size_t n = 0; n < nodes; ++n) {
@@ -256,10 +229,9 @@ class PlainGltf {
         count = std::max(count, read->size() / size);
         values[key] = std::move(*read);
       }
-      instances += count;
-      if (instances > kMaxRepeats) {
-        throw InputError(path_.string(), "has more than " +
-                                             thousands(static_cast<double>(kMaxRepeats)) +
+      instances += static_cast<double>(count);
+      if (instances > kMaxInstances) {
+        throw InputError(path_.string(), "has more than " + thousands(kMaxInstances) +
                                              " instances of EXT_mesh_gpu_instancing: expected "
                                              "fewer");
       }

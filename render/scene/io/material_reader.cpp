@@ -14,15 +14,6 @@
 namespace foci {
 namespace {
 
-/// Linear RGB, 0 to 1; NaN becomes 0.
-glm::vec3 linearColor(const aiColor4D& color, bool srgb) {
-  const auto linear = [&](float x) {
-    const float unit = x >= 0.0f ? std::min(x, 1.0f) : 0.0f;
-    return srgb ? linearFromSrgb(unit) : unit;
-  };
-  return {linear(color.r), linear(color.g), linear(color.b)};
-}
-
 TextureWrap wrapOf(const aiMaterial& material, const char* key, aiTextureType type) {
   int mode = aiTextureMapMode_Wrap;
   material.Get(key, static_cast<unsigned>(type), 0, mode);
@@ -38,6 +29,14 @@ bool emits(const aiMaterial& material) {
 }
 
 }  // namespace
+
+glm::vec3 linearColor(const aiColor4D& color, bool srgb) {
+  const auto linear = [&](float x) {
+    const float unit = x >= 0.0f ? std::min(x, 1.0f) : 0.0f;
+    return srgb ? linearFromSrgb(unit) : unit;
+  };
+  return {linear(color.r), linear(color.g), linear(color.b)};
+}
 
 MaterialReader::MaterialReader(const std::filesystem::path& mesh, const aiScene& scene)
     : path_(mesh),

@@ -5,6 +5,7 @@
 #include <assimp/material.h>
 
 #include <filesystem>
+#include <glm/glm.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -18,6 +19,9 @@
 struct aiScene;
 
 namespace foci {
+
+/// Linear RGB, 0 to 1; NaN becomes 0.
+glm::vec3 linearColor(const aiColor4D& color, bool srgb);
 
 class MaterialReader {
  public:

@@ -16,7 +16,6 @@
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
-#include "render/image/srgb.h"
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/material_reader.h"
 #include "render/scene/io/mesh_companions.h"
@@ -31,16 +30,6 @@ namespace foci {
 namespace {
 
 glm::vec3 vec3Of(const aiVector3D& v) { return {v.x, v.y, v.z}; }
-
-/// Clamps to 0 to 1; NaN becomes 0.
-glm::vec3 unitColor(const glm::vec3& c) {
-  const auto unit = [](float x) { return x >= 0.0f ? std::min(x, 1.0f) : 0.0f; };
-  return {unit(c.x), unit(c.y), unit(c.z)};
-}
-
-glm::vec3 linearOf(const glm::vec3& srgb) {
-  return {linearFromSrgb(srgb.x), linearFromSrgb(srgb.y), linearFromSrgb(srgb.z)};
-}
 
 /// Whether colours of corners have an alpha that matters. Assimp gives the alpha 0 to all corners
 /// of a mesh whose colours have none.
@@ -171,13 +160,12 @@ class Loader {
         if (!has_color) continue;
         const aiColor4D& c = mesh.mColors[0][i];
         refuseBytes({c.r, c.g, c.b});
-        const glm::vec3 color = unitColor({c.r, c.g, c.b});
         if (has_alpha) {
           all.alpha.resize(all.corners_m.size() - 1, 1.0f);
-          all.alpha.push_back(unitColor({c.a, 0.0f, 0.0f}).x);
+          all.alpha.push_back(c.a >= 0.0f ? std::min(c.a, 1.0f) : 0.0f);
         }
         all.color.resize(all.corners_m.size() - 1, glm::vec3(-1.0f));
-        all.color.push_back(gltf_ ? color : linearOf(color));
+        all.color.push_back(linearColor(c, !gltf_));
       }
       all.material.push_back(mesh.mMaterialIndex);
     }

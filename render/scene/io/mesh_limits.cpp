@@ -22,7 +22,6 @@ using Json = nlohmann::json;
 // about 4 GB.
 constexpr int kMaxJsonDepth = 100;
 constexpr int kMaxNodeDepth = 500;
-constexpr double kMaxInstances = 1 << 18;
 constexpr double kMaxCorners = 1 << 26;
 
 constexpr int kTriangles = 4;  // mode of a primitive; 5 and 6 are strips and fans

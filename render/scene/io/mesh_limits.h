@@ -8,6 +8,8 @@
 
 namespace foci {
 
+inline constexpr double kMaxInstances = 1 << 18;  ///< of meshes in a file
+
 struct StatedTriangles {
   std::uint64_t parts = 0, triangles = 0;  ///< of all meshes, whether or not a node shows them
 };

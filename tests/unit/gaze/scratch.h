@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/input_error.h"
+
 namespace foci {
 
 /// A temporary file with the given bytes. The destructor removes it.
@@ -29,6 +31,17 @@ class ScratchFile {
  private:
   std::filesystem::path path_;
 };
+
+/// What a reader says of a file that it refuses.
+template <typename Read>
+std::string refusalBy(const Read& read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "not refused";
+}
 
 /// Folder of the real recordings. It may be absent.
 inline std::filesystem::path gazeData() {

@@ -15,12 +15,7 @@ const std::string kHead = "** CONVERTED FROM a.edf\n\nMSG\t5 DISPLAY_COORDS 0 0 
 GazeTrace read(const std::string& bytes) { return readTrace(ScratchFile(bytes).path(), {}, {}); }
 
 std::string refusal(const std::string& bytes) {
-  try {
-    read(bytes);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "not refused";
+  return refusalBy([&] { read(bytes); });
 }
 
 TEST(EyeLinkAsc, TakesTheMeanOfTheEyesAndDoesNotJumpToOne) {

@@ -31,12 +31,7 @@ LabelledTrace read(const std::string& bytes) {
 }
 
 std::string refusal(const std::string& bytes) {
-  try {
-    read(bytes);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "not refused";
+  return refusalBy([&] { read(bytes); });
 }
 
 TEST(ReadLabelled, LabelsAreTheSameWithEachSeparator) {

@@ -4,28 +4,12 @@
 #include <algorithm>
 #include <string>
 
-#include "base/input_error.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/unit/gaze/scratch.h"
+#include "tests/unit/gaze/sources/read_tables.h"
 
 namespace foci {
 namespace {
-
-constexpr double kRounding = 1e-9;  // a handful of double operations
-
-std::string refusal(std::string_view bytes, const TraceColumns& columns = {}) {
-  try {
-    readTrace(ScratchFile(bytes).path(), columns, {});
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "not refused";
-}
-
-void expectPoint(const std::optional<glm::dvec2>& point_px, double x, double y) {
-  ASSERT_TRUE(point_px);
-  EXPECT_LT(glm::distance(*point_px, glm::dvec2(x, y)), kRounding);
-}
 
 TEST(ScriptTable, PupilCoresSurfacesCountFromTheLowerEdge) {
   const GazeTrace trace =

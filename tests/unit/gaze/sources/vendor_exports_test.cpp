@@ -6,14 +6,12 @@
 #include <cmath>
 #include <string>
 
-#include "base/input_error.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/unit/gaze/scratch.h"
+#include "tests/unit/gaze/sources/read_tables.h"
 
 namespace foci {
 namespace {
-
-constexpr double kRounding = 1e-9;  // a handful of double operations
 
 std::filesystem::path recording(const char* name) {
   return std::filesystem::path(FOCI_SOURCE_DIR) / "tests/unit/gaze/sources/recordings" / name;
@@ -21,20 +19,6 @@ std::filesystem::path recording(const char* name) {
 
 GazeTrace read(const char* name, const TraceColumns& columns = {}) {
   return readTrace(recording(name), columns, {});
-}
-
-std::string refusal(std::string_view bytes, const TraceColumns& columns = {}) {
-  try {
-    readTrace(ScratchFile(bytes).path(), columns, {});
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "not refused";
-}
-
-void expectPoint(const std::optional<glm::dvec2>& point_px, double x, double y) {
-  ASSERT_TRUE(point_px);
-  EXPECT_LT(glm::distance(*point_px, glm::dvec2(x, y)), kRounding);
 }
 
 TEST(VendorExport, TobiiStudio2HasAPreambleAndCodesForDataLoss) {

@@ -12,6 +12,7 @@
 #include "app/evaluation/timed_runs.h"
 #include "app/graphics/html.h"
 #include "app/graphics/image.h"
+#include "base/base64.h"
 #include "base/input_error.h"
 
 namespace foci {
