@@ -28,6 +28,7 @@ struct CutSettings {
   bool foreshortened = false;
   Acuity acuity = {};
   int margin_px = 0;  ///< keeps nodes that touch the image or this margin about it
+  bool operator==(const CutSettings&) const = default;
 };
 
 /// Merging adds at most 3 % to the variance of blur and pixel. A square node's spread is side^2 /

@@ -70,11 +70,12 @@ class AutoMethod final : public Method {
     const std::optional<QualityLevel> forced = forced_ ? forced_ : quality.quality_level;
     const QualityLevel level = forced               ? *forced
                                : quality.keep_level ? last_level_
-                                                    : choose(now, settings, blur_px);
+                                                    : choose(now, settings, blur_px, frame);
     last_level_ = level;
 
     const auto start = std::chrono::steady_clock::now();
     RenderStats stats = renderAt(level, view, settings, frame);
+    squares_.reset();
     if (!quality.keep_level && !forced) {
       const std::chrono::duration<float, std::milli> took =
           std::chrono::steady_clock::now() - start;
@@ -90,7 +91,10 @@ class AutoMethod final : public Method {
   void passFrame(const View& view, const RenderSettings& settings) override {
     if (forced_ || settings.quality.quality_level || settings.quality.keep_level) return;
     last_view_ = unblurred(view, settings);
-    last_level_ = choose(last_view_, settings, maxBlur_px(view, settings));
+    Frame frame;
+    frame.resize(view.size_px, settings.depth);
+    last_level_ = choose(last_view_, settings, maxBlur_px(view, settings), frame);
+    squares_.reset();
   }
 
  private:
@@ -148,13 +152,15 @@ class AutoMethod final : public Method {
            aberrationRadius_px(defocus, settings.pupil);
   }
 
-  QualityLevel choose(const UnblurredView& view, const RenderSettings& settings, float blur_px) {
+  /// @param frame  of the view's size; its pixels are overwritten until `squares_` ends
+  QualityLevel choose(const UnblurredView& view, const RenderSettings& settings, float blur_px,
+                      Frame& frame) {
     const Quality& quality = settings.quality;
     const bool budget = quality.frame_ms && !std::isinf(*quality.frame_ms);
     if (budget) {
       checked_.reset();
     } else {
-      check(view, settings, blur_px);
+      check(view, settings, blur_px, frame);
     }
     const float allowed = allowedError(quality, blur_px);
     const auto within = [&](float error) {
@@ -211,7 +217,8 @@ class AutoMethod final : public Method {
 
   /// Renders squares of the frame where the table asks for sub-apertures: surfaces may overlap in
   /// much of the view or in none of it. They also tell how fine an LOD cut the frame needs.
-  void check(const UnblurredView& view, const RenderSettings& settings, float blur_px) {
+  void check(const UnblurredView& view, const RenderSettings& settings, float blur_px,
+             Frame& frame) {
     const Quality& quality = settings.quality;
     const float best = settingsOf(kToleranceLevels.back()).error(blur_px);
     if (settingsOf(QualityLevel::whole_aperture).error(blur_px) <=
@@ -221,7 +228,7 @@ class AutoMethod final : public Method {
     }
     if (checked_ && stillHolds(*checked_, view, settings.defocus, blur_px)) return;
     const float reference_error = referenceSettings().error(blur_px);
-    SpotCheck squares(scene_, view.view, settings, lodOf(referenceSettings(), quality));
+    squares_.emplace(scene_, view.view, settings, lodOf(referenceSettings(), quality), frame);
     checked_ = {.view = view, .defocus = settings.defocus, .blur_px = blur_px, .difference = {}};
     for (const QualityLevel level : kToleranceLevels) {
       if (level < QualityLevel::whole_aperture) continue;
@@ -229,7 +236,7 @@ class AutoMethod final : public Method {
       const float unseen = std::min(reference_error, allowed);  // by the squares
       const float limit = std::sqrt(allowed * allowed - unseen * unseen);
       checked_->difference[static_cast<std::size_t>(level)] =
-          squares.error(lodOf(settingsOf(level), quality), limit);
+          squares_->error(lodOf(settingsOf(level), quality), limit);
       if (expectedError(level, blur_px) <= allowedError(quality, blur_px)) break;
     }
   }
@@ -258,6 +265,7 @@ class AutoMethod final : public Method {
   QualityLevel last_level_ = QualityLevel::sharp;  // of the previous render
   std::optional<QualityLevel> wanted_;             // by the tolerance alone
   std::optional<Checked> checked_;
+  std::optional<SpotCheck> squares_;  // until their frame is rendered
   TimeBudget time_{relativeTimes(), scene_.isOnGpu()};
   UnblurredView last_view_;  // of the previous render
 };

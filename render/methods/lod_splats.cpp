@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "base/mapped_file.h"
@@ -24,6 +26,24 @@ SweepSettings sweepSettings(const RenderSettings& settings, const LodSettings& l
           .defocus = {},
           .low_pass_px = lod.low_pass_px,
           .depth = settings.depth};
+}
+
+bool isBlurred(const RenderSettings& settings) {
+  return settings.defocus.radius_px_per_D.x * settings.defocus.radius_px_per_D.y > 0.0f;
+}
+
+/// Whether parts of the lens see different images.
+bool hasParts(const RenderSettings& settings) {
+  return isBlurred(settings) && settings.pupil.hasParts();
+}
+
+/// Through the whole aperture, and through sub-apertures if there are several.
+Projection projectionFor(int sub_apertures, const RenderSettings& settings) {
+  Projection projection{.shading = settings.shading};
+  if (sub_apertures > 1 && isBlurred(settings)) {
+    projection.sub_aperture = 1.0f / std::sqrt(static_cast<float>(sub_apertures));
+  }
+  return projection;
 }
 
 /// Begins to read a cut's surfels from their file, in parts much longer than those that a page
@@ -79,9 +99,7 @@ LodSplats::LodSplats(const LodSplats& other, std::nullptr_t) : tree_(other.tree_
 
 RenderStats LodSplats::render(const View& view, const RenderSettings& settings,
                               const LodSettings& lod, Frame& frame) {
-  const glm::vec2 radius_px_per_D = settings.defocus.radius_px_per_D;
-  const bool blurred = radius_px_per_D.x * radius_px_per_D.y > 0.0f;
-  if (blurred && settings.pupil.hasParts()) return renderParts(view, settings, lod, frame);
+  if (hasParts(settings)) return renderParts(view, settings, lod, frame);
   LodSettings softened = lod;
   softened.cut.acuity = widened(lod.cut.acuity, settings.pupil);
   return renderLens(view, settings, softened, frame);
@@ -91,27 +109,27 @@ RenderStats LodSplats::renderParts(const View& view, const RenderSettings& setti
                                    const LodSettings& lod, Frame& frame) {
   const std::vector<LensPart> parts = partsFor(settings.defocus, settings.pupil, lod.sub_apertures);
   RenderStats stats;
-  meanOfParts(parts, settings.pupil.diffraction_px, part_, frame,
-              [&](const LensPart& part, Frame& to) {
-                const View seen = viewOfPart(view, part);
-                RenderSettings of_part = settings;
-                of_part.defocus = part.defocus;
-                LodSettings detail = lod;
-                detail.cut.acuity = widened(lod.cut.acuity, part);
-                detail.cut.per_blur2 *= part.radius * part.radius;
-                detail.sub_apertures = 1;
-                if (gpu_) {
-                  GpuRequest request = gpuRequest(seen, of_part, detail);
-                  request.lens = part.centre;
-                  request.aperture = part.radius;
-                  stats.add(statsOf(gpu_->render(request, to.gpu)));
-                  return;
-                }
-                stats.add(renderSplats(
-                    seen, part.defocus, detail,
-                    {.lens = part.centre, .aperture = part.radius, .shading = settings.shading},
-                    sweepSettings(of_part, lod), to));
-              });
+  meanOfParts(
+      parts, settings.pupil.diffraction_px, part_, frame, [&](const LensPart& part, Frame& to) {
+        const View seen = viewOfPart(view, part);
+        RenderSettings of_part = settings;
+        of_part.defocus = part.defocus;
+        LodSettings detail = lod;
+        detail.cut.acuity = widened(lod.cut.acuity, part);
+        detail.cut.per_blur2 *= part.radius * part.radius;
+        detail.sub_apertures = 1;
+        if (gpu_) {
+          GpuRequest request = gpuRequest(seen, of_part, detail);
+          request.lens = part.centre;
+          request.aperture = part.radius;
+          stats.add(statsOf(gpu_->render(request, to.gpu)));
+          return;
+        }
+        stats.add(renderSplats(
+            binnedOf(seen, part.defocus, detail.cut,
+                     {.lens = part.centre, .aperture = part.radius, .shading = settings.shading}),
+            detail, sweepSettings(of_part, lod), to));
+      });
   return stats;
 }
 
@@ -127,58 +145,123 @@ GpuRequest LodSplats::gpuRequest(const View& view, const RenderSettings& setting
 RenderStats LodSplats::renderLens(const View& view, const RenderSettings& settings,
                                   const LodSettings& lod, Frame& frame) {
   if (gpu_) return statsOf(gpu_->render(gpuRequest(view, settings, lod), frame.gpu));
-  const glm::vec2 radius_px_per_D = settings.defocus.radius_px_per_D;
-  const bool by_sub_apertures =
-      lod.sub_apertures > 1 && radius_px_per_D.x * radius_px_per_D.y > 0.0f;
-  return renderSplats(
-      view, settings.defocus, lod,
-      {.sub_aperture =
-           by_sub_apertures ? 1.0f / std::sqrt(static_cast<float>(lod.sub_apertures)) : 0.0f,
-       .shading = settings.shading},
-      sweepSettings(settings, lod), frame);
+  const Projection projection = projectionFor(lod.sub_apertures, settings);
+  return renderSplats(binnedOf(view, settings.defocus, lod.cut, projection), lod,
+                      sweepSettings(settings, lod), frame);
 }
 
-RenderStats LodSplats::renderSplats(const View& view, const Defocus& defocus,
-                                    const LodSettings& lod, Projection projection,
-                                    SweepSettings settings, Frame& frame) {
-  const glm::vec2 radius_px_per_D = defocus.radius_px_per_D * projection.aperture;
-  const bool coarse = radius_px_per_D.x * radius_px_per_D.y > 0.0f ||
-                      lod.cut.acuity.base_px > 1.0f || lod.cut.acuity.per_px > 0.0f;
+bool LodSplats::renderWindows(const View& view, const RenderSettings& settings,
+                              const LodSettings& lod, std::span<const Window> windows,
+                              Frame& frame) {
+  if (gpu_ || hasParts(settings)) return false;
   CutSettings cut = lod.cut;
-  cut.margin_px = coarse ? kApron * kMaxStep_px : 0;  // for the aprons of coarse tiles
-  settings.defocus = defocus;
-  projection.acuity = cut.acuity;
-  projection.margin_px = cut.margin_px;
-  const auto sweepCut = [&](const View& seen, Frame& to) {
-    readSurfelsAhead(tree_->surfels(), cut_);
-    projectCut(*tree_, cut_, seen, defocus, projection, chunks_);
-    lists_.build(chunks_, seen.size_px, coarse);
-    SubApertures sub_apertures{.splats = chunks_.sub_aperture_splats.get(),
-                               .out_of_focus_D = chunks_.out_of_focus_D.get(),
-                               .out_across_D = chunks_.out_across_D.get(),
-                               .centres = {}};
-    if (projection.sub_aperture > 0.0f) {
-      sub_apertures.centres = subApertureCentres(lod.sub_apertures);
-      settings.sub_apertures = &sub_apertures;
-    }
-    RenderStats stats;
-    stats.splats = chunks_.total();
-    stats.fragments = sweep(chunks_, lists_, settings, to);
-    return stats;
-  };
-  selectCut(*tree_, view, defocus, cut, cut_);
-  if (cut_.size() <= lod.max_splats || view.size_px.x <= kStrip_px) return sweepCut(view, frame);
+  cut.acuity = widened(cut.acuity, settings.pupil);
+  const Binned wanted =
+      binnedOf(view, settings.defocus, cut, projectionFor(lod.sub_apertures, settings));
+  if (!bin(wanted, lod.max_splats)) return false;
+  if (!begun_) begun_ = {.of = wanted, .by = {}, .rendered = {}};
+  goOn(lod, sweepSettings(settings, lod), lists_.tilesMeeting(windows), frame);
+  return true;
+}
 
+LodSplats::Binned LodSplats::binnedOf(const View& view, const Defocus& defocus,
+                                      const CutSettings& cut, Projection projection) {
+  const glm::vec2 radius_px_per_D = defocus.radius_px_per_D * projection.aperture;
+  const bool coarse = radius_px_per_D.x * radius_px_per_D.y > 0.0f || cut.acuity.base_px > 1.0f ||
+                      cut.acuity.per_px > 0.0f;
+  Binned of{view, defocus, cut, projection};
+  // For the aprons of coarse tiles.
+  of.cut.margin_px = of.projection.margin_px = coarse ? kApron * kMaxStep_px : 0;
+  of.projection.acuity = cut.acuity;
+  return of;
+}
+
+bool LodSplats::bin(const Binned& wanted, std::size_t max_splats) {
+  if (begun_) {
+    // Splats for sub-apertures, if any, are beside the others.
+    const float sub_aperture = wanted.projection.sub_aperture;
+    Binned there = begun_->of;
+    there.projection.sub_aperture = sub_aperture;
+    if (there == wanted) {
+      if (sub_aperture > 0.0f && begun_->of.projection.sub_aperture != sub_aperture) {
+        projectCut(*tree_, cut_, wanted.view, wanted.defocus, wanted.projection, chunks_);
+        begun_->of = wanted;
+      }
+      return true;
+    }
+  }
+  begun_.reset();
+  selectCut(*tree_, wanted.view, wanted.defocus, wanted.cut, cut_);
+  if (cut_.size() > max_splats && wanted.view.size_px.x > kStrip_px) return false;
+  binCut(wanted);
+  return true;
+}
+
+void LodSplats::binCut(const Binned& wanted) {
+  readSurfelsAhead(tree_->surfels(), cut_);
+  projectCut(*tree_, cut_, wanted.view, wanted.defocus, wanted.projection, chunks_);
+  lists_.build(chunks_, wanted.view.size_px, wanted.coarse());
+}
+
+void LodSplats::goOn(const LodSettings& lod, const SweepSettings& settings,
+                     std::vector<std::uint32_t> tiles, Frame& frame) {
+  const Swept by{lod.sub_apertures, settings.background, settings.low_pass_px, settings.depth,
+                 &frame};
+  std::vector<std::uint8_t>& rendered = begun_->rendered;
+  if (begun_->by != by || rendered.size() != lists_.tiles().size()) {
+    begun_->by = by;
+    begun_->fragments = 0;
+    rendered.assign(lists_.tiles().size(), 0);
+  }
+  std::erase_if(tiles, [&](std::uint32_t tile) { return rendered[tile] != 0; });
+  for (const std::uint32_t tile : tiles) rendered[tile] = 1;
+  begun_->fragments += sweepTiles(begun_->of, lod, settings, &tiles, frame);
+}
+
+std::uint64_t LodSplats::sweepTiles(const Binned& of, const LodSettings& lod,
+                                    SweepSettings settings, const std::vector<std::uint32_t>* tiles,
+                                    Frame& frame) {
+  settings.defocus = of.defocus;
+  settings.tiles = tiles;
+  SubApertures sub_apertures{.splats = chunks_.sub_aperture_splats.get(),
+                             .out_of_focus_D = chunks_.out_of_focus_D.get(),
+                             .out_across_D = chunks_.out_across_D.get(),
+                             .centres = {}};
+  if (of.projection.sub_aperture > 0.0f && lod.sub_apertures > 1) {
+    sub_apertures.centres = subApertureCentres(lod.sub_apertures);
+    settings.sub_apertures = &sub_apertures;
+  }
+  return sweep(chunks_, lists_, settings, frame);
+}
+
+RenderStats LodSplats::renderSplats(const Binned& of, const LodSettings& lod,
+                                    const SweepSettings& settings, Frame& frame) {
   RenderStats stats;
-  const glm::vec2 gaze_px = cut.acuity.gaze_px;
-  for (int x_px = 0; x_px < view.size_px.x; x_px += kStrip_px) {
-    View strip = view;
-    strip.size_px.x = std::min(kStrip_px, view.size_px.x - x_px);
-    strip.principal_px.x -= static_cast<float>(x_px);
-    cut.acuity.gaze_px.x = projection.acuity.gaze_px.x = gaze_px.x - static_cast<float>(x_px);
-    selectCut(*tree_, strip, defocus, cut, cut_);
-    strip_.resize(strip.size_px, settings.depth);
-    stats.add(sweepCut(strip, strip_));
+  if (bin(of, lod.max_splats)) {
+    stats.splats = chunks_.total();
+    if (!begun_) {
+      stats.fragments = sweepTiles(of, lod, settings, nullptr, frame);
+      return stats;
+    }
+    std::vector<std::uint32_t> all(lists_.tiles().size());
+    std::iota(all.begin(), all.end(), 0u);
+    goOn(lod, settings, std::move(all), frame);
+    stats.fragments = begun_->fragments;
+    begun_.reset();
+    return stats;
+  }
+
+  for (int x_px = 0; x_px < of.view.size_px.x; x_px += kStrip_px) {
+    Binned strip = of;
+    strip.view.size_px.x = std::min(kStrip_px, of.view.size_px.x - x_px);
+    strip.view.principal_px.x -= static_cast<float>(x_px);
+    strip.cut.acuity.gaze_px.x -= static_cast<float>(x_px);
+    strip.projection.acuity = strip.cut.acuity;
+    selectCut(*tree_, strip.view, of.defocus, strip.cut, cut_);
+    binCut(strip);
+    strip_.resize(strip.view.size_px, settings.depth);
+    stats.splats += chunks_.total();
+    stats.fragments += sweepTiles(strip, lod, settings, nullptr, strip_);
     copyColumns(strip_, x_px, frame);
   }
   return stats;

@@ -1,6 +1,9 @@
 #include "render/methods/spot_check.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <span>
 #include <utility>
 
 #include "base/parallel.h"
@@ -29,12 +32,22 @@ std::vector<glm::ivec2> cornersIn(const glm::ivec2& tiles, std::size_t count) {
   return corners;
 }
 
+Frame copyOf(const Window& window, const Frame& frame) {
+  Frame copy;
+  copy.resize(window.size_px);
+  for (int y = 0; y < window.size_px.y; ++y) {
+    const auto row = static_cast<std::ptrdiff_t>(window.corner_px.y + y) * frame.size_px.x;
+    std::copy_n(frame.rgba.begin() + row + window.corner_px.x, window.size_px.x,
+                copy.rgba.begin() + static_cast<std::ptrdiff_t>(y) * window.size_px.x);
+  }
+  return copy;
+}
+
 }  // namespace
 
-SpotCheck::SpotCheck(const LodSplats& scene, const View& view, const RenderSettings& settings,
-                     const LodSettings& reference)
-    : scene_(scene), view_(view), settings_(settings), reference_(reference) {
-  settings_.depth = false;
+SpotCheck::SpotCheck(LodSplats& scene, const View& view, const RenderSettings& settings,
+                     const LodSettings& reference, Frame& frame)
+    : scene_(scene), view_(view), settings_(settings), reference_(reference), frame_(frame) {
   const glm::ivec2 tiles = view.size_px / kSquare_px;
   if (tiles.x * tiles.y < 2 * kSquares) {
     squares_.push_back({glm::ivec2(0), view.size_px});
@@ -53,35 +66,51 @@ std::unique_ptr<LodSplats> SpotCheck::idleSplats() {
   return last;
 }
 
-Frame SpotCheck::render(const Square& square, const LodSettings& lod) {
+Frame SpotCheck::render(const Window& square, const LodSettings& lod) {
   View view = view_;
   view.size_px = square.size_px;
   view.principal_px -= glm::vec2(square.corner_px);
   LodSettings moved = lod;
   moved.cut.acuity.gaze_px -= glm::vec2(square.corner_px);
+  RenderSettings settings = settings_;
+  settings.depth = false;
   Frame frame;
   frame.resize(view.size_px);
   auto splats = idleSplats();
-  splats->render(view, settings_, moved, frame);
+  splats->render(view, settings, moved, frame);
   readFromGpu(frame);
   const std::lock_guard lock(mutex_);
   idle_.push_back(std::move(splats));
   return frame;
 }
 
+std::vector<Frame> SpotCheck::render(std::size_t begin, std::size_t end, const LodSettings& lod) {
+  std::vector<Frame> frames(end - begin);
+  const auto renderOne = [&](std::size_t i) { frames[i] = render(squares_[begin + i], lod); };
+  if (scene_.isOnGpu()) {  // it renders one square at a time
+    for (std::size_t i = 0; i < frames.size(); ++i) renderOne(i);
+  } else {
+    parallelFor(frames.size(), renderOne);
+  }
+  return frames;
+}
+
 std::vector<float> SpotCheck::differences(std::size_t begin, std::size_t end,
                                           const LodSettings& lod) {
-  std::vector<std::vector<float>> apart(end - begin);
-  const auto compare = [&](std::size_t i) {
-    Square& square = squares_[begin + i];
-    if (square.reference.rgba.empty()) square.reference = render(square, reference_);
-    apart[i] = visibleDifference(render(square, lod), square.reference, kUsualPx_per_deg);
-  };
-  if (scene_.isOnGpu()) {  // it renders one square at a time
-    for (std::size_t i = 0; i < apart.size(); ++i) compare(i);
-  } else {
-    parallelFor(apart.size(), compare);
+  if (references_.size() < end) {
+    std::ranges::move(render(references_.size(), end, reference_), std::back_inserter(references_));
   }
+  std::vector<Frame> squares;
+  const std::span<const Window> windows(squares_.begin() + begin, squares_.begin() + end);
+  if (scene_.renderWindows(view_, settings_, lod, windows, frame_)) {
+    for (const Window& window : windows) squares.push_back(copyOf(window, frame_));
+  } else {
+    squares = render(begin, end, lod);
+  }
+  std::vector<std::vector<float>> apart(end - begin);
+  parallelFor(apart.size(), [&](std::size_t i) {
+    apart[i] = visibleDifference(squares[i], references_[begin + i], kUsualPx_per_deg);
+  });
   std::vector<float> all;
   for (const auto& each : apart) all.insert(all.end(), each.begin(), each.end());
   return all;

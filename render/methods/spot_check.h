@@ -14,15 +14,20 @@
 namespace foci {
 
 /// Squares of one frame: 48 tiles, spread evenly over the view. A view of fewer than twice as many
-/// tiles is one square. The CPU's threads render squares side by side. 48 tiles estimate the error
+/// tiles is one square. On the CPU, the reference's squares are rendered side by side, and all
+/// others from the splats of the full frame, which the frame itself takes over
+/// (`LodSplats::renderWindows`). 48 tiles estimate the error
 /// of 95 % of the pixels within 20 % (SpotCheckTest.EstimatesTheErrorFromSomeSquares), the first 16
 /// of them within a factor of two.
 class SpotCheck {
  public:
-  /// @param scene  stays alive, and renders nothing, while this exists
+  /// @param scene  stays alive while this exists. It may then render `frame`, which keeps the tiles
+  ///               that are rendered.
   /// @param reference  the settings that all others are compared with
-  SpotCheck(const LodSplats& scene, const View& view, const RenderSettings& settings,
-            const LodSettings& reference);
+  /// @param frame  of the view's size; its pixels are overwritten while this exists
+  SpotCheck(LodSplats& scene, const View& view, const RenderSettings& settings,
+            const LodSettings& reference, Frame& frame);
+  ~SpotCheck() { scene_.forgetWindows(); }
 
   /// The difference from the reference that 95 % of the squares' pixels stay below, in
   /// just-noticeable differences at 40 pixels a degree (visible_difference.h).
@@ -33,22 +38,22 @@ class SpotCheck {
   float error(const LodSettings& lod, float limit);
 
  private:
-  struct Square {
-    glm::ivec2 corner_px, size_px;
-    Frame reference = {};  ///< rendered when it is first needed
-  };
-  Frame render(const Square& square, const LodSettings& lod);
+  Frame render(const Window& square, const LodSettings& lod);
+  /// The squares [begin, end).
+  std::vector<Frame> render(std::size_t begin, std::size_t end, const LodSettings& lod);
   /// The differences from the reference of the squares [begin, end), pixel by pixel.
   std::vector<float> differences(std::size_t begin, std::size_t end, const LodSettings& lod);
   std::unique_ptr<LodSplats> idleSplats();
 
-  const LodSplats& scene_;
+  LodSplats& scene_;
   View view_;
   RenderSettings settings_;
   LodSettings reference_;
-  std::vector<Square> squares_;
+  std::vector<Window> squares_;
+  std::vector<Frame> references_;  // of the first squares, as far as they were needed
+  Frame& frame_;                   // whose tiles at squares are rendered
   std::mutex mutex_;
-  std::vector<std::unique_ptr<LodSplats>> idle_;  // buffers of squares that are rendered
+  std::vector<std::unique_ptr<LodSplats>> idle_;  // buffers of squares rendered side by side
 };
 
 }  // namespace foci

@@ -56,6 +56,20 @@ void sortByKey(std::span<std::uint64_t> pairs, std::uint32_t* splats,
 
 }  // namespace
 
+std::vector<std::uint32_t> TileLists::tilesMeeting(std::span<const Window> windows) const {
+  std::vector<std::uint32_t> tiles;
+  for (const Window& window : windows) {
+    const glm::ivec2 first = window.corner_px / kTile;
+    const glm::ivec2 end = (window.corner_px + window.size_px + kTile - 1) / kTile;
+    for (int y = first.y; y < end.y; ++y) {
+      for (int x = first.x; x < end.x; ++x) tiles.push_back(tileAt(x, y));
+    }
+  }
+  std::ranges::sort(tiles);
+  tiles.erase(std::ranges::unique(tiles).begin(), tiles.end());
+  return tiles;
+}
+
 int stepFor(float sigma_px) {
   int step_px = kMaxStep_px;
   while (step_px > 1 && !(sigma_px >= kSigmasAStep * static_cast<float>(step_px))) step_px /= 2;
@@ -238,9 +252,6 @@ void TileLists::fill(const SplatChunks& chunks, const ForEachTile& forEachTile) 
 void TileLists::build(const SplatChunks& chunks, const glm::ivec2& size_px, bool coarse) {
   size_px_ = size_px;
   chooseTiles(chunks, coarse);
-  const auto tileAt = [&](int x, int y) {
-    return tile_of_cell_[static_cast<std::size_t>(y) * cells_.x + x];
-  };
   fill(chunks, [&](const SplatKey& key, auto&& begin, auto&& visit) {
     int x0 = key.x0 / kTile, x1 = key.x1 / kTile, y0 = key.y0 / kTile, y1 = key.y1 / kTile;
     int apron_px = max_apron_px_;

@@ -31,6 +31,7 @@ struct Projection {
   /// Share of the colour, 0 to 1, that falls off with the cosine of the normal to the line of
   /// sight.
   float shading = 0.0f;
+  bool operator==(const Projection&) const = default;
 };
 
 /// Projects every surfel. Drops a surfel that is nearer than `view.near_m` along the axis, outside

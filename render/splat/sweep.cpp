@@ -94,9 +94,11 @@ struct ListSurvey {
 
 std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
                     const SweepSettings& settings, Frame& frame) {
-  std::vector<std::size_t> fragments(lists.tiles().size());
+  const std::size_t tile_count = settings.tiles ? settings.tiles->size() : lists.tiles().size();
+  std::vector<std::size_t> fragments(tile_count);
   const glm::vec2 meridian = nearestMeridian(settings.defocus);
-  parallelFor(lists.tiles().size(), [&](std::size_t t) {
+  parallelFor(tile_count, [&](std::size_t i) {
+    const std::size_t t = settings.tiles ? (*settings.tiles)[i] : i;
     const Tile& tile = lists.tiles()[t];
     const auto list = lists.splats(t);
     static thread_local ListSurvey survey;
@@ -130,7 +132,7 @@ std::uint64_t sweep(const SplatChunks& chunks, const TileLists& lists,
             1.0f),
         .rgba = rgba,
         .depth_m = settings.depth ? depth_m : nullptr};
-    fragments[t] = HWY_DYNAMIC_DISPATCH(sweepTile)(job, survey.transparent);
+    fragments[i] = HWY_DYNAMIC_DISPATCH(sweepTile)(job, survey.transparent);
     interpolateTile(tile, rgba, job.depth_m, 1.0f, frame);
   });
   return std::accumulate(fragments.begin(), fragments.end(), std::uint64_t{0});

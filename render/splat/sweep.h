@@ -1,6 +1,9 @@
 // The tiled sweep: composites blurred splats front to back, without a list of fragments per pixel.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "render/image/frame.h"
 #include "render/optics/defocus.h"
 #include "render/splat/bin.h"
@@ -27,7 +30,8 @@ struct SweepSettings {
   Defocus defocus;           ///< the one that projected the splats
   float low_pass_px = 0.0f;  ///< standard deviation of a low-pass of the frame (`closingFactor`)
   bool depth = false;        ///< fill Frame::depth_m
-  const SubApertures* sub_apertures = nullptr;  ///< null: the whole aperture only
+  const SubApertures* sub_apertures = nullptr;        ///< null: the whole aperture only
+  const std::vector<std::uint32_t>* tiles = nullptr;  ///< the tiles to render; null: all
 };
 
 /// Renders binned splats (docs/formulas.md, section 6).

@@ -25,6 +25,12 @@ class SpotCheckTest : public ::testing::Test {
     return view;
   }
 
+  float errorOf(const View& view, const LodSettings& lod, float limit) {
+    Frame frame;
+    frame.resize(view.size_px);
+    return SpotCheck(scene, view, settings, kBest, frame).error(lod, limit);
+  }
+
   Frame rendered(const View& view, const LodSettings& lod) {
     Frame frame;
     frame.resize(view.size_px);
@@ -40,9 +46,8 @@ TEST_F(SpotCheckTest, OfASmallViewComparesTheFullFrames) {
     const View view = tilted(size_px);
     auto apart =
         visibleDifference(rendered(view, kCoarse), rendered(view, kBest), kUsualPx_per_deg);
-    SpotCheck squares(scene, view, settings, kBest);
-    EXPECT_EQ(squares.error(kCoarse, kLimit), quantile(apart, 0.95)) << size_px;
-    EXPECT_EQ(squares.error(kBest, kLimit), 0.0f);
+    EXPECT_EQ(errorOf(view, kCoarse, kLimit), quantile(apart, 0.95)) << size_px;
+    EXPECT_EQ(errorOf(view, kBest, kLimit), 0.0f);
   }
 }
 
@@ -54,11 +59,9 @@ TEST_F(SpotCheckTest, EstimatesTheErrorFromSomeSquares) {
   const float expected = quantile(apart, 0.95);
   EXPECT_GT(expected, 0.2f);
   for (const float limit : {0.1f * expected, expected}) {
-    SpotCheck squares(scene, view, settings, kBest);
-    EXPECT_NEAR(squares.error(kCoarse, limit), expected, 0.2f * expected) << limit;
+    EXPECT_NEAR(errorOf(view, kCoarse, limit), expected, 0.2f * expected) << limit;
   }
-  SpotCheck squares(scene, view, settings, kBest);
-  const float at_most = squares.error(kCoarse, 10.0f * expected);
+  const float at_most = errorOf(view, kCoarse, 10.0f * expected);
   EXPECT_GE(at_most, expected);
   EXPECT_LE(at_most, 2.4f * expected);
 }
