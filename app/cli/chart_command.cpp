@@ -137,8 +137,8 @@ void runChart(ChartOptions options) {
 void addChartCommand(CLI::App& app) {
   const auto options = std::make_shared<ChartOptions>();
   CLI::App* chart = app.add_subcommand("chart",
-                                       "Chart the speed of every method against its accuracy. The "
-                                       "run takes under half an hour;\n"
+                                       "Chart the frame time of every method against its accuracy. "
+                                       "The run takes under half an hour;\n"
                                        "an interrupted run continues where it stopped.\n"
                                        "Example: foci chart --out out/chart\n"
                                        "         foci chart --stability --out out/stability");

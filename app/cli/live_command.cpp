@@ -129,7 +129,7 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
   const auto options = std::make_shared<LiveCommandOptions>();
   CLI::App* command =
       app.add_subcommand("live",
-                         "Look at a scene; its focus follows your eye. Press ? for the keys.\n"
+                         "Show a scene in real time; its focus follows your gaze. Press ? for the keys.\n"
                          "Example: foci live configs/demo.toml --window, foci live scan.ply");
   addStudyOptions(*command, *options);
   command

@@ -135,7 +135,7 @@ class MulderMethod final : public Method {
 
 MethodEntry mulderMethod() {
   return {.info = {.name = "mulder",
-                   .summary = "potmesil around the gaze, a pyramid of blurred images elsewhere",
+                   .summary = "potmesil around the image centre, a pyramid of blurred images elsewhere",
                    .source = "Mulder and van Liere 2000",
                    .ellipses = false,
                    .lod = true},
