@@ -65,8 +65,8 @@ void addScreen(CLI::App& calibrate) {
 
 void addGaze(CLI::App& calibrate) {
   const auto options = std::make_shared<CalibrateGazeOptions>();
-  CLI::App* gaze =
-      calibrate.add_subcommand("gaze", "Fit a map from the tracker's gaze to the screen, and measure its accuracy.");
+  CLI::App* gaze = calibrate.add_subcommand(
+      "gaze", "Fit a map from the tracker's gaze to the screen, and measure its accuracy.");
   CalibrateGazeOptions& o = *options;
   gaze->add_option("--pairs", o.pairs, "samples to fit: a table with x y x_target y_target")
       ->type_name("FILE");

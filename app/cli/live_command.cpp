@@ -127,10 +127,10 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
 
 void addLiveCommand(CLI::App& app, const std::string& command_line) {
   const auto options = std::make_shared<LiveCommandOptions>();
-  CLI::App* command =
-      app.add_subcommand("live",
-                         "Show a scene in real time; its focus follows your gaze. Press ? for the keys.\n"
-                         "Example: foci live configs/demo.toml --window, foci live scan.ply");
+  CLI::App* command = app.add_subcommand(
+      "live",
+      "Show a scene in real time; its focus follows your gaze. Press ? for the keys.\n"
+      "Example: foci live configs/demo.toml --window, foci live scan.ply");
   addStudyOptions(*command, *options);
   command
       ->add_option("--source", options->live.source,

@@ -115,7 +115,8 @@ std::string studyToml(const Study& study) {
 std::string studyKeysMarkdown() {
   std::string text =
       "# The study file\n\n"
-      "A study is a TOML file. Every key may be left out. foci refuses an unknown key and names the "
+      "A study is a TOML file. Every key may be left out. foci refuses an unknown key and names "
+      "the "
       "nearest known one. Paths\nare relative to the study. This page is the output of `foci keys "
       "--markdown`.\n";
   std::string section = "none yet";
