@@ -1,4 +1,4 @@
-// What a file is that holds no text of gaze, by its first bytes ("magic").
+// Recognises files that are no recording as text, by their first bytes ("magic").
 #pragma once
 
 #include <filesystem>

@@ -146,12 +146,10 @@ SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns&
 
 /// Reads a complete recording.
 /// @param rate_Hz  absent: from the median interval. Give the rate if the file has times of
-/// arrival,
-///   because their median does not tell it.
+///   arrival, because the median of their intervals may differ from it.
 /// @return at least two samples, on the file's own clock in seconds; `screen` is always set
 /// @throws InputError as `streamTrace`, and if no sample has a position, or if the rate is outside
-/// 5
-///   to 20,000 Hz
+///   5 to 20,000 Hz
 GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& columns,
                     const Screen& fallback_screen, std::optional<double> rate_Hz = {});
 
