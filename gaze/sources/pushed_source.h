@@ -31,8 +31,9 @@ class PushedSource : public LiveSource {
   /// Whether samples have come in the last two seconds.
   bool isHeard() const;
 
-  /// The first sample sets the offset between both clocks. The fastest sample since corrects it: the
-  /// shortest transmission delay counts as 0. After a pause of two seconds, the offset is set anew.
+  /// The first sample sets the offset between both clocks. The fastest sample since corrects it:
+  /// the shortest transmission delay counts as 0. After a pause of two seconds, the offset is set
+  /// anew.
   void poll(double now_s, std::vector<GazeSample>& samples) override;
 
   double rate_Hz() const override { return rate_Hz_; }

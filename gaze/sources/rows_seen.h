@@ -77,8 +77,8 @@ class FineClock {
 };
 
 /// Gives distinct times to samples that share a time, because times are whole units and samples
-/// come faster: each follows the one before by an even interval, within its unit. A control loop (proportional and integral,
-/// critically damped) keeps the times in the middle of their units.
+/// come faster: each follows the one before by an even interval, within its unit. A control loop
+/// (proportional and integral, critically damped) keeps the times in the middle of their units.
 class WholeTimes {
  public:
   explicit WholeTimes(double interval) : interval_(interval) {}

@@ -11,9 +11,9 @@ struct ObjText {
   std::string remark;  ///< what the user should know; empty: nothing
 };
 
-/// Writes 0.5 in place of .5 in the vertices, because Assimp does not read numbers that begin with a
-/// point. If floats would lose the detail of the vertices, the origin is moved near the first vertex
-/// (scan_values.h), because Assimp stores floats.
+/// Writes 0.5 in place of .5 in the vertices, because Assimp does not read numbers that begin with
+/// a point. If floats would lose the detail of the vertices, the origin is moved near the first
+/// vertex (scan_values.h), because Assimp stores floats.
 ObjText readableObj(const std::filesystem::path& obj);
 
 }  // namespace foci
