@@ -116,7 +116,7 @@ void runChart(ChartOptions options) {
         "expected pixels, " + std::to_string(kMinSize_px) + " to " + std::to_string(kMaxSize_px));
   }
   if (size_px && options.stability) {
-    throw InputError("--size", "the scenes of --stability have a size of their own");
+    throw InputError("--size", "the scenes of --stability have a fixed size");
   }
   const std::filesystem::path stem =
       std::filesystem::path(options.out) / (options.stability ? "stability" : "chart");

@@ -88,7 +88,7 @@ std::string liveSummaryText(const LiveSummary& summary) {
 void runLiveCommand(const LiveCommandOptions& options, const std::string& command_line) {
   LiveOptions live = options.live;
   if (live.source.starts_with("socket") && live.socket.empty()) {
-    throw InputError("--source " + live.source, "expected --socket PORT, which brings the gaze");
+    throw InputError("--source " + live.source, "expected --socket PORT, which receives the gaze");
   }
   live.command = command_line;
   // The window, the tracker and the system share one thread. A machine with two threads gives up

@@ -74,7 +74,7 @@ void runPart(const ReplayOptions& options, StudyAsked&& asked, unsigned threads)
   if (options.json) {
     std::printf("{\"first\":%zu,\"end\":%zu}\n", rendered.first, rendered.end);
   } else {
-    std::printf("frames %zu to %zu of the run: foci join makes one run of all parts\n",
+    std::printf("frames %zu to %zu of the run; foci join joins all parts into one run\n",
                 rendered.first, rendered.end - 1);
   }
 }
