@@ -79,9 +79,13 @@ std::string annotatedStudyToml(const Study& study, const std::filesystem::path& 
     }
     const auto [in, name] = splitName(key.name);
     const std::string entry = name + " = " + tomlOf(value) + "  # " + std::string(key.meaning);
+    if (in.empty()) {
+      above += entry + "\n";
+      continue;
+    }
     if (section != in) text += "\n[" + in + "]\n";
     section = in;
-    (in.empty() ? above : text) += entry + "\n";
+    text += entry + "\n";
   }
   return above + text;
 }
