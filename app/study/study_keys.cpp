@@ -299,7 +299,7 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.events.max_blink_s, "gaze.max_blink_s",
                "longest data loss that counts as a blink, s", {0, 10}),
       FOCI_KEY(focus.cone_deg, "focus.cone_deg",
-               "half-angle of the cone in which the surface is sought, deg", {0.01, 20}),
+               "half-angle of the cone in which foci looks for the surface, deg", {0.01, 20}),
       FOCI_KEY(focus.coverage, "focus.coverage", "share of the cone that a surface must fill",
                {0.01, 1}),
       FOCI_KEY(focus.accommodation.on, "focus.accommodation", "false: focus jumps to its target"),
