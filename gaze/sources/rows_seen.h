@@ -53,7 +53,7 @@ class LastDecimals {
 };
 
 /// Gives times in whole milliseconds the steps of the tracker's own clock. The offset between the
-/// clocks of computer and tracker follows their drift, and starts anew after a jump of either.
+/// clocks of computer and tracker follows their drift, and is reset after a jump of either.
 class FineClock {
  public:
   bool isUsed() const { return offset_ms_.has_value(); }

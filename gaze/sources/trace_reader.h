@@ -84,8 +84,8 @@ struct TraceHeader {
   bool gaze_in_world = false;             ///< the frame of the file's directions; else the head's
   bool world_y_up = true;                 ///< of the recording's world; false: unknown
   std::optional<double> scene_scale_m{};  ///< as `GazeTrace::scene_scale_m`
-  /// Degrees, fractions or lines of sight are put on this screen, because nobody states the real
-  /// one. Its quantities mean nothing.
+  /// Degrees, fractions or lines of sight are put on this screen, because the real one is not
+  /// stated. Its quantities mean nothing.
   bool nominal_screen = false;
   std::vector<TraceMarker> markers{};  ///< as `GazeTrace::markers`
   /// What the file does not state and the reader assumed, a phrase each.
