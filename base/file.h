@@ -9,7 +9,7 @@ namespace foci {
 /// The extension of a name in lower case, with its dot.
 std::string lowerExtension(const std::filesystem::path& path);
 
-/// "cannot write PATH" and the reason, as far as its folder tells it: no right to write, or a full
+/// "cannot write PATH" and the reason, as far as its folder shows it: no right to write, or a full
 /// disk. Of a folder: why nothing can be written to it.
 std::string cannotWrite(const std::filesystem::path& path);
 

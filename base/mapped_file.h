@@ -30,16 +30,16 @@ class MappedFile {
 /// Frees the memory of a part of a mapped file, which can still be read.
 void releasePages(std::span<const unsigned char> bytes);
 
-/// Begins to read a part of a mapped file, all at once.
+/// Asks the system to read a part of a mapped file ahead. Does not wait.
 void readAhead(std::span<const unsigned char> bytes);
 
 /// From now on, a mapped file that shrinks, or cannot be read, ends the program with one line on
 /// standard error and the exit code 1. Otherwise the program ends by the signal SIGBUS when it
-/// touches a page that is gone. Any other cause of that signal ends the program as ever.
+/// touches a page that is gone. Any other cause of that signal ends the program as usual.
 void endOnLostPages();
 
-/// The same in a program of others: changes nothing where that program, or one of its libraries,
-/// handles SIGBUS itself.
+/// The same for a library: changes nothing if the program, or another of its libraries, handles
+/// SIGBUS itself.
 void endOnLostPagesUnlessHandled();
 
 }  // namespace foci

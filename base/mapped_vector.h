@@ -45,7 +45,7 @@ class MappedVector {
     return true;
   }
 
-  /// The values in memory, to be changed as one likes.
+  /// The values in memory, which the caller may change.
   Vector& own() {
     if (keep_) {
       own_.assign(mapped_.begin(), mapped_.end());

@@ -1,10 +1,10 @@
-// Libraries such as libpng and GStreamer write their warnings to standard error, past every error
-// that foci reports itself.
+// Keeps the warnings of libraries off the terminal. Libraries such as libpng and GStreamer write
+// them to standard error, beside the errors that foci reports.
 #pragma once
 
 namespace foci {
 
-/// Standard error of the whole process leads nowhere while one of these lives. Keep its life short,
+/// Discards the standard error of the whole process during its lifetime. Keep this lifetime short,
 /// around calls of a library.
 class QuietStderr {
  public:

@@ -94,11 +94,11 @@ def bench(args):
         text.append(table(["run", "median of rendered frames, ms", "95 %, ms", "median of all frames, ms", "95 %, ms",
                            "share rendered", "predicted error, JND"], gallery))
     if frames:
-        text.append("**One frame** of a scene: method, width of the image, focus, pupil. `FirstFrame` is the first of a new "
-                    "method, `GpuFrame` renders on the GPU. The last column is the GPU's own time.")
+        text.append("**One frame** of a scene: method, width of the image, focus, pupil. `FirstFrame` is the first frame of a "
+                    "new renderer on a loaded scene. `GpuFrame` renders on the GPU. The last column is the GPU's own time.")
         text.append(table(["frame", "median, ms", "minimum, ms", "splats a pixel", "fragments a pixel", "device, ms"], frames))
     if no_gpu:
-        text.append(f"No GPU was at hand ({no_gpu}), so this page has no times of one.")
+        text.append(f"No GPU was available ({no_gpu}), so this page has no GPU times.")
     if others:
         text.append(table(["benchmark", "time", "unit"], others))
     return "\n\n".join(text)
@@ -123,13 +123,13 @@ def event_rules(args):
     data = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(args.labelled[0]))))
     program = os.path.join(args.build, "foci_event_rules")
     return ("`foci_event_rules` chooses the constants of `EventRules` on all labelled recordings but one, and labels that one. "
-            "The lines *held out* pool these labels by kind of recording: Cohen's kappa, mean over the coders. For pursuit they "
+            "The lines *held out* pool these labels by kind of recording: Cohen's kappa, mean over the coders. For pursuit, they "
             "pool all recordings. The search begins at the defaults, which were chosen on the same recordings, so the "
-            "held-out lines are upper bounds. Pursuit lasts for seconds, so a few long intervals decide its kappa, and the "
-            "search on other recordings finds worse constants than the defaults, which were fitted to all. "
+            "held-out lines are upper bounds. Pursuit lasts for seconds, so a few long intervals decide its kappa. The "
+            "search on the other recordings then finds worse constants than the defaults, which were fitted to all. "
             "Expect the held-out figure. "
             "`noise_errors` is fixed at three standard errors. It was compared with other values on all recordings: if the "
-            "search chooses it too, it takes 2, and dots and videos have 0.79 and 0.87. The default of `wide_noise` "
+            "search chooses it too, it chooses 2, and dots and videos have 0.79 and 0.87. The default of `wide_noise` "
             "stays at 4.5, because 3.5 finds too many saccades in simulated noise of 1 degree.\n\n"
             "```\n" + run(program, data).rstrip("\n") + "\n```")
 

@@ -29,7 +29,7 @@ void addScreen(CLI::App& calibrate) {
   screen->add_flag("--headless", o.headless, "no window: the options give every measure");
   screen->add_flag("--window", o.window, "a window instead of the full screen");
   screen->add_option("--size-px", o.size_px, "resolution")->type_name("WxH");
-  screen->add_option("--card-px", o.card_px, "bank card as fitted on the screen, W or WxH px")
+  screen->add_option("--card-px", o.card_px, "size of the bank card on the screen, W or WxH px")
       ->type_name("WxH");
   screen->add_option("--size-m", o.size_m, "visible area, metres")->type_name("WxH");
   screen->add_option("--edid", o.edid, "EDID file, as /sys/class/drm/*/edid")->type_name("FILE");
@@ -65,8 +65,8 @@ void addScreen(CLI::App& calibrate) {
 
 void addGaze(CLI::App& calibrate) {
   const auto options = std::make_shared<CalibrateGazeOptions>();
-  CLI::App* gaze =
-      calibrate.add_subcommand("gaze", "Map the tracker's gaze to the screen, with its accuracy.");
+  CLI::App* gaze = calibrate.add_subcommand(
+      "gaze", "Fit a map from the tracker's gaze to the screen, and measure its accuracy.");
   CalibrateGazeOptions& o = *options;
   gaze->add_option("--pairs", o.pairs, "samples to fit: a table with x y x_target y_target")
       ->type_name("FILE");

@@ -116,7 +116,7 @@ void runChart(ChartOptions options) {
         "expected pixels, " + std::to_string(kMinSize_px) + " to " + std::to_string(kMaxSize_px));
   }
   if (size_px && options.stability) {
-    throw InputError("--size", "the scenes of --stability have a size of their own");
+    throw InputError("--size", "the scenes of --stability have a fixed size");
   }
   const std::filesystem::path stem =
       std::filesystem::path(options.out) / (options.stability ? "stability" : "chart");
@@ -137,8 +137,8 @@ void runChart(ChartOptions options) {
 void addChartCommand(CLI::App& app) {
   const auto options = std::make_shared<ChartOptions>();
   CLI::App* chart = app.add_subcommand("chart",
-                                       "Chart the speed of every method against its accuracy. The "
-                                       "run takes under half an hour;\n"
+                                       "Chart the frame time of every method against its accuracy. "
+                                       "The run takes under half an hour;\n"
                                        "an interrupted run continues where it stopped.\n"
                                        "Example: foci chart --out out/chart\n"
                                        "         foci chart --stability --out out/stability");

@@ -230,8 +230,8 @@ void printDoctorText(const Json& facts) {
 }  // namespace
 
 void addDoctorCommand(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("doctor", "Show what this machine offers foci, and what it lacks.");
+  CLI::App* command = app.add_subcommand(
+      "doctor", "Show the hardware and packages that foci can use here, and what is missing.");
   struct Options {
     bool json = false;
     std::string pupil = "127.0.0.1:50020";

@@ -267,7 +267,7 @@ void addEventsCommand(CLI::App& app) {
                          "Example: foci events gaze.tsv --out events.tsv --samples samples.tsv");
   EventsOptions& o = *options;
   events->add_option("TRACE", o.traces, "gaze recording; several with --score")->required();
-  events->add_flag("--online", o.online, "use the detector of live gaze, which has a delay");
+  events->add_flag("--online", o.online, "use the online detector of foci live, which has a delay");
   events->add_option("--out", o.out, "table of the events")->type_name("FILE.tsv");
   events->add_option("--samples", o.samples, "table of the label of every sample")
       ->type_name("FILE.tsv");

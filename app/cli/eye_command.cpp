@@ -64,7 +64,8 @@ void addEyeCommand(CLI::App& app) {
   const auto options = std::make_shared<EyeOptions>();
   CLI::App* command = app.add_subcommand(
       "eye",
-      "Show the observer's eye itself: its image of a point of light, contrast, depth of focus.\n"
+      "Show the optics of the observer's eye: the image of a point of light, contrast, depth of "
+      "focus.\n"
       "Example: foci eye study.toml --out out/eye");
   command->add_option("STUDY", options->study, "study (TOML)")->type_name("FILE")->required();
   command->add_option("--out", options->out, "folder of the results")->type_name("DIR")->required();

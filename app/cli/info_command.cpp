@@ -59,8 +59,8 @@ void runInfo(const InfoOptions& options) {
 void addInfoCommand(CLI::App& app) {
   const auto options = std::make_shared<InfoOptions>();
   CLI::App* command = app.add_subcommand("info",
-                                         "Say what a scene file holds: bounds, units, counts, "
-                                         "materials; and show it in a small image.\n"
+                                         "Describe a scene file: bounds, units, counts and "
+                                         "materials, and with --thumbnail an image.\n"
                                          "Example: foci info cow.obj --thumbnail cow.png");
   command->add_option("SCENE", options->scene, "points, mesh, Gaussians or prepared scene")
       ->type_name("FILE")

@@ -42,7 +42,7 @@ void addJoinCommand(CLI::App& app, const std::string& command_line) {
   const auto options = std::make_shared<JoinOptions>();
   CLI::App* command =
       app.add_subcommand("join",
-                         "Join the parts of a run: the same files as one replay writes.\n"
+                         "Join the parts of a run into the files that a single replay writes.\n"
                          "Example: foci join out/part-* --out out/run");
   command
       ->add_option("PARTS", options->parts, "folders that foci replay --frames wrote, in any order")

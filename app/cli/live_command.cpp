@@ -88,7 +88,7 @@ std::string liveSummaryText(const LiveSummary& summary) {
 void runLiveCommand(const LiveCommandOptions& options, const std::string& command_line) {
   LiveOptions live = options.live;
   if (live.source.starts_with("socket") && live.socket.empty()) {
-    throw InputError("--source " + live.source, "expected --socket PORT, which brings the gaze");
+    throw InputError("--source " + live.source, "expected --socket PORT, which receives the gaze");
   }
   live.command = command_line;
   // The window, the tracker and the system share one thread. A machine with two threads gives up
@@ -127,10 +127,10 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
 
 void addLiveCommand(CLI::App& app, const std::string& command_line) {
   const auto options = std::make_shared<LiveCommandOptions>();
-  CLI::App* command =
-      app.add_subcommand("live",
-                         "Look at a scene; its focus follows your eye. Press ? for the keys.\n"
-                         "Example: foci live configs/demo.toml --window, foci live scan.ply");
+  CLI::App* command = app.add_subcommand(
+      "live",
+      "Show a scene in real time; its focus follows your gaze. Press ? for the keys.\n"
+      "Example: foci live configs/demo.toml --window, foci live scan.ply");
   addStudyOptions(*command, *options);
   command
       ->add_option("--source", options->live.source,

@@ -156,11 +156,11 @@ void addPrepareCommand(CLI::App& app) {
   const auto options = std::make_shared<PrepareOptions>();
   CLI::App* prepare =
       app.add_subcommand("prepare",
-                         "Turn points, a mesh or Gaussians into a scene file.\n"
-                         "foci solves sizes and weights of splats so that surfaces have neither "
-                         "holes nor seams.\n"
-                         "Gaussians get their levels of detail. The report compares the surfels "
-                         "of a mesh with its triangles.\n"
+                         "Convert points, a mesh or Gaussians to a prepared scene.\n"
+                         "foci solves for the sizes and weights of surfels, so that surfaces have "
+                         "neither holes nor seams.\n"
+                         "For Gaussians, it builds levels of detail. For a mesh, the report "
+                         "compares the surfels with the triangles.\n"
                          "Example: foci prepare lion.ply --out lion.foci");
   prepare
       ->add_option(

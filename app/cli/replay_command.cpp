@@ -74,7 +74,7 @@ void runPart(const ReplayOptions& options, StudyAsked&& asked, unsigned threads)
   if (options.json) {
     std::printf("{\"first\":%zu,\"end\":%zu}\n", rendered.first, rendered.end);
   } else {
-    std::printf("frames %zu to %zu of the run: foci join makes one run of all parts\n",
+    std::printf("frames %zu to %zu of the run; foci join joins all parts into one run\n",
                 rendered.first, rendered.end - 1);
   }
 }
@@ -169,7 +169,7 @@ void addReplayCommand(CLI::App& app, const std::string& command_line) {
   command->get_option("STUDY")->required(false);  // `takeStudyFromTraces` asks for it
   command
       ->add_option("--trace", options->traces,
-                   "recording, or webcam:VIDEO, instead of the study's gaze source; of several, "
+                   "recording, or webcam:VIDEO, instead of the study's gaze source; with several, "
                    "each gets a folder in DIR, and index.html lists all")
       ->type_name("FILE")
       ->expected(1, -1);

@@ -84,7 +84,7 @@ void addStudyOptions(CLI::App& command, StudyOptions& options) {
   add("--pupil", options.pupil, "MM",
       "pupil diameter in millimetres, or its source: recording or luminance");
   add("--method", options.method, "NAME", "depth-of-field method; `foci methods` lists them");
-  add("--device", options.device, "auto|gpu|cpu", "what renders");
+  add("--device", options.device, "auto|gpu|cpu", "render on a GPU or the CPU");
   add("--view", options.view, "mono|side-by-side|top-bottom|anaglyph|left|right",
       "one eye in the middle, both eyes, or one of them");
   command

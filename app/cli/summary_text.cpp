@@ -5,18 +5,18 @@
 namespace foci {
 
 std::string summaryText(const RunSummary& summary) {
-  const auto frames = [](std::size_t count) {
-    return std::to_string(count) + (count == 1 ? " frame" : " frames");
+  const auto counted = [](std::size_t count, const std::string& one) {
+    return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
   };
-  return frames(summary.frames) + ", " + decimal(summary.duration_s, 2) + " s; " +
+  return counted(summary.frames, "frame") + ", " + decimal(summary.duration_s, 2) + " s; " +
          decimal(100.0 * summary.gaze_valid, 0) + " % of the gaze samples valid; " +
-         std::to_string(summary.fixations) + " fixations, " + std::to_string(summary.saccades) +
-         " saccades\n" + frames(summary.frames_rendered) + " rendered, " +
+         counted(summary.fixations, "fixation") + ", " + counted(summary.saccades, "saccade") +
+         "\n" + counted(summary.frames_rendered, "frame") + " rendered, " +
          decimal(summary.rendered_ms_median, 1) +
          " ms each (median; 95 %: " + decimal(summary.rendered_ms_p95, 1) + " ms), " +
-         std::to_string(summary.splats) + " splats; the other frames reuse the one before, " +
+         std::to_string(summary.splats) + " splats; the other frames reuse the previous one; " +
          decimal(summary.render_ms_median, 1) +
-         " ms over all frames (95 %: " + decimal(summary.render_ms_p95, 1) +
+         " ms over all frames (median; 95 %: " + decimal(summary.render_ms_p95, 1) +
          " ms)\nreport: " + (summary.out / "report.html").string();
 }
 

@@ -97,11 +97,10 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(scene.background, "scene.background", "linear RGB behind everything", {0, 1}),
       FOCI_KEY(scene.objects, "scene.object",
                "named boxes { name, center_m, size_m } and spheres { name, center_m, radius_m }: "
-               "gaze that meets a surface within one is on that object; the first one counts"),
-      FOCI_KEY(
-          scene.parts, "scene.part",
-          "further files in the scene, { file, position_m, rotation, scale_m }: points, meshes, "
-          "prepared scenes and Gaussians together"),
+               "gaze on a surface inside one is gaze on that object; the first match counts"),
+      FOCI_KEY(scene.parts, "scene.part",
+               "further files of the scene, { file, position_m, rotation, scale_m }: any mixture "
+               "of points, meshes, prepared scenes and Gaussians"),
       FOCI_KEY(eye.position_m, "eye.position_m", "where the eye is, m", {-kFar_m, kFar_m}),
       FOCI_KEY(eye.look_at_m, "eye.look_at_m", "point that the centre of the screen shows, m",
                {-kFar_m, kFar_m}),
@@ -123,20 +122,22 @@ const std::vector<Key<Study>>& studyKeys() {
                "green, blue; absent: each primary is light of one wavelength"),
       FOCI_KEY(display.kind, "display.kind",
                "a screen at a fixed place, or a headset, whose screen moves with the head and "
-               "replaces the sizes in [screen]; without a [screen], a recording with head poses "
-               "takes a headset",
+               "replaces the sizes in [screen]; a recording with head poses uses a headset if the "
+               "study has no [screen]",
                {.words = studyWords<DisplayKind>()}),
-      FOCI_KEY(display.field_deg, "display.field_deg",
-               "what the left eye sees of a headset: to the left, right, up and down, deg; the "
-               "right eye sees the mirror image; absent: as the recording says, else 50 each",
-               {1, 80}),
+      FOCI_KEY(
+          display.field_deg, "display.field_deg",
+          "field of view of the left eye in a headset: to the left, right, up and down, deg; the "
+          "right eye's field is its mirror image; absent: as the recording states, else 50 each",
+          {1, 80}),
       FOCI_KEY(display.pixels_per_degree, "display.pixels_per_degree",
                "resolution of a headset straight ahead, px/deg", {1, 100}),
       FOCI_KEY(observer.pupil, "observer.pupil",
                "fixed, from the recording, or from the luminance of the images",
                {.words = studyWords<PupilModel>()}),
       FOCI_KEY(observer.pupil_mm, "observer.pupil_mm",
-               "diameter of the fixed pupil, and until the recording has one, mm", {0.5, 12}),
+               "diameter of the fixed pupil, mm; also used until the recording states one",
+               {0.5, 12}),
       FOCI_KEY(observer.retina_mm, "observer.retina_mm", "lens to retina, mm", {10, 40}),
       FOCI_KEY(observer.ipd_mm, "observer.ipd_mm", "interpupillary distance, mm", {40, 80}),
       FOCI_KEY(observer.sphere_D, "observer.sphere_D",
@@ -154,7 +155,7 @@ const std::vector<Key<Study>>& studyKeys() {
           observer.chromatic, "observer.chromatic",
           "red, green and blue each have their own focus; rendering takes three times as long"),
       FOCI_KEY(observer.wavelengths, "observer.wavelengths",
-               "number of wavelengths that screen.spectra is rendered as; each takes one rendering",
+               "number of wavelengths that sample screen.spectra; each takes one rendering",
                {3, 31}),
       FOCI_KEY(
           observer.wavefront, "observer.wavefront",
@@ -164,7 +165,7 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(observer.wavefront_pupil_mm, "observer.wavefront_pupil_mm",
                "diameter of the pupil that the coefficients hold for, mm", {1, 12}),
       FOCI_KEY(observer.age_years, "observer.age_years",
-               "aberrations of a typical eye of this age, where observer.wavefront is absent; "
+               "gives the eye the typical aberrations of this age if observer.wavefront is absent; "
                "focus.age_years limits how near it focuses",
                {18, 90}),
       FOCI_KEY(observer.spherical_um_per_D, "observer.spherical_um_per_D",
@@ -174,13 +175,14 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(observer.stiles_crawford, "observer.stiles_crawford",
                "light near the rim of the pupil counts less (Stiles-Crawford effect)"),
       FOCI_KEY(observer.stiles_crawford_center_mm, "observer.stiles_crawford_center_mm",
-               "where in the pupil light counts most: towards the nose, upwards, mm", {-3, 3}),
+               "point of the pupil where light counts most: towards the nose, upwards, mm",
+               {-3, 3}),
       FOCI_KEY(observer.pupil_offset_mm, "observer.pupil_offset_mm",
-               "middle of the pupil from the achromatic axis: towards the nose, upwards, mm; with "
-               "observer.chromatic the colours shift",
+               "offset of the pupil's centre from the achromatic axis: towards the nose, upwards, "
+               "mm; with observer.chromatic, the colours then shift",
                {-3, 3}),
       FOCI_KEY(observer.diffraction, "observer.diffraction",
-               "the blur of a small pupil, at 555 nm, where pixels are fine enough to show it"),
+               "diffraction at the pupil, at 555 nm, where pixels are fine enough to show it"),
       FOCI_KEY(gaze.source, "gaze.source",
                "\"simulated\", a recording (TSV, CSV, ASC, XDF), or webcam:VIDEO"),
       FOCI_KEY(gaze.map, "gaze.map", "map of foci calibrate gaze, for a recording or a webcam"),
@@ -238,7 +240,7 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.columns.space.eyes[1].origin, "gaze.right_origin",
                "columns x, y, z of the point where the right eye's line of sight begins"),
       FOCI_KEY(gaze.columns.space.head_position, "gaze.head_position",
-               "columns x, y, z of the head's place; the head then moves the eye"),
+               "columns x, y, z of the head's position; the head then moves the eye"),
       FOCI_KEY(gaze.columns.space.head_quaternion, "gaze.head_quaternion",
                "columns x, y, z, w of the head's orientation"),
       FOCI_KEY(gaze.columns.space.head_angles, "gaze.head_angles",
@@ -253,7 +255,7 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.columns.space.from_head, "gaze.from_head",
                "take the head's direction for gaze, in a recording without an eye tracker"),
       FOCI_KEY(gaze.columns.space.frame, "gaze.frame",
-               "frame of the gaze columns beside a head's pose",
+               "frame of the gaze columns, if the recording has the head's pose",
                {.words = studyWords<std::optional<SightFrame>>()}),
       FOCI_KEY(gaze.columns.space.axes, "gaze.axes",
                "where x, y and z of the recording point, e.g. right-up-back (OpenXR), "
@@ -262,7 +264,7 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.columns.space.angle_units, "gaze.angle_units", "unit of angles",
                {.words = studyWords<AngleUnit>()}),
       FOCI_KEY(gaze.columns.space.head_scale_m, "gaze.head_scale_m",
-               "metres per unit of the head's place", {1e-9, 1e6}),
+               "metres per unit of the head's position", {1e-9, 1e6}),
       FOCI_KEY(gaze.columns.space.origin_scale_m, "gaze.origin_scale_m",
                "metres per unit of origins and points in space", {1e-9, 1e6}),
       FOCI_KEY(gaze.alignment.rotation, "gaze.scene_rotation",
@@ -272,8 +274,8 @@ const std::vector<Key<Study>>& studyKeys() {
                "scene's metres per metre of the recording", {1e-6, 1e6}),
       FOCI_KEY(gaze.alignment.offset_m, "gaze.scene_offset_m",
                "where the recording's origin lies in the scene, m", {-kFar_m, kFar_m}),
-      FOCI_KEY(gaze.columns.missing, "gaze.missing", "number that means no position or no pupil",
-               {-1e9, 1e9}),
+      FOCI_KEY(gaze.columns.missing, "gaze.missing",
+               "number that means data loss, in positions and pupils", {-1e9, 1e9}),
       FOCI_KEY(gaze.columns.scale, "gaze.scale", "position in gaze.units = scale * column + offset",
                {-1e6, 1e6}),
       FOCI_KEY(gaze.columns.offset, "gaze.offset",
@@ -297,7 +299,7 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.events.max_blink_s, "gaze.max_blink_s",
                "longest data loss that counts as a blink, s", {0, 10}),
       FOCI_KEY(focus.cone_deg, "focus.cone_deg",
-               "half-angle of the cone in which the surface is sought, deg", {0.01, 20}),
+               "half-angle of the cone in which foci looks for the surface, deg", {0.01, 20}),
       FOCI_KEY(focus.coverage, "focus.coverage", "share of the cone that a surface must fill",
                {0.01, 1}),
       FOCI_KEY(focus.accommodation.on, "focus.accommodation", "false: focus jumps to its target"),
@@ -312,7 +314,7 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(focus.accommodation.lag, "focus.lag",
                "focus lags behind near targets: by 0.35, 0.48 and 0.60 D at 3, 4 and 5 D"),
       FOCI_KEY(focus.vergence, "focus.vergence",
-               "true: the distance at which both lines of sight meet counts, too"),
+               "true: focus also depends on the distance at which both lines of sight meet"),
       FOCI_KEY(focus.accommodation.resting_D, "focus.resting_D",
                "focus before there is a target, D", {0, 10}),
       FOCI_KEY(focus.fixed_D, "focus.fixed_D",
@@ -350,14 +352,13 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(output.images, "output.images", "also saves every frame as a PNG"),
       FOCI_KEY(output.maps, "output.maps",
                "also saves maps of every frame of a replay as EXR: linear light as RGB, depth in "
-               "metres, defocus in D, above 0 where the surface is nearer than the focus; of one "
-               "view only",
+               "metres, defocus in D, above 0 where the surface is nearer than the focus; for a "
+               "single view only",
                {.words = studyWords<FrameMap>()}),
-      FOCI_KEY(
-          output.view, "output.view",
-          "one eye in the middle, or both: left beside right, left above right, left red; or the "
-          "left or the right eye alone",
-          {.words = studyWords<StereoView>()}),
+      FOCI_KEY(output.view, "output.view",
+               "one eye in the middle; both eyes: left beside right, left above right, or left in "
+               "red; or the left or the right eye alone",
+               {.words = studyWords<StereoView>()}),
       FOCI_KEY(record.frames, "record.frames",
                "frames.tsv of a live run, with times and methods, instead of output.fps"),
       FOCI_KEY(record.changes, "record.changes", "changes.tsv of a live run"),

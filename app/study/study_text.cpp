@@ -79,9 +79,13 @@ std::string annotatedStudyToml(const Study& study, const std::filesystem::path& 
     }
     const auto [in, name] = splitName(key.name);
     const std::string entry = name + " = " + tomlOf(value) + "  # " + std::string(key.meaning);
+    if (in.empty()) {
+      above += entry + "\n";
+      continue;
+    }
     if (section != in) text += "\n[" + in + "]\n";
     section = in;
-    (in.empty() ? above : text) += entry + "\n";
+    text += entry + "\n";
   }
   return above + text;
 }
@@ -115,9 +119,10 @@ std::string studyToml(const Study& study) {
 std::string studyKeysMarkdown() {
   std::string text =
       "# The study file\n\n"
-      "TOML. Every key may be left out; an unknown one is refused and the nearest known one named. "
-      "Paths are\nrelative to the study. This page is what `foci keys --markdown` prints, from the "
-      "table that checks studies.\n";
+      "A study is a TOML file. Every key may be left out. foci refuses an unknown key and names "
+      "the "
+      "nearest known one. Paths\nare relative to the study. This page is the output of `foci keys "
+      "--markdown`.\n";
   std::string section = "none yet";
   for (const ResolvedKey& key : resolvedKeys(Study{})) {
     const auto [in, name] = splitName(key.name);

@@ -1,6 +1,6 @@
 // Calibration of trackers that give eye centres and directions in space: the display's pose in the
 // tracker's frame, and kappa, the angle of each eye between its line of sight and the axis that the
-// tracker sees.
+// tracker measures.
 #pragma once
 
 #include <array>
@@ -35,7 +35,7 @@ struct BinocularMap {
 glm::dvec3 correctedDirection(const BinocularMap& map, std::size_t eye,
                               const glm::dvec3& direction);
 
-/// Where the line of sight of an eye meets the display; absent where it leads away from it.
+/// Where the line of sight of an eye meets the display; absent if it leads away from the display.
 std::optional<glm::dvec2> pointOnDisplay(const BinocularMap& map, std::size_t eye,
                                          const BinocularSample::Eye& measured);
 

@@ -22,8 +22,8 @@ struct BinocularFit {
 };
 
 /// Bundle adjustment: Ceres minimises the angles between lines of sight and targets under Cauchy's
-/// loss, starting at `nominal`. Seen from one place, a turn of the display and a common kappa look
-/// alike, so the head must have moved nearer and aside.
+/// loss, starting at `nominal`. From one head position, a rotation of the display cannot be told
+/// from a kappa common to both eyes. So the head must have moved nearer and to the side.
 /// @throws InputError with fewer than 20 samples or 3 targets, or where the samples do not separate
 ///   pose from kappa (deviations above 20 mm or 1 deg)
 BinocularFit fitBinocular(std::span<const BinocularSample> samples, const BinocularMap& nominal);

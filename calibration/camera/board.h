@@ -29,8 +29,8 @@ struct BoardView {
 /// Corners to a fraction of a pixel; absent where the image does not show the board.
 std::optional<BoardView> findBoard(const cv::Mat& image, const Board& board);
 
-/// Whether some corner moved by 3 % of the image's width or more, so that the view tells the fit
-/// something new.
+/// Whether some corner moved by 3 % of the image's width or more, so that the view gives the fit
+/// new information.
 bool hasMoved(const BoardView& before, const BoardView& now, double width_px);
 
 /// Coverage of an image is counted in this many columns and rows of cells.

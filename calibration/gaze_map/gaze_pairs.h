@@ -10,7 +10,7 @@
 namespace foci {
 
 struct GazePair {
-  std::optional<glm::dvec2> gaze{};  ///< as the tracker gives it; absent in a blink or data loss
+  std::optional<glm::dvec2> gaze{};  ///< as the tracker reports it; absent in a blink or data loss
   glm::dvec2 target{0.0};            ///< in the calibration's units
   std::optional<double> time_s{};
   double weight = 1.0;  ///< >= 0

@@ -8,7 +8,7 @@
 
 namespace foci {
 
-/// Deviation per axis, chosen by hand: no observer fixates more exactly. With exact data it keeps
+/// Deviation per axis, chosen by hand: no observer fixates more precisely. With exact data it keeps
 /// tiny misfits from counting as outliers.
 inline constexpr double kNoiseFloor_deg = 0.06;
 

@@ -26,11 +26,11 @@ struct Station {
 /// @throws InputError where no sample has gaze, or targets are more than 10000
 std::vector<Station> stationsOf(std::span<const GazePair> pairs, const GazeFrame& frame);
 
-/// Takes away targets whose samples lie as far apart as the targets do: the observer looked
+/// Removes targets whose samples lie as far apart as the targets do: the observer looked
 /// elsewhere. Of targets with the same gaze it keeps at most the one that an affine map through the
 /// others confirms: one gaze cannot mean two targets. Keeps all if fewer than three would remain,
 /// or fewer than half.
-/// @return the targets taken away
+/// @return the removed targets
 std::vector<glm::dvec2> dropBadTargets(std::vector<Station>& stations);
 
 /// @throws InputError where targets are fewer than 3 or collinear, where gaze does not move in two

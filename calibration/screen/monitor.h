@@ -17,7 +17,7 @@ struct PsychoPyMonitor {
 /// Reads a PsychoPy monitor file (`monitors/NAME.json`): `sizePix` [px, px], `width` cm, `distance`
 /// cm. Of several named calibrations, the last in the file counts, as in PsychoPy. The height
 /// follows from square pixels. `gamma` counts where it is above 1 and at most 4; 1 is PsychoPy's
-/// default for a screen that nobody measured.
+/// default for an unmeasured screen.
 /// @throws InputError where a field is missing, of the wrong type or out of range
 PsychoPyMonitor readPsychoPyMonitor(const std::filesystem::path& file);
 

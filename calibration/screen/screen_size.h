@@ -1,4 +1,4 @@
-// Screen geometry measured with household means. Size: a bank card, or the display's EDID.
+// Screen geometry without a measuring device. Size: a bank card, or the display's EDID.
 // Distance: the blind spot, or the size of the observer's face.
 #pragma once
 
@@ -37,8 +37,7 @@ struct BlindSpotDistance {
 /// directions, so both directions have equal weight. A run is refused where it differs from its
 /// direction's median by more than 3 robust deviations and more than 10 %.
 /// @throws InputError with fewer than 3 runs, fewer than 2 or half of them in agreement, or a
-/// distance
-///   outside 0.1 to 10 m
+///   distance outside 0.1 to 10 m
 BlindSpotDistance distanceByBlindSpot(std::span<const BlindSpotRun> runs);
 
 /// A face half as large is twice as far: distance = reference_m * reference_px / face_px.

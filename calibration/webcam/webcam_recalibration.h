@@ -1,4 +1,4 @@
-// A webcam's map that clicks correct while it is in use: an observer who clicks looks there.
+// Corrects a webcam's map during use: observers look at the point on which they click.
 #pragma once
 
 #include <chrono>

@@ -28,7 +28,7 @@ struct EventRules {
   double pursuit_distance = 1.59;    ///< per unit of ln(distance)
   double pursuit_spread = 1.20;      ///< per unit of ln(standard deviation)
   double pursuit_neighbour = 1.5;    ///< a neighbour that moves in the same direction
-  double pursuit_still_deg_s = 3.0;  ///< slower than this, the direction of motion tells little
+  double pursuit_still_deg_s = 3.0;  ///< below it, the direction of motion is unreliable
 };
 
 }  // namespace foci

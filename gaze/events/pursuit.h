@@ -19,7 +19,7 @@ class StableGaze {
   /// standard deviation of the samples, both in degrees. Within a second, a steady drift of about
   /// 0.9 degrees is pursuit.
   ///
-  /// Pursuit goes on after a catch-up saccade. So each neighbour of velocity u adds to the left
+  /// Pursuit continues after a catch-up saccade. So each neighbour of velocity u adds to the left
   /// side, for this interval's velocity v,
   ///   1.5 u.v / (|u| |v| + (3 deg/s)^2 + var(u) + var(v)).
   /// @param noise_deg  standard deviation of a sample's error along each axis, >= 0. The rule

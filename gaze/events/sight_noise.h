@@ -44,14 +44,14 @@ double scaleWindow_s(std::size_t scale, double rate_Hz, const EventSettings& set
 bool mayHideSaccades(double noise_deg_s, std::size_t scale, double rate_Hz,
                      const EventSettings& settings);
 
-/// The noise while samples arrive: of the last `noise_span_s`, measured anew four times a second.
+/// The noise while samples arrive: of the last `noise_span_s`, measured again four times a second.
 /// In the first second it is measured more often. Online and offline detector share it, so that
 /// their labels differ only where the online detector has not yet seen the samples that decide.
 ///
 /// The standard deviation of a velocity is that of the median change between neighbouring windows.
 /// Steady pursuit does not raise it, and saccades hardly do. `noise_errors` standard errors of this
-/// estimate are added: a short beginning tells the noise less exactly, and a threshold must not lie
-/// too low by chance. The noise is 0 before eight changes.
+/// estimate are added: early estimates are less precise, and a threshold must not lie too low by
+/// chance. The noise is 0 before eight changes.
 class RecentNoise {
  public:
   /// @param rate_Hz  nominal sampling rate, > 0

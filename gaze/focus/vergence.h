@@ -29,8 +29,7 @@ struct EyeRay {
 ///   V = (d_l / d_l.m - d_r / d_r.m) . b / b.b.
 /// V is 0 for parallel lines of sight and negative if they diverge.
 /// @return dioptres; nothing if |b| is below a centimetre, or if the directions differ by 60
-/// degrees
-///   or more
+///   degrees or more
 std::optional<double> vergence_D(const EyeRay& left, const EyeRay& right);
 
 /// `vergence_D` and its error, sqrt(2) sigma / |b|. The error does not depend on the distance: it

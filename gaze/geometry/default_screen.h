@@ -1,4 +1,4 @@
-// The screen that is assumed where nobody says which one is used.
+// The screen that foci assumes if none is stated.
 #pragma once
 
 #include "gaze/geometry/gaze_sample.h"

@@ -69,7 +69,7 @@ struct GazeSample {
   std::optional<glm::dvec3> direction{};
 };
 
-/// What a recording says of a moment: an event marker.
+/// An event marker of a recording.
 struct TraceMarker {
   double time_s = 0.0;
   std::string text;
@@ -82,7 +82,7 @@ struct GazeTrace {
   std::vector<GazeSample> samples{};  ///< times strictly increase
   bool simulated = false;
   /// What the left eye sees of a headset's display; the right eye's field is its mirror image.
-  /// Absent: the screen stands still.
+  /// Absent: the screen does not move.
   std::optional<EyeField> field{};
   /// Metres per unit of the scene that the observer saw, if the recording states it.
   std::optional<double> scene_scale_m{};

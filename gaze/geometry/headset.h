@@ -5,7 +5,7 @@
 
 namespace foci {
 
-/// Pixels per degree in the middle of a headset's view, if nobody states them. Chosen by hand: half
+/// Pixels per degree in the middle of a headset's view, if none are stated. Chosen by hand: half
 /// of a usual headset's, so that a replay is quick.
 inline constexpr double kHeadsetPixelsPerDegree = 12.0;
 

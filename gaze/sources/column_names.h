@@ -54,7 +54,7 @@ class ColumnNames {
   /// @throws InputError that names the nearest column
   std::size_t named(const std::string& name) const;
 
-  /// @throws InputError if another column has the same name: nobody can tell which is meant
+  /// @throws InputError if another column has the same name, so that the choice is ambiguous
   void refuseTwin(std::size_t column) const;
 
   enum class Meaning { time, x, y };

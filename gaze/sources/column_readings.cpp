@@ -128,8 +128,8 @@ class Meanings {
     sight(space.both, "both eyes");
     sight(space.eyes[0], "the left eye");
     sight(space.eyes[1], "the right eye");
-    add(space.head_position, "place of the head, a unit is " + exactText(space.head_scale_m) + " m",
-        "xyz");
+    add(space.head_position,
+        "position of the head, a unit is " + exactText(space.head_scale_m) + " m", "xyz");
     add(space.head_quaternion, "orientation of the head", "xyzw");
     add(space.head_angles, "turn of the head" + turn, "hvr");
     add(space.head_euler, "turn of the head about an axis of the recording" + turn, "xyz");
@@ -151,10 +151,10 @@ std::vector<ColumnReading> readingsOf(const ColumnNames& names, const TableLayou
                                                      : std::string(names.text(i))};
     if (const std::string* meaning = meanings.of(i)) {
       reading.meaning = *meaning;
-      reading.why = isNamed(names, i, given) ? "as the study says"
-                    : !layout.isPlain()      ? "sure: " + layout.format + " writes it so"
+      reading.why = isNamed(names, i, given) ? "the study states it"
+                    : !layout.isPlain()      ? "certain: a column of " + layout.format
                     : names.unit(i).empty()  ? "a guess: its name has no unit"
-                                             : "likely: its name has its unit";
+                                             : "likely: its name states the unit";
     } else {
       reading.meaning = "unused";
     }

@@ -208,7 +208,7 @@ class TableReader {
     if (!clock_times_) return;
     ColumnReading& reading = header.columns[*layout_.time];
     reading.meaning = clock_times_->hasDates() ? "time, a date and a time of day" : "time of day";
-    reading.why = "sure: its fields are written so";
+    reading.why = "certain: its fields state the format";
     if (clock_times_->passesMidnight()) {
       header.assumed.push_back("clock: passes midnight where it steps back by over half a day");
     }

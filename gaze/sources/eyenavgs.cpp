@@ -247,14 +247,14 @@ class EyeNavGsReader {
   }
 
   std::vector<ColumnReading> readings() const {
-    const std::string sure = "sure: EyeNavGS writes it so";
+    const std::string sure = "certain: a column of EyeNavGS";
     const std::string unit = ", a unit is " + significant(scale_m_) + " m";
     const bool eyes = !given_.space.from_head;
     return {
         {"ViewIndex", "0 for the left eye, 1 for the right eye", sure},
         {"FOV1 to FOV4", "limits of the eye's view to the left, right, down and up, rad", sure},
         {"PositionX, Y, Z", "place of the eye in the scene" + unit,
-         setting_ ? "sure: scene_setting.csv has the unit" : "a guess: the unit"},
+         setting_ ? "certain: scene_setting.csv states the unit" : "a guess: the unit"},
         {"QuaternionX, Y, Z, W", "orientation of the head in the scene", sure},
         {"GazePosX, Y, Z", eyes ? "origin of gaze in the scene" + unit : "unused",
          eyes ? sure : ""},

@@ -25,7 +25,7 @@ std::optional<double> eyeNavGsSceneScale_m(const std::filesystem::path& recordin
 ///
 /// Places are in the scene's units. `scene_setting.csv` beside the file, or `columns.space.
 /// head_scale_m`, says how many metres a unit has. Its quaternion T turns the scene upright: T p is
-/// level. Poses are in the scene's own axes, so T serves to tell what is up, and moves nothing.
+/// level. Poses are in the scene's own axes, so T only shows which way is up.
 /// @param lines  at the file's first line
 TraceHeader readEyeNavGs(LineReader& lines, const TraceColumns& columns, const TakeSample& take);
 

@@ -108,7 +108,7 @@ class HoloLensReader {
   }
 
   TraceHeader header() const {
-    const std::string sure = "sure: Stream Recorder writes it so";
+    const std::string sure = "certain: a column of Stream Recorder";
     TraceHeader header{.format = "HoloLens 2, Stream Recorder",
                        .screen = screen_,
                        .units = GazeUnits::deg,

@@ -11,11 +11,11 @@
 
 namespace foci {
 
-/// The library is found when a source is made, so foci needs none where nobody streams.
+/// foci loads the library when a source is created, so it runs without the library otherwise.
 inline constexpr const char* kLslLibrary = "liblsl.so.2";
 
 /// A stream on the local network. Its channels have the meaning that the same labels and units have
-/// in an XDF file. A sender that stops may come back. The least delay of a sample counts as none
+/// in an XDF file. A sender that stops may come back. The shortest delay of a sample counts as 0
 /// (`PushedSource`).
 class LslSource final : public LiveSource {
  public:

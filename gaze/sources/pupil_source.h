@@ -9,7 +9,7 @@
 namespace foci {
 
 /// Asks Pupil Remote for the port of its data (ZeroMQ REQ, "SUB_PORT") and subscribes to `gaze.`.
-/// If nobody answers, or no data arrive for two seconds, it asks again, without end. The message
+/// If no answer comes, or no data arrive for two seconds, it asks again, without end. The message
 /// with the shortest delay so far sets the offset between the sender's clock and ours.
 class PupilSource : public LiveSource {
  public:

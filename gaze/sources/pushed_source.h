@@ -19,7 +19,7 @@ class PushedSource : public LiveSource {
   explicit PushedSource(double rate_Hz) : rate_Hz_(rate_Hz) {}
 
   /// Takes samples `TIME X Y [PUPIL]` with `;` between them: seconds on any clock, px on the
-  /// screen, mm. `nan` in X or Y stands for data loss. May be called on any thread.
+  /// screen, mm. `nan` in X or Y means data loss. May be called on any thread.
   /// @return how many samples there were
   /// @throws InputError if one is wrong, or not later than the one before; none is then taken
   std::size_t push(std::string_view samples);
@@ -31,8 +31,9 @@ class PushedSource : public LiveSource {
   /// Whether samples have come in the last two seconds.
   bool isHeard() const;
 
-  /// The first sample sets the offset between both clocks. The quickest sample since corrects it:
-  /// the least delay of the way here counts as none. A pause of two seconds begins anew.
+  /// The first sample sets the offset between both clocks. The fastest sample since corrects it:
+  /// the shortest transmission delay counts as 0. After a pause of two seconds, the offset is set
+  /// anew.
   void poll(double now_s, std::vector<GazeSample>& samples) override;
 
   double rate_Hz() const override { return rate_Hz_; }

@@ -1,4 +1,4 @@
-// What the rows of a table tell together: of the positions' unit, of a cut end, of rounded times.
+// What the rows of a table show together: the unit of positions, a truncated end, rounded times.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace foci {
 
-/// Judges positions whose unit nobody states.
+/// Judges positions without a stated unit.
 class PlainPositions {
  public:
   void add(const glm::dvec2& point_px) {
@@ -53,7 +53,7 @@ class LastDecimals {
 };
 
 /// Gives times in whole milliseconds the steps of the tracker's own clock. The offset between the
-/// clocks of computer and tracker follows their drift, and starts anew after a jump of either.
+/// clocks of computer and tracker follows their drift, and is reset after a jump of either.
 class FineClock {
  public:
   bool isUsed() const { return offset_ms_.has_value(); }
@@ -76,9 +76,9 @@ class FineClock {
   std::optional<double> offset_ms_{};
 };
 
-/// Tells samples apart whose times are whole units, faster than one a unit: each follows the one
-/// before by an even interval, within its unit. A control loop (proportional and integral,
-/// critically damped) keeps the times in the middle of their units.
+/// Gives distinct times to samples that share a time, because times are whole units and samples
+/// come faster: each follows the one before by an even interval, within its unit. A control loop
+/// (proportional and integral, critically damped) keeps the times in the middle of their units.
 class WholeTimes {
  public:
   explicit WholeTimes(double interval) : interval_(interval) {}

@@ -17,7 +17,7 @@ class SpaceDoubts {
 
   /// One sentence for each doubt, with the key to set.
   /// @param in_world  the frame of the gaze columns, as stated
-  /// @param y_is_up   in the recording's world; false: nobody knows
+  /// @param y_is_up   in the recording's world; false: unknown
   std::vector<std::string> sentences(bool in_world, bool y_is_up) const;
 
  private:

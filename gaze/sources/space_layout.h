@@ -35,7 +35,7 @@ struct SpaceLayout {
   ColumnsAt<4> head_quaternion{};
   ColumnsAt<3> head_angles{}, head_euler{};
   std::array<std::size_t, 3> euler_order{1, 0, 2};  ///< axes in the order of their turns
-  bool from_head = false;                           ///< the head's direction stands for gaze
+  bool from_head = false;                           ///< the head's direction replaces gaze
   AxisConvention axes{}, head_axes{};  ///< of gaze, of the head; a study states one for both
   bool in_world = false;               ///< the frame of the gaze columns; else the head's
   double origin_scale_m = 1.0, head_scale_m = 1.0;

@@ -47,7 +47,7 @@ struct SpaceColumns {
   /// About the recording's own x, y and z, in the sense of its axes, as Unity's `eulerAngles`.
   ColumnList<3> head_euler{};
   std::string head_euler_order = "yxz";  ///< of the turns about the head's own axes
-  bool from_head = false;                ///< the head's forward direction stands for gaze
+  bool from_head = false;                ///< the head's forward direction replaces gaze
   std::optional<SightFrame> frame{};     ///< needed with a head pose
   std::optional<std::string> axes{};     ///< as `AxisConvention::named` takes it; needed
   double origin_scale_m = 1.0;           ///< metres per unit of origins and points

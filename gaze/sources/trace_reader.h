@@ -84,8 +84,8 @@ struct TraceHeader {
   bool gaze_in_world = false;             ///< the frame of the file's directions; else the head's
   bool world_y_up = true;                 ///< of the recording's world; false: unknown
   std::optional<double> scene_scale_m{};  ///< as `GazeTrace::scene_scale_m`
-  /// Degrees, fractions or lines of sight are put on this screen, because nobody states the real
-  /// one. Its quantities mean nothing.
+  /// Degrees, fractions or lines of sight are put on this screen, because the real one is not
+  /// stated. Its quantities mean nothing.
   bool nominal_screen = false;
   std::vector<TraceMarker> markers{};  ///< as `GazeTrace::markers`
   /// What the file does not state and the reader assumed, a phrase each.
@@ -146,12 +146,10 @@ SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns&
 
 /// Reads a complete recording.
 /// @param rate_Hz  absent: from the median interval. Give the rate if the file has times of
-/// arrival,
-///   because their median does not tell it.
+///   arrival, because the median of their intervals may differ from it.
 /// @return at least two samples, on the file's own clock in seconds; `screen` is always set
 /// @throws InputError as `streamTrace`, and if no sample has a position, or if the rate is outside
-/// 5
-///   to 20,000 Hz
+///   5 to 20,000 Hz
 GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& columns,
                     const Screen& fallback_screen, std::optional<double> rate_Hz = {});
 

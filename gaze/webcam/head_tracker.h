@@ -24,12 +24,12 @@ class HeadTracker {
  public:
   explicit HeadTracker(const Pinhole& camera) : camera_(camera) {}
 
-  /// Starts anew from a frame, and assumes that the head faces the camera. The irises give its
+  /// Restarts from a frame, and assumes that the head faces the camera. The irises give its
   /// roll.
   /// @param irises_px  of the observer's left and right eye
   void start(const cv::Mat& grey, const std::array<glm::dvec2, 2>& irises_px);
 
-  /// Starts anew from a stored view. The first `follow` then needs a guess.
+  /// Restarts from a stored view. The first `follow` then needs a guess.
   void start(const HeadView& view);
 
   /// Finds the head in the next frame.

@@ -271,7 +271,7 @@ class TileCompositor {
     const V blue = number(TileGaussians::blue);
     const V opaque = hn::Set(d, kOpaqueTransmittance);
     std::size_t inside = 0;
-    // One loop over all strips of squares, whose end alone is hard to foretell.
+    // One loop over all strips of squares, so that only its end is hard to predict.
     std::size_t strip = first, square = left;
     for (std::size_t n = (last - first + 1) * (right - left + 1); n > 0; --n) {
       const std::size_t in_square = strip % strips * hn::Lanes(d);
@@ -312,7 +312,7 @@ class TileCompositor {
     }
   }
 
-  /// Places that are opaque stay so. Each call goes on where the last one ended.
+  /// Places that are opaque stay so. Each call continues where the last one ended.
   void becomeOpaque() {
     const D d;
     const V opaque = hn::Set(d, kOpaqueTransmittance);

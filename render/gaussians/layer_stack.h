@@ -34,7 +34,7 @@ struct TileLens {
   const std::vector<LensDisc>* discs = nullptr;  ///< of its first layer
   /// Of each layer with the next.
   std::array<const LensPairs*, TileLayers::kMost - 1> pairs{};
-  /// At least three, which tell the error of a first layer with one disc; null: not wanted.
+  /// At least three, which judge the error of a first layer with one disc; null: not wanted.
   const std::vector<LensDisc>* judges = nullptr;
   float weight = 1.0f;  ///< of the new image of the tile; that of the frame's is the rest
 };

@@ -58,7 +58,7 @@ struct ProjectedGaussians {
 
 /// Projects all Gaussians that a sub-aperture of any of the `sizes` may show. The order in a chunk
 /// is that of the scene.
-/// @param cut  what stands for the scene, nodes first; null: all Gaussians
+/// @param cut  replaces the scene, nodes first; null: all Gaussians
 void projectGaussians(const GaussianCloud& cloud, const GaussianCut* cut, const View& view,
                       const Defocus& defocus, const std::vector<SubApertureSize>& sizes,
                       ProjectedGaussians& out);

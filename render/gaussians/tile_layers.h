@@ -26,7 +26,7 @@ inline constexpr float kErrorOrder = -0.8f;
 
 /// The error of 95 % of the pixels of a captured scene, in just-noticeable differences, by the blur
 /// radius alone: 0.5 a pixel for one disc, 0.9 where nothing is sharp. It bounds the error of a
-/// single disc, which no spread of views tells, and is a first guess for others: colours that
+/// single disc, which has no spread of views, and is a first guess for others: colours that
 /// differ more than those of captures err more.
 float errorByBlur(int discs, const TileBlur& blur);
 

@@ -23,7 +23,7 @@ struct SampledErrors {
 };
 
 /// The polynomials of degree one and two in the discs' centres, orthonormal over the discs and to
-/// the constant: as many as the discs tell apart, at most five. By polynomial, then disc.
+/// the constant: as many as the discs distinguish, at most five. By polynomial, then disc.
 std::vector<std::vector<float>> polynomialsOver(std::span<const LensDisc> discs);
 
 /// Of the views at a sample, in just-noticeable differences from their mean.
@@ -34,7 +34,7 @@ struct SpreadSquares {
 
 /// The error of the mean of views (`ViewSpread::errorsOfMean`), by sample.
 /// @param discs        at least three (asserted)
-/// @param polynomials  that they tell apart
+/// @param polynomials  that they distinguish
 std::array<float, SampledErrors::kMost> errorsOfMean(std::span<const SpreadSquares> samples,
                                                      std::size_t discs, std::size_t polynomials,
                                                      float radius_px);

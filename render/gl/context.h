@@ -13,7 +13,7 @@ class GpuContext {
   GpuContext(const GpuContext&) = delete;
   GpuContext& operator=(const GpuContext&) = delete;
 
-  /// @return false: it is lost, or the thread has another context that cannot give way
+  /// @return false: it is lost, or the thread has another context that cannot be replaced
   virtual bool makeCurrent() = 0;
   /// The thread has the context that it had before `makeCurrent`.
   virtual void release() = 0;

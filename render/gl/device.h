@@ -43,7 +43,7 @@ class GpuDevice {
   const std::string& name() const { return name_; }      ///< as the driver calls the GPU
   const std::string& driver() const { return driver_; }  ///< the driver's version
   bool isSoftware() const { return software_; }          ///< the driver renders on the CPU
-  /// Bytes that a shader sees of a buffer at once.
+  /// Bytes of a buffer that a shader can address.
   std::size_t maxBlock_bytes() const { return max_block_bytes_; }
   /// Where such a window may begin: at multiples of this.
   std::size_t blockAlignment_bytes() const { return block_alignment_bytes_; }

@@ -50,7 +50,7 @@ class GpuFrameStages {
   /// @param weights  by tile, of its new image over what `image` holds; null: all 1
   void interpolate(const GpuImage& image, const GpuBuffer* weights = nullptr);
 
-  /// Counts fragments anew.
+  /// Restarts the count of fragments.
   void clearFragments();
   GpuTotals totals() const;
   /// Whether the frame needed more room; then it must be rendered again.
@@ -70,7 +70,7 @@ class GpuFrameStages {
                 std::initializer_list<const GpuBuffer*> buffers);
   static void dispatch(std::size_t x, std::size_t y = 1);
   void dispatchIndirect(std::size_t offset) const;
-  /// Projects the entries that lie within two windows: of nodes, and of what they stand for.
+  /// Projects the entries that lie within two windows: of nodes, and of the surfels or Gaussians.
   void projectWindows(unsigned program, const GpuWindow& nodes, const GpuWindow& elements) const;
   static void bindWindow(unsigned binding, const GpuBuffer& buffer, const GpuWindow& window,
                          std::size_t each_bytes);

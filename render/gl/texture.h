@@ -38,7 +38,7 @@ class GpuTexture {
 
   // In the window's context, each time the window shows the texture:
   unsigned beginShow();  ///< @return the texture's name. Later commands wait for its pixels.
-  void endShow();        ///< The texture may be written anew after the commands so far.
+  void endShow();        ///< The texture may be overwritten after the commands so far.
 
  private:
   std::shared_ptr<GpuDevice> device_;

@@ -1,4 +1,4 @@
-// Windows of arrays that are larger than what a shader sees at once.
+// Windows of arrays that are larger than a shader can address.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace foci {
 
-/// Elements of an array that shaders see at once.
+/// Elements of an array that a shader can address.
 struct GpuWindow {
   std::size_t first = 0, count = 0;
 };

@@ -19,7 +19,7 @@ inline constexpr double kUsualPx_per_deg = 40.0;
 /// @return row-major, one for each pixel. Both frames have the same size (asserted).
 std::vector<float> visibleDifference(const Frame& a, const Frame& b, double px_per_deg);
 
-/// A frame as this eye sees it, row-major: for one that many others are compared with.
+/// A frame as this eye sees it, row-major. Use it if many frames are compared with one.
 std::vector<glm::vec3> labOf(const Frame& frame, double px_per_deg);
 
 /// The same difference, of a frame from one of the same size as the eye sees it (asserted).

@@ -19,7 +19,7 @@ inline constexpr float kArcSine = 0.6366f;
 /// A layer that covers a part of a footprint, up to an edge.
 struct PixelEdge {
   float share;          ///< that it covers, 0 to 1
-  glm::vec2 direction;  ///< to the covered side; the length, 0 to 1, tells how straight the edge is
+  glm::vec2 direction;  ///< to the covered side; length 0 to 1: how straight the edge is
 };
 
 /// The edge of a layer whose kernels sum to `weight` and lie at the mean offset `mean` from the

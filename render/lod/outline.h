@@ -1,5 +1,5 @@
-// A large scene in short, for whoever asks where it is and what it looks like from afar. It takes a
-// few megabytes of the scene's file instead of all of it.
+// A coarse outline of a large scene: where it is, and what it looks like from afar. It reads a few
+// megabytes of the scene's file instead of all of it.
 #pragma once
 
 #include <cstddef>

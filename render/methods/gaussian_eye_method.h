@@ -1,4 +1,4 @@
-// What methods on scenes of Gaussians share that render the observer's pupil.
+// The base of methods that render scenes of Gaussians through the observer's pupil.
 #pragma once
 
 #include "render/methods/method.h"
@@ -19,7 +19,7 @@ class GaussianEyeMethod : public Method {
 
 /// Convolves the linear RGBA of the frame with the discrete Gaussian of this variance,
 /// exp(-t) I_n(t) (Lindeberg, Scale-space for discrete signals, PAMI 12(3), 1990). Its variance is
-/// exact below a pixel too. The frame's border goes on beyond it.
+/// exact below a pixel too. The frame continues beyond its border as the border.
 /// @param variance_px2  above 0
 void spreadLight(Frame& frame, double variance_px2);
 

@@ -11,7 +11,7 @@ namespace foci {
 
 /// Collects what the parts of a lens see, and spreads it along the parts' radii, in linear RGBA.
 /// Halos are wider than what surfaces in front hide, so frames are spread as a whole. The border of
-/// a frame goes on beyond it.
+/// a frame continues beyond it.
 class Halos {
  public:
   /// Sorts the parts by the direction of their radius: frames of one direction are spread together.

@@ -44,7 +44,7 @@ inline glm::vec2 onCircle(double turns) {
 /// sub-apertures' views is neither shifted nor wider than the view through the full aperture.
 ///
 /// They lie on rings, in numbers as their circumferences, around one in the middle (from n = 7 on).
-/// Each stands for the same area. Edges across the lens err less than with a sunflower's points by
+/// Each represents the same area. Edges across the lens err less than with a sunflower's points by
 /// 3 to 6 %, and smooth light by half (`SubApertures` tests).
 inline std::vector<glm::vec2> subApertureCentres(int n) {
   if (n == 1) return {glm::vec2(0.0f)};

@@ -100,7 +100,7 @@ class Method {
   virtual void prepare(const View& /*view*/, const RenderSettings& /*settings*/) {}
 
   /// Passes over a frame: later frames are as if this one had been rendered. Not for a method that
-  /// goes on with the frame before (`MethodInfo::incremental`), nor under a frame-time budget.
+  /// continues from the frame before (`MethodInfo::incremental`), nor under a frame-time budget.
   void pass(const View& view, const RenderSettings& settings);
 
  private:

@@ -134,12 +134,13 @@ class MulderMethod final : public Method {
 }  // namespace
 
 MethodEntry mulderMethod() {
-  return {.info = {.name = "mulder",
-                   .summary = "potmesil around the gaze, a pyramid of blurred images elsewhere",
-                   .source = "Mulder and van Liere 2000",
-                   .ellipses = false,
-                   .lod = true},
-          .make = makeAs<MulderMethod>};
+  return {
+      .info = {.name = "mulder",
+               .summary = "potmesil around the image centre, a pyramid of blurred images elsewhere",
+               .source = "Mulder and van Liere 2000",
+               .ellipses = false,
+               .lod = true},
+      .make = makeAs<MulderMethod>};
 }
 
 }  // namespace foci

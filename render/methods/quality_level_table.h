@@ -10,7 +10,7 @@
 
 namespace foci {
 
-/// A quality level as the renderer sees it.
+/// The renderer's settings for a quality level.
 struct LevelSettings {
   /// Largest blur radii in view, px, at which the errors of the levels were measured.
   static constexpr std::array<float, 6> kBlurs_px{0.0f, 1.0f, 4.0f, 12.0f, 16.0f, 40.0f};

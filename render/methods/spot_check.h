@@ -32,9 +32,8 @@ class SpotCheck {
   /// The difference from the reference that 95 % of the squares' pixels stay below, in
   /// just-noticeable differences at 40 pixels a degree (visible_difference.h).
   /// @param limit  the caller compares the difference with this. If the first 16 squares are
-  /// clearly
-  ///               above or below, the other squares are not rendered; below, the result is then
-  ///               an upper bound.
+  ///               clearly above or below, the other squares are not rendered; below, the result
+  ///               is then an upper bound.
   float error(const LodSettings& lod, float limit);
 
  private:

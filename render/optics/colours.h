@@ -26,9 +26,8 @@ struct SpectrumSample {
   glm::dvec3 red_green_blue{0.0};
 };
 
-/// The spectra in `n` bands of equal width, each as light of the wavelength in its middle. Light
-/// counts as bright as it is, by `luminousEfficiency`. The shares of each primary sum to 1. Bands
-/// without light are left out.
+/// The spectra in `n` bands of equal width, each as light of the wavelength in its middle, weighted
+/// by `luminousEfficiency`. The shares of each primary sum to 1. Bands without light are left out.
 /// @param spectra  by wavelength, at least two; each primary has light that is seen (asserted)
 std::vector<Colour> coloursOfSpectra(const std::vector<SpectrumSample>& spectra, int n);
 

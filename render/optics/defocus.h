@@ -14,8 +14,7 @@ enum class DistanceAlong {
 
 /// The lens, as a renderer needs it. A point at the distance U has the blur radius
 ///
-///   C_px = radius_px_per_D |1/U - focus_D|.       (Eq. 1 to 4 in dioptres; the retina distance
-///   cancels)
+///   C_px = radius_px_per_D |1/U - focus_D|.    (Eq. 1 to 4 in dioptres; lens to retina cancels)
 ///
 /// The radius is finite for U = F, for U -> inf and for a focus at infinity (focus_D = 0).
 ///
@@ -82,12 +81,12 @@ inline float roundDefocus_D(const Defocus& defocus, float point_D) {
 Defocus defocusOfLens(double aperture_m, const glm::vec2& focal_px, double focus_D,
                       DistanceAlong along);
 
-/// Distance behind a thin lens at which a point `object_m` away is sharp, V = F U / (U - F)  (Eq.
-/// 1). Singular at U = F (returns infinity).
+/// Distance behind a thin lens at which a point `object_m` away is sharp: V = F U / (U - F), Eq. 1.
+/// Singular at U = F (returns infinity).
 double imageDistance_m(double focal_length_m, double object_m);
 
-/// Radius on the image plane, C = (A/2) |V_U - V_P| / V_U  (Eq. 2). Singular like
-/// Eq. 1: renderers use `retinalRadius_m` or `Defocus` instead.
+/// Radius on the image plane, C = (A/2) |V_U - V_P| / V_U (Eq. 2). Singular like Eq. 1: renderers
+/// use `retinalRadius_m` or `Defocus` instead.
 double circleOfConfusion_m(double aperture_m, double focal_length_m, double point_m,
                            double focus_m);
 

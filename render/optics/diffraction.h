@@ -30,8 +30,8 @@ struct DiffractionHalo {
 
   float inHalos() const { return halo_share[0] + halo_share[1]; }
 
-  /// Standard deviation of the core of a part of the pupil, px: its variance goes with the light
-  /// that the part loses.
+  /// Standard deviation of the core of a part of the pupil, px. Its variance is in proportion to
+  /// the light that the part loses.
   /// @param lost  by the part, over what all parts lose in the mean
   float coreOfPart_px(double lost) const;
 };

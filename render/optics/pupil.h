@@ -1,5 +1,5 @@
 // What the observer's pupil does to light besides defocus: aberrations, the Stiles-Crawford effect,
-// diffraction; and the lens in parts that are each simple enough to render.
+// diffraction; and the lens divided into sub-apertures (parts) that are each simple to render.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -25,7 +25,7 @@ struct Pupil {
   Wavefront wavefront = {};
   double stiles_crawford_per_mm2 = 0.0;  ///< 0: light counts alike everywhere
   glm::dvec2 stiles_crawford_center_m{0.0};
-  /// Of the middle of the pupil from the achromatic axis. A colour focused E dioptres nearer
+  /// Of the pupil's centre from the achromatic axis. A colour focused E dioptres nearer
   /// appears displaced by f E offset_m px (transverse chromatic aberration; Thibos, Bradley, Still,
   /// Zhang and Howarth, Vision Research 30, 1990).
   glm::dvec2 offset_m{0.0};

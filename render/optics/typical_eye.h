@@ -1,4 +1,4 @@
-// The aberrations of an eye that nobody measured.
+// Typical aberrations, for an eye that was not measured.
 #pragma once
 
 #include "render/optics/wavefront.h"

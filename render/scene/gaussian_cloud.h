@@ -38,7 +38,7 @@ inline constexpr float kMinAlpha = 1.0f / 255.0f;
 /// metres, right-handed, any axis up.
 ///
 /// Gaussian k has the opacity `opacity exp(-d' V^-1 d / 2)` at the offset d from its position, V
-/// its covariance. Its colour is a display value (sRGB), because such scenes are trained on images:
+/// its covariance. Its colour is a display value (sRGB), because captures are trained on images:
 ///
 ///   0.5 + sum over i of coefficient_i Y_i(direction from the eye), at least 0     (harmonics.h)
 struct GaussianCloud {

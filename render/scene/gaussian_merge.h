@@ -41,8 +41,8 @@ struct MeanColor {
 /// two Gaussians at the distance D across a direction has a closed form,
 ///   opacity_a opacity_b 2 pi sqrt(|A| |B| / |A + B|) exp(-D' (A + B)^-1 D / 2).
 /// So light that passes between two Gaussians, or is hidden twice, stays what it is in the mean
-/// over directions. Where a top is flat (opacity > 1), the Gaussian of opacity 1 and of the same
-/// area stands for it; the overlap of two equal ones is exact.
+/// over directions. A flat top (opacity > 1) is replaced by the Gaussian of opacity 1 and of the
+/// same area; the overlap of two equal ones is exact.
 ///
 /// Position and covariance are means weighted by covered area. Colours have two means, because a
 /// lens averages linear light, and a renderer composites display values. Opaque Gaussians side by

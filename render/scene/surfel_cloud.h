@@ -42,8 +42,8 @@ struct SurfelCloud {
 
   SceneObjects objects = {};  ///< by surfel
 
-  /// The tree over the surfels, which are in its order; null: not there yet (`treeOf`). Whoever
-  /// changes the surfels resets it.
+  /// The tree over the surfels, which are in its order; null: not built yet (`treeOf`). Code that
+  /// changes the surfels must reset it.
   std::shared_ptr<const MomentTree> tree = {};
 
   /// The mesh that the surfels were sampled from; null if they are all that is known.
@@ -57,7 +57,7 @@ struct SurfelCloud {
   bool empty() const { return position_m.empty(); }
 };
 
-/// Places of all surfels, or of all Gaussians.
+/// Positions of all surfels, or of all Gaussians.
 std::span<const glm::vec3> positionsOf(const SurfelCloud& cloud);
 
 /// Standard deviation of a surfel's basis over the local spacing of samples, sqrt(area of one

@@ -211,7 +211,7 @@ TEST(Chart, RefusesInOneLineAndLeavesNothing) {
       {"16 to 4096", {"--size", "5"}},
       {"1 to 1024", {"--threads", "0"}},
       {"the nearest is crossing", {"--stability", "--scene", "crosing"}},
-      {"a size of their own", {"--stability", "--size", "64"}},
+      {"a fixed size", {"--stability", "--size", "64"}},
   };
   for (const Refusal& refusal : refusals) {
     std::vector<std::string> all = {"chart", "--out", "made/out", "--quick"};

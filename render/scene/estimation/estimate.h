@@ -38,8 +38,7 @@ inline constexpr float kSigmaPerRadius = kSigmaPerSpacing * 1.41421356f;
 ///   normal:  the given one; else the smallest principal axis of the nearest neighbours (PCA, Hoppe
 ///            et al. 1992)
 ///   spacing: sqrt(pi r_k^2 / k), with the distance r_k of the k-th neighbour; at most a few times
-///   the
-///            median, so that stray points stay small
+///            the median, so that stray points stay small
 ///   sigma:   kSigmaPerRadius radius if given, else kSigmaPerSpacing spacing
 ///   area:    spacing^2, then solved so that the kernels sum to one (weights.h)
 ///

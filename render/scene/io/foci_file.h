@@ -45,7 +45,7 @@
 
 namespace foci {
 
-/// What the scene was prepared from, as far as it tells how to show them.
+/// What the scene was prepared from, as far as rendering depends on it.
 struct SurfelOrigin {
   bool mesh = false;             ///< samples of a mesh, so that none of them is a stray
   bool plain_colors = false;     ///< at most a colour for each material: no light is in them

@@ -1,4 +1,4 @@
-// glTF in the words that Assimp 5.2 reads. Private to the readers of meshes.
+// Rewrites a glTF so that Assimp 5.2 reads it correctly. Private to the readers of meshes.
 #pragma once
 
 #include <filesystem>

@@ -27,8 +27,7 @@ struct MeshFile {
 /// be read are named in the mesh's remarks. The material's colour then shows.
 ///
 /// @throws InputError if Assimp cannot read the file, if no triangle has an area, or if a texture
-/// or
-///         a file of materials is a pipe or a device
+///         or a file of materials is a pipe or a device
 MeshFile readMesh(const std::filesystem::path& path);
 
 }  // namespace foci

@@ -15,8 +15,9 @@ namespace foci {
 /// Opens files for Assimp, and keeps the names of those that cannot be read.
 class MeshFiles : public Assimp::DefaultIOSystem {
  public:
-  /// Has the mesh, which Assimp opens next, read in the words that Assimp knows.
-  /// @throws InputError if a part of it is not as it states
+  /// Gives Assimp, which opens the mesh next, the rewritten content if Assimp would misread the
+  /// file.
+  /// @throws InputError if the file is damaged
   void mend(const std::filesystem::path& mesh);
 
   bool Exists(const char* name) const override;
@@ -43,8 +44,8 @@ class MeshFiles : public Assimp::DefaultIOSystem {
 /// none, or for another file. @throws InputError if the file cannot be read
 std::string compressionOf(const std::filesystem::path& path);
 
-/// @throws InputError for a glTF that requires an extension which changes what it shows, and which
-/// is not read
+/// @throws InputError for a glTF that requires an extension which foci does not read, and which
+///         would change the image
 void refuseUnknownExtensions(const std::filesystem::path& path);
 
 /// Assimp reads no meshopt compression, and Draco's only where it was built with it.

@@ -1,5 +1,5 @@
-// Opens a mesh with Assimp: the one place that checks a file before, and says what was wrong after.
-// Private to the readers of meshes.
+// Opens a mesh with Assimp. All checks of the file before it is read, and the reports of what was
+// wrong with it, are here. Private to the readers of meshes.
 #pragma once
 
 #include <assimp/Importer.hpp>

@@ -1,4 +1,4 @@
-// The text of an OBJ in the words that Assimp 5.2 reads. Private to the readers of meshes.
+// Rewrites an OBJ so that Assimp 5.2 reads it correctly. Private to the readers of meshes.
 #pragma once
 
 #include <filesystem>
@@ -11,9 +11,9 @@ struct ObjText {
   std::string remark;  ///< what the user should know; empty: nothing
 };
 
-/// With 0.5 in place of .5 in its vertices, since Assimp takes a word that begins with a point for
-/// none. If floats would lose the detail of the vertices, the origin is moved near the first one
-/// (scan_values.h), as Assimp keeps floats.
+/// Writes 0.5 in place of .5 in the vertices, because Assimp does not read numbers that begin with
+/// a point. If floats would lose the detail of the vertices, the origin is moved near the first
+/// vertex (scan_values.h), because Assimp stores floats.
 ObjText readableObj(const std::filesystem::path& obj);
 
 }  // namespace foci

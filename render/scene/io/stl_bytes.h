@@ -1,4 +1,4 @@
-// A binary STL in the words that Assimp 5.2 reads. Private to the readers of meshes.
+// Rewrites a binary STL so that Assimp 5.2 reads it correctly. Private to the readers of meshes.
 #pragma once
 
 #include <filesystem>

@@ -38,6 +38,7 @@ TEST(StudyText, AnnotatedIsTheSameStudyWithItsMeaning) {
   study.eye.look_at_m = glm::dvec3(0.0);
   study.eye.up = {0, 0, 1};
   study.observer.pupil_mm = 6.5;
+  study.seed = 7;  // a key above the first section
   const std::string text = annotatedStudyToml(study, scratch.path(), "first\nsecond");
   EXPECT_TRUE(text.starts_with("# first\n# second\n")) << text;
   EXPECT_NE(text.find("file = \"scans/lion.ply\""), std::string::npos) << text;
