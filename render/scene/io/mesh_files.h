@@ -27,8 +27,8 @@ class MeshFiles : public Assimp::DefaultIOSystem {
   /// of materials that is missing, Assimp tries a second name: this name does not count.
   std::vector<std::string> missing() const;
 
-  /// What the user should know of the mesh that was opened; empty: nothing.
-  const std::string& remark() const { return mended_.remark; }
+  /// What the user should know of the mesh that was opened.
+  const std::vector<std::string>& remarks() const { return mended_.remarks; }
 
  private:
   /// The file that a name means: of a glTF, whose names are URIs, decoded if no file has the name.

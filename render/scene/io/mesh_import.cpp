@@ -88,7 +88,7 @@ void MeshImport::refuse(std::string why) const {
 
 std::vector<std::string> MeshImport::remarks() const {
   std::vector<std::string> remarks = remarks_;
-  if (!files_->remark().empty()) remarks.push_back(files_->remark());
+  remarks.insert(remarks.end(), files_->remarks().begin(), files_->remarks().end());
   for (const std::string& name : files_->missing()) {
     remarks.push_back("the file " + name + " cannot be read: its materials are shown in grey");
   }

@@ -1,4 +1,4 @@
-// Wavefront's OBJ, vertices.
+// Wavefront's OBJ: vertices, and the end of the file.
 #include "render/scene/io/obj_text.h"
 
 #include <algorithm>
@@ -11,8 +11,11 @@
 #include <optional>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
+#include "base/input_error.h"
+#include "base/text.h"
 #include "render/scene/io/scan_values.h"
 
 namespace foci {
@@ -97,12 +100,74 @@ std::string movedText(std::string_view text, const glm::dvec3& origin) {
   return moved;
 }
 
+std::string_view nextWord(std::string_view& rest) {
+  rest = trimmed(rest);
+  const std::string_view word = rest.substr(0, rest.find_first_of(" \t"));
+  rest.remove_prefix(word.size());
+  return word;
+}
+
+/// The corners of a face, as "1/2/3" each; none for another line.
+std::vector<std::string_view> cornersOf(std::string_view line) {
+  std::vector<std::string_view> corners;
+  line = line.substr(0, line.find('#'));
+  if (nextWord(line) != "f") return corners;
+  while (!trimmed(line).empty()) corners.push_back(nextWord(line));
+  return corners;
+}
+
+/// Whether a face ends within a corner: each corner has the slashes of the first.
+bool endsWithinCorner(const std::vector<std::string_view>& corners) {
+  const auto slashes = [](std::string_view corner) {
+    return std::count(corner.begin(), corner.end(), '/');
+  };
+  const auto& first = corners.front();
+  const auto& last = corners.back();
+  return slashes(last) < slashes(first) || (last.ends_with('/') && !first.ends_with('/'));
+}
+
+/// Whether the last number of a face has fewer digits than all others of its kind, or the face has
+/// fewer corners than the one before.
+bool seemsShort(const std::vector<std::string_view>& face,
+                const std::vector<std::string_view>& before) {
+  const auto digits = [](std::string_view corner) {
+    return corner.size() - (corner.rfind('/') + 1);  // of none: npos + 1 is 0
+  };
+  return face.size() < before.size() ||
+         std::all_of(face.begin(), face.end() - 1,
+                     [&](std::string_view corner) { return digits(corner) > digits(face.back()); });
+}
+
+/// Judges a last line without an end.
+/// @return a remark if the line may be cut off; empty: nothing
+/// @throws InputError if a face is cut off
+std::string endOf(std::string_view text, const std::filesystem::path& obj) {
+  if (text.empty() || text.ends_with('\n') || text.ends_with('\r')) return "";
+  const std::size_t begin = text.rfind('\n') + 1;  // without a line before: npos + 1 is 0
+  const std::string_view last = text.substr(begin);
+  const std::vector<std::string_view> face = cornersOf(last);
+  if (trimmed(last) == "f" || (!face.empty() && (face.size() < 3 || endsWithinCorner(face)))) {
+    throw InputError(
+        obj.string() + ":" + std::to_string(1 + std::count(text.begin(), text.end(), '\n')),
+        "ends within a face, " + shown(trimmed(last)) +
+            ": the file is cut off; export or copy it again");
+  }
+  if (face.empty() || begin == 0) return "";
+  const std::string_view above = text.substr(0, begin - 1);
+  if (!seemsShort(face, cornersOf(above.substr(above.rfind('\n') + 1)))) return "";
+  return "the last line has no end, and its face is shorter than others, so it may be cut off: is "
+         "the file complete?";
+}
+
 }  // namespace
 
 ObjText readableObj(const std::filesystem::path& obj) {
   std::ifstream in(obj, std::ios::binary);
   const std::string original(std::istreambuf_iterator<char>(in), {});
-  ObjText readable{.text = withLeadingZeros(original), .remark = {}};
+  ObjText readable{.text = withLeadingZeros(original), .remarks = {}};
+  if (std::string remark = endOf(original, obj); !remark.empty()) {
+    readable.remarks.push_back(std::move(remark));
+  }
   const std::string& text = readable.text.empty() ? original : readable.text;
   std::vector<glm::vec3> places;
   std::optional<glm::dvec3> first;
@@ -115,7 +180,7 @@ ObjText readableObj(const std::filesystem::path& obj) {
   const glm::dvec3 origin = originNear(*first);
   if (const auto remark = originRemark(origin)) {
     readable.text = movedText(text, origin);
-    readable.remark = *remark;
+    readable.remarks.push_back(*remark);
   }
   return readable;
 }

@@ -86,6 +86,21 @@ TEST_F(MeshDamage, ColoursOfVerticesAboveOneAreRefused) {
   EXPECT_EQ(said("b.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"), "");
 }
 
+TEST_F(MeshDamage, AnObjThatEndsWithinAFaceIsRefused) {
+  const std::string start = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+  EXPECT_EQ(said("a.obj", start + "f 1/1 3/1 4/1"), "");
+  for (const char* cut : {"f", "f 1/1", "f 1/1 3/1", "f 1/1 3/1 ", "f 1/1 3/1 4", "f 1/1 3/1 4/"}) {
+    EXPECT_TRUE(has(said("b.obj", start + cut), "b.obj:7: ends within a face")) << cut;
+  }
+  EXPECT_TRUE(has(said("c.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 1 2 3"),
+                  "may be cut off"));
+  std::string many = start;
+  for (int i = 5; i <= 40; ++i) many += "v " + std::to_string(i) + " 0 1\n";
+  EXPECT_EQ(said("d.obj", many + "f 10/1 11/1 12/1\nf 20/1 21/1 4/1"), "");
+  EXPECT_TRUE(has(said("e.obj", many + "f 10 11 12\nf 20 21 4"), "may be cut off"));
+  EXPECT_EQ(said("f.obj", many + "f 10 11 12\nf 20 21 4\n"), "");
+}
+
 TEST_F(MeshDamage, CornersThatAreNotFiniteAreCounted) {
   EXPECT_TRUE(has(said("a.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 1 3 4\n"),
                   "1 triangle has a corner that is not finite"));
