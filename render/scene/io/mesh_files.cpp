@@ -13,6 +13,7 @@
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/gltf_plain.h"
 #include "render/scene/io/obj_text.h"
+#include "render/scene/io/ply_faces.h"
 #include "render/scene/io/stl_bytes.h"
 
 namespace foci {
@@ -63,6 +64,7 @@ Assimp::IOStream* MeshFiles::Open(const char* name, const char* mode) {
 void MeshFiles::mend(const std::filesystem::path& mesh) {
   if (lowerExtension(mesh) == ".obj") mended_ = readableObj(mesh);
   if (lowerExtension(mesh) == ".stl") mended_.text = readableStl(mesh);
+  if (lowerExtension(mesh) == ".ply") mended_.text = readablePly(mesh);
   if (isGltf(mesh)) mended_.text = plainGltf(mesh);
 }
 

@@ -24,9 +24,9 @@ using ply::Scalar;
 
 constexpr float kRangeSlack = 1e-3f;  // tolerance of floats meant to be 0 or 1
 
-// The meaning of a vertex property. Other properties are skipped.
 constexpr std::size_t kMaxLabels = 1000;
 
+// The meaning of a vertex property. Other properties are skipped.
 enum Slot {
   kX,
   kY,
@@ -100,13 +100,11 @@ class Layout {
     has_color_ = take({"red", "green", "blue"}, kRed) || take({"r", "g", "b"}, kRed) ||
                  take({"diffuse_red", "diffuse_green", "diffuse_blue"}, kRed);
     has_intensity_ =
-        !has_color_ &&
-        (take({"intensity"}, kIntensity) || take({"Intensity"}, kIntensity) ||
-         take({"scalar_Intensity"}, kIntensity) || take({"scalar_intensity"}, kIntensity));
+        !has_color_ && (take({"intensity"}, kIntensity) || take({"scalar_intensity"}, kIntensity));
     has_radius_ = take({"radius"}, kRadius);
     has_opacity_ = take({"opacity"}, kOpacity) || take({"alpha"}, kOpacity);
     has_label_ = take({"label"}, kLabel) || take({"class"}, kLabel) ||
-                 take({"object_id"}, kLabel) || take({"scalar_Label"}, kLabel);
+                 take({"object_id"}, kLabel) || take({"scalar_label"}, kLabel);
     for (Column& column : columns_) {
       const bool unit = column.slot && (*column.slot == kOpacity ||
                                         (*column.slot >= kRed && *column.slot <= kBlue));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <string_view>
 
@@ -135,6 +137,28 @@ class FaceCheck {
 
 std::vector<std::string> checkPlyFaces(const std::filesystem::path& path) {
   return FaceCheck(path).remarks();
+}
+
+std::string readablePly(const std::filesystem::path& path) {
+  ply::Input input(path);
+  const ply::Header header = ply::readHeader(input);
+  if (!header.renamed) return "";
+  std::ifstream in(path, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(in), {});
+  std::vector<std::string> names;
+  for (const Element& element : header.elements) {
+    for (const Property& property : element.properties) names.push_back(property.name);
+  }
+  auto name = names.begin();
+  for (std::size_t at = 0, end = 0; at < input.offset(); at = end + 1) {
+    end = text.find('\n', at);
+    const std::string_view line = trimmed(std::string_view(text).substr(at, end - at));
+    if (!line.starts_with("property")) continue;
+    const auto last = static_cast<std::size_t>(line.data() + line.size() - text.data());
+    text.replace(last - name->size(), name->size(), *name);
+    ++name;
+  }
+  return text;
 }
 
 }  // namespace foci

@@ -1,4 +1,5 @@
-// Checks the faces of a PLY mesh before Assimp reads it. Private to the readers of meshes.
+// Checks a PLY mesh before Assimp reads it, and gives its properties the names that Assimp knows.
+// Private to the readers of meshes.
 #pragma once
 
 #include <filesystem>
@@ -12,5 +13,8 @@ namespace foci {
 /// @return remarks: what foci does not show
 /// @throws InputError with the line, or the number of the face
 std::vector<std::string> checkPlyFaces(const std::filesystem::path& path);
+
+/// The file with names of properties in lower case, as Assimp knows them. Empty if they are so.
+std::string readablePly(const std::filesystem::path& path);
 
 }  // namespace foci

@@ -68,6 +68,17 @@ TEST_F(MeshDamage, BinaryPlyFacesAreChecked) {
   EXPECT_TRUE(has(said("a.ply", binary(2).substr(0, binary(2).size() - 2)), "ends at byte"));
 }
 
+TEST_F(MeshDamage, PlyNamesMayHaveCapitals) {
+  std::string capital = ply("3 0 1 2\n3 0 2 3\n");
+  for (const char axis : {'x', 'y', 'z'}) {
+    capital.replace(capital.find(std::string("float ") + axis) + 6, 1, 1,
+                    static_cast<char>(axis - 32));
+  }
+  const MeshFile file = readMesh(folder_.write("a.ply", capital));
+  EXPECT_EQ(file.mesh.size(), 2u);
+  EXPECT_EQ(file.mesh.corners_m[1], glm::vec3(1, 0, 0));
+}
+
 TEST_F(MeshDamage, PlyStripsAreRefused) {
   std::string strips = ply("3 0 1 2\n3 0 2 3\n");
   strips.replace(strips.find("element face"), 12, "element tristrips");
