@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -77,6 +78,39 @@ TEST_F(MeshDamage, PlyNamesMayHaveCapitals) {
   const MeshFile file = readMesh(folder_.write("a.ply", capital));
   EXPECT_EQ(file.mesh.size(), 2u);
   EXPECT_EQ(file.mesh.corners_m[1], glm::vec3(1, 0, 0));
+}
+
+/// Two triangles with these properties and values of all vertices but the first, which has 0.
+std::string plyWith(const std::string& properties, const std::string& first,
+                    const std::string& others) {
+  std::string text = ply("3 0 1 2\n3 0 2 3\n");
+  text.insert(text.find("element face"), properties);
+  for (const char* vertex : {"0 0 0\n", "1 0 0\n", "1 1 0\n", "0 1 0\n"}) {
+    text.insert(text.find(vertex) + 5, std::string(vertex) == "0 0 0\n" ? first : others);
+  }
+  return text;
+}
+
+TEST_F(MeshDamage, AlphaOfPlyVerticesIsOpacity) {
+  const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                    alpha = "property uchar alpha\n";
+  const auto opacities = [&](const std::string& text) {
+    const MeshFile file = readMesh(folder_.write("a.ply", text));
+    return std::array{colorAt(file.mesh, {0, glm::vec2(0.0f)}, 0.0f).opacity,
+                      colorAt(file.mesh, {0, glm::vec2(1.0f, 0.0f)}, 0.0f).opacity};
+  };
+  EXPECT_EQ(opacities(plyWith(colors, " 9 9 9", " 9 9 9")), (std::array{1.0f, 1.0f}));
+  EXPECT_EQ(opacities(plyWith(colors + alpha, " 9 9 9 255", " 9 9 9 255")),
+            (std::array{1.0f, 1.0f}));
+  EXPECT_EQ(opacities(plyWith(colors + alpha, " 9 9 9 51", " 9 9 9 255")),
+            (std::array{0.2f, 1.0f}));
+  EXPECT_EQ(opacities(plyWith(colors + alpha, " 9 9 9 51", " 9 9 9 51")), (std::array{0.2f, 0.2f}));
+  EXPECT_EQ(opacities(plyWith(alpha, " 51", " 255")), (std::array{0.2f, 1.0f}));
+  const MeshFile alone = readMesh(folder_.write("c.ply", plyWith(alpha, " 51", " 255")));
+  EXPECT_GT(colorAt(alone.mesh, {0, glm::vec2(0.0f)}, 0.0f).color.x, 0.3f) << "grey, not black";
+  EXPECT_EQ(alone.facts.opacity.x, 0.2f);
+  EXPECT_TRUE(has(said("b.ply", plyWith(colors + alpha, " 9 9 9 0", " 9 9 9 0")),
+                  "alpha of all vertices is 0"));
 }
 
 TEST_F(MeshDamage, PlyStripsAreRefused) {
