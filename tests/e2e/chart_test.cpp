@@ -196,6 +196,19 @@ struct Refusal {
   std::vector<std::string> options;
 };
 
+TEST(Chart, StatesTheRemarksOnItsScanOnce) {
+  const TemporaryFolder folder;
+  std::string scan = stepPly();
+  scan.replace(scan.find("3600"), 4, "3601");
+  folder.write("step.ply", scan + "nan 0 0 0 0 0\n");
+  const Outcome outcome = runFoci(arguments({"--method", "pinhole"}), folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string remark = "step.ply: 1 point left out";
+  const std::size_t first = outcome.err.find(remark);
+  ASSERT_NE(first, std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find(remark, first + 1), std::string::npos) << outcome.err;
+}
+
 TEST(Chart, RefusesInOneLineAndLeavesNothing) {
   const TemporaryFolder folder;
   folder.write("none.ply", "ply\n");
