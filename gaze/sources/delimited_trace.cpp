@@ -179,6 +179,11 @@ class TableReader {
       row_->fail(*layout_.time,
                  "too large a time: is its unit right (gaze.time_scale_s; 1e-7 for .NET's ticks)?");
     }
+    if (!time && isAmbiguousDate(row_->field(*layout_.time))) {
+      row_->fail(*layout_.time,
+                 "a date whose first number may be the day or the month: write the year first, as "
+                 "2026-11-26 10:00:00.123");
+    }
     if (!time) {
       row_->fail(*layout_.time,
                  "expected a time in numbers, as 2026-11-26T10:00:00.123 or as 10:00:00.123; "
