@@ -302,11 +302,11 @@ std::string glbWith(const std::filesystem::path& path, std::string json) {
 
 }  // namespace
 
-std::string plainGltf(const std::filesystem::path& path) {
-  JsonValue json = JsonValue::parse(gltfJson(path), nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object()) return "";
+std::string plainGltf(GltfDocument gltf) {
+  if (gltf.altered) return "";
+  const std::filesystem::path& path = gltf.path;
   try {
-    PlainGltf plain(path, std::move(json));
+    PlainGltf plain(path, std::move(gltf.json));
     if (!plain.rewrite().value_or(false)) return "";
     const auto first = firstBytes(path, 4);
     const bool binary = first.size() == 4 && std::memcmp(first.data(), "glTF", 4) == 0;

@@ -1,8 +1,9 @@
 // glTF in the words that Assimp 5.2 reads. Private to the readers of meshes.
 #pragma once
 
-#include <filesystem>
 #include <string>
+
+#include "render/scene/io/gltf_document.h"
 
 namespace foci {
 
@@ -14,9 +15,9 @@ namespace foci {
 ///   the image of EXT_texture_webp as the image of a texture that has no other;
 ///   no skins, whose pose is not shown: Assimp crashes on those without inverse bind matrices.
 ///
-/// Empty if nothing has to change, and for a file that is no JSON or lacks a buffer: Assimp says
+/// Empty if nothing has to change, and for a file that is not UTF-8 or lacks a buffer: Assimp says
 /// so.
 /// @throws InputError if an accessor reaches beyond its buffer, or a node has too many instances
-std::string plainGltf(const std::filesystem::path& path);
+std::string plainGltf(GltfDocument gltf);
 
 }  // namespace foci

@@ -5,9 +5,11 @@
 #include <assimp/DefaultIOSystem.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "render/scene/io/gltf_document.h"
 #include "render/scene/io/obj_text.h"
 
 namespace foci {
@@ -16,8 +18,9 @@ namespace foci {
 class MeshFiles : public Assimp::DefaultIOSystem {
  public:
   /// Has the mesh, which Assimp opens next, read in the words that Assimp knows.
+  /// @param gltf  the JSON of the mesh, if it is a glTF
   /// @throws InputError if a part of it is not as it states
-  void mend(const std::filesystem::path& mesh);
+  void mend(const std::filesystem::path& mesh, std::optional<GltfDocument> gltf);
 
   bool Exists(const char* name) const override;
   /// @throws InputError for a pipe or a device: opening it could take for ever
@@ -39,13 +42,12 @@ class MeshFiles : public Assimp::DefaultIOSystem {
   std::vector<std::string> missing_;
 };
 
-/// The compression that a glTF file requires, e.g. "EXT_meshopt_compression"; "" if it requires
-/// none, or for another file. @throws InputError if the file cannot be read
-std::string compressionOf(const std::filesystem::path& path);
+/// The compression that a glTF requires, e.g. "EXT_meshopt_compression"; "" if it requires none.
+std::string compressionOf(const GltfDocument& gltf);
 
 /// @throws InputError for a glTF that requires an extension which changes what it shows, and which
 /// is not read
-void refuseUnknownExtensions(const std::filesystem::path& path);
+void refuseUnknownExtensions(const GltfDocument& gltf);
 
 /// Assimp reads no meshopt compression, and Draco's only where it was built with it.
 bool mayBeRead(const std::string& compression);

@@ -5,6 +5,8 @@
 #include <assimp/scene.h>
 
 #include <fstream>
+#include <optional>
+#include <utility>
 
 #include "base/file.h"
 #include "base/input_error.h"
@@ -49,15 +51,23 @@ std::string adviceFor(const std::string& why) {
 
 MeshImport::MeshImport(const std::filesystem::path& path) : path_(path) {
   importer_.SetIOHandler(files_);
-  stated_ = refuseHostileMesh(path);
-  compression_ = compressionOf(path);
-  if (!mayBeRead(compression_)) throw InputError(path.string(), compressionRefusal(compression_));
-  refuseUnknownExtensions(path);
-  remarks_ = lowerExtension(path) == ".ply" ? checkPlyFaces(path) : gltfUnshown(path);
-  if (!isGltf(path_) && isUtf16(path_)) {
-    throw InputError(path_.string(), "is text in UTF-16: save it in UTF-8");
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) {
+    throw InputError(path.string(), "cannot be read");
   }
-  files_->mend(path);
+  std::optional<GltfDocument> gltf;
+  if (isGltf(path)) {
+    gltf = readGltf(path);
+    stated_ = refuseHostileGltf(*gltf);
+    compression_ = compressionOf(*gltf);
+    if (!mayBeRead(compression_)) throw InputError(path.string(), compressionRefusal(compression_));
+    refuseUnknownExtensions(*gltf);
+    remarks_ = gltfUnshown(*gltf);
+  } else if (isUtf16(path)) {
+    throw InputError(path.string(), "is text in UTF-16: save it in UTF-8");
+  }
+  if (lowerExtension(path) == ".ply") remarks_ = checkPlyFaces(path);
+  files_->mend(path, std::move(gltf));
   importer_.SetPropertyBool(AI_CONFIG_PP_PTV_KEEP_HIERARCHY, true);  // nodes are objects
   importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                aiPrimitiveType_POINT | aiPrimitiveType_LINE);
