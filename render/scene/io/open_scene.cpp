@@ -72,6 +72,12 @@ PointCloud readPoints(const std::filesystem::path& path) {
   return readPly(path);
 }
 
+PointCloud pointsOf(const std::filesystem::path& path) {
+  PointCloud points = readPoints(path);
+  remarkDegrees(points);
+  return points;
+}
+
 void scale(std::vector<glm::vec3>& lengths_m, float scale) {
   for (glm::vec3& length_m : lengths_m) length_m *= scale;
 }
@@ -118,7 +124,7 @@ SceneFile readScene(const std::filesystem::path& path, std::uint64_t checked_B) 
     if (auto gaussians = readGaussians(path)) return {path, std::move(*gaussians)};
   }
   if (!isLasFile(path) && isMeshFile(path)) return {path, readMesh(path)};
-  return {path, readPoints(path)};
+  return {path, pointsOf(path)};
 }
 
 OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sampling) {

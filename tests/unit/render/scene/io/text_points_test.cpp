@@ -161,6 +161,24 @@ TEST_F(TextPoints, ATxtFileIsASceneIfItBeginsWithPoints) {
   EXPECT_TRUE(isScene(scratch.path() / "absent.obj"));
 }
 
+TEST_F(TextPoints, DegreesAreNotTakenForMetres) {
+  EXPECT_TRUE(has(refusal("Longitude,Latitude,Height\n13.4,52.5,35\n", "p.csv"),
+                  "p.csv:1: has longitude and latitude in degrees"));
+  EXPECT_TRUE(isScene(scratch.write("p.csv", "lat;lon;alt\n52.5;13.4;35\n"))) << "refused as one";
+  const auto remarks = [&](double site) {
+    std::string text;
+    for (int i = 0; i < 20; ++i) {
+      text += std::to_string(13.4 + site * (i % 5)) + " " + std::to_string(52.5 + site * (i / 5)) +
+              " " + std::to_string(30 + i) + "\n";
+    }
+    const SceneFile file = readScene(scratch.write("p.xyz", text));
+    return std::get<PointCloud>(file.content).remarks;
+  };
+  ASSERT_EQ(remarks(1e-4).size(), 1u);
+  EXPECT_TRUE(has(remarks(1e-4)[0], "may be longitude and latitude"));
+  EXPECT_TRUE(remarks(0.1).empty());
+}
+
 TEST_F(TextPoints, OpensAsASceneAtItsScale) {
   std::string text;
   for (int i = 0; i < 400; ++i) {
