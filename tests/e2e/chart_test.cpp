@@ -213,11 +213,15 @@ TEST(Chart, RefusesInOneLineAndLeavesNothing) {
   const TemporaryFolder folder;
   folder.write("none.ply", "ply\n");
   folder.write("few.ply", squarePly(8, 2.0));
+  folder.write("flat.ply", squarePly(60, 2.0));
   const std::vector<Refusal> refusals = {
       {"missing.ply", {"--scan", "missing.ply"}},
       {"none.ply", {"--scan", "none.ply"}},
       {"points in view",
        {"--scan", "few.ply", "--eye", "0,0,0", "--look-at", "0,0,-1", "--up", "0,1,0"}},
+      {"are in focus",
+       {"--stability", "--scan", "flat.ply", "--eye", "0,0,0", "--look-at", "0,0,-1", "--up",
+        "0,1,0"}},
       {"the nearest is plane", {"--scene", "plain"}},
       {"the nearest is sweep", {"--method", "sweeps"}},
       {"accumulate:1 to", {"--method", "accumulate:0"}},
