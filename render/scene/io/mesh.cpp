@@ -7,11 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <initializer_list>
 #include <limits>
 #include <set>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -25,6 +23,7 @@
 #include "render/scene/io/mesh_import.h"
 #include "render/scene/io/mesh_objects.h"
 #include "render/scene/io/ply_header.h"
+#include "render/scene/io/ply_mesh.h"
 #include "render/scene/io/texture_placement.h"
 #include "render/scene/point_cloud.h"
 
@@ -48,27 +47,6 @@ bool hasAlpha(const aiMesh& mesh) {
                                        [](const aiColor4D& c) { return c.a < 1.0f; });
 }
 
-/// What the vertices of a PLY have. Assimp makes them black if they have an alpha alone.
-struct PlyVertices {
-  bool color = true, alpha = false;
-};
-
-PlyVertices plyVerticesOf(const std::filesystem::path& path) {
-  if (lowerExtension(path) != ".ply") return {};
-  ply::Input input(path);
-  const ply::Header header = ply::readHeader(input);
-  const auto has = [&](std::initializer_list<std::string_view> names) {
-    return std::any_of(header.elements.begin(), header.elements.end(), [&](const auto& element) {
-      return element.name == "vertex" &&
-             std::any_of(
-                 element.properties.begin(), element.properties.end(), [&](const auto& property) {
-                   return std::find(names.begin(), names.end(), property.name) != names.end();
-                 });
-    });
-  };
-  return {.color = has({"red", "r", "diffuse_red"}), .alpha = has({"alpha"})};
-}
-
 /// Removes faces without corners. Assimp marks their mesh as one with polygons, and its
 /// triangulation then asserts that there are polygons.
 void dropEmptyFaces(aiMesh& mesh) {
@@ -88,7 +66,7 @@ class Loader {
   explicit Loader(const std::filesystem::path& path)
       : path_(path),
         gltf_(isGltf(path)),
-        ply_(plyVerticesOf(path)),
+        ply_(lowerExtension(path) == ".ply" ? plyVertices(path) : PlyVertices{}),
         import_(path),
         scene_(read(import_)),
         materials_(path, scene_) {}

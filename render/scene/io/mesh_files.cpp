@@ -14,7 +14,7 @@
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/gltf_plain.h"
 #include "render/scene/io/obj_text.h"
-#include "render/scene/io/ply_faces.h"
+#include "render/scene/io/ply_mesh.h"
 #include "render/scene/io/stl_bytes.h"
 
 namespace foci {

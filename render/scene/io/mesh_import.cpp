@@ -13,7 +13,7 @@
 #include "base/text.h"
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/gltf_unshown.h"
-#include "render/scene/io/ply_faces.h"
+#include "render/scene/io/ply_mesh.h"
 
 namespace foci {
 namespace {

@@ -17,7 +17,7 @@ namespace foci {
 ///   red green blue | r g b | diffuse_...   sRGB: integers of the type's full range, floats 0 to 1
 ///   intensity | scalar_intensity           grey, where there is no colour
 ///   radius                                 metres
-///   opacity | alpha                        integers of the full range, floats 0 to 1
+///   opacity | alpha | a beside r g b       integers of the full range, floats 0 to 1
 ///   label | class | object_id | scalar_label   integers: the point's object
 ///
 /// The length is checked before memory is allocated.

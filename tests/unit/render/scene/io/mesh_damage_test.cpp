@@ -106,6 +106,11 @@ TEST_F(MeshDamage, AlphaOfPlyVerticesIsOpacity) {
             (std::array{0.2f, 1.0f}));
   EXPECT_EQ(opacities(plyWith(colors + alpha, " 9 9 9 51", " 9 9 9 51")), (std::array{0.2f, 0.2f}));
   EXPECT_EQ(opacities(plyWith(alpha, " 51", " 255")), (std::array{0.2f, 1.0f}));
+  EXPECT_EQ(opacities(plyWith("property float opacity\n", " 0.2", " 1")), (std::array{0.2f, 1.0f}));
+  EXPECT_EQ(opacities(plyWith("property uchar r\nproperty uchar g\nproperty uchar b\n"
+                              "property uchar a\n",
+                              " 9 9 9 51", " 9 9 9 255")),
+            (std::array{0.2f, 1.0f}));
   const MeshFile alone = readMesh(folder_.write("c.ply", plyWith(alpha, " 51", " 255")));
   EXPECT_GT(colorAt(alone.mesh, {0, glm::vec2(0.0f)}, 0.0f).color.x, 0.3f) << "grey, not black";
   EXPECT_EQ(alone.facts.opacity.x, 0.2f);

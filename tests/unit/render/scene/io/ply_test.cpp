@@ -112,7 +112,7 @@ TEST_F(PlyTest, ReadsShuffledAscii) {
   expectShuffled(read(
       "ply\r\nformat ascii 1.0\r\nelement camera 1\r\nproperty list uchar short tag\r\n"
       "element vertex 3\r\nproperty ushort g\r\nproperty double z\r\n"
-      "property list uint uchar skipped\r\nproperty short x\r\nproperty uchar opacity\r\n"
+      "property list uint uchar skipped\r\nproperty short x\r\nproperty uchar a\r\n"
       "property float nz\r\nproperty ushort r\r\nproperty float ny\r\nproperty float nx\r\n"
       "property float y\r\nproperty float radius\r\nproperty ushort b\r\nend_header\r\n"
       "2 1 1\r\n65535 3 0 -1 51 0 0 2 0 2.25 0.125 0\r\n"

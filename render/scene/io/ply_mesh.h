@@ -1,4 +1,5 @@
-// Checks a PLY mesh before Assimp reads it, and gives its properties the names that Assimp knows.
+// A PLY mesh before Assimp reads it: its faces are checked, and its properties have the names that
+// Assimp knows.
 // Private to the readers of meshes.
 #pragma once
 
@@ -14,7 +15,15 @@ namespace foci {
 /// @throws InputError with the line, or the number of the face
 std::vector<std::string> checkPlyFaces(const std::filesystem::path& path);
 
-/// The file with names of properties in lower case, as Assimp knows them. Empty if they are so.
+/// What the vertices have. Assimp makes them black if they have an alpha alone.
+struct PlyVertices {
+  bool color = true, alpha = false;
+};
+
+PlyVertices plyVertices(const std::filesystem::path& path);
+
+/// The file with the names of properties that Assimp knows: in lower case, and alpha for opacity,
+/// or for a beside r. Empty if they are so.
 std::string readablePly(const std::filesystem::path& path);
 
 }  // namespace foci
