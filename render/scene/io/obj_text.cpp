@@ -43,6 +43,52 @@ std::string withLeadingZeros(const std::string& text) {
   return mended;
 }
 
+std::string_view nextWord(std::string_view& rest) {
+  rest = trimmed(rest);
+  const std::string_view word = rest.substr(0, rest.find_first_of(" \t"));
+  rest.remove_prefix(word.size());
+  return word;
+}
+
+/// The corners of a face, as "1/2/3" each; none for another line.
+std::vector<std::string_view> cornersOf(std::string_view line) {
+  std::vector<std::string_view> corners;
+  line = line.substr(0, line.find('#'));
+  if (nextWord(line) != "f") return corners;
+  while (!trimmed(line).empty()) corners.push_back(nextWord(line));
+  return corners;
+}
+
+std::size_t wordsIn(std::string_view line) {
+  std::size_t words = 0;
+  while (!nextWord(line).empty()) ++words;
+  return words;
+}
+
+/// Faces in the words of Assimp: without a comment at their end, and with two corners as a line.
+struct PlainFaces {
+  std::string text;       ///< empty: nothing had to change
+  std::size_t lines = 0;  ///< faces with two corners
+};
+
+PlainFaces withPlainFaces(const std::string& text) {
+  PlainFaces plain;
+  for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1) {
+    end = std::min(text.find('\n', at), text.size());
+    if (text[at] != 'f' || at + 1 == end || !isBlank(text[at + 1])) continue;
+    const std::string_view line = std::string_view(text).substr(at, end - at);
+    if (line.find('\\') != std::string_view::npos) continue;  // goes on in the next line
+    const std::size_t comment = std::min(line.find('#'), line.size());
+    const bool two = wordsIn(line.substr(0, comment)) == 3;  // with the f
+    if (!two && comment == line.size()) continue;
+    if (plain.text.empty()) plain.text = text;
+    plain.text.replace(at + comment, line.size() - comment, line.size() - comment, ' ');
+    if (two) plain.text[at] = 'l';
+    plain.lines += two;
+  }
+  return plain;
+}
+
 /// A vertex, and the part of the text that states its place.
 struct ObjVertex {
   glm::dvec3 place;
@@ -100,22 +146,6 @@ std::string movedText(std::string_view text, const glm::dvec3& origin) {
   return moved;
 }
 
-std::string_view nextWord(std::string_view& rest) {
-  rest = trimmed(rest);
-  const std::string_view word = rest.substr(0, rest.find_first_of(" \t"));
-  rest.remove_prefix(word.size());
-  return word;
-}
-
-/// The corners of a face, as "1/2/3" each; none for another line.
-std::vector<std::string_view> cornersOf(std::string_view line) {
-  std::vector<std::string_view> corners;
-  line = line.substr(0, line.find('#'));
-  if (nextWord(line) != "f") return corners;
-  while (!trimmed(line).empty()) corners.push_back(nextWord(line));
-  return corners;
-}
-
 /// Whether a face ends within a corner: each corner has the slashes of the first.
 bool endsWithinCorner(const std::vector<std::string_view>& corners) {
   const auto slashes = [](std::string_view corner) {
@@ -167,6 +197,13 @@ ObjText readableObj(const std::filesystem::path& obj) {
   ObjText readable{.text = withLeadingZeros(original), .remarks = {}};
   if (std::string remark = endOf(original, obj); !remark.empty()) {
     readable.remarks.push_back(std::move(remark));
+  }
+  PlainFaces plain = withPlainFaces(readable.text.empty() ? original : readable.text);
+  if (!plain.text.empty()) readable.text = std::move(plain.text);
+  if (plain.lines > 0) {
+    readable.remarks.push_back(thousands(static_cast<double>(plain.lines)) +
+                               (plain.lines == 1 ? " face has" : " faces have") +
+                               " two corners, and so no area: left out");
   }
   const std::string& text = readable.text.empty() ? original : readable.text;
   std::vector<glm::vec3> places;

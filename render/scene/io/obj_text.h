@@ -13,8 +13,9 @@ struct ObjText {
 };
 
 /// With 0.5 in place of .5 in its vertices, since Assimp takes a word that begins with a point for
-/// none. If floats would lose the detail of the vertices, the origin is moved near the first one
-/// (scan_values.h), as Assimp keeps floats.
+/// none. Faces have no comment at their end, and those with two corners are lines. If floats would
+/// lose the detail of the vertices, the origin is moved near the first one (scan_values.h), as
+/// Assimp keeps floats.
 /// @throws InputError if the last line is a face that is cut off: Assimp would leave it out
 ObjText readableObj(const std::filesystem::path& obj);
 
