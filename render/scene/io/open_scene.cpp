@@ -69,6 +69,12 @@ PointCloud readPoints(const std::filesystem::path& path) {
   if (isLasFile(path)) return readLas(path);
   if (isTextPointsFile(path)) return readTextPoints(path);
   refuseUnread(path);
+  if (const std::string extension = lowerExtension(path);
+      extension == ".csv" || extension == ".txt") {
+    throw InputError(path.string(),
+                     "is no scene: points as text begin with numbers, or with a line of names that "
+                     "has x, y and z");
+  }
   return readPly(path);
 }
 
