@@ -77,7 +77,8 @@ std::optional<double> dateIn(Front& text, DateForm form) {
   return kDay_s * static_cast<double>(std::chrono::sys_days(date).time_since_epoch().count());
 }
 
-/// "10:00:00.123"; some programs write a decimal comma, or one digit of an hour.
+/// "10:00:00.123"; some programs write a decimal comma, a colon before three digits of
+/// milliseconds, or one digit of an hour.
 std::optional<double> timeOfDayIn(Front& text) {
   const auto hour = text.number(1, 2);
   if (!hour || *hour > 23 || !text.take(":")) return std::nullopt;
@@ -85,7 +86,13 @@ std::optional<double> timeOfDayIn(Front& text) {
   if (!minute || *minute > 59 || !text.take(":")) return std::nullopt;
   const auto second = text.number(2, 2);
   if (!second || *second > 59) return std::nullopt;
-  const auto fraction = text.take(".,") ? text.fraction() : std::optional(0.0);
+  std::optional<double> fraction = 0.0;
+  if (text.take(":")) {
+    const auto ms = text.number(3, 3);
+    fraction = ms ? std::optional(1e-3 * *ms) : std::nullopt;
+  } else if (text.take(".,")) {
+    fraction = text.fraction();
+  }
   if (!fraction) return std::nullopt;
   return 3600.0 * *hour + 60.0 * *minute + *second + *fraction;
 }

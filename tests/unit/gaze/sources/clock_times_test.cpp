@@ -29,6 +29,11 @@ TEST(ClockTimes, DatesCountFrom1970) {
   }
 }
 
+TEST(ClockTimes, AColonMayStandBeforeMilliseconds) {
+  EXPECT_NEAR(secondsOf("01:00:00:125"), 3600.125, kMicrosecond_s);
+  EXPECT_FALSE(ClockTimes().seconds("01:00:00:12")) << "frames of a film";
+}
+
 TEST(ClockTimes, DotsPutTheDayFirst) {
   for (const char* same : {"26.11.2026 10:00:00", "26.11.2026 10:00:00,000",
                            "26.11.2026T12:00:00+02:00", "2026/11/26 10:00:00"}) {
