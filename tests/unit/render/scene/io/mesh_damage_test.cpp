@@ -154,8 +154,7 @@ TEST_F(MeshDamage, AnObjThatEndsWithinAFaceIsRefused) {
 TEST_F(MeshDamage, ObjFacesMayHaveCommentsOrTwoCorners) {
   const std::string start = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
   EXPECT_EQ(said("a.obj", start + "f 1 2 3 # a\nf 1 \\\n3 4\n"), "");
-  EXPECT_EQ(readMesh(folder_.write("a.obj", start + "f 1 2 3 # a\nf 1 \\\n3 4")).mesh.size(),
-            2u);
+  EXPECT_EQ(readMesh(folder_.write("a.obj", start + "f 1 2 3 # a\nf 1 \\\n3 4")).mesh.size(), 2u);
   const std::string two = start + "f 1 2 3\nf 2 4\nf 1 3 4\n";
   EXPECT_TRUE(has(said("b.obj", two), "1 face has two corners"));
   EXPECT_EQ(readMesh(folder_.write("b.obj", two)).mesh.size(), 2u);
