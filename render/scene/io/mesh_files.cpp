@@ -65,7 +65,7 @@ Assimp::IOStream* MeshFiles::Open(const char* name, const char* mode) {
 void MeshFiles::mend(const std::filesystem::path& mesh, std::optional<GltfDocument> gltf) {
   if (gltf) mended_.text = plainGltf(std::move(*gltf));
   if (lowerExtension(mesh) == ".obj") mended_ = readableObj(mesh);
-  if (lowerExtension(mesh) == ".stl") mended_.text = readableStl(mesh);
+  if (lowerExtension(mesh) == ".stl") mended_ = readableStl(mesh);
   if (lowerExtension(mesh) == ".ply") mended_.text = readablePly(mesh);
 }
 

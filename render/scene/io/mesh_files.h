@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "render/scene/io/gltf_document.h"
-#include "render/scene/io/obj_text.h"
+#include "render/scene/io/mended_file.h"
 
 namespace foci {
 
@@ -38,7 +38,7 @@ class MeshFiles : public Assimp::DefaultIOSystem {
   std::string fileOf(const char* name) const;
 
   std::filesystem::path mesh_;  // opened first
-  ObjText mended_;              // its content, if Assimp would misread it; outlives streams
+  MendedFile mended_;           // its content, if Assimp would misread it; outlives streams
   std::vector<std::string> missing_;
 };
 

@@ -32,6 +32,9 @@ std::string inWords(const std::string& why) {
   if (says("mIndices") && says("out of range")) return "a face names a vertex that is not there";
   if (says("mNumMeshes is 0")) return "it has no faces";
   if (says("Cannot parse string")) return "it has another text where a number was expected";
+  if (says("Invalid number of vertices") || says("Normal buffer size does not match")) {
+    return "a triangle is incomplete, so the file may be cut off";
+  }
   if (says("Validation failed")) return "its parts contradict each other";
   return why;
 }

@@ -191,10 +191,10 @@ std::string endOf(std::string_view text, const std::filesystem::path& obj) {
 
 }  // namespace
 
-ObjText readableObj(const std::filesystem::path& obj) {
+MendedFile readableObj(const std::filesystem::path& obj) {
   std::ifstream in(obj, std::ios::binary);
   const std::string original(std::istreambuf_iterator<char>(in), {});
-  ObjText readable{.text = withLeadingZeros(original), .remarks = {}};
+  MendedFile readable{.text = withLeadingZeros(original), .remarks = {}};
   if (std::string remark = endOf(original, obj); !remark.empty()) {
     readable.remarks.push_back(std::move(remark));
   }

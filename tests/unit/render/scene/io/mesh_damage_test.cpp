@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdint>
 #include <string>
 
@@ -223,6 +224,23 @@ TEST_F(MeshDamage, AStlThatIsCutOffStatesBothSizes) {
   EXPECT_EQ(said("a.stl", stl("binary", 0)), "");
   EXPECT_TRUE(has(said("b.stl", stl("binary", 0, 20)),
                   "is cut off: states 20 triangles in 1,084 bytes, and has 234"));
+}
+
+TEST_F(MeshDamage, BytesBehindTheTrianglesOfAnStlAreLeftOut) {
+  EXPECT_TRUE(has(said("a.stl", stl("binary", 0) + "1234"), "the last 4 bytes are behind"));
+  EXPECT_EQ(readMesh(folder_.write("a.stl", stl("binary", 0) + "1234")).mesh.size(), 3u);
+}
+
+TEST_F(MeshDamage, AnStlAsTextMayBeInCapitals) {
+  const std::string text =
+      "solid Foo\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+      "endloop\nendfacet\nendsolid Foo\n";
+  std::string capitals = text;
+  for (char& c : capitals) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  EXPECT_EQ(said("a.stl", text), "");
+  EXPECT_EQ(said("b.stl", capitals), "");
+  EXPECT_TRUE(has(said("c.stl", text.substr(0, text.find("endsolid"))), "no line endsolid"));
+  EXPECT_TRUE(has(said("d.stl", text.substr(0, text.find("vertex 0 1"))), "may be cut off"));
 }
 
 TEST_F(MeshDamage, AStlOfMagicsHasTheColourOfItsHeaderWhereMarked) {
