@@ -307,8 +307,9 @@ std::string plainGltf(GltfDocument gltf) {
   const std::filesystem::path& path = gltf.path;
   try {
     PlainGltf plain(path, std::move(gltf.json));
-    if (!plain.rewrite().value_or(false)) return "";
     const auto first = firstBytes(path, 4);
+    const bool marked = first.size() == 4 && std::memcmp(first.data(), "\xef\xbb\xbf", 3) == 0;
+    if (!plain.rewrite().value_or(false) && !marked) return "";
     const bool binary = first.size() == 4 && std::memcmp(first.data(), "glTF", 4) == 0;
     return binary ? glbWith(path, plain.text()) : plain.text();
   } catch (const JsonValue::exception&) {  // parts of another type than glTF states: Assimp says so

@@ -13,6 +13,7 @@ namespace foci {
 ///   glTF, KHR_mesh_quantization), which Assimp takes for the bytes of floats;
 ///   a node for each instance of EXT_mesh_gpu_instancing;
 ///   the image of EXT_texture_webp as the image of a texture that has no other;
+///   no byte order mark;
 ///   no skins, whose pose is not shown: Assimp crashes on those without inverse bind matrices.
 ///
 /// Empty if nothing has to change, and for a file that is not UTF-8 or lacks a buffer: Assimp says

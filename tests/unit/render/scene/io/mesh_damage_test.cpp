@@ -191,6 +191,20 @@ TEST_F(MeshDamage, GltfTrianglesThatAssimpLeavesOutAreCounted) {
   EXPECT_TRUE(has(said("b.gltf", gltf(77)), "1 triangle names a vertex that is not there"));
 }
 
+TEST_F(MeshDamage, GltfHasAByteOrderMarkOrAWrongNameOrIsCutOff) {
+  EXPECT_EQ(said("a.gltf", "\xef\xbb\xbf" + gltf(3)), "");
+  const std::string json = gltf(3) + std::string((4 - gltf(3).size() % 4) % 4, ' ');
+  const auto word = [](std::size_t number) {
+    const auto bits = static_cast<std::uint32_t>(number);
+    return std::string(reinterpret_cast<const char*>(&bits), sizeof(bits));
+  };
+  const std::string binary =
+      "glTF" + word(2) + word(20 + json.size()) + word(json.size()) + "JSON" + json;
+  EXPECT_TRUE(has(said("c.gltf", binary), "give it a name that ends in .glb"));
+  EXPECT_TRUE(has(said("d.glb", json), "give it a name that ends in .gltf"));
+  EXPECT_TRUE(has(said("e.glb", binary.substr(0, binary.size() - 9)), "is cut off: states"));
+}
+
 TEST_F(MeshDamage, ErrorsOfAssimpAreInOurWords) {
   EXPECT_TRUE(has(said("a.gltf", R"({"asset":{"version":"1.0"}})"), "has no scene with nodes"));
   EXPECT_TRUE(has(said("a.foci", "junk"), "is no prepared scene"));
