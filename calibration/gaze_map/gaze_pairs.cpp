@@ -73,6 +73,7 @@ std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits 
   while (lines.next(line)) {
     if (trimmed(line).empty() || line.front() == '#') continue;
     splitRow(line, delimiter, fields);
+    while (fields.size() > width && fields.back().empty()) fields.pop_back();
     if (fields.size() != width) {
       throw lines.error(std::to_string(fields.size()) + " fields: expected " +
                         std::to_string(width));

@@ -45,7 +45,7 @@ class TableReader {
   TraceHeader read() {
     std::string_view line;
     while (lines_.next(line)) {
-      if (!trimmed(line).empty()) readLine(line);
+      if (!trimmed(line).empty() && line.front() != '#') readLine(line);
     }
     settleClock();
     TraceHeader header{.format = layout_.format,

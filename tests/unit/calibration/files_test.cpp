@@ -150,9 +150,11 @@ TEST_F(CalibrationFiles, PairsInAnyOrderOfColumnsAndAnySeparator) {
 
 TEST_F(CalibrationFiles, PairsAreReadAsRecordingsAre) {
   const std::string rows = "x;y;x_target;y_target\r\n1;2;3;4\r\n";
-  for (const std::string before : {"", "\xef\xbb\xbf", "sep=;\r\n", "\xef\xbb\xbfsep=;\r\n"}) {
+  for (const std::string before :
+       {"", "\xef\xbb\xbf", "sep=;\r\n", "\xef\xbb\xbfsep=;\r\n", "# of a\r\n\r\n"}) {
     for (const std::string absent : {"", "-", ".", "NaN", "-nan(ind)", "null"}) {
-      const auto pairs = readGazePairs(write(before + rows + absent + ";2;3;4\r\n"), MapUnits::deg);
+      const auto pairs =
+          readGazePairs(write(before + rows + absent + ";2;3;4;\r\n"), MapUnits::deg);
       ASSERT_EQ(pairs.size(), 2u);
       EXPECT_EQ(*pairs[0].gaze, glm::dvec2(1, 2));
       EXPECT_FALSE(pairs[1].gaze) << absent;
