@@ -37,11 +37,18 @@ void overridePupil(Study& study, const std::string& pupil) {
   if (pupil_mm) overrideKey(study, "observer.pupil_mm", *pupil_mm, "--pupil " + pupil);
 }
 
-/// Reads a file that is no scene. If its name does not say that it is a study, the message covers
-/// both.
+/// Reads a file that is no scene. A recording in the study's place would read as broken TOML, so
+/// its name decides. If the name does not say that the file is a study, the message covers both.
 Study readStudyFile(const std::filesystem::path& file) {
+  const std::string extension = lowerExtension(file);
+  for (const char* of_recordings : {".csv", ".tsv", ".asc", ".xdf", ".gz", ".txt"}) {
+    if (extension != of_recordings) continue;
+    throw InputError(file.string(),
+                     "is not a study: expected a study (TOML) or a scene; foci replay takes a "
+                     "recording with --trace FILE, foci live with --source trace:FILE");
+  }
   std::error_code ignored;
-  if (lowerExtension(file) == ".toml" || !std::filesystem::is_regular_file(file, ignored)) {
+  if (extension == ".toml" || !std::filesystem::is_regular_file(file, ignored)) {
     return readStudy(file);
   }
   try {
@@ -137,20 +144,8 @@ std::optional<UpAxis> upOf(const std::string& up) {
   return axis;
 }
 
-/// A recording in the study's place reads as broken TOML: its name says what it is.
-void refuseRecording(const std::string& study) {
-  const std::string ending = std::filesystem::path(study).extension().string();
-  for (const char* of_recordings : {".csv", ".tsv", ".asc", ".xdf", ".gz", ".txt"}) {
-    if (ending != of_recordings) continue;
-    throw InputError(study,
-                     "is not a study: expected a study (TOML) or a scene; foci replay takes a "
-                     "recording with --trace FILE, foci live with --source trace:FILE");
-  }
-}
-
 StudyAsked studyOf(const StudyOptions& options) {
   const bool is_scene = isScene(options.study);
-  if (!is_scene) refuseRecording(options.study);
   const std::optional<Look> look = lookOf(options.look);
   const std::optional<UpAxis> up = upOf(options.up);
   if (!is_scene && !(options.look.empty() && options.up.empty())) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "app/platform/sha256.h"
+#include "app/study/inputs.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/lod/surface_query.h"
@@ -152,6 +153,7 @@ SceneInView surfacesInView(const ScanView& scan, int size_px) {
 
 SceneInView scanInView(const ScanView& scan, int size_px) {
   OpenedScene opened = openScene(scan.file, 1.0, scan.pose.position_m);
+  tellRemarks(scan.file, opened);
   std::string name = scan.file.stem().string();
   if (std::find(std::begin(kBuiltIn), std::end(kBuiltIn), name) != std::end(kBuiltIn)) {
     name = "scanned " + name;

@@ -123,6 +123,17 @@ EyePose builtinPose(const Study& study) {
   return study.scene.builtin == "plane" ? planeEyePose() : galleryEyePose();
 }
 
+void tellRemarks(const std::filesystem::path& file, const OpenedScene& scene) {
+  if (scene.dropped > 0) {
+    std::fprintf(
+        stderr, "foci: %s: %s left out: not finite, or farther than 1e9 units from the origin\n",
+        file.c_str(), counted(scene.dropped, scene.cloud.gaussians ? "Gaussian" : "point").c_str());
+  }
+  for (const std::string& remark : scene.remarks) {
+    std::fprintf(stderr, "foci: %s: %s\n", file.c_str(), remark.c_str());
+  }
+}
+
 namespace {
 
 /// Files whose remarks are printed: a file may be many parts of a scene.
@@ -133,14 +144,7 @@ SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, Tol
   const std::filesystem::path path = file.path;
   OpenedScene scene = openScene(std::move(file), scale_m, eye_m);
   if (!told.insert(path).second) return std::move(scene.cloud);
-  if (scene.dropped > 0) {
-    std::fprintf(
-        stderr, "foci: %s: %s left out: not finite, or farther than 1e9 units from the origin\n",
-        path.c_str(), counted(scene.dropped, scene.cloud.gaussians ? "Gaussian" : "point").c_str());
-  }
-  for (const std::string& remark : scene.remarks) {
-    std::fprintf(stderr, "foci: %s: %s\n", path.c_str(), remark.c_str());
-  }
+  tellRemarks(path, scene);
   return std::move(scene.cloud);
 }
 

@@ -16,6 +16,10 @@ namespace foci {
 /// The pose from which a built-in scene is seen if the study names none.
 EyePose builtinPose(const Study& study);
 
+/// Writes to standard error what a user should know of a scene's file: what was left out, and its
+/// remarks.
+void tellRemarks(const std::filesystem::path& file, const OpenedScene& scene);
+
 /// Writes to standard error what a user should know of the file, and of the place of the eye in it
 /// (view_remarks.h).
 /// @param scene  the study's scene file, if it has been read

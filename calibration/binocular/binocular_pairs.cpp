@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "base/input_error.h"
+#include "gaze/sources/comma_numbers.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/table_preamble.h"
 
@@ -38,6 +39,7 @@ class PairsReader {
       throw InputError(lines_.fileName(), "empty: expected a header row");
     }
     delimiter_ = delimiterOf(line, preamble);
+    commas_ = CommaNumbers(delimiter_);
     readHeader(line);
     std::vector<BinocularSample> samples;
     while (lines_.next(line)) {
@@ -46,6 +48,7 @@ class PairsReader {
       splitRow(line, delimiter_, fields_);
       samples.push_back(sample());
     }
+    commas_.example();  // refuses separators of thousands
     if (samples.empty()) throw InputError(lines_.fileName(), "no rows below the header");
     return samples;
   }
@@ -88,10 +91,10 @@ class PairsReader {
   }
 
   /// @return absent where the field is
-  std::optional<double> number(std::size_t column, std::string_view name, double max) const {
+  std::optional<double> number(std::size_t column, std::string_view name, double max) {
     if (column >= fields_.size()) throw lines_.error("a row without " + std::string(name));
     if (isAbsent(fields_[column])) return std::nullopt;
-    const auto value = parseNumber(fields_[column]);
+    const auto value = commas_.parse(fields_[column]);
     if (!value || std::abs(*value) > max) {
       throw lines_.error(std::string(name) + " = " + shown(fields_[column]) +
                          ": expected a number up to " + std::to_string(static_cast<long>(max)));
@@ -99,11 +102,12 @@ class PairsReader {
     return value;
   }
 
-  BinocularSample sample() const {
+  BinocularSample sample() {
     BinocularSample result;
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const auto value = number(columns_.target[axis], kTarget[axis], kMaxDistance_mm);
       if (!value) throw lines_.error("a row without a target");
+      commas_.note(lines_, columns_.target[axis], fields_[columns_.target[axis]], axis, *value);
       result.target_m[static_cast<int>(axis)] = 1e-3 * *value;
     }
     for (std::size_t eye = 0; eye < 2; ++eye) {
@@ -127,6 +131,7 @@ class PairsReader {
 
   LineReader lines_;
   char delimiter_ = ' ';
+  CommaNumbers commas_{delimiter_};
   Columns columns_{};
   std::vector<std::string_view> fields_{};
 };

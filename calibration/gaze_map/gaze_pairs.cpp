@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "base/input_error.h"
-#include "base/number.h"
 #include "base/text.h"
+#include "gaze/sources/comma_numbers.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/table_preamble.h"
 
@@ -68,10 +68,12 @@ std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits 
   const std::size_t width = fields.size();
 
   std::vector<GazePair> pairs;
+  CommaNumbers commas(delimiter);
   const auto [low, high] = targetRange(units);
   while (lines.next(line)) {
     if (trimmed(line).empty() || line.front() == '#') continue;
     splitRow(line, delimiter, fields);
+    while (fields.size() > width && fields.back().empty()) fields.pop_back();
     if (fields.size() != width) {
       throw lines.error(std::to_string(fields.size()) + " fields: expected " +
                         std::to_string(width));
@@ -83,13 +85,14 @@ std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits 
                              double high_value) -> std::optional<double> {
       if (!column[c] || isAbsent(fields[*column[c]])) return std::nullopt;
       const std::string_view field = fields[*column[c]];
-      const std::optional<double> value = parseNumber(field);
+      const std::optional<double> value = commas.parse(field);
       if (!value || *value < low_value || *value > high_value) {
         char range[80];
         std::snprintf(range, sizeof range, ": expected a number from %g to %g", low_value,
                       high_value);
         throw lines.error(std::string(kColumns[c]) + " = " + shown(field) + range);
       }
+      if (c < 2) commas.note(lines, *column[c], field, c, *value);
       return value;
     };
     const auto x = valueOf(0, -kMaxGaze, kMaxGaze);
@@ -103,6 +106,7 @@ std::vector<GazePair> readGazePairs(const std::filesystem::path& file, MapUnits 
     pair.weight = valueOf(5, 0.0, 1e9).value_or(1.0);
     pairs.push_back(pair);
   }
+  commas.example();  // refuses separators of thousands
   if (pairs.empty()) throw InputError(lines.fileName(), "no rows below the header");
   return pairs;
 }

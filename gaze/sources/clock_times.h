@@ -1,4 +1,4 @@
-// Times that a table writes as dates and times of day (ISO 8601), as seconds.
+// Times that a table writes as dates and times of day, as seconds.
 #pragma once
 
 #include <optional>
@@ -6,9 +6,10 @@
 
 namespace foci {
 
-/// Reads one column. Each field is "2026-11-26T10:00:00.123Z" (also with an offset such as +02:00,
-/// without one, or with a blank instead of T), or "10:00:00.123". All fields are of the same kind
-/// as the first.
+/// Reads one column. Each field is a date and a time of day, or a time of day: "10:00:00.123". The
+/// date is "2026-11-26T" (with a blank instead of T, too), "2026/11/26 ", or "26.11.2026 ", where
+/// dots put the day first. An offset such as Z or +02:00 may follow. All fields are of the same
+/// kind as the first.
 class ClockTimes {
  public:
   /// Of a date: seconds since 1970 in UTC, or in the recording's own zone if it states none. Of a
@@ -17,12 +18,17 @@ class ClockTimes {
   /// @return nothing for any other text
   std::optional<double> seconds(std::string_view text);
 
-  bool hasDates() const { return has_dates_.value_or(false); }
+  enum class DateForm { none, iso, slashes, dots_day_first };
+
+  bool hasDates() const { return form_.value_or(DateForm::none) != DateForm::none; }
   bool passesMidnight() const { return midnights_s_ > 0.0; }
 
  private:
-  std::optional<bool> has_dates_{};  // unknown before the first field
+  std::optional<DateForm> form_{};  // unknown before the first field
   double last_s_ = 0.0, midnights_s_ = 0.0;
 };
+
+/// Whether a text starts with a date such as "03/04/2026", whose first number may be month or day.
+bool isAmbiguousDate(std::string_view text);
 
 }  // namespace foci

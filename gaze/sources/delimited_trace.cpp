@@ -45,7 +45,7 @@ class TableReader {
   TraceHeader read() {
     std::string_view line;
     while (lines_.next(line)) {
-      if (!trimmed(line).empty()) readLine(line);
+      if (!trimmed(line).empty() && line.front() != '#') readLine(line);
     }
     settleClock();
     TraceHeader header{.format = layout_.format,
@@ -178,6 +178,11 @@ class TableReader {
     if (time && std::abs(*time) * std::max(layout_.time_scale_s, 1e-9) > kMaxTime_s) {
       row_->fail(*layout_.time,
                  "too large a time: is its unit right (gaze.time_scale_s; 1e-7 for .NET's ticks)?");
+    }
+    if (!time && isAmbiguousDate(row_->field(*layout_.time))) {
+      row_->fail(*layout_.time,
+                 "a date whose first number may be the day or the month: write the year first, as "
+                 "2026-11-26 10:00:00.123");
     }
     if (!time) {
       row_->fail(*layout_.time,

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,11 +45,18 @@ class AscReader {
     std::string_view line;
     while (lines_.next(line)) {
       if (line.empty()) continue;
+      if (cut_) throw *cut_;
       if (line[0] >= '0' && line[0] <= '9') {
         if (block_.open) readSample(line);
       } else if (line[0] >= 'A' && line[0] <= 'Z') {
         readEvent(line);
       }
+    }
+    if (cut_) {
+      header_.warnings.emplace_back("the last line is cut off and left out: is the file complete?");
+    } else if (block_.open) {
+      header_.warnings.emplace_back(
+          "the last recording block has no END, so the file may be cut off: is it complete?");
     }
     endBlock();
     header_.format = "EyeLink ASC, ";
@@ -78,7 +86,10 @@ class AscReader {
   void readEvent(std::string_view line) {
     splitWords(line, words_);
     const std::string_view kind = words_[0];
-    if (kind == "MSG") {
+    // The last line may be cut off. A complete file ends with END.
+    if (!lines_.isEnded() && block_.open && any_ && kind != "END") {
+      cut_ = lines_.error("a line without an end");
+    } else if (kind == "MSG") {
       readMessage();
     } else if (kind == "START") {
       endBlock();
@@ -138,8 +149,10 @@ class AscReader {
     const int eyes = (block_.recorded[0] ? 1 : 0) + (block_.recorded[1] ? 1 : 0);
     if (eyes == 0) throw lines_.error("a sample of no eye: expected LEFT or RIGHT after START");
     if (words_.size() < 1 + 3 * static_cast<std::size_t>(eyes)) {
-      throw lines_.error(std::to_string(words_.size()) + " values in a sample: expected " +
-                         std::to_string(1 + 3 * eyes) + " at least");
+      cut_ = lines_.error(std::to_string(words_.size()) + " values in a sample: expected " +
+                          std::to_string(1 + 3 * eyes) + " at least");
+      if (!any_) throw *cut_;
+      return;  // the last line may be cut off; a line behind it throws
     }
     const double stamp_ms = number(0);
     double time_ms = stamp_ms;
@@ -215,6 +228,7 @@ class AscReader {
   Cyclopean cyclopean_{};
   std::deque<GazeSample> held_{};
   bool any_ = false;
+  std::optional<InputError> cut_{};  // of the latest line
   glm::dvec2 origin_px_{0.0};
   bool gaze_coords_ = false, binocular_ = false, remote_ = false;
   double last_stamp_ms_ = -1.0, time_ms_ = -1.0;

@@ -1,5 +1,5 @@
-// The names come from exports and documentation of Tobii Pro Lab, Tobii Studio, Tobii Pro SDK,
-// Gazepoint, Pupil Core, Neon, SMI BeGaze, iMotions, GazeBase, GazeBaseVR, JuDo1000 and BIDS.
+// The names come from exports and documentation of the makers in vendor_tables.cpp, and of
+// iMotions, GazeBaseVR, JuDo1000 and BIDS.
 #include "gaze/sources/table_layout.h"
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 #include "gaze/sources/column_names.h"
 #include "gaze/sources/column_readings.h"
 #include "gaze/sources/space_formats.h"
+#include "gaze/sources/vendor_tables.h"
 
 namespace foci {
 namespace {
@@ -32,7 +33,6 @@ constexpr std::string_view kXs[] = {
 constexpr std::string_view kYs[] = {
     "gazey", "ygaze", "gazepointy", "ycoordinate", "pory", "bpory", "pointofregardbinoculary", "y"};
 // Gazepoint: the best point of both eyes, else the one filtered to fixations.
-constexpr std::string_view kBestValid[] = {"bpogv"}, kFixationValid[] = {"fpogv"};
 constexpr std::string_view kGazepointXs[] = {"bpogx", "fpogx"}, kGazepointYs[] = {"bpogy", "fpogy"};
 // A position only if the name also says "norm" (Pupil Core); else they may be places in space.
 constexpr std::string_view kNormXs[] = {"posx", "gazeposx"}, kNormYs[] = {"posy", "gazeposy"};
@@ -72,7 +72,7 @@ class Recogniser {
       findPoint();
     }
     findRest();
-    if (!layout_.space) recogniseFormat();
+    if (!layout_.space) takeVendorFormat(names_, given_, before_, layout_);
     for (std::size_t i = 0; i < names_.size(); ++i) {
       for (const EyeColumns& eye : layout_.eyes) layout_.has_eyes |= isOf(eye, i);
       if (!isUsed(i)) continue;
@@ -125,8 +125,8 @@ class Recogniser {
   /// so.
   std::optional<std::size_t> findPupil(std::initializer_list<std::string_view> keys) const {
     const auto found = find(keys);
-    const bool tobii =
-        isTobiiStudio() || find({"recordingtimestamp", "devicetimestamp"}).has_value();
+    const bool tobii = isTobiiStudio(names_, before_) ||
+                       find({"recordingtimestamp", "devicetimestamp"}).has_value();
     const bool gazepoint = found && (names_.key(*found) == "lpmm" || names_.key(*found) == "rpmm");
     return found && (tobii || gazepoint || names_.unit(*found) == "mm") ? found : std::nullopt;
   }
@@ -348,109 +348,6 @@ class Recogniser {
       if (!unused || !(has("valid") || has("confidence"))) continue;
       layout_.unused_validity = names_.text(i);
       return;
-    }
-  }
-
-  void recogniseFormat() {
-    const auto set = [&](const char* format) { layout_.format = format; };
-    if (given_.x.empty() && (find(kGazepointXs) || find({"lpogx", "rpogx"}))) {
-      recogniseGazepoint();
-    } else if (layout_.eyes[0].point || layout_.eyes[1].point ||
-               find({"leftgazepointondisplayareax", "rightgazepointondisplayareax"})) {
-      set("Tobii Pro SDK");
-      layout_.units = GazeUnits::normalised;
-      layout_.validity_code = ValidityCode::one;
-      if (layout_.time_scale_s == 0.0) layout_.time_scale_s = 1e-6;
-    } else if (isTobiiStudio()) {
-      set("Tobii Studio");
-      recogniseTobiiStudio();
-    } else if (find({"recordingtimestamp"}) && find({"gazepointx", "gazepointleftx"})) {
-      set("Tobii Pro Lab");
-      layout_.width_px = find({"recordingresolutionwidth"});
-      layout_.height_px = find({"recordingresolutionheight"});
-      if (!layout_.units) layout_.units = GazeUnits::px;
-      // Rows of the mouse and of events lie between those of the eye tracker.
-      layout_.rows = find({"sensor"})
-                         ? SampleRows{.column = find({"sensor"}), .only = "Eye Tracker"}
-                         : SampleRows{.column = find({"eyetrackertimestamp"})};
-    } else if (find({"gazetimestamp"}) && findX() && find({"basedata"})) {
-      set("Pupil Core export");
-      layout_.units = GazeUnits::normalised;
-      layout_.y_up = layout_.of_scene_camera = true;
-      layout_.time_scale_s = 1.0;
-    } else if (find({"onsurf", "onsrf"}) && layout_.x && names_.key(*layout_.x) == "x" &&
-               names_.unit(*layout_.x) == "norm") {
-      set("Pupil Core surface");
-      layout_.units = GazeUnits::normalised;
-      layout_.y_up = true;
-      layout_.time_scale_s = 1.0;
-    } else if (find({"sectionid"}) && find({"gazex"}) && find({"recordingid"})) {
-      set("Neon export");
-      layout_.of_scene_camera = true;
-      layout_.validity = find({"worn"});
-      layout_.validity_code = ValidityCode::not_zero;
-    } else if (before_.smi ||
-               (find({"recordingtime"}) && find({"pointofregardleftx", "pointofregardrightx"}))) {
-      set("SMI BeGaze");
-      layout_.units = GazeUnits::px;
-      layout_.zero_is_absent = true;
-      if (layout_.time_scale_s == 0.0) layout_.time_scale_s = 1e-6;
-      recogniseSmiRows();
-    } else if (find({"n"}) && find({"val"}) && find({"dp"})) {
-      set("GazeBase");
-      layout_.units = GazeUnits::deg;
-      layout_.time_scale_s = 1e-3;
-      layout_.validity = find({"val"});
-      layout_.validity_code = ValidityCode::zero;
-    } else if (layout_.x && names_.unit(*layout_.x) == "norm" &&
-               names_.key(*layout_.x).ends_with("posx")) {
-      layout_.y_up = true;  // Pupil Labs' norm_pos counts from the bottom
-    }
-  }
-
-  /// Tobii Studio writes names without blanks, Pro Lab with blanks.
-  bool isTobiiStudio() const {
-    const auto time = find({"recordingtimestamp"});
-    const bool version3 = time && names_.text(*time).find(' ') == std::string_view::npos &&
-                          find({"gazepointx", "gazepointleftx"});
-    return before_.tobii_studio || version3 ||
-           (find({"gazepointxleft"}) && find({"camxleft", "distanceleft", "validityleft"}));
-  }
-
-  /// Gazepoint Analysis: seconds, fractions of the screen, 1 for valid; a blink's number or 0.
-  void recogniseGazepoint() {
-    layout_.format = "Gazepoint";
-    layout_.units = GazeUnits::normalised;
-    layout_.validity_code = ValidityCode::one;
-    if (layout_.x) {
-      layout_.validity =
-          find(names_.key(*layout_.x) == "bpogx" ? Keys(kBestValid) : Keys(kFixationValid));
-    }
-    if (given_.time_scale_s) return;
-    if (layout_.time && names_.key(*layout_.time) == "time") layout_.time_scale_s = 1.0;
-  }
-
-  /// Version 1 and 2: times in ms, (0, 0) and (-width, -height) in data loss. Version 3: times in
-  /// ms, empty fields in data loss.
-  void recogniseTobiiStudio() {
-    layout_.units = GazeUnits::px;
-    layout_.zero_is_absent = layout_.size_off_is_absent = true;
-    if (layout_.time_scale_s == 0.0) layout_.time_scale_s = 1e-3;
-    layout_.resolution = find({"recordingresolution"});
-    // Rows of the mouse, keys and events have no number of a gaze sample.
-    for (const std::string_view key :
-         {"gazepointindex", "number", "eyetrackertimestamp", "validityleft", "validityright",
-          "gazepointxleft", "gazepointxright"}) {
-      if (!layout_.rows.column) layout_.rows.column = find({key});
-    }
-  }
-
-  /// Messages and the separators of trials lie between the samples.
-  void recogniseSmiRows() {
-    if (const auto type = find({"type"})) {
-      layout_.rows = {.column = type, .only = "SMP"};
-    } else {
-      layout_.rows = {.column = find({"categoryright", "categoryleft"}), .except = "Separator"};
     }
   }
 

@@ -101,7 +101,11 @@ bool readSeparatorLine(std::string_view line, TablePreamble& preamble) {
 }
 
 bool nextHeaderLine(LineReader& lines, std::string_view& line, TablePreamble& preamble) {
-  return lines.next(line) && (!readSeparatorLine(line, preamble) || lines.next(line));
+  while (lines.next(line)) {
+    if (readSeparatorLine(line, preamble)) continue;
+    if (!trimmed(line).empty() && line.front() != '#') return true;
+  }
+  return false;
 }
 
 char delimiterOf(std::string_view header, const TablePreamble& before) {

@@ -30,7 +30,8 @@ void readPreambleLine(const LineReader& lines, std::string_view line, TablePream
 /// Reads a line `sep=;`, as Excel understands it. @return false at any other line
 bool readSeparatorLine(std::string_view line, TablePreamble& preamble);
 
-/// The first line, or the one behind a line `sep=;`. @return false if there is none
+/// The first line that is not blank, no comment (#) and no line `sep=;`. @return false if there is
+/// none
 bool nextHeaderLine(LineReader& lines, std::string_view& line, TablePreamble& preamble);
 
 /// The character between the fields of a table: of the line `sep=;`, else the first of tab,

@@ -25,13 +25,6 @@ bool isWord(std::string_view text, std::string_view lower) {
   });
 }
 
-/// "1,271": a separator of thousands, or a decimal comma.
-bool mayBeThousands(std::string_view text) {
-  if (text.starts_with('-')) text.remove_prefix(1);
-  const std::size_t comma = text.find(',');
-  return comma >= 1 && comma <= 3 && text.size() == comma + 4 && text[0] != '0';
-}
-
 bool hasOpenQuote(std::string_view line) {
   return line.find('"') != line.npos && std::count(line.begin(), line.end(), '"') % 2 != 0;
 }
@@ -55,44 +48,12 @@ void TableRow::split(std::string_view line) {
   open_here_ = hasOpenQuote(line) ? lines_.number() : 0;
 }
 
-/// Some vendors write a decimal comma, as is usual in the user's country.
 std::optional<double> TableRow::parse(std::string_view text) const {
-  if (const auto number = swiftNumber(text)) return number;
-  if (layout_.delimiter == ',' || text.find(',') == std::string_view::npos) {
-    return parseNumber(text);
-  }
-  std::string pointed(text.substr(0, 64));
-  std::replace(pointed.begin(), pointed.end(), ',', '.');
-  const auto number = parseNumber(pointed);
-  if (number && commas_.example.empty()) commas_.example = text;
-  if (number) commas_.decimal |= !mayBeThousands(text);
-  return number;
-}
-
-const std::string& TableRow::decimalComma() const {
-  for (const std::size_t axis : {0, 1}) {
-    if (commas_.thousands[axis] && commas_.plain[axis] && !commas_.decimal) {
-      throw *commas_.thousands[axis];
-    }
-  }
-  return commas_.example;
+  const auto number = swiftNumber(text);
+  return number ? number : commas_.parse(text);
 }
 
 std::optional<double> TableRow::number(std::size_t column) const { return parse(field(column)); }
-
-void TableRow::noteComma(std::size_t column, std::string_view text, std::size_t axis,
-                         double number) const {
-  constexpr double kPlain = 100.0;  // above codes for data loss; 0 and -1 stand beside "410,492"
-  if (commas_.plain[axis] && (commas_.example.empty() || commas_.thousands[axis])) return;
-  if (text.find(',') == std::string_view::npos) {
-    commas_.plain[axis] |= number >= kPlain;
-  } else if (!commas_.thousands[axis] && mayBeThousands(text)) {
-    commas_.thousands[axis] = lines_.error(
-        "column " + std::to_string(column + 1) + " = " + shown(text) +
-        ": a decimal comma, or a separator of thousands? Other numbers of the column have no "
-        "comma: write them without separators of thousands");
-  }
-}
 
 std::optional<double> TableRow::coordinate(std::size_t column, std::string_view text,
                                            int axis) const {
@@ -103,7 +64,7 @@ std::optional<double> TableRow::coordinate(std::size_t column, std::string_view 
   const auto number = parse(text);
   if (!number && isAbsent(text)) return std::nullopt;
   if (!number) fail(column, "expected a number");
-  noteComma(column, text, static_cast<std::size_t>(axis), *number);
+  commas_.note(lines_, column, text, static_cast<std::size_t>(axis), *number);
   const TableNumbers& numbers = layout_.numbers;
   if (number == numbers.missing) return std::nullopt;
   const double value = numbers.scale[axis] * *number + numbers.offset[axis];

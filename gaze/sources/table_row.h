@@ -9,26 +9,18 @@
 
 #include "base/input_error.h"
 #include "gaze/geometry/gaze_sample.h"
+#include "gaze/sources/comma_numbers.h"
 #include "gaze/sources/line_reader.h"
 #include "gaze/sources/table_layout.h"
 
 namespace foci {
-
-/// The commas in the numbers of a table: decimal ones, or separators of thousands.
-struct CommaNumbers {
-  std::string example{};  ///< the first number with a comma
-  bool decimal = false;   ///< a comma that cannot separate thousands
-  /// Along x and y: the first number such as "1,271", and whether others reach 100 without a comma.
-  std::array<std::optional<InputError>, 2> thousands{};
-  std::array<bool, 2> plain{};
-};
 
 class TableRow {
  public:
   /// All arguments outlive the row. @param screen  may still change while rows are read
   TableRow(const LineReader& lines, const TableLayout& layout, const Screen& screen,
            GazeUnits units)
-      : lines_(lines), layout_(layout), screen_(screen), units_(units) {}
+      : lines_(lines), layout_(layout), screen_(screen), units_(units), commas_(layout.delimiter) {}
 
   /// Takes a line from a LineReader. Fields of the previous line become invalid.
   void split(std::string_view line);
@@ -62,7 +54,7 @@ class TableRow {
 
   /// Of all rows so far.
   /// @throws InputError if the commas may separate thousands
-  const std::string& decimalComma() const;
+  const std::string& decimalComma() const { return commas_.example(); }
 
   /// By the layout's validity code.
   bool isValid(std::size_t column) const;
@@ -84,8 +76,6 @@ class TableRow {
   inline std::optional<double> coordinate(std::size_t column, std::string_view text,
                                           int axis) const;
   inline std::optional<glm::dvec2> pointOf(double x, double y) const;
-  inline void noteComma(std::size_t column, std::string_view text, std::size_t axis,
-                        double number) const;
   bool readFlag(std::size_t column) const;
   inline std::optional<double> parse(std::string_view text) const;
   std::string openQuote() const;
@@ -97,7 +87,7 @@ class TableRow {
   std::vector<std::string_view> fields_{};
   // The numbers of the line before and of this one, if a quote is left open there; else 0.
   std::size_t open_before_ = 0, open_here_ = 0;
-  mutable CommaNumbers commas_{};  // gathered while numbers are parsed
+  mutable CommaNumbers commas_;  // gathered while numbers are parsed
 };
 
 }  // namespace foci

@@ -114,7 +114,8 @@ using TakeSample = std::function<void(const GazeSample&)>;
 /// be gzipped. A first line `# key=value ...` may contain screen_width_px screen_height_px
 /// screen_width_m screen_height_m viewing_distance_m sampling_Hz units. Absent values are an empty
 /// field, ".", "-", NaN, NA, N/A, null and none. Times are numbers, or dates and times of day
-/// (`ClockTimes`). A first line `sep=;` states the separator.
+/// (`ClockTimes`). A first line `sep=;` states the separator. Lines between the rows that begin
+/// with # are comments.
 ///
 /// `GazeSample::point_px` is the recording's own point for both eyes, else the `Cyclopean` point.
 /// Degrees without a known screen are put on a nominal screen.

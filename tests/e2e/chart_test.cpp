@@ -196,15 +196,32 @@ struct Refusal {
   std::vector<std::string> options;
 };
 
+TEST(Chart, StatesTheRemarksOnItsScanOnce) {
+  const TemporaryFolder folder;
+  std::string scan = stepPly();
+  scan.replace(scan.find("3600"), 4, "3601");
+  folder.write("step.ply", scan + "nan 0 0 0 0 0\n");
+  const Outcome outcome = runFoci(arguments({"--method", "pinhole"}), folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string remark = "step.ply: 1 point left out";
+  const std::size_t first = outcome.err.find(remark);
+  ASSERT_NE(first, std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find(remark, first + 1), std::string::npos) << outcome.err;
+}
+
 TEST(Chart, RefusesInOneLineAndLeavesNothing) {
   const TemporaryFolder folder;
   folder.write("none.ply", "ply\n");
   folder.write("few.ply", squarePly(8, 2.0));
+  folder.write("flat.ply", squarePly(60, 2.0));
   const std::vector<Refusal> refusals = {
       {"missing.ply", {"--scan", "missing.ply"}},
       {"none.ply", {"--scan", "none.ply"}},
       {"points in view",
        {"--scan", "few.ply", "--eye", "0,0,0", "--look-at", "0,0,-1", "--up", "0,1,0"}},
+      {"are in focus",
+       {"--stability", "--scan", "flat.ply", "--eye", "0,0,0", "--look-at", "0,0,-1", "--up",
+        "0,1,0"}},
       {"the nearest is plane", {"--scene", "plain"}},
       {"the nearest is sweep", {"--method", "sweeps"}},
       {"accumulate:1 to", {"--method", "accumulate:0"}},

@@ -130,10 +130,8 @@ SurfelCloud thinned(const SurfelCloud& cloud, float share) {
   return stability::estimated(std::move(points));
 }
 
-StabilitySetup thinnedSetup(const ScanView& scan, float share) {
-  constexpr int kImage_px = 256;
+StabilitySetup thinnedSetup(const std::shared_ptr<const SceneInView>& seen, float share) {
   constexpr double kBlur_px = 8.0;
-  const auto seen = std::make_shared<const SceneInView>(surfacesInView(scan, kImage_px));
   const double aperture_m = kBlur_px / seen->largestBlurThrough_px(1.0);
   StabilitySetup setup{.view = seen->view,
                        .cloud = share < 1.0f ? thinned(seen->cloud, share) : seen->cloud,
@@ -149,6 +147,9 @@ StabilitySetup thinnedSetup(const ScanView& scan, float share) {
 }  // namespace
 
 StabilityScene thinnedScan(const ScanView& scan) {
+  constexpr int kImage_px = 256;
+  // Read now, so that a bad scan is reported at once.
+  const auto seen = std::make_shared<const SceneInView>(surfacesInView(scan, kImage_px));
   return {.name = "thinned",
           .what = "a scan with a part of its points, blur radius up to 8 px",
           .dial = "share of the points",
@@ -156,7 +157,7 @@ StabilityScene thinnedScan(const ScanView& scan) {
           .high_is_good = true,
           .good = 30.0,
           .values = {1.0f, 0.5f, 0.25f, 0.1f},
-          .setup = [scan](float share) { return thinnedSetup(scan, share); },
+          .setup = [seen](float share) { return thinnedSetup(seen, share); },
           .input = scanKey(scan)};
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/input_error.h"
+#include "base/text.h"
 
 namespace foci {
 
@@ -29,6 +30,16 @@ std::string gltfJson(const std::filesystem::path& path) {
     throw InputError(path.string(),
                      "is binary glTF of version 1: expected version 2, which Blender or "
                      "gltf-pipeline makes of it");
+  }
+  if (binary && header[2] > file_bytes) {
+    throw InputError(path.string(), "is cut off: states " + thousands(header[2]) +
+                                        " bytes, and has " +
+                                        thousands(static_cast<double>(file_bytes)));
+  }
+  if (binary != (lowerExtension(path) == ".glb")) {
+    throw InputError(path.string(), binary ? "is binary glTF: give it a name that ends in .glb"
+                                           : "is no binary glTF: if it is glTF as text, give it a "
+                                             "name that ends in .gltf");
   }
   // Version, length of the file, length of the JSON, kind of the chunk.
   const std::uintmax_t json_bytes =

@@ -11,7 +11,8 @@ namespace foci {
 bool isGltf(const std::filesystem::path& path);
 
 /// The JSON of a glTF file, without the bytes of its buffers.
-/// @throws InputError if the file cannot be read, or is binary glTF of version 1
+/// @throws InputError if the file cannot be read, is cut off, is binary glTF of version 1, or is
+/// binary under a name of text or the reverse
 std::string gltfJson(const std::filesystem::path& path);
 
 /// A URI as the name of a file: "%20" becomes a blank (RFC 3986).

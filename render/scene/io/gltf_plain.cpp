@@ -302,13 +302,14 @@ std::string glbWith(const std::filesystem::path& path, std::string json) {
 
 }  // namespace
 
-std::string plainGltf(const std::filesystem::path& path) {
-  JsonValue json = JsonValue::parse(gltfJson(path), nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object()) return "";
+std::string plainGltf(GltfDocument gltf) {
+  if (gltf.altered) return "";
+  const std::filesystem::path& path = gltf.path;
   try {
-    PlainGltf plain(path, std::move(json));
-    if (!plain.rewrite().value_or(false)) return "";
+    PlainGltf plain(path, std::move(gltf.json));
     const auto first = firstBytes(path, 4);
+    const bool marked = first.size() == 4 && std::memcmp(first.data(), "\xef\xbb\xbf", 3) == 0;
+    if (!plain.rewrite().value_or(false) && !marked) return "";
     const bool binary = first.size() == 4 && std::memcmp(first.data(), "glTF", 4) == 0;
     return binary ? glbWith(path, plain.text()) : plain.text();
   } catch (const JsonValue::exception&) {  // parts of another type than glTF states: Assimp says so

@@ -1,8 +1,9 @@
 // Rewrites a glTF so that Assimp 5.2 reads it correctly. Private to the readers of meshes.
 #pragma once
 
-#include <filesystem>
 #include <string>
+
+#include "render/scene/io/gltf_document.h"
 
 namespace foci {
 
@@ -12,11 +13,12 @@ namespace foci {
 ///   glTF, KHR_mesh_quantization), which Assimp takes for the bytes of floats;
 ///   a node for each instance of EXT_mesh_gpu_instancing;
 ///   the image of EXT_texture_webp as the image of a texture that has no other;
+///   no byte order mark;
 ///   no skins, whose pose is not shown: Assimp crashes on those without inverse bind matrices.
 ///
-/// Empty if nothing has to change, and for a file that is no JSON or lacks a buffer: Assimp says
+/// Empty if nothing has to change, and for a file that is not UTF-8 or lacks a buffer: Assimp says
 /// so.
 /// @throws InputError if an accessor reaches beyond its buffer, or a node has too many instances
-std::string plainGltf(const std::filesystem::path& path);
+std::string plainGltf(GltfDocument gltf);
 
 }  // namespace foci

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "render/scene/io/gltf_json.h"
-
 namespace foci {
 namespace {
 
@@ -28,11 +26,9 @@ bool morphs(const nlohmann::json& entry) {
 
 }  // namespace
 
-std::vector<std::string> gltfUnshown(const std::filesystem::path& path) {
+std::vector<std::string> gltfUnshown(const GltfDocument& gltf) {
   std::vector<std::string> remarks;
-  if (!isGltf(path)) return remarks;
-  const auto json = nlohmann::json::parse(gltfJson(path), nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object()) return remarks;
+  const nlohmann::json& json = gltf.json;
   if (anyIn(json, "nodes", [](const auto& node) { return node.contains("skin"); })) {
     remarks.emplace_back(
         "meshes with a skeleton are shown as they were modelled, without its pose: apply the pose "

@@ -1,14 +1,14 @@
 // What a glTF states and foci does not show. Private to the readers of meshes.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "render/scene/io/gltf_document.h"
+
 namespace foci {
 
-/// A sentence for each kind: poses of skeletons, shapes of morph targets, textures in KTX2. None
-/// for a file that is no glTF.
-std::vector<std::string> gltfUnshown(const std::filesystem::path& path);
+/// A sentence for each kind: poses of skeletons, shapes of morph targets, textures in KTX2.
+std::vector<std::string> gltfUnshown(const GltfDocument& gltf);
 
 }  // namespace foci

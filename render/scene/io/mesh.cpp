@@ -23,6 +23,7 @@
 #include "render/scene/io/mesh_import.h"
 #include "render/scene/io/mesh_objects.h"
 #include "render/scene/io/ply_header.h"
+#include "render/scene/io/ply_mesh.h"
 #include "render/scene/io/texture_placement.h"
 #include "render/scene/point_cloud.h"
 
@@ -31,13 +32,19 @@ namespace {
 
 glm::vec3 vec3Of(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
+/// Whether the alpha of all corners is 0.
+bool isClear(const aiMesh& mesh) {
+  const aiColor4D* const first = mesh.mColors[0];
+  return std::all_of(first, first + mesh.mNumVertices,
+                     [](const aiColor4D& c) { return !(c.a > 0.0f); });
+}
+
 /// Whether colours of corners have an alpha that matters. Assimp gives the alpha 0 to all corners
 /// of a mesh whose colours have none.
 bool hasAlpha(const aiMesh& mesh) {
   const aiColor4D* const first = mesh.mColors[0];
-  const aiColor4D* const end = first + mesh.mNumVertices;
-  return std::any_of(first, end, [](const aiColor4D& c) { return c.a > 0.0f; }) &&
-         std::any_of(first, end, [](const aiColor4D& c) { return c.a < 1.0f; });
+  return !isClear(mesh) && std::any_of(first, first + mesh.mNumVertices,
+                                       [](const aiColor4D& c) { return c.a < 1.0f; });
 }
 
 /// Removes faces without corners. Assimp marks their mesh as one with polygons, and its
@@ -59,6 +66,7 @@ class Loader {
   explicit Loader(const std::filesystem::path& path)
       : path_(path),
         gltf_(isGltf(path)),
+        ply_(lowerExtension(path) == ".ply" ? plyVertices(path) : PlyVertices{}),
         import_(path),
         scene_(read(import_)),
         materials_(path, scene_) {}
@@ -81,6 +89,7 @@ class Loader {
       mesh.materials.push_back(materials_.read(i));
     }
     mesh.remarks = materials_.remarks();
+    useAlpha(mesh);
     for (std::string& remark : import_.remarks()) mesh.remarks.push_back(std::move(remark));
     remarkUndefined(mesh);
     if (unusable_ > 0) {
@@ -105,6 +114,16 @@ class Loader {
     });
   }
 
+  /// PLY: alpha is the opacity, as that of points.
+  void useAlpha(TriangleMesh& mesh) const {
+    if (!ply_.alpha) return;
+    for (MeshMaterial& material : mesh.materials) material.alpha = AlphaUse::blend;
+    const bool clear =
+        std::all_of(scene_.mMeshes, scene_.mMeshes + scene_.mNumMeshes,
+                    [](const aiMesh* part) { return part->HasVertexColors(0) && isClear(*part); });
+    if (clear) mesh.remarks.emplace_back("the alpha of all vertices is 0: shown opaque");
+  }
+
   /// OBJ: materials in use that no file of materials defines. A file that is missing is remarked
   /// already.
   void remarkUndefined(TriangleMesh& mesh) const {
@@ -125,8 +144,9 @@ class Loader {
 
   void append(TriangleMesh& all, const aiMesh& mesh) {
     const TexturePlacement placement = materials_.placementOf(mesh.mMaterialIndex);
-    const bool has_uv = mesh.HasTextureCoords(placement.set), has_color = mesh.HasVertexColors(0);
-    const bool has_alpha = gltf_ && has_color && hasAlpha(mesh);
+    const bool has_uv = mesh.HasTextureCoords(placement.set), has_rgba = mesh.HasVertexColors(0);
+    const bool has_color = has_rgba && ply_.color;
+    const bool has_alpha = (gltf_ || ply_.alpha) && has_rgba && hasAlpha(mesh);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
       if (face.mNumIndices != 3) continue;
@@ -157,13 +177,14 @@ class Loader {
         }
         const bool placed = std::abs(uv.x) < 1e6f && std::abs(uv.y) < 1e6f;
         all.uv.push_back(placed ? uv : glm::vec2(0.0f));
-        if (!has_color) continue;
+        if (!has_rgba) continue;
         const aiColor4D& c = mesh.mColors[0][i];
-        refuseBytes({c.r, c.g, c.b});
         if (has_alpha) {
           all.alpha.resize(all.corners_m.size() - 1, 1.0f);
           all.alpha.push_back(c.a >= 0.0f ? std::min(c.a, 1.0f) : 0.0f);
         }
+        if (!has_color) continue;
+        refuseBytes({c.r, c.g, c.b});
         all.color.resize(all.corners_m.size() - 1, glm::vec3(-1.0f));
         all.color.push_back(linearColor(c, !gltf_));
       }
@@ -183,6 +204,7 @@ class Loader {
 
   std::filesystem::path path_;
   bool gltf_;
+  PlyVertices ply_;
   MeshImport import_;
   const aiScene& scene_;  // of the import
   MaterialReader materials_;

@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
+#include "render/scene/io/gltf_document.h"
 #include "render/scene/io/gltf_json.h"
 
 namespace foci {
@@ -60,15 +61,9 @@ class Companions {
   }
 
   void readGltf(const fs::path& gltf) {
-    using Json = nlohmann::json;
-    const auto wanted = [](int depth, Json::parse_event_t event, const Json& value) {
-      return depth != 1 || event != Json::parse_event_t::key || value == "buffers" ||
-             value == "images";
-    };
-    const Json json = Json::parse(gltfJson(gltf), wanted, /*allow_exceptions=*/false);
-    if (!json.is_object()) return;
-    for (const auto& [list, entries] : json.items()) {
-      for (const Json& entry : entries) {
+    const nlohmann::json json = foci::readGltf(gltf).json;
+    for (const char* list : {"buffers", "images"}) {
+      for (const auto& entry : json.value(list, nlohmann::json::array())) {
         if (!entry.is_object() || !entry.contains("uri") || !entry.at("uri").is_string()) continue;
         const std::string uri = entry.at("uri").get<std::string>();
         if (uri.starts_with("data:")) continue;

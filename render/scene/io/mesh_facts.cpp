@@ -106,6 +106,15 @@ void takeColors(const TriangleMesh& mesh, SceneFacts& facts) {
   }
 }
 
+/// The least opacity that the corners' alpha makes.
+void takeAlpha(const TriangleMesh& mesh, SceneFacts& facts) {
+  for (std::size_t i = 0; i < mesh.alpha.size(); ++i) {
+    const std::uint32_t m = mesh.material[i / 3];
+    if (m >= mesh.materials.size() || mesh.materials[m].alpha != AlphaUse::blend) continue;
+    facts.opacity.x = std::min(facts.opacity.x, mesh.alpha[i] * mesh.materials[m].opacity);
+  }
+}
+
 }  // namespace
 
 void refuseRepeats(const aiScene& scene) { Repeats().add(scene, *scene.mRootNode); }
@@ -119,6 +128,7 @@ void finishTriangles(TriangleMesh& mesh, SceneFacts& facts) {
   }
   orientOutwards(mesh);
   facts.triangles = mesh.size();
+  takeAlpha(mesh, facts);
   takeColors(mesh, facts);
   if (losesDetail(mesh.corners_m)) {
     mesh.remarks.emplace_back(

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 
 #include "base/file.h"
 #include "base/input_error.h"
@@ -13,6 +14,7 @@
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/gltf_plain.h"
 #include "render/scene/io/obj_text.h"
+#include "render/scene/io/ply_mesh.h"
 #include "render/scene/io/stl_bytes.h"
 
 namespace foci {
@@ -60,10 +62,11 @@ Assimp::IOStream* MeshFiles::Open(const char* name, const char* mode) {
   return stream;
 }
 
-void MeshFiles::mend(const std::filesystem::path& mesh) {
+void MeshFiles::mend(const std::filesystem::path& mesh, std::optional<GltfDocument> gltf) {
+  if (gltf) mended_.text = plainGltf(std::move(*gltf));
   if (lowerExtension(mesh) == ".obj") mended_ = readableObj(mesh);
-  if (lowerExtension(mesh) == ".stl") mended_.text = readableStl(mesh);
-  if (isGltf(mesh)) mended_.text = plainGltf(mesh);
+  if (lowerExtension(mesh) == ".stl") mended_ = readableStl(mesh);
+  if (lowerExtension(mesh) == ".ply") mended_.text = readablePly(mesh);
 }
 
 std::vector<std::string> MeshFiles::missing() const {
@@ -73,29 +76,8 @@ std::vector<std::string> MeshFiles::missing() const {
   return names;
 }
 
-namespace {
-
-/// The names in the list "extensionsRequired" of a glTF.
-std::vector<std::string> requiredExtensions(const std::filesystem::path& path) {
-  std::vector<std::string> names;
-  if (!isGltf(path)) return names;
-  const std::string text = gltfJson(path);
-  std::size_t at = text.find("\"extensionsRequired\"");
-  if (at == std::string::npos) return names;
-  at = text.find('[', at);
-  const std::size_t end = text.find(']', at);
-  while (end != std::string::npos && (at = text.find('"', at)) < end) {
-    const std::size_t close = std::min(text.find('"', at + 1), end);
-    names.push_back(text.substr(at + 1, close - at - 1));
-    at = close + 1;
-  }
-  return names;
-}
-
-}  // namespace
-
-std::string compressionOf(const std::filesystem::path& path) {
-  for (const std::string& name : requiredExtensions(path)) {
+std::string compressionOf(const GltfDocument& gltf) {
+  for (const std::string& name : requiredExtensions(gltf)) {
     if (std::find(kCompressions.begin(), kCompressions.end(), name) != kCompressions.end()) {
       return name;
     }
@@ -103,21 +85,22 @@ std::string compressionOf(const std::filesystem::path& path) {
   return "";
 }
 
-void refuseUnknownExtensions(const std::filesystem::path& path) {
+void refuseUnknownExtensions(const GltfDocument& gltf) {
   // Extensions that Assimp or gltf_plain.h reads, or that add to a picture which is right without
   // them.
   constexpr std::array<std::string_view, 6> kRead = {
       "KHR_texture_transform", "KHR_mesh_quantization", "KHR_lights_punctual",
       "KHR_xmp_json_ld",       "EXT_texture_webp",      "EXT_mesh_gpu_instancing"};
-  for (const std::string& name : requiredExtensions(path)) {
+  for (const std::string& name : requiredExtensions(gltf)) {
     const auto is = [&](std::string_view known) { return name == known; };
     if (name.starts_with("KHR_materials_") || std::any_of(kRead.begin(), kRead.end(), is) ||
         std::any_of(kCompressions.begin(), kCompressions.end(), is)) {
       continue;
     }
-    throw InputError(path.string(), "requires the glTF extension " + shown(name) +
-                                        ", which foci cannot read: export it without, e.g. from "
-                                        "Blender");
+    throw InputError(gltf.path.string(),
+                     "requires the glTF extension " + shown(name) +
+                         ", which foci cannot read: export it without, e.g. from "
+                         "Blender");
   }
 }
 

@@ -5,13 +5,15 @@
 #include <assimp/scene.h>
 
 #include <fstream>
+#include <optional>
+#include <utility>
 
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/gltf_unshown.h"
-#include "render/scene/io/ply_faces.h"
+#include "render/scene/io/ply_mesh.h"
 
 namespace foci {
 namespace {
@@ -30,6 +32,9 @@ std::string inWords(const std::string& why) {
   if (says("mIndices") && says("out of range")) return "a face names a vertex that is not there";
   if (says("mNumMeshes is 0")) return "it has no faces";
   if (says("Cannot parse string")) return "it has another text where a number was expected";
+  if (says("Invalid number of vertices") || says("Normal buffer size does not match")) {
+    return "a triangle is incomplete, so the file may be cut off";
+  }
   if (says("Validation failed")) return "its parts contradict each other";
   return why;
 }
@@ -49,15 +54,23 @@ std::string adviceFor(const std::string& why) {
 
 MeshImport::MeshImport(const std::filesystem::path& path) : path_(path) {
   importer_.SetIOHandler(files_);
-  stated_ = refuseHostileMesh(path);
-  compression_ = compressionOf(path);
-  if (!mayBeRead(compression_)) throw InputError(path.string(), compressionRefusal(compression_));
-  refuseUnknownExtensions(path);
-  remarks_ = lowerExtension(path) == ".ply" ? checkPlyFaces(path) : gltfUnshown(path);
-  if (!isGltf(path_) && isUtf16(path_)) {
-    throw InputError(path_.string(), "is text in UTF-16: save it in UTF-8");
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) {
+    throw InputError(path.string(), "cannot be read");
   }
-  files_->mend(path);
+  std::optional<GltfDocument> gltf;
+  if (isGltf(path)) {
+    gltf = readGltf(path);
+    stated_ = refuseHostileGltf(*gltf);
+    compression_ = compressionOf(*gltf);
+    if (!mayBeRead(compression_)) throw InputError(path.string(), compressionRefusal(compression_));
+    refuseUnknownExtensions(*gltf);
+    remarks_ = gltfUnshown(*gltf);
+  } else if (isUtf16(path)) {
+    throw InputError(path.string(), "is text in UTF-16: save it in UTF-8");
+  }
+  if (lowerExtension(path) == ".ply") remarks_ = checkPlyFaces(path);
+  files_->mend(path, std::move(gltf));
   importer_.SetPropertyBool(AI_CONFIG_PP_PTV_KEEP_HIERARCHY, true);  // nodes are objects
   importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                                aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -88,7 +101,7 @@ void MeshImport::refuse(std::string why) const {
 
 std::vector<std::string> MeshImport::remarks() const {
   std::vector<std::string> remarks = remarks_;
-  if (!files_->remark().empty()) remarks.push_back(files_->remark());
+  remarks.insert(remarks.end(), files_->remarks().begin(), files_->remarks().end());
   for (const std::string& name : files_->missing()) {
     remarks.push_back("the file " + name + " cannot be read: its materials are shown in grey");
   }

@@ -11,16 +11,13 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
-#include "render/scene/io/gltf_json.h"
 
 namespace foci {
 namespace {
 
 using Json = nlohmann::json;
 
-// Chosen by hand. Exporters nest JSON about 10 deep and nodes below 100; 2^26 corners take Assimp
-// about 4 GB.
-constexpr int kMaxJsonDepth = 100;
+// Chosen by hand. Exporters nest nodes below 100 deep; 2^26 corners take Assimp about 4 GB.
 constexpr int kMaxNodeDepth = 500;
 constexpr double kMaxCorners = 1 << 26;
 
@@ -29,19 +26,7 @@ constexpr int kTriangles = 4;  // mode of a primitive; 5 and 6 are strips and fa
 /// The parts of a glTF that decide how large its scene becomes.
 class SceneGraph {
  public:
-  SceneGraph(const std::filesystem::path& path, std::string text) : file_(path.string()) {
-    // Names may be Latin-1, which the parser would refuse.
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; },
-        '?');
-    const auto wanted = [](int depth, Json::parse_event_t event, const Json& value) {
-      if (depth != 1 || event != Json::parse_event_t::key) return true;
-      const std::string& key = value.get_ref<const std::string&>();
-      return key == "nodes" || key == "scenes" || key == "meshes" || key == "accessors";
-    };
-    json_ = Json::parse(text, wanted, /*allow_exceptions=*/false);
-    if (!json_.is_object()) throw InputError(file_, "is not glTF: expected a JSON object");
-  }
+  explicit SceneGraph(const GltfDocument& gltf) : file_(gltf.path.string()), json_(gltf.json) {}
 
   /// @throws InputError
   void refuseTooLarge() {
@@ -206,7 +191,7 @@ class SceneGraph {
   }
 
   std::string file_;
-  Json json_;
+  const Json& json_;
   std::map<std::string, double> corners_;  // of each mesh
   std::map<std::string, Node> nodes_;
   std::vector<std::size_t> unvisited_;  // children of each node on the path
@@ -214,18 +199,8 @@ class SceneGraph {
 
 }  // namespace
 
-std::optional<StatedTriangles> refuseHostileMesh(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) {
-    throw InputError(path.string(), "cannot be read");
-  }
-  if (!isGltf(path)) return std::nullopt;
-  std::string text = gltfJson(path);
-  if (const int depth = jsonDepth(text); depth > kMaxJsonDepth) {
-    throw InputError(path.string(), "its JSON nests " + std::to_string(depth) +
-                                        " deep: expected at most " + std::to_string(kMaxJsonDepth));
-  }
-  SceneGraph graph(path, std::move(text));
+std::optional<StatedTriangles> refuseHostileGltf(const GltfDocument& gltf) {
+  SceneGraph graph(gltf);
   graph.refuseTooLarge();
   return graph.statedTriangles();
 }

@@ -1,10 +1,11 @@
-// What a mesh file may ask of Assimp. Assimp follows nested JSON and the nodes of a scene graph
-// without limits, so a small file could exhaust the stack, the memory or hours.
+// What a glTF may ask of Assimp. Assimp follows the nodes of a scene graph without limits, so a
+// small file could exhaust the stack, the memory or hours. Private to the readers of meshes.
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
+
+#include "render/scene/io/gltf_document.h"
 
 namespace foci {
 
@@ -14,11 +15,10 @@ struct StatedTriangles {
   std::uint64_t parts = 0, triangles = 0;  ///< of all meshes, whether or not a node shows them
 };
 
-/// Refuses what is not a file, and a glTF file whose JSON or whose nodes nest too deeply, whose
-/// node is its own descendant, or whose nodes repeat meshes to too many instances or triangles.
-/// Other formats pass: they have neither JSON nor instances. Call it before Assimp reads the file.
-/// @return the triangles that a glTF states; absent for other files, and for points and lines
+/// Refuses a glTF whose nodes nest too deeply, whose node is its own descendant, or whose nodes
+/// repeat meshes to too many instances or triangles. Call it before Assimp reads the file.
+/// @return the triangles that the file states; absent for points and lines
 /// @throws InputError
-std::optional<StatedTriangles> refuseHostileMesh(const std::filesystem::path& path);
+std::optional<StatedTriangles> refuseHostileGltf(const GltfDocument& gltf);
 
 }  // namespace foci

@@ -2,18 +2,16 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
+
+#include "render/scene/io/mended_file.h"
 
 namespace foci {
 
-struct ObjText {
-  std::string text;    ///< the file as Assimp has to read it; empty: as it is
-  std::string remark;  ///< what the user should know; empty: nothing
-};
-
-/// Writes 0.5 in place of .5 in the vertices, because Assimp does not read numbers that begin with
-/// a point. If floats would lose the detail of the vertices, the origin is moved near the first
-/// vertex (scan_values.h), because Assimp stores floats.
-ObjText readableObj(const std::filesystem::path& obj);
+/// Rewrites what Assimp would misread. Numbers that begin with a point begin with 0. Faces have no
+/// comment at their end, and those with two corners are lines. If floats would lose the detail of
+/// the vertices, the origin is moved near the first vertex (scan_values.h), because Assimp stores
+/// floats.
+/// @throws InputError if the last line is a face that is cut off: Assimp would leave it out
+MendedFile readableObj(const std::filesystem::path& obj);
 
 }  // namespace foci

@@ -27,19 +27,20 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kMaxMaterials = 4096;  // colours of faces; later ones share the last
-constexpr glm::vec3 kPlainFace(0.3185f);     // sRGB 0.6, as other meshes without a colour
+constexpr glm::vec4 kPlainFace(0.3185f, 0.3185f, 0.3185f, 1.0f);  // sRGB 0.6, as other meshes
+constexpr glm::vec4 kNoColor(-1.0f, -1.0f, -1.0f, 1.0f);
 
 /// What the word before "OFF" says that a vertex has besides its position.
 struct OffKind {
   bool uv = false, color = false, normal = false;
 };
 
-/// The linear colour of three or four numbers of 0 to 1 or 0 to 255.
-std::optional<glm::vec3> offColor(const std::vector<double>& row, std::size_t at,
+/// A linear colour and its alpha of three or four numbers of 0 to 1 or 0 to 255.
+std::optional<glm::vec4> offColor(const std::vector<double>& row, std::size_t at,
                                   std::size_t count) {
   if (count < 3) return std::nullopt;
   double most = 0.0;
-  for (std::size_t i = at; i < at + 3; ++i) {
+  for (std::size_t i = at; i < at + std::min<std::size_t>(count, 4); ++i) {
     if (!(row[i] >= 0.0 && row[i] <= 255.0)) return std::nullopt;
     most = std::max(most, row[i]);
   }
@@ -48,7 +49,8 @@ std::optional<glm::vec3> offColor(const std::vector<double>& row, std::size_t at
   const auto linear = [&](std::size_t i) {
     return linearFromSrgb(static_cast<float>(row[at + i] / white));
   };
-  return glm::vec3(linear(0), linear(1), linear(2));
+  const float alpha = count > 3 ? static_cast<float>(row[at + 3] / white) : 1.0f;
+  return glm::vec4(linear(0), linear(1), linear(2), alpha);
 }
 
 class OffReader {
@@ -164,7 +166,7 @@ class OffReader {
                            ? offColor(row_, least, after)
                            : std::nullopt;
     if (color) {
-      color_.resize(position_.size() - 1, glm::vec3(-1.0f));
+      color_.resize(position_.size() - 1, kNoColor);
       color_.push_back(*color);
     }
   }
@@ -190,14 +192,14 @@ class OffReader {
       corner_m_.push_back(position_[corner_.back()]);
     }
     const auto color = offColor(row_, count + 1, row_.size() - 1 - count);
-    const std::uint32_t material = materialOf(color.value_or(kPlainFace));
+    const std::uint32_t material = materialOf(glm::vec3(color.value_or(kPlainFace)));
     for (const auto& triangle : triangulate(corner_m_)) {
       for (const std::uint32_t k : triangle) {
         mesh_.corners_m.emplace_back(corner_m_[k]);
         mesh_.uv.emplace_back(0.0f);
-        if (!color_.empty()) {
-          mesh_.color.push_back(color ? glm::vec3(-1.0f) : vertexColor(corner_[k]));
-        }
+        const glm::vec4 own = vertexColor(corner_[k]);
+        if (!color_.empty()) mesh_.color.push_back(glm::vec3(color ? kNoColor : own));
+        mesh_.alpha.push_back(color ? color->a : own.a);
       }
       mesh_.material.push_back(material);
     }
@@ -208,8 +210,19 @@ class OffReader {
     return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest;
   }
 
-  glm::vec3 vertexColor(std::uint32_t vertex) const {
-    return vertex < color_.size() ? color_[vertex] : glm::vec3(-1.0f);
+  /// Empties alphas that are all 1, or all 0, which means the same with a remark.
+  static void dropOpaque(std::vector<float>& alpha, std::vector<std::string>& remarks) {
+    const auto all = [&](float value) {
+      return std::all_of(alpha.begin(), alpha.end(), [&](float a) { return a == value; });
+    };
+    if (alpha.empty()) return;
+    const bool clear = all(0.0f);
+    if (clear) remarks.emplace_back("the alpha of all its colours is 0: shown opaque");
+    if (clear || all(1.0f)) alpha.clear();
+  }
+
+  glm::vec4 vertexColor(std::uint32_t vertex) const {
+    return vertex < color_.size() ? color_[vertex] : kNoColor;
   }
 
   std::uint32_t materialOf(const glm::vec3& color) {
@@ -232,8 +245,11 @@ class OffReader {
     points.normal = std::move(normal_);
     points.color.assign(position_.size(), glm::vec3(kUncolouredLight));
     for (std::size_t i = 0; i < color_.size(); ++i) {
-      if (color_[i].x >= 0.0f) points.color[i] = color_[i];
+      if (color_[i].x >= 0.0f) points.color[i] = glm::vec3(color_[i]);
     }
+    points.opacity.assign(position_.size(), 1.0f);
+    for (std::size_t i = 0; i < color_.size(); ++i) points.opacity[i] = color_[i].a;
+    dropOpaque(points.opacity, points.remarks);
     if (const auto remark = originRemark(origin_)) points.remarks.push_back(*remark);
     return points;
   }
@@ -244,6 +260,10 @@ class OffReader {
                        "has no triangle with an area within 1e9 units of the origin");
     }
     if (const auto remark = originRemark(origin_)) mesh_.remarks.push_back(*remark);
+    dropOpaque(mesh_.alpha, mesh_.remarks);
+    if (!mesh_.alpha.empty()) {
+      for (MeshMaterial& material : mesh_.materials) material.alpha = AlphaUse::blend;
+    }
     SceneFacts facts{.kind = SceneKind::off_mesh};
     finishTriangles(mesh_, facts);
     return MeshFile{std::move(mesh_), std::move(facts)};
@@ -256,7 +276,8 @@ class OffReader {
   std::vector<double> row_;
   glm::dvec3 origin_{0.0};
   std::vector<glm::dvec3> position_, corner_m_;  // less the origin
-  std::vector<glm::vec3> normal_, color_;        // color_: negative or absent for none
+  std::vector<glm::vec3> normal_;
+  std::vector<glm::vec4> color_;  // with alpha; negative or absent for none
   std::vector<std::uint32_t> corner_;
   TriangleMesh mesh_;
   std::map<std::tuple<float, float, float>, std::uint32_t> materials_;

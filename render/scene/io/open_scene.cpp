@@ -69,7 +69,19 @@ PointCloud readPoints(const std::filesystem::path& path) {
   if (isLasFile(path)) return readLas(path);
   if (isTextPointsFile(path)) return readTextPoints(path);
   refuseUnread(path);
+  if (const std::string extension = lowerExtension(path);
+      extension == ".csv" || extension == ".txt") {
+    throw InputError(path.string(),
+                     "is no scene: points as text begin with numbers, or with a line of names that "
+                     "has x, y and z");
+  }
   return readPly(path);
+}
+
+PointCloud pointsOf(const std::filesystem::path& path) {
+  PointCloud points = readPoints(path);
+  remarkDegrees(points);
+  return points;
 }
 
 void scale(std::vector<glm::vec3>& lengths_m, float scale) {
@@ -118,7 +130,7 @@ SceneFile readScene(const std::filesystem::path& path, std::uint64_t checked_B) 
     if (auto gaussians = readGaussians(path)) return {path, std::move(*gaussians)};
   }
   if (!isLasFile(path) && isMeshFile(path)) return {path, readMesh(path)};
-  return {path, readPoints(path)};
+  return {path, pointsOf(path)};
 }
 
 OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sampling) {

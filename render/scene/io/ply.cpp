@@ -24,9 +24,9 @@ using ply::Scalar;
 
 constexpr float kRangeSlack = 1e-3f;  // tolerance of floats meant to be 0 or 1
 
-// The meaning of a vertex property. Other properties are skipped.
 constexpr std::size_t kMaxLabels = 1000;
 
+// The meaning of a vertex property. Other properties are skipped.
 enum Slot {
   kX,
   kY,
@@ -97,16 +97,16 @@ class Layout {
                                    "makes a plain PLY of it"
                                  : "element vertex: expected properties x, y and z");
     has_normal_ = take({"nx", "ny", "nz"}, kNx);
-    has_color_ = take({"red", "green", "blue"}, kRed) || take({"r", "g", "b"}, kRed) ||
+    const bool letters = take({"r", "g", "b"}, kRed);
+    has_color_ = letters || take({"red", "green", "blue"}, kRed) ||
                  take({"diffuse_red", "diffuse_green", "diffuse_blue"}, kRed);
     has_intensity_ =
-        !has_color_ &&
-        (take({"intensity"}, kIntensity) || take({"Intensity"}, kIntensity) ||
-         take({"scalar_Intensity"}, kIntensity) || take({"scalar_intensity"}, kIntensity));
+        !has_color_ && (take({"intensity"}, kIntensity) || take({"scalar_intensity"}, kIntensity));
     has_radius_ = take({"radius"}, kRadius);
-    has_opacity_ = take({"opacity"}, kOpacity) || take({"alpha"}, kOpacity);
+    has_opacity_ = take({"opacity"}, kOpacity) || take({"alpha"}, kOpacity) ||
+                   (letters && take({"a"}, kOpacity));
     has_label_ = take({"label"}, kLabel) || take({"class"}, kLabel) ||
-                 take({"object_id"}, kLabel) || take({"scalar_Label"}, kLabel);
+                 take({"object_id"}, kLabel) || take({"scalar_label"}, kLabel);
     for (Column& column : columns_) {
       const bool unit = column.slot && (*column.slot == kOpacity ||
                                         (*column.slot >= kRed && *column.slot <= kBlue));

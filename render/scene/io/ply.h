@@ -9,15 +9,16 @@
 
 namespace foci {
 
-/// Reads the `vertex` element. Its properties may come in any order and of any scalar type. Other
-/// properties, lists and elements are skipped. The reader uses
+/// Reads the `vertex` element. Its properties may come in any order and of any scalar type, and
+/// their names in any case. Other properties, lists and elements are skipped. The reader uses
 ///
 ///   x y z                                     required
 ///   nx ny nz                                  of any length; zero or not finite: estimated
 ///   red green blue | r g b | diffuse_red ...  sRGB; integers of the full range, floats 0 to 1
+///   intensity | scalar_intensity              grey, if there is no colour
 ///   radius                                    metres
-///   opacity | alpha                           integers of the full range, floats 0 to 1
-///   label | class | object_id | scalar_Label  integers: the point's object
+///   opacity | alpha | a beside r g b          integers of the full range, floats 0 to 1
+///   label | class | object_id | scalar_label  integers: the point's object
 ///
 /// The length is checked before memory is allocated.
 /// @throws InputError with file and line (header, ASCII) or byte (binary), if the file is no PLY,

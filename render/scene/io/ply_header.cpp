@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
@@ -95,6 +96,22 @@ void checkCounts(const Header& header, const Input& input) {
     }
     left -= element.count * size;
   }
+}
+
+/// Puts the names of properties in lower case. @return whether one changed
+bool lowerNames(std::vector<Property>& properties) {
+  bool changed = false;
+  for (Property& property : properties) {
+    std::string lower = property.name;
+    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const bool taken =
+        std::any_of(properties.begin(), properties.end(),
+                    [&](const Property& other) { return other.name == lower; });  // itself, too
+    if (taken) continue;
+    property.name = std::move(lower);
+    changed = true;
+  }
+  return changed;
 }
 
 template <typename T>
@@ -306,6 +323,7 @@ Header readHeader(Input& input) {
     }
   }
   if (!has_format) throw InputError(input.name(), "the header names no format");
+  for (Element& element : header.elements) header.renamed |= lowerNames(element.properties);
   checkCounts(header, input);
   return header;
 }

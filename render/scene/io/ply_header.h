@@ -33,6 +33,7 @@ struct Header {
   Format format = Format::ascii;
   std::vector<Element> elements;
   std::uint64_t lines = 0;  ///< lines read so far, for messages
+  bool renamed = false;     ///< names of properties had capitals
 };
 
 std::size_t sizeOf(Scalar type);
@@ -73,7 +74,8 @@ class Input {
   std::size_t begin_ = 0, end_ = 0;  // the unread bytes of block_
 };
 
-/// Reads up to `end_header` and checks every element's count against the remaining bytes.
+/// Reads up to `end_header` and checks every element's count against the remaining bytes. Names of
+/// properties are in lower case, but for those of two that differ in case alone.
 /// @throws InputError with file and line
 Header readHeader(Input& input);
 

@@ -62,6 +62,23 @@ bool losesDetail(std::span<const glm::vec3> position) {
   return step * kStepsShown > std::max({size.x, size.y, size.z});
 }
 
+void remarkDegrees(PointCloud& points) {
+  constexpr float kHalfTurn = 180.0f, kSlender = 1000.0f;
+  constexpr std::size_t kEnough = 8;
+  if (points.size() < kEnough) return;
+  glm::vec3 low(points.position_m[0]), high(low);
+  for (const glm::vec3& p : points.position_m) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const glm::vec3 size = high - low, far = glm::max(glm::abs(low), glm::abs(high));
+  if (!(std::min(size.x, size.y) > 0.0f && std::max(far.x, far.y) <= kHalfTurn)) return;
+  if (!(size.z > kSlender * std::max(size.x, size.y))) return;
+  points.remarks.emplace_back(
+      "x and y may be longitude and latitude in degrees, which foci takes for the unit of z: "
+      "project them to metres, e.g. with QGIS or pdal's filters.reprojection");
+}
+
 void remarkDark(PointCloud& points) {
   constexpr float kDark = 0.125f;  // of the range, in sRGB code values; chosen by hand
   float brightest = 0.0f;

@@ -49,6 +49,10 @@ class ScanPositions {
 /// wider than what a screen shows of them.
 bool losesDetail(std::span<const glm::vec3> position);
 
+/// Adds a remark if x and y may be longitude and latitude in degrees: within 180, and a thousandth
+/// of the range of z or less apart. A degree is 111 km, so a site is far wider than it is high.
+void remarkDegrees(PointCloud& points);
+
 /// Adds a remark if the colours use a small part of their range only, and so are nearly black.
 void remarkDark(PointCloud& points);
 

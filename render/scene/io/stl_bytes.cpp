@@ -1,15 +1,18 @@
-// STL, binary: a header of 80 bytes, a count, and 50 bytes for each triangle, which end with a
-// colour of 15 bits below a mark. Usually the mark says that there is a colour, red in the high
-// bits. In files of Materialise Magics, which have COLOR= and red, green, blue, alpha in the
+// STL is text, or binary: a header of 80 bytes, a count, and 50 bytes for each triangle, which end
+// with a colour of 15 bits below a mark. Usually the mark says that there is a colour, red in the
+// high bits. In files of Materialise Magics, which have COLOR= and red, green, blue, alpha in the
 // header, the mark says that this colour holds, and red is in the low bits of the others.
 #include "render/scene/io/stl_bytes.h"
 
+#include <cctype>
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "base/input_error.h"
 #include "base/text.h"
@@ -21,29 +24,31 @@ constexpr std::size_t kStlHeader = 80, kStlStart = 84, kStlRecord = 50, kStlColo
 constexpr unsigned kStlMark = 0x8000;
 constexpr std::string_view kColorKey = "COLOR=";
 
-}  // namespace
+std::string bytesOf(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
 
-std::string readableStl(const std::filesystem::path& stl) {
-  std::ifstream in(stl, std::ios::binary);
-  std::string head(kStlStart, '\0');
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(stl, error);
-  if (error || !in.read(head.data(), kStlStart)) return "";
-  std::uint64_t triangles = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    triangles |= std::uint64_t{static_cast<unsigned char>(head[kStlHeader + i])} << (8 * i);
+bool startsText(std::string_view head) {
+  head = trimmed(head);
+  return head.starts_with("solid") || head.starts_with("SOLID") || head.starts_with("Solid");
+}
+
+MendedFile readableText(const std::filesystem::path& stl) {
+  std::string text = bytesOf(stl);
+  if (text.find('\0') != std::string::npos) return {};
+  const bool plain = trimmed(text).starts_with("solid");
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  MendedFile readable;
+  if (text.find("endsolid") == std::string::npos) {
+    readable.remarks.emplace_back("has no line endsolid, so it may be cut off: is it complete?");
   }
-  const std::uint64_t stated = kStlStart + kStlRecord * triangles;
-  if (!head.starts_with("solid") && !head.starts_with("SOLID") && size < stated) {
-    throw InputError(stl.string(), "is cut off: states " +
-                                       thousands(static_cast<double>(triangles)) +
-                                       " triangles in " + thousands(static_cast<double>(stated)) +
-                                       " bytes, and has " + thousands(static_cast<double>(size)));
-  }
-  const std::size_t color = std::string_view(head).find(kColorKey);
-  if (size != stated || color > kStlHeader - kColorKey.size() - 3) return "";
-  in.seekg(0);
-  std::string bytes(std::istreambuf_iterator<char>(in), {});
+  if (!plain) readable.text = std::move(text);
+  return readable;
+}
+
+/// Colours of triangles as programs other than Magics write them.
+void mendColors(std::string& bytes, std::size_t color) {
   const auto byteAt = [&](std::size_t at) {
     return unsigned{static_cast<unsigned char>(bytes[at])};
   };
@@ -61,7 +66,39 @@ std::string readableStl(const std::filesystem::path& stl) {
     bytes[at + 1] = static_cast<char>(shown >> 8);
   }
   bytes.replace(color, kColorKey.size(), kColorKey.size(), ' ');
-  return bytes;
+}
+
+}  // namespace
+
+MendedFile readableStl(const std::filesystem::path& stl) {
+  std::ifstream in(stl, std::ios::binary);
+  std::string head(kStlStart, '\0');
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(stl, error);
+  if (error || !in.read(head.data(), kStlStart)) return {};
+  std::uint64_t triangles = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    triangles |= std::uint64_t{static_cast<unsigned char>(head[kStlHeader + i])} << (8 * i);
+  }
+  const std::uint64_t stated = kStlStart + kStlRecord * triangles;
+  if (size != stated && startsText(head)) return readableText(stl);
+  if (size < stated) {
+    throw InputError(stl.string(), "is cut off: states " +
+                                       thousands(static_cast<double>(triangles)) +
+                                       " triangles in " + thousands(static_cast<double>(stated)) +
+                                       " bytes, and has " + thousands(static_cast<double>(size)));
+  }
+  const std::size_t color = std::string_view(head).find(kColorKey);
+  const bool colored = color <= kStlHeader - kColorKey.size() - 3;  // false for npos
+  if (triangles == 0 || (size == stated && !colored)) return {};
+  MendedFile readable{.text = bytesOf(stl), .remarks = {}};
+  if (size > stated) {
+    readable.text.resize(stated);
+    readable.remarks.push_back("the last " + thousands(static_cast<double>(size - stated)) +
+                               " bytes are behind the triangles that it states: left out");
+  }
+  if (colored) mendColors(readable.text, color);
+  return readable;
 }
 
 }  // namespace foci

@@ -1,14 +1,16 @@
-// Rewrites a binary STL so that Assimp 5.2 reads it correctly. Private to the readers of meshes.
+// Rewrites an STL so that Assimp 5.2 reads it correctly. Private to the readers of meshes.
 #pragma once
 
 #include <filesystem>
-#include <string>
+
+#include "render/scene/io/mended_file.h"
 
 namespace foci {
 
-/// The file with the colours of Magics as other programs write them: Assimp shows triangles that
-/// have the colour of the header in black. Empty if nothing has to change.
+/// A text in capitals is in lower case. A binary file without bytes behind its triangles, and with
+/// the colours of Magics as other programs write them: Assimp shows triangles that have the colour
+/// of the header in black.
 /// @throws InputError for a binary file that is cut off
-std::string readableStl(const std::filesystem::path& stl);
+MendedFile readableStl(const std::filesystem::path& stl);
 
 }  // namespace foci

@@ -44,9 +44,11 @@ void splitInto(TextWords& words, std::string_view line) {
   for (std::size_t at = 0; words.size() <= kMaxColumns;) {
     at = line.find_first_not_of(kBetween, at);
     if (at == std::string_view::npos) return;
-    const std::size_t end = std::min(line.find_first_of(kBetween, at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = end;
+    const bool quoted = line[at] == '"';
+    const std::size_t end =
+        std::min(quoted ? line.find('"', at + 1) : line.find_first_of(kBetween, at), line.size());
+    words.push_back(line.substr(at + quoted, end - at - quoted));
+    at = std::min(end + quoted, line.size());
   }
 }
 
@@ -87,15 +89,32 @@ std::optional<double> numberOf(std::string_view word) {
 
 bool isComment(std::string_view line) { return line.starts_with('#') || line.starts_with("//"); }
 
-/// The columns that a line of names describes; absent if it does not name x, y and z.
-std::optional<TextColumns> columnsNamed(const TextWords& words) {
+/// Words of a line of names in lower case, without a unit such as [m] or (m).
+std::vector<std::string> namesIn(const TextWords& words) {
   std::vector<std::string> names;
   names.reserve(words.size());
   for (const std::string_view word : words) {
-    std::string name(word);
+    std::string name(trimmed(word.substr(0, word.find_first_of("[("))));
     for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     names.push_back(std::move(name));
   }
+  return names;
+}
+
+/// Whether a line names a longitude and a latitude.
+bool namesDegrees(const TextWords& words) {
+  const std::vector<std::string> names = namesIn(words);
+  const auto has = [&](std::string_view brief, std::string_view whole) {
+    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+      return name == brief || name.starts_with(whole);
+    });
+  };
+  return (has("lon", "longitude") || has("lng", "longitude")) && has("lat", "latitude");
+}
+
+/// The columns that a line of names describes; absent if it does not name x, y and z.
+std::optional<TextColumns> columnsNamed(const TextWords& words) {
+  const std::vector<std::string> names = namesIn(words);
   const auto columnOf = [&](std::initializer_list<std::string_view> any) {
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (std::find(any.begin(), any.end(), names[i]) != any.end()) return static_cast<int>(i);
@@ -181,6 +200,11 @@ class TextPointsReader {
     }
     const bool names = !columns_ && !numberOf(words_[0]);
     if (names) columns_ = columnsNamed(words_);
+    if (names && !columns_ && namesDegrees(words_)) {
+      throw InputError(where(),
+                       "has longitude and latitude in degrees: expected x y z in one unit; project "
+                       "them to metres, e.g. with QGIS or pdal's filters.reprojection");
+    }
     if (comment || (names && columns_)) return;
     if (words_.size() == 1) {
       if (const auto count = parseInteger<std::uint32_t>(words_[0])) {
@@ -300,7 +324,8 @@ bool startsWithPoints(const std::filesystem::path& path) {
     line = trimmed(first ? withoutByteOrderMark(line) : line);
     if (line.empty() || isComment(line)) continue;
     splitInto(words, line);
-    return !words.empty() && (numberOf(words[0]) || columnsNamed(words));
+    return !words.empty() &&
+           (numberOf(words[0]) || columnsNamed(words) || (words.size() > 2 && namesDegrees(words)));
   }
   return false;
 }

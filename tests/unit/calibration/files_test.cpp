@@ -4,6 +4,7 @@
 #include <random>
 
 #include "base/input_error.h"
+#include "calibration/binocular/binocular_pairs.h"
 #include "calibration/camera/camera.h"
 #include "calibration/gaze_map/fit_gaze_map.h"
 #include "calibration/gaze_map/gaze_map_file.h"
@@ -149,14 +150,42 @@ TEST_F(CalibrationFiles, PairsInAnyOrderOfColumnsAndAnySeparator) {
 
 TEST_F(CalibrationFiles, PairsAreReadAsRecordingsAre) {
   const std::string rows = "x;y;x_target;y_target\r\n1;2;3;4\r\n";
-  for (const std::string before : {"", "\xef\xbb\xbf", "sep=;\r\n", "\xef\xbb\xbfsep=;\r\n"}) {
+  for (const std::string before :
+       {"", "\xef\xbb\xbf", "sep=;\r\n", "\xef\xbb\xbfsep=;\r\n", "# of a\r\n\r\n"}) {
     for (const std::string absent : {"", "-", ".", "NaN", "-nan(ind)", "null"}) {
-      const auto pairs = readGazePairs(write(before + rows + absent + ";2;3;4\r\n"), MapUnits::deg);
+      const auto pairs =
+          readGazePairs(write(before + rows + absent + ";2;3;4;\r\n"), MapUnits::deg);
       ASSERT_EQ(pairs.size(), 2u);
       EXPECT_EQ(*pairs[0].gaze, glm::dvec2(1, 2));
       EXPECT_FALSE(pairs[1].gaze) << absent;
     }
   }
+}
+
+TEST_F(CalibrationFiles, PairsMayHaveDecimalCommas) {
+  const std::string header = "x;y;x_target;y_target\n";
+  for (const char* before : {"x;y;x_target;y_target\n", "sep=;\nx;y;x_target;y_target\n",
+                             "x\ty\tx_target\ty_target\n", "x y x_target y_target\n"}) {
+    std::string row = "-1,25;2;3,5;4\n";
+    if (std::string(before).find('\t') != std::string::npos) row = "-1,25\t2\t3,5\t4\n";
+    if (before[1] == ' ') row = "-1,25 2 3,5 4\n";
+    const auto pairs = readGazePairs(write(before + row), MapUnits::deg);
+    ASSERT_EQ(pairs.size(), 1u);
+    EXPECT_EQ(*pairs[0].gaze, glm::dvec2(-1.25, 2)) << before;
+    EXPECT_EQ(pairs[0].target, glm::dvec2(3.5, 4)) << before;
+  }
+  const auto refused = refusal([](const auto& path) { readGazePairs(path, MapUnits::deg); },
+                               header + "1,271;2;3;4\n954;2;3;4\n");
+  EXPECT_NE(refused.find(":2: column 1 = \"1,271\": a decimal comma, or a separator"),
+            std::string::npos)
+      << refused;
+
+  const auto eyes = readBinocularPairs(
+      write("left_origin_x_mm;left_origin_y_mm;left_origin_z_mm;left_direction_x;left_direction_y;"
+            "left_direction_z;x_target_mm;y_target_mm\n-31,5;0;600;0,05;0;-1;12,5;0\n"));
+  ASSERT_EQ(eyes.size(), 1u);
+  EXPECT_DOUBLE_EQ(eyes[0].target_m.x, 0.0125);
+  EXPECT_DOUBLE_EQ(eyes[0].eyes[0]->centre_m.x, -0.0315);
 }
 
 TEST_F(CalibrationFiles, BadPairsAreRefusedByLine) {

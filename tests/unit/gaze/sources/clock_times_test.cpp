@@ -29,6 +29,22 @@ TEST(ClockTimes, DatesCountFrom1970) {
   }
 }
 
+TEST(ClockTimes, AColonMayStandBeforeMilliseconds) {
+  EXPECT_NEAR(secondsOf("01:00:00:125"), 3600.125, kMicrosecond_s);
+  EXPECT_FALSE(ClockTimes().seconds("01:00:00:12")) << "frames of a film";
+}
+
+TEST(ClockTimes, DotsPutTheDayFirst) {
+  for (const char* same : {"26.11.2026 10:00:00", "26.11.2026 10:00:00,000",
+                           "26.11.2026T12:00:00+02:00", "2026/11/26 10:00:00"}) {
+    EXPECT_EQ(secondsOf(same), 1795687200.0) << same;
+  }
+  EXPECT_NEAR(secondsOf("1.3.2000 0:00:00.25"), 951868800.25, kMicrosecond_s);
+  ClockTimes clock;
+  EXPECT_TRUE(clock.seconds("26.11.2026 10:00:00"));
+  EXPECT_FALSE(clock.seconds("2026-11-26 10:00:01")) << "another form than the first";
+}
+
 TEST(ClockTimes, TimesOfDayPassMidnight) {
   ClockTimes clock;
   EXPECT_NEAR(*clock.seconds("23:59:59.999999"), 86399.999999, kMicrosecond_s);
@@ -41,11 +57,28 @@ TEST(ClockTimes, TimesOfDayPassMidnight) {
 }
 
 TEST(ClockTimes, OtherTextsAreNone) {
-  for (const char* text :
-       {"", "1", "10:00", "10:00:00.", "10:00:60", "24:00:00", "10:60:00", "10:00:00Z", "10:00:00 ",
-        "-1:00:00", "2026-11-26", "2026-02-29T10:00:00", "2026-13-01T10:00:00",
-        "26-11-2026 10:00:00", "2026-11-26T10:00:00+2", "2026-11-26T10:00:00+15:00",
-        "2026-11-26T10:00:00.1234567890Z", "2026-11-26T10:00:00ZZ", "2026-11-26T"}) {
+  for (const char* text : {"",
+                           "1",
+                           "10:00",
+                           "10:00:00.",
+                           "10:00:60",
+                           "24:00:00",
+                           "10:60:00",
+                           "10:00:00Z",
+                           "10:00:00 ",
+                           "-1:00:00",
+                           "2026-11-26",
+                           "2026-02-29T10:00:00",
+                           "2026-13-01T10:00:00",
+                           "26-11-2026 10:00:00",
+                           "03/04/2026 10:00:00",
+                           "11.26.2026 10:00:00",
+                           "26.11.26 10:00:00",
+                           "2026-11-26T10:00:00+2",
+                           "2026-11-26T10:00:00+15:00",
+                           "2026-11-26T10:00:00.1234567890Z",
+                           "2026-11-26T10:00:00ZZ",
+                           "2026-11-26T"}) {
     EXPECT_FALSE(ClockTimes().seconds(text)) << text;
   }
   ClockTimes clock;
@@ -82,6 +115,17 @@ TEST(ClockTimes, ATableStatesThem) {
   EXPECT_THROW(timesOf({"10:00:00.010", "7"}, header), InputError);
   EXPECT_THROW(timesOf({"10:00:00.000", "10:00:00.010"}, header, {.time_scale_s = 1e-3}),
                InputError);
+}
+
+TEST(ClockTimes, ADateThatMayBeginWithTheMonthIsRefused) {
+  TraceHeader header;
+  EXPECT_EQ(timesOf({"31.03.2024 12:00:00.000", "31.03.2024 12:00:00.010"}, header).size(), 2u);
+  try {
+    timesOf({"03/04/2024 12:00:00.000", "03/04/2024 12:00:00.010"}, header);
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("write the year first"), std::string::npos);
+  }
 }
 
 }  // namespace

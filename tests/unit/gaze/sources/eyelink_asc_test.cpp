@@ -148,6 +148,20 @@ TEST(EyeLinkAsc, RefusesDamageByLine) {
   }
 }
 
+TEST(EyeLinkAsc, WarnsOfALastLineThatIsCutOff) {
+  const std::string start = kHead + "START\t10 \tLEFT\n10\t1\t2\t3\t.\n11\t1\t2\t3\t.\n";
+  for (const char* cut : {"12", "12\t1\t2", "12\t1\t2\n", "SBLINK", "EBLINK L 10", "EBLINK L 10 1",
+                          "MSG\t6 GAZE_COORDS 0 0"}) {
+    const GazeTrace trace = read(start + cut);
+    EXPECT_EQ(trace.samples.size(), 2u) << cut;
+    ASSERT_EQ(trace.warnings.size(), 1u) << cut;
+    EXPECT_NE(trace.warnings[0].find("last line is cut off"), std::string::npos) << cut;
+  }
+  EXPECT_NE(refusal(start + "12\t1\n13\t1\t2\t3\t.\n").find(":7: 2 values"), std::string::npos);
+  EXPECT_NE(read(start + "12\t1\t2\t3\t.\n").warnings.at(0).find("no END"), std::string::npos);
+  EXPECT_TRUE(read(start + "END\t12").warnings.empty());
+}
+
 struct RealFile {
   const char* name;
   const char* format;

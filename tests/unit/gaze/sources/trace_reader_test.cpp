@@ -211,6 +211,7 @@ TEST(ReadTable, WarnsOfALastLineThatIsCutOff) {
   EXPECT_EQ(warnings(text).size(), 0u);
   EXPECT_EQ(warnings(text + "0.80,402.0,301.5").size(), 0u) << "no line end alone means nothing";
   EXPECT_EQ(warnings(text + "0.80,402.0,nan").size(), 0u);
+  EXPECT_EQ(warnings(text + "# the end\n").size(), 0u) << "a comment";
   EXPECT_EQ(warnings(text + "0.80,402.0,30\n").size(), 0u);
   for (const char* cut : {"0.80,402.0,30", "0.80,402.0", "0.8"}) {
     const auto said = warnings(text + cut);

@@ -130,10 +130,11 @@ TEST(GltfPlain, ATextureMayBeWebpAlone) {
 
 TEST(GltfPlain, OtherFilesStayAsTheyAre) {
   const TemporaryFolder folder;
-  EXPECT_EQ(plainGltf(folder.write("a.gltf", R"({"asset":{"version":"2.0"}})")), "");
-  EXPECT_EQ(plainGltf(folder.write("b.gltf", "no JSON")), "");
-  EXPECT_EQ(plainGltf(folder.write("c.gltf", json(R"(,"uri":"gone.bin")"))), "");
-  EXPECT_EQ(plainGltf(folder.write("d.gltf", R"({"textures":[1],"nodes":{},"meshes":[7]})")), "");
+  EXPECT_EQ(plainGltf(readGltf(folder.write("a.gltf", R"({"asset":{"version":"2.0"}})"))), "");
+  EXPECT_EQ(plainGltf(readGltf(folder.write("c.gltf", json(R"(,"uri":"gone.bin")")))), "");
+  EXPECT_EQ(
+      plainGltf(readGltf(folder.write("d.gltf", R"({"textures":[1],"nodes":{},"meshes":[7]})"))),
+      "");
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cstdint>
 #include <string>
 
@@ -68,6 +70,55 @@ TEST_F(MeshDamage, BinaryPlyFacesAreChecked) {
   EXPECT_TRUE(has(said("a.ply", binary(2).substr(0, binary(2).size() - 2)), "ends at byte"));
 }
 
+TEST_F(MeshDamage, PlyNamesMayHaveCapitals) {
+  std::string capital = ply("3 0 1 2\n3 0 2 3\n");
+  for (const char axis : {'x', 'y', 'z'}) {
+    capital.replace(capital.find(std::string("float ") + axis) + 6, 1, 1,
+                    static_cast<char>(axis - 32));
+  }
+  const MeshFile file = readMesh(folder_.write("a.ply", capital));
+  EXPECT_EQ(file.mesh.size(), 2u);
+  EXPECT_EQ(file.mesh.corners_m[1], glm::vec3(1, 0, 0));
+}
+
+/// Two triangles with these properties and values of all vertices but the first, which has 0.
+std::string plyWith(const std::string& properties, const std::string& first,
+                    const std::string& others) {
+  std::string text = ply("3 0 1 2\n3 0 2 3\n");
+  text.insert(text.find("element face"), properties);
+  for (const char* vertex : {"0 0 0\n", "1 0 0\n", "1 1 0\n", "0 1 0\n"}) {
+    text.insert(text.find(vertex) + 5, std::string(vertex) == "0 0 0\n" ? first : others);
+  }
+  return text;
+}
+
+TEST_F(MeshDamage, AlphaOfPlyVerticesIsOpacity) {
+  const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                    alpha = "property uchar alpha\n";
+  const auto opacities = [&](const std::string& text) {
+    const MeshFile file = readMesh(folder_.write("a.ply", text));
+    return std::array{colorAt(file.mesh, {0, glm::vec2(0.0f)}, 0.0f).opacity,
+                      colorAt(file.mesh, {0, glm::vec2(1.0f, 0.0f)}, 0.0f).opacity};
+  };
+  EXPECT_EQ(opacities(plyWith(colors, " 9 9 9", " 9 9 9")), (std::array{1.0f, 1.0f}));
+  EXPECT_EQ(opacities(plyWith(colors + alpha, " 9 9 9 255", " 9 9 9 255")),
+            (std::array{1.0f, 1.0f}));
+  EXPECT_EQ(opacities(plyWith(colors + alpha, " 9 9 9 51", " 9 9 9 255")),
+            (std::array{0.2f, 1.0f}));
+  EXPECT_EQ(opacities(plyWith(colors + alpha, " 9 9 9 51", " 9 9 9 51")), (std::array{0.2f, 0.2f}));
+  EXPECT_EQ(opacities(plyWith(alpha, " 51", " 255")), (std::array{0.2f, 1.0f}));
+  EXPECT_EQ(opacities(plyWith("property float opacity\n", " 0.2", " 1")), (std::array{0.2f, 1.0f}));
+  EXPECT_EQ(opacities(plyWith("property uchar r\nproperty uchar g\nproperty uchar b\n"
+                              "property uchar a\n",
+                              " 9 9 9 51", " 9 9 9 255")),
+            (std::array{0.2f, 1.0f}));
+  const MeshFile alone = readMesh(folder_.write("c.ply", plyWith(alpha, " 51", " 255")));
+  EXPECT_GT(colorAt(alone.mesh, {0, glm::vec2(0.0f)}, 0.0f).color.x, 0.3f) << "grey, not black";
+  EXPECT_EQ(alone.facts.opacity.x, 0.2f);
+  EXPECT_TRUE(has(said("b.ply", plyWith(colors + alpha, " 9 9 9 0", " 9 9 9 0")),
+                  "alpha of all vertices is 0"));
+}
+
 TEST_F(MeshDamage, PlyStripsAreRefused) {
   std::string strips = ply("3 0 1 2\n3 0 2 3\n");
   strips.replace(strips.find("element face"), 12, "element tristrips");
@@ -84,6 +135,30 @@ TEST_F(MeshDamage, ColoursOfVerticesAboveOneAreRefused) {
   EXPECT_TRUE(has(said("a.obj", "v 0 0 0 200 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"),
                   "colour 200.000 of a vertex: expected 0 to 1"));
   EXPECT_EQ(said("b.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"), "");
+}
+
+TEST_F(MeshDamage, AnObjThatEndsWithinAFaceIsRefused) {
+  const std::string start = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+  EXPECT_EQ(said("a.obj", start + "f 1/1 3/1 4/1"), "");
+  for (const char* cut : {"f", "f 1/1", "f 1/1 3/1", "f 1/1 3/1 ", "f 1/1 3/1 4", "f 1/1 3/1 4/"}) {
+    EXPECT_TRUE(has(said("b.obj", start + cut), "b.obj:7: ends within a face")) << cut;
+  }
+  EXPECT_TRUE(has(said("c.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 1 2 3"),
+                  "may be cut off"));
+  std::string many = start;
+  for (int i = 5; i <= 40; ++i) many += "v " + std::to_string(i) + " 0 1\n";
+  EXPECT_EQ(said("d.obj", many + "f 10/1 11/1 12/1\nf 20/1 21/1 4/1"), "");
+  EXPECT_TRUE(has(said("e.obj", many + "f 10 11 12\nf 20 21 4"), "may be cut off"));
+  EXPECT_EQ(said("f.obj", many + "f 10 11 12\nf 20 21 4\n"), "");
+}
+
+TEST_F(MeshDamage, ObjFacesMayHaveCommentsOrTwoCorners) {
+  const std::string start = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  EXPECT_EQ(said("a.obj", start + "f 1 2 3 # a\nf 1 \\\n3 4\n"), "");
+  EXPECT_EQ(readMesh(folder_.write("a.obj", start + "f 1 2 3 # a\nf 1 \\\n3 4")).mesh.size(), 2u);
+  const std::string two = start + "f 1 2 3\nf 2 4\nf 1 3 4\n";
+  EXPECT_TRUE(has(said("b.obj", two), "1 face has two corners"));
+  EXPECT_EQ(readMesh(folder_.write("b.obj", two)).mesh.size(), 2u);
 }
 
 TEST_F(MeshDamage, CornersThatAreNotFiniteAreCounted) {
@@ -114,6 +189,20 @@ std::string gltf(int corner, const std::string& more = "") {
 TEST_F(MeshDamage, GltfTrianglesThatAssimpLeavesOutAreCounted) {
   EXPECT_EQ(said("a.gltf", gltf(3)), "");
   EXPECT_TRUE(has(said("b.gltf", gltf(77)), "1 triangle names a vertex that is not there"));
+}
+
+TEST_F(MeshDamage, GltfHasAByteOrderMarkOrAWrongNameOrIsCutOff) {
+  EXPECT_EQ(said("a.gltf", "\xef\xbb\xbf" + gltf(3)), "");
+  const std::string json = gltf(3) + std::string((4 - gltf(3).size() % 4) % 4, ' ');
+  const auto word = [](std::size_t number) {
+    const auto bits = static_cast<std::uint32_t>(number);
+    return std::string(reinterpret_cast<const char*>(&bits), sizeof(bits));
+  };
+  const std::string binary =
+      "glTF" + word(2) + word(20 + json.size()) + word(json.size()) + "JSON" + json;
+  EXPECT_TRUE(has(said("c.gltf", binary), "give it a name that ends in .glb"));
+  EXPECT_TRUE(has(said("d.glb", json), "give it a name that ends in .gltf"));
+  EXPECT_TRUE(has(said("e.glb", binary.substr(0, binary.size() - 9)), "is cut off: states"));
 }
 
 TEST_F(MeshDamage, ErrorsOfAssimpAreInOurWords) {
@@ -149,6 +238,23 @@ TEST_F(MeshDamage, AStlThatIsCutOffStatesBothSizes) {
   EXPECT_EQ(said("a.stl", stl("binary", 0)), "");
   EXPECT_TRUE(has(said("b.stl", stl("binary", 0, 20)),
                   "is cut off: states 20 triangles in 1,084 bytes, and has 234"));
+}
+
+TEST_F(MeshDamage, BytesBehindTheTrianglesOfAnStlAreLeftOut) {
+  EXPECT_TRUE(has(said("a.stl", stl("binary", 0) + "1234"), "the last 4 bytes are behind"));
+  EXPECT_EQ(readMesh(folder_.write("a.stl", stl("binary", 0) + "1234")).mesh.size(), 3u);
+}
+
+TEST_F(MeshDamage, AnStlAsTextMayBeInCapitals) {
+  const std::string text =
+      "solid Foo\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+      "endloop\nendfacet\nendsolid Foo\n";
+  std::string capitals = text;
+  for (char& c : capitals) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  EXPECT_EQ(said("a.stl", text), "");
+  EXPECT_EQ(said("b.stl", capitals), "");
+  EXPECT_TRUE(has(said("c.stl", text.substr(0, text.find("endsolid"))), "no line endsolid"));
+  EXPECT_TRUE(has(said("d.stl", text.substr(0, text.find("vertex 0 1"))), "may be cut off"));
 }
 
 TEST_F(MeshDamage, AStlOfMagicsHasTheColourOfItsHeaderWhereMarked) {

@@ -16,7 +16,7 @@ class MeshLimits : public testing::Test {
  protected:
   std::string refusal(const std::string& name, const std::string& bytes) const {
     try {
-      refuseHostileMesh(folder_.write(name, bytes));
+      refuseHostileGltf(readGltf(folder_.write(name, bytes)));
     } catch (const InputError& error) {
       return error.what();
     }
@@ -80,6 +80,16 @@ TEST_F(MeshLimits, TextInQuotesDoesNotNest) {
   EXPECT_NE(refusal("a.gltf", std::string(200, '[')).find("200 deep"), std::string::npos);
 }
 
+TEST_F(MeshLimits, ADocumentKeepsNamesInUtf8) {
+  const auto read = [&](const std::string& name) {
+    return readGltf(folder_.write("a.gltf", R"({"extensionsRequired":[")" + name + R"(",7]})"));
+  };
+  EXPECT_EQ(requiredExtensions(read("n\xc3\xa4me")).at(0), "n\xc3\xa4me");
+  EXPECT_FALSE(read("n\xc3\xa4me").altered);
+  EXPECT_EQ(requiredExtensions(read("n\xe4me")).at(0), "n?me");
+  EXPECT_TRUE(read("n\xe4me").altered);
+}
+
 TEST_F(MeshLimits, OddPartsAreLeftToAssimp) {
   for (const char* text :
        {"{}", R"({"nodes":3,"meshes":"a","scenes":[1,{"nodes":7},{"nodes":["x",{}]}]})",
@@ -89,7 +99,6 @@ TEST_F(MeshLimits, OddPartsAreLeftToAssimp) {
   }
   EXPECT_NE(refusal("a.gltf", "not JSON").find("JSON"), std::string::npos);
   EXPECT_NE(refusal("a.glb", "glTF").find("JSON"), std::string::npos);
-  EXPECT_EQ(refusal("a.obj", std::string(200, '[')), "");
 }
 
 }  // namespace

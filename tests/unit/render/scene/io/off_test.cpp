@@ -50,6 +50,21 @@ TEST_F(Off, HeadersOfAllWritersAreOneMesh) {
   }
 }
 
+TEST_F(Off, AlphaIsOpacity) {
+  const auto opacity = [&](const std::string& text) {
+    return colorAt(mesh(text).mesh, {0, {0.2f, 0.2f}}, 0.0f).opacity;
+  };
+  EXPECT_FLOAT_EQ(opacity("OFF\n4 1 0\n" + kSquare + "4 0 1 2 3 255 0 0 51\n"), 0.2f);
+  EXPECT_FLOAT_EQ(opacity("OFF\n4 1 0\n" + kSquare + "4 0 1 2 3 0 0 0 51\n"), 0.2f);
+  EXPECT_EQ(opacity("OFF\n4 1 0\n" + kSquare + "4 0 1 2 3 1 0 0\n"), 1.0f);
+  EXPECT_FLOAT_EQ(opacity("COFF\n3 1 0\n0 0 0 9 0 0 51\n1 0 0 9 0 0 51\n0 1 0 9 0 0 51\n3 0 1 2\n"),
+                  0.2f);
+  const MeshFile clear = mesh("OFF\n4 1 0\n" + kSquare + "4 0 1 2 3 255 0 0 0\n");
+  EXPECT_TRUE(clear.mesh.alpha.empty());
+  EXPECT_TRUE(has(clear.mesh.remarks.at(0), "shown opaque"));
+  EXPECT_FLOAT_EQ(points("COFF\n2 0 0\n0 0 0 9 0 0 51\n1 0 0 9 0 0 255\n").opacity.at(0), 0.2f);
+}
+
 TEST_F(Off, ColoursAreThoseOfFacesOrVertices) {
   const MeshFile faces = mesh("OFF\n4 2 0\n" + kSquare + "3 0 1 2 1.0 0 0\n3 0 2 3 0 255 0 255\n");
   EXPECT_TRUE(faces.facts.material_colors);

@@ -112,11 +112,28 @@ TEST_F(PlyTest, ReadsShuffledAscii) {
   expectShuffled(read(
       "ply\r\nformat ascii 1.0\r\nelement camera 1\r\nproperty list uchar short tag\r\n"
       "element vertex 3\r\nproperty ushort g\r\nproperty double z\r\n"
-      "property list uint uchar skipped\r\nproperty short x\r\nproperty uchar opacity\r\n"
+      "property list uint uchar skipped\r\nproperty short x\r\nproperty uchar a\r\n"
       "property float nz\r\nproperty ushort r\r\nproperty float ny\r\nproperty float nx\r\n"
       "property float y\r\nproperty float radius\r\nproperty ushort b\r\nend_header\r\n"
       "2 1 1\r\n65535 3 0 -1 51 0 0 2 0 2.25 0.125 0\r\n"
       "65535 4e0 1 9 -2 51 0 0 2 0 2.25 .125 0\r\n  65535 5 2 9 9 -3 51\t0 0 +2 0 2.25 0.125 0 "));
+}
+
+TEST_F(PlyTest, ReadsNamesInCapitals) {
+  const std::string start = "ply\nformat ascii 1.0\nelement vertex 1\n";
+  const PointCloud points = read(
+      start +
+      "property float X\nproperty float Y\nproperty float Z\nproperty float NX\nproperty float Ny\n"
+      "property float NZ\nproperty uchar Red\nproperty uchar GREEN\nproperty uchar Blue\n"
+      "end_header\n1 2 3 0 0 1 255 0 255\n");
+  EXPECT_EQ(points.position_m[0], glm::vec3(1, 2, 3));
+  EXPECT_EQ(points.normal[0], glm::vec3(0, 0, 1));
+  EXPECT_EQ(points.color[0], glm::vec3(1, 0, 1));
+  // Where both are there, the name in lower case counts.
+  const PointCloud both = read(start +
+                               "property float X\nproperty float x\nproperty float y\n"
+                               "property float z\nend_header\n9 1 2 3\n");
+  EXPECT_EQ(both.position_m[0], glm::vec3(1, 2, 3));
 }
 
 TEST_F(PlyTest, RemarksPointsThatAreNotSeen) {

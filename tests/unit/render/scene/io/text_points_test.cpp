@@ -161,6 +161,44 @@ TEST_F(TextPoints, ATxtFileIsASceneIfItBeginsWithPoints) {
   EXPECT_TRUE(isScene(scratch.path() / "absent.obj"));
 }
 
+TEST_F(TextPoints, NamesMayHaveQuotesAndUnits) {
+  for (const char* text :
+       {"\"x\",\"y\",\"z\",\"red\",\"green\",\"blue\"\n1,2,3,0,255,0\n",
+        "\"\",\"x\",\"y\",\"z\",\"red\",\"green\",\"blue\"\n\"1\",1,2,3,0,255,0\n",
+        "X[m];Y[m];Z[m];Red;Green;Blue\n\"1\";\"2\";\"3\";0;255;0\n",
+        "\"x (m)\",\"y (m)\",\"z (m)\",R,G,B\n1,2,3,0,255,0\n"}) {
+    const auto path = scratch.write("p.csv", text);
+    ASSERT_TRUE(isTextPointsFile(path)) << text;
+    const PointCloud points = readTextPoints(path);
+    EXPECT_EQ(points.position_m.at(0), glm::vec3(1, 2, 3)) << text;
+    EXPECT_EQ(points.color.at(0), glm::vec3(0, 1, 0)) << text;
+  }
+  try {
+    readScene(scratch.write("q.csv", "PointX,PointY,PointZ\n1,2,3\n"));
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_TRUE(has(error.what(), "a line of names that has x, y and z")) << error.what();
+  }
+}
+
+TEST_F(TextPoints, DegreesAreNotTakenForMetres) {
+  EXPECT_TRUE(has(refusal("Longitude,Latitude,Height\n13.4,52.5,35\n", "p.csv"),
+                  "p.csv:1: has longitude and latitude in degrees"));
+  EXPECT_TRUE(isScene(scratch.write("p.csv", "lat;lon;alt\n52.5;13.4;35\n"))) << "refused as one";
+  const auto remarks = [&](double site) {
+    std::string text;
+    for (int i = 0; i < 20; ++i) {
+      text += std::to_string(13.4 + site * (i % 5)) + " " + std::to_string(52.5 + site * (i / 5)) +
+              " " + std::to_string(30 + i) + "\n";
+    }
+    const SceneFile file = readScene(scratch.write("p.xyz", text));
+    return std::get<PointCloud>(file.content).remarks;
+  };
+  ASSERT_EQ(remarks(1e-4).size(), 1u);
+  EXPECT_TRUE(has(remarks(1e-4)[0], "may be longitude and latitude"));
+  EXPECT_TRUE(remarks(0.1).empty());
+}
+
 TEST_F(TextPoints, OpensAsASceneAtItsScale) {
   std::string text;
   for (int i = 0; i < 400; ++i) {

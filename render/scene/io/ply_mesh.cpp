@@ -1,8 +1,10 @@
-#include "render/scene/io/ply_faces.h"
+#include "render/scene/io/ply_mesh.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <string_view>
 
@@ -20,9 +22,21 @@ bool isCorners(const Property& property) {
   return property.list && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
-bool hasColor(const Element& element) {
+bool has(const Element& element, std::string_view name) {
   return std::any_of(element.properties.begin(), element.properties.end(),
-                     [](const Property& p) { return p.name == "red" || p.name == "r"; });
+                     [&](const Property& property) { return property.name == name; });
+}
+
+bool hasColor(const Element& element) {
+  return has(element, "red") || has(element, "r") || has(element, "diffuse_red");
+}
+
+/// The name of the opacity of vertices; empty if they have none.
+std::string_view alphaOf(const Element& element) {
+  if (element.name != "vertex") return "";
+  if (has(element, "alpha")) return "alpha";
+  if (has(element, "opacity")) return "opacity";
+  return has(element, "r") && has(element, "a") ? "a" : "";
 }
 
 class FaceCheck {
@@ -135,6 +149,46 @@ class FaceCheck {
 
 std::vector<std::string> checkPlyFaces(const std::filesystem::path& path) {
   return FaceCheck(path).remarks();
+}
+
+PlyVertices plyVertices(const std::filesystem::path& path) {
+  ply::Input input(path);
+  const ply::Header header = ply::readHeader(input);
+  PlyVertices vertices;
+  for (const Element& element : header.elements) {
+    if (element.name != "vertex") continue;
+    vertices = {.color = hasColor(element), .alpha = !alphaOf(element).empty()};
+  }
+  return vertices;
+}
+
+std::string readablePly(const std::filesystem::path& path) {
+  ply::Input input(path);
+  const ply::Header header = ply::readHeader(input);
+  std::vector<std::string> names;
+  bool changed = header.renamed;
+  for (const Element& element : header.elements) {
+    const std::string_view alpha = alphaOf(element);
+    for (const Property& property : element.properties) {
+      names.push_back(property.name == alpha ? "alpha" : property.name);
+      changed |= names.back() != property.name;
+    }
+  }
+  if (!changed) return "";
+  std::ifstream in(path, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(in), {});
+  std::size_t at = 0;
+  for (const std::string& name : names) {
+    std::string_view line;
+    for (; !line.starts_with("property"); at = text.find('\n', at) + 1) {
+      line = trimmed(std::string_view(text).substr(at, text.find('\n', at) - at));
+    }
+    const auto end = static_cast<std::size_t>(line.data() + line.size() - text.data());
+    const std::size_t word = line.size() - line.find_last_of(" \t") - 1;
+    text.replace(end - word, word, name);
+    at = text.find('\n', end - word) + 1;
+  }
+  return text;
 }
 
 }  // namespace foci
