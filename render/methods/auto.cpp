@@ -36,8 +36,8 @@ constexpr float kRelaxed = 1.15f;
 static_assert(kRelaxed * kReserve > 1.0f);
 
 /// The squares are rendered anew after this many frames, or where the blur has changed by this
-/// factor. Chosen by hand: the squares take about as long as one frame, so they cost below 2 % of
-/// the time.
+/// factor. Chosen by hand: the squares take at most about as long as one frame, so they cost below
+/// 2 % of the time.
 constexpr int kFramesBetweenChecks = 60;
 constexpr float kBlurChange = 1.5f;
 

@@ -15,10 +15,9 @@ namespace foci {
 
 /// Squares of one frame: 48 tiles, spread evenly over the view. A view of fewer than twice as many
 /// tiles is one square. On the CPU, the reference's squares are rendered side by side, and all
-/// others from the splats of the full frame, which the frame itself takes over
-/// (`LodSplats::renderWindows`). 48 tiles estimate the error
-/// of 95 % of the pixels within 20 % (SpotCheckTest.EstimatesTheErrorFromSomeSquares), the first 16
-/// of them within a factor of two.
+/// others as parts of the full frame, which keeps them (`LodSplats::renderWindows`). 48 tiles
+/// estimate the error of 95 % of the pixels within 20 %
+/// (SpotCheckTest.EstimatesTheErrorFromSomeSquares), the first 16 of them within a factor of two.
 class SpotCheck {
  public:
   /// @param scene  stays alive while this exists. It may then render `frame`, which keeps the tiles
