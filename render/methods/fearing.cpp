@@ -106,7 +106,7 @@ class FearingMethod final : public Method {
 MethodEntry fearingMethod() {
   return {.info = {.name = "fearing",
                    .summary = "potmesil where the image changed, at most N per cent of the frame",
-                   .source = "Fearing 1996",
+                   .source = "Fearing 1995",
                    .max_n = 100,
                    .default_n = 100,
                    .ellipses = false,

@@ -39,7 +39,7 @@ MethodEntry potmesilMethod() {
   return {.info = {.name = "potmesil",
                    .summary =
                        "each pixel of the pinhole image spread evenly over its circle of confusion",
-                   .source = "Potmesil and Chakravarty 1981; Chen 1988",
+                   .source = "Potmesil and Chakravarty 1981; Chen 1987",
                    .ellipses = false,
                    .lod = true},
           .make = makeAs<PotmesilMethod>};
