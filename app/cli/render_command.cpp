@@ -44,6 +44,7 @@ std::string summaryJsonOf(const RenderOptions& options, const Study& study,
                                  {"surface_distance_m", nullptr},
                                  {"pupil_mm", summary.pupil_mm},
                                  {"method", study.render.method},
+                                 {"device", summary.device},
                                  {"splats", summary.stats.splats},
                                  {"fragments", summary.stats.fragments},
                                  {"render_ms", summary.stats.ms}};

@@ -71,12 +71,12 @@ void makeRecordFolder(const fs::path& folder) {
 }
 
 LiveRecord::LiveRecord(const fs::path& folder, const Study& study, const Screen& screen,
-                       double rate_Hz, std::string command, unsigned threads, std::string device)
+                       double rate_Hz, std::string command, unsigned threads, std::string devices)
     : folder_(madeEmpty(folder)),
       study_(studyOfRecord(study, rate_Hz)),
       command_(std::move(command)),
       threads_(threads),
-      device_(std::move(device)),
+      devices_(std::move(devices)),
       gaze_(folder_ / "gaze.tsv", screen),
       frames_(folder_ / "frames.tsv"),
       changes_(folder_ / "changes.tsv", std::ios::binary),
@@ -103,7 +103,7 @@ std::optional<std::string> LiveRecord::end() {
 void LiveRecord::writeStudy(double fps) const {
   Study study = study_;
   study.output.fps = std::clamp(fps, 1.0, 1000.0);
-  study.record.device = device_;
+  study.record.device = devices_;
   writeText(folder_ / "study.toml",
             "# A record of foci live. As a video with its report:\n"
             "#     foci replay study.toml --out replay\n" +
@@ -135,8 +135,8 @@ void LiveRecord::addMarker(double time_s, const std::string& text) {
   post([this, time_s, text] { markers_ << decimal(time_s, 6) << '\t' << text << '\n'; });
 }
 
-void LiveRecord::changeDevice(const std::string& device) {
-  post([this, device] { device_ += ", then " + device; });
+void LiveRecord::setDevices(const std::string& devices) {
+  post([this, devices] { devices_ = devices; });
 }
 
 void LiveRecord::add(std::shared_ptr<const LiveFrame> frame) {
@@ -244,7 +244,7 @@ void LiveRecord::finish() {
   std::vector<GazeEvent> events;
   ManifestFacts facts{.command = command_,
                       .threads = threads_,
-                      .device = device_,
+                      .device = devices_,
                       .gaze = {.format = "no gaze",
                                .rate_Hz = study.record.rate_Hz.value_or(0.0),
                                .samples = gaze_samples_},

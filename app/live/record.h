@@ -76,7 +76,7 @@ class LiveRecord {
   /// @param command  as typed, for the manifest
   /// @throws InputError, std::runtime_error
   LiveRecord(const std::filesystem::path& folder, const Study& study, const Screen& screen,
-             double rate_Hz, std::string command, unsigned threads, std::string device);
+             double rate_Hz, std::string command, unsigned threads, std::string devices);
   /// Closes it first.
   ~LiveRecord();
   LiveRecord(const LiveRecord&) = delete;
@@ -85,8 +85,8 @@ class LiveRecord {
   void add(const GazeSample& sample);
   void add(const Change& change);
   void addMarker(double time_s, const std::string& text);
-  /// Another device renders from now on.
-  void changeDevice(const std::string& device);
+  /// @param devices  that rendered its frames so far (`Session::devices`)
+  void setDevices(const std::string& devices);
   /// In order of rendering.
   void add(std::shared_ptr<const LiveFrame> frame);
 
@@ -118,7 +118,7 @@ class LiveRecord {
   unsigned threads_;
 
   // Used by the thread alone.
-  std::string device_;  // that renders the frames; "A, then B" after a change
+  std::string devices_;  // that rendered the frames, as `Session::devices`
   GazeTable gaze_;
   FrameTable frames_;
   std::ofstream changes_, timing_, markers_;

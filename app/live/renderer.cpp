@@ -121,9 +121,10 @@ std::future<std::string> LiveRenderer::change(const std::string& key, const std:
 std::future<std::string> LiveRenderer::startRecord(const std::filesystem::path& folder) {
   return post([this, folder] {
     if (state_.record) throw std::runtime_error("a record is running");
-    auto record =
-        std::make_shared<LiveRecord>(folder, study_, feed_.screen(), feed_.rate_Hz(), command_,
-                                     threads_, session_->deviceOf(study_.render.method));
+    std::string device = session_->deviceOf(study_.render.method);
+    auto record = std::make_shared<LiveRecord>(folder, study_, feed_.screen(), feed_.rate_Hz(),
+                                               command_, threads_, device);
+    devices_ = std::move(device);
     // A replay of the record knows nothing of what happened before.
     news_.clear();
     feed_.take(news_);
@@ -148,8 +149,18 @@ std::future<std::string> LiveRenderer::stopRecord() {
   });
 }
 
+/// Tells the record what rendered its frames so far.
+void LiveRenderer::noteDevices() {
+  if (!state_.record) return;
+  std::string devices = session_->devices();
+  if (devices == devices_) return;
+  state_.record->setDevices(devices);
+  devices_ = std::move(devices);
+}
+
 void LiveRenderer::closeRecord() {
   if (!state_.record) return;
+  noteDevices();  // the GPU may have failed while it was read
   // The record holds every sample that arrived before its end.
   feed_.waitForPoll();
   takeGaze();
@@ -260,10 +271,8 @@ void LiveRenderer::renderFrames(const std::stop_token& stop) {
       state_.last = frame->record;
       if (const std::string remark = session_->deviceRemark(); remark != device_remark_) {
         state_.notice = device_remark_ = remark;
-        if (state_.record) {
-          state_.record->changeDevice(session_->deviceOf(study_.render.method));
-        }
       }
+      noteDevices();
       laid_ready_ = std::move(frame);
     }
     ready_();

@@ -98,6 +98,7 @@ class LiveRenderer {
   void noteView();
   const SurfelCloud& outlined() const { return outline_.empty() ? *cloud_ : outline_; }
   void closeRecord();
+  void noteDevices();
   void noteEnd(LiveRecord& record);
 
   Study study_;
@@ -127,6 +128,7 @@ class LiveRenderer {
   double last_frame_s_ = 0.0, session_start_s_ = 0.0;
   std::map<std::string, double> cost_s_;  // of the last frame of each method
   std::string device_remark_;             // shown last
+  std::string devices_;                   // that the record knows of
   std::string last_method_;
   std::vector<std::shared_ptr<LiveRecord>> closing_;
 

@@ -163,8 +163,9 @@ FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::files
   OutputFolder folder(out);
   eye.sayDevice();
   Json frames = renderSpan(eye, own, folder);
-  Json part = headOf(study, own, gaze.schedule.frames, threads,
-                     eye.session().deviceOf(study.render.method), hashes.get());
+  eye.sayRemark();
+  Json part =
+      headOf(study, own, gaze.schedule.frames, threads, eye.session().devices(), hashes.get());
   part["frames_seen"] = std::move(frames);
   folder.write(kStudy, portableToml(study));
   folder.write(kPart, jsonText(part) + "\n");

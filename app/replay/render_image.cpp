@@ -76,6 +76,7 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
   return {.focus_D = record.eye.focus_D,
           .surface_distance_m = record.eye.surface_distance_m,
           .pupil_mm = record.pupil_mm,
+          .device = session.devices(),
           .stats = record.stats};
 }
 

@@ -25,6 +25,7 @@ struct ImageSummary {
   double focus_D = 0.0;
   std::optional<double> surface_distance_m;  ///< at the gaze; absent if there is none
   double pupil_mm = 0.0;
+  std::string device;  ///< as `Session::devices`
   RenderStats stats;
 };
 

@@ -70,11 +70,10 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   }
   reading.finish(renderer);
   if (written.valid()) written.get();
-  if (const std::string remark = eye.session().deviceRemark(); !remark.empty()) {
-    std::fprintf(stderr, "foci: %s\n", remark.c_str());
-  }
+  eye.sayRemark();
+  eye.sayOtherDevices();
   facts.inputs = scene.hashed = hashes.get();
-  facts.device = eye.session().deviceOf(study.render.method);
+  facts.device = eye.session().devices();
   return writer.finish(facts);
 }
 

@@ -1,6 +1,7 @@
 #include "app/replay/replayed_eye.h"
 
 #include <cstdio>
+#include <utility>
 
 #include "app/session/auto_method.h"
 #include "app/study/session_settings_of.h"
@@ -80,14 +81,29 @@ void ReplayedEye::requireParts(std::size_t frame) const {
   }
 }
 
-void ReplayedEye::sayDevice() const {
+void ReplayedEye::warnOfRounding() {
+  if (std::exchange(warned_, true)) return;
+  std::fprintf(stderr,
+               "foci: the run was rendered on %s: the frames may differ from it in rounding\n",
+               study_.record.device.c_str());
+}
+
+void ReplayedEye::sayDevice() {
   const std::string device = session_.deviceOf(study_.render.method);
   std::fprintf(stderr, "foci: renders on %s\n", device.c_str());
   const std::string& recorded = study_.record.device;
-  if (recorded.empty() || recorded == device) return;
-  std::fprintf(stderr,
-               "foci: the run was rendered on %s: the frames may differ from it in rounding\n",
-               recorded.c_str());
+  const bool same = recorded == device || recorded.starts_with(device + ", then ");
+  if (!recorded.empty() && !same) warnOfRounding();
+}
+
+void ReplayedEye::sayRemark() const {
+  const std::string remark = session_.deviceRemark();
+  if (!remark.empty()) std::fprintf(stderr, "foci: %s\n", remark.c_str());
+}
+
+void ReplayedEye::sayOtherDevices() {
+  const std::string& recorded = study_.record.device;
+  if (!recorded.empty() && recorded != session_.devices()) warnOfRounding();
 }
 
 }  // namespace foci

@@ -33,8 +33,12 @@ class ReplayedEye {
   /// they took, or on their pixels
   void requireParts(std::size_t frame) const;
 
-  /// Says what renders, and whether a live run's record comes from another device.
-  void sayDevice() const;
+  /// Says what renders, and whether a live run's record began on another device.
+  void sayDevice();
+  /// After the frames: says why the CPU rendered where the GPU was to.
+  void sayRemark() const;
+  /// After all frames: says whether the record changed to other devices than the replay.
+  void sayOtherDevices();
 
   const Session& session() const { return session_; }
   FrameRenderer& renderer() { return session_.renderer(); }
@@ -43,6 +47,7 @@ class ReplayedEye {
 
  private:
   FrameRecord look(double time_s, double known_s);
+  void warnOfRounding();
   const std::string& methodOf(std::size_t frame) const;
   void lookAtSkippedFrames();
 
@@ -50,6 +55,7 @@ class ReplayedEye {
   const ReplayedGaze& gaze_;
   Session session_;
   std::size_t sample_ = 0, change_ = 0;  // next of each
+  bool warned_ = false;                  // that the record comes from other devices
 };
 
 }  // namespace foci

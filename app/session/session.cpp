@@ -53,9 +53,24 @@ Session::Session(const SessionSettings& settings, const SurfelCloud& cloud,
   renderer_.methodNamed(settings.method);  // it may take seconds to make, so before the first frame
 }
 
+std::string Session::devices() const {
+  std::string text;
+  for (const std::string& device : devices_) text += device + ", then ";
+  const std::string now =
+      deviceOf(last_.request.method.empty() ? settings_.method : last_.request.method);
+  if (std::ranges::find(devices_, now) == devices_.end()) return text + now;
+  return text.substr(0, text.rfind(", then "));
+}
+
+/// Notes what rendered `last_`.
+void Session::noteDevice() {
+  std::string device = deviceOf(last_.request.method);
+  if (std::ranges::find(devices_, device) == devices_.end()) devices_.push_back(std::move(device));
+}
+
 std::string Session::deviceRemark() const {
   if (!renderer_.gpuFailure().empty()) return renderer_.gpuFailure();
-  if (settings_.device != RenderDevice::gpu || renderer_.suitsGpu(settings_.method)) return {};
+  if (!renderer_.gpu() || renderer_.suitsGpu(settings_.method)) return {};
   return "method " + settings_.method + " has no code for the GPU in this scene; the CPU renders";
 }
 
@@ -79,6 +94,7 @@ void Session::restart(double start_s) {
   pupil_ = ObserverPupil(settings_);
   renderer_ = renderer_.cloneSharingScene();  // methods may remember the frame before
   last_.request = {};
+  devices_.clear();
   passed_ = false;
   rendered_eye_.reset();
 }
@@ -345,6 +361,7 @@ RenderedFrame& Session::renderKept(const RenderRequest& request, FrameRecord& re
     last_.stats.gpu.reset();
   } else {
     renderer_.renderKept(request, last_);
+    noteDevice();
     full_quality_ = returned_ = false;
   }
   record.method = last_.method;

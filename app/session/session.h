@@ -109,6 +109,10 @@ class Session {
   /// What renders a method, for people (`FrameRenderer::deviceOf`).
   std::string deviceOf(const std::string& method) const { return renderer_.deviceOf(method); }
 
+  /// What rendered the frames since the session began, in order of first use: "A, then B". Before
+  /// the first frame: what will render it.
+  std::string devices() const;
+
   /// Why the CPU renders where the GPU was to; empty: it does not. Changes when the GPU fails.
   std::string deviceRemark() const;
 
@@ -116,6 +120,7 @@ class Session {
   FrameRecord recordAt(double time_s, AskSurface ask);
   void finishLook(FrameRecord& record);
   void showSharpFrame(double time_s);
+  void noteDevice();
   void followEye(const FrameRecord& record);
   bool isUnseen(const FrameRecord& record) const;
   RenderRequest requestWith(const std::string& method, const FrameRecord& record, double focus_D,
@@ -138,10 +143,11 @@ class Session {
   ObserverPupil pupil_;
   std::optional<RenderedEye> rendered_eye_;
   RenderedFrame last_;
-  bool full_quality_ = false;  // of the last frame, which was adopted
-  bool returned_ = false;      // the last frame was, by `render`
-  bool passed_ = false;        // the last request was: it has no frame yet
-  Frame sharp_;                // what an eye sees whose pupil follows luminance
+  std::vector<std::string> devices_;  // that rendered frames, each once
+  bool full_quality_ = false;         // of the last frame, which was adopted
+  bool returned_ = false;             // the last frame was, by `render`
+  bool passed_ = false;               // the last request was: it has no frame yet
+  Frame sharp_;                       // what an eye sees whose pupil follows luminance
 };
 
 /// Where a point of one screen, seen from its eye, lies on another screen seen from its own.

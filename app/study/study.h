@@ -162,7 +162,7 @@ struct Study {
     std::optional<std::filesystem::path> changes;  ///< of keys during the run
     std::optional<std::filesystem::path> markers;  ///< event markers of the run, for its report
     std::optional<double> rate_Hz;  ///< of the samples; absent: the median of the recording
-    std::string device;             ///< that rendered the run (`Session::deviceOf`); empty: unknown
+    std::string device;             ///< that rendered the run (`Session::devices`); empty: unknown
   } record;
 
   std::int64_t seed = 1;

@@ -19,8 +19,8 @@ class GpuContext {
   virtual void release() = 0;
 };
 
-/// Opens contexts with OpenGL 4.5 through EGL, which need neither a display nor a window, one after
-/// the other until `wants` keeps one.
+/// Opens contexts through EGL, which need neither a display nor a window, one after the other until
+/// `wants` keeps one. They have OpenGL 4.5 or newer where the driver has it.
 /// @param software  also contexts of drivers that render on the CPU
 /// @param wants     moves from the context to keep it; returns whether to go on
 void openEglContexts(bool software, const std::function<bool(std::unique_ptr<GpuContext>&)>& wants);

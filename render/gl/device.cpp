@@ -36,17 +36,20 @@ std::string firstLineOf(const std::string& text) { return text.substr(0, text.fi
 
 std::shared_ptr<GpuDevice> GpuDevice::open(Kind kind) {
   std::shared_ptr<GpuDevice> best;
+  std::string problem;  // of the last device that does not suit
   openEglContexts(kind == Kind::any, [&](std::unique_ptr<GpuContext>& context) {
     try {
       auto device = std::make_shared<GpuDevice>(std::move(context));
       if (kind == Kind::hardware && device->isSoftware()) return true;
       if (!best || !device->isSoftware()) best = std::move(device);
-    } catch (const GpuError&) {
+    } catch (const GpuError& error) {
+      problem = error.what();
       return true;
     }
     return best->isSoftware();
   });
   if (!best) {
+    if (!problem.empty()) throw GpuError(problem);
     throw GpuError(kind == Kind::hardware
                        ? "no GPU with OpenGL 4.5"
                        : "no OpenGL 4.5 through EGL; on Debian: apt install libegl-mesa0");
@@ -62,7 +65,9 @@ GpuDevice::GpuDevice(std::unique_ptr<GpuContext> context) : context_(std::move(c
   GLint major = 0, minor = 0, blocks = 0, alignment = 1;
   glGetIntegerv(GL_MAJOR_VERSION, &major);
   glGetIntegerv(GL_MINOR_VERSION, &minor);
-  if (10 * major + minor < 45) throw GpuError(name_ + " has no OpenGL 4.5");
+  if (10 * major + minor < 45) {
+    throw GpuError(name_ + " has OpenGL " + driver_ + ": expected version 4.5 or newer");
+  }
   GLint64 bytes = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
   glGetIntegerv(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, &blocks);

@@ -78,7 +78,13 @@ EGLContext contextOf(EGLDisplay display) {
   }
   std::array<EGLint, 9> silent = kAttributes;
   silent[6] = EGL_NONE;
-  return eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, silent.data());
+  if (const EGLContext context =
+          eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, silent.data())) {
+    return context;
+  }
+  // An older version, so that a message can name the driver.
+  constexpr std::array<EGLint, 1> kAny{EGL_NONE};
+  return eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, kAny.data());
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ std::shared_ptr<GpuImageBuffers> buffersOf(GpuDevice& device, const glm::ivec2& 
   made->size_px = size_px;
   made->depth = depth;
   const std::size_t pixels = std::max<std::size_t>(pixelsOf(size_px), 1);
-  made->pixels.reserve(device, pixels * sizeof(glm::vec4), "the image");
-  if (depth) made->depths.reserve(device, pixels * sizeof(float), "the depths");
+  made->pixels.reserve(device, pixels * sizeof(glm::vec4), "the image's pixels");
+  if (depth) made->depths.reserve(device, pixels * sizeof(float), "the image's depths");
   pool.push_back(made);
   return made;
 }
@@ -49,7 +49,7 @@ void GpuImage::startRead() {
   if (copied_) return;
   const std::size_t pixels = std::max<std::size_t>(pixelsOf(size_px()), 1);
   const auto copy = [&](const GpuBuffer& from, GpuBuffer& to, std::size_t bytes) {
-    to.reserveMapped(*device_, bytes, "an image's copy");
+    to.reserveMapped(*device_, bytes, "the copies of an image");
     glCopyNamedBufferSubData(from.id(), to.id(), 0, 0, static_cast<GLsizeiptr>(bytes));
   };
   copy(buffers_->pixels, buffers_->host_pixels, pixels * sizeof(glm::vec4));

@@ -86,6 +86,58 @@ TEST_F(OnTheGpu, OneLineSaysThatAMethodRendersOnTheCpu) {
       << outcome.err;
 }
 
+TEST_F(OnTheGpu, TheSummaryOfAnImageNamesTheDevice) {
+  for (const std::string device : {"cpu", "gpu"}) {
+    const Outcome outcome = runFoci(
+        {"render", "study.toml", "--device", device, "--json", "--out", "a.png"}, folder.path());
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string named = Json::parse(outcome.out)["device"];
+    EXPECT_EQ(named.find(device == "cpu" ? "the CPU, " : name + ", driver "), 0u) << named;
+  }
+}
+
+TEST_F(OnTheGpu, APartSaysThatAMethodRendersOnTheCpu) {
+  const Outcome outcome = runFoci({"replay", "study.toml", "--device", "gpu", "--method", "paper",
+                                   "--frames", "0:2", "--out", "part"},
+                                  folder.path());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("foci: method paper has no code for the GPU"), std::string::npos)
+      << outcome.err;
+}
+
+TEST_F(OnTheGpu, AnOlderDriverIsNamed) {
+  const std::vector<std::string> old = {"MESA_GL_VERSION_OVERRIDE=4.3"};
+  const Outcome doctor = runFoci({"doctor", "--json"}, folder.path(), old);
+  ASSERT_EQ(doctor.exit_code, 0) << doctor.err;
+  const Json gpu = Json::parse(doctor.out)["gpu"];
+  if (!gpu.contains("problem")) GTEST_SKIP() << "the driver is not Mesa's";
+  EXPECT_EQ(std::string(gpu["problem"]).find(name + " has OpenGL 4.3"), 0u) << gpu;
+  const auto render = [&](const std::string& device) {
+    return runFoci({"render", "study.toml", "--device", device, "--out", "a.png"}, folder.path(),
+                   old);
+  };
+  const Outcome refused = render("gpu");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_EQ(refused.err, "foci: render.device = \"gpu\": " + std::string(gpu["problem"]) + "\n");
+  EXPECT_EQ(render("auto").exit_code, 0);
+}
+
+TEST_F(OnTheGpu, AReplayWarnsOfARecordThatChangedItsDevice) {
+  const auto replay = [&](const std::string& recorded) {
+    folder.write("study.toml", smallStudy() + "\n[record]\ndevice = \"" + recorded + "\"\n");
+    const Outcome outcome = runFoci(
+        {"replay", "study.toml", "--device", "gpu", "--out", "out", "--overwrite"}, folder.path());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.err.find("the run was rendered on " + recorded) != std::string::npos;
+  };
+  const Outcome doctor = runFoci({"doctor", "--json"}, folder.path());
+  const std::string device =
+      name + ", driver " + std::string(Json::parse(doctor.out)["gpu"]["driver"]);
+  EXPECT_FALSE(replay(device));
+  EXPECT_TRUE(replay(device + ", then the CPU"));
+  EXPECT_TRUE(replay("the CPU, then " + device));
+}
+
 TEST_F(OnTheGpu, AnUnknownDeviceIsRefused) {
   const Outcome outcome =
       runFoci({"render", "study.toml", "--device", "tpu", "--out", "a.png"}, folder.path());

@@ -2,6 +2,7 @@
 // goes on where the GPU fails.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +13,7 @@
 #include "app/replay/replay.h"
 #include "app/study/inputs.h"
 #include "base/text.h"
+#include "render/splat/sweep.h"
 #include "tests/temporary_folder.h"
 #include "tests/unit/render/gl/lost_context.h"
 
@@ -147,6 +149,46 @@ TEST_F(LiveGpu, ARecordEndsWithTheRunAndHasTheLastFrame) {
   EXPECT_EQ(begun.get(), "");
   renderer.reset();
   expectReplayIsTheSame(folder);
+}
+
+TEST_F(LiveGpu, ARecordNamesEachDeviceOnce) {
+  const auto changeTo = [&](const char* method) {
+    auto changed = renderer->change("render.method", method);
+    watch(4);
+    EXPECT_EQ(changed.get(), "");
+  };
+  const fs::path first = scratch.path() / "first", second = scratch.path() / "second";
+  const auto record = [&](const fs::path& folder, const auto& action) {
+    auto begun = renderer->startRecord(folder);
+    watch(4);
+    EXPECT_EQ(begun.get(), "");
+    action();
+    auto ended = renderer->stopRecord();
+    watch(3);
+    EXPECT_EQ(ended.get(), "");
+  };
+  // The method changes with the start of the record, before a frame.
+  renderer->change("render.method", "\"potmesil\"");
+  record(first, [] {});
+  record(second, [&] {
+    changeTo("\"sweep\"");
+    changeTo("\"potmesil\"");
+  });
+  renderer.reset();
+  const std::string cpu = std::string("the CPU, ") + simdTarget(), gpu = device.gpu->text();
+  for (const fs::path& folder : {first, second}) {
+    const auto manifest = nlohmann::json::parse(textOf(folder / "manifest.json"));
+    const std::string devices = manifest["device"];
+    // Under potmesil, frames in saccades are pinhole images, which the GPU renders.
+    std::vector<std::string> allowed = {cpu + ", then " + gpu, gpu + ", then " + cpu};
+    if (folder == first) allowed.push_back(cpu);
+    EXPECT_NE(std::ranges::find(allowed, devices), allowed.end()) << devices;
+    const fs::path out = scratch.path() / "replay" / folder.filename();
+    replay(readStudy(folder / "study.toml"), out, "", 2);
+    const auto again = nlohmann::json::parse(textOf(out / "manifest.json"));
+    EXPECT_EQ(again["device"], devices);
+    EXPECT_EQ(again["frames_sha256"], manifest["frames_sha256"]);
+  }
 }
 
 TEST_F(LiveGpu, TheCpuGoesOnWithTheRecord) {

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "app/session/frame_renderer.h"
+#include "app/session/session.h"
+#include "tests/unit/render/gl/lost_context.h"
 #include "tests/unit/render/gl/test_device.h"
 #include "tests/unit/render/method_scenes.h"
 
@@ -41,6 +43,32 @@ TEST(GpuFallback, AMethodWithoutCodeForTheGpuRendersOnTheCpu) {
   EXPECT_EQ(frame.frame.rgba, expected.frame.rgba);
   EXPECT_TRUE(on_gpu.gpuFailure().empty());
   EXPECT_EQ(on_gpu.deviceOf("paper"), on_cpu.deviceOf("paper"));
+}
+
+TEST(GpuFallback, ASessionNamesBothDevices) {
+  const LosableDevice device = losableDevice();
+  if (!device.gpu) GTEST_SKIP() << "no OpenGL 4.5 on this machine";
+  SurfelCloud cloud;
+  addSheet(cloud, 2.0f, 1.0f, 20, {0.2f, 0.7f, 0.4f});
+  SessionSettings settings;
+  settings.method = "sweep";
+  settings.device = RenderDevice::gpu;
+  settings.output.size_px = {32, 18};
+  Session session(settings, cloud, settings.screen, 1000.0, 0.0, device.gpu);
+  const std::string cpu = FrameRenderer(cloud).deviceOf("sweep"), gpu = device.gpu->text();
+  EXPECT_EQ(session.devices(), gpu);  // before the first frame
+  const auto render = [&](double time_s, double x_px) {
+    FrameRecord record = session.lookSettled(time_s, {x_px, 100.0});
+    record.pupil_mm = 4.0 + time_s;
+    session.render("sweep", record);
+  };
+  render(0.0, 100.0);
+  EXPECT_EQ(session.devices(), gpu);
+  *device.lost = true;
+  render(0.1, 200.0);
+  EXPECT_EQ(session.devices(), gpu + ", then " + cpu);
+  session.restart(0.2);
+  EXPECT_EQ(session.devices(), cpu);
 }
 
 }  // namespace

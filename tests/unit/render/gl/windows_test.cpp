@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "app/session/frame_renderer.h"
+#include "render/gl/image.h"
 #include "render/gl/scene.h"
 #include "render/lod/moment_tree.h"
 #include "tests/unit/render/gl/test_device.h"
@@ -52,6 +53,21 @@ TEST_F(GpuWindows, OneLineSaysHowMuchIsMissingAndTheCpuRenders) {
   EXPECT_NE(line.find(" MiB of its memory; it allows 1 MiB; the CPU renders"), std::string::npos)
       << line;
   EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+}
+
+TEST_F(GpuWindows, OneLineNamesAnImageThatIsTooLarge) {
+  FOCI_NEEDS_GPU(gpu);
+  addSheet(cloud, 2.0f, 2.0f, 2, {0.2f, 0.7f, 0.4f});
+  const auto tiny = GpuDevice::open(GpuDevice::Kind::any);
+  tiny->limitBlocks(kMiB);
+  const GpuDevice::Use use(*tiny);
+  try {
+    const GpuImage image(tiny, {400, 300}, false);
+    FAIL() << "an image of 1.8 MiB";
+  } catch (const GpuError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              tiny->name() + ": the image's pixels need 2 MiB of its memory; it allows 1 MiB");
+  }
 }
 
 }  // namespace
