@@ -65,8 +65,8 @@ std::vector<std::uint32_t> TileLists::tilesMeeting(std::span<const Window> windo
       for (int x = first.x; x < end.x; ++x) tiles.push_back(tileAt(x, y));
     }
   }
-  std::ranges::sort(tiles);
-  tiles.erase(std::ranges::unique(tiles).begin(), tiles.end());
+  std::sort(tiles.begin(), tiles.end());
+  tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
   return tiles;
 }
 
