@@ -41,6 +41,12 @@ MendedFile readableText(const std::filesystem::path& stl) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   MendedFile readable;
   if (text.find("endsolid") == std::string::npos) {
+    // Assimp would refuse it, too, but leak.
+    const std::size_t begun = text.rfind("facet normal"), ended = text.rfind("endfacet");
+    if (begun != std::string::npos && (ended == std::string::npos || ended < begun)) {
+      throw InputError(stl.string(),
+                       "ends within a triangle: the file is cut off; export or copy it again");
+    }
     readable.remarks.emplace_back("has no line endsolid, so it may be cut off: is it complete?");
   }
   if (!plain) readable.text = std::move(text);

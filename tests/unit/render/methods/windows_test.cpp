@@ -113,7 +113,7 @@ TEST_F(Windows, OfAnotherFrameAreRenderedAnew) {
 
 TEST_F(Windows, AreRefusedWhereALensHasPartsOrTheCutIsTooLarge) {
   Frame frame = empty();
-  settings_.pupil.stiles_crawford_per_mm2 = 0.05;
+  settings_.pupil = {.diameter_m = 6e-3, .stiles_crawford_per_mm2 = kStilesCrawford_per_mm2};
   EXPECT_FALSE(renderWindows(kFew, parts_, frame));
   expectFrame(parts_, frame);
   settings_.pupil = {};

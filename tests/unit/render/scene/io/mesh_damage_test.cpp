@@ -254,7 +254,7 @@ TEST_F(MeshDamage, AnStlAsTextMayBeInCapitals) {
   EXPECT_EQ(said("a.stl", text), "");
   EXPECT_EQ(said("b.stl", capitals), "");
   EXPECT_TRUE(has(said("c.stl", text.substr(0, text.find("endsolid"))), "no line endsolid"));
-  EXPECT_TRUE(has(said("d.stl", text.substr(0, text.find("vertex 0 1"))), "may be cut off"));
+  EXPECT_TRUE(has(said("d.stl", text.substr(0, text.find("vertex 0 1"))), "is cut off"));
 }
 
 TEST_F(MeshDamage, AStlOfMagicsHasTheColourOfItsHeaderWhereMarked) {
