@@ -16,6 +16,7 @@
 #include "base/text.h"
 #include "render/scene/io/gltf_document.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/obj_text.h"
 
 namespace foci {
 namespace {
@@ -88,13 +89,6 @@ void eachMaterialLine(const fs::path& obj, const Take& take) {
   }
 }
 
-std::string_view firstWord(std::string_view& rest) {
-  rest = trimmed(rest);
-  const std::string_view word = rest.substr(0, rest.find_first_of(" \t"));
-  rest.remove_prefix(word.size());
-  return word;
-}
-
 std::optional<float> mtlNumber(std::string_view word) {
   float number = 0.0f;
   const char* const end = word.data() + word.size();
@@ -107,16 +101,16 @@ std::optional<float> mtlNumber(std::string_view word) {
 MtlTexture mtlTextureOf(std::string_view rest) {
   MtlTexture texture;
   while (rest.starts_with('-')) {
-    const std::string_view option = firstWord(rest);
+    const std::string_view option = nextObjWord(rest);
     const bool scales = option == "-s", moves = option == "-o";
     int numbers = 0;
     for (std::string_view after = rest; numbers < 3; ++numbers, rest = after) {
-      const auto number = mtlNumber(firstWord(after));
+      const auto number = mtlNumber(nextObjWord(after));
       if (!number) break;
       if (scales && numbers < 2) texture.scale[numbers] = *number;
       if (moves && numbers < 2) texture.offset[numbers] = *number;
     }
-    if (numbers == 0) firstWord(rest);  // on, off or another word
+    if (numbers == 0) nextObjWord(rest);  // on, off or another word
     rest = trimmed(rest);
   }
   texture.name = rest;

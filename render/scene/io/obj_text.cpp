@@ -43,25 +43,18 @@ std::string withLeadingZeros(const std::string& text) {
   return mended;
 }
 
-std::string_view nextWord(std::string_view& rest) {
-  rest = trimmed(rest);
-  const std::string_view word = rest.substr(0, rest.find_first_of(" \t"));
-  rest.remove_prefix(word.size());
-  return word;
-}
-
 /// The corners of a face, as "1/2/3" each; none for another line.
 std::vector<std::string_view> cornersOf(std::string_view line) {
   std::vector<std::string_view> corners;
   line = line.substr(0, line.find('#'));
-  if (nextWord(line) != "f") return corners;
-  while (!trimmed(line).empty()) corners.push_back(nextWord(line));
+  if (nextObjWord(line) != "f") return corners;
+  while (!trimmed(line).empty()) corners.push_back(nextObjWord(line));
   return corners;
 }
 
 std::size_t wordsIn(std::string_view line) {
   std::size_t words = 0;
-  while (!nextWord(line).empty()) ++words;
+  while (!nextObjWord(line).empty()) ++words;
   return words;
 }
 
@@ -190,6 +183,13 @@ std::string endOf(std::string_view text, const std::filesystem::path& obj) {
 }
 
 }  // namespace
+
+std::string_view nextObjWord(std::string_view& rest) {
+  rest = trimmed(rest);
+  const std::string_view word = rest.substr(0, rest.find_first_of(" \t"));
+  rest.remove_prefix(word.size());
+  return word;
+}
 
 MendedFile readableObj(const std::filesystem::path& obj) {
   std::ifstream in(obj, std::ios::binary);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 #include "render/scene/io/mended_file.h"
 
@@ -13,5 +14,9 @@ namespace foci {
 /// floats.
 /// @throws InputError if the last line is a face that is cut off: Assimp would leave it out
 MendedFile readableObj(const std::filesystem::path& obj);
+
+/// The next word of a line of OBJ or MTL; empty at its end.
+/// @param rest  of the line; loses the word and the blanks before it
+std::string_view nextObjWord(std::string_view& rest);
 
 }  // namespace foci

@@ -81,11 +81,10 @@ MendedFile readableStl(const std::filesystem::path& stl) {
   std::string head(kStlStart, '\0');
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(stl, error);
-  if (error || (!in.read(head.data(), kStlStart) && in.gcount() == 0)) return {};
-  if (size < kStlStart) {
-    head.resize(static_cast<std::size_t>(in.gcount()));
-    return startsText(head) ? readableText(stl) : MendedFile{};
-  }
+  if (error) return {};
+  in.read(head.data(), kStlStart);
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  if (head.size() < kStlStart) return startsText(head) ? readableText(stl) : MendedFile{};
   std::uint64_t triangles = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     triangles |= std::uint64_t{static_cast<unsigned char>(head[kStlHeader + i])} << (8 * i);
