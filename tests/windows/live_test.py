@@ -198,7 +198,7 @@ def push_gaze(observer, foci, out, seconds=6):
     experiment.until(lambda s: s["record"], "recording")
     begin, sent = time.time(), 0
     while sent < 1000 * seconds:
-        if time.time() < begin + sent / 1000:
+        if time.time() < begin + (sent + 10) / 1000:  # ten samples are sent once all are measured
             time.sleep(0.001)
             continue
         place = NEAR if sent < 500 * seconds else FAR
