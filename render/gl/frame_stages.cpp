@@ -47,8 +47,13 @@ unsigned GpuFrameStages::bind(const std::string& stage, const std::string& defin
   return program;
 }
 
-void GpuFrameStages::dispatch(std::size_t x, std::size_t y) {
-  glDispatchCompute(static_cast<GLuint>(x), static_cast<GLuint>(y), 1);
+void GpuFrameStages::dispatch(std::size_t groups) {
+  const glm::uvec4 rows = rowsOf(groups);
+  dispatchSquares({rows.x, rows.y});
+}
+
+void GpuFrameStages::dispatchSquares(const glm::uvec2& groups) {
+  glDispatchCompute(groups.x, groups.y, 1);
   glMemoryBarrier(kBarriers);
 }
 
@@ -87,7 +92,7 @@ void GpuFrameStages::start(const GpuFrameBlock& block, bool cut) {
   GpuTotals totals;
   if (!cut) {
     totals.cut_entries = static_cast<std::uint32_t>(elements);
-    totals.project_groups.x = static_cast<std::uint32_t>(groupsOf(elements, 64));
+    totals.project_groups = rowsOf(groupsOf(elements, 64));
   }
   own_.totals.write(0, sizeof totals, &totals);
 }
@@ -148,8 +153,7 @@ void GpuFrameStages::divideIntoTiles() {
     dispatchIndirect(offsetof(GpuTotals, project_groups));
   }
   bind("tiles", {}, {&own_.cells, &own_.tile_of_cell, &own_.tiles, &own_.blurs});
-  dispatch(groupsOf(static_cast<std::size_t>(block_.cells.x), kMaxStep_px),
-           groupsOf(static_cast<std::size_t>(block_.cells.y), kMaxStep_px));
+  dispatchSquares((glm::uvec2(block_.cells) + (kMaxStep_px - 1u)) / glm::uvec2(kMaxStep_px));
 }
 
 void GpuFrameStages::listSplats() {
@@ -179,8 +183,7 @@ void GpuFrameStages::interpolate(const GpuImage& image, const GpuBuffer* weights
        std::string(depth ? "#define DEPTH\n" : "") + (weights ? "#define WEIGHTS\n" : ""),
        {&own_.tile_of_cell, &own_.tiles, &own_.samples, &image.buffers().pixels,
         depth ? &own_.depths : nullptr, depth ? &image.buffers().depths : nullptr, weights});
-  dispatch(groupsOf(static_cast<std::size_t>(block_.size.x), 16),
-           groupsOf(static_cast<std::size_t>(block_.size.y), 16));
+  dispatchSquares((glm::uvec2(block_.size) + 15u) / 16u);
 }
 
 void GpuFrameStages::clearFragments() {

@@ -15,6 +15,7 @@
 #include "render/gl/image.h"
 #include "render/gl/stages.h"
 #include "render/gl/windows.h"
+#include "render/gl/work_groups.h"
 #include "render/splat/bin.h"
 
 namespace foci {
@@ -68,7 +69,9 @@ class GpuFrameStages {
   /// @return the program
   unsigned bind(const std::string& stage, const std::string& defines,
                 std::initializer_list<const GpuBuffer*> buffers);
-  static void dispatch(std::size_t x, std::size_t y = 1);
+  static void dispatch(std::size_t groups);
+  /// Work groups that are squares of an image.
+  static void dispatchSquares(const glm::uvec2& groups);
   void dispatchIndirect(std::size_t offset) const;
   /// Projects the entries that lie within two windows: of nodes, and of the surfels or Gaussians.
   void projectWindows(unsigned program, const GpuWindow& nodes, const GpuWindow& elements) const;
@@ -104,9 +107,5 @@ inline constexpr std::size_t kGroupsATile =
 /// Room for a tile's samples.
 inline constexpr std::size_t kSamplesATile = std::size_t{kMostSamples} * kMostSamples;
 inline constexpr std::size_t kVector_bytes = sizeof(glm::vec4);
-
-inline std::size_t groupsOf(std::size_t count, std::size_t each) {
-  return (count + each - 1) / each;
-}
 
 }  // namespace foci

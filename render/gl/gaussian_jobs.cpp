@@ -8,9 +8,6 @@
 namespace foci {
 namespace {
 
-/// Work groups of a dispatch that OpenGL allows everywhere.
-constexpr std::size_t kMostGroups = 65535;
-
 /// The jobs of a tile, front to back, then its judge. Places of planes and followed samples begin
 /// at 0.
 class TileJobs {
@@ -114,13 +111,8 @@ class TileJobs {
 };
 
 bool fits(const GpuJobBatch& batch, const TileJobs& tile, std::size_t room) {
-  if (batch.planes + tile.planes() > room) return false;
-  if ((batch.followed + tile.followed()) * GpuJobs::kFollowVectors > room) return false;
-  for (std::size_t i = 0; i < tile.jobs().size(); ++i) {
-    const std::size_t before = batch.work.at(tile.passOf(i)).size();
-    if (before + TileJobs::squaresOf(tile.jobs()[i]) > kMostGroups) return false;
-  }
-  return true;
+  return batch.planes + tile.planes() <= room &&
+         (batch.followed + tile.followed()) * GpuJobs::kFollowVectors <= room;
 }
 
 void add(const TileJobs& tile, GpuJobBatch& batch) {

@@ -121,7 +121,8 @@ void GpuGaussianLayers::compositeBatch(GpuFrameStages& stages, const GpuProjecte
   const auto run = [&](std::size_t pass, const char* variant) {
     if (batch.work.at(pass).empty()) return;
     const GLuint program = bind(stages, projected, own_.work, defines + variant, how);
-    glProgramUniform1ui(program, 2, static_cast<GLuint>(first.at(pass)));
+    glProgramUniform2ui(program, 2, static_cast<GLuint>(first.at(pass)),
+                        static_cast<GLuint>(batch.work.at(pass).size()));
     for (std::uint32_t i = 0; i < batch.discs.at(pass); ++i) {
       glProgramUniform1ui(program, 0, i);
       GpuFrameStages::dispatch(batch.work.at(pass).size());

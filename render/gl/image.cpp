@@ -9,6 +9,8 @@
 #include <mutex>
 #include <utility>
 
+#include "render/gl/work_groups.h"
+
 namespace foci {
 namespace {
 
@@ -87,9 +89,8 @@ void GpuImage::add(const GpuImage& image, const glm::vec4& share, bool replaces)
   const auto pixels = static_cast<GLuint>(pixelsOf(size_px()));
   glUniform4f(0, share.r, share.g, share.b, share.a);
   glUniform1ui(1, pixels);
-  constexpr GLuint kGroup = 256, kRow = 1024;  // groups
-  const GLuint groups = (pixels + kGroup - 1) / kGroup;
-  glDispatchCompute(kRow, (groups + kRow - 1) / kRow, 1);
+  const glm::uvec4 rows = rowsOf(groupsOf(pixels, 256));
+  glDispatchCompute(rows.x, rows.y, 1);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 

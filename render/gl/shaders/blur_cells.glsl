@@ -7,7 +7,7 @@ layout(std430, binding = 1) buffer Cells { uvec2 of_cell[]; };  // log2 of the s
 int reachOf(int step_px) { return 3 * step_px / 2; }
 
 void main() {
-  uint slot = gl_GlobalInvocationID.x;
+  uint slot = threadIndex(64u);
   if (slot >= min(cut_entries, uint(room.x))) return;
   uvec4 key = keys[slot];
   ivec2 low = ivec2(key.yz & 0x7FFFu), high = ivec2(key.yz >> 15 & 0x7FFFu);

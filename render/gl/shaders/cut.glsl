@@ -108,9 +108,8 @@ int sideOf(uint i) {
 #endif
 
 void main() {
-  uint count = 1u << level;
-  if (gl_GlobalInvocationID.x >= count) return;
-  uint node = count + gl_GlobalInvocationID.x;
+  uint count = 1u << level, node = count + threadIndex(64u);
+  if (node >= 2u * count) return;
   float weight = level == 0 ? 1.0 : passed[node >> 1];
   vec4 above = level == 0 ? kNoBounds : bounds[node >> 1];
   own[node] = 0.0;

@@ -47,4 +47,14 @@ vec3 inEyeAxes(vec3 v) { return vec3(dot(right.xyz, v), dot(up.xyz, v), dot(back
 // `Acuity::finest_px` of render/optics/acuity.h.
 float finest(float from_gaze) { return max(acuity.z + acuity.w * from_gaze, 1.0); }
 
+// Drivers limit the work groups of a dimension, so those of a dispatch lie in rows. The last row may
+// have groups too many: each shader checks its index.
+const uint kGroupsARow = 1024u;
+
+uvec4 rowsOf(uint groups) {
+  return uvec4(min(groups, kGroupsARow), (groups + kGroupsARow - 1u) / kGroupsARow, 1u, 0u);
+}
+uint groupIndex() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
+uint threadIndex(uint group_size) { return groupIndex() * group_size + gl_LocalInvocationIndex; }
+
 int samplesOf(ivec4 tile) { return tile.z / tile.w + (tile.w > 1 ? 2 * kApron : 0); }

@@ -42,8 +42,9 @@ uint nodeAt(uint place) {
 
 void main() {
   uint node_count = 1u << scene.y, first_cluster = node_count >> 1;
-  uint me = gl_LocalInvocationID.x;
-  uint first = (gl_WorkGroupID.x * 256u + me) * kNodesAThread;
+  uint group = groupIndex(), me = gl_LocalInvocationID.x;
+  if (group * 256u * kNodesAThread >= node_count) return;
+  uint first = (group * 256u + me) * kNodesAThread;
   uint end = min(first + kNodesAThread, node_count - 1u);
   uvec4 count = uvec4(0u);
   for (uint place = first; place < end; ++place) {
@@ -63,7 +64,7 @@ void main() {
     barrier();
   }
 #ifdef FILL
-  uvec4 at = sums[gl_WorkGroupID.x] + counts[me] - count;
+  uvec4 at = sums[group] + counts[me] - count;
   at.yz += uvec2(cut_nodes, cut_whole);
   uint capacity = uint(room.x);
   for (uint place = first; place < end; ++place) {
@@ -83,6 +84,6 @@ void main() {
     }
   }
 #else
-  if (me == 255u) sums[gl_WorkGroupID.x] = counts[255];
+  if (me == 255u) sums[group] = counts[255];
 #endif
 }

@@ -13,7 +13,8 @@ layout(std430, binding = 5) writeonly buffer Listed { uvec2 listed[]; };
 shared vec2 sums[64];  // of fourth powers, of weights
 
 void main() {
-  uint tile = gl_WorkGroupID.x, me = gl_LocalInvocationID.x;
+  uint tile = groupIndex(), me = gl_LocalInvocationID.x;
+  if (tile >= uint(cells.x * cells.y)) return;
   vec2 sum = vec2(0.0);
   for (uint e = range[tile].x + me; e < range[tile].y; e += 64u) {
     uint slot = list[e].y;

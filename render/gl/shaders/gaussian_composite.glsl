@@ -10,7 +10,7 @@ layout(std430, binding = 10) readonly buffer Discs { vec4 discs[]; };
 layout(location = 0) uniform uint disc;
 layout(location = 1) uniform vec3 background;  // display values
 #ifdef JOBS
-layout(location = 2) uniform uint first_item;
+layout(location = 2) uniform uvec2 items;  // first, number
 #else
 layout(location = 2) uniform uint disc_count;
 #endif
@@ -71,13 +71,15 @@ Seen see(uint slot, vec3 lens) {
 
 void main() {
 #ifdef JOBS
-  uint item = work_items[first_item + gl_WorkGroupID.x];
+  if (groupIndex() >= items.y) return;
+  uint item = work_items[items.x + groupIndex()];
   Job job = jobs[item >> 6];
   if (disc >= job.discs.y) return;
   Grid grid = Grid(job.first_px, job.step_px, job.side, job.entries);
   uint own = 2u * (job.discs.x + disc), disc_count = job.discs.y;
 #else
-  uint item = work_items[gl_WorkGroupID.x], own = 2u * disc;
+  if (groupIndex() >= min(work[0], uint(room.z))) return;
+  uint item = work_items[groupIndex()], own = 2u * disc;
   Grid grid = gridOf(item >> 6);
 #endif
   Square group = squareOf(grid, item & 63u);

@@ -39,9 +39,8 @@ int see(uint node) {
 }
 
 void main() {
-  uint count = 1u << level;
-  if (gl_GlobalInvocationID.x >= count) return;
-  uint node = count + gl_GlobalInvocationID.x;
+  uint count = 1u << level, node = count + threadIndex(64u);
+  if (node >= 2u * count) return;
   int seen = level == 0 || passed[node >> 1] > 0.0 ? see(node) : kOutside;
   own[node] = seen == kFine ? 1.0 : 0.0;
   passed[node] = seen == kCoarse ? 1.0 : 0.0;

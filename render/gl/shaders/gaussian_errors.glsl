@@ -27,7 +27,7 @@ mat3 jndPerLight(vec3 light) {
 float squareOf(vec3 v) { return dot(v, v); }
 
 void main() {
-  uint at = gl_GlobalInvocationID.x;
+  uint at = threadIndex(64u);
   if (at >= sample_count) return;
   vec4 f[8];
   for (uint i = 0u; i < 8u; ++i) f[i] = followed[8u * at + i];

@@ -36,7 +36,7 @@ void main() {
     far_bits = splat_count = 0u;
   }
   barrier();
-  uint slot = gl_GlobalInvocationID.x;
+  uint slot = threadIndex(64u);
   if (slot < min(cut_entries, uint(room.x))) projectEntry(slot);
   barrier();
   if (gl_LocalInvocationIndex != 0u || splat_count == 0u) return;

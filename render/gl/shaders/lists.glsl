@@ -12,7 +12,7 @@ const int kKeyBits = 18;  // of the distance that splats are ordered by
 #endif
 
 void main() {
-  uint slot = gl_GlobalInvocationID.x;
+  uint slot = threadIndex(64u);
   if (slot >= min(cut_entries, uint(room.x))) return;
   uvec4 key = keys[slot];
   ivec2 low = ivec2(key.yz & 0x7FFFu), high = ivec2(key.yz >> 15 & 0x7FFFu);

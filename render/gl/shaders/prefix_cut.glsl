@@ -27,5 +27,5 @@ void main() {
   cut_nodes = running.x;
   cut_whole = running.x + running.y;
   cut_entries = cut_whole + running.z;
-  project_groups = uvec4((min(cut_entries, uint(room.x)) + 63u) / 64u, 1u, 1u, 0u);
+  project_groups = rowsOf((min(cut_entries, uint(room.x)) + 63u) / 64u);
 }

@@ -42,5 +42,6 @@ void main() {
   if (me == 255u) list_entries = running;
   memoryBarrierBuffer();
   barrier();
-  if (me < 3u) sweep_groups[me] = uvec4(min(work[me], uint(room.z)), 1u, 1u, 0u);
+  // Added by atomics, so read by one: a plain read may come from a cache.
+  if (me < 3u) sweep_groups[me] = rowsOf(min(atomicAdd(work[me], 0u), uint(room.z)));
 }

@@ -45,7 +45,8 @@ uint rankIn(uint from, uint end, uvec2 item, bool in_list) {
 }
 
 void main() {
-  uint tile = gl_WorkGroupID.x, me = gl_LocalInvocationID.x;
+  uint tile = groupIndex(), me = gl_LocalInvocationID.x;
+  if (tile >= uint(cells.x * cells.y)) return;
   uint begin = min(range[tile].x, uint(room.y)), end = min(range[tile].y, uint(room.y));
   uint count = end - begin;
   if (count < 2u) return;

@@ -208,7 +208,8 @@ void compose(uvec2 entries, vec2 at, vec2 first_px, vec2 last_px, bool exists, v
 }
 
 void main() {
-  uint item = work_items[WORK_KIND * uint(room.z) + gl_WorkGroupID.x], index = item >> 6;
+  if (groupIndex() >= min(work[WORK_KIND], uint(room.z))) return;
+  uint item = work_items[WORK_KIND * uint(room.z) + groupIndex()], index = item >> 6;
   Grid grid = gridOf(index);
   Square group = squareOf(grid, item & 63u);
   uint to = placeOf(index, group.here);
@@ -252,7 +253,9 @@ void main() {
     for (uint k = 0u; k < uint(groups * groups) && first + k < uint(room.z); ++k) {
       sub_work[2u * uint(room.z) + first + k] = index << 6 | k;
     }
-    atomicMax(sweep_groups[2].x, min(first + uint(groups * groups), uint(room.z)));
+    uvec4 rows = rowsOf(min(first + uint(groups * groups), uint(room.z)));
+    atomicMax(sweep_groups[2].x, rows.x);
+    atomicMax(sweep_groups[2].y, rows.y);
   }
 #endif
   finishSquare();

@@ -1,0 +1,24 @@
+// Work groups of a dispatch.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <glm/glm.hpp>
+
+namespace foci {
+
+/// Groups of `each` that `count` threads or elements need.
+inline std::size_t groupsOf(std::size_t count, std::size_t each) {
+  return (count + each - 1) / each;
+}
+
+/// Work groups in a row: kGroupsARow of shaders/frame.glsl.
+inline constexpr std::size_t kGroupsARow = 1024;
+
+/// Rows of work groups, since drivers limit each dimension; the last row may have some too many. As
+/// an indirect dispatch takes them; its last number is unused.
+inline glm::uvec4 rowsOf(std::size_t groups) {
+  return {std::min(groups, kGroupsARow), groupsOf(groups, kGroupsARow), 1, 0};
+}
+
+}  // namespace foci
