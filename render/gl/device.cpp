@@ -9,8 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "render/gl/shader_sources.h"
-#include "render/kernel/limits.h"
+#include "render/gl/shader_text.h"
 
 namespace foci {
 namespace {
@@ -116,30 +115,10 @@ unsigned GpuDevice::program(const std::string& stage, const std::string& defines
   const auto found = programs_.find(key);
   if (found != programs_.end()) return found->second;
 
-  const std::string head = "#version 450 core\n" + defines +
-                           "const float kOverlap = " + std::to_string(kOverlap) + ";\n";
-  std::vector<std::string> parts{head};
-  if (stage != "sum" && stage != "encode") {  // the stages of a frame
-    parts.push_back(shaderSource("frame"));
-    parts.push_back(shaderSource("totals"));
-  }
-  if (stage == "project" || stage == "gaussian_project") parts.push_back(shaderSource("keys"));
-  if (stage == "sweep" || stage == "gaussian_composite") parts.push_back(shaderSource("batches"));
-  if (stage == "interpolate" || stage == "gaussian_composite") {
-    parts.push_back(shaderSource("cubic"));
-  }
-  if (stage == "sweep") parts.push_back(shaderSource("layers"));
-  if (stage == "gaussian_composite") {
-    parts.push_back(shaderSource("gaussian_layers"));
-    parts.push_back(shaderSource("gaussian_follow"));
-  }
-  parts.push_back(shaderSource(stage));
-  std::vector<const char*> texts;
-  texts.reserve(parts.size());
-  for (const std::string& part : parts) texts.push_back(part.c_str());
-
+  const std::string text = shaderText(stage, defines);
+  const char* const texts[] = {text.c_str()};
   const GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
-  glShaderSource(shader, static_cast<GLsizei>(texts.size()), texts.data(), nullptr);
+  glShaderSource(shader, 1, texts, nullptr);
   glCompileShader(shader);
   GLint good = 0;
   std::array<char, 2048> log{};
