@@ -68,6 +68,7 @@ void time(int frames, const std::function<GpuStats(double focus_D)>& render, Fra
   };
   std::vector<double> all, rendered, device, stages[kGpuStages.size()];
   for (int i = 0; i < frames; ++i) {
+    std::fprintf(stderr, "\rframe %d of %d", i + 1, frames);
     const double t = 0.5 - 0.5 * std::cos(6.2831853 * i / frames);
     const auto start = std::chrono::steady_clock::now();
     const GpuStats stats = render(kNear_D + t * (kFar_D - kNear_D));
@@ -81,6 +82,7 @@ void time(int frames, const std::function<GpuStats(double focus_D)>& render, Fra
     }
     device.push_back(sum);
   }
+  std::fputc('\n', stderr);
   for (std::size_t stage = 0; stage < kGpuStages.size(); ++stage) {
     printTimes(kGpuStages.at(stage).data(), stages[stage]);
   }
@@ -175,6 +177,7 @@ int run(int argc, char** argv) {
   const float step_px = argc > 2 ? std::strtof(argv[2], nullptr) : 0.9f;
   const int frames = argc > 3 ? std::max(std::atoi(argv[3]), 1) : 100;
   const auto gpu = GpuDevice::open(GpuDevice::Kind::any);
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a line is seen at once, in a file, too
   std::printf("device     %s%s\n", gpu->text().c_str(), gpu->isSoftware() ? " (software)" : "");
   timeGallery(gpu, size_px, step_px, frames);
   for (const int discs : {1, 7}) timeGarden(gpu, size_px, discs, frames);
