@@ -1,11 +1,15 @@
 // The JSON of glTF files, text (.gltf) or binary (.glb).
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
 namespace foci {
+
+/// Bytes before the first chunk of a binary file, and before the content of each chunk.
+inline constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;
 
 /// Whether the extension is that of glTF.
 bool isGltf(const std::filesystem::path& path);

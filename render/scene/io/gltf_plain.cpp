@@ -16,11 +16,12 @@
 #include <utility>
 #include <vector>
 
-#include "base/base64.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/gaussian_file.h"
+#include "render/scene/io/gltf_accessors.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/gltf_shape.h"
 #include "render/scene/io/mesh_limits.h"
 
 namespace foci {
@@ -28,86 +29,23 @@ namespace {
 
 using JsonValue = nlohmann::json;
 
-constexpr int kFloat = 5126;
-constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;
-
-/// A whole number of a JSON object; `otherwise` if it has none.
-std::size_t numberIn(const JsonValue& object, const char* key, std::size_t otherwise) {
-  const auto found = object.is_object() ? object.find(key) : object.end();
-  const bool is = object.is_object() && found != object.end() && found->is_number_unsigned();
-  return is ? found->get<std::size_t>() : otherwise;
-}
-
-const JsonValue* listEntry(const JsonValue& json, const char* list, std::size_t number) {
-  const auto found = json.find(list);
-  if (found == json.end() || !found->is_array() || number >= found->size()) return nullptr;
-  return &found->at(number);
-}
-
-/// How a component is stored.
-struct Component {
-  std::size_t bytes;
-  float most;  ///< of a normalised integer
-  float (*read)(const unsigned char*);
-};
-
-template <class T>
-float valueAt(const unsigned char* from) {
-  T value;
-  std::memcpy(&value, from, sizeof(T));
-  return static_cast<float>(value);
-}
-
-std::optional<Component> componentOf(std::size_t type) {
-  switch (type) {
-    case 5120:
-      return Component{1, 127.0f, valueAt<std::int8_t>};
-    case 5121:
-      return Component{1, 255.0f, valueAt<std::uint8_t>};
-    case 5122:
-      return Component{2, 32767.0f, valueAt<std::int16_t>};
-    case 5123:
-      return Component{2, 65535.0f, valueAt<std::uint16_t>};
-    case kFloat:
-      return Component{4, 1.0f, valueAt<float>};
-    default:
-      return std::nullopt;
-  }
-}
-
 class PlainGltf {
  public:
   PlainGltf(const std::filesystem::path& path, JsonValue json)
-      : path_(path), json_(std::move(json)) {}
+      : path_(path), json_(std::move(json)), accessors_(path_, json_) {}
 
   /// @return whether something changed; absent if the file lacks a buffer
   std::optional<bool> rewrite() {
+    const bool shaped = applyShapes(path_, json_, accessors_);
     for (const std::size_t accessor : integerAttributes()) {
-      const auto values = valuesOf(accessor);
+      const auto values = accessors_.valuesOf(accessor);
       if (!values) return std::nullopt;
-      JsonValue& rewritten = json_["accessors"][accessor];
-      rewritten["bufferView"] = json_["bufferViews"].size();
-      rewritten["componentType"] = kFloat;
-      for (const char* key : {"byteOffset", "normalized", "min", "max"}) rewritten.erase(key);
-      const std::size_t bytes = values->size() * sizeof(float);
-      json_["bufferViews"].push_back({{"buffer", json_["buffers"].size()},
-                                      {"byteOffset", floats_.size() * sizeof(float)},
-                                      {"byteLength", bytes}});
-      floats_.insert(floats_.end(), values->begin(), values->end());
-    }
-    if (!floats_.empty()) {
-      const std::size_t bytes = floats_.size() * sizeof(float);
-      std::ostringstream uri;
-      uri << "data:application/octet-stream;base64,";
-      Base64 base64(uri);
-      base64.add(reinterpret_cast<const std::uint8_t*>(floats_.data()), bytes);
-      base64.finish();
-      json_["buffers"].push_back({{"byteLength", bytes}, {"uri", uri.str()}});
+      accessors_.replace(accessor, *values);
     }
     const std::optional<bool> instances = addInstances();
     if (!instances) return std::nullopt;
-    const bool webp = nameWebp(), skins = dropSkins();
-    return !floats_.empty() || *instances || webp || skins;
+    const bool webp = nameWebp(), floats = accessors_.finish();
+    return shaped || floats || *instances || webp;
   }
 
   std::string text() const { return json_.dump(); }
@@ -126,83 +64,12 @@ class PlainGltf {
           const bool place = name == "POSITION" || name == "NORMAL" || name == "TANGENT" ||
                              name.starts_with("TEXCOORD_");
           if (!place || !number.is_number_unsigned()) continue;
-          const JsonValue* accessor = listEntry(json_, "accessors", number.get<std::size_t>());
-          if (accessor == nullptr) continue;
-          const std::size_t type = numberIn(*accessor, "componentType", kFloat);
-          if (type != kFloat && componentOf(type)) accessors.insert(number.get<std::size_t>());
+          const auto accessor = number.get<std::size_t>();
+          if (accessors_.isInteger(accessor)) accessors.insert(accessor);
         }
       }
     }
     return accessors;
-  }
-
-  /// The numbers of an accessor. Absent if its buffer is not there.
-  std::optional<std::vector<float>> valuesOf(std::size_t number) {
-    const JsonValue* const accessor = listEntry(json_, "accessors", number);
-    const JsonValue* const view =
-        accessor ? listEntry(json_, "bufferViews", numberIn(*accessor, "bufferView", SIZE_MAX))
-                 : nullptr;
-    const auto component = accessor ? componentOf(numberIn(*accessor, "componentType", 0))
-                                    : std::optional<Component>();
-    if (view == nullptr || !component || accessor->contains("sparse")) return std::nullopt;
-    const auto bytes = bufferOf(numberIn(*view, "buffer", SIZE_MAX));
-    if (!bytes) return std::nullopt;
-    const std::string type = accessor->value("type", "");
-    const std::size_t components = type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 1;
-    const std::size_t record = components * component->bytes;
-    const std::size_t stride = std::max(numberIn(*view, "byteStride", record), record);
-    const std::size_t count = numberIn(*accessor, "count", 0);
-    const std::size_t start =
-        numberIn(*view, "byteOffset", 0) + numberIn(*accessor, "byteOffset", 0);
-    const bool inside = start <= bytes->size() && bytes->size() - start >= record &&
-                        (bytes->size() - start - record) / stride + 1 >= count;
-    if (count > 0 && !inside) {
-      throw InputError(path_.string(), "accessor " + std::to_string(number) +
-                                           " reaches beyond its buffer of " +
-                                           thousands(static_cast<double>(bytes->size())) +
-                                           " bytes: is the file cut off?");
-    }
-    const bool normalized = accessor->value("normalized", false);
-    std::vector<float> values(count * components);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const std::size_t at = start + i / components * stride + i % components * component->bytes;
-      const float raw = component->read(bytes->data() + at);
-      values[i] = normalized ? std::max(raw / component->most, -1.0f) : raw;
-    }
-    return values;
-  }
-
-  std::optional<std::span<const unsigned char>> bufferOf(std::size_t number) {
-    const JsonValue* const buffer = listEntry(json_, "buffers", number);
-    if (buffer == nullptr) return std::nullopt;
-    auto found = buffers_.find(number);
-    if (found == buffers_.end()) {
-      const std::string uri = buffer->value("uri", "");
-      std::vector<unsigned char> bytes;
-      if (uri.empty()) {
-        bytes = binaryChunk();
-      } else if (uri.starts_with("data:")) {
-        bytes =
-            bytesOfBase64(std::string_view(uri).substr(std::min(uri.find(',') + 1, uri.size())));
-      } else {
-        const std::filesystem::path file = path_.parent_path() / percentDecoded(uri);
-        std::error_code ignored;
-        if (!std::filesystem::is_regular_file(file, ignored)) return std::nullopt;
-        const FileBytes read(file);
-        bytes.assign(read.all().begin(), read.all().end());
-      }
-      found = buffers_.emplace(number, std::move(bytes)).first;
-    }
-    return found->second;
-  }
-
-  /// Of a binary file, after the chunk of the JSON; the JSON before it is padded.
-  std::vector<unsigned char> binaryChunk() const {
-    const FileBytes file(path_);
-    const auto json = file.part(kGlbHeader, kChunkHeader);
-    const std::uint64_t at = kGlbHeader + kChunkHeader + std::uint64_t{u32At(json, 0)};
-    const auto chunk = file.part(at + kChunkHeader, u32At(file.part(at, kChunkHeader), 0));
-    return {chunk.begin(), chunk.end()};
   }
 
   /// A node below each node that repeats its mesh, for each instance.
@@ -224,7 +91,7 @@ class PlainGltf {
         for (char& c : name) c = static_cast<char>(c - 'a' + 'A');
         const std::size_t accessor = numberIn(node.at(attributes), name.c_str(), SIZE_MAX);
         if (accessor == SIZE_MAX) continue;
-        auto read = valuesOf(accessor);
+        auto read = accessors_.valuesOf(accessor);
         if (!read) return std::nullopt;
         count = std::max(count, read->size() / size);
         values[key] = std::move(*read);
@@ -265,17 +132,9 @@ class PlainGltf {
     return changed;
   }
 
-  bool dropSkins() {
-    bool changed = json_.erase("skins") > 0;
-    if (!json_.contains("nodes") || !json_["nodes"].is_array()) return changed;
-    for (JsonValue& node : json_["nodes"]) changed |= node.is_object() && node.erase("skin") > 0;
-    return changed;
-  }
-
   const std::filesystem::path& path_;
   JsonValue json_;
-  std::vector<float> floats_;  // of the accessors that are rewritten
-  std::map<std::size_t, std::vector<unsigned char>> buffers_;
+  GltfAccessors accessors_;
 };
 
 void append32(std::string& to, std::size_t value) {

@@ -8,7 +8,7 @@
 
 namespace foci {
 
-/// A sentence for each kind: poses of skeletons, shapes of morph targets, textures in KTX2.
+/// A sentence for each kind: textures in KTX2.
 std::vector<std::string> gltfUnshown(const GltfDocument& gltf);
 
 }  // namespace foci
