@@ -4,6 +4,7 @@
 // header, the mark says that this colour holds, and red is in the low bits of the others.
 #include "render/scene/io/stl_bytes.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cstddef>
 #include <cstdint>
@@ -34,6 +35,30 @@ bool startsText(std::string_view head) {
   return head.starts_with("solid") || head.starts_with("SOLID") || head.starts_with("Solid");
 }
 
+/// Removes solids without a triangle, which Assimp refuses.
+/// @param text  in small letters
+/// @return whether there were any beside others
+bool dropEmptySolids(std::string& text) {
+  std::string kept;
+  std::size_t solid = std::string::npos;  // where one begins in `kept`, up to its first triangle
+  bool any = false;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
+    const std::string_view line = std::string_view(text).substr(at, end - at), word = trimmed(line);
+    if (word.starts_with("solid")) solid = kept.size();
+    if (word.starts_with("facet")) solid = std::string::npos;
+    kept += line;
+    if (word.starts_with("endsolid") && solid != std::string::npos) {
+      kept.resize(solid);
+      any = true;
+    }
+    at = end;
+  }
+  if (!any || trimmed(kept).empty()) return false;
+  text = std::move(kept);
+  return true;
+}
+
 MendedFile readableText(const std::filesystem::path& stl) {
   std::string text = bytesOf(stl);
   if (text.find('\0') != std::string::npos) return {};
@@ -49,7 +74,8 @@ MendedFile readableText(const std::filesystem::path& stl) {
     }
     readable.remarks.emplace_back("has no line endsolid, so it may be cut off: is it complete?");
   }
-  if (!plain) readable.text = std::move(text);
+  const bool several = text.find("endsolid") != text.rfind("endsolid");
+  if ((several && dropEmptySolids(text)) || !plain) readable.text = std::move(text);
   return readable;
 }
 

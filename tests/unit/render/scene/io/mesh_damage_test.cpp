@@ -257,6 +257,19 @@ TEST_F(MeshDamage, AnStlAsTextMayBeInCapitals) {
   EXPECT_TRUE(has(said("d.stl", text.substr(0, text.find("vertex 0 1"))), "is cut off"));
 }
 
+TEST_F(MeshDamage, EmptySolidsOfAnStlAreLeftOut) {
+  const std::string solid =
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+      "endloop\nendfacet\nendsolid a\n";
+  const std::string empty = "solid b\nendsolid b\n";
+  const auto sizeOf = [&](const std::string& text) {
+    return readMesh(folder_.write("a.stl", text)).mesh.size();
+  };
+  EXPECT_EQ(sizeOf(empty + solid + empty), 1u);
+  EXPECT_EQ(sizeOf(solid + empty + solid), 1u);  // the second repeats the first
+  EXPECT_THROW(sizeOf(empty + empty), InputError);
+}
+
 TEST_F(MeshDamage, AStlOfMagicsHasTheColourOfItsHeaderWhereMarked) {
   const std::string header = std::string("COLOR=") + "\xff" + std::string(2, '\0') + "\xff";
   const auto color = [&](unsigned bits) {
