@@ -21,8 +21,8 @@ using JsonValue = nlohmann::json;
 
 constexpr int kFloat = 5126;
 
-/// Vectors of an accessor that is sparse alone: as many as corners of a mesh (mesh_limits.cpp).
-constexpr std::size_t kMostSparse = std::size_t{1} << 26;
+/// Vectors of an accessor without a view, which takes memory that the file does not have.
+constexpr std::size_t kMostSparse = std::size_t{1} << 22;
 
 /// How a component is stored.
 struct Component {

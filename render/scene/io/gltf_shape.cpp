@@ -283,6 +283,7 @@ class Shapes {
     std::size_t root = number;
     upwards(number, [&](std::size_t at) { root = at; });
     for (JsonValue& scene : json_["scenes"]) {
+      if (!scene.is_object() || !scene.contains("nodes") || !scene["nodes"].is_array()) continue;
       JsonValue& roots = scene["nodes"];
       if (std::find(roots.begin(), roots.end(), JsonValue(root)) != roots.end()) {
         roots.push_back(json_["nodes"].size());
