@@ -25,7 +25,7 @@ constexpr double kLiveFrame_ms = 10.0;
 struct LiveCommandOptions : StudyOptions {
   LiveOptions live{};
   std::string record{};
-  bool latency = false;
+  bool latency = false, overwrite = false;
 };
 
 std::string liveSummaryJson(const LiveSummary& summary) {
@@ -102,7 +102,7 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
   live.threads = options.threads.empty() && threads > 2 ? threads - 1 : threads;
   if (!options.record.empty()) live.record = options.record;
   StudyAsked asked = studyOf(options);
-  checkOutputs({options.write_study}, inputFiles(asked.study), false);
+  checkOutputs({options.write_study}, inputFiles(asked.study), options.overwrite);
   if (live.record) makeRecordFolder(*live.record);
   saveStudy(options, asked);
   Study study = asked.study;
@@ -156,6 +156,8 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
                    "port for an experiment's commands; default address: this machine")
       ->type_name("[ADDRESS:]PORT");
   addMarkerOptions(*command, *options);
+  command->add_flag("--overwrite", options->overwrite,
+                    "also replace a study that foci did not make; never a record");
   command->callback([options, command, command_line] {
     refuseEmptyValues(*command);
     runLiveCommand(*options, command_line);
