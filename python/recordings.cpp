@@ -155,8 +155,8 @@ void bindRecordings(py::module_& module) {
       .def_static("open", &openRecording, py::arg("path"), py::arg("screen") = py::none(),
                   py::arg("rate_Hz") = py::none(),
                   "Open an EyeLink ASC, Tobii, Pupil, SMI, GazeBase or BIDS file, or a table with "
-                  "named columns.\n\nscreen: used where the file states none. rate_Hz: None "
-                  "takes the median interval.")
+                  "named columns.\n\nscreen: used where the file states none; None takes 1920x1080 "
+                  "px, 0.5313 x 0.2989 m, 0.6 m away. rate_Hz: None takes the median interval.")
       .def(py::init(&recordingOf), py::arg("t"), py::arg("x"), py::arg("y"),
            py::arg("pupil_mm") = py::none(), py::arg("screen") = defaultScreen(),
            py::arg("rate_Hz") = py::none(),
@@ -186,6 +186,8 @@ void bindRecordings(py::module_& module) {
           "screen", [](const GazeTrace& r) { return *r.screen; }, "That x and y lie on.")
       .def_readonly("rate_Hz", &GazeTrace::rate_Hz, "Sampling rate, nominal or median, hertz.")
       .def_readonly("format", &GazeTrace::format, "Of the file, for people.")
+      .def_readonly("assumed", &GazeTrace::assumed,
+                    "What foci assumed because the file does not state it, a sentence each.")
       .def_readonly("warnings", &GazeTrace::warnings,
                     "What is worth knowing about the file, a sentence each.")
       .def("__len__", [](const GazeTrace& r) { return r.samples.size(); })

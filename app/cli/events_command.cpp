@@ -30,8 +30,10 @@ struct EventsOptions : TraceOptions {
   bool online = false, score = false, json = false, overwrite = false;
 };
 
-std::vector<GazeState> labelsOf(const GazeTrace& trace, bool online) {
-  return online ? labelSamplesOnline(trace, *trace.screen) : labelSamples(trace, *trace.screen);
+std::vector<GazeState> labelsOf(const GazeTrace& trace, const EventSettings& settings,
+                                bool online) {
+  return online ? labelSamplesOnline(trace, *trace.screen, settings)
+                : labelSamples(trace, *trace.screen, settings);
 }
 
 std::string sampleTable(const GazeTrace& trace, const std::vector<GazeState>& states) {
@@ -124,8 +126,8 @@ void detectEvents(const EventsOptions& options) {
   const GazeTrace trace = readTrace(options.traces[0], description.columns, description.screen);
   requireWholeScreen(*trace.screen, options.traces[0]);
   printDoubts(options.traces[0], trace);
-  const auto states = labelsOf(trace, options.online);
-  const auto events = eventsOf(states, trace, *trace.screen);
+  const auto states = labelsOf(trace, description.events, options.online);
+  const auto events = eventsOf(states, trace, *trace.screen, description.events);
   OutputFiles files;
   if (!options.out.empty()) files.write(options.out, eventTable(events));
   if (!options.samples.empty()) files.write(options.samples, sampleTable(trace, states));
@@ -133,7 +135,8 @@ void detectEvents(const EventsOptions& options) {
   files.commit();
 
   const double delay_s =
-      options.online ? OnlineEvents(*trace.screen, trace.rate_Hz).delay_s() : 0.0;
+      options.online ? OnlineEvents(*trace.screen, trace.rate_Hz, description.events).delay_s()
+                     : 0.0;
   nlohmann::ordered_json summary = {{"format", trace.format},
                                     {"rate_Hz", trace.rate_Hz},
                                     {"samples", states.size()},
@@ -237,7 +240,7 @@ void scoreEvents(const EventsOptions& options) {
     const LabelledTrace labelled = readLabelledTrace(file, description.screen, description.columns);
     requireWholeScreen(*labelled.trace.screen, file);
     printDoubts(file, labelled.trace);
-    scores.add(labelled, labelsOf(labelled.trace, options.online));
+    scores.add(labelled, labelsOf(labelled.trace, description.events, options.online));
   }
   nlohmann::ordered_json json = {{"recordings", options.traces.size()},
                                  {"samples", scores.samples},

@@ -25,7 +25,7 @@ constexpr double kLiveFrame_ms = 10.0;
 struct LiveCommandOptions : StudyOptions {
   LiveOptions live{};
   std::string record{};
-  bool latency = false;
+  bool latency = false, overwrite = false;
 };
 
 std::string liveSummaryJson(const LiveSummary& summary) {
@@ -48,11 +48,15 @@ std::string liveSummaryJson(const LiveSummary& summary) {
   return jsonText(json);
 }
 
+std::string medianText(const Durations& times) {
+  return decimal(times.quantile_ms(0.5), 1) +
+         " ms (median; 95 %: " + decimal(times.quantile_ms(0.95), 1) + " ms)";
+}
+
 /// The parts of the time from a sample to the screen, a line each.
 std::string latencyText(const LiveSummary& summary) {
   const auto line = [](const char* what, const Durations& part) {
-    return "\n  " + std::string(what) + decimal(part.quantile_ms(0.5), 1) +
-           " ms (median; 95 %: " + decimal(part.quantile_ms(0.95), 1) + " ms)";
+    return "\n  " + std::string(what) + medianText(part);
   };
   return "\ngaze to screen, " + std::to_string(summary.sample_to_swap.count()) + " frames:" +
          line("tracker, from the sample to the start of rendering: ", summary.sample_to_render) +
@@ -62,14 +66,15 @@ std::string latencyText(const LiveSummary& summary) {
 }
 
 std::string liveSummaryText(const LiveSummary& summary) {
-  std::string text = std::to_string(summary.frames) + " frames, the first after " +
-                     decimal(summary.first_frame_s, 2) + " s; " + std::to_string(summary.repeated) +
-                     " refreshes showed an older frame, " + std::to_string(summary.dropped) +
-                     " frames were never shown\ngaze to screen " +
-                     decimal(summary.sample_to_swap.quantile_ms(0.5), 1) +
-                     " ms (median; 95 %: " + decimal(summary.sample_to_swap.quantile_ms(0.95), 1) +
-                     " ms), rendering " + decimal(summary.render.quantile_ms(0.5), 1) +
-                     " ms (95 %: " + decimal(summary.render.quantile_ms(0.95), 1) + " ms)";
+  std::string text =
+      std::to_string(summary.frames) + " frames, the first after " +
+      decimal(summary.first_frame_s, 2) +
+      " s; refreshes that showed an older frame: " + std::to_string(summary.repeated) +
+      ", frames never shown: " + std::to_string(summary.dropped) + "\n" +
+      (summary.sample_to_swap.count() == 0
+           ? "no gaze reached the screen"
+           : "gaze to screen " + medianText(summary.sample_to_swap)) +
+      "\nrendering " + medianText(summary.render);
   if (const Landings& landings = summary.landings; landings.count() > 0) {
     text +=
         "\nfull quality after " + std::to_string(landings.toFull().count()) + " of " +
@@ -97,7 +102,7 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
   live.threads = options.threads.empty() && threads > 2 ? threads - 1 : threads;
   if (!options.record.empty()) live.record = options.record;
   StudyAsked asked = studyOf(options);
-  checkOutputs({options.write_study}, inputFiles(asked.study), false);
+  checkOutputs({options.write_study}, inputFiles(asked.study), options.overwrite);
   if (live.record) makeRecordFolder(*live.record);
   saveStudy(options, asked);
   Study study = asked.study;
@@ -151,6 +156,8 @@ void addLiveCommand(CLI::App& app, const std::string& command_line) {
                    "port for an experiment's commands; default address: this machine")
       ->type_name("[ADDRESS:]PORT");
   addMarkerOptions(*command, *options);
+  command->add_flag("--overwrite", options->overwrite,
+                    "also replace a study that foci did not make; never a record");
   command->callback([options, command, command_line] {
     refuseEmptyValues(*command);
     runLiveCommand(*options, command_line);

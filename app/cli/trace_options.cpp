@@ -11,7 +11,7 @@ namespace {
 TraceDescription studysDescription(const std::string& file) {
   if (file.empty()) return {};
   const Study study = readStudy(file);
-  TraceDescription description{.columns = study.columnsInForce()};
+  TraceDescription description{.columns = study.columnsInForce(), .events = study.gaze.events};
   if (!study.screen.is_default) description.screen = study.screenInForce();
   return description;
 }
@@ -40,7 +40,7 @@ void addTraceOptions(CLI::App& command, TraceOptions& o) {
       ->type_name("S");
   command
       .add_option("--study", o.study,
-                  "study whose [gaze] describes the columns, and whose [screen] is used if the "
+                  "study whose [gaze] describes the recording, and whose [screen] is used if the "
                   "recording states none")
       ->type_name("FILE");
   addScreenOptions(command, o.screen);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/cli/screen_options.h"
+#include "gaze/events/event_settings.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace CLI {
@@ -23,7 +24,8 @@ struct TraceOptions {
 /// A recording as a study and the options describe it. An option overrides the study's key.
 struct TraceDescription {
   TraceColumns columns{};
-  Screen screen{};  ///< for what the recording does not state
+  Screen screen{};         ///< for what the recording does not state
+  EventSettings events{};  ///< those of the study
 };
 
 /// Adds --time, --x, --y, --units, --time-scale-s, --study and the screen's options.

@@ -62,7 +62,7 @@ void writeFigures(std::ostream& out, const std::vector<ComparedRun>& runs) {
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const ComparedRun& run = runs[i];
     out << "<tr><td><b style=\"color:" << colorOf(i) << "\">&#9632;</b> " << escaped(run.name)
-        << "</td><td>" << run.frames.size() << "</td><td>" << decimal(run.frames.back().time_s, 2)
+        << "</td><td>" << run.frames.size() << "</td><td>" << decimal(run.duration_s(), 2)
         << "</td><td>" << run.fixations << "</td><td>" << decimal(run.meanFocus_D(), 3)
         << "</td><td>" << decimal(run.meanPupil_mm(), 2) << "</td><td>" << blurText(run, "&ndash;")
         << "</td></tr>\n";
@@ -134,7 +134,7 @@ void writeFocus(std::ostream& out, const std::vector<ComparedRun>& runs) {
 }
 
 void writePictures(std::ostream& out, const std::vector<ComparedRun>& runs) {
-  out << "<h2>Pictures</h2>\n<p class=\"quiet\">At " << kPictures
+  out << "<h2>Images</h2>\n<p class=\"quiet\">At " << kPictures
       << " equal steps of each run, from its video. A difference is that from the first run, times "
       << decimal(kDifferenceGain, 0) << ".</p>\n";
   for (std::size_t k = 0; k < kPictures; ++k) {
@@ -163,7 +163,7 @@ std::string compareTable(const std::vector<ComparedRun>& runs) {
   table += '\n';
   for (const ComparedRun& run : runs) {
     table += inField(run.folder.string()) + '\t' + std::to_string(run.frames.size()) + '\t' +
-             decimal(run.frames.back().time_s, 3) + '\t' + std::to_string(run.fixations) + '\t' +
+             decimal(run.duration_s(), 3) + '\t' + std::to_string(run.fixations) + '\t' +
              decimal(run.meanFocus_D(), 4) + '\t' + decimal(run.meanPupil_mm(), 3) + '\t' +
              blurText(run, "n/a");
     for (const std::string& object : objects) {

@@ -106,6 +106,11 @@ double meanOf(const std::vector<ComparedFrame>& frames, const Get& get) {
 
 }  // namespace
 
+double ComparedRun::duration_s() const {
+  const auto count = static_cast<double>(frames.size());
+  return frames.size() < 2 ? 0.0 : frames.back().time_s * count / (count - 1.0);
+}
+
 double ComparedRun::meanFocus_D() const {
   return meanOf(frames, [](const ComparedFrame& frame) { return frame.focus_D; });
 }

@@ -28,6 +28,8 @@ struct ComparedRun {
   std::map<std::string, double> dwell_s = {};  ///< by object
   std::vector<Image> pictures = {};            ///< of the video, at `kPictures` equal steps
 
+  /// The last frame lasts as long as the others do on average. 0 for a single frame.
+  double duration_s() const;
   double meanFocus_D() const;
   double meanPupil_mm() const;
   /// Diameter of the blur disc of what is looked at, arcmin: mean of pupil times defocus. Absent

@@ -76,9 +76,10 @@ std::string sceneText(const SceneFacts& facts, const Framing& framing) {
   if (facts.kind == SceneKind::gaussians) {
     line("harmonics", "of degree " + std::to_string(facts.harmonics_degree));
   } else {
-    line("normals", facts.has_normals ? "yes"
-                    : facts.isMesh()  ? "no: those of the triangles"
-                                      : "no: foci estimates them");
+    line("normals", facts.has_normals                   ? "yes"
+                    : facts.isMesh()                    ? "no: those of the triangles"
+                    : facts.kind == SceneKind::prepared ? "yes; they do not tell front from back"
+                                                        : "no: foci estimates them");
   }
   line("colours", facts.has_colors        ? "yes"
                   : facts.material_colors ? "of materials or faces"

@@ -489,7 +489,7 @@ void setKey(Study& study, std::string_view key, const std::string& text, const s
   } catch (const Expected& expected) {
     throw refusal(expected.what);
   } catch (const std::exception&) {
-    throw refusal("a TOML value");
+    throw refusal("a TOML value; a text needs quotes");
   }
 }
 

@@ -124,9 +124,25 @@ TraceColumns fromUpperLeft(TraceColumns columns, const Json& json, const fs::pat
   return columns;
 }
 
+constexpr const char* kAssumedKey = "FociAssumed";
 constexpr const char* kNominalText =
     "The recording states no screen: StimulusPresentation is a nominal screen of foci, which "
     "keeps the recording's own degrees or fractions";
+
+/// What foci assumed as it converted the recording.
+void takeAssumed(const Json& json, TraceHeader& header) {
+  constexpr std::string_view kThen = "as foci converted it: ";
+  constexpr std::size_t kMaxBytes = 200;
+  const auto assumed = json.find(kAssumedKey);
+  if (assumed == json.end() || !assumed->is_array()) return;
+  for (const Json& each : *assumed) {
+    if (!each.is_string()) continue;
+    std::string text = each.get<std::string>().substr(0, kMaxBytes);
+    std::ranges::replace_if(
+        text, [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
+    header.assumed.push_back(text.starts_with(kThen) ? text : std::string(kThen) + text);
+  }
+}
 
 void append(std::string& text, const std::optional<double>& value, int digits) {
   text += '\t';
@@ -169,6 +185,7 @@ TraceHeader readBids(const fs::path& file, const fs::path& sidecar, const TraceC
       lines, fromUpperLeft(described, json, sidecar, header, screen), screen, take, header);
   result.format = "BIDS eye tracking" + result.format.substr(std::min<std::size_t>(
                                             result.format.find(','), result.format.size()));
+  takeAssumed(json, result);
   return result;
 }
 
@@ -329,7 +346,7 @@ void BidsWriter::finish(const TraceHeader& header, double rate_Hz) {
                {"Columns", {"timestamp", "x_coordinate", "y_coordinate", "pupil_size", "blink"}},
                {"timestamp", {{"Description", "The recording's own clock"}, {"Units", "s"}}},
                {"Description", "Converted by foci from " + header.format}};
-  if (!header.assumed.empty()) json["FociAssumed"] = header.assumed;
+  if (!header.assumed.empty()) json[kAssumedKey] = header.assumed;
   const auto describe = [&](const std::string& eye) {
     json[eye + "x_coordinate"] = {{"Units", "pixel"}};
     json[eye + "y_coordinate"] = {{"Units", "pixel"}};

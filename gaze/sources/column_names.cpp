@@ -276,10 +276,12 @@ InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
   const std::string known = listed([&](std::size_t i) {
     return mayBe(Meaning::time, i) || mayBe(Meaning::x, i) || mayBe(Meaning::y, i);
   });
-  return lines_.error(what + how + "the columns are " + all +
-                      (known.empty() ? "; if the names are in a later line, remove the lines "
-                                       "before it, or begin them with #"
-                                     : ""));
+  const char* const else_where =
+      known.empty() ? "; if the names are in a later line, remove the lines before it, or begin "
+                      "them with #"
+      : meaning == Meaning::time ? "; if none has the time, give gaze.rate_Hz"
+                                 : "";
+  return lines_.error(what + how + "the columns are " + all + else_where);
 }
 
 InputError ColumnNames::inRadians(std::size_t column) const {

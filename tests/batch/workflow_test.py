@@ -25,15 +25,15 @@ seconds = [0, 2]
 
 
 def recording(foci, folder, subject):
-    """Three seconds of gaze at 100 Hz, with a saccade each half second."""
+    """Three seconds of gaze at 100 Hz, with a saccade each half second. sub-03 does not state its screen."""
     place = folder / "data" / subject / "beh"
     place.mkdir(parents=True)
     rows = [f"{0.01 * i:.2f}\t{150 if i // 50 % 2 else 400 + 10 * len(subject)}\t240" for i in range(310)]
     raw = folder / f"{subject}.tsv"
     raw.write_text("time_s\tx_px\ty_px\n" + "\n".join(rows) + "\n")
-    subprocess.run([foci, "trace", "convert", raw, "--out", place / f"{subject}_task-look_physio.tsv.gz",
-                    "--screen-px", "640x480", "--screen-m", "0.4x0.3", "--distance-m", "0.5"], check=True,
-                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    screen = ["--screen-px", "640x480", "--screen-m", "0.4x0.3", "--distance-m", "0.5"] if subject != "sub-03" else []
+    subprocess.run([foci, "trace", "convert", raw, "--out", place / f"{subject}_task-look_physio.tsv.gz", *screen],
+                   check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 def replays():

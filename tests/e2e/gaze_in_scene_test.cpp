@@ -8,6 +8,7 @@
 #include <cstring>
 #include <glm/glm.hpp>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 #include <sstream>
@@ -346,6 +347,8 @@ TEST_F(GazeInScene, ComparedRunsShowBlurDwellTimesAndDifferences) {
   const std::vector<Row> runs = table("both/compare.tsv");
   ASSERT_EQ(runs.size(), 2u);
   EXPECT_EQ(runs[0].at("run"), "run3");
+  const auto manifest = nlohmann::json::parse(folder.read("run3/manifest.json"));
+  EXPECT_NEAR(std::stod(runs[0].at("duration_s")), manifest["summary"]["duration_s"], 0.001);
   EXPECT_NEAR(std::stod(runs[1].at("mean_blur_arcmin")),
               2.0 * std::stod(runs[0].at("mean_blur_arcmin")), 0.01);
   double dwell_s = 0.0;

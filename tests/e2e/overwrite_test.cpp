@@ -148,6 +148,16 @@ TEST_F(Overwrite, AnEditedOutputIsForeign) {
   expectRefused(events, "events.tsv");
 }
 
+TEST_F(Overwrite, LiveReplacesAStudyAsItsMessageSays) {
+  folder.write("w.toml", "mine");
+  Arguments live = {"live", "study.toml", "--write-study", "w.toml", "--source", "nothing"};
+  expectRefused(live, "or --overwrite");
+  live.emplace_back("--overwrite");
+  const Outcome outcome = runFoci(live, folder.path());
+  EXPECT_NE(outcome.err.find("--source"), std::string::npos) << outcome.err;
+  EXPECT_NE(folder.read("w.toml"), "mine");
+}
+
 TEST_F(Overwrite, TwoOutputsAreTwoFiles) {
   expectRefused({"events", "trace.tsv", "--out", "a.tsv", "--samples", "./a.tsv"}, "two outputs");
 }

@@ -61,6 +61,32 @@ TEST(Recordings, EventsTakeTheDescriptionThatTraceInfoTakes) {
   EXPECT_EQ(facts["distance_m"], 0.6);
 }
 
+TEST(Recordings, EventsOfAStudyAreThoseOfItsReplay) {
+  TemporaryFolder folder;
+  std::string trace = "time_s\tx_px\ty_px\n";  // lost for 0.2 s, and a saccade of 7 degrees
+  for (int i = 0; i < 300; ++i) {
+    const std::string point = i >= 50 && i < 70 ? "n/a\tn/a" : i < 200 ? "300\t240" : "400\t240";
+    trace += std::to_string(0.01 * i) + "\t" + point + "\n";
+  }
+  folder.write("trace.tsv", trace);
+  folder.write("scene.ply", squarePly(8, 1.0));
+  std::string study = smallStudy();
+  study.replace(study.find("0.6]"), 4, "3]");
+  const auto eventsAre = [&](const std::string& keys) {
+    std::string keyed = study;
+    folder.write("study.toml", keyed.insert(keyed.find("[output]"), keys));
+    EXPECT_EQ(runFoci({"replay", "study.toml", "--out", "out"}, folder.path()).exit_code, 0);
+    const Outcome events = runFoci(
+        {"events", "trace.tsv", "--study", "study.toml", "--out", "events.tsv"}, folder.path());
+    EXPECT_EQ(events.exit_code, 0) << events.err;
+    EXPECT_EQ(folder.read("events.tsv"), folder.read("out/events.tsv")) << keys;
+    return folder.read("events.tsv");
+  };
+  const std::string usual = eventsAre("");
+  EXPECT_NE(eventsAre("max_gap_s = 0.5\n"), usual);
+  EXPECT_NE(eventsAre("saccade_deg_s = 1000\n"), usual);
+}
+
 TEST(Recordings, ARecordingInTheStudysPlaceIsNamed) {
   TemporaryFolder folder;
   folder.write("gaze.csv", table("time_s,x_px,y_px\n"));

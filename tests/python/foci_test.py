@@ -254,6 +254,13 @@ class EventsTest(unittest.TestCase):
         for field in table.dtype.names:
             np.testing.assert_array_equal(table[field], again[field])
 
+    def test_says_what_it_assumed_about_a_file(self):
+        t, x, y = fixations()
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "gaze.tsv")
+            np.savetxt(file, np.stack([t, x, y], axis=1), delimiter="\t", header="time_s\tx\ty", comments="")
+            self.assertEqual(foci.Recording.open(file).assumed, ["unit of the positions: px (gaze.units)"])
+
     def test_refuses_bad_samples(self):
         for arguments in [([0, 1, 1], [1, 2, 3], [1, 2, 3]), ([0, 1, 2], [1, 2], [1, 2, 3]),
                           ([0, 1, np.nan], [1, 2, 3], [1, 2, 3]), ([0, 1, 2], [np.nan] * 3, [1, 2, 3])]:

@@ -85,8 +85,9 @@ class Loader {
       throw InputError(path_.string(),
                        "has no triangle with an area within 1e9 units of the origin");
     }
+    const std::vector<bool> used = usedMaterials(scene_);
     for (unsigned i = 0; i < scene_.mNumMaterials; ++i) {
-      mesh.materials.push_back(materials_.read(i));
+      mesh.materials.push_back(used[i] ? materials_.read(i) : MeshMaterial{});
     }
     mesh.remarks = materials_.remarks();
     useAlpha(mesh);

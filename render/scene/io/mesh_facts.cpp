@@ -137,6 +137,15 @@ void finishTriangles(TriangleMesh& mesh, SceneFacts& facts) {
   }
 }
 
+std::vector<bool> usedMaterials(const aiScene& scene) {
+  std::vector<bool> used(scene.mNumMaterials);
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const unsigned material = scene.mMeshes[m]->mMaterialIndex;
+    if (material < used.size()) used[material] = true;
+  }
+  return used;
+}
+
 SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path) {
   SceneFacts facts{.kind = kindOfMesh(path)};
   if (facts.kind == SceneKind::gltf) facts.unit_m = 1.0;
@@ -146,9 +155,11 @@ SceneFacts meshFacts(const aiScene& scene, const std::filesystem::path& path) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     facts.has_normals = facts.has_normals || scene.mMeshes[m]->HasNormals();
   }
+  const std::vector<bool> used = usedMaterials(scene);
   for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
     // Assimp gives this material to a mesh without one.
     if (scene.mMaterials[m]->GetName() == aiString(AI_DEFAULT_MATERIAL_NAME)) continue;
+    if (!used[m]) continue;
     facts.materials.push_back(factsOf(*scene.mMaterials[m], scene, path));
     facts.opacity.x = std::min(facts.opacity.x, facts.materials.back().opacity);
   }

@@ -202,9 +202,10 @@ TEST(Bids, RoundTrips) {
       if (i % 3) sample.eyes[0].point_px = glm::dvec2(1.5, i);
       writer.add(sample);
     }
-    writer.finish({.format = "test", .screen = kScreen}, 500.0);
+    writer.finish({.format = "test", .screen = kScreen, .assumed = {"unit: px"}}, 500.0);
   }
   const GazeTrace trace = readTrace(file, {}, {});
+  EXPECT_EQ(trace.assumed, std::vector<std::string>{"as foci converted it: unit: px"});
   EXPECT_EQ(trace.format, "BIDS eye tracking");
   EXPECT_EQ(trace.rate_Hz, 500.0);
   EXPECT_EQ(trace.screen->size_px, kScreen.size_px);

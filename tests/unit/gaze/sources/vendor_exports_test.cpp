@@ -194,6 +194,9 @@ TEST(VendorExport, MissingColumnsListTheirCandidates) {
   const std::string x =
       refusal("TIMETICK,LSPOTX,LSPOTY,RSPOTX,RSPOTY\n1,2,3,4,5\n", {.time = "TIMETICK"});
   EXPECT_NE(x.find("it may be \"LSPOTX\", \"RSPOTX\""), std::string::npos) << x;
+  const std::string timeless = refusal("x_px,y_px\n1,2\n3,4\n");
+  EXPECT_NE(timeless.find("if none has the time, give gaze.rate_Hz"), std::string::npos)
+      << timeless;
   EXPECT_NE(refusal("0.1,1,2\n0.2,1,2\n").find("the first line has numbers, not names"),
             std::string::npos);
 }

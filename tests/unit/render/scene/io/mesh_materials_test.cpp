@@ -130,6 +130,20 @@ std::string gltf(const std::string& texture_info) {
          R"("buffers":[{"uri":"b.bin","byteLength":60}]})";
 }
 
+TEST_F(MeshMaterials, OnlyThoseInUseCount) {
+  write("m.mtl", "newmtl m\nKd 1 0 0\nnewmtl other\nd 0.2\nmap_Kd lost.png\n");
+  const MeshFile file = readMesh(write("m.obj", "mtllib m.mtl\n" + kTriangle));
+  ASSERT_EQ(file.facts.materials.size(), 1u);
+  EXPECT_EQ(file.facts.materials[0].name, "m");
+  EXPECT_EQ(file.facts.opacity, glm::vec2(1.0f));
+  EXPECT_FALSE(remarks(file, "lost.png"));
+
+  writeQuarters(folder_.path() / "t.png");
+  const float data[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
+  write("b.bin", std::string(reinterpret_cast<const char*>(data), sizeof(data)));
+  EXPECT_EQ(readMesh(write("m.gltf", gltf(""))).facts.materials.size(), 1u) << "Assimp adds one";
+}
+
 TEST_F(MeshMaterials, TextureTransformOfGltfScalesThenTurnsThenMoves) {
   writeQuarters(folder_.path() / "t.png");
   const float data[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
