@@ -75,6 +75,11 @@ std::size_t indexAt(const unsigned char* from, std::size_t bytes) {
   return index;
 }
 
+/// Bytes from a record of a view to the next.
+std::size_t strideOf(const JsonValue& view, std::size_t record) {
+  return std::max(numberIn(view, "byteStride", record), record);
+}
+
 }  // namespace
 
 std::size_t numberIn(const JsonValue& object, const char* key, std::size_t otherwise) {
@@ -103,10 +108,10 @@ std::optional<std::vector<float>> GltfAccessors::valuesOf(std::size_t number) {
   if (!component) return std::nullopt;
   const std::size_t components = componentsOf(accessor->value("type", ""));
   const std::size_t count = numberIn(*accessor, "count", 0);
-  const bool normalized = accessor->value("normalized", false),
-             sparse = accessor->contains("sparse");
+  const bool normalized = accessor->value("normalized", false);
+  const auto sparse = accessor->find("sparse");
   std::vector<float> values;
-  if (sparse && !accessor->contains("bufferView")) {  // all others are zero
+  if (sparse != accessor->end() && !accessor->contains("bufferView")) {  // all others are zero
     if (count > kMostSparse) return std::nullopt;
     values.resize(count * components);
   } else {
@@ -114,32 +119,33 @@ std::optional<std::vector<float>> GltfAccessors::valuesOf(std::size_t number) {
     const std::size_t record = components * component->bytes;
     const auto bytes = viewOf(number, view, numberIn(*accessor, "byteOffset", 0), count, record);
     if (!bytes) return std::nullopt;
-    const std::size_t stride =
-        std::max(numberIn(*listEntry(json_, "bufferViews", view), "byteStride", record), record);
+    const std::size_t stride = strideOf(*listEntry(json_, "bufferViews", view), record);
     values.resize(count * components);
     for (std::size_t i = 0; i < values.size(); ++i) {
       const std::size_t at = i / components * stride + i % components * component->bytes;
       values[i] = component->at(bytes->data() + at, normalized);
     }
   }
-  if (!sparse) return values;
+  if (sparse == accessor->end()) return values;
 
-  const JsonValue &changes = accessor->at("sparse"), &indices = changes.at("indices");
-  const std::size_t changed = numberIn(changes, "count", 0);
+  const JsonValue &indices = sparse->at("indices"), &news = sparse->at("values");
+  const std::size_t changed = numberIn(*sparse, "count", 0);
   const std::size_t index_bytes = bytesOfIndex(numberIn(indices, "componentType", 0));
   const auto places = viewOf(number, numberIn(indices, "bufferView", SIZE_MAX),
                              numberIn(indices, "byteOffset", 0), changed, index_bytes);
-  const auto news = viewOf(number, numberIn(changes.at("values"), "bufferView", SIZE_MAX),
-                           numberIn(changes.at("values"), "byteOffset", 0), changed,
-                           components * component->bytes);
-  if (!places || !news) return std::nullopt;
+  const auto bytes =
+      viewOf(number, numberIn(news, "bufferView", SIZE_MAX), numberIn(news, "byteOffset", 0),
+             changed, components * component->bytes);
+  if (!places || !bytes) return std::nullopt;
   for (std::size_t i = 0; i < changed; ++i) {
     const std::size_t place = indexAt(places->data() + i * index_bytes, index_bytes);
-    if (place >= count)
-      refuse(number, "changes number " + std::to_string(place) + " of " + std::to_string(count));
+    if (place >= count) {
+      refuse(number,
+             "changes its vector " + std::to_string(place) + " of " + std::to_string(count));
+    }
     for (std::size_t c = 0; c < components; ++c) {
       const std::size_t at = (i * components + c) * component->bytes;
-      values[place * components + c] = component->at(news->data() + at, normalized);
+      values[place * components + c] = component->at(bytes->data() + at, normalized);
     }
   }
   return values;
@@ -197,7 +203,7 @@ std::optional<std::span<const unsigned char>> GltfAccessors::viewOf(std::size_t 
   if (view == nullptr) return std::nullopt;
   const auto bytes = bufferOf(numberIn(*view, "buffer", SIZE_MAX));
   if (!bytes) return std::nullopt;
-  const std::size_t stride = std::max(numberIn(*view, "byteStride", record), record);
+  const std::size_t stride = strideOf(*view, record);
   const std::size_t start = numberIn(*view, "byteOffset", 0) + offset;
   const bool inside = start <= bytes->size() && bytes->size() - start >= record &&
                       (bytes->size() - start - record) / stride + 1 >= count;
