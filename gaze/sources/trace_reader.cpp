@@ -163,8 +163,7 @@ GazeTrace readTrace(const std::filesystem::path& file, const TraceColumns& colum
   trace.warnings = header.warnings;
   const std::string name = file.string();
   if (trace.samples.size() < 2) {
-    throw InputError(name,
-                     "expected at least 2 samples; has " + std::to_string(trace.samples.size()));
+    throw InputError(name, std::to_string(trace.samples.size()) + " samples: expected at least 2");
   }
   if (std::none_of(trace.samples.begin(), trace.samples.end(),
                    [](const GazeSample& sample) { return sample.point_px.has_value(); })) {
