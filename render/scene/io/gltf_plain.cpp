@@ -162,8 +162,11 @@ std::string glbWith(const std::filesystem::path& path, std::string json) {
 }  // namespace
 
 std::string plainGltf(GltfDocument gltf) {
-  if (gltf.altered) return "";
   const std::filesystem::path& path = gltf.path;
+  if (gltf.altered) {
+    if (!gltf.json.contains("skins")) return "";
+    throw InputError(path.string(), "has a skin, and is not UTF-8 as glTF has to be: save it so");
+  }
   try {
     PlainGltf plain(path, std::move(gltf.json));
     const auto first = firstBytes(path, 4);

@@ -144,6 +144,9 @@ TEST_F(GltfShape, AJointThatIsNotThereIsRefused) {
   without.replace(without.find(R"("joints")"), 8, R"("jointz")");
   EXPECT_NE(refusal(without, buffer()).find("the skin of node 0 cannot be read"),
             std::string::npos);
+  std::string latin = text;
+  latin.replace(latin.find("2.0"), 3, "2\xe9");
+  EXPECT_NE(refusal(latin, buffer()).find("is not UTF-8"), std::string::npos);
 }
 
 }  // namespace
