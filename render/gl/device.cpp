@@ -116,9 +116,9 @@ unsigned GpuDevice::program(const std::string& stage, const std::string& defines
   if (found != programs_.end()) return found->second;
 
   const std::string text = shaderText(stage, defines);
-  const char* const texts[] = {text.c_str()};
+  const char* const source = text.c_str();
   const GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
-  glShaderSource(shader, 1, texts, nullptr);
+  glShaderSource(shader, 1, &source, nullptr);
   glCompileShader(shader);
   GLint good = 0;
   std::array<char, 2048> log{};

@@ -10,8 +10,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
-#include <span>
-#include <sstream>
 #include <string_view>
 #include <utility>
 #include <vector>

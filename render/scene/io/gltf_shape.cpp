@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -31,10 +30,11 @@ std::array<double, N> listOf(const JsonValue& node, const char* key,
   return found->get<std::array<double, N>>();
 }
 
-glm::dmat4 matrixOf(const double* columns) {
+template <class Number>
+glm::dmat4 matrixOf(const Number* columns) {
   glm::dmat4 matrix;
   for (int c = 0; c < 4; ++c) {
-    for (int r = 0; r < 4; ++r) matrix[c][r] = columns[4 * c + r];
+    for (int r = 0; r < 4; ++r) matrix[c][r] = static_cast<double>(columns[4 * c + r]);
   }
   return matrix;
 }
@@ -156,9 +156,7 @@ class Shapes {
       if (node >= parents_.size()) return std::nullopt;
       glm::dmat4 joint = placeOf(node);
       if (const std::size_t first = 16 * joints.size(); first + 16 <= bind.size()) {
-        const std::vector<double> columns(bind.begin() + static_cast<std::ptrdiff_t>(first),
-                                          bind.begin() + static_cast<std::ptrdiff_t>(first + 16));
-        joint *= matrixOf(columns.data());
+        joint *= matrixOf(bind.data() + first);
       }
       joints.emplace_back(joint);
     }
