@@ -12,6 +12,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/gltf_ranges.h"
 #include "render/scene/io/gltf_unshown.h"
 #include "render/scene/io/ply_mesh.h"
 
@@ -65,6 +66,7 @@ MeshImport::MeshImport(const std::filesystem::path& path) : path_(path) {
     compression_ = compressionOf(*gltf);
     if (!mayBeRead(compression_)) throw InputError(path.string(), compressionRefusal(compression_));
     refuseUnknownExtensions(*gltf);
+    refuseOverreachingGltf(*gltf);
     remarks_ = gltfUnshown(*gltf);
   } else if (isUtf16(path)) {
     throw InputError(path.string(), "is text in UTF-16: save it in UTF-8");
