@@ -22,7 +22,6 @@ namespace foci {
 namespace HWY_NAMESPACE {
 
 inline constexpr std::size_t kMaxLanes = TileGaussians::kBlock;
-inline constexpr float kMaxExponent = 60.0f;  // of a peak, to base 2: finite
 
 /// Gaussians of a block, one lane each, as the sub-aperture sees them. At the offset (x, y)
 /// from its centre a Gaussian has alpha = peak 2^-q, q = qa x^2 + qb x y + qc y^2, where q < cut.
@@ -227,7 +226,7 @@ class TileCompositor {
     // The covered area stays; exp(opacity - 1) is the peak of a flat top (gaussian_merge.h).
     const V opacity = hn::Mul(load(TileGaussians::opacity), hn::Sqrt(hn::Div(sharp, blurred)));
     const V above = hn::Mul(hn::Sub(opacity, set(1.0f)), set(std::numbers::log2e_v<float>));
-    const V flat = powerOfHalf(hn::Neg(hn::Clamp(above, hn::Zero(d), set(kMaxExponent))));
+    const V flat = powerOfHalf(hn::Neg(hn::Clamp(above, hn::Zero(d), set(kMaxPeakExponent))));
     hn::Store(hn::IfThenElse(hn::Gt(above, hn::Zero(d)), flat, opacity), d, block_.peak);
     hn::Store(hn::Mul(cut, set(kHalfLog2E)), d, block_.cut);
     const auto boxOf = [&](V centre, V variance, std::uint32_t* first, std::uint32_t* last) {

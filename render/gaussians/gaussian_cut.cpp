@@ -62,7 +62,6 @@ class NodeSelector {
 
     // The node, its blur and the low-pass lie within this box on the image. Twice the blur radius
     // bounds a disc's footprint of 3 sigma.
-    constexpr float kLowPassReach_px = 4.0f;
     const glm::vec2 offset = view_.focal_px * glm::vec2(p.x, -p.y) / depth;
     const glm::vec2 at = view_.principal_px + offset;
     const glm::vec2 reach =

@@ -25,6 +25,9 @@ struct GaussianCutSettings {
   Acuity acuity = {};
 };
 
+/// How far the low-pass reaches on the image.
+inline constexpr float kLowPassReach_px = 4.0f;
+
 /// Nodes and single Gaussians that together are the scene. Each Gaussian in view is in exactly one.
 struct GaussianCut {
   std::vector<std::uint32_t> nodes, gaussians;

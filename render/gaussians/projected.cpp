@@ -11,15 +11,6 @@
 namespace foci {
 namespace {
 
-/// The local affine approximation holds near the image. Beyond this multiple of the field of view,
-/// it is taken from there (Kerbl et al. 2023).
-constexpr float kFieldMargin = 1.3f;
-
-/// Standard deviation of a lens's mean view, as `TileLists` chooses samples by it, over the blur
-/// radius: samples are up to C / 2.3 apart. A disc has 1/2. On two captures that are blurred
-/// everywhere, the images are then as close to 150 pinholes as with samples a pixel apart.
-constexpr float kSigmaPerBlur = 0.3f;
-
 glm::vec3 times(const Covariance3& s, const glm::vec3& v) {
   return {s.xx * v.x + s.xy * v.y + s.xz * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
           s.xz * v.x + s.yz * v.y + s.zz * v.z};

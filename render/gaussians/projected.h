@@ -24,6 +24,21 @@ inline constexpr float kLowPass_px2 = 0.3f;
 inline constexpr float kMaxAlphaOfGaussian = 0.99f;
 inline constexpr float kOpaqueTransmittance = 1e-4f;
 
+/// The local affine approximation holds near the image. Beyond this multiple of the field of view,
+/// it is taken from there (Kerbl et al. 2023).
+inline constexpr float kFieldMargin = 1.3f;
+
+/// Standard deviation of a lens's mean view, as `TileLists` chooses samples by it, over the blur
+/// radius: samples are up to C / 2.3 apart. A disc has 1/2. On two captures that are blurred
+/// everywhere, the images are then as close to 150 pinholes as with samples a pixel apart.
+inline constexpr float kSigmaPerBlur = 0.3f;
+
+/// Vergences and distances of a Gaussian are clamped to this many standard deviations.
+inline constexpr float kVergenceReach = 3.0f;
+
+/// Largest exponent, to base 2, of a Gaussian's peak: it stays finite.
+inline constexpr float kMaxPeakExponent = 60.0f;
+
 /// From the lens point p, on the unit disc, a point at the vergence 1/U appears displaced by
 ///   R o ((F - I/U) p),   R = radius_px_per_D, F - I/U = [m_xx m_xy; m_xy m_yy]    (defocus.h).
 /// The displacement varies within a Gaussian that is deep. To first order this shears it: with the

@@ -17,17 +17,17 @@ namespace HWY_NAMESPACE {
 
 /// Mean vergences of Gaussians, one lane each, given the place: at the offset d from the centre,
 ///   1/U + d' V_p^-1 (s - e a)      (projected.h),
-/// within the bounds that kReach standard deviations of the vergence, or of the distance, set.
+/// within the bounds that kVergenceReach standard deviations of the vergence, or of the distance,
+/// set.
 struct alignas(64) Vergences {
   static constexpr std::size_t kMost = TileGaussians::kBlock;
-  static constexpr float kReach = 3.0f;
   float at[kMost], slope_x[kMost], slope_y[kMost], low[kMost], high[kMost];
 
   /// @param e  variance of the vergence
   HWY_INLINE void see(V distance_m, V e, V by_x, V by_y) {
     const D d;
     const V middle = hn::Div(hn::Set(d, 1.0f), distance_m);
-    const V highest = hn::MulAdd(hn::Set(d, kReach), hn::Sqrt(e), middle);
+    const V highest = hn::MulAdd(hn::Set(d, kVergenceReach), hn::Sqrt(e), middle);
     hn::Store(middle, d, at);
     hn::Store(by_x, d, slope_x);
     hn::Store(by_y, d, slope_y);

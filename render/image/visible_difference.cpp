@@ -13,7 +13,6 @@ namespace foci {
 namespace {
 
 constexpr double kEye_deg = 0.5 / 60.0;  // standard deviation of the blur of an eye in focus
-constexpr float kJustNoticeable = 2.3f;
 
 /// The Gaussian is cut off at this many standard deviations, where it is 0.0003 of its peak.
 constexpr double kReach = 4.0;
@@ -45,15 +44,6 @@ glm::vec3 filtered(const std::vector<float>& weights, int i, int count, const At
   }
   return sum;
 }
-
-/// Linear RGB with the primaries of sRGB to CIE XYZ, in units of the white D65.
-const glm::mat3 kXyzOfWhite =
-    glm::transpose(glm::mat3(glm::vec3(0.412453f, 0.357580f, 0.180423f) / 0.950456f,
-                             glm::vec3(0.212671f, 0.715160f, 0.072169f),
-                             glm::vec3(0.019334f, 0.119193f, 0.950227f) / 1.088754f));
-/// L*a*b* is this times the curve of XYZ, but for L* = -16 at 0.
-const glm::mat3 kLabOfCurve(0.0f, 500.0f, 0.0f, 116.0f, -500.0f, 200.0f, 0.0f, 0.0f, -200.0f);
-constexpr float kLinearBelow = 0.008856f, kLinearSlope = 7.787f;
 
 /// CIE 1976 L*a*b* of linear RGB.
 glm::vec3 labOf(const glm::vec3& rgb) {

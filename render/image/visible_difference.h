@@ -11,7 +11,21 @@ namespace foci {
 /// Resolution of a 96 dpi screen 0.6 m away, for errors that are measured without a screen.
 inline constexpr double kUsualPx_per_deg = 40.0;
 
-/// CIE 1976 L*a*b* difference of each pixel, in JND of 2.3 (Mahy, Van Eycken and Oosterlinck 1994).
+/// A just-noticeable difference of L*a*b* (Mahy, Van Eycken and Oosterlinck 1994).
+inline constexpr float kJustNoticeable = 2.3f;
+
+/// Linear RGB with the primaries of sRGB to CIE XYZ, in units of the white D65.
+inline const glm::mat3 kXyzOfWhite =
+    glm::transpose(glm::mat3(glm::vec3(0.412453f, 0.357580f, 0.180423f) / 0.950456f,
+                             glm::vec3(0.212671f, 0.715160f, 0.072169f),
+                             glm::vec3(0.019334f, 0.119193f, 0.950227f) / 1.088754f));
+/// L*a*b* is this times the curve of XYZ, but for L* = -16 at 0.
+inline const glm::mat3 kLabOfCurve(0.0f, 500.0f, 0.0f, 116.0f, -500.0f, 200.0f, 0.0f, 0.0f,
+                                   -200.0f);
+/// The curve is x^(1/3) from the first on, and below a line of the second as slope.
+inline constexpr float kLinearBelow = 0.008856f, kLinearSlope = 7.787f;
+
+/// CIE 1976 L*a*b* difference of each pixel, in JND.
 /// Before, both frames are blurred like an eye in focus, by a Gaussian of 0.5 arcmin standard
 /// deviation: a grating of 40 cycles a degree keeps a tenth of its contrast. White is the
 /// display's, and brighter light is clamped to it.

@@ -11,13 +11,10 @@
 namespace foci {
 namespace {
 
-constexpr float kFade = 0.3f;            // a node fades out over this share of the allowed variance
 constexpr int kSerialCutLevels = 8;      // below it one task a subtree; fixed, so results are, too
 constexpr int kMiddleLevel = 10;         // about a thousand nodes
-constexpr float kWidestReach = 3.0f;     // bounds a kernel's support, standard deviations
 constexpr float kWidestSupport = 2.83f;  // the same, no wider than needed (kWidestSupport2)
 constexpr int kRangeSurfels = 512;       // largest subtree that is taken as one range of surfels
-constexpr float kEdgeOn = 0.612f;        // smallest `coarsenessInView` over the coarseness
 constexpr int kBorderRanges = 8;  // parts of such a subtree where the image's border may cut it
 
 struct Pending {
@@ -62,7 +59,7 @@ class Selector {
     const bool seen = above.seen;
     const Coarseness coarse = tree_.coarseness()[node];
     float size = coarse.now_m2 * above.min;
-    const bool known = size >= 1.0f + kFade || coarse.now_m2 * above.max <= 1.0f;
+    const bool known = size >= 1.0f + kCutFade || coarse.now_m2 * above.max <= 1.0f;
     if (!above.in_view || !known) {
       size = sizeOf(node, above);
       if (size == kOutside) return;
@@ -70,11 +67,11 @@ class Selector {
     }
     const std::size_t first_range = first_range_node_ * (above.in_view ? 1 : kBorderRanges);
     if (weight == 1.0f && (node >= first_range || tree_.isCluster(node)) &&
-        coarse.min_m2 * above.min >= 1.0f + kFade) {
+        coarse.min_m2 * above.min >= 1.0f + kCutFade) {
       takeAll(node, cut);
       return;
     }
-    const float children = std::min((size - 1.0f) * (1.0f / kFade), 1.0f);
+    const float children = std::min((size - 1.0f) * (1.0f / kCutFade), 1.0f);
     if (children < 1.0f) {
       const float own = children > 0.0f ? 1.0f - children : 1.0f;
       cut.nodes.push_back({static_cast<std::uint32_t>(node), weight * own});

@@ -42,6 +42,15 @@ inline constexpr CutSettings kPixelCut{.per_blur2 = 0.0f,
                                        .per_pixel2 = kFaithfulCut.per_pixel2,
                                        .foreshortened = kFaithfulCut.foreshortened};
 
+/// A node fades out over this share of the allowed variance.
+inline constexpr float kCutFade = 0.3f;
+
+/// Bounds a kernel's support, standard deviations.
+inline constexpr float kWidestReach = 3.0f;
+
+/// Smallest `coarsenessInView` over the coarseness.
+inline constexpr float kEdgeOn = 0.612f;
+
 struct CutEntry {
   std::uint32_t index;
   float weight;  ///< in (0, 1]

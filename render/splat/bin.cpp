@@ -1,6 +1,7 @@
 #include "render/splat/bin.h"
 
 #include "base/parallel.h"
+#include "render/splat/constants.h"
 
 #include <algorithm>
 #include <array>
@@ -11,13 +12,6 @@
 
 namespace foci {
 namespace {
-
-/// Smallest standard deviation of a tile's kernels over the distance of its samples, if that
-/// distance exceeds a pixel. Chosen by hand; `SweepLod` tests bound its errors.
-constexpr float kSigmasAStep = 0.7f;
-
-/// Bits of the distance that splats are sorted by: two digits.
-constexpr int kKeyBits = 18;
 
 /// Digits of up to 9 bits: the counters then fit into the first-level cache.
 constexpr int kDigitBits = 9;

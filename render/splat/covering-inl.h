@@ -12,23 +12,8 @@
 
 #include "render/kernel/limits.h"
 #include "render/splat/block-inl.h"
+#include "render/splat/constants.h"
 #include "render/splat/simd-inl.h"
-
-#ifndef FOCI_COVERING_ONCE
-#define FOCI_COVERING_ONCE
-namespace foci {
-
-/// The mean lens point of a layer is scaled by the first and reduced by the second (lens radii)
-/// before it bounds the layer's coverage. Chosen by hand: the mean then errs towards more coverage.
-inline constexpr float kMeanScale = 0.92f, kMeanNoise = 0.04f;
-
-/// A mean up to the second, over the first, bounds nothing: folds that hide parts of themselves
-/// weigh one side of the lens more, although the surface covers all of it. At the mean of a
-/// half-covered lens, 0.42, both bounds agree. `ClosedSurfaces` tests bound the rest.
-inline constexpr float kFoldScale = 1.57f, kFoldMean = 0.314f;
-
-}  // namespace foci
-#endif  // FOCI_COVERING_ONCE
 
 HWY_BEFORE_NAMESPACE();
 namespace foci {
@@ -61,15 +46,15 @@ HWY_INLINE V shareOf(V weight, V coverage_a_weight) {
   return hn::Min(hn::Max(hn::Mul(weight, coverage_a_weight), steep), hn::Set(d, 1.0f));
 }
 
-/// Area share of the disc segment whose centroid lies `mean` radii from the centre; a polynomial
-/// fit within 0.02.
+/// Area share of the disc segment whose centroid lies `mean` radii from the centre
+/// (`kSegmentBend`).
 HWY_INLINE V segmentShare(V mean) {
   const D d;
   const V one = hn::Set(d, 1.0f);
   const V straight = hn::MulSub(mean, hn::Set(d, kMeanScale), hn::Set(d, kMeanNoise));
   const V folded = hn::MulSub(mean, hn::Set(d, kFoldScale), hn::Set(d, kFoldMean));
   const V m = hn::Min(hn::Max(hn::Min(straight, folded), hn::Zero(d)), one);
-  return hn::Mul(hn::Sub(one, m), hn::NegMulAdd(hn::Set(d, 0.7f), hn::Mul(m, m), one));
+  return hn::Mul(hn::Sub(one, m), hn::NegMulAdd(hn::Set(d, kSegmentBend), hn::Mul(m, m), one));
 }
 
 /// The weight of a layer if no quarter of the lens counts for more than a quarter.

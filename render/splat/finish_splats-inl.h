@@ -17,6 +17,7 @@
 #include "render/kernel/kernel.h"
 #include "render/kernel/limits.h"
 #include "render/optics/defocus.h"
+#include "render/splat/constants.h"
 #include "render/splat/project_lanes-inl.h"
 #include "render/splat/splat.h"
 
@@ -24,19 +25,7 @@
 #define FOCI_FINISH_SPLATS_ONCE
 namespace foci {
 
-/// Peak light of one splat, of a white surface's, from which it counts as a highlight; from twice
-/// that peak fully. Chosen by hand.
-inline constexpr float kHighlight = 0.06f;
-
-/// A highlight's samples are closer by this share; samples of splats that acuity softens are this
-/// factor farther apart. Chosen by hand: the errors are finer than the observer resolves.
-inline constexpr float kFiner = 0.6f, kCoarser = 1.4f;
-
-/// Kernels sum to one within a few per cent. Behind an open surface lies what the dips show. Behind
-/// the front of a closed body lies its back, which is not rendered, so the front alone must cover.
-/// Its kernels count by this much more where the lens's blur does not even them out.
-inline constexpr float kFrontCover = 0.05f;
-
+/// The factor on the kernels of closed bodies (`kFrontCover`).
 inline float frontCover(float blur_px) { return 1.0f + kFrontCover / (1.0f + blur_px * blur_px); }
 
 /// Where splats are written; all but the first two may be null.

@@ -16,22 +16,12 @@
 
 #include "render/kernel/limits.h"
 #include "render/splat/block-inl.h"
+#include "render/splat/constants.h"
 #include "render/splat/covering-inl.h"
 #include "render/splat/lens_edge-inl.h"
 #include "render/splat/pixel_edge-inl.h"
 #include "render/splat/simd-inl.h"
 #include "render/splat/splat.h"
-
-#ifndef FOCI_LAYERS_ONCE
-#define FOCI_LAYERS_ONCE
-namespace foci {
-
-/// A layer whose weights sum to more holds two surfaces. Chosen by hand, above the ripple of one
-/// surface that `KernelSums` tests allow.
-inline constexpr float kTwoSurfaces = 1.3f;
-
-}  // namespace foci
-#endif  // FOCI_LAYERS_ONCE
 
 HWY_BEFORE_NAMESPACE();
 namespace foci {

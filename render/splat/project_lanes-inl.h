@@ -17,21 +17,12 @@
 #include "render/kernel/kernel.h"
 #include "render/kernel/limits.h"
 #include "render/optics/defocus.h"
+#include "render/splat/constants.h"
 #include "render/splat/footprint-inl.h"
 
 #ifndef FOCI_PROJECT_LANES_ONCE
 #define FOCI_PROJECT_LANES_ONCE
 namespace foci {
-
-/// Weight of the longer axis of an ellipse of confusion in the kernel's shape (`blurEllipse`), 0
-/// to 1. At 0 the light of a line is cut off beyond the lens's rim, 4 % of its variance. At 1
-/// kernels a pixel wide become discs there and sum to one within 2.5 % only, against 0.3 % at this
-/// value.
-inline constexpr float kLongAxis = 0.6f;
-
-/// Every tilt (`SplatLens`) is reduced by this, and smaller ones become 0. Chosen by hand: an eye's
-/// pupil seldom causes a larger tilt.
-inline constexpr float kMinTilt = 0.01f;
 
 /// Parameters of a projection, as plain floats. The rotation's row r is
 /// (rotation[3 r], rotation[3 r + 1], rotation[3 r + 2]).

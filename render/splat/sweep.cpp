@@ -50,15 +50,6 @@ HWY_EXPORT(sweepTile);
 
 namespace {
 
-/// Lens points matter only in tiles whose blur radius exceeds this, in distances of samples. Chosen
-/// by hand.
-constexpr float kBlurredSteps = 0.5f;
-
-/// Blur radii in pixels. Up to the first a tile uses the whole aperture, from the second on
-/// sub-apertures alone. In between it mixes both, so that a moving focus does not pop. Chosen by
-/// eye.
-constexpr float kSubAperturesFrom_px = 2.0f, kSubAperturesOnly_px = 4.0f;
-
 /// What a tile's list tells of all its splats. One object serves tile after tile, so it allocates
 /// seldom.
 struct ListSurvey {

@@ -56,7 +56,7 @@ Square squareOf(Grid grid, uint part) {
 
 // A tile's sample.
 uint placeOf(uint tile, ivec2 here) {
-  return tile * uint(kWidest * kWidest) + uint(here.y * kWidest + here.x);
+  return tile * uint(kMostSamples * kMostSamples) + uint(here.y * kMostSamples + here.x);
 }
 
 void beginBatch() {

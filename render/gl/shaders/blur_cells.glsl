@@ -13,8 +13,8 @@ void main() {
   ivec2 low = ivec2(key.yz & 0x7FFFu), high = ivec2(key.yz >> 15 & 0x7FFFu);
   if (low.x > high.x) return;
   uint own = key.y >> 30;
-  ivec2 first = max(low - reachOf(kMaxStep), 0) / kTile;
-  ivec2 last = min(high + reachOf(kMaxStep), size.xy - 1) / kTile;
+  ivec2 first = max(low - reachOf(kMaxStep_px), 0) / kTile;
+  ivec2 last = min(high + reachOf(kMaxStep_px), size.xy - 1) / kTile;
   for (int y = first.y; y <= last.y; ++y) {
     for (int x = first.x; x <= last.x; ++x) {
       int cell = y * cells.x + x;

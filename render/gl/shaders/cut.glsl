@@ -17,7 +17,7 @@ layout(std430, binding = 8) readonly buffer Outside { uint outside[]; };  // by 
 
 layout(location = 0) uniform int level;
 
-const float kFade = 0.3, kWidestReach = 3.0, kOutside = -1.0, kRefine = 1e30, kEdgeOn = 0.612;
+const float kOutside = -1.0, kRefine = 1e30;
 const vec4 kNoBounds = vec4(0.0, kRefine, 0.0, 0.0);
 
 float blurred(float defocus_D) {
@@ -127,18 +127,18 @@ void main() {
   uvec4 coarseness = coarse[node];
   float plain = uintBitsToFloat(coarseness.x);
   float now = plain * above.x;
-  bool known = now >= 1.0 + kFade || plain * above.y <= 1.0;
+  bool known = now >= 1.0 + kCutFade || plain * above.y <= 1.0;
   if (above.z == 0.0 || !known) {
     now = sizeOf(place[node], coarseness, above);
     if (now == kOutside) return;
     above.w = seen;
   }
-  if (weight == 1.0 && node >= uint(room.w) && uintBitsToFloat(coarseness.y) * above.x >= 1.0 + kFade) {
+  if (weight == 1.0 && node >= uint(room.w) && uintBitsToFloat(coarseness.y) * above.x >= 1.0 + kCutFade) {
     passed[node] = kWhole;
     return;
   }
   bounds[node] = above;
-  float children = min((now - 1.0) * (1.0 / kFade), 1.0);
+  float children = min((now - 1.0) * (1.0 / kCutFade), 1.0);
   if (children < 1.0) own[node] = weight * (children > 0.0 ? 1.0 - children : 1.0);
   if (children > 0.0) passed[node] = weight * children;
 }

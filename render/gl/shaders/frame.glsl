@@ -1,4 +1,5 @@
-// What every stage of a frame shares: its parameters and the constants of the splat renderer.
+// What every stage of a frame shares: its parameters. Constants that the CPU has too come before it
+// (shader_text.cpp).
 // render/gl/frame_block.h fills the block.
 layout(std140, binding = 0) uniform Frame {
   vec4 right, up, back;  // rows of the rotation; w: the eye's place in the world, x, y, z, metres
@@ -21,15 +22,9 @@ layout(std140, binding = 0) uniform Frame {
   ivec4 cut_switches;          // `CutSettings::foreshortened`
 };
 
-const int kTile = 32, kApron = 2, kMaxStep = 8;
-const int kWidest = kTile + 2 * kApron;  // samples along a tile's side, with the apron
-const int kGroup = 8;                    // samples along the side of a work group
-const int kGroupsASide = (kWidest + kGroup - 1) / kGroup;
-const float kHidden = 1.0 / 8192.0;
-const float kDisc = 0.25;        // kDiscVariancePerRadius2
-const float kLowPass_px2 = 0.3;  // of Gaussians
-const uint kNone = 0xFFFFFFFFu;
-const uint kSeveral = 65535u;  // bodies
+const int kGroup = 8;  // samples along the side of a work group
+const int kGroupsASide = (kMostSamples + kGroup - 1) / kGroup;
+const float kDisc = kDiscVariancePerRadius2;
 const float kWhole = 2.0;  // passed by a node whose surfels all render, at full weight
 
 vec3 unpackNormal(uint bits) {
@@ -49,8 +44,6 @@ float finest(float from_gaze) { return max(acuity.z + acuity.w * from_gaze, 1.0)
 
 // Drivers limit the work groups of a dimension, so those of a dispatch lie in rows. The last row may
 // have groups too many: each shader checks its index.
-const uint kGroupsARow = 1024u;
-
 uvec4 rowsOf(uint groups) {
   return uvec4(min(groups, kGroupsARow), (groups + kGroupsARow - 1u) / kGroupsARow, 1u, 0u);
 }

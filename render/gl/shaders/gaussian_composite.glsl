@@ -15,15 +15,13 @@ layout(location = 2) uniform uvec2 items;  // first, number
 layout(location = 2) uniform uint disc_count;
 #endif
 
-const float kMaxAlpha = 0.99, kOpaque = 1e-4;
-const float kLog2E = 1.44269504, kMaxExponent = 60.0;
+const float kLog2E = 1.44269504;
 
 // By Gaussian of the batch: centre, qa, qb; qc, end, peak, distance; colour.
 shared vec4 form[kBatch], shape[kBatch];
 shared vec3 look[kBatch];
 #ifdef DEPTH
 shared vec4 vergences[kBatch];  // slope, low, high: `Vergences` of render/gaussians/vergences-inl.h
-const float kReach = 3.0;
 #endif
 
 // As the disc sees a Gaussian. At the offset d from its centre, pixels,
@@ -57,14 +55,14 @@ Seen see(uint slot, vec3 lens) {
   vec4 vergence = vec4(0.0);
 #ifdef DEPTH
   vec2 t = s - e * shear;
-  float middle = 1.0 / c.w, high = middle + kReach * sqrt(e);
+  float middle = 1.0 / c.w, high = middle + kVergenceReach * sqrt(e);
   vergence = vec4(vec2(yy * t.x - xy * t.y, xx * t.y - xy * t.x) / blurred,
                middle * middle / high, high);
 #endif
 
   float scale = 0.5 * kLog2E / blurred;
   float opacity = c.y * sqrt(sharp / blurred), above = (opacity - 1.0) * kLog2E;
-  float peak = above > 0.0 ? exp2(min(above, kMaxExponent)) : opacity;
+  float peak = above > 0.0 ? exp2(min(above, kMaxPeakExponent)) : opacity;
   return Seen(vec4(at, yy * scale, -2.0 * xy * scale),
               vec4(xx * scale, 0.5 * kLog2E * c.z, peak, c.w), vergence, sqrt(c.z * vec2(xx, yy)));
 }
@@ -97,7 +95,7 @@ void main() {
       mine = all(greaterThanEqual(seen.form.xy + seen.reach_px, group.first_px)) &&
              all(lessThanEqual(seen.form.xy - seen.reach_px, group.last_px));
     }
-    if (!markBatch(mine, through > kOpaque)) break;
+    if (!markBatch(mine, through > kOpaqueTransmittance)) break;
     if (mine) {
       uint n = placeInBatch();
       form[n] = seen.form;
@@ -109,13 +107,13 @@ void main() {
     }
     barrier();
     uint count = batchSize(), n = 0u;
-    for (; n < count && through > kOpaque; ++n) {
+    for (; n < count && through > kOpaqueTransmittance; ++n) {
       vec4 a = form[n], k = shape[n];
       vec2 d = group.at_px - a.xy;
       float q = (a.z * d.x + a.w * d.y) * d.x + k.x * d.y * d.y;
       if (!(q < k.y)) continue;
       ++counted;
-      float taken = through * min(k.z * exp2(-max(q, 0.0)), kMaxAlpha);
+      float taken = through * min(k.z * exp2(-max(q, 0.0)), kMaxAlphaOfGaussian);
       through -= taken;
       display += taken * look[n];
 #ifdef DEPTH
@@ -129,7 +127,7 @@ void main() {
   if (group.exists) {
     Light behind = Light(vec4(background, 0.0), vec4(0.0));
 #ifdef JOBS
-    if (job.behind != kNone && through > kOpaque) {
+    if (job.behind != kNone && through > kOpaqueTransmittance) {
       uint plane = 2u * uint(job.behind_side * job.behind_side);
       behind = lightBehind(job, group.here, job.behind + disc * plane);
     }
@@ -148,7 +146,7 @@ void main() {
 #else
     float share = 1.0 / float(disc_count);
 #ifdef JOBS
-    uint to = job.to + uint(group.here.y * kWidest + group.here.x);
+    uint to = job.to + uint(group.here.y * kMostSamples + group.here.x);
 #else
     uint to = placeOf(item >> 6, group.here);
 #endif

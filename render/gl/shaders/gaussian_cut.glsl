@@ -11,7 +11,6 @@ layout(location = 0) uniform int level;
 layout(location = 1) uniform float max_px2;
 
 const int kOutside = 0, kFine = 1, kCoarse = 2;
-const float kLowPassReach_px = 4.0;
 
 int see(uint node) {
   vec3 p = inEyeAxes(fromEye(place[node].xyz));

@@ -8,12 +8,6 @@ layout(location = 0) uniform uint sample_count;
 layout(location = 1) uniform uint first_square;  // of the batch
 
 // `visibleDifferencePerLight` of render/image/visible_difference.cpp.
-const float kJustNoticeable = 2.3, kLinearBelow = 0.008856, kLinearSlope = 7.787;
-const mat3 kXyzOfWhite = mat3(0.412453 / 0.950456, 0.212671, 0.019334 / 1.088754,
-                              0.357580 / 0.950456, 0.715160, 0.119193 / 1.088754,
-                              0.180423 / 0.950456, 0.072169, 0.950227 / 1.088754);
-const mat3 kLabOfCurve = mat3(0.0, 500.0, 0.0, 116.0, -500.0, 200.0, 0.0, 0.0, -200.0);
-
 float slopeOf(float t) {
   return t > kLinearBelow ? pow(t, -2.0 / 3.0) / 3.0 : kLinearSlope;
 }

@@ -24,8 +24,6 @@ layout(std430, binding = 9) readonly buffer Sizes { vec2 sizes[]; };  // max_rad
 layout(location = 0) uniform uvec4 window;
 layout(location = 1) uniform int size_count;
 
-const float kFieldMargin = 1.3, kSigmaPerBlur = 0.3, kMinAlpha = 1.0 / 255.0;
-
 struct Gaussian {
   vec3 position, colour;
   float opacity, growth_per_m2;
@@ -55,26 +53,22 @@ float coefficientOf(bool is_node, uint i, int k) {
 
 // `harmonicsIn` of render/scene/harmonics.h.
 void harmonicsIn(vec3 d, out float y[15]) {
-  const float k1 = 0.4886025119029199;
-  y[0] = -k1 * d.y;
-  y[1] = k1 * d.z;
-  y[2] = -k1 * d.x;
-  const float k2a = 1.0925484305920792, k2b = 0.31539156525252005, k2c = 0.5462742152960396;
+  y[0] = -kHarmonic1 * d.y;
+  y[1] = kHarmonic1 * d.z;
+  y[2] = -kHarmonic1 * d.x;
   float xx = d.x * d.x, yy = d.y * d.y, zz = d.z * d.z;
-  y[3] = k2a * d.x * d.y;
-  y[4] = -k2a * d.y * d.z;
-  y[5] = k2b * (2.0 * zz - xx - yy);
-  y[6] = -k2a * d.x * d.z;
-  y[7] = k2c * (xx - yy);
-  const float k3a = 0.5900435899266435, k3b = 2.890611442640554, k3c = 0.4570457994644658;
-  const float k3d = 0.3731763325901154, k3e = 1.445305721320277;
-  y[8] = -k3a * d.y * (3.0 * xx - yy);
-  y[9] = k3b * d.x * d.y * d.z;
-  y[10] = -k3c * d.y * (4.0 * zz - xx - yy);
-  y[11] = k3d * d.z * (2.0 * zz - 3.0 * xx - 3.0 * yy);
-  y[12] = -k3c * d.x * (4.0 * zz - xx - yy);
-  y[13] = k3e * d.z * (xx - yy);
-  y[14] = -k3a * d.x * (xx - 3.0 * yy);
+  y[3] = kHarmonic2a * d.x * d.y;
+  y[4] = -kHarmonic2a * d.y * d.z;
+  y[5] = kHarmonic2b * (2.0 * zz - xx - yy);
+  y[6] = -kHarmonic2a * d.x * d.z;
+  y[7] = kHarmonic2c * (xx - yy);
+  y[8] = -kHarmonic3a * d.y * (3.0 * xx - yy);
+  y[9] = kHarmonic3b * d.x * d.y * d.z;
+  y[10] = -kHarmonic3c * d.y * (4.0 * zz - xx - yy);
+  y[11] = kHarmonic3d * d.z * (2.0 * zz - 3.0 * xx - 3.0 * yy);
+  y[12] = -kHarmonic3c * d.x * (4.0 * zz - xx - yy);
+  y[13] = kHarmonic3e * d.z * (xx - yy);
+  y[14] = -kHarmonic3a * d.x * (xx - 3.0 * yy);
 }
 
 vec3 harmonicsOf(bool is_node, uint i, vec3 direction) {
@@ -85,7 +79,7 @@ vec3 harmonicsOf(bool is_node, uint i, vec3 direction) {
     sum += y[k] * vec3(coefficientOf(is_node, i, 3 * k), coefficientOf(is_node, i, 3 * k + 1),
                        coefficientOf(is_node, i, 3 * k + 2));
   }
-  return sum / 4096.0;
+  return kHarmonicsStep * sum;
 }
 #endif
 

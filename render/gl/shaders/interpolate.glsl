@@ -40,12 +40,12 @@ void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(at, size.xy))) return;
   ivec2 cell = at / kTile;
-  uint index = tile_of_cell[cell.y * cells.x + cell.x], first = index * uint(kWidest * kWidest);
+  uint index = tile_of_cell[cell.y * cells.x + cell.x], first = index * uint(kMostSamples * kMostSamples);
   ivec4 tile = tiles[index];
   int to = at.y * size.x + at.x;
   ivec2 inside = at - tile.xy;
   if (tile.w == 1) {
-    uint from = first + uint(inside.y * kWidest + inside.x);
+    uint from = first + uint(inside.y * kMostSamples + inside.x);
 #ifdef DEPTH
     put(index, to, samples[from], depths[from]);
 #else
@@ -60,7 +60,7 @@ void main() {
   float weighted_m = 0.0;
   for (int y = 0; y < 4; ++y) {
     for (int x = 0; x < 4; ++x) {
-      uint from = first + uint((below.y - 1 + y) * kWidest + below.x - 1 + x);
+      uint from = first + uint((below.y - 1 + y) * kMostSamples + below.x - 1 + x);
       value += tx[x] * ty[y] * samples[from];
 #ifdef DEPTH
       weighted_m += tx[x] * ty[y] * depths[from];

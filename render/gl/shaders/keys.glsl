@@ -6,7 +6,6 @@ layout(std430, binding = 5) writeonly buffer Keys { uvec4 keys[]; };
 // Of the work group: bits of the splats' distances, and how many there are.
 shared uint near_bits, far_bits, splat_count;
 
-const float kSigmasAStep = 0.7;
 
 // The logarithm of `stepFor` of render/splat/bin.cpp.
 uint log2StepFor(float sigma_px) {

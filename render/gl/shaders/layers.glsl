@@ -1,13 +1,9 @@
 // The layers of one sample: what render/splat/layers-inl.h, covering-inl.h, lens_edge-inl.h and
 // pixel_edge-inl.h do for a SIMD vector of samples. LENS: the sums keep lens points.
-const float kOpaqueWeight = 1.01, kPartial = 0.02, kTwoSurfaces = 1.3;
-const float kMeanScale = 0.92, kMeanNoise = 0.04, kFoldScale = 1.57, kFoldMean = 0.314;
-const float kDensityPeak = 0.399, kDensityBend = 0.35, kArcSine = 0.6366;
-const float kNoise = 0.15, kAnother = 0.4;
 #ifdef LENS
-const float kLinearTo = 0.98, kOpaqueFrom = 0.995;  // kBlurredRamp
+const float kLinearTo = kLinearFromBlurred, kOpaqueFrom = kOpaqueFromBlurred;
 #else
-const float kLinearTo = 0.9, kOpaqueFrom = 0.98;  // kSharpRamp
+const float kLinearTo = kLinearFromSharp, kOpaqueFrom = kOpaqueFromSharp;
 #endif
 const float kSlope = (1.0 - kLinearTo) / (kOpaqueFrom - kLinearTo);
 
@@ -93,7 +89,7 @@ Covering coveringOf(Sums sums, float coverage) {
   c.mean = sums.mean * inv;
   float length_ = length(c.mean);
   float m = clamp(min(length_ * kMeanScale - kMeanNoise, length_ * kFoldScale - kFoldMean), 0.0, 1.0);
-  float segment = (1.0 - m) * (1.0 - 0.7 * m * m), scale = sums.weight * inv;
+  float segment = (1.0 - m) * (1.0 - kSegmentBend * m * m), scale = sums.weight * inv;
   float neither = max(sums.lens_weight + sums.right_above - (sums.right + sums.above), 0.0);
   vec4 quarters = vec4(sums.right_above, sums.right - sums.right_above,
                        sums.above - sums.right_above, neither);
@@ -107,11 +103,11 @@ Covering coveringOf(Sums sums, float coverage) {
 
 float chordAt(float share) {
   float x = 2.0 * share - 1.0, x2 = x * x, x4 = x2 * x2;
-  return -x * (0.065 * x4 * x4 * x4 + 0.15 * x4 + 0.785);
+  return -x * (kChord12 * x4 * x4 * x4 + kChord4 * x4 + kChord0);
 }
 
 float straightness(float length_, float share, float at) {
-  float c = max(1.0 - at * at, 0.0), moment = 0.2122066 * c * sqrt(c);
+  float c = max(1.0 - at * at, 0.0), moment = kHalfDiscMoment * c * sqrt(c);
   return min(length_ * share / max(moment, 1e-6), 1.0);
 }
 
@@ -122,7 +118,7 @@ Edge edgeOf(Covering side) {
 #else
   float area = min(side.weight, 1.0), u = 4.0 * area * (1.0 - area);
   float density = kDensityPeak * u * (1.0 + kDensityBend - kDensityBend * u);
-  float straight = min(2.8284271 * length_ * area / max(density, 1e-6), 1.0);
+  float straight = min(sqrt(kWidestSupport2) * length_ * area / max(density, 1e-6), 1.0);
 #endif
   return Edge(side.share, side.mean * (straight / max(length_, 1e-6)));
 }

@@ -8,7 +8,6 @@ layout(std430, binding = 3) buffer Cursors { uint cursor[]; };  // by tile
 #ifdef FILL
 layout(std430, binding = 4) writeonly buffer Lists { uvec2 list[]; };  // order, splat
 
-const int kKeyBits = 18;  // of the distance that splats are ordered by
 #endif
 
 void main() {
@@ -21,7 +20,7 @@ void main() {
   int shift = max(findMSB(farthest - nearest) + 1 - kKeyBits, 0);
   uint order = (key.x - nearest) >> shift;
 #endif
-  int max_apron = size.w != 0 ? kApron * kMaxStep : 0;
+  int max_apron = size.w != 0 ? kApron * kMaxStep_px : 0;
   ivec2 first = max(low - max_apron, 0) / kTile;
   ivec2 last = min(high + max_apron, size.xy - 1) / kTile;
   for (int y = first.y; y <= last.y; ++y) {

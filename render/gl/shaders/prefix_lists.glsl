@@ -8,7 +8,6 @@ layout(std430, binding = 3) readonly buffer Blurs { float blur_px[]; };
 layout(std430, binding = 4) writeonly buffer Work { uint work_items[]; };
 shared uint parts[256];
 
-const float kBlurredSteps = 0.5;
 
 void main() {
   uint me = gl_LocalInvocationID.x, tile_count = uint(cells.x * cells.y);

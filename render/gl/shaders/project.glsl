@@ -29,11 +29,6 @@ layout(std430, binding = 13) readonly buffer AllFacing { uint facing[]; };
 // Of `node` and the surfels the shader sees a window: first node, number, first surfel, number.
 layout(location = 0) uniform uvec4 window;
 
-const float kReach2 = 5.0, kWidestSupport2 = 8.0, kLargest = 1e10;
-const float kLongAxis = 0.6, kMinTilt = 0.01;
-const float kHighlight = 0.06, kFiner = 0.6, kCoarser = 1.4;
-const float kFrontCover = 0.05;
-
 struct Footprint {
   float vxx, vxy, vyy, area, along2, thick2, widest2, own;
   vec3 normal;
@@ -129,9 +124,11 @@ void blurEllipse(inout Lane lane, Footprint f, float soft) {
   lane.narrow = max(kDisc * (1.0 / share - 1.0), 0.0);
 }
 
+const float kSteps = float(kKernelShapes - 1);
+
 Kernel kernelOf(Lane lane, float widen, float blur, float weight) {
   float t = lane.narrow / max(blur, 1e-12), n = 24.0 * t * (1.0 + 2.0 * t);
-  vec4 shape = shapes[n < 2.0 ? int(max(n, 0.0) * 128.0 + 0.5) : 256];
+  vec4 shape = shapes[n < kMaxExponent ? int(max(n, 0.0) * (kSteps / kMaxExponent) + 0.5) : int(kSteps)];
   vec2 own = vec2(lane.vxx, lane.vyy) - lane.prefilter;
   vec2 r = shape.w * (lane.prefilter + widen * own + blur * lane.blur2);
   float rxy = shape.w * (widen * lane.vxy + blur * lane.blur_xy);
@@ -239,8 +236,8 @@ void projectEntry(uint slot) {
   lane.added = 0.5 * (1.0 - f.own) * (f.vxx + f.vyy);
   lane.area = f.area;
   vec2 variance = vec2(lane.vxx, lane.vyy) + lane.blur2;
-  if (!(touches(lane.at, sqrt(kWidestSupport2 * variance)) && f.area > 0.0 && f.area < kLargest &&
-        variance.x < kLargest && variance.y < kLargest)) {
+  if (!(touches(lane.at, sqrt(kWidestSupport2 * variance)) && f.area > 0.0 && f.area < kLargest_px2 &&
+        variance.x < kLargest_px2 && variance.y < kLargest_px2)) {
     return;
   }
   float reach = sqrt(kWidestSupport2 * f.widest2) * inv_depth;

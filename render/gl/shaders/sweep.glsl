@@ -18,9 +18,6 @@ layout(std430, binding = 14) readonly buffer Centres { vec4 centres[]; };  // le
 layout(location = 0) uniform int sub_aperture;  // one a dispatch
 #endif
 
-// Blur radii between which sub-apertures replace the whole aperture, pixels (sweep.cpp).
-const float kSubAperturesFrom = 2.0, kSubAperturesOnly = 4.0;
-
 #ifdef TRANSPARENT
 shared uint see_through;
 #endif
@@ -223,7 +220,7 @@ void main() {
 #endif
   vec3 background = background_low_pass.rgb;
 #ifdef SUB_APERTURES
-  float share = clamp((blur_px[index] - kSubAperturesFrom) / (kSubAperturesOnly - kSubAperturesFrom),
+  float share = clamp((blur_px[index] - kSubAperturesFrom_px) / (kSubAperturesOnly_px - kSubAperturesFrom_px),
                       0.0, 1.0);
   float before = sub_aperture == 0 ? 1.0 - share : 1.0, each = share / sub_aperture_shading.z;
   compose(grid.entries, group.at_px, group.first_px, group.last_px, exists,
@@ -246,7 +243,7 @@ void main() {
   }
 #endif
 #ifdef LENS
-  if (sub_aperture_shading.z > 1.0 && exists && overlap && blur_px[index] > kSubAperturesFrom &&
+  if (sub_aperture_shading.z > 1.0 && exists && overlap && blur_px[index] > kSubAperturesFrom_px &&
       overlapping[index] == 0u && atomicExchange(overlapping[index], 1u) == 0u) {
     int groups = group.groups;
     uint first = atomicAdd(work[2], uint(groups * groups));

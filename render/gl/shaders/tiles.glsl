@@ -1,4 +1,4 @@
-// Divides squares of kMaxStep x kMaxStep cells into tiles, the largest first, until one has few
+// Divides squares of kMaxStep_px x kMaxStep_px cells into tiles, the largest first, until one has few
 // enough samples (TileLists::chooseTiles of render/splat/bin.cpp). A tile has the index of its
 // first cell. One work group a square.
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -18,7 +18,7 @@ void main() {
   if (!exists) return;
   int side = 1;
   // No tile is much larger than the image.
-  while (size.w != 0 && side < min(kMaxStep, max(cells.x, cells.y))) side *= 2;
+  while (size.w != 0 && side < min(kMaxStep_px, max(cells.x, cells.y))) side *= 2;
   for (;; side /= 2) {
     ivec2 corner = here / side * side;
     uint finest = size.w != 0 ? 3u : 0u, blur = 0u;
