@@ -191,7 +191,7 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.columns.x, "gaze.x", "column of the horizontal position"),
       FOCI_KEY(gaze.columns.y, "gaze.y", "column of the vertical position"),
       FOCI_KEY(gaze.columns.stream, "gaze.stream",
-               "stream of an XDF file; its channels are the columns"),
+               "stream of an XDF file, its name or number (\"#2\"); its channels are the columns"),
       FOCI_KEY(gaze.columns.pupil, "gaze.pupil", "column of the pupil's diameter"),
       FOCI_KEY(gaze.columns.blink, "gaze.blink", "column that marks blinks"),
       FOCI_KEY(gaze.columns.confidence, "gaze.confidence",

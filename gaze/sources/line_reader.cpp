@@ -32,6 +32,13 @@ bool equalsIgnoringCase(std::string_view a, std::string_view lower) {
 
 }  // namespace
 
+void requirePackedRecording(const std::string& file, std::int64_t unpacked_B,
+                            std::int64_t packed_B) {
+  if (unpacked_B > kUnpackedAnyway_B && unpacked_B / kMaxUnpacked > packed_B) {
+    throw InputError(file, "unpacks to more than 100 times its size: expected a recording");
+  }
+}
+
 struct LineReader::Input {
   gzFile file = nullptr;
   bool done = false;  // at the end of the file, or at damage in a packed file
@@ -72,12 +79,8 @@ bool LineReader::fill() {
     in_->done = true;
     throw InputError(name_, "damaged: cannot be unpacked to its end");
   }
-  const auto unpacked_B = static_cast<std::int64_t>(gztell(in_->file));
-  const auto packed_B = static_cast<std::int64_t>(gzoffset(in_->file));
-  if (unpacked_B > kUnpackedAnyway_B && unpacked_B / kMaxUnpacked > packed_B) {
-    in_->done = true;
-    throw InputError(name_, "unpacks to more than 100 times its size: expected a recording");
-  }
+  in_->done = true;
+  requirePackedRecording(name_, gztell(in_->file), gzoffset(in_->file));
   in_->done = count == 0;
   end_ += static_cast<std::size_t>(count);
   return count > 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -13,6 +14,11 @@
 #include "base/text.h"
 
 namespace foci {
+
+/// A file that packs some bytes again and again would fill the memory.
+/// @throws InputError if so much comes of so few bytes of a packed file
+void requirePackedRecording(const std::string& file, std::int64_t unpacked_B,
+                            std::int64_t packed_B);
 
 /// Reads lines that end in LF or CRLF; the last line may have no end. It skips a UTF-8 byte order
 /// mark, and unpacks files in gzip format.

@@ -95,10 +95,16 @@ struct LslSource::Inlet {
   Inlet(const Inlet&) = delete;
   Inlet& operator=(const Inlet&) = delete;
 
+  std::string header() const {
+    std::string names;
+    for (const std::string& name : stream.columns) names += (names.empty() ? "" : "\t") + name;
+    return names;
+  }
+
   /// The table of the samples that have come, at most `kMostAtOnce`; waits for the first.
   std::string pull() const {
     std::vector<double> values(stream.channels);
-    std::string table = stream.columns + '\n';
+    std::string table = header() + '\n';
     double timeout_s = kPull_s;
     for (std::size_t i = 0; i < kMostAtOnce; ++i) {
       std::int32_t error = 0;
@@ -151,7 +157,7 @@ LslSource::LslSource(const std::string& stream, TraceColumns columns, const Scre
       inlet_(std::make_unique<Inlet>(stream, library)),
       pushed_(inlet_->stream.rate_Hz > 0.0 ? inlet_->stream.rate_Hz : kUsual_Hz) {
   // Columns that are no gaze are refused now.
-  LineReader lines("--source lsl", inlet_->stream.columns + "\n");
+  LineReader lines("--source lsl", inlet_->header() + "\n");
   readDelimitedTrace(lines, columns_, screen_, [](const GazeSample&) {});
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }

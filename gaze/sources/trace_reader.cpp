@@ -51,13 +51,25 @@ std::string firstLineOf(const std::filesystem::path& file) {
 TraceHeader readXdfTrace(const std::filesystem::path& file, const TraceColumns& columns,
                          const Screen& fallback_screen, const TakeSample& take) {
   XdfTable table = readXdf(file, columns.stream);
-  LineReader lines(file.string(), table.text);
+  std::string text;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) text += (i ? "\t" : "") + table.columns[i];
+  for (std::size_t i = 0; i < table.values.size(); ++i) {
+    text += (i % table.columns.size() ? '\t' : '\n') + exactText(table.values[i]);
+  }
+  text += '\n';
+  LineReader lines(file.string(), text);
   TraceHeader header = readDelimitedTrace(lines, columns, fallback_screen, take);
   header.format = "XDF, stream " + shown(table.stream) + ", " + header.format;
   header.markers = std::move(table.markers);
   if (table.clock_offsets == 0) {
     header.assumed.push_back("clock: the stream's own, since the file has no clock offsets");
   }
+  if (table.clock_resets > 0) {
+    header.assumed.push_back("clock: the tracker's was reset " +
+                             std::to_string(table.clock_resets) +
+                             " times, and the offsets of each part hold there");
+  }
+  if (table.cut_off) header.warnings.push_back("the file is " + *table.cut_off);
   return header;
 }
 

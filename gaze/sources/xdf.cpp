@@ -1,5 +1,7 @@
 #include "gaze/sources/xdf.h"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -7,16 +9,16 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <glm/glm.hpp>
-#include <iterator>
 #include <map>
-#include <optional>
-#include <vector>
+#include <memory>
+#include <stdexcept>
+#include <utility>
 
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "gaze/sources/line_reader.h"
+#include "gaze/sources/recorder_clock.h"
 
 namespace foci {
 namespace {
@@ -27,16 +29,18 @@ constexpr std::string_view kXdfMagic = "XDF:";
 constexpr std::size_t kMaxChannels = 1024, kLongestText = 200;
 enum Tag : std::uint16_t { kStreamHeader = 2, kSamples = 3, kClockOffset = 4 };
 
-/// Reads values in order. @throws InputError past the end
+/// The bytes end too early, or they are no length.
+struct CutOff {};
+
+/// Reads values in order. @throws CutOff past the end
 class Bytes {
  public:
-  Bytes(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+  explicit Bytes(std::string_view bytes) : bytes_(bytes) {}
 
-  bool atEnd() const { return bytes_.empty(); }
   std::string_view rest() const { return bytes_; }
 
   std::string_view take(std::uint64_t count) {
-    if (count > bytes_.size()) throw InputError(file_, "damaged: an XDF chunk ends too early");
+    if (count > bytes_.size()) throw CutOff{};
     const std::string_view taken = bytes_.substr(0, count);
     bytes_.remove_prefix(count);
     return taken;
@@ -59,12 +63,11 @@ class Bytes {
       case 8:
         return number<std::uint64_t>();
     }
-    throw InputError(file_, "damaged: expected a length of an XDF chunk");
+    throw CutOff{};
   }
 
  private:
   std::string_view bytes_;
-  const std::string& file_;
 };
 
 /// What stands between <name> and </name>, the first time from `from` on.
@@ -87,10 +90,15 @@ std::string plain(std::string_view text) {
 }
 
 struct Stream : LslStream {
-  std::vector<double> times{};
+  std::uint32_t id = 0;
+  std::vector<std::string_view> chunks{};  // of samples
+  std::vector<ClockOffset> clock{};
+};
+
+struct Samples {
+  std::vector<double> times_s{};
   std::vector<double> values{};      // channel by channel, sample after sample
   std::vector<std::string> texts{};  // of a stream of texts, one a sample
-  std::vector<glm::dvec2> clock{};   // time of the stream, offset to the recorder
 };
 
 /// The label of a channel, else its eye and type, else its number; with its unit.
@@ -134,102 +142,175 @@ std::string textIn(Bytes& bytes, std::size_t channels) {
   return text;
 }
 
-void readSamples(Bytes& bytes, Stream& stream, const std::string& file) {
+/// The whole samples of a chunk. @throws CutOff behind them if it ends within a sample
+void readSamples(Bytes bytes, const Stream& stream, Samples& samples, const std::string& file) {
   const std::uint64_t count = bytes.length();
+  std::vector<double> row(stream.hasNumbers() ? stream.channels : 0);
   for (std::uint64_t i = 0; i < count; ++i) {
+    double time_s = 0.0;
     const auto stamp_bytes = bytes.number<std::uint8_t>();
     if (stamp_bytes == 8) {
-      stream.times.push_back(bytes.number<double>());
-    } else if (stamp_bytes == 0 && stream.rate_Hz > 0.0 && !stream.times.empty()) {
-      stream.times.push_back(stream.times.back() + 1.0 / stream.rate_Hz);
+      time_s = bytes.number<double>();
+    } else if (stamp_bytes == 0 && stream.rate_Hz > 0.0 && !samples.times_s.empty()) {
+      time_s = samples.times_s.back() + 1.0 / stream.rate_Hz;
     } else {
       throw InputError(file, "stream " + shown(stream.name) + ": a sample without a time");
     }
-    if (stream.hasTexts()) stream.texts.push_back(textIn(bytes, stream.channels));
-    for (std::size_t channel = 0; stream.hasNumbers() && channel < stream.channels; ++channel) {
-      stream.values.push_back(valueIn(bytes, stream.format, file));
-    }
+    std::string text = stream.hasTexts() ? textIn(bytes, stream.channels) : "";
+    for (double& value : row) value = valueIn(bytes, stream.format, file);
+    if (stream.hasTexts()) samples.texts.push_back(std::move(text));
+    samples.values.insert(samples.values.end(), row.begin(), row.end());
+    samples.times_s.push_back(time_s);
   }
 }
 
-std::map<std::uint32_t, Stream> streamsIn(std::string_view all, const std::string& file) {
-  std::map<std::uint32_t, Stream> streams;
-  Bytes chunks(all, file);
-  chunks.take(kXdfMagic.size());
-  while (!chunks.atEnd()) {
-    Bytes chunk(chunks.take(chunks.length()), file);
-    const auto tag = chunk.number<std::uint16_t>();
-    if (tag != kStreamHeader && tag != kSamples && tag != kClockOffset) continue;
-    const auto id = chunk.number<std::uint32_t>();
-    if (tag == kStreamHeader) {
-      streams[id] = {lslStreamOf(chunk.rest(), file)};
-      continue;
-    }
-    const auto found = streams.find(id);
-    if (found == streams.end()) throw InputError(file, "damaged: samples before their stream");
-    if (tag == kClockOffset) {
-      const double collected_s = chunk.number<double>(), offset_s = chunk.number<double>();
-      found->second.clock.push_back({collected_s - offset_s, offset_s});
-    } else if (found->second.hasNumbers() || found->second.hasTexts()) {
-      readSamples(chunk, found->second, file);
-    }
+/// Unpacked, if it is packed. @throws InputError
+std::string bytesOf(const std::filesystem::path& file) {
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.string().c_str(), "rb"), gzclose);
+  if (!in) throw InputError(file.string(), "cannot be read");
+  std::string bytes;
+  for (std::size_t block_B = 1 << 20;;) {
+    const std::size_t before = bytes.size();
+    bytes.resize(before + block_B);
+    const int count = gzread(in.get(), bytes.data() + before, static_cast<unsigned>(block_B));
+    bytes.resize(before + static_cast<std::size_t>(std::max(count, 0)));
+    if (count <= 0) return bytes;  // what is cut off is found in the chunks
+    requirePackedRecording(file.string(), static_cast<std::int64_t>(bytes.size()),
+                           gzoffset(in.get()));
   }
-  return streams;
 }
 
-/// What to add to a stream's time: the line through its clock offsets.
-glm::dvec2 clockLine(const std::vector<glm::dvec2>& clock) {
-  if (clock.empty()) return {0.0, 0.0};
-  glm::dvec2 mean(0.0);
-  for (const glm::dvec2& point : clock) mean += point / static_cast<double>(clock.size());
-  double slope = 0.0, spread = 0.0;
-  for (const glm::dvec2& point : clock) {
-    slope += (point.x - mean.x) * (point.y - mean.y);
-    spread += (point.x - mean.x) * (point.x - mean.x);
+/// The streams of a file, in its order.
+class XdfFile {
+ public:
+  XdfFile(std::string_view all, std::string file) : all_(all), file_(std::move(file)) {
+    Bytes chunks(all);
+    try {
+      chunks.take(kXdfMagic.size());
+      while (!chunks.rest().empty()) {
+        const std::uint64_t length = chunks.length();
+        const std::string_view rest = chunks.rest();
+        readChunk(rest.substr(0, length), length > rest.size());
+        chunks.take(length);
+      }
+    } catch (const CutOff&) {
+      cut_off_ = "cut off or damaged " + std::to_string(chunks.rest().size()) + " bytes before " +
+                 "its end, in an XDF chunk: what follows is left out";
+    }
   }
-  slope = spread > 0.0 ? slope / spread : 0.0;
-  return {mean.y - slope * mean.x, slope};
-}
 
-std::vector<TraceMarker> markersOf(const std::map<std::uint32_t, Stream>& streams) {
-  std::vector<TraceMarker> markers;
-  for (const auto& [id, stream] : streams) {
-    const glm::dvec2 clock = clockLine(stream.clock);
-    for (std::size_t i = 0; i < stream.texts.size(); ++i) {
-      const double time_s = stream.times[i] + clock.x + clock.y * stream.times[i];
-      if (std::isfinite(time_s) && !stream.texts[i].empty()) {
-        markers.push_back({time_s, stream.texts[i]});
+  const std::optional<std::string>& cutOff() const { return cut_off_; }
+
+  const Stream& gazeStream(std::string_view wanted) const {
+    const Stream* found = nullptr;
+    std::string names;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < streams_.size(); ++i) {
+      const Stream& stream = streams_[i];
+      const std::string number = "#" + std::to_string(i + 1);
+      names += (names.empty() ? "" : ", ") + number + " " + shown(stream.name);
+      const bool is = wanted.empty()
+                          ? stream.isGaze()
+                          : (stream.name == wanted || number == wanted) && stream.hasNumbers();
+      if (!is) continue;
+      found = &stream;
+      ++count;
+    }
+    if (count == 1) return *found;
+    const std::string where = cut_off_ ? "; the file is " + *cut_off_ : "";
+    if (names.empty()) throw InputError(file_, "no streams: expected a recording of gaze" + where);
+    throw InputError(
+        file_, (count == 0 ? "no stream of gaze" : "more than one stream of gaze") +
+                   (": expected gaze.stream, the name or the number of one of " + names + where));
+  }
+
+  /// On the recorder's clock.
+  Samples samplesOf(const Stream& stream, int& resets) const {
+    Samples samples;
+    for (const std::string_view chunk : stream.chunks) {
+      try {
+        readSamples(Bytes(chunk), stream, samples, file_);
+      } catch (const CutOff&) {
+        if (chunk.end() != all_.end()) {
+          throw InputError(file_, "damaged: an XDF chunk of samples of stream " +
+                                      shown(stream.name) + " ends too early");
+        }
       }
     }
+    try {
+      resets = toRecorderClock(samples.times_s, stream.clock);
+    } catch (const std::invalid_argument&) {
+      throw InputError(file_, "stream " + shown(stream.name) +
+                                  ": its clock offsets change by half a second in a second, or "
+                                  "faster: expected those of two clocks");
+    }
+    return samples;
   }
-  std::ranges::stable_sort(markers, {}, &TraceMarker::time_s);
-  return markers;
-}
 
-const Stream& gazeStream(const std::map<std::uint32_t, Stream>& streams, std::string_view wanted,
-                         const std::string& file) {
-  const Stream* found = nullptr;
-  std::string names;
-  std::size_t count = 0;
-  for (const auto& [id, stream] : streams) {
-    names += (names.empty() ? "" : ", ") + shown(stream.name);
-    const bool is = wanted.empty() ? stream.isGaze() : stream.name == wanted && stream.hasNumbers();
-    if (!is) continue;
-    found = &stream;
-    ++count;
+  std::vector<TraceMarker> markers() const {
+    std::vector<TraceMarker> markers;
+    for (const Stream& stream : streams_) {
+      if (!stream.isMarkers()) continue;
+      int resets = 0;
+      const Samples samples = samplesOf(stream, resets);
+      for (std::size_t i = 0; i < samples.times_s.size(); ++i) {
+        std::string text = stream.hasTexts() ? samples.texts[i] : "";
+        for (std::size_t c = 0; stream.hasNumbers() && c < stream.channels; ++c) {
+          text += (c == 0 ? "" : " ") + exactText(samples.values[i * stream.channels + c]);
+        }
+        if (!std::isfinite(samples.times_s[i]) || text.empty()) continue;
+        markers.push_back({samples.times_s[i], std::move(text)});
+      }
+    }
+    std::ranges::stable_sort(markers, {}, &TraceMarker::time_s);
+    return markers;
   }
-  if (count == 1) return *found;
-  if (names.empty()) throw InputError(file, "no streams: expected a recording of gaze");
-  throw InputError(file, (count == 0 ? "no stream of gaze" : "more than one stream of gaze") +
-                             (": expected gaze.stream, the name of one of " + names));
+
+ private:
+  /// @param is_cut  the file ends within the chunk: of samples, the first ones are whole
+  void readChunk(std::string_view content, bool is_cut) {
+    Bytes chunk(content);
+    const auto tag = chunk.number<std::uint16_t>();
+    if (tag != kStreamHeader && tag != kSamples && tag != kClockOffset) return;
+    const auto id = chunk.number<std::uint32_t>();
+    if (tag == kStreamHeader) {
+      if (is_cut) return;
+      streams_.push_back({lslStreamOf(chunk.rest(), file_), id});
+      return;
+    }
+    const auto stream = std::ranges::find(streams_, id, &Stream::id);
+    if (stream == streams_.end()) {
+      throw InputError(file_, "damaged: an XDF chunk comes before the header of its stream");
+    }
+    if (tag == kSamples) {
+      stream->chunks.push_back(chunk.rest());
+    } else {
+      const auto collected_s = chunk.number<double>();
+      stream->clock.push_back({collected_s, chunk.number<double>()});
+    }
+  }
+
+  std::string_view all_;
+  std::string file_;
+  std::vector<Stream> streams_{};
+  std::optional<std::string> cut_off_{};
+};
+
+std::string lowerCase(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
 }
 
 }  // namespace
 
+bool LslStream::isMarkers() const {
+  return hasTexts() || (hasNumbers() && rate_Hz == 0.0 && lowerCase(type) == "markers");
+}
+
 bool LslStream::isGaze() const {
-  std::string both = type + " " + name;
-  for (char& c : both) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return hasNumbers() && (both.find("gaze") != both.npos || both.find("eye") != both.npos);
+  const std::string both = lowerCase(type + " " + name);
+  return hasNumbers() && !isMarkers() &&
+         (both.find("gaze") != both.npos || both.find("eye") != both.npos);
 }
 
 LslStream lslStreamOf(std::string_view xml, const std::string& file) {
@@ -243,42 +324,46 @@ LslStream lslStreamOf(std::string_view xml, const std::string& file) {
   stream.channels = static_cast<std::size_t>(*channels);
   stream.rate_Hz = parseNumber(element(xml, "nominal_srate")).value_or(0.0);
   std::string_view rest = element(xml, "channels");
+  std::vector<std::string> names, eyes;
   for (std::size_t i = 0; i < stream.channels; ++i) {
     const std::string_view channel = element(rest, "channel");
-    stream.columns += '\t' + channelName(channel, i);
+    names.push_back(channelName(channel, i));
+    eyes.push_back(plain(element(channel, "eye")));
     if (!channel.empty()) {
       rest.remove_prefix(static_cast<std::size_t>(channel.end() - rest.begin()));
     }
+  }
+  for (std::size_t i = 0; i < stream.channels; ++i) {
+    const bool of_one_eye = eyes[i] == "left" || eyes[i] == "right";
+    const bool has_twin = std::ranges::count(names, names[i]) > 1;
+    stream.columns.push_back(of_one_eye && has_twin ? eyes[i] + "_" + names[i] : names[i]);
   }
   return stream;
 }
 
 bool isXdf(const std::filesystem::path& file) {
   std::array<char, 4> magic{};
-  std::ifstream in(file, std::ios::binary);
-  return in.read(magic.data(), magic.size()) &&
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.string().c_str(), "rb"), gzclose);
+  return in && gzread(in.get(), magic.data(), magic.size()) == 4 &&
          std::string_view(magic.data(), magic.size()) == kXdfMagic;
 }
 
 XdfTable readXdf(const std::filesystem::path& file, std::string_view wanted) {
-  const std::string name = file.string();
-  std::ifstream in(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  const auto streams = streamsIn(bytes, name);
-  const Stream& stream = gazeStream(streams, wanted, name);
-  const glm::dvec2 clock = clockLine(stream.clock);
-  XdfTable table{.text = stream.columns,
-                 .stream = stream.name,
-                 .markers = markersOf(streams),
-                 .clock_offsets = stream.clock.size()};
-  table.text += '\n';
-  for (std::size_t i = 0; i < stream.times.size(); ++i) {
-    const double time_s = stream.times[i];
-    table.text += exactText(time_s + clock.x + clock.y * time_s);
-    for (std::size_t channel = 0; channel < stream.channels; ++channel) {
-      table.text += '\t' + exactText(stream.values[i * stream.channels + channel]);
-    }
-    table.text += '\n';
+  const std::string bytes = bytesOf(file);
+  const XdfFile xdf(bytes, file.string());
+  const Stream& stream = xdf.gazeStream(wanted);
+  XdfTable table{.stream = stream.name,
+                 .columns = stream.columns,
+                 .markers = xdf.markers(),
+                 .clock_offsets = stream.clock.size(),
+                 .cut_off = xdf.cutOff()};
+  Samples samples = xdf.samplesOf(stream, table.clock_resets);
+  if (stream.rate_Hz > 0.0) removeJitter(samples.times_s);
+  for (std::size_t i = 0; i < samples.times_s.size(); ++i) {
+    table.values.push_back(samples.times_s[i]);
+    const auto row = samples.values.begin() + static_cast<std::ptrdiff_t>(i * stream.channels);
+    table.values.insert(table.values.end(), row,
+                        row + static_cast<std::ptrdiff_t>(stream.channels));
   }
   return table;
 }

@@ -1,9 +1,13 @@
 #include "gaze/sources/xdf.h"
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "base/input_error.h"
 #include "gaze/sources/trace_reader.h"
@@ -13,7 +17,7 @@ namespace foci {
 namespace {
 
 constexpr double kRate_Hz = 100.0;
-constexpr int kSampleCount = 200;
+constexpr double kClock_s = 1e-6;  // the bound on times against the simulated truth
 const Screen kScreen{.size_px = {1000, 500}, .size_m = {0.5, 0.25}, .distance_m = 0.6};
 
 template <class Number>
@@ -27,114 +31,272 @@ std::string chunk(std::uint16_t tag, const std::string& content) {
 }
 
 std::string header(std::uint32_t id, const std::string& name, const std::string& type,
-                   const std::string& format, const std::string& channels, int count) {
+                   const std::string& format, const std::string& channels, int count,
+                   double rate_Hz = kRate_Hz) {
   return chunk(2, bytesOfNumber(id) + "<?xml version=\"1.0\"?><info><name>" + name +
                       "</name><type>" + type + "</type><channel_count>" + std::to_string(count) +
-                      "</channel_count><nominal_srate>100</nominal_srate><channel_format>" +
-                      format + "</channel_format><desc><channels>" + channels +
-                      "</channels></desc></info>");
+                      "</channel_count><nominal_srate>" + std::to_string(rate_Hz) +
+                      "</nominal_srate><channel_format>" + format +
+                      "</channel_format><desc><channels>" + channels + "</channels></desc></info>");
 }
 
-/// Gaze in fractions of the screen. The tracker's clock is 5 s behind the recorder's and 0.1 %
-/// slow.
-std::string xdf(bool second_gaze_stream = false) {
-  std::string file =
-      "XDF:" + chunk(1, "<?xml version=\"1.0\"?><info><version>1.0</version></info>");
-  file += header(7, "Tracker", "Gaze", "float32",
-                 "<channel><label>gaze_x</label><unit>normalized</unit></channel>"
-                 "<channel><label>gaze_y</label><unit>normalized</unit></channel>",
-                 2);
-  file += header(8, "Events", "Markers", "string", "<channel><label>event</label></channel>", 1);
-  if (second_gaze_stream) file += header(9, "Other", "eyes", "double64", "", 1);
-  for (const double at_s : {0.0, 1.0, 2.0}) {
-    const double offset_s = 5.0 + 0.001 * at_s;
-    file += chunk(4, bytesOfNumber(std::uint32_t{7}) + bytesOfNumber(at_s + offset_s) +
-                         bytesOfNumber(offset_s));
-  }
-  std::string samples = bytesOfNumber(std::uint32_t{7}) + "\x01" +
-                        static_cast<char>(static_cast<unsigned char>(kSampleCount));
-  for (int i = 0; i < kSampleCount; ++i) {
-    // Every second sample leaves its time to the rate.
-    samples += i % 2 == 0 ? "\x08" + bytesOfNumber(i / kRate_Hz) : std::string(1, '\0');
-    samples += bytesOfNumber(0.25f + 0.001f * static_cast<float>(i)) + bytesOfNumber(0.5f);
-  }
-  file += chunk(3, samples);
-  file += chunk(3, bytesOfNumber(std::uint32_t{8}) + "\x01\x01\x08" + bytesOfNumber(1.0) +
-                       "\x01\x05" + "start");
-  return file + chunk(6, bytesOfNumber(std::uint32_t{7}) + "<info></info>");
+const std::string kPoint =
+    "<channel><label>gaze_x</label><unit>normalized</unit></channel>"
+    "<channel><label>gaze_y</label><unit>normalized</unit></channel>";
+
+std::string gazeHeader(std::uint32_t id = 7, double rate_Hz = kRate_Hz) {
+  return "XDF:" + chunk(1, "<?xml version=\"1.0\"?><info><version>1.0</version></info>") +
+         header(id, "Tracker", "Gaze", "float32", kPoint, 2, rate_Hz);
 }
 
-TEST(Xdf, ReadsItsGazeStreamOnTheRecordersClock) {
-  const GazeTrace trace = readTrace(ScratchFile(xdf()).path(), {}, kScreen);
-  ASSERT_EQ(trace.samples.size(), static_cast<std::size_t>(kSampleCount));
-  constexpr double kFloat_px = 1e-3;
-  for (const std::size_t i : {std::size_t{0}, std::size_t{1}, std::size_t{150}}) {
-    const double time_s = static_cast<double>(i) / kRate_Hz;
-    EXPECT_NEAR(trace.samples[i].time_s, time_s + 5.0 + 0.001 * time_s, 1e-9);
-    ASSERT_TRUE(trace.samples[i].point_px);
-    EXPECT_NEAR(trace.samples[i].point_px->x, 250.0 + static_cast<double>(i), kFloat_px);
-    EXPECT_NEAR(trace.samples[i].point_px->y, 250.0, kFloat_px);
+/// A computer's clock. Both clocks of a recording are functions of the true time.
+struct Clock {
+  double start_s = 0.0;  // what it shows at time 0
+  double drift = 0.0;
+  double operator()(double true_s) const { return start_s + (1.0 + drift) * true_s; }
+};
+
+/// What LabRecorder writes: it measures the offset to the stream's clock, and stores it with the
+/// time of the measurement on the stream's clock (`now - offset`).
+std::string clockOffset(std::uint32_t id, const Clock& recorder, const Clock& stream, double true_s,
+                        double error_s = 0.0) {
+  const double now_s = recorder(true_s);
+  const double offset_s = now_s - stream(true_s) + error_s;
+  return chunk(4, bytesOfNumber(id) + bytesOfNumber(now_s - offset_s) + bytesOfNumber(offset_s));
+}
+
+std::string gazeSample(double stamp_s, int i) {
+  return "\x08" + bytesOfNumber(stamp_s) +
+         bytesOfNumber(0.25f + 0.001f * static_cast<float>(i % 500)) + bytesOfNumber(0.5f);
+}
+
+std::string gazeChunk(const std::vector<double>& stamps_s, std::uint32_t id = 7) {
+  std::string samples =
+      bytesOfNumber(id) + "\x04" + bytesOfNumber(static_cast<std::uint32_t>(stamps_s.size()));
+  for (std::size_t i = 0; i < stamps_s.size(); ++i) {
+    samples += gazeSample(stamps_s[i], static_cast<int>(i));
   }
+  return chunk(3, samples);
+}
+
+std::string marker(std::uint32_t id, double stamp_s, const std::string& text) {
+  return chunk(3, bytesOfNumber(id) + "\x01\x01\x08" + bytesOfNumber(stamp_s) + "\x01" +
+                      static_cast<char>(static_cast<unsigned char>(text.size())) + text);
+}
+
+const Clock kRecorder{.start_s = 1000.0};
+// Of a computer that started a week before, 20 ppm fast.
+const Clock kTracker{.start_s = 605'800.0, .drift = 2e-5};
+
+std::vector<double> trueTimes(int count, double from_s = 0.0) {
+  std::vector<double> times_s;
+  for (int i = 0; i < count; ++i) times_s.push_back(from_s + i / kRate_Hz);
+  return times_s;
+}
+
+std::vector<double> onClock(const Clock& clock, std::vector<double> times_s) {
+  for (double& time_s : times_s) time_s = clock(time_s);
+  return times_s;
+}
+
+GazeTrace readBytes(const std::string& bytes, const TraceColumns& columns = {}) {
+  return readTrace(ScratchFile(bytes).path(), columns, kScreen);
+}
+
+void expectTimes(const GazeTrace& trace, const std::vector<double>& true_s) {
+  ASSERT_EQ(trace.samples.size(), true_s.size());
+  for (std::size_t i = 0; i < true_s.size(); ++i) {
+    ASSERT_NEAR(trace.samples[i].time_s, kRecorder(true_s[i]), kClock_s) << i;
+  }
+}
+
+TEST(Xdf, TimesAreThoseOfTheRecordersClock) {
+  // Markers come from a third computer.
+  const Clock stimuli{.start_s = 33.0, .drift = -1e-4};
+  std::string file = gazeHeader() + header(8, "Stimuli", "Markers", "string", "", 1, 0.0);
+  const std::vector<double> true_s = trueTimes(3000);
+  file += gazeChunk(onClock(kTracker, true_s));
+  for (const double at_s : {0.5, 5.5, 10.5, 15.5, 20.5, 25.5}) {
+    file += clockOffset(7, kRecorder, kTracker, at_s) + clockOffset(8, kRecorder, stimuli, at_s);
+    file += marker(8, stimuli(at_s), "shown");
+  }
+  const GazeTrace trace = readBytes(file);
+  expectTimes(trace, true_s);
   EXPECT_EQ(trace.format.substr(0, 21), "XDF, stream \"Tracker\"");
+  ASSERT_EQ(trace.markers.size(), 6u);
+  EXPECT_NEAR(trace.markers[0].time_s, kRecorder(0.5), kClock_s);
+  EXPECT_NEAR(trace.markers[5].time_s, kRecorder(25.5), kClock_s);
+  constexpr double kFloat_px = 1e-3;
+  EXPECT_NEAR(trace.samples[150].point_px->x, 400.0, kFloat_px);
+  EXPECT_NEAR(trace.samples[150].point_px->y, 250.0, kFloat_px);
 }
 
-TEST(Xdf, TextsAreMarkersOnTheRecordersClock) {
-  std::string file = xdf();
-  // A second stream of texts, two channels a sample, whose clock is 10 s behind.
-  file += header(11, "Answers", "Markers", "string", "", 2);
-  file += chunk(4, bytesOfNumber(std::uint32_t{11}) + bytesOfNumber(10.5) + bytesOfNumber(10.0));
-  file += chunk(3, bytesOfNumber(std::uint32_t{11}) + "\x01\x01\x08" + bytesOfNumber(-9.5) +
-                       "\x01\x06" + "answer" + "\x01\x03" + "y\tn");
-  const GazeTrace trace = readTrace(ScratchFile(file).path(), {}, kScreen);
-  ASSERT_EQ(trace.markers.size(), 2u);
-  EXPECT_EQ(trace.markers[0].text, "answer y n");
-  EXPECT_NEAR(trace.markers[0].time_s, 0.5, 1e-9);
-  EXPECT_EQ(trace.markers[1].text, "start");
-  EXPECT_NEAR(trace.markers[1].time_s, 1.0, 1e-9);
-}
-
-TEST(Xdf, AsksWhichStreamOfTwo) {
-  const ScratchFile file(xdf(true));
-  try {
-    readTrace(file.path(), {}, kScreen);
-    FAIL() << "took one of two streams";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("gaze.stream"), std::string::npos) << error.what();
-  }
-  TraceColumns columns;
-  columns.stream = "Tracker";
-  EXPECT_EQ(readTrace(file.path(), columns, kScreen).samples.size(),
-            static_cast<std::size_t>(kSampleCount));
-  columns.stream = "Events";
-  EXPECT_THROW(readTrace(file.path(), columns, kScreen), InputError);
-}
-
-TEST(Xdf, SaysThatAFileHasNoStreams) {
-  try {
-    readTrace(ScratchFile("XDF:").path(), {}, kScreen);
-    FAIL() << "expected a refusal";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("no streams"), std::string::npos) << error.what();
-  }
-}
-
-TEST(Xdf, RefusesEveryFileThatIsCutOffInAChunk) {
-  const std::string whole = xdf();
-  for (std::size_t size = 5; size < whole.size(); size += 37) {
-    try {
-      readTrace(ScratchFile(whole.substr(0, size)).path(), {}, kScreen);
-    } catch (const InputError&) {
-      continue;
+TEST(Xdf, WildClockOffsetsChangeNothing) {
+  for (const double wild_s : {0.05, -0.7, 3.0, -700.0, 4e5}) {
+    for (const int wild : {0, 1, 3, 7}) {
+      std::string file = gazeHeader();
+      for (int i = 0; i < 8; ++i) {
+        file += clockOffset(7, kRecorder, kTracker, 0.5 + 5.0 * i, i == wild ? wild_s : 0.0);
+      }
+      const std::vector<double> true_s = trueTimes(4000);
+      SCOPED_TRACE(testing::Message() << wild_s << " s, offset " << wild);
+      expectTimes(readBytes(file + gazeChunk(onClock(kTracker, true_s))), true_s);
     }
-    // Only a cut behind the last sample leaves a whole table.
-    EXPECT_GT(size, whole.size() - 100) << size;
   }
 }
 
-TEST(Xdf, RefusesChannelsThatAFileCannotHave) {
-  std::string broken = xdf();
-  broken.replace(broken.find("<channel_count>2<"), 17, "<channel_count>9<");
-  EXPECT_THROW(readTrace(ScratchFile(broken).path(), {}, kScreen), InputError);
+TEST(Xdf, EachLifeOfATrackersClockHasItsOffset) {
+  // The tracker's computer starts again after 20 s: its clock falls back, or jumps ahead.
+  for (const double start_s : {3.0, 605'790.0, 2e6}) {
+    const Clock again{.start_s = start_s, .drift = -3e-5};
+    std::string file = gazeHeader();
+    for (const double at_s : {0.5, 5.5, 10.5, 15.5}) {
+      file += clockOffset(7, kRecorder, kTracker, at_s);
+    }
+    for (const double at_s : {30.5, 35.5, 40.5}) {
+      file += clockOffset(7, kRecorder, again, at_s);
+    }
+    std::vector<double> true_s = trueTimes(1800);
+    std::vector<double> stamps_s = onClock(kTracker, true_s);
+    for (const double time_s : trueTimes(1500, 29.0)) {
+      true_s.push_back(time_s);
+      stamps_s.push_back(again(time_s));
+    }
+    SCOPED_TRACE(start_s);
+    const GazeTrace trace = readBytes(file + gazeChunk(stamps_s));
+    expectTimes(trace, true_s);
+    ASSERT_FALSE(trace.assumed.empty());
+    EXPECT_NE(trace.assumed.front().find("was reset"), std::string::npos);
+  }
+}
+
+TEST(Xdf, JitterGoesAndGapsStay) {
+  std::vector<double> true_s = trueTimes(1000);
+  for (const double time_s : trueTimes(1000, 10.37)) true_s.push_back(time_s);
+  std::vector<double> stamps_s = onClock(kTracker, true_s);
+  constexpr double kJitter_s = 0.004;
+  for (std::size_t i = 0; i < stamps_s.size(); ++i) {
+    stamps_s[i] += kJitter_s * std::sin(2.39996 * static_cast<double>(i));  // golden angle: even
+  }
+  std::string file = gazeHeader();
+  for (const double at_s : {0.5, 5.5, 10.5}) file += clockOffset(7, kRecorder, kTracker, at_s);
+  const GazeTrace trace = readBytes(file + gazeChunk(stamps_s));
+  ASSERT_EQ(trace.samples.size(), true_s.size());
+  for (std::size_t i = 0; i < true_s.size(); ++i) {
+    ASSERT_NEAR(trace.samples[i].time_s, kRecorder(true_s[i]), 0.01 * kJitter_s) << i;
+  }
+}
+
+TEST(Xdf, AnUnevenStreamKeepsItsTimes) {
+  // A webcam that states 30 Hz and gives what the light allows.
+  std::vector<double> true_s;
+  double time_s = 0.0;
+  for (int i = 0; i < 600; ++i) {
+    true_s.push_back(time_s);
+    time_s += i < 300 ? 0.033 : 0.05 + 0.01 * std::sin(i * 0.05);
+  }
+  const std::string file = gazeHeader(7, 30.0) + clockOffset(7, kRecorder, kTracker, 0.5) +
+                           clockOffset(7, kRecorder, kTracker, 20.5) +
+                           gazeChunk(onClock(kTracker, true_s));
+  expectTimes(readBytes(file), true_s);
+}
+
+TEST(Xdf, ASampleWithoutATimeFollowsTheOneBefore) {
+  std::string samples = bytesOfNumber(std::uint32_t{7}) + "\x01\x64";
+  for (int i = 0; i < 100; ++i) {
+    const std::string sample = gazeSample(i / kRate_Hz, i);
+    samples += i % 2 == 0 ? sample : '\0' + sample.substr(9);
+  }
+  const GazeTrace trace = readBytes(gazeHeader() + chunk(3, samples));
+  ASSERT_EQ(trace.samples.size(), 100u);
+  for (std::size_t i = 0; i < 100; ++i) {
+    EXPECT_NEAR(trace.samples[i].time_s, static_cast<double>(i) / kRate_Hz, kClock_s);
+  }
+  EXPECT_NE(trace.assumed.back().find("no clock offsets"), std::string::npos);
+}
+
+TEST(Xdf, MarkersAreTextsOfAllChannelsOrNumbers) {
+  std::string file = gazeHeader() + gazeChunk(trueTimes(200));
+  file += header(11, "Answers", "Markers", "string", "", 2, 0.0);
+  file += chunk(3, bytesOfNumber(std::uint32_t{11}) + "\x01\x01\x08" + bytesOfNumber(1.5) +
+                       "\x01\x06" + "answer" + "\x01\x03" + "y\tn");
+  file += header(12, "EyeTrackerPort", "Markers", "int32", "", 1, 0.0);
+  file += chunk(3, bytesOfNumber(std::uint32_t{12}) + "\x01\x01\x08" + bytesOfNumber(0.5) +
+                       bytesOfNumber(std::int32_t{42}));
+  const GazeTrace trace = readBytes(file);
+  ASSERT_EQ(trace.markers.size(), 2u);
+  EXPECT_EQ(trace.markers[0].text, "42");
+  EXPECT_EQ(trace.markers[0].time_s, 0.5);
+  EXPECT_EQ(trace.markers[1].text, "answer y n");
+}
+
+TEST(Xdf, StreamsOfOneNameHaveNumbers) {
+  const std::string file = gazeHeader() + header(9, "Events", "Markers", "string", "", 1, 0.0) +
+                           header(3, "Tracker", "Gaze", "float32", kPoint, 2) +
+                           gazeChunk(trueTimes(200)) + gazeChunk(trueTimes(300, 50.0), 3);
+  for (const char* stream : {"", "Tracker"}) {
+    const std::string refusal = refusalBy([&] { readBytes(file, {.stream = stream}); });
+    EXPECT_NE(refusal.find("gaze.stream"), std::string::npos) << refusal;
+    EXPECT_NE(refusal.find("#1 \"Tracker\", #2 \"Events\", #3 \"Tracker\""), std::string::npos)
+        << refusal;
+  }
+  EXPECT_EQ(readBytes(file, {.stream = "#1"}).samples.size(), 200u);
+  EXPECT_EQ(readBytes(file, {.stream = "#3"}).samples.size(), 300u);
+  EXPECT_THROW(readBytes(file, {.stream = "#2"}), InputError);
+  EXPECT_THROW(readBytes(file, {.stream = "#4"}), InputError);
+}
+
+TEST(Xdf, APackedFileIsTheSameRecording) {
+  const std::string bytes = gazeHeader() + gazeChunk(trueTimes(200));
+  const ScratchFile file("");
+  const gzFile out = gzopen(file.path().c_str(), "wb");
+  gzwrite(out, bytes.data(), static_cast<unsigned>(bytes.size()));
+  gzclose(out);
+  EXPECT_EQ(readTrace(file.path(), {}, kScreen).samples.size(), 200u);
+}
+
+TEST(Xdf, AFileThatIsCutOffHasItsFirstSamples) {
+  const std::string before = gazeHeader() + gazeChunk(trueTimes(100));
+  const std::string whole = before + gazeChunk(trueTimes(100, 1.0));
+  const auto isSaid = [](const GazeTrace& trace) {
+    return std::ranges::any_of(trace.warnings, [](const std::string& warning) {
+      return warning.find("the file is cut off") != std::string::npos;
+    });
+  };
+  EXPECT_FALSE(isSaid(readBytes(whole)));
+  std::size_t samples = 100;
+  for (std::size_t size = before.size() + 1; size < whole.size(); ++size) {
+    const GazeTrace trace = readBytes(whole.substr(0, size));
+    EXPECT_GE(trace.samples.size(), samples) << size;
+    EXPECT_TRUE(isSaid(trace)) << size;
+    samples = trace.samples.size();
+  }
+  EXPECT_EQ(samples, 199u);
+  const std::string refusal = refusalBy([&] { readBytes(before.substr(0, 100)); });
+  EXPECT_NE(refusal.find("no streams"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("cut off"), std::string::npos) << refusal;
+}
+
+TEST(Xdf, RefusesWhatIsNoRecording) {
+  const std::string head = gazeHeader();
+  std::string channels = head + gazeChunk(trueTimes(100));
+  channels.replace(channels.find("<channel_count>2<"), 17, "<channel_count>9<");
+  std::string short_chunk =
+      head + chunk(3, bytesOfNumber(std::uint32_t{7}) + "\x01\x09\x08") + gazeChunk(trueTimes(100));
+  const std::pair<std::string, const char*> cases[] = {
+      {"XDF:", "no streams"},
+      {channels, "a sample without a time"},
+      {short_chunk, "ends too early"},
+      {head + chunk(3, bytesOfNumber(std::uint32_t{5}) + "\x01\x01"), "before the header"},
+      {head + chunk(4, bytesOfNumber(std::uint32_t{7}) + bytesOfNumber(0.0) + bytesOfNumber(0.0)) +
+           chunk(4, bytesOfNumber(std::uint32_t{7}) + bytesOfNumber(0.1) + bytesOfNumber(0.6)) +
+           gazeChunk(trueTimes(100)),
+       "half a second in a second"},
+  };
+  for (const auto& [bytes, part] : cases) {
+    const std::string refusal = refusalBy([&] { readBytes(bytes); });
+    EXPECT_NE(refusal.find(part), std::string::npos) << refusal << "\n  wanted: " << part;
+  }
 }
 
 }  // namespace
