@@ -10,6 +10,7 @@
 #include "gaze/events/sight_noise.h"
 #include "gaze/geometry/head_frame.h"
 #include "gaze/geometry/line_of_sight.h"
+#include "gaze/geometry/sampling_rate.h"
 
 namespace foci {
 
@@ -136,6 +137,15 @@ bool isPursuitAmong(const std::vector<const StableGaze*>& stable, std::size_t pl
 
 std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen,
                                     const EventSettings& settings) {
+  const auto rates = rateStretchesOf(trace);
+  if (rates.size() > 1) {
+    std::vector<GazeState> states;
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+      const auto part = labelSamples(stretchOf(trace, rates, i), screen, settings);
+      states.insert(states.end(), part.begin(), part.end());
+    }
+    return states;
+  }
   std::vector<TimedSight> sights;
   std::vector<bool> blinks;
   sights.reserve(trace.samples.size());
@@ -314,7 +324,18 @@ class EventBuilder {
 
 std::vector<GazeEvent> eventsOf(const std::vector<GazeState>& states, const GazeTrace& trace,
                                 const Screen& screen, const EventSettings& settings) {
-  return EventBuilder(trace, screen, settings).build(states);
+  const auto stretches = rateStretchesOf(trace);
+  if (stretches.size() == 1) return EventBuilder(trace, screen, settings).build(states);
+  std::vector<GazeEvent> events;
+  for (std::size_t i = 0; i < stretches.size(); ++i) {
+    const GazeTrace stretch = stretchOf(trace, stretches, i);
+    const auto first = states.begin() + static_cast<std::ptrdiff_t>(stretches[i].first);
+    const auto part =
+        EventBuilder(stretch, screen, settings)
+            .build({first, first + static_cast<std::ptrdiff_t>(stretch.samples.size())});
+    events.insert(events.end(), part.begin(), part.end());
+  }
+  return events;
 }
 
 std::vector<GazeEvent> detectEvents(const GazeTrace& trace, const Screen& screen,

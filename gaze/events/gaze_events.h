@@ -9,7 +9,8 @@
 
 namespace foci {
 
-/// The state of every sample. Each decision may use the complete recording.
+/// The state of every sample. Each decision may use the complete recording, or the stretch of one
+/// rate that the sample lies in (`rateStretchesOf`).
 /// @param trace   its rate must be known
 /// @param screen  the screen of the samples, with known size and distance
 std::vector<GazeState> labelSamples(const GazeTrace& trace, const Screen& screen,
@@ -26,7 +27,7 @@ struct GazeEvent {
   double peak_velocity_deg_s = 0.0;         ///< saccades only
 };
 
-/// Events in order of time. Neighbouring fixations are merged and short ones left out, as
+/// Events in order of time. They end where the rate changes. Neighbouring fixations are merged and short ones left out, as
 /// `EventSettings` says.
 /// @param states  one for each sample
 std::vector<GazeEvent> eventsOf(const std::vector<GazeState>& states, const GazeTrace& trace,

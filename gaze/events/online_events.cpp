@@ -7,6 +7,7 @@
 #include "gaze/events/saccades.h"
 #include "gaze/geometry/head_frame.h"
 #include "gaze/geometry/line_of_sight.h"
+#include "gaze/geometry/sampling_rate.h"
 
 namespace foci {
 namespace {
@@ -201,6 +202,15 @@ void OnlineEvents::fixate(const GazeSample& sample, const TimedSight& sight) {
 
 std::vector<GazeState> labelSamplesOnline(const GazeTrace& trace, const Screen& screen,
                                           const EventSettings& settings) {
+  const auto rates = rateStretchesOf(trace);
+  if (rates.size() > 1) {
+    std::vector<GazeState> states;
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+      const auto part = labelSamplesOnline(stretchOf(trace, rates, i), screen, settings);
+      states.insert(states.end(), part.begin(), part.end());
+    }
+    return states;
+  }
   OnlineEvents events(screen, trace.rate_Hz, settings);
   const std::size_t delay = events.delaySamples();
   std::vector<GazeState> states;

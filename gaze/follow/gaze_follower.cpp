@@ -20,6 +20,10 @@ constexpr double kMinRingRadius = 0.1;  // of the cone's half-angle; a smaller r
 
 constexpr double kMoved = 0.1;  // of the cone's half-angle; the surface is then sought again
 
+double longestSilence_s(double rate_Hz, const FollowSettings& settings) {
+  return settings.events.merge_gap_s + 1.5 / rate_Hz;
+}
+
 }  // namespace
 
 GazeFollower::GazeFollower(const Screen& screen, double rate_Hz, SurfaceDistance surface,
@@ -27,14 +31,19 @@ GazeFollower::GazeFollower(const Screen& screen, double rate_Hz, SurfaceDistance
     : screen_(screen),
       surface_(std::move(surface)),
       settings_(settings),
+      watch_(rate_Hz),
       events_(screen, rate_Hz, settings.events),
       accommodation_(settings.accommodation),
-      longest_silence_s_(settings.events.merge_gap_s + 1.5 / rate_Hz) {}
+      longest_silence_s_(longestSilence_s(rate_Hz, settings)) {}
 
 bool GazeFollower::isFixating() const { return isStable(now_.state) && now_.fixation_px; }
 
 void GazeFollower::push(const GazeSample& sample) {
   const bool was_stable = isFixating();
+  if (const auto begun = watch_.push(sample.time_s)) {
+    events_ = OnlineEvents(screen_, begun->rate_Hz, settings_.events);
+    longest_silence_s_ = longestSilence_s(begun->rate_Hz, settings_);
+  }
   now_ = events_.push(sample);
   newest_ = sample;
   if (!isFixating()) {

@@ -8,6 +8,7 @@
 #include "gaze/focus/accommodation.h"
 #include "gaze/focus/vergence.h"
 #include "gaze/geometry/gaze_sample.h"
+#include "gaze/geometry/sampling_rate.h"
 
 namespace foci {
 
@@ -83,7 +84,7 @@ std::optional<bool> vergenceDisagrees(const EyeNow& eye, double surface_error_D 
 class GazeFollower {
  public:
   /// @param screen   the screen of the samples, with known size and distance
-  /// @param rate_Hz  nominal sampling rate
+  /// @param rate_Hz  nominal sampling rate; samples that come at another rate are judged by theirs
   GazeFollower(const Screen& screen, double rate_Hz, SurfaceDistance surface,
                const FollowSettings& settings = {});
 
@@ -119,6 +120,7 @@ class GazeFollower {
   Screen screen_;
   SurfaceDistance surface_;
   FollowSettings settings_;
+  RateWatch watch_;
   OnlineEvents events_;
   Accommodation accommodation_;
   double longest_silence_s_;

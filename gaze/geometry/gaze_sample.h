@@ -52,6 +52,7 @@ struct EyeSample {
   std::optional<glm::dvec3> origin_m{};
   std::optional<glm::dvec3> direction{};  ///< of the line of sight, unit, in the same frame
   std::optional<double> pupil_mm{};       ///< diameter
+  std::optional<double> pupil_own{};      ///< in the tracker's own unit, if that is no length
 };
 
 struct GazeSample {
@@ -59,6 +60,7 @@ struct GazeSample {
   /// On the trace's screen, origin top-left. Absent in blinks and data loss.
   std::optional<glm::dvec2> point_px{};
   std::optional<double> pupil_mm{};    ///< diameter, if the recording has one in millimetres
+  std::optional<double> pupil_own{};   ///< of both eyes, in the tracker's own unit (`pupil_unit`)
   bool blink = false;                  ///< the tracker itself reports a blink
   std::optional<double> confidence{};  ///< 0 to 1, if the recording has one
   std::array<EyeSample, 2> eyes{};     ///< left, right; empty if the recording has no single eyes

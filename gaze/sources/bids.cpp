@@ -12,7 +12,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
-#include "gaze/sources/delimited_trace.h"
+#include "gaze/sources/read_rows.h"
 
 namespace foci {
 namespace {
@@ -181,8 +181,9 @@ TraceHeader readBids(const fs::path& file, const fs::path& sidecar, const TraceC
   }
   LineReader lines(file);
   const Screen screen = screenIn(json, fallback_screen);
-  TraceHeader result = readDelimitedTrace(
-      lines, fromUpperLeft(described, json, sidecar, header, screen), screen, take, header);
+  TextRows rows(lines, screen, header);
+  const TraceColumns upright = fromUpperLeft(described, json, sidecar, header, screen);
+  TraceHeader result = readRows(rows, upright, take);
   result.format = "BIDS eye tracking" + result.format.substr(std::min<std::size_t>(
                                             result.format.find(','), result.format.size()));
   takeAssumed(json, result);

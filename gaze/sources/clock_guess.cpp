@@ -1,13 +1,35 @@
 #include "gaze/sources/clock_guess.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
 
+#include "base/quantile.h"
 #include "base/text.h"
 
 namespace foci {
 namespace {
 
-constexpr double kSlow_Hz = 25.0;  // ten times as fast is the rate of most trackers
+// Slower ones are not read without a word; only few trackers are faster.
+constexpr double kMinUsual_Hz = 20.0, kMaxUsual_Hz = 2000.0;
+constexpr std::array kUsualRates_Hz = {
+    30.0,  50.0,  60.0,  72.0,  75.0,  90.0,  100.0, 120.0, 125.0, 150.0,  200.0,  220.0,  240.0,
+    250.0, 300.0, 350.0, 360.0, 400.0, 500.0, 600.0, 800.0, 900.0, 1000.0, 1200.0, 1250.0, 2000.0};
+constexpr double kRateSlack = 0.02;
+
+constexpr double kMinFixation_s = 0.1, kMaxFixation_s = 1.5;  // usual ones
+
+bool isUsualRate(double rate_Hz) {
+  return std::ranges::any_of(kUsualRates_Hz, [&](double usual_Hz) {
+    return std::abs(rate_Hz - usual_Hz) <= kRateSlack * usual_Hz;
+  });
+}
+
+bool isWhole(const std::vector<GazeSample>& samples) {
+  return std::ranges::all_of(
+      samples, [](const GazeSample& sample) { return sample.time_s == std::floor(sample.time_s); });
+}
 
 bool countsByOne(const std::vector<GazeSample>& samples) {
   const auto gap = std::adjacent_find(samples.begin(), samples.end(),
@@ -17,39 +39,145 @@ bool countsByOne(const std::vector<GazeSample>& samples) {
   return gap == samples.end() && samples.size() > 1 && samples.front().time_s <= 1.0;
 }
 
+/// The unit of a time that counts from a known day: with it, the day lies in this century.
+/// @param interval  between samples, in the same unit
+std::optional<double> unitOfDate(double time, double interval) {
+  constexpr double kFrom_s = 946'684'800.0, kCentury_s = 3'155'760'000.0;    // 2000, after 1970
+  constexpr double k1601_s = 11'644'473'600.0, kYear1_s = 62'135'596'800.0;  // before 1970
+  const auto isNow = [&](double time_s) {
+    return time_s >= kFrom_s && time_s < kFrom_s + kCentury_s;
+  };
+  const auto fits = [&](double scale_s) {
+    const double rate_Hz = 1.0 / (scale_s * interval);
+    return rate_Hz >= kMinRate_Hz && rate_Hz <= kMaxRate_Hz;
+  };
+  for (const double scale_s : {1.0, 1e-3, 1e-6, 1e-7, 1e-9}) {
+    if (fits(scale_s) && isNow(scale_s * time)) return scale_s;
+  }
+  const bool ticks_of_date = isNow(1e-7 * time - k1601_s) || isNow(1e-7 * time - kYear1_s);
+  const bool has_17_or_18_digits = time >= 1e16 && time < 1e18;
+  if (fits(1e-7) && (ticks_of_date || has_17_or_18_digits)) return 1e-7;
+  return std::nullopt;
+}
+
+std::optional<glm::dvec3> placeOf(const GazeSample& sample) {
+  if (sample.direction) return sample.direction;
+  if (sample.point_px) return glm::dvec3(*sample.point_px, 0.0);
+  for (const EyeSample& eye : sample.eyes) {
+    if (eye.point_px) return glm::dvec3(*eye.point_px, 0.0);
+    if (eye.direction) return eye.direction;
+  }
+  return std::nullopt;
+}
+
+/// Samples between two saccades, as the mean; nothing if there are too few. A saccade is a run of
+/// steps that are far longer than the usual one.
+std::optional<double> samplesOfFixation(const std::vector<GazeSample>& samples) {
+  constexpr std::size_t kMinSaccades = 3;
+  constexpr double kLong = 12.0;  // times the median step
+  std::vector<double> steps;
+  std::optional<glm::dvec3> before;
+  for (const GazeSample& sample : samples) {
+    const auto place = placeOf(sample);
+    if (place && before) steps.push_back(glm::distance(*place, *before));
+    before = place;
+  }
+  if (steps.size() < 16) return std::nullopt;
+  std::vector<double> sorted = steps;
+  const double longest = *std::ranges::max_element(steps);
+  const double limit = std::max(kLong * quantile(sorted, 0.5), 0.1 * longest);
+  std::size_t saccades = 0;
+  bool inside = false;
+  for (const double step : steps) {
+    saccades += step > limit && !inside;
+    inside = step > limit;
+  }
+  if (saccades < kMinSaccades) return std::nullopt;
+  return static_cast<double>(steps.size()) / static_cast<double>(saccades + 1);
+}
+
+bool isFixation(double samples, double interval_s) {
+  return samples * interval_s >= kMinFixation_s && samples * interval_s <= kMaxFixation_s;
+}
+
+ClockGuess guessOfInterval(double interval, bool whole, const std::vector<GazeSample>& samples) {
+  const auto rateOf = [&](double scale_s) { return 1.0 / (interval * scale_s); };
+  const auto unitName = [](double scale_s) { return exactText(scale_s) + " s"; };
+  std::vector<double> units;  // that give the rate of a tracker
+  for (const double scale_s : {1.0, 1e-3, 1e-6, 1e-9}) {
+    const double rate_Hz = rateOf(scale_s);
+    if (rate_Hz >= kMinUsual_Hz && rate_Hz <= (1.0 + kRateSlack) * kMaxUsual_Hz) {
+      units.push_back(scale_s);
+    }
+  }
+  for (const double scale_s : {60.0, 1e-4, 1e-7}) {
+    const bool counted = scale_s == 60.0 || whole;  // nobody writes fractions of ticks
+    if (counted && isUsualRate(rateOf(scale_s))) units.push_back(scale_s);
+  }
+  if (units.empty()) {
+    for (const double scale_s : {1.0, 1e-3, 1e-6, 1e-9}) {
+      const double rate_Hz = rateOf(scale_s);
+      if (rate_Hz >= kMinRate_Hz && rate_Hz <= kMaxRate_Hz) return {.scale_s = scale_s};
+    }
+    return {};
+  }
+  if (units.size() == 1) return {.scale_s = units[0]};
+  const auto dwell = samplesOfFixation(samples);
+  if (dwell) {
+    std::vector<double> likely;
+    for (const double unit : units) {
+      if (isFixation(*dwell, interval * unit)) likely.push_back(unit);
+    }
+    if (likely.size() == 1) {
+      return {.scale_s = likely[0],
+              .why = "the usual duration of fixations, " +
+                     significant(*dwell * interval * likely[0], 2) + " s"};
+    }
+  }
+  const std::string both = "times may be in " + unitName(units[0]) + " (" +
+                           significant(rateOf(units[0])) + " Hz) or in " + unitName(units[1]) +
+                           " (" + significant(rateOf(units[1])) + " Hz): give gaze.time_scale_s";
+  if (units[1] == 1e-4) return {.scale_s = units[0], .doubt = both, .is_open = true};
+  return {.refusal = both, .is_open = true};
+}
+
 }  // namespace
 
 ClockGuess guessClock(const std::vector<GazeSample>& samples) {
   std::vector<double> intervals;
   for (std::size_t i = 1; i < samples.size(); ++i) {
-    intervals.push_back(samples[i].time_s - samples[i - 1].time_s);
+    const double interval = samples[i].time_s - samples[i - 1].time_s;
+    if (interval > 0.0) intervals.push_back(interval);
   }
   if (intervals.empty()) return {};
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  for (const double scale_s : {1.0, 1e-3, 1e-6, 1e-9}) {
-    const double rate_Hz = 1.0 / (*middle * scale_s);
-    if (!(rate_Hz >= kMinRate_Hz && rate_Hz <= kMaxRate_Hz)) continue;
-    return {.scale_s = scale_s,
-            .counts_rows = scale_s == 1e-3 && countsByOne(samples),
-            .may_be_ticks = scale_s == 1e-6 && rate_Hz < kSlow_Hz};
+  const double interval = quantile(intervals, 0.5);
+  if (const auto unit = unitOfDate(samples.front().time_s, interval)) {
+    return {.scale_s = *unit, .why = "the rate and the size of the times"};
   }
-  return {};
+  if (countsByOne(samples)) {
+    const std::string rows = "times count by one";
+    const auto dwell = samplesOfFixation(samples);
+    if (dwell && !isFixation(*dwell, 1e-3)) {
+      return {.refusal =
+                  rows +
+                  ", so they may be numbers of frames: as milliseconds, fixations would "
+                  "last " +
+                  significant(*dwell, 2) +
+                  " ms; give gaze.rate_Hz, or gaze.time_scale_s, the seconds between two rows"};
+    }
+    return {.scale_s = 1e-3,
+            .doubt = rows +
+                     ": foci takes them for milliseconds, but they may be row numbers; give "
+                     "gaze.time_scale_s or gaze.rate_Hz",
+            .is_open = !dwell};
+  }
+  return guessOfInterval(interval, isWhole(samples), samples);
 }
 
 void stateClockGuess(const ClockGuess& guess, TraceHeader& header) {
-  header.assumed.push_back("unit of time: " + exactText(guess.scale_s) +
-                           " s, from the rate (gaze.time_scale_s)");
-  if (guess.counts_rows) {
-    header.warnings.push_back(
-        "times count by one: foci takes them for milliseconds, but they may be row numbers; give "
-        "gaze.time_scale_s or gaze.rate_Hz");
-  }
-  if (guess.may_be_ticks) {
-    header.warnings.push_back(
-        "times give fewer than 25 samples a second in microseconds: if they are ticks of 100 ns "
-        "(.NET, Windows), give gaze.time_scale_s = 1e-7");
-  }
+  header.assumed.push_back("unit of time: " + exactText(guess.scale_s) + " s, from " +
+                           (guess.why.empty() ? "the rate" : guess.why) + " (gaze.time_scale_s)");
+  if (!guess.doubt.empty()) header.warnings.push_back(guess.doubt);
 }
 
 }  // namespace foci

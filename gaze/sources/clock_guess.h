@@ -1,6 +1,7 @@
 // The unit of time of a table that does not state it.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
@@ -9,12 +10,17 @@
 namespace foci {
 
 struct ClockGuess {
-  double scale_s = 1.0;       ///< seconds per unit of time
-  bool counts_rows = false;   ///< milliseconds that count by one: they may be row numbers
-  bool may_be_ticks = false;  ///< microseconds of a slow tracker: they may be ticks of 100 ns
+  double scale_s = 1.0;   ///< seconds per unit of time
+  std::string why{};      ///< what makes the unit likely; empty: the rate alone
+  std::string doubt{};    ///< a warning; empty: none
+  std::string refusal{};  ///< why the unit cannot be told; empty: it can
+  bool is_open = false;   ///< more samples may tell more
 };
 
-/// The largest of s, ms, us and ns that gives the rate of an eye tracker, or seconds.
+/// The unit that gives the rate of an eye tracker: s, ms, us or ns; 100 ns (the ticks of .NET and
+/// Windows), 0.1 ms or minutes only if the rate is a usual one. A time since 1970, 1601 or the year
+/// 1 tells the unit itself. If two units are left, the usual duration of a fixation tells them
+/// apart.
 /// @param samples  the first ones, with times in the file's unit
 ClockGuess guessClock(const std::vector<GazeSample>& samples);
 

@@ -116,11 +116,10 @@ ColumnNames::Name ColumnNames::nameOf(std::string_view text) {
   return name;
 }
 
-ColumnNames::ColumnNames(const LineReader& lines, std::string_view header, char delimiter)
-    : lines_(lines) {
+ColumnNames::ColumnNames(const Place& place, const std::vector<std::string>& names)
+    : place_(place), texts_(names.begin(), names.end()) {
   constexpr std::size_t kMaxColumns = 4096;
-  splitRow(header, delimiter, texts_);
-  if (texts_.size() > kMaxColumns) throw lines.error("over 4096 columns");
+  if (texts_.size() > kMaxColumns) throw place.error("over 4096 columns");
   for (const std::string_view text : texts_) names_.push_back(nameOf(text));
 }
 
@@ -142,16 +141,16 @@ std::size_t ColumnNames::named(const std::string& name) const {
         *number == std::floor(*number)) {
       return static_cast<std::size_t>(*number) - 1;
     }
-    throw lines_.error("no column " + shown(name) + ": expected #1 to #" + std::to_string(size()));
+    throw place_.error("no column " + shown(name) + ": expected #1 to #" + std::to_string(size()));
   }
-  throw lines_.error("no column " + shown(name) + ": " + nearestTo(name));
+  throw place_.error("no column " + shown(name) + ": " + nearestTo(name));
 }
 
 void ColumnNames::refuseTwin(std::size_t column) const {
   if (texts_[column].empty() || std::count(texts_.begin(), texts_.end(), texts_[column]) == 1) {
     return;
   }
-  throw lines_.error("two columns " + shown(texts_[column]) +
+  throw place_.error("two columns " + shown(texts_[column]) +
                      ": give the one that is meant by its number, such as gaze.x = \"#" +
                      std::to_string(column + 1) + "\"");
 }
@@ -246,13 +245,13 @@ InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
   const std::string option = meaning == Meaning::time ? "time" : meaning == Meaning::x ? "x" : "y";
   const std::string what = "no column " + shown(option) + ": ";
   if (!texts_.empty() && parseNumber(texts_[0])) {
-    return lines_.error(what + "the first line has numbers, not names; give columns by number: " +
+    return place_.error(what + "the first line has numbers, not names; give columns by number: " +
                         "gaze.time = \"#1\", gaze.x = \"#2\", gaze.y = \"#3\"");
   }
   if (const auto wrong = find(keys); wrong && meaning != Meaning::time) {
     if (unit(*wrong) == "rad") return inRadians(*wrong);
     const std::string column = "column " + shown(texts_[*wrong]);
-    return lines_.error(
+    return place_.error(
         names_[*wrong].of_media
             ? column +
                   " counts from the presented media: expected positions on the screen (DACS "
@@ -263,15 +262,15 @@ InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
                   "gaze.units and gaze." +
                   option);
   }
-  if (const std::string other = otherKind(); !other.empty()) return lines_.error(other);
+  if (const std::string other = otherKind(); !other.empty()) return place_.error(other);
   if (texts_.size() == 1 && texts_[0].find('|') != std::string_view::npos) {
-    return lines_.error(
+    return place_.error(
         "fields separated by \"|\": expected tabs, semicolons, commas or blanks; or "
         "begin the file with the line sep=|");
   }
   const std::string how = "name it with gaze." + option + "; ";
   const std::string candidates = listed([&](std::size_t i) { return mayBe(meaning, i); });
-  if (!candidates.empty()) return lines_.error(what + how + "it may be " + candidates);
+  if (!candidates.empty()) return place_.error(what + how + "it may be " + candidates);
   const std::string all = listed([](std::size_t) { return true; });
   const std::string known = listed([&](std::size_t i) {
     return mayBe(Meaning::time, i) || mayBe(Meaning::x, i) || mayBe(Meaning::y, i);
@@ -281,11 +280,11 @@ InputError ColumnNames::missing(Meaning meaning, Keys keys) const {
                       "them with #"
       : meaning == Meaning::time ? "; if none has the time, give gaze.rate_Hz"
                                  : "";
-  return lines_.error(what + how + "the columns are " + all + else_where);
+  return place_.error(what + how + "the columns are " + all + else_where);
 }
 
 InputError ColumnNames::inRadians(std::size_t column) const {
-  return lines_.error("column " + shown(texts_[column]) +
+  return place_.error("column " + shown(texts_[column]) +
                       " is in radians: name x and y with gaze.x and gaze.y, and give gaze.units = "
                       "\"deg\" with gaze.scale = [57.29578, 57.29578]");
 }

@@ -13,16 +13,16 @@
 
 namespace foci {
 
-/// The header line of a table. Each name is split into a key and a unit:
+/// The names of a table's columns. Each name is split into a key and a unit:
 /// "Gaze point X [DACS px]" has the key "gazepointx" and the unit "px".
 class ColumnNames {
  public:
   using Keys = std::span<const std::string_view>;
 
-  /// @param lines   for errors; outlives the object
-  /// @param header  outlives the object
+  /// @param place  for errors; outlives the object
+  /// @param names  outlive the object
   /// @throws InputError with more than 4096 columns
-  ColumnNames(const LineReader& lines, std::string_view header, char delimiter);
+  ColumnNames(const Place& place, const std::vector<std::string>& names);
 
   std::size_t size() const { return texts_.size(); }
   /// The name as the file has it.
@@ -80,8 +80,8 @@ class ColumnNames {
   template <class Wanted>
   std::string listed(const Wanted& wanted) const;
 
-  const LineReader& lines_;
-  std::vector<std::string_view> texts_{};
+  const Place& place_;
+  std::vector<std::string_view> texts_;
   std::vector<Name> names_{};
 };
 

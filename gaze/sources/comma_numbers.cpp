@@ -27,14 +27,14 @@ std::optional<double> CommaNumbers::parse(std::string_view text) {
   return number;
 }
 
-void CommaNumbers::note(const LineReader& lines, std::size_t column, std::string_view text,
+void CommaNumbers::note(const Place& place, std::size_t column, std::string_view text,
                         std::size_t axis, double number) {
   constexpr double kPlain = 100.0;  // above codes for data loss; 0 and -1 stand beside "410,492"
   if (plain_[axis] && (example_.empty() || thousands_[axis])) return;
   if (text.find(',') == std::string_view::npos) {
     plain_[axis] |= number >= kPlain;
   } else if (!thousands_[axis] && mayBeThousands(text)) {
-    thousands_[axis] = lines.error(
+    thousands_[axis] = place.error(
         "column " + std::to_string(column + 1) + " = " + shown(text) +
         ": a decimal comma, or a separator of thousands? Other numbers of the column have no "
         "comma: write them without separators of thousands");

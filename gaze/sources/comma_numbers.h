@@ -23,7 +23,7 @@ class CommaNumbers {
 
   /// Notes whether the column of x (axis 0) or y (axis 1) has separators of thousands.
   /// @param text  that `parse` has read as `number`
-  void note(const LineReader& lines, std::size_t column, std::string_view text, std::size_t axis,
+  void note(const Place& place, std::size_t column, std::string_view text, std::size_t axis,
             double number);
 
   /// The first number with a decimal comma; empty if there was none.

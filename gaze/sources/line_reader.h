@@ -20,16 +20,24 @@ namespace foci {
 void requirePackedRecording(const std::string& file, std::int64_t unpacked_B,
                             std::int64_t packed_B);
 
+/// A place in a recording that is being read.
+class Place {
+ public:
+  virtual ~Place() = default;
+  /// An error at this place.
+  virtual InputError error(const std::string& what) const = 0;
+};
+
 /// Reads lines that end in LF or CRLF; the last line may have no end. It skips a UTF-8 byte order
 /// mark, and unpacks files in gzip format.
-class LineReader {
+class LineReader final : public Place {
  public:
   /// @throws InputError if the file cannot be read or is a folder
   explicit LineReader(const std::filesystem::path& file);
   /// Reads a table that a reader of another format has made.
   /// @param name  of the file, for errors
   LineReader(std::string name, std::string_view text);
-  ~LineReader();
+  ~LineReader() override;
   LineReader(const LineReader&) = delete;
   LineReader& operator=(const LineReader&) = delete;
 
@@ -44,8 +52,8 @@ class LineReader {
   /// Of the latest line; the first is 1.
   std::size_t number() const { return number_; }
 
-  /// An error at the latest line.
-  InputError error(const std::string& what) const;
+  /// At the latest line.
+  InputError error(const std::string& what) const override;
   const std::string& fileName() const { return name_; }
 
  private:

@@ -12,7 +12,7 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
-#include "gaze/sources/delimited_trace.h"
+#include "gaze/sources/read_rows.h"
 #include "gaze/sources/xdf.h"
 
 namespace foci {
@@ -95,16 +95,9 @@ struct LslSource::Inlet {
   Inlet(const Inlet&) = delete;
   Inlet& operator=(const Inlet&) = delete;
 
-  std::string header() const {
-    std::string names;
-    for (const std::string& name : stream.columns) names += (names.empty() ? "" : "\t") + name;
-    return names;
-  }
-
-  /// The table of the samples that have come, at most `kMostAtOnce`; waits for the first.
-  std::string pull() const {
-    std::vector<double> values(stream.channels);
-    std::string table = header() + '\n';
+  /// The rows of the samples that have come, at most `kMostAtOnce`; waits for the first.
+  std::vector<double> pull() const {
+    std::vector<double> values(stream.channels), rows;
     double timeout_s = kPull_s;
     for (std::size_t i = 0; i < kMostAtOnce; ++i) {
       std::int32_t error = 0;
@@ -112,15 +105,11 @@ struct LslSource::Inlet {
           handle, values.data(), static_cast<std::int32_t>(values.size()), timeout_s, &error);
       if (error != 0 && i == 0) std::this_thread::sleep_for(std::chrono::milliseconds(100));
       if (time_s == 0.0 || error != 0) break;
-      table += exactText(time_s);
-      for (const double value : values) {
-        table += '\t';
-        table += exactText(value);
-      }
-      table += '\n';
+      rows.push_back(time_s);
+      rows.insert(rows.end(), values.begin(), values.end());
       timeout_s = 0.0;
     }
-    return table;
+    return rows;
   }
 
  private:
@@ -157,21 +146,23 @@ LslSource::LslSource(const std::string& stream, TraceColumns columns, const Scre
       inlet_(std::make_unique<Inlet>(stream, library)),
       pushed_(inlet_->stream.rate_Hz > 0.0 ? inlet_->stream.rate_Hz : kUsual_Hz) {
   // Columns that are no gaze are refused now.
-  LineReader lines("--source lsl", inlet_->header() + "\n");
-  readDelimitedTrace(lines, columns_, screen_, [](const GazeSample&) {});
+  read({}, [](const GazeSample&) {});
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
 LslSource::~LslSource() = default;
 
+void LslSource::read(std::vector<double> values, const TakeSample& take) const {
+  NumberRows rows("--source lsl", inlet_->stream.columns, std::move(values), screen_);
+  readRows(rows, columns_, take);
+}
+
 void LslSource::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    const std::string table = inlet_->pull();
+    std::vector<double> values = inlet_->pull();
     std::vector<GazeSample> samples;
     try {
-      LineReader lines("--source lsl", table);
-      readDelimitedTrace(lines, columns_, screen_,
-                         [&](const GazeSample& sample) { samples.push_back(sample); });
+      read(std::move(values), [&](const GazeSample& sample) { samples.push_back(sample); });
       pushed_.push(samples);
     } catch (const InputError&) {
       // Times that do not increase: a sender that began anew. Its next samples may do.

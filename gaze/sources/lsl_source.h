@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "gaze/sources/live_source.h"
 #include "gaze/sources/pushed_source.h"
@@ -38,6 +39,8 @@ class LslSource final : public LiveSource {
  private:
   struct Inlet;
   void run(const std::stop_token& stop);
+  /// @param values  rows of the stream's columns
+  void read(std::vector<double> values, const TakeSample& take) const;
 
   TraceColumns columns_;
   Screen screen_;

@@ -18,30 +18,29 @@ constexpr double kMaxAngle_rad = 7.0;       // more than a whole turn
 constexpr double kMaxVertical_rad = glm::half_pi<double>() + 1e-4;  // 90 degrees, rounded
 
 template <std::size_t N>
-ColumnsAt<N> placesOf(const LineReader& lines, const ColumnNames& names,
-                      const ColumnList<N>& list) {
+ColumnsAt<N> placesOf(const Place& place, const ColumnNames& names, const ColumnList<N>& list) {
   if (list[0].empty()) return std::nullopt;
   std::array<std::size_t, N> places{};
   for (std::size_t i = 0; i < N; ++i) {
     places[i] = names.named(list[i]);
     if (std::find(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(i), places[i]) !=
         places.begin() + static_cast<std::ptrdiff_t>(i)) {
-      throw lines.error("column " + shown(list[i]) + " is named twice in one list");
+      throw place.error("column " + shown(list[i]) + " is named twice in one list");
     }
   }
   return places;
 }
 
-SightAt sightAt(const LineReader& lines, const ColumnNames& names, const SightColumns& columns) {
-  SightAt at{.direction = placesOf(lines, names, columns.direction),
-             .point = placesOf(lines, names, columns.point),
-             .origin = placesOf(lines, names, columns.origin),
-             .angles = placesOf(lines, names, columns.angles),
-             .quaternion = placesOf(lines, names, columns.quaternion)};
+SightAt sightAt(const Place& place, const ColumnNames& names, const SightColumns& columns) {
+  SightAt at{.direction = placesOf(place, names, columns.direction),
+             .point = placesOf(place, names, columns.point),
+             .origin = placesOf(place, names, columns.origin),
+             .angles = placesOf(place, names, columns.angles),
+             .quaternion = placesOf(place, names, columns.quaternion)};
   if (at.direction.has_value() + at.point.has_value() + at.angles.has_value() +
           at.quaternion.has_value() >
       1) {
-    throw lines.error(
+    throw place.error(
         "direction, angles, quaternion and point of one line of sight: expected only one of them");
   }
   return at;
@@ -54,7 +53,7 @@ std::optional<std::array<double, N>> numbersIn(const TableRow& row,
   std::array<double, N> values{};
   for (std::size_t i = 0; i < N; ++i) {
     const auto value = row.number(at[i]);
-    if (!value && isAbsent(row.field(at[i]))) return std::nullopt;
+    if (!value && row.isAbsent(at[i])) return std::nullopt;
     if (!value) row.fail(at[i], "expected a number");
     if (row.isMissing(*value)) return std::nullopt;
     values[i] = *value;
@@ -204,17 +203,17 @@ bool isEulerOrder(std::string_view order) {
 
 namespace {
 
-void refuseWrongSight(const LineReader& lines, const SpaceLayout& layout) {
+void refuseWrongSight(const Place& place, const SpaceLayout& layout) {
   if (!layout.from_head && !layout.hasSight()) {
-    throw lines.error(
+    throw place.error(
         "a head without gaze: expected gaze.direction, angles, quaternion or point; with "
         "gaze.from_head = true the head's direction stands for gaze");
   }
   if (layout.from_head && layout.hasSight()) {
-    throw lines.error("gaze.from_head = true: expected no columns of gaze");
+    throw place.error("gaze.from_head = true: expected no columns of gaze");
   }
   if (layout.from_head && !layout.hasHead()) {
-    throw lines.error(
+    throw place.error(
         "gaze.from_head = true: expected gaze.head_quaternion, gaze.head_angles or "
         "gaze.head_euler");
   }
@@ -222,37 +221,37 @@ void refuseWrongSight(const LineReader& lines, const SpaceLayout& layout) {
 
 }  // namespace
 
-SpaceLayout spaceLayoutOf(const LineReader& lines, const ColumnNames& names,
+SpaceLayout spaceLayoutOf(const Place& place, const ColumnNames& names,
                           const SpaceColumns& columns) {
   SpaceLayout layout{
-      .both = sightAt(lines, names, columns.both),
-      .head_position = placesOf(lines, names, columns.head_position),
-      .head_quaternion = placesOf(lines, names, columns.head_quaternion),
-      .head_angles = placesOf(lines, names, columns.head_angles),
-      .head_euler = placesOf(lines, names, columns.head_euler),
+      .both = sightAt(place, names, columns.both),
+      .head_position = placesOf(place, names, columns.head_position),
+      .head_quaternion = placesOf(place, names, columns.head_quaternion),
+      .head_angles = placesOf(place, names, columns.head_angles),
+      .head_euler = placesOf(place, names, columns.head_euler),
       .from_head = columns.from_head,
       .in_world = columns.frame == SightFrame::world,
       .origin_scale_m = columns.origin_scale_m,
       .head_scale_m = columns.head_scale_m,
       .angle_scale_rad = columns.angle_units == AngleUnit::rad ? 1.0 : glm::radians(1.0)};
-  for (std::size_t side : {0, 1}) layout.eyes[side] = sightAt(lines, names, columns.eyes[side]);
-  refuseWrongSight(lines, layout);
+  for (std::size_t side : {0, 1}) layout.eyes[side] = sightAt(place, names, columns.eyes[side]);
+  refuseWrongSight(place, layout);
   if (layout.head_quaternion.has_value() + layout.head_angles.has_value() +
           layout.head_euler.has_value() >
       1) {
-    throw lines.error(
+    throw place.error(
         "gaze.head_quaternion, gaze.head_angles and gaze.head_euler: expected only one of them");
   }
   if (layout.head_position && !layout.hasHead()) {
-    throw lines.error(
+    throw place.error(
         "gaze.head_position: expected the head's orientation, too (gaze.head_quaternion, "
         "gaze.head_angles or gaze.head_euler); foci turns the display with the head");
   }
   if (layout.hasHead() && !layout.from_head && !columns.frame) {
-    throw lines.error("gaze.frame: expected \"head\" or \"world\", the frame of the gaze columns");
+    throw place.error("gaze.frame: expected \"head\" or \"world\", the frame of the gaze columns");
   }
   if (layout.in_world && !layout.hasHead()) {
-    throw lines.error(
+    throw place.error(
         "gaze.frame = \"world\": expected gaze.head_quaternion, gaze.head_angles or "
         "gaze.head_euler; without the head's orientation, gaze.frame = \"head\" shows the lines of "
         "sight before a head that does not move, where [eye] places it");
@@ -260,13 +259,13 @@ SpaceLayout spaceLayoutOf(const LineReader& lines, const ColumnNames& names,
   for (std::size_t i : {0, 1, 2}) {
     layout.euler_order[i] = static_cast<std::size_t>(columns.head_euler_order[i] - 'x');
   }
-  layout.axes = layout.head_axes = axesOf(lines, columns);
+  layout.axes = layout.head_axes = axesOf(place, columns);
   return layout;
 }
 
-AxisConvention axesOf(const LineReader& lines, const SpaceColumns& columns) {
+AxisConvention axesOf(const Place& place, const SpaceColumns& columns) {
   const auto axes = AxisConvention::named(columns.axes.value_or(""));
-  if (!axes) throw lines.error("gaze.axes: expected " + std::string(kAxesExpected));
+  if (!axes) throw place.error("gaze.axes: expected " + std::string(kAxesExpected));
   return *axes;
 }
 

@@ -12,7 +12,7 @@
 namespace foci {
 
 class ColumnNames;
-class LineReader;
+class Place;
 class TableRow;
 
 template <std::size_t N>
@@ -49,11 +49,11 @@ struct SpaceLayout {
 /// Finds the columns that a study names.
 /// @throws InputError if one is missing, or if the study leaves open a frame or axes that the
 ///   result depends on
-SpaceLayout spaceLayoutOf(const LineReader& lines, const ColumnNames& names,
+SpaceLayout spaceLayoutOf(const Place& place, const ColumnNames& names,
                           const SpaceColumns& columns);
 
 /// @throws InputError if the study states none
-AxisConvention axesOf(const LineReader& lines, const SpaceColumns& columns);
+AxisConvention axesOf(const Place& place, const SpaceColumns& columns);
 
 /// One more than the last column in use.
 std::size_t columnsOf(const SpaceLayout& layout);

@@ -45,15 +45,11 @@ double secondsPer(const std::string& unit) {
 
 class Recogniser {
  public:
-  Recogniser(const LineReader& lines, std::string_view header, const TraceColumns& columns,
-             const TablePreamble& before)
-      : lines_(lines),
-        given_(columns),
-        before_(before),
-        names_(lines, header, delimiterOf(header, before)) {
-    layout_.delimiter = delimiterOf(header, before);
+  Recogniser(Rows& rows, const TraceColumns& columns)
+      : rows_(rows), given_(columns), before_(rows.before()), names_(rows, rows.names()) {
+    const char between = rows.delimiter();
     layout_.names = names_.size();
-    layout_.format = layout_.delimiter == '\t' ? "TSV" : layout_.delimiter == ' ' ? "text" : "CSV";
+    layout_.format = rows.areNumbers() || between == '\t' ? "TSV" : between == ' ' ? "text" : "CSV";
   }
 
   TableLayout recognise() {
@@ -73,6 +69,7 @@ class Recogniser {
     }
     findRest();
     if (!layout_.space) takeVendorFormat(names_, given_, before_, layout_);
+    if (layout_.camera_axes && layout_.x) leaveOutEmptyDirections();
     for (std::size_t i = 0; i < names_.size(); ++i) {
       for (const EyeColumns& eye : layout_.eyes) layout_.has_eyes |= isOf(eye, i);
       if (!isUsed(i)) continue;
@@ -211,9 +208,9 @@ class Recogniser {
       if (eye.x && !told && names_.unit(*eye.x) != names_.unit(*layout_.x)) eye.x = eye.y = {};
     }
     if (names_.unit(*layout_.x) != names_.unit(*layout_.y) && !given_.units) {
-      throw lines_.error("columns " + shown(names_.text(*layout_.x)) + " and " +
-                         shown(names_.text(*layout_.y)) +
-                         " have different units: expected the same");
+      throw rows_.error("columns " + shown(names_.text(*layout_.x)) + " and " +
+                        shown(names_.text(*layout_.y)) +
+                        " have different units: expected the same");
     }
   }
 
@@ -222,9 +219,9 @@ class Recogniser {
     const std::string& unit = names_.unit(*column);
     if (unit == "rad" && !given_.units && !given_.mapped_later) throw names_.inRadians(*column);
     if (names_.needsScale(*column) && !given_.units && !given_.mapped_later) {
-      throw lines_.error("column " + shown(names_.text(*column)) + " is in " + shown(unit) +
-                         ": expected px, deg or fractions of the screen; gaze.scale converts it "
-                         "to gaze.units");
+      throw rows_.error("column " + shown(names_.text(*column)) + " is in " + shown(unit) +
+                        ": expected px, deg or fractions of the screen; gaze.scale converts it "
+                        "to gaze.units");
     }
     layout_.units = unitsNamed(unit);
   }
@@ -233,7 +230,7 @@ class Recogniser {
   void takeSpace() {
     if (!given_.x.empty() || !given_.y.empty() || !given_.eyes[0].x.empty() ||
         !given_.eyes[1].x.empty()) {
-      throw lines_.error(
+      throw rows_.error(
           "gaze.x and gaze.y are positions on a screen: expected them, or gaze in space");
     }
     layout_.format += ", gaze in space";
@@ -248,7 +245,7 @@ class Recogniser {
   }
 
   void takeSpace(const SpaceColumns& columns) {
-    layout_.space = spaceLayoutOf(lines_, names_, columns);
+    layout_.space = spaceLayoutOf(rows_, names_, columns);
   }
 
   /// A vendor's columns. The study's head and scales hold beside them.
@@ -266,7 +263,7 @@ class Recogniser {
       columns.frame = SightFrame::head;
     }
     takeSpace(columns);
-    if (given_.space.hasHead()) layout_.space->head_axes = axesOf(lines_, given_.space);
+    if (given_.space.hasHead()) layout_.space->head_axes = axesOf(rows_, given_.space);
     if (find({"sensor"})) layout_.rows = {.column = find({"sensor"}), .only = "Eye Tracker"};
     layout_.validity_code = format.validity_code;
     const auto columnNamed = [&](const std::string& name) {
@@ -306,7 +303,7 @@ class Recogniser {
       EyeColumns& eye = layout_.eyes[side];
       const char* name = side == 0 ? "left" : "right";
       if (given.x.empty() != given.y.empty()) {
-        throw lines_.error(std::string(name) + "_x and " + name + "_y: expected both or neither");
+        throw rows_.error(std::string(name) + "_x and " + name + "_y: expected both or neither");
       }
       if (!given.x.empty()) {
         eye = EyeColumns{.x = named(given.x), .y = named(given.y)};
@@ -332,6 +329,23 @@ class Recogniser {
                        .scale = given_.scale,
                        .offset = given_.offset,
                        .pupil_scale_mm = given_.pupil_scale_mm};
+  }
+
+  /// Pupil Core's exports have columns of directions in space also where gaze was mapped in two
+  /// dimensions. The columns are then empty, and the positions are the gaze.
+  void leaveOutEmptyDirections() {
+    constexpr std::size_t kRows = 64;
+    bool any = false;
+    rows_.survey(kRows, [&] {
+      for (const EyeColumns& eye : layout_.eyes) {
+        for (const auto& column : eye.direction) {
+          any |= column && *column < rows_.size() && !rows_.isAbsent(*column);
+        }
+      }
+    });
+    for (EyeColumns& eye : layout_.eyes) {
+      if (!any) eye.direction = eye.origin_mm = {};
+    }
   }
 
   /// Of a plain table: vendors' columns are known. Some write 1 for good gaze, others 0. A
@@ -373,7 +387,7 @@ class Recogniser {
     return used;
   }
 
-  const LineReader& lines_;
+  Rows& rows_;
   const TraceColumns& given_;
   const TablePreamble& before_;
   ColumnNames names_;
@@ -382,9 +396,8 @@ class Recogniser {
 
 }  // namespace
 
-TableLayout recogniseTable(const LineReader& lines, std::string_view header,
-                           const TraceColumns& columns, const TablePreamble& before) {
-  return Recogniser(lines, header, columns, before).recognise();
+TableLayout recogniseTable(Rows& rows, const TraceColumns& columns) {
+  return Recogniser(rows, columns).recognise();
 }
 
 }  // namespace foci

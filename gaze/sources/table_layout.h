@@ -8,9 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "gaze/sources/line_reader.h"
+#include "gaze/sources/rows.h"
 #include "gaze/sources/space_layout.h"
-#include "gaze/sources/table_preamble.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
@@ -53,8 +52,7 @@ struct TableNumbers {
 };
 
 struct TableLayout {
-  std::string format;  ///< "TSV", "Tobii Pro SDK", ...
-  char delimiter = ',';
+  std::string format;                 ///< "TSV", "Tobii Pro SDK", ...
   std::optional<std::size_t> time{};  ///< absent: the row's number gives the time
   /// Microseconds of the tracker's clock, beside a time in whole milliseconds (Tobii).
   std::optional<std::size_t> fine_time{};
@@ -90,11 +88,8 @@ struct TableLayout {
   bool hasDirections() const { return eyes[0].direction[0] || eyes[1].direction[0]; }
 };
 
-/// @param lines   at the header line, for errors
-/// @param header  the line of names
-/// @param before  from the lines before the header
+/// @param rows  at the names, before the first row
 /// @throws InputError if a column is not found; it names the nearest one
-TableLayout recogniseTable(const LineReader& lines, std::string_view header,
-                           const TraceColumns& columns, const TablePreamble& before);
+TableLayout recogniseTable(Rows& rows, const TraceColumns& columns);
 
 }  // namespace foci

@@ -16,11 +16,11 @@ std::optional<GazeUnits> unitsNamed(std::string_view name) {
   return std::nullopt;
 }
 
-double numberIn(const LineReader& lines, std::string_view key, std::string_view text, double low,
+double numberIn(const Place& place, std::string_view key, std::string_view text, double low,
                 double high, const char* range) {
   const auto value = parseNumber(text);
   if (value && *value >= low && *value <= high) return *value;
-  throw lines.error(std::string(key) + " = " + shown(text) + ": expected " + range);
+  throw place.error(std::string(key) + " = " + shown(text) + ": expected " + range);
 }
 
 namespace {
@@ -116,12 +116,12 @@ char delimiterOf(std::string_view header, const TablePreamble& before) {
 
 bool startsTobiiStudio(std::string_view line) { return line.starts_with("System Properties:"); }
 
-std::optional<glm::ivec2> resolutionIn(const LineReader& lines, std::string_view text) {
+std::optional<glm::ivec2> resolutionIn(const Place& place, std::string_view text) {
   const std::size_t times = text.find_first_of("xX");
   if (times == text.npos) return std::nullopt;
   const auto side = [&](std::string_view number) {
     return static_cast<int>(
-        numberIn(lines, "resolution", trimmed(number), 16, 16384, "16 to 16384 px"));
+        numberIn(place, "resolution", trimmed(number), 16, 16384, "16 to 16384 px"));
   };
   return glm::ivec2(side(text.substr(0, times)), side(text.substr(times + 1)));
 }

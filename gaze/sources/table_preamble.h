@@ -47,11 +47,11 @@ bool readTobiiStudioLine(const LineReader& lines, std::string_view line, TablePr
 bool startsTobiiStudio(std::string_view line);
 
 /// "1280 x 1024". @return nothing for another text @throws InputError if it is out of range
-std::optional<glm::ivec2> resolutionIn(const LineReader& lines, std::string_view text);
+std::optional<glm::ivec2> resolutionIn(const Place& place, std::string_view text);
 
 /// A number from `low` to `high`. @param range  the limits as words, for the error
 /// @throws InputError
-double numberIn(const LineReader& lines, std::string_view key, std::string_view text, double low,
+double numberIn(const Place& place, std::string_view key, std::string_view text, double low,
                 double high, const char* range);
 
 }  // namespace foci

@@ -7,7 +7,6 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/swift_number.h"
 
 namespace foci {
 namespace {
@@ -25,10 +24,6 @@ bool isWord(std::string_view text, std::string_view lower) {
   });
 }
 
-bool hasOpenQuote(std::string_view line) {
-  return line.find('"') != line.npos && std::count(line.begin(), line.end(), '"') % 2 != 0;
-}
-
 /// The head stays where it is.
 void loseGaze(GazeSample& sample) {
   sample.direction.reset();
@@ -42,32 +37,23 @@ std::optional<double> meanPupil(const std::array<EyeSample, 2>& eyes) {
 
 }  // namespace
 
-void TableRow::split(std::string_view line) {
-  splitRow(line, layout_.delimiter, fields_, layout_.columns);
-  open_before_ = open_here_;
-  open_here_ = hasOpenQuote(line) ? lines_.number() : 0;
+std::optional<double> TableRow::coordinate(std::size_t column, int axis) const {
+  const auto number = this->number(column);
+  if (!number && isAbsent(column)) return std::nullopt;
+  if (!number) fail(column, "expected a number");
+  return coordinate(column, rows_.areNumbers() ? "" : field(column), axis, *number);
 }
 
-std::optional<double> TableRow::parse(std::string_view text) const {
-  const auto number = swiftNumber(text);
-  return number ? number : commas_.parse(text);
-}
-
-std::optional<double> TableRow::number(std::size_t column) const { return parse(field(column)); }
-
-std::optional<double> TableRow::coordinate(std::size_t column, std::string_view text,
-                                           int axis) const {
+std::optional<double> TableRow::coordinate(std::size_t column, std::string_view text, int axis,
+                                           double number) const {
   const double limit = units_ == GazeUnits::px ? kMaxPoint_px
                        : units_ == GazeUnits::deg
                            ? kMaxEccentricity_deg
                            : kMaxPoint_px / glm::max(screen_.size_px.x, screen_.size_px.y);
-  const auto number = parse(text);
-  if (!number && isAbsent(text)) return std::nullopt;
-  if (!number) fail(column, "expected a number");
-  commas_.note(lines_, column, text, static_cast<std::size_t>(axis), *number);
+  commas_.note(rows_, column, text, static_cast<std::size_t>(axis), number);
   const TableNumbers& numbers = layout_.numbers;
   if (number == numbers.missing) return std::nullopt;
-  const double value = numbers.scale[axis] * *number + numbers.offset[axis];
+  const double value = numbers.scale[axis] * number + numbers.offset[axis];
   if (std::abs(value) > limit)
     fail(column, "too far from any screen; is it gaze.missing, or gaze.units wrong?");
   return value;
@@ -86,7 +72,7 @@ std::optional<glm::dvec2> TableRow::pointOf(double x, double y) const {
 
 std::optional<double> TableRow::readPupil(std::size_t column) const {
   const auto pupil = number(column);
-  if (!pupil && isAbsent(field(column))) return std::nullopt;
+  if (!pupil && isAbsent(column)) return std::nullopt;
   if (pupil && pupil == layout_.numbers.missing) return std::nullopt;
   if (!pupil || *pupil * layout_.numbers.pupil_scale_mm > kMaxPupil_mm) {
     fail(column, "expected a diameter up to 15 mm (gaze.pupil_scale_mm)");
@@ -96,13 +82,13 @@ std::optional<double> TableRow::readPupil(std::size_t column) const {
 }
 
 std::optional<glm::dvec2> TableRow::readPoint(std::size_t x, std::size_t y) const {
-  const auto at_x = coordinate(x, field(x), 0);
-  const auto at_y = at_x ? coordinate(y, field(y), 1) : std::nullopt;
+  const auto at_x = coordinate(x, 0);
+  const auto at_y = at_x ? coordinate(y, 1) : std::nullopt;
   return at_y ? pointOf(*at_x, *at_y) : std::nullopt;
 }
 
 bool TableRow::isTrusted(GazeSample& sample) const {
-  if (layout_.confidence && !isAbsent(field(*layout_.confidence))) {
+  if (layout_.confidence && !isAbsent(*layout_.confidence)) {
     const std::string_view text = field(*layout_.confidence);
     const auto confidence = isWord(text, "true")    ? std::optional(1.0)
                             : isWord(text, "false") ? std::optional(0.0)
@@ -146,7 +132,7 @@ void TableRow::read(GazeSample& sample) const {
     }
   }
   sample.pupil_mm = layout_.pupil_mm ? readPupil(*layout_.pupil_mm) : meanPupil(sample.eyes);
-  if (layout_.uncertainty_deg && !isAbsent(field(*layout_.uncertainty_deg))) {
+  if (layout_.uncertainty_deg && !isAbsent(*layout_.uncertainty_deg)) {
     const auto uncertainty_deg = number(*layout_.uncertainty_deg);
     if (!uncertainty_deg || *uncertainty_deg < 0.0 || *uncertainty_deg > 45.0) {
       fail(*layout_.uncertainty_deg, "expected 0 to 45 degrees");
@@ -154,8 +140,7 @@ void TableRow::read(GazeSample& sample) const {
     sample.uncertainty_deg = uncertainty_deg;
   }
   if (layout_.blink) {
-    sample.blink =
-        layout_.named_blink ? !isAbsent(field(*layout_.blink)) : readFlag(*layout_.blink);
+    sample.blink = layout_.named_blink ? !isAbsent(*layout_.blink) : readFlag(*layout_.blink);
   }
 }
 
@@ -166,7 +151,7 @@ std::optional<glm::dvec3> TableRow::triple(
   glm::dvec3 result;
   for (int axis : {0, 1, 2}) {
     const std::size_t column = *columns[static_cast<std::size_t>(axis)];
-    if (isAbsent(field(column))) return std::nullopt;
+    if (isAbsent(column)) return std::nullopt;
     const auto value = number(column);
     if (!value) fail(column, "expected a number");
     result[axis] = axis == 0 || !layout_.camera_axes ? *value : -*value;
@@ -177,7 +162,7 @@ std::optional<glm::dvec3> TableRow::triple(
 /// x, y, z from one field, "(x, y, z)".
 std::optional<glm::dvec3> TableRow::tripleIn(std::size_t column) const {
   std::string_view text = field(column);
-  if (isAbsent(text)) return std::nullopt;
+  if (isAbsent(column)) return std::nullopt;
   if (!text.starts_with('(') || !text.ends_with(')')) fail(column, "expected (x, y, z)");
   text = text.substr(1, text.size() - 2);
   glm::dvec3 result;
@@ -185,7 +170,7 @@ std::optional<glm::dvec3> TableRow::tripleIn(std::size_t column) const {
     const std::size_t comma = text.find(',');
     if ((comma == text.npos) != (axis == 2)) fail(column, "expected (x, y, z)");
     const std::string_view part = trimmed(text.substr(0, comma));
-    if (isAbsent(part)) return std::nullopt;
+    if (foci::isAbsent(part)) return std::nullopt;
     const auto value = parseNumber(part);
     if (!value) fail(column, "expected (x, y, z)");
     result[axis] = *value;
@@ -228,10 +213,8 @@ std::optional<glm::dvec2> TableRow::meanSight(const std::array<EyeSample, 2>& ey
 }
 
 bool TableRow::isValid(std::size_t column) const {
-  const std::string_view text = field(column);
-  if (isWord(text, "valid") || isWord(text, "true")) return true;
   const auto value = number(column);
-  if (!value) return false;
+  if (!value) return isWord(field(column), "valid") || isWord(field(column), "true");
   switch (layout_.validity_code) {
     case ValidityCode::one:
       return *value == 1.0;
@@ -250,21 +233,29 @@ bool TableRow::isValid(std::size_t column) const {
 /// x, y from one field, "(x, y)".
 std::optional<glm::dvec2> TableRow::readTuple(std::size_t column) const {
   std::string_view text = field(column);
-  if (isAbsent(text)) return std::nullopt;
+  if (isAbsent(column)) return std::nullopt;
   const std::size_t comma = text.find(',');
   if (!text.starts_with('(') || !text.ends_with(')') || comma == std::string_view::npos) {
     fail(column, "expected (x, y)");
   }
-  const auto x = trimmed(text.substr(1, comma - 1));
-  const auto y = trimmed(text.substr(comma + 1, text.size() - comma - 2));
-  const auto at_x = coordinate(column, x, 0);
-  const auto at_y = at_x ? coordinate(column, y, 1) : std::nullopt;
-  return at_y ? pointOf(*at_x, *at_y) : std::nullopt;
+  const std::array<std::string_view, 2> parts = {
+      trimmed(text.substr(1, comma - 1)), trimmed(text.substr(comma + 1, text.size() - comma - 2))};
+  glm::dvec2 point(0.0);
+  for (const int axis : {0, 1}) {
+    const std::string_view part = parts[static_cast<std::size_t>(axis)];
+    const auto number = parseNumber(part);
+    if (!number && foci::isAbsent(part)) return std::nullopt;
+    if (!number) fail(column, "expected a number");
+    const auto value = coordinate(column, part, axis, *number);
+    if (!value) return std::nullopt;
+    point[axis] = *value;
+  }
+  return pointOf(point.x, point.y);
 }
 
 bool TableRow::readFlag(std::size_t column) const {
   const std::string_view text = field(column);
-  if (isAbsent(text) || isWord(text, "false")) return false;
+  if (isAbsent(column) || isWord(text, "false")) return false;
   if (isWord(text, "true")) return true;
   const auto value = number(column);
   if (!value) fail(column, "expected 0 or 1");
@@ -274,21 +265,13 @@ bool TableRow::readFlag(std::size_t column) const {
 void TableRow::failShort(std::size_t column) const { throw tooShort(column); }
 
 InputError TableRow::tooShort(std::size_t column) const {
-  return lines_.error(std::to_string(fields_.size()) + " fields: expected " +
-                      std::to_string(column + 1) + " at least" + openQuote());
-}
-
-/// A likely cause of a row that makes no sense, for its error; empty if there is none.
-std::string TableRow::openQuote() const {
-  const std::size_t line = open_before_ != 0 ? open_before_ : open_here_;
-  if (line == 0) return {};
-  return "; a quote is left open at line " + std::to_string(line) +
-         ": line breaks inside quotes are not read, so write each row in one line";
+  return rows_.error(std::to_string(rows_.size()) + " fields: expected " +
+                     std::to_string(column + 1) + " at least" + rows_.hint());
 }
 
 void TableRow::fail(std::size_t column, const char* expected) const {
-  throw lines_.error("column " + std::to_string(column + 1) + " = " + shown(field(column)) + ": " +
-                     expected + openQuote());
+  throw rows_.error("column " + std::to_string(column + 1) + " = " + shown(field(column)) + ": " +
+                    expected + rows_.hint());
 }
 
 }  // namespace foci

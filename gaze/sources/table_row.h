@@ -5,12 +5,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "base/input_error.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "gaze/sources/comma_numbers.h"
-#include "gaze/sources/line_reader.h"
+#include "gaze/sources/rows.h"
 #include "gaze/sources/table_layout.h"
 
 namespace foci {
@@ -18,29 +17,33 @@ namespace foci {
 class TableRow {
  public:
   /// All arguments outlive the row. @param screen  may still change while rows are read
-  TableRow(const LineReader& lines, const TableLayout& layout, const Screen& screen,
-           GazeUnits units)
-      : lines_(lines), layout_(layout), screen_(screen), units_(units), commas_(layout.delimiter) {}
-
-  /// Takes a line from a LineReader. Fields of the previous line become invalid.
-  void split(std::string_view line);
+  TableRow(const Rows& rows, const TableLayout& layout, const Screen& screen, GazeUnits units)
+      : rows_(rows), layout_(layout), screen_(screen), units_(units), commas_(rows.delimiter()) {}
 
   /// Whether the row has every field that the layout uses.
-  bool isComplete() const { return fields_.size() >= layout_.columns; }
+  bool isComplete() const { return rows_.size() >= layout_.columns; }
 
   /// @throws InputError if the row is too short
   std::string_view field(std::size_t column) const {
-    if (column < fields_.size()) return fields_[column];
+    if (column < rows_.size()) return rows_.text(column);
     failShort(column);
   }
-  std::optional<double> number(std::size_t column) const;
+  bool isAbsent(std::size_t column) const {
+    if (column < rows_.size()) return rows_.isAbsent(column);
+    failShort(column);
+  }
+  std::optional<double> number(std::size_t column) const {
+    if (column >= rows_.size()) failShort(column);
+    const auto number = rows_.number(column);
+    return number || rows_.areNumbers() ? number : commas_.parse(rows_.text(column));
+  }
   /// Whether a number means data loss (gaze.missing).
   bool isMissing(double number) const { return number == layout_.numbers.missing; }
 
   /// Whether the row is a sample: rows of messages may lie between the samples.
   bool isSample() const {
     const auto& column = layout_.rows.column;
-    return !column || (*column < fields_.size() && layout_.rows.has(fields_[*column]));
+    return !column || (*column < rows_.size() && layout_.rows.has(rows_.text(*column)));
   }
 
   /// Reads everything except the time. The point is the recording's own, or the mean of two lines
@@ -73,20 +76,16 @@ class TableRow {
   inline std::optional<double> readPupil(std::size_t column) const;
   inline std::optional<glm::dvec2> readPoint(std::size_t x, std::size_t y) const;
   std::optional<glm::dvec2> readTuple(std::size_t column) const;
-  inline std::optional<double> coordinate(std::size_t column, std::string_view text,
-                                          int axis) const;
+  inline std::optional<double> coordinate(std::size_t column, int axis) const;
+  std::optional<double> coordinate(std::size_t column, std::string_view text, int axis,
+                                   double number) const;
   inline std::optional<glm::dvec2> pointOf(double x, double y) const;
   bool readFlag(std::size_t column) const;
-  inline std::optional<double> parse(std::string_view text) const;
-  std::string openQuote() const;
 
-  const LineReader& lines_;
+  const Rows& rows_;
   const TableLayout& layout_;
   const Screen& screen_;
   GazeUnits units_;
-  std::vector<std::string_view> fields_{};
-  // The numbers of the line before and of this one, if a quote is left open there; else 0.
-  std::size_t open_before_ = 0, open_here_ = 0;
   mutable CommaNumbers commas_;  // gathered while numbers are parsed
 };
 

@@ -219,6 +219,11 @@ void TraceDoubts::addClock(double time_s) {
   if (samples_ == 0) first_s_ = last_s_ = time_s;
   longest_gap_s_ = std::max(longest_gap_s_, time_s - last_s_);
   last_s_ = time_s;
+  const double rate_Hz = watch_.rate_Hz();
+  if (const auto begun = watch_.push(time_s)) {
+    if (rates_.empty()) first_rate_Hz_ = rate_Hz;
+    rates_.push_back(*begun);
+  }
 }
 
 void TraceDoubts::addPoint(const GazeSample& sample) {
@@ -285,6 +290,26 @@ std::vector<std::string> TraceDoubts::rowDoubts() const {
   return doubts;
 }
 
+std::vector<std::string> TraceDoubts::rateDoubts() const {
+  constexpr double kMaxUsual_Hz = 2050.0;
+  constexpr std::size_t kMaxTold = 4;
+  std::vector<std::string> doubts;
+  if (watch_.rate_Hz() > kMaxUsual_Hz && rates_.empty()) {
+    doubts.push_back(significant(watch_.rate_Hz()) +
+                     " samples a second, more than eye trackers take: is the unit of time right "
+                     "(gaze.time_scale_s)?");
+  }
+  if (rates_.empty()) return doubts;
+  std::string text = "the rate changes: " + significant(first_rate_Hz_) + " Hz";
+  for (std::size_t i = 0; i < std::min(rates_.size(), kMaxTold); ++i) {
+    text += ", from " + decimal(rates_[i].time_s - first_s_, 3) + " s on " +
+            significant(rates_[i].rate_Hz) + " Hz";
+  }
+  if (rates_.size() > kMaxTold) text += ", ...";
+  doubts.push_back(text + "; foci judges each stretch by its own rate");
+  return doubts;
+}
+
 /// A code for data loss: of the gaze, else of one eye, whose code the mean with the other hides.
 std::vector<std::string> TraceDoubts::lossDoubts(const TraceHeader& header) const {
   std::vector<glm::dvec2> points_px;
@@ -336,6 +361,7 @@ std::vector<std::string> TraceDoubts::sentences(const TraceHeader& header,
                   std::make_move_iterator(more.end()));
   };
   append(rowDoubts());
+  append(rateDoubts());
   append(space_.sentences(header.gaze_in_world, header.world_y_up));
   if (kept_.size() < kMinPositions || columns.mapped_later || columns.space.from_head) {
     return doubts;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
+#include "gaze/geometry/sampling_rate.h"
 #include "gaze/sources/space_doubts.h"
 #include "gaze/sources/trace_reader.h"
 
@@ -33,10 +34,14 @@ class TraceDoubts {
   void addClock(double time_s);
   void addPoint(const GazeSample& sample);
   std::vector<std::string> rowDoubts() const;
+  std::vector<std::string> rateDoubts() const;
   std::vector<std::string> lossDoubts(const TraceHeader& header) const;
   std::vector<std::string> eyeDoubts(const TraceHeader& header) const;
 
   SpaceDoubts space_{};
+  RateWatch watch_{};
+  double first_rate_Hz_ = 0.0;
+  std::vector<RateStretch> rates_{};  // but the first
   std::size_t samples_ = 0, present_ = 0, changes_ = 0;
   std::size_t outside_ = 0;  // gaze in space that meets no screen
   std::size_t away_ = 0;     // lines of sight that lead away from the screen

@@ -6,12 +6,12 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/sources/bids.h"
-#include "gaze/sources/delimited_trace.h"
 #include "gaze/sources/eyelink_asc.h"
 #include "gaze/sources/eyenavgs.h"
 #include "gaze/sources/file_kind.h"
 #include "gaze/sources/hololens.h"
 #include "gaze/sources/neon_native.h"
+#include "gaze/sources/read_rows.h"
 #include "gaze/sources/rounded_intervals.h"
 #include "gaze/sources/trace_doubts.h"
 #include "gaze/sources/xdf.h"
@@ -51,14 +51,9 @@ std::string firstLineOf(const std::filesystem::path& file) {
 TraceHeader readXdfTrace(const std::filesystem::path& file, const TraceColumns& columns,
                          const Screen& fallback_screen, const TakeSample& take) {
   XdfTable table = readXdf(file, columns.stream);
-  std::string text;
-  for (std::size_t i = 0; i < table.columns.size(); ++i) text += (i ? "\t" : "") + table.columns[i];
-  for (std::size_t i = 0; i < table.values.size(); ++i) {
-    text += (i % table.columns.size() ? '\t' : '\n') + exactText(table.values[i]);
-  }
-  text += '\n';
-  LineReader lines(file.string(), text);
-  TraceHeader header = readDelimitedTrace(lines, columns, fallback_screen, take);
+  NumberRows rows(file.string(), std::move(table.columns), std::move(table.values),
+                  fallback_screen);
+  TraceHeader header = readRows(rows, columns, take);
   header.format = "XDF, stream " + shown(table.stream) + ", " + header.format;
   header.markers = std::move(table.markers);
   if (table.clock_offsets == 0) {
@@ -95,7 +90,8 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
   if (neon) {
     const std::string table = neonNativeTable(file);
     LineReader lines(file.string(), table);
-    header = readDelimitedTrace(lines, columns, fallback_screen, both);
+    TextRows rows(lines, fallback_screen);
+    header = readRows(rows, columns, both);
     header.format = "Neon, native recording";
   } else if (const auto sidecar = bidsSidecarOf(file)) {
     const auto other_eye = bidsOtherEyeOf(file);
@@ -106,11 +102,16 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
   } else {
     const std::string first = firstLineOf(file);
     LineReader lines(file);
-    header = startsEyeLinkAsc(first)   ? readEyeLinkAsc(lines, columns, both)
-             : !isUndescribed(columns) ? readDelimitedTrace(lines, columns, fallback_screen, both)
-             : isEyeNavGs(first)       ? readEyeNavGs(lines, columns, both)
-             : isHoloLens(first)       ? readHoloLens(lines, columns, both)
-                                       : readDelimitedTrace(lines, columns, fallback_screen, both);
+    if (startsEyeLinkAsc(first)) {
+      header = readEyeLinkAsc(lines, columns, both);
+    } else if (isUndescribed(columns) && isEyeNavGs(first)) {
+      header = readEyeNavGs(lines, columns, both);
+    } else if (isUndescribed(columns) && isHoloLens(first)) {
+      header = readHoloLens(lines, columns, both);
+    } else {
+      TextRows rows(lines, fallback_screen);
+      header = readRows(rows, columns, both);
+    }
   }
   if (columns.space.from_head) {
     header.assumed.push_back("gaze: straight ahead of the head (gaze.from_head)");

@@ -88,6 +88,8 @@ struct TraceHeader {
   /// stated. Its quantities mean nothing.
   bool nominal_screen = false;
   std::vector<TraceMarker> markers{};  ///< as `GazeTrace::markers`
+  /// Of `pupil_own`: "arbitrary", "px". Empty: no sample has one.
+  std::string pupil_unit{};
   /// What the file does not state and the reader assumed, a phrase each.
   std::vector<std::string> assumed{};
   /// What looks wrong in the positions, a sentence each.

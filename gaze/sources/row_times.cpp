@@ -1,0 +1,223 @@
+#include "gaze/sources/row_times.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/text.h"
+
+namespace foci {
+namespace {
+
+constexpr double kMaxTime_s = 1e11;     // up to here a double resolves 20 us
+constexpr std::size_t kEnough = 128;    // samples, for the usual interval
+constexpr std::size_t kMaxHeld = 8192;  // samples, for the usual duration of a fixation
+
+bool sameEye(const EyeSample& a, const EyeSample& b) {
+  return a.point_px == b.point_px && a.origin_m == b.origin_m && a.direction == b.direction &&
+         a.pupil_mm == b.pupil_mm;
+}
+
+/// Whether two rows of one time say the same.
+bool isCopy(const GazeSample& a, const GazeSample& b) {
+  return a.point_px == b.point_px && a.pupil_mm == b.pupil_mm && a.blink == b.blink &&
+         a.direction == b.direction && sameEye(a.eyes[0], b.eyes[0]) &&
+         sameEye(a.eyes[1], b.eyes[1]);
+}
+
+}  // namespace
+
+RowTimes::RowTimes(TableLayout& layout, const TableRow& row, const Rows& rows,
+                   const TraceColumns& columns, const TakeSample& take)
+    : layout_(layout),
+      row_(row),
+      rows_(rows),
+      given_(columns),
+      take_(take),
+      clock_known_(layout.time_scale_s > 0.0) {}
+
+double RowTimes::read() {
+  if (!layout_.time) return static_cast<double>(counted_++) / layout_.rate_Hz;
+  if (clock_times_) return readClockTime();
+  const std::size_t column = *layout_.time;
+  const auto time = row_.number(column);
+  if (!time && !first_ && ClockTimes().seconds(row_.field(column))) {
+    if (given_.time_scale_s) {
+      row_.fail(column, "a clock's time is in seconds: expected no gaze.time_scale_s");
+    }
+    clock_times_.emplace();
+    clock_known_ = true;
+    layout_.time_scale_s = 1.0;
+    return readClockTime();
+  }
+  if (time && std::abs(*time) * std::max(layout_.time_scale_s, 1e-9) > kMaxTime_s) {
+    row_.fail(column,
+              "too large a time: is its unit right (gaze.time_scale_s; 1e-7 for .NET's ticks)?");
+  }
+  if (!time && isAmbiguousDate(row_.field(column))) {
+    row_.fail(column,
+              "a date whose first number may be the day or the month: write the year first, as "
+              "2026-11-26 10:00:00.123");
+  }
+  if (!time) {
+    row_.fail(column,
+              "expected a time in numbers, as 2026-11-26T10:00:00.123 or as 10:00:00.123; "
+              "another column can be named with gaze.time");
+  }
+  const auto fine_us = layout_.fine_time ? row_.number(*layout_.fine_time) : std::nullopt;
+  return fine_us ? fine_clock_.time_ms(*time, 1e-3 * *fine_us) : *time;
+}
+
+double RowTimes::readClockTime() {
+  const auto time_s = clock_times_->seconds(row_.field(*layout_.time));
+  if (!time_s) row_.fail(*layout_.time, "expected a time of the same form as the first");
+  return *time_s;
+}
+
+/// A row that has the time of the newest one. @return whether it may be a sample of its own
+bool RowTimes::takeRepeat(const GazeSample& sample) {
+  if (spread_) return true;
+  if (isCopy(sample, *newest_)) {
+    ++copies_;
+    return !settled_;
+  }
+  if (!first_repeat_) {
+    first_repeat_ = rows_.error(
+        "time " + shown(row_.field(*layout_.time)) +
+        " is not after the sample before: remove one of the two rows, which differ, or name a "
+        "finer clock with gaze.time");
+  }
+  // Whole milliseconds may repeat above 1000 Hz.
+  if (settled_ || sample.time_s != std::floor(sample.time_s)) throw *first_repeat_;
+  return true;
+}
+
+/// Why a time lies before those of two samples or more.
+InputError RowTimes::backwards(const GazeSample& sample) const {
+  const double back = newest_->time_s - sample.time_s, span = newest_->time_s - *first_;
+  const std::string what =
+      "time " + shown(row_.field(*layout_.time)) + " is not after the sample before: ";
+  if (sample.time_s - *first_ <= 0.1 * span) {
+    return rows_.error(what +
+                       "the clock starts anew: if a column tells the parts apart, read one of them "
+                       "with gaze.rows, or write a file for each");
+  }
+  if (back <= 0.02 * span) {
+    return rows_.error(what +
+                       "the rows are not in order of time: sort them, or name the tracker's own "
+                       "clock with gaze.time; times of arrival may come in another order");
+  }
+  return rows_.error(what + "the clock was set back: write a file for the rows from here on");
+}
+
+void RowTimes::add(const GazeSample& sample) {
+  constexpr std::size_t kMaxWaits = 8;  // rows that come too late, behind one
+  if (!first_) first_ = sample.time_s;
+  if (newest_ && sample.time_s < newest_->time_s) {
+    if (spread_ || (before_ && sample.time_s <= *before_)) throw backwards(sample);
+    if (++waits_ > kMaxWaits) {
+      throw rows_.error("this row and " + std::to_string(kMaxWaits) +
+                        " before it are earlier than a row before them, so its time " +
+                        exactText(newest_->time_s) + " is wrong: remove it");
+    }
+    ++swapped_;
+    first_ = std::min(*first_, sample.time_s);
+    order(sample);
+    return;
+  }
+  if (newest_ && sample.time_s == newest_->time_s && !takeRepeat(sample)) return;
+  if (newest_) order(*newest_);
+  newest_ = sample;
+  waits_ = 0;
+}
+
+void RowTimes::order(const GazeSample& sample) {
+  before_ = sample.time_s;
+  if (settled_) {
+    GazeSample passed = sample;
+    emit(passed);
+    return;
+  }
+  held_.push_back(sample);
+  if (held_.size() >= kEnough) settle(false);
+}
+
+/// Chooses the unit of time, and how repeated times are told apart.
+/// @throws InputError if times repeat without a reason
+void RowTimes::settle(bool at_end) {
+  if (settled_) return;
+  if (!clock_known_) {
+    guess_ = guessClock(held_);
+    if (guess_->is_open && !at_end && held_.size() < kMaxHeld) return;
+    if (!guess_->refusal.empty()) throw InputError(rows_.source(), guess_->refusal);
+    layout_.time_scale_s = guess_->scale_s;
+    clock_known_ = true;
+  }
+  settled_ = true;
+  if (first_repeat_ || copies_ > 0) {
+    // Above 1000 Hz, whole milliseconds cannot but repeat. A few copies are none of this.
+    constexpr double kManyCopies = 0.95;
+    const double interval = (held_.back().time_s - held_.front().time_s) /
+                            static_cast<double>(std::max<std::size_t>(held_.size(), 2) - 1);
+    const double longest = first_repeat_ ? 1.0 : kManyCopies;
+    if (layout_.time_scale_s == 1e-3 && interval > 0.0 && interval < longest) {
+      spread_.emplace(interval);
+      copies_ = 0;
+    } else if (first_repeat_) {
+      throw *first_repeat_;
+    }
+  }
+  for (std::size_t i = 0; i < held_.size(); ++i) {
+    const bool copy = !spread_ && i > 0 && held_[i].time_s == held_[i - 1].time_s;
+    if (!copy) emit(held_[i]);
+  }
+  if (!spread_ && newest_ && !held_.empty() && newest_->time_s == held_.back().time_s) {
+    newest_.reset();
+  }
+  held_.clear();
+}
+
+/// @param sample  its time is in the file's unit
+void RowTimes::emit(GazeSample& sample) {
+  if (spread_) sample.time_s = spread_->time(sample.time_s);
+  sample.time_s *= layout_.time_scale_s;
+  take_(sample);
+}
+
+void RowTimes::finish() {
+  if (newest_) order(*newest_);
+  newest_.reset();
+  settle(true);
+}
+
+void RowTimes::state(TraceHeader& header) const {
+  if (spread_) {
+    header.warnings.push_back(
+        "times are whole milliseconds and repeat: foci spreads the samples evenly; export the "
+        "times in microseconds");
+  }
+  if (fine_clock_.isUsed()) {
+    header.assumed.push_back(
+        "intervals: those of the tracker's own clock, since times are whole milliseconds");
+  }
+  if (copies_ > 0) {
+    header.warnings.push_back(std::to_string(copies_) + (copies_ == 1 ? " row is" : " rows are") +
+                              " exact copies of the row before and left out");
+  }
+  if (swapped_ > 0) {
+    header.warnings.push_back(std::to_string(swapped_) +
+                              (swapped_ == 1 ? " row came" : " rows came") +
+                              " before an earlier one: neighbours are sorted by time");
+  }
+  if (clock_times_) {
+    ColumnReading& reading = header.columns[*layout_.time];
+    reading.meaning = clock_times_->hasDates() ? "time, a date and a time of day" : "time of day";
+    reading.why = "certain: its fields state the format";
+    if (clock_times_->passesMidnight()) {
+      header.assumed.push_back("clock: passes midnight where it steps back by over half a day");
+    }
+  }
+  if (guess_) stateClockGuess(*guess_, header);
+}
+
+}  // namespace foci

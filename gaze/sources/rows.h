@@ -1,0 +1,138 @@
+// Rows of typed columns: what each format of a recording is before its columns have a meaning.
+// Text tables have fields, binary formats and streams have numbers.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gaze/sources/line_reader.h"
+#include "gaze/sources/swift_number.h"
+#include "gaze/sources/table_preamble.h"
+
+namespace foci {
+
+class Rows : public Place {
+ public:
+  Rows() = default;
+  Rows(const Rows&) = delete;
+  Rows& operator=(const Rows&) = delete;
+
+  /// Of the columns, with their units: "gaze x [px]".
+  const std::vector<std::string>& names() const { return names_; }
+  /// What the lines before the rows say.
+  const TablePreamble& before() const { return before_; }
+  /// Of the file, or of the stream.
+  const std::string& source() const { return source_; }
+  /// Between the fields of a text; 0: the columns are numbers.
+  char delimiter() const { return delimiter_; }
+  bool areNumbers() const { return delimiter_ == '\0'; }
+
+  /// Moves on to the next row. Fields of the row before become invalid.
+  /// @return false at the end
+  virtual bool next() = 0;
+
+  /// Visits the first rows. The next row is then the first one again.
+  virtual void survey(std::size_t most, const std::function<void()>& visit) = 0;
+
+  /// The line of names is a row itself. Call before `next`.
+  virtual void readNamesAsRow() {}
+
+  /// Only the first `columns` fields of a row are needed.
+  void limitTo(std::size_t columns) { used_ = columns; }
+
+  /// Of the latest row.
+  std::size_t size() const { return areNumbers() ? numbers_.size() : fields_.size(); }
+  /// A field as the text has it; a number as text, for messages.
+  std::string_view text(std::size_t column) const {
+    return areNumbers() ? textOf(numbers_[column]) : fields_[column];
+  }
+  bool isAbsent(std::size_t column) const {
+    return areNumbers() ? std::isnan(numbers_[column]) : foci::isAbsent(fields_[column]);
+  }
+  /// The number in a column of numbers, or in a plain field of text (`swiftNumber`).
+  std::optional<double> number(std::size_t column) const {
+    if (!areNumbers()) return swiftNumber(fields_[column]);
+    return std::isfinite(numbers_[column]) ? std::optional(numbers_[column]) : std::nullopt;
+  }
+
+  /// Whether the file may end within the latest row.
+  bool mayBeCut() const { return may_be_cut_; }
+
+  /// A likely cause of a row that makes no sense, for its error; empty if there is none.
+  std::string hint() const;
+
+ protected:
+  std::vector<std::string> names_{};
+  TablePreamble before_{};
+  std::string source_{};
+  char delimiter_ = '\0';
+  std::size_t used_ = kAllFields;
+  std::vector<std::string_view> fields_{};
+  std::span<const double> numbers_{};
+  bool may_be_cut_ = false;
+  // The numbers of the line before and of this one, if a quote is left open there; else 0.
+  std::size_t open_before_ = 0, open_here_ = 0;
+
+ private:
+  std::string_view textOf(double number) const;
+
+  mutable std::string text_{};  // of a number
+};
+
+/// The lines of a text table. Blank lines and comments (#) are no rows.
+class TextRows final : public Rows {
+ public:
+  /// Reads up to the line of names.
+  /// @param lines   outlives the rows
+  /// @param screen  for what the lines before the table do not state
+  /// @param header  the columns' names, separated by tabs, if the file has none; else empty
+  /// @throws InputError
+  TextRows(LineReader& lines, const Screen& screen, const std::string& header = {});
+
+  bool next() override;
+  void survey(std::size_t most, const std::function<void()>& visit) override;
+  void readNamesAsRow() override;
+  InputError error(const std::string& what) const override;
+
+ private:
+  struct Line {
+    std::string text{};  // with kNumberPadding bytes behind it
+    std::size_t number = 0;
+    bool is_ended = true;
+  };
+
+  bool readLine(std::string_view& line);
+  void split(std::string_view line, std::size_t number, bool is_ended);
+
+  LineReader& lines_;
+  std::string header_{};
+  std::vector<Line> held_{};  // that `survey` has read
+  std::size_t next_held_ = 0;
+  std::size_t number_ = 0;  // of the latest line
+};
+
+/// The numbers of a binary format or a stream.
+class NumberRows final : public Rows {
+ public:
+  /// @param source  of the numbers, for errors
+  /// @param names   of the columns, with units
+  /// @param values  row after row; NaN: absent
+  NumberRows(std::string source, std::vector<std::string> names, std::vector<double> values,
+             const Screen& screen);
+
+  bool next() override;
+  void survey(std::size_t most, const std::function<void()>& visit) override;
+  InputError error(const std::string& what) const override;
+
+ private:
+  std::vector<double> values_;
+  std::size_t taken_ = 0;  // rows
+};
+
+}  // namespace foci
