@@ -51,6 +51,11 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, last == std::string_view::npos ? 0 : last + 1 - first);
 }
 
+std::string_view withoutByteOrderMark(std::string_view text) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
+
 std::string shown(std::string_view text) {
   constexpr std::size_t kMaxBytes = 40;
   std::string result;

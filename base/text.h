@@ -27,6 +27,9 @@ std::string milliseconds(double ms);
 /// `text` without the blanks, tabs and carriage returns at both ends.
 std::string_view trimmed(std::string_view text);
 
+/// `text` without the byte order mark of UTF-8 at its start.
+std::string_view withoutByteOrderMark(std::string_view text);
+
 /// A text from outside, ready for an error message: in double quotes, at most 40 bytes, with "?"
 /// for each byte that is not printable ASCII.
 std::string shown(std::string_view text);

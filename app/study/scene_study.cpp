@@ -2,12 +2,10 @@
 
 #include "app/study/study_text.h"
 #include "base/text.h"
+#include "render/scene/mesh/triangle_mesh.h"
 
 namespace foci {
 namespace {
-
-/// Shading that shows the shape of surfaces whose colour does not. Chosen by eye.
-constexpr double kPlainShading = 0.65;
 
 /// Whether the file gives no more than a colour for each material. Textures and scans contain the
 /// light of the place; such a colour does not.

@@ -20,7 +20,6 @@ constexpr std::size_t kBuffer_B = 4 * kMaxLine_B;  // large enough that refills 
 // again reaches a thousand times.
 constexpr std::int64_t kMaxUnpacked = 100;
 constexpr std::int64_t kUnpackedAnyway_B = std::int64_t{64} << 20;
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
@@ -109,7 +108,7 @@ bool LineReader::next(std::string_view& line) {
   begin_ += length + (newline ? 1 : 0);
   if (std::memchr(line.data(), '\0', line.size()))
     throw error("binary: expected UTF-8 text; export the recording as TSV, CSV or ASC");
-  if (number_ == 1 && line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
+  if (number_ == 1) line = withoutByteOrderMark(line);
   if (line.ends_with('\r')) line.remove_suffix(1);
   return true;
 }

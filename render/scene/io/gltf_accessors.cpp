@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "render/scene/io/gaussian_file.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/named_file.h"
 
 namespace foci {
 namespace {

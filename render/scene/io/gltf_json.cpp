@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -49,19 +48,6 @@ std::string gltfJson(const std::filesystem::path& path) {
   std::string text(static_cast<std::size_t>(json_bytes), '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(in.gcount()));
-  return text;
-}
-
-std::string percentDecoded(std::string_view uri) {
-  std::string text;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    unsigned code = 0;
-    const char* const first = uri.data() + i + 1;
-    const bool encoded = uri[i] == '%' && i + 2 < uri.size() &&
-                         std::from_chars(first, first + 2, code, 16).ptr == first + 2;
-    text += encoded ? static_cast<char>(code) : uri[i];
-    if (encoded) i += 2;
-  }
   return text;
 }
 

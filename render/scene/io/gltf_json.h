@@ -19,9 +19,6 @@ bool isGltf(const std::filesystem::path& path);
 /// binary under a name of text or the reverse
 std::string gltfJson(const std::filesystem::path& path);
 
-/// A URI as the name of a file: "%20" becomes a blank (RFC 3986).
-std::string percentDecoded(std::string_view uri);
-
 /// How deep the brackets of a JSON text nest, whether or not it is well formed.
 int jsonDepth(std::string_view json);
 

@@ -16,6 +16,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/named_file.h"
 
 namespace foci {
 namespace {

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "render/image/srgb.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/named_file.h"
 
 namespace foci {
 namespace {
@@ -43,8 +44,19 @@ MaterialReader::MaterialReader(const std::filesystem::path& mesh, const aiScene&
       scene_(scene),
       gltf_(isGltf(mesh)),
       obj_(lowerExtension(mesh) == ".obj"),
-      textures_(mesh, scene) {
+      textures_(mesh) {
   if (obj_) placed_ = placedTextures(mesh);
+}
+
+ImageSource MaterialReader::imageSource(const std::string& name) const {
+  ImageSource source{name};
+  if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str())) {
+    source.bytes = {reinterpret_cast<const unsigned char*>(embedded->pcData), embedded->mWidth};
+    return source;
+  }
+  source.file = namedFile(path_, name);
+  if (!source.file && gltf_) source.file = namedFile(path_, percentDecoded(name));
+  return source;
 }
 
 /// Whether a material is black but for the light that it emits.
@@ -106,9 +118,9 @@ MeshMaterial MaterialReader::read(unsigned number) {
   aiString name;
   const std::optional<aiTextureType> type = colorTexture(from);
   if (const auto placed = placed_.find(from.GetName().C_Str()); placed != placed_.end()) {
-    material.texture = textures_.read(placed->second.name);
+    material.texture = textures_.read(imageSource(placed->second.name));
   } else if (type && from.GetTexture(*type, 0, &name) == aiReturn_SUCCESS) {
-    material.texture = textures_.read(name.C_Str());
+    material.texture = textures_.read(imageSource(name.C_Str()));
   }
   if (type) {
     material.wrap = {wrapOf(from, _AI_MATKEY_MAPPINGMODE_U_BASE, *type),
@@ -128,7 +140,7 @@ void MaterialReader::readAlpha(const aiMaterial& from, float base_alpha, MeshMat
     aiString name;
     if (from.GetTexture(aiTextureType_OPACITY, 0, &name) != aiReturn_SUCCESS) return;
     if (obj_) {
-      material.mask = textures_.readMask(name.C_Str());
+      material.mask = textures_.readMask(imageSource(name.C_Str()));
     } else {
       masked_ = true;
     }

@@ -37,6 +37,7 @@ class MaterialReader {
   std::vector<std::string> remarks() const;
 
  private:
+  ImageSource imageSource(const std::string& name) const;
   bool glows(const aiMaterial& material) const;
   bool isUncoloured(const aiMaterial& material) const;
   std::optional<aiTextureType> colorTexture(const aiMaterial& material) const;

@@ -20,10 +20,9 @@
 #include "render/scene/io/material_reader.h"
 #include "render/scene/io/mesh_companions.h"
 #include "render/scene/io/mesh_facts.h"
+#include "render/scene/io/mesh_formats.h"
 #include "render/scene/io/mesh_import.h"
 #include "render/scene/io/mesh_objects.h"
-#include "render/scene/io/ply_header.h"
-#include "render/scene/io/ply_mesh.h"
 #include "render/scene/io/texture_placement.h"
 #include "render/scene/point_cloud.h"
 
@@ -66,7 +65,6 @@ class Loader {
   explicit Loader(const std::filesystem::path& path)
       : path_(path),
         gltf_(isGltf(path)),
-        ply_(lowerExtension(path) == ".ply" ? plyVertices(path) : PlyVertices{}),
         import_(path),
         scene_(read(import_)),
         materials_(path, scene_) {}
@@ -90,7 +88,6 @@ class Loader {
       mesh.materials.push_back(used[i] ? materials_.read(i) : MeshMaterial{});
     }
     mesh.remarks = materials_.remarks();
-    useAlpha(mesh);
     for (std::string& remark : import_.remarks()) mesh.remarks.push_back(std::move(remark));
     remarkUndefined(mesh);
     if (unusable_ > 0) {
@@ -115,16 +112,6 @@ class Loader {
     });
   }
 
-  /// PLY: alpha is the opacity, as that of points.
-  void useAlpha(TriangleMesh& mesh) const {
-    if (!ply_.alpha) return;
-    for (MeshMaterial& material : mesh.materials) material.alpha = AlphaUse::blend;
-    const bool clear =
-        std::all_of(scene_.mMeshes, scene_.mMeshes + scene_.mNumMeshes,
-                    [](const aiMesh* part) { return part->HasVertexColors(0) && isClear(*part); });
-    if (clear) mesh.remarks.emplace_back("the alpha of all vertices is 0: shown opaque");
-  }
-
   /// OBJ: materials in use that no file of materials defines. A file that is missing is remarked
   /// already.
   void remarkUndefined(TriangleMesh& mesh) const {
@@ -146,8 +133,8 @@ class Loader {
   void append(TriangleMesh& all, const aiMesh& mesh) {
     const TexturePlacement placement = materials_.placementOf(mesh.mMaterialIndex);
     const bool has_uv = mesh.HasTextureCoords(placement.set), has_rgba = mesh.HasVertexColors(0);
-    const bool has_color = has_rgba && ply_.color;
-    const bool has_alpha = (gltf_ || ply_.alpha) && has_rgba && hasAlpha(mesh);
+    const bool has_color = has_rgba;
+    const bool has_alpha = gltf_ && has_rgba && hasAlpha(mesh);
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
       if (face.mNumIndices != 3) continue;
@@ -205,7 +192,6 @@ class Loader {
 
   std::filesystem::path path_;
   bool gltf_;
-  PlyVertices ply_;
   MeshImport import_;
   const aiScene& scene_;  // of the import
   MaterialReader materials_;
@@ -222,12 +208,12 @@ bool isMeshFile(const std::filesystem::path& path) {
   }
   if (extension != ".ply") return false;
   ply::Input input(path);
-  const ply::Header header = ply::readHeader(input);
-  return std::any_of(header.elements.begin(), header.elements.end(), [](const auto& element) {
-    return element.name == "face" && element.count > 0;
-  });
+  return isPlyMesh(ply::readHeader(input));
 }
 
-MeshFile readMesh(const std::filesystem::path& path) { return Loader(path).file(); }
+MeshFile readMesh(const std::filesystem::path& path) {
+  if (lowerExtension(path) == ".ply") return readPlyMesh(path);
+  return Loader(path).file();
+}
 
 }  // namespace foci

@@ -16,6 +16,7 @@
 #include "base/text.h"
 #include "render/scene/io/gltf_document.h"
 #include "render/scene/io/gltf_json.h"
+#include "render/scene/io/named_file.h"
 #include "render/scene/io/obj_text.h"
 
 namespace foci {

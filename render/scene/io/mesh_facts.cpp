@@ -14,7 +14,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "render/scene/io/gltf_json.h"
-#include "render/scene/io/mesh_textures.h"
+#include "render/scene/io/named_file.h"
 #include "render/scene/io/scan_values.h"
 #include "render/scene/mesh/orientation.h"
 
@@ -63,7 +63,7 @@ MaterialFacts factsOf(const aiMaterial& material, const aiScene& scene,
   for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
     if (material.GetTexture(type, 0, &name) != aiReturn_SUCCESS) continue;
     const bool found = scene.GetEmbeddedTexture(name.C_Str()) != nullptr ||
-                       textureFile(path, name.C_Str()).has_value();
+                       namedFile(path, percentDecoded(name.C_Str())).has_value();
     facts.textures.push_back({name.C_Str(), found});
     break;
   }

@@ -13,8 +13,8 @@
 #include "base/text.h"
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/gltf_plain.h"
+#include "render/scene/io/named_file.h"
 #include "render/scene/io/obj_text.h"
-#include "render/scene/io/ply_mesh.h"
 #include "render/scene/io/stl_bytes.h"
 
 namespace foci {
@@ -66,7 +66,6 @@ void MeshFiles::mend(const std::filesystem::path& mesh, std::optional<GltfDocume
   if (gltf) mended_.text = plainGltf(std::move(*gltf));
   if (lowerExtension(mesh) == ".obj") mended_ = readableObj(mesh);
   if (lowerExtension(mesh) == ".stl") mended_ = readableStl(mesh);
-  if (lowerExtension(mesh) == ".ply") mended_.text = readablePly(mesh);
 }
 
 std::vector<std::string> MeshFiles::missing() const {

@@ -14,7 +14,6 @@
 #include "render/scene/io/gltf_json.h"
 #include "render/scene/io/gltf_ranges.h"
 #include "render/scene/io/gltf_unshown.h"
-#include "render/scene/io/ply_mesh.h"
 
 namespace foci {
 namespace {
@@ -71,7 +70,6 @@ MeshImport::MeshImport(const std::filesystem::path& path) : path_(path) {
   } else if (isUtf16(path)) {
     throw InputError(path.string(), "is text in UTF-16: save it in UTF-8");
   }
-  if (lowerExtension(path) == ".ply") remarks_ = checkPlyFaces(path);
   files_->mend(path, std::move(gltf));
   importer_.SetPropertyBool(AI_CONFIG_PP_PTV_KEEP_HIERARCHY, true);  // nodes are objects
   importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,

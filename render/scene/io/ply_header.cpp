@@ -11,6 +11,8 @@
 #include "base/file.h"
 #include "base/input_error.h"
 #include "base/number.h"
+#include "base/text.h"
+#include "render/scene/io/ply_items.h"
 
 namespace foci::ply {
 namespace {
@@ -98,20 +100,16 @@ void checkCounts(const Header& header, const Input& input) {
   }
 }
 
-/// Puts the names of properties in lower case. @return whether one changed
-bool lowerNames(std::vector<Property>& properties) {
-  bool changed = false;
+/// Puts the names of properties in lower case.
+void lowerNames(std::vector<Property>& properties) {
   for (Property& property : properties) {
     std::string lower = property.name;
     for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     const bool taken =
         std::any_of(properties.begin(), properties.end(),
                     [&](const Property& other) { return other.name == lower; });  // itself, too
-    if (taken) continue;
-    property.name = std::move(lower);
-    changed = true;
+    if (!taken) property.name = std::move(lower);
   }
-  return changed;
 }
 
 template <typename T>
@@ -235,31 +233,28 @@ bool mustSwap(Format format) {
   return (format == Format::big) == (std::endian::native == std::endian::little);
 }
 
-void skipList(Input& input, const Property& property, bool swap) {
+std::uint64_t listLength(Input& input, const Property& property, bool swap) {
   const double items = scalarAt(input.take(sizeOf(property.count_type)), property.count_type, swap);
-  const double bytes = items * static_cast<double>(sizeOf(property.type));
-  if (items < 0.0 || bytes > static_cast<double>(input.remaining())) {
+  if (items < 0.0 || items > static_cast<double>(input.remaining())) {
     throw InputError(input.name(), "byte " + std::to_string(input.offset()) + ": list " +
                                        property.name + " has " +
                                        std::to_string(static_cast<std::int64_t>(items)) +
                                        " items, more than the file has room for");
   }
-  input.skip(static_cast<std::uint64_t>(bytes));
+  return static_cast<std::uint64_t>(items);
 }
 
 void skipElement(Input& input, const Element& element, Header& header) {
-  for (std::uint64_t i = 0; i < element.count; ++i) {
-    if (header.format == Format::ascii) {
-      ++header.lines;
-      input.line();
-      continue;
+  if (header.format == Format::ascii) {
+    for (Items items(input, header, element); items.next();) {
     }
+    return;
+  }
+  for (std::uint64_t i = 0; i < element.count; ++i) {
     for (const Property& property : element.properties) {
-      if (property.list) {
-        skipList(input, property, mustSwap(header.format));
-      } else {
-        input.skip(sizeOf(property.type));
-      }
+      const std::uint64_t length =
+          property.list ? listLength(input, property, mustSwap(header.format)) : 1;
+      input.skip(length * sizeOf(property.type));
     }
   }
 }
@@ -275,7 +270,7 @@ Header readHeader(Input& input) {
     return input.line();
   };
 
-  if (const auto magic = next(); magic != "ply") {
+  if (const auto magic = trimmed(withoutByteOrderMark(next())); magic != "ply") {
     const bool named = lowerExtension(input.name()) == ".ply";
     throw InputError(where(), (named ? "not a PLY file: expected ply, found "
                                      : "is no scene that foci reads (docs/scenes.md lists the "
@@ -286,7 +281,11 @@ Header readHeader(Input& input) {
   for (;;) {
     const std::string_view line = next();
     const auto words = wordsOf(line);
-    if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+    if (words.empty() || words[0] == "obj_info") continue;
+    if (words[0] == "comment") {
+      header.comments.emplace_back(trimmed(trimmed(line).substr(words[0].size())));
+      continue;
+    }
     if (words[0] == "end_header") break;
     if (words[0] == "format" && !has_format) {
       has_format = true;
@@ -323,7 +322,7 @@ Header readHeader(Input& input) {
     }
   }
   if (!has_format) throw InputError(input.name(), "the header names no format");
-  for (Element& element : header.elements) header.renamed |= lowerNames(element.properties);
+  for (Element& element : header.elements) lowerNames(element.properties);
   checkCounts(header, input);
   return header;
 }

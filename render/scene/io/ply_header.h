@@ -32,8 +32,8 @@ struct Element {
 struct Header {
   Format format = Format::ascii;
   std::vector<Element> elements;
-  std::uint64_t lines = 0;  ///< lines read so far, for messages
-  bool renamed = false;     ///< names of properties had capitals
+  std::uint64_t lines = 0;            ///< lines read so far, for messages
+  std::vector<std::string> comments;  ///< without the word "comment"
 };
 
 std::size_t sizeOf(Scalar type);
@@ -88,8 +88,9 @@ double scalarAt(const unsigned char* bytes, Scalar type, bool swap);
 double numberAt(std::string_view line, std::size_t& at, const std::string& file,
                 std::uint64_t line_number);
 
-/// Moves behind a list of a binary file. @throws InputError if the file has no room for it
-void skipList(Input& input, const Property& property, bool swap);
+/// The number of values of a list of a binary file, which come next.
+/// @throws InputError if the file has fewer bytes than that
+std::uint64_t listLength(Input& input, const Property& property, bool swap);
 
 /// Moves behind an element. Counts the lines of an ASCII file.
 void skipElement(Input& input, const Element& element, Header& header);

@@ -1,194 +1,250 @@
-#include "render/scene/io/ply_mesh.h"
-
+// Meshes in PLY: faces with the properties that MeshLab (texcoord, texnumber, comments TextureFile)
+// and others write, and the triangle strips of the Stanford scans.
 #include <algorithm>
-#include <charconv>
+#include <array>
+#include <cmath>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/input_error.h"
 #include "base/text.h"
-#include "render/scene/io/ply_header.h"
+#include "render/scene/io/mesh_builder.h"
+#include "render/scene/io/mesh_formats.h"
+#include "render/scene/io/mesh_textures.h"
+#include "render/scene/io/named_file.h"
+#include "render/scene/io/ply_items.h"
 
 namespace foci {
 namespace {
 
-using ply::Element;
-using ply::Property;
+constexpr std::string_view kTextureComment = "TextureFile";
 
-bool isCorners(const Property& property) {
-  return property.list && (property.name == "vertex_indices" || property.name == "vertex_index");
-}
-
-bool has(const Element& element, std::string_view name) {
-  return std::any_of(element.properties.begin(), element.properties.end(),
-                     [&](const Property& property) { return property.name == name; });
-}
-
-bool hasColor(const Element& element) {
-  return has(element, "red") || has(element, "r") || has(element, "diffuse_red");
-}
-
-/// The name of the opacity of vertices; empty if they have none.
-std::string_view alphaOf(const Element& element) {
-  if (element.name != "vertex") return "";
-  if (has(element, "alpha")) return "alpha";
-  if (has(element, "opacity")) return "opacity";
-  return has(element, "r") && has(element, "a") ? "a" : "";
-}
-
-class FaceCheck {
+class PlyMesh {
  public:
-  explicit FaceCheck(const std::filesystem::path& path)
-      : input_(path), header_(ply::readHeader(input_)) {}
-
-  std::vector<std::string> remarks() {
-    bool vertex_colors = false, face_colors = false;
-    for (const Element& element : header_.elements) {
-      if (element.name == "vertex") {
-        vertices_ = element.count;
-        vertex_colors = hasColor(element);
-      }
-      if (element.name == "face") face_colors = hasColor(element);
+  explicit PlyMesh(const std::filesystem::path& path)
+      : path_(path),
+        input_(path),
+        header_(ply::readHeader(input_)),
+        textures_(path),
+        builder_(input_.name()) {
+    for (const std::string& comment : header_.comments) {
+      if (!comment.starts_with(kTextureComment)) continue;
+      texture_names_.emplace_back(trimmed(comment.substr(kTextureComment.size())));
     }
-    for (const Element& element : header_.elements) {
-      if (header_.format == ply::Format::ascii) {
-        checkText(element);
+  }
+
+  MeshFile read() {
+    if (const ply::Element* vertex = ply::elementNamed(header_, "vertex")) {
+      vertices_ = vertex->count;
+    }
+    for (const ply::Element& element : header_.elements) {
+      if (element.name == "vertex") {
+        readVertices(element);
       } else if (element.name == "face") {
-        checkBinary(element);
+        readFaces(element);
+      } else if (element.name.starts_with("tristrip")) {
+        readStrips(element);
       } else {
         ply::skipElement(input_, element, header_);
       }
     }
-    if (!face_colors || vertex_colors) return {};
-    return {"the colours of its faces are not shown: MeshLab can transfer them to the vertices"};
+    build();
+    return finish();
   }
 
  private:
-  void refuseCorner(const std::string& where, double corner) const {
-    if (corner >= 0.0 && corner < static_cast<double>(vertices_)) return;
-    throw InputError(where, "a face names vertex " + decimal(corner, 0) + ": expected 0 to " +
-                                std::to_string(vertices_ - 1) + "; is the file cut off?");
-  }
+  struct Faces {
+    std::vector<std::uint32_t> begin = {0}, corners;  // begin: one more than faces
+    std::vector<glm::vec2> uv;                        // by corner; empty: none
+    std::vector<double> texture;                      // by face; empty: none
+    std::vector<glm::vec3> color;                     // by face; empty: none
+  };
 
-  void checkText(const Element& element) {
-    const auto where = [&] { return input_.name() + ":" + std::to_string(header_.lines); };
-    for (std::uint64_t i = 0; i < element.count; ++i) {
-      std::string_view line;
-      while (line.empty()) {
-        if (input_.remaining() == 0) {
-          throw InputError(input_.name(), "ends after " + std::to_string(i) + " of " +
-                                              std::to_string(element.count) + " items of element " +
-                                              shown(element.name));
-        }
-        ++header_.lines;
-        line = trimmed(input_.line());
-      }
-      if (element.name != "face") continue;
-      const auto next = [&] {
-        const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
-        std::string_view word = line.substr(0, end);
-        line = trimmed(line.substr(end));
-        double value = 0.0;
-        const auto [last, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (word.empty()) throw InputError(where(), "too few values for a face");
-        if (error != std::errc() || last != word.data() + word.size()) {
-          throw InputError(where(), "expected a number, found " + shown(word));
-        }
-        return value;
-      };
-      for (const Property& property : element.properties) {
-        const double count = property.list ? next() : 1.0;
-        for (double k = 0.0; k < count; ++k) {
-          const double value = next();
-          if (isCorners(property)) refuseCorner(where(), value);
-        }
-      }
+  void readVertices(const ply::Element& element) {
+    ply::Items items(input_, header_, element);
+    const auto position = items.findAll({"x", "y", "z"});
+    if (position.empty()) {
+      throw InputError(input_.name(), "element vertex: expected properties x, y and z");
+    }
+    const auto normal = items.findAll({"nx", "ny", "nz"}), color = ply::colorOf(items);
+    const auto alpha = ply::opacityOf(items);
+    std::vector<std::size_t> uv;
+    for (const auto& [u, v] : {std::pair{"s", "t"},
+                               {"u", "v"},
+                               {"texture_u", "texture_v"},
+                               {"texture_s", "texture_t"},
+                               {"tx", "ty"}}) {
+      if (uv.empty()) uv = items.findAll({u, v});
+    }
+    while (items.next()) {
+      places_.push_back(items.vector(position));
+      MeshCorner corner;
+      if (!normal.empty()) corner.normal = items.vector(normal);
+      if (!uv.empty()) corner.uv = {items.floatValue(uv[0]), items.floatValue(uv[1])};
+      if (alpha) corner.alpha = ply::unitOpacity(items, *alpha);
+      if (!color.empty()) colors_.emplace_back(items.vector(color));
+      corners_.push_back(corner);
+    }
+    has_uv_ = !uv.empty();
+    fine_ = items.property(position[0]).type == ply::Scalar::float64;
+    if (!color.empty()) {
+      linearise(colors_, items.property(color[0]).type, "vertex");
+      for (std::size_t i = 0; i < corners_.size(); ++i) corners_[i].color = colors_[i];
     }
   }
 
-  void checkBinary(const Element& element) {
-    const bool swap = ply::mustSwap(header_.format);
-    for (std::uint64_t i = 0; i < element.count; ++i) {
-      for (const Property& property : element.properties) {
-        if (property.list && !isCorners(property)) {
-          ply::skipList(input_, property, swap);
-          continue;
+  void linearise(std::vector<glm::vec3>& colors, ply::Scalar type, const char* what) {
+    std::vector<std::string> remarks;
+    ply::linearise(colors, type, input_.name(), what, remarks);
+    for (std::string& remark : remarks) builder_.remark(std::move(remark));
+  }
+
+  std::uint32_t cornerOf(double number, const ply::Items& items) const {
+    if (number >= 0.0 && number < static_cast<double>(vertices_) && number == std::floor(number)) {
+      return static_cast<std::uint32_t>(number);
+    }
+    throw InputError(items.where(), "a face names vertex " + exactText(number) +
+                                        ": expected 0 to " + std::to_string(vertices_ - 1) +
+                                        "; is the file cut off?");
+  }
+
+  static std::size_t listOfCorners(const ply::Items& items, const std::string& file) {
+    auto list = items.find("vertex_indices", true);
+    if (!list) list = items.find("vertex_index", true);
+    if (list && items.property(*list).list) return *list;
+    throw InputError(file, "element face: expected a list vertex_indices");
+  }
+
+  void readFaces(const ply::Element& element) {
+    ply::Items items(input_, header_, element);
+    const std::size_t list = listOfCorners(items, input_.name());
+    const auto texcoord = items.find("texcoord", true), texture = items.find("texnumber");
+    const auto color = ply::colorOf(items);
+    while (items.next()) {
+      const auto corners = items.list(list);
+      for (const double corner : corners) faces_.corners.push_back(cornerOf(corner, items));
+      faces_.begin.push_back(static_cast<std::uint32_t>(faces_.corners.size()));
+      if (texcoord) {
+        const auto uv = items.list(*texcoord);
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+          const bool placed = 2 * i + 1 < uv.size();
+          faces_.uv.push_back(placed ? glm::vec2(uv[2 * i], uv[2 * i + 1]) : glm::vec2(0.0f));
         }
-        std::uint64_t count = 1;
-        if (property.list) {
-          const double stated = ply::scalarAt(input_.take(ply::sizeOf(property.count_type)),
-                                              property.count_type, swap);
-          if (stated < 0.0 || stated > static_cast<double>(input_.remaining())) {
-            throw InputError(where(i), "has " + decimal(stated, 0) +
-                                           " corners, more than the file has room for");
+      }
+      if (texture) faces_.texture.push_back(items.value(*texture));
+      if (!color.empty()) faces_.color.emplace_back(items.vector(color));
+    }
+    if (!color.empty()) linearise(faces_.color, items.property(color[0]).type, "face");
+  }
+
+  /// Strips end with -1. Every second triangle is wound the other way round.
+  void readStrips(const ply::Element& element) {
+    ply::Items items(input_, header_, element);
+    const std::size_t list = listOfCorners(items, input_.name());
+    while (items.next()) {
+      const auto strip = items.list(list);
+      std::size_t begin = 0;
+      for (std::size_t i = 0; i < strip.size(); ++i) {
+        if (strip[i] == -1.0) {
+          begin = i + 1;
+        } else if (i >= begin + 2) {
+          const bool turned = (i - begin) % 2 == 1;
+          for (const std::size_t at : {i - 2, turned ? i : i - 1, turned ? i - 1 : i}) {
+            faces_.corners.push_back(cornerOf(strip[at], items));
           }
-          count = static_cast<std::uint64_t>(stated);
-        }
-        for (std::uint64_t k = 0; k < count; ++k) {
-          const double value =
-              ply::scalarAt(input_.take(ply::sizeOf(property.type)), property.type, swap);
-          if (isCorners(property)) refuseCorner(where(i), value);
+          faces_.begin.push_back(static_cast<std::uint32_t>(faces_.corners.size()));
         }
       }
     }
   }
 
-  std::string where(std::uint64_t face) const {
-    return input_.name() + ": face " + std::to_string(face + 1);
+  /// The material of a face: a texture, the one of no texture, or its colour.
+  std::uint32_t materialOf(std::size_t face, std::span<MeshCorner> corners) {
+    const auto plain = static_cast<std::uint32_t>(texture_names_.size());
+    if (!texture_names_.empty() && (has_uv_ || !faces_.uv.empty())) {
+      const double number = face < faces_.texture.size() ? faces_.texture[face] : 0.0;
+      if (number >= 0.0 && number < plain) return static_cast<std::uint32_t>(number);
+      untextured_ += number != -1.0;  // MeshLab: no texture
+    }
+    if (!colors_.empty() || face >= faces_.color.size()) return plain;
+    const glm::vec3 color = faces_.color[face];
+    const auto own = face_colors_.materialOf(color);
+    for (MeshCorner& corner : corners) corner.color = own ? glm::vec3(-1.0f) : color;
+    return own ? plain + 1 + *own : plain;
   }
 
+  void build() {
+    // A float has lost what an origin nearby would keep.
+    const std::vector<glm::vec3> places =
+        fine_ ? builder_.placesOf(places_) : std::vector<glm::vec3>(places_.begin(), places_.end());
+    std::vector<MeshCorner> corners;
+    for (std::size_t face = 0; face + 1 < faces_.begin.size(); ++face) {
+      corners.clear();
+      for (std::uint32_t i = faces_.begin[face]; i < faces_.begin[face + 1]; ++i) {
+        const std::uint32_t vertex = faces_.corners[i];
+        corners.push_back(corners_[vertex]);
+        corners.back().position = places[vertex];
+        if (i < faces_.uv.size()) corners.back().uv = faces_.uv[i];
+      }
+      const std::uint32_t material = materialOf(face, corners);
+      builder_.addPolygon(corners, material);
+    }
+  }
+
+  MeshFile finish() {
+    builder_.remarkCount(untextured_, " face names a texture that the file does not have",
+                         " faces name textures that the file does not have");
+    const bool blend = builder_.useAlpha();
+    const auto plain = static_cast<std::uint32_t>(texture_names_.size());
+    MeshFile file = builder_.finish({.kind = SceneKind::ply_mesh}, [&](std::uint32_t number) {
+      ReadMaterial read{.material = {.factor = kPlainSurface}};
+      if (number > plain) read = face_colors_.read(number - plain - 1);
+      if (number < plain) read = textured(texture_names_[number]);
+      if (blend) read.material.alpha = AlphaUse::blend;
+      return read;
+    });
+    for (const std::string& remark : textures_.remarks()) file.mesh.remarks.push_back(remark);
+    return file;
+  }
+
+  ReadMaterial textured(const std::string& name) {
+    const ImageSource source{.name = name, .file = namedFile(path_, name)};
+    ReadMaterial read;
+    read.material.texture = textures_.read(source);
+    if (!read.material.texture) read.material.factor = kPlainSurface;
+    read.facts.emplace();
+    read.facts->name = name;
+    read.facts->textures = {factsOf(source)};
+    return read;
+  }
+
+  std::filesystem::path path_;
   ply::Input input_;
   ply::Header header_;
-  std::uint64_t vertices_ = 0;
+  MeshTextures textures_;
+  MeshBuilder builder_;
+  std::vector<std::string> texture_names_;
+  std::uint64_t vertices_ = 0, untextured_ = 0;
+  std::vector<glm::dvec3> places_;
+  std::vector<MeshCorner> corners_;  // by vertex; places are apart
+  std::vector<glm::vec3> colors_;    // by vertex; empty: none
+  bool has_uv_ = false, fine_ = false;
+  Faces faces_;
+  FaceColors face_colors_;
 };
 
 }  // namespace
 
-std::vector<std::string> checkPlyFaces(const std::filesystem::path& path) {
-  return FaceCheck(path).remarks();
+bool isPlyMesh(const ply::Header& header) {
+  return std::any_of(header.elements.begin(), header.elements.end(), [](const auto& element) {
+    return (element.name == "face" || element.name.starts_with("tristrip")) && element.count > 0;
+  });
 }
 
-PlyVertices plyVertices(const std::filesystem::path& path) {
-  ply::Input input(path);
-  const ply::Header header = ply::readHeader(input);
-  PlyVertices vertices;
-  for (const Element& element : header.elements) {
-    if (element.name != "vertex") continue;
-    vertices = {.color = hasColor(element), .alpha = !alphaOf(element).empty()};
-  }
-  return vertices;
-}
-
-std::string readablePly(const std::filesystem::path& path) {
-  ply::Input input(path);
-  const ply::Header header = ply::readHeader(input);
-  std::vector<std::string> names;
-  bool changed = header.renamed;
-  for (const Element& element : header.elements) {
-    const std::string_view alpha = alphaOf(element);
-    for (const Property& property : element.properties) {
-      names.push_back(property.name == alpha ? "alpha" : property.name);
-      changed |= names.back() != property.name;
-    }
-  }
-  if (!changed) return "";
-  std::ifstream in(path, std::ios::binary);
-  std::string text(std::istreambuf_iterator<char>(in), {});
-  std::size_t at = 0;
-  for (const std::string& name : names) {
-    std::string_view line;
-    for (; !line.starts_with("property"); at = text.find('\n', at) + 1) {
-      line = trimmed(std::string_view(text).substr(at, text.find('\n', at) - at));
-    }
-    const auto end = static_cast<std::size_t>(line.data() + line.size() - text.data());
-    const std::size_t word = line.size() - line.find_last_of(" \t") - 1;
-    text.replace(end - word, word, name);
-    at = text.find('\n', end - word) + 1;
-  }
-  return text;
-}
+MeshFile readPlyMesh(const std::filesystem::path& path) { return PlyMesh(path).read(); }
 
 }  // namespace foci

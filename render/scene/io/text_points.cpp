@@ -52,12 +52,6 @@ void splitInto(TextWords& words, std::string_view line) {
   }
 }
 
-std::string_view withoutByteOrderMark(std::string_view line) {
-  constexpr std::string_view kUtf8 = "\xef\xbb\xbf";
-  if (line.starts_with(kUtf8)) line.remove_prefix(kUtf8.size());
-  return line;
-}
-
 /// The first word between blanks or semicolons with one comma between two digits, as 0,5; empty if
 /// there is none, or if commas alone separate the columns.
 std::string_view decimalComma(std::string_view line) {

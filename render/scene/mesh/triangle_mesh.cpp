@@ -23,6 +23,14 @@ std::array<glm::vec3, 3> turnedCorners(const TriangleMesh& mesh, std::uint32_t t
   return corners;
 }
 
+/// See `colorAt`.
+float lightOn(const glm::vec3* corners_m) {
+  const glm::dvec3 a(corners_m[0]), b(corners_m[1]), c(corners_m[2]);
+  static const glm::dvec3 kTowardsLight = glm::normalize(glm::dvec3(1.0, 2.0, 1.5));
+  const double cosine = glm::dot(glm::normalize(glm::cross(b - a, c - a)), kTowardsLight);
+  return static_cast<float>(1.0 - kPlainShading * (0.5 - 0.5 * cosine));
+}
+
 /// @param alpha  product of the alphas of texture, mask and corners
 float opacityOf(const MeshMaterial& material, float alpha) {
   switch (material.alpha) {
@@ -119,7 +127,8 @@ MeshColor colorAt(const TriangleMesh& mesh, const MeshPoint& point, float footpr
   }
   const float opacity = opacityOf(material, alpha);
   if (has_color && !material.tinted) return {blend(mesh.color), opacity};
-  return {material.factor * tint, opacity};
+  const bool shaded = material.shaded && !has_color;
+  return {material.factor * tint * (shaded ? lightOn(&mesh.corners_m[first]) : 1.0f), opacity};
 }
 
 }  // namespace foci

@@ -33,7 +33,12 @@ struct MeshMaterial {
   /// Whether colours of corners multiply this colour, as in glTF. Otherwise a texture replaces
   /// them, and they replace the colour of a material without one.
   bool tinted = false;
+  bool unlit = false;   ///< its colour is light that it sends, and not to be shaded
+  bool shaded = false;  ///< `colorAt` shades it where corners have no colour
 };
+
+/// Shading that shows the shape of surfaces whose colour does not. Chosen by eye.
+inline constexpr double kPlainShading = 0.65;
 
 /// The world frame is in metres, or in the units of the file where the reader says so.
 struct TriangleMesh {
@@ -67,7 +72,10 @@ struct MeshColor {
 };
 
 /// The linear colour comes from the first of these that the triangle has: the texture (times the
-/// material's factor in glTF), the vertices, the material. No light is added.
+/// material's factor in glTF), the vertices, the material. Light is added to shaded materials only:
+///
+///   L = 1 - s (1 - n l) / 2, with s = kPlainShading and l at an angle to all axes
+///
 /// @param footprint_m  side of the square over which the texture is averaged
 MeshColor colorAt(const TriangleMesh& mesh, const MeshPoint& point, float footprint_m);
 

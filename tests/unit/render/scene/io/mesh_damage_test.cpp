@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <cstdint>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
 
 #include "base/input_error.h"
@@ -119,16 +120,96 @@ TEST_F(MeshDamage, AlphaOfPlyVerticesIsOpacity) {
                   "alpha of all vertices is 0"));
 }
 
-TEST_F(MeshDamage, PlyStripsAreRefused) {
-  std::string strips = ply("3 0 1 2\n3 0 2 3\n");
-  strips.replace(strips.find("element face"), 12, "element tristrips");
-  EXPECT_TRUE(has(said("a.ply", strips), "triangle strips"));
+TEST_F(MeshDamage, PlyStripsAreTrianglesOfAlternateWinding) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement tristrips 1\nproperty list int int vertex_indices\n"
+      "element vertex 5\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+      "8 0 1 2 3 -1 2 3 4\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n";
+  const MeshFile file = readMesh(folder_.write("a.ply", text));
+  ASSERT_EQ(file.mesh.size(), 3u);
+  for (std::size_t t = 0; t < 3; ++t) {
+    const glm::vec3* const c = &file.mesh.corners_m[3 * t];
+    EXPECT_GT(glm::cross(c[1] - c[0], c[2] - c[0]).z, 0.0f) << t;
+  }
+  EXPECT_TRUE(has(said("b.ply", text.substr(0, text.find("8 0")) + "8 0 1 2 3 -1 2 3 9\n" +
+                                    text.substr(text.find("0 0 0\n"))),
+                  "names vertex 9: expected 0 to 4"));
 }
 
-TEST_F(MeshDamage, ColoursOfPlyFacesGetARemark) {
+TEST_F(MeshDamage, ColoursOfPlyFacesAreShown) {
   const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  EXPECT_TRUE(has(said("a.ply", ply("3 0 1 2 9 9 9\n3 0 2 3 9 9 9\n", colors)),
-                  "the colours of its faces are not shown"));
+  const MeshFile file =
+      readMesh(folder_.write("a.ply", ply("3 0 1 2 255 0 0\n3 0 2 3 0 255 0\n", colors)));
+  EXPECT_EQ(colorAt(file.mesh, {0, glm::vec2(0.25f)}, 0.0f).color, glm::vec3(1, 0, 0));
+  EXPECT_EQ(colorAt(file.mesh, {1, glm::vec2(0.25f)}, 0.0f).color, glm::vec3(0, 1, 0));
+  EXPECT_TRUE(file.facts.material_colors && !file.facts.has_colors);
+}
+
+/// A square whose first corner has the x 0.5000006, whose first byte is that of a line end.
+TEST_F(MeshDamage, ABinaryPlyMayBeginWithALineEnd) {
+  const auto write = [&](const std::string& header_end) {
+    const float corners[] = {0.5000006f, 0, 0, 1, 0, 0, 1, 1, 0};
+    const int index[] = {0, 1, 2};
+    return folder_.write(
+        "a.ply",
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n"
+        "property float y\nproperty float z\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header" +
+            header_end + std::string(reinterpret_cast<const char*>(corners), sizeof(corners)) +
+            '\3' + std::string(reinterpret_cast<const char*>(index), sizeof(index)));
+  };
+  for (const char* header_end : {"\n", "\r\n"}) {
+    EXPECT_EQ(readMesh(write(header_end)).mesh.corners_m.at(0).x, 0.5000006f);
+  }
+}
+
+TEST_F(MeshDamage, PlyElementsMayComeInAnyOrderAndTakeSeveralLines) {
+  const std::string header = "ply\nformat ascii 1.0\n",
+                    face =
+                        "element face 1\n"
+                        "property list uchar int vertex_index\n";
+  const std::string vertex =
+      "element vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nproperty float diffuse_red\nproperty float diffuse_green\n"
+      "property float diffuse_blue\n";
+  const MeshFile file = readMesh(folder_.write(
+      "a.ply", header + "element camera 1\nproperty float f\n" + face + vertex +
+                   "end_header\n7\n3 0 1 2\n0 0 0\n1 0 0\n1 0 0\n1 0 0\n0 1 0\n1 0 0.5\n"));
+  ASSERT_EQ(file.mesh.size(), 1u);
+  EXPECT_EQ(colorAt(file.mesh, {0, glm::vec2(0.0f)}, 0.0f).color, glm::vec3(1, 0, 0));
+  EXPECT_TRUE(has(said("b.ply", header + face + vertex +
+                                    "end_header\n3 0 1 2\n0 0 0\n1 0 0 1\n0 1 0\n1 0 0\n1 1 1\n"),
+                  "b.ply:14: too few values for a vertex"));
+}
+
+TEST_F(MeshDamage, APlyInDoublesKeepsItsDetail) {
+  std::string text = ply("3 0 1 2\n3 0 2 3\n");
+  for (int i = 0; i < 3; ++i) text.replace(text.find("property float"), 14, "property double");
+  text.replace(text.find("0 0 0\n"), text.size(),
+               "500000 5400000 0\n500000.25 5400000 0\n500000.25 5400000.25 0\n"
+               "500000 5400000.25 0\n3 0 1 2\n3 0 2 3\n");
+  const MeshFile file = readMesh(folder_.write("a.ply", text));
+  EXPECT_EQ(file.mesh.corners_m.at(1), glm::vec3(0.25f, 0.0f, 0.0f));
+  EXPECT_TRUE(has(said("a.ply", text), "positions are relative to"));
+}
+
+/// Two squares side by side, of which each has a texture of its own.
+TEST_F(MeshDamage, FacesOfAPlyChooseTheirTexture) {
+  cv::imwrite((folder_.path() / "red.png").string(), cv::Mat(4, 4, CV_8UC3, cv::Scalar(0, 0, 255)));
+  cv::imwrite((folder_.path() / "blue one.png").string(),
+              cv::Mat(4, 4, CV_8UC3, cv::Scalar(255, 0, 0)));
+  const std::string text =
+      "ply\nformat ascii 1.0\ncomment TextureFile red.png\ncomment TextureFile blue one.png \n"
+      "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 3\n"
+      "property list uchar int vertex_indices\nproperty list uchar float texcoord\n"
+      "property int texnumber\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+      "3 0 1 2 6 0 0 1 0 1 1 0\n3 0 2 3 6 0 0 1 1 0 1 1\n3 2 1 0 6 0 0 0 0 0 0 ";
+  const MeshFile file = readMesh(folder_.write("a.ply", text + "7\n"));
+  ASSERT_EQ(file.mesh.size(), 3u);
+  EXPECT_EQ(colorAt(file.mesh, {0, glm::vec2(0.25f)}, 0.0f).color, glm::vec3(1, 0, 0));
+  EXPECT_EQ(colorAt(file.mesh, {1, glm::vec2(0.25f)}, 0.0f).color, glm::vec3(0, 0, 1));
+  EXPECT_TRUE(has(said("a.ply", text + "7\n"), "1 face names a texture that the file does not"));
+  EXPECT_EQ(said("a.ply", text + "-1\n"), "");
 }
 
 TEST_F(MeshDamage, ColoursOfVerticesAboveOneAreRefused) {

@@ -173,6 +173,46 @@ TEST_F(PlyTest, FollowsTheStandardOfColours) {
   EXPECT_NEAR(points.color[0].z, 0.04f / 12.92f, 1e-7f);
 }
 
+TEST_F(PlyTest, ColoursOfAnyTypeMayBeBytes) {
+  const auto colors = [&](const std::string& type, const std::string& first) {
+    std::string text = "ply\nformat ascii 1.0\nelement vertex 2\n";
+    for (const char* name : {"x", "y", "z"}) text += "property float " + std::string(name) + "\n";
+    for (const char* name : {"red", "green", "blue"})
+      text += "property " + type + " " + name + "\n";
+    return text + "end_header\n0 0 0 " + first + "\n1 0 0 0 0 0\n";
+  };
+  const PointCloud bytes = read(colors("uchar", "200 120 60"));
+  EXPECT_TRUE(bytes.remarks.empty());
+  for (const char* type : {"short", "ushort", "int", "uint", "float", "double"}) {
+    const PointCloud points = read(colors(type, "200 120 60"));
+    EXPECT_EQ(points.color, bytes.color) << type;
+    EXPECT_EQ(points.remarks.size(), 1u) << type;
+  }
+  EXPECT_EQ(read(colors("ushort", "65535 0 0")).color[0], glm::vec3(1, 0, 0));
+  EXPECT_NE(refusal(colors("float", "1.5 0 0")).find("expected 0 to 1 or 0 to 255"),
+            std::string::npos);
+  EXPECT_NE(refusal(colors("float", "300 0 0")).find("vertex 1 has the colour 300"),
+            std::string::npos);
+}
+
+TEST_F(PlyTest, VerticesMayTakeSeveralLines) {
+  const std::string start =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty "
+      "float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  const PointCloud points = read(start + "0 0 0 \n255 0 0 \n1 0 0 \n0 255 0 \n");
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points.color[1], glm::vec3(0, 1, 0));
+  EXPECT_NE(refusal(start + "0 0 0 \n255 0 0 1\n1 0 0\n255 0 0\n").find(":11: too few"),
+            std::string::npos);
+}
+
+TEST_F(PlyTest, AByteOrderMarkIsSkipped) {
+  EXPECT_EQ(read("\xef\xbb\xbfply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                 "property float y\nproperty float z\nend_header\n1 2 3\n")
+                .position_m[0],
+            glm::vec3(1, 2, 3));
+}
+
 TEST_F(PlyTest, IsReadBackAsWritten) {
   PointCloud cloud;
   for (int i = 0; i < 1000; ++i) {

@@ -1,0 +1,20 @@
+// The readers of meshes, one for each format. Private to `readMesh`.
+#pragma once
+
+#include <filesystem>
+
+#include "render/scene/io/mesh.h"
+#include "render/scene/io/ply_header.h"
+
+namespace foci {
+
+/// Whether a PLY file has faces or triangle strips.
+bool isPlyMesh(const ply::Header& header);
+
+/// Properties of vertices: those of points (ply.h) but radius and labels, and texture coordinates
+/// (s t, u v, texture_u texture_v, ...). Of faces: vertex_indices, texcoord, texnumber (of the
+/// comments TextureFile) and a colour, which counts if the vertices have none. Elements may come in
+/// any order.
+MeshFile readPlyMesh(const std::filesystem::path& path);
+
+}  // namespace foci
