@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 namespace foci {
 
@@ -42,6 +43,10 @@ std::string thousands(double value) {
   return digits;
 }
 
+std::string counted(std::size_t count, const std::string& one) {
+  return thousands(static_cast<double>(count)) + " " + one + (count == 1 ? "" : "s");
+}
+
 std::string milliseconds(double ms) { return decimal(ms, ms < 10.0 ? 2 : ms < 100.0 ? 1 : 0); }
 
 std::string_view trimmed(std::string_view text) {
@@ -66,11 +71,71 @@ std::string shown(std::string_view text) {
   return '"' + result + '"';
 }
 
+namespace {
+
+struct CodePoint {
+  char32_t value;
+  std::size_t bytes;
+};
+
+/// The code point at the start of a text that is not empty; absent unless it is UTF-8 (RFC 3629).
+std::optional<CodePoint> codePointAt(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  if (byte(0) < 0x80) return CodePoint{byte(0), 1};
+  const std::size_t bytes = byte(0) >= 0xf0 ? 4 : byte(0) >= 0xe0 ? 3 : 2;
+  constexpr std::array<char32_t, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};
+  if (byte(0) < 0xc2 || byte(0) > 0xf4 || text.size() < bytes) return std::nullopt;
+  char32_t value = byte(0) & (0xffu >> (bytes + 1));
+  for (std::size_t i = 1; i < bytes; ++i) {
+    if ((byte(i) & 0xc0u) != 0x80u) return std::nullopt;
+    value = value << 6 | (byte(i) & 0x3fu);
+  }
+  const bool surrogate = value >= 0xd800 && value <= 0xdfff;
+  if (value < kLeast.at(bytes) || value > 0x10ffff || surrogate) return std::nullopt;
+  return CodePoint{value, bytes};
+}
+
+/// Control characters of ASCII and Latin-1; separators of lines and paragraphs; characters that
+/// change the direction of the text (Unicode 15, section 23.2).
+bool isControl(char32_t c) {
+  return c < 0x20 || (c >= 0x7f && c < 0xa0) || c == 0x61c || (c >= 0x200e && c <= 0x200f) ||
+         (c >= 0x2028 && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069) || c == 0xfeff;
+}
+
+std::string escapeOf(char32_t c, const char* pattern) {
+  std::array<char, 12> escape;
+  std::snprintf(escape.data(), escape.size(), pattern, static_cast<unsigned>(c));
+  return escape.data();
+}
+
+}  // namespace
+
+std::string visible(std::string_view text) {
+  std::string line;
+  line.reserve(text.size());
+  while (!text.empty()) {
+    const auto point = codePointAt(text);
+    const std::size_t bytes = point ? point->bytes : 1;
+    if (!point) {
+      line += escapeOf(static_cast<unsigned char>(text[0]), "\\x%02x");
+    } else if (!isControl(point->value)) {
+      line += text.substr(0, bytes);
+    } else if (const auto at = std::string_view("\n\r\t").find(text[0]); at != text.npos) {
+      line += '\\';
+      line += "nrt"[at];
+    } else {
+      line += escapeOf(point->value, point->value < 0x100 ? "\\x%02x" : "\\u%04x");
+    }
+    text.remove_prefix(bytes);
+  }
+  return line;
+}
+
 std::string quotedText(std::string_view text) {
   std::string quoted = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') quoted += '\\';
-    if (static_cast<unsigned char>(c) < 0x20) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
       std::array<char, 8> escape;
       std::snprintf(escape.data(), escape.size(), "\\u%04x", c);
       quoted += escape.data();

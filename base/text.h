@@ -1,6 +1,7 @@
 // Numbers and quoted strings as text, the same in every locale.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,9 @@ std::string significant(double value, int digits = 4);
 /// Rounded, with commas between groups of three digits: 12345.6 as "12,346".
 std::string thousands(double value);
 
+/// "1 point", "2,000 points".
+std::string counted(std::size_t count, const std::string& one);
+
 /// Milliseconds with about three significant digits.
 std::string milliseconds(double ms);
 
@@ -33,6 +37,11 @@ std::string_view withoutByteOrderMark(std::string_view text);
 /// A text from outside, ready for an error message: in double quotes, at most 40 bytes, with "?"
 /// for each byte that is not printable ASCII.
 std::string shown(std::string_view text);
+
+/// `text` on one line of a terminal, of a table between tabs or of a page: control characters, and
+/// those of Unicode that break or turn lines, as escapes (\n, \t, \x1b, \u202e), and so bytes that
+/// are not UTF-8 (\xff).
+std::string visible(std::string_view text);
 
 /// `text` in double quotes, escaped for JSON and TOML alike.
 std::string quotedText(std::string_view text);

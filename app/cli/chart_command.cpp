@@ -72,7 +72,7 @@ ChartResult chart(const ChartPlan& plan, const std::filesystem::path& out) {
   OutputFolder output(out);
   ChartResult result = measureChart(plan, out, progressOf(stepsOf(plan)));
   output.write("chart.csv", csvOf(result.points));
-  output.write("chart.html", chartPage(plan, result.points));
+  output.write("chart.html", chartPage(plan, result.points, result.warnings));
   const double blur_px = plan.blurs_px[plan.blurs_px.size() / 2];
   if (const auto png = pngOf(overviewOf(plan, result.points, blur_px, describeMachine()))) {
     output.write("chart.png", *png);

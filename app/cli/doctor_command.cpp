@@ -172,17 +172,17 @@ std::string textOfJson(const Json& json) {
   return json.is_string() ? json.get<std::string>() : json.dump();
 }
 
-void say(const char* what, const std::string& value) {
+void printFact(const char* what, const std::string& value) {
   std::printf("%-10s %s\n", what, value.c_str());
 }
 
 void printDisplay(const Json& display) {
   if (!display["opengl"].is_null()) {
     const Json& opengl = display["opengl"];
-    say("OpenGL", textOfJson(opengl["version"]) + "; " + textOfJson(opengl["renderer"]) +
+    printFact("OpenGL", textOfJson(opengl["version"]) + "; " + textOfJson(opengl["renderer"]) +
                       "; textures up to " + textOfJson(opengl["texture_px"]) + " px");
   }
-  if (display.contains("problem")) say("OpenGL", textOfJson(display["problem"]));
+  if (display.contains("problem")) printFact("OpenGL", textOfJson(display["problem"]));
   int number = 0;
   for (const Json& monitor : display["monitors"]) {
     std::string line = std::to_string(number++) + ": " + textOfJson(monitor["name"]) + ", " +
@@ -192,16 +192,16 @@ void printDisplay(const Json& display) {
       line += ", " + textOfJson(monitor["size_mm"][0]) + "x" + textOfJson(monitor["size_mm"][1]) +
               " mm (" + textOfJson(monitor["dpi"]) + " dpi, as the monitor states)";
     }
-    say("monitor", line + ", " + textOfJson(monitor["refresh_Hz"]) + " Hz");
+    printFact("monitor", line + ", " + textOfJson(monitor["refresh_Hz"]) + " Hz");
   }
 }
 
 void printDoctorText(const Json& facts) {
-  say("foci", textOfJson(facts["version"]) + ", " + textOfJson(facts["system"]));
-  say("CPU", textOfJson(facts["cpu"]) + "; " + textOfJson(facts["cores"]) + " cores, " +
+  printFact("foci", textOfJson(facts["version"]) + ", " + textOfJson(facts["system"]));
+  printFact("CPU", textOfJson(facts["cpu"]) + "; " + textOfJson(facts["cores"]) + " cores, " +
                  textOfJson(facts["threads"]) + " threads, SIMD " + textOfJson(facts["simd"]));
   const Json& gpu = facts["gpu"];
-  say("GPU", gpu.contains("problem")
+  printFact("GPU", gpu.contains("problem")
                  ? textOfJson(gpu["problem"])
                  : textOfJson(gpu["name"]) + ", driver " + textOfJson(gpu["driver"]) +
                        (gpu["software"].get<bool>() ? "; software, so render.device = \"auto\" "
@@ -209,21 +209,21 @@ void printDoctorText(const Json& facts) {
                                                     : ""));
   printDisplay(facts["display"]);
   for (const Json& camera : facts["cameras"]) {
-    say("camera", textOfJson(camera["source"]) + ": " + textOfJson(camera["name"]) +
+    printFact("camera", textOfJson(camera["source"]) + ": " + textOfJson(camera["name"]) +
                       (camera["allowed"].get<bool>() ? "" : "; not allowed (group video?)"));
   }
-  if (facts["cameras"].empty()) say("camera", "none");
+  if (facts["cameras"].empty()) printFact("camera", "none");
   for (const Json& tracker : facts["trackers"]) {
-    say("tracker", textOfJson(tracker["name"]) + " at " + textOfJson(tracker["place"]) +
+    printFact("tracker", textOfJson(tracker["name"]) + " at " + textOfJson(tracker["place"]) +
                        (tracker["answers"].get<bool>() ? ": answers" : ": no answer"));
   }
   const Json& packages = facts["packages"];
   if (packages.contains("problem")) {
-    say("packages", textOfJson(packages["problem"]));
+    printFact("packages", textOfJson(packages["problem"]));
   } else if (packages["missing"].empty()) {
-    say("packages", "all installed");
+    printFact("packages", "all installed");
   } else {
-    say("packages", "missing; as root: " + textOfJson(packages["install"]));
+    printFact("packages", "missing; as root: " + textOfJson(packages["install"]));
   }
 }
 

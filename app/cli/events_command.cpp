@@ -7,7 +7,9 @@
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
 #include "app/cli/trace_options.h"
+#include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
+#include "app/platform/warnings.h"
 #include "app/record/tables.h"
 #include "base/input_error.h"
 #include "base/text.h"
@@ -74,7 +76,7 @@ void writePhysioevents(const std::string& file, const std::vector<GazeEvent>& ev
        {{"Description",
          "fixation, saccade, pso (post-saccadic oscillation), pursuit, blink, lost"}}}};
   files.write(file, table);
-  files.write(sidecarOf(file), sidecar.dump(2) + '\n');
+  files.write(sidecarOf(file), jsonText(sidecar, 2) + '\n');
 }
 
 /// How often each kind of event occurs, and its share of the samples: as text and in `json`.
@@ -111,13 +113,11 @@ TraceDescription unmappedDescriptionOf(const EventsOptions& options) {
   return description;
 }
 
-void printDoubts(const std::string& file, const GazeTrace& trace) {
-  for (const std::string& assumption : trace.assumed) {
-    std::fprintf(stderr, "foci: %s: assumed: %s\n", file.c_str(), assumption.c_str());
-  }
-  for (const std::string& warning : trace.warnings) {
-    std::fprintf(stderr, "foci: %s: %s\n", file.c_str(), warning.c_str());
-  }
+Warnings warningsOf(const std::string& file, const GazeTrace& trace) {
+  Warnings warnings;
+  for (const std::string& assumption : trace.assumed) say(file + ": assumed: " + assumption);
+  for (const std::string& warning : trace.warnings) warnings.add(file, warning);
+  return warnings;
 }
 
 void detectEvents(const EventsOptions& options) {
@@ -125,7 +125,7 @@ void detectEvents(const EventsOptions& options) {
   const TraceDescription description = unmappedDescriptionOf(options);
   const GazeTrace trace = readTrace(options.traces[0], description.columns, description.screen);
   requireWholeScreen(*trace.screen, options.traces[0]);
-  printDoubts(options.traces[0], trace);
+  const Warnings warnings = warningsOf(options.traces[0], trace);
   const auto states = labelsOf(trace, description.events, options.online);
   const auto events = eventsOf(states, trace, *trace.screen, description.events);
   OutputFiles files;
@@ -137,14 +137,12 @@ void detectEvents(const EventsOptions& options) {
   const double delay_s =
       options.online ? OnlineEvents(*trace.screen, trace.rate_Hz, description.events).delay_s()
                      : 0.0;
-  nlohmann::ordered_json summary = {{"format", trace.format},
-                                    {"rate_Hz", trace.rate_Hz},
-                                    {"samples", states.size()},
-                                    {"online", options.online},
-                                    {"delay_s", delay_s}};
+  nlohmann::ordered_json summary = {{"format", trace.format},   {"rate_Hz", trace.rate_Hz},
+                                    {"samples", states.size()}, {"online", options.online},
+                                    {"delay_s", delay_s},       {"warnings", warnings.all()}};
   const std::string text = countsOf(states, events, summary);
   if (options.json) {
-    std::puts(summary.dump().c_str());
+    std::puts(jsonText(summary).c_str());
     return;
   }
   std::printf("%s, %g Hz, %zu samples", trace.format.c_str(), trace.rate_Hz, states.size());
@@ -236,18 +234,20 @@ std::string shareTable(const Scores& scores, nlohmann::ordered_json& json) {
 void scoreEvents(const EventsOptions& options) {
   const TraceDescription description = unmappedDescriptionOf(options);
   Scores scores;
+  Warnings warnings;
   for (const std::string& file : options.traces) {
     const LabelledTrace labelled = readLabelledTrace(file, description.screen, description.columns);
     requireWholeScreen(*labelled.trace.screen, file);
-    printDoubts(file, labelled.trace);
+    warnings.include(warningsOf(file, labelled.trace).all());
     scores.add(labelled, labelsOf(labelled.trace, description.events, options.online));
   }
   nlohmann::ordered_json json = {{"recordings", options.traces.size()},
                                  {"samples", scores.samples},
-                                 {"online", options.online}};
+                                 {"online", options.online},
+                                 {"warnings", warnings.all()}};
   const std::string text = kappaTable(scores, json) + shareTable(scores, json);
   if (options.json) {
-    std::puts(json.dump().c_str());
+    std::puts(jsonText(json).c_str());
   } else {
     std::printf("%zu recordings, %.0f samples, %s\n%s", options.traces.size(), scores.samples,
                 options.online ? "online" : "offline", text.c_str());

@@ -14,6 +14,7 @@
 #include "app/platform/quiet_libraries.h"
 #include "app/platform/shell_word.h"
 #include "app/platform/version.h"
+#include "app/platform/warnings.h"
 #include "base/input_error.h"
 #include "base/mapped_file.h"
 
@@ -83,16 +84,16 @@ int main(int argc, char** argv) {
     foci::finishOutput();
     return code;
   } catch (const foci::InputError& error) {
-    std::fprintf(stderr, "foci: %s\n", error.what());
+    foci::say(error.what());
     return foci::kBadInput;
   } catch (const std::filesystem::filesystem_error& error) {
-    std::fprintf(stderr, "foci: %s: %s\n", error.path1().c_str(), error.code().message().c_str());
+    foci::say(error.path1().string() + ": " + error.code().message());
     return foci::kFailed;
   } catch (const std::bad_alloc&) {
     std::fputs("foci: this input needs more memory than there is\n", stderr);
     return foci::kFailed;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "foci: %s\n", error.what());
+    foci::say(error.what());
     return foci::kFailed;
   }
 }

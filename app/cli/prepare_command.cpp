@@ -119,15 +119,6 @@ void runPrepare(const PrepareOptions& options) {
        .overwrite = options.overwrite});
   const SceneFacts& facts = summary.facts;
   const Framing framing = framingOf(facts, {.screen = defaultScreen(), .scale_m = options.scale_m});
-  if (summary.dropped > 0) {
-    std::fprintf(stderr,
-                 "foci: %s: %s left out: not finite, or farther than 1e9 units from the origin\n",
-                 options.input.c_str(),
-                 counted(summary.dropped, facts.gaussians > 0 ? "Gaussian" : "point").c_str());
-  }
-  for (const std::string& warning : summary.warnings) {
-    std::fprintf(stderr, "warning: %s: %s\n", options.input.c_str(), warning.c_str());
-  }
   if (options.json) {
     std::puts(prepareJson(summary, sceneJson(facts, framing)).c_str());
     return;

@@ -47,7 +47,8 @@ std::string summaryJsonOf(const RenderOptions& options, const Study& study,
                                  {"device", summary.device},
                                  {"splats", summary.stats.splats},
                                  {"fragments", summary.stats.fragments},
-                                 {"render_ms", summary.stats.ms}};
+                                 {"render_ms", summary.stats.ms},
+                                 {"warnings", summary.warnings}};
   if (summary.surface_distance_m) json["surface_distance_m"] = *summary.surface_distance_m;
   return jsonText(json);
 }

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -14,6 +13,7 @@
 
 #include "app/cli/option_values.h"
 #include "app/platform/output_files.h"
+#include "app/platform/warnings.h"
 #include "app/study/scene_study.h"
 #include "base/file.h"
 #include "base/input_error.h"
@@ -191,8 +191,8 @@ StudyAsked studyOf(const StudyOptions& options) {
                                   : previewSpace(study.gaze.source, study.gaze.columns);
     framing = head.has_head ? placeHead(study, factsOf(*scene), head, options)
                             : frameScene(study, factsOf(*scene), look, up);
-    std::fprintf(stderr, "foci: %s: %s%s\n", options.study.c_str(), framing.c_str(),
-                 options.write_study.empty() ? "; --write-study FILE saves this" : "");
+    say(options.study + ": " + framing +
+        (options.write_study.empty() ? "; --write-study FILE saves this" : ""));
     // The place of the eye that the user sets replaces the chosen one.
     for (const std::string& assignment : options.set) setKeyByOption(study, assignment);
   }

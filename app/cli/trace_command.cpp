@@ -11,6 +11,7 @@
 #include "app/platform/output_files.h"
 #include "app/study/inputs.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/bids.h"
 #include "gaze/sources/trace_reader.h"
@@ -105,16 +106,17 @@ void printFacts(const TraceHeader& header, const TraceSummary& summary, bool jso
     if (key == "columns") continue;
     if (key == "unknown" || key == "assumed" || key == "warnings") {
       for (const auto& line : value) {
-        std::printf("%-15s %s\n", key.c_str(), line.get<std::string>().c_str());
+        std::printf("%-15s %s\n", key.c_str(), visible(line.get<std::string>()).c_str());
       }
       continue;
     }
-    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    const std::string text = value.is_string() ? visible(value.get<std::string>()) : value.dump();
     std::printf("%-15s %s\n", key.c_str(), text.c_str());
   }
   for (const ColumnReading& reading : header.columns) {
-    std::printf("column          %s: %s%s\n", reading.columns.c_str(), reading.meaning.c_str(),
-                reading.why.empty() ? "" : (" (" + reading.why + ")").c_str());
+    const std::string why = reading.why.empty() ? "" : " (" + reading.why + ")";
+    std::printf("column          %s\n",
+                visible(reading.columns + ": " + reading.meaning + why).c_str());
   }
 }
 

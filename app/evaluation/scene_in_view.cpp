@@ -153,13 +153,15 @@ SceneInView surfacesInView(const ScanView& scan, int size_px) {
 
 SceneInView scanInView(const ScanView& scan, int size_px) {
   OpenedScene opened = openScene(scan.file, 1.0, scan.pose.position_m);
-  tellRemarks(scan.file, opened);
+  Warnings warnings;
+  addRemarks(scan.file, opened, warnings);
   std::string name = scan.file.stem().string();
   if (std::find(std::begin(kBuiltIn), std::end(kBuiltIn), name) != std::end(kBuiltIn)) {
     name = "scanned " + name;
   }
   SceneInView scene =
       lionInView(std::move(name), std::move(opened.cloud), scan.pose, size_px, kScanFov_rad);
+  scene.warnings = warnings.all();
   const std::size_t in_view = scene.depthsInView_m().size();
   if (in_view < kMinInView) {
     throw InputError(scan.file.string(),

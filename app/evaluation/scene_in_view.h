@@ -18,7 +18,8 @@ struct SceneInView {
   std::string name;
   SurfelCloud cloud;
   View view;
-  RenderSettings settings;  ///< everything but the aperture
+  RenderSettings settings;                 ///< everything but the aperture
+  std::vector<std::string> warnings = {};  ///< of reading a scan, printed already
 
   Defocus defocusThrough(double aperture_m) const;
   RenderSettings settingsThrough(double aperture_m) const;

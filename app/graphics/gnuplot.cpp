@@ -9,6 +9,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "base/text.h"
+
 namespace foci {
 namespace {
 
@@ -23,12 +25,11 @@ File temporaryFile() {
 }  // namespace
 
 std::string gnuplotString(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
+  std::string quoted = "('";
+  for (const char c : visible(text)) {
+    quoted += c == '\'' ? std::string("'.\"'\".'") : std::string(1, c);
   }
-  return quoted + "\"";
+  return quoted + "')";
 }
 
 std::optional<std::string> runGnuplot(const std::string& script) {

@@ -11,7 +11,8 @@ namespace foci {
 /// @throws std::runtime_error if gnuplot fails
 std::optional<std::string> runGnuplot(const std::string& script);
 
-/// A string literal of gnuplot's language for this text.
+/// An expression of gnuplot's language for this text, with control characters as escapes. Its
+/// strings are in single quotes: in double ones gnuplot runs what stands between backquotes.
 std::string gnuplotString(const std::string& text);
 
 }  // namespace foci

@@ -1,5 +1,9 @@
 #include "app/graphics/html.h"
 
+#include <cctype>
+
+#include "base/text.h"
+
 namespace foci {
 
 const char* const kPageStyle = R"(
@@ -42,7 +46,7 @@ std::string pageStart(const std::string& title, const std::string& style, const 
 
 std::string escaped(const std::string& text) {
   std::string html;
-  for (const char c : text) {
+  for (const char c : visible(text)) {
     switch (c) {
       case '&':
         html += "&amp;";
@@ -63,6 +67,30 @@ std::string escaped(const std::string& text) {
         html += c;
     }
   }
+  return html;
+}
+
+std::string hrefOf(const std::string& file) {
+  constexpr const char* kHex = "0123456789ABCDEF";
+  std::string link;
+  for (const char c : file) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain =
+        (byte < 0x80 && std::isalnum(byte) != 0) || c == '-' || c == '_' || c == '.' || c == '/';
+    if (plain) {
+      link += c;
+    } else {
+      link += '%';
+      link += kHex[byte >> 4U];
+      link += kHex[byte & 15U];
+    }
+  }
+  return link;
+}
+
+std::string noticesOf(const std::vector<std::string>& texts) {
+  std::string html;
+  for (const std::string& text : texts) html += "<p class=\"notice\">" + escaped(text) + "</p>\n";
   return html;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace foci {
 
@@ -16,8 +17,15 @@ std::string pageStart(const std::string& title, const std::string& style,
                       const std::string& head = "");
 extern const char* const kPageEnd;
 
-/// Plain text as the text or an attribute of an HTML element.
+/// Plain text as the text or an attribute of an element of HTML or SVG, with control characters as
+/// escapes.
 std::string escaped(const std::string& text);
+
+/// A relative path as a link (RFC 3986): the value of an attribute, without quotes.
+std::string hrefOf(const std::string& file);
+
+/// Texts that the reader should know first, each in a paragraph that stands out. Plain text.
+std::string noticesOf(const std::vector<std::string>& texts);
 
 /// A number and its name, as a cell of a `numbers` block. Both are HTML.
 std::string numberCell(const std::string& value, const std::string& what);

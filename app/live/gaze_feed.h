@@ -41,6 +41,7 @@ class GazeFeed {
 
   const Screen& screen() const { return source_.screen; }
   double rate_Hz() const { return rate_Hz_; }
+  const std::vector<std::string>& warnings() const { return source_.warnings.all(); }
   std::string status() const;
 
  private:

@@ -132,11 +132,15 @@ void LiveRecord::add(const Change& change) {
 }
 
 void LiveRecord::addMarker(double time_s, const std::string& text) {
-  post([this, time_s, text] { markers_ << decimal(time_s, 6) << '\t' << text << '\n'; });
+  post([this, time_s, text] { markers_ << decimal(time_s, 6) << '\t' << visible(text) << '\n'; });
 }
 
 void LiveRecord::setDevices(const std::string& devices) {
   post([this, devices] { devices_ = devices; });
+}
+
+void LiveRecord::addWarning(const std::string& warning) {
+  post([this, warning] { warnings_.include({warning}); });
 }
 
 void LiveRecord::add(std::shared_ptr<const LiveFrame> frame) {
@@ -252,10 +256,11 @@ void LiveRecord::finish() {
                       .inputs = {},
                       .frames_sha256 = {}};
   if (gaze_points_ > 0) {
-    const GazeTrace trace = loadGaze(study);
+    const GazeTrace trace = loadGaze(study, warnings_);
     facts.gaze = factsOf(trace);
     events = eventsOfRun(study, trace, first_s_, last_s_ + 1.0 / std::max(study.output.fps, 1.0));
   }
+  facts.warnings = warnings_.all();
   writeText(folder_ / "events.tsv", eventTable(events));
   for (const auto& file : inputFiles(study)) facts.inputs.push_back({file, sha256OfFile(file)});
   facts.frames_sha256 = hash_.hex();

@@ -29,6 +29,7 @@
 
 #include "app/graphics/image.h"
 #include "app/platform/sha256.h"
+#include "app/platform/warnings.h"
 #include "app/record/durations.h"
 #include "app/record/landing.h"
 #include "app/record/later_image.h"
@@ -87,6 +88,8 @@ class LiveRecord {
   void addMarker(double time_s, const std::string& text);
   /// @param devices  that rendered its frames so far (`Session::devices`)
   void setDevices(const std::string& devices);
+  /// @param warning  printed already, for the manifest
+  void addWarning(const std::string& warning);
   /// In order of rendering.
   void add(std::shared_ptr<const LiveFrame> frame);
 
@@ -119,6 +122,7 @@ class LiveRecord {
 
   // Used by the thread alone.
   std::string devices_;  // that rendered the frames, as `Session::devices`
+  Warnings warnings_;
   GazeTable gaze_;
   FrameTable frames_;
   std::ofstream changes_, timing_, markers_;

@@ -124,6 +124,9 @@ std::future<std::string> LiveRenderer::startRecord(const std::filesystem::path& 
     std::string device = session_->deviceOf(study_.render.method);
     auto record = std::make_shared<LiveRecord>(folder, study_, feed_.screen(), feed_.rate_Hz(),
                                                command_, threads_, device);
+    for (const auto* warnings : {&feed_.warnings(), &warnings_.all()}) {
+      for (const std::string& warning : *warnings) record->addWarning(warning);
+    }
     devices_ = std::move(device);
     // A replay of the record knows nothing of what happened before.
     news_.clear();
@@ -236,7 +239,7 @@ void LiveRenderer::noteView() {
 void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& scene,
                        std::future<SharedGpu>&& gpu) {
   try {
-    cloud_ = loadScene(study_, std::move(scene));
+    cloud_ = loadScene(study_, warnings_, std::move(scene));
     outline_ = outlineOf(*cloud_);
     noteView();
     const double scene_m = boxWithoutStrays(positionsOf(outlined())).longest();
@@ -250,7 +253,7 @@ void LiveRenderer::run(const std::stop_token& stop, std::optional<SceneFile>&& s
     session_ = std::make_unique<Session>(sessionSettingsOf(study_), *cloud_, feed_.screen(),
                                          feed_.rate_Hz(), session_start_s_, window_gpu);
     shows_textures_ = window_gpu && session_->renderer().gpu() == window_gpu;
-    std::fprintf(stderr, "foci: renders on %s\n", session_->deviceOf(study_.render.method).c_str());
+    say("renders on " + session_->deviceOf(study_.render.method));
     renderFrames(stop);
   } catch (...) {
     const std::lock_guard lock(mutex_);
@@ -271,6 +274,10 @@ void LiveRenderer::renderFrames(const std::stop_token& stop) {
       state_.last = frame->record;
       if (const std::string remark = session_->deviceRemark(); remark != device_remark_) {
         state_.notice = device_remark_ = remark;
+        if (!remark.empty()) {
+          warnings_.add(remark);
+          if (state_.record) state_.record->addWarning(remark);
+        }
       }
       noteDevices();
       laid_ready_ = std::move(frame);

@@ -109,6 +109,7 @@ class LiveRenderer {
   std::function<void()> ready_;
 
   // Used by the thread alone.
+  Warnings warnings_;
   std::optional<SurfelCloud> cloud_;
   SurfelCloud outline_;  // of a large scene, instead of all its surfels; else empty
   std::unique_ptr<Session> session_;

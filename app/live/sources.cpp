@@ -111,7 +111,7 @@ NamedSource openLiveSource(const std::string& name, const Study& study) {
     Study other = study;
     other.gaze.source = name.substr(6);
     if (other.gaze.source.empty()) throw InputError("--source trace:", "expected a file's name");
-    GazeTrace trace = loadGaze(other);
+    GazeTrace trace = loadGaze(other, named.warnings);
     const bool moves_head = std::any_of(trace.samples.begin(), trace.samples.end(),
                                         [](const GazeSample& sample) { return sample.head; });
     if (moves_head) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "app/platform/warnings.h"
 #include "app/study/study.h"
 #include "gaze/sources/live_source.h"
 #include "gaze/sources/pushed_source.h"
@@ -18,6 +19,7 @@ struct NamedSource {
   MouseSource* mouse = nullptr;    ///< set if the source is the mouse, which the window moves
   PushedSource* pushed = nullptr;  ///< set if the source is the socket, which brings its samples
   Screen screen;                   ///< that its samples are on
+  Warnings warnings = {};          ///< of a recording
   /// Tells a calibrated webcam that the observer looks at this point now. Returns false if it sees
   /// no eyes. Other sources have none.
   std::function<bool(const glm::dvec2& point_px)> lookedAt = {};

@@ -8,9 +8,10 @@
 
 namespace foci {
 
-/// The value on one line. Bytes that are not UTF-8, e.g. of a file name, become U+FFFD.
-inline std::string jsonText(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+/// The value, on one line unless there is an indentation. Bytes that are not UTF-8, e.g. of a file
+/// name, become U+FFFD.
+inline std::string jsonText(const nlohmann::ordered_json& json, int indent = -1) {
+  return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 /// The number, or the text "inf" if it is not finite: JSON has no infinity.

@@ -93,7 +93,8 @@ void OutputLedger::add(const fs::path& temporary, const std::string& name) {
 }
 
 void OutputLedger::save() {
-  std::string text = std::string(kFirstLine) + '\n';
+  std::string text(kFirstLine);
+  text += '\n';
   for (const std::string& line : lines_) text += line + '\n';
   const bool written =
       ::pwrite(file_, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size()) &&

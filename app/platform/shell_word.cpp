@@ -11,6 +11,20 @@ std::string shellWord(std::string_view text) {
     return (c < 0x80 && std::isalnum(c)) || kPlain.find(static_cast<char>(c)) != kPlain.npos;
   };
   if (!text.empty() && std::all_of(text.begin(), text.end(), is_plain)) return std::string(text);
+  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+  if (std::any_of(text.begin(), text.end(), is_control)) {
+    std::string quoted = "$'";
+    for (const char c : text) {
+      if (is_control(static_cast<unsigned char>(c))) {
+        quoted += '\\';
+        for (const int shift : {6, 3, 0}) quoted += static_cast<char>('0' + (c >> shift & 7));
+      } else {
+        if (c == '\'' || c == '\\') quoted += '\\';
+        quoted += c;
+      }
+    }
+    return quoted + '\'';
+  }
   std::string quoted = "'";
   for (const char c : text) {
     if (c == '\'') {

@@ -164,9 +164,6 @@ std::string fidelitySection(const PrepareSummary& summary) {
     return html + "<p>" + (summary.of_mesh ? kNoRays : kNoTruth) + "</p>\n";
   }
   html += numbers(summary.fidelity->all);
-  for (const std::string& warning : summary.warnings) {
-    html += "<p class=\"notice\">" + escaped(warning) + "</p>\n";
-  }
   return html + definitions(*summary.fidelity) + pictures(*summary.fidelity);
 }
 

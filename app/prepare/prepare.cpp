@@ -8,9 +8,11 @@
 
 #include "app/platform/output_folder.h"
 #include "app/platform/progress.h"
+#include "app/platform/warnings.h"
 #include "app/prepare/fidelity_advice.h"
 #include "app/prepare/prepare_report.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "render/lod/level_kernels.h"
 #include "render/lod/moment_tree.h"
 #include "render/normalisation/kernel_sums.h"
@@ -192,6 +194,15 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
                                         : preparedSurfels(request, std::move(file), summary);
   output.write(request.out.filename().string(),
                [&](const std::filesystem::path& to) { writeSceneFile(to, scene); });
+  Warnings warnings;
+  const std::string input = request.input.string();
+  if (summary.dropped > 0) {
+    warnings.add(input, counted(summary.dropped, summary.gaussians > 0 ? "Gaussian" : "point") +
+                            " left out: not finite, or farther than 1e9 units from the origin");
+  }
+  for (const std::string& remark : summary.facts.remarks) warnings.include({input + ": " + remark});
+  for (const std::string& warning : summary.warnings) warnings.add(input, warning);
+  summary.warnings = warnings.all();
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   output.write(summary.report.filename().string(), prepareReport(request, summary));
   output.commit();

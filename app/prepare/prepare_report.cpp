@@ -99,10 +99,6 @@ std::string gaussianSection(const PrepareSummary& summary) {
   std::string section =
       format("<p>%zu Gaussians, with harmonics of degree %d, and a tree of %zu nodes.</p>\n",
              summary.gaussians, summary.facts.harmonics_degree, summary.nodes);
-  if (summary.dropped > 0) {
-    section +=
-        format("<p>%zu Gaussians were left out: a value is not finite.</p>\n", summary.dropped);
-  }
   return section +
          "<p>Each node merges the Gaussians below it into one, which covers the same area. foci "
          "renders nodes in place of their Gaussians where blur allows.</p>\n";
@@ -115,16 +111,12 @@ std::string prepareReport(const PrepareRequest& request, const PrepareSummary& s
   std::string page =
       pageStart(name + " - foci prepare", std::string(kReportStyle) + kFidelityStyle) + "<h1>" +
       escaped(name) + "</h1>\n<p class=\"quiet\">from " + escaped(request.input.string()) +
-      "</p>\n";
+      "</p>\n" + noticesOf(summary.warnings);
   if (summary.gaussians > 0) return page + gaussianSection(summary) + kPageEnd;
   page += format("<p>%zu surfels on %.4g m<sup>2</sup>, one every %.3g mm. ", summary.surfels,
                  summary.area_m2, 1000.0 * summary.spacing_m);
   page += summary.oriented ? "Their normals tell the outside from the inside.</p>\n"
                            : "Their normals do not tell the outside from the inside.</p>\n";
-  if (summary.dropped > 0) {
-    page +=
-        format("<p>%zu points were left out: their position is not finite.</p>\n", summary.dropped);
-  }
   page += fidelitySection(summary);
   page +=
       "<h2>Sums of the kernels</h2>\n<p>The kernels of a surface without holes sum to one at every "

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/platform/json_text.h"
 #include "app/platform/machine.h"
 #include "app/platform/version.h"
 #include "app/study/session_settings_of.h"
@@ -10,11 +11,6 @@ namespace foci {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// File names need not be UTF-8: other bytes are replaced.
-std::string dump(const Json& json, int indent) {
-  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
-}
 
 Json toJson(const RunSummary& summary) {
   return {{"frames", summary.frames},
@@ -43,7 +39,7 @@ nlohmann::ordered_json landingsJson(const Landings& landings) {
           {"frames_full", landings.fullShare()}};
 }
 
-std::string summaryJson(const RunSummary& summary) { return dump(toJson(summary), -1); }
+std::string summaryJson(const RunSummary& summary) { return jsonText(toJson(summary)); }
 
 GazeFacts factsOf(const GazeTrace& trace) {
   return {.format = trace.format,
@@ -86,6 +82,7 @@ std::string manifestJson(const Study& study, const RunSummary& summary,
         {"rate_Hz", facts.gaze.rate_Hz},
         {"samples", facts.gaze.samples},
         {"assumed", facts.gaze.assumed}}},
+      {"warnings", facts.warnings},
       {"seed", study.seed},
       {"threads", facts.threads},
       {"device", facts.device},
@@ -98,7 +95,7 @@ std::string manifestJson(const Study& study, const RunSummary& summary,
       {"summary", toJson(summary)},
   };
   if (facts.landings) manifest["live"] = landingsJson(*facts.landings);
-  return dump(manifest, 2) + "\n";
+  return jsonText(manifest, 2) + "\n";
 }
 
 }  // namespace foci

@@ -32,7 +32,8 @@ struct ManifestFacts {
   unsigned threads = 0;
   std::string device;  ///< that rendered the frames (`Session::deviceOf`)
   GazeFacts gaze;
-  const Landings* landings = nullptr;  ///< of a live run; else null
+  std::vector<std::string> warnings{};  ///< `Warnings::all` of the run
+  const Landings* landings = nullptr;   ///< of a live run; else null
   std::vector<InputFile> inputs;
   std::string frames_sha256;  ///< of the 8-bit sRGB bytes of all frames, in order, before encoding
 };

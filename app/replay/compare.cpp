@@ -25,13 +25,6 @@ constexpr std::array<const char*, 7> kColors = {"#0072b2", "#d55e00", "#009e73",
 
 const char* colorOf(std::size_t run) { return kColors.at(run % kColors.size()); }
 
-/// A name as a field of a table.
-std::string inField(std::string text) {
-  std::ranges::replace_if(
-      text, [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
-  return text;
-}
-
 std::string blurText(const ComparedRun& run, const char* absent) {
   const auto blur = run.meanBlur_arcmin();
   return blur ? decimal(*blur, 3) : absent;
@@ -159,10 +152,10 @@ std::string compareTable(const std::vector<ComparedRun>& runs) {
   }
   std::string table =
       "run\tframes\tduration_s\tfixations\tmean_focus_D\tmean_pupil_mm\tmean_blur_arcmin";
-  for (const std::string& object : objects) table += "\tdwell_s " + object;
+  for (const std::string& object : objects) table += "\tdwell_s " + visible(object);
   table += '\n';
   for (const ComparedRun& run : runs) {
-    table += inField(run.folder.string()) + '\t' + std::to_string(run.frames.size()) + '\t' +
+    table += visible(run.folder.string()) + '\t' + std::to_string(run.frames.size()) + '\t' +
              decimal(run.duration_s(), 3) + '\t' + std::to_string(run.fixations) + '\t' +
              decimal(run.meanFocus_D(), 4) + '\t' + decimal(run.meanPupil_mm(), 3) + '\t' +
              blurText(run, "n/a");

@@ -181,7 +181,7 @@ std::string normalText(const glm::dvec3& normal) {
 }
 
 std::string nameText(const GazeInScene& gaze, const SightHit& hit) {
-  return hit.object == 0 ? "n/a" : gaze.objects[hit.object].name;
+  return hit.object == 0 ? "n/a" : visible(gaze.objects[hit.object].name);
 }
 
 }  // namespace
@@ -282,8 +282,9 @@ std::string objectTable(const GazeInScene& gaze) {
   std::string table = "object\tfirst_look_s\tdwell_s\tfixations\tvisits\tmean_distance_m\n";
   for (std::size_t i = 1; i < gaze.objects.size(); ++i) {
     const ObjectLooks& object = gaze.objects[i];
-    table += object.name + '\t' + (object.first_look_s ? decimal(*object.first_look_s, 6) : "n/a") +
-             '\t' + decimal(object.dwell_s, 4) + '\t' + std::to_string(object.fixations) + '\t' +
+    table += visible(object.name) + '\t' +
+             (object.first_look_s ? decimal(*object.first_look_s, 6) : "n/a") + '\t' +
+             decimal(object.dwell_s, 4) + '\t' + std::to_string(object.fixations) + '\t' +
              std::to_string(object.visits) + '\t' +
              (object.mean_distance_m ? decimal(*object.mean_distance_m, 4) : "n/a") + '\n';
   }

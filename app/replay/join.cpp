@@ -1,7 +1,6 @@
 #include "app/replay/join.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
 #include "app/platform/interrupt.h"
@@ -10,6 +9,7 @@
 #include "app/replay/replay_inputs.h"
 #include "app/study/inputs.h"
 #include "app/study/recorded_head.h"
+#include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 
 namespace foci {
@@ -39,7 +39,7 @@ std::string framesText(std::size_t first, std::size_t end) {
 }
 
 /// The devices of the parts, each once.
-std::string devicesOf(const std::vector<Part>& parts) {
+std::string devicesOf(const std::vector<Part>& parts, Warnings& warnings) {
   std::vector<std::string> devices;
   for (const Part& part : parts) {
     if (std::ranges::find(devices, part.device) == devices.end()) devices.push_back(part.device);
@@ -50,8 +50,7 @@ std::string devicesOf(const std::vector<Part>& parts) {
     text += device;
   }
   if (devices.size() > 1) {
-    std::fprintf(stderr, "foci: the parts were rendered on %s: they may differ in rounding\n",
-                 text.c_str());
+    warnings.add("the parts were rendered on " + text + ": they may differ in rounding");
   }
   return text;
 }
@@ -111,20 +110,23 @@ RunResult join(const std::vector<Part>& parts, const Study& study, const std::fi
   noteInterrupts();
   Study stated = statedStudyOf(parts.front());
   requireSameFiles(parts.front(), study, stated);
-  const ReplayedGaze gaze = readReplayedGaze(study);
+  Warnings warnings;
+  const ReplayedGaze gaze = readReplayedGaze(study, warnings);
   stated = withRecordedHead(stated, gaze.trace);
   stated.output.fps = gaze.study.output.fps;
   for (const Part& part : parts) requireSameTimes(part, gaze.schedule);
-  const SurfelCloud cloud = loadScene(gaze.study);
-  RunWriter writer(stated, gaze, cloud, out);
+  const SurfelCloud cloud = loadScene(gaze.study, warnings);
+  if (const std::string remark = eyeRemark(gaze.study); !remark.empty()) warnings.add(remark);
+  RunWriter writer(stated, gaze, cloud, out, warnings);
   Progress progress("joining", "frames", gaze.schedule.frames);
   RunFacts facts{.command = command,
                  .threads = parts.front().threads,
-                 .device = devicesOf(parts),
+                 .device = devicesOf(parts, warnings),
                  .inputs = parts.front().inputs};
   std::size_t frame = 0;
   Image image;
   for (const Part& part : parts) {
+    for (const std::string& warning : part.warnings) warnings.add(warning);
     for (std::size_t i = 0; i < part.all.size(); ++i) {
       throwIfInterrupted();
       if (!part.all[i].image.empty()) image = imageOf(part, part.all[i]);

@@ -155,17 +155,19 @@ std::vector<std::filesystem::path> partFiles(const std::filesystem::path& out) {
 
 FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::filesystem::path& out,
                      unsigned threads, ReplayedScene& scene) {
-  const ReplayedGaze gaze = readReplayedGaze(study);
+  Warnings of_inputs, rendering;
+  const ReplayedGaze gaze = readReplayedGaze(study, of_inputs);
   const FrameSpan own = within(span, gaze.schedule.frames);
-  ReplayedEye eye(gaze.study, gaze, scene.of(gaze.study));
+  ReplayedEye eye(gaze.study, gaze, scene.of(gaze.study, of_inputs), rendering);
   noteInterrupts();
   InputHashes hashes(study, scene.hashed);
   OutputFolder folder(out);
   eye.sayDevice();
   Json frames = renderSpan(eye, own, folder);
-  eye.sayRemark();
+  eye.addRemark();
   Json part =
       headOf(study, own, gaze.schedule.frames, threads, eye.session().devices(), hashes.get());
+  part["warnings"] = rendering.all();
   part["frames_seen"] = std::move(frames);
   folder.write(kStudy, portableToml(study));
   folder.write(kPart, jsonText(part) + "\n");
@@ -188,6 +190,7 @@ Part readPart(const std::filesystem::path& folder) {
     part.study_file = json.at("study").get<std::string>();
     part.threads = json.at("threads").get<unsigned>();
     part.device = json.at("device").get<std::string>();
+    part.warnings = json.at("warnings").get<std::vector<std::string>>();
     for (const Json& input : json.at("inputs")) {
       part.inputs.push_back(
           {input.at("path").get<std::string>(), input.at("sha256").get<std::string>()});

@@ -41,7 +41,8 @@ struct Part {
   std::filesystem::path study_file;  ///< of the run, which the folder's study comes from
   unsigned threads = 0;
   std::string device;
-  std::vector<InputFile> inputs;                    ///< by the names that the run was given
+  std::vector<std::string> warnings;  ///< of rendering; the inputs' come again with the inputs
+  std::vector<InputFile> inputs;      ///< by the names that the run was given
   std::vector<std::filesystem::path> input_places;  ///< of the inputs, absolute
   std::vector<PartFrame> all;                       ///< the frames of the span
 };

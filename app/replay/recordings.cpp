@@ -1,12 +1,12 @@
 #include "app/replay/recordings.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <set>
 #include <utility>
 
 #include "app/platform/interrupt.h"
 #include "app/platform/output_files.h"
+#include "app/platform/warnings.h"
 #include "app/replay/recordings_page.h"
 #include "base/input_error.h"
 #include "gaze/webcam/webcam_frames.h"
@@ -80,14 +80,14 @@ std::vector<BatchResult> replayAll(const std::vector<BatchRecording>& recordings
   std::vector<BatchResult> results;
   for (const BatchRecording& each : recordings) {
     BatchResult result{.recording = each};
-    std::fprintf(stderr, "foci: %s: %zu of %zu\n", each.trace.c_str(), results.size() + 1,
-                 recordings.size());
+    say(each.trace + ": " + std::to_string(results.size() + 1) + " of " +
+        std::to_string(recordings.size()));
     try {
       result.run = replay(each.study, out / each.name, command, threads, scene);
     } catch (const std::exception& error) {
       if (isInterrupted()) throw;
       result.problem = error.what();
-      std::fprintf(stderr, "foci: %s\n", result.problem.c_str());
+      say(result.problem);
     }
     results.push_back(std::move(result));
   }

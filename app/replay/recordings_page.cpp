@@ -1,7 +1,6 @@
 #include "app/replay/recordings_page.h"
 
 #include <algorithm>
-#include <cctype>
 #include <sstream>
 
 #include "app/graphics/html.h"
@@ -11,39 +10,15 @@
 namespace foci {
 namespace {
 
-/// A folder's name as a part of a link (RFC 3986).
-std::string linkOf(const std::string& name) {
-  constexpr const char* kHex = "0123456789ABCDEF";
-  std::string link;
-  for (const char c : name) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (std::isalnum(byte) != 0 || c == '-' || c == '_' || c == '.') {
-      link += c;
-    } else {
-      link += '%';
-      link += kHex[byte >> 4U];
-      link += kHex[byte & 15U];
-    }
-  }
-  return link;
-}
-
-/// A text without what would break a table.
-std::string inCell(std::string text) {
-  std::ranges::replace_if(
-      text, [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
-  return text;
-}
-
 void writeCard(std::ostream& out, const BatchResult& result) {
   const RunSummary& run = result.run.summary;
-  out << "<figure><a href=\"" << linkOf(result.recording.name)
+  out << "<figure><a href=\"" << hrefOf(result.recording.name)
       << "/report.html\"><img alt=\"frame at " << decimal(result.run.image.time_s, 2)
       << " s\" src=\"data:image/jpeg;base64,";
   Base64 base64(out);
   base64.add(result.run.image.jpeg.data(), result.run.image.jpeg.size());
   base64.finish();
-  out << "\"></a><figcaption><a href=\"" << linkOf(result.recording.name) << "/report.html\">"
+  out << "\"></a><figcaption><a href=\"" << hrefOf(result.recording.name) << "/report.html\">"
       << escaped(result.recording.name) << "</a><br>" << decimal(run.duration_s, 1)
       << " s &middot; " << run.fixations << " fixations &middot; " << run.saccades
       << " saccades &middot; " << decimal(100.0 * run.gaze_valid, 1)
@@ -68,10 +43,10 @@ std::string recordingsTable(const std::vector<BatchResult>& results) {
       "frames_rendered\trendered_ms\tproblem\n";
   for (const BatchResult& result : results) {
     const RunSummary& run = result.run.summary;
-    table += inCell(result.recording.trace) + "\t" + inCell(result.recording.name) + "\t";
+    table += visible(result.recording.trace) + "\t" + visible(result.recording.name) + "\t";
     if (!result.problem.empty()) {
       for (int column = 2; column < 10; ++column) table += "n/a\t";
-      table += inCell(result.problem) + "\n";
+      table += visible(result.problem) + "\n";
       continue;
     }
     table += std::to_string(run.frames) + "\t" + decimal(run.duration_s, 3) + "\t" +

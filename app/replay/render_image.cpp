@@ -1,6 +1,5 @@
 #include "app/replay/render_image.h"
 
-#include <cstdio>
 #include <utility>
 
 #include "app/platform/output_files.h"
@@ -37,18 +36,17 @@ void checkRequest(const Study& study, const ImageRequest& request) {
 ImageSummary renderImage(const Study& study, const ImageRequest& request,
                          std::optional<SceneFile> scene) {
   checkRequest(study, request);
-  const SurfelCloud cloud = loadScene(study, std::move(scene));
+  Warnings warnings;
+  const SurfelCloud cloud = loadScene(study, warnings, std::move(scene));
   SessionSettings settings = sessionSettingsOf(study);
   settings.quality.frame_ms.reset();
   if (request.focus_D) settings.focus.fixed_D = request.focus_D;
   constexpr double kRate_Hz = 1000.0;  // of no samples
   Session session(settings, cloud, settings.screen, kRate_Hz, 0.0);
-  if (const std::string remark = eyeRemark(study); !remark.empty()) {
-    std::fprintf(stderr, "foci: %s\n", remark.c_str());
-  }
+  if (const std::string remark = eyeRemark(study); !remark.empty()) warnings.add(remark);
   if (const std::string device = session.deviceOf(settings.method);
       settings.device == RenderDevice::gpu || !device.starts_with("the CPU")) {
-    std::fprintf(stderr, "foci: renders on %s\n", device.c_str());
+    say("renders on " + device);
   }
   FrameRecord record =
       session.lookSettled(0.0, request.gaze_px.value_or(0.5 * glm::dvec2(settings.screen.size_px)));
@@ -57,9 +55,7 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
     eye.settings.depth = request.depth || request.defocus;
   }
   const Frame& frame = session.render(render_request, record);
-  if (const std::string remark = session.deviceRemark(); !remark.empty()) {
-    std::fprintf(stderr, "foci: %s\n", remark.c_str());
-  }
+  if (const std::string remark = session.deviceRemark(); !remark.empty()) warnings.add(remark);
   OutputFiles files;
   using Path = std::filesystem::path;
   files.write(request.out, [&](const Path& to) { writeImage(to, frame, study.screen.gamma); });
@@ -77,7 +73,8 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
           .surface_distance_m = record.eye.surface_distance_m,
           .pupil_mm = record.pupil_mm,
           .device = session.devices(),
-          .stats = record.stats};
+          .stats = record.stats,
+          .warnings = warnings.all()};
 }
 
 }  // namespace foci

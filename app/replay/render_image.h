@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/study/study.h"
 #include "render/methods/method.h"
@@ -27,6 +28,7 @@ struct ImageSummary {
   double pupil_mm = 0.0;
   std::string device;  ///< as `Session::devices`
   RenderStats stats;
+  std::vector<std::string> warnings{};  ///< printed already
 };
 
 /// Renders the frame of a replay whose observer has looked at one point for a long time, at the

@@ -1,6 +1,5 @@
 #include "app/replay/replay.h"
 
-#include <cstdio>
 #include <future>
 #include <memory>
 
@@ -16,30 +15,34 @@
 
 namespace foci {
 
-const SurfelCloud& ReplayedScene::of(const Study& study) {
-  if (!cloud_) cloud_ = loadScene(study, std::move(file_));
+const SurfelCloud& ReplayedScene::of(const Study& study, Warnings& warnings) {
+  if (!cloud_) {
+    Warnings own;
+    cloud_ = loadScene(study, own, std::move(file_));
+    warnings_ = own.all();
+  }
+  warnings.include(warnings_);
   return *cloud_;
 }
 
 RunResult replay(const Study& asked, const std::filesystem::path& out, const std::string& command,
                  unsigned threads, ReplayedScene& scene,
                  const std::optional<std::filesystem::path>& heatmap) {
-  const ReplayedGaze gaze = readReplayedGaze(asked);
+  Warnings warnings;
+  const ReplayedGaze gaze = readReplayedGaze(asked, warnings);
   const Study& study = gaze.study;
-  const SurfelCloud& cloud = scene.of(study);
+  const SurfelCloud& cloud = scene.of(study, warnings);
   if (heatmap && cloud.empty()) {
     throw InputError("--heatmap", "expected a scene of surfaces: this one has no surfels");
   }
   RunFacts facts{
       .command = command, .threads = threads, .device = {}, .inputs = {}, .heatmap = heatmap};
-  ReplayedEye eye(study, gaze, cloud);
+  ReplayedEye eye(study, gaze, cloud, warnings);
   noteInterrupts();
   InputHashes hashes(study, scene.hashed);
-  if (const std::string remark = eyeRemark(study); !remark.empty()) {
-    std::fprintf(stderr, "foci: %s\n", remark.c_str());
-  }
+  if (const std::string remark = eyeRemark(study); !remark.empty()) warnings.add(remark);
 
-  RunWriter writer(study, gaze, cloud, out);
+  RunWriter writer(study, gaze, cloud, out, warnings);
   eye.sayDevice();
   const std::size_t frames = gaze.schedule.frames;
   Progress progress("rendering", "frames", frames);
@@ -70,8 +73,8 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   }
   reading.finish(renderer);
   if (written.valid()) written.get();
-  eye.sayRemark();
-  eye.sayOtherDevices();
+  eye.addRemark();
+  eye.compareDevices();
   facts.inputs = scene.hashed = hashes.get();
   facts.device = eye.session().devices();
   return writer.finish(facts);

@@ -21,8 +21,9 @@ class ReplayedScene {
   /// @param file  the study's scene file, if it has been read
   explicit ReplayedScene(std::optional<SceneFile> file = {}) : file_(std::move(file)) {}
 
+  /// @param warnings  of a run, which get those of the scene
   /// @throws InputError
-  const SurfelCloud& of(const Study& study);
+  const SurfelCloud& of(const Study& study, Warnings& warnings);
 
   /// Files that runs have read, with their hashes: the next run need not hash them again.
   std::vector<InputFile> hashed{};
@@ -30,6 +31,7 @@ class ReplayedScene {
  private:
   std::optional<SceneFile> file_;
   std::optional<SurfelCloud> cloud_{};
+  std::vector<std::string> warnings_{};  // of the scene
 };
 
 /// Replays the study and writes its files (`RunWriter::files`) to `out`. If it throws, it leaves no

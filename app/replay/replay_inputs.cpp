@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -16,9 +15,12 @@
 
 namespace foci {
 
-ReplayedGaze readReplayedGaze(const Study& study) {
-  ReplayedGaze inputs{
-      .study = {}, .trace = loadGaze(study), .schedule = {}, .changes = {}, .markers = {}};
+ReplayedGaze readReplayedGaze(const Study& study, Warnings& warnings) {
+  ReplayedGaze inputs{.study = {},
+                      .trace = loadGaze(study, warnings),
+                      .schedule = {},
+                      .changes = {},
+                      .markers = {}};
   inputs.study = withRecordedHead(study, inputs.trace);
   const glm::ivec2 size_px = inputs.study.imageSize_px();
   if (size_px.x % 2 != 0 || size_px.y % 2 != 0) {
@@ -27,7 +29,7 @@ ReplayedGaze readReplayedGaze(const Study& study) {
                                               " px: expected even numbers, as H.264 wants");
   }
   for (const std::string& remark : headRemarks(inputs.study, inputs.trace)) {
-    std::fprintf(stderr, "foci: %s: %s\n", study.gaze.source.c_str(), remark.c_str());
+    warnings.add(study.gaze.source, remark);
   }
   const auto& samples = inputs.trace.samples;
   const bool has_pupil = std::any_of(samples.begin(), samples.end(), [](const GazeSample& sample) {
@@ -82,7 +84,7 @@ InputHashes::~InputHashes() { stop_ = true; }
 
 std::vector<InputFile> InputHashes::get() {
   if (files_.wait_for(std::chrono::seconds(1)) == std::future_status::timeout) {
-    std::fputs("foci: computing the hashes of the input files, for the manifest\n", stderr);
+    say("computing the hashes of the input files, for the manifest");
   }
   return files_.get();
 }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "app/platform/warnings.h"
 #include "app/record/manifest.h"
 #include "app/record/record_files.h"
 #include "app/replay/schedule.h"
@@ -28,7 +29,7 @@ struct ReplayedGaze {
 };
 
 /// @throws InputError, also for images that H.264 does not take
-ReplayedGaze readReplayedGaze(const Study& study);
+ReplayedGaze readReplayedGaze(const Study& study, Warnings& warnings);
 
 /// The input files of a study with their hashes, which are computed while the frames are rendered:
 /// a large scene takes longer than its first frame. The files are opened at once, so that their

@@ -1,17 +1,16 @@
 #include "app/replay/replayed_eye.h"
 
-#include <cstdio>
-#include <utility>
-
 #include "app/session/auto_method.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
 
 namespace foci {
 
-ReplayedEye::ReplayedEye(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud)
+ReplayedEye::ReplayedEye(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+                         Warnings& warnings)
     : study_(study),
       gaze_(gaze),
+      warnings_(warnings),
       session_(sessionSettingsOf(study), cloud, *gaze.trace.screen, gaze.trace.rate_Hz,
                gaze.trace.samples.front().time_s) {
   lookAtSkippedFrames();
@@ -82,26 +81,24 @@ void ReplayedEye::requireParts(std::size_t frame) const {
 }
 
 void ReplayedEye::warnOfRounding() {
-  if (std::exchange(warned_, true)) return;
-  std::fprintf(stderr,
-               "foci: the run was rendered on %s: the frames may differ from it in rounding\n",
-               study_.record.device.c_str());
+  warnings_.add("the run was rendered on " + study_.record.device +
+                ": the frames may differ from it in rounding");
 }
 
 void ReplayedEye::sayDevice() {
   const std::string device = session_.deviceOf(study_.render.method);
-  std::fprintf(stderr, "foci: renders on %s\n", device.c_str());
+  say("renders on " + device);
   const std::string& recorded = study_.record.device;
   const bool same = recorded == device || recorded.starts_with(device + ", then ");
   if (!recorded.empty() && !same) warnOfRounding();
 }
 
-void ReplayedEye::sayRemark() const {
+void ReplayedEye::addRemark() {
   const std::string remark = session_.deviceRemark();
-  if (!remark.empty()) std::fprintf(stderr, "foci: %s\n", remark.c_str());
+  if (!remark.empty()) warnings_.add(remark);
 }
 
-void ReplayedEye::sayOtherDevices() {
+void ReplayedEye::compareDevices() {
   const std::string& recorded = study_.record.device;
   if (!recorded.empty() && recorded != session_.devices()) warnOfRounding();
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/platform/warnings.h"
 #include "app/replay/replay_inputs.h"
 #include "app/replay/seen_frame.h"
 #include "app/session/session.h"
@@ -14,9 +15,10 @@ namespace foci {
 
 class ReplayedEye {
  public:
-  /// @param gaze, cloud  outlive it
+  /// @param gaze, cloud, warnings  outlive it
   /// @throws InputError
-  ReplayedEye(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud);
+  ReplayedEye(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
+              Warnings& warnings);
 
   /// Looks at the frame of the schedule after the last one, and renders it.
   /// @param seen  gets the frame's record
@@ -33,12 +35,12 @@ class ReplayedEye {
   /// they took, or on their pixels
   void requireParts(std::size_t frame) const;
 
-  /// Says what renders, and whether a live run's record began on another device.
+  /// Says what renders, and warns if a live run's record began on another device.
   void sayDevice();
-  /// After the frames: says why the CPU rendered where the GPU was to.
-  void sayRemark() const;
-  /// After all frames: says whether the record changed to other devices than the replay.
-  void sayOtherDevices();
+  /// After the frames: warns if the CPU rendered where the GPU was to.
+  void addRemark();
+  /// After all frames: warns if the record changed to other devices than the replay.
+  void compareDevices();
 
   const Session& session() const { return session_; }
   FrameRenderer& renderer() { return session_.renderer(); }
@@ -53,9 +55,9 @@ class ReplayedEye {
 
   Study study_;
   const ReplayedGaze& gaze_;
+  Warnings& warnings_;
   Session session_;
   std::size_t sample_ = 0, change_ = 0;  // next of each
-  bool warned_ = false;                  // that the record comes from other devices
 };
 
 }  // namespace foci

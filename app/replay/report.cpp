@@ -9,7 +9,6 @@
 
 #include "app/graphics/html.h"
 #include "app/record/tables.h"
-#include "app/study/session_settings_of.h"
 #include "base/base64.h"
 #include "base/file.h"
 #include "base/text.h"
@@ -69,6 +68,7 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
   html += "<p class=\"quiet\">foci " FOCI_VERSION " &middot; study " +
           escaped(study.file.string()) + " &middot; gaze " + escaped(trace.format) + ", " +
           decimal(trace.rate_Hz, 0) + " Hz</p>\n";
+  html += noticesOf(facts.warnings);
   if (trace.simulated) {
     html +=
         "<p class=\"notice\">The gaze is simulated: an oculomotor model looked, no person "
@@ -82,9 +82,6 @@ std::string headline(const Study& study, const GazeTrace& trace, const ReportFac
   for (const std::string& assumption : trace.assumed) {
     html += "<p class=\"quiet\">The recording does not state this, so foci assumed: " +
             escaped(assumption) + ".</p>\n";
-  }
-  for (const std::string& warning : trace.warnings) {
-    html += "<p class=\"notice\">The recording: " + escaped(warning) + ".</p>\n";
   }
   const Screen screen = study.screenInForce();
   if (study.display.kind == DisplayKind::headset) {
@@ -141,11 +138,9 @@ std::string eyeText(const Study& study) {
       text += ", cylinder " + decimal(observer.cylinder_D, 2) + " D, axis " +
               decimal(observer.axis_deg, 0) + "&deg;";
     }
-    text +=
-        observer.corrected
-            ? "; the observer wears it."
-            : "; the observer does not wear it, and the focus is the mean over all meridians. " +
-                  escaped(eyeRemark(study));
+    text += observer.corrected
+                ? "; the observer wears it."
+                : "; the observer does not wear it, and the focus is the mean over all meridians.";
   }
   if (observer.chromatic) text += " Red, green and blue each have their own focus.";
   return text;
@@ -198,8 +193,7 @@ std::string opticsText(const Study& study, const ReportFacts& facts) {
          " px on the screen, " +
          decimal(2e6 * retinalRadius_m(pupil_m, study.observer.retina_mm / 1000.0, 0.0, 1.0), 1) +
          " &micro;m on the retina. " + focusText(study) + pupilText(study) + eyeText(study) +
-         " Rendered by method <i>" + escaped(study.render.method) + "</i>. " +
-         escaped(toleranceText(study, facts)) + "</p>\n";
+         " Rendered by method <i>" + escaped(study.render.method) + "</i>.</p>\n";
 }
 
 std::string dataLossText(const ReportFacts& facts) {

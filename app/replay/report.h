@@ -34,8 +34,9 @@ struct ReportFacts {
   std::vector<ObjectLooks> objects;  ///< `GazeInScene::objects`
   std::vector<HeatPicture> heat;     ///< none: no heatmap was asked for
   unsigned threads = 0;
-  std::string device;  ///< that rendered the frames
-  RunChanges run;      ///< the study in force, and what changed
+  std::string device;                 ///< that rendered the frames
+  RunChanges run;                     ///< the study in force, and what changed
+  std::vector<std::string> warnings;  ///< `Warnings::all` of the run
 };
 
 /// What `frames_over` means, in one sentence for the reader; "" if there are none.

@@ -123,11 +123,6 @@ void ChartSeries::add(const ChartRow& row) {
 
 namespace {
 
-/// "1 change", "2 changes".
-std::string counted(std::ptrdiff_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
-
 /// "0.50 to 2.00"; "no value" if all are absent.
 std::string rangeOf(const std::vector<ChartRow>& rows, double ChartRow::*member, int digits) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -159,9 +154,9 @@ void describe(std::string& svg, const std::string& title, const std::string& des
 }  // namespace
 
 std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunMark>& marks) {
-  const auto changes =
-      std::count_if(marks.begin(), marks.end(), [](const RunMark& mark) { return mark.is_change; });
-  const auto markers = static_cast<std::ptrdiff_t>(marks.size()) - changes;
+  const auto changes = static_cast<std::size_t>(std::count_if(
+      marks.begin(), marks.end(), [](const RunMark& mark) { return mark.is_change; }));
+  const std::size_t markers = marks.size() - changes;
   return "Four panels over time, from " + decimal(rows.front().time_s, 2) + " s to " +
          decimal(rows.back().time_s, 2) + " s. Gaze, horizontal " +
          rangeOf(rows, &ChartRow::gaze_x_px, 0) + " px and vertical " +

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cstdio>
 #include <utility>
 
 #include "app/graphics/image.h"
@@ -99,10 +98,11 @@ std::vector<std::filesystem::path> RunWriter::files(const Study& study,
 }
 
 RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
-                     const std::filesystem::path& out)
+                     const std::filesystem::path& out, Warnings& warnings)
     : study_(study),
       gaze_(gaze),
       cloud_(cloud),
+      warnings_(warnings),
       out_(out),
       folder_(out),
       video_file_(folder_.stage(kVideo)),
@@ -165,24 +165,24 @@ RunResult RunWriter::finish(const RunFacts& run) {
   facts.run = changesOfRun(study_, gaze_.changes, gaze_.markers, schedule.time_s(0),
                            schedule.time_s(schedule.frames - 1));
   if (const std::string warning = toleranceText(study_, facts); !warning.empty()) {
-    std::fprintf(stderr, "foci: %s\n", warning.c_str());
+    warnings_.add(warning);
   }
   if (study_.eye.recorded) {
     for (const std::string& doubt : agreement_.doubts()) {
-      std::fprintf(stderr, "foci: %s: %s\n", study_.gaze.source.c_str(), doubt.c_str());
+      warnings_.add(study_.gaze.source, doubt);
     }
   }
+  facts.warnings = warnings_.all();
   folder_.write(kManifest, manifestJson(study_, facts.summary,
                                         {.command = run.command,
                                          .threads = run.threads,
                                          .device = run.device,
                                          .gaze = factsOf(gaze_.trace),
+                                         .warnings = facts.warnings,
                                          .inputs = run.inputs,
                                          .frames_sha256 = hash_.hex()}));
   if (!writeReport(folder_.stage(kReport), video_file_, gaze_.trace, facts)) {
-    std::fputs(
-        "foci: the report has no charts: gnuplot is not installed (apt install gnuplot-nox)\n",
-        stderr);
+    say("the report has no charts: gnuplot is not installed (apt install gnuplot-nox)");
   }
   folder_.commit();
   heatmap.commit();

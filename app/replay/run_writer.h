@@ -8,6 +8,7 @@
 #include "app/graphics/video_writer.h"
 #include "app/platform/output_folder.h"
 #include "app/platform/sha256.h"
+#include "app/platform/warnings.h"
 #include "app/record/run_summary.h"
 #include "app/record/tables.h"
 #include "app/replay/contact_sheet.h"
@@ -37,8 +38,9 @@ struct RunResult {
 class RunWriter {
  public:
   /// @param study, gaze, cloud  outlive it
+  /// @param warnings  of the run so far, which outlive it; `finish` adds more and writes all
   RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
-            const std::filesystem::path& out);
+            const std::filesystem::path& out, Warnings& warnings);
 
   /// @param image  without marker
   void add(std::size_t frame, const SeenFrame& seen, const Image& image);
@@ -62,6 +64,7 @@ class RunWriter {
   const Study& study_;
   const ReplayedGaze& gaze_;
   const SurfelCloud& cloud_;
+  Warnings& warnings_;
   std::filesystem::path out_;
   OutputFolder folder_;
   std::filesystem::path video_file_;

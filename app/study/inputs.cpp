@@ -1,11 +1,9 @@
 #include "app/study/inputs.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <numeric>
 #include <random>
-#include <set>
 #include <utility>
 
 #include "app/study/gaze_calibration.h"
@@ -123,28 +121,22 @@ EyePose builtinPose(const Study& study) {
   return study.scene.builtin == "plane" ? planeEyePose() : galleryEyePose();
 }
 
-void tellRemarks(const std::filesystem::path& file, const OpenedScene& scene) {
+void addRemarks(const std::filesystem::path& file, const OpenedScene& scene, Warnings& warnings) {
   if (scene.dropped > 0) {
-    std::fprintf(
-        stderr, "foci: %s: %s left out: not finite, or farther than 1e9 units from the origin\n",
-        file.c_str(), counted(scene.dropped, scene.cloud.gaussians ? "Gaussian" : "point").c_str());
+    warnings.add(file.string(),
+                 counted(scene.dropped, scene.cloud.gaussians ? "Gaussian" : "point") +
+                     " left out: not finite, or farther than 1e9 units from the origin");
   }
-  for (const std::string& remark : scene.remarks) {
-    std::fprintf(stderr, "foci: %s: %s\n", file.c_str(), remark.c_str());
-  }
+  for (const std::string& remark : scene.remarks) warnings.add(file.string(), remark);
 }
 
 namespace {
 
-/// Files whose remarks are printed: a file may be many parts of a scene.
-using ToldFiles = std::set<std::filesystem::path>;
-
 /// @param eye_m  in the frame of the file
-SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, ToldFiles& told) {
+SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, Warnings& warnings) {
   const std::filesystem::path path = file.path;
   OpenedScene scene = openScene(std::move(file), scale_m, eye_m);
-  if (!told.insert(path).second) return std::move(scene.cloud);
-  tellRemarks(path, scene);
+  addRemarks(path, scene, warnings);
   return std::move(scene.cloud);
 }
 
@@ -152,12 +144,12 @@ glm::vec3 startOfEye_m(const Study& study) {
   return glm::vec3(glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0))[3]);
 }
 
-SurfelCloud loadSceneFile(const Study& study, std::optional<SceneFile>&& file, ToldFiles& told) {
+SurfelCloud loadSceneFile(const Study& study, std::optional<SceneFile>&& file, Warnings& warnings) {
   if (!file) file = readScene(*study.scene.file);
-  return opened(std::move(*file), study.scene.scale_m, startOfEye_m(study), told);
+  return opened(std::move(*file), study.scene.scale_m, startOfEye_m(study), warnings);
 }
 
-SurfelCloud withParts(const Study& study, SurfelCloud scene, ToldFiles& told) {
+SurfelCloud withParts(const Study& study, SurfelCloud scene, Warnings& warnings) {
   // The file of the first Gaussians: they say how small ones are low-passed.
   std::string captured = study.scene.file ? study.scene.file->string() : study.scene.builtin;
   for (std::size_t i = 0; i < study.scene.parts.size(); ++i) {
@@ -174,10 +166,10 @@ SurfelCloud withParts(const Study& study, SurfelCloud scene, ToldFiles& told) {
                                                 static_cast<float>(q.y), static_cast<float>(q.z))};
     const glm::vec3 eye_m =
         glm::conjugate(place.rotation) * (startOfEye_m(study) - place.position_m);
-    SurfelCloud cloud = opened(readScene(part.file), part.scale_m, eye_m, told);
+    SurfelCloud cloud = opened(readScene(part.file), part.scale_m, eye_m, warnings);
     if (!scene.gaussians) captured = part.file.string();
     if (const auto remark = lowPassRemark(scene, captured, cloud, part.file.string())) {
-      std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark->c_str());
+      warnings.add(study.file.string(), *remark);
     }
     scene = joined(std::move(scene), placed(std::move(cloud), place), part.file.stem().string());
   }
@@ -200,18 +192,17 @@ SurfelCloud sorted(SurfelCloud scene) {
 
 }  // namespace
 
-SurfelCloud loadScene(const Study& study, std::optional<SceneFile> scene) {
-  ToldFiles told;
+SurfelCloud loadScene(const Study& study, Warnings& warnings, std::optional<SceneFile> scene) {
   SurfelCloud first =
-      study.scene.file ? loadSceneFile(study, std::move(scene), told) : builtinScene(study);
-  SurfelCloud cloud = withParts(study, std::move(first), told);
+      study.scene.file ? loadSceneFile(study, std::move(scene), warnings) : builtinScene(study);
+  SurfelCloud cloud = withParts(study, std::move(first), warnings);
   if (study.scene.file || study.eye.position_m || !study.eye.path.empty() || study.eye.recorded) {
     for (const std::string& remark : viewRemarks(study, cloud)) {
-      std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark.c_str());
+      warnings.add(study.file.string(), remark);
     }
   }
   if (const std::string remark = memoryRemark(study, cloud); !remark.empty()) {
-    std::fprintf(stderr, "foci: %s: %s\n", study.file.c_str(), remark.c_str());
+    warnings.add(study.file.string(), remark);
   }
   return sorted(std::move(cloud));
 }
@@ -234,14 +225,12 @@ GazeTrace loadNamedGaze(const Study& study) {
 
 }  // namespace
 
-GazeTrace loadGaze(const Study& study) {
+GazeTrace loadGaze(const Study& study, Warnings& warnings) {
   GazeTrace trace = loadNamedGaze(study);
   for (const std::string& assumption : trace.assumed) {
-    std::fprintf(stderr, "foci: %s: assumed: %s\n", study.gaze.source.c_str(), assumption.c_str());
+    say(study.gaze.source + ": assumed: " + assumption);
   }
-  for (const std::string& warning : trace.warnings) {
-    std::fprintf(stderr, "foci: %s: %s\n", study.gaze.source.c_str(), warning.c_str());
-  }
+  for (const std::string& warning : trace.warnings) warnings.add(study.gaze.source, warning);
   trace.rate_Hz = study.record.rate_Hz.value_or(trace.rate_Hz);
   return trace;
 }

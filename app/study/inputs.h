@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "app/platform/warnings.h"
 #include "app/study/study.h"
 #include "gaze/geometry/gaze_sample.h"
 #include "render/scene/builtin/procedural.h"
@@ -16,21 +17,19 @@ namespace foci {
 /// The pose from which a built-in scene is seen if the study names none.
 EyePose builtinPose(const Study& study);
 
-/// Writes to standard error what a user should know of a scene's file: what was left out, and its
-/// remarks.
-void tellRemarks(const std::filesystem::path& file, const OpenedScene& scene);
+/// Warns of what was left out of a scene's file, and adds its remarks.
+void addRemarks(const std::filesystem::path& file, const OpenedScene& scene, Warnings& warnings);
 
-/// Writes to standard error what a user should know of the file, and of the place of the eye in it
-/// (view_remarks.h).
+/// Warns of what a user should know of the files, and of the place of the eye (view_remarks.h).
 /// @param scene  the study's scene file, if it has been read
 /// @throws InputError
-SurfelCloud loadScene(const Study& study, std::optional<SceneFile> scene = {});
+SurfelCloud loadScene(const Study& study, Warnings& warnings, std::optional<SceneFile> scene = {});
 
 /// The recording that the study names, seen through its calibration. A simulated observer looks at
 /// the gallery's points of interest, in other scenes at points spread over the screen, until the
 /// end of `output.seconds` or for 20 s.
 /// @throws InputError
-GazeTrace loadGaze(const Study& study);
+GazeTrace loadGaze(const Study& study, Warnings& warnings);
 
 /// Every file that the result depends on.
 std::vector<std::filesystem::path> inputFiles(const Study& study);

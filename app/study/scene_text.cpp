@@ -52,14 +52,11 @@ nlohmann::ordered_json jsonOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 
 }  // namespace
 
-std::string counted(std::size_t count, const std::string& one) {
-  return thousands(static_cast<double>(count)) + " " + one + (count == 1 ? "" : "s");
-}
-
 std::string sceneText(const SceneFacts& facts, const Framing& framing) {
   std::string text;
   const auto line = [&](const std::string& name, const std::string& value) {
-    text += name + std::string(name.size() < 10 ? 10 - name.size() : 1, ' ') + value + "\n";
+    text +=
+        name + std::string(name.size() < 10 ? 10 - name.size() : 1, ' ') + visible(value) + "\n";
   };
   const glm::dvec3 size = framing.box.size();
   line("format", nameOf(facts.kind));

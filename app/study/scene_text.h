@@ -2,16 +2,12 @@
 // input.
 #pragma once
 
-#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "app/study/framing.h"
 
 namespace foci {
-
-/// "1 point", "2,000 points".
-std::string counted(std::size_t count, const std::string& one);
 
 /// A line a fact: counts, bounds, units, materials, opacity, normals. Ends with a line break.
 std::string sceneText(const SceneFacts& facts, const Framing& framing);

@@ -31,7 +31,8 @@ void BM_GalleryReplay(benchmark::State& state) {
   study.quality.foveated = state.range(0) != 0;
   if (state.range(1) != 0) study.quality.frame_ms = static_cast<double>(state.range(1));
   static const SurfelCloud cloud = makeGallery(0.9f);
-  const GazeTrace trace = loadGaze(study);
+  Warnings warnings;
+  const GazeTrace trace = loadGaze(study, warnings);
 
   std::vector<double> all_ms, rendered_ms, splats, errors;
   for (auto _ : state) {

@@ -210,7 +210,7 @@ TEST(Prepare, HoldsAMeshAgainstItsTrianglesAndWarnsOfTooFewPoints) {
   ASSERT_EQ(few.exit_code, 0) << few.err;
   if (few.out.find("built without ray tracing") != std::string::npos) GTEST_SKIP();
   EXPECT_NE(few.out.find("against the triangles, from 64 sides"), std::string::npos) << few.out;
-  EXPECT_NE(few.err.find("warning: ball.obj: "), std::string::npos) << few.err;
+  EXPECT_NE(few.err.find("foci: ball.obj: "), std::string::npos) << few.err;
   EXPECT_NE(few.err.find("set --points 500000"), std::string::npos) << few.err;
   const std::string page = folder.read("few.html");
   EXPECT_EQ(countOf("data:image/png;base64,", page), 4u);  // the map, and the worst view

@@ -282,6 +282,8 @@ ChartResult measureChart(const ChartPlan& plan, const fs::path& folder,
       } else {
         if (!seen) {
           seen = scene.make();
+          result.warnings.insert(result.warnings.end(), seen->warnings.begin(),
+                                 seen->warnings.end());
           shared = scene.gaussians ? seen->cloud : withTree(seen->cloud);
         }
         fs::create_directories(folder / "cells");

@@ -181,7 +181,7 @@ void writeTable(std::ostream& out, const std::vector<ChartPoint>& points) {
   for (const ChartPoint& one : points) {
     const std::string image = imageFile(one.scene, one.blur_px, one.method);
     out << "<tr>" << cell(escaped(one.scene)) << cell(decimal(one.blur_px, 0))
-        << cell("<a href=\"" + escaped(image) + "\">" + escaped(one.method.spec()) + "</a>")
+        << cell("<a href=\"" + hrefOf(image) + "\">" + escaped(one.method.spec()) + "</a>")
         << cell(std::to_string(one.threads))
         << cell(milliseconds(one.ms_median) + " <span class=\"quiet\">(" +
                 milliseconds(one.ms_min) + ")</span>")
@@ -225,7 +225,8 @@ void writeMethodology(std::ostream& out, const ChartPlan& plan) {
 
 }  // namespace
 
-std::string chartPage(const ChartPlan& plan, const std::vector<ChartPoint>& points) {
+std::string chartPage(const ChartPlan& plan, const std::vector<ChartPoint>& points,
+                      const std::vector<std::string>& warnings) {
   const Machine machine = describeMachine();
   const double shown_px = plan.blurs_px[plan.blurs_px.size() / 2];
   std::ostringstream out;
@@ -240,8 +241,8 @@ std::string chartPage(const ChartPlan& plan, const std::vector<ChartPoint>& poin
          " &middot; "
       << escaped(machine.cpu) << ", " << machine.simd << ", " << threadsText(plan.threads.back())
       << " &middot; images " << plan.size_px << " px wide"
-      << (plan.quick ? " &middot; a quick look: few runs" : "")
-      << "</p>\n<h2>Which method to use</h2>\n"
+      << (plan.quick ? " &middot; a quick look: few runs" : "") << "</p>\n"
+      << noticesOf(warnings) << "<h2>Which method to use</h2>\n"
       << adviceTable() << "<h2>The fastest method for an accuracy</h2>\n"
       << "<p>The fastest method whose PSNR against the reference is at least this high, with "
       << threadsText(plan.threads.back())

@@ -10,6 +10,7 @@
 namespace foci {
 
 /// A complete HTML page. Its links are relative to the chart's folder.
-std::string chartPage(const ChartPlan& plan, const std::vector<ChartPoint>& points);
+std::string chartPage(const ChartPlan& plan, const std::vector<ChartPoint>& points,
+                      const std::vector<std::string>& warnings);
 
 }  // namespace foci

@@ -178,6 +178,7 @@ std::string reproducePage(const ReproduceFacts& facts) {
          "Figure 1, Figure 6 &middot; foci " FOCI_VERSION " &middot; "
       << escaped(machine.cpu) << ", " << machine.simd << ", up to "
       << threadsText(facts.threads.back()) << "</p>\n";
+  for (const ReproducedScene& one : facts.scenes) out << noticesOf(one.scene.warnings);
   out << "<h2>The figures to reach</h2>\n" << ratioTable(facts) << ratioText(facts);
   for (const ReproducedScene& one : facts.scenes) {
     out << "<h2>Table 1: " << escaped(one.scene.name) << ", "

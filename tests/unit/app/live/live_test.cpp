@@ -176,7 +176,8 @@ TEST_F(Live, ARecordKeepsTheTimesOfSamplesThatArriveLate) {
     renderer.stopRecord();
     watch(renderer, clock, 0.05);
   }
-  const auto samples = loadGaze(readStudy(folder / "study.toml")).samples;
+  Warnings warnings;
+  const auto samples = loadGaze(readStudy(folder / "study.toml"), warnings).samples;
   ASSERT_GT(samples.size(), 50u);
   for (std::size_t i = 3; i < samples.size(); ++i) {  // the first marks the record's begin
     ASSERT_NEAR(samples[i].time_s - samples[i - 1].time_s, 0.01, 1e-5) << i;
@@ -279,7 +280,8 @@ TEST_F(Live, ARefinerCancelsWhatIsNoLongerWanted) {
   study.observer.pupil_mm = 8.0;
   study.render.method = "auto";
   study.quality.frame_ms = 5.0;
-  const SurfelCloud cloud = loadScene(study);
+  Warnings warnings;
+  const SurfelCloud cloud = loadScene(study, warnings);
   Session session(sessionSettingsOf(study), cloud, study.screenInForce(), 100.0, 0.0);
   const FrameRecord record = session.look(0.0);
   const RenderRequest request = session.requestOf("auto", record);
@@ -313,7 +315,8 @@ TEST_F(Live, TheFrameRenderedAheadIsTheOneAtRest) {
   study.render.method = "auto";
   study.quality.frame_ms = 5.0;
   study.quality.foveated = true;
-  const SurfelCloud cloud = loadScene(study);
+  Warnings warnings;
+  const SurfelCloud cloud = loadScene(study, warnings);
   const Screen screen = study.screenInForce();
   Session session(sessionSettingsOf(study), cloud, screen, 250.0, 0.0);
   std::optional<RenderRequest> ahead, last;

@@ -24,10 +24,11 @@ Study record(const std::filesystem::path& folder, const std::string& rows) {
 }
 
 TEST(Schedule, OfAKilledRecordHasTheMeanRateOfItsFrames) {
+  Warnings warnings;
   const TemporaryFolder scratch;
   const Study study =
       record(scratch.path(), "0.010\tpinhole\n0.020\tpinhole\n0.040\tpinhole\n0.058\tpinhole\n");
-  const ReplayedGaze gaze = readReplayedGaze(study);
+  const ReplayedGaze gaze = readReplayedGaze(study, warnings);
   EXPECT_EQ(gaze.schedule.fps, 62.5);
   EXPECT_EQ(gaze.study.output.fps, 62.5);  // of the video, the report and the manifest
   EXPECT_EQ(gaze.schedule.frames, 4u);
@@ -35,9 +36,10 @@ TEST(Schedule, OfAKilledRecordHasTheMeanRateOfItsFrames) {
 }
 
 TEST(Schedule, OfASingleRecordedFrameKeepsTheRateOfTheStudy) {
+  Warnings warnings;
   const TemporaryFolder scratch;
   const Study study = record(scratch.path(), "0.010\tpinhole\n");
-  EXPECT_EQ(readReplayedGaze(study).schedule.fps, 15.0);
+  EXPECT_EQ(readReplayedGaze(study, warnings).schedule.fps, 15.0);
 }
 
 }  // namespace

@@ -5,9 +5,7 @@
 namespace foci {
 namespace {
 
-TEST(SceneText, CountsOneOrMany) {
-  EXPECT_EQ(counted(1, "point"), "1 point");
-  EXPECT_EQ(counted(2000, "point"), "2,000 points");
+TEST(SceneText, CountsWhatIsLeftOut) {
   const SceneFacts facts{.points = 1, .dropped = 2, .position = {glm::vec3(0.0f)}};
   const std::string text = sceneText(facts, Framing{});
   EXPECT_NE(text.find("contents  1 point, 2 left out (not finite"), std::string::npos) << text;

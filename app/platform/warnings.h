@@ -1,0 +1,33 @@
+// What foci says to the user on standard error, and the warnings of a run among it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace foci {
+
+/// Prints "foci: TEXT" as one line on standard error. Control characters become escapes.
+void say(const std::string& text);
+
+/// The warnings of a run: what makes its results other than the user may expect. Each is printed
+/// when it comes, and stands at the top of the run's report and in its manifest.
+class Warnings {
+ public:
+  /// A text that is there already is not added or printed again.
+  void add(const std::string& text);
+  /// "WHERE: TEXT"
+  void add(const std::string& where, const std::string& text) { add(where + ": " + text); }
+
+  /// Takes over warnings that were printed before, e.g. those of a scene that several runs share.
+  void include(const std::vector<std::string>& printed);
+
+  /// In the order in which they came.
+  const std::vector<std::string>& all() const { return all_; }
+
+ private:
+  bool keep(const std::string& text);
+
+  std::vector<std::string> all_{};
+};
+
+}  // namespace foci
