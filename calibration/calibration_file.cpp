@@ -19,7 +19,7 @@ std::optional<double> numberOf(const toml::value& value) {
 }  // namespace
 
 CalibrationFile::CalibrationFile(const std::filesystem::path& path) : file_(path.string()) {
-  const toml::value document = readToml(path);
+  const TomlDocument document = readToml(path);
   const auto add = [&](const std::string& key, const toml::value& value) {
     if (const auto number = numberOf(value)) {
       values_[key] = *number;
@@ -37,7 +37,7 @@ CalibrationFile::CalibrationFile(const std::filesystem::path& path) : file_(path
       throw InputError(file_, key + ": expected a number, a text or numbers");
     }
   };
-  for (const auto& [key, value] : document.as_table()) {
+  for (const auto& [key, value] : document.table()) {
     if (!value.is_table()) {
       add(key, value);
       continue;
@@ -59,6 +59,20 @@ double CalibrationFile::number(const std::string& key, double low, double high) 
   const std::string range = "a number from " + exactText(low) + " to " + exactText(high);
   if (!value || !(*value >= low && *value <= high)) refuse(key, range);
   return *value;
+}
+
+std::optional<double> CalibrationFile::numberOrWord(const std::string& key, const char* word,
+                                                    double low, double high) {
+  const Value& value = at(key);
+  if (const auto* text = std::get_if<std::string>(&value); text != nullptr && *text == word) {
+    return std::nullopt;
+  }
+  const auto* number = std::get_if<double>(&value);
+  if (!number || !(*number >= low && *number <= high)) {
+    refuse(key, std::string("\"") + word + "\" or a number from " + exactText(low) + " to " +
+                    exactText(high));
+  }
+  return *number;
 }
 
 std::vector<double> CalibrationFile::numbers(const std::string& key, std::size_t count, double low,

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -25,6 +26,9 @@ class CalibrationFile {
 
   bool has(const std::string& key) const { return values_.contains(key); }
   double number(const std::string& key, double low, double high);
+  /// The number; absent for the word in its place.
+  std::optional<double> numberOrWord(const std::string& key, const char* word, double low,
+                                     double high);
   std::vector<double> numbers(const std::string& key, std::size_t count, double low, double high);
   glm::dvec2 pair(const std::string& key, double low, double high);
   glm::ivec2 size_px(const std::string& key);

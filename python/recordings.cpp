@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "base/input_error.h"
+#include "base/text.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
 #include "gaze/geometry/default_screen.h"
@@ -118,8 +119,9 @@ py::array_t<double> column(const GazeTrace& trace, const Function& function) {
 
 void requireLater(double time_s, double before_s) {
   if (std::isfinite(time_s) && time_s > before_s) return;
-  const py::str text = py::str("{} after {}").format(time_s, before_s);
-  throw InputError("t", std::string(text) + ": expected times in seconds that increase");
+  // Without Python: a session calls this while the interpreter's lock is released.
+  throw InputError("t", exactText(time_s) + " after " + exactText(before_s) +
+                            ": expected times in seconds that increase");
 }
 
 GazeSample SampleColumns::at(py::ssize_t row) const {

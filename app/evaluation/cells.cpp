@@ -24,6 +24,12 @@ std::optional<std::string> contentOf(const fs::path& file) {
   return std::string{std::istreambuf_iterator<char>(in), {}};
 }
 
+std::string hashOf(const std::string& bytes) {
+  Sha256 hash;
+  hash.add({reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()});
+  return hash.hex();
+}
+
 /// The content of a file with this key, as `parse` reads it.
 template <typename Parse>
 auto parsed(const fs::path& file, const std::string& key, const Parse& parse)
@@ -110,7 +116,9 @@ std::optional<ChartReference> ChartCells::loadReference(const std::string& name,
                                                         const std::string& key) const {
   auto reference = loadReferenceFigures(name, key);
   const auto bytes = contentOf(folder_ / (name + ".rgba"));
-  if (!reference || !bytes) return std::nullopt;
+  const auto sha256 = parsed(folder_ / (name + ".json"), key_ + key,
+                             [](const Json& json) { return json.at("sha256").get<std::string>(); });
+  if (!reference || !bytes || sha256 != hashOf(*bytes)) return std::nullopt;
   Frame& frame = reference->frame;
   frame.rgba.resize(static_cast<std::size_t>(frame.size_px.x) * frame.size_px.y);
   if (bytes->size() != frame.rgba.size() * sizeof frame.rgba[0]) return std::nullopt;
@@ -128,7 +136,8 @@ void ChartCells::storeReference(const std::string& name, const std::string& key,
                      {"views", reference.views},
                      {"split_half_psnr_dB", jsonNumber(reference.split_half_psnr_dB)},
                      {"width_px", frame.size_px.x},
-                     {"height_px", frame.size_px.y}};
+                     {"height_px", frame.size_px.y},
+                     {"sha256", hashOf(bytes)}};
   replaceFile(folder_ / (name + ".json"), json.dump(1) + "\n");
 }
 

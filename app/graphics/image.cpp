@@ -1,6 +1,7 @@
 #include "app/graphics/image.h"
 
 #include <algorithm>
+#include <cstring>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -105,8 +106,18 @@ std::vector<std::uint8_t> jpegOf(const Image& image) {
 
 std::vector<std::uint8_t> pngOf(const Image& image) { return encoded(image, ".png", {}); }
 
-Image imageOfPng(const std::vector<std::uint8_t>& bytes) {
-  if (bytes.empty()) return {};
+Image imageOfPng(const std::vector<std::uint8_t>& bytes, const glm::ivec2& size_px) {
+  // The signature, and the width and height of the chunk IHDR, big-endian (W3C, PNG, 2003).
+  constexpr std::size_t kSizeAt = 16;
+  if (bytes.size() < kSizeAt + 8 || std::memcmp(bytes.data(), "\x89PNG\r\n\x1a\n", 8) != 0)
+    return {};
+  for (int axis = 0; axis < 2; ++axis) {
+    std::uint32_t stated = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      stated = stated << 8 | bytes[kSizeAt + 4 * static_cast<std::size_t>(axis) + i];
+    }
+    if (stated != static_cast<std::uint32_t>(size_px[axis])) return {};
+  }
   cv::Mat decoded;
   try {
     decoded = cv::imdecode(bytes, cv::IMREAD_COLOR);

@@ -51,6 +51,7 @@ class Looker {
     const glm::dmat4 world_from_eye =
         glm::inverse(glm::dmat4(std::prev(later)->path.eyeFromWorldAt(from.time_s - start_s)));
     sample.origin_m = glm::dvec3(world_from_eye[3]);
+    sample.up = glm::dvec3(world_from_eye[1]);
     sample.valid = from.point_px && !from.blink;
     if (!sample.valid) return;
     sample.direction = glm::normalize(glm::dmat3(world_from_eye) *
@@ -147,6 +148,14 @@ SightFixation fixationOf(const GazeEvent& event, std::span<SightSample> samples,
   return fixation;
 }
 
+/// Upwards in the scene.
+glm::dvec3 upOf(const Study& study, const std::vector<SightSample>& samples) {
+  glm::dvec3 up(0.0);
+  for (const SightSample& sample : samples) up += sample.lasts_s * sample.up;
+  if (!study.eye.recorded || !(glm::length(up) > 0.0)) up = study.eye.up;
+  return glm::normalize(up);
+}
+
 void addLooks(GazeInScene& gaze) {
   std::vector<double> distance_s(gaze.objects.size(), 0.0);
   for (const SightSample& sample : gaze.samples) {
@@ -240,6 +249,7 @@ GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Su
     found.fixations.push_back(fixationOf(event, found.samples, found.objects.size()));
   }
   addLooks(found);
+  found.up = upOf(study, found.samples);
   return found;
 }
 

@@ -29,6 +29,7 @@ struct SightSample {
   GazeState state = GazeState::lost;
   bool valid = false;                        ///< there is gaze: no blink, no data loss
   glm::dvec3 origin_m{0.0}, direction{0.0};  ///< of the eye; direction of unit length, if valid
+  glm::dvec3 up{0.0, 1.0, 0.0};              ///< of the eye
   std::optional<SightHit> hit = {};
 };
 
@@ -54,6 +55,8 @@ struct GazeInScene {
   std::vector<SightFixation> fixations;
   std::vector<ObjectLooks> objects;      ///< by number; [0] is what is on no object
   std::vector<double> attention_s = {};  ///< by surfel: time of gaze; empty unless asked for
+  glm::dvec3 up{0.0, 1.0,
+                0.0};  ///< of the scene, unit: the study's, or the mean of a recorded head's
 };
 
 /// The samples of an event.

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <numeric>
 
 #include "app/graphics/image.h"
+#include "base/text.h"
 #include "render/image/srgb.h"
 #include "render/methods/method.h"
 #include "render/optics/view.h"
@@ -17,9 +19,10 @@ namespace {
 
 constexpr glm::ivec2 kPicture_px{720, 480};
 constexpr double kFov_rad = 0.9, kTurn_rad = glm::pi<double>() / 3.0;
-constexpr float kDim = 0.45f;       // of the scene under the heat
-constexpr float kShading = 0.6f;    // shows the form of plain surfaces
-constexpr double kExceeded = 0.01;  // share of the time beyond the end of the scale
+constexpr float kDim = 0.45f;        // of the scene under the heat
+constexpr float kShading = 0.6f;     // shows the form of plain surfaces
+constexpr float kLeastHeat = 0.25f;  // place on Inferno where the scale begins
+constexpr double kExceeded = 0.01;   // share of the time beyond the end of the scale
 const glm::vec3 kLuminance(0.2126f, 0.7152f, 0.0722f);  // of the sRGB primaries
 
 /// Inferno (van der Walt and Smith 2015) at 0, 1/4, 1/2, 3/4 and 1; sRGB.
@@ -55,12 +58,12 @@ double scaleOf(const SurfelCloud& cloud, const std::vector<double>& attention_s)
 }
 
 HeatPicture pictureFrom(Method& method, const glm::dvec3& eye_m, const glm::dvec3& middle_m,
-                        std::string caption) {
-  const glm::dvec3 towards = middle_m - eye_m;
-  const bool upright = std::abs(towards.y) > 0.99 * glm::length(towards);
+                        const glm::dvec3& up, std::string caption) {
+  const glm::dvec3 towards = glm::normalize(middle_m - eye_m);
+  const bool along_up = std::abs(glm::dot(towards, up)) > 0.99;
+  const glm::dvec3 other = tangentTo(glm::vec3(up));
   const View view = viewOfCamera(
-      eyeFromWorld(glm::vec3(eye_m), glm::vec3(middle_m),
-                   upright ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f)),
+      eyeFromWorld(glm::vec3(eye_m), glm::vec3(middle_m), glm::vec3(along_up ? other : up)),
       kPicture_px, kFov_rad);
   Frame frame;
   RenderSettings settings;
@@ -69,20 +72,57 @@ HeatPicture pictureFrom(Method& method, const glm::dvec3& eye_m, const glm::dvec
   return {.caption = std::move(caption), .jpeg = jpegOf(imageOf(frame))};
 }
 
+/// How much of the scene's own grey the heat replaces, and the place on the scale.
+glm::vec3 heatColor(float share, float grey) {
+  if (!(share > 0.0f)) return glm::vec3(grey);
+  return glm::mix(glm::vec3(grey), infernoAt(kLeastHeat + (1.0f - kLeastHeat) * share),
+                  std::min(8.0f * share, 1.0f));
+}
+
 }  // namespace
 
-SurfelCloud heatCloud(const SurfelCloud& cloud, const std::vector<double>& attention_s) {
-  SurfelCloud heat = cloud;
-  const double scale = scaleOf(cloud, attention_s);
-  for (std::size_t i = 0; i < heat.size(); ++i) {
+HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention_s) {
+  HeatMap map{.cloud = cloud, .most_s_per_m2 = scaleOf(cloud, attention_s)};
+  map.cloud.tree.reset();  // it has the colours of the scene
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
     const float grey = kDim * glm::dot(kLuminance, glm::min(cloud.color[i], glm::vec3(1.0f)));
     const double density = attention_s[i] / static_cast<double>(cloud.area_m2[i]);
-    const auto share = scale > 0.0 ? static_cast<float>(std::min(density / scale, 1.0)) : 0.0f;
-    heat.color[i] = share > 0.0f ? glm::mix(glm::vec3(grey), infernoAt(0.25f + 0.75f * share),
-                                            std::min(8.0f * share, 1.0f))
-                                 : glm::vec3(grey);
+    const bool scaled = map.most_s_per_m2 > 0.0;
+    const auto share =
+        scaled ? static_cast<float>(std::min(density / map.most_s_per_m2, 1.0)) : 0.0f;
+    map.cloud.color[i] = heatColor(share, grey);
   }
-  return heat;
+  return map;
+}
+
+std::string heatBarSvg(double most_s_per_m2) {
+  constexpr double kWidth = 420.0, kBar = 18.0, kHeight = 40.0, kSide = 24.0;
+  constexpr int kStops = 12;
+  std::string svg = "<svg viewBox=\"0 0 " + decimal(kWidth, 0) + " " + decimal(kHeight, 0) +
+                    "\" style=\"max-width:" + decimal(kWidth, 0) +
+                    "px\" role=\"img\" aria-label=\"scale of the heatmap, from 0 to " +
+                    significant(most_s_per_m2, 3) +
+                    " s/m&sup2;\"><defs><linearGradient id=\"heat\">";
+  for (int i = 0; i <= kStops; ++i) {
+    const float share = static_cast<float>(i) / kStops;
+    const glm::vec3 linear = infernoAt(kLeastHeat + (1.0f - kLeastHeat) * share);
+    std::string color;
+    for (int c = 0; c < 3; ++c) {
+      color += (c > 0 ? "," : "") + decimal(255.0 * double{srgbFromLinear(linear[c])}, 0);
+    }
+    svg += "<stop offset=\"" + decimal(double{share}, 3) + "\" stop-color=\"rgb(" + color + ")\"/>";
+  }
+  svg += "</linearGradient></defs><rect x=\"" + decimal(kSide, 0) + "\" width=\"" +
+         decimal(kWidth - 2.0 * kSide, 0) + "\" height=\"" + decimal(kBar, 0) +
+         "\" fill=\"url(#heat)\"/>";
+  for (const double share : {0.0, 0.5, 1.0}) {
+    svg += "<text x=\"" + decimal(kSide + share * (kWidth - 2.0 * kSide), 0) + "\" y=\"" +
+           decimal(kBar + 16.0, 0) +
+           "\" text-anchor=\"middle\" font-size=\"12\" fill=\"currentColor\">" +
+           (share == 1.0 ? "&ge; " : "") + significant(share * most_s_per_m2, 3) +
+           (share == 0.0 ? "" : " s/m&sup2;") + "</text>";
+  }
+  return svg + "</svg>\n";
 }
 
 std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene& gaze) {
@@ -99,12 +139,13 @@ std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene
   middle_m /= all_s;
   const glm::dvec3 from = eye_m - middle_m;
   if (!(glm::length(from) > 1e-6)) return {};
-  const double c = std::cos(kTurn_rad), s = std::sin(kTurn_rad);
-  const glm::dvec3 turned(c * from.x + s * from.z, from.y, c * from.z - s * from.x);
+  const glm::dvec3 turned = glm::angleAxis(kTurn_rad, gaze.up) * from;
   const auto method = makeMethod("pinhole", heat);
   std::vector<HeatPicture> pictures;
-  pictures.push_back(pictureFrom(*method, eye_m, middle_m, "from the observer's mean place"));
-  pictures.push_back(pictureFrom(*method, middle_m + turned, middle_m, "turned by 60 degrees"));
+  pictures.push_back(
+      pictureFrom(*method, eye_m, middle_m, gaze.up, "from the observer's mean place"));
+  pictures.push_back(
+      pictureFrom(*method, middle_m + turned, middle_m, gaze.up, "turned by 60 degrees"));
   return pictures;
 }
 

@@ -17,13 +17,21 @@ struct HeatPicture {
   std::vector<std::uint8_t> jpeg;
 };
 
-/// The scene in dim grey, with attention from violet (none) to bright yellow. The scale ends at the
-/// attention per area that 1 % of the time exceeds.
+struct HeatMap {
+  /// The scene in dim grey, with attention from violet (little) to bright yellow.
+  SurfelCloud cloud;
+  /// Attention per area at the end of the scale, which 1 % of the time exceeds; 0: there is none.
+  double most_s_per_m2 = 0.0;
+};
+
 /// @param attention_s  by surfel
-SurfelCloud heatCloud(const SurfelCloud& cloud, const std::vector<double>& attention_s);
+HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention_s);
+
+/// The scale of colours with its unit, an <svg> element.
+std::string heatBarSvg(double most_s_per_m2);
 
 /// Pictures from where the observer was on average, and from the side, turned by 60 degrees about
-/// the middle of what was looked at. None if no gaze met the scene.
+/// the middle of what was looked at. `GazeInScene::up` is upwards. None if no gaze met the scene.
 std::vector<HeatPicture> heatPictures(const SurfelCloud& heat, const GazeInScene& gaze);
 
 /// A PLY of the surfels: position, normal, colour of `heat`, and `attention_s`, seconds.

@@ -129,10 +129,7 @@ RunResult join(const std::vector<Part>& parts, const Study& study, const std::fi
     for (const std::string& warning : part.warnings) warnings.add(warning);
     for (std::size_t i = 0; i < part.all.size(); ++i) {
       throwIfInterrupted();
-      if (!part.all[i].image.empty()) image = imageOf(part, part.all[i]);
-      if (image.size_px != stated.imageSize_px()) {
-        throw InputError(part.folder.string(), "has images of another size than the study");
-      }
+      if (!part.all[i].image.empty()) image = imageOf(part, part.all[i], stated.imageSize_px());
       writer.add(frame, part.all[i].seen, image);
       const std::vector<FrameMap>& maps = stated.output.maps;
       const std::vector<std::string> files = mapsOf(part, i, maps);

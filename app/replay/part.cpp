@@ -1,8 +1,6 @@
 #include "app/replay/part.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -19,6 +17,7 @@
 #include "app/replay/replayed_eye.h"
 #include "app/replay/run_writer.h"
 #include "app/study/study_text.h"
+#include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "gaze/webcam/webcam_frames.h"
 
@@ -126,12 +125,17 @@ Json renderSpan(ReplayedEye& eye, const FrameSpan& span, OutputFolder& folder) {
   return frames;
 }
 
-std::string bytesOf(const std::filesystem::path& file) {
-  requireRegularFile(file);
-  std::ifstream in(file, std::ios::binary);
-  if (!in)
-    throw InputError(file.string(), "cannot be read; expected what foci replay --frames wrote");
-  return {std::istreambuf_iterator<char>(in), {}};
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;  // of a file of a part
+
+std::string hashOf(const std::string& text) {
+  Sha256 hash;
+  hash.add({reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+  return hash.hex();
+}
+
+[[noreturn]] void refuseAltered(const std::filesystem::path& file, const std::string& what) {
+  throw InputError(file.string(),
+                   "is not the " + what + " that the part rendered; render the part again");
 }
 
 /// @throws InputError unless the bytes are those that the part wrote
@@ -140,8 +144,7 @@ void requireOwn(const std::filesystem::path& file, std::span<const unsigned char
   Sha256 hash;
   hash.add(bytes);
   if (hash.hex() == sha256) return;
-  throw InputError(file.string(),
-                   "is not the " + what + " that the part rendered; render the part again");
+  refuseAltered(file, what);
 }
 
 }  // namespace
@@ -169,7 +172,10 @@ FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::files
       headOf(study, own, gaze.schedule.frames, threads, eye.session().devices(), hashes.get());
   part["warnings"] = rendering.all();
   part["frames_seen"] = std::move(frames);
-  folder.write(kStudy, portableToml(study));
+  const std::string toml = portableToml(study);
+  part["study_sha256"] = hashOf(toml);
+  part["sha256"] = hashOf(jsonText(part));
+  folder.write(kStudy, toml);
   folder.write(kPart, jsonText(part) + "\n");
   folder.commit();
   return own;
@@ -177,11 +183,16 @@ FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::files
 
 Part readPart(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / kPart;
-  const std::string text = bytesOf(file);
+  const std::string text = bytesOfFile(file, kMostBytes);
   Part part;
   part.folder = folder;
+  bool altered = false;
   try {
-    const Json json = Json::parse(text);
+    Json json = Json::parse(text);
+    const std::string sha256 = json.at("sha256").get<std::string>();
+    json.erase("sha256");
+    altered = hashOf(jsonText(json)) != sha256;
+    part.study_sha256 = json.at("study_sha256").get<std::string>();
     part.version = json.at("version").get<std::string>();
     part.configuration = json.at("configuration").get<std::string>();
     part.span = {json.at("first").get<std::size_t>(), json.at("end").get<std::size_t>()};
@@ -202,6 +213,7 @@ Part readPart(const std::filesystem::path& folder) {
   } catch (const std::exception&) {
     throw InputError(file.string(), "expected what foci replay --frames wrote");
   }
+  if (altered) refuseAltered(file, "list of frames");
   const auto bad = [](const PartFrame& frame) {
     return std::filesystem::path(frame.image).filename() != frame.image;
   };
@@ -214,7 +226,9 @@ Part readPart(const std::filesystem::path& folder) {
 }
 
 Study studyOf(const Part& part) {
-  Study study = readStudy(part.folder / kStudy);
+  const std::filesystem::path file = part.folder / kStudy;
+  if (hashOf(bytesOfFile(file, kMostBytes)) != part.study_sha256) refuseAltered(file, "study");
+  Study study = readStudy(file);
   study.file = part.study_file;
   study.screen.is_default = part.screen_is_default;
   return study;
@@ -233,10 +247,10 @@ Study statedStudyOf(const Part& part) {
   return study;
 }
 
-Image imageOf(const Part& part, const PartFrame& frame) {
+Image imageOf(const Part& part, const PartFrame& frame, const glm::ivec2& size_px) {
   const std::filesystem::path file = part.folder / frame.image;
-  const std::string bytes = bytesOf(file);
-  Image image = imageOfPng({bytes.begin(), bytes.end()});
+  const std::string bytes = bytesOfFile(file, kMostBytes);
+  Image image = imageOfPng({bytes.begin(), bytes.end()}, size_px);
   requireOwn(file, image.rgb, frame.sha256, "image");
   return image;
 }
@@ -247,7 +261,7 @@ std::vector<std::string> mapsOf(const Part& part, std::size_t i,
   files.reserve(maps.size());
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const std::filesystem::path file = part.folder / mapFileName(maps[k], part.span.first + i);
-    files.push_back(bytesOf(file));
+    files.push_back(bytesOfFile(file, kMostBytes));
     const auto* const bytes = reinterpret_cast<const unsigned char*>(files.back().data());
     requireOwn(file, {bytes, files.back().size()},
                k < part.all[i].maps_sha256.size() ? part.all[i].maps_sha256[k] : "", "map");

@@ -35,6 +35,7 @@ struct Part {
   std::filesystem::path folder;
   std::string version;        ///< of foci
   std::string configuration;  ///< of the study, as JSON
+  std::string study_sha256;   ///< of the folder's study.toml
   FrameSpan span;
   std::size_t frames = 0;  ///< of the whole run
   bool screen_is_default = false;
@@ -68,8 +69,9 @@ Study studyOf(const Part& part);
 /// nowhere.
 Study statedStudyOf(const Part& part);
 
+/// @param size_px  of the run's images
 /// @throws InputError if the file is missing or holds another image than the part rendered
-Image imageOf(const Part& part, const PartFrame& frame);
+Image imageOf(const Part& part, const PartFrame& frame, const glm::ivec2& size_px);
 
 /// The bytes of the files of the maps of the part's `i`-th frame.
 /// @param maps  of the study

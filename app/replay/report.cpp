@@ -297,10 +297,10 @@ std::string objectsText(const std::vector<ObjectLooks>& objects) {
   return text;
 }
 
-void heatSection(std::ostream& out, const std::vector<HeatPicture>& pictures) {
-  if (pictures.empty()) return;
+void heatSection(std::ostream& out, const ReportFacts& facts) {
+  if (facts.heat.empty()) return;
   out << "<h2>Where gaze rested</h2>\n<div class=\"pair\">\n";
-  for (const HeatPicture& picture : pictures) {
+  for (const HeatPicture& picture : facts.heat) {
     out << "<figure><img alt=\"heatmap " << escaped(picture.caption)
         << "\" src=\"data:image/jpeg;base64,";
     Base64 base64(out);
@@ -308,8 +308,11 @@ void heatSection(std::ostream& out, const std::vector<HeatPicture>& pictures) {
     base64.finish();
     out << "\"><figcaption>" << escaped(picture.caption) << "</figcaption></figure>\n";
   }
-  out << "</div>\n<p class=\"quiet\">Time of gaze per area of the surface, from violet to bright "
-         "yellow; grey was not looked at. The scale ends at what 1 % of the time exceeds.</p>\n";
+  out << "</div>\n"
+      << heatBarSvg(facts.most_heat_s_per_m2)
+      << "<p class=\"quiet\">Seconds of gaze per square metre of the surface; grey was not looked "
+         "at. "
+         "The scale ends at what 1 % of the time exceeds.</p>\n";
 }
 
 }  // namespace
@@ -330,7 +333,7 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
          "fixate.</p>\n";
   contactSheet(out, facts);
   out << objectsText(facts.objects);
-  heatSection(out, facts.heat);
+  heatSection(out, facts);
   out << "<h2>Over time</h2>\n";
   if (charts) {
     out << legend(marks) << *charts;

@@ -33,6 +33,7 @@ struct ReportFacts {
   double pupil_min_mm = 0.0, pupil_max_mm = 0.0;
   std::vector<ObjectLooks> objects;  ///< `GazeInScene::objects`
   std::vector<HeatPicture> heat;     ///< none: no heatmap was asked for
+  double most_heat_s_per_m2 = 0.0;   ///< `HeatMap::most_s_per_m2`
   unsigned threads = 0;
   std::string device;                 ///< that rendered the frames
   RunChanges run;                     ///< the study in force, and what changed

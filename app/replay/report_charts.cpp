@@ -213,9 +213,10 @@ std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows, const gl
   auto svg = runGnuplot(script);
   if (!svg) return std::nullopt;
   svg->erase(0, svg->find("<svg"));
-  replaceAll(*svg, "#010203", "currentColor");
-  replaceAll(*svg, "rgb(  1,   2,   3)", "currentColor");
-  replaceAll(*svg, "rgb(1,2,3)", "currentColor");
+  // Not currentColor: gnuplot's groups set that to black.
+  for (const char* drawn : {kTextColor, "rgb(  1,   2,   3)", "rgb(1,2,3)"}) {
+    replaceAll(*svg, drawn, "var(--ink)");
+  }
   describe(*svg, "Gaze, focus, pupil and render time over time", chartsText(rows, marks));
   return svg;
 }

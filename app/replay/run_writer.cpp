@@ -155,10 +155,11 @@ RunResult RunWriter::finish(const RunFacts& run) {
   facts.objects = in_scene.objects;
   OutputFiles heatmap;
   if (run.heatmap) {
-    const SurfelCloud heat = heatCloud(cloud_, in_scene.attention_s);
-    facts.heat = heatPictures(heat, in_scene);
+    const HeatMap heat = heatMapOf(cloud_, in_scene.attention_s);
+    facts.heat = heatPictures(heat.cloud, in_scene);
+    facts.most_heat_s_per_m2 = heat.most_s_per_m2;
     heatmap.write(*run.heatmap, [&](const std::filesystem::path& to) {
-      writeHeatPly(to, heat, in_scene.attention_s);
+      writeHeatPly(to, heat.cloud, in_scene.attention_s);
     });
   }
   facts.sheet = sheet_.images(study_.imageSize_px());

@@ -104,6 +104,17 @@ void FrameRenderer::fallBack(const GpuError& error) {
   gpu_.reset();
 }
 
+/// Does it again on the CPU where the GPU fails.
+template <class Action>
+void FrameRenderer::onAnyDevice(const Action& action) {
+  try {
+    action();
+  } catch (const GpuError& error) {
+    fallBack(error);
+    action();
+  }
+}
+
 std::string FrameRenderer::deviceOf(const std::string& spec) const {
   const std::string name(qualityLevelFrom(spec) ? kAutoMethod : spec);
   if (gpu_ && rendersOnGpu(name, *cloud_)) return gpu_->text();
@@ -120,8 +131,15 @@ FrameRenderer FrameRenderer::cloneSharingScene() const {
 }
 
 void FrameRenderer::prepare(const RenderRequest& request) {
-  Method& method = methodNamed(request.method);
-  for (const auto& [eye, settings] : request.eyes) method.prepare(eye.view, settings);
+  onAnyDevice([&] {
+    Method& method = methodNamed(request.method);
+    for (const auto& [eye, settings] : request.eyes) method.prepare(eye.view, settings);
+  });
+}
+
+void FrameRenderer::renderView(const std::string& method, const View& view,
+                               const RenderSettings& settings, Frame& frame) {
+  onAnyDevice([&] { methodNamed(method).render(view, settings, frame); });
 }
 
 void FrameRenderer::pass(const RenderRequest& request) {
@@ -129,12 +147,7 @@ void FrameRenderer::pass(const RenderRequest& request) {
   const auto& [eye, asked] = request.eyes.front();  // it decides the level of the others
   RenderSettings settings = asked;
   settings.quality.quality_level = qualityLevelFrom(request.method);
-  try {
-    methodNamed(request.method).pass(eye.view, settings);
-  } catch (const GpuError& error) {
-    fallBack(error);
-    methodNamed(request.method).pass(eye.view, settings);
-  }
+  onAnyDevice([&, view = eye.view] { methodNamed(request.method).pass(view, settings); });
 }
 
 void FrameRenderer::render(const RenderRequest& request, RenderedFrame& rendered) {
@@ -143,11 +156,11 @@ void FrameRenderer::render(const RenderRequest& request, RenderedFrame& rendered
 }
 
 void FrameRenderer::renderKept(const RenderRequest& request, RenderedFrame& rendered) {
-  renderOnAnyDevice(request, false, rendered);
+  onAnyDevice([&] { renderViews(request, false, rendered); });
 }
 
 void FrameRenderer::renderPassed(const RenderRequest& request, RenderedFrame& rendered) {
-  renderOnAnyDevice(request, true, rendered);
+  onAnyDevice([&] { renderViews(request, true, rendered); });
   read(rendered);
 }
 
@@ -212,16 +225,6 @@ void FrameRenderer::renderAgain(const GpuError& error, RenderedFrame& rendered) 
   renderViews(at_level, false, rendered);
   rendered.request = request;
   rendered.method = method;
-}
-
-void FrameRenderer::renderOnAnyDevice(const RenderRequest& request, bool keep_level,
-                                      RenderedFrame& rendered) {
-  try {
-    renderViews(request, keep_level, rendered);
-  } catch (const GpuError& error) {
-    fallBack(error);
-    renderViews(request, keep_level, rendered);
-  }
 }
 
 void FrameRenderer::renderViews(const RenderRequest& request, bool keep_level,

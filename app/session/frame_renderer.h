@@ -97,6 +97,10 @@ class FrameRenderer {
   /// Clones profit, too.
   void prepare(const RenderRequest& request);
 
+  /// Renders one view by a method, on any device.
+  void renderView(const std::string& method, const View& view, const RenderSettings& settings,
+                  Frame& frame);
+
   /// Null: the CPU renders.
   const SharedGpu& gpu() const { return gpu_; }
 
@@ -120,7 +124,8 @@ class FrameRenderer {
   void fallBack(const GpuError& error);
   /// @param keep_level  the first view, too, is rendered at the level of the last render
   void renderViews(const RenderRequest& request, bool keep_level, RenderedFrame& rendered);
-  void renderOnAnyDevice(const RenderRequest& request, bool keep_level, RenderedFrame& rendered);
+  template <class Action>
+  void onAnyDevice(const Action& action);
   void renderAgain(const GpuError& error, RenderedFrame& rendered);
 
   const SurfelCloud* cloud_;

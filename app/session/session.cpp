@@ -227,10 +227,9 @@ void Session::finishLook(FrameRecord& record) {
 
 /// Shows a pupil that follows luminance its first frame. Blur does not change the mean luminance.
 void Session::showSharpFrame(double time_s) {
-  renderer_.methodNamed(settings_.method)
-      .render(middleViewAt(time_s),
-              {.defocus = {}, .background = settings_.background, .shading = settings_.shading},
-              sharp_);
+  renderer_.renderView(
+      settings_.method, middleViewAt(time_s),
+      {.defocus = {}, .background = settings_.background, .shading = settings_.shading}, sharp_);
   pupil_.show(time_s, sharp_);
 }
 

@@ -42,13 +42,20 @@ Key<T> key(std::string_view name, std::string_view meaning, Allowed allowed = {}
           }};
 }
 
-inline std::string place(const std::string& file, const toml::value& value) {
-  return file + ":" + std::to_string(value.location().line());
-}
+/// The file of keys, for messages.
+struct KeySource {
+  std::string file;
+  const TomlDocument* document = nullptr;  ///< null: lines are those that toml11 has parsed
 
-inline InputError notAsExpected(const std::string& file, const std::string& key,
+  std::string place(const toml::value& value) const {
+    const auto line = static_cast<int>(value.location().line());
+    return file + ":" + std::to_string(document != nullptr ? document->lineOf(line) : line);
+  }
+};
+
+inline InputError notAsExpected(const KeySource& source, const std::string& key,
                                 const toml::value& value, const std::string& expected) {
-  return {place(file, value), key + " = " + shownValue(value) + ": expected " + expected};
+  return {source.place(value), key + " = " + shownValue(value) + ": expected " + expected};
 }
 
 /// @param value  a table makes the name that of a section
@@ -75,7 +82,7 @@ std::vector<std::string> namesOf(const std::vector<Key<T>>& keys) {
 /// @return the names of the keys set
 template <class T>
 KeyNames apply(const std::vector<Key<T>>& keys, const toml::table& table, const std::string& prefix,
-               const std::string& file, T& to) {
+               const KeySource& source, T& to) {
   KeyNames given;
   for (const auto& [name, value] : table) {
     const std::string full = prefix + name;
@@ -88,15 +95,17 @@ KeyNames apply(const std::vector<Key<T>>& keys, const toml::table& table, const 
       try {
         found->read(value, found->allowed, to);
       } catch (const Expected& expected) {
-        throw notAsExpected(file, full, value, expected.what);
+        const std::string text =
+            source.document != nullptr ? expected.text(*source.document) : expected.what;
+        throw notAsExpected(source, full, value, text);
       }
       given.insert(full);
     } else if (is_section && value.is_table() && prefix.empty()) {
-      given.merge(apply(keys, value.as_table(), full + ".", file, to));
+      given.merge(apply(keys, value.as_table(), full + ".", source, to));
     } else if (is_section) {
-      throw notAsExpected(file, full, value, "a section of keys");
+      throw notAsExpected(source, full, value, "a section of keys");
     } else {
-      throw unknownKey(place(file, value), full, value, namesOf(keys));
+      throw unknownKey(source.place(value), full, value, namesOf(keys));
     }
   }
   return given;
@@ -118,10 +127,11 @@ void readList(const toml::value& from, const std::vector<Key<T>>& keys, const st
     // The caller, who knows the name of the file, puts it before the message.
     KeyNames given;
     try {
-      given = apply(keys, element.as_table(), "", "", value);
+      given = apply(keys, element.as_table(), "", {}, value);
     } catch (const InputError& error) {
-      const std::string_view text = error.what();
-      throw Expected{"a list of " + each + "s, but line " + std::string(text.substr(1))};
+      const std::string text = error.what();  // ":LINE: ..."
+      const std::size_t end = text.find(':', 1);
+      throw Expected{"a list of " + each + "s", std::stoi(text.substr(1)), text.substr(end)};
     }
     check(given);
     to.push_back(value);

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
+#include <sstream>
 #include <string>
 
+#include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kLeast_nm = 360.0, kMost_nm = 830.0;
 constexpr std::size_t kMostSamples = 10000;
+constexpr std::uintmax_t kMostBytes = 4 << 20;  // far above such a table
 
 /// Words of a line between commas, semicolons, tabs and blanks.
 std::vector<std::string> wordsOf(const std::string& line) {
@@ -33,9 +35,7 @@ std::vector<std::string> wordsOf(const std::string& line) {
 }  // namespace
 
 std::vector<SpectrumSample> readSpectra(const std::filesystem::path& file) {
-  requireRegularFile(file);
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(file.string(), "cannot be read");
+  std::istringstream in(bytesOfFile(file, kMostBytes));
   std::vector<SpectrumSample> spectra;
   int number = 0;
   for (std::string line; std::getline(in, line);) {

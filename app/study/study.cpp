@@ -51,10 +51,10 @@ bool decidesAngles(std::string_view key) {
 }
 
 Study readStudy(const std::filesystem::path& file) {
-  const toml::value document = readToml(file);
+  const TomlDocument document = readToml(file);
   Study study;
   study.file = file;
-  const auto given = setKeys(study, document.as_table(), file.string());
+  const auto given = setKeys(study, document, file.string());
 
   const auto refuseBoth = [&](const char* one, const char* other) {
     if (given.contains(one) && given.contains(other)) {

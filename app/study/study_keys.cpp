@@ -461,8 +461,8 @@ std::string shownName(std::string_view name) {
   return shown;
 }
 
-KeyNames setKeys(Study& study, const toml::table& table, const std::string& file) {
-  return apply(studyKeys(), table, "", file, study);
+KeyNames setKeys(Study& study, const TomlDocument& document, const std::string& file) {
+  return apply(studyKeys(), document.table(), "", {file, &document}, study);
 }
 
 void setKey(Study& study, std::string_view key, const toml::value& value) {
@@ -484,10 +484,10 @@ void setKey(Study& study, std::string_view key, const std::string& text, const s
     return InputError(where, std::string(key) + " = " + shownName(text) + ": expected " + expected);
   };
   try {
-    const toml::value document = parseToml("value = " + text, where);
-    found->read(document.as_table().at("value"), found->allowed, study);
+    const TomlDocument document = parseToml("value = " + text, where);
+    found->read(document.table().at("value"), found->allowed, study);
   } catch (const Expected& expected) {
-    throw refusal(expected.what);
+    throw refusal(expected.text({}));
   } catch (const std::exception&) {
     throw refusal("a TOML value; a text needs quotes");
   }

@@ -6,9 +6,9 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <toml.hpp>
 
 #include "app/study/study.h"
+#include "calibration/toml_file.h"
 
 namespace foci {
 
@@ -18,7 +18,7 @@ using KeyNames = std::set<std::string, std::less<>>;
 /// @param file  for messages
 /// @return the names of the keys set
 /// @throws InputError naming file, line, key and value where the table of keys forbids something
-KeyNames setKeys(Study& study, const toml::table& table, const std::string& file);
+KeyNames setKeys(Study& study, const TomlDocument& document, const std::string& file);
 
 /// Sets one key, which the table must have (asserted). @throws Expected
 void setKey(Study& study, std::string_view key, const toml::value& value);

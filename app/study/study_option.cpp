@@ -29,7 +29,7 @@ constexpr std::pair<std::string_view, std::string_view> kReplaced[] = {
 /// Whether the text is one TOML value.
 bool isTomlValue(const std::string& text) {
   try {
-    return parseToml("value = " + text, "").as_table().size() == 1;
+    return parseToml("value = " + text, "").table().size() == 1;
   } catch (const std::exception&) {
     return false;
   }

@@ -23,6 +23,14 @@ std::string tomlOf(const Json& json) {
   return "{" + text + "}";
 }
 
+/// The value of a key in a file: a list of tables has a line for each.
+std::string tomlInFile(const Json& json) {
+  if (!json.is_array() || json.empty() || !json.front().is_object()) return tomlOf(json);
+  std::string text;
+  for (const Json& element : json) text += (text.empty() ? "\n  " : ",\n  ") + tomlOf(element);
+  return "[" + text + "\n]";
+}
+
 /// "eye" and "up" of "eye.up"; no section of "seed".
 std::pair<std::string, std::string> splitName(std::string_view name) {
   const std::size_t dot = name.find('.');
@@ -78,7 +86,7 @@ std::string annotatedStudyToml(const Study& study, const std::filesystem::path& 
       continue;
     }
     const auto [in, name] = splitName(key.name);
-    const std::string entry = name + " = " + tomlOf(value) + "  # " + std::string(key.meaning);
+    const std::string entry = name + " = " + tomlInFile(value) + "  # " + std::string(key.meaning);
     if (in.empty()) {
       above += entry + "\n";
       continue;
@@ -104,7 +112,7 @@ std::string studyToml(const Study& study) {
     if (value.is_null() || value == Json::array() || value == "") continue;
     if (moved.scene.file && key.name == "scene.builtin") continue;
     const auto [in, name] = splitName(key.name);
-    const std::string line = name + " = " + tomlOf(value) + "\n";
+    const std::string line = name + " = " + tomlInFile(value) + "\n";
     if (in.empty()) {
       above += line;
       continue;

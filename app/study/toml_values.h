@@ -12,11 +12,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <toml.hpp>
 #include <vector>
 
 #include "app/study/study_words.h"
 #include "base/text.h"
+#include "calibration/toml_file.h"
 
 namespace foci {
 
@@ -33,7 +33,14 @@ struct Allowed {
 
 /// Thrown for a value that the key does not allow.
 struct Expected {
-  std::string what;  ///< the key allows
+  std::string what;        ///< the key allows
+  int line = 0;            ///< of the wrong element of a list, as parsed; 0: no list
+  std::string there = {};  ///< what is wrong there
+
+  std::string text(const TomlDocument& document) const {
+    if (line == 0) return what;
+    return what + ", but line " + std::to_string(document.lineOf(line)) + there;
+  }
 };
 
 inline std::string rangeText(const Allowed& allowed) {

@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fstream>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/file_bytes.h"
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
@@ -20,6 +21,7 @@ namespace {
 
 constexpr double kLeastPupil_mm = 1.0, kMostPupil_mm = 12.0, kMost_um = 50.0;
 constexpr std::size_t kMostLines = 1000, kLongestCell = 60;
+constexpr std::uintmax_t kMostTable_bytes = 1 << 20;  // far above such a table
 
 struct Row {
   int line = 0;
@@ -63,6 +65,25 @@ std::vector<std::string> cellsOf(std::string_view line, char separator) {
   return cells;
 }
 
+/// The name of another order of the terms that a line states: as a cell of its own ("Noll"), or in
+/// a cell or comment about the order ("Noll index", "# ordering: Noll"). A name of a person or a
+/// file may hold the same letters; a line that also names OSA or ANSI only compares.
+std::optional<std::string> otherOrderIn(const std::string& line, char separator) {
+  static const std::regex name("(^|[^a-z])(noll|fringe|malacara)([^a-z]|$)");
+  static const std::regex about(
+      "(^|[^a-z])(order|ordered|ordering|index|indices|indexing|convention|scheme|notation|"
+      "standard|"
+      "numbering|sequence|zernikes?|modes?|terms?|j)([^a-z]|$)");
+  static const std::regex ours("(^|[^a-z])(osa|ansi)([^a-z]|$)");
+  std::smatch found;
+  if (line.size() > 1000 || !std::regex_search(line, found, name)) return std::nullopt;
+  std::string other = found[2];
+  if (std::regex_search(line, ours)) return std::nullopt;
+  const std::vector<std::string> cells = cellsOf(trimmed(line), separator);
+  const bool alone = std::find(cells.begin(), cells.end(), other) != cells.end();
+  return alone || std::regex_search(line, about) ? std::optional(std::move(other)) : std::nullopt;
+}
+
 /// The table, while it is read.
 class WavefrontTable {
  public:
@@ -97,9 +118,7 @@ class WavefrontTable {
   }
 
   void readRows() {
-    requireRegularFile(file_);
-    std::ifstream in(file_, std::ios::binary);
-    if (!in) throw InputError(file_, "cannot be read");
+    std::istringstream in(bytesOfFile(file_, kMostTable_bytes));
     std::vector<std::string> lines;
     for (std::string line; std::getline(in, line);) {
       if (lines.size() == kMostLines) {
@@ -117,12 +136,9 @@ class WavefrontTable {
     const char separator = holds('\t') ? '\t' : holds(';') ? ';' : holds(',') ? ',' : ' ';
     decimal_comma_ = separator != ',';
     for (std::size_t i = 0; i < lines.size(); ++i) {
-      const std::string text = lower(lines[i]);
       const int line = static_cast<int>(i) + 1;
-      for (const char* other : {"noll", "fringe", "malacara"}) {
-        if (text.find(other) != text.npos) {
-          fail(line, std::string(other) + ": expected the order of OSA and ANSI Z80.28");
-        }
+      if (const auto other = otherOrderIn(lower(lines[i]), separator)) {
+        fail(line, *other + ": expected the order of OSA and ANSI Z80.28");
       }
       std::string_view content = trimmed(lines[i]);
       if (content.starts_with('#')) {

@@ -39,11 +39,7 @@ ScreenCalibration readScreen(const std::filesystem::path& file) {
                         .size_m = in.pair("screen.size_m", 0.01, 20.0),
                         .distance_m = in.number("screen.distance_m", 0.01, 100.0)};
   if (in.has("display.gamma")) {
-    try {
-      calibration.gamma = in.number("display.gamma", 1.0, 4.0);
-    } catch (const std::exception&) {
-      if (in.text("display.gamma") != "sRGB") in.refuse("display.gamma", "\"sRGB\" or 1 to 4");
-    }
+    calibration.gamma = in.numberOrWord("display.gamma", "sRGB", 1.0, 4.0);
   }
   if (in.has("display.size_from")) calibration.size_from = in.text("display.size_from");
   if (in.has("display.distance_from")) calibration.distance_from = in.text("display.distance_from");

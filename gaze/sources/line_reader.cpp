@@ -1,14 +1,14 @@
 #include "gaze/sources/line_reader.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "base/text.h"
+#include "gaze/sources/packed_file.h"
 #include "gaze/sources/swift_number.h"
 
 namespace foci {
@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxLine_B = 64 * 1024;      // far above the line of any tracker
 constexpr std::size_t kBuffer_B = 4 * kMaxLine_B;  // large enough that refills cost nothing
+
 // A packed recording is unpacked to about 5 times its size; a file that packs some bytes again and
 // again reaches a thousand times.
 constexpr std::int64_t kMaxUnpacked = 100;
@@ -39,8 +40,8 @@ void requirePackedRecording(const std::string& file, std::int64_t unpacked_B,
 }
 
 struct LineReader::Input {
-  gzFile file = nullptr;
-  bool done = false;  // at the end of the file, or at damage in a packed file
+  std::optional<PackedFile> file{};  // absent: all is in the buffer
+  bool done = false;                 // at the end of the file, or at damage in a packed file
 };
 
 LineReader::LineReader(const std::filesystem::path& file)
@@ -48,40 +49,29 @@ LineReader::LineReader(const std::filesystem::path& file)
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) throw InputError(name_, "is a folder");
   requireRegularFile(file);
-  in_->file = gzopen(name_.c_str(), "rb");
-  if (!in_->file) throw InputError(name_, "cannot be read");
-  gzbuffer(in_->file, static_cast<unsigned>(kBuffer_B / 2));
+  in_->file.emplace(file);
 }
 
 LineReader::LineReader(std::string name, std::string_view text)
     : name_(std::move(name)),
-      in_(std::make_unique<Input>(Input{.done = true})),
+      in_(std::make_unique<Input>()),
       buffer_(text.size() + kNumberPadding),
       end_(text.size()) {
+  in_->done = true;
   std::copy(text.begin(), text.end(), buffer_.begin());
 }
 
-LineReader::~LineReader() {
-  if (in_->file) gzclose(in_->file);
-}
+LineReader::~LineReader() = default;
 
 bool LineReader::fill() {
   if (in_->done) return false;
   std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
-  const int count =
-      gzread(in_->file, buffer_.data() + end_, static_cast<unsigned>(kBuffer_B - end_));
-  int status = Z_OK;
-  gzerror(in_->file, &status);
-  if (count < 0 || status == Z_BUF_ERROR || status == Z_DATA_ERROR) {
-    in_->done = true;
-    throw InputError(name_, "damaged: cannot be unpacked to its end");
-  }
   in_->done = true;
-  requirePackedRecording(name_, gztell(in_->file), gzoffset(in_->file));
+  const std::size_t count = in_->file->read(buffer_.data() + end_, kBuffer_B - end_);
   in_->done = count == 0;
-  end_ += static_cast<std::size_t>(count);
+  end_ += count;
   return count > 0;
 }
 

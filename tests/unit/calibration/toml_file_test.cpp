@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <string>
+
 #include "base/input_error.h"
 
 namespace foci {
@@ -47,6 +50,41 @@ TEST(TomlFile, CountsNestingOutsideTextsAndComments) {
   EXPECT_EQ(refusal(numbers + "]"), "");
   EXPECT_EQ(refusal("\na = " + brackets), "x:2: nested too deeply");
   EXPECT_EQ(refusal("a" + std::string(17, '.') + "b = 1"), "x:1: nested too deeply");
+}
+
+/// A study's path on one line: toml11 alone takes a time with the square of its length.
+std::string onOneLine(int elements) {
+  std::string text = "a = [";
+  for (int i = 0; i < elements; ++i) {
+    text +=
+        (i ? ", " : "") + std::string("{time_s = ") + std::to_string(i) + ", p = [1.5, 2.5, 3.5]}";
+  }
+  return text + "]";
+}
+
+TEST(TomlFile, ALongLineTakesATimeInProportionToItsLength) {
+  const auto start = std::chrono::steady_clock::now();
+  const TomlDocument document = parseToml(onOneLine(20'000), "x");
+  EXPECT_EQ(document.table().at("a").as_array().size(), 20'000u);
+  // Seconds; with the square of the length it would be minutes.
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+}
+
+TEST(TomlFile, LinesOfErrorsAreThoseOfTheFile) {
+  const std::string list = "\n" + onOneLine(2000) + "\nb = 1\n";
+  const TomlDocument document = parseToml(list, "x");
+  EXPECT_GT(document.lines.size(), 50u);
+  EXPECT_EQ(document.lineOf(document.table().at("b")), 3);
+  EXPECT_EQ(document.lineOf(document.table().at("a").as_array().back()), 2);
+  EXPECT_TRUE(refusal(list + "c = [1, }\n").starts_with("x:4: ")) << refusal(list + "c = [1, }\n");
+  EXPECT_TRUE(refusal(list + "\xff").starts_with("x:4: "));
+}
+
+TEST(TomlFile, LongTextsAreOneValueAndLongTablesInBracesAreRefused) {
+  EXPECT_EQ(refusal("a = \"" + std::string(3 << 20, 'A') + "\"\nb = 1"), "");
+  std::string table = "a = {k0 = 1";
+  for (int i = 1; i < 5000; ++i) table += ", k" + std::to_string(i) + " = 1";
+  EXPECT_NE(refusal(table + "}").find("16 KiB"), std::string::npos);
 }
 
 }  // namespace

@@ -74,6 +74,10 @@ TEST(ReportCharts, MarkTheTimeAxisAndSpeakToScreenReaders) {
   EXPECT_NE(svg->find("role=\"img\" aria-label=\"Gaze, focus, pupil and render time over time\""),
             std::string::npos);
   EXPECT_EQ(svg->find("Gnuplot"), std::string::npos);
+  // Axes and words have the page's colour of text, in the light and in the dark.
+  EXPECT_NE(svg->find("stroke='var(--ink)'"), std::string::npos);
+  EXPECT_NE(svg->find("fill=\"var(--ink)\""), std::string::npos);
+  EXPECT_EQ(svg->find("(1,2,3)"), std::string::npos);
   EXPECT_NE(svg->find("2 event markers and 3 changes of settings"), std::string::npos);
   EXPECT_NE(svg->find("horizontal 10 to 109 px"), std::string::npos);
   const auto plain = chartsSvg(rows, {640, 480}, {});

@@ -71,5 +71,34 @@ TEST(GpuFallback, ASessionNamesBothDevices) {
   EXPECT_EQ(session.devices(), cpu);
 }
 
+TEST(GpuFallback, APreparedBudgetAndALuminancePupilGoOnOnTheCpu) {
+  SurfelCloud cloud;
+  addSheet(cloud, 2.0f, 1.0f, 20, {0.2f, 0.7f, 0.4f});
+  {
+    const LosableDevice device = losableDevice();
+    if (!device.gpu) GTEST_SKIP() << "no OpenGL 4.5 on this machine";
+    FrameRenderer renderer(cloud, device.gpu);
+    RenderRequest request = requestOf("auto");
+    request.eyes[0].settings.quality.frame_ms = 5.0f;
+    RenderedFrame frame;
+    renderer.render(request, frame);
+    *device.lost = true;
+    request.eyes[0].settings.defocus.focus_D = 1.0f;
+    EXPECT_NO_THROW(renderer.prepare(request));
+    EXPECT_NO_THROW(renderer.render(request, frame));
+    EXPECT_NE(renderer.gpuFailure(), "");
+  }
+  const LosableDevice device = losableDevice();
+  SessionSettings settings;
+  settings.method = "sweep";
+  settings.device = RenderDevice::gpu;
+  settings.output.size_px = {32, 18};
+  settings.observer.pupil = PupilModel::luminance;
+  Session session(settings, cloud, settings.screen, 1000.0, 0.0, device.gpu);
+  *device.lost = true;
+  EXPECT_NO_THROW(session.lookSettled(0.0, {100.0, 100.0}));  // shows the pupil its first frame
+  EXPECT_NE(session.deviceRemark(), "");
+}
+
 }  // namespace
 }  // namespace foci

@@ -76,6 +76,12 @@ TEST(WavefrontFile, RefusesWhatCanBeMisread) {
   EXPECT_EQ(refusal("j,um\n4,0.5\n"),
             "eye.csv: no pupil: expected a row such as pupil_mm,6, a column pupil_mm, or the key "
             "observer.wavefront_pupil_mm");
+  EXPECT_NE(refusal("# Zernike order: Noll\npupil_mm,6\nj,um\n4,0.5\n"), "");
+  EXPECT_NE(refusal("pupil_mm,6\nNoll index,um\n4,0.5\n"), "");
+  for (const char* name : {"# patient: Knoll\n", "# Anna Noll, 1970\n", "# file noll-2.csv\n",
+                           "# order: OSA, not Noll\n"}) {
+    EXPECT_EQ(refusal(std::string(name) + "pupil_mm,6\nj,um\n4,0.5\n"), "read") << name;
+  }
   EXPECT_EQ(refusal("pupil_mm,6\nnoll,um\n4,0.5\n"),
             "eye.csv:2: noll: expected the order of OSA and ANSI Z80.28");
   for (const char* heading : {"j,waves", "n,m,waves"}) {
