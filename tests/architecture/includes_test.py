@@ -16,7 +16,7 @@ ROOMS = ("base", "render", "gaze", "calibration", "app", "python")
 SOURCES = (".h", ".cpp", ".inc")
 MAX_FILES_AT_THE_ROOT_OF_APP = 3
 OURS = re.compile(r'\s*#\s*include\s*"([^"]+)"')
-POSIX = ("fcntl.h", "unistd.h", "sys/mman.h", "sys/stat.h")  # file descriptors, pages of memory
+POSIX = ("fcntl.h", "unistd.h", "sys/mman.h", "sys/resource.h", "sys/stat.h")  # file descriptors, pages of memory
 OTHERS = re.compile(r"\s*#\s*include\s*<([^>]+)>")
 
 
