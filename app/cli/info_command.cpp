@@ -67,7 +67,8 @@ void addInfoCommand(CLI::App& app) {
       ->required();
   command->add_option("--thumbnail", options->thumbnail, "also render the scene, 480x270 px")
       ->type_name("FILE.png");
-  command->add_option("--look", options->look, "look from front, left or above")->type_name("FROM");
+  command->add_option("--look", options->look, "look from front, left, above or outside")
+      ->type_name("FROM");
   command->add_option("--up", options->up, "upward axis, x, y or z, or -x, -y or -z")
       ->type_name("AXIS");
   command->add_flag("--json", options->json, "print the facts as JSON");

@@ -156,8 +156,8 @@ void addPrepareCommand(CLI::App& app) {
   prepare
       ->add_option(
           "INPUT", options->input,
-          "points (PLY, LAS, XYZ, PTS), mesh (OBJ, glTF, STL, FBX, PLY, OFF) or Gaussians (PLY, "
-          "SPZ, SPLAT, KSPLAT, SOG)")
+          "points (PLY, LAS, PCD, XYZ, PTS, COLMAP), mesh (OBJ, glTF, STL, FBX, PLY, OFF) or "
+          "Gaussians (PLY, SPZ, SPLAT, KSPLAT, SOG, glTF)")
       ->type_name("FILE")
       ->required();
   prepare->add_option("--out", options->out, "scene; the report gets the same name with .html")

@@ -78,7 +78,7 @@ void addStudyOptions(CLI::App& command, StudyOptions& options) {
       ->required();
   add("--scene", options.scene, "FILE",
       "points, mesh, Gaussians or prepared scene instead of the study's scene");
-  add("--look", options.look, "FROM", "for a scene: look from front, left or above");
+  add("--look", options.look, "FROM", "for a scene: look from front, left, above or outside");
   add("--up", options.up, "AXIS", "for a scene: its upward axis, x, y or z, or -x, -y or -z");
   add("--write-study", options.write_study, "FILE.toml",
       "save the study with these options, to edit and use again");
@@ -128,13 +128,16 @@ std::string placeHead(Study& study, const SceneFacts& facts, const SpacePreview&
 }  // namespace
 
 std::optional<Look> lookOf(const std::string& look) {
-  constexpr std::array<std::pair<std::string_view, Look>, 3> kLooks = {
-      {{"front", Look::front}, {"left", Look::left}, {"above", Look::above}}};
+  constexpr std::array<std::pair<std::string_view, Look>, 4> kLooks = {
+      {{"front", Look::front},
+       {"left", Look::left},
+       {"above", Look::above},
+       {"outside", Look::outside}}};
   if (look.empty()) return std::nullopt;
   for (const auto& [name, value] : kLooks) {
     if (name == look) return value;
   }
-  throw InputError("--look " + look, "expected front, left or above");
+  throw InputError("--look " + look, "expected front, left, above or outside");
 }
 
 std::optional<UpAxis> upOf(const std::string& up) {

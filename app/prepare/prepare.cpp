@@ -167,6 +167,11 @@ PreparedScene preparedGaussians(const PrepareRequest& request, GaussianFile&& fi
     throw InputError("--points", "sets the samples of a mesh, and " + request.input.string() +
                                      " holds Gaussians: leave it out");
   }
+  if (file.mesh) {
+    throw InputError(request.input.string(),
+                     "holds a mesh beside its Gaussians, which foci prepare does not join: "
+                     "render the file itself");
+  }
   scaleBy(file.cloud, static_cast<float>(request.scale_m));
   const auto cloud = std::make_shared<const GaussianCloud>(withTree(std::move(file.cloud)));
   summary.dropped = file.dropped;
@@ -189,6 +194,9 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
   SceneFile file = readScene(request.input);
   PrepareSummary summary{
       .out = request.out, .report = reportOf(request.out), .facts = factsOf(file)};
+  if (const auto* const streamed = std::get_if<StreamedGaussians>(&file.content)) {
+    file.content = streamed->read({});
+  }
   auto* const gaussians = std::get_if<GaussianFile>(&file.content);
   const PreparedScene scene = gaussians ? preparedGaussians(request, std::move(*gaussians), summary)
                                         : preparedSurfels(request, std::move(file), summary);

@@ -8,6 +8,7 @@
 #include "app/study/inputs.h"
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "render/image/image_file.h"
 
 namespace foci {
@@ -48,8 +49,14 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
       settings.device == RenderDevice::gpu || !device.starts_with("the CPU")) {
     say("renders on " + device);
   }
-  FrameRecord record =
-      session.lookSettled(0.0, request.gaze_px.value_or(0.5 * glm::dvec2(settings.screen.size_px)));
+  const glm::dvec2 middle_px = 0.5 * glm::dvec2(settings.screen.size_px);
+  std::optional<glm::dvec2> gaze_px = request.gaze_px;
+  if (!gaze_px && !settings.focus.fixed_D) gaze_px = session.middleSurface_px(0.0);
+  if (!request.gaze_px && gaze_px && *gaze_px != middle_px) {
+    say("nothing is in the middle: the eye looks at the nearest surface around it, at " +
+        decimal(gaze_px->x, 0) + "," + decimal(gaze_px->y, 0) + " px");
+  }
+  FrameRecord record = session.lookSettled(0.0, gaze_px.value_or(middle_px));
   RenderRequest render_request = session.requestOf(settings.method, record);
   for (RenderRequest::Eye& eye : render_request.eyes) {
     eye.settings.depth = request.depth || request.defocus;

@@ -18,7 +18,7 @@ struct ImageRequest {
   /// Focus in dioptres (0: infinity); absent: the study's fixed focus, else the surface at the
   /// gaze. The eye focuses as near to it as its age and its refraction allow.
   std::optional<double> focus_D;
-  /// On the study's screen, px; absent: its centre.
+  /// On the study's screen, px; absent: `Session::middleSurface_px`.
   std::optional<glm::dvec2> gaze_px;
 };
 

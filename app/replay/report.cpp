@@ -148,6 +148,20 @@ std::string eyeText(const Study& study) {
 
 }  // namespace
 
+std::string focusText(const Study& study, const ReportFacts& facts) {
+  if (study.focus.fixed_D || facts.summary.fixations < 2) return "";
+  const auto [least, most] = std::minmax_element(
+      facts.rows.begin(), facts.rows.end(),
+      [](const ChartRow& a, const ChartRow& b) { return a.focus_D < b.focus_D; });
+  const double range_D = most->focus_D - least->focus_D;
+  const Screen screen = study.screenInForce();
+  const double focal_px = study.imageSize_px().x * screen.distance_m / screen.size_m.x;
+  const double change_px = 0.5 * 1e-3 * facts.summary.pupil_mm * range_D * focal_px;  // C = A/2 D d
+  if (change_px >= kVisibleBlur_px) return "";
+  return "focus varies by " + decimal(range_D, 2) +
+         " D: no visible blur; move nearer, or set a larger pupil";
+}
+
 std::string toleranceText(const Study& study, const ReportFacts& facts) {
   if (facts.frames_over == 0) return "";
   return "In " + std::to_string(facts.frames_over) + " of " + std::to_string(facts.summary.frames) +

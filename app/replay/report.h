@@ -43,6 +43,11 @@ struct ReportFacts {
 /// What `frames_over` means, in one sentence for the reader; "" if there are none.
 std::string toleranceText(const Study& study, const ReportFacts& facts);
 
+/// Says that focus varies too little for blur to change visibly, by kVisibleBlur_px, although the
+/// observer looked at several places; "" if it does, and for a focus that the study fixes.
+std::string focusText(const Study& study, const ReportFacts& facts);
+inline constexpr double kVisibleBlur_px = 0.5;  ///< change of the blur radius
+
 /// @param video  embedded, read block by block
 /// @return whether the page has charts: without gnuplot it says that they are missing
 /// @throws std::runtime_error

@@ -168,6 +168,9 @@ RunResult RunWriter::finish(const RunFacts& run) {
   if (const std::string warning = toleranceText(study_, facts); !warning.empty()) {
     warnings_.add(warning);
   }
+  if (const std::string remark = focusText(study_, facts); !remark.empty()) {
+    warnings_.add(remark);
+  }
   if (study_.eye.recorded) {
     for (const std::string& doubt : agreement_.doubts()) {
       warnings_.add(study_.gaze.source, doubt);

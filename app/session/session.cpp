@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <utility>
 
 #include "app/session/auto_method.h"
@@ -208,6 +210,29 @@ FrameRecord Session::lookSettled(double time_s, const glm::dvec2& point_px) {
   finishLook(record);
   if (choosesQuality(settings_.method)) followEye(record);
   return record;
+}
+
+std::optional<glm::dvec2> Session::middleSurface_px(double time_s) const {
+  constexpr int kRings = 8, kPoints = 16;
+  const glm::dvec2 middle_px = 0.5 * glm::dvec2(settings_.screen.size_px);
+  const double cone_rad = glm::radians(settings_.focus.cone_half_angle_deg);
+  for (int ring = 0; ring <= kRings; ++ring) {
+    std::optional<glm::dvec2> nearest_px;
+    double nearest_m = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < (ring == 0 ? 1 : kPoints); ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / kPoints;
+      const glm::dvec2 point_px =
+          middle_px *
+          (1.0 + static_cast<double>(ring) / kRings * glm::dvec2(std::cos(angle), std::sin(angle)));
+      const auto distance_m =
+          surfaceDistance(time_s, lineOfSight(settings_.screen, point_px), cone_rad);
+      if (!distance_m || *distance_m >= nearest_m) continue;
+      nearest_m = *distance_m;
+      nearest_px = point_px;
+    }
+    if (nearest_px) return nearest_px;
+  }
+  return std::nullopt;
 }
 
 /// The eye's pose, fixed focus and the pupil.

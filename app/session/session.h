@@ -58,6 +58,10 @@ class Session {
   /// @param point_px  on the session's screen
   FrameRecord lookSettled(double time_s, const glm::dvec2& point_px);
 
+  /// Where an eye looks that nobody directs: at the middle of the screen, or, with no surface
+  /// there, at the nearest surface on the smallest ring around it that meets one. Absent: on none.
+  std::optional<glm::dvec2> middleSurface_px(double time_s) const;
+
   /// What the eye of the last `look` or `lookSettled` sees, to be rendered by `method`. If the
   /// session's method chooses its quality (`auto`), focus, pupil and gaze change in steps too small
   /// to see, so that an eye at rest has equal requests. With foveation nothing changes in saccades

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/study/entered_view.h"
 #include "app/study/study.h"
 #include "base/quantile.h"
 #include "base/text.h"
@@ -74,9 +75,9 @@ glm::dvec3 reachOf(std::span<const glm::vec3> reach, std::size_t i) {
 /// Distance from the middle of the box, units of the file. A point at (x, y, z) in the eye's axes
 /// from the middle, z towards the eye, has the tangents x / (d - z) and y / (d - z).
 /// A Gaussian reaches farther along a direction, as if its axes were those of the file.
+/// @param tangent  of the half angles that the points fill
 double distanceOf(const SceneFacts& facts, const SceneBox& box, const glm::dmat3& eye_from_scene,
-                  const Screen& screen) {
-  const glm::dvec2 tangent = kFilledShare * 0.5 * screen.size_m / screen.distance_m;
+                  const glm::dvec2& tangent) {
   double distance = 0.0;
   const glm::dmat3 scene_from_eye = glm::transpose(eye_from_scene);
   for (std::size_t i = 0; i < facts.position.size(); ++i) {
@@ -98,6 +99,42 @@ double distanceOf(const SceneFacts& facts, const SceneBox& box, const glm::dmat3
   return distance > 0.0 ? distance : one_point;
 }
 
+/// How far the points in the box reach towards the eye (y) and away from it (x), from its middle.
+glm::dvec2 depthsOf(const SceneFacts& facts, const SceneBox& box, const glm::dvec3& to_eye) {
+  glm::dvec2 depths(0.0);
+  for (const glm::vec3& p : facts.position) {
+    if (!isIn(box, glm::dvec3(p))) continue;
+    const double z = glm::dot(glm::dvec3(p) - box.middle(), to_eye);
+    depths = {std::max(depths.x, -z), std::max(depths.y, z)};
+  }
+  return depths;
+}
+
+/// Brings the eye nearer, so that blur shows. See kWholeShare.
+/// @param distance  of the whole scene at kFilledShare
+double nearerDistance(const SceneFacts& facts, const glm::dmat3& eye_from_scene,
+                      const glm::dvec3& to_eye, const Screen& screen, double distance,
+                      Framing& framing) {
+  const auto filling = [&](const glm::dvec2& tangent) {
+    return framing.scale_m * distanceOf(facts, framing.box, eye_from_scene, tangent);
+  };
+  const double wide_m = filling(glm::dvec2(std::tan(glm::radians(0.5 * kVisibleAngle_deg))));
+  const double whole_m = filling(kWholeShare * 0.5 * screen.size_m / screen.distance_m);
+  const glm::dvec2 depths_m = framing.scale_m * depthsOf(facts, framing.box, to_eye);
+  // 1 / (d - near) - 1 / (d + far) = kVisibleDepth_D
+  const double far_m = depths_m.x, near_m = depths_m.y, sum_m = far_m + near_m;
+  const double deep_m = 0.5 * (near_m - far_m + std::sqrt(sum_m * (sum_m + 4.0 / kVisibleDepth_D)));
+  const double fitting_m = framing.scale_m * distance;
+  const double least_m = std::max({wide_m, whole_m, kNearest_m});
+  const double chosen_m = std::min(fitting_m, std::max(deep_m, least_m));
+  const double nearest_m = std::max(chosen_m - near_m, 0.01);
+  const double span_D = 1.0 / nearest_m - 1.0 / (chosen_m + far_m);
+  framing.why_look += (framing.why_look.empty() ? "" : ", ") + std::string("depth in view spans ") +
+                      significant(span_D, 2) + " D";
+  if (chosen_m == wide_m) framing.why_look += ", and it fills 40 degrees";
+  return chosen_m / framing.scale_m;
+}
+
 std::string sizeText(const glm::dvec3& size) {
   const auto text = [](double x) {
     return x > 0.0 ? exactText(rounded(x, x, 3)) : std::string("0");
@@ -105,13 +142,15 @@ std::string sizeText(const glm::dvec3& size) {
   return text(size.x) + " x " + text(size.y) + " x " + text(size.z);
 }
 
+std::string sourceOfUnit(const SceneFacts& facts) {
+  return facts.unit_m ? "as the " + whatStatesUnit(facts) + " states"
+                      : "a unit is taken for a metre, since the file states none";
+}
+
 void chooseScale(const SceneFacts& facts, double distance, Framing& framing) {
   const double stated = facts.unit_m.value_or(1.0);
-  const std::string source = facts.unit_m
-                                 ? "as the " + nameOf(statesUnit(facts)) + " states"
-                                 : "a unit is taken for a metre, since the file states none";
   framing.scale_m = stated;
-  framing.why_scale = source;
+  framing.why_scale = sourceOfUnit(facts);
   const double stated_m = stated * distance;
   if (facts.large || (stated_m >= kNearest_m && stated_m <= kMostDistant_m)) return;
   const double middle_m = std::sqrt(0.5 * 5.0);
@@ -120,6 +159,30 @@ void chooseScale(const SceneFacts& facts, double distance, Framing& framing) {
   framing.scale_m = std::clamp(power < 0.0 ? stated / ten : stated * ten, kMinScale_m, kMaxScale_m);
   framing.why_scale = "with " + exactText(stated) + " the eye would be " +
                       exactText(rounded(stated_m, stated_m, 2)) + " m away";
+}
+
+/// Places the eye in a scan of a room, a street or a landscape. @return whether it is one
+bool enterScan(const SceneFacts& facts, const FramingRequest& request, Framing& framing) {
+  // Of captures and of COLMAP's points, nobody knows the unit. Corners of meshes are too few.
+  const bool is_scan =
+      facts.points > 0 && facts.kind != SceneKind::gaussians && facts.format != "COLMAP points";
+  const bool is_prepared = facts.kind == SceneKind::prepared && !facts.samples_of_mesh;
+  if (!is_scan && !is_prepared) return false;
+  const double unit_m = request.scale_m.value_or(facts.unit_m.value_or(1.0));
+  const auto eye = standIn(facts.position, framing.box, framing.up_axis, unit_m);
+  if (!eye) return false;
+  framing.entered = true;
+  framing.scale_m = unit_m;
+  framing.why_scale = request.scale_m ? "as --scale says (default: 1)" : sourceOfUnit(facts);
+  const double eye_m = std::max(1.0, unit_m * glm::length(eye->position));
+  framing.position_m = rounded(unit_m * eye->position, eye_m, 6);
+  framing.look_at_m = rounded(unit_m * eye->look_at, eye_m, 6);
+  framing.up = axesOf(framing.up_axis).up;
+  framing.why_look = "the eye stands in it, " + decimal(kStandingEye_m, 1) +
+                     " m above the ground, and looks " + significant(eye->free_m, 2) +
+                     " m far past what is " + significant(eye->nearest_m, 2) +
+                     " m away; --look outside shows all of it";
+  return true;
 }
 
 }  // namespace
@@ -188,13 +251,13 @@ std::string nameOf(const UpAxis& up) {
 }
 
 UpAxis upAxisOf(const SceneFacts& facts, const SceneBox& box) {
-  if (facts.up_axis) return {*facts.up_axis, false, "as the " + nameOf(facts.kind) + " states"};
+  if (facts.up_axis) return {*facts.up_axis, false, "as the " + nameOf(facts) + " states"};
   if (facts.kind == SceneKind::gltf) return {1, false, "the convention of glTF"};
   if (facts.kind == SceneKind::obj) return {1, false, guess("the convention of OBJ", 1)};
   if (facts.kind == SceneKind::gaussians) {
     return {1, facts.y_is_down,
             facts.y_is_down ? "y points down in captured scenes; if not: --up y"
-                            : "the convention of SPZ; if not: --up -y"};
+                            : "the convention of the format; if not: --up -y"};
   }
   if (facts.kind == SceneKind::fbx) return {1, false, "the convention of FBX"};
   const glm::dvec3 size = box.size();
@@ -215,8 +278,10 @@ Framing framingOf(const SceneFacts& facts, const FramingRequest& request) {
   framing.up_axis = request.up ? *request.up : upAxisOf(facts, framing.box);
   const SceneAxes axes = axesOf(framing.up_axis);
   const double raise_rad = glm::radians(kRaise_deg);
-  const Look look = request.look.value_or(lookAt(axes, framing.box.size()));
-  if (!request.look && look != Look::front) framing.why_look = "it is flat: seen from the left";
+  if (!request.look && enterScan(facts, request, framing)) return framing;
+  const bool chooses = !request.look || request.look == Look::outside;
+  const Look look = chooses ? lookAt(axes, framing.box.size()) : *request.look;
+  if (chooses && look != Look::front) framing.why_look = "it is flat: seen from the left";
   glm::dvec3 to_eye = axes.up, image_up = -axes.front;
   if (look != Look::above) {
     const glm::dvec3 level = look == Look::front ? axes.front : -axes.right;
@@ -226,12 +291,17 @@ Framing framingOf(const SceneFacts& facts, const FramingRequest& request) {
   const glm::dvec3 right = glm::normalize(glm::cross(image_up, to_eye));
   const glm::dmat3 eye_from_scene =
       glm::transpose(glm::dmat3(right, glm::cross(to_eye, right), to_eye));
-  const double distance = distanceOf(facts, framing.box, eye_from_scene, request.screen);
+  const Screen& screen = request.screen;
+  double distance = distanceOf(facts, framing.box, eye_from_scene,
+                               kFilledShare * 0.5 * screen.size_m / screen.distance_m);
   if (request.scale_m) {
     framing.scale_m = *request.scale_m;
     framing.why_scale = "as --scale says (default: 1)";
   } else {
     chooseScale(facts, distance, framing);
+  }
+  if (!request.look) {
+    distance = nearerDistance(facts, eye_from_scene, to_eye, screen, distance, framing);
   }
   const double distance_m = framing.scale_m * distance;
   const glm::dvec3 middle_m = framing.scale_m * framing.box.middle();
@@ -245,6 +315,11 @@ std::string framingText(const Framing& framing) {
   std::string text = sizeText(framing.box.size()) + " units";
   if (framing.box.strays > 0) {
     text += " without " + std::to_string(framing.box.strays) + " strays";
+  }
+  if (framing.entered) {
+    return text + ", " + nameOf(framing.up_axis) + " is up (" + framing.up_axis.why +
+           "); scene.scale_m = " + exactText(framing.scale_m) + " (" + framing.why_scale + "); " +
+           framing.why_look;
   }
   const double distance_m = framing.distance_m();
   return text + ", " + nameOf(framing.up_axis) + " is up (" + framing.up_axis.why +

@@ -14,12 +14,15 @@
 namespace foci {
 
 /// From where the eye looks. Front and left are raised by kRaise_deg, so that a landscape shows its
-/// ground.
-enum class Look { front, left, above };
+/// ground. Outside is the one of these two that shows more.
+enum class Look { front, left, above, outside };
 
 inline constexpr double kRaise_deg = 20.0;
 /// Share of the image's width or height, whichever is the tighter, that the scene fills.
 inline constexpr double kFilledShare = 0.8;
+/// Without a side that the user chose, the eye comes nearer, until depth in view spans
+/// kVisibleDepth_D, the scene fills kVisibleAngle_deg, or fills this share of the image.
+inline constexpr double kWholeShare = 0.95, kVisibleDepth_D = 1.0, kVisibleAngle_deg = 40.0;
 /// An eye at these distances from the middle of the scene sees it in comfort: from the nearest
 /// point of easy reading to the size of a house. Chosen by hand.
 inline constexpr double kNearest_m = 0.25, kMostDistant_m = 25.0;
@@ -63,7 +66,9 @@ UpAxis upAxisOf(const SceneFacts& facts, const SceneBox& box);
 
 struct FramingRequest {
   Screen screen{};
-  std::optional<Look> look{};  ///< absent: front; left for a scene that is seen edge-on from there
+  /// Absent: inside a scan of a room, a street or a landscape (`standIn`). Of others the front, or
+  /// the left for a scene that is seen edge-on from there, and nearer, so that blur shows.
+  std::optional<Look> look{};
   std::optional<UpAxis> up{};  ///< absent: `upAxisOf`
   /// Metres a unit, as --scale says; absent: see `framingOf`.
   std::optional<double> scale_m{};
@@ -74,7 +79,8 @@ struct Framing {
   UpAxis up_axis{};
   double scale_m = 1.0;  ///< metres a unit
   std::string why_scale{};
-  std::string why_look{};  ///< empty unless foci chose another side than the front
+  std::string why_look{};  ///< empty unless foci chose another side than the front, or a distance
+  bool entered = false;    ///< the eye stands in the scene, and not outside
   glm::dvec3 position_m{0.0}, look_at_m{0.0}, up{0.0, 1.0, 0.0};
 
   double distance_m() const { return glm::distance(position_m, look_at_m); }
@@ -85,7 +91,7 @@ struct Framing {
 ///
 /// The scale is what the file states, or a metre a unit. If the eye would then be nearer than
 /// kNearest_m or farther away than kMostDistant_m, it is multiplied by the power of ten that brings
-/// the distance to 0.5 to 5 m. A large scene keeps its scale.
+/// the distance to 0.5 to 5 m. A large scene keeps its scale, and so does a scan that is entered.
 Framing framingOf(const SceneFacts& facts, const FramingRequest& request);
 
 /// What was chosen and why, in one line, without the name of the file.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <utility>
@@ -132,10 +133,12 @@ void addRemarks(const std::filesystem::path& file, const OpenedScene& scene, War
 
 namespace {
 
-/// @param eye_m  in the frame of the file
-SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, Warnings& warnings) {
+/// @param eye_m     in the frame of the file
+/// @param fineness  of a streamed scene
+SurfelCloud opened(SceneFile&& file, double scale_m, const glm::vec3& eye_m, Warnings& warnings,
+                   const Fineness& fineness = {}) {
   const std::filesystem::path path = file.path;
-  OpenedScene scene = openScene(std::move(file), scale_m, eye_m);
+  OpenedScene scene = openScene(std::move(file), scale_m, eye_m, fineness);
   addRemarks(path, scene, warnings);
   return std::move(scene.cloud);
 }
@@ -144,9 +147,30 @@ glm::vec3 startOfEye_m(const Study& study) {
   return glm::vec3(glm::inverse(eyePathOf(study).eyeFromWorldAt(0.0))[3]);
 }
 
+/// How fine a captured scene has to be: a pixel, at the distance of a box from the eye. Out of an
+/// eye's view that does not move, the coarsest level will do.
+Fineness finenessOf(const Study& study) {
+  const Screen screen = study.screenInForce();
+  const View view = viewThroughScreen(eyePathOf(study).eyeFromWorldAt(0.0), study.imageSize_px(),
+                                      screen.size_m, screen.distance_m, screen.faced_m);
+  const bool moves = study.eye.recorded || !study.eye.path.empty();
+  const glm::vec2 tangent = 0.5f * glm::vec2(view.size_px) / view.focal_px;
+  return [=, eye_m = startOfEye_m(study)](const glm::vec3& low, const glm::vec3& high) {
+    const glm::vec3 nearest = glm::clamp(eye_m, low, high), middle = 0.5f * (low + high);
+    const glm::vec3 p(view.eye_from_world * glm::vec4(middle, 1.0f));
+    const glm::vec2 aside =
+        (glm::abs(glm::vec2(p)) + p.z * tangent) / glm::sqrt(1.0f + tangent * tangent);
+    const float radius = 0.5f * glm::distance(low, high);
+    const bool is_in_view = p.z < radius && aside.x < radius && aside.y < radius;
+    if (!moves && !is_in_view) return std::numeric_limits<float>::infinity();
+    return std::max(glm::distance(eye_m, nearest), view.near_m) / view.focal_px.y;
+  };
+}
+
 SurfelCloud loadSceneFile(const Study& study, std::optional<SceneFile>&& file, Warnings& warnings) {
   if (!file) file = readScene(*study.scene.file);
-  return opened(std::move(*file), study.scene.scale_m, startOfEye_m(study), warnings);
+  return opened(std::move(*file), study.scene.scale_m, startOfEye_m(study), warnings,
+                finenessOf(study));
 }
 
 SurfelCloud withParts(const Study& study, SurfelCloud scene, Warnings& warnings) {

@@ -2,6 +2,7 @@
 
 #include "app/study/study_text.h"
 #include "base/text.h"
+#include "render/scene/io/scene_formats.h"
 #include "render/scene/mesh/triangle_mesh.h"
 
 namespace foci {
@@ -15,8 +16,8 @@ bool isPlain(const SceneFacts& facts) { return !facts.has_colors; }
 
 Study studyOfScene(const std::filesystem::path& scene) {
   Study study;
-  study.file = scene;
-  study.scene.file = scene;
+  study.file = sceneFileIn(scene);
+  study.scene.file = study.file;
   return study;
 }
 

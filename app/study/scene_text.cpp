@@ -42,9 +42,9 @@ std::string materialText(const MaterialFacts& material) {
 }
 
 std::string unitText(const SceneFacts& facts, const Framing& framing) {
-  const std::string stated = facts.unit_m ? "a unit is " + exactText(*facts.unit_m) + " m (" +
-                                                nameOf(statesUnit(facts)) + ")"
-                                          : "the file states none";
+  const std::string stated =
+      facts.unit_m ? "a unit is " + exactText(*facts.unit_m) + " m (" + whatStatesUnit(facts) + ")"
+                   : "the file states none";
   return stated + "; foci shows " + exactText(framing.scale_m) + " m a unit: " + framing.why_scale;
 }
 
@@ -59,7 +59,7 @@ std::string sceneText(const SceneFacts& facts, const Framing& framing) {
         name + std::string(name.size() < 10 ? 10 - name.size() : 1, ' ') + visible(value) + "\n";
   };
   const glm::dvec3 size = framing.box.size();
-  line("format", nameOf(facts.kind));
+  line("format", nameOf(facts));
   line("contents", countsText(facts));
   line("bounds",
        numbers(framing.box.low, " ") + " to " + numbers(framing.box.high, " ") + " units, " +
@@ -103,7 +103,7 @@ nlohmann::ordered_json sceneJson(const SceneFacts& facts, const Framing& framing
   nlohmann::ordered_json unit_m = nullptr;
   if (facts.unit_m) unit_m = *facts.unit_m;
   return {
-      {"format", nameOf(facts.kind)},     {"points", facts.points},
+      {"format", nameOf(facts)},          {"points", facts.points},
       {"triangles", facts.triangles},     {"surfels", facts.surfels},
       {"gaussians", facts.gaussians},     {"dropped", facts.dropped},
       {"strays", framing.box.strays},     {"low", jsonOf(framing.box.low)},

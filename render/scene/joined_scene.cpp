@@ -5,8 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "render/scene/gaussian_cloud.h"
-#include "render/scene/harmonics_rotation.h"
+#include "render/scene/gaussian_transform.h"
 
 namespace foci {
 namespace {
@@ -26,12 +25,6 @@ void addOuter(Covariance3& v, const glm::vec3& a, float weight) {
   v.yy += weight * a.y * a.y;
   v.yz += weight * a.y * a.z;
   v.zz += weight * a.z * a.z;
-}
-
-Covariance3 turned(const Covariance3& v, const glm::mat3& rotation) {
-  const glm::mat3 matrix(v.xx, v.xy, v.xz, v.xy, v.yy, v.yz, v.xz, v.yz, v.zz);
-  const glm::mat3 out = rotation * matrix * glm::transpose(rotation);
-  return {out[0][0], out[0][1], out[0][2], out[1][1], out[1][2], out[2][2]};
 }
 
 template <class T>
@@ -95,16 +88,7 @@ SurfelCloud placed(SurfelCloud part, const Placement& place) {
   const glm::mat3 rotation = glm::mat3_cast(place.rotation);
   if (part.gaussians) {
     GaussianCloud moved = *part.gaussians;
-    moved.tree.reset();
-    for (glm::vec3& p : moved.position_m) p = rotation * p + place.position_m;
-    if (place.turns()) {
-      for (Covariance3& v : moved.covariance_m2) v = turned(v, rotation);
-      const HarmonicsRotation harmonics(rotation);
-      const std::size_t each = moved.harmonicsPerGaussian();
-      for (std::size_t i = 0; moved.degree > 0 && i < moved.size(); ++i) {
-        harmonics.turn(moved.harmonics.data() + i * each, moved.degree);
-      }
-    }
+    transform(moved, rotation, place.position_m);
     part.gaussians = std::make_shared<const GaussianCloud>(std::move(moved));
     return part;
   }

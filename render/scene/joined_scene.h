@@ -14,12 +14,9 @@ namespace foci {
 struct Placement {
   glm::vec3 position_m{0.0f};
   glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f};  ///< unit
-
-  bool turns() const { return rotation != glm::quat(1.0f, 0.0f, 0.0f, 0.0f); }
 };
 
-/// Moves a part. The colours of Gaussians that depend on the direction turn with it
-/// (harmonics_rotation.h).
+/// Moves a part (`transform`).
 SurfelCloud placed(SurfelCloud part, const Placement& place);
 
 /// Both scenes in one. Where either holds Gaussians, surfels become flat Gaussians

@@ -33,6 +33,10 @@ struct PointCloud {
   /// samples of a mesh.
   std::vector<float> area_m2 = {};
   std::size_t dropped = 0;  ///< points dropped because their position was not finite
+  /// What the file states: its format, metres a unit, and the axis upwards (0 x, 1 y, 2 z).
+  std::string format = {};
+  std::optional<double> unit_m = {};
+  std::optional<int> up_axis = {};
   /// What the user should know of the file: a texture that is missing, an origin that was moved.
   /// One sentence each, without the name of the file.
   std::vector<std::string> remarks;

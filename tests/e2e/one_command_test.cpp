@@ -76,7 +76,7 @@ TEST_F(OneCommand, AMeshOfAnySizeFillsTheImage) {
     EXPECT_TRUE(has(said, "y is up") && has(said, "scene.scale_m = ")) << said;
     EXPECT_EQ(has(said, "scene.scale_m = 1 ("), side == 1.0) << said;
     const auto [height, width] = filled(folder.path() / "cube.png");
-    EXPECT_NEAR(height, 0.8, 0.05) << side;  // image: surfels end a little beyond the edge
+    EXPECT_NEAR(height, 0.9, 0.1) << side;  // so near that depth shows; surfels end a little later
     EXPECT_GT(width, 0.2);
   }
 }
@@ -124,7 +124,7 @@ TEST_F(OneCommand, BadWishesAreRefused) {
   folder.write("study.toml", smallStudy());
   folder.write("scene.ply", squarePly(8, 1.0));
   EXPECT_TRUE(has(refused({"render", "cube.obj", "--look", "below", "--out", "a.png"}),
-                  "expected front, left or above"));
+                  "expected front, left, above or outside"));
   EXPECT_TRUE(has(refused({"render", "cube.obj", "--up", "w", "--out", "a.png"}), "expected x, y"));
   EXPECT_TRUE(has(refused({"render", "study.toml", "--look", "left", "--out", "a.png"}),
                   "expected a scene"));

@@ -9,7 +9,7 @@
 
 #include "base/input_error.h"
 #include "render/scene/io/gaussian_formats.h"
-#include "render/scene/io/ply_header.h"
+#include "render/scene/io/ply_items.h"
 
 namespace foci {
 namespace {
@@ -21,12 +21,6 @@ constexpr std::size_t kChunk = 256;  // vertices of a chunk
 
 /// Harmonics are stored in 8 bits, over this range.
 constexpr float kHarmonicsRange = 8.0f;
-
-const Element* elementNamed(const ply::Header& header, std::string_view name) {
-  const auto found = std::find_if(header.elements.begin(), header.elements.end(),
-                                  [&](const Element& each) { return each.name == name; });
-  return found == header.elements.end() ? nullptr : &*found;
-}
 
 bool isOfType(const Element& element, Scalar type) {
   return std::all_of(element.properties.begin(), element.properties.end(),
@@ -125,8 +119,8 @@ Layout layoutOf(const ply::Header& header, const std::string& file) {
   const auto refuse = [&](const std::string& what) -> InputError {
     return {file, "compressed PLY of Gaussians: " + what};
   };
-  Layout layout{elementNamed(header, "chunk"), elementNamed(header, "vertex"),
-                elementNamed(header, "sh")};
+  Layout layout{ply::elementNamed(header, "chunk"), ply::elementNamed(header, "vertex"),
+                ply::elementNamed(header, "sh")};
   if (header.format != ply::Format::little) throw refuse("expected format binary_little_endian");
   if (layout.chunk == nullptr || !isOfType(*layout.chunk, Scalar::float32) ||
       !(layout.chunk->properties.size() == kRanges.size()
@@ -171,19 +165,11 @@ float harmonicOf(unsigned char byte) {
 
 }  // namespace
 
-bool isCompressedGaussianPly(const std::filesystem::path& path) {
-  const std::vector<unsigned char> magic = firstBytes(path, 4);
-  if (magic.size() < 4 || std::memcmp(magic.data(), "ply", 3) != 0) return false;
-  try {
-    ply::Input input(path);
-    const ply::Header header = ply::readHeader(input);
-    const Element* vertex = elementNamed(header, "vertex");
-    return vertex != nullptr &&
-           std::any_of(vertex->properties.begin(), vertex->properties.end(),
-                       [](const ply::Property& each) { return each.name == kPacked[0]; });
-  } catch (const InputError&) {
-    return false;  // the reader of points says what is wrong
-  }
+bool isCompressedGaussianPly(const ply::Header& header) {
+  const Element* const vertex = ply::elementNamed(header, "vertex");
+  return vertex != nullptr &&
+         std::any_of(vertex->properties.begin(), vertex->properties.end(),
+                     [](const ply::Property& each) { return each.name == kPacked[0]; });
 }
 
 GaussianFile readCompressedGaussianPly(const std::filesystem::path& path) {
@@ -197,6 +183,7 @@ GaussianFile readCompressedGaussianPly(const std::filesystem::path& path) {
   std::vector<Packed> packed(layout.vertex->count);
   for (Packed& each : packed) std::memcpy(&each, input.take(sizeof(each)), sizeof(each));
   GaussianFile file{.format = "compressed PLY"};
+  file.cloud.preserves_light = preservesLight(header);
   GaussianCollector collector(file, packed.size(), layout.degree);
   const std::size_t values = file.cloud.harmonicsPerGaussian();
   std::vector<float> harmonics(values);

@@ -1,24 +1,18 @@
 #include "render/scene/io/gaussian_file.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <limits>
 
 #include "base/input_error.h"
+#include "base/quantile.h"
+#include "base/text.h"
 #include "render/scene/io/scan_values.h"
 #include "render/scene/point_cloud.h"
 
 namespace foci {
 namespace {
-
-static_assert(std::endian::native == std::endian::little);
-
-constexpr std::uint64_t kMaxFile = std::uint64_t{1} << 32;
 
 /// Standard deviations outside of these are no part of a scene, and their squares must stay finite.
 constexpr float kMinSigma = 1e-9f, kMaxSigma = 1e6f;
@@ -32,12 +26,31 @@ bool isNear(const glm::vec3& p) {  // false for NaN
          std::abs(p.z) <= kFarthest_m;
 }
 
-template <typename T>
-T loadAt(std::span<const unsigned char> bytes, std::size_t at) {
-  assert(at + sizeof(T) <= bytes.size());
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof(T));
-  return value;
+/// Trained Gaussians are about as large as the distance to their neighbours. Chosen by hand.
+constexpr float kFarTooLarge = 8.0f;
+
+/// The median of a Gaussian's size over the distance of neighbours, as if all lay on the faces of
+/// the box of the middle 98 %. 0 for few Gaussians.
+float sizeInSpacings(const GaussianCloud& cloud) {
+  constexpr std::size_t kFew = 64, kMost = 20'000;
+  if (cloud.size() < kFew) return 0.0f;
+  const std::size_t step = cloud.size() / kMost + 1;
+  glm::vec3 side(0.0f);
+  std::vector<float> values;
+  for (int axis = 0; axis < 3; ++axis) {
+    values.clear();
+    for (std::size_t i = 0; i < cloud.size(); i += step)
+      values.push_back(cloud.position_m[i][axis]);
+    side[axis] = quantile(values, 0.99) - quantile(values, 0.01);
+  }
+  const float area = 2.0f * (side.x * side.y + side.y * side.z + side.z * side.x);
+  if (!(area > 0.0f)) return 0.0f;
+  values.clear();
+  for (std::size_t i = 0; i < cloud.size(); i += step) {
+    const Covariance3& v = cloud.covariance_m2[i];
+    values.push_back(std::sqrt((v.xx + v.yy + v.zz) / 3.0f));
+  }
+  return quantile(values, 0.5) / std::sqrt(area / static_cast<float>(cloud.size()));
 }
 
 }  // namespace
@@ -84,24 +97,33 @@ void GaussianCollector::append(const RawGaussian& raw, std::span<const float> ha
 }
 
 void GaussianCollector::finish(const std::string& path, bool fine) const {
-  if (!file_.cloud.empty()) {
-    if (!fine && file_.cloud.size() > 1 && losesDetail(file_.cloud.position_m)) {
-      file_.remarks.emplace_back(
+  finishGaussians(file_, path, fine);
+}
+
+void finishGaussians(GaussianFile& file, const std::string& path, bool fine) {
+  if (!file.cloud.empty()) {
+    if (!fine && file.cloud.size() > 1 && losesDetail(file.cloud.position_m)) {
+      file.remarks.emplace_back(
           "the Gaussians are so far from the origin that floats lose their detail: save them "
           "nearer to the origin, or as a PLY with coordinates in doubles");
     }
-    if (std::all_of(file_.cloud.opacity.begin(), file_.cloud.opacity.end(),
+    if (std::all_of(file.cloud.opacity.begin(), file.cloud.opacity.end(),
                     [](float opacity) { return opacity <= kMinAlpha; })) {
-      file_.remarks.emplace_back(
+      file.remarks.emplace_back(
           "the opacity of all Gaussians is below 1/255, so none is seen: in a PLY, opacity is a "
           "logit");
     }
+    if (const float size = sizeInSpacings(file.cloud); size > kFarTooLarge) {
+      file.remarks.push_back("the Gaussians are " + significant(double{size}, 2) +
+                             " times as large as the distance to their neighbours: are their "
+                             "scales stored as the format expects?");
+    }
     return;
   }
-  if (file_.dropped == 0) throw InputError(path, "has no Gaussians");
-  throw InputError(path, file_.dropped == 1 ? "its only Gaussian has a value that is not finite"
-                                            : "none of its " + std::to_string(file_.dropped) +
-                                                  " Gaussians has finite values");
+  if (file.dropped == 0) throw InputError(path, "has no Gaussians");
+  throw InputError(path, file.dropped == 1 ? "its only Gaussian has a value that is not finite"
+                                           : "none of its " + std::to_string(file.dropped) +
+                                                 " Gaussians has finite values");
 }
 
 float sigmoid(float x) { return 1.0f / (1.0f + std::exp(-x)); }
@@ -118,50 +140,6 @@ float floatOfHalf(std::uint16_t half) {
     value = std::ldexp(static_cast<float>(mantissa | 0x400u), static_cast<int>(exponent) - 25);
   }
   return (half & 0x8000u) != 0 ? -value : value;
-}
-
-FileBytes::FileBytes(const std::filesystem::path& path) : name_(path.string()) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(name_, "no such file");
-  requireRegularFile(path);
-  const std::uint64_t size = std::filesystem::file_size(path, error);
-  std::ifstream file(path, std::ios::binary);
-  if (error || !file) throw InputError(name_, "cannot be read");
-  if (size > kMaxFile) throw InputError(name_, "is larger than 4 GiB");
-  bytes_.resize(size);
-  file.read(reinterpret_cast<char*>(bytes_.data()), static_cast<std::streamsize>(size));
-  if (static_cast<std::uint64_t>(file.gcount()) != size) throw InputError(name_, "cannot be read");
-}
-
-std::span<const unsigned char> FileBytes::part(std::uint64_t at, std::uint64_t count) const {
-  if (at > bytes_.size() || count > bytes_.size() - at) {
-    throw InputError(
-        name_, "ends at byte " + std::to_string(bytes_.size()) + ", earlier than its header says");
-  }
-  return std::span(bytes_).subspan(at, count);
-}
-
-std::vector<unsigned char> firstBytes(const std::filesystem::path& path, std::size_t count) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return {};
-  std::vector<unsigned char> bytes(count);
-  std::ifstream file(path, std::ios::binary);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
-  bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-  return bytes;
-}
-
-std::uint16_t u16At(std::span<const unsigned char> bytes, std::size_t at) {
-  return loadAt<std::uint16_t>(bytes, at);
-}
-std::uint32_t u32At(std::span<const unsigned char> bytes, std::size_t at) {
-  return loadAt<std::uint32_t>(bytes, at);
-}
-std::uint64_t u64At(std::span<const unsigned char> bytes, std::size_t at) {
-  return loadAt<std::uint64_t>(bytes, at);
-}
-float floatAt(std::span<const unsigned char> bytes, std::size_t at) {
-  return loadAt<float>(bytes, at);
 }
 
 }  // namespace foci

@@ -6,13 +6,18 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "render/scene/gaussian_cloud.h"
+#include "render/scene/io/file_bytes.h"
 
 namespace foci {
+
+struct TriangleMesh;
 
 /// Gaussians as a file holds them, in its own units.
 struct GaussianFile {
@@ -21,7 +26,12 @@ struct GaussianFile {
   bool y_is_up = false;                ///< else y points down, as in cameras: the usual convention
   std::size_t dropped = 0;             ///< Gaussians left out, because a value was not finite
   std::vector<std::string> remarks{};  ///< what the user should know, a sentence each
+  std::optional<double> unit_m{};      ///< metres a unit, if the format says so
+  std::shared_ptr<TriangleMesh> mesh{};  ///< beside the Gaussians, in the same frame; null: none
 };
+
+/// What the user should know of a file of degree 4, of which foci shows kMaxHarmonicsDegree.
+inline constexpr const char* kDegree4 = "has harmonics of degree 4: degrees 0 to 3 are shown";
 
 /// One Gaussian as the formats give it.
 struct RawGaussian {
@@ -42,49 +52,23 @@ class GaussianCollector {
   ///                   many as the degree has
   void append(const RawGaussian& raw, std::span<const float> harmonics);
 
-  /// Adds a remark if floats lose the positions' detail.
-  /// @param fine  positions were doubles, taken relative to an origin nearby
-  /// @throws InputError if no Gaussian is left
+  /// As `finishGaussians`.
   void finish(const std::string& path, bool fine = false) const;
 
  private:
   GaussianFile& file_;
 };
 
+/// Adds remarks: on positions whose detail floats lose, on Gaussians that nobody sees, and on
+/// Gaussians that are far larger than the distance to their neighbours.
+/// @param fine  positions were doubles, taken relative to an origin nearby
+/// @throws InputError if no Gaussian is left
+void finishGaussians(GaussianFile& file, const std::string& path, bool fine = false);
+
 /// 1 / (1 + exp(-x)): opacities are stored as their logits.
 float sigmoid(float x);
 
 /// The 16-bit float of IEEE 754. Infinities and NaN stay so.
 float floatOfHalf(std::uint16_t half);
-
-/// A whole file in memory, read with checked bounds. Little endian.
-class FileBytes {
- public:
-  /// @throws InputError if there is no readable regular file, or it is larger than 4 GiB
-  explicit FileBytes(const std::filesystem::path& path);
-  /// Bytes that were unpacked from the file of this name.
-  FileBytes(std::string name, std::vector<unsigned char> bytes)
-      : name_(std::move(name)), bytes_(std::move(bytes)) {}
-
-  const std::string& name() const { return name_; }
-  std::size_t size() const { return bytes_.size(); }
-  std::span<const unsigned char> all() const { return bytes_; }
-
-  /// The part [at, at + count). @throws InputError if the file is shorter
-  std::span<const unsigned char> part(std::uint64_t at, std::uint64_t count) const;
-
- private:
-  std::string name_;
-  std::vector<unsigned char> bytes_;
-};
-
-/// The first bytes of a file, at most `count`; fewer where the file is shorter or cannot be read.
-std::vector<unsigned char> firstBytes(const std::filesystem::path& path, std::size_t count);
-
-/// A value of `bytes`, which are at least as many (asserted).
-std::uint16_t u16At(std::span<const unsigned char> bytes, std::size_t at);
-std::uint32_t u32At(std::span<const unsigned char> bytes, std::size_t at);
-std::uint64_t u64At(std::span<const unsigned char> bytes, std::size_t at);
-float floatAt(std::span<const unsigned char> bytes, std::size_t at);
 
 }  // namespace foci

@@ -1,8 +1,9 @@
-// The PLY of Kerbl et al. 2023: see gaussian_formats.h.
+// The PLY of Kerbl et al. 2023, and its variants: see gaussian_formats.h.
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
-#include <cstring>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,219 +11,221 @@
 #include <vector>
 
 #include "base/input_error.h"
+#include "base/text.h"
 #include "render/scene/harmonics.h"
 #include "render/scene/io/gaussian_formats.h"
-#include "render/scene/io/ply_header.h"
+#include "render/scene/io/ply_items.h"
 #include "render/scene/io/scan_values.h"
 
 namespace foci {
 namespace {
 
-using ply::Element;
-using ply::Property;
-using ply::Scalar;
+using ply::Items;
 
-const Element* vertexOf(const ply::Header& header) {
-  const auto found = std::find_if(header.elements.begin(), header.elements.end(),
-                                  [](const Element& each) { return each.name == "vertex"; });
-  return found == header.elements.end() ? nullptr : &*found;
-}
+constexpr int kMaxStoredDegree = 4;
+constexpr std::size_t kEnough = 16;  // Gaussians, to judge their values by
 
-/// Points have none of these. Two of them are enough: the reader names a missing one.
-constexpr std::array<std::string_view, 3> kTelling = {"f_dc_0", "scale_0", "rot_0"};
-
-bool hasProperty(const Element& element, std::string_view name) {
-  return std::any_of(element.properties.begin(), element.properties.end(),
-                     [&](const Property& each) { return each.name == name; });
-}
-
-/// Where the values of a Gaussian lie in its record.
+/// Where the values of a Gaussian lie.
 class Columns {
  public:
-  /// The records of an ASCII file are parsed to doubles.
-  Columns(const Element& vertex, ply::Format format, const std::string& file)
-      : file_(file), swap_(format != ply::Format::ascii && ply::mustSwap(format)) {
-    const bool parsed = format == ply::Format::ascii;
-    for (const Property& property : vertex.properties) {
-      if (property.list) throw refusal("property " + property.name + " is a list");
-      const Scalar held = parsed ? Scalar::float64 : property.type;
-      places_.push_back({property.name, record_bytes_, property.type, held});
-      record_bytes_ += ply::sizeOf(held);
+  Columns(const Items& items, const ply::Element& vertex, const std::string& file)
+      : items_(items), file_(file) {
+    position_ = all({"x", "y", "z"});
+    if (has("f_dc_0") || !has("red")) {
+      color_ = all({"f_dc_0", "f_dc_1", "f_dc_2"});
+    } else {
+      color_ = all({"red", "green", "blue"});
+      stores_light_ = true;
     }
-    if (record_bytes_ > ply::Input::kBlock) throw refusal("has a record longer than 1 MiB");
-    fill(position_, {"x", "y", "z"});
-    fill(color_, {"f_dc_0", "f_dc_1", "f_dc_2"});
-    fill(scale_, {"scale_0", "scale_1", "scale_2"});
-    fill(rotation_, {"rot_0", "rot_1", "rot_2", "rot_3"});
-    fill(opacity_, {"opacity"});
-    findHarmonics();
+    // 2D Gaussian Splatting (Huang et al. 2024): discs have no third scale.
+    is_flat_ = has("scale_1") && !has("scale_2") && has("rot_3") && has("opacity");
+    scale_ = is_flat_ ? all({"scale_0", "scale_1"}) : all({"scale_0", "scale_1", "scale_2"});
+    rotation_ = all({"rot_0", "rot_1", "rot_2", "rot_3"});
+    opacity_ = all({"opacity"})[0];
+    filter_ = items.find("filter_3d");
+    findHarmonics(vertex);
   }
 
-  std::size_t count() const { return places_.size(); }
-  std::size_t recordBytes() const { return record_bytes_; }
-  int degree() const { return degree_; }
-  bool isFine() const { return places_[position_[0]].type == Scalar::float64; }  // positions
+  int degree() const { return std::min(stored_degree_, kMaxHarmonicsDegree); }
+  int storedDegree() const { return stored_degree_; }
+  bool isFlat() const { return is_flat_; }
+  bool isFiltered() const { return filter_.has_value(); }
+  bool isFine() const { return items_.property(position_[0]).type == ply::Scalar::float64; }
+  glm::dvec3 position() const { return items_.vector(position_); }
+  float rawOpacity() const { return items_.floatValue(opacity_); }
+  float rawScale() const { return items_.floatValue(scale_[0]); }
 
-  glm::dvec3 positionOf(const unsigned char* record) const {
-    return {valueIn(record, position_[0]), valueIn(record, position_[1]),
-            valueIn(record, position_[2])};
-  }
-
-  RawGaussian gaussianOf(const unsigned char* record, const glm::dvec3& position) const {
-    const auto at = [&](std::size_t place) { return floatIn(record, place); };
-    const auto vector = [&](const std::array<std::size_t, 3>& three) {
-      return glm::vec3(at(three[0]), at(three[1]), at(three[2]));
+  RawGaussian gaussian(const glm::dvec3& position) const {
+    const auto at = [&](std::size_t column) { return items_.floatValue(column); };
+    const auto narrowed = [](double x) {
+      return static_cast<float>(std::isfinite(x) ? std::clamp(x, -1e30, 1e30) : x);
     };
-    return {.position = {narrowed(position.x), narrowed(position.y), narrowed(position.z)},
-            .sigma = glm::exp(vector(scale_)),
-            .rotation = {at(rotation_[1]), at(rotation_[2]), at(rotation_[3]), at(rotation_[0])},
-            .opacity = sigmoid(at(opacity_[0])),
-            .color = 0.5f + kHarmonic0 * vector(color_)};
+    RawGaussian raw{
+        .position = {narrowed(position.x), narrowed(position.y), narrowed(position.z)},
+        .sigma = glm::exp(glm::vec3(at(scale_[0]), at(scale_[1]), 0.0f)),
+        .rotation = {at(rotation_[1]), at(rotation_[2]), at(rotation_[3]), at(rotation_[0])},
+        .opacity = sigmoid(at(opacity_)),
+        .color = {at(color_[0]), at(color_[1]), at(color_[2])}};
+    raw.sigma.z = is_flat_ ? 0.0f : std::exp(at(scale_[2]));
+    if (!stores_light_) raw.color = 0.5f + kHarmonic0 * raw.color;
+    if (filter_) {
+      // Yu et al., Mip-Splatting, 2024, eq. 8: the 3D filter widens, and keeps the integral.
+      const float width = at(*filter_);
+      const glm::vec3 before2 = raw.sigma * raw.sigma, after2 = before2 + width * width;
+      const glm::vec3 share = before2 / after2;
+      raw.opacity *= std::sqrt(share.x * share.y * share.z);
+      raw.sigma = glm::sqrt(after2);
+    }
+    return raw;
   }
 
   /// From all coefficients of a channel after another to all channels of a coefficient.
-  void harmonicsOfRecord(const unsigned char* record, std::vector<float>& harmonics) const {
-    const std::size_t count = rest_.size() / 3;
-    for (std::size_t k = 0; k < count; ++k) {
+  void takeHarmonics(std::vector<float>& harmonics) const {
+    const std::size_t stored = rest_.size() / 3;
+    for (std::size_t k = 0; k < harmonics.size() / 3; ++k) {
       for (std::size_t channel = 0; channel < 3; ++channel) {
-        harmonics[3 * k + channel] = floatIn(record, rest_[channel * count + k]);
+        harmonics[3 * k + channel] = items_.floatValue(rest_[channel * stored + k]);
       }
     }
   }
 
+  /// Colours as the file stores them become display values, 0 to 1: bytes, or values of 0 to 255
+  /// or 65535 in another type.
+  void finishColors(GaussianCloud& cloud) const {
+    if (!stores_light_) return;
+    float greatest = 0.0f;
+    for (const glm::vec3& c : cloud.color) greatest = std::max({greatest, c.x, c.y, c.z});
+    const bool bytes = items_.property(color_[0]).type == ply::Scalar::uint8;
+    const bool unit = ply::isFloat(items_.property(color_[0]).type) && greatest <= 1.0f;
+    const float white = bytes ? 255.0f : unit ? 1.0f : greatest <= 255.0f ? 255.0f : 65535.0f;
+    for (glm::vec3& c : cloud.color) c /= white;
+  }
+
  private:
-  struct Place {
-    std::string name;
-    std::size_t at;
-    Scalar type, held;  // as the header states it, and in the record
-  };
-
   InputError refusal(const std::string& what) const { return {file_, "element vertex: " + what}; }
+  bool has(std::string_view name) const { return items_.find(name).has_value(); }
 
-  double valueIn(const unsigned char* record, std::size_t place) const {
-    return ply::scalarAt(record + places_[place].at, places_[place].held, swap_);
-  }
-
-  float floatIn(const unsigned char* record, std::size_t place) const {
-    if (places_[place].held != Scalar::float32 || swap_) return narrowed(valueIn(record, place));
-    float value = 0.0f;  // nearly all files: twice as fast
-    std::memcpy(&value, record + places_[place].at, sizeof(value));
-    return value;
-  }
-
-  /// Infinity and NaN stay so. A float holds what is left of other values.
-  static float narrowed(double value) {
-    return static_cast<float>(std::isfinite(value) ? std::clamp(value, -1e30, 1e30) : value);
-  }
-
-  std::size_t find(const std::string& name) const {
-    const auto found = std::find_if(places_.begin(), places_.end(),
-                                    [&](const Place& each) { return each.name == name; });
-    if (found == places_.end()) throw refusal("expected the property " + name + " of a Gaussian");
-    if (!ply::isFloat(found->type))
-      throw refusal("property " + name + ": expected float or double");
-    return static_cast<std::size_t>(found - places_.begin());
-  }
-
-  template <std::size_t N>
-  void fill(std::array<std::size_t, N>& places, const std::array<const char*, N>& names) {
-    for (std::size_t i = 0; i < N; ++i) places[i] = find(names[i]);
-  }
-
-  void findHarmonics() {
-    const auto count =
-        static_cast<int>(std::count_if(places_.begin(), places_.end(), [](const Place& each) {
-          return each.name.starts_with("f_rest_");
-        }));
-    while (degree_ <= kMaxHarmonicsDegree && 3 * harmonicsOf(degree_) != count) ++degree_;
-    if (degree_ > kMaxHarmonicsDegree) {
-      throw refusal("has " + std::to_string(count) +
-                    " properties f_rest: expected 0, 9, 24 or 45, for degree 0 to 3");
+  std::vector<std::size_t> all(std::initializer_list<const char*> names) const {
+    std::vector<std::size_t> columns;
+    for (const char* name : names) {
+      const auto found = items_.find(name);
+      if (!found) throw refusal(std::string("expected the property ") + name + " of a Gaussian");
+      columns.push_back(*found);
     }
-    for (int i = 0; i < count; ++i) rest_.push_back(find("f_rest_" + std::to_string(i)));
+    return columns;
   }
 
-  std::string file_;
-  bool swap_;  // the bytes of values
-  std::vector<Place> places_;
-  std::size_t record_bytes_ = 0;
-  std::array<std::size_t, 3> position_{}, color_{}, scale_{};
-  std::array<std::size_t, 4> rotation_{};
-  std::array<std::size_t, 1> opacity_{};
-  std::vector<std::size_t> rest_;
-  int degree_ = 0;
+  void findHarmonics(const ply::Element& vertex) {
+    const auto count = static_cast<int>(std::ranges::count_if(
+        vertex.properties, [](const auto& each) { return each.name.starts_with("f_rest_"); }));
+    while (stored_degree_ <= kMaxStoredDegree && 3 * harmonicsOf(stored_degree_) != count) {
+      ++stored_degree_;
+    }
+    if (stored_degree_ > kMaxStoredDegree) {
+      throw refusal("has " + std::to_string(count) +
+                    " properties f_rest: expected 0, 9, 24, 45 or 72, for degree 0 to 4");
+    }
+    for (int i = 0; i < count; ++i) {
+      rest_.push_back(all({("f_rest_" + std::to_string(i)).c_str()})[0]);
+    }
+  }
+
+  const Items& items_;
+  const std::string& file_;
+  std::vector<std::size_t> position_, color_, scale_, rotation_, rest_;
+  std::size_t opacity_ = 0;
+  std::optional<std::size_t> filter_;
+  bool stores_light_ = false, is_flat_ = false;
+  int stored_degree_ = 0;
 };
 
-/// The records of the vertices, one after another.
-class Records {
+/// Exporters that forget the logit and the logarithm write values that trained Gaussians never
+/// have all together.
+class Plausibility {
  public:
-  Records(ply::Input& input, ply::Header& header, const Columns& columns)
-      : input_(input), header_(header), columns_(columns), row_(columns.count()) {}
+  void add(float opacity, float scale) {
+    ++count_;
+    opacity_is_share_ = opacity_is_share_ && opacity >= 0.0f && opacity <= 1.0f;
+    scale_is_length_ = scale_is_length_ && scale > 0.0f;
+  }
 
-  /// Valid until the next call. @throws InputError with file and line (ASCII) or byte
-  const unsigned char* next() {
-    if (header_.format != ply::Format::ascii) return input_.take(columns_.recordBytes());
-    ++header_.lines;
-    const std::string_view line = input_.line();
-    std::size_t at = 0;
-    for (double& value : row_) value = ply::numberAt(line, at, input_.name(), header_.lines);
-    if (line.find_first_not_of(" \t", at) != std::string_view::npos) {
-      throw InputError(input_.name() + ":" + std::to_string(header_.lines),
-                       "too many values for a vertex");
+  void remark(std::vector<std::string>& remarks) const {
+    if (count_ < kEnough) return;
+    if (opacity_is_share_) {
+      remarks.emplace_back(
+          "all opacities are 0 to 1, as if they were stored without the logit: the Gaussians then "
+          "look fainter than they are, or denser");
     }
-    return reinterpret_cast<const unsigned char*>(row_.data());
+    if (scale_is_length_) {
+      remarks.emplace_back(
+          "all scales are positive, as if they were stored without the logarithm: the Gaussians "
+          "are then far too large");
+    }
   }
 
  private:
-  ply::Input& input_;
-  ply::Header& header_;
-  const Columns& columns_;
-  std::vector<double> row_;  // of an ASCII file
+  std::size_t count_ = 0;
+  bool opacity_is_share_ = true, scale_is_length_ = true;
 };
 
 }  // namespace
 
-bool isGaussianPly(const std::filesystem::path& path) {
-  const std::vector<unsigned char> magic = firstBytes(path, 4);
-  if (magic.size() < 4 || std::memcmp(magic.data(), "ply", 3) != 0) return false;
-  try {
-    ply::Input input(path);
-    const ply::Header header = ply::readHeader(input);
-    const Element* vertex = vertexOf(header);
-    if (vertex == nullptr) return false;
-    const auto told = std::ranges::count_if(
-        kTelling, [&](std::string_view name) { return hasProperty(*vertex, name); });
-    return told >= 2;
-  } catch (const InputError&) {
-    return false;  // the reader of points says what is wrong
+bool isGaussianPly(const ply::Header& header) {
+  const ply::Element* const vertex = ply::elementNamed(header, "vertex");
+  if (vertex == nullptr) return false;
+  // Points have none of these. Two of them are enough: the reader names a missing one.
+  constexpr std::array<std::string_view, 3> kTelling = {"f_dc_0", "scale_0", "rot_0"};
+  const auto told = std::ranges::count_if(kTelling, [&](std::string_view name) {
+    return std::ranges::any_of(vertex->properties,
+                               [&](const ply::Property& each) { return each.name == name; });
+  });
+  return told >= 2;
+}
+
+bool preservesLight(const ply::Header& header) {
+  bool preserves = false;
+  for (const std::string& comment : header.comments) {
+    std::string text;  // in lower case, without blanks
+    for (const char c : comment) {
+      if (c != ' ' && c != '\t')
+        text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+    if (text.starts_with("splatrendermode:")) preserves = text == "splatrendermode:mip";
+    if (text == "antialiased1" || text == "antialiased0") preserves = text.ends_with('1');
   }
+  return preserves;
 }
 
 GaussianFile readGaussianPly(const std::filesystem::path& path) {
   ply::Input input(path);
   ply::Header header = ply::readHeader(input);
-  const Element* vertex = vertexOf(header);
+  const ply::Element* const vertex = ply::elementNamed(header, "vertex");
   if (vertex == nullptr) throw InputError(input.name(), "expected an element vertex");
-  for (const Element& element : header.elements) {
+  for (const ply::Element& element : header.elements) {
     if (&element == vertex) break;
     ply::skipElement(input, element, header);
   }
-  const Columns columns(*vertex, header.format, input.name());
-  Records records(input, header, columns);
-  GaussianFile file{.format = "PLY"};
+  Items items(input, header, *vertex);
+  const Columns columns(items, *vertex, input.name());
+  GaussianFile file{.format = columns.isFlat() ? "PLY of 2D Gaussians" : "PLY"};
+  file.cloud.preserves_light = columns.isFiltered() || preservesLight(header);
+  if (columns.storedDegree() > columns.degree()) file.remarks.emplace_back(kDegree4);
   GaussianCollector collector(file, vertex->count, columns.degree());
   std::vector<float> harmonics(file.cloud.harmonicsPerGaussian());
   std::optional<glm::dvec3> origin;  // of the file; the first position in doubles decides
-  for (std::uint64_t i = 0; i < vertex->count; ++i) {
-    const unsigned char* record = records.next();
-    const glm::dvec3 p = columns.positionOf(record);
+  Plausibility plausibility;
+  while (items.next()) {
+    const glm::dvec3 p = columns.position();
     if (!origin && columns.isFine() && isNearEnough(p)) origin = originNear(p);
-    columns.harmonicsOfRecord(record, harmonics);
-    collector.append(columns.gaussianOf(record, p - origin.value_or(glm::dvec3(0.0))), harmonics);
+    columns.takeHarmonics(harmonics);
+    plausibility.add(columns.rawOpacity(), columns.rawScale());
+    collector.append(columns.gaussian(p - origin.value_or(glm::dvec3(0.0))), harmonics);
   }
+  columns.finishColors(file.cloud);
   if (origin) {
     if (auto remark = originRemark(*origin)) file.remarks.push_back(std::move(*remark));
   }
+  plausibility.remark(file.remarks);
   collector.finish(input.name(), columns.isFine());
   return file;
 }

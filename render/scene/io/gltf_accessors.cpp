@@ -152,6 +152,21 @@ std::optional<std::vector<float>> GltfAccessors::valuesOf(std::size_t number) {
   return values;
 }
 
+std::optional<std::vector<unsigned char>> GltfAccessors::bytesOfView(std::size_t number) {
+  const JsonValue* const view = listEntry(json_, "bufferViews", number);
+  if (view == nullptr) return std::nullopt;
+  const auto bytes = bufferOf(numberIn(*view, "buffer", SIZE_MAX));
+  if (!bytes) return std::nullopt;
+  const std::size_t at = numberIn(*view, "byteOffset", 0),
+                    length = numberIn(*view, "byteLength", 0);
+  if (at > bytes->size() || length > bytes->size() - at) {
+    throw InputError(path_.string(), "view " + std::to_string(number) +
+                                         " reaches beyond its buffer: is the file cut off?");
+  }
+  const Bytes part = bytes->subspan(at, length);
+  return std::vector<unsigned char>(part.begin(), part.end());
+}
+
 void GltfAccessors::replace(std::size_t number, std::span<const float> values) {
   const std::size_t view = addView(values);
   JsonValue& accessor = json_["accessors"][number];

@@ -33,6 +33,10 @@ class GltfAccessors {
   /// @throws InputError if it reaches beyond its buffer, or a sparse one beyond its count
   std::optional<std::vector<float>> valuesOf(std::size_t number);
 
+  /// The bytes of a view. Absent if it, or its buffer, is not there.
+  /// @throws InputError if it reaches beyond its buffer
+  std::optional<std::vector<unsigned char>> bytesOfView(std::size_t number);
+
   /// Puts floats in place of an accessor's numbers.
   void replace(std::size_t number, std::span<const float> values);
 

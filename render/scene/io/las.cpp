@@ -2,26 +2,25 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
-#include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/input_error.h"
+#include "base/text.h"
 #include "render/image/srgb.h"
+#include "render/scene/io/file_bytes.h"
+#include "render/scene/io/las_coordinates.h"
 #include "render/scene/io/ply_header.h"
 #include "render/scene/io/scan_values.h"
 
 namespace foci {
 namespace {
 
-static_assert(std::endian::native == std::endian::little);
-
-constexpr std::array<unsigned char, 4> kLasMagic = {'L', 'A', 'S', 'F'};
 constexpr std::size_t kHeader = 227;        // bytes that all versions have
 constexpr std::size_t kHeader14 = 255;      // up to the 64-bit number of points of version 1.4
 constexpr std::uint8_t kCompressed = 0xc0;  // bits of the point format that LASzip sets
@@ -43,22 +42,79 @@ constexpr std::array<PointFormat, 11> kFormats = {{{20, 0},
                                                    {59, 0},
                                                    {67, 30}}};
 
-template <typename T>
-T load(const unsigned char* bytes) {
-  T value;
-  std::memcpy(&value, bytes, sizeof(T));
-  return value;
-}
-
 struct LasHeader {
   std::uint64_t data_at = 0, points = 0;
   PointFormat format{};
   std::size_t record_bytes = 0;
   glm::dvec3 scale{1.0}, offset{0.0};
+  LasCoordinates coordinates{};
 };
 
-glm::dvec3 loadVector(const unsigned char* bytes) {
-  return {load<double>(bytes), load<double>(bytes + 8), load<double>(bytes + 16)};
+/// Records of variable length: of the coordinate system, by number.
+struct LasRecords {
+  std::vector<unsigned char> keys, doubles, ascii, wkt;
+
+  void take(std::string_view user, unsigned number, std::span<const unsigned char> content) {
+    if (!user.starts_with("LASF_Projection")) return;
+    std::vector<unsigned char>* const into = number == 34735   ? &keys
+                                             : number == 34736 ? &doubles
+                                             : number == 34737 ? &ascii
+                                             : number == 2112  ? &wkt
+                                                               : nullptr;
+    if (into != nullptr) into->assign(content.begin(), content.end());
+  }
+};
+
+std::string_view textOf(std::span<const unsigned char> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return text.substr(0, text.find('\0'));
+}
+
+constexpr std::size_t kUserAt = 2, kNumberAt = 18, kLengthAt = 20;
+constexpr std::size_t kRecordHeader = 54, kLateRecordHeader = 60;
+
+/// The records up to where the points begin.
+void readRecords(ply::Input& input, std::uint32_t count, std::uint64_t end, LasRecords& records) {
+  for (std::uint32_t i = 0; i < count && input.offset() + kRecordHeader <= end; ++i) {
+    const std::span<const unsigned char> header(input.take(kRecordHeader), kRecordHeader);
+    const std::string user(textOf(header.subspan(kUserAt, kNumberAt - kUserAt)));
+    const unsigned number = u16At(header, kNumberAt);
+    const std::size_t length = u16At(header, kLengthAt);
+    if (input.offset() + length > end) return;
+    records.take(user, number, {input.take(length), length});
+  }
+}
+
+/// The records of version 1.4 behind the points, of a file that is not packed.
+void readLateRecords(const std::string& path, std::uint64_t at, std::uint32_t count,
+                     LasRecords& records) {
+  const FileBytes file{std::filesystem::path(path)};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (at > file.size() || file.size() - at < kLateRecordHeader) return;
+    const auto header = file.part(at, kLateRecordHeader);
+    const std::uint64_t length = u64At(header, kLengthAt);
+    at += kLateRecordHeader;
+    if (length > file.size() - at) return;
+    records.take(textOf(header.subspan(kUserAt, kNumberAt - kUserAt)), u16At(header, kNumberAt),
+                 file.part(at, length));
+    at += length;
+  }
+}
+
+LasCoordinates coordinatesOf(const LasRecords& records, bool prefers_wkt) {
+  const bool by_wkt = !records.wkt.empty() && (prefers_wkt || records.keys.empty());
+  LasCoordinates found =
+      by_wkt ? coordinatesOfWkt(textOf(records.wkt))
+             : coordinatesOfGeoKeys(records.keys, records.doubles, textOf(records.ascii));
+  for (auto* const unit : {&found.unit_m, &found.height_unit_m, &found.unit_deg}) {
+    constexpr double kMost = 1e6;
+    if (*unit && !(**unit >= 1.0 / kMost && **unit <= kMost)) unit->reset();
+  }
+  return found;
+}
+
+glm::dvec3 vectorAt(std::span<const unsigned char> bytes, std::size_t at) {
+  return {doubleAt(bytes, at), doubleAt(bytes, at + 8), doubleAt(bytes, at + 16)};
 }
 
 LasHeader readLasHeader(ply::Input& input) {
@@ -66,7 +122,7 @@ LasHeader readLasHeader(ply::Input& input) {
   if (input.remaining() < kHeader) throw refuse("is no LAS file: shorter than its header");
   std::array<unsigned char, kHeader14> raw{};
   std::copy_n(input.take(kHeader), kHeader, raw.begin());
-  if (!std::equal(kLasMagic.begin(), kLasMagic.end(), raw.begin())) {
+  if (textOf(raw).substr(0, 4) != "LASF") {
     throw refuse("is no LAS file: expected LASF in its first bytes");
   }
   const unsigned major = raw[24], minor = raw[25];
@@ -75,8 +131,8 @@ LasHeader readLasHeader(ply::Input& input) {
                  ": expected version 1.0 to 1.4");
   }
   LasHeader header;
-  header.data_at = load<std::uint32_t>(&raw[96]);
-  header.points = load<std::uint32_t>(&raw[107]);
+  header.data_at = u32At(raw, 96);
+  header.points = u32At(raw, 107);
   const unsigned format = raw[104];
   if ((format & kCompressed) != 0) {
     throw refuse(
@@ -87,22 +143,31 @@ LasHeader readLasHeader(ply::Input& input) {
     throw refuse("has point format " + std::to_string(format) + ": expected 0 to 10");
   }
   header.format = kFormats[format];
-  header.record_bytes = load<std::uint16_t>(&raw[105]);
+  header.record_bytes = u16At(raw, 105);
   if (header.record_bytes < header.format.bytes) {
     throw refuse("has points of " + std::to_string(header.record_bytes) + " bytes: point format " +
                  std::to_string(format) + " needs " + std::to_string(header.format.bytes));
   }
-  header.scale = loadVector(&raw[131]);
-  header.offset = loadVector(&raw[155]);
+  header.scale = vectorAt(raw, 131);
+  header.offset = vectorAt(raw, 155);
   if (minor == 4) {
     if (input.remaining() < kHeader14 - kHeader) throw refuse("ends in its header");
     std::copy_n(input.take(kHeader14 - kHeader), kHeader14 - kHeader, raw.begin() + kHeader);
-    header.points = std::max(header.points, load<std::uint64_t>(&raw[247]));
+    header.points = std::max(header.points, u64At(raw, 247));
   }
   if (header.data_at < input.offset() || header.data_at - input.offset() > input.remaining()) {
     throw refuse("says that its points begin at byte " + std::to_string(header.data_at) +
                  ", which is not behind its header");
   }
+  LasRecords records;
+  const std::uint64_t header_bytes = u16At(raw, 94);
+  if (header_bytes >= input.offset() && header_bytes <= header.data_at) {
+    input.skip(header_bytes - input.offset());
+    readRecords(input, u32At(raw, 100), header.data_at, records);
+  }
+  if (minor == 4) readLateRecords(input.name(), u64At(raw, 235), u32At(raw, 243), records);
+  constexpr unsigned kEncodingAt = 6, kWkt = 1u << 4u;
+  header.coordinates = coordinatesOf(records, (u16At(raw, kEncodingAt) & kWkt) != 0);
   input.skip(header.data_at - input.offset());
   const std::uint64_t room = input.remaining() / header.record_bytes;
   if (header.points > room) {
@@ -111,6 +176,64 @@ LasHeader readLasHeader(ply::Input& input) {
   }
   return header;
 }
+
+/// Places in a unit that x, y and z share.
+class LasPlaces {
+ public:
+  LasPlaces(const LasCoordinates& coordinates, PointCloud& points)
+      : coordinates_(coordinates), points_(points), unit_m_(coordinates.unit_m.value_or(1.0)) {
+    if (coordinates.unit_deg) unit_m_ = 1.0;
+    height_ = coordinates.height_unit_m.value_or(unit_m_) / unit_m_;
+    points.unit_m = unit_m_;  // without a statement metres, as in nearly all surveys
+    points.up_axis = 2;
+  }
+
+  glm::dvec3 placeOf(glm::dvec3 p) {
+    p.z *= height_;
+    if (!coordinates_.unit_deg) return p;
+    if (!middle_deg_ && std::isfinite(p.x) && std::isfinite(p.y)) startAt(p);
+    const glm::dvec2 from = middle_deg_.value_or(glm::dvec2(0.0));
+    const glm::dvec2 turn_deg = *coordinates_.unit_deg * glm::dvec2(p) - from;
+    return {turn_deg.x * degree_m_.x, turn_deg.y * degree_m_.y, p.z};
+  }
+
+  void finish() const {
+    auto& remarks = points_.remarks;
+    remarks.insert(remarks.end(), coordinates_.remarks.begin(), coordinates_.remarks.end());
+    if (middle_deg_) {
+      remarks.push_back("x and y are longitude and latitude in degrees: shown in metres from " +
+                        exactText(middle_deg_->x) + " " + exactText(middle_deg_->y));
+    }
+    if (height_ != 1.0) {
+      remarks.push_back("heights are in units of " + significant(height_ * unit_m_, 7) +
+                        " m, x and y in units of " + significant(unit_m_, 7) +
+                        " m: heights are scaled to match");
+    }
+    if (coordinates_.geocentric) {
+      remarks.emplace_back(
+          "its coordinates start at the middle of the Earth, so no axis points upwards: project "
+          "them, e.g. with pdal's filters.reprojection");
+    }
+  }
+
+ private:
+  /// Lengths of a degree on the ellipsoid of WGS 84 (Snyder, Map Projections, 1987, eq. 4-20 and
+  /// 4-21).
+  void startAt(const glm::dvec3& p) {
+    constexpr double kEquator_m = 6378137.0, kEccentricity2 = 0.0066943799901413165;
+    middle_deg_ = *coordinates_.unit_deg * glm::dvec2(p);
+    const double latitude = glm::radians(middle_deg_->y), sine = std::sin(latitude);
+    const double under = 1.0 - kEccentricity2 * sine * sine;
+    degree_m_ = {glm::radians(kEquator_m * std::cos(latitude) / std::sqrt(under)),
+                 glm::radians(kEquator_m * (1.0 - kEccentricity2) / (under * std::sqrt(under)))};
+  }
+
+  const LasCoordinates& coordinates_;
+  PointCloud& points_;
+  double unit_m_ = 1.0, height_ = 1.0;
+  std::optional<glm::dvec2> middle_deg_;
+  glm::dvec2 degree_m_{0.0};
+};
 
 glm::vec3 linearOfCodes(const std::array<std::uint16_t, 3>& codes, float white) {
   const auto linear = [&](std::uint16_t code) {
@@ -121,14 +244,6 @@ glm::vec3 linearOfCodes(const std::array<std::uint16_t, 3>& codes, float white) 
 
 }  // namespace
 
-bool isLasFile(const std::filesystem::path& path) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
-                                                             &std::fclose);
-  std::array<unsigned char, kLasMagic.size()> start{};
-  return file && std::fread(start.data(), 1, start.size(), file.get()) == start.size() &&
-         start == kLasMagic;
-}
-
 PointCloud readLas(const std::filesystem::path& path) {
   ply::Input input(path);
   const LasHeader header = readLasHeader(input);
@@ -138,22 +253,22 @@ PointCloud readLas(const std::filesystem::path& path) {
   std::vector<float> intensity;
   const bool has_color = header.format.color_at != 0;
   if (has_color) codes.reserve(header.points);
-  if (!has_color) intensity.reserve(header.points);
+  intensity.reserve(header.points);
+  LasPlaces places(header.coordinates, points);
   ScanPositions positions(points);
   std::uint16_t brightest = 0;
   for (std::uint64_t i = 0; i < header.points; ++i) {
-    const unsigned char* record = input.take(header.record_bytes);
-    const glm::dvec3 steps(load<std::int32_t>(record), load<std::int32_t>(record + 4),
-                           load<std::int32_t>(record + 8));
-    if (!positions.append(steps * header.scale + header.offset)) continue;
-    if (has_color) {
-      const unsigned char* at = record + header.format.color_at;
-      codes.push_back(
-          {load<std::uint16_t>(at), load<std::uint16_t>(at + 2), load<std::uint16_t>(at + 4)});
-      brightest = std::max({brightest, codes.back()[0], codes.back()[1], codes.back()[2]});
-    } else {
-      intensity.push_back(load<std::uint16_t>(record + kIntensityAt));
-    }
+    const std::span<const unsigned char> record(input.take(header.record_bytes),
+                                                header.record_bytes);
+    const glm::dvec3 steps(static_cast<std::int32_t>(u32At(record, 0)),
+                           static_cast<std::int32_t>(u32At(record, 4)),
+                           static_cast<std::int32_t>(u32At(record, 8)));
+    if (!positions.append(places.placeOf(steps * header.scale + header.offset))) continue;
+    intensity.push_back(u16At(record, kIntensityAt));
+    if (!has_color) continue;
+    const std::size_t at = header.format.color_at;
+    codes.push_back({u16At(record, at), u16At(record, at + 2), u16At(record, at + 4)});
+    brightest = std::max({brightest, codes.back()[0], codes.back()[1], codes.back()[2]});
   }
   if (points.size() == 0) {
     throw InputError(input.name(), points.dropped == 0
@@ -161,16 +276,15 @@ PointCloud readLas(const std::filesystem::path& path) {
                                        : "none of its points has a finite position");
   }
   positions.finish();
+  places.finish();
   if (has_color && brightest > 0) {
     const float white = brightest > 255 ? 65535.0f : 255.0f;
     points.color.reserve(codes.size());
     for (const auto& code : codes) points.color.push_back(linearOfCodes(code, white));
     remarkDark(points);
-  } else if (has_color) {
-    points.color.assign(points.size(), glm::vec3(kUncolouredLight));
-    points.remarks.emplace_back("all colours are 0: shown in grey");
   } else {
     points.color = greyOf(intensity);
+    if (has_color) points.remarks.emplace_back(kIntensityInstead);
   }
   return points;
 }

@@ -7,11 +7,10 @@
 
 namespace foci {
 
-/// Whether the file begins like a LAS or LAZ file. False if it cannot be read.
-bool isLasFile(const std::filesystem::path& path);
-
 /// Reads positions, and colours where the point format has them (16 bits; 8 bits if no channel
-/// exceeds 255). Otherwise intensity becomes grey (scan_values.h). The z axis points upwards.
+/// exceeds 255). Otherwise, or if all colours are 0, intensity becomes grey (scan_values.h). The z
+/// axis points upwards. Units and longitudes are those of the file's coordinate system
+/// (las_coordinates.h).
 /// @throws InputError if the file is compressed (LAZ), is no LAS file, has no points, or is shorter
 ///         than its header says
 PointCloud readLas(const std::filesystem::path& path);

@@ -87,9 +87,10 @@ std::string compressionOf(const GltfDocument& gltf) {
 void refuseUnknownExtensions(const GltfDocument& gltf) {
   // Extensions that Assimp or gltf_plain.h reads, or that add to a picture which is right without
   // them.
-  constexpr std::array<std::string_view, 6> kRead = {
-      "KHR_texture_transform", "KHR_mesh_quantization", "KHR_lights_punctual",
-      "KHR_xmp_json_ld",       "EXT_texture_webp",      "EXT_mesh_gpu_instancing"};
+  constexpr std::array<std::string_view, 7> kRead = {
+      "KHR_texture_transform",  "KHR_mesh_quantization", "KHR_lights_punctual",
+      "KHR_gaussian_splatting", "KHR_xmp_json_ld",       "EXT_texture_webp",
+      "EXT_mesh_gpu_instancing"};
   for (const std::string& name : requiredExtensions(gltf)) {
     const auto is = [&](std::string_view known) { return name == known; };
     if (name.starts_with("KHR_materials_") || std::any_of(kRead.begin(), kRead.end(), is) ||

@@ -1,88 +1,16 @@
 #include "render/scene/io/open_scene.h"
 
-#include <algorithm>
-#include <array>
 #include <string>
-#include <string_view>
 #include <utility>
 
-#include "base/file.h"
 #include "base/input_error.h"
 #include "render/lod/outline.h"
 #include "render/scene/estimation/estimate.h"
-#include "render/scene/io/foci_file.h"
-#include "render/scene/io/gaussian_formats.h"
-#include "render/scene/io/las.h"
-#include "render/scene/io/mesh.h"
-#include "render/scene/io/off.h"
-#include "render/scene/io/ply.h"
 #include "render/scene/io/scan_values.h"
-#include "render/scene/io/text_points.h"
+#include "render/scene/joined_scene.h"
 
 namespace foci {
 namespace {
-
-constexpr std::string_view kPdal = "CloudCompare, or pdal translate IN OUT.ply, makes a PLY of it";
-constexpr std::string_view kBlender = "Blender can export it as glTF";
-constexpr std::string_view kCad = "FreeCAD can export it as STL or OBJ";
-constexpr std::string_view kParaview = "ParaView can export it as PLY";
-constexpr std::string_view kSplats = "SuperSplat or splat-transform makes a PLY of it";
-
-/// Formats that foci does not read, and what converts them.
-struct Converter {
-  std::string_view extension, how;
-};
-constexpr std::array kConverters = {
-    Converter{".e57", kPdal},     Converter{".pcd", kPdal},     Converter{".ptx", kPdal},
-    Converter{".dae", kBlender},  Converter{".3ds", kBlender},  Converter{".blend", kBlender},
-    Converter{".usd", kBlender},  Converter{".usdc", kBlender}, Converter{".usdz", kBlender},
-    Converter{".x3d", kBlender},  Converter{".wrl", kBlender},  Converter{".lwo", kBlender},
-    Converter{".dxf", kBlender},  Converter{".3mf", kCad},      Converter{".step", kCad},
-    Converter{".stp", kCad},      Converter{".iges", kCad},     Converter{".igs", kCad},
-    Converter{".vtk", kParaview}, Converter{".vtp", kParaview}, Converter{".vtu", kParaview},
-    Converter{".lcc", kSplats},   Converter{".usda", kBlender}, Converter{".abc", kBlender},
-    Converter{".3dm", kCad},      Converter{".amf", kCad},      Converter{".drc", kBlender},
-};
-
-/// @throws InputError for a format that is known and not read
-void refuseUnread(const std::filesystem::path& path) {
-  const std::string extension = lowerExtension(path);
-  const auto* found =
-      std::find_if(kConverters.begin(), kConverters.end(),
-                   [&](const Converter& each) { return each.extension == extension; });
-  if (found == kConverters.end()) return;
-  throw InputError(path.string(), "foci does not read " + extension.substr(1) +
-                                      " files: " + std::string(found->how));
-}
-
-bool hasSceneExtension(const std::filesystem::path& path) {
-  static constexpr std::array<std::string_view, 18> kRead = {
-      ".foci", ".ply", ".obj", ".gltf", ".glb", ".stl", ".fbx",   ".las",    ".laz",
-      ".xyz",  ".pts", ".asc", ".off",  ".pwn", ".spz", ".splat", ".ksplat", ".sog"};
-  const std::string extension = lowerExtension(path);
-  return std::find(kRead.begin(), kRead.end(), extension) != kRead.end() ||
-         std::any_of(kConverters.begin(), kConverters.end(),
-                     [&](const Converter& each) { return each.extension == extension; });
-}
-
-PointCloud readPoints(const std::filesystem::path& path) {
-  if (isLasFile(path)) return readLas(path);
-  if (isTextPointsFile(path)) return readTextPoints(path);
-  refuseUnread(path);
-  if (const std::string extension = lowerExtension(path);
-      extension == ".csv" || extension == ".txt") {
-    throw InputError(path.string(),
-                     "is no scene: points as text begin with numbers, or with a line of names that "
-                     "has x, y and z");
-  }
-  return readPly(path);
-}
-
-PointCloud pointsOf(const std::filesystem::path& path) {
-  PointCloud points = readPoints(path);
-  remarkDegrees(points);
-  return points;
-}
 
 void scale(std::vector<glm::vec3>& lengths_m, float scale) {
   for (glm::vec3& length_m : lengths_m) length_m *= scale;
@@ -108,29 +36,35 @@ SurfelCloud scaled(SurfelCloud&& cloud, float factor) {
 
 bool isScene(const std::filesystem::path& path) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return hasSceneExtension(path);
-  return hasSceneExtension(path) || isSceneFile(path) || isLasFile(path) ||
-         isTextPointsFile(path) || isSpzFile(path) || isSogFile(path);
+  if (std::filesystem::is_directory(path, ignored)) return true;  // refused, with the reason
+  const FileStart start(path);
+  return formatOf(start) != nullptr || refusalOf(start).has_value();
 }
 
-SceneFile readScene(const std::filesystem::path& path, std::uint64_t checked_B) {
+SceneFile readScene(const std::filesystem::path& given, std::uint64_t checked_B) {
   std::error_code ignored;
+  const std::filesystem::path path = sceneFileIn(given);
   if (!std::filesystem::exists(path, ignored)) throw InputError(path.string(), "no such file");
+  if (std::filesystem::is_directory(path, ignored)) {
+    throw InputError(path.string(), "is a folder: expected the file of a scene in it");
+  }
   requireRegularFile(path);
-  if (isSceneFile(path)) return {path, readSceneFile(path, checked_B)};
-  if (lowerExtension(path) == ".foci") {
-    throw InputError(path.string(),
-                     "is no prepared scene: expected FOCI in its first bytes; foci prepare makes "
-                     "one");
+  const FileStart start(path);
+  if (const auto refusal = refusalOf(start)) throw InputError(path.string(), *refusal);
+  const SceneFormat* const format = formatOf(start);
+  if (format == nullptr) {
+    throw InputError(
+        path.string(),
+        start.bytes.empty()
+            ? "is empty"
+            : "is no scene that foci reads (docs/scenes.md lists the formats and their "
+              "extensions); points "
+              "as text begin with numbers, or with a line of names that has x, y and "
+              "z");
   }
-  if (isOffFile(path)) {
-    return std::visit([&](auto read) { return SceneFile{path, std::move(read)}; }, readOff(path));
-  }
-  if (!isLasFile(path) && !isTextPointsFile(path)) {
-    if (auto gaussians = readGaussians(path)) return {path, std::move(*gaussians)};
-  }
-  if (!isLasFile(path) && isMeshFile(path)) return {path, readMesh(path)};
-  return {path, pointsOf(path)};
+  SceneFile file{path, format->read(path, checked_B), format->kind};
+  if (auto* const points = std::get_if<PointCloud>(&file.content)) remarkDegrees(*points);
+  return file;
 }
 
 OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sampling) {
@@ -140,7 +74,8 @@ OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sa
     scale(mesh->corners_m, factor);
     return {sampleMesh(*mesh, file.path, sampling), mesh};
   }
-  if (std::holds_alternative<GaussianFile>(file.content)) {
+  if (std::holds_alternative<GaussianFile>(file.content) ||
+      std::holds_alternative<StreamedGaussians>(file.content)) {
     throw InputError(
         file.path.string(),
         "holds Gaussians, which are volumes: foci renders it as it is, without surfels");
@@ -152,8 +87,15 @@ OpenedPoints openPoints(SceneFile&& file, double scale_m, const MeshSampling& sa
   return {std::move(*points), nullptr};
 }
 
-OpenedScene openScene(SceneFile&& file, double scale_m,
-                      const std::optional<glm::vec3>& viewpoint_m) {
+OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm::vec3>& viewpoint_m,
+                      const Fineness& fineness) {
+  if (const auto* const streamed = std::get_if<StreamedGaussians>(&file.content)) {
+    const auto unit_m = static_cast<float>(scale_m);
+    const Fineness in_file = [&](const glm::vec3& low, const glm::vec3& high) {
+      return fineness(unit_m * low, unit_m * high) / unit_m;
+    };
+    file.content = streamed->read(fineness ? in_file : Fineness{});
+  }
   if (auto* const prepared = std::get_if<PreparedScene>(&file.content)) {
     if (scale_m != 1.0 && prepared->cloud.tree && prepared->cloud.size() > kLargeScene) {
       throw InputError(file.path.string(),
@@ -163,9 +105,16 @@ OpenedScene openScene(SceneFile&& file, double scale_m,
     return {scaled(std::move(prepared->cloud), static_cast<float>(scale_m))};
   }
   if (auto* const gaussians = std::get_if<GaussianFile>(&file.content)) {
-    scaleBy(gaussians->cloud, static_cast<float>(scale_m));
+    const auto factor = static_cast<float>(scale_m);
+    scaleBy(gaussians->cloud, factor);
     SurfelCloud cloud;
     cloud.gaussians = std::make_shared<GaussianCloud>(std::move(gaussians->cloud));
+    if (gaussians->mesh) {
+      scale(gaussians->mesh->corners_m, factor);
+      SurfelCloud surfels = surfelsFromPoints(sampleMesh(*gaussians->mesh, file.path, {}),
+                                              {.viewpoint_m = viewpoint_m});
+      cloud = joined(std::move(cloud), std::move(surfels), "mesh");
+    }
     return {std::move(cloud), gaussians->dropped, std::move(gaussians->remarks)};
   }
   OpenedPoints opened = openPoints(std::move(file), scale_m);

@@ -8,33 +8,27 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "render/scene/io/foci_file.h"
-#include "render/scene/io/gaussian_file.h"
-#include "render/scene/io/mesh.h"
+#include "render/scene/io/scene_formats.h"
 #include "render/scene/mesh/sample_mesh.h"
-#include "render/scene/point_cloud.h"
 #include "render/scene/surfel_cloud.h"
 
 namespace foci {
 
-/// Whether a file is a scene and not a study: by its first bytes, by its extension, or by the
-/// points in its text. The extensions of formats that `openPoints` refuses count.
+/// Whether a file is a scene and not a study: foci reads it, or knows why not (scene_formats.h).
 bool isScene(const std::filesystem::path& path);
 
 /// A scene file as read: in its own units, a mesh not sampled, no surfels estimated.
 struct SceneFile {
   std::filesystem::path path;
-  std::variant<PointCloud, MeshFile, PreparedScene, GaussianFile> content;
+  SceneContent content;
+  SceneKind kind = SceneKind::ply_points;  ///< of points
 };
 
-/// Reads a `.foci` scene or a LAS scan (recognised by their first bytes), 3D Gaussians
-/// (gaussian_formats.h), a mesh (OBJ, glTF, STL, FBX, PLY with faces), points as text, or, for any
-/// other file, a PLY point cloud.
-/// @throws InputError, see `readSceneFile`, `readPly`, `readLas`, `readTextPoints` and `readMesh`.
-///         For a format that foci does not read, it names a converter.
+/// Reads a scene of any format in the table of scene_formats.h.
+/// @throws InputError as the format's reader does. For a file that is no scene, it says what the
+///         file is, and names a converter.
 /// @param checked_B  see `readSceneFile`
 SceneFile readScene(const std::filesystem::path& path, std::uint64_t checked_B = kCheckedFile_B);
 
@@ -57,9 +51,10 @@ struct OpenedScene {
 /// The surfels or Gaussians of a scene file.
 /// @param scale_m      metres a unit of the file, > 0
 /// @param viewpoint_m  estimated normals point towards this place
+/// @param fineness     of a streamed scene, in metres: see `StreamedGaussians::read`
 /// @throws InputError naming the file and what is wrong with it
-OpenedScene openScene(SceneFile&& file, double scale_m,
-                      const std::optional<glm::vec3>& viewpoint_m);
+OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm::vec3>& viewpoint_m,
+                      const Fineness& fineness = {});
 
 /// Reads and opens it. @throws InputError as `readScene` and the above
 inline OpenedScene openScene(const std::filesystem::path& path, double scale_m,

@@ -16,6 +16,7 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kMaxLabels = 1000;
+constexpr const char* kGreyInstead = "all colours are 0: shown in grey";
 
 float toFloat(double x) { return static_cast<float>(x); }
 
@@ -66,12 +67,19 @@ struct Layout {
       for (const std::string_view name : names) found = found ? found : items.find(name);
       return found;
     };
-    if (color.empty()) intensity = first({"intensity", "scalar_intensity"});
+    intensity = first({"intensity", "scalar_intensity"});
     radius = first({"radius"});
     opacity = ply::opacityOf(items);
     label = first({"label", "class", "object_id", "scalar_label"});
   }
 };
+
+bool areBlack(const std::vector<glm::vec3>& colors) {
+  return std::all_of(colors.begin(), colors.end(),
+                     [](const glm::vec3& color) { return color == glm::vec3(0.0f); });
+}
+
+}  // namespace
 
 PointCloud readVertices(ply::Items& items, std::uint64_t count, const std::string& file) {
   const Layout layout(items, file);
@@ -115,18 +123,26 @@ PointCloud readVertices(ply::Items& items, std::uint64_t count, const std::strin
         "the points are so far from the origin that floats lose their detail: save them with "
         "coordinates in doubles, or nearer to the origin");
   }
-  if (layout.color.empty()) {
-    points.color = layout.intensity
-                       ? greyOf(intensity)
-                       : std::vector<glm::vec3>(points.size(), glm::vec3(kUncolouredLight));
-  } else {
+  if (!layout.color.empty()) {
     ply::linearise(points.color, items.property(layout.color[0]).type, file, "vertex",
                    points.remarks);
   }
+  if (areBlack(points.color)) {  // or none
+    const char* const instead = layout.intensity ? kIntensityInstead : kGreyInstead;
+    if (!layout.color.empty()) points.remarks.emplace_back(instead);
+    points.color = layout.intensity
+                       ? greyOf(intensity)
+                       : std::vector<glm::vec3>(points.size(), glm::vec3(kUncolouredLight));
+  }
+  remarkDark(points);
+  if (!points.opacity.empty() && std::all_of(points.opacity.begin(), points.opacity.end(),
+                                             [](float opacity) { return opacity == 0.0f; })) {
+    points.remarks.push_back(
+        "the opacity of all points is 0, so none is seen: leave out the property alpha or "
+        "opacity to see them");
+  }
   return points;
 }
-
-}  // namespace
 
 PointCloud readPly(const std::filesystem::path& path) {
   ply::Input input(path);
@@ -137,20 +153,7 @@ PointCloud readPly(const std::filesystem::path& path) {
       continue;
     }
     ply::Items items(input, header, element);
-    PointCloud points = readVertices(items, element.count, input.name());
-    if (std::all_of(points.color.begin(), points.color.end(),
-                    [](const glm::vec3& color) { return color == glm::vec3(0.0f); })) {
-      points.color.assign(points.size(), glm::vec3(kUncolouredLight));
-      points.remarks.push_back("all colours are 0: shown in grey");
-    }
-    remarkDark(points);
-    if (!points.opacity.empty() && std::all_of(points.opacity.begin(), points.opacity.end(),
-                                               [](float opacity) { return opacity == 0.0f; })) {
-      points.remarks.push_back(
-          "the opacity of all points is 0, so none is seen: leave out the property alpha or "
-          "opacity to see them");
-    }
-    return points;
+    return readVertices(items, element.count, input.name());
   }
   throw InputError(input.name(), "has no element vertex");
 }

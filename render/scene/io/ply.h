@@ -1,6 +1,7 @@
 // Reads and writes PLY point clouds (Turk 1994): ASCII, binary little endian, binary big endian.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -15,7 +16,7 @@ namespace foci {
 ///   x y z                                     required
 ///   nx ny nz                                  of any length; zero or not finite: estimated
 ///   red green blue | r g b | diffuse_red ...  sRGB; integers of the full range, floats 0 to 1
-///   intensity | scalar_intensity              grey, if there is no colour
+///   intensity | scalar_intensity              grey, if there is no colour, or all are 0
 ///   radius                                    metres
 ///   opacity | alpha | a beside r g b          integers of the full range, floats 0 to 1
 ///   label | class | object_id | scalar_label  integers: the point's object
@@ -24,6 +25,14 @@ namespace foci {
 /// @throws InputError with file and line (header, ASCII) or byte (binary), if the file is no PLY,
 ///         has no points, or is shorter than its header says
 PointCloud readPly(const std::filesystem::path& path);
+
+namespace ply {
+class Items;
+}
+
+/// The points of a vertex element, as `readPly` reads them.
+/// @param count  of the items
+PointCloud readVertices(ply::Items& items, std::uint64_t count, const std::string& file);
 
 /// A further property of the points.
 struct PlyProperty {

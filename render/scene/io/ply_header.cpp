@@ -12,6 +12,7 @@
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "render/scene/io/file_bytes.h"
 #include "render/scene/io/ply_items.h"
 
 namespace foci::ply {
@@ -131,6 +132,11 @@ Input::Input(const std::filesystem::path& path) : name_(path.string()) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(name_, "no such file");
   requireRegularFile(path);
+  if (isGzip(firstBytes(path, 2))) {
+    block_ = unpackedGzip(FileBytes(path));
+    size_ = end_ = block_.size();
+    return;
+  }
   size_ = std::filesystem::file_size(path, error);
   file_.reset(std::fopen(name_.c_str(), "rb"));
   if (!file_ || error) throw InputError(name_, "cannot be read");
@@ -139,6 +145,7 @@ Input::Input(const std::filesystem::path& path) : name_(path.string()) {
 }
 
 void Input::fill() {
+  if (!file_) return;  // all is in memory
   std::memmove(block_.data(), block_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;

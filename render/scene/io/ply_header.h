@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace foci::ply {
@@ -39,11 +40,14 @@ struct Header {
 std::size_t sizeOf(Scalar type);
 inline bool isFloat(Scalar type) { return type == Scalar::float32 || type == Scalar::float64; }
 
-/// A file read front to back through one block of memory.
+/// A file read front to back through one block of memory; one packed by gzip is unpacked first.
 class Input {
  public:
   /// @throws InputError if there is no readable regular file
   explicit Input(const std::filesystem::path& path);
+  /// Bytes that were unpacked from the file of this name.
+  Input(std::string name, std::vector<unsigned char> content)
+      : name_(std::move(name)), size_(content.size()), block_(std::move(content)), end_(size_) {}
 
   const std::string& name() const { return name_; }
   std::uint64_t offset() const { return offset_; }

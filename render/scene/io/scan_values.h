@@ -15,6 +15,9 @@ namespace foci {
 /// Light of a point without a colour: sRGB 0.5.
 inline constexpr float kUncolouredLight = 0.2140f;
 
+/// A remark on colours that are all 0, where the file has intensities, too.
+inline constexpr const char* kIntensityInstead = "all colours are 0: intensity is shown as grey";
+
 /// Whether a place is finite and no farther out than kFarthest_m.
 bool isNearEnough(const glm::dvec3& p);
 

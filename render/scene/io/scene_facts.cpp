@@ -1,17 +1,13 @@
 #include "render/scene/io/scene_facts.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <span>
 #include <utility>
 #include <variant>
 
 #include "render/lod/outline.h"
 #include "render/scene/gaussian_cloud.h"
-#include "render/scene/io/las.h"
-#include "render/scene/io/off.h"
 #include "render/scene/io/open_scene.h"
-#include "render/scene/io/text_points.h"
 
 namespace foci {
 namespace {
@@ -42,7 +38,7 @@ SceneFacts factsOfGaussians(const GaussianCloud& cloud) {
           .reach = std::move(reach)};
 }
 
-SceneFacts factsOfContent(const PreparedScene& scene, const std::filesystem::path&) {
+SceneFacts factsOfContent(const PreparedScene& scene) {
   if (scene.cloud.gaussians) {
     SceneFacts facts = factsOfGaussians(*scene.cloud.gaussians);
     facts.unit_m = 1.0;
@@ -65,35 +61,45 @@ SceneFacts factsOfContent(const PreparedScene& scene, const std::filesystem::pat
           .position = {cloud.position_m.begin(), cloud.position_m.end()}};
 }
 
-SceneFacts factsOfContent(const MeshFile& file, const std::filesystem::path&) {
+SceneFacts factsOfContent(const MeshFile& file) {
   SceneFacts facts = file.facts;
   facts.position = file.mesh.corners_m;
   facts.remarks = file.mesh.remarks;
   return facts;
 }
 
-SceneFacts factsOfContent(const PointCloud& points, const std::filesystem::path& path) {
-  SceneFacts facts{.points = points.size(),
-                   .has_normals = !points.normal.empty(),
-                   .has_colors = differ(points.color),
-                   .opacity = rangeOf(points.opacity),
-                   .dropped = points.dropped,
-                   .remarks = points.remarks,
-                   .position = points.position_m};
-  if (isLasFile(path)) {
-    facts.kind = SceneKind::las;
-    facts.unit_m = 1.0;  // as nearly all surveys
-    facts.up_axis = 2;
-  } else if (isOffFile(path)) {
-    facts.kind = SceneKind::off_points;
-  } else if (isTextPointsFile(path)) {
-    facts.kind = SceneKind::text_points;
-  }
-  return facts;
+SceneFacts factsOfContent(const PointCloud& points) {
+  return {.format = points.format,
+          .points = points.size(),
+          .has_normals = !points.normal.empty(),
+          .has_colors = differ(points.color),
+          .opacity = rangeOf(points.opacity),
+          .dropped = points.dropped,
+          .remarks = points.remarks,
+          .unit_m = points.unit_m,
+          .up_axis = points.up_axis,
+          .position = points.position_m};
 }
 
-SceneFacts factsOfContent(const GaussianFile& file, const std::filesystem::path&) {
+SceneFacts factsOfContent(const StreamedGaussians& scene) {
+  return {.kind = SceneKind::gaussians,
+          .format = "3D Gaussians (streamed SOG)",
+          .gaussians = scene.size(),
+          .has_colors = true,
+          .y_is_down = true,
+          .position = scene.corners()};
+}
+
+SceneFacts factsOfContent(const GaussianFile& file) {
   SceneFacts facts = factsOfGaussians(file.cloud);
+  facts.format = "3D Gaussians (" + file.format + ")";
+  facts.unit_m = file.unit_m;
+  if (file.mesh) {
+    const std::vector<glm::vec3>& corners = file.mesh->corners_m;
+    facts.triangles = file.mesh->size();
+    facts.position.insert(facts.position.end(), corners.begin(), corners.end());
+    facts.reach.resize(facts.position.size(), glm::vec3(0.0f));
+  }
   facts.dropped = file.dropped;
   facts.remarks = file.remarks;
   facts.y_is_down = !file.y_is_up;
@@ -102,8 +108,9 @@ SceneFacts factsOfContent(const GaussianFile& file, const std::filesystem::path&
 
 }  // namespace
 
-std::string nameOf(SceneKind kind) {
-  switch (kind) {
+std::string nameOf(const SceneFacts& facts) {
+  if (!facts.format.empty()) return facts.format;
+  switch (facts.kind) {
     case SceneKind::gltf:
       return "glTF mesh";
     case SceneKind::obj:
@@ -122,6 +129,10 @@ std::string nameOf(SceneKind kind) {
       return "PLY points";
     case SceneKind::las:
       return "LAS scan";
+    case SceneKind::pcd:
+      return "PCD points";
+    case SceneKind::colmap:
+      return "COLMAP points";
     case SceneKind::text_points:
       return "points as text";
     case SceneKind::prepared:
@@ -132,13 +143,16 @@ std::string nameOf(SceneKind kind) {
   return "";
 }
 
-SceneKind statesUnit(const SceneFacts& facts) {
-  return facts.kind == SceneKind::gaussians ? SceneKind::prepared : facts.kind;
+std::string whatStatesUnit(const SceneFacts& facts) {
+  if (facts.kind != SceneKind::gaussians) return nameOf(facts);
+  return facts.format.empty() ? "prepared scene" : "glTF";
 }
 
 SceneFacts factsOf(const SceneFile& file) {
-  return std::visit([&](const auto& content) { return factsOfContent(content, file.path); },
-                    file.content);
+  SceneFacts facts =
+      std::visit([](const auto& content) { return factsOfContent(content); }, file.content);
+  if (std::holds_alternative<PointCloud>(file.content)) facts.kind = file.kind;
+  return facts;
 }
 
 }  // namespace foci

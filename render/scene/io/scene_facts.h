@@ -31,6 +31,8 @@ enum class SceneKind {
   off_points,
   ply_points,
   las,
+  colmap,
+  pcd,
   text_points,
   prepared,
   gaussians
@@ -38,6 +40,7 @@ enum class SceneKind {
 
 struct SceneFacts {
   SceneKind kind = SceneKind::ply_points;
+  std::string format{};  ///< a name that says more than the kind's
   std::size_t points = 0, triangles = 0, surfels = 0, gaussians = 0;
   std::vector<MaterialFacts> materials{};
   bool has_normals = false;
@@ -65,11 +68,11 @@ struct SceneFacts {
   bool isMesh() const { return triangles > 0; }
 };
 
-/// "glTF mesh", "LAS scan", ...
-std::string nameOf(SceneKind kind);
+/// "glTF mesh", "LAS scan", "3D Gaussians (SPZ)", ...
+std::string nameOf(const SceneFacts& facts);
 
-/// The kind of file that states `unit_m`: Gaussians have a unit in a prepared scene only.
-SceneKind statesUnit(const SceneFacts& facts);
+/// What states `unit_m`: Gaussians have a unit in a glTF or a prepared scene only.
+std::string whatStatesUnit(const SceneFacts& facts);
 
 struct SceneFile;
 

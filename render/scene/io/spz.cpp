@@ -1,8 +1,8 @@
 // Niantic's `.spz` (github.com/nianticlabs/spz). Versions 1 to 3 are one stream, plain or by gzip:
 // a header of 16 bytes, then positions, opacities, colours, scales, rotations and harmonics, an
 // array each. Version 4 has a header of 32 bytes, a table of the arrays' lengths, and the arrays,
-// each compressed by Zstandard.
-#include <zlib.h>
+// each compressed by Zstandard. Records of extensions follow the header of version 4, or the arrays
+// of older versions: type, length and content.
 #include <zstd.h>
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include <string>
 
 #include "base/input_error.h"
+#include "render/scene/gaussian_transform.h"
 #include "render/scene/harmonics.h"
 #include "render/scene/io/gaussian_formats.h"
 
@@ -20,7 +21,11 @@ namespace {
 
 constexpr std::uint32_t kMagic = 0x5053474e;  // NGSP
 constexpr std::size_t kHeader = 16, kHeader4 = 32, kTableEntry = 16;
-constexpr unsigned kFlagPreservesLight = 1;
+constexpr unsigned kFlagPreservesLight = 1, kFlagExtensions = 2;
+constexpr std::uint32_t kAxesRecord = 0xadbe0003;  // SPZ_ADOBE_coordinate_system
+constexpr std::uint32_t kMaxAxes = 16;
+constexpr int kMaxDegree = 4;  // foci shows kMaxHarmonicsDegree of them
+constexpr std::size_t kMaxRecords = std::size_t{1} << 20u;  // bytes of extensions
 
 /// A colour byte spans the coefficients of degree 0 from -0.5 to 0.5, over this.
 constexpr float kColorScale = 0.15f;
@@ -46,6 +51,7 @@ struct SpzHeader {
 /// The arrays, unpacked.
 struct SpzArrays {
   SpzHeader header;
+  std::vector<unsigned char> records;  // of extensions
   std::array<std::vector<unsigned char>, kArrays> array;
 };
 
@@ -61,9 +67,9 @@ SpzHeader headerOf(std::span<const unsigned char> bytes, const std::string& file
   header.fraction_bits = bytes[13];
   header.flags = bytes[14];
   header.arrays = bytes[15];
-  if (header.degree > kMaxHarmonicsDegree) {
+  if (header.degree > kMaxDegree) {
     throw InputError(
-        file, "has harmonics of degree " + std::to_string(header.degree) + ": expected 0 to 3");
+        file, "has harmonics of degree " + std::to_string(header.degree) + ": expected 0 to 4");
   }
   if (header.fraction_bits > 23) {
     throw InputError(file, "has positions with " + std::to_string(header.fraction_bits) +
@@ -77,72 +83,17 @@ SpzHeader headerOf(std::span<const unsigned char> bytes, const std::string& file
   return header;
 }
 
-/// Unpacks gzip bit by bit, so that a file cannot ask for more than its header says.
-class Gunzip {
- public:
-  explicit Gunzip(const FileBytes& file) : file_(file) {
-    constexpr int kGzip = 16;  // expect its header
-    stream_.next_in = const_cast<unsigned char*>(file.all().data());
-    stream_.avail_in = static_cast<uInt>(std::min<std::size_t>(file.size(), UINT32_MAX));
-    if (inflateInit2(&stream_, MAX_WBITS + kGzip) != Z_OK) throw damaged();
-  }
-  ~Gunzip() { inflateEnd(&stream_); }
-  Gunzip(const Gunzip&) = delete;
-  Gunzip& operator=(const Gunzip&) = delete;
-
-  std::vector<unsigned char> take(std::uint64_t count) {
-    std::vector<unsigned char> bytes(count);
-    std::size_t done = 0;
-    while (done < count) {
-      const auto part = static_cast<uInt>(std::min<std::uint64_t>(count - done, 1u << 30u));
-      stream_.next_out = bytes.data() + done;
-      stream_.avail_out = part;
-      const int result = inflate(&stream_, Z_NO_FLUSH);
-      done += part - stream_.avail_out;
-      const bool stuck = stream_.avail_out == part;
-      if (result == Z_BUF_ERROR || (result == Z_OK && stuck)) throw cutOff();
-      if (result == Z_STREAM_END ? done < count : result != Z_OK) throw damaged();
-    }
-    return bytes;
-  }
-
-  /// Reads to the end, where the checksum is. Vendors may append extensions.
-  void finish() {
-    constexpr int kMaxBlocks = 64;
-    std::vector<unsigned char> block(std::size_t{1} << 20u);
-    for (int i = 0; i < kMaxBlocks; ++i) {
-      stream_.next_out = block.data();
-      stream_.avail_out = static_cast<uInt>(block.size());
-      const int result = inflate(&stream_, Z_NO_FLUSH);
-      if (result == Z_STREAM_END) return;
-      if (result == Z_BUF_ERROR) throw cutOff();
-      if (result != Z_OK || stream_.avail_out == block.size()) throw damaged();
-    }
-  }
-
- private:
-  InputError damaged() const {
-    return {file_.name(), "is damaged: its gzip stream is broken, or shorter than its header says"};
-  }
-  InputError cutOff() const {
-    return {file_.name(), "is damaged: the file ends before its gzip stream does"};
-  }
-  const FileBytes& file_;
-  z_stream stream_{};
-};
-
-bool isGzip(std::span<const unsigned char> bytes) {
-  return bytes.size() >= 2 && bytes[0] == 0x1f && bytes[1] == 0x8b;
-}
-
 SpzArrays unpackOld(const FileBytes& file) {
   SpzArrays all;
   if (isGzip(file.all())) {
-    Gunzip stream(file);
+    Gunzip stream(file.name(), file.all());
     all.header = headerOf(stream.take(kHeader), file.name(), file.size());
     const auto sizes = all.header.bytes();
     for (std::size_t i = 0; i < kArrays; ++i) all.array[i] = stream.take(sizes[i]);
-    stream.finish();
+    all.records = stream.next(kMaxRecords);
+    if (!stream.next(1).empty()) {  // up to the end, where the checksum is
+      throw InputError(file.name(), "is damaged: more than its header says");
+    }
   } else {
     all.header = headerOf(file.part(0, kHeader), file.name(), file.size());
     const auto sizes = all.header.bytes();
@@ -151,6 +102,8 @@ SpzArrays unpackOld(const FileBytes& file) {
       const auto part = file.part(at, sizes[i]);
       all.array[i].assign(part.begin(), part.end());
     }
+    const auto rest = file.part(at, std::min<std::uint64_t>(file.size() - at, kMaxRecords));
+    all.records.assign(rest.begin(), rest.end());
   }
   if (all.header.version == 4) {
     throw InputError(file.name(), "is SPZ of version 4 inside gzip: expected version 1 to 3");
@@ -159,7 +112,9 @@ SpzArrays unpackOld(const FileBytes& file) {
 }
 
 SpzArrays unpackNew(const FileBytes& file) {
-  SpzArrays all{.header = headerOf(file.part(0, kHeader4), file.name(), file.size()), .array = {}};
+  SpzArrays all{.header = headerOf(file.part(0, kHeader4), file.name(), file.size()),
+                .records = {},
+                .array = {}};
   const auto sizes = all.header.bytes();
   const unsigned expected = all.header.degree > 0 ? kArrays : kArrays - 1;
   if (all.header.arrays != expected) {
@@ -168,6 +123,11 @@ SpzArrays unpackNew(const FileBytes& file) {
   }
   const std::uint64_t table_at = u32At(file.all(), 16);
   const auto table = file.part(table_at, expected * kTableEntry);
+  if (table_at > kHeader4) {
+    const auto zone =
+        file.part(kHeader4, std::min(table_at - kHeader4, std::uint64_t{kMaxRecords}));
+    all.records.assign(zone.begin(), zone.end());
+  }
   std::uint64_t at = table_at + table.size();
   for (std::size_t i = 0; i < expected; ++i) {
     const std::uint64_t packed = u64At(table, i * kTableEntry);
@@ -247,37 +207,55 @@ RawGaussian gaussianOf(const SpzArrays& all, std::size_t i) {
           .color = 0.5f + kHarmonic0 / kColorScale * (bytesOf(kColors) / 255.0f - 0.5f)};
 }
 
-}  // namespace
-
-bool isSpzFile(const std::filesystem::path& path) {
-  std::vector<unsigned char> bytes = firstBytes(path, 1024);
-  if (isGzip(bytes)) {
-    try {
-      const FileBytes begin(path.string(), std::move(bytes));
-      bytes = Gunzip(begin).take(4);
-    } catch (const InputError&) {
-      return false;
-    }
+/// What turns the axes of the file to those of SPZ by default: right, up, back (RUB). Of the
+/// numbers 1 to 8, bits say whether x points right, y up, and z to the front; of 9 to 16, whether
+/// x points right, y to the front, and z up (nianticlabs/spz, CoordinateSystem).
+glm::mat3 axesOf(const SpzArrays& all) {
+  if ((all.header.flags & kFlagExtensions) == 0) return glm::mat3(1.0f);
+  std::uint32_t axes = 0;
+  for (std::size_t at = 0; all.records.size() - at >= 8;) {
+    const std::size_t length = u32At(all.records, at + 4), left = all.records.size() - at - 8;
+    if (length > left) break;
+    if (u32At(all.records, at) == kAxesRecord && length >= 4) axes = u32At(all.records, at + 8);
+    at += 8 + length;
   }
-  return bytes.size() >= 4 && u32At(bytes, 0) == kMagic;
+  if (axes == 0 || axes > kMaxAxes) return glm::mat3(1.0f);
+  const auto sign = [&](unsigned bit) { return ((axes - 1) >> bit & 1u) != 0 ? 1.0f : -1.0f; };
+  const glm::vec3 right(sign(0), 0.0f, 0.0f);
+  const bool z_is_up = axes > 8;
+  const glm::vec3 up = z_is_up ? glm::vec3(0.0f, 0.0f, sign(1)) : glm::vec3(0.0f, sign(1), 0.0f);
+  const glm::vec3 back =
+      z_is_up ? glm::vec3(0.0f, -sign(2), 0.0f) : glm::vec3(0.0f, 0.0f, -sign(2));
+  return glm::transpose(glm::mat3(right, up, back));
 }
 
-GaussianFile readSpzFile(const std::filesystem::path& path) {
-  const FileBytes bytes(path);
+}  // namespace
+
+bool isSpz(std::span<const unsigned char> first) {
+  return first.size() >= 4 && u32At(first, 0) == kMagic;
+}
+
+GaussianFile readSpz(const FileBytes& bytes) {
   const bool is_new = !isGzip(bytes.all()) && u32At(bytes.part(0, 8), 4) == 4;
   const SpzArrays all = is_new ? unpackNew(bytes) : unpackOld(bytes);
   GaussianFile file{.format = "SPZ", .y_is_up = true};
   file.cloud.preserves_light = (all.header.flags & kFlagPreservesLight) != 0;
-  GaussianCollector collector(file, all.header.count, all.header.degree);
+  if (all.header.degree > kMaxHarmonicsDegree) file.remarks.emplace_back(kDegree4);
+  GaussianCollector collector(file, all.header.count,
+                              std::min(all.header.degree, kMaxHarmonicsDegree));
+  const std::size_t stored = 3 * static_cast<std::size_t>(harmonicsOf(all.header.degree));
   std::vector<float> harmonics(file.cloud.harmonicsPerGaussian());
   for (std::size_t i = 0; i < all.header.count; ++i) {
     for (std::size_t k = 0; k < harmonics.size(); ++k) {
-      const unsigned char byte = all.array[kHarmonics][i * harmonics.size() + k];
+      const unsigned char byte = all.array[kHarmonics][i * stored + k];
       harmonics[k] = (static_cast<float>(byte) - 128.0f) / 128.0f;
     }
     collector.append(gaussianOf(all, i), harmonics);
   }
   collector.finish(bytes.name());
+  if (const glm::mat3 axes = axesOf(all); axes != glm::mat3(1.0f)) {
+    transform(file.cloud, axes, glm::vec3(0.0f));
+  }
   return file;
 }
 

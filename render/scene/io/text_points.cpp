@@ -11,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/file.h"
 #include "base/input_error.h"
 #include "base/number.h"
 #include "base/text.h"
@@ -25,6 +24,10 @@ namespace {
 constexpr std::size_t kMaxColumns = 64;
 constexpr float kUnitSlack = 0.02f;  // of a normal's length, which text rounds
 constexpr int kNone = -1;
+constexpr std::string_view kColmapNames = "POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[]";
+
+/// Aria's points that are less certain are noise (MPS, "threshold the point cloud").
+constexpr double kMaxDoubt_m = 0.15, kMaxInverseDoubt_per_m = 0.01;
 using Three = std::array<int, 3>;  // columns
 constexpr Three kNoThree = {kNone, kNone, kNone};
 
@@ -33,20 +36,23 @@ struct TextColumns {
   Three position = {0, 1, 2};
   std::array<Three, 2> triples = {kNoThree, kNoThree};  ///< each a colour or a normal
   int intensity = kNone;
-  std::size_t count = 0;  ///< of numbers in a line
+  std::size_t count = 0;           ///< of numbers in a line
+  bool more = false;               ///< any number of values may follow them
+  std::optional<double> unit_m{};  ///< of x, y and z
+  Three doubt = kNoThree;          ///< standard deviations of distance and of its inverse
+  std::string format{};            ///< a name of its own
 };
 
 using TextWords = std::vector<std::string_view>;
 
-void splitInto(TextWords& words, std::string_view line) {
-  constexpr std::string_view kBetween = " \t,;";
+void splitInto(TextWords& words, std::string_view line, std::string_view between = " \t,;") {
   words.clear();
   for (std::size_t at = 0; words.size() <= kMaxColumns;) {
-    at = line.find_first_not_of(kBetween, at);
+    at = line.find_first_not_of(between, at);
     if (at == std::string_view::npos) return;
     const bool quoted = line[at] == '"';
     const std::size_t end =
-        std::min(quoted ? line.find('"', at + 1) : line.find_first_of(kBetween, at), line.size());
+        std::min(quoted ? line.find('"', at + 1) : line.find_first_of(between, at), line.size());
     words.push_back(line.substr(at + quoted, end - at - quoted));
     at = std::min(end + quoted, line.size());
   }
@@ -83,42 +89,87 @@ std::optional<double> numberOf(std::string_view word) {
 
 bool isComment(std::string_view line) { return line.starts_with('#') || line.starts_with("//"); }
 
-/// Words of a line of names in lower case, without a unit such as [m] or (m).
-std::vector<std::string> namesIn(const TextWords& words) {
-  std::vector<std::string> names;
-  names.reserve(words.size());
+/// A column's name in lower case, and the unit behind it in brackets: X [m], x(mm).
+struct ColumnName {
+  std::string name, unit;
+};
+
+std::string loweredAndTrimmed(std::string_view text) {
+  std::string lower(trimmed(text));
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
+}
+
+/// The columns that a line names. Blanks do not end a name if another mark does: "X [m];Y [m]".
+std::vector<ColumnName> namesIn(std::string_view line) {
+  const bool by_blanks = line.find_first_of(",;\t") == std::string_view::npos;
+  TextWords words;
+  splitInto(words, line, by_blanks ? " " : ",;\t");
+  std::vector<ColumnName> names;
   for (const std::string_view word : words) {
-    std::string name(trimmed(word.substr(0, word.find_first_of("[("))));
-    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    names.push_back(std::move(name));
+    const std::size_t open = std::min(word.find_first_of("[("), word.size());
+    const std::size_t close = std::min(word.find_first_of("])", open), word.size());
+    const std::string unit =
+        open < close ? loweredAndTrimmed(word.substr(open + 1, close - open - 1)) : "";
+    if (by_blanks && open == 0 && !names.empty()) {
+      names.back().unit = unit;
+    } else {
+      names.push_back({loweredAndTrimmed(word.substr(0, open)), unit});
+    }
   }
   return names;
 }
 
+/// Metres, of a unit in brackets.
+std::optional<double> metresOf(std::string_view unit) {
+  static constexpr std::array<std::pair<std::string_view, double>, 11> kUnits = {{{"m", 1.0},
+                                                                                  {"metre", 1.0},
+                                                                                  {"meter", 1.0},
+                                                                                  {"metres", 1.0},
+                                                                                  {"meters", 1.0},
+                                                                                  {"mm", 0.001},
+                                                                                  {"cm", 0.01},
+                                                                                  {"km", 1000.0},
+                                                                                  {"ft", 0.3048},
+                                                                                  {"feet", 0.3048},
+                                                                                  {"in", 0.0254}}};
+  const auto* const found = std::find_if(kUnits.begin(), kUnits.end(),
+                                         [&](const auto& each) { return each.first == unit; });
+  return found == kUnits.end() ? std::nullopt : std::optional(found->second);
+}
+
 /// Whether a line names a longitude and a latitude.
-bool namesDegrees(const TextWords& words) {
-  const std::vector<std::string> names = namesIn(words);
+bool namesDegrees(std::string_view line) {
+  const std::vector<ColumnName> names = namesIn(line);
   const auto has = [&](std::string_view brief, std::string_view whole) {
-    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-      return name == brief || name.starts_with(whole);
+    return std::any_of(names.begin(), names.end(), [&](const ColumnName& column) {
+      return column.name == brief || column.name.starts_with(whole);
     });
   };
   return (has("lon", "longitude") || has("lng", "longitude")) && has("lat", "latitude");
 }
 
 /// The columns that a line of names describes; absent if it does not name x, y and z.
-std::optional<TextColumns> columnsNamed(const TextWords& words) {
-  const std::vector<std::string> names = namesIn(words);
+std::optional<TextColumns> columnsNamed(std::string_view line) {
+  const std::vector<ColumnName> names = namesIn(line);
   const auto columnOf = [&](std::initializer_list<std::string_view> any) {
     for (std::size_t i = 0; i < names.size(); ++i) {
-      if (std::find(any.begin(), any.end(), names[i]) != any.end()) return static_cast<int>(i);
+      if (std::find(any.begin(), any.end(), names[i].name) != any.end()) return static_cast<int>(i);
     }
     return kNone;
   };
   TextColumns columns;
-  columns.count = words.size();
-  columns.position = {columnOf({"x"}), columnOf({"y"}), columnOf({"z"})};
+  columns.count = names.size();
+  columns.position = {columnOf({"x", "px_world"}), columnOf({"y", "py_world"}),
+                      columnOf({"z", "pz_world"})};
   if (std::count(columns.position.begin(), columns.position.end(), kNone) > 0) return std::nullopt;
+  const auto unitOf = [&](int column) {
+    return metresOf(names[static_cast<std::size_t>(column)].unit);
+  };
+  columns.unit_m = unitOf(columns.position[0]);
+  for (const int column : columns.position) {
+    if (unitOf(column) != columns.unit_m) columns.unit_m.reset();
+  }
   const Three color = {columnOf({"r", "red"}), columnOf({"g", "green"}), columnOf({"b", "blue"})};
   const Three normal = {columnOf({"nx"}), columnOf({"ny"}), columnOf({"nz"})};
   std::size_t triples = 0;
@@ -126,6 +177,15 @@ std::optional<TextColumns> columnsNamed(const TextWords& words) {
     if (std::count(three.begin(), three.end(), kNone) == 0) columns.triples[triples++] = three;
   }
   columns.intensity = columnOf({"intensity", "i", "reflectance"});
+  if (columnOf({"px_world"}) != kNone) {
+    columns.format = "Project Aria scan";
+    columns.doubt = {columnOf({"dist_std"}), columnOf({"inv_dist_std"}), kNone};
+  }
+  if (const int track = columnOf({"track"}); track != kNone && columnOf({"point3d_id"}) != kNone) {
+    columns.format = "COLMAP points";
+    columns.count = static_cast<std::size_t>(track);
+    columns.more = true;
+  }
   return columns;
 }
 
@@ -158,7 +218,12 @@ struct Triples {
 
 class TextPointsReader {
  public:
-  explicit TextPointsReader(const std::filesystem::path& path) : input_(path) {}
+  /// @param keyword  of the lines that are points; empty: all are
+  explicit TextPointsReader(const std::filesystem::path& path, std::string_view keyword = {})
+      : input_(path), keyword_(keyword) {
+    // COLMAP's names stand in comments, which other programs leave out.
+    if (path.stem() == "points3D") name(columnsNamed(kColmapNames));
+  }
 
   PointCloud read() {
     if (input_.remaining() == 0) throw InputError(input_.name(), "is empty");
@@ -172,12 +237,14 @@ class TextPointsReader {
                                     std::to_string(*counted_) + " points");
     }
     if (points_.size() == 0) {
-      throw InputError(input_.name(), points_.dropped == 0
+      throw InputError(input_.name(), uncertain_ > 0 ? "none of its points is certain enough"
+                                      : points_.dropped == 0
                                           ? "has no points"
                                           : "none of its points has a finite position");
     }
     positions_.finish();
     finishColumns();
+    takeStatements();
     return std::move(points_);
   }
 
@@ -189,18 +256,24 @@ class TextPointsReader {
     if (comment) line.remove_prefix(std::min(line.find_first_not_of("#/ \t"), line.size()));
     splitInto(words_, line);
     if (words_.empty()) return;
-    if (words_.size() > kMaxColumns) {
+    if (!keyword_.empty()) {
+      if (comment || words_[0] != keyword_) return;
+      words_.erase(words_.begin());
+      takeVertex();
+      return;
+    }
+    if (words_.size() > kMaxColumns && !(columns_ && columns_->more)) {
       throw InputError(where(), "has more than " + std::to_string(kMaxColumns) + " columns");
     }
     const bool names = !columns_ && !numberOf(words_[0]);
-    if (names) columns_ = columnsNamed(words_);
-    if (names && !columns_ && namesDegrees(words_)) {
+    if (names) name(columnsNamed(line));
+    if (names && !columns_ && namesDegrees(line)) {
       throw InputError(where(),
                        "has longitude and latitude in degrees: expected x y z in one unit; project "
                        "them to metres, e.g. with QGIS or pdal's filters.reprojection");
     }
     if (comment || (names && columns_)) return;
-    if (words_.size() == 1) {
+    if (words_.size() == 1 && !(columns_ && columns_->more)) {
       if (const auto count = parseInteger<std::uint32_t>(words_[0])) {
         counted_ = counted_.value_or(0) + *count;
         return;
@@ -215,10 +288,23 @@ class TextPointsReader {
     takeRow();
   }
 
+  /// x y z, a weight or not, and a colour or not.
+  void takeVertex() {
+    if (!columns_) {
+      TextColumns columns{.count = words_.size(), .format = "OBJ points"};
+      const int first = words_.size() == 7 ? 4 : 3;
+      if (words_.size() >= 6) columns.triples[0] = {first, first + 1, first + 2};
+      columns_ = columns;
+    }
+    takeRow();
+  }
+
   void takeRow() {
     row_.clear();
     for (const std::string_view word : words_) {
-      const auto value = numberOf(word);
+      if (columns_ && columns_->more && row_.size() == columns_->count) break;
+      // Text, such as the name of a recording, may stand in a column that is not used.
+      const auto value = isUsed(row_.size()) ? numberOf(word) : 0.0;
       if (!value) throw InputError(where(), "expected a number, found " + shown(word));
       row_.push_back(*value);
     }
@@ -240,6 +326,10 @@ class TextPointsReader {
                                     std::to_string(columns_->count) + ", as in the lines before");
     }
     ++rows_;
+    if (isUncertain()) {
+      ++uncertain_;
+      return;
+    }
     const auto at = [&](const Three& three) {
       const auto value = [&](int i) { return row_[static_cast<std::size_t>(three[i])]; };
       return glm::dvec3(value(0), value(1), value(2));
@@ -259,6 +349,45 @@ class TextPointsReader {
     }
   }
 
+  void name(std::optional<TextColumns> columns) {
+    columns_ = std::move(columns);
+    if (!columns_) return;
+    used_.assign(columns_->count, false);
+    const auto use = [&](int column) {
+      if (column != kNone) used_[static_cast<std::size_t>(column)] = true;
+    };
+    for (const Three& three :
+         {columns_->position, columns_->triples[0], columns_->triples[1], columns_->doubt}) {
+      for (const int column : three) use(column);
+    }
+    use(columns_->intensity);
+  }
+
+  bool isUsed(std::size_t column) const { return column >= used_.size() || used_[column]; }
+
+  /// Whether the row's point is less certain than kMaxDoubt_m or kMaxInverseDoubt_per_m.
+  bool isUncertain() const {
+    const auto exceeds = [&](int column, double most) {
+      return column != kNone && row_[static_cast<std::size_t>(column)] > most;
+    };
+    return exceeds(columns_->doubt[0], kMaxDoubt_m) ||
+           exceeds(columns_->doubt[1], kMaxInverseDoubt_per_m);
+  }
+
+  /// What the file says of its points, and what was left out.
+  void takeStatements() {
+    points_.format = columns_->format;
+    points_.unit_m = columns_->unit_m;
+    if (columns_->doubt == kNoThree) return;
+    points_.unit_m = 1.0;  // metres, and gravity along -z
+    points_.up_axis = 2;
+    if (uncertain_ == 0) return;
+    points_.remarks.push_back(thousands(static_cast<double>(uncertain_)) +
+                              " points are less certain than " + exactText(kMaxDoubt_m) +
+                              " m, or " + exactText(kMaxInverseDoubt_per_m) +
+                              " per m of inverse distance: left out");
+  }
+
   /// Colours and normals from the triples, once all are known.
   void finishColumns() {
     for (Triples& triple : triples_) {
@@ -267,7 +396,7 @@ class TextPointsReader {
         points_.remarks.push_back("the columns of colour or normal are all 0: left out");
         continue;
       }
-      if (triple.isNormal()) {
+      if (keyword_.empty() && triple.isNormal()) {
         if (!points_.normal.empty()) continue;
         for (glm::vec3& n : triple.values) {
           if (n != glm::vec3(0.0f)) n = glm::normalize(n);
@@ -298,49 +427,61 @@ class TextPointsReader {
   }
 
   ply::Input input_;
+  std::string keyword_;
   PointCloud points_;
   ScanPositions positions_{points_};
   std::uint64_t line_ = 0, rows_ = 0;
   std::optional<std::uint64_t> counted_;
+  std::uint64_t uncertain_ = 0;
   std::optional<TextColumns> columns_;
+  std::vector<bool> used_;  // of the columns with names
   std::array<Triples, 2> triples_;
   std::vector<float> intensity_;
   TextWords words_;
   std::vector<double> row_;
 };
 
-/// Whether the first line that is no comment starts with a number, or names x, y and z.
+}  // namespace
+
 bool startsWithPoints(const std::filesystem::path& path) {
-  ply::Input input(path);
-  TextWords words;
-  for (bool first = true; input.remaining() > 0; first = false) {
-    std::string_view line = input.line();
-    line = trimmed(first ? withoutByteOrderMark(line) : line);
-    if (line.empty() || isComment(line)) continue;
-    splitInto(words, line);
-    return !words.empty() &&
-           (numberOf(words[0]) || columnsNamed(words) || (words.size() > 2 && namesDegrees(words)));
+  try {
+    ply::Input input(path);
+    TextWords words;
+    for (bool first = true; input.remaining() > 0; first = false) {
+      std::string_view line = input.line();
+      line = trimmed(first ? withoutByteOrderMark(line) : line);
+      if (line.empty() || isComment(line)) continue;
+      if (columnsNamed(line)) return true;
+      splitInto(words, line);
+      if (words.size() == 1) return parseInteger<std::uint32_t>(words[0]).has_value();
+      return words.size() > 2 &&
+             (namesDegrees(line) ||
+              std::all_of(words.begin(), words.begin() + 3,
+                          [](std::string_view word) { return numberOf(word).has_value(); }));
+    }
+  } catch (const InputError&) {
+    // Not for this reader.
   }
   return false;
 }
 
-}  // namespace
-
-bool isTextPointsFile(const std::filesystem::path& path) {
-  const std::string extension = lowerExtension(path);
-  if (extension == ".xyz" || extension == ".pts" || extension == ".asc" || extension == ".pwn") {
-    return true;
-  }
-  if (extension != ".txt" && extension != ".csv") return false;
-  try {
-    return startsWithPoints(path);
-  } catch (const InputError&) {
-    return false;
-  }
-}
-
 PointCloud readTextPoints(const std::filesystem::path& path) {
   return TextPointsReader(path).read();
+}
+
+bool isObjOfPoints(const std::filesystem::path& path) {
+  ply::Input input(path);
+  bool has_vertices = false;
+  while (input.remaining() > 0) {
+    const std::string_view line = trimmed(input.line());
+    if (line.starts_with("f ") || line.starts_with("f\t")) return false;
+    has_vertices = has_vertices || line.starts_with("v ") || line.starts_with("v\t");
+  }
+  return has_vertices;
+}
+
+PointCloud readObjPoints(const std::filesystem::path& path) {
+  return TextPointsReader(path, "v").read();
 }
 
 }  // namespace foci

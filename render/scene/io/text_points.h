@@ -8,16 +8,16 @@
 
 namespace foci {
 
-/// Whether a file holds points as text: .xyz, .pts, .pwn and .asc by their extension; .txt and .csv
-/// if their first line without a comment starts with a number or names x, y and z. False for one of
-/// these that cannot be read.
-bool isTextPointsFile(const std::filesystem::path& path);
+/// Whether the first line without a comment has three numbers or more, or a number of points, or
+/// names x, y and z. False for a file that cannot be read.
+bool startsWithPoints(const std::filesystem::path& path);
 
 /// Reads points. Empty lines and those after `#` or `//` are skipped. A line with a single whole
 /// number (PTS) is the number of points that follow. Columns are
 ///
 ///   by name, if a line before the points has names, also as a comment:
-///     x y z, red green blue or r g b, nx ny nz, intensity; others are skipped
+///     x y z, red green blue or r g b, nx ny nz, intensity; others are skipped. A unit in brackets
+///     behind x, y and z counts: "X [mm]"
 ///   by their number otherwise:
 ///     3  x y z
 ///     4  x y z intensity
@@ -29,7 +29,18 @@ bool isTextPointsFile(const std::filesystem::path& path);
 /// otherwise; it is left out, with a remark, if it is 0 everywhere. Colours are sRGB, of 0 to 1, 0
 /// to 255 or 0 to 65535, as their largest value needs. Without colours, intensity becomes grey
 /// (scan_values.h).
+///
+/// Two layouts have names of their own: points3D.txt of COLMAP, where a track of any length follows
+/// each point, and the points of Project Aria (px_world), of which those that are less certain than
+/// 0.15 m, or 0.01 per metre of inverse distance, are left out.
 /// @throws InputError with file and line
 PointCloud readTextPoints(const std::filesystem::path& path);
+
+/// Whether an OBJ has vertices and no faces.
+bool isObjOfPoints(const std::filesystem::path& path);
+
+/// The vertices of such an OBJ, with colours of 0 to 1 where they have some.
+/// @throws InputError with file and line
+PointCloud readObjPoints(const std::filesystem::path& path);
 
 }  // namespace foci

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "render/scene/io/gaussian_file.h"
+#include "render/scene/io/file_bytes.h"
 
 namespace foci {
 

@@ -4,9 +4,6 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   const auto file = foci::fuzz::asFile("input.ply", bytes, size);
-  foci::fuzz::readWithinLimits(size, [&] {
-    foci::isCompressedGaussianPly(file);
-    foci::readCompressedGaussianPly(file);
-  });
+  foci::fuzz::readWithinLimits(size, [&] { foci::readCompressedGaussianPly(file); });
   return 0;
 }

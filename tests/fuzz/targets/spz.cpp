@@ -4,9 +4,6 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   const auto file = foci::fuzz::asFile("input.spz", bytes, size);
-  foci::fuzz::readWithinLimits(size, [&] {
-    foci::isSpzFile(file);
-    foci::readSpzFile(file);
-  });
+  foci::fuzz::readWithinLimits(size, [&] { foci::readSpz(foci::FileBytes(file)); });
   return 0;
 }

@@ -7,7 +7,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   constexpr const char* kNames[] = {"input.xyz", "input.pts", "input.txt"};
   const auto file = foci::fuzz::asFile(kNames[bytes[0] % 3], bytes + 1, size - 1);
   foci::fuzz::readWithinLimits(size, [&] {
-    if (foci::isTextPointsFile(file)) foci::readTextPoints(file);
+    if (foci::startsWithPoints(file)) foci::readTextPoints(file);
   });
   return 0;
 }

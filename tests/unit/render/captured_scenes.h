@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "render/methods/method.h"
-#include "render/scene/io/gaussian_formats.h"
 #include "tests/unit/render/gaussian_scenes.h"
 #include "tests/unit/render/method_scenes.h"
+#include "tests/unit/render/read_gaussians.h"
 
 namespace foci {
 

@@ -96,7 +96,7 @@ inline std::string splatFile() {
   return file;
 }
 
-std::uint16_t halfOf(float value) {  // of normal numbers
+inline std::uint16_t halfOf(float value) {  // of normal numbers
   if (value == 0.0f) return 0;
   const auto bits = std::bit_cast<std::uint32_t>(value);
   const std::uint32_t exponent = (bits >> 23u & 0xffu) - 112u;

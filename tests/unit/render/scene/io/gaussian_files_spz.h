@@ -79,11 +79,18 @@ inline std::string gzipped(const std::string& plain) {
   return packed;
 }
 
-inline std::string spz4File(int degree) {
+/// @param axes  of the record 0xADBE0003; 0: no record
+inline std::string spz4File(int degree, unsigned axes = 0) {
   std::vector<std::string> arrays = spzArrays(4, degree);
   if (degree == 0) arrays.pop_back();
   std::string file = spzHeader(4, degree, static_cast<int>(arrays.size()));
-  put(file, 32u, 0u, std::uint64_t{0});
+  std::string records;
+  if (axes > 0) {
+    put(records, 0xdead0001u, 2u, std::uint16_t{7}, 0xadbe0003u, 4u, axes);
+    file[14] = '\2';
+  }
+  put(file, static_cast<unsigned>(32 + records.size()), 0u, std::uint64_t{0});
+  file += records;
   std::string packed;
   for (const std::string& array : arrays) {
     std::string one(ZSTD_compressBound(array.size()), '\0');

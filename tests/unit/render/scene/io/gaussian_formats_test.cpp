@@ -16,6 +16,7 @@
 #include "render/scene/harmonics.h"
 #include "render/scene/io/open_scene.h"
 #include "tests/temporary_folder.h"
+#include "tests/unit/render/read_gaussians.h"
 #include "tests/unit/render/scene/io/gaussian_files_ply.h"
 #include "tests/unit/render/scene/io/gaussian_files_sog.h"
 #include "tests/unit/render/scene/io/gaussian_files_spz.h"
@@ -99,6 +100,175 @@ TEST(GaussianFormats, AreReadByTheirContent) {
   }
 }
 
+TEST(GaussianFormats, SpzStatesTheWayOfItsAxes) {
+  // Names of the directions of x, y and z, by number (nianticlabs/spz, CoordinateSystem).
+  const std::vector<std::string> systems = {"",    "LDB", "RDB", "LUB", "RUB", "LDF",
+                                            "RDF", "LUF", "RUF", "LBD", "RBD", "LBU",
+                                            "RBU", "LFD", "RFD", "LFU", "RFU"};
+  const TemporaryFolder folder;
+  const GaussianCloud base = readGaussians(folder.write("base.spz", spz4File(3)))->cloud;
+  for (unsigned number = 1; number < systems.size(); ++number) {
+    SCOPED_TRACE(systems[number]);
+    const auto turned = [&](const glm::vec3& v) {  // to right, up, back
+      glm::vec3 out(0.0f);
+      for (int i = 0; i < 3; ++i) {
+        const char way = systems[number][static_cast<std::size_t>(i)];
+        if (way == 'L' || way == 'R') out.x = way == 'R' ? v[i] : -v[i];
+        if (way == 'U' || way == 'D') out.y = way == 'U' ? v[i] : -v[i];
+        if (way == 'F' || way == 'B') out.z = way == 'B' ? v[i] : -v[i];
+      }
+      return out;
+    };
+    const auto file = readGaussians(folder.write("axes.spz", spz4File(3, number)));
+    const GaussianCloud& cloud = file->cloud;
+    EXPECT_TRUE(file->y_is_up);
+    EXPECT_EQ(cloud.position_m[1], turned(base.position_m[1]));
+    // What is seen, and how far it reaches, along directions that turn with the scene.
+    for (const glm::vec3& d :
+         {glm::vec3(1, 0, 0), glm::vec3(0, 0.6f, 0.8f), glm::vec3(-0.48f, 0.6f, 0.64f)}) {
+      const auto reach = [](const Covariance3& v, const glm::vec3& e) {
+        return glm::dot(e, glm::mat3(v.xx, v.xy, v.xz, v.xy, v.yy, v.yz, v.xz, v.yz, v.zz) * e);
+      };
+      EXPECT_NEAR(reach(cloud.covariance_m2[0], turned(d)), reach(base.covariance_m2[0], d), 1e-6f);
+      EXPECT_LT(glm::distance(colorOf(cloud, 0, turned(d)), colorOf(base, 0, d)), 5e-3f);
+    }
+  }
+}
+
+TEST(GaussianFormats, OfDegree4TheFirstThreeAreShown) {
+  const TemporaryFolder folder;
+  const auto file = readGaussians(folder.write("four.spz", spz4File(4)));
+  ASSERT_EQ(file->cloud.degree, 3);
+  ASSERT_EQ(file->remarks.size(), 1u);
+  EXPECT_NE(file->remarks[0].find("degree 4: degrees 0 to 3 are shown"), std::string::npos);
+  for (int k = 0; k < harmonicsOf(3); ++k) {
+    const auto at = file->cloud.harmonicsPerGaussian() + 3 * static_cast<std::size_t>(k);
+    EXPECT_NEAR(kHarmonicsStep * file->cloud.harmonics[at], coefficient(0, k), 1.0f / 128.0f);
+  }
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  return text.replace(text.find(what), what.size(), by);
+}
+
+/// The Gaussians of a PLY as text, a record in each line of `rows`.
+GaussianFile readRows(const std::vector<std::string>& properties, const std::string& rows,
+                      const std::string& comments = "") {
+  std::string text = "ply\nformat ascii 1.0\n" + comments + "element vertex " +
+                     std::to_string(std::count(rows.begin(), rows.end(), '\n')) + "\n";
+  for (const std::string& property : properties) text += "property " + property + "\n";
+  const TemporaryFolder folder;
+  return *readGaussians(folder.write("rows.ply", text + "end_header\n" + rows));
+}
+
+const std::vector<std::string> kRest = {"float opacity", "float rot_0", "float rot_1",
+                                        "float rot_2", "float rot_3"};
+
+std::vector<std::string> withRest(std::vector<std::string> first) {
+  first.insert(first.end(), kRest.begin(), kRest.end());
+  return first;
+}
+
+TEST(GaussianFormats, DiscsHaveNoThirdScale) {
+  const GaussianFile file =
+      readRows(withRest({"float x", "float y", "float z", "float f_dc_0", "float f_dc_1",
+                         "float f_dc_2", "float scale_0", "float scale_1"}),
+               "1 2 3 0 0 0 -1 -2 5 1 0 0 0\n");
+  const Covariance3& v = file.cloud.covariance_m2.at(0);
+  EXPECT_NEAR(v.xx, std::exp(-2.0f), 1e-6f);
+  EXPECT_NEAR(v.yy, std::exp(-4.0f), 1e-6f);
+  EXPECT_LT(v.zz, 1e-12f);
+  EXPECT_EQ(file.format, "PLY of 2D Gaussians");
+}
+
+TEST(GaussianFormats, ColoursMayBeRedGreenBlue) {
+  const auto colors = [](const char* type, const char* values) {
+    const std::string t = type;
+    return readRows(withRest({"float x", "float y", "float z", t + " red", t + " green",
+                              t + " blue", "float scale_0", "float scale_1", "float scale_2"}),
+                    std::string("1 2 3 ") + values + " -1 -1 -1 5 1 0 0 0\n")
+        .cloud.color.at(0);
+  };
+  const glm::vec3 expected(1.0f, 51.0f / 255.0f, 0.0f);
+  EXPECT_LT(glm::distance(colors("uchar", "255 51 0"), expected), 1e-6f);
+  EXPECT_LT(glm::distance(colors("int", "255 51 0"), expected), 1e-6f);
+  EXPECT_LT(glm::distance(colors("float", "255 51 0"), expected), 1e-6f);
+  EXPECT_LT(glm::distance(colors("float", "1 0.2 0"), expected), 1e-6f);
+}
+
+const std::vector<std::string> kPlain =
+    withRest({"float x", "float y", "float z", "float f_dc_0", "float f_dc_1", "float f_dc_2",
+              "float scale_0", "float scale_1", "float scale_2"});
+
+TEST(GaussianFormats, CommentsStateTheLowPass) {
+  const auto preserves = [](const std::string& comments) {
+    return readRows(kPlain, "1 2 3 0 0 0 -1 -1 -1 5 1 0 0 0\n", comments).cloud.preserves_light;
+  };
+  EXPECT_FALSE(preserves(""));
+  EXPECT_TRUE(preserves("comment Exported from Brush\ncomment SplatRenderMode: mip\n"));
+  EXPECT_FALSE(preserves("comment SplatRenderMode: default\n"));
+  EXPECT_TRUE(preserves("comment antialiased 1\n"));
+  EXPECT_FALSE(preserves("comment antialiased 0\n"));
+  EXPECT_TRUE(preserves("comment   SPLATRENDERMODE:  MIP  \n"));
+  EXPECT_FALSE(preserves("comment antialiased 1\ncomment SplatRenderMode: default\n"));
+  EXPECT_TRUE(preserves("comment SplatRenderMode: default\ncomment antialiased 1\n"));
+  const TemporaryFolder folder;
+  const std::string packed = replaced(compressedPly(0, true), "element chunk",
+                                      "comment SplatRenderMode: mip\nelement chunk");
+  EXPECT_TRUE(readGaussians(folder.write("p.ply", packed))->cloud.preserves_light);
+}
+
+TEST(GaussianFormats, TheFilterOfMipSplattingWidensAndKeepsLight) {
+  std::vector<std::string> properties = kPlain;
+  properties.emplace_back("float filter_3D");
+  const GaussianFile file =
+      readRows(properties, "1 2 3 0 0 0 " + std::to_string(std::log(0.3f)) + " " +
+                               std::to_string(std::log(0.4f)) + " " +
+                               std::to_string(std::log(0.3f)) + " 0 1 0 0 0 0.4\n");
+  const Covariance3& v = file.cloud.covariance_m2.at(0);
+  EXPECT_NEAR(v.xx, 0.25f, 1e-5f);  // 0.3^2 + 0.4^2
+  EXPECT_NEAR(v.yy, 0.32f, 1e-5f);
+  EXPECT_NEAR(file.cloud.opacity.at(0), 0.5f * 0.6f * 0.6f * std::sqrt(0.5f), 1e-5f);
+  EXPECT_TRUE(file.cloud.preserves_light);
+}
+
+TEST(GaussianFormats, MistakesOfExportersAreNamed) {
+  const auto remarks = [](const char* scales, const char* opacity) {
+    std::string rows;
+    for (int i = 0; i < 100; ++i) {
+      const std::string place =
+          std::to_string(0.1 * (i % 10)) + " " + std::to_string(0.1 * (i / 10));
+      rows +=
+          place + (i % 2 == 0 ? " 0" : " 0.02") + " 0 0 0 " + scales + " " + opacity + " 1 0 0 0\n";
+    }
+    std::string all;
+    for (const std::string& remark : readRows(kPlain, rows).remarks) all += remark + "\n";
+    return all;
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_EQ(remarks("-3 -3 -3", "2"), "");
+  EXPECT_TRUE(has(remarks("-3 -3 -3", "0.9"), "without the logit"));
+  const std::string linear = remarks("0.3 0.3 0.3", "2");
+  EXPECT_TRUE(has(linear, "without the logarithm"));
+  EXPECT_TRUE(has(linear, "times as large as the distance to their neighbours")) << linear;
+}
+
+TEST(GaussianFormats, PlyOfDegree4ShowsThree) {
+  std::vector<std::string> properties = kPlain;
+  std::string row = "1 2 3 0 0 0 -1 -1 -1 5 1 0 0 0";
+  for (int i = 0; i < 72; ++i) {
+    properties.push_back("float f_rest_" + std::to_string(i));
+    row += " " + std::to_string(0.01 * i);
+  }
+  const GaussianFile file = readRows(properties, row + "\n");
+  ASSERT_EQ(file.cloud.degree, 3);
+  EXPECT_EQ(file.remarks.at(0), kDegree4);
+  // By channel in the file: green of the second coefficient is the 26th.
+  EXPECT_NEAR(kHarmonicsStep * file.cloud.harmonics.at(4), 0.25f, kHarmonicsStep);
+}
+
 TEST(GaussianFormats, ALineSaysThatNoneIsSeen) {
   const TemporaryFolder folder;
   std::string ply = gaussianPly(0);
@@ -157,15 +327,12 @@ std::string refusalOf(const std::string& bytes) {
   }
 }
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  return text.replace(text.find(what), what.size(), by);
-}
-
 TEST(GaussianFormats, SayWhatIsWrong) {
-  EXPECT_EQ(refusalOf(replaced(gaussianPly(0), "property float scale_2", "property float scale_9")),
-            "element vertex: expected the property scale_2 of a Gaussian");
+  EXPECT_EQ(refusalOf(replaced(gaussianPly(0), "property float scale_1", "property float scale_9")),
+            "element vertex: expected the property scale_1 of a Gaussian");
   EXPECT_EQ(refusalOf(replaced(gaussianPly(1), "f_rest_8", "f_other8")),
-            "element vertex: has 8 properties f_rest: expected 0, 9, 24 or 45, for degree 0 to 3");
+            "element vertex: has 8 properties f_rest: expected 0, 9, 24, 45 or 72, for degree 0 to "
+            "4");
   for (const char* telling : {"f_dc_0", "scale_0", "rot_0"}) {
     EXPECT_EQ(refusalOf(replaced(gaussianPly(0), telling, "other")),
               std::string("element vertex: expected the property ") + telling + " of a Gaussian");
@@ -186,7 +353,8 @@ TEST(GaussianFormats, SayWhatIsWrong) {
   EXPECT_EQ(
       refusalOf("{\"means\":{\"shape\":[9,3],\"files\":[\"../l.webp\"]},\"quats\":0,\"sh0\":0}"),
       "names the image ../l.webp: expected one in its folder");
-  EXPECT_EQ(refusalOf(zip({{"model.usd", "another scene"}})), "another format");
+  EXPECT_EQ(refusalOf(zip({{"model.usd", "another scene"}})),
+            "is a ZIP archive that begins with \"model.usd\": unpack it, and give the scene in it");
   std::string flipped = sogFile(0);
   const std::size_t pixels = flipped.find("WEBPVP8L") + 24;
   flipped[pixels] = static_cast<char>(flipped[pixels] ^ 0x55);
@@ -354,11 +522,11 @@ TEST(GaussianFormats, LeaveOutGaussiansThatAreNotFinite) {
 
 TEST(GaussianFormats, OtherFilesAreNotTakenForThem) {
   const TemporaryFolder folder;
-  EXPECT_FALSE(readGaussians(folder.write("a.txt", std::string(64, 'x'))));
-  EXPECT_FALSE(readGaussians(folder.write("b", "")));
   // Small floats, and bytes that would be a quaternion of length 1.
-  EXPECT_FALSE(readGaussians(folder.write("e.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1HHH")));
-  EXPECT_FALSE(readGaussians(folder.write("c", std::string(320, '\0'))));
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1HHH";
+  for (const std::string& bytes : {std::string(64, 'x'), std::string(320, '\0'), obj}) {
+    EXPECT_FALSE(isSplatFile(folder.write("a", bytes)));
+  }
   EXPECT_FALSE(readGaussians(
       folder.write("d.ply",
                    "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -22,11 +23,31 @@ struct LasPoint {
   std::array<std::uint16_t, 3> color{};
 };
 
+/// A record of variable length: number and content.
+struct LasRecord {
+  std::uint16_t number;
+  std::string content;
+};
+
+template <typename T>
+std::string rawBytes(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), sizeof(T) * values.size()};
+}
+
+/// GeoKeys, each of key, location, count and value.
+LasRecord geoKeys(const std::vector<std::array<std::uint16_t, 4>>& keys) {
+  std::vector<std::uint16_t> all = {1, 1, 0, static_cast<std::uint16_t>(keys.size())};
+  for (const auto& key : keys) all.insert(all.end(), key.begin(), key.end());
+  return {34735, rawBytes(all)};
+}
+
 struct LasFile {
   unsigned char minor = 2, format = 2;
   std::uint16_t record_bytes = 26, color_at = 20;
   std::vector<LasPoint> points;
   std::array<double, 3> scale{0.001, 0.001, 0.001}, offset{0.0, 0.0, 0.0};
+  std::vector<LasRecord> records{};
+  bool late = false;  // the records come behind the points
 
   std::string bytes() const {
     const std::size_t header = minor == 4 ? 375 : minor == 3 ? 235 : 227;
@@ -48,12 +69,32 @@ struct LasFile {
     }
     put(131, scale);
     put(155, offset);
+    const auto append = [&](std::size_t head) {
+      for (const LasRecord& record : records) {
+        const std::size_t at = all.size();
+        all.resize(at + head);
+        all.replace(at + 2, 15, "LASF_Projection");
+        put(at + 18, record.number);
+        put(at + 20, static_cast<std::uint16_t>(record.content.size()));
+        all += record.content;
+      }
+    };
+    if (!late) {
+      append(54);
+      put(100, static_cast<std::uint32_t>(records.size()));
+      put(96, static_cast<std::uint32_t>(all.size()));
+    }
     for (const LasPoint& point : points) {
       const std::size_t at = all.size();
       all.resize(at + record_bytes);
       put(at, point.steps);
       put(at + 12, point.intensity);
       if (color_at != 0) put(at + color_at, point.color);
+    }
+    if (late) {
+      put(235, static_cast<std::uint64_t>(all.size()));
+      put(243, static_cast<std::uint32_t>(records.size()));
+      append(60);
     }
     return all;
   }
@@ -125,6 +166,91 @@ TEST_F(Las, MapCoordinatesKeepTheirMillimetres) {
   const PointCloud points = read({.points = kTwo, .offset = {482000.0, 5412000.0, 0.0}});
   EXPECT_NEAR(points.position_m[1].x - points.position_m[0].x, 0.001f, 1e-4f);
   ASSERT_EQ(points.remarks.size(), 1u);
+}
+
+constexpr double kUsFoot_m = 1200.0 / 3937.0;
+
+TEST_F(Las, UnitsAreThoseOfItsGeoKeys) {
+  const auto unit = [&](const std::vector<std::array<std::uint16_t, 4>>& keys,
+                        const std::vector<LasRecord>& more = {}) {
+    std::vector<LasRecord> records = more;
+    records.push_back(geoKeys(keys));
+    return read({.points = kTwo, .records = records}).unit_m.value();
+  };
+  EXPECT_DOUBLE_EQ(unit({{1024, 0, 1, 1}, {3076, 0, 1, 9003}, {4099, 0, 1, 9003}}), kUsFoot_m);
+  EXPECT_DOUBLE_EQ(unit({{1024, 0, 1, 1}, {3076, 0, 1, 9002}}), 0.3048);
+  EXPECT_DOUBLE_EQ(unit({{1024, 0, 1, 1}, {3076, 0, 1, 9001}}), 1.0);
+  EXPECT_DOUBLE_EQ(unit({}), 1.0);
+  // A unit of its own, and one that stands in the name of the system only.
+  EXPECT_DOUBLE_EQ(
+      unit({{3076, 0, 1, 32767}, {3077, 34736, 1, 1}}, {{34736, rawBytes<double>({9.0, 0.5})}}),
+      0.5);
+  EXPECT_DOUBLE_EQ(unit({{3073, 34737, 26, 0}}, {{34737, "NAD83 / Ohio South (ftUS)|"}}),
+                   kUsFoot_m);
+  const PointCloud unknown = read({.points = kTwo, .records = {geoKeys({{3072, 0, 1, 2263}})}});
+  ASSERT_EQ(unknown.remarks.size(), 1u);
+  EXPECT_NE(unknown.remarks[0].find("EPSG:2263"), std::string::npos);
+  EXPECT_TRUE(read({.points = kTwo, .records = {geoKeys({{3072, 0, 1, 32632}})}}).remarks.empty());
+}
+
+TEST_F(Las, UnitsAreThoseOfItsText) {
+  // Quotes are primes, which become quotes below.
+  std::string one =
+      "COMPD_CS['a, b',PROJCS['NAD83 / Ohio (ftUS)',GEOGCS['NAD83',DATUM['N',SPHEROID['GRS 1980',"
+      "6378137,298.257]],UNIT['degree',0.0174532925199433]],PROJECTION['Lambert'],PARAMETER['x',0],"
+      "UNIT['US survey foot',0.304800609601219]],VERT_CS['v',VERT_DATUM['d',2005],UNIT['foot',"
+      "0.3048]]]";
+  std::string two =
+      "COMPOUNDCRS['c',PROJCRS['p',BASEGEOGCRS['b',ANGLEUNIT['degree',0.0174532925199433]],"
+      "CONVERSION['m',PARAMETER['e',0,LENGTHUNIT['metre',1]]],CS[Cartesian,2],"
+      "AXIS['(E)',east,ORDER[1],LENGTHUNIT['foot',0.3048]],"
+      "AXIS['(N)',north,ORDER[2],LENGTHUNIT['foot',0.3048]]],"
+      "VERTCRS['v',CS[vertical,1],AXIS['h',up,LENGTHUNIT['foot',0.3048]]]]";
+  for (std::string* const text : {&one, &two}) std::replace(text->begin(), text->end(), '\'', '"');
+  for (const bool late : {false, true}) {
+    const PointCloud first =
+        read({.minor = 4, .points = kTwo, .records = {{2112, one}}, .late = late});
+    EXPECT_NEAR(first.unit_m.value(), kUsFoot_m, 1e-9);
+    EXPECT_NEAR(first.position_m[0].z, 3.0 * 0.3048 / kUsFoot_m, 1e-6);  // other feet
+    ASSERT_EQ(first.remarks.size(), 1u);
+    EXPECT_NE(first.remarks[0].find("heights are in units of 0.3048 m"), std::string::npos);
+    const PointCloud second =
+        read({.minor = 4, .points = kTwo, .records = {{2112, two}}, .late = late});
+    EXPECT_EQ(second.unit_m, 0.3048);
+    EXPECT_TRUE(second.remarks.empty());
+  }
+  for (std::size_t length = 0; length < one.size(); ++length) {  // damaged: taken for metres
+    const PointCloud cut = read({.points = kTwo, .records = {{2112, one.substr(0, length)}}});
+    EXPECT_EQ(cut.unit_m, 1.0);
+  }
+}
+
+TEST_F(Las, LongitudesBecomeMetres) {
+  // At 60 degrees north, a degree is 55.80 km to the east and 111.41 km to the north (WGS 84).
+  const std::vector<LasPoint> three = {{.steps = {100000000, 600000000, 5000}},
+                                       {.steps = {100010000, 600000000, 5000}},
+                                       {.steps = {100000000, 600010000, 7000}}};
+  const LasFile file{.points = three,
+                     .scale = {1e-7, 1e-7, 0.001},
+                     .records = {geoKeys({{1024, 0, 1, 2}, {2048, 0, 1, 4326}})}};
+  const PointCloud points = read(file);
+  EXPECT_EQ(points.unit_m, 1.0);
+  EXPECT_NEAR(points.position_m[1].x - points.position_m[0].x, 55.80, 0.01);
+  EXPECT_NEAR(points.position_m[2].y - points.position_m[0].y, 111.41, 0.01);
+  EXPECT_NEAR(points.position_m[2].z - points.position_m[0].z, 2.0, 1e-5);
+  ASSERT_FALSE(points.remarks.empty());
+  EXPECT_NE(points.remarks[0].find("longitude and latitude in degrees: shown in metres"),
+            std::string::npos);
+}
+
+TEST_F(Las, IntensityIsGreyWhereAllColoursAreBlack) {
+  std::vector<LasPoint> black = kTwo;
+  for (LasPoint& point : black) point.color = {0, 0, 0};
+  const PointCloud points = read({.points = black});
+  EXPECT_EQ(points.color[0], glm::vec3(0.0f));
+  EXPECT_EQ(points.color[1], glm::vec3(1.0f));
+  EXPECT_EQ(points.remarks, std::vector<std::string>{"all colours are 0: intensity is shown as "
+                                                     "grey"});
 }
 
 TEST_F(Las, OpensByItsContent) {

@@ -131,7 +131,7 @@ TEST_F(Facts, OfPointsAndPreparedScenes) {
 TEST_F(Facts, OfNothingAreRefused) {
   EXPECT_THROW(factsIn(scratch.path() / "absent.obj"), InputError);
   EXPECT_THROW(factsIn(scratch.write("empty.obj", "")), InputError);
-  EXPECT_THROW(factsIn(scratch.write("points.obj", "v 0 0 0\nv 1 0 0\n")), InputError);
+  EXPECT_THROW(factsIn(scratch.write("texture.obj", "vt 0 0\nvt 1 0\n")), InputError);
   EXPECT_THROW(factsIn(scratch.write("broken.fbx", "Kaydara FBX Binary  ")), InputError);
 }
 

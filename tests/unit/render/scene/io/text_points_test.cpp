@@ -168,7 +168,7 @@ TEST_F(TextPoints, NamesMayHaveQuotesAndUnits) {
         "X[m];Y[m];Z[m];Red;Green;Blue\n\"1\";\"2\";\"3\";0;255;0\n",
         "\"x (m)\",\"y (m)\",\"z (m)\",R,G,B\n1,2,3,0,255,0\n"}) {
     const auto path = scratch.write("p.csv", text);
-    ASSERT_TRUE(isTextPointsFile(path)) << text;
+    ASSERT_TRUE(startsWithPoints(path)) << text;
     const PointCloud points = readTextPoints(path);
     EXPECT_EQ(points.position_m.at(0), glm::vec3(1, 2, 3)) << text;
     EXPECT_EQ(points.color.at(0), glm::vec3(0, 1, 0)) << text;
@@ -179,6 +179,63 @@ TEST_F(TextPoints, NamesMayHaveQuotesAndUnits) {
   } catch (const InputError& error) {
     EXPECT_TRUE(has(error.what(), "a line of names that has x, y and z")) << error.what();
   }
+}
+
+TEST_F(TextPoints, NamesMayHaveBlanksBeforeTheirUnit) {
+  for (const char* text : {"X [m],Y [m],Z [m]\n1,2,3\n", "X [m];Y [m];Z [m]\n1;2;3\n",
+                           "X [m]\tY [m]\tZ [m]\n1\t2\t3\n", "X [m] Y [m] Z [m]\n1 2 3\n",
+                           "# X (m), Y (m), Z (m)\n1,2,3\n"}) {
+    const PointCloud points = read(text, "p.csv");
+    EXPECT_EQ(points.position_m.at(0), glm::vec3(1, 2, 3)) << text;
+    EXPECT_EQ(points.unit_m, 1.0) << text;
+  }
+  EXPECT_EQ(read("x [mm] y [mm] z [mm]\n1 2 3\n").unit_m, 0.001);
+  EXPECT_FALSE(read("x [mm] y [mm] z [m]\n1 2 3\n").unit_m);
+  EXPECT_FALSE(read("x y z\n1 2 3\n").unit_m);
+  EXPECT_EQ(read("Point ID;X;Y;Z\n7;1;2;3\n", "p.csv").position_m.at(0), glm::vec3(1, 2, 3));
+}
+
+TEST_F(TextPoints, TracksOfColmapHaveAnyLength) {
+  const std::string names =
+      "# 3D point list with one line of data per point:\n"
+      "#   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
+  std::string rows = "1 0 0 0 255 0 0 0.5 1 10 2 20\n2 1 0 0 0 255 0 0.6\n7 0 1 0 0 0 255 0.7";
+  for (int i = 0; i < 300; ++i) rows += " " + std::to_string(i);
+  for (const PointCloud& points : {read(names + rows, "a.txt"), read(rows, "points3D.txt")}) {
+    ASSERT_EQ(points.size(), 3u);
+    EXPECT_EQ(points.position_m[2], glm::vec3(0, 1, 0));
+    EXPECT_EQ(points.color[1], glm::vec3(0, 1, 0));
+    EXPECT_EQ(points.format, "COLMAP points");
+  }
+  EXPECT_TRUE(has(refusal(names + "1 0 0 0 255 0 0\n", "a.txt"), "has 7 numbers: expected 8"));
+}
+
+TEST_F(TextPoints, AnObjMayHoldPointsOnly) {
+  const auto path =
+      scratch.write("p.obj", "# scan\no scan\nvn 0 0 1\nv 1 2 3 1 0 0\n  v 4 5 6 0 1 0.5\np 1 2\n");
+  const SceneFile scene = readScene(path);
+  const PointCloud& points = std::get<PointCloud>(scene.content);
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points.position_m[1], glm::vec3(4, 5, 6));
+  EXPECT_EQ(points.color[0], glm::vec3(1, 0, 0));
+  EXPECT_FLOAT_EQ(points.color[1].b, linearFromSrgb(0.5f));
+  EXPECT_TRUE(points.normal.empty());
+  EXPECT_EQ(nameOf(factsOf(scene)), "OBJ points");
+  EXPECT_EQ(readObjPoints(scratch.write("q.obj", "v 1 2 3\nv 2 3 4\n")).size(), 2u);
+}
+
+TEST_F(TextPoints, PointsOfAriaKeepWhatIsCertain) {
+  const PointCloud points = read(
+      "uid,graph_uid,px_world,py_world,pz_world,inv_dist_std,dist_std\n"
+      "25,ea7288b8-b6a0-012d,-2.5,1.5,-1.25,0.0076,0.0614\n"
+      "33,ea7288b8-b6a0-012d,1,2,3,0.02,0.01\n34,ea7288b8,1,2,3,0.001,0.2\n",
+      "global_points.csv");
+  ASSERT_EQ(points.size(), 1u);
+  EXPECT_EQ(points.position_m[0], glm::vec3(-2.5f, 1.5f, -1.25f));
+  EXPECT_EQ(points.unit_m, 1.0);
+  EXPECT_EQ(points.up_axis, 2);
+  ASSERT_EQ(points.remarks.size(), 1u);
+  EXPECT_TRUE(has(points.remarks[0], "2 points are less certain"));
 }
 
 TEST_F(TextPoints, DegreesAreNotTakenForMetres) {

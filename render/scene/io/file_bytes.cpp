@@ -1,0 +1,130 @@
+#include "render/scene/io/file_bytes.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cstring>
+#include <fstream>
+
+#include "base/input_error.h"
+#include "base/memory_budget.h"
+
+namespace foci {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+constexpr std::size_t kPart = std::size_t{1} << 24u;  // bytes that zlib gets or returns at once
+
+template <typename T>
+T loadAt(std::span<const unsigned char> bytes, std::size_t at) {
+  assert(at + sizeof(T) <= bytes.size());
+  T value;
+  std::memcpy(&value, bytes.data() + at, sizeof(T));
+  return value;
+}
+
+}  // namespace
+
+FileBytes::FileBytes(const std::filesystem::path& path) : name_(path.string()) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(name_, "no such file");
+  file_ = std::make_unique<const MappedFile>(path);
+  bytes_ = file_->bytes();
+}
+
+std::span<const unsigned char> FileBytes::part(std::uint64_t at, std::uint64_t count) const {
+  if (at > bytes_.size() || count > bytes_.size() - at) {
+    throw InputError(
+        name_, "ends at byte " + std::to_string(bytes_.size()) + ", earlier than its header says");
+  }
+  return bytes_.subspan(at, count);
+}
+
+std::vector<unsigned char> firstBytes(const std::filesystem::path& path, std::size_t count) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return {};
+  std::vector<unsigned char> bytes(count);
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
+  bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  return bytes;
+}
+
+std::uint16_t u16At(std::span<const unsigned char> bytes, std::size_t at) {
+  return loadAt<std::uint16_t>(bytes, at);
+}
+std::uint32_t u32At(std::span<const unsigned char> bytes, std::size_t at) {
+  return loadAt<std::uint32_t>(bytes, at);
+}
+std::uint64_t u64At(std::span<const unsigned char> bytes, std::size_t at) {
+  return loadAt<std::uint64_t>(bytes, at);
+}
+float floatAt(std::span<const unsigned char> bytes, std::size_t at) {
+  return loadAt<float>(bytes, at);
+}
+double doubleAt(std::span<const unsigned char> bytes, std::size_t at) {
+  return loadAt<double>(bytes, at);
+}
+
+bool isGzip(std::span<const unsigned char> bytes) {
+  return bytes.size() >= 2 && bytes[0] == 0x1f && bytes[1] == 0x8b;
+}
+
+Gunzip::Gunzip(std::string name, std::span<const unsigned char> packed)
+    : name_(std::move(name)), rest_(packed) {
+  constexpr int kGzip = 16;  // expect its header
+  if (inflateInit2(&stream_, MAX_WBITS + kGzip) != Z_OK) ended_ = true;
+}
+
+std::vector<unsigned char> Gunzip::next(std::size_t count) {
+  std::vector<unsigned char> bytes(count);
+  std::size_t done = 0;
+  while (done < count && !ended_) {
+    const auto part = static_cast<uInt>(std::min(count - done, kPart));
+    if (stream_.avail_in == 0) {
+      const std::span<const unsigned char> in = rest_.first(std::min(rest_.size(), kPart));
+      // zlib takes a pointer that is not const, and does not write through it.
+      stream_.next_in = const_cast<unsigned char*>(in.data());  // NOLINT
+      stream_.avail_in = static_cast<uInt>(in.size());
+      rest_ = rest_.subspan(in.size());
+    }
+    stream_.next_out = bytes.data() + done;
+    stream_.avail_out = part;
+    const int result = inflate(&stream_, Z_NO_FLUSH);
+    done += part - stream_.avail_out;
+    if (result == Z_STREAM_END) {
+      const bool more = isGzip({stream_.next_in, stream_.avail_in});
+      ended_ = !more || inflateReset(&stream_) != Z_OK;
+      continue;
+    }
+    const bool at_end = result == Z_BUF_ERROR || (result == Z_OK && stream_.avail_out == part);
+    if (result == Z_OK && (!at_end || !rest_.empty())) continue;
+    if (done > 0) break;  // what comes before the damage; the next call finds the damage again
+    throw InputError(name_, at_end ? "is damaged: the file ends before its gzip stream does"
+                                   : "is damaged: its gzip stream is broken");
+  }
+  bytes.resize(done);
+  return bytes;
+}
+
+std::vector<unsigned char> Gunzip::take(std::size_t count) {
+  std::vector<unsigned char> bytes = next(count);
+  if (bytes.size() == count) return bytes;
+  next(1);  // throws if the stream is damaged
+  throw InputError(name_, "is damaged: its gzip stream is shorter than its header says");
+}
+
+std::vector<unsigned char> unpackedGzip(const FileBytes& file) {
+  Gunzip stream(file.name(), file.all());
+  MemoryBudget budget(file.name(), file.size());
+  std::vector<unsigned char> all;
+  for (;;) {
+    budget.take(kPart, 2, "its content");
+    const std::vector<unsigned char> part = stream.next(kPart);
+    all.insert(all.end(), part.begin(), part.end());
+    if (part.empty()) return all;
+  }
+}
+
+}  // namespace foci

@@ -1,0 +1,84 @@
+// Files as bytes, read with checked bounds, and the streams that they are packed in. Private to the
+// readers of scenes.
+#pragma once
+
+#include <zlib.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/mapped_file.h"
+
+namespace foci {
+
+/// A whole file, mapped into memory. Little endian.
+class FileBytes {
+ public:
+  /// @throws InputError if there is no readable regular file
+  explicit FileBytes(const std::filesystem::path& path);
+  /// Bytes that were unpacked from the file of this name.
+  FileBytes(std::string name, std::vector<unsigned char> bytes)
+      : name_(std::move(name)), unpacked_(std::move(bytes)), bytes_(unpacked_) {}
+  FileBytes(const FileBytes&) = delete;
+  FileBytes& operator=(const FileBytes&) = delete;
+
+  const std::string& name() const { return name_; }
+  std::size_t size() const { return bytes_.size(); }
+  std::span<const unsigned char> all() const { return bytes_; }
+
+  /// The part [at, at + count). @throws InputError if the file is shorter
+  std::span<const unsigned char> part(std::uint64_t at, std::uint64_t count) const;
+
+ private:
+  std::string name_;
+  std::unique_ptr<const MappedFile> file_;
+  std::vector<unsigned char> unpacked_;
+  std::span<const unsigned char> bytes_;
+};
+
+/// The first bytes of a file, at most `count`; fewer where the file is shorter or cannot be read.
+std::vector<unsigned char> firstBytes(const std::filesystem::path& path, std::size_t count);
+
+/// A value of `bytes`, which are at least as many (asserted).
+std::uint16_t u16At(std::span<const unsigned char> bytes, std::size_t at);
+std::uint32_t u32At(std::span<const unsigned char> bytes, std::size_t at);
+std::uint64_t u64At(std::span<const unsigned char> bytes, std::size_t at);
+float floatAt(std::span<const unsigned char> bytes, std::size_t at);
+double doubleAt(std::span<const unsigned char> bytes, std::size_t at);
+
+bool isGzip(std::span<const unsigned char> bytes);
+
+/// Unpacks gzip (RFC 1952) part by part, so that a file cannot ask for more memory than its reader
+/// expects. Streams may follow one another.
+class Gunzip {
+ public:
+  /// @param packed  outlives it
+  Gunzip(std::string name, std::span<const unsigned char> packed);
+  ~Gunzip() { inflateEnd(&stream_); }
+  Gunzip(const Gunzip&) = delete;
+  Gunzip& operator=(const Gunzip&) = delete;
+
+  /// The next bytes, at most `count`; none at the end only.
+  /// @throws InputError if the stream is damaged here, or the file ends before it
+  std::vector<unsigned char> next(std::size_t count);
+
+  /// Exactly `count` bytes. @throws InputError, also if there are fewer
+  std::vector<unsigned char> take(std::size_t count);
+
+ private:
+  std::string name_;
+  std::span<const unsigned char> rest_;  // not given to zlib yet
+  z_stream stream_{};
+  bool ended_ = false;
+};
+
+/// The whole content of a gzip file. @throws InputError
+std::vector<unsigned char> unpackedGzip(const FileBytes& file);
+
+}  // namespace foci

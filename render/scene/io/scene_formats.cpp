@@ -1,0 +1,374 @@
+#include "render/scene/io/scene_formats.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstddef>
+#include <initializer_list>
+#include <utility>
+
+#include "base/file.h"
+#include "base/input_error.h"
+#include "base/text.h"
+#include "render/scene/io/colmap.h"
+#include "render/scene/io/file_bytes.h"
+#include "render/scene/io/gltf_json.h"
+#include "render/scene/io/gltf_points.h"
+#include "render/scene/io/las.h"
+#include "render/scene/io/mesh_formats.h"
+#include "render/scene/io/off.h"
+#include "render/scene/io/pcd.h"
+#include "render/scene/io/ply.h"
+#include "render/scene/io/text_points.h"
+
+namespace foci {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kStart = 4096;  // bytes; the header of .ksplat is the longest
+
+bool startsWith(const FileStart& start, std::initializer_list<std::string_view> any) {
+  return std::any_of(any.begin(), any.end(),
+                     [&](std::string_view mark) { return start.text().starts_with(mark); });
+}
+
+bool holdsAll(const FileStart& start, std::initializer_list<std::string_view> all) {
+  return std::all_of(all.begin(), all.end(), [&](std::string_view part) {
+    return start.text().find(part) != std::string_view::npos;
+  });
+}
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
+/// The first word of the first line that is neither empty nor a comment.
+std::string_view firstWord(std::string_view text) {
+  while (!text.empty()) {
+    const std::string_view line = trimmed(text.substr(0, text.find('\n')));
+    if (!line.empty() && line[0] != '#') return line.substr(0, line.find_first_of(" \t"));
+    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  }
+  return {};
+}
+
+bool isObj(const FileStart& start) {
+  constexpr std::array<std::string_view, 9> kWords = {"v", "vn", "vt", "mtllib", "usemtl",
+                                                      "o", "g",  "s",  "vp"};
+  return std::find(kWords.begin(), kWords.end(), firstWord(start.text())) != kWords.end();
+}
+
+bool isStl(const FileStart& start) {
+  if (start.text().starts_with("solid") && holdsAll(start, {"facet"})) return true;
+  constexpr std::size_t kHead = 84, kTriangle = 50;
+  std::error_code ignored;
+  const std::uintmax_t size = fs::file_size(start.path, ignored);
+  return start.bytes.size() >= kHead + kTriangle && !ignored &&
+         size == kHead + kTriangle * std::uintmax_t{u32At(start.bytes, kHead - 4)};
+}
+
+bool isGltfText(const FileStart& start) {
+  return firstWord(start.text()).starts_with('{') &&
+         (holdsAll(start, {"\"asset\""}) || holdsAll(start, {"\"accessors\""}) ||
+          holdsAll(start, {"\"bufferViews\""}));
+}
+
+bool isText(const FileStart& start) {
+  return std::find(start.bytes.begin(), start.bytes.end(), 0) == start.bytes.end();
+}
+
+template <auto kRead>
+SceneContent with(const fs::path& path, std::uint64_t /*checked_B*/) {
+  return kRead(path);
+}
+
+SceneContent readOffScene(const fs::path& path, std::uint64_t /*checked_B*/) {
+  return std::visit([](auto&& read) { return SceneContent(std::forward<decltype(read)>(read)); },
+                    readOff(path));
+}
+
+SceneContent readPrepared(const fs::path& path, std::uint64_t checked_B) {
+  if (isSceneFile(path)) return readSceneFile(path, checked_B);
+  throw InputError(
+      path.string(),
+      "is no prepared scene: expected FOCI in its first bytes; foci prepare makes one");
+}
+
+SceneContent readPlyScene(const fs::path& path, std::uint64_t /*checked_B*/) {
+  ply::Input input(path);
+  const ply::Header header = ply::readHeader(input);
+  if (isGaussianPly(header)) return readGaussianPly(path);
+  if (isCompressedGaussianPly(header)) return readCompressedGaussianPly(path);
+  if (isPlyMesh(header)) return readPlyMesh(path);
+  return readPly(path);
+}
+
+/// Gaussians, with a mesh beside them; else points, or a mesh.
+SceneContent readGltfScene(const fs::path& path, std::uint64_t /*checked_B*/) {
+  // Nearly all files have triangles only, and state no mode.
+  if (gltfJson(path).find("\"mode\"") == std::string::npos) return readMesh(path);
+  GltfPoints found = readGltfPoints(path);
+  if (!found.gaussians && (found.has_triangles || !found.points)) return readMesh(path);
+  if (!found.gaussians) return std::move(*found.points);
+  GaussianFile& file = *found.gaussians;
+  if (found.points) {
+    file.remarks.push_back(thousands(static_cast<double>(found.points->size())) +
+                           " points beside its Gaussians are left out");
+  }
+  if (found.has_triangles) {
+    file.mesh = std::make_shared<TriangleMesh>(readMesh(path).mesh);
+    file.remarks.insert(file.remarks.end(), file.mesh->remarks.begin(), file.mesh->remarks.end());
+  }
+  return std::move(file);
+}
+
+SceneContent readObjScene(const fs::path& path, std::uint64_t /*checked_B*/) {
+  if (isObjOfPoints(path)) return readObjPoints(path);
+  return readMesh(path);
+}
+
+SceneContent readSpzScene(const fs::path& path, std::uint64_t /*checked_B*/) {
+  return readSpz(FileBytes(path));
+}
+
+using Kind = SceneKind;
+
+/// Formats with a mark come first; in each half, the order decides.
+constexpr std::array kSceneFormats = {
+    SceneFormat{Kind::prepared, ".foci", true, false,
+                [](const FileStart& s) { return isSceneFile(s.path); }, readPrepared},
+    SceneFormat{Kind::las, ".las .laz", true, true,
+                [](const FileStart& s) { return startsWith(s, {"LASF"}); }, with<readLas>},
+    SceneFormat{Kind::ply_points, ".ply", true, true,
+                [](const FileStart& s) {
+                  return startsWith(s, {"ply\n", "ply\r", "ply "});
+                },
+                readPlyScene},
+    SceneFormat{Kind::gaussians, ".ssog", true, false,
+                [](const FileStart& s) { return isStreamedSog(s.path); },
+                [](const fs::path& path, std::uint64_t) -> SceneContent {
+                  return StreamedGaussians(path);
+                }},
+    SceneFormat{Kind::gaussians, ".sog", true, false,
+                [](const FileStart& s) { return isSogFile(s.path); }, with<readSogFile>},
+    SceneFormat{Kind::gltf, ".glb .gltf", true, false,
+                [](const FileStart& s) { return startsWith(s, {"glTF"}) || isGltfText(s); },
+                readGltfScene},
+    SceneFormat{Kind::fbx, ".fbx", true, false,
+                [](const FileStart& s) {
+                  return startsWith(s, {"Kaydara FBX Binary", "; FBX"});
+                },
+                with<readMesh>},
+    SceneFormat{Kind::gaussians, ".spz", true, true,
+                [](const FileStart& s) { return isSpz(s.bytes); }, readSpzScene},
+    SceneFormat{Kind::gaussians, ".ksplat", true, false,
+                [](const FileStart& s) { return isKsplatFile(s.path); }, with<readKsplatFile>},
+    SceneFormat{Kind::pcd, ".pcd", true, true, [](const FileStart& s) { return isPcd(s.text()); },
+                with<readPcd>},
+    SceneFormat{Kind::obj, ".obj", false, false, isObj, readObjScene},
+    SceneFormat{Kind::stl, ".stl", false, false, isStl, with<readMesh>},
+    SceneFormat{Kind::off_points, ".off", false, true,
+                [](const FileStart& s) { return firstWord(s.text()).ends_with("OFF"); },
+                readOffScene},
+    SceneFormat{Kind::gaussians, ".splat", false, false,
+                [](const FileStart& s) { return isSplatFile(s.path); }, with<readSplatFile>},
+    SceneFormat{Kind::colmap, "", false, false,
+                [](const FileStart& s) { return isColmapFile(s.path); }, with<readColmap>},
+    SceneFormat{Kind::text_points, ".xyz .pts .asc .pwn .xyzrgb", false, true,
+                [](const FileStart& s) { return isText(s) && startsWithPoints(s.path); },
+                with<readTextPoints>},
+};
+
+bool isListed(std::string_view extensions, std::string_view extension) {
+  if (extension.empty()) return false;
+  const std::size_t at = extensions.find(extension);
+  const std::size_t end = at + extension.size();
+  return at != std::string_view::npos && (end == extensions.size() || extensions[end] == ' ');
+}
+
+constexpr std::string_view kPdal = "CloudCompare, or pdal translate IN OUT.ply, makes a PLY of it";
+constexpr std::string_view kBlender = "Blender can export it as glTF";
+constexpr std::string_view kCad = "FreeCAD can export it as STL or OBJ";
+constexpr std::string_view kParaview = "ParaView can export it as PLY";
+constexpr std::string_view kSplats = "SuperSplat or splat-transform makes a PLY of it";
+
+/// Formats that foci does not read, and what converts them.
+struct Converter {
+  std::string_view extensions, how;
+};
+constexpr std::array kConverters = {
+    Converter{".e57 .ptx", kPdal},
+    Converter{".dae .3ds .blend .usd .usda .usdc .usdz .x3d .wrl .lwo .dxf .abc .drc", kBlender},
+    Converter{".3mf .step .stp .iges .igs .3dm .amf", kCad},
+    Converter{".vtk .vtp .vtu", kParaview},
+    Converter{".lcc", kSplats},
+};
+
+const Converter* converterOf(const FileStart& start) {
+  const auto* const found = std::find_if(
+      kConverters.begin(), kConverters.end(),
+      [&](const Converter& each) { return isListed(each.extensions, start.extension); });
+  return found == kConverters.end() ? nullptr : found;
+}
+
+/// What the first bytes say of a file that is no scene.
+struct Mark {
+  std::size_t at;
+  std::string_view bytes;  ///< in lower case
+  std::string_view what;
+};
+using namespace std::string_view_literals;
+constexpr std::string_view kPicture =
+    "is a picture: foci renders scenes of points, meshes or Gaussians";
+constexpr std::array kMarks = {
+    Mark{0, "7z\xbc\xaf", "is a 7z archive: unpack it, and give the scene in it"},
+    Mark{0, "rar!", "is a RAR archive: unpack it, and give the scene in it"},
+    Mark{0, "bzh", "is packed by bzip2: unpack it with bunzip2"},
+    Mark{0,
+         "\xfd"
+         "7zxz",
+         "is packed by xz: unpack it with unxz"},
+    Mark{0, "\x28\xb5\x2f\xfd", "is packed by Zstandard: unpack it with unzstd"},
+    Mark{257, "ustar", "is a tar archive: unpack it, and give the scene in it"},
+    Mark{0, "<!doctype html", "is a web page, not the file itself: download it again"},
+    Mark{0, "<html", "is a web page, not the file itself: download it again"},
+    Mark{0, "\x89png", kPicture},
+    Mark{0, "\xff\xd8\xff", kPicture},
+    Mark{0, "gif8", kPicture},
+    Mark{0, "ii*\0"sv, kPicture},
+    Mark{0, "mm\0*"sv, kPicture},
+    Mark{8, "webp", kPicture},
+    Mark{4, "ftyp", "is a video, or a picture: foci renders scenes of points, meshes or Gaussians"},
+    Mark{0, "%pdf", "is a PDF"},
+    Mark{0, "\x89hdf", "is an HDF5 file, which foci does not read: save points as PLY or XYZ"},
+    Mark{0, "\x93numpy", "is a NumPy array: numpy.savetxt writes points as text"},
+    Mark{0, "astm-e57",
+         "is an E57 scan, which foci does not read: CloudCompare, or pdal translate "
+         "IN OUT.ply, makes a PLY of it"},
+    Mark{0, "pxr-usdc", "is a USD scene, which foci does not read: Blender can export it as glTF"},
+    Mark{0, "#usda", "is a USD scene, which foci does not read: Blender can export it as glTF"},
+    Mark{0, "blender",
+         "is a Blender scene, which foci does not read: Blender can export it as "
+         "glTF"},
+    Mark{0, "# vtk datafile",
+         "is a VTK file, which foci does not read: ParaView can export it as "
+         "PLY"},
+    Mark{0, "#vrml", "is a VRML scene, which foci does not read: Blender can export it as glTF"},
+    Mark{0, "<?xml",
+         "is an XML file, which foci does not read: if it is a scene, Blender may "
+         "export it as glTF"},
+    Mark{0, "visionre",
+         "is a VRS recording: give foci the points beside it "
+         "(semidense_points.csv.gz)"},
+    Mark{0,
+         "\x7f"
+         "elf",
+         "is a program"},
+};
+
+std::string zipWords(const FileStart& start) {
+  constexpr std::size_t kNameLengthAt = 26, kFirstNameAt = 30;
+  std::string first;
+  if (start.bytes.size() > kFirstNameAt) {
+    first = start.text().substr(kFirstNameAt, u16At(start.bytes, kNameLengthAt));
+  }
+  if (first.find("data.pkl") != std::string::npos) {
+    return "is a checkpoint of PyTorch: export its Gaussians as PLY";
+  }
+  return "is a ZIP archive" + (first.empty() ? "" : " that begins with " + shown(first)) +
+         ": unpack it, and give the scene in it";
+}
+
+/// Whether a text begins like an ESRI ASCII grid: "ncols 100".
+bool isGrid(const FileStart& start) {
+  const std::string word = lower(firstWord(start.text()));
+  return word == "ncols" || word == "nrows";
+}
+
+std::optional<std::string> wordsOfContent(const FileStart& start) {
+  const std::string text = lower(start.text());
+  if (text.starts_with("version https://git-lfs")) {
+    return "is a pointer of Git LFS, not the file itself: git lfs pull fetches it";
+  }
+  if (const SceneFormat* format = formatOf(start);
+      format != nullptr && format->marked && format->begins(start)) {
+    return std::nullopt;
+  }
+  if (text.starts_with("pk\3\4")) return zipWords(start);
+  if (isGrid(start)) {
+    return "is an ESRI ASCII grid, a map of heights: gdal_translate -of XYZ IN OUT.xyz makes "
+           "points "
+           "of it";
+  }
+  for (const Mark& mark : kMarks) {
+    if (text.size() < mark.at || !text.substr(mark.at).starts_with(mark.bytes)) continue;
+    return (start.gzip ? "packed by gzip, " : "") + std::string(mark.what);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+FileStart::FileStart(const fs::path& file)
+    : path(file), extension(lowerExtension(file)), bytes(firstBytes(file, 4 * kStart)) {
+  if (extension == ".gz") extension = lowerExtension(file.stem());
+  gzip = isGzip(bytes);
+  if (gzip) {
+    const std::vector<unsigned char> packed = std::move(bytes);
+    bytes.clear();
+    try {
+      constexpr std::size_t kMarkOnly = 64;  // of a file that is cut off
+      Gunzip stream(file.string(), packed);
+      bytes = stream.next(kMarkOnly);
+      const std::vector<unsigned char> more = stream.next(kStart);
+      bytes.insert(bytes.end(), more.begin(), more.end());
+    } catch (const InputError&) {  // its reader says what is wrong
+    }
+  }
+  bytes.resize(std::min(bytes.size(), kStart));
+  const std::size_t mark = text().size() - withoutByteOrderMark(text()).size();
+  bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(mark));
+}
+
+const SceneFormat* formatOf(const FileStart& start) {
+  const auto find = [](const auto& condition) {
+    const auto* const found = std::find_if(kSceneFormats.begin(), kSceneFormats.end(), condition);
+    return found == kSceneFormats.end() ? nullptr : found;
+  };
+  const SceneFormat* format =
+      find([&](const SceneFormat& each) { return each.marked && each.begins(start); });
+  if (format == nullptr) {
+    format =
+        find([&](const SceneFormat& each) { return isListed(each.extensions, start.extension); });
+  }
+  if (format != nullptr || converterOf(start) != nullptr) return format;
+  return find([&](const SceneFormat& each) { return !each.marked && each.begins(start); });
+}
+
+std::optional<std::string> refusalOf(const FileStart& start) {
+  if (auto words = wordsOfContent(start)) return words;
+  if (const SceneFormat* format = formatOf(start); format != nullptr) {
+    if (start.gzip && !format->gzip) return "is packed by gzip: unpack it with gunzip";
+    return std::nullopt;
+  }
+  if (const Converter* converter = converterOf(start)) {
+    return "foci does not read " + start.extension.substr(1) +
+           " files: " + std::string(converter->how);
+  }
+  if (start.gzip) return "is packed by gzip, and is no scene that foci reads";
+  return std::nullopt;
+}
+
+fs::path sceneFileIn(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return path;
+  for (const char* name : {"lod-meta.json", "meta.json"}) {
+    if (fs::is_regular_file(path / name, ignored)) return path / name;
+  }
+  return path;
+}
+
+}  // namespace foci

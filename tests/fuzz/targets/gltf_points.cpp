@@ -1,0 +1,10 @@
+// Points and Gaussians of glTF, as text or binary.
+#include "render/scene/io/gltf_points.h"
+#include "tests/fuzz/harness.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  const bool binary = size > 0 && bytes[0] == 'g';
+  const auto file = foci::fuzz::asFile(binary ? "input.glb" : "input.gltf", bytes, size);
+  foci::fuzz::readWithinLimits(size, [&] { foci::readGltfPoints(file); });
+  return 0;
+}

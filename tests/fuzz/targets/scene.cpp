@@ -1,0 +1,12 @@
+// What the first bytes say of a file: a format, or the right word for what is no scene.
+#include "render/scene/io/open_scene.h"
+#include "tests/fuzz/harness.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  const auto file = foci::fuzz::asFile("input", bytes, size);
+  foci::fuzz::readWithinLimits(size, [&] {
+    foci::isScene(file);
+    foci::refusalOf(foci::FileStart(file));
+  });
+  return 0;
+}
