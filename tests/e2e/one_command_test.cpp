@@ -166,7 +166,7 @@ TEST_F(OneCommand, InfoStatesTheFactsAndShowsThem) {
   EXPECT_EQ(facts.at("scale_m"), 0.001);
   EXPECT_EQ(facts.at("up"), "y");
   EXPECT_EQ(facts.at("normals"), false);
-  EXPECT_NEAR(filled(folder.path() / "cube.png").first, 0.8, 0.05);
+  EXPECT_NEAR(filled(folder.path() / "cube.png").first, 0.9, 0.1);
 
   folder.write("points.ply", squarePly(20, 2.0));
   const Outcome text = foci({"info", "points.ply"});

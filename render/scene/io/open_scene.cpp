@@ -46,7 +46,7 @@ SceneFile readScene(const std::filesystem::path& given, std::uint64_t checked_B)
   const std::filesystem::path path = sceneFileIn(given);
   if (!std::filesystem::exists(path, ignored)) throw InputError(path.string(), "no such file");
   if (std::filesystem::is_directory(path, ignored)) {
-    throw InputError(path.string(), "is a folder: expected the file of a scene in it");
+    throw InputError(path.string(), "is a folder, not a file: give the scene in it");
   }
   requireRegularFile(path);
   const FileStart start(path);
