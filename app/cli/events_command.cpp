@@ -16,7 +16,7 @@
 #include "gaze/events/agreement.h"
 #include "gaze/events/gaze_events.h"
 #include "gaze/events/online_events.h"
-#include "gaze/sources/bids.h"
+#include "gaze/sources/bids_writer.h"
 #include "gaze/sources/labelled.h"
 #include "gaze/sources/trace_reader.h"
 
@@ -50,16 +50,16 @@ std::string sampleTable(const GazeTrace& trace, const std::vector<GazeState>& st
 
 /// The JSON beside a BIDS table of events; empty without a table. @throws InputError
 std::string sidecarOf(const std::string& physioevents) {
-  constexpr std::string_view kEnding = "_physioevents.tsv";
+  constexpr std::string_view kEnding = "_physioevents.tsv.gz";
   if (physioevents.empty()) return {};
   if (!physioevents.ends_with(kEnding)) {
     throw InputError("--physioevents " + physioevents,
-                     "expected a name that ends in _physioevents.tsv");
+                     "expected a name that ends in _physioevents.tsv.gz");
   }
-  return physioevents.substr(0, physioevents.size() - 4) + ".json";
+  return physioevents.substr(0, physioevents.size() - 7) + ".json";
 }
 
-/// BIDS: onset and duration in seconds, no header. The JSON sidecar names the columns.
+/// BIDS: onset and duration in seconds, packed, no header. The JSON sidecar names the columns.
 void writePhysioevents(const std::string& file, const std::vector<GazeEvent>& events,
                        OutputFiles& files) {
   constexpr int kDigits = 6;
@@ -75,8 +75,9 @@ void writePhysioevents(const std::string& file, const std::vector<GazeEvent>& ev
       {"trial_type",
        {{"Description",
          "fixation, saccade, pso (post-saccadic oscillation), pursuit, blink, lost"}}}};
-  files.write(file, table);
-  files.write(sidecarOf(file), jsonText(sidecar, 2) + '\n');
+  files.write(file, [&](const auto& path) { writePacked(path, table); });
+  files.write(sidecarOf(file), jsonText(sidecar, 2) + '
+');
 }
 
 /// How often each kind of event occurs, and its share of the samples: as text and in `json`.
@@ -100,9 +101,12 @@ std::string countsOf(const std::vector<GazeState>& states, const std::vector<Gaz
 /// @throws InputError if an output must not be written
 void checkFiles(const EventsOptions& options) {
   const std::string& trace = options.traces[0];
+  std::vector<std::filesystem::path> inputs = companionsOf(trace);
+  inputs.emplace_back(trace);
+  inputs.emplace_back(options.study);
   checkOutputs(
-      {options.out, options.samples, options.physioevents, sidecarOf(options.physioevents)},
-      {trace, bidsSidecarOf(trace).value_or(""), options.study}, options.overwrite);
+      {options.out, options.samples, options.physioevents, sidecarOf(options.physioevents)}, inputs,
+      options.overwrite);
 }
 
 TraceDescription unmappedDescriptionOf(const EventsOptions& options) {
@@ -277,7 +281,7 @@ void addEventsCommand(CLI::App& app) {
   events
       ->add_option("--physioevents", o.physioevents,
                    "the events as a BIDS table with a JSON sidecar")
-      ->type_name("FILE_physioevents.tsv");
+      ->type_name("FILE_physioevents.tsv.gz");
   events->add_flag("--score", o.score,
                    "agreement (Cohen's kappa) with the human coders in the columns coder_NAME");
   addTraceOptions(*events, o);

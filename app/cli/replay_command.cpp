@@ -1,6 +1,7 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -21,6 +22,7 @@
 #include "app/study/inputs.h"
 #include "base/input_error.h"
 #include "gaze/sources/line_reader.h"
+#include "gaze/sources/trace_reader.h"
 
 namespace foci {
 namespace {
@@ -41,6 +43,17 @@ std::size_t frameOf(const std::string& option, std::string_view text, std::size_
                      "expected FIRST:END, e.g. 0:900; the part ends before frame END");
   }
   return static_cast<std::size_t>(*number);
+}
+
+/// A person's name as a part of a folder's name.
+std::string folderWord(std::string name, std::size_t number) {
+  bool changed = false;
+  for (char& c : name) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_';
+    changed |= !plain;
+    if (!plain) c = '_';
+  }
+  return changed ? name + "-" + std::to_string(number + 1) : name;
 }
 
 FrameSpan spanOf(const std::string& text) {
@@ -93,18 +106,40 @@ void runOne(const ReplayOptions& options, StudyAsked&& asked, const std::string&
   std::puts((options.json ? summaryJson(run.summary) : summaryText(run.summary)).c_str());
 }
 
-/// @throws InputError once all are done, if a recording has no run
-void runBatch(const ReplayOptions& options, StudyAsked&& asked, const std::string& command_line,
-              unsigned threads) {
+/// Each of `--trace`; of a table of several people, each of them, in a folder of its own.
+std::vector<BatchRecording> recordingsOf(const ReplayOptions& options, const Study& base) {
   std::vector<BatchRecording> recordings;
-  const std::vector<std::string> names = folderNames(options.traces);
-  std::vector<std::filesystem::path> inputs;
+  const std::vector<std::string> names =
+      options.traces.empty() ? std::vector<std::string>{} : folderNames(options.traces);
   for (std::size_t i = 0; i < names.size(); ++i) {
-    Study study = asked.study;
+    Study study = base;
     overrideKey(study, "gaze.source", options.traces[i], "--trace");
-    checkStudy(study);
-    for (auto& file : inputFiles(study)) inputs.push_back(std::move(file));
-    recordings.push_back({.trace = options.traces[i], .name = names[i], .study = std::move(study)});
+    const auto people = study.gaze.columns.rows.empty()
+                            ? peopleOf(study.gaze.source, study.columnsInForce())
+                            : std::vector<std::pair<std::string, std::string>>{};
+    if (people.empty()) {
+      recordings.push_back(
+          {.trace = options.traces[i], .name = names[i], .study = std::move(study)});
+    }
+    for (const auto& person : people) {
+      Study own = study;
+      own.gaze.columns.rows = {person};
+      recordings.push_back({.trace = options.traces[i] + ", " + person.second,
+                            .name = names[i] + "-" + folderWord(person.second, recordings.size()),
+                            .study = std::move(own)});
+    }
+  }
+  return recordings;
+}
+
+/// @throws InputError once all are done, if a recording has no run
+void runBatch(const ReplayOptions& options, StudyAsked&& asked,
+              const std::vector<BatchRecording>& recordings, const std::string& command_line,
+              unsigned threads) {
+  std::vector<std::filesystem::path> inputs;
+  for (const BatchRecording& each : recordings) {
+    checkStudy(each.study);
+    for (auto& file : inputFiles(each.study)) inputs.push_back(std::move(file));
   }
   std::vector<std::filesystem::path> outputs = batchFiles(recordings, options.out);
   outputs.emplace_back(options.write_study);
@@ -134,7 +169,10 @@ void runReplay(ReplayOptions options, const std::string& command_line) {
   const unsigned threads = threadsOf(options.threads);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   if (options.out.empty()) options.out = "out";
-  const bool batch = options.traces.size() > 1;
+  if (!options.traces.empty()) options.trace = options.traces.front();
+  StudyAsked asked = studyOf(options);
+  const auto recordings = recordingsOf(options, asked.study);
+  const bool batch = recordings.size() > 1;
   if (batch && !options.frames.empty()) {
     throw InputError("--frames " + options.frames, "expected one recording at a time");
   }
@@ -146,10 +184,8 @@ void runReplay(ReplayOptions options, const std::string& command_line) {
       throw InputError("--heatmap " + options.heatmap, "expected a name that ends in .ply");
     }
   }
-  if (!options.traces.empty()) options.trace = options.traces.front();
-  StudyAsked asked = studyOf(options);
   if (batch) {
-    runBatch(options, std::move(asked), command_line, threads);
+    runBatch(options, std::move(asked), recordings, command_line, threads);
   } else if (!options.frames.empty()) {
     runPart(options, std::move(asked), threads);
   } else {
@@ -170,7 +206,8 @@ void addReplayCommand(CLI::App& app, const std::string& command_line) {
   command
       ->add_option("--trace", options->traces,
                    "recording, or webcam:VIDEO, instead of the study's gaze source; with several, "
-                   "each gets a folder in DIR, and index.html lists all")
+                   "each gets a folder in DIR, and index.html lists all; so does each person of a "
+                   "table of several people")
       ->type_name("FILE")
       ->expected(1, -1);
   command->add_option("--out", options->out, "folder of the results; default: out")

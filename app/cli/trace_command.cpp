@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "app/cli/commands.h"
 #include "app/cli/option_values.h"
@@ -13,7 +14,7 @@
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/bids.h"
+#include "gaze/sources/bids_writer.h"
 #include "gaze/sources/trace_reader.h"
 #include "gaze/sources/trace_summary.h"
 
@@ -136,45 +137,67 @@ void showTrace(const Options& options) {
   printFacts(header, summary, options.json);
 }
 
-void convertTrace(const Options& options) {
-  const std::filesystem::path out(options.out);
-  const std::filesystem::path sidecar = BidsWriter::sidecarFor(out);
-  checkOutputs({out, sidecar},
-               {options.file, bidsSidecarOf(options.file).value_or(""), options.study},
-               options.overwrite);
-  const TraceDescription description = descriptionOf(options);
-  OutputFiles files;
-  // BidsWriter derives the sidecar's name from the table's: both files first get temporary names
-  // that match.
-  const std::filesystem::path aside = files.stage(sidecar);
-  const std::filesystem::path staged = files.stage(out);
-  const std::filesystem::path work = aside.string() + "_physio.tsv.gz";
-  TraceSummary summary;
-  TraceHeader header;
-  std::size_t heads = 0;
-  try {
-    BidsWriter writer(work, true);
-    header = streamTrace(options.file, description.columns, description.screen,
-                         [&](const GazeSample& sample) {
-                           summary.add(sample);
-                           heads += sample.head.has_value();
-                           writer.add(sample);
-                         });
-    requireSamples(options, summary);
-    if (heads > 0) {
-      header.warnings.push_back(
-          "the head's poses and the directions are left out: BIDS has the points on the headset's "
-          "screen");
-    }
-    writer.finish(header, summary.rate_Hz());
-    std::filesystem::rename(work, staged);
-    std::filesystem::rename(BidsWriter::sidecarFor(work), aside);
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(work, ignored);
-    std::filesystem::remove(BidsWriter::sidecarFor(work), ignored);
-    throw;
+/// The files that describe the whole task: those that are not there yet, and so cannot state
+/// another screen. @throws InputError if they do
+void stageTask(const Options& options, const BidsNames& names, const TraceHeader& header,
+               OutputFiles& files) {
+  const std::filesystem::path json = names.ofTask("events.json"), tsv = names.ofTask("events.tsv");
+  const std::string text = bidsEventsJson(*header.screen);
+  const bool has_json = std::filesystem::exists(json);
+  if (has_json && !options.overwrite && !statesScreen(json, *header.screen)) {
+    throw InputError(json.string(),
+                     "states another screen than the recording: --overwrite replaces it");
   }
+  if (!has_json || options.overwrite) files.write(json, text);
+  if (!std::filesystem::exists(tsv)) files.write(tsv, "onset\tduration\n");
+}
+
+void convertTrace(const Options& options) {
+  const BidsNames names(options.out);
+  const TraceDescription description = descriptionOf(options);
+  TraceSummary summary;
+  BidsContents contents;
+  std::size_t heads = 0;
+  TraceHeader header = streamTrace(options.file, description.columns, description.screen,
+                                   [&](const GazeSample& sample) {
+                                     summary.add(sample);
+                                     contents.add(sample);
+                                     heads += sample.head.has_value();
+                                   });
+  requireSamples(options, summary);
+  if (heads > 0) {
+    header.warnings.push_back(
+        "the head's poses and the directions are left out: BIDS has the points on the headset's "
+        "screen");
+  }
+  const auto sides = contents.recordings();
+  std::vector<std::filesystem::path> outputs, inputs = companionsOf(options.file);
+  for (const auto& side : sides) {
+    for (const char* suffix : {"physio.tsv.gz", "physio.json"}) {
+      outputs.push_back(names.ofEye(side, suffix));
+    }
+  }
+  inputs.emplace_back(options.file);
+  inputs.emplace_back(options.study);
+  checkOutputs(outputs, inputs, options.overwrite);
+  OutputFiles files;
+  std::vector<BidsTable> tables;
+  for (const auto& side : sides) {
+    tables.emplace_back(files.stage(names.ofEye(side, "physio.tsv.gz")), contents, side);
+  }
+  streamTrace(options.file, description.columns, description.screen, [&](const GazeSample& sample) {
+    for (BidsTable& table : tables) table.add(sample);
+  });
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    tables[i].finish();
+    files.write(names.ofEye(sides[i], "physio.json"),
+                bidsPhysioJson(header, contents, sides[i], summary.rate_Hz()));
+    if (header.markers.empty()) continue;
+    files.write(names.ofEye(sides[i], "physioevents.tsv.gz"),
+                [&](const auto& path) { writePacked(path, bidsMessages(header.markers)); });
+    files.write(names.ofEye(sides[i], "physioevents.json"), bidsMessagesJson());
+  }
+  stageTask(options, names, header, files);
   files.commit();
   printFacts(header, summary, options.json);
 }
@@ -202,9 +225,13 @@ void addTraceCommand(CLI::App& app) {
   addOptions(*facts, *options);
   facts->callback([options] { withTraceHints(*options, [&] { showTrace(*options); }); });
   CLI::App* conversion = trace->add_subcommand(
-      "convert", "Write the recording as BIDS: a table and its JSON sidecar.");
+      "convert",
+      "Write the recording as BIDS 1.11: a table and its JSON for each eye, messages, the screen.");
   addOptions(*conversion, *options);
-  conversion->add_option("--out", options->out, "table; foci writes the JSON sidecar beside it")
+  conversion
+      ->add_option("--out", options->out,
+                   "table of an eye; foci adds recording-eye1 and recording-eye2 to the "
+                   "name, and writes the JSON files beside it")
       ->type_name("FILE_physio.tsv.gz")
       ->required();
   addOverwriteFlag(*conversion, options->overwrite);

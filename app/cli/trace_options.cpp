@@ -34,6 +34,8 @@ void addTraceOptions(CLI::App& command, TraceOptions& o) {
       ->type_name("NAME");
   command.add_option("--units", o.units, "unit of the positions (gaze.units)")
       ->type_name("px|deg|normalised");
+  command.add_option("--rows", o.rows, "column and value of the rows to read (gaze.rows)")
+      ->type_name("COLUMN=VALUE");
   command
       .add_option("--time-scale-s", o.time_scale_s,
                   "length of a unit of time, seconds (gaze.time_scale_s)")
@@ -63,6 +65,13 @@ TraceDescription descriptionOf(const TraceOptions& options) {
     }
     columns.time_scale_s = options.time_scale_s;
   }
+  if (!options.rows.empty()) {
+    const std::size_t at = options.rows.find('=');
+    if (at == options.rows.npos) {
+      throw InputError("--rows " + options.rows, "expected COLUMN=VALUE, e.g. participant=A");
+    }
+    columns.rows = {{options.rows.substr(0, at), options.rows.substr(at + 1)}};
+  }
   if (!options.units.empty()) columns.units = unitsOf(options.units);
   const Screen given = screenOf(options.screen);
   Screen& screen = description.screen;
@@ -80,7 +89,7 @@ void withTraceHints(const TraceOptions& options, const std::function<void()>& re
     const bool names_a_key = what.find("gaze.") != what.npos;
     if (!names_a_key || !options.study.empty() || what.find("--") != what.npos) throw;
     throw InputError(what +
-                     " (a study's keys: give --study FILE, or --time, --x, --y, --units, "
+                     " (a study's keys: give --study FILE, or --time, --x, --y, --units, --rows, "
                      "--time-scale-s)");
   }
 }

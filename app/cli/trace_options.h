@@ -15,7 +15,7 @@ class App;
 namespace foci {
 
 struct TraceOptions {
-  std::string units{}, study{};
+  std::string units{}, study{}, rows{};
   TraceColumns columns{};  ///< `time`, `x` and `y` alone
   ScreenOptions screen{};
   double time_scale_s = 0.0;
@@ -28,7 +28,7 @@ struct TraceDescription {
   EventSettings events{};  ///< those of the study
 };
 
-/// Adds --time, --x, --y, --units, --time-scale-s, --study and the screen's options.
+/// Adds --time, --x, --y, --units, --rows, --time-scale-s, --study and the screen's options.
 void addTraceOptions(CLI::App& command, TraceOptions& options);
 
 /// @throws InputError

@@ -190,6 +190,8 @@ const std::vector<Key<Study>>& studyKeys() {
       FOCI_KEY(gaze.columns.time, "gaze.time", "column of the time; its name, or #1 for the first"),
       FOCI_KEY(gaze.columns.x, "gaze.x", "column of the horizontal position"),
       FOCI_KEY(gaze.columns.y, "gaze.y", "column of the vertical position"),
+      FOCI_KEY(gaze.columns.rows, "gaze.rows",
+               "columns and values of the rows to read, such as { participant = \"A\" }"),
       FOCI_KEY(gaze.columns.stream, "gaze.stream",
                "stream of an XDF file, its name or number (\"#2\"); its channels are the columns"),
       FOCI_KEY(gaze.columns.pupil, "gaze.pupil", "column of the pupil's diameter"),

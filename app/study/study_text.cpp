@@ -4,10 +4,18 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/text.h"
+
 namespace foci {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// Whether a key needs no quotes in TOML.
+bool isBare(const std::string& name) {
+  constexpr const char* kBare = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+  return !name.empty() && name.find_first_not_of(kBare) == name.npos;
+}
 
 /// Numbers, texts and lists look the same in JSON and TOML; tables do not.
 std::string tomlOf(const Json& json) {
@@ -18,7 +26,9 @@ std::string tomlOf(const Json& json) {
   }
   if (!json.is_object()) return json.dump();
   for (const auto& [name, value] : json.items()) {
-    if (!value.is_null()) text += (text.empty() ? "" : ", ") + name + " = " + tomlOf(value);
+    if (value.is_null()) continue;
+    text += (text.empty() ? "" : ", ") + (isBare(name) ? name : quotedText(name)) + " = " +
+            tomlOf(value);
   }
   return "{" + text + "}";
 }

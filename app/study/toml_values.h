@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "app/study/study_words.h"
@@ -124,6 +125,24 @@ void read(const toml::value& from, const Allowed&, std::array<std::string, N>& t
   }
 }
 
+/// Names of columns with the values of the rows to read: { participant = "A" }.
+inline void read(const toml::value& from, const Allowed&,
+                 std::vector<std::pair<std::string, std::string>>& to) {
+  const std::string what = "columns and their values, such as { participant = \"A\" }";
+  if (!from.is_table()) throw Expected{what};
+  to.clear();
+  for (const auto& [name, value] : from.as_table()) {
+    if (value.is_string()) {
+      to.emplace_back(name, value.as_string().str);
+    } else if (value.is_integer()) {
+      to.emplace_back(name, std::to_string(value.as_integer()));
+    } else {
+      throw Expected{what};
+    }
+  }
+  std::sort(to.begin(), to.end());  // a TOML table has no order
+}
+
 /// A value of an enum, by its word.
 template <HasStudyWords Enum>
 void read(const toml::value& from, const Allowed& allowed, Enum& to) {
@@ -178,6 +197,14 @@ std::string write(const std::array<std::string, N>& names) {
   std::string text = "[";
   for (std::size_t i = 0; i < N; ++i) text += (i ? ", " : "") + quotedText(names[i]);
   return text + "]";
+}
+inline std::string write(const std::vector<std::pair<std::string, std::string>>& rows) {
+  if (rows.empty()) return "null";
+  std::string text;
+  for (const auto& [name, value] : rows) {
+    text += (text.empty() ? "{" : ", ") + quotedText(name) + ": " + quotedText(value);
+  }
+  return text + "}";
 }
 template <HasStudyWords Enum>
 std::string write(const Enum& value) {

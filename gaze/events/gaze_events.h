@@ -27,8 +27,8 @@ struct GazeEvent {
   double peak_velocity_deg_s = 0.0;         ///< saccades only
 };
 
-/// Events in order of time. They end where the rate changes. Neighbouring fixations are merged and short ones left out, as
-/// `EventSettings` says.
+/// Events in order of time. They end where the rate changes. Neighbouring fixations are merged and
+/// short ones left out, as `EventSettings` says.
 /// @param states  one for each sample
 std::vector<GazeEvent> eventsOf(const std::vector<GazeState>& states, const GazeTrace& trace,
                                 const Screen& screen, const EventSettings& settings = {});

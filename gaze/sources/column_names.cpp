@@ -46,7 +46,10 @@ std::string unitOf(std::string_view word) {
                                                                              {"radians", "rad"},
                                                                              {"%", "%"},
                                                                              {"percent", "%"},
-                                                                             {"pct", "%"}};
+                                                                             {"pct", "%"},
+                                                                             {"a.u.", "a.u."},
+                                                                             {"au", "a.u."},
+                                                                             {"arbitrary", "a.u."}};
   for (const auto& [text, unit] : kUnits) {
     if (word == text) return std::string(unit);
   }

@@ -82,6 +82,11 @@ class Meanings {
     add(layout_.x, "horizontal position of gaze, " + unit());
     add(layout_.y, "vertical position of gaze, " + unit());
     add(layout_.pupil_mm, "diameter of the pupil, mm");
+    add(layout_.pupil_own, "size of the pupil in the tracker's own unit");
+    add(layout_.groups.eye, "which eye the row is of");
+    for (const ValueColumn& only : layout_.groups.only) add(only.at, "chooses the rows");
+    for (const std::size_t people : layout_.groups.people) add(people, "whose row it is");
+    if (layout_.groups.device) add(layout_.groups.device->at, "which device the row is of");
     add(layout_.blink, "blink");
     add(layout_.confidence, "confidence, 0 to 1");
     add(layout_.validity, "whether gaze is valid");
@@ -98,6 +103,7 @@ class Meanings {
     add(eye.point, "position of the " + name + ", " + unit());
     add(eye.validity, "whether the " + name + " is valid");
     add(eye.pupil_mm, "diameter of the pupil of the " + name + ", mm");
+    add(eye.pupil_own, "size of the pupil of the " + name + " in the tracker's own unit");
     add(eye.origin_point_mm, "origin of the " + name + ", mm");
     add(eye.sight_point_mm, "point in space that the " + name + " looks at, mm");
     add(eye.origin_validity, "whether the origin of the " + name + " is valid");

@@ -153,8 +153,8 @@ LslSource::LslSource(const std::string& stream, TraceColumns columns, const Scre
 LslSource::~LslSource() = default;
 
 void LslSource::read(std::vector<double> values, const TakeSample& take) const {
-  NumberRows rows("--source lsl", inlet_->stream.columns, std::move(values), screen_);
-  readRows(rows, columns_, take);
+  NumberRows rows("--source lsl", inlet_->stream.columns, std::move(values));
+  readRows(rows, columns_, screen_, take);
 }
 
 void LslSource::run(const std::stop_token& stop) {

@@ -7,6 +7,7 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "gaze/geometry/cyclopean.h"
+#include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/row_times.h"
 #include "gaze/sources/rows_seen.h"
 #include "gaze/sources/table_layout.h"
@@ -30,10 +31,11 @@ bool isMetric(const Screen& screen) {
 
 class RowReader {
  public:
-  RowReader(Rows& rows, const TraceColumns& columns, const TakeSample& take)
+  RowReader(Rows& rows, const TraceColumns& columns, const Screen& fallback, const TakeSample& take)
       : rows_(rows),
         given_(columns),
-        screen_(rows.before().screen),
+        stated_(rows.before().screen),
+        screen_(screenInForce(stated_, fallback)),
         layout_(recogniseTable(rows, columns)),
         row_(rows, layout_, screen_, unitsOf(rows, layout_, columns)),
         times_(layout_, row_, rows, columns, take) {
@@ -59,14 +61,16 @@ class RowReader {
 
   TraceHeader read() {
     while (rows_.next()) readRow();
+    finishGroups();
     times_.finish();
     TraceHeader header{.format = layout_.format,
-                       .screen = screen_,
+                       .screen = nominal_ || field_ ? screen_ : stated_,
                        .units = isInSpace() ? GazeUnits::deg : units_,
                        .field = field_,
                        .columns = layout_.readings,
                        .gaze_in_world = layout_.space && layout_.space->in_world,
-                       .nominal_screen = nominal_};
+                       .nominal_screen = nominal_,
+                       .pupil_unit = layout_.pupil_unit};
     if (eyes_seen_[0] && eyes_seen_[1]) header.format += ", binocular";
     state(header);
     return header;
@@ -89,10 +93,156 @@ class RowReader {
     }
     if (row_.isComplete() && !rows_.areNumbers()) last_decimals_.add(row_.lastField());
     ++taken_;
-    if (!row_.isSample()) return;
+    if (!row_.isSample() || !layout_.groups.isEmpty()) {
+      if (!row_.isSample() || !isOfGroup()) return;
+    }
     readResolution();
     readSample(sample_);
+    if (layout_.groups.isEmpty()) return times_.add(sample_);
+    addOfGroup();
+  }
+
+  std::string_view valueAt(std::size_t column) const {
+    return column < rows_.size() ? rows_.text(column) : std::string_view();
+  }
+
+  /// Whether the row is of the person that the study chooses, of the first person, and of the eye
+  /// tracker.
+  bool isOfGroup() {
+    const RowGroups& groups = layout_.groups;
+    for (const ValueColumn& only : groups.only) {
+      const std::string_view value = valueAt(only.at);
+      if (value == only.values[0]) continue;
+      note(other_values_, value);
+      const auto number = rows_.areNumbers() ? rows_.number(only.at) : std::nullopt;
+      if (!number || number != parseNumber(only.values[0])) return false;
+    }
+    any_chosen_ = true;
+    people_.resize(groups.people.size());
+    for (std::size_t i = 0; i < people_.size(); ++i) {
+      note(people_[i], valueAt(groups.people[i]));
+      if (people_[i].size() > 1) return false;
+    }
+    if (groups.device && !row_.hasGaze()) {
+      const auto& values = groups.device->values;
+      if (std::ranges::find(values, valueAt(groups.device->at)) == values.end()) {
+        ++foreign_;
+        return false;
+      }
+    }
+    if (groups.foreign_if_blank && row_.isBlank()) {
+      ++foreign_;
+      return false;
+    }
+    return true;
+  }
+
+  static void note(std::vector<std::string>& values, std::string_view value) {
+    constexpr std::size_t kMaxValues = 1000;
+    if (value.empty() || values.size() >= kMaxValues) return;
+    if (!values.empty() && values.front() == value) return;
+    if (std::ranges::find(values, value) == values.end()) values.emplace_back(value);
+  }
+
+  /// Passes the sample on: with the other eye's row, and without foreign rows before it.
+  void addOfGroup() {
+    const RowGroups& groups = layout_.groups;
+    if (groups.eye) return addEye();
+    if (!groups.foreign_within) return times_.add(sample_);
+    constexpr std::size_t kMaxPending = 1 << 16;
+    if (!row_.hasGaze() && pending_.size() < kMaxPending) {
+      pending_.push_back(sample_);
+      return;
+    }
+    addPending(sample_.time_s);
     times_.add(sample_);
+    last_gaze_ = sample_.time_s;
+  }
+
+  /// Rows without gaze before a sample. Between two samples of a usual interval, they are foreign;
+  /// in data loss, those at whole intervals are the eye tracker's.
+  void addPending(double until) {
+    const double interval = *layout_.groups.foreign_within;
+    constexpr double kNear = 0.2;  // of an interval
+    const bool none_lost = last_gaze_ && until - *last_gaze_ <= 1.5 * interval;
+    double last = 0.0;
+    for (const GazeSample& sample : pending_) {
+      const double steps = last_gaze_ ? (sample.time_s - *last_gaze_) / interval : 0.0;
+      const bool whole = std::abs(steps - std::round(steps)) < kNear && std::round(steps) > last;
+      if (none_lost || (last_gaze_ && !whole)) {
+        ++foreign_;
+        continue;
+      }
+      last = std::round(steps);
+      times_.add(sample);
+    }
+    pending_.clear();
+  }
+
+  /// Two rows of two eyes, at times nearer than half of an interval, are one sample.
+  void addEye() {
+    const RowGroups& groups = layout_.groups;
+    const std::string_view value = valueAt(*groups.eye);
+    if (value != groups.eyes[0] && value != groups.eyes[1]) {
+      ++foreign_;
+      return;
+    }
+    const std::size_t side = value == groups.eyes[0] ? 0 : 1;
+    GazeSample own = sample_;
+    own.eyes = {};
+    own.eyes[side] = {.point_px = own.point_px,
+                      .direction = own.direction,
+                      .pupil_mm = own.pupil_mm,
+                      .pupil_own = own.pupil_own};
+    if (first_eye_ && side != first_side_ &&
+        own.time_s - first_eye_->time_s <= 0.5 * groups.eye_interval) {
+      GazeSample& both = *first_eye_;
+      both.eyes[side] = own.eyes[side];
+      both.blink = both.blink && own.blink;
+      if (own.pupil_mm)
+        both.pupil_mm = 0.5 * (both.pupil_mm.value_or(*own.pupil_mm) + *own.pupil_mm);
+      passEyes();
+      return;
+    }
+    passEyes();
+    first_eye_ = own;
+    first_side_ = side;
+  }
+
+  void passEyes() {
+    if (!first_eye_) return;
+    GazeSample& sample = *first_eye_;
+    for (std::size_t side : {0, 1}) {
+      eyes_seen_[side] |= sample.eyes[side].point_px || sample.eyes[side].direction;
+    }
+    if (isInSpace()) {
+      sample.direction = meanDirection(sample.eyes);
+      sample.point_px =
+          sample.direction ? pointOnScreen_px(screen_, *sample.direction) : std::nullopt;
+    } else {
+      sample.point_px = cyclopean_.combine(times_.seconds(sample.time_s), sample.eyes[0].point_px,
+                                           sample.eyes[1].point_px);
+    }
+    times_.add(sample);
+    first_eye_.reset();
+  }
+
+  /// @throws SeveralPeople, or InputError if no row is of the person that the study chooses
+  void finishGroups() {
+    const RowGroups& groups = layout_.groups;
+    if (groups.eye) passEyes();
+    if (groups.foreign_within) addPending(INFINITY);
+    for (std::size_t i = 0; i < people_.size(); ++i) {
+      if (people_[i].size() < 2) continue;
+      throw SeveralPeople(rows_.source(), rows_.names()[groups.people[i]], people_[i]);
+    }
+    if (groups.only.empty() || any_chosen_) return;
+    std::string others;
+    for (std::size_t i = 0; i < std::min<std::size_t>(other_values_.size(), 6); ++i) {
+      others += (i == 0 ? "" : ", ") + shown(other_values_[i]);
+    }
+    throw InputError(rows_.source(), "no row is of gaze.rows: its column has " +
+                                         (others.empty() ? "no other values" : others));
   }
 
   /// Lines of sight give the points.
@@ -112,7 +262,7 @@ class RowReader {
     if (resolution_known_) return;
     if (layout_.resolution) {
       const auto size_px = resolutionIn(rows_, row_.field(*layout_.resolution));
-      if (size_px) screen_.size_px = *size_px;
+      if (size_px) screen_.size_px = stated_.size_px = *size_px;
       resolution_known_ = size_px.has_value();
       return;
     }
@@ -125,6 +275,7 @@ class RowReader {
           numberIn(rows_, "resolution", row_.field(column), 16, 16384, "16 to 16384 px"));
     };
     screen_.size_px = {pixels(*layout_.width_px), pixels(*layout_.height_px)};
+    stated_.size_px = screen_.size_px;
     resolution_known_ = true;
   }
 
@@ -187,6 +338,7 @@ class RowReader {
                                 "(1 is good) or gaze.blink (0 is good)");
     }
     times_.state(header);
+    stateGroups(header);
     requireHead();
     if (field_ && !given_.field) {
       header.assumed.push_back("field of the headset: " + exactText(field_->left_deg) +
@@ -199,9 +351,23 @@ class RowReader {
     }
   }
 
+  void stateGroups(TraceHeader& header) const {
+    const RowGroups& groups = layout_.groups;
+    if (foreign_ > 0) {
+      header.assumed.push_back(std::to_string(foreign_) +
+                               " rows between the samples have no gaze, as of a mouse, a sensor or "
+                               "an event: they are skipped");
+    }
+    if (groups.eye) {
+      header.assumed.push_back("rows of one eye each, by the column " +
+                               shown(rows_.names()[*groups.eye]) + ": " + shown(groups.eyes[0]) +
+                               " is the left eye" + (groups.eyes_assumed ? ", a guess" : ""));
+    }
+  }
+
   Rows& rows_;
   const TraceColumns& given_;
-  Screen screen_;
+  Screen stated_, screen_;
   TableLayout layout_;
   TableRow row_;
   RowTimes times_;
@@ -217,12 +383,46 @@ class RowReader {
   std::optional<InputError> broken_{};  // the latest line has too few fields
   LastDecimals last_decimals_{};
   std::array<bool, 2> eyes_seen_{};
+  std::vector<std::vector<std::string>> people_{};  // values of `RowGroups::people`
+  std::vector<std::string> other_values_{};         // that the study does not choose
+  bool any_chosen_ = false;
+  std::size_t foreign_ = 0;                // rows
+  std::vector<GazeSample> pending_{};      // without gaze, since the last one with gaze
+  std::optional<double> last_gaze_{};      // its time
+  std::optional<GazeSample> first_eye_{};  // waits for the other eye's row
+  std::size_t first_side_ = 0;
 };
 
 }  // namespace
 
-TraceHeader readRows(Rows& rows, const TraceColumns& columns, const TakeSample& take) {
-  return RowReader(rows, columns, take).read();
+Screen screenInForce(Screen screen, const Screen& fallback) {
+  if (screen.size_px.x <= 0) screen.size_px = fallback.size_px;
+  if (screen.size_m.x <= 0.0) screen.size_m = fallback.size_m;
+  if (screen.distance_m <= 0.0) screen.distance_m = fallback.distance_m;
+  return screen;
+}
+
+TraceHeader readRows(Rows& rows, const TraceColumns& columns, const Screen& fallback_screen,
+                     const TakeSample& take) {
+  return RowReader(rows, columns, fallback_screen, take).read();
+}
+
+std::optional<ValueColumn> peopleIn(Rows& rows, const TraceColumns& columns) {
+  const TableLayout layout = recogniseTable(rows, columns);
+  for (const std::size_t column : layout.groups.people) {
+    ValueColumn people{.at = column};
+    while (rows.next()) {
+      if (column >= rows.size() || rows.text(column).empty()) continue;
+      const std::string_view value = rows.text(column);
+      if (!people.values.empty() && people.values.back() == value) continue;
+      if (std::ranges::find(people.values, value) == people.values.end()) {
+        people.values.emplace_back(value);
+      }
+    }
+    if (people.values.size() > 1) return people;
+    return std::nullopt;
+  }
+  return std::nullopt;
 }
 
 }  // namespace foci

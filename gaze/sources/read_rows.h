@@ -1,14 +1,23 @@
 // Rows of a recording as samples: its columns get a meaning, and each row becomes a sample.
 #pragma once
 
+#include "gaze/sources/row_groups.h"
 #include "gaze/sources/rows.h"
 #include "gaze/sources/trace_reader.h"
 
 namespace foci {
 
-/// Reads rows as `streamTrace` describes. The screen of `rows.before()` stands in for what the
-/// recording does not state.
-/// @throws InputError
-TraceHeader readRows(Rows& rows, const TraceColumns& columns, const TakeSample& take);
+/// What the recording states of the screen; the rest from the fallback.
+Screen screenInForce(Screen screen, const Screen& fallback);
+
+/// Reads rows as `streamTrace` describes.
+/// @param fallback_screen  for what `rows.before()` does not state
+/// @throws InputError; SeveralPeople
+TraceHeader readRows(Rows& rows, const TraceColumns& columns, const Screen& fallback_screen,
+                     const TakeSample& take);
+
+/// The people of a table, or the recordings in it: one value of one column each, in order of
+/// appearance. Empty for a recording of one person.
+std::optional<ValueColumn> peopleIn(Rows& rows, const TraceColumns& columns);
 
 }  // namespace foci

@@ -28,10 +28,8 @@ std::string Rows::hint() const {
          ": line breaks inside quotes are not read, so write each row in one line";
 }
 
-TextRows::TextRows(LineReader& lines, const Screen& screen, const std::string& header)
-    : lines_(lines), header_(header) {
+TextRows::TextRows(LineReader& lines) : lines_(lines) {
   source_ = lines.fileName();
-  before_.screen = screen;
   std::string_view line;
   while (header_.empty() && lines_.next(line)) {
     if (readSeparatorLine(line, before_)) continue;
@@ -44,6 +42,23 @@ TextRows::TextRows(LineReader& lines, const Screen& screen, const std::string& h
     }
   }
   if (header_.empty()) throw InputError(source_, "empty: expected a header line and samples");
+  takeNames();
+}
+
+TextRows::TextRows(LineReader& lines, const TablePreamble& before, const std::string& header)
+    : lines_(lines), header_(header) {
+  source_ = lines.fileName();
+  before_ = before;
+  takeNames();
+  bool is_header = false;
+  survey(1, [&] {
+    const auto is_name = [&](std::string_view name) { return names_[0].starts_with(name); };
+    is_header = !text(0).empty() && !parseNumber(text(0)) && is_name(text(0));
+  });
+  if (is_header) held_.clear();
+}
+
+void TextRows::takeNames() {
   number_ = lines_.number();
   delimiter_ = delimiterOf(header_, before_);
   splitRow(header_, delimiter_, fields_);
@@ -93,7 +108,8 @@ void TextRows::survey(std::size_t most, const std::function<void()>& visit) {
                      .is_ended = lines_.isEnded()});
   }
   const std::size_t header = number_;
-  for (next_held_ = 0; next_held_ < std::min(most, held_.size());) {
+  const std::size_t count = std::min(most, held_.size());
+  for (next_held_ = 0; next_held_ < count;) {
     next();
     visit();
   }
@@ -106,11 +122,10 @@ InputError TextRows::error(const std::string& what) const {
 }
 
 NumberRows::NumberRows(std::string source, std::vector<std::string> names,
-                       std::vector<double> values, const Screen& screen)
+                       std::vector<double> values)
     : values_(std::move(values)) {
   source_ = std::move(source);
   names_ = std::move(names);
-  before_.screen = screen;
 }
 
 bool NumberRows::next() {

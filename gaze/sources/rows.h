@@ -90,10 +90,12 @@ class TextRows final : public Rows {
  public:
   /// Reads up to the line of names.
   /// @param lines   outlives the rows
-  /// @param screen  for what the lines before the table do not state
-  /// @param header  the columns' names, separated by tabs, if the file has none; else empty
   /// @throws InputError
-  TextRows(LineReader& lines, const Screen& screen, const std::string& header = {});
+  explicit TextRows(LineReader& lines);
+  /// For a file without a line of names. A first line of these names is skipped.
+  /// @param before  what describes the recording elsewhere
+  /// @param header  the columns' names, separated by tabs
+  TextRows(LineReader& lines, const TablePreamble& before, const std::string& header);
 
   bool next() override;
   void survey(std::size_t most, const std::function<void()>& visit) override;
@@ -107,6 +109,7 @@ class TextRows final : public Rows {
     bool is_ended = true;
   };
 
+  void takeNames();
   bool readLine(std::string_view& line);
   void split(std::string_view line, std::size_t number, bool is_ended);
 
@@ -123,8 +126,7 @@ class NumberRows final : public Rows {
   /// @param source  of the numbers, for errors
   /// @param names   of the columns, with units
   /// @param values  row after row; NaN: absent
-  NumberRows(std::string source, std::vector<std::string> names, std::vector<double> values,
-             const Screen& screen);
+  NumberRows(std::string source, std::vector<std::string> names, std::vector<double> values);
 
   bool next() override;
   void survey(std::size_t most, const std::function<void()>& visit) override;

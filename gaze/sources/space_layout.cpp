@@ -269,25 +269,17 @@ AxisConvention axesOf(const Place& place, const SpaceColumns& columns) {
   return *axes;
 }
 
-std::size_t columnsOf(const SpaceLayout& layout) {
-  std::size_t end = 0;
-  const auto add = [&](const auto& places) {
-    if (!places) return;
-    for (const std::size_t place : *places) end = std::max(end, place + 1);
+bool usesColumn(const SpaceLayout& layout, std::size_t column) {
+  const auto in = [&](const auto& places) {
+    return places && std::ranges::find(*places, column) != places->end();
   };
+  bool used = in(layout.head_position) || in(layout.head_quaternion) || in(layout.head_angles) ||
+              in(layout.head_euler);
   for (const SightAt* at : {&layout.both, &layout.eyes[0], &layout.eyes[1]}) {
-    add(at->direction);
-    add(at->point);
-    add(at->origin);
-    add(at->angles);
-    add(at->quaternion);
-    if (at->validity) end = std::max(end, *at->validity + 1);
+    used = used || in(at->direction) || in(at->point) || in(at->origin) || in(at->angles) ||
+           in(at->quaternion) || at->validity == column;
   }
-  add(layout.head_position);
-  add(layout.head_quaternion);
-  add(layout.head_angles);
-  add(layout.head_euler);
-  return end;
+  return used;
 }
 
 std::optional<glm::dvec3> meanDirection(const std::array<EyeSample, 2>& eyes) {

@@ -55,8 +55,7 @@ SpaceLayout spaceLayoutOf(const Place& place, const ColumnNames& names,
 /// @throws InputError if the study states none
 AxisConvention axesOf(const Place& place, const SpaceColumns& columns);
 
-/// One more than the last column in use.
-std::size_t columnsOf(const SpaceLayout& layout);
+bool usesColumn(const SpaceLayout& layout, std::size_t column);
 
 /// Reads head pose, origins and directions into a sample, in the head's frame. A vector or
 /// quaternion of zeros, or with an absent field, is absent. The sample's own direction is that of

@@ -43,6 +43,15 @@ double secondsPer(const std::string& unit) {
   return unit == "s" ? 1.0 : unit == "ms" ? 1e-3 : unit == "us" ? 1e-6 : unit == "ns" ? 1e-9 : 0.0;
 }
 
+bool isOf(const EyeColumns& eye, std::size_t column) {
+  const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
+  return is(eye.x) || is(eye.y) || is(eye.point) || is(eye.validity) || is(eye.pupil_mm) ||
+         is(eye.pupil_own) || is(eye.origin_point_mm) || is(eye.sight_point_mm) ||
+         is(eye.origin_validity) || std::any_of(eye.origin_mm.begin(), eye.origin_mm.end(), is) ||
+         std::any_of(eye.direction.begin(), eye.direction.end(), is) ||
+         std::any_of(eye.sight_mm.begin(), eye.sight_mm.end(), is);
+}
+
 class Recogniser {
  public:
   Recogniser(Rows& rows, const TraceColumns& columns)
@@ -70,13 +79,16 @@ class Recogniser {
     findRest();
     if (!layout_.space) takeVendorFormat(names_, given_, before_, layout_);
     if (layout_.camera_axes && layout_.x) leaveOutEmptyDirections();
+    refuseOtherTables();
+    layout_.gaze_columns = gazeColumnsOf(layout_, false);
+    layout_.rated_columns = gazeColumnsOf(layout_, true);
+    layout_.groups = groupRows(rows_, names_, layout_, given_);
     for (std::size_t i = 0; i < names_.size(); ++i) {
       for (const EyeColumns& eye : layout_.eyes) layout_.has_eyes |= isOf(eye, i);
-      if (!isUsed(i)) continue;
+      if (!layout_.uses(i)) continue;
       if (!given_.x.starts_with('#')) names_.refuseTwin(i);
       layout_.columns = i + 1;
     }
-    if (layout_.space) layout_.columns = std::max(layout_.columns, columnsOf(*layout_.space));
     layout_.readings = readingsOf(names_, layout_, given_);
     findUnusedValidity();
     return std::move(layout_);
@@ -128,6 +140,16 @@ class Recogniser {
     return found && (tobii || gazepoint || names_.unit(*found) == "mm") ? found : std::nullopt;
   }
 
+  /// Pupils in another unit that the name states.
+  std::optional<std::size_t> findOwnPupil(std::initializer_list<std::string_view> keys) {
+    const auto found = find(keys);
+    if (!found || (names_.unit(*found) != "a.u." && names_.unit(*found) != "px")) {
+      return std::nullopt;
+    }
+    layout_.pupil_unit = names_.unit(*found) == "px" ? "px" : "arbitrary";
+    return found;
+  }
+
   void findEyes() {
     auto& [left, right] = layout_.eyes;
     left.point = find({"leftgazepointondisplayarea"});
@@ -156,6 +178,10 @@ class Recogniser {
     right.pupil_mm =
         findPupil({"rightpupildiameter", "pupildiameterright", "pupilright", "rmappeddiameter",
                    "rpupildiameter", "rightpupilsize", "rightpupil", "rpmm"});
+    if (!left.pupil_mm) left.pupil_own = findOwnPupil({"leftpupilsize", "leftpupil", "pupilleft"});
+    if (!right.pupil_mm) {
+      right.pupil_own = findOwnPupil({"rightpupilsize", "rightpupil", "pupilright"});
+    }
     // Tobii's user coordinate system: x right, y up, z towards the user.
     const std::string axes = "xyz";
     for (std::size_t side : {0, 1}) {
@@ -317,6 +343,7 @@ class Recogniser {
   void findRest() {
     layout_.pupil_mm = !given_.pupil.empty() ? std::optional(named(given_.pupil))
                                              : findPupil({"pupil", "pupildiameter", "pupilsize"});
+    if (!layout_.pupil_mm) layout_.pupil_own = findOwnPupil({"pupil", "pupilsize"});
     layout_.blink = !given_.blink.empty() ? std::optional(named(given_.blink))
                                           : find({"blink", "isblink", "blinkid", "bkid"});
     layout_.named_blink =
@@ -331,12 +358,43 @@ class Recogniser {
                        .pupil_scale_mm = given_.pupil_scale_mm};
   }
 
+  /// Tables whose columns have the names of gaze, but hold something else.
+  void refuseOtherTables() const {
+    if (!given_.x.empty() || given_.mapped_later || layout_.space) return;
+    if (find({"ellipsecenterx"}) && findX() && !find({"gazetimestamp"})) {
+      throw rows_.error(
+          "pupils in the images of the eye cameras (pupil_positions.csv), not gaze: export "
+          "gaze_positions.csv from Pupil Player");
+    }
+    for (const auto& x : {layout_.x, layout_.eyes[0].x, layout_.eyes[1].x}) {
+      if (x) refuseThirdAxis(*x);
+    }
+  }
+
+  /// Beside x and y, a column of z makes the three a point or a direction in space.
+  void refuseThirdAxis(std::size_t x) const {
+    const std::string& key = names_.key(x);
+    const std::string& unit = names_.unit(x);
+    if (unit == "px" || unit == "deg" || unit == "norm") return;
+    for (std::size_t at = key.find('x'); at != key.npos; at = key.find('x', at + 1)) {
+      std::string y = key, z = key;
+      y[at] = 'y';
+      z[at] = 'z';
+      const auto column = names_.find({std::string_view(z)});
+      if (!column || !names_.find({std::string_view(y)}) || names_.unit(*column) != unit) continue;
+      throw rows_.error("columns " + shown(names_.text(x)) + " and " + shown(names_.text(*column)) +
+                        " are a point or a direction in space, not positions on a screen: name x, "
+                        "y and z with gaze.point or gaze.direction, or the positions with gaze.x "
+                        "and gaze.y");
+    }
+  }
+
   /// Pupil Core's exports have columns of directions in space also where gaze was mapped in two
   /// dimensions. The columns are then empty, and the positions are the gaze.
   void leaveOutEmptyDirections() {
-    constexpr std::size_t kRows = 64;
+    constexpr std::size_t kEnoughRows = 64;
     bool any = false;
-    rows_.survey(kRows, [&] {
+    rows_.survey(kEnoughRows, [&] {
       for (const EyeColumns& eye : layout_.eyes) {
         for (const auto& column : eye.direction) {
           any |= column && *column < rows_.size() && !rows_.isAbsent(*column);
@@ -365,28 +423,6 @@ class Recogniser {
     }
   }
 
-  static bool isOf(const EyeColumns& eye, std::size_t column) {
-    const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
-    return is(eye.x) || is(eye.y) || is(eye.point) || is(eye.validity) || is(eye.pupil_mm) ||
-           is(eye.origin_point_mm) || is(eye.sight_point_mm) || is(eye.origin_validity) ||
-           std::any_of(eye.origin_mm.begin(), eye.origin_mm.end(), is) ||
-           std::any_of(eye.direction.begin(), eye.direction.end(), is) ||
-           std::any_of(eye.sight_mm.begin(), eye.sight_mm.end(), is);
-  }
-
-  bool isUsed(std::size_t column) const {
-    const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
-    bool used = is(layout_.time) || is(layout_.fine_time);
-    for (const auto& at :
-         {layout_.x, layout_.y, layout_.pupil_mm, layout_.blink, layout_.confidence,
-          layout_.validity, layout_.width_px, layout_.height_px, layout_.resolution,
-          layout_.rows.column, layout_.uncertainty_deg}) {
-      used |= is(at);
-    }
-    for (const EyeColumns& eye : layout_.eyes) used |= isOf(eye, column);
-    return used;
-  }
-
   Rows& rows_;
   const TraceColumns& given_;
   const TablePreamble& before_;
@@ -395,6 +431,20 @@ class Recogniser {
 };
 
 }  // namespace
+
+bool TableLayout::uses(std::size_t column) const {
+  const auto is = [&](const std::optional<std::size_t>& at) { return at == column; };
+  bool used = is(time) || is(fine_time);
+  for (const auto& at : {x, y, pupil_mm, pupil_own, blink, confidence, validity, width_px,
+                         height_px, resolution, rows.column, uncertainty_deg, groups.eye}) {
+    used |= is(at);
+  }
+  for (const EyeColumns& eye : eyes) used |= isOf(eye, column);
+  for (const ValueColumn& only : groups.only) used |= only.at == column;
+  used |= groups.device && groups.device->at == column;
+  used |= std::ranges::find(groups.people, column) != groups.people.end();
+  return used || (space && usesColumn(*space, column));
+}
 
 TableLayout recogniseTable(Rows& rows, const TraceColumns& columns) {
   return Recogniser(rows, columns).recognise();

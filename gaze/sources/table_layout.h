@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "gaze/sources/row_groups.h"
 #include "gaze/sources/rows.h"
 #include "gaze/sources/space_layout.h"
 #include "gaze/sources/trace_reader.h"
@@ -27,7 +28,7 @@ enum class ValidityCode {
 struct EyeColumns {
   std::optional<std::size_t> x{}, y{};  ///< of the point
   std::optional<std::size_t> point{};   ///< or both coordinates in one field, "(x, y)"
-  std::optional<std::size_t> validity{}, pupil_mm{};
+  std::optional<std::size_t> validity{}, pupil_mm{}, pupil_own{};
   std::array<std::optional<std::size_t>, 3> origin_mm{}, direction{}, sight_mm{};  ///< x, y, z
   std::optional<std::size_t> origin_point_mm{}, sight_point_mm{};  ///< or in one field, "(x, y, z)"
   std::optional<std::size_t> origin_validity{};
@@ -61,7 +62,9 @@ struct TableLayout {
   std::optional<std::size_t> x{}, y{};
   std::array<EyeColumns, 2> eyes{};  ///< left, right
   bool has_eyes = false;             ///< the table has any column of either eye
-  std::optional<std::size_t> pupil_mm{}, blink{}, confidence{}, validity{}, uncertainty_deg{};
+  std::optional<std::size_t> pupil_mm{}, pupil_own{}, blink{}, confidence{}, validity{},
+      uncertainty_deg{};
+  std::string pupil_unit{};  ///< of `pupil_own`
   ValidityCode validity_code = ValidityCode::below_two;
   std::optional<std::size_t> width_px{}, height_px{};  ///< of the screen, repeated on every row
   std::optional<std::size_t> resolution{};             ///< the same in one field, "1920 x 1080"
@@ -74,6 +77,8 @@ struct TableLayout {
   bool zero_is_absent = false;       ///< the point (0, 0) means data loss (SMI, Tobii Studio)
   bool named_blink = false;          ///< `blink` holds the blink's number, or nothing (Neon)
   TableNumbers numbers{};
+  RowGroups groups{};
+  std::vector<std::size_t> gaze_columns{}, rated_columns{};  ///< `gazeColumnsOf`
   std::optional<SpaceLayout> space{};     ///< gaze in space; then there are no points
   std::vector<ColumnReading> readings{};  ///< of every column
   std::string unused_validity{};          ///< a column that seems to mark data loss; empty: none
@@ -86,6 +91,8 @@ struct TableLayout {
     return format.starts_with("TSV") || format.starts_with("CSV") || format.starts_with("text");
   }
   bool hasDirections() const { return eyes[0].direction[0] || eyes[1].direction[0]; }
+  /// Whether a column has a meaning.
+  bool uses(std::size_t column) const;
 };
 
 /// @param rows  at the names, before the first row

@@ -81,6 +81,14 @@ std::optional<double> TableRow::readPupil(std::size_t column) const {
   return *pupil * layout_.numbers.pupil_scale_mm;
 }
 
+/// In the tracker's own unit: any number above 0.
+std::optional<double> TableRow::readOwnPupil(std::size_t column) const {
+  const auto pupil = number(column);
+  if (!pupil && isAbsent(column)) return std::nullopt;
+  if (!pupil) fail(column, "expected a number");
+  return *pupil > 0.0 && pupil != layout_.numbers.missing ? pupil : std::nullopt;
+}
+
 std::optional<glm::dvec2> TableRow::readPoint(std::size_t x, std::size_t y) const {
   const auto at_x = coordinate(x, 0);
   const auto at_y = at_x ? coordinate(y, 1) : std::nullopt;
@@ -132,6 +140,7 @@ void TableRow::read(GazeSample& sample) const {
     }
   }
   sample.pupil_mm = layout_.pupil_mm ? readPupil(*layout_.pupil_mm) : meanPupil(sample.eyes);
+  if (layout_.pupil_own) sample.pupil_own = readOwnPupil(*layout_.pupil_own);
   if (layout_.uncertainty_deg && !isAbsent(*layout_.uncertainty_deg)) {
     const auto uncertainty_deg = number(*layout_.uncertainty_deg);
     if (!uncertainty_deg || *uncertainty_deg < 0.0 || *uncertainty_deg > 45.0) {
@@ -187,6 +196,7 @@ void TableRow::readEye(const EyeColumns& columns, EyeSample& eye) const {
     eye.point_px = readPoint(*columns.x, *columns.y);
   }
   if (columns.pupil_mm) eye.pupil_mm = readPupil(*columns.pupil_mm);
+  if (columns.pupil_own) eye.pupil_own = readOwnPupil(*columns.pupil_own);
   if (const auto direction = triple(columns.direction)) {
     const double length = glm::length(*direction);
     // Pupil Core's directions have unit length, or length 0 in data loss.

@@ -46,6 +46,10 @@ class TableRow {
     return !column || (*column < rows_.size() && layout_.rows.has(rows_.text(*column)));
   }
 
+  bool hasGaze() const { return anyOf(layout_.gaze_columns); }
+  /// Neither gaze, nor what rates it.
+  bool isBlank() const { return !anyOf(layout_.rated_columns); }
+
   /// Reads everything except the time. The point is the recording's own, or the mean of two lines
   /// of sight. It is absent if the row has points of single eyes only.
   /// @param sample  overwritten; reuse the same object for speed
@@ -73,7 +77,14 @@ class TableRow {
   std::optional<glm::dvec3> triple(const std::array<std::optional<std::size_t>, 3>& columns) const;
   std::optional<glm::dvec3> tripleIn(std::size_t column) const;
   std::optional<glm::dvec2> meanSight(const std::array<EyeSample, 2>& eyes) const;
+  bool anyOf(const std::vector<std::size_t>& columns) const {
+    for (const std::size_t at : columns) {
+      if (at < rows_.size() && !rows_.isAbsent(at)) return true;
+    }
+    return false;
+  }
   inline std::optional<double> readPupil(std::size_t column) const;
+  std::optional<double> readOwnPupil(std::size_t column) const;
   inline std::optional<glm::dvec2> readPoint(std::size_t x, std::size_t y) const;
   std::optional<glm::dvec2> readTuple(std::size_t column) const;
   inline std::optional<double> coordinate(std::size_t column, int axis) const;

@@ -13,6 +13,7 @@
 #include "gaze/sources/neon_native.h"
 #include "gaze/sources/read_rows.h"
 #include "gaze/sources/rounded_intervals.h"
+#include "gaze/sources/tobii_glasses.h"
 #include "gaze/sources/trace_doubts.h"
 #include "gaze/sources/xdf.h"
 
@@ -48,12 +49,19 @@ std::string firstLineOf(const std::filesystem::path& file) {
   return {};
 }
 
+bool isTobiiGlasses(const std::filesystem::path& file) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(file, unreadable)) return false;
+  const std::string name = file.filename().string();
+  const bool json = name.find(".json") != name.npos || name.find("gazedata") != name.npos;
+  return json && tobiiGlassesOf(firstLineOf(file)).has_value();
+}
+
 TraceHeader readXdfTrace(const std::filesystem::path& file, const TraceColumns& columns,
                          const Screen& fallback_screen, const TakeSample& take) {
   XdfTable table = readXdf(file, columns.stream);
-  NumberRows rows(file.string(), std::move(table.columns), std::move(table.values),
-                  fallback_screen);
-  TraceHeader header = readRows(rows, columns, take);
+  NumberRows rows(file.string(), std::move(table.columns), std::move(table.values));
+  TraceHeader header = readRows(rows, columns, fallback_screen, take);
   header.format = "XDF, stream " + shown(table.stream) + ", " + header.format;
   header.markers = std::move(table.markers);
   if (table.clock_offsets == 0) {
@@ -68,6 +76,23 @@ TraceHeader readXdfTrace(const std::filesystem::path& file, const TraceColumns& 
   return header;
 }
 
+/// The fallback replaces what the recording does not state of its screen, and `assumed` says so.
+void fillScreen(const Screen& fallback, TraceHeader& header) {
+  const Screen stated = header.screen.value_or(Screen{});
+  header.screen = screenInForce(stated, fallback);
+  std::string filled;
+  const auto note = [&](bool is_filled, const char* what) {
+    if (is_filled) filled += (filled.empty() ? "" : ", ") + std::string(what);
+  };
+  note(stated.size_px.x <= 0 && fallback.size_px.x > 0, "screen.size_px");
+  note(stated.size_m.x <= 0.0 && fallback.size_m.x > 0.0, "screen.size_m");
+  note(stated.distance_m <= 0.0 && fallback.distance_m > 0.0, "screen.distance_m");
+  if (filled.empty()) return;
+  header.assumed.push_back("screen: the study's " + filled +
+                           ", since the recording does not state " +
+                           (filled.find(',') == filled.npos ? "it" : "them"));
+}
+
 bool isUndescribed(const TraceColumns& columns) {
   return columns.time.empty() && columns.x.empty() && !columns.space.hasSight();
 }
@@ -77,10 +102,9 @@ bool isUndescribed(const TraceColumns& columns) {
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
                         const Screen& fallback_screen, const TakeSample& take) {
   const bool neon = !neonNativeFiles(file).empty();
-  if (!neon) {
-    requireRegularFile(file);
-    requireGazeText(file);
-  }
+  const bool native = !neon && isTobiiGlasses(file);
+  if (!neon) requireRegularFile(file);
+  if (!neon && !native) requireGazeText(file);
   TraceDoubts doubts;
   const TakeSample both = [&](const GazeSample& sample) {
     doubts.add(sample);
@@ -90,13 +114,16 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
   if (neon) {
     const std::string table = neonNativeTable(file);
     LineReader lines(file.string(), table);
-    TextRows rows(lines, fallback_screen);
-    header = readRows(rows, columns, both);
+    TextRows rows(lines);
+    header = readRows(rows, columns, fallback_screen, both);
     header.format = "Neon, native recording";
-  } else if (const auto sidecar = bidsSidecarOf(file)) {
-    const auto other_eye = bidsOtherEyeOf(file);
-    header = other_eye ? readBidsEyes(file, *other_eye, columns, fallback_screen, both)
-                       : readBids(file, *sidecar, columns, fallback_screen, both);
+  } else if (!bidsMetadataOf(file).empty()) {
+    header = readBids(file, columns, fallback_screen, both);
+  } else if (native) {
+    LineReader lines(file);
+    NumberRows rows = readTobiiGlasses(lines);
+    header = readRows(rows, columns, fallback_screen, both);
+    header.format = "Tobii Pro Glasses, native recording, binocular";
   } else if (isXdf(file)) {
     header = readXdfTrace(file, columns, fallback_screen, both);
   } else {
@@ -109,16 +136,14 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
     } else if (isUndescribed(columns) && isHoloLens(first)) {
       header = readHoloLens(lines, columns, both);
     } else {
-      TextRows rows(lines, fallback_screen);
-      header = readRows(rows, columns, both);
+      TextRows rows(lines);
+      header = readRows(rows, columns, fallback_screen, both);
     }
   }
   if (columns.space.from_head) {
     header.assumed.push_back("gaze: straight ahead of the head (gaze.from_head)");
   }
-  if (!header.screen) header.screen = fallback_screen;
-  if (header.screen->size_m == glm::dvec2(0.0)) header.screen->size_m = fallback_screen.size_m;
-  if (header.screen->distance_m == 0.0) header.screen->distance_m = fallback_screen.distance_m;
+  fillScreen(fallback_screen, header);
   for (std::string& doubt : doubts.sentences(header, columns)) {
     header.warnings.push_back(std::move(doubt));
   }
@@ -131,19 +156,43 @@ std::vector<std::filesystem::path> companionsOf(const std::filesystem::path& fil
     std::erase(companions, file);
     return companions;
   }
-  const auto sidecar = bidsSidecarOf(file);
-  if (sidecar) companions.push_back(*sidecar);
-  if (const auto other = sidecar ? bidsOtherEyeOf(file) : std::nullopt) {
+  companions = bidsMetadataOf(file);
+  const bool bids = !companions.empty();
+  if (const auto other = bids ? bidsOtherEyeOf(file) : std::nullopt) {
     companions.push_back(*other);
-    companions.push_back(*bidsSidecarOf(*other));
+    for (auto& metadata : bidsMetadataOf(*other)) {
+      if (std::ranges::find(companions, metadata) == companions.end()) {
+        companions.push_back(std::move(metadata));
+      }
+    }
   }
   std::error_code unreadable;
   const std::filesystem::path setting = file.parent_path() / "scene_setting.csv";
-  if (!sidecar && std::filesystem::is_regular_file(file, unreadable) &&
+  if (!bids && std::filesystem::is_regular_file(file, unreadable) &&
       std::filesystem::is_regular_file(setting, unreadable) && isEyeNavGs(firstLineOf(file))) {
     companions.push_back(setting);
   }
   return companions;
+}
+
+std::vector<std::pair<std::string, std::string>> peopleOf(const std::filesystem::path& file,
+                                                          const TraceColumns& columns) {
+  std::vector<std::pair<std::string, std::string>> people;
+  try {
+    if (!bidsMetadataOf(file).empty() || isXdf(file) || isTobiiGlasses(file)) return people;
+    std::error_code unreadable;
+    if (!std::filesystem::is_regular_file(file, unreadable)) return people;
+    if (startsEyeLinkAsc(firstLineOf(file))) return people;
+    LineReader lines(file);
+    TextRows rows(lines);
+    const auto found = peopleIn(rows, columns);
+    if (!found) return people;
+    for (const std::string& value : found->values)
+      people.emplace_back(rows.names()[found->at], value);
+  } catch (const InputError&) {
+    return {};  // whoever reads the file says why
+  }
+  return people;
 }
 
 SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns& columns) {

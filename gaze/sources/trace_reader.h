@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
@@ -35,8 +36,10 @@ struct TraceColumns {
   };
 
   std::string time{}, x{}, y{};
-  std::string pupil{};       ///< diameter
-  std::string blink{};       ///< 0 or false: open; 1 or true: the tracker reports a blink
+  std::string pupil{};  ///< diameter
+  std::string blink{};  ///< 0 or false: open; 1 or true: the tracker reports a blink
+  /// Columns and their values: only such rows are read. Needed for a table of several people.
+  std::vector<std::pair<std::string, std::string>> rows{};
   std::string stream{};      ///< of an XDF file; empty: its only stream of gaze
   std::string confidence{};  ///< 0 to 1; a sample below 0.6 has no gaze
   /// Left, right. Without `x` and `y` the gaze is the `Cyclopean` point of the two.
@@ -137,6 +140,11 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
 
 /// The files beside a recording that are read with it: sidecars of BIDS, scene_setting.csv.
 std::vector<std::filesystem::path> companionsOf(const std::filesystem::path& file);
+
+/// The people of a table, or its recordings: each as `TraceColumns::rows` chooses it. Empty for a
+/// recording of one person, for another format, and for a file that cannot be read.
+std::vector<std::pair<std::string, std::string>> peopleOf(const std::filesystem::path& file,
+                                                          const TraceColumns& columns);
 
 /// What a file of gaze in space says before it is read.
 struct SpacePreview {

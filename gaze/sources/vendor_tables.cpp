@@ -1,123 +1,158 @@
-// From exports and documentation of Tobii Pro Lab, Tobii Studio, Tobii Pro SDK, Gazepoint, Pupil
-// Core, Neon, SMI BeGaze and GazeBase.
+// From exports and documentation of Tobii Pro Lab, Tobii Studio, Tobii Pro SDK, PyGaze, Gazepoint,
+// Pupil Core, Neon, SMI BeGaze and GazeBase.
 #include "gaze/sources/vendor_tables.h"
 
-#include <initializer_list>
+#include <algorithm>
+#include <array>
+#include <iterator>
 #include <optional>
 #include <string_view>
 
 namespace foci {
 namespace {
 
-class VendorFormat {
- public:
-  VendorFormat(const ColumnNames& names, const TraceColumns& columns, const TablePreamble& before,
-               TableLayout& layout)
-      : names_(names), given_(columns), before_(before), layout_(layout) {}
+using Names = const ColumnNames&;
 
-  void take() {
-    const auto set = [&](const char* format) { layout_.format = format; };
-    if (given_.x.empty() && find({"bpogx", "fpogx", "lpogx", "rpogx"})) {
-      recogniseGazepoint();
-    } else if (layout_.eyes[0].point || layout_.eyes[1].point ||
-               find({"leftgazepointondisplayareax", "rightgazepointondisplayareax"})) {
-      set("Tobii Pro SDK");
-      layout_.units = GazeUnits::normalised;
-      layout_.validity_code = ValidityCode::one;
-      if (layout_.time_scale_s == 0.0) layout_.time_scale_s = 1e-6;
-    } else if (isTobiiStudio(names_, before_)) {
-      set("Tobii Studio");
-      recogniseTobiiStudio();
-    } else if (find({"recordingtimestamp"}) && find({"gazepointx", "gazepointleftx"})) {
-      set("Tobii Pro Lab");
-      layout_.width_px = find({"recordingresolutionwidth"});
-      layout_.height_px = find({"recordingresolutionheight"});
-      if (!layout_.units) layout_.units = GazeUnits::px;
-      // Rows of the mouse and of events lie between those of the eye tracker.
-      layout_.rows = find({"sensor"})
-                         ? SampleRows{.column = find({"sensor"}), .only = "Eye Tracker"}
-                         : SampleRows{.column = find({"eyetrackertimestamp"})};
-    } else if (find({"gazetimestamp"}) && (layout_.x || find({"posx"})) && find({"basedata"})) {
-      set("Pupil Core export");
-      layout_.units = GazeUnits::normalised;
-      layout_.y_up = layout_.of_scene_camera = true;
-      layout_.time_scale_s = 1.0;
-    } else if (find({"onsurf", "onsrf"}) && layout_.x && names_.key(*layout_.x) == "x" &&
-               names_.unit(*layout_.x) == "norm") {
-      set("Pupil Core surface");
-      layout_.units = GazeUnits::normalised;
-      layout_.y_up = true;
-      layout_.time_scale_s = 1.0;
-    } else if (find({"sectionid"}) && find({"gazex"}) && find({"recordingid"})) {
-      set("Neon export");
-      layout_.of_scene_camera = true;
-      layout_.validity = find({"worn"});
-      layout_.validity_code = ValidityCode::not_zero;
-    } else if (before_.smi ||
-               (find({"recordingtime"}) && find({"pointofregardleftx", "pointofregardrightx"}))) {
-      set("SMI BeGaze");
-      layout_.units = GazeUnits::px;
-      layout_.zero_is_absent = true;
-      if (layout_.time_scale_s == 0.0) layout_.time_scale_s = 1e-6;
-      recogniseSmiRows();
-    } else if (find({"n"}) && find({"val"}) && find({"dp"})) {
-      set("GazeBase");
-      layout_.units = GazeUnits::deg;
-      layout_.time_scale_s = 1e-3;
-      layout_.validity = find({"val"});
-      layout_.validity_code = ValidityCode::zero;
-    } else if (layout_.x && names_.unit(*layout_.x) == "norm" &&
-               names_.key(*layout_.x).ends_with("posx")) {
-      layout_.y_up = true;  // Pupil Labs' norm_pos counts from the bottom
-    }
+/// Whether a table has a column of one of the keys, which are separated by "|".
+bool hasOneOf(Names names, std::string_view keys) {
+  while (!keys.empty()) {
+    const std::string_view key = keys.substr(0, keys.find('|'));
+    if (names.find({key})) return true;
+    keys.remove_prefix(std::min(key.size() + 1, keys.size()));
   }
+  return false;
+}
 
- private:
-  std::optional<std::size_t> find(std::initializer_list<std::string_view> keys) const {
-    return names_.find(keys);
-  }
-
-  /// Gazepoint Analysis: seconds, fractions of the screen, 1 for valid; a blink's number or 0.
-  void recogniseGazepoint() {
-    layout_.format = "Gazepoint";
-    layout_.units = GazeUnits::normalised;
-    layout_.validity_code = ValidityCode::one;
-    if (layout_.x) {
-      layout_.validity = names_.key(*layout_.x) == "bpogx" ? find({"bpogv"}) : find({"fpogv"});
-    }
-    if (given_.time_scale_s) return;
-    if (layout_.time && names_.key(*layout_.time) == "time") layout_.time_scale_s = 1.0;
-  }
-
-  /// Version 1 and 2: times in ms, (0, 0) and (-width, -height) in data loss. Version 3: times in
-  /// ms, empty fields in data loss.
-  void recogniseTobiiStudio() {
-    layout_.units = GazeUnits::px;
-    layout_.zero_is_absent = layout_.size_off_is_absent = true;
-    if (layout_.time_scale_s == 0.0) layout_.time_scale_s = 1e-3;
-    layout_.resolution = find({"recordingresolution"});
-    // Rows of the mouse, keys and events have no number of a gaze sample.
-    for (const std::string_view key :
-         {"gazepointindex", "number", "eyetrackertimestamp", "validityleft", "validityright",
-          "gazepointxleft", "gazepointxright"}) {
-      if (!layout_.rows.column) layout_.rows.column = find({key});
-    }
-  }
-
-  /// Messages and the separators of trials lie between the samples.
-  void recogniseSmiRows() {
-    if (const auto type = find({"type"})) {
-      layout_.rows = {.column = type, .only = "SMP"};
-    } else {
-      layout_.rows = {.column = find({"categoryright", "categoryleft"}), .except = "Separator"};
-    }
-  }
-
-  const ColumnNames& names_;
-  const TraceColumns& given_;
-  const TablePreamble& before_;
-  TableLayout& layout_;
+/// What a vendor's format says beyond the names of its columns.
+struct Vendor {
+  const char* name;
+  /// All of these columns; "|" separates choices.
+  std::array<std::string_view, 6> needs{};
+  std::optional<GazeUnits> units{};
+  double time_scale_s = 0.0;  ///< unless the time's name has a unit; 0: unknown
+  std::optional<ValidityCode> code{};
+  std::string_view validity{};  ///< column for both eyes
+  bool y_up = false, of_scene_camera = false, zero_is_absent = false;
+  bool only_unnamed = false;                          ///< not if the study names the position
+  bool (*is)(Names, const TablePreamble&) = nullptr;  ///< instead of `needs`
+  void (*more)(Names, TableLayout&) = nullptr;
 };
+
+/// Gazepoint Analysis: seconds, fractions of the screen, 1 for valid; a blink's number or 0.
+void takeGazepoint(Names names, TableLayout& layout) {
+  if (layout.x) {
+    layout.validity = names.find({names.key(*layout.x) == "bpogx" ? "bpogv" : "fpogv"});
+  }
+  const bool seconds = layout.time && names.key(*layout.time) == "time";
+  if (seconds && layout.time_scale_s == 0.0) layout.time_scale_s = 1.0;
+}
+
+/// Rows of the mouse and of events lie between those of the eye tracker.
+void takeProLab(Names names, TableLayout& layout) {
+  layout.width_px = names.find({"recordingresolutionwidth"});
+  layout.height_px = names.find({"recordingresolutionheight"});
+  layout.rows = names.find({"sensor"})
+                    ? SampleRows{.column = names.find({"sensor"}), .only = "Eye Tracker"}
+                    : SampleRows{.column = names.find({"eyetrackertimestamp"})};
+}
+
+/// Version 1 and 2: times in ms, (0, 0) and (-width, -height) in data loss. Version 3: times in
+/// ms, empty fields in data loss. Rows of the mouse, keys and events have no number of a sample.
+void takeStudio(Names names, TableLayout& layout) {
+  layout.size_off_is_absent = true;
+  layout.resolution = names.find({"recordingresolution"});
+  layout.rows.column =
+      names.find({"gazepointindex", "number", "eyetrackertimestamp", "validityleft",
+                  "validityright", "gazepointxleft", "gazepointxright"});
+}
+
+/// Messages and the separators of trials lie between the samples.
+void takeSmi(Names names, TableLayout& layout) {
+  if (const auto type = names.find({"type"})) {
+    layout.rows = {.column = type, .only = "SMP"};
+  } else {
+    layout.rows = {.column = names.find({"categoryright", "categoryleft"}), .except = "Separator"};
+  }
+}
+
+bool isSurface(Names names, const TablePreamble&) {
+  const auto x = names.find({"x"});
+  return hasOneOf(names, "onsurf|onsrf") && x && names.unit(*x) == "norm";
+}
+
+bool isSmi(Names names, const TablePreamble& before) {
+  return before.smi ||
+         (hasOneOf(names, "recordingtime") &&
+          hasOneOf(names, "pointofregardleftx|pointofregardrightx")) ||
+         (hasOneOf(names, "type") && hasOneOf(names, "trial") && hasOneOf(names, "lporx|rporx"));
+}
+
+constexpr std::optional<GazeUnits> kPx = GazeUnits::px, kDeg = GazeUnits::deg,
+                                   kFractions = GazeUnits::normalised;
+
+const Vendor kVendors[] = {
+    {.name = "Gazepoint",
+     .needs = {"bpogx|fpogx|lpogx|rpogx", "bpogy|fpogy|lpogy|rpogy"},
+     .units = kFractions,
+     .code = ValidityCode::one,
+     .only_unnamed = true,
+     .more = takeGazepoint},
+    {.name = "Tobii Pro SDK",
+     .needs = {"leftgazepointondisplayarea|rightgazepointondisplayarea|"
+               "leftgazepointondisplayareax|rightgazepointondisplayareax"},
+     .units = kFractions,
+     .time_scale_s = 1e-6,
+     .code = ValidityCode::one},
+    {.name = "PyGaze, Tobii",
+     .needs = {"gazepointxleft", "validityleft", "pupilvalidityleft", "gazepointxright",
+               "validityright", "pupilvalidityright"},
+     .units = kPx,
+     .time_scale_s = 1e-3,
+     .code = ValidityCode::one},
+    {.name = "Tobii Studio",
+     .units = kPx,
+     .time_scale_s = 1e-3,
+     .zero_is_absent = true,
+     .is = isTobiiStudio,
+     .more = takeStudio},
+    {.name = "Tobii Pro Lab",
+     .needs = {"recordingtimestamp", "gazepointx|gazepointleftx", "gazepointy|gazepointlefty"},
+     .units = kPx,
+     .more = takeProLab},
+    {.name = "Pupil Core export",
+     .needs = {"gazetimestamp", "posx|x", "posy|y", "basedata"},
+     .units = kFractions,
+     .time_scale_s = 1.0,
+     .y_up = true,
+     .of_scene_camera = true},
+    {.name = "Pupil Core surface",
+     .units = kFractions,
+     .time_scale_s = 1.0,
+     .y_up = true,
+     .is = isSurface},
+    {.name = "Neon export",
+     .needs = {"sectionid", "recordingid", "gazex", "gazey"},
+     .code = ValidityCode::not_zero,
+     .validity = "worn",
+     .of_scene_camera = true},
+    {.name = "SMI BeGaze",
+     .units = kPx,
+     .time_scale_s = 1e-6,
+     .zero_is_absent = true,
+     .is = isSmi,
+     .more = takeSmi},
+    {.name = "GazeBase",
+     .needs = {"n", "x", "y", "val", "dp"},
+     .units = kDeg,
+     .time_scale_s = 1e-3,
+     .code = ValidityCode::zero,
+     .validity = "val"}};
+
+bool isOf(const Vendor& vendor, Names names, const TablePreamble& before) {
+  if (vendor.is) return vendor.is(names, before);
+  return std::ranges::all_of(
+      vendor.needs, [&](std::string_view keys) { return keys.empty() || hasOneOf(names, keys); });
+}
 
 }  // namespace
 
@@ -126,13 +161,32 @@ bool isTobiiStudio(const ColumnNames& names, const TablePreamble& before) {
   const bool version3 = time && names.text(*time).find(' ') == std::string_view::npos &&
                         names.find({"gazepointx", "gazepointleftx"});
   return before.tobii_studio || version3 ||
-         (names.find({"gazepointxleft"}) &&
+         (names.find({"gazepointxleft"}) && names.find({"gazepointyleft"}) &&
           names.find({"camxleft", "distanceleft", "validityleft"}));
 }
 
 void takeVendorFormat(const ColumnNames& names, const TraceColumns& columns,
                       const TablePreamble& before, TableLayout& layout) {
-  VendorFormat(names, columns, before, layout).take();
+  const auto* const found = std::ranges::find_if(kVendors, [&](const Vendor& vendor) {
+    return (columns.x.empty() || !vendor.only_unnamed) && isOf(vendor, names, before);
+  });
+  if (found == std::end(kVendors)) {
+    // Pupil Labs' norm_pos counts from the bottom.
+    layout.y_up |=
+        layout.x && names.unit(*layout.x) == "norm" && names.key(*layout.x).ends_with("posx");
+    return;
+  }
+  layout.format = found->name;
+  if (found->units && !(layout.units && found->units == kPx)) layout.units = found->units;
+  if (layout.time_scale_s == 0.0 || (found->time_scale_s == 1.0 && !columns.time_scale_s)) {
+    if (found->time_scale_s > 0.0) layout.time_scale_s = found->time_scale_s;
+  }
+  layout.validity_code = found->code.value_or(layout.validity_code);
+  if (!found->validity.empty()) layout.validity = names.find({found->validity});
+  layout.y_up |= found->y_up;
+  layout.of_scene_camera |= found->of_scene_camera;
+  layout.zero_is_absent |= found->zero_is_absent;
+  if (found->more) found->more(names, layout);
 }
 
 }  // namespace foci

@@ -3,6 +3,7 @@
     python3 tests/batch/workflow_test.py build/release/foci
 """
 
+import gzip
 import json
 import os
 import pathlib
@@ -83,15 +84,15 @@ def main():
         # Nothing is lost, and only the killed run was begun twice.
         out = folder / "data/derivatives/foci"
         rows = [line.split("\t") for line in (out / "recordings.tsv").read_text().splitlines()]
-        assert [row[0] for row in rows[1:]] == [f"{s}/beh/{s}_task-look" for s in subjects], rows
+        assert [row[0] for row in rows[1:]] == [f"{s}/beh/{s}_task-look_recording-eye1" for s in subjects], rows
         begun = (folder / "begun").read_text().split()
         assert sorted(begun.count(trace) for trace in set(begun)) == [1, 1, 2], begun
         for subject in subjects:
-            run = out / subject / "beh" / f"{subject}_task-look_foci"
+            run = out / subject / "beh" / f"{subject}_task-look_recording-eye1_foci"
             assert (run / "video.mp4").stat().st_size > 0
             assert not list(run.glob(".*.tmp*")), list(run.iterdir())
-            events = out / subject / "beh" / f"{subject}_task-look_physioevents.tsv"
-            assert "saccade" in events.read_text()
+            events = out / subject / "beh" / f"{subject}_task-look_recording-eye1_physioevents.tsv.gz"
+            assert "saccade" in gzip.decompress(events.read_bytes()).decode()
 
         keyless = [*command[:command.index("--config") + 1], "bids=data"]
         refused = subprocess.run(keyless, cwd=folder, env=environment, capture_output=True, text=True)
@@ -105,11 +106,11 @@ def main():
 
         again = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
         assert "Nothing to be done" in again.stdout + again.stderr, again.stderr
-        shutil.rmtree(out / "sub-02" / "beh" / "sub-02_task-look_foci")
+        shutil.rmtree(out / "sub-02" / "beh" / "sub-02_task-look_recording-eye1_foci")
         assert started() == 1
         assert started("options=--set observer.pupil_mm=3") == len(subjects)
         for subject in subjects:
-            manifest = json.loads((out / subject / "beh" / f"{subject}_task-look_foci" / "manifest.json").read_text())
+            manifest = json.loads((out / subject / "beh" / f"{subject}_task-look_recording-eye1_foci" / "manifest.json").read_text())
             assert manifest["configuration"]["observer"]["pupil_mm"] == 3, subject
     print("passed")
 

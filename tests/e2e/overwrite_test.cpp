@@ -114,9 +114,9 @@ TEST_F(Overwrite, AReplayNeverReplacesItsOwnRecording) {
 
 TEST_F(Overwrite, ARecordingIsNotConvertedInPlace) {
   expectDone({"trace", "convert", "trace.tsv", "--out", "a_physio.tsv.gz"});
-  expectRefused({"trace", "convert", "a_physio.tsv.gz", "--out", "a_physio.tsv.gz"},
-                "would replace");
-  expectDone({"trace", "convert", "a_physio.tsv.gz", "--out", "b_physio.tsv.gz"});
+  const std::string converted = "a_recording-eye1_physio.tsv.gz";
+  expectRefused({"trace", "convert", converted, "--out", "a_physio.tsv.gz"}, "would replace");
+  expectDone({"trace", "convert", converted, "--out", "b_physio.tsv.gz"});
 }
 
 TEST_F(Overwrite, AForeignFileIsReplacedOnlyOnRequest) {

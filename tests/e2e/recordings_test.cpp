@@ -157,7 +157,7 @@ TEST(Recordings, WhatIsAssumedIsPrintedAndRecorded) {
   ASSERT_EQ(runFoci({"trace", "convert", "trace.tsv", "--out", "a_physio.tsv.gz"}, folder.path())
                 .exit_code,
             0);
-  const auto sidecar = nlohmann::json::parse(folder.read("a_physio.json"));
+  const auto sidecar = nlohmann::json::parse(folder.read("a_recording-eye1_physio.json"));
   EXPECT_EQ(sidecar["FociAssumed"][0], assumed);
   EXPECT_FALSE(sidecar.contains("Manufacturer")) << "foci does not know it";
 }

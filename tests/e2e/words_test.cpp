@@ -144,7 +144,7 @@ TEST(TraceConvert, SaysThatTheScreenIsNominal) {
   const Outcome outcome =
       runFoci({"trace", "convert", "gaze.csv", "--out", "a_physio.tsv.gz"}, folder.path());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const Json sidecar = Json::parse(folder.read("a_physio.json"));
+  const Json sidecar = Json::parse(folder.read("a_recording-eye1_physio.json"));
   EXPECT_TRUE(says(sidecar.at("x_coordinate").at("Description"), "states no screen"));
 }
 

@@ -85,13 +85,86 @@ TEST_F(Origin, IsALeftCornerOfTheScreen) {
   EXPECT_EQ(point(recording(R"(["bottom", "left"])")), glm::dvec2(0.25, 499.875));
   EXPECT_EQ(point(recording(R"(["bottom", "left"])", "normalized")), glm::dvec2(250, 437.5));
   EXPECT_EQ(refusal(recording(R"(["bottom", "left"])", "degree")), "not refused");
+  EXPECT_EQ(point(recording(R"(["bottom", "right"])")), glm::dvec2(999.75, 499.875));
   const fs::path centre = recording(R"(["center", "center"])");
-  EXPECT_NE(refusal(centre).find("gaze.scale and gaze.offset"), std::string::npos)
-      << refusal(centre);
-  EXPECT_EQ(point(centre, {.scale = {1, -1}, .offset = {500, 250}}), glm::dvec2(500.25, 249.875));
+  EXPECT_EQ(point(centre), glm::dvec2(500.25, 249.875));
+  EXPECT_NE(readTrace(centre, {}, {}).assumed[0].find("upwards"), std::string::npos);
+  EXPECT_EQ(point(centre, {.scale = {1, 1}, .offset = {500, 250}}), glm::dvec2(500.25, 250.125));
   EXPECT_NE(refusal(recording(R"(["bottom", "left"])", "pixel", "[0, 0]")).find("ScreenResolution"),
             std::string::npos);
   EXPECT_NE(refusal(recording("3")).find("ScreenOrigin"), std::string::npos);
+}
+
+/// A data set whose metadata stand higher up, as in the official examples.
+class DataSet : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(beh_);
+    write("dataset_description.json", "{}");
+    write("task-look_physio.json", R"({"PhysioType": "eyetrack", "SamplingFrequency": 250,
+      "Columns": ["timestamp", "x_coordinate", "y_coordinate", "pupil_size"],
+      "timestamp": {"Units": "ms"}, "x_coordinate": {"Units": "pixel"},
+      "y_coordinate": {"Units": "pixel"}, "pupil_size": {"Units": "a.u."}})");
+    write("task-rest_physio.json", R"({"Columns": ["wrong"]})");
+    write("task-look_events.json", R"({"StimulusPresentation": {"ScreenDistance": 0.9,
+      "ScreenOrigin": ["top", "left"], "ScreenResolution": [800, 600], "ScreenSize": [0.4, 0.3]}})");
+    write("sub-01/beh/sub-01_task-look_recording-eye1_physio.json", R"({"RecordedEye": "left"})");
+  }
+  void TearDown() override { fs::remove_all(root_); }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(root_ / name) << text;
+  }
+  fs::path recording(const std::string& rows) const {
+    write("sub-01/beh/sub-01_task-look_recording-eye1_physio.tsv", rows);
+    return beh_ / "sub-01_task-look_recording-eye1_physio.tsv";
+  }
+
+  fs::path root_ = fs::temp_directory_path() / ("foci_set_" + std::to_string(getpid()));
+  fs::path beh_ = root_ / "sub-01" / "beh";
+};
+
+constexpr const char* kRows = "5000\t400\t100\t1200\n5004\t401\t101\t1201\n";
+
+TEST_F(DataSet, MetadataAreInheritedAndTheScreenIsThatOfTheEvents) {
+  const GazeTrace trace = readTrace(recording(kRows), {}, kScreen);
+  EXPECT_EQ(trace.rate_Hz, 250.0);
+  EXPECT_EQ(trace.screen->size_px, glm::ivec2(800, 600));
+  EXPECT_EQ(trace.screen->size_m, glm::dvec2(0.4, 0.3));
+  EXPECT_EQ(trace.screen->distance_m, 0.9);
+  EXPECT_TRUE(trace.assumed.empty()) << trace.assumed[0];
+  EXPECT_EQ(*trace.samples[0].eyes[0].point_px, glm::dvec2(400, 100));
+  EXPECT_EQ(trace.samples[0].pupil_own, 1200.0);
+  EXPECT_EQ(companionsOf(recording(kRows)).size(), 3u);
+}
+
+TEST_F(DataSet, AByteOrderMarkAndALineOfNamesAreSkipped) {
+  const std::string mark = "\xef\xbb\xbf";
+  EXPECT_EQ(readTrace(recording(mark + kRows), {}, {}).samples.size(), 2u);
+  const std::string names = "timestamp\tx_coordinate\ty_coordinate\tpupil_size\n";
+  EXPECT_EQ(readTrace(recording(mark + names + kRows), {}, {}).samples.size(), 2u);
+}
+
+TEST_F(DataSet, AnEmptyFileIsNamedWithItsMetadata) {
+  const auto refusal = [&](const std::string& rows) -> std::string {
+    try {
+      readTrace(recording(rows), {}, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "not refused";
+  };
+  for (const char* part : {"has no rows", "250 Hz", "\"left\"", "x_coordinate [px]", "800 x 600 px",
+                           "0.4 x 0.3 m", "0.9 m away"}) {
+    EXPECT_NE(refusal("").find(part), std::string::npos) << refusal("");
+  }
+}
+
+TEST_F(DataSet, AStudysScreenThatStandsInIsSaid) {
+  fs::remove(root_ / "task-look_events.json");
+  const GazeTrace trace = readTrace(recording(kRows), {}, kScreen);
+  ASSERT_EQ(trace.assumed.size(), 1u);
+  EXPECT_NE(trace.assumed[0].find("screen.distance_m"), std::string::npos) << trace.assumed[0];
 }
 
 TEST_F(TwoEyes, AreOneRecording) {

@@ -7,7 +7,7 @@
 #include "base/input_error.h"
 #include "gaze/geometry/cyclopean.h"
 #include "gaze/geometry/line_of_sight.h"
-#include "gaze/sources/bids.h"
+#include "gaze/sources/bids_writer.h"
 #include "gaze/sources/trace_reader.h"
 #include "tests/unit/gaze/scratch.h"
 
@@ -187,23 +187,45 @@ TEST(ReadSmi, ReadsTheScreenAndTakesZerosForDataLoss) {
   EXPECT_EQ(trace.rate_Hz, 500.0);
 }
 
-TEST(Bids, RoundTrips) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("foci_bids_" + std::to_string(getpid()));
-  std::filesystem::create_directory(folder);
-  const auto file = folder / "sub-01_physio.tsv.gz";
-  {
-    BidsWriter writer(file, true);
-    for (int i = 0; i < 5000; ++i) {
-      GazeSample sample{.time_s = 100.0 + 0.002 * i};
-      if (i % 10 != 9) sample.point_px = glm::dvec2(500.125 + i, 300.5);
-      if (i % 10 == 9) sample.blink = true;
-      if (i % 2) sample.pupil_mm = 3.25;
-      if (i % 3) sample.eyes[0].point_px = glm::dvec2(1.5, i);
-      writer.add(sample);
-    }
-    writer.finish({.format = "test", .screen = kScreen, .assumed = {"unit: px"}}, 500.0);
+/// Writes a recording as `foci trace convert` does. @return the file of the first eye
+std::filesystem::path convert(const std::vector<GazeSample>& samples, const TraceHeader& header,
+                              const std::filesystem::path& folder) {
+  const BidsNames names(folder / "sub-01_task-look_physio.tsv.gz");
+  BidsContents contents;
+  for (const GazeSample& sample : samples) contents.add(sample);
+  for (const auto& side : contents.recordings()) {
+    BidsTable table(names.ofEye(side, "physio.tsv.gz"), contents, side);
+    for (const GazeSample& sample : samples) table.add(sample);
+    table.finish();
+    std::ofstream(names.ofEye(side, "physio.json"))
+        << bidsPhysioJson(header, contents, side, 500.0);
   }
+  std::ofstream(names.ofTask("events.json")) << bidsEventsJson(*header.screen);
+  EXPECT_TRUE(statesScreen(names.ofTask("events.json"), *header.screen));
+  return names.ofEye(contents.recordings()[0], "physio.tsv.gz");
+}
+
+class Bids : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directory(folder); }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("foci_bids_" + std::to_string(getpid()));
+};
+
+TEST_F(Bids, RoundTripsTheGazeOfBothEyesTogether) {
+  std::vector<GazeSample> samples;
+  for (int i = 0; i < 5000; ++i) {
+    GazeSample sample{.time_s = 100.0 + 0.002 * i};
+    if (i % 10 != 9) sample.point_px = glm::dvec2(500.125 + i, 300.5);
+    if (i % 10 == 9) sample.blink = true;
+    if (i % 2) sample.pupil_mm = 3.25;
+    samples.push_back(sample);
+  }
+  const auto file =
+      convert(samples, {.format = "test", .screen = kScreen, .assumed = {"unit: px"}}, folder);
+  EXPECT_TRUE(file.string().ends_with("sub-01_task-look_recording-eye1_physio.tsv.gz"));
   const GazeTrace trace = readTrace(file, {}, {});
   EXPECT_EQ(trace.assumed, std::vector<std::string>{"as foci converted it: unit: px"});
   EXPECT_EQ(trace.format, "BIDS eye tracking");
@@ -216,14 +238,37 @@ TEST(Bids, RoundTrips) {
   EXPECT_EQ(trace.samples[7].pupil_mm, 3.25);
   EXPECT_FALSE(trace.samples[8].pupil_mm);
   EXPECT_TRUE(trace.samples[9].blink);
-  EXPECT_EQ(*trace.samples[7].eyes[0].point_px, glm::dvec2(1.5, 7));
   EXPECT_DOUBLE_EQ(trace.samples[4999].time_s, 109.998);
 
   // A packed file that breaks off is refused.
   std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
   EXPECT_THROW(readTrace(file, {}, {}), InputError);
-  EXPECT_THROW(BidsWriter(folder / "gaze.tsv", false), InputError);
-  std::filesystem::remove_all(folder);
+  EXPECT_THROW(BidsNames(folder / "gaze.tsv"), InputError);
+}
+
+TEST_F(Bids, EachEyeHasAFileWithoutEmptyColumns) {
+  std::vector<GazeSample> samples;
+  for (int i = 0; i < 200; ++i) {
+    GazeSample sample{.time_s = 0.002 * i};
+    for (const std::size_t side : {0, 1}) {
+      sample.eyes[side].point_px = glm::dvec2(400.0 + 20.0 * static_cast<double>(side), i);
+      sample.eyes[side].pupil_own = 1000.0 + static_cast<double>(side);
+    }
+    samples.push_back(sample);
+  }
+  const auto file =
+      convert(samples, {.format = "test", .screen = kScreen, .pupil_unit = "arbitrary"}, folder);
+  const GazeTrace trace = readTrace(file, {}, {});
+  EXPECT_EQ(trace.format, "BIDS eye tracking, binocular");
+  EXPECT_EQ(*trace.samples[7].eyes[0].point_px, glm::dvec2(400, 7));
+  EXPECT_EQ(*trace.samples[7].eyes[1].point_px, glm::dvec2(420, 7));
+  EXPECT_EQ(trace.samples[7].eyes[1].pupil_own, 1001.0);
+  std::ifstream in(folder / "sub-01_task-look_recording-eye2_physio.json");
+  const std::string json{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_NE(json.find("\"RecordedEye\": \"right\""), json.npos) << json;
+  EXPECT_NE(json.find("\"arbitrary\""), json.npos) << json;
+  EXPECT_EQ(json.find("blink"), json.npos) << json;
+  EXPECT_EQ(json.find("StimulusPresentation"), json.npos) << "the screen is in _events.json";
 }
 
 TEST(ReadTrace, ReadsEveryVendorsRealFile) {

@@ -1,0 +1,173 @@
+// The inheritance principle of BIDS: a JSON file applies to the recordings below its folder that
+// have all entities of its name.
+#include "gaze/sources/bids_metadata.h"
+
+#include <algorithm>
+#include <fstream>
+#include <string_view>
+#include <utility>
+
+#include "base/input_error.h"
+
+namespace foci {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+Json readJson(const fs::path& file) {
+  std::error_code error;
+  constexpr std::uintmax_t kMaxBytes = 1 << 20;  // a sidecar has a page or two
+  if (fs::file_size(file, error) > kMaxBytes || error) {
+    throw InputError(file.string(), "expected a JSON file of up to 1 MiB");
+  }
+  std::ifstream in(file);
+  Json json = Json::parse(in, nullptr, false);
+  if (!json.is_object()) throw InputError(file.string(), "expected a JSON object");
+  return json;
+}
+
+/// The parts of a name between underscores: "sub-01", "task-look".
+std::vector<std::string> partsOf(const std::string& stem) {
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at <= stem.size();) {
+    const std::size_t end = std::min(stem.find('_', at), stem.size());
+    parts.push_back(stem.substr(at, end - at));
+    at = end + 1;
+  }
+  return parts;
+}
+
+/// The folders from the data set's root to the recording's own. The root has
+/// dataset_description.json, or is above the folder of the subject.
+std::vector<fs::path> foldersOf(const fs::path& file) {
+  constexpr int kMaxDepth = 8;
+  std::error_code unreadable;
+  const fs::path own = fs::absolute(file, unreadable).lexically_normal().parent_path();
+  std::vector<fs::path> folders{own};
+  fs::path folder = own;
+  for (int depth = 0; depth < kMaxDepth; ++depth) {
+    if (fs::exists(folder / "dataset_description.json", unreadable)) return folders;
+    const bool of_subject = folder.filename().string().starts_with("sub-");
+    folder = folder.parent_path();
+    folders.insert(folders.begin(), folder);
+    if (of_subject) return folders;
+    if (!folder.has_relative_path()) break;
+  }
+  return {own};
+}
+
+/// The JSON files of a folder that end in `suffix` and whose parts the recording has, too. Those of
+/// fewer parts come first.
+std::vector<fs::path> jsonFilesIn(const fs::path& folder, std::string_view suffix,
+                                  const std::vector<std::string>& parts) {
+  std::vector<std::pair<std::size_t, fs::path>> found;
+  std::error_code unreadable;
+  for (const auto& entry : fs::directory_iterator(folder, unreadable)) {
+    const std::string name = entry.path().filename().string();
+    const std::string ending = std::string(suffix) + ".json";
+    if (!name.ends_with(ending) || !entry.is_regular_file(unreadable)) continue;
+    const std::string stem = name.substr(0, name.size() - ending.size());
+    // "physio.json" applies to all; "task-look_physio.json" to a task.
+    if (!stem.empty() && stem.back() != '_') continue;
+    const auto own =
+        stem.empty() ? std::vector<std::string>{} : partsOf(stem.substr(0, stem.size() - 1));
+    const bool applies = std::ranges::all_of(own, [&](const std::string& part) {
+      return std::ranges::find(parts, part) != parts.end();
+    });
+    if (applies) found.emplace_back(own.size(), entry.path());
+  }
+  std::ranges::sort(found);
+  std::vector<fs::path> files;
+  for (auto& [count, path] : found) files.push_back(std::move(path));
+  return files;
+}
+
+/// The two numbers of a list; {0, 0} if there is no such list within the limits.
+glm::dvec2 pairIn(const Json& json, const char* key, double low, double high) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_array() || found->size() != 2) return glm::dvec2(0.0);
+  glm::dvec2 result{0.0};
+  for (int axis : {0, 1}) {
+    const Json& value = (*found)[static_cast<std::size_t>(axis)];
+    if (!value.is_number()) return glm::dvec2(0.0);
+    result[axis] = value.get<double>();
+    if (!(result[axis] >= low && result[axis] <= high)) return glm::dvec2(0.0);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::optional<std::string> bidsStemOf(const fs::path& file) {
+  const std::string name = file.filename().string();
+  for (const std::string_view ending : {"_physio.tsv.gz", "_physio.tsv"}) {
+    if (name.ends_with(ending)) return name.substr(0, name.size() - ending.size());
+  }
+  return std::nullopt;
+}
+
+std::string BidsMetadata::text(const char* key) const {
+  const auto found = physio.find(key);
+  return found != physio.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+Screen BidsMetadata::screen() const {
+  Screen screen;
+  if (!stimulus.is_object()) return screen;
+  screen.size_px = glm::ivec2(pairIn(stimulus, "ScreenResolution", 16, 16384));
+  screen.size_m = pairIn(stimulus, "ScreenSize", 0.01, 20.0);
+  const auto distance = stimulus.find("ScreenDistance");
+  if (distance != stimulus.end() && distance->is_number()) {
+    const double distance_m = distance->get<double>();
+    if (distance_m >= 0.01 && distance_m <= 20.0) screen.distance_m = distance_m;
+  }
+  return screen;
+}
+
+std::string BidsMetadata::unitOf(const std::string& column) const {
+  const auto entry = physio.find(column);
+  if (entry == physio.end() || !entry->is_object()) return {};
+  const auto units = entry->find("Units");
+  if (units == entry->end() || !units->is_string()) return {};
+  const std::string unit = units->get<std::string>();
+  static constexpr std::pair<std::string_view, const char*> kShort[] = {
+      {"pixel", "px"},       {"degree", "deg"},    {"second", "s"},    {"millisecond", "ms"},
+      {"microsecond", "us"}, {"nanosecond", "ns"}, {"millimet", "mm"}, {"arbitrary", "a.u."},
+      {"au", "a.u."},        {"normali", "norm"},  {"metre", "m"},     {"meter", "m"}};
+  for (const auto& [start, text] : kShort) {
+    if (unit.starts_with(start)) return text;
+  }
+  return unit.size() <= 16 && unit.find_first_of("\t\n\r\"[]()") == unit.npos ? unit
+                                                                              : std::string();
+}
+
+std::optional<BidsMetadata> bidsMetadata(const fs::path& file) {
+  const auto stem = bidsStemOf(file);
+  if (!stem) return std::nullopt;
+  BidsMetadata metadata{.physio = Json::object()};
+  bool any = false;
+  const auto parts = partsOf(*stem);
+  Json older;  // of `_physio.json`
+  for (const fs::path& folder : foldersOf(file)) {
+    for (fs::path& path : jsonFilesIn(folder, "physio", parts)) {
+      const Json json = readJson(path);
+      for (const auto& [key, value] : json.items()) metadata.physio[key] = value;
+      metadata.files.push_back(std::move(path));
+      any = true;
+    }
+    for (fs::path& path : jsonFilesIn(folder, "events", parts)) {
+      const Json json = readJson(path);
+      const auto stimulus = json.find("StimulusPresentation");
+      if (stimulus == json.end()) continue;
+      metadata.stimulus = *stimulus;
+      metadata.files.push_back(std::move(path));
+    }
+  }
+  if (!any) return std::nullopt;
+  const auto own = metadata.physio.find("StimulusPresentation");
+  if (!metadata.stimulus.is_object() && own != metadata.physio.end()) metadata.stimulus = *own;
+  return metadata;
+}
+
+}  // namespace foci

@@ -1,0 +1,82 @@
+// Writes a recording as BIDS 1.11: a table and its JSON for each eye, messages, and the screen.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gaze/sources/trace_reader.h"
+
+namespace foci {
+
+/// What the samples of a recording hold, so that only columns with values are written.
+struct BidsContents {
+  struct Values {
+    std::size_t points = 0, pupils_mm = 0, pupils_own = 0;
+  };
+  Values both{};
+  std::array<Values, 2> eyes{};
+  std::size_t blinks = 0;
+
+  void add(const GazeSample& sample);
+  /// 0 left, 1 right; one entry without a value: the gaze of both eyes alone.
+  std::vector<std::optional<std::size_t>> recordings() const;
+};
+
+/// The files of a recording, for `--out FOLDER/sub-01_task-look_physio.tsv.gz`.
+struct BidsNames {
+  /// @throws InputError for another ending than _physio.tsv.gz
+  explicit BidsNames(const std::filesystem::path& out);
+
+  /// recording-eye1: the left eye, or both together; recording-eye2: the right eye.
+  /// @param suffix  "physio.tsv.gz", "physio.json", "physioevents.tsv.gz", ...
+  std::filesystem::path ofEye(std::optional<std::size_t> side, const std::string& suffix) const;
+  /// "events.json", "events.tsv"
+  std::filesystem::path ofTask(const std::string& suffix) const;
+
+ private:
+  std::filesystem::path folder_;
+  std::string stem_;  // without recording-LABEL
+};
+
+/// The table of one eye, packed, sample by sample, in constant memory.
+class BidsTable {
+ public:
+  /// @throws std::runtime_error if the file cannot be written
+  BidsTable(const std::filesystem::path& file, const BidsContents& contents,
+            std::optional<std::size_t> side);
+  ~BidsTable();
+  BidsTable(BidsTable&&) noexcept;
+
+  void add(const GazeSample& sample);
+  /// @throws std::runtime_error if not everything could be written
+  void finish();
+
+ private:
+  struct Output;
+  std::unique_ptr<Output> out_;
+};
+
+/// The JSON beside such a table.
+std::string bidsPhysioJson(const TraceHeader& header, const BidsContents& contents,
+                           std::optional<std::size_t> side, double rate_Hz);
+
+/// The `_events.json` of the task: the screen. Quantities that are 0 are left out.
+std::string bidsEventsJson(const Screen& screen);
+
+/// Whether such a file states the same screen. Quantities that are 0 in `screen` may be stated.
+bool statesScreen(const std::filesystem::path& events_json, const Screen& screen);
+
+/// The messages of a recording: onset, duration, message. No header line; `bidsMessagesJson` names
+/// the columns.
+std::string bidsMessages(const std::vector<TraceMarker>& markers);
+std::string bidsMessagesJson();
+
+/// Packs a text with gzip. @throws std::runtime_error
+void writePacked(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace foci

@@ -1,0 +1,378 @@
+// The limits were chosen by hand. Only the first rows are judged; whoever reads on notices a second
+// person later.
+#include "gaze/sources/row_groups.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "base/number.h"
+#include "base/quantile.h"
+#include "base/text.h"
+#include "gaze/sources/column_names.h"
+#include "gaze/sources/rows.h"
+#include "gaze/sources/table_layout.h"
+
+namespace foci {
+namespace {
+
+constexpr std::size_t kSurveyed = 2048;
+constexpr std::size_t kMaxValues = 12;  // of a column that tells groups apart
+constexpr std::size_t kMinRuns = 3;     // of foreign rows; fewer are chance
+constexpr double kAlternates = 0.3;     // share of rows whose value is not that before
+constexpr double kFarApart = 5.0;       // times the distance within a group
+constexpr double kBetween = 1.5;        // usual intervals: no sample is lost in between
+
+constexpr std::string_view kPeople[] = {"participant",
+                                        "participantname",
+                                        "participantid",
+                                        "participantno",
+                                        "participantnumber",
+                                        "subject",
+                                        "subjectid",
+                                        "subjectname",
+                                        "subjectno",
+                                        "subjectnumber",
+                                        "sub",
+                                        "subj",
+                                        "subid",
+                                        "person",
+                                        "personid",
+                                        "user",
+                                        "userid",
+                                        "username",
+                                        "respondent",
+                                        "respondentname",
+                                        "respondentid",
+                                        "observer",
+                                        "observerid",
+                                        "pid",
+                                        "ppid",
+                                        "ppt",
+                                        "player",
+                                        "playerid",
+                                        "recording",
+                                        "recordingname",
+                                        "recordingid",
+                                        "recordingno"};
+constexpr std::string_view kDevices[] = {"sensor",   "sensortype",  "device",  "devicename",
+                                         "source",   "eventsource", "stream",  "streamname",
+                                         "modality", "datatype",    "rowtype", "sampletype"};
+
+std::string lower(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c != ' ' && c != '_')
+      result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return result;
+}
+
+/// 0: left, 1: right.
+std::optional<std::size_t> sideNamed(std::string_view value) {
+  const std::string word = lower(value);
+  if (word == "l" || word == "left" || word == "lefteye" || word == "os") return 0;
+  if (word == "r" || word == "right" || word == "righteye" || word == "od") return 1;
+  return std::nullopt;
+}
+
+/// A surveyed row: its time, its gaze, and its values in the columns that may tell groups apart.
+struct Seen {
+  std::optional<double> time{};
+  bool has_gaze = false, is_blank = true;  // blank: neither gaze nor validity
+  std::optional<glm::dvec2> place{};
+  std::vector<std::string> values{};
+};
+
+class Survey {
+ public:
+  Survey(Rows& rows, const ColumnNames& names, const TableLayout& layout)
+      : rows_(rows), names_(names), layout_(layout) {
+    findCandidates();
+    const auto gaze = gazeColumnsOf(layout, false), all = gazeColumnsOf(layout, true);
+    const auto filled = [&](const std::vector<std::size_t>& columns) {
+      return std::ranges::any_of(
+          columns, [&](std::size_t at) { return at < rows_.size() && !rows_.isAbsent(at); });
+    };
+    rows_.survey(kSurveyed, [&] {
+      Seen seen{.has_gaze = filled(gaze), .is_blank = !filled(all)};
+      if (layout_.time && *layout_.time < rows_.size()) seen.time = numberAt(*layout_.time);
+      seen.place = placeOf(gaze);
+      for (const std::size_t at : candidates_) {
+        seen.values.emplace_back(at < rows_.size() ? rows_.text(at) : "");
+      }
+      seen_.push_back(std::move(seen));
+    });
+  }
+
+  const std::vector<Seen>& seen() const { return seen_; }
+  const std::vector<std::size_t>& candidates() const { return candidates_; }
+
+  /// The usual interval between the rows that `isOf` picks.
+  template <class IsOf>
+  std::optional<double> interval(const IsOf& isOf) const {
+    std::vector<double> intervals;
+    std::optional<double> before;
+    for (const Seen& row : seen_) {
+      if (!row.time || !isOf(row)) continue;
+      if (before && *row.time > *before) intervals.push_back(*row.time - *before);
+      before = row.time;
+    }
+    if (intervals.empty()) return std::nullopt;
+    return quantile(intervals, 0.5);
+  }
+
+ private:
+  std::optional<double> numberAt(std::size_t at) const {
+    const auto number = rows_.number(at);
+    return number || rows_.areNumbers() ? number : parseNumber(rows_.text(at));
+  }
+
+  std::optional<glm::dvec2> placeOf(const std::vector<std::size_t>& gaze) const {
+    if (gaze.size() < 2 || std::max(gaze[0], gaze[1]) >= rows_.size()) return std::nullopt;
+    const auto x = numberAt(gaze[0]), y = numberAt(gaze[1]);
+    return x && y ? std::optional(glm::dvec2(*x, *y)) : std::nullopt;
+  }
+
+  /// Unused columns of few values.
+  void findCandidates() {
+    std::vector<std::vector<std::string>> values(names_.size());
+    rows_.survey(kSurveyed, [&] {
+      for (std::size_t i = 0; i < std::min(values.size(), rows_.size()); ++i) {
+        if (values[i].size() > kMaxValues || rows_.areNumbers()) continue;
+        const std::string_view text = rows_.text(i);
+        if (std::ranges::find(values[i], text) == values[i].end()) values[i].emplace_back(text);
+      }
+    });
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!values[i].empty() && values[i].size() <= kMaxValues && !layout_.uses(i)) {
+        candidates_.push_back(i);
+      }
+    }
+  }
+
+  Rows& rows_;
+  const ColumnNames& names_;
+  const TableLayout& layout_;
+  std::vector<std::size_t> candidates_{};
+  std::vector<Seen> seen_{};
+};
+
+/// The values of a candidate column that are not empty, in order of appearance.
+std::vector<std::string> valuesOf(const Survey& survey, std::size_t candidate, bool with_gaze) {
+  std::vector<std::string> values;
+  for (const Seen& row : survey.seen()) {
+    const std::string& value = row.values[candidate];
+    if (value.empty() || (with_gaze && !row.has_gaze)) continue;
+    if (std::ranges::find(values, value) == values.end()) values.push_back(value);
+  }
+  return values;
+}
+
+/// Whether rows of a column's values alternate and look at places far apart, each group at its own.
+bool areApart(const Survey& survey, std::size_t candidate) {
+  std::map<std::string, glm::dvec2> last_of;
+  std::vector<double> within, across;
+  std::optional<glm::dvec2> before;
+  std::string before_value;
+  std::size_t changes = 0, count = 0;
+  for (const Seen& row : survey.seen()) {
+    const std::string& value = row.values[candidate];
+    if (!row.place || value.empty()) continue;
+    ++count;
+    const auto own = last_of.find(value);
+    if (own != last_of.end()) within.push_back(glm::distance(own->second, *row.place));
+    if (before && value != before_value) {
+      across.push_back(glm::distance(*before, *row.place));
+      ++changes;
+    }
+    last_of.insert_or_assign(value, *row.place);
+    before = row.place;
+    before_value = value;
+  }
+  if (within.empty() || across.empty()) return false;
+  if (static_cast<double>(changes) < kAlternates * static_cast<double>(count)) return false;
+  return quantile(across, 0.5) > kFarApart * quantile(within, 0.5);
+}
+
+class Grouper {
+ public:
+  Grouper(const Survey& survey, const ColumnNames& names, const TableLayout& layout,
+          RowGroups& groups)
+      : survey_(survey), names_(names), layout_(layout), groups_(groups) {}
+
+  void group() {
+    findPeople();
+    findEye();
+    findDevice();
+    findForeign();
+    if (!groups_.eye) findOthers();
+  }
+
+ private:
+  bool isOnly(std::size_t column) const {
+    return std::ranges::any_of(groups_.only, [&](const auto& each) { return each.at == column; });
+  }
+
+  void findPeople() {
+    for (const std::string_view key : kPeople) {
+      const auto column = names_.find({key});
+      if (column && !layout_.uses(*column) && !isOnly(*column)) groups_.people.push_back(*column);
+    }
+  }
+
+  void findEye() {
+    for (std::size_t i = 0; i < survey_.candidates().size(); ++i) {
+      const auto values = valuesOf(survey_, i, true);
+      if (values.size() != 2) continue;
+      const auto first = sideNamed(values[0]), second = sideNamed(values[1]);
+      const std::string& key = names_.key(survey_.candidates()[i]);
+      const bool of_eye = key.find("eye") != key.npos || key == "viewindex" || key == "side";
+      const auto a = parseNumber(values[0]), b = parseNumber(values[1]);
+      if (first && second && *first != *second) {
+        groups_.eyes[*first] = values[0];
+        groups_.eyes[*second] = values[1];
+      } else if (of_eye && a && b && std::abs(*a - *b) == 1.0) {
+        groups_.eyes = {*a < *b ? values[0] : values[1], *a < *b ? values[1] : values[0]};
+        groups_.eyes_assumed = true;
+      } else {
+        continue;
+      }
+      const auto interval =
+          survey_.interval([&](const Seen& row) { return row.values[i] == groups_.eyes[0]; });
+      if (!interval) continue;
+      groups_.eye = survey_.candidates()[i];
+      groups_.eye_interval = *interval;
+      return;
+    }
+  }
+
+  /// A column that names devices, some of which have gaze.
+  void findDevice() {
+    if (layout_.rows.column) return;
+    for (std::size_t i = 0; i < survey_.candidates().size(); ++i) {
+      const std::size_t column = survey_.candidates()[i];
+      if (std::ranges::find(kDevices, names_.key(column)) == std::end(kDevices)) continue;
+      ValueColumn device{.at = column, .values = valuesOf(survey_, i, true)};
+      if (device.values.empty()) continue;
+      groups_.device = std::move(device);
+      return;
+    }
+  }
+
+  /// Rows without gaze in a regular pattern: between samples that are a usual interval apart.
+  void findForeign() {
+    if (layout_.rows.column || groups_.device) return;
+    const auto usual = survey_.interval([](const Seen& row) { return row.has_gaze; });
+    if (!usual || groups_.eye) return;
+    std::optional<double> before;
+    std::size_t runs = 0, between = 0;
+    bool in_run = false, any_blank = false, any_lost = false;
+    for (const Seen& row : survey_.seen()) {
+      any_blank |= row.is_blank;
+      any_lost |= !row.has_gaze && !row.is_blank;
+      if (!row.has_gaze) {
+        in_run = true;
+        continue;
+      }
+      if (in_run && before && row.time) {
+        ++runs;
+        between += *row.time - *before <= kBetween * *usual;
+      }
+      in_run = false;
+      before = row.time;
+    }
+    if (any_blank && any_lost) {
+      groups_.foreign_if_blank = true;
+    } else if (between >= kMinRuns && 3 * between >= runs) {
+      groups_.foreign_within = *usual;
+    }
+  }
+
+  /// Columns whose names tell nothing, but whose groups look at places far apart.
+  void findOthers() {
+    for (std::size_t i = 0; i < survey_.candidates().size(); ++i) {
+      const std::size_t column = survey_.candidates()[i];
+      const bool known = std::ranges::find(groups_.people, column) != groups_.people.end();
+      if (!known && !isOnly(column) && areApart(survey_, i)) groups_.people.push_back(column);
+    }
+  }
+
+  const Survey& survey_;
+  const ColumnNames& names_;
+  const TableLayout& layout_;
+  RowGroups& groups_;
+};
+
+std::string listOf(const std::vector<std::string>& values) {
+  constexpr std::size_t kMaxListed = 6;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(values.size(), kMaxListed); ++i) {
+    text += (i == 0 ? "" : ", ") + shown(values[i]);
+  }
+  return values.size() > kMaxListed ? text + ", ..." : text;
+}
+
+}  // namespace
+
+SeveralPeople::SeveralPeople(const std::string& source, std::string of_column,
+                             std::vector<std::string> all)
+    : InputError(source, std::to_string(all.size()) + " people or recordings in column " +
+                             shown(of_column) + ": " + listOf(all) +
+                             "; read one with gaze.rows = { " + quotedText(of_column) + " = " +
+                             quotedText(all.front()) + " }; foci replay --trace reads all"),
+      column(std::move(of_column)),
+      values(std::move(all)) {}
+
+std::vector<std::size_t> gazeColumnsOf(const TableLayout& layout, bool with_validity) {
+  std::vector<std::size_t> columns;
+  const auto add = [&](const std::optional<std::size_t>& at) {
+    if (at) columns.push_back(*at);
+  };
+  const auto addAll = [&](const auto& places) {
+    if (places) columns.insert(columns.end(), places->begin(), places->end());
+  };
+  add(layout.x);
+  add(layout.y);
+  for (const EyeColumns& eye : layout.eyes) {
+    add(eye.x);
+    add(eye.y);
+    add(eye.point);
+    for (const auto& axis : eye.direction) add(axis);
+    if (with_validity) add(eye.validity);
+    if (with_validity) add(eye.pupil_mm);
+  }
+  if (layout.space) {
+    for (const SightAt* at :
+         {&layout.space->both, &layout.space->eyes[0], &layout.space->eyes[1]}) {
+      addAll(at->direction);
+      addAll(at->angles);
+      addAll(at->quaternion);
+      addAll(at->point);
+      if (with_validity) add(at->validity);
+    }
+    if (layout.space->from_head) addAll(layout.space->head_quaternion);
+  }
+  if (with_validity) {
+    add(layout.validity);
+    add(layout.confidence);
+    add(layout.pupil_mm);
+    add(layout.blink);
+  }
+  return columns;
+}
+
+RowGroups groupRows(Rows& rows, const ColumnNames& names, const TableLayout& layout,
+                    const TraceColumns& columns) {
+  RowGroups groups;
+  for (const auto& [name, value] : columns.rows) {
+    groups.only.push_back({.at = names.named(name), .values = {value}});
+  }
+  const Survey survey(rows, names, layout);
+  Grouper(survey, names, layout, groups).group();
+  return groups;
+}
+
+}  // namespace foci
