@@ -76,8 +76,7 @@ void writePhysioevents(const std::string& file, const std::vector<GazeEvent>& ev
        {{"Description",
          "fixation, saccade, pso (post-saccadic oscillation), pursuit, blink, lost"}}}};
   files.write(file, [&](const auto& path) { writePacked(path, table); });
-  files.write(sidecarOf(file), jsonText(sidecar, 2) + '
-');
+  files.write(sidecarOf(file), jsonText(sidecar, 2) + '\n');
 }
 
 /// How often each kind of event occurs, and its share of the samples: as text and in `json`.

@@ -43,8 +43,8 @@ std::optional<RateStretch> RateWatch::push(double time_s) {
   long_ += side > 0;
   const auto span = static_cast<std::size_t>(kSpan_s * rate_Hz_);
   const std::size_t most = std::max(kMinIntervals, span);
-  if (recent_.size() < most) return std::nullopt;
   if (rate_Hz_ == 0.0) {
+    if (recent_.size() < most) return std::nullopt;
     rate_Hz_ = newestRate_Hz(recent_.size());
     recent_.clear();
     return std::nullopt;
@@ -54,6 +54,10 @@ std::optional<RateStretch> RateWatch::push(double time_s) {
     long_ -= recent_.front().side > 0;
     recent_.pop_front();
   }
+  const bool ran =
+      run_side_ != 0 && count_ - run_.first > kMinIntervals && time_s - run_.time_s >= kSpan_s;
+  if (ran) return change(run_side_);
+  if (recent_.size() < most) return std::nullopt;
   if (2 * long_ > recent_.size()) return change(1);
   if (2 * short_ > recent_.size()) return change(-1);
   return std::nullopt;
@@ -68,7 +72,9 @@ double RateWatch::newestRate_Hz(std::size_t intervals) const {
 }
 
 std::optional<RateStretch> RateWatch::change(int side) {
-  const double rate_Hz = newestRate_Hz(recent_.size() / 2);
+  const bool ran = run_side_ == side;
+  const double rate_Hz =
+      newestRate_Hz(ran ? std::min(recent_.size(), count_ - 1 - run_.first) : recent_.size() / 2);
   recent_.clear();
   short_ = long_ = 0;
   if (rate_Hz < kOther * rate_Hz_ && rate_Hz_ < kOther * rate_Hz) return std::nullopt;

@@ -396,8 +396,10 @@ class RowReader {
 }  // namespace
 
 Screen screenInForce(Screen screen, const Screen& fallback) {
-  if (screen.size_px.x <= 0) screen.size_px = fallback.size_px;
-  if (screen.size_m.x <= 0.0) screen.size_m = fallback.size_m;
+  for (const int axis : {0, 1}) {
+    if (screen.size_px[axis] <= 0) screen.size_px[axis] = fallback.size_px[axis];
+    if (screen.size_m[axis] <= 0.0) screen.size_m[axis] = fallback.size_m[axis];
+  }
   if (screen.distance_m <= 0.0) screen.distance_m = fallback.distance_m;
   return screen;
 }

@@ -19,11 +19,12 @@ namespace foci {
 namespace {
 
 constexpr std::size_t kSurveyed = 2048;
-constexpr std::size_t kMaxValues = 12;  // of a column that tells groups apart
-constexpr std::size_t kMinRuns = 3;     // of foreign rows; fewer are chance
-constexpr double kAlternates = 0.3;     // share of rows whose value is not that before
-constexpr double kFarApart = 5.0;       // times the distance within a group
-constexpr double kBetween = 1.5;        // usual intervals: no sample is lost in between
+constexpr std::size_t kMaxValues = 12;   // of a column that tells groups apart
+constexpr std::size_t kMinRuns = 3;      // of foreign rows; fewer are chance
+constexpr std::size_t kMinPlaces = 100;  // fewer show no groups
+constexpr double kAlternates = 0.3;      // share of rows whose value is not that before
+constexpr double kFarApart = 5.0;        // times the distance within a group
+constexpr double kBetween = 1.5;         // usual intervals: no sample is lost in between
 
 constexpr std::string_view kPeople[] = {"participant",
                                         "participantname",
@@ -174,6 +175,7 @@ std::vector<std::string> valuesOf(const Survey& survey, std::size_t candidate, b
 /// Whether rows of a column's values alternate and look at places far apart, each group at its own.
 bool areApart(const Survey& survey, std::size_t candidate) {
   std::map<std::string, glm::dvec2> last_of;
+  std::map<std::string, std::size_t> counts;
   std::vector<double> within, across;
   std::optional<glm::dvec2> before;
   std::string before_value;
@@ -182,6 +184,7 @@ bool areApart(const Survey& survey, std::size_t candidate) {
     const std::string& value = row.values[candidate];
     if (!row.place || value.empty()) continue;
     ++count;
+    ++counts[value];
     const auto own = last_of.find(value);
     if (own != last_of.end()) within.push_back(glm::distance(own->second, *row.place));
     if (before && value != before_value) {
@@ -192,7 +195,10 @@ bool areApart(const Survey& survey, std::size_t candidate) {
     before = row.place;
     before_value = value;
   }
-  if (within.empty() || across.empty()) return false;
+  if (counts.size() < 2) return false;
+  const auto least = std::ranges::min(counts, {}, [](const auto& each) { return each.second; });
+  const bool enough = count >= kMinPlaces && 10 * least.second >= count;
+  if (!enough || within.empty() || across.empty()) return false;
   if (static_cast<double>(changes) < kAlternates * static_cast<double>(count)) return false;
   return quantile(across, 0.5) > kFarApart * quantile(within, 0.5);
 }

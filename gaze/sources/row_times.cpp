@@ -94,18 +94,19 @@ bool RowTimes::takeRepeat(const GazeSample& sample) {
 
 /// Why a time lies before those of two samples or more.
 InputError RowTimes::backwards(const GazeSample& sample) const {
+  constexpr double kFewRows = 8.0;
   const double back = newest_->time_s - sample.time_s, span = newest_->time_s - *first_;
   const std::string what =
       "time " + shown(row_.field(*layout_.time)) + " is not after the sample before: ";
+  if (back <= kFewRows * span / static_cast<double>(ordered_)) {
+    return rows_.error(what +
+                       "the rows are not in order of time: sort them, or name the tracker's own "
+                       "clock with gaze.time; times of arrival may come in another order");
+  }
   if (sample.time_s - *first_ <= 0.1 * span) {
     return rows_.error(what +
                        "the clock starts anew: if a column tells the parts apart, read one of them "
                        "with gaze.rows, or write a file for each");
-  }
-  if (back <= 0.02 * span) {
-    return rows_.error(what +
-                       "the rows are not in order of time: sort them, or name the tracker's own "
-                       "clock with gaze.time; times of arrival may come in another order");
   }
   return rows_.error(what + "the clock was set back: write a file for the rows from here on");
 }
@@ -122,7 +123,8 @@ void RowTimes::add(const GazeSample& sample) {
     }
     ++swapped_;
     first_ = std::min(*first_, sample.time_s);
-    order(sample);
+    GazeSample earlier = sample;
+    order(earlier);
     return;
   }
   if (newest_ && sample.time_s == newest_->time_s && !takeRepeat(sample)) return;
@@ -131,13 +133,11 @@ void RowTimes::add(const GazeSample& sample) {
   waits_ = 0;
 }
 
-void RowTimes::order(const GazeSample& sample) {
+/// @param sample  is no longer needed
+void RowTimes::order(GazeSample& sample) {
   before_ = sample.time_s;
-  if (settled_) {
-    GazeSample passed = sample;
-    emit(passed);
-    return;
-  }
+  ++ordered_;
+  if (settled_) return emit(sample);
   held_.push_back(sample);
   if (held_.size() >= kEnough) settle(false);
 }

@@ -41,7 +41,7 @@ class RowTimes {
   double readClockTime();
   bool takeRepeat(const GazeSample& sample);
   InputError backwards(const GazeSample& sample) const;
-  void order(const GazeSample& sample);
+  void order(GazeSample& sample);
   void settle(bool at_end);
   void emit(GazeSample& sample);
 
@@ -58,7 +58,7 @@ class RowTimes {
   std::optional<GazeSample> newest_{};        // waits for the next one
   std::optional<double> first_{}, before_{};  // times of the first one, and of the one before
   std::optional<InputError> first_repeat_{};  // of a time
-  std::size_t copies_ = 0, swapped_ = 0, waits_ = 0, counted_ = 0;
+  std::size_t copies_ = 0, swapped_ = 0, waits_ = 0, counted_ = 0, ordered_ = 0;
   std::optional<WholeTimes> spread_{};  // times repeat
   std::vector<GazeSample> held_{};
 };

@@ -274,7 +274,7 @@ TEST(MistakenRecordings, ACommaIsDecimalUnlessItMaySeparateThousands) {
   const auto read = [](const std::string& rows) {
     std::vector<std::string> assumed;
     const ScratchFile file("time_s\tx_px\ty_px\n" + rows);
-    assumed = streamTrace(file.path(), {}, kScreen, [](const GazeSample&) {}).assumed;
+    assumed = streamTrace(file.path(), {}, {}, [](const GazeSample&) {}).assumed;
     return assumed.empty() ? "" : assumed[0];
   };
   EXPECT_EQ(read("0,00\t410,492\t365,1\n0,01\t411\t365\n"),
