@@ -48,17 +48,17 @@ void count(BidsContents::Values& values, bool point, const std::optional<double>
 }  // namespace
 
 /// A gzip file that notices what it could not write.
-class PackedFile {
+class PackedOutput {
  public:
-  explicit PackedFile(const fs::path& file)
+  explicit PackedOutput(const fs::path& file)
       : name_(file.string()), file_(gzopen(name_.c_str(), "wb")) {
     if (!file_) throw std::runtime_error("cannot write " + name_);
   }
-  ~PackedFile() {
+  ~PackedOutput() {
     if (file_) gzclose(file_);
   }
-  PackedFile(const PackedFile&) = delete;
-  PackedFile& operator=(const PackedFile&) = delete;
+  PackedOutput(const PackedOutput&) = delete;
+  PackedOutput& operator=(const PackedOutput&) = delete;
 
   void write(const std::string& text) {
     if (text.empty()) return;
@@ -113,7 +113,7 @@ fs::path BidsNames::ofTask(const std::string& suffix) const {
 }
 
 struct BidsTable::Output {
-  std::unique_ptr<PackedFile> file;
+  std::unique_ptr<PackedOutput> file;
   std::optional<std::size_t> side{};
   bool pupils_mm = false, pupils_own = false, blinks = false;
   std::string text{};
@@ -121,7 +121,7 @@ struct BidsTable::Output {
 
 BidsTable::BidsTable(const fs::path& file, const BidsContents& contents,
                      std::optional<std::size_t> side)
-    : out_(new Output{.file = std::make_unique<PackedFile>(file), .side = side}) {
+    : out_(new Output{.file = std::make_unique<PackedOutput>(file), .side = side}) {
   const auto& values = valuesOf(contents, side);
   out_->pupils_mm = values.pupils_mm > 0;
   out_->pupils_own = !out_->pupils_mm && values.pupils_own > 0;
@@ -229,7 +229,7 @@ std::string bidsMessagesJson() {
 }
 
 void writePacked(const fs::path& file, const std::string& text) {
-  PackedFile packed(file);
+  PackedOutput packed(file);
   packed.write(text);
   packed.close();
 }

@@ -196,8 +196,9 @@ bool areApart(const Survey& survey, std::size_t candidate) {
     before_value = value;
   }
   if (counts.size() < 2) return false;
-  const auto least = std::ranges::min(counts, {}, [](const auto& each) { return each.second; });
-  const bool enough = count >= kMinPlaces && 10 * least.second >= count;
+  const auto least =
+      std::ranges::min_element(counts, {}, [](const auto& each) { return each.second; });
+  const bool enough = count >= kMinPlaces && 10 * least->second >= count;
   if (!enough || within.empty() || across.empty()) return false;
   if (static_cast<double>(changes) < kAlternates * static_cast<double>(count)) return false;
   return quantile(across, 0.5) > kFarApart * quantile(within, 0.5);
