@@ -224,7 +224,7 @@ INSTANTIATE_TEST_SUITE_P(
                 studyWith("source = \"trace.tsv\"", "source = \"trace.tsv\"\nx = \"gaze_left_x\"")),
         inTrace("WordsForNumbers", "trace.tsv", "time_s\tx_px\ty_px\n0\tleft\t2\n0.01\t1\t2\n"),
         inTrace("TimeBackwards", "trace.tsv",
-                "time_s\tx_px\ty_px\n0.02\t1\t2\n0.01\t1\t2\n0.03\t1\t2\n"),
+                "time_s\tx_px\ty_px\n0.02\t1\t2\n0.03\t1\t2\n0.01\t1\t2\n"),
         inTrace("ShortRow", "trace.tsv:3", "time_s\tx_px\ty_px\n0\t1\t2\n0.01\t1\n0.02\t1\t2\n"),
         inTrace("Binary", "trace.tsv", std::string("\x7f\x45\x4c\x46\0\0\0\0", 8)),
         inTrace("Utf16", "trace.tsv", std::string("\xff\xfet\0i\0m\0e\0\n\0", 12)),
