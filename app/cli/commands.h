@@ -26,6 +26,7 @@ void addRenderCommand(CLI::App& app);     ///< one image
 void addReproduceCommand(CLI::App& app);  ///< the tables and figures of the 2003 paper
 void addTraceCommand(CLI::App& app);      ///< facts about a recording, and its conversion to BIDS
 void addValidateCommand(CLI::App& app);   ///< foci against published measurements
+void addWebcamCommand(CLI::App& app);     ///< what the webcam tracker sees
 
 /// @param command_line  as the user typed it; the manifest of the run states it
 void addLiveCommand(CLI::App& app, const std::string& command_line);

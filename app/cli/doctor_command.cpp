@@ -19,6 +19,7 @@
 #include "app/platform/version.h"
 #include "app/window/display.h"
 #include "base/text.h"
+#include "gaze/webcam/face_networks.h"
 #include "render/gl/device.h"
 
 namespace foci {
@@ -78,6 +79,13 @@ Json camerasJson() {
                        {"allowed", access(device.c_str(), R_OK | W_OK) == 0}});
   }
   return cameras;
+}
+
+/// The networks of the webcam tracker.
+Json webcamModelsJson() {
+  Json json = {{"folder", FaceNetworks::folder().string()}, {"missing", FaceNetworks::missing()}};
+  if (!json["missing"].empty()) json["install"] = "sh app/webcam_models.sh";
+  return json;
 }
 
 #ifdef FOCI_PUPIL
@@ -164,6 +172,7 @@ Json examine(const std::string& pupil) {
       {"gpu", gpuJson()},
       {"display", displayJson(describeDisplay())},
       {"cameras", camerasJson()},
+      {"webcam_models", webcamModelsJson()},
       {"trackers", trackersJson(pupil)},
       {"packages", packagesJson()}};
 }
@@ -213,6 +222,12 @@ void printDoctorText(const Json& facts) {
                       (camera["allowed"].get<bool>() ? "" : "; not allowed (group video?)"));
   }
   if (facts["cameras"].empty()) printFact("camera", "none");
+  const Json& models = facts["webcam_models"];
+  std::string missing;
+  for (const Json& name : models["missing"]) missing += " " + textOfJson(name);
+  printFact("webcam", missing.empty() ? "networks installed in " + textOfJson(models["folder"])
+                                : "networks missing in " + textOfJson(models["folder"]) + ":" +
+                                      missing + "; " + textOfJson(models["install"]));
   for (const Json& tracker : facts["trackers"]) {
     printFact("tracker", textOfJson(tracker["name"]) + " at " + textOfJson(tracker["place"]) +
                        (tracker["answers"].get<bool>() ? ": answers" : ": no answer"));

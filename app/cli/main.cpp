@@ -55,6 +55,7 @@ int run(int argc, char** argv) {
   addReproduceCommand(app);
   addTraceCommand(app);
   addValidateCommand(app);
+  addWebcamCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

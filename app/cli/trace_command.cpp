@@ -11,12 +11,14 @@
 #include "app/platform/json_text.h"
 #include "app/platform/output_files.h"
 #include "app/study/inputs.h"
+#include "app/webcam/watch.h"
 #include "base/input_error.h"
 #include "base/text.h"
 #include "gaze/geometry/line_of_sight.h"
 #include "gaze/sources/bids_writer.h"
 #include "gaze/sources/trace_reader.h"
 #include "gaze/sources/trace_summary.h"
+#include "gaze/webcam/webcam_frames.h"
 
 namespace foci {
 namespace {
@@ -129,6 +131,10 @@ void requireSamples(const Options& options, const TraceSummary& summary) {
 }
 
 void showTrace(const Options& options) {
+  if (webcamPlaceOf(options.file)) {
+    watchWebcam({.source = options.file, .table = false, .json = options.json});
+    return;
+  }
   TraceSummary summary;
   const TraceDescription description = descriptionOf(options);
   const TraceHeader header = streamTrace(options.file, description.columns, description.screen,

@@ -45,7 +45,11 @@ void openWebcam(const WebcamPlace& place, const Study& study, NamedSource& named
     map = [now](const WebcamView& view) { return now->gazeOf(view); };
     named.lookedAt = [now](const glm::dvec2& point_px) { return now->click(point_px); };
   }
-  named.source = std::make_unique<WebcamSource>(place, WebcamTracker(std::nullopt, reference), map);
+  WebcamTracker tracker(std::nullopt, reference);
+  if (const std::string remark = tracker.remark(); !remark.empty()) {
+    std::fprintf(stderr, "foci: %s\n", remark.c_str());
+  }
+  named.source = std::make_unique<WebcamSource>(place, std::move(tracker), map);
 }
 
 /// A tracker whose gaze goes through the map of a calibration.

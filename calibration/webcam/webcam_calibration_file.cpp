@@ -60,17 +60,57 @@ bool isSmallPng(const std::vector<unsigned char>& bytes, std::uint32_t max_px) {
   return number(16) <= max_px && number(20) <= max_px;
 }
 
+/// What the file says of the head: a view of it, or the shape of the face.
+std::string headToml(const HeadView& view) {
+  std::vector<unsigned char> png;
+  cv::imencode(".png", view.grey, png);
+  return "\ncorner_px = " + exactText(view.corner_px) +
+         "\nrotation = " + exactText(view.pose.camera_from_head) +
+         "\nposition_mm = " + exactText(std::span(&view.pose.position_mm.x, 3)) + "\nimage = \"" +
+         encoded(png) + "\"\n";
+}
+std::string headToml(const FaceShape& shape) {
+  std::vector<double> numbers;
+  for (const glm::dvec3& point : shape) {
+    for (int k = 0; k < 3; ++k) numbers.push_back(point[k]);
+  }
+  return "\nface_mm = " + exactText(numbers) + "\n";
+}
+
+HeadView readHeadView(CalibrationFile& in) {
+  HeadView view;
+  view.corner_px = in.pair("reference.corner_px", -1e6, 1e6);
+  view.pose.camera_from_head = in.rotation("reference.rotation");
+  const auto position = in.numbers("reference.position_mm", 3, -1e5, 1e5);
+  view.pose.position_mm = {position[0], position[1], position[2]};
+  if (!(view.pose.position_mm.z > 50.0)) {
+    in.refuse("reference.position_mm", "a head more than 50 mm in front of the camera");
+  }
+  const auto png = decoded(in.text("reference.image"));
+  if (png && isSmallPng(*png, kMaxImage_px)) view.grey = cv::imdecode(*png, cv::IMREAD_GRAYSCALE);
+  if (view.grey.empty() || view.grey.cols < 32 || view.grey.rows < 32) {
+    in.refuse("reference.image", "a PNG in base64, 32 to 4096 px");
+  }
+  return view;
+}
+
+FaceShape readFaceShape(CalibrationFile& in) {
+  const auto numbers = in.numbers("reference.face_mm", 3 * kShapePoints, -1e3, 1e3);
+  FaceShape shape;
+  for (std::size_t i = 0; i < numbers.size(); i += 3) {
+    shape.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+  }
+  return shape;
+}
+
 }  // namespace
 
 std::string webcamCalibrationToml(const WebcamCalibration& calibration) {
   const WebcamReference& reference = calibration.reference;
-  const HeadPose& pose = reference.view.pose;
   std::vector<double> eyes;
   for (const glm::dvec3& eye : reference.eyes_mm) {
     for (int k = 0; k < 3; ++k) eyes.push_back(eye[k]);
   }
-  std::vector<unsigned char> png;
-  cv::imencode(".png", reference.view.grey, png);
   return "# Webcam calibration of foci. Parameters: the turn of the eyes along x and along y, each "
          "by\n"
          "# 1, x, y, xy, x^2, y^2 of the iris's offset in eye widths; gains of yaw and pitch; the\n"
@@ -80,16 +120,14 @@ std::string webcamCalibrationToml(const WebcamCalibration& calibration) {
          "\nscreen_m = " + exactText(calibration.screen_m) +
          "\n# Inverse covariance of the parameters.\ninformation = " +
          exactText(calibration.map.information) +
-         "\n\n# The head against which features are measured: its rotation column by column, mm.\n"
+         "\n\n# The head against which features are measured: a view of it, or the shape of its "
+         "face, mm.\n"
          "[reference]\nfocal_px = " +
          exactText(reference.camera.focal_px) +
          "\nprincipal_px = " + exactText(reference.camera.principal_px) +
          "\ndistortion = " + exactText(reference.camera.distortion) +
-         "\nsize_px = " + exactText(reference.camera.size_px) +
-         "\ncorner_px = " + exactText(reference.view.corner_px) +
-         "\nrotation = " + exactText(pose.camera_from_head) +
-         "\nposition_mm = " + exactText(std::span(&pose.position_mm.x, 3)) +
-         "\neyes_mm = " + exactText(eyes) + "\nimage = \"" + encoded(png) + "\"\n";
+         "\nsize_px = " + exactText(reference.camera.size_px) + "\neyes_mm = " + exactText(eyes) +
+         std::visit([](const auto& head) { return headToml(head); }, reference.head);
 }
 
 WebcamCalibration readWebcamCalibration(const std::filesystem::path& file) {
@@ -109,26 +147,16 @@ WebcamCalibration readWebcamCalibration(const std::filesystem::path& file) {
   const auto distortion = in.numbers("reference.distortion", 5, -100.0, 100.0);
   std::copy(distortion.begin(), distortion.end(), reference.camera.distortion.begin());
   reference.camera.size_px = in.size_px("reference.size_px");
-  reference.view.corner_px = in.pair("reference.corner_px", -1e6, 1e6);
-  reference.view.pose.camera_from_head = in.rotation("reference.rotation");
-  const auto position = in.numbers("reference.position_mm", 3, -1e5, 1e5);
   const auto eyes = in.numbers("reference.eyes_mm", 6, -1e3, 1e3);
   for (int i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    reference.view.pose.position_mm[i] = position[at];
     reference.eyes_mm[0][i] = eyes[at];
     reference.eyes_mm[1][i] = eyes[at + 3];
   }
-  if (!(reference.view.pose.position_mm.z > 50.0)) {
-    in.refuse("reference.position_mm", "a head more than 50 mm in front of the camera");
-  }
-  const auto png = decoded(in.text("reference.image"));
-  if (png && isSmallPng(*png, kMaxImage_px)) {
-    reference.view.grey = cv::imdecode(*png, cv::IMREAD_GRAYSCALE);
-  }
-  const cv::Mat& grey = reference.view.grey;
-  if (grey.empty() || grey.cols < 32 || grey.rows < 32) {
-    in.refuse("reference.image", "a PNG in base64, 32 to 4096 px");
+  if (in.has("reference.face_mm")) {
+    reference.head = readFaceShape(in);
+  } else {
+    reference.head = readHeadView(in);
   }
   in.refuseUnknownKeys();
   return calibration;

@@ -1,7 +1,7 @@
 #include "gaze/webcam/webcam_frames.h"
 
 #include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 #include <vector>
 
@@ -89,6 +89,8 @@ WebcamFrames::WebcamFrames(const WebcamPlace& place)
     const std::string name = place.file.string();
     refuseOtherThanFiles(place.file);
     std::error_code ignored;
+    picture_ = !isPattern(place.file) && cv::haveImageReader(name);
+    if (picture_) return;
     const bool opened = isPattern(place.file)
                             ? capture.open(name, cv::CAP_IMAGES)
                             : std::filesystem::is_regular_file(place.file, ignored) &&
@@ -101,7 +103,7 @@ WebcamFrames::WebcamFrames(const WebcamPlace& place)
 
 WebcamFrames::~WebcamFrames() = default;
 
-bool WebcamFrames::next(cv::Mat& grey) {
+bool WebcamFrames::next(cv::Mat& frame) {
   const QuietLibrary quiet;
   cv::VideoCapture& capture = capture_->captures.front();
   if (isCamera()) {
@@ -111,7 +113,14 @@ bool WebcamFrames::next(cv::Mat& grey) {
       return false;
     }
   }
-  if (!capture.read(capture_->image) || capture_->image.empty()) return false;
+  if (picture_) {
+    if (!capture_->image.empty()) return false;
+    capture_->image = cv::imread(place_.file.string());
+    if (capture_->image.empty())
+      throw InputError(place_.file.string(), "no image that can be read");
+  } else if (!capture.read(capture_->image) || capture_->image.empty()) {
+    return false;
+  }
   const cv::Mat& image = capture_->image;
   const int shorter = std::min(image.cols, image.rows);
   const int longer = std::max(image.cols, image.rows);
@@ -123,11 +132,7 @@ bool WebcamFrames::next(cv::Mat& grey) {
     throw InputError(nameOf(place_), "a frame of " + size + " px: another size than those before");
   }
   capture_->size = image.size();
-  if (image.channels() == 1) {
-    image.copyTo(grey);
-  } else {
-    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  }
+  image.copyTo(frame);
   return true;
 }
 

@@ -1,4 +1,4 @@
-// Grey frames from a camera, a video file or numbered images.
+// Frames from a camera, a video file, a picture or numbered images.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,9 @@ class Mat;
 namespace foci {
 
 struct WebcamPlace {
-  std::optional<int> device{};   ///< a camera's number
-  std::filesystem::path file{};  ///< else a video, or a pattern of images such as "eye%04d.png"
+  std::optional<int> device{};  ///< a camera's number
+  /// Else a video, a picture, or a pattern of images such as "eye%04d.png".
+  std::filesystem::path file{};
 };
 
 /// Parses `webcam[:N|FILE|PATTERN]`. Nothing if the source is not a webcam.
@@ -32,26 +33,28 @@ void refuseOtherThanFiles(const std::filesystem::path& video);
 
 class WebcamFrames {
  public:
-  /// @throws InputError if there is no such camera, or if the file is not a video
+  /// @throws InputError if there is no such camera, or if the file is no video and no image
   explicit WebcamFrames(const WebcamPlace& place);
   ~WebcamFrames();
   WebcamFrames(const WebcamFrames&) = delete;
   WebcamFrames& operator=(const WebcamFrames&) = delete;
 
-  /// The next frame, 8 bits, one channel. Never waits for a camera.
+  /// The next frame, 8 bits, one channel or BGR. Never waits for a camera.
   /// @return false if the camera has no new frame, or at the end of a file
   /// @throws InputError if a frame is too small, or differs in size from the previous ones
-  bool next(cv::Mat& grey);
+  bool next(cv::Mat& frame);
 
   /// Nominal frame rate, > 0; 30 for images.
   double rate_Hz() const { return rate_Hz_; }
   bool isCamera() const { return place_.device.has_value(); }
+  bool isPicture() const { return picture_; }
 
  private:
   struct Capture;
   WebcamPlace place_;
   std::unique_ptr<Capture> capture_;
   double rate_Hz_ = 30.0;
+  bool picture_ = false;  // a single one
 };
 
 }  // namespace foci

@@ -28,8 +28,8 @@ std::vector<WebcamFrame> readWebcam(const WebcamPlace& place, WebcamTracker& tra
   if (frames.isCamera())
     throw InputError(nameOf(place), "expected a recording: a camera never ends");
   std::vector<WebcamFrame> all;
-  for (cv::Mat grey; frames.next(grey);) {
-    all.push_back({static_cast<double>(all.size()) / frames.rate_Hz(), tracker.push(grey)});
+  for (cv::Mat image; frames.next(image);) {
+    all.push_back({static_cast<double>(all.size()) / frames.rate_Hz(), tracker.push(image)});
   }
   if (all.empty()) throw InputError(nameOf(place), "has no frame that can be read");
   return all;
@@ -40,18 +40,18 @@ WebcamSource::WebcamSource(const WebcamPlace& place, WebcamTracker tracker, Webc
 
 void WebcamSource::poll(double now_s, std::vector<GazeSample>& samples) {
   if (!first_s_) first_s_ = now_s;
-  cv::Mat grey;
+  cv::Mat image;
   while (!ended_) {
     // A file's frame is due at its time. A camera's frame is due when it has arrived.
     const double due_s = *first_s_ + static_cast<double>(count_) / frames_.rate_Hz();
     if (!frames_.isCamera() && due_s > now_s) break;
-    if (!frames_.next(grey)) {
+    if (!frames_.next(image)) {
       ended_ = !frames_.isCamera();
       break;
     }
     ++count_;
-    const WebcamFrame frame{frames_.isCamera() ? now_s : due_s, tracker_.push(grey)};
-    face_ = frame.record.face;
+    const WebcamFrame frame{frames_.isCamera() ? now_s : due_s, tracker_.push(image)};
+    problem_ = frame.record.problem;
     if (recent_.size() == kMaxKept) recent_.erase(recent_.begin());
     recent_.push_back(frame);
     if (last_s_ && frame.time_s <= *last_s_) continue;  // a camera gave two frames in one poll
@@ -64,9 +64,9 @@ std::vector<WebcamFrame> WebcamSource::takeFrames() { return std::exchange(recen
 
 std::string WebcamSource::status() const {
   return nameOf(place_) +
-         (ended_  ? ", ended"
-          : face_ ? ""
-                  : ", no face in view") +
+         (ended_                            ? ", ended"
+          : problem_ == WebcamProblem::none ? ""
+                                            : ", " + std::string(textOf(problem_))) +
          (map_ ? "" : ", not calibrated: foci calibrate gaze --source webcam");
 }
 

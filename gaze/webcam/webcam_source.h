@@ -42,6 +42,9 @@ class WebcamSource : public LiveSource {
   /// The frames since the last call, oldest first. Calibrations use them.
   std::vector<WebcamFrame> takeFrames();
 
+  /// `WebcamTracker::remark`.
+  std::string remark() const { return tracker_.remark(); }
+
   /// The reference head of the features; absent before the first face.
   std::optional<WebcamReference> reference() const { return tracker_.reference(); }
 
@@ -57,7 +60,7 @@ class WebcamSource : public LiveSource {
   std::optional<double> first_s_{}, last_s_{};
   std::size_t count_ = 0;
   bool ended_ = false;
-  bool face_ = false;
+  WebcamProblem problem_ = WebcamProblem::no_face;
 };
 
 }  // namespace foci

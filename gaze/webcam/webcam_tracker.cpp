@@ -1,190 +1,59 @@
 #include "gaze/webcam/webcam_tracker.h"
 
-#include <algorithm>
-#include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/input_error.h"
 
 namespace foci {
-namespace {
-
-constexpr double kEyeWidth_mm = 30.0;  // between the corners; the unit of `WebcamView::eye`
-constexpr double kLimbus_mm = 5.9;     // radius (Hall et al. 1985)
-// How far the iris may be from its place at rest. Eyes turn by up to 30 degrees, and the place at
-// rest is a guess.
-const glm::dvec2 kReach_mm{8.5, 6.5};
-
-// Chosen by hand. WebcamTracker's tests on rendered faces bound them.
-constexpr double kShut = 0.45;  // of the usual contrast: below, the eyelid hides the iris
-constexpr double kMinConfidence = 0.2;
-constexpr double kMemory = 0.03;       // weight of a frame in the usual values
-constexpr double kFoundInliers = 0.5;  // of a head that was just found
-constexpr int kSearchEvery = 3;        // frames without a head from one search to the next
-constexpr int kMaxFailures = 5;        // then it is another head, or in another light
-
-double quality(const Iris& iris, double usual_contrast) {
-  return iris.confidence * std::min(1.0, iris.contrast / std::max(usual_contrast, 20.0));
-}
-
-}  // namespace
 
 WebcamTracker::WebcamTracker(const std::optional<Lens>& camera,
                              const std::optional<WebcamReference>& reference)
-    : camera_(camera), given_(reference) {
-  radius_mm_ = {kLimbus_mm, kLimbus_mm};
-  if (reference && !camera) camera_ = reference->camera;
+    : camera_(camera),
+      given_(reference),
+      networks_(FaceNetworks::load()),
+      by_networks_(networks_.has_value()) {
+  if (!reference) return;
+  if (!camera) camera_ = reference->camera;
+  if (by_networks_ == std::holds_alternative<FaceShape>(reference->head)) return;
+  throw InputError("webcam",
+                   by_networks_
+                       ? "the map was calibrated without the networks that follow the face now: "
+                         "calibrate again (foci calibrate gaze)"
+                       : "the map was calibrated with networks that are not installed here: get "
+                         "them (sh app/webcam_models.sh), or calibrate again");
 }
 
 std::optional<WebcamReference> WebcamTracker::reference() const {
-  if (!head_ || !head_->started()) return std::nullopt;
-  return WebcamReference{*camera_, head_->firstView(), eyes_mm_};
+  if (!tracker_) return std::nullopt;
+  return std::visit([](const auto& tracker) { return tracker.reference(); }, *tracker_);
 }
 
-bool WebcamTracker::findHead(const cv::Mat& grey) {
-  const auto face = finder_.find(grey);
-  if (!face) return false;
-  if (given_) {
-    head_->start(given_->view);
-    eyes_mm_ = given_->eyes_mm;
-    given_.reset();
-  }
-  const HeadPose frontal = HeadTracker::frontal(*camera_, face->eyes_px);
-  if (head_->started() && failures_ < kMaxFailures) {
-    if (head_->follow(grey, frontal)) {
-      failures_ = 0;
-      return true;
-    }
-    ++failures_;
-    return false;
-  }
-  failures_ = 0;
-  head_->start(grey, face->eyes_px);
-  for (std::size_t i = 0; i < 2; ++i) {
-    eyes_mm_[i] = onHeadPlane_mm(*camera_, head_->pose(), face->eyes_px[i], kIrisDepth_mm);
-    offset_mm_[i] = glm::dvec2(0.0);
-    usual_contrast_[i] = 0.0;
-    radius_mm_[i] = kLimbus_mm;
-  }
-  know_apart_ = false;
-  return true;
-}
-
-std::optional<Iris> WebcamTracker::findIris(const cv::Mat& grey, std::size_t eye) const {
-  const HeadPose& pose = head_->pose();
-  const double px_per_mm = camera_->focal_px.x / pose.position_mm.z;
-  const double radius_px = radius_mm_[eye] * px_per_mm;
-  const glm::dvec2 rest_px = project(*camera_, pose, eyes_mm_[eye]);
-  constexpr std::size_t kCandidates = 2;
-  std::vector<glm::dvec2> places;
-  for (const IrisCandidate& candidate :
-       coarseIrises(grey, rest_px, kReach_mm * px_per_mm, radius_px, kCandidates)) {
-    places.push_back(candidate.centre_px);
-  }
-  places.push_back(project(*camera_, pose, eyes_mm_[eye] + glm::dvec3(offset_mm_[eye], 0.0)));
-  std::optional<Iris> best;
-  for (const glm::dvec2& place : places) {
-    const auto iris = refineIris(grey, place, radius_px);
-    if (!iris) continue;
-    const glm::dvec2 off = glm::abs(iris->centre_px - rest_px) / px_per_mm / kReach_mm;
-    if (off.x > 1.2 || off.y > 1.2) continue;
-    if (!best || quality(*iris, usual_contrast_[eye]) > quality(*best, usual_contrast_[eye])) {
-      best = iris;
-    }
-  }
-  return best;
-}
-
-void WebcamTracker::prepare(const cv::Mat& image) {
-  if (!camera_) {
-    const glm::ivec2 size_px(image.cols, image.rows);
-    camera_ = Lens{usualPinhole(size_px), {}, size_px};
-  }
-  if (!straight_) straight_.emplace(*camera_);
-  if (!head_) head_.emplace(*camera_);
-}
-
-/// Follows the head, or searches for it.
-/// @return share of the head's points that agree with its pose; nothing without a head
-std::optional<double> WebcamTracker::locateHead(const cv::Mat& grey) {
-  double rigid = 0.0;
-  if (head_->started()) {
-    const auto fit = head_->follow(grey);
-    if (!fit && following_) frames_without_head_ = 0;
-    following_ = fit.has_value();
-    rigid = fit ? fit->inliers : 0.0;
-  }
-  if (following_) return rigid;
-  if (frames_without_head_++ % kSearchEvery != 0 || !findHead(grey)) return std::nullopt;
-  following_ = true;
-  return kFoundInliers;
-}
-
-/// Reads the irises of open eyes, and their offsets in the head's frame.
-void WebcamTracker::readIrises(const cv::Mat& grey, WebcamRecord& record) {
-  const double px_per_mm = camera_->focal_px.x / head_->pose().position_mm.z;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto iris = findIris(grey, i);
-    if (!iris) continue;
-    const bool open =
-        iris->confidence > kMinConfidence && iris->contrast > kShut * usual_contrast_[i];
-    if (!open) continue;
-    record.irises[i] = iris;
-    const double memory = usual_contrast_[i] > 0.0 ? kMemory : 1.0;
-    usual_contrast_[i] += memory * (iris->contrast - usual_contrast_[i]);
-    radius_mm_[i] += kMemory * (iris->radius_px / px_per_mm - radius_mm_[i]);
-    radius_mm_[i] = std::clamp(radius_mm_[i], 0.85 * kLimbus_mm, 1.15 * kLimbus_mm);
-    const glm::dvec3 seen = onHeadPlane_mm(*camera_, head_->pose(), iris->centre_px, eyes_mm_[i].z);
-    offset_mm_[i] = glm::dvec2(seen - eyes_mm_[i]);
-  }
-}
-
-/// Mean offset of both irises. If one eye is shut, its offset is guessed from the other eye's.
-/// @param record  with one iris or two
-glm::dvec2 WebcamTracker::meanOffset_mm(const WebcamRecord& record) {
-  if (record.irises[0] && record.irises[1]) {
-    const glm::dvec2 apart = offset_mm_[0] - offset_mm_[1];
-    apart_mm_ = know_apart_ ? apart_mm_ + kMemory * (apart - apart_mm_) : apart;
-    know_apart_ = true;
-    return 0.5 * (offset_mm_[0] + offset_mm_[1]);
-  }
-  return record.irises[0] ? offset_mm_[0] - 0.5 * apart_mm_ : offset_mm_[1] + 0.5 * apart_mm_;
-}
-
-/// From the camera's axes to the screen's: x and y change their signs, z points back.
-WebcamView WebcamTracker::viewOf(const glm::dvec2& offset_mm) const {
-  const HeadPose& pose = head_->pose();
-  const glm::dvec3 forward = -pose.camera_from_head[2];
-  const glm::dvec3 across = pose.camera_from_head[0];
-  WebcamView view;
-  view.head_m = glm::dvec3(-pose.position_mm.x, -pose.position_mm.y, pose.position_mm.z) / 1000.0;
-  view.head_rad = {std::atan2(-forward.x, -forward.z), std::atan2(-forward.y, -forward.z)};
-  view.roll_rad = -std::atan2(across.y, across.x);
-  const glm::dvec2 eye = -offset_mm / kEyeWidth_mm;
-  const double c = std::cos(view.roll_rad), s = std::sin(view.roll_rad);
-  view.eye = {c * eye.x - s * eye.y, s * eye.x + c * eye.y};
-  return view;
+std::string WebcamTracker::remark() const {
+  if (by_networks_) return "";
+  return "the webcam's networks are not installed (sh app/webcam_models.sh gets them): a simpler "
+         "tracker serves, which needs good light and a first frame that looks straight ahead";
 }
 
 WebcamRecord WebcamTracker::push(const cv::Mat& image) {
-  WebcamRecord record;
-  prepare(image);
-  const cv::Mat& grey = straight_->of(image);
-  const auto rigid = locateHead(grey);
-  if (!rigid) return record;
-  record.face = true;
-  const double px_per_mm = camera_->focal_px.x / head_->pose().position_mm.z;
-  record.ipd_px = kMeanIpd_mm * px_per_mm;
-  readIrises(grey, record);
-  if (!record.irises[0] && !record.irises[1]) {
-    record.blink = true;
-    return record;
+  if (!tracker_) {
+    const glm::ivec2 size_px(image.cols, image.rows);
+    if (!camera_) camera_ = Lens{usualPinhole(size_px), {}, size_px};
+    straight_.emplace(*camera_);
+    if (networks_) {
+      tracker_.emplace(NetworkTracker(std::move(*networks_), *camera_, given_));
+      networks_.reset();
+    } else {
+      tracker_.emplace(CascadeTracker(*camera_, given_));
+    }
   }
-  record.view = viewOf(meanOffset_mm(record));
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 2; ++i) {
-    if (record.irises[i]) sum += 0.5 * quality(*record.irises[i], usual_contrast_[i]);
+  const cv::Mat& straight = straight_->of(image);
+  cv::Mat wanted = straight;
+  const int channels = by_networks_ ? 3 : 1;
+  if (straight.channels() != channels) {
+    cv::cvtColor(straight, wanted, channels == 1 ? cv::COLOR_BGR2GRAY : cv::COLOR_GRAY2BGR);
   }
-  record.confidence = std::clamp(std::min(1.0, 1.3 * sum) * std::min(1.0, 1.25 * *rigid), 0.0, 1.0);
-  return record;
+  return std::visit([&](auto& tracker) { return tracker.push(wanted); }, *tracker_);
 }
 
 }  // namespace foci

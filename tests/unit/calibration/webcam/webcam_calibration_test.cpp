@@ -22,12 +22,14 @@ WebcamCalibration example() {
   reference.camera = {{.focal_px = {560.5, 561.0}, .principal_px = {320.25, 240.0}},
                       {-0.1, 0.01, 0.001, -0.002, 1.0 / 3.0},
                       {640, 480}};
-  reference.view.corner_px = {100.0, -3.0};
+  HeadView view;
+  view.corner_px = {100.0, -3.0};
   const double c = std::cos(0.1), s = std::sin(0.1);
-  reference.view.pose = {.camera_from_head = glm::dmat3(c, s, 0, -s, c, 0, 0, 0, 1),
-                         .position_mm = {10.0, 20.0, 600.0}};
-  reference.view.grey.create(49, 51, CV_8UC1);
-  cv::RNG(1).fill(reference.view.grey, cv::RNG::UNIFORM, 0, 255);
+  view.pose = {.camera_from_head = glm::dmat3(c, s, 0, -s, c, 0, 0, 0, 1),
+               .position_mm = {10.0, 20.0, 600.0}};
+  view.grey.create(49, 51, CV_8UC1);
+  cv::RNG(1).fill(view.grey, cv::RNG::UNIFORM, 0, 255);
+  reference.head = view;
   reference.eyes_mm = {{{31.0, 0.5, -10.5}, {-32.0, 0.0, -10.5}}};
   return calibration;
 }
@@ -41,12 +43,26 @@ TEST(WebcamCalibrationFile, ComesBackToTheLastDigit) {
   EXPECT_EQ(read.map.sd_deg, written.map.sd_deg);
   EXPECT_EQ(read.screen_m, written.screen_m);
   EXPECT_TRUE(read.reference.camera == written.reference.camera);
-  EXPECT_EQ(read.reference.view.corner_px, written.reference.view.corner_px);
-  EXPECT_EQ(read.reference.view.pose.camera_from_head,
-            written.reference.view.pose.camera_from_head);
+  const auto& view = std::get<HeadView>(read.reference.head);
+  const auto& expected = std::get<HeadView>(written.reference.head);
+  EXPECT_EQ(view.corner_px, expected.corner_px);
+  EXPECT_EQ(view.pose.camera_from_head, expected.pose.camera_from_head);
   EXPECT_EQ(read.reference.eyes_mm, written.reference.eyes_mm);
-  ASSERT_EQ(read.reference.view.grey.size(), written.reference.view.grey.size());
-  EXPECT_EQ(cv::norm(read.reference.view.grey, written.reference.view.grey), 0.0);
+  ASSERT_EQ(view.grey.size(), expected.grey.size());
+  EXPECT_EQ(cv::norm(view.grey, expected.grey), 0.0);
+}
+
+TEST(WebcamCalibrationFile, HoldsTheShapeOfAFace) {
+  WebcamCalibration written = example();
+  FaceShape shape;
+  for (std::size_t i = 0; i < kShapePoints; ++i) {
+    shape.emplace_back(static_cast<double>(i) / 3.0, -20.0, 1e-3 * static_cast<double>(i * i));
+  }
+  written.reference.head = shape;
+  const ScratchFile file(webcamCalibrationToml(written));
+  const WebcamCalibration read = readWebcamCalibration(file.path());
+  EXPECT_EQ(std::get<FaceShape>(read.reference.head), shape);
+  EXPECT_EQ(read.reference.eyes_mm, written.reference.eyes_mm);
 }
 
 TEST(WebcamCalibrationFile, HoldsForItsScreenAndCameraAlone) {

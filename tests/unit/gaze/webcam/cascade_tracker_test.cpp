@@ -1,73 +1,24 @@
-#include "gaze/webcam/webcam_tracker.h"
+#include "gaze/webcam/cascade_tracker.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 #include <vector>
 
-#include "tests/faces/observer.h"
+#include "tests/faces/watched.h"
 
 namespace foci {
 namespace {
 
-constexpr double kRate_Hz = 30.0;
 const Pinhole kCamera{.focal_px = {560, 560}, .principal_px = {320, 240}};
 
-/// An observer, filmed at 30 frames per second, and the tracker's records.
-struct Watched {
-  std::vector<WebcamRecord> records;
-  std::vector<faces::Truth> truths;
-  std::vector<faces::Moment> moments;
-};
-
-Watched watch(WebcamTracker& tracker, const faces::Person& person, const faces::Sitting& sitting,
-              double from_s, double to_s, double noise) {
-  const faces::Face face(person);
-  const faces::Observer observer(sitting, {{0.0, 0.6, {0.0, 0.0}},
-                                           {0.6, 1.2, {0.2, 0.1}},
-                                           {1.2, 1.8, {-0.2, -0.1}},
-                                           {1.8, 9.0, {0.1, -0.1}}});
-  Watched watched;
-  faces::Photography how;
-  how.noise = noise;
-  for (int frame = 0; frame < std::lround((to_s - from_s) * kRate_Hz); ++frame) {
-    const faces::Moment moment = observer.at(from_s + frame / kRate_Hz);
-    how.seed = static_cast<std::uint32_t>(frame);
-    cv::Mat grey;
-    cv::cvtColor(face.photograph(moment, how), grey, cv::COLOR_BGR2GRAY);
-    watched.records.push_back(tracker.push(grey));
-    watched.truths.push_back(face.truthOf(moment, how));
-    watched.moments.push_back(moment);
-  }
-  return watched;
-}
-
-/// Share of the frames with open eyes in which both irises are found within 5 % of the
-/// interpupillary distance.
-double shareFound(const Watched& w) {
-  int open = 0, good = 0;
-  for (std::size_t i = 0; i < w.records.size(); ++i) {
-    if (w.truths[i].closed > 0.05) continue;
-    ++open;
-    bool both = true;
-    for (std::size_t eye = 0; eye < 2; ++eye) {
-      const auto& iris = w.records[i].irises[eye];
-      both = both && iris &&
-             glm::distance(iris->centre_px, w.truths[i].iris_px[eye]) <
-                 0.05 * w.truths[i].eyeDistance_px();
-    }
-    good += both;
-  }
-  return static_cast<double>(good) / open;
-}
-
-TEST(WebcamTracker, FollowsHeadIrisesAndBlinks) {
-  WebcamTracker tracker(Lens{kCamera});
+TEST(CascadeTracker, FollowsHeadIrisesAndBlinks) {
+  CascadeTracker tracker(Lens{kCamera}, std::nullopt);
   const faces::Sitting sitting{.sway_m = 0.02, .sway_rad = 0.08, .blink_every_s = 1.2};
-  const Watched w = watch(tracker, faces::somebody(1), sitting, 0.0, 1.9, 2.0);
-  EXPECT_GE(shareFound(w), 0.97);
+  const faces::Watched w = faces::watch(tracker, faces::somebody(1), sitting, 0.0, 1.9, 2.0, false);
+  EXPECT_GE(faces::shareFound(w), 0.97);
   // Position and rotation of the head may have a constant error, which a calibration removes. Their
   // changes must be right.
   std::vector<glm::dvec3> place_off;
@@ -102,26 +53,28 @@ TEST(WebcamTracker, FollowsHeadIrisesAndBlinks) {
   }
 }
 
-TEST(WebcamTracker, FollowsIrisesBehindGlassesAndNoise) {
-  WebcamTracker tracker(Lens{kCamera});
+TEST(CascadeTracker, FollowsIrisesBehindGlassesAndNoise) {
+  CascadeTracker tracker(Lens{kCamera}, std::nullopt);
   faces::Person person = faces::somebody(2);
   person.glasses = true;
-  const Watched w = watch(tracker, person, {.blink_every_s = 0.0}, 0.0, 1.2, 5.0);
-  EXPECT_GE(shareFound(w), 0.85);
+  const faces::Watched w =
+      faces::watch(tracker, person, {.blink_every_s = 0.0}, 0.0, 1.2, 5.0, false);
+  EXPECT_GE(faces::shareFound(w), 0.85);
 }
 
-TEST(WebcamTracker, FindsTheSameHeadAgain) {
+TEST(CascadeTracker, FindsTheSameHeadAgain) {
   // The head comes back, and at another time it is found from the stored reference.
   const faces::Sitting sitting{.blink_every_s = 0.0};
-  WebcamTracker tracker(Lens{kCamera});
-  const Watched before = watch(tracker, faces::somebody(1), sitting, 0.2, 0.5, 2.0);
+  CascadeTracker tracker(Lens{kCamera}, std::nullopt);
+  const faces::Watched before =
+      faces::watch(tracker, faces::somebody(1), sitting, 0.2, 0.5, 2.0, false);
   const cv::Mat nobody(480, 640, CV_8UC1, cv::Scalar(90));
   for (int i = 0; i < 4; ++i) {
     const WebcamRecord record = tracker.push(nobody);
     EXPECT_FALSE(record.face);
     EXPECT_FALSE(record.view);
   }
-  const auto mean = [](const Watched& w) {
+  const auto mean = [](const faces::Watched& w) {
     glm::dvec2 eye(0.0), turn(0.0);
     double count = 0.0;
     for (const WebcamRecord& r : w.records) {
@@ -134,18 +87,19 @@ TEST(WebcamTracker, FindsTheSameHeadAgain) {
     return std::pair(eye / count, turn / count);
   };
   ASSERT_TRUE(tracker.reference());
-  WebcamTracker later(std::nullopt, tracker.reference());
+  CascadeTracker later(Lens{kCamera}, tracker.reference());
   const auto first = mean(before);
-  for (WebcamTracker* other : {&tracker, &later}) {
-    const auto again = mean(watch(*other, faces::somebody(1), sitting, 0.2, 0.5, 2.0));
+  for (CascadeTracker* other : {&tracker, &later}) {
+    const auto again =
+        mean(faces::watch(*other, faces::somebody(1), sitting, 0.2, 0.5, 2.0, false));
     // A degree is 0.006 widths of the eye.
     EXPECT_LT(glm::distance(again.first, first.first), 0.004);
     EXPECT_LT(glm::distance(again.second, first.second), 0.01);
   }
 }
 
-TEST(WebcamTracker, FindsNobodyInAnEmptyRoom) {
-  WebcamTracker tracker;
+TEST(CascadeTracker, FindsNobodyInAnEmptyRoom) {
+  CascadeTracker tracker(Lens{kCamera}, std::nullopt);
   const WebcamRecord record = tracker.push(cv::Mat(480, 640, CV_8UC1, cv::Scalar(90)));
   EXPECT_FALSE(record.face || record.blink || record.view);
   EXPECT_EQ(record.confidence, 0.0);

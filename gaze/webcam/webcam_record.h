@@ -1,0 +1,82 @@
+// What a webcam tracker reads from one frame.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "gaze/webcam/head_tracker.h"
+#include "gaze/webcam/iris.h"
+#include "gaze/webcam/straight_frames.h"
+#include "gaze/webcam/webcam_view.h"
+
+namespace foci {
+
+/// The rigid points of a face (mesh_pose.h), head frame, mm.
+using FaceShape = std::vector<glm::dvec3>;
+inline constexpr std::size_t kShapePoints = 41;
+
+/// The reference of the features: the head that a tracker knows, and the place of the eyes in it.
+/// With the same reference, the features mean the same at another time.
+struct WebcamReference {
+  Lens camera;
+  std::variant<HeadView, FaceShape> head;  ///< of the cascades' tracker, or of the networks'
+  std::array<glm::dvec3, 2> eyes_mm{};     ///< irises of eyes at rest, left and right, head frame
+};
+
+/// Why a frame has no gaze, or worse gaze. The first that applies, in this order.
+enum class WebcamProblem {
+  none,
+  too_dark,
+  no_face,
+  glints,          ///< cover an iris
+  one_eye_hidden,  ///< the gaze is that of the other eye
+  too_far,         ///< irises of fewer than 8 pixels
+  several_faces,   ///< the largest one is followed
+};
+
+/// For people: "no face in view".
+std::string_view textOf(WebcamProblem problem);
+
+struct WebcamRecord {
+  std::optional<WebcamView> view{};             ///< absent without a face and in a blink
+  bool face = false;                            ///< a face is in view
+  bool blink = false;                           ///< a face is in view and its eyes are shut
+  double confidence = 0.0;                      ///< 0 to 1: share of right irises at this value
+  std::array<std::optional<Iris>, 2> irises{};  ///< of the observer's left and right eye
+  double ipd_px = 0.0;                          ///< interpupillary distance in the frame
+  int faces = 0;                                ///< as many as were found last
+  std::optional<HeadPose> head{};
+  glm::dvec2 eyes_px{0.0};                           ///< midpoint of the eyes; with a face
+  std::array<std::vector<glm::dvec2>, 2> lids_px{};  ///< closed outlines, for a picture
+  WebcamProblem problem = WebcamProblem::none;
+};
+
+/// Radius of an average limbus (Hall et al. 1985).
+inline constexpr double kLimbus_mm = 5.9;
+/// An iris of a smaller diameter is too small for good gaze.
+inline constexpr double kMinIris_px = 8.0;
+/// Mean of an image, of 255, that is too dark for a face.
+inline constexpr double kDark = 40.0;
+
+/// Width of an average eye, between the corners; the unit of `WebcamView::eye`.
+inline constexpr double kEyeWidth_mm = 30.0;
+
+/// The features of a head and of the mean offset of its irises from their place at rest, from the
+/// camera's axes to the screen's: x and y change their signs, z points back.
+WebcamView webcamView(const HeadPose& pose, const glm::dvec2& offset_mm);
+
+/// The mean offset of both irises. Where one is hidden, it is guessed from the other one's.
+class MeanOffset {
+ public:
+  /// @param seen  one of them, or both
+  glm::dvec2 of(const std::array<glm::dvec2, 2>& offset_mm, const std::array<bool, 2>& seen);
+  void forget() { apart_mm_.reset(); }
+
+ private:
+  std::optional<glm::dvec2> apart_mm_;  // usual difference of left and right offset
+};
+
+}  // namespace foci
