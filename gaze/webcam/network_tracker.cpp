@@ -16,6 +16,8 @@ namespace {
 constexpr double kMinMeshScore = 0.5;
 constexpr double kMaxTurn = 0.64;  // cosine of 50 degrees: beyond, an eye is hidden
 constexpr int kCountEvery = 30;    // frames, to count the faces while one is followed
+constexpr int kPatience = 12;      // frames without eyes, longer than a blink
+constexpr double kMinSize = 0.5;   // of another face, over the largest
 constexpr int kShapeFrames = 30;   // that the shape of a face is averaged over
 constexpr double kOpening = 0.22;  // of an eye whose usual opening is not known yet
 constexpr double kBlink = 0.72;    // mean opening of both eyes over the usual one: a blink
