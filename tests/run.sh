@@ -16,6 +16,11 @@ if command -v ccache >/dev/null 2>&1; then
 fi
 step() { printf '\n== %s\n' "$*"; }
 
+if command -v npm >/dev/null 2>&1; then
+  step "networks of the webcam tracker"
+  sh app/webcam_models.sh || echo "not there: their tests are skipped"
+fi
+
 step "style"
 find app base calibration examples gaze python render tests -name '*.h' -o -name '*.cpp' |
   xargs clang-format --dry-run --Werror

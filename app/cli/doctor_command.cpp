@@ -189,7 +189,7 @@ void printDisplay(const Json& display) {
   if (!display["opengl"].is_null()) {
     const Json& opengl = display["opengl"];
     printFact("OpenGL", textOfJson(opengl["version"]) + "; " + textOfJson(opengl["renderer"]) +
-                      "; textures up to " + textOfJson(opengl["texture_px"]) + " px");
+                            "; textures up to " + textOfJson(opengl["texture_px"]) + " px");
   }
   if (display.contains("problem")) printFact("OpenGL", textOfJson(display["problem"]));
   int number = 0;
@@ -208,29 +208,31 @@ void printDisplay(const Json& display) {
 void printDoctorText(const Json& facts) {
   printFact("foci", textOfJson(facts["version"]) + ", " + textOfJson(facts["system"]));
   printFact("CPU", textOfJson(facts["cpu"]) + "; " + textOfJson(facts["cores"]) + " cores, " +
-                 textOfJson(facts["threads"]) + " threads, SIMD " + textOfJson(facts["simd"]));
+                       textOfJson(facts["threads"]) + " threads, SIMD " +
+                       textOfJson(facts["simd"]));
   const Json& gpu = facts["gpu"];
-  printFact("GPU", gpu.contains("problem")
-                 ? textOfJson(gpu["problem"])
-                 : textOfJson(gpu["name"]) + ", driver " + textOfJson(gpu["driver"]) +
-                       (gpu["software"].get<bool>() ? "; software, so render.device = \"auto\" "
-                                                      "takes the CPU"
-                                                    : ""));
+  printFact("GPU",
+            gpu.contains("problem")
+                ? textOfJson(gpu["problem"])
+                : textOfJson(gpu["name"]) + ", driver " + textOfJson(gpu["driver"]) +
+                      (gpu["software"].get<bool>() ? "; software, so render.device = \"auto\" "
+                                                     "takes the CPU"
+                                                   : ""));
   printDisplay(facts["display"]);
   for (const Json& camera : facts["cameras"]) {
     printFact("camera", textOfJson(camera["source"]) + ": " + textOfJson(camera["name"]) +
-                      (camera["allowed"].get<bool>() ? "" : "; not allowed (group video?)"));
+                            (camera["allowed"].get<bool>() ? "" : "; not allowed (group video?)"));
   }
   if (facts["cameras"].empty()) printFact("camera", "none");
   const Json& models = facts["webcam_models"];
   std::string missing;
   for (const Json& name : models["missing"]) missing += " " + textOfJson(name);
   printFact("webcam", missing.empty() ? "networks installed in " + textOfJson(models["folder"])
-                                : "networks missing in " + textOfJson(models["folder"]) + ":" +
-                                      missing + "; " + textOfJson(models["install"]));
+                                      : "networks missing in " + textOfJson(models["folder"]) +
+                                            ":" + missing + "; " + textOfJson(models["install"]));
   for (const Json& tracker : facts["trackers"]) {
     printFact("tracker", textOfJson(tracker["name"]) + " at " + textOfJson(tracker["place"]) +
-                       (tracker["answers"].get<bool>() ? ": answers" : ": no answer"));
+                             (tracker["answers"].get<bool>() ? ": answers" : ": no answer"));
   }
   const Json& packages = facts["packages"];
   if (packages.contains("problem")) {

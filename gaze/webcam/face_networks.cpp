@@ -18,8 +18,8 @@ constexpr std::array<const char*, 3> kFiles{"blazeface.onnx", "facemesh.onnx", "
 constexpr double kMinScore = 0.5, kMaxOverlap = 0.3;
 constexpr double kMeshMargin = 1.5, kEyeMargin = 2.3;
 
-/// The iris lies higher than the network sees it, in diameters: measured on rendered faces, whose
-/// irises are known (`FaceNetworks.TheIrisIsUnbiased`).
+/// The iris of a real face lies higher than the network sees it, in diameters: 0.04 to 0.09, by
+/// marks of people. On rendered faces it lies 0.03 lower. A calibration removes the rest.
 constexpr double kTooLow = 0.04;
 
 glm::dvec2 turned(const glm::dvec2& v, double angle_rad) {

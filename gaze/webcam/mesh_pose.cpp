@@ -28,8 +28,9 @@ constexpr std::array<std::size_t, 9> kMiddle{10, 151, 9, 8, 168, 6, 197, 195, 5}
 
 static_assert(2 * kPairs.size() + kMiddle.size() == kShapePoints);
 
-/// The line from the forehead (10) to the base of the nose (2) leans forwards by this angle in a
-/// face that looks ahead: measured on rendered faces (`MeshPose.AFaceThatLooksAheadHasNoPitch`).
+/// The line from the forehead (10) to the base of the nose (2) leans forwards by about this angle
+/// in a face that looks ahead. It differs between people by some 0.1 rad, which a calibration
+/// removes.
 constexpr double kProfile_rad = 0.12;
 
 /// Place of the eyes' corners in the head frame: behind the iris of an eye at rest.

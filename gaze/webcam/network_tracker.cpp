@@ -112,17 +112,25 @@ void NetworkTracker::search(const cv::Mat& image) {
     meshes.push_back(std::move(mesh));
     sides_px.push_back(box.side_px());
   }
-  if (meshes.empty() || (mesh_ && frames_without_eyes_ < kPatience)) return;
+  if (meshes.empty() || (mesh_ && !eyesAreGone())) return;
   for (std::size_t i = 0; i < meshes.size() && sides_px[i] >= kMinSize * sides_px[0]; ++i) {
     if (!(mesh_ || meshes.size() > 1) || !showsEyes(image, meshes[i])) continue;
-    mesh_ = std::move(meshes[i]);
-    new_face_ = true;
-    frames_without_eyes_ = 0;
+    begin(std::move(meshes[i]));
     return;
   }
-  if (mesh_) return;
-  mesh_ = std::move(meshes.front());
+  if (!mesh_) begin(std::move(meshes.front()));
+}
+
+void NetworkTracker::begin(FaceMesh mesh) {
+  mesh_ = std::move(mesh);
   new_face_ = true;
+  showed_eyes_ = false;
+  frames_without_eyes_ = 0;
+}
+
+/// Whether the face has hidden its eyes for longer than a blink, or has not shown them yet.
+bool NetworkTracker::eyesAreGone() const {
+  return frames_without_eyes_ >= (showed_eyes_ ? kPatience : 1);
 }
 
 /// Fits the pose of the face's shape to the mesh.
@@ -200,14 +208,12 @@ WebcamRecord NetworkTracker::push(const cv::Mat& image) {
     if (!accept(image, *mesh_)) mesh_.reset();
   }
   ++frames_since_search_;
-  const bool eyes_are_gone = frames_without_eyes_ >= kPatience && frames_since_search_ >= kPatience;
-  if (!mesh_ || eyes_are_gone || frames_since_search_ >= kCountEvery) search(image);
+  if (!mesh_ || eyesAreGone() || frames_since_search_ >= kCountEvery) search(image);
   record.faces = faces_;
   if (!mesh_ || !updatePose()) {
     mesh_.reset();
     mean_offset_.forget();
     usual_opening_ = {};
-    frames_without_eyes_ = 0;
     const cv::Scalar level = cv::mean(image);
     const bool dark = (level[0] + level[1] + level[2]) / 3.0 < kDark;
     record.problem = dark ? WebcamProblem::too_dark : WebcamProblem::no_face;
@@ -218,7 +224,9 @@ WebcamRecord NetworkTracker::push(const cv::Mat& image) {
   record.eyes_px = project(camera_, pose_, glm::dvec3(0.0, 0.0, kIrisDepth_mm));
   record.ipd_px = kMeanIpd_mm * camera_.focal_px.x / pose_.position_mm.z;
   readEyes(image, record);
-  frames_without_eyes_ = record.blink ? frames_without_eyes_ + 1 : 0;
+  showed_eyes_ = showed_eyes_ || (record.irises[0] && record.irises[1]);
+  const bool gone = showed_eyes_ ? record.blink : true;
+  frames_without_eyes_ = gone ? frames_without_eyes_ + 1 : 0;
   return record;
 }
 

@@ -20,6 +20,8 @@ class NetworkTracker {
 
  private:
   void search(const cv::Mat& image);
+  void begin(FaceMesh mesh);
+  bool eyesAreGone() const;
   bool accept(const cv::Mat& image, const FaceMesh& mesh) const;
   bool showsEyes(const cv::Mat& image, const FaceMesh& mesh);
   bool updatePose();
@@ -34,6 +36,7 @@ class NetworkTracker {
   bool new_face_ = true;
   int faces_ = 0;
   int frames_since_search_ = 0;
+  bool showed_eyes_ = false;  // both at once
   int frames_without_eyes_ = 0;
   std::array<double, 2> usual_opening_{};  // 0: not known
   MeanOffset mean_offset_;
