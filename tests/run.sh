@@ -1,7 +1,8 @@
 #!/bin/sh
 # The test command: tests/run.sh [--all]. A second run builds only what changed.
 # Installs missing packages, checks style, then builds and runs all tests of the release preset.
-# --all also runs clang-tidy, repeats the tests under sanitizers (address, undefined behaviour, threads), and fuzzes.
+# --all also attacks the program (tests/attacks), runs clang-tidy, repeats the tests under sanitizers (address, undefined
+# behaviour, threads), and fuzzes.
 set -eu
 cd "$(dirname "$0")/.."
 case "${1:-}" in
@@ -30,7 +31,7 @@ cmake --preset release -DFOCI_TESTS=ON >/dev/null
 cmake --build --preset release
 ctest --test-dir build/release --output-on-failure -j 2
 if [ -z "$all" ]; then
-  step "all passed (tests/run.sh --all also runs lint, sanitizers and fuzzing)"
+  step "all passed (tests/run.sh --all also runs attacks, lint, sanitizers and fuzzing)"
   exit 0
 fi
 
@@ -44,6 +45,9 @@ lint() {
   grep -o '"file": "[^"]*"' build/asan/compile_commands.json | cut -d'"' -f4 | grep -v "/tests/" | sort -u |
     xargs -P 2 -n 2 clang-tidy -p build/asan --quiet
 }
+
+step "attacks"
+python3 tests/attacks/attacks.py build/release/foci
 
 step "python: build and test"
 cmake --preset python >/dev/null

@@ -56,7 +56,8 @@ void print(const CalibrateBinocularOptions& options, const BinocularFit& fit, st
 }  // namespace
 
 void calibrateBinocular(const CalibrateBinocularOptions& options) {
-  checkOutputs({options.out}, {options.pairs, options.validate}, options.overwrite);
+  OutputFiles files(
+      OutputGuard({options.out}, {options.pairs, options.validate}, options.overwrite));
   const auto pairs = readBinocularPairs(options.pairs);
   std::vector<BinocularSample> others;
   if (!options.validate.empty()) others = readBinocularPairs(options.validate);
@@ -77,7 +78,6 @@ void calibrateBinocular(const CalibrateBinocularOptions& options) {
       throw InputError(options.validate.string(), "no row has data of an eye");
     accuracy_deg = meanOf(errors_deg);
   }
-  OutputFiles files;
   if (!options.out.empty()) files.write(options.out, binocularToml(calibration));
   files.commit();
   print(options, fit, pairs.size(), !others.empty(), accuracy_deg, calibration.uncertainty_deg);

@@ -153,7 +153,7 @@ void printText(const Views& found, const CameraFit& fit) {
 void calibrateCamera(const CalibrateCameraOptions& options) {
   std::vector<std::filesystem::path> inputs(options.images.begin(), options.images.end());
   inputs.push_back(options.video);
-  checkOutputs({options.out}, inputs, options.overwrite);
+  OutputFiles files(OutputGuard({options.out}, inputs, options.overwrite));
   const Board board = boardOf(options);
   const int sources =
       (options.images.empty() ? 0 : 1) + (options.video.empty() ? 0 : 1) + (options.device ? 1 : 0);
@@ -176,7 +176,6 @@ void calibrateCamera(const CalibrateCameraOptions& options) {
   } catch (const InputError& error) {
     throw InputError(where, error.what());
   }
-  OutputFiles files;
   if (!options.out.empty()) files.write(options.out, cameraToml(fit.camera));
   files.commit();
   if (options.json) {

@@ -50,7 +50,7 @@ GazeReport fromFiles(const CalibrateGazeOptions& options, const GazeFrame& frame
 }
 
 /// Moves a map by the mean miss at a single target.
-void correctDriftOf(const CalibrateGazeOptions& options) {
+void correctDriftOf(const CalibrateGazeOptions& options, OutputFiles& files) {
   if (options.pairs.empty())
     throw InputError("--drift", "needs --pairs with samples of one target");
   const GazeMap map = readGazeMap(options.drift);
@@ -64,7 +64,6 @@ void correctDriftOf(const CalibrateGazeOptions& options) {
     if (pair.gaze) gaze.push_back(*pair.gaze);
   }
   const GazeMap corrected = correctDrift(map, gaze, *target);
-  OutputFiles files;
   if (!options.out.empty()) files.write(options.out, gazeMapToml(corrected));
   files.commit();
   const glm::dvec2 moved = corrected.coefficients[0] - map.coefficients[0];
@@ -118,12 +117,12 @@ std::filesystem::path reportOf(const CalibrateGazeOptions& options) {
 }
 
 /// @throws InputError if an output must not be written
-void checkFiles(const CalibrateGazeOptions& options) {
+OutputGuard guardOf(const CalibrateGazeOptions& options) {
   const auto webcam = webcamPlaceOf(options.source);
-  checkOutputs({options.out, options.drift.empty() ? reportOf(options) : ""},
-               {options.pairs, options.validate, options.drift, options.screen, options.camera,
-                webcam ? webcam->file : ""},
-               options.overwrite);
+  return {{options.out, options.drift.empty() ? reportOf(options) : ""},
+          {options.pairs, options.validate, options.drift, options.screen, options.camera,
+           webcam ? webcam->file : ""},
+          options.overwrite};
 }
 
 }  // namespace
@@ -137,9 +136,9 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
                        options.model + ": expected auto, offset, affine, second or third");
     }
   }
-  checkFiles(options);
+  OutputFiles files(guardOf(options));
   if (!options.drift.empty()) {
-    correctDriftOf(options);
+    correctDriftOf(options, files);
     return;
   }
   const GazeFrame frame = frameOf(options);
@@ -163,7 +162,6 @@ void calibrateGaze(const CalibrateGazeOptions& options) {
     report = fromFiles(options, frame, model);
   }
 
-  OutputFiles files;
   const std::filesystem::path page = reportOf(options);
   if (!page.empty()) files.write(page, gazeReportHtml(report));
   if (!options.out.empty()) {

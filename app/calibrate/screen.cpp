@@ -117,7 +117,8 @@ void measureDistance(const CalibrateScreenOptions& options, ScreenCalibration& c
 }  // namespace
 
 void calibrateScreen(const CalibrateScreenOptions& options) {
-  checkOutputs({options.out, options.psychopy}, {options.monitor, options.edid}, options.overwrite);
+  OutputFiles files(OutputGuard({options.out, options.psychopy}, {options.monitor, options.edid},
+                                options.overwrite));
   ScreenCalibration calibration;
   if (!options.monitor.empty()) calibration = readScreen(options.monitor);
   if (options.gamma != "sRGB") {
@@ -149,7 +150,6 @@ void calibrateScreen(const CalibrateScreenOptions& options) {
         "the display states %.3f x %.3f m, which differs by %.0f %% from the measured size\n",
         edid_m->x, edid_m->y, 100.0 * *edid_off);
   }
-  OutputFiles files;
   if (!options.psychopy.empty()) {
     files.write(options.psychopy, psychoPyMonitor(screen, calibration.gamma, "foci"));
   }

@@ -19,6 +19,7 @@
 #include "app/platform/machine.h"
 #include "app/platform/output_folder.h"
 #include "app/platform/progress.h"
+#include "app/platform/warnings.h"
 #include "base/input_error.h"
 
 namespace foci {
@@ -67,44 +68,61 @@ std::function<void(std::size_t)> progressOf(std::size_t steps) {
           done = std::size_t{0}](std::size_t more) mutable { progress->advance(done += more); };
 }
 
-/// Measures and writes the table, the page and the image of all panels.
-ChartResult chart(const ChartPlan& plan, const std::filesystem::path& out) {
-  OutputFolder output(out);
-  ChartResult result = measureChart(plan, out, progressOf(stepsOf(plan)));
-  output.write("chart.csv", csvOf(result.points));
-  output.write("chart.html", chartPage(plan, result.points, result.warnings));
-  const double blur_px = plan.blurs_px[plan.blurs_px.size() / 2];
-  if (const auto png = pngOf(overviewOf(plan, result.points, blur_px, describeMachine()))) {
-    output.write("chart.png", *png);
+/// @return why there is no image of all panels; empty: there is one
+std::string writeOverview(const std::string& name, const Drawing& panels, OutputFolder& output) {
+  const GnuplotChart png = pngOf(panels);
+  if (png.image) {
+    output.write(name, *png.image);
+    return "";
   }
+  std::string notice = "No new " + name + ": " + png.problem;
+  say(notice);
+  return notice;
+}
+
+/// Measures and writes the table, the page and the image of all panels.
+ChartResult chart(const ChartPlan& plan, const std::filesystem::path& out,
+                  const OutputGuard& guard) {
+  OutputFolder output(out, guard);
+  ChartResult result = measureChart(plan, out, guard, progressOf(stepsOf(plan)));
+  output.write("chart.csv", csvOf(result.points));
+  const double blur_px = plan.blurs_px[plan.blurs_px.size() / 2];
+  const std::string notice = writeOverview(
+      "chart.png", overviewOf(plan, result.points, blur_px, describeMachine()), output);
+  if (!notice.empty()) result.warnings.push_back(notice);
+  output.write("chart.html", chartPage(plan, result.points, result.warnings));
   output.commit();
   return result;
 }
 
-StabilityResult chart(const StabilityPlan& plan, const std::filesystem::path& out) {
-  OutputFolder output(out);
-  StabilityResult result = measureStability(plan, out, progressOf(stepsOf(plan)));
+StabilityResult chart(const StabilityPlan& plan, const std::filesystem::path& out,
+                      const OutputGuard& guard) {
+  OutputFolder output(out, guard);
+  StabilityResult result = measureStability(plan, out, guard, progressOf(stepsOf(plan)));
   output.write("stability.csv", csvOf(plan, result.points));
-  output.write("stability.html", stabilityPage(plan, result.points));
-  if (const auto png = pngOf(stabilityOverview(plan, result.points))) {
-    output.write("stability.png", *png);
-  }
+  const std::string notice =
+      writeOverview("stability.png", stabilityOverview(plan, result.points), output);
+  output.write("stability.html", stabilityPage(plan, result.points, notice));
   output.commit();
   return result;
 }
 
 template <class Plan>
-void chartAndReport(const ChartOptions& options, const Plan& plan, const char* page) {
+void chartAndReport(const ChartOptions& options, const Plan& plan, const std::string& name) {
   const auto start = std::chrono::steady_clock::now();
   const std::filesystem::path out = options.out;
-  const auto result = chart(plan, out);
+  std::vector<std::filesystem::path> outputs = measuredFiles(plan, out);
+  for (const char* extension : {".csv", ".html", ".png"})
+    outputs.push_back(out / (name + extension));
+  const auto result =
+      chart(plan, out, OutputGuard(outputs, scanFiles(options.scan), options.overwrite));
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (options.json) {
     std::puts(chartJson(out, seconds, result).c_str());
   } else {
     std::printf("%zu cells measured, %zu already complete; %.0f s; page: %s\n", result.computed,
-                result.kept, seconds, (out / page).c_str());
+                result.kept, seconds, (out / (name + ".html")).c_str());
   }
 }
 
@@ -118,17 +136,13 @@ void runChart(ChartOptions options) {
   if (size_px && options.stability) {
     throw InputError("--size", "the scenes of --stability have a fixed size");
   }
-  const std::filesystem::path stem =
-      std::filesystem::path(options.out) / (options.stability ? "stability" : "chart");
-  checkOutputs({stem.string() + ".csv", stem.string() + ".html", stem.string() + ".png"},
-               {options.scan.scan}, options.overwrite);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   threadsOf(options.scan.threads));
   options.choice.scan = scanViewOf(options.scan);
   if (options.stability) {
-    chartAndReport(options, planStability(options.choice), "stability.html");
+    chartAndReport(options, planStability(options.choice), "stability");
   } else {
-    chartAndReport(options, planChart(options.choice), "chart.html");
+    chartAndReport(options, planChart(options.choice), "chart");
   }
 }
 

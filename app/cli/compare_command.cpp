@@ -30,8 +30,8 @@ void runCompare(const CompareOptions& options) {
       inputs.push_back(folder / name);
     }
   }
-  checkOutputs(compareFiles(options.out), inputs, options.overwrite);
-  compareRuns(folders, options.out);
+  compareRuns(folders, options.out,
+              OutputGuard(compareFiles(options.out), inputs, options.overwrite));
   std::printf("%zu runs: %s\n", folders.size(),
               (std::filesystem::path(options.out) / "compare.html").c_str());
 }

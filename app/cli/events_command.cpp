@@ -98,14 +98,14 @@ std::string countsOf(const std::vector<GazeState>& states, const std::vector<Gaz
 }
 
 /// @throws InputError if an output must not be written
-void checkFiles(const EventsOptions& options) {
+OutputGuard guardOf(const EventsOptions& options) {
   const std::string& trace = options.traces[0];
   std::vector<std::filesystem::path> inputs = companionsOf(trace);
   inputs.emplace_back(trace);
   inputs.emplace_back(options.study);
-  checkOutputs(
-      {options.out, options.samples, options.physioevents, sidecarOf(options.physioevents)}, inputs,
-      options.overwrite);
+  return {{options.out, options.samples, options.physioevents, sidecarOf(options.physioevents)},
+          inputs,
+          options.overwrite};
 }
 
 TraceDescription unmappedDescriptionOf(const EventsOptions& options) {
@@ -124,14 +124,13 @@ Warnings warningsOf(const std::string& file, const GazeTrace& trace) {
 }
 
 void detectEvents(const EventsOptions& options) {
-  checkFiles(options);
+  OutputFiles files(guardOf(options));
   const TraceDescription description = unmappedDescriptionOf(options);
   const GazeTrace trace = readTrace(options.traces[0], description.columns, description.screen);
   requireWholeScreen(*trace.screen, options.traces[0]);
   const Warnings warnings = warningsOf(options.traces[0], trace);
   const auto states = labelsOf(trace, description.events, options.online);
   const auto events = eventsOf(states, trace, *trace.screen, description.events);
-  OutputFiles files;
   if (!options.out.empty()) files.write(options.out, eventTable(events));
   if (!options.samples.empty()) files.write(options.samples, sampleTable(trace, states));
   if (!options.physioevents.empty()) writePhysioevents(options.physioevents, events, files);

@@ -47,8 +47,8 @@ void runEye(const EyeOptions& options) {
   if (request.fields_deg.size() > kMostFields) {
     throw InputError("--field", "expected at most " + std::to_string(kMostFields) + " angles");
   }
-  checkOutputs(eyeFiles(options.out), inputFiles(study), options.overwrite);
-  for (const EyeFigures& eye : reportEye(study, request, options.out)) {
+  const OutputGuard guard(eyeFiles(options.out), inputFiles(study), options.overwrite);
+  for (const EyeFigures& eye : reportEye(study, request, options.out, guard)) {
     std::printf(
         "%s: pupil %.2f mm, focus %.2f D, depth of focus %s%.2f D, acuity by optics alone %.2f "
         "logMAR\n",

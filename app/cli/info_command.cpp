@@ -33,7 +33,7 @@ void runInfo(const InfoOptions& options) {
   if (!options.thumbnail.empty() && !options.thumbnail.ends_with(".png")) {
     throw InputError("--thumbnail " + options.thumbnail, "expected a name that ends in .png");
   }
-  checkOutputs({options.thumbnail}, inputFiles(study), options.overwrite);
+  const OutputGuard guard({options.thumbnail}, inputFiles(study), options.overwrite);
   SceneFile scene = readScene(options.scene, kCheckAll_B);
   const SceneFacts facts = factsOf(scene);
   const Framing framing =
@@ -41,8 +41,10 @@ void runInfo(const InfoOptions& options) {
   if (!options.thumbnail.empty()) {
     frameScene(study, facts, framing);
     study.output.size_px = kThumbnail_px;
-    renderImage(study, {.out = options.thumbnail, .depth = {}, .focus_D = {}, .gaze_px = {}},
-                std::move(scene));
+    renderImage(
+        study,
+        {.out = options.thumbnail, .depth = {}, .focus_D = {}, .gaze_px = {}, .guard = guard},
+        std::move(scene));
   }
   if (options.json) {
     nlohmann::ordered_json json = sceneJson(facts, framing);

@@ -31,8 +31,8 @@ void runJoin(const JoinOptions& options, const std::string& command_line) {
     for (auto& file : partFiles(part.folder)) inputs.push_back(std::move(file));
     inputs.insert(inputs.end(), part.input_places.begin(), part.input_places.end());
   }
-  checkOutputs(RunWriter::files(study, options.out), inputs, options.overwrite);
-  const RunResult run = join(parts, study, options.out, command_line);
+  const OutputGuard guard(RunWriter::files(study, options.out), inputs, options.overwrite);
+  const RunResult run = join(parts, study, options.out, command_line, guard);
   std::puts((options.json ? summaryJson(run.summary) : summaryText(run.summary)).c_str());
 }
 

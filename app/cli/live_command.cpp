@@ -13,6 +13,7 @@
 #include "app/platform/output_files.h"
 #include "app/record/manifest.h"
 #include "app/study/inputs.h"
+#include "app/study/study_text.h"
 #include "base/input_error.h"
 #include "base/text.h"
 
@@ -102,9 +103,12 @@ void runLiveCommand(const LiveCommandOptions& options, const std::string& comman
   live.threads = options.threads.empty() && threads > 2 ? threads - 1 : threads;
   if (!options.record.empty()) live.record = options.record;
   StudyAsked asked = studyOf(options);
-  checkOutputs({options.write_study}, inputFiles(asked.study), options.overwrite);
-  if (live.record) makeRecordFolder(*live.record);
-  saveStudy(options, asked);
+  const OutputGuard guard({options.write_study}, inputFiles(asked.study), options.overwrite);
+  if (live.record) {
+    static_cast<void>(studyToml(asked.study));  // the record has it
+    makeRecordFolder(*live.record);
+  }
+  saveStudy(options, asked, guard);
   Study study = asked.study;
   study.output.maps.clear();  // a replay of the record writes them
   if (!study.quality.frame_ms) study.quality.frame_ms = kLiveFrame_ms;

@@ -11,6 +11,7 @@
 
 #include "app/cli/commands.h"
 #include "app/cli/usage_error.h"
+#include "app/platform/interrupt.h"
 #include "app/platform/quiet_libraries.h"
 #include "app/platform/shell_word.h"
 #include "app/platform/version.h"
@@ -80,6 +81,7 @@ void finishOutput() {
 int main(int argc, char** argv) {
   foci::quietLibraries();
   foci::endOnLostPages();
+  foci::endCleanlyOnInterrupts();
   try {
     const int code = foci::run(argc, argv);
     foci::finishOutput();

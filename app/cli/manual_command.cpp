@@ -24,8 +24,7 @@ void runManual(const CLI::App& app, const ManualOptions& options) {
   std::vector<std::filesystem::path> outputs;
   outputs.reserve(manual.size());
   for (const auto& [name, text] : manual) outputs.push_back(out / name);
-  checkOutputs(outputs, {}, options.overwrite);
-  OutputFiles files;
+  OutputFiles files(OutputGuard(outputs, {}, options.overwrite));
   for (const auto& [name, text] : manual) files.write(out / name, text);
   files.commit();
   std::printf("%zu files: man %s\n", manual.size(), (out / "man1/foci.1").c_str());

@@ -58,15 +58,15 @@ void runRender(const RenderOptions& options) {
                                   threadsOf(options.threads));
   StudyAsked asked = studyOf(options);
   const Study& study = asked.study;
-  checkOutputs({options.out, options.depth, options.defocus, options.write_study},
-               inputFiles(study), options.overwrite);
-  ImageRequest request{.out = options.out, .focus_D = {}, .gaze_px = {}};
+  const OutputGuard guard({options.out, options.depth, options.defocus, options.write_study},
+                          inputFiles(study), options.overwrite);
+  ImageRequest request{.out = options.out, .focus_D = {}, .gaze_px = {}, .guard = guard};
   if (!options.depth.empty()) request.depth = options.depth;
   if (!options.defocus.empty()) request.defocus = options.defocus;
   if (!options.focus.empty()) request.focus_D = vergenceOf_D("--focus", options.focus);
   if (!options.gaze.empty()) request.gaze_px = gazeOf_px(options.gaze, study.screenInForce());
   const ImageSummary summary = renderImage(study, request, std::move(asked.scene));
-  saveStudy(options, asked);
+  saveStudy(options, asked, guard);
   if (options.json) {
     std::puts(summaryJsonOf(options, study, summary).c_str());
     return;

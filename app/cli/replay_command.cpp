@@ -80,10 +80,10 @@ void runPart(const ReplayOptions& options, StudyAsked&& asked, unsigned threads)
   const FrameSpan span = spanOf(options.frames);
   std::vector<std::filesystem::path> outputs = partFiles(options.out);
   outputs.emplace_back(options.write_study);
-  checkOutputs(outputs, inputFiles(asked.study), options.overwrite);
+  const OutputGuard guard(outputs, inputFiles(asked.study), options.overwrite);
   ReplayedScene scene(std::move(asked.scene));
-  const FrameSpan rendered = replayPart(asked.study, span, options.out, threads, scene);
-  saveStudy(options, asked);
+  const FrameSpan rendered = replayPart(asked.study, span, options.out, threads, scene, guard);
+  saveStudy(options, asked, guard);
   if (options.json) {
     std::printf("{\"first\":%zu,\"end\":%zu}\n", rendered.first, rendered.end);
   } else {
@@ -97,12 +97,13 @@ void runOne(const ReplayOptions& options, StudyAsked&& asked, const std::string&
   std::vector<std::filesystem::path> outputs = RunWriter::files(asked.study, options.out);
   outputs.emplace_back(options.write_study);
   outputs.emplace_back(options.heatmap);
-  checkOutputs(outputs, inputFiles(asked.study), options.overwrite);
+  const OutputGuard guard(outputs, inputFiles(asked.study), options.overwrite);
   ReplayedScene scene(std::move(asked.scene));
   std::optional<std::filesystem::path> heatmap;
   if (!options.heatmap.empty()) heatmap = options.heatmap;
-  const RunResult run = replay(asked.study, options.out, command_line, threads, scene, heatmap);
-  saveStudy(options, asked);
+  const RunResult run =
+      replay(asked.study, options.out, command_line, threads, scene, guard, heatmap);
+  saveStudy(options, asked, guard);
   std::puts((options.json ? summaryJson(run.summary) : summaryText(run.summary)).c_str());
 }
 
@@ -143,10 +144,10 @@ void runBatch(const ReplayOptions& options, StudyAsked&& asked,
   }
   std::vector<std::filesystem::path> outputs = batchFiles(recordings, options.out);
   outputs.emplace_back(options.write_study);
-  checkOutputs(outputs, inputs, options.overwrite);
+  const OutputGuard guard(outputs, inputs, options.overwrite);
   ReplayedScene scene(std::move(asked.scene));
-  const auto results = replayAll(recordings, options.out, command_line, threads, scene);
-  saveStudy(options, asked);
+  const auto results = replayAll(recordings, options.out, command_line, threads, scene, guard);
+  saveStudy(options, asked, guard);
   std::string failed;
   for (const BatchResult& result : results) {
     if (!result.problem.empty()) {

@@ -62,9 +62,11 @@ struct ReproduceOptions {
 void runReproduce(const ReproduceOptions& options) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   threadsOf(options.scan.threads));
-  checkOutputs(reproduceFiles(options.out), {options.scan.scan}, options.overwrite);
-  const ReproduceSummary summary =
-      reproduce({.out = options.out, .scan = scanViewOf(options.scan), .quick = options.quick});
+  const OutputGuard guard(reproduceFiles(options.out), scanFiles(options.scan), options.overwrite);
+  const ReproduceSummary summary = reproduce({.out = options.out,
+                                              .scan = scanViewOf(options.scan),
+                                              .quick = options.quick,
+                                              .guard = guard});
   if (options.json) {
     std::puts(reproduceJson(summary).c_str());
     return;

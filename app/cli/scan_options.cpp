@@ -5,6 +5,7 @@
 
 #include "app/cli/option_values.h"
 #include "base/input_error.h"
+#include "render/scene/io/mesh_companions.h"
 
 namespace foci {
 namespace {
@@ -27,6 +28,13 @@ void addScanOptions(CLI::App& command, ScanOptions& options) {
   pose("--up", options.up, "upward direction of the image");
   addThreadsOption(command, options.threads,
                    "max number of threads; times are measured with 1 and with N");
+}
+
+std::vector<std::filesystem::path> scanFiles(const ScanOptions& options) {
+  if (options.scan.empty()) return {};
+  std::vector<std::filesystem::path> files = meshCompanions(options.scan);
+  files.emplace_back(options.scan);
+  return files;
 }
 
 std::optional<ScanView> scanViewOf(const ScanOptions& options) {

@@ -2,6 +2,7 @@
 // threads.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,9 @@ struct ScanOptions {
 
 /// Adds --scan, --eye, --look-at, --up and --threads.
 void addScanOptions(CLI::App& command, ScanOptions& options);
+
+/// The files of the scan; none without a scan.
+std::vector<std::filesystem::path> scanFiles(const ScanOptions& options);
 
 /// The scan, if the user gave one. @throws InputError for a pose without a direction of view
 std::optional<ScanView> scanViewOf(const ScanOptions& options);

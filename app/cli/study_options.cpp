@@ -200,14 +200,15 @@ StudyAsked studyOf(const StudyOptions& options) {
     for (const std::string& assignment : options.set) setKeyByOption(study, assignment);
   }
   checkStudy(study);
+  if (!options.write_study.empty())
+    writtenStudy(options.write_study, study, framing);  // or refuses
   return {std::move(study), std::move(framing), std::move(scene)};
 }
 
-void saveStudy(const StudyOptions& options, const StudyAsked& asked) {
+void saveStudy(const StudyOptions& options, const StudyAsked& asked, const OutputGuard& guard) {
   if (options.write_study.empty()) return;
-  OutputFiles files;
-  files.write(options.write_study, writtenStudy(options.write_study, asked.study, asked.framing));
-  files.commit();
+  writeOutput(options.write_study, writtenStudy(options.write_study, asked.study, asked.framing),
+              guard);
 }
 
 }  // namespace foci

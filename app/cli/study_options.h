@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/platform/output_guard.h"
 #include "app/study/framing.h"
 #include "app/study/study.h"
 #include "render/scene/io/open_scene.h"
@@ -45,7 +46,7 @@ struct StudyAsked {
 /// @throws InputError
 StudyAsked studyOf(const StudyOptions& options);
 
-/// Writes the file of --write-study, if the option was given. Call `checkOutputs` before.
-void saveStudy(const StudyOptions& options, const StudyAsked& asked);
+/// Writes the file of --write-study, if the option was given.
+void saveStudy(const StudyOptions& options, const StudyAsked& asked, const OutputGuard& guard);
 
 }  // namespace foci

@@ -182,11 +182,14 @@ void convertTrace(const Options& options) {
     for (const char* suffix : {"physio.tsv.gz", "physio.json"}) {
       outputs.push_back(names.ofEye(side, suffix));
     }
+    if (header.markers.empty()) continue;
+    for (const char* suffix : {"physioevents.tsv.gz", "physioevents.json"}) {
+      outputs.push_back(names.ofEye(side, suffix));
+    }
   }
   inputs.emplace_back(options.file);
   inputs.emplace_back(options.study);
-  checkOutputs(outputs, inputs, options.overwrite);
-  OutputFiles files;
+  OutputFiles files(OutputGuard(outputs, inputs, options.overwrite));
   std::vector<BidsTable> tables;
   for (const auto& side : sides) {
     tables.emplace_back(files.stage(names.ofEye(side, "physio.tsv.gz")), contents, side);

@@ -19,8 +19,8 @@ struct ValidateOptions {
 };
 
 void runValidate(const ValidateOptions& options) {
-  checkOutputs(validationFiles(options.out), {}, options.overwrite);
-  const std::vector<ValidationFigure> figures = validate(options.out);
+  const OutputGuard guard(validationFiles(options.out), {}, options.overwrite);
+  const std::vector<ValidationFigure> figures = validate(options.out, guard);
   std::size_t within = 0;
   const ValidationFigure* first = nullptr;
   for (const ValidationFigure& one : figures) {

@@ -9,8 +9,8 @@
 
 #include "app/platform/json_text.h"
 #include "app/platform/machine.h"
+#include "app/platform/output_files.h"
 #include "app/platform/sha256.h"
-#include "base/file.h"
 
 namespace foci {
 namespace {
@@ -19,6 +19,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 std::optional<std::string> contentOf(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) return std::nullopt;
   std::ifstream in(file, std::ios::binary);
   if (!in) return std::nullopt;
   return std::string{std::istreambuf_iterator<char>(in), {}};
@@ -53,8 +55,8 @@ std::string programKey() {
          std::to_string(machine.cores) + " cores, " + machine.simd + "; ";
 }
 
-ChartCells::ChartCells(fs::path folder, std::string key)
-    : folder_(std::move(folder)), key_(std::move(key)) {}
+ChartCells::ChartCells(fs::path folder, std::string key, OutputGuard guard)
+    : folder_(std::move(folder)), key_(std::move(key)), guard_(std::move(guard)) {}
 
 std::optional<ChartCell> ChartCells::load(const std::string& name, const std::string& key) const {
   return parsed(folder_ / (name + ".json"), key_ + key, [](const Json& json) {
@@ -88,7 +90,7 @@ void ChartCells::store(const std::string& name, const std::string& key,
   if (cell.silhouette_psnr_dB) json["silhouette_psnr_dB"] = jsonNumber(*cell.silhouette_psnr_dB);
   if (cell.expected_error) json["expected_error"] = *cell.expected_error;
   for (const auto& [threads, ms] : cell.ms) json["ms"][std::to_string(threads)] = ms;
-  replaceFile(folder_ / (name + ".json"), json.dump(1) + "\n");
+  writeOutput(folder_ / (name + ".json"), json.dump(1) + "\n", guard_);
 }
 
 std::optional<double> ChartCells::loadScore(const std::string& name, const std::string& key) const {
@@ -98,7 +100,7 @@ std::optional<double> ChartCells::loadScore(const std::string& name, const std::
 
 void ChartCells::storeScore(const std::string& name, const std::string& key, double score) const {
   const Json json = {{"key", key_ + key}, {"score", score}};
-  replaceFile(folder_ / (name + ".json"), json.dump(1) + "\n");
+  writeOutput(folder_ / (name + ".json"), json.dump(1) + "\n", guard_);
 }
 
 std::optional<ChartReference> ChartCells::loadReferenceFigures(const std::string& name,
@@ -131,14 +133,14 @@ void ChartCells::storeReference(const std::string& name, const std::string& key,
   const Frame& frame = reference.frame;
   std::string bytes(frame.rgba.size() * sizeof frame.rgba[0], '\0');
   std::memcpy(bytes.data(), frame.rgba.data(), bytes.size());
-  replaceFile(folder_ / (name + ".rgba"), bytes);
+  writeOutput(folder_ / (name + ".rgba"), bytes, guard_);
   const Json json = {{"key", key_ + key},
                      {"views", reference.views},
                      {"split_half_psnr_dB", jsonNumber(reference.split_half_psnr_dB)},
                      {"width_px", frame.size_px.x},
                      {"height_px", frame.size_px.y},
                      {"sha256", hashOf(bytes)}};
-  replaceFile(folder_ / (name + ".json"), json.dump(1) + "\n");
+  writeOutput(folder_ / (name + ".json"), json.dump(1) + "\n", guard_);
 }
 
 }  // namespace foci

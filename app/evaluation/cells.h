@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "app/platform/output_guard.h"
 #include "render/image/frame.h"
 
 namespace foci {
@@ -37,17 +38,18 @@ std::string programKey();
 
 /// A folder with one file for each cell. Every file states a key, which names everything that its
 /// results depend on. A file with another key, or one that cannot be read, counts as absent and is
-/// overwritten. Files are renamed into place, so every file is complete at any moment.
+/// overwritten if the guard allows it. Files are renamed into place, so every file is complete at
+/// any moment.
 class ChartCells {
  public:
-  /// @param folder  must exist before the first write
+  /// @param folder  is made with the first cell
   /// @param key     what all cells depend on: program and machine
-  ChartCells(std::filesystem::path folder, std::string key);
+  ChartCells(std::filesystem::path folder, std::string key, OutputGuard guard);
 
   /// @param name  the cell's file name without folder and extension
   /// @param key   what this cell depends on in addition
   std::optional<ChartCell> load(const std::string& name, const std::string& key) const;
-  /// @throws std::runtime_error if the file cannot be written
+  /// @throws InputError, std::runtime_error if the file must not, or cannot be written
   void store(const std::string& name, const std::string& key, const ChartCell& cell) const;
 
   /// A cell that holds one finite number.
@@ -66,6 +68,7 @@ class ChartCells {
  private:
   std::filesystem::path folder_;
   std::string key_;
+  OutputGuard guard_;
 };
 
 }  // namespace foci

@@ -5,6 +5,7 @@
 #include "app/eye/eye_report.h"
 #include "app/graphics/html.h"
 #include "app/platform/output_folder.h"
+#include "app/platform/warnings.h"
 #include "base/text.h"
 
 namespace foci {
@@ -131,7 +132,12 @@ void writeEye(std::ostream& out, const EyeFigures& eye, OutputFolder& files) {
   const auto chart = [&](const std::string& name, const Plot& plot) {
     const Drawing drawing = layOut(plot);
     out << svgOf(drawing);
-    if (const auto png = pngOf(drawing)) files.write(name, *png);
+    if (const GnuplotChart png = pngOf(drawing); png.image) {
+      files.write(name, *png.image);
+    } else {
+      out << "<p class=\"notice\">No " << name << ": " << escaped(png.problem) << ".</p>\n";
+      say("no " + name + ": " + png.problem);
+    }
   };
   chart(prefixOf(eye) + "mtf.png", mtfPlot(eye));
   out << "<h3>Through focus</h3>\n";
@@ -173,10 +179,9 @@ std::vector<std::filesystem::path> eyeFiles(const std::filesystem::path& out) {
 }
 
 std::vector<EyeFigures> reportEye(const Study& study, const EyeRequest& request,
-                                  const std::filesystem::path& out) {
-  static_cast<void>(OutputFolder(out));  // throws before the long computation, leaves no folder
+                                  const std::filesystem::path& out, const OutputGuard& guard) {
+  OutputFolder files(out, guard);  // before the long computation
   std::vector<EyeFigures> eyes = eyeFiguresOf(study, request);
-  OutputFolder files(out);
   std::ostringstream page;
   page << pageStart("foci eye", kEyeStyle) << "<h1>The eye of " << escaped(study.file.string())
        << "</h1>\n<p>This page shows the eye by Fourier optics from the "

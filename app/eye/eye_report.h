@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/eye/visual_quality.h"
+#include "app/platform/output_guard.h"
 #include "app/study/study.h"
 
 namespace foci {
@@ -56,6 +57,6 @@ std::vector<std::filesystem::path> eyeFiles(const std::filesystem::path& out);
 
 /// Computes the figures and writes the files.
 std::vector<EyeFigures> reportEye(const Study& study, const EyeRequest& request,
-                                  const std::filesystem::path& out);
+                                  const std::filesystem::path& out, const OutputGuard& guard);
 
 }  // namespace foci

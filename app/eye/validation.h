@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "app/platform/output_guard.h"
+
 namespace foci {
 
 struct ValidationFigure {
@@ -29,6 +31,6 @@ std::string validationPage(const std::vector<ValidationFigure>& figures);
 std::vector<std::filesystem::path> validationFiles(const std::filesystem::path& out);
 
 /// Computes the figures and writes the files.
-std::vector<ValidationFigure> validate(const std::filesystem::path& out);
+std::vector<ValidationFigure> validate(const std::filesystem::path& out, const OutputGuard& guard);
 
 }  // namespace foci

@@ -86,10 +86,9 @@ std::vector<std::filesystem::path> validationFiles(const std::filesystem::path& 
   return {out / kValidationTable, out / kValidationPage};
 }
 
-std::vector<ValidationFigure> validate(const std::filesystem::path& out) {
-  static_cast<void>(OutputFolder(out));  // throws before the long computation, leaves no folder
+std::vector<ValidationFigure> validate(const std::filesystem::path& out, const OutputGuard& guard) {
+  OutputFolder files(out, guard);  // before the long computation
   std::vector<ValidationFigure> figures = validationFigures();
-  OutputFolder files(out);
   files.write(kValidationTable, validationTable(figures));
   files.write(kValidationPage, validationPage(figures));
   files.commit();

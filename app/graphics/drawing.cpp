@@ -112,7 +112,7 @@ std::string svgOf(const Drawing& drawing) {
   return svg + "</svg>\n";
 }
 
-std::optional<std::string> pngOf(const Drawing& drawing) {
+GnuplotChart pngOf(const Drawing& drawing) {
   const std::string width = decimal(drawing.size_px.x, 0), height = decimal(drawing.size_px.y, 0);
   std::string script = "set terminal pngcairo size " + width + "," + height +
                        " noenhanced font 'sans,12' background rgb '#ffffff'\n"

@@ -3,9 +3,10 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <optional>
 #include <string>
 #include <vector>
+
+#include "app/graphics/gnuplot.h"
 
 namespace foci {
 
@@ -62,8 +63,7 @@ double textWidth_px(const std::string& words, double size_px);
 /// An <svg> element in the page's colours, an image for screen readers; a group if it has links.
 std::string svgOf(const Drawing& drawing);
 
-/// The bytes of a PNG file on white ground, drawn by gnuplot; nothing without gnuplot.
-/// @throws std::runtime_error if gnuplot fails
-std::optional<std::string> pngOf(const Drawing& drawing);
+/// The bytes of a PNG file on white ground, drawn by gnuplot.
+GnuplotChart pngOf(const Drawing& drawing);
 
 }  // namespace foci

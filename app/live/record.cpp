@@ -1,5 +1,8 @@
 #include "app/live/record.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -33,6 +36,11 @@ Study studyOfRecord(Study study, double rate_Hz) {
 
 fs::path madeEmpty(const fs::path& folder) {
   makeRecordFolder(folder);
+  // Of two programs that begin a record at once, one gets its first file.
+  const int file =
+      ::open((folder / "gaze.tsv").c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file < 0) throw std::runtime_error(cannotWrite(folder / "gaze.tsv"));
+  ::close(file);
   return folder;
 }
 

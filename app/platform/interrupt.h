@@ -3,13 +3,15 @@
 
 namespace foci {
 
-/// From now on the first SIGINT, SIGTERM or SIGHUP only sets a flag. Another one, two seconds later
-/// or more, ends the process.
+/// From now on SIGINT, SIGTERM and SIGHUP remove the outputs that are not committed
+/// (output_files.h), print a line, and end the process with exit code 1. A signal that is ignored
+/// stays so. Also keeps up the heartbeat of those outputs. Call it before other threads begin.
+void endCleanlyOnInterrupts();
+
+/// For a loop that ends by itself: from now on the first signal only sets a flag. Another one, two
+/// seconds later or more, ends the process as above.
 void noteInterrupts();
 
 bool isInterrupted();
-
-/// @throws std::runtime_error after a signal
-void throwIfInterrupted();
 
 }  // namespace foci

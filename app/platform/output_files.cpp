@@ -1,50 +1,69 @@
 #include "app/platform/output_files.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <charconv>
-#include <csignal>
-#include <map>
+#include <cstdio>
+#include <mutex>
+#include <set>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
-#include "app/platform/output_ledger.h"
 #include "base/file.h"
+#include "base/input_error.h"
 
 namespace foci {
 namespace fs = std::filesystem;
 
 namespace {
 
-/// The id of a process between two parts of a name; 0 if there is none.
-pid_t processIn(const std::string& name, const std::string& before, const std::string& after) {
-  if (!name.starts_with(before) || !name.ends_with(after)) return 0;
-  if (name.size() <= before.size() + after.size()) return 0;
-  pid_t process = 0;
-  const char* end = name.data() + name.size() - after.size();
-  const auto [rest, status] = std::from_chars(name.data() + before.size(), end, process);
-  return status == std::errc() && rest == end ? process : 0;
-}
+/// All objects, for an interrupt, which removes what is not committed.
+struct Unfinished {
+  std::mutex mutex;
+  std::set<OutputFiles*> all;
+};
 
-fs::path folderOf(const fs::path& file) {
-  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+Unfinished& unfinished() {
+  static auto* const objects =
+      new Unfinished;  // never destroyed: an interrupt can come at any time
+  return *objects;
 }
 
 }  // namespace
 
+OutputFiles::OutputFiles(OutputGuard guard) : guard_(std::move(guard)) {
+  const std::lock_guard lock(unfinished().mutex);
+  unfinished().all.insert(this);
+}
+
 OutputFiles::~OutputFiles() {
+  const std::lock_guard lock(unfinished().mutex);
+  unfinished().all.erase(this);
+  abandon();
+}
+
+void OutputFiles::abandon() noexcept {
   std::error_code ignored;
-  if (committed_) return;
-  for (const Staged& file : staged_) fs::remove(file.temporary, ignored);
+  stagings_.clear();
   for (auto made = made_.rbegin(); made != made_.rend(); ++made) fs::remove(*made, ignored);
 }
 
 void OutputFiles::makeFolder(const fs::path& folder) {
+  const std::lock_guard lock(unfinished().mutex);
+  makePlace(folder);
+}
+
+void OutputFiles::claimFolder(const fs::path& folder) {
+  const std::lock_guard lock(unfinished().mutex);
+  stagingIn(makePlace(folder)).claimAll();
+}
+
+fs::path OutputFiles::makePlace(const fs::path& folder) {
   std::error_code error;
-  fs::path part;
-  for (const fs::path& name : fs::absolute(folder, error)) {
+  fs::path place = folderPlace(folder), part;
+  for (const fs::path& name : place) {
     part /= name;
     if (fs::is_directory(part, error)) continue;
     if (!fs::create_directory(part, error)) {
@@ -53,38 +72,24 @@ void OutputFiles::makeFolder(const fs::path& folder) {
     }
     made_.push_back(part);
   }
-  if (access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw std::runtime_error(cannotWrite(folder));
-  }
+  if (access(place.c_str(), W_OK | X_OK) != 0) throw std::runtime_error(cannotWrite(place));
+  return place;
 }
 
-void OutputFiles::removeLeftovers(const fs::path& folder, const std::string& before,
-                                  const std::string& after) {
-  std::error_code error;
-  const auto [names, is_new] = hidden_.try_emplace(folder);
-  if (is_new) {
-    for (const auto& entry : fs::directory_iterator(folder, error)) {
-      const std::string name = entry.path().filename().string();
-      if (name.starts_with('.')) names->second.push_back(name);
-    }
-  }
-  for (const std::string& name : names->second) {
-    const pid_t process = processIn(name, before, after);
-    if (process <= 0 || kill(process, 0) == 0 || errno != ESRCH) continue;
-    fs::remove(folder / name, error);
-  }
+StagingFolder& OutputFiles::stagingIn(const fs::path& place) {
+  return stagings_.try_emplace(place, place).first->second;
 }
 
 fs::path OutputFiles::stage(const fs::path& file) {
-  const fs::path folder = folderOf(file);
-  makeFolder(folder);
-  const std::string before = "." + file.stem().string() + ".";
-  const std::string extension = file.extension().string();
-  const std::string process = std::to_string(getpid());
-  for (const char* what : {".part", ".old"}) removeLeftovers(folder, before, what + extension);
-  staged_.push_back({.temporary = folder / (before + process + ".part" + extension),
-                     .final = file,
-                     .old = folder / (before + process + ".old" + extension)});
+  const std::lock_guard lock(unfinished().mutex);
+  const fs::path folder = makePlace(file.parent_path());
+  StagingFolder& staging = stagingIn(folder);
+  const std::string name = file.filename().string();
+  staging.claim(name);
+  staged_.push_back({.output = file,
+                     .temporary = staging.newFile(name),
+                     .final = folder / name,
+                     .old = staging.oldFile(name)});
   return staged_.back().temporary;
 }
 
@@ -102,15 +107,24 @@ void OutputFiles::write(const fs::path& file, const std::string& bytes) {
   write(file, [&](const fs::path& temporary) { writeText(temporary, bytes); });
 }
 
-void OutputFiles::place(Staged& file) {
+void OutputFiles::place(Staged& file, const OutputLedger& ledger) {
+  guard_.check(file.output, file.final, ledger.has(file.final));
   std::error_code error;
   fs::create_hard_link(file.final, file.old, error);
   const bool linked = !error;
   file.replaced = fs::exists(fs::symlink_status(file.final, error));
   if (!linked) file.old.clear();  // no old file, or no hard links on this file system
-  fs::rename(file.temporary, file.final, error);
+  if (!file.replaced && renameat2(AT_FDCWD, file.temporary.c_str(), AT_FDCWD, file.final.c_str(),
+                                  RENAME_NOREPLACE) == 0) {
+    file.placed = true;
+    return;
+  }
+  if (!file.replaced && errno == EEXIST) {
+    throw InputError(file.output.string(), "has just been made by another program");
+  }
+  fs::rename(file.temporary, file.final, error);  // not all file systems know RENAME_NOREPLACE
   if (error) {
-    throw std::runtime_error("cannot write " + file.final.string() + ": " + error.message());
+    throw std::runtime_error("cannot write " + file.output.string() + ": " + error.message());
   }
   file.placed = true;
 }
@@ -123,30 +137,48 @@ void OutputFiles::undo() noexcept {
     } else if (file->placed && !file->replaced) {
       fs::remove(file->final, ignored);
     }
-    if (!file->old.empty()) fs::remove(file->old, ignored);
   }
 }
 
 void OutputFiles::commit() {
+  const std::lock_guard lock(unfinished().mutex);
   std::map<fs::path, OutputLedger> ledgers;
   try {
+    // In one order for all runs: each ledger keeps other runs waiting.
+    std::set<fs::path> folders;
+    for (const Staged& file : staged_) folders.insert(file.final.parent_path());
+    for (const fs::path& folder : folders) ledgers.try_emplace(folder, folder);
     for (const Staged& file : staged_) {
-      const fs::path folder = fs::canonical(folderOf(file.final));
-      const auto ledger = ledgers.try_emplace(folder, folder).first;
-      ledger->second.add(file.temporary, file.final.filename().string());
+      ledgers.at(file.final.parent_path()).add(file.temporary, file.final.filename().string());
     }
     for (auto& [folder, ledger] : ledgers) ledger.save();
-    for (Staged& file : staged_) place(file);
+    for (Staged& file : staged_) place(file, ledgers.at(file.final.parent_path()));
   } catch (const std::exception&) {
     undo();
     for (auto& [folder, ledger] : ledgers) ledger.giveUp();
     throw;
   }
-  committed_ = true;
-  std::error_code ignored;
-  for (const Staged& file : staged_) {
-    if (!file.old.empty()) fs::remove(file.old, ignored);
+  made_.clear();
+  staged_.clear();
+  stagings_.clear();
+}
+
+void writeOutput(const fs::path& file, const std::string& bytes, const OutputGuard& guard) {
+  OutputFiles files(guard);
+  files.write(file, bytes);
+  files.commit();
+}
+
+void touchUnfinishedOutputs() {
+  const std::lock_guard lock(unfinished().mutex);
+  for (OutputFiles* files : unfinished().all) {
+    for (auto& [folder, staging] : files->stagings_) staging.touch();
   }
+}
+
+void removeUnfinishedOutputs() {
+  unfinished().mutex.lock();
+  for (OutputFiles* files : unfinished().all) files->abandon();
 }
 
 }  // namespace foci

@@ -7,27 +7,19 @@
 #include <string>
 #include <vector>
 
+#include "app/platform/output_guard.h"
+#include "app/platform/output_ledger.h"
+#include "app/platform/staging_folder.h"
+
 namespace foci {
 
-/// Refuses a folder that cannot be made because it, or a folder above it, is a file.
-/// @param folder  may not exist yet
-/// @throws InputError
-void requireFolderOrNothing(const std::filesystem::path& folder);
-
-/// Refuses outputs that a command must not write. Call it before the command reads anything. It
-/// refuses an output that is also an input. Device and inode tell, so links count, too. It refuses
-/// two outputs in one file, folders, pipes, devices, and names that are too long. Without
-/// `overwrite`, it refuses to replace a file that foci did not make (output_ledger.h).
-/// @param outputs, inputs  empty paths are options that were not given
-/// @throws InputError
-void checkOutputs(const std::vector<std::filesystem::path>& outputs,
-                  const std::vector<std::filesystem::path>& inputs, bool overwrite);
-
-/// Files have hidden temporary names until `commit`. Without `commit`, the destructor removes them,
-/// and the folders that were made for them.
+/// Files stand in staging folders (staging_folder.h) until `commit`. Without `commit`, the
+/// destructor removes them, and the folders that were made for them. Each file goes to its place as
+/// it is when the file is staged (`filePlace`). Objects may be used in several threads, each in
+/// one.
 class OutputFiles {
  public:
-  OutputFiles() = default;
+  explicit OutputFiles(OutputGuard guard);
   ~OutputFiles();
   OutputFiles(const OutputFiles&) = delete;
   OutputFiles& operator=(const OutputFiles&) = delete;
@@ -36,9 +28,13 @@ class OutputFiles {
   /// @throws std::runtime_error if it cannot be made, or nothing can be written to it
   void makeFolder(const std::filesystem::path& folder);
 
-  /// The temporary path of `file`, with the same extension. Makes its folder, and removes temporary
-  /// files of `file` that killed runs left.
-  /// @throws std::runtime_error
+  /// Makes a folder, and keeps other runs that claim it out of it.
+  /// @throws InputError naming such a run; std::runtime_error
+  void claimFolder(const std::filesystem::path& folder);
+
+  /// The temporary path of `file`, with the same name. Makes its folder, and removes what killed
+  /// runs left there.
+  /// @throws InputError if another run writes this file; std::runtime_error
   std::filesystem::path stage(const std::filesystem::path& file);
 
   /// Stages a file that `write_to` writes. @throws std::runtime_error naming `file`
@@ -48,30 +44,42 @@ class OutputFiles {
   /// Stages a file with this content. @throws std::runtime_error
   void write(const std::filesystem::path& file, const std::string& bytes);
 
-  /// Gives every staged file its final name, in the order of staging. If one cannot have it, all
-  /// names lead to their old files again.
-  /// @throws std::runtime_error
+  /// Gives every staged file its final name, in the order of staging. If one cannot have it, or the
+  /// guard refuses it, all names lead to their old files again.
+  /// @throws InputError, std::runtime_error
   void commit();
 
  private:
+  friend void touchUnfinishedOutputs();
+  friend void removeUnfinishedOutputs();
   struct Staged {
+    std::filesystem::path output;  ///< as named
     std::filesystem::path temporary, final;
     std::filesystem::path old{};  ///< a second name of the file to be replaced, if there is one
     bool placed = false, replaced = false;
   };
-  /// Removes the temporary files of killed runs: files whose name holds the id of a process that no
-  /// longer exists.
-  void removeLeftovers(const std::filesystem::path& folder, const std::string& before,
-                       const std::string& after);
-  void place(Staged& file);
+  /// @param place  of the folder, which exists
+  StagingFolder& stagingIn(const std::filesystem::path& place);
+  std::filesystem::path makePlace(const std::filesystem::path& folder);
+  void place(Staged& file, const OutputLedger& ledger);
   void undo() noexcept;
+  void abandon() noexcept;
 
+  OutputGuard guard_;
   std::vector<std::filesystem::path> made_;  ///< folders, each after its parents
+  std::map<std::filesystem::path, StagingFolder> stagings_;
   std::vector<Staged> staged_;
-  /// Hidden files of each folder before anything was staged there: a folder of many images is
-  /// listed once.
-  std::map<std::filesystem::path, std::vector<std::string>> hidden_;
-  bool committed_ = false;
 };
+
+/// Writes one file and commits it. @throws InputError, std::runtime_error
+void writeOutput(const std::filesystem::path& file, const std::string& bytes,
+                 const OutputGuard& guard);
+
+/// The heartbeat of all files that are not committed.
+void touchUnfinishedOutputs();
+
+/// Removes all files that are not committed, for a process that is about to end: whoever calls any
+/// function of `OutputFiles` afterwards waits for ever.
+void removeUnfinishedOutputs();
 
 }  // namespace foci

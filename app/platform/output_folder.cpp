@@ -4,8 +4,9 @@
 
 namespace foci {
 
-OutputFolder::OutputFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
-  files_.makeFolder(folder_);
+OutputFolder::OutputFolder(std::filesystem::path folder, const OutputGuard& guard)
+    : folder_(std::move(folder)), files_(guard) {
+  files_.claimFolder(folder_);
 }
 
 std::filesystem::path OutputFolder::stage(const std::string& name) {

@@ -11,12 +11,12 @@ namespace foci {
 
 class OutputFolder {
  public:
-  /// Makes the folder and its missing parents.
-  /// @throws std::runtime_error if a folder cannot be made, or nothing can be written to it
-  explicit OutputFolder(std::filesystem::path folder);
+  /// Makes the folder and its missing parents, and claims it.
+  /// @throws InputError if another run writes there; std::runtime_error if a folder cannot be made,
+  /// or nothing can be written to it
+  OutputFolder(std::filesystem::path folder, const OutputGuard& guard);
 
-  /// The temporary path of `name`, with the same extension. Also removes temporary files of `name`
-  /// that killed runs left.
+  /// The temporary path of `name`, with the same name.
   std::filesystem::path stage(const std::string& name);
 
   /// Stages a file with this content. @throws std::runtime_error
@@ -26,8 +26,11 @@ class OutputFolder {
   void write(const std::string& name,
              const std::function<void(const std::filesystem::path&)>& write_to);
 
+  /// For files elsewhere that appear together with those of the folder.
+  OutputFiles& files() { return files_; }
+
   /// Gives every staged file its final name, or none.
-  /// @throws std::runtime_error
+  /// @throws InputError, std::runtime_error
   void commit();
 
  private:

@@ -1,9 +1,6 @@
 #include "app/platform/output_ledger.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -12,6 +9,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/input_error.h"
 
 namespace foci {
 namespace fs = std::filesystem;
@@ -29,14 +27,21 @@ std::optional<std::string> lineOf(const fs::path& file, std::string name) {
          std::to_string(status.st_mtim.tv_nsec) + '\t' + name;
 }
 
+/// @throws InputError if the list is not one of foci's
 std::vector<std::string> linesOf(const fs::path& ledger) {
   std::vector<std::string> lines;
   std::error_code ignored;
-  if (!fs::is_regular_file(ledger, ignored)) return lines;
+  const fs::file_status status = fs::symlink_status(ledger, ignored);
+  if (!fs::exists(status)) return lines;
   std::ifstream in(ledger, std::ios::binary);
-  for (std::string line; std::getline(in, line);) {
-    if (!line.starts_with('#')) lines.push_back(line);
+  std::string line;
+  const bool is_ours =
+      fs::is_regular_file(status) && in && std::getline(in, line) && line == kFirstLine;
+  if (!is_ours) {
+    throw InputError(ledger.string(),
+                     "is not a list that foci wrote: expected another folder, or to remove it");
   }
+  while (std::getline(in, line)) lines.push_back(line);
   return lines;
 }
 
@@ -51,40 +56,28 @@ bool stillThere(const fs::path& folder, const std::string& line) {
 }  // namespace
 
 bool WrittenFiles::has(const fs::path& file) {
-  const auto line = lineOf(file, file.filename().string());
-  if (!line) return false;
   const auto [list, is_new] = lists_.try_emplace(file.parent_path());
   if (is_new) {
     for (std::string& one : linesOf(file.parent_path() / kLedger)) {
       list->second.insert(std::move(one));
     }
   }
-  return list->second.contains(*line);
+  const auto line = lineOf(file, file.filename().string());
+  return line && list->second.contains(*line);
 }
 
-OutputLedger::OutputLedger(fs::path folder) : folder_(std::move(folder)) {
-  const fs::path ledger = folder_ / kLedger;
-  is_new_ = !fs::exists(fs::symlink_status(ledger));
-  file_ = ::open(ledger.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
-  struct stat status {};
-  if (file_ < 0 || ::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
-    if (file_ >= 0) ::close(file_);
-    throw std::runtime_error(cannotWrite(ledger));
-  }
-  ::flock(file_, LOCK_EX);  // where a file system has no locks, the list works without
-  lines_ = linesOf(ledger);
+OutputLedger::OutputLedger(const fs::path& folder)
+    : folder_(folder),
+      lock_(folder_),
+      lines_(linesOf(folder_ / kLedger)),
+      is_new_(!fs::exists(folder_ / kLedger)) {
   const auto gone = [&](const std::string& line) { return !stillThere(folder_, line); };
   lines_.erase(std::remove_if(lines_.begin(), lines_.end(), gone), lines_.end());
 }
 
-OutputLedger::OutputLedger(OutputLedger&& other) noexcept
-    : folder_(std::move(other.folder_)),
-      lines_(std::move(other.lines_)),
-      is_new_(other.is_new_),
-      file_(std::exchange(other.file_, -1)) {}
-
-OutputLedger::~OutputLedger() {
-  if (file_ >= 0) ::close(file_);
+bool OutputLedger::has(const fs::path& file) const {
+  const auto line = lineOf(file, file.filename().string());
+  return line && std::find(lines_.begin(), lines_.end(), *line) != lines_.end();
 }
 
 void OutputLedger::add(const fs::path& temporary, const std::string& name) {
@@ -96,10 +89,7 @@ void OutputLedger::save() {
   std::string text(kFirstLine);
   text += '\n';
   for (const std::string& line : lines_) text += line + '\n';
-  const bool written =
-      ::pwrite(file_, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size()) &&
-      ::ftruncate(file_, static_cast<off_t>(text.size())) == 0;
-  if (!written) throw std::runtime_error(cannotWrite(folder_ / kLedger));
+  replaceFile(folder_ / kLedger, text);
 }
 
 void OutputLedger::giveUp() noexcept {

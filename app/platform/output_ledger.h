@@ -9,11 +9,14 @@
 #include <string>
 #include <vector>
 
+#include "app/platform/staging_folder.h"
+
 namespace foci {
 
 /// The files that earlier runs left as they are now. Reads the list of each folder once.
 class WrittenFiles {
  public:
+  /// @throws InputError if the folder's list is not one of foci's
   bool has(const std::filesystem::path& file);
 
  private:
@@ -24,12 +27,11 @@ class WrittenFiles {
 class OutputLedger {
  public:
   /// Files that are gone or have changed leave the list.
-  /// @throws std::runtime_error if the list cannot be opened
-  explicit OutputLedger(std::filesystem::path folder);
-  ~OutputLedger();
-  OutputLedger(OutputLedger&& other) noexcept;
-  OutputLedger(const OutputLedger&) = delete;
-  OutputLedger& operator=(const OutputLedger&) = delete;
+  /// @throws InputError if the list is not one of foci's
+  explicit OutputLedger(const std::filesystem::path& folder);
+
+  /// The file is as foci left it.
+  bool has(const std::filesystem::path& file) const;
 
   /// Lists a file that is about to be renamed to `name` in the folder.
   void add(const std::filesystem::path& temporary, const std::string& name);
@@ -44,9 +46,9 @@ class OutputLedger {
 
  private:
   std::filesystem::path folder_;
+  FolderLock lock_;
   std::vector<std::string> lines_;
   bool is_new_ = false;
-  int file_ = -1;
 };
 
 }  // namespace foci

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "app/platform/output_folder.h"
+#include "app/platform/output_files.h"
 #include "app/platform/progress.h"
 #include "app/platform/warnings.h"
 #include "app/prepare/fidelity_advice.h"
@@ -105,16 +105,17 @@ std::filesystem::path reportOf(std::filesystem::path scene) {
 }
 
 /// @throws InputError
-void checkRequest(const PrepareRequest& request) {
+OutputGuard guardOf(const PrepareRequest& request) {
   if (request.out.extension() != ".foci") {
     throw InputError("--out " + request.out.string(), "expected a file name that ends in .foci");
   }
   std::vector<std::filesystem::path> inputs = meshCompanions(request.input);
   inputs.push_back(request.input);
-  checkOutputs({request.out, reportOf(request.out)}, inputs, request.overwrite);
+  OutputGuard guard({request.out, reportOf(request.out)}, inputs, request.overwrite);
   if (isSceneFile(request.input)) {
     throw InputError(request.input.string(), "is a prepared scene already");
   }
+  return guard;
 }
 
 /// The surfels with sizes and weights solved. Progress goes to standard error.
@@ -186,11 +187,9 @@ PreparedScene preparedGaussians(const PrepareRequest& request, GaussianFile&& fi
 }  // namespace
 
 PrepareSummary prepareScene(const PrepareRequest& request) {
-  checkRequest(request);
+  OutputFiles output(guardOf(request));
   const auto start = std::chrono::steady_clock::now();
-  std::filesystem::path folder = request.out.parent_path();
-  if (folder.empty()) folder = ".";
-  OutputFolder output(folder);  // before the work, so that a bad folder is reported at once
+  output.makeFolder(request.out.parent_path());  // before the work: a bad folder shows at once
   SceneFile file = readScene(request.input);
   PrepareSummary summary{
       .out = request.out, .report = reportOf(request.out), .facts = factsOf(file)};
@@ -200,8 +199,7 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
   auto* const gaussians = std::get_if<GaussianFile>(&file.content);
   const PreparedScene scene = gaussians ? preparedGaussians(request, std::move(*gaussians), summary)
                                         : preparedSurfels(request, std::move(file), summary);
-  output.write(request.out.filename().string(),
-               [&](const std::filesystem::path& to) { writeSceneFile(to, scene); });
+  output.write(request.out, [&](const std::filesystem::path& to) { writeSceneFile(to, scene); });
   Warnings warnings;
   const std::string input = request.input.string();
   if (summary.dropped > 0) {
@@ -212,7 +210,7 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
   for (const std::string& warning : summary.warnings) warnings.add(input, warning);
   summary.warnings = warnings.all();
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  output.write(summary.report.filename().string(), prepareReport(request, summary));
+  output.write(summary.report, prepareReport(request, summary));
   output.commit();
   return summary;
 }

@@ -185,11 +185,11 @@ std::vector<std::filesystem::path> compareFiles(const std::filesystem::path& out
 }
 
 void compareRuns(const std::vector<std::filesystem::path>& folders,
-                 const std::filesystem::path& out) {
+                 const std::filesystem::path& out, const OutputGuard& guard) {
   std::vector<ComparedRun> runs;
   runs.reserve(folders.size());
   for (const std::filesystem::path& folder : folders) runs.push_back(readRun(folder));
-  OutputFolder files(out);
+  OutputFolder files(out, guard);
   files.write(kCompareTable, compareTable(runs));
   files.write(kComparePage, comparePage(runs));
   files.commit();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/platform/output_guard.h"
 #include "app/replay/compared_run.h"
 
 namespace foci {
@@ -21,6 +22,6 @@ std::vector<std::filesystem::path> compareFiles(const std::filesystem::path& out
 
 /// Reads the runs and writes both files. @throws InputError, std::runtime_error
 void compareRuns(const std::vector<std::filesystem::path>& folders,
-                 const std::filesystem::path& out);
+                 const std::filesystem::path& out, const OutputGuard& guard);
 
 }  // namespace foci

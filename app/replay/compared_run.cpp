@@ -22,6 +22,7 @@ class Table {
  public:
   /// @param columns  that it must have
   Table(const std::filesystem::path& file, const std::vector<std::string>& columns) : file_(file) {
+    requireRegularFile(file);
     std::ifstream in(file, std::ios::binary);
     std::string line;
     if (!in || !std::getline(in, line)) {
@@ -80,6 +81,7 @@ class Table {
 
 std::vector<Image> picturesOf(const std::filesystem::path& video, std::size_t frames) {
   std::vector<Image> pictures;
+  requireRegularFile(video);
   cv::VideoCapture capture(video.string());
   cv::Mat bgr;
   std::size_t next = 0;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "app/platform/interrupt.h"
 #include "app/platform/progress.h"
 #include "app/replay/moving_observer.h"
 #include "app/session/eye_path.h"
@@ -238,7 +237,6 @@ GazeInScene lookIntoScene(const Study& study, const ReplayedGaze& gaze, const Su
         found.attention_s[each.surfel] += each.share * found.samples[first + i].lasts_s;
       }
     }
-    throwIfInterrupted();
     if (progress) progress->advance(first + some);
   }
   if (gaze.trace.samples.front().head) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "app/platform/interrupt.h"
 #include "app/platform/progress.h"
 #include "app/platform/sha256.h"
 #include "app/replay/replay_inputs.h"
@@ -64,7 +63,7 @@ void requireSameFiles(const Part& part, const Study& study, const Study& stated)
     const std::filesystem::path& place = part.input_places[i];
     const bool replaced = path == part.study_file || path == stated.screen.monitor;
     if (replaced && place != study.scene.file) continue;
-    if (FileToHash(place).sha256(throwIfInterrupted) == sha256) continue;
+    if (FileToHash(place).sha256() == sha256) continue;
     throw InputError(path.string(),
                      "is not the file that the parts were rendered from; render the parts again");
   }
@@ -106,8 +105,7 @@ std::vector<Part> inOrder(std::vector<Part> parts) {
 }
 
 RunResult join(const std::vector<Part>& parts, const Study& study, const std::filesystem::path& out,
-               const std::string& command) {
-  noteInterrupts();
+               const std::string& command, const OutputGuard& guard) {
   Study stated = statedStudyOf(parts.front());
   requireSameFiles(parts.front(), study, stated);
   Warnings warnings;
@@ -117,7 +115,7 @@ RunResult join(const std::vector<Part>& parts, const Study& study, const std::fi
   for (const Part& part : parts) requireSameTimes(part, gaze.schedule);
   const SurfelCloud cloud = loadScene(gaze.study, warnings);
   if (const std::string remark = eyeRemark(gaze.study); !remark.empty()) warnings.add(remark);
-  RunWriter writer(stated, gaze, cloud, out, warnings);
+  RunWriter writer(stated, gaze, cloud, out, guard, warnings);
   Progress progress("joining", "frames", gaze.schedule.frames);
   RunFacts facts{.command = command,
                  .threads = parts.front().threads,
@@ -128,7 +126,6 @@ RunResult join(const std::vector<Part>& parts, const Study& study, const std::fi
   for (const Part& part : parts) {
     for (const std::string& warning : part.warnings) warnings.add(warning);
     for (std::size_t i = 0; i < part.all.size(); ++i) {
-      throwIfInterrupted();
       if (!part.all[i].image.empty()) image = imageOf(part, part.all[i], stated.imageSize_px());
       writer.add(frame, part.all[i].seen, image);
       const std::vector<FrameMap>& maps = stated.output.maps;

@@ -20,6 +20,6 @@ std::vector<Part> inOrder(std::vector<Part> parts);
 /// @param study  `studyOf` a part
 /// @throws InputError, std::runtime_error
 RunResult join(const std::vector<Part>& parts, const Study& study, const std::filesystem::path& out,
-               const std::string& command);
+               const std::string& command, const OutputGuard& guard);
 
 }  // namespace foci

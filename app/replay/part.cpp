@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "app/graphics/image.h"
-#include "app/platform/interrupt.h"
 #include "app/platform/json_text.h"
 #include "app/platform/progress.h"
 #include "app/platform/sha256.h"
@@ -98,7 +97,6 @@ Json renderSpan(ReplayedEye& eye, const FrameSpan& span, OutputFolder& folder) {
   Json frames = Json::array();
   Progress progress("rendering", "frames", span.end);
   for (std::size_t i = 0; i < span.end; ++i) {
-    throwIfInterrupted();
     if (i < span.first) {
       eye.pass(i);
       continue;
@@ -157,14 +155,14 @@ std::vector<std::filesystem::path> partFiles(const std::filesystem::path& out) {
 }
 
 FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::filesystem::path& out,
-                     unsigned threads, ReplayedScene& scene) {
+                     unsigned threads, ReplayedScene& scene, const OutputGuard& guard) {
   Warnings of_inputs, rendering;
   const ReplayedGaze gaze = readReplayedGaze(study, of_inputs);
   const FrameSpan own = within(span, gaze.schedule.frames);
+  const std::string portable = portableToml(study);  // before the work, since it can be refused
   ReplayedEye eye(gaze.study, gaze, scene.of(gaze.study, of_inputs), rendering);
-  noteInterrupts();
   InputHashes hashes(study, scene.hashed);
-  OutputFolder folder(out);
+  OutputFolder folder(out, guard);
   eye.sayDevice();
   Json frames = renderSpan(eye, own, folder);
   eye.addRemark();
@@ -172,10 +170,9 @@ FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::files
       headOf(study, own, gaze.schedule.frames, threads, eye.session().devices(), hashes.get());
   part["warnings"] = rendering.all();
   part["frames_seen"] = std::move(frames);
-  const std::string toml = portableToml(study);
-  part["study_sha256"] = hashOf(toml);
+  part["study_sha256"] = hashOf(portable);
   part["sha256"] = hashOf(jsonText(part));
-  folder.write(kStudy, toml);
+  folder.write(kStudy, portable);
   folder.write(kPart, jsonText(part) + "\n");
   folder.commit();
   return own;

@@ -56,7 +56,7 @@ std::vector<std::filesystem::path> partFiles(const std::filesystem::path& out);
 /// @return the part's span
 /// @throws InputError as `replay`, and for a span or a study that has no parts
 FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::filesystem::path& out,
-                     unsigned threads, ReplayedScene& scene);
+                     unsigned threads, ReplayedScene& scene, const OutputGuard& guard);
 
 /// @throws InputError
 Part readPart(const std::filesystem::path& folder);

@@ -1,14 +1,16 @@
 #include "app/replay/recordings.h"
 
 #include <algorithm>
+#include <cctype>
 #include <set>
+#include <string_view>
 #include <utility>
 
-#include "app/platform/interrupt.h"
 #include "app/platform/output_files.h"
 #include "app/platform/warnings.h"
 #include "app/replay/recordings_page.h"
 #include "base/input_error.h"
+#include "base/text.h"
 #include "gaze/webcam/webcam_frames.h"
 
 namespace foci {
@@ -21,6 +23,29 @@ std::filesystem::path fileOf(const std::string& trace) {
   return place ? place->file : std::filesystem::path(trace);
 }
 
+/// A name that is a folder of its own everywhere: UTF-8, not hidden, not `..`, not too long,
+/// without control characters and those that some systems refuse, and none of the batch's own
+/// files.
+std::string safeName(std::string_view name) {
+  constexpr std::size_t kMaxBytes = 120;
+  std::string safe = visible(name);  // the escapes' backslashes become "_"
+  std::size_t size = std::min(safe.size(), kMaxBytes);
+  const auto insideCharacter = [&] {
+    return (static_cast<unsigned char>(safe[size]) & 0xC0U) == 0x80;
+  };
+  while (size < safe.size() && size > 0 && insideCharacter()) --size;
+  safe.resize(size);
+  std::ranges::replace_if(
+      safe,
+      [](char c) { return std::string_view("/\\:*?\"<>|").find(c) != std::string_view::npos; },
+      '_');
+  if (safe.empty()) return "recording";
+  if (safe.front() == '.') safe.front() = '_';
+  if (safe.back() == '.' || safe.back() == ' ') safe.back() = '_';
+  if (safe == kPage || safe == kTable) safe += "_";
+  return safe;
+}
+
 /// The last `parts` parts of a file's path, with or without its extension.
 std::string nameOf(const std::filesystem::path& file, std::size_t parts, bool extension) {
   std::string name = extension ? file.filename().string() : file.stem().string();
@@ -28,11 +53,36 @@ std::string nameOf(const std::filesystem::path& file, std::size_t parts, bool ex
   for (; parts > 1 && folder.has_relative_path(); --parts, folder = folder.parent_path()) {
     name.insert(0, folder.filename().string() + "-");
   }
+  return safeName(name);
+}
+
+/// Of the names without the case of their letters: some file systems ignore it.
+std::string caseless(std::string name) {
+  std::ranges::transform(name, name.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return name;
 }
 
 bool differ(const std::vector<std::string>& names) {
-  return std::set<std::string>(names.begin(), names.end()).size() == names.size();
+  std::set<std::string> all;
+  for (const std::string& name : names) all.insert(caseless(name));
+  return all.size() == names.size();
+}
+
+/// The names, with numbers after those that another name equals.
+std::vector<std::string> numbered(std::vector<std::string> names) {
+  std::set<std::string> all;
+  for (const std::string& name : names) all.insert(caseless(name));
+  std::set<std::string> taken;
+  for (std::string& name : names) {
+    const std::string stem = name;
+    for (int number = 2; taken.contains(caseless(name)); ++number) {
+      std::string next = stem + "-" + std::to_string(number);
+      if (!all.contains(caseless(next))) name = std::move(next);
+    }
+    taken.insert(caseless(name));
+  }
+  return names;
 }
 
 /// @throws InputError if two recordings are the same file
@@ -54,15 +104,19 @@ std::vector<std::string> folderNames(const std::vector<std::string>& traces) {
     depth = std::max(depth, static_cast<std::size_t>(length));
   }
   requireDifferent(files);
+  const auto named = [&](std::size_t parts, bool extension) {
+    std::vector<std::string> names;
+    names.reserve(files.size());
+    for (const auto& file : files) names.push_back(nameOf(file, parts, extension));
+    return names;
+  };
   for (const bool extension : {false, true}) {
     for (std::size_t parts = 1; parts <= depth; ++parts) {
-      std::vector<std::string> names;
-      names.reserve(files.size());
-      for (const auto& file : files) names.push_back(nameOf(file, parts, extension));
+      std::vector<std::string> names = named(parts, extension);
       if (differ(names)) return names;
     }
   }
-  throw InputError("--trace", "the names of the recordings do not tell them apart");
+  return numbered(named(1, false));
 }
 
 std::vector<std::filesystem::path> batchFiles(const std::vector<BatchRecording>& recordings,
@@ -76,22 +130,23 @@ std::vector<std::filesystem::path> batchFiles(const std::vector<BatchRecording>&
 
 std::vector<BatchResult> replayAll(const std::vector<BatchRecording>& recordings,
                                    const std::filesystem::path& out, const std::string& command,
-                                   unsigned threads, ReplayedScene& scene) {
+                                   unsigned threads, ReplayedScene& scene,
+                                   const OutputGuard& guard) {
+  OutputFiles files(guard);
+  files.claimFolder(out);
   std::vector<BatchResult> results;
   for (const BatchRecording& each : recordings) {
     BatchResult result{.recording = each};
     say(each.trace + ": " + std::to_string(results.size() + 1) + " of " +
         std::to_string(recordings.size()));
     try {
-      result.run = replay(each.study, out / each.name, command, threads, scene);
+      result.run = replay(each.study, out / each.name, command, threads, scene, guard);
     } catch (const std::exception& error) {
-      if (isInterrupted()) throw;
       result.problem = error.what();
       say(result.problem);
     }
     results.push_back(std::move(result));
   }
-  OutputFiles files;
   files.write(out / kTable, recordingsTable(results));
   files.write(out / kPage, recordingsPage(recordings.front().study, results));
   files.commit();

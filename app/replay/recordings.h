@@ -19,7 +19,8 @@ struct BatchRecording {
 };
 
 /// Names a folder for each recording after its file. Files of one name get their folder's name
-/// before it: `sub-01-gaze`.
+/// before it: `sub-01-gaze`. Characters that no folder should have become `_`. The names differ by
+/// more than the case of their letters.
 /// @throws InputError if a recording is given twice
 std::vector<std::string> folderNames(const std::vector<std::string>& traces);
 
@@ -36,9 +37,10 @@ struct BatchResult {
 
 /// Replays each recording into a folder of its own, then writes index.html and recordings.tsv. A
 /// recording that fails does not stop the others; both name its problem.
-/// @throws std::runtime_error if interrupted
+/// @throws InputError if another run writes to `out`; std::runtime_error
 std::vector<BatchResult> replayAll(const std::vector<BatchRecording>& recordings,
                                    const std::filesystem::path& out, const std::string& command,
-                                   unsigned threads, ReplayedScene& scene);
+                                   unsigned threads, ReplayedScene& scene,
+                                   const OutputGuard& guard);
 
 }  // namespace foci

@@ -63,7 +63,7 @@ ImageSummary renderImage(const Study& study, const ImageRequest& request,
   }
   const Frame& frame = session.render(render_request, record);
   if (const std::string remark = session.deviceRemark(); !remark.empty()) warnings.add(remark);
-  OutputFiles files;
+  OutputFiles files(request.guard);
   using Path = std::filesystem::path;
   files.write(request.out, [&](const Path& to) { writeImage(to, frame, study.screen.gamma); });
   if (request.depth) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/platform/output_guard.h"
 #include "app/study/study.h"
 #include "render/methods/method.h"
 #include "render/scene/io/open_scene.h"
@@ -20,6 +21,7 @@ struct ImageRequest {
   std::optional<double> focus_D;
   /// On the study's screen, px; absent: `Session::middleSurface_px`.
   std::optional<glm::dvec2> gaze_px;
+  OutputGuard guard = {};
 };
 
 struct ImageSummary {

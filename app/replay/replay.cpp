@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "app/graphics/image.h"
-#include "app/platform/interrupt.h"
 #include "app/platform/progress.h"
 #include "app/record/later_image.h"
 #include "app/replay/replayed_eye.h"
@@ -26,7 +25,7 @@ const SurfelCloud& ReplayedScene::of(const Study& study, Warnings& warnings) {
 }
 
 RunResult replay(const Study& asked, const std::filesystem::path& out, const std::string& command,
-                 unsigned threads, ReplayedScene& scene,
+                 unsigned threads, ReplayedScene& scene, const OutputGuard& guard,
                  const std::optional<std::filesystem::path>& heatmap) {
   Warnings warnings;
   const ReplayedGaze gaze = readReplayedGaze(asked, warnings);
@@ -38,11 +37,10 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   RunFacts facts{
       .command = command, .threads = threads, .device = {}, .inputs = {}, .heatmap = heatmap};
   ReplayedEye eye(study, gaze, cloud, warnings);
-  noteInterrupts();
   InputHashes hashes(study, scene.hashed);
   if (const std::string remark = eyeRemark(study); !remark.empty()) warnings.add(remark);
 
-  RunWriter writer(study, gaze, cloud, out, warnings);
+  RunWriter writer(study, gaze, cloud, out, guard, warnings);
   eye.sayDevice();
   const std::size_t frames = gaze.schedule.frames;
   Progress progress("rendering", "frames", frames);
@@ -51,7 +49,6 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   FrameReading reading;       // destroyed before `written`, which waits for it
   FrameRenderer& renderer = eye.renderer();
   for (std::size_t i = 0; i < frames; ++i) {
-    throwIfInterrupted();
     SeenFrame seen;
     RenderedFrame& rendered = eye.seeKept(i, seen);
     reading.finish(renderer);
@@ -83,7 +80,7 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
 RunResult replay(const Study& study, const std::filesystem::path& out, const std::string& command,
                  unsigned threads) {
   ReplayedScene scene;
-  return replay(study, out, command, threads, scene);
+  return replay(study, out, command, threads, scene, OutputGuard());
 }
 
 }  // namespace foci

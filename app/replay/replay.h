@@ -41,10 +41,10 @@ class ReplayedScene {
 /// @param heatmap  PLY of the scene with attention to write, too
 /// @throws InputError, std::runtime_error
 RunResult replay(const Study& study, const std::filesystem::path& out, const std::string& command,
-                 unsigned threads, ReplayedScene& scene,
+                 unsigned threads, ReplayedScene& scene, const OutputGuard& guard,
                  const std::optional<std::filesystem::path>& heatmap = {});
 
-/// The same for a study whose scene nothing else needs.
+/// The same for a study whose scene nothing else needs, into a folder without foreign files.
 RunResult replay(const Study& study, const std::filesystem::path& out, const std::string& command,
                  unsigned threads);
 

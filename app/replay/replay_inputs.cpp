@@ -69,7 +69,6 @@ InputHashes::InputHashes(const Study& study, std::vector<InputFile> known)
           maxThreads() > 1 ? std::launch::async : std::launch::deferred,
           [this, inputs = opened(study), known = std::move(known)]() mutable {
             const auto goOn = [this] {
-              throwIfInterrupted();
               if (stop_) throw std::runtime_error("stopped");
             };
             std::vector<InputFile> files;

@@ -331,8 +331,8 @@ void heatSection(std::ostream& out, const ReportFacts& facts) {
 
 }  // namespace
 
-bool writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
-                 const GazeTrace& trace, const ReportFacts& facts) {
+std::string writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
+                        const GazeTrace& trace, const ReportFacts& facts) {
   const Study& study = facts.run.start;
   const std::vector<RunMark> marks = marksOf(facts.run);
   const auto charts = chartsSvg(facts.rows, study.screen.size_px, marks);
@@ -349,11 +349,10 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
   out << objectsText(facts.objects);
   heatSection(out, facts);
   out << "<h2>Over time</h2>\n";
-  if (charts) {
-    out << legend(marks) << *charts;
+  if (charts.image) {
+    out << legend(marks) << *charts.image;
   } else {
-    out << "<p class=\"notice\">No charts: gnuplot is not installed. On Debian: "
-           "<code>apt install gnuplot-nox</code>.</p>\n";
+    out << "<p class=\"notice\">No charts: " << escaped(charts.problem) << ".</p>\n";
   }
   out << "<p class=\"quiet\">Gaze in px of the study's screen, from its top-left corner; time on "
          "the "
@@ -365,7 +364,7 @@ bool writeReport(const std::filesystem::path& file, const std::filesystem::path&
       << kPageEnd;
   out.close();
   if (!out) throw std::runtime_error(cannotWrite(file));
-  return charts.has_value();
+  return charts.problem;
 }
 
 }  // namespace foci

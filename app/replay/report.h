@@ -49,9 +49,9 @@ std::string focusText(const Study& study, const ReportFacts& facts);
 inline constexpr double kVisibleBlur_px = 0.5;  ///< change of the blur radius
 
 /// @param video  embedded, read block by block
-/// @return whether the page has charts: without gnuplot it says that they are missing
+/// @return why the page has no charts, as it says; empty: it has them
 /// @throws std::runtime_error
-bool writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
-                 const GazeTrace& trace, const ReportFacts& facts);
+std::string writeReport(const std::filesystem::path& file, const std::filesystem::path& video,
+                        const GazeTrace& trace, const ReportFacts& facts);
 
 }  // namespace foci

@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "app/graphics/gnuplot.h"
 #include "app/graphics/html.h"
 #include "base/text.h"
 
@@ -168,8 +167,8 @@ std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunM
          " and " + counted(changes, "change") + " of settings.";
 }
 
-std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& screen_px,
-                                     const std::vector<RunMark>& marks) {
+GnuplotChart chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& screen_px,
+                       const std::vector<RunMark>& marks) {
   const double from_s = rows.front().time_s;
   const double to_s = std::max(rows.back().time_s, from_s + 1e-3);
   std::string script = dataBlock(rows);
@@ -210,15 +209,20 @@ std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows, const gl
       "plot $frames using 1:8 with impulses title '' linewidth 1.2 linecolor rgb '#7a8190'\n"
       "unset multiplot\n";
 
-  auto svg = runGnuplot(script);
-  if (!svg) return std::nullopt;
-  svg->erase(0, svg->find("<svg"));
+  GnuplotChart chart = runGnuplot(script);
+  if (!chart.image) return chart;
+  std::string& svg = *chart.image;
+  const std::size_t start = svg.find("<svg");
+  if (start == svg.npos || svg.find('>', start) == svg.npos) {
+    return {.problem = "gnuplot drew no SVG"};
+  }
+  svg.erase(0, start);
   // Not currentColor: gnuplot's groups set that to black.
   for (const char* drawn : {kTextColor, "rgb(  1,   2,   3)", "rgb(1,2,3)"}) {
-    replaceAll(*svg, drawn, "var(--ink)");
+    replaceAll(svg, drawn, "var(--ink)");
   }
-  describe(*svg, "Gaze, focus, pupil and render time over time", chartsText(rows, marks));
-  return svg;
+  describe(svg, "Gaze, focus, pupil and render time over time", chartsText(rows, marks));
+  return chart;
 }
 
 }  // namespace foci

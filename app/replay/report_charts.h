@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "app/graphics/gnuplot.h"
 #include "app/replay/run_changes.h"
 #include "gaze/geometry/gaze_sample.h"
 
@@ -34,10 +34,9 @@ class ChartSeries {
 /// for screen readers.
 /// @param screen_px  range of the gaze axis
 /// @param marks      in order of time
-/// @return an <svg> element; nothing if gnuplot is not installed
-/// @throws std::runtime_error if gnuplot fails
-std::optional<std::string> chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& screen_px,
-                                     const std::vector<RunMark>& marks);
+/// @return an <svg> element, or why there is none
+GnuplotChart chartsSvg(const std::vector<ChartRow>& rows, const glm::ivec2& screen_px,
+                       const std::vector<RunMark>& marks);
 
 /// What the charts show, in sentences.
 std::string chartsText(const std::vector<ChartRow>& rows, const std::vector<RunMark>& marks);

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "app/graphics/image.h"
-#include "app/platform/output_files.h"
 #include "app/record/gaze_marker.h"
 #include "app/record/manifest.h"
 #include "app/record/run_events.h"
@@ -98,13 +97,13 @@ std::vector<std::filesystem::path> RunWriter::files(const Study& study,
 }
 
 RunWriter::RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
-                     const std::filesystem::path& out, Warnings& warnings)
+                     const std::filesystem::path& out, const OutputGuard& guard, Warnings& warnings)
     : study_(study),
       gaze_(gaze),
       cloud_(cloud),
       warnings_(warnings),
       out_(out),
-      folder_(out),
+      folder_(out, guard),
       video_file_(folder_.stage(kVideo)),
       video_(video_file_, study.imageSize_px(), study.output.fps),
       table_(folder_.stage(kFrames)),
@@ -153,12 +152,11 @@ RunResult RunWriter::finish(const RunFacts& run) {
   statistics_.fill(facts);
   facts.summary = summaryOf(schedule, events, statistics_, facts, out_);
   facts.objects = in_scene.objects;
-  OutputFiles heatmap;
   if (run.heatmap) {
     const HeatMap heat = heatMapOf(cloud_, in_scene.attention_s);
     facts.heat = heatPictures(heat.cloud, in_scene);
     facts.most_heat_s_per_m2 = heat.most_s_per_m2;
-    heatmap.write(*run.heatmap, [&](const std::filesystem::path& to) {
+    folder_.files().write(*run.heatmap, [&](const std::filesystem::path& to) {
       writeHeatPly(to, heat.cloud, in_scene.attention_s);
     });
   }
@@ -185,11 +183,9 @@ RunResult RunWriter::finish(const RunFacts& run) {
                                          .warnings = facts.warnings,
                                          .inputs = run.inputs,
                                          .frames_sha256 = hash_.hex()}));
-  if (!writeReport(folder_.stage(kReport), video_file_, gaze_.trace, facts)) {
-    say("the report has no charts: gnuplot is not installed (apt install gnuplot-nox)");
-  }
+  const std::string problem = writeReport(folder_.stage(kReport), video_file_, gaze_.trace, facts);
+  if (!problem.empty()) say("the report has no charts: " + problem);
   folder_.commit();
-  heatmap.commit();
   return {.summary = facts.summary, .image = facts.sheet[facts.sheet.size() / 2]};
 }
 

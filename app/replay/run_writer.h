@@ -40,7 +40,7 @@ class RunWriter {
   /// @param study, gaze, cloud  outlive it
   /// @param warnings  of the run so far, which outlive it; `finish` adds more and writes all
   RunWriter(const Study& study, const ReplayedGaze& gaze, const SurfelCloud& cloud,
-            const std::filesystem::path& out, Warnings& warnings);
+            const std::filesystem::path& out, const OutputGuard& guard, Warnings& warnings);
 
   /// @param image  without marker
   void add(std::size_t frame, const SeenFrame& seen, const Image& image);

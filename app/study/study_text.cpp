@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/input_error.h"
 #include "base/text.h"
 
 namespace foci {
@@ -39,6 +40,16 @@ std::string tomlInFile(const Json& json) {
   std::string text;
   for (const Json& element : json) text += (text.empty() ? "\n  " : ",\n  ") + tomlOf(element);
   return "[" + text + "\n]";
+}
+
+/// The value of a key. @throws InputError for a file whose name is not UTF-8, as TOML has to be
+Json valueOf(const Study& study, const ResolvedKey& key) {
+  Json value = Json::parse(key.json, nullptr, false);
+  if (!value.is_discarded()) return value;
+  throw InputError(study.file.string(),
+                   std::string(key.name) +
+                       ": a name that is not UTF-8, which no study can hold: expected another name "
+                       "of the file, or of a folder above it");
 }
 
 /// "eye" and "up" of "eye.up"; no section of "seed".
@@ -89,7 +100,7 @@ std::string annotatedStudyToml(const Study& study, const std::filesystem::path& 
   while (std::getline(lines, line)) above += "# " + line + "\n";
   for (const ResolvedKey& key : resolvedKeys(moved)) {
     const bool wanted = isPlace(key.name) || key.json != defaults.at(key.name);
-    const Json value = Json::parse(key.json, nullptr, false);
+    const Json value = valueOf(study, key);
     if (!wanted || value.is_null() || value == Json::array()) continue;
     if (moved.scene.file && key.name == "scene.builtin") continue;
     if (!moved.eye.path.empty() && (key.name == "eye.position_m" || key.name == "eye.look_at_m")) {
@@ -118,7 +129,7 @@ std::string studyToml(const Study& study) {
   moved.screen.monitor.reset();
   std::string above, text, section;
   for (const ResolvedKey& key : resolvedKeys(moved)) {
-    const Json value = Json::parse(key.json, nullptr, false);
+    const Json value = valueOf(study, key);
     if (value.is_null() || value == Json::array() || value == "") continue;
     if (moved.scene.file && key.name == "scene.builtin") continue;
     const auto [in, name] = splitName(key.name);

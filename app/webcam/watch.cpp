@@ -200,7 +200,8 @@ void printSummary(const WatchOptions& options, Totals totals, bool by_networks) 
 
 void watchWebcam(const WatchOptions& options) {
   const WebcamPlace place = placeOf(options.source);
-  checkOutputs({options.out, options.overlay}, {place.file, options.camera}, options.overwrite);
+  OutputFiles files(
+      OutputGuard({options.out, options.overlay}, {place.file, options.camera}, options.overwrite));
   std::optional<Lens> camera;
   if (!options.camera.empty()) camera = lensOf(readCamera(options.camera));
   WebcamTracker tracker(camera);
@@ -208,11 +209,10 @@ void watchWebcam(const WatchOptions& options) {
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }
   WebcamFrames frames(place);
-  OutputFiles files;
   Overlay overlay(files, options.overlay, frames.isPicture(), frames.rate_Hz());
   std::string table = kColumns;
   Totals totals;
-  noteInterrupts();
+  if (frames.isCamera()) noteInterrupts();
   const auto print = [&](const std::string& row) {
     if (!options.table) return;
     if (!options.out.empty()) {
@@ -240,7 +240,6 @@ void watchWebcam(const WatchOptions& options) {
     totals.add(record, ms);
     overlay.add(image, record, *tracker.camera());
   }
-  if (!frames.isCamera()) throwIfInterrupted();
   if (totals.frames == 0) throw InputError(nameOf(place), "has no frame that can be read");
   overlay.finish();
   if (!options.out.empty()) files.write(options.out, table);

@@ -92,6 +92,19 @@ TEST_F(Overwrite, NoOutputIsAMaterialOrATextureOfTheScene) {
   }
 }
 
+// Of all commands and spellings: tests/attacks.
+TEST_F(Overwrite, AFolderThatDoesNotExistYetHidesNoInput) {
+  folder.write("mine.png", "mine");
+  expectRefused({"events", "trace.tsv", "--out", "nope/../trace.tsv"}, "would replace");
+  expectRefused({"events", "trace.tsv", "--out", "nope/../trace.tsv", "--overwrite"},
+                "would replace");
+  expectRefused({"render", "study.toml", "--focus", "1", "--out", "nope/../mine.png"},
+                "--overwrite");
+  expectRefused({"replay", "study.toml", "--out", "out", "--write-study", "nope/../study.toml",
+                 "--overwrite"},
+                "would replace");
+}
+
 TEST_F(Overwrite, LinksToAnInputAreTheInput) {
   fs::create_symlink("trace.tsv", folder.path() / "soft.tsv");
   fs::create_hard_link(folder.path() / "trace.tsv", folder.path() / "hard.tsv");

@@ -14,7 +14,7 @@
 #include "app/evaluation/evaluation_page.h"
 #include "app/evaluation/timed_runs.h"
 #include "app/graphics/image.h"
-#include "base/file.h"
+#include "app/platform/output_files.h"
 #include "base/parallel.h"
 #include "base/quantile.h"
 #include "base/text.h"
@@ -41,12 +41,14 @@ constexpr double kSlow = 4.0;
 class ChartGroup {
  public:
   ChartGroup(const ChartPlan& plan, const ChartScene& scene, double blur_px, const fs::path& folder,
-             const ChartCells& cells, const std::function<void(std::size_t)>& on_steps)
+             const ChartCells& cells, const OutputGuard& guard,
+             const std::function<void(std::size_t)>& on_steps)
       : plan_(plan),
         scene_(scene),
         blur_px_(blur_px),
         folder_(folder),
         cells_(cells),
+        guard_(guard),
         on_steps_(on_steps),
         key_(scene.id + " " + scene.input + "; " + std::to_string(plan.size_px) + " px; blur " +
              decimal(blur_px, 3) + " px; reference " + plan.reference(scene, blur_px) + "; ") {
@@ -126,7 +128,7 @@ class ChartGroup {
 
   void writeImage(const std::string& file, const Image& image) const {
     const auto bytes = pngOf(image);
-    replaceFile(folder_ / file, std::string(bytes.begin(), bytes.end()));
+    writeOutput(folder_ / file, std::string(bytes.begin(), bytes.end()), guard_);
   }
 
   /// Renders the reference, and the first frame of each method that has no cell yet.
@@ -244,6 +246,7 @@ class ChartGroup {
   double blur_px_;
   const fs::path& folder_;
   const ChartCells& cells_;
+  const OutputGuard& guard_;
   const std::function<void(std::size_t)>& on_steps_;
   std::string key_;
   double aperture_m_ = 0.0;
@@ -263,15 +266,35 @@ std::size_t stepsOf(const ChartPlan& plan) {
   return steps;
 }
 
-ChartResult measureChart(const ChartPlan& plan, const fs::path& folder,
+std::vector<fs::path> measuredFiles(const ChartPlan& plan, const fs::path& folder) {
+  std::vector<fs::path> files;
+  const auto add = [&](const std::string& image) {
+    files.push_back(folder / image);
+    files.push_back(folder / "cells" / fs::path(image).stem().concat(".json"));
+  };
+  for (const ChartScene& scene : plan.scenes) {
+    for (const double blur_px : plan.blurs_px) {
+      const std::string reference = referenceFile(scene.id, blur_px);
+      add(reference);
+      files.push_back(folder / "cells" / fs::path(reference).stem().concat(".rgba"));
+      for (const EvaluatedMethod& method : scene.methods) {
+        add(imageFile(scene.id, blur_px, method));
+        files.push_back(folder / differenceFileOf(imageFile(scene.id, blur_px, method)));
+      }
+    }
+  }
+  return files;
+}
+
+ChartResult measureChart(const ChartPlan& plan, const fs::path& folder, const OutputGuard& guard,
                          const std::function<void(std::size_t)>& on_steps) {
-  const ChartCells cells(folder / "cells", programKey());
+  const ChartCells cells(folder / "cells", programKey(), guard);
   ChartResult result;
   for (const ChartScene& scene : plan.scenes) {
     std::optional<SceneInView> seen;
     SurfelCloud shared;
     for (const double blur_px : plan.blurs_px) {
-      ChartGroup group(plan, scene, blur_px, folder, cells, on_steps);
+      ChartGroup group(plan, scene, blur_px, folder, cells, guard, on_steps);
       const auto done = static_cast<std::size_t>(
           std::count_if(scene.methods.begin(), scene.methods.end(),
                         [&](const auto& one) { return group.isDone(one); }));
@@ -286,8 +309,6 @@ ChartResult measureChart(const ChartPlan& plan, const fs::path& folder,
                                  seen->warnings.end());
           shared = scene.gaussians ? seen->cloud : withTree(seen->cloud);
         }
-        fs::create_directories(folder / "cells");
-        fs::create_directories(folder / "images");
         group.measure(*seen, shared);
       }
       group.addTo(result);

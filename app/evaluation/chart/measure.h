@@ -8,6 +8,7 @@
 
 #include "app/evaluation/chart/plan.h"
 #include "app/evaluation/chart/points.h"
+#include "app/platform/output_guard.h"
 
 namespace foci {
 
@@ -16,6 +17,10 @@ struct ChartResult {
   std::size_t computed = 0, kept = 0;      ///< cells that this run measured, and found complete
   std::vector<std::string> warnings = {};  ///< of the scenes that this run measured
 };
+
+/// The files that `measureChart` writes.
+std::vector<std::filesystem::path> measuredFiles(const ChartPlan& plan,
+                                                 const std::filesystem::path& folder);
 
 /// Number of steps that `measureChart` reports.
 std::size_t stepsOf(const ChartPlan& plan);
@@ -27,6 +32,7 @@ std::size_t stepsOf(const ChartPlan& plan);
 /// @param folder    of the chart: cells go to `cells`, images to `images`
 /// @param on_steps  called with the number of steps done since the last call
 ChartResult measureChart(const ChartPlan& plan, const std::filesystem::path& folder,
+                         const OutputGuard& guard,
                          const std::function<void(std::size_t)>& on_steps);
 
 }  // namespace foci

@@ -8,7 +8,6 @@
 #include "app/evaluation/reproduce/figures.h"
 #include "app/evaluation/reproduce/page.h"
 #include "app/evaluation/timed_runs.h"
-#include "app/platform/interrupt.h"
 #include "app/platform/output_folder.h"
 #include "app/platform/progress.h"
 #include "base/text.h"
@@ -50,7 +49,6 @@ void findApertures(ReproduceScene& scene) {
   Progress progress("finding apertures", "frames", kSearchFrames);
   std::size_t done = 0;
   chooseApertures(scene, [&] {
-    throwIfInterrupted();
     if (++done < kSearchFrames) progress.advance(done);
   });
   progress.advance(kSearchFrames);
@@ -71,11 +69,11 @@ std::vector<std::filesystem::path> reproduceFiles(const std::filesystem::path& o
 
 ReproduceSummary reproduce(const ReproduceRequest& request) {
   const auto start = std::chrono::steady_clock::now();
-  noteInterrupts();
   const ReproduceEffort effort = request.quick ? kQuick : ReproduceEffort{};
   const std::vector<unsigned> threads = threadCounts();
   ReproduceScene lion = request.scan ? scanScene(*request.scan) : statueScene();
-  OutputFolder output(request.out);  // before the work, so that a bad folder is reported at once
+  OutputFolder output(request.out,
+                      request.guard);  // before the work, so that a bad folder is reported at once
 
   findApertures(lion);
   const ReproduceScene plane = planeScene();
@@ -84,10 +82,7 @@ ReproduceSummary reproduce(const ReproduceRequest& request) {
   Progress progress("rendering", "frames",
                     framesToRender(plane, lion, effort, threads, request.quick));
   std::size_t done = 0;
-  const auto onFrames = [&](std::size_t frames) {
-    throwIfInterrupted();
-    progress.advance(done += frames);
-  };
+  const auto onFrames = [&](std::size_t frames) { progress.advance(done += frames); };
 
   ReproduceFacts facts{.effort = effort, .threads = threads, .quick = request.quick};
   ReproduceSummary summary{.out = request.out, .quick = request.quick};

@@ -8,6 +8,7 @@
 #include "app/evaluation/reproduce/growth.h"
 #include "app/evaluation/reproduce/ratios.h"
 #include "app/evaluation/reproduce/scenes.h"
+#include "app/platform/output_guard.h"
 
 namespace foci {
 
@@ -15,6 +16,7 @@ struct ReproduceRequest {
   std::filesystem::path out;
   std::optional<ScanView> scan = {};  ///< instead of the statue
   bool quick = false;                 ///< fewer repetitions and views
+  OutputGuard guard = {};
 };
 
 struct ReproduceSummary {

@@ -9,7 +9,7 @@
 #include "app/evaluation/csv.h"
 #include "app/evaluation/evaluation_page.h"
 #include "app/graphics/image.h"
-#include "base/file.h"
+#include "app/platform/output_files.h"
 #include "base/text.h"
 
 namespace foci {
@@ -21,9 +21,12 @@ std::string groupName(const std::string& scene, float value) {
   return scene + "_" + dialText(value) + "_";
 }
 
-void writeImage(const fs::path& file, const Image& image) {
-  const auto bytes = pngOf(image);
-  replaceFile(file, std::string(bytes.begin(), bytes.end()));
+/// The file of a cell, without folder and extension.
+/// @param index  of the method, or of the scene's observer
+std::string cellName(const StabilityPlan& plan, const StabilityScene& scene, float value,
+                     std::size_t index) {
+  return groupName(scene.name, value) +
+         (scene.observe ? "observer-" + std::to_string(index) : plan.methods[index].fileName());
 }
 
 /// Factor for the images: brings a scene that is too bright or too faint to see to white.
@@ -43,12 +46,13 @@ Frame exposed(Frame frame, float exposure) {
 class StabilityGroup {
  public:
   StabilityGroup(const StabilityPlan& plan, const StabilityScene& scene, float value,
-                 const fs::path& folder, const ChartCells& cells)
+                 const fs::path& folder, const ChartCells& cells, const OutputGuard& guard)
       : plan_(plan),
         scene_(scene),
         value_(value),
         folder_(folder),
         cells_(cells),
+        guard_(guard),
         key_(scene.name + " " + scene.input + "; " + dialText(value) + "; " +
              std::to_string(plan.effort.samples) + " samples, " +
              std::to_string(plan.effort.steps) + " steps; ") {}
@@ -67,9 +71,11 @@ class StabilityGroup {
   }
 
  private:
-  std::string nameOf(std::size_t index) const {
-    return groupName(scene_.name, value_) +
-           (scene_.observe ? "observer-" + std::to_string(index) : plan_.methods[index].fileName());
+  std::string nameOf(std::size_t index) const { return cellName(plan_, scene_, value_, index); }
+
+  void writeImage(const std::string& file, const Image& image) const {
+    const auto bytes = pngOf(image);
+    writeOutput(folder_ / file, std::string(bytes.begin(), bytes.end()), guard_);
   }
 
   std::optional<double> load(std::size_t index, const std::string& name) const {
@@ -95,14 +101,14 @@ class StabilityGroup {
     if (!trial_) {
       trial_.emplace(scene_, value_, plan_.effort);
       exposure_ = exposureOf(trial_->reference());
-      writeImage(folder_ / stabilityReference(scene_.name, value_),
+      writeImage(stabilityReference(scene_.name, value_),
                  imageOf(exposed(trial_->reference(), exposure_)));
     }
     const double score = trial_->score(method);
     const Frame rendered = exposed(trial_->rendered(), exposure_);
     const std::string image = stabilityImage(scene_.name, value_, plan_.methods[index]);
-    writeImage(folder_ / image, imageOf(rendered));
-    writeImage(folder_ / differenceFileOf(image),
+    writeImage(image, imageOf(rendered));
+    writeImage(differenceFileOf(image),
                differenceOf(rendered, exposed(trial_->reference(), exposure_), kDifferenceGain));
     return score;
   }
@@ -112,6 +118,7 @@ class StabilityGroup {
   float value_;
   const fs::path& folder_;
   const ChartCells& cells_;
+  const OutputGuard& guard_;
   std::string key_;
   std::optional<StabilityTrial> trial_;
   float exposure_ = 1.0f;
@@ -148,15 +155,33 @@ std::size_t stepsOf(const StabilityPlan& plan) {
   return steps;
 }
 
+std::vector<fs::path> measuredFiles(const StabilityPlan& plan, const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const StabilityScene& scene : plan.scenes) {
+    for (const float value : scene.values) {
+      for (std::size_t i = 0; i < scoredIn(plan, scene).size(); ++i) {
+        files.push_back(folder / "cells" / (cellName(plan, scene, value, i) + ".json"));
+      }
+      if (scene.observe) continue;
+      files.push_back(folder / stabilityReference(scene.name, value));
+      for (const EvaluatedMethod& method : plan.methods) {
+        const std::string image = stabilityImage(scene.name, value, method);
+        files.push_back(folder / image);
+        files.push_back(folder / differenceFileOf(image));
+      }
+    }
+  }
+  return files;
+}
+
 StabilityResult measureStability(const StabilityPlan& plan, const fs::path& folder,
+                                 const OutputGuard& guard,
                                  const std::function<void(std::size_t)>& on_steps) {
-  const ChartCells cells(folder / "cells", programKey());
-  fs::create_directories(folder / "cells");
-  fs::create_directories(folder / "images");
+  const ChartCells cells(folder / "cells", programKey(), guard);
   StabilityResult result;
   for (const StabilityScene& scene : plan.scenes) {
     for (const float value : scene.values) {
-      StabilityGroup(plan, scene, value, folder, cells).measure(on_steps, result);
+      StabilityGroup(plan, scene, value, folder, cells, guard).measure(on_steps, result);
     }
   }
   return result;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/evaluation/stability/plan.h"
+#include "app/platform/output_guard.h"
 
 namespace foci {
 
@@ -35,12 +36,17 @@ std::string stabilityReference(const std::string& scene, float value);
 /// A dial's value as text.
 std::string dialText(float value);
 
+/// The files that `measureStability` writes.
+std::vector<std::filesystem::path> measuredFiles(const StabilityPlan& plan,
+                                                 const std::filesystem::path& folder);
+
 /// Number of steps that `measureStability` reports.
 std::size_t stepsOf(const StabilityPlan& plan);
 
 /// @param folder    of the chart: cells go to `cells`, images to `images`
 /// @param on_steps  called with the number of steps done since the last call
 StabilityResult measureStability(const StabilityPlan& plan, const std::filesystem::path& folder,
+                                 const OutputGuard& guard,
                                  const std::function<void(std::size_t)>& on_steps);
 
 /// stability.csv.

@@ -144,7 +144,8 @@ void writeStrip(std::ostream& out, const StabilityPlan& plan, const StabilitySce
 
 }  // namespace
 
-std::string stabilityPage(const StabilityPlan& plan, const std::vector<StabilityPoint>& points) {
+std::string stabilityPage(const StabilityPlan& plan, const std::vector<StabilityPoint>& points,
+                          const std::string& notice) {
   std::ostringstream out;
   std::string scenes;
   for (const StabilityScene& scene : plan.scenes) {
@@ -179,6 +180,7 @@ std::string stabilityPage(const StabilityPlan& plan, const std::vector<Stability
   out << "</div>\n<p class=\"quiet\"><code>stability.csv</code> holds all figures and "
          "<code>images/</code> all images. A later run continues from <code>cells/</code>, which "
          "you may remove.</p>\n";
+  if (!notice.empty()) out << "<p class=\"notice\">" << escaped(notice) << ".</p>\n";
   writeImageDialog(out);
   out << kPageEnd;
   return out.str();

@@ -11,7 +11,9 @@
 namespace foci {
 
 /// A complete HTML page. Its links are relative to the chart's folder.
-std::string stabilityPage(const StabilityPlan& plan, const std::vector<StabilityPoint>& points);
+/// @param notice  of what the page misses; empty: nothing
+std::string stabilityPage(const StabilityPlan& plan, const std::vector<StabilityPoint>& points,
+                          const std::string& notice);
 
 /// All panels in one image: for pages without links.
 Drawing stabilityOverview(const StabilityPlan& plan, const std::vector<StabilityPoint>& points);

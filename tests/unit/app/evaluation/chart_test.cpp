@@ -245,7 +245,7 @@ class ChartCellsTest : public testing::Test {
 };
 
 TEST_F(ChartCellsTest, LoadsResultsUnderTheSameKeyOnly) {
-  const ChartCells cells(folder_, "program 1; ");
+  const ChartCells cells(folder_, "program 1; ", OutputGuard());
   const ChartCell cell{.psnr_dB = kInfinity,
                        .ssim = 1.0 / 3.0,
                        .silhouette_psnr_dB = 40.1,
@@ -267,14 +267,14 @@ TEST_F(ChartCellsTest, LoadsResultsUnderTheSameKeyOnly) {
   EXPECT_EQ(back->ms, cell.ms);
   EXPECT_FALSE(cells.load("b", "plane"));
   EXPECT_FALSE(cells.load("a", "plane "));
-  EXPECT_FALSE(ChartCells(folder_, "program 2; ").load("a", "plane"));
+  EXPECT_FALSE(ChartCells(folder_, "program 2; ", OutputGuard()).load("a", "plane"));
 
   cells.store("a", "plane", {.silhouette_psnr_dB = {}});
   EXPECT_EQ(cells.load("a", "plane")->silhouette_psnr_dB, std::nullopt);
 }
 
 TEST_F(ChartCellsTest, CountsForeignFilesAsAbsent) {
-  const ChartCells cells(folder_, "k");
+  const ChartCells cells(folder_, "k", OutputGuard());
   for (const char* text : {"", "{", "[]", "{\"key\": 1}", "{\"key\": \"k\"}",
                            "{\"key\": \"k\", \"psnr_dB\": [], \"ssim\": \"x\"}"}) {
     writeText(folder_ / "a.json", text);
@@ -284,7 +284,7 @@ TEST_F(ChartCellsTest, CountsForeignFilesAsAbsent) {
 }
 
 TEST_F(ChartCellsTest, LoadsAReferenceToTheBitAndNoTruncatedOne) {
-  const ChartCells cells(folder_, "k");
+  const ChartCells cells(folder_, "k", OutputGuard());
   ChartReference reference{.views = 64, .split_half_psnr_dB = 51.5, .frame = {}};
   reference.frame.size_px = {3, 2};
   for (int i = 0; i < 6; ++i) reference.frame.rgba.emplace_back(0.1f * static_cast<float>(i));

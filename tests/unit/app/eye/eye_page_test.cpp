@@ -16,7 +16,7 @@ TEST(EyePage, RefusesAFolderThatCannotBeMadeBeforeItComputes) {
   Study study;
   study.observer.wavefront.file = scratch.path() / "none.csv";  // read when the computation begins
   try {
-    reportEye(study, {}, scratch.path() / "file" / "out");
+    reportEye(study, {}, scratch.path() / "file" / "out", OutputGuard());
     FAIL() << "written";
   } catch (const std::runtime_error& error) {
     EXPECT_TRUE(std::string(error.what()).starts_with("cannot make the folder")) << error.what();

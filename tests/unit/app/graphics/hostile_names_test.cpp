@@ -71,14 +71,14 @@ void expectRectangular(const std::string& table, std::size_t lines) {
 TEST(HostileNames, GnuplotPrintsThemAndRunsNothing) {
   const TemporaryFolder folder;
   const std::string file = (folder.path() / "touched").string();
-  if (!runGnuplot("set print '-'\nprint 1\n")) GTEST_SKIP() << "gnuplot is not installed";
+  if (!runGnuplot("set print '-'\nprint 1\n").image) GTEST_SKIP() << "gnuplot is not installed";
   for (const std::string& name : hostileNames(file)) {
-    const auto printed = runGnuplot("set print '-'\nprint " + gnuplotString(name) + "\n");
+    const auto printed = runGnuplot("set print '-'\nprint " + gnuplotString(name) + "\n").image;
     EXPECT_EQ(*printed, visible(name) + "\n");
     Drawing drawing{.size_px = {600.0, 300.0}};
     drawing.discs.push_back({.at_px = {5.0, 15.0}, .radius_px = 3.0, .color = "#000000"});
     drawing.texts.push_back({.at_px = {5.0, 15.0}, .words = name});
-    EXPECT_TRUE(pngOf(drawing)->starts_with("\x89PNG")) << name;
+    EXPECT_TRUE(pngOf(drawing).image->starts_with("\x89PNG")) << name;
   }
   EXPECT_FALSE(std::filesystem::exists(file));
 }

@@ -1,13 +1,15 @@
 #include "app/platform/output_files.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "app/platform/output_ledger.h"
 #include "base/file.h"
@@ -30,14 +32,14 @@ class OutputFilesTest : public testing::Test {
   }
 
   void make(const std::string& name, const std::string& bytes) const {
-    OutputFiles files;
+    OutputFiles files{OutputGuard()};
     files.write(root_ / name, bytes);
     files.commit();
   }
 
   std::string refusal(const fs::path& output, const fs::path& input, bool overwrite = false) const {
     try {
-      checkOutputs({output}, {input}, overwrite);
+      OutputGuard({output}, {input}, overwrite);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -49,7 +51,7 @@ class OutputFilesTest : public testing::Test {
 };
 
 TEST_F(OutputFilesTest, AppearTogetherInSeveralFolders) {
-  OutputFiles files;
+  OutputFiles files{OutputGuard()};
   files.write(root_ / "a/one.txt", "1");
   files.write(root_ / "b/two.txt", "2");
   EXPECT_FALSE(fs::exists(root_ / "a/one.txt"));
@@ -63,7 +65,7 @@ TEST_F(OutputFilesTest, AFailureRestoresWhatWasReplaced) {
   make("old.txt", "old");
   const auto before = names();
   {
-    OutputFiles files;
+    OutputFiles files{OutputGuard()};
     files.write(root_ / "old.txt", "new");
     files.write(root_ / "new.txt", "new");
     files.write(root_ / "taken.txt", "new");
@@ -76,23 +78,95 @@ TEST_F(OutputFilesTest, AFailureRestoresWhatWasReplaced) {
   EXPECT_TRUE(wrote(root_ / "old.txt"));
 }
 
-// 2^30 is above the ids that Linux gives to processes.
-TEST_F(OutputFilesTest, RemoveTheTemporaryFilesOfKilledRuns) {
-  const std::string own = std::to_string(getpid());
-  for (const std::string name : {".a.1073741824.part.txt", ".a.1073741824.old.txt"}) {
-    temporary_.write(name, "left");
+/// A staging folder as another run has it, whose lock nobody holds.
+/// @param start  of its machine
+fs::path otherStaging(const fs::path& folder, const std::string& start, std::chrono::seconds age) {
+  const fs::path staging = folder / ".foci-0123456789abcdef";
+  for (const char* part : {"claims", "new", "old"}) fs::create_directories(staging / part);
+  for (const fs::path& file : {staging / "claims/a.txt", staging / "all"}) writeText(file, "");
+  writeText(staging / "lock", start + "\nprocess 7 on lab3 since noon\n");
+  fs::last_write_time(staging / "lock", fs::file_time_type::clock::now() - age);
+  return staging;
+}
+
+std::string thisStart() { return textOf("/proc/sys/kernel/random/boot_id").substr(0, 36); }
+
+TEST_F(OutputFilesTest, RemoveWhatDeadRunsLeft) {
+  using std::chrono::seconds;
+  for (const auto& [start, age] : {std::pair(thisStart(), seconds(0)), {"other", seconds(3600)}}) {
+    const fs::path staging = otherStaging(root_, start, age);
+    OutputFiles{OutputGuard()}.stage(root_ / "a.txt");
+    EXPECT_FALSE(fs::exists(staging)) << start;
   }
-  const std::set<std::string> kept = {".a." + own + ".old.txt", ".b.1073741824.part.txt",
-                                      ".a.x.part.txt", "a.1073741824.part.txt"};
-  for (const std::string& name : kept) temporary_.write(name, "kept");
-  OutputFiles().stage(root_ / "a.txt");
-  EXPECT_EQ(names(), kept);
+}
+
+TEST_F(OutputFilesTest, AnotherMachinesRunKeepsItsNamesAndItsFolder) {
+  const fs::path staging = otherStaging(root_, "other", std::chrono::seconds(5));
+  const auto before = names();
+  OutputFiles files{OutputGuard()};
+  for (const auto& claim : std::vector<std::function<void()>>{[&] { files.stage(root_ / "a.txt"); },
+                                                              [&] { files.claimFolder(root_); }}) {
+    try {
+      claim();
+      ADD_FAILURE() << "two runs write one place";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("process 7 on lab3"), std::string::npos);
+    }
+  }
+  make("b.txt", "1");  // a name that nobody has claimed
+  EXPECT_TRUE(fs::exists(staging));
+}
+
+TEST_F(OutputFilesTest, TwoRunsOnOneMachineShareNoName) {
+  OutputFiles first{OutputGuard()}, second{OutputGuard()};
+  first.write(root_ / "a.txt", "1");
+  EXPECT_THROW(second.stage(root_ / "a.txt"), InputError);
+  second.write(root_ / "b.txt", "2");
+  second.claimFolder(root_);
+  EXPECT_THROW(first.claimFolder(root_), InputError);
+  second.commit();
+  first.commit();
+  EXPECT_EQ(temporary_.read("a.txt") + temporary_.read("b.txt"), "12");
+}
+
+// The guard holds again at the moment of the rename.
+TEST_F(OutputFilesTest, WhatAppearsDuringTheRunIsNotReplaced) {
+  temporary_.write("in.txt", "in");
+  for (const bool overwrite : {false, true}) {
+    OutputFiles files(OutputGuard({root_ / "a.txt"}, {root_ / "in.txt"}, overwrite));
+    files.write(root_ / "b.txt", "new");
+    files.write(root_ / "a.txt", "new");
+    fs::create_hard_link(root_ / "in.txt", root_ / "a.txt");
+    EXPECT_THROW(files.commit(), InputError);
+    EXPECT_EQ(temporary_.read("in.txt"), "in");
+    EXPECT_FALSE(fs::exists(root_ / "b.txt"));
+    fs::remove(root_ / "a.txt");
+  }
+}
+
+TEST_F(OutputFilesTest, GoWherePathsLeadOnceTheirFoldersAreMade) {
+  fs::create_directory(root_ / "sub");
+  fs::create_directory_symlink("sub", root_ / "link");
+  EXPECT_EQ(filePlace(root_ / "nope/../a.txt"), root_ / "a.txt");
+  EXPECT_EQ(filePlace(root_ / "nope/../link/a.txt"), root_ / "sub/a.txt");
+  EXPECT_EQ(filePlace(root_ / "link/../a.txt"), root_ / "a.txt");
+  EXPECT_EQ(folderPlace(root_ / "nope/x/"), root_ / "nope/x");
+  make("nope/../link/a.txt", "1");
+  EXPECT_EQ(temporary_.read("sub/a.txt"), "1");
+  EXPECT_FALSE(fs::exists(root_ / "nope"));
+}
+
+TEST_F(OutputFilesTest, AListThatFociDidNotWriteIsKept) {
+  temporary_.write(".foci-outputs", "mine");
+  EXPECT_NE(refusal(root_ / "a.txt", {}).find("is not a list that foci wrote"), std::string::npos);
+  EXPECT_THROW(make("a.txt", "1"), InputError);
+  EXPECT_EQ(temporary_.read(".foci-outputs"), "mine");
 }
 
 TEST_F(OutputFilesTest, AFailureLeavesNoListInANewFolder) {
   fs::create_directory(root_ / "taken.txt");
   {
-    OutputFiles files;
+    OutputFiles files{OutputGuard()};
     files.write(root_ / "taken.txt", "new");
     EXPECT_THROW(files.commit(), std::runtime_error);
   }
@@ -140,7 +214,7 @@ TEST_F(OutputFilesTest, ChecksRefuseInputsFoldersAndForeignFiles) {
   temporary_.write("in.txt", "in");
   fs::create_symlink("in.txt", root_ / "soft");
   fs::create_hard_link(root_ / "in.txt", root_ / "hard");
-  for (const char* name : {"in.txt", "soft", "hard"}) {
+  for (const char* name : {"in.txt", "soft", "hard", "nope/../in.txt", "nope/../hard"}) {
     EXPECT_NE(refusal(root_ / name, root_ / "in.txt", true).find("would replace"),
               std::string::npos);
   }

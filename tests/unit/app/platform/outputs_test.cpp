@@ -29,7 +29,7 @@ class OutputFolderTest : public testing::Test {
 
 TEST_F(OutputFolderTest, ShowsFilesOnlyOnceCommitted) {
   const fs::path out = root_ / "a/b";
-  OutputFolder folder(out);
+  OutputFolder folder(out, OutputGuard());
   writeText(folder.stage("one.txt"), "1");
   EXPECT_FALSE(fs::exists(out / "one.txt"));
   folder.commit();
@@ -39,7 +39,7 @@ TEST_F(OutputFolderTest, ShowsFilesOnlyOnceCommitted) {
 
 TEST_F(OutputFolderTest, LeavesNothingUncommitted) {
   {
-    OutputFolder folder(root_ / "a/b/c");
+    OutputFolder folder(root_ / "a/b/c", OutputGuard());
     writeText(folder.stage("one.txt"), "1");
   }
   EXPECT_FALSE(fs::exists(root_ / "a"));
@@ -49,7 +49,7 @@ TEST_F(OutputFolderTest, KeepsOlderFiles) {
   fs::create_directories(root_ / "a");
   writeText(root_ / "a/old.txt", "old");
   {
-    OutputFolder folder(root_ / "a/b");
+    OutputFolder folder(root_ / "a/b", OutputGuard());
     writeText(folder.stage("one.txt"), "1");
   }
   EXPECT_TRUE(fs::exists(root_ / "a/old.txt"));
@@ -58,8 +58,8 @@ TEST_F(OutputFolderTest, KeepsOlderFiles) {
 
 TEST_F(OutputFolderTest, RefusesAFileInItsPlaceAndRemovesNewFolders) {
   writeText(root_ / "file", "");
-  EXPECT_THROW(OutputFolder(root_ / "file"), std::runtime_error);
-  EXPECT_THROW(OutputFolder(root_ / "file/below"), std::runtime_error);
+  EXPECT_THROW(OutputFolder(root_ / "file", OutputGuard()), std::runtime_error);
+  EXPECT_THROW(OutputFolder(root_ / "file/below", OutputGuard()), std::runtime_error);
 }
 
 std::string sha256Of(std::string_view text) {

@@ -35,5 +35,19 @@ TEST(FolderNames, AreRefusedForAFileGivenTwice) {
   EXPECT_THROW(folderNames({"/d/gaze.tsv", "/d/../d/gaze.tsv"}), InputError);
 }
 
+TEST(FolderNames, AreSafeFolders) {
+  EXPECT_EQ(folderNames({"/d/...tsv", "/d/.tsv", "/d/..tsv"}), (Names{"__", "_tsv", "_"}));
+  EXPECT_EQ(folderNames({"/d/index.html.tsv", "/d/recordings.tsv.asc"}),
+            (Names{"index.html_", "recordings.tsv_"}));
+  EXPECT_EQ(folderNames({"/d/a\nb\t:c.tsv", "/d/caf\xe9.tsv", "/d/caf\xc3\xa9.tsv"}),
+            (Names{"a_nb_t_c", "caf_xe9", "caf\xc3\xa9"}));
+  EXPECT_LE(folderNames({"/d/" + std::string(250, 'a')})[0].size(), 120u);
+}
+
+TEST(FolderNames, DifferByMoreThanCase) {
+  EXPECT_EQ(folderNames({"/d/Gaze.tsv", "/d/gaze.asc"}), (Names{"Gaze.tsv", "gaze.asc"}));
+  EXPECT_EQ(folderNames({"/d/Gaze.tsv", "/d/gaze.tsv"}), (Names{"Gaze", "gaze-2"}));
+}
+
 }  // namespace
 }  // namespace foci

@@ -69,7 +69,7 @@ TEST(ReportCharts, MarkTheTimeAxisAndSpeakToScreenReaders) {
                     .state = GazeState::fixation});
   }
   const auto marks = marksOf(changesOfRun(Study{}, kPupils, kMarkers, 1.0, 4.0));
-  const auto svg = chartsSvg(rows, {640, 480}, marks);
+  const auto svg = chartsSvg(rows, {640, 480}, marks).image;
   if (!svg) GTEST_SKIP() << "gnuplot is absent";
   EXPECT_NE(svg->find("role=\"img\" aria-label=\"Gaze, focus, pupil and render time over time\""),
             std::string::npos);
@@ -80,7 +80,7 @@ TEST(ReportCharts, MarkTheTimeAxisAndSpeakToScreenReaders) {
   EXPECT_EQ(svg->find("(1,2,3)"), std::string::npos);
   EXPECT_NE(svg->find("2 event markers and 3 changes of settings"), std::string::npos);
   EXPECT_NE(svg->find("horizontal 10 to 109 px"), std::string::npos);
-  const auto plain = chartsSvg(rows, {640, 480}, {});
+  const auto plain = chartsSvg(rows, {640, 480}, {}).image;
   // Dashed lines for the changes: a path in each of the four panels.
   const auto dashes = [](const std::string& text) {
     std::size_t count = 0;
