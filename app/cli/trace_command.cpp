@@ -63,6 +63,41 @@ void addRange(const TraceHeader& header, const TraceSummary& summary,
   }
 }
 
+/// What the tracker and the experiment state.
+void addStatements(const TraceHeader& header, nlohmann::ordered_json& json) {
+  for (const TrackerCalibration& calibration : header.calibrations) {
+    nlohmann::ordered_json each = {{"time_s", rounded(calibration.time_s)},
+                                   {"kind", calibration.kind},
+                                   {"targets", calibration.targets},
+                                   {"eye", calibration.eye},
+                                   {"grade", calibration.grade}};
+    if (calibration.mean_deg) each["mean_deg"] = *calibration.mean_deg;
+    if (calibration.max_deg) each["max_deg"] = *calibration.max_deg;
+    json["calibrations"].push_back(each);
+  }
+  for (const TraceTrial& trial : header.trials) {
+    nlohmann::ordered_json each = {{"name", trial.name},
+                                   {"onset_s", rounded(trial.first_s)},
+                                   {"duration_s", rounded(trial.last_s - trial.first_s)},
+                                   {"result", trial.result}};
+    for (const auto& [name, value] : trial.variables) each["variables"][name] = value;
+    json["trials"].push_back(each);
+  }
+  if (!header.markers.empty()) json["markers"] = header.markers.size();
+}
+
+std::string textOf(const nlohmann::ordered_json& calibration) {
+  const auto text = [&](const char* key) { return calibration[key].get<std::string>(); };
+  std::string line =
+      text("eye").empty() ? text("targets") : text("eye") + " eye, " + text("targets");
+  line += ": " + text("grade");
+  for (const auto& [key, name] : {std::pair("mean_deg", "mean"), std::pair("max_deg", "max")}) {
+    if (!calibration.contains(key)) continue;
+    line += std::string(", ") + name + ' ' + calibration[key].dump() + " deg";
+  }
+  return line + ", at " + calibration["time_s"].dump() + " s";
+}
+
 nlohmann::ordered_json factsOf(const TraceHeader& header, const TraceSummary& summary) {
   const auto share = [&](std::size_t count) {
     return static_cast<double>(count) /
@@ -80,6 +115,9 @@ nlohmann::ordered_json factsOf(const TraceHeader& header, const TraceSummary& su
                                  {"pupil", share(summary.pupils())},
                                  {"clock_jumps", summary.jumps()},
                                  {"longest_jump_s", rounded(summary.longest_jump_s())}};
+  if (!header.pupil_unit.empty()) json["pupil_unit"] = header.pupil_unit;
+  if (summary.pauses() > 0) json["blocks"] = summary.pauses() + 1;
+  addStatements(header, json);
   if (summary.present() > 0) addRange(header, summary, json);
   const Screen& screen = *header.screen;
   if (!header.nominal_screen) {
@@ -107,6 +145,16 @@ void printFacts(const TraceHeader& header, const TraceSummary& summary, bool jso
   }
   for (const auto& [key, value] : facts.items()) {
     if (key == "columns") continue;
+    if (key == "calibrations") {
+      for (const auto& each : value) {
+        std::printf("%-15s %s\n", each["kind"].get<std::string>().c_str(), textOf(each).c_str());
+      }
+      continue;
+    }
+    if (key == "trials") {
+      std::printf("%-15s %zu\n", key.c_str(), value.size());
+      continue;
+    }
     if (key == "unknown" || key == "assumed" || key == "warnings") {
       for (const auto& line : value) {
         std::printf("%-15s %s\n", key.c_str(), visible(line.get<std::string>()).c_str());

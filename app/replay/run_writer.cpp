@@ -30,6 +30,7 @@ void countDataLoss(const GazeTrace& trace, const Schedule& schedule, ReportFacts
   std::optional<double> absent_since_s;
   for (const GazeSample& sample : trace.samples) {
     if (sample.time_s < schedule.first_s || sample.time_s > end_s) continue;
+    if (sample.after_pause) absent_since_s.reset();
     ++facts.samples;
     facts.samples_blink += sample.blink;
     if (sample.point_px) {

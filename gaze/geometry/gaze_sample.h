@@ -62,6 +62,7 @@ struct GazeSample {
   std::optional<double> pupil_mm{};    ///< diameter, if the recording has one in millimetres
   std::optional<double> pupil_own{};   ///< of both eyes, in the tracker's own unit (`pupil_unit`)
   bool blink = false;                  ///< the tracker itself reports a blink
+  bool after_pause = false;            ///< the recording was paused before this sample
   std::optional<double> confidence{};  ///< 0 to 1, if the recording has one
   std::array<EyeSample, 2> eyes{};     ///< left, right; empty if the recording has no single eyes
   std::optional<double> uncertainty_deg{};  ///< from a calibration: 68 % of the errors are smaller

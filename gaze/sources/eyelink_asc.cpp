@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/number.h"
@@ -23,13 +27,25 @@ constexpr double kClock_ms = 1e-3;  // above the rounding of seconds, far below 
 constexpr double kMaxBlink_ms = 1000.0;
 constexpr double kSlack_ms = 100.0;  // the line of an event comes a little after its samples
 
+// Messages that the tracker and its software write themselves.
+constexpr std::string_view kOwnMessages[] = {
+    "!",          "RECCFG",   "ELCL",         "GAZE_COORDS",     "DISPLAY_COORDS",
+    "THRESHOLDS", "VALIDATE", "DRIFTCORRECT", "PUPIL_DATA_TYPE", "RETRACE_INTERVAL"};
+
 struct Interval {
   double first_ms = 0.0, last_ms = 0.0;  // time stamps of the first and last sample
+};
+
+/// The coordinates of gaze: those of the screen's first and last pixel.
+struct Coordinates {
+  glm::dvec2 origin_px{0.0};
+  glm::ivec2 size_px{0};
 };
 
 /// A recording block, from START to END. Eyes: 0 left, 1 right.
 struct Block {
   bool open = false;
+  bool has_samples = false;
   std::array<bool, 2> recorded{};
   std::array<std::deque<Interval>, 2> blinks{};
   std::array<std::optional<double>, 2> blink_from_ms{};
@@ -47,7 +63,11 @@ class AscReader {
       if (line.empty()) continue;
       if (cut_) throw *cut_;
       if (line[0] >= '0' && line[0] <= '9') {
-        if (block_.open) readSample(line);
+        if (block_.open) {
+          readSample(line);
+        } else if (!started_) {
+          outside_ = true;
+        }
       } else if (line[0] >= 'A' && line[0] <= 'Z') {
         readEvent(line);
       }
@@ -59,6 +79,12 @@ class AscReader {
           "the last recording block has no END, so the file may be cut off: is it complete?");
     }
     endBlock();
+    requireSamples();
+    finishTrial(1e-3 * std::max(time_ms_, newest_message_ms_));
+    if (sizes_.size() > 1) {
+      header_.assumed.push_back("screen: one, which blocks of " + sizes_.front() + " and of " +
+                                sizes_.back() + " px fill");
+    }
     header_.format = "EyeLink ASC, ";
     header_.format += binocular_ ? "binocular" : "monocular";
     if (remote_) header_.format += ", remote";
@@ -66,6 +92,20 @@ class AscReader {
   }
 
  private:
+  /// A file that was converted without the lines that foci needs.
+  void requireSamples() const {
+    if (any_ || (!outside_ && !started_)) return;
+    throw InputError(
+        lines_.fileName(),
+        started_
+            ? "no samples between START and END, as edf2asc -e writes it: convert the EDF "
+              "file again without -e"
+            : "samples without the lines START, SAMPLES, EBLINK and MSG GAZE_COORDS, as "
+              "edf2asc -s writes it: they state the eye, the blinks and the screen; convert "
+              "the EDF file again without -s, or name the columns (gaze.time = \"#1\", gaze.x, "
+              "gaze.y)");
+  }
+
   double number(std::size_t word) const {
     const auto value = word < words_.size() ? parseNumber(words_[word]) : std::nullopt;
     if (!value) {
@@ -90,10 +130,11 @@ class AscReader {
     if (!lines_.isEnded() && block_.open && any_ && kind != "END") {
       cut_ = lines_.error("a line without an end");
     } else if (kind == "MSG") {
-      readMessage();
+      readMessage(line);
     } else if (kind == "START") {
       endBlock();
       block_ = {.open = true};
+      started_ = true;
       setEyes();
     } else if (kind == "SAMPLES" && block_.open) {
       setEyes();
@@ -103,6 +144,13 @@ class AscReader {
                            " coordinates: expected GAZE; convert the EDF file again with "
                            "edf2asc -sg");
       }
+    } else if (kind == "PUPIL" && words_.size() > 1) {
+      header_.pupil_unit = "arbitrary";
+      const bool area = words_[1] != "DIAMETER";
+      header_.columns = {{.columns = "pupil",
+                          .meaning = area ? "area of the pupil, in the tracker's own unit"
+                                          : "diameter of the pupil, in the tracker's own unit",
+                          .why = "certain: the line PUPIL states it"}};
     } else if (kind == "SBLINK" && block_.open) {
       const int side = eye();
       block_.blink_from_ms[side] = number(2);
@@ -123,23 +171,89 @@ class AscReader {
     binocular_ |= block_.recorded[0] && block_.recorded[1];
   }
 
-  void readMessage() {
-    const std::string_view key = words_.size() > 2 ? words_[2] : "";
-    if (key != "GAZE_COORDS" && (key != "DISPLAY_COORDS" || gaze_coords_)) return;
-    gaze_coords_ = key == "GAZE_COORDS";
-    origin_px_ = {number(3), number(4)};
-    Screen screen;
+  void readCoordinates(std::size_t at) {
+    const std::string_view key = words_[at];
+    if (key == "DISPLAY_COORDS" && gaze_coords_) return;
+    gaze_coords_ |= key == "GAZE_COORDS";
+    Coordinates read{.origin_px = {number(at + 1), number(at + 2)}};
     for (int axis : {0, 1}) {
-      const double pixels = number(5 + axis) - origin_px_[axis] + 1.0;
+      const std::size_t last = at + 3 + static_cast<std::size_t>(axis);
+      const double pixels = number(last) - read.origin_px[axis] + 1.0;
       if (!(pixels >= 16.0 && pixels <= 16385.0)) {
-        throw lines_.error(std::string(key) + ": " + shown(words_[5 + axis]) +
+        throw lines_.error(std::string(key) + ": " + shown(words_[last]) +
                            ": expected a screen of 16 to 16384 px");
       }
       // The size is last pixel minus first, plus one. Some experiments write the size in place of
       // the last pixel. Screens have even sizes, so rounding down corrects this.
-      screen.size_px[axis] = static_cast<int>(pixels) & ~1;
+      read.size_px[axis] = static_cast<int>(pixels) & ~1;
     }
-    header_.screen = screen;
+    coordinates_ = read;
+    if (!any_ || !header_.screen) header_.screen = Screen{.size_px = read.size_px};
+    per_pixel_ = glm::dvec2(header_.screen->size_px) / glm::dvec2(read.size_px);
+  }
+
+  /// Messages may begin with an offset in time (Data Viewer), which the text of a marker keeps.
+  void readMessage(std::string_view line) {
+    if (words_.size() < 3) return;
+    std::size_t first = 2;
+    if (parseInteger<int>(words_[first]) && words_.size() > 3) ++first;
+    const std::string_view key = words_[first];
+    if (key == "GAZE_COORDS" || key == "DISPLAY_COORDS") readCoordinates(first);
+    const auto time_ms = parseNumber(words_[1]);
+    if (!time_ms) return;
+    newest_message_ms_ = *time_ms;
+    const double time_s = *time_ms / kSecond_ms;
+    const auto textFrom = [&](std::size_t word) {
+      if (word >= words_.size()) return std::string();
+      return std::string(
+          trimmed(line.substr(static_cast<std::size_t>(words_[word].data() - line.data()))));
+    };
+    const std::string_view second = first + 1 < words_.size() ? words_[first + 1] : "";
+    if (key == "TRIALID") {
+      finishTrial(time_s);
+      trial_ = TraceTrial{.name = textFrom(first + 1), .first_s = time_s};
+    } else if (key == "!V" && second == "TRIAL_VAR" && trial_ && first + 2 < words_.size()) {
+      trial_->variables.emplace_back(words_[first + 2], textFrom(first + 3));
+    } else if (key == "TRIAL_RESULT" && trial_) {
+      trial_->result = textFrom(first + 1);
+      finishTrial(time_s);
+    } else if (key == "!CAL" && (second == "CALIBRATION" || second == "VALIDATION")) {
+      readCalibration(time_s, first + 1);
+    }
+    const bool own = std::ranges::any_of(
+        kOwnMessages, [&](std::string_view start) { return key.starts_with(start); });
+    if (!own) header_.markers.push_back({time_s, textFrom(2)});
+  }
+
+  void finishTrial(double time_s) {
+    if (!trial_) return;
+    trial_->last_s = time_s;
+    header_.trials.push_back(std::move(*trial_));
+    trial_.reset();
+  }
+
+  /// "CALIBRATION HV9 L LEFT GOOD", "VALIDATION HV9 LR LEFT GOOD ERROR 0.31 avg. 0.75 max ...".
+  void readCalibration(double time_s, std::size_t at) {
+    TrackerCalibration result{.time_s = time_s};
+    const auto lower = [&](std::size_t word) {
+      std::string text(word < words_.size() ? words_[word] : "");
+      for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      return text;
+    };
+    result.kind = lower(at);
+    if (at + 1 < words_.size()) result.targets = words_[at + 1];
+    for (std::size_t word = at + 2; word < words_.size(); ++word) {
+      const std::string text = lower(word);
+      if (text == "left" || text == "right") {
+        result.eye = text;
+        result.grade = lower(word + 1);
+      } else if (text == "aborted") {
+        result.grade = text;
+      } else if (text == "avg." || text == "max") {
+        (text == "max" ? result.max_deg : result.mean_deg) = parseNumber(words_[word - 1]);
+      }
+    }
+    header_.calibrations.push_back(std::move(result));
   }
 
   /// A sample is the time, then x, y and pupil of each recorded eye. The fields behind them
@@ -164,17 +278,20 @@ class AscReader {
     time_ms_ = time_ms;
     block_.newest_ms = stamp_ms;
 
-    any_ = true;
-    GazeSample sample{.time_s = time_ms / kSecond_ms};
+    GazeSample sample{.time_s = time_ms / kSecond_ms, .after_pause = any_ && !block_.has_samples};
+    any_ = block_.has_samples = true;
+    noteSize();
     std::size_t at = 1;
     for (std::size_t side : {0, 1}) {
       if (!block_.recorded[side]) continue;
       if (!isAbsent(words_[at]) && !isAbsent(words_[at + 1])) {
         const glm::dvec2 point(number(at), number(at + 1));
         const bool missing = point.x == columns_.missing || point.y == columns_.missing;
-        if (!missing) {
-          sample.eyes[side].point_px = columns_.scale * point + columns_.offset - origin_px_;
-        }
+        if (!missing) sample.eyes[side].point_px = pointOnScreen_px(at, point);
+      }
+      if (const auto pupil = parseNumber(words_[at + 2]); pupil && *pupil > 0.0) {
+        sample.eyes[side].pupil_own = *pupil;
+        if (header_.pupil_unit.empty()) header_.pupil_unit = "arbitrary";
       }
       at += 3;
     }
@@ -182,6 +299,26 @@ class AscReader {
         cyclopean_.combine(sample.time_s, sample.eyes[0].point_px, sample.eyes[1].point_px);
     held_.push_back(sample);
     while (stamp_ms - held_.front().time_s * kSecond_ms > kMaxBlink_ms + kSlack_ms) release();
+  }
+
+  glm::dvec2 pointOnScreen_px(std::size_t word, const glm::dvec2& point) const {
+    const glm::dvec2 point_px =
+        per_pixel_ * (columns_.scale * point + columns_.offset - coordinates_.origin_px);
+    for (int axis : {0, 1}) {
+      if (std::abs(point_px[axis]) <= kFarthestGaze_px) continue;
+      throw lines_.error("position " + shown(words_[word + static_cast<std::size_t>(axis)]) +
+                         ": too far from any screen; is it gaze.missing?");
+    }
+    return point_px;
+  }
+
+  /// Remembers the sizes of screens under the samples, each once.
+  void noteSize() {
+    const glm::ivec2& size_px = coordinates_.size_px;
+    if (size_px == newest_size_px_) return;
+    newest_size_px_ = size_px;
+    std::string text = std::to_string(size_px.x) + " x " + std::to_string(size_px.y);
+    if (std::ranges::find(sizes_, text) == sizes_.end()) sizes_.push_back(std::move(text));
   }
 
   /// Passes on the oldest sample, and marks it if it belongs to a blink.
@@ -229,8 +366,14 @@ class AscReader {
   std::deque<GazeSample> held_{};
   bool any_ = false;
   std::optional<InputError> cut_{};  // of the latest line
-  glm::dvec2 origin_px_{0.0};
+  Coordinates coordinates_{};
+  glm::dvec2 per_pixel_{1.0};  // pixels of the header's screen
+  glm::ivec2 newest_size_px_{0};
+  std::vector<std::string> sizes_{};
+  std::optional<TraceTrial> trial_{};
+  double newest_message_ms_ = 0.0;
   bool gaze_coords_ = false, binocular_ = false, remote_ = false;
+  bool started_ = false, outside_ = false;  // a START line; samples before any
   double last_stamp_ms_ = -1.0, time_ms_ = -1.0;
 };
 
@@ -238,6 +381,15 @@ class AscReader {
 
 bool startsEyeLinkAsc(std::string_view line) {
   return line.starts_with("** ") || line.starts_with("MSG\t") || line.starts_with("START\t");
+}
+
+bool isEyeLinkSample(std::string_view line) {
+  constexpr std::size_t kFewest = 5;
+  std::vector<std::string_view> words;
+  splitWords(line, words);
+  return words.size() >= kFewest && line.find('\t') != line.npos &&
+         parseInteger<std::uint64_t>(words.front()) && words.back().size() >= 3 &&
+         words.back().find_first_not_of(".CRIML") == std::string_view::npos;
 }
 
 TraceHeader readEyeLinkAsc(LineReader& lines, const TraceColumns& columns, const TakeSample& take) {

@@ -12,7 +12,6 @@ namespace foci {
 namespace {
 
 // Larger values are errors in the file, not gaze.
-constexpr double kMaxPoint_px = 1e5;
 constexpr double kMaxEccentricity_deg = 89.0;  // a flat screen ends before 90
 constexpr double kMaxPupil_mm = 15.0;
 constexpr double kMaxConfidence = 1.01;     // 1, rounded
@@ -46,10 +45,10 @@ std::optional<double> TableRow::coordinate(std::size_t column, int axis) const {
 
 std::optional<double> TableRow::coordinate(std::size_t column, std::string_view text, int axis,
                                            double number) const {
-  const double limit = units_ == GazeUnits::px ? kMaxPoint_px
+  const double limit = units_ == GazeUnits::px ? kFarthestGaze_px
                        : units_ == GazeUnits::deg
                            ? kMaxEccentricity_deg
-                           : kMaxPoint_px / glm::max(screen_.size_px.x, screen_.size_px.y);
+                           : kFarthestGaze_px / glm::max(screen_.size_px.x, screen_.size_px.y);
   commas_.note(rows_, column, text, static_cast<std::size_t>(axis), number);
   const TableNumbers& numbers = layout_.numbers;
   if (number == numbers.missing) return std::nullopt;
@@ -219,7 +218,7 @@ std::optional<glm::dvec2> TableRow::meanSight(const std::array<EyeSample, 2>& ey
   for (const EyeSample& eye : eyes) sum += eye.direction.value_or(glm::dvec3(0.0));
   if (!(glm::length(sum) > 0.5)) return std::nullopt;
   const auto point = pointOnScreen_px(screen_, glm::normalize(sum));
-  return point && glm::length(*point) <= kMaxPoint_px ? point : std::nullopt;
+  return point && glm::length(*point) <= kFarthestGaze_px ? point : std::nullopt;
 }
 
 bool TableRow::isValid(std::size_t column) const {

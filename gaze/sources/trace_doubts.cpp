@@ -240,6 +240,7 @@ void TraceDoubts::addPoint(const GazeSample& sample) {
 }
 
 void TraceDoubts::add(const GazeSample& sample) {
+  if (sample.after_pause) last_s_ = sample.time_s;
   addClock(sample.time_s);
   ++samples_;
   if (sample.point_px) addPoint(sample);

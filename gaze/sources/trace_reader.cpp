@@ -129,7 +129,7 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
   } else {
     const std::string first = firstLineOf(file);
     LineReader lines(file);
-    if (startsEyeLinkAsc(first)) {
+    if (startsEyeLinkAsc(first) || (isUndescribed(columns) && isEyeLinkSample(first))) {
       header = readEyeLinkAsc(lines, columns, both);
     } else if (isUndescribed(columns) && isEyeNavGs(first)) {
       header = readEyeNavGs(lines, columns, both);

@@ -18,6 +18,9 @@ namespace foci {
 /// The rates of eye trackers.
 inline constexpr double kMinRate_Hz = 5.0, kMaxRate_Hz = 20'000.0;
 
+/// Positions farther from the screen's corner are errors in the file, not gaze.
+inline constexpr double kFarthestGaze_px = 1e5;
+
 /// Unit of the two columns of a position.
 enum class GazeUnits {
   px,   ///< pixels from the screen's top-left corner, y down
@@ -75,6 +78,21 @@ struct ColumnReading {
   std::string why{};      ///< what makes it sure; empty for unused columns
 };
 
+/// A trial of an experiment, as the recording's messages state it.
+struct TraceTrial {
+  std::string name{};
+  double first_s = 0.0, last_s = 0.0;
+  std::string result{};  ///< empty: not stated
+  std::vector<std::pair<std::string, std::string>> variables{};
+};
+
+/// What the tracker says of its calibration or of a validation.
+struct TrackerCalibration {
+  double time_s = 0.0;
+  std::string kind{}, targets{}, eye{}, grade{};  ///< "validation", "HV9", "left", "good"
+  std::optional<double> mean_deg{}, max_deg{};    ///< errors of a validation
+};
+
 /// The properties of a recording besides its samples.
 struct TraceHeader {
   std::string format{};             ///< as `GazeTrace::format`
@@ -93,6 +111,8 @@ struct TraceHeader {
   std::vector<TraceMarker> markers{};  ///< as `GazeTrace::markers`
   /// Of `pupil_own`: "arbitrary", "px". Empty: no sample has one.
   std::string pupil_unit{};
+  std::vector<TraceTrial> trials{};
+  std::vector<TrackerCalibration> calibrations{};
   /// What the file does not state and the reader assumed, a phrase each.
   std::vector<std::string> assumed{};
   /// What looks wrong in the positions, a sentence each.
@@ -125,9 +145,9 @@ using TakeSample = std::function<void(const GazeSample&)>;
 /// `GazeSample::point_px` is the recording's own point for both eyes, else the `Cyclopean` point.
 /// Degrees without a known screen are put on a nominal screen.
 ///
-/// EyeLink: the pupil is absent, because it has arbitrary units. At 2000 Hz two samples have the
-/// same time stamp; the second one is put half a millisecond later. A blink of one eye counts for
-/// both, unless it lasts more than a second.
+/// EyeLink: the pupil has the tracker's own unit. At 2000 Hz two samples have the same time stamp;
+/// the second one is put half a millisecond later. A blink of one eye counts for both, unless it
+/// lasts more than a second.
 ///
 /// Pupil Core: the point is where the mean of the two lines of sight meets the screen. Samples of a
 /// confidence below 0.6 have no point.

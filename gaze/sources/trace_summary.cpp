@@ -29,8 +29,16 @@ int TraceSummary::medianBin() const {
   return 0;
 }
 
+void TraceSummary::noteJump(double interval_s) {
+  if (interval_s <= std::max(3.0 * usual_s_, 0.1)) return;
+  ++jumps_;
+  longest_jump_s_ = std::max(longest_jump_s_, interval_s);
+}
+
 void TraceSummary::add(const GazeSample& sample) {
-  constexpr std::size_t kUpdateEvery = 1024;  // samples between updates of the usual interval
+  // Samples before the first update of the usual interval, and between updates.
+  constexpr std::size_t kFirstUpdate = 16, kUpdateEvery = 1024;
+  pauses_ += sample.after_pause;
   if (samples_ == 0) {
     first_s_ = sample.time_s;
   } else {
@@ -39,13 +47,16 @@ void TraceSummary::add(const GazeSample& sample) {
     ++intervals_[bin];
     sums_s_[bin] += interval_s;
     whole_ms_ = whole_ms_ && isWhole_ms(interval_s);
-    if (samples_ == 16 || samples_ % kUpdateEvery == 0) {
+    if (samples_ == kFirstUpdate || samples_ % kUpdateEvery == 0) {
       const auto usual = static_cast<std::size_t>(medianBin());
       usual_s_ = sums_s_[usual] / static_cast<double>(std::max<std::size_t>(intervals_[usual], 1));
+      for (const double early_s : early_s_) noteJump(early_s);
+      early_s_.clear();
     }
-    if (usual_s_ > 0.0 && interval_s > std::max(3.0 * usual_s_, 0.1)) {
-      ++jumps_;
-      longest_jump_s_ = std::max(longest_jump_s_, interval_s);
+    if (samples_ < kFirstUpdate) {
+      early_s_.push_back(interval_s);
+    } else {
+      noteJump(interval_s);
     }
   }
   last_s_ = sample.time_s;
@@ -56,7 +67,8 @@ void TraceSummary::add(const GazeSample& sample) {
     ++present_;
   }
   blinks_ += sample.blink;
-  pupils_ += sample.pupil_mm.has_value();
+  pupils_ +=
+      sample.pupil_mm || sample.pupil_own || sample.eyes[0].pupil_own || sample.eyes[1].pupil_own;
   for (std::size_t side : {0, 1}) {
     eyes_[side] += sample.eyes[side].point_px || sample.eyes[side].direction;
   }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "gaze/geometry/gaze_sample.h"
 
@@ -21,7 +22,8 @@ class TraceSummary {
   double rate_Hz() const;
   std::size_t present() const { return present_; }  ///< samples with a point
   std::size_t blinks() const { return blinks_; }    ///< samples that the tracker reports as blinks
-  std::size_t pupils() const { return pupils_; }    ///< samples with a diameter
+  std::size_t pupils() const { return pupils_; }    ///< samples with a pupil, in any unit
+  std::size_t pauses() const { return pauses_; }    ///< that the recording itself states
   std::array<std::size_t, 2> eyes() const { return eyes_; }  ///< samples with a left, a right eye
   /// Intervals longer than a tenth of a second and than three times the median interval so far.
   std::size_t jumps() const { return jumps_; }
@@ -35,8 +37,9 @@ class TraceSummary {
   static constexpr int kOctaves = 24;
   int binOf(double interval_s) const;
   int medianBin() const;
+  void noteJump(double interval_s);
 
-  std::size_t samples_ = 0, present_ = 0, blinks_ = 0, pupils_ = 0, jumps_ = 0;
+  std::size_t samples_ = 0, present_ = 0, blinks_ = 0, pupils_ = 0, jumps_ = 0, pauses_ = 0;
   std::array<std::size_t, 2> eyes_{};
   double first_s_ = 0.0, last_s_ = 0.0, longest_jump_s_ = 0.0;
   glm::dvec2 min_px_{0.0}, max_px_{0.0};
@@ -44,6 +47,7 @@ class TraceSummary {
   std::array<double, kPerOctave * kOctaves> sums_s_{};  // of the intervals in each bin
   bool whole_ms_ = true;                                // all intervals
   double usual_s_ = 0.0;                                // median interval, updated at times
+  std::vector<double> early_s_{};                       // intervals before it is known
 };
 
 }  // namespace foci

@@ -1,5 +1,6 @@
 #include "gaze/webcam/webcam_frames.h"
 
+#include <cmath>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
@@ -103,6 +104,32 @@ WebcamFrames::WebcamFrames(const WebcamPlace& place)
 
 WebcamFrames::~WebcamFrames() = default;
 
+bool WebcamFrames::grab() {
+  if (grabbed_) return true;
+  if (picture_) {
+    last_s_ = 0.0;
+    return grabbed_ = capture_->image.empty();
+  }
+  cv::VideoCapture& capture = capture_->captures.front();
+  grabbed_ = capture.grab();
+  if (!grabbed_ || isCamera()) return grabbed_;
+  constexpr double kRounding_s = 2e-3;  // stamps are often whole milliseconds
+  const double stamp_s = 1e-3 * capture.get(cv::CAP_PROP_POS_MSEC);
+  if (!first_stamp_s_) first_stamp_s_ = stamp_s;
+  const double since_s = stamp_s - *first_stamp_s_;
+  const bool later = !last_s_ || since_s > *last_s_;
+  const double nominal_s = static_cast<double>(count_++) / rate_Hz_;
+  varies_ = varies_ || (later && !isPattern(place_.file) && since_s > 0.0 &&
+                        std::abs(since_s - nominal_s) > kRounding_s);
+  last_s_ = !varies_ ? nominal_s : later ? since_s : *last_s_ + 1.0 / rate_Hz_;
+  return true;
+}
+
+std::optional<double> WebcamFrames::nextTime_s() {
+  const QuietLibrary quiet;
+  return grab() ? last_s_ : std::nullopt;
+}
+
 bool WebcamFrames::next(cv::Mat& frame) {
   const QuietLibrary quiet;
   cv::VideoCapture& capture = capture_->captures.front();
@@ -113,12 +140,13 @@ bool WebcamFrames::next(cv::Mat& frame) {
       return false;
     }
   }
+  if (!grab()) return false;
+  grabbed_ = false;
   if (picture_) {
-    if (!capture_->image.empty()) return false;
     capture_->image = cv::imread(place_.file.string());
     if (capture_->image.empty())
       throw InputError(place_.file.string(), "no image that can be read");
-  } else if (!capture.read(capture_->image) || capture_->image.empty()) {
+  } else if (!capture.retrieve(capture_->image) || capture_->image.empty()) {
     return false;
   }
   const cv::Mat& image = capture_->image;

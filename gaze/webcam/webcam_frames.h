@@ -1,6 +1,7 @@
 // Frames from a camera, a video file, a picture or numbered images.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -44,6 +45,11 @@ class WebcamFrames {
   /// @throws InputError if a frame is too small, or differs in size from the previous ones
   bool next(cv::Mat& frame);
 
+  /// Of a file: when its next frame is due, seconds from its first one. A video whose rate varies
+  /// has the times of its own stamps; a frame of any other file follows the one before by 1 / rate.
+  /// Nothing at the end.
+  std::optional<double> nextTime_s();
+
   /// Nominal frame rate, > 0; 30 for images.
   double rate_Hz() const { return rate_Hz_; }
   bool isCamera() const { return place_.device.has_value(); }
@@ -51,10 +57,16 @@ class WebcamFrames {
 
  private:
   struct Capture;
+  bool grab();
+
   WebcamPlace place_;
   std::unique_ptr<Capture> capture_;
   double rate_Hz_ = 30.0;
-  bool picture_ = false;  // a single one
+  bool picture_ = false;   // a single one
+  bool grabbed_ = false;   // the next frame
+  bool varies_ = false;    // the rate
+  std::size_t count_ = 0;  // frames grabbed
+  std::optional<double> first_stamp_s_{}, last_s_{};
 };
 
 }  // namespace foci

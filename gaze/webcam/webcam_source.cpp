@@ -28,8 +28,9 @@ std::vector<WebcamFrame> readWebcam(const WebcamPlace& place, WebcamTracker& tra
   if (frames.isCamera())
     throw InputError(nameOf(place), "expected a recording: a camera never ends");
   std::vector<WebcamFrame> all;
-  for (cv::Mat image; frames.next(image);) {
-    all.push_back({static_cast<double>(all.size()) / frames.rate_Hz(), tracker.push(image)});
+  for (cv::Mat image; const auto time_s = frames.nextTime_s();) {
+    if (!frames.next(image)) break;
+    all.push_back({*time_s, tracker.push(image)});
   }
   if (all.empty()) throw InputError(nameOf(place), "has no frame that can be read");
   return all;
@@ -43,14 +44,15 @@ void WebcamSource::poll(double now_s, std::vector<GazeSample>& samples) {
   cv::Mat image;
   while (!ended_) {
     // A file's frame is due at its time. A camera's frame is due when it has arrived.
-    const double due_s = *first_s_ + static_cast<double>(count_) / frames_.rate_Hz();
-    if (!frames_.isCamera() && due_s > now_s) break;
-    if (!frames_.next(image)) {
-      ended_ = !frames_.isCamera();
+    const bool camera = frames_.isCamera();
+    const auto next_s = camera ? std::optional(0.0) : frames_.nextTime_s();
+    const double due_s = *first_s_ + next_s.value_or(0.0);
+    if (!camera && next_s && due_s > now_s) break;
+    if (!next_s || !frames_.next(image)) {
+      ended_ = !camera;
       break;
     }
-    ++count_;
-    const WebcamFrame frame{frames_.isCamera() ? now_s : due_s, tracker_.push(image)};
+    const WebcamFrame frame{camera ? now_s : due_s, tracker_.push(image)};
     problem_ = frame.record.problem;
     if (recent_.size() == kMaxKept) recent_.erase(recent_.begin());
     recent_.push_back(frame);

@@ -58,7 +58,6 @@ class WebcamSource : public LiveSource {
   WebcamMapping map_;
   std::vector<WebcamFrame> recent_{};
   std::optional<double> first_s_{}, last_s_{};
-  std::size_t count_ = 0;
   bool ended_ = false;
   WebcamProblem problem_ = WebcamProblem::no_face;
 };

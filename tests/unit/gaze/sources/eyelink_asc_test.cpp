@@ -33,6 +33,9 @@ TEST(EyeLinkAsc, TakesTheMeanOfTheEyesAndDoesNotJumpToOne) {
   EXPECT_FALSE(trace.samples[2].point_px);
   EXPECT_FALSE(trace.samples[2].blink);
   EXPECT_FALSE(trace.samples[0].pupil_mm);
+  EXPECT_EQ(trace.samples[0].eyes[0].pupil_own, 800.0);
+  EXPECT_EQ(trace.samples[0].eyes[1].pupil_own, 900.0);
+  EXPECT_FALSE(trace.samples[1].eyes[0].pupil_own);
   EXPECT_EQ(trace.format, "EyeLink ASC, binocular");
   EXPECT_EQ(trace.screen->size_px, glm::ivec2(100, 50));
 }
@@ -68,6 +71,102 @@ TEST(EyeLinkAsc, ReadsBlocksWithDifferentEyesAndSkipsOtherLines) {
   ASSERT_EQ(trace.samples.size(), 4u);
   EXPECT_EQ(*trace.samples[1].point_px, glm::dvec2(1, 2));
   EXPECT_EQ(*trace.samples[2].point_px, glm::dvec2(4, 5));
+}
+
+TEST(EyeLinkAsc, EachBlockHasItsOwnCoordinates) {
+  const auto block = [](int at, const std::string& coordinates, const std::string& point) {
+    const std::string first = std::to_string(at), second = std::to_string(at + 1);
+    return "MSG\t" + first + " GAZE_COORDS " + coordinates + "\nSTART\t" + first + " \tLEFT\n" +
+           first + "\t" + point + "\t1\t...\n" + second + "\t" + point + "\t1\t...\nEND\t" +
+           second + "\n";
+  };
+  // The middle of the screen, in three resolutions and with another origin.
+  const GazeTrace trace =
+      read("** CONVERTED FROM a.edf\n" + block(100, "0 0 1023 767", "512\t384") +
+           block(9000, "0.00 0.00 1279.00 1023.00", "640\t512") +
+           block(20000, "-960 -540 959 539", "0\t0"));
+  ASSERT_EQ(trace.samples.size(), 6u);
+  EXPECT_EQ(trace.screen->size_px, glm::ivec2(1024, 768));
+  for (const GazeSample& sample : trace.samples) {
+    EXPECT_NEAR(sample.point_px->x, 512.0, 1e-9) << sample.time_s;
+    EXPECT_NEAR(sample.point_px->y, 384.0, 1e-9) << sample.time_s;
+  }
+  ASSERT_EQ(trace.assumed.size(), 1u);
+  EXPECT_NE(trace.assumed[0].find("1024 x 768 and of 1920 x 1080 px"), std::string::npos)
+      << trace.assumed[0];
+}
+
+TEST(EyeLinkAsc, APauseBetweenBlocksIsNoGapOfTheClock) {
+  std::string text = kHead;
+  for (const int start : {10'000, 400'000}) {
+    text += "START\t" + std::to_string(start) + " \tLEFT\n";
+    for (int i = 0; i < 300; ++i) {
+      text += std::to_string(start + i) + "\t" + std::to_string(20 + i % 50) + "\t" +
+              std::to_string(10 + i % 30) + "\t700\t...\n";
+    }
+    text += "END\t" + std::to_string(start + 300) + "\n";
+  }
+  const GazeTrace trace = read(text);
+  for (std::size_t i = 0; i < trace.samples.size(); ++i) {
+    EXPECT_EQ(trace.samples[i].after_pause, i == 300) << i;
+  }
+  for (const std::string& warning : trace.warnings) {
+    EXPECT_EQ(warning.find("a gap of"), std::string::npos) << warning;
+  }
+}
+
+TEST(EyeLinkAsc, MessagesBecomeMarkersAndTrials) {
+  const ScratchFile file(kHead +
+                         "MSG\t8 !CAL CALIBRATION HV9 LR LEFT  GOOD\n"
+                         "MSG\t9 !CAL VALIDATION HV9 LR LEFT  FAIR ERROR 0.85 avg. 1.62 max  "
+                         "OFFSET 0.22 deg. 4.3,-5.2 pix.\n"
+                         "MSG\t10 TRIALID 7 left\n"
+                         "START\t10 \tLEFT\nPUPIL\tDIAMETER\n10\t1\t2\t3\t...\n"
+                         "MSG\t11 -5 target on\nMSG\t11 RECCFG CR 1000 2 1 L\n"
+                         "11\t1\t2\t3\t...\nEND\t12\n"
+                         "MSG\t13 !V TRIAL_VAR contrast 0.5 high\nMSG\t14 TRIAL_RESULT 1\n"
+                         "MSG\t20 TRIALID 8\nMSG\t22 the end\n");
+  const TraceHeader header = streamTrace(file.path(), {}, {}, [](const GazeSample&) {});
+  EXPECT_EQ(header.pupil_unit, "arbitrary");
+  ASSERT_EQ(header.columns.size(), 1u);
+  EXPECT_NE(header.columns[0].meaning.find("diameter of the pupil"), std::string::npos);
+  ASSERT_EQ(header.trials.size(), 2u);
+  EXPECT_EQ(header.trials[0].name, "7 left");
+  EXPECT_EQ(header.trials[0].first_s, 0.010);
+  EXPECT_EQ(header.trials[0].last_s, 0.014);
+  EXPECT_EQ(header.trials[0].result, "1");
+  ASSERT_EQ(header.trials[0].variables.size(), 1u);
+  EXPECT_EQ(header.trials[0].variables[0].first, "contrast");
+  EXPECT_EQ(header.trials[0].variables[0].second, "0.5 high");
+  EXPECT_EQ(header.trials[1].last_s, 0.022);
+  std::string markers;
+  for (const TraceMarker& marker : header.markers) markers += marker.text + "; ";
+  EXPECT_EQ(markers, "TRIALID 7 left; -5 target on; TRIAL_RESULT 1; TRIALID 8; the end; ");
+  ASSERT_EQ(header.calibrations.size(), 2u);
+  EXPECT_EQ(header.calibrations[0].grade, "good");
+  EXPECT_FALSE(header.calibrations[0].mean_deg);
+  EXPECT_EQ(header.calibrations[1].kind, "validation");
+  EXPECT_EQ(header.calibrations[1].targets, "HV9");
+  EXPECT_EQ(header.calibrations[1].eye, "left");
+  EXPECT_EQ(header.calibrations[1].grade, "fair");
+  EXPECT_EQ(header.calibrations[1].mean_deg, 0.85);
+  EXPECT_EQ(header.calibrations[1].max_deg, 1.62);
+}
+
+TEST(EyeLinkAsc, SaysWhichLinesAConversionHasLeftOut) {
+  const std::string samples = "10\t 512.0\t 384.0\t 800.0\t...\n11\t 512.0\t 384.0\t 800.0\t.C.\n";
+  for (const std::string& text : {samples, "** CONVERTED FROM a.edf\n" + samples}) {
+    const std::string message = refusal(text);
+    EXPECT_NE(message.find("START, SAMPLES, EBLINK and MSG GAZE_COORDS"), std::string::npos)
+        << message;
+  }
+  EXPECT_NE(refusal(kHead + "START\t10 \tLEFT\nSBLINK L 11\nEND\t12\n").find("edf2asc -e"),
+            std::string::npos);
+  // The study may still name its columns.
+  const ScratchFile file(samples);
+  EXPECT_EQ(readTrace(file.path(), {.time = "#1", .x = "#2", .y = "#3", .time_scale_s = 1e-3}, {})
+                .samples.size(),
+            2u);
 }
 
 TEST(EyeLinkAsc, MarksBlinksThatEndAndBlinksThatDoNot) {
@@ -134,6 +233,8 @@ TEST(EyeLinkAsc, RefusesDamageByLine) {
       {start + "10\tx\t2\t3\t.\n", "\"x\": expected a number"},
       {start + "10\t1\t2\t3\t.\n9\t1\t2\t3\t.\n", "\"9\" ms is not after"},
       {start + "10\t1\t2\t3\t.\n10\t1\t2\t3\t.\n10\t1\t2\t3\t.\n", ":7: time \"10\" ms"},
+      {start + "10\t1e30\t2\t3\t.\n", "\"1e30\": too far from any screen"},
+      {start + "10\t1\t-2e5\t3\t.\n", "\"-2e5\": too far from any screen"},
       {start + "SBLINK X 10\n", "expected L or R"},
       {start + "EBLINK L 10\n", "nothing: expected a number"},
       {start + "SAMPLES\tHREF\tLEFT\n", "expected GAZE"},

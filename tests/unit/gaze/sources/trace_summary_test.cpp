@@ -31,6 +31,13 @@ TEST(TraceSummary, CountsPresentAndMissingSamples) {
   EXPECT_EQ(summary.max_px(), glm::dvec2(999, -1));
 }
 
+TEST(TraceSummary, CountsAJumpAmongTheFirstSamples) {
+  TraceSummary summary;
+  for (int i = 0; i < 200; ++i) summary.add({.time_s = 0.001 * i + (i >= 5 ? 3.0 : 0.0)});
+  EXPECT_EQ(summary.jumps(), 1u);
+  EXPECT_NEAR(summary.longest_jump_s(), 3.001, 1e-9);
+}
+
 TEST(TraceSummary, WholeMillisecondsHaveTheirMeanRate) {
   TraceSummary summary;
   for (int i = 0; i < 600; ++i) {

@@ -4,7 +4,10 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
 
 #include "base/input_error.h"
 #include "tests/faces/face.h"
@@ -92,6 +95,65 @@ TEST(WebcamSource, GivesFeaturesWithoutACalibrationAndSaysSo) {
   ASSERT_EQ(frames.size(), 1u);
   EXPECT_TRUE(frames[0].record.view);
   EXPECT_NE(source.status().find("not calibrated"), std::string::npos);
+}
+
+/// An element of Matroska: its identifier, its length in eight bytes, its content.
+std::string element(const std::string& id, const std::string& content) {
+  std::string length = "\x01";
+  for (int shift = 48; shift >= 0; shift -= 8) {
+    length += static_cast<char>(static_cast<unsigned char>(content.size() >> shift));
+  }
+  return id + length + content;
+}
+
+std::string bigEndian(unsigned value, int bytes) {
+  std::string text;
+  for (int shift = 8 * (bytes - 1); shift >= 0; shift -= 8) {
+    text += static_cast<char>(static_cast<unsigned char>(value >> shift));
+  }
+  return text;
+}
+
+/// A video of JPEG images with these times, milliseconds.
+std::string matroska(const std::vector<unsigned>& times_ms) {
+  std::vector<unsigned char> jpeg;
+  cv::imencode(".jpg", cv::Mat(160, 160, CV_8UC3, cv::Scalar(90, 90, 90)), jpeg);
+  const std::string image(jpeg.begin(), jpeg.end());
+  const std::string video = element("\xb0", bigEndian(160, 2)) + element("\xba", bigEndian(160, 2));
+  const std::string track = element("\xd7", "\x01") + element("\x73\xc5", "\x01") +
+                            element("\x83", "\x01") + element("\x86", "V_MJPEG") +
+                            element("\xe0", video);
+  std::string cluster = element("\xe7", bigEndian(0, 2));
+  for (const unsigned time_ms : times_ms) {
+    cluster += element("\xa3", "\x81" + bigEndian(time_ms, 2) + "\x80" + image);
+  }
+  const std::string info = element("\x2a\xd7\xb1", bigEndian(1'000'000, 4));
+  return element("\x1a\x45\xdf\xa3", element("\x42\x82", "matroska")) +
+         element("\x18\x53\x80\x67", element("\x15\x49\xa9\x66", info) +
+                                         element("\x16\x54\xae\x6b", element("\xae", track)) +
+                                         element("\x1f\x43\xb6\x75", cluster));
+}
+
+TEST(WebcamFrames, AVideoOfVaryingRateHasTheTimesOfItsStamps) {
+  // 30 Hz, then 12.5 Hz as the light fades, then a pause.
+  std::vector<unsigned> times_ms;
+  for (unsigned i = 0; i < 30; ++i) times_ms.push_back(33 * i + i / 3);
+  for (unsigned i = 1; i <= 30; ++i) times_ms.push_back(967 + 80 * i + (i > 20 ? 1500 : 0));
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("foci_varying_" + std::to_string(getpid()) + ".mkv");
+  std::ofstream(file, std::ios::binary) << matroska(times_ms);
+  WebcamFrames frames({.file = file});
+  cv::Mat grey;
+  constexpr double kRounding_s = 2.001e-3;  // before the rate is known to vary
+  for (const unsigned time_ms : times_ms) {
+    const auto time_s = frames.nextTime_s();
+    ASSERT_TRUE(time_s);
+    EXPECT_NEAR(*time_s, 1e-3 * time_ms, kRounding_s);
+    ASSERT_TRUE(frames.next(grey));
+    EXPECT_EQ(grey.rows, 160);
+  }
+  EXPECT_FALSE(frames.nextTime_s());
+  std::filesystem::remove(file);
 }
 
 TEST(WebcamFrames, RefusesFilesThatAreNoVideo) {
