@@ -122,7 +122,9 @@ class Meanings {
   void addSpace(const SpaceLayout& space) {
     const std::string frame = space.in_world ? " in the world" : " in the head's frame";
     const std::string length = ", a unit is " + exactText(space.origin_scale_m) + " m";
-    const std::string turn = given_.space.angle_units == AngleUnit::rad ? ", rad" : ", deg";
+    const std::string turn = space.tangents                 ? ", rad (by its tangent)"
+                             : space.angle_scale_rad == 1.0 ? ", rad"
+                                                            : ", deg";
     const auto sight = [&](const SightAt& at, const std::string& name) {
       add(at.direction, "direction of " + name + frame, "xyz");
       add(at.point, "point in space that " + name + " looks at" + frame + length, "xyz");
@@ -134,6 +136,7 @@ class Meanings {
     sight(space.both, "both eyes");
     sight(space.eyes[0], "the left eye");
     sight(space.eyes[1], "the right eye");
+    add(space.depth_m, "depth of the point that both eyes look at, m");
     add(space.head_position,
         "position of the head, a unit is " + exactText(space.head_scale_m) + " m", "xyz");
     add(space.head_quaternion, "orientation of the head", "xyzw");

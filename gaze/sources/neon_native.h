@@ -1,4 +1,5 @@
-// Neon's native recording folder, as the Companion app writes it (docs.pupil-labs.com/neon).
+// Neon's native recording folder, as the Companion app writes it (docs.pupil-labs.com/neon) and as
+// pl-neon-recording reads it.
 #pragma once
 
 #include <filesystem>
@@ -7,15 +8,23 @@
 
 namespace foci {
 
-/// The files of a native recording that hold gaze: `gaze psN.raw`, `gaze psN.time` and, if there,
-/// `worn psN.raw`, for N = 1, 2, ... Empty if `path` is no such folder, nor its `gaze ps1.raw`.
+/// The files of a native recording that hold gaze and the eyes, and whether the glasses are worn:
+/// `gaze_200hz.raw` with `.time` where Pupil Cloud has computed it, else `gaze psN.raw` for N = 1,
+/// 2, ... Empty if `path` is no such folder, nor one of its files of gaze.
 std::vector<std::filesystem::path> neonNativeFiles(const std::filesystem::path& path);
 
-/// The gaze of a native recording as the table that Neon exports (CSV). `raw` begins each sample
+struct NeonTable {
+  std::vector<std::string> columns{};
+  std::vector<double> values{};  ///< row after row; NaN: absent
+};
+
+/// The gaze of a native recording, with the columns of Neon's exports. `gaze` begins each sample
 /// with x and y as 32-bit floats, pixels of the scene camera; `time` has nanoseconds as 64-bit
-/// integers; `worn` a byte, 0 where nobody wears the glasses.
+/// integers; `worn` a byte, 0 where nobody wears the glasses. `eye_state` has 14 floats and more:
+/// the left pupil's diameter (mm), the eyeball's centre (mm) and the direction of its optical axis
+/// in the frame of the scene camera, then those of the right eye.
 /// @param path  as `neonNativeFiles` takes it
-/// @throws InputError if the files do not belong together
-std::string neonNativeTable(const std::filesystem::path& path);
+/// @throws InputError if a file is missing, or if the files do not belong together
+NeonTable readNeonNative(const std::filesystem::path& path);
 
 }  // namespace foci

@@ -87,9 +87,36 @@ std::optional<SpaceFormat> gazeBaseVr(const ColumnNames& names) {
   return format;
 }
 
+std::optional<SpaceFormat> aria(const ColumnNames& names) {
+  SpaceFormat format{.name = "Project Aria", .time = columnOf(names, "trackingtimestamp")};
+  if (format.time.empty()) return std::nullopt;
+  SpaceColumns& columns = format.columns;
+  columns.axes = "left-up-forward";
+  columns.angle_units = AngleUnit::rad;
+  columns.angles_are_tangents = true;
+  const std::string pitch = columnOf(names, "pitchradscpf");
+  for (std::size_t side : {0, 1}) {
+    const std::string eye = side == 0 ? "left" : "right";
+    const std::string yaw = columnOf(names, eye + "yawradscpf");
+    std::string own_pitch = columnOf(names, eye + "pitchradscpf");
+    if (own_pitch.empty()) own_pitch = pitch;
+    if (yaw.empty() || own_pitch.empty()) continue;
+    columns.eyes[side].angles = {yaw, own_pitch};
+    columns.eyes[side].origin =
+        columnsOf<3>(names, "t", "xyz", eye + "eyecpf").value_or(ColumnList<3>{});
+  }
+  if (const std::string yaw = columnOf(names, "yawradscpf");
+      !columns.hasSight() && !yaw.empty() && !pitch.empty()) {
+    columns.both.angles = {yaw, pitch};
+    columns.depth = columnOf(names, "depth");
+  }
+  return columns.hasSight() ? std::optional(format) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<SpaceFormat> spaceFormatOf(const ColumnNames& names) {
+  if (auto format = aria(names)) return format;
   if (auto format = sranipal(names)) return format;
   if (auto format = tobiiGlasses(names)) return format;
   return gazeBaseVr(names);

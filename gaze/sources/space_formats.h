@@ -27,6 +27,9 @@ struct SpaceFormat {
 ///   left X [HUCS mm]`. The head unit's axes are x left, y up, z forward.
 /// - GazeBaseVR (Lohr et al. 2023): angles `lx`, `ly`, `rx`, `ry` and `x`, `y` of both eyes, deg;
 ///   eyes' centres `clx` ... `crz`, m, x right, y up, z forward.
+/// - Project Aria's machine perception services: angles whose tangents are those of the direction
+///   (x to the left, y up, z forward), of each eye (`left_yaw_rads_cpf`), or of both eyes together
+///   with a depth; general and personalised, Gen 1 and 2.
 std::optional<SpaceFormat> spaceFormatOf(const ColumnNames& names);
 
 }  // namespace foci

@@ -119,6 +119,13 @@ std::optional<glm::dvec3> directionIn(const TableRow& row, const SightAt& at,
       row.fail((*at.angles)[static_cast<std::size_t>(axis)],
                "more than a turn: is gaze.angle_units right?");
     }
+    if (layout.tangents) {
+      for (int axis : {0, 1}) {
+        if (std::abs(turn[axis]) < glm::half_pi<double>()) continue;
+        row.fail((*at.angles)[static_cast<std::size_t>(axis)], "expected less than a quarter turn");
+      }
+      return glm::normalize(layout.axes.vector({std::tan(turn.x), std::tan(turn.y), 1.0}));
+    }
     // Some programs count from 0 to 360 degrees.
     if (std::abs(std::remainder(turn.y, glm::two_pi<double>())) > kMaxVertical_rad) {
       row.fail((*at.angles)[1],
@@ -203,6 +210,21 @@ bool isEulerOrder(std::string_view order) {
 
 namespace {
 
+/// Where an eye stands beside the middle between both, as Aria's files have it.
+constexpr double kHalfIpd_m = 0.0315;
+
+/// Turns both eyes to the point at a depth along the direction of both.
+void turnToDepth(const TableRow& row, std::size_t column, GazeSample& sample) {
+  const auto depth_m = row.number(column);
+  if (!depth_m && !row.isAbsent(column)) row.fail(column, "expected a number");
+  if (!depth_m || !(*depth_m > kHalfIpd_m) || !sample.direction) return;
+  for (const std::size_t side : {0, 1}) {
+    EyeSample& eye = sample.eyes[side];
+    eye.origin_m = glm::dvec3(side == 0 ? -kHalfIpd_m : kHalfIpd_m, 0.0, 0.0);
+    eye.direction = glm::normalize(*depth_m * *sample.direction - *eye.origin_m);
+  }
+}
+
 void refuseWrongSight(const Place& place, const SpaceLayout& layout) {
   if (!layout.from_head && !layout.hasSight()) {
     throw place.error(
@@ -233,7 +255,9 @@ SpaceLayout spaceLayoutOf(const Place& place, const ColumnNames& names,
       .in_world = columns.frame == SightFrame::world,
       .origin_scale_m = columns.origin_scale_m,
       .head_scale_m = columns.head_scale_m,
-      .angle_scale_rad = columns.angle_units == AngleUnit::rad ? 1.0 : glm::radians(1.0)};
+      .angle_scale_rad = columns.angle_units == AngleUnit::rad ? 1.0 : glm::radians(1.0),
+      .tangents = columns.angles_are_tangents};
+  if (!columns.depth.empty()) layout.depth_m = names.named(columns.depth);
   for (std::size_t side : {0, 1}) layout.eyes[side] = sightAt(place, names, columns.eyes[side]);
   refuseWrongSight(place, layout);
   if (layout.head_quaternion.has_value() + layout.head_angles.has_value() +
@@ -279,7 +303,7 @@ bool usesColumn(const SpaceLayout& layout, std::size_t column) {
     used = used || in(at->direction) || in(at->point) || in(at->origin) || in(at->angles) ||
            in(at->quaternion) || at->validity == column;
   }
-  return used;
+  return used || layout.depth_m == column;
 }
 
 std::optional<glm::dvec3> meanDirection(const std::array<EyeSample, 2>& eyes) {
@@ -313,6 +337,7 @@ void readSpace(const TableRow& row, const SpaceLayout& layout, GazeSample& sampl
     const auto origin_m = placeIn(row, layout.both.origin, layout.axes, layout.origin_scale_m);
     const auto direction = directionIn(row, layout.both, layout, origin_m ? origin_m : rest_m);
     if (direction) sample.direction = in_head(*direction);
+    if (layout.depth_m) turnToDepth(row, *layout.depth_m, sample);
   } else {
     sample.direction = meanDirection(sample.eyes);
   }

@@ -40,6 +40,8 @@ struct SpaceLayout {
   bool in_world = false;               ///< the frame of the gaze columns; else the head's
   double origin_scale_m = 1.0, head_scale_m = 1.0;
   double angle_scale_rad = 1.0;
+  bool tangents = false;  ///< `SpaceColumns::angles_are_tangents`
+  std::optional<std::size_t> depth_m{};
   glm::dvec2 scale{1.0}, offset{0.0};  ///< of angles, in their unit
 
   bool hasSight() const { return both.hasSight() || eyes[0].hasSight() || eyes[1].hasSight(); }
@@ -59,7 +61,7 @@ bool usesColumn(const SpaceLayout& layout, std::size_t column);
 
 /// Reads head pose, origins and directions into a sample, in the head's frame. A vector or
 /// quaternion of zeros, or with an absent field, is absent. The sample's own direction is that of
-/// both eyes' column, else the mean of the eyes'.
+/// both eyes' column, else the mean of the eyes'. With a depth, both eyes look at that point.
 /// @throws InputError for text, a quaternion or direction whose length is not 1, or an angle that
 ///   no eye has
 void readSpace(const TableRow& row, const SpaceLayout& layout, GazeSample& sample);

@@ -78,7 +78,7 @@ class Recogniser {
     }
     findRest();
     if (!layout_.space) takeVendorFormat(names_, given_, before_, layout_);
-    if (layout_.camera_axes && layout_.x) leaveOutEmptyDirections();
+    if (layout_.camera_axes && layout_.x && !layout_.sights_beside) leaveOutEmptyDirections();
     refuseOtherTables();
     layout_.gaze_columns = gazeColumnsOf(layout_, false);
     layout_.rated_columns = gazeColumnsOf(layout_, true);
@@ -157,27 +157,27 @@ class Recogniser {
     left.x = findPosition({"lx", "leftx", "xleft", "leftgazex", "gazeleftx", "gazexleft",
                            "gazepointleftx", "gazepointxleft", "leftgazepointx", "lporx",
                            "etgazeleftx", "pointofregardleftx", "leftxcoordinate", "xl", "lpogx",
-                           "leftgazepointondisplayareax"});
+                           "leftgazepointondisplayareax", "lefteyex"});
     left.y = findPosition({"ly", "lefty", "yleft", "leftgazey", "gazelefty", "gazeyleft",
                            "gazepointlefty", "gazepointyleft", "leftgazepointy", "lpory",
                            "etgazelefty", "pointofregardlefty", "leftycoordinate", "yl", "lpogy",
-                           "leftgazepointondisplayareay"});
+                           "leftgazepointondisplayareay", "lefteyey"});
     right.x = findPosition({"rx", "rightx", "xright", "rightgazex", "gazerightx", "gazexright",
                             "gazepointrightx", "gazepointxright", "rightgazepointx", "rporx",
                             "etgazerightx", "pointofregardrightx", "rightxcoordinate", "xr",
-                            "rpogx", "rightgazepointondisplayareax"});
+                            "rpogx", "rightgazepointondisplayareax", "righteyex"});
     right.y = findPosition({"ry", "righty", "yright", "rightgazey", "gazerighty", "gazeyright",
                             "gazepointrighty", "gazepointyright", "rightgazepointy", "rpory",
                             "etgazerighty", "pointofregardrighty", "rightycoordinate", "yr",
-                            "rpogy", "rightgazepointondisplayareay"});
+                            "rpogy", "rightgazepointondisplayareay", "righteyey"});
     left.validity = find({"leftgazepointvalidity", "validityleft", "leftvalidity", "lpogv"});
     right.validity = find({"rightgazepointvalidity", "validityright", "rightvalidity", "rpogv"});
     left.pupil_mm =
         findPupil({"leftpupildiameter", "pupildiameterleft", "pupilleft", "lmappeddiameter",
-                   "lpupildiameter", "leftpupilsize", "leftpupil", "lpmm"});
+                   "lpupildiameter", "leftpupilsize", "leftpupil", "lpmm", "diameter13d"});
     right.pupil_mm =
         findPupil({"rightpupildiameter", "pupildiameterright", "pupilright", "rmappeddiameter",
-                   "rpupildiameter", "rightpupilsize", "rightpupil", "rpmm"});
+                   "rpupildiameter", "rightpupilsize", "rightpupil", "rpmm", "diameter03d"});
     if (!left.pupil_mm) left.pupil_own = findOwnPupil({"leftpupilsize", "leftpupil", "pupilleft"});
     if (!right.pupil_mm) {
       right.pupil_own = findOwnPupil({"rightpupilsize", "rightpupil", "pupilright"});
@@ -202,9 +202,18 @@ class Recogniser {
         eye.direction[axis] = find({along("direction")});
       }
     }
-    if (!find({"gazenormal0x", "gazenormal1x"})) return;
+    layout_.sights_beside = find({"opticalaxisleftx"}) && find({"gazex"});
+    layout_.camera_axes = layout_.sights_beside || find({"gazenormal0x", "gazenormal1x"});
+    for (std::size_t side = 0; layout_.sights_beside && side < 2; ++side) {
+      const std::string eye = side == 0 ? "left" : "right";
+      for (std::size_t axis : {0, 1, 2}) {
+        const std::string end = eye + axes[axis];
+        layout_.eyes[side].origin_mm[axis] = find({"eyeballcenter" + end});
+        layout_.eyes[side].direction[axis] = find({"opticalaxis" + end});
+      }
+    }
+    if (layout_.sights_beside || !layout_.camera_axes) return;
     // In Pupil Core the right eye is number 0.
-    layout_.camera_axes = true;
     for (std::size_t axis : {0, 1, 2}) {
       left.origin_mm[axis] = find({"eyecenter13d" + axes.substr(axis, 1)});
       right.origin_mm[axis] = find({"eyecenter03d" + axes.substr(axis, 1)});

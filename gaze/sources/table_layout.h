@@ -74,6 +74,7 @@ struct TableLayout {
   bool size_off_is_absent = false;   ///< the point (-width, -height) means data loss (Tobii Studio)
   bool of_scene_camera = false;      ///< of a camera on the head (Pupil Core, Neon)
   bool camera_axes = false;          ///< origins and directions have y down, z forward (Pupil Core)
+  bool sights_beside = false;        ///< directions are not the gaze: axes of the eyes (Neon)
   bool zero_is_absent = false;       ///< the point (0, 0) means data loss (SMI, Tobii Studio)
   bool named_blink = false;          ///< `blink` holds the blink's number, or nothing (Neon)
   TableNumbers numbers{};
@@ -90,7 +91,10 @@ struct TableLayout {
   bool isPlain() const {
     return format.starts_with("TSV") || format.starts_with("CSV") || format.starts_with("text");
   }
-  bool hasDirections() const { return eyes[0].direction[0] || eyes[1].direction[0]; }
+  /// Directions that are the gaze.
+  bool hasDirections() const {
+    return !sights_beside && (eyes[0].direction[0] || eyes[1].direction[0]);
+  }
   /// Whether a column has a meaning.
   bool uses(std::size_t column) const;
 };

@@ -5,6 +5,7 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
+#include "gaze/sources/aria.h"
 #include "gaze/sources/bids.h"
 #include "gaze/sources/eyelink_asc.h"
 #include "gaze/sources/eyenavgs.h"
@@ -97,6 +98,39 @@ bool isUndescribed(const TraceColumns& columns) {
   return columns.time.empty() && columns.x.empty() && !columns.space.hasSight();
 }
 
+/// Of Aria's glasses, unless the study describes the columns.
+std::optional<std::filesystem::path> trajectoryOf(const std::filesystem::path& file,
+                                                  std::string_view first_line,
+                                                  const TraceColumns& columns) {
+  if (!isUndescribed(columns) || columns.space.hasHead() || !isAriaGaze(first_line)) return {};
+  return ariaTrajectoryBeside(file);
+}
+
+/// Gaze has no place in the world while the head has none.
+TraceHeader readAria(LineReader& lines, const AriaTrajectory& trajectory,
+                     const TraceColumns& columns, const TakeSample& take) {
+  std::size_t lost = 0;
+  TextRows rows(lines);
+  TraceHeader header = readRows(rows, columns, {}, [&](const GazeSample& gaze) {
+    GazeSample sample = gaze;
+    sample.head = trajectory.at(sample.time_s);
+    if (!sample.head) {
+      ++lost;
+      sample.point_px.reset();
+      sample.direction.reset();
+      for (EyeSample& eye : sample.eyes) eye.direction.reset();
+    }
+    take(sample);
+  });
+  header.world_y_up = false;
+  header.assumed.push_back(trajectory.assumed());
+  if (lost > 0) {
+    header.warnings.push_back(std::to_string(lost) +
+                              " samples lie beside the trajectory, so their gaze is left out");
+  }
+  return header;
+}
+
 }  // namespace
 
 TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& columns,
@@ -112,9 +146,8 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
   };
   TraceHeader header;
   if (neon) {
-    const std::string table = neonNativeTable(file);
-    LineReader lines(file.string(), table);
-    TextRows rows(lines);
+    NeonTable table = readNeonNative(file);
+    NumberRows rows(file.string(), std::move(table.columns), std::move(table.values));
     header = readRows(rows, columns, fallback_screen, both);
     header.format = "Neon, native recording";
   } else if (!bidsMetadataOf(file).empty()) {
@@ -135,6 +168,8 @@ TraceHeader streamTrace(const std::filesystem::path& file, const TraceColumns& c
       header = readEyeNavGs(lines, columns, both);
     } else if (isUndescribed(columns) && isHoloLens(first)) {
       header = readHoloLens(lines, columns, both);
+    } else if (const auto trajectory = trajectoryOf(file, first, columns)) {
+      header = readAria(lines, AriaTrajectory(*trajectory, first), columns, both);
     } else {
       TextRows rows(lines);
       header = readRows(rows, columns, fallback_screen, both);
@@ -168,6 +203,11 @@ std::vector<std::filesystem::path> companionsOf(const std::filesystem::path& fil
   }
   std::error_code unreadable;
   const std::filesystem::path setting = file.parent_path() / "scene_setting.csv";
+  const auto trajectory = ariaTrajectoryBeside(file);
+  if (!bids && trajectory && std::filesystem::is_regular_file(file, unreadable) &&
+      isAriaGaze(firstLineOf(file))) {
+    companions.push_back(*trajectory);
+  }
   if (!bids && std::filesystem::is_regular_file(file, unreadable) &&
       std::filesystem::is_regular_file(setting, unreadable) && isEyeNavGs(firstLineOf(file))) {
     companions.push_back(setting);
@@ -202,7 +242,7 @@ SpacePreview previewSpace(const std::filesystem::path& file, const TraceColumns&
   try {
     if (!isUndescribed(columns) || isXdf(file)) return {};
     const std::string first = firstLineOf(file);
-    if (isHoloLens(first)) return {.has_head = true};
+    if (isHoloLens(first) || trajectoryOf(file, first, columns)) return {.has_head = true};
     if (!isEyeNavGs(first)) return {};
   } catch (const InputError&) {
     return {};  // whoever reads the file says why

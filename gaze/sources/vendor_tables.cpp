@@ -87,6 +87,19 @@ bool isSmi(Names names, const TablePreamble& before) {
          (hasOneOf(names, "type") && hasOneOf(names, "trial") && hasOneOf(names, "lporx|rporx"));
 }
 
+bool isNeon(Names names, const TablePreamble&) {
+  const auto time = names.find({"timestamp"});
+  return time && names.unit(*time) == "ns" && hasOneOf(names, "gazex") && hasOneOf(names, "gazey");
+}
+
+/// An eye that is not recorded is at (0, 0), one that is not seen at -32768.
+void takeEyeLinkRelay(Names names, TableLayout& layout) {
+  if (!layout.numbers.missing) layout.numbers.missing = -32768.0;
+  layout.eyes[0].pupil_own = names.find({"leftpupilarea"});
+  layout.eyes[1].pupil_own = names.find({"rightpupilarea"});
+  layout.pupil_unit = "arbitrary";
+}
+
 constexpr std::optional<GazeUnits> kPx = GazeUnits::px, kDeg = GazeUnits::deg,
                                    kFractions = GazeUnits::normalised;
 
@@ -131,10 +144,20 @@ const Vendor kVendors[] = {
      .y_up = true,
      .is = isSurface},
     {.name = "Neon export",
-     .needs = {"sectionid", "recordingid", "gazex", "gazey"},
      .code = ValidityCode::not_zero,
      .validity = "worn",
+     .of_scene_camera = true,
+     .is = isNeon},
+    {.name = "Pupil Capture's relay",
+     .needs = {"posx", "posy", "gazenormal0x", "eyecenter03dx"},
+     .units = kFractions,
+     .y_up = true,
      .of_scene_camera = true},
+    {.name = "EyeLink's relay",
+     .needs = {"lefteyex", "lefteyey", "righteyex", "righteyey", "pixelsperdegreex"},
+     .units = kPx,
+     .zero_is_absent = true,
+     .more = takeEyeLinkRelay},
     {.name = "SMI BeGaze",
      .units = kPx,
      .time_scale_s = 1e-6,

@@ -115,7 +115,10 @@ std::string channelName(std::string_view channel, std::size_t number) {
       {"pixels", "px"},   {"pixel", "px"},  {"millimeters", "mm"},
       {"degrees", "deg"}, {"seconds", "s"}, {"normalized", "norm"}};
   if (const auto found = kShort.find(unit); found != kShort.end()) unit = found->second;
-  if (unit.find_first_of("[]()") != unit.npos || name.find_first_of("[(") != name.npos) unit = {};
+  const bool stated = unit == "norm" && name.find("norm") != name.npos;
+  if (stated || unit.find_first_of("[]()") != unit.npos || name.find_first_of("[(") != name.npos) {
+    unit = {};
+  }
   return unit.empty() ? name : name + " [" + unit + "]";
 }
 

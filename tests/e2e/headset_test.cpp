@@ -242,5 +242,56 @@ TEST(ReplayOfEyeNavGs, ReprojectsGazeIntoTheHeadsView) {
   EXPECT_EQ(with_gaze, 1);
 }
 
+/// A row of a table by the names of its columns.
+std::string fieldOf(const std::vector<std::vector<std::string>>& table, std::size_t row,
+                    const std::string& name) {
+  const auto column = std::ranges::find(table[0], name);
+  if (column == table[0].end()) return "no column " + name;
+  return table[row][static_cast<std::size_t>(column - table[0].begin())];
+}
+
+// The distances were computed from the files with NumPy: the median of the points within 2 degrees
+// of the line of sight.
+TEST(ReplayOfAria, FindsTheDistancesOfItsOwnScene) {
+  const auto data = dataFolder();
+  if (!data || !fs::exists(*data / "gaze/aria/global_points.csv.gz")) {
+    GTEST_SKIP() << "no ../shared/data/gaze/aria";
+  }
+  const fs::path aria = *data / "gaze/aria";
+  TemporaryFolder folder;
+  const Outcome outcome =
+      runFoci({"replay", (aria / "global_points.csv.gz").string(), "--trace",
+               (aria / "generalized_gaze.csv").string(), "--set", "focus.cone_deg=2", "--set",
+               "render.method=\"pinhole\"", "--size", "64x64", "--out", "out"},
+              folder.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto sights = tableOf(folder.read("out/gaze3d.tsv"));
+  constexpr double kBound = 0.1;
+  const std::pair<double, double> distances[] = {{149.803, 3.88}, {151.003, 3.71}, {152.203, 2.04},
+                                                 {153.403, 1.71}, {154.603, 1.77}, {155.803, 1.49},
+                                                 {157.603, 1.05}, {158.803, 0.87}, {160.003, 0.98}};
+  for (const auto& [time_s, distance_m] : distances) {
+    std::size_t nearest = 1;
+    const auto away_s = [&](std::size_t row) {
+      return std::abs(std::stod(fieldOf(sights, row, "time_s")) - time_s);
+    };
+    for (std::size_t row = 1; row < sights.size(); ++row) {
+      if (away_s(row) < away_s(nearest)) nearest = row;
+    }
+    ASSERT_LT(away_s(nearest), 0.001);
+    const std::string found = fieldOf(sights, nearest, "distance_m");
+    ASSERT_NE(found, "n/a") << time_s;
+    EXPECT_NEAR(std::stod(found), distance_m, kBound * distance_m) << time_s;
+  }
+  // The vergence of these glasses was not calibrated, and does not follow the distance.
+  const auto frames = tableOf(folder.read("out/frames.tsv"));
+  std::size_t disagree = 0;
+  for (std::size_t row = 1; row < frames.size(); ++row) {
+    disagree += fieldOf(frames, row, "vergence_disagrees") == "1";
+  }
+  EXPECT_GT(disagree, 0u);
+  EXPECT_NE(folder.read("out/report.html").find("vergence"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace foci::e2e

@@ -257,6 +257,89 @@ TEST(Xdf, APackedFileIsTheSameRecording) {
   EXPECT_EQ(readTrace(file.path(), {}, kScreen).samples.size(), 200u);
 }
 
+std::string channel(const std::string& label, const std::string& eye, const std::string& unit) {
+  return "<channel><label>" + label + "</label>" + (eye.empty() ? "" : "<eye>" + eye + "</eye>") +
+         "<type>any</type>" + (unit.empty() ? "" : "<unit>" + unit + "</unit>") + "</channel>";
+}
+
+/// A stream of doubles that are the same in each sample.
+std::string stream(const std::string& channels, const std::vector<double>& values) {
+  std::string file = "XDF:" + header(7, "Tracker", "Gaze", "double64", channels,
+                                     static_cast<int>(values.size()), 0.0);
+  std::string samples = bytesOfNumber(std::uint32_t{7}) + "\x01\x64";
+  for (int i = 0; i < 100; ++i) {
+    samples += "\x08" + bytesOfNumber(i / kRate_Hz);
+    for (const double value : values) samples += bytesOfNumber(value);
+  }
+  return file + chunk(3, samples);
+}
+
+TEST(Xdf, KnowsTheChannelsOfPupilCapturesRelay) {
+  std::string channels = channel("confidence", "both", "normalized") +
+                         channel("norm_pos_x", "both", "normalized") +
+                         channel("norm_pos_y", "both", "normalized");
+  for (const std::string axis : {"x", "y", "z"}) {
+    channels += channel("gaze_point_3d_" + axis, "both", "mm");
+  }
+  for (const std::string eye : {"0", "1"}) {
+    const std::string side = eye == "0" ? "right" : "left";
+    for (const std::string axis : {"x", "y", "z"}) {
+      channels += channel("eye_center" + eye + "_3d_" + axis, side, "mm");
+    }
+  }
+  for (const std::string eye : {"0", "1"}) {
+    const std::string side = eye == "0" ? "right" : "left";
+    for (const std::string axis : {"x", "y", "z"}) {
+      channels += channel("gaze_normal" + eye + "_" + axis, side, "mm");
+    }
+  }
+  for (const std::string eye : {"0", "1"}) {
+    channels += channel("diameter" + eye + "_3d", eye == "0" ? "right" : "left", "mm");
+  }
+  const double nan = std::nan("");
+  const GazeTrace in_space =
+      readBytes(stream(channels, {0.9, 0.25, 0.75, 1,    2,   300, 20,  15,  -20, -40,
+                                  16,  -20,  0.0,  -0.6, 0.8, 0.0, 0.0, 1.0, 3.5, 4.5}));
+  const GazeSample& sample = in_space.samples[5];
+  EXPECT_LT(glm::distance(*sample.eyes[0].direction, glm::dvec3(0.0, 0.0, -1.0)), 1e-9);
+  EXPECT_LT(glm::distance(*sample.eyes[1].direction, glm::dvec3(0.0, 0.6, -0.8)), 1e-9);
+  EXPECT_EQ(sample.eyes[0].pupil_mm, 4.5);
+  EXPECT_EQ(sample.eyes[1].pupil_mm, 3.5);
+  EXPECT_EQ(sample.confidence, 0.9);
+  // Mapped in two dimensions, and counted from the lower left corner.
+  const GazeTrace flat =
+      readBytes(stream(channels, {0.9, 0.25, 0.75, nan, nan, nan, nan, nan, nan, nan,
+                                  nan, nan,  nan,  nan, nan, nan, nan, nan, nan, nan}));
+  EXPECT_EQ(*flat.samples[5].point_px, glm::dvec2(250.0, 125.0));
+}
+
+TEST(Xdf, KnowsTheChannelsOfEyeLinksRelay) {
+  std::string channels;
+  for (const char* label :
+       {"leftEyeX", "leftEyeY", "rightEyeX", "rightEyeY", "leftPupilArea", "rightPupilArea",
+        "pixelsPerDegreeX", "pixelsPerDegreeY", "eyelink_timestamp", "LSL_timestamp"}) {
+    channels += channel(label, "", "");
+  }
+  const GazeTrace both = readBytes(stream(channels, {400, 200, 420, 220, 900, 950, 34, 34, 7, 8}));
+  EXPECT_EQ(*both.samples[5].point_px, glm::dvec2(410.0, 210.0));
+  EXPECT_EQ(*both.samples[5].eyes[1].point_px, glm::dvec2(420.0, 220.0));
+  // An eye that is not recorded is 0, one that is not seen -32768.
+  for (const double none : {0.0, -32768.0}) {
+    const GazeTrace left = readBytes(stream(channels, {400, 200, none, none, 9, 0, 34, 34, 7, 8}));
+    EXPECT_FALSE(left.samples[5].eyes[1].point_px);
+    EXPECT_EQ(*left.samples[5].point_px, glm::dvec2(400.0, 200.0));
+  }
+}
+
+TEST(Xdf, ChannelsOfOneLabelAreThoseOfTheirEyes) {
+  const std::string channels = channel("x", "both", "pixels") + channel("y", "both", "pixels") +
+                               channel("PupilDiameter", "left", "millimeters") +
+                               channel("PupilDiameter", "right", "millimeters");
+  const GazeTrace trace = readBytes(stream(channels, {400, 200, 3.0, 4.0}));
+  EXPECT_EQ(trace.samples[5].eyes[0].pupil_mm, 3.0);
+  EXPECT_EQ(trace.samples[5].eyes[1].pupil_mm, 4.0);
+}
+
 TEST(Xdf, AFileThatIsCutOffHasItsFirstSamples) {
   const std::string before = gazeHeader() + gazeChunk(trueTimes(100));
   const std::string whole = before + gazeChunk(trueTimes(100, 1.0));

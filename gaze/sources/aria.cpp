@@ -1,0 +1,126 @@
+// The drawings are those of projectaria_tools (core/calibration/ConfigData.cpp): the camera's place
+// and its y and z axes in the frame CPF, x to the left, y up, z forward. The device's frame is that
+// of the camera to the left in front.
+#include "gaze/sources/aria.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/text.h"
+#include "gaze/sources/line_reader.h"
+#include "gaze/sources/swift_number.h"
+
+namespace foci {
+namespace {
+
+struct Drawing {
+  glm::dvec3 place_m, y, z;
+};
+
+constexpr Drawing kFirstGeneration = {{0.071351, 0.002372, 0.008454},
+                                      {0.793353, 0.000000, -0.608761},
+                                      {0.607927, -0.052336, 0.792266}};
+constexpr Drawing kSecondGeneration = {{0.071079, 0.005720, 0.011555},
+                                       {-0.138127, -0.912873, -0.384166},
+                                       {0.308866, -0.408244, 0.859034}};
+constexpr double kMaxGap_s = 0.1, kMicrosecond_s = 1e-6;
+constexpr double kUnitQuaternionSlack = 0.01;
+
+/// The head's frame looks along -z, with x to the right.
+HeadInWorld deviceFromHead(const Drawing& drawing) {
+  const glm::dvec3 y = glm::normalize(drawing.y), z = glm::normalize(drawing.z);
+  const glm::dmat3 device_from_cpf = glm::transpose(glm::dmat3(glm::cross(y, z), y, z));
+  const glm::dmat3 cpf_from_head(-1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0);
+  return {.position_m = -(device_from_cpf * drawing.place_m),
+          .world_from_head = glm::normalize(glm::quat_cast(device_from_cpf * cpf_from_head))};
+}
+
+}  // namespace
+
+bool isAriaGaze(std::string_view header) {
+  return header.starts_with("tracking_timestamp_us,") &&
+         header.find("yaw_rads_cpf") != std::string_view::npos;
+}
+
+std::optional<std::filesystem::path> ariaTrajectoryBeside(const std::filesystem::path& gaze) {
+  const std::filesystem::path folder = gaze.parent_path();
+  for (const auto& place : {folder, folder / ".." / "slam", folder / ".." / "trajectory"}) {
+    for (const char* name : {"closed_loop_trajectory.csv", "closed_loop_trajectory.csv.gz"}) {
+      std::error_code unreadable;
+      const std::filesystem::path file = (place / name).lexically_normal();
+      if (std::filesystem::is_regular_file(file, unreadable)) return file;
+    }
+  }
+  return std::nullopt;
+}
+
+AriaTrajectory::AriaTrajectory(const std::filesystem::path& file, std::string_view header)
+    : first_generation_(header.find("left_pitch_rads_cpf") == std::string_view::npos) {
+  const HeadInWorld device_from_head =
+      deviceFromHead(first_generation_ ? kFirstGeneration : kSecondGeneration);
+  LineReader lines(file);
+  std::string_view line;
+  std::vector<std::string_view> fields;
+  lines.next(line);
+  splitFields(line, ',', fields);
+  constexpr std::array<const char*, 8> kNames = {
+      "tracking_timestamp_us", "tx_world_device", "ty_world_device", "tz_world_device",
+      "qx_world_device",       "qy_world_device", "qz_world_device", "qw_world_device"};
+  std::array<std::size_t, kNames.size()> at{};
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    const auto found = std::ranges::find(fields, std::string_view(kNames[i]));
+    if (found == fields.end()) {
+      throw lines.error(std::string("expected a column ") + kNames[i] + ", as in Aria's " +
+                        "closed_loop_trajectory.csv");
+    }
+    at[i] = static_cast<std::size_t>(found - fields.begin());
+    end = std::max(end, at[i] + 1);
+  }
+  while (lines.next(line)) {
+    splitFields(line, ',', fields, end);
+    std::array<double, kNames.size()> v{};
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      const std::string_view text = at[i] < fields.size() ? fields[at[i]] : std::string_view();
+      const auto swift = swiftNumber(text);
+      const auto value = swift ? swift : parseNumber(text);
+      if (!value && !lines.isEnded()) return;  // the last line is cut off
+      if (!value)
+        throw lines.error(std::string(kNames[i]) + " = " + shown(text) + ": expected a number");
+      v[i] = *value;
+    }
+    const glm::dquat q(v[7], v[4], v[5], v[6]);
+    if (std::abs(glm::length(q) - 1.0) > kUnitQuaternionSlack) {
+      throw lines.error("qx_world_device to qw_world_device: expected a quaternion of length 1");
+    }
+    const double time_s = kMicrosecond_s * v[0];
+    if (!poses_.empty() && time_s <= poses_.back().time_s) continue;
+    const glm::dquat world_from_device = glm::normalize(q);
+    poses_.push_back({time_s,
+                      {.position_m = glm::dvec3(v[1], v[2], v[3]) +
+                                     world_from_device * device_from_head.position_m,
+                       .world_from_head = world_from_device * device_from_head.world_from_head}});
+  }
+}
+
+std::optional<HeadInWorld> AriaTrajectory::at(double time_s) const {
+  const auto after = std::ranges::lower_bound(poses_, time_s, {}, &Pose::time_s);
+  if (after == poses_.end() || (after == poses_.begin() && after->time_s > time_s)) {
+    return std::nullopt;
+  }
+  if (after->time_s == time_s) return after->head;
+  const Pose &a = *(after - 1), &b = *after;
+  if (b.time_s - a.time_s > kMaxGap_s) return std::nullopt;
+  const double share = (time_s - a.time_s) / (b.time_s - a.time_s);
+  return HeadInWorld{
+      .position_m = glm::mix(a.head.position_m, b.head.position_m, share),
+      .world_from_head = glm::slerp(a.head.world_from_head, b.head.world_from_head, share)};
+}
+
+std::string AriaTrajectory::assumed() const {
+  return std::string("head: the trajectory's camera lies before the eyes as in the drawings of ") +
+         (first_generation_ ? "Aria Gen 1, size L" : "Aria Gen 2, size LL");
+}
+
+}  // namespace foci
