@@ -28,6 +28,9 @@ constexpr std::string_view kColmapNames = "POINT3D_ID, X, Y, Z, R, G, B, ERROR, 
 
 /// Aria's points that are less certain are noise (MPS, "threshold the point cloud").
 constexpr double kMaxDoubt_m = 0.15, kMaxInverseDoubt_per_m = 0.01;
+// Aria's points lie on edges, so their distances say nothing of the surface: each gets the size of
+// a pixel of the cameras that found it (150 degrees on 640 pixels) at 2.5 m.
+constexpr float kAriaRadius_m = 0.01f;
 using Three = std::array<int, 3>;  // columns
 constexpr Three kNoThree = {kNone, kNone, kNone};
 
@@ -381,6 +384,7 @@ class TextPointsReader {
     if (columns_->doubt == kNoThree) return;
     points_.unit_m = 1.0;  // metres, and gravity along -z
     points_.up_axis = 2;
+    points_.radius_m.assign(points_.size(), kAriaRadius_m);
     if (uncertain_ == 0) return;
     points_.remarks.push_back(thousands(static_cast<double>(uncertain_)) +
                               " points are less certain than " + exactText(kMaxDoubt_m) +
