@@ -241,6 +241,8 @@ class Case:
             self.kind, self.what = fault.kind, fault.what + (f" ({box.path})" if keep else "")
         except Skip as skip:
             self.kind, self.what = "skipped", str(skip)
+        except Exception as error:  # the case itself
+            self.kind, self.what = "broken", repr(error)
         finally:
             box.close(keep and self.kind not in ("", "skipped"))
         return self

@@ -19,7 +19,7 @@ TO_FILES = (
     ("defocus", ("render", "study.toml", "--out", "new.png", "--defocus"), ".exr"),
     ("write-study", ("render", "study.toml", "--out", "new.png", "--write-study"), ".toml"),
     ("heatmap", ("replay", "study.toml", "--out", "new", "--heatmap"), ".ply"),
-    ("convert", ("trace", "convert", "trace.tsv", "--out"), "_physio.tsv.gz"),
+    ("convert", ("trace", "convert", "trace.tsv", "--out"), "_recording-eye1_physio.tsv.gz"),
     ("prepare", ("prepare", "scene.ply", "--out"), ".foci"),
     ("thumbnail", ("info", "scene.ply", "--thumbnail"), ".png"),
     ("gaze map", ("calibrate", "gaze", "--pairs", "pairs.tsv", "--out"), ".toml"),
@@ -136,12 +136,12 @@ def list_of_outputs_is_not_focis(box, what):
 @attack("plain", "--overwrite")
 def file_that_appears_during_the_run(box, way):
     box.write("long.tsv", trace(400000, 0.001))
-    process = box.start("trace", "convert", "long.tsv", "--out", "a_physio.tsv.gz",
+    process = box.start("trace", "convert", "long.tsv", "--out", "a_recording-eye1_physio.tsv.gz",
                         *([way] if way == "--overwrite" else []))
     if not box.wait_for(box.staging, "its staging folder", process):
         raise Fault("silent", "ended at once")
-    os.link(box / "long.tsv", box / "a_physio.tsv.gz")
-    box.finish(process).refused("a_physio.tsv.gz")
+    os.link(box / "long.tsv", box / "a_recording-eye1_physio.tsv.gz")
+    box.finish(process).refused("a_recording-eye1_physio.tsv.gz")
 
 
 NAMES = ("...tsv", ".tsv", "..tsv", ".hidden.tsv", "index.html.tsv", "recordings.tsv.tsv", "INDEX.html.tsv",
