@@ -32,7 +32,10 @@ class Faults : public testing::Test {
   void SetUp() override {
     folder.write("study.toml", smallStudy());
     folder.write("scene.ply", squarePly(24, 1.0));
-    folder.write("trace.tsv", steadyTrace());
+    folder.write("trace.tsv",
+                 "# screen_width_px=640 screen_height_px=480 screen_width_m=0.4 "
+                 "screen_height_m=0.3 viewing_distance_m=0.5 units=px\n" +
+                     steadyTrace());  // so that foci assumes nothing, and says little
   }
 
   /// The files of a folder, hidden ones left out, by name.
