@@ -26,10 +26,15 @@ class Foci:
     def push(self, samples):
         """Pushes gaze to `foci live --source socket`: rows of (time_s, x_px, y_px) or (time_s, x_px, y_px, pupil_mm).
 
-        The time is on the tracker's clock. nan in x_px or y_px stands for data loss.
+        The time is on the tracker's clock. nan in x_px or y_px stands for data loss. Returns how many rows foci has
+        taken; prints what else foci says, for example that none of the gaze is used.
         """
-        return int(self.ask("gaze " + ";".join(" ".join(f"{value:.9g}" if i else f"{value:.6f}"
-                                                        for i, value in enumerate(row)) for row in samples)))
+        text = ";".join(" ".join(f"{value:.9g}" if i else f"{value:.6f}" for i, value in enumerate(row))
+                        for row in samples)
+        count, _, remark = self.ask("gaze " + text).partition(" ")
+        if remark:
+            print("foci:", remark, file=sys.stderr)
+        return int(count)
 
 
 def main():

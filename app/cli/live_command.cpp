@@ -44,6 +44,7 @@ std::string liveSummaryJson(const LiveSummary& summary) {
       {"render_ms_median", summary.render.quantile_ms(0.5)},
       {"render_ms_p95", summary.render.quantile_ms(0.95)}};
   json.update(landingsJson(summary.landings));
+  addReception(summary.reception, json["gaze"]);
   json["records"] = nlohmann::ordered_json::array();
   for (const auto& folder : summary.records) json["records"].push_back(folder.string());
   return jsonText(json);
@@ -83,6 +84,16 @@ std::string liveSummaryText(const LiveSummary& summary) {
         decimal(landings.toFull().quantile_ms(0.5), 0) +
         " ms after the landing (median; 95 %: " + decimal(landings.toFull().quantile_ms(0.95), 0) +
         " ms); in " + decimal(100.0 * landings.fullShare(), 0) + " % of all frames";
+  }
+  for (const UnusedGaze& time : summary.reception.unused) {
+    text += "\nno gaze was used from " + decimal(time.from_s, 1) + " s to " +
+            decimal(time.to_s, 1) + " s: " + time.why;
+  }
+  if (const std::size_t dropped = summary.reception.dropped; dropped > 0) {
+    text += "\nsamples of gaze that were dropped: " + std::to_string(dropped);
+  }
+  if (const auto& clock = summary.reception.clock) {
+    text += "\nclock of the gaze's sender: " + clockText(*clock);
   }
   for (const auto& folder : summary.records) {
     text += "\nrecord: foci replay " + (folder / "study.toml").string() + " --out " +

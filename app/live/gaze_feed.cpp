@@ -1,16 +1,25 @@
 #include "app/live/gaze_feed.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
 #include "base/input_error.h"
+#include "base/text.h"
 
 namespace foci {
 namespace {
 
-constexpr double kPolls_Hz = 500.0;         // samples of a tracker wait 2 ms at most
-constexpr std::size_t kMaxWaiting = 65536;  // bounds memory if nobody takes samples
+constexpr double kPolls_Hz = 500.0;           // samples of a tracker wait 2 ms at most
+constexpr std::size_t kMaxWaiting = 1 << 18;  // 100 MB; a frame of four minutes at 1000 Hz
+constexpr double kStepLines_s = 10.0;         // between lines about steps of the sender's clock
+constexpr const char* kOverflow = "foci renders a frame for too long";
+
+void logLine(const std::string& line) {
+  if (!line.empty()) std::fprintf(stderr, "foci: %s\n", line.c_str());
+}
 
 }  // namespace
 
@@ -34,20 +43,54 @@ void GazeFeed::run(const std::stop_token& stop) {
     }
     news.clear();
     std::string status;
+    SenderFacts sender;
+    const double now_s = clock_.now_s();
     try {
-      source_.source->poll(clock_.now_s(), news);
+      source_.source->poll(now_s, news);
       status = source_.source->status();
-    } catch (const std::exception& error) {
-      status = error.what();  // focus stays where it is
+      sender = source_.source->sender();
+    } catch (const std::exception& error) {  // focus stays where it is
+      status = error.what();
+      sender = {.dropped = sender_.dropped + 1, .why = status, .clock = sender_.clock};
     }
     const std::lock_guard lock(mutex_);
-    if (waiting_.size() < kMaxWaiting) {
-      waiting_.insert(waiting_.end(), news.begin(), news.end());
-    }
+    note(news, std::move(sender), now_s);
     status_ = std::move(status);
     polls_ended_ = polls_begun_;
     polled_.notify_all();
   }
+}
+
+/// Takes what a poll has brought.
+void GazeFeed::note(const std::vector<GazeSample>& news, SenderFacts&& sender, double now_s) {
+  // Pushed samples have been answered: they are kept (`push`).
+  const bool keeps = source_.pushed || waiting_.size() < kMaxWaiting;
+  if (keeps) waiting_.insert(waiting_.end(), news.begin(), news.end());
+  if (!source_.mouse) {
+    const std::size_t dropped = sender.dropped - std::min(sender.dropped, sender_.dropped);
+    logLine(keeps ? watch_.arrive(now_s, news, dropped, sender.why)
+                  : watch_.arrive(now_s, {}, dropped + news.size(), kOverflow));
+  }
+  if (sender.clock && sender_.clock && sender.clock->steps > sender_.clock->steps &&
+      (logged_step_s_ == 0.0 || now_s - logged_step_s_ > kStepLines_s)) {
+    logged_step_s_ = now_s;
+    logLine("the clock of the gaze's sender has stepped by " +
+            decimal(sender.clock->latest_steps.back().ahead_s, 3) + " s; foci follows it");
+  }
+  sender_ = std::move(sender);
+}
+
+void GazeFeed::look(bool uses_gaze) {
+  const std::lock_guard lock(mutex_);
+  logLine(watch_.look(clock_.now_s(), uses_gaze));
+}
+
+GazeReception GazeFeed::reception() const {
+  const std::lock_guard lock(mutex_);
+  return {.clock = sender_.clock,
+          .dropped = watch_.dropped(),
+          .unused = watch_.unused(),
+          .remark = watch_.remark()};
 }
 
 void GazeFeed::pointTo(const std::optional<glm::dvec2>& point_px) {
@@ -61,13 +104,29 @@ std::string GazeFeed::lookedAt(const glm::dvec2& point_px) {
                                     : "the webcam sees no eyes: the click is not used";
 }
 
-std::string GazeFeed::push(std::string_view samples) {
+std::string GazeFeed::push(std::string_view text) {
   if (source_.pushed == nullptr) return "error gaze: expected foci live --source socket";
+  std::vector<GazeSample> samples;
   try {
-    return "ok " + std::to_string(source_.pushed->push(samples));
+    samples = samplesOfText(text);
   } catch (const InputError& error) {
     return std::string("error ") + error.what();
   }
+  const double now_s = clock_.now_s();
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.size() >= kMaxWaiting) {
+      logLine(watch_.arrive(now_s, {}, samples.size(), kOverflow));
+      return "error gaze: " + std::to_string(samples.size()) + " samples dropped, because " +
+             kOverflow;
+    }
+  }
+  const std::size_t dropped = source_.pushed->push(samples, now_s);
+  std::string answer = "ok " + std::to_string(samples.size() - std::min(samples.size(), dropped));
+  if (dropped > 0) answer += " dropped " + std::to_string(dropped);
+  const std::lock_guard lock(mutex_);
+  if (!watch_.remark().empty()) answer += " unused: " + watch_.remark();
+  return answer;
 }
 
 void GazeFeed::take(std::vector<GazeSample>& samples) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/live/clock.h"
+#include "app/live/gaze_watch.h"
 #include "app/live/sources.h"
 
 namespace foci {
@@ -28,8 +29,8 @@ class GazeFeed {
   /// @return a notice for the observer; "" if the source does not learn
   std::string lookedAt(const glm::dvec2& point_px);
 
-  /// Takes samples from the socket (`PushedSource::push`).
-  /// @return the answer: "ok N" or "error ..."
+  /// Takes samples from the socket (`samplesOfText`).
+  /// @return the answer: "ok N", "ok N dropped M", "ok N unused: WHY" or "error ..."
   std::string push(std::string_view samples);
 
   /// Appends the samples since the last call, oldest first.
@@ -39,6 +40,12 @@ class GazeFeed {
   /// sample that had arrived before.
   void waitForPoll();
 
+  /// Tells that a frame has looked at the gaze.
+  /// @param uses_gaze  as of `GazeWatch::look`
+  void look(bool uses_gaze);
+
+  GazeReception reception() const;
+
   const Screen& screen() const { return source_.screen; }
   double rate_Hz() const { return rate_Hz_; }
   const std::vector<std::string>& warnings() const { return source_.warnings.all(); }
@@ -46,12 +53,16 @@ class GazeFeed {
 
  private:
   void run(const std::stop_token& stop);
+  void note(const std::vector<GazeSample>& news, SenderFacts&& sender, double now_s);
 
   NamedSource source_;
   const LiveClock& clock_;
   double rate_Hz_;  // at the start
   mutable std::mutex mutex_;
   std::vector<GazeSample> waiting_;
+  GazeWatch watch_;
+  SenderFacts sender_;  // at the latest poll
+  double logged_step_s_ = 0.0;
   std::optional<glm::dvec2> pointer_px_;
   std::string status_;
   std::size_t polls_begun_ = 0, polls_ended_ = 0;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/record/durations.h"
+#include "app/record/gaze_reception.h"
 #include "app/record/landing.h"
 #include "app/study/study.h"
 #include "render/scene/io/open_scene.h"
@@ -32,6 +33,7 @@ struct LiveSummary {
   Durations sample_to_swap, render;
   Durations sample_to_render, render_to_swap;  ///< the other parts of sample_to_swap
   Landings landings;
+  GazeReception reception;
   std::vector<std::filesystem::path> records;
   std::vector<std::string> failed_records;  ///< a line each: the folder, and why
 };

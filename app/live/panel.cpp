@@ -16,6 +16,8 @@ namespace {
 constexpr ImU32 kWarning = IM_COL32(255, 214, 10, 255), kQuiet = IM_COL32(235, 235, 235, 255),
                 kVeil = IM_COL32(0, 0, 0, 150), kRecording = IM_COL32(230, 60, 50, 255);
 
+constexpr double kStep_s = 6.0;  // how long the notice of a step of a clock stays
+
 struct HelpLine {
   const char *key, *what;
 };
@@ -194,6 +196,12 @@ void drawPanel(const PanelContent& content, const LiveControls& controls, bool& 
     if (ImGui::Button("Event marker")) controls.add_marker();
     ImGui::Separator();
     ImGui::TextWrapped("%s", content.source.c_str());
+    if (const auto& clock = content.state.reception.clock) {
+      ImGui::TextWrapped("sender's clock: %s", clockText(*clock).c_str());
+    }
+    if (const std::size_t dropped = content.state.reception.dropped; dropped > 0) {
+      ImGui::TextWrapped("samples dropped: %zu", dropped);
+    }
     if (content.frame) {
       const EyeNow& eye = content.frame->record.eye;
       ImGui::Text("%s; focus %.2f D (%s); %s", std::string(nameOf(eye.state)).c_str(), eye.focus_D,
@@ -243,8 +251,19 @@ void drawNotices(const PanelContent& content, const std::string& notice, bool fi
     noticeAt(x, 0.5f * area.y, kQuiet, "opening the scene");
     return;
   }
-  if (content.frame->record.eye.state == GazeState::lost) {
+  const GazeReception& reception = content.state.reception;
+  if (!reception.remark.empty()) {
+    y = noticeAt(x, y, kWarning, "G" + reception.remark.substr(1) + ". Focus stays where it was");
+  } else if (content.frame->record.eye.state == GazeState::lost) {
     y = noticeAt(x, y, kWarning, "No gaze: focus stays where it was (" + content.source + ")");
+  }
+  if (reception.clock && !reception.clock->latest_steps.empty()) {
+    const ClockStep& step = reception.clock->latest_steps.back();
+    if (content.now_s - step.time_s < kStep_s) {
+      y = noticeAt(x, y, kWarning,
+                   "The clock of the gaze's sender has stepped by " + decimal(step.ahead_s, 3) +
+                       " s: foci follows it");
+    }
   }
   if (!content.state.in_view) {
     y = noticeAt(x, y, kWarning,

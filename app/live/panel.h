@@ -43,6 +43,7 @@ struct PanelContent {
   std::string source;      ///< status of the gaze source
   const FrameGraph& graph;
   const LiveSummary& summary;
+  double now_s;
 };
 
 /// @param open  false once the observer has closed it

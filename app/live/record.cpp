@@ -31,6 +31,7 @@ Study studyOfRecord(Study study, double rate_Hz) {
   study.record.markers = "event_markers.tsv";
   study.record.rate_Hz = rate_Hz;
   study.output.seconds.reset();
+  study.remote = {};
   return study;
 }
 
@@ -149,6 +150,10 @@ void LiveRecord::setDevices(const std::string& devices) {
 
 void LiveRecord::addWarning(const std::string& warning) {
   post([this, warning] { warnings_.include({warning}); });
+}
+
+void LiveRecord::setReception(const GazeReception& reception) {
+  post([this, reception] { reception_ = reception; });
 }
 
 void LiveRecord::add(std::shared_ptr<const LiveFrame> frame) {
@@ -271,6 +276,7 @@ void LiveRecord::finish() {
   facts.warnings = warnings_.all();
   writeText(folder_ / "events.tsv", eventTable(events));
   for (const auto& file : inputFiles(study)) facts.inputs.push_back({file, sha256OfFile(file)});
+  facts.gaze.reception = reception_;
   facts.frames_sha256 = hash_.hex();
   const double gaze_valid = static_cast<double>(gaze_points_) /
                             static_cast<double>(std::max<std::size_t>(gaze_samples_, 1));

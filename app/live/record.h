@@ -31,6 +31,7 @@
 #include "app/platform/sha256.h"
 #include "app/platform/warnings.h"
 #include "app/record/durations.h"
+#include "app/record/gaze_reception.h"
 #include "app/record/landing.h"
 #include "app/record/later_image.h"
 #include "app/record/record_files.h"
@@ -90,6 +91,7 @@ class LiveRecord {
   void setDevices(const std::string& devices);
   /// @param warning  printed already, for the manifest
   void addWarning(const std::string& warning);
+  void setReception(const GazeReception& reception);
   /// In order of rendering.
   void add(std::shared_ptr<const LiveFrame> frame);
 
@@ -130,6 +132,7 @@ class LiveRecord {
   Durations render_, rendered_;        // of all frames; without reused frames
   std::map<int, std::size_t> pupils_;  // frames by hundredths of a millimetre
   Landings landings_;
+  GazeReception reception_;
   std::size_t gaze_samples_ = 0, gaze_points_ = 0;  // samples; samples with a gaze point
   std::size_t frame_count_ = 0, splats_ = 0;
   double first_s_ = 0.0, last_s_ = 0.0, flushed_s_ = 0.0;

@@ -6,6 +6,8 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "app/study/live_change.h"
+#include "base/input_error.h"
 #include "base/text.h"
 
 namespace foci {
@@ -33,10 +35,17 @@ std::string stateOf(const LiveState& state, double now_s) {
                                  {"focus_D", last.eye.focus_D},
                                  {"pupil_mm", last.pupil_mm},
                                  {"method", last.method},
+                                 {"gaze_remark", nullptr},
+                                 {"clock", nullptr},
                                  {"record", nullptr},
                                  {"record_failure", nullptr}};
   if (last.gaze_px) json["gaze_px"] = {last.gaze_px->x, last.gaze_px->y};
   if (last.eye.surface_distance_m) json["surface_distance_m"] = *last.eye.surface_distance_m;
+  if (!state.reception.remark.empty()) json["gaze_remark"] = state.reception.remark;
+  if (const auto& clock = state.reception.clock) {
+    json["clock"] = {
+        {"offset_s", clock->offset_s}, {"drift_ppm", clock->drift_ppm}, {"steps", clock->steps}};
+  }
   if (state.record) {
     json["record"] = state.record->folder().string();
     if (const auto failure = state.record->failure()) json["record_failure"] = *failure;
@@ -80,8 +89,13 @@ std::string answerTo(const std::string& command, LiveRenderer& renderer, const L
   if (verb == "set") {
     const std::size_t key_end = rest.find(' ');
     if (key_end == std::string::npos) return "error set KEY VALUE: expected a value";
-    return answerOf(renderer.change(rest.substr(0, key_end),
-                                    std::string(trimmed(std::string_view(rest).substr(key_end)))));
+    const std::string key = rest.substr(0, key_end);
+    const std::string toml(trimmed(std::string_view(rest).substr(key_end)));
+    try {
+      return answerOf(renderer.change(key, remoteValue(renderer.state().study, key, toml)));
+    } catch (const InputError& error) {
+      return std::string("error ") + error.what();
+    }
   }
   return "error " + shown(command) + ": expected gaze, mark, record, stop, set, state or leave";
 }

@@ -137,6 +137,7 @@ std::future<std::string> LiveRenderer::startRecord(const std::filesystem::path& 
     session_->push(first);
     record->add(first);
     last_sample_s_ = session_start_s_;
+    dropped_before_ = feed_.reception().dropped;
     const std::lock_guard lock(mutex_);
     state_.record = std::move(record);
     state_.notice = "recording to " + folder.string();
@@ -167,6 +168,7 @@ void LiveRenderer::closeRecord() {
   // The record holds every sample that arrived before its end.
   feed_.waitForPoll();
   takeGaze();
+  state_.record->setReception(receptionSince(session_start_s_));
   const std::lock_guard lock(mutex_);
   state_.notice = "record in " + state_.record->folder().string();
   closing_.push_back(std::exchange(state_.record, nullptr));
@@ -196,8 +198,25 @@ double LiveRenderer::addMarker(const std::string& text) {
 }
 
 LiveState LiveRenderer::state() const {
+  GazeReception reception = feed_.reception();
   const std::lock_guard lock(mutex_);
-  return state_;
+  LiveState state = state_;
+  state.reception = std::move(reception);
+  return state;
+}
+
+/// How the gaze of the record has arrived.
+GazeReception LiveRenderer::receptionSince(double start_s) const {
+  GazeReception reception = feed_.reception();
+  reception.dropped -= dropped_before_;
+  std::erase_if(reception.unused, [&](const UnusedGaze& time) { return time.to_s < start_s; });
+  if (reception.clock) {
+    std::vector<ClockStep>& steps = reception.clock->latest_steps;
+    const std::size_t before =
+        std::erase_if(steps, [&](const ClockStep& step) { return step.time_s < start_s; });
+    reception.clock->steps -= std::min(before, reception.clock->steps);
+  }
+  return reception;
 }
 
 void LiveRenderer::tell(const std::string& notice) {
@@ -405,6 +424,8 @@ std::shared_ptr<LiveFrame> LiveRenderer::renderFrame() {
   const double time_s = std::max({timing.render_start_s, last_sample_s_.value_or(0.0),
                                   wholeMicroseconds(last_frame_s_ + kTick_s)});
   frame->record = session_->look(time_s);
+  const GazeState state = frame->record.eye.state;
+  feed_.look(state != GazeState::lost && state != GazeState::blink);
   if (frame->record.eye.sample) timing.sample_s = frame->record.eye.sample->time_s;
   timing.state_s = frame->record.eye.state_time_s;
   last_method_ = methodOfFrame(study_, frame->record);

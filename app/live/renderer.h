@@ -39,6 +39,7 @@ struct LiveState {
   double scene_m = 0.0;                        ///< longest side of the scene; 0 until it is loaded
   std::vector<std::string_view> methods = {};  ///< that render the scene; none until it is loaded
   bool in_view = true;                         ///< whether a resting eye sees any of the scene
+  GazeReception reception = {};                ///< of the gaze
 };
 
 class LiveRenderer {
@@ -90,6 +91,7 @@ class LiveRenderer {
   void renderFrames(const std::stop_token& stop);
   bool waitForRoom(const std::stop_token& stop);
   void takeGaze();
+  GazeReception receptionSince(double start_s) const;
   GazeSample asRecorded(GazeSample sample) const;
   std::shared_ptr<LiveFrame> renderFrame();
   void fill(LiveFrame& frame, RenderedFrame& rendered);
@@ -127,6 +129,7 @@ class LiveRenderer {
   std::vector<GazeSample> news_;
   std::optional<double> last_sample_s_;
   double last_frame_s_ = 0.0, session_start_s_ = 0.0;
+  std::size_t dropped_before_ = 0;        // the record began
   std::map<std::string, double> cost_s_;  // of the last frame of each method
   std::string device_remark_;             // shown last
   std::string devices_;                   // that the record knows of

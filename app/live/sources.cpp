@@ -67,6 +67,7 @@ class MappedSource final : public LiveSource {
   }
   double rate_Hz() const override { return source_->rate_Hz(); }
   std::string status() const override { return source_->status(); }
+  SenderFacts sender() const override { return source_->sender(); }
 
  private:
   std::unique_ptr<LiveSource> source_;

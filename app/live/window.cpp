@@ -167,6 +167,7 @@ LiveSummary LiveWindow::run() {
   if (renderer_->take(clock_.now_s())) ++summary_.dropped;
   record_ = nullptr;
   renderer_->finish(summary_.records, summary_.failed_records);
+  summary_.reception = feed_->reception();
   if (saving_.valid()) saving_.wait();
   return summary_;
 }
@@ -354,7 +355,8 @@ void LiveWindow::draw() {
                              .frame = frame_.get(),
                              .source = feed_->status(),
                              .graph = graph_,
-                             .summary = summary_};
+                             .summary = summary_,
+                             .now_s = now_s};
   if (panel_) drawPanel(content, controls_, panel_);
   if (help_) drawHelp(help_);
   drawNotices(content, now_s - notice_since_s_ < kNotice_s ? notice_ : "", now_s < kFirst_s);

@@ -39,6 +39,26 @@ nlohmann::ordered_json landingsJson(const Landings& landings) {
           {"frames_full", landings.fullShare()}};
 }
 
+void addReception(const GazeReception& reception, Json& json) {
+  json["dropped"] = reception.dropped;
+  json["unused"] = Json::array();
+  for (const UnusedGaze& time : reception.unused) {
+    json["unused"].push_back({{"from_s", time.from_s}, {"to_s", time.to_s}, {"why", time.why}});
+  }
+  json["clock"] = nullptr;
+  if (!reception.clock) return;
+  const ClockFacts& clock = *reception.clock;
+  Json steps = Json::array();
+  for (const ClockStep& step : clock.latest_steps) {
+    steps.push_back({{"time_s", step.time_s}, {"ahead_s", step.ahead_s}});
+  }
+  json["clock"] = {{"measured", clock.measured},
+                   {"offset_s", clock.offset_s},
+                   {"drift_ppm", clock.drift_ppm},
+                   {"steps", clock.steps},
+                   {"latest_steps", steps}};
+}
+
 std::string summaryJson(const RunSummary& summary) { return jsonText(toJson(summary)); }
 
 GazeFacts factsOf(const GazeTrace& trace) {
@@ -94,6 +114,7 @@ std::string manifestJson(const Study& study, const RunSummary& summary,
       {"frames_sha256", facts.frames_sha256},
       {"summary", toJson(summary)},
   };
+  if (facts.gaze.reception) addReception(*facts.gaze.reception, manifest["gaze"]);
   if (facts.landings) manifest["live"] = landingsJson(*facts.landings);
   return jsonText(manifest, 2) + "\n";
 }

@@ -3,9 +3,11 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "app/record/gaze_reception.h"
 #include "app/record/landing.h"
 #include "app/record/run_summary.h"
 #include "app/study/study.h"
@@ -24,7 +26,8 @@ struct GazeFacts {
   bool simulated = false;
   double rate_Hz = 0.0;
   std::size_t samples = 0;
-  std::vector<std::string> assumed{};  ///< as `GazeTrace::assumed`
+  std::vector<std::string> assumed{};        ///< as `GazeTrace::assumed`
+  std::optional<GazeReception> reception{};  ///< of a live run
 };
 
 struct ManifestFacts {
@@ -44,6 +47,9 @@ GazeFacts factsOf(const GazeTrace& trace);
 
 /// How soon after saccades the frames of a live run had full quality.
 nlohmann::ordered_json landingsJson(const Landings& landings);
+
+/// Adds how the gaze of a live run has arrived to what is said about it.
+void addReception(const GazeReception& reception, nlohmann::ordered_json& json);
 
 /// `--json`: the summary as one line.
 std::string summaryJson(const RunSummary& summary);

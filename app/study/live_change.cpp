@@ -1,11 +1,13 @@
 #include "app/study/live_change.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 #include <utility>
 
 #include "app/study/session_settings_of.h"
 #include "base/input_error.h"
+#include "base/text.h"
 
 namespace foci {
 namespace {
@@ -40,10 +42,35 @@ constexpr std::string_view kLiveKeys[] = {
     "observer.diffraction",
 };
 
+/// The one of them that may name a file.
+constexpr std::string_view kFileKey = "observer.wavefront";
+
 }  // namespace
 
 bool changesLive(std::string_view key) {
   return std::find(std::begin(kLiveKeys), std::end(kLiveKeys), key) != std::end(kLiveKeys);
+}
+
+std::string remoteValue(const Study& study, const std::string& key, const std::string& toml) {
+  if (key != kFileKey) return toml;
+  Study named = study;
+  setKey(named, key, toml, "change");
+  const auto& name = named.observer.wavefront.file;
+  if (!name) return toml;
+  if (!study.remote.folder) {
+    throw InputError(key,
+                     "names a file: expected remote.folder in the study, whose files remote "
+                     "control may name");
+  }
+  std::error_code error;
+  const auto folder = std::filesystem::canonical(*study.remote.folder, error);
+  const auto file = std::filesystem::canonical(folder / *name, error);  // follows links
+  const bool inside =
+      std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
+  if (error || !inside || !std::filesystem::is_regular_file(file, error)) {
+    throw InputError(key, "expected the name of a file in remote.folder, " + folder.string());
+  }
+  return quotedText(file.string());
 }
 
 void changeLive(Study& study, Session& session, const std::string& key, const std::string& toml) {

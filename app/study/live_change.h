@@ -19,6 +19,11 @@ struct Change {
 /// Whether `changeLive` takes the key.
 bool changesLive(std::string_view key);
 
+/// The value as remote control may set it. A key that names a file takes those in `remote.folder`
+/// alone; the value returned names the file in full.
+/// @throws InputError
+std::string remoteValue(const Study& study, const std::string& key, const std::string& toml);
+
 /// Sets a key of the study, from the next frame of its session on. Study and session are as they
 /// were if this throws.
 /// @throws InputError where the key cannot change while a session runs, or not to this value

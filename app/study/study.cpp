@@ -82,6 +82,7 @@ Study readStudy(const std::filesystem::path& file) {
   if (study.record.frames) resolve(*study.record.frames, folder);
   if (study.record.changes) resolve(*study.record.changes, folder);
   if (study.record.markers) resolve(*study.record.markers, folder);
+  if (study.remote.folder) resolve(*study.remote.folder, folder);
   if (auto place = webcamPlaceOf(study.gaze.source)) {
     if (!place->device) {
       resolve(place->file, folder);

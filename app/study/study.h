@@ -165,6 +165,10 @@ struct Study {
     std::string device;             ///< that rendered the run (`Session::devices`); empty: unknown
   } record;
 
+  struct Remote {
+    std::optional<std::filesystem::path> folder;  ///< whose files remote control may name
+  } remote;
+
   std::int64_t seed = 1;
 
   bool gazeIsSimulated() const { return gaze.source == "simulated"; }

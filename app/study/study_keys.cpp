@@ -371,6 +371,9 @@ const std::vector<Key<Study>>& studyKeys() {
           "samples per second, as the gaze source states it; absent: the median of the recording",
           {5, 20000}),
       FOCI_KEY(record.device, "record.device", "what rendered the frames of a live run"),
+      FOCI_KEY(remote.folder, "remote.folder",
+               "folder whose files the remote control of foci live may name, as in set "
+               "observer.wavefront \"NAME\"; absent: none"),
       FOCI_KEY(seed, "seed", "seed of the simulated observer", {0, 9007199254740992.0}),
   };
   return keys;

@@ -1,11 +1,17 @@
 #include "gaze/sources/lsl_source.h"
 
 #include <dlfcn.h>
+#include <fcntl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -31,6 +37,8 @@ struct LslLibrary {
   void (*destroy_streaminfo)(LslHandle info);
   double (*pull_sample_d)(LslHandle inlet, double* values, std::int32_t count, double timeout_s,
                           std::int32_t* error);
+  double (*time_correction)(LslHandle inlet, double timeout_s, std::int32_t* error);
+  double (*local_clock)();
 };
 
 namespace {
@@ -39,6 +47,43 @@ constexpr double kFind_s = 2.0, kPull_s = 0.1;
 constexpr double kUsual_Hz = 500.0;  // of a stream with an irregular rate: between common trackers
 constexpr std::int32_t kBuffered_s = 10;
 constexpr std::size_t kMostAtOnce = 64;
+
+/// Turns off the library's own log, which would stand on standard error. A user who has a
+/// configuration of the library (lsl_api.cfg) states the log there.
+void silence(LslHandle library) {
+  const char* const home = std::getenv("HOME");
+  std::error_code ignored;
+  const auto exists = [&](const std::string& file) {
+    return std::filesystem::exists(file, ignored);
+  };
+  if (std::getenv("LSLAPICFG") || exists("lsl_api.cfg") || exists("/etc/lsl_api/lsl_api.cfg") ||
+      (home && exists(std::string(home) + "/lsl_api/lsl_api.cfg"))) {
+    return;
+  }
+  const auto configure = reinterpret_cast<void (*)(const char*)>(
+      dlsym(library, "lsl_set_config_content"));  // from liblsl 1.17.7 on
+  if (configure) configure("[log]\nlevel = -3\n");
+}
+
+/// Standard error goes nowhere: the library logs before it has read its configuration.
+class Silence {
+ public:
+  Silence() : stderr_(dup(STDERR_FILENO)) {
+    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (stderr_ >= 0 && nowhere >= 0) dup2(nowhere, STDERR_FILENO);
+    if (nowhere >= 0) close(nowhere);
+  }
+  ~Silence() {
+    if (stderr_ < 0) return;
+    dup2(stderr_, STDERR_FILENO);
+    close(stderr_);
+  }
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
+
+ private:
+  int stderr_;
+};
 
 /// @throws InputError
 LslLibrary loadLsl(const std::string& file) {
@@ -61,6 +106,9 @@ LslLibrary loadLsl(const std::string& file) {
   find(lsl.destroy_string, "lsl_destroy_string");
   find(lsl.destroy_streaminfo, "lsl_destroy_streaminfo");
   find(lsl.pull_sample_d, "lsl_pull_sample_d");
+  find(lsl.time_correction, "lsl_time_correction");
+  find(lsl.local_clock, "lsl_local_clock");
+  silence(library);
   return lsl;
 }
 
@@ -78,7 +126,11 @@ struct LslSource::Inlet {
   LslHandle handle = nullptr;
   LslStream stream{};
 
+  bool measured = false;                  // the sender's clock is
+  std::atomic<double> correction_s{0.0};  // from the sender's clock to the library's; 0 if unknown
+
   Inlet(const std::string& wanted, const std::string& library) : lsl(loadLsl(library)) {
+    const Silence silence;
     LslHandle const info = find(wanted);
     handle = lsl.create_inlet(info, kBuffered_s, 0, 1);
     lsl.destroy_streaminfo(info);
@@ -90,27 +142,16 @@ struct LslSource::Inlet {
     }
     stream = streamOf(lsl, full);
     lsl.destroy_streaminfo(full);
+    correction_s = lsl.time_correction(handle, kFind_s, &error);
+    measured = error == 0;
+    if (!measured) correction_s = 0.0;
   }
   ~Inlet() { lsl.destroy_inlet(handle); }
   Inlet(const Inlet&) = delete;
   Inlet& operator=(const Inlet&) = delete;
 
-  /// The rows of the samples that have come, at most `kMostAtOnce`; waits for the first.
-  std::vector<double> pull() const {
-    std::vector<double> values(stream.channels), rows;
-    double timeout_s = kPull_s;
-    for (std::size_t i = 0; i < kMostAtOnce; ++i) {
-      std::int32_t error = 0;
-      const double time_s = lsl.pull_sample_d(
-          handle, values.data(), static_cast<std::int32_t>(values.size()), timeout_s, &error);
-      if (error != 0 && i == 0) std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      if (time_s == 0.0 || error != 0) break;
-      rows.push_back(time_s);
-      rows.insert(rows.end(), values.begin(), values.end());
-      timeout_s = 0.0;
-    }
-    return rows;
-  }
+  /// The samples that have come, at most `kMostAtOnce`; waits for the first.
+  Pulled pull();
 
  private:
   LslHandle find(const std::string& wanted) const {
@@ -139,12 +180,42 @@ struct LslSource::Inlet {
   }
 };
 
+/// Samples as rows of numbers. The time in each row is the number of the row.
+struct LslSource::Pulled {
+  std::vector<double> sent_s{};  ///< on the library's clock, if the sender's is measured
+  std::vector<double> values{};
+};
+
+LslSource::Pulled LslSource::Inlet::pull() {
+  Pulled pulled;
+  std::vector<double> values(stream.channels);
+  double timeout_s = kPull_s;
+  for (std::size_t i = 0; i < kMostAtOnce; ++i) {
+    std::int32_t error = 0;
+    const double time_s = lsl.pull_sample_d(
+        handle, values.data(), static_cast<std::int32_t>(values.size()), timeout_s, &error);
+    if (error != 0 && i == 0) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    if (time_s == 0.0 || error != 0) break;
+    pulled.sent_s.push_back(time_s);
+    pulled.values.push_back(static_cast<double>(i));
+    pulled.values.insert(pulled.values.end(), values.begin(), values.end());
+    timeout_s = 0.0;
+  }
+  if (measured) {  // anew every few seconds
+    std::int32_t error = 0;
+    const double latest_s = lsl.time_correction(handle, 0.0, &error);
+    if (error == 0) correction_s = latest_s;
+    for (double& sent_s : pulled.sent_s) sent_s += correction_s;
+  }
+  return pulled;
+}
+
 LslSource::LslSource(const std::string& stream, TraceColumns columns, const Screen& screen,
                      const std::string& library)
     : columns_(std::move(columns)),
       screen_(screen),
       inlet_(std::make_unique<Inlet>(stream, library)),
-      pushed_(inlet_->stream.rate_Hz > 0.0 ? inlet_->stream.rate_Hz : kUsual_Hz) {
+      pushed_(inlet_->stream.rate_Hz > 0.0 ? inlet_->stream.rate_Hz : kUsual_Hz, inlet_->measured) {
   // Columns that are no gaze are refused now.
   read({}, [](const GazeSample&) {});
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -159,19 +230,80 @@ void LslSource::read(std::vector<double> values, const TakeSample& take) const {
 
 void LslSource::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    std::vector<double> values = inlet_->pull();
-    std::vector<GazeSample> samples;
     try {
-      read(std::move(values), [&](const GazeSample& sample) { samples.push_back(sample); });
-      pushed_.push(samples);
-    } catch (const InputError&) {
-      // Times that do not increase: a sender that began anew. Its next samples may do.
+      if (const Pulled pulled = inlet_->pull(); !pulled.sent_s.empty()) take(pulled);
+    } catch (const std::exception& error) {  // of memory: the next samples may do
+      const std::lock_guard lock(mutex_);
+      ++unread_;
+      why_ = error.what();
     }
+  }
+}
+
+/// Reads all rows, or, if some of them are wrong, the others.
+void LslSource::take(const Pulled& pulled) {
+  const std::size_t count = pulled.sent_s.size();
+  std::vector<GazeSample> samples;
+  std::size_t unread = 0;
+  if (!readSome(pulled, 0, count, samples)) {
+    for (std::size_t i = 0; i < count; ++i) unread += !readSome(pulled, i, i + 1, samples);
+    if (unread == 0) {  // only all of them together show what is wrong
+      samples.clear();
+      unread = count;
+    }
+  }
+  pushed_.push(samples, inlet_->lsl.local_clock());
+  const std::lock_guard lock(mutex_);
+  unread_ += unread;
+}
+
+/// @return whether the rows are right; otherwise it reads none
+bool LslSource::readSome(const Pulled& pulled, std::size_t begin, std::size_t end,
+                         std::vector<GazeSample>& samples) {
+  const std::size_t before = samples.size(), columns = inlet_->stream.columns.size();
+  const auto at = [&](std::size_t row) {
+    return pulled.values.begin() + static_cast<std::ptrdiff_t>(row * columns);
+  };
+  try {
+    read({at(begin), at(end)}, [&](const GazeSample& sample) {
+      samples.push_back(sample);
+      samples.back().time_s = pulled.sent_s[static_cast<std::size_t>(std::lround(sample.time_s))];
+    });
+    return true;
+  } catch (const InputError& error) {
+    samples.resize(before);
+    const std::lock_guard lock(mutex_);
+    why_ = error.what();
+    return false;
+  }
+}
+
+void LslSource::poll(double now_s, std::vector<GazeSample>& samples) {
+  // Both clocks are the monotonic clock of this machine, but this thread may have waited since
+  // `now_s`: the difference is the largest seen.
+  const double ahead_s = std::max<double>(ahead_s_, now_s - inlet_->lsl.local_clock());
+  ahead_s_ = ahead_s;
+  const std::size_t before = samples.size();
+  pushed_.poll(now_s - ahead_s, samples);
+  for (std::size_t i = before; i < samples.size(); ++i) {
+    double& time_s = samples[i].time_s;
+    time_s = std::min(time_s + ahead_s, now_s);
+    if (given_s_) time_s = std::max(time_s, *given_s_ + kBurst_s);
+    given_s_ = time_s;
   }
 }
 
 std::string LslSource::status() const {
   return "LSL stream " + shown(inlet_->stream.name) + (pushed_.isHeard() ? "" : ", no gaze yet");
+}
+
+SenderFacts LslSource::sender() const {
+  SenderFacts facts = pushed_.sender();
+  facts.clock->offset_s += ahead_s_ + inlet_->correction_s.load();
+  const std::lock_guard lock(mutex_);
+  if (unread_ > facts.dropped) facts.why = why_;
+  facts.dropped += unread_;
+  return facts;
 }
 
 }  // namespace foci

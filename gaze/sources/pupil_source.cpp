@@ -61,7 +61,6 @@ void PupilSource::poll(double now_s, std::vector<GazeSample>& samples) {
     sockets_->request.reset();
     sockets_->data.reset();
     sockets_->heard = false;
-    offset_s_.reset();
   }
 }
 
@@ -97,29 +96,41 @@ void PupilSource::receive(double now_s, std::vector<GazeSample>& samples) {
       (void)sockets_->data->recv(rest);
       more = rest.more();
     }
-    auto sample = parsePupilMessage(topic.to_string_view(), payload.to_string_view(), screen_);
-    if (!sample) continue;
-    since_s_ = now_s;
-    sockets_->heard = true;
-    const double offset_s = now_s - sample->time_s;
-    offset_s_ = offset_s_ ? std::min(*offset_s_, offset_s) : offset_s;
-    sample->time_s = std::min(sample->time_s + *offset_s_, now_s);
-    if (last_s_ && sample->time_s <= *last_s_) continue;
-    if (last_s_) {
-      constexpr double kMemory = 0.05;  // share of the newest interval, chosen by eye
-      const double interval_s = sample->time_s - *last_s_;
-      interval_s_ = interval_s_
-                        ? std::lerp(*interval_s_, std::min(interval_s, 2.0 * *interval_s_), kMemory)
-                        : interval_s;
+    const auto sample =
+        parsePupilMessage(topic.to_string_view(), payload.to_string_view(), screen_);
+    if (!sample) {
+      ++unread_;
+      continue;
     }
-    last_s_ = sample->time_s;
-    samples.push_back(*sample);
+    const std::size_t before = samples.size();
+    clock_.take({*sample}, now_s, samples);
+    for (std::size_t k = before; k < samples.size(); ++k) note(samples[k], now_s);
   }
+}
+
+void PupilSource::note(const GazeSample& sample, double now_s) {
+  since_s_ = now_s;
+  sockets_->heard = true;
+  if (last_s_) {
+    constexpr double kMemory = 0.05;  // share of the newest interval, chosen by eye
+    const double interval_s = sample.time_s - *last_s_;
+    interval_s_ = interval_s_
+                      ? std::lerp(*interval_s_, std::min(interval_s, 2.0 * *interval_s_), kMemory)
+                      : interval_s;
+  }
+  last_s_ = sample.time_s;
 }
 
 double PupilSource::rate_Hz() const {
   constexpr double kUsual_Hz = 200.0;  // eye cameras of Pupil Core
   return interval_s_ ? std::clamp(1.0 / *interval_s_, 25.0, 2000.0) : kUsual_Hz;
+}
+
+SenderFacts PupilSource::sender() const {
+  const std::size_t unfit = clock_.dropped();
+  return {.dropped = unfit + unread_,
+          .why = unfit >= unread_ ? kUnfitting : "their messages are no gaze that foci can read",
+          .clock = clock_.facts()};
 }
 
 std::string PupilSource::status() const {

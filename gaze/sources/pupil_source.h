@@ -5,12 +5,12 @@
 #include <optional>
 
 #include "gaze/sources/live_source.h"
+#include "gaze/sources/sender_clock.h"
 
 namespace foci {
 
 /// Asks Pupil Remote for the port of its data (ZeroMQ REQ, "SUB_PORT") and subscribes to `gaze.`.
-/// If no answer comes, or no data arrive for two seconds, it asks again, without end. The message
-/// with the shortest delay so far sets the offset between the sender's clock and ours.
+/// If no answer comes, or no sample can be used for two seconds, it asks again, without end.
 class PupilSource : public LiveSource {
  public:
   /// @param host    a name or an address
@@ -22,20 +22,24 @@ class PupilSource : public LiveSource {
   void poll(double now_s, std::vector<GazeSample>& samples) override;
   double rate_Hz() const override;
   std::string status() const override;
+  SenderFacts sender() const override;
 
  private:
   struct Sockets;
   void ask(double now_s);
   void subscribe(double now_s);
   void receive(double now_s, std::vector<GazeSample>& samples);
+  void note(const GazeSample& sample, double now_s);
 
   std::string host_;
   int port_;
   Screen screen_;
   std::unique_ptr<Sockets> sockets_;
-  double since_s_ = 0.0;                         // time of the latest request or message
-  std::optional<double> offset_s_{}, last_s_{};  // between the clocks; time of the latest sample
-  std::optional<double> interval_s_{};           // usual time between samples
+  double since_s_ = 0.0;  // time of the latest request, or of the latest sample that was used
+  SenderClock clock_{};
+  std::size_t unread_ = 0;              // messages of gaze that are damaged
+  std::optional<double> last_s_{};      // time of the latest sample
+  std::optional<double> interval_s_{};  // usual time between samples
 };
 
 }  // namespace foci

@@ -11,9 +11,7 @@
 namespace foci {
 namespace {
 
-constexpr double kPause_s = 2.0;            // as with Pupil Core: the sender may have a new clock
-constexpr std::size_t kMaxWaiting = 65536;  // bounds memory if nobody polls
-constexpr double kStep_s = 1e-6;            // between samples that a smaller offset brings together
+constexpr double kSilence_s = 2.0;
 constexpr const char* kExpected =
     "expected TIME X Y [PUPIL], e.g. 12.0345 960 540 3.1, and ; before the next sample";
 
@@ -31,7 +29,7 @@ std::vector<std::optional<double>> numbersOf(std::string_view text) {
 }
 
 GazeSample sampleOf(std::string_view text) {
-  constexpr double kMaxClock_s = 1e10, kMaxPoint_px = 1e6, kMaxPupil_mm = 20.0;
+  constexpr double kMaxClock_s = 1e10, kMaxPoint_px = 1e5, kMaxPupil_mm = 20.0;
   const auto numbers = numbersOf(text);
   if (numbers.size() < 3 || numbers.size() > 4 || !numbers[0] ||
       !(std::abs(*numbers[0]) < kMaxClock_s)) {
@@ -55,63 +53,51 @@ GazeSample sampleOf(std::string_view text) {
 
 }  // namespace
 
-std::size_t PushedSource::push(std::string_view text) {
-  std::vector<GazeSample> news;
+std::vector<GazeSample> samplesOfText(std::string_view text) {
+  std::vector<GazeSample> samples;
   for (bool more = true; more;) {
     const std::size_t end = text.find(';');
     more = end != std::string_view::npos;
     const std::string_view one = trimmed(text.substr(0, end));
     if (more) text.remove_prefix(end + 1);
-    if (one.empty() && !more && !news.empty()) break;  // the text ends in `;`
-    news.push_back(sampleOf(one));
+    if (one.empty() && !more && !samples.empty()) break;  // the text ends in `;`
+    const GazeSample sample = sampleOf(one);
+    if (!samples.empty() && sample.time_s <= samples.back().time_s) {
+      throw InputError("gaze " + exactText(sample.time_s),
+                       "expected a time after " + exactText(samples.back().time_s));
+    }
+    samples.push_back(sample);
   }
-  push(news);
-  return news.size();
+  return samples;
 }
 
-void PushedSource::push(const std::vector<GazeSample>& news) {
+std::size_t PushedSource::push(const std::vector<GazeSample>& samples, double now_s) {
   const std::lock_guard lock(mutex_);
-  std::optional<double> last_s = sent_s_;
-  for (const GazeSample& sample : news) {
-    if (last_s && sample.time_s <= *last_s) {
-      throw InputError("gaze " + exactText(sample.time_s),
-                       "expected a time after " + exactText(*last_s));
-    }
-    last_s = sample.time_s;
-  }
-  if (waiting_.size() + news.size() <= kMaxWaiting) {
-    waiting_.insert(waiting_.end(), news.begin(), news.end());
-  }
-  sent_s_ = last_s;
+  const std::size_t before = waiting_.size(), dropped = clock_.dropped();
+  clock_.take(samples, now_s, waiting_);
+  if (waiting_.size() > before) heard_s_ = now_s;
+  return clock_.dropped() - dropped;
 }
 
 void PushedSource::poll(double now_s, std::vector<GazeSample>& samples) {
   const std::lock_guard lock(mutex_);
-  if (now_s - heard_s_ > kPause_s && offset_s_) {
-    offset_s_.reset();
-    if (waiting_.empty()) sent_s_.reset();
-  }
-  if (waiting_.empty()) return;
-  heard_s_ = now_s;
-  const double offset_s = now_s - waiting_.back().time_s;
-  offset_s_ = std::min(offset_s_.value_or(offset_s), offset_s);
-  for (GazeSample& sample : waiting_) {
-    sample.time_s = std::min(sample.time_s + *offset_s_, now_s);
-    // A smaller offset may move a sample to the time of one that was given, or before it.
-    if (given_s_) sample.time_s = std::max(sample.time_s, *given_s_ + kStep_s);
-    given_s_ = sample.time_s;
-    samples.push_back(sample);
-  }
+  polled_s_ = now_s;
+  samples.insert(samples.end(), waiting_.begin(), waiting_.end());
   waiting_.clear();
 }
 
 bool PushedSource::isHeard() const {
   const std::lock_guard lock(mutex_);
-  return offset_s_.has_value();
+  return heard_s_ && polled_s_ - *heard_s_ <= kSilence_s;
 }
 
 std::string PushedSource::status() const {
   return isHeard() ? "gaze from the socket" : "gaze from the socket, none yet";
+}
+
+SenderFacts PushedSource::sender() const {
+  const std::lock_guard lock(mutex_);
+  return {.dropped = clock_.dropped(), .why = kUnfitting, .clock = clock_.facts()};
 }
 
 }  // namespace foci

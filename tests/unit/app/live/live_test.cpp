@@ -239,6 +239,106 @@ TEST_F(Live, ARecordHoldsEverySampleThatWasPushedBeforeItsEnd) {
   EXPECT_EQ(points, kSamples);
 }
 
+/// A sender whose clock is set back by 20 s after 1 s, and whose tracker sees no eyes after 2 s.
+/// Answers, record and log say all of it.
+TEST_F(Live, SaysWhatHappensToTheGaze) {
+  const fs::path folder = scratch.path() / "record";
+  testing::internal::CaptureStderr();
+  std::string last_answer, state;
+  {
+    const LiveClock clock;
+    GazeFeed feed(openLiveSource("socket:100", study), clock);
+    LiveRenderer renderer(study, feed, clock, "foci live", 1, [] {});
+    ASSERT_EQ(renderer.startRecord(folder).get(), "");
+    watch(renderer, clock, 0.2);
+    const double begin_s = clock.now_s();
+    for (int i = 0; clock.now_s() < begin_s + 4.5; ++i) {
+      const double now_s = clock.now_s() - begin_s;
+      const std::string point = now_s < 2.0 ? " 500 400" : " nan nan";
+      last_answer = feed.push(std::to_string(now_s + (now_s < 1.0 ? 500.0 : 480.0)) + point);
+      if (now_s < 2.0) {
+        EXPECT_EQ(last_answer, "ok 1") << now_s;
+      }
+      watch(renderer, clock, 0.005);
+    }
+    state = answerTo("state", renderer, clock);
+    EXPECT_EQ(renderer.stopRecord().get(), "");
+  }
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(last_answer.starts_with("ok 1 unused: gaze arrives, but none")) << last_answer;
+  EXPECT_NE(last_answer.find("without a gaze point"), std::string::npos) << last_answer;
+  EXPECT_NE(state.find("\"gaze_remark\":\"gaze arrives"), std::string::npos) << state;
+  EXPECT_NE(log.find("the clock of the gaze's sender has stepped by -20.0"), std::string::npos)
+      << log;
+  EXPECT_NE(log.find("foci: gaze arrives, but none of it"), std::string::npos) << log;
+  const auto gaze = nlohmann::json::parse(textOf(folder / "manifest.json"))["gaze"];
+  EXPECT_EQ(gaze["dropped"], 0);
+  EXPECT_EQ(gaze["clock"]["steps"], 1);
+  EXPECT_NEAR(gaze["clock"]["latest_steps"][0]["ahead_s"], -20.0, 0.05);
+  EXPECT_TRUE(gaze["clock"].contains("offset_s") && gaze["clock"].contains("drift_ppm"));
+  ASSERT_EQ(gaze["unused"].size(), 1u);
+  EXPECT_GT(gaze["unused"][0]["to_s"].get<double>() - gaze["unused"][0]["from_s"].get<double>(),
+            1.0);
+}
+
+TEST_F(Live, KeepsEverySampleThatItAnswersWithOk) {
+  const LiveClock clock;
+  GazeFeed feed(openLiveSource("socket:1000", study), clock);
+  feed.look(true);
+  std::size_t kept = 0, dropped = 0;
+  constexpr int kAtOnce = 3000;
+  for (int datagram = 0; datagram < 100; ++datagram) {
+    std::string samples;
+    for (int i = 0; i < kAtOnce; ++i) {
+      samples += std::to_string(1e-5 * (datagram * kAtOnce + i)) + " 500 400;";
+    }
+    const std::string answer = feed.push(samples);
+    (answer.starts_with("ok 3000") ? kept : dropped) += kAtOnce;
+    if (!answer.starts_with("ok 3000")) {
+      EXPECT_TRUE(answer.starts_with("error gaze: 3000 samples dropped")) << answer;
+    }
+    feed.waitForPoll();
+  }
+  EXPECT_GT(dropped, 0u);
+  std::vector<GazeSample> samples;
+  feed.take(samples);
+  EXPECT_EQ(samples.size(), kept);
+  EXPECT_EQ(feed.reception().dropped, dropped);
+}
+
+TEST_F(Live, RemoteControlNamesFilesInTheStudysFolderAlone) {
+  const fs::path inside = scratch.path() / "wavefronts";
+  fs::create_directories(inside);
+  std::ofstream(scratch.path() / "secret.csv") << "root:x:0\n";
+  std::ofstream(inside / "eye.csv") << "no wavefront\n";
+  fs::create_symlink(scratch.path() / "secret.csv", inside / "link.csv");
+  const LiveClock clock;
+  for (const bool allowed : {false, true}) {
+    if (allowed) study.remote.folder = inside;
+    GazeFeed feed(jumping(100.0), clock);
+    LiveRenderer renderer(study, feed, clock, "foci live", 1, [] {});
+    for (const std::string& name :
+         std::vector<std::string>{"/etc/passwd", "../secret.csv", "link.csv", ".", "none.csv",
+                                  (scratch.path() / "secret.csv").string()}) {
+      const std::string answer =
+          answerTo("set observer.wavefront \"" + name + "\"", renderer, clock);
+      EXPECT_NE(answer.find("remote.folder"), std::string::npos) << answer;
+      EXPECT_EQ(answer.find("root:"), std::string::npos) << answer;
+    }
+    const std::string answer = answerTo("set observer.wavefront \"eye.csv\"", renderer, clock);
+    EXPECT_EQ(answer.find("remote.folder") == std::string::npos, allowed) << answer;
+    EXPECT_EQ(answerTo("set observer.wavefront null", renderer, clock), "ok");
+    // No other key opens a file.
+    for (const ResolvedKey& key : resolvedKeys(study)) {
+      if (!changesLive(key.name) || key.name == "observer.wavefront") continue;
+      const std::string other =
+          answerTo("set " + std::string(key.name) + " \"/etc/passwd\"", renderer, clock);
+      EXPECT_TRUE(other.starts_with("error")) << key.name << ": " << other;
+      EXPECT_EQ(other.find("root:"), std::string::npos) << other;
+    }
+  }
+}
+
 TEST_F(Live, RecordUnderABudgetReplaysToTheSameImages) {
   study.quality.frame_ms = 1.0;
   study.observer.pupil_mm = 7.0;

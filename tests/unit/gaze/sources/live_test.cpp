@@ -227,6 +227,65 @@ TEST(PupilSource, ReceivesWhatASenderPlaysAndComesBackAfterASilence) {
   EXPECT_EQ(sender.asked, 2);
 }
 
+// One wild time, then a clock that is set back, then one that is set ahead.
+TEST(PupilSource, FollowsTheClockOfTheSender) {
+  Sender sender;
+  PupilSource source("127.0.0.1", sender.port(), kScreen);
+  std::vector<GazeSample> received;
+  double now_s = 0.0;
+  const auto settle = [&] {
+    sender.pump();
+    source.poll(now_s, received);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  for (int i = 0; i < 2000 && sender.asked == 0; ++i) settle();
+  for (int i = 0; i < 2000 && received.empty(); ++i) {
+    sender.send(lookingAt(100.0, {0, 0, -0.6}), false);
+    settle();
+  }
+  ASSERT_FALSE(received.empty());
+  for (int i = 0; i < 20; ++i) settle();  // the others of them are repeated
+  const std::size_t repeated = source.sender().dropped;
+  received.clear();
+  constexpr int kSamples = 300;
+  double latest_s = 0.0, longest_s = 0.0;
+  for (int i = 0; i < kSamples; ++i) {
+    now_s += 0.01;
+    const double ahead_s = i == 50 ? 1e6 : i < 100 ? 100.0 : i < 200 ? -900.0 : 5000.0;
+    sender.send(lookingAt(now_s + ahead_s, {0, 0, -0.6}), false);
+    for (int tries = 0; tries < 3; ++tries) settle();
+    if (!received.empty()) latest_s = received.back().time_s;
+    if (i > 10) longest_s = std::max(longest_s, now_s - latest_s);
+  }
+  for (int i = 0; i < 20; ++i) settle();
+  EXPECT_EQ(sender.asked, 1);
+  EXPECT_EQ(received.size(), kSamples - 1u);
+  EXPECT_LT(longest_s, 0.5);
+  const SenderFacts facts = source.sender();
+  EXPECT_EQ(facts.dropped - repeated, 1u);
+  ASSERT_EQ(facts.clock->steps, 2u);
+  EXPECT_NEAR(facts.clock->latest_steps[0].ahead_s, -1000.0, 0.05);
+  EXPECT_NEAR(facts.clock->latest_steps[1].ahead_s, 5900.0, 0.05);
+}
+
+// Messages that are thrown away are no sign of life: foci asks again.
+TEST(PupilSource, AsksAgainWhileNothingIsUsable) {
+  Sender sender;
+  PupilSource source("127.0.0.1", sender.port(), kScreen);
+  std::vector<GazeSample> received;
+  double now_s = 0.0;
+  for (int i = 0; i < 2000 && sender.asked < 3; ++i) {
+    now_s += 0.01;
+    sender.pump();
+    sender.send(lookingAt(7.0, {0, 0, -0.6}), false);  // the tracker's clock stands
+    source.poll(now_s, received);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_EQ(sender.asked, 3);
+  EXPECT_LE(received.size(), 1u);
+  EXPECT_GT(source.sender().dropped, 100u);
+}
+
 TEST(PupilSource, RefusesMalformedAddressesAndNeverWaits) {
   EXPECT_THROW(PupilSource("", 50020, kScreen), InputError);
   EXPECT_THROW(PupilSource("a b;c", 50020, kScreen), InputError);

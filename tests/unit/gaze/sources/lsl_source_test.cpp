@@ -1,9 +1,15 @@
 #include "gaze/sources/lsl_source.h"
 
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "base/input_error.h"
 
@@ -21,22 +27,58 @@ std::string refusalOf(const std::string& stream, const std::string& library) {
   return "";
 }
 
-TEST(LslSource, GivesTheStreamsSamplesOnTheCallersClock) {
-  LslSource source("", {}, kScreen, FOCI_FAKE_LSL);
-  EXPECT_EQ(source.rate_Hz(), 100.0);
-  std::vector<GazeSample> samples;
-  double now_s = 5.0;
-  for (int i = 0; i < 500 && samples.size() < 50; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    now_s += 0.01;
-    source.poll(now_s, samples);
+/// Sets a variable of the stand-in, and at the end its former value.
+template <class T>
+class Set {
+ public:
+  Set(const char* name, T value)
+      : variable_(static_cast<T*>(dlsym(dlopen(FOCI_FAKE_LSL, RTLD_NOW), name))),
+        before_(std::exchange(*variable_, value)) {}
+  ~Set() { *variable_ = before_; }
+  Set(const Set&) = delete;
+  Set& operator=(const Set&) = delete;
+
+ private:
+  T* variable_;
+  T before_;
+};
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Polls the stream on a clock that is 1000 s behind the library's, until its samples have come.
+struct Heard {
+  std::vector<GazeSample> samples{};
+  std::vector<double> age_s{};  ///< on arrival
+  SenderFacts sender{};
+  std::string status{};
+
+  explicit Heard(std::size_t count) {
+    LslSource source("", {}, kScreen, FOCI_FAKE_LSL);
+    EXPECT_EQ(source.rate_Hz(), 100.0);
+    for (const double end_s = seconds() + 5.0; seconds() < end_s;) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      source.poll(seconds() - 1000.0, samples);
+      while (age_s.size() < samples.size()) {
+        age_s.push_back(seconds() - 1000.0 - samples[age_s.size()].time_s);
+      }
+      sender = source.sender();
+      status = source.status();
+      if (samples.size() + sender.dropped >= count) break;
+    }
   }
-  ASSERT_EQ(samples.size(), 50u);
-  EXPECT_EQ(source.status(), "LSL stream \"Tracker\"");
+};
+
+constexpr double kBusy_s = 0.1;  // a machine with other work delays a sample by as much
+
+TEST(LslSource, GivesTheStreamsSamplesOnTheCallersClock) {
+  const Heard heard(50);
+  ASSERT_EQ(heard.samples.size(), 50u);
+  EXPECT_EQ(heard.status, "LSL stream \"Tracker\"");
   double last_s = 0.0;
   for (int i = 0; i < 50; ++i) {
-    const GazeSample& sample = samples[static_cast<std::size_t>(i)];
-    EXPECT_LE(sample.time_s, now_s);
+    const GazeSample& sample = heard.samples[static_cast<std::size_t>(i)];
     EXPECT_GT(sample.time_s, last_s);
     last_s = sample.time_s;
     ASSERT_EQ(sample.point_px.has_value(), i % 10 != 9) << i;
@@ -45,6 +87,59 @@ TEST(LslSource, GivesTheStreamsSamplesOnTheCallersClock) {
     EXPECT_NEAR(sample.point_px->y, 250.0, 1e-6);
     EXPECT_EQ(sample.pupil_mm, 3.5);
   }
+}
+
+// The library has measured that the sender's clock is an hour ahead.
+TEST(LslSource, UsesTheCorrectionThatTheLibraryMeasures) {
+  const Set ahead("fake_lsl_sender_ahead_s", 3600.0), correction("fake_lsl_correction_s", -3600.0);
+  const Heard heard(50);
+  ASSERT_EQ(heard.samples.size(), 50u);
+  for (std::size_t i = 1; i < 50; ++i) {
+    EXPECT_NEAR(heard.samples[i].time_s - heard.samples[i - 1].time_s, 0.01, 1e-4);
+    EXPECT_GE(heard.age_s[i], 0.0);
+    EXPECT_LT(heard.age_s[i], kBusy_s);
+  }
+  ASSERT_TRUE(heard.sender.clock);
+  EXPECT_TRUE(heard.sender.clock->measured);
+  EXPECT_NEAR(heard.sender.clock->offset_s, -4600.0, 1e-3);
+}
+
+// Its times are not those of the library's clock, or the library gets no answer.
+TEST(LslSource, EstimatesAClockThatTheLibraryDoesNotKnow) {
+  for (const double correction_s : {0.0, std::nan("")}) {
+    for (const double ahead_s : {3600.0, -3600.0}) {
+      const Set ahead("fake_lsl_sender_ahead_s", ahead_s);
+      const Set correction("fake_lsl_correction_s", correction_s);
+      const Heard heard(50);
+      ASSERT_EQ(heard.samples.size(), 50u);
+      EXPECT_LT(heard.age_s.back(), kBusy_s);
+      EXPECT_FALSE(heard.sender.clock->measured);
+      EXPECT_NEAR(heard.sender.clock->offset_s, -1000.0 - ahead_s, kBusy_s);
+    }
+  }
+}
+
+TEST(LslSource, ASampleThatIsNoGazeCostsNoOther) {
+  const Set wild("fake_lsl_wild", 7);
+  const Heard heard(50);
+  EXPECT_EQ(heard.samples.size(), 49u);
+  EXPECT_EQ(heard.sender.dropped, 1u);
+}
+
+TEST(LslSource, SaysWhyAllSamplesAreUnusable) {
+  const Set wild("fake_lsl_wild", -2);
+  const Heard heard(20);
+  EXPECT_TRUE(heard.samples.empty());
+  EXPECT_GE(heard.sender.dropped, 20u);
+  EXPECT_NE(heard.sender.why.find("1e+30"), std::string::npos) << heard.sender.why;
+  EXPECT_EQ(heard.status, "LSL stream \"Tracker\", no gaze yet");
+}
+
+TEST(LslSource, KeepsTheLibrarysLogOffStandardError) {
+  testing::internal::CaptureStderr();
+  const Heard heard(20);
+  std::fprintf(stderr, "foci's own\n");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "foci's own\n");
 }
 
 TEST(LslSource, FindsAStreamByItsName) { EXPECT_EQ(refusalOf("Tracker", FOCI_FAKE_LSL), ""); }
