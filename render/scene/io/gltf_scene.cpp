@@ -244,9 +244,9 @@ std::vector<float> GltfPrimitive::floats(const std::string& attribute,
     values = gltf_.floats(accessor, components);
   }
   if (values.size() == vertices_ * components) return values;
-  gltf_.refuse("a primitive has " + thousands(static_cast<double>(vertices_)) + " positions and " +
-               thousands(static_cast<double>(values.size() / components)) + " of " +
-               shown(attribute) + ": export it again");
+  gltf_.refuse("a primitive cannot be read: it has " + thousands(static_cast<double>(vertices_)) +
+               " positions and " + thousands(static_cast<double>(values.size() / components)) +
+               " of " + shown(attribute) + ": export it again");
 }
 
 std::vector<std::uint32_t> GltfPrimitive::indices() const {

@@ -311,8 +311,9 @@ TEST_F(MeshMaterials, PointsAndLinesBesideAMeshAreNamed) {
 TEST_F(MeshMaterials, NumbersOfAnObjThatAreNoneAreNamedByLine) {
   EXPECT_NE(refusal(write("m.obj", "v 0 0 x\n")).find("m.obj:1: expected a number, found \"x\""),
             std::string::npos);
-  EXPECT_NE(refusal(write("m.obj", "v 0 0 0\nv 1 2\n")).find("m.obj:2: a vertex has 2 numbers"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal(write("m.obj", "v 0 0 0\nv 1 2\nf 1 1 2\n")).find("m.obj:2: a vertex has 2 numbers"),
+      std::string::npos);
   EXPECT_NE(refusal(write("m.obj", kTriangle + "f 1 2 x\n")).find("m.obj:9: found \"x\""),
             std::string::npos);
   EXPECT_NE(refusal(write("m.obj", kTriangle + "f 1 2 -9\n")).find("names vertex -9"),
