@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <glm/gtc/quaternion.hpp>
 #include <memory>
 #include <set>
 #include <string>
@@ -18,8 +17,7 @@
 #include "render/scene/harmonics.h"
 #include "render/scene/io/file_bytes.h"
 #include "render/scene/io/gaussian_formats.h"
-#include "render/scene/io/gltf_accessors.h"
-#include "render/scene/io/gltf_document.h"
+#include "render/scene/io/gltf_scene.h"
 #include "render/scene/io/scan_values.h"
 #include "render/scene/joined_scene.h"
 
@@ -28,32 +26,7 @@ namespace {
 
 using JsonValue = nlohmann::json;
 
-constexpr std::size_t kAbsent = SIZE_MAX;
-constexpr std::size_t kPointsMode = 0, kTrianglesMode = 4, kMostDepth = 256;
 constexpr const char* kExtension = "KHR_gaussian_splatting";
-
-template <std::size_t N>
-std::array<double, N> listIn(const JsonValue& node, const char* key, std::array<double, N> usual) {
-  const auto found = node.find(key);
-  if (found == node.end() || !found->is_array() || found->size() != N) return usual;
-  return found->get<std::array<double, N>>();
-}
-
-/// From a node to its parent.
-glm::dmat4 parentFromNode(const JsonValue& node) {
-  glm::dmat4 matrix(1.0);
-  if (node.contains("matrix")) {
-    const auto m = listIn<16>(node, "matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
-    for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = m[static_cast<std::size_t>(i)];
-    return matrix;
-  }
-  const auto t = listIn<3>(node, "translation", {0, 0, 0}), s = listIn<3>(node, "scale", {1, 1, 1});
-  const auto q = listIn<4>(node, "rotation", {0, 0, 0, 1});
-  matrix = glm::mat4_cast(glm::normalize(glm::dquat(q[3], q[0], q[1], q[2])));
-  for (int c = 0; c < 3; ++c) matrix[c] *= s[static_cast<std::size_t>(c)];
-  matrix[3] = {t[0], t[1], t[2], 1.0};
-  return matrix;
-}
 
 glm::vec3 vectorAt(const std::vector<float>& values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
@@ -68,11 +41,10 @@ std::pair<float, float> displayOfLinear(float x) {
 
 class GltfPointReader {
  public:
-  explicit GltfPointReader(const std::filesystem::path& path)
-      : gltf_(readGltf(path)), accessors_(gltf_.path, gltf_.json) {}
+  explicit GltfPointReader(const GltfDocument& gltf) : gltf_(gltf) {}
 
   GltfPoints read() {
-    for (const std::size_t root : roots()) visit(root, glm::dmat4(1.0), 0);
+    for (const GltfPlace& place : placesOf(gltf_)) addPlace(place);
     GltfPoints found{.has_triangles = has_triangles_};
     if (joined_.gaussians) {
       found.gaussians = GaussianFile{.cloud = *joined_.gaussians,
@@ -81,7 +53,7 @@ class GltfPointReader {
                                      .dropped = dropped_,
                                      .remarks = {remarks_.begin(), remarks_.end()},
                                      .unit_m = 1.0};
-      finishGaussians(*found.gaussians, gltf_.path.string());
+      finishGaussians(*found.gaussians, gltf_.path().string());
     }
     if (points_.size() > 0) {
       positions_.finish();
@@ -95,81 +67,27 @@ class GltfPointReader {
   }
 
  private:
-  InputError refusal(const std::string& what) const { return {gltf_.path.string(), what}; }
-
-  /// The nodes of the scene that the file shows; without scenes, all that no node holds.
-  std::vector<std::size_t> roots() const {
-    const JsonValue& json = gltf_.json;
-    const JsonValue* const scene = listEntry(json, "scenes", numberIn(json, "scene", 0));
-    if (scene != nullptr) return scene->value("nodes", std::vector<std::size_t>{});
-    std::set<std::size_t> held;
-    const JsonValue nodes = json.value("nodes", JsonValue::array());
-    for (const JsonValue& node : nodes) {
-      for (const std::size_t child : node.value("children", std::vector<std::size_t>{})) {
-        held.insert(child);
+  void addPlace(const GltfPlace& place) {
+    const JsonValue& mesh = *gltf_.entry("meshes", place.mesh);
+    for (const JsonValue& primitive : mesh.value("primitives", JsonValue::array())) {
+      const std::size_t mode = modeOf(gltf_, primitive);
+      has_triangles_ = has_triangles_ || mode >= 4;
+      if (mode != 0) continue;
+      if (const JsonValue* const extension = extensionOf(primitive, kExtension)) {
+        addGaussians(primitive, *extension, place.scene_from_mesh);
+      } else {
+        addPoints(primitive, place.scene_from_mesh);
       }
     }
-    std::vector<std::size_t> roots;
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (!held.contains(i)) roots.push_back(i);
-    }
-    return roots;
-  }
-
-  void visit(std::size_t number, const glm::dmat4& scene_from_parent, std::size_t depth) {
-    const JsonValue* const node = listEntry(gltf_.json, "nodes", number);
-    if (node == nullptr || depth > kMostDepth) return;
-    const glm::dmat4 scene_from_node = scene_from_parent * parentFromNode(*node);
-    const JsonValue* const mesh = listEntry(gltf_.json, "meshes", numberIn(*node, "mesh", kAbsent));
-    if (mesh != nullptr) {
-      for (const JsonValue& primitive : mesh->value("primitives", JsonValue::array())) {
-        const std::size_t mode = numberIn(primitive, "mode", kTrianglesMode);
-        has_triangles_ = has_triangles_ || mode >= kTrianglesMode;
-        if (mode != kPointsMode) continue;
-        const JsonValue extensions = primitive.value("extensions", JsonValue::object());
-        if (const auto found = extensions.find(kExtension); found != extensions.end()) {
-          addGaussians(primitive, *found, scene_from_node);
-        } else {
-          addPoints(primitive, scene_from_node);
-        }
-      }
-    }
-    for (const std::size_t child : node->value("children", std::vector<std::size_t>{})) {
-      visit(child, scene_from_node, depth + 1);
-    }
-  }
-
-  /// The numbers of an attribute, `components` for each point; empty if it is not there.
-  std::vector<float> valuesOf(const JsonValue& primitive, const std::string& attribute,
-                              std::size_t components, std::size_t count) {
-    const JsonValue attributes = primitive.value("attributes", JsonValue::object());
-    const std::size_t accessor = numberIn(attributes, attribute.c_str(), kAbsent);
-    if (accessor == kAbsent) return {};
-    auto values = accessors_.valuesOf(accessor);
-    if (!values || (count > 0 && values->size() != count * components) ||
-        values->size() % components != 0) {
-      throw refusal("the attribute " + attribute +
-                    " of points cannot be read: is a buffer's file missing, or compressed?");
-    }
-    return std::move(*values);
-  }
-
-  std::vector<float> positionsOf(const JsonValue& primitive) {
-    std::vector<float> positions = valuesOf(primitive, "POSITION", 3, 0);
-    if (positions.empty()) throw refusal("has points without POSITION");
-    return positions;
   }
 
   void addPoints(const JsonValue& primitive, const glm::dmat4& scene_from_node) {
-    const std::vector<float> positions = positionsOf(primitive);
-    const std::size_t count = positions.size() / 3;
-    const std::vector<float> normals = valuesOf(primitive, "NORMAL", 3, count);
-    std::size_t channels = 4;
-    const std::size_t color = numberIn(primitive.at("attributes"), "COLOR_0", kAbsent);
-    if (const JsonValue* const accessor = listEntry(gltf_.json, "accessors", color)) {
-      channels = accessor->value("type", "") == "VEC3" ? 3 : 4;
-    }
-    const std::vector<float> colors = valuesOf(primitive, "COLOR_0", channels, count);
+    const GltfPrimitive numbers(gltf_, primitive);
+    const std::vector<float> positions = numbers.floats("POSITION", 3),
+                             normals = numbers.floats("NORMAL", 3);
+    const std::size_t count = numbers.vertices(),
+                      channels = numbers.componentsOf("COLOR_0") == 3 ? 3 : 4;
+    const std::vector<float> colors = numbers.floats("COLOR_0", channels);
     const glm::dmat3 turn = glm::transpose(glm::inverse(glm::dmat3(scene_from_node)));
     for (std::size_t i = 0; i < count; ++i) {
       const glm::dvec4 p(glm::dvec3(vectorAt(positions, i)), 1.0);
@@ -193,8 +111,9 @@ class GltfPointReader {
 
   void addGaussians(const JsonValue& primitive, const JsonValue& extension,
                     const glm::dmat4& scene_from_node) {
+    const JsonValue* const compression = compressionIn(extension);
     GaussianFile file =
-        isCompressed(extension) ? unpackedGaussians(extension) : plainGaussians(primitive);
+        compression != nullptr ? unpackedGaussians(*compression) : plainGaussians(primitive);
     if (extension.value("colorSpace", "srgb_rec709_display") == "lin_rec709_display") {
       toDisplay(file.cloud);
     }
@@ -221,26 +140,21 @@ class GltfPointReader {
     }
     return nullptr;
   }
-  static bool isCompressed(const JsonValue& extension) {
-    return compressionIn(extension) != nullptr;
-  }
 
-  GaussianFile unpackedGaussians(const JsonValue& extension) {
-    const std::size_t view = numberIn(*compressionIn(extension), "bufferView", kAbsent);
-    auto bytes = accessors_.bytesOfView(view);
-    if (!bytes) throw refusal("its SPZ data cannot be read: is a buffer's file missing?");
-    return readSpz(FileBytes(gltf_.path.string(), std::move(*bytes)));
+  GaussianFile unpackedGaussians(const JsonValue& compression) {
+    const auto bytes = gltf_.view(numberIn(gltf_, compression, "bufferView", kNoEntry));
+    return readSpz(FileBytes(gltf_.path().string(), {bytes.begin(), bytes.end()}));
   }
 
   /// Coefficients of degree 1 and more, by degree and order; as many as the file has whole degrees.
-  std::vector<std::vector<float>> harmonicsIn(const JsonValue& primitive, std::size_t count) {
+  std::vector<std::vector<float>> harmonicsIn(const GltfPrimitive& numbers) {
     std::vector<std::vector<float>> all;
     for (int degree = 1; degree <= kMaxHarmonicsDegree + 1; ++degree) {
       for (int order = 0; order <= 2 * degree; ++order) {
-        auto values = valuesOf(primitive, coefficientName(degree, order), 3, count);
+        auto values = numbers.floats(coefficientName(degree, order), 3);
         if (values.empty() && order == 0) return all;
         if (values.empty()) {
-          throw refusal("expected the attribute " + coefficientName(degree, order));
+          gltf_.refuse("expected the attribute " + coefficientName(degree, order));
         }
         if (degree > kMaxHarmonicsDegree) {
           remarks_.insert(kDegree4);
@@ -258,12 +172,13 @@ class GltfPointReader {
   }
 
   GaussianFile plainGaussians(const JsonValue& primitive) {
-    const std::vector<float> positions = positionsOf(primitive);
-    const std::size_t count = positions.size() / 3;
+    const GltfPrimitive numbers(gltf_, primitive);
+    const std::vector<float> positions = numbers.floats("POSITION", 3);
+    const std::size_t count = numbers.vertices();
     const auto attribute = [&](const char* name, std::size_t components) {
       const std::string whole = std::string(kExtension) + ":" + name;
-      std::vector<float> values = valuesOf(primitive, whole, components, count);
-      if (values.empty()) throw refusal("expected the attribute " + whole);
+      std::vector<float> values = numbers.floats(whole, components);
+      if (values.empty()) gltf_.refuse("expected the attribute " + whole);
       return values;
     };
     const auto rotations = attribute("ROTATION", 4), opacities = attribute("OPACITY", 1);
@@ -274,7 +189,7 @@ class GltfPointReader {
       for (float& s : scales) s = std::exp(s);
     }
     const auto colors = attribute("SH_DEGREE_0_COEF_0", 3);
-    const auto coefficients = harmonicsIn(primitive, count);
+    const auto coefficients = harmonicsIn(numbers);
     int degree = 0;
     while (harmonicsOf(degree) < static_cast<int>(coefficients.size())) ++degree;
     GaussianFile file;
@@ -316,8 +231,7 @@ class GltfPointReader {
     }
   }
 
-  GltfDocument gltf_;
-  GltfAccessors accessors_;
+  const GltfDocument& gltf_;
   SurfelCloud joined_;  // the Gaussians so far
   PointCloud points_;
   ScanPositions positions_{points_};
@@ -328,13 +242,11 @@ class GltfPointReader {
 
 }  // namespace
 
-GltfPoints readGltfPoints(const std::filesystem::path& path) {
+GltfPoints readGltfPoints(const GltfDocument& gltf) {
   try {
-    return GltfPointReader(path).read();
+    return GltfPointReader(gltf).read();
   } catch (const JsonValue::exception&) {
-    throw InputError(path.string(),
-                     "is no glTF that can be read: a part has another type than "
-                     "glTF states");
+    gltf.refuse("is no glTF that can be read: a part has another type than glTF states");
   }
 }
 

@@ -2,10 +2,10 @@
 // (Khronos, ratified 2026) with its compression by SPZ.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 
 #include "render/scene/io/gaussian_file.h"
+#include "render/scene/io/gltf_document.h"
 #include "render/scene/point_cloud.h"
 
 namespace foci {
@@ -19,6 +19,6 @@ struct GltfPoints {
 
 /// Reads the points and Gaussians that the nodes of the scene place; triangles are not read.
 /// @throws InputError if an attribute is missing, or cannot be read
-GltfPoints readGltfPoints(const std::filesystem::path& path);
+GltfPoints readGltfPoints(const GltfDocument& gltf);
 
 }  // namespace foci

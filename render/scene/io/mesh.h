@@ -1,4 +1,4 @@
-// Reads triangle meshes, through Assimp.
+// Reads triangle meshes.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 namespace foci {
 
 /// Whether a file is a mesh, by its extension (.obj, .gltf, .glb, .stl, .fbx). A PLY file is a mesh
-/// if it has faces.
+/// if it has faces or triangle strips.
 /// @throws InputError if the header of a PLY file is broken
 bool isMeshFile(const std::filesystem::path& path);
 
@@ -26,8 +26,8 @@ struct MeshFile {
 /// A texture that cannot be read, or has more than 2^26 pixels, and a file of materials that cannot
 /// be read are named in the mesh's remarks. The material's colour then shows.
 ///
-/// @throws InputError if Assimp cannot read the file, if no triangle has an area, or if a texture
-///         or a file of materials is a pipe or a device
+/// @throws InputError if the file is damaged, if no triangle has an area, or if a texture or a file
+///         of materials is a pipe or a device
 MeshFile readMesh(const std::filesystem::path& path);
 
 }  // namespace foci

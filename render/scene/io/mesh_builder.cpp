@@ -7,6 +7,7 @@
 
 #include "base/input_error.h"
 #include "base/text.h"
+#include "render/image/srgb.h"
 #include "render/scene/io/scan_values.h"
 #include "render/scene/io/triangulate.h"
 #include "render/scene/mesh/orientation.h"
@@ -47,8 +48,15 @@ bool isUsable(const glm::vec3& p) {
 
 }  // namespace
 
-void MeshBuilder::startObject(std::string name) {
-  if (object_names_.size() < kMaxObjects) object_names_.push_back(std::move(name));
+glm::vec3 linearColor(const glm::vec3& srgb) {
+  const auto linear = [](float x) { return linearFromSrgb(x >= 0.0f ? std::min(x, 1.0f) : 0.0f); };
+  return {linear(srgb.x), linear(srgb.y), linear(srgb.z)};
+}
+
+std::uint16_t MeshBuilder::addObject(std::string name) {
+  if (object_names_.size() == kMaxObjects) return 0;
+  object_names_.push_back(std::move(name));
+  return static_cast<std::uint16_t>(object_names_.size());
 }
 
 void MeshBuilder::add(const std::array<MeshCorner, 3>& corners, std::uint32_t material) {
@@ -74,14 +82,14 @@ void MeshBuilder::add(const std::array<MeshCorner, 3>& corners, std::uint32_t ma
     }
     if (corner->alpha < 1.0f || !mesh_.alpha.empty()) {
       mesh_.alpha.resize(mesh_.corners_m.size(), 1.0f);
-      mesh_.alpha.push_back(corner->alpha >= 0.0f ? corner->alpha : 0.0f);
+      mesh_.alpha.push_back(corner->alpha >= 0.0f ? std::min(corner->alpha, 1.0f) : 0.0f);
     }
     mesh_.corners_m.push_back(corner->position);
   }
   mesh_.material.push_back(material);
   if (material >= used_.size()) used_.resize(material + 1, 0);
   used_[material] = 1;
-  objects_.push_back(static_cast<std::uint16_t>(object_names_.size()));
+  objects_.push_back(object_);
 }
 
 void MeshBuilder::addPolygon(std::span<const MeshCorner> corners, std::uint32_t material) {
@@ -99,6 +107,27 @@ void MeshBuilder::addPolygon(std::span<const MeshCorner> corners, std::uint32_t 
 void MeshBuilder::remarkCount(std::uint64_t count, const std::string& one,
                               const std::string& several) {
   if (count > 0) remark(thousands(static_cast<double>(count)) + (count == 1 ? one : several));
+}
+
+void MeshBuilder::remarkLeftOut(std::uint64_t points, std::uint64_t lines) {
+  if (mesh_.size() == 0) return;
+  remarkCount(points, " point beside the triangles is left out",
+              " points beside the triangles are left out");
+  remarkCount(lines, " line beside the triangles is left out",
+              " lines beside the triangles are left out");
+}
+
+void MeshBuilder::noteLight(bool glows, const glm::vec3& emitted) {
+  if (glows && !glowing_) {
+    remark(
+        "materials that are black but emit light have the colour of that light; they light nothing "
+        "else");
+  } else if (!glows && emitted != glm::vec3(0.0f) && !dimmed_) {
+    remark(
+        "materials that emit light and have a colour are shown in that colour, without the light");
+  }
+  glowing_ |= glows;
+  dimmed_ |= !glows && emitted != glm::vec3(0.0f);
 }
 
 bool MeshBuilder::useAlpha() {
@@ -140,12 +169,12 @@ MeshFile MeshBuilder::finish(SceneFacts facts,
   if (!mesh_.color.empty()) mesh_.color.resize(mesh_.corners_m.size(), glm::vec3(-1.0f));
   if (!mesh_.alpha.empty()) mesh_.alpha.resize(mesh_.corners_m.size(), 1.0f);
   readMaterials(facts, read);
+  for (const std::string& text : textures_.remarks()) remark(text);
   remarkCount(unusable_,
               " triangle has a corner that is not finite, or farther than 1e9 units from the "
               "origin: left out",
               " triangles have a corner that is not finite, or farther than 1e9 units from the "
               "origin: left out");
-  foldColors();
   takeObjects(facts);
   remarkCount(dropUseless(mesh_), " triangle repeats another one: it is left out",
               " triangles repeat others: they are left out");
@@ -181,50 +210,41 @@ void MeshBuilder::readMaterials(SceneFacts& facts,
   }
 }
 
-/// Colours of corners that are the same for all triangles of a material are the material's: such a
-/// colour tells nothing of the light where the object was captured.
-void MeshBuilder::foldColors() {
-  if (mesh_.color.empty()) return;
-  std::vector<std::optional<glm::vec3>> color(mesh_.materials.size());
-  std::vector<std::uint8_t> varies(mesh_.materials.size(), 0);
+/// Where the colours come from, of what the triangles use. A colour for each material tells nothing
+/// of the light where an object was captured: beside others, such materials are shaded.
+void MeshBuilder::takeColors(SceneFacts& facts) {
+  std::vector<MeshMaterial>& materials = mesh_.materials;
+  std::vector<std::optional<glm::vec3>> one(materials.size());  // of the corners
+  std::vector<std::uint8_t> varies(materials.size(), 0);
   for (std::size_t i = 0; i < mesh_.color.size(); ++i) {
     const std::uint32_t m = mesh_.material[i / 3];
-    if (!color[m]) color[m] = mesh_.color[i];
-    varies[m] |= mesh_.color[i] != *color[m] || mesh_.color[i].x < 0.0f;
+    if (!one[m]) one[m] = mesh_.color[i];
+    varies[m] |= mesh_.color[i] != *one[m];
   }
-  for (std::size_t m = 0; m < mesh_.materials.size(); ++m) {
-    MeshMaterial& material = mesh_.materials[m];
-    if (!color[m] || varies[m] != 0) continue;
-    if (material.tinted) {
-      material.factor *= *color[m];
-    } else if (!material.texture) {
-      material.factor = *color[m];
-    }
-  }
-  bool any = false;
-  for (std::size_t i = 0; i < mesh_.color.size(); ++i) {
-    if (varies[mesh_.material[i / 3]] == 0) mesh_.color[i] = glm::vec3(-1.0f);
-    any |= mesh_.color[i].x >= 0.0f;
-  }
-  if (!any) mesh_.color.clear();
-}
-
-/// Where the colours come from, of what the triangles use. Beside materials whose colour contains
-/// light, those of one colour are shaded.
-void MeshBuilder::takeColors(SceneFacts& facts) {
-  facts.has_colors = !mesh_.color.empty();
-  std::optional<glm::vec3> plain;
-  for (std::size_t m = 0; m < mesh_.materials.size(); ++m) {
+  std::optional<glm::vec3> first;
+  for (std::size_t m = 0; m < materials.size(); ++m) {
     if (used_[m] == 0) continue;
-    MeshMaterial& material = mesh_.materials[m];
-    material.shaded = !material.texture && !material.unlit;
-    facts.has_colors |= !material.shaded;
-    facts.material_colors |= material.factor != plain.value_or(material.factor);
-    plain = material.factor;
+    const MeshMaterial& material = materials[m];
+    const bool own = one[m] && one[m]->x >= 0.0f;
+    const glm::vec3 color = !own              ? material.factor
+                            : material.tinted ? material.factor * *one[m]
+                                              : *one[m];
+    facts.has_colors |= material.texture || material.unlit || varies[m] != 0;
+    facts.material_colors |= color != first.value_or(color);
+    first = color;
   }
-  facts.material_colors &= !facts.has_colors;
-  if (facts.has_colors) return;
-  for (MeshMaterial& material : mesh_.materials) material.shaded = false;
+  if (!facts.has_colors) return;
+  facts.material_colors = false;
+  for (std::size_t m = 0; m < materials.size(); ++m) {
+    MeshMaterial& material = materials[m];
+    material.shaded = !material.texture && !material.unlit;
+    if (!material.shaded || varies[m] != 0 || !one[m] || one[m]->x < 0.0f) continue;
+    material.factor = material.tinted ? material.factor * *one[m] : *one[m];
+  }
+  for (std::size_t i = 0; i < mesh_.color.size(); ++i) {
+    const std::uint32_t m = mesh_.material[i / 3];
+    if (materials[m].shaded && varies[m] == 0) mesh_.color[i] = glm::vec3(-1.0f);
+  }
 }
 
 /// The objects of the file, or its materials if it has but one object.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <glm/glm.hpp>
 #include <map>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "render/scene/io/mesh.h"
+#include "render/scene/io/mesh_textures.h"
 
 namespace foci {
 
@@ -29,6 +31,9 @@ struct MeshCorner {
 /// sRGB 0.6 in linear light, of surfaces for which a file has no colour.
 inline constexpr glm::vec3 kPlainSurface{0.3185f};
 
+/// Linear light of an sRGB colour, which is clamped to 0 to 1; NaN becomes 0.
+glm::vec3 linearColor(const glm::vec3& srgb);
+
 /// A material as read, and what `foci info` says of it; absent for one that the file does not have.
 struct ReadMaterial {
   MeshMaterial material;
@@ -37,10 +42,12 @@ struct ReadMaterial {
 
 class MeshBuilder {
  public:
-  explicit MeshBuilder(std::string file) : file_(std::move(file)) {}
+  explicit MeshBuilder(const std::filesystem::path& file) : file_(file.string()), textures_(file) {}
 
+  /// A new object. @return its number, for `useObject`; 0 if there are too many
+  std::uint16_t addObject(std::string name);
   /// Triangles belong to this object from now on.
-  void startObject(std::string name);
+  void useObject(std::uint16_t number) { object_ = number; }
 
   /// Turns the triangle to the side of its normals, if it has some. A corner that is not finite or
   /// farther out than kFarthest_m makes it unusable: it is counted.
@@ -52,6 +59,16 @@ class MeshBuilder {
   void remark(std::string text) { mesh_.remarks.push_back(std::move(text)); }
   /// "3 triangles" and what they do, or "1 triangle" and what it does; nothing for none.
   void remarkCount(std::uint64_t count, const std::string& one, const std::string& several);
+
+  /// Names what a mesh holds beside its triangles.
+  void remarkLeftOut(std::uint64_t points, std::uint64_t lines);
+
+  /// Names, once, what becomes of light that materials emit.
+  /// @param glows  whether the material is black but for that light
+  void noteLight(bool glows, const glm::vec3& emitted);
+
+  /// Those of the materials: `finish` adds their remarks.
+  MeshTextures& textures() { return textures_; }
 
   /// Whether the alpha of corners is an opacity. It is not, with a remark, if all of it is 0.
   bool useAlpha();
@@ -67,18 +84,20 @@ class MeshBuilder {
 
  private:
   void readMaterials(SceneFacts& facts, const std::function<ReadMaterial(std::uint32_t)>& read);
-  void foldColors();
   void takeColors(SceneFacts& facts);
   void takeObjects(const SceneFacts& facts);
 
   std::string file_;
+  MeshTextures textures_;
   TriangleMesh mesh_;
+  std::uint16_t object_ = 0;
   std::vector<std::string> object_names_;
   std::vector<std::uint16_t> objects_;  // by triangle, from 1
   std::vector<std::string> material_names_;
   std::vector<std::uint8_t> used_;  // by material
   std::uint64_t unusable_ = 0;      // triangles
   bool has_normals_ = false;
+  bool glowing_ = false, dimmed_ = false;  // a material
 };
 
 /// Materials for the colours of faces. With more than 4096 colours, faces count as coloured

@@ -3,10 +3,21 @@
 
 #include <filesystem>
 
+#include "render/scene/io/gltf_document.h"
 #include "render/scene/io/mesh.h"
 #include "render/scene/io/ply_header.h"
 
 namespace foci {
+
+/// glTF 2.0, text or binary: nodes with instances, skins and morph targets; Draco and meshopt;
+/// materials with metallic roughness, specular glossiness or no light.
+MeshFile readGltfMesh(const GltfDocument& gltf);
+
+MeshFile readObjMesh(const std::filesystem::path& path);
+MeshFile readStlMesh(const std::filesystem::path& path);
+
+/// @throws InputError also if foci was built without Assimp
+MeshFile readFbxMesh(const std::filesystem::path& path);
 
 /// Whether a PLY file has faces or triangle strips.
 bool isPlyMesh(const ply::Header& header);

@@ -5,11 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -18,16 +16,13 @@
 #include "base/number.h"
 #include "base/text.h"
 #include "render/image/srgb.h"
-#include "render/scene/io/mesh_facts.h"
+#include "render/scene/io/mesh_builder.h"
 #include "render/scene/io/ply_header.h"
 #include "render/scene/io/scan_values.h"
-#include "render/scene/io/triangulate.h"
 
 namespace foci {
 namespace {
 
-constexpr std::size_t kMaxMaterials = 4096;  // colours of faces; later ones share the last
-constexpr glm::vec4 kPlainFace(0.3185f, 0.3185f, 0.3185f, 1.0f);  // sRGB 0.6, as other meshes
 constexpr glm::vec4 kNoColor(-1.0f, -1.0f, -1.0f, 1.0f);
 
 /// What the word before "OFF" says that a vertex has besides its position.
@@ -55,7 +50,7 @@ std::optional<glm::vec4> offColor(const std::vector<double>& row, std::size_t at
 
 class OffReader {
  public:
-  explicit OffReader(const std::filesystem::path& path) : input_(path) {}
+  explicit OffReader(const std::filesystem::path& path) : input_(path), builder_(path) {}
 
   std::variant<PointCloud, MeshFile> read() {
     if (input_.remaining() == 0) throw InputError(input_.name(), "is empty");
@@ -192,17 +187,14 @@ class OffReader {
       corner_m_.push_back(position_[corner_.back()]);
     }
     const auto color = offColor(row_, count + 1, row_.size() - 1 - count);
-    const std::uint32_t material = materialOf(glm::vec3(color.value_or(kPlainFace)));
-    for (const auto& triangle : triangulate(corner_m_)) {
-      for (const std::uint32_t k : triangle) {
-        mesh_.corners_m.emplace_back(corner_m_[k]);
-        mesh_.uv.emplace_back(0.0f);
-        const glm::vec4 own = vertexColor(corner_[k]);
-        if (!color_.empty()) mesh_.color.push_back(glm::vec3(color ? kNoColor : own));
-        mesh_.alpha.push_back(color ? color->a : own.a);
-      }
-      mesh_.material.push_back(material);
+    const auto material = color_of_faces_.materialOf(color ? glm::vec3(*color) : kPlainSurface);
+    std::vector<MeshCorner> polygon;
+    for (std::size_t k = 0; k < count; ++k) {
+      const glm::vec4 own = color && material ? kNoColor : color.value_or(vertexColor(corner_[k]));
+      polygon.push_back(
+          {.position = corner_m_[k], .color = glm::vec3(own), .alpha = color ? color->a : own.a});
     }
+    builder_.addPolygon(polygon, material.value_or(0));
   }
 
   static bool isNear(const glm::dvec3& p) {
@@ -210,30 +202,21 @@ class OffReader {
     return std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest;
   }
 
-  /// Empties alphas that are all 1, or all 0, which means the same with a remark.
-  static void dropOpaque(std::vector<float>& alpha, std::vector<std::string>& remarks) {
+  /// Empties opacities that are all 1, or all 0, which means the same with a remark.
+  static void dropOpaque(PointCloud& points) {
     const auto all = [&](float value) {
-      return std::all_of(alpha.begin(), alpha.end(), [&](float a) { return a == value; });
+      return std::all_of(points.opacity.begin(), points.opacity.end(),
+                         [&](float opacity) { return opacity == value; });
     };
-    if (alpha.empty()) return;
     const bool clear = all(0.0f);
-    if (clear) remarks.emplace_back("the alpha of all its colours is 0: shown opaque");
-    if (clear || all(1.0f)) alpha.clear();
+    if (clear) points.remarks.emplace_back("the alpha of all its colours is 0: shown opaque");
+    if (clear || all(1.0f)) points.opacity.clear();
   }
 
   glm::vec4 vertexColor(std::uint32_t vertex) const {
     return vertex < color_.size() ? color_[vertex] : kNoColor;
   }
 
-  std::uint32_t materialOf(const glm::vec3& color) {
-    const auto key = std::tuple(color.x, color.y, color.z);
-    if (const auto known = materials_.find(key); known != materials_.end()) return known->second;
-    if (mesh_.materials.size() < kMaxMaterials)
-      mesh_.materials.push_back({.texture = {}, .factor = color});
-    const auto number = static_cast<std::uint32_t>(mesh_.materials.size() - 1);
-    if (materials_.size() < kMaxMaterials) materials_.emplace(key, number);
-    return number;
-  }
   std::variant<PointCloud, MeshFile> finishPoints() {
     if (position_.empty()) throw InputError(input_.name(), "has no vertices");
     PointCloud points;
@@ -249,24 +232,19 @@ class OffReader {
     }
     points.opacity.assign(position_.size(), 1.0f);
     for (std::size_t i = 0; i < color_.size(); ++i) points.opacity[i] = color_[i].a;
-    dropOpaque(points.opacity, points.remarks);
+    dropOpaque(points);
     if (const auto remark = originRemark(origin_)) points.remarks.push_back(*remark);
     return points;
   }
 
   std::variant<PointCloud, MeshFile> finishMesh() {
-    if (!(areaOf_m2(mesh_.corners_m) > 0.0)) {
-      throw InputError(input_.name(),
-                       "has no triangle with an area within 1e9 units of the origin");
-    }
-    if (const auto remark = originRemark(origin_)) mesh_.remarks.push_back(*remark);
-    dropOpaque(mesh_.alpha, mesh_.remarks);
-    if (!mesh_.alpha.empty()) {
-      for (MeshMaterial& material : mesh_.materials) material.alpha = AlphaUse::blend;
-    }
-    SceneFacts facts{.kind = SceneKind::off_mesh};
-    finishTriangles(mesh_, facts);
-    return MeshFile{std::move(mesh_), std::move(facts)};
+    if (const auto remark = originRemark(origin_)) builder_.remark(*remark);
+    const bool blend = builder_.useAlpha();
+    return builder_.finish({.kind = SceneKind::off_mesh}, [&](std::uint32_t number) {
+      ReadMaterial read = color_of_faces_.read(number);
+      if (blend) read.material.alpha = AlphaUse::blend;
+      return read;
+    });
   }
 
   ply::Input input_;
@@ -279,8 +257,8 @@ class OffReader {
   std::vector<glm::vec3> normal_;
   std::vector<glm::vec4> color_;  // with alpha; negative or absent for none
   std::vector<std::uint32_t> corner_;
-  TriangleMesh mesh_;
-  std::map<std::tuple<float, float, float>, std::uint32_t> materials_;
+  MeshBuilder builder_;
+  FaceColors color_of_faces_;
 };
 
 }  // namespace

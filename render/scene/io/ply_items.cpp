@@ -52,6 +52,15 @@ const Element* elementNamed(const Header& header, std::string_view name) {
   return found == header.elements.end() ? nullptr : &*found;
 }
 
+std::vector<std::string> textureNames(const Header& header) {
+  constexpr std::string_view kKey = "TextureFile";
+  std::vector<std::string> names;
+  for (const std::string_view comment : header.comments) {
+    if (comment.starts_with(kKey)) names.emplace_back(trimmed(comment.substr(kKey.size())));
+  }
+  return names;
+}
+
 Items::Items(Input& input, Header& header, const Element& element)
     : input_(input),
       header_(header),

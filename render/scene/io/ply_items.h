@@ -18,6 +18,9 @@ namespace foci::ply {
 /// The element of this name; null if there is none.
 const Element* elementNamed(const Header& header, std::string_view name);
 
+/// The textures that comments "TextureFile" name.
+std::vector<std::string> textureNames(const Header& header);
+
 /// Reads an element item by item, in any format and with properties of any type. In an ASCII file,
 /// an item may take several lines; it begins and ends with a line.
 class Items {

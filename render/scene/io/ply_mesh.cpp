@@ -11,17 +11,13 @@
 #include <vector>
 
 #include "base/input_error.h"
-#include "base/text.h"
 #include "render/scene/io/mesh_builder.h"
 #include "render/scene/io/mesh_formats.h"
-#include "render/scene/io/mesh_textures.h"
 #include "render/scene/io/named_file.h"
 #include "render/scene/io/ply_items.h"
 
 namespace foci {
 namespace {
-
-constexpr std::string_view kTextureComment = "TextureFile";
 
 class PlyMesh {
  public:
@@ -29,13 +25,8 @@ class PlyMesh {
       : path_(path),
         input_(path),
         header_(ply::readHeader(input_)),
-        textures_(path),
-        builder_(input_.name()) {
-    for (const std::string& comment : header_.comments) {
-      if (!comment.starts_with(kTextureComment)) continue;
-      texture_names_.emplace_back(trimmed(comment.substr(kTextureComment.size())));
-    }
-  }
+        builder_(path),
+        texture_names_(ply::textureNames(header_)) {}
 
   MeshFile read() {
     if (const ply::Element* vertex = ply::elementNamed(header_, "vertex")) {
@@ -200,21 +191,19 @@ class PlyMesh {
                          " faces name textures that the file does not have");
     const bool blend = builder_.useAlpha();
     const auto plain = static_cast<std::uint32_t>(texture_names_.size());
-    MeshFile file = builder_.finish({.kind = SceneKind::ply_mesh}, [&](std::uint32_t number) {
+    return builder_.finish({.kind = SceneKind::ply_mesh}, [&](std::uint32_t number) {
       ReadMaterial read{.material = {.factor = kPlainSurface}};
       if (number > plain) read = face_colors_.read(number - plain - 1);
       if (number < plain) read = textured(texture_names_[number]);
       if (blend) read.material.alpha = AlphaUse::blend;
       return read;
     });
-    for (const std::string& remark : textures_.remarks()) file.mesh.remarks.push_back(remark);
-    return file;
   }
 
   ReadMaterial textured(const std::string& name) {
     const ImageSource source{.name = name, .file = namedFile(path_, name)};
     ReadMaterial read;
-    read.material.texture = textures_.read(source);
+    read.material.texture = builder_.textures().read(source);
     if (!read.material.texture) read.material.factor = kPlainSurface;
     read.facts.emplace();
     read.facts->name = name;
@@ -225,7 +214,6 @@ class PlyMesh {
   std::filesystem::path path_;
   ply::Input input_;
   ply::Header header_;
-  MeshTextures textures_;
   MeshBuilder builder_;
   std::vector<std::string> texture_names_;
   std::uint64_t vertices_ = 0, untextured_ = 0;

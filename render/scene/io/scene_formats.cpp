@@ -12,7 +12,6 @@
 #include "base/text.h"
 #include "render/scene/io/colmap.h"
 #include "render/scene/io/file_bytes.h"
-#include "render/scene/io/gltf_json.h"
 #include "render/scene/io/gltf_points.h"
 #include "render/scene/io/las.h"
 #include "render/scene/io/mesh_formats.h"
@@ -108,10 +107,9 @@ SceneContent readPlyScene(const fs::path& path, std::uint64_t /*checked_B*/) {
 
 /// Gaussians, with a mesh beside them; else points, or a mesh.
 SceneContent readGltfScene(const fs::path& path, std::uint64_t /*checked_B*/) {
-  // Nearly all files have triangles only, and state no mode.
-  if (gltfJson(path).find("\"mode\"") == std::string::npos) return readMesh(path);
-  GltfPoints found = readGltfPoints(path);
-  if (!found.gaussians && (found.has_triangles || !found.points)) return readMesh(path);
+  const GltfDocument gltf(path);
+  GltfPoints found = readGltfPoints(gltf);
+  if (!found.gaussians && (found.has_triangles || !found.points)) return readGltfMesh(gltf);
   if (!found.gaussians) return std::move(*found.points);
   GaussianFile& file = *found.gaussians;
   if (found.points) {
@@ -119,7 +117,7 @@ SceneContent readGltfScene(const fs::path& path, std::uint64_t /*checked_B*/) {
                            " points beside its Gaussians are left out");
   }
   if (found.has_triangles) {
-    file.mesh = std::make_shared<TriangleMesh>(readMesh(path).mesh);
+    file.mesh = std::make_shared<TriangleMesh>(readGltfMesh(gltf).mesh);
     file.remarks.insert(file.remarks.end(), file.mesh->remarks.begin(), file.mesh->remarks.end());
   }
   return std::move(file);
@@ -127,7 +125,7 @@ SceneContent readGltfScene(const fs::path& path, std::uint64_t /*checked_B*/) {
 
 SceneContent readObjScene(const fs::path& path, std::uint64_t /*checked_B*/) {
   if (isObjOfPoints(path)) return readObjPoints(path);
-  return readMesh(path);
+  return readObjMesh(path);
 }
 
 SceneContent readSpzScene(const fs::path& path, std::uint64_t /*checked_B*/) {
@@ -161,7 +159,7 @@ constexpr std::array kSceneFormats = {
                 [](const FileStart& s) {
                   return startsWith(s, {"Kaydara FBX Binary", "; FBX"});
                 },
-                with<readMesh>},
+                with<readFbxMesh>},
     SceneFormat{Kind::gaussians, ".spz", true, true,
                 [](const FileStart& s) { return isSpz(s.bytes); }, readSpzScene},
     SceneFormat{Kind::gaussians, ".ksplat", true, false,
@@ -169,7 +167,7 @@ constexpr std::array kSceneFormats = {
     SceneFormat{Kind::pcd, ".pcd", true, true, [](const FileStart& s) { return isPcd(s.text()); },
                 with<readPcd>},
     SceneFormat{Kind::obj, ".obj", false, false, isObj, readObjScene},
-    SceneFormat{Kind::stl, ".stl", false, false, isStl, with<readMesh>},
+    SceneFormat{Kind::stl, ".stl", false, false, isStl, with<readStlMesh>},
     SceneFormat{Kind::off_points, ".off", false, true,
                 [](const FileStart& s) { return firstWord(s.text()).ends_with("OFF"); },
                 readOffScene},

@@ -3,7 +3,7 @@
 #include "render/scene/mesh/sample_mesh.h"
 #include "tests/fuzz/harness.h"
 
-// Assimp leaks memory of files that it refuses (about 2 kB for an ASCII STL).
+// Assimp leaks memory of FBX files that it refuses.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp"; }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

@@ -104,7 +104,7 @@ const Json kEllipse = {{"kernel", "ellipse"}, {"colorSpace", "srgb_rec709_displa
 class GltfPointsTest : public testing::Test {
  protected:
   GltfPoints read(const GltfText& gltf) {
-    return readGltfPoints(scratch.write("a.gltf", gltf.text()));
+    return readGltfPoints(GltfDocument(scratch.write("a.gltf", gltf.text())));
   }
   std::string refusal(const GltfText& gltf) {
     try {

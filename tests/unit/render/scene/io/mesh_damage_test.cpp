@@ -245,7 +245,6 @@ TEST_F(MeshDamage, ObjFacesMayHaveCommentsOrTwoCorners) {
 TEST_F(MeshDamage, CornersThatAreNotFiniteAreCounted) {
   EXPECT_TRUE(has(said("a.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 1 3 4\n"),
                   "1 triangle has a corner that is not finite"));
-  // Assimp reads decimal commas.
   EXPECT_EQ(readMesh(folder_.write("c.obj", "v 0,5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"))
                 .mesh.corners_m.at(0)
                 .x,
@@ -267,7 +266,7 @@ std::string gltf(int corner, const std::string& more = "") {
          std::string(kIndex[corner == 3 ? 0 : 1]) + "\"}]" + more + "}";
 }
 
-TEST_F(MeshDamage, GltfTrianglesThatAssimpLeavesOutAreCounted) {
+TEST_F(MeshDamage, GltfTrianglesWithoutAVertexAreCounted) {
   EXPECT_EQ(said("a.gltf", gltf(3)), "");
   EXPECT_TRUE(has(said("b.gltf", gltf(77)), "1 triangle names a vertex that is not there"));
 }
@@ -286,7 +285,7 @@ TEST_F(MeshDamage, GltfHasAByteOrderMarkOrAWrongNameOrIsCutOff) {
   EXPECT_TRUE(has(said("e.glb", binary.substr(0, binary.size() - 9)), "is cut off: states"));
 }
 
-TEST_F(MeshDamage, ErrorsOfAssimpAreInOurWords) {
+TEST_F(MeshDamage, FilesOfNothingAreNamed) {
   EXPECT_TRUE(has(said("a.gltf", R"({"asset":{"version":"1.0"}})"), "has no scene with nodes"));
   EXPECT_TRUE(has(said("a.foci", "junk"), "is no prepared scene"));
 }

@@ -141,7 +141,7 @@ TEST_F(MeshMaterials, OnlyThoseInUseCount) {
   writeQuarters(folder_.path() / "t.png");
   const float data[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
   write("b.bin", std::string(reinterpret_cast<const char*>(data), sizeof(data)));
-  EXPECT_EQ(readMesh(write("m.gltf", gltf(""))).facts.materials.size(), 1u) << "Assimp adds one";
+  EXPECT_EQ(readMesh(write("m.gltf", gltf(""))).facts.materials.size(), 1u);
 }
 
 TEST_F(MeshMaterials, TextureTransformOfGltfScalesThenTurnsThenMoves) {
@@ -167,7 +167,6 @@ TEST_F(MeshMaterials, TextureTransformOfGltfScalesThenTurnsThenMoves) {
             kByte);
 }
 
-/// Assimp alone loses a word that begins with a point.
 TEST_F(MeshMaterials, NumbersOfAnObjMayBeginWithAPoint) {
   const MeshFile file =
       readMesh(write("a.obj",
@@ -270,6 +269,55 @@ TEST_F(MeshMaterials, BlackMaterialsThatEmitLightHaveItsColour) {
   const MeshFile textured = readMesh(write("m.gltf", text));
   EXPECT_LT(glm::distance(colorOf(textured), glm::vec3(1, 0, 0)), kByte);
   EXPECT_TRUE(textured.facts.has_colors);
+}
+
+/// Names in quotes, with blanks around them, relative to the MTL, of any case, several in a line.
+TEST_F(MeshMaterials, NamesOfFilesAreFoundAsExportersWriteThem) {
+  writeQuarters(folder_.path() / "maps/Wood Plank.png");
+  fs::create_directories(folder_.path() / "mats");
+  const auto isBlue = [&](const std::string& mtllib, const std::string& map) {
+    write("mats/One Two.mtl", "newmtl n\nKd 1 1 1\n");
+    write("mats/a.mtl", "\xef\xbb\xbf  newmtl  m \r\n\tmap_Kd " + map + "\r\n");
+    const MeshFile file =
+        readMesh(write("m.obj", "\xef\xbb\xbfmtllib " + mtllib + "\n  " + kTriangle));
+    EXPECT_TRUE(file.mesh.remarks.empty()) << file.mesh.remarks[0];
+    EXPECT_EQ(meshCompanions(folder_.path() / "m.obj").size(), 2u + (mtllib.size() > 12)) << mtllib;
+    return glm::distance(colorOf(file), glm::vec3(0, 0, 1)) < kByte;
+  };
+  EXPECT_TRUE(isBlue("mats/a.mtl", "../maps/Wood Plank.png"));
+  EXPECT_TRUE(isBlue("\"mats/a.mtl\"", "\"../maps/Wood Plank.png\""));
+  EXPECT_TRUE(isBlue("MATS\\A.MTL ", "..\\maps\\wood plank.PNG  "));
+  EXPECT_TRUE(isBlue("mats/One Two.mtl mats/a.mtl", "maps/Wood Plank.png"));
+  EXPECT_TRUE(isBlue("\"mats/a.mtl\" \"mats/One Two.mtl\"", "maps/Wood Plank.png"));
+}
+
+TEST_F(MeshMaterials, APartWithoutColoursBesideOneWithColoursIsPlain) {
+  const std::string parts =
+      "o plain\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no painted\nv 0 0 1 1 0 0\nv 1 0 1 0 1 0\n"
+      "v 0 1 1 0 0 1\nf 4 5 6\n";
+  const MeshFile file = readMesh(write("m.obj", parts));
+  ASSERT_EQ(file.mesh.size(), 2u);
+  const glm::vec3 plain = colorOf(file, 0), painted = colorOf(file, 1);
+  EXPECT_TRUE(plain.x == plain.y && plain.y == plain.z && plain.x > 0.05f);
+  EXPECT_GT(painted.x, painted.y + 0.1f);
+}
+
+TEST_F(MeshMaterials, PointsAndLinesBesideAMeshAreNamed) {
+  const MeshFile file = readMesh(write("m.obj", kTriangle + "p 1 2\nl 1 2\nl 2 3\n"));
+  EXPECT_TRUE(remarks(file, "1 point beside") || remarks(file, "2 points beside"));
+  EXPECT_TRUE(remarks(file, "2 lines beside the triangles are left out"));
+}
+
+TEST_F(MeshMaterials, NumbersOfAnObjThatAreNoneAreNamedByLine) {
+  EXPECT_NE(refusal(write("m.obj", "v 0 0 x\n")).find("m.obj:1: expected a number, found \"x\""),
+            std::string::npos);
+  EXPECT_NE(
+      refusal(write("m.obj", "v 0 0 0\nv 1 2\nf 1 1 2\n")).find("m.obj:2: a vertex has 2 numbers"),
+      std::string::npos);
+  EXPECT_NE(refusal(write("m.obj", kTriangle + "f 1 2 x\n")).find("m.obj:9: found \"x\""),
+            std::string::npos);
+  EXPECT_NE(refusal(write("m.obj", kTriangle + "f 1 2 -9\n")).find("names vertex -9"),
+            std::string::npos);
 }
 
 TEST_F(MeshMaterials, ZerosBesidePointsAreNoColour) {

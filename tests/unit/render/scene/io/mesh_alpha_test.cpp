@@ -1,6 +1,4 @@
 // Alpha and the placement of textures, as glTF 2.0 and Wavefront's MTL define them.
-#include "render/scene/io/material_reader.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -19,7 +17,7 @@ constexpr float kByte = 0.01f;   // 8-bit sRGB
 constexpr float kPlace = 1e-3f;  // exact but for rounding
 
 /// A triangle with the corners (0, 0), (1, 0) and (0, 1), whose texture coordinates are the place.
-class MaterialReaderTest : public testing::Test {
+class MeshAlpha : public testing::Test {
  protected:
   /// Columns grow from black to white; with `alpha` from black to blue, and so does the alpha.
   void writeRamps(const std::string& name, bool alpha) const {
@@ -81,7 +79,7 @@ class MaterialReaderTest : public testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(MaterialReaderTest, AMaskCutsBelowTheCutoff) {
+TEST_F(MeshAlpha, AMaskCutsBelowTheCutoff) {
   writeRamps("t.png", true);
   const std::string base = R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0})";
   const auto masked = [&](const std::string& more) {
@@ -99,7 +97,7 @@ TEST_F(MaterialReaderTest, AMaskCutsBelowTheCutoff) {
   EXPECT_EQ(at(faded, 0.64f).opacity, 1.0f);
 }
 
-TEST_F(MaterialReaderTest, BlendingMultipliesEveryAlpha) {
+TEST_F(MeshAlpha, BlendingMultipliesEveryAlpha) {
   writeRamps("t.png", true);
   const MeshFile file = gltf(
       R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0},"baseColorFactor":[1,1,1,0.5]},)"
@@ -111,14 +109,14 @@ TEST_F(MaterialReaderTest, BlendingMultipliesEveryAlpha) {
   EXPECT_EQ(at(file, 0.998f, 0.001f).opacity, 0.0f);
 }
 
-TEST_F(MaterialReaderTest, OpaqueMaterialsHaveNoAlpha) {
+TEST_F(MeshAlpha, OpaqueMaterialsHaveNoAlpha) {
   writeRamps("t.png", true);
   const MeshFile file =
       gltf(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})", "", {0.5f, 0.0f, 1.0f});
   EXPECT_EQ(at(file, 0.1f).opacity, 1.0f);
 }
 
-TEST_F(MaterialReaderTest, TheAlphaOfCornersCutsHoles) {
+TEST_F(MeshAlpha, TheAlphaOfCornersCutsHoles) {
   const std::string plain = R"({"alphaMode":"MASK"})";
   const MeshFile file = gltf(plain, "", {0.0f, 1.0f, 0.0f});
   EXPECT_EQ(at(file, 0.45f).opacity, 0.0f);
@@ -130,7 +128,7 @@ TEST_F(MaterialReaderTest, TheAlphaOfCornersCutsHoles) {
   EXPECT_TRUE(rgb.mesh.remarks.empty());
 }
 
-TEST_F(MaterialReaderTest, AMaskOfAnObjCutsHoles) {
+TEST_F(MeshAlpha, AMaskOfAnObjCutsHoles) {
   writeRamps("grey.png", false);
   writeRamps("leaf.png", true);
   for (const char* const name : {"grey.png", "leaf.png"}) {
@@ -145,7 +143,7 @@ TEST_F(MaterialReaderTest, AMaskOfAnObjCutsHoles) {
   EXPECT_NE(missing.mesh.remarks[0].find("without holes"), std::string::npos);
 }
 
-TEST_F(MaterialReaderTest, OptionsOfAnObjScaleThenMoveTheTexture) {
+TEST_F(MeshAlpha, OptionsOfAnObjScaleThenMoveTheTexture) {
   writeRamps("t.png", true);
   const auto place = [&](const std::string& options, float x) {
     return at(obj("map_Kd " + options + "t.png\nd 1\n"), x).color.z;
@@ -156,7 +154,16 @@ TEST_F(MaterialReaderTest, OptionsOfAnObjScaleThenMoveTheTexture) {
   EXPECT_NEAR(place("-mm 0 1 -o 0.1 0 -s 2 1 ", 0.3f), light(0.7f), kByte);
 }
 
-TEST_F(MaterialReaderTest, TexturesAreClampedOrMirrored) {
+TEST_F(MeshAlpha, TransparencyThatHidesEverythingIsOpaque) {
+  const MeshFile hidden = obj("Kd 1 0 0\nTr 1.0\n");
+  EXPECT_EQ(at(hidden, 0.1f).opacity, 1.0f);
+  ASSERT_EQ(hidden.mesh.remarks.size(), 1u);
+  EXPECT_NE(hidden.mesh.remarks[0].find("`Tr 1`"), std::string::npos);
+  EXPECT_FLOAT_EQ(at(obj("Kd 1 0 0\nTr 0.75\n"), 0.1f).opacity, 0.25f);
+  EXPECT_FLOAT_EQ(at(obj("Kd 1 0 0\nTr 1\nd 0.5\n"), 0.1f).opacity, 0.5f);  // d decides
+}
+
+TEST_F(MeshAlpha, TexturesAreClampedOrMirrored) {
   writeRamps("t.png", true);
   const auto light = [&](const std::string& wrap, float u) {
     const MeshFile file =

@@ -1,0 +1,242 @@
+// FBX, through Assimp.
+#include "render/scene/io/mesh_formats.h"
+
+#ifdef FOCI_FBX
+
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/input_error.h"
+#include "base/text.h"
+#include "render/scene/io/mesh_builder.h"
+#include "render/scene/io/named_file.h"
+
+namespace foci {
+namespace {
+
+// Assimp follows the nodes without limits.
+constexpr std::size_t kMaxFbxParts = 1'000'000, kMaxFbxCorners = 300'000'000;
+
+class FbxMesh {
+ public:
+  explicit FbxMesh(const std::filesystem::path& path)
+      : path_(path), scene_(import()), builder_(path) {}
+
+  MeshFile read() {
+    addNode(*scene_.mRootNode, glm::mat4(1.0f), "");
+    SceneFacts facts{.kind = SceneKind::fbx};
+    if (scene_.mMetaData != nullptr) takeMetadata(*scene_.mMetaData, facts);
+    MeshFile file =
+        builder_.finish(std::move(facts), [&](std::uint32_t number) { return materialOf(number); });
+    if (masked_) {
+      file.mesh.remarks.emplace_back(
+          "materials with a mask of opacity are shown without it; a texture with alpha cuts holes");
+    }
+    return file;
+  }
+
+ private:
+  const aiScene& import() {
+    const aiScene* scene = nullptr;
+    std::string why;
+    try {
+      importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
+                                   aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+      scene = importer_.ReadFile(path_.string(), aiProcess_ValidateDataStructure |
+                                                     aiProcess_Triangulate | aiProcess_SortByPType);
+      why = importer_.GetErrorString();
+    } catch (const std::exception& error) {
+      why = error.what();
+    }
+    if (scene != nullptr && scene->mRootNode != nullptr) return *scene;
+    for (char& c : why) {
+      if (static_cast<unsigned char>(c) < ' ') c = ' ';
+    }
+    throw InputError(path_.string(), "is no FBX that can be read: " + why.substr(0, 200) +
+                                         ": open it in Blender, for example, and export it again");
+  }
+
+  void addNode(const aiNode& node, const glm::mat4& scene_from_parent, const std::string& above) {
+    glm::mat4 parent_from_node;
+    for (int c = 0; c < 4; ++c) {
+      for (unsigned r = 0; r < 4; ++r) {
+        parent_from_node[c][static_cast<int>(r)] = node.mTransformation[r][c];
+      }
+    }
+    const glm::mat4 scene_from_node = scene_from_parent * parent_from_node;
+    const std::string own = node.mName.C_Str(), &name = own.empty() ? above : own;
+    if (node.mNumMeshes > 0) builder_.useObject(builder_.addObject(name));
+    for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+      addMesh(*scene_.mMeshes[node.mMeshes[m]], scene_from_node);
+    }
+    for (unsigned c = 0; c < node.mNumChildren; ++c) {
+      addNode(*node.mChildren[c], scene_from_node, name);
+    }
+  }
+
+  void addMesh(const aiMesh& mesh, const glm::mat4& scene_from_mesh) {
+    corners_ += mesh.mNumVertices;
+    if (++parts_ > kMaxFbxParts || corners_ > kMaxFbxCorners) {
+      throw InputError(path_.string(), "repeats its parts more than a million times");
+    }
+    const glm::mat3 turn(scene_from_mesh);
+    const bool flat = glm::determinant(turn) == 0.0f;
+    const glm::mat3 of_normals = flat ? turn : glm::transpose(glm::inverse(turn));
+    const Placement placement = placementOf(mesh.mMaterialIndex);
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      if (face.mNumIndices != 3) continue;
+      std::array<MeshCorner, 3> corners;
+      for (unsigned k = 0; k < 3; ++k) {
+        const unsigned i = face.mIndices[k];
+        const aiVector3D& p = mesh.mVertices[i];
+        corners[k].position = glm::vec3(scene_from_mesh * glm::vec4(p.x, p.y, p.z, 1.0f));
+        if (mesh.HasNormals()) {
+          const aiVector3D& n = mesh.mNormals[i];
+          corners[k].normal = of_normals * glm::vec3(n.x, n.y, n.z);
+        }
+        if (mesh.HasTextureCoords(placement.set)) {
+          const aiVector3D& uv = mesh.mTextureCoords[placement.set][i];
+          corners[k].uv = glm::vec2(placement.transform * glm::vec3(uv.x, uv.y, 1.0f));
+        }
+        if (!mesh.HasVertexColors(0)) continue;
+        const aiColor4D& color = mesh.mColors[0][i];
+        corners[k].color = linearColor({color.r, color.g, color.b});
+      }
+      if (!mesh.HasNormals() && glm::determinant(turn) < 0.0f) std::swap(corners[1], corners[2]);
+      builder_.add(corners, mesh.mMaterialIndex);
+    }
+  }
+
+  /// The set of texture coordinates, and what is done to these.
+  struct Placement {
+    unsigned set = 0;
+    glm::mat3 transform{1.0f};
+  };
+
+  Placement placementOf(unsigned number) const {
+    Placement placement;
+    if (number >= scene_.mNumMaterials) return placement;
+    const aiMaterial& material = *scene_.mMaterials[number];
+    int set = 0;
+    if (material.Get(AI_MATKEY_UVWSRC(aiTextureType_DIFFUSE, 0), set) == aiReturn_SUCCESS) {
+      placement.set = static_cast<unsigned>(std::clamp(set, 0, AI_MAX_NUMBER_OF_TEXTURECOORDS - 1));
+    }
+    aiUVTransform t;
+    if (material.Get(AI_MATKEY_UVTRANSFORM(aiTextureType_DIFFUSE, 0), t) != aiReturn_SUCCESS) {
+      return placement;
+    }
+    // Turned about the middle, scaled, then moved.
+    const float c = std::cos(t.mRotation), s = std::sin(t.mRotation);
+    const glm::mat3 turned({c, s, 0.0f}, {-s, c, 0.0f},
+                           {0.5f * (1.0f - c + s), 0.5f * (1.0f - c - s), 1.0f});
+    const glm::mat3 scaled({t.mScaling.x, 0.0f, 0.0f}, {0.0f, t.mScaling.y, 0.0f},
+                           {t.mTranslation.x, t.mTranslation.y, 1.0f});
+    placement.transform = scaled * turned;
+    return placement;
+  }
+
+  ReadMaterial materialOf(std::uint32_t number) {
+    ReadMaterial read{.material = {.factor = kPlainSurface}};
+    if (number >= scene_.mNumMaterials) return read;
+    const aiMaterial& from = *scene_.mMaterials[number];
+    MeshMaterial& material = read.material;
+    const auto color = [&](const char* key, unsigned type, unsigned index) {
+      aiColor4D read_color(-1.0f);
+      from.Get(key, type, index, read_color);
+      return glm::vec3(read_color.r, read_color.g, read_color.b);
+    };
+    const glm::vec3 diffuse = color(AI_MATKEY_COLOR_DIFFUSE),
+                    emitted = linearColor(glm::max(color(AI_MATKEY_COLOR_EMISSIVE), 0.0f));
+    const bool plain = from.GetName() == aiString(AI_DEFAULT_MATERIAL_NAME);
+    if (diffuse.x >= 0.0f && !plain) material.factor = linearColor(diffuse);
+    const bool glows = diffuse == glm::vec3(0.0f) && emitted != glm::vec3(0.0f);
+    builder_.noteLight(glows, emitted);
+    if (glows) material.factor = emitted;
+    material.unlit = glows;
+    float opacity = 1.0f;
+    from.Get(AI_MATKEY_OPACITY, opacity);
+    material.opacity = opacity >= 0.0f ? std::min(opacity, 1.0f) : 1.0f;
+    aiString name;
+    masked_ |= from.GetTexture(aiTextureType_OPACITY, 0, &name) == aiReturn_SUCCESS;
+    if (!plain) {
+      read.facts.emplace();
+      read.facts->name = from.GetName().C_Str();
+      read.facts->opacity = material.opacity;
+    }
+    const aiTextureType type = glows ? aiTextureType_EMISSIVE : aiTextureType_DIFFUSE;
+    if (from.GetTexture(type, 0, &name) != aiReturn_SUCCESS) return read;
+    ImageSource source{name.C_Str()};
+    const aiTexture* const inside = scene_.GetEmbeddedTexture(name.C_Str());
+    if (inside != nullptr && inside->mHeight == 0) {  // the bytes of an image file
+      source.bytes = {reinterpret_cast<const unsigned char*>(inside->pcData), inside->mWidth};
+    } else {
+      source.file = namedFile(path_, source.name);
+    }
+    if (read.facts) read.facts->textures = {factsOf(source)};
+    material.texture = builder_.textures().read(source);
+    if (material.texture) material.factor = glm::vec3(1.0f);
+    const auto wrapOf = [&](const char* key) {
+      int mode = aiTextureMapMode_Wrap;
+      from.Get(key, static_cast<unsigned>(type), 0, mode);
+      const bool clamped = mode == aiTextureMapMode_Clamp || mode == aiTextureMapMode_Decal;
+      return clamped                           ? TextureWrap::clamp
+             : mode == aiTextureMapMode_Mirror ? TextureWrap::mirror
+                                               : TextureWrap::repeat;
+    };
+    material.wrap = {wrapOf(_AI_MATKEY_MAPPINGMODE_U_BASE), wrapOf(_AI_MATKEY_MAPPINGMODE_V_BASE)};
+    return read;
+  }
+
+  /// Centimetres a unit, and the upward axis.
+  static void takeMetadata(const aiMetadata& metadata, SceneFacts& facts) {
+    double unit_cm = 0.0;
+    float unit_cm_float = 0.0f;
+    if (!metadata.Get("UnitScaleFactor", unit_cm) &&
+        metadata.Get("UnitScaleFactor", unit_cm_float)) {
+      unit_cm = double{unit_cm_float};
+    }
+    if (unit_cm > 1e-6 && unit_cm < 1e6) facts.unit_m = 0.01 * unit_cm;
+    int axis = 0;
+    if (metadata.Get("UpAxis", axis) && axis >= 0 && axis <= 2) facts.up_axis = axis;
+  }
+
+  std::filesystem::path path_;
+  Assimp::Importer importer_;
+  const aiScene& scene_;  // of the importer
+  MeshBuilder builder_;
+  std::size_t parts_ = 0, corners_ = 0;
+  bool masked_ = false;
+};
+
+}  // namespace
+
+MeshFile readFbxMesh(const std::filesystem::path& path) { return FbxMesh(path).read(); }
+
+}  // namespace foci
+
+#else
+
+#include "base/input_error.h"
+
+namespace foci {
+
+MeshFile readFbxMesh(const std::filesystem::path& path) {
+  throw InputError(path.string(),
+                   "is FBX, which this build of foci does not read (it was built without "
+                   "libassimp-dev): Blender can export it as glTF");
+}
+
+}  // namespace foci
+
+#endif

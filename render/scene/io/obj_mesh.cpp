@@ -1,0 +1,183 @@
+// Meshes in OBJ, with the materials of their MTL files.
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/input_error.h"
+#include "base/text.h"
+#include "render/scene/io/mesh_builder.h"
+#include "render/scene/io/mesh_formats.h"
+#include "render/scene/io/mtl.h"
+#include "render/scene/io/obj.h"
+
+namespace foci {
+namespace {
+
+class ObjMesh {
+ public:
+  explicit ObjMesh(const std::filesystem::path& path)
+      : path_(path), obj_(foci::readObj(path)), builder_(path) {}
+
+  MeshFile read() {
+    for (std::string& remark : obj_.remarks) builder_.remark(std::move(remark));
+    readLibraries();
+    build();
+    builder_.remarkCount(obj_.two_corners,
+                         " face has two corners or fewer, and so no area: left out",
+                         " faces have two corners or fewer, and so no area: left out");
+    builder_.remarkCount(unplaced_, " corner names texture coordinates that are not there",
+                         " corners name texture coordinates that are not there");
+    builder_.remarkLeftOut(obj_.points, obj_.lines);
+    useTransparency();
+    return builder_.finish({.kind = SceneKind::obj},
+                           [&](std::uint32_t number) { return materialOf(number); });
+  }
+
+ private:
+  void readLibraries() {
+    std::vector<std::string> missing;
+    auto files = librariesOf(path_, obj_.libraries, &missing);
+    auto own = path_;  // exporters rename one of the two files
+    own.replace_extension(".mtl");
+    std::error_code ignored;
+    const bool instead =
+        files.empty() && !missing.empty() && std::filesystem::is_regular_file(own, ignored);
+    if (instead) files.push_back(own);
+    for (const std::string& name : missing) {
+      builder_.remark("the file " + shown(name) + " cannot be read: its materials are " +
+                      (instead ? "those of " + shown(own.filename().string()) : "shown in grey"));
+    }
+    for (const auto& file : files) {
+      for (MtlMaterial& material : readMtl(file, path_).materials) {
+        std::string name = material.name;
+        materials_.insert_or_assign(std::move(name), std::move(material));
+      }
+    }
+    has_library_ = !files.empty();
+  }
+
+  const MtlMaterial* defined(std::uint32_t number) const {
+    const auto found = materials_.find(obj_.materials[number]);
+    return found == materials_.end() ? nullptr : &found->second;
+  }
+
+  MeshCorner cornerOf(const ObjFile::Corner& from, const MtlTexture& texture) {
+    if (from.vertex >= places_.size()) {
+      throw InputError(path_.string(), "a face names vertex " + std::to_string(from.vertex + 1) +
+                                           ": expected 1 to " + std::to_string(places_.size()));
+    }
+    MeshCorner corner{.position = places_[from.vertex]};
+    if (from.normal < obj_.normals.size()) corner.normal = obj_.normals[from.normal];
+    if (from.uv < obj_.uv.size()) {
+      corner.uv = obj_.uv[from.uv] * texture.scale + texture.offset;
+    } else {
+      unplaced_ += from.uv != ObjFile::kNone;
+    }
+    if (from.vertex < obj_.colors.size()) corner.color = obj_.colors[from.vertex];
+    return corner;
+  }
+
+  void build() {
+    for (glm::vec3& color : obj_.colors) {
+      const float brightest = std::max({color.x, color.y, color.z});
+      constexpr float kSlack = 1e-3f;
+      if (brightest > 1.0f + kSlack) {
+        throw InputError(path_.string(), "colour " + decimal(double{brightest}, 3) +
+                                             " of a vertex: expected 0 to 1; divide colours of 0 "
+                                             "to 255 by 255");
+      }
+      if (color != glm::vec3(-1.0f)) color = linearColor(color);
+    }
+    places_ = builder_.placesOf(obj_.positions);
+    std::vector<std::uint16_t> objects;
+    for (const std::string& name : obj_.objects) objects.push_back(builder_.addObject(name));
+    static const MtlTexture kPlain;
+    std::vector<const MtlTexture*> textures;  // by material
+    for (std::uint32_t m = 0; m < obj_.materials.size(); ++m) {
+      const MtlMaterial* const material = defined(m);
+      textures.push_back(material && material->color ? &*material->color : &kPlain);
+    }
+    std::vector<MeshCorner> corners;
+    for (const ObjFile::Face& face : obj_.faces) {
+      corners.clear();
+      for (std::uint32_t i = face.first; i < face.first + face.count; ++i) {
+        corners.push_back(cornerOf(obj_.corners[i], *textures[face.material]));
+      }
+      builder_.useObject(objects[face.object]);
+      builder_.addPolygon(corners, face.material);
+      if (face.material >= used_.size()) used_.resize(face.material + 1, false);
+      used_[face.material] = true;
+    }
+  }
+
+  /// `Tr 1` states that a material lets all light through. Some programs write it for the
+  /// opposite, so it does not count if it would hide all faces.
+  void useTransparency() {
+    bool hidden = !used_.empty();
+    for (std::uint32_t m = 0; m < used_.size(); ++m) {
+      const MtlMaterial* const material = defined(m);
+      if (used_[m]) {
+        hidden &= material && !material->opacity && material->transparency.value_or(0.0f) >= 1.0f;
+      }
+    }
+    ignores_tr_ = hidden;
+    if (hidden) {
+      builder_.remark("`Tr 1` of its materials would hide every face: shown opaque");
+    }
+  }
+
+  ReadMaterial materialOf(std::uint32_t number) {
+    const MtlMaterial* const from = defined(number);
+    ReadMaterial read{.material = {.factor = kPlainSurface}};
+    const std::string& name = obj_.materials[number];
+    if (!name.empty()) {
+      read.facts.emplace();
+      read.facts->name = name;
+    }
+    if (from == nullptr) {
+      if (has_library_ && !name.empty()) {
+        builder_.remark("material " + shown(name) + " is in none of its MTL files: shown in grey");
+      }
+      return read;
+    }
+    MeshMaterial& material = read.material;
+    if (from->diffuse) material.factor = linearColor(*from->diffuse);
+    const glm::vec3 emitted = linearColor(from->emitted);
+    const bool glows =
+        from->diffuse && material.factor == glm::vec3(0.0f) && emitted != glm::vec3(0.0f);
+    builder_.noteLight(glows, emitted);
+    if (glows) material.factor = emitted;
+    material.unlit = glows;
+    const float transparency = ignores_tr_ ? 0.0f : from->transparency.value_or(0.0f);
+    const float opacity = from->opacity.value_or(1.0f - transparency);
+    material.opacity = opacity >= 0.0f ? std::min(opacity, 1.0f) : 1.0f;
+    read.facts->opacity = material.opacity;
+    if (from->mask) material.mask = builder_.textures().readMask(from->mask->source);
+    if (const auto& texture = glows ? from->emission : from->color) {
+      read.facts->textures = {factsOf(texture->source)};
+      material.texture = builder_.textures().read(texture->source);
+      if (material.texture) material.factor = glm::vec3(1.0f);
+      const TextureWrap wrap = texture->clamped ? TextureWrap::clamp : TextureWrap::repeat;
+      material.wrap = {wrap, wrap};
+    }
+    return read;
+  }
+
+  std::filesystem::path path_;
+  ObjFile obj_;
+  MeshBuilder builder_;
+  std::map<std::string, MtlMaterial> materials_;
+  bool has_library_ = false, ignores_tr_ = false;
+  std::vector<glm::vec3> places_;  // of vertices
+  std::vector<bool> used_;         // by material
+  std::uint64_t unplaced_ = 0;     // corners
+};
+
+}  // namespace
+
+MeshFile readObjMesh(const std::filesystem::path& path) { return ObjMesh(path).read(); }
+
+}  // namespace foci
