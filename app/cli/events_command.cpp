@@ -118,7 +118,8 @@ TraceDescription unmappedDescriptionOf(const EventsOptions& options) {
 
 Warnings warningsOf(const std::string& file, const GazeTrace& trace) {
   Warnings warnings;
-  for (const std::string& assumption : trace.assumed) say(file + ": assumed: " + assumption);
+  const std::string before = file + ": assumed: ";
+  for (const std::string& assumption : trace.assumed) say(before + assumption);
   for (const std::string& warning : trace.warnings) warnings.add(file, warning);
   return warnings;
 }

@@ -121,6 +121,7 @@ std::vector<BatchRecording> recordingsOf(const ReplayOptions& options, const Stu
     if (people.empty()) {
       recordings.push_back(
           {.trace = options.traces[i], .name = names[i], .study = std::move(study)});
+      continue;
     }
     for (const auto& person : people) {
       Study own = study;

@@ -239,6 +239,7 @@ void convertTrace(const Options& options) {
   inputs.emplace_back(options.study);
   OutputFiles files(OutputGuard(outputs, inputs, options.overwrite));
   std::vector<BidsTable> tables;
+  tables.reserve(sides.size());
   for (const auto& side : sides) {
     tables.emplace_back(files.stage(names.ofEye(side, "physio.tsv.gz")), contents, side);
   }

@@ -79,6 +79,7 @@ std::vector<fs::path> jsonFilesIn(const fs::path& folder, std::string_view suffi
   }
   std::ranges::sort(found);
   std::vector<fs::path> files;
+  files.reserve(found.size());
   for (auto& [count, path] : found) files.push_back(std::move(path));
   return files;
 }

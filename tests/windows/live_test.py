@@ -70,10 +70,10 @@ def start(observer, foci, study, *more):
     program = observer.start(foci, "live", study, "--window", "--socket", "0", "--json",
                              "--size", f"{SIZE[0]}x{SIZE[1]}", *more)
     lines = []
-    while not lines or lines[-1].startswith("foci: renders on"):  # the renderer's thread says it when it is ready
+    while not lines or "listening at port" not in lines[-1]:  # other lines say what renders, and what was assumed
         lines.append(program.stderr.readline())
+        assert lines[-1], lines  # the program has ended
     line = lines[-1]
-    assert "listening at port" in line, lines
     return program, Experiment(int(line.split()[-1]))
 
 
