@@ -86,10 +86,10 @@ GazeReport fromVideo(const CalibrateGazeOptions& options, const WebcamPlace& pla
   std::vector<ShownTarget> others;
   if (!options.validate.empty()) others = readShownTargets(options.validate);
   WebcamTracker tracker(cameraOf(options));
+  const std::vector<WebcamFrame> frames = readWebcam(place, tracker);
   if (const std::string remark = tracker.remark(); !remark.empty()) {
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }
-  const std::vector<WebcamFrame> frames = readWebcam(place, tracker);
   const auto reference = tracker.reference();
   if (!reference) throw InputError(nameOf(place), "no frame shows a face");
   calibration.reference = *reference;

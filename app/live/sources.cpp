@@ -46,10 +46,9 @@ void openWebcam(const WebcamPlace& place, const Study& study, NamedSource& named
     named.lookedAt = [now](const glm::dvec2& point_px) { return now->click(point_px); };
   }
   WebcamTracker tracker(std::nullopt, reference);
-  if (const std::string remark = tracker.remark(); !remark.empty()) {
-    std::fprintf(stderr, "foci: %s\n", remark.c_str());
-  }
+  const std::string remark = tracker.remark();
   named.source = std::make_unique<WebcamSource>(place, std::move(tracker), map);
+  if (!remark.empty()) named.warnings.add(remark);
 }
 
 /// A tracker whose gaze goes through the map of a calibration.
@@ -123,6 +122,7 @@ NamedSource openLiveSource(const std::string& name, const Study& study) {
       throw InputError("--source " + shown(name),
                        "records a head, which moves the eye in foci replay only");
     }
+    sayAssumptions(other, trace);
     named.screen = *trace.screen;
     named.source = std::make_unique<TraceSource>(std::move(trace));
   } else if (name.starts_with("pupil:")) {

@@ -116,6 +116,7 @@ RunResult join(const std::vector<Part>& parts, const Study& study, const std::fi
   const SurfelCloud cloud = loadScene(gaze.study, warnings);
   if (const std::string remark = eyeRemark(gaze.study); !remark.empty()) warnings.add(remark);
   RunWriter writer(stated, gaze, cloud, out, guard, warnings);
+  sayAssumptions(gaze.study, gaze.trace);
   Progress progress("joining", "frames", gaze.schedule.frames);
   RunFacts facts{.command = command,
                  .threads = parts.front().threads,

@@ -163,6 +163,7 @@ FrameSpan replayPart(const Study& study, const FrameSpan& span, const std::files
   ReplayedEye eye(gaze.study, gaze, scene.of(gaze.study, of_inputs), rendering);
   InputHashes hashes(study, scene.hashed);
   OutputFolder folder(out, guard);
+  sayAssumptions(gaze.study, gaze.trace);
   eye.sayDevice();
   Json frames = renderSpan(eye, own, folder);
   eye.addRemark();

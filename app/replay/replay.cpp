@@ -41,6 +41,7 @@ RunResult replay(const Study& asked, const std::filesystem::path& out, const std
   if (const std::string remark = eyeRemark(study); !remark.empty()) warnings.add(remark);
 
   RunWriter writer(study, gaze, cloud, out, guard, warnings);
+  sayAssumptions(study, gaze.trace);
   eye.sayDevice();
   const std::size_t frames = gaze.schedule.frames;
   Progress progress("rendering", "frames", frames);

@@ -259,12 +259,14 @@ GazeTrace loadNamedGaze(const Study& study) {
 
 GazeTrace loadGaze(const Study& study, Warnings& warnings) {
   GazeTrace trace = loadNamedGaze(study);
-  for (const std::string& assumption : trace.assumed) {
-    say(study.gaze.source + ": assumed: " + assumption);
-  }
   for (const std::string& warning : trace.warnings) warnings.add(study.gaze.source, warning);
   trace.rate_Hz = study.record.rate_Hz.value_or(trace.rate_Hz);
   return trace;
+}
+
+void sayAssumptions(const Study& study, const GazeTrace& trace) {
+  const std::string before = study.gaze.source + ": assumed: ";
+  for (const std::string& assumption : trace.assumed) say(before + assumption);
 }
 
 std::vector<std::filesystem::path> inputFiles(const Study& study) {

@@ -31,6 +31,10 @@ SurfelCloud loadScene(const Study& study, Warnings& warnings, std::optional<Scen
 /// @throws InputError
 GazeTrace loadGaze(const Study& study, Warnings& warnings);
 
+/// Prints what was assumed about the recording. Call it once all inputs are read: of bad input only
+/// the error is printed.
+void sayAssumptions(const Study& study, const GazeTrace& trace);
+
 /// Every file that the result depends on.
 std::vector<std::filesystem::path> inputFiles(const Study& study);
 

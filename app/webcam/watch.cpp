@@ -205,10 +205,10 @@ void watchWebcam(const WatchOptions& options) {
   std::optional<Lens> camera;
   if (!options.camera.empty()) camera = lensOf(readCamera(options.camera));
   WebcamTracker tracker(camera);
+  WebcamFrames frames(place);
   if (const std::string remark = tracker.remark(); !remark.empty()) {
     std::fprintf(stderr, "foci: %s\n", remark.c_str());
   }
-  WebcamFrames frames(place);
   Overlay overlay(files, options.overlay, frames.isPicture(), frames.rate_Hz());
   std::string table = kColumns;
   Totals totals;

@@ -219,9 +219,9 @@ std::vector<std::pair<std::string, std::string>> peopleOf(const std::filesystem:
                                                           const TraceColumns& columns) {
   std::vector<std::pair<std::string, std::string>> people;
   try {
-    if (!bidsMetadataOf(file).empty() || isXdf(file) || isTobiiGlasses(file)) return people;
     std::error_code unreadable;
     if (!std::filesystem::is_regular_file(file, unreadable)) return people;
+    if (!bidsMetadataOf(file).empty() || isXdf(file) || isTobiiGlasses(file)) return people;
     if (startsEyeLinkAsc(firstLineOf(file))) return people;
     LineReader lines(file);
     TextRows rows(lines);

@@ -345,6 +345,8 @@ LslStream lslStreamOf(std::string_view xml, const std::string& file) {
 }
 
 bool isXdf(const std::filesystem::path& file) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(file, unreadable)) return false;  // a pipe would wait
   std::array<char, 4> magic{};
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.string().c_str(), "rb"), gzclose);
   return in && gzread(in.get(), magic.data(), magic.size()) == 4 &&

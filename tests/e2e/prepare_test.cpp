@@ -215,7 +215,7 @@ TEST(Prepare, HoldsAMeshAgainstItsTrianglesAndWarnsOfTooFewPoints) {
   const std::string page = folder.read("few.html");
   EXPECT_EQ(countOf("data:image/png;base64,", page), 4u);  // the map, and the worst view
   EXPECT_EQ(countOf("<img alt=\"", page), 4u);
-  EXPECT_EQ(countOf("class=\"notice\"", page), countOf("warning: ", few.err));
+  EXPECT_EQ(countOf("class=\"notice\"", page), countOf("foci: ball.obj: ", few.err));
 
   const Json summary = prepared(folder, {"ball.obj", "--out", "ball.foci", "--points", "20000"});
   const Json& figures = summary.at("triangles");

@@ -43,7 +43,8 @@ TEST(Words, MistypedCommandsAndOptionsNameTheNearest) {
 TEST(Words, FilesThatAreNeitherSceneNorStudyAreRefused) {
   const TemporaryFolder folder;
   folder.write("a.usd2", "#usda 1.0\n");
-  expectRefusal({"render", "a.usd2", "--out", "a.png"}, "is no scene that foci reads", folder);
+  expectRefusal({"render", "a.usd2", "--out", "a.png"}, "is a USD scene, which foci does not read",
+                folder);
   folder.write("b.jpg", "\xff\xd8");
   expectRefusal({"render", "b.jpg", "--out", "b.png"}, "is no scene that foci reads", folder);
 }

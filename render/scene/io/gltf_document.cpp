@@ -265,6 +265,7 @@ GltfDocument::Bytes GltfDocument::buffer(std::size_t number) const {
         refuse("its buffer " + shown(name) + " is missing: put that file beside it");
       }
       budget_.addFile(*file);
+      requireRegularFile(*file);
       bytes = files_.emplace_back(std::make_unique<MappedFile>(*file))->bytes();
     }
   }
