@@ -264,8 +264,8 @@ GltfDocument::Bytes GltfDocument::buffer(std::size_t number) const {
       if (!file) {
         refuse("its buffer " + shown(name) + " is missing: put that file beside it");
       }
-      budget_.addFile(*file);
       requireRegularFile(*file);
+      budget_.addFile(*file);
       bytes = files_.emplace_back(std::make_unique<MappedFile>(*file))->bytes();
     }
   }
