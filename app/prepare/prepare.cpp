@@ -206,7 +206,8 @@ PrepareSummary prepareScene(const PrepareRequest& request) {
     warnings.add(input, counted(summary.dropped, summary.gaussians > 0 ? "Gaussian" : "point") +
                             " left out: not finite, or farther than 1e9 units from the origin");
   }
-  for (const std::string& remark : summary.facts.remarks) warnings.include({input + ": " + remark});
+  const std::string before = input + ": ";
+  for (const std::string& remark : summary.facts.remarks) warnings.include({before + remark});
   for (const std::string& warning : summary.warnings) warnings.add(input, warning);
   summary.warnings = warnings.all();
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -79,9 +79,13 @@ class MtlReader {
     } else if (word.starts_with("map_") || word == "bump" || word == "norm" || word == "disp") {
       MtlTexture texture = textureOf(rest);
       if (texture.source.file) file_.textures.push_back(*texture.source.file);
-      if (word == "map_kd") material.color = std::move(texture);
-      if (word == "map_ke") material.emission = std::move(texture);
-      if (word == "map_d" || word == "map_opacity") material.mask = std::move(texture);
+      if (word == "map_kd") {
+        material.color = std::move(texture);
+      } else if (word == "map_ke") {
+        material.emission = std::move(texture);
+      } else if (word == "map_d" || word == "map_opacity") {
+        material.mask = std::move(texture);
+      }
     }
   }
 
