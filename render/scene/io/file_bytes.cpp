@@ -1,5 +1,7 @@
 #include "render/scene/io/file_bytes.h"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -72,33 +74,35 @@ bool isGzip(std::span<const unsigned char> bytes) {
 }
 
 Gunzip::Gunzip(std::string name, std::span<const unsigned char> packed)
-    : name_(std::move(name)), rest_(packed) {
+    : name_(std::move(name)), rest_(packed), stream_(std::make_unique<z_stream_s>()) {
   constexpr int kGzip = 16;  // expect its header
-  if (inflateInit2(&stream_, MAX_WBITS + kGzip) != Z_OK) ended_ = true;
+  if (inflateInit2(stream_.get(), MAX_WBITS + kGzip) != Z_OK) ended_ = true;
 }
+
+Gunzip::~Gunzip() { inflateEnd(stream_.get()); }
 
 std::vector<unsigned char> Gunzip::next(std::size_t count) {
   std::vector<unsigned char> bytes(count);
   std::size_t done = 0;
   while (done < count && !ended_) {
     const auto part = static_cast<uInt>(std::min(count - done, kPart));
-    if (stream_.avail_in == 0) {
+    if (stream_->avail_in == 0) {
       const std::span<const unsigned char> in = rest_.first(std::min(rest_.size(), kPart));
       // zlib takes a pointer that is not const, and does not write through it.
-      stream_.next_in = const_cast<unsigned char*>(in.data());  // NOLINT
-      stream_.avail_in = static_cast<uInt>(in.size());
+      stream_->next_in = const_cast<unsigned char*>(in.data());  // NOLINT
+      stream_->avail_in = static_cast<uInt>(in.size());
       rest_ = rest_.subspan(in.size());
     }
-    stream_.next_out = bytes.data() + done;
-    stream_.avail_out = part;
-    const int result = inflate(&stream_, Z_NO_FLUSH);
-    done += part - stream_.avail_out;
+    stream_->next_out = bytes.data() + done;
+    stream_->avail_out = part;
+    const int result = inflate(stream_.get(), Z_NO_FLUSH);
+    done += part - stream_->avail_out;
     if (result == Z_STREAM_END) {
-      const bool more = isGzip({stream_.next_in, stream_.avail_in});
-      ended_ = !more || inflateReset(&stream_) != Z_OK;
+      const bool more = isGzip({stream_->next_in, stream_->avail_in});
+      ended_ = !more || inflateReset(stream_.get()) != Z_OK;
       continue;
     }
-    const bool at_end = result == Z_BUF_ERROR || (result == Z_OK && stream_.avail_out == part);
+    const bool at_end = result == Z_BUF_ERROR || (result == Z_OK && stream_->avail_out == part);
     if (result == Z_OK && (!at_end || !rest_.empty())) continue;
     if (done > 0) break;  // what comes before the damage; the next call finds the damage again
     throw InputError(name_, at_end ? "is damaged: the file ends before its gzip stream does"

@@ -2,8 +2,6 @@
 // readers of scenes.
 #pragma once
 
-#include <zlib.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -14,6 +12,8 @@
 #include <vector>
 
 #include "base/mapped_file.h"
+
+struct z_stream_s;  // of zlib
 
 namespace foci {
 
@@ -60,7 +60,7 @@ class Gunzip {
  public:
   /// @param packed  outlives it
   Gunzip(std::string name, std::span<const unsigned char> packed);
-  ~Gunzip() { inflateEnd(&stream_); }
+  ~Gunzip();
   Gunzip(const Gunzip&) = delete;
   Gunzip& operator=(const Gunzip&) = delete;
 
@@ -74,7 +74,7 @@ class Gunzip {
  private:
   std::string name_;
   std::span<const unsigned char> rest_;  // not given to zlib yet
-  z_stream stream_{};
+  std::unique_ptr<z_stream_s> stream_;
   bool ended_ = false;
 };
 
