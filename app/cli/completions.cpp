@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <map>
 
 #include "app/study/study.h"
 #include "render/methods/method.h"
@@ -23,227 +22,114 @@ std::string firstSentence(const std::string& description) {
 
 namespace {
 
-/// The options of a command, then the names of its own commands.
-std::string wordsOf(const CLI::App& app) {
-  std::string words;
+const std::string kFiles = ":files\n";
+
+/// The lines of words that begin as `typed` does.
+class Offers {
+ public:
+  explicit Offers(const std::string& typed) : typed_(typed) {}
+  void add(const std::string& word, const std::string& help = "") {
+    if (word.starts_with(typed_)) lines_ += help.empty() ? word + "\n" : word + "\t" + help + "\n";
+  }
+  const std::string& lines() const { return lines_; }
+
+ private:
+  std::string typed_, lines_;
+};
+
+/// The option of a command that `word` names and that takes a value.
+const CLI::Option* optionBefore(const CLI::App& app, const std::string& word) {
+  if (!word.starts_with("--")) return nullptr;
   for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) words += " --" + name;
+    if (option->check_lname(word.substr(2)) && option->get_items_expected_max() > 0) return option;
   }
-  for (const CLI::App* command : commandsByName(app)) words += " " + command->get_name();
-  return words.empty() ? words : words.substr(1);
+  return nullptr;
 }
 
-/// One line of a `case` for each command: the words after it.
-/// @param quotes  around the words
-void addCases(const std::string& name, const CLI::App& app, const char* quotes,
-              std::string& script) {
-  const auto commands = commandsByName(app);
-  script += "    \"" + name + "\") offers=" + quotes[0] + wordsOf(app) + quotes[1];
-  if (!commands.empty()) script += " group=yes";
-  script += " ;;\n";
-  for (const CLI::App* command : commands) {
-    addCases(name + " " + command->get_name(), *command, quotes, script);
+/// The values of an option; the type of one that takes few is "A|B|C".
+std::string valuesOf(const CLI::Option& option, Offers offers) {
+  std::string type = option.get_type_name();
+  if (option.check_lname("set")) {
+    for (const ResolvedKey& key : resolvedKeys(Study{})) offers.add(std::string(key.name) + "=");
+  } else if (option.check_lname("method")) {
+    for (const MethodInfo& method : methods()) offers.add(std::string(method.name));
+  } else if (type.find('|') != type.npos) {
+    for (const std::string& value : CLI::detail::split(type, '|')) offers.add(value);
+  } else {
+    return kFiles;
   }
-}
-
-void addNames(const std::string& name, const CLI::App& app, std::string& names) {
-  names += "|" + name;
-  for (const CLI::App* command : commandsByName(app)) {
-    addNames(name + " " + command->get_name(), *command, names);
-  }
-}
-
-/// The values of an option that takes few, between blanks: the type of such an option is "A|B|C".
-std::string valuesOf(const CLI::Option& option) {
-  std::string values;
-  if (option.check_lname("method")) {
-    for (const MethodInfo& method : methods()) values.append(" ").append(method.name);
-    return values.substr(1);
-  }
-  values = option.get_type_name();
-  if (values.find('|') == values.npos) return "";
-  std::ranges::replace(values, '|', ' ');
-  return values;
-}
-
-/// The options with values, by their values: a pattern of `case` such as "foci replay --view".
-using ValuedOptions = std::map<std::string, std::string>;
-
-void addValued(const std::string& name, const CLI::App& app, ValuedOptions& valued) {
-  for (const CLI::Option* option : app.get_options()) {
-    const std::string values = valuesOf(*option);
-    if (values.empty()) continue;
-    for (const std::string& word : option->get_lnames()) {
-      std::string& pattern = valued[values];
-      if (!pattern.empty()) pattern += "|";
-      pattern.append("\"").append(name).append(" --").append(word).append("\"");
-    }
-  }
-  for (const CLI::App* command : commandsByName(app)) {
-    addValued(name + " " + command->get_name(), *command, valued);
-  }
-}
-
-/// @param quotes  around the values
-std::string valueCases(const CLI::App& app, const char* quotes) {
-  ValuedOptions valued;
-  addValued("foci", app, valued);
-  std::string cases;
-  for (const auto& [values, pattern] : valued) {
-    cases.append("    ").append(pattern).append(") values=").append(1, quotes[0]);
-    cases.append(values).append(1, quotes[1]).append(" ;;\n");
-  }
-  return cases;
-}
-
-/// The keys of a study, each with "=".
-std::string keysWithEquals() {
-  std::string keys;
-  for (const ResolvedKey& key : resolvedKeys(Study{}))
-    keys.append(" ").append(key.name).append("=");
-  return keys.substr(1);
-}
-
-std::string inSingleQuotes(const std::string& text) {
-  std::string quoted;
-  for (const char c : text) {
-    if (c == '\'' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return "'" + quoted + "'";
-}
-
-void addFish(const std::string& name, const CLI::App& app, std::string& script) {
-  const std::string when = "complete -c foci -n 'test (__foci_command) = \"" + name + "\"'";
-  for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& word : option->get_lnames()) {
-      script.append(when).append(" -l ").append(word);
-      if (word == "set") {
-        script += " -x -a '" + keysWithEquals() + "'";
-      } else if (const std::string values = valuesOf(*option); !values.empty()) {
-        script += " -x -a '" + values + "'";
-      } else if (option->get_items_expected_max() > 0) {
-        script += " -r";
-      }
-      script += " -d " + inSingleQuotes(option->get_description()) + "\n";
-    }
-  }
-  for (const CLI::App* command : commandsByName(app)) {
-    script += when + " -f -a " + command->get_name() + " -d " +
-              inSingleQuotes(firstSentence(command->get_description())) + "\n";
-    addFish(name + " " + command->get_name(), *command, script);
-  }
+  return offers.lines();
 }
 
 }  // namespace
 
-std::string bashCompletion(const CLI::App& app) {
-  const std::string keys = keysWithEquals();
-  std::string cases, names;
-  addCases("foci", app, "\"\"", cases);
-  addNames("foci", app, names);
-  return "# Completion of foci for bash, written by `foci manual`.\n"
-         "_foci() {\n"
-         "  local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}\n"
-         "  local name=foci offers= values= group= word i\n"
-         "  for ((i = 1; i < COMP_CWORD; ++i)); do\n"
-         "    word=${COMP_WORDS[i]}\n"
-         "    case \"" +
-         names.substr(1) +
-         "|\" in *\"$name $word|\"*) name=\"$name $word\" ;; esac\n"
-         "  done\n"
-         "  COMPREPLY=()\n"
-         "  if [[ $before == --set ]]; then\n"
-         "    compopt -o nospace 2>/dev/null\n"
-         "    COMPREPLY=($(compgen -W \"" +
-         keys +
-         "\" -- \"$current\"))\n"
-         "    return\n"
-         "  fi\n"
-         "  case \"$name $before\" in\n" +
-         valueCases(app, "\"\"") +
-         "  esac\n"
-         "  if [[ -n $values ]]; then\n"
-         "    COMPREPLY=($(compgen -W \"$values\" -- \"$current\"))\n"
-         "    return\n"
-         "  fi\n"
-         "  case \"$name\" in\n" +
-         cases +
-         "  esac\n"
-         "  if [[ $current == -* || -n $group ]]; then\n"
-         "    COMPREPLY=($(compgen -W \"$offers\" -- \"$current\"))\n"
-         "  else\n"
-         "    local IFS=$'\\n'\n"
-         "    compopt -o filenames 2>/dev/null\n"
-         "    COMPREPLY=($(compgen -f -- \"$current\"))\n"
-         "  fi\n"
-         "}\n"
-         "complete -F _foci foci\n";
-}
-
-std::string zshCompletion(const CLI::App& app) {
-  std::string cases, names;
-  addCases("foci", app, "()", cases);
-  addNames("foci", app, names);
-  return "#compdef foci\n"
-         "# Completion of foci for zsh, written by `foci manual`.\n"
-         "_foci() {\n"
-         "  local name=foci group= word i\n"
-         "  local -a offers=() values=()\n"
-         "  for ((i = 2; i < CURRENT; ++i)); do\n"
-         "    word=$words[i]\n"
-         "    case \"" +
-         names.substr(1) +
-         "|\" in *\"$name $word|\"*) name=\"$name $word\" ;; esac\n"
-         "  done\n"
-         "  if [[ $words[CURRENT-1] == --set ]]; then\n"
-         "    compadd -S '' -- " +
-         keysWithEquals() +
-         "\n"
-         "    return\n"
-         "  fi\n"
-         "  case \"$name $words[CURRENT-1]\" in\n" +
-         valueCases(app, "()") +
-         "  esac\n"
-         "  if (( $#values )); then\n"
-         "    compadd -- $values\n"
-         "    return\n"
-         "  fi\n"
-         "  case \"$name\" in\n" +
-         cases +
-         "  esac\n"
-         "  if [[ $PREFIX == -* || -n $group ]]; then\n"
-         "    compadd -- $offers\n"
-         "  else\n"
-         "    _files\n"
-         "  fi\n"
-         "}\n"
-         "_foci \"$@\"\n";
-}
-
-std::string fishCompletion(const CLI::App& app) {
-  std::string names, script;
-  addNames("foci", app, names);
-  std::string quoted;
-  for (std::size_t at = 1; at < names.size();) {
-    const std::size_t end = std::min(names.find('|', at), names.size());
-    quoted += " '" + names.substr(at, end - at) + "'";
-    at = end + 1;
+std::string completionsOf(const CLI::App& app, const std::vector<std::string>& words) {
+  if (words.empty()) return "";
+  const CLI::App* command = &app;
+  for (auto word = words.begin(); word != words.end() - 1; ++word) {
+    const auto commands = commandsByName(*command);
+    const auto named = std::ranges::find(commands, *word, &CLI::App::get_name);
+    if (named != commands.end()) command = *named;
   }
-  addFish("foci", app, script);
-  return "# Completion of foci for fish, written by `foci manual`.\n"
-         "function __foci_command\n"
-         "  set -l name foci\n"
-         "  for word in (commandline -opc)[2..]\n"
-         "    if contains -- \"$name $word\"" +
-         quoted +
-         "\n"
-         "      set name \"$name $word\"\n"
-         "    end\n"
-         "  end\n"
-         "  echo $name\n"
-         "end\n" +
-         script;
+  Offers offers(words.back());
+  if (words.size() > 1) {
+    const CLI::Option* before = optionBefore(*command, words[words.size() - 2]);
+    if (before != nullptr) return valuesOf(*before, offers);
+  }
+  const auto commands = commandsByName(*command);
+  if (!words.back().starts_with("-") && commands.empty()) return kFiles;
+  for (const CLI::App* one : commands) {
+    offers.add(one->get_name(), firstSentence(one->get_description()));
+  }
+  for (const CLI::Option* option : command->get_options()) {
+    for (const std::string& name : option->get_lnames()) {
+      offers.add("--" + name, option->get_description());
+    }
+  }
+  return offers.lines();
+}
+
+std::array<std::pair<std::string, std::string>, 3> completionScripts() {
+  return {{{"foci", R"(# Completion of foci for bash, written by `foci manual`.
+_foci() {
+  local IFS=$'\n' offers
+  offers=$("${COMP_WORDS[0]}" __complete "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null | cut -f1)
+  if [[ $offers == :files ]]; then
+    compopt -o filenames 2>/dev/null
+    COMPREPLY=($(compgen -f -- "${COMP_WORDS[COMP_CWORD]}"))
+  else
+    [[ $offers == *= ]] && compopt -o nospace 2>/dev/null
+    COMPREPLY=($offers)
+  fi
+}
+complete -F _foci foci
+)"},
+           {"_foci", R"(#compdef foci
+# Completion of foci for zsh, written by `foci manual`.
+_foci() {
+  local -a offers=("${(@f)$($words[1] __complete "${(@)words[2,CURRENT]}" 2>/dev/null | cut -f1)}")
+  if [[ $offers == :files ]]; then
+    _files
+  elif [[ $offers[1] == *= ]]; then
+    compadd -S '' -- $offers
+  else
+    compadd -- $offers
+  fi
+}
+_foci "$@"
+)"},
+           {"foci.fish", R"(# Completion of foci for fish, written by `foci manual`.
+function __foci_offers
+  set -l words (commandline -opc) (commandline -ct)
+  set -l offers ($words[1] __complete $words[2..] 2>/dev/null)
+  if test "$offers" = :files
+    __fish_complete_path (commandline -ct)
+  else
+    printf '%s\n' $offers
+  end
+end
+complete -c foci -f -a '(__foci_offers)'
+)"}}};
 }
 
 }  // namespace foci

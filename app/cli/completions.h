@@ -2,7 +2,9 @@
 // table of keys.
 #pragma once
 
+#include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace CLI {
@@ -16,10 +18,13 @@ std::vector<const CLI::App*> commandsByName(const CLI::App& app);
 /// The first sentence of a command's description, for lists that have one line for each command.
 std::string firstSentence(const std::string& description);
 
-/// Each script offers commands, options, the keys after --set, and files for other values.
-std::string bashCompletion(const CLI::App& app);
-std::string zshCompletion(const CLI::App& app);
-/// With the first sentence of each command, and the description of each option.
-std::string fishCompletion(const CLI::App& app);
+/// What may stand at the last word, as `foci __complete WORD...` prints it for the shells: a line
+/// "word<tab>help" for each command, option, value or key, or the one line ":files".
+/// @param words  after "foci"; the last is what has been typed of the word, maybe nothing
+std::string completionsOf(const CLI::App& app, const std::vector<std::string>& words);
+
+/// Name and text of each shell's script, which asks `foci __complete`: foci (bash), _foci (zsh),
+/// foci.fish.
+std::array<std::pair<std::string, std::string>, 3> completionScripts();
 
 }  // namespace foci

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "app/cli/commands.h"
+#include "app/cli/completions.h"
 #include "app/cli/usage_error.h"
 #include "app/platform/interrupt.h"
 #include "app/platform/quiet_libraries.h"
@@ -57,6 +58,10 @@ int run(int argc, char** argv) {
   addTraceCommand(app);
   addValidateCommand(app);
   addWebcamCommand(app);
+  if (argc > 1 && std::string(argv[1]) == "__complete") {
+    std::cout << completionsOf(app, {argv + 2, argv + argc});
+    return kDone;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -109,9 +109,9 @@ void addPages(const std::string& name, const CLI::App& app, std::vector<ManualFi
 std::vector<ManualFile> manualOf(const CLI::App& app) {
   std::vector<ManualFile> files;
   addPages("foci", app, files);
-  files.emplace_back("completions/foci", bashCompletion(app));
-  files.emplace_back("completions/_foci", zshCompletion(app));
-  files.emplace_back("completions/foci.fish", fishCompletion(app));
+  for (const auto& [name, text] : completionScripts()) {
+    files.emplace_back("completions/" + name, text);
+  }
   return files;
 }
 

@@ -32,7 +32,8 @@ class Manual : public testing::Test {
   }
 
   static std::set<std::string> linesOf(const std::string& command) {
-    FILE* shell = popen(command.c_str(), "r");
+    const std::string binaries = fs::path(FOCI_BINARY).parent_path().string();
+    FILE* shell = popen(("export PATH='" + binaries + "':\"$PATH\"; " + command).c_str(), "r");
     std::set<std::string> offered;
     char line[4096];
     while (std::fgets(line, sizeof line, shell) != nullptr) {
@@ -116,6 +117,8 @@ TEST_F(Manual, CompletesInFish) {
   EXPECT_EQ(offered("foci calibrate gaz"), std::set<std::string>{"gaze"});
   EXPECT_EQ(offered("foci render --set focus.fixed"), std::set<std::string>{"focus.fixed_D="});
   EXPECT_EQ(offered("foci render --view top"), std::set<std::string>{"top-bottom"});
+  folder.write("my study.toml", "");
+  EXPECT_EQ(offered("foci replay my"), std::set<std::string>{"my\\ study.toml"});
 }
 
 TEST_F(Manual, CompletesInZsh) {
