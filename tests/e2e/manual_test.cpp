@@ -118,7 +118,7 @@ TEST_F(Manual, CompletesInFish) {
   EXPECT_EQ(offered("foci render --set focus.fixed"), std::set<std::string>{"focus.fixed_D="});
   EXPECT_EQ(offered("foci render --view top"), std::set<std::string>{"top-bottom"});
   folder.write("my study.toml", "");
-  EXPECT_EQ(offered("foci replay my"), std::set<std::string>{"my\\ study.toml"});
+  EXPECT_EQ(offered("foci replay my"), std::set<std::string>{"my study.toml"});
 }
 
 TEST_F(Manual, CompletesInZsh) {
