@@ -379,7 +379,7 @@ TEST(Xdf, RefusesWhatIsNoRecording) {
        "half a second in a second"},
   };
   for (const auto& [bytes, part] : cases) {
-    const std::string refusal = refusalBy([&] { readBytes(bytes); });
+    const std::string refusal = refusalBy([&bytes = bytes] { readBytes(bytes); });
     EXPECT_NE(refusal.find(part), std::string::npos) << refusal << "\n  wanted: " << part;
   }
 }
