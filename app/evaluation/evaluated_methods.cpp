@@ -1,8 +1,9 @@
 #include "app/evaluation/evaluated_methods.h"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <charconv>
-#include <map>
 #include <string_view>
 
 #include "base/input_error.h"
@@ -83,22 +84,21 @@ std::vector<EvaluatedMethod> evaluatedMethods(const std::vector<std::string>& sp
   return chosen;
 }
 
-const std::vector<MethodFamily>& methodFamilies() {
-  static const std::vector<MethodFamily> all = {{"foci's own", "#2f8f5b"},
-                                                {"the 2003 paper", "#d9822b"},
-                                                {"other splatting", "#b4507c"},
-                                                {"many views", "#7a5bb5"},
-                                                {"post-filters of a finished image", "#4f7fb3"}};
+std::span<const FamilyStyle> methodFamilies() {
+  static const std::array<FamilyStyle, 5> all = {
+      {{MethodFamily::own, "foci's own", "#2f8f5b"},
+       {MethodFamily::paper, "the 2003 paper", "#d9822b"},
+       {MethodFamily::splatting, "other splatting", "#b4507c"},
+       {MethodFamily::many_views, "many views", "#7a5bb5"},
+       {MethodFamily::post_filter, "post-filters of a finished image", "#4f7fb3"}}};
   return all;
 }
 
-const MethodFamily& familyOf(const std::string& method) {
-  static const std::map<std::string_view, std::size_t> families = {
-      {"paper", 1},      {"paper-lod", 1}, {"rasanen", 2},  {"inflate", 2}, {"layered", 2},
-      {"accumulate", 3}, {"raytrace", 3},  {"potmesil", 4}, {"rokita", 4},  {"matthews", 4},
-      {"shinya", 4},     {"fearing", 4},   {"mulder", 4},   {"pinhole", 4}};
-  const auto found = families.find(std::string_view(method).substr(0, method.find(':')));
-  return methodFamilies()[found == families.end() ? 0 : found->second];
+const FamilyStyle& familyOf(const std::string& method) {
+  const std::string_view name = std::string_view(method).substr(0, method.find(':'));
+  const auto info = std::ranges::find(methods(), name, &MethodInfo::name);
+  assert(info != methods().end());
+  return *std::ranges::find(methodFamilies(), info->family, &FamilyStyle::family);
 }
 
 }  // namespace foci

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
+
+#include "render/methods/method.h"
 
 namespace foci {
 
@@ -31,13 +34,15 @@ enum class SettingRange {
 std::vector<EvaluatedMethod> evaluatedMethods(const std::vector<std::string>& specs,
                                               SettingRange range);
 
-/// Methods of one kind, which share a colour in every chart.
-struct MethodFamily {
+/// How charts show the methods of a family.
+struct FamilyStyle {
+  MethodFamily family;
   std::string name;
   std::string color;
 };
 
-const std::vector<MethodFamily>& methodFamilies();
-const MethodFamily& familyOf(const std::string& method);
+std::span<const FamilyStyle> methodFamilies();
+/// @param method  a name, with or without number or variant; it must exist (asserted)
+const FamilyStyle& familyOf(const std::string& method);
 
 }  // namespace foci

@@ -70,7 +70,7 @@ std::string differenceFileOf(std::string image) {
 }
 
 void writeFamilies(std::ostream& out) {
-  for (const MethodFamily& family : methodFamilies()) {
+  for (const FamilyStyle& family : methodFamilies()) {
     out << "<span style=\"white-space:nowrap\"><span class=\"state\" "
            "style=\"margin-right:.35em;background:"
         << family.color << "\"></span>" << escaped(family.name) << "</span> ";

@@ -157,7 +157,7 @@ PreparedScene preparedSurfels(const PrepareRequest& request, SceneFile&& file,
       summary.warnings = fidelityWarnings(*summary.fidelity, cloud.size(), *opened.mesh);
   }
   scene.cloud = withTree(std::move(scene.cloud));
-  summary.levels = normalisationOfLevels(*scene.cloud.tree);
+  summary.levels = normalisationOfLevels(*treeOf(scene.cloud));
   return scene;
 }
 

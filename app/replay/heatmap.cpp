@@ -83,7 +83,6 @@ glm::vec3 heatColor(float share, float grey) {
 
 HeatMap heatMapOf(const SurfelCloud& cloud, const std::vector<double>& attention_s) {
   HeatMap map{.cloud = cloud, .most_s_per_m2 = scaleOf(cloud, attention_s)};
-  map.cloud.tree.reset();  // it has the colours of the scene
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const float grey = kDim * glm::dot(kLuminance, glm::min(cloud.color[i], glm::vec3(1.0f)));
     const double density = attention_s[i] / static_cast<double>(cloud.area_m2[i]);

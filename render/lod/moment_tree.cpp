@@ -273,9 +273,7 @@ TreeTop topOf(std::span<const TreeRoot> roots) {
   return top;
 }
 
-SurfelCloud withTree(SurfelCloud cloud) {
-  if (cloud.tree) return cloud;
-  const auto tree = std::make_shared<const MomentTree>(cloud);
+SurfelCloud surfelsOf(std::shared_ptr<const MomentTree> tree) {
   const SurfelCloud& surfels = tree->surfels();
   const auto shared = [&tree](const auto& values) {
     using Values = std::remove_cvref_t<decltype(values)>;
@@ -290,12 +288,34 @@ SurfelCloud withTree(SurfelCloud cloud) {
           .oriented = surfels.oriented,
           .bodies = {.of_surfel = shared(surfels.bodies.of_surfel), .boxes = surfels.bodies.boxes},
           .objects = {.of = shared(surfels.objects.of), .names = surfels.objects.names},
-          .tree = tree,
-          .mesh = std::move(cloud.mesh)};
+          .tree = BuiltTree(tree)};
+}
+
+std::shared_ptr<const MomentTree> builtTree(const SurfelCloud& cloud) {
+  const std::shared_ptr<const MomentTree>& tree = cloud.tree.tree_;
+  if (!tree) return nullptr;
+  const SurfelCloud& of = tree->surfels();
+  const auto shared = [](const auto& a, const auto& b) {
+    return a.size() == b.size() && (a.empty() || a.data() == b.data());
+  };
+  const bool unchanged =
+      shared(cloud.position_m, of.position_m) && shared(cloud.axis_u_m, of.axis_u_m) &&
+      shared(cloud.axis_v_m, of.axis_v_m) && shared(cloud.color, of.color) &&
+      shared(cloud.opacity, of.opacity) && shared(cloud.area_m2, of.area_m2) &&
+      shared(cloud.bodies.of_surfel, of.bodies.of_surfel) && cloud.oriented == of.oriented;
+  return unchanged ? tree : nullptr;
+}
+
+SurfelCloud withTree(SurfelCloud cloud) {
+  if (builtTree(cloud)) return cloud;
+  SurfelCloud sorted = surfelsOf(std::make_shared<const MomentTree>(cloud));
+  sorted.mesh = std::move(cloud.mesh);
+  return sorted;
 }
 
 std::shared_ptr<const MomentTree> treeOf(const SurfelCloud& cloud) {
-  return cloud.tree ? cloud.tree : std::make_shared<const MomentTree>(cloud);
+  auto tree = builtTree(cloud);
+  return tree ? tree : std::make_shared<const MomentTree>(cloud);
 }
 
 /// From the clusters up. The cone of a node holds those of its children.

@@ -152,8 +152,14 @@ struct TreeRoot {
 };
 TreeTop topOf(std::span<const TreeRoot> roots);
 
-/// The cloud in the order of its tree, with the tree, which keeps the surfels of both. The cloud
-/// itself where it has one.
+/// The surfels of a tree, with it. They lie in the tree until one of them changes.
+SurfelCloud surfelsOf(std::shared_ptr<const MomentTree> tree);
+
+/// The tree that a cloud came with, if all its surfels are still those of the tree; else null. What
+/// it points to lives as long as the cloud.
+std::shared_ptr<const MomentTree> builtTree(const SurfelCloud& cloud);
+
+/// The cloud in the order of its tree, with the tree. The cloud itself where it has one.
 SurfelCloud withTree(SurfelCloud cloud);
 
 /// The cloud's tree, or a new one.

@@ -9,8 +9,9 @@ namespace foci {
 SurfelCloud outlineOf(const SurfelCloud& cloud, std::size_t large) {
   constexpr int kLevel = 16;
   SurfelCloud outline;
-  if (!cloud.tree || cloud.size() <= large) return outline;
-  const MomentTree& tree = *cloud.tree;
+  const std::shared_ptr<const MomentTree> built = builtTree(cloud);
+  if (!built || cloud.size() <= large) return outline;
+  const MomentTree& tree = *built;
   const std::size_t first = std::size_t{1} << std::min(kLevel, tree.levels() - 1);
   for (std::size_t i = first; i < 2 * first; ++i) {
     const LodNode& node = tree.nodes()[i];

@@ -139,7 +139,7 @@ struct Cone : ConeFrame {
 /// A complete binary tree. Node k has the children 2k and 2k + 1; the root is 1. The nodes of the
 /// last level, from `leaves` on, hold surfels.
 struct SurfaceQuery::Impl {
-  explicit Impl(const SurfelCloud& surfels) : cloud(surfels), tree(surfels.tree) {
+  explicit Impl(const SurfelCloud& surfels) : cloud(surfels), tree(builtTree(surfels)) {
     if (tree) {
       leaves = tree->nodes().size() / 2;
       return;

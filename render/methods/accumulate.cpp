@@ -102,6 +102,7 @@ MethodEntry accumulateMethod() {
   return {.info = {.name = "accumulate",
                    .summary = "N pinhole views over the lens, averaged: the reference",
                    .source = "Haeberli and Akeley 1990",
+                   .family = MethodFamily::many_views,
                    .max_n = 100000,
                    .default_n = 200,
                    .aberrations = true,

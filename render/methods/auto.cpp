@@ -278,6 +278,7 @@ MethodEntry autoMethod() {
                .summary = "sweep-lod at the cheapest quality level that the tolerance, or the "
                           "frame-time budget, allows",
                .source = "our own",
+               .family = MethodFamily::own,
                .max_n = static_cast<int>(kQualityLevels),
                .aberrations = true,
                .gpu = true,

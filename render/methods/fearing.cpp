@@ -107,6 +107,7 @@ MethodEntry fearingMethod() {
   return {.info = {.name = "fearing",
                    .summary = "potmesil where the image changed, at most N per cent of the frame",
                    .source = "Fearing 1995",
+                   .family = MethodFamily::post_filter,
                    .max_n = 100,
                    .default_n = 100,
                    .ellipses = false,

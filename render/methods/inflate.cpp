@@ -210,6 +210,7 @@ MethodEntry inflateMethod() {
                .summary =
                    "splats' covariance grown by the blur, opacity scaled down, composited in order",
                .source = "Kerbl et al. 2023; Spark, PlayCanvas",
+               .family = MethodFamily::splatting,
                .variants = {"spark", "splat-transform"}},
       .make = makeAs<InflateMethod>,
       .make_of_gaussians = gaussianInflate};

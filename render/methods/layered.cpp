@@ -107,6 +107,7 @@ MethodEntry layeredMethod() {
                    .summary =
                        "N depth layers, each rendered, blurred and composited over those behind it",
                    .source = "Scofield 1992",
+                   .family = MethodFamily::splatting,
                    .max_n = 256,
                    .default_n = 8,
                    .ellipses = false},

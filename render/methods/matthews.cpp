@@ -92,6 +92,7 @@ MethodEntry matthewsMethod() {
   return {.info = {.name = "matthews",
                    .summary = "potmesil without leakage over sharper surfaces in front, normalised",
                    .source = "after Matthews 1998",
+                   .family = MethodFamily::post_filter,
                    .ellipses = false,
                    .lod = true},
           .make = makeAs<MatthewsMethod>};

@@ -118,12 +118,16 @@ class Method {
 /// The GPU that a method renders on; null: the CPU.
 using SharedGpu = std::shared_ptr<GpuDevice>;
 
+/// Methods of one kind share a colour in every chart.
+enum class MethodFamily : std::uint8_t { own, paper, splatting, many_views, post_filter };
+
 struct MethodInfo {
   std::string_view name;
   std::string_view summary;  ///< one line
   std::string_view source;   ///< the publication
-  int max_n = 0;             ///< largest N of `name:N`; 0: the method takes no number
-  int default_n = 0;         ///< N of `name` alone; 0: the method then decides by itself
+  MethodFamily family;
+  int max_n = 0;      ///< largest N of `name:N`; 0: the method takes no number
+  int default_n = 0;  ///< N of `name` alone; 0: the method then decides by itself
   /// False: the method renders an astigmatic lens as the round lens of the same blur strength
   /// (`roundDefocus_D`).
   bool ellipses = true;

@@ -138,6 +138,7 @@ MethodEntry mulderMethod() {
       .info = {.name = "mulder",
                .summary = "potmesil around the image centre, a pyramid of blurred images elsewhere",
                .source = "Mulder and van Liere 2000",
+               .family = MethodFamily::post_filter,
                .ellipses = false,
                .lod = true},
       .make = makeAs<MulderMethod>};

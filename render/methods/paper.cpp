@@ -53,7 +53,8 @@ MethodEntry paperMethod() {
   return {
       .info = {.name = "paper",
                .summary = "the published baseline: each splat blurred, an A-buffer of fragments",
-               .source = "Krivanek, Zara and Bouatouch 2003"},
+               .source = "Krivanek, Zara and Bouatouch 2003",
+               .family = MethodFamily::paper},
       .make = makeAs<PaperMethod>};
 }
 

@@ -211,7 +211,8 @@ MethodEntry paperLodMethod() {
   return {.info = {.name = "paper-lod",
                    .summary = "paper with level of detail chosen by the blur",
                    .source =
-                       "Krivanek, Zara and Bouatouch 2003; hierarchy: Rusinkiewicz and Levoy 2000"},
+                       "Krivanek, Zara and Bouatouch 2003; hierarchy: Rusinkiewicz and Levoy 2000",
+                   .family = MethodFamily::paper},
           .make = makeAs<PaperLodMethod>};
 }
 

@@ -28,6 +28,7 @@ MethodEntry pinholeMethod() {
   return {.info = {.name = "pinhole",
                    .summary = "no depth of field",
                    .source = "the traditional camera",
+                   .family = MethodFamily::post_filter,
                    .gpu = true,
                    .lod = true},
           .make = makeAs<PinholeMethod>,

@@ -40,6 +40,7 @@ MethodEntry potmesilMethod() {
                    .summary =
                        "each pixel of the pinhole image spread evenly over its circle of confusion",
                    .source = "Potmesil and Chakravarty 1981; Chen 1987",
+                   .family = MethodFamily::post_filter,
                    .ellipses = false,
                    .lod = true},
           .make = makeAs<PotmesilMethod>};

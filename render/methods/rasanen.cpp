@@ -182,6 +182,7 @@ MethodEntry rasanenMethod() {
   return {.info = {.name = "rasanen",
                    .summary = "N random samples of each splat's blurred kernel",
                    .source = "Rasanen 2002",
+                   .family = MethodFamily::splatting,
                    .max_n = 65536,
                    .default_n = 16},
           .make = makeAs<RasanenMethod>};

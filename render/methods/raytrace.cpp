@@ -146,6 +146,7 @@ MethodEntry raytraceMethod() {
                    .summary =
                        "N rays a pixel through the lens, against triangles or discs: a reference",
                    .source = "Cook, Porter and Carpenter 1984",
+                   .family = MethodFamily::many_views,
                    .max_n = 100000,
                    .default_n = 64},
           .make = makeAs<RaytraceMethod>};

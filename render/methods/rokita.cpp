@@ -105,6 +105,7 @@ MethodEntry rokitaMethod() {
       .info = {.name = "rokita",
                .summary = "3 x 3 convolutions of the pinhole image, repeated as the blur asks for",
                .source = "Rokita 1993",
+               .family = MethodFamily::post_filter,
                .ellipses = false,
                .lod = true},
       .make = makeAs<RokitaMethod>};

@@ -109,6 +109,7 @@ MethodEntry shinyaMethod() {
                .summary =
                    "N rays from each pixel of the pinhole image, hiding each other in ray buffers",
                .source = "Shinya 1994",
+               .family = MethodFamily::post_filter,
                .max_n = 4096,
                .default_n = 64,
                .ellipses = false,

@@ -69,6 +69,7 @@ MethodEntry sweepMethod() {
                    .summary = "each splat blurred before the image is formed; N: the mean of N "
                               "sub-apertures",
                    .source = "Krivanek, Zara and Bouatouch 2003, and our own",
+                   .family = MethodFamily::own,
                    .max_n = 100,
                    .aberrations = true,
                    .gpu = true,

@@ -35,6 +35,7 @@ MethodEntry sweepLodMethod() {
                "sweep from coarser nodes and fewer samples where blurred; N sub-apertures where "
                "surfaces overlap",
            .source = "our own",
+           .family = MethodFamily::own,
            .max_n = 256,
            .default_n = 7,
            .aberrations = true,

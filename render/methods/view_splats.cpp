@@ -11,8 +11,9 @@ void ViewSplats::project(const SurfelCloud& cloud, const View& view, const Rende
   size_px_ = view.size_px;
   defocus_ = settings.defocus;
   if (cut) {
-    selectCut(*cloud.tree, view, settings.defocus, *cut, cut_);
-    projectCut(*cloud.tree, cut_, view, settings.defocus, projection, chunks_);
+    const std::shared_ptr<const MomentTree> tree = builtTree(cloud);
+    selectCut(*tree, view, settings.defocus, *cut, cut_);
+    projectCut(*tree, cut_, view, settings.defocus, projection, chunks_);
   } else {
     projectSurfels(cloud, view, settings.defocus, projection, chunks_);
   }
@@ -51,7 +52,7 @@ std::uint64_t ViewSplats::render(const glm::vec3& background, bool depth, Frame&
 }
 
 std::optional<CutSettings> pixelCutOf(const SurfelCloud& cloud, const Acuity& acuity) {
-  if (!cloud.tree) return std::nullopt;
+  if (!builtTree(cloud)) return std::nullopt;
   CutSettings cut = kPixelCut;
   cut.acuity = acuity;
   return cut;
@@ -59,8 +60,9 @@ std::optional<CutSettings> pixelCutOf(const SurfelCloud& cloud, const Acuity& ac
 
 std::optional<GpuSplats> gpuSplatsOf(const SurfelCloud& cloud, const SharedGpu& gpu) {
   if (!gpu) return std::nullopt;
-  return GpuSplats(cloud.tree ? std::make_shared<GpuScene>(gpu, *cloud.tree)
-                              : std::make_shared<GpuScene>(gpu, cloud));
+  const std::shared_ptr<const MomentTree> tree = builtTree(cloud);
+  return GpuSplats(tree ? std::make_shared<GpuScene>(gpu, *tree)
+                        : std::make_shared<GpuScene>(gpu, cloud));
 }
 
 GpuRequest gpuRequestOf(const View& view, const RenderSettings& settings) {

@@ -97,7 +97,6 @@ SurfelCloud placed(SurfelCloud part, const Placement& place) {
     for (glm::vec3& axis : *axes) axis = rotation * axis;
   }
   part.mesh.reset();  // it stays where it was
-  part.tree.reset();
   completeBodies(part);
   return part;
 }
@@ -130,7 +129,6 @@ SurfelCloud joined(SurfelCloud scene, SurfelCloud part, const std::string& name)
   scene.area_m2.append(part.area_m2);
   scene.oriented = scene.oriented && part.oriented;
   scene.mesh.reset();
-  scene.tree.reset();
   completeBodies(scene);
   return scene;
 }

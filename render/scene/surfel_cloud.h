@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
+#include <utility>
 
 #include "base/mapped_vector.h"
 #include "render/scene/closed_bodies.h"
@@ -16,6 +17,23 @@ namespace foci {
 class MomentTree;
 struct GaussianCloud;
 struct TriangleMesh;
+
+struct SurfelCloud;
+
+/// The tree over a cloud's surfels (`builtTree` in render/lod/moment_tree.h). It shares its arrays
+/// with the cloud. Once code changes a surfel, the cloud has an array of its own, so the tree no
+/// longer counts: nobody has to remember to reset it.
+class BuiltTree {
+ public:
+  BuiltTree() = default;
+
+ private:
+  friend SurfelCloud surfelsOf(std::shared_ptr<const MomentTree> tree);
+  friend std::shared_ptr<const MomentTree> builtTree(const SurfelCloud& cloud);
+  explicit BuiltTree(std::shared_ptr<const MomentTree> tree) : tree_(std::move(tree)) {}
+
+  std::shared_ptr<const MomentTree> tree_{};
+};
 
 /// Surfels as a structure of arrays, all of the same length. The world frame is in metres,
 /// right-handed, y up unless the study says otherwise.
@@ -42,9 +60,7 @@ struct SurfelCloud {
 
   SceneObjects objects = {};  ///< by surfel
 
-  /// The tree over the surfels, which are in its order; null: not built yet (`treeOf`). Code that
-  /// changes the surfels must reset it.
-  std::shared_ptr<const MomentTree> tree = {};
+  BuiltTree tree = {};
 
   /// The mesh that the surfels were sampled from; null if they are all that is known.
   std::shared_ptr<const TriangleMesh> mesh = {};

@@ -62,7 +62,7 @@ Drawing overviewKey(const ChartPlan& plan, const Machine& machine) {
   const unsigned threads = plan.threads.back();
   Drawing key{.size_px = kPanel_px};
   double y = 60.0;
-  for (const MethodFamily& family : methodFamilies()) {
+  for (const FamilyStyle& family : methodFamilies()) {
     key.discs.push_back({{70.0, y}, 5.0, family.color});
     key.texts.push_back({{84.0, y + 4.5}, family.name, Anchor::start, kInk, 13.0});
     y += 24.0;

@@ -246,9 +246,8 @@ PreparedScene readWithTree(const std::shared_ptr<const FociContainer>& file) {
     // So that each number that the file may hold is one of a box.
     cloud.bodies.boxes.resize(std::size_t{Facing::kSeveral} + 1);
   }
-  auto tree = std::make_shared<const MomentTree>(cloud, nodes, file);
-  cloud.tree = std::move(tree);
-  return {std::move(cloud), originOf(header.flags)};
+  return {surfelsOf(std::make_shared<const MomentTree>(std::move(cloud), nodes, file)),
+          originOf(header.flags)};
 }
 
 }  // namespace

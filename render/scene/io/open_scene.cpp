@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/input_error.h"
+#include "render/lod/moment_tree.h"
 #include "render/lod/outline.h"
 #include "render/scene/estimation/estimate.h"
 #include "render/scene/io/scan_values.h"
@@ -22,7 +23,6 @@ SurfelCloud scaled(SurfelCloud&& cloud, float factor) {
     scale(lengths_m->own(), factor);
   }
   for (float& area_m2 : cloud.area_m2) area_m2 *= factor * factor;
-  cloud.tree.reset();
   completeBodies(cloud);
   if (cloud.gaussians) {
     const auto gaussians = std::make_shared<GaussianCloud>(*cloud.gaussians);
@@ -97,7 +97,7 @@ OpenedScene openScene(SceneFile&& file, double scale_m, const std::optional<glm:
     file.content = streamed->read(fineness ? in_file : Fineness{});
   }
   if (auto* const prepared = std::get_if<PreparedScene>(&file.content)) {
-    if (scale_m != 1.0 && prepared->cloud.tree && prepared->cloud.size() > kLargeScene) {
+    if (scale_m != 1.0 && builtTree(prepared->cloud) && prepared->cloud.size() > kLargeScene) {
       throw InputError(file.path.string(),
                        "stays in its file, in metres, because it is large: "
                        "expected scene.scale_m = 1");

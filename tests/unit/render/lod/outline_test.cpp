@@ -31,12 +31,12 @@ TEST(Outline, OnlyOfALargeSceneWithATree) {
 TEST(Outline, CoversTheScene) {
   const SurfelCloud scene = withTree(helix());
   const SurfelCloud outline = outlineOf(scene, 1);
-  const int level = std::min(16, scene.tree->levels() - 1);
+  const int level = std::min(16, builtTree(scene)->levels() - 1);
   ASSERT_EQ(outline.size(), std::size_t{1} << level);
   EXPECT_EQ(outline.oriented, scene.oriented);
   for (std::size_t j = 0; j < outline.size(); ++j) {
     const float reach_m = 3.0f * glm::length(outline.axis_u_m[j]) * 1.0001f;
-    const auto [begin, end] = scene.tree->range(level, j);
+    const auto [begin, end] = builtTree(scene)->range(level, j);
     for (std::size_t i = begin; i < end; ++i) {
       EXPECT_LE(glm::distance(outline.position_m[j], scene.position_m[i]), reach_m);
     }

@@ -139,12 +139,12 @@ TEST_F(FociFileTest, BringsBackTheTreeWithBodiesAndObjects) {
   EXPECT_EQ(read.bodies.boxes[2].low_m, sorted.bodies.boxes[2].low_m);
   EXPECT_EQ(read.objects.of, sorted.objects.of);
   EXPECT_EQ(read.objects.names, sorted.objects.names);
-  ASSERT_TRUE(read.tree);
-  EXPECT_EQ(read.tree->levels(), sorted.tree->levels());
-  EXPECT_TRUE(sameBytes(read.tree->nodes(), sorted.tree->nodes()));
-  EXPECT_TRUE(sameBytes(read.tree->coarseness(), sorted.tree->coarseness()));
-  EXPECT_TRUE(sameBytes(read.tree->facing(), sorted.tree->facing()));
-  EXPECT_EQ(read.tree->surfels().color, sorted.color);
+  ASSERT_TRUE(builtTree(read));
+  EXPECT_EQ(builtTree(read)->levels(), builtTree(sorted)->levels());
+  EXPECT_TRUE(sameBytes(builtTree(read)->nodes(), builtTree(sorted)->nodes()));
+  EXPECT_TRUE(sameBytes(builtTree(read)->coarseness(), builtTree(sorted)->coarseness()));
+  EXPECT_TRUE(sameBytes(builtTree(read)->facing(), builtTree(sorted)->facing()));
+  EXPECT_EQ(builtTree(read)->surfels().color, sorted.color);
   for (std::size_t at = 8; at < whole.size(); at += 61) {
     std::string altered = whole;
     altered[at] = static_cast<char>(altered[at] ^ (1 << at % 8));
@@ -174,7 +174,7 @@ TEST_F(FociFileTest, ReadsSurfelsWithoutATree) {
                                         bytesOf(names)};
   writeFoci(path_, {.version = kFociMore, .flags = 1 | 64 | 128, .count = cloud.size()}, arrays);
   const SurfelCloud read = readSceneFile(path_).cloud;
-  EXPECT_FALSE(read.tree);
+  EXPECT_FALSE(builtTree(read));
   EXPECT_EQ(read.position_m, cloud.position_m);
   EXPECT_EQ(read.bodies.of_surfel, cloud.bodies.of_surfel);
   EXPECT_EQ(read.objects.names, cloud.objects.names);
@@ -189,7 +189,7 @@ TEST_F(FociFileTest, ReadsSurfelsWithoutATree) {
 
 /// Held against the surfels below each node.
 void expectTreeOf(const SurfelCloud& cloud) {
-  const MomentTree& tree = *cloud.tree;
+  const MomentTree& tree = *builtTree(cloud);
   for (int level = 0; level < tree.levels(); ++level) {
     for (std::size_t j = 0; j < std::size_t{1} << level; ++j) {
       const LodNode& node = tree.nodes()[(std::size_t{1} << level) + j];
@@ -272,9 +272,8 @@ TEST_F(FociFileTest, RefusesSurfelsThatAreNotSoundThoughTheChecksumIs) {
     SurfelCloud cloud = few(true);
     const MomentTree tree(cloud);
     spoil(cloud);
-    cloud.tree = std::make_shared<const MomentTree>(
-        cloud, TreeNodes{tree.nodes(), tree.coarseness(), tree.facing()}, nullptr);
-    return refusal(written(cloud));
+    return refusal(written(surfelsOf(std::make_shared<const MomentTree>(
+        cloud, TreeNodes{tree.nodes(), tree.coarseness(), tree.facing()}, nullptr))));
   };
   EXPECT_EQ(refused([&](SurfelCloud& c) { c.position_m[2].y = nan; }), ": surfel 2 is not sound");
   EXPECT_NE(refused([&](SurfelCloud& c) { c.axis_u_m[0] = glm::vec3(0.0f); }), "");
