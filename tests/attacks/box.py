@@ -10,6 +10,7 @@ import tempfile
 import time
 
 HANG_S = 10.0
+MEMORY_BYTES = 2 << 30  # no input here has 10 MB
 CASES = []
 LEDGER = ".foci-outputs"
 
@@ -59,11 +60,26 @@ def shown(text):
     return text.strip().replace("\n", " | ")[-300:]
 
 
+class Process(subprocess.Popen):
+    """A process whose peak of memory is known once it was waited for."""
+    peak_bytes = 0
+
+    def _try_wait(self, flags):
+        try:
+            pid, status, usage = os.wait4(self.pid, flags)
+        except ChildProcessError:
+            return self.pid, 0
+        self.peak_bytes = usage.ru_maxrss * 1024
+        return pid, status
+
+
 class Outcome:
-    def __init__(self, command, code, out, err, seconds):
+    def __init__(self, command, code, out, err, seconds, peak_bytes=0):
         self.command, self.code, self.out, self.err, self.seconds = command, code, out, err, seconds
         if seconds > HANG_S:
             raise Fault("hangs", f"{command}: {seconds:.0f} s")
+        if peak_bytes > MEMORY_BYTES:
+            raise Fault("memory", f"{command}: {peak_bytes >> 20} MiB")
         if code < 0 or code > 2:
             raise Fault("crashes", f"{command}: {code}, {shown(err)}")
         if code != 0 and not err.strip():
@@ -148,7 +164,7 @@ class Box:
         if self.before is None:
             self.before = self.files()
         self.outside = set(os.listdir(self.path.parent))
-        process = subprocess.Popen(
+        process = Process(
             [*before, self.foci, *arguments], cwd=self.path / cwd, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
             stderr=subprocess.PIPE, env={**os.environ, **(env or {})}, start_new_session=True)
         process.command = "foci " + " ".join(os.fsdecode(os.fsencode(a)).encode("utf-8", "replace").decode()
@@ -165,7 +181,7 @@ class Box:
             out, err = process.communicate()
             raise Fault("hangs", f"{process.command}: over {max_s:.0f} s: {shown(err.decode(errors='replace'))}")
         return Outcome(process.command, process.returncode, out.decode(errors="replace"), err.decode(errors="replace"),
-                       time.monotonic() - process.began)
+                       time.monotonic() - process.began, process.peak_bytes)
 
     def run(self, *arguments, **how):
         return self.finish(self.start(*arguments, **how))

@@ -69,13 +69,13 @@ READERS = {
 }
 
 
-@attack(*[(reader, what) for reader in READERS for what in ("pipe", "device", "folder")])
+@attack(*[(reader, what) for reader in READERS for what in ("pipe", "/dev/null", "/dev/zero", "folder")])
 def input_is_a(box, reader, what):
     if what == "pipe":
         box.fifo("in")
     elif what == "folder":
         (box / "in").mkdir()
-    outcome = box.run(*READERS[reader], "/dev/null" if what == "device" else "in").any()
+    outcome = box.run(*READERS[reader], what if what[0] == "/" else "in").any()
     box.require(outcome.code in (1, 2), f"{reader}: exit code {outcome.code}")
 
 
